@@ -1,0 +1,78 @@
+#pragma once
+// Errors as values: what was found, what was expected, where. Bad input never throws and is never only logged.
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace cxlab {
+
+/// What kind of failure it is; each has one exit code (docs/contracts.md).
+enum class ErrorKind {
+  kNo = 1,        ///< the answer is no: a test failed, a difference was found
+  kUsage = 2,     ///< wrong command line
+  kInput = 3,     ///< bad input file or value
+  kRun = 4,       ///< the run failed: rule error, rule loop, world diverged, plugin failed
+  kResource = 5,  ///< disk full, memory, library missing
+  kBug = 70,      ///< ours
+};
+
+/// One error. `file` and `line` are empty and 0 where there is none.
+struct Error {
+  ErrorKind kind = ErrorKind::kInput;
+  std::string message;
+  std::string file;
+  int line = 0;
+  std::string code;  ///< short machine word for result.json, e.g. "rule_loop"; empty = derived from kind
+
+  /// `file:line: message`, without the parts that are missing.
+  std::string text() const;
+};
+
+inline Error input_error(std::string message, std::string file = {}, int line = 0) {
+  return Error{ErrorKind::kInput, std::move(message), std::move(file), line, {}};
+}
+
+/// A value or an error. `if (!x) return x.error();`
+template <class T>
+class [[nodiscard]] Expected {
+ public:
+  Expected(T value) : state_(std::in_place_index<0>, std::move(value)) {}
+  Expected(Error error) : state_(std::in_place_index<1>, std::move(error)) {}
+
+  explicit operator bool() const { return state_.index() == 0; }
+  bool ok() const { return state_.index() == 0; }
+
+  T& operator*() & { return std::get<0>(state_); }
+  const T& operator*() const& { return std::get<0>(state_); }
+  T&& operator*() && { return std::get<0>(std::move(state_)); }
+  T* operator->() { return &std::get<0>(state_); }
+  const T* operator->() const { return &std::get<0>(state_); }
+
+  const Error& error() const& { return std::get<1>(state_); }
+  Error&& error() && { return std::get<1>(std::move(state_)); }
+
+ private:
+  std::variant<T, Error> state_;
+};
+
+/// Success or an error.
+class [[nodiscard]] Status {
+ public:
+  Status() = default;
+  Status(Error error) : error_(std::move(error)) {}
+
+  explicit operator bool() const { return !error_; }
+  bool ok() const { return !error_; }
+  const Error& error() const { return *error_; }
+
+ private:
+  std::optional<Error> error_;
+};
+
+/// The candidate nearest to `word` by edit distance, or empty if none is near; for "did you mean".
+std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);
+
+}  // namespace cxlab
