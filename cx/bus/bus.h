@@ -1,0 +1,162 @@
+#pragma once
+// The bus: topics, services and actions between the participants of one episode. Nothing is delivered at once: a post
+// waits in the receiver's inbox until the receiver takes it, in the order of docs/contracts.md 1. Single-threaded.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/record_sink.h"
+#include "cx/base/time.h"
+#include "cx/bus/message.h"
+
+namespace cxlab::bus {
+
+enum class ParticipantId : std::uint32_t {};  ///< 0, 1, ... in order of joining: the sender's index
+enum class EndpointId : std::uint32_t {};     ///< a publisher, subscription, client, ...; never used again
+
+/// Environments receive what other environments send one tick later; nodes (servers, world) receive at their next take.
+enum class ParticipantKind : std::uint8_t { kNode, kEnvironment };
+
+/// In the order in which a participant takes them (docs/contracts.md 1). Answers to goals and cancels are service
+/// responses, as in ROS.
+enum class DeliveryKind : std::uint8_t {
+  kServiceResponse, kGoalResponse, kCancelResponse, kServiceRequest, kGoal, kCancel, kFeedback, kResult, kTopic
+};
+
+using GoalId = std::array<std::uint8_t, 16>;
+/// 32 lower-case hex digits, no dashes.
+std::string to_string(const GoalId& id);
+
+/// action_msgs/msg/GoalStatus and the client's view of it.
+enum class GoalStatus : std::int8_t { kUnknown = 0, kAccepted = 1, kExecuting = 2, kCanceling = 3, kSucceeded = 4, kCanceled = 5, kAborted = 6 };
+enum class GoalAnswer : std::uint8_t { kReject = 1, kAccept = 2, kDefer = 3 };
+
+/// One thing that a participant takes.
+struct Delivery {
+  DeliveryKind kind{};
+  ParticipantId from{};
+  std::uint64_t sequence = 0;   ///< of the sender
+  EndpointId endpoint{};        ///< the receiver's
+  SharedMessage message;        ///< topic message, request, response, goal, feedback or result; null where there is none
+  std::uint64_t request_id = 0; ///< services: the client's request number (from 1) for responses; the call's id for requests
+  GoalId goal{};
+  bool accepted = false;        ///< goal responses
+  GoalStatus status{};          ///< results
+  std::int8_t return_code = 0;  ///< cancel responses: 0 none, 1 rejected, 2 unknown goal, 3 terminated
+  SimTime stamp{};              ///< goal responses: when the goal was accepted
+  std::vector<std::pair<GoalId, SimTime>> goals_canceling;  ///< cancel responses
+  RecordRef cause;              ///< the record of the post
+};
+
+using Handler = std::function<void(const Delivery&)>;
+
+/// How names of one participant map to the bus: relative names get the namespace, "~" the node name, then remaps apply.
+struct NodeName {
+  std::string name;                                         ///< e.g. "clips_manager"
+  std::string name_space = "/";                             ///< absolute
+  std::vector<std::pair<std::string, std::string>> remaps;  ///< FROM := TO, both as written by the user
+  /// The absolute name on the bus. Absolute names are only moved by remaps.
+  std::string resolve(std::string_view name_as_written) const;
+};
+
+/// Takes part in the input log: what entered each environment, and the answers of functions that look outside.
+class InputTap {
+ public:
+  virtual ~InputTap() = default;
+  virtual void delivered(ParticipantId to, const std::vector<Delivery>& deliveries) = 0;
+};
+
+class Bus {
+ public:
+  Bus(Registry& registry, RecordSink& sink);
+  ~Bus();
+
+  Registry& registry() { return registry_; }
+
+  // --- Participants
+  ParticipantId join(ParticipantKind kind, NodeName name, StreamId stream);
+  const NodeName& name_of(ParticipantId p) const;
+  StreamId stream_of(ParticipantId p) const;
+  /// Drops the participant's endpoints; what it had posted is still delivered.
+  void leave(ParticipantId p);
+
+  // --- Time: set by the episode at the start of each tick, before anybody posts.
+  void begin_tick(SimTime now);
+  SimTime now() const { return now_; }
+
+  // --- Endpoints. Names are as written by the participant. They are registered at once. Types must agree on the bus:
+  // a second type for the same name is an error.
+  Expected<EndpointId> advertise(ParticipantId p, std::string_view topic, const MessageType& type);
+  Expected<EndpointId> subscribe(ParticipantId p, std::string_view topic, const MessageType& type, Handler handler);
+  Expected<EndpointId> serve(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_request);
+  Expected<EndpointId> create_client(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_response);
+  struct ActionServerHandlers { Handler goal, cancel; };
+  Expected<EndpointId> serve_action(ParticipantId p, std::string_view action, const ActionType& type, ActionServerHandlers handlers);
+  struct ActionClientHandlers { Handler goal_response, feedback, result, cancel_response; };
+  Expected<EndpointId> create_action_client(ParticipantId p, std::string_view action, const ActionType& type, ActionClientHandlers handlers);
+  /// Removes an endpoint. What is in flight to it is dropped; open requests and goals of a removed server stay unanswered.
+  void remove(EndpointId endpoint);
+
+  // --- Topics
+  void publish(EndpointId publisher, SharedMessage message);
+
+  // --- Services
+  /// Whether a server is registered now under the client's name.
+  bool service_ready(EndpointId client) const;
+  /// The request's number, from 1 a client; waits in the bus until a server is there.
+  std::uint64_t call(EndpointId client, SharedMessage request, RecordRef cause = {});
+  /// Answers `request` that was delivered to this service.
+  void respond(EndpointId service, const Delivery& request, SharedMessage response);
+
+  // --- Actions, client side
+  bool action_ready(EndpointId client) const;
+  /// The new goal's id (counted per client, no chance in it); the goal waits until a server is there.
+  GoalId send_goal(EndpointId client, SharedMessage goal, RecordRef cause = {});
+  void cancel_goal(EndpointId client, const GoalId& goal);
+  void cancel_all_goals(EndpointId client);
+  void cancel_goals_before(EndpointId client, SimTime stamp);
+  /// Status as far as the client has taken deliveries.
+  GoalStatus goal_status(EndpointId client, const GoalId& goal) const;
+
+  // --- Actions, server side
+  void answer_goal(EndpointId server, const GoalId& goal, GoalAnswer answer);
+  void answer_cancel(EndpointId server, const Delivery& cancel, bool accept);
+  void execute(EndpointId server, const GoalId& goal);  ///< of a deferred goal
+  void publish_feedback(EndpointId server, const GoalId& goal, SharedMessage feedback);
+  /// Ends the goal: kSucceeded, kAborted or kCanceled. Ending a goal twice is ignored and returns false.
+  bool finish(EndpointId server, const GoalId& goal, GoalStatus status, SharedMessage result);
+  GoalStatus server_goal_status(EndpointId server, const GoalId& goal) const;
+
+  // --- Taking
+  bool has_waiting(ParticipantId p) const;   ///< something that `take` would give now
+  bool any_waiting() const;                  ///< for any participant now or, between environments, next tick
+  /// All that `p` may take now, in order, and calls each endpoint's handler. Returns how many.
+  std::size_t deliver(ParticipantId p);
+  void set_input_tap(InputTap* tap);
+
+  // --- Replay: routing is off; posts are recorded as ever but reach nobody; `inject` hands the logged deliveries over.
+  void mute(bool on);
+  void inject(ParticipantId to, std::vector<Delivery> deliveries);
+
+  // --- Introspection, sorted by name
+  struct Info { std::string name, type; int providers = 0, users = 0; };
+  std::vector<Info> topics() const;
+  std::vector<Info> services() const;
+  std::vector<Info> actions() const;
+
+ private:
+  struct State;
+  Registry& registry_;
+  SimTime now_{};
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace cxlab::bus

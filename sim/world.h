@@ -1,0 +1,173 @@
+#pragma once
+// A factory floor as everybody sees it: stations with spots, belts, pieces, robots. `sim/mujoco` simulates one,
+// `sim/ledger` keeps one as a book of who holds what. Nothing here knows the rules of a game.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/record_sink.h"
+#include "cx/base/time.h"
+
+namespace cxlab::sim {
+
+enum class PieceId : std::int32_t {};    ///< counted from 1 in order of dispensing, never used again
+enum class RobotId : std::int32_t {};    ///< index into FloorPlan::robots
+enum class StationId : std::int32_t {};  ///< index into FloorPlan::stations
+enum class SpotId : std::int32_t {};     ///< index into FloorPlan::spots
+
+struct Vec3 { double x = 0, y = 0, z = 0; };
+struct Pose2 { double x = 0, y = 0, yaw = 0; };  ///< m, m, rad (-pi, pi]
+/// `local` seen from the frame that `frame` is given in.
+Pose2 compose(const Pose2& frame, const Pose2& local);
+Vec3 transform(const Pose2& frame, const Vec3& local);
+Vec3 inverse_transform(const Pose2& frame, const Vec3& point);
+double wrap_angle(double a);
+
+/// A product: one body with five slots. Colours are the numbers of the scenario's enums; 0 = slot empty.
+struct Stack {
+  std::uint8_t base = 0;
+  std::array<std::uint8_t, 3> rings{};
+  std::uint8_t cap = 0;
+  friend bool operator==(const Stack&, const Stack&) = default;
+};
+enum class Part : std::uint8_t { kRing, kCap };
+
+/// Where a piece can be taken or put by a robot.
+enum class SpotKind : std::uint8_t { kBeltInput, kBeltOutput, kShelf, kSlide };
+struct Spot {
+  std::string name;       ///< "C-CS1-INPUT", "C-CS1-OUTPUT", "C-CS1-SHELF-LEFT" (MIDDLE, RIGHT), "C-RS1-SLIDE"
+  StationId station{};
+  SpotKind kind{};
+  Vec3 rest_in_station;   ///< underside of a piece that rests there
+  Pose2 align_in_world;   ///< robot's centre, 0.5 m from the face, facing the machine, in line with the spot
+  Pose2 work_in_world;    ///< robot's centre when it reaches (docs/models.md)
+};
+/// A machine. Frame: x from output to input, y left of it, z up, origin on the floor under its centre.
+struct Station {
+  std::string name;  ///< "C-BS"
+  std::string kind;  ///< "BS" "CS" "RS" "SS" "DS"
+  Pose2 pose_in_world;
+  bool has_belt = true;
+};
+struct RobotStart { std::string name; Pose2 pose_in_world; };
+struct WallSegment { double x0, y0, x1, y1; };
+/// What stands where, fixed for an episode.
+struct FloorPlan {
+  double min_x = -7, max_x = 7, min_y = 0, max_y = 8;
+  std::vector<WallSegment> walls;  ///< physical; the border closes the field to driving everywhere
+  std::vector<Station> stations;
+  std::vector<Spot> spots;
+  std::vector<RobotStart> robots;
+
+  std::optional<SpotId> find_spot(std::string_view name) const;
+  std::optional<StationId> find_station(std::string_view name) const;
+  std::optional<RobotId> find_robot(std::string_view name) const;
+  const Spot& spot(SpotId id) const { return spots[static_cast<std::size_t>(id)]; }
+  const Station& station(StationId id) const { return stations[static_cast<std::size_t>(id)]; }
+};
+/// The spots that a station of that kind has, with the poses of docs/models.md. `pose` is the station's.
+std::vector<Spot> spots_of(const Station& station, StationId id);
+
+enum class Holder : std::uint8_t { kDispenser, kGripper, kBelt, kSlot, kSlide, kFloor, kGate };
+std::string_view to_string(Holder holder);  ///< "dispenser" ...
+
+/// A piece in play.
+struct Piece {
+  PieceId id{};
+  Stack stack;
+  Holder holder{};
+  int holder_index = -1;    ///< robot, station or spot (slot, slide) by kind of holder
+  Vec3 position_in_world;   ///< underside's centre
+};
+/// One piece passed from one holder to another; the referee writes it down.
+struct HolderChange { PieceId piece{}; Holder from{}, to{}; int from_index = -1, to_index = -1; Vec3 position_in_world; SimTime at{}; };
+
+struct RobotState {
+  Pose2 pose_in_world;
+  double vx = 0, vy = 0, omega = 0;   ///< in the world, m/s, rad/s
+  Vec3 gripper;                       ///< axes: forward 0..0.24, left +-0.0375, up 0..0.057 from home
+  double finger_opening = 0;
+  std::optional<PieceId> held;        ///< touched by both fingers and off every other support (or so booked)
+  std::uint32_t robot_contacts = 0;   ///< new contacts with other robots since the start
+  std::uint32_t static_contacts = 0;  ///< new contacts of the hull with machines or walls since the start
+};
+
+enum class Light : std::uint8_t { kOff, kOn, kBlink };
+struct Lights { Light red = Light::kOff, yellow = Light::kOff, green = Light::kOff; friend bool operator==(const Lights&, const Lights&) = default; };
+
+/// What one can see. Referee, machines and skills read only this.
+class WorldView {
+ public:
+  virtual ~WorldView() = default;
+  virtual SimTime now() const = 0;
+  virtual const FloorPlan& plan() const = 0;
+  virtual std::span<const Piece> pieces() const = 0;  ///< in play, by id
+  virtual const Piece* find(PieceId id) const = 0;    ///< nullptr when out of play
+  virtual RobotState robot(RobotId id) const = 0;
+  virtual bool belt_running(StationId id) const = 0;
+  /// The piece that lies at that spot (within 10 mm along and 15 mm across on a belt, 40 mm on a shelf), not held.
+  virtual const Piece* at(SpotId spot) const = 0;
+  /// The piece on the station's belt nearest to `x` (station frame), within 10 mm, not held; nullptr if none.
+  virtual const Piece* on_belt(StationId id, double x) const = 0;
+  /// Payments: pieces that went past the mouth of this station's slide since the start; each is then out of play.
+  virtual int slide_count(StationId id) const = 0;
+  /// Holder changes of the last `advance` and of verbs since, in order of time.
+  virtual std::span<const HolderChange> changes() const = 0;
+};
+
+/// The verbs of machines: what the factory's own hardware does to matter. Called in the act phase of a tick.
+class World : public WorldView {
+ public:
+  /// Moves the world on by whole steps. Fails when the simulation diverges.
+  virtual Status advance(SimTime tick) = 0;
+  /// The next time at which something happens by itself (a belt arrives); kNever if nothing moves, now() if it always steps.
+  virtual SimTime next_event() const = 0;
+
+  /// A new piece appears at the belt's processing point x (station frame), or on a shelf spot. Fails if the place is taken
+  /// or no spare body is left.
+  virtual Expected<PieceId> dispense(StationId station, double x_on_belt, const Stack& stack) = 0;
+  virtual Expected<PieceId> dispense(SpotId shelf, const Stack& stack) = 0;
+  /// Runs the belt at `speed` (m/s, + = towards the input) until a piece reaches `stop_x`, or until stopped.
+  virtual void run_belt(StationId station, double speed, double stop_x) = 0;
+  virtual void stop_belt(StationId station) = 0;
+  /// Puts a ring (next free slot) or the cap on the piece.
+  virtual void mount(PieceId piece, Part part, std::uint8_t colour) = 0;
+  /// Takes the cap off.
+  virtual void unmount_cap(PieceId piece) = 0;
+  /// Takes the piece out of play (through a gate, by the referee); `to` says where it went.
+  virtual void retire(PieceId piece, Holder to) = 0;
+  virtual void set_lights(StationId station, const Lights& lights) = 0;
+  virtual Lights lights(StationId station) const = 0;
+};
+
+/// Robots as bodies with motors: what a physics skill commands. Limits of speed and acceleration apply inside.
+class RobotBodies {
+ public:
+  virtual ~RobotBodies() = default;
+  /// Wanted velocity in the world frame; held until the next command.
+  virtual void command_base(RobotId robot, double vx, double vy, double omega) = 0;
+  /// Wanted gripper axes; the axes move at no more than 0.1 m/s.
+  virtual void command_gripper(RobotId robot, const Vec3& axes) = 0;
+  /// 0.035 = wide open, negative = squeeze (docs/models.md).
+  virtual void command_fingers(RobotId robot, double opening) = 0;
+};
+
+/// Robots as entries of a book: what a timed skill writes.
+class RobotBook {
+ public:
+  virtual ~RobotBook() = default;
+  /// The robot moves along the polyline at constant speed and is at its end at `arrival`, facing `final_yaw`.
+  virtual void move_along(RobotId robot, std::span<const Pose2> path, SimTime departure, SimTime arrival) = 0;
+  virtual void stop(RobotId robot) = 0;  ///< where it is now
+  virtual Status grasp(RobotId robot, SpotId from) = 0;   ///< the piece there is now held
+  virtual Status release(RobotId robot, SpotId to) = 0;   ///< the held piece now lies there (slide: counted, out of play)
+  virtual void drop(RobotId robot) = 0;                   ///< to the floor
+};
+
+}  // namespace cxlab::sim
