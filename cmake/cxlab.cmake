@@ -1,0 +1,93 @@
+# Targets of our own code.
+#
+#   cxlab_library(<target> FOLDER <folder>... [SOURCES a.cpp...] [DEPS targets...] [PRIVATE_DEPS targets...])
+#   cxlab_executable(<target> SOURCES a.cpp... [DEPS targets...])
+#   cxlab_test(<name> SOURCES a.cpp... [DEPS targets...] [LONG])
+#
+# FOLDER is counted from the root of the project. Its headers (not those of folders below it) are included
+# as "<folder>/name.h", and only by targets that have this one in their DEPS, directly or through the DEPS
+# of another: the root itself is on nobody's include path. A library without SOURCES is an interface.
+
+include_guard(GLOBAL)
+
+set(CXLAB_WARNINGS -Wall -Wextra -Werror)
+
+# Fills build/include/<target> with links to the headers of the folders.
+function(_cxlab_publish_headers target out)
+  set(public "${CMAKE_BINARY_DIR}/include/${target}")
+  file(REMOVE_RECURSE "${public}")
+  foreach(folder IN LISTS ARGN)
+    file(MAKE_DIRECTORY "${public}/${folder}")
+    file(GLOB headers CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/${folder}/*.h")
+    foreach(header IN LISTS headers)
+      get_filename_component(name "${header}" NAME)
+      file(CREATE_LINK "${header}" "${public}/${folder}/${name}" SYMBOLIC)
+    endforeach()
+  endforeach()
+  set(${out} "${public}" PARENT_SCOPE)
+endfunction()
+
+function(_cxlab_note_dependencies target)
+  foreach(dependency IN LISTS ARGN)
+    set_property(GLOBAL APPEND PROPERTY CXLAB_DEPENDENCIES "${target}>${dependency}")
+  endforeach()
+endfunction()
+
+# A misspelt name in DEPS would else become a library to search for.
+function(cxlab_check_dependencies)
+  get_property(pairs GLOBAL PROPERTY CXLAB_DEPENDENCIES)
+  foreach(pair IN LISTS pairs)
+    string(REGEX MATCH "^([^>]+)>(.+)$" _ "${pair}")
+    if(NOT TARGET ${CMAKE_MATCH_2})
+      message(SEND_ERROR "${CMAKE_MATCH_1}: ${CMAKE_MATCH_2}, named in its DEPS, is not a target")
+    endif()
+  endforeach()
+endfunction()
+
+function(cxlab_library target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "FOLDER;SOURCES;DEPS;PRIVATE_DEPS")
+  if(arg_UNPARSED_ARGUMENTS OR NOT arg_FOLDER)
+    message(FATAL_ERROR "cxlab_library(${target}): needs FOLDER; not understood: ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  _cxlab_publish_headers(${target} headers ${arg_FOLDER})
+  _cxlab_note_dependencies(${target} ${arg_DEPS} ${arg_PRIVATE_DEPS})
+  if(arg_SOURCES)
+    add_library(${target} STATIC ${arg_SOURCES})
+    target_include_directories(${target} PUBLIC "${headers}")
+    target_link_libraries(${target} PUBLIC ${arg_DEPS} PRIVATE ${arg_PRIVATE_DEPS})
+    target_compile_options(${target} PRIVATE ${CXLAB_WARNINGS})
+  else()
+    add_library(${target} INTERFACE)
+    target_include_directories(${target} INTERFACE "${headers}")
+    target_link_libraries(${target} INTERFACE ${arg_DEPS})
+  endif()
+endfunction()
+
+function(cxlab_executable target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPS")
+  if(arg_UNPARSED_ARGUMENTS OR NOT arg_SOURCES)
+    message(FATAL_ERROR "cxlab_executable(${target}): needs SOURCES; not understood: ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  _cxlab_note_dependencies(${target} ${arg_DEPS})
+  add_executable(${target} ${arg_SOURCES})
+  target_link_libraries(${target} PRIVATE ${arg_DEPS})
+  target_compile_options(${target} PRIVATE ${CXLAB_WARNINGS})
+endfunction()
+
+# One GoogleTest program, one entry of ctest, label short or long. It finds data under $CXLAB_SOURCE_DIR.
+function(cxlab_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "LONG" "" "SOURCES;DEPS")
+  if(arg_UNPARSED_ARGUMENTS OR NOT arg_SOURCES)
+    message(FATAL_ERROR "cxlab_test(${name}): needs SOURCES; not understood: ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  cxlab_executable(${name} SOURCES ${arg_SOURCES} DEPS ${arg_DEPS} GTest::gmock GTest::gtest GTest::gtest_main)
+  add_test(NAME ${name} COMMAND ${name})
+  set(label short)
+  set(timeout 120)
+  if(arg_LONG)
+    set(label long)
+    set(timeout 3600)
+  endif()
+  set_tests_properties(${name} PROPERTIES
+    LABELS ${label} TIMEOUT ${timeout} ENVIRONMENT "CXLAB_SOURCE_DIR=${CMAKE_SOURCE_DIR}")
+endfunction()
