@@ -1,0 +1,316 @@
+#include "cx/yaml/yaml.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+namespace cxlab::yaml {
+
+struct Value::Shared {
+  std::string file;
+  std::vector<Error> errors;
+};
+
+namespace {
+
+const char* kind_of(const YAML::Node& node) {
+  switch (node.Type()) {
+    case YAML::NodeType::Null: return "nothing";
+    case YAML::NodeType::Scalar: return "a scalar";
+    case YAML::NodeType::Sequence: return "a list";
+    case YAML::NodeType::Map: return "a map";
+    case YAML::NodeType::Undefined: break;
+  }
+  return "nothing";
+}
+
+template <class Number>
+bool parse_number(const std::string& text, Number& out) {
+  const char* begin = text.data();
+  if (*begin == '+') ++begin;
+  const auto [end, error] = std::from_chars(begin, text.data() + text.size(), out);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+}  // namespace
+
+Value::operator bool() const { return node_ && node_->IsDefined() && !node_->IsNull(); }
+int Value::line() const { return node_ && node_->IsDefined() ? node_->Mark().line + 1 : 0; }
+const std::string& Value::file() const { return shared_->file; }
+bool Value::is_map() const { return node_ && node_->IsMap(); }
+bool Value::is_list() const { return node_ && node_->IsSequence(); }
+bool Value::is_scalar() const { return node_ && node_->IsScalar(); }
+std::string Value::text() const { return is_scalar() ? node_->Scalar() : std::string(); }
+
+std::string Value::dump() const {
+  if (!node_ || !node_->IsDefined()) return {};
+  YAML::Emitter out;
+  out << *node_;
+  return out.c_str();
+}
+
+void Value::fail(std::string what) const {
+  if (!path_.empty()) what = path_ + ": " + what;
+  shared_->errors.push_back(input_error(std::move(what), shared_->file, line()));
+}
+
+std::string Value::as_string(std::string fallback) const {
+  if (is_scalar()) return node_->Scalar();
+  fail(std::string("found ") + kind_of(*node_) + ", expected a text");
+  return fallback;
+}
+
+double Value::as_number(double fallback) const {
+  double number = 0;
+  if (is_scalar() && parse_number(node_->Scalar(), number) && std::isfinite(number)) return number;
+  fail("found '" + (is_scalar() ? text() : kind_of(*node_)) + "', expected a number");
+  return fallback;
+}
+
+std::int64_t Value::as_integer(std::int64_t fallback) const {
+  std::int64_t number = 0;
+  if (is_scalar() && parse_number(node_->Scalar(), number)) return number;
+  fail("found '" + (is_scalar() ? text() : kind_of(*node_)) + "', expected an integer");
+  return fallback;
+}
+
+bool Value::as_bool(bool fallback) const {
+  bool value = fallback;
+  if (is_scalar() && YAML::convert<bool>::decode(*node_, value)) return value;
+  fail("found '" + (is_scalar() ? text() : kind_of(*node_)) + "', expected true or false");
+  return fallback;
+}
+
+std::vector<std::string> Value::as_strings() const {
+  if (is_scalar()) return {text()};
+  std::vector<std::string> out;
+  for (const auto& item : as_list()) out.push_back(item.as_string());
+  return out;
+}
+
+std::vector<Value> Value::as_list() const {
+  std::vector<Value> out;
+  if (!is_list()) {
+    fail(std::string("found ") + kind_of(*node_) + ", expected a list");
+    return out;
+  }
+  std::size_t index = 0;
+  for (const auto& item : *node_) {
+    Value value;
+    value.shared_ = shared_;
+    value.node_ = std::make_shared<YAML::Node>(item);
+    value.path_ = path_ + '[' + std::to_string(index++) + ']';
+    out.push_back(std::move(value));
+  }
+  return out;
+}
+
+Map Value::as_map() const {
+  Map map;
+  map.value_ = *this;
+  if (*this && !is_map()) fail(std::string("found ") + kind_of(*node_) + ", expected a map");
+  return map;
+}
+
+Value Map::get(std::string_view key) {
+  asked_.emplace_back(key);
+  Value value;
+  value.shared_ = value_.shared_;
+  value.path_ = value_.path_.empty() ? std::string(key) : value_.path_ + '.' + std::string(key);
+  const YAML::Node& node = *value_.node_;
+  value.node_ = std::make_shared<YAML::Node>(node.IsMap() ? node[std::string(key)] : YAML::Node(YAML::NodeType::Undefined));
+  return value;
+}
+
+bool Map::has(std::string_view key) { return static_cast<bool>(get(key)); }
+
+Value Map::require(std::string_view key) {
+  Value value = get(key);
+  if (!value) value_.fail("key '" + std::string(key) + "' is missing");
+  return value;
+}
+
+Map& Map::read(std::string_view key, std::string& field) {
+  if (const Value v = get(key)) field = v.as_string(field);
+  return *this;
+}
+Map& Map::read(std::string_view key, double& field) {
+  if (const Value v = get(key)) field = v.as_number(field);
+  return *this;
+}
+Map& Map::read(std::string_view key, std::int64_t& field) {
+  if (const Value v = get(key)) field = v.as_integer(field);
+  return *this;
+}
+Map& Map::read(std::string_view key, int& field) {
+  if (const Value v = get(key)) {
+    const std::int64_t number = v.as_integer(field);
+    if (number < INT32_MIN || number > INT32_MAX) v.fail("found " + v.text() + ", which is out of range");
+    else field = static_cast<int>(number);
+  }
+  return *this;
+}
+Map& Map::read(std::string_view key, std::uint64_t& field) {
+  if (const Value v = get(key)) {
+    if (v.is_scalar() && parse_number(v.text(), field)) return *this;
+    v.fail("found '" + v.text() + "', expected an integer of at least 0");
+  }
+  return *this;
+}
+Map& Map::read(std::string_view key, bool& field) {
+  if (const Value v = get(key)) field = v.as_bool(field);
+  return *this;
+}
+Map& Map::read(std::string_view key, std::vector<std::string>& field) {
+  if (const Value v = get(key)) field = v.as_strings();
+  return *this;
+}
+Map& Map::read_seconds(std::string_view key, SimTime& field) {
+  if (const Value v = get(key)) {
+    const double seconds = v.as_number();
+    if (seconds < 0 || seconds > 1e9) v.fail("found " + v.text() + ", expected seconds from 0 to 1e9");
+    else field = from_seconds(seconds);
+  }
+  return *this;
+}
+Map& Map::read_word(std::string_view key, std::string& field, const std::vector<std::string>& words) {
+  if (const Value v = get(key)) {
+    const std::string word = v.as_string(field);
+    if (std::find(words.begin(), words.end(), word) != words.end()) {
+      field = word;
+      return *this;
+    }
+    std::string list;
+    for (const auto& w : words) list += (list.empty() ? "" : ", ") + w;
+    v.fail("found '" + word + "', expected one of: " + list);
+  }
+  return *this;
+}
+
+std::vector<std::pair<std::string, Value>> Map::entries() {
+  std::vector<std::pair<std::string, Value>> out;
+  if (!value_.is_map()) return out;
+  for (const auto& item : *value_.node_) {
+    const std::string key = item.first.Scalar();
+    out.emplace_back(key, get(key));
+  }
+  return out;
+}
+
+void Map::finish() {
+  if (!value_.is_map()) return;
+  for (const auto& item : *value_.node_) {
+    const std::string key = item.first.IsScalar() ? item.first.Scalar() : "(a key that is not a text)";
+    if (std::find(asked_.begin(), asked_.end(), key) != asked_.end()) continue;
+    std::string what = "unknown key '" + key + "'";
+    if (!value_.path_.empty()) what += " in '" + value_.path_ + "'";
+    const std::string near = nearest_word(key, asked_);
+    std::string list;
+    for (const auto& a : asked_) list += (list.empty() ? "" : ", ") + a;
+    what += near.empty() ? "; known are: " + list : ", did you mean '" + near + "'?";
+    value_.shared_->errors.push_back(input_error(std::move(what), value_.shared_->file, item.first.Mark().line + 1));
+  }
+}
+
+Expected<Document> Document::load(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::error_code ignored;
+  if (!in || std::filesystem::is_directory(file, ignored)) return input_error("cannot read this file", file.string());
+  std::stringstream text;
+  text << in.rdbuf();
+  return parse(text.str(), file.string());
+}
+
+Expected<Document> Document::parse(const std::string& text, const std::string& name) {
+  Document document;
+  document.root_.shared_ = std::make_shared<Value::Shared>();
+  document.root_.shared_->file = name;
+  try {
+    document.root_.node_ = std::make_shared<YAML::Node>(YAML::Load(text));
+  } catch (const YAML::Exception& e) {
+    return input_error("not YAML: " + e.msg, name, e.mark.line + 1);
+  }
+  if (document.root_.node_->IsNull()) *document.root_.node_ = YAML::Node(YAML::NodeType::Map);
+  return document;
+}
+
+namespace {
+
+/// `a.b[0].c` as steps: keys and indices.
+struct Step {
+  std::string key;
+  int index = -1;
+};
+
+bool split_path(const std::string& path, std::vector<Step>& steps) {
+  std::size_t i = 0;
+  while (i < path.size()) {
+    if (path[i] == '[') {
+      const std::size_t end = path.find(']', i);
+      int index = 0;
+      if (end == std::string::npos || !parse_number(path.substr(i + 1, end - i - 1), index) || index < 0) return false;
+      steps.push_back({{}, index});
+      i = end + 1;
+      if (i < path.size() && path[i] == '.') ++i;
+      continue;
+    }
+    const std::size_t end = std::min(path.find('.', i), path.find('[', i));
+    const std::string key = path.substr(i, end == std::string::npos ? end : end - i);
+    if (key.empty()) return false;
+    steps.push_back({key, -1});
+    if (end == std::string::npos) break;
+    i = path[end] == '.' ? end + 1 : end;
+    if (i == path.size()) return false;
+  }
+  return !steps.empty();
+}
+
+}  // namespace
+
+Status Document::set(const std::string& assignment) {
+  const auto fail = [&](const std::string& what) { return Status(input_error("--set " + assignment + ": " + what)); };
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string::npos) return fail("expected PATH=VALUE");
+  std::vector<Step> steps;
+  if (!split_path(assignment.substr(0, equals), steps)) return fail("expected a path like a.b[0].c");
+  YAML::Node value;
+  try {
+    value = YAML::Load(assignment.substr(equals + 1));
+  } catch (const YAML::Exception& e) {
+    return fail("the value is not YAML: " + e.msg);
+  }
+  YAML::Node at = *root_.node_;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Step& step = steps[i];
+    const bool last = i + 1 == steps.size();
+    if (step.index >= 0) {
+      if (!at.IsSequence()) return fail("there is no list before [" + std::to_string(step.index) + "]");
+      if (static_cast<std::size_t>(step.index) >= at.size())
+        return fail("index " + std::to_string(step.index) + " is beyond the list's " + std::to_string(at.size()) + " items");
+      if (last) at[step.index] = value;
+      else at.reset(at[step.index]);
+      continue;
+    }
+    if (at.IsDefined() && !at.IsNull() && !at.IsMap()) return fail("'" + step.key + "' is below something that is not a map");
+    if (last) {
+      at[step.key] = value;
+      break;
+    }
+    if (!at[step.key].IsDefined() || at[step.key].IsNull()) at[step.key] = YAML::Node(steps[i + 1].index >= 0 ? YAML::NodeType::Sequence : YAML::NodeType::Map);
+    at.reset(at[step.key]);
+  }
+  return {};
+}
+
+Value Document::root() const { return root_; }
+const std::vector<Error>& Document::errors() const { return root_.shared_->errors; }
+Status Document::status() const {
+  if (errors().empty()) return {};
+  return errors().front();
+}
+
+}  // namespace cxlab::yaml

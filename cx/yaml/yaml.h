@@ -1,0 +1,107 @@
+#pragma once
+// YAML read once into typed structs: every value knows its path and line, an unknown key is an error with the nearest
+// known one. Errors are collected, so that one reading reports all of them.
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/time.h"
+
+namespace YAML {
+class Node;
+}
+
+namespace cxlab::yaml {
+
+class Map;
+
+/// One value of a document. A value that is not there is `!value`.
+class Value {
+ public:
+  explicit operator bool() const;
+  int line() const;                  ///< from 1
+  const std::string& path() const { return path_; }
+  const std::string& file() const;
+
+  bool is_map() const;
+  bool is_list() const;
+  bool is_scalar() const;
+  /// The scalar's text as written, without quotes.
+  std::string text() const;
+  /// The value as YAML text, e.g. for a bus message.
+  std::string dump() const;
+
+  // Each reports an error with path and line if the value is not what is asked for, and then returns the default.
+  std::string as_string(std::string fallback = {}) const;
+  double as_number(double fallback = 0) const;
+  std::int64_t as_integer(std::int64_t fallback = 0) const;
+  bool as_bool(bool fallback = false) const;
+  std::vector<std::string> as_strings() const;  ///< a list of scalars, or one scalar
+  std::vector<Value> as_list() const;
+  Map as_map() const;
+
+  void fail(std::string what) const;  ///< adds an error at this value
+
+ private:
+  friend class Map;
+  friend class Document;
+  struct Shared;
+  std::shared_ptr<Shared> shared_;
+  std::shared_ptr<YAML::Node> node_;
+  std::string path_;
+};
+
+/// A mapping that is read key by key; `finish` reports the keys that nobody asked for.
+class Map {
+ public:
+  Value get(std::string_view key);       ///< may be missing
+  Value require(std::string_view key);   ///< missing: an error
+  bool has(std::string_view key);
+
+  // Leave the field alone when the key is missing.
+  Map& read(std::string_view key, std::string& field);
+  Map& read(std::string_view key, double& field);
+  Map& read(std::string_view key, int& field);
+  Map& read(std::string_view key, std::int64_t& field);
+  Map& read(std::string_view key, std::uint64_t& field);
+  Map& read(std::string_view key, bool& field);
+  Map& read(std::string_view key, std::vector<std::string>& field);
+  Map& read_seconds(std::string_view key, SimTime& field);
+  /// One of the words; others are an error that lists them.
+  Map& read_word(std::string_view key, std::string& field, const std::vector<std::string>& words);
+
+  std::vector<std::pair<std::string, Value>> entries();  ///< all, in order of the document
+  void fail(std::string what) const { value_.fail(std::move(what)); }
+  const Value& value() const { return value_; }
+  void finish();
+
+ private:
+  friend class Value;
+  Value value_;
+  std::vector<std::string> asked_;
+};
+
+/// A file or text.
+class Document {
+ public:
+  static Expected<Document> load(const std::filesystem::path& file);
+  static Expected<Document> parse(const std::string& text, const std::string& name);
+
+  /// `a.b[0].c=VALUE`; VALUE is YAML. Missing maps on the way are made, so that reading reports unknown keys.
+  Status set(const std::string& assignment);
+  /// The document's one value. Without one: an empty map.
+  Value root() const;
+  /// What reading reported, in order; the first one is what a caller returns.
+  const std::vector<Error>& errors() const;
+  Status status() const;
+
+ private:
+  Value root_;
+};
+
+}  // namespace cxlab::yaml

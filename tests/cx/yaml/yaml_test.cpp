@@ -1,0 +1,65 @@
+#include "cx/yaml/yaml.h"
+
+#include <gtest/gtest.h>
+
+namespace cxlab::yaml {
+namespace {
+
+struct Settings {
+  std::string name = "none";
+  double speed = 1;
+  int count = 0;
+  SimTime wait{};
+};
+
+Status read(const Document& document, Settings& settings) {
+  Map map = document.root().as_map();
+  map.read("name", settings.name).read("speed", settings.speed).read("count", settings.count).read_seconds("wait_s", settings.wait);
+  map.finish();
+  return document.status();
+}
+
+std::string error_of(const std::string& text) {
+  auto document = Document::parse(text, "s.yaml");
+  if (!document) return document.error().text();
+  Settings settings;
+  const Status status = read(*document, settings);
+  return status ? "" : status.error().text();
+}
+
+TEST(Yaml, ReadsWhatIsThereAndKeepsDefaults) {
+  auto document = Document::parse("speed: 2.5\nwait_s: 0.02\n", "s.yaml");
+  ASSERT_TRUE(document.ok());
+  Settings settings;
+  ASSERT_TRUE(read(*document, settings).ok());
+  EXPECT_EQ(settings.name, "none");
+  EXPECT_EQ(settings.speed, 2.5);
+  EXPECT_EQ(settings.wait.count(), 20'000'000);
+}
+
+TEST(Yaml, ErrorsNameFileLineAndRemedy) {
+  EXPECT_EQ(error_of("speed: 1\nspead: 2\n"), "s.yaml:2: unknown key 'spead', did you mean 'speed'?");
+  EXPECT_EQ(error_of("qqqqqqqqqqqq: 2\n"), "s.yaml:1: unknown key 'qqqqqqqqqqqq'; known are: name, speed, count, wait_s");
+  EXPECT_EQ(error_of("\ncount: many\n"), "s.yaml:2: count: found 'many', expected an integer");
+  EXPECT_EQ(error_of("count: 99999999999\n"), "s.yaml:1: count: found 99999999999, which is out of range");
+  EXPECT_EQ(error_of("wait_s: -1\n"), "s.yaml:1: wait_s: found -1, expected seconds from 0 to 1e9");
+  EXPECT_EQ(error_of("name: [a, b]\n"), "s.yaml:1: name: found a list, expected a text");
+  EXPECT_EQ(error_of("- 1\n"), "s.yaml:1: found a list, expected a map");
+  EXPECT_NE(error_of("a: [1\n").find("s.yaml:2: not YAML"), std::string::npos);
+}
+
+TEST(Yaml, SetWritesAtAPath) {
+  auto document = Document::parse("world: {kind: rcll}\nagents: [{config: a}, {config: b}]\n", "s.yaml");
+  ASSERT_TRUE(document.ok());
+  EXPECT_TRUE(document->set("world.kind=none").ok());
+  EXPECT_TRUE(document->set("agents[1].config=c").ok());
+  EXPECT_TRUE(document->set("new.deep.key=[1, 2]").ok());
+  EXPECT_EQ(document->root().dump(), "world: {kind: none}\nagents: [{config: a}, {config: c}]\nnew:\n  deep:\n    key: [1, 2]");
+  EXPECT_EQ(document->set("agents[2].config=c").error().text(), "--set agents[2].config=c: index 2 is beyond the list's 2 items");
+  EXPECT_EQ(document->set("world").error().text(), "--set world: expected PATH=VALUE");
+  EXPECT_FALSE(document->set("world.kind.x=1").ok());
+  EXPECT_FALSE(document->set("a..b=1").ok());
+}
+
+}  // namespace
+}  // namespace cxlab::yaml
