@@ -104,6 +104,10 @@ class Bus {
   Expected<EndpointId> create_action_client(ParticipantId p, std::string_view action, const ActionType& type, ActionClientHandlers handlers);
   /// Removes an endpoint. What is in flight to it is dropped; open requests and goals of a removed server stay unanswered.
   void remove(EndpointId endpoint);
+  /// The endpoint's number within its participant, in order of making from 0 (removed ones count), and back: the same
+  /// when the participant's program runs again. For the input log.
+  std::uint32_t number_of(EndpointId endpoint) const;
+  std::optional<EndpointId> endpoint_of(ParticipantId p, std::uint32_t number) const;
 
   // --- Topics
   void publish(EndpointId publisher, SharedMessage message);

@@ -1,0 +1,125 @@
+#pragma once
+// inputs.bin: everything that entered each environment, and every write to the physics, so that each replays alone.
+//
+// The file: 8 bytes of magic, then chunks of (length, checksum, payload). A payload is a run of whole entries; a name is
+// spelt once and then a number. A chunk that is cut off or changed ends the reading there.
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/time.h"
+#include "cx/journal/append_file.h"
+
+namespace cxlab {
+
+/// One thing that an environment took. Participants and causes are known by the name of their stream, endpoints by
+/// their number in the order in which their participant made them: both are the same when the rules run again.
+struct LoggedDelivery {
+  std::uint8_t kind = 0;           ///< bus::DeliveryKind
+  std::string_view from;           ///< stream of the sender
+  std::uint64_t sequence = 0;
+  std::uint32_t endpoint = 0;      ///< the k-th that the receiver made, from 0
+  std::string_view type;           ///< of the message; empty = there is none
+  std::string_view message;        ///< as `bus::Message::serialize` writes it
+  std::uint64_t request_id = 0;
+  std::array<std::uint8_t, 16> goal{};
+  bool accepted = false;
+  std::int8_t status = 0;
+  std::int8_t return_code = 0;
+  SimTime stamp{};
+  std::vector<std::pair<std::array<std::uint8_t, 16>, SimTime>> goals_canceling;
+  std::string_view cause_stream;
+  std::uint64_t cause_n = 0;
+};
+
+/// What one environment took at one tick.
+struct LoggedTake {
+  SimTime t{};
+  std::string_view to;  ///< stream of the environment
+  std::vector<LoggedDelivery> deliveries;
+};
+
+/// What a function that looks outside gave to an environment.
+struct LoggedResult {
+  SimTime t{};
+  std::string_view environment;  ///< its stream
+  std::string_view key;          ///< which function, e.g. "read-line"
+  std::string_view bytes;
+};
+
+/// Controls, model writes or state writes of a world, in the world's own format.
+struct LoggedWorld {
+  SimTime t{};
+  std::string_view world;
+  std::string_view bytes;
+};
+
+using LoggedInput = std::variant<LoggedTake, LoggedResult, LoggedWorld>;
+
+/// Writes entries in the order in which they come.
+class InputLogWriter {
+ public:
+  static Expected<InputLogWriter> create(const std::filesystem::path& path);
+
+  /// Entries reach the file when 32 KiB have come together, at least every 10 s of simulated time, and with `flush`.
+  void add(const LoggedTake& take);
+  void add(const LoggedResult& result);
+  void add(const LoggedWorld& world);
+
+  /// Whether writing went well so far (kResource if not); ask once a tick.
+  const Status& status() const { return file_.status(); }
+  Status flush();
+  Status close();
+
+ private:
+  explicit InputLogWriter(AppendFile file) : file_(std::move(file)) {}
+  void begin(std::uint8_t entry, SimTime t);
+  void finish(SimTime t);
+  void put_name(std::string_view name);
+
+  AppendFile file_;
+  std::string entry_;   // the one being written
+  std::string chunk_;   // whole ones
+  std::map<std::string, std::uint64_t, std::less<>> names_;
+  SimTime last_t_{};
+  SimTime flush_due_{};
+};
+
+/// Reads them back. Views of an entry live as long as the reader.
+class InputLogReader {
+ public:
+  /// kInput if the file cannot be read or is no input log.
+  static Expected<InputLogReader> open(const std::filesystem::path& path);
+  static Expected<InputLogReader> from_bytes(std::string bytes, std::string path);
+
+  /// The next entry; nothing at the end, or where the log is broken.
+  std::optional<LoggedInput> next();
+  /// After the last entry: where and how the log is broken (cut off, changed), or success.
+  const Status& status() const { return status_; }
+
+ private:
+  InputLogReader() = default;
+  bool open_chunk();
+  void fail(std::size_t at, const std::string& what);
+
+  std::string path_;
+  std::shared_ptr<const std::string> bytes_;
+  std::size_t position_ = 0;       // of the next chunk
+  std::string_view chunk_;         // what is left of the current one
+  std::shared_ptr<std::deque<std::string>> names_;
+  SimTime last_t_{};
+  Status status_;
+};
+
+}  // namespace cxlab

@@ -1,0 +1,57 @@
+#pragma once
+// Reads journal.jsonl back.
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/record_sink.h"
+#include "cx/base/time.h"
+#include "cx/journal/record_value.h"
+
+namespace cxlab {
+
+/// A record as it was exported.
+struct JournalRecord {
+  /// Names another record, which need not be exported itself.
+  struct Cause {
+    std::string stream;
+    std::uint64_t n = 0;
+    friend bool operator==(const Cause&, const Cause&) = default;
+  };
+  std::string stream;
+  std::uint64_t n = 0;
+  SimTime t{};
+  RecordKind kind{};
+  RecordValue data;
+  std::vector<Cause> causes;
+};
+
+/// One line of the export. Errors say what is missing or wrong, without a line number.
+Expected<JournalRecord> parse_journal_line(std::string_view line);
+
+/// `while (true) { auto record = reader->next(); if (!record) return record.error(); if (!*record) break; ... }`
+class JournalReader {
+ public:
+  static Expected<JournalReader> open(const std::filesystem::path& path);
+  /// The next record; nothing at the end. A malformed line is an error with file and line.
+  Expected<std::optional<JournalRecord>> next();
+  /// After the end: whether the last line was cut off (the process was killed while writing); it is not given out.
+  bool cut_off() const { return cut_off_; }
+
+ private:
+  std::ifstream file_;
+  std::string path_;
+  std::string text_;
+  int line_ = 0;
+  bool cut_off_ = false;
+};
+
+/// All records of a file, in order of writing.
+Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& path);
+
+}  // namespace cxlab
