@@ -117,7 +117,8 @@ class WorldView {
   virtual const Piece* on_belt(StationId id, double x) const = 0;
   /// Payments: pieces that went past the mouth of this station's slide since the start; each is then out of play.
   virtual int slide_count(StationId id) const = 0;
-  /// Holder changes of the last `advance` and of verbs since, in order of time.
+  /// Holder changes of the verbs called before the last `advance` (the act phase before it, or the set-up), then those of
+  /// that `advance`: who looks once after each `advance` sees every change once, in order of time.
   virtual std::span<const HolderChange> changes() const = 0;
 };
 
