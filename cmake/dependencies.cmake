@@ -16,3 +16,9 @@ if(NOT TARGET yaml-cpp::yaml-cpp)
   add_library(yaml-cpp::yaml-cpp ALIAS yaml-cpp)
 endif()
 add_library(xxhash::xxhash ALIAS PkgConfig::xxhash)
+
+# Pictures without a display. Optional: whoever draws asks `if(TARGET osmesa::osmesa)`.
+pkg_check_modules(osmesa IMPORTED_TARGET osmesa)
+if(TARGET PkgConfig::osmesa)
+  add_library(osmesa::osmesa ALIAS PkgConfig::osmesa)
+endif()
