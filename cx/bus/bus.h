@@ -5,11 +5,11 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
-#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -20,7 +20,7 @@
 namespace cxlab::bus {
 
 enum class ParticipantId : std::uint32_t {};  ///< 0, 1, ... in order of joining: the sender's index
-enum class EndpointId : std::uint32_t {};     ///< a publisher, subscription, client, ...; never used again
+enum class EndpointId : std::uint64_t {};     ///< a publisher, subscription, client, ...: owner << 32 | number; never used again
 
 /// Environments receive what other environments send one tick later; nodes (servers, world) receive at their next take.
 enum class ParticipantKind : std::uint8_t { kNode, kEnvironment };
@@ -39,26 +39,30 @@ std::string to_string(const GoalId& id);
 enum class GoalStatus : std::int8_t { kUnknown = 0, kAccepted = 1, kExecuting = 2, kCanceling = 3, kSucceeded = 4, kCanceled = 5, kAborted = 6 };
 enum class GoalAnswer : std::uint8_t { kReject = 1, kAccept = 2, kDefer = 3 };
 
-/// One thing that a participant takes.
+/// One thing that a participant takes. `from` orders; records name participants, never count them.
 struct Delivery {
   DeliveryKind kind{};
   ParticipantId from{};
   std::uint64_t sequence = 0;   ///< of the sender
   EndpointId endpoint{};        ///< the receiver's
   SharedMessage message;        ///< topic message, request, response, goal, feedback or result; null where there is none
-  std::uint64_t request_id = 0; ///< services: the client's request number (from 1) for responses; the call's id for requests
-  GoalId goal{};
+  std::uint64_t request_id = 0; ///< responses: the client's number of the call, from 1; requests and cancels: the server's, from 1
+  GoalId goal{};                ///< cancels and their responses: all zero where many goals were meant
   bool accepted = false;        ///< goal responses
-  GoalStatus status{};          ///< results
+  GoalStatus status{};          ///< goal responses, feedback, results: the server's at the post
   std::int8_t return_code = 0;  ///< cancel responses: 0 none, 1 rejected, 2 unknown goal, 3 terminated
-  SimTime stamp{};              ///< goal responses: when the goal was accepted
+  SimTime stamp{};              ///< goal responses: when the goal was accepted; cancels of many: accepted not after this
   std::vector<std::pair<GoalId, SimTime>> goals_canceling;  ///< cancel responses
   RecordRef cause;              ///< the record of the post
 };
 
+/// Records that led to a post; the post's own record names them. Answers name what they answer without being told.
+using Causes = std::span<const RecordRef>;
+
 using Handler = std::function<void(const Delivery&)>;
 
-/// How names of one participant map to the bus: relative names get the namespace, "~" the node name, then remaps apply.
+/// How names of one participant map to the bus: relative names get the namespace, "~" the node name, then the first
+/// remap whose FROM, expanded in the same way, is that name replaces it.
 struct NodeName {
   std::string name;                                         ///< e.g. "clips_manager"
   std::string name_space = "/";                             ///< absolute
@@ -85,7 +89,7 @@ class Bus {
   ParticipantId join(ParticipantKind kind, NodeName name, StreamId stream);
   const NodeName& name_of(ParticipantId p) const;
   StreamId stream_of(ParticipantId p) const;
-  /// Drops the participant's endpoints; what it had posted is still delivered.
+  /// Removes the participant's endpoints; what it had posted is still delivered.
   void leave(ParticipantId p);
 
   // --- Time: set by the episode at the start of each tick, before anybody posts.
@@ -93,7 +97,9 @@ class Bus {
   SimTime now() const { return now_; }
 
   // --- Endpoints. Names are as written by the participant. They are registered at once. Types must agree on the bus:
-  // a second type for the same name is an error.
+  // a second type for the same name is an error. Nothing is ever lost to a full queue: all is kept until it is taken.
+  // Of several servers of one name the first that is still there answers. Posts through a removed endpoint do nothing;
+  // a message of another type than the endpoint's is a bug of the caller (asserts).
   Expected<EndpointId> advertise(ParticipantId p, std::string_view topic, const MessageType& type);
   Expected<EndpointId> subscribe(ParticipantId p, std::string_view topic, const MessageType& type, Handler handler);
   Expected<EndpointId> serve(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_request);
@@ -110,45 +116,53 @@ class Bus {
   std::optional<EndpointId> endpoint_of(ParticipantId p, std::uint32_t number) const;
 
   // --- Topics
-  void publish(EndpointId publisher, SharedMessage message);
+  void publish(EndpointId publisher, SharedMessage message, Causes causes = {});
 
   // --- Services
   /// Whether a server is registered now under the client's name.
   bool service_ready(EndpointId client) const;
   /// The request's number, from 1 a client; waits in the bus until a server is there.
-  std::uint64_t call(EndpointId client, SharedMessage request, RecordRef cause = {});
-  /// Answers `request` that was delivered to this service.
-  void respond(EndpointId service, const Delivery& request, SharedMessage response);
+  std::uint64_t call(EndpointId client, SharedMessage request, Causes causes = {});
+  /// Answers `request` that was delivered to this service, now or later. A second answer is ignored: false.
+  bool respond(EndpointId service, const Delivery& request, SharedMessage response);
 
   // --- Actions, client side
   bool action_ready(EndpointId client) const;
   /// The new goal's id (counted per client, no chance in it); the goal waits until a server is there.
-  GoalId send_goal(EndpointId client, SharedMessage goal, RecordRef cause = {});
-  void cancel_goal(EndpointId client, const GoalId& goal);
-  void cancel_all_goals(EndpointId client);
-  void cancel_goals_before(EndpointId client, SimTime stamp);
+  GoalId send_goal(EndpointId client, SharedMessage goal, Causes causes = {});
+  void cancel_goal(EndpointId client, const GoalId& goal, Causes causes = {});
+  /// As in ROS, those of other clients too.
+  void cancel_all_goals(EndpointId client, Causes causes = {});
+  /// Those that were accepted at `stamp` or before.
+  void cancel_goals_before(EndpointId client, SimTime stamp, Causes causes = {});
   /// Status as far as the client has taken deliveries.
   GoalStatus goal_status(EndpointId client, const GoalId& goal) const;
 
-  // --- Actions, server side
-  void answer_goal(EndpointId server, const GoalId& goal, GoalAnswer answer);
-  void answer_cancel(EndpointId server, const Delivery& cancel, bool accept);
-  void execute(EndpointId server, const GoalId& goal);  ///< of a deferred goal
-  void publish_feedback(EndpointId server, const GoalId& goal, SharedMessage feedback);
-  /// Ends the goal: kSucceeded, kAborted or kCanceled. Ending a goal twice is ignored and returns false.
+  // --- Actions, server side. What the state of the goal does not allow is ignored and returns false: a goal is answered
+  // once; accepted -> executing -> (canceling ->) succeeded, aborted; canceled only from canceling.
+  bool answer_goal(EndpointId server, const GoalId& goal, GoalAnswer answer);
+  /// The cancel handler is called once a goal that could be canceled; the client hears of all of them together, when
+  /// the last is answered. A server without a cancel handler rejects.
+  bool answer_cancel(EndpointId server, const Delivery& cancel, bool accept);
+  bool execute(EndpointId server, const GoalId& goal);  ///< of a deferred goal
+  bool publish_feedback(EndpointId server, const GoalId& goal, SharedMessage feedback);
+  /// Ends the goal: kSucceeded, kAborted or kCanceled.
   bool finish(EndpointId server, const GoalId& goal, GoalStatus status, SharedMessage result);
   GoalStatus server_goal_status(EndpointId server, const GoalId& goal) const;
 
   // --- Taking
   bool has_waiting(ParticipantId p) const;   ///< something that `take` would give now
   bool any_waiting() const;                  ///< for any participant now or, between environments, next tick
-  /// All that `p` may take now, in order, and calls each endpoint's handler. Returns how many.
+  /// Takes all that `p` may take now, in order, and calls each endpoint's handler. Returns how many. Handlers may post and
+  /// make or remove endpoints: what they post is for a later call, what waits for a removed endpoint is dropped.
   std::size_t deliver(ParticipantId p);
+  /// Sees what each `deliver` takes, before the handlers; not called where there is nothing.
   void set_input_tap(InputTap* tap);
 
-  // --- Replay: routing is off; posts are recorded as ever but reach nobody; `inject` hands the logged deliveries over.
+  // --- Replay: routing is off; posts are recorded as ever but reach nobody; `inject` hands logged deliveries to the
+  // handlers, in the order given. Their endpoints are found by number, whatever the index of `to` was in the logged run.
   void mute(bool on);
-  void inject(ParticipantId to, std::vector<Delivery> deliveries);
+  void inject(ParticipantId to, const std::vector<Delivery>& deliveries);
 
   // --- Introspection, sorted by name
   struct Info { std::string name, type; int providers = 0, users = 0; };

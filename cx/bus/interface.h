@@ -33,6 +33,7 @@ struct Field {
   std::size_t string_limit = 0;     ///< of a bounded string, 0 = none
   const MessageType* nested = nullptr;
   std::size_t offset = 0;           ///< in bytes from the start of the message
+  std::size_t stride = 0;           ///< bytes of one element
   std::string default_text;         ///< as written in the definition, empty = zero
 };
 

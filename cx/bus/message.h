@@ -60,8 +60,10 @@ class MessageView {
   const MessageView& set(std::string_view field, double value) const;
   const MessageView& set(std::string_view field, std::string_view value) const;
   const MessageView& set(std::string_view field, const char* value) const { return set(field, std::string_view(value)); }
-  /// Appends one default element to a dynamic array of messages and returns it.
+  /// Appends one default element to a dynamic array of messages and returns it (valid until the next append or resize).
   MessageView append(std::string_view field) const;
+  /// Appends one element to a dynamic array of strings.
+  const MessageView& append_text(std::string_view field, std::string_view value) const;
 
   void copy_from(const MessageView& other) const;  ///< same type
   bool equals(const MessageView& other) const;
