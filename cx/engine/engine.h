@@ -1,0 +1,272 @@
+#pragma once
+// One CLIPS environment and all that rules need around it. The only part of cxlab that knows clips.h.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/random.h"
+#include "cx/base/record_sink.h"
+#include "cx/base/time.h"
+#include "cx/engine/function.h"
+#include "cx/engine/outside.h"
+#include "cx/engine/value.h"
+
+namespace clips {
+struct environmentData;
+using Environment = environmentData;
+}  // namespace clips
+
+namespace cxlab {
+
+struct Form;
+
+/// Where in a rule base an error was raised.
+enum class ErrorSide : std::uint8_t {
+  kLoad,      ///< while a construct or a form of a batch file was read
+  kLhs,       ///< a test on a left-hand side
+  kRhs,       ///< an action of a rule
+  kCallback,  ///< a deffunction or form that the host called
+};
+/// "load", "LHS", "RHS", "callback".
+std::string_view to_string(ErrorSide side);
+
+/// An error in rules. `rule` is empty where there is none; a deffunction called by the host has its own name there.
+struct RuleError {
+  std::string rule;
+  std::string file;
+  int line = 0;
+  ErrorSide side = ErrorSide::kLoad;
+  SimTime t{};
+  std::string message;  ///< first line that CLIPS said, with its [CODE]
+  std::string detail;   ///< all that CLIPS said
+
+  /// `file:line: rule NAME, RHS: message`.
+  std::string text() const;
+  Error error() const { return Error{side == ErrorSide::kLoad ? ErrorKind::kInput : ErrorKind::kRun, text_without_place(), file, line, {}}; }
+  std::string text_without_place() const;
+};
+
+enum class LoadMode : std::uint8_t {
+  kConstructs,  ///< as `load*`: a file of constructs
+  kBatch,       ///< as `batch*`: constructs and calls as at the prompt, results not echoed
+};
+
+enum class OnLoadError : std::uint8_t {
+  kStop,       ///< the first error ends the load
+  kKeepGoing,  ///< as CX: every form is tried, all errors are reported
+};
+
+struct LoadReport {
+  std::vector<RuleError> errors;
+  std::size_t forms = 0;  ///< read and handed to CLIPS
+  bool ok() const { return errors.empty(); }
+  /// The first error, or success.
+  Status status() const;
+};
+
+/// A run that spent its limit with rules still waiting.
+struct LoopReport {
+  struct Count {
+    std::string name;
+    std::int64_t count = 0;
+  };
+  std::vector<Count> rules;      ///< most frequent firings of this run first, at most 5
+  std::vector<Count> templates;  ///< whose facts changed most in this run, at most 5
+  /// One sentence for the user.
+  std::string text() const;
+};
+
+struct RunReport {
+  std::int64_t fired = 0;
+  std::vector<RuleError> errors;  ///< all since the last report, those of deliveries before the run included
+  bool loop = false;              ///< the limit was reached with rules left on the agenda
+  LoopReport loop_report;
+};
+
+/// Where a construct was defined. `line` is that of its opening parenthesis; forms built without a file have none.
+struct ConstructInfo {
+  std::string kind;  ///< "defrule", "deftemplate", ...
+  std::string module;
+  std::string name;
+  std::string file;
+  int line = 0;
+  std::string text;  ///< as written
+};
+
+/// A copy of a fact. An ordered fact has the one slot "implied".
+struct FactCopy {
+  std::int64_t index = 0;   ///< as in f-3
+  std::uint64_t number = 0; ///< counted over the life of the environment, as in the journal
+  std::string module;
+  std::string template_name;
+  std::vector<std::pair<std::string, Value>> slots;
+  const Value* slot(std::string_view name) const;
+  /// `(order (id O1) (state OPEN))`.
+  std::string print() const;
+};
+
+struct ActivationInfo {
+  std::string module;
+  std::string rule;
+  int salience = 0;
+  std::vector<std::int64_t> facts;  ///< indices; -1 for a condition without a fact (not, exists)
+};
+
+/// How far a rule has got, one entry a disjunct of its left-hand side.
+struct RuleMatches {
+  struct Pattern {
+    int condition = 0;           ///< counted from 1
+    std::int64_t matches = 0;    ///< facts that match the pattern alone
+    std::int64_t partial = 0;    ///< combinations of conditions 1 .. this that hold together
+    bool negated = false;
+  };
+  std::vector<Pattern> patterns;
+  std::int64_t activations = 0;
+};
+
+struct EngineOptions {
+  std::string name = "main";               ///< of the environment; names its journal stream "env/<name>"
+  std::function<SimTime()> now;            ///< simulated time; without one it stays 0
+  SimTime epoch{};                         ///< since 1970, what simulated time 0 is to `time`, `local-time`, `gm-time`
+  std::uint64_t seed = 0;                  ///< of the episode; `random` draws from (seed, "env/<name>")
+  RecordSink* journal = nullptr;           ///< may be none
+  FileAccess* files = nullptr;             ///< none: every path is refused to rules, `load_file` opens what it is given
+  LookOutside* outside = nullptr;          ///< may be none
+  bool trust_rules = false;                ///< `system`, `remove`, `rename` act
+  std::function<void(std::string_view logical_name, std::string_view text)> on_output;  ///< all that rules print
+};
+
+/// Owns one CLIPS environment. Single-threaded, pinned in memory; several in one process do not notice each other.
+class RuleEngine {
+ public:
+  static Expected<std::unique_ptr<RuleEngine>> create(EngineOptions options);
+  ~RuleEngine();
+  RuleEngine(const RuleEngine&) = delete;
+  RuleEngine& operator=(const RuleEngine&) = delete;
+
+  /// The engine that owns this environment, or null.
+  static RuleEngine* of(clips::Environment* environment);
+  /// For plugins that use the C API. What they do with it is journaled like the rest.
+  clips::Environment* raw() const { return environment_; }
+  const std::string& name() const { return options_.name; }
+  SimTime now() const { return options_.now ? options_.now() : SimTime{}; }
+
+  // --- Loading ---------------------------------------------------------------------------------------------------
+
+  /// Reads a file form by form. A file that cannot be read is one error of the report.
+  LoadReport load_file(const std::string& path, LoadMode mode, OnLoadError on_error = OnLoadError::kStop);
+  LoadReport load_text(std::string_view text, const std::string& file, LoadMode mode,
+                       OnLoadError on_error = OnLoadError::kStop);
+  /// One construct, e.g. a deftemplate of a plugin.
+  Status build(std::string_view construct, const std::string& file = {}, int line = 0);
+  /// Removes a construct; fails while something uses it.
+  Status undefine(std::string_view kind, const std::string& name);
+  bool has(std::string_view kind, const std::string& name) const;
+
+  // --- Facts -----------------------------------------------------------------------------------------------------
+
+  /// `(time 12.5)`: evaluates calls inside, as CLIPS does. Returns the index of the fact; a duplicate returns the old one.
+  Expected<std::int64_t> assert_string(const std::string& fact);
+
+  struct Slot {
+    std::string_view name;
+    Value value;
+  };
+  /// A fact of a deftemplate; slots left out have their defaults. Types are not checked, as at run time in CLIPS.
+  Expected<std::int64_t> assert_fact(const std::string& template_name, std::span<const Slot> slots);
+  Expected<std::int64_t> assert_fact(const std::string& template_name, std::initializer_list<Slot> slots) {
+    return assert_fact(template_name, std::span<const Slot>(slots.begin(), slots.size()));
+  }
+  /// An ordered fact `(name values...)`.
+  Expected<std::int64_t> assert_ordered(const std::string& name, std::span<const Value> values);
+  /// Changes slots; index and place in the journal stay. A change to the same values does nothing.
+  Status modify_fact(std::int64_t index, std::span<const Slot> slots);
+  /// False if there is no such fact.
+  bool retract(std::int64_t index);
+  bool fact_exists(std::int64_t index) const;
+
+  /// In order of assertion; of one template (without module), or all.
+  std::vector<FactCopy> facts(std::string_view template_name = {}) const;
+  Expected<FactCopy> fact(std::int64_t index) const;
+  std::size_t fact_count() const;
+
+  // --- Running ---------------------------------------------------------------------------------------------------
+
+  void reset();
+  void refresh_all_agendas();
+  /// Fires rules until none is left, `limit` have fired (0 = no limit), or a rule raised an error that halts.
+  RunReport run(std::int64_t limit = 0);
+  /// Evaluates a call or a word as at the prompt.
+  Expected<Value> eval(const std::string& expression);
+  /// Calls a function, deffunction or generic by name. An error inside is also in the next report, side callback.
+  Expected<Value> call(const std::string& function, std::span<const Value> args);
+  bool callable(const std::string& function) const;
+  /// Errors since the last report or call of this.
+  std::vector<RuleError> take_errors();
+  bool has_errors() const { return !errors_.empty(); }
+  /// `(exit)` was called by a rule; it ends the run and nothing else.
+  bool exit_requested() const { return exit_requested_; }
+
+  /// "facts", "rules", "activations", ... or "all"; false if there is no such item.
+  bool watch(const std::string& item);
+  bool unwatch(const std::string& item);
+
+  // --- Functions -------------------------------------------------------------------------------------------------
+
+  /// Fails if the name is taken by another function or a construct, or the types are not understood.
+  Status add_function(FunctionSpec spec, Function function);
+  /// Leaves a tombstone that raises "belongs to unloaded plugin P", because compiled rules may still point to it;
+  /// a function added later under that name serves them again.
+  bool remove_function(const std::string& name);
+  void remove_functions_of(const std::string& owner);
+  /// Those added here and not removed, by name.
+  std::vector<FunctionSpec> functions() const;
+  Handle new_handle() { return Handle{++last_handle_}; }
+  /// Names of acting functions called in tests on the left-hand side of a rule, directly or through deffunctions.
+  /// At load each is an error (kStop) or a note for the report (`take_notes`, kKeepGoing).
+  std::vector<Error> take_notes();
+
+  // --- Looking in ------------------------------------------------------------------------------------------------
+
+  /// All constructs with their places, in order of definition.
+  std::vector<ConstructInfo> constructs() const;
+  /// Null if there is none, or it was not read by this engine. `name` may have a module (`MAIN::go`).
+  const ConstructInfo* find_construct(std::string_view kind, std::string_view name) const;
+  std::vector<ActivationInfo> agenda() const;
+  Expected<std::vector<RuleMatches>> matches(const std::string& rule) const;
+  /// The rule whose actions run now, or empty.
+  std::string current_rule() const;
+  RandomStream& random() { return random_; }
+
+  // --- Journal ---------------------------------------------------------------------------------------------------
+
+  StreamId stream() const { return stream_; }
+  /// What asserts and retracts outside of rules are caused by, until the next call; empty = nothing.
+  void set_cause(std::span<const RecordRef> causes);
+  void set_cause(RecordRef cause) { set_cause(std::span<const RecordRef>(&cause, 1)); }
+  void clear_cause() { set_cause(std::span<const RecordRef>{}); }
+  /// The cause of what happens now: the record of the rule that fires, else what `set_cause` said.
+  std::span<const RecordRef> cause() const;
+
+ private:
+  explicit RuleEngine(EngineOptions options);
+  struct Impl;
+
+  EngineOptions options_;
+  clips::Environment* environment_ = nullptr;
+  RandomStream random_;
+  StreamId stream_{};
+  std::uint64_t last_handle_ = 0;
+  std::vector<RuleError> errors_;
+  bool exit_requested_ = false;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cxlab

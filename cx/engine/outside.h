@@ -1,0 +1,31 @@
+#pragma once
+// What rules may see and touch of the world outside, and how that gets into the input log.
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "cx/base/expected.h"
+#include "cx/engine/value.h"
+
+namespace cxlab {
+
+/// Decides on every path that rules name (open, load, batch, load-facts, save-facts, bsave, dribble-on, remove, ...).
+/// Answers with the path to open really; an error is what the rule is told.
+class FileAccess {
+ public:
+  virtual ~FileAccess() = default;
+  /// Called before each reading; the place to log the content.
+  virtual Expected<std::string> for_reading(const std::string& path) = 0;
+  virtual Expected<std::string> for_writing(const std::string& path) = 0;
+};
+
+/// Every result of a function that looks outside passes here: a recording one calls `outside` and keeps the value, a
+/// replaying one answers with the value kept.
+class LookOutside {
+ public:
+  virtual ~LookOutside() = default;
+  virtual Value look(std::string_view function, const std::function<Value()>& outside) = 0;
+};
+
+}  // namespace cxlab
