@@ -13,6 +13,7 @@
 #include "cx/base/expected.h"
 #include "cx/base/record_sink.h"
 #include "cx/base/time.h"
+#include "sim/simulation.h"
 
 namespace cxlab::sim {
 
@@ -123,13 +124,8 @@ class WorldView {
 };
 
 /// The verbs of machines: what the factory's own hardware does to matter. Called in the act phase of a tick.
-class World : public WorldView {
+class World : public WorldView, public Simulation {
  public:
-  /// Moves the world on by whole steps. Fails when the simulation diverges.
-  virtual Status advance(SimTime tick) = 0;
-  /// The next time at which something happens by itself (a belt arrives); kNever if nothing moves, now() if it always steps.
-  virtual SimTime next_event() const = 0;
-
   /// A new piece appears at the belt's processing point x (station frame), or on a shelf spot. Fails if the place is taken
   /// or no spare body is left.
   virtual Expected<PieceId> dispense(StationId station, double x_on_belt, const Stack& stack) = 0;
