@@ -1,0 +1,160 @@
+#include "scenarios/scenario.h"
+
+#include <algorithm>
+#include <array>
+
+namespace cxlab {
+
+namespace {
+
+struct VerbWord {
+  const char* key;
+  Stimulus::Verb verb;
+  const char* content;  ///< the key that carries what is sent, nullptr if none
+  bool typed;
+};
+constexpr std::array<VerbWord, 11> kVerbs{{
+    {"publish", Stimulus::Verb::kPublish, "data", true},
+    {"call", Stimulus::Verb::kCall, "request", true},
+    {"serve", Stimulus::Verb::kServe, "response", true},
+    {"send_goal", Stimulus::Verb::kSendGoal, "goal", true},
+    {"cancel_goal", Stimulus::Verb::kCancelGoal, nullptr, false},
+    {"set_param", Stimulus::Verb::kSetParam, "value", false},
+    {"load_plugin", Stimulus::Verb::kLoadPlugin, nullptr, false},
+    {"unload_plugin", Stimulus::Verb::kUnloadPlugin, nullptr, false},
+    {"create_env", Stimulus::Verb::kCreateEnv, nullptr, false},
+    {"destroy_env", Stimulus::Verb::kDestroyEnv, nullptr, false},
+    {"stop_node", Stimulus::Verb::kStopNode, nullptr, false},
+}};
+
+Stimulus read_stimulus(const yaml::Value& value) {
+  Stimulus stimulus;
+  stimulus.file = value.file();
+  stimulus.line = value.line();
+  yaml::Map map = value.as_map();
+  map.require("at");
+  map.read_seconds("at", stimulus.at);
+  int verbs = 0;
+  for (const VerbWord& word : kVerbs) {
+    const yaml::Value target = map.get(word.key);
+    if (!target) continue;
+    ++verbs;
+    stimulus.verb = word.verb;
+    if (word.verb == Stimulus::Verb::kLoadPlugin || word.verb == Stimulus::Verb::kUnloadPlugin) {
+      yaml::Map plugin = target.as_map();
+      stimulus.target = plugin.require("env").as_string();
+      stimulus.content = plugin.require("plugin").as_string();
+      plugin.finish();
+    } else {
+      stimulus.target = target.as_string();
+    }
+    if (word.typed) stimulus.type = map.require("type").as_string();
+    if (word.content)
+      if (const yaml::Value content = map.get(word.content)) stimulus.content = content.dump();
+  }
+  if (verbs != 1) {
+    std::string list;
+    for (const VerbWord& word : kVerbs) list += (list.empty() ? "" : ", ") + std::string(word.key);
+    value.fail("found " + std::to_string(verbs) + " verbs, expected exactly one of: " + list);
+  }
+  map.finish();
+  return stimulus;
+}
+
+void read_names(yaml::Map map, std::map<std::string, std::string>& out) {
+  for (const auto& [key, value] : map.entries()) out[key] = value.as_string();
+}
+
+AgentSpec read_agent(const yaml::Value& value) {
+  AgentSpec agent;
+  yaml::Map map = value.as_map();
+  agent.config = map.require("config").as_string();
+  map.read("namespace", agent.name_space);
+  if (const yaml::Value remap = map.get("remap"))
+    for (const auto& [from, to] : remap.as_map().entries()) agent.remaps.emplace_back(from, to.as_string());
+  if (const yaml::Value packages = map.get("packages")) read_names(packages.as_map(), agent.packages);
+  if (const yaml::Value params = map.get("params"))
+    for (const auto& [name, param] : params.as_map().entries()) agent.params.emplace_back(name, param.dump());
+  map.finish();
+  if (agent.name_space.empty() || agent.name_space[0] != '/')
+    map.get("namespace").fail("found '" + agent.name_space + "', expected an absolute name like /cyan");
+  return agent;
+}
+
+Expectation read_expectation(const yaml::Value& value) {
+  Expectation expectation;
+  expectation.line = value.line();
+  yaml::Map map = value.as_map();
+  expectation.path = map.require("path").as_string();
+  if (const yaml::Value v = map.get("min")) expectation.min = v.as_number();
+  if (const yaml::Value v = map.get("max")) expectation.max = v.as_number();
+  if (const yaml::Value v = map.get("equals")) expectation.equals = v.as_string();
+  if (!expectation.min && !expectation.max && !expectation.equals) value.fail("expected min, max or equals");
+  map.finish();
+  return expectation;
+}
+
+}  // namespace
+
+std::vector<Stimulus> read_stimuli(const yaml::Value& list) {
+  std::vector<Stimulus> stimuli;
+  for (const yaml::Value& item : list.as_list()) stimuli.push_back(read_stimulus(item));
+  std::stable_sort(stimuli.begin(), stimuli.end(), [](const Stimulus& a, const Stimulus& b) { return a.at < b.at; });
+  return stimuli;
+}
+
+Expected<Scenario> Scenario::load(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  auto document = yaml::Document::load(file);
+  if (!document) return document.error();
+  for (const std::string& assignment : overrides)
+    if (Status s = document->set(assignment); !s) return s.error();
+
+  Scenario scenario;
+  scenario.file = file;
+  scenario.name = file.stem().string();
+  scenario.overrides = overrides;
+  yaml::Map map = document->root().as_map();
+  if (const yaml::Value schema = map.require("schema"); schema && schema.as_integer() != 1)
+    schema.fail("found " + schema.text() + ", expected 1");
+  if (const yaml::Value world = map.get("world")) {
+    yaml::Map world_map = world.as_map();
+    std::string kind = "none";
+    world_map.read_word("kind", kind, {"none", "rcll"});
+    if (kind == "rcll") {
+      scenario.world_kind = WorldKind::kRcll;
+      rcll::read_config(world_map, scenario.rcll);
+      scenario.duration = scenario.rcll.production;
+    }
+    world_map.finish();
+  }
+  std::string tier = "physics";
+  map.read_word("tier", tier, {"physics", "timed"});
+  scenario.tier = tier == "timed" ? Tier::kTimed : Tier::kPhysics;
+  map.read("seed", scenario.seed).read("epoch", scenario.epoch);
+  map.read_seconds("duration_s", scenario.duration).read_seconds("tick_s", scenario.tick).read_seconds("physics_step_s", scenario.physics_step);
+  if (const yaml::Value packages = map.get("packages")) read_names(packages.as_map(), scenario.packages);
+  if (const yaml::Value agents = map.get("agents"))
+    for (const yaml::Value& agent : agents.as_list()) scenario.agents.push_back(read_agent(agent));
+  if (const yaml::Value stimuli = map.get("stimuli")) scenario.stimuli = read_stimuli(stimuli);
+  std::string on_rule_error = "stop";
+  map.read_word("on_rule_error", on_rule_error, {"stop", "continue"});
+  scenario.stop_on_rule_error = on_rule_error == "stop";
+  map.read("max_firings_per_tick", scenario.max_firings_per_tick).read("trust_rules", scenario.trust_rules);
+  if (const yaml::Value expect = map.get("expect"))
+    for (const yaml::Value& item : expect.as_list()) scenario.expect.push_back(read_expectation(item));
+  map.finish();
+
+  if (scenario.tick <= SimTime::zero()) map.get("tick_s").fail("must be more than 0");
+  else if (scenario.physics_step <= SimTime::zero() || scenario.tick % scenario.physics_step != SimTime::zero())
+    map.get("physics_step_s").fail("tick_s must be a whole multiple of physics_step_s");
+  if (scenario.max_firings_per_tick < 0) map.get("max_firings_per_tick").fail("must be 0 (no limit) or more");
+  if (Status s = document->status(); !s) return s.error();
+  return scenario;
+}
+
+std::filesystem::path Scenario::resolve(const std::string& relative) const {
+  const std::filesystem::path path(relative);
+  return path.is_absolute() ? path : (file.parent_path() / path).lexically_normal();
+}
+
+}  // namespace cxlab

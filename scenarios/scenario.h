@@ -1,0 +1,83 @@
+#pragma once
+// A scenario: everything that an episode is made of, read from one YAML file. The structs are the schema: each field has
+// its unit and default. Unknown keys are errors.
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/time.h"
+#include "cx/yaml/yaml.h"
+#include "scenarios/rcll/config.h"
+
+namespace cxlab {
+
+enum class Tier : std::uint8_t { kPhysics, kTimed };
+
+/// One environment manager with its environments.
+struct AgentSpec {
+  std::string config;      ///< YAML of the CX, relative to the scenario file
+  std::string name_space = "/";
+  std::vector<std::pair<std::string, std::string>> remaps;   ///< FROM := TO
+  std::map<std::string, std::string> packages;               ///< package -> folder, relative to the scenario file
+  std::vector<std::pair<std::string, std::string>> params;   ///< NODE.NAME -> value
+};
+
+/// Something that happens at a time whatever the rules do: exactly one of the verbs.
+struct Stimulus {
+  enum class Verb { kPublish, kCall, kServe, kSendGoal, kCancelGoal, kSetParam, kLoadPlugin, kUnloadPlugin, kCreateEnv, kDestroyEnv, kStopNode };
+  SimTime at{};
+  Verb verb{};
+  std::string target;   ///< topic, service, action, NODE.NAME, environment or node
+  std::string type;     ///< interface
+  std::string content;  ///< data, request, response, goal or value as YAML; plugin name
+  std::string file;     ///< where it stands, for errors
+  int line = 0;
+};
+
+/// What must hold of the result; otherwise `cxlab run` ends with exit code 1.
+struct Expectation {
+  std::string path;                 ///< into result.json, e.g. "teams.CYAN.points"
+  std::optional<double> min, max;
+  std::optional<std::string> equals;
+  int line = 0;
+};
+
+struct Scenario {
+  std::string name;                    ///< the file's name without extension
+  std::filesystem::path file;
+  std::vector<std::string> overrides;  ///< as given by --set
+
+  enum class WorldKind { kNone, kRcll };
+  WorldKind world_kind = WorldKind::kNone;
+  rcll::Config rcll;                   ///< of kind rcll
+
+  Tier tier = Tier::kPhysics;
+  std::uint64_t seed = 1;
+  double epoch = 1767225600;           ///< s since 1970 at simulated time 0 (default 2026-01-01)
+  SimTime duration = from_seconds(60);
+  SimTime tick = from_seconds(0.02);
+  SimTime physics_step = from_seconds(0.01);
+  std::map<std::string, std::string> packages;  ///< interface and share folders, for all agents
+  std::vector<AgentSpec> agents;
+  std::vector<Stimulus> stimuli;
+  bool stop_on_rule_error = true;      ///< on_rule_error: stop | continue
+  std::int64_t max_firings_per_tick = 100000;  ///< 0 = no limit
+  bool trust_rules = false;
+  std::vector<Expectation> expect;
+
+  /// Reads the file, applies the overrides, checks everything that can be checked without loading more.
+  static Expected<Scenario> load(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+  /// `relative` as a path from the scenario's folder.
+  std::filesystem::path resolve(const std::string& relative) const;
+};
+
+/// A list of stimuli, from a scenario or from a file of its own.
+std::vector<Stimulus> read_stimuli(const yaml::Value& list);
+
+}  // namespace cxlab
