@@ -36,7 +36,7 @@ class AppendFile {
   std::uint64_t size() const { return written_ + buffer_.size(); }
 
  private:
-  Status fail(int error_number);
+  Status fail(int error_number, std::size_t buffered_bytes_written);
 
   int descriptor_ = -1;
   std::string path_;

@@ -52,7 +52,7 @@ class StoredFiles {
  private:
   explicit StoredFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
   std::filesystem::path folder_;
-  std::map<std::string, std::vector<std::string>> hashes_;
+  std::map<std::string, std::string> hashes_;  // by name
 };
 
 }  // namespace cxlab

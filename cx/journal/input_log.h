@@ -87,10 +87,11 @@ class InputLogWriter {
   void begin(std::uint8_t entry, SimTime t);
   void finish(SimTime t);
   void put_name(std::string_view name);
+  void end_chunk();
 
   AppendFile file_;
-  std::string entry_;   // the one being written
-  std::string chunk_;   // whole ones
+  std::string chunk_;   // entries that come together
+  std::string framed_;  // a chunk with its length and checksum
   std::map<std::string, std::uint64_t, std::less<>> names_;
   SimTime last_t_{};
   SimTime flush_due_{};
@@ -111,12 +112,13 @@ class InputLogReader {
  private:
   InputLogReader() = default;
   bool open_chunk();
-  void fail(std::size_t at, const std::string& what);
+  void fail(const std::string& what);
 
   std::string path_;
   std::shared_ptr<const std::string> bytes_;
-  std::size_t position_ = 0;       // of the next chunk
-  std::string_view chunk_;         // what is left of the current one
+  std::size_t position_ = 0;     // of the next chunk
+  std::size_t chunk_start_ = 0;  // of the current one
+  std::string_view chunk_;       // what is left of the current one
   std::shared_ptr<std::deque<std::string>> names_;
   SimTime last_t_{};
   Status status_;

@@ -1,0 +1,148 @@
+#include "cx/journal/file_store.h"
+
+#include <xxhash.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "cx/journal/hash_text.h"
+#include "cx/journal/run_folder.h"
+
+namespace cxlab {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr int kSchema = 1;
+
+/// A name stays inside the folder under which it is laid out.
+bool is_logical_name(const std::string& name) {
+  if (name.empty() || name.front() == '/' || name.find('\0') != std::string::npos) return false;
+  std::size_t start = 0;
+  while (start <= name.size()) {
+    const std::size_t end = std::min(name.find('/', start), name.size());
+    const std::string part = name.substr(start, end - start);
+    if (part.empty() || part == "." || part == "..") return false;
+    start = end + 1;
+  }
+  return true;
+}
+
+bool is_hash(const std::string& text) {
+  return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+Status make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error) return {};
+  return Error{ErrorKind::kResource, "cannot be made: " + error.message(), folder.string(), 0, {}};
+}
+
+}  // namespace
+
+std::string content_hash(std::string_view bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  return hash_text(hash.high64, hash.low64);
+}
+
+Expected<std::string> read_file(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) return input_error("is a folder, expected a file", path.string());
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return input_error("cannot be read", path.string());
+  std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  if (file.bad()) return input_error("cannot be read", path.string());
+  return bytes;
+}
+
+Expected<FileStore> FileStore::create(const fs::path& run) {
+  FileStore store(run / "files");
+  if (Status s = make_folder(store.folder_); !s) return s.error();
+  return store;
+}
+
+Status FileStore::add(const std::string& logical_name, const fs::path& source) {
+  auto bytes = read_file(source);
+  if (!bytes) return bytes.error();
+  return add_content(logical_name, *bytes);
+}
+
+Status FileStore::add_content(const std::string& logical_name, std::string_view bytes) {
+  if (!is_logical_name(logical_name)) {
+    return Error{ErrorKind::kBug, "'" + logical_name + "' is no relative name for a copy", {}, 0, {}};
+  }
+  const std::string hash = content_hash(bytes);
+  auto& hashes = hashes_[logical_name];
+  if (std::find(hashes.begin(), hashes.end(), hash) != hashes.end()) return {};
+  std::error_code ignored;
+  if (!fs::exists(folder_ / hash, ignored)) {
+    if (Status s = replace_file(folder_ / hash, bytes); !s) return s;
+  }
+  hashes.push_back(hash);
+  return {};
+}
+
+Status FileStore::write_index() const {
+  Json files = Json::object();
+  Json changed = Json::object();
+  for (const auto& [name, hashes] : hashes_) {
+    files[name] = hashes.front();
+    if (hashes.size() > 1) changed[name] = std::vector<std::string>(hashes.begin() + 1, hashes.end());
+  }
+  const Json index = {{"schema", kSchema}, {"files", files}, {"changed", changed}};
+  return replace_file(folder_ / "index.json", index.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+Expected<StoredFiles> StoredFiles::open(const fs::path& run) {
+  StoredFiles store(run / "files");
+  const std::string index_path = (store.folder_ / "index.json").string();
+  auto text = read_file(index_path);
+  if (!text) return text.error();
+  const Json index = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
+  if (!index.is_object() || index.value("schema", Json()) != kSchema || !index.contains("files") ||
+      !index["files"].is_object()) {
+    return input_error("expected an index of copied files, schema " + std::to_string(kSchema), index_path);
+  }
+  for (const auto& [name, hash] : index["files"].items()) {
+    if (!is_logical_name(name)) return input_error("'" + name + "' leaves the folder of the run", index_path);
+    if (!hash.is_string() || !is_hash(hash.get<std::string>())) {
+      return input_error("expected a hash of 32 hex digits for '" + name + "'", index_path);
+    }
+    store.hashes_[name] = hash.get<std::string>();
+  }
+  return store;
+}
+
+std::vector<std::string> StoredFiles::names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, hash] : hashes_) names.push_back(name);
+  return names;
+}
+
+Expected<std::string> StoredFiles::read(const std::string& logical_name) const {
+  const auto found = hashes_.find(logical_name);
+  if (found == hashes_.end()) return input_error("the run kept no copy of '" + logical_name + "'", folder_.string());
+  const fs::path path = folder_ / found->second;
+  auto bytes = read_file(path);
+  if (bytes && content_hash(*bytes) != found->second) {
+    return input_error("the copy of '" + logical_name + "' was changed: its content does not have this hash", path.string());
+  }
+  return bytes;
+}
+
+Status StoredFiles::materialise(const fs::path& folder) const {
+  for (const auto& [name, hash] : hashes_) {
+    auto bytes = read(name);
+    if (!bytes) return bytes.error();
+    const fs::path path = folder / name;
+    if (Status s = make_folder(path.parent_path()); !s) return s;
+    if (Status s = replace_file(path, *bytes); !s) return s;
+  }
+  return {};
+}
+
+}  // namespace cxlab

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace cxlab {
+
+/// A hash of 128 bits as 32 lower-case hex digits, most significant first.
+std::string hash_text(std::uint64_t high, std::uint64_t low);
+
+}  // namespace cxlab

@@ -1,0 +1,190 @@
+#include "cx/journal/journal.h"
+
+#include <xxhash.h>
+
+#include <bit>
+#include <cassert>
+#include <charconv>
+#include <cstring>
+#include <limits>
+
+#include "cx/journal/hash_text.h"
+#include "cx/journal/record_value.h"
+
+namespace cxlab {
+namespace {
+
+constexpr SimTime kFlushInterval = std::chrono::seconds(10);
+
+// Hashed integers are little-endian bytes.
+static_assert(std::endian::native == std::endian::little);
+
+template <class T>
+void put(std::string& out, T value) {
+  char bytes[sizeof value];
+  std::memcpy(bytes, &value, sizeof value);
+  out.append(bytes, sizeof value);
+}
+
+void append_integer(std::string& out, std::int64_t value) {
+  char digits[24];
+  out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+}
+
+std::string hash_text(XXH128_hash_t hash) { return cxlab::hash_text(hash.high64, hash.low64); }
+
+struct FreeState {
+  void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+};
+
+}  // namespace
+
+struct Journal::Stream {
+  explicit Stream(std::string_view stream_name)
+      : name(stream_name), name_hash(XXH3_64bits(name.data(), name.size())), hash(XXH3_createState()) {
+    XXH3_128bits_reset(hash.get());
+    append_json_string(name, json_name);
+  }
+
+  std::string name;
+  std::string json_name;  // in quotes
+  std::uint64_t name_hash;
+  std::uint64_t records = 0;
+  std::unique_ptr<XXH3_state_t, FreeState> hash;
+};
+
+Expected<JournalLevel> parse_journal_level(std::string_view word) {
+  if (word == "none") return JournalLevel::kNone;
+  if (word == "decisions") return JournalLevel::kDecisions;
+  if (word == "full") return JournalLevel::kFull;
+  return Error{ErrorKind::kUsage, "'" + std::string(word) + "' is no journal level: none, decisions or full", {}, 0, {}};
+}
+
+bool is_exported(RecordKind kind, JournalLevel level) {
+  switch (level) {
+    case JournalLevel::kNone: return false;
+    case JournalLevel::kFull: return true;
+    case JournalLevel::kDecisions: break;
+  }
+  switch (kind) {
+    case RecordKind::kInput:
+    case RecordKind::kSkill:
+    case RecordKind::kReferee:
+    case RecordKind::kDecision:
+    case RecordKind::kControl:
+    case RecordKind::kError: return true;
+    case RecordKind::kAssert:
+    case RecordKind::kRetract:
+    case RecordKind::kModify:
+    case RecordKind::kFire:
+    case RecordKind::kBus: return false;
+  }
+  return false;
+}
+
+Journal::Journal() = default;
+Journal::~Journal() = default;
+
+Status Journal::export_to(const std::filesystem::path& path, JournalLevel level) {
+  auto file = AppendFile::create(path);
+  if (!file) return file.error();
+  file_ = std::move(*file);
+  level_ = level;
+  flush_due_ = kFlushInterval;
+  return {};
+}
+
+StreamId Journal::open_stream(std::string_view name) {
+  if (const auto found = ids_.find(name); found != ids_.end()) return found->second;
+  assert(streams_.size() <= std::numeric_limits<std::uint16_t>::max());
+  const auto id = static_cast<StreamId>(streams_.size());
+  streams_.push_back(std::make_unique<Stream>(name));
+  ids_.emplace(name, id);
+  return id;
+}
+
+RecordRef Journal::write(StreamId id, SimTime t, RecordKind kind, const RecordData& data,
+                         std::span<const RecordRef> causes) {
+  assert(static_cast<std::size_t>(id) < streams_.size());
+  Stream& stream = *streams_[static_cast<std::size_t>(id)];
+
+  scratch_.clear();
+  put(scratch_, stream.records);
+  put(scratch_, static_cast<std::int64_t>(t.count()));
+  put(scratch_, static_cast<std::uint8_t>(kind));
+  put(scratch_, static_cast<std::uint32_t>(causes.size()));
+  for (const RecordRef& cause : causes) {
+    assert(static_cast<std::size_t>(cause.stream) < streams_.size());
+    put(scratch_, streams_[static_cast<std::size_t>(cause.stream)]->name_hash);
+    put(scratch_, cause.n);
+  }
+  put(scratch_, static_cast<std::uint32_t>(data.bytes().size()));
+  scratch_.append(data.bytes());
+  XXH3_128bits_update(stream.hash.get(), scratch_.data(), scratch_.size());
+
+  if (file_.is_open() && is_exported(kind, level_)) export_line(stream, t, kind, data, causes);
+  return {id, stream.records++};
+}
+
+void Journal::export_line(const Stream& stream, SimTime t, RecordKind kind, const RecordData& data,
+                          std::span<const RecordRef> causes) {
+  line_.assign("{\"stream\":");
+  line_ += stream.json_name;
+  line_ += ",\"n\":";
+  append_integer(line_, static_cast<std::int64_t>(stream.records));
+  line_ += ",\"t\":";
+  append_integer(line_, t.count());
+  line_ += ",\"kind\":\"";
+  line_ += to_string(kind);
+  line_ += "\",\"data\":";
+  const Status well_formed = append_json(data.bytes(), line_);
+  assert(well_formed.ok() && "RecordData: a list or map without as many values as it announced");
+  line_ += ",\"cause\":[";
+  for (std::size_t i = 0; i < causes.size(); ++i) {
+    if (i > 0) line_ += ',';
+    line_ += streams_[static_cast<std::size_t>(causes[i].stream)]->json_name;
+    line_.back() = ':';
+    append_integer(line_, static_cast<std::int64_t>(causes[i].n));
+    line_ += '"';
+  }
+  line_ += "]}\n";
+  (void)file_.append(line_);
+  if (t >= flush_due_) {
+    (void)file_.flush();
+    flush_due_ = t + kFlushInterval;
+  }
+}
+
+const std::string& Journal::stream_name(StreamId stream) const {
+  assert(static_cast<std::size_t>(stream) < streams_.size());
+  return streams_[static_cast<std::size_t>(stream)]->name;
+}
+
+std::vector<Journal::StreamSummary> Journal::streams() const {
+  std::vector<StreamSummary> summaries;
+  for (const auto& [name, id] : ids_) {
+    const Stream& stream = *streams_[static_cast<std::size_t>(id)];
+    if (stream.records == 0) continue;
+    summaries.push_back({name, stream.records, hash_text(XXH3_128bits_digest(stream.hash.get()))});
+  }
+  return summaries;
+}
+
+std::string Journal::stream_hash(std::string_view name) const {
+  const auto found = ids_.find(name);
+  if (found == ids_.end()) return {};
+  const Stream& stream = *streams_[static_cast<std::size_t>(found->second)];
+  return stream.records == 0 ? std::string{} : hash_text(XXH3_128bits_digest(stream.hash.get()));
+}
+
+std::string Journal::journal_hash() const {
+  std::string all;
+  for (const StreamSummary& stream : streams()) {
+    put(all, static_cast<std::uint32_t>(stream.name.size()));
+    all += stream.name;
+    all += stream.hash;
+  }
+  return hash_text(XXH3_128bits(all.data(), all.size()));
+}
+
+}  // namespace cxlab

@@ -1,0 +1,96 @@
+#include "cx/journal/run_folder.h"
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include <sys/stat.h>
+
+#include "cx/journal/append_file.h"
+
+namespace cxlab {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a run writes; `--force` takes these away from a former one.
+constexpr const char* kFilesOfARun[] = {"manifest.json", "result.json", "inputs.bin", "journal.jsonl", "index.html",
+                                        "logs",          "snapshots",   "files"};
+
+Error resource_error(const fs::path& path, const std::string& why) {
+  return Error{ErrorKind::kResource, "cannot be made: " + why, path.string(), 0, {}};
+}
+
+bool holds_a_run(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::exists(folder / "manifest.json", ignored) || fs::exists(folder / "result.json", ignored);
+}
+
+}  // namespace
+
+Status replace_file(const fs::path& path, std::string_view text) {
+  const fs::path unfinished = path.string() + ".part";
+  auto file = AppendFile::create(unfinished);
+  if (!file) return file.error();
+  Status status = file->append(text);
+  if (status) status = file->close();
+  std::error_code error;
+  if (status) {
+    fs::rename(unfinished, path, error);
+    if (!error) return {};
+    status = Error{ErrorKind::kResource, "cannot be written: " + error.message(), path.string(), 0, {}};
+  }
+  fs::remove(unfinished, error);
+  return status;
+}
+
+Expected<RunFolder> RunFolder::create_numbered(const fs::path& parent, const std::string& name) {
+  std::error_code error;
+  fs::create_directories(parent, error);
+  if (error) return resource_error(parent, error.message());
+  for (int number = 1;; ++number) {
+    const fs::path path = parent / (number == 1 ? name : name + "-" + std::to_string(number));
+    if (::mkdir(path.c_str(), 0777) == 0) return RunFolder(path);
+    if (errno != EEXIST) return resource_error(path, std::strerror(errno));
+  }
+}
+
+Expected<RunFolder> RunFolder::create_at(const fs::path& path, bool force) {
+  std::error_code error;
+  const fs::file_status found = fs::status(path, error);
+  if (fs::exists(found)) {
+    if (!fs::is_directory(found)) {
+      return Error{ErrorKind::kUsage, "the output folder is a file", path.string(), 0, {}};
+    }
+    const bool empty = fs::is_empty(path, error);
+    if (error) return resource_error(path, error.message());
+    if (!empty && !force) {
+      return Error{ErrorKind::kUsage, "the output folder is not empty; --force writes into it all the same",
+                   path.string(), 0, {}};
+    }
+    if (!empty && holds_a_run(path)) {
+      for (const char* name : kFilesOfARun) {
+        fs::remove_all(path / name, error);
+        if (error) return resource_error(path / name, error.message());
+      }
+    }
+    return RunFolder(path);
+  }
+  fs::create_directories(path, error);
+  if (error) return resource_error(path, error.message());
+  return RunFolder(path);
+}
+
+Expected<fs::path> RunFolder::subfolder(std::string_view name) const {
+  const fs::path path = path_ / name;
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) return resource_error(path, error.message());
+  return path;
+}
+
+Status RunFolder::write(std::string_view name, std::string_view text) const {
+  return replace_file(path_ / name, text);
+}
+
+}  // namespace cxlab

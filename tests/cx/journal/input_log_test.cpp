@@ -1,0 +1,213 @@
+#include "cx/journal/input_log.h"
+
+#include <gmock/gmock.h>
+#include <xxhash.h>
+
+#include <cstring>
+#include <random>
+
+#include "temp_folder.h"
+
+namespace cxlab {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+LoggedDelivery topic(std::string_view message) {
+  LoggedDelivery d;
+  d.kind = 8;
+  d.from = "node/referee";
+  d.sequence = 300;
+  d.endpoint = 2;
+  d.type = "llsf_msgs/msg/GameState";
+  d.message = message;
+  d.cause_stream = "node/referee";
+  d.cause_n = 1'000'000;
+  return d;
+}
+
+LoggedDelivery goal_result() {
+  LoggedDelivery d;
+  d.kind = 7;
+  d.from = "node/robot1";
+  d.endpoint = 70'000;
+  d.goal = {1, 2, 3};
+  d.accepted = true;
+  d.status = 6;
+  d.return_code = -1;
+  d.stamp = seconds(3);
+  d.request_id = 9;
+  d.goals_canceling = {{{9}, seconds(1)}, {{8}, seconds(-2)}};
+  d.cause_stream = "node/robot1";
+  return d;
+}
+
+void add_some(InputLogWriter& log, int rounds = 1) {
+  for (int i = 0; i < rounds; ++i) {
+    const SimTime t = milliseconds(20) * i;
+    log.add(LoggedTake{t, "env/a", {topic("hello"), goal_result()}});
+    log.add(LoggedTake{t, "env/b", {}});
+    log.add(LoggedResult{t, "env/a", "read-line", "typed"});
+    log.add(LoggedWorld{t, "world", std::string_view("\0\1\2", 3)});
+  }
+}
+
+std::string bytes_of(int rounds = 1) {
+  TempFolder temp;
+  auto log = InputLogWriter::create(temp / "inputs.bin");
+  add_some(*log, rounds);
+  EXPECT_TRUE(log->close().ok());
+  return content_of(temp / "inputs.bin");
+}
+
+struct Read {
+  std::size_t entries = 0;
+  Status status;
+};
+
+Read read_all(std::string bytes) {
+  auto reader = InputLogReader::from_bytes(std::move(bytes), "inputs.bin");
+  if (!reader) return {0, reader.error()};
+  Read read;
+  while (reader->next()) ++read.entries;
+  read.status = reader->status();
+  return read;
+}
+
+TEST(InputLog, GivesBackEveryFieldOfEveryEntry) {
+  auto reader = InputLogReader::from_bytes(bytes_of(2), "inputs.bin");
+  ASSERT_TRUE(reader.ok());
+  for (int i = 0; i < 2; ++i) {
+    const auto take = std::get<LoggedTake>(*reader->next());
+    EXPECT_EQ(take.t, milliseconds(20) * i);
+    EXPECT_EQ(take.to, "env/a");
+    ASSERT_EQ(take.deliveries.size(), 2u);
+
+    const LoggedDelivery& message = take.deliveries[0];
+    EXPECT_EQ(message.kind, 8);
+    EXPECT_EQ(message.from, "node/referee");
+    EXPECT_EQ(message.sequence, 300u);
+    EXPECT_EQ(message.endpoint, 2u);
+    EXPECT_EQ(message.type, "llsf_msgs/msg/GameState");
+    EXPECT_EQ(message.message, "hello");
+    EXPECT_FALSE(message.accepted);
+    EXPECT_TRUE(message.goals_canceling.empty());
+    EXPECT_EQ(message.cause_stream, "node/referee");
+    EXPECT_EQ(message.cause_n, 1'000'000u);
+
+    const LoggedDelivery& result = take.deliveries[1];
+    const LoggedDelivery expected = goal_result();
+    EXPECT_EQ(result.type, "");
+    EXPECT_EQ(result.endpoint, expected.endpoint);
+    EXPECT_EQ(result.goal, expected.goal);
+    EXPECT_TRUE(result.accepted);
+    EXPECT_EQ(result.status, expected.status);
+    EXPECT_EQ(result.return_code, expected.return_code);
+    EXPECT_EQ(result.stamp, expected.stamp);
+    EXPECT_EQ(result.request_id, expected.request_id);
+    EXPECT_EQ(result.goals_canceling, expected.goals_canceling);
+
+    EXPECT_EQ(std::get<LoggedTake>(*reader->next()).to, "env/b");
+    const auto typed = std::get<LoggedResult>(*reader->next());
+    EXPECT_EQ(typed.t, milliseconds(20) * i);
+    EXPECT_EQ(typed.environment, "env/a");
+    EXPECT_EQ(typed.key, "read-line");
+    EXPECT_EQ(typed.bytes, "typed");
+    const auto world = std::get<LoggedWorld>(*reader->next());
+    EXPECT_EQ(world.world, "world");
+    EXPECT_EQ(world.bytes, std::string_view("\0\1\2", 3));
+  }
+  EXPECT_FALSE(reader->next());
+  EXPECT_TRUE(reader->status().ok());
+}
+
+TEST(InputLog, SpellsANameOnce) {
+  const std::string bytes = bytes_of(100);
+  EXPECT_EQ(bytes.find("llsf_msgs", bytes.find("llsf_msgs") + 1), std::string::npos);
+  EXPECT_LT(bytes.size(), 100 * 130u);
+}
+
+TEST(InputLog, AnEndThatIsCutOffLosesOnlyItsChunk) {
+  TempFolder temp;
+  auto log = InputLogWriter::create(temp / "inputs.bin");
+  add_some(*log);
+  ASSERT_TRUE(log->flush().ok());
+  const auto whole = std::filesystem::file_size(temp / "inputs.bin");
+  add_some(*log);
+  ASSERT_TRUE(log->close().ok());
+  const std::string bytes = content_of(temp / "inputs.bin");
+
+  for (std::size_t size = whole + 1; size < bytes.size(); ++size) {
+    const Read read = read_all(bytes.substr(0, size));
+    EXPECT_EQ(read.entries, 4u) << size;
+    ASSERT_FALSE(read.status.ok()) << size;
+    EXPECT_THAT(read.status.error().text(), HasSubstr("inputs.bin: broken at byte " + std::to_string(whole)));
+    EXPECT_THAT(read.status.error().text(), HasSubstr("cut off"));
+  }
+  EXPECT_TRUE(read_all(bytes.substr(0, whole)).status.ok());
+  EXPECT_EQ(read_all(bytes).entries, 8u);
+}
+
+TEST(InputLog, EntriesReachTheFileWithinTenSimulatedSeconds) {
+  TempFolder temp;
+  auto log = InputLogWriter::create(temp / "inputs.bin");
+  log->add(LoggedWorld{seconds(9), "world", "a"});
+  EXPECT_EQ(std::filesystem::file_size(temp / "inputs.bin"), 0u);
+  log->add(LoggedWorld{seconds(10), "world", "b"});
+  EXPECT_EQ(read_all(content_of(temp / "inputs.bin")).entries, 2u);
+}
+
+TEST(InputLog, AFullDiskIsAnErrorAndLeavesWholeChunks) {
+  TempFolder temp;
+  auto log = InputLogWriter::create(temp / "inputs.bin");
+  {
+    FileSizeLimit limit(100'000);
+    add_some(*log, 5000);
+    EXPECT_FALSE(log->close().ok());
+  }
+  EXPECT_EQ(log->status().error().kind, ErrorKind::kResource);
+  const Read read = read_all(content_of(temp / "inputs.bin"));
+  EXPECT_GT(read.entries, 1000u);
+  EXPECT_TRUE(read.status.ok()) << read.status.error().text();
+}
+
+TEST(InputLog, AnyChangedByteIsNoticed) {
+  const std::string bytes = bytes_of();
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    std::string changed = bytes;
+    changed[i] = static_cast<char>(changed[i] ^ 0x20);
+    EXPECT_FALSE(read_all(changed).status.ok()) << "byte " << i;
+  }
+}
+
+TEST(InputLog, ContentThatNoWriterMakesIsAnErrorEvenWithARightChecksum) {
+  const std::string bytes = bytes_of(3);
+  constexpr std::size_t kHeader = 8 + 12;
+  std::mt19937_64 random(2026);
+  int refused = 0;
+  for (int round = 0; round < 20'000; ++round) {
+    std::string payload = bytes.substr(kHeader);
+    for (int change = 0; change < 3; ++change) payload[random() % payload.size()] = static_cast<char>(random());
+    if (round % 2) payload.resize(random() % payload.size());
+    const auto length = static_cast<std::uint32_t>(payload.size());
+    const std::uint64_t checksum = XXH3_64bits(payload.data(), payload.size());
+    std::string changed = bytes.substr(0, kHeader) + payload;
+    std::memcpy(changed.data() + 8, &length, sizeof length);
+    std::memcpy(changed.data() + 12, &checksum, sizeof checksum);
+    const Read read = read_all(changed);
+    EXPECT_LE(read.entries, payload.size());
+    if (!read.status) ++refused;
+  }
+  EXPECT_GT(refused, 10'000);
+}
+
+TEST(InputLog, AnotherFileIsRefused) {
+  EXPECT_FALSE(InputLogReader::from_bytes("", "x").ok());
+  EXPECT_THAT(InputLogReader::from_bytes("{\"stream\"", "x").error().text(), HasSubstr("x: expected an input log"));
+  EXPECT_FALSE(InputLogReader::open("/nowhere/inputs.bin").ok());
+}
+
+}  // namespace
+}  // namespace cxlab

@@ -1,0 +1,314 @@
+#include "cx/journal/journal.h"
+
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <limits>
+
+#include "cx/journal/journal_reader.h"
+#include "temp_folder.h"
+
+namespace cxlab {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+RecordData order(int id, std::string_view state) {
+  RecordData data;
+  data.begin().field("order", id).field("state", state);
+  return data;
+}
+
+/// A short story in the stream of one environment; a skill's record is the cause of the second one.
+void tell(Journal& journal, StreamId env, StreamId robot, int last_order = 2) {
+  journal.write(env, milliseconds(20), RecordKind::kInput, order(1, "OPEN"));
+  const RecordRef done = journal.write(robot, milliseconds(40), RecordKind::kSkill, order(1, "DONE"));
+  journal.write(env, milliseconds(40), RecordKind::kDecision, order(last_order, "OPEN"), {{done}});
+}
+
+/// The journal.jsonl that `write` leaves at that level.
+std::string exported(JournalLevel level, const std::function<void(Journal&)>& write) {
+  TempFolder folder;
+  Journal journal;
+  EXPECT_TRUE(journal.export_to(folder / "journal.jsonl", level).ok());
+  write(journal);
+  EXPECT_TRUE(journal.close().ok());
+  return content_of(folder / "journal.jsonl");
+}
+
+TEST(JournalHash, IsTheSameOnEveryMachineAndVersion) {
+  Journal journal;
+  tell(journal, journal.open_stream("env/a"), journal.open_stream("node/robot1"));
+  EXPECT_EQ(journal.stream_hash("env/a"), "ba9c6b1b745b730ee41ff33bc937867c");
+  EXPECT_EQ(journal.stream_hash("node/robot1"), "c541b739d4aa27df7986a3dbbcbaf395");
+  EXPECT_EQ(journal.journal_hash(), "e91aa2761c82daeba73a1672067d0881");
+}
+
+TEST(JournalHash, OfAStreamDoesNotDependOnTheOrderOfOpening) {
+  Journal one, other;
+  const StreamId env = one.open_stream("env/a");
+  tell(one, env, one.open_stream("node/robot1"));
+  const StreamId robot = other.open_stream("node/robot1");
+  tell(other, other.open_stream("env/a"), robot);
+  EXPECT_EQ(one.stream_hash("env/a"), other.stream_hash("env/a"));
+  EXPECT_EQ(one.journal_hash(), other.journal_hash());
+}
+
+TEST(JournalHash, OfAStreamDoesNotDependOnOtherStreams) {
+  Journal alone, beside;
+  tell(alone, alone.open_stream("env/a"), alone.open_stream("node/robot1"));
+  const StreamId stranger = beside.open_stream("env/0");
+  beside.write(stranger, seconds(0), RecordKind::kFire, order(7, "X"));
+  tell(beside, beside.open_stream("env/a"), beside.open_stream("node/robot1"));
+  beside.write(stranger, seconds(1), RecordKind::kFire, order(8, "X"));
+  EXPECT_EQ(alone.stream_hash("env/a"), beside.stream_hash("env/a"));
+  EXPECT_NE(alone.journal_hash(), beside.journal_hash());
+}
+
+TEST(JournalHash, ChangesWithEveryPartOfARecord) {
+  const auto hash_after = [](std::string_view cause, std::uint64_t cause_records, SimTime t, RecordKind kind, int id) {
+    Journal journal;
+    const StreamId env = journal.open_stream("env/a");
+    const StreamId from = journal.open_stream(cause);
+    RecordRef last;
+    for (std::uint64_t i = 0; i < cause_records; ++i) last = journal.write(from, {}, RecordKind::kBus, order(0, ""));
+    journal.write(env, t, kind, order(id, "OPEN"), {{last}});
+    return journal.stream_hash("env/a");
+  };
+  const std::string reference = hash_after("node/x", 1, seconds(1), RecordKind::kFire, 1);
+  EXPECT_EQ(hash_after("node/x", 1, seconds(1), RecordKind::kFire, 1), reference);
+  EXPECT_NE(hash_after("node/y", 1, seconds(1), RecordKind::kFire, 1), reference);
+  EXPECT_NE(hash_after("node/x", 2, seconds(1), RecordKind::kFire, 1), reference);
+  EXPECT_NE(hash_after("node/x", 1, seconds(2), RecordKind::kFire, 1), reference);
+  EXPECT_NE(hash_after("node/x", 1, seconds(1), RecordKind::kAssert, 1), reference);
+  EXPECT_NE(hash_after("node/x", 1, seconds(1), RecordKind::kFire, 2), reference);
+}
+
+TEST(JournalHash, IgnoresStreamsWithoutRecordsAndTheExport) {
+  Journal quiet;
+  tell(quiet, quiet.open_stream("env/a"), quiet.open_stream("node/robot1"));
+  std::string hash;
+  exported(JournalLevel::kFull, [&](Journal& journal) {
+    journal.open_stream("env/idle");
+    tell(journal, journal.open_stream("env/a"), journal.open_stream("node/robot1"));
+    hash = journal.journal_hash();
+    ASSERT_EQ(journal.streams().size(), 2u);
+  });
+  EXPECT_EQ(hash, quiet.journal_hash());
+}
+
+TEST(Journal, NumbersTheRecordsOfEachStreamFromZero) {
+  Journal journal;
+  const StreamId a = journal.open_stream("env/a");
+  const StreamId b = journal.open_stream("env/b");
+  EXPECT_EQ(journal.write(a, {}, RecordKind::kFire, order(1, "")).n, 0u);
+  EXPECT_EQ(journal.write(b, {}, RecordKind::kFire, order(1, "")).n, 0u);
+  EXPECT_EQ(journal.write(a, {}, RecordKind::kFire, order(1, "")).n, 1u);
+  EXPECT_EQ(journal.open_stream("env/a"), a);
+}
+
+TEST(JournalExport, WritesOneLineOfJsonARecord) {
+  const std::string text = exported(JournalLevel::kDecisions, [](Journal& journal) {
+    tell(journal, journal.open_stream("env/a"), journal.open_stream("node/robot1"));
+  });
+  EXPECT_EQ(text,
+            "{\"stream\":\"env/a\",\"n\":0,\"t\":20000000,\"kind\":\"input\",\"data\":{\"order\":1,\"state\":\"OPEN\"},\"cause\":[]}\n"
+            "{\"stream\":\"node/robot1\",\"n\":0,\"t\":40000000,\"kind\":\"skill\",\"data\":{\"order\":1,\"state\":\"DONE\"},\"cause\":[]}\n"
+            "{\"stream\":\"env/a\",\"n\":1,\"t\":40000000,\"kind\":\"decision\",\"data\":{\"order\":2,\"state\":\"OPEN\"},"
+            "\"cause\":[\"node/robot1:0\"]}\n");
+}
+
+TEST(JournalExport, LevelsSelectKindsAndKeepTheNumbers) {
+  const auto write_all_kinds = [](Journal& journal) {
+    const StreamId stream = journal.open_stream("env/a");
+    for (int kind = 0; kind <= static_cast<int>(RecordKind::kError); ++kind) {
+      journal.write(stream, {}, static_cast<RecordKind>(kind), order(kind, ""));
+    }
+  };
+  const auto kinds_at = [&](JournalLevel level) {
+    TempFolder folder;
+    put_file(folder / "j", exported(level, write_all_kinds));
+    const auto records = read_journal(folder / "j");
+    std::vector<std::string> kinds;
+    for (const JournalRecord& record : *records) {
+      EXPECT_EQ(record.n, static_cast<std::uint64_t>(record.kind));
+      kinds.emplace_back(to_string(record.kind));
+    }
+    return kinds;
+  };
+  EXPECT_THAT(kinds_at(JournalLevel::kDecisions),
+              ElementsAre("input", "skill", "referee", "decision", "control", "error"));
+  EXPECT_THAT(kinds_at(JournalLevel::kFull), ElementsAre("input", "assert", "retract", "modify", "fire", "bus", "skill",
+                                                         "referee", "decision", "control", "error"));
+  EXPECT_THAT(kinds_at(JournalLevel::kNone), ElementsAre());
+}
+
+TEST(JournalExport, NumbersAreTheShortestThatReadBackTheSame) {
+  RecordData data;
+  data.begin().field("tenth", 0.1).field("one", 1.0).field("tiny", 5e-324).field("big", 1e300).field("third", 1.0 / 3.0);
+  data.field("least", std::numeric_limits<std::int64_t>::min()).field("minus", -5).field("list", std::vector<double>{0.5, -0.0});
+  const std::string text = exported(JournalLevel::kFull, [&](Journal& journal) {
+    journal.write(journal.open_stream("s"), {}, RecordKind::kControl, data);
+  });
+  EXPECT_THAT(text, HasSubstr("{\"tenth\":0.1,\"one\":1.0,\"tiny\":5e-324,\"big\":1e+300,\"third\":0.3333333333333333,"
+                              "\"least\":-9223372036854775808,\"minus\":-5,\"list\":[0.5,-0.0]}"));
+  const auto record = parse_journal_line(text);
+  ASSERT_TRUE(record.ok());
+  EXPECT_EQ(record->data, *decode_record_data(data.bytes()));
+}
+
+TEST(JournalExport, NumbersThatJsonLacksBecomeWords) {
+  RecordData data;
+  data.begin().field("a", std::numeric_limits<double>::quiet_NaN()).field("b", -std::numeric_limits<double>::infinity());
+  std::string text;
+  ASSERT_TRUE(append_json(data.bytes(), text).ok());
+  EXPECT_EQ(text, R"({"a":"nan","b":"-inf"})");
+}
+
+TEST(JournalExport, TextIsAlwaysValidUtf8) {
+  const auto json = [](std::string_view text) {
+    std::string out;
+    append_json_string(text, out);
+    return out;
+  };
+  EXPECT_EQ(json("gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x98\x80"), "\"gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x98\x80\"");
+  EXPECT_EQ(json("a\"b\\c\nd\x01"), R"("a\"b\\c\nd\u0001")");
+  const std::string unknown = "\xef\xbf\xbd";
+  EXPECT_EQ(json("x\xff\x79"), "\"x" + unknown + "y\"");
+  EXPECT_EQ(json("\xc3"), "\"" + unknown + "\"") << "cut off";
+  EXPECT_EQ(json("\xc0\x80"), "\"" + unknown + unknown + "\"") << "longer than needed";
+  EXPECT_EQ(json("\xed\xa0\x80"), "\"" + unknown + unknown + unknown + "\"") << "half a surrogate pair";
+  EXPECT_EQ(json("\xf4\x90\x80\x80"), "\"" + unknown + unknown + unknown + unknown + "\"") << "beyond U+10FFFF";
+  EXPECT_EQ(json("\xe2\x82q"), "\"" + unknown + unknown + "q\"");
+}
+
+TEST(JournalExport, LinesReachTheFileWithinTenSimulatedSeconds) {
+  TempFolder folder;
+  Journal journal;
+  ASSERT_TRUE(journal.export_to(folder / "j", JournalLevel::kFull).ok());
+  const StreamId stream = journal.open_stream("s");
+  journal.write(stream, seconds(1), RecordKind::kFire, order(1, ""));
+  journal.write(stream, seconds(10), RecordKind::kFire, order(2, ""));
+  EXPECT_EQ(read_journal(folder / "j")->size(), 2u);
+  journal.write(stream, seconds(11), RecordKind::kFire, order(3, ""));
+  ASSERT_TRUE(journal.flush().ok());
+  EXPECT_EQ(read_journal(folder / "j")->size(), 3u);
+}
+
+TEST(JournalExport, FullDiskIsAnErrorAndLeavesWholeLines) {
+  TempFolder folder;
+  Journal journal, unlimited;
+  ASSERT_TRUE(journal.export_to(folder / "j", JournalLevel::kFull).ok());
+  const StreamId stream = journal.open_stream("s");
+  const StreamId same = unlimited.open_stream("s");
+  {
+    FileSizeLimit limit(100'000);
+    for (int i = 0; i < 3000; ++i) journal.write(stream, {}, RecordKind::kFire, order(i, "OPEN"));
+  }
+  for (int i = 0; i < 3000; ++i) unlimited.write(same, {}, RecordKind::kFire, order(i, "OPEN"));
+
+  ASSERT_FALSE(journal.status().ok());
+  EXPECT_EQ(journal.status().error().kind, ErrorKind::kResource);
+  EXPECT_THAT(journal.status().error().text(), HasSubstr((folder / "j").string()));
+  EXPECT_FALSE(journal.close().ok());
+
+  const std::string text = content_of(folder / "j");
+  EXPECT_GT(text.size(), 99'000u) << "lines that fit are kept";
+  EXPECT_EQ(text.back(), '\n');
+  const auto records = read_journal(folder / "j");
+  ASSERT_TRUE(records.ok()) << records.error().text();
+  for (std::size_t i = 0; i < records->size(); ++i) EXPECT_EQ((*records)[i].n, i);
+  EXPECT_EQ(journal.journal_hash(), unlimited.journal_hash()) << "the hash goes on";
+}
+
+TEST(JournalExport, MissingFolderIsAResourceError) {
+  Journal journal;
+  const Status status = journal.export_to("/nowhere/at/all/journal.jsonl", JournalLevel::kFull);
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.error().kind, ErrorKind::kResource);
+}
+
+TEST(JournalReader, GivesBackWhatWasWritten) {
+  TempFolder folder;
+  put_file(folder / "j", exported(JournalLevel::kDecisions, [](Journal& journal) {
+             tell(journal, journal.open_stream("env/a"), journal.open_stream("node/robot1"));
+           }));
+  const auto records = read_journal(folder / "j");
+  ASSERT_TRUE(records.ok()) << records.error().text();
+  ASSERT_EQ(records->size(), 3u);
+  const JournalRecord& last = records->back();
+  EXPECT_EQ(last.stream, "env/a");
+  EXPECT_EQ(last.n, 1u);
+  EXPECT_EQ(last.t, milliseconds(40));
+  EXPECT_EQ(last.kind, RecordKind::kDecision);
+  EXPECT_EQ(last.data.integer("order"), 2);
+  EXPECT_EQ(last.data.text("state"), "OPEN");
+  EXPECT_EQ(last.data.text("nothing", "none"), "none");
+  EXPECT_THAT(last.causes, ElementsAre(JournalRecord::Cause{"node/robot1", 0}));
+}
+
+TEST(JournalReader, LeavesOutALastLineThatIsCutOff) {
+  TempFolder folder;
+  const std::string text = exported(JournalLevel::kDecisions, [](Journal& journal) {
+    tell(journal, journal.open_stream("env/a"), journal.open_stream("node/robot1"));
+  });
+  put_file(folder / "j", text.substr(0, text.size() - 7));
+  auto reader = JournalReader::open(folder / "j");
+  ASSERT_TRUE(reader.ok());
+  int records = 0;
+  while (true) {
+    auto record = reader->next();
+    ASSERT_TRUE(record.ok()) << record.error().text();
+    if (!*record) break;
+    ++records;
+  }
+  EXPECT_EQ(records, 2);
+  EXPECT_TRUE(reader->cut_off());
+}
+
+TEST(JournalReader, NamesTheLineThatIsWrong) {
+  const std::string good = R"({"stream":"s","n":0,"t":0,"kind":"fire","data":{},"cause":[]})" "\n";
+  const auto error_of = [&](const std::string& second_line) {
+    TempFolder folder;
+    put_file(folder / "j", good + second_line + "\n");
+    const auto records = read_journal(folder / "j");
+    return records.ok() ? std::string() : records.error().text();
+  };
+  EXPECT_THAT(error_of("{"), HasSubstr("j:2: expected a record"));
+  EXPECT_THAT(error_of(R"({"stream":"s","n":-1,"t":0,"kind":"fire","data":{},"cause":[]})"), HasSubstr("\"n\""));
+  EXPECT_THAT(error_of(R"({"stream":"s","n":0,"t":0,"kind":"fired","data":{},"cause":[]})"),
+              HasSubstr("j:2: 'fired' is no kind of record"));
+  EXPECT_THAT(error_of(R"({"stream":"s","n":0,"t":0,"kind":"fire","data":{},"cause":["s"]})"), HasSubstr("stream:n"));
+  EXPECT_THAT(error_of(R"({"stream":"s","n":0,"t":0,"kind":"fire","cause":[]})"), HasSubstr("\"data\""));
+}
+
+TEST(RecordValue, BytesThatAreNoRecordAreAnError) {
+  RecordData data;
+  data.begin().field("text", "a longer text than thirty-two bytes, so that its length has four");
+  data.field("list", std::vector<double>{1, 2});
+  const std::string whole(data.bytes());
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    EXPECT_FALSE(decode_record_data(whole.substr(0, size)).ok()) << size;
+  }
+  EXPECT_FALSE(decode_record_data(whole + "x").ok());
+  EXPECT_FALSE(decode_record_data("\xdd\xff\xff\xff\xff").ok()) << "a list longer than the bytes";
+  std::string nested;
+  for (int i = 0; i < 100'000; ++i) nested += std::string("\xdd\x00\x00\x00\x01", 5);
+  EXPECT_FALSE(decode_record_data(nested + "\xc0").ok());
+}
+
+TEST(JournalLevel, IsOneOfThreeWords) {
+  EXPECT_EQ(*parse_journal_level("none"), JournalLevel::kNone);
+  EXPECT_EQ(*parse_journal_level("decisions"), JournalLevel::kDecisions);
+  EXPECT_EQ(*parse_journal_level("full"), JournalLevel::kFull);
+  const auto wrong = parse_journal_level("all");
+  ASSERT_FALSE(wrong.ok());
+  EXPECT_EQ(wrong.error().kind, ErrorKind::kUsage);
+  EXPECT_THAT(wrong.error().message, HasSubstr("none, decisions or full"));
+}
+
+}  // namespace
+}  // namespace cxlab

@@ -1,0 +1,193 @@
+#include "cx/journal/run_folder.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include "cx/journal/append_file.h"
+#include "cx/journal/file_store.h"
+#include "temp_folder.h"
+
+namespace cxlab {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(RunFolder, ANameThatIsThereGetsANumber) {
+  TempFolder temp;
+  EXPECT_EQ(RunFolder::create_numbered(temp / "runs", "game-1")->path(), temp / "runs/game-1");
+  EXPECT_EQ(RunFolder::create_numbered(temp / "runs", "game-1")->path(), temp / "runs/game-1-2");
+  EXPECT_EQ(RunFolder::create_numbered(temp / "runs", "game-1")->path(), temp / "runs/game-1-3");
+  EXPECT_EQ(RunFolder::create_numbered(temp / "runs", "game-2")->path(), temp / "runs/game-2");
+}
+
+TEST(RunFolder, AFolderOfTheUserIsMadeOrUsedIfEmpty) {
+  TempFolder temp;
+  EXPECT_TRUE(RunFolder::create_at(temp / "a/b", false).ok());
+  EXPECT_TRUE(fs::is_directory(temp / "a/b"));
+  EXPECT_TRUE(RunFolder::create_at(temp / "a/b", false).ok());
+}
+
+TEST(RunFolder, AFolderInUseIsAUsageErrorAndStaysAsItWas) {
+  TempFolder temp;
+  put_file(temp / "out/result.json", "old");
+  const auto folder = RunFolder::create_at(temp / "out", false);
+  ASSERT_FALSE(folder.ok());
+  EXPECT_EQ(folder.error().kind, ErrorKind::kUsage);
+  EXPECT_THAT(folder.error().text(), HasSubstr("--force"));
+  EXPECT_EQ(content_of(temp / "out/result.json"), "old");
+
+  put_file(temp / "file", "");
+  EXPECT_EQ(RunFolder::create_at(temp / "file", true).error().kind, ErrorKind::kUsage);
+}
+
+TEST(RunFolder, ForceTakesAwayAFormerRunAndNothingElse) {
+  TempFolder temp;
+  put_file(temp / "out/result.json", "old");
+  put_file(temp / "out/snapshots/10.png", "old");
+  put_file(temp / "out/notes.txt", "mine");
+  ASSERT_TRUE(RunFolder::create_at(temp / "out", true).ok());
+  EXPECT_FALSE(fs::exists(temp / "out/result.json"));
+  EXPECT_FALSE(fs::exists(temp / "out/snapshots"));
+  EXPECT_EQ(content_of(temp / "out/notes.txt"), "mine");
+
+  put_file(temp / "home/files/letter.txt", "mine");
+  ASSERT_TRUE(RunFolder::create_at(temp / "home", true).ok());
+  EXPECT_EQ(content_of(temp / "home/files/letter.txt"), "mine") << "there was no run in this folder";
+}
+
+TEST(RunFolder, AFolderThatCannotBeMadeIsAResourceError) {
+  TempFolder temp;
+  put_file(temp / "file", "");
+  EXPECT_EQ(RunFolder::create_at(temp / "file/run", false).error().kind, ErrorKind::kResource);
+  EXPECT_EQ(RunFolder::create_numbered(temp / "file", "game-1").error().kind, ErrorKind::kResource);
+}
+
+TEST(RunFolder, AFileIsReplacedWhole) {
+  TempFolder temp;
+  const auto folder = RunFolder::create_at(temp / "run", false);
+  ASSERT_TRUE(folder->write("result.json", "{\"status\": \"failed\"}").ok());
+  ASSERT_TRUE(folder->write("result.json", "{\"status\": \"completed\"}").ok());
+  EXPECT_EQ(content_of(temp / "run/result.json"), "{\"status\": \"completed\"}");
+  EXPECT_EQ(std::distance(fs::directory_iterator(temp / "run"), {}), 1) << "nothing unfinished stays";
+}
+
+TEST(RunFolder, AFullDiskLeavesTheOldFile) {
+  TempFolder temp;
+  const auto folder = RunFolder::create_at(temp / "run", false);
+  ASSERT_TRUE(folder->write("result.json", "old").ok());
+  Status status;
+  {
+    FileSizeLimit limit(1000);
+    status = folder->write("result.json", std::string(5000, 'x'));
+  }
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.error().kind, ErrorKind::kResource);
+  EXPECT_EQ(content_of(temp / "run/result.json"), "old");
+  EXPECT_EQ(std::distance(fs::directory_iterator(temp / "run"), {}), 1);
+}
+
+TEST(AppendFile, AFullDiskCutsTheFileBackToWholePieces) {
+  TempFolder temp;
+  auto file = AppendFile::create(temp / "log");
+  ASSERT_TRUE(file->append("one\n").ok());
+  ASSERT_TRUE(file->flush().ok());
+  {
+    FileSizeLimit limit(14);
+    ASSERT_TRUE(file->append("two\n").ok());
+    ASSERT_TRUE(file->append("three\n").ok());
+    ASSERT_TRUE(file->append("four\n").ok());
+    EXPECT_FALSE(file->flush().ok());
+  }
+  EXPECT_EQ(content_of(temp / "log"), "one\ntwo\nthree\n");
+  EXPECT_FALSE(file->append("five\n").ok()) << "an error stays";
+  EXPECT_FALSE(file->close().ok());
+  EXPECT_EQ(content_of(temp / "log"), "one\ntwo\nthree\n");
+}
+
+TEST(AppendFile, APieceAtTheBorderOfTheDiskIsKept) {
+  TempFolder temp;
+  auto file = AppendFile::create(temp / "log");
+  FileSizeLimit limit(8);
+  ASSERT_TRUE(file->append("one\n").ok());
+  ASSERT_TRUE(file->append("two\n").ok());
+  ASSERT_TRUE(file->flush().ok());
+  ASSERT_TRUE(file->append("x").ok());
+  EXPECT_FALSE(file->flush().ok());
+  EXPECT_EQ(content_of(temp / "log"), "one\ntwo\n");
+}
+
+TEST(FileStore, ARunGivesBackTheFilesThatItRead) {
+  TempFolder temp;
+  put_file(temp / "source/rules.clp", "(defrule a => )");
+  put_file(temp / "source/copy.clp", "(defrule a => )");
+  put_file(temp / "source/model.bin", std::string("\0\xff\n", 3));
+  auto store = FileStore::create(temp / "run");
+  ASSERT_TRUE(store->add("pkg/rules/rules.clp", temp / "source/rules.clp").ok());
+  ASSERT_TRUE(store->add("pkg/copy.clp", temp / "source/copy.clp").ok());
+  ASSERT_TRUE(store->add("scenario/model.bin", temp / "source/model.bin").ok());
+  ASSERT_TRUE(store->write_index().ok());
+  fs::remove_all(temp / "source");
+  fs::rename(temp / "run", temp / "elsewhere");
+
+  const auto stored = StoredFiles::open(temp / "elsewhere");
+  ASSERT_TRUE(stored.ok()) << stored.error().text();
+  EXPECT_THAT(stored->names(), ElementsAre("pkg/copy.clp", "pkg/rules/rules.clp", "scenario/model.bin"));
+  EXPECT_EQ(*stored->read("pkg/rules/rules.clp"), "(defrule a => )");
+  EXPECT_EQ(std::distance(fs::directory_iterator(temp / "elsewhere/files"), {}), 3) << "two contents and the index";
+  ASSERT_TRUE(stored->materialise(temp / "work").ok());
+  EXPECT_EQ(content_of(temp / "work/scenario/model.bin"), std::string("\0\xff\n", 3));
+  EXPECT_EQ(content_of(temp / "work/pkg/copy.clp"), "(defrule a => )");
+}
+
+TEST(FileStore, AFileThatChangesKeepsItsFirstContent) {
+  TempFolder temp;
+  auto store = FileStore::create(temp.path());
+  ASSERT_TRUE(store->add_content("a", "first").ok());
+  ASSERT_TRUE(store->add_content("a", "second").ok());
+  ASSERT_TRUE(store->add_content("a", "second").ok());
+  ASSERT_TRUE(store->write_index().ok());
+  EXPECT_EQ(*StoredFiles::open(temp.path())->read("a"), "first");
+  EXPECT_EQ(content_of(temp / "files" / content_hash("second")), "second");
+  EXPECT_THAT(content_of(temp / "files/index.json"), HasSubstr(content_hash("second")));
+}
+
+TEST(FileStore, ACopyThatWasChangedIsAnError) {
+  TempFolder temp;
+  auto store = FileStore::create(temp.path());
+  ASSERT_TRUE(store->add_content("a", "first").ok());
+  ASSERT_TRUE(store->write_index().ok());
+  put_file(temp / "files" / content_hash("first"), "other");
+  const auto stored = StoredFiles::open(temp.path());
+  EXPECT_THAT(stored->read("a").error().text(), HasSubstr("was changed"));
+  EXPECT_THAT(stored->read("b").error().text(), HasSubstr("no copy of 'b'"));
+}
+
+TEST(FileStore, NoNameLeavesTheFolder) {
+  TempFolder temp;
+  auto store = FileStore::create(temp.path());
+  for (const char* name : {"", "/etc/a", "../a", "a/../../b", "a//b", "a/.", "a/"}) {
+    EXPECT_FALSE(store->add_content(name, "x").ok()) << name;
+  }
+  put_file(temp / "files/index.json", R"({"schema":1,"files":{"../a":")" + content_hash("x") + R"("}})");
+  EXPECT_THAT(StoredFiles::open(temp.path()).error().text(), HasSubstr("'../a' leaves the folder"));
+  put_file(temp / "files/index.json", R"({"schema":1,"files":{"a":"../../b"}})");
+  EXPECT_THAT(StoredFiles::open(temp.path()).error().text(), HasSubstr("hash of 32"));
+  put_file(temp / "files/index.json", "{");
+  EXPECT_THAT(StoredFiles::open(temp.path()).error().text(), HasSubstr("index of copied files"));
+}
+
+TEST(FileStore, AFileThatIsMissingIsAnError) {
+  TempFolder temp;
+  auto store = FileStore::create(temp.path());
+  EXPECT_EQ(store->add("a", temp / "none").error().kind, ErrorKind::kInput);
+  EXPECT_THAT(store->add("a", temp.path()).error().text(), HasSubstr("is a folder"));
+}
+
+TEST(ContentHash, IsXxh3Of128Bits) {
+  EXPECT_EQ(content_hash(""), "99aa06d3014798d86001c324468d497f");  // xxHash's own value for the empty input
+}
+
+}  // namespace
+}  // namespace cxlab
