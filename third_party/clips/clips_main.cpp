@@ -2,6 +2,7 @@
 // carries out what is complete and ends, so that it can stand in a pipe.
 
 #include <clips_ns/clips.h>
+#include <ctype.h>
 #include <signal.h>
 
 namespace {
@@ -11,6 +12,17 @@ clips::Environment* environment = nullptr;
 void stop_rules(int) {
   clips::SetHaltExecution(environment, true);
   clips::CloseAllBatchSources(environment);
+}
+
+/// Whether the text is only space and comments.
+bool is_blank(const char* text) {
+  bool in_comment = false;
+  for (; *text != '\0'; ++text) {
+    if (*text == ';') in_comment = true;
+    if (*text == '\n') in_comment = false;
+    if (!in_comment && !isspace(static_cast<unsigned char>(*text))) return false;
+  }
+  return true;
 }
 
 /// Takes the next character of the input into the command. A last line without a newline counts as a
@@ -23,7 +35,8 @@ void read_character(clips::Environment* env) {
     clips::ExpandCommandString(env, static_cast<char>(c));
     return;
   }
-  const bool command_is_open = clips::GetCommandString(env) != nullptr;
+  const char* command = clips::GetCommandString(env);
+  const bool command_is_open = command != nullptr && !is_blank(command);
   if (command_is_open && !at_end) {
     at_end = true;
     clips::ExpandCommandString(env, '\n');
