@@ -13,18 +13,12 @@ struct VerbWord {
   const char* content;  ///< the key that carries what is sent, nullptr if none
   bool typed;
 };
-constexpr std::array<VerbWord, 11> kVerbs{{
+constexpr std::array<VerbWord, 5> kVerbs{{
     {"publish", Stimulus::Verb::kPublish, "data", true},
     {"call", Stimulus::Verb::kCall, "request", true},
     {"serve", Stimulus::Verb::kServe, "response", true},
     {"send_goal", Stimulus::Verb::kSendGoal, "goal", true},
     {"cancel_goal", Stimulus::Verb::kCancelGoal, nullptr, false},
-    {"set_param", Stimulus::Verb::kSetParam, "value", false},
-    {"load_plugin", Stimulus::Verb::kLoadPlugin, nullptr, false},
-    {"unload_plugin", Stimulus::Verb::kUnloadPlugin, nullptr, false},
-    {"create_env", Stimulus::Verb::kCreateEnv, nullptr, false},
-    {"destroy_env", Stimulus::Verb::kDestroyEnv, nullptr, false},
-    {"stop_node", Stimulus::Verb::kStopNode, nullptr, false},
 }};
 
 Stimulus read_stimulus(const yaml::Value& value) {
@@ -40,14 +34,7 @@ Stimulus read_stimulus(const yaml::Value& value) {
     if (!target) continue;
     ++verbs;
     stimulus.verb = word.verb;
-    if (word.verb == Stimulus::Verb::kLoadPlugin || word.verb == Stimulus::Verb::kUnloadPlugin) {
-      yaml::Map plugin = target.as_map();
-      stimulus.target = plugin.require("env").as_string();
-      stimulus.content = plugin.require("plugin").as_string();
-      plugin.finish();
-    } else {
-      stimulus.target = target.as_string();
-    }
+    stimulus.target = target.as_string();
     if (word.typed) stimulus.type = map.require("type").as_string();
     if (word.content)
       if (const yaml::Value content = map.get(word.content)) stimulus.content = content.dump();
@@ -123,7 +110,7 @@ Expected<Scenario> Scenario::load(const std::filesystem::path& file, const std::
     if (kind == "rcll") {
       scenario.world_kind = WorldKind::kRcll;
       rcll::read_config(world_map, scenario.rcll);
-      scenario.duration = scenario.rcll.production;
+      scenario.duration = from_seconds(scenario.rcll.setup_s + scenario.rcll.production_s);
     }
     world_map.finish();
   }

@@ -13,7 +13,7 @@
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
 #include "cx/yaml/yaml.h"
-#include "scenarios/rcll/config.h"
+#include "scenarios/rcll/read_config.h"
 
 namespace cxlab {
 
@@ -30,12 +30,12 @@ struct AgentSpec {
 
 /// Something that happens at a time whatever the rules do: exactly one of the verbs.
 struct Stimulus {
-  enum class Verb { kPublish, kCall, kServe, kSendGoal, kCancelGoal, kSetParam, kLoadPlugin, kUnloadPlugin, kCreateEnv, kDestroyEnv, kStopNode };
+  enum class Verb { kPublish, kCall, kServe, kSendGoal, kCancelGoal };
   SimTime at{};
   Verb verb{};
-  std::string target;   ///< topic, service, action, NODE.NAME, environment or node
+  std::string target;   ///< topic, service or action
   std::string type;     ///< interface
-  std::string content;  ///< data, request, response, goal or value as YAML; plugin name
+  std::string content;  ///< data, request, response or goal as YAML
   std::string file;     ///< where it stands, for errors
   int line = 0;
 };
@@ -55,7 +55,7 @@ struct Scenario {
 
   enum class WorldKind { kNone, kRcll };
   WorldKind world_kind = WorldKind::kNone;
-  rcll::Config rcll;                   ///< of kind rcll
+  rcll::WorldConfig rcll;                   ///< of kind rcll
 
   Tier tier = Tier::kPhysics;
   std::uint64_t seed = 1;

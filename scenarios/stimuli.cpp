@@ -1,0 +1,188 @@
+#include "scenarios/stimuli.h"
+
+#include <map>
+
+namespace cxlab {
+
+using bus::Delivery;
+using bus::EndpointId;
+
+struct StimuliServer::State {
+  /// A stimulus with its message compiled.
+  struct Prepared {
+    Stimulus stimulus;
+    bus::SharedMessage message;
+    const bus::ServiceType* service = nullptr;
+    const bus::ActionType* action = nullptr;
+  };
+
+  bus::Bus& bus;
+  Log log;
+  bus::ParticipantId self{};
+  std::vector<Prepared> prepared;
+  std::size_t next = 0;
+  std::map<std::string, EndpointId> publishers, clients, services, action_clients;
+  std::map<std::string, bus::GoalId> last_goal;
+
+  Status prepare(const Stimulus& stimulus);
+  Status post(const Prepared& item);
+  Expected<EndpointId> client(const Prepared& item);
+  Expected<EndpointId> action_client(const Prepared& item);
+  void say(const std::string& target, const std::string& what, const Delivery& delivery) {
+    log(target + ": " + what + (delivery.message ? ' ' + delivery.message->view().to_string() : std::string()));
+  }
+};
+
+namespace {
+
+Error at_stimulus(const Stimulus& stimulus, const Error& error) {
+  return Error{error.kind, stimulus.target + ": " + error.message, stimulus.file, stimulus.line, error.code};
+}
+
+const char* word(bus::GoalStatus status) {
+  switch (status) {
+    case bus::GoalStatus::kSucceeded: return "goal succeeded";
+    case bus::GoalStatus::kCanceled: return "goal canceled";
+    case bus::GoalStatus::kAborted: return "goal aborted";
+    default: return "goal ended";
+  }
+}
+
+}  // namespace
+
+Status StimuliServer::State::prepare(const Stimulus& stimulus) {
+  Prepared item;
+  item.stimulus = stimulus;
+  const bus::MessageType* type = nullptr;
+  bus::Registry& registry = bus.registry();
+  switch (stimulus.verb) {
+    case Stimulus::Verb::kPublish: {
+      auto message = registry.message(stimulus.type);
+      if (!message) return at_stimulus(stimulus, message.error());
+      type = *message;
+      break;
+    }
+    case Stimulus::Verb::kCall:
+    case Stimulus::Verb::kServe: {
+      auto service = registry.service(stimulus.type);
+      if (!service) return at_stimulus(stimulus, service.error());
+      item.service = *service;
+      type = stimulus.verb == Stimulus::Verb::kCall ? (*service)->request : (*service)->response;
+      break;
+    }
+    case Stimulus::Verb::kSendGoal: {
+      auto action = registry.action(stimulus.type);
+      if (!action) return at_stimulus(stimulus, action.error());
+      item.action = *action;
+      type = (*action)->goal;
+      break;
+    }
+    case Stimulus::Verb::kCancelGoal: break;
+  }
+  if (type) {
+    auto message = bus::Message::from_yaml(*type, stimulus.content.empty() ? "{}" : stimulus.content);
+    if (!message) return at_stimulus(stimulus, message.error());
+    item.message = std::make_shared<const bus::Message>(*std::move(message));
+  }
+  prepared.push_back(std::move(item));
+  return {};
+}
+
+Expected<EndpointId> StimuliServer::State::client(const Prepared& item) {
+  const std::string& target = item.stimulus.target;
+  if (const auto it = clients.find(target); it != clients.end()) return it->second;
+  auto made = bus.create_client(self, target, *item.service, [this, target](const Delivery& d) { say(target, "response", d); });
+  if (made) clients[target] = *made;
+  return made;
+}
+
+Expected<EndpointId> StimuliServer::State::action_client(const Prepared& item) {
+  const std::string& target = item.stimulus.target;
+  if (const auto it = action_clients.find(target); it != action_clients.end()) return it->second;
+  bus::Bus::ActionClientHandlers handlers;
+  handlers.goal_response = [this, target](const Delivery& d) { say(target, d.accepted ? "goal accepted" : "goal rejected", d); };
+  handlers.feedback = [this, target](const Delivery& d) { say(target, "feedback", d); };
+  handlers.result = [this, target](const Delivery& d) { say(target, word(d.status), d); };
+  handlers.cancel_response = [this, target](const Delivery& d) { say(target, d.return_code == 0 ? "cancel accepted" : "cancel refused", d); };
+  auto made = bus.create_action_client(self, target, *item.action, std::move(handlers));
+  if (made) action_clients[target] = *made;
+  return made;
+}
+
+Status StimuliServer::State::post(const Prepared& item) {
+  const Stimulus& stimulus = item.stimulus;
+  const std::string& target = stimulus.target;
+  switch (stimulus.verb) {
+    case Stimulus::Verb::kPublish: {
+      auto it = publishers.find(target);
+      if (it == publishers.end()) {
+        auto publisher = bus.advertise(self, target, item.message->view().type());
+        if (!publisher) return at_stimulus(stimulus, publisher.error());
+        it = publishers.emplace(target, *publisher).first;
+      }
+      bus.publish(it->second, item.message);
+      return {};
+    }
+    case Stimulus::Verb::kCall: {
+      auto made = client(item);
+      if (!made) return at_stimulus(stimulus, made.error());
+      bus.call(*made, item.message);
+      return {};
+    }
+    case Stimulus::Verb::kServe: {
+      if (const auto it = services.find(target); it != services.end()) bus.remove(it->second);
+      const auto endpoint = std::make_shared<EndpointId>();
+      auto service = bus.serve(self, target, *item.service, [this, endpoint, target, response = item.message](const Delivery& d) {
+        say(target, "request", d);
+        bus.respond(*endpoint, d, response);
+      });
+      if (!service) return at_stimulus(stimulus, service.error());
+      *endpoint = *service;
+      services[target] = *service;
+      return {};
+    }
+    case Stimulus::Verb::kSendGoal: {
+      auto made = action_client(item);
+      if (!made) return at_stimulus(stimulus, made.error());
+      last_goal[target] = bus.send_goal(*made, item.message);
+      return {};
+    }
+    case Stimulus::Verb::kCancelGoal: {
+      const auto it = last_goal.find(target);
+      if (it == last_goal.end())
+        return Error{ErrorKind::kInput, target + ": no goal was sent there before", stimulus.file, stimulus.line, {}};
+      bus.cancel_goal(action_clients.at(target), it->second);
+      return {};
+    }
+  }
+  return {};
+}
+
+StimuliServer::StimuliServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+StimuliServer::~StimuliServer() = default;
+
+Expected<std::unique_ptr<StimuliServer>> StimuliServer::create(std::vector<Stimulus> stimuli, bus::Bus& bus, RecordSink& sink, Log log) {
+  auto state = std::unique_ptr<State>(new State{bus, std::move(log), {}, {}, 0, {}, {}, {}, {}, {}});
+  state->self = bus.join(bus::ParticipantKind::kNode, bus::NodeName{"stimuli", "/", {}}, sink.open_stream("node/stimuli"));
+  for (const Stimulus& stimulus : stimuli)
+    if (Status s = state->prepare(stimulus); !s) return s.error();
+  return std::unique_ptr<StimuliServer>(new StimuliServer(std::move(state)));
+}
+
+Status StimuliServer::sense(SimTime now) {
+  State& s = *state_;
+  while (s.next < s.prepared.size() && s.prepared[s.next].stimulus.at <= now)
+    if (Status status = s.post(s.prepared[s.next++]); !status) return status;
+  return {};
+}
+
+Status StimuliServer::act(SimTime) {
+  state_->bus.deliver(state_->self);
+  return {};
+}
+
+SimTime StimuliServer::next_due() const {
+  return state_->next < state_->prepared.size() ? state_->prepared[state_->next].stimulus.at : kNever;
+}
+
+}  // namespace cxlab

@@ -1,0 +1,32 @@
+#pragma once
+// The node that carries out a scenario's stimuli: whatever the rules do, at its time each is posted to the bus.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cx/bus/bus.h"
+#include "scenarios/scenario.h"
+#include "sim/server.h"
+
+namespace cxlab {
+
+class StimuliServer : public sim::Server {
+ public:
+  using Log = std::function<void(const std::string& line)>;
+  /// Joins the bus as node "stimuli". Types, names and contents are checked now; errors name the stimulus' file and line.
+  static Expected<std::unique_ptr<StimuliServer>> create(std::vector<Stimulus> stimuli, bus::Bus& bus, RecordSink& sink, Log log);
+  ~StimuliServer() override;
+
+  Status sense(SimTime now) override;
+  Status act(SimTime now) override;
+  SimTime next_due() const override;
+
+ private:
+  struct State;
+  explicit StimuliServer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace cxlab
