@@ -1,0 +1,21 @@
+#pragma once
+// The subcommands of `cxlab`, one file each. A command declares its options and says what to do when it is chosen.
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "cx/base/expected.h"
+
+namespace cxlab::app {
+
+/// Set by the chosen command; gives the exit code.
+using Action = std::function<int()>;
+
+void add_run(CLI::App& app, Action& action);
+void add_list(CLI::App& app, Action& action);
+void add_doctor(CLI::App& app, Action& action);
+
+/// Prints `error: file:line: message` on stderr and gives the exit code of its kind.
+int fail(const Error& error);
+
+}  // namespace cxlab::app

@@ -1,0 +1,55 @@
+// cxlab: the command line. One process plays one episode.
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+
+#include "app/command.h"
+
+namespace cxlab::app {
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "error: %s\n", error.text().c_str());
+  return static_cast<int>(error.kind);
+}
+
+namespace {
+
+constexpr const char* kExitCodes =
+    "Exit codes: 0 done; 1 the answer is no; 2 usage; 3 bad input; 4 the run failed; 5 output or resource; 70 a bug of "
+    "cxlab; 130, 143 ended by a signal.";
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  CLI::App app{"cxlab: rule-based robot agents (the CLIPS-Executive) in simulated worlds, one process, one clock, one seed."};
+  app.name("cxlab");
+  app.require_subcommand(1);
+  app.footer(kExitCodes);
+  app.set_version_flag("--version", CXLAB_VERSION);
+  Action action;
+  add_run(app, action);
+  add_list(app, action);
+  add_doctor(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : static_cast<int>(ErrorKind::kUsage);
+  }
+  return action();
+}
+
+}  // namespace
+}  // namespace cxlab::app
+
+int main(int argc, char** argv) {
+  try {
+    return cxlab::app::main(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fputs("error: out of memory\n", stderr);
+    return 5;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "error: a bug of cxlab: %s\n", e.what());
+    return 70;
+  }
+}

@@ -1,0 +1,83 @@
+; What the agent knows. One template a thing; states are enumerated, so that order never hangs on salience.
+
+(deftemplate robot
+  "One of our robots, and what it is on."
+  (slot name (type STRING))
+  (slot state (type SYMBOL) (allowed-values IDLE BUSY))
+  (slot place (type STRING) (default "START"))
+  (slot idle-since (type FLOAT) (default 0.0)))
+
+(deftemplate machine
+  "A machine as the referee box last reported it."
+  (slot name (type STRING))
+  (slot kind (type SYMBOL))
+  (slot state (type SYMBOL))
+  (slot x (type FLOAT))
+  (slot y (type FLOAT)))
+
+(deftemplate order
+  "An order that is active. OPEN: nobody works on it. ASSIGNED: a cap station has it. DONE: delivered."
+  (slot id (type INTEGER))
+  (slot complexity (type STRING))
+  (slot base (type STRING))
+  (slot cap (type STRING))
+  (slot begin (type FLOAT))
+  (slot end (type FLOAT))
+  (slot state (type SYMBOL) (allowed-values OPEN ASSIGNED DONE) (default OPEN)))
+
+(deftemplate game
+  (slot team (type STRING))
+  (slot phase (type SYMBOL))
+  (slot state (type SYMBOL)))
+
+(deftemplate cap-station
+  "The cycle of one cap station. EMPTY: no cap in it. BUFFERING: a carrier is on its way or inside. CLEARING: the bare
+   base lies at the output. LOADED: the cap is in. MOUNTING: the base is inside. MOUNTED: the product is at the output."
+  (slot name (type STRING))
+  (slot cap (type STRING))
+  (slot phase (type SYMBOL) (allowed-values EMPTY BUFFERING CLEARING LOADED MOUNTING MOUNTED) (default EMPTY))
+  (slot order (type INTEGER) (default 0)))
+
+(deftemplate shelf
+  "One of the three slots of a cap station's shelf."
+  (slot machine (type STRING))
+  (slot spot (type STRING))
+  (slot state (type SYMBOL) (allowed-values FULL TAKEN) (default FULL)))
+
+(deftemplate shelf-refill
+  "A shelf that we emptied: the crew fills it again."
+  (slot machine (type STRING))
+  (slot at (type FLOAT)))
+
+(deftemplate slide
+  "A ring station's slide and the payments that we put there."
+  (slot machine (type STRING))
+  (slot spot (type STRING))
+  (slot count (type INTEGER) (default 0)))
+
+(deftemplate job
+  "One piece to be brought from one place to another by one robot.
+   WAITING: no robot yet. GO-FETCH, FETCH, GO-PUT, PUT: the skill that runs or is next. DONE: the piece is there."
+  (slot id (type INTEGER))
+  (slot purpose (type SYMBOL) (allowed-values BUFFER CLEAR BASE DELIVER PAY))
+  (slot station (type STRING))
+  (slot order (type INTEGER) (default 0))
+  (slot from (type STRING))
+  (slot to (type STRING))
+  (slot robot (type STRING) (default ""))
+  (slot step (type SYMBOL) (allowed-values WAITING GO-FETCH FETCH GO-PUT PUT DONE) (default WAITING))
+  (slot moving (type SYMBOL) (allowed-values NO YES) (default NO))
+  (slot tries (type INTEGER) (default 0))
+  (slot not-before (type FLOAT) (default 0.0)))
+
+(deftemplate reserved
+  "A machine that only one job may use at a time (base station, delivery station)."
+  (slot machine (type STRING))
+  (slot job (type INTEGER)))
+
+(defglobal ?*last-id* = 0)
+
+(deffunction new-id ()
+  "Numbers for jobs, commands and instructions."
+  (bind ?*last-id* (+ ?*last-id* 1))
+  ?*last-id*)

@@ -1,0 +1,140 @@
+; Commands become goals on the bus, results become facts again. The rest of the agent asserts
+; (command ...) or (instruction ...) and waits for its state SUCCEEDED or FAILED.
+
+(deftemplate command
+  "A skill that a robot shall do."
+  (slot id (type INTEGER))
+  (slot robot (type STRING))
+  (slot skill (type SYMBOL) (allowed-values drive_to pick place))
+  (slot target (type STRING))
+  (slot server (type STRING) (default ""))
+  (slot goal (default NONE))
+  (slot goal-id (type SYMBOL) (default NONE))
+  (slot state (type SYMBOL) (allowed-values NEW SENT RUNNING SUCCEEDED FAILED) (default NEW))
+  (slot error-code (type INTEGER) (default 0))
+  (slot error (type STRING) (default "")))
+
+(deftemplate skill-type
+  (slot skill (type SYMBOL))
+  (slot type (type STRING)))
+
+(deftemplate skill-client
+  "An action client that stands."
+  (slot robot (type STRING))
+  (slot skill (type SYMBOL))
+  (slot server (type STRING))
+  (slot type (type STRING)))
+
+(deffacts skill-types
+  (skill-type (skill drive_to) (type "cxlab_skills/action/DriveTo"))
+  (skill-type (skill pick) (type "cxlab_skills/action/Pick"))
+  (skill-type (skill place) (type "cxlab_skills/action/Place")))
+
+(defrule skill-client-create
+  "A robot is known: one action client for each of its skills."
+  (robot (name ?robot))
+  (skill-type (skill ?skill) (type ?type))
+  (not (skill-client (robot ?robot) (skill ?skill)))
+  =>
+  (bind ?server (str-cat "/" ?robot "/" ?skill))
+  (ros-msgs-create-action-client ?server ?type)
+  (assert (skill-client (robot ?robot) (skill ?skill) (server ?server) (type ?type))))
+
+(defrule skill-send-goal
+  "A new command: its goal goes to the robot's server. One goal at a time waits for its answer."
+  ?c <- (command (robot ?robot) (skill ?skill) (target ?target) (state NEW))
+  (skill-client (robot ?robot) (skill ?skill) (server ?server) (type ?type))
+  (not (command (server ?server) (state SENT)))
+  =>
+  (bind ?goal (ros-msgs-create-goal-request ?type))
+  (ros-msgs-set-field ?goal "target" ?target)
+  (ros-msgs-async-send-goal ?goal ?server)
+  (modify ?c (state SENT) (server ?server) (goal ?goal)))
+
+(defrule skill-goal-answered
+  "The server took the goal."
+  ?c <- (command (server ?server) (state SENT) (goal ?goal))
+  ?response <- (ros-msgs-goal-response (server ?server) (client-goal-handle-ptr ?handle))
+  =>
+  (bind ?goal-id (ros-msgs-client-goal-handle-get-goal-id ?handle))
+  (ros-msgs-destroy-message ?goal)
+  (ros-msgs-destroy-client-goal-handle ?handle)
+  (retract ?response)
+  (modify ?c (state RUNNING) (goal NONE) (goal-id ?goal-id)))
+
+(defrule skill-result
+  "The skill ended: its result goes into the command."
+  ?c <- (command (server ?server) (state RUNNING) (goal-id ?goal-id))
+  ?wrapped <- (ros-msgs-wrapped-result (server ?server) (goal-id ?goal-id) (code ?code) (result-ptr ?result))
+  =>
+  (bind ?error-code (ros-msgs-get-field ?result "error_code"))
+  (bind ?error (ros-msgs-get-field ?result "error"))
+  (ros-msgs-destroy-message ?result)
+  (retract ?wrapped)
+  (modify ?c (state (if (eq ?code SUCCEEDED) then SUCCEEDED else FAILED)) (error-code ?error-code) (error ?error)))
+
+(defrule skill-feedback-drop
+  "Phases are for the journal, not for us."
+  ?f <- (ros-msgs-feedback (client-goal-handle-ptr ?handle) (feedback-ptr ?feedback))
+  =>
+  (ros-msgs-destroy-message ?feedback)
+  (ros-msgs-destroy-client-goal-handle ?handle)
+  (retract ?f))
+
+; --- Machines
+
+(defglobal ?*INSTRUCT* = "/factory/instruct_machine")
+
+(deftemplate instruction
+  "What a machine shall do."
+  (slot id (type INTEGER))
+  (slot machine (type STRING))
+  (slot operation (type STRING))
+  (slot side (type STRING) (default ""))
+  (slot color (type STRING) (default ""))
+  (slot order (type INTEGER) (default 0))
+  (slot goal (default NONE))
+  (slot goal-id (type SYMBOL) (default NONE))
+  (slot state (type SYMBOL) (allowed-values NEW SENT RUNNING SUCCEEDED FAILED) (default NEW))
+  (slot error (type STRING) (default "")))
+
+(defrule instruct-client-create
+  (game)
+  (not (ros-msgs-action-client (server "/factory/instruct_machine")))
+  =>
+  (ros-msgs-create-action-client ?*INSTRUCT* "rcll_interfaces/action/InstructMachine"))
+
+(defrule instruct-send
+  "An instruction waits until its machine is idle, then goes out."
+  ?i <- (instruction (machine ?machine) (operation ?operation) (side ?side) (color ?color) (order ?order) (state NEW))
+  (machine (name ?machine) (state IDLE))
+  (ros-msgs-action-client (server "/factory/instruct_machine"))
+  (not (instruction (state SENT)))
+  =>
+  (bind ?goal (ros-msgs-create-goal-request "rcll_interfaces/action/InstructMachine"))
+  (ros-msgs-set-field ?goal "machine" ?machine)
+  (ros-msgs-set-field ?goal "operation" ?operation)
+  (ros-msgs-set-field ?goal "side" ?side)
+  (ros-msgs-set-field ?goal "base_color" ?color)
+  (ros-msgs-set-field ?goal "order_id" ?order)
+  (ros-msgs-async-send-goal ?goal ?*INSTRUCT*)
+  (modify ?i (state SENT) (goal ?goal)))
+
+(defrule instruct-answered
+  ?i <- (instruction (state SENT) (goal ?goal))
+  ?response <- (ros-msgs-goal-response (server "/factory/instruct_machine") (client-goal-handle-ptr ?handle))
+  =>
+  (bind ?goal-id (ros-msgs-client-goal-handle-get-goal-id ?handle))
+  (ros-msgs-destroy-message ?goal)
+  (ros-msgs-destroy-client-goal-handle ?handle)
+  (retract ?response)
+  (modify ?i (state RUNNING) (goal NONE) (goal-id ?goal-id)))
+
+(defrule instruct-result
+  ?i <- (instruction (state RUNNING) (goal-id ?goal-id))
+  ?wrapped <- (ros-msgs-wrapped-result (server "/factory/instruct_machine") (goal-id ?goal-id) (code ?code) (result-ptr ?result))
+  =>
+  (bind ?error (ros-msgs-get-field ?result "error"))
+  (ros-msgs-destroy-message ?result)
+  (retract ?wrapped)
+  (modify ?i (state (if (eq ?code SUCCEEDED) then SUCCEEDED else FAILED)) (error ?error)))
