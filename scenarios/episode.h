@@ -4,11 +4,11 @@
 //   auto episode = Episode::load(scenario, options);
 //   (*episode)->start();
 //   while (!(*episode)->over()) if (Status s = (*episode)->tick(); !s) ...
-//   Result result = (*episode)->close();
+//   Result result = (*episode)->close(...);
 
-#include <functional>
+#include <filesystem>
 #include <memory>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -21,7 +21,7 @@
 
 namespace cxlab {
 
-/// Measures a stretch of wall time for the caller; the episode itself reads no clock.
+/// Measures stretches of wall time for the caller; the episode itself reads no clock.
 class WallMeter {
  public:
   virtual ~WallMeter() = default;
@@ -30,12 +30,12 @@ class WallMeter {
 };
 
 struct EpisodeOptions {
-  std::filesystem::path run_folder;            ///< empty = nothing is written
+  std::filesystem::path run_folder;  ///< exists; empty = nothing is written
   JournalLevel journal = JournalLevel::kDecisions;
-  LogSink* log = nullptr;                      ///< log lines of environments and nodes; may be none
-  WallMeter* physics_meter = nullptr;          ///< around the world's steps; may be none
-  bool strict = false;                         ///< unknown CX parameters are errors
-  bool keep_going = false;                     ///< load errors are reported and the run goes on, as CX does
+  cx::LogSink* log = nullptr;        ///< lines of environments and nodes; may be none
+  WallMeter* physics_meter = nullptr;  ///< around the world's steps; may be none
+  bool strict = false;               ///< unknown CX parameters are errors
+  bool keep_going = false;           ///< errors in rule files are reported and the run goes on, as CX does
 };
 
 class Episode {
@@ -50,26 +50,36 @@ class Episode {
   Status start();
   /// One tick, in the order of docs/contracts.md 1.
   Status tick();
-  /// Whether the duration has passed, the referee has ended the game, or rules asked for shutdown.
+  /// Whether the duration has passed, the referee has ended the game, or rules asked for the end.
   bool over() const;
-  /// Deactivates the agents, ends the files, and says how it went. `failure` is the error that ended the run, if any.
+  /// Deactivates the agents and ends the files. `failure` is what ended the run early, if anything did.
   Result close(RunStatus status, std::optional<Error> failure = {});
 
-  SimTime now() const;               ///< of the last tick
-  const Scenario& scenario() const;
-  const Stage& stage() const;
-  Stage& stage();
-  bus::Bus& bus();
-  Journal& journal();
-  std::vector<std::unique_ptr<EnvironmentManager>>& agents();
+  SimTime now() const { return now_; }  ///< of the last tick; before tick 0: 0
+  const Scenario& scenario() const { return scenario_; }
+  Stage& stage() { return *stage_; }
+  bus::Bus& bus() { return *bus_; }
+  Journal& journal() { return journal_; }
+  std::vector<std::unique_ptr<cx::EnvironmentManager>>& agents() { return agents_; }
   /// What has happened so far, without the measurements of the caller.
   Result result() const;
 
  private:
-  struct Parts;
-  explicit Episode(std::unique_ptr<Parts> parts);
-  Status advance();
-  std::unique_ptr<Parts> parts_;
+  Episode(Scenario scenario, EpisodeOptions options);
+  Status build();
+  SimTime next_tick() const;
+  Status advance_world();
+  Status write_out();
+
+  Scenario scenario_;
+  EpisodeOptions options_;
+  Journal journal_;
+  bus::Registry registry_;
+  std::unique_ptr<bus::Bus> bus_;
+  std::unique_ptr<Stage> stage_;
+  std::vector<std::unique_ptr<cx::EnvironmentManager>> agents_;
+  SimTime now_{-1};
+  std::int64_t ticks_ = 0;
 };
 
 }  // namespace cxlab

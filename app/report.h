@@ -1,0 +1,42 @@
+#pragma once
+// `index.html` of a run: score board, points over time, orders, what each robot did when, pictures. Self-contained.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "scenarios/result.h"
+
+namespace cxlab::app {
+
+/// A skill of one robot.
+struct SkillBar {
+  std::string robot, skill, target;
+  double begin = 0, end = 0;  ///< s
+  bool succeeded = false;
+};
+/// Points of one team given or taken at a time.
+struct ScoreStep {
+  std::string team, kind;
+  double t = 0;  ///< s
+  std::int64_t points = 0;
+};
+struct Picture {
+  std::string caption;
+  std::filesystem::path file;  ///< PNG, put into the page
+};
+struct Report {
+  Result result;
+  std::vector<SkillBar> skills;
+  std::vector<ScoreStep> scores;
+  std::vector<Picture> pictures;
+};
+
+/// Skills and scores as `journal.jsonl` tells them.
+Status read_story(const std::filesystem::path& journal, Report& report);
+std::string to_html(const Report& report);
+/// The score board for a terminal.
+std::string score_board(const Result& result);
+
+}  // namespace cxlab::app
