@@ -1,0 +1,115 @@
+// A piece is taken, carried and put down by contact alone.
+
+#include <gtest/gtest.h>
+
+#include "sim/mujoco/test_floor.h"
+#include "sim/mujoco/test_rig.h"
+
+namespace cxlab::sim {
+namespace {
+
+constexpr Stack kBase{1, {}, 0};
+constexpr Stack kC3{2, {1, 2, 3}, 2};
+constexpr RobotId kR1{0};
+
+class Grasp : public testing::TestWithParam<double> {
+ protected:
+  void SetUp() override {
+    ModelOptions options = test_options();
+    options.step = GetParam();
+    auto made = MujocoWorld::create(small_floor(), options);
+    ASSERT_TRUE(made.ok()) << made.error().text();
+    world_ = std::move(*made);
+    rig_.emplace(*world_);
+  }
+  SpotId spot(const char* name) { return *world_->plan().find_spot(name); }
+  StationId station(const char* name) { return *world_->plan().find_station(name); }
+  PieceId dispense(const char* name, double x, const Stack& stack) {
+    auto piece = world_->dispense(station(name), x, stack);
+    EXPECT_TRUE(piece.ok());
+    return *piece;
+  }
+  /// Off the place where a piece should lie at that spot: along and across the belt.
+  Vec3 offset_at(PieceId piece, const char* name) {
+    const Spot& s = world_->plan().spot(spot(name));
+    const Vec3 here = inverse_transform(world_->plan().station(s.station).pose_in_world, world_->find(piece)->position_in_world);
+    return {here.x - s.rest_in_station.x, here.y - s.rest_in_station.y, here.z - s.rest_in_station.z};
+  }
+
+  std::unique_ptr<MujocoWorld> world_;
+  std::optional<Rig> rig_;
+};
+
+TEST_P(Grasp, ProductIsCarriedFromBeltToBelt) {
+  for (const Stack& stack : {kBase, kC3}) {
+    rig_->drive_to(kR1, {0.5, 4, 1.57});
+    const PieceId piece = dispense("C-BS", 0, stack);
+    world_->run_belt(station("C-BS"), -0.155 / 2.656, -0.155);
+    rig_->wait(4);
+    ASSERT_FALSE(world_->belt_running(station("C-BS")));
+    ASSERT_TRUE(world_->at(spot("C-BS-OUTPUT"))) << world_->find(piece)->position_in_world.x;
+
+    rig_->pick(kR1, spot("C-BS-OUTPUT"));
+    ASSERT_EQ(world_->robot(kR1).held, piece);
+    EXPECT_EQ(world_->find(piece)->holder, Holder::kGripper);
+    EXPECT_EQ(world_->at(spot("C-BS-OUTPUT")), nullptr);
+
+    // Around the machine, at full speed and with turns.
+    for (const Pose2& via : {Pose2{0.5, 4, 1.57}, Pose2{3, 4, -1.57}, Pose2{6, 4, 0}})
+      rig_->drive_to(kR1, via);
+    ASSERT_EQ(world_->robot(kR1).held, piece);
+
+    rig_->put(kR1, spot("C-CS1-INPUT"));
+    EXPECT_EQ(world_->robot(kR1).held, std::nullopt);
+    ASSERT_TRUE(world_->at(spot("C-CS1-INPUT")));
+    EXPECT_EQ(world_->at(spot("C-CS1-INPUT"))->id, piece);
+    const Vec3 off = offset_at(piece, "C-CS1-INPUT");
+    EXPECT_LT(std::abs(off.y), 0.003);
+    EXPECT_LT(std::abs(off.x), 0.005);
+    EXPECT_LT(std::abs(off.z), 0.002);
+    EXPECT_EQ(rig_->life(piece), "gripper belt");
+    world_->retire(piece, Holder::kGate);
+    rig_->drive_to(kR1, {6, 4, 0});
+  }
+  EXPECT_EQ(world_->robot(kR1).static_contacts, 0u);
+}
+
+TEST_P(Grasp, CarrierIsTakenOffTheShelfBesideItsNeighbours) {
+  std::vector<PieceId> carriers;
+  for (const char* name : {"C-CS1-SHELF-LEFT", "C-CS1-SHELF-MIDDLE", "C-CS1-SHELF-RIGHT"})
+    carriers.push_back(*world_->dispense(spot(name), Stack{4, {}, 1}));
+  rig_->drive_to(kR1, {6, 4, 0});
+  rig_->pick(kR1, spot("C-CS1-SHELF-MIDDLE"));
+  EXPECT_EQ(world_->robot(kR1).held, carriers[1]);
+  EXPECT_EQ(world_->at(spot("C-CS1-SHELF-MIDDLE")), nullptr);
+  EXPECT_EQ(world_->at(spot("C-CS1-SHELF-LEFT"))->id, carriers[0]);
+  EXPECT_EQ(world_->at(spot("C-CS1-SHELF-RIGHT"))->id, carriers[2]);
+
+  rig_->put(kR1, spot("C-CS1-INPUT"));
+  EXPECT_LT(std::abs(offset_at(carriers[1], "C-CS1-INPUT").y), 0.003);
+  EXPECT_EQ(rig_->life(carriers[1]), "gripper belt");
+
+  rig_->pick(kR1, spot("C-CS1-INPUT"));
+  rig_->put(kR1, spot("C-CS1-SHELF-MIDDLE"));
+  EXPECT_EQ(world_->at(spot("C-CS1-SHELF-MIDDLE"))->id, carriers[1]);
+  EXPECT_EQ(rig_->life(carriers[1]), "gripper belt gripper slot");
+}
+
+TEST_P(Grasp, PieceGoesDownTheSlideAndCounts) {
+  const PieceId piece = dispense("C-RS1", 0.155, kBase);
+  rig_->drive_to(kR1, {6, 4, 0});
+  rig_->pick(kR1, spot("C-RS1-INPUT"));
+  ASSERT_EQ(world_->robot(kR1).held, piece);
+  EXPECT_EQ(world_->slide_count(station("C-RS1")), 0);
+  rig_->put(kR1, spot("C-RS1-SLIDE"));
+  EXPECT_EQ(world_->slide_count(station("C-RS1")), 1);
+  EXPECT_EQ(world_->find(piece), nullptr);
+  EXPECT_EQ(rig_->life(piece), "gripper slide");
+}
+
+INSTANTIATE_TEST_SUITE_P(Step, Grasp, testing::Values(0.005), [](const auto& info) {
+  return std::to_string(static_cast<int>(info.param * 1000)) + "ms";
+});
+
+}  // namespace
+}  // namespace cxlab::sim

@@ -1,0 +1,88 @@
+#pragma once
+// The one way into a running physics world. Controls, fields of the model and the state are written here and nowhere
+// else; each write goes to the tap first, so that the same writes on the same model give the same physics.
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include <xxhash.h>
+
+#include "sim/mujoco/factory_model.h"
+#include "sim/mujoco/physics_log.h"
+
+namespace cxlab::sim {
+
+/// Half of a base's height: pieces are written as the place of their underside, bodies have their origin above it.
+inline constexpr double kPieceOrigin = 0.0125;
+
+class PhysicsGate {
+ public:
+  /// All pieces parked, all belts still, robots at their starts.
+  PhysicsGate(FactoryModel factory, const FloorPlan& plan);
+
+  /// Takes one step. Fails when the world diverges.
+  Status step();
+  std::int64_t steps() const { return steps_; }
+  double time() const { return data_->time; }  ///< s
+  /// Running hash of positions and velocities after every second step.
+  std::uint64_t hash() const { return XXH3_64bits_digest(hash_.get()); }
+
+  void set_tap(PhysicsTap* tap) { tap_ = tap; }
+  /// Does what `write` says, whoever made it.
+  void write(const PhysicsWrite& write);
+  /// Target of an actuator, rounded to kControlUnit; written when it changes.
+  void control(int actuator, double value);
+  void belt_speed(StationId station, double speed);
+  void shape(int body, const Stack& stack);
+  void place(int body, const Vec3& underside_in_world);
+  void park(int body);
+  void wake(int body);
+  void lights(StationId station, const Lights& lights);
+
+  const FactoryModel& factory() const { return factory_; }
+  const mjModel& model() const { return *factory_.model; }
+  const mjData& data() const { return *data_; }
+  const Lights& lights(StationId station) const { return lights_[static_cast<std::size_t>(station)]; }
+
+ private:
+  struct HashDeleter {
+    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+  };
+  void apply_shape(const PieceIds& piece, const PhysicsWrite& write);
+  void apply_slot(int geom, const std::vector<int>& materials, int colour, int contype);
+  void move_piece(const PieceIds& piece, const Vec3& origin, double gravity_compensation);
+
+  FactoryModel factory_;
+  std::unique_ptr<mjData, MjDeleter> data_;
+  std::unique_ptr<XXH3_state_t, HashDeleter> hash_;
+  PhysicsTap* tap_ = nullptr;
+  std::int64_t steps_ = 0;
+  std::vector<std::int64_t> controls_;  ///< last written, in units
+  std::vector<Lights> lights_;
+  std::vector<int> woken_;              ///< bodies whose wake mark is taken back after the next step
+  double piece_inverse_weight_[2];      ///< of a bare base, as compiled
+};
+
+/// Takes the writes of a log on a model of its own: the physics of a run without anything else.
+class PhysicsReplay {
+ public:
+  /// `log` must outlive it.
+  static Expected<PhysicsReplay> load(const FloorPlan& plan, const ModelOptions& options, std::string_view log);
+  /// Steps until `steps` have been taken since the start.
+  Status advance_to(std::int64_t steps);
+  const PhysicsGate& gate() const { return *gate_; }
+  std::uint64_t hash() const { return gate_->hash(); }
+  const std::vector<std::filesystem::path>& files() const { return gate_->factory().files; }
+
+ private:
+  PhysicsReplay(std::unique_ptr<PhysicsGate> gate, std::string_view log) : gate_(std::move(gate)), reader_(log) {}
+  Status read_next();
+
+  std::unique_ptr<PhysicsGate> gate_;
+  PhysicsLogReader reader_;
+  std::optional<PhysicsWrite> next_;
+};
+
+}  // namespace cxlab::sim
