@@ -19,7 +19,7 @@
 
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
-#include "cx/journal/append_file.h"
+#include "cx/base/append_file.h"
 
 namespace cxlab {
 

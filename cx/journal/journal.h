@@ -12,7 +12,7 @@
 
 #include "cx/base/expected.h"
 #include "cx/base/record_sink.h"
-#include "cx/journal/append_file.h"
+#include "cx/base/append_file.h"
 
 namespace cxlab {
 

@@ -6,7 +6,7 @@
 
 #include <sys/stat.h>
 
-#include "cx/journal/append_file.h"
+#include "cx/base/append_file.h"
 
 namespace cxlab {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-#include "cx/journal/append_file.h"
+#include "cx/base/append_file.h"
 #include "cx/journal/file_store.h"
 #include "temp_folder.h"
 

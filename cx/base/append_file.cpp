@@ -1,4 +1,4 @@
-#include "cx/journal/append_file.h"
+#include "cx/base/append_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
