@@ -69,6 +69,10 @@ struct NodeName {
   std::vector<std::pair<std::string, std::string>> remaps;  ///< FROM := TO, both as written by the user
   /// The absolute name on the bus. Absolute names are only moved by remaps.
   std::string resolve(std::string_view name_as_written) const;
+  /// The same without remaps.
+  std::string expand(std::string_view name_as_written) const;
+  /// E.g. "/ns/clips_manager".
+  std::string full_name() const;
 };
 
 /// Takes part in the input log: what entered each environment, and the answers of functions that look outside.
@@ -77,6 +81,8 @@ class InputTap {
   virtual ~InputTap() = default;
   virtual void delivered(ParticipantId to, const std::vector<Delivery>& deliveries) = 0;
 };
+
+struct Endpoint;
 
 class Bus {
  public:
@@ -172,6 +178,9 @@ class Bus {
 
  private:
   struct State;
+  Expected<EndpointId> add(ParticipantId p, std::string_view written, std::unique_ptr<Endpoint> made, std::string_view type_name);
+  void cancel(EndpointId client, const GoalId& goal, SimTime stamp, Causes causes);
+
   Registry& registry_;
   SimTime now_{};
   std::unique_ptr<State> state_;

@@ -20,9 +20,13 @@ enum class FieldType : std::uint8_t {
   kFloat32, kFloat64, kString, kWstring, kMessage
 };
 
+/// As definitions write it: "bool", "float64", ...; "message" for nested ones.
+std::string_view to_string(FieldType type);
+
 enum class ArrayKind : std::uint8_t { kSingle, kFixed, kBounded, kUnbounded };
 
 class MessageType;
+struct Section;
 
 /// One field: where it lies in a message's memory and how to read it there.
 struct Field {
@@ -35,17 +39,30 @@ struct Field {
   std::size_t offset = 0;           ///< in bytes from the start of the message
   std::size_t stride = 0;           ///< bytes of one element
   std::string default_text;         ///< as written in the definition, empty = zero
+
+  bool is_integer() const { return type < FieldType::kFloat32; }  ///< bool, byte and char too
+  bool is_real() const { return type == FieldType::kFloat32 || type == FieldType::kFloat64; }
+  bool is_text() const { return type == FieldType::kString || type == FieldType::kWstring; }
+  bool is_message() const { return type == FieldType::kMessage; }
+  bool is_sequence() const { return array == ArrayKind::kBounded || array == ArrayKind::kUnbounded; }
+  /// E.g. "float64", "string<=5[<=3]", "geometry_msgs/msg/Point[]".
+  std::string type_text() const;
 };
 
 struct Constant {
   std::string name;
   FieldType type{};
-  std::string value_text;
+  std::string value_text;  ///< strings without their quotes
 };
 
 /// A message's layout. Owned by the registry, lives as long as it.
 class MessageType {
  public:
+  MessageType() = default;
+  MessageType(const MessageType&) = delete;
+  MessageType& operator=(const MessageType&) = delete;
+  ~MessageType();
+
   const std::string& name() const { return name_; }  ///< e.g. "geometry_msgs/msg/Twist", "std_srvs/srv/SetBool_Request"
   const std::vector<Field>& fields() const { return fields_; }
   const std::vector<Constant>& constants() const { return constants_; }
@@ -53,6 +70,14 @@ class MessageType {
   std::size_t alignment() const { return alignment_; }
   /// The field of that name, or nullptr. Resolve once a call site, then keep the pointer.
   const Field* find(std::string_view field) const;
+  std::vector<std::string> field_names() const;
+
+  /// The memory of a message with all defaults, from which new ones are copied.
+  const std::byte* prototype() const { return prototype_; }
+  /// No strings or dynamic arrays inside: copied byte by byte.
+  bool plain() const { return plain_; }
+  /// The fewest bytes that `Message::serialize` writes, at least 1.
+  std::size_t serialized_min() const { return serialized_min_; }
 
  private:
   friend class Registry;
@@ -61,6 +86,9 @@ class MessageType {
   std::vector<Constant> constants_;
   std::size_t byte_size_ = 0;
   std::size_t alignment_ = 1;
+  std::size_t serialized_min_ = 1;
+  bool plain_ = true;
+  std::byte* prototype_ = nullptr;
 };
 
 struct ServiceType {
@@ -102,6 +130,8 @@ class Registry {
 
  private:
   struct State;
+  Status read(const std::string& package, const std::string& folder, const std::string& name);
+  Status compile(MessageType& type, const Section& section, const std::string& package, const std::string& file);
   std::unique_ptr<State> state_;
 };
 

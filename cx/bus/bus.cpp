@@ -1,0 +1,315 @@
+#include "cx/bus/bus.h"
+
+#include <algorithm>
+#include <cassert>
+#include <tuple>
+
+#include "cx/bus/bus_state.h"
+#include "cx/bus/names.h"
+
+namespace cxlab::bus {
+
+namespace {
+
+bool comes_before(const Delivery& a, const Delivery& b) {
+  return std::tie(a.kind, a.from, a.sequence, a.endpoint) < std::tie(b.kind, b.from, b.sequence, b.endpoint);
+}
+
+std::string_view op_of(EndpointKind kind) {
+  static constexpr std::array<std::string_view, 6> kOps{"advertise", "subscribe", "serve", "client", "serve_action", "action_client"};
+  return kOps[static_cast<std::size_t>(kind)];
+}
+
+std::string_view noun_of(EndpointKind kind) {
+  if (kind <= EndpointKind::kSubscription) return "topic";
+  return kind <= EndpointKind::kClient ? "service" : "action";
+}
+
+std::vector<Bus::Info> info_of(const Channels& channels) {
+  std::vector<Bus::Info> infos;
+  for (const auto& [name, channel] : channels) {
+    if (channel->providers.empty() && channel->users.empty()) continue;
+    infos.push_back({name, channel->type_name, static_cast<int>(channel->providers.size()), static_cast<int>(channel->users.size())});
+  }
+  return infos;
+}
+
+}  // namespace
+
+Bus::Bus(Registry& registry, RecordSink& sink) : registry_(registry), state_(std::make_unique<State>(sink)) {}
+Bus::~Bus() = default;
+
+// --- Participants
+
+ParticipantId Bus::join(ParticipantKind kind, NodeName name, StreamId stream) {
+  auto participant = std::make_unique<Participant>();
+  participant->kind = kind;
+  participant->stream = stream;
+  for (const auto& other : state_->participants) participant->twin += other->name.full_name() == name.full_name();
+  participant->name = std::move(name);
+  state_->data.begin().field("op", "join").field("name", std::string_view(participant->name.full_name()));
+  state_->sink.write(stream, now_, RecordKind::kBus, state_->data);
+  state_->participants.push_back(std::move(participant));
+  return static_cast<ParticipantId>(state_->participants.size() - 1);
+}
+
+const NodeName& Bus::name_of(ParticipantId p) const { return state_->participant(p).name; }
+StreamId Bus::stream_of(ParticipantId p) const { return state_->participant(p).stream; }
+
+void Bus::leave(ParticipantId p) {
+  Participant& participant = state_->participant(p);
+  for (std::size_t i = 0; i < participant.endpoints.size(); ++i)
+    if (participant.endpoints[i]) remove(participant.endpoints[i]->id);
+  state_->data.begin().field("op", "leave").field("name", std::string_view(participant.name.full_name()));
+  state_->sink.write(participant.stream, now_, RecordKind::kBus, state_->data);
+}
+
+void Bus::begin_tick(SimTime now) {
+  now_ = now;
+  ++state_->tick;
+  for (auto& participant : state_->participants) {
+    auto& next = participant->next_inbox;
+    participant->inbox.insert(participant->inbox.end(), std::make_move_iterator(next.begin()), std::make_move_iterator(next.end()));
+    next.clear();
+  }
+}
+
+// --- Endpoints
+
+Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::unique_ptr<Endpoint> made, std::string_view type_name) {
+  Participant& owner = state_->participant(p);
+  const std::string noun(noun_of(made->kind));
+  if (const std::string fault = name_fault(written); !fault.empty())
+    return input_error("name of the " + noun + " '" + std::string(written) + "' " + fault);
+  const std::string name = owner.name.resolve(written);
+  auto& channel = state_->channels(made->kind)[name];
+  if (!channel) {
+    channel = std::make_unique<Channel>();
+    channel->name = name;
+  }
+  if (channel->providers.empty() && channel->users.empty()) {
+    if (channel->type != made->message) channel->waiting.clear();
+    channel->type_name = type_name;
+    channel->type = made->message;
+  } else if (channel->type != made->message) {
+    return input_error(noun + " '" + name + "' has type " + channel->type_name + ", found a second type " + std::string(type_name));
+  }
+
+  Endpoint& endpoint = *made;
+  endpoint.id = static_cast<EndpointId>(static_cast<std::uint64_t>(p) << 32 | owner.endpoints.size());
+  endpoint.owner = p;
+  endpoint.channel = channel.get();
+  (endpoint.provides() ? channel->providers : channel->users).push_back(&endpoint);
+  owner.endpoints.push_back(std::move(made));
+  state_->begin(op_of(endpoint.kind), endpoint).field("type", type_name);
+  state_->write(now_, endpoint, {});
+
+  const bool first_server = endpoint.provides() && endpoint.kind != EndpointKind::kPublisher && channel->providers.size() == 1;
+  if (first_server) {
+    for (Waiting& request : channel->waiting) state_->hand_to_server(endpoint, std::move(request));
+    channel->waiting.clear();
+  }
+  return endpoint.id;
+}
+
+namespace {
+
+std::unique_ptr<Endpoint> make_endpoint(EndpointKind kind, const MessageType* message, const MessageType* answer = nullptr,
+                                        const MessageType* feedback = nullptr) {
+  auto endpoint = std::make_unique<Endpoint>();
+  endpoint->kind = kind;
+  endpoint->message = message;
+  endpoint->answer = answer;
+  endpoint->feedback = feedback;
+  return endpoint;
+}
+
+}  // namespace
+
+Expected<EndpointId> Bus::advertise(ParticipantId p, std::string_view topic, const MessageType& type) {
+  return add(p, topic, make_endpoint(EndpointKind::kPublisher, &type), type.name());
+}
+
+Expected<EndpointId> Bus::subscribe(ParticipantId p, std::string_view topic, const MessageType& type, Handler handler) {
+  auto endpoint = make_endpoint(EndpointKind::kSubscription, &type);
+  endpoint->handlers[0] = std::move(handler);
+  return add(p, topic, std::move(endpoint), type.name());
+}
+
+Expected<EndpointId> Bus::serve(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_request) {
+  auto endpoint = make_endpoint(EndpointKind::kServer, type.request, type.response);
+  endpoint->handlers[0] = std::move(on_request);
+  return add(p, service, std::move(endpoint), type.name);
+}
+
+Expected<EndpointId> Bus::create_client(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_response) {
+  auto endpoint = make_endpoint(EndpointKind::kClient, type.request, type.response);
+  endpoint->handlers[0] = std::move(on_response);
+  return add(p, service, std::move(endpoint), type.name);
+}
+
+Expected<EndpointId> Bus::serve_action(ParticipantId p, std::string_view action, const ActionType& type, ActionServerHandlers handlers) {
+  auto endpoint = make_endpoint(EndpointKind::kActionServer, type.goal, type.result, type.feedback);
+  endpoint->handlers[handler_index(DeliveryKind::kGoal)] = std::move(handlers.goal);
+  endpoint->handlers[handler_index(DeliveryKind::kCancel)] = std::move(handlers.cancel);
+  return add(p, action, std::move(endpoint), type.name);
+}
+
+Expected<EndpointId> Bus::create_action_client(ParticipantId p, std::string_view action, const ActionType& type,
+                                               ActionClientHandlers handlers) {
+  auto endpoint = make_endpoint(EndpointKind::kActionClient, type.goal, type.result, type.feedback);
+  endpoint->handlers[handler_index(DeliveryKind::kGoalResponse)] = std::move(handlers.goal_response);
+  endpoint->handlers[handler_index(DeliveryKind::kFeedback)] = std::move(handlers.feedback);
+  endpoint->handlers[handler_index(DeliveryKind::kResult)] = std::move(handlers.result);
+  endpoint->handlers[handler_index(DeliveryKind::kCancelResponse)] = std::move(handlers.cancel_response);
+  return add(p, action, std::move(endpoint), type.name);
+}
+
+void Bus::remove(EndpointId id) {
+  Endpoint* endpoint = state_->find(id);
+  if (endpoint == nullptr) return;
+  state_->begin("remove", *endpoint);
+  state_->write(now_, *endpoint, {});
+  std::erase(endpoint->provides() ? endpoint->channel->providers : endpoint->channel->users, endpoint);
+
+  Participant& owner = state_->participant(endpoint->owner);
+  const auto for_it = [id](const Delivery& delivery) { return delivery.endpoint == id; };
+  std::erase_if(owner.inbox, for_it);
+  std::erase_if(owner.next_inbox, for_it);
+  auto& slot = owner.endpoints[static_cast<std::uint64_t>(id) & 0xffffffffU];
+  if (state_->running > 0) state_->removed.push_back(std::move(slot));
+  slot.reset();
+}
+
+// --- Topics and services
+
+void Bus::publish(EndpointId publisher, SharedMessage message, Causes causes) {
+  Endpoint* from = state_->find(publisher, EndpointKind::kPublisher);
+  if (from == nullptr) return;
+  assert(message && &message->view().type() == from->message);
+  Delivery delivery = state_->begin_post(DeliveryKind::kTopic, "publish", *from);
+  state_->add_message("msg", message);
+  delivery.cause = state_->write(now_, *from, causes);
+  if (state_->muted) return;
+  delivery.message = std::move(message);
+  const auto& users = from->channel->users;
+  for (std::size_t i = 0; i < users.size(); ++i) state_->enqueue(*users[i], i + 1 < users.size() ? delivery : std::move(delivery), state_->tick);
+}
+
+bool Bus::service_ready(EndpointId client) const {
+  const Endpoint* from = state_->find(client, EndpointKind::kClient);
+  return from != nullptr && !from->channel->providers.empty();
+}
+
+std::uint64_t Bus::call(EndpointId client, SharedMessage request, Causes causes) {
+  Endpoint* from = state_->find(client, EndpointKind::kClient);
+  if (from == nullptr) return 0;
+  assert(request && &request->view().type() == from->message);
+  Delivery delivery = state_->begin_post(DeliveryKind::kServiceRequest, "call", *from);
+  const std::uint64_t number = delivery.request_id = from->next_number++;
+  state_->data.field("id", number);
+  state_->add_message("request", request);
+  delivery.cause = state_->write(now_, *from, causes);
+  delivery.message = std::move(request);
+  state_->send_to_server(*from, std::move(delivery));
+  return number;
+}
+
+bool Bus::respond(EndpointId service, const Delivery& request, SharedMessage response) {
+  Endpoint* from = state_->find(service, EndpointKind::kServer);
+  if (from == nullptr) return false;
+  const auto open = from->requests.find(request.request_id);
+  if (open == from->requests.end() || !open->second.taken) return false;
+  assert(response && &response->view().type() == from->answer);
+  Delivery delivery = state_->begin_post(DeliveryKind::kServiceResponse, "respond", *from);
+  state_->data.field("id", request.request_id);
+  state_->add_message("response", response);
+  delivery.cause = state_->write(now_, *from, {&open->second.cause, 1});
+  delivery.request_id = open->second.number;
+  delivery.message = std::move(response);
+  const EndpointId client = open->second.client;
+  from->requests.erase(open);
+  state_->reply(client, std::move(delivery));
+  return true;
+}
+
+// --- Taking
+
+bool Bus::has_waiting(ParticipantId p) const { return !state_->participant(p).inbox.empty(); }
+
+bool Bus::any_waiting() const {
+  return std::any_of(state_->participants.begin(), state_->participants.end(),
+                     [](const auto& p) { return !p->inbox.empty() || !p->next_inbox.empty(); });
+}
+
+void Bus::State::call_handler(Endpoint& endpoint, const Delivery& delivery) {
+  const Handler& handler = endpoint.handlers[handler_index(delivery.kind)];
+  if (!handler) return;
+  ++running;
+  handler(delivery);
+  if (--running == 0) removed.clear();
+}
+
+void Bus::State::handle(SimTime now, const Delivery& delivery) {
+  Endpoint* endpoint = find(delivery.endpoint);
+  if (endpoint == nullptr) return;
+  switch (delivery.kind) {
+    case DeliveryKind::kServiceRequest: {
+      OpenRequest& open = endpoint->requests[delivery.request_id];
+      open.taken = true;
+      open.cause = delivery.cause;
+      break;
+    }
+    case DeliveryKind::kGoal: {
+      ServedGoal& goal = endpoint->served_goal(delivery.goal);
+      goal.taken = true;
+      goal.cause = delivery.cause;
+      break;
+    }
+    case DeliveryKind::kCancel: take_cancel(now, *endpoint, delivery); return;
+    case DeliveryKind::kGoalResponse: case DeliveryKind::kFeedback: case DeliveryKind::kResult:
+      endpoint->sent[delivery.goal].status = delivery.status;
+      break;
+    case DeliveryKind::kCancelResponse:
+      for (const auto& [goal, accepted_at] : delivery.goals_canceling)
+        if (const auto known = endpoint->sent.find(goal); known != endpoint->sent.end() && known->second.status <= GoalStatus::kExecuting)
+          known->second.status = GoalStatus::kCanceling;
+      break;
+    case DeliveryKind::kServiceResponse: case DeliveryKind::kTopic: break;
+  }
+  call_handler(*endpoint, delivery);
+}
+
+std::size_t Bus::deliver(ParticipantId p) {
+  Participant& participant = state_->participant(p);
+  if (participant.inbox.empty()) return 0;
+  assert(!participant.delivering && "deliver() from a handler of the same participant");
+  participant.delivering = true;
+  auto& taken = participant.taken;
+  taken.swap(participant.inbox);
+  if (!std::is_sorted(taken.begin(), taken.end(), comes_before)) std::sort(taken.begin(), taken.end(), comes_before);
+  if (state_->tap != nullptr) state_->tap->delivered(p, taken);
+  for (const Delivery& delivery : taken) state_->handle(now_, delivery);
+  const std::size_t count = taken.size();
+  taken.clear();
+  participant.delivering = false;
+  return count;
+}
+
+void Bus::set_input_tap(InputTap* tap) { state_->tap = tap; }
+
+void Bus::mute(bool on) { state_->muted = on; }
+
+void Bus::inject(ParticipantId to, const std::vector<Delivery>& deliveries) {
+  for (Delivery delivery : deliveries) {
+    const std::uint64_t number = static_cast<std::uint64_t>(delivery.endpoint) & 0xffffffffU;
+    delivery.endpoint = static_cast<EndpointId>(static_cast<std::uint64_t>(to) << 32 | number);
+    state_->handle(now_, delivery);
+  }
+}
+
+std::vector<Bus::Info> Bus::topics() const { return info_of(state_->topics); }
+std::vector<Bus::Info> Bus::services() const { return info_of(state_->services); }
+std::vector<Bus::Info> Bus::actions() const { return info_of(state_->actions); }
+
+}  // namespace cxlab::bus

@@ -1,0 +1,12 @@
+#pragma once
+// Names of topics, services and actions as ROS has them.
+
+#include <string>
+#include <string_view>
+
+namespace cxlab::bus {
+
+/// What is wrong with a name as a participant writes it ("has an empty part"), empty if it is good.
+std::string name_fault(std::string_view written);
+
+}  // namespace cxlab::bus

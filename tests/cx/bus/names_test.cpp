@@ -1,0 +1,52 @@
+#include <gtest/gtest.h>
+
+#include "cx/bus/bus.h"
+#include "cx/bus/names.h"
+
+namespace cxlab::bus {
+namespace {
+
+struct Case {
+  const char* name_space;
+  std::vector<std::pair<std::string, std::string>> remaps;
+  const char* written;
+  const char* expected;
+};
+
+TEST(Names, ResolveAsInRos) {
+  const std::vector<Case> cases{
+      {"/", {}, "chatter", "/chatter"},
+      {"/", {}, "turtle1/pose", "/turtle1/pose"},
+      {"/", {}, "/chatter", "/chatter"},
+      {"/", {}, "~/list_envs", "/node/list_envs"},
+      {"/", {}, "~", "/node"},
+      {"/team/cyan", {}, "chatter", "/team/cyan/chatter"},
+      {"/team/cyan", {}, "/chatter", "/chatter"},
+      {"/team/cyan", {}, "~/x", "/team/cyan/node/x"},
+      {"/ns", {{"chatter", "other"}}, "chatter", "/ns/other"},
+      {"/ns", {{"chatter", "other"}}, "/ns/chatter", "/ns/other"},
+      {"/ns", {{"chatter", "other"}}, "/chatter", "/chatter"},
+      {"/ns", {{"/chatter", "/other"}}, "/chatter", "/other"},
+      {"/ns", {{"/ns/chatter", "/other"}}, "chatter", "/other"},
+      {"/ns", {{"~/x", "x"}}, "~/x", "/ns/x"},
+      {"/ns", {{"a", "b"}, {"b", "c"}, {"a", "d"}}, "a", "/ns/b"},  // the first, once
+      {"/ns", {{"chat", "other"}}, "chatter", "/ns/chatter"},      // whole names only
+  };
+  for (const Case& c : cases) EXPECT_EQ((NodeName{"node", c.name_space, c.remaps}.resolve(c.written)), c.expected) << c.written;
+}
+
+TEST(Names, WhatRosRefusesIsAFault) {
+  for (const char* good : {"a", "/a", "~/a", "~", "a/b_2", "_hidden", "/a/_b"}) EXPECT_EQ(name_fault(good), "") << good;
+  for (const char* bad : {"", "/", "a//b", "//a", "a/", "2a", "a/2b", "a b", "a-b", "~a", "a~", "\xc3\xa4", "a\n"})
+    EXPECT_NE(name_fault(bad), "") << bad;
+}
+
+TEST(Names, GoalIdsAreHexDigitsWithoutDashes) {
+  GoalId id{};
+  id[0] = 0x0f;
+  id[15] = 0xa0;
+  EXPECT_EQ(to_string(id), "0f0000000000000000000000000000a0");
+}
+
+}  // namespace
+}  // namespace cxlab::bus
