@@ -17,7 +17,7 @@ namespace cxlab::sim {
 
 struct ModelOptions {
   std::filesystem::path models;  ///< the folder with factory.xml and the parts
-  double step = 0.005;           ///< s
+  double step = 0.01;            ///< s
   int pieces = 60;               ///< bodies in the pool: how many pieces can be in play at once
 };
 

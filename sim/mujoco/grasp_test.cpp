@@ -107,7 +107,7 @@ TEST_P(Grasp, PieceGoesDownTheSlideAndCounts) {
   EXPECT_EQ(rig_->life(piece), "gripper slide");
 }
 
-INSTANTIATE_TEST_SUITE_P(Step, Grasp, testing::Values(0.005), [](const auto& info) {
+INSTANTIATE_TEST_SUITE_P(Step, Grasp, testing::Values(0.005, 0.01), [](const auto& info) {
   return std::to_string(static_cast<int>(info.param * 1000)) + "ms";
 });
 

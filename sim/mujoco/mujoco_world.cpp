@@ -92,6 +92,7 @@ void MujocoWorld::drive(Motion& m, const RobotIds& ids, double dt) {
   m.axes.x = approach(m.axes.x, m.want_axes.x, kAxisSpeed * dt);
   m.axes.y = approach(m.axes.y, m.want_axes.y, kAxisSpeed * dt);
   m.axes.z = approach(m.axes.z, m.want_axes.z, kAxisSpeed * dt);
+  m.opening = approach(m.opening, m.want_opening, kAxisSpeed * dt);
   gate_.control(ids.actuator[kAxisX], m.vx);
   gate_.control(ids.actuator[kAxisY], m.vy);
   gate_.control(ids.actuator[kAxisYaw], m.omega);
@@ -483,7 +484,7 @@ void MujocoWorld::command_gripper(RobotId robot, const Vec3& axes) {
 }
 
 void MujocoWorld::command_fingers(RobotId robot, double opening) {
-  motions_[at_index(robot)].opening = std::clamp(opening, kOpeningLow, kOpeningHigh);
+  motions_[at_index(robot)].want_opening = std::clamp(opening, kOpeningLow, kOpeningHigh);
 }
 
 }  // namespace cxlab::sim

@@ -22,6 +22,6 @@ inline FloorPlan small_floor() {
   return plan;
 }
 
-inline ModelOptions test_options() { return {std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "models", 0.005, 20}; }
+inline ModelOptions test_options() { return {std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "models", 0.01, 20}; }
 
 }  // namespace cxlab::sim
