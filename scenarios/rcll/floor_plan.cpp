@@ -1,0 +1,141 @@
+#include "scenarios/rcll/floor_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace cxlab::rcll {
+namespace {
+
+constexpr double kHalfDepth = 0.175, kHalfWidth = 0.35;  ///< of a machine's body, m
+constexpr double kHalfWall = 0.025;                      ///< m, half a wall's thickness
+constexpr double kGrid = 0.05;                           ///< m
+constexpr double kRobotWithMargin = 0.27;                ///< m, radius that robots of the league plan with
+
+double distance_to_box(const sim::Pose2& box, double x, double y) {
+  const sim::Vec3 local = sim::inverse_transform(box, {x, y, 0});
+  return std::hypot(std::max(std::abs(local.x) - kHalfDepth, 0.0), std::max(std::abs(local.y) - kHalfWidth, 0.0));
+}
+
+double distance_to_wall(const sim::WallSegment& w, double x, double y) {
+  const double dx = w.x1 - w.x0, dy = w.y1 - w.y0;
+  const double along = std::clamp(((x - w.x0) * dx + (y - w.y0) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
+  return std::hypot(x - w.x0 - along * dx, y - w.y0 - along * dy) - kHalfWall;
+}
+
+bool disc_fits(const sim::FloorPlan& plan, double x, double y, double radius) {
+  if (x - radius < plan.min_x || x + radius > plan.max_x || y - radius < plan.min_y || y + radius > plan.max_y)
+    return false;
+  return std::ranges::all_of(plan.stations,
+                             [&](const sim::Station& s) { return distance_to_box(s.pose_in_world, x, y) >= radius; }) &&
+         std::ranges::all_of(plan.walls, [&](const sim::WallSegment& w) { return distance_to_wall(w, x, y) >= radius; });
+}
+
+/// Which points of a grid over the field a disc can get to.
+class ReachGrid {
+ public:
+  ReachGrid(const sim::FloorPlan& plan, double radius)
+      : plan_(plan),
+        columns_(static_cast<int>(std::lround((plan.max_x - plan.min_x) / kGrid)) + 1),
+        rows_(static_cast<int>(std::lround((plan.max_y - plan.min_y) / kGrid)) + 1),
+        free_(static_cast<std::size_t>(columns_ * rows_)),
+        reached_(free_.size()) {
+    for (int r = 0; r < rows_; ++r)
+      for (int c = 0; c < columns_; ++c) free_[index(c, r)] = disc_fits(plan, x_of(c), y_of(r), radius);
+  }
+
+  void flood_from(double x, double y) {
+    std::vector<std::pair<int, int>> open{cell_of(x, y)};
+    while (!open.empty()) {
+      const auto [c, r] = open.back();
+      open.pop_back();
+      if (c < 0 || r < 0 || c >= columns_ || r >= rows_ || !free_[index(c, r)] || reached_[index(c, r)]) continue;
+      reached_[index(c, r)] = true;
+      for (const auto& [dc, dr] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) open.emplace_back(c + dc, r + dr);
+    }
+  }
+
+  /// A reached point within a cell's diagonal.
+  bool reached_near(double x, double y) const {
+    const auto [c0, r0] = cell_of(x, y);
+    for (int c = std::max(c0 - 1, 0); c <= std::min(c0 + 1, columns_ - 1); ++c)
+      for (int r = std::max(r0 - 1, 0); r <= std::min(r0 + 1, rows_ - 1); ++r)
+        if (reached_[index(c, r)]) return true;
+    return false;
+  }
+
+ private:
+  std::size_t index(int column, int row) const { return static_cast<std::size_t>(row * columns_ + column); }
+  double x_of(int column) const { return plan_.min_x + column * kGrid; }
+  double y_of(int row) const { return plan_.min_y + row * kGrid; }
+  std::pair<int, int> cell_of(double x, double y) const {
+    return {static_cast<int>(std::lround((x - plan_.min_x) / kGrid)),
+            static_cast<int>(std::lround((y - plan_.min_y) / kGrid))};
+  }
+
+  const sim::FloorPlan& plan_;
+  int columns_, rows_;
+  std::vector<bool> free_, reached_;
+};
+
+sim::Pose2 start_pose(Team team, int index) {
+  const double x = 4.5 + index;
+  return {team == Team::kCyan ? x : -x, 0.5, std::numbers::pi / 2};
+}
+
+}  // namespace
+
+sim::FloorPlan make_floor_plan(const Layout& layout, Team team, int robots) {
+  sim::FloorPlan plan;
+  for (const double s : {1.0, -1.0}) {
+    const std::vector<std::vector<std::pair<double, double>>> lines{{{4 * s, 1}, {4 * s, 0}, {7 * s, 0}},
+                                                                    {{5 * s, 1}, {7 * s, 1}, {7 * s, 2}},
+                                                                    {{7 * s, 6.5}, {7 * s, 8}, {0, 8}},
+                                                                    {{2 * s, 0}, {0, 0}}};
+    for (const auto& line : lines)
+      for (std::size_t i = 1; i < line.size(); ++i)
+        plan.walls.push_back({line[i - 1].first, line[i - 1].second, line[i].first, line[i].second});
+  }
+  for (const Placement& placement : layout) {
+    const auto id = static_cast<sim::StationId>(plan.stations.size());
+    plan.stations.push_back({placement.name(), std::string(kind_of(placement.machine)),
+                             centre_of(placement.zone, placement.rotation), true});
+    for (sim::Spot& spot : sim::spots_of(plan.stations.back(), id)) plan.spots.push_back(std::move(spot));
+  }
+  for (int i = 0; i < robots; ++i) plan.robots.push_back({"R" + std::to_string(i + 1), start_pose(team, i)});
+  return plan;
+}
+
+std::vector<sim::SpotId> unreachable_spots(const sim::FloorPlan& plan, double radius) {
+  ReachGrid grid(plan, radius);
+  for (const sim::RobotStart& robot : plan.robots) grid.flood_from(robot.pose_in_world.x, robot.pose_in_world.y);
+  std::vector<sim::SpotId> unreachable;
+  for (std::size_t i = 0; i < plan.spots.size(); ++i) {
+    const sim::Pose2& align = plan.spots[i].align_in_world;
+    const sim::Pose2& work = plan.spots[i].work_in_world;
+    if (!grid.reached_near(align.x, align.y) || !disc_fits(plan, align.x, align.y, radius) ||
+        !disc_fits(plan, work.x, work.y, radius))
+      unreachable.push_back(static_cast<sim::SpotId>(i));
+  }
+  return unreachable;
+}
+
+Expected<sim::FloorPlan> floor_plan_of(const WorldConfig& config, std::uint64_t seed) {
+  if (Status s = validate(config); !s) return s.error();
+  const Team team = *team_named(config.team);
+  if (!config.layout.empty()) {
+    auto layout = read_layout(config.layout);
+    if (!layout) return layout.error();
+    return make_floor_plan(*layout, team, config.robots);
+  }
+  // At (4, 2) the end of the insertion area's wall can stand in the way of a shelf's or slide's last slot: 3 % of draws.
+  const bool as_refbox = choices_of(*rules_named(config.rules)).shelf_faces_wall;
+  RandomStream random(seed, "layout");
+  sim::FloorPlan plan = make_floor_plan(draw_layout(random, as_refbox), team, config.robots);
+  while (!as_refbox && config.robots > 0 && !unreachable_spots(plan, kRobotWithMargin).empty())
+    plan = make_floor_plan(draw_layout(random, as_refbox), team, config.robots);
+  return plan;
+}
+
+}  // namespace cxlab::rcll

@@ -1,0 +1,259 @@
+#include "scenarios/rcll/layout.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <optional>
+
+namespace cxlab::rcll {
+namespace {
+
+constexpr int W = kColumns, H = kRows;
+
+struct Cell {
+  int x = 0, y = 0;
+  friend bool operator==(const Cell&, const Cell&) = default;
+};
+
+bool in_half(Cell c) { return c.x >= 1 && c.x <= W && c.y >= 1 && c.y <= H; }
+bool in_insertion(Cell c) { return c.x >= W - 2 && c.y == 1; }
+bool machine_forbidden(Cell c) {
+  static constexpr Cell kCorners[]{{1, 1}, {1, H}, {W, H}, {W, 2}, {W - 3, 1}};
+  return in_insertion(c) || c == Cell{W - 2, 2} || std::ranges::find(kCorners, c) != std::end(kCorners);
+}
+
+/// One yes or no for each cell; outside of the half it is always no.
+class CellSet {
+ public:
+  bool has(Cell c) const { return in_half(c) && bits_[index(c)]; }
+  void add(Cell c) { bits_[index(c)] = true; }
+
+ private:
+  static std::size_t index(Cell c) { return static_cast<std::size_t>((c.y - 1) * W + c.x - 1); }
+  std::array<bool, W * H> bits_{};
+};
+
+struct Pose {
+  Cell cell;
+  int rotation = 0;
+};
+
+/// Which rule of the border holds for a machine: belts on both sides and nothing else, with shelf or slide, input only.
+enum class Shape { kSymmetric, kSided, kInputOnly };
+Shape shape_of(std::string_view machine) {
+  if (machine == "DS") return Shape::kInputOnly;
+  return kind_of(machine) == "CS" || kind_of(machine) == "RS" ? Shape::kSided : Shape::kSymmetric;
+}
+
+int sign(int v) { return (v > 0) - (v < 0); }
+
+/// The cells before a side that looks in `direction`.
+void add_side(Cell c, int direction, std::vector<Cell>& cells) {
+  static constexpr int kDx[]{1, 1, 0, -1, -1, -1, 0, 1}, kDy[]{0, 1, 1, 1, 0, -1, -1, -1};
+  const int dx = kDx[direction / 45 % 8], dy = kDy[direction / 45 % 8];
+  cells.push_back({c.x + dx, c.y + dy});
+  if (direction % 90 == 0) return;
+  cells.push_back({c.x + sign(dx), c.y});
+  cells.push_back({c.x, c.y + sign(dy)});
+}
+
+std::vector<Cell> blocked_cells(const Pose& pose, Shape shape) {
+  std::vector<Cell> cells{pose.cell};
+  add_side(pose.cell, pose.rotation, cells);
+  if (shape != Shape::kInputOnly) add_side(pose.cell, pose.rotation + 180, cells);
+  return cells;
+}
+
+/// Rule 4.
+bool border_allows(const Pose& pose, Shape shape, bool shelf_faces_wall) {
+  if (shape == Shape::kInputOnly) return true;
+  const auto [x, y] = pose.cell;
+  const int r = pose.rotation;
+  const bool sided = shape == Shape::kSided;
+  const bool along_x = r == 0 || r == 180, along_y = r == 90 || r == 270;
+  const bool above_insertion = y == 2 && x >= W - 1;
+  if ((y == 1 || above_insertion) && !(sided ? r == 0 : along_x)) return false;
+  if (y == H && !(sided ? r == 180 : along_x)) return false;
+  if (x == 1 && !along_y) return false;
+  if (x == W && !(sided ? r == (shelf_faces_wall ? 270 : 90) : along_y)) return false;
+  return true;
+}
+
+std::vector<Pose> admissible_poses(std::string_view machine, bool shelf_faces_wall) {
+  const Shape shape = shape_of(machine);
+  std::vector<Pose> poses;
+  for (int x = 1; x <= W; ++x)
+    for (int y = 1; y <= H; ++y)
+      for (int r = 0; r < 360; r += 45) {
+        const Pose pose{{x, y}, r};
+        if (machine_forbidden(pose.cell) || !border_allows(pose, shape, shelf_faces_wall)) continue;
+        const std::vector<Cell> cells = blocked_cells(pose, shape);
+        if (std::ranges::all_of(cells, [](Cell c) { return in_half(c) && !in_insertion(c); })) poses.push_back(pose);
+      }
+  return poses;
+}
+
+/// Rule 5, for one more machine at `c`.
+bool makes_three_in_a_row(const CellSet& machines, Cell c) {
+  for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}, {-1, 1}}) {
+    const auto at = [&](int n) { return machines.has({c.x + n * dx, c.y + n * dy}); };
+    if ((at(-2) && at(-1)) || (at(-1) && at(1)) || (at(1) && at(2))) return true;
+  }
+  return false;
+}
+
+/// Rule 6, for one more machine at `c`.
+bool locks_corner(const CellSet& machines, Cell c) {
+  static constexpr std::pair<Cell, Cell> kLocks[]{
+      {{2, 1}, {1, 2}}, {{2, H}, {1, H - 1}}, {{W - 1, H}, {W, H - 1}}, {{W - 1, 2}, {W, 3}}};
+  return std::ranges::any_of(kLocks, [&](const auto& lock) {
+    return (c == lock.first && machines.has(lock.second)) || (c == lock.second && machines.has(lock.first));
+  });
+}
+
+/// Rule 7.
+bool free_cells_connected(const CellSet& machines) {
+  const auto free = [&](Cell c) { return in_half(c) && !in_insertion(c) && !machines.has(c); };
+  std::size_t free_count = 0;
+  std::vector<Cell> open;
+  CellSet seen;
+  for (int y = 1; y <= H; ++y)
+    for (int x = 1; x <= W; ++x)
+      if (free({x, y}) && free_count++ == 0) open.push_back({x, y});
+  if (!open.empty()) seen.add(open.front());
+  std::size_t reached = 0;
+  while (!open.empty()) {
+    const Cell c = open.back();
+    open.pop_back();
+    ++reached;
+    for (const Cell next : {Cell{c.x + 1, c.y}, {c.x - 1, c.y}, {c.x, c.y + 1}, {c.x, c.y - 1}}) {
+      if (!free(next) || seen.has(next)) continue;
+      seen.add(next);
+      open.push_back(next);
+    }
+  }
+  return reached == free_count;
+}
+
+using HalfLayout = std::array<Pose, kMachines.size()>;
+
+/// One try: machines in random order, each at a random pose that fits those before it.
+std::optional<HalfLayout> try_half(RandomStream& random, bool shelf_faces_wall) {
+  std::vector<std::size_t> order(kMachines.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  random.shuffle(order);
+
+  HalfLayout half;
+  CellSet machines, blocked;
+  for (const std::size_t m : order) {
+    const Shape shape = shape_of(kMachines[m]);
+    std::vector<Pose> poses = admissible_poses(kMachines[m], shelf_faces_wall);
+    std::erase_if(poses, [&](const Pose& pose) {
+      return std::ranges::any_of(blocked_cells(pose, shape), [&](Cell c) { return blocked.has(c); }) ||
+             makes_three_in_a_row(machines, pose.cell) || locks_corner(machines, pose.cell);
+    });
+    if (poses.empty()) return std::nullopt;
+    half[m] = poses[random.below(poses.size())];
+    machines.add(half[m].cell);
+    for (const Cell c : blocked_cells(half[m], shape)) blocked.add(c);
+  }
+  if (!free_cells_connected(machines)) return std::nullopt;
+  return half;
+}
+
+/// The angle of magenta's copy.
+int mirrored_rotation(const Pose& pose, Shape shape) {
+  const auto [x, y] = pose.cell;
+  if (shape == Shape::kSided) {
+    if (y == H) return 180;
+    if (y == 1 || (y == 2 && x >= W - 2)) return 0;
+    if (x == W) return 270;
+  }
+  return (540 - pose.rotation) % 360;
+}
+
+void swap_sides(Layout& layout, std::string_view machine) {
+  std::vector<Placement*> pair;
+  for (Placement& p : layout)
+    if (p.machine == machine) pair.push_back(&p);
+  std::swap(pair[0]->zone, pair[1]->zone);
+  std::swap(pair[0]->rotation, pair[1]->rotation);
+}
+
+}  // namespace
+
+std::string to_string(const Zone& zone) {
+  return std::string(1, letter(zone.half)) + "_Z" + std::to_string(zone.column) + std::to_string(zone.row);
+}
+
+std::optional<Zone> zone_named(std::string_view name) {
+  if (name.size() != 5 || (name[0] != 'C' && name[0] != 'M') || name.substr(1, 2) != "_Z") return std::nullopt;
+  const Zone zone{name[0] == 'C' ? Team::kCyan : Team::kMagenta, name[3] - '0', name[4] - '0'};
+  if (!in_half({zone.column, zone.row})) return std::nullopt;
+  return zone;
+}
+
+sim::Pose2 centre_of(const Zone& zone, int rotation) {
+  const double x = zone.column - 0.5;
+  return {zone.half == Team::kCyan ? x : -x, zone.row - 0.5, sim::wrap_angle(rotation * std::numbers::pi / 180)};
+}
+
+Layout draw_layout(RandomStream& random, bool shelf_faces_wall) {
+  std::optional<HalfLayout> half;
+  while (!half) half = try_half(random, shelf_faces_wall);
+  Layout layout;
+  for (const Team team : kTeams)
+    for (std::size_t m = 0; m < kMachines.size(); ++m) {
+      const Pose& pose = (*half)[m];
+      const int rotation =
+          team == Team::kCyan ? pose.rotation : mirrored_rotation(pose, shape_of(kMachines[m]));
+      layout.push_back({team, kMachines[m], {team, pose.cell.x, pose.cell.y}, rotation});
+    }
+  swap_sides(layout, random.chance(0.5) ? "RS1" : "RS2");
+  swap_sides(layout, random.chance(0.5) ? "CS1" : "CS2");
+  return layout;
+}
+
+Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines) {
+  Layout layout;
+  for (const Team team : kTeams)
+    for (const std::string_view machine : kMachines) layout.push_back({team, machine, {}, -1});
+  std::vector<std::string> names;
+  for (const Placement& p : layout) names.push_back(p.name());
+
+  std::vector<std::string> taken;
+  for (std::size_t i = 0; i < machines.size(); ++i) {
+    const PlacedMachine& given = machines[i];
+    const std::string key = "world.layout[" + std::to_string(i) + "]";
+    const auto at = std::ranges::find(names, given.machine);
+    if (at == names.end()) {
+      const std::string near = nearest_word(given.machine, names);
+      return input_error(key + ".machine: no machine '" + given.machine + "'" +
+                         (near.empty() ? ", expected C- or M- and BS, CS1, CS2, RS1, RS2, SS or DS"
+                                       : ", did you mean '" + near + "'?"));
+    }
+    Placement& placement = layout[static_cast<std::size_t>(at - names.begin())];
+    if (placement.rotation >= 0) return input_error(key + ".machine: " + given.machine + " is placed twice");
+    const auto zone = zone_named(given.zone);
+    if (!zone) return input_error(key + ".zone: found '" + given.zone + "', expected C_Z11 to C_Z78 or M_Z11 to M_Z78");
+    if (in_insertion({zone->column, zone->row}))
+      return input_error(key + ".zone: " + given.zone + " is in an insertion area, where robots start");
+    if (std::ranges::find(taken, given.zone) != taken.end())
+      return input_error(key + ".zone: two machines in " + given.zone);
+    if (given.rotation < 0 || given.rotation > 315 || given.rotation % 45 != 0)
+      return input_error(key + ".rotation: found " + std::to_string(given.rotation) +
+                         ", expected a multiple of 45 from 0 to 315");
+    taken.push_back(given.zone);
+    placement.zone = *zone;
+    placement.rotation = given.rotation;
+  }
+  for (const Placement& p : layout)
+    if (p.rotation < 0) return input_error("world.layout: " + p.name() + " is missing");
+  return layout;
+}
+
+std::size_t count_poses(std::string_view machine, bool shelf_faces_wall) {
+  return admissible_poses(machine, shelf_faces_wall).size();
+}
+
+}  // namespace cxlab::rcll

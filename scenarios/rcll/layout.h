@@ -1,0 +1,61 @@
+#pragma once
+// Where the fourteen machines stand: drawn from a seed by the league's rules, or given by the scenario.
+//
+// The cyan half is drawn and mirrored to magenta; then one ring and one cap station change sides. A drawn half obeys
+// (cells x = 1..7 from the centre line, y = 1..8):
+//   1 no machine in the insertion area (5..7, 1), before its exit (5, 2), or in a corner of walls (1, 1), (1, 8), (7, 8),
+//     (7, 2), (4, 1);
+//   2 a machine blocks its own cell and those before each side in use (one for multiples of 90 degrees, the diagonal and
+//     its two neighbours else); a delivery station uses its input only;
+//   3 blocked cells lie inside the half and outside the insertion area, and no cell is blocked twice;
+//   4 at the border belts run along it, and shelf or slide face away from the wall;
+//   5 no three machines in a row, straight or diagonal;
+//   6 no corner of the half is closed off by machines on its two neighbours;
+//   7 the cells without a machine hang together.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/random.h"
+#include "scenarios/rcll/config.h"
+#include "scenarios/rcll/types.h"
+
+namespace cxlab::rcll {
+
+inline constexpr int kColumns = 7;  ///< of a half, counted from the centre line
+inline constexpr int kRows = 8;
+
+/// One square metre of the field.
+struct Zone {
+  Team half = Team::kCyan;
+  int column = 1;  ///< 1..7
+  int row = 1;     ///< 1..8
+  friend bool operator==(const Zone&, const Zone&) = default;
+};
+std::string to_string(const Zone& zone);  ///< "C_Z23"
+std::optional<Zone> zone_named(std::string_view name);
+/// The zone's centre, facing `rotation` degrees.
+sim::Pose2 centre_of(const Zone& zone, int rotation);
+
+struct Placement {
+  Team team = Team::kCyan;   ///< whose machine it is, wherever it stands
+  std::string_view machine;  ///< one of kMachines
+  Zone zone;
+  int rotation = 0;          ///< degrees, 0..315, from output to input
+  std::string name() const { return std::string(1, letter(team)) + "-" + std::string(machine); }
+};
+
+/// Fourteen placements: cyan's machines, then magenta's, each in the order of kMachines.
+using Layout = std::vector<Placement>;
+
+/// Draws a layout. `shelf_faces_wall`: the referee box's angle at the outer side wall (RuleChoices).
+Layout draw_layout(RandomStream& random, bool shelf_faces_wall);
+/// The layout that the scenario lists: each machine once, each zone at most once, none in an insertion area.
+Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines);
+
+/// How many cells and angles of an empty half the rules allow that machine.
+std::size_t count_poses(std::string_view machine, bool shelf_faces_wall);
+
+}  // namespace cxlab::rcll

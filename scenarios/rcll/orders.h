@@ -1,0 +1,44 @@
+#pragma once
+// The ten orders of a game: drawn as the referee box draws them, or listed by the scenario. Times are seconds of the
+// production phase.
+
+#include <array>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/random.h"
+#include "scenarios/rcll/config.h"
+#include "scenarios/rcll/types.h"
+
+namespace cxlab::rcll {
+
+struct Order {
+  int id = 0;                 ///< from 1
+  Complexity complexity{};
+  Product product;
+  double activate_at = 0;     ///< s, when agents hear of it
+  double delivery_begin = 0;  ///< s
+  double delivery_end = 0;    ///< s
+  int delivery_gate = 1;      ///< 1..3
+  int quantity = 1;
+  bool competitive = false;
+};
+
+/// Payments that a ring of each colour costs, by colour in the order of kRingColors: 0, 0, 1 and 2 in some order.
+using RingPrices = std::array<int, 4>;
+
+struct Schedule {
+  RingPrices ring_prices{};
+  std::vector<Order> orders;
+  int price(RingColor color) const { return ring_prices[static_cast<std::size_t>(color) - 1]; }
+};
+
+/// Draws prices and ten orders. `allowed`: complexities to draw from, empty = all. As the referee box: five pairs of
+/// one simple (C0, C1) and one complex (C2, C3) order; where `allowed` leaves one of the two classes empty, the other
+/// serves for both.
+Schedule draw_schedule(RandomStream& random, const std::vector<Complexity>& allowed);
+
+/// The scenario's schedule: prices from stream "orders" of `seed`, orders from there too unless they are listed.
+Expected<Schedule> schedule_of(const WorldConfig& config, std::uint64_t seed);
+
+}  // namespace cxlab::rcll

@@ -1,0 +1,317 @@
+#include "scenarios/rcll/layout.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "scenarios/rcll/floor_plan.h"
+
+namespace cxlab::rcll {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using Cells = std::multiset<std::pair<int, int>>;
+
+constexpr int kLayouts = 2000;
+constexpr double kRobotRadius = 0.225;
+
+/// Cells as whole numbers over the field: column -7..-1 and 1..7.
+std::pair<int, int> cell_of(const Zone& zone) {
+  return {zone.half == Team::kCyan ? zone.column : -zone.column, zone.row};
+}
+
+/// The cell that lies `angle` degrees from a zone.
+std::pair<int, int> neighbour(const Zone& zone, int dx, int dy) {
+  int x = zone.half == Team::kCyan ? zone.column - 1 : -zone.column;  // -7..6, without a gap at the centre line
+  x += dx;
+  return {x >= 0 ? x + 1 : x, zone.row + dy};
+}
+
+Cells blocked_by(const Placement& p) {
+  Cells cells{cell_of(p.zone)};
+  std::vector<int> sides{p.rotation};
+  if (p.machine != "DS") sides.push_back((p.rotation + 180) % 360);
+  for (const int side : sides) {
+    const double a = side * 3.14159265358979 / 180;
+    const int dx = static_cast<int>(std::lround(std::cos(a) * 1.2)), dy = static_cast<int>(std::lround(std::sin(a) * 1.2));
+    cells.insert(neighbour(p.zone, dx, dy));
+    if (dx != 0 && dy != 0) {
+      cells.insert(neighbour(p.zone, dx, 0));
+      cells.insert(neighbour(p.zone, 0, dy));
+    }
+  }
+  return cells;
+}
+
+bool is_insertion(std::pair<int, int> cell) { return cell.second == 1 && std::abs(cell.first) >= 5; }
+
+std::string show(const Layout& layout) {
+  std::string text;
+  for (const Placement& p : layout) text += p.name() + " " + to_string(p.zone) + " " + std::to_string(p.rotation) + "\n";
+  return text;
+}
+
+/// Calls `check` for many drawn layouts.
+template <class Check>
+void for_layouts(Check check, bool shelf_faces_wall = false) {
+  for (std::uint64_t seed = 0; seed < kLayouts; ++seed) {
+    RandomStream random(seed, "layout");
+    const Layout layout = draw_layout(random, shelf_faces_wall);
+    check(layout);
+    if (testing::Test::HasFailure()) {
+      ADD_FAILURE() << "seed " << seed << "\n" << show(layout);
+      return;
+    }
+  }
+}
+
+TEST(DrawnLayout, AllowsEachMachineThePosesThatTheLeagueCounts) {
+  for (const bool faces_wall : {false, true}) {
+    EXPECT_EQ(count_poses("BS", faces_wall), 260u);
+    EXPECT_EQ(count_poses("SS", faces_wall), 260u);
+    EXPECT_EQ(count_poses("CS1", faces_wall), 247u);
+    EXPECT_EQ(count_poses("RS2", faces_wall), 247u);
+    EXPECT_EQ(count_poses("DS", faces_wall), 318u);
+  }
+}
+
+TEST(DrawnLayout, Rule1KeepsInsertionAreaAndItsExitFree) {
+  for_layouts([](const Layout& layout) {
+    for (const Placement& p : layout) {
+      EXPECT_FALSE(is_insertion(cell_of(p.zone)));
+      for (const auto& [column, row] : {std::pair{5, 2}, {1, 1}, {1, 8}, {7, 8}, {7, 2}, {4, 1}})
+        EXPECT_FALSE(p.zone.column == column && p.zone.row == row) << p.name();
+    }
+  });
+}
+
+TEST(DrawnLayout, Rules2And3BlockEachCellOnceAndOnlyOnItsOwnHalf) {
+  for_layouts([](const Layout& layout) {
+    Cells all;
+    for (const Placement& p : layout)
+      for (const auto& cell : blocked_by(p)) {
+        EXPECT_EQ(cell.first > 0, p.zone.half == Team::kCyan) << p.name() << " reaches over the centre line";
+        EXPECT_TRUE(std::abs(cell.first) <= 7 && cell.second >= 1 && cell.second <= 8) << p.name();
+        EXPECT_FALSE(is_insertion(cell)) << p.name();
+        all.insert(cell);
+        EXPECT_EQ(all.count(cell), 1u) << p.name() << " at " << cell.first << " " << cell.second;
+      }
+  });
+}
+
+/// Whether the machine's local +y side, which carries shelf or slide, looks into that direction.
+bool shelf_looks(const Placement& p, int degrees) { return (p.rotation + 90) % 360 == degrees; }
+
+TEST(DrawnLayout, Rule4TurnsShelfAndSlideAwayFromTheWalls) {
+  for_layouts([](const Layout& layout) {
+    for (const Placement& p : layout) {
+      if (kind_of(p.machine) != "CS" && kind_of(p.machine) != "RS") continue;
+      const bool cyan = p.zone.half == Team::kCyan;
+      if (p.zone.row == 1) {
+        EXPECT_TRUE(shelf_looks(p, 90)) << p.name();
+      }
+      if (p.zone.row == 2 && p.zone.column >= 6) {
+        EXPECT_TRUE(shelf_looks(p, 90)) << p.name();
+      }
+      if (p.zone.row == 8) {
+        EXPECT_TRUE(shelf_looks(p, 270)) << p.name();
+      }
+      if (p.zone.column == 7) {
+        EXPECT_TRUE(shelf_looks(p, cyan ? 180 : 0)) << p.name();
+      }
+    }
+  });
+}
+
+TEST(DrawnLayout, Rule4LaysBeltsAlongTheBorder) {
+  for_layouts([](const Layout& layout) {
+    for (const Placement& p : layout) {
+      if (p.machine == "DS") continue;
+      if (p.zone.row == 1 || p.zone.row == 8) {
+        EXPECT_EQ(p.rotation % 180, 0) << p.name();
+      }
+      if (p.zone.column == 1 || p.zone.column == 7) {
+        EXPECT_EQ(p.rotation % 180, 90) << p.name();
+      }
+    }
+  });
+}
+
+TEST(DrawnLayout, TheRefereeBoxTurnsCyansShelvesToTheOuterWall) {
+  int at_the_wall = 0;
+  for_layouts(
+      [&](const Layout& layout) {
+        for (const Placement& p : layout)
+          if (p.zone.column == 7 && p.zone.half == Team::kCyan && (kind_of(p.machine) == "CS" || kind_of(p.machine) == "RS")) {
+            EXPECT_EQ(p.rotation, 270) << p.name();
+            ++at_the_wall;
+          }
+      },
+      true);
+  EXPECT_GT(at_the_wall, 100);
+}
+
+TEST(DrawnLayout, Rule5HasNoThreeMachinesInARow) {
+  for_layouts([](const Layout& layout) {
+    std::set<std::pair<int, int>> machines;
+    for (const Placement& p : layout) machines.insert(cell_of(p.zone));
+    for (const auto& [x, y] : machines)
+      for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}, {-1, 1}}) {
+        const bool same_half = (x + 2 * dx) * x > 0;
+        if (!same_half) continue;
+        EXPECT_FALSE(machines.count({x + dx, y + dy}) && machines.count({x + 2 * dx, y + 2 * dy})) << x << " " << y;
+      }
+  });
+}
+
+TEST(DrawnLayout, Rule6ClosesOffNoCorner) {
+  for_layouts([](const Layout& layout) {
+    std::set<std::pair<int, int>> machines;
+    for (const Placement& p : layout) machines.insert(cell_of(p.zone));
+    for (const int side : {1, -1}) {
+      const auto both = [&](int x0, int y0, int x1, int y1) {
+        return machines.count({side * x0, y0}) && machines.count({side * x1, y1});
+      };
+      EXPECT_FALSE(both(2, 1, 1, 2) || both(2, 8, 1, 7) || both(6, 8, 7, 7) || both(6, 2, 7, 3));
+    }
+  });
+}
+
+TEST(DrawnLayout, Rule7LeavesTheFreeCellsConnected) {
+  for_layouts([](const Layout& layout) {
+    std::set<std::pair<int, int>> open;
+    for (int x = 1; x <= 7; ++x)
+      for (int y = 1; y <= 8; ++y)
+        if (!is_insertion({x, y})) open.insert({x, y});
+    for (const Placement& p : layout)
+      if (p.zone.half == Team::kCyan) open.erase(cell_of(p.zone));
+    std::vector<std::pair<int, int>> todo{*open.begin()};
+    open.erase(open.begin());
+    while (!todo.empty()) {
+      const auto [x, y] = todo.back();
+      todo.pop_back();
+      for (const auto& next : {std::pair{x + 1, y}, {x - 1, y}, {x, y + 1}, {x, y - 1}})
+        if (open.erase(next) > 0) todo.push_back(next);
+    }
+    EXPECT_THAT(open, IsEmpty());
+  });
+}
+
+TEST(DrawnLayout, Rules8And9MirrorTheHalvesAndSwapTwoMachines) {
+  std::map<std::string, int> swapped;
+  for_layouts([&](const Layout& layout) {
+    ASSERT_EQ(layout.size(), 14u);
+    for (std::size_t i = 0; i < 7; ++i) {
+      const Placement &cyan = layout[i], &magenta = layout[i + 7];
+      EXPECT_EQ(cyan.machine, magenta.machine);
+      EXPECT_EQ(cyan.zone.column, magenta.zone.column);
+      EXPECT_EQ(cyan.zone.row, magenta.zone.row);
+      EXPECT_NE(cyan.zone.half, magenta.zone.half);
+      if (cyan.zone.half == Team::kMagenta) ++swapped[std::string(cyan.machine)];
+      const bool inner = cyan.zone.column > 1 && cyan.zone.column < 7 && cyan.zone.row > 2 && cyan.zone.row < 8;
+      if (inner) {
+        EXPECT_EQ((cyan.rotation + magenta.rotation) % 360, 180) << cyan.name();
+      }
+    }
+  });
+  EXPECT_EQ(swapped.size(), 4u) << "only ring and cap stations";
+  EXPECT_EQ(swapped["RS1"] + swapped["RS2"], kLayouts);
+  EXPECT_EQ(swapped["CS1"] + swapped["CS2"], kLayouts);
+  EXPECT_NEAR(swapped["RS1"], kLayouts / 2, 120);
+  EXPECT_NEAR(swapped["CS1"], kLayouts / 2, 120);
+}
+
+TEST(DrawnLayout, DependsOnTheSeedAlone) {
+  RandomStream a(5, "layout"), b(5, "layout"), c(6, "layout");
+  const std::string first = show(draw_layout(a, false));
+  EXPECT_EQ(first, show(draw_layout(b, false)));
+  EXPECT_NE(first, show(draw_layout(c, false)));
+}
+
+TEST(GeneratedFloor, EverySpotCanBeServedByARobot) {
+  // Seeds 188 and 199: the first draw has a shelf slot behind the end of the insertion area's wall.
+  for (const std::uint64_t seed : {0, 1, 2, 3, 4, 5, 6, 7, 16, 83, 188, 199}) {
+    const auto plan = floor_plan_of(WorldConfig{}, seed);
+    ASSERT_TRUE(plan);
+    for (const sim::SpotId spot : unreachable_spots(*plan, kRobotRadius))
+      ADD_FAILURE() << "seed " << seed << ": " << plan->spot(spot).name;
+  }
+}
+
+TEST(GeneratedFloor, WithTheRefereeBoxsAnglesASlotAtTheWallIsOutOfReachAndKnown) {
+  WorldConfig config;
+  config.rules = "refbox";
+  std::vector<std::string> names;
+  const auto plan = floor_plan_of(config, 53);
+  ASSERT_TRUE(plan);
+  for (const sim::SpotId spot : unreachable_spots(*plan, kRobotRadius)) names.push_back(plan->spot(spot).name);
+  EXPECT_THAT(names, testing::ElementsAre("M-CS2-SHELF-RIGHT"));
+}
+
+TEST(GeneratedFloor, ARobotThatIsWalledInReachesNothing) {
+  auto plan = floor_plan_of(WorldConfig{}, 1);
+  ASSERT_TRUE(plan);
+  plan->walls.push_back({4, 1, 5, 1});
+  EXPECT_EQ(unreachable_spots(*plan, kRobotRadius).size(), plan->spots.size());
+}
+
+std::vector<PlacedMachine> as_listed(const Layout& layout) {
+  std::vector<PlacedMachine> listed;
+  for (const Placement& p : layout) listed.push_back({p.name(), to_string(p.zone), p.rotation});
+  return listed;
+}
+
+TEST(ListedLayout, IsTakenAsItStands) {
+  RandomStream random(3, "layout");
+  const Layout drawn = draw_layout(random, false);
+  std::vector<PlacedMachine> listed = as_listed(drawn);
+  std::swap(listed[0], listed[9]);  // the order of the list does not matter
+  const auto read = read_layout(listed);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(show(*read), show(drawn));
+}
+
+TEST(ListedLayout, ErrorsNameTheEntryAndWhatWasExpected) {
+  RandomStream random(3, "layout");
+  const std::vector<PlacedMachine> good = as_listed(draw_layout(random, false));
+  const auto error_of = [&](auto change) {
+    std::vector<PlacedMachine> listed = good;
+    change(listed);
+    const auto layout = read_layout(listed);
+    return layout ? std::string("accepted") : layout.error().message;
+  };
+  EXPECT_THAT(error_of([](auto& l) { l[1].machine = "C-CS3"; }), HasSubstr("world.layout[1].machine: no machine 'C-CS3', did you mean 'C-CS1'?"));
+  EXPECT_THAT(error_of([](auto& l) { l[2].zone = "C_Z91"; }), HasSubstr("world.layout[2].zone: found 'C_Z91'"));
+  EXPECT_THAT(error_of([](auto& l) { l[2].zone = "M_Z61"; }), HasSubstr("insertion area"));
+  EXPECT_THAT(error_of([](auto& l) { l[3].zone = l[2].zone; }), HasSubstr("two machines in"));
+  EXPECT_THAT(error_of([](auto& l) { l[3].rotation = 30; }), HasSubstr("world.layout[3].rotation: found 30"));
+  EXPECT_THAT(error_of([](auto& l) { l[3].machine = l[2].machine; }), HasSubstr("is placed twice"));
+  EXPECT_THAT(error_of([](auto& l) { l.pop_back(); }), HasSubstr("M-DS is missing"));
+}
+
+TEST(FloorPlan, HasTheFieldsWallsMachinesAndRobots) {
+  const auto plan = floor_plan_of(WorldConfig{}, 1);
+  ASSERT_TRUE(plan);
+  EXPECT_EQ(plan->stations.size(), 14u);
+  EXPECT_EQ(plan->walls.size(), 14u);
+  // Belts: 2 x (6 x 2 + 1), shelves 4 x 3, slides 4.
+  EXPECT_EQ(plan->spots.size(), 26u + 12u + 4u);
+  ASSERT_EQ(plan->robots.size(), 3u);
+  EXPECT_EQ(plan->robots[2].name, "R3");
+  EXPECT_DOUBLE_EQ(plan->robots[2].pose_in_world.x, 6.5);
+  EXPECT_TRUE(plan->find_spot("C-CS1-SHELF-LEFT"));
+
+  WorldConfig magenta;
+  magenta.team = "MAGENTA";
+  magenta.robots = 2;
+  const auto other = floor_plan_of(magenta, 1);
+  ASSERT_TRUE(other);
+  ASSERT_EQ(other->robots.size(), 2u);
+  EXPECT_DOUBLE_EQ(other->robots[0].pose_in_world.x, -4.5);
+}
+
+}  // namespace
+}  // namespace cxlab::rcll
