@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "cx/base/expected.h"
 
@@ -17,5 +19,7 @@ void add_doctor(CLI::App& app, Action& action);
 
 /// Prints `error: file:line: message` on stderr and gives the exit code of its kind.
 int fail(const Error& error);
+/// The arguments of this process, for the manifest.
+const std::vector<std::string>& command_line();
 
 }  // namespace cxlab::app

@@ -15,11 +15,14 @@ int fail(const Error& error) {
 
 namespace {
 
+std::vector<std::string> g_command_line;
+
 constexpr const char* kExitCodes =
     "Exit codes: 0 done; 1 the answer is no; 2 usage; 3 bad input; 4 the run failed; 5 output or resource; 70 a bug of "
     "cxlab; 130, 143 ended by a signal.";
 
 int main(int argc, char** argv) {
+  g_command_line.assign(argv, argv + argc);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app{"cxlab: rule-based robot agents (the CLIPS-Executive) in simulated worlds, one process, one clock, one seed."};
@@ -40,6 +43,9 @@ int main(int argc, char** argv) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& command_line() { return g_command_line; }
+
 }  // namespace cxlab::app
 
 int main(int argc, char** argv) {
