@@ -1,0 +1,153 @@
+#include "sim/ledger/ledger_world.h"
+
+#include <gtest/gtest.h>
+
+namespace cxlab::sim {
+namespace {
+
+constexpr StationId kBase{0}, kCap{1}, kRing{2};
+constexpr RobotId kRobot1{0}, kRobot2{1};
+constexpr Stack kRed{1, {}, 0};
+
+FloorPlan three_stations() {
+  FloorPlan plan;
+  plan.stations = {{"C-BS", "BS", {1.5, 2.5, 0}, true}, {"C-CS1", "CS", {3.5, 4.5, 1.5707963267948966}, true},
+                   {"C-RS1", "RS", {5.5, 6.5, 0}, true}};
+  for (std::size_t i = 0; i < plan.stations.size(); ++i)
+    for (const Spot& spot : spots_of(plan.stations[i], static_cast<StationId>(i))) plan.spots.push_back(spot);
+  plan.robots = {{"robot1", {4.5, 0.5, 0}}, {"robot2", {5.5, 0.5, 0}}};
+  return plan;
+}
+
+class Ledger : public ::testing::Test {
+ protected:
+  SpotId spot(std::string_view name) const { return *world.plan().find_spot(name); }
+  void pass(double seconds) { ASSERT_TRUE(world.advance(from_seconds(seconds))); }
+  double belt_x(PieceId id, StationId station) const {
+    return inverse_transform(world.plan().station(station).pose_in_world, world.find(id)->position_in_world).x;
+  }
+  LedgerWorld world{three_stations()};
+};
+
+TEST_F(Ledger, ABeltCarriesAPieceToItsStopAndSaysWhen) {
+  const auto piece = world.dispense(kBase, 0, kRed);
+  ASSERT_TRUE(piece);
+  world.run_belt(kBase, -0.05, -0.155);
+  EXPECT_EQ(world.next_event(), from_seconds(3.1));
+  pass(1.0);
+  EXPECT_NEAR(belt_x(*piece, kBase), -0.05, 1e-9);
+  EXPECT_EQ(world.at(spot("C-BS-OUTPUT")), nullptr);
+  pass(60.0);
+  EXPECT_NEAR(belt_x(*piece, kBase), -0.155, 1e-9);
+  EXPECT_FALSE(world.belt_running(kBase));
+  ASSERT_NE(world.at(spot("C-BS-OUTPUT")), nullptr);
+  EXPECT_EQ(world.at(spot("C-BS-OUTPUT"))->id, *piece);
+  EXPECT_EQ(world.next_event(), kNever);
+}
+
+TEST_F(Ledger, APieceFallsOverTheEndOfABeltThatDoesNotStop) {
+  const auto piece = world.dispense(kBase, 0, kRed);
+  world.run_belt(kBase, 0.1, 1.0);
+  pass(1.0);
+  EXPECT_EQ(world.find(*piece)->holder, Holder::kBelt);
+  pass(1.0);
+  EXPECT_EQ(world.find(*piece)->holder, Holder::kFloor);
+  EXPECT_EQ(world.find(*piece)->position_in_world.z, 0);
+}
+
+TEST_F(Ledger, AStoppedBeltKeepsThePieceWhereItIs) {
+  const auto piece = world.dispense(kBase, 0, kRed);
+  world.run_belt(kBase, 0.1, 0.155);
+  pass(0.5);
+  world.stop_belt(kBase);
+  pass(5);
+  EXPECT_NEAR(belt_x(*piece, kBase), 0.05, 1e-9);
+}
+
+TEST_F(Ledger, NothingIsDispensedOntoAPiece) {
+  ASSERT_TRUE(world.dispense(kBase, 0, kRed));
+  EXPECT_FALSE(world.dispense(kBase, 0.03, kRed));
+  EXPECT_TRUE(world.dispense(kBase, 0.05, kRed));
+  ASSERT_TRUE(world.dispense(spot("C-CS1-SHELF-LEFT"), kRed));
+  EXPECT_FALSE(world.dispense(spot("C-CS1-SHELF-LEFT"), kRed));
+}
+
+TEST_F(Ledger, AGraspedPieceGoesWithTheRobotAndLiesWhereItIsReleased) {
+  const auto piece = world.dispense(spot("C-CS1-SHELF-LEFT"), kRed);
+  ASSERT_TRUE(world.grasp(kRobot1, spot("C-CS1-SHELF-LEFT")));
+  EXPECT_EQ(world.robot(kRobot1).held, *piece);
+  EXPECT_EQ(world.at(spot("C-CS1-SHELF-LEFT")), nullptr);
+  const std::vector<Pose2> path{{4.5, 0.5, 0}, {4.5, 3.5, 0}};
+  world.move_along(kRobot1, path, from_seconds(0), from_seconds(6));
+  pass(3);
+  EXPECT_NEAR(world.robot(kRobot1).pose_in_world.y, 2.0, 1e-9);
+  EXPECT_NEAR(world.robot(kRobot1).vy, 0.5, 1e-6);
+  EXPECT_NEAR(world.find(*piece)->position_in_world.y, 2.0, 0.2);
+  pass(3);
+  EXPECT_EQ(world.robot(kRobot1).vy, 0);
+  ASSERT_TRUE(world.release(kRobot1, spot("C-CS1-INPUT")));
+  EXPECT_FALSE(world.robot(kRobot1).held);
+  EXPECT_EQ(world.at(spot("C-CS1-INPUT"))->id, *piece);
+}
+
+TEST_F(Ledger, GraspAndReleaseRefuseWhatCannotBe) {
+  EXPECT_EQ(world.grasp(kRobot1, spot("C-BS-OUTPUT")).error().code, "no_piece");
+  EXPECT_EQ(world.release(kRobot1, spot("C-BS-INPUT")).error().code, "gripper_empty");
+  ASSERT_TRUE(world.dispense(kBase, -0.155, kRed));
+  ASSERT_TRUE(world.dispense(kBase, 0.155, kRed));
+  ASSERT_TRUE(world.grasp(kRobot1, spot("C-BS-OUTPUT")));
+  EXPECT_EQ(world.grasp(kRobot1, spot("C-BS-INPUT")).error().code, "gripper_full");
+  EXPECT_EQ(world.release(kRobot1, spot("C-BS-INPUT")).error().code, "place_taken");
+}
+
+TEST_F(Ledger, APaymentIsCountedAndLeavesPlay) {
+  const auto piece = world.dispense(kBase, -0.155, kRed);
+  ASSERT_TRUE(world.grasp(kRobot2, spot("C-BS-OUTPUT")));
+  ASSERT_TRUE(world.release(kRobot2, spot("C-RS1-SLIDE")));
+  EXPECT_EQ(world.slide_count(kRing), 1);
+  EXPECT_EQ(world.find(*piece), nullptr);
+}
+
+TEST_F(Ledger, ChangesOfHolderAreSeenOnceInOrderOfTime) {
+  const auto piece = world.dispense(kBase, -0.155, kRed);
+  EXPECT_TRUE(world.changes().empty());
+  pass(0.02);
+  ASSERT_EQ(world.changes().size(), 1u);
+  EXPECT_EQ(world.changes()[0].from, Holder::kDispenser);
+  EXPECT_EQ(world.changes()[0].to, Holder::kBelt);
+  ASSERT_TRUE(world.grasp(kRobot1, spot("C-BS-OUTPUT")));
+  world.drop(kRobot1);
+  pass(0.02);
+  ASSERT_EQ(world.changes().size(), 2u);
+  EXPECT_EQ(world.changes()[0].to, Holder::kGripper);
+  EXPECT_EQ(world.changes()[0].to_index, static_cast<int>(kRobot1));
+  EXPECT_EQ(world.changes()[1].to, Holder::kFloor);
+  EXPECT_EQ(world.changes()[1].at, from_seconds(0.02));
+  world.retire(*piece, Holder::kGate);
+  pass(0.02);
+  ASSERT_EQ(world.changes().size(), 1u);
+  EXPECT_EQ(world.changes()[0].to, Holder::kGate);
+  EXPECT_TRUE(world.pieces().empty());
+}
+
+TEST_F(Ledger, AMachineMountsRingsAndCap) {
+  const auto piece = world.dispense(kCap, 0, Stack{2, {}, 0});
+  world.mount(*piece, Part::kRing, 3);
+  world.mount(*piece, Part::kRing, 4);
+  world.mount(*piece, Part::kCap, 1);
+  EXPECT_EQ(world.find(*piece)->stack, (Stack{2, {3, 4, 0}, 1}));
+  world.unmount_cap(*piece);
+  EXPECT_EQ(world.find(*piece)->stack.cap, 0);
+}
+
+TEST_F(Ledger, ARobotThatStopsStaysWhereItIs) {
+  const std::vector<Pose2> path{{4.5, 0.5, 0}, {4.5, 4.5, 0}};
+  world.move_along(kRobot1, path, from_seconds(0), from_seconds(4));
+  pass(1);
+  world.stop(kRobot1);
+  pass(10);
+  EXPECT_NEAR(world.robot(kRobot1).pose_in_world.y, 1.5, 1e-9);
+}
+
+}  // namespace
+}  // namespace cxlab::sim

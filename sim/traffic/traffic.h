@@ -1,0 +1,115 @@
+#pragma once
+// Who drives where and when. Every motion is planned in space and time against all motions that are already decided, up
+// to where each of those ends, so that robots neither touch nor block each other. One object for all robots of a floor.
+//
+// Rules: a robot that stands without work, or waits for its way, steps aside when another one needs the place; a robot at
+// work or on its way is waited for, at a place nearby that leaves the others a way around. The oldest request goes first.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sim/traffic/floor_map.h"
+#include "sim/traffic/trajectory.h"
+
+namespace cxlab::sim {
+
+class Traffic {
+ public:
+  explicit Traffic(const FloorPlan& plan, const DriveLimits& limits = {});
+
+  // --- Wishes of a robot. It has one request at a time; a new one replaces the old.
+  /// The robot wants to stand at `goal`. With `work`, it then works within that footprint until `finish_work`, and nobody
+  /// comes near.
+  void request(RobotId robot, const Pose2& goal, std::optional<Footprint> work, SimTime now);
+  /// The request is off; a robot that drives for it brakes.
+  void withdraw(RobotId robot, SimTime now);
+  void finish_work(RobotId robot, SimTime now);
+  /// Where the robot really is. One that is far off its planned motion stops and is planned anew.
+  void observe(RobotId robot, const Pose2& pose, SimTime now);
+
+  /// Once a tick, before anybody asks: ends the motions that are over.
+  void settle(SimTime now);
+  /// Once a tick, after the wishes: plans the motions that are wanted.
+  void plan(SimTime now);
+  /// When there is something to settle or to plan.
+  SimTime next_due() const;
+
+  // --- Queries
+  /// The request is fulfilled (and the robot is at work, if it said so).
+  bool arrived(RobotId robot) const { return at(robot).arrived; }
+  /// There is no way to the request's goal, wherever the other robots stand.
+  bool unreachable(RobotId robot) const { return at(robot).unreachable; }
+  bool working(RobotId robot) const { return at(robot).working; }
+  bool moving(RobotId robot) const { return at(robot).moving; }
+  /// It has a request and stands, because others are in the way.
+  bool waiting(RobotId robot, SimTime now) const {
+    return at(robot).wants && (!at(robot).moving || now < at(robot).motion.start());
+  }
+  /// The motion under way, or the last one; nullptr before the first.
+  const Trajectory* motion(RobotId robot) const { return at(robot).motion.empty() ? nullptr : &at(robot).motion; }
+  /// Grows with each new motion of the robot.
+  std::uint32_t motion_number(RobotId robot) const { return at(robot).motions; }
+  /// Metres to go: along the motion to the goal, else as the crow flies.
+  double remaining(RobotId robot, SimTime now) const;
+  /// A free standing place nearest to `centre` and at most `radius` m from it.
+  std::optional<Point2> standing_place(Point2 centre, double radius) const;
+  double clearance(Point2 p) const { return map_.clearance(p); }
+
+ private:
+  enum class Purpose : std::uint8_t { kGoal, kQueue, kYield, kBrake };
+  struct Robot {
+    Pose2 pose;               ///< observed, or the end of its last motion
+    Footprint rest;           ///< where it is, or will be when its motion is over
+    bool working = false;
+    bool moving = false;
+    Trajectory motion;
+    std::uint32_t motions = 0;
+    Purpose purpose = Purpose::kGoal;
+    SimTime idle_since{};
+    bool wants = false;       ///< has a request that is not fulfilled
+    bool arrived = false;
+    bool unreachable = false;
+    Pose2 goal;
+    std::optional<Footprint> work;
+    std::uint64_t order = 0;  ///< of the request
+    int yields_to = -1;       ///< the robot whose way it left; it does not drive back before that one has gone
+    SimTime yields_until{};
+  };
+
+  const Robot& at(RobotId id) const { return robots_[static_cast<std::size_t>(id)]; }
+  Robot& at(RobotId id) { return robots_[static_cast<std::size_t>(id)]; }
+  int count() const { return static_cast<int>(robots_.size()); }
+
+  Footprint footprint_at_goal(const Robot& robot) const;
+  bool movable(const Robot& robot, SimTime now) const;
+  /// Rests of all robots but `except`; of those for which `only` holds.
+  template <class Only>
+  std::vector<Keepout> rests(int except, Only only) const;
+  std::vector<Keepout> rests(int except) const;
+
+  void attempt(int robot, SimTime now);
+  bool commit(int robot, std::span<const Point2> way, const Pose2& goal, const Footprint& rest, Purpose purpose, SimTime now);
+  /// The shortest delay after which the motion meets nobody, or nothing.
+  std::optional<SimTime> delay_of(int robot, Trajectory& motion, const Footprint& rest, SimTime now) const;
+  bool meets_nobody(int robot, const Trajectory& motion, const Footprint& rest, SimTime now) const;
+  bool drive_to_goal(int robot, SimTime now);
+  void queue(int robot, SimTime now);
+  /// Sends a robot to a place off the way; if others enclose it, these first.
+  bool displace(int robot, std::span<const Point2> way, const Footprint& end, int for_robot, int depth, SimTime now);
+  std::optional<std::vector<Point2>> way_aside(int robot, std::span<const Keepout> keepouts, std::span<const Point2> way,
+                                               const Footprint& end);
+  void brake(int robot, SimTime now);
+  void stand(int robot, SimTime now);
+
+  FloorMap map_;
+  DriveLimits limits_;
+  std::vector<Footprint> workplaces_;  ///< of all spots: no place to wait
+  std::vector<Robot> robots_;
+  std::uint64_t last_order_ = 0;
+  bool changed_ = true;
+  SimTime retry_at_ = kNever;
+};
+
+}  // namespace cxlab::sim

@@ -1,0 +1,197 @@
+#include "sim/traffic/traffic.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace cxlab::sim {
+namespace {
+
+constexpr SimTime kTick{20'000'000};
+constexpr RobotId kRobot1{0}, kRobot2{1}, kRobot3{2};
+
+FloorPlan open_floor(std::vector<Pose2> robots) {
+  FloorPlan plan;
+  for (std::size_t i = 0; i < robots.size(); ++i) plan.robots.push_back({"robot" + std::to_string(i + 1), robots[i]});
+  return plan;
+}
+
+/// Robots that are always exactly where their motion says.
+class Drivers {
+ public:
+  explicit Drivers(const FloorPlan& plan) : traffic(plan), size_(static_cast<int>(plan.robots.size())) {
+    for (const RobotStart& start : plan.robots) poses_.push_back(start.pose_in_world);
+  }
+
+  void tick() {
+    now += kTick;
+    traffic.settle(now);
+    for (int i = 0; i < size_; ++i) {
+      const auto id = static_cast<RobotId>(i);
+      if (traffic.motion(id)) poses_[static_cast<std::size_t>(i)] = traffic.motion(id)->at(now);
+      traffic.observe(id, pose(id), now);
+    }
+    traffic.plan(now);
+    for (int i = 0; i < size_; ++i) {
+      const auto id = static_cast<RobotId>(i);
+      least_clearance = std::min(least_clearance, traffic.clearance(point_of(pose(id))));
+      for (int k = 0; k < i; ++k)
+        least_distance = std::min(least_distance, distance(point_of(pose(id)), point_of(pose(static_cast<RobotId>(k)))));
+    }
+  }
+  /// Until the condition holds; the seconds it took, or more than `limit`.
+  template <class Condition>
+  double until(Condition condition, double limit = 120) {
+    const SimTime begin = now;
+    while (!condition() && now - begin <= from_seconds(limit)) tick();
+    return to_seconds(now - begin);
+  }
+  const Pose2& pose(RobotId id) const { return poses_[static_cast<std::size_t>(id)]; }
+
+  Traffic traffic;
+  SimTime now{};
+  double least_distance = 100, least_clearance = 100;
+
+ private:
+  int size_;
+  std::vector<Pose2> poses_;
+};
+
+TEST(Traffic, AFreeDriveIsStraightAndFast) {
+  Drivers floor(open_floor({{-6, 4, 0}}));
+  floor.traffic.request(kRobot1, {6, 4, std::numbers::pi / 2}, {}, floor.now);
+  const double took = floor.until([&] { return floor.traffic.arrived(kRobot1); });
+  EXPECT_LT(took, 12 / 0.66 + 2);
+  EXPECT_NEAR(floor.pose(kRobot1).x, 6, 1e-9);
+  EXPECT_NEAR(floor.pose(kRobot1).yaw, std::numbers::pi / 2, 1e-9);
+}
+
+TEST(Traffic, MotionsStayWithinTheLimitsOfTheBase) {
+  FloorPlan plan = open_floor({{-6, 1, 0}});
+  plan.stations = {{"A", "BS", {-3, 1.2, 0}, true}, {"B", "BS", {0, 3.5, 0.785}, true}, {"C", "BS", {3, 6, 1.57}, true}};
+  Drivers floor(plan);
+  floor.traffic.request(kRobot1, {6, 7, -3}, {}, floor.now);
+  const Trajectory* motion = nullptr;
+  floor.until([&] { return (motion = floor.traffic.motion(kRobot1)) != nullptr; });
+  const auto poses = motion->poses();
+  double previous = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const double v = distance(point_of(poses[i - 1]), point_of(poses[i])) / 0.05;
+    EXPECT_LE(v, 0.7);
+    EXPECT_LE(v - previous, 0.4 * 0.05 + 0.02);
+    EXPECT_GE(v - previous, -1.5 * 0.05 - 0.02);
+    EXPECT_LE(std::abs(wrap_angle(poses[i].yaw - poses[i - 1].yaw)) / 0.05, 1.4);
+    previous = v;
+  }
+  floor.until([&] { return floor.traffic.arrived(kRobot1); });
+  EXPECT_GE(floor.least_clearance, FloorMap::kClearance - 0.02);
+}
+
+TEST(Traffic, TwoThatMeetPassEachOther) {
+  Drivers floor(open_floor({{-3, 4, 0}, {3, 4, 0}}));
+  floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
+  floor.traffic.request(kRobot2, {-3, 4, 0}, {}, floor.now);
+  EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1) && floor.traffic.arrived(kRobot2); }), 40);
+  EXPECT_GE(floor.least_distance, 0.49);
+}
+
+TEST(Traffic, OneThatStandsIdleStepsAside) {
+  Drivers floor(open_floor({{-3, 4, 0}, {0, 4, 0}}));
+  floor.traffic.request(kRobot1, {0, 4, 0}, {}, floor.now);
+  EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1); }), 20);
+  EXPECT_GT(distance(point_of(floor.pose(kRobot2)), Point2{0, 4}), 0.5);
+  EXPECT_GE(floor.least_distance, 0.49);
+}
+
+TEST(Traffic, OneAtWorkIsWaitedForNearby) {
+  Drivers floor(open_floor({{-5, 4, 0}, {0.5, 4, 0}}));
+  const Footprint work{{0, 4}, {0.17, 4}};
+  floor.traffic.request(kRobot2, {0, 4, 0}, work, floor.now);
+  floor.until([&] { return floor.traffic.working(kRobot2); });
+  floor.traffic.request(kRobot1, {0, 4, 0}, work, floor.now);
+  for (int i = 0; i < 1000; ++i) floor.tick();
+  EXPECT_FALSE(floor.traffic.arrived(kRobot1));
+  EXPECT_NEAR(floor.pose(kRobot2).x, 0, 1e-9);
+  EXPECT_LT(distance(point_of(floor.pose(kRobot1)), Point2{0, 4}), 1.5);
+  floor.traffic.finish_work(kRobot2, floor.now);
+  EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1); }), 15);
+  EXPECT_GE(floor.least_distance, 0.49);
+}
+
+TEST(Traffic, InADeadEndThoseInFrontMakeWay) {
+  // A corridor as wide as one robot and a bit: 3 behind 2 behind 1.
+  FloorPlan plan = open_floor({{4.5, 0.5, 0}, {5.5, 0.5, 0}, {6.5, 0.5, 0}});
+  plan.walls = {{5, 1, 7, 1}, {4, 0, 4, 1}};
+  Drivers floor(plan);
+  floor.traffic.request(kRobot3, {4.5, 4, 0}, {}, floor.now);
+  EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot3); }), 40);
+  floor.traffic.request(kRobot2, {6.5, 0.5, 0}, {}, floor.now);
+  floor.traffic.request(kRobot1, {5.5, 0.5, 0}, {}, floor.now);
+  floor.traffic.request(kRobot3, {4.5, 0.5, 0}, {}, floor.now);
+  EXPECT_LT(floor.until([&] {
+    return !floor.traffic.waiting(kRobot1, floor.now) && !floor.traffic.waiting(kRobot2, floor.now) &&
+           floor.traffic.arrived(kRobot3);
+  }), 100);
+  EXPECT_GE(floor.least_distance, 0.49);
+}
+
+TEST(Traffic, ThreeThatChangePlacesAllArrive) {
+  Drivers floor(open_floor({{-1, 4, 0}, {0, 4, 0}, {1, 4, 0}}));
+  floor.traffic.request(kRobot1, {0, 4, 0}, {}, floor.now);
+  floor.traffic.request(kRobot2, {1, 4, 0}, {}, floor.now);
+  floor.traffic.request(kRobot3, {-1, 4, 0}, {}, floor.now);
+  bool arrived[3] = {};
+  EXPECT_LT(floor.until([&] {
+    for (int i = 0; i < 3; ++i) arrived[i] = arrived[i] || floor.traffic.arrived(static_cast<RobotId>(i));
+    return arrived[0] && arrived[1] && arrived[2];
+  }), 60);
+  EXPECT_GE(floor.least_distance, 0.49);
+}
+
+TEST(Traffic, AWithdrawnRequestBrakesTheRobotAndLeavesRoomToTheOthers) {
+  Drivers floor(open_floor({{-3, 4, 0}, {0, 1, 0}}));
+  floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
+  floor.traffic.request(kRobot2, {0, 7, 0}, {}, floor.now);
+  floor.until([&] { return floor.pose(kRobot1).x > -0.1; });
+  floor.traffic.withdraw(kRobot1, floor.now);
+  EXPECT_LT(floor.until([&] { return !floor.traffic.moving(kRobot1); }), 1.0);
+  EXPECT_LT(floor.pose(kRobot1).x, 0.4);
+  EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot2); }), 30);
+  EXPECT_GE(floor.least_distance, 0.46);
+}
+
+TEST(Traffic, AGoalInsideAMachineIsUnreachable) {
+  FloorPlan plan = open_floor({{0, 1, 0}});
+  plan.stations = {{"A", "BS", {3, 4, 0}, true}};
+  Drivers floor(plan);
+  floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
+  floor.tick();
+  EXPECT_TRUE(floor.traffic.unreachable(kRobot1));
+}
+
+TEST(Traffic, AGoalBehindClosedWallsIsUnreachable) {
+  FloorPlan plan = open_floor({{0, 1, 0}});
+  plan.walls = {{2, 3, 4, 3}, {4, 3, 4, 5}, {4, 5, 2, 5}, {2, 5, 2, 3}};
+  Drivers floor(plan);
+  floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
+  floor.tick();
+  EXPECT_TRUE(floor.traffic.unreachable(kRobot1));
+}
+
+TEST(Traffic, ARobotThatIsPushedOffItsMotionIsPlannedAnew) {
+  Drivers floor(open_floor({{-3, 4, 0}}));
+  floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
+  floor.until([&] { return floor.pose(kRobot1).x > 0; });
+  const auto before = floor.traffic.motion_number(kRobot1);
+  Pose2 pushed = floor.pose(kRobot1);
+  pushed.y += 0.3;
+  floor.traffic.observe(kRobot1, pushed, floor.now);
+  EXPECT_GT(floor.traffic.motion_number(kRobot1), before);
+  EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1); }), 20);
+}
+
+}  // namespace
+}  // namespace cxlab::sim
