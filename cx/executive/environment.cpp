@@ -1,0 +1,133 @@
+#include "cx/executive/environment.h"
+
+#include <array>
+#include <cstdio>
+
+namespace cxlab::cx {
+
+namespace {
+
+/// The environment's name on this bus: two managers in different namespaces may both have a "main".
+std::string unique_name(const Environment::Options& options) {
+  const std::string& space = options.node.name_space;
+  std::string prefix = space.starts_with('/') ? space.substr(1) : space;
+  if (!prefix.empty() && !prefix.ends_with('/')) prefix += '/';
+  return prefix + options.name;
+}
+
+/// [12.340] [main] [info] text
+std::string file_line(const LogLine& line, LogLevel level) {
+  std::array<char, 40> stamp{};
+  std::snprintf(stamp.data(), stamp.size(), "[%.3f] [", to_seconds(line.t));
+  std::string out(stamp.data());
+  out.append(line.logger).append("] [").append(to_string(level)).append("] ").append(line.text);
+  out += '\n';
+  return out;
+}
+
+}  // namespace
+
+Environment::Environment(Options options, bus::Bus& bus, Files& files)
+    : options_(std::move(options)),
+      bus_(bus),
+      files_(files),
+      router_(options_.redirect_stdout_to_debug, [this](LogLevel level, std::string_view colour, std::string_view text) {
+        // Every level is written with `info`, as in the files of CX.
+        write_line({now(), level, options_.name, text, colour}, LogLevel::kInfo);
+      }) {}
+
+Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus::Bus& bus, RecordSink& journal, Files& files) {
+  auto environment = std::unique_ptr<Environment>(new Environment(std::move(options), bus, files));
+  Environment& self = *environment;
+  const Options& given = self.options_;
+  self.journal_ = &journal;
+  if (!given.log_file.empty()) {
+    auto file = AppendFile::create(given.log_file);
+    if (!file) return file.error();
+    self.log_file_ = std::move(*file);
+  }
+  EngineOptions engine;
+  engine.name = unique_name(given);
+  engine.now = [&bus] { return bus.now(); };
+  engine.epoch = from_seconds(given.epoch);
+  engine.seed = given.seed;
+  engine.journal = &journal;
+  engine.files = &files;
+  engine.outside = given.outside;
+  engine.trust_rules = given.trust_rules;
+  engine.on_output = [&self](std::string_view name, std::string_view text) { self.router_.write(name, text); };
+  auto made = RuleEngine::create(std::move(engine));
+  if (!made) return made.error();
+  self.engine_ = std::move(*made);
+  self.participant_ = bus.join(bus::ParticipantKind::kEnvironment, given.node, self.engine_->stream());
+  return environment;
+}
+
+Environment::~Environment() {
+  if (engine_) bus_.leave(participant_);
+  (void)log_file_.close();
+}
+
+Status Environment::perceive() {
+  bus_.deliver(participant_);
+  engine_->clear_cause();
+  return check_errors();
+}
+
+Status Environment::run() {
+  engine_->refresh_all_agendas();
+  RunReport report = engine_->run(options_.max_firings);
+  if (Status s = check_errors(std::move(report.errors)); !s) return s;
+  if (report.loop)
+    return Error{ErrorKind::kRun,
+                 "environment '" + name() + "': " + std::to_string(report.fired) + " rules have fired without an end: " + report.loop_report.text(),
+                 {}, 0, "rule_loop"};
+  return {};
+}
+
+Status Environment::check_errors() {
+  if (!engine_->has_errors()) return {};
+  return check_errors(engine_->take_errors());
+}
+
+Status Environment::check_errors(std::vector<RuleError> errors) {
+  Status first;
+  for (RuleError& e : errors) {
+    e.file = files_.real_path(e.file);
+    if (options_.stop_on_rule_error && first) {
+      Error error = e.error();
+      if (error.code.empty()) error.code = "rule_error";
+      first = std::move(error);
+    }
+    if (options_.rule_errors) options_.rule_errors->push_back({name(), std::move(e)});
+  }
+  return first;
+}
+
+void Environment::note_input(std::string_view what, std::string_view name, const bus::Delivery& delivery) {
+  data_.begin().field("what", what).field("name", name);
+  if (delivery.message) {
+    data_.name("message");
+    delivery.message->view().record(data_);
+  }
+  engine_->set_cause(journal_->write(engine_->stream(), now(), RecordKind::kInput, data_, {&delivery.cause, 1}));
+}
+
+Value Environment::look(std::string_view function, const std::function<Value()>& outside) {
+  Value value = options_.outside ? options_.outside->look(function, outside) : outside();
+  data_.begin().field("what", "look").field("name", function).field("value", value.print());
+  journal_->write(engine_->stream(), now(), RecordKind::kInput, data_, engine_->cause());
+  return value;
+}
+
+void Environment::log(LogLevel level, std::string_view logger, std::string_view text) {
+  write_line({now(), level, logger, text, {}}, level);
+}
+
+void Environment::write_line(const LogLine& line, LogLevel level_in_file) {
+  if (options_.log) options_.log->line(line);
+  // A failed write stays in the file's status, which the manager asks for once a tick.
+  if (log_file_.is_open()) (void)log_file_.append(file_line(line, level_in_file));
+}
+
+}  // namespace cxlab::cx

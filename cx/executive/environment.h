@@ -1,0 +1,103 @@
+#pragma once
+// One CLIPS environment of the executive: its engine, its place on the bus, its log.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cx/base/append_file.h"
+#include "cx/base/expected.h"
+#include "cx/bus/bus.h"
+#include "cx/engine/engine.h"
+#include "cx/executive/files.h"
+#include "cx/executive/log.h"
+
+namespace cxlab::cx {
+
+/// An error in rules, and where it happened.
+struct RuleErrorEntry {
+  std::string environment;
+  RuleError error;
+};
+
+class Environment {
+ public:
+  struct Options {
+    std::string name;
+    bus::NodeName node;                  ///< that its names are resolved against
+    std::uint64_t seed = 0;
+    double epoch = 0;                    ///< s since 1970 at simulated time 0
+    bool redirect_stdout_to_debug = false;
+    std::filesystem::path log_file;      ///< empty = none
+    LogSink* log = nullptr;              ///< may be none
+    LookOutside* outside = nullptr;      ///< may be none
+    bool trust_rules = false;
+    bool stop_on_rule_error = true;
+    std::int64_t max_firings = 100000;   ///< a run; 0 = no limit
+    std::vector<RuleErrorEntry>* rule_errors = nullptr;  ///< all errors are added here
+  };
+  static Expected<std::unique_ptr<Environment>> create(Options options, bus::Bus& bus, RecordSink& journal, Files& files);
+  ~Environment();
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+  const std::string& name() const { return options_.name; }
+  RuleEngine& engine() const { return *engine_; }
+  bus::Bus& bus() const { return bus_; }
+  bus::ParticipantId participant() const { return participant_; }
+  Files& files() const { return files_; }
+  SimTime now() const { return bus_.now(); }
+
+  // --- Running
+  /// Takes what waits on the bus: facts are asserted, callbacks called.
+  Status perceive();
+  /// RefreshAllAgendas, then runs until no rule is left.
+  Status run();
+  /// What has gone wrong since the last call: each error is noted; with `stop_on_rule_error` the first is returned.
+  Status check_errors();
+  Status check_errors(std::vector<RuleError> errors);
+
+  // --- What enters from outside
+  /// Records a delivery as an input of this environment and makes it the cause of what follows. `what` and `name` as the
+  /// rules know it: "topic" "/chatter".
+  void note_input(std::string_view what, std::string_view name, const bus::Delivery& delivery);
+  /// What a function found outside, through the input log.
+  Value look(std::string_view function, const std::function<Value()>& outside);
+
+  /// A line of a plugin or of the manager that concerns this environment.
+  void log(LogLevel level, std::string_view logger, std::string_view text);
+  /// Whether the log file could be written (kResource if not).
+  Status log_status() const { return log_file_.status(); }
+  Status flush_log() { return log_file_.flush(); }
+
+ private:
+  Environment(Options options, bus::Bus& bus, Files& files);
+  void write_line(const LogLine& line, LogLevel level_in_file);
+
+  Options options_;
+  bus::Bus& bus_;
+  Files& files_;
+  RecordSink* journal_ = nullptr;
+  RecordData data_;
+  AppendFile log_file_;
+  LogRouter router_;
+  std::unique_ptr<RuleEngine> engine_;
+  bus::ParticipantId participant_{};
+};
+
+/// Held while an environment is used: the mutex of CX. Only on the episode's thread; holding it there costs nothing.
+class EnvironmentGuard {
+ public:
+  explicit EnvironmentGuard(Environment& environment) : environment_(&environment) {}
+  Environment& operator*() const { return *environment_; }
+  Environment* operator->() const { return environment_; }
+  RuleEngine& engine() const { return environment_->engine(); }
+
+ private:
+  Environment* environment_;
+};
+
+}  // namespace cxlab::cx

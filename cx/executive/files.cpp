@@ -1,0 +1,171 @@
+#include "cx/executive/files.h"
+
+#include <fstream>
+#include <sstream>
+
+namespace cxlab::cx {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+bool leaves(const fs::path& relative) { return relative.is_absolute() || (!relative.empty() && *relative.begin() == ".."); }
+
+/// `path` relative to `folder`, if it lies there.
+bool below(const fs::path& path, const fs::path& folder, fs::path& relative) {
+  relative = path.lexically_relative(folder);
+  return !relative.empty() && !leaves(relative);
+}
+
+/// Whether the file, its links followed, lies in the folder or in what the folder itself links to.
+bool really_below(const fs::path& file, const fs::path& folder) {
+  std::error_code error;
+  const fs::path real = fs::weakly_canonical(file, error);
+  if (error) return false;
+  const fs::path real_folder = fs::weakly_canonical(folder, error);
+  fs::path relative;
+  return !error && below(real, real_folder, relative);
+}
+
+}  // namespace
+
+Files::Files(Options options) : options_(std::move(options)) {
+  for (auto& [name, package] : options_.packages) {
+    package.folder = fs::absolute(package.folder).lexically_normal();
+    if (!package.folder.has_filename()) package.folder = package.folder.parent_path();
+    if (package.share.empty()) package.share = package.folder.string();
+  }
+  if (!options_.run_folder.empty()) options_.run_folder = fs::absolute(options_.run_folder).lexically_normal();
+}
+
+Expected<std::string> Files::share_directory(std::string_view package) const {
+  const auto found = options_.packages.find(std::string(package));
+  if (found != options_.packages.end()) return found->second.share;
+  std::string message = "package '" + std::string(package) + "' not found";
+  const std::string near = nearest_word(std::string(package), packages());
+  if (!near.empty()) message += ", did you mean '" + near + "'?";
+  return input_error(std::move(message));
+}
+
+Expected<std::string> Files::prefix(std::string_view package) const {
+  auto share = share_directory(package);
+  if (!share) return share;
+  const fs::path path(*share);
+  if (path.filename() == package && path.parent_path().filename() == "share") return path.parent_path().parent_path().string();
+  return share;
+}
+
+std::vector<std::string> Files::packages() const {
+  std::vector<std::string> out;
+  for (const auto& [name, package] : options_.packages) out.push_back(name);
+  return out;
+}
+
+bool Files::find_in(const std::string& package, const fs::path& relative, FoundFile& out) const {
+  const fs::path normal = relative.lexically_normal();
+  if (leaves(normal)) return false;
+  const fs::path& folder = options_.packages.at(package).folder;
+  out.logical_name = package + '/' + normal.generic_string();
+  out.path = folder / normal;
+  if (is_file(out.path)) return true;
+  const fs::path installed = fs::path("clips") / package;
+  fs::path rest;
+  if (!below(normal, installed, rest)) return false;
+  out.path = folder / "clips" / rest;
+  return is_file(out.path);
+}
+
+Expected<FoundFile> Files::resolve(const std::string& file, const std::vector<std::string>& packages) const {
+  const fs::path path(file);
+  FoundFile found;
+  if (path.is_absolute()) {
+    for (const auto& [name, package] : options_.packages) {
+      fs::path relative;
+      if (below(path.lexically_normal(), package.share, relative) && find_in(name, relative, found)) return found;
+    }
+    if (is_file(path)) return FoundFile{path, path.filename().string()};
+  }
+  for (const std::string& package : packages) {
+    if (auto share = share_directory(package); !share) return input_error("Cannot resolve file " + file + ": " + share.error().message);
+    if (find_in(package, path, found)) return found;
+  }
+  std::string message = "Cannot resolve file " + file;
+  if (packages.empty()) message += ": no pkg_share_dirs to look in";
+  for (std::size_t i = 0; i < packages.size(); ++i)
+    message += (i == 0 ? ": not in " : ", ") + options_.packages.at(packages[i]).folder.string();
+  return input_error(std::move(message));
+}
+
+Expected<std::string> Files::read(const FoundFile& file) const {
+  if (options_.on_read)
+    if (Status s = options_.on_read(file.logical_name, file.path); !s) return s.error();
+  std::ifstream in(file.path, std::ios::binary);
+  std::stringstream text;
+  if (!in || !is_file(file.path)) return input_error("cannot read this file", file.path.string());
+  text << in.rdbuf();
+  return text.str();
+}
+
+fs::path Files::written(const fs::path& path) const {
+  return options_.run_folder / "written" / path.lexically_normal().relative_path();
+}
+
+Expected<FoundFile> Files::find_for_rules(const std::string& path) const {
+  const fs::path asked = fs::path(path).lexically_normal();
+  FoundFile found;
+  if (!options_.run_folder.empty() && !leaves(asked.relative_path())) {
+    found = {written(asked), "written/" + asked.relative_path().generic_string()};
+    if (is_file(found.path) && really_below(found.path, options_.run_folder)) return found;
+  }
+  if (asked.is_absolute()) {
+    for (const auto& [name, package] : options_.packages) {
+      fs::path relative;
+      if (!below(asked, package.share, relative)) continue;
+      if (find_in(name, relative, found) && really_below(found.path, package.folder)) return found;
+    }
+    fs::path relative;
+    if (!options_.run_folder.empty() && below(asked, options_.run_folder, relative) && really_below(asked, options_.run_folder))
+      return FoundFile{asked, "run/" + relative.generic_string()};
+  }
+  if (options_.trust_rules) return FoundFile{asked, asked.filename().string()};
+  return input_error("reading '" + path + "' is refused: rules read from packages and the run's folder only (--trust-rules lifts this)");
+}
+
+std::string Files::real_path(const std::string& logical_name) const {
+  const std::size_t slash = logical_name.find('/');
+  FoundFile found;
+  if (slash != std::string::npos && options_.packages.contains(logical_name.substr(0, slash)) &&
+      find_in(logical_name.substr(0, slash), logical_name.substr(slash + 1), found))
+    return found.path.string();
+  return logical_name;
+}
+
+Expected<std::string> Files::for_reading(const std::string& path) {
+  auto found = find_for_rules(path);
+  if (!found) return found.error();
+  if (options_.on_read && is_file(found->path))
+    if (Status s = options_.on_read(found->logical_name, found->path); !s) return s.error();
+  return found->path.string();
+}
+
+Expected<std::string> Files::for_writing(const std::string& path) {
+  if (options_.trust_rules) return path;
+  const fs::path asked = fs::path(path).lexically_normal();
+  if (options_.run_folder.empty()) return input_error("writing '" + path + "' is refused: the run has no folder to write to");
+  if (leaves(asked.relative_path())) return input_error("writing '" + path + "' is refused: it leaves the run's folder");
+  fs::path target = written(asked);
+  fs::path relative;
+  if (asked.is_absolute() && below(asked, options_.run_folder / "written", relative)) target = asked;
+  if (!really_below(target, options_.run_folder)) return input_error("writing '" + path + "' is refused: a link leads out of the run's folder");
+  std::error_code error;
+  fs::create_directories(target.parent_path(), error);
+  if (error) return Error{ErrorKind::kResource, "cannot make the folder: " + error.message(), target.parent_path().string(), 0, {}};
+  return target.string();
+}
+
+}  // namespace cxlab::cx

@@ -1,0 +1,70 @@
+#pragma once
+// Packages and the run's folder: which files plugins and rules see, and where writing ends up.
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/engine/outside.h"
+
+namespace cxlab::cx {
+
+/// A ROS package: rules see `share` as its share directory, the files lie in `folder`. The two differ where a run is
+/// replayed from copies.
+struct Package {
+  std::filesystem::path folder;
+  std::string share;  ///< empty = `folder` as an absolute path
+};
+
+/// Told of every file that is read, before it is: `logical_name` is "<package>/clips/a.clp" or the file's name.
+using FileRead = std::function<Status(const std::string& logical_name, const std::filesystem::path& file)>;
+
+/// A file that was found.
+struct FoundFile {
+  std::filesystem::path path;
+  std::string logical_name;  ///< the same on every machine: names the file in journals and errors of rules
+};
+
+/// One environment manager's view of the disk. For rules (`FileAccess`): they read packages and what they wrote
+/// themselves; what they write goes below `<run>/written`. With `trust_rules` they read and write anything.
+class Files final : public FileAccess {
+ public:
+  struct Options {
+    std::map<std::string, Package> packages;
+    std::filesystem::path run_folder;  ///< empty = rules cannot write
+    bool trust_rules = false;
+    FileRead on_read;                  ///< may be none
+  };
+  explicit Files(Options options);
+
+  /// Share directory of the package; an error names the nearest.
+  Expected<std::string> share_directory(std::string_view package) const;
+  /// As ament has it: what stands before `/share/<package>`, else the folder itself.
+  Expected<std::string> prefix(std::string_view package) const;
+  std::vector<std::string> packages() const;  ///< sorted
+
+  /// Finds a file as CX does: absolute, else the first of the packages that has it, asked in order.
+  Expected<FoundFile> resolve(const std::string& file, const std::vector<std::string>& packages) const;
+  /// The content, after `on_read` was told.
+  Expected<std::string> read(const FoundFile& file) const;
+  /// The file that rules mean by `path`, if they may read it.
+  Expected<FoundFile> find_for_rules(const std::string& path) const;
+  /// Where the file of that logical name lies (the name itself if it is none).
+  std::string real_path(const std::string& logical_name) const;
+
+  Expected<std::string> for_reading(const std::string& path) override;
+  Expected<std::string> for_writing(const std::string& path) override;
+
+ private:
+  /// The file in the package; also where `share/<p>/clips/<p>/x` comes from a source tree's `clips/x`.
+  bool find_in(const std::string& package, const std::filesystem::path& relative, FoundFile& out) const;
+  std::filesystem::path written(const std::filesystem::path& path) const;
+
+  Options options_;
+};
+
+}  // namespace cxlab::cx

@@ -1,0 +1,229 @@
+#include "cx/executive/parameters.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <sstream>
+
+namespace cxlab::cx {
+
+std::string_view to_string(Parameter::Type type) {
+  switch (type) {
+    case Parameter::Type::kNone: return "nothing";
+    case Parameter::Type::kBool: return "a bool";
+    case Parameter::Type::kInteger: return "an integer";
+    case Parameter::Type::kDouble: return "a double";
+    case Parameter::Type::kString: return "a string";
+    case Parameter::Type::kList: break;
+  }
+  return "a list";
+}
+
+namespace {
+
+template <class Number>
+bool is_number(std::string_view text, Number& out) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+Parameter to_parameter(const YAML::Node& node, const std::string& file) {
+  Parameter p;
+  p.file = file;
+  p.line = node.Mark().line + 1;
+  if (node.IsSequence()) {
+    p.type = Parameter::Type::kList;
+    for (const auto& item : node) p.items.push_back(to_parameter(item, file));
+    return p;
+  }
+  if (!node.IsScalar()) return p;
+  p.text = node.Scalar();
+  bool truth = false;
+  std::int64_t integer = 0;
+  double number = 0;
+  if (node.Tag() == "!") p.type = Parameter::Type::kString;  // quoted
+  else if (is_number(p.text, integer)) p.type = Parameter::Type::kInteger;
+  else if (is_number(p.text, number)) p.type = Parameter::Type::kDouble;
+  else if (YAML::convert<bool>::decode(node, truth)) p.type = Parameter::Type::kBool, p.text = truth ? "true" : "false";
+  else p.type = Parameter::Type::kString;
+  return p;
+}
+
+using Values = std::map<std::string, Parameter, std::less<>>;
+
+void flatten(const YAML::Node& node, const std::string& prefix, const std::string& file, Values& out) {
+  if (!node.IsMap()) {
+    out[prefix] = to_parameter(node, file);
+    return;
+  }
+  for (const auto& item : node) {
+    const std::string key = item.first.Scalar();
+    flatten(item.second, prefix.empty() ? key : prefix + '.' + key, file, out);
+  }
+}
+
+/// A section of the file: the path of keys above `ros__parameters`, as one name.
+struct Section {
+  std::string name;
+  YAML::Node parameters;
+  int line = 0;
+};
+
+void find_sections(const YAML::Node& node, const std::string& path, std::vector<Section>& out) {
+  if (!node.IsMap()) return;
+  for (const auto& item : node) {
+    const std::string key = item.first.Scalar();
+    if (key == "ros__parameters") {
+      out.push_back({path, item.second, item.first.Mark().line + 1});
+      continue;
+    }
+    find_sections(item.second, path.empty() || path.ends_with('/') || key.starts_with('/') ? path + key : path + '/' + key, out);
+  }
+}
+
+std::vector<std::string> segments(std::string_view name) {
+  std::vector<std::string> out;
+  while (!name.empty()) {
+    const std::size_t slash = name.find('/');
+    if (slash != 0) out.emplace_back(name.substr(0, slash));
+    if (slash == std::string_view::npos) break;
+    name.remove_prefix(slash + 1);
+  }
+  return out;
+}
+
+/// `**` stands for any number of segments, `*` for one, as in ROS.
+bool matches(const std::vector<std::string>& pattern, std::size_t p, const std::vector<std::string>& name, std::size_t n) {
+  if (p == pattern.size()) return n == name.size();
+  if (pattern[p] == "**")
+    return matches(pattern, p + 1, name, n) || (n < name.size() && matches(pattern, p, name, n + 1));
+  return n < name.size() && (pattern[p] == "*" || pattern[p] == name[n]) && matches(pattern, p + 1, name, n + 1);
+}
+
+Error wrong_type(const Parameter& p, std::string_view name, std::string_view expected) {
+  std::string found(to_string(p.type));
+  if (!p.text.empty()) found = "'" + p.text + "' (" + found + ")";
+  return input_error("parameter '" + std::string(name) + "': found " + found + ", expected " + std::string(expected), p.file, p.line);
+}
+
+}  // namespace
+
+Expected<Parameters> Parameters::load(const std::filesystem::path& file, const std::string& node, const std::string& name_space) {
+  Parameters out;
+  out.file_ = file.string();
+  std::ifstream in(file, std::ios::binary);
+  std::error_code ignored;
+  if (!in || std::filesystem::is_directory(file, ignored)) return input_error("cannot read this file", out.file_);
+  std::stringstream text;
+  text << in.rdbuf();
+  try {
+    std::vector<Section> sections;
+    find_sections(YAML::Load(text.str()), "", sections);
+    std::vector<std::string> full = segments(name_space);
+    full.push_back(node);
+    std::vector<const Section*> applying;
+    for (const Section& s : sections) {
+      auto pattern = segments(s.name);
+      const bool relative = !s.name.starts_with('/');
+      // A bare node name applies in whatever namespace the node is, as CX is launched with one.
+      if (relative && pattern.size() == 1) pattern.insert(pattern.begin(), "**");
+      if (matches(pattern, 0, full, 0)) applying.push_back(&s);
+    }
+    if (applying.empty()) {
+      std::string message = "no parameters for the node '" + node + "': expected a section '" + node + ":' or '/**:' with 'ros__parameters:' below it";
+      if (!sections.empty()) message += ", found '" + sections.front().name + "'";
+      return input_error(std::move(message), out.file_, sections.empty() ? 1 : sections.front().line);
+    }
+    std::stable_sort(applying.begin(), applying.end(), [](const Section* a, const Section* b) {
+      return (a->name.find('*') != std::string::npos) > (b->name.find('*') != std::string::npos);
+    });
+    for (const Section* s : applying)
+      if (s->parameters.IsMap()) flatten(s->parameters, "", out.file_, out.values_);
+  } catch (const YAML::Exception& e) {
+    return input_error("not YAML: " + e.msg, out.file_, e.mark.line + 1);
+  }
+  return out;
+}
+
+const Parameter* Parameters::find(std::string_view name) const {
+  const auto found = values_.find(name);
+  return found == values_.end() ? nullptr : &found->second;
+}
+
+Status Parameters::set(const std::string& name, const std::string& yaml, const std::string& origin) {
+  try {
+    flatten(YAML::Load(yaml), name, origin, values_);
+  } catch (const YAML::Exception& e) {
+    return input_error("parameter '" + name + "': the value is not YAML: " + e.msg, origin);
+  }
+  return {};
+}
+
+std::vector<std::string> Parameters::below(std::string_view group) const {
+  std::vector<std::string> out;
+  const std::string prefix = group.empty() ? std::string() : std::string(group) + '.';
+  for (auto it = values_.lower_bound(prefix); it != values_.end() && it->first.starts_with(prefix); ++it) {
+    std::string key = it->first.substr(prefix.size());
+    key.resize(std::min(key.size(), key.find('.')));
+    if (out.empty() || out.back() != key) out.push_back(std::move(key));
+  }
+  return out;
+}
+
+Error Parameters::error_at(std::string_view name_or_group, std::string message) const {
+  const Parameter* at = find(name_or_group);
+  if (at) return input_error(std::move(message), at->file, at->line);
+  const std::string prefix = std::string(name_or_group) + '.';
+  for (auto it = values_.lower_bound(prefix); it != values_.end() && it->first.starts_with(prefix); ++it)
+    if (!at || it->second.line < at->line) at = &it->second;
+  return at ? input_error(std::move(message), at->file, at->line) : input_error(std::move(message), file_);
+}
+
+Status Parameters::read(std::string_view name, bool& field) const {
+  const Parameter* p = find(name);
+  if (!p) return {};
+  if (p->type != Parameter::Type::kBool) return wrong_type(*p, name, "a bool");
+  field = p->text == "true";
+  return {};
+}
+
+Status Parameters::read(std::string_view name, std::int64_t& field) const {
+  const Parameter* p = find(name);
+  if (!p) return {};
+  if (p->type != Parameter::Type::kInteger) return wrong_type(*p, name, "an integer");
+  is_number(p->text, field);
+  return {};
+}
+
+Status Parameters::read(std::string_view name, double& field) const {
+  const Parameter* p = find(name);
+  if (!p) return {};
+  if (p->type != Parameter::Type::kDouble && p->type != Parameter::Type::kInteger) return wrong_type(*p, name, "a double");
+  is_number(p->text, field);
+  return {};
+}
+
+Status Parameters::read(std::string_view name, std::string& field) const {
+  const Parameter* p = find(name);
+  if (!p) return {};
+  if (p->type != Parameter::Type::kString) return wrong_type(*p, name, "a string");
+  field = p->text;
+  return {};
+}
+
+Status Parameters::read(std::string_view name, std::vector<std::string>& field) const {
+  const Parameter* p = find(name);
+  if (!p) return {};
+  if (p->type != Parameter::Type::kList) return wrong_type(*p, name, "a list of strings");
+  field.clear();
+  for (const Parameter& item : p->items) {
+    if (item.type != Parameter::Type::kString) return wrong_type(item, name, "a list of strings");
+    field.push_back(item.text);
+  }
+  return {};
+}
+
+}  // namespace cxlab::cx

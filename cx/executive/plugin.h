@@ -1,0 +1,102 @@
+#pragma once
+// What a plugin is. A plugin is listed in YAML under an instance name; one instance may serve several environments.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/bus/bus.h"
+#include "cx/executive/environment.h"
+#include "cx/executive/files.h"
+#include "cx/executive/log.h"
+#include "cx/executive/parameters.h"
+
+namespace cxlab::cx {
+
+/// What the manager gives to a plugin. Everything outlives it.
+struct PluginContext {
+  std::string name;               ///< of the instance
+  std::string type;               ///< as in YAML, e.g. "cx::FileLoadPlugin"
+  const Parameters& parameters;   ///< of the manager node
+  bus::Bus& bus;
+  bus::ParticipantId node{};      ///< the manager node on the bus
+  Files& files;
+  double epoch = 0;               ///< s since 1970 at simulated time 0
+  bool keep_going = false;        ///< errors in rule files are noted and loading goes on, as in CX
+  std::function<void(Error)> note_load_error;
+  std::function<void(LogLevel, std::string_view logger, std::string_view text)> log;
+};
+
+class Plugin {
+ public:
+  explicit Plugin(PluginContext context) : context_(std::move(context)) {}
+  virtual ~Plugin() = default;
+  Plugin(const Plugin&) = delete;
+  Plugin& operator=(const Plugin&) = delete;
+
+  /// Once, before its first environment.
+  virtual Status initialize() { return {}; }
+  /// Once an environment: adds functions, templates and rules. After an error the plugin does not count as loaded there.
+  virtual Status clips_env_init(EnvironmentGuard environment) = 0;
+  /// Takes back what it added. Functions go by themselves (those whose `owner` is `name()`).
+  virtual void clips_env_destroyed(EnvironmentGuard) {}
+  /// Once, when it has left its last environment.
+  virtual void finalize() {}
+
+  /// When it wants to act in that environment; `on_due` is called at the first tick not before.
+  virtual SimTime next_due(const Environment&) const { return kNever; }
+  virtual Status on_due(EnvironmentGuard) { return {}; }
+
+  const std::string& name() const { return context_.name; }
+  const std::string& type() const { return context_.type; }
+
+ protected:
+  const PluginContext& context() const { return context_; }
+  /// Reads `<instance>.<key>` of the YAML; leaves the field alone when it is missing.
+  template <class T>
+  Status parameter(std::string_view key, T& field) const {
+    return context_.parameters.read(context_.name + '.' + std::string(key), field);
+  }
+  void log(LogLevel level, std::string_view text) const { context_.log(level, context_.name, text); }
+  void log(Environment& environment, LogLevel level, std::string_view text) const { environment.log(level, context_.name, text); }
+
+ private:
+  PluginContext context_;
+};
+
+/// A plugin class as YAML names it.
+struct PluginType {
+  std::string name;                     ///< "cx::ExecutivePlugin"
+  std::vector<std::string> parameters;  ///< that it reads, beside `plugin`
+  std::function<std::unique_ptr<Plugin>(PluginContext)> make;
+};
+
+/// What a plugin keeps of each environment, in order of loading.
+template <class State>
+class PerEnvironment {
+ public:
+  State* find(const Environment& environment) const {
+    for (const auto& [e, state] : states_)
+      if (e == &environment) return state.get();
+    return nullptr;
+  }
+  template <class... Args>
+  State& add(const Environment& environment, Args&&... args) {
+    states_.emplace_back(&environment, std::make_unique<State>(std::forward<Args>(args)...));
+    return *states_.back().second;
+  }
+  void remove(const Environment& environment) {
+    std::erase_if(states_, [&](const auto& item) { return item.first == &environment; });
+  }
+  bool empty() const { return states_.empty(); }
+  bool is_last(const Environment& environment) const { return !states_.empty() && states_.back().first == &environment; }
+
+ private:
+  std::vector<std::pair<const Environment*, std::unique_ptr<State>>> states_;
+};
+
+}  // namespace cxlab::cx
