@@ -298,6 +298,15 @@ std::size_t Bus::deliver(ParticipantId p) {
 
 void Bus::set_input_tap(InputTap* tap) { state_->tap = tap; }
 
+std::uint32_t Bus::number_of(EndpointId endpoint) const {
+  return static_cast<std::uint32_t>(static_cast<std::uint64_t>(endpoint) & 0xffffffffU);
+}
+
+std::optional<EndpointId> Bus::endpoint_of(ParticipantId p, std::uint32_t number) const {
+  if (number >= state_->participant(p).endpoints.size()) return std::nullopt;
+  return static_cast<EndpointId>(static_cast<std::uint64_t>(p) << 32 | number);
+}
+
 void Bus::mute(bool on) { state_->muted = on; }
 
 void Bus::inject(ParticipantId to, const std::vector<Delivery>& deliveries) {

@@ -1,7 +1,7 @@
 #pragma once
-// Between the bus and the input log: what environments take is logged, and handed to them again.
+// Between the bus and the input log: what environments take is logged, and handed to them again. (The writes to a
+// world are replayed straight from `InputLogReader`.)
 
-#include <cstdint>
 #include <deque>
 #include <map>
 #include <string>
@@ -15,52 +15,59 @@
 
 namespace cxlab {
 
-/// Logs what the watched environments take. Register with `Bus::set_input_tap`.
+/// Logs what the watched environments take. Hand it to `Bus::set_input_tap`.
 class RecordingTap final : public bus::InputTap {
  public:
-  RecordingTap(const bus::Bus& bus, const Journal& journal, InputLogWriter& log);
-  /// Watches an environment from now on; each has its own stream, by which the log knows it.
-  void watch(bus::ParticipantId environment);
+  RecordingTap(const bus::Bus& bus, const Journal& journal, InputLogWriter& log)
+      : bus_(bus), journal_(journal), log_(log) {}
+
+  /// Watches a participant from now on: an environment, or the node that manages environments. The log knows it by
+  /// its stream, so each needs its own.
+  void watch(bus::ParticipantId participant);
   void delivered(bus::ParticipantId to, const std::vector<bus::Delivery>& deliveries) override;
 
  private:
   const bus::Bus& bus_;
   const Journal& journal_;
   InputLogWriter& log_;
-  std::map<bus::ParticipantId, std::string> watched_;
+  std::map<bus::ParticipantId, std::string> watched_;  // their streams
+  std::deque<std::string> messages_;                   // of the take being logged
 };
 
-/// Plays a log to the environments of a muted bus. What differs from the recorded run is an error (kNo).
+/// Plays a log to environments on a muted bus, without those who once sent. The episode joins and activates the
+/// environments as it did then, and calls `deliver_due` where it else calls `Bus::deliver`. What differs from the
+/// recorded run is an error (kNo).
 class Replayer {
  public:
-  /// Reads the whole log. Its damage, if any, is in `log_status`: the run then replays up to there.
-  static Expected<Replayer> load(InputLogReader log);
-  const Status& log_status() const { return log_status_; }
-  /// Time of the last entry.
+  /// Reads the whole log.
+  Replayer(InputLogReader log, bus::Bus& bus, Journal& journal);
+
+  /// How reading ended: a log that is cut off replays up to there.
+  const Status& log_status() const { return log_.status(); }
+  /// Time of the last entry of an environment.
   SimTime end() const { return end_; }
 
-  /// The environments of the replay, in place of those that were watched.
-  void attach(bus::ParticipantId environment, const bus::Bus& bus, const Journal& journal);
-
-  /// Once a tick, before the environments take: hands over what they took at `bus.now()`.
-  Status inject_due(bus::Bus& bus, Journal& journal);
-  /// The next result of a function that looked outside, for that environment (its stream).
-  Expected<std::string> outside(std::string_view environment, std::string_view key);
-  /// What was logged but not asked for, as an error, or success. After the last tick.
+  /// Hands over what this environment took at `Bus::now`, if anything.
+  Status deliver_due(bus::ParticipantId environment);
+  /// What `key` (a function that looked outside) gave next to the environment of that stream.
+  Expected<std::string_view> next_result(std::string_view environment, std::string_view key);
+  /// After the last tick: success, or what the environments did not take or ask for.
   Status all_used() const;
-  /// Writes to the physics, in order.
-  const std::vector<LoggedWorld>& world_writes() const { return world_writes_; }
 
  private:
-  explicit Replayer(InputLogReader log) : log_(std::move(log)) {}
+  struct Inputs {
+    std::deque<LoggedTake> takes;
+    std::deque<LoggedResult> results;
+  };
+  Expected<bus::Delivery> to_delivery(const LoggedDelivery& logged, bus::ParticipantId to, const std::string& name);
+  bus::ParticipantId sender(std::string_view stream);
 
   InputLogReader log_;  // owns what the entries view
-  Status log_status_;
+  bus::Bus& bus_;
+  Journal& journal_;
+  std::map<std::string, Inputs, std::less<>> inputs_;                    // by stream of the environment
+  std::map<std::string, bus::ParticipantId, std::less<>> senders_;       // by stream
   SimTime end_{};
-  std::deque<LoggedTake> takes_;  // not yet handed over
-  std::map<std::string_view, std::deque<LoggedResult>> results_;  // by environment, not yet asked for
-  std::vector<LoggedWorld> world_writes_;
-  std::map<std::string, bus::ParticipantId, std::less<>> participants_;  // by stream
 };
 
 }  // namespace cxlab

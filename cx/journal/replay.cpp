@@ -1,0 +1,169 @@
+#include "cx/journal/replay.h"
+
+#include <memory>
+#include <span>
+
+namespace cxlab {
+namespace {
+
+/// "12.34 s"
+std::string in_seconds(SimTime t) {
+  std::string digits = std::to_string(t.count());
+  if (digits.size() < 10) digits.insert(0, 10 - digits.size(), '0');
+  digits.insert(digits.size() - 9, ".");
+  digits.resize(digits.find_last_not_of('0') + 1);
+  if (digits.back() == '.') digits.pop_back();
+  return digits + " s";
+}
+
+Error differs(const std::string& environment, SimTime t, const std::string& what) {
+  return Error{ErrorKind::kNo, "the replay differs: " + environment + " at " + in_seconds(t) + ": " + what, {}, 0, {}};
+}
+
+}  // namespace
+
+// --- Recording
+
+void RecordingTap::watch(bus::ParticipantId participant) {
+  watched_[participant] = journal_.stream_name(bus_.stream_of(participant));
+}
+
+void RecordingTap::delivered(bus::ParticipantId to, const std::vector<bus::Delivery>& deliveries) {
+  const auto watched = watched_.find(to);
+  if (watched == watched_.end()) return;
+  messages_.clear();
+  LoggedTake take{bus_.now(), watched->second, {}};
+  take.deliveries.reserve(deliveries.size());
+  for (const bus::Delivery& delivery : deliveries) {
+    LoggedDelivery& logged = take.deliveries.emplace_back();
+    logged.kind = static_cast<std::uint8_t>(delivery.kind);
+    logged.from = journal_.stream_name(bus_.stream_of(delivery.from));
+    logged.sequence = delivery.sequence;
+    logged.endpoint = bus_.number_of(delivery.endpoint);
+    if (delivery.message) {
+      logged.type = delivery.message->view().type().name();
+      delivery.message->serialize(messages_.emplace_back());
+      logged.message = messages_.back();
+    }
+    logged.request_id = delivery.request_id;
+    logged.goal = delivery.goal;
+    logged.accepted = delivery.accepted;
+    logged.status = static_cast<std::int8_t>(delivery.status);
+    logged.return_code = delivery.return_code;
+    logged.stamp = delivery.stamp;
+    logged.goals_canceling = delivery.goals_canceling;
+    logged.cause_stream = journal_.stream_name(delivery.cause.stream);
+    logged.cause_n = delivery.cause.n;
+  }
+  log_.add(take);
+}
+
+// --- Replaying
+
+Replayer::Replayer(InputLogReader log, bus::Bus& bus, Journal& journal)
+    : log_(std::move(log)), bus_(bus), journal_(journal) {
+  while (auto entry = log_.next()) {
+    if (auto* take = std::get_if<LoggedTake>(&*entry)) {
+      end_ = take->t;
+      inputs_[std::string(take->to)].takes.push_back(std::move(*take));
+    } else if (const auto* result = std::get_if<LoggedResult>(&*entry)) {
+      end_ = result->t;
+      inputs_[std::string(result->environment)].results.push_back(*result);
+    }
+  }
+}
+
+Status Replayer::deliver_due(bus::ParticipantId environment) {
+  const std::string& name = journal_.stream_name(bus_.stream_of(environment));
+  senders_[name] = environment;
+  const auto inputs = inputs_.find(name);
+  if (inputs == inputs_.end() || inputs->second.takes.empty()) return {};
+  auto& takes = inputs->second.takes;
+  if (takes.front().t < bus_.now()) {
+    return differs(name, takes.front().t, "then it took messages, now it does not");
+  }
+  if (takes.front().t > bus_.now()) return {};
+
+  const LoggedTake take = std::move(takes.front());
+  takes.pop_front();
+  std::vector<bus::Delivery> deliveries;
+  for (const LoggedDelivery& logged : take.deliveries) {
+    auto delivery = to_delivery(logged, environment, name);
+    if (!delivery) return delivery.error();
+    deliveries.push_back(std::move(*delivery));
+  }
+  bus_.inject(environment, deliveries);
+  return {};
+}
+
+Expected<bus::Delivery> Replayer::to_delivery(const LoggedDelivery& logged, bus::ParticipantId to,
+                                              const std::string& name) {
+  if (logged.kind > static_cast<std::uint8_t>(bus::DeliveryKind::kTopic)) {
+    return input_error("the input log holds a delivery of unknown kind " + std::to_string(logged.kind));
+  }
+  const auto endpoint = bus_.endpoint_of(to, logged.endpoint);
+  if (!endpoint) {
+    return differs(name, bus_.now(), "it has not made its endpoint " + std::to_string(logged.endpoint) + " to which " +
+                                         (logged.type.empty() ? "an answer" : std::string(logged.type)) + " from " +
+                                         std::string(logged.from) + " went");
+  }
+  bus::Delivery delivery;
+  delivery.kind = static_cast<bus::DeliveryKind>(logged.kind);
+  delivery.from = sender(logged.from);
+  delivery.sequence = logged.sequence;
+  delivery.endpoint = *endpoint;
+  if (!logged.type.empty()) {
+    const auto type = bus_.registry().message(std::string(logged.type));
+    if (!type) return type.error();
+    std::size_t position = 0;
+    auto message = bus::Message::deserialize(**type, std::as_bytes(std::span(logged.message)), position);
+    if (!message) return message.error();
+    delivery.message = std::make_shared<const bus::Message>(std::move(*message));
+  }
+  delivery.request_id = logged.request_id;
+  delivery.goal = logged.goal;
+  delivery.accepted = logged.accepted;
+  delivery.status = static_cast<bus::GoalStatus>(logged.status);
+  delivery.return_code = logged.return_code;
+  delivery.stamp = logged.stamp;
+  delivery.goals_canceling = logged.goals_canceling;
+  delivery.cause = {journal_.open_stream(logged.cause_stream), logged.cause_n};
+  return delivery;
+}
+
+/// Those who are not there are joined under the name of their stream: nobody hears of it.
+bus::ParticipantId Replayer::sender(std::string_view stream) {
+  if (const auto known = senders_.find(stream); known != senders_.end()) return known->second;
+  bus::NodeName name;
+  name.name = stream;
+  const auto id = bus_.join(bus::ParticipantKind::kNode, std::move(name), journal_.open_stream(stream));
+  senders_.emplace(stream, id);
+  return id;
+}
+
+Expected<std::string_view> Replayer::next_result(std::string_view environment, std::string_view key) {
+  const auto inputs = inputs_.find(environment);
+  if (inputs == inputs_.end() || inputs->second.results.empty()) {
+    return differs(std::string(environment), bus_.now(), "it asks for a result of " + std::string(key) + ", then it did not");
+  }
+  const LoggedResult result = inputs->second.results.front();
+  if (result.key != key) {
+    return differs(std::string(environment), bus_.now(),
+                   "it asks for a result of " + std::string(key) + ", then of " + std::string(result.key));
+  }
+  inputs->second.results.pop_front();
+  return result.bytes;
+}
+
+Status Replayer::all_used() const {
+  for (const auto& [name, inputs] : inputs_) {
+    if (!inputs.takes.empty()) return differs(name, inputs.takes.front().t, "then it took messages, now it does not");
+    if (!inputs.results.empty()) {
+      return differs(name, inputs.results.front().t,
+                     "then it asked for a result of " + std::string(inputs.results.front().key) + ", now it does not");
+    }
+  }
+  return {};
+}
+
+}  // namespace cxlab
