@@ -29,6 +29,10 @@ class Grasp : public testing::TestWithParam<double> {
     EXPECT_TRUE(piece.ok());
     return *piece;
   }
+  std::optional<PieceId> id_at(const char* name) {
+    const Piece* piece = world_->at(spot(name));
+    return piece ? std::optional(piece->id) : std::nullopt;
+  }
   /// Off the place where a piece should lie at that spot: along and across the belt.
   Vec3 offset_at(PieceId piece, const char* name) {
     const Spot& s = world_->plan().spot(spot(name));
@@ -61,8 +65,7 @@ TEST_P(Grasp, ProductIsCarriedFromBeltToBelt) {
 
     rig_->put(kR1, spot("C-CS1-INPUT"));
     EXPECT_EQ(world_->robot(kR1).held, std::nullopt);
-    ASSERT_TRUE(world_->at(spot("C-CS1-INPUT")));
-    EXPECT_EQ(world_->at(spot("C-CS1-INPUT"))->id, piece);
+    ASSERT_EQ(id_at("C-CS1-INPUT"), piece);
     const Vec3 off = offset_at(piece, "C-CS1-INPUT");
     EXPECT_LT(std::abs(off.y), 0.003);
     EXPECT_LT(std::abs(off.x), 0.005);
@@ -80,10 +83,10 @@ TEST_P(Grasp, CarrierIsTakenOffTheShelfBesideItsNeighbours) {
     carriers.push_back(*world_->dispense(spot(name), Stack{4, {}, 1}));
   rig_->drive_to(kR1, {6, 4, 0});
   rig_->pick(kR1, spot("C-CS1-SHELF-MIDDLE"));
-  EXPECT_EQ(world_->robot(kR1).held, carriers[1]);
+  ASSERT_EQ(world_->robot(kR1).held, carriers[1]);
   EXPECT_EQ(world_->at(spot("C-CS1-SHELF-MIDDLE")), nullptr);
-  EXPECT_EQ(world_->at(spot("C-CS1-SHELF-LEFT"))->id, carriers[0]);
-  EXPECT_EQ(world_->at(spot("C-CS1-SHELF-RIGHT"))->id, carriers[2]);
+  EXPECT_EQ(id_at("C-CS1-SHELF-LEFT"), carriers[0]);
+  EXPECT_EQ(id_at("C-CS1-SHELF-RIGHT"), carriers[2]);
 
   rig_->put(kR1, spot("C-CS1-INPUT"));
   EXPECT_LT(std::abs(offset_at(carriers[1], "C-CS1-INPUT").y), 0.003);
@@ -91,7 +94,7 @@ TEST_P(Grasp, CarrierIsTakenOffTheShelfBesideItsNeighbours) {
 
   rig_->pick(kR1, spot("C-CS1-INPUT"));
   rig_->put(kR1, spot("C-CS1-SHELF-MIDDLE"));
-  EXPECT_EQ(world_->at(spot("C-CS1-SHELF-MIDDLE"))->id, carriers[1]);
+  EXPECT_EQ(id_at("C-CS1-SHELF-MIDDLE"), carriers[1]);
   EXPECT_EQ(rig_->life(carriers[1]), "gripper belt gripper slot");
 }
 

@@ -65,9 +65,9 @@ Status MujocoWorld::advance(SimTime tick) {
     if (Status s = gate_.step(); !s) return s;
     now_ += step;
     count_robot_contacts();
+    read_piece_contacts();
     stop_arrived_belts();
   }
-  read_contacts();
   update_pieces();
   return {};
 }
@@ -181,23 +181,34 @@ void MujocoWorld::note_support(Track& track, GeomUse other) {
   }
 }
 
-void MujocoWorld::read_contacts() {
-  for (Track& track : tracks_) {
+// A piece that fell asleep has no contacts any more: what it touched last is what carries it.
+void MujocoWorld::read_piece_contacts() {
+  const mjData& d = gate_.data();
+  const FactoryModel& factory = gate_.factory();
+  const std::int64_t step = gate_.steps();
+  const auto renew = [step](Track& track) {
+    if (track.read_at == step) return;
+    track.read_at = step;
     track.left = track.right = 0;
     track.support = Holder::kDispenser;
     track.support_index = -1;
     track.touches_other = false;
+  };
+  for (const Piece& piece : pieces_) {
+    const int body = body_of(piece.id);
+    if (d.body_awake[factory.pieces[at_index(body)].body]) renew(tracks_[at_index(body)]);
   }
-  const mjData& d = gate_.data();
-  const auto& uses = gate_.factory().geoms;
   const auto is_piece = [](GeomUse use) { return use.role == GeomRole::kPieceBase || use.role == GeomRole::kPiecePart; };
   for (int c = 0; c < d.ncon; ++c) {
-    GeomUse a = uses[at_index(d.contact[c].geom[0])], b = uses[at_index(d.contact[c].geom[1])];
+    GeomUse a = factory.geoms[at_index(d.contact[c].geom[0])], b = factory.geoms[at_index(d.contact[c].geom[1])];
     if (!is_piece(a)) std::swap(a, b);
     if (!is_piece(a)) continue;
     Track& track = tracks_[at_index(a.index)];
+    renew(track);
     if (is_piece(b)) {
-      track.touches_other = tracks_[at_index(b.index)].touches_other = true;
+      Track& other = tracks_[at_index(b.index)];
+      renew(other);
+      track.touches_other = other.touches_other = true;
     } else if (b.role == GeomRole::kFingerLeft) {
       track.left |= 1u << b.index;
     } else if (b.role == GeomRole::kFingerRight) {
@@ -213,7 +224,6 @@ void MujocoWorld::update_pieces() {
   slid_.clear();
   for (Piece& piece : pieces_) {
     const int body = body_of(piece.id);
-    if (!gate_.data().body_awake[gate_.factory().pieces[at_index(body)].body]) continue;
     piece.position_in_world = underside_of(body);
     Track& track = tracks_[at_index(body)];
     update_holder(piece, track);

@@ -68,6 +68,7 @@ class MujocoWorld final : public World, public RobotBodies {
   /// What is known of the piece in a body of the pool beyond `Piece`.
   struct Track {
     bool in_play = false;
+    std::int64_t read_at = -1;           ///< step whose contacts the next five tell
     std::uint32_t left = 0, right = 0;   ///< robots whose finger touches it, as bits
     Holder support = Holder::kDispenser; ///< kDispenser = touches no support
     int support_index = -1;
@@ -86,7 +87,7 @@ class MujocoWorld final : public World, public RobotBodies {
   void drive(Motion& motion, const RobotIds& ids, double dt);
   void count_robot_contacts();
   void stop_arrived_belts();
-  void read_contacts();
+  void read_piece_contacts();
   void note_support(Track& track, GeomUse other);
   void update_pieces();
   void update_holder(Piece& piece, Track& track);

@@ -60,7 +60,7 @@ class Rig {
     reach(robot, there.x, there.y, kUp);
     reach(robot, there.x, there.y, 0.010);
     world.command_fingers(robot, -0.010);
-    wait(0.6);
+    wait(0.8);
     reach(robot, there.x, there.y, kUp);
     world.command_gripper(robot, {0, 0, kUp});
     drive_to(robot, spot.align_in_world);
@@ -75,7 +75,7 @@ class Rig {
     reach(robot, there.x, there.y, kUp);
     reach(robot, there.x, there.y, spot.kind == SpotKind::kSlide ? 0.022 : 0.0115);
     world.command_fingers(robot, 0.035);
-    wait(0.5);
+    wait(0.8);
     reach(robot, there.x, there.y, kUp);
     world.command_gripper(robot, {0, 0, kUp});
     drive_to(robot, spot.align_in_world);
