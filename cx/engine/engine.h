@@ -46,11 +46,12 @@ struct RuleError {
   SimTime t{};
   std::string message;  ///< first line that CLIPS said, with its [CODE]
   std::string detail;   ///< all that CLIPS said
+  int count = 1;        ///< the same error again before it was taken is counted here
 
   /// `file:line: rule NAME, RHS: message`.
   std::string text() const;
-  Error error() const { return Error{side == ErrorSide::kLoad ? ErrorKind::kInput : ErrorKind::kRun, text_without_place(), file, line, {}}; }
-  std::string text_without_place() const;
+  /// Of kind input for side load, run for the others.
+  Error error() const;
 };
 
 enum class LoadMode : std::uint8_t {
@@ -77,8 +78,9 @@ struct LoopReport {
     std::string name;
     std::int64_t count = 0;
   };
-  std::vector<Count> rules;      ///< most frequent firings of this run first, at most 5
-  std::vector<Count> templates;  ///< whose facts changed most in this run, at most 5
+  std::vector<Count> rules;      ///< most frequent first, at most 5
+  std::vector<Count> templates;  ///< whose facts changed most, at most 5
+  std::int64_t fired = 0;        ///< in all; the counts are of the last 5000 firings
   /// One sentence for the user.
   std::string text() const;
 };
@@ -156,6 +158,7 @@ class RuleEngine {
   /// For plugins that use the C API. What they do with it is journaled like the rest.
   clips::Environment* raw() const { return environment_; }
   const std::string& name() const { return options_.name; }
+  const EngineOptions& options() const { return options_; }
   SimTime now() const { return options_.now ? options_.now() : SimTime{}; }
 
   // --- Loading ---------------------------------------------------------------------------------------------------
@@ -212,7 +215,7 @@ class RuleEngine {
   std::vector<RuleError> take_errors();
   bool has_errors() const { return !errors_.empty(); }
   /// `(exit)` was called by a rule; it ends the run and nothing else.
-  bool exit_requested() const { return exit_requested_; }
+  bool exit_requested() const;
 
   /// "facts", "rules", "activations", ... or "all"; false if there is no such item.
   bool watch(const std::string& item);
@@ -229,8 +232,8 @@ class RuleEngine {
   /// Those added here and not removed, by name.
   std::vector<FunctionSpec> functions() const;
   Handle new_handle() { return Handle{++last_handle_}; }
-  /// Names of acting functions called in tests on the left-hand side of a rule, directly or through deffunctions.
-  /// At load each is an error (kStop) or a note for the report (`take_notes`, kKeepGoing).
+  /// Acting functions that tests on a left-hand side call, directly or through deffunctions: found at load, where each
+  /// is an error with `kStop` and a note here with `kKeepGoing`.
   std::vector<Error> take_notes();
 
   // --- Looking in ------------------------------------------------------------------------------------------------
@@ -255,9 +258,10 @@ class RuleEngine {
   /// The cause of what happens now: the record of the rule that fires, else what `set_cause` said.
   std::span<const RecordRef> cause() const;
 
+  struct Impl;  ///< for the sources of the engine
+
  private:
   explicit RuleEngine(EngineOptions options);
-  struct Impl;
 
   EngineOptions options_;
   clips::Environment* environment_ = nullptr;
@@ -265,7 +269,6 @@ class RuleEngine {
   StreamId stream_{};
   std::uint64_t last_handle_ = 0;
   std::vector<RuleError> errors_;
-  bool exit_requested_ = false;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -24,16 +24,18 @@ struct FormReading {
 };
 
 /// Reads forms as the scanner of CLIPS would: `;` comments, strings with `\` escapes, words that end at
-/// `( ) " & | ~ ;` and blanks. A form that is never closed is an error at the line where it begins and ends the
-/// reading there; text that begins in column 1 with `(def` inside it is named as the probable place. A stray `)` is an error and skipped.
+/// `( ) " & | ~ ;` and blanks. A form that is never closed is an error at the line where it begins; reading goes on
+/// at the next line that begins with `(def`. A stray `)` and a zero byte are errors and skipped.
 FormReading read_forms(std::string_view text, const std::string& file);
 
-/// Words of a form in order, without those in strings and comments, each with its line within the file.
-struct Word {
+/// What a form consists of, without comments.
+struct Token {
+  enum class Kind { kOpen, kClose, kWord, kString, kConnective };  ///< connectives: & | ~
+  Kind kind = Kind::kWord;
   std::string_view text;
-  int line = 0;
-  bool opens = false;   ///< the word stands directly after `(`: it is called, or names a template
+  int line = 0;  ///< within the file
 };
-std::vector<Word> words_of(const Form& form);
+/// The tokens of a form; they borrow its text.
+std::vector<Token> tokens_of(const Form& form);
 
 }  // namespace cxlab

@@ -71,7 +71,6 @@ class Call {
   Call& operator=(const Call&) = delete;
 
  private:
-  friend class RuleEngine;
   friend struct CallFrame;
   Call(RuleEngine& engine, const FunctionSpec& spec, void* context, void* result)
       : engine_(engine), spec_(spec), context_(context), result_(result) {}

@@ -11,13 +11,15 @@
 namespace cxlab {
 
 /// Decides on every path that rules name (open, load, batch, load-facts, save-facts, bsave, dribble-on, remove, ...).
-/// Answers with the path to open really; an error is what the rule is told.
+/// Answers with the path to open really; an error is what the rule is told. A file that is missing is no error here.
 class FileAccess {
  public:
   virtual ~FileAccess() = default;
   /// Called before each reading; the place to log the content.
   virtual Expected<std::string> for_reading(const std::string& path) = 0;
   virtual Expected<std::string> for_writing(const std::string& path) = 0;
+  /// How the journal names a file: the same on every machine, e.g. relative to its package.
+  virtual std::string journal_name(const std::string& path) const { return path; }
 };
 
 /// Every result of a function that looks outside passes here: a recording one calls `outside` and keeps the value, a

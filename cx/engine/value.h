@@ -47,7 +47,7 @@ class Value {
   std::int64_t fact_index() const { return integer_; }
   const std::vector<Value>& items() const { return items_; }
 
-  /// As CLIPS prints it in a fact: `"a string"`, `12.5`, `(1 2 3)`, `<Fact-4>`, `<Handle-7>`; never an address.
+  /// As CLIPS prints it in a fact: `"a string"`, `12.5`, `(1 2 3)`, `<Fact-4>`, `<Pointer-C-0x7>`.
   std::string print() const;
 
   bool operator==(const Value&) const = default;
@@ -89,6 +89,7 @@ class ValueRef {
 
   Value copy() const;
   const void* atom() const { return atom_; }
+  std::size_t begin() const { return begin_; }
 
  private:
   const void* atom_ = nullptr;

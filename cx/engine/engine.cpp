@@ -1,0 +1,277 @@
+#include "cx/engine/engine.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "internal/impl.h"
+
+namespace cxlab {
+
+using namespace clips;
+
+namespace {
+
+/// The logical names that the executive's log takes.
+bool is_log_name(std::string_view name) {
+  static constexpr std::array<std::string_view, 22> kNames{
+      "stdout", "stderr", "stdwrn", "t", "l", "info", "debug", "warn", "error", "red", "green", "blue", "yellow",
+      "magenta", "cyan", "white", "bold", "loginfo", "logdebug", "logwarn", "logerror", "stdin"};
+  return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
+}
+
+bool router_query(Environment*, const char* name, void*) noexcept { return is_log_name(name); }
+
+void router_write(Environment*, const char* name, const char* text, void* context) noexcept {
+  static_cast<RuleEngine::Impl*>(context)->print(name, text);
+}
+
+int router_read(Environment*, const char*, void* context) noexcept {
+  return static_cast<RuleEngine::Impl*>(context)->read_terminal();
+}
+
+int router_unread(Environment*, const char*, int character, void* context) noexcept {
+  static_cast<RuleEngine::Impl*>(context)->unread.push_back(character);
+  return character;
+}
+
+/// Our own data of an environment: the way back to its engine.
+constexpr unsigned kOwnData = USER_ENVIRONMENT_DATA + 17;
+struct OwnData {
+  RuleEngine* engine = nullptr;
+};
+
+}  // namespace
+
+RuleEngine::RuleEngine(EngineOptions options)
+    : options_(std::move(options)), random_(options_.seed, "env/" + options_.name), impl_(std::make_unique<Impl>(*this)) {}
+
+Expected<std::unique_ptr<RuleEngine>> RuleEngine::create(EngineOptions options) {
+  if (options.name.empty()) return input_error("an environment needs a name");
+  std::unique_ptr<RuleEngine> engine(new RuleEngine(std::move(options)));
+  Environment* env = CreateEnvironment();
+  if (env == nullptr) return Error{ErrorKind::kResource, "no memory for a CLIPS environment", {}, 0, {}};
+  engine->environment_ = env;
+  engine->impl_->env = env;
+  AllocateEnvironmentData(env, kOwnData, sizeof(OwnData), nullptr);
+  static_cast<OwnData*>(GetEnvironmentData(env, kOwnData))->engine = engine.get();
+  if (engine->options_.journal != nullptr) {
+    engine->stream_ = engine->options_.journal->open_stream("env/" + engine->options_.name);
+  }
+  engine->impl_->install_router();
+  engine->impl_->install_builtins();
+  engine->impl_->install_hooks();
+  return engine;
+}
+
+RuleEngine::~RuleEngine() {
+  if (environment_ == nullptr) return;
+  RemoveAssertFunction(environment_, "cxlab");
+  RemoveRetractFunction(environment_, "cxlab");
+  RemoveModifyFunction(environment_, "cxlab");
+  for (auto& [name, record] : impl_->functions) impl_->show(*record);
+  for (auto& record : impl_->replaced_functions) impl_->show(*record);
+  DestroyEnvironment(environment_);
+}
+
+RuleEngine* RuleEngine::of(Environment* environment) {
+  const auto* found = static_cast<OwnData*>(GetEnvironmentData(environment, kOwnData));
+  return found == nullptr ? nullptr : found->engine;
+}
+
+void RuleEngine::Impl::install_router() {
+  AddRouter(env, "cxlab", 40, router_query, router_write, router_read, router_unread, nullptr, this);
+}
+
+void RuleEngine::Impl::print(const char* logical_name, const char* text) {
+  const std::string_view name = logical_name;
+  if (name == "stderr") capture(text);
+  if (engine.options_.on_output) engine.options_.on_output(name, text);
+}
+
+int RuleEngine::Impl::read_terminal() {
+  if (!unread.empty()) {
+    const int character = unread.back();
+    unread.pop_back();
+    return character;
+  }
+  const auto read = [] { return Value::integer(std::getchar()); };
+  LookOutside* outside = engine.options_.outside;
+  return static_cast<int>((outside != nullptr ? outside->look("terminal", read) : read()).as_integer());
+}
+
+void RuleEngine::reset() {
+  HostCall call(*impl_, {ErrorSide::kCallback, "reset", {}, 0, nullptr});
+  Reset(environment_);
+}
+
+void RuleEngine::refresh_all_agendas() {
+  HostCall call(*impl_, {ErrorSide::kCallback, "refresh-agenda", {}, 0, nullptr});
+  RefreshAllAgendas(environment_);
+}
+
+bool RuleEngine::Impl::anything_left() const {
+  for (const FocalModule* focus = EngineData(env)->CurrentFocus; focus != nullptr; focus = focus->next) {
+    if (focus->theDefruleModule->agenda != nullptr) return true;
+  }
+  return false;
+}
+
+RunReport RuleEngine::run(std::int64_t limit) {
+  RunReport report;
+  {
+    HostCall call(*impl_, {ErrorSide::kCallback, "run", {}, 0, nullptr});
+    impl_->limit = limit;
+    impl_->fired = 0;
+    impl_->limit_reached = false;
+    impl_->fired_rules.clear();
+    impl_->changed_templates.clear();
+    // The limit of Run itself would print a message whenever half of it has fired.
+    report.fired = Run(environment_, -1);
+    impl_->limit = 0;
+  }
+  report.errors = take_errors();
+  report.loop = impl_->limit_reached;
+  if (report.loop) report.loop_report = impl_->loop_report();
+  return report;
+}
+
+LoopReport RuleEngine::Impl::loop_report() const {
+  const auto most_frequent = [](const std::map<std::string, std::int64_t>& counts) {
+    std::vector<LoopReport::Count> sorted;
+    for (const auto& [name, count] : counts) sorted.push_back({name, count});
+    std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.count > b.count; });
+    if (sorted.size() > 5) sorted.resize(5);
+    return sorted;
+  };
+  return {most_frequent(fired_rules), most_frequent(changed_templates), fired};
+}
+
+std::string LoopReport::text() const {
+  const auto list = [](const std::vector<Count>& counts) {
+    std::string text;
+    for (const Count& c : counts) text += (text.empty() ? "" : ", ") + c.name + " (" + std::to_string(c.count) + " x)";
+    return text.empty() ? std::string("none") : text;
+  };
+  return "rules still fire after " + std::to_string(fired) + " firings; most frequent at the end: " + list(rules) +
+         "; facts that keep changing: " + list(templates);
+}
+
+Expected<Value> RuleEngine::eval(const std::string& expression) {
+  std::optional<Value> value;
+  const std::size_t errors_before = (impl_->flush_errors(), errors_.size());
+  {
+    HostCall call(*impl_, {ErrorSide::kCallback, {}, {}, 0, nullptr});
+    CLIPSValue result;
+    if (Eval(environment_, expression.c_str(), &result) == EE_NO_ERROR) value = to_value(result);
+  }
+  if (value) return *value;
+  if (errors_.size() > errors_before) return errors_.back().error();
+  return Error{ErrorKind::kRun, "error while evaluating " + expression, {}, 0, {}};
+}
+
+Expected<Value> RuleEngine::call(const std::string& function, std::span<const Value> args) {
+  std::optional<Value> value;
+  FunctionCallBuilderError error = FCBE_NO_ERROR;
+  const std::size_t errors_before = (impl_->flush_errors(), errors_.size());
+  {
+    HostCall call(*impl_, {ErrorSide::kCallback, function, {}, 0, nullptr});
+    FunctionCallBuilder* builder = CreateFunctionCallBuilder(environment_, args.size());
+    for (const Value& arg : args) {
+      CLIPSValue atom;
+      atom.value = to_clips(environment_, arg);
+      FCBAppend(builder, &atom);
+    }
+    CLIPSValue result;
+    error = FCBCall(builder, function.c_str(), &result);
+    if (error == FCBE_NO_ERROR) value = to_value(result);
+    FCBDispose(builder);
+  }
+  if (value) return *value;
+  if (errors_.size() > errors_before) return errors_.back().error();
+  const char* what = error == FCBE_FUNCTION_NOT_FOUND_ERROR   ? "there is no function '"
+                     : error == FCBE_INVALID_FUNCTION_ERROR   ? "from C++ one cannot call '"
+                     : error == FCBE_ARGUMENT_COUNT_ERROR     ? "wrong number of arguments for '"
+                     : error == FCBE_ARGUMENT_TYPE_ERROR      ? "wrong type of an argument for '"
+                                                              : "error in '";
+  return Error{ErrorKind::kRun, what + function + "'", {}, 0, {}};
+}
+
+bool RuleEngine::exit_requested() const { return impl_->exit_requested; }
+
+bool RuleEngine::callable(const std::string& function) const {
+  return FindFunction(environment_, function.c_str()) != nullptr || has("deffunction", function) || has("defgeneric", function);
+}
+
+bool RuleEngine::watch(const std::string& item) { return SetWatchItem(environment_, item.c_str(), true, nullptr); }
+bool RuleEngine::unwatch(const std::string& item) { return SetWatchItem(environment_, item.c_str(), false, nullptr); }
+
+std::string RuleEngine::current_rule() const { return impl_->rule_acting ? impl_->rule_name : std::string(); }
+
+std::vector<Error> RuleEngine::take_notes() { return std::exchange(impl_->notes, {}); }
+
+// --- Looking in ----------------------------------------------------------------------------------------------------
+
+std::vector<ActivationInfo> RuleEngine::agenda() const {
+  std::vector<ActivationInfo> list;
+  Defmodule* current = GetCurrentModule(environment_);
+  for (Defmodule* module = GetNextDefmodule(environment_, nullptr); module != nullptr;
+       module = GetNextDefmodule(environment_, module)) {
+    SetCurrentModule(environment_, module);
+    for (Activation* activation = GetNextActivation(environment_, nullptr); activation != nullptr;
+         activation = GetNextActivation(environment_, activation)) {
+      ActivationInfo info;
+      info.module = module->header.name->contents;
+      info.rule = activation->theRule->header.name->contents;
+      info.salience = activation->salience;
+      for (unsigned short i = 0; i < activation->basis->bcount; ++i) {
+        const AlphaMatch* match = activation->basis->binds[i].gm.theMatch;
+        const PatternEntity* item = match == nullptr ? nullptr : match->matchingItem;
+        const bool fact = item != nullptr && item->header.type == FACT_ADDRESS_TYPE;
+        info.facts.push_back(fact ? reinterpret_cast<const Fact*>(item)->factIndex : -1);
+      }
+      list.push_back(std::move(info));
+    }
+  }
+  SetCurrentModule(environment_, current);
+  return list;
+}
+
+Expected<std::vector<RuleMatches>> RuleEngine::matches(const std::string& rule) const {
+  Defrule* first = FindDefrule(environment_, rule.c_str());
+  if (first == nullptr) return input_error("there is no rule '" + rule + "'");
+  std::vector<RuleMatches> disjuncts;
+  for (Defrule* disjunct = first; disjunct != nullptr; disjunct = disjunct->disjunct) {
+    RuleMatches matches;
+    std::vector<joinInformation> alpha(AlphaJoinCount(environment_, disjunct));
+    AlphaJoins(environment_, disjunct, static_cast<unsigned short>(alpha.size()), alpha.data());
+    std::vector<joinInformation> beta(BetaJoinCount(environment_, disjunct));
+    BetaJoins(environment_, disjunct, static_cast<unsigned short>(beta.size()), beta.data());
+    for (std::size_t i = 0; i < alpha.size(); ++i) {
+      const joinNode& join = *alpha[i].theJoin;
+      RuleMatches::Pattern pattern;
+      pattern.condition = static_cast<int>(i) + 1;
+      pattern.negated = join.patternIsNegated;
+      if (join.rightSideEntryStructure == nullptr) {
+        pattern.matches = join.rightMemory->beta[0]->children != nullptr ? 1 : 0;
+      } else {
+        const auto* header = static_cast<const patternNodeHeader*>(join.rightSideEntryStructure);
+        for (const alphaMemoryHash* hash = header->firstHash; hash != nullptr; hash = hash->nextHash) {
+          for (const PartialMatch* match = hash->alphaMemory; match != nullptr; match = match->nextInMemory) ++pattern.matches;
+        }
+      }
+      pattern.partial = pattern.matches;
+      for (const joinInformation& info : beta) {
+        if (info.theJoin == &join && info.theMemory != nullptr) pattern.partial = static_cast<std::int64_t>(info.theMemory->count);
+      }
+      matches.patterns.push_back(pattern);
+    }
+    for (const ActivationInfo& activation : agenda()) {
+      if (activation.rule == first->header.name->contents) ++matches.activations;
+    }
+    disjuncts.push_back(std::move(matches));
+  }
+  return disjuncts;
+}
+
+}  // namespace cxlab

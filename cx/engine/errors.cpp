@@ -1,0 +1,267 @@
+// From what CLIPS says on stderr to errors with rule, file and line.
+
+#include <cctype>
+
+#include "internal/impl.h"
+
+namespace cxlab {
+namespace {
+
+using namespace clips;
+
+/// "DRIVE1" of "[DRIVE1] This error ...", or empty.
+std::string_view code_of(std::string_view line) {
+  if (line.size() < 4 || line[0] != '[') return {};
+  const std::size_t close = line.find(']');
+  if (close == std::string_view::npos || close < 3) return {};
+  const std::string_view code = line.substr(1, close - 1);
+  if (!std::isupper(static_cast<unsigned char>(code.front())) || !std::isdigit(static_cast<unsigned char>(code.back()))) return {};
+  for (const char c : code) {
+    if (!std::isupper(static_cast<unsigned char>(c)) && !std::isdigit(static_cast<unsigned char>(c))) return {};
+  }
+  return code;
+}
+
+bool is_network_message(std::string_view code) { return code == "DRIVE1" || code == "FACTMCH1" || code == "OBJRTMCH1"; }
+
+struct Message {
+  std::string code;
+  std::string head;  ///< its first line
+  std::string text;
+  int line = 0;      ///< being parsed when it began
+  bool acting = false;
+};
+
+/// The rules named by "Of pattern #2 in rule go".
+std::vector<std::string> rules_named(const std::string& text) {
+  static constexpr std::string_view kBefore = " in rule ";
+  std::vector<std::string> names;
+  for (std::size_t at = text.find(kBefore); at != std::string::npos; at = text.find(kBefore, at)) {
+    at += kBefore.size();
+    names.push_back(text.substr(at, text.find_first_of(" \n", at) - at));
+  }
+  return names;
+}
+
+/// What a message puts in single quotes.
+std::vector<std::string> quoted(const std::string& message) {
+  std::vector<std::string> names;
+  for (std::size_t at = message.find('\''); at != std::string::npos; at = message.find('\'', at + 1)) {
+    const std::size_t end = message.find('\'', at + 1);
+    if (end == std::string::npos) break;
+    names.push_back(message.substr(at + 1, end - at - 1));
+    at = end;
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string_view to_string(ErrorSide side) {
+  switch (side) {
+    case ErrorSide::kLoad: return "load";
+    case ErrorSide::kLhs: return "LHS";
+    case ErrorSide::kRhs: return "RHS";
+    case ErrorSide::kCallback: return "callback";
+  }
+  return {};
+}
+
+Error RuleError::error() const {
+  std::string what;
+  if (side != ErrorSide::kLoad) {
+    what = (side == ErrorSide::kCallback ? "" : "rule ") + rule + (rule.empty() ? "" : ", ") + std::string(to_string(side)) + ": ";
+  }
+  return Error{side == ErrorSide::kLoad ? ErrorKind::kInput : ErrorKind::kRun, what + message, file, line,
+               side == ErrorSide::kLoad ? "" : "rule_error"};
+}
+
+std::string RuleError::text() const { return error().text(); }
+
+void RuleEngine::Impl::capture(const char* text) {
+  // CLIPS opens each of its messages with a "[" of its own; what rules print comes in larger pieces.
+  if (text[0] == '[' && text[1] == '\0') {
+    const bool parsing = !contexts.empty() && contexts.back().form != nullptr && !rule_acting &&
+                         !CommandLineData(env)->EvaluatingTopLevelCommand;
+    starts.push_back({captured.size(), parsing ? static_cast<int>(GetLineCount(env)) : 0, rule_acting});
+  } else if (starts.empty()) {
+    return;
+  }
+  captured += text;
+}
+
+void RuleEngine::Impl::flush_errors() {
+  if (starts.empty()) return;
+  std::vector<Message> messages;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const std::size_t end = i + 1 < starts.size() ? starts[i + 1].at : captured.size();
+    Message message;
+    message.text = captured.substr(starts[i].at, end - starts[i].at);
+    message.head = message.text.substr(0, message.text.find('\n'));
+    message.line = starts[i].line;
+    message.acting = starts[i].acting;
+    message.code = code_of(message.head);
+    if (!message.code.empty()) {
+      messages.push_back(std::move(message));
+    } else if (!messages.empty()) {
+      messages.back().text += message.text;
+    }
+  }
+  captured.clear();
+  starts.clear();
+
+  const Context* context = contexts.empty() ? nullptr : &contexts.back();
+  std::vector<RuleError> found;
+  for (const Message& message : messages) {
+    const bool halted = message.code == "PRCCODE4";
+    const bool in_rule = rule_open && contexts.size() == rule_depth && (message.acting || halted);
+    if (is_network_message(message.code)) {
+      // It explains the message before it: a test of these rules failed, whoever changed the facts.
+      RuleError failed;
+      if (!found.empty() && found.back().side != ErrorSide::kLhs) {
+        failed = std::move(found.back());
+        found.pop_back();
+      } else {
+        failed.message = found.empty() ? message.head : found.back().message;
+      }
+      failed.detail += message.text;
+      failed.side = ErrorSide::kLhs;
+      std::vector<std::string> rules = rules_named(message.text);
+      if (rules.empty()) rules.emplace_back();
+      for (const std::string& rule : rules) {
+        failed.rule = rule;
+        failed.file.clear();
+        failed.line = 0;
+        if (const ConstructInfo* info = engine.find_construct("defrule", rule)) {
+          failed.file = info->file;
+          failed.line = line_of_error(*info, ErrorSide::kLhs, failed.message);
+        }
+        found.push_back(failed);
+      }
+      continue;
+    }
+    const bool same_form = !in_rule && context != nullptr && context->form != nullptr && !found.empty() &&
+                           found.back().side == ErrorSide::kLoad;
+    if ((halted || same_form) && !found.empty()) {
+      found.back().detail += message.text;
+      continue;
+    }
+    RuleError error;
+    error.message = message.head;
+    error.detail = message.text;
+    if (in_rule) {
+      error.side = ErrorSide::kRhs;
+      error.rule = rule_name;
+      if (const ConstructInfo* info = engine.find_construct("defrule", rule_name)) {
+        error.file = info->file;
+        error.line = line_of_error(*info, ErrorSide::kRhs, message.head);
+      }
+    } else if (context != nullptr) {
+      error.side = context->side;
+      error.rule = context->name;
+      error.file = context->file;
+      error.line = context->line;
+      if (context->form != nullptr && message.line >= context->line) error.line = message.line;
+      if (context->side == ErrorSide::kCallback && error.file.empty()) {
+        const ConstructInfo* info = engine.find_construct("deffunction", error.rule);
+        if (info == nullptr) info = engine.find_construct("defmethod", error.rule);
+        if (info != nullptr) {
+          error.file = info->file;
+          error.line = line_of_error(*info, ErrorSide::kCallback, message.head);
+        }
+      }
+    } else {
+      error.side = ErrorSide::kCallback;
+    }
+    found.push_back(std::move(error));
+  }
+  for (RuleError& error : found) add_error(std::move(error));
+}
+
+void RuleEngine::Impl::add_error(RuleError error) {
+  error.t = engine.now();
+  std::string key = error.rule + '\n' + error.file + '\n' + std::to_string(error.line) + '\n' +
+                    std::string(to_string(error.side)) + '\n' + error.message;
+  if (!known_errors.insert(key).second) {
+    for (RuleError& known : engine.errors_) {
+      if (known.rule == error.rule && known.file == error.file && known.line == error.line && known.side == error.side &&
+          known.message == error.message) {
+        ++known.count;
+      }
+    }
+    return;
+  }
+  if (engine.options_.journal != nullptr) {
+    const std::string file = engine.options_.files != nullptr && !error.file.empty()
+                                 ? engine.options_.files->journal_name(error.file) : error.file;
+    data.begin().field("rule", error.rule).field("file", file).field("line", error.line)
+        .field("side", to_string(error.side)).field("message", error.message);
+    write(RecordKind::kError);
+  }
+  engine.errors_.push_back(std::move(error));
+}
+
+int RuleEngine::Impl::line_of_error(const ConstructInfo& info, ErrorSide side, const std::string& message) const {
+  if (info.line == 0) return 0;
+  Form form;
+  form.text = info.text;
+  form.line = info.line;
+  const std::vector<Token> tokens = tokens_of(form);
+  std::size_t begin = 0;
+  std::size_t end = tokens.size();
+  if (side == ErrorSide::kLhs || side == ErrorSide::kRhs) {
+    for (std::size_t i = 0; i < tokens.size(); ++i) {
+      if (tokens[i].text != "=>" || tokens[i].kind != Token::Kind::kWord) continue;
+      (side == ErrorSide::kLhs ? end : begin) = i;
+      break;
+    }
+  }
+  for (const std::string& name : quoted(message)) {
+    int line = 0;
+    int places = 0;
+    for (std::size_t i = begin + 1; i < end; ++i) {
+      if (tokens[i].text != name || tokens[i - 1].kind != Token::Kind::kOpen) continue;
+      if (tokens[i].line != line) ++places;
+      line = tokens[i].line;
+    }
+    if (places == 1) return line;
+  }
+  return info.line;
+}
+
+void RuleEngine::Impl::close_rule() {
+  if (!rule_open) return;
+  flush_errors();
+  rule_open = false;
+  rule_acting = false;
+}
+
+std::vector<RuleError> RuleEngine::take_errors() {
+  impl_->flush_errors();
+  impl_->known_errors.clear();
+  return std::exchange(errors_, {});
+}
+
+HostCall::HostCall(RuleEngine::Impl& impl, RuleEngine::Impl::Context context) : impl_(impl) {
+  Environment* env = impl.env;
+  embedded_ = EvaluationData(env)->CurrentExpression == nullptr;
+  impl.flush_errors();
+  depth_ = impl.contexts.size();
+  if (embedded_ || context.side == ErrorSide::kLoad) impl.contexts.push_back(std::move(context));
+  if (embedded_) ResetErrorFlags(env);
+  GCBlockStart(env, &block_);
+}
+
+HostCall::~HostCall() {
+  Environment* env = impl_.env;
+  if (impl_.rule_open && impl_.rule_depth > depth_) impl_.close_rule();
+  impl_.flush_errors();
+  impl_.contexts.resize(depth_);
+  GCBlockEnd(env, &block_);
+  if (embedded_) {
+    CleanCurrentGarbageFrame(env, nullptr);
+    CallPeriodicTasks(env);
+  }
+}
+
+}  // namespace cxlab

@@ -1,0 +1,177 @@
+#pragma once
+// What the sources of the engine share.
+
+#include <map>
+#include <optional>
+#include <set>
+
+#include "cx/engine/engine.h"
+#include "cx/engine/form_reader.h"
+#include "clips_api.h"
+#include "fact_table.h"
+
+namespace cxlab {
+
+/// A function added from C++. Its address is the context of its definitions in CLIPS, so it stays when removed.
+struct FunctionRecord {
+  RuleEngine* engine = nullptr;
+  FunctionSpec spec;
+  Function function;  ///< empty once removed
+  std::vector<unsigned> arg_bits;
+  unsigned rest_bits = 0;
+  clips::FunctionDefinition* definition = nullptr;
+  /// Taken out of the table in which CLIPS looks up names, while removed.
+  clips::FunctionHash* hidden = nullptr;
+};
+
+/// A built-in function of CLIPS whose definition points to ours.
+struct Builtin {
+  RuleEngine::Impl* impl = nullptr;
+  clips::UserDefinedFunction* original = nullptr;
+};
+
+struct RuleEngine::Impl {
+  explicit Impl(RuleEngine& owner) : engine(owner) {}
+
+  RuleEngine& engine;
+  clips::Environment* env = nullptr;
+
+  // --- Errors (errors.cpp) ---------------------------------------------------------------------------------------
+
+  /// What is being done on behalf of whom; the innermost is last.
+  struct Context {
+    ErrorSide side = ErrorSide::kLoad;
+    std::string name;            ///< of a construct or a called function
+    std::string file;
+    int line = 0;
+    const Form* form = nullptr;  ///< being loaded
+  };
+  std::vector<Context> contexts;
+  /// A rule fires, or has fired and CLIPS may still have a word on it; its context is above `rule_depth` contexts.
+  bool rule_open = false;
+  bool rule_acting = false;
+  std::size_t rule_depth = 0;
+  std::string rule_name;
+
+  /// What CLIPS has said on stderr from the first "[CODE]" on, and where its messages begin with the line being parsed.
+  std::string captured;
+  struct MessageStart {
+    std::size_t at = 0;
+    int line = 0;
+    bool acting = false;  ///< said while the actions of a rule ran
+  };
+  std::vector<MessageStart> starts;
+  std::set<std::string> known_errors;  ///< keys of engine.errors_
+
+  void capture(const char* text);
+  /// Turns what was captured into errors of the innermost context.
+  void flush_errors();
+  void add_error(RuleError error);
+  /// The line of the only call that the message names in that side of the construct, else where the construct begins.
+  int line_of_error(const ConstructInfo& info, ErrorSide side, const std::string& message) const;
+  void close_rule();
+
+  // --- Loading (loading.cpp) -------------------------------------------------------------------------------------
+
+  std::map<std::pair<std::string, std::string>, std::size_t> construct_index;  ///< (kind, name) -> place in `constructs`
+  std::vector<std::optional<ConstructInfo>> constructs;
+  struct CallPlace {
+    std::string function;
+    int line = 0;
+  };
+  std::map<std::string, std::set<std::string>> calls_of;       ///< deffunctions and generics
+  std::map<std::string, std::vector<CallPlace>> lhs_calls_of;  ///< rules
+  std::set<std::string> reported_lhs;
+  std::vector<Error> notes;
+
+  OnLoadError on_load_error = OnLoadError::kKeepGoing;  ///< of the load under way, which files loaded by it follow
+
+  bool load_form(const Form& form, const std::string& file, LoadMode mode);
+  void remember(const Form& form, const std::string& file);
+  std::vector<RuleError> acting_on_lhs(const std::string& rule);
+  bool is_acting(const std::string& function, std::set<std::string>& seen) const;
+
+  // --- Facts and journal (facts.cpp, journal.cpp) ----------------------------------------------------------------
+
+  FactTable known_facts;
+  std::uint64_t last_fact_number = 0;
+  RecordData data;
+  std::string text_buffer;
+  std::vector<RecordRef> host_causes;
+  std::vector<RecordRef> fire_causes;
+  RecordRef fire_record;
+  bool fire_recorded = false;
+  const clips::Fact* modified = nullptr;  ///< between the two halves of a modify
+  bool modified_again = false;
+  std::vector<const void*> old_slots;
+
+  clips::Deftemplate* find_template(const std::string& name) const;
+  clips::Fact* find_fact(std::int64_t index) const;
+  std::optional<Error> put_slot(clips::Deftemplate& deftemplate, const Slot& slot, clips::CLIPSValue* slots);
+  Expected<std::int64_t> assert_made(clips::Fact* fact);
+  clips::Multifield* make_multifield(const std::vector<Value>& items);
+  FactCopy copy_fact(clips::Fact& fact);
+  void put_value(const clips::CLIPSValue& value);
+  void put_slots(const clips::Fact& fact, bool changed_only);
+  void write(RecordKind kind);
+
+  static void on_assert(clips::Environment*, void* fact, void* self) noexcept;
+  static void on_retract(clips::Environment*, void* fact, void* self) noexcept;
+  static void on_modify(clips::Environment*, clips::Fact* before, clips::Fact* after, void* self) noexcept;
+  static void on_fire(clips::Environment*, clips::Activation* activation, void* self) noexcept;
+  static void on_fired(clips::Environment*, clips::Activation* activation, void* self) noexcept;
+  static void on_clear(clips::Environment*, void* self) noexcept;
+
+  // --- Running (engine.cpp) --------------------------------------------------------------------------------------
+
+  std::int64_t limit = 0;
+  std::int64_t fired = 0;
+  bool limit_reached = false;
+  std::map<std::string, std::int64_t> fired_rules;        ///< counted shortly before the limit
+  std::map<std::string, std::int64_t> changed_templates;
+  bool counting() const { return limit > 0 && fired + 5000 >= limit; }
+  bool exit_requested = false;
+  bool anything_left() const;
+  LoopReport loop_report() const;
+
+  // --- Functions (functions.cpp, builtins.cpp) -------------------------------------------------------------------
+
+  std::map<std::string, std::unique_ptr<FunctionRecord>> functions;
+  std::vector<std::unique_ptr<FunctionRecord>> replaced_functions;  ///< removed, and added again with other types
+  std::map<std::string, Builtin> builtins;
+
+  std::vector<int> unread;  ///< characters of the terminal that CLIPS gave back
+  void print(const char* logical_name, const char* text);
+  int read_terminal();
+  /// The answer of a function that differs from machine to machine, through the input log; the journal marks the call.
+  Value look_outside(const char* function, const std::function<Value()>& look);
+
+  void install_router();
+  void install_hooks();
+  void install_builtins();
+  void hide(FunctionRecord& record);
+  void show(FunctionRecord& record);
+};
+
+/// A call from C++ into CLIPS: errors of before are cleared, garbage is collected at the end, and what CLIPS says
+/// belongs to this context.
+class HostCall {
+ public:
+  HostCall(RuleEngine::Impl& impl, RuleEngine::Impl::Context context);
+  ~HostCall();
+  HostCall(const HostCall&) = delete;
+  HostCall& operator=(const HostCall&) = delete;
+
+ private:
+  RuleEngine::Impl& impl_;
+  std::size_t depth_;
+  bool embedded_;
+  clips::GCBlock block_;
+};
+
+Value to_value(const clips::CLIPSValue& value);
+/// An atom, or a multifield of the garbage frame.
+void* to_clips(clips::Environment* env, const Value& value);
+std::string qualified_name(const clips::ConstructHeader& header);
+
+}  // namespace cxlab

@@ -1,0 +1,184 @@
+// Hooks of CLIPS on facts and firings: the journal, and the counts for the report on a loop.
+
+#include "internal/impl.h"
+
+namespace cxlab {
+
+using namespace clips;
+
+void RuleEngine::set_cause(std::span<const RecordRef> causes) { impl_->host_causes.assign(causes.begin(), causes.end()); }
+
+std::span<const RecordRef> RuleEngine::cause() const {
+  if (impl_->rule_acting && impl_->fire_recorded) return {&impl_->fire_record, 1};
+  return impl_->host_causes;
+}
+
+void RuleEngine::Impl::write(RecordKind kind) {
+  engine.options_.journal->write(engine.stream_, engine.now(), kind, data, engine.cause());
+}
+
+// Symbols are written as they are, strings in their quotes, handles and facts as maps of one.
+void RuleEngine::Impl::put_value(const CLIPSValue& value) {
+  switch (value.header->type) {
+    case INTEGER_TYPE: data.value(static_cast<std::int64_t>(value.integerValue->contents)); break;
+    case FLOAT_TYPE: data.value(value.floatValue->contents); break;
+    case SYMBOL_TYPE: data.value(std::string_view(value.lexemeValue->contents)); break;
+    case STRING_TYPE:
+      text_buffer.assign(1, '"').append(value.lexemeValue->contents).append(1, '"');
+      data.value(std::string_view(text_buffer));
+      break;
+    case INSTANCE_NAME_TYPE:
+      text_buffer.assign(1, '[').append(value.lexemeValue->contents).append(1, ']');
+      data.value(std::string_view(text_buffer));
+      break;
+    case EXTERNAL_ADDRESS_TYPE:
+      data.open_map(1).text_key("handle").value(
+          static_cast<std::int64_t>(reinterpret_cast<std::uintptr_t>(value.externalAddressValue->contents)));
+      break;
+    case FACT_ADDRESS_TYPE: {
+      const FactTable::Entry* entry = known_facts.find(value.factValue);
+      data.open_map(1).text_key("fact").value(static_cast<std::int64_t>(entry == nullptr ? 0 : entry->number));
+      break;
+    }
+    case MULTIFIELD_TYPE: {
+      const Multifield& list = *value.multifieldValue;
+      data.open_list(list.length);
+      for (std::size_t i = 0; i < list.length; ++i) put_value(list.contents[i]);
+      break;
+    }
+    default: data.nil();
+  }
+}
+
+void RuleEngine::Impl::put_slots(const Fact& fact, bool changed_only) {
+  const Deftemplate& deftemplate = *fact.whichDeftemplate;
+  const CLIPSValue* values = fact.theProposition.contents;
+  data.name("slots");
+  if (deftemplate.implied) {
+    data.open_map(1).text_key("implied");
+    put_value(values[0]);
+    return;
+  }
+  const auto skipped = [&](std::size_t i) { return changed_only && old_slots[i] == values[i].value; };
+  std::size_t size = deftemplate.numberOfSlots;
+  for (std::size_t i = 0; changed_only && i < deftemplate.numberOfSlots; ++i) size -= skipped(i);
+  data.open_map(size);
+  std::size_t i = 0;
+  for (const templateSlot* slot = deftemplate.slotList; slot != nullptr; slot = slot->next, ++i) {
+    if (skipped(i)) continue;
+    data.text_key(slot->slotName->contents);
+    put_value(values[i]);
+  }
+}
+
+void RuleEngine::Impl::on_assert(Environment*, void* asserted, void* self) noexcept {
+  Impl& impl = *static_cast<Impl*>(self);
+  const Fact& fact = *static_cast<Fact*>(asserted);
+  const bool again = &fact == impl.modified;
+  FactTable::Entry& entry = again ? *impl.known_facts.find(&fact) : impl.known_facts.insert(&fact);
+  if (again) {
+    impl.modified_again = true;
+  } else {
+    entry.number = ++impl.last_fact_number;
+  }
+  if (impl.counting()) ++impl.changed_templates[fact.whichDeftemplate->header.name->contents];
+  RecordSink* journal = impl.engine.options_.journal;
+  if (journal == nullptr) return;
+  impl.data.begin().field("fact", entry.number).field("template", fact.whichDeftemplate->header.name->contents);
+  impl.put_slots(fact, again);
+  entry.record = journal->write(impl.engine.stream_, impl.engine.now(), again ? RecordKind::kModify : RecordKind::kAssert,
+                                impl.data, impl.engine.cause()).n;
+}
+
+void RuleEngine::Impl::on_retract(Environment*, void* retracted, void* self) noexcept {
+  Impl& impl = *static_cast<Impl*>(self);
+  const Fact& fact = *static_cast<Fact*>(retracted);
+  if (&fact == impl.modified) return;
+  const FactTable::Entry* entry = impl.known_facts.find(&fact);
+  if (entry == nullptr) return;
+  if (impl.engine.options_.journal != nullptr) {
+    impl.data.begin().field("fact", entry->number).field("template", fact.whichDeftemplate->header.name->contents);
+    impl.write(RecordKind::kRetract);
+  }
+  if (impl.counting()) ++impl.changed_templates[fact.whichDeftemplate->header.name->contents];
+  impl.known_facts.erase(&fact);
+}
+
+void RuleEngine::Impl::on_modify(Environment*, Fact* before, Fact*, void* self) noexcept {
+  Impl& impl = *static_cast<Impl*>(self);
+  if (before != nullptr) {
+    impl.modified = before;
+    impl.modified_again = false;
+    impl.old_slots.clear();
+    for (std::size_t i = 0; i < before->theProposition.length; ++i) {
+      impl.old_slots.push_back(before->theProposition.contents[i].value);
+    }
+    return;
+  }
+  const Fact* fact = std::exchange(impl.modified, nullptr);
+  // The changed fact equals another one and has gone.
+  if (fact != nullptr && !impl.modified_again) on_retract(impl.env, const_cast<Fact*>(fact), self);
+}
+
+void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self) noexcept {
+  Impl& impl = *static_cast<Impl*>(self);
+  if (impl.rule_open) impl.flush_errors();
+  const Defrule& rule = *activation->theRule;
+  impl.rule_name = rule.header.name->contents;
+  impl.rule_open = true;
+  impl.rule_acting = true;
+  impl.rule_depth = impl.contexts.size();
+  if (impl.counting()) ++impl.fired_rules[impl.rule_name];
+  impl.fire_recorded = false;
+  RecordSink* journal = impl.engine.options_.journal;
+  if (journal == nullptr) return;
+
+  const partialMatch& basis = *activation->basis;
+  impl.fire_causes.clear();
+  impl.data.begin().field("rule", impl.rule_name);
+  impl.data.name("facts").open_list(basis.bcount);
+  for (unsigned short i = 0; i < basis.bcount; ++i) {
+    const AlphaMatch* match = basis.binds[i].gm.theMatch;
+    const FactTable::Entry* entry = match == nullptr ? nullptr : impl.known_facts.find(match->matchingItem);
+    if (entry == nullptr) {
+      impl.data.nil();
+      continue;
+    }
+    impl.data.value(static_cast<std::int64_t>(entry->number));
+    impl.fire_causes.push_back({impl.engine.stream_, entry->record});
+  }
+  impl.fire_record = journal->write(impl.engine.stream_, impl.engine.now(), RecordKind::kFire, impl.data, impl.fire_causes);
+  impl.fire_recorded = true;
+}
+
+void RuleEngine::Impl::on_fired(Environment*, Activation* activation, void* self) noexcept {
+  Impl& impl = *static_cast<Impl*>(self);
+  if (activation == nullptr) return;
+  impl.rule_acting = false;
+  ++impl.fired;
+  if (impl.limit > 0 && impl.fired >= impl.limit && impl.anything_left()) {
+    impl.limit_reached = true;
+    SetHaltRules(impl.env, true);
+  }
+}
+
+void RuleEngine::Impl::on_clear(Environment*, void* self) noexcept {
+  Impl& impl = *static_cast<Impl*>(self);
+  impl.known_facts.clear();
+  impl.constructs.clear();
+  impl.construct_index.clear();
+  impl.calls_of.clear();
+  impl.lhs_calls_of.clear();
+  impl.reported_lhs.clear();
+}
+
+void RuleEngine::Impl::install_hooks() {
+  AddAssertFunction(env, "cxlab", on_assert, 0, this);
+  AddRetractFunction(env, "cxlab", on_retract, 0, this);
+  AddModifyFunction(env, "cxlab", on_modify, 0, this);
+  AddBeforeRuleFiresFunction(env, "cxlab", on_fire, 0, this);
+  AddAfterRuleFiresFunction(env, "cxlab", on_fired, 0, this);
+  AddClearFunction(env, "cxlab", on_clear, 0, this);
+}
+
+}  // namespace cxlab

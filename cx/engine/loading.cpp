@@ -1,0 +1,300 @@
+// Files of rules, form by form.
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "internal/impl.h"
+
+namespace cxlab {
+
+using namespace clips;
+
+namespace {
+
+/// Functions of CLIPS that a test on a left-hand side must not call; ours say so themselves.
+constexpr std::string_view kActingBuiltins[] = {
+    "assert", "assert-string", "retract", "modify", "duplicate", "reset", "clear", "run", "load", "load*", "batch", "batch*",
+    "load-facts", "bload-facts", "bload", "undefrule", "build", "make-instance", "unmake-instance", "modify-instance", "bind"};
+
+bool is_construct(Environment* env, const std::string& head) { return FindConstruct(env, head.c_str()) != nullptr; }
+
+/// Calls in a form: `called(name, line)` for the head of every list that is an expression. On a left-hand side those are
+/// the lists inside `(test ...)`, after `=` and `:` of a constraint, and of a salience; elsewhere all lists.
+template <class Called>
+void for_each_call(const std::vector<Token>& tokens, std::size_t begin, std::size_t end, bool all, Called called) {
+  std::vector<bool> expression{all};
+  for (std::size_t i = begin; i < end; ++i) {
+    if (tokens[i].kind == Token::Kind::kClose) {
+      if (expression.size() > 1) expression.pop_back();
+      continue;
+    }
+    if (tokens[i].kind != Token::Kind::kOpen) continue;
+    const bool word_before = i > begin && tokens[i - 1].kind == Token::Kind::kWord;
+    const std::string_view before = word_before ? tokens[i - 1].text : std::string_view{};
+    const bool here = expression.back() || before == "=" || before == ":";
+    const bool has_head = i + 1 < end && tokens[i + 1].kind == Token::Kind::kWord;
+    const std::string_view head = has_head ? tokens[i + 1].text : std::string_view{};
+    if (here && has_head) called(std::string(head), tokens[i + 1].line);
+    expression.push_back(here || head == "test" || head == "salience");
+  }
+}
+
+std::size_t find_arrow(const std::vector<Token>& tokens) {
+  std::size_t i = 0;
+  while (i < tokens.size() && !(tokens[i].kind == Token::Kind::kWord && tokens[i].text == "=>")) ++i;
+  return i;
+}
+
+std::string_view plain_name(std::string_view name) {
+  const std::size_t colons = name.find("::");
+  return colons == std::string_view::npos ? name : name.substr(colons + 2);
+}
+
+}  // namespace
+
+Status LoadReport::status() const {
+  if (errors.empty()) return {};
+  return errors.front().error();
+}
+
+void RuleEngine::Impl::remember(const Form& form, const std::string& file) {
+  if (!is_construct(env, form.head)) return;
+  const auto key = std::pair(form.head, form.name);
+  const auto [place, fresh] = construct_index.try_emplace(key, constructs.size());
+  if (!fresh) {
+    constructs[place->second].reset();
+    place->second = constructs.size();
+  }
+  ConstructInfo info{form.head, GetCurrentModule(env)->header.name->contents, form.name, file, form.line, form.text};
+  constructs.push_back(std::move(info));
+
+  const std::vector<Token> tokens = tokens_of(form);
+  if (form.head == "defrule") {
+    std::vector<CallPlace>& calls = lhs_calls_of[form.name];
+    calls.clear();
+    for_each_call(tokens, 1, find_arrow(tokens), false,
+                  [&](std::string name, int line) { calls.push_back({std::move(name), line}); });
+  } else if (form.head == "deffunction" || form.head == "defmethod") {
+    std::set<std::string>& calls = calls_of[form.name];
+    if (form.head == "deffunction") calls.clear();
+    for_each_call(tokens, 1, tokens.size(), true, [&](std::string name, int) { calls.insert(std::move(name)); });
+  }
+}
+
+bool RuleEngine::Impl::is_acting(const std::string& function, std::set<std::string>& seen) const {
+  if (std::find(std::begin(kActingBuiltins), std::end(kActingBuiltins), function) != std::end(kActingBuiltins)) {
+    // A local variable may be bound anywhere.
+    return function != "bind";
+  }
+  if (const auto ours = functions.find(function); ours != functions.end() && ours->second->function) {
+    return ours->second->spec.kind == FunctionKind::kActing;
+  }
+  const auto calls = calls_of.find(function);
+  if (calls == calls_of.end() || !seen.insert(function).second) return false;
+  return std::any_of(calls->second.begin(), calls->second.end(), [&](const std::string& inner) { return is_acting(inner, seen); });
+}
+
+std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) {
+  std::vector<RuleError> errors;
+  const auto calls = lhs_calls_of.find(rule);
+  if (calls == lhs_calls_of.end()) return errors;
+  for (const CallPlace& call : calls->second) {
+    std::set<std::string> seen;
+    if (!is_acting(call.function, seen)) continue;
+    if (!reported_lhs.insert(rule + '\n' + call.function + '\n' + std::to_string(call.line)).second) continue;
+    const ConstructInfo* info = engine.find_construct("defrule", rule);
+    RuleError error;
+    error.side = ErrorSide::kLoad;
+    error.rule = rule;
+    error.file = info == nullptr ? std::string() : info->file;
+    error.line = call.line;
+    error.message = "rule '" + rule + "' calls '" + call.function + "' on its left-hand side" +
+                    (seen.empty() ? "" : ", which calls an acting function") + "; expected a function without effects";
+    error.detail = error.message;
+    error.t = engine.now();
+    errors.push_back(std::move(error));
+  }
+  return errors;
+}
+
+bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, LoadMode mode) {
+  HostCall call(*this, {ErrorSide::kLoad, form.name, file, form.line, &form});
+  if (mode == LoadMode::kConstructs && !(form.list && is_construct(env, form.head))) {
+    RuleError error;
+    error.file = file;
+    error.line = form.line;
+    error.message = "[CSTRCPSR1] Expected the beginning of a construct, found " +
+                    (form.list ? "(" + form.head + " ...)" : form.head);
+    error.detail = error.message;
+    add_error(std::move(error));
+    return false;
+  }
+  const long old_line = SetLineCount(env, form.line);
+  const char* old_router = RouterData(env)->LineCountRouter;
+  const bool old_evaluating = CommandLineData(env)->EvaluatingTopLevelCommand;
+  expr* old_command = CommandLineData(env)->CurrentCommand;
+  CommandLineData(env)->EvaluatingTopLevelCommand = false;
+  bool fine = true;
+  if (form.list && is_construct(env, form.head)) {
+    RouterData(env)->LineCountRouter = "build";
+    fine = Build(env, form.text.c_str()) == BE_NO_ERROR;
+    if (fine) remember(form, file);
+  } else {
+    RouterData(env)->LineCountRouter = "command";
+    fine = RouteCommand(env, form.text.c_str(), false) && !GetEvaluationError(env);
+  }
+  RouterData(env)->LineCountRouter = old_router;
+  SetLineCount(env, old_line);
+  CommandLineData(env)->EvaluatingTopLevelCommand = old_evaluating;
+  CommandLineData(env)->CurrentCommand = old_command;
+  if (!fine && starts.empty() && engine.errors_.empty()) {
+    RuleError error;
+    error.file = file;
+    error.line = form.line;
+    error.message = "CLIPS does not accept (" + form.head + " ...)";
+    error.detail = error.message;
+    add_error(std::move(error));
+  }
+  return fine;
+}
+
+LoadReport RuleEngine::load_text(std::string_view text, const std::string& file, LoadMode mode, OnLoadError on_error) {
+  LoadReport report;
+  impl_->flush_errors();
+  // What happened before this load stays for the next report.
+  std::vector<RuleError> earlier = std::exchange(errors_, {});
+  const auto collect = [&] {
+    impl_->flush_errors();
+    for (RuleError& error : errors_) report.errors.push_back(std::move(error));
+    errors_.clear();
+    impl_->known_errors.clear();
+    return on_error == OnLoadError::kStop && !report.errors.empty();
+  };
+
+  const OnLoadError outer = std::exchange(impl_->on_load_error, on_error);
+  FormReading reading = read_forms(text, file);
+  std::size_t next_error = 0;
+  const auto add_reading_errors = [&](int before_line) {
+    for (; next_error < reading.errors.size() && reading.errors[next_error].line < before_line; ++next_error) {
+      const Error& found = reading.errors[next_error];
+      RuleError error;
+      error.file = file;
+      error.line = found.line;
+      error.message = found.message;
+      error.detail = found.message;
+      impl_->add_error(std::move(error));
+    }
+  };
+
+  bool stopped = false;
+  for (const Form& form : reading.forms) {
+    add_reading_errors(form.line);
+    if ((stopped = collect())) break;
+    impl_->load_form(form, file, mode);
+    ++report.forms;
+    const bool rule = form.head == "defrule";
+    std::vector<RuleError> acting;
+    if (rule) acting = impl_->acting_on_lhs(form.name);
+    if (form.head == "deffunction" || form.head == "defmethod") {
+      for (const auto& [name, calls] : impl_->lhs_calls_of) {
+        for (RuleError& error : impl_->acting_on_lhs(name)) acting.push_back(std::move(error));
+      }
+    }
+    for (RuleError& error : acting) {
+      if (on_error == OnLoadError::kStop) {
+        impl_->add_error(std::move(error));
+      } else {
+        impl_->notes.push_back(error.error());
+      }
+    }
+    if ((stopped = collect())) break;
+    if (impl_->exit_requested) break;
+  }
+  if (!stopped) {
+    add_reading_errors(INT32_MAX);
+    collect();
+  }
+  impl_->on_load_error = outer;
+  errors_ = std::move(earlier);
+  return report;
+}
+
+LoadReport RuleEngine::load_file(const std::string& path, LoadMode mode, OnLoadError on_error) {
+  const auto refused = [&](const std::string& what) {
+    LoadReport report;
+    RuleError error;
+    error.file = path;
+    error.message = what;
+    error.detail = what;
+    report.errors.push_back(std::move(error));
+    return report;
+  };
+  std::string real_path = path;
+  if (options_.files != nullptr) {
+    Expected<std::string> allowed = options_.files->for_reading(path);
+    if (!allowed) return refused(allowed.error().message);
+    real_path = *allowed;
+  }
+  std::ifstream in(real_path, std::ios::binary);
+  std::ostringstream text;
+  if (!in || !(text << in.rdbuf()).good()) {
+    // An empty file sets the fail bit and is fine.
+    if (!in || in.peek() != std::ifstream::traits_type::eof()) return refused("cannot read the file");
+  }
+  return load_text(text.str(), path, mode, on_error);
+}
+
+Status RuleEngine::build(std::string_view construct, const std::string& file, int line) {
+  FormReading reading = read_forms(construct, file);
+  if (!reading.errors.empty()) return reading.errors.front();
+  if (reading.forms.size() != 1) return input_error("expected one construct, found " + std::to_string(reading.forms.size()), file, line);
+  Form& form = reading.forms.front();
+  if (line > 0) form.line += line - 1;
+  std::vector<RuleError> earlier = std::exchange(errors_, {});
+  const bool fine = impl_->load_form(form, file, LoadMode::kConstructs);
+  std::vector<RuleError> raised = std::exchange(errors_, std::move(earlier));
+  impl_->known_errors.clear();
+  if (!raised.empty()) return raised.front().error();
+  if (!fine) return input_error("CLIPS does not accept the construct", file, form.line);
+  return {};
+}
+
+Status RuleEngine::undefine(std::string_view kind, const std::string& name) {
+  Construct* construct = FindConstruct(environment_, std::string(kind).c_str());
+  if (construct == nullptr) return input_error("'" + std::string(kind) + "' is no kind of construct");
+  HostCall call(*impl_, {ErrorSide::kCallback, "undefine", {}, 0, nullptr});
+  ConstructHeader* found = construct->findFunction(environment_, name.c_str());
+  if (found == nullptr) return input_error("there is no " + std::string(kind) + " '" + name + "'");
+  const bool deletable = construct->isConstructDeletableFunction == nullptr || construct->isConstructDeletableFunction(found);
+  if (!deletable || construct->deleteFunction == nullptr || !construct->deleteFunction(found, environment_)) {
+    return Error{ErrorKind::kRun, std::string(kind) + " '" + name + "' is in use and stays", {}, 0, {}};
+  }
+  const auto key = std::pair(std::string(kind), std::string(plain_name(name)));
+  if (const auto place = impl_->construct_index.find(key); place != impl_->construct_index.end()) {
+    impl_->constructs[place->second].reset();
+    impl_->construct_index.erase(place);
+  }
+  if (kind == "defrule") impl_->lhs_calls_of.erase(std::string(plain_name(name)));
+  return {};
+}
+
+bool RuleEngine::has(std::string_view kind, const std::string& name) const {
+  Construct* construct = FindConstruct(environment_, std::string(kind).c_str());
+  return construct != nullptr && construct->findFunction(environment_, name.c_str()) != nullptr;
+}
+
+std::vector<ConstructInfo> RuleEngine::constructs() const {
+  std::vector<ConstructInfo> list;
+  for (const std::optional<ConstructInfo>& info : impl_->constructs) {
+    if (info) list.push_back(*info);
+  }
+  return list;
+}
+
+const ConstructInfo* RuleEngine::find_construct(std::string_view kind, std::string_view name) const {
+  const auto place = impl_->construct_index.find(std::pair(std::string(kind), std::string(plain_name(name))));
+  return place == impl_->construct_index.end() ? nullptr : &*impl_->constructs[place->second];
+}
+
+}  // namespace cxlab
