@@ -81,8 +81,8 @@ std::string RuleError::text() const { return error().text(); }
 void RuleEngine::Impl::capture(const char* text) {
   // CLIPS opens each of its messages with a "[" of its own; what rules print comes in larger pieces.
   if (text[0] == '[' && text[1] == '\0') {
-    const bool parsing = !contexts.empty() && contexts.back().form != nullptr && !rule_acting &&
-                         !CommandLineData(env)->EvaluatingTopLevelCommand;
+    const bool parsing = !contexts.empty() && contexts.back().form != nullptr &&
+                         (!rule_acting || contexts.size() > rule_depth) && !CommandLineData(env)->EvaluatingTopLevelCommand;
     starts.push_back({captured.size(), parsing ? static_cast<int>(GetLineCount(env)) : 0, rule_acting});
   } else if (starts.empty()) {
     return;

@@ -22,15 +22,15 @@ enum class FunctionKind : std::uint8_t { kPure, kActing };
 /// What CLIPS has to know of a function. Type codes: `s` string, `y` symbol, `l` integer, `d` float, `b` boolean,
 /// `e` external address, `m` multifield, `f` fact address, `i` `n` instances, `v` void, `*` any.
 struct FunctionSpec {
-  std::string name;
+  std::string name = {};
   std::string returns = "*";
   std::uint16_t min_args = 0;
   std::uint16_t max_args = kAnyNumberOfArguments;
   /// Default type, then one entry an argument: ";sy;l" = any by default, first lexeme, second integer. Empty = any.
-  std::string arg_types;
+  std::string arg_types = {};
   FunctionKind kind = FunctionKind::kActing;
-  std::string owner;  ///< the plugin, named when it has been unloaded
-  std::string doc;    ///< one line
+  std::string owner = {};  ///< the plugin, named when it has been unloaded
+  std::string doc = {};    ///< one line
 };
 
 /// One call under way. Arguments have been evaluated and have the types of the spec. Without a `give`, the call

@@ -1,0 +1,213 @@
+// Built-in functions of CLIPS that would look outside.
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "engine_fixture.h"
+
+namespace cxlab {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+namespace fs = std::filesystem;
+
+/// Reading from one folder; writing below it, wherever the rules wanted to write. "/secret" is refused.
+class OneFolder : public FileAccess {
+ public:
+  explicit OneFolder(fs::path folder) : folder_(std::move(folder)) {}
+  Expected<std::string> for_reading(const std::string& path) override {
+    if (path.starts_with("/secret")) return input_error("may not read " + path);
+    read.insert(path);
+    return (folder_ / fs::path(path).relative_path()).string();
+  }
+  Expected<std::string> for_writing(const std::string& path) override {
+    if (path.starts_with("/secret")) return input_error("may not write " + path);
+    return (folder_ / fs::path(path).relative_path()).string();
+  }
+  std::set<std::string> read;
+
+ private:
+  fs::path folder_;
+};
+
+/// Answers with what was recorded, or records.
+class Tape : public LookOutside {
+ public:
+  Value look(std::string_view function, const std::function<Value()>& outside) override {
+    looked.emplace_back(function);
+    if (replay) return kept;
+    return kept = outside();
+  }
+  bool replay = false;
+  Value kept;
+  std::vector<std::string> looked;
+};
+
+struct Builtins : EngineTest {
+  void SetUp() override {
+    folder = fs::path(testing::TempDir()) / ("cxlab_engine_" + std::to_string(::getpid()) + "_" +
+                                             testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    files = std::make_unique<OneFolder>(folder);
+  }
+  void TearDown() override { fs::remove_all(folder); }
+  void with_files() {
+    EngineOptions o = options();
+    o.files = files.get();
+    o.outside = &tape;
+    engine_ = make(std::move(o));
+  }
+  void write(const std::string& name, const std::string& text) { std::ofstream(folder / name) << text; }
+
+  fs::path folder;
+  std::unique_ptr<OneFolder> files;
+  Tape tape;
+};
+
+TEST_F(Builtins, TimeIsSimulated) {
+  EngineOptions o = options();
+  o.epoch = from_seconds(1577880000.0);  // 2020-01-01 12:00 UTC
+  engine_ = make(std::move(o));
+  now = from_seconds(90.5);
+  EXPECT_DOUBLE_EQ(engine().eval("(time)")->as_number(), 1577880090.5);
+  EXPECT_EQ(engine().eval("(gm-time)")->print(), "(2020 1 1 12 1 30 Wednesday 0 FALSE)");
+  EXPECT_EQ(engine().eval("(local-time)")->print(), "(2020 1 1 12 1 30 Wednesday 0 FALSE)");
+  EXPECT_EQ(*engine().eval("(timer (loop-for-count 1000 (+ 1 1)))"), Value::number(0.0));
+}
+
+TEST_F(Builtins, RandomComesFromTheStreamOfTheEnvironment) {
+  const auto draws = [](RuleEngine& engine) {
+    std::vector<std::int64_t> list;
+    for (int i = 0; i < 20; ++i) list.push_back(engine.eval("(random)")->as_integer());
+    return list;
+  };
+  const auto first = draws(*make(options()));
+  EXPECT_EQ(draws(*make(options())), first);
+  EngineOptions o = options();
+  o.seed = 8;
+  EXPECT_NE(draws(*make(std::move(o))), first);
+  for (int i = 0; i < 100; ++i) {
+    const std::int64_t value = engine().eval("(random 3 5)")->as_integer();
+    EXPECT_TRUE(value >= 3 && value <= 5) << value;
+  }
+  ASSERT_TRUE(engine().eval("(seed 1)").ok());
+  const auto seeded = draws(engine());
+  ASSERT_TRUE(engine().eval("(seed 1)").ok());
+  EXPECT_EQ(draws(engine()), seeded);
+  EXPECT_FALSE(engine().eval("(random 5 3)").ok());
+}
+
+TEST_F(Builtins, WithoutFileAccessRulesMayNotTouchFiles) {
+  for (const char* call : {"(open \"f\" f)", "(load \"f\")", "(batch* \"f\")", "(save-facts \"f\")", "(remove \"f\")", "(bsave \"f\")"}) {
+    EXPECT_THAT(engine().eval(call).error().message, HasSubstr("rules may not use files here")) << call;
+  }
+}
+
+TEST_F(Builtins, ReadingAndWritingGoWhereTheAccessSays) {
+  with_files();
+  write("in.txt", "12 abc\nsecond line\n");
+  EXPECT_EQ(engine().eval("(open \"in.txt\" in)")->text(), "TRUE");
+  EXPECT_EQ(*engine().eval("(read in)"), Value::integer(12));
+  EXPECT_EQ(engine().eval("(progn (readline in) (readline in))")->text(), "second line");
+  EXPECT_TRUE(files->read.contains("in.txt"));
+
+  ASSERT_TRUE(engine().eval("(progn (open \"/out.txt\" out \"w\") (printout out \"hello\" crlf) (close out))").ok());
+  std::string line;
+  std::getline(std::ifstream(folder / "out.txt") >> std::ws, line);
+  EXPECT_EQ(line, "hello") << "an absolute path lands in the folder";
+
+  EXPECT_EQ(engine().eval("(open \"missing.txt\" m)")->text(), "FALSE");
+  EXPECT_THAT(engine().eval("(open \"/secret/key\" k)").error().message, HasSubstr("may not read /secret/key"));
+  EXPECT_THAT(engine().eval("(open \"/secret/key\" k \"a\")").error().message, HasSubstr("may not write /secret/key"));
+}
+
+TEST_F(Builtins, FactsAreSavedAndLoaded) {
+  with_files();
+  ASSERT_TRUE(engine().assert_string("(a 1)").ok());
+  ASSERT_TRUE(engine().assert_string("(b \"x\")").ok());
+  ASSERT_TRUE(engine().eval("(save-facts \"facts.fct\" visible a)").ok());
+  ASSERT_TRUE(engine().eval("(bsave-facts \"facts.bin\")").ok());
+  engine().reset();
+  ASSERT_TRUE(engine().eval("(load-facts \"facts.fct\")").ok());
+  EXPECT_THAT(fact_texts(), ElementsAre("(a 1)"));
+  engine().reset();
+  ASSERT_TRUE(engine().eval("(bload-facts \"facts.bin\")").ok());
+  EXPECT_THAT(fact_texts(), ElementsAre("(a 1)", "(b \"x\")"));
+}
+
+TEST_F(Builtins, FilesLoadedByRulesAreReadFormByForm) {
+  with_files();
+  write("more.clp", "(defrule more\n  (a)\n  =>\n  (undefined))\n\n(defrule fine (a) => (assert (fine)))\n(defrule open\n (a)\n");
+  write("calls.bat", "(assert (called))\n(assert (b)\n");
+  given("(deffacts f (a))\n(defrule loads (declare (salience 1)) (a) => (assert (loaded (load* \"more.clp\") (batch* \"calls.bat\"))))");
+  engine().reset();
+  const RunReport report = engine().run();
+  std::vector<std::string> texts;
+  for (const RuleError& error : report.errors) texts.push_back(error.text());
+  EXPECT_THAT(texts, ElementsAre(HasSubstr("more.clp:4: [EXPRNPSR3]"), HasSubstr("more.clp:7: found no closing"),
+                                 HasSubstr("calls.bat:2: found no closing")));
+  EXPECT_THAT(fact_texts(), ElementsAre("(a)", "(called)", "(loaded FALSE TRUE)", "(fine)"));
+  EXPECT_EQ(engine().find_construct("defrule", "fine")->file, "more.clp");
+}
+
+TEST_F(Builtins, AFileOfTheHostGoesThroughTheAccessToo) {
+  with_files();
+  write("rules.clp", "(defrule one (a) =>)");
+  write("empty.clp", "");
+  EXPECT_TRUE(engine().load_file("rules.clp", LoadMode::kConstructs).ok());
+  EXPECT_TRUE(files->read.contains("rules.clp"));
+  EXPECT_TRUE(engine().load_file("empty.clp", LoadMode::kConstructs).ok());
+  EXPECT_THAT(engine().load_file("missing.clp", LoadMode::kConstructs).status().error().text(), "missing.clp: cannot read the file");
+}
+
+TEST_F(Builtins, StrangersMayNotRunPrograms) {
+  with_files();
+  given("(deffacts f (a))\n(defrule evil (a) => (system \"touch \" \"/tmp/owned\"))");
+  engine().reset();
+  const RunReport report = engine().run();
+  ASSERT_THAT(report.errors, SizeIs(1));
+  EXPECT_THAT(report.errors[0].text(), AllOf(HasSubstr("rules.clp:2: rule evil, RHS"), HasSubstr("refused to rules that are not trusted")));
+  EXPECT_FALSE(engine().eval("(chdir \"/\")").ok());
+}
+
+TEST_F(Builtins, TrustedRulesMayAndTheAnswerIsOnTheTape) {
+  EngineOptions o = options();
+  o.outside = &tape;
+  o.trust_rules = true;
+  engine_ = make(std::move(o));
+  EXPECT_EQ(engine().eval("(system \"exit 0\")")->as_integer(), 0);
+  EXPECT_THAT(tape.looked, ElementsAre("system"));
+}
+
+TEST_F(Builtins, WhatDiffersBetweenMachinesIsAnsweredFromTheTape) {
+  with_files();
+  RecordingSink sink;
+  EngineOptions o = options();
+  o.outside = &tape;
+  o.journal = &sink;
+  engine_ = make(std::move(o));
+  EXPECT_GT(engine().eval("(mem-used)")->as_integer(), 0);
+  tape.replay = true;
+  tape.kept = Value::integer(1234);
+  EXPECT_EQ(*engine().eval("(mem-used)"), Value::integer(1234));
+  ASSERT_THAT(sink.of(RecordKind::kInput), SizeIs(2));
+  EXPECT_THAT(sink.of(RecordKind::kInput)[0].data, HasSubstr("mem-used"));
+}
+
+TEST_F(Builtins, ExitEndsTheRunAndNotTheProcess) {
+  given("(deffacts f (a))\n(defrule leave (a) => (exit) (assert (after)))");
+  engine().reset();
+  EXPECT_THAT(engine().run().errors, IsEmpty());
+  EXPECT_TRUE(engine().exit_requested());
+  EXPECT_THAT(fact_texts("after"), IsEmpty());
+}
+
+}  // namespace
+}  // namespace cxlab

@@ -1,0 +1,274 @@
+#include "engine_fixture.h"
+
+namespace cxlab {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+struct Engine : EngineTest {};
+
+// --- Facts ---------------------------------------------------------------------------------------------------------
+
+TEST_F(Engine, FactsOfATemplateAreBuiltFromValues) {
+  given("(deftemplate order (slot id) (slot state (default OPEN)) (multislot colors) (slot made (default-dynamic (gensym*))))");
+  const auto index = engine().assert_fact("order", {{"id", Value::string("O1")},
+                                                    {"colors", Value::multifield({Value::symbol("RED"), Value::integer(2)})}});
+  ASSERT_TRUE(index.ok());
+  EXPECT_EQ(*index, 1);
+  EXPECT_THAT(fact_texts(), ElementsAre("(order (id \"O1\") (state OPEN) (colors RED 2) (made gen1))"));
+  EXPECT_EQ(engine().fact(1)->slot("state")->text(), "OPEN");
+}
+
+TEST_F(Engine, AnUnknownSlotOrTemplateIsRefused) {
+  given("(deftemplate order (slot id))");
+  EXPECT_THAT(engine().assert_fact("order", {{"colour", Value::integer(1)}}).error().message, HasSubstr("no slot 'colour'"));
+  EXPECT_THAT(engine().assert_fact("robot", {}).error().message, HasSubstr("no deftemplate 'robot'"));
+  EXPECT_THAT(engine().assert_fact("order", {{"id", Value::multifield({})}}).error().message, HasSubstr("takes one value"));
+  EXPECT_EQ(engine().fact_count(), 0u);
+}
+
+// Agents written for the CX rely on dynamic constraint checking being off.
+TEST_F(Engine, TypesOfSlotsAreNotCheckedAtRunTime) {
+  given("(deftemplate order (slot id (type SYMBOL) (allowed-values A B)))");
+  EXPECT_TRUE(engine().assert_fact("order", {{"id", Value::integer(3)}}).ok());
+  EXPECT_THAT(fact_texts(), ElementsAre("(order (id 3))"));
+}
+
+TEST_F(Engine, ATemplateOfMainIsFoundFromAnyModule) {
+  given("(deftemplate MAIN::order (slot id))\n(defmodule OTHER)\n(deftemplate OTHER::thing (slot x))");
+  EXPECT_TRUE(engine().assert_fact("order", {{"id", Value::integer(1)}}).ok());
+}
+
+TEST_F(Engine, AssertStringEvaluatesCalls) {
+  ASSERT_TRUE(engine().add_function({.name = "now", .returns = "d", .max_args = 0, .kind = FunctionKind::kPure},
+                                    [](Call& call) { call.give_number(to_seconds(call.engine().now())); }).ok());
+  now = from_seconds(12.5);
+  ASSERT_TRUE(engine().assert_string("(time (now))").ok());
+  EXPECT_THAT(fact_texts(), ElementsAre("(time 12.5)"));
+  EXPECT_FALSE(engine().assert_string("(time").ok());
+}
+
+TEST_F(Engine, OrderedFactsHoldHandles) {
+  const Handle handle = engine().new_handle();
+  EXPECT_EQ(handle, Handle{1});
+  const Value values[] = {Value::handle(handle), Value::number(2.0)};
+  ASSERT_TRUE(engine().assert_ordered("timer", values).ok());
+  EXPECT_THAT(fact_texts(), ElementsAre("(timer <Pointer-C-0x1> 2.0)"));
+  EXPECT_EQ(engine().new_handle(), Handle{2});
+}
+
+TEST_F(Engine, ModifyKeepsTheIndexAndFiresOnlyOnAChange) {
+  given("(deftemplate pose (slot x) (multislot q))\n(defrule seen (pose (x ?x) (q $?q)) => (assert (seen ?x ?q)))");
+  const auto index = engine().assert_fact("pose", {{"x", Value::integer(1)}, {"q", Value::multifield({Value::integer(1)})}});
+  EXPECT_EQ(engine().run().fired, 1);
+  const RuleEngine::Slot same[] = {{"x", Value::integer(1)}, {"q", Value::multifield({Value::integer(1)})}};
+  EXPECT_TRUE(engine().modify_fact(*index, same).ok());
+  EXPECT_EQ(engine().run().fired, 0);
+  const RuleEngine::Slot other[] = {{"x", Value::integer(2)}, {"q", Value::multifield({Value::integer(7)})}};
+  EXPECT_TRUE(engine().modify_fact(*index, other).ok());
+  EXPECT_EQ(engine().run().fired, 1);
+  EXPECT_THAT(fact_texts(), ElementsAre("(pose (x 2) (q 7))", "(seen 1 1)", "(seen 2 7)"));
+}
+
+TEST_F(Engine, RetractAndExist) {
+  const auto index = engine().assert_string("(a)");
+  EXPECT_TRUE(engine().fact_exists(*index));
+  EXPECT_TRUE(engine().retract(*index));
+  EXPECT_FALSE(engine().fact_exists(*index));
+  EXPECT_FALSE(engine().retract(*index));
+}
+
+// --- Calls ---------------------------------------------------------------------------------------------------------
+
+TEST_F(Engine, EvalAndCallGiveValues) {
+  given("(deffunction add (?x $?more) (+ ?x (nth$ 1 ?more)))");
+  EXPECT_EQ(*engine().eval("(create$ 1 b \"c\" 2.5)"),
+            Value::multifield({Value::integer(1), Value::symbol("b"), Value::string("c"), Value::number(2.5)}));
+  EXPECT_EQ(*engine().eval("(+ 1 2)"), Value::integer(3));
+  const Value args[] = {Value::integer(2), Value::integer(3)};
+  EXPECT_EQ(*engine().call("add", args), Value::integer(5));
+  EXPECT_TRUE(engine().callable("add"));
+  EXPECT_TRUE(engine().callable("+"));
+  EXPECT_FALSE(engine().callable("subtract"));
+  EXPECT_THAT(engine().call("subtract", args).error().message, HasSubstr("no function 'subtract'"));
+  EXPECT_FALSE(engine().eval("(+ 1").ok());
+}
+
+TEST_F(Engine, FunctionsTakeAndGiveEveryType) {
+  ASSERT_TRUE(engine().add_function({.name = "describe", .min_args = 1}, [](Call& call) {
+    std::string text;
+    for (std::size_t i = 0; i < call.size(); ++i) text += call.arg(i).copy().print() + ";";
+    call.give_string(text);
+  }).ok());
+  EXPECT_EQ(engine().eval("(describe 1 2.5 a \"b\" [c] (create$ 1 2) (subseq$ (create$ 1 2 3) 2 3) 8 9 10)")->text(),
+            "1;2.5;a;\"b\";[c];(1 2);(2 3);8;9;10;");
+
+  ASSERT_TRUE(engine().add_function({.name = "rest", .min_args = 1, .max_args = 1, .arg_types = "m"},
+                                    [](Call& call) { call.give_arg(0); }).ok());
+  EXPECT_EQ(engine().eval("(rest (rest$ (create$ 1 2 3)))")->print(), "(2 3)");
+
+  ASSERT_TRUE(engine().add_function({.name = "numbers", .returns = "m", .max_args = 0}, [](Call& call) {
+    const double values[] = {1.5, 2.0};
+    call.give_numbers(values);
+  }).ok());
+  EXPECT_EQ(engine().eval("(numbers)")->print(), "(1.5 2.0)");
+}
+
+TEST_F(Engine, AFunctionMayAssertWhileARuleFires) {
+  given("(deftemplate made (slot by))");
+  ASSERT_TRUE(engine().add_function({.name = "make", .returns = "l", .max_args = 0}, [](Call& call) {
+    call.give_integer(*call.engine().assert_fact("made", {{"by", Value::symbol(call.engine().current_rule())}}));
+  }).ok());
+  given("(deffacts f (go))\n(defrule maker (go) => (assert (index (make))))");
+  engine().reset();
+  EXPECT_THAT(engine().run().errors, IsEmpty());
+  EXPECT_THAT(fact_texts(), ElementsAre("(go)", "(made (by maker))", "(index 2)"));
+  EXPECT_EQ(engine().current_rule(), "");
+}
+
+TEST_F(Engine, AFunctionThatExistsIsNotAddedAgain) {
+  const auto nothing = [](Call&) {};
+  given("(deffunction mine () 1)");
+  EXPECT_TRUE(engine().add_function({.name = "f", .owner = "one"}, nothing).ok());
+  EXPECT_THAT(engine().add_function({.name = "f", .owner = "two"}, nothing).error().message, HasSubstr("exists already, from plugin 'one'"));
+  EXPECT_THAT(engine().add_function({.name = "assert"}, nothing).error().message, HasSubstr("is a function of CLIPS"));
+  EXPECT_THAT(engine().add_function({.name = "mine"}, nothing).error().message, HasSubstr("defined by rules"));
+  EXPECT_THAT(engine().add_function({.name = "g", .arg_types = "q"}, nothing).error().message, HasSubstr("argument types 'q'"));
+}
+
+TEST_F(Engine, AnUnloadedFunctionLeavesATombstoneUntilItComesBack) {
+  const auto add = [&](std::int64_t answer, const std::string& returns) {
+    return engine().add_function({.name = "answer", .returns = returns, .max_args = 0, .owner = "deep_thought"},
+                                 [answer](Call& call) { call.give_integer(answer); });
+  };
+  ASSERT_TRUE(add(42, "l").ok());
+  given("(defrule ask (ask ?) => (assert (answer (answer))))");
+  ASSERT_TRUE(engine().assert_string("(ask 1)").ok());
+  engine().run();
+  EXPECT_THAT(fact_texts("answer"), ElementsAre("(answer 42)"));
+
+  engine().remove_functions_of("deep_thought");
+  EXPECT_THAT(engine().functions(), IsEmpty());
+  // A function that is added now must not be called by the old rule.
+  ASSERT_TRUE(engine().add_function({.name = "other", .owner = "x"}, [](Call& call) { call.give_integer(-1); }).ok());
+  ASSERT_TRUE(engine().assert_string("(ask 2)").ok());
+  const RunReport report = engine().run();
+  ASSERT_THAT(report.errors, SizeIs(1));
+  EXPECT_THAT(report.errors[0].message, HasSubstr("'answer': belongs to unloaded plugin deep_thought"));
+  EXPECT_THAT(load_errors("(defrule new (ask) => (answer))"), ElementsAre(HasSubstr("[EXPRNPSR3]"))) << "new rules do not find it";
+
+  for (const auto& [answer, returns] : {std::pair<std::int64_t, const char*>{43, "l"}, {44, "ld"}, {45, "l"}}) {
+    ASSERT_TRUE(add(answer, returns).ok());
+    given("(defrule new-" + std::to_string(answer) + " (ask ?n&" + std::to_string(answer) + ") => (assert (new (answer))))");
+    ASSERT_TRUE(engine().assert_string("(ask " + std::to_string(answer) + ")").ok());
+    EXPECT_THAT(engine().run().errors, IsEmpty());
+    EXPECT_EQ(fact_texts("answer").back(), "(answer " + std::to_string(answer) + ")") << "the old rule";
+    EXPECT_EQ(fact_texts("new").back(), "(new " + std::to_string(answer) + ")") << "the new rule";
+    engine().remove_functions_of("deep_thought");
+  }
+}
+
+// --- Looking in ----------------------------------------------------------------------------------------------------
+
+TEST_F(Engine, ConstructsAreFoundWithTheirPlaces) {
+  given("(deftemplate order (slot id))\n\n(defrule MAIN::go\n  (order) =>)\n(deffacts f (a))");
+  const ConstructInfo* rule = engine().find_construct("defrule", "go");
+  ASSERT_NE(rule, nullptr);
+  EXPECT_EQ(rule->line, 3);
+  EXPECT_EQ(rule->file, "rules.clp");
+  EXPECT_EQ(rule->module, "MAIN");
+  EXPECT_THAT(engine().constructs(), SizeIs(3));
+  EXPECT_TRUE(engine().has("deftemplate", "order"));
+  EXPECT_EQ(engine().find_construct("defrule", "went"), nullptr);
+}
+
+TEST_F(Engine, ATemplateInUseCannotBeUndefined) {
+  given("(deftemplate order (slot id))\n(defrule go (order) =>)");
+  EXPECT_THAT(engine().undefine("deftemplate", "order").error().message, HasSubstr("is in use"));
+  EXPECT_TRUE(engine().undefine("defrule", "go").ok());
+  EXPECT_TRUE(engine().undefine("deftemplate", "order").ok());
+  EXPECT_FALSE(engine().has("deftemplate", "order"));
+  EXPECT_EQ(engine().find_construct("deftemplate", "order"), nullptr);
+}
+
+TEST_F(Engine, TheAgendaShowsWhatWouldFireNext) {
+  given("(defrule low (a ?x) =>)\n(defrule high (declare (salience 5)) (a 1) (not (b)) =>)");
+  const auto index = engine().assert_string("(a 1)");
+  const std::vector<ActivationInfo> agenda = engine().agenda();
+  ASSERT_THAT(agenda, SizeIs(2));
+  EXPECT_EQ(agenda[0].rule, "high");
+  EXPECT_EQ(agenda[0].salience, 5);
+  EXPECT_THAT(agenda[0].facts, ElementsAre(*index, -1));
+  EXPECT_EQ(agenda[1].rule, "low");
+}
+
+TEST_F(Engine, MatchesTellHowFarARuleHasCome) {
+  given("(deftemplate order (slot id))\n(deftemplate robot (slot order))\n"
+        "(defrule serve (order (id ?id)) (robot (order ?id)) (not (halt)) =>)");
+  for (const int id : {1, 2, 3}) {
+    ASSERT_TRUE(engine().assert_fact("order", {{"id", Value::integer(id)}}).ok());
+  }
+  ASSERT_TRUE(engine().assert_fact("robot", {{"order", Value::integer(2)}}).ok());
+  ASSERT_TRUE(engine().assert_fact("robot", {{"order", Value::integer(9)}}).ok());
+  const auto matches = engine().matches("serve");
+  ASSERT_TRUE(matches.ok());
+  ASSERT_THAT(*matches, SizeIs(1));
+  const auto& patterns = matches->front().patterns;
+  ASSERT_THAT(patterns, SizeIs(3));
+  EXPECT_EQ(patterns[0].matches, 3);
+  EXPECT_EQ(patterns[1].matches, 2);
+  EXPECT_EQ(patterns[1].partial, 1);
+  EXPECT_TRUE(patterns[2].negated);
+  EXPECT_EQ(patterns[2].matches, 0);
+  EXPECT_EQ(patterns[2].partial, 1);
+  EXPECT_EQ(matches->front().activations, 1);
+  EXPECT_FALSE(engine().matches("none").ok());
+}
+
+TEST_F(Engine, WatchOutputGoesToStdoutInTheWordsOfClips) {
+  EXPECT_TRUE(engine().watch("facts"));
+  EXPECT_TRUE(engine().watch("rules"));
+  EXPECT_FALSE(engine().watch("weather"));
+  given("(defrule hello-world => (assert (hello)))");
+  engine().run();
+  EXPECT_EQ(output["stdout"], "FIRE    1 hello-world: *\n==> f-1     (hello)\n");
+}
+
+TEST_F(Engine, TheEngineIsFoundFromTheRawEnvironment) { EXPECT_EQ(RuleEngine::of(engine().raw()), &engine()); }
+
+TEST_F(Engine, TwoEnginesInterleavedBehaveAsAlone) {
+  const std::string rules =
+      "(deffacts start (step 0))\n"
+      "(defrule step ?s <- (step ?n&:(< ?n 40)) => (retract ?s) (assert (step (+ ?n 1)) (drawn ?n (random 1 1000) (gensym*))))";
+  const auto play = [&](RuleEngine& a, RuleEngine* b) {
+    for (RuleEngine* each : {&a, b}) {
+      if (each == nullptr) continue;
+      EXPECT_TRUE(each->load_text(rules, "r.clp", LoadMode::kConstructs).ok());
+      each->reset();
+    }
+    // One by one: the engines really take turns.
+    while (a.run(1).fired > 0) {
+      if (b != nullptr) b->run(1);
+    }
+    std::string all;
+    for (const FactCopy& fact : a.facts()) all += std::to_string(fact.index) + fact.print() + "\n";
+    return all;
+  };
+  EngineOptions first = options();
+  EngineOptions second = options();
+  second.name = "other";
+  const auto alone = make(first);
+  const std::string expected = play(*alone, nullptr);
+  EXPECT_THAT(expected, HasSubstr("(drawn 39 "));
+  const auto together = make(first);
+  const auto beside = make(second);
+  EXPECT_EQ(play(*together, beside.get()), expected);
+  EXPECT_NE(play(*make(second), nullptr), expected) << "another environment has another stream of chance";
+}
+
+}  // namespace
+}  // namespace cxlab

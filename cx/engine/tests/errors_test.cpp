@@ -1,0 +1,205 @@
+// Every error of rules has rule, file, line and side.
+
+#include "engine_fixture.h"
+
+namespace cxlab {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+using testing::StartsWith;
+
+struct RuleErrors : EngineTest {
+  std::vector<std::string> texts(const std::vector<RuleError>& errors) {
+    std::vector<std::string> list;
+    for (const RuleError& error : errors) list.push_back(error.text());
+    return list;
+  }
+};
+
+TEST_F(RuleErrors, AnUnknownSlotHasTheLineWhereItStands) {
+  EXPECT_THAT(load_errors("(deftemplate order (slot id))\n\n(defrule go\n  (order (id ?x)\n         (colour RED))\n  =>\n)\n"),
+              ElementsAre(AllOf(StartsWith("rules.clp:5: [TMPLTDEF1]"), HasSubstr("'colour'"))));
+}
+
+TEST_F(RuleErrors, AnUnknownFunctionHasTheLineWhereItStands) {
+  EXPECT_THAT(load_errors("(defrule go\n  (a)\n  =>\n  (assert (b))\n  (no-such-function 1))\n"),
+              ElementsAre(AllOf(StartsWith("rules.clp:5: [EXPRNPSR3]"), HasSubstr("no-such-function"))));
+}
+
+TEST_F(RuleErrors, AnUnbalancedFormIsReportedAndTheOthersAreLoaded) {
+  EXPECT_THAT(load_errors("(defrule one (a) => (b-undefined))\n(defrule two (a) =>\n\n(defrule three (a) =>)\n"),
+              ElementsAre(StartsWith("rules.clp:1: [EXPRNPSR3]"), StartsWith("rules.clp:2: found no closing")));
+  EXPECT_TRUE(engine().has("defrule", "three"));
+}
+
+TEST_F(RuleErrors, TheFirstErrorStopsALoadThatShallStop) {
+  EXPECT_THAT(load_errors("(defrule one (a) => (undefined))\n(defrule two (a) =>)\n", LoadMode::kConstructs, OnLoadError::kStop),
+              SizeIs(1));
+  EXPECT_FALSE(engine().has("defrule", "two"));
+}
+
+TEST_F(RuleErrors, OnlyConstructsMayStandInAFileOfConstructs) {
+  EXPECT_THAT(load_errors("(reset)\n(deffacts f (a))\nloose\n"),
+              ElementsAre(StartsWith("rules.clp:1: [CSTRCPSR1]"), StartsWith("rules.clp:3: [CSTRCPSR1]")));
+}
+
+TEST_F(RuleErrors, ABatchFileHasConstructsCallsAndWords) {
+  EXPECT_THAT(load_errors("(deftemplate order (slot id))\nTRUE\n(assert (order (id 1)))\n(bind ?x 2)\n(assert (order (id ?x)))",
+                          LoadMode::kBatch), IsEmpty());
+  EXPECT_THAT(fact_texts(), ElementsAre("(order (id 1))", "(order (id 2))"));
+  EXPECT_THAT(output["stdout"], IsEmpty()) << "results are not echoed";
+}
+
+TEST_F(RuleErrors, ErrorsOfABatchFileHaveTheirLines) {
+  EXPECT_THAT(load_errors("(deftemplate order (slot id))\n(assert (order (id 1)))\n(assert (order\n  (colour 1)))\n(undefined)\n(/ 1 0)\n",
+                          LoadMode::kBatch),
+              ElementsAre(StartsWith("rules.clp:4: [TMPLTDEF1]"), StartsWith("rules.clp:5: [EXPRNPSR3]"),
+                          StartsWith("rules.clp:6: [PRNTUTIL7]")));
+}
+
+TEST_F(RuleErrors, DivisionByZeroOnTheRightHandSide) {
+  given("(deffacts f (a 0) (b))\n(defrule halves\n  (a ?x)\n  =>\n  (printout t\n    (/ 1 ?x) crlf))\n(defrule other (b) => (assert (c)))");
+  engine().reset();
+  now = from_seconds(3);
+  const RunReport report = engine().run();
+  ASSERT_THAT(report.errors, SizeIs(1));
+  const RuleError& error = report.errors[0];
+  EXPECT_EQ(error.rule, "halves");
+  EXPECT_EQ(error.file, "rules.clp");
+  EXPECT_EQ(error.line, 6) << "the only division of the rule";
+  EXPECT_EQ(error.side, ErrorSide::kRhs);
+  EXPECT_EQ(error.t, from_seconds(3));
+  EXPECT_THAT(error.message, StartsWith("[PRNTUTIL7]"));
+  EXPECT_THAT(error.detail, HasSubstr("[PRCCODE4]"));
+}
+
+TEST_F(RuleErrors, TheNextRunGoesOnAfterAnErrorThatHalted) {
+  given("(deffacts f (a 0) (b))\n(defrule halves (declare (salience 1)) (a ?x) => (/ 1 ?x))\n(defrule other (b) => (assert (c)))");
+  engine().reset();
+  EXPECT_THAT(engine().run().errors, SizeIs(1));
+  EXPECT_THAT(fact_texts("c"), IsEmpty());
+  const RunReport next = engine().run();
+  EXPECT_THAT(next.errors, IsEmpty());
+  EXPECT_EQ(next.fired, 1);
+  EXPECT_THAT(fact_texts("c"), ElementsAre("(c)"));
+}
+
+TEST_F(RuleErrors, DivisionByZeroInAJoinTest) {
+  given("(defrule ratio\n  (a ?x)\n  (b ?y)\n  (test (> (/ ?x ?y) 1))\n  =>\n)");
+  ASSERT_TRUE(engine().assert_string("(a 1)").ok());
+  ASSERT_TRUE(engine().assert_string("(b 0)").ok());
+  const RunReport report = engine().run();
+  EXPECT_THAT(texts(report.errors), ElementsAre(StartsWith("rules.clp:4: rule ratio, LHS: [PRNTUTIL7]")));
+}
+
+TEST_F(RuleErrors, DivisionByZeroInAPatternTest) {
+  given("(deftemplate order (slot amount))\n(defrule ratio\n  (order (amount ?x&:(> (/ 1 ?x) 0)))\n  =>\n)");
+  ASSERT_TRUE(engine().assert_fact("order", {{"amount", Value::integer(0)}}).ok());
+  EXPECT_THAT(texts(engine().run().errors), ElementsAre(StartsWith("rules.clp:3: rule ratio, LHS: [PRNTUTIL7]")));
+}
+
+TEST_F(RuleErrors, ATestThatFailsBecauseOfAnotherRulesAssertNamesTheRuleOfTheTest) {
+  given("(deffacts f (go))\n(defrule asserts (go) => (assert (amount 0)))\n\n(defrule tests\n  (amount ?x)\n  (test (> (/ 1 ?x) 1))\n  =>)");
+  engine().reset();
+  EXPECT_THAT(texts(engine().run().errors), ElementsAre(StartsWith("rules.clp:6: rule tests, LHS: [PRNTUTIL7]")));
+}
+
+TEST_F(RuleErrors, TheSameErrorOverAndOverIsCounted) {
+  given("(deftemplate order (slot amount) (slot id))\n(defrule ratio (order (amount ?x&:(> (/ 1 ?x) 0))) =>)");
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(engine().assert_fact("order", {{"amount", Value::integer(0)}, {"id", Value::integer(i)}}).ok());
+  }
+  const std::vector<RuleError> errors = engine().take_errors();
+  ASSERT_THAT(errors, SizeIs(1));
+  EXPECT_EQ(errors[0].count, 3);
+}
+
+TEST_F(RuleErrors, ACallbackHasTheNameAndThePlaceOfItsDeffunction) {
+  given("\n(deffunction on-request (?x)\n  (/ 1 ?x))");
+  const Value zero = Value::integer(0);
+  const Expected<Value> result = engine().call("on-request", {&zero, 1});
+  ASSERT_FALSE(result.ok());
+  EXPECT_THAT(result.error().text(), StartsWith("rules.clp:3: on-request, callback: [PRNTUTIL7]"));
+  EXPECT_THAT(texts(engine().take_errors()), ElementsAre(result.error().text()));
+}
+
+TEST_F(RuleErrors, AFunctionThatFailsIsAnErrorOfTheRuleThatCalledIt) {
+  ASSERT_TRUE(engine().add_function({.name = "send-it", .max_args = 0, .owner = "test"}, [](Call& call) { call.fail("no such topic"); }).ok());
+  given("(deffacts f (a))\n(defrule go (a)\n  =>\n  (send-it)\n  (assert (after)))");
+  engine().reset();
+  EXPECT_THAT(texts(engine().run().errors),
+              ElementsAre("rules.clp:4: rule go, RHS: [CXLAB1] Function 'send-it': no such topic"));
+  EXPECT_THAT(fact_texts("after"), IsEmpty()) << "the rest of the rule is skipped";
+}
+
+TEST_F(RuleErrors, AnExceptionOfAFunctionStaysInside) {
+  ASSERT_TRUE(engine().add_function({.name = "explode", .max_args = 0}, [](Call&) { throw std::runtime_error("boom"); }).ok());
+  given("(deffacts f (a))\n(defrule go (a) => (explode))");
+  engine().reset();
+  EXPECT_THAT(texts(engine().run().errors), ElementsAre(HasSubstr("[CXLAB1] Function 'explode': boom")));
+}
+
+TEST_F(RuleErrors, AnArgumentOfTheWrongTypeIsAnErrorOfTheRule) {
+  ASSERT_TRUE(engine().add_function({.name = "twice", .min_args = 1, .max_args = 1, .arg_types = "l"},
+                                    [](Call& call) { call.give_integer(2 * call.integer(0)); }).ok());
+  given("(deffacts f (a x))\n(defrule go (a ?x) => (twice ?x))");
+  engine().reset();
+  EXPECT_THAT(texts(engine().run().errors), ElementsAre(HasSubstr("rule go, RHS: [ARGACCES2] Function 'twice'")));
+}
+
+TEST_F(RuleErrors, PrintingToStderrIsNoError) {
+  given("(deffacts f (a))\n(defrule go (a) => (printout stderr \"[ODD1] only text\" crlf))");
+  engine().reset();
+  EXPECT_THAT(engine().run().errors, IsEmpty());
+  EXPECT_EQ(output["stderr"], "[ODD1] only text\n");
+}
+
+TEST_F(RuleErrors, AnUnknownLogicalNameIsAnError) {
+  given("(deffacts f (a))\n(defrule go (a) => (printout nowhere \"x\" crlf))");
+  engine().reset();
+  EXPECT_THAT(texts(engine().run().errors), ElementsAre(HasSubstr("rule go, RHS: [ROUTER1]")));
+}
+
+TEST_F(RuleErrors, ActingFunctionsOnALeftHandSideAreErrorsAtLoad) {
+  ASSERT_TRUE(engine().add_function({.name = "publish", .kind = FunctionKind::kActing}, [](Call&) {}).ok());
+  ASSERT_TRUE(engine().add_function({.name = "look-up", .kind = FunctionKind::kPure}, [](Call&) {}).ok());
+  EXPECT_THAT(load_errors("(deffunction inner (?x) (publish ?x))\n"
+                          "(deffunction outer (?x) (inner ?x))\n"
+                          "(defrule direct\n  (a ?x&:(publish ?x))\n  =>)\n"
+                          "(defrule hidden\n  (a ?x)\n  (test (and TRUE (outer ?x)))\n  =>)\n"
+                          "(defrule fine (a ?x&:(look-up ?x)) (publish) => (publish ?x))\n",
+                          LoadMode::kConstructs, OnLoadError::kStop),
+              ElementsAre(AllOf(StartsWith("rules.clp:4: "), HasSubstr("'publish' on its left-hand side"))));
+  const LoadReport rest = engine().load_text("(defrule hidden\n  (a ?x)\n  (test (and TRUE (outer ?x)))\n  =>)\n"
+                                             "(defrule fine (a ?x&:(look-up ?x)) (publish) => (publish ?x))\n",
+                                             "agent.clp", LoadMode::kConstructs, OnLoadError::kKeepGoing);
+  EXPECT_TRUE(rest.ok()) << "only a note for an agent written for the CX";
+  const std::vector<Error> notes = engine().take_notes();
+  ASSERT_THAT(notes, SizeIs(1));
+  EXPECT_THAT(notes[0].text(), AllOf(StartsWith("agent.clp:3: "), HasSubstr("'outer'")));
+}
+
+TEST_F(RuleErrors, ALoopIsStoppedAndExplained) {
+  given("(deffacts f (count 0))\n(defrule endless ?c <- (count ?n) => (retract ?c) (assert (count (+ ?n 1))))");
+  engine().reset();
+  const RunReport report = engine().run(1000);
+  EXPECT_EQ(report.fired, 1000);
+  EXPECT_TRUE(report.loop);
+  EXPECT_THAT(report.loop_report.text(), AllOf(HasSubstr("after 1000 firings"), HasSubstr("endless (1000 x)"), HasSubstr("count (2000 x)")));
+}
+
+TEST_F(RuleErrors, ARunThatEndsAtItsLimitIsNoLoop) {
+  given("(deffacts f (a 1) (a 2) (a 3))\n(defrule go (a ?) =>)");
+  engine().reset();
+  const RunReport report = engine().run(3);
+  EXPECT_EQ(report.fired, 3);
+  EXPECT_FALSE(report.loop);
+  EXPECT_EQ(output["stdout"], "");
+}
+
+}  // namespace
+}  // namespace cxlab

@@ -1,0 +1,137 @@
+// What the engine writes into the journal, with causes.
+
+#include "engine_fixture.h"
+
+namespace cxlab {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::SizeIs;
+
+struct EngineJournal : EngineTest {
+  void SetUp() override {
+    EngineOptions o = options();
+    o.journal = &sink;
+    engine_ = make(std::move(o));
+  }
+  std::vector<std::uint64_t> causes(const RecordingSink::Record& record) {
+    std::vector<std::uint64_t> list;
+    for (const RecordRef& cause : record.causes) list.push_back(cause.n);
+    return list;
+  }
+  RecordingSink sink;
+};
+
+TEST_F(EngineJournal, ADeliveryCausesAFactThatCausesAFiringThatCausesAFact) {
+  given("(deftemplate order (slot id) (slot state (default OPEN)))\n"
+        "(defrule take ?o <- (order (id ?id) (state OPEN)) (idle) => (modify ?o (state TAKEN)) (assert (took ?id)))");
+  EXPECT_THAT(sink.names, ElementsAre("env/main"));
+  now = from_seconds(2);
+  engine().set_cause({StreamId{5}, 77});
+  ASSERT_TRUE(engine().assert_fact("order", {{"id", Value::string("O1")}}).ok());  // record 0
+  engine().clear_cause();
+  ASSERT_TRUE(engine().assert_string("(idle)").ok());  // record 1
+  engine().run();                                       // fire 2, modify 3, assert 4
+
+  ASSERT_THAT(sink.records, SizeIs(5));
+  EXPECT_EQ(sink.records[0].kind, RecordKind::kAssert);
+  EXPECT_EQ(sink.records[0].t, from_seconds(2));
+  EXPECT_THAT(causes(sink.records[0]), ElementsAre(77));
+  EXPECT_THAT(sink.records[0].data, HasSubstr("\"O1\"")) << "strings keep their quotes, symbols have none";
+  EXPECT_THAT(causes(sink.records[1]), IsEmpty());
+  EXPECT_EQ(sink.records[2].kind, RecordKind::kFire);
+  EXPECT_THAT(causes(sink.records[2]), ElementsAre(0, 1));
+  EXPECT_EQ(sink.records[3].kind, RecordKind::kModify);
+  EXPECT_THAT(causes(sink.records[3]), ElementsAre(2));
+  EXPECT_THAT(sink.records[3].data, HasSubstr("TAKEN"));
+  EXPECT_THAT(sink.records[3].data, Not(HasSubstr("O1"))) << "only what has changed";
+  EXPECT_EQ(sink.records[4].kind, RecordKind::kAssert);
+  EXPECT_THAT(causes(sink.records[4]), ElementsAre(2));
+}
+
+TEST_F(EngineJournal, AFiringOnAChangedFactIsCausedByTheChange) {
+  given("(deftemplate order (slot state))\n(defrule done (order (state DONE)) =>)");
+  const auto index = engine().assert_fact("order", {{"state", Value::symbol("OPEN")}});
+  const RuleEngine::Slot done[] = {{"state", Value::symbol("DONE")}};
+  ASSERT_TRUE(engine().modify_fact(*index, done).ok());
+  engine().run();
+  ASSERT_THAT(sink.of(RecordKind::kFire), SizeIs(1));
+  EXPECT_THAT(causes(sink.of(RecordKind::kFire)[0]), ElementsAre(1));
+}
+
+TEST_F(EngineJournal, NumbersOfFactsGoOnAfterAReset) {
+  given("(deffacts f (a) (b))");
+  engine().reset();
+  engine().reset();
+  const std::vector<FactCopy> facts = engine().facts();
+  ASSERT_THAT(facts, SizeIs(2));
+  EXPECT_EQ(facts[0].index, 1);
+  EXPECT_EQ(facts[0].number, 3u);
+  EXPECT_THAT(sink.of(RecordKind::kRetract), SizeIs(2));
+}
+
+TEST_F(EngineJournal, AModifyIntoADuplicateIsARetract) {
+  given("(deftemplate order (slot id))");
+  const auto first = engine().assert_fact("order", {{"id", Value::integer(1)}});
+  ASSERT_TRUE(engine().assert_fact("order", {{"id", Value::integer(2)}}).ok());
+  const RuleEngine::Slot two[] = {{"id", Value::integer(2)}};
+  ASSERT_TRUE(engine().modify_fact(*first, two).ok());
+  EXPECT_THAT(fact_texts(), ElementsAre("(order (id 2))"));
+  EXPECT_THAT(sink.of(RecordKind::kModify), IsEmpty());
+  EXPECT_THAT(sink.of(RecordKind::kRetract), SizeIs(1));
+}
+
+TEST_F(EngineJournal, ErrorsAreRecordsCausedByTheFiring) {
+  given("(deffacts f (a 0))\n(defrule bad (a ?x) => (/ 1 ?x))");
+  engine().reset();
+  engine().run();
+  ASSERT_THAT(sink.of(RecordKind::kError), SizeIs(1));
+  EXPECT_THAT(sink.of(RecordKind::kError)[0].data, HasSubstr("PRNTUTIL7"));
+}
+
+TEST_F(EngineJournal, AFunctionSeesTheFiringAsItsCause) {
+  std::vector<RecordRef> seen;
+  ASSERT_TRUE(engine().add_function({.name = "publish"}, [&](Call& call) {
+    const auto cause = call.engine().cause();
+    seen.assign(cause.begin(), cause.end());
+  }).ok());
+  given("(deffacts f (a))\n(defrule go (a) => (publish))");
+  engine().reset();
+  engine().run();
+  ASSERT_THAT(seen, SizeIs(1));
+  EXPECT_EQ(seen[0].n, 1u);
+  EXPECT_EQ(sink.records[1].kind, RecordKind::kFire);
+}
+
+// The same rules in two environments of one process, with handles and gensyms: the same bytes.
+TEST_F(EngineJournal, TheRecordsHoldNothingOfTheProcess) {
+  const auto play = [&] {
+    RecordingSink own;
+    EngineOptions o = options();
+    o.journal = &own;
+    auto played = make(std::move(o));
+    EXPECT_TRUE(played->add_function({.name = "handle", .returns = "e"}, [](Call& call) {
+      call.give_handle(call.engine().new_handle());
+    }).ok());
+    EXPECT_TRUE(played->load_text("(deffacts f (n 0))\n(deftemplate t (slot h) (slot g) (slot f))\n"
+                                  "(defrule go ?f <- (n ?n&:(< ?n 50)) => (assert (t (h (handle)) (g (gensym*)) (f ?f))) (retract ?f) (assert (n (+ ?n 1))))\n"
+                                  "(defrule pair (t (h ?a) (g ?g)) (t (h ?b&~?a)) => (assert (pair ?a ?b)))",
+                                  "r.clp", LoadMode::kConstructs).ok());
+    played->reset();
+    played->run();
+    std::string bytes;
+    for (const auto& record : own.records) bytes += record.data + "\n";
+    return bytes;
+  };
+  const std::string first = play();
+  const auto other = make(options());
+  ASSERT_TRUE(other->assert_string("(some facts that move the memory of CLIPS)").ok());
+  EXPECT_EQ(play(), first);
+  EXPECT_GT(first.size(), 50000u);
+}
+
+}  // namespace
+}  // namespace cxlab
