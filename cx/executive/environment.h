@@ -60,6 +60,10 @@ class Environment {
   Status check_errors();
   Status check_errors(std::vector<RuleError> errors);
 
+  /// The environment goes as a whole: plugins need not take back constructs.
+  bool ending() const { return ending_; }
+  void end() { ending_ = true; }
+
   // --- What enters from outside
   /// Records a delivery as an input of this environment and makes it the cause of what follows. `what` and `name` as the
   /// rules know it: "topic" "/chatter".
@@ -86,6 +90,7 @@ class Environment {
   LogRouter router_;
   std::unique_ptr<RuleEngine> engine_;
   bus::ParticipantId participant_{};
+  bool ending_ = false;
 };
 
 /// Held while an environment is used: the mutex of CX. Only on the episode's thread; holding it there costs nothing.

@@ -222,6 +222,7 @@ Status EnvironmentManager::deactivate() {
     keep_first(first, entry.environment->run());
   }
   for (Entry& entry : environments_) {
+    entry.environment->end();
     for (auto it = entry.loaded.rbegin(); it != entry.loaded.rend(); ++it) {
       (*it)->clips_env_destroyed(EnvironmentGuard(*entry.environment));
       entry.environment->engine().remove_functions_of((*it)->name());

@@ -1,0 +1,84 @@
+#include "cx/plugins/file_load/file_load_plugin.h"
+
+#include <array>
+
+namespace cxlab::cx {
+
+namespace {
+
+/// Loads rule files when an environment begins, and batch files when it ends.
+class FileLoadPlugin final : public Plugin {
+ public:
+  using Plugin::Plugin;
+
+  Status initialize() override {
+    std::vector<std::string> packages;
+    if (Status s = parameter("pkg_share_dirs", packages); !s) return s;
+    struct List {
+      std::string_view key;
+      std::vector<FoundFile>* files;
+    };
+    for (const List& list : std::array<List, 3>{{{"load", &load_}, {"batch", &batch_}, {"cleanup_batch", &cleanup_batch_}}}) {
+      std::vector<std::string> names;
+      if (Status s = parameter(list.key, names); !s) return s;
+      for (const std::string& file : names) {
+        auto found = context().files.resolve(file, packages);
+        if (found) {
+          list.files->push_back(std::move(*found));
+          continue;
+        }
+        const Error error = context().parameters.error_at(name() + '.' + std::string(list.key), found.error().message);
+        if (!context().keep_going) return error;
+        log(LogLevel::kError, error.text());
+        context().note_load_error(error);
+        return {};  // the files that follow are dropped, as in CX
+      }
+    }
+    return {};
+  }
+
+  Status clips_env_init(EnvironmentGuard environment) override {
+    for (const FoundFile& file : load_)
+      if (Status s = load(*environment, file, LoadMode::kConstructs); !s) return s;
+    for (const FoundFile& file : batch_)
+      if (Status s = load(*environment, file, LoadMode::kBatch); !s) return s;
+    return {};
+  }
+
+  void clips_env_destroyed(EnvironmentGuard environment) override {
+    for (const FoundFile& file : cleanup_batch_)
+      if (Status s = load(*environment, file, LoadMode::kBatch); !s) {
+        log(*environment, LogLevel::kError, s.error().text());
+        context().note_load_error(s.error());
+      }
+  }
+
+ private:
+  Status load(Environment& environment, const FoundFile& file, LoadMode mode) {
+    auto text = context().files.read(file);
+    if (!text) {
+      log(environment, LogLevel::kError, "Failed to load file " + file.path.string());
+      return text.error();
+    }
+    const OnLoadError on_error = context().keep_going ? OnLoadError::kKeepGoing : OnLoadError::kStop;
+    const LoadReport report = environment.engine().load_text(*text, file.logical_name, mode, on_error);
+    for (const RuleError& e : report.errors) {
+      Error error = e.error();
+      error.file = context().files.real_path(error.file);
+      if (!context().keep_going) return error;
+      context().note_load_error(std::move(error));
+    }
+    return {};
+  }
+
+  std::vector<FoundFile> load_, batch_, cleanup_batch_;
+};
+
+}  // namespace
+
+PluginType file_load_plugin() {
+  return {"cx::FileLoadPlugin", {"pkg_share_dirs", "load", "batch", "cleanup_batch"},
+          [](PluginContext c) { return std::make_unique<FileLoadPlugin>(std::move(c)); }};
+}
+
+}  // namespace cxlab::cx

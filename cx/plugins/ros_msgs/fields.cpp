@@ -1,0 +1,172 @@
+#include "cx/plugins/ros_msgs/fields.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace cxlab::cx {
+
+using bus::ArrayKind;
+using bus::Field;
+using bus::FieldType;
+using bus::MessageView;
+
+namespace {
+
+std::string unknown_field(std::string_view what, const bus::MessageType& type, std::string_view field) {
+  std::string message = "Failed to " + std::string(what) + " field " + std::string(field) + ": " + type.name() + " has no such field";
+  std::vector<std::string> known;
+  for (const Field& f : type.fields()) known.push_back(f.name);
+  const std::string near = nearest_word(std::string(field), known);
+  if (!near.empty()) return message + ", did you mean '" + near + "'?";
+  for (std::size_t i = 0; i < known.size(); ++i) message += (i == 0 ? "; it has " : ", ") + known[i];
+  return message;
+}
+
+bool is_real(FieldType type) { return type == FieldType::kFloat32 || type == FieldType::kFloat64; }
+bool is_text(FieldType type) { return type == FieldType::kString || type == FieldType::kWstring; }
+
+std::string char_text(const MessageView& view, const Field& field, std::size_t index) {
+  const char c = static_cast<char>(view.integer(field, index));
+  return c == '\0' ? std::string() : std::string(1, c);
+}
+
+void give_single(Call& call, MessageStore& store, Handle message, const MessageView& view, const Field& field) {
+  switch (field.type) {
+    case FieldType::kBool: return call.give_boolean(view.integer(field) != 0);
+    case FieldType::kChar: return call.give_string(char_text(view, field, 0));
+    case FieldType::kFloat32:
+    case FieldType::kFloat64: return call.give_number(view.real(field));
+    case FieldType::kString:
+    case FieldType::kWstring: return call.give_string(view.text(field));
+    case FieldType::kMessage: return call.give_handle(store.nested(message, field, 0));
+    default: return call.give_integer(view.integer(field));
+  }
+}
+
+void give_array(Call& call, MessageStore& store, Handle message, const MessageView& view, const Field& field) {
+  const std::size_t size = view.size(field);
+  if (is_real(field.type)) {
+    std::vector<double> values(size);
+    for (std::size_t i = 0; i < size; ++i) values[i] = view.real(field, i);
+    return call.give_numbers(values);
+  }
+  if (field.type == FieldType::kMessage) {
+    std::vector<Handle> values(size);
+    for (std::size_t i = 0; i < size; ++i) values[i] = store.nested(message, field, i);
+    return call.give_handles(values);
+  }
+  if (is_text(field.type) || field.type == FieldType::kChar) {
+    std::vector<std::string> values(size);
+    for (std::size_t i = 0; i < size; ++i) values[i] = field.type == FieldType::kChar ? char_text(view, field, i) : view.text(field, i);
+    return call.give_strings(values);
+  }
+  if (field.type == FieldType::kBool) {
+    std::vector<Value> values(size);
+    for (std::size_t i = 0; i < size; ++i) values[i] = Value::boolean(view.integer(field, i) != 0);
+    return call.give_list(values);
+  }
+  std::vector<std::int64_t> values(size);
+  for (std::size_t i = 0; i < size; ++i) values[i] = view.integer(field, i);
+  call.give_integers(values);
+}
+
+Error found_expected(const ValueRef& value, std::string_view expected) {
+  return input_error("found " + value.copy().print() + ", expected " + std::string(expected));
+}
+
+Status set_integer(const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
+  if (value.is(ValueType::kInteger)) return view.set_integer(field, value.as_integer(), index);
+  if (field.type == FieldType::kChar && value.is_text() && value.text().size() <= 1)
+    return view.set_integer(field, value.text().empty() ? 0 : static_cast<unsigned char>(value.text()[0]), index);
+  if (!value.is(ValueType::kFloat)) return found_expected(value, field.type == FieldType::kChar ? "one character" : "an INTEGER");
+  const double number = value.as_number();
+  constexpr double kLimit = 9223372036854775808.0;  // 2^63
+  if (std::trunc(number) != number || number < -kLimit || number >= kLimit) return found_expected(value, "a whole number");
+  return view.set_integer(field, static_cast<std::int64_t>(number), index);
+}
+
+Status set_real(const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
+  if (!value.is_number()) return found_expected(value, "a number");
+  const double number = value.as_number();
+  const bool single = field.type == FieldType::kFloat32;
+  if (value.is(ValueType::kInteger)) {
+    // Exact: the number comes back. 2^63 would not fit into an integer.
+    const double stored = single ? static_cast<double>(static_cast<float>(number)) : number;
+    if (stored >= 9223372036854775808.0 || static_cast<std::int64_t>(stored) != value.as_integer())
+      return found_expected(value, "an integer that a float of this size holds exactly");
+  } else if (single && std::isfinite(number) && !std::isfinite(static_cast<float>(number))) {
+    return found_expected(value, "a number within the range of float32");
+  }
+  view.set_real(field, number, index);
+  return {};
+}
+
+Status set_value(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
+  if (field.type == FieldType::kBool) {
+    if (!value.is_text()) return found_expected(value, "TRUE or FALSE");
+    return view.set_integer(field, value.text() == "TRUE" ? 1 : 0, index);
+  }
+  if (is_real(field.type)) return set_real(view, field, value, index);
+  if (is_text(field.type)) {
+    if (!value.is_text()) return found_expected(value, "a STRING or SYMBOL");
+    return view.set_text(field, value.text(), index);
+  }
+  if (field.type != FieldType::kMessage) return set_integer(view, field, value, index);
+  const MessageView source = value.is(ValueType::kHandle) ? store.view(value.as_handle()) : MessageView();
+  if (!source) return input_error("Failed to set unknown message");
+  if (&source.type() != field.nested)
+    return input_error("found a message of type " + source.type().name() + ", expected " + field.nested->name());
+  view.nested(field, index).copy_from(source);
+  return {};
+}
+
+/// Sources may lie in the array that is set, so they are copied before it changes its size.
+Status set_messages(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& values) {
+  std::vector<bus::Message> sources;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const MessageView source = values[i].is(ValueType::kHandle) ? store.view(values[i].as_handle()) : MessageView();
+    if (!source) return input_error("Failed to set unknown message");
+    if (&source.type() != field.nested)
+      return input_error("found a message of type " + source.type().name() + ", expected " + field.nested->name());
+    sources.emplace_back(source);
+  }
+  if (field.array != ArrayKind::kFixed)
+    if (Status s = view.resize(field, sources.size()); !s) return s;
+  for (std::size_t i = 0; i < sources.size(); ++i) view.nested(field, i).copy_from(sources[i].view());
+  return {};
+}
+
+Status set_array(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& values) {
+  if (!values.is(ValueType::kMultifield)) return input_error("expected multifield value!");
+  if (field.array == ArrayKind::kFixed && values.size() != field.size_limit)
+    return input_error("found " + std::to_string(values.size()) + " values, expected exactly " + std::to_string(field.size_limit));
+  if (field.type == FieldType::kMessage) return set_messages(store, view, field, values);
+  if (field.array != ArrayKind::kFixed)
+    if (Status s = view.resize(field, values.size()); !s) return s;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (Status s = set_value(store, view, field, values[i], i); !s) return s;
+  return {};
+}
+
+}  // namespace
+
+void give_field(Call& call, MessageStore& store, Handle message, std::string_view name) {
+  const MessageView view = store.view(message);
+  if (!view) return call.fail("Failed to retrieve field " + std::string(name) + ": invalid message pointer");
+  const Field* field = view.type().find(name);
+  if (!field) return call.fail(unknown_field("retrieve", view.type(), name));
+  if (field->array == ArrayKind::kSingle) give_single(call, store, message, view, *field);
+  else give_array(call, store, message, view, *field);
+}
+
+void set_field(Call& call, MessageStore& store, Handle message, std::string_view name, const ValueRef& value) {
+  const MessageView view = store.writable(message);
+  if (!view) return call.fail("Failed to set field " + std::string(name) + ": invalid message pointer");
+  const Field* field = view.type().find(name);
+  if (!field) return call.fail(unknown_field("set", view.type(), name));
+  const Status status = field->array == ArrayKind::kSingle ? set_value(store, view, *field, value, 0) : set_array(store, view, *field, value);
+  if (!status) call.fail("Failed to set field " + std::string(name) + " of " + view.type().name() + ": " + status.error().message);
+}
+
+}  // namespace cxlab::cx
