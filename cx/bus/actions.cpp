@@ -13,8 +13,10 @@ namespace {
 constexpr std::int8_t kCancelNone = 0, kCancelRejected = 1, kCancelUnknownGoal = 2, kCancelTerminated = 3;
 
 /// FNV-1a with two offsets: 16 bytes that depend on names and counts of the client only.
-GoalId goal_id_of(const std::string& node, const std::string& action, std::uint64_t twin, std::uint64_t endpoint, std::uint64_t number) {
-  const std::string text = node + '\n' + action + '\n' + std::to_string(twin) + '\n' + std::to_string(endpoint) + '\n' + std::to_string(number);
+GoalId goal_id_of(const std::string& node, const std::string& action, std::uint64_t twin, std::uint64_t endpoint,
+                  std::uint64_t number) {
+  const std::string text = node + '\n' + action + '\n' + std::to_string(twin) + '\n' + std::to_string(endpoint) + '\n' +
+                           std::to_string(number);
   GoalId id{};
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   for (std::size_t half = 0; half < 2; ++half) {
@@ -54,8 +56,10 @@ void Bus::cancel(EndpointId client, const GoalId& goal, SimTime stamp, Causes ca
   Endpoint* from = state_->find(client, EndpointKind::kActionClient);
   if (from == nullptr) return;
   Delivery delivery = state_->begin_post(DeliveryKind::kCancel, "cancel", *from);
-  if (goal != GoalId{}) state_->data.field("goal_id", std::string_view(to_string(goal)));
-  else if (stamp != kNever) state_->data.field("not_after", static_cast<std::int64_t>(stamp.count()));
+  if (goal != GoalId{})
+    state_->data.field("goal_id", std::string_view(to_string(goal)));
+  else if (stamp != kNever)
+    state_->data.field("not_after", static_cast<std::int64_t>(stamp.count()));
   delivery.goal = goal;
   delivery.stamp = stamp;
   delivery.cause = state_->write(now_, *from, causes);
@@ -114,7 +118,8 @@ bool Bus::publish_feedback(EndpointId server, const GoalId& id, SharedMessage fe
   Endpoint* from = state_->find(server, EndpointKind::kActionServer);
   if (from == nullptr) return false;
   const auto known = from->served.find(id);
-  if (known == from->served.end() || known->second.status == GoalStatus::kUnknown || known->second.ended()) return false;
+  if (known == from->served.end() || known->second.status == GoalStatus::kUnknown || known->second.ended())
+    return false;
   assert(feedback && &feedback->view().type() == from->feedback);
   Delivery delivery = state_->begin_post(DeliveryKind::kFeedback, "feedback", *from);
   state_->data.field("goal_id", std::string_view(to_string(id)));
@@ -134,7 +139,8 @@ bool Bus::finish(EndpointId server, const GoalId& id, GoalStatus status, SharedM
   const auto known = from->served.find(id);
   if (known == from->served.end()) return false;
   ServedGoal& goal = known->second;
-  const bool allowed = goal.status == GoalStatus::kCanceling || (goal.status == GoalStatus::kExecuting && status != GoalStatus::kCanceled);
+  const bool allowed = goal.status == GoalStatus::kCanceling ||
+                       (goal.status == GoalStatus::kExecuting && status != GoalStatus::kCanceled);
   if (!allowed) return false;
   assert(result && &result->view().type() == from->answer);
   goal.status = status;
@@ -167,9 +173,12 @@ void Bus::State::take_cancel(SimTime now, Endpoint& server, const Delivery& deli
   std::int8_t code = kCancelNone;
   if (one) {
     const auto known = server.served.find(delivery.goal);
-    if (known == server.served.end() || known->second.status == GoalStatus::kUnknown) code = kCancelUnknownGoal;
-    else if (!known->second.cancelable()) code = kCancelTerminated;
-    else open.undecided.push_back(delivery.goal);
+    if (known == server.served.end() || known->second.status == GoalStatus::kUnknown)
+      code = kCancelUnknownGoal;
+    else if (!known->second.cancelable())
+      code = kCancelTerminated;
+    else
+      open.undecided.push_back(delivery.goal);
   } else {
     for (const auto& [id, goal] : server.served)
       if (goal.cancelable() && goal.accepted_at <= delivery.stamp) open.undecided.push_back(id);
@@ -205,7 +214,8 @@ bool Bus::answer_cancel(EndpointId server, const Delivery& cancel, bool accept) 
     open.canceling.emplace_back(cancel.goal, goal.accepted_at);
   }
   if (open.undecided.empty())
-    state_->answer_cancel_request(now_, *from, cancel.request_id, open.canceling.empty() ? kCancelRejected : kCancelNone);
+    state_->answer_cancel_request(now_, *from, cancel.request_id,
+                                  open.canceling.empty() ? kCancelRejected : kCancelNone);
   return true;
 }
 

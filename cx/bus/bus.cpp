@@ -16,7 +16,8 @@ bool comes_before(const Delivery& a, const Delivery& b) {
 }
 
 std::string_view op_of(EndpointKind kind) {
-  static constexpr std::array<std::string_view, 6> kOps{"advertise", "subscribe", "serve", "client", "serve_action", "action_client"};
+  static constexpr std::array<std::string_view, 6> kOps{"advertise", "subscribe",    "serve",
+                                                        "client",    "serve_action", "action_client"};
   return kOps[static_cast<std::size_t>(kind)];
 }
 
@@ -29,7 +30,8 @@ std::vector<Bus::Info> info_of(const Channels& channels) {
   std::vector<Bus::Info> infos;
   for (const auto& [name, channel] : channels) {
     if (channel->providers.empty() && channel->users.empty()) continue;
-    infos.push_back({name, channel->type_name, static_cast<int>(channel->providers.size()), static_cast<int>(channel->users.size())});
+    infos.push_back({name, channel->type_name, static_cast<int>(channel->providers.size()),
+                     static_cast<int>(channel->users.size())});
   }
   return infos;
 }
@@ -69,14 +71,16 @@ void Bus::begin_tick(SimTime now) {
   ++state_->tick;
   for (auto& participant : state_->participants) {
     auto& next = participant->next_inbox;
-    participant->inbox.insert(participant->inbox.end(), std::make_move_iterator(next.begin()), std::make_move_iterator(next.end()));
+    participant->inbox.insert(participant->inbox.end(), std::make_move_iterator(next.begin()),
+                              std::make_move_iterator(next.end()));
     next.clear();
   }
 }
 
 // --- Endpoints
 
-Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::unique_ptr<Endpoint> made, std::string_view type_name) {
+Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::unique_ptr<Endpoint> made,
+                              std::string_view type_name) {
   Participant& owner = state_->participant(p);
   const std::string noun(noun_of(made->kind));
   if (const std::string fault = name_fault(written); !fault.empty())
@@ -92,7 +96,8 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
     channel->type_name = type_name;
     channel->type = made->message;
   } else if (channel->type != made->message) {
-    return input_error(noun + " '" + name + "' has type " + channel->type_name + ", found a second type " + std::string(type_name));
+    return input_error(noun + " '" + name + "' has type " + channel->type_name + ", found a second type " +
+                       std::string(type_name));
   }
 
   Endpoint& endpoint = *made;
@@ -104,7 +109,8 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
   state_->begin(op_of(endpoint.kind), endpoint).field("type", type_name);
   state_->write(now_, endpoint, {});
 
-  const bool first_server = endpoint.provides() && endpoint.kind != EndpointKind::kPublisher && channel->providers.size() == 1;
+  const bool first_server =
+      endpoint.provides() && endpoint.kind != EndpointKind::kPublisher && channel->providers.size() == 1;
   if (first_server) {
     for (Waiting& request : channel->waiting) state_->hand_to_server(endpoint, std::move(request));
     channel->waiting.clear();
@@ -114,8 +120,8 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
 
 namespace {
 
-std::unique_ptr<Endpoint> make_endpoint(EndpointKind kind, const MessageType* message, const MessageType* answer = nullptr,
-                                        const MessageType* feedback = nullptr) {
+std::unique_ptr<Endpoint> make_endpoint(EndpointKind kind, const MessageType* message,
+                                        const MessageType* answer = nullptr, const MessageType* feedback = nullptr) {
   auto endpoint = std::make_unique<Endpoint>();
   endpoint->kind = kind;
   endpoint->message = message;
@@ -136,19 +142,22 @@ Expected<EndpointId> Bus::subscribe(ParticipantId p, std::string_view topic, con
   return add(p, topic, std::move(endpoint), type.name());
 }
 
-Expected<EndpointId> Bus::serve(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_request) {
+Expected<EndpointId> Bus::serve(ParticipantId p, std::string_view service, const ServiceType& type,
+                                Handler on_request) {
   auto endpoint = make_endpoint(EndpointKind::kServer, type.request, type.response);
   endpoint->handlers[0] = std::move(on_request);
   return add(p, service, std::move(endpoint), type.name);
 }
 
-Expected<EndpointId> Bus::create_client(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_response) {
+Expected<EndpointId> Bus::create_client(ParticipantId p, std::string_view service, const ServiceType& type,
+                                        Handler on_response) {
   auto endpoint = make_endpoint(EndpointKind::kClient, type.request, type.response);
   endpoint->handlers[0] = std::move(on_response);
   return add(p, service, std::move(endpoint), type.name);
 }
 
-Expected<EndpointId> Bus::serve_action(ParticipantId p, std::string_view action, const ActionType& type, ActionServerHandlers handlers) {
+Expected<EndpointId> Bus::serve_action(ParticipantId p, std::string_view action, const ActionType& type,
+                                       ActionServerHandlers handlers) {
   auto endpoint = make_endpoint(EndpointKind::kActionServer, type.goal, type.result, type.feedback);
   endpoint->handlers[handler_index(DeliveryKind::kGoal)] = std::move(handlers.goal);
   endpoint->handlers[handler_index(DeliveryKind::kCancel)] = std::move(handlers.cancel);
@@ -193,7 +202,8 @@ void Bus::publish(EndpointId publisher, SharedMessage message, Causes causes) {
   if (state_->muted) return;
   delivery.message = std::move(message);
   const auto& users = from->channel->users;
-  for (std::size_t i = 0; i < users.size(); ++i) state_->enqueue(*users[i], i + 1 < users.size() ? delivery : std::move(delivery), state_->tick);
+  for (std::size_t i = 0; i < users.size(); ++i)
+    state_->enqueue(*users[i], i + 1 < users.size() ? delivery : std::move(delivery), state_->tick);
 }
 
 bool Bus::service_ready(EndpointId client) const {
@@ -266,16 +276,23 @@ void Bus::State::handle(SimTime now, const Delivery& delivery) {
       goal.cause = delivery.cause;
       break;
     }
-    case DeliveryKind::kCancel: take_cancel(now, *endpoint, delivery); return;
-    case DeliveryKind::kGoalResponse: case DeliveryKind::kFeedback: case DeliveryKind::kResult:
+    case DeliveryKind::kCancel:
+      take_cancel(now, *endpoint, delivery);
+      return;
+    case DeliveryKind::kGoalResponse:
+    case DeliveryKind::kFeedback:
+    case DeliveryKind::kResult:
       endpoint->sent[delivery.goal].status = delivery.status;
       break;
     case DeliveryKind::kCancelResponse:
       for (const auto& [goal, accepted_at] : delivery.goals_canceling)
-        if (const auto known = endpoint->sent.find(goal); known != endpoint->sent.end() && known->second.status <= GoalStatus::kExecuting)
+        if (const auto known = endpoint->sent.find(goal);
+            known != endpoint->sent.end() && known->second.status <= GoalStatus::kExecuting)
           known->second.status = GoalStatus::kCanceling;
       break;
-    case DeliveryKind::kServiceResponse: case DeliveryKind::kTopic: break;
+    case DeliveryKind::kServiceResponse:
+    case DeliveryKind::kTopic:
+      break;
   }
   call_handler(*endpoint, delivery);
 }

@@ -21,7 +21,8 @@
 namespace cxlab::bus {
 
 enum class ParticipantId : std::uint32_t {};  ///< 0, 1, ... in order of joining: the sender's index
-enum class EndpointId : std::uint64_t {};     ///< a publisher, subscription, client, ...: owner << 32 | number; never used again
+enum class EndpointId : std::uint64_t {
+};  ///< a publisher, subscription, client, ...: owner << 32 | number; never used again
 
 /// Environments receive what other environments send one tick later; nodes (servers, world) receive at their next take.
 enum class ParticipantKind : std::uint8_t { kNode, kEnvironment };
@@ -29,7 +30,15 @@ enum class ParticipantKind : std::uint8_t { kNode, kEnvironment };
 /// In the order in which a participant takes them (docs/contracts.md 1). Answers to goals and cancels are service
 /// responses, as in ROS.
 enum class DeliveryKind : std::uint8_t {
-  kServiceResponse, kGoalResponse, kCancelResponse, kServiceRequest, kGoal, kCancel, kFeedback, kResult, kTopic
+  kServiceResponse,
+  kGoalResponse,
+  kCancelResponse,
+  kServiceRequest,
+  kGoal,
+  kCancel,
+  kFeedback,
+  kResult,
+  kTopic
 };
 
 using GoalId = std::array<std::uint8_t, 16>;
@@ -37,24 +46,33 @@ using GoalId = std::array<std::uint8_t, 16>;
 std::string to_string(const GoalId& id);
 
 /// action_msgs/msg/GoalStatus and the client's view of it.
-enum class GoalStatus : std::int8_t { kUnknown = 0, kAccepted = 1, kExecuting = 2, kCanceling = 3, kSucceeded = 4, kCanceled = 5, kAborted = 6 };
+enum class GoalStatus : std::int8_t {
+  kUnknown = 0,
+  kAccepted = 1,
+  kExecuting = 2,
+  kCanceling = 3,
+  kSucceeded = 4,
+  kCanceled = 5,
+  kAborted = 6
+};
 enum class GoalAnswer : std::uint8_t { kReject = 1, kAccept = 2, kDefer = 3 };
 
 /// One thing that a participant takes. `from` orders; records name participants, never count them.
 struct Delivery {
   DeliveryKind kind{};
   ParticipantId from{};
-  std::uint64_t sequence = 0;   ///< of the sender
-  EndpointId endpoint{};        ///< the receiver's
-  SharedMessage message;        ///< topic message, request, response, goal, feedback or result; null where there is none
-  std::uint64_t request_id = 0; ///< responses: the client's number of the call, from 1; requests and cancels: the server's, from 1
-  GoalId goal{};                ///< cancels and their responses: all zero where many goals were meant
+  std::uint64_t sequence = 0;  ///< of the sender
+  EndpointId endpoint{};       ///< the receiver's
+  SharedMessage message;       ///< topic message, request, response, goal, feedback or result; null where there is none
+  std::uint64_t request_id =
+      0;          ///< responses: the client's number of the call, from 1; requests and cancels: the server's, from 1
+  GoalId goal{};  ///< cancels and their responses: all zero where many goals were meant
   bool accepted = false;        ///< goal responses
   GoalStatus status{};          ///< goal responses, feedback, results: the server's at the post
   std::int8_t return_code = 0;  ///< cancel responses: 0 none, 1 rejected, 2 unknown goal, 3 terminated
-  SimTime stamp{};              ///< goal responses: when the goal was accepted; cancels of many: accepted not after this
+  SimTime stamp{};  ///< goal responses: when the goal was accepted; cancels of many: accepted not after this
   std::vector<std::pair<GoalId, SimTime>> goals_canceling;  ///< cancel responses
-  RecordRef cause;              ///< the record of the post
+  RecordRef cause;                                          ///< the record of the post
 };
 
 /// Records that led to a post; the post's own record names them. Answers name what they answer without being told.
@@ -110,12 +128,20 @@ class Bus {
   Expected<EndpointId> advertise(ParticipantId p, std::string_view topic, const MessageType& type);
   Expected<EndpointId> subscribe(ParticipantId p, std::string_view topic, const MessageType& type, Handler handler);
   Expected<EndpointId> serve(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_request);
-  Expected<EndpointId> create_client(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_response);
-  struct ActionServerHandlers { Handler goal, cancel; };
-  Expected<EndpointId> serve_action(ParticipantId p, std::string_view action, const ActionType& type, ActionServerHandlers handlers);
-  struct ActionClientHandlers { Handler goal_response, feedback, result, cancel_response; };
-  Expected<EndpointId> create_action_client(ParticipantId p, std::string_view action, const ActionType& type, ActionClientHandlers handlers);
-  /// Removes an endpoint. What is in flight to it is dropped; open requests and goals of a removed server stay unanswered.
+  Expected<EndpointId> create_client(ParticipantId p, std::string_view service, const ServiceType& type,
+                                     Handler on_response);
+  struct ActionServerHandlers {
+    Handler goal, cancel;
+  };
+  Expected<EndpointId> serve_action(ParticipantId p, std::string_view action, const ActionType& type,
+                                    ActionServerHandlers handlers);
+  struct ActionClientHandlers {
+    Handler goal_response, feedback, result, cancel_response;
+  };
+  Expected<EndpointId> create_action_client(ParticipantId p, std::string_view action, const ActionType& type,
+                                            ActionClientHandlers handlers);
+  /// Removes an endpoint. What is in flight to it is dropped; open requests and goals of a removed server stay
+  /// unanswered.
   void remove(EndpointId endpoint);
   /// The endpoint's number within its participant, in order of making from 0 (removed ones count), and back: the same
   /// when the participant's program runs again. For the input log.
@@ -145,8 +171,8 @@ class Bus {
   /// Status as far as the client has taken deliveries.
   GoalStatus goal_status(EndpointId client, const GoalId& goal) const;
 
-  // --- Actions, server side. What the state of the goal does not allow is ignored and returns false: a goal is answered
-  // once; accepted -> executing -> (canceling ->) succeeded, aborted; canceled only from canceling.
+  // --- Actions, server side. What the state of the goal does not allow is ignored and returns false: a goal is
+  // answered once; accepted -> executing -> (canceling ->) succeeded, aborted; canceled only from canceling.
   bool answer_goal(EndpointId server, const GoalId& goal, GoalAnswer answer);
   /// The cancel handler is called once a goal that could be canceled; the client hears of all of them together, when
   /// the last is answered. A server without a cancel handler rejects.
@@ -158,28 +184,33 @@ class Bus {
   GoalStatus server_goal_status(EndpointId server, const GoalId& goal) const;
 
   // --- Taking
-  bool has_waiting(ParticipantId p) const;   ///< something that `take` would give now
-  bool any_waiting() const;                  ///< for any participant now or, between environments, next tick
-  /// Takes all that `p` may take now, in order, and calls each endpoint's handler. Returns how many. Handlers may post and
-  /// make or remove endpoints: what they post is for a later call, what waits for a removed endpoint is dropped.
+  bool has_waiting(ParticipantId p) const;  ///< something that `take` would give now
+  bool any_waiting() const;                 ///< for any participant now or, between environments, next tick
+  /// Takes all that `p` may take now, in order, and calls each endpoint's handler. Returns how many. Handlers may post
+  /// and make or remove endpoints: what they post is for a later call, what waits for a removed endpoint is dropped.
   std::size_t deliver(ParticipantId p);
   /// Sees what each `deliver` takes, before the handlers; not called where there is nothing.
   void set_input_tap(InputTap* tap);
 
   // --- Replay: routing is off; posts are recorded as ever but reach nobody; `inject` hands logged deliveries to the
-  // handlers, in the order given. Their endpoints are found by number, whatever the index of `to` was in the logged run.
+  // handlers, in the order given. Their endpoints are found by number, whatever the index of `to` was in the logged
+  // run.
   void mute(bool on);
   void inject(ParticipantId to, const std::vector<Delivery>& deliveries);
 
   // --- Introspection, sorted by name
-  struct Info { std::string name, type; int providers = 0, users = 0; };
+  struct Info {
+    std::string name, type;
+    int providers = 0, users = 0;
+  };
   std::vector<Info> topics() const;
   std::vector<Info> services() const;
   std::vector<Info> actions() const;
 
  private:
   struct State;
-  Expected<EndpointId> add(ParticipantId p, std::string_view written, std::unique_ptr<Endpoint> made, std::string_view type_name);
+  Expected<EndpointId> add(ParticipantId p, std::string_view written, std::unique_ptr<Endpoint> made,
+                           std::string_view type_name);
   void cancel(EndpointId client, const GoalId& goal, SimTime stamp, Causes causes);
 
   Registry& registry_;

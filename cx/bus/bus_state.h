@@ -42,8 +42,8 @@ struct SentGoal {
 /// The server's view of a goal that reached it.
 struct ServedGoal {
   EndpointId client{};
-  bool taken = false;     ///< the server has seen it
-  std::size_t order = 0;  ///< among those that reached the server
+  bool taken = false;                        ///< the server has seen it
+  std::size_t order = 0;                     ///< among those that reached the server
   GoalStatus status = GoalStatus::kUnknown;  ///< unknown until it is answered
   SimTime accepted_at{};
   RecordRef cause;
@@ -71,16 +71,18 @@ struct Endpoint {
   Channel* channel = nullptr;
   /// Topic, request, response or goal; and the other messages of an action.
   const MessageType* message = nullptr;
-  const MessageType* answer = nullptr;    ///< response, result
+  const MessageType* answer = nullptr;  ///< response, result
   const MessageType* feedback = nullptr;
-  std::array<Handler, 4> handlers;        ///< by handler_index
-  std::uint64_t next_number = 1;          ///< of a client's calls, or of the requests to a server
+  std::array<Handler, 4> handlers;  ///< by handler_index
+  std::uint64_t next_number = 1;    ///< of a client's calls, or of the requests to a server
   std::map<std::uint64_t, OpenRequest> requests;
   std::map<GoalId, SentGoal> sent;
   std::map<GoalId, ServedGoal> served;
   std::size_t next_order = 0;
 
-  bool provides() const { return kind == EndpointKind::kPublisher || kind == EndpointKind::kServer || kind == EndpointKind::kActionServer; }
+  bool provides() const {
+    return kind == EndpointKind::kPublisher || kind == EndpointKind::kServer || kind == EndpointKind::kActionServer;
+  }
   ServedGoal& served_goal(const GoalId& id) {
     const auto [at, added] = served.try_emplace(id);
     if (added) at->second.order = next_order++;
@@ -91,10 +93,15 @@ struct Endpoint {
 /// Which of an endpoint's handlers takes deliveries of that kind.
 inline std::size_t handler_index(DeliveryKind kind) {
   switch (kind) {
-    case DeliveryKind::kCancel: case DeliveryKind::kFeedback: return 1;
-    case DeliveryKind::kResult: return 2;
-    case DeliveryKind::kCancelResponse: return 3;
-    default: return 0;
+    case DeliveryKind::kCancel:
+    case DeliveryKind::kFeedback:
+      return 1;
+    case DeliveryKind::kResult:
+      return 2;
+    case DeliveryKind::kCancelResponse:
+      return 3;
+    default:
+      return 0;
   }
 }
 
@@ -102,13 +109,13 @@ struct Participant {
   ParticipantKind kind{};
   NodeName name;
   StreamId stream{};
-  std::uint64_t twin = 0;        ///< participants of the same full name that joined before
+  std::uint64_t twin = 0;  ///< participants of the same full name that joined before
   std::uint64_t posts = 0;
   bool delivering = false;
   std::vector<std::unique_ptr<Endpoint>> endpoints;  ///< by number; null once removed
-  std::vector<Delivery> inbox;       ///< may be taken now
-  std::vector<Delivery> next_inbox;  ///< from environments to this one: after the next begin_tick
-  std::vector<Delivery> taken;       ///< what deliver() works on; keeps its memory
+  std::vector<Delivery> inbox;                       ///< may be taken now
+  std::vector<Delivery> next_inbox;                  ///< from environments to this one: after the next begin_tick
+  std::vector<Delivery> taken;                       ///< what deliver() works on; keeps its memory
 };
 
 struct Bus::State {
@@ -180,8 +187,10 @@ struct Bus::State {
   void send_to_server(Endpoint& client, Delivery delivery) {
     if (muted) return;
     Channel& channel = *client.channel;
-    if (channel.providers.empty()) channel.waiting.push_back({std::move(delivery), client.id, tick});
-    else hand_to_server(*channel.providers.front(), {std::move(delivery), client.id, tick});
+    if (channel.providers.empty())
+      channel.waiting.push_back({std::move(delivery), client.id, tick});
+    else
+      hand_to_server(*channel.providers.front(), {std::move(delivery), client.id, tick});
   }
   void hand_to_server(Endpoint& server, Waiting request) {
     Delivery& delivery = request.delivery;

@@ -51,7 +51,8 @@ std::string in_quotes(std::string_view text) { return "'" + std::string(text) + 
 std::string_view take_word(std::string_view& rest, std::string_view stops) {
   rest = trim(rest);
   std::size_t end = 0;
-  while (end < rest.size() && rest[end] != ' ' && rest[end] != '\t' && stops.find(rest[end]) == std::string_view::npos) ++end;
+  while (end < rest.size() && rest[end] != ' ' && rest[end] != '\t' && stops.find(rest[end]) == std::string_view::npos)
+    ++end;
   const std::string_view word = rest.substr(0, end);
   rest = trim(rest.substr(end));
   return word;
@@ -64,8 +65,10 @@ std::string_view value_part(std::string_view text) {
   char quote = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (quote != 0) {
-      if (text[i] == '\\') ++i;
-      else if (text[i] == quote) quote = 0;
+      if (text[i] == '\\')
+        ++i;
+      else if (text[i] == quote)
+        quote = 0;
     } else if (text[i] == '#') {
       return trim(text.substr(0, i));
     } else if (may_quote && (text[i] == '"' || text[i] == '\'')) {
@@ -116,7 +119,8 @@ class LineParser {
       if (Status status = parse_limit(base.substr(bound + 2), word, field.string_limit); !status) return status;
       base = base.substr(0, bound);
     }
-    const auto primitive = std::find_if(kPrimitives.begin(), kPrimitives.end(), [&](const Primitive& p) { return p.word == base; });
+    const auto primitive =
+        std::find_if(kPrimitives.begin(), kPrimitives.end(), [&](const Primitive& p) { return p.word == base; });
     if (primitive != kPrimitives.end()) {
       field.type = primitive->type;
       return {};
@@ -138,12 +142,14 @@ class LineParser {
     const auto letter = [](char c) { return is_lower(c) || is_upper(c); };
     const bool good_package = count == 1 || is_word(parts[0], is_lower);
     const bool good_kind = count < 3 || parts[1] == "msg";
-    if (type.empty() || !is_upper(type.front()) || !std::all_of(type.begin(), type.end(), [&](char c) { return letter(c) || is_digit(c); }) ||
-        !good_package || !good_kind) {
+    if (type.empty() || !is_upper(type.front()) ||
+        !std::all_of(type.begin(), type.end(), [&](char c) { return letter(c) || is_digit(c); }) || !good_package ||
+        !good_kind) {
       std::vector<std::string> words;
       for (const Primitive& p : kPrimitives) words.emplace_back(p.word);
       const std::string nearest = nearest_word(std::string(base), words);
-      return fail("found type " + in_quotes(word) + ", expected a primitive type, Name, package/Name or package/msg/Name" +
+      return fail("found type " + in_quotes(word) +
+                  ", expected a primitive type, Name, package/Name or package/msg/Name" +
                   (nearest.empty() ? "" : "; nearest is " + in_quotes(nearest)));
     }
     spec.field.type = FieldType::kMessage;
@@ -154,7 +160,8 @@ class LineParser {
   Status parse_limit(std::string_view text, std::string_view word, std::size_t& limit) const {
     const auto value = parse_integer(text, FieldType::kUint32);
     if (!value || !is_digit(text.front()) || *value < 1 || *value > static_cast<std::int64_t>(kMaxElements))
-      return fail("found " + in_quotes(text) + " in " + in_quotes(word) + ", expected a number from 1 to " + std::to_string(kMaxElements));
+      return fail("found " + in_quotes(text) + " in " + in_quotes(word) + ", expected a number from 1 to " +
+                  std::to_string(kMaxElements));
     limit = static_cast<std::size_t>(*value);
     return {};
   }
@@ -164,7 +171,8 @@ class LineParser {
     if (!is_word(field.name, is_upper))
       return fail("found constant " + in_quotes(field.name) + ", expected a name in capitals like MAX_SPEED");
     if (field.is_message() || field.array != ArrayKind::kSingle)
-      return fail("constant " + in_quotes(field.name) + " has type " + in_quotes(field.type_text()) + ", expected a primitive type, not an array");
+      return fail("constant " + in_quotes(field.name) + " has type " + in_quotes(field.type_text()) +
+                  ", expected a primitive type, not an array");
     if (find_constant(section, field.name)) return fail("constant " + in_quotes(field.name) + " is defined twice");
     if (value.empty() && !field.is_text()) return fail("constant " + in_quotes(field.name) + " has no value");
     Constant constant{field.name, field.type, std::string(value)};
@@ -194,14 +202,16 @@ class LineParser {
       if (other.field.name == name)
         return fail("field " + in_quotes(name) + " is defined twice, first in line " + std::to_string(other.line));
     if (spec.field.is_message() && !value.empty())
-      return fail("found default " + in_quotes(value) + " of field " + in_quotes(name) + ": only primitive types have defaults");
+      return fail("found default " + in_quotes(value) + " of field " + in_quotes(name) +
+                  ": only primitive types have defaults");
     spec.field.default_text = value;
     section.fields.push_back(std::move(spec));
     return {};
   }
 
   static bool find_constant(const Section& section, const std::string& name) {
-    return std::any_of(section.constants.begin(), section.constants.end(), [&](const Constant& c) { return c.name == name; });
+    return std::any_of(section.constants.begin(), section.constants.end(),
+                       [&](const Constant& c) { return c.name == name; });
   }
 
   const std::string& file_;
@@ -229,7 +239,9 @@ Expected<std::vector<Section>> parse_definition(std::string_view text, const std
     if (Status status = LineParser(file, line).parse(row, result.back()); !status) return status.error();
   }
   if (result.size() != sections)
-    return input_error("found " + std::to_string(result.size() - 1) + " lines of '---', expected " + std::to_string(sections - 1), file, line);
+    return input_error(
+        "found " + std::to_string(result.size() - 1) + " lines of '---', expected " + std::to_string(sections - 1),
+        file, line);
   return result;
 }
 

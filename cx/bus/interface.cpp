@@ -26,7 +26,8 @@ struct Form {
   std::array<std::string_view, 3> suffixes;
   std::size_t sections;
 };
-constexpr std::array<Form, 3> kForms{{{"msg", {""}, 1}, {"srv", {"_Request", "_Response"}, 2}, {"action", {"_Goal", "_Result", "_Feedback"}, 3}}};
+constexpr std::array<Form, 3> kForms{
+    {{"msg", {""}, 1}, {"srv", {"_Request", "_Response"}, 2}, {"action", {"_Goal", "_Result", "_Feedback"}, 3}}};
 
 bool is_identifier(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
@@ -53,10 +54,14 @@ Expected<std::string> read_file(const fs::path& path) {
   std::error_code failure;
   const auto size = fs::file_size(path, failure);
   if (failure) return input_error("cannot read: " + failure.message(), path.string());
-  if (size > kMaxFileBytes) return input_error("found " + std::to_string(size) + " bytes, expected a definition of at most " + std::to_string(kMaxFileBytes), path.string());
+  if (size > kMaxFileBytes)
+    return input_error(
+        "found " + std::to_string(size) + " bytes, expected a definition of at most " + std::to_string(kMaxFileBytes),
+        path.string());
   std::ifstream stream(path, std::ios::binary);
   std::string text(static_cast<std::size_t>(size), '\0');
-  if (!stream.read(text.data(), static_cast<std::streamsize>(size))) return input_error("cannot read the file", path.string());
+  if (!stream.read(text.data(), static_cast<std::streamsize>(size)))
+    return input_error("cannot read the file", path.string());
   return text;
 }
 
@@ -70,7 +75,8 @@ std::vector<std::string> files_in(const fs::path& folder, const std::string& ext
 }
 
 bool holds_definitions(const fs::path& folder) {
-  return std::any_of(kForms.begin(), kForms.end(), [&](const Form& form) { return fs::is_directory(folder / form.folder); });
+  return std::any_of(kForms.begin(), kForms.end(),
+                     [&](const Form& form) { return fs::is_directory(folder / form.folder); });
 }
 
 /// Sets a field of the prototype to the default that the definition gives.
@@ -81,7 +87,8 @@ Status set_default(const MessageView& message, const Field& field) {
     if (!list) return list.error();
     items = std::move(*list);
     if (field.array == ArrayKind::kFixed && items.size() != field.size_limit)
-      return input_error("found " + std::to_string(items.size()) + " values, expected " + std::to_string(field.size_limit));
+      return input_error("found " + std::to_string(items.size()) + " values, expected " +
+                         std::to_string(field.size_limit));
     if (field.is_sequence())
       if (Status status = message.resize(field, items.size()); !status) return status;
   }
@@ -92,8 +99,10 @@ Status set_default(const MessageView& message, const Field& field) {
       status = text ? message.set_text(field, *text, i) : Status(text.error());
     } else if (field.is_real()) {
       const auto real = parse_real(items[i]);
-      if (real) message.set_real(field, *real, i);
-      else status = real.error();
+      if (real)
+        message.set_real(field, *real, i);
+      else
+        status = real.error();
     } else if (field.type == FieldType::kBool) {
       const auto flag = parse_bool(items[i]);
       status = flag ? message.set_integer(field, *flag, i) : Status(flag.error());
@@ -109,8 +118,9 @@ Status set_default(const MessageView& message, const Field& field) {
 }  // namespace
 
 std::string_view to_string(FieldType type) {
-  static constexpr std::array<std::string_view, 16> kWords{"bool",   "byte",  "char",   "int8",    "uint8",   "int16",  "uint16",  "int32",
-                                                           "uint32", "int64", "uint64", "float32", "float64", "string", "wstring", "message"};
+  static constexpr std::array<std::string_view, 16> kWords{
+      "bool",   "byte",  "char",   "int8",    "uint8",   "int16",  "uint16",  "int32",
+      "uint32", "int64", "uint64", "float32", "float64", "string", "wstring", "message"};
   return kWords[static_cast<std::size_t>(type)];
 }
 
@@ -172,9 +182,11 @@ Registry::Registry(Registry&&) noexcept = default;
 Registry& Registry::operator=(Registry&&) noexcept = default;
 
 Status Registry::add_package(const std::string& package, const fs::path& folder) {
-  if (!is_identifier(package)) return input_error("found package name '" + package + "', expected letters, digits and underscores");
+  if (!is_identifier(package))
+    return input_error("found package name '" + package + "', expected letters, digits and underscores");
   std::error_code failure;
-  if (!fs::is_directory(folder, failure)) return input_error("package '" + package + "': found no folder", folder.string());
+  if (!fs::is_directory(folder, failure))
+    return input_error("package '" + package + "': found no folder", folder.string());
   if (!holds_definitions(folder))
     return input_error("package '" + package + "': found none of the folders msg, srv, action", folder.string());
   State::Package& known = state_->packages[package];
@@ -205,7 +217,8 @@ std::vector<std::string> Registry::interfaces(const std::string& package) const 
   if (known == state_->packages.end()) return names;
   for (const Form& form : kForms) {
     const std::string folder(form.folder);
-    for (const std::string& name : files_in(known->second.folder / folder, "." + folder)) names.push_back(package + '/' + folder + '/' + name);
+    for (const std::string& name : files_in(known->second.folder / folder, "." + folder))
+      names.push_back(package + '/' + folder + '/' + name);
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -221,7 +234,8 @@ Status Registry::read(const std::string& package, const std::string& folder, con
   const fs::path path = known->second.folder / folder / (name + '.' + folder);
   std::error_code failure;
   if (!is_identifier(name) || !fs::is_regular_file(path, failure))
-    return input_error("'" + full + "' is not defined in package '" + package + "'" + did_you_mean(full, interfaces(package)));
+    return input_error("'" + full + "' is not defined in package '" + package + "'" +
+                       did_you_mean(full, interfaces(package)));
 
   auto& reading = state_->reading;
   if (const auto outer = std::find(reading.begin(), reading.end(), full); outer != reading.end()) {
@@ -261,7 +275,8 @@ Status Registry::read(const std::string& package, const std::string& folder, con
   return {};
 }
 
-Status Registry::compile(MessageType& type, const Section& section, const std::string& package, const std::string& file) {
+Status Registry::compile(MessageType& type, const Section& section, const std::string& package,
+                         const std::string& file) {
   type.constants_ = section.constants;
   std::size_t end = 0;
   std::size_t serialized = 0;
@@ -290,11 +305,16 @@ Status Registry::compile(MessageType& type, const Section& section, const std::s
     field.offset = (end + alignment - 1) / alignment * alignment;
     end = field.offset + size;
     if (end > kMaxMessageBytes)
-      return input_error("field '" + field.name + "' makes the message larger than " + std::to_string(kMaxMessageBytes) + " bytes", file, spec.line);
+      return input_error(
+          "field '" + field.name + "' makes the message larger than " + std::to_string(kMaxMessageBytes) + " bytes",
+          file, spec.line);
     type.alignment_ = std::max(type.alignment_, alignment);
     const bool counted = field.is_sequence() || field.is_text();
     type.plain_ = type.plain_ && !counted && (!field.is_message() || field.nested->plain());
-    serialized += field.is_sequence() ? 4 : count * (field.is_text() ? 4 : field.is_message() ? field.nested->serialized_min() : element.size);
+    serialized += field.is_sequence() ? 4
+                                      : count * (field.is_text()      ? 4
+                                                 : field.is_message() ? field.nested->serialized_min()
+                                                                      : element.size);
     type.fields_.push_back(std::move(field));
   }
   type.byte_size_ = std::max<std::size_t>(1, (end + type.alignment_ - 1) / type.alignment_ * type.alignment_);
@@ -303,14 +323,18 @@ Status Registry::compile(MessageType& type, const Section& section, const std::s
   type.prototype_ = allocate(type.byte_size_);
   std::fill_n(type.prototype_, type.byte_size_, std::byte{0});
   for (const Field& field : type.fields_) {
-    if (field.is_sequence()) new (type.prototype_ + field.offset) Sequence{};
-    else construct_default_elements(field, type.prototype_ + field.offset, field.array == ArrayKind::kFixed ? field.size_limit : 1);
+    if (field.is_sequence())
+      new (type.prototype_ + field.offset) Sequence{};
+    else
+      construct_default_elements(field, type.prototype_ + field.offset,
+                                 field.array == ArrayKind::kFixed ? field.size_limit : 1);
   }
   for (std::size_t i = 0; i < type.fields_.size(); ++i) {
     const Field& field = type.fields_[i];
     if (field.default_text.empty()) continue;
     if (Status status = set_default(MessageView(&type, type.prototype_), field); !status)
-      return input_error("default of field '" + field.name + "' (" + field.type_text() + "): " + status.error().message, file, section.fields[i].line);
+      return input_error("default of field '" + field.name + "' (" + field.type_text() + "): " + status.error().message,
+                         file, section.fields[i].line);
   }
   return {};
 }
@@ -326,10 +350,12 @@ Expected<const MessageType*> Registry::message(const std::string& name) {
         const std::string_view suffix = form.suffixes[i];
         const std::string& last = parts[2];
         if (last.size() <= suffix.size() || last.substr(last.size() - suffix.size()) != suffix) continue;
-        if (Status status = read(parts[0], parts[1], last.substr(0, last.size() - suffix.size())); !status) return status.error();
+        if (Status status = read(parts[0], parts[1], last.substr(0, last.size() - suffix.size())); !status)
+          return status.error();
         return state_->messages.at(name);
       }
-      return input_error("found '" + name + "', expected " + parts[0] + '/' + parts[1] + "/Name" + std::string(form.suffixes[0]) + " or the like");
+      return input_error("found '" + name + "', expected " + parts[0] + '/' + parts[1] + "/Name" +
+                         std::string(form.suffixes[0]) + " or the like");
     }
   }
   return input_error("found '" + name + "', expected a message type: package/msg/Name");
@@ -337,7 +363,8 @@ Expected<const MessageType*> Registry::message(const std::string& name) {
 
 Expected<const ServiceType*> Registry::service(const std::string& name) {
   const auto parts = split(name);
-  if (parts.size() != 3 || parts[1] != "srv") return input_error("found '" + name + "', expected a service type: package/srv/Name");
+  if (parts.size() != 3 || parts[1] != "srv")
+    return input_error("found '" + name + "', expected a service type: package/srv/Name");
   if (!state_->services.count(name))
     if (Status status = read(parts[0], parts[1], parts[2]); !status) return status.error();
   return &state_->services.at(name);
@@ -345,7 +372,8 @@ Expected<const ServiceType*> Registry::service(const std::string& name) {
 
 Expected<const ActionType*> Registry::action(const std::string& name) {
   const auto parts = split(name);
-  if (parts.size() != 3 || parts[1] != "action") return input_error("found '" + name + "', expected an action type: package/action/Name");
+  if (parts.size() != 3 || parts[1] != "action")
+    return input_error("found '" + name + "', expected an action type: package/action/Name");
   if (!state_->actions.count(name))
     if (Status status = read(parts[0], parts[1], parts[2]); !status) return status.error();
   return &state_->actions.at(name);

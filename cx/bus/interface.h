@@ -16,8 +16,22 @@ namespace cxlab::bus {
 
 /// Primitive types of the ROS 2 interface language, and nested messages.
 enum class FieldType : std::uint8_t {
-  kBool, kByte, kChar, kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64,
-  kFloat32, kFloat64, kString, kWstring, kMessage
+  kBool,
+  kByte,
+  kChar,
+  kInt8,
+  kUint8,
+  kInt16,
+  kUint16,
+  kInt32,
+  kUint32,
+  kInt64,
+  kUint64,
+  kFloat32,
+  kFloat64,
+  kString,
+  kWstring,
+  kMessage
 };
 
 /// As definitions write it: "bool", "float64", ...; "message" for nested ones.
@@ -33,12 +47,12 @@ struct Field {
   std::string name;
   FieldType type{};
   ArrayKind array = ArrayKind::kSingle;
-  std::size_t size_limit = 0;       ///< of a fixed or bounded array
-  std::size_t string_limit = 0;     ///< of a bounded string, 0 = none
+  std::size_t size_limit = 0;    ///< of a fixed or bounded array
+  std::size_t string_limit = 0;  ///< of a bounded string, 0 = none
   const MessageType* nested = nullptr;
-  std::size_t offset = 0;           ///< in bytes from the start of the message
-  std::size_t stride = 0;           ///< bytes of one element
-  std::string default_text;         ///< as written in the definition, empty = zero
+  std::size_t offset = 0;    ///< in bytes from the start of the message
+  std::size_t stride = 0;    ///< bytes of one element
+  std::string default_text;  ///< as written in the definition, empty = zero
 
   bool is_integer() const { return type < FieldType::kFloat32; }  ///< bool, byte and char too
   bool is_real() const { return type == FieldType::kFloat32 || type == FieldType::kFloat64; }

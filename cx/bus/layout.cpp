@@ -11,9 +11,13 @@ namespace cxlab::bus {
 namespace {
 
 std::string& text_at(std::byte* memory) { return *std::launder(reinterpret_cast<std::string*>(memory)); }
-const std::string& text_at(const std::byte* memory) { return *std::launder(reinterpret_cast<const std::string*>(memory)); }
+const std::string& text_at(const std::byte* memory) {
+  return *std::launder(reinterpret_cast<const std::string*>(memory));
+}
 Sequence& sequence_at(std::byte* memory) { return *std::launder(reinterpret_cast<Sequence*>(memory)); }
-const Sequence& sequence_at(const std::byte* memory) { return *std::launder(reinterpret_cast<const Sequence*>(memory)); }
+const Sequence& sequence_at(const std::byte* memory) {
+  return *std::launder(reinterpret_cast<const Sequence*>(memory));
+}
 
 bool plain_element(const Field& field) { return field.is_message() ? field.nested->plain() : !field.is_text(); }
 
@@ -39,13 +43,28 @@ void relocate_elements(const Field& field, std::byte* to, std::byte* from, std::
 
 ElementSize element_size(const Field& field) {
   switch (field.type) {
-    case FieldType::kBool: case FieldType::kByte: case FieldType::kChar: case FieldType::kInt8: case FieldType::kUint8:
+    case FieldType::kBool:
+    case FieldType::kByte:
+    case FieldType::kChar:
+    case FieldType::kInt8:
+    case FieldType::kUint8:
       return {1, 1};
-    case FieldType::kInt16: case FieldType::kUint16: return {2, 2};
-    case FieldType::kInt32: case FieldType::kUint32: case FieldType::kFloat32: return {4, 4};
-    case FieldType::kInt64: case FieldType::kUint64: case FieldType::kFloat64: return {8, 8};
-    case FieldType::kString: case FieldType::kWstring: return {sizeof(std::string), alignof(std::string)};
-    case FieldType::kMessage: return {field.nested->byte_size(), field.nested->alignment()};
+    case FieldType::kInt16:
+    case FieldType::kUint16:
+      return {2, 2};
+    case FieldType::kInt32:
+    case FieldType::kUint32:
+    case FieldType::kFloat32:
+      return {4, 4};
+    case FieldType::kInt64:
+    case FieldType::kUint64:
+    case FieldType::kFloat64:
+      return {8, 8};
+    case FieldType::kString:
+    case FieldType::kWstring:
+      return {sizeof(std::string), alignof(std::string)};
+    case FieldType::kMessage:
+      return {field.nested->byte_size(), field.nested->alignment()};
   }
   return {};
 }
@@ -106,8 +125,10 @@ void construct_default_elements(const Field& field, std::byte* to, std::size_t c
 void destroy_elements(const Field& field, std::byte* memory, std::size_t count) {
   if (plain_element(field)) return;
   for (std::size_t i = 0; i < count; ++i) {
-    if (field.is_text()) std::destroy_at(&text_at(memory + i * field.stride));
-    else destroy(*field.nested, memory + i * field.stride);
+    if (field.is_text())
+      std::destroy_at(&text_at(memory + i * field.stride));
+    else
+      destroy(*field.nested, memory + i * field.stride);
   }
 }
 

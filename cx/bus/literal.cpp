@@ -18,15 +18,24 @@ std::string in_quotes(std::string_view text) { return "'" + std::string(text) + 
 
 IntegerRange integer_range(FieldType type) {
   switch (type) {
-    case FieldType::kBool: return {0, 1};
-    case FieldType::kInt8: return range_of<std::int8_t>();
-    case FieldType::kInt16: return range_of<std::int16_t>();
-    case FieldType::kUint16: return range_of<std::uint16_t>();
-    case FieldType::kInt32: return range_of<std::int32_t>();
-    case FieldType::kUint32: return range_of<std::uint32_t>();
-    case FieldType::kInt64: return range_of<std::int64_t>();
-    case FieldType::kUint64: return {0, std::numeric_limits<std::uint64_t>::max()};
-    default: return range_of<std::uint8_t>();  // byte, char, uint8
+    case FieldType::kBool:
+      return {0, 1};
+    case FieldType::kInt8:
+      return range_of<std::int8_t>();
+    case FieldType::kInt16:
+      return range_of<std::int16_t>();
+    case FieldType::kUint16:
+      return range_of<std::uint16_t>();
+    case FieldType::kInt32:
+      return range_of<std::int32_t>();
+    case FieldType::kUint32:
+      return range_of<std::uint32_t>();
+    case FieldType::kInt64:
+      return range_of<std::int64_t>();
+    case FieldType::kUint64:
+      return {0, std::numeric_limits<std::uint64_t>::max()};
+    default:
+      return range_of<std::uint8_t>();  // byte, char, uint8
   }
 }
 
@@ -93,10 +102,14 @@ Expected<std::string> parse_text(std::string_view text) {
     }
     if (text[i] == '\\' && i + 1 < text.size()) {
       const char escaped = text[++i];
-      if (escaped == 'n') value += '\n';
-      else if (escaped == 't') value += '\t';
-      else if (escaped == '\\' || escaped == '"' || escaped == '\'') value += escaped;
-      else value.append({'\\', escaped});
+      if (escaped == 'n')
+        value += '\n';
+      else if (escaped == 't')
+        value += '\t';
+      else if (escaped == '\\' || escaped == '"' || escaped == '\'')
+        value += escaped;
+      else
+        value.append({'\\', escaped});
     } else {
       value += text[i];
     }
@@ -114,8 +127,10 @@ Expected<std::vector<std::string>> parse_list(std::string_view text) {
   char quote = 0;
   for (std::size_t i = 0; i <= text.size(); ++i) {
     if (i < text.size() && quote != 0) {
-      if (text[i] == '\\') ++i;
-      else if (text[i] == quote) quote = 0;
+      if (text[i] == '\\')
+        ++i;
+      else if (text[i] == quote)
+        quote = 0;
     } else if (i == text.size() || text[i] == ',') {
       const std::string_view item = trim(text.substr(start, i - start));
       if (item.empty()) return input_error("found an empty item in [" + std::string(text) + "]");

@@ -57,11 +57,16 @@ bool equal_elements(const Field& field, const std::byte* a, const std::byte* b, 
     auto* left = const_cast<std::byte*>(a + i * field.stride);
     auto* right = const_cast<std::byte*>(b + i * field.stride);
     bool same = false;
-    if (field.is_text()) same = *reinterpret_cast<std::string*>(left) == *reinterpret_cast<std::string*>(right);
-    else if (field.is_message()) same = MessageView(field.nested, left).equals(MessageView(field.nested, right));
-    else if (field.type == FieldType::kFloat32) same = load<float>(left) == load<float>(right);
-    else if (field.type == FieldType::kFloat64) same = load<double>(left) == load<double>(right);
-    else same = std::memcmp(left, right, field.stride) == 0;
+    if (field.is_text())
+      same = *reinterpret_cast<std::string*>(left) == *reinterpret_cast<std::string*>(right);
+    else if (field.is_message())
+      same = MessageView(field.nested, left).equals(MessageView(field.nested, right));
+    else if (field.type == FieldType::kFloat32)
+      same = load<float>(left) == load<float>(right);
+    else if (field.type == FieldType::kFloat64)
+      same = load<double>(left) == load<double>(right);
+    else
+      same = std::memcmp(left, right, field.stride) == 0;
     if (!same) return false;
   }
   return true;
@@ -74,14 +79,27 @@ bool equal_elements(const Field& field, const std::byte* a, const std::byte* b, 
 std::int64_t MessageView::integer(const Field& field, std::size_t index) const {
   const std::byte* at = element(field, memory_, index);
   switch (field.type) {
-    case FieldType::kBool: case FieldType::kByte: case FieldType::kChar: case FieldType::kUint8: return load<std::uint8_t>(at);
-    case FieldType::kInt8: return load<std::int8_t>(at);
-    case FieldType::kInt16: return load<std::int16_t>(at);
-    case FieldType::kUint16: return load<std::uint16_t>(at);
-    case FieldType::kInt32: return load<std::int32_t>(at);
-    case FieldType::kUint32: return load<std::uint32_t>(at);
-    case FieldType::kInt64: case FieldType::kUint64: return load<std::int64_t>(at);
-    default: assert(false && "not an integer field"); return 0;
+    case FieldType::kBool:
+    case FieldType::kByte:
+    case FieldType::kChar:
+    case FieldType::kUint8:
+      return load<std::uint8_t>(at);
+    case FieldType::kInt8:
+      return load<std::int8_t>(at);
+    case FieldType::kInt16:
+      return load<std::int16_t>(at);
+    case FieldType::kUint16:
+      return load<std::uint16_t>(at);
+    case FieldType::kInt32:
+      return load<std::int32_t>(at);
+    case FieldType::kUint32:
+      return load<std::uint32_t>(at);
+    case FieldType::kInt64:
+    case FieldType::kUint64:
+      return load<std::int64_t>(at);
+    default:
+      assert(false && "not an integer field");
+      return 0;
   }
 }
 
@@ -89,7 +107,8 @@ double MessageView::real(const Field& field, std::size_t index) const {
   if (field.type == FieldType::kFloat64) return load<double>(element(field, memory_, index));
   if (field.type == FieldType::kFloat32) return static_cast<double>(load<float>(element(field, memory_, index)));
   const std::int64_t value = integer(field, index);
-  return field.type == FieldType::kUint64 ? static_cast<double>(static_cast<std::uint64_t>(value)) : static_cast<double>(value);
+  return field.type == FieldType::kUint64 ? static_cast<double>(static_cast<std::uint64_t>(value))
+                                          : static_cast<double>(value);
 }
 
 const std::string& MessageView::text(const Field& field, std::size_t index) const {
@@ -116,35 +135,46 @@ Status MessageView::set_integer(const Field& field, std::int64_t value, std::siz
   assert(field.is_integer());
   const IntegerRange range = integer_range(field.type);
   if (value < range.min || value > static_cast<std::int64_t>(range.max))
-    return input_error("field '" + field.name + "': found " + std::to_string(value) + ", expected " + range_text(field.type));
+    return input_error("field '" + field.name + "': found " + std::to_string(value) + ", expected " +
+                       range_text(field.type));
   switch (field.stride) {
-    case 1: store(at, static_cast<std::uint8_t>(value)); break;
-    case 2: store(at, static_cast<std::uint16_t>(value)); break;
-    default: store(at, static_cast<std::uint32_t>(value)); break;
+    case 1:
+      store(at, static_cast<std::uint8_t>(value));
+      break;
+    case 2:
+      store(at, static_cast<std::uint16_t>(value));
+      break;
+    default:
+      store(at, static_cast<std::uint32_t>(value));
+      break;
   }
   return {};
 }
 
 void MessageView::set_real(const Field& field, double value, std::size_t index) const {
   assert(field.is_real());
-  if (field.type == FieldType::kFloat64) store(element(field, memory_, index), value);
-  else store(element(field, memory_, index), static_cast<float>(value));
+  if (field.type == FieldType::kFloat64)
+    store(element(field, memory_, index), value);
+  else
+    store(element(field, memory_, index), static_cast<float>(value));
 }
 
 Status MessageView::set_text(const Field& field, std::string_view value, std::size_t index) const {
   assert(field.is_text());
   if (field.string_limit > 0 && text_length(field, value) > field.string_limit)
-    return input_error("field '" + field.name + "': found a text of " + std::to_string(text_length(field, value)) + " characters, expected at most " +
-                       std::to_string(field.string_limit));
+    return input_error("field '" + field.name + "': found a text of " + std::to_string(text_length(field, value)) +
+                       " characters, expected at most " + std::to_string(field.string_limit));
   reinterpret_cast<std::string*>(element(field, memory_, index))->assign(value);
   return {};
 }
 
 Status MessageView::resize(const Field& field, std::size_t size) const {
   if (!field.is_sequence())
-    return input_error("field '" + field.name + "' (" + field.type_text() + ") cannot change its size to " + std::to_string(size));
+    return input_error("field '" + field.name + "' (" + field.type_text() + ") cannot change its size to " +
+                       std::to_string(size));
   if (field.array == ArrayKind::kBounded && size > field.size_limit)
-    return input_error("field '" + field.name + "': found " + std::to_string(size) + " elements, expected at most " + std::to_string(field.size_limit));
+    return input_error("field '" + field.name + "': found " + std::to_string(size) + " elements, expected at most " +
+                       std::to_string(field.size_limit));
   resize_sequence(field, sequence_of(field, memory_), size);
   return {};
 }
@@ -154,7 +184,9 @@ Status MessageView::resize(const Field& field, std::size_t size) const {
 std::int64_t MessageView::integer(std::string_view field) const { return integer(known_field(*type_, field)); }
 double MessageView::real(std::string_view field) const { return real(known_field(*type_, field)); }
 const std::string& MessageView::text(std::string_view field) const { return text(known_field(*type_, field)); }
-MessageView MessageView::nested(std::string_view field, std::size_t index) const { return nested(known_field(*type_, field), index); }
+MessageView MessageView::nested(std::string_view field, std::size_t index) const {
+  return nested(known_field(*type_, field), index);
+}
 std::size_t MessageView::size(std::string_view field) const { return size(known_field(*type_, field)); }
 
 const MessageView& MessageView::set(std::string_view name, std::int64_t value) const {
@@ -211,7 +243,8 @@ bool MessageView::equals(const MessageView& other) const {
   for (const Field& field : type_->fields()) {
     const std::size_t count = size(field);
     if (count != other.size(field)) return false;
-    if (count > 0 && !equal_elements(field, element(field, memory_, 0), element(field, other.memory_, 0), count)) return false;
+    if (count > 0 && !equal_elements(field, element(field, memory_, 0), element(field, other.memory_, 0), count))
+      return false;
   }
   return true;
 }
@@ -227,7 +260,8 @@ Message::Message(const MessageView& other) {
   construct(*type_, memory_.get(), other.memory());
 }
 
-Message::Message(Message&& other) noexcept : type_(std::exchange(other.type_, nullptr)), memory_(std::move(other.memory_)) {}
+Message::Message(Message&& other) noexcept
+    : type_(std::exchange(other.type_, nullptr)), memory_(std::move(other.memory_)) {}
 
 Message& Message::operator=(Message other) noexcept {
   std::swap(type_, other.type_);

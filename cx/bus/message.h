@@ -55,11 +55,17 @@ class MessageView {
   MessageView nested(std::string_view field, std::size_t index = 0) const;
   std::size_t size(std::string_view field) const;
   const MessageView& set(std::string_view field, std::int64_t value) const;
-  const MessageView& set(std::string_view field, int value) const { return set(field, static_cast<std::int64_t>(value)); }
-  const MessageView& set(std::string_view field, bool value) const { return set(field, static_cast<std::int64_t>(value)); }
+  const MessageView& set(std::string_view field, int value) const {
+    return set(field, static_cast<std::int64_t>(value));
+  }
+  const MessageView& set(std::string_view field, bool value) const {
+    return set(field, static_cast<std::int64_t>(value));
+  }
   const MessageView& set(std::string_view field, double value) const;
   const MessageView& set(std::string_view field, std::string_view value) const;
-  const MessageView& set(std::string_view field, const char* value) const { return set(field, std::string_view(value)); }
+  const MessageView& set(std::string_view field, const char* value) const {
+    return set(field, std::string_view(value));
+  }
   /// Appends one default element to a dynamic array of messages and returns it (valid until the next append or resize).
   MessageView append(std::string_view field) const;
   /// Appends one element to a dynamic array of strings.
@@ -81,8 +87,8 @@ class MessageView {
 class Message {
  public:
   Message() = default;
-  explicit Message(const MessageType& type);  ///< default-initialised
-  explicit Message(const MessageView& other); ///< a deep copy
+  explicit Message(const MessageType& type);   ///< default-initialised
+  explicit Message(const MessageView& other);  ///< a deep copy
   Message(const Message& other) : Message(other.view()) {}
   Message(Message&& other) noexcept;
   Message& operator=(Message other) noexcept;
@@ -95,13 +101,16 @@ class Message {
 
   /// Compact bytes that `deserialize` reads back (input log); not CDR.
   void serialize(std::string& out) const;
-  static Expected<Message> deserialize(const MessageType& type, std::span<const std::byte> bytes, std::size_t& position);
+  static Expected<Message> deserialize(const MessageType& type, std::span<const std::byte> bytes,
+                                       std::size_t& position);
 
   /// Reads a YAML or JSON text (a map of fields, missing ones keep their default) as `ros2 topic pub` takes it.
   static Expected<Message> from_yaml(const MessageType& type, const std::string& text);
 
  private:
-  struct FreeMemory { void operator()(std::byte* memory) const; };
+  struct FreeMemory {
+    void operator()(std::byte* memory) const;
+  };
   const MessageType* type_ = nullptr;
   std::unique_ptr<std::byte, FreeMemory> memory_;
   mutable MessageView view_;

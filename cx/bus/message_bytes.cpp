@@ -1,5 +1,6 @@
-// Messages as bytes (the input log). Little-endian; texts and dynamic arrays begin with their length as uint32; a message
-// without fields is one zero byte, so that a count in broken bytes cannot ask for more memory than they justify.
+// Messages as bytes (the input log). Little-endian; texts and dynamic arrays begin with their length as uint32; a
+// message without fields is one zero byte, so that a count in broken bytes cannot ask for more memory than they
+// justify.
 
 #include <bit>
 #include <cstring>
@@ -32,8 +33,9 @@ void put_field(const MessageView& message, const Field& field, std::string& out)
   } else if (field.is_message()) {
     for (std::size_t i = 0; i < count; ++i) put(message.nested(field, i), out);
   } else {
-    const std::byte* data = field.is_sequence() ? reinterpret_cast<const Sequence*>(message.memory() + field.offset)->data
-                                                : message.memory() + field.offset;
+    const std::byte* data = field.is_sequence()
+                                ? reinterpret_cast<const Sequence*>(message.memory() + field.offset)->data
+                                : message.memory() + field.offset;
     out.append(reinterpret_cast<const char*>(data), count * field.stride);
   }
 }
@@ -58,7 +60,8 @@ class Reader {
   std::size_t left() const { return bytes_.size() - position_; }
 
   Error fail(const std::string& what, const std::string& found) const {
-    return input_error(what + ": found " + found + " at byte " + std::to_string(position_) + " of " + std::to_string(bytes_.size()));
+    return input_error(what + ": found " + found + " at byte " + std::to_string(position_) + " of " +
+                       std::to_string(bytes_.size()));
   }
 
   Status skip_empty(const MessageView& message) {
@@ -71,14 +74,17 @@ class Reader {
     std::uint32_t value = 0;
     if (left() < sizeof value) return fail(field.name, "the end");
     std::memcpy(&value, &bytes_[position_], sizeof value);
-    if ((left() - sizeof value) / element_min < value) return fail(field.name, "the size " + std::to_string(value) + ", more than is left");
+    if ((left() - sizeof value) / element_min < value)
+      return fail(field.name, "the size " + std::to_string(value) + ", more than is left");
     position_ += sizeof value;
     size = value;
     return {};
   }
 
   Status read_field(const MessageView& message, const Field& field) {
-    const std::size_t element_min = field.is_text() ? 4 : field.is_message() ? field.nested->serialized_min() : field.stride;
+    const std::size_t element_min = field.is_text()      ? 4
+                                    : field.is_message() ? field.nested->serialized_min()
+                                                         : field.stride;
     std::size_t count = message.size(field);
     if (field.is_sequence()) {
       if (Status status = read_size(field, element_min, count); !status) return status;
@@ -126,9 +132,11 @@ class Reader {
 
 void Message::serialize(std::string& out) const { put(view(), out); }
 
-Expected<Message> Message::deserialize(const MessageType& type, std::span<const std::byte> bytes, std::size_t& position) {
+Expected<Message> Message::deserialize(const MessageType& type, std::span<const std::byte> bytes,
+                                       std::size_t& position) {
   Message message(type);
-  if (position > bytes.size()) return input_error("found position " + std::to_string(position) + " behind the end of the bytes");
+  if (position > bytes.size())
+    return input_error("found position " + std::to_string(position) + " behind the end of the bytes");
   if (Status status = Reader(bytes, position).read(message.view()); !status) return status.error();
   return message;
 }

@@ -10,11 +10,16 @@ namespace cxlab::bus {
 namespace {
 
 void record_element(const MessageView& message, const Field& field, std::size_t index, RecordData& data) {
-  if (field.is_message()) message.nested(field, index).record(data);
-  else if (field.is_text()) data.value(std::string_view(message.text(field, index)));
-  else if (field.is_real()) data.value(message.real(field, index));
-  else if (field.type == FieldType::kBool) data.value(message.integer(field, index) != 0);
-  else data.value(message.integer(field, index));
+  if (field.is_message())
+    message.nested(field, index).record(data);
+  else if (field.is_text())
+    data.value(std::string_view(message.text(field, index)));
+  else if (field.is_real())
+    data.value(message.real(field, index));
+  else if (field.type == FieldType::kBool)
+    data.value(message.integer(field, index) != 0);
+  else
+    data.value(message.integer(field, index));
 }
 
 void append_quoted(std::string& out, std::string_view text) {
@@ -22,11 +27,16 @@ void append_quoted(std::string& out, std::string_view text) {
   out += '"';
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') out.append({'\\', c});
-    else if (c == '\n') out += "\\n";
-    else if (c == '\t') out += "\\t";
-    else if (byte < 0x20 || byte == 0x7f) out.append({'\\', 'x', kHex[byte >> 4], kHex[byte & 15]});
-    else out += c;
+    if (c == '"' || c == '\\')
+      out.append({'\\', c});
+    else if (c == '\n')
+      out += "\\n";
+    else if (c == '\t')
+      out += "\\t";
+    else if (byte < 0x20 || byte == 0x7f)
+      out.append({'\\', 'x', kHex[byte >> 4], kHex[byte & 15]});
+    else
+      out += c;
   }
   out += '"';
 }
@@ -39,8 +49,9 @@ void append_real(std::string& out, const MessageView& message, const Field& fiel
     out += value > 0 ? ".inf" : "-.inf";
   } else {
     char text[32];
-    const auto end = field.type == FieldType::kFloat32 ? std::to_chars(text, text + sizeof text, static_cast<float>(value)).ptr
-                                                       : std::to_chars(text, text + sizeof text, value).ptr;
+    const auto end = field.type == FieldType::kFloat32
+                         ? std::to_chars(text, text + sizeof text, static_cast<float>(value)).ptr
+                         : std::to_chars(text, text + sizeof text, value).ptr;
     const std::string_view digits(text, static_cast<std::size_t>(end - text));
     out += digits;
     if (digits.find_first_of(".e") == std::string_view::npos) out += ".0";
@@ -48,12 +59,18 @@ void append_real(std::string& out, const MessageView& message, const Field& fiel
 }
 
 void append_element(std::string& out, const MessageView& message, const Field& field, std::size_t index) {
-  if (field.is_message()) out += message.nested(field, index).to_string();
-  else if (field.is_text()) append_quoted(out, message.text(field, index));
-  else if (field.is_real()) append_real(out, message, field, index);
-  else if (field.type == FieldType::kBool) out += message.integer(field, index) != 0 ? "true" : "false";
-  else if (field.type == FieldType::kUint64) out += std::to_string(static_cast<std::uint64_t>(message.integer(field, index)));
-  else out += std::to_string(message.integer(field, index));
+  if (field.is_message())
+    out += message.nested(field, index).to_string();
+  else if (field.is_text())
+    append_quoted(out, message.text(field, index));
+  else if (field.is_real())
+    append_real(out, message, field, index);
+  else if (field.type == FieldType::kBool)
+    out += message.integer(field, index) != 0 ? "true" : "false";
+  else if (field.type == FieldType::kUint64)
+    out += std::to_string(static_cast<std::uint64_t>(message.integer(field, index)));
+  else
+    out += std::to_string(message.integer(field, index));
 }
 
 }  // namespace

@@ -34,13 +34,15 @@ Expected<double> yaml_real(const std::string& text) {
 Status read_message(const YAML::Node& node, const MessageView& message, const std::string& path);
 
 Status read_scalar(const YAML::Node& node, const MessageView& message, const Field& field, std::size_t index) {
-  if (!node.IsScalar()) return input_error("found " + kind_of(node) + ", expected a value of type " + std::string(to_string(field.type)));
+  if (!node.IsScalar())
+    return input_error("found " + kind_of(node) + ", expected a value of type " + std::string(to_string(field.type)));
   const std::string& text = node.Scalar();
   if (field.is_text()) return message.set_text(field, text, index);
   if (field.is_real()) {
     const auto real = yaml_real(text);
     if (!real) return real.error();
-    if (field.type == FieldType::kFloat32 && std::isfinite(*real) && std::abs(*real) > static_cast<double>(std::numeric_limits<float>::max()))
+    if (field.type == FieldType::kFloat32 && std::isfinite(*real) &&
+        std::abs(*real) > static_cast<double>(std::numeric_limits<float>::max()))
       return input_error("found " + text + ", expected a number that a float32 can hold");
     message.set_real(field, *real, index);
     return {};
@@ -53,7 +55,8 @@ Status read_scalar(const YAML::Node& node, const MessageView& message, const Fie
   return integer ? message.set_integer(field, *integer, index) : Status(integer.error());
 }
 
-Status read_element(const YAML::Node& node, const MessageView& message, const Field& field, std::size_t index, const std::string& path) {
+Status read_element(const YAML::Node& node, const MessageView& message, const Field& field, std::size_t index,
+                    const std::string& path) {
   if (field.is_message()) return read_message(node, message.nested(field, index), path);
   if (Status status = read_scalar(node, message, field, index); !status)
     return error_at(node, "field '" + path + "': " + status.error().message);
@@ -62,14 +65,18 @@ Status read_element(const YAML::Node& node, const MessageView& message, const Fi
 
 Status read_field(const YAML::Node& node, const MessageView& message, const Field& field, const std::string& path) {
   if (field.array == ArrayKind::kSingle) return read_element(node, message, field, 0, path);
-  if (!node.IsSequence()) return error_at(node, "field '" + path + "': found " + kind_of(node) + ", expected a list (" + field.type_text() + ")");
+  if (!node.IsSequence())
+    return error_at(node,
+                    "field '" + path + "': found " + kind_of(node) + ", expected a list (" + field.type_text() + ")");
   if (field.is_sequence()) {
     if (Status status = message.resize(field, node.size()); !status) return error_at(node, status.error().message);
   } else if (node.size() != field.size_limit) {
-    return error_at(node, "field '" + path + "': found " + std::to_string(node.size()) + " elements, expected " + std::to_string(field.size_limit));
+    return error_at(node, "field '" + path + "': found " + std::to_string(node.size()) + " elements, expected " +
+                              std::to_string(field.size_limit));
   }
   for (std::size_t i = 0; i < node.size(); ++i)
-    if (Status status = read_element(node[i], message, field, i, path + '[' + std::to_string(i) + ']'); !status) return status;
+    if (Status status = read_element(node[i], message, field, i, path + '[' + std::to_string(i) + ']'); !status)
+      return status;
   return {};
 }
 
@@ -77,19 +84,22 @@ Status read_message(const YAML::Node& node, const MessageView& message, const st
   const MessageType& type = message.type();
   if (node.IsNull()) return {};
   if (!node.IsMap())
-    return error_at(node, (path.empty() ? "" : "field '" + path + "': ") + "found " + kind_of(node) + ", expected a map of the fields of " + type.name());
+    return error_at(node, (path.empty() ? "" : "field '" + path + "': ") + "found " + kind_of(node) +
+                              ", expected a map of the fields of " + type.name());
   std::vector<std::string> seen;
   for (const auto& entry : node) {
     const std::string name = entry.first.IsScalar() ? entry.first.Scalar() : kind_of(entry.first);
     const Field* field = type.find(name);
     if (field == nullptr) {
       const std::string nearest = nearest_word(name, type.field_names());
-      return error_at(entry.first, type.name() + " has no field '" + name + "'" + (nearest.empty() ? "" : "; nearest is '" + nearest + "'"));
+      return error_at(entry.first, type.name() + " has no field '" + name + "'" +
+                                       (nearest.empty() ? "" : "; nearest is '" + nearest + "'"));
     }
     for (const std::string& other : seen)
       if (other == name) return error_at(entry.first, "field '" + name + "' is given twice");
     seen.push_back(name);
-    if (Status status = read_field(entry.second, message, *field, path.empty() ? name : path + '.' + name); !status) return status;
+    if (Status status = read_field(entry.second, message, *field, path.empty() ? name : path + '.' + name); !status)
+      return status;
   }
   return {};
 }

@@ -32,7 +32,8 @@ std::string name_fault(std::string_view written) {
   for (const char c : rest) {
     const bool digit = c >= '0' && c <= '9';
     const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-    if (!digit && !letter && c != '/') return "has a '" + std::string(1, c) + "'; expected letters, digits, '_' and '/'";
+    if (!digit && !letter && c != '/')
+      return "has a '" + std::string(1, c) + "'; expected letters, digits, '_' and '/'";
     if (before == '/' && c == '/') return "has an empty part";
     if (before == '/' && digit) return "has a part that begins with a digit";
     before = c;

@@ -24,10 +24,13 @@ class ActionTest : public BusTest {
     return *bus_.create_action_client(
         p, "fib", *fibonacci_,
         {[this](const Delivery& d) { log_.push_back(d.accepted ? "accepted" : "rejected"); },
-         [this](const Delivery& d) { log_.push_back("feedback of " + std::to_string(d.message->view().size("sequence"))); },
+         [this](const Delivery& d) {
+           log_.push_back("feedback of " + std::to_string(d.message->view().size("sequence")));
+         },
          [this](const Delivery& d) { log_.push_back("result " + std::to_string(static_cast<int>(d.status))); },
          [this](const Delivery& d) {
-           log_.push_back("cancel " + std::to_string(d.return_code) + " of " + std::to_string(d.goals_canceling.size()));
+           log_.push_back("cancel " + std::to_string(d.return_code) + " of " +
+                          std::to_string(d.goals_canceling.size()));
            cancel_response_ = d;
          }});
   }
@@ -36,7 +39,8 @@ class ActionTest : public BusTest {
       log_.push_back("asked to cancel");
       cancels_.push_back(d);
     };
-    return *bus_.serve_action(robot_, "fib", *fibonacci_, {[this](const Delivery&) { log_.push_back("goal"); }, hear_cancels ? cancel : nullptr});
+    return *bus_.serve_action(robot_, "fib", *fibonacci_,
+                              {[this](const Delivery&) { log_.push_back("goal"); }, hear_cancels ? cancel : nullptr});
   }
   GoalId send() { return bus_.send_goal(client_, blank(*fibonacci_->goal)); }
   /// A goal that the server executes, known to the client.
@@ -48,7 +52,9 @@ class ActionTest : public BusTest {
     taken();
     return goal;
   }
-  bool finish(EndpointId server, const GoalId& goal, GoalStatus status) { return bus_.finish(server, goal, status, blank(*fibonacci_->result)); }
+  bool finish(EndpointId server, const GoalId& goal, GoalStatus status) {
+    return bus_.finish(server, goal, status, blank(*fibonacci_->result));
+  }
 
   ParticipantId env_{}, robot_{};
   EndpointId client_{};

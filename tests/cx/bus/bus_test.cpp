@@ -83,8 +83,9 @@ TEST_F(BusTest, KindsComeInTheOrderOfDeliveryKind) {
   const auto service = *bus_.serve(env, "own", *set_bool_, note("request"));
   const auto client = *bus_.create_client(env, "theirs", *set_bool_, note("response"));
   const auto server = *bus_.serve_action(env, "own_action", *fibonacci_, {note("goal"), note("cancel")});
-  const auto action = *bus_.create_action_client(env, "their_action", *fibonacci_,
-                                                 {note("goal response"), note("feedback"), note("result"), note("cancel response")});
+  const auto action =
+      *bus_.create_action_client(env, "their_action", *fibonacci_,
+                                 {note("goal response"), note("feedback"), note("result"), note("cancel response")});
   subscribe(env, "topic");
   static_cast<void>(service);
 
@@ -118,7 +119,8 @@ TEST_F(BusTest, KindsComeInTheOrderOfDeliveryKind) {
   bus_.send_goal(peer_action, blank(*fibonacci_->goal));
   bus_.call(peer_client, blank(*set_bool_->request));
   bus_.respond(peer_service, at_peer.front(), blank(*set_bool_->response));
-  EXPECT_THAT(deliver(env), ElementsAre("response", "goal response", "cancel response", "request", "goal", "cancel", "feedback", "result", "topic"));
+  EXPECT_THAT(deliver(env), ElementsAre("response", "goal response", "cancel response", "request", "goal", "cancel",
+                                        "feedback", "result", "topic"));
 }
 
 TEST_F(BusTest, WhatHandlersPostIsForALaterCall) {
@@ -250,7 +252,9 @@ class ServiceTest : public BusTest {
     return [this](const Delivery& d) { requests_.push_back(d); };
   }
   Handler note_responses() {
-    return [this](const Delivery& d) { log_.push_back(std::to_string(d.request_id) + " " + d.message->view().text("message")); };
+    return [this](const Delivery& d) {
+      log_.push_back(std::to_string(d.request_id) + " " + d.message->view().text("message"));
+    };
   }
   SharedMessage answer(const std::string& message) const {
     Message response(*set_bool_->response);
@@ -365,7 +369,14 @@ TEST_F(BusTest, PostsAreRecordedInTheSendersStreamWithTheirCauses) {
   ASSERT_EQ(sink_.records(stream).size(), before + 1);
   const auto& record = sink_.records(stream).back();
   RecordData expected;
-  expected.begin().field("op", "publish").field("name", "/t").field("seq", 1).name("msg").open_map(1).text_key("data").value(std::string_view("x"));
+  expected.begin()
+      .field("op", "publish")
+      .field("name", "/t")
+      .field("seq", 1)
+      .name("msg")
+      .open_map(1)
+      .text_key("data")
+      .value(std::string_view("x"));
   EXPECT_EQ(record.data, expected.bytes());
   EXPECT_EQ(record.t, now_);
   EXPECT_EQ(record.kind, RecordKind::kBus);
@@ -386,7 +397,9 @@ TEST_F(BusTest, ADeliveryNamesTheRecordOfItsPost) {
 /// Writes down what each participant takes.
 struct Tap : InputTap {
   std::vector<std::pair<ParticipantId, std::vector<Delivery>>> log;
-  void delivered(ParticipantId to, const std::vector<Delivery>& deliveries) override { log.emplace_back(to, deliveries); }
+  void delivered(ParticipantId to, const std::vector<Delivery>& deliveries) override {
+    log.emplace_back(to, deliveries);
+  }
 };
 
 TEST_F(BusTest, TheTapSeesWhatIsTakenBeforeTheHandlersDo) {
@@ -408,17 +421,22 @@ TEST_F(BusTest, TheTapSeesWhatIsTakenBeforeTheHandlersDo) {
 /// An environment that repeats what it hears, asks a service and serves one.
 class Echo {
  public:
-  Echo(Bus& bus, const Registry&, ParticipantId p, const MessageType& string, const ServiceType& service, const ActionType& action)
+  Echo(Bus& bus, const Registry&, ParticipantId p, const MessageType& string, const ServiceType& service,
+       const ActionType& action)
       : bus_(bus), service_type_(service), action_type_(action) {
     out_ = *bus.advertise(p, "out", string);
     if (!bus.subscribe(p, "in", string, [this](const Delivery& d) { hear(d); })) std::abort();
     client_ = *bus.create_client(p, "theirs", service, [](const Delivery&) {});
-    service_ = *bus.serve(p, "own", service, [this](const Delivery& d) { bus_.respond(service_, d, std::make_shared<Message>(*service_type_.response)); });
-    server_ = *bus.serve_action(p, "act", action, {[this](const Delivery& d) { bus_.answer_goal(server_, d.goal, GoalAnswer::kAccept); },
-                                                   [this](const Delivery& d) {
-                                                     bus_.answer_cancel(server_, d, true);
-                                                     bus_.finish(server_, d.goal, GoalStatus::kCanceled, std::make_shared<Message>(*action_type_.result));
-                                                   }});
+    service_ = *bus.serve(p, "own", service, [this](const Delivery& d) {
+      bus_.respond(service_, d, std::make_shared<Message>(*service_type_.response));
+    });
+    server_ = *bus.serve_action(p, "act", action,
+                                {[this](const Delivery& d) { bus_.answer_goal(server_, d.goal, GoalAnswer::kAccept); },
+                                 [this](const Delivery& d) {
+                                   bus_.answer_cancel(server_, d, true);
+                                   bus_.finish(server_, d.goal, GoalStatus::kCanceled,
+                                               std::make_shared<Message>(*action_type_.result));
+                                 }});
     goals_ = *bus.create_action_client(p, "others", action, {});
   }
 
@@ -458,7 +476,8 @@ TEST_F(BusTest, AMutedBusFedFromTheLogWritesTheSameRecords) {
   sink.open_stream("server");
   Bus replay(registry_, sink);
   replay.mute(true);
-  const auto again = replay.join(ParticipantKind::kEnvironment, NodeName{"env", "/", {}}, sink.open_stream("env"));  // other index: no server here
+  const auto again = replay.join(ParticipantKind::kEnvironment, NodeName{"env", "/", {}},
+                                 sink.open_stream("env"));  // other index: no server here
   Echo same(replay, registry_, again, *string_, *set_bool_, *fibonacci_);
   std::size_t next = 0;
   for (const auto& [t, end] : ticks) {
@@ -500,7 +519,8 @@ TEST_F(BusTest, TwoBusesInterleavedDoNotNoticeEachOther) {
       const auto a = bus.join(ParticipantKind::kEnvironment, NodeName{"a", "/", {}}, sink.open_stream("a"));
       const auto b = bus.join(ParticipantKind::kNode, NodeName{"b", "/", {}}, sink.open_stream("b"));
       ends = {*bus.advertise(a, "t", *string_), *bus.advertise(b, "u", *string_)};
-      if (!bus.subscribe(b, "t", *string_, [&bus, &ends](const Delivery& d) { bus.publish(ends[1], d.message); })) std::abort();
+      if (!bus.subscribe(b, "t", *string_, [&bus, &ends](const Delivery& d) { bus.publish(ends[1], d.message); }))
+        std::abort();
     }
     bus.begin_tick(SimTime{step});
     bus.publish(ends[0], text(std::to_string(step)));

@@ -1,5 +1,6 @@
 #pragma once
-// A registry of the project's own interfaces, folders for definitions of a test, and a sink that keeps records as bytes.
+// A registry of the project's own interfaces, folders for definitions of a test, and a sink that keeps records as
+// bytes.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +16,9 @@
 
 namespace cxlab::bus {
 
-inline std::filesystem::path interfaces_folder() { return std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "cx" / "interfaces"; }
+inline std::filesystem::path interfaces_folder() {
+  return std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "cx" / "interfaces";
+}
 
 inline void add_interfaces(Registry& registry) {
   const Status status = registry.add_packages_in(interfaces_folder());
@@ -60,7 +63,8 @@ class MemorySink : public RecordSink {
     records_.emplace_back();
     return static_cast<StreamId>(names_.size() - 1);
   }
-  RecordRef write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data, std::span<const RecordRef> causes) override {
+  RecordRef write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data,
+                  std::span<const RecordRef> causes) override {
     auto& records = records_[static_cast<std::size_t>(stream)];
     records.push_back({t, kind, std::string(data.bytes()), {causes.begin(), causes.end()}});
     return {stream, records.size() - 1};

@@ -23,9 +23,16 @@ TEST(Interfaces, EveryDefinitionOfTheProjectCompiles) {
   for (const std::string& package : registry.packages()) {
     for (const std::string& name : registry.interfaces(package)) {
       Status status;
-      if (name.find("/srv/") != std::string::npos) { const auto type = registry.service(name); if (!type) status = type.error(); }
-      else if (name.find("/action/") != std::string::npos) { const auto type = registry.action(name); if (!type) status = type.error(); }
-      else { const auto type = registry.message(name); if (!type) status = type.error(); }
+      if (name.find("/srv/") != std::string::npos) {
+        const auto type = registry.service(name);
+        if (!type) status = type.error();
+      } else if (name.find("/action/") != std::string::npos) {
+        const auto type = registry.action(name);
+        if (!type) status = type.error();
+      } else {
+        const auto type = registry.message(name);
+        if (!type) status = type.error();
+      }
       EXPECT_TRUE(status.ok()) << name << ": " << status.error().text();
       ++count;
     }
@@ -66,28 +73,29 @@ TEST(Interfaces, TheWholeLanguageIsRead) {
   TempPackages packages;
   packages.write("std_msgs/msg/Header", "string frame_id\n");
   packages.write("pkg/msg/Inner", "int8 a 5\n");
-  packages.write("pkg/msg/All", "\xef\xbb\xbf# a comment\r\n"
-                                "int32 LIMIT=0x10   # sixteen\r\n"
-                                "string GREETING = \"a # b\" # not inside\n"
-                                "string PLAIN=it's fine # cut\n"
-                                "float32 HALF=.5\n"
-                                "bool FLAG=true\n"
-                                "uint64 BIG=18446744073709551615\n"
-                                "int64 SMALL=-9223372036854775808\n"
-                                "\n"
-                                "bool flag true\n"
-                                "byte b 255\n"
-                                "char c 65\n"
-                                "int8[3] fixed [1, -2, 3]\n"
-                                "uint16[<=4] bounded [7]\n"
-                                "float64[] open\t[1.5, 2]\n"
-                                "string<=5 short 'a#b'\n"
-                                "string[] names [\"x, y\", z]\n"
-                                "wstring<=2 wide \"h\xc3\xa4\"\n"
-                                "Inner inner\n"
-                                "pkg/Inner[2] pair\n"
-                                "pkg/msg/Inner[<=3] few\n"
-                                "Header header");
+  packages.write("pkg/msg/All",
+                 "\xef\xbb\xbf# a comment\r\n"
+                 "int32 LIMIT=0x10   # sixteen\r\n"
+                 "string GREETING = \"a # b\" # not inside\n"
+                 "string PLAIN=it's fine # cut\n"
+                 "float32 HALF=.5\n"
+                 "bool FLAG=true\n"
+                 "uint64 BIG=18446744073709551615\n"
+                 "int64 SMALL=-9223372036854775808\n"
+                 "\n"
+                 "bool flag true\n"
+                 "byte b 255\n"
+                 "char c 65\n"
+                 "int8[3] fixed [1, -2, 3]\n"
+                 "uint16[<=4] bounded [7]\n"
+                 "float64[] open\t[1.5, 2]\n"
+                 "string<=5 short 'a#b'\n"
+                 "string[] names [\"x, y\", z]\n"
+                 "wstring<=2 wide \"h\xc3\xa4\"\n"
+                 "Inner inner\n"
+                 "pkg/Inner[2] pair\n"
+                 "pkg/msg/Inner[<=3] few\n"
+                 "Header header");
   Registry registry;
   ASSERT_TRUE(registry.add_packages_in(packages.folder()).ok());
   const auto type = registry.message("pkg/msg/All");
@@ -97,10 +105,12 @@ TEST(Interfaces, TheWholeLanguageIsRead) {
   for (const Field& field : (*type)->fields()) types.push_back(field.type_text());
   EXPECT_THAT(constants, ElementsAre("LIMIT=0x10", "GREETING=a # b", "PLAIN=it's fine", "HALF=.5", "FLAG=true",
                                      "BIG=18446744073709551615", "SMALL=-9223372036854775808"));
-  EXPECT_THAT(types, ElementsAre("bool", "byte", "char", "int8[3]", "uint16[<=4]", "float64[]", "string<=5", "string[]", "wstring<=2",
-                                 "pkg/msg/Inner", "pkg/msg/Inner[2]", "pkg/msg/Inner[<=3]", "std_msgs/msg/Header"));
+  EXPECT_THAT(types, ElementsAre("bool", "byte", "char", "int8[3]", "uint16[<=4]", "float64[]", "string<=5", "string[]",
+                                 "wstring<=2", "pkg/msg/Inner", "pkg/msg/Inner[2]", "pkg/msg/Inner[<=3]",
+                                 "std_msgs/msg/Header"));
   EXPECT_EQ(Message(**type)->to_string(),
-            "{flag: true, b: 255, c: 65, fixed: [1, -2, 3], bounded: [7], open: [1.5, 2.0], short: \"a#b\", names: [\"x, y\", \"z\"], "
+            "{flag: true, b: 255, c: 65, fixed: [1, -2, 3], bounded: [7], open: [1.5, 2.0], short: \"a#b\", names: "
+            "[\"x, y\", \"z\"], "
             "wide: \"h\xc3\xa4\", inner: {a: 5}, pair: [{a: 5}, {a: 5}], few: [], header: {frame_id: \"\"}}");
 }
 
@@ -127,24 +137,29 @@ TEST_P(BadDefinition, IsReportedWithFileAndLine) {
 
 INSTANTIATE_TEST_SUITE_P(
     Interfaces, BadDefinition,
-    ::testing::Values(BadFile{"\nint23 a\n", 2, "found type 'int23'"}, BadFile{"flaot64 a\n", 1, "nearest is 'float64'"},
-                      BadFile{"Iner a\n", 1, "nearest is 'pkg/msg/Inner'"}, BadFile{"pgk/Inner a\n", 1, "package 'pgk'"},
-                      BadFile{"pgk/Inner a\n", 1, "nearest is 'pkg'"}, BadFile{"pkg/srv/Inner a\n", 1, "expected a primitive type"},
-                      BadFile{"int8\n", 1, "no name after the type 'int8'"}, BadFile{"int8 Big\n", 1, "expected a name in lower case"},
-                      BadFile{"int8 a__b\n", 1, "expected a name in lower case"}, BadFile{"int8 LIMIT\n", 1, "a constant needs '='"},
-                      BadFile{"int8 limit=3\n", 1, "expected a name in capitals"}, BadFile{"int8 LIMIT=\n", 1, "has no value"},
-                      BadFile{"int8 LIMIT=200\n", 1, "expected int8 from -128 to 127"}, BadFile{"int8 LIMIT=1.5\n", 1, "found '1.5'"},
-                      BadFile{"bool ON=yes\n", 1, "expected true or false"}, BadFile{"string S=\"open\n", 1, "no closing \""},
-                      BadFile{"Inner I=3\n", 1, "expected a primitive type, not an array"}, BadFile{"int8[] L=3\n", 1, "not an array"},
-                      BadFile{"int8 A=1\nint8 A=2\n", 2, "defined twice"}, BadFile{"int8 a\nint16 a\n", 2, "defined twice, first in line 1"},
-                      BadFile{"int8 a 300\n", 1, "default of field 'a' (int8): found 300"}, BadFile{"int8[2] a [1]\n", 1, "found 1 values, expected 2"},
-                      BadFile{"int8[<=1] a [1, 2]\n", 1, "at most 1"}, BadFile{"int8[] a 3\n", 1, "expected a list"},
-                      BadFile{"string<=2 a \"abc\"\n", 1, "at most 2"}, BadFile{"string[] a [\"b]\n", 1, "no closing \""},
-                      BadFile{"Inner a 3\n", 1, "only primitive types have defaults"}, BadFile{"int8[0] a\n", 1, "expected a number from 1"},
-                      BadFile{"int8[-1] a\n", 1, "expected a number from 1"}, BadFile{"int8[<=] a\n", 1, "expected a number from 1"},
-                      BadFile{"int8[3 a\n", 1, "expected an array"}, BadFile{"int8<=3 a\n", 1, "only string and wstring"},
-                      BadFile{"float64[16777216] a\n", 1, "larger than"}, BadFile{"int8 a\n---\nint8 b\n", 2, "one '---' more"},
-                      BadFile{"Bad a\n", 1, "contains itself: pkg/msg/Bad -> pkg/msg/Bad"}));
+    ::testing::Values(
+        BadFile{"\nint23 a\n", 2, "found type 'int23'"}, BadFile{"flaot64 a\n", 1, "nearest is 'float64'"},
+        BadFile{"Iner a\n", 1, "nearest is 'pkg/msg/Inner'"}, BadFile{"pgk/Inner a\n", 1, "package 'pgk'"},
+        BadFile{"pgk/Inner a\n", 1, "nearest is 'pkg'"}, BadFile{"pkg/srv/Inner a\n", 1, "expected a primitive type"},
+        BadFile{"int8\n", 1, "no name after the type 'int8'"},
+        BadFile{"int8 Big\n", 1, "expected a name in lower case"},
+        BadFile{"int8 a__b\n", 1, "expected a name in lower case"}, BadFile{"int8 LIMIT\n", 1, "a constant needs '='"},
+        BadFile{"int8 limit=3\n", 1, "expected a name in capitals"}, BadFile{"int8 LIMIT=\n", 1, "has no value"},
+        BadFile{"int8 LIMIT=200\n", 1, "expected int8 from -128 to 127"}, BadFile{"int8 LIMIT=1.5\n", 1, "found '1.5'"},
+        BadFile{"bool ON=yes\n", 1, "expected true or false"}, BadFile{"string S=\"open\n", 1, "no closing \""},
+        BadFile{"Inner I=3\n", 1, "expected a primitive type, not an array"},
+        BadFile{"int8[] L=3\n", 1, "not an array"}, BadFile{"int8 A=1\nint8 A=2\n", 2, "defined twice"},
+        BadFile{"int8 a\nint16 a\n", 2, "defined twice, first in line 1"},
+        BadFile{"int8 a 300\n", 1, "default of field 'a' (int8): found 300"},
+        BadFile{"int8[2] a [1]\n", 1, "found 1 values, expected 2"}, BadFile{"int8[<=1] a [1, 2]\n", 1, "at most 1"},
+        BadFile{"int8[] a 3\n", 1, "expected a list"}, BadFile{"string<=2 a \"abc\"\n", 1, "at most 2"},
+        BadFile{"string[] a [\"b]\n", 1, "no closing \""},
+        BadFile{"Inner a 3\n", 1, "only primitive types have defaults"},
+        BadFile{"int8[0] a\n", 1, "expected a number from 1"}, BadFile{"int8[-1] a\n", 1, "expected a number from 1"},
+        BadFile{"int8[<=] a\n", 1, "expected a number from 1"}, BadFile{"int8[3 a\n", 1, "expected an array"},
+        BadFile{"int8<=3 a\n", 1, "only string and wstring"}, BadFile{"float64[16777216] a\n", 1, "larger than"},
+        BadFile{"int8 a\n---\nint8 b\n", 2, "one '---' more"},
+        BadFile{"Bad a\n", 1, "contains itself: pkg/msg/Bad -> pkg/msg/Bad"}));
 
 TEST(Interfaces, RecursionThroughOtherMessagesIsNamed) {
   TempPackages packages;

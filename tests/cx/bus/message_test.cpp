@@ -16,9 +16,12 @@ class Messages : public ::testing::Test {
     packages_.write("pkg/msg/Point", "float64 x\nfloat32 y 2.5\n");
     packages_.write("pkg/msg/Nothing", "");
     packages_.write("pkg/msg/All",
-                    "bool flag\nbyte b\nchar c\nint8 i8\nuint8 u8\nint16 i16\nuint16 u16\nint32 i32\nuint32 u32\nint64 i64\nuint64 u64\n"
-                    "float32 f32\nfloat64 f64\nstring s\nstring<=3 short\nwstring<=3 wide\nint32[3] three\nuint8[<=2] two\nfloat64[] many\n"
-                    "string[] names\nstring[2] pair\nPoint point\nPoint[] points\nPoint[2] corners\nNothing nothing\nNothing[] nothings\nbool[] flags\n");
+                    "bool flag\nbyte b\nchar c\nint8 i8\nuint8 u8\nint16 i16\nuint16 u16\nint32 i32\nuint32 u32\nint64 "
+                    "i64\nuint64 u64\n"
+                    "float32 f32\nfloat64 f64\nstring s\nstring<=3 short\nwstring<=3 wide\nint32[3] three\nuint8[<=2] "
+                    "two\nfloat64[] many\n"
+                    "string[] names\nstring[2] pair\nPoint point\nPoint[] points\nPoint[2] corners\nNothing "
+                    "nothing\nNothing[] nothings\nbool[] flags\n");
     add_interfaces(registry_);
     ASSERT_TRUE(registry_.add_packages_in(packages_.folder()).ok());
     const auto type = registry_.message("pkg/msg/All");
@@ -28,8 +31,19 @@ class Messages : public ::testing::Test {
 
   Message filled() const {
     Message message(*type_);
-    message->set("flag", true).set("b", 255).set("c", 65).set("i8", -128).set("i16", -5).set("u16", 65535).set("i32", -7).set("u32", std::int64_t{4294967295});
-    message->set("i64", std::int64_t{INT64_MIN}).set("u64", std::int64_t{-1}).set("f32", 0.1).set("f64", 0.1).set("s", "a \"quoted\"\n text that is long enough for the heap");
+    message->set("flag", true)
+        .set("b", 255)
+        .set("c", 65)
+        .set("i8", -128)
+        .set("i16", -5)
+        .set("u16", 65535)
+        .set("i32", -7)
+        .set("u32", std::int64_t{4294967295});
+    message->set("i64", std::int64_t{INT64_MIN})
+        .set("u64", std::int64_t{-1})
+        .set("f32", 0.1)
+        .set("f64", 0.1)
+        .set("s", "a \"quoted\"\n text that is long enough for the heap");
     message->set("short", "abc").set("wide", "\xc3\xa4\xc3\xb6\xc3\xbc");
     EXPECT_TRUE(message->set_integer(*type_->find("three"), 9, 2).ok());
     EXPECT_TRUE(message->resize(*type_->find("many"), 2).ok());
@@ -64,16 +78,21 @@ TEST_F(Messages, WhatIsSetIsRead) {
   EXPECT_EQ(message->size("corners"), 2u);
   EXPECT_EQ(message->text(*type_->find("pair"), 1), "right");
   EXPECT_EQ(message->to_string(),
-            "{flag: true, b: 255, c: 65, i8: -128, u8: 0, i16: -5, u16: 65535, i32: -7, u32: 4294967295, i64: -9223372036854775808, "
-            "u64: 18446744073709551615, f32: 0.1, f64: 0.1, s: \"a \\\"quoted\\\"\\n text that is long enough for the heap\", short: \"abc\", "
-            "wide: \"\xc3\xa4\xc3\xb6\xc3\xbc\", three: [0, 0, 9], two: [], many: [0.0, 1e+300], names: [\"one\", \"a second name that does not "
-            "fit into the string itself\"], pair: [\"\", \"right\"], point: {x: 0.0, y: 2.5}, points: [{x: 1.0, y: 2.5}, {x: 2.0, y: 2.5}], "
+            "{flag: true, b: 255, c: 65, i8: -128, u8: 0, i16: -5, u16: 65535, i32: -7, u32: 4294967295, i64: "
+            "-9223372036854775808, "
+            "u64: 18446744073709551615, f32: 0.1, f64: 0.1, s: \"a \\\"quoted\\\"\\n text that is long enough for the "
+            "heap\", short: \"abc\", "
+            "wide: \"\xc3\xa4\xc3\xb6\xc3\xbc\", three: [0, 0, 9], two: [], many: [0.0, 1e+300], names: [\"one\", \"a "
+            "second name that does not "
+            "fit into the string itself\"], pair: [\"\", \"right\"], point: {x: 0.0, y: 2.5}, points: [{x: 1.0, y: "
+            "2.5}, {x: 2.0, y: 2.5}], "
             "corners: [{x: 0.0, y: 2.5}, {x: 0.0, y: 7.5}], nothing: {}, nothings: [{}], flags: [false, true]}");
 }
 
 TEST_F(Messages, ValuesOutsideTheRangeAreRefused) {
   const Message message(*type_);
-  EXPECT_THAT(message->set_integer(*type_->find("u8"), 256).error().message, HasSubstr("found 256, expected uint8 from 0 to 255"));
+  EXPECT_THAT(message->set_integer(*type_->find("u8"), 256).error().message,
+              HasSubstr("found 256, expected uint8 from 0 to 255"));
   EXPECT_THAT(message->set_integer(*type_->find("i8"), -129).error().message, HasSubstr("'i8'"));
   EXPECT_FALSE(message->set_integer(*type_->find("flag"), 2).ok());
   EXPECT_THAT(message->set_text(*type_->find("short"), "abcd").error().message, HasSubstr("at most 3"));
@@ -105,7 +124,8 @@ TEST_F(Messages, CopiesAreDeep) {
 
 TEST_F(Messages, ElementsSurviveGrowthAndShrinking) {
   Message message(*type_);
-  for (int i = 0; i < 100; ++i) message->append_text("names", "name number " + std::to_string(i) + ", long enough for the heap");
+  for (int i = 0; i < 100; ++i)
+    message->append_text("names", "name number " + std::to_string(i) + ", long enough for the heap");
   for (int i = 0; i < 100; ++i) message->append("points").set("x", i);
   ASSERT_TRUE(message->resize(*type_->find("names"), 50).ok());
   ASSERT_TRUE(message->resize(*type_->find("names"), 60).ok());
@@ -141,9 +161,12 @@ TEST_F(Messages, CutBytesAreAnError) {
 }
 
 TEST_F(Messages, YamlAndJsonGiveTheSame) {
-  const auto yaml = Message::from_yaml(*type_, "flag: true\ni8: -3\nu64: 18446744073709551615\nf64: .inf\ns: 12\npoint: {x: 1}\npoints:\n- y: 3\n- {}\ntwo: [1, 0x2]\n");
+  const auto yaml = Message::from_yaml(*type_,
+                                       "flag: true\ni8: -3\nu64: 18446744073709551615\nf64: .inf\ns: 12\npoint: {x: "
+                                       "1}\npoints:\n- y: 3\n- {}\ntwo: [1, 0x2]\n");
   ASSERT_TRUE(yaml.ok()) << yaml.error().text();
-  const auto json = Message::from_yaml(*type_, R"({"flag": true, "i8": -3, "u64": 18446744073709551615, "f64": .inf, "s": "12", "point": {"x": 1},
+  const auto json = Message::from_yaml(
+      *type_, R"({"flag": true, "i8": -3, "u64": 18446744073709551615, "f64": .inf, "s": "12", "point": {"x": 1},
                                                    "points": [{"y": 3}, {}], "two": [1, 2]})");
   ASSERT_TRUE(json.ok()) << json.error().text();
   EXPECT_TRUE((*yaml)->equals(*json));

@@ -1,7 +1,8 @@
+#include "cx/bus/names.h"
+
 #include <gtest/gtest.h>
 
 #include "cx/bus/bus.h"
-#include "cx/bus/names.h"
 
 namespace cxlab::bus {
 namespace {
@@ -30,9 +31,10 @@ TEST(Names, ResolveAsInRos) {
       {"/ns", {{"/ns/chatter", "/other"}}, "chatter", "/other"},
       {"/ns", {{"~/x", "x"}}, "~/x", "/ns/x"},
       {"/ns", {{"a", "b"}, {"b", "c"}, {"a", "d"}}, "a", "/ns/b"},  // the first, once
-      {"/ns", {{"chat", "other"}}, "chatter", "/ns/chatter"},      // whole names only
+      {"/ns", {{"chat", "other"}}, "chatter", "/ns/chatter"},       // whole names only
   };
-  for (const Case& c : cases) EXPECT_EQ((NodeName{"node", c.name_space, c.remaps}.resolve(c.written)), c.expected) << c.written;
+  for (const Case& c : cases)
+    EXPECT_EQ((NodeName{"node", c.name_space, c.remaps}.resolve(c.written)), c.expected) << c.written;
 }
 
 TEST(Names, WhatRosRefusesIsAFault) {
