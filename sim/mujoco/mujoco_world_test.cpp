@@ -1,18 +1,285 @@
 #include "sim/mujoco/mujoco_world.h"
 
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/mujoco/test_floor.h"
+#include "sim/mujoco/test_rig.h"
 
 namespace cxlab::sim {
 namespace {
 
-using std::chrono::milliseconds;
+using testing::HasSubstr;
 
-TEST(MujocoWorld, Builds) {
-  auto world = MujocoWorld::create(small_floor(), test_options());
-  ASSERT_TRUE(world.ok()) << world.error().text();
-  for (int i = 0; i < 50; ++i) ASSERT_TRUE((*world)->advance(milliseconds(20)).ok());
+constexpr SimTime kTick = std::chrono::milliseconds(20);
+constexpr RobotId kR1{0}, kR2{1};
+constexpr Stack kBase{1, {}, 0};
+
+std::unique_ptr<MujocoWorld> make_world(PhysicsTap* tap = nullptr, FloorPlan plan = small_floor()) {
+  auto made = MujocoWorld::create(std::move(plan), test_options(), tap);
+  EXPECT_TRUE(made.ok()) << made.error().text();
+  return std::move(*made);
+}
+
+StationId station(const MujocoWorld& world, const char* name) { return *world.plan().find_station(name); }
+SpotId spot(const MujocoWorld& world, const char* name) { return *world.plan().find_spot(name); }
+
+/// A while of everything at once: a belt runs, a piece grows, both robots move, one piece leaves.
+void bustle(MujocoWorld& world, int from_tick, int to_tick) {
+  for (int tick = from_tick; tick < to_tick; ++tick) {
+    if (tick == 0) {
+      ASSERT_TRUE(world.dispense(station(world, "C-BS"), 0, kBase).ok());
+      ASSERT_TRUE(world.dispense(spot(world, "C-CS1-SHELF-LEFT"), Stack{4, {}, 2}).ok());
+      world.run_belt(station(world, "C-BS"), 0.1, 0.155);
+    }
+    if (tick == 20) world.mount(PieceId{1}, Part::kRing, 2);
+    if (tick == 60) world.retire(PieceId{2}, Holder::kGate);
+    if (tick == 70) {
+      ASSERT_TRUE(world.dispense(station(world, "C-DS"), 0.1, Stack{3, {1, 2, 3}, 1}).ok());
+    }
+    world.command_base(kR1, 0.3 * std::sin(0.1 * tick), 0.2, 0.5);
+    world.command_base(kR2, -0.2, 0.01 * tick, -0.3);
+    world.command_gripper(kR1, {0.002 * tick, 0, 0.05});
+    ASSERT_TRUE(world.advance(kTick).ok());
+  }
+}
+
+TEST(MujocoWorld, BeltCarriesAPieceToItsStop) {
+  auto world = make_world();
+  const StationId bs = station(*world, "C-BS");
+  const PieceId piece = *world->dispense(bs, 0, kBase);
+  EXPECT_EQ(world->changes()[0].from, Holder::kDispenser);
+  EXPECT_EQ(world->changes()[0].to, Holder::kBelt);
+  Rig rig(*world);
+  rig.wait(1);  // it is asleep by now and has to be woken
+  world->run_belt(bs, -0.155 / 2.656, -0.155);
+  EXPECT_TRUE(world->belt_running(bs));
+  EXPECT_EQ(world->on_belt(bs, 0)->id, piece);
+  rig.wait(2.0);
+  EXPECT_TRUE(world->belt_running(bs));
+  EXPECT_EQ(world->at(spot(*world, "C-BS-OUTPUT")), nullptr);
+  rig.wait(0.8);
+  EXPECT_FALSE(world->belt_running(bs));
+  rig.wait(0.3);
+  const Vec3 rest = inverse_transform(world->plan().station(bs).pose_in_world, world->find(piece)->position_in_world);
+  EXPECT_NEAR(rest.x, -0.155, 0.003);
+  EXPECT_NEAR(rest.y, -0.025, 0.001);
+  EXPECT_EQ(world->at(spot(*world, "C-BS-OUTPUT"))->id, piece);
+}
+
+TEST(MujocoWorld, PlaceOfANewPieceMustBeFree) {
+  auto world = make_world();
+  ASSERT_TRUE(world->dispense(spot(*world, "C-CS1-SHELF-LEFT"), kBase).ok());
+  const auto second = world->dispense(spot(*world, "C-CS1-SHELF-LEFT"), kBase);
+  ASSERT_FALSE(second.ok());
+  EXPECT_THAT(second.error().message, HasSubstr("taken by piece 1"));
+}
+
+TEST(MujocoWorld, BodiesAreUsedAgainUnderNewNumbers) {
+  auto world = make_world();
+  const StationId bs = station(*world, "C-BS");
+  for (int i = 1; i <= 30; ++i) {  // the pool has 20
+    const auto piece = world->dispense(bs, 0, kBase);
+    ASSERT_TRUE(piece.ok()) << piece.error().text();
+    EXPECT_EQ(*piece, PieceId{i});
+    ASSERT_TRUE(world->advance(kTick).ok());
+    world->retire(*piece, Holder::kGate);
+    EXPECT_EQ(world->find(*piece), nullptr);
+    EXPECT_EQ(world->changes().back().to, Holder::kGate);
+  }
+  EXPECT_TRUE(world->pieces().empty());
+}
+
+TEST(MujocoWorld, PoolCanRunOut) {
+  ModelOptions options = test_options();
+  options.pieces = 1;
+  auto world = std::move(*MujocoWorld::create(small_floor(), options));
+  ASSERT_TRUE(world->dispense(station(*world, "C-BS"), 0, kBase).ok());
+  const auto second = world->dispense(station(*world, "C-DS"), 0, kBase);
+  ASSERT_FALSE(second.ok());
+  EXPECT_EQ(second.error().code, "no_spare_piece");
+}
+
+TEST(MujocoWorld, MountedPartsMakeAPieceHeavierAndHigher) {
+  auto world = make_world();
+  const PieceId piece = *world->dispense(station(*world, "C-RS1"), 0, kBase);
+  world->mount(piece, Part::kRing, 3);
+  world->mount(piece, Part::kRing, 1);
+  world->mount(piece, Part::kCap, 2);
+  EXPECT_EQ(world->find(piece)->stack, (Stack{1, {3, 1, 0}, 2}));
+  const mjModel& m = world->gate().model();
+  const PieceIds& ids = world->gate().factory().pieces[0];
+  EXPECT_NEAR(m.body_mass[ids.body], 0.065, 1e-12);
+  // Underside of the cap = top of the second ring.
+  EXPECT_NEAR(m.geom_pos[3 * ids.geoms[kSlotCap] + 2] - m.geom_size[3 * ids.geoms[kSlotCap] + 1], 0.0125 + 0.016, 1e-12);
+  EXPECT_EQ(m.geom_contype[ids.geoms[kSlotRing3]], 0);
+  world->unmount_cap(piece);
+  EXPECT_EQ(world->find(piece)->stack.cap, 0);
+}
+
+TEST(MujocoWorld, RobotKeepsItsLimits) {
+  auto world = make_world();
+  world->command_base(kR1, 5, 0, 9);
+  double fastest = 0, turn = 0, before = 0, most_acceleration = 0;
+  for (int i = 0; i < 150; ++i) {
+    ASSERT_TRUE(world->advance(kTick).ok());
+    const RobotState state = world->robot(kR1);
+    fastest = std::max(fastest, std::hypot(state.vx, state.vy));
+    turn = std::max(turn, std::abs(state.omega));
+    most_acceleration = std::max(most_acceleration, (state.vx - before) / 0.02);
+    before = state.vx;
+  }
+  EXPECT_GT(fastest, 0.65);
+  EXPECT_LE(fastest, 0.7);
+  EXPECT_GT(turn, 1.25);
+  EXPECT_LE(turn, 1.4);
+  EXPECT_LE(most_acceleration, 0.41);
+}
+
+TEST(MujocoWorld, RobotsThatMeetAreCountedOnce) {
+  FloorPlan plan = small_floor();
+  plan.robots = {{"R1", {-3, 4, 0}}, {"R2", {-2.2, 4, 0}}};
+  auto world = make_world(nullptr, std::move(plan));
+  world->command_base(kR1, 0.5, 0, 0);
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(world->advance(kTick).ok());
+  EXPECT_GE(world->robot(kR1).robot_contacts, 1u);
+  EXPECT_EQ(world->robot(kR1).robot_contacts, world->robot(kR2).robot_contacts);
+  EXPECT_EQ(world->robot(kR1).static_contacts, 0u);
+}
+
+TEST(MujocoWorld, RobotThatDrivesIntoAMachineIsCounted) {
+  FloorPlan plan = small_floor();
+  plan.robots[0].pose_in_world = {1.5, 4.8, 0};
+  auto world = make_world(nullptr, std::move(plan));
+  world->command_base(kR1, 0, 0.3, 0);
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(world->advance(kTick).ok());
+  EXPECT_EQ(world->robot(kR1).static_contacts, 1u);
+  EXPECT_LT(world->robot(kR1).pose_in_world.y, 5.5 - 0.35 - 0.225 + 0.005);
+}
+
+TEST(MujocoWorld, DroppedPieceComesToTheFloor) {
+  auto world = make_world();
+  const PieceId piece = *world->dispense(station(*world, "C-BS"), 0.155, kBase);
+  Rig rig(*world);
+  rig.drive_to(kR1, {3, 4, 0});
+  rig.pick(kR1, spot(*world, "C-BS-INPUT"));
+  ASSERT_EQ(world->robot(kR1).held, piece);
+  world->command_fingers(kR1, 0.035);
+  rig.wait(3);
+  EXPECT_EQ(world->robot(kR1).held, std::nullopt);
+  EXPECT_EQ(rig.life(piece), "gripper floor");
+  EXPECT_LT(world->find(piece)->position_in_world.z, 0.05);
+}
+
+TEST(MujocoPhysics, SameCommandsGiveTheSameHashAloneOrBesideAnother) {
+  auto alone = make_world();
+  bustle(*alone, 0, 120);
+  auto first = make_world(), second = make_world();
+  for (int tick = 0; tick < 120; ++tick) {
+    bustle(*first, tick, tick + 1);
+    second->command_base(kR2, 0.4, 0, 0);
+    ASSERT_TRUE(second->advance(kTick).ok());
+  }
+  EXPECT_EQ(first->physics_hash(), alone->physics_hash());
+  EXPECT_NE(second->physics_hash(), alone->physics_hash());
+}
+
+TEST(MujocoPhysics, LogReplaysToTheSameHash) {
+  PhysicsLog log;
+  auto world = make_world(&log);
+  bustle(*world, 0, 60);
+  std::string bytes = log.take();  // written out on the way
+  bustle(*world, 60, 150);
+  bytes += log.bytes();
+
+  auto replay = PhysicsReplay::load(world->plan(), test_options(), bytes);
+  ASSERT_TRUE(replay.ok()) << replay.error().text();
+  ASSERT_TRUE(replay->advance_to(world->gate().steps()).ok());
+  EXPECT_EQ(replay->hash(), world->physics_hash());
+
+  // One write less, another world.
+  auto shorter = PhysicsReplay::load(world->plan(), test_options(), std::string_view(bytes).substr(0, 0));
+  ASSERT_TRUE(shorter->advance_to(world->gate().steps()).ok());
+  EXPECT_NE(shorter->hash(), world->physics_hash());
+}
+
+TEST(MujocoPhysics, DamagedLogIsAnError) {
+  PhysicsLog log;
+  log.record({0, WriteKind::kPlace, 3, {1, 2, 3}});
+  const auto cut = std::string(log.bytes().substr(0, log.bytes().size() - 2));
+  auto replay = PhysicsReplay::load(small_floor(), test_options(), cut);
+  ASSERT_FALSE(replay.ok());
+  EXPECT_THAT(replay.error().message, HasSubstr("damaged at byte 0"));
+}
+
+TEST(MujocoPhysics, LogOfAnotherModelIsAnError) {
+  PhysicsLog log;
+  log.record({0, WriteKind::kPark, 999, {}});
+  auto replay = PhysicsReplay::load(small_floor(), test_options(), log.bytes());
+  ASSERT_FALSE(replay.ok());
+  EXPECT_THAT(replay.error().message, HasSubstr("does not belong to this model"));
+}
+
+class BrokenModels : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) / "cxlab_broken_models";
+    std::filesystem::remove_all(folder_);
+    std::filesystem::copy(test_options().models, folder_, std::filesystem::copy_options::recursive);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  void replace(const char* part, const std::string& from, const std::string& to) {
+    std::ifstream in(folder_ / part);
+    std::string text(std::istreambuf_iterator<char>(in), {});
+    in.close();
+    ASSERT_NE(text.find(from), std::string::npos);
+    text.replace(text.find(from), from.size(), to);
+    std::ofstream(folder_ / part) << text;
+  }
+  Error error() {
+    ModelOptions options = test_options();
+    options.models = folder_;
+    auto made = MujocoWorld::create(small_floor(), options);
+    if (made) return {};
+    return made.error();
+  }
+  std::filesystem::path folder_;
+};
+
+TEST_F(BrokenModels, WrongElementIsReportedWithFileAndLine) {
+  replace("belt.xml", "<geom name=\"guide-left\"", "<goem name=\"guide-left\"");
+  const Error e = error();
+  EXPECT_EQ(std::filesystem::path(e.file).filename(), "belt.xml");
+  EXPECT_EQ(e.line, 14) << e.text();
+  EXPECT_THAT(e.message, HasSubstr("goem"));
+}
+
+TEST_F(BrokenModels, MissingNameIsReportedAtConstruction) {
+  replace("robot.xml", "<geom name=\"pad-left-2\"", "<geom name=\"pad-left-two\"");
+  const Error e = error();
+  EXPECT_EQ(std::filesystem::path(e.file).filename(), "robot.xml");
+  EXPECT_THAT(e.message, HasSubstr("'pad-left-2'"));
+}
+
+TEST_F(BrokenModels, MissingPartIsReported) {
+  std::filesystem::remove(folder_ / "slide.xml");
+  EXPECT_EQ(std::filesystem::path(error().file).filename(), "slide.xml");
+}
+
+TEST_F(BrokenModels, WorldThatDivergesSaysWhen) {
+  replace("factory.xml", "integrator=\"implicitfast\"", "integrator=\"Euler\" gravity=\"0 0 1e12\"");
+  ModelOptions options = test_options();
+  options.models = folder_;
+  auto world = std::move(*MujocoWorld::create(small_floor(), options));
+  ASSERT_TRUE(world->dispense(station(*world, "C-BS"), 0, kBase).ok());
+  Status status;
+  for (int i = 0; i < 10 && status.ok(); ++i) status = world->advance(kTick);
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.error().kind, ErrorKind::kRun);
+  EXPECT_THAT(status.error().message, HasSubstr("world diverged at 0.0"));
 }
 
 }  // namespace
