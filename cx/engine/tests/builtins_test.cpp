@@ -1,5 +1,7 @@
 // Built-in functions of CLIPS that would look outside.
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <set>
