@@ -1,0 +1,350 @@
+#include "sim/skills/physics_skills.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cxlab::sim {
+namespace {
+
+// The arm, docs/models.md: the gripper's frame is the underside of a held piece.
+constexpr double kHomeForward = 0.139, kHomeHeight = 0.888;
+constexpr double kForwardStroke = 0.24, kLeftStroke = 0.0375, kUpStroke = 0.057;
+constexpr double kOpen = 0.035, kSqueeze = -0.010;
+constexpr double kOpenEnough = 0.028;
+constexpr double kLifted = 0.045;          ///< m up: clear of the guides
+constexpr double kWithinHull = 0.085;      ///< m forward: nothing sticks out over the robot's hull
+constexpr double kAboveGrip = 0.005;       ///< m over the grip while coming in
+constexpr double kAbovePut = 0.001;        ///< m over the rest when the fingers open
+constexpr double kAboveSlide = 0.012;      ///< m: over the rim of the slide's mouth
+
+// Steering of the base.
+constexpr double kTrackGain = 2.5, kTrackYawGain = 3.0;  ///< 1/s
+constexpr SimTime kLead{120'000'000};      ///< the base follows its command that much later
+constexpr SimTime kSlope{50'000'000};
+constexpr double kFineGain = 3.0, kFineYawGain = 3.0;
+constexpr double kFineSlowDown = 0.6;      ///< m/s2
+constexpr double kFineSpeed = 0.3, kFineTurn = 0.6;
+
+// Where steering is good enough, in m and rad.
+constexpr double kArrivedAt = 0.03, kArrivedYaw = 0.05;
+constexpr double kAlignedAt = 0.012, kAlignedYaw = 0.02;
+constexpr double kAtWork = 0.010;
+constexpr double kBackedOff = 0.03;
+constexpr double kStill = 0.03;            ///< m/s
+constexpr double kAxisExact = 0.002;
+
+constexpr SimTime kGripTime{400'000'000};
+constexpr SimTime kReleaseTime{300'000'000};
+constexpr SimTime kSettleTime{1'500'000'000};
+constexpr SimTime kPhaseTimeout{8'000'000'000};
+constexpr int kTries = 2;
+
+double speed_of(const RobotState& state) { return std::hypot(state.vx, state.vy); }
+
+}  // namespace
+
+PhysicsSkills::PhysicsSkills(RobotId robot, const WorldView& world, RobotBodies& bodies, Traffic& traffic)
+    : robot_(robot), world_(world), bodies_(bodies), traffic_(traffic) {}
+
+void PhysicsSkills::enter(SkillPhase phase, SimTime now) {
+  phase_ = phase;
+  entered_ = now;
+}
+
+void PhysicsSkills::start(const SkillGoal& goal, SimTime now) {
+  goal_ = goal;
+  active_ = true;
+  cancelled_ = false;
+  failure_ = SkillCode::kNone;
+  started_ = now;
+  tries_ = 0;
+  piece_.reset();
+  spot_ = goal.kind == SkillKind::kDriveTo ? nullptr : &world_.plan().spot(*goal.spot);
+  std::optional<Footprint> work;
+  if (spot_) work = Footprint{point_of(spot_->align_in_world), point_of(spot_->work_in_world)};
+  traffic_.request(robot_, goal.pose, work, now);
+  enter(SkillPhase::kDrive, now);
+}
+
+void PhysicsSkills::cancel(SimTime now) {
+  if (!active_ || cancelled_) return;
+  cancelled_ = true;
+  // Fingers that have not closed on a piece yet, or have begun to let go of one, end open.
+  const bool closing_late = phase_ == SkillPhase::kGrip && now - entered_ < kGripTime / 2;
+  if (goal_.kind == SkillKind::kPick && (phase_ < SkillPhase::kGrip || closing_late)) fingers_goal_ = kOpen;
+  if (!traffic_.working(robot_)) traffic_.withdraw(robot_, now);
+  enter(SkillPhase::kStop, now);
+}
+
+SkillResult PhysicsSkills::end(SkillCode code, SimTime now) {
+  active_ = false;
+  if (traffic_.working(robot_))
+    traffic_.finish_work(robot_, now);
+  else
+    traffic_.withdraw(robot_, now);
+  if (cancelled_) return {SkillCode::kNone, true, "cancelled"};
+  return {code, false, std::string(to_string(code))};
+}
+
+// --- Looking
+
+bool PhysicsSkills::base_at(const Pose2& pose, double along, double yaw) const {
+  return distance(point_of(state_.pose_in_world), point_of(pose)) <= along &&
+         std::abs(wrap_angle(state_.pose_in_world.yaw - pose.yaw)) <= yaw;
+}
+
+bool PhysicsSkills::gripper_at(const Vec3& axes) const {
+  return std::abs(state_.gripper.x - axes.x) <= kAxisExact && std::abs(state_.gripper.y - axes.y) <= kAxisExact &&
+         std::abs(state_.gripper.z - axes.z) <= kAxisExact;
+}
+
+Vec3 PhysicsSkills::axes_for(const Vec3& point, const Pose2& robot) const {
+  const Vec3 local = inverse_transform(robot, point);
+  return {std::clamp(local.x - kHomeForward, 0.0, kForwardStroke), std::clamp(local.y, -kLeftStroke, kLeftStroke),
+          std::clamp(local.z - kHomeHeight, 0.0, kUpStroke)};
+}
+
+Vec3 PhysicsSkills::reach_axes(const Pose2& robot, double above) const {
+  if (goal_.kind == SkillKind::kPick) {
+    const Piece* piece = piece_ ? world_.find(*piece_) : nullptr;
+    const Vec3 rest = transform(world_.plan().station(spot_->station).pose_in_world, spot_->rest_in_station);
+    Vec3 at = piece ? piece->position_in_world : rest;
+    at.z = rest.z + above;
+    return axes_for(at, robot);
+  }
+  const Vec3 rest = transform(world_.plan().station(spot_->station).pose_in_world, spot_->rest_in_station);
+  const Vec3 offset = transform({0, 0, robot.yaw}, carried_offset_);
+  return axes_for({rest.x - offset.x, rest.y - offset.y, rest.z - offset.z + above}, robot);
+}
+
+double PhysicsSkills::lowest() const {
+  if (goal_.kind == SkillKind::kPick) return 0;
+  return spot_->kind == SpotKind::kSlide ? kAboveSlide : kAbovePut;
+}
+
+/// Why pick or place cannot begin.
+std::optional<SkillCode> PhysicsSkills::obstacle() const {
+  const bool taken = world_.at(*goal_.spot) != nullptr;
+  if (goal_.kind == SkillKind::kPick) {
+    if (state_.held) return SkillCode::kGripperFull;
+    if (!taken) return SkillCode::kNoWorkpiece;
+  } else {
+    if (!state_.held) return SkillCode::kGripperEmpty;
+    if (taken) return SkillCode::kOccupied;
+  }
+  return std::nullopt;
+}
+
+std::optional<SkillResult> PhysicsSkills::give_up(SkillCode code, SimTime now) {
+  failure_ = code;
+  if (!state_.held) fingers_goal_ = kOpen;
+  enter(SkillPhase::kBackOff, now);
+  return std::nullopt;
+}
+
+std::optional<SkillResult> PhysicsSkills::sense(SimTime now) {
+  now_ = now;
+  state_ = world_.robot(robot_);
+  traffic_.observe(robot_, state_.pose_in_world, now);
+  if (!active_) return std::nullopt;
+  switch (phase_) {
+    case SkillPhase::kWait:
+    case SkillPhase::kDrive:
+      return sense_drive(now);
+    case SkillPhase::kStop: {
+      const bool stands = !traffic_.moving(robot_) && speed_of(state_) < kStill;
+      const bool home = state_.gripper.x < kWithinHull;
+      const bool off = !traffic_.working(robot_) || base_at(goal_.pose, kBackedOff, kArrivedYaw);
+      if ((stands && home && off) || now - entered_ > kPhaseTimeout) return end(SkillCode::kNone, now);
+      return std::nullopt;
+    }
+    default:
+      return sense_work(now);
+  }
+}
+
+std::optional<SkillResult> PhysicsSkills::sense_drive(SimTime now) {
+  if (traffic_.arrived(robot_)) {
+    if (goal_.kind != SkillKind::kDriveTo) {
+      if (const auto code = obstacle()) return end(*code, now);
+      if (goal_.kind == SkillKind::kPick) {
+        piece_ = world_.at(*goal_.spot)->id;
+      } else {
+        piece_ = state_.held;
+        const Vec3 held = inverse_transform(state_.pose_in_world, world_.find(*piece_)->position_in_world);
+        carried_offset_ = {held.x - kHomeForward - state_.gripper.x, held.y - state_.gripper.y,
+                           held.z - kHomeHeight - state_.gripper.z};
+      }
+      enter(SkillPhase::kAlign, now);
+      return std::nullopt;
+    }
+    const bool there = base_at(goal_.pose, kArrivedAt, kArrivedYaw) && speed_of(state_) < kStill;
+    if (there || now - traffic_.motion(robot_)->end() > kSettleTime)
+      return end(base_at(goal_.pose, 2 * kArrivedAt, 2 * kArrivedYaw) ? SkillCode::kNone : SkillCode::kUnableToMove, now);
+    return std::nullopt;
+  }
+  if (traffic_.unreachable(robot_)) return end(SkillCode::kNoPath, now);
+  if (now - started_ > kSkillTimeout) return end(SkillCode::kUnableToMove, now);
+  const SkillPhase phase = traffic_.waiting(robot_, now) ? SkillPhase::kWait : SkillPhase::kDrive;
+  if (phase != phase_) enter(phase, now);
+  return std::nullopt;
+}
+
+std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
+  const bool late = now - entered_ > kPhaseTimeout;
+  const bool picks = goal_.kind == SkillKind::kPick;
+  switch (phase_) {
+    case SkillPhase::kAlign:
+      if (base_at(spot_->align_in_world, kAlignedAt, kAlignedYaw))
+        enter(SkillPhase::kApproach, now);
+      else if (late)
+        return give_up(SkillCode::kUnableToMove, now);
+      return std::nullopt;
+    case SkillPhase::kApproach:
+      if (base_at(spot_->work_in_world, kAtWork, kAlignedYaw) && speed_of(state_) < kStill &&
+          gripper_at(picks ? reach_axes(state_.pose_in_world, kAboveGrip)
+                           : Vec3{reach_axes(state_.pose_in_world, 0).x, reach_axes(state_.pose_in_world, 0).y, kUpStroke}))
+        enter(SkillPhase::kLower, now);
+      else if (late)
+        return give_up(SkillCode::kUnableToMove, now);
+      return std::nullopt;
+    case SkillPhase::kLower:
+      if (gripper_at(reach_axes(state_.pose_in_world, lowest())))
+        enter(picks ? SkillPhase::kGrip : SkillPhase::kRelease, now);
+      else if (late)
+        return give_up(picks ? SkillCode::kGraspFailed : SkillCode::kUnableToMove, now);
+      return std::nullopt;
+    case SkillPhase::kGrip:
+      if (now - entered_ >= kGripTime) enter(SkillPhase::kLift, now);
+      return std::nullopt;
+    case SkillPhase::kLift:
+      if (state_.gripper.z < kLifted && !late) return std::nullopt;
+      if (state_.held) {
+        enter(SkillPhase::kBackOff, now);
+      } else if (++tries_ < kTries && world_.at(*goal_.spot)) {
+        piece_ = world_.at(*goal_.spot)->id;
+        enter(SkillPhase::kApproach, now);
+      } else {
+        return give_up(SkillCode::kGraspFailed, now);
+      }
+      return std::nullopt;
+    case SkillPhase::kRelease:
+      if (now - entered_ >= kReleaseTime && (state_.finger_opening >= kOpenEnough || late))
+        enter(SkillPhase::kBackOff, now);
+      return std::nullopt;
+    case SkillPhase::kBackOff:
+      if (base_at(spot_->align_in_world, kBackedOff, kArrivedYaw) && state_.gripper.x < kWithinHull) return verify(now);
+      if (late) return end(SkillCode::kUnableToMove, now);
+      return std::nullopt;
+    default:
+      return end(SkillCode::kInternal, now);
+  }
+}
+
+/// Backed off: is the piece where it should be?
+std::optional<SkillResult> PhysicsSkills::verify(SimTime now) {
+  if (failure_ != SkillCode::kNone) return end(failure_, now);
+  if (goal_.kind == SkillKind::kPick) return end(state_.held ? SkillCode::kNone : SkillCode::kGraspFailed, now);
+  // A machine may have taken it on already.
+  const Piece* piece = world_.find(*piece_);
+  const bool placed = !piece || (piece->holder != Holder::kGripper && piece->holder != Holder::kFloor);
+  return end(placed ? SkillCode::kNone : SkillCode::kSensorDisagreement, now);
+}
+
+// --- Commanding
+
+void PhysicsSkills::hold_still() {
+  if (!commanded_) return;
+  bodies_.command_base(robot_, 0, 0, 0);
+  commanded_ = false;
+}
+
+void PhysicsSkills::steer_along(const Trajectory& motion, SimTime now) {
+  const Pose2 wanted = motion.at(now), soon = motion.at(now + kLead), later = motion.at(now + kLead + kSlope);
+  const double dt = to_seconds(kSlope);
+  const Pose2& here = state_.pose_in_world;
+  bodies_.command_base(robot_, (later.x - soon.x) / dt + kTrackGain * (wanted.x - here.x),
+                       (later.y - soon.y) / dt + kTrackGain * (wanted.y - here.y),
+                       wrap_angle(later.yaw - soon.yaw) / dt + kTrackYawGain * wrap_angle(wanted.yaw - here.yaw));
+  commanded_ = true;
+}
+
+void PhysicsSkills::steer_to(const Pose2& pose, double speed) {
+  const Pose2& here = state_.pose_in_world;
+  const double dx = pose.x - here.x, dy = pose.y - here.y, way = std::hypot(dx, dy);
+  const double turn = wrap_angle(pose.yaw - here.yaw);
+  const double v = std::min({speed, kFineGain * way, std::sqrt(2 * kFineSlowDown * way)});
+  const double scale = way > 1e-6 ? v / way : 0;
+  bodies_.command_base(robot_, scale * dx, scale * dy, std::clamp(kFineYawGain * turn, -kFineTurn, kFineTurn));
+  commanded_ = true;
+}
+
+void PhysicsSkills::move_gripper(const Vec3& axes) {
+  if (axes.x == gripper_goal_.x && axes.y == gripper_goal_.y && axes.z == gripper_goal_.z) return;
+  gripper_goal_ = axes;
+  bodies_.command_gripper(robot_, axes);
+}
+
+void PhysicsSkills::move_fingers(double opening) {
+  fingers_goal_ = opening;
+  bodies_.command_fingers(robot_, opening);
+}
+
+void PhysicsSkills::act(SimTime now) {
+  const bool at_work = active_ && traffic_.working(robot_);
+  if (!at_work) {
+    // On the way, for itself or for others, or idle: the arm is home, high enough for what it carries.
+    move_gripper({0, 0, kUpStroke});
+    if (traffic_.moving(robot_))
+      steer_along(*traffic_.motion(robot_), now);
+    else if (active_ && traffic_.arrived(robot_))
+      steer_to(goal_.pose, kFineSpeed);
+    else
+      hold_still();
+    return;
+  }
+  const bool picks = goal_.kind == SkillKind::kPick;
+  switch (phase_) {
+    case SkillPhase::kAlign:
+    case SkillPhase::kApproach: {
+      const bool aligned = phase_ == SkillPhase::kApproach;
+      if (picks) move_fingers(kOpen);
+      steer_to(aligned ? spot_->work_in_world : spot_->align_in_world, kFineSpeed);
+      // While the base still drives, the arm goes to where it will be needed.
+      const bool close = aligned && base_at(spot_->work_in_world, kAtWork, kAlignedYaw);
+      Vec3 axes = reach_axes(close ? state_.pose_in_world : spot_->work_in_world, picks ? kAboveGrip : 0);
+      if (!picks) axes.z = kUpStroke;
+      move_gripper(axes);
+      break;
+    }
+    case SkillPhase::kLower:
+      hold_still();
+      move_gripper(reach_axes(state_.pose_in_world, lowest()));
+      break;
+    case SkillPhase::kGrip:
+      hold_still();
+      move_fingers(kSqueeze);
+      break;
+    case SkillPhase::kRelease:
+      hold_still();
+      move_fingers(kOpen);
+      break;
+    case SkillPhase::kLift:
+      hold_still();
+      if (!state_.held && tries_ + 1 < kTries && state_.gripper.z >= kLifted) move_fingers(kOpen);
+      move_gripper({gripper_goal_.x, gripper_goal_.y, kUpStroke});
+      break;
+    default: {  // back off, also after a cancel: up first, so that nothing is dragged along
+      if (fingers_goal_ == kOpen) move_fingers(kOpen);
+      const bool clear = state_.gripper.z >= kLifted || fingers_goal_ == kOpen;
+      move_gripper({clear ? 0 : gripper_goal_.x, clear ? 0 : gripper_goal_.y, kUpStroke});
+      if (clear)
+        steer_to(spot_->align_in_world, kFineSpeed);
+      else
+        hold_still();
+      break;
+    }
+  }
+}
+
+}  // namespace cxlab::sim

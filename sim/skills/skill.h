@@ -1,0 +1,84 @@
+#pragma once
+// What a robot can be asked to do, how it can end, and the one interface behind which both tiers do it.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "cx/base/time.h"
+#include "sim/world.h"
+
+namespace cxlab::sim {
+
+enum class SkillKind : std::uint8_t { kDriveTo, kPick, kPlace };
+std::string_view to_string(SkillKind kind);  ///< "drive_to" ...
+
+/// Error codes of the league's AgentTask.
+enum class SkillCode : std::uint16_t {
+  kNone = 0,
+  kInvalidTarget = 103,
+  kUnableToMove = 201,
+  kNoWorkpiece = 202,
+  kSensorDisagreement = 204,
+  kGraspFailed = 206,
+  kGripperFull = 207,
+  kGripperEmpty = 208,
+  kOccupied = 209,
+  kInternal = 220,
+  kNoPath = 300,
+};
+/// One line for people.
+std::string_view to_string(SkillCode code);
+
+/// What a skill is doing; posted as feedback when it changes.
+enum class SkillPhase : std::uint8_t {
+  kWait,      ///< others are in the way
+  kDrive,
+  kAlign,     ///< 0.5 m from the face, in line with the spot
+  kApproach,  ///< base to the working distance, gripper forward
+  kLower,
+  kGrip,
+  kRelease,
+  kLift,
+  kBackOff,   ///< to 0.5 m from the face, gripper home
+  kHandle,    ///< timed tier: all between align and back off
+  kStop,      ///< cancelled: until the robot stands and its gripper is home
+};
+std::string_view to_string(SkillPhase phase);  ///< "wait" ...
+
+struct SkillGoal {
+  SkillKind kind{};
+  std::string target;            ///< as the client named it
+  std::optional<SpotId> spot;    ///< pick and place always; drive_to when the target is a spot
+  Pose2 pose;                    ///< where to stand
+};
+
+struct SkillResult {
+  SkillCode code = SkillCode::kNone;
+  bool cancelled = false;        ///< ended because of `cancel`
+  std::string text;              ///< what happened, empty when all went well
+};
+
+/// Longest time that a skill takes; then it ends with a code.
+inline constexpr SimTime kSkillTimeout{110'000'000'000};
+
+/// The skills of one robot in one tier: a state machine that runs one skill at a time.
+class RobotSkills {
+ public:
+  virtual ~RobotSkills() = default;
+  virtual void start(const SkillGoal& goal, SimTime now) = 0;
+  /// The skill ends soon, with the robot standing, its gripper home, and what it held still held.
+  virtual void cancel(SimTime now) = 0;
+  /// Looks at the world and moves on. The result, once, when the skill has ended.
+  virtual std::optional<SkillResult> sense(SimTime now) = 0;
+  /// Commands motors, or writes the book; also between skills, when the robot makes room for others.
+  virtual void act(SimTime now) = 0;
+  virtual SkillPhase phase() const = 0;
+  /// Metres still to drive.
+  virtual double remaining(SimTime now) const = 0;
+  /// When `sense` has something to see by itself.
+  virtual SimTime next_due() const = 0;
+};
+
+}  // namespace cxlab::sim

@@ -1,0 +1,183 @@
+#include "sim/skills/skill_server.h"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace cxlab::sim {
+
+SkillServer::SkillServer(RobotId robot, const FloorPlan& plan, const Places& places, RobotSkills& skills, bus::Bus& bus,
+                         RecordSink& sink)
+    : robot_(robot),
+      name_(plan.robots[static_cast<std::size_t>(robot)].name),
+      plan_(plan),
+      places_(places),
+      skills_(skills),
+      bus_(bus),
+      sink_(sink) {
+  stats_.name = name_;
+  stream_ = sink.open_stream("node/" + name_);
+  node_ = bus.join(bus::ParticipantKind::kNode, bus::NodeName{name_, "/", {}}, stream_);
+}
+
+Expected<std::unique_ptr<SkillServer>> SkillServer::create(RobotId robot, const FloorPlan& plan, const Places& places,
+                                                           RobotSkills& skills, bus::Bus& bus, RecordSink& sink) {
+  std::unique_ptr<SkillServer> server(new SkillServer(robot, plan, places, skills, bus, sink));
+  const std::pair<SkillKind, const char*> kinds[] = {{SkillKind::kDriveTo, "cxlab_skills/action/DriveTo"},
+                                                     {SkillKind::kPick, "cxlab_skills/action/Pick"},
+                                                     {SkillKind::kPlace, "cxlab_skills/action/Place"}};
+  for (std::size_t i = 0; i < server->actions_.size(); ++i)
+    if (Status s = server->open(server->actions_[i], kinds[i].first, kinds[i].second); !s) return s.error();
+  return server;
+}
+
+Status SkillServer::open(Action& action, SkillKind kind, const std::string& type) {
+  auto known = bus_.registry().action(type);
+  if (!known) return known.error();
+  action.kind = kind;
+  action.type = *known;
+  auto endpoint = bus_.serve_action(
+      node_, "/" + name_ + "/" + std::string(to_string(kind)), **known,
+      {[this, &action](const bus::Delivery& d) { take_goal(action, d); },
+       [this, &action](const bus::Delivery& d) { take_cancel(action, d); }});
+  if (!endpoint) return endpoint.error();
+  action.endpoint = *endpoint;
+  return {};
+}
+
+void SkillServer::record(const Action& action, const std::string& target, std::string_view event) {
+  data_.begin().field("robot", name_).field("skill", to_string(action.kind)).field("target", target).field("event", event);
+}
+
+// --- Goals
+
+Expected<SkillGoal> SkillServer::read_goal(const Action& action, const bus::MessageView& message) const {
+  SkillGoal goal{action.kind, message.text("target"), std::nullopt, {}};
+  if (goal.spot = plan_.find_spot(goal.target); goal.spot) {
+    goal.pose = plan_.spot(*goal.spot).align_in_world;
+    return goal;
+  }
+  const auto unknown = [&](const std::string& expected) {
+    std::vector<std::string> names;
+    for (const Spot& spot : plan_.spots) names.push_back(spot.name);
+    if (action.kind == SkillKind::kDriveTo)
+      for (const auto& [place, pose] : places_) names.push_back(place);
+    const std::string near = nearest_word(goal.target, names);
+    return input_error("'" + goal.target + "' is not " + expected + (near.empty() ? "" : "; did you mean '" + near + "'?"));
+  };
+  if (action.kind != SkillKind::kDriveTo) return unknown("a spot of a machine");
+  if (const auto place = places_.find(goal.target); place != places_.end()) {
+    goal.pose = place->second;
+    return goal;
+  }
+  if (!goal.target.empty()) return unknown("a spot of a machine or a place");
+  const bus::MessageView pose = message.nested("pose");
+  goal.pose = {pose.real("x"), pose.real("y"), pose.real("theta")};
+  if (!std::isfinite(goal.pose.x) || !std::isfinite(goal.pose.y) || !std::isfinite(goal.pose.yaw))
+    return input_error("the pose is not finite");
+  goal.pose.yaw = wrap_angle(goal.pose.yaw);
+  return goal;
+}
+
+void SkillServer::take_goal(const Action& action, const bus::Delivery& delivery) {
+  const bus::MessageView message = delivery.message->view();
+  if (active_) {
+    record(action, message.text("target"), "refused");
+    data_.field("reason", "busy with " + std::string(to_string(active_->skill.kind)) + " " + active_->skill.target);
+    sink_.write(stream_, now_, RecordKind::kSkill, data_, {&delivery.cause, 1});
+    bus_.answer_goal(action.endpoint, delivery.goal, bus::GoalAnswer::kReject);
+    return;
+  }
+  bus_.answer_goal(action.endpoint, delivery.goal, bus::GoalAnswer::kAccept);
+  auto goal = read_goal(action, message);
+  ++stats_.skills;
+  record(action, message.text("target"), "start");
+  sink_.write(stream_, now_, RecordKind::kSkill, data_, {&delivery.cause, 1});
+  active_.emplace();
+  active_->action = &action;
+  active_->goal = delivery.goal;
+  active_->since = active_->phase_since = now_;
+  if (!goal) {
+    active_->skill.target = message.text("target");
+    finish(action, delivery.goal, active_->skill.target, {SkillCode::kInvalidTarget, false, goal.error().message});
+    return;
+  }
+  active_->skill = *goal;
+  skills_.start(*goal, now_);
+}
+
+void SkillServer::take_cancel(const Action& action, const bus::Delivery& delivery) {
+  const bool ours = active_ && active_->action == &action && active_->goal == delivery.goal;
+  bus_.answer_cancel(action.endpoint, delivery, ours);
+  if (!ours || active_->cancelling) return;
+  active_->cancelling = true;
+  skills_.cancel(now_);
+}
+
+void SkillServer::take(SimTime now) {
+  now_ = now;
+  if (bus_.has_waiting(node_)) bus_.deliver(node_);
+}
+
+// --- Feedback and result
+
+void SkillServer::count_phase(SimTime now) {
+  const double duration = to_seconds(now - active_->phase_since);
+  active_->phase_since = now;
+  if (active_->phase == SkillPhase::kDrive) stats_.drive_s += duration;
+  if (active_->phase == SkillPhase::kWait) stats_.wait_s += duration;
+}
+
+void SkillServer::report_phase(SimTime now) {
+  if (!active_ || active_->phase == skills_.phase()) return;
+  count_phase(now);
+  active_->phase = skills_.phase();
+  const Action& action = *active_->action;
+  record(action, active_->skill.target, "phase");
+  data_.field("phase", to_string(*active_->phase));
+  sink_.write(stream_, now, RecordKind::kSkill, data_);
+  auto feedback = std::make_shared<bus::Message>(*action.type->feedback);
+  feedback->view().set("phase", to_string(*active_->phase)).set("remaining_m", skills_.remaining(now));
+  bus_.publish_feedback(action.endpoint, active_->goal, std::move(feedback));
+}
+
+void SkillServer::sense(SimTime now) {
+  now_ = now;
+  const auto result = skills_.sense(now);
+  if (result && active_)
+    finish(*active_->action, active_->goal, active_->skill.target, *result);
+  else
+    report_phase(now);
+}
+
+void SkillServer::finish(const Action& action, const bus::GoalId& goal, const std::string& target, const SkillResult& result) {
+  count_phase(now_);
+  const double duration = to_seconds(now_ - active_->since);
+  stats_.busy_s += duration;
+  const bool done = result.code == SkillCode::kNone && !result.cancelled;
+  if (result.code != SkillCode::kNone) ++stats_.failures;
+  record(action, target, "end");
+  data_.field("code", static_cast<int>(result.code)).field("error", result.text).field("cancelled", result.cancelled)
+      .field("duration_s", duration);
+  sink_.write(stream_, now_, RecordKind::kSkill, data_);
+  active_.reset();
+  auto message = std::make_shared<bus::Message>(*action.type->result);
+  message->view().set("success", done).set("error_code", static_cast<int>(result.code)).set("error", result.text).set("target", target);
+  const bus::GoalStatus status = done               ? bus::GoalStatus::kSucceeded
+                                 : result.cancelled ? bus::GoalStatus::kCanceled
+                                                    : bus::GoalStatus::kAborted;
+  bus_.finish(action.endpoint, goal, status, std::move(message));
+}
+
+RobotStats SkillServer::stats(SimTime now) const {
+  RobotStats stats = stats_;
+  if (active_) {
+    stats.busy_s += to_seconds(now - active_->since);
+    const double duration = to_seconds(now - active_->phase_since);
+    if (active_->phase == SkillPhase::kDrive) stats.drive_s += duration;
+    if (active_->phase == SkillPhase::kWait) stats.wait_s += duration;
+  }
+  return stats;
+}
+
+}  // namespace cxlab::sim

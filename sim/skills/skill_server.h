@@ -1,0 +1,94 @@
+#pragma once
+// The skills of one robot on the bus: node "robot1" with the actions /robot1/drive_to, /robot1/pick, /robot1/place.
+//
+// One skill at a time: a goal while another one is active, or still ends after a cancel, is rejected. A goal that cannot be
+// meant (an unknown target) is accepted and aborted at once, so that its result can say why.
+
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cx/base/expected.h"
+#include "cx/base/record_sink.h"
+#include "cx/bus/bus.h"
+#include "sim/skills/skill.h"
+
+namespace cxlab::sim {
+
+/// What a robot has done so far. An active skill counts up to the time asked for.
+struct RobotStats {
+  std::string name;
+  double busy_s = 0;    ///< with a skill active
+  double drive_s = 0;   ///< of these, driving to a target
+  double wait_s = 0;    ///< of these, standing because others were in the way
+  int skills = 0;       ///< begun
+  int failures = 0;     ///< ended with an error code
+};
+
+class SkillServer {
+ public:
+  /// Names that drive_to takes beside spots.
+  using Places = std::map<std::string, Pose2, std::less<>>;
+
+  /// Joins the bus under the robot's name. All outlive it. Fails when the bus does not know the package cxlab_skills.
+  static Expected<std::unique_ptr<SkillServer>> create(RobotId robot, const FloorPlan& plan, const Places& places,
+                                                       RobotSkills& skills, bus::Bus& bus, RecordSink& sink);
+  SkillServer(const SkillServer&) = delete;
+  SkillServer& operator=(const SkillServer&) = delete;
+
+  /// Lets the skill look at the world; posts its feedback and result.
+  void sense(SimTime now);
+  /// Takes goals and cancels.
+  void take(SimTime now);
+  /// Posts the phase if it has changed.
+  void report_phase(SimTime now);
+
+  bool active() const { return active_.has_value(); }
+  RobotStats stats(SimTime now) const;
+
+ private:
+  struct Action {
+    SkillKind kind{};
+    const bus::ActionType* type = nullptr;
+    bus::EndpointId endpoint{};
+  };
+  struct Active {
+    const Action* action = nullptr;
+    bus::GoalId goal{};
+    SkillGoal skill;
+    SimTime since{};
+    SimTime phase_since{};
+    std::optional<SkillPhase> phase;
+    bool cancelling = false;
+  };
+
+  SkillServer(RobotId robot, const FloorPlan& plan, const Places& places, RobotSkills& skills, bus::Bus& bus,
+              RecordSink& sink);
+  Status open(Action& action, SkillKind kind, const std::string& type);
+  void take_goal(const Action& action, const bus::Delivery& delivery);
+  void take_cancel(const Action& action, const bus::Delivery& delivery);
+  /// Where the goal says to go, or why that cannot be.
+  Expected<SkillGoal> read_goal(const Action& action, const bus::MessageView& message) const;
+  void finish(const Action& action, const bus::GoalId& goal, const std::string& target, const SkillResult& result);
+  void count_phase(SimTime now);
+  void record(const Action& action, const std::string& target, std::string_view event);
+
+  RobotId robot_;
+  std::string name_;
+  const FloorPlan& plan_;
+  const Places& places_;
+  RobotSkills& skills_;
+  bus::Bus& bus_;
+  RecordSink& sink_;
+  bus::ParticipantId node_{};
+  StreamId stream_{};
+  std::array<Action, 3> actions_;
+  std::optional<Active> active_;
+  RobotStats stats_;
+  RecordData data_;
+  SimTime now_{};
+};
+
+}  // namespace cxlab::sim

@@ -1,0 +1,138 @@
+#include "sim/skills/timed_skills.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace cxlab::sim {
+
+Status validate(const TimedSkillsConfig& config) {
+  const std::pair<const char*, double> times[] = {{"pick_mean_s", config.pick_mean_s},
+                                                  {"place_mean_s", config.place_mean_s},
+                                                  {"shortest_s", config.shortest_s}};
+  for (const auto& [name, value] : times)
+    if (!(value > 0)) return input_error(std::string(name) + ": found " + std::to_string(value) + ", expected a time > 0 s");
+  const std::pair<const char*, double> sigmas[] = {{"pick_sigma_s", config.pick_sigma_s},
+                                                   {"place_sigma_s", config.place_sigma_s}};
+  for (const auto& [name, value] : sigmas)
+    if (!(value >= 0)) return input_error(std::string(name) + ": found " + std::to_string(value) + ", expected >= 0 s");
+  const std::pair<const char*, double> chances[] = {{"drive_failure", config.drive_failure},
+                                                    {"pick_failure", config.pick_failure},
+                                                    {"place_failure", config.place_failure}};
+  for (const auto& [name, value] : chances)
+    if (!(value >= 0 && value <= 1))
+      return input_error(std::string(name) + ": found " + std::to_string(value) + ", expected a probability, 0 .. 1");
+  return {};
+}
+
+TimedSkills::TimedSkills(RobotId robot, const WorldView& world, RobotBook& book, Traffic& traffic,
+                         const TimedSkillsConfig& config, RandomStream& durations, RandomStream& faults)
+    : robot_(robot), world_(world), book_(book), traffic_(traffic), config_(config), durations_(durations), faults_(faults) {}
+
+void TimedSkills::start(const SkillGoal& goal, SimTime now) {
+  goal_ = goal;
+  active_ = true;
+  phase_ = SkillPhase::kDrive;
+  due_ = now + kSkillTimeout;
+  std::optional<Footprint> work;
+  if (goal.kind != SkillKind::kDriveTo) {
+    const Spot& spot = world_.plan().spot(*goal.spot);
+    work = Footprint{point_of(spot.align_in_world), point_of(spot.work_in_world)};
+  }
+  traffic_.request(robot_, goal.pose, work, now);
+}
+
+void TimedSkills::cancel(SimTime now) {
+  if (!active_) return;
+  phase_ = SkillPhase::kStop;
+  due_ = now;
+  if (traffic_.working(robot_))
+    traffic_.finish_work(robot_, now);
+  else
+    traffic_.withdraw(robot_, now);
+}
+
+SkillResult TimedSkills::end(SkillCode code, SimTime now) {
+  active_ = false;
+  if (traffic_.working(robot_))
+    traffic_.finish_work(robot_, now);
+  else
+    traffic_.withdraw(robot_, now);
+  return {code, false, std::string(to_string(code))};
+}
+
+/// Why pick or place cannot begin.
+std::optional<SkillCode> TimedSkills::obstacle() const {
+  const bool holds = world_.robot(robot_).held.has_value();
+  const bool taken = world_.at(*goal_.spot) != nullptr;
+  if (goal_.kind == SkillKind::kPick) {
+    if (holds) return SkillCode::kGripperFull;
+    if (!taken) return SkillCode::kNoWorkpiece;
+  } else {
+    if (!holds) return SkillCode::kGripperEmpty;
+    if (taken) return SkillCode::kOccupied;
+  }
+  return std::nullopt;
+}
+
+SkillCode TimedSkills::handle() {
+  if (const auto code = obstacle()) return *code;
+  const bool picks = goal_.kind == SkillKind::kPick;
+  if (faults_.chance(picks ? config_.pick_failure : config_.place_failure))
+    return picks ? SkillCode::kGraspFailed : SkillCode::kSensorDisagreement;
+  const Status done = picks ? book_.grasp(robot_, *goal_.spot) : book_.release(robot_, *goal_.spot);
+  return done ? SkillCode::kNone : SkillCode::kInternal;
+}
+
+SimTime TimedSkills::next_due() const {
+  if (!active_) return kNever;
+  // A motion that is planned to begin later ends the waiting then.
+  return phase_ == SkillPhase::kWait && traffic_.moving(robot_) ? std::min(due_, traffic_.motion(robot_)->start()) : due_;
+}
+
+std::optional<SkillResult> TimedSkills::sense(SimTime now) {
+  if (!active_) return std::nullopt;
+  if (phase_ == SkillPhase::kStop) {
+    if (traffic_.moving(robot_)) {
+      due_ = traffic_.motion(robot_)->end();
+      return std::nullopt;
+    }
+    active_ = false;
+    return SkillResult{SkillCode::kNone, true, "cancelled"};
+  }
+  if (phase_ == SkillPhase::kHandle) {
+    if (now < due_) return std::nullopt;
+    return end(handle(), now);
+  }
+  if (traffic_.arrived(robot_)) {
+    if (goal_.kind == SkillKind::kDriveTo)
+      return end(faults_.chance(config_.drive_failure) ? SkillCode::kUnableToMove : SkillCode::kNone, now);
+    if (const auto code = obstacle()) return end(*code, now);
+    const bool picks = goal_.kind == SkillKind::kPick;
+    const double duration = durations_.normal(picks ? config_.pick_mean_s : config_.place_mean_s,
+                                              picks ? config_.pick_sigma_s : config_.place_sigma_s);
+    phase_ = SkillPhase::kHandle;
+    due_ = now + from_seconds(std::max(config_.shortest_s, duration));
+    return std::nullopt;
+  }
+  if (traffic_.unreachable(robot_)) return end(SkillCode::kNoPath, now);
+  if (now >= due_) return end(SkillCode::kUnableToMove, now);
+  phase_ = traffic_.waiting(robot_, now) ? SkillPhase::kWait : SkillPhase::kDrive;
+  return std::nullopt;
+}
+
+void TimedSkills::act(SimTime now) {
+  if (traffic_.motion_number(robot_) == motions_) return;
+  motions_ = traffic_.motion_number(robot_);
+  const Trajectory& motion = *traffic_.motion(robot_);
+  constexpr std::size_t kEvery = 8;
+  const auto poses = motion.poses();
+  std::vector<Pose2> path{world_.robot(robot_).pose_in_world};
+  for (std::size_t i = kEvery; i + 1 < poses.size(); i += kEvery) path.push_back(poses[i]);
+  path.push_back(motion.last());
+  book_.move_along(robot_, path, std::max(now, motion.start()), motion.end());
+  if (active_ && phase_ != SkillPhase::kStop) phase_ = traffic_.waiting(robot_, now) ? SkillPhase::kWait : SkillPhase::kDrive;
+}
+
+}  // namespace cxlab::sim

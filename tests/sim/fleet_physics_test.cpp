@@ -1,0 +1,67 @@
+// Three robots on drawn fields in MuJoCo: nobody touches anybody or anything, no drive is given up, nothing is dropped.
+// Short: one field, 200 s. With CXLAB_SWEEP=FIRST:COUNT:SECONDS (the long test sets it): that many fields.
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "tests/sim/busy_floor.h"
+
+namespace cxlab::sim {
+namespace {
+
+constexpr SimTime kTick{20'000'000};
+
+void play(std::uint64_t seed, double seconds) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  auto world = MujocoWorld::create(drawn_floor(seed), {source_dir() / "models", 0.01, 60});
+  ASSERT_TRUE(world) << world.error().text();
+  MujocoWorld& w = **world;
+  BusyFloor floor(w, seed, 0.05);
+  auto fleet = Fleet::create(w, w, {}, floor.bus, floor.sink);
+  ASSERT_TRUE(fleet) << fleet.error().text();
+  floor.connect();
+  while (w.now() < from_seconds(seconds)) {
+    floor.bus.begin_tick(w.now());
+    ASSERT_TRUE((*fleet)->sense(w.now()));
+    floor.stock();
+    floor.act();
+    ASSERT_TRUE((*fleet)->act(w.now()));
+    const Status moved = w.advance(kTick);
+    ASSERT_TRUE(moved) << moved.error().text();
+  }
+  const auto& report = floor.report;
+  int robot_contacts = 0, static_contacts = 0;
+  double busy = 0, drive = 0, wait = 0;
+  for (std::size_t i = 0; i < w.plan().robots.size(); ++i) {
+    const RobotState state = w.robot(static_cast<RobotId>(i));
+    robot_contacts += static_cast<int>(state.robot_contacts);
+    static_contacts += static_cast<int>(state.static_contacts);
+  }
+  for (const RobotStats& stats : (*fleet)->stats()) {
+    busy += stats.busy_s;
+    drive += stats.drive_s;
+    wait += stats.wait_s;
+  }
+  std::printf("seed %d: %d drives, %d picks, %d places, %d cancels; longest %.1f s, handling %.1f s; busy %.0f %%, drive %.0f %%, "
+              "wait %.0f %%, two drive %.0f %%; contacts %d, %d; trouble %zu\n",
+              static_cast<int>(seed), report.drives, report.picks, report.places, report.cancels, report.longest_s,
+              report.handling_s / std::max(1, report.handled), busy / seconds / 3 * 100, drive / seconds / 3 * 100,
+              wait / seconds / 3 * 100, report.two_drive_s / seconds * 100, robot_contacts, static_contacts,
+              report.trouble.size());
+  std::fflush(stdout);
+  EXPECT_EQ(robot_contacts, 0);
+  EXPECT_EQ(static_contacts, 0);
+  for (const std::string& trouble : report.trouble) ADD_FAILURE() << trouble;
+  EXPECT_GT(report.picks + report.places, seconds / 30);
+}
+
+TEST(FleetInPhysics, WorksWithoutTouchingBlockingOrDropping) {
+  unsigned first = 1, count = 1, seconds = 150;
+  if (const char* sweep = std::getenv("CXLAB_SWEEP")) {
+    ASSERT_EQ(std::sscanf(sweep, "%u:%u:%u", &first, &count, &seconds), 3) << "CXLAB_SWEEP=FIRST:COUNT:SECONDS";
+  }
+  for (unsigned seed = first; seed < first + count; ++seed) play(seed, seconds);
+}
+
+}  // namespace
+}  // namespace cxlab::sim
