@@ -1,0 +1,39 @@
+#pragma once
+// Phases of a game on the episode's clock.
+
+#include <algorithm>
+#include <cstdint>
+#include <string_view>
+
+#include "cx/base/time.h"
+
+namespace cxlab::rcll {
+
+enum class Phase : std::uint8_t { kSetup, kProduction, kPostGame };
+constexpr std::string_view to_string(Phase phase) {
+  constexpr std::string_view kNames[]{"SETUP", "PRODUCTION", "POST_GAME"};
+  return kNames[static_cast<std::size_t>(phase)];
+}
+
+/// Set-up, then production; each starts the game's time anew. Production ends before `production_end`.
+struct GameClock {
+  SimTime production_begin{};
+  SimTime production_end = from_seconds(1200);
+
+  static GameClock of(double setup_s, double production_s) {
+    return {from_seconds(setup_s), from_seconds(setup_s) + from_seconds(production_s)};
+  }
+  Phase phase(SimTime now) const {
+    if (now < production_begin) return Phase::kSetup;
+    return now < production_end ? Phase::kProduction : Phase::kPostGame;
+  }
+  /// s of the current phase; after the game the length of production.
+  double game_time(SimTime now) const {
+    if (now < production_begin) return to_seconds(now);
+    return to_seconds(std::min(now, production_end) - production_begin);
+  }
+  /// That second of production on the episode's clock.
+  SimTime at(double production_s) const { return production_begin + from_seconds(production_s); }
+};
+
+}  // namespace cxlab::rcll

@@ -1,0 +1,91 @@
+#pragma once
+// The factory on the bus, node "factory": machines take instructions as goals of `/factory/instruct_machine`
+// (rcll_interfaces/action/InstructMachine); game, orders, machines, rings and robots are told on `/game_state`,
+// `/order_info`, `/machine_info`, `/ring_info` and `/robot_info`, on change and periodically.
+//
+// In a tick: `sense` tells what the machines did, `judge` gives points and releases orders, `act` takes goals and lets
+// the machines work. It acts after the skills of the robots, so that it sees what they did in the same tick.
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cx/base/record_sink.h"
+#include "cx/bus/bus.h"
+#include "scenarios/rcll/config.h"
+#include "scenarios/rcll/machines.h"
+#include "scenarios/rcll/referee.h"
+#include "sim/server.h"
+#include "sim/world.h"
+
+namespace cxlab::rcll {
+
+class Factory final : public sim::Server {
+ public:
+  /// World, bus and sink outlive it. Fails on a bad configuration or when the interface package is missing.
+  static Expected<std::unique_ptr<Factory>> make(const WorldConfig& config, std::uint64_t seed, sim::World& world,
+                                                 bus::Bus& bus, RecordSink& sink);
+
+  Status sense(SimTime now) override;
+  void judge(SimTime now);
+  Status act(SimTime now) override;
+  SimTime next_due() const override;
+
+  const GameReferee& referee() const { return referee_; }
+  const std::vector<std::unique_ptr<Machine>>& machines() const { return machines_; }
+  const GameClock& clock() const { return context_.clock; }
+  Team team() const { return team_; }
+  /// Whether production has ended.
+  bool over(SimTime now) const { return context_.clock.phase(now) == Phase::kPostGame; }
+
+ private:
+  Factory(const WorldConfig& config, Schedule schedule, sim::World& world, bus::Bus& bus, RecordSink& sink);
+  Status join();
+
+  /// One topic with its period.
+  struct Topic {
+    const bus::MessageType* type = nullptr;
+    bus::EndpointId endpoint{};
+    SimTime period{}, next{};
+  };
+  Status advertise(Topic& topic, std::string_view name, const std::string& type, SimTime period);
+  /// Whether the topic is to be published now; plans its next time.
+  static bool due(Topic& topic, SimTime now, bool changed);
+  void publish_game_state(SimTime now);
+  void publish_orders();
+  void publish_machines();
+  void publish_rings();
+  void publish_robots();
+
+  struct Goal {
+    bus::GoalId id{};
+    Machine* machine = nullptr;
+    std::uint32_t job = 0;
+    MachineState told{};
+  };
+  void start(const bus::Delivery& delivery);
+  void cancel(const bus::Delivery& delivery);
+  void tell(Goal& goal);
+  void finish(const bus::GoalId& goal, InstructError error, const std::string& text, const std::string& machine);
+  Machine* find(std::string_view name) const;
+
+  Team team_;
+  sim::World& world_;
+  bus::Bus& bus_;
+  RecordSink& sink_;
+  MachineContext context_;
+  GameReferee referee_;
+  std::vector<std::unique_ptr<Machine>> machines_;
+
+  bus::ParticipantId node_{};
+  const bus::ActionType* action_ = nullptr;
+  bus::EndpointId server_{};
+  Topic game_state_, order_info_, machine_info_, ring_info_, robot_info_;
+  std::vector<Goal> goals_;  ///< running, in order of arrival
+  std::uint64_t told_order_changes_ = 0;
+  std::array<std::int64_t, 2> told_points_{-1, -1};
+  Phase told_phase_ = Phase::kSetup;
+};
+
+}  // namespace cxlab::rcll

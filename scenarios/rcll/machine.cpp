@@ -1,0 +1,193 @@
+#include "scenarios/rcll/machine.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace cxlab::rcll {
+namespace {
+
+constexpr SimTime kBrokenTime = std::chrono::seconds(30);
+constexpr SimTime kWaitIdleTime = std::chrono::seconds(5);
+constexpr SimTime kStuckTime = std::chrono::seconds(20);
+
+bool working(MachineState state) {
+  return state == MachineState::kPrepared || state == MachineState::kProcessing || state == MachineState::kProcessed;
+}
+
+}  // namespace
+
+std::string_view to_string(MachineState state) {
+  constexpr std::string_view kNames[]{"IDLE",            "PREPARED",  "PROCESSING", "PROCESSED",
+                                      "READY-AT-OUTPUT", "WAIT-IDLE", "BROKEN",     "DOWN"};
+  return kNames[static_cast<std::size_t>(state)];
+}
+
+sim::Lights lights_of(MachineState state) {
+  using sim::Light;
+  switch (state) {
+    case MachineState::kIdle: return {Light::kOff, Light::kOff, Light::kOn};
+    case MachineState::kPrepared: return {Light::kOff, Light::kOff, Light::kBlink};
+    case MachineState::kProcessing:
+    case MachineState::kProcessed: return {Light::kOff, Light::kOn, Light::kOn};
+    case MachineState::kReadyAtOutput: return {Light::kOff, Light::kOn, Light::kBlink};
+    case MachineState::kWaitIdle: return {Light::kOff, Light::kBlink, Light::kBlink};
+    case MachineState::kBroken: return {Light::kBlink, Light::kBlink, Light::kOff};
+    case MachineState::kDown: return {Light::kOn, Light::kOff, Light::kOff};
+  }
+  return {};
+}
+
+Machine::Machine(sim::StationId id, Team team, MachineContext& context, const sim::FloorPlan& plan)
+    : context_(context), id_(id), name_(plan.station(id).name), team_(team) {
+  input_ = plan.find_spot(name_ + "-INPUT").value_or(sim::SpotId{-1});
+  output_ = plan.find_spot(name_ + "-OUTPUT").value_or(sim::SpotId{-1});
+}
+
+Machine::Answer Machine::instruct(const Instruction& instruction, SimTime now, sim::World& world) {
+  if (context_.clock.phase(now) != Phase::kProduction)
+    return {InstructError::kNotReady, "the game is in phase " + std::string(to_string(context_.clock.phase(now)))};
+  if (instruction.operation == "RESET") {
+    if (state_ == MachineState::kBroken) return {InstructError::kNotReady, name_ + " is BROKEN already"};
+    break_down(now, world, InstructError::kBroken, "reset by its team");
+    return {};
+  }
+  const Refusal refusal = check(instruction);
+  if (refusal.error == InstructError::kNotSupported) return {refusal.error, refusal.text};
+  if (state_ != MachineState::kIdle) {
+    std::string text = name_ + " is " + std::string(to_string(state_)) + ", not IDLE";
+    const bool busy = working(state_) || state_ == MachineState::kReadyAtOutput || state_ == MachineState::kWaitIdle;
+    if (context_.rules.second_prepare_breaks && busy)
+      break_down(now, world, InstructError::kBroken, "instructed while " + std::string(to_string(state_)));
+    return {InstructError::kNotReady, std::move(text)};
+  }
+  if (refusal.error != InstructError::kNone) {
+    if (refusal.breaks) break_down(now, world, refusal.error, refusal.text);
+    return {refusal.error, refusal.text};
+  }
+  instruction_ = instruction;
+  job_ = {job_.number + 1, true, InstructError::kNone, {}};
+  enter(MachineState::kPrepared, now);
+  return {};
+}
+
+void Machine::step(SimTime now, sim::World& world) {
+  last_step_ = now;
+  if (context_.clock.phase(now) == Phase::kProduction) {
+    observe(now, world);
+    const bool down = now >= down_.begin && now < down_.end;
+    if (state_ == MachineState::kDown && !down) leave_down(now, world);
+    if (state_ != MachineState::kDown && state_ != MachineState::kBroken && down) enter_down(now, world);
+    if (state_ == MachineState::kBroken && in_phase(now) >= kBrokenTime) enter(MachineState::kIdle, now);
+    if (state_ == MachineState::kWaitIdle && in_phase(now) >= kWaitIdleTime) enter(MachineState::kIdle, now);
+    if (state_ == MachineState::kReadyAtOutput && world.at(ready_spot()) == nullptr)
+      enter(MachineState::kWaitIdle, now);
+    if (working(state_)) {
+      work(now, world);
+      if (working(state_) && in_phase(now) > kStuckTime && !may_wait())
+        break_down(now, world, InstructError::kNoWorkpiece,
+                   "stuck for 20 s in " + std::string(to_string(state_)) + ": no workpiece where it was expected");
+    }
+  } else if (context_.clock.phase(now) == Phase::kPostGame && belt_.wanted) {
+    stop_belt(world);
+  }
+  show_lights(now, world);
+}
+
+SimTime Machine::next_due() const {
+  if (context_.clock.phase(last_step_) == Phase::kPostGame) return kNever;
+  SimTime due = kNever;
+  const auto at = [&](SimTime t) {
+    if (t > last_step_) due = std::min(due, t);
+  };
+  at(observe_due());
+  at(down_.begin);
+  at(down_.end);
+  at(context_.clock.production_begin);
+  at(context_.clock.production_end);
+  if (state_ == MachineState::kBroken) at(phase_start_ + kBrokenTime);
+  if (state_ == MachineState::kWaitIdle) at(phase_start_ + kWaitIdleTime);
+  if (working(state_)) {
+    if (const SimTime after = work_after(); after != kNever) at(phase_start_ + after);
+    if (!may_wait()) at(phase_start_ + kStuckTime + SimTime{1});
+    if (phase_start_ == last_step_) due = std::min(due, last_step_);
+  }
+  return due;
+}
+
+void Machine::enter(MachineState state, SimTime now) {
+  state_ = state;
+  phase_start_ = now;
+  post(MachineEvent::Kind::kState, now).state = state;
+}
+
+MachineEvent& Machine::post(MachineEvent::Kind kind, SimTime now) {
+  MachineEvent& event = context_.events.emplace_back();
+  event.kind = kind;
+  event.machine = id_;
+  event.at = now;
+  return event;
+}
+
+void Machine::break_down(SimTime now, sim::World& world, InstructError error, std::string reason) {
+  MachineEvent& event = post(MachineEvent::Kind::kBroke, now);
+  event.cap_buffered = cap_buffered();
+  event.unused_payments = cap_buffered() ? 0 : loaded_with();
+  event.reason = reason;
+  stop_belt(world);
+  std::vector<sim::PieceId> on_machine;
+  for (const sim::Piece& piece : world.pieces())
+    if (piece.holder == sim::Holder::kBelt && piece.holder_index == static_cast<int>(id_)) on_machine.push_back(piece.id);
+  for (const sim::PieceId piece : on_machine) world.retire(piece, sim::Holder::kFloor);
+  clear();
+  if (job_.open) job_ = {job_.number, false, error, name_ + " is BROKEN: " + reason};
+  enter(MachineState::kBroken, now);
+}
+
+void Machine::run_belt(sim::World& world, double speed, double stop_x) {
+  belt_ = {speed, stop_x, true};
+  world.run_belt(id_, speed, stop_x);
+}
+
+void Machine::stop_belt(sim::World& world) {
+  belt_.wanted = false;
+  world.stop_belt(id_);
+}
+
+bool Machine::bring_to_middle(sim::World& world) {
+  if (world.belt_running(id_)) return false;
+  if (world.on_belt(id_, 0) != nullptr) {
+    belt_.wanted = false;
+    return true;
+  }
+  run_belt(world, kInSpeed, 0);
+  return false;
+}
+
+bool Machine::ready(const sim::World& world) const {
+  return !world.belt_running(id_) && world.at(ready_spot()) != nullptr;
+}
+
+void Machine::enter_down(SimTime now, sim::World& world) {
+  before_down_ = state_;
+  down_since_ = now;
+  if (belt_.wanted) world.stop_belt(id_);
+  state_ = MachineState::kDown;
+  post(MachineEvent::Kind::kState, now).state = state_;
+}
+
+void Machine::leave_down(SimTime now, sim::World& world) {
+  state_ = before_down_;
+  phase_start_ += now - down_since_;
+  if (belt_.wanted) world.run_belt(id_, belt_.speed, belt_.stop_x);
+  post(MachineEvent::Kind::kState, now).state = state_;
+}
+
+void Machine::show_lights(SimTime now, sim::World& world) {
+  using sim::Light;
+  sim::Lights shown = lights_of(state_);
+  if (context_.clock.phase(now) == Phase::kSetup) shown = {Light::kOn, Light::kOn, Light::kOn};
+  if (context_.clock.phase(now) == Phase::kPostGame) shown = {Light::kBlink, Light::kOff, Light::kOff};
+  if (!(world.lights(id_) == shown)) world.set_lights(id_, shown);
+}
+
+}  // namespace cxlab::rcll

@@ -1,0 +1,96 @@
+#pragma once
+// The kinds of machines. Durations are those of the referee box's mock-up, which were taken from real machines.
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "cx/base/random.h"
+#include "scenarios/rcll/machine.h"
+
+namespace cxlab::rcll {
+
+/// Gives bases: a base drops on the belt after 1.1 s and goes to the side that the instruction names.
+class BaseStation final : public Machine {
+ public:
+  using Machine::Machine;
+
+ private:
+  Refusal check(const Instruction& instruction) const override;
+  void work(SimTime now, sim::World& world) override;
+  SimTime work_after() const override;
+  sim::SpotId ready_spot() const override;
+};
+
+/// Takes caps off the carriers of its shelf (RETRIEVE_CAP, one cap is buffered) and puts them on products (MOUNT_CAP),
+/// 17.5 s each. The shelf's three slots are filled at the start, and again `shelf_refill` after the last was taken.
+class CapStation final : public Machine {
+ public:
+  CapStation(sim::StationId id, Team team, MachineContext& context, const sim::FloorPlan& plan);
+  int loaded_with() const override { return cap_buffered() ? 1 : 0; }
+
+ private:
+  Refusal check(const Instruction& instruction) const override;
+  void observe(SimTime now, sim::World& world) override;
+  void work(SimTime now, sim::World& world) override;
+  SimTime work_after() const override;
+  SimTime observe_due() const override { return refill_at_; }
+  void clear() override { buffered_cap_ = 0; }
+  bool cap_buffered() const override { return buffered_cap_ != 0; }
+  void retrieve_or_mount(SimTime now, sim::World& world);
+
+  std::array<sim::SpotId, 3> shelf_{};
+  CapColor shelf_cap_;
+  SimTime refill_at_{};          ///< kNever while something lies on the shelf
+  std::uint8_t buffered_cap_ = 0;
+};
+
+/// Counts the bases on its slide: the fourth that is not used breaks it. Mounts no rings in this release.
+class RingStation final : public Machine {
+ public:
+  using Machine::Machine;
+  int loaded_with() const override { return payments_; }
+
+ private:
+  Refusal check(const Instruction& instruction) const override;
+  void observe(SimTime now, sim::World& world) override;
+  void clear() override { payments_ = 0; }
+
+  int payments_ = 0;  ///< not used yet
+  int seen_ = -1;     ///< of the slide's count; -1 before production
+};
+
+/// Stands on the field; takes no instructions in this release.
+class StorageStation final : public Machine {
+ public:
+  using Machine::Machine;
+
+ private:
+  Refusal check(const Instruction& instruction) const override;
+};
+
+/// Takes products through gate 1, 2 or 3 once the order's window is open; order 0 is discarded at once. The product is
+/// seen when it lies under the gate and leaves play when the gate has worked.
+class DeliveryStation final : public Machine {
+ public:
+  using Machine::Machine;
+
+ private:
+  Refusal check(const Instruction& instruction) const override;
+  void work(SimTime now, sim::World& world) override;
+  SimTime work_after() const override;
+  bool may_wait() const override;
+  sim::SpotId ready_spot() const override { return input_; }
+  const Order* order() const;  ///< of the instruction; nullptr = discard
+
+  SimTime arrived_after_ = kNever;  ///< in the phase
+};
+
+/// All machines of the plan in its order.
+std::vector<std::unique_ptr<Machine>> make_machines(const sim::FloorPlan& plan, MachineContext& context);
+
+/// One ring and one cap station, the same of both teams, are down once in production: 30 to 60 s, not before 180 s.
+/// Too short a game for that has no down periods.
+void draw_down_periods(RandomStream& random, const GameClock& clock, std::vector<std::unique_ptr<Machine>>& machines);
+
+}  // namespace cxlab::rcll

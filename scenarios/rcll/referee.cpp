@@ -1,0 +1,210 @@
+#include "scenarios/rcll/referee.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace cxlab::rcll {
+namespace {
+
+constexpr std::int64_t kDeliveryPoints[]{20, 30, 50, 100};  ///< by complexity
+constexpr std::int64_t kRingPoints[]{5, 10, 20};            ///< by price
+constexpr std::int64_t kCapPoints = 10;
+constexpr std::int64_t kBufferPoints = 2;
+constexpr std::int64_t kPaymentPoints = 2;
+constexpr std::int64_t kCompetitivePoints = 10;
+
+Team team_of(const sim::FloorPlan& plan, sim::StationId id) {
+  return plan.station(id).name.front() == 'C' ? Team::kCyan : Team::kMagenta;
+}
+
+}  // namespace
+
+std::string_view to_string(PointKind kind) {
+  constexpr std::string_view kNames[kPointKinds]{"delivery", "ring",        "cap",         "buffer", "payment",
+                                                 "late",     "competitive", "exploration", "penalty"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+std::int64_t Score::total() const { return std::accumulate(by_kind.begin(), by_kind.end(), std::int64_t{0}); }
+
+std::int64_t late_deduction(std::int64_t points, double late_s, double window_s, bool in_fifths) {
+  if (late_s <= 0) return 0;
+  const int steps = in_fifths ? 5 : 4;
+  const int step = static_cast<int>(std::clamp(std::ceil(late_s / (window_s / steps)), 1.0, double(steps)));
+  // 75 % in equal steps, in whole numbers.
+  return points * step * 3 / (4 * steps);
+}
+
+GameReferee::GameReferee(GameClock clock, RuleChoices rules, Schedule schedule, const sim::FloorPlan& plan,
+                         RecordSink& sink)
+    : clock_(clock), rules_(rules), schedule_(std::move(schedule)), plan_(plan), sink_(sink),
+      stream_(sink.open_stream("referee")) {
+  for (const Order& order : schedule_.orders) orders_.emplace_back().order = order;
+}
+
+void GameReferee::judge(SimTime now, std::span<const sim::HolderChange> changes,
+                        std::span<const MachineEvent> events) {
+  for (const sim::HolderChange& change : changes) write_piece(change);
+  for (const MachineEvent& event : events) note(event);
+  const Phase phase = clock_.phase(now);
+  if (!last_look_ || phase != phase_) {
+    phase_ = phase;
+    data_.begin().field("event", "phase").field("phase", to_string(phase));
+    write(now);
+  }
+  if (phase == Phase::kProduction) release_orders(now);
+  last_look_ = now;
+}
+
+SimTime GameReferee::next_due() const {
+  if (!last_look_) return SimTime::zero();
+  SimTime due = kNever;
+  const auto at = [&](SimTime t) {
+    if (t > *last_look_) due = std::min(due, t);
+  };
+  at(clock_.production_begin);
+  at(clock_.production_end);
+  for (const OrderState& state : orders_)
+    if (!state.released) at(clock_.at(state.order.activate_at));
+  return due;
+}
+
+void GameReferee::release_orders(SimTime now) {
+  for (OrderState& state : orders_) {
+    const Order& order = state.order;
+    if (state.released || now < clock_.at(order.activate_at)) continue;
+    state.released = now;
+    ++order_changes_;
+    data_.begin().field("event", "order").field("order", order.id).field("complexity", to_string(order.complexity));
+    data_.field("product", describe(stack_of(order.product))).field("begin", order.delivery_begin);
+    data_.field("end", order.delivery_end).field("gate", order.delivery_gate).field("quantity", order.quantity);
+    data_.field("competitive", order.competitive);
+    write(now);
+  }
+}
+
+void GameReferee::put_holder(std::string_view key, sim::Holder holder, int index) {
+  data_.field(key, sim::to_string(holder));
+  const auto at = static_cast<std::size_t>(index);
+  std::string_view name;
+  switch (holder) {
+    case sim::Holder::kGripper:
+      if (index >= 0 && at < plan_.robots.size()) name = plan_.robots[at].name;
+      break;
+    case sim::Holder::kSlot:
+    case sim::Holder::kSlide:
+      if (index >= 0 && at < plan_.spots.size()) name = plan_.spots[at].name;
+      break;
+    case sim::Holder::kDispenser:
+    case sim::Holder::kBelt:
+    case sim::Holder::kGate:
+      if (index >= 0 && at < plan_.stations.size()) name = plan_.stations[at].name;
+      break;
+    case sim::Holder::kFloor: break;
+  }
+  if (!name.empty()) data_.field(std::string(key) + "_name", name);
+}
+
+void GameReferee::write_piece(const sim::HolderChange& change) {
+  data_.begin().field("event", "piece").field("piece", static_cast<std::int64_t>(change.piece));
+  put_holder("from", change.from, change.from_index);
+  put_holder("to", change.to, change.to_index);
+  const std::array<double, 3> position{change.position_in_world.x, change.position_in_world.y, change.position_in_world.z};
+  data_.field("position", std::span<const double>(position));
+  write(change.at);
+}
+
+void GameReferee::note(const MachineEvent& event) {
+  const Team team = team_of(plan_, event.machine);
+  const std::string& machine = plan_.station(event.machine).name;
+  switch (event.kind) {
+    case MachineEvent::Kind::kState:
+      data_.begin().field("event", "machine").field("machine", machine).field("state", to_string(event.state));
+      write(event.at);
+      break;
+    case MachineEvent::Kind::kPayment: give(team, PointKind::kPayment, kPaymentPoints, event.at); break;
+    case MachineEvent::Kind::kCapRetrieved: give(team, PointKind::kBuffer, kBufferPoints, event.at); break;
+    case MachineEvent::Kind::kDelivery: deliver(event, team); break;
+    case MachineEvent::Kind::kBroke:
+      data_.begin().field("event", "broken").field("machine", machine).field("reason", event.reason);
+      write(event.at);
+      give(team, PointKind::kPayment, -kPaymentPoints * event.unused_payments, event.at);
+      if (event.cap_buffered) give(team, PointKind::kBuffer, -kBufferPoints, event.at);
+      break;
+  }
+}
+
+std::int64_t GameReferee::give(Team team, PointKind kind, std::int64_t points, SimTime at, int order) {
+  if (points == 0) return 0;
+  scores_[static_cast<std::size_t>(team)].by_kind[static_cast<std::size_t>(kind)] += points;
+  data_.begin().field("event", "score").field("team", to_string(team)).field("kind", to_string(kind));
+  data_.field("points", points).field("total", score(team).total());
+  if (order != 0) data_.field("order", order);
+  write(at);
+  return points;
+}
+
+std::string GameReferee::rejection(const OrderState& state, const MachineEvent& event, Team team) const {
+  if (!state.released) return "inactive";
+  if (event.at < clock_.at(state.order.delivery_begin)) return "early";
+  if (!(event.stack == stack_of(state.order.product))) return "wrong product";
+  if (state.delivered[static_cast<std::size_t>(team)] >= state.order.quantity) return "surplus";
+  return {};
+}
+
+void GameReferee::deliver(const MachineEvent& event, Team team) {
+  const auto state = std::ranges::find_if(orders_, [&](const OrderState& s) { return s.order.id == event.order_id; });
+  if (event.order_id == 0 || state == orders_.end()) {
+    data_.begin().field("event", "discard").field("piece", static_cast<std::int64_t>(event.piece));
+    data_.field("product", describe(event.stack));
+    write(event.at);
+    return;
+  }
+  Delivery delivery;
+  delivery.order = event.order_id;
+  delivery.team = team;
+  delivery.at = event.at;
+  delivery.piece = event.piece;
+  delivery.stack = event.stack;
+  delivery.reason = rejection(*state, event, team);
+  delivery.correct = delivery.reason.empty();
+  if (delivery.correct) accept(*state, delivery);
+  data_.begin().field("event", "delivery").field("order", delivery.order).field("team", to_string(team));
+  data_.field("piece", static_cast<std::int64_t>(delivery.piece)).field("product", describe(delivery.stack));
+  data_.field("correct", delivery.correct).field("points", delivery.points);
+  if (delivery.correct) data_.field("late_s", delivery.late_s);
+  else data_.field("reason", delivery.reason);
+  write(event.at);
+  deliveries_.push_back(std::move(delivery));
+}
+
+void GameReferee::accept(OrderState& state, Delivery& delivery) {
+  const Order& order = state.order;
+  const auto team = static_cast<std::size_t>(delivery.team);
+  const auto give_for_order = [&](PointKind kind, std::int64_t points) {
+    delivery.points += give(delivery.team, kind, points, delivery.at, order.id);
+  };
+  const std::int64_t worth = kDeliveryPoints[static_cast<std::size_t>(order.complexity)];
+  delivery.late_s = std::max(0.0, to_seconds(delivery.at - clock_.at(order.delivery_end)));
+  const std::int64_t deduction =
+      late_deduction(worth, delivery.late_s, order.delivery_end - order.delivery_begin, rules_.late_in_fifths);
+  give_for_order(PointKind::kDelivery, worth);
+  give_for_order(PointKind::kLate, -deduction);
+  if (order.competitive && state.delivered[team] == 0) {
+    const bool first = state.delivered[1 - team] == 0;
+    give_for_order(PointKind::kCompetitive,
+                   first ? kCompetitivePoints : -std::min(worth - deduction, kCompetitivePoints));
+  }
+  for (const RingColor ring : order.product.rings)
+    give_for_order(PointKind::kRing, kRingPoints[static_cast<std::size_t>(schedule_.price(ring))]);
+  give_for_order(PointKind::kCap, kCapPoints);
+
+  ++order_changes_;
+  ++state.delivered[team];
+  if (!state.delivered_at[team]) state.delivered_at[team] = delivery.at;
+  state.points[team] += delivery.points;
+}
+
+}  // namespace cxlab::rcll

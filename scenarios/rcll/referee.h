@@ -1,0 +1,101 @@
+#pragma once
+// The referee: looks at what the machines did and at every piece, releases orders, judges deliveries, keeps the score.
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cx/base/record_sink.h"
+#include "scenarios/rcll/clock.h"
+#include "scenarios/rcll/config.h"
+#include "scenarios/rcll/machine.h"
+#include "scenarios/rcll/orders.h"
+#include "sim/world.h"
+
+namespace cxlab::rcll {
+
+enum class PointKind : std::uint8_t {
+  kDelivery, kRing, kCap, kBuffer, kPayment, kLate, kCompetitive, kExploration, kPenalty
+};
+inline constexpr std::size_t kPointKinds = 9;
+std::string_view to_string(PointKind kind);  ///< "delivery" ...
+
+/// Points of a team by kind.
+struct Score {
+  std::array<std::int64_t, kPointKinds> by_kind{};
+  std::int64_t of(PointKind kind) const { return by_kind[static_cast<std::size_t>(kind)]; }
+  std::int64_t total() const;
+};
+
+/// One product that came through a gate for an order.
+struct Delivery {
+  int order = 0;
+  Team team{};
+  SimTime at{};
+  sim::PieceId piece{};
+  sim::Stack stack;
+  bool correct = false;     ///< accepted: it counts for its order
+  std::string reason;       ///< why not: "inactive", "early", "surplus", "wrong product"
+  double late_s = 0;        ///< s after the end of the window, of an accepted product
+  std::int64_t points = 0;  ///< all that it earned
+};
+
+/// How an order stands. Index of arrays: team.
+struct OrderState {
+  Order order;
+  std::optional<SimTime> released;                       ///< when agents heard of it
+  std::array<int, 2> delivered{};                        ///< accepted products
+  std::array<std::optional<SimTime>, 2> delivered_at{};  ///< the first of them
+  std::array<std::int64_t, 2> points{};
+};
+
+/// Points taken off a delivery worth `points` that is `late_s` after a window of `window_s`. Referee box: a quarter of
+/// 75 % for each begun quarter of the window, at most 75 %; rulebook: 15 % for each begun fifth. Whole points, cut off.
+std::int64_t late_deduction(std::int64_t points, double late_s, double window_s, bool in_fifths);
+
+class GameReferee {
+ public:
+  GameReferee(GameClock clock, RuleChoices rules, Schedule schedule, const sim::FloorPlan& plan, RecordSink& sink);
+
+  /// Looks at one tick: pieces that changed hands, and what the machines did since the last look.
+  void judge(SimTime now, std::span<const sim::HolderChange> changes, std::span<const MachineEvent> events);
+  /// The next release of an order or end of a phase.
+  SimTime next_due() const;
+
+  Phase phase() const { return phase_; }
+  const Score& score(Team team) const { return scores_[static_cast<std::size_t>(team)]; }
+  const std::vector<OrderState>& orders() const { return orders_; }
+  const std::vector<Delivery>& deliveries() const { return deliveries_; }
+  const Schedule& schedule() const { return schedule_; }
+  /// Grows by one with each order released and each accepted product.
+  std::uint64_t order_changes() const { return order_changes_; }
+
+ private:
+  void release_orders(SimTime now);
+  void write_piece(const sim::HolderChange& change);
+  void note(const MachineEvent& event);
+  void deliver(const MachineEvent& event, Team team);
+  std::string rejection(const OrderState& state, const MachineEvent& event, Team team) const;
+  void accept(OrderState& state, Delivery& delivery);
+  std::int64_t give(Team team, PointKind kind, std::int64_t points, SimTime at, int order = 0);
+  void put_holder(std::string_view key, sim::Holder holder, int index);
+  void write(SimTime at) { sink_.write(stream_, at, RecordKind::kReferee, data_); }
+
+  GameClock clock_;
+  RuleChoices rules_;
+  Schedule schedule_;
+  const sim::FloorPlan& plan_;
+  RecordSink& sink_;
+  StreamId stream_;
+  RecordData data_;
+  std::optional<SimTime> last_look_;
+  Phase phase_ = Phase::kSetup;
+  std::array<Score, 2> scores_{};
+  std::vector<OrderState> orders_;
+  std::vector<Delivery> deliveries_;
+  std::uint64_t order_changes_ = 0;
+};
+
+}  // namespace cxlab::rcll

@@ -1,0 +1,400 @@
+#include <gmock/gmock.h>
+
+#include "game_story.h"
+
+namespace cxlab::rcll {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(Game, AC0IsMadeAndDeliveredAndEarnsItsPoints) {
+  GameStory story;
+  story.make_product("BASE_RED", "CS1");
+  EXPECT_EQ(story.score().of(PointKind::kBuffer), 2);
+  story.put("C-DS-INPUT");
+  const Outcome outcome = story.carry_out("{machine: C-DS, order_id: 1}");
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  ASSERT_EQ(story.deliveries().size(), 1u);
+  EXPECT_TRUE(story.deliveries()[0].correct) << story.deliveries()[0].reason;
+  EXPECT_EQ(story.deliveries()[0].points, 30);
+  EXPECT_EQ(story.score().of(PointKind::kDelivery), 20);
+  EXPECT_EQ(story.score().of(PointKind::kCap), 10);
+  EXPECT_EQ(story.score().total(), 32);
+  EXPECT_EQ(story.score(Team::kMagenta).total(), 0);
+  EXPECT_THAT(story.records(), HasSubstr("gate"));
+}
+
+TEST(BaseStation, ABaseIsReadyAfterDispensingAndTheBelt) {
+  GameStory story;
+  const double begin = story.now();
+  EXPECT_EQ(story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_BLACK}").code, 0);
+  EXPECT_NEAR(story.now() - begin, 1.1 + 2.656, 0.1);
+  EXPECT_EQ(story.state("C-BS"), "READY-AT-OUTPUT");
+  story.run_for(60);
+  EXPECT_EQ(story.state("C-BS"), "READY-AT-OUTPUT") << "it waits without limit";
+  story.take("C-BS-OUTPUT");
+  story.run_for(0.1);
+  EXPECT_EQ(story.state("C-BS"), "WAIT-IDLE");
+  story.run_for(4.7);
+  EXPECT_EQ(story.state("C-BS"), "WAIT-IDLE");
+  story.run_for(0.4);
+  EXPECT_EQ(story.state("C-BS"), "IDLE");
+}
+
+TEST(BaseStation, CanGiveAtItsInput) {
+  GameStory story;
+  EXPECT_EQ(story.carry_out("{machine: C-BS, side: INPUT, base_color: BASE_SILVER}").code, 0);
+  ASSERT_NE(story.world().at(story.spot("C-BS-INPUT")), nullptr);
+  EXPECT_EQ(story.world().at(story.spot("C-BS-INPUT"))->stack.base, 3);
+}
+
+TEST(BaseStation, WithoutAColourItBreaksForHalfAMinute) {
+  GameStory story;
+  const Outcome outcome = story.carry_out("{machine: C-BS, side: OUTPUT}");
+  EXPECT_EQ(outcome.code, 103);
+  EXPECT_THAT(outcome.error, HasSubstr("base_color"));
+  EXPECT_EQ(story.state("C-BS"), "BROKEN");
+  story.run_for(29.5);
+  EXPECT_EQ(story.state("C-BS"), "BROKEN");
+  story.run_for(0.6);
+  EXPECT_EQ(story.state("C-BS"), "IDLE");
+}
+
+TEST(CapStation, RetrievingTakes21SecondsAndPassesThroughItsStates) {
+  GameStory story;
+  story.move("C-CS1-SHELF-MIDDLE", "C-CS1-INPUT");
+  const double begin = story.now();
+  EXPECT_EQ(story.carry_out("{machine: C-CS1, operation: RETRIEVE_CAP}").code, 0);
+  EXPECT_NEAR(story.now() - begin, 1.538 + 17.5 + 2.656, 0.15);
+  EXPECT_THAT(story.feedback(), ElementsAre("PREPARED", "PROCESSING", "PROCESSED", "READY-AT-OUTPUT"));
+  EXPECT_EQ(story.machine("C-CS1").loaded_with(), 1);
+  const sim::Piece* carrier = story.world().at(story.spot("C-CS1-OUTPUT"));
+  ASSERT_NE(carrier, nullptr);
+  EXPECT_EQ(carrier->stack, (sim::Stack{4, {}, 0}));
+}
+
+TEST(CapStation, WithoutAWorkpieceItIsStuckAndBreaksAfter20Seconds) {
+  GameStory story;
+  const double begin = story.now();
+  const Outcome outcome = story.carry_out("{machine: C-CS2, operation: RETRIEVE_CAP}");
+  EXPECT_EQ(outcome.code, 202);
+  EXPECT_EQ(outcome.status, bus::GoalStatus::kAborted);
+  EXPECT_NEAR(story.now() - begin, 20, 0.2);
+  EXPECT_EQ(story.state("C-CS2"), "BROKEN");
+}
+
+TEST(CapStation, MountingWithoutABufferedCapBreaksIt) {
+  GameStory story;
+  const Outcome outcome = story.carry_out("{machine: C-CS1, operation: MOUNT_CAP}");
+  EXPECT_EQ(outcome.code, 103);
+  EXPECT_EQ(story.state("C-CS1"), "BROKEN");
+}
+
+TEST(CapStation, RetrievingWithABufferedCapBreaksItAndTakesThePointsBack) {
+  GameStory story;
+  story.move("C-CS1-SHELF-LEFT", "C-CS1-INPUT");
+  ASSERT_EQ(story.carry_out("{machine: C-CS1, operation: RETRIEVE_CAP}").code, 0);
+  EXPECT_EQ(story.score().of(PointKind::kBuffer), 2);
+  story.take("C-CS1-OUTPUT");
+  story.run_for(6);
+  EXPECT_EQ(story.carry_out("{machine: C-CS1, operation: RETRIEVE_CAP}").code, 103);
+  story.run_for(0.1);
+  EXPECT_EQ(story.score().of(PointKind::kBuffer), 0);
+  EXPECT_EQ(story.machine("C-CS1").loaded_with(), 0);
+}
+
+TEST(CapStation, FillsItsShelfAgain20SecondsAfterTheLastCarrierWasTaken) {
+  GameStory story;
+  for (const std::string slot : {"LEFT", "MIDDLE", "RIGHT"}) {
+    ASSERT_NE(story.world().at(story.spot("C-CS2-SHELF-" + slot)), nullptr);
+    EXPECT_EQ(story.world().at(story.spot("C-CS2-SHELF-" + slot))->stack, (sim::Stack{4, {}, 1})) << "black caps";
+    story.take("C-CS2-SHELF-" + slot);
+    story.world().drop(sim::RobotId{0});
+    story.run_for(1);
+  }
+  story.run_for(18.5);
+  EXPECT_EQ(story.world().at(story.spot("C-CS2-SHELF-LEFT")), nullptr);
+  story.run_for(1);
+  for (const std::string slot : {"LEFT", "MIDDLE", "RIGHT"})
+    EXPECT_NE(story.world().at(story.spot("C-CS2-SHELF-" + slot)), nullptr) << slot;
+}
+
+TEST(RingStation, ThreePaymentsScoreAndTheFourthBreaksIt) {
+  GameStory story;
+  for (int payment = 1; payment <= 4; ++payment) {
+    ASSERT_EQ(story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}").code, 0);
+    story.move("C-BS-OUTPUT", "C-RS1-SLIDE");
+    story.run_for(6);
+    EXPECT_EQ(story.score().of(PointKind::kPayment), payment < 4 ? 2 * payment : 0);
+    EXPECT_EQ(story.machine("C-RS1").loaded_with(), payment % 4);
+  }
+  EXPECT_EQ(story.state("C-RS1"), "BROKEN");
+}
+
+TEST(Instructions, ThatCannotBeGivenSayWhy) {
+  GameStory story;
+  EXPECT_EQ(story.carry_out("{machine: M-BS, side: OUTPUT, base_color: BASE_RED}").code, 101);
+  const Outcome unknown = story.carry_out("{machine: C-CS3}");
+  EXPECT_EQ(unknown.code, 203);
+  EXPECT_THAT(unknown.error, HasSubstr("did you mean 'C-CS"));
+  EXPECT_EQ(story.carry_out("{machine: C-RS1, ring_color: RING_BLUE}").code, 104);
+  EXPECT_EQ(story.state("C-RS1"), "IDLE");
+  EXPECT_EQ(story.carry_out("{machine: C-SS, operation: RETRIEVE}").code, 104);
+}
+
+TEST(Instructions, ASecondOneIsIgnoredOrByTheRulebookBreaksTheMachine) {
+  for (const std::string rules : {"league", "rulebook"}) {
+    WorldConfig config = GameStory::quiet_game();
+    config.rules = rules;
+    GameStory story(config);
+    const std::size_t first = story.instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+    story.run_for(0.5);
+    EXPECT_EQ(story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}").code, 209);
+    story.run_for(5);
+    EXPECT_EQ(story.outcome(first).code, rules == "league" ? 0 : 1);
+    EXPECT_EQ(story.state("C-BS"), rules == "league" ? "READY-AT-OUTPUT" : "BROKEN");
+  }
+}
+
+TEST(Instructions, CancellingEndsTheWaitingNotTheWork) {
+  GameStory story;
+  const std::size_t goal = story.instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+  story.run_for(1);
+  story.cancel(goal);
+  story.run_for(0.1);
+  EXPECT_EQ(story.outcome(goal).status, bus::GoalStatus::kCanceled);
+  story.run_for(5);
+  EXPECT_EQ(story.state("C-BS"), "READY-AT-OUTPUT");
+}
+
+TEST(Instructions, AResetBreaksTheMachineAndWhatItDid) {
+  GameStory story;
+  const std::size_t goal = story.instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+  story.run_for(2);
+  EXPECT_EQ(story.carry_out("{machine: C-BS, operation: RESET}").code, 0);
+  EXPECT_EQ(story.state("C-BS"), "BROKEN");
+  story.run_for(0.1);
+  EXPECT_EQ(story.outcome(goal).code, 1);
+  EXPECT_EQ(story.world().on_belt(story.machine("C-BS").id(), 0), nullptr) << "the base was removed";
+}
+
+// --- Deliveries
+
+WorldConfig game_with_window(double begin, double end, double activate = 0) {
+  WorldConfig config = GameStory::quiet_game();
+  config.orders[0].activate_at = activate;
+  config.orders[0].delivery_begin = begin;
+  config.orders[0].delivery_end = end;
+  return config;
+}
+
+TEST(Delivery, OfTheWrongProductOrASurplusCountsNothing) {
+  GameStory story;
+  story.lay_before_delivery("BASE_BLACK", CapColor::kGrey);
+  ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
+  story.run_for(6);
+  for (int i = 0; i < 2; ++i) {
+    story.lay_before_delivery("BASE_RED", CapColor::kGrey);
+    ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
+    story.run_for(6);
+  }
+  ASSERT_EQ(story.deliveries().size(), 3u);
+  EXPECT_EQ(story.deliveries()[0].reason, "wrong product");
+  EXPECT_TRUE(story.deliveries()[1].correct);
+  EXPECT_EQ(story.deliveries()[2].reason, "surplus");
+  EXPECT_EQ(story.score().total(), 30);
+}
+
+TEST(Delivery, QuantityTwoTakesTwo) {
+  WorldConfig config = GameStory::quiet_game();
+  config.orders[0].quantity = 2;
+  GameStory story(config);
+  for (int i = 0; i < 2; ++i) {
+    story.lay_before_delivery("BASE_RED", CapColor::kGrey);
+    ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
+    story.run_for(6);
+  }
+  EXPECT_EQ(story.score().total(), 60);
+}
+
+TEST(Delivery, WaitsForItsWindow) {
+  GameStory story(game_with_window(15, 100));
+  story.lay_before_delivery("BASE_RED", CapColor::kGrey);
+  ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
+  EXPECT_NEAR(story.now(), 15 + 3.746, 0.1);
+  EXPECT_TRUE(story.deliveries()[0].correct);
+}
+
+TEST(Delivery, MoreThan20SecondsBeforeTheWindowBreaksTheStationExceptByTheRulebook) {
+  for (const std::string rules : {"league", "rulebook"}) {
+    WorldConfig config = game_with_window(40, 100);
+    config.rules = rules;
+    GameStory story(config);
+    story.lay_before_delivery("BASE_RED", CapColor::kGrey);
+    EXPECT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, rules == "league" ? 202 : 0);
+    EXPECT_EQ(story.deliveries().size(), rules == "league" ? 0u : 1u);
+  }
+}
+
+TEST(Delivery, LateLosesPartOfItsPoints) {
+  GameStory story(game_with_window(0, 100));
+  story.run_until(150);
+  story.lay_before_delivery("BASE_RED", CapColor::kGrey);
+  ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
+  ASSERT_TRUE(story.deliveries()[0].correct);
+  EXPECT_NEAR(story.deliveries()[0].late_s, 53.8, 0.2);
+  EXPECT_EQ(story.score().of(PointKind::kLate), -11);
+  EXPECT_EQ(story.score().total(), 19);
+}
+
+TEST(Delivery, OfAnOrderThatNobodyHasHeardOfCountsNothing) {
+  GameStory story(game_with_window(0, 100, 50));
+  story.lay_before_delivery("BASE_RED", CapColor::kGrey);
+  ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
+  EXPECT_EQ(story.deliveries()[0].reason, "inactive");
+  EXPECT_EQ(story.score().total(), 0);
+}
+
+TEST(Delivery, OrderZeroDiscardsAndAnUnknownOrderBreaks) {
+  GameStory story;
+  story.lay_before_delivery("BASE_CLEAR", std::nullopt);
+  EXPECT_EQ(story.carry_out("{machine: C-DS, order_id: 0}").code, 0);
+  EXPECT_TRUE(story.deliveries().empty());
+  story.run_for(6);
+  EXPECT_EQ(story.carry_out("{machine: C-DS, order_id: 7}").code, 103);
+  EXPECT_EQ(story.state("C-DS"), "BROKEN");
+}
+
+TEST(Delivery, TheFirstOfACompetitiveOrderEarnsTenMore) {
+  WorldConfig config = GameStory::quiet_game();
+  config.orders[0].competitive = true;
+  GameStory story(config);
+  story.lay_before_delivery("BASE_RED", CapColor::kGrey);
+  ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
+  EXPECT_EQ(story.score().of(PointKind::kCompetitive), 10);
+  EXPECT_EQ(story.score().total(), 40);
+}
+
+// --- The referee alone
+
+MachineEvent delivered(const sim::FloorPlan& plan, const std::string& machine, double at, const sim::Stack& stack) {
+  MachineEvent event;
+  event.kind = MachineEvent::Kind::kDelivery;
+  event.machine = *plan.find_station(machine);
+  event.at = from_seconds(at);
+  event.order_id = 1;
+  event.stack = stack;
+  return event;
+}
+
+TEST(Referee, ATeamThatIsSecondWithACompetitiveOrderLosesTen) {
+  WorldConfig config = GameStory::quiet_game();
+  config.orders[0].competitive = true;
+  const sim::FloorPlan plan = *floor_plan_of(config, 1);
+  ByteSink sink;
+  GameReferee referee(GameClock{}, {}, *schedule_of(config, 1), plan, sink);
+  referee.judge(SimTime{}, {}, {});
+  const sim::Stack product{1, {}, 2};
+  const std::vector events{delivered(plan, "M-DS", 10, product), delivered(plan, "C-DS", 20, product)};
+  referee.judge(from_seconds(20), {}, events);
+  EXPECT_EQ(referee.score(Team::kMagenta).of(PointKind::kCompetitive), 10);
+  EXPECT_EQ(referee.score(Team::kCyan).of(PointKind::kCompetitive), -10);
+}
+
+TEST(Referee, BeforeTheWindowCountsNothingAtItsStartItCounts) {
+  const WorldConfig config = game_with_window(100, 200);
+  const sim::FloorPlan plan = *floor_plan_of(config, 1);
+  ByteSink sink;
+  GameReferee referee(GameClock{}, {}, *schedule_of(config, 1), plan, sink);
+  referee.judge(SimTime{}, {}, {});
+  const sim::Stack product{1, {}, 2};
+  referee.judge(from_seconds(99.98), {}, std::vector{delivered(plan, "C-DS", 99.98, product)});
+  EXPECT_EQ(referee.deliveries()[0].reason, "early");
+  referee.judge(from_seconds(100), {}, std::vector{delivered(plan, "C-DS", 100, product)});
+  EXPECT_TRUE(referee.deliveries()[1].correct) << "the early one has used nothing up";
+}
+
+TEST(Referee, DeductsForLatenessAsTheRefereeBoxAndAsTheRulebook) {
+  // Figures of the referee box.
+  EXPECT_EQ(late_deduction(30, 0.05 * 120, 120, false), 5);
+  EXPECT_EQ(late_deduction(100, 0.33 * 200, 200, false), 37);
+  EXPECT_EQ(late_deduction(20, 0.64 * 100, 100, false), 11);
+  EXPECT_EQ(late_deduction(50, 0.93 * 150, 150, false), 37);
+  EXPECT_EQ(late_deduction(20, 5000, 100, false), 15) << "never more than 75 %";
+  EXPECT_EQ(late_deduction(20, 0, 100, false), 0);
+  EXPECT_EQ(late_deduction(100, 19, 100, true), 15);
+  EXPECT_EQ(late_deduction(100, 21, 100, true), 30);
+}
+
+// --- Down periods, phases, topics
+
+TEST(Game, OneRingAndOneCapStationOfBothTeamsAreDownOnce) {
+  WorldConfig config = GameStory::quiet_game();
+  config.down = true;
+  GameStory story(config);
+  std::map<std::string, int> down;
+  for (int second = 0; second < 1200; ++second) {
+    story.run_for(1);
+    for (const auto& machine : story.factory().machines())
+      if (machine->state() == MachineState::kDown) ++down[machine->name()];
+  }
+  ASSERT_EQ(down.size(), 4u);
+  for (const auto& [name, seconds] : down) {
+    EXPECT_THAT(name, testing::AnyOf(HasSubstr("-RS"), HasSubstr("-CS")));
+    EXPECT_GE(seconds, 29);
+    EXPECT_LE(seconds, 61);
+  }
+}
+
+TEST(Game, BeforeProductionMachinesTakeNoInstructionsAndAfterItIsOver) {
+  WorldConfig config = GameStory::quiet_game();
+  config.setup_s = 5;
+  config.production_s = 20;
+  GameStory story(config);
+  EXPECT_EQ(story.factory().referee().phase(), Phase::kSetup);
+  EXPECT_EQ(story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}").code, 209);
+  story.run_until(5.1);
+  EXPECT_EQ(story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}").code, 0);
+  EXPECT_FALSE(story.factory().over(story.world().now()));
+  story.run_until(25.1);
+  EXPECT_EQ(story.factory().referee().phase(), Phase::kPostGame);
+  EXPECT_TRUE(story.factory().over(story.world().now()));
+}
+
+TEST(Game, TheSameSeedAndDeedsGiveTheSameRecords) {
+  const auto play = [] {
+    GameStory story;
+    story.make_product("BASE_RED", "CS1");
+    return story.records();
+  };
+  EXPECT_EQ(play(), play());
+}
+
+TEST(Topics, TellTheOrdersOnceTheyAreReleased) {
+  GameStory story(game_with_window(60, 100, 30));
+  std::size_t orders = 99;
+  const bus::MessageType& type = **story.registry().message("rcll_interfaces/msg/OrderInfo");
+  ASSERT_TRUE(story.bus().subscribe(story.agent(), "/order_info", type,
+                                    [&](const bus::Delivery& d) { orders = d.message->view().size("orders"); }));
+  story.run_until(29.9);
+  EXPECT_EQ(orders, 0u);
+  story.run_until(30.02);
+  EXPECT_EQ(orders, 1u) << "at once, not with the next period";
+}
+
+TEST(Topics, TellMachinesOnChange) {
+  GameStory story;
+  std::string state;
+  const bus::MessageType& type = **story.registry().message("rcll_interfaces/msg/MachineInfo");
+  ASSERT_TRUE(story.bus().subscribe(story.agent(), "/machine_info", type, [&](const bus::Delivery& d) {
+    const bus::MessageView info = d.message->view();
+    EXPECT_EQ(info.size("machines"), 14u);
+    state = info.nested("machines", 0).text("state");
+  }));
+  story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+  EXPECT_EQ(state, "READY-AT-OUTPUT");
+}
+
+}  // namespace
+}  // namespace cxlab::rcll
