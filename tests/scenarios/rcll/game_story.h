@@ -74,8 +74,9 @@ class GameStory {
     const SimTime end = world_.now() + from_seconds(seconds);
     do {
       if (started_) {
-        EXPECT_TRUE(world_.advance(kTick));
+        EXPECT_TRUE(world_.advance(next_tick(end) - world_.now()));
       }
+      ++ticks_;
       started_ = true;
       bus_.begin_tick(world_.now());
       EXPECT_TRUE(factory_->sense(world_.now()));
@@ -88,6 +89,9 @@ class GameStory {
     if (now() < seconds) run_for(seconds - now());
   }
   double now() const { return to_seconds(world_.now()); }
+  /// From now on only the ticks at which something is due.
+  void set_jumping(bool on) { jumping_ = on; }
+  int ticks() const { return ticks_; }
 
   /// Index of the new goal.
   std::size_t instruct(const std::string& yaml) {
@@ -158,6 +162,12 @@ class GameStory {
  private:
   static constexpr SimTime kTick = std::chrono::milliseconds(20);
 
+  SimTime next_tick(SimTime end) const {
+    const SimTime next = world_.now() + kTick;
+    if (!jumping_ || bus_.any_waiting()) return next;
+    const SimTime due = std::min({factory_->next_due(), world_.next_event(), end});
+    return std::max(next, tick_not_before(due, kTick));
+  }
   void go_to(const std::string& name) {
     const sim::Pose2 pose = world_.plan().spot(spot(name)).work_in_world;
     world_.move_along(sim::RobotId{0}, std::span(&pose, 1), world_.now(), world_.now() + kTick);
@@ -182,7 +192,8 @@ class GameStory {
   std::vector<bus::GoalId> goals_;
   std::vector<Outcome> outcomes_;
   std::vector<std::string> feedback_;
-  bool started_ = false;
+  bool started_ = false, jumping_ = false;
+  int ticks_ = 0;
 };
 
 }  // namespace cxlab::rcll
