@@ -1,0 +1,58 @@
+#pragma once
+// Pictures of a MuJoCo world. Drawing works on a copy and moves nothing.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "sim/mujoco/gl_context.h"
+#include "sim/mujoco/physics_gate.h"
+
+namespace cxlab::sim {
+
+/// RGB, 8 bits each, top row first.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+Status write_png(const Picture& picture, const std::filesystem::path& file);
+
+class Renderer {
+ public:
+  /// For worlds of this plan. Fails with kResource where there is no OpenGL.
+  static Expected<std::unique_ptr<Renderer>> create(const FloorPlan& plan, const PhysicsGate& world, int width = 640,
+                                                    int height = 480);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  /// "field", "top", the name of a robot (what it sees) or of a machine (its input side).
+  std::vector<std::string> cameras() const;
+  /// The world as it is now. The picture is the renderer's own and lasts until the next call.
+  Expected<const Picture*> draw(const PhysicsGate& world, std::string_view camera);
+
+ private:
+  Renderer(const FloorPlan& plan, std::unique_ptr<GlContext> context, int width, int height);
+  void set_up(const PhysicsGate& world);
+  void shine(const PhysicsGate& world);
+  void add_labels();
+
+  std::unique_ptr<GlContext> context_;
+  std::vector<std::string> robots_, stations_;
+  std::vector<std::string> label_of_;    ///< by geom; empty = none
+  std::vector<int> light_of_;            ///< by geom: 3 * station + colour; -1 = none
+  std::unique_ptr<mjData, MjDeleter> copy_;
+  mjvScene scene_;
+  mjvOption option_;
+  mjvCamera camera_;
+  mjrContext gl_;
+  std::vector<std::uint8_t> upside_down_;
+  Picture picture_;
+};
+
+}  // namespace cxlab::sim

@@ -1,0 +1,128 @@
+#include "sim/mujoco/render.h"
+
+#include <cstdlib>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/mujoco/mujoco_world.h"
+#include "sim/mujoco/test_floor.h"
+
+namespace cxlab::sim {
+namespace {
+
+using testing::HasSubstr;
+
+class Rendering : public testing::Test {
+ protected:
+  void SetUp() override {
+    world_ = std::move(*MujocoWorld::create(small_floor(), test_options()));
+    auto made = Renderer::create(small_floor(), world_->gate(), 320, 240);
+    ASSERT_TRUE(made.ok()) << made.error().text();
+    renderer_ = std::move(*made);
+  }
+  StationId station(const char* name) { return *world_->plan().find_station(name); }
+  std::vector<std::uint8_t> draw(const char* camera) {
+    auto picture = renderer_->draw(world_->gate(), camera);
+    EXPECT_TRUE(picture.ok()) << picture.error().text();
+    return (*picture)->rgb;
+  }
+  /// Pixels in which one channel is bright and the two others are not.
+  static int pixels_of(const std::vector<std::uint8_t>& rgb, int channel) {
+    int count = 0;
+    for (std::size_t i = 0; i < rgb.size(); i += 3) {
+      const auto at = [&](int c) { return rgb[i + static_cast<std::size_t>(c % 3)]; };
+      if (at(channel) > 130 && at(channel + 1) < 70 && at(channel + 2) < 70) ++count;
+    }
+    return count;
+  }
+  std::unique_ptr<MujocoWorld> world_;
+  std::unique_ptr<Renderer> renderer_;
+};
+
+TEST_F(Rendering, EveryCameraShowsAnotherPicture) {
+  std::vector<std::vector<std::uint8_t>> seen;
+  for (const std::string& camera : renderer_->cameras()) {
+    seen.push_back(draw(camera.c_str()));
+    for (std::size_t i = 0; i + 1 < seen.size(); ++i) EXPECT_NE(seen.back(), seen[i]) << camera;
+  }
+  EXPECT_EQ(seen.size(), 2u + 2u + 4u);
+}
+
+TEST_F(Rendering, UnknownCameraNamesTheNearest) {
+  const auto picture = renderer_->draw(world_->gate(), "C-CS2");
+  ASSERT_FALSE(picture.ok());
+  EXPECT_THAT(picture.error().message, HasSubstr("did you mean 'C-CS1'?"));
+}
+
+TEST_F(Rendering, LightsShineAndBlinkTwiceASecond) {
+  const auto dark = draw("C-CS1");
+  world_->set_lights(station("C-CS1"), {Light::kOn, Light::kOff, Light::kOff});
+  const int lit = pixels_of(draw("C-CS1"), 0);
+  EXPECT_GT(lit, pixels_of(dark, 0) + 20);
+
+  world_->set_lights(station("C-CS1"), {Light::kBlink, Light::kOff, Light::kOff});
+  std::string phases;
+  for (int tick = 0; tick < 50; ++tick) {
+    phases += pixels_of(draw("C-CS1"), 0) > lit / 2 ? '#' : '.';
+    ASSERT_TRUE(world_->advance(std::chrono::milliseconds(20)).ok());
+  }
+  EXPECT_THAT(phases, testing::MatchesRegex("#+[.]+#+[.]+"));
+}
+
+TEST_F(Rendering, PieceIsSeenInItsColours) {
+  const int before = pixels_of(draw("C-CS1"), 0);
+  ASSERT_TRUE(world_->dispense(station("C-CS1"), 0.155, Stack{1, {}, 0}).ok());
+  EXPECT_GT(pixels_of(draw("C-CS1"), 0), before + 20);
+}
+
+TEST_F(Rendering, DrawingMovesNothing) {
+  auto other = std::move(*MujocoWorld::create(small_floor(), test_options()));
+  for (MujocoWorld* world : {world_.get(), other.get()}) {
+    ASSERT_TRUE(world->dispense(station("C-BS"), 0, Stack{1, {}, 0}).ok());
+    world->run_belt(station("C-BS"), 0.1, 0.155);
+    for (int tick = 0; tick < 40; ++tick) {
+      world->command_base(RobotId{0}, 0.3, 0.1, 0.2);
+      ASSERT_TRUE(world->advance(std::chrono::milliseconds(20)).ok());
+      if (world == world_.get() && tick % 8 == 0) draw("field");
+    }
+  }
+  EXPECT_EQ(world_->physics_hash(), other->physics_hash());
+}
+
+TEST_F(Rendering, PngIsWrittenOrItIsAnError) {
+  auto picture = renderer_->draw(world_->gate(), "top");
+  ASSERT_TRUE(picture.ok());
+  const auto file = std::filesystem::path(testing::TempDir()) / "cxlab_top.png";
+  ASSERT_TRUE(write_png(**picture, file).ok());
+  char head[8] = {};
+  std::ifstream(file, std::ios::binary).read(head, 8);
+  EXPECT_EQ(std::string(head, 8), "\x89PNG\r\n\x1a\n");
+  std::filesystem::remove(file);
+  EXPECT_EQ(write_png(**picture, "/nowhere/top.png").error().kind, ErrorKind::kResource);
+}
+
+TEST_F(Rendering, BothWaysToOpenGlGiveTheSamePicture) {
+  std::vector<std::uint8_t> pictures[2];
+  int i = 0;
+  for (const char* way : {"osmesa", "egl"}) {
+    setenv("CXLAB_GL", way, 1);
+    auto made = Renderer::create(small_floor(), world_->gate(), 320, 240);
+    if (!made) GTEST_SKIP() << way << ": " << made.error().text();
+    pictures[i++] = (*(*made)->draw(world_->gate(), "field"))->rgb;
+  }
+  unsetenv("CXLAB_GL");
+  EXPECT_EQ(pictures[0], pictures[1]);
+}
+
+TEST(GlContext, WordThatIsNoWayIsRefused) {
+  setenv("CXLAB_GL", "vulkan", 1);
+  const auto context = GlContext::create(64, 64);
+  unsetenv("CXLAB_GL");
+  ASSERT_FALSE(context.ok());
+  EXPECT_THAT(context.error().message, HasSubstr("expected osmesa or egl"));
+}
+
+}  // namespace
+}  // namespace cxlab::sim
