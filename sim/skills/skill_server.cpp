@@ -99,7 +99,7 @@ void SkillServer::take_goal(const Action& action, const bus::Delivery& delivery)
   active_->since = active_->phase_since = now_;
   if (!goal) {
     active_->skill.target = message.text("target");
-    finish(action, delivery.goal, active_->skill.target, {SkillCode::kInvalidTarget, false, goal.error().message});
+    finish({SkillCode::kInvalidTarget, false, goal.error().message});
     return;
   }
   active_->skill = *goal;
@@ -145,28 +145,30 @@ void SkillServer::sense(SimTime now) {
   now_ = now;
   const auto result = skills_.sense(now);
   if (result && active_)
-    finish(*active_->action, active_->goal, active_->skill.target, *result);
+    finish(*result);
   else
     report_phase(now);
 }
 
-void SkillServer::finish(const Action& action, const bus::GoalId& goal, const std::string& target, const SkillResult& result) {
+void SkillServer::finish(const SkillResult& result) {
   count_phase(now_);
-  const double duration = to_seconds(now_ - active_->since);
+  const Active ended = *std::exchange(active_, std::nullopt);
+  const Action& action = *ended.action;
+  const double duration = to_seconds(now_ - ended.since);
   stats_.busy_s += duration;
   const bool done = result.code == SkillCode::kNone && !result.cancelled;
   if (result.code != SkillCode::kNone) ++stats_.failures;
-  record(action, target, "end");
+  record(action, ended.skill.target, "end");
   data_.field("code", static_cast<int>(result.code)).field("error", result.text).field("cancelled", result.cancelled)
       .field("duration_s", duration);
   sink_.write(stream_, now_, RecordKind::kSkill, data_);
-  active_.reset();
   auto message = std::make_shared<bus::Message>(*action.type->result);
-  message->view().set("success", done).set("error_code", static_cast<int>(result.code)).set("error", result.text).set("target", target);
+  message->view().set("success", done).set("error_code", static_cast<int>(result.code)).set("error", result.text)
+      .set("target", ended.skill.target);
   const bus::GoalStatus status = done               ? bus::GoalStatus::kSucceeded
                                  : result.cancelled ? bus::GoalStatus::kCanceled
                                                     : bus::GoalStatus::kAborted;
-  bus_.finish(action.endpoint, goal, status, std::move(message));
+  bus_.finish(action.endpoint, ended.goal, status, std::move(message));
 }
 
 RobotStats SkillServer::stats(SimTime now) const {

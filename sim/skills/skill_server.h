@@ -71,7 +71,7 @@ class SkillServer {
   void take_cancel(const Action& action, const bus::Delivery& delivery);
   /// Where the goal says to go, or why that cannot be.
   Expected<SkillGoal> read_goal(const Action& action, const bus::MessageView& message) const;
-  void finish(const Action& action, const bus::GoalId& goal, const std::string& target, const SkillResult& result);
+  void finish(const SkillResult& result);
   void count_phase(SimTime now);
   void record(const Action& action, const std::string& target, std::string_view event);
 

@@ -1,0 +1,294 @@
+// What a client on the bus sees of a robot's skills, in both tiers.
+
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/ledger/ledger_world.h"
+#include "sim/mujoco/mujoco_world.h"
+#include "sim/skills/fleet.h"
+
+namespace cxlab::sim {
+namespace {
+
+constexpr SimTime kTick{20'000'000};
+constexpr Stack kRed{1, {}, 0};
+
+class NoRecords final : public RecordSink {
+ public:
+  StreamId open_stream(std::string_view) override { return StreamId{streams_++}; }
+  RecordRef write(StreamId stream, SimTime, RecordKind, const RecordData&, std::span<const RecordRef>) override {
+    return {stream, n_++};
+  }
+
+ private:
+  std::uint16_t streams_ = 0;
+  std::uint64_t n_ = 0;
+};
+
+FloorPlan small_plan() {
+  FloorPlan plan;
+  plan.stations = {{"C-BS", "BS", {1.5, 5.5, 0}, true}, {"C-CS1", "CS", {4.5, 5.5, 0}, true}, {"C-RS1", "RS", {4.5, 2.5, 0}, true}};
+  for (std::size_t i = 0; i < plan.stations.size(); ++i)
+    for (Spot& spot : spots_of(plan.stations[i], static_cast<StationId>(i))) plan.spots.push_back(std::move(spot));
+  plan.robots = {{"robot1", {0.3, 4, 0}}, {"robot2", {3, 1.2, 0}}};
+  return plan;
+}
+
+enum class Tier { kPhysics, kTimed };
+
+/// What a client hears of one goal.
+struct Heard {
+  bool answered = false, accepted = false, ended = false;
+  bus::GoalStatus status{};
+  int code = 0;
+  std::string error;
+  std::vector<std::string> phases;
+  bus::GoalId goal{};
+};
+
+class Skills : public ::testing::TestWithParam<Tier> {
+ protected:
+  void SetUp() override {
+    const std::filesystem::path source = std::getenv("CXLAB_SOURCE_DIR");
+    ASSERT_TRUE(registry.add_packages_in(source / "cx/interfaces"));
+    const Fleet::Places places{{"C_Z22", {1.5, 1.5, 1}}, {"C_Z26", {1.5, 5.5, 0}}};
+    if (GetParam() == Tier::kTimed) {
+      auto ledger = std::make_unique<LedgerWorld>(small_plan());
+      auto made = Fleet::create(*ledger, *ledger, {}, 1, places, bus, sink);
+      ASSERT_TRUE(made) << made.error().text();
+      fleet = *std::move(made);
+      world = std::move(ledger);
+    } else {
+      auto physics = MujocoWorld::create(small_plan(), {source / "models", 0.01, 20});
+      ASSERT_TRUE(physics) << physics.error().text();
+      auto made = Fleet::create(**physics, **physics, places, bus, sink);
+      ASSERT_TRUE(made) << made.error().text();
+      fleet = *std::move(made);
+      world = *std::move(physics);
+    }
+    node = bus.join(bus::ParticipantKind::kNode, bus::NodeName{"client", "/", {}}, sink.open_stream("node/client"));
+  }
+
+  bus::EndpointId client(const std::string& robot, SkillKind kind) {
+    const std::string name = "/" + robot + "/" + std::string(to_string(kind));
+    const char* types[] = {"cxlab_skills/action/DriveTo", "cxlab_skills/action/Pick", "cxlab_skills/action/Place"};
+    return *bus.create_action_client(
+        node, name, **registry.action(types[static_cast<int>(kind)]),
+        {[this](const bus::Delivery& d) { heard(d).answered = true; heard(d).accepted = d.accepted; },
+         [this](const bus::Delivery& d) { heard(d).phases.push_back(d.message->view().text("phase")); },
+         [this](const bus::Delivery& d) {
+           Heard& h = heard(d);
+           h.ended = true;
+           h.status = d.status;
+           h.code = static_cast<int>(d.message->view().integer("error_code"));
+           h.error = d.message->view().text("error");
+           EXPECT_EQ(d.message->view().integer("success") != 0, d.status == bus::GoalStatus::kSucceeded);
+         },
+         [](const bus::Delivery&) {}});
+  }
+  Heard& heard(const bus::Delivery& d) { return heard_by_goal[d.goal]; }
+
+  /// Sends a goal; what is heard of it grows with the ticks.
+  Heard& send(const std::string& robot, SkillKind kind, const std::string& target, Pose2 pose = {}) {
+    last_client = client(robot, kind);
+    const char* types[] = {"cxlab_skills/action/DriveTo", "cxlab_skills/action/Pick", "cxlab_skills/action/Place"};
+    auto message = std::make_shared<bus::Message>(*(*registry.action(types[static_cast<int>(kind)]))->goal);
+    message->view().set("target", target);
+    if (kind == SkillKind::kDriveTo) message->view().nested("pose").set("x", pose.x).set("y", pose.y).set("theta", pose.yaw);
+    const bus::GoalId goal = bus.send_goal(last_client, std::move(message));
+    Heard& h = heard_by_goal[goal];
+    h.goal = goal;
+    return h;
+  }
+  void tick() {
+    ASSERT_TRUE(world->advance(kTick));
+    bus.begin_tick(world->now());
+    ASSERT_TRUE(fleet->sense(world->now()));
+    bus.deliver(node);
+    ASSERT_TRUE(fleet->act(world->now()));
+  }
+  /// Ticks until it ended; the seconds it took.
+  double finish(const Heard& h, double limit = 120) {
+    const SimTime begin = world->now();
+    while (!h.ended && world->now() - begin < from_seconds(limit)) tick();
+    return to_seconds(world->now() - begin);
+  }
+  const Heard& done(const std::string& robot, SkillKind kind, const std::string& target) {
+    Heard& h = send(robot, kind, target);
+    finish(h);
+    return h;
+  }
+  void wait(double seconds) {
+    for (double t = 0; t < seconds; t += 0.02) tick();
+  }
+  SpotId spot(const char* name) const { return *world->plan().find_spot(name); }
+  void base_at(const char* name) {
+    const Spot& s = world->plan().spot(spot(name));
+    ASSERT_TRUE(world->dispense(s.station, s.rest_in_station.x, kRed));
+  }
+  RobotState robot1() const { return world->robot(RobotId{0}); }
+
+  NoRecords sink;
+  bus::Registry registry;
+  bus::Bus bus{registry, sink};
+  std::unique_ptr<World> world;
+  std::unique_ptr<Fleet> fleet;
+  bus::ParticipantId node{};
+  bus::EndpointId last_client{};
+  std::map<bus::GoalId, Heard> heard_by_goal;
+};
+
+TEST_P(Skills, APieceGoesFromOneMachineToAnother) {
+  base_at("C-BS-OUTPUT");
+  const PieceId piece = world->pieces()[0].id;
+  const Heard& pick = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  const double picked_in = finish(pick);
+  ASSERT_EQ(pick.status, bus::GoalStatus::kSucceeded) << pick.error;
+  EXPECT_GT(picked_in, 5);
+  EXPECT_LT(picked_in, 20);
+  EXPECT_EQ(pick.phases.front(), "drive");
+  EXPECT_EQ(robot1().held, piece);
+  const Heard& place = done("robot1", SkillKind::kPlace, "C-CS1-INPUT");
+  ASSERT_EQ(place.status, bus::GoalStatus::kSucceeded) << place.error;
+  ASSERT_NE(world->at(spot("C-CS1-INPUT")), nullptr);
+  EXPECT_EQ(world->at(spot("C-CS1-INPUT"))->id, piece);
+  EXPECT_FALSE(robot1().held);
+}
+
+TEST_P(Skills, ShelfAndSlideAreServedToo) {
+  ASSERT_TRUE(world->dispense(spot("C-CS1-SHELF-MIDDLE"), Stack{4, {}, 1}));
+  const Heard& pick = done("robot1", SkillKind::kPick, "C-CS1-SHELF-MIDDLE");
+  ASSERT_EQ(pick.status, bus::GoalStatus::kSucceeded) << pick.error;
+  const Heard& back = done("robot1", SkillKind::kPlace, "C-CS1-SHELF-LEFT");
+  ASSERT_EQ(back.status, bus::GoalStatus::kSucceeded) << back.error;
+  ASSERT_EQ(done("robot1", SkillKind::kPick, "C-CS1-SHELF-LEFT").status, bus::GoalStatus::kSucceeded);
+  const Heard& pay = done("robot1", SkillKind::kPlace, "C-RS1-SLIDE");
+  ASSERT_EQ(pay.status, bus::GoalStatus::kSucceeded) << pay.error;
+  wait(3);
+  EXPECT_EQ(world->slide_count(*world->plan().find_station("C-RS1")), 1);
+}
+
+TEST_P(Skills, WhatCannotBeDoneEndsWithItsCode) {
+  EXPECT_EQ(done("robot1", SkillKind::kPick, "C-BS-OUTPUT").code, 202);
+  EXPECT_EQ(done("robot1", SkillKind::kPlace, "C-BS-OUTPUT").code, 208);
+  base_at("C-BS-OUTPUT");
+  base_at("C-BS-INPUT");
+  ASSERT_EQ(done("robot1", SkillKind::kPick, "C-BS-OUTPUT").status, bus::GoalStatus::kSucceeded);
+  EXPECT_EQ(done("robot1", SkillKind::kPick, "C-BS-INPUT").code, 207);
+  const Heard& occupied = done("robot1", SkillKind::kPlace, "C-BS-INPUT");
+  EXPECT_EQ(occupied.code, 209);
+  EXPECT_EQ(occupied.status, bus::GoalStatus::kAborted);
+  EXPECT_EQ(occupied.error, "machine point occupied");
+  EXPECT_TRUE(robot1().held);
+}
+
+TEST_P(Skills, AnUnknownTargetIsNamedWithItsNeighbour) {
+  const Heard& h = done("robot1", SkillKind::kPick, "C-BS-OUTPT");
+  EXPECT_TRUE(h.accepted);
+  EXPECT_EQ(h.code, 103);
+  EXPECT_NE(h.error.find("'C-BS-OUTPT'"), std::string::npos);
+  EXPECT_NE(h.error.find("did you mean 'C-BS-OUTPUT'"), std::string::npos);
+  EXPECT_EQ(done("robot1", SkillKind::kPick, "C_Z22").code, 103) << "a place is no spot";
+}
+
+TEST_P(Skills, DriveToTakesSpotsPlacesAndPoses) {
+  ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C-CS1-OUTPUT").status, bus::GoalStatus::kSucceeded);
+  EXPECT_NEAR(robot1().pose_in_world.x, 4.5 - 0.675, 0.03);
+  ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C_Z22").status, bus::GoalStatus::kSucceeded);
+  EXPECT_NEAR(robot1().pose_in_world.x, 1.5, 0.03);
+  EXPECT_NEAR(robot1().pose_in_world.yaw, 1, 0.05);
+  ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C_Z26").status, bus::GoalStatus::kSucceeded) << "beside the machine in it";
+  Heard& there = send("robot1", SkillKind::kDriveTo, "", {-3, 2, -2});
+  finish(there);
+  EXPECT_EQ(there.status, bus::GoalStatus::kSucceeded);
+  EXPECT_NEAR(robot1().pose_in_world.x, -3, 0.03);
+  EXPECT_NEAR(robot1().pose_in_world.yaw, -2, 0.05);
+  Heard& inside = send("robot1", SkillKind::kDriveTo, "", {1.5, 5.5, 0});
+  finish(inside);
+  EXPECT_EQ(inside.code, 300);
+}
+
+TEST_P(Skills, ASecondGoalIsRejectedWhileOneIsActive) {
+  const Heard& first = send("robot1", SkillKind::kDriveTo, "C_Z22");
+  wait(0.5);
+  const Heard& second = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  wait(0.1);
+  EXPECT_TRUE(second.answered);
+  EXPECT_FALSE(second.accepted);
+  finish(first);
+  EXPECT_EQ(first.status, bus::GoalStatus::kSucceeded);
+}
+
+TEST_P(Skills, ADriveThatIsCancelledStopsAtOnce) {
+  const Heard& drive = send("robot1", SkillKind::kDriveTo, "C-CS1-INPUT");
+  wait(4);
+  const Pose2 before = robot1().pose_in_world;
+  bus.cancel_goal(last_client, drive.goal);
+  EXPECT_LT(finish(drive), 2);
+  EXPECT_EQ(drive.status, bus::GoalStatus::kCanceled);
+  const Pose2 after = robot1().pose_in_world;
+  EXPECT_LT(std::hypot(after.x - before.x, after.y - before.y), 0.5);
+  wait(1);
+  EXPECT_LT(std::hypot(robot1().vx, robot1().vy), 1e-3);
+  EXPECT_EQ(done("robot1", SkillKind::kDriveTo, "C_Z22").status, bus::GoalStatus::kSucceeded);
+}
+
+TEST_P(Skills, CancelledAtAnyMomentTheRobotIsSafeAndThePieceIsHeldOrLies) {
+  // Every half second of a pick and of a place, the arm ends at home and the next skill works.
+  for (int step = 0; step < 12; ++step) {
+    SCOPED_TRACE("after " + std::to_string(0.5 * step) + " s at the machine");
+    if (world->pieces().empty()) base_at("C-BS-OUTPUT");
+    const bool holds = robot1().held.has_value();
+    const Heard& skill = send("robot1", holds ? SkillKind::kPlace : SkillKind::kPick, "C-BS-OUTPUT");
+    while (!skill.ended && (skill.phases.empty() || (skill.phases.back() != "align" && skill.phases.back() != "handle"))) tick();
+    wait(0.5 * step);
+    if (!skill.ended) bus.cancel_goal(last_client, skill.goal);
+    EXPECT_LT(finish(skill), 8);
+    EXPECT_EQ(skill.code, 0) << skill.error;
+    EXPECT_LT(robot1().gripper.x, 0.1);
+    EXPECT_LT(std::hypot(robot1().vx, robot1().vy), 0.05);
+    wait(1.5);
+    const Piece& piece = world->pieces()[0];
+    EXPECT_TRUE(piece.holder == Holder::kGripper || piece.holder == Holder::kBelt) << to_string(piece.holder);
+    EXPECT_EQ(robot1().held.has_value(), piece.holder == Holder::kGripper);
+  }
+  EXPECT_EQ(robot1().static_contacts, 0u);
+}
+
+TEST_P(Skills, TwoRobotsTakeTurnsAtOneSpot) {
+  base_at("C-BS-OUTPUT");
+  const Heard& first = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  const Heard& second = send("robot2", SkillKind::kPick, "C-BS-OUTPUT");
+  finish(first);
+  ASSERT_EQ(first.status, bus::GoalStatus::kSucceeded) << first.error;
+  base_at("C-BS-OUTPUT");
+  finish(second);
+  EXPECT_EQ(second.status, bus::GoalStatus::kSucceeded) << second.error;
+  EXPECT_EQ(robot1().robot_contacts, 0u);
+  const auto stats = fleet->stats();
+  EXPECT_GT(stats[1].wait_s + stats[1].drive_s, 5);
+  EXPECT_EQ(stats[1].skills, 1);
+  EXPECT_EQ(stats[1].failures, 0);
+}
+
+TEST_P(Skills, AnIdleRobotMakesRoom) {
+  ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C-BS-OUTPUT").status, bus::GoalStatus::kSucceeded);
+  base_at("C-BS-OUTPUT");
+  const Heard& pick = send("robot2", SkillKind::kPick, "C-BS-OUTPUT");
+  EXPECT_LT(finish(pick), 40);
+  EXPECT_EQ(pick.status, bus::GoalStatus::kSucceeded) << pick.error;
+  EXPECT_EQ(robot1().robot_contacts, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Tiers, Skills, ::testing::Values(Tier::kPhysics, Tier::kTimed),
+                         [](const auto& info) { return std::string(info.param == Tier::kPhysics ? "physics" : "timed"); });
+
+}  // namespace
+}  // namespace cxlab::sim

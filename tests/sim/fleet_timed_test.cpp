@@ -1,0 +1,105 @@
+// The same three robots on the same fields in the timed tier, where time jumps to what is due.
+
+#include <cstdio>
+
+#include "tests/sim/busy_floor.h"
+
+namespace cxlab::sim {
+namespace {
+
+constexpr SimTime kTick{20'000'000};
+
+struct Outcome {
+  BusyFloor::Report report;
+  std::vector<RobotStats> stats;
+  std::uint64_t hash = 0;
+  int ticks = 0;
+};
+
+Outcome play(std::uint64_t seed, double seconds, const TimedSkillsConfig& config = {}, double cancel_chance = 0.05) {
+  LedgerWorld world(drawn_floor(seed));
+  BusyFloor floor(world, seed, cancel_chance);
+  auto fleet = Fleet::create(world, world, config, seed, {}, floor.bus, floor.sink);
+  EXPECT_TRUE(fleet) << fleet.error().text();
+  floor.connect();
+  Outcome outcome;
+  SimTime now{};
+  while (now < from_seconds(seconds)) {
+    floor.bus.begin_tick(now);
+    EXPECT_TRUE((*fleet)->sense(now));
+    floor.stock();
+    floor.act();
+    EXPECT_TRUE((*fleet)->act(now));
+    ++outcome.ticks;
+    SimTime next = std::min({(*fleet)->next_due(), world.next_event(), floor.next_due()});
+    if (floor.bus.any_waiting()) next = now;
+    next = std::max(now + kTick, tick_not_before(std::min(next, from_seconds(seconds)), kTick));
+    EXPECT_TRUE(world.advance(next - now));
+    now = next;
+  }
+  outcome.report = floor.report;
+  outcome.stats = (*fleet)->stats();
+  outcome.hash = floor.sink.hash;
+  return outcome;
+}
+
+TEST(FleetInTime, WorksWithoutGivingUp) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Outcome outcome = play(seed, 1200);
+    const auto& report = outcome.report;
+    std::printf("seed %d: %d drives, %d picks, %d places, %d cancels; longest %.1f s, handling %.1f s, two drive %.0f %%, %d ticks\n",
+                static_cast<int>(seed), report.drives, report.picks, report.places, report.cancels, report.longest_s,
+                report.handling_s / std::max(1, report.handled), report.two_drive_s / 12, outcome.ticks);
+    for (const std::string& trouble : report.trouble) ADD_FAILURE() << trouble;
+    EXPECT_GT(report.picks + report.places, 120);
+    EXPECT_GT(report.handling_s / report.handled, 4);
+    EXPECT_LT(outcome.ticks, 1200 * 50 / 8) << "time does not jump";
+    for (const RobotStats& stats : outcome.stats) {
+      EXPECT_GT(stats.busy_s, 0.6 * 1200);
+      EXPECT_LE(stats.drive_s + stats.wait_s, stats.busy_s);
+    }
+  }
+}
+
+TEST(FleetInTime, TheSameSeedGivesTheSameRecords) {
+  EXPECT_EQ(play(4, 300).hash, play(4, 300).hash);
+  EXPECT_NE(play(4, 300).hash, play(5, 300).hash);
+}
+
+TEST(FleetInTime, FailuresComeAsOftenAsTheyAreAskedFor) {
+  TimedSkillsConfig config;
+  config.pick_failure = 0.25;
+  const Outcome outcome = play(6, 1200, config, 0);
+  int failed = 0;
+  for (const RobotStats& stats : outcome.stats) failed += stats.failures;
+  EXPECT_NEAR(static_cast<double>(outcome.report.failures) / outcome.report.picks, 0.25, 0.12);
+  EXPECT_GE(failed, outcome.report.failures);
+  ASSERT_FALSE(outcome.report.trouble.empty());
+  EXPECT_NE(outcome.report.trouble.front().find("206 grasping failed"), std::string::npos);
+}
+
+TEST(FleetInTime, DurationsAreDrawnAndNeverZero) {
+  TimedSkillsConfig config;
+  config.pick_mean_s = 0.001;
+  config.pick_sigma_s = 0;
+  config.place_mean_s = 0.001;
+  config.place_sigma_s = 0;
+  config.shortest_s = 3;
+  const Outcome outcome = play(7, 300, config, 0);
+  EXPECT_NEAR(outcome.report.handling_s / outcome.report.handled, 3, 0.1);
+}
+
+TEST(TimedSkillsConfig, WrongNumbersAreRefusedByName) {
+  TimedSkillsConfig config;
+  config.place_failure = 1.5;
+  ASSERT_FALSE(validate(config));
+  EXPECT_NE(validate(config).error().message.find("place_failure"), std::string::npos);
+  config = {};
+  config.shortest_s = 0;
+  ASSERT_FALSE(validate(config));
+  EXPECT_NE(validate(config).error().message.find("shortest_s"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cxlab::sim
