@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -54,15 +55,25 @@ std::string show(const Layout& layout) {
   return text;
 }
 
-/// Calls `check` for many drawn layouts.
+/// Layouts of seeds 0, 1, ..., drawn once.
+const std::vector<Layout>& drawn_layouts(bool shelf_faces_wall) {
+  static std::array<std::vector<Layout>, 2> drawn;
+  std::vector<Layout>& layouts = drawn[shelf_faces_wall ? 1 : 0];
+  for (std::uint64_t seed = layouts.size(); seed < kLayouts; ++seed) {
+    RandomStream random(seed, "layout");
+    layouts.push_back(draw_layout(random, shelf_faces_wall));
+  }
+  return layouts;
+}
+
+/// Calls `check` for each of them, until one fails.
 template <class Check>
 void for_layouts(Check check, bool shelf_faces_wall = false) {
-  for (std::uint64_t seed = 0; seed < kLayouts; ++seed) {
-    RandomStream random(seed, "layout");
-    const Layout layout = draw_layout(random, shelf_faces_wall);
-    check(layout);
+  const std::vector<Layout>& layouts = drawn_layouts(shelf_faces_wall);
+  for (std::size_t seed = 0; seed < layouts.size(); ++seed) {
+    check(layouts[seed]);
     if (testing::Test::HasFailure()) {
-      ADD_FAILURE() << "seed " << seed << "\n" << show(layout);
+      ADD_FAILURE() << "seed " << seed << "\n" << show(layouts[seed]);
       return;
     }
   }
