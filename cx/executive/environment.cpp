@@ -93,12 +93,7 @@ Status Environment::check_errors() {
 Status Environment::check_errors(std::vector<RuleError> errors) {
   Status first;
   for (RuleError& e : errors) {
-    e.file = files_.real_path(e.file);
-    if (options_.stop_on_rule_error && first) {
-      Error error = e.error();
-      if (error.code.empty()) error.code = "rule_error";
-      first = std::move(error);
-    }
+    if (options_.stop_on_rule_error && first) first = e.error();
     if (options_.rule_errors) options_.rule_errors->push_back({name(), std::move(e)});
   }
   return first;

@@ -204,7 +204,7 @@ Status EnvironmentManager::activate() {
       load_errors_.push_back(loaded.error());
     }
     for (const Error& note : entry.environment->engine().take_notes())
-      entry.environment->log(LogLevel::kWarn, options_.node, place(note).error().text());
+      entry.environment->log(LogLevel::kWarn, options_.node, note.text());
   }
   for (Entry& entry : environments_) {
     entry.environment->engine().reset();
@@ -272,13 +272,6 @@ Status EnvironmentManager::flush_logs() {
 
 void EnvironmentManager::log(LogLevel level, std::string_view logger, std::string_view text) {
   if (options_.log) options_.log->line({bus_.now(), level, logger, text, {}});
-}
-
-Status EnvironmentManager::place(Status status) const {
-  if (status) return status;
-  Error error = status.error();
-  error.file = files_.real_path(error.file);
-  return error;
 }
 
 }  // namespace cxlab::cx

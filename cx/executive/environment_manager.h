@@ -99,7 +99,6 @@ class EnvironmentManager {
   Expected<Environment::Options> environment_options(const std::string& name);
   Status load_plugin(Entry& entry, const std::string& name);
   void log(LogLevel level, std::string_view logger, std::string_view text);
-  Status place(Status status) const;
 
   ManagerOptions options_;
   Parameters parameters_;

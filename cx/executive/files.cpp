@@ -136,13 +136,14 @@ Expected<FoundFile> Files::find_for_rules(const std::string& path) const {
   return input_error("reading '" + path + "' is refused: rules read from packages and the run's folder only (--trust-rules lifts this)");
 }
 
-std::string Files::real_path(const std::string& logical_name) const {
-  const std::size_t slash = logical_name.find('/');
-  FoundFile found;
-  if (slash != std::string::npos && options_.packages.contains(logical_name.substr(0, slash)) &&
-      find_in(logical_name.substr(0, slash), logical_name.substr(slash + 1), found))
-    return found.path.string();
-  return logical_name;
+std::string Files::journal_name(const std::string& path) const {
+  const fs::path normal = fs::path(path).lexically_normal();
+  if (!normal.is_absolute()) return path;
+  fs::path relative;
+  for (const auto& [name, package] : options_.packages)
+    if (below(normal, package.folder, relative) || below(normal, package.share, relative)) return name + '/' + relative.generic_string();
+  if (!options_.run_folder.empty() && below(normal, options_.run_folder, relative)) return "run/" + relative.generic_string();
+  return normal.filename().string();
 }
 
 Expected<std::string> Files::for_reading(const std::string& path) {

@@ -26,7 +26,7 @@ using FileRead = std::function<Status(const std::string& logical_name, const std
 /// A file that was found.
 struct FoundFile {
   std::filesystem::path path;
-  std::string logical_name;  ///< the same on every machine: names the file in journals and errors of rules
+  std::string logical_name;  ///< the same on every machine: names the file in the journal and among the run's copies
 };
 
 /// One environment manager's view of the disk. For rules (`FileAccess`): they read packages and what they wrote
@@ -53,11 +53,10 @@ class Files final : public FileAccess {
   Expected<std::string> read(const FoundFile& file) const;
   /// The file that rules mean by `path`, if they may read it.
   Expected<FoundFile> find_for_rules(const std::string& path) const;
-  /// Where the file of that logical name lies (the name itself if it is none).
-  std::string real_path(const std::string& logical_name) const;
 
   Expected<std::string> for_reading(const std::string& path) override;
   Expected<std::string> for_writing(const std::string& path) override;
+  std::string journal_name(const std::string& path) const override;
 
  private:
   /// The file in the package; also where `share/<p>/clips/<p>/x` comes from a source tree's `clips/x`.

@@ -61,12 +61,10 @@ class FileLoadPlugin final : public Plugin {
       return text.error();
     }
     const OnLoadError on_error = context().keep_going ? OnLoadError::kKeepGoing : OnLoadError::kStop;
-    const LoadReport report = environment.engine().load_text(*text, file.logical_name, mode, on_error);
+    const LoadReport report = environment.engine().load_text(*text, file.path.string(), mode, on_error);
     for (const RuleError& e : report.errors) {
-      Error error = e.error();
-      error.file = context().files.real_path(error.file);
-      if (!context().keep_going) return error;
-      context().note_load_error(std::move(error));
+      if (!context().keep_going) return e.error();
+      context().note_load_error(e.error());
     }
     return {};
   }
