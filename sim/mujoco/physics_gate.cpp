@@ -10,7 +10,7 @@ namespace {
 // docs/models.md: pieces.
 constexpr double kBaseMass = 0.050, kPartMass = 0.005;
 constexpr double kPieceRadius = 0.020, kBaseHeight = 2 * kPieceOrigin, kRingHeight = 0.008, kCapHeight = 0.004;
-constexpr int kBaseContype = 4, kPartContype = 16, kPieceConaffinity = 5;
+constexpr int kBaseContype = 4, kPartContype = 16, kPieceConaffinity = 101;
 /// Parked pieces wait here, one beside the other, without weight and without collisions.
 constexpr Vec3 kParking{0, -100, -10};
 constexpr double kParkingPitch = 0.1;
