@@ -80,7 +80,7 @@ class EglContext final : public GlContext {
   bool open() {
     // EGL/egl.h, EGL/eglext.h
     constexpr unsigned kSurfacelessMesa = 0x31DD, kOpenGlApi = 0x30A2;
-    constexpr int kAttributes[] = {0x3040, 0x0008, 0x3038};  // renderable type: OpenGL; end
+    constexpr int kAttributes[] = {0x3033, 0x0001, 0x3040, 0x0008, 0x3038};  // surface: pbuffer; type: OpenGL; end
     const Library library{"libEGL.so.1", "libEGL.so"};
     void* (*get_display)(unsigned, void*, const void*) = nullptr;
     unsigned (*initialize)(void*, int*, int*) = nullptr;
