@@ -32,11 +32,13 @@ constexpr double kAtWork = 0.010;
 constexpr double kBackedOff = 0.03;
 constexpr double kStill = 0.03;            ///< m/s
 constexpr double kAxisExact = 0.002;
+constexpr double kPieceSize = 0.042;       ///< m: two pieces nearer than that would touch
 
 constexpr SimTime kGripTime{400'000'000};
 constexpr SimTime kReleaseTime{300'000'000};
 constexpr SimTime kSettleTime{1'500'000'000};
 constexpr SimTime kPhaseTimeout{8'000'000'000};
+constexpr SimTime kLowerTimeout{2'500'000'000};
 constexpr int kTries = 2;
 
 double speed_of(const RobotState& state) { return std::hypot(state.vx, state.vy); }
@@ -124,20 +126,29 @@ double PhysicsSkills::lowest() const {
 
 /// Why pick or place cannot begin.
 std::optional<SkillCode> PhysicsSkills::obstacle() const {
-  const bool taken = world_.at(*goal_.spot) != nullptr;
   if (goal_.kind == SkillKind::kPick) {
     if (state_.held) return SkillCode::kGripperFull;
-    if (!taken) return SkillCode::kNoWorkpiece;
+    if (!world_.at(*goal_.spot)) return SkillCode::kNoWorkpiece;
   } else {
     if (!state_.held) return SkillCode::kGripperEmpty;
-    if (taken) return SkillCode::kOccupied;
+    if (occupied()) return SkillCode::kOccupied;
   }
   return std::nullopt;
 }
 
+/// Whether something lies where the held piece would come down, also when it lies askew.
+bool PhysicsSkills::occupied() const {
+  const Vec3 rest = transform(world_.plan().station(spot_->station).pose_in_world, spot_->rest_in_station);
+  return std::ranges::any_of(world_.pieces(), [&](const Piece& piece) {
+    const Vec3& at = piece.position_in_world;
+    return piece.id != state_.held && std::abs(at.z - rest.z) < kPieceSize &&
+           std::hypot(at.x - rest.x, at.y - rest.y) < kPieceSize;
+  });
+}
+
 std::optional<SkillResult> PhysicsSkills::give_up(SkillCode code, SimTime now) {
   failure_ = code;
-  if (!state_.held) fingers_goal_ = kOpen;
+  if (goal_.kind == SkillKind::kPick && !state_.held) fingers_goal_ = kOpen;
   enter(SkillPhase::kBackOff, now);
   return std::nullopt;
 }
@@ -147,6 +158,7 @@ std::optional<SkillResult> PhysicsSkills::sense(SimTime now) {
   state_ = world_.robot(robot_);
   traffic_.observe(robot_, state_.pose_in_world, now);
   if (!active_) return std::nullopt;
+  if (now - started_ > kSkillTimeout && phase_ != SkillPhase::kStop) return end(SkillCode::kUnableToMove, now);
   switch (phase_) {
     case SkillPhase::kWait:
     case SkillPhase::kDrive:
@@ -184,7 +196,7 @@ std::optional<SkillResult> PhysicsSkills::sense_drive(SimTime now) {
     return std::nullopt;
   }
   if (traffic_.unreachable(robot_)) return end(SkillCode::kNoPath, now);
-  if (now - started_ > kSkillTimeout) return end(SkillCode::kUnableToMove, now);
+  if (now - started_ > kDriveTimeout) return end(SkillCode::kUnableToMove, now);
   const SkillPhase phase = traffic_.waiting(robot_, now) ? SkillPhase::kWait : SkillPhase::kDrive;
   if (phase != phase_) enter(phase, now);
   return std::nullopt;
@@ -211,8 +223,8 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
     case SkillPhase::kLower:
       if (gripper_at(reach_axes(state_.pose_in_world, lowest())))
         enter(picks ? SkillPhase::kGrip : SkillPhase::kRelease, now);
-      else if (late)
-        return give_up(picks ? SkillCode::kGraspFailed : SkillCode::kUnableToMove, now);
+      else if (now - entered_ > kLowerTimeout)
+        return give_up(picks ? SkillCode::kGraspFailed : SkillCode::kOccupied, now);
       return std::nullopt;
     case SkillPhase::kGrip:
       if (now - entered_ >= kGripTime) enter(SkillPhase::kLift, now);
@@ -336,7 +348,7 @@ void PhysicsSkills::act(SimTime now) {
       break;
     default: {  // back off, also after a cancel: up first, so that nothing is dragged along
       if (fingers_goal_ == kOpen) move_fingers(kOpen);
-      const bool clear = state_.gripper.z >= kLifted || fingers_goal_ == kOpen;
+      const bool clear = state_.gripper.z >= kLifted || (fingers_goal_ == kOpen && state_.finger_opening >= kOpenEnough);
       move_gripper({clear ? 0 : gripper_goal_.x, clear ? 0 : gripper_goal_.y, kUpStroke});
       if (clear)
         steer_to(spot_->align_in_world, kFineSpeed);

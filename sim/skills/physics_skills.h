@@ -30,6 +30,7 @@ class PhysicsSkills final : public RobotSkills {
   std::optional<SkillResult> sense_work(SimTime now);
   std::optional<SkillResult> verify(SimTime now);
   std::optional<SkillCode> obstacle() const;
+  bool occupied() const;
   std::optional<SkillResult> give_up(SkillCode code, SimTime now);
 
   bool base_at(const Pose2& pose, double along, double yaw) const;

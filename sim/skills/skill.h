@@ -60,8 +60,9 @@ struct SkillResult {
   std::string text;              ///< what happened, empty when all went well
 };
 
-/// Longest time that a skill takes; then it ends with a code.
-inline constexpr SimTime kSkillTimeout{110'000'000'000};
+/// Longest time that a skill drives and waits, and that it takes in all; then it ends with 201.
+inline constexpr SimTime kDriveTimeout{95'000'000'000};
+inline constexpr SimTime kSkillTimeout{115'000'000'000};
 
 /// The skills of one robot in one tier: a state machine that runs one skill at a time.
 class RobotSkills {

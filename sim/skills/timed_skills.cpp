@@ -34,7 +34,7 @@ void TimedSkills::start(const SkillGoal& goal, SimTime now) {
   goal_ = goal;
   active_ = true;
   phase_ = SkillPhase::kDrive;
-  due_ = now + kSkillTimeout;
+  due_ = now + kDriveTimeout;
   std::optional<Footprint> work;
   if (goal.kind != SkillKind::kDriveTo) {
     const Spot& spot = world_.plan().spot(*goal.spot);
