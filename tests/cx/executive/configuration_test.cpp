@@ -1,0 +1,145 @@
+#include "tests/cx/executive/lab.h"
+
+namespace cxlab::cx {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// The error that starting this configuration gives.
+Error error_of(const std::string& parameters, bool strict = false) {
+  Lab lab;
+  lab.config(parameters);
+  lab.options.strict = strict;
+  const Status s = lab.start();
+  EXPECT_FALSE(s.ok());
+  if (s.ok()) return {};
+  EXPECT_EQ(s.error().kind, ErrorKind::kInput);
+  EXPECT_EQ(s.error().file, (lab.folder / "config.yaml").string());
+  return s.error();
+}
+
+TEST(Configuration, AMissingFileIsNamed) {
+  Lab lab;
+  lab.options.config = lab.folder / "nothing.yaml";
+  const Status s = lab.create();
+  ASSERT_FALSE(s.ok());
+  EXPECT_EQ(s.error().kind, ErrorKind::kInput);
+  EXPECT_EQ(s.error().file, (lab.folder / "nothing.yaml").string());
+}
+
+TEST(Configuration, BrokenYamlHasItsLine) {
+  const Error e = error_of("environments: [\"main\"\nmain: {");
+  EXPECT_THAT(e.message, HasSubstr("not YAML"));
+  EXPECT_GE(e.line, 3);
+}
+
+TEST(Configuration, ParametersOfAnotherNodeOnlyAreAnError) {
+  Lab lab;
+  lab.options.config = lab.write("config.yaml", "clips_mangaer:\n  ros__parameters:\n    environments: []\n");
+  const Status s = lab.create();
+  ASSERT_FALSE(s.ok());
+  EXPECT_THAT(s.error().message, HasSubstr("found 'clips_mangaer'"));
+  EXPECT_EQ(s.error().line, 2);
+}
+
+TEST(Configuration, TheNodesOwnSectionWinsOverTheGeneralOne) {
+  Lab lab;
+  lab.options.config = lab.write("config.yaml", "clips_manager: {ros__parameters: {environments: [\"own\"]}}\n/**: {ros__parameters: {environments: [\"all\"]}}\n");
+  lab.run_up();
+  ASSERT_EQ(lab.manager->size(), 1u);
+  EXPECT_EQ(lab.manager->environment(0).name(), "own");
+}
+
+TEST(Configuration, AppliesInItsNamespace) {
+  Lab lab;
+  lab.options.name_space = "/team";
+  lab.options.config = lab.write("config.yaml", "team:\n  clips_manager: {ros__parameters: {environments: [\"a\"]}}\nother:\n  clips_manager: {ros__parameters: {environments: [\"b\"]}}\n");
+  lab.run_up();
+  ASSERT_EQ(lab.manager->size(), 1u);
+  EXPECT_EQ(lab.manager->environment(0).name(), "a");
+}
+
+TEST(Configuration, DottedNamesAndOverridesAreTheSameParameters) {
+  Lab lab;
+  lab.config("environments: [\"main\"]\nmain.plugins: [\"exec\"]\nexec.plugin: \"cx::ExecutivePlugin\"");
+  lab.options.params = {{"clips_manager.exec.refresh_rate", "50"}};
+  lab.run_up();
+  lab.ticks(1);
+  EXPECT_EQ(lab.manager->next_due(), SimTime{20'000'000});
+}
+
+TEST(Configuration, EnvironmentsComeInTheirOrder) {
+  Lab lab;
+  lab.config("environments: [\"b\", \"c\", \"a\"]");
+  lab.run_up();
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < lab.manager->size(); ++i) names.push_back(lab.manager->environment(i).name());
+  EXPECT_THAT(names, ElementsAre("b", "c", "a"));
+}
+
+TEST(Configuration, AWrongTypeHasItsLine) {
+  const Error e = error_of("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx:\n  plugin: \"cx::ExecutivePlugin\"\n  refresh_rate: 10.5");
+  EXPECT_EQ(e.line, 7);
+  EXPECT_EQ(e.message, "parameter 'x.refresh_rate': found '10.5' (a double), expected an integer");
+}
+
+TEST(Configuration, ARateMustBePositive) {
+  const Error e = error_of("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx: {plugin: \"cx::ExecutivePlugin\", refresh_rate: 0}");
+  EXPECT_EQ(e.line, 5);
+}
+
+TEST(Configuration, AnUnknownPluginTypeNamesTheNearest) {
+  const Error e = error_of("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx: {plugin: \"cx::FileLoaderPlugin\"}");
+  EXPECT_EQ(e.line, 5);
+  EXPECT_EQ(e.message, "unknown plugin type 'cx::FileLoaderPlugin', did you mean 'cx::FileLoadPlugin'?");
+}
+
+TEST(Configuration, APluginWithoutTypeNamesTheNearestInstance) {
+  const Error e = error_of("environments: [\"main\"]\nmain: {plugins: [\"fles\"]}\nfiles: {plugin: \"cx::FileLoadPlugin\"}");
+  EXPECT_EQ(e.line, 4);
+  EXPECT_THAT(e.message, HasSubstr("did you mean 'files'?"));
+}
+
+TEST(Configuration, AnUnknownWatchItemIsAnError) {
+  EXPECT_EQ(error_of("environments: [\"main\"]\nmain: {watch: [\"fcts\"]}").message, "Unknown watch item: fcts");
+}
+
+TEST(Configuration, TakesEveryWatchItemOfCx) {
+  Lab lab;
+  lab.config("environments: [\"main\"]\nmain: {watch: [\"all\", \"FACTS\", \"instances\", \"slots\", \"rules\", \"activations\", \"messages\", "
+             "\"message_handlers\", \"generic_functions\", \"methods\", \"deffunctions\", \"compilations\", \"statistics\", \"globals\", \"focus\"]}");
+  lab.run_up();
+}
+
+TEST(Configuration, AnEnvironmentListedTwiceIsAnError) {
+  EXPECT_THAT(error_of("environments: [\"main\", \"main\"]").message, HasSubstr("listed twice"));
+}
+
+TEST(Configuration, AnUnknownParameterIsOneInfoLineWithTheNearestName) {
+  Lab lab;
+  lab.config("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx:\n  plugin: \"cx::ExecutivePlugin\"\n  refresh_rat: 5\n  mine: 1");
+  lab.run_up();
+  const auto lines = lab.log.with("unknown parameter");
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_THAT(lines[1], HasSubstr("config.yaml:7: unknown parameter 'x.refresh_rat' of plugin 'x' (cx::ExecutivePlugin), did you mean 'refresh_rate'?"));
+  EXPECT_THAT(lines[1], ::testing::StartsWith("info clips_manager: "));
+}
+
+TEST(Configuration, StrictMakesAnUnknownParameterAnError) {
+  const Error e = error_of("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx:\n  plugin: \"cx::ExecutivePlugin\"\n  refresh_rat: 5", true);
+  EXPECT_EQ(e.line, 7);
+}
+
+TEST(Configuration, WhenItKeepsGoingPluginsThatFailAreLeftOut) {
+  Lab lab;
+  lab.options.keep_going = true;
+  lab.config("environments: [\"main\"]\nmain: {plugins: [\"nope\", \"x\"]}\nx: {plugin: \"cx::ExecutivePlugin\"}");
+  lab.run_up();
+  ASSERT_EQ(lab.manager->load_errors().size(), 1u);
+  EXPECT_TRUE(lab.engine().callable("now")) << "the plugin after it was loaded";
+}
+
+}  // namespace
+}  // namespace cxlab::cx

@@ -1,0 +1,106 @@
+#include "cx/executive/files.h"
+
+#include <fstream>
+
+#include "tests/cx/executive/lab.h"
+
+namespace cxlab::cx {
+namespace {
+
+using ::testing::HasSubstr;
+
+class FilesTest : public ::testing::Test {
+ protected:
+  Files make(bool trust = false) {
+    Files::Options options;
+    options.packages = {{"agent", {lab_.folder / "agent", {}}}, {"moved", {lab_.folder / "copies", "/somewhere/share/moved"}}};
+    options.run_folder = lab_.folder / "run";
+    options.trust_rules = trust;
+    return Files(std::move(options));
+  }
+  Lab lab_;
+};
+
+TEST_F(FilesTest, ResolvesInThePackagesInTheirOrder) {
+  lab_.write("agent/x.clp", "");
+  lab_.write("copies/x.clp", "");
+  const Files files = make();
+  auto found = files.resolve("x.clp", {"moved", "agent"});
+  ASSERT_TRUE(found.ok());
+  EXPECT_EQ(found->path, lab_.folder / "copies/x.clp");
+  EXPECT_EQ(found->logical_name, "moved/x.clp");
+}
+
+TEST_F(FilesTest, APackageThatIsNotReachedMayBeMissing) {
+  lab_.write("agent/x.clp", "");
+  EXPECT_TRUE(make().resolve("x.clp", {"agent", "nothing"}).ok());
+  auto missing = make().resolve("x.clp", {"agnt"});
+  ASSERT_FALSE(missing.ok());
+  EXPECT_EQ(missing.error().message, "Cannot resolve file x.clp: package 'agnt' not found, did you mean 'agent'?");
+}
+
+TEST_F(FilesTest, ASourceTreeIsSeenAsInstalled) {
+  lab_.write("agent/clips/init.clp", "");
+  auto found = make().resolve("clips/agent/init.clp", {"agent"});
+  ASSERT_TRUE(found.ok());
+  EXPECT_EQ(found->path, lab_.folder / "agent/clips/init.clp");
+}
+
+TEST_F(FilesTest, AShareDirectoryMayStandForAnotherFolder) {
+  lab_.write("copies/a.yaml", "");
+  Files files = make();
+  EXPECT_EQ(*files.share_directory("moved"), "/somewhere/share/moved");
+  EXPECT_EQ(*files.prefix("moved"), "/somewhere");
+  auto read = files.for_reading("/somewhere/share/moved/a.yaml");
+  ASSERT_TRUE(read.ok()) << read.error().text();
+  EXPECT_EQ(*read, (lab_.folder / "copies/a.yaml").string());
+  EXPECT_EQ(files.journal_name("/somewhere/share/moved/a.yaml"), "moved/a.yaml");
+}
+
+TEST_F(FilesTest, RulesReadPackagesOnly) {
+  lab_.write("agent/a.txt", "");
+  lab_.write("secret.txt", "");
+  Files files = make();
+  EXPECT_TRUE(files.for_reading((lab_.folder / "agent/a.txt").string()).ok());
+  EXPECT_FALSE(files.for_reading((lab_.folder / "secret.txt").string()).ok());
+  EXPECT_FALSE(files.for_reading((lab_.folder / "agent/../secret.txt").string()).ok());
+  std::filesystem::create_symlink(lab_.folder / "secret.txt", lab_.folder / "agent/link.txt");
+  EXPECT_FALSE(files.for_reading((lab_.folder / "agent/link.txt").string()).ok()) << "a link must not lead out";
+  EXPECT_TRUE(make(true).for_reading((lab_.folder / "secret.txt").string()).ok()) << "unless rules are trusted";
+}
+
+TEST_F(FilesTest, WritingEndsUpInTheRunAndIsReadBackFromThere) {
+  Files files = make();
+  auto path = files.for_writing("/tmp/state/save.dat");
+  ASSERT_TRUE(path.ok()) << path.error().text();
+  EXPECT_EQ(*path, (lab_.folder / "run/written/tmp/state/save.dat").string());
+  EXPECT_FALSE(files.for_reading("/tmp/state/save.dat").ok());
+  std::ofstream(*path) << "kept";
+  EXPECT_EQ(*files.for_reading("/tmp/state/save.dat"), *path);
+  EXPECT_FALSE(files.for_writing("../../outside").ok());
+  EXPECT_EQ(files.journal_name(*path), "run/written/tmp/state/save.dat");
+}
+
+TEST_F(FilesTest, WithoutARunFolderWritingIsRefused) {
+  Files files(Files::Options{});
+  auto path = files.for_writing("x");
+  ASSERT_FALSE(path.ok());
+  EXPECT_THAT(path.error().message, HasSubstr("no folder"));
+}
+
+TEST(FilesOfRules, AreToldToTheRun) {
+  Lab lab;
+  lab.agent("(defrule go (time ?) => (config-load (str-cat (ament-index-get-package-share-directory \"agent\") \"/c.yaml\") \"/\"))");
+  lab.write("agent/c.yaml", "a: 1");
+  std::vector<std::string> told;
+  lab.options.on_read = [&](const std::string& name, const std::filesystem::path&) {
+    told.push_back(name);
+    return Status();
+  };
+  lab.run_up();
+  lab.ticks(1);
+  EXPECT_THAT(told, ::testing::ElementsAre("config/config.yaml", "agent/rules.clp", "agent/c.yaml"));
+}
+
+}  // namespace
+}  // namespace cxlab::cx

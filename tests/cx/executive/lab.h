@@ -1,0 +1,170 @@
+#pragma once
+// A folder with configurations and rules, and managers on a bus with a clock that the test moves.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "cx/bus/bus.h"
+#include "cx/executive/environment_manager.h"
+#include "cx/plugins/builtin.h"
+
+namespace cxlab::cx {
+
+inline constexpr SimTime kTick{20'000'000};
+
+/// Numbers records and keeps their bytes, by stream.
+class KeptRecords final : public RecordSink {
+ public:
+  StreamId open_stream(std::string_view name) override {
+    for (std::size_t i = 0; i < names_.size(); ++i)
+      if (names_[i] == name) return static_cast<StreamId>(i);
+    names_.emplace_back(name);
+    bytes_.emplace_back();
+    counts_.push_back(0);
+    return static_cast<StreamId>(names_.size() - 1);
+  }
+  RecordRef write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data, std::span<const RecordRef> causes) override {
+    const auto i = static_cast<std::size_t>(stream);
+    bytes_[i] += std::to_string(t.count()) + ' ' + std::string(to_string(kind)) + ' ' + std::string(data.bytes());
+    for (const RecordRef& c : causes) bytes_[i] += ' ' + names_[static_cast<std::size_t>(c.stream)] + ':' + std::to_string(c.n);
+    bytes_[i] += '\n';
+    return {stream, counts_[i]++};
+  }
+  std::map<std::string, std::string> all() const {
+    std::map<std::string, std::string> out;
+    for (std::size_t i = 0; i < names_.size(); ++i) out[names_[i]] = bytes_[i];
+    return out;
+  }
+
+ private:
+  std::vector<std::string> names_, bytes_;
+  std::vector<std::uint64_t> counts_;
+};
+
+/// Keeps lines as "LEVEL logger: text", with the colour's sequence before the text.
+class KeptLines final : public LogSink {
+ public:
+  void line(const LogLine& l) override {
+    lines.push_back(std::string(to_string(l.level)) + ' ' + std::string(l.logger) + ": " + std::string(l.colour) + std::string(l.text));
+  }
+  /// Those that contain the text.
+  std::vector<std::string> with(const std::string& text) const {
+    std::vector<std::string> out;
+    for (const auto& l : lines)
+      if (l.find(text) != std::string::npos) out.push_back(l);
+    return out;
+  }
+  std::vector<std::string> lines;
+};
+
+class Lab {
+ public:
+  Lab() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "cxlab-lab-XXXXXX").string();
+    folder = mkdtemp(pattern.data());
+    const Status added = registry.add_packages_in(std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "cx" / "interfaces");
+    EXPECT_TRUE(added.ok()) << added.error().text();
+    options.packages["agent"] = {folder / "agent", {}};
+    options.plugin_types = builtin_plugins();
+    options.log = &log;
+  }
+  ~Lab() {
+    manager.reset();
+    std::filesystem::remove_all(folder);
+  }
+
+  /// Writes a file below the folder.
+  std::filesystem::path write(const std::string& name, const std::string& text) {
+    const auto path = folder / name;
+    std::filesystem::create_directories(path.parent_path());
+    std::ofstream(path, std::ios::binary) << text;
+    return path;
+  }
+  static std::string read(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::stringstream text;
+    text << in.rdbuf();
+    return text.str();
+  }
+
+  /// The parameters below `ros__parameters`.
+  void config(const std::string& parameters) {
+    std::string text = "/**:\n  ros__parameters:\n";
+    std::istringstream lines(parameters);
+    for (std::string line; std::getline(lines, line);) text += "    " + line + '\n';
+    options.config = write("config.yaml", text);
+  }
+  /// One environment "main" with all plugins and these rules, in agent/rules.clp; its executive runs at 10 Hz.
+  void agent(const std::string& rules) {
+    config(R"(environments: ["main"]
+main: {plugins: ["executive", "ament_index", "config", "ros_msgs", "files"]}
+executive: {plugin: "cx::ExecutivePlugin"}
+ament_index: {plugin: "cx::AmentIndexPlugin"}
+config: {plugin: "cx::ConfigPlugin"}
+ros_msgs: {plugin: "cx::RosMsgsPlugin"}
+files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.clp"]})");
+    write("agent/rules.clp", rules);
+  }
+
+  Status create() {
+    auto made = EnvironmentManager::create(options, bus, records);
+    if (!made) return made.error();
+    manager = std::move(*made);
+    return {};
+  }
+  /// Creates, configures and activates.
+  Status start() {
+    if (Status s = create(); !s) return s;
+    if (Status s = manager->configure(); !s) return s;
+    return manager->activate();
+  }
+  /// Starts, which must go well.
+  void run_up() {
+    const Status s = start();
+    ASSERT_TRUE(s.ok()) << s.error().text();
+  }
+
+  /// One tick of the manager; the clock moves after it.
+  Status tick() {
+    bus.begin_tick(now);
+    for (std::size_t i = 0; i < manager->size(); ++i)
+      if (Status s = manager->perceive(i); !s) return s;
+    for (std::size_t i = 0; i < manager->size(); ++i)
+      if (Status s = manager->decide_if_due(i, now); !s) return s;
+    now += kTick;
+    return {};
+  }
+  void ticks(int n) {
+    for (int i = 0; i < n; ++i) {
+      const Status s = tick();
+      ASSERT_TRUE(s.ok()) << s.error().text();
+    }
+  }
+  RuleEngine& engine(const std::string& name = "main") { return manager->find(name)->engine(); }
+  /// Printed facts of a template.
+  std::vector<std::string> facts(const std::string& name, const std::string& environment = "main") {
+    std::vector<std::string> out;
+    for (const FactCopy& f : engine(environment).facts(name)) out.push_back(f.print());
+    return out;
+  }
+
+  std::filesystem::path folder;
+  KeptLines log;
+  KeptRecords records;
+  bus::Registry registry;
+  bus::Bus bus{registry, records};
+  ManagerOptions options;
+  std::unique_ptr<EnvironmentManager> manager;
+  SimTime now{};
+};
+
+}  // namespace cxlab::cx

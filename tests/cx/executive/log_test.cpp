@@ -1,0 +1,84 @@
+#include "tests/cx/executive/lab.h"
+
+namespace cxlab::cx {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// Lines that a router makes of these writes.
+std::vector<std::string> lines_of(std::vector<std::pair<std::string, std::string>> writes, bool redirect = false) {
+  std::vector<std::string> lines;
+  LogRouter router(redirect, [&](LogLevel level, std::string_view colour, std::string_view text) {
+    lines.push_back(std::string(to_string(level)) + '|' + std::string(colour.empty() ? colour : colour.substr(1)) + '|' + std::string(text));
+  });
+  for (const auto& [name, text] : writes) router.write(name, text);
+  return lines;
+}
+
+TEST(LogRouter, GivesEachLogicalNameItsLevelAndColour) {
+  EXPECT_THAT(lines_of({{"l", "a\n"}, {"t", "a\n"}, {"info", "a\n"}, {"loginfo", "a\n"}, {"stdout", "a\n"}}),
+              ElementsAre("info||a", "info||a", "info||a", "info||a", "info||a"));
+  EXPECT_THAT(lines_of({{"debug", "a\n"}, {"logdebug", "a\n"}, {"warn", "a\n"}, {"logwarn", "a\n"}, {"stdwrn", "a\n"}, {"error", "a\n"},
+                        {"logerror", "a\n"}, {"stderr", "a\n"}}),
+              ElementsAre("debug||a", "debug||a", "warn||a", "warn||a", "warn||a", "error||a", "error||a", "error||a"));
+  EXPECT_THAT(lines_of({{"red", "a\n"}, {"green", "a\n"}, {"yellow", "a\n"}, {"blue", "a\n"}, {"magenta", "a\n"}, {"cyan", "a\n"},
+                        {"white", "a\n"}, {"bold", "a\n"}}),
+              ElementsAre("info|[31m|a", "info|[32m|a", "info|[33m|a", "info|[34m|a", "info|[35m|a", "info|[36m|a", "info|[37m|a", "info|[1m|a"));
+}
+
+TEST(LogRouter, SharesOneLineBetweenAllNames) {
+  EXPECT_THAT(lines_of({{"blue", "one "}, {"warn", "two "}, {"red", "three\nfour\nfive"}, {"info", "!\n"}}),
+              ElementsAre("info|[31m|one two three", "info|[31m|four", "info||five!"));
+}
+
+TEST(LogRouter, KeepsTextWithoutAnEndOfLine) { EXPECT_THAT(lines_of({{"info", "waits"}}), ElementsAre()); }
+
+TEST(LogRouter, RedirectsStdoutOnly) {
+  EXPECT_THAT(lines_of({{"stdout", "a\n"}, {"info", "b\n"}}, true), ElementsAre("debug||a", "info||b"));
+}
+
+TEST(Log, AnUnknownLogicalNameIsAnErrorOfClips) {
+  Lab lab;
+  lab.options.stop_on_rule_error = false;
+  lab.agent("(defrule say (time ?) => (printout purple \"hello\" crlf))");
+  lab.run_up();
+  lab.ticks(1);
+  EXPECT_EQ(lab.log.with("[ROUTER1] Logical name 'purple' was not recognized by any routers.").size(), 1u);
+}
+
+TEST(Log, RulesAndWatchesPrintToTheEnvironmentsFile) {
+  Lab lab;
+  lab.agent("(defrule say (time ?t) => (printout debug \"quiet\" crlf) (printout warn \"loud\" crlf))");
+  lab.options.params = {{"clips_manager.main.watch", "[Rules]"}, {"other.main.watch", "[nonsense]"}};
+  lab.options.run_folder = lab.folder / "run";
+  lab.run_up();
+  lab.ticks(6);
+  ASSERT_TRUE(lab.manager->deactivate().ok());
+  const std::string file = Lab::read(lab.folder / "run/logs/main.log");
+  EXPECT_THAT(file, HasSubstr("[0.000] [main] [info] quiet\n[0.000] [main] [info] loud\n"));
+  EXPECT_THAT(file, HasSubstr("[0.100] [main] [info] FIRE    1 say: f-"));
+  EXPECT_THAT(file, Not(HasSubstr("time-retract")));
+}
+
+TEST(Log, AnEnvironmentMayGoWithoutFile) {
+  Lab lab;
+  lab.agent("");
+  lab.options.params = {{"clips_manager.main.log_clips_to_file", "false"}};
+  lab.options.run_folder = lab.folder / "run";
+  lab.run_up();
+  EXPECT_FALSE(std::filesystem::exists(lab.folder / "run/logs/main.log"));
+}
+
+TEST(Log, WithRedirectionPrintoutIsDebug) {
+  Lab lab;
+  lab.agent("(defrule say (time ?t) => (printout t \"to t\" crlf) (printout info \"to info\" crlf))");
+  lab.options.params = {{"clips_manager.main.redirect_stdout_to_debug", "true"}};
+  lab.run_up();
+  lab.ticks(1);
+  EXPECT_THAT(lab.log.with("to "), ElementsAre("debug main: to t", "info main: to info"));
+}
+
+}  // namespace
+}  // namespace cxlab::cx
