@@ -1,0 +1,138 @@
+#include "tests/cx/executive/lab.h"
+
+namespace cxlab::cx {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Calls functions of the plugin directly.
+class Fields : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    lab_.agent("");
+    packages_ = lab_.write("test_msgs/msg/All.msg",
+                           "bool b\nbyte y\nchar c\nint8 i8\nuint8 u8\nint64 i64\nuint64 u64\nfloat32 f32\nfloat64 f64\nstring s\n"
+                           "geometry_msgs/Point p\nbool[] bs\nint32[] is\nfloat64[3] fixed\nint8[<=2] few\nstring[] ss\ngeometry_msgs/Point[] ps\nchar[] cs\n")
+                    .parent_path().parent_path();
+    ASSERT_TRUE(lab_.registry.add_package("test_msgs", packages_).ok());
+    lab_.run_up();
+    ASSERT_TRUE(lab_.engine().build("(defglobal ?*m* = (ros-msgs-create-message \"test_msgs/msg/All\"))").ok());
+  }
+  /// The field after setting it, printed; or the error.
+  std::string set(const std::string& field, const std::string& value) {
+    auto done = lab_.engine().eval("(ros-msgs-set-field ?*m* \"" + field + "\" " + value + ")");
+    const auto errors = lab_.engine().take_errors();
+    if (!errors.empty()) return errors[0].detail;
+    if (!done) return done.error().message;
+    return get("?*m*", field);
+  }
+  std::string get(const std::string& message, const std::string& field) {
+    auto value = lab_.engine().eval("(ros-msgs-get-field " + message + " \"" + field + "\")");
+    const auto errors = lab_.engine().take_errors();
+    if (!errors.empty()) return errors[0].detail;
+    return value ? value->print() : value.error().message;
+  }
+
+  Lab lab_;
+  std::filesystem::path packages_;
+};
+
+TEST_F(Fields, DefaultsAreZero) {
+  EXPECT_EQ(get("?*m*", "b"), "FALSE");
+  EXPECT_EQ(get("?*m*", "i64"), "0");
+  EXPECT_EQ(get("?*m*", "f32"), "0.0");
+  EXPECT_EQ(get("?*m*", "s"), "\"\"");
+  EXPECT_EQ(get("?*m*", "is"), "()");
+  EXPECT_EQ(get("?*m*", "fixed"), "(0.0 0.0 0.0)");
+}
+
+TEST_F(Fields, EveryTypeComesBack) {
+  EXPECT_EQ(set("b", "TRUE"), "TRUE");
+  EXPECT_EQ(set("b", "\"TRUE\""), "TRUE");
+  EXPECT_EQ(set("b", "no"), "FALSE");
+  EXPECT_EQ(set("y", "255"), "255");
+  EXPECT_EQ(set("c", "\"x\""), "\"x\"");
+  EXPECT_EQ(set("i8", "-128"), "-128");
+  EXPECT_EQ(set("u8", "255"), "255");
+  EXPECT_EQ(set("i64", "-9223372036854775808"), "-9223372036854775808");
+  EXPECT_EQ(set("f32", "0.5"), "0.5");
+  EXPECT_EQ(set("f64", "0.1"), "0.1");
+  EXPECT_EQ(set("s", "symbol"), "\"symbol\"");
+  EXPECT_EQ(set("s", "\"a text\""), "\"a text\"");
+}
+
+TEST_F(Fields, ArraysComeBack) {
+  EXPECT_EQ(set("bs", "(create$ TRUE FALSE)"), "(TRUE FALSE)");
+  EXPECT_EQ(set("is", "(create$ 1 2 3)"), "(1 2 3)");
+  EXPECT_EQ(set("is", "(create$)"), "()");
+  EXPECT_EQ(set("fixed", "(create$ 1.5 2 3.0)"), "(1.5 2.0 3.0)");
+  EXPECT_EQ(set("ss", "(create$ a \"b c\")"), "(\"a\" \"b c\")");
+  EXPECT_EQ(set("cs", "(create$ \"a\" b)"), "(\"a\" \"b\")");
+}
+
+TEST_F(Fields, NumbersAreConvertedWhereExact) {
+  EXPECT_EQ(set("f64", "3"), "3.0");
+  EXPECT_EQ(set("f32", "16777216"), "16777216.0");
+  EXPECT_EQ(set("i64", "3.0"), "3");
+  EXPECT_EQ(set("is", "(create$ 1.0 2)"), "(1 2)");
+}
+
+TEST_F(Fields, NumbersThatDoNotFitAreReported) {
+  EXPECT_THAT(set("i64", "3.5"), HasSubstr("Failed to set field i64 of test_msgs/msg/All: found 3.5, expected a whole number"));
+  EXPECT_THAT(set("f32", "16777217"), HasSubstr("holds exactly"));
+  EXPECT_THAT(set("f64", "9007199254740993"), HasSubstr("holds exactly"));
+  EXPECT_THAT(set("f64", "9223372036854775807"), HasSubstr("holds exactly"));
+  EXPECT_THAT(set("f32", "1e300"), HasSubstr("range of float32"));
+  EXPECT_THAT(set("u8", "256"), HasSubstr("Failed to set field u8"));
+  EXPECT_THAT(set("i8", "-129"), HasSubstr("Failed to set field i8"));
+}
+
+TEST_F(Fields, OtherMismatchesAreReported) {
+  EXPECT_THAT(set("f64", "abc"), HasSubstr("expected a number"));
+  EXPECT_THAT(set("s", "5"), HasSubstr("expected a STRING or SYMBOL"));
+  EXPECT_THAT(set("b", "1"), HasSubstr("expected TRUE or FALSE"));
+  EXPECT_THAT(set("c", "\"ab\""), HasSubstr("expected one character"));
+  EXPECT_THAT(set("is", "1"), HasSubstr("expected multifield value!"));
+  EXPECT_THAT(set("fixed", "(create$ 1.0 2.0)"), HasSubstr("found 2 values, expected exactly 3"));
+  EXPECT_THAT(set("few", "(create$ 1 2 3)"), HasSubstr("Failed to set field few"));
+  EXPECT_THAT(set("p", "x"), HasSubstr("Failed to set unknown message"));
+  EXPECT_THAT(set("p", "(ros-msgs-create-message \"std_msgs/msg/Empty\")"), HasSubstr("expected geometry_msgs/msg/Point"));
+  EXPECT_THAT(set("i65", "1"), HasSubstr("Failed to set field i65: test_msgs/msg/All has no such field, did you mean 'i64'?"));
+  EXPECT_THAT(get("?*m*", "i65"), HasSubstr("Failed to retrieve field i65"));
+}
+
+TEST_F(Fields, ANestedMessageIsAHandleIntoItsParent) {
+  ASSERT_TRUE(lab_.engine().build("(defglobal ?*p* = (ros-msgs-get-field ?*m* p))").ok());
+  ASSERT_TRUE(lab_.engine().eval("(ros-msgs-set-field ?*p* x 2.5)").ok());
+  EXPECT_EQ(get("(ros-msgs-get-field ?*m* p)", "x"), "2.5");
+  ASSERT_TRUE(lab_.engine().eval("(ros-msgs-destroy-message ?*m*)").ok());
+  EXPECT_THAT(get("?*p*", "x"), HasSubstr("invalid message pointer"));
+}
+
+TEST_F(Fields, MessagesAreCopiedIn) {
+  ASSERT_TRUE(lab_.engine().build("(defglobal ?*p* = (ros-msgs-create-message \"geometry_msgs/msg/Point\"))").ok());
+  ASSERT_TRUE(lab_.engine().eval("(ros-msgs-set-field ?*p* x 1.0)").ok());
+  set("p", "?*p*");
+  set("ps", "(create$ ?*p* ?*p*)");
+  ASSERT_TRUE(lab_.engine().eval("(ros-msgs-set-field ?*p* x 2.0)").ok());
+  EXPECT_EQ(get("(ros-msgs-get-field ?*m* p)", "x"), "1.0");
+  EXPECT_EQ(get("(nth$ 2 (ros-msgs-get-field ?*m* ps))", "x"), "1.0");
+}
+
+TEST_F(Fields, ElementsMayMoveWithinTheirOwnArray) {
+  ASSERT_TRUE(lab_.engine().build("(deffunction point (?x) (bind ?p (ros-msgs-create-message \"geometry_msgs/msg/Point\")) (ros-msgs-set-field ?p x ?x) ?p)").ok());
+  set("ps", "(create$ (point 1.0) (point 2.0) (point 3.0))");
+  set("ps", "(rest$ (ros-msgs-get-field ?*m* ps))");
+  EXPECT_EQ(get("(nth$ 1 (ros-msgs-get-field ?*m* ps))", "x"), "2.0");
+  EXPECT_EQ(get("(nth$ 2 (ros-msgs-get-field ?*m* ps))", "x"), "3.0");
+}
+
+TEST_F(Fields, AHandleBeyondAShorterArrayIsInvalid) {
+  set("ps", "(create$ (ros-msgs-create-message \"geometry_msgs/msg/Point\"))");
+  ASSERT_TRUE(lab_.engine().build("(defglobal ?*e* = (nth$ 1 (ros-msgs-get-field ?*m* ps)))").ok());
+  set("ps", "(create$)");
+  EXPECT_THAT(get("?*e*", "x"), HasSubstr("invalid message pointer"));
+}
+
+}  // namespace
+}  // namespace cxlab::cx
