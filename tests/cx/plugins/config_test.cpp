@@ -1,0 +1,154 @@
+#include "tests/cx/executive/lab.h"
+
+namespace cxlab::cx {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class Config : public ::testing::Test {
+ protected:
+  /// The confval facts that this file gives, one a line as "path type value" or "path type (list)".
+  std::vector<std::string> load(const std::string& yaml, const std::string& prefix = "/") {
+    lab_.agent("");
+    const auto file = lab_.write("agent/c.yaml", yaml);
+    lab_.run_up();
+    EXPECT_TRUE(lab_.engine().eval("(config-load \"" + file.string() + "\" \"" + prefix + "\")").ok());
+    std::vector<std::string> out;
+    for (const FactCopy& f : lab_.engine().facts("confval")) {
+      const bool is_list = f.slot("is-list")->text() == "TRUE";
+      out.push_back(f.slot("path")->text() + ' ' + f.slot("type")->text() + ' ' + f.slot(is_list ? "list-value" : "value")->print());
+    }
+    return out;
+  }
+  Lab lab_;
+};
+
+TEST_F(Config, TypesScalarsAsCxDoes) {
+  EXPECT_THAT(load("a: 1\nb: 2.5\nc: text\nd: true\ne: \"true\"\nf: yes\ng: \"7\"\nh: 99999999999\ni: a b\n"),
+              ElementsAre("/a INT 1", "/b FLOAT 2.5", "/c STRING \"text\"", "/d BOOL TRUE", "/e BOOL TRUE", "/f BOOL yes", "/g INT 7",
+                          "/h FLOAT 99999999999", "/i STRING \"a b\""));
+}
+
+TEST_F(Config, ListsAreStrings) {
+  EXPECT_THAT(load("l: [1, two, 3.0]\nempty: []\n"), ElementsAre("/l STRING (\"1\" \"two\" \"3.0\")", "/empty STRING ()"));
+}
+
+TEST_F(Config, ListsOfMapsHaveTheirIndexAndQuotedValues) {
+  EXPECT_THAT(load("robots: [{name: R1, id: 1}, {name: R2, skills: [a, b]}]"),
+              ElementsAre("/robots/0/name STRING \"R1\"", "/robots/0/id INT \"1\"", "/robots/1/name STRING \"R2\"", "/robots/1/skills STRING (\"a\" \"b\")"));
+}
+
+TEST_F(Config, APrefixChoosesASubtree) {
+  EXPECT_THAT(load("a: {b: {c: 1}, d: 2}\ne: 3", "a/b/"), ElementsAre("/a/b/c INT 1"));
+}
+
+TEST_F(Config, AWholeParameterFileHasItsDoubleSlash) {
+  EXPECT_THAT(load("/**: {ros__parameters: {x: 1}}"), ElementsAre("//**/ros__parameters/x INT 1"));
+}
+
+TEST_F(Config, AMissingSegmentIsAnErrorLine) {
+  EXPECT_THAT(load("a: 1", "/b"), IsEmpty());
+  EXPECT_THAT(lab_.log.with("error "), ElementsAre("error config: Segment 'b' not found in YAML file."));
+}
+
+TEST_F(Config, NullIsSkippedWithAnErrorLine) {
+  EXPECT_THAT(load("a:\nb: 1"), ElementsAre("/b INT 1"));
+  EXPECT_THAT(lab_.log.with("NULL YAML KEY"), SizeIs(1));
+}
+
+TEST_F(Config, ABadFileAborts) {
+  EXPECT_THAT(load("a: [1"), IsEmpty());
+  EXPECT_THAT(lab_.log.with("warn config"), ElementsAre("warn config: Aborting config loading..."));
+}
+
+TEST_F(Config, AFileOutsideOfPackagesIsRefused) {
+  load("a: 1");
+  const auto secret = lab_.write("secret.yaml", "s: 1");
+  ASSERT_TRUE(lab_.engine().eval("(config-load \"" + secret.string() + "\" \"/\")").ok());
+  EXPECT_THAT(lab_.facts("confval"), SizeIs(1));
+  EXPECT_THAT(lab_.log.with("refused"), SizeIs(1));
+}
+
+/// Answers from what another run found outside.
+class Tape final : public LookOutside {
+ public:
+  Value look(std::string_view function, const std::function<Value()>& outside) override {
+    if (replay) {
+      const Value value = kept.at(next).second;
+      EXPECT_EQ(kept.at(next++).first, function);
+      return value;
+    }
+    kept.emplace_back(function, outside());
+    return kept.back().second;
+  }
+  bool replay = false;
+  std::size_t next = 0;
+  std::vector<std::pair<std::string, Value>> kept;
+};
+
+TEST(InputLog, WhatRulesFindOutsideReplaysWithoutIt) {
+  const std::string rules = R"((defrule go (time ?) => (config-load (str-cat (ament-index-get-package-share-directory "agent") "/c.yaml") "/")
+    (ros-msgs-create-client "s" "std_srvs/srv/Empty")
+    (println "ready " (neq FALSE (ros-msgs-async-send-request (ros-msgs-create-request "std_srvs/srv/Empty") "s")))))";
+  Tape tape;
+  std::vector<std::string> facts;
+  std::string records;
+  std::filesystem::path share;
+  {
+    Lab lab;
+    lab.options.packages["agent"].share = "/share/agent";
+    lab.options.outside = &tape;
+    lab.agent(rules);
+    lab.write("agent/c.yaml", "a: 1");
+    const auto node = lab.bus.join(bus::ParticipantKind::kNode, {"peer", "/", {}}, lab.records.open_stream("node/peer"));
+    ASSERT_TRUE(lab.bus.serve(node, "/s", **lab.registry.service("std_srvs/srv/Empty"), [](const bus::Delivery&) {}).ok());
+    lab.run_up();
+    lab.ticks(1);
+    facts = lab.facts("confval");
+    records = lab.records.all().at("env/main");
+    EXPECT_THAT(lab.log.with("ready TRUE"), SizeIs(1));
+  }
+  tape.replay = true;
+  Lab again;
+  again.options.packages["agent"].share = "/share/agent";
+  again.options.outside = &tape;
+  again.agent(rules);
+  again.run_up();
+  again.ticks(1);
+  EXPECT_EQ(again.facts("confval"), facts);
+  EXPECT_EQ(again.records.all().at("env/main"), records);
+  EXPECT_EQ(tape.next, tape.kept.size());
+}
+
+TEST(AmentIndex, KnowsThePackages) {
+  Lab lab;
+  lab.options.packages["far"] = {lab.folder / "copies", "/opt/share/far"};
+  lab.agent("");
+  lab.run_up();
+  const auto eval = [&](const std::string& expression) { return lab.engine().eval(expression)->print(); };
+  const std::string agent = (lab.folder / "agent").string();
+  EXPECT_EQ(eval("(ament-index-get-package-share-directory \"agent\")"), '"' + agent + '"');
+  EXPECT_EQ(eval("(ament-index-get-package-share-directory far)"), "\"/opt/share/far\"");
+  EXPECT_EQ(eval("(ament-index-get-package-prefix far)"), "\"/opt\"");
+  EXPECT_EQ(eval("(ament-index-get-packages-with-prefixes)"), "(\"agent\" \"" + agent + "\" \"far\" \"/opt\")");
+  EXPECT_EQ(eval("(ament-index-get-search-paths)"), "(\"" + agent + "\" \"/opt\")");
+  EXPECT_EQ(eval("(ament-index-has-resource packages far)"), "TRUE");
+  EXPECT_EQ(eval("(ament-index-get-resource packages far)"), "(\"\" \"/opt\")");
+  EXPECT_EQ(eval("(ament-index-get-resource packages fa)"), "FALSE");
+  EXPECT_EQ(eval("(ament-index-get-resources packages)"), "(\"agent\" \"" + agent + "\" \"far\" \"/opt\")");
+  EXPECT_EQ(eval("(ament-index-get-resources nothing)"), "()");
+}
+
+TEST(AmentIndex, AnUnknownPackageIsFalseAndAnErrorLine) {
+  Lab lab;
+  lab.agent("");
+  lab.run_up();
+  EXPECT_EQ(lab.engine().eval("(ament-index-get-package-share-directory agnt)")->print(), "FALSE");
+  EXPECT_THAT(lab.log.with("error "), ElementsAre("error ament_index: ament-index-get-package-share-directory: package 'agnt' not found, did you mean 'agent'?"));
+}
+
+}  // namespace
+}  // namespace cxlab::cx
