@@ -35,7 +35,9 @@ class OsMesaContext final : public GlContext {
     return made->open() ? std::move(made) : nullptr;
   }
   ~OsMesaContext() override {
-    if (context_) destroy_(context_);
+    if (!context_) return;
+    make_current_(nullptr, nullptr, 0, 0, 0);
+    destroy_(context_);
   }
   bool make_current() override {
     return make_current_(context_, pixels_.data(), kUnsignedByte, width_, height_) != 0;
