@@ -1,0 +1,1 @@
+(printout t "files go" crlf)

@@ -1,0 +1,53 @@
+// The examples of docs/plugins run and say what they should.
+
+#include "tests/cx/executive/lab.h"
+
+namespace cxlab::cx {
+namespace {
+
+using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
+
+/// All lines of an example that runs for `seconds` or until it ends itself.
+std::vector<std::string> lines_of(const std::string& name, double seconds) {
+  Lab lab;
+  const auto folder = std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "docs" / "examples" / name;
+  lab.options.packages = {{"example", {folder, {}}}};
+  lab.options.config = folder / "example.yaml";
+  lab.options.strict = true;
+  lab.run_up();
+  while (to_seconds(lab.now) < seconds && !lab.manager->shutdown_requested()) {
+    const Status s = lab.tick();
+    EXPECT_TRUE(s.ok()) << s.error().text();
+    if (!s) break;
+  }
+  EXPECT_TRUE(lab.manager->deactivate().ok());
+  EXPECT_THAT(lab.log.with("warn "), IsEmpty());
+  EXPECT_THAT(lab.log.with("error "), IsEmpty());
+  return lab.log.lines;
+}
+
+TEST(Examples, Executive) {
+  const auto lines = lines_of("executive", 10);
+  EXPECT_THAT(lines, IsSupersetOf({"info main: it is 0.0 s, 0.0 s since 1970", "info main: it is 2.0 s, 2.0 s since 1970", "info main: \033[33mgoodbye"}));
+  EXPECT_THAT(lines, ::testing::Not(::testing::Contains(::testing::HasSubstr("2.5 s"))));
+}
+
+TEST(Examples, Config) {
+  EXPECT_THAT(lines_of("config", 1), IsSupersetOf({"info main: hello R1", "info main: hello R2", "info main: 3 machines"}));
+}
+
+TEST(Examples, FileLoad) {
+  EXPECT_THAT(lines_of("file_load", 1), IsSupersetOf({"info main: the strategy is breadth", "info main: hello world", "info main: files go"}));
+}
+
+TEST(Examples, AmentIndex) {
+  EXPECT_THAT(lines_of("ament_index", 1), IsSupersetOf({"info main: first package: example", "info main: no package of the name nothing"}));
+}
+
+TEST(Examples, RosMsgs) {
+  EXPECT_THAT(lines_of("ros_msgs", 2), IsSupersetOf({"info listener: \033[36mheard: it is 0.5", "info talker: the listener says: as you wish"}));
+}
+
+}  // namespace
+}  // namespace cxlab::cx
