@@ -103,7 +103,7 @@ sim::FloorPlan make_floor_plan(const Layout& layout, Team team, int robots) {
                              centre_of(placement.zone, placement.rotation), true});
     for (sim::Spot& spot : sim::spots_of(plan.stations.back(), id)) plan.spots.push_back(std::move(spot));
   }
-  for (int i = 0; i < robots; ++i) plan.robots.push_back({"R" + std::to_string(i + 1), start_pose(team, i)});
+  for (int i = 0; i < robots; ++i) plan.robots.push_back({"robot" + std::to_string(i + 1), start_pose(team, i)});
   return plan;
 }
 

@@ -11,7 +11,7 @@
 namespace cxlab::rcll {
 
 /// The plan of a game: field 14 m x 8 m, origin in the middle of its lower edge, cyan's half x > 0. Walls as in the
-/// rulebook's figure; stations in the order of the layout; robots R1.. of the playing team in its insertion area.
+/// rulebook's figure; stations in the order of the layout; robots robot1, robot2 ... of the playing team in its insertion area.
 sim::FloorPlan make_floor_plan(const Layout& layout, Team team, int robots);
 
 /// Spots that a round robot cannot serve: the pose before the machine is not connected with the team's insertion area

@@ -311,7 +311,7 @@ TEST(FloorPlan, HasTheFieldsWallsMachinesAndRobots) {
   // Belts: 2 x (6 x 2 + 1), shelves 4 x 3, slides 4.
   EXPECT_EQ(plan->spots.size(), 26u + 12u + 4u);
   ASSERT_EQ(plan->robots.size(), 3u);
-  EXPECT_EQ(plan->robots[2].name, "R3");
+  EXPECT_EQ(plan->robots[2].name, "robot3");
   EXPECT_DOUBLE_EQ(plan->robots[2].pose_in_world.x, 6.5);
   EXPECT_TRUE(plan->find_spot("C-CS1-SHELF-LEFT"));
 
