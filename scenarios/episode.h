@@ -14,7 +14,10 @@
 #include "cx/base/expected.h"
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
+#include "cx/journal/file_store.h"
+#include "cx/journal/input_log.h"
 #include "cx/journal/journal.h"
+#include "cx/journal/replay.h"
 #include "scenarios/result.h"
 #include "scenarios/scenario.h"
 #include "scenarios/stage.h"
@@ -34,6 +37,8 @@ struct EpisodeOptions {
   JournalLevel journal = JournalLevel::kDecisions;
   cx::LogSink* log = nullptr;        ///< lines of environments and nodes; may be none
   WallMeter* physics_meter = nullptr;  ///< around the world's steps; may be none
+  std::filesystem::path interfaces;  ///< folder of the packages that come with cxlab
+  std::filesystem::path models;      ///< MJCF parts
   bool strict = false;               ///< unknown CX parameters are errors
   bool keep_going = false;           ///< errors in rule files are reported and the run goes on, as CX does
 };
@@ -52,6 +57,8 @@ class Episode {
   Status tick();
   /// Whether the duration has passed, the referee has ended the game, or rules asked for the end.
   bool over() const;
+  /// Whether it has ended by itself: duration or game.
+  bool completed() const;
   /// Deactivates the agents and ends the files. `failure` is what ended the run early, if anything did.
   Result close(RunStatus status, std::optional<Error> failure = {});
 
@@ -66,16 +73,24 @@ class Episode {
 
  private:
   Episode(Scenario scenario, EpisodeOptions options);
-  Status build();
+  Status open_files();
+  Status build_bus();
+  Status build_stage();
+  Status build_agents();
+  Status keep(const std::string& logical_name, const std::filesystem::path& file);
   SimTime next_tick() const;
-  Status advance_world();
+  Status advance_world(SimTime next);
+  Status perceive(cx::EnvironmentManager& agent, std::size_t i);
   Status write_out();
 
   Scenario scenario_;
   EpisodeOptions options_;
   Journal journal_;
+  std::optional<InputLogWriter> inputs_;
+  std::optional<FileStore> files_;
   bus::Registry registry_;
   std::unique_ptr<bus::Bus> bus_;
+  std::optional<RecordingTap> tap_;
   std::unique_ptr<Stage> stage_;
   std::vector<std::unique_ptr<cx::EnvironmentManager>> agents_;
   SimTime now_{-1};

@@ -2,6 +2,7 @@
 // What stands and acts in an episode's world, beside the agents. Each kind of world makes one, in one explicit list
 // (`rcll::make_stage`).
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,6 +30,9 @@ struct Stage {
   std::unique_ptr<sim::Simulation> world;             ///< none in an empty world
   std::vector<std::unique_ptr<sim::Server>> servers;  ///< called in this order
   std::unique_ptr<Referee> referee;                   ///< may be none
+  std::vector<std::filesystem::path> files;           ///< models that were read
+  /// What has entered the physics since the last call, for the input log.
+  virtual std::string take_inputs() { return {}; }
   /// Writes teams, orders, deliveries, robots, steps and the physics hash.
   virtual void report(Result&) const {}
 };

@@ -1,0 +1,227 @@
+#include "scenarios/episode.h"
+
+#include <algorithm>
+
+#include "cx/plugins/builtin.h"
+#include "scenarios/rcll/stage.h"
+#include "scenarios/stimuli.h"
+
+namespace cxlab {
+
+Episode::Episode(Scenario scenario, EpisodeOptions options) : scenario_(std::move(scenario)), options_(std::move(options)) {}
+
+Episode::~Episode() = default;
+
+Expected<std::unique_ptr<Episode>> Episode::load(Scenario scenario, EpisodeOptions options) {
+  std::unique_ptr<Episode> episode(new Episode(std::move(scenario), std::move(options)));
+  if (Status s = episode->open_files(); !s) return s.error();
+  if (Status s = episode->build_bus(); !s) return s.error();
+  if (Status s = episode->build_stage(); !s) return s.error();
+  if (Status s = episode->build_agents(); !s) return s.error();
+  return episode;
+}
+
+Status Episode::open_files() {
+  if (options_.run_folder.empty()) return {};
+  if (Status s = journal_.export_to(options_.run_folder / "journal.jsonl", options_.journal); !s) return s;
+  auto inputs = InputLogWriter::create(options_.run_folder / "inputs.bin");
+  if (!inputs) return inputs.error();
+  inputs_.emplace(*std::move(inputs));
+  auto files = FileStore::create(options_.run_folder);
+  if (!files) return files.error();
+  files_.emplace(*std::move(files));
+  return keep("scenario.yaml", scenario_.file);
+}
+
+Status Episode::keep(const std::string& logical_name, const std::filesystem::path& file) {
+  return files_ ? files_->add(logical_name, file) : Status();
+}
+
+Status Episode::build_bus() {
+  if (Status s = registry_.add_packages_in(options_.interfaces); !s) return s;
+  std::map<std::string, std::string> packages = scenario_.packages;
+  for (const AgentSpec& agent : scenario_.agents) packages.insert(agent.packages.begin(), agent.packages.end());
+  for (const auto& [name, folder] : packages) {
+    const std::filesystem::path path = scenario_.resolve(folder);
+    if (!std::filesystem::is_directory(path))
+      return input_error("package " + name + ": there is no folder " + path.string(), scenario_.file.string());
+    if (Status s = registry_.add_package(name, path); !s) return s;
+  }
+  bus_ = std::make_unique<bus::Bus>(registry_, journal_);
+  if (inputs_) {
+    tap_.emplace(*bus_, journal_, *inputs_);
+    bus_->set_input_tap(&*tap_);
+  }
+  return {};
+}
+
+Status Episode::build_stage() {
+  if (options_.replay) {
+    stage_ = std::make_unique<Stage>();
+    return {};
+  }
+  if (scenario_.world_kind == Scenario::WorldKind::kRcll) {
+    auto stage = rcll::make_stage(scenario_, options_.models, *bus_, journal_);
+    if (!stage) return stage.error();
+    stage_ = *std::move(stage);
+    for (const std::filesystem::path& file : stage_->files)
+      if (Status s = keep("models/" + file.filename().string(), file); !s) return s;
+  } else {
+    stage_ = std::make_unique<Stage>();
+  }
+  if (scenario_.stimuli.empty()) return {};
+  auto stimuli = StimuliServer::create(scenario_.stimuli, *bus_, journal_, [this](const std::string& line) {
+    if (options_.log) options_.log->line({bus_->now(), cx::LogLevel::kInfo, "stimuli", line, {}});
+  });
+  if (!stimuli) return stimuli.error();
+  stage_->servers.insert(stage_->servers.begin(), *std::move(stimuli));
+  return {};
+}
+
+Status Episode::build_agents() {
+  for (const AgentSpec& spec : scenario_.agents) {
+    cx::ManagerOptions manager;
+    manager.config = scenario_.resolve(spec.config);
+    manager.name_space = spec.name_space;
+    manager.remaps = spec.remaps;
+    manager.params = spec.params;
+    for (const auto* packages : {&scenario_.packages, &spec.packages})
+      for (const auto& [name, folder] : *packages) manager.packages[name] = {scenario_.resolve(folder), {}};
+    manager.plugin_types = cx::builtin_plugins();
+    manager.log = options_.log;
+    manager.outside = options_.outside;
+    manager.on_read = [this](const std::string& name, const std::filesystem::path& file) { return keep(name, file); };
+    manager.seed = scenario_.seed;
+    manager.epoch = scenario_.epoch;
+    manager.run_folder = options_.run_folder;
+    manager.stop_on_rule_error = scenario_.stop_on_rule_error;
+    manager.max_firings = scenario_.max_firings_per_tick;
+    manager.keep_going = options_.keep_going;
+    manager.strict = options_.strict;
+    manager.trust_rules = scenario_.trust_rules;
+    if (Status s = keep("config/" + spec.config, manager.config); !s) return s;
+    auto made = cx::EnvironmentManager::create(std::move(manager), *bus_, journal_);
+    if (!made) return made.error();
+    agents_.push_back(*std::move(made));
+  }
+  return {};
+}
+
+Status Episode::start() {
+  for (auto& agent : agents_)
+    if (Status s = agent->configure(); !s) return s;
+  for (auto& agent : agents_)
+    for (std::size_t i = 0; i < agent->size(); ++i)
+      if (tap_) tap_->watch(agent->environment(i).participant());
+  for (auto& agent : agents_)
+    if (Status s = agent->activate(); !s) return s;
+  return write_out();
+}
+
+Status Episode::tick() {
+  const SimTime next = next_tick();
+  bus_->begin_tick(next);
+  if (Status s = advance_world(next); !s) return s;
+  now_ = next;
+  ++ticks_;
+  for (auto& server : stage_->servers)
+    if (Status s = server->sense(now_); !s) return s;
+  if (stage_->referee)
+    if (Status s = stage_->referee->judge(now_); !s) return s;
+  for (auto& agent : agents_)
+    for (std::size_t i = 0; i < agent->size(); ++i)
+      if (Status s = perceive(*agent, i); !s) return s;
+  for (auto& agent : agents_)
+    for (std::size_t i = 0; i < agent->size(); ++i)
+      if (Status s = agent->decide_if_due(i, now_); !s) return s;
+  for (auto& server : stage_->servers)
+    if (Status s = server->act(now_); !s) return s;
+  return write_out();
+}
+
+Status Episode::perceive(cx::EnvironmentManager& agent, std::size_t i) {
+  if (options_.replay)
+    if (Status s = options_.replay->deliver_due(agent.environment(i).participant()); !s) return s;
+  return agent.perceive(i);
+}
+
+/// The first tick at which something is due; each one where a world steps.
+SimTime Episode::next_tick() const {
+  if (now_ < SimTime::zero()) return SimTime::zero();
+  const SimTime following = tick_not_before(now_ + SimTime{1}, scenario_.tick);
+  const SimTime last = tick_not_before(scenario_.duration, scenario_.tick);
+  if (bus_->any_waiting()) return following;
+  SimTime due = last;
+  if (options_.replay) due = std::min(due, options_.replay->next_due());
+  if (stage_->world) due = std::min(due, stage_->world->next_event());
+  for (const auto& server : stage_->servers) due = std::min(due, server->next_due());
+  if (stage_->referee) due = std::min(due, stage_->referee->next_due());
+  for (const auto& agent : agents_) due = std::min(due, agent->next_due());
+  return std::max(following, tick_not_before(due, scenario_.tick));
+}
+
+Status Episode::advance_world(SimTime next) {
+  if (!stage_->world || next <= SimTime::zero()) return {};
+  if (options_.physics_meter) options_.physics_meter->begin();
+  const Status moved = stage_->world->advance(next - std::max(now_, SimTime::zero()));
+  if (options_.physics_meter) options_.physics_meter->end();
+  return moved;
+}
+
+Status Episode::write_out() {
+  if (inputs_) {
+    if (std::string bytes = stage_->take_inputs(); !bytes.empty()) inputs_->add(LoggedWorld{bus_->now(), "world", bytes});
+    if (Status s = inputs_->status(); !s) return s;
+  }
+  return journal_.status();
+}
+
+bool Episode::completed() const {
+  return now_ >= scenario_.duration || (stage_->referee && stage_->referee->over());
+}
+
+bool Episode::over() const {
+  return completed() || std::any_of(agents_.begin(), agents_.end(), [](const auto& agent) { return agent->shutdown_requested(); });
+}
+
+Result Episode::close(RunStatus status, std::optional<Error> failure) {
+  const auto note = [&](const Status& s) {
+    if (!s && !failure) failure = s.error();
+  };
+  for (auto& agent : agents_) note(agent->deactivate());
+  note(write_out());
+  for (auto& agent : agents_) {
+    note(agent->flush_logs());
+    if (!agent->load_errors().empty()) note(agent->load_errors().front());
+  }
+  if (inputs_) note(inputs_->close());
+  note(journal_.close());
+  for (const std::filesystem::path& file : registry_.files_read()) {
+    const auto package = file.parent_path().parent_path().filename();
+    note(keep("interfaces/" + (package / file.parent_path().filename() / file.filename()).string(), file));
+  }
+  if (files_) note(files_->write_index());
+  Result out = result();
+  out.status = failure ? RunStatus::kFailed : status;
+  out.reason = failure;
+  return out;
+}
+
+Result Episode::result() const {
+  Result out;
+  out.scenario = scenario_.name;
+  out.seed = scenario_.seed;
+  out.tier = scenario_.tier;
+  out.sim_time = std::max(now_, SimTime::zero());
+  out.ticks = ticks_;
+  stage_->report(out);
+  for (const auto& agent : agents_)
+    for (const cx::RuleErrorEntry& entry : agent->rule_errors())
+      out.rule_errors.push_back({entry.error.rule, entry.error.file, std::string(to_string(entry.error.side)), entry.error.message,
+                                 entry.error.line, entry.error.t / scenario_.tick});
+  out.journal_hash = journal_.journal_hash();
+  for (const Journal::StreamSummary& stream : journal_.streams()) out.stream_hashes.emplace_back(stream.name, stream.hash);
+  return out;
+}
+
+}  // namespace cxlab
