@@ -26,9 +26,12 @@
   (slot state (type SYMBOL) (allowed-values OPEN ASSIGNED DONE) (default OPEN)))
 
 (deftemplate game
-  (slot team (type STRING))
   (slot phase (type SYMBOL))
   (slot state (type SYMBOL)))
+
+(deftemplate team
+  "How many robots play."
+  (slot size (type INTEGER)))
 
 (deftemplate cap-station
   "The cycle of one cap station. EMPTY: no cap in it. BUFFERING: a carrier is on its way or inside. CLEARING: the bare

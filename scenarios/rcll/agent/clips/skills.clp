@@ -99,7 +99,7 @@
   (slot error (type STRING) (default "")))
 
 (defrule instruct-client-create
-  (game)
+  (machine)
   (not (ros-msgs-action-client (server "/factory/instruct_machine")))
   =>
   (ros-msgs-create-action-client ?*INSTRUCT* "rcll_interfaces/action/InstructMachine"))

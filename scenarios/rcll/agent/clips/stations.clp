@@ -98,9 +98,9 @@
   (cap-station (name ?name) (order ?order&~0) (phase ?phase&BUFFERING|CLEARING|LOADED))
   (not (job (purpose BASE) (station ?name)))
   (or (cap-station (name ?name) (phase LOADED))
-      (and (team-size ?size&:(>= ?size 3))
+      (and (team (size ?size&:(>= ?size 3)))
            (instruction (machine ?name) (operation "RETRIEVE_CAP")))
-      (and (team-size ?size&:(>= ?size 3))
+      (and (team (size ?size&:(>= ?size 3)))
            (cap-station (name ?name) (phase CLEARING))))
   (machine (name ?bs) (kind BS))
   =>

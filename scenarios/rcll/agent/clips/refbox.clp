@@ -1,0 +1,128 @@
+; What the factory says on the bus becomes facts.
+
+(defglobal ?*DELIVERY-LEAD* = 25.0)
+(defglobal ?*REFILL* = 25.0)
+(defglobal ?*PATIENCE* = 1.0)
+
+(deftemplate topic
+  (slot name (type STRING))
+  (slot type (type STRING)))
+
+(deffacts topics
+  (topic (name "/game_state") (type "rcll_interfaces/msg/GameState"))
+  (topic (name "/order_info") (type "rcll_interfaces/msg/OrderInfo"))
+  (topic (name "/machine_info") (type "rcll_interfaces/msg/MachineInfo"))
+  (topic (name "/robot_info") (type "rcll_interfaces/msg/RobotInfo")))
+
+(defrule refbox-subscribe
+  (topic (name ?topic) (type ?type))
+  (not (ros-msgs-subscription (topic ?topic)))
+  =>
+  (ros-msgs-create-subscription ?topic ?type))
+
+(defrule refbox-game-state
+  ?message <- (ros-msgs-message (topic "/game_state") (msg-ptr ?m))
+  =>
+  (bind ?phase (sym-cat (ros-msgs-get-field ?m "phase")))
+  (bind ?state (sym-cat (ros-msgs-get-field ?m "state")))
+  (ros-msgs-destroy-message ?m)
+  (retract ?message)
+  (if (not (do-for-fact ((?g game)) TRUE (modify ?g (phase ?phase) (state ?state)) TRUE))
+   then (assert (game (phase ?phase) (state ?state)))))
+
+(deffunction learn-order (?o)
+  "A released order, if it is new."
+  (bind ?id (ros-msgs-get-field ?o "id"))
+  (if (not (any-factp ((?known order)) (= ?known:id ?id)))
+   then (assert (order (id ?id)
+                       (complexity (ros-msgs-get-field ?o "complexity"))
+                       (base (ros-msgs-get-field ?o "base_color"))
+                       (cap (ros-msgs-get-field ?o "cap_color"))
+                       (begin (float (ros-msgs-get-field ?o "delivery_period_begin")))
+                       (end (float (ros-msgs-get-field ?o "delivery_period_end")))))))
+
+(defrule refbox-order-info
+  ?message <- (ros-msgs-message (topic "/order_info") (msg-ptr ?m))
+  =>
+  (bind ?orders (ros-msgs-get-field ?m "orders"))
+  (foreach ?o ?orders
+    (learn-order ?o)
+    (ros-msgs-destroy-message ?o))
+  (ros-msgs-destroy-message ?m)
+  (retract ?message))
+
+(deffunction learn-machine (?message)
+  "A machine of our team: its fact follows what is reported."
+  (bind ?name (ros-msgs-get-field ?message "name"))
+  (bind ?state (sym-cat (ros-msgs-get-field ?message "state")))
+  (if (not (do-for-fact ((?m machine)) (eq ?m:name ?name) (modify ?m (state ?state)) TRUE))
+   then (bind ?pose (ros-msgs-get-field ?message "pose"))
+        (bind ?kind (sym-cat (ros-msgs-get-field ?message "type")))
+        (assert (machine (name ?name) (kind ?kind) (state ?state)
+                         (x (ros-msgs-get-field ?pose "x")) (y (ros-msgs-get-field ?pose "y"))))
+        (if (eq ?kind CS) then (assert (cap-station (name ?name) (cap (ros-msgs-get-field ?message "cap_color")))))
+        (ros-msgs-destroy-message ?pose)))
+
+(defrule refbox-machine-info
+  ?message <- (ros-msgs-message (topic "/machine_info") (msg-ptr ?m))
+  =>
+  (bind ?machines (ros-msgs-get-field ?m "machines"))
+  (bind ?team (ros-msgs-get-field ?m "team_color"))
+  (foreach ?machine ?machines
+    (if (eq ?team (ros-msgs-get-field ?machine "team_color")) then (learn-machine ?machine))
+    (ros-msgs-destroy-message ?machine))
+  (ros-msgs-destroy-message ?m)
+  (retract ?message))
+
+(defrule refbox-robot-info
+  ?message <- (ros-msgs-message (topic "/robot_info") (msg-ptr ?m))
+  =>
+  (bind ?robots (ros-msgs-get-field ?m "robots"))
+  (foreach ?r ?robots
+    (bind ?name (ros-msgs-get-field ?r "name"))
+    (if (not (any-factp ((?known robot)) (eq ?known:name ?name))) then (assert (robot (name ?name))))
+    (ros-msgs-destroy-message ?r))
+  (ros-msgs-destroy-message ?m)
+  (retract ?message))
+
+; --- What follows from the machines that there are
+
+(defrule shelf-of-cap-station
+  (cap-station (name ?name))
+  =>
+  (assert (shelf (machine ?name) (spot (str-cat ?name "-SHELF-LEFT")))
+          (shelf (machine ?name) (spot (str-cat ?name "-SHELF-MIDDLE")))
+          (shelf (machine ?name) (spot (str-cat ?name "-SHELF-RIGHT")))))
+
+(defrule slide-of-ring-station
+  (machine (name ?name) (kind RS))
+  =>
+  (assert (slide (machine ?name) (spot (str-cat ?name "-SLIDE")))))
+
+(defrule team-counted
+  "How many robots we are."
+  (robot (name ?name))
+  (not (counted ?name))
+  =>
+  (assert (counted ?name))
+  (if (not (do-for-fact ((?t team)) TRUE (modify ?t (size (+ ?t:size 1))) TRUE)) then (assert (team (size 1)))))
+
+; --- The end: give back what we hold
+
+(defrule finalize-subscriptions
+  (executive-finalize)
+  (ros-msgs-subscription (topic ?topic))
+  =>
+  (ros-msgs-destroy-subscription ?topic))
+
+(defrule finalize-action-clients
+  (executive-finalize)
+  (ros-msgs-action-client (server ?server))
+  =>
+  (ros-msgs-destroy-action-client ?server))
+
+(defrule finalize-goals
+  (executive-finalize)
+  (or (command (goal ?goal&~NONE)) (instruction (goal ?goal&~NONE)))
+  =>
+  (ros-msgs-destroy-message ?goal))
