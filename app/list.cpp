@@ -1,0 +1,66 @@
+// cxlab list: what there is to use.
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "app/command.h"
+#include "app/share.h"
+#include "cx/bus/interface.h"
+
+namespace cxlab::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The first comment of a YAML file.
+std::string headline(const fs::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  return line.starts_with("# ") ? line.substr(2) : std::string();
+}
+
+int list_scenarios() {
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  for (const auto& entry : fs::recursive_directory_iterator(find_share().scenarios, ignored)) {
+    if (entry.path().extension() != ".yaml") continue;
+    std::ifstream in(entry.path());
+    for (std::string line; std::getline(in, line);)
+      if (line.starts_with("schema:")) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) std::printf("%-40s %s\n", fs::proximate(file).c_str(), headline(file).c_str());
+  return 0;
+}
+
+int list_skills() {
+  bus::Registry registry;
+  if (Status s = registry.add_packages_in(find_share().interfaces); !s) return fail(s.error());
+  for (const char* package : {"cxlab_skills", "rcll_interfaces"})
+    for (const std::string& name : registry.interfaces(package)) {
+      if (name.find("/action/") == std::string::npos) continue;
+      auto action = registry.action(name);
+      if (!action) return fail(action.error());
+      std::printf("%s\n ", name.c_str());
+      for (const bus::Field& field : (*action)->goal->fields()) std::printf(" %s", field.name.c_str());
+      std::printf("\n");
+    }
+  return 0;
+}
+
+}  // namespace
+
+void add_list(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("list", "Lists what there is: scenarios, skills");
+  auto what = std::make_shared<std::string>();
+  command->add_option("what", *what, "scenarios or skills")->required()->check(CLI::IsMember({"scenarios", "skills"}));
+  command->callback([what, &action] {
+    action = [what] { return *what == "skills" ? list_skills() : list_scenarios(); };
+  });
+}
+
+}  // namespace cxlab::app

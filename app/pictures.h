@@ -1,0 +1,44 @@
+#pragma once
+// Pictures of a run: snapshots at given times, and a film. Taken between ticks; they change nothing.
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/report.h"
+#include "cx/base/expected.h"
+#include "cx/journal/run_folder.h"
+#include "scenarios/episode.h"
+#include "sim/mujoco/render.h"
+
+namespace cxlab::app {
+
+class Pictures {
+ public:
+  /// `times` (s) in order. Where pictures cannot be had (no OpenGL, timed tier, no ffmpeg) says so on stderr once and
+  /// takes none: the run goes on.
+  static Expected<std::unique_ptr<Pictures>> create(Episode& episode, const RunFolder* folder, std::vector<double> times, const std::string& video);
+  ~Pictures();
+
+  /// Takes what is due at the episode's time.
+  Status look(Episode& episode);
+  Status finish();
+  const std::vector<Picture>& taken() const { return taken_; }
+
+ private:
+  Pictures() = default;
+  Status snapshot(const sim::PhysicsGate& world, double t);
+  Status frame(const sim::PhysicsGate& world);
+
+  std::unique_ptr<sim::Renderer> renderer_;
+  std::filesystem::path folder_;
+  std::vector<double> times_;
+  std::size_t next_ = 0;
+  std::string video_;
+  std::FILE* film_ = nullptr;  // a pipe to ffmpeg
+  double next_frame_ = 0;
+  std::vector<Picture> taken_;
+};
+
+}  // namespace cxlab::app

@@ -1,0 +1,9 @@
+#pragma once
+
+#include <string>
+
+namespace cxlab::sim {
+
+std::string mujoco_version();
+
+}  // namespace cxlab::sim
