@@ -13,7 +13,8 @@
 
 #include "app/command.h"
 #include "app/share.h"
-#include "app/versions.h"
+#include "cx/engine/version.h"
+#include "sim/mujoco/version.h"
 
 namespace cxlab::app {
 
@@ -92,7 +93,7 @@ std::vector<Finding> examine() {
   std::vector<Finding> findings;
   findings.push_back({"cxlab", Verdict::kGood, CXLAB_VERSION, ""});
   findings.push_back({"CLIPS", Verdict::kGood, clips_version(), ""});
-  findings.push_back({"MuJoCo", Verdict::kGood, mujoco_version(), ""});
+  findings.push_back({"MuJoCo", Verdict::kGood, sim::mujoco_version(), ""});
   const Share folders = find_share();
   findings.push_back(share("interfaces", folders.interfaces));
   findings.push_back(share("models", folders.models));

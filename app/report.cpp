@@ -8,6 +8,7 @@
 #include <map>
 
 #include "app/console.h"
+#include "cx/journal/journal_reader.h"
 
 namespace cxlab::app {
 
@@ -149,7 +150,43 @@ constexpr const char* kStyle =
     "rect.failed{fill:#d64545}span.failed{background:#d64545}.key span{padding:.1em .7em;margin-right:.6em;border-radius:3px}"
     "figure{display:inline-block;margin:.4em .6em .4em 0;width:48%}img{width:100%}figcaption{color:#666}.bad{color:#b00020}";
 
+/// Skills that began and have not ended yet, by robot.
+using OpenSkills = std::map<std::string, SkillBar, std::less<>>;
+
+void note_skill(const JournalRecord& record, OpenSkills& open, std::vector<SkillBar>& out) {
+  const std::string robot(record.data.text("robot"));
+  const std::string_view event = record.data.text("event");
+  if (event == "start") {
+    open[robot] = {robot, std::string(record.data.text("skill")), std::string(record.data.text("target")), to_seconds(record.t), 0, false};
+  } else if (event == "end" && open.contains(robot)) {
+    SkillBar bar = open[robot];
+    bar.end = to_seconds(record.t);
+    bar.succeeded = record.data.integer("code") == 0;
+    out.push_back(std::move(bar));
+    open.erase(robot);
+  }
+}
+
 }  // namespace
+
+Status read_story(const std::filesystem::path& journal, Report& report) {
+  auto reader = JournalReader::open(journal);
+  if (!reader) return reader.error();
+  OpenSkills open;
+  while (true) {
+    auto record = reader->next();
+    if (!record) return record.error();
+    if (!*record) break;
+    if ((*record)->kind == RecordKind::kSkill) note_skill(**record, open, report.skills);
+    else if ((*record)->kind == RecordKind::kReferee && (*record)->data.text("event") == "score")
+      report.scores.push_back({std::string((*record)->data.text("team")), std::string((*record)->data.text("kind")), to_seconds((*record)->t), (*record)->data.integer("points")});
+  }
+  for (auto& [robot, bar] : open) {
+    bar.end = to_seconds(report.result.sim_time);
+    report.skills.push_back(bar);
+  }
+  return {};
+}
 
 std::string to_html(const Report& report) {
   const Result& r = report.result;

@@ -1,5 +1,6 @@
 // cxlab run: plays one episode.
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -13,8 +14,11 @@
 #include "app/pictures.h"
 #include "app/report.h"
 #include "app/run_options.h"
+#include "app/share.h"
+#include "cx/engine/version.h"
 #include "cx/journal/run_folder.h"
 #include "scenarios/episode.h"
+#include "sim/mujoco/version.h"
 
 namespace cxlab::app {
 
@@ -67,7 +71,7 @@ std::string manifest(const Run& run, const std::vector<std::string>& command_lin
   out["overrides"] = run.scenario.overrides;
   out["seed"] = run.scenario.seed;
   out["tier"] = run.scenario.tier == Tier::kTimed ? "timed" : "physics";
-  out["versions"] = {{"cxlab", CXLAB_VERSION}, {"CLIPS", clips_version()}, {"MuJoCo", mujoco_version()}, {"ROS 2 CX studied", "90f440b1 (2026-06-13)"}};
+  out["versions"] = {{"cxlab", CXLAB_VERSION}, {"CLIPS", clips_version()}, {"MuJoCo", sim::mujoco_version()}, {"ROS 2 CX studied", "90f440b1 (2026-06-13)"}};
   out["command"] = command_line;
   out["repeat"] = "cxlab rerun " + run.folder->path().string();
   return out.dump(2) + '\n';
@@ -88,13 +92,13 @@ Status play(Run& run, Progress& progress) {
     const Status ticked = episode.tick();
     run.game.end();
     if (!ticked) return ticked;
-    if (Status s = pictures->look(episode); !s) return s;
+    if (Status s = (*pictures)->look(episode); !s) return s;
     progress.show(to_seconds(episode.now()), end, {});
     if (run.options.realtime)
       std::this_thread::sleep_until(wall_start + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()));
   }
-  if (Status s = pictures->finish(); !s) return s;
-  run.report.pictures = pictures->taken();
+  if (Status s = (*pictures)->finish(); !s) return s;
+  run.report.pictures = (*pictures)->taken();
   return {};
 }
 
@@ -184,6 +188,9 @@ int run_episode(const RunOptions& options, const std::vector<std::string>& comma
   episode_options.journal = *level;
   episode_options.log = &printer;
   episode_options.physics_meter = &run.physics;
+  const Share share = find_share();
+  episode_options.interfaces = share.interfaces;
+  episode_options.models = share.models;
   auto episode = Episode::load(run.scenario, episode_options);
   if (!episode) {
     if (run.folder) {

@@ -8,6 +8,17 @@
 
 namespace cxlab {
 
+namespace {
+
+/// A package may also hold rules only.
+bool has_interfaces(const std::filesystem::path& package) {
+  for (const char* kind : {"msg", "srv", "action"})
+    if (std::filesystem::is_directory(package / kind)) return true;
+  return false;
+}
+
+}  // namespace
+
 Episode::Episode(Scenario scenario, EpisodeOptions options) : scenario_(std::move(scenario)), options_(std::move(options)) {}
 
 Episode::~Episode() = default;
@@ -45,10 +56,16 @@ Status Episode::build_bus() {
     const std::filesystem::path path = scenario_.resolve(folder);
     if (!std::filesystem::is_directory(path))
       return input_error("package " + name + ": there is no folder " + path.string(), scenario_.file.string());
+    if (!has_interfaces(path)) continue;
     if (Status s = registry_.add_package(name, path); !s) return s;
   }
   bus_ = std::make_unique<bus::Bus>(registry_, journal_);
-  if (inputs_) {
+  if (!options_.replay_inputs.empty()) {
+    auto log = InputLogReader::open(options_.replay_inputs);
+    if (!log) return log.error();
+    bus_->mute(true);
+    replayer_.emplace(*std::move(log), *bus_, journal_);
+  } else if (inputs_) {
     tap_.emplace(*bus_, journal_, *inputs_);
     bus_->set_input_tap(&*tap_);
   }
@@ -56,7 +73,7 @@ Status Episode::build_bus() {
 }
 
 Status Episode::build_stage() {
-  if (options_.replay) {
+  if (replayer_) {
     stage_ = std::make_unique<Stage>();
     return {};
   }
@@ -85,11 +102,11 @@ Status Episode::build_agents() {
     manager.name_space = spec.name_space;
     manager.remaps = spec.remaps;
     manager.params = spec.params;
-    for (const auto* packages : {&scenario_.packages, &spec.packages})
+    for (const auto* packages : {&std::as_const(scenario_.packages), &spec.packages})
       for (const auto& [name, folder] : *packages) manager.packages[name] = {scenario_.resolve(folder), {}};
     manager.plugin_types = cx::builtin_plugins();
     manager.log = options_.log;
-    manager.outside = options_.outside;
+    manager.outside = make_outside("agent/" + std::to_string(agents_.size()));
     manager.on_read = [this](const std::string& name, const std::filesystem::path& file) { return keep(name, file); };
     manager.seed = scenario_.seed;
     manager.epoch = scenario_.epoch;
@@ -105,6 +122,13 @@ Status Episode::build_agents() {
     agents_.push_back(*std::move(made));
   }
   return {};
+}
+
+LookOutside* Episode::make_outside(const std::string& stream) {
+  if (replayer_) outside_.push_back(std::make_unique<ReplayingOutside>(*replayer_, stream));
+  else if (inputs_) outside_.push_back(std::make_unique<RecordingOutside>(*bus_, *inputs_, stream));
+  else return nullptr;
+  return outside_.back().get();
 }
 
 Status Episode::start() {
@@ -140,8 +164,8 @@ Status Episode::tick() {
 }
 
 Status Episode::perceive(cx::EnvironmentManager& agent, std::size_t i) {
-  if (options_.replay)
-    if (Status s = options_.replay->deliver_due(agent.environment(i).participant()); !s) return s;
+  if (replayer_)
+    if (Status s = replayer_->deliver_due(agent.environment(i).participant()); !s) return s;
   return agent.perceive(i);
 }
 
@@ -152,7 +176,7 @@ SimTime Episode::next_tick() const {
   const SimTime last = tick_not_before(scenario_.duration, scenario_.tick);
   if (bus_->any_waiting()) return following;
   SimTime due = last;
-  if (options_.replay) due = std::min(due, options_.replay->next_due());
+  if (replayer_) due = std::min(due, replayer_->next_due());
   if (stage_->world) due = std::min(due, stage_->world->next_event());
   for (const auto& server : stage_->servers) due = std::min(due, server->next_due());
   if (stage_->referee) due = std::min(due, stage_->referee->next_due());
@@ -168,7 +192,14 @@ Status Episode::advance_world(SimTime next) {
   return moved;
 }
 
+Status Episode::check_replay() const {
+  for (const auto& outside : outside_)
+    if (const auto* replaying = dynamic_cast<const ReplayingOutside*>(outside.get()); replaying && replaying->error()) return *replaying->error();
+  return {};
+}
+
 Status Episode::write_out() {
+  if (Status s = check_replay(); !s) return s;
   if (inputs_) {
     if (std::string bytes = stage_->take_inputs(); !bytes.empty()) inputs_->add(LoggedWorld{bus_->now(), "world", bytes});
     if (Status s = inputs_->status(); !s) return s;

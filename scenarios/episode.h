@@ -18,6 +18,7 @@
 #include "cx/journal/input_log.h"
 #include "cx/journal/journal.h"
 #include "cx/journal/replay.h"
+#include "scenarios/outside.h"
 #include "scenarios/result.h"
 #include "scenarios/scenario.h"
 #include "scenarios/stage.h"
@@ -39,6 +40,8 @@ struct EpisodeOptions {
   WallMeter* physics_meter = nullptr;  ///< around the world's steps; may be none
   std::filesystem::path interfaces;  ///< folder of the packages that come with cxlab
   std::filesystem::path models;      ///< MJCF parts
+  /// inputs.bin of a former run: its environments alone are played again, without world, servers and stimuli.
+  std::filesystem::path replay_inputs;
   bool strict = false;               ///< unknown CX parameters are errors
   bool keep_going = false;           ///< errors in rule files are reported and the run goes on, as CX does
 };
@@ -80,6 +83,8 @@ class Episode {
   Status keep(const std::string& logical_name, const std::filesystem::path& file);
   SimTime next_tick() const;
   Status advance_world(SimTime next);
+  LookOutside* make_outside(const std::string& stream);
+  Status check_replay() const;
   Status perceive(cx::EnvironmentManager& agent, std::size_t i);
   Status write_out();
 
@@ -91,6 +96,8 @@ class Episode {
   bus::Registry registry_;
   std::unique_ptr<bus::Bus> bus_;
   std::optional<RecordingTap> tap_;
+  std::optional<Replayer> replayer_;
+  std::vector<std::unique_ptr<LookOutside>> outside_;  // one an agent
   std::unique_ptr<Stage> stage_;
   std::vector<std::unique_ptr<cx::EnvironmentManager>> agents_;
   SimTime now_{-1};

@@ -1,5 +1,7 @@
 #include "cx/journal/replay.h"
 
+#include <algorithm>
+
 #include <memory>
 #include <span>
 
@@ -71,6 +73,13 @@ Replayer::Replayer(InputLogReader log, bus::Bus& bus, Journal& journal)
       inputs_[std::string(result->environment)].results.push_back(*result);
     }
   }
+}
+
+SimTime Replayer::next_due() const {
+  SimTime due = kNever;
+  for (const auto& [name, inputs] : inputs_)
+    if (!inputs.takes.empty()) due = std::min(due, inputs.takes.front().t);
+  return due;
 }
 
 Status Replayer::deliver_due(bus::ParticipantId environment) {

@@ -49,6 +49,8 @@ class Replayer {
 
   /// Hands over what this environment took at `Bus::now`, if anything.
   Status deliver_due(bus::ParticipantId environment);
+  /// When an environment takes next; kNever after the last.
+  SimTime next_due() const;
   /// What `key` (a function that looked outside) gave next to the environment of that stream.
   Expected<std::string_view> next_result(std::string_view environment, std::string_view key);
   /// After the last tick: success, or what the environments did not take or ask for.

@@ -73,6 +73,11 @@
   (slot tries (type INTEGER) (default 0))
   (slot not-before (type FLOAT) (default 0.0)))
 
+(deftemplate held-up
+  "This step of a job must wait; the rule that sees its reason gone retracts it."
+  (slot job (type INTEGER))
+  (slot step (type SYMBOL)))
+
 (deftemplate reserved
   "A machine that only one job may use at a time (base station, delivery station)."
   (slot machine (type STRING))

@@ -126,3 +126,9 @@
   (or (command (goal ?goal&~NONE)) (instruction (goal ?goal&~NONE)))
   =>
   (ros-msgs-destroy-message ?goal))
+
+(defrule finalize-goal-handles
+  (executive-finalize)
+  (or (command (handle ?handle&~NONE)) (instruction (handle ?handle&~NONE)))
+  =>
+  (ros-msgs-destroy-client-goal-handle ?handle))

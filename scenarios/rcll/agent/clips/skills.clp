@@ -9,6 +9,7 @@
   (slot target (type STRING))
   (slot server (type STRING) (default ""))
   (slot goal (default NONE))
+  (slot handle (default NONE))
   (slot goal-id (type SYMBOL) (default NONE))
   (slot state (type SYMBOL) (allowed-values NEW SENT RUNNING SUCCEEDED FAILED) (default NEW))
   (slot error-code (type INTEGER) (default 0))
@@ -58,27 +59,26 @@
   =>
   (bind ?goal-id (ros-msgs-client-goal-handle-get-goal-id ?handle))
   (ros-msgs-destroy-message ?goal)
-  (ros-msgs-destroy-client-goal-handle ?handle)
   (retract ?response)
-  (modify ?c (state RUNNING) (goal NONE) (goal-id ?goal-id)))
+  (modify ?c (state RUNNING) (goal NONE) (handle ?handle) (goal-id ?goal-id)))
 
 (defrule skill-result
   "The skill ended: its result goes into the command."
-  ?c <- (command (server ?server) (state RUNNING) (goal-id ?goal-id))
+  ?c <- (command (server ?server) (state RUNNING) (goal-id ?goal-id) (handle ?handle))
   ?wrapped <- (ros-msgs-wrapped-result (server ?server) (goal-id ?goal-id) (code ?code) (result-ptr ?result))
   =>
   (bind ?error-code (ros-msgs-get-field ?result "error_code"))
   (bind ?error (ros-msgs-get-field ?result "error"))
   (ros-msgs-destroy-message ?result)
+  (ros-msgs-destroy-client-goal-handle ?handle)
   (retract ?wrapped)
-  (modify ?c (state (if (eq ?code SUCCEEDED) then SUCCEEDED else FAILED)) (error-code ?error-code) (error ?error)))
+  (modify ?c (handle NONE) (state (if (eq ?code SUCCEEDED) then SUCCEEDED else FAILED)) (error-code ?error-code) (error ?error)))
 
 (defrule skill-feedback-drop
   "Phases are for the journal, not for us."
-  ?f <- (ros-msgs-feedback (client-goal-handle-ptr ?handle) (feedback-ptr ?feedback))
+  ?f <- (ros-msgs-feedback (feedback-ptr ?feedback))
   =>
   (ros-msgs-destroy-message ?feedback)
-  (ros-msgs-destroy-client-goal-handle ?handle)
   (retract ?f))
 
 ; --- Machines
@@ -94,6 +94,7 @@
   (slot color (type STRING) (default ""))
   (slot order (type INTEGER) (default 0))
   (slot goal (default NONE))
+  (slot handle (default NONE))
   (slot goal-id (type SYMBOL) (default NONE))
   (slot state (type SYMBOL) (allowed-values NEW SENT RUNNING SUCCEEDED FAILED) (default NEW))
   (slot error (type STRING) (default "")))
@@ -126,15 +127,15 @@
   =>
   (bind ?goal-id (ros-msgs-client-goal-handle-get-goal-id ?handle))
   (ros-msgs-destroy-message ?goal)
-  (ros-msgs-destroy-client-goal-handle ?handle)
   (retract ?response)
-  (modify ?i (state RUNNING) (goal NONE) (goal-id ?goal-id)))
+  (modify ?i (state RUNNING) (goal NONE) (handle ?handle) (goal-id ?goal-id)))
 
 (defrule instruct-result
-  ?i <- (instruction (state RUNNING) (goal-id ?goal-id))
+  ?i <- (instruction (state RUNNING) (goal-id ?goal-id) (handle ?handle))
   ?wrapped <- (ros-msgs-wrapped-result (server "/factory/instruct_machine") (goal-id ?goal-id) (code ?code) (result-ptr ?result))
   =>
   (bind ?error (ros-msgs-get-field ?result "error"))
   (ros-msgs-destroy-message ?result)
+  (ros-msgs-destroy-client-goal-handle ?handle)
   (retract ?wrapped)
-  (modify ?i (state (if (eq ?code SUCCEEDED) then SUCCEEDED else FAILED)) (error ?error)))
+  (modify ?i (handle NONE) (state (if (eq ?code SUCCEEDED) then SUCCEEDED else FAILED)) (error ?error)))

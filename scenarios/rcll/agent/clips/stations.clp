@@ -1,10 +1,5 @@
 ; The cycle of each cap station, one rule a transition. Each creates the job or the instruction that leads to the next.
 
-(deftemplate held-up
-  "This step of a job must wait; the rule that sees its reason gone retracts it."
-  (slot job (type INTEGER))
-  (slot step (type SYMBOL)))
-
 (deffunction create-job (?purpose ?station ?order ?from ?to)
   "A job without a robot; returns its number."
   (bind ?id (new-id))
