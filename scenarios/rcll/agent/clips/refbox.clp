@@ -17,6 +17,7 @@
 (defrule refbox-subscribe
   (topic (name ?topic) (type ?type))
   (not (ros-msgs-subscription (topic ?topic)))
+  (not (executive-finalize))
   =>
   (ros-msgs-create-subscription ?topic ?type))
 

@@ -102,6 +102,7 @@
 (defrule instruct-client-create
   (machine)
   (not (ros-msgs-action-client (server "/factory/instruct_machine")))
+  (not (executive-finalize))
   =>
   (ros-msgs-create-action-client ?*INSTRUCT* "rcll_interfaces/action/InstructMachine"))
 

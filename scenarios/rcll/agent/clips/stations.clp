@@ -160,7 +160,7 @@
 
 (defrule shelf-wait-for-refill
   "All three slots are empty: the crew fills them."
-  (cap-station (name ?name))
+  (shelf (machine ?name) (state TAKEN))
   (not (shelf (machine ?name) (state FULL)))
   (not (job (purpose BUFFER) (station ?name) (step WAITING|GO-FETCH|FETCH)))
   (not (shelf-refill (machine ?name)))
