@@ -62,10 +62,9 @@ class FileLoadPlugin final : public Plugin {
     }
     const OnLoadError on_error = context().keep_going ? OnLoadError::kKeepGoing : OnLoadError::kStop;
     const LoadReport report = environment.engine().load_text(*text, file.path.string(), mode, on_error);
-    for (const RuleError& e : report.errors) {
-      if (!context().keep_going) return e.error();
-      context().note_load_error(e.error());
-    }
+    (void)environment.check_errors(report.errors);  // noted; what they mean for loading is decided here
+    if (!context().keep_going) return report.status();
+    for (const RuleError& e : report.errors) context().note_load_error(e.error());
     return {};
   }
 

@@ -72,6 +72,8 @@ TEST(FileLoad, WhenItKeepsGoingAllErrorsAreReportedAndTheRestIsLoaded) {
   lab.agent("(defrule bad (x) => (nothing-such))\n(defrule good (time ?) => (println \"good\"))\n(defrule worse (x) => (nothing-such))");
   lab.run_up();
   EXPECT_THAT(lab.manager->load_errors(), SizeIs(2));
+  ASSERT_THAT(lab.manager->rule_errors(), SizeIs(2));
+  EXPECT_EQ(lab.manager->rule_errors()[1].error.line, 3);
   lab.ticks(1);
   EXPECT_THAT(lab.log.with("good"), SizeIs(1));
 }
