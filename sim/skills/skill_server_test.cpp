@@ -1,9 +1,9 @@
 // What a client on the bus sees of a robot's skills, in both tiers.
 
-#include <array>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,7 +34,9 @@ class NoRecords final : public RecordSink {
 
 FloorPlan small_plan() {
   FloorPlan plan;
-  plan.stations = {{"C-BS", "BS", {1.5, 5.5, 0}, true}, {"C-CS1", "CS", {4.5, 5.5, 0}, true}, {"C-RS1", "RS", {4.5, 2.5, 0}, true}};
+  plan.stations = {{"C-BS", "BS", {1.5, 5.5, 0}, true},
+                   {"C-CS1", "CS", {4.5, 5.5, 0}, true},
+                   {"C-RS1", "RS", {4.5, 2.5, 0}, true}};
   for (std::size_t i = 0; i < plan.stations.size(); ++i)
     for (Spot& spot : spots_of(plan.stations[i], static_cast<StationId>(i))) plan.spots.push_back(std::move(spot));
   plan.robots = {{"robot1", {0.3, 4, 0}}, {"robot2", {3, 1.2, 0}}};

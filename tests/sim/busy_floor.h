@@ -85,7 +85,7 @@ class BusyFloor {
       const Spot& spot = plan.spots[i];
       const Station& station = plan.station(spot.station);
       if (station.kind == "BS" && spot.kind == SpotKind::kBeltOutput && !world_.at(static_cast<SpotId>(i)) && !wanted(static_cast<SpotId>(i)))
-        static_cast<void>(world_.dispense(spot.station, spot.rest_in_station.x, Stack{1, {}, 0}));
+        static_cast<void>(world_.dispense(spot.station, spot.rest_in_station.x, any_product()));
       if (spot.kind == SpotKind::kShelf && world_.now() == SimTime{})
         static_cast<void>(world_.dispense(static_cast<SpotId>(i), Stack{4, {}, 1}));
     }
@@ -131,6 +131,15 @@ class BusyFloor {
   }
   bool claimed(SpotId spot) const {
     return std::ranges::any_of(crew_, [&](const Member& m) { return m.busy && m.spot == spot; });
+  }
+
+  /// From a bare base to a C3.
+  Stack any_product() {
+    Stack stack{static_cast<std::uint8_t>(1 + random_.below(3)), {}, 0};
+    const std::uint64_t rings = random_.below(4);
+    for (std::uint64_t k = 0; k < rings; ++k) stack.rings[k] = static_cast<std::uint8_t>(1 + random_.below(4));
+    stack.cap = static_cast<std::uint8_t>(random_.below(3));
+    return stack;
   }
 
   void command(std::size_t i) {
