@@ -90,6 +90,7 @@
 
 (defrule shelf-of-cap-station
   (cap-station (name ?name))
+  (not (shelf (machine ?name)))
   =>
   (assert (shelf (machine ?name) (spot (str-cat ?name "-SHELF-LEFT")))
           (shelf (machine ?name) (spot (str-cat ?name "-SHELF-MIDDLE")))
@@ -97,6 +98,7 @@
 
 (defrule slide-of-ring-station
   (machine (name ?name) (kind RS))
+  (not (slide (machine ?name)))
   =>
   (assert (slide (machine ?name) (spot (str-cat ?name "-SLIDE")))))
 
