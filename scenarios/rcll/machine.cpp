@@ -170,6 +170,7 @@ bool Machine::ready(const sim::World& world) const {
 void Machine::enter_down(SimTime now, sim::World& world) {
   before_down_ = state_;
   down_since_ = now;
+  belt_.wanted = world.belt_running(id_);  // one that a piece has stopped stays still afterwards
   if (belt_.wanted) world.stop_belt(id_);
   state_ = MachineState::kDown;
   post(MachineEvent::Kind::kState, now).state = state_;

@@ -23,7 +23,7 @@ constexpr SimTime kLead{120'000'000};      ///< the base follows its command tha
 constexpr SimTime kSlope{50'000'000};
 constexpr double kFineGain = 3.0, kFineYawGain = 3.0;
 constexpr double kFineSlowDown = 0.6;      ///< m/s2
-constexpr double kFineSpeed = 0.3, kFineTurn = 0.6;
+constexpr double kFineSpeed = 0.1, kFineTurn = 0.6;  ///< the league's robots align at 0.1 m/s
 
 // Where steering is good enough, in m and rad.
 constexpr double kArrivedAt = 0.03, kArrivedYaw = 0.05;
@@ -34,6 +34,8 @@ constexpr double kStill = 0.03;            ///< m/s
 constexpr double kAxisExact = 0.002;
 constexpr double kPieceSize = 0.042;       ///< m: two pieces nearer than that would touch
 
+constexpr SimTime kLookTime{3'500'000'000};   ///< until the camera has found the spot and held it
+constexpr SimTime kCheckTime{2'000'000'000};  ///< looking whether the piece is where it should be
 constexpr SimTime kGripTime{400'000'000};
 constexpr SimTime kReleaseTime{300'000'000};
 constexpr SimTime kSettleTime{1'500'000'000};
@@ -208,9 +210,12 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
   switch (phase_) {
     case SkillPhase::kAlign:
       if (base_at(spot_->align_in_world, kAlignedAt, kAlignedYaw))
-        enter(SkillPhase::kApproach, now);
+        enter(SkillPhase::kLook, now);
       else if (late)
         return give_up(SkillCode::kUnableToMove, now);
+      return std::nullopt;
+    case SkillPhase::kLook:
+      if (now - entered_ >= kLookTime) enter(SkillPhase::kApproach, now);
       return std::nullopt;
     case SkillPhase::kApproach:
       if (base_at(spot_->work_in_world, kAtWork, kAlignedYaw) && speed_of(state_) < kStill &&
@@ -245,8 +250,15 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
         enter(SkillPhase::kBackOff, now);
       return std::nullopt;
     case SkillPhase::kBackOff:
-      if (base_at(spot_->align_in_world, kBackedOff, kArrivedYaw) && state_.gripper.x < kWithinHull) return verify(now);
-      if (late) return end(SkillCode::kUnableToMove, now);
+      if (base_at(spot_->align_in_world, kBackedOff, kArrivedYaw) && state_.gripper.x < kWithinHull) {
+        if (failure_ != SkillCode::kNone) return end(failure_, now);
+        enter(SkillPhase::kCheck, now);
+      } else if (late) {
+        return end(SkillCode::kUnableToMove, now);
+      }
+      return std::nullopt;
+    case SkillPhase::kCheck:
+      if (now - entered_ >= kCheckTime) return verify(now);
       return std::nullopt;
     default:
       return end(SkillCode::kInternal, now);
@@ -255,7 +267,6 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
 
 /// Backed off: is the piece where it should be?
 std::optional<SkillResult> PhysicsSkills::verify(SimTime now) {
-  if (failure_ != SkillCode::kNone) return end(failure_, now);
   if (goal_.kind == SkillKind::kPick) return end(state_.held ? SkillCode::kNone : SkillCode::kGraspFailed, now);
   // A machine may have taken it on already.
   const Piece* piece = world_.find(*piece_);
@@ -318,6 +329,7 @@ void PhysicsSkills::act(SimTime now) {
   const bool picks = goal_.kind == SkillKind::kPick;
   switch (phase_) {
     case SkillPhase::kAlign:
+    case SkillPhase::kLook:
     case SkillPhase::kApproach: {
       const bool aligned = phase_ == SkillPhase::kApproach;
       if (picks) move_fingers(kOpen);

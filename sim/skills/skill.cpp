@@ -33,6 +33,8 @@ std::string_view to_string(SkillPhase phase) {
     case SkillPhase::kWait: return "wait";
     case SkillPhase::kDrive: return "drive";
     case SkillPhase::kAlign: return "align";
+    case SkillPhase::kLook: return "look";
+    case SkillPhase::kCheck: return "check";
     case SkillPhase::kApproach: return "approach";
     case SkillPhase::kLower: return "lower";
     case SkillPhase::kGrip: return "grip";

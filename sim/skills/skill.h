@@ -36,12 +36,14 @@ enum class SkillPhase : std::uint8_t {
   kWait,      ///< others are in the way
   kDrive,
   kAlign,     ///< 0.5 m from the face, in line with the spot
+  kLook,      ///< stands there until the camera has found the spot
   kApproach,  ///< base to the working distance, gripper forward
   kLower,
   kGrip,
   kRelease,
   kLift,
   kBackOff,   ///< to 0.5 m from the face, gripper home
+  kCheck,     ///< looks whether the piece is where it should be
   kHandle,    ///< timed tier: all between align and back off
   kStop,      ///< cancelled: until the robot stands and its gripper is home
 };

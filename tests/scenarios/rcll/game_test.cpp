@@ -347,6 +347,18 @@ TEST(Game, OneRingAndOneCapStationOfBothTeamsAreDownOnce) {
   }
 }
 
+TEST(Game, AMachineThatWasDownWhileIdleLeavesItsBeltStill) {
+  WorldConfig config = GameStory::quiet_game();
+  config.down = true;
+  GameStory story(config);
+  ASSERT_EQ(story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}").code, 0);  // belts have run before
+  for (int second = 0; second < 1200; ++second) {
+    story.run_for(1);
+    for (const auto& machine : story.factory().machines())
+      if (machine->state() == MachineState::kIdle) EXPECT_FALSE(story.world().belt_running(machine->id())) << machine->name();
+  }
+}
+
 TEST(Game, BeforeProductionMachinesTakeNoInstructionsAndAfterItIsOver) {
   WorldConfig config = GameStory::quiet_game();
   config.setup_s = 5;
