@@ -1,10 +1,12 @@
 ; What the agent knows. One template a thing; states are enumerated, so that order never hangs on salience.
 
 (deftemplate robot
-  "One of our robots, and what it is on."
+  "One of our robots; x and y are those of the machine at which it last was."
   (slot name (type STRING))
   (slot state (type SYMBOL) (allowed-values IDLE BUSY))
-  (slot place (type STRING) (default "START"))
+  (slot place (type STRING) (default ""))
+  (slot x (type FLOAT) (default 0.0))
+  (slot y (type FLOAT) (default 0.0))
   (slot idle-since (type FLOAT) (default 0.0)))
 
 (deftemplate machine

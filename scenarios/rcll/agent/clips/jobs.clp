@@ -30,9 +30,10 @@
   ?job <- (job (id ?id) (robot ?robot) (step ?step) (moving YES))
   ?command <- (command (id ?id) (state SUCCEEDED) (target ?target))
   ?r <- (robot (name ?robot))
+  (machine (name =(machine-of ?target)) (x ?x) (y ?y))
   =>
   (retract ?command)
-  (modify ?r (place ?target))
+  (modify ?r (place ?target) (x ?x) (y ?y))
   (modify ?job (moving NO) (tries 0)
                (step (switch ?step (case GO-FETCH then FETCH) (case FETCH then GO-PUT) (case GO-PUT then PUT) (default DONE)))))
 

@@ -75,13 +75,20 @@
   (ros-msgs-destroy-message ?m)
   (retract ?message))
 
+(deffunction learn-robot (?message)
+  "A robot of our team, where it stands at first."
+  (bind ?name (ros-msgs-get-field ?message "name"))
+  (if (not (any-factp ((?known robot)) (eq ?known:name ?name)))
+   then (bind ?pose (ros-msgs-get-field ?message "pose"))
+        (assert (robot (name ?name) (x (ros-msgs-get-field ?pose "x")) (y (ros-msgs-get-field ?pose "y"))))
+        (ros-msgs-destroy-message ?pose)))
+
 (defrule refbox-robot-info
   ?message <- (ros-msgs-message (topic "/robot_info") (msg-ptr ?m))
   =>
   (bind ?robots (ros-msgs-get-field ?m "robots"))
   (foreach ?r ?robots
-    (bind ?name (ros-msgs-get-field ?r "name"))
-    (if (not (any-factp ((?known robot)) (eq ?known:name ?name))) then (assert (robot (name ?name))))
+    (learn-robot ?r)
     (ros-msgs-destroy-message ?r))
   (ros-msgs-destroy-message ?m)
   (retract ?message))

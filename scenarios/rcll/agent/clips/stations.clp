@@ -1,8 +1,7 @@
 ; The cycle of each cap station, one rule a transition. Each creates the job or the instruction that leads to the next.
 
-(deffunction create-job (?purpose ?station ?order ?from ?to)
+(deffunction create-job (?id ?purpose ?station ?order ?from ?to)
   "A job without a robot; returns its number."
-  (bind ?id (new-id))
   (assert (job (id ?id) (purpose ?purpose) (station ?station) (order ?order) (from ?from) (to ?to)))
   ?id)
 
@@ -17,7 +16,7 @@
   =>
   (modify ?station (phase BUFFERING))
   (modify ?shelf (state TAKEN))
-  (bind ?id (create-job BUFFER ?name 0 ?spot (str-cat ?name "-INPUT")))
+  (bind ?id (create-job (new-id) BUFFER ?name 0 ?spot (str-cat ?name "-INPUT")))
   (assert (held-up (job ?id) (step PUT))))
 
 (defrule station-put-carrier
@@ -52,7 +51,7 @@
   =>
   (retract ?need)
   (modify ?slide (count (+ ?count 1)))
-  (create-job CLEAR ?name 0 (str-cat ?name "-OUTPUT") ?spot))
+  (create-job (new-id) CLEAR ?name 0 (str-cat ?name "-OUTPUT") ?spot))
 
 (defrule station-clear-to-delivery
   "All slides are full: the delivery station takes the bare base as order 0."
@@ -61,7 +60,7 @@
   (machine (name ?delivery) (kind DS))
   =>
   (retract ?need)
-  (bind ?id (create-job CLEAR ?name 0 (str-cat ?name "-OUTPUT") (str-cat ?delivery "-INPUT")))
+  (bind ?id (create-job (new-id) CLEAR ?name 0 (str-cat ?name "-OUTPUT") (str-cat ?delivery "-INPUT")))
   (assert (held-up (job ?id) (step GO-PUT))))
 
 (defrule station-cleared
@@ -99,7 +98,7 @@
            (cap-station (name ?name) (phase CLEARING))))
   (machine (name ?bs) (kind BS))
   =>
-  (bind ?id (create-job BASE ?name ?order (str-cat ?bs "-OUTPUT") (str-cat ?name "-INPUT")))
+  (bind ?id (create-job (new-id) BASE ?name ?order (str-cat ?bs "-OUTPUT") (str-cat ?name "-INPUT")))
   (assert (held-up (job ?id) (step GO-FETCH)) (held-up (job ?id) (step FETCH)) (held-up (job ?id) (step PUT))))
 
 (defrule station-put-base
@@ -135,7 +134,7 @@
   (machine (name ?delivery) (kind DS))
   (time ?now&:(> ?now (- ?begin ?*DELIVERY-LEAD*)))
   =>
-  (bind ?id (create-job DELIVER ?name ?order (str-cat ?name "-OUTPUT") (str-cat ?delivery "-INPUT")))
+  (bind ?id (create-job (new-id) DELIVER ?name ?order (str-cat ?name "-OUTPUT") (str-cat ?delivery "-INPUT")))
   (assert (held-up (job ?id) (step GO-PUT)) (held-up (job ?id) (step PUT))))
 
 (defrule station-product-taken
