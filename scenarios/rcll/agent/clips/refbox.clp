@@ -75,12 +75,18 @@
   (ros-msgs-destroy-message ?m)
   (retract ?message))
 
+(deffunction zone-of (?x ?y)
+  "The zone around a point, as in C_Z51."
+  (str-cat (if (> ?x 0) then "C" else "M") "_Z" (+ 1 (integer (abs ?x))) (+ 1 (integer ?y))))
+
 (deffunction learn-robot (?message)
   "A robot of our team, where it stands at first."
   (bind ?name (ros-msgs-get-field ?message "name"))
   (if (not (any-factp ((?known robot)) (eq ?known:name ?name)))
    then (bind ?pose (ros-msgs-get-field ?message "pose"))
-        (assert (robot (name ?name) (x (ros-msgs-get-field ?pose "x")) (y (ros-msgs-get-field ?pose "y"))))
+        (bind ?x (ros-msgs-get-field ?pose "x"))
+        (bind ?y (ros-msgs-get-field ?pose "y"))
+        (assert (robot (name ?name) (x ?x) (y ?y) (home (zone-of ?x ?y)) (place (zone-of ?x ?y))))
         (ros-msgs-destroy-message ?pose)))
 
 (defrule refbox-robot-info

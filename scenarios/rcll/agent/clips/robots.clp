@@ -41,3 +41,24 @@
   ?job <- (job (purpose PAY) (step DONE) (robot ""))
   =>
   (retract ?job))
+
+; --- Nothing to do at all: home, out of the way of others
+
+(defrule robot-go-home
+  "No work for a while: home."
+  ?robot <- (robot (name ?name) (state IDLE) (home ?home) (place ~?home) (idle-since ?since))
+  (time ?now&:(> ?now (+ ?since ?*PATIENCE*)))
+  (not (job (step WAITING)))
+  =>
+  (bind ?id (new-id))
+  (modify ?robot (state GOING-HOME))
+  (assert (command (id ?id) (robot ?name) (skill drive_to) (target ?home))))
+
+(defrule robot-home
+  "It is there, or could not get there: either way it is free."
+  ?robot <- (robot (name ?name) (state GOING-HOME) (home ?home))
+  ?command <- (command (robot ?name) (skill drive_to) (target ?home) (state SUCCEEDED|FAILED))
+  (time ?now)
+  =>
+  (retract ?command)
+  (modify ?robot (state IDLE) (place ?home) (idle-since ?now)))
