@@ -30,6 +30,7 @@
 
 (deftemplate game
   (slot phase (type SYMBOL))
+  (slot begin (type FLOAT))  ; when this phase began; windows of orders count from there
   (slot state (type SYMBOL)))
 
 (deftemplate team

@@ -26,10 +26,11 @@
   =>
   (bind ?phase (sym-cat (ros-msgs-get-field ?m "phase")))
   (bind ?state (sym-cat (ros-msgs-get-field ?m "state")))
+  (bind ?begin (- (now) (ros-msgs-get-field ?m "game_time")))
   (ros-msgs-destroy-message ?m)
   (retract ?message)
-  (if (not (do-for-fact ((?g game)) TRUE (modify ?g (phase ?phase) (state ?state)) TRUE))
-   then (assert (game (phase ?phase) (state ?state)))))
+  (do-for-all-facts ((?g game)) (neq ?g:phase ?phase) (retract ?g))
+  (if (not (any-factp ((?g game)) TRUE)) then (assert (game (phase ?phase) (state ?state) (begin ?begin)))))
 
 (deffunction learn-order (?o)
   "A released order, if it is new."

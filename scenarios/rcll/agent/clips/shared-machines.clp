@@ -45,7 +45,8 @@
 (defrule delivery-window-open
   (job (id ?id) (purpose DELIVER) (step PUT) (order ?order))
   (order (id ?order) (begin ?begin))
-  (time ?now&:(>= ?now ?begin))
+  (game (begin ?zero))
+  (time ?now&:(>= ?now (+ ?zero ?begin)))
   ?held <- (held-up (job ?id) (step PUT))
   =>
   (retract ?held))

@@ -132,7 +132,8 @@
   (order (id ?order) (begin ?begin))
   (not (job (purpose DELIVER) (station ?name)))
   (machine (name ?delivery) (kind DS))
-  (time ?now&:(> ?now (- ?begin ?*DELIVERY-LEAD*)))
+  (game (begin ?zero))
+  (time ?now&:(> ?now (- (+ ?zero ?begin) ?*DELIVERY-LEAD*)))
   =>
   (bind ?id (create-job (new-id) DELIVER ?name ?order (str-cat ?name "-OUTPUT") (str-cat ?delivery "-INPUT")))
   (assert (held-up (job ?id) (step GO-PUT)) (held-up (job ?id) (step PUT))))
