@@ -354,8 +354,10 @@ TEST(Game, AMachineThatWasDownWhileIdleLeavesItsBeltStill) {
   ASSERT_EQ(story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}").code, 0);  // belts have run before
   for (int second = 0; second < 1200; ++second) {
     story.run_for(1);
-    for (const auto& machine : story.factory().machines())
-      if (machine->state() == MachineState::kIdle) EXPECT_FALSE(story.world().belt_running(machine->id())) << machine->name();
+    for (const auto& machine : story.factory().machines()) {
+      if (machine->state() != MachineState::kIdle) continue;
+      ASSERT_FALSE(story.world().belt_running(machine->id())) << machine->name();
+    }
   }
 }
 
