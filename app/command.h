@@ -14,6 +14,8 @@ namespace cxlab::app {
 using Action = std::function<int()>;
 
 void add_run(CLI::App& app, Action& action);
+void add_replay(CLI::App& app, Action& action);
+void add_rerun(CLI::App& app, Action& action);
 void add_list(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
 

@@ -32,6 +32,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", CXLAB_VERSION);
   Action action;
   add_run(app, action);
+  add_replay(app, action);
+  add_rerun(app, action);
   add_list(app, action);
   add_doctor(app, action);
   try {

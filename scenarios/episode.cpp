@@ -35,20 +35,53 @@ Expected<std::unique_ptr<Episode>> Episode::load(Scenario scenario, EpisodeOptio
 Status Episode::open_files() {
   if (options_.run_folder.empty()) return {};
   if (Status s = journal_.export_to(options_.run_folder / "journal.jsonl", options_.journal); !s) return s;
+  if (options_.replay) return {};
   auto inputs = InputLogWriter::create(options_.run_folder / "inputs.bin");
   if (!inputs) return inputs.error();
   inputs_.emplace(*std::move(inputs));
   auto files = FileStore::create(options_.run_folder);
   if (!files) return files.error();
   files_.emplace(*std::move(files));
-  return keep("scenario.yaml", scenario_.file);
+  return files_->add_content("scenario.yaml", scenario_.text);
 }
 
 Status Episode::keep(const std::string& logical_name, const std::filesystem::path& file) {
   return files_ ? files_->add(logical_name, file) : Status();
 }
 
+/// Copies have names that do not depend on where the files lay: what an agent reads has its number, because two agents
+/// may call different folders by one name.
+Status Episode::keep_for_agent(std::size_t agent, const std::filesystem::path& file) {
+  if (!files_) return {};
+  namespace fs = std::filesystem;
+  const std::string prefix = "agents/" + std::to_string(agent) + '/';
+  const auto inside = [&](const fs::path& folder) {
+    const fs::path relative = fs::absolute(file).lexically_normal().lexically_relative(folder);
+    return relative.empty() || *relative.begin() == ".." ? std::string() : relative.generic_string();
+  };
+  if (!inside(fs::absolute(options_.run_folder).lexically_normal() / "written").empty()) return {};  // rules write it again
+  for (const auto& [name, folder] : shares_[agent])
+    if (const std::string relative = inside(folder); !relative.empty())
+      return keep(prefix + "packages/" + name + '/' + relative, file);
+  return keep(prefix + "outside/" + cx::outside_name(file).generic_string(), file);
+}
+
+Status Episode::keep_interfaces() {
+  if (!files_) return {};
+  std::map<std::filesystem::path, std::string> packages;
+  for (const auto& shares : shares_)
+    for (const auto& [name, folder] : shares) packages[folder] = name;
+  for (const std::filesystem::path& file : registry_.files_read()) {
+    const auto folder = file.parent_path().parent_path();
+    const auto known = packages.find(std::filesystem::absolute(folder).lexically_normal());
+    const std::string package = known != packages.end() ? known->second : folder.filename().string();
+    if (Status s = keep("interfaces/" + package + '/' + file.parent_path().filename().string() + '/' + file.filename().string(), file); !s) return s;
+  }
+  return files_->write_index();
+}
+
 Status Episode::build_bus() {
+  if (options_.replay) return build_replay();
   if (Status s = registry_.add_packages_in(options_.interfaces); !s) return s;
   std::map<std::string, std::string> packages = scenario_.packages;
   for (const AgentSpec& agent : scenario_.agents) packages.insert(agent.packages.begin(), agent.packages.end());
@@ -60,20 +93,27 @@ Status Episode::build_bus() {
     if (Status s = registry_.add_package(name, path); !s) return s;
   }
   bus_ = std::make_unique<bus::Bus>(registry_, journal_);
-  if (!options_.replay_inputs.empty()) {
-    auto log = InputLogReader::open(options_.replay_inputs);
-    if (!log) return log.error();
-    bus_->mute(true);
-    replayer_.emplace(*std::move(log), *bus_, journal_);
-  } else if (inputs_) {
+  if (inputs_) {
     tap_.emplace(*bus_, journal_, *inputs_);
     bus_->set_input_tap(&*tap_);
   }
   return {};
 }
 
+Status Episode::build_replay() {
+  const std::filesystem::path interfaces = options_.replay->copies / "interfaces";
+  if (std::filesystem::is_directory(interfaces))
+    if (Status s = registry_.add_packages_in(interfaces); !s) return s;
+  auto log = InputLogReader::open(options_.replay->inputs);
+  if (!log) return log.error();
+  bus_ = std::make_unique<bus::Bus>(registry_, journal_);
+  bus_->mute(true);
+  replayer_.emplace(*std::move(log), *bus_, journal_);
+  return {};
+}
+
 Status Episode::build_stage() {
-  if (replayer_) {
+  if (options_.replay) {
     stage_ = std::make_unique<Stage>();
     return {};
   }
@@ -96,18 +136,29 @@ Status Episode::build_stage() {
 }
 
 Status Episode::build_agents() {
+  if (options_.replay) shares_ = options_.replay->shares;
+  else
+    for (const AgentSpec& spec : scenario_.agents) shares_.push_back(scenario_.shares(spec));
+  if (shares_.size() != scenario_.agents.size()) return input_error("the recorded run has another number of agents", scenario_.file.string());
   for (const AgentSpec& spec : scenario_.agents) {
     cx::ManagerOptions manager;
-    manager.config = scenario_.resolve(spec.config);
+    const std::size_t index = agents_.size();
+    const std::string number = std::to_string(index);
+    const std::filesystem::path config = scenario_.resolve(spec.config);
+    const std::filesystem::path copies = options_.replay ? options_.replay->copies / "agents" / number : std::filesystem::path();
+    manager.config = options_.replay ? copies / "config" / config.filename() : config;
     manager.name_space = spec.name_space;
     manager.remaps = spec.remaps;
     manager.params = spec.params;
-    for (const auto* packages : {&std::as_const(scenario_.packages), &spec.packages})
-      for (const auto& [name, folder] : *packages) manager.packages[name] = {scenario_.resolve(folder), {}};
+    for (const auto& [name, share] : shares_[index])
+      manager.packages[name] = {options_.replay ? copies / "packages" / name : std::filesystem::path(share), share};
+    if (options_.replay) manager.outside_copies = copies / "outside";
     manager.plugin_types = cx::builtin_plugins();
     manager.log = options_.log;
-    manager.outside = make_outside("agent/" + std::to_string(agents_.size()));
-    manager.on_read = [this](const std::string& name, const std::filesystem::path& file) { return keep(name, file); };
+    manager.outside = make_outside("agent/" + number);
+    manager.on_read = [this, index, config](const std::string&, const std::filesystem::path& file) {
+      return file == config ? keep("agents/" + std::to_string(index) + "/config/" + file.filename().string(), file) : keep_for_agent(index, file);
+    };
     manager.seed = scenario_.seed;
     manager.epoch = scenario_.epoch;
     manager.run_folder = options_.run_folder;
@@ -116,7 +167,6 @@ Status Episode::build_agents() {
     manager.keep_going = options_.keep_going;
     manager.strict = options_.strict;
     manager.trust_rules = scenario_.trust_rules;
-    if (Status s = keep("config/" + spec.config, manager.config); !s) return s;
     auto made = cx::EnvironmentManager::create(std::move(manager), *bus_, journal_);
     if (!made) return made.error();
     agents_.push_back(*std::move(made));
@@ -139,13 +189,14 @@ Status Episode::start() {
       if (tap_) tap_->watch(agent->environment(i).participant());
   for (auto& agent : agents_)
     if (Status s = agent->activate(); !s) return s;
+  if (Status s = keep_interfaces(); !s) return s;
   return write_out();
 }
 
 Status Episode::tick() {
   const SimTime next = next_tick();
-  bus_->begin_tick(next);
   if (Status s = advance_world(next); !s) return s;
+  bus_->begin_tick(next);
   now_ = next;
   ++ticks_;
   for (auto& server : stage_->servers)
@@ -198,6 +249,11 @@ Status Episode::check_replay() const {
   return {};
 }
 
+Status Episode::all_replayed() const {
+  if (!replayer_ || !replayer_->log_status()) return {};
+  return replayer_->all_used();
+}
+
 Status Episode::write_out() {
   if (Status s = check_replay(); !s) return s;
   if (inputs_) {
@@ -225,13 +281,10 @@ Result Episode::close(RunStatus status, std::optional<Error> failure) {
     note(agent->flush_logs());
     if (!agent->load_errors().empty()) note(agent->load_errors().front());
   }
+  note(all_replayed());
   if (inputs_) note(inputs_->close());
   note(journal_.close());
-  for (const std::filesystem::path& file : registry_.files_read()) {
-    const auto package = file.parent_path().parent_path().filename();
-    note(keep("interfaces/" + (package / file.parent_path().filename() / file.filename()).string(), file));
-  }
-  if (files_) note(files_->write_index());
+  note(keep_interfaces());
   Result out = result();
   out.status = failure ? RunStatus::kFailed : status;
   out.reason = failure;

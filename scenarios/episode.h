@@ -7,6 +7,7 @@
 //   Result result = (*episode)->close(...);
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -33,15 +34,22 @@ class WallMeter {
   virtual void end() = 0;
 };
 
+/// A former run, from which its environments alone are played again: without world, servers and stimuli.
+struct ReplaySource {
+  std::filesystem::path inputs;  ///< its inputs.bin
+  std::filesystem::path copies;  ///< its files, laid out by name (`StoredFiles::materialise`)
+  std::vector<std::map<std::string, std::string>> shares;  ///< by agent: what its packages' share directories were
+};
+
 struct EpisodeOptions {
-  std::filesystem::path run_folder;  ///< exists; empty = nothing is written
+  /// Exists; empty = nothing is written. A replay writes its journal there, and what rules write.
+  std::filesystem::path run_folder;
   JournalLevel journal = JournalLevel::kDecisions;
   cx::LogSink* log = nullptr;        ///< lines of environments and nodes; may be none
   WallMeter* physics_meter = nullptr;  ///< around the world's steps; may be none
   std::filesystem::path interfaces;  ///< folder of the packages that come with cxlab
   std::filesystem::path models;      ///< MJCF parts
-  /// inputs.bin of a former run: its environments alone are played again, without world, servers and stimuli.
-  std::filesystem::path replay_inputs;
+  std::optional<ReplaySource> replay;
   bool strict = false;               ///< unknown CX parameters are errors
   bool keep_going = false;           ///< errors in rule files are reported and the run goes on, as CX does
 };
@@ -71,6 +79,9 @@ class Episode {
   bus::Bus& bus() { return *bus_; }
   Journal& journal() { return journal_; }
   std::vector<std::unique_ptr<cx::EnvironmentManager>>& agents() { return agents_; }
+  /// Of a replay: how far the log goes, and whether it is whole; success where nothing is replayed.
+  SimTime replay_end() const { return replayer_ ? replayer_->end() : SimTime{}; }
+  Status replay_log_status() const { return replayer_ ? replayer_->log_status() : Status(); }
   /// What has happened so far, without the measurements of the caller.
   Result result() const;
 
@@ -78,13 +89,17 @@ class Episode {
   Episode(Scenario scenario, EpisodeOptions options);
   Status open_files();
   Status build_bus();
+  Status build_replay();
   Status build_stage();
   Status build_agents();
   Status keep(const std::string& logical_name, const std::filesystem::path& file);
+  Status keep_for_agent(std::size_t agent, const std::filesystem::path& file);
+  Status keep_interfaces();
   SimTime next_tick() const;
   Status advance_world(SimTime next);
   LookOutside* make_outside(const std::string& stream);
   Status check_replay() const;
+  Status all_replayed() const;
   Status perceive(cx::EnvironmentManager& agent, std::size_t i);
   Status write_out();
 
@@ -93,6 +108,7 @@ class Episode {
   Journal journal_;
   std::optional<InputLogWriter> inputs_;
   std::optional<FileStore> files_;
+  std::vector<std::map<std::string, std::string>> shares_;  // by agent: package -> folder
   bus::Registry registry_;
   std::unique_ptr<bus::Bus> bus_;
   std::optional<RecordingTap> tap_;

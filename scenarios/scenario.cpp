@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "cx/journal/file_store.h"
+
 namespace cxlab {
 
 namespace {
@@ -91,13 +93,19 @@ std::vector<Stimulus> read_stimuli(const yaml::Value& list) {
 }
 
 Expected<Scenario> Scenario::load(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  auto document = yaml::Document::load(file);
+  auto text = read_file(file);
+  return text ? parse(*text, file, overrides) : Expected<Scenario>(text.error());
+}
+
+Expected<Scenario> Scenario::parse(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  auto document = yaml::Document::parse(text, file.string());
   if (!document) return document.error();
   for (const std::string& assignment : overrides)
     if (Status s = document->set(assignment); !s) return s.error();
 
   Scenario scenario;
   scenario.file = file;
+  scenario.text = text;
   scenario.name = file.stem().string();
   scenario.overrides = overrides;
   yaml::Map map = document->root().as_map();
@@ -142,6 +150,17 @@ Expected<Scenario> Scenario::load(const std::filesystem::path& file, const std::
 std::filesystem::path Scenario::resolve(const std::string& relative) const {
   const std::filesystem::path path(relative);
   return path.is_absolute() ? path : (file.parent_path() / path).lexically_normal();
+}
+
+std::map<std::string, std::string> Scenario::shares(const AgentSpec& agent) const {
+  std::map<std::string, std::string> out;
+  for (const auto* list : {&packages, &agent.packages})
+    for (const auto& [name, folder] : *list) {
+      std::filesystem::path path = std::filesystem::absolute(resolve(folder)).lexically_normal();
+      if (!path.has_filename()) path = path.parent_path();
+      out[name] = path.string();
+    }
+  return out;
 }
 
 }  // namespace cxlab

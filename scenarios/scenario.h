@@ -51,6 +51,7 @@ struct Expectation {
 struct Scenario {
   std::string name;                    ///< the file's name without extension
   std::filesystem::path file;
+  std::string text;                    ///< of the file
   std::vector<std::string> overrides;  ///< as given by --set
 
   enum class WorldKind { kNone, kRcll };
@@ -73,8 +74,12 @@ struct Scenario {
 
   /// Reads the file, applies the overrides, checks everything that can be checked without loading more.
   static Expected<Scenario> load(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+  /// The same from its text; `file` names it in errors, and paths are relative to its folder.
+  static Expected<Scenario> parse(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
   /// `relative` as a path from the scenario's folder.
   std::filesystem::path resolve(const std::string& relative) const;
+  /// The share directory of each package that an agent sees: an absolute path without '.' or '..'.
+  std::map<std::string, std::string> shares(const AgentSpec& agent) const;
 };
 
 /// A list of stimuli, from a scenario or from a file of its own.

@@ -31,7 +31,7 @@ EnvironmentManager::EnvironmentManager(ManagerOptions options, Parameters parame
       parameters_(std::move(parameters)),
       bus_(bus),
       journal_(journal),
-      files_({options_.packages, options_.run_folder, options_.trust_rules, options_.on_read}),
+      files_({options_.packages, options_.run_folder, options_.trust_rules, options_.on_read, options_.outside_copies}),
       node_name_{options_.node, options_.name_space, options_.remaps} {
   const std::string space = options_.name_space == "/" ? "" : options_.name_space.substr(options_.name_space.starts_with('/') ? 1 : 0) + '/';
   node_ = bus_.join(bus::ParticipantKind::kNode, node_name_, journal_.open_stream("node/" + space + options_.node));

@@ -35,6 +35,7 @@ struct ManagerOptions {
   FileRead on_read;                                          ///< told of each file that plugins and rules read; may be none
   std::uint64_t seed = 0;                                    ///< each environment draws from a stream of its own
   double epoch = 0;                                          ///< s since 1970 at simulated time 0
+  std::filesystem::path outside_copies;                      ///< replay: `Files::Options::outside`
   std::filesystem::path run_folder;                          ///< for `logs/<env>.log` and what rules write; empty = neither
   bool stop_on_rule_error = true;                            ///< else errors are only noted, as CX does
   std::int64_t max_firings = 100000;                         ///< a run of an environment; 0 = no limit

@@ -34,6 +34,12 @@ bool really_below(const fs::path& file, const fs::path& folder) {
 
 }  // namespace
 
+fs::path outside_name(const fs::path& path) {
+  fs::path name;
+  for (const fs::path& part : path.lexically_normal().relative_path()) name /= part == ".." ? fs::path("up") : part;
+  return name;
+}
+
 Files::Files(Options options) : options_(std::move(options)) {
   for (auto& [name, package] : options_.packages) {
     package.folder = fs::absolute(package.folder).lexically_normal();
@@ -88,7 +94,7 @@ Expected<FoundFile> Files::resolve(const std::string& file, const std::vector<st
       fs::path relative;
       if (below(path.lexically_normal(), package.share, relative) && find_in(name, relative, found)) return found;
     }
-    if (is_file(path)) return FoundFile{path, path.filename().string()};
+    if (const fs::path real = outside(path); is_file(real)) return FoundFile{real, path.filename().string()};
   }
   for (const std::string& package : packages) {
     if (auto share = share_directory(package); !share) return input_error("Cannot resolve file " + file + ": " + share.error().message);
@@ -97,7 +103,7 @@ Expected<FoundFile> Files::resolve(const std::string& file, const std::vector<st
   std::string message = "Cannot resolve file " + file;
   if (packages.empty()) message += ": no pkg_share_dirs to look in";
   for (std::size_t i = 0; i < packages.size(); ++i)
-    message += (i == 0 ? ": not in " : ", ") + options_.packages.at(packages[i]).folder.string();
+    message += (i == 0 ? ": not in " : ", ") + options_.packages.at(packages[i]).share;
   return input_error(std::move(message));
 }
 
@@ -109,6 +115,10 @@ Expected<std::string> Files::read(const FoundFile& file) const {
   if (!in || !is_file(file.path)) return input_error("cannot read this file", file.path.string());
   text << in.rdbuf();
   return text.str();
+}
+
+fs::path Files::outside(const fs::path& path) const {
+  return options_.outside.empty() ? path : options_.outside / outside_name(path);
 }
 
 fs::path Files::written(const fs::path& path) const {
@@ -132,7 +142,7 @@ Expected<FoundFile> Files::find_for_rules(const std::string& path) const {
     if (!options_.run_folder.empty() && below(asked, options_.run_folder, relative) && really_below(asked, options_.run_folder))
       return FoundFile{asked, "run/" + relative.generic_string()};
   }
-  if (options_.trust_rules) return FoundFile{asked, asked.filename().string()};
+  if (options_.trust_rules) return FoundFile{outside(asked), asked.filename().string()};
   return input_error("reading '" + path + "' is refused: rules read from packages and the run's folder only (--trust-rules lifts this)");
 }
 

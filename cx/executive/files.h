@@ -29,6 +29,9 @@ struct FoundFile {
   std::string logical_name;  ///< the same on every machine: names the file in the journal and among the run's copies
 };
 
+/// A relative name for the copy of a file that lies in no package: its path, without a leading '/' and "..".
+std::filesystem::path outside_name(const std::filesystem::path& path);
+
 /// One environment manager's view of the disk. For rules (`FileAccess`): they read packages and what they wrote
 /// themselves; what they write goes below `<run>/written`. With `trust_rules` they read and write anything.
 class Files final : public FileAccess {
@@ -38,6 +41,7 @@ class Files final : public FileAccess {
     std::filesystem::path run_folder;  ///< empty = rules cannot write
     bool trust_rules = false;
     FileRead on_read;                  ///< may be none
+    std::filesystem::path outside;     ///< replay: copies of files outside of packages, under `outside_name`; else empty
   };
   explicit Files(Options options);
 
@@ -61,6 +65,8 @@ class Files final : public FileAccess {
  private:
   /// The file in the package; also where `share/<p>/clips/<p>/x` comes from a source tree's `clips/x`.
   bool find_in(const std::string& package, const std::filesystem::path& relative, FoundFile& out) const;
+  /// The file itself, or its copy.
+  std::filesystem::path outside(const std::filesystem::path& path) const;
   std::filesystem::path written(const std::filesystem::path& path) const;
 
   Options options_;

@@ -1,0 +1,112 @@
+#include "app/recorded_run.h"
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+namespace cxlab::app {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+Expected<std::unique_ptr<ScratchFolder>> ScratchFolder::create() {
+  std::error_code error;
+  std::string name = (fs::temp_directory_path(error) / "cxlab-XXXXXX").string();
+  if (error || !mkdtemp(name.data())) return Error{ErrorKind::kResource, "cannot make a temporary folder " + name, {}, 0, {}};
+  return std::unique_ptr<ScratchFolder>(new ScratchFolder(name));
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+namespace {
+
+Expected<Json> read_json(const fs::path& file) {
+  auto text = read_file(file);
+  if (!text) return text.error();
+  Json json = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object()) return input_error("expected an object in JSON", file.string());
+  return json;
+}
+
+void read_manifest(const Json& json, RecordedRun& run) {
+  run.scenario_file = fs::path(json.at("folder").get<std::string>()) / json.at("scenario").get<std::string>();
+  run.overrides = json.at("overrides").get<std::vector<std::string>>();
+  if (!json.at("until").is_null()) run.options.until = json.at("until").get<double>();
+  run.options.journal = json.at("journal").get<std::string>();
+  run.options.keep_going = json.at("keep_going").get<bool>();
+  run.options.strict = json.at("strict_cx").get<bool>();
+  for (const Json& agent : json.at("agents")) run.shares.push_back(agent.at("packages").get<std::map<std::string, std::string>>());
+}
+
+void read_result(const Json& json, RecordedRun& run) {
+  run.tier = json.at("tier") == "timed" ? Tier::kTimed : Tier::kPhysics;
+  run.status = json.at("status").get<std::string>();
+  run.sim_time = from_seconds(json.at("sim_time_s").get<double>());
+  run.ticks = json.at("ticks").get<std::int64_t>();
+  run.stream_hashes = json.at("stream_hashes").get<std::map<std::string, std::string>>();
+  if (!json.at("physics_hash").is_null()) run.physics_hash = json.at("physics_hash").get<std::string>();
+  run.finished = !run.stream_hashes.empty();
+}
+
+}  // namespace
+
+Expected<RecordedRun> RecordedRun::open(const fs::path& folder) {
+  if (!fs::is_directory(folder)) return input_error("there is no folder of a run", folder.string());
+  RecordedRun run;
+  run.folder = folder;
+  auto manifest = read_json(folder / "manifest.json");
+  if (!manifest) return manifest.error();
+  auto result = read_json(folder / "result.json");
+  if (!result) return result.error();
+  try {
+    read_manifest(*manifest, run);
+  } catch (const Json::exception& e) {
+    return input_error(std::string("not the manifest of a run: ") + e.what(), (folder / "manifest.json").string());
+  }
+  try {
+    read_result(*result, run);
+  } catch (const Json::exception& e) {
+    return input_error(std::string("not the result of a run: ") + e.what(), (folder / "result.json").string());
+  }
+  return run;
+}
+
+Expected<Scenario> RecordedRun::scenario() const {
+  auto files = StoredFiles::open(folder);
+  if (!files) return files.error();
+  auto text = files->read("scenario.yaml");
+  if (!text) return text.error();
+  return Scenario::parse(*text, scenario_file, overrides);
+}
+
+Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, JournalLevel level, cx::LogSink* log) {
+  RulesReplay replay;
+  auto scenario = run.scenario();
+  if (!scenario) return scenario.error();
+  scenario->duration = end;
+  auto scratch = ScratchFolder::create();
+  if (!scratch) return scratch.error();
+  replay.scratch = *std::move(scratch);
+  const fs::path root = replay.scratch->path();
+  auto files = StoredFiles::open(run.folder);
+  if (!files) return files.error();
+  if (Status s = files->materialise(root / "copies"); !s) return s.error();
+  std::error_code error;
+  if (!fs::create_directory(root / "run", error)) return Error{ErrorKind::kResource, "cannot make a folder", (root / "run").string(), 0, {}};
+  EpisodeOptions options = shared_episode_options();
+  options.run_folder = root / "run";
+  options.journal = level;
+  options.log = log;
+  options.replay = ReplaySource{run.folder / "inputs.bin", root / "copies", run.shares};
+  options.keep_going = run.options.keep_going;
+  options.strict = run.options.strict;
+  auto episode = Episode::load(*std::move(scenario), std::move(options));
+  if (!episode) return episode.error();
+  replay.episode = *std::move(episode);
+  return replay;
+}
+
+}  // namespace cxlab::app

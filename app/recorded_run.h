@@ -1,0 +1,64 @@
+#pragma once
+// A run's folder, opened again: what it played, how it ended, and its copies of files.
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/session.h"
+#include "cx/base/expected.h"
+#include "cx/journal/file_store.h"
+#include "scenarios/episode.h"
+
+namespace cxlab::app {
+
+/// A folder under the system's temporary folder, taken away with its content at the end.
+class ScratchFolder {
+ public:
+  static Expected<std::unique_ptr<ScratchFolder>> create();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  std::filesystem::path path_;
+};
+
+struct RecordedRun {
+  std::filesystem::path folder;
+  std::filesystem::path scenario_file;   ///< absolute; need not be there any more
+  std::vector<std::string> overrides;
+  RunOptions options;                    ///< until, journal, keep_going, strict
+  std::vector<std::map<std::string, std::string>> shares;  ///< by agent: package -> its share directory then
+
+  // How it ended
+  bool finished = false;                 ///< else it was killed, and what follows is not known
+  Tier tier{};
+  SimTime sim_time{};
+  std::int64_t ticks = 0;
+  std::string status;
+  std::map<std::string, std::string> stream_hashes;
+  std::optional<std::string> physics_hash;
+
+  /// Reads manifest.json and result.json.
+  static Expected<RecordedRun> open(const std::filesystem::path& folder);
+  /// As it was read then; from the run's copy.
+  Expected<Scenario> scenario() const;
+};
+
+/// The environments of a run alone, ready to be started: `episode` reads and writes below `scratch` only.
+struct RulesReplay {
+  std::unique_ptr<ScratchFolder> scratch;
+  std::unique_ptr<Episode> episode;
+  std::filesystem::path journal() const { return scratch->path() / "run" / "journal.jsonl"; }
+
+  /// Ends at `end`.
+  static Expected<RulesReplay> load(const RecordedRun& run, SimTime end, JournalLevel level, cx::LogSink* log = nullptr);
+};
+
+}  // namespace cxlab::app
