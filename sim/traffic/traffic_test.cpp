@@ -64,7 +64,7 @@ TEST(Traffic, AFreeDriveIsStraightAndFast) {
   Drivers floor(open_floor({{-6, 4, 0}}));
   floor.traffic.request(kRobot1, {6, 4, std::numbers::pi / 2}, {}, floor.now);
   const double took = floor.until([&] { return floor.traffic.arrived(kRobot1); });
-  EXPECT_LT(took, 12 / 0.66 + 2);
+  EXPECT_LT(took, 12 / DriveLimits{}.speed + 2);
   EXPECT_NEAR(floor.pose(kRobot1).x, 6, 1e-9);
   EXPECT_NEAR(floor.pose(kRobot1).yaw, std::numbers::pi / 2, 1e-9);
 }
