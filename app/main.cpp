@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   add_run(app, action);
   add_replay(app, action);
   add_rerun(app, action);
+  add_env(app, action);
   add_list(app, action);
   add_doctor(app, action);
   try {

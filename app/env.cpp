@@ -1,0 +1,190 @@
+// cxlab env: an unchanged configuration of the CX, with an empty world.
+
+#include <cstdio>
+#include <filesystem>
+#include <set>
+
+#include "app/command.h"
+#include "app/session.h"
+#include "cx/journal/file_store.h"
+#include "cx/yaml/yaml.h"
+
+namespace cxlab::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDefaultEnd = 60;  // s
+
+struct Options {
+  std::vector<std::string> configs, packages, params, remaps;
+  std::string name_space = "/", stimuli;
+  bool trust_rules = false, stop = false;
+  RunOptions run;
+};
+
+Error usage(std::string message) { return Error{ErrorKind::kUsage, std::move(message), {}, 0, {}}; }
+
+/// "A=B" as (A, B).
+Expected<std::pair<std::string, std::string>> split(const std::string& option, const std::string& text, const std::string& sign, const char* form) {
+  const std::size_t at = text.find(sign);
+  if (at == std::string::npos || at == 0) return usage(option + ": found '" + text + "', expected " + form);
+  return std::pair(text.substr(0, at), text.substr(at + sign.size()));
+}
+
+/// A scalar of YAML, whatever is in it.
+std::string in_quotes(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + '"';
+}
+
+std::string indented(const std::string& text, int columns) {
+  const std::string margin(static_cast<std::size_t>(columns), ' ');
+  std::string out = margin;
+  for (const char c : text) {
+    out += c;
+    if (c == '\n') out += margin;
+  }
+  return out + '\n';
+}
+
+/// <name> of a package.xml, else the folder's name.
+std::string package_name(const fs::path& folder) {
+  if (auto text = read_file(folder / "package.xml")) {
+    const std::size_t begin = text->find("<name>"), end = text->find("</name>");
+    if (begin != std::string::npos && end != std::string::npos && begin < end) return text->substr(begin + 6, end - begin - 6);
+  }
+  return folder.filename().string();
+}
+
+/// The package that a configuration lies in: the nearest folder above it with a package.xml; without one the folder above
+/// "params" or "config", or the folder of the file.
+fs::path package_of(const fs::path& config) {
+  for (fs::path folder = config.parent_path(); folder.has_relative_path(); folder = folder.parent_path())
+    if (fs::is_regular_file(folder / "package.xml")) return folder;
+  const fs::path folder = config.parent_path();
+  return folder.filename() == "params" || folder.filename() == "config" ? folder.parent_path() : folder;
+}
+
+/// Those named by the user, else those around the configurations: theirs, and the packages beside these.
+Expected<std::map<std::string, std::string>> find_packages(const Options& options) {
+  std::map<std::string, std::string> packages;
+  for (const std::string& config : options.configs) {
+    const fs::path own = package_of(fs::absolute(config).lexically_normal());
+    packages.emplace(package_name(own), own.string());
+    if (!fs::is_regular_file(own / "package.xml")) continue;
+    std::error_code ignored;
+    std::set<fs::path> neighbours;
+    for (const auto& entry : fs::directory_iterator(own.parent_path(), ignored))
+      if (fs::is_regular_file(entry.path() / "package.xml")) neighbours.insert(entry.path());
+    for (const fs::path& neighbour : neighbours) packages.emplace(package_name(neighbour), neighbour.string());
+  }
+  for (const std::string& text : options.packages) {
+    auto named = split("--package", text, "=", "NAME=DIR");
+    if (!named) return named.error();
+    packages[named->first] = fs::absolute(named->second).lexically_normal().string();
+  }
+  return packages;
+}
+
+/// The scenario that these options stand for, as its file would read.
+Expected<std::string> scenario_text(const Options& options) {
+  std::string text = "schema: 1\nduration_s: " + std::to_string(options.run.until.value_or(kDefaultEnd)) + "\non_rule_error: " + (options.stop ? "stop" : "continue") + '\n';
+  if (options.run.seed) text += "seed: " + std::to_string(*options.run.seed) + '\n';
+  if (options.trust_rules) text += "trust_rules: true\n";
+  auto packages = find_packages(options);
+  if (!packages) return packages.error();
+  text += "packages:\n";
+  for (const auto& [name, folder] : *packages) text += "  " + in_quotes(name) + ": " + in_quotes(folder) + '\n';
+  text += "agents:\n";
+  for (const std::string& config : options.configs) {
+    text += "  - config: " + in_quotes(fs::absolute(config).lexically_normal().string()) + "\n    namespace: " + in_quotes(options.name_space) + '\n';
+    if (!options.remaps.empty()) text += "    remap:\n";
+    for (const std::string& remap : options.remaps) {
+      auto names = split("--remap", remap, ":=", "FROM:=TO");
+      if (!names) return names.error();
+      text += "      " + in_quotes(names->first) + ": " + in_quotes(names->second) + '\n';
+    }
+    if (!options.params.empty()) text += "    params:\n";
+    for (const std::string& param : options.params) {
+      auto named = split("--param", param, "=", "NODE.NAME=VALUE");
+      if (!named) return named.error();
+      auto value = yaml::Document::parse(named->second, "--param " + named->first);
+      if (!value) return value.error();
+      text += "      " + in_quotes(named->first) + ":\n" + indented(value->root().dump(), 8);
+    }
+  }
+  if (options.stimuli.empty()) return text;
+  auto stimuli = yaml::Document::load(options.stimuli);
+  if (!stimuli) return stimuli.error();
+  (void)read_stimuli(stimuli->root());
+  if (Status s = stimuli->status(); !s) return s.error();
+  return text + "stimuli:\n" + indented(stimuli->root().dump(), 2);
+}
+
+Expected<Scenario> make_scenario(const Options& options) {
+  for (const std::string& config : options.configs)
+    if (!fs::is_regular_file(config)) return input_error("there is no such file", config);
+  auto text = scenario_text(options);
+  if (!text) return text.error();
+  auto scenario = Scenario::parse(*text, fs::path(options.configs.front()).stem().string() + ".yaml");
+  if (!scenario || options.stimuli.empty()) return scenario;
+  auto stimuli = yaml::Document::load(options.stimuli);  // again, for the places of later errors
+  if (!stimuli) return stimuli.error();
+  scenario->stimuli = read_stimuli(stimuli->root());
+  return scenario;
+}
+
+int env(const Options& options) {
+  auto scenario = make_scenario(options);
+  if (!scenario) return fail(scenario.error());
+  RunOptions run = options.run;
+  if (!run.until && !run.quiet) std::fprintf(stderr, "ends at %.0f s of simulated time; --until T for another\n", kDefaultEnd);
+  run.until.reset();  // it is the scenario's duration
+  run.silent = !run.json;
+  const Played played = play_scenario(run, *std::move(scenario));
+  if (played.result.journal_hash.empty() || run.json) return played.exit_code;
+  std::printf("%s after %.3f s of simulated time, %zu rule errors\n", to_string(played.result.status), to_seconds(played.result.sim_time),
+              played.result.rule_errors.size());
+  if (!played.folder.empty()) std::printf("%s\n", played.folder.c_str());
+  return played.exit_code;
+}
+
+void declare(CLI::App& command, Options& options) {
+  command.add_option("config", options.configs, "Configurations of the CLIPS-Executive (YAML), one environment manager each")->required();
+  command.add_option("--package", options.packages, "NAME=DIR: where a package lies (default: what lies around the configuration)")->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--param", options.params, "NODE.NAME=VALUE: changes a parameter")->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--namespace", options.name_space, "Of the nodes")->capture_default_str();
+  command.add_option("--remap", options.remaps, "FROM:=TO: renames a topic, service or action")->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--stimuli", options.stimuli, "What happens from outside (YAML list, docs/scenario.md)");
+  options.run.keep_going = true;
+  command.add_flag("--keep-going,!--no-keep-going", options.run.keep_going, "Errors in rule files are reported and the run goes on (default); it then ends with exit code 3");
+  command.add_flag("--stop-on-rule-error", options.stop, "An error in a rule ends the run (exit code 4)");
+  command.add_flag("--strict-cx", options.run.strict, "Unknown parameters are errors");
+  command.add_flag("--trust-rules", options.trust_rules, "Rules may read, write and run anything");
+  command.add_option("--until", options.run.until, "End, s of simulated time (default 60)")->check(CLI::NonNegativeNumber);
+  command.add_option("--seed", options.run.seed, "Seed of all chance");
+  command.add_option("--out", options.run.out, "Folder of the run; 'none' writes nothing (default runs/<config>-<seed>)");
+  command.add_flag("--force", options.run.force, "Overwrites a folder that is in use");
+  command.add_option("--journal", options.run.journal, "What journal.jsonl holds: none, decisions or full")->capture_default_str();
+  command.add_flag("--realtime", options.run.realtime, "Sleeps between ticks, to watch");
+  command.add_flag("--json", options.run.json, "Prints result.json");
+  command.add_flag("--quiet", options.run.quiet, "No progress and no log lines");
+}
+
+}  // namespace
+
+void add_env(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("env", "Runs a configuration of the CLIPS-Executive as it is, without a world");
+  command->footer("Examples:\n  cxlab env docs/examples/hello/hello.yaml\n  cxlab env my_agent/params/agent.yaml --until 30 --stimuli tests/stimuli.yaml");
+  declare(*command, *options);
+  command->callback([options, &action] { action = [options] { return env(*options); }; });
+}
+
+}  // namespace cxlab::app
