@@ -78,7 +78,7 @@ Expected<Outcome> replay_rules(const RecordedRun& run) {
   const Status played = play_to_end(*replay->episode, run);
   const Result result = replay->episode->close(RunStatus::kStopped, played ? std::nullopt : std::optional<Error>(played.error()));
   out.end = result.sim_time;
-  if (result.reason && result.reason->kind == ErrorKind::kNo) out.first_difference = result.reason->message;
+  if (result.reason && (result.reason->kind == ErrorKind::kNo || run.status != "failed")) out.first_difference = result.reason->text();
   const std::map<std::string, std::string> hashes(result.stream_hashes.begin(), result.stream_hashes.end());
   for (const auto& [stream, hash] : run.stream_hashes) {
     if (!stream.starts_with("env/")) continue;

@@ -60,10 +60,14 @@ Status Episode::keep_for_agent(std::size_t agent, const std::filesystem::path& f
     return relative.empty() || *relative.begin() == ".." ? std::string() : relative.generic_string();
   };
   if (!inside(fs::absolute(options_.run_folder).lexically_normal() / "written").empty()) return {};  // rules write it again
-  for (const auto& [name, folder] : shares_[agent])
-    if (const std::string relative = inside(folder); !relative.empty())
-      return keep(prefix + "packages/" + name + '/' + relative, file);
-  return keep(prefix + "outside/" + cx::outside_name(file).generic_string(), file);
+  bool in_package = false;
+  for (const auto& [name, folder] : shares_[agent]) {
+    const std::string relative = inside(folder);
+    if (relative.empty()) continue;
+    in_package = true;
+    if (Status s = keep(prefix + "packages/" + name + '/' + relative, file); !s) return s;
+  }
+  return in_package ? Status() : keep(prefix + "outside/" + cx::outside_name(file).generic_string(), file);
 }
 
 Status Episode::keep_interfaces() {
