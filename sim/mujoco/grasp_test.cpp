@@ -70,7 +70,7 @@ TEST_P(Grasp, ProductIsCarriedFromBeltToBelt) {
     EXPECT_LT(std::abs(off.y), 0.003);
     EXPECT_LT(std::abs(off.x), 0.005);
     EXPECT_LT(std::abs(off.z), 0.002);
-    EXPECT_EQ(rig_->life(piece), "gripper belt");
+    EXPECT_EQ(rig_->life(piece), "belt gripper belt");
     world_->retire(piece, Holder::kGate);
     rig_->drive_to(kR1, {6, 4, 0});
   }
@@ -90,12 +90,12 @@ TEST_P(Grasp, CarrierIsTakenOffTheShelfBesideItsNeighbours) {
 
   rig_->put(kR1, spot("C-CS1-INPUT"));
   EXPECT_LT(std::abs(offset_at(carriers[1], "C-CS1-INPUT").y), 0.003);
-  EXPECT_EQ(rig_->life(carriers[1]), "gripper belt");
+  EXPECT_EQ(rig_->life(carriers[1]), "slot gripper belt");
 
   rig_->pick(kR1, spot("C-CS1-INPUT"));
   rig_->put(kR1, spot("C-CS1-SHELF-MIDDLE"));
   EXPECT_EQ(id_at("C-CS1-SHELF-MIDDLE"), carriers[1]);
-  EXPECT_EQ(rig_->life(carriers[1]), "gripper belt gripper slot");
+  EXPECT_EQ(rig_->life(carriers[1]), "slot gripper belt gripper slot");
 }
 
 TEST_P(Grasp, PieceGoesDownTheSlideAndCounts) {
@@ -107,7 +107,7 @@ TEST_P(Grasp, PieceGoesDownTheSlideAndCounts) {
   rig_->put(kR1, spot("C-RS1-SLIDE"));
   EXPECT_EQ(world_->slide_count(station("C-RS1")), 1);
   EXPECT_EQ(world_->find(piece), nullptr);
-  EXPECT_EQ(rig_->life(piece), "gripper slide");
+  EXPECT_EQ(rig_->life(piece), "belt gripper slide");
 }
 
 INSTANTIATE_TEST_SUITE_P(Step, Grasp, testing::Values(0.005, 0.01), [](const auto& info) {

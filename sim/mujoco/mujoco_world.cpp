@@ -59,7 +59,7 @@ Status MujocoWorld::advance(SimTime tick) {
   if (tick.count() <= 0 || tick % step != SimTime{})
     return input_error("tick " + std::to_string(to_seconds(tick)) + " s is not a whole number of physics steps of " +
                        std::to_string(step_) + " s");
-  changes_.clear();
+  changes_.erase(changes_.begin(), changes_.begin() + static_cast<std::ptrdiff_t>(told_changes_));
   for (std::size_t i = 0; i < motions_.size(); ++i) drive(motions_[i], gate_.factory().robots[i], to_seconds(tick));
   for (auto n = tick / step; n > 0; --n) {
     if (Status s = gate_.step(); !s) return s;
@@ -69,6 +69,7 @@ Status MujocoWorld::advance(SimTime tick) {
     stop_arrived_belts();
   }
   update_pieces();
+  told_changes_ = changes_.size();
   return {};
 }
 

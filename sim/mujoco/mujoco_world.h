@@ -24,7 +24,7 @@ class MujocoWorld final : public World, public RobotBodies {
   const Piece* at(SpotId spot) const override;
   const Piece* on_belt(StationId id, double x) const override;
   int slide_count(StationId id) const override { return slide_counts_[at_index(id)]; }
-  std::span<const HolderChange> changes() const override { return changes_; }
+  std::span<const HolderChange> changes() const override { return {changes_.data(), told_changes_}; }
 
   /// `tick` is a whole number of physics steps.
   Status advance(SimTime tick) override;
@@ -112,6 +112,7 @@ class MujocoWorld final : public World, public RobotBodies {
   std::vector<Belt> belts_;            ///< by station
   std::vector<int> slide_counts_;      ///< by station
   std::vector<HolderChange> changes_;
+  std::size_t told_changes_ = 0;       ///< of them; the rest came by verbs and is told after the next `advance`
   std::vector<PieceId> slid_;          ///< of this tick
 };
 
