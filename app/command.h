@@ -17,6 +17,8 @@ void add_run(CLI::App& app, Action& action);
 void add_replay(CLI::App& app, Action& action);
 void add_rerun(CLI::App& app, Action& action);
 void add_env(CLI::App& app, Action& action);
+void add_render(CLI::App& app, Action& action);
+void add_why_not(CLI::App& app, Action& action);
 void add_list(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
 

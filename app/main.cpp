@@ -2,7 +2,10 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
+
+#include <mujoco/mujoco.h>
 
 #include "app/command.h"
 
@@ -21,7 +24,17 @@ constexpr const char* kExitCodes =
     "Exit codes: 0 done; 1 the answer is no; 2 usage; 3 bad input; 4 the run failed; 5 output or resource; 70 a bug of "
     "cxlab; 130, 143 ended by a signal.";
 
+/// Without these MuJoCo writes MUJOCO_LOG.TXT into the current folder. A world that diverges says so itself.
+void silence_mujoco() {
+  mju_user_warning = [](const char*) {};
+  mju_user_error = [](const char* message) {
+    std::fprintf(stderr, "error: a bug of cxlab: MuJoCo: %s\n", message);
+    std::_Exit(static_cast<int>(ErrorKind::kBug));
+  };
+}
+
 int main(int argc, char** argv) {
+  silence_mujoco();
   g_command_line.assign(argv, argv + argc);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
@@ -35,6 +48,8 @@ int main(int argc, char** argv) {
   add_replay(app, action);
   add_rerun(app, action);
   add_env(app, action);
+  add_render(app, action);
+  add_why_not(app, action);
   add_list(app, action);
   add_doctor(app, action);
   try {

@@ -73,6 +73,7 @@ class Episode {
   /// Deactivates the agents and ends the files. `failure` is what ended the run early, if anything did.
   Result close(RunStatus status, std::optional<Error> failure = {});
 
+  SimTime next_tick() const;  ///< when the next one comes
   SimTime now() const { return now_; }  ///< of the last tick; before tick 0: 0
   const Scenario& scenario() const { return scenario_; }
   Stage& stage() { return *stage_; }
@@ -95,7 +96,6 @@ class Episode {
   Status keep(const std::string& logical_name, const std::filesystem::path& file);
   Status keep_for_agent(std::size_t agent, const std::filesystem::path& file);
   Status keep_interfaces();
-  SimTime next_tick() const;
   Status advance_world(SimTime next);
   LookOutside* make_outside(const std::string& stream);
   Status check_replay() const;

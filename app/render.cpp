@@ -1,0 +1,112 @@
+// cxlab render: one picture, of a recorded run or of a scenario that is played up to then.
+
+#include <cstdio>
+#include <filesystem>
+
+#include "app/command.h"
+#include "app/console.h"
+#include "app/physics_replay.h"
+#include "app/recorded_run.h"
+#include "scenarios/rcll/stage.h"
+#include "sim/mujoco/render.h"
+
+namespace cxlab::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string what, out, camera = "field", size = "960x720";
+  double at = 0;
+  std::optional<std::uint64_t> seed;
+  std::vector<std::string> overrides;
+};
+
+struct Size {
+  int width = 0, height = 0;
+};
+
+Expected<Size> read_size(const std::string& text) {
+  Size size;
+  char rest = 0;
+  constexpr int kLargest = 4096;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2 || size.width < 16 || size.height < 16 || size.width > kLargest || size.height > kLargest)
+    return Error{ErrorKind::kUsage, "--size: found '" + text + "', expected WIDTHxHEIGHT, each from 16 to 4096", {}, 0, {}};
+  return size;
+}
+
+Status draw(const Options& options, const sim::FloorPlan& plan, const sim::PhysicsGate& world) {
+  auto size = read_size(options.size);
+  if (!size) return size.error();
+  auto renderer = sim::Renderer::create(plan, world, size->width, size->height);
+  if (!renderer) return renderer.error();
+  auto picture = (*renderer)->draw(world, options.camera);
+  if (!picture) return picture.error();
+  return sim::write_png(**picture, options.out);
+}
+
+Status render_run(const Options& options) {
+  auto run = RecordedRun::open(options.what);
+  if (!run) return run.error();
+  const SimTime at = from_seconds(options.at);
+  if (run->tier == Tier::kTimed) return input_error("the run was played in the timed tier, which has no bodies to look at: play it with --tier physics", options.what);
+  if (run->finished && at > run->sim_time) return input_error("the run ends at " + std::to_string(to_seconds(run->sim_time)) + " s", options.what);
+  auto replay = PhysicsOfRun::load(*run);
+  if (!replay) return replay.error();
+  if (!replay->log_status() && at > replay->log_end()) return replay->log_status().error();
+  if (Status s = replay->advance_to(at); !s) return s;
+  return draw(options, replay->plan(), replay->world());
+}
+
+Status render_scenario(const Options& options) {
+  std::vector<std::string> overrides = options.overrides;
+  if (options.seed) overrides.push_back("seed=" + std::to_string(*options.seed));
+  auto scenario = Scenario::load(options.what, overrides);
+  if (!scenario) return scenario.error();
+  if (scenario->world_kind == Scenario::WorldKind::kNone) return input_error("the world is empty: there is nothing to look at", options.what);
+  if (scenario->tier == Tier::kTimed) return input_error("the timed tier has no bodies to look at: --set tier=physics", options.what);
+  auto episode = Episode::load(*std::move(scenario), shared_episode_options());
+  if (!episode) return episode.error();
+  Episode& played = **episode;
+  Progress progress(false);
+  if (Status s = played.start(); !s) return s;
+  while (to_seconds(played.now()) < options.at && !played.over() && !signal_that_came()) {
+    if (Status s = played.tick(); !s) return s;
+    progress.show(to_seconds(played.now()), options.at, {});
+  }
+  progress.clear();
+  if (signal_that_came()) return {};
+  const auto* stage = dynamic_cast<const rcll::GameStage*>(&played.stage());
+  const Status drawn = draw(options, stage->physics()->plan(), stage->physics()->gate());
+  const Result result = played.close(RunStatus::kStopped);
+  return drawn && result.reason ? Status(*result.reason) : drawn;
+}
+
+int render(const Options& options) {
+  if (auto size = read_size(options.size); !size) return fail(size.error());
+  watch_signals();
+  const Status drawn = fs::is_directory(options.what) ? render_run(options) : render_scenario(options);
+  if (signal_that_came()) return 128 + signal_that_came();
+  if (!drawn) return fail(drawn.error());
+  std::printf("%s\n", options.out.c_str());
+  return 0;
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("render", "Draws the world of a run or of a scenario at a time");
+  command->add_option("what", options->what, "Folder of a run, or a scenario, which is played up to then")->required();
+  command->add_option("--at", options->at, "When, s of simulated time")->required()->check(CLI::NonNegativeNumber);
+  command->add_option("--out", options->out, "The picture (PNG)")->required();
+  command->add_option("--camera", options->camera, "field, top, a robot (robot1) or a machine (C-CS1)")->capture_default_str();
+  command->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
+  command->add_option("--seed", options->seed, "Of a scenario: seed of all chance");
+  command->add_option("--set", options->overrides, "Of a scenario: changes a value, a.b[0].c=VALUE")->take_all()->expected(1)->allow_extra_args(false);
+  command->footer("Example:\n  cxlab render scenarios/rcll/game.yaml --at 60 --out field.png --camera top");
+  command->callback([options, &action] { action = [options] { return render(*options); }; });
+}
+
+}  // namespace cxlab::app
