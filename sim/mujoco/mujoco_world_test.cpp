@@ -172,7 +172,7 @@ TEST(MujocoWorld, DroppedPieceComesToTheFloor) {
   world->command_fingers(kR1, 0.035);
   rig.wait(3);
   EXPECT_EQ(world->robot(kR1).held, std::nullopt);
-  EXPECT_EQ(rig.life(piece), "gripper floor");
+  EXPECT_EQ(rig.life(piece), "belt gripper floor");
   EXPECT_LT(world->find(piece)->position_in_world.z, 0.05);
 }
 
