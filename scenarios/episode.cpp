@@ -123,7 +123,11 @@ Status Episode::build_stage() {
   }
   if (scenario_.world_kind == Scenario::WorldKind::kRcll) {
     auto stage = rcll::make_stage(scenario_, options_.models, *bus_, journal_);
-    if (!stage) return stage.error();
+    if (!stage) {
+      Error error = stage.error();
+      if (error.file.empty()) error.file = scenario_.file.string();
+      return error;
+    }
     stage_ = *std::move(stage);
     for (const std::filesystem::path& file : stage_->files)
       if (Status s = keep("models/" + file.filename().string(), file); !s) return s;

@@ -14,12 +14,16 @@ Builtin& builtin_of(UDFContext* context) { return *static_cast<Builtin*>(context
 RuleEngine::Impl& impl_of(UDFContext* context) { return *builtin_of(context).impl; }
 RuleEngine& engine_of(UDFContext* context) { return impl_of(context).engine; }
 
-void refuse(Environment* env, UDFContext* context, UDFValue* result, const std::string& why) {
+void complain(Environment* env, UDFContext* context, const std::string& why) {
   std::string text = std::string("Function '") + UDFContextFunctionName(context) + "': " + why;
   if (const std::string rule = engine_of(context).current_rule(); !rule.empty()) text += " (rule '" + rule + "')";
   text += "\n";
   PrintErrorID(env, "CXLAB", 2, false);
   WriteString(env, STDERR, text.c_str());
+}
+
+void refuse(Environment* env, UDFContext* context, UDFValue* result, const std::string& why) {
+  complain(env, context, why);
   UDFThrowError(context);
   result->lexemeValue = FalseSymbol(env);
 }
@@ -176,6 +180,11 @@ void load_function(Environment* env, UDFContext* context, UDFValue* result) {
   LoadReport report = engine.load_file(path, mode, impl_of(context).on_load_error);
   const bool readable = report.errors.empty() || report.errors.front().line != 0;
   result->lexemeValue = CreateBoolean(env, mode == LoadMode::kBatch ? readable : report.ok());
+  if (!readable) {
+    // As in CLIPS an error of the call, after which the rule goes on.
+    complain(env, context, report.errors.front().message);
+    return;
+  }
   for (RuleError& error : report.errors) impl_of(context).add_error(std::move(error));
 }
 
@@ -196,7 +205,7 @@ void machine_function(Environment* env, UDFContext* context, UDFValue* result) {
 
 void trusted_function(Environment* env, UDFContext* context, UDFValue* result) {
   if (!engine_of(context).options().trust_rules) {
-    refuse(env, context, result, "refused to rules that are not trusted (--trust-rules)");
+    refuse(env, context, result, "refused to rules that are not trusted (--trust-rules lifts this, or trust_rules: true in the scenario)");
     return;
   }
   machine_function(env, context, result);

@@ -143,7 +143,11 @@ void RuleEngine::Impl::flush_errors() {
     const bool same_form = !in_rule && context != nullptr && context->form != nullptr && !found.empty() &&
                            found.back().side == ErrorSide::kLoad;
     if ((halted || same_form) && !found.empty()) {
-      found.back().detail += message.text;
+      RuleError& last = found.back();
+      last.detail += message.text;
+      // The function that failed was called by a deffunction, which the rule called.
+      const ConstructInfo* info = in_rule && halted && last.side == ErrorSide::kRhs ? engine.find_construct("defrule", last.rule) : nullptr;
+      if (info != nullptr && last.line == info->line) last.line = line_of_error(*info, ErrorSide::kRhs, message.head);
       continue;
     }
     RuleError error;

@@ -240,7 +240,7 @@ LoadReport RuleEngine::load_file(const std::string& path, LoadMode mode, OnLoadE
   std::ostringstream text;
   if (!in || !(text << in.rdbuf()).good()) {
     // An empty file sets the fail bit and is fine.
-    if (!in || in.peek() != std::ifstream::traits_type::eof()) return refused("cannot read the file");
+    if (!in || in.peek() != std::ifstream::traits_type::eof()) return refused("cannot read '" + path + "'");
   }
   return load_text(text.str(), path, mode, on_error);
 }

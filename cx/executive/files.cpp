@@ -136,14 +136,15 @@ Expected<FoundFile> Files::find_for_rules(const std::string& path) const {
     for (const auto& [name, package] : options_.packages) {
       fs::path relative;
       if (!below(asked, package.share, relative)) continue;
-      if (find_in(name, relative, found) && really_below(found.path, package.folder)) return found;
+      if (!find_in(name, relative, found)) return input_error("cannot read '" + path + "': there is no such file");
+      if (really_below(found.path, package.folder)) return found;
     }
     fs::path relative;
     if (!options_.run_folder.empty() && below(asked, options_.run_folder, relative) && really_below(asked, options_.run_folder))
       return FoundFile{asked, "run/" + relative.generic_string()};
   }
   if (options_.trust_rules) return FoundFile{outside(asked), asked.filename().string()};
-  return input_error("reading '" + path + "' is refused: rules read from packages and the run's folder only (--trust-rules lifts this)");
+  return input_error("reading '" + path + "' is refused: rules read from packages and the run's folder only (--trust-rules lifts this, or trust_rules: true in the scenario)");
 }
 
 std::string Files::journal_name(const std::string& path) const {

@@ -122,7 +122,10 @@ Value Map::get(std::string_view key) {
   value.shared_ = value_.shared_;
   value.path_ = value_.path_.empty() ? std::string(key) : value_.path_ + '.' + std::string(key);
   const YAML::Node& node = *value_.node_;
-  value.node_ = std::make_shared<YAML::Node>(node.IsMap() ? node[std::string(key)] : YAML::Node(YAML::NodeType::Undefined));
+  const YAML::Node found = node.IsMap() ? node[std::string(key)] : YAML::Node();
+  // A key that is not there gives a node that throws whatever it is asked.
+  const bool there = node.IsMap() && found.IsDefined();
+  value.node_ = std::make_shared<YAML::Node>(there ? found : YAML::Node(YAML::NodeType::Undefined));
   return value;
 }
 

@@ -30,6 +30,7 @@ struct PlacedMachine {
   std::string machine;  ///< "C-BS", all fourteen of both teams
   std::string zone;     ///< "C_Z23": column 1..7 from the centre line, row 1..8
   int rotation = 0;     ///< degrees, a multiple of 45 in 0..315, counterclockwise: direction from output to input
+  int line = 0;         ///< of the scenario's file, for errors; 0 = unknown
 };
 
 /// One order of an explicit list. Times are seconds of the production phase.

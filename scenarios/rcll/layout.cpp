@@ -224,24 +224,26 @@ Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines) {
   std::vector<std::string> taken;
   for (std::size_t i = 0; i < machines.size(); ++i) {
     const PlacedMachine& given = machines[i];
-    const std::string key = "world.layout[" + std::to_string(i) + "]";
+    const auto fail = [&](const std::string& what) {
+      return input_error("world.layout[" + std::to_string(i) + "]." + what, {}, given.line);
+    };
     const auto at = std::ranges::find(names, given.machine);
     if (at == names.end()) {
       const std::string near = nearest_word(given.machine, names);
-      return input_error(key + ".machine: no machine '" + given.machine + "'" +
+      return fail("machine: no machine '" + given.machine + "'" +
                          (near.empty() ? ", expected C- or M- and BS, CS1, CS2, RS1, RS2, SS or DS"
                                        : ", did you mean '" + near + "'?"));
     }
     Placement& placement = layout[static_cast<std::size_t>(at - names.begin())];
-    if (placement.rotation >= 0) return input_error(key + ".machine: " + given.machine + " is placed twice");
+    if (placement.rotation >= 0) return fail("machine: " + given.machine + " is placed twice");
     const auto zone = zone_named(given.zone);
-    if (!zone) return input_error(key + ".zone: found '" + given.zone + "', expected C_Z11 to C_Z78 or M_Z11 to M_Z78");
+    if (!zone) return fail("zone: found '" + given.zone + "', expected C_Z11 to C_Z78 or M_Z11 to M_Z78");
     if (in_insertion({zone->column, zone->row}))
-      return input_error(key + ".zone: " + given.zone + " is in an insertion area, where robots start");
+      return fail("zone: " + given.zone + " is in an insertion area, where robots start");
     if (std::ranges::find(taken, given.zone) != taken.end())
-      return input_error(key + ".zone: two machines in " + given.zone);
+      return fail("zone: two machines in " + given.zone);
     if (given.rotation < 0 || given.rotation > 315 || given.rotation % 45 != 0)
-      return input_error(key + ".rotation: found " + std::to_string(given.rotation) +
+      return fail("rotation: found " + std::to_string(given.rotation) +
                          ", expected a multiple of 45 from 0 to 315");
     taken.push_back(given.zone);
     placement.zone = *zone;

@@ -6,6 +6,7 @@ namespace {
 
 PlacedMachine read_machine(const yaml::Value& value) {
   PlacedMachine placed;
+  placed.line = value.line();
   yaml::Map map = value.as_map();
   placed.machine = map.require("machine").as_string();
   placed.zone = map.require("zone").as_string();
@@ -36,7 +37,12 @@ void read_config(yaml::Map& world, WorldConfig& config) {
   world.read("complexities", config.complexities).read("exploration", config.exploration);
   world.read("setup_s", config.setup_s).read("production_s", config.production_s);
   world.read("down", config.down).read("shelf_refill_s", config.shelf_refill_s);
-  if (Status s = validate(config); !s) world.fail(s.error().message);
+  if (Status s = validate(config); !s) {
+    // "world.robots: found ...": said where that key stands.
+    const std::string text = s.error().message.substr(std::string_view("world.").size());
+    const std::size_t end = text.find_first_of(".[:");
+    world.get(text.substr(0, end)).fail(text.substr(text[end] == ':' ? end + 2 : end));
+  }
 }
 
 }  // namespace cxlab::rcll

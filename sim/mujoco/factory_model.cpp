@@ -16,10 +16,11 @@ struct SpecDeleter {
 };
 using SpecPtr = std::unique_ptr<mjSpec, SpecDeleter>;
 
-/// MuJoCo's own messages end in "..., line 12"; that becomes the error's line.
+/// MuJoCo's own messages have "line 12" or "Line number=12"; that becomes the error's line.
 Error mjcf_error(std::string message, const std::filesystem::path& file) {
   int line = 0;
-  if (const auto at = message.rfind("line "); at != std::string::npos) line = std::atoi(message.c_str() + at + 5);
+  for (const std::string_view before : {"line ", "Line number="})
+    if (const auto at = message.rfind(before); at != std::string::npos) line = std::atoi(message.c_str() + at + before.size());
   for (char& c : message)
     if (c == '\n') c = ' ';
   return input_error(std::move(message), file.string(), line);

@@ -1,0 +1,215 @@
+"""Bad input: exit code, place and remedy. python3 -m unittest bad_input"""
+
+import os
+import resource
+import shutil
+import unittest
+
+from lab import CONFIG, GAME, SCENARIO, SOURCE, Lab
+
+HEAD = "(deftemplate pose (slot x))\n(deffacts start (go))\n"
+STIMULI = SCENARIO + "stimuli:\n"
+
+
+class Scenarios(Lab):
+    def scenario_fails(self, text, *messages, arguments=(), **options):
+        self.agent("")
+        self.write("scenario.yaml", text)
+        return self.fails(3, *messages, arguments=arguments, **options)
+
+    def test_misspelt_keys(self):
+        self.scenario_fails(SCENARIO.replace("duration_s", "duraton_s"),
+                            "scenario.yaml:2: unknown key 'duraton_s', did you mean 'duration_s'?")
+        self.scenario_fails(GAME.replace("production_s", "producton_s"),
+                            "scenario.yaml:2: unknown key 'producton_s' in 'world', did you mean 'production_s'?")
+        self.scenario_fails(SCENARIO.replace("config:", "confg:"), "scenario.yaml:5: agents[0]: key 'config' is missing")
+
+    def test_values(self):
+        self.scenario_fails(SCENARIO.replace(": 2", ": two"), "scenario.yaml:2: duration_s: found 'two', expected a number")
+        self.scenario_fails("schema: 1\nagents: [\n", "scenario.yaml:3: not YAML")
+        self.scenario_fails(GAME.replace("production_s: 20", "\n  robots: 7"),
+                            "scenario.yaml:3: world.robots: found 7, expected 0 to 3")
+
+    def test_machine_that_does_not_exist(self):
+        self.scenario_fails(GAME.replace("production_s: 20", "layout: [{machine: C-XS, zone: C_Z23}]"),
+                            "scenario.yaml:2: world.layout[0].machine: no machine 'C-XS', did you mean 'C-BS'?")
+
+    def test_goals_with_a_machine_that_does_not_exist_are_aborted(self):
+        self.write("scenario.yaml", GAME + """stimuli:
+  - {at: 1, send_goal: /robot1/drive_to, type: cxlab_skills/action/DriveTo, goal: {target: C-XS-OUTPUT}}
+  - {at: 1, send_goal: /factory/instruct_machine, type: rcll_interfaces/action/InstructMachine, goal: {machine: C-XS}}
+""")
+        self.assertEqual(self.run_it("--journal", "full").returncode, 0)
+        results = {r["stream"]: r["data"]["result"] for r in self.records() if r["data"].get("op") == "result"}
+        self.assertEqual(results["node/robot1"]["error_code"], 103)
+        self.assertIn("did you mean 'C-BS-OUTPUT'?", results["node/robot1"]["error"])
+        self.assertEqual(results["node/factory"]["error_code"], 203)
+
+    def test_overrides(self):
+        self.scenario_fails(GAME, "unknown key 'tem' in 'world', did you mean 'team'?", arguments=["--set", "world.tem=CYAN"])
+        self.scenario_fails(GAME, "--set team: expected PATH=VALUE", arguments=["--set", "team"])
+        self.scenario_fails(SCENARIO, "index 3 is beyond the list's 1 items", arguments=["--set", "agents[3].config=x"])
+
+    def test_missing_files(self):
+        self.scenario_fails(SCENARIO.replace("agent.yaml", "agnt.yaml"), "agnt.yaml: cannot")
+        self.assertEqual(self.result()["reason"]["code"], "bad_input")
+        shutil.rmtree(self.out)
+        self.scenario_fails(SCENARIO.replace("rules: rules", "rules: rulez"), "scenario.yaml: package rules: there is no folder rulez")
+        shutil.rmtree(self.out)
+        (self.folder / "rules/rules.clp").unlink()
+        self.write("scenario.yaml", SCENARIO)
+        self.fails(3, "agent.yaml:7: Cannot resolve file rules.clp: not in")
+
+    def test_stimuli(self):
+        self.scenario_fails(STIMULI + "  - {at: 1, publish: /a, type: std_msgs/msg/Strin}\n",
+                            "scenario.yaml:7: /a: 'std_msgs/msg/Strin' is not defined", "nearest is 'std_msgs/msg/String'")
+        shutil.rmtree(self.out)
+        self.scenario_fails(STIMULI + "  - {at: 1, publish: /a, type: std_msgs/msg/String, data: {dat: x}}\n",
+                            "scenario.yaml:7: /a: std_msgs/msg/String has no field 'dat'; nearest is 'data'")
+
+    def test_plugins(self):
+        self.agent("")
+        self.write("agent.yaml", CONFIG.replace("FileLoadPlugin", "FileLoadPlugn"))
+        self.fails(3, "agent.yaml:7: unknown plugin type 'cx::FileLoadPlugn', did you mean 'cx::FileLoadPlugin'?")
+        shutil.rmtree(self.out)
+        self.write("agent.yaml", CONFIG.replace("refresh_rate: 10", "refresh_rate: 0"))
+        self.fails(3, "agent.yaml:5: parameter 'executive.refresh_rate': found 0")
+
+    def test_usage(self):
+        self.agent("")
+        self.fails(2, "--frob", arguments=["--frob"])
+        self.fails(2, "'some' is no journal level: none, decisions or full", arguments=["--journal", "some"])
+
+
+class Rules(Lab):
+    """The rule files begin with two fine lines."""
+
+    def rule_fails(self, code, text, place, *messages, scenario=SCENARIO, side=None, rule=None, **files):
+        self.agent(HEAD + text, scenario, **files)
+        shutil.rmtree(self.out, ignore_errors=True)
+        self.fails(code, f"{place}: ", *messages)
+        result = self.result()
+        self.assertEqual(result["status"], "failed")
+        file, line = place.split(":")
+        for entry in [result["reason"], result["rule_errors"][0]]:
+            self.assertTrue(entry["file"].endswith("/" + file), entry)
+            self.assertEqual(entry["line"], int(line))
+        error = result["rule_errors"][0]
+        self.assertEqual(error["side"], side or error["side"])
+        if rule:
+            self.assertEqual(error["rule"], rule)
+        return error
+
+    def test_load(self):
+        self.rule_fails(3, "(defrule a\n (go)\n =>\n (println 1)\n(defrule b (go) => )\n", "rules.clp:3",
+                        "no closing parenthesis for (defrule a ...)", side="load")
+        self.rule_fails(3, "(defrule a\n (pose (z 1))\n =>)\n", "rules.clp:4", "Invalid slot 'z'", side="load")
+        self.rule_fails(3, "(defrule a\n (go)\n =>\n (frobnicate 1))\n", "rules.clp:6", "'frobnicate'", side="load")
+        self.rule_fails(3, '(defrule a\n (go)\n (test (ros-msgs-create-message "std_msgs/msg/Empty"))\n =>)\n', "rules.clp:5",
+                        "rule 'a' calls 'ros-msgs-create-message' on its left-hand side", side="load")
+
+    def test_division_by_zero(self):
+        error = self.rule_fails(4, "(defrule a\n (go)\n =>\n (bind ?x\n  (/ 1 0)))\n", "rules.clp:7", "rule a, RHS", side="RHS", rule="a")
+        self.assertEqual(error["tick"], 0)
+        error = self.rule_fails(4, """(defrule late (time ?t&:(> ?t 0.45)) => (assert (n 0)))
+(defrule a
+  (n ?x)
+  (test (> (/ 1 ?x) 2))
+  =>)
+""", "rules.clp:6", "rule a, LHS", side="LHS", rule="a")
+        self.assertEqual(error["tick"], 25, "0.5 s of ticks of 20 ms")
+
+    def test_in_a_deffunction_the_rule_is_told_and_its_call(self):
+        self.rule_fails(4, "(deffunction f (?x)\n  (/ 1 ?x))\n(deffunction g (?x) (f ?x))\n(defrule a\n (go)\n =>\n (g 0))\n",
+                        "rules.clp:9", side="RHS", rule="a")
+
+    def test_in_a_service_callback(self):
+        error = self.rule_fails(4, """(deffunction /door-service-callback (?service ?request ?response)
+  (bind ?x 1)
+  (/ 1 0))
+(defrule open (go) => (ros-msgs-create-service "/door" "std_srvs/srv/SetBool"))
+""", "rules.clp:5", scenario=STIMULI + "  - {at: 1.0, call: /door, type: std_srvs/srv/SetBool}\n",
+                                side="callback", rule="/door-service-callback")
+        self.assertEqual(error["tick"], 50)
+
+    def test_in_batch_files(self):
+        config = CONFIG.replace('["executive"', '["executive", "ament"') + '    ament: {plugin: "cx::AmentIndexPlugin"}\n'
+        load = '(defrule a\n (go)\n =>\n (batch* (str-cat (ament-index-get-package-share-directory "rules") "/more.clp")))\n'
+        for code, more, place in [(3, "(bind ?q 1)\n(bind ?x\n (/ 1 0))\n", "more.clp:2"),
+                                  (3, "(deffacts x (y))\n(defrule x\n (pose (z 1))\n =>)\n", "more.clp:3"),
+                                  (3, "(deffacts x (y))\n\n(defrule x\n (go)\n =>\n", "more.clp:3"),
+                                  (4, None, "rules.clp:6")]:
+            with self.subTest(more=more):
+                self.agent(HEAD + load)
+                self.write("agent.yaml", config)
+                (self.write("rules/more.clp", more) if more else (self.folder / "rules/more.clp").unlink())
+                shutil.rmtree(self.out, ignore_errors=True)
+                self.fails(code, f"rules/{place}: ")
+
+    def test_reading_elsewhere_is_refused_with_the_rule_and_the_remedy(self):
+        self.rule_fails(4, '(defrule a\n (go)\n =>\n (batch* "/etc/hostname"))\n', "rules.clp:6", "is refused", "trust_rules: true")
+
+    def test_messages(self):
+        self.rule_fails(4, '(defrule a\n (go)\n =>\n (ros-msgs-create-message "std_msgs/msg/Strin"))\n', "rules.clp:6",
+                        "nearest is 'std_msgs/msg/String'")
+        self.rule_fails(4, '(defrule a (go)\n =>\n (bind ?m (ros-msgs-create-message "std_msgs/msg/String"))\n'
+                        ' (ros-msgs-set-field ?m "dat" "x"))\n', "rules.clp:6", "did you mean 'data'?")
+
+    def test_loop(self):
+        self.agent("(deffacts n (n 0))\n(defrule grow ?f <- (n ?n) => (retract ?f) (assert (n (+ 1 ?n))))\n",
+                   SCENARIO + "max_firings_per_tick: 1000\n")
+        self.fails(4, "environment 'main'", "grow (", "n (")
+        self.assertEqual(self.result()["reason"]["code"], "rule_loop")
+
+    def test_continue_goes_on_and_tells(self):
+        self.agent(HEAD + "(defrule a (go) => (/ 1 0))\n(defrule b (declare (salience -1)) (go) => (println goes on))\n",
+                   SCENARIO + "on_rule_error: continue\n")
+        done = self.run_it()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.result()["status"], "completed")
+        self.assertEqual([(e["rule"], e["line"]) for e in self.result()["rule_errors"]], [("a", 3)])
+        self.assertEqual([r["data"]["file"] for r in self.records() if r["kind"] == "error"], ["rules/rules.clp"],
+                         "the journal names files from their package")
+
+
+class Models(Lab):
+    def test_wrong_mjcf(self):
+        share = self.folder / "share"
+        shutil.copytree(SOURCE / "models", share / "models")
+        (share / "interfaces").symlink_to(SOURCE / "cx/interfaces")
+        self.write("scenario.yaml", GAME.replace("timed", "physics"))
+        robot = share / "models/robot.xml"
+        good = robot.read_text()
+        for find, put in [("<geom", "<gem"), ("</", "</x")]:
+            lines = good[:good.index(find)].count("\n") + 1
+            robot.write_text(good.replace(find, put, 1))
+            done = self.fails(3, "robot.xml:", arguments=["--force"], env={**os.environ, "CXLAB_SHARE": str(share)})
+            line = int(done.stderr.split("robot.xml:")[1].split(":")[0])
+            self.assertLessEqual(line, lines, "where the element begins, or where it went wrong")
+            self.assertGreater(line, 0)
+        robot.unlink()
+        self.fails(3, "robot.xml: no such model part", arguments=["--force"], env={**os.environ, "CXLAB_SHARE": str(share)})
+
+
+class Output(Lab):
+    def test_folder_in_use(self):
+        self.agent("")
+        self.write("out/mine.txt", "mine")
+        self.fails(2, "the output folder is not empty", "--force")
+        self.assertEqual(self.run_it("--force").returncode, 0)
+        self.assertEqual((self.out / "mine.txt").read_text(), "mine")
+
+    def test_full_disk(self):
+        self.agent('(defrule t (time ?t) => (println "time " ?t))', SCENARIO.replace(": 2", ": 2000"))
+        for limit in [3000, 100000]:
+            with self.subTest(limit=limit):
+                shutil.rmtree(self.out, ignore_errors=True)
+                self.fails(5, "File too large", arguments=["--journal", "full"],
+                           preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+                self.assertEqual((self.result()["status"], self.result()["reason"]["code"]), ("failed", "resource"))
+                self.assertGreater(len(self.records()), 5)
+                self.assertTrue((self.out / "logs/main.log").read_text().endswith("\n"))
+
+
+if __name__ == "__main__":
+    unittest.main()
