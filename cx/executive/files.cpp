@@ -136,8 +136,7 @@ Expected<FoundFile> Files::find_for_rules(const std::string& path) const {
     for (const auto& [name, package] : options_.packages) {
       fs::path relative;
       if (!below(asked, package.share, relative)) continue;
-      if (!find_in(name, relative, found)) return input_error("cannot read '" + path + "': there is no such file");
-      if (really_below(found.path, package.folder)) return found;
+      if (!find_in(name, relative, found) || really_below(found.path, package.folder)) return found;
     }
     fs::path relative;
     if (!options_.run_folder.empty() && below(asked, options_.run_folder, relative) && really_below(asked, options_.run_folder))

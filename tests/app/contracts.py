@@ -1,6 +1,7 @@
 """Exit codes, result.json and journal.jsonl of a run. python3 -m unittest contracts"""
 
 import json
+import shutil
 import signal
 import subprocess
 import time
@@ -32,9 +33,6 @@ class Game(Lab):
         for team in result["teams"].values():
             self.assertEqual(list(team["by_kind"]), KINDS)
             self.assertEqual(sum(team["by_kind"].values()), team["points"])
-        cyan = result["teams"]["CYAN"]["by_kind"]
-        self.assertEqual(sum(o["points"] for o in result["orders"]),
-                         sum(cyan[k] for k in ["delivery", "ring", "cap", "buffer", "late", "competitive"]) - self.unassigned(cyan, result))
         for order in result["orders"]:
             self.assertEqual(list(order), ["id", "complexity", "ordered", "delivered_at", "correct", "points"])
         self.assertTrue(result["deliveries"])
@@ -61,11 +59,6 @@ class Game(Lab):
             self.assertNotIn(str(self.folder).encode(), content, name)
         self.assertLess(sum(f.stat().st_size for f in self.out.rglob("*") if f.is_file()), 25e6)
 
-    def unassigned(self, kinds, result):
-        """Points of caps and buffers that belong to no delivered order."""
-        given = sum(kinds[k] for k in ["delivery", "ring", "cap", "buffer", "late", "competitive"])
-        return given - sum(o["points"] for o in result["orders"])
-
     def test_same_seed_same_bytes(self):
         self.play("--until", "300", out="a")
         self.play("--until", "300", out="b")
@@ -73,7 +66,7 @@ class Game(Lab):
         read = lambda run, name: (self.folder / run / name).read_bytes()
         for name in ["journal.jsonl", "inputs.bin", "logs/agent.log"]:
             self.assertEqual(read("a", name), read("b", name), name)
-            self.assertNotEqual(read("a", name), read("c", name), name)
+        self.assertNotEqual(read("a", "journal.jsonl"), read("c", "journal.jsonl"))
         hashes = [json.loads(read(run, "result.json"))["journal_hash"] for run in "abc"]
         self.assertEqual(hashes[0], hashes[1])
         self.assertNotEqual(hashes[0], hashes[2])
@@ -142,7 +135,6 @@ class Ends(Lab):
                 self.assertEqual(self.status(), "interrupted")
                 self.records()
                 (self.out / "result.json").unlink()
-                import shutil
                 shutil.rmtree(self.out)
 
     def test_killed(self):
