@@ -51,6 +51,7 @@ int main(int argc, char** argv) {
   add_render(app, action);
   add_why_not(app, action);
   add_list(app, action);
+  add_test(app, action);
   add_doctor(app, action);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,172 @@
+#include "cx/testing/stand_ins.h"
+
+#include <algorithm>
+
+namespace cxlab::testing {
+
+using bus::Delivery;
+
+struct StandIns::Server {
+  StandIn stand_in;
+  std::vector<bus::SharedMessage> results;  // one an outcome
+  bus::EndpointId endpoint{};
+  std::size_t taken = 0;
+
+  std::size_t next() { return std::min(taken++, stand_in.outcomes.size() - 1); }
+};
+
+/// What has been taken and is answered later.
+struct StandIns::Ending {
+  bool action = true;
+  SimTime due{};
+  bus::EndpointId endpoint{};
+  Delivery taken;
+  bus::GoalStatus status{};
+  bus::SharedMessage message;
+};
+
+namespace {
+
+Error at(const Error& error, const std::string& name, const std::string& file, int line) {
+  return Error{error.kind, name + ": " + error.message, file, line, error.code};
+}
+
+/// The outcome's result; `success` as the outcome is, unless the story says otherwise.
+Expected<bus::SharedMessage> result_of(const bus::MessageType& type, const Outcome& outcome) {
+  auto read = bus::Message::from_yaml(type, outcome.result.empty() ? "{}" : outcome.result);
+  if (!read) return read.error();
+  bus::Message message(*std::move(read));
+  const bool told = outcome.result.find("success:") != std::string::npos;
+  if (!told && outcome.kind == Outcome::Kind::kSucceed && std::any_of(type.fields().begin(), type.fields().end(), [](const bus::Field& f) { return f.name == "success"; }))
+    message.view().set("success", true);
+  return std::make_shared<const bus::Message>(std::move(message));
+}
+
+}  // namespace
+
+StandIns::StandIns(bus::Bus& bus, RecordSink& sink)
+    : bus_(bus), self_(bus.join(bus::ParticipantKind::kNode, bus::NodeName{"story", "/", {}}, sink.open_stream("node/story"))) {}
+
+StandIns::~StandIns() { bus_.leave(self_); }
+
+Status StandIns::add(const StandIn& given) {
+  auto server = std::make_unique<Server>();
+  server->stand_in = given;
+  Server* raw = server.get();
+  const bus::ActionType* action = nullptr;
+  const bus::ServiceType* service = nullptr;
+  if (given.action) {
+    auto type = bus_.registry().action(given.type);
+    if (!type) return at(type.error(), given.name, given.file, given.line);
+    action = *type;
+  } else {
+    auto type = bus_.registry().service(given.type);
+    if (!type) return at(type.error(), given.name, given.file, given.line);
+    service = *type;
+  }
+  for (const Outcome& outcome : given.outcomes) {
+    auto message = result_of(action ? *action->result : *service->response, outcome);
+    if (!message) return at(message.error(), given.name, given.file, outcome.line);
+    server->results.push_back(*message);
+  }
+  if (const auto old = servers_.find(given.name); old != servers_.end()) {
+    // The endpoint stays, so that what is under way ends well.
+    if (old->second->stand_in.action != given.action || old->second->stand_in.type != given.type)
+      return input_error(given.name + ": served as " + old->second->stand_in.type + " before, not as " + given.type, given.file, given.line);
+    server->endpoint = old->second->endpoint;
+    *old->second = std::move(*server);
+    return {};
+  }
+  auto endpoint = action ? bus_.serve_action(self_, given.name, *action,
+                                             {[this, raw](const Delivery& d) { on_goal(*raw, d); },
+                                              [this, raw](const Delivery& d) { bus_.answer_cancel(raw->endpoint, d, true); }})
+                         : bus_.serve(self_, given.name, *service, [this, raw](const Delivery& d) { on_call(*raw, d); });
+  if (!endpoint) return at(endpoint.error(), given.name, given.file, given.line);
+  server->endpoint = *endpoint;
+  servers_[given.name] = std::move(server);
+  return {};
+}
+
+Status StandIns::listen(const std::string& topic, const std::string& type, const std::string& file, int line) {
+  if (ears_.contains(topic)) return {};
+  auto message = bus_.registry().message(type);
+  if (!message) return at(message.error(), topic, file, line);
+  auto ear = bus_.subscribe(self_, topic, **message, [this, topic](const Delivery& d) {
+    heard_.push_back({Heard::Kind::kTopic, bus_.now(), topic, d.message->view().to_string()});
+  });
+  if (!ear) return at(ear.error(), topic, file, line);
+  ears_[topic] = *ear;
+  return {};
+}
+
+Status StandIns::publish(const std::string& topic, const std::string& type, const std::string& data, const std::string& file, int line) {
+  auto known = bus_.registry().message(type);
+  if (!known) return at(known.error(), topic, file, line);
+  auto message = bus::Message::from_yaml(**known, data.empty() ? "{}" : data);
+  if (!message) return at(message.error(), topic, file, line);
+  if (!publishers_.contains(topic)) {
+    auto publisher = bus_.advertise(self_, topic, **known);
+    if (!publisher) return at(publisher.error(), topic, file, line);
+    publishers_[topic] = *publisher;
+  }
+  bus_.publish(publishers_[topic], std::make_shared<const bus::Message>(*std::move(message)));
+  return {};
+}
+
+void StandIns::on_goal(Server& server, const Delivery& goal) {
+  heard_.push_back({Heard::Kind::kGoal, bus_.now(), server.stand_in.name, goal.message->view().to_string()});
+  const std::size_t k = server.next();
+  const Outcome& outcome = server.stand_in.outcomes[k];
+  if (outcome.kind == Outcome::Kind::kReject) {
+    bus_.answer_goal(server.endpoint, goal.goal, bus::GoalAnswer::kReject);
+    return;
+  }
+  bus_.answer_goal(server.endpoint, goal.goal, bus::GoalAnswer::kAccept);
+  const bool never = outcome.kind == Outcome::Kind::kNever;
+  endings_.push_back({true, never ? kNever : bus_.now() + outcome.takes, server.endpoint, goal,
+                      outcome.kind == Outcome::Kind::kSucceed ? bus::GoalStatus::kSucceeded : bus::GoalStatus::kAborted, server.results[k]});
+}
+
+void StandIns::on_call(Server& server, const Delivery& request) {
+  heard_.push_back({Heard::Kind::kCall, bus_.now(), server.stand_in.name, request.message->view().to_string()});
+  const std::size_t k = server.next();
+  const Outcome& outcome = server.stand_in.outcomes[k];
+  if (outcome.kind == Outcome::Kind::kNever) return;
+  endings_.push_back({false, bus_.now() + outcome.takes, server.endpoint, request, {}, server.results[k]});
+}
+
+void StandIns::sense(SimTime now) {
+  std::vector<Ending> open;
+  for (Ending& ending : endings_) {
+    const bool canceling = ending.action && bus_.server_goal_status(ending.endpoint, ending.taken.goal) == bus::GoalStatus::kCanceling;
+    if (ending.due > now && !canceling) {
+      open.push_back(std::move(ending));
+    } else if (ending.action) {
+      bus_.finish(ending.endpoint, ending.taken.goal, canceling ? bus::GoalStatus::kCanceled : ending.status, ending.message);
+    } else {
+      bus_.respond(ending.endpoint, ending.taken, ending.message);
+    }
+  }
+  endings_ = std::move(open);
+}
+
+void StandIns::act() { bus_.deliver(self_); }
+
+SimTime StandIns::next_due() const {
+  SimTime first = kNever;
+  for (const Ending& ending : endings_) {
+    const bool canceling = ending.action && bus_.server_goal_status(ending.endpoint, ending.taken.goal) == bus::GoalStatus::kCanceling;
+    first = std::min(first, canceling ? SimTime::zero() : ending.due);
+  }
+  return first;
+}
+
+bool StandIns::serves(const std::string& action) const { return servers_.contains(action); }
+
+std::vector<std::string> StandIns::names() const {
+  std::vector<std::string> out;
+  for (const auto& [name, server] : servers_) out.push_back(name);
+  return out;
+}
+
+}  // namespace cxlab::testing

@@ -1,0 +1,74 @@
+#pragma once
+// Stand-ins for the world: action servers and services that answer as the story says, and ears on topics.
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/bus/bus.h"
+
+namespace cxlab::testing {
+
+/// How one goal or call ends.
+struct Outcome {
+  enum class Kind { kSucceed, kFail, kReject, kNever };
+  Kind kind = Kind::kSucceed;
+  SimTime takes{};     ///< from the tick in which it is taken
+  std::string result;  ///< fields of the result or response, YAML; `success` follows the kind where it is not given
+  int line = 0;
+};
+
+/// An action server or a service. The k-th goal or call meets the k-th outcome, later ones the last.
+struct StandIn {
+  bool action = true;
+  std::string name, type;
+  std::vector<Outcome> outcomes;
+  std::string file;
+  int line = 0;
+};
+
+/// A goal, call or message that reached a stand-in.
+struct Heard {
+  enum class Kind { kGoal, kCall, kTopic };
+  Kind kind{};
+  SimTime t{};
+  std::string name;     ///< action, service or topic
+  std::string content;  ///< YAML
+};
+
+class StandIns {
+ public:
+  StandIns(bus::Bus& bus, RecordSink& sink);
+  ~StandIns();
+
+  /// Serves from now on; a stand-in of that name is replaced (goals that it has taken end as it said).
+  Status add(const StandIn& stand_in);
+  Status listen(const std::string& topic, const std::string& type, const std::string& file, int line);
+  Status publish(const std::string& topic, const std::string& type, const std::string& data, const std::string& file, int line);
+
+  /// Ends what is due.
+  void sense(SimTime now);
+  /// Takes what was sent.
+  void act();
+  SimTime next_due() const;
+  const std::vector<Heard>& heard() const { return heard_; }
+  bool serves(const std::string& action) const;
+  std::vector<std::string> names() const;
+
+ private:
+  struct Server;
+  struct Ending;
+  void on_goal(Server& server, const bus::Delivery& goal);
+  void on_call(Server& server, const bus::Delivery& request);
+
+  bus::Bus& bus_;
+  bus::ParticipantId self_;
+  std::map<std::string, std::unique_ptr<Server>> servers_;
+  std::map<std::string, bus::EndpointId> publishers_, ears_;
+  std::vector<Ending> endings_;  // in order of arrival
+  std::vector<Heard> heard_;
+};
+
+}  // namespace cxlab::testing

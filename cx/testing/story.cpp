@@ -1,0 +1,387 @@
+#include "cx/testing/story.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <optional>
+
+#include "cx/executive/environment_manager.h"
+#include "cx/plugins/builtin.h"
+#include "cx/testing/watch.h"
+#include "cx/yaml/yaml.h"
+
+namespace cxlab::testing {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr SimTime kTick = std::chrono::milliseconds(20);
+
+std::string seconds(SimTime t) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g s", to_seconds(t));
+  return text;
+}
+
+/// Keeps what plugins clean up at the end: it was left open.
+class Leaks final : public cx::LogSink {
+ public:
+  void line(const cx::LogLine& line) override {
+    if (line.level == cx::LogLevel::kWarn && line.text.find("cleaning up") != std::string_view::npos) found.emplace_back(line.text);
+  }
+  std::vector<std::string> found;
+};
+
+/// A folder that goes with its owner.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (fs::temp_directory_path() / "cxlab-story-XXXXXX").string();
+    if (mkdtemp(pattern.data())) path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// Whether all that `wanted` names is in `found`; numbers as numbers.
+bool contains(const yaml::Value& found, const yaml::Value& wanted) {
+  if (wanted.is_map()) {
+    if (!found.is_map()) return false;
+    yaml::Map map = found.as_map();
+    for (const auto& [key, value] : wanted.as_map().entries())
+      if (const yaml::Value there = map.get(key); !there || !contains(there, value)) return false;
+    return true;
+  }
+  if (wanted.is_list()) {
+    const auto a = found.is_list() ? found.as_list() : std::vector<yaml::Value>();
+    const auto b = wanted.as_list();
+    return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), contains);
+  }
+  if (found.text() == wanted.text()) return true;
+  char *a_end = nullptr, *b_end = nullptr;
+  const std::string a = found.text(), b = wanted.text();
+  const double x = std::strtod(a.c_str(), &a_end), y = std::strtod(b.c_str(), &b_end);
+  return !a.empty() && !b.empty() && !*a_end && !*b_end && x == y;
+}
+
+bool contains(const std::string& found, const std::string& wanted) {
+  if (wanted.empty()) return true;
+  const auto a = yaml::Document::parse(found, "message"), b = yaml::Document::parse(wanted, "fields");
+  return a && b && contains(a->root(), b->root());
+}
+
+class Play {
+ public:
+  Play(const StorySpec& spec, const StorySetup& setup) : spec_(spec), setup_(setup) {}
+
+  StoryResult run() {
+    if (Status s = prepare(); !s) return bad(s.error());
+    if (Status s = manager_->configure(); !s) return bad(s.error());
+    if (Status s = find_environment(); !s) return bad(s.error());
+    if (Status s = manager_->activate(); !s) return s.error().kind == ErrorKind::kInput ? bad(s.error()) : broken(s.error());
+    if (Status s = check_names(); !s) return bad(s.error());
+    for (const Line& fact : spec_.given)
+      if (Status s = assert_fact(fact.text, fact.line); !s) return bad(s.error());
+    std::optional<Error> failure;
+    while (now_ <= end_ && !failure && !(now_ > SimTime::zero() && manager_->shutdown_requested())) {
+      Status s = tick();
+      if (!s && s.error().file == spec_.file) return bad(s.error());
+      if (!s) failure = s.error();
+      result_.sim_time_s = to_seconds(now_);
+      now_ = next_tick();
+    }
+    if (failure) result_.failures.push_back(failure->text());
+    for (const Expectation& e : spec_.expect) judge(e);
+    count_rules();
+    if (Status s = manager_->deactivate(); !s && !failure) result_.failures.push_back(s.error().text());
+    result_.notes = std::move(leaks_.found);
+    return std::move(result_);
+  }
+
+ private:
+  StoryResult bad(const Error& error) {
+    result_.bad = error;
+    return std::move(result_);
+  }
+  StoryResult broken(const Error& error) {
+    result_.failures.push_back(error.text());
+    return std::move(result_);
+  }
+  Error at(int line, const std::string& what) const { return input_error(what, spec_.file, line); }
+
+  Status prepare() {
+    if (Status s = registry_.add_packages_in(setup_.interfaces); !s) return s;
+    cx::ManagerOptions options;
+    for (const auto& [name, folder] : spec_.packages) {
+      if (!fs::is_directory(folder)) return at(spec_.line, "package " + name + ": there is no folder " + folder.string());
+      options.packages[name] = {folder, {}};
+      for (const char* kind : {"msg", "srv", "action"})
+        if (fs::is_directory(folder / kind)) {
+          if (Status s = registry_.add_package(name, folder); !s) return s;
+          break;
+        }
+    }
+    auto config = config_file();
+    if (!config) return config.error();
+    options.config = *config;
+    options.plugin_types = cx::builtin_plugins();
+    options.log = &leaks_;
+    options.seed = spec_.seed;
+    auto manager = cx::EnvironmentManager::create(std::move(options), bus_, watches_);
+    if (!manager) return manager.error();
+    manager_ = *std::move(manager);
+    end_ = spec_.end;
+    for (const Step& step : spec_.steps) end_ = std::max(end_, step.at);
+    for (const Expectation& e : spec_.expect) end_ = std::max({end_, e.after, e.until == kNever ? SimTime::zero() : e.until});
+    end_ = tick_not_before(end_, kTick);
+    for (const StandIn& stand_in : spec_.stand_ins)
+      if (Status s = stand_ins_.add(stand_in); !s) return s;
+    for (const Expectation& e : spec_.expect)
+      if (e.kind == Expectation::Kind::kPublished)
+        if (Status s = stand_ins_.listen(e.text, e.type, spec_.file, e.line); !s) return s;
+    return {};
+  }
+
+  /// The configuration, or one made for the rule files alone.
+  Expected<fs::path> config_file() {
+    if (!spec_.config.empty()) return spec_.config;
+    std::string files;
+    for (const fs::path& file : spec_.rules) {
+      if (!fs::is_regular_file(file)) return at(spec_.line, "there is no rule file " + file.string());
+      files += (files.empty() ? "'" : ", '") + fs::absolute(file).lexically_normal().string() + '\'';
+    }
+    const fs::path made = folder_.path() / "story.yaml";
+    std::ofstream(made) << "/**:\n  ros__parameters:\n    environments: [main]\n    main: {plugins: [executive, ros_msgs, files]}\n"
+                           "    executive: {plugin: 'cx::ExecutivePlugin'}\n    ros_msgs: {plugin: 'cx::RosMsgsPlugin'}\n"
+                           "    files: {plugin: 'cx::FileLoadPlugin', load: [" << files << "]}\n";
+    return made;
+  }
+
+  Status find_environment() {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < manager_->size(); ++i) names.push_back(manager_->environment(i).name());
+    if (spec_.environment.empty() && !names.empty()) environment_ = &manager_->environment(0);
+    else environment_ = manager_->find(spec_.environment);
+    if (!environment_) return at(spec_.line, "environment '" + spec_.environment + "' is not in the configuration" + did_you_mean(spec_.environment, names));
+    watches_.choose(environment_->name());
+    return {};
+  }
+
+  static std::string did_you_mean(const std::string& word, const std::vector<std::string>& known) {
+    const std::string near = nearest_word(word, known);
+    return near.empty() ? std::string() : ", did you mean '" + near + "'?";
+  }
+
+  /// Rules, actions and patterns that can never be met are mistakes of the story.
+  Status check_names() {
+    std::vector<std::string> rules;
+    for (const ConstructInfo& c : environment_->engine().constructs())
+      if (c.kind == "defrule") rules.push_back(c.name);
+    for (const Expectation& e : spec_.expect) {
+      using Kind = Expectation::Kind;
+      if (e.kind == Kind::kFact || e.kind == Kind::kNoFact) {
+        auto pattern = FactPattern::parse(e.text, spec_.file, e.line);
+        if (!pattern) return pattern.error();
+      } else if (e.kind == Kind::kFires || e.kind == Kind::kNotFires) {
+        if (std::find(rules.begin(), rules.end(), e.text) == rules.end()) return at(e.line, "there is no rule '" + e.text + '\'' + did_you_mean(e.text, rules));
+      } else if (e.kind == Kind::kGoal) {
+        const bool later = std::any_of(spec_.steps.begin(), spec_.steps.end(), [&](const Step& s) { return s.stand_in.name == e.text; });
+        if (!later && !stand_ins_.serves(e.text)) return at(e.line, "nobody serves " + e.text + did_you_mean(e.text, stand_ins_.names()) + " (skills: of the story)");
+      }
+    }
+    return {};
+  }
+
+  Status assert_fact(const std::string& text, int line) {
+    environment_->engine().clear_cause();
+    auto fact = environment_->engine().assert_string(text);
+    if (!fact) return at(line, text + ": " + fact.error().message);
+    return {};
+  }
+
+  Status do_step(const Step& step) {
+    switch (step.verb) {
+      case Step::Verb::kAssert: return assert_fact(step.text, step.line);
+      case Step::Verb::kPublish: return stand_ins_.publish(step.text, step.type, step.data, spec_.file, step.line);
+      case Step::Verb::kStandIn: return stand_ins_.add(step.stand_in);
+      case Step::Verb::kRetract: break;
+    }
+    auto pattern = FactPattern::parse(step.text, spec_.file, step.line);
+    if (!pattern) return pattern.error();
+    bool any = false;
+    for (const FactCopy& copy : environment_->engine().facts(pattern->template_name())) {
+      FactText fact{copy.template_name, {}};
+      for (const auto& [name, value] : copy.slots) {
+        fact.slots.emplace_back(name, std::vector<std::string>());
+        if (!value.is(ValueType::kMultifield)) fact.slots.back().second.push_back(value.print());
+        for (const Value& item : value.items()) fact.slots.back().second.push_back(item.print());
+      }
+      if (pattern->matches(fact)) any |= environment_->engine().retract(copy.index);
+    }
+    if (any) return {};
+    return Error{ErrorKind::kNo, spec_.file + ':' + std::to_string(step.line) + ": retract " + step.text + " at " + seconds(now_) + ": there is no such fact", {}, 0, {}};
+  }
+
+  Status tick() {
+    bus_.begin_tick(now_);
+    for (; next_step_ < spec_.steps.size() && spec_.steps[next_step_].at <= now_; ++next_step_)
+      if (Status s = do_step(spec_.steps[next_step_]); !s) return s;
+    stand_ins_.sense(now_);
+    for (std::size_t i = 0; i < manager_->size(); ++i)
+      if (Status s = manager_->perceive(i); !s) return s;
+    for (std::size_t i = 0; i < manager_->size(); ++i)
+      if (Status s = manager_->decide_if_due(i, now_); !s) return s;
+    stand_ins_.act();
+    return {};
+  }
+
+  SimTime next_tick() const {
+    const SimTime following = now_ + kTick;
+    if (bus_.any_waiting()) return following;
+    SimTime due = std::min({manager_->next_due(), stand_ins_.next_due(), end_ + kTick});
+    if (next_step_ < spec_.steps.size()) due = std::min(due, spec_.steps[next_step_].at);
+    return std::max(following, tick_not_before(due, kTick));
+  }
+
+  void fail(const Expectation& e, const std::string& what) { result_.failures.push_back(at(e.line, what).text()); }
+  static std::string span(const Expectation& e) {
+    if (e.at) return " at " + seconds(e.until);
+    std::string out = e.after > SimTime::zero() ? " after " + seconds(e.after) : "";
+    if (e.until != kNever) out += " by " + seconds(e.until);
+    return out;
+  }
+  static bool within(const Expectation& e, SimTime t) { return t >= e.after && t <= e.until; }
+
+  void judge(const Expectation& e) {
+    switch (e.kind) {
+      case Expectation::Kind::kFact:
+      case Expectation::Kind::kNoFact: return judge_fact(e);
+      case Expectation::Kind::kFires:
+      case Expectation::Kind::kNotFires: return judge_rule(e);
+      case Expectation::Kind::kGoal: return judge_heard(e, Heard::Kind::kGoal, "goal");
+      case Expectation::Kind::kPublished: return judge_heard(e, Heard::Kind::kTopic, "message");
+    }
+  }
+
+  void judge_fact(const Expectation& e) {
+    const auto pattern = FactPattern::parse(e.text, spec_.file, e.line);
+    const FactVersion *found = nullptr, *near = nullptr;
+    for (const FactVersion& version : watches_.facts()) {
+      if (version.fact.template_name != pattern->template_name()) continue;
+      const bool there = e.at ? version.from <= e.until && version.until > e.until
+                              : version.from <= e.until && (version.until > e.after || version.from >= e.after);
+      if (there && pattern->matches(version.fact)) found = found ? found : &version;
+      else if (!near || pattern->closeness(version.fact) >= pattern->closeness(near->fact)) near = &version;
+    }
+    if (e.kind == Expectation::Kind::kNoFact) {
+      if (found) fail(e, "expected no fact " + e.text + span(e) + "; there was " + found->fact.print() + " from " + seconds(found->from));
+      else if (!environment_->engine().has("deftemplate", pattern->template_name()) && !near)
+        fail(e, "there is no deftemplate '" + pattern->template_name() + "', so this says nothing" + did_you_mean(pattern->template_name(), templates()));
+      else if (near && !slots_known(*pattern, near->fact)) fail(e, e.text + ": " + pattern->difference(near->fact));
+      return;
+    }
+    if (found) return;
+    std::string what = "expected fact " + e.text + span(e);
+    if (near) {
+      const std::string difference = pattern->difference(near->fact);
+      what += "; nearest: " + near->fact.print() + " at " + seconds(near->from) + (near->until == kNever ? "" : " until " + seconds(near->until)) +
+              (difference.empty() ? ", at another time" : ": " + difference);
+    } else {
+      what += environment_->engine().has("deftemplate", pattern->template_name())
+                  ? "; there was no fact of this template"
+                  : "; there is no deftemplate '" + pattern->template_name() + '\'' + did_you_mean(pattern->template_name(), templates());
+    }
+    fail(e, what);
+  }
+
+  static bool slots_known(const FactPattern& pattern, const FactText& fact) {
+    const auto names = pattern.slot_names();
+    return std::all_of(names.begin(), names.end(), [&](const std::string& name) {
+      return std::any_of(fact.slots.begin(), fact.slots.end(), [&](const auto& slot) { return slot.first == name; });
+    });
+  }
+
+  std::vector<std::string> templates() const {
+    std::vector<std::string> out;
+    for (const ConstructInfo& c : environment_->engine().constructs())
+      if (c.kind == "deftemplate") out.push_back(c.name);
+    return out;
+  }
+
+  void judge_rule(const Expectation& e) {
+    int inside = 0;
+    std::string times;
+    for (const Firing& firing : watches_.firings()) {
+      if (firing.rule != e.text) continue;
+      inside += within(e, firing.t);
+      if (times.size() < 60) times += (times.empty() ? "" : ", ") + seconds(firing.t);
+    }
+    if (e.kind == Expectation::Kind::kNotFires) {
+      if (inside > 0) fail(e, "expected that rule " + e.text + " does not fire" + span(e) + "; it fired at " + times);
+      return;
+    }
+    if (inside >= e.count) return;
+    std::string what = "expected rule " + e.text + " to fire" + (e.count > 1 ? " " + std::to_string(e.count) + " times" : "") + span(e);
+    if (!times.empty()) return fail(e, what + "; it fired at " + times);
+    what += "; it never fired";
+    if (const auto matches = environment_->engine().matches(e.text); matches && !matches->empty())
+      for (const RuleMatches::Pattern& p : matches->front().patterns)
+        if (p.partial == 0) {
+          what += ": at the end its condition " + std::to_string(p.condition) + " held " + (p.matches == 0 ? "for no fact" : "for no combination of facts");
+          break;
+        }
+    fail(e, what);
+  }
+
+  void judge_heard(const Expectation& e, Heard::Kind kind, const std::string& word) {
+    int inside = 0;
+    const Heard* last = nullptr;
+    for (const Heard& heard : stand_ins_.heard()) {
+      if (heard.kind != kind || heard.name != e.text) continue;
+      if (within(e, heard.t) && contains(heard.content, e.fields)) ++inside;
+      else last = &heard;
+    }
+    if (inside >= e.count) return;
+    std::string what = "expected " + (e.count > 1 ? std::to_string(e.count) + " times a " : std::string("a ")) + word + " for " + e.text;
+    if (!e.fields.empty()) what += " with " + e.fields;
+    what += span(e) + "; ";
+    if (e.count > 1) what += "there were " + std::to_string(inside) + "; ";
+    what += last ? "nearest: " + last->content + " at " + seconds(last->t) : "there was no other";
+    fail(e, what);
+  }
+
+  void count_rules() {
+    for (const ConstructInfo& c : environment_->engine().constructs())
+      if (c.kind == "defrule" && c.line > 0 && fs::path(c.file).is_absolute())
+        result_.rules.push_back({c.file, c.name, c.line,
+                                 std::count_if(watches_.firings().begin(), watches_.firings().end(), [&](const Firing& f) { return f.rule == c.name; })});
+  }
+
+  const StorySpec& spec_;
+  const StorySetup& setup_;
+  TemporaryFolder folder_;
+  Leaks leaks_;
+  Watch watches_;
+  bus::Registry registry_;
+  bus::Bus bus_{registry_, watches_};
+  StandIns stand_ins_{bus_, watches_};
+  std::unique_ptr<cx::EnvironmentManager> manager_;
+  cx::Environment* environment_ = nullptr;
+  SimTime now_{}, end_{};
+  std::size_t next_step_ = 0;
+  StoryResult result_;
+};
+
+}  // namespace
+
+StoryResult run_story(const StorySpec& spec, const StorySetup& setup) { return Play(spec, setup).run(); }
+
+}  // namespace cxlab::testing

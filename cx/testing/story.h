@@ -1,0 +1,87 @@
+#pragma once
+// Stories: regression tests of rules without a world, in simulated time (docs/testing.md).
+//
+//   StorySpec spec;  spec.rules = {"agent.clp"};  spec.given = {{"(robot (name \"R1\"))"}};  ...
+//   StoryResult result = run_story(spec, setup);
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/time.h"
+#include "cx/testing/stand_ins.h"
+
+namespace cxlab::testing {
+
+/// A text of the story file and the line on which it stands.
+struct Line {
+  std::string text;
+  int line = 0;
+};
+
+/// Something that happens at a time.
+struct Step {
+  enum class Verb { kAssert, kRetract, kPublish, kStandIn };
+  SimTime at{};
+  Verb verb{};
+  std::string text;        ///< fact, pattern or topic
+  std::string type, data;  ///< of a message
+  StandIn stand_in;
+  int line = 0;
+};
+
+/// Something that must hold, between `after` and `until` or at one time.
+struct Expectation {
+  enum class Kind { kFact, kNoFact, kFires, kNotFires, kGoal, kPublished };
+  Kind kind{};
+  std::string text;    ///< pattern, rule, action or topic
+  std::string type;    ///< of a topic
+  std::string fields;  ///< YAML that goal or message must contain
+  int count = 1;       ///< at least so often (fires, goal, published)
+  SimTime after{};
+  SimTime until = kNever;  ///< kNever: the end of the story
+  bool at = false;         ///< facts: as they are at the end of tick `until`
+  int line = 0;
+};
+
+struct StorySpec {
+  std::string name, file;
+  int line = 0;
+  std::filesystem::path config;                     ///< of the CX; empty: `rules` with executive and ros_msgs
+  std::vector<std::filesystem::path> rules;
+  std::map<std::string, std::filesystem::path> packages;
+  std::string environment;                          ///< empty = the first
+  std::uint64_t seed = 1;
+  std::vector<Line> given;
+  std::vector<StandIn> stand_ins;
+  std::vector<Step> steps;
+  std::vector<Expectation> expect;
+  SimTime end{};                                    ///< zero: the latest time that is named
+};
+
+struct StorySetup {
+  std::filesystem::path interfaces;  ///< folder of packages of definitions
+};
+
+/// How often a rule has fired.
+struct RuleCount {
+  std::string file, rule;
+  int line = 0;
+  long fired = 0;
+};
+
+struct StoryResult {
+  std::vector<std::string> failures;  ///< `file:line: what was expected, by when, what was there`
+  std::vector<std::string> notes;     ///< what was left open at the end
+  std::optional<Error> bad;           ///< the story itself cannot be used
+  double sim_time_s = 0;
+  std::vector<RuleCount> rules;
+  bool passed() const { return failures.empty() && !bad; }
+};
+
+/// Plays the story in a manager of its own.
+StoryResult run_story(const StorySpec& spec, const StorySetup& setup);
+
+}  // namespace cxlab::testing

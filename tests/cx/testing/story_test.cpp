@@ -1,0 +1,101 @@
+// Stories tell what is wrong, where, and what was there instead.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "cx/testing/pattern.h"
+#include "cx/testing/story_file.h"
+
+namespace cxlab::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class Stories : public ::testing::Test {
+ protected:
+  Stories() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "cxlab-stories-XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+    write("door.clp", "(deftemplate door (slot state) (slot by (default NOBODY)))\n"
+                      "(defrule open \"A bell.\" (bell) ?d <- (door (state CLOSED)) => (modify ?d (state OPEN) (by BELL)))\n"
+                      "(defrule slam (wind) ?d <- (door (state OPEN)) => (modify ?d (state CLOSED)))\n");
+  }
+  ~Stories() override { std::filesystem::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
+  Expected<std::vector<StorySpec>> read(const std::string& text) {
+    write("t.story.yaml", text);
+    return read_stories(folder_ / "t.story.yaml");
+  }
+  /// The one story of a bell and a door, with these expectations.
+  StoryResult play(const std::string& expectation, const std::string& more = {}) {
+    auto stories = read("- story: s\n  rules: door.clp\n  given: [(door (state CLOSED))]\n" + more + "  expect:\n    - {" + expectation + "}\n");
+    if (!stories) {
+      StoryResult bad;
+      bad.bad = stories.error();
+      return bad;
+    }
+    return run_story(stories->front(), {std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "cx/interfaces"});
+  }
+  std::filesystem::path folder_;
+};
+
+const char* const kBell = "  steps: [{at: 1, assert: (bell)}]\n";
+
+TEST_F(Stories, FactIsSeenInItsTimeOnly) {
+  EXPECT_THAT(play("fact: (door (state OPEN)), within_s: 1", kBell).failures, IsEmpty());
+  EXPECT_THAT(play("fact: (door (state OPEN)), within_s: 0.9", kBell).failures,
+              ElementsAre(AllOf(HasSubstr("t.story.yaml:6: expected fact (door (state OPEN)) by 0.9 s"), HasSubstr("(by BELL)) at 1 s, at another time"))));
+  EXPECT_THAT(play("fact: (door (state CLOSED)), at: 2", kBell).failures.size(), 1u);
+}
+
+TEST_F(Stories, AFactThatLivesWithinOneRunIsSeen) {
+  const auto both = "  steps: [{at: 1, assert: (bell)}, {at: 2, assert: (wind)}, {at: 2, retract: (bell)}]\n";
+  EXPECT_THAT(play("fact: (door (state OPEN) (by BELL)), within_s: 3", both).failures, IsEmpty());
+  EXPECT_THAT(play("no_fact: (door (state OPEN)), within_s: 3", both).failures, ElementsAre(HasSubstr("there was (door (state OPEN) (by BELL)) from 1 s")));
+  EXPECT_THAT(play("no_fact: (door (state OPEN)), at: 3", both).failures, IsEmpty());
+}
+
+TEST_F(Stories, FiringIsCounted) {
+  EXPECT_THAT(play("fires: open, within_s: 1", kBell).failures, IsEmpty());
+  EXPECT_THAT(play("fires: open, count: 2, within_s: 2", kBell).failures, ElementsAre(HasSubstr("it fired at 1 s")));
+  EXPECT_THAT(play("fires: slam, within_s: 2", kBell).failures, ElementsAre(HasSubstr("condition 1 held for no fact")));
+  EXPECT_THAT(play("not_fires: open, within_s: 2", kBell).failures, ElementsAre(HasSubstr("it fired at 1 s")));
+}
+
+TEST_F(Stories, MistakesOfTheStoryAreNotPasses) {
+  const auto text = [](const StoryResult& result) { return result.bad ? result.bad->text() : "no error"; };
+  EXPECT_THAT(text(play("not_fires: opne")), HasSubstr("t.story.yaml:5: there is no rule 'opne', did you mean 'open'?"));
+  EXPECT_THAT(text(play("not_fire: open")), HasSubstr("t.story.yaml:5: unknown key 'not_fire' in '[0].expect[0]', did you mean 'not_fires'?"));
+  EXPECT_THAT(text(play("fact: (door (state OPEN)")), HasSubstr("t.story.yaml:5"));
+  EXPECT_THAT(text(play("goal: /r/pick, within_s: 1")), HasSubstr("nobody serves /r/pick"));
+  EXPECT_THAT(play("no_fact: (dor (state OPEN)), within_s: 1").failures, ElementsAre(HasSubstr("did you mean 'door'?")));
+  EXPECT_THAT(play("no_fact: (door (stat OPEN)), within_s: 1").failures, ElementsAre(HasSubstr("there is no slot stat")));
+}
+
+TEST_F(Stories, ErrorOfARuleFailsTheStoryWithItsPlace) {
+  write("door.clp", "(deftemplate door (slot state))\n(defrule bad\n  (door)\n  =>\n  (nth$ 1 7))\n");
+  EXPECT_THAT(play("fires: bad, within_s: 1").bad ? play("fires: bad, within_s: 1").bad->text() : "", HasSubstr("door.clp:"));
+  write("door.clp", "(deftemplate door (slot state))\n(defrule bad\n  (door (state ?s))\n  =>\n  (+ 1 (str-cat ?s)))\n");
+  StoryResult result = play("fires: bad, within_s: 1");
+  EXPECT_FALSE(result.passed());
+}
+
+TEST(FactPattern, ComparesNumbersAsNumbersAndTellsStringsFromSymbols) {
+  const FactText fact{"t", {{"a", {"1.0"}}, {"b", {"\"x\""}}, {"c", {"1", "2", "3"}}}};
+  const auto matches = [&](const std::string& text) { return (*FactPattern::parse(text, "f", 1)).matches(fact); };
+  EXPECT_TRUE(matches("(t (a 1) (b \"x\"))"));
+  EXPECT_FALSE(matches("(t (b x))"));
+  EXPECT_TRUE(matches("(t (b ?) (c 1 $?))"));
+  EXPECT_TRUE(matches("(t (c $? 3))"));
+  EXPECT_FALSE(matches("(t (c 1 3))"));
+}
+
+}  // namespace
+}  // namespace cxlab::testing
