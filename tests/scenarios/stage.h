@@ -1,0 +1,119 @@
+#pragma once
+// Episodes on scenarios of the test's own: environments, rules and a message package written to a folder.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "scenarios/episode.h"
+
+namespace cxlab {
+
+/// Lines as "1.020 logger: text".
+class Lines final : public cx::LogSink {
+ public:
+  void line(const cx::LogLine& l) override {
+    char stamp[32];
+    std::snprintf(stamp, sizeof stamp, "%.3f ", to_seconds(l.t));
+    all.push_back(stamp + std::string(l.logger) + ": " + std::string(l.text));
+  }
+  /// Those with the text in them.
+  std::vector<std::string> with(const std::string& text) const {
+    std::vector<std::string> out;
+    for (const std::string& l : all)
+      if (l.find(text) != std::string::npos) out.push_back(l);
+    return out;
+  }
+  std::vector<std::string> all;
+};
+
+inline std::filesystem::path source_dir() { return std::getenv("CXLAB_SOURCE_DIR"); }
+
+/// An environment: its rules, and how often its executive runs.
+struct Env {
+  std::string name, rules;
+  int rate = 50;
+};
+
+class EpisodeTest : public testing::Test {
+ protected:
+  EpisodeTest() {
+    std::string pattern = testing::TempDir() + "cxlab-episode-XXXXXX";
+    folder_ = mkdtemp(pattern.data());
+    write("words/msg/Word.msg", "string text\nint32 number\n");
+  }
+  ~EpisodeTest() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path write(const std::string& name, const std::string& text) {
+    const auto path = folder_ / name;
+    std::filesystem::create_directories(path.parent_path());
+    std::ofstream(path, std::ios::binary) << text;
+    return path;
+  }
+  static std::string read(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+
+  /// A scenario `name`.yaml with one agent; `more` are further lines of it.
+  std::filesystem::path scenario(const std::string& name, const std::vector<Env>& envs, const std::string& more = {}) {
+    std::string list, config;
+    for (const Env& e : envs) {
+      list += (list.empty() ? "\"" : ", \"") + e.name + '"';
+      config += "    " + e.name + ": {plugins: [\"run_" + e.name + "\", \"ros_msgs\", \"load_" + e.name + "\"]}\n";
+      config += "    run_" + e.name + ": {plugin: \"cx::ExecutivePlugin\", refresh_rate: " + std::to_string(e.rate) + "}\n";
+      config += "    load_" + e.name + ": {plugin: \"cx::FileLoadPlugin\", pkg_share_dirs: [\"words\"], load: [\"" + name + '/' + e.name + ".clp\"]}\n";
+      write("words/" + name + '/' + e.name + ".clp", e.rules);
+    }
+    write(name + "_agent.yaml", "/**:\n  ros__parameters:\n    environments: [" + list + "]\n    ros_msgs: {plugin: \"cx::RosMsgsPlugin\"}\n" + config);
+    return write(name + ".yaml", "schema: 1\npackages: {words: words}\nagents: [{config: " + name + "_agent.yaml}]\n" + more);
+  }
+
+  std::unique_ptr<Episode> load(const std::filesystem::path& file, const std::vector<std::string>& set = {}, const std::string& run = {}) {
+    auto read_in = Scenario::load(file, set);
+    EXPECT_TRUE(read_in.ok()) << read_in.error().text();
+    EpisodeOptions options;
+    options.interfaces = source_dir() / "cx/interfaces";
+    options.models = source_dir() / "models";
+    options.log = &log_;
+    options.journal = JournalLevel::kFull;
+    if (!run.empty()) {
+      options.run_folder = folder_ / run;
+      std::filesystem::create_directories(options.run_folder);
+    }
+    auto episode = Episode::load(*read_in, options);
+    EXPECT_TRUE(episode.ok()) << episode.error().text();
+    return episode ? *std::move(episode) : nullptr;
+  }
+  static void begin(Episode& episode) {
+    const Status s = episode.start();
+    ASSERT_TRUE(s.ok()) << s.error().text();
+  }
+  static void play(Episode& episode, double until) {
+    while (!episode.over() && episode.now() < from_seconds(until)) {
+      const Status s = episode.tick();
+      ASSERT_TRUE(s.ok()) << s.error().text();
+    }
+  }
+  /// Plays it to the end; what it ended with.
+  Result whole(const std::filesystem::path& file, const std::vector<std::string>& set = {}, const std::string& run = {}) {
+    auto episode = load(file, set, run);
+    begin(*episode);
+    play(*episode, 1e9);
+    return episode->close(RunStatus::kCompleted);
+  }
+  static std::map<std::string, std::string> streams(const Result& result) { return {result.stream_hashes.begin(), result.stream_hashes.end()}; }
+
+  std::filesystem::path folder_;
+  Lines log_;
+};
+
+}  // namespace cxlab
