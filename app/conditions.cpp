@@ -5,15 +5,22 @@
 
 namespace cxlab::app {
 
-std::string Term::text() const {
-  if (!is_list) return word;
-  std::string out = "(";
-  for (const Term& item : items) {
-    const bool joined = out.size() == 1 || out.ends_with(":") || out.ends_with("=");
-    out += (joined ? "" : " ") + item.text();
+namespace {
+
+/// Terms as they were written: the body of a test or call stands close to its sign (?x&:(> ?x 3), =(+ 1 ?x)).
+std::string joined(const std::vector<Term>& terms) {
+  std::string out, before;
+  for (const Term& term : terms) {
+    const bool close = before.ends_with(':') || before == "=" || before.ends_with("&=") || before.ends_with("|=") || before.ends_with("~=");
+    out += (out.empty() || (close && term.is_list) ? "" : " ") + term.text();
+    before = term.word;
   }
-  return out + ')';
+  return out;
 }
+
+}  // namespace
+
+std::string Term::text() const { return is_list ? '(' + joined(items) + ')' : word; }
 
 namespace {
 
@@ -127,12 +134,6 @@ bool may_match(const std::vector<Term>& constraints, const Value& value) {
   return true;
 }
 
-std::string text_of(const std::vector<Term>& terms) {
-  std::string out;
-  for (const Term& term : terms) out += (out.empty() || out.ends_with(":") ? "" : " ") + term.text();
-  return out;
-}
-
 }  // namespace
 
 std::vector<std::string> Condition::variables() const {
@@ -156,7 +157,7 @@ std::vector<Mismatch> mismatches(const Condition& condition, const FactCopy& fac
   std::vector<Mismatch> out;
   const auto compare = [&](const std::string& slot, const std::vector<Term>& constraints) {
     const Value* value = fact.slot(slot);
-    if (value && !may_match(constraints, *value)) out.push_back({slot, value->print(), text_of(constraints)});
+    if (value && !may_match(constraints, *value)) out.push_back({slot, value->print(), joined(constraints)});
   };
   const std::vector<Term>& items = condition.pattern.items;
   if (fact.slot("implied")) {

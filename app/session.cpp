@@ -125,7 +125,11 @@ int finish(Run& run, const Status& played) {
   if (run.options.json && !run.options.silent) std::fputs(json.c_str(), stdout);
   if (!run.options.json && !run.options.silent) std::fputs(score_board(result).c_str(), stdout);
   if (run.folder && !run.options.json && !run.options.silent) std::printf("%s\n", (run.folder->path() / "index.html").c_str());
-  if (failure) return fail(*failure);
+  if (failure) {
+    for (const RuleErrorResult& e : result.rule_errors)  // with --keep-going there may be many; `failure` is one of them
+      if (e.side == "load" && (e.file != failure->file || e.line != failure->line)) (void)fail(input_error(e.message, e.file, e.line));
+    return fail(*failure);
+  }
   if (g_signal) return 128 + g_signal;
   if (Status s = check_expectations(run.scenario.expect, json, run.scenario.file.string()); !s) return fail(s.error());
   return 0;

@@ -1,0 +1,245 @@
+"""cxlab env, replay, rerun, why-not and render, as a user calls them."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+CXLAB = os.environ["CXLAB"]
+SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
+GAME = SOURCE / "scenarios/rcll/game.yaml"
+HELLO = SOURCE / "docs/examples/hello"
+
+LOOKER = """
+(defrule look
+  "Whatever rules can see from outside."
+  (time ?t&:(< ?t 1))
+  =>
+  (bind ?packages (ament-index-get-packages-with-prefixes))
+  (open "notes.txt" notes "w")
+  (printout notes "draw " (random 1 1000) crlf)
+  (close notes)
+  (open "notes.txt" notes "r")
+  (assert (seen (readline notes) (length$ ?packages) (random 1 1000)))
+  (close notes)
+  (load* "no-such-file.clp"))
+"""
+
+
+class Tools(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="cxlab-tools-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def cxlab(self, *arguments, expect=0):
+        done = subprocess.run([CXLAB, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder, timeout=60)
+        self.assertEqual(done.returncode, expect, f"cxlab {arguments}\n{done.stdout}\n{done.stderr}")
+        return done
+
+    def answer(self, *arguments, expect=0):
+        return json.loads(self.cxlab(*arguments, "--json", expect=expect).stdout)
+
+    def timed_game(self, until=200, *more):
+        run = self.folder / "game"
+        self.cxlab("run", GAME, "--tier", "timed", "--until", until, "--quiet", "--out", run, *more)
+        return run
+
+    def physics_game(self, until):
+        run = self.folder / "physics"
+        self.cxlab("run", GAME, "--until", until, "--quiet", "--out", run)
+        return run
+
+    def package(self, rules="", name="mine", plugins='"executive", "index", "files"'):
+        folder = self.folder / name
+        (folder / "params").mkdir(parents=True)
+        (folder / "params/mine.yaml").write_text(f"""
+clips_manager:
+  ros__parameters:
+    environments: ["main"]
+    main: {{plugins: [{plugins}]}}
+    executive: {{plugin: "cx::ExecutivePlugin", refresh_rate: 2}}
+    index: {{plugin: "cx::AmentIndexPlugin"}}
+    files: {{plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["{name}"], load: ["mine.clp"]}}
+""")
+        (folder / "mine.clp").write_text(rules)
+        return folder / "params/mine.yaml"
+
+    # --- env
+
+    def test_hello_world_ends_when_its_rules_say_so(self):
+        done = self.cxlab("env", HELLO / "hello.yaml", "--out", "none")
+        self.assertIn("stopped after 3.000 s", done.stdout)
+        self.assertIn("hello, world", done.stderr)
+        self.assertIn("60 s of simulated time", done.stderr)
+
+    def test_a_configuration_below_params_finds_its_package(self):
+        self.cxlab("env", self.package("(defrule go => (printout t there crlf))"), "--until", 1, "--out", "none")
+
+    def test_broken_rules_are_all_told_and_the_run_goes_on(self):
+        config = self.package('(defrule a => (nosuch))\n(defrule b => (nosuch2))\n(defrule c => (printout info "still here" crlf))')
+        done = self.cxlab("env", config, "--until", 1, "--out", "none", expect=3)
+        self.assertIn("still here", done.stderr)
+        for line in ("mine.clp:1:", "mine.clp:2:"):
+            self.assertIn(line, done.stderr)
+
+    def test_an_error_in_a_rule_does_not_end_env_unless_asked_to(self):
+        config = self.package("(defrule a => (printout t (/ 1 0) crlf))")
+        self.cxlab("env", config, "--until", 1, "--out", "none")
+        self.cxlab("env", config, "--until", 1, "--out", "none", "--stop-on-rule-error", expect=4)
+
+    def test_parameters_stimuli_and_remaps_reach_the_nodes(self):
+        stimuli = self.folder / "stimuli.yaml"
+        stimuli.write_text("- {at: 0.5, publish: /other, type: std_msgs/msg/String, data: {data: from outside}}\n")
+        config = SOURCE / "docs/examples/ros_msgs/example.yaml"
+        self.cxlab("env", config, "--package", f"example={config.parent}", "--until", 1, "--stimuli", stimuli, "--remap", "/a:=/b",
+                   "--param", "clips_manager.talker.watch=[facts]", "--out", "none")
+        self.cxlab("env", config, "--param", "no value", expect=2)
+        stimuli.write_text("- {at: 0.5, shout: /other}\n")
+        self.assertIn("stimuli.yaml:1:", self.cxlab("env", config, "--stimuli", stimuli, expect=3).stderr)
+
+    def test_an_unknown_parameter_is_an_error_when_asked_to(self):
+        config = self.package("(defrule a =>)")
+        config.write_text(config.read_text() + "    executive.refesh_rate: 3\n")
+        self.cxlab("env", config, "--until", 1, "--out", "none")
+        self.assertIn("refresh_rate", self.cxlab("env", config, "--until", 1, "--out", "none", "--strict-cx", expect=3).stderr)
+
+    def test_a_signal_ends_through_deactivation(self):
+        config = self.package('(defrule bye (executive-finalize) => (printout info "bye" crlf))')
+        process = subprocess.Popen([CXLAB, "env", str(config), "--realtime", "--out", "none"], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        for line in process.stderr:
+            if "Created plugin: files" in line:
+                break
+        process.send_signal(signal.SIGTERM)
+        self.assertIn("bye", process.stderr.read())
+        self.assertEqual(process.wait(), 143)
+        process.stderr.close()
+
+    # --- replay
+
+    def test_rules_of_a_timed_game_replay(self):
+        answer = self.answer("replay", self.timed_game())
+        self.assertTrue(answer["rules"]["same"])
+        self.assertEqual(answer["rules"]["agree"], ["env/agent"])
+        self.assertNotIn("physics", answer)
+        self.cxlab("replay", self.folder / "game", "--physics", expect=3)
+
+    def test_both_halves_of_a_physics_game_replay(self):
+        answer = self.answer("replay", self.physics_game(12))
+        self.assertTrue(answer["rules"]["same"])
+        self.assertTrue(answer["physics"]["same"])
+
+    def test_a_run_replays_when_its_files_are_gone_and_it_has_moved(self):
+        config = self.package(LOOKER)
+        self.cxlab("env", config, "--until", 2, "--quiet", "--out", self.folder / "run")
+        shutil.rmtree(config.parent.parent)
+        (self.folder / "run").rename(self.folder / "moved")
+        self.assertTrue(self.answer("replay", self.folder / "moved")["rules"]["same"])
+
+    def test_two_agents_that_call_different_folders_by_one_name_replay(self):
+        for name, word in (("a", "one"), ("b", "two")):
+            self.package(f"(defrule say (time ?t) => (assert ({word} ?t (random 1 99))))", name)
+            (self.folder / name / "params/mine.yaml").write_text(
+                (self.folder / name / "params/mine.yaml").read_text().replace(f'["{name}"]', '["mine"]').replace("main", name))
+        scenario = self.folder / "two.yaml"
+        scenario.write_text("schema: 1\nduration_s: 3\nagents:\n"
+                            "  - {config: a/params/mine.yaml, namespace: /a, packages: {mine: a}}\n"
+                            "  - {config: b/params/mine.yaml, namespace: /b, packages: {mine: b}}\n")
+        self.cxlab("run", scenario, "--quiet", "--out", self.folder / "run")
+        for name in ("a", "b", "two.yaml"):
+            (self.folder / name).rename(self.folder / (name + ".gone"))
+        answer = self.answer("replay", self.folder / "run")
+        self.assertTrue(answer["rules"]["same"], answer)
+        self.assertEqual(len(answer["rules"]["agree"]), 2)
+
+    def test_a_run_that_failed_replays(self):
+        config = self.package("(defrule a (time ?t&:(> ?t 1)) => (printout t (/ 1 0) crlf))")
+        self.cxlab("env", config, "--quiet", "--out", self.folder / "run", "--stop-on-rule-error", expect=4)
+        self.assertTrue(self.answer("replay", self.folder / "run")["rules"]["same"])
+
+    def test_a_damaged_log_is_told_with_its_place(self):
+        run = self.timed_game()
+        log = bytearray((run / "inputs.bin").read_bytes())
+        log[len(log) // 2] ^= 1
+        (run / "inputs.bin").write_bytes(log)
+        done = self.cxlab("replay", run, expect=3)
+        self.assertRegex(done.stderr, r"inputs\.bin: broken at byte \d+")
+
+    def test_another_recorded_hash_is_a_difference(self):
+        run = self.timed_game()
+        result = json.loads((run / "result.json").read_text())
+        result["stream_hashes"]["env/agent"] = "0" * 32
+        (run / "result.json").write_text(json.dumps(result))
+        self.assertEqual(self.answer("replay", run, expect=1)["rules"]["differ"], ["env/agent"])
+
+    def test_no_run_and_half_a_run_are_bad_input(self):
+        self.cxlab("replay", self.folder / "nowhere", expect=3)
+        run = self.timed_game(5)
+        (run / "manifest.json").write_text("{}")
+        self.assertIn("manifest.json", self.cxlab("replay", run, expect=3).stderr)
+
+    # --- rerun
+
+    def test_a_rerun_gives_the_same_hashes(self):
+        run = self.timed_game(100, "--seed", 3)
+        answer = self.answer("rerun", run, "--quiet", "--out", self.folder / "again")
+        self.assertTrue(answer["same"], answer)
+
+    def test_a_rerun_with_other_rules_says_which_streams_differ(self):
+        config = self.package("(defrule a => (assert (one)))")
+        self.cxlab("env", config, "--until", 1, "--quiet", "--out", self.folder / "run")
+        (config.parent.parent / "mine.clp").write_text("(defrule a => (assert (two)))")
+        self.assertEqual(self.answer("rerun", self.folder / "run", "--quiet", "--out", self.folder / "again", expect=1)["differ"], ["env/main"])
+
+    # --- why-not
+
+    def test_why_not_names_the_condition_the_nearest_fact_and_its_slot(self):
+        config = self.package("""
+(deftemplate job (slot name) (slot state) (slot size))
+(deffacts jobs (job (name far) (state DONE) (size 1)) (job (name near) (state OPEN) (size 2)))
+(defrule take (time ?) (job (name ?n) (state OPEN) (size 1)) => (assert (taken ?n)))
+(defrule done (job (name far)) => (assert (done)))
+(defrule forbidden (not (job (state DONE))) => (assert (never)))
+(defrule later (time ?t&:(> ?t 1.2)) => (assert (late)))
+""")
+        run = self.folder / "run"
+        self.cxlab("env", config, "--until", 2, "--quiet", "--out", run)
+
+        def why(rule, *more):
+            return self.answer("why-not", run, rule, *more)["explanations"][0]
+
+        take = why("take")
+        self.assertEqual((take["verdict"], take["first_unmet"]["condition"], take["fired"]), ("condition", 2, 0))
+        self.assertIn("(job (name", take["first_unmet"]["fact"])
+        self.assertIn(take["first_unmet"]["slot"], ("state", "size"))
+        done = why("done")
+        self.assertEqual((done["verdict"], done["fired"], done["last_fired_s"]), ("fired", 1, 0.0))
+        self.assertIn("forbids", why("forbidden")["first_unmet"]["because"])
+        self.assertEqual(why("later", "--at", 1)["verdict"], "condition")
+        self.assertEqual(why("later", "--at", 1)["fired"], 0)
+        self.assertGreater(why("later")["fired"], 0)
+        self.assertIn("did you mean 'take'", self.cxlab("why-not", run, "tak", expect=3).stderr)
+        self.assertIn("condition 2 does not hold", self.cxlab("why-not", run, "take").stdout)
+
+    # --- render
+
+    def test_a_picture_of_a_run_is_that_of_its_scenario(self):
+        run = self.physics_game(4)
+        if "OpenGL" in subprocess.run([CXLAB, "render", run, "--at", "1", "--out", self.folder / "probe.png"], capture_output=True, text=True).stderr:
+            self.skipTest("no OpenGL here")
+        self.cxlab("render", run, "--at", 3, "--camera", "top", "--size", "320x240", "--out", self.folder / "run.png")
+        self.cxlab("render", GAME, "--at", 3, "--camera", "top", "--size", "320x240", "--out", self.folder / "scenario.png")
+        self.assertEqual((self.folder / "run.png").read_bytes(), (self.folder / "scenario.png").read_bytes())
+        self.cxlab("render", run, "--at", 100, "--out", self.folder / "late.png", expect=3)
+        self.assertIn("robot1", self.cxlab("render", run, "--at", 1, "--camera", "robbot1", "--out", self.folder / "x.png", expect=3).stderr)
+
+    def test_what_cannot_be_drawn_is_said(self):
+        self.assertIn("--tier physics", self.cxlab("render", self.timed_game(2), "--at", 1, "--out", "x.png", expect=3).stderr)
+        self.assertIn("--size", self.cxlab("render", GAME, "--at", 1, "--out", "x.png", "--size", "big", expect=2).stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
