@@ -94,6 +94,8 @@ Status Environment::check_errors(std::vector<RuleError> errors) {
   Status first;
   for (RuleError& e : errors) {
     if (options_.stop_on_rule_error && first) first = e.error();
+    // A run that stops ends with the error; one that goes on tells the place here.
+    if (!options_.stop_on_rule_error) log(LogLevel::kError, name(), e.error().text());
     if (options_.rule_errors) options_.rule_errors->push_back({name(), std::move(e)});
   }
   return first;

@@ -166,6 +166,7 @@ class Rules(Lab):
                    SCENARIO + "on_rule_error: continue\n")
         done = self.run_it()
         self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("rules.clp:3: rule a, RHS: ", (self.out / "logs/main.log").read_text())
         self.assertEqual(self.result()["status"], "completed")
         self.assertEqual([(e["rule"], e["line"]) for e in self.result()["rule_errors"]], [("a", 3)])
         self.assertEqual([r["data"]["file"] for r in self.records() if r["kind"] == "error"], ["rules/rules.clp"],

@@ -45,7 +45,8 @@ TEST(Log, AnUnknownLogicalNameIsAnErrorOfClips) {
   lab.agent("(defrule say (time ?) => (printout purple \"hello\" crlf))");
   lab.run_up();
   lab.ticks(1);
-  EXPECT_EQ(lab.log.with("[ROUTER1] Logical name 'purple' was not recognized by any routers.").size(), 1u);
+  EXPECT_EQ(lab.log.with("main: [ROUTER1] Logical name 'purple' was not recognized by any routers.").size(), 1u);
+  EXPECT_EQ(lab.log.with("rules.clp:1: rule say, RHS: [ROUTER1]").size(), 1u) << "a run that goes on tells the place";
 }
 
 TEST(Log, RulesAndWatchesPrintToTheEnvironmentsFile) {
