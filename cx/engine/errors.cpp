@@ -261,6 +261,7 @@ HostCall::~HostCall() {
   if (impl_.rule_open && impl_.rule_depth > depth_) impl_.close_rule();
   impl_.flush_errors();
   impl_.contexts.resize(depth_);
+  if (embedded_) impl_.release_kept();
   GCBlockEnd(env, &block_);
   if (embedded_) {
     CleanCurrentGarbageFrame(env, nullptr);

@@ -94,6 +94,8 @@ void RuleEngine::Impl::on_retract(Environment*, void* retracted, void* self) noe
   Impl& impl = *static_cast<Impl*>(self);
   const Fact& fact = *static_cast<Fact*>(retracted);
   if (&fact == impl.modified) return;
+  RetainFact(static_cast<Fact*>(retracted));
+  impl.kept_facts.push_back(static_cast<Fact*>(retracted));
   const FactTable::Entry* entry = impl.known_facts.find(&fact);
   if (entry == nullptr) return;
   if (impl.engine.options_.journal != nullptr) {
@@ -111,13 +113,26 @@ void RuleEngine::Impl::on_modify(Environment*, Fact* before, Fact*, void* self) 
     impl.modified_again = false;
     impl.old_slots.clear();
     for (std::size_t i = 0; i < before->theProposition.length; ++i) {
-      impl.old_slots.push_back(before->theProposition.contents[i].value);
+      const CLIPSValue& slot = before->theProposition.contents[i];
+      impl.old_slots.push_back(slot.value);
+      Retain(impl.env, slot.header);
+      impl.kept_values.push_back(slot.header);
     }
     return;
   }
   const Fact* fact = std::exchange(impl.modified, nullptr);
   // The changed fact equals another one and has gone.
   if (fact != nullptr && !impl.modified_again) on_retract(impl.env, const_cast<Fact*>(fact), self);
+}
+
+void RuleEngine::Impl::release_kept() {
+  if (kept_facts.empty() && kept_values.empty()) return;
+  for (TypeHeader* value : kept_values) Release(env, value);
+  for (Fact* fact : kept_facts) ReleaseFact(fact);
+  kept_values.clear();
+  kept_facts.clear();
+  // Else the facts would wait for other garbage.
+  UtilityData(env)->CurrentGarbageFrame->dirty = true;
 }
 
 void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self) noexcept {
@@ -155,6 +170,8 @@ void RuleEngine::Impl::on_fired(Environment*, Activation* activation, void* self
   Impl& impl = *static_cast<Impl*>(self);
   if (activation == nullptr) return;
   impl.rule_acting = false;
+  // A deffunction may have called `run`.
+  if (EvaluationData(impl.env)->CurrentEvaluationDepth == 0) impl.release_kept();
   ++impl.fired;
   if (impl.limit > 0 && impl.fired >= impl.limit && impl.anything_left()) {
     impl.limit_reached = true;

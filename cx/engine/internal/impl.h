@@ -105,6 +105,14 @@ struct RuleEngine::Impl {
   bool modified_again = false;
   std::vector<const void*> old_slots;
 
+  /// Retracted facts and the former values of changed slots, kept until nothing can use them any more: CLIPS does not
+  /// retain the arguments of a function while it evaluates the next one or runs a deffunction, and frees what a fact no
+  /// longer holds when any inner deffunction returns.
+  std::vector<clips::Fact*> kept_facts;
+  std::vector<clips::TypeHeader*> kept_values;
+  /// To be called where no function is being evaluated, but for the one that called C++.
+  void release_kept();
+
   clips::Deftemplate* find_template(const std::string& name) const;
   clips::Fact* find_fact(std::int64_t index) const;
   std::optional<Error> put_slot(clips::Deftemplate& deftemplate, const Slot& slot, clips::CLIPSValue* slots);

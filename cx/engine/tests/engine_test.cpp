@@ -240,6 +240,29 @@ TEST_F(Engine, WatchOutputGoesToStdoutInTheWordsOfClips) {
 
 TEST_F(Engine, TheEngineIsFoundFromTheRawEnvironment) { EXPECT_EQ(RuleEngine::of(engine().raw()), &engine()); }
 
+// CLIPS alone frees the former values of the slots when `change` returns, while `?text` and `?list` still show them.
+TEST_F(Engine, ArgumentsOutliveTheFactThatHeldThem) {
+  given(
+      "(deftemplate item (slot text) (multislot list))\n"
+      "(deffunction change (?item) (modify ?item (text new) (list new)) (str-cat filler (random)))\n"
+      "(deffunction drop (?item) (retract ?item) (str-cat filler (random)))\n"
+      "(deffunction report (?item ?how ?text ?list)\n"
+      "  (funcall ?how ?item) (str-cat overwrites (random)) (assert (seen ?how ?text ?list)))\n"
+      "(defrule make (declare (salience 10)) (go ?a ?b) =>\n"
+      "  (assert (item (text (str-cat ?a ?b)) (list (str-cat ?a 1) (str-cat ?b 2)))))\n"
+      "(defrule use (go $?) (how ?how) =>\n"
+      "  (do-for-fact ((?i item)) TRUE (report ?i ?how (fact-slot-value ?i text) (fact-slot-value ?i list))))\n");
+  for (const std::string how : {"change", "drop"}) {
+    engine().reset();
+    ASSERT_TRUE(engine().eval("(assert (go \"C-BS\" \"-OUTPUT\") (how " + how + "))").ok());
+    const RunReport report = engine().run(100);
+    for (const RuleError& error : report.errors) ADD_FAILURE() << how << ": " << error.text();
+    std::string all;
+    for (const FactCopy& fact : engine().facts()) all += fact.print();
+    EXPECT_THAT(all, HasSubstr("(seen " + how + " \"C-BS-OUTPUT\" \"C-BS1\" \"-OUTPUT2\")"));
+  }
+}
+
 TEST_F(Engine, TwoEnginesInterleavedBehaveAsAlone) {
   const std::string rules =
       "(deffacts start (step 0))\n"
