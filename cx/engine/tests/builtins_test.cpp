@@ -166,7 +166,7 @@ TEST_F(Builtins, AFileOfTheHostGoesThroughTheAccessToo) {
   EXPECT_TRUE(engine().load_file("rules.clp", LoadMode::kConstructs).ok());
   EXPECT_TRUE(files->read.contains("rules.clp"));
   EXPECT_TRUE(engine().load_file("empty.clp", LoadMode::kConstructs).ok());
-  EXPECT_THAT(engine().load_file("missing.clp", LoadMode::kConstructs).status().error().text(), "missing.clp: cannot read the file");
+  EXPECT_THAT(engine().load_file("missing.clp", LoadMode::kConstructs).status().error().text(), "missing.clp: cannot read 'missing.clp'");
 }
 
 TEST_F(Builtins, StrangersMayNotRunPrograms) {
