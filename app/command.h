@@ -21,6 +21,8 @@ void add_render(CLI::App& app, Action& action);
 void add_why_not(CLI::App& app, Action& action);
 void add_list(CLI::App& app, Action& action);
 void add_test(CLI::App& app, Action& action);
+void add_bench(CLI::App& app, Action& action);
+void add_new(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
 
 /// Prints `error: file:line: message` on stderr and gives the exit code of its kind.

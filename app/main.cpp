@@ -52,6 +52,8 @@ int main(int argc, char** argv) {
   add_why_not(app, action);
   add_list(app, action);
   add_test(app, action);
+  add_bench(app, action);
+  add_new(app, action);
   add_doctor(app, action);
   try {
     app.parse(argc, argv);

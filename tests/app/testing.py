@@ -1,0 +1,78 @@
+"""cxlab test, bench and new, as people call them."""
+
+import csv
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+import xml.etree.ElementTree
+from pathlib import Path
+
+CXLAB = os.environ["CXLAB"]
+EXAMPLES = Path(os.environ["CXLAB_SOURCE_DIR"]) / "docs/examples/stories"
+
+
+def cxlab(*arguments, cwd):
+    return subprocess.run([CXLAB, *map(str, arguments)], cwd=cwd, capture_output=True, text=True, timeout=100)
+
+
+class Testing(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def story(self, expectation):
+        (self.folder / "a.clp").write_text("(defrule go (start) => (assert (gone)))\n")
+        (self.folder / "a.story.yaml").write_text(f"- story: one <&\n  rules: a.clp\n  given: [(start)]\n  expect: [{{{expectation}}}]\n")
+
+    def test_stories_pass(self):
+        self.story("fact: (gone), within_s: 1")
+        done = cxlab("test", "--junit", "j.xml", "--coverage", "c.info", cwd=self.folder)
+        self.assertEqual((done.returncode, done.stdout.splitlines()[-1]), (0, "1 passed, 0 failed"))
+        suite = xml.etree.ElementTree.parse(self.folder / "j.xml").getroot()
+        self.assertEqual(suite.find("testcase").get("name"), "one <&")
+        self.assertIn("FNDA:1,go\n", (self.folder / "c.info").read_text())
+
+    def test_a_failure_is_exit_1_with_line_also_in_processes(self):
+        self.story("not_fires: go")
+        for more in [], ["-j", "3"]:
+            done = cxlab("test", *more, "--junit", "j.xml", cwd=self.folder)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("a.story.yaml:4: expected that rule go does not fire", done.stdout)
+            self.assertEqual(xml.etree.ElementTree.parse(self.folder / "j.xml").getroot().get("failures"), "1")
+
+    def test_a_bad_story_is_exit_3(self):
+        self.story("not_fire: go")
+        done = cxlab("test", cwd=self.folder)
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("did you mean 'not_fires'?", done.stderr)
+
+    def test_bench_compares_and_goes_on(self):
+        (self.folder / "empty.yaml").write_text("schema: 1\nduration_s: 1\n")
+        (self.folder / "suite.yaml").write_text('scenarios: [empty.yaml]\nseeds: "1..2"\nstrategies: {plain: [], long: [duration_s=2], broken: [duration=3]}\n')
+        first = cxlab("bench", "suite.yaml", "-j", 2, "--out", "o", cwd=self.folder)
+        self.assertEqual(first.returncode, 1, first.stderr)
+        with open(self.folder / "o/rows.csv") as rows:
+            self.assertEqual([(r["strategy"], r["seed"], r["exit"]) for r in csv.DictReader(rows)],
+                             [("plain", "1", "0"), ("plain", "2", "0"), ("long", "1", "0"), ("long", "2", "0"), ("broken", "1", "3"), ("broken", "2", "3")])
+        (self.folder / "o/rows/empty-long-2.json").unlink()
+        again = cxlab("bench", "suite.yaml", "--out", "o", "--json", cwd=self.folder)
+        self.assertEqual(len(again.stderr.splitlines()), 1, again.stderr)
+        self.assertEqual([s["points"]["n"] for s in json.loads(again.stdout)], [2, 2, 0])
+
+    def test_a_new_agent_runs_at_once(self):
+        self.assertEqual(cxlab("new", "agent", "mine", cwd=self.folder).returncode, 0)
+        mine = self.folder / "mine"
+        self.assertEqual(cxlab("test", cwd=mine).returncode, 0)
+        run = cxlab("run", "scenario.yaml", "--out", "none", cwd=mine)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("the door is open for Ada", run.stderr)
+        env = cxlab("env", "agent.yaml", "--package", "my_agent=.", "--until", 5, cwd=mine)
+        self.assertEqual(env.returncode, 0, env.stderr)
+        self.assertEqual(cxlab("new", "agent", "mine", cwd=self.folder).returncode, 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
