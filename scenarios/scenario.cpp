@@ -70,6 +70,16 @@ AgentSpec read_agent(const yaml::Value& value) {
   return agent;
 }
 
+void read_timed(const yaml::Value& value, sim::TimedSkillsConfig& timed) {
+  yaml::Map map = value.as_map();
+  map.read("pick_mean_s", timed.pick_mean_s).read("pick_sigma_s", timed.pick_sigma_s);
+  map.read("place_mean_s", timed.place_mean_s).read("place_sigma_s", timed.place_sigma_s);
+  map.read("shortest_s", timed.shortest_s).read("drive_failure", timed.drive_failure);
+  map.read("pick_failure", timed.pick_failure).read("place_failure", timed.place_failure);
+  map.finish();
+  if (Status s = sim::validate(timed); !s) value.fail(s.error().message);
+}
+
 Expectation read_expectation(const yaml::Value& value) {
   Expectation expectation;
   expectation.line = value.line();
@@ -125,6 +135,7 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
   std::string tier = "physics";
   map.read_word("tier", tier, {"physics", "timed"});
   scenario.tier = tier == "timed" ? Tier::kTimed : Tier::kPhysics;
+  if (const yaml::Value timed = map.get("timed")) read_timed(timed, scenario.timed);
   map.read("seed", scenario.seed).read("epoch", scenario.epoch);
   map.read_seconds("duration_s", scenario.duration).read_seconds("tick_s", scenario.tick).read_seconds("physics_step_s", scenario.physics_step);
   if (const yaml::Value packages = map.get("packages")) read_names(packages.as_map(), scenario.packages);

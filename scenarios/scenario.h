@@ -14,6 +14,7 @@
 #include "cx/base/time.h"
 #include "cx/yaml/yaml.h"
 #include "scenarios/rcll/read_config.h"
+#include "sim/skills/timed_skills.h"
 
 namespace cxlab {
 
@@ -59,6 +60,7 @@ struct Scenario {
   rcll::WorldConfig rcll;                   ///< of kind rcll
 
   Tier tier = Tier::kPhysics;
+  sim::TimedSkillsConfig timed;        ///< durations and failures of the timed tier
   std::uint64_t seed = 1;
   double epoch = 1767225600;           ///< s since 1970 at simulated time 0 (default 2026-01-01)
   SimTime duration = from_seconds(60);

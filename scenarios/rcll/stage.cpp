@@ -82,7 +82,7 @@ Status GameStage::build(const Scenario& scenario, const std::filesystem::path& m
   } else {
     auto ledger = std::make_unique<sim::LedgerWorld>(*plan);
     floor_ = ledger.get();
-    auto fleet = sim::Fleet::create(*ledger, *ledger, sim::TimedSkillsConfig{}, scenario.seed, zone_places(), bus, sink);
+    auto fleet = sim::Fleet::create(*ledger, *ledger, scenario.timed, scenario.seed, zone_places(), bus, sink);
     if (!fleet) return fleet.error();
     fleet_ = fleet->get();
     world = std::move(ledger);

@@ -59,6 +59,18 @@ class Game(Lab):
             self.assertNotIn(str(self.folder).encode(), content, name)
         self.assertLess(sum(f.stat().st_size for f in self.out.rglob("*") if f.is_file()), 25e6)
 
+    def test_failures_are_drawn_from_the_seed(self):
+        failing = ["--set", "timed.pick_failure=0.3", "--until", "300"]
+        self.play("--until", "300")
+        self.assertEqual(sum(r["failures"] for r in self.result()["robots"]), 0)
+        hashes = []
+        for out in ("a", "b"):
+            self.play(*failing, out=out)
+            result = json.loads((self.folder / out / "result.json").read_text())
+            self.assertGreater(sum(r["failures"] for r in result["robots"]), 0)
+            hashes.append(result["journal_hash"])
+        self.assertEqual(hashes[0], hashes[1])
+
     def test_same_seed_same_bytes(self):
         self.play("--until", "300", out="a")
         self.play("--until", "300", out="b")
