@@ -41,12 +41,12 @@ Stimulus read_stimulus(const yaml::Value& value) {
     if (word.content)
       if (const yaml::Value content = map.get(word.content)) stimulus.content = content.dump();
   }
+  map.finish();
   if (verbs != 1) {
     std::string list;
     for (const VerbWord& word : kVerbs) list += (list.empty() ? "" : ", ") + std::string(word.key);
     value.fail("found " + std::to_string(verbs) + " verbs, expected exactly one of: " + list);
   }
-  map.finish();
   return stimulus;
 }
 

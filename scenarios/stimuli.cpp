@@ -17,7 +17,9 @@ struct StimuliServer::State {
   };
 
   bus::Bus& bus;
+  RecordSink& sink;
   Log log;
+  RecordData data;
   bus::ParticipantId self{};
   std::vector<Prepared> prepared;
   std::size_t next = 0;
@@ -28,8 +30,12 @@ struct StimuliServer::State {
   Status post(const Prepared& item);
   Expected<EndpointId> client(const Prepared& item);
   Expected<EndpointId> action_client(const Prepared& item);
+  /// What came back, for the log and for the journal.
   void say(const std::string& target, const std::string& what, const Delivery& delivery) {
     log(target + ": " + what + (delivery.message ? ' ' + delivery.message->view().to_string() : std::string()));
+    data.begin().field("what", what).field("name", target);
+    if (delivery.message) delivery.message->view().record(data.name("message"));
+    sink.write(bus.stream_of(self), bus.now(), RecordKind::kInput, data, {&delivery.cause, 1});
   }
 };
 
@@ -126,6 +132,7 @@ Status StimuliServer::State::post(const Prepared& item) {
     case Stimulus::Verb::kCall: {
       auto made = client(item);
       if (!made) return at_stimulus(stimulus, made.error());
+      if (!bus.service_ready(*made)) log(target + ": nobody serves it; the call waits");
       bus.call(*made, item.message);
       return {};
     }
@@ -144,6 +151,7 @@ Status StimuliServer::State::post(const Prepared& item) {
     case Stimulus::Verb::kSendGoal: {
       auto made = action_client(item);
       if (!made) return at_stimulus(stimulus, made.error());
+      if (!bus.action_ready(*made)) log(target + ": nobody serves it; the goal waits");
       last_goal[target] = bus.send_goal(*made, item.message);
       return {};
     }
@@ -162,7 +170,7 @@ StimuliServer::StimuliServer(std::unique_ptr<State> state) : state_(std::move(st
 StimuliServer::~StimuliServer() = default;
 
 Expected<std::unique_ptr<StimuliServer>> StimuliServer::create(std::vector<Stimulus> stimuli, bus::Bus& bus, RecordSink& sink, Log log) {
-  auto state = std::unique_ptr<State>(new State{bus, std::move(log), {}, {}, 0, {}, {}, {}, {}, {}});
+  auto state = std::unique_ptr<State>(new State{bus, sink, std::move(log), {}, {}, {}, 0, {}, {}, {}, {}, {}});
   state->self = bus.join(bus::ParticipantKind::kNode, bus::NodeName{"stimuli", "/", {}}, sink.open_stream("node/stimuli"));
   for (const Stimulus& stimulus : stimuli)
     if (Status s = state->prepare(stimulus); !s) return s.error();

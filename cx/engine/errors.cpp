@@ -252,7 +252,10 @@ HostCall::HostCall(RuleEngine::Impl& impl, RuleEngine::Impl::Context context) : 
   impl.flush_errors();
   depth_ = impl.contexts.size();
   if (embedded_ || context.side == ErrorSide::kLoad) impl.contexts.push_back(std::move(context));
-  if (embedded_) ResetErrorFlags(env);
+  if (embedded_) {
+    ResetErrorFlags(env);
+    impl.turns = 0;
+  }
   GCBlockStart(env, &block_);
 }
 

@@ -142,6 +142,7 @@ void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self)
   impl.rule_name = rule.header.name->contents;
   impl.rule_open = true;
   impl.rule_acting = true;
+  impl.turns = 0;
   impl.rule_depth = impl.contexts.size();
   if (impl.counting()) ++impl.fired_rules[impl.rule_name];
   impl.fire_recorded = false;
@@ -179,6 +180,16 @@ void RuleEngine::Impl::on_fired(Environment*, Activation* activation, void* self
   }
 }
 
+void RuleEngine::Impl::on_turn(Environment* env, void* self) noexcept {
+  Impl& impl = *static_cast<Impl*>(self);
+  if (++impl.turns != kMostTurns) return;
+  PrintErrorID(env, "CXLAB", 2, false);
+  const std::string text = "Still looping after " + std::to_string(kMostTurns) + " turns of loops and deffunctions in one action: stopped.\n";
+  WriteString(env, STDERR, text.c_str());
+  SetHaltExecution(env, true);
+  SetEvaluationError(env, true);
+}
+
 void RuleEngine::Impl::on_clear(Environment*, void* self) noexcept {
   Impl& impl = *static_cast<Impl*>(self);
   impl.known_facts.clear();
@@ -196,6 +207,7 @@ void RuleEngine::Impl::install_hooks() {
   AddBeforeRuleFiresFunction(env, "cxlab", on_fire, 0, this);
   AddAfterRuleFiresFunction(env, "cxlab", on_fired, 0, this);
   AddClearFunction(env, "cxlab", on_clear, 0, this);
+  AddPeriodicFunction(env, "cxlab", on_turn, 0, this);
 }
 
 }  // namespace cxlab

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 namespace cxlab::yaml {
@@ -206,7 +207,11 @@ std::vector<std::pair<std::string, Value>> Map::entries() {
 
 void Map::finish() {
   if (!value_.is_map()) return;
+  std::set<std::string> seen;
   for (const auto& item : *value_.node_) {
+    if (item.first.IsScalar() && !seen.insert(item.first.Scalar()).second)
+      value_.shared_->errors.push_back(
+          input_error("key '" + item.first.Scalar() + "' stands here a second time", value_.shared_->file, item.first.Mark().line + 1));
     const std::string key = item.first.IsScalar() ? item.first.Scalar() : "(a key that is not a text)";
     if (std::find(asked_.begin(), asked_.end(), key) != asked_.end()) continue;
     std::string what = "unknown key '" + key + "'";

@@ -51,6 +51,8 @@ struct RuleEngine::Impl {
   bool rule_open = false;
   bool rule_acting = false;
   std::size_t rule_depth = 0;
+  std::uint64_t turns = 0;  ///< of loops since the rule fired or the host called
+  static constexpr std::uint64_t kMostTurns = 10'000'000;
   std::string rule_name;
 
   /// What CLIPS has said on stderr from the first "[CODE]" on, and where its messages begin with the line being parsed.
@@ -129,6 +131,8 @@ struct RuleEngine::Impl {
   static void on_fire(clips::Environment*, clips::Activation* activation, void* self) noexcept;
   static void on_fired(clips::Environment*, clips::Activation* activation, void* self) noexcept;
   static void on_clear(clips::Environment*, void* self) noexcept;
+  /// CLIPS calls it at each turn of a loop and at the end of each deffunction; ends a loop without end.
+  static void on_turn(clips::Environment*, void* self) noexcept;
 
   // --- Running (engine.cpp) --------------------------------------------------------------------------------------
 

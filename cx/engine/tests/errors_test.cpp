@@ -20,6 +20,12 @@ struct RuleErrors : EngineTest {
   }
 };
 
+TEST_F(RuleErrors, ALoopWithoutEndInsideARuleIsStopped) {
+  given("(defrule go (a) =>\n  (while TRUE do (bind ?x 1)))\n");
+  ASSERT_TRUE(engine().assert_string("(a)").ok());
+  EXPECT_THAT(texts(engine().run().errors), ElementsAre(AllOf(HasSubstr("rule go, RHS"), HasSubstr("Still looping"))));
+}
+
 TEST_F(RuleErrors, AnUnknownSlotHasTheLineWhereItStands) {
   EXPECT_THAT(load_errors("(deftemplate order (slot id))\n\n(defrule go\n  (order (id ?x)\n         (colour RED))\n  =>\n)\n"),
               ElementsAre(AllOf(StartsWith("rules.clp:5: [TMPLTDEF1]"), HasSubstr("'colour'"))));

@@ -40,6 +40,7 @@ TEST(Yaml, ReadsWhatIsThereAndKeepsDefaults) {
 TEST(Yaml, ErrorsNameFileLineAndRemedy) {
   EXPECT_EQ(error_of("speed: 1\nspead: 2\n"), "s.yaml:2: unknown key 'spead', did you mean 'speed'?");
   EXPECT_EQ(error_of("qqqqqqqqqqqq: 2\n"), "s.yaml:1: unknown key 'qqqqqqqqqqqq'; known are: name, speed, count, wait_s");
+  EXPECT_EQ(error_of("count: 1\ncount: 2\n"), "s.yaml:2: key 'count' stands here a second time");
   EXPECT_EQ(error_of("\ncount: many\n"), "s.yaml:2: count: found 'many', expected an integer");
   EXPECT_EQ(error_of("count: 99999999999\n"), "s.yaml:1: count: found 99999999999, which is out of range");
   EXPECT_EQ(error_of("wait_s: -1\n"), "s.yaml:1: wait_s: found -1, expected seconds from 0 to 1e9");
