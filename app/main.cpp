@@ -8,6 +8,7 @@
 #include <mujoco/mujoco.h>
 
 #include "app/command.h"
+#include "app/stack_guard.h"
 
 namespace cxlab::app {
 
@@ -35,6 +36,9 @@ void silence_mujoco() {
 
 int main(int argc, char** argv) {
   silence_mujoco();
+#ifndef __SANITIZE_ADDRESS__  // which tells of every fault itself
+  install_stack_guard();
+#endif
   g_command_line.assign(argv, argv + argc);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);

@@ -161,6 +161,14 @@ class Rules(Lab):
         self.fails(4, "environment 'main'", "grow (", "n (")
         self.assertEqual(self.result()["reason"]["code"], "rule_loop")
 
+    def test_loop_inside_an_action(self):
+        self.agent("(deffacts n (n 0))\n(defrule turn (n ?) =>\n  (while TRUE do (bind ?x 1)))\n")
+        self.fails(4, "rule turn, RHS", "Still looping")
+
+    def test_recursion_without_end(self):
+        self.agent("(deffacts n (n 0))\n(deffunction f (?x) (f (+ ?x 1)))\n(defrule fall (n ?x) => (f ?x))\n")
+        self.fails(4, "a deffunction calls itself without end")
+
     def test_continue_goes_on_and_tells(self):
         self.agent(HEAD + "(defrule a (go) => (/ 1 0))\n(defrule b (declare (salience -1)) (go) => (println goes on))\n",
                    SCENARIO + "on_rule_error: continue\n")
