@@ -6,7 +6,7 @@
 
 (deffunction reluctance (?x ?y ?robot-x ?robot-y ?idle)
   "What speaks against a robot, in m: its way to the piece, less what it has rested."
-  (- (distance ?x ?y ?robot-x ?robot-y) (* 0.1 ?idle)))
+  (- (distance ?x ?y ?robot-x ?robot-y) (* 0.6 ?idle)))
 
 (defrule robot-take-job
   "The most urgent waiting job, of equals the oldest, goes to the idle robot with the least reluctance."
