@@ -14,7 +14,7 @@
 #include "app/command.h"
 #include "app/share.h"
 #include "cx/engine/version.h"
-#include "sim/mujoco/version.h"
+#include "sim/mujoco/library.h"
 
 namespace cxlab::app {
 

@@ -5,10 +5,9 @@
 #include <cstdlib>
 #include <exception>
 
-#include <mujoco/mujoco.h>
-
 #include "app/command.h"
 #include "app/stack_guard.h"
+#include "sim/mujoco/library.h"
 
 namespace cxlab::app {
 
@@ -25,17 +24,11 @@ constexpr const char* kExitCodes =
     "Exit codes: 0 done; 1 the answer is no; 2 usage; 3 bad input; 4 the run failed; 5 output or resource; 70 a bug of "
     "cxlab; 130, 143 ended by a signal.";
 
-/// Without these MuJoCo writes MUJOCO_LOG.TXT into the current folder. A world that diverges says so itself.
-void silence_mujoco() {
-  mju_user_warning = [](const char*) {};
-  mju_user_error = [](const char* message) {
+int main(int argc, char** argv) {
+  sim::on_mujoco_bug([](const char* message) {
     std::fprintf(stderr, "error: a bug of cxlab: MuJoCo: %s\n", message);
     std::_Exit(static_cast<int>(ErrorKind::kBug));
-  };
-}
-
-int main(int argc, char** argv) {
-  silence_mujoco();
+  });
 #ifndef __SANITIZE_ADDRESS__  // which tells of every fault itself
   install_stack_guard();
 #endif

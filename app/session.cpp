@@ -17,7 +17,7 @@
 #include "cx/engine/version.h"
 #include "cx/journal/run_folder.h"
 #include "scenarios/episode.h"
-#include "sim/mujoco/version.h"
+#include "sim/mujoco/library.h"
 
 namespace cxlab::app {
 
