@@ -6,6 +6,7 @@
 
 #include "cx/bus/bus_state.h"
 #include "cx/bus/names.h"
+#include "cx/bus/transforms.h"
 
 namespace cxlab::bus {
 
@@ -92,7 +93,10 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
     channel->name = name;
   }
   if (channel->providers.empty() && channel->users.empty()) {
-    if (channel->type != made->message) channel->waiting.clear();
+    if (channel->type != made->message) {
+      channel->waiting.clear();
+      channel->kept.clear();
+    }
     channel->type_name = type_name;
     channel->type = made->message;
   } else if (channel->type != made->message) {
@@ -109,6 +113,8 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
   state_->begin(op_of(endpoint.kind), endpoint).field("type", type_name);
   state_->write(now_, endpoint, {});
 
+  if (endpoint.kind == EndpointKind::kSubscription)
+    for (const auto& [what, message] : channel->kept) state_->enqueue(endpoint, message.delivery, message.tick);
   const bool first_server =
       endpoint.provides() && endpoint.kind != EndpointKind::kPublisher && channel->providers.size() == 1;
   if (first_server) {
@@ -180,6 +186,7 @@ void Bus::remove(EndpointId id) {
   state_->begin("remove", *endpoint);
   state_->write(now_, *endpoint, {});
   std::erase(endpoint->provides() ? endpoint->channel->providers : endpoint->channel->users, endpoint);
+  std::erase_if(endpoint->channel->kept, [id](const auto& item) { return item.second.client == id; });
 
   Participant& owner = state_->participant(endpoint->owner);
   const auto for_it = [id](const Delivery& delivery) { return delivery.endpoint == id; };
@@ -201,6 +208,8 @@ void Bus::publish(EndpointId publisher, SharedMessage message, Causes causes) {
   delivery.cause = state_->write(now_, *from, causes);
   if (state_->muted) return;
   delivery.message = std::move(message);
+  if (is_kept_topic(from->channel->name, *from->message))
+    from->channel->kept[placed_frames(delivery.message->view())] = {delivery, from->id, state_->tick};
   const auto& users = from->channel->users;
   for (std::size_t i = 0; i < users.size(); ++i)
     state_->enqueue(*users[i], i + 1 < users.size() ? delivery : std::move(delivery), state_->tick);

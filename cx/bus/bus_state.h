@@ -31,6 +31,7 @@ struct Channel {
   std::vector<Endpoint*> providers;   ///< publishers, servers
   std::vector<Endpoint*> users;       ///< subscriptions, clients
   std::vector<Waiting> waiting;
+  std::map<std::string, Waiting> kept;  ///< of a kept topic (`is_kept_topic`): what later subscriptions get
 };
 using Channels = std::map<std::string, std::unique_ptr<Channel>, std::less<>>;
 
