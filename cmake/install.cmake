@@ -1,0 +1,68 @@
+# cmake --install build/release --prefix P, and cpack --config build/release/CPackConfig.cmake for a tarball:
+#
+#   bin/cxlab           the program; finds all else from its own place, so the prefix may move
+#   lib/cxlab/          libcxlab.so and the libraries it needs that a bare Debian does not have
+#   lib/cmake/cxlab/    find_package(cxlab): cmake/package
+#   include/cxlab/      headers for plugins and for programs that play episodes
+#   share/cxlab/        interfaces, models, scenarios, docs with examples and templates
+
+include_guard(GLOBAL)
+
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # installs what is built; tests need not be
+set(libraries lib/cxlab)
+set(headers include/cxlab)
+set(share share/cxlab)
+set(doc share/doc/cxlab)
+
+# --- Program and libraries
+set_target_properties(cxlab PROPERTIES INSTALL_RPATH "$ORIGIN/../${libraries}")
+set_target_properties(cxlab_shared PROPERTIES INSTALL_RPATH "$ORIGIN")
+install(TARGETS cxlab cxlab_shared RUNTIME_DEPENDENCY_SET needed
+  RUNTIME DESTINATION bin LIBRARY DESTINATION ${libraries})
+# Those of the compiler are everywhere that a plugin can be built; zlib is part of every Debian.
+install(RUNTIME_DEPENDENCY_SET needed
+  PRE_EXCLUDE_REGEXES "^ld-linux" "^lib(c|m|dl|rt|pthread|stdc\\+\\+|gcc_s|z|[a-z]+san)\\.so"
+  LIBRARY DESTINATION ${libraries})
+
+# --- Headers
+foreach(folder cx/base cx/bus cx/engine cx/executive cx/journal cx/yaml sim sim/skills sim/traffic scenarios scenarios/rcll)
+  file(GLOB files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${folder}/*.h")
+  install(FILES ${files} DESTINATION ${headers}/${folder})
+endforeach()
+get_target_property(clips_core clips_c INTERFACE_INCLUDE_DIRECTORIES)
+get_target_property(clips_kind clips_c TYPE)
+if(clips_kind STREQUAL "SHARED_LIBRARY")  # else the system's
+  install(TARGETS clips_c LIBRARY DESTINATION ${libraries})
+  file(GLOB files "${clips_core}/*.h")
+  install(FILES ${files} DESTINATION ${headers}/clips)
+  set(clips_core "../clips")
+endif()
+set(installed "${PROJECT_BINARY_DIR}/installed")
+configure_file(third_party/clips/clips_ns.h.in "${installed}/clips_ns/clips.h" @ONLY)
+install(FILES "${installed}/clips_ns/clips.h" DESTINATION ${headers}/clips_ns)
+
+# --- find_package(cxlab)
+include(CMakePackageConfigHelpers)
+configure_file(cmake/package/cxlabConfig.cmake.in "${installed}/cxlabConfig.cmake" @ONLY)
+write_basic_package_version_file("${installed}/cxlabConfigVersion.cmake" COMPATIBILITY ExactVersion)
+install(FILES "${installed}/cxlabConfig.cmake" "${installed}/cxlabConfigVersion.cmake" cmake/package/cxlabPackage.cmake
+  DESTINATION lib/cmake/cxlab)
+
+# --- Data
+install(DIRECTORY cx/interfaces models docs DESTINATION ${share})
+install(DIRECTORY scenarios DESTINATION ${share}
+  FILES_MATCHING PATTERN "*.yaml" PATTERN "*.clp" PATTERN "*.pddl" PATTERN "package.xml")
+install(FILES README.md LICENSE DESTINATION ${doc})
+install(FILES docs/install.md DESTINATION ${doc} RENAME INSTALL.md)
+get_target_property(mujoco mujoco::mujoco IMPORTED_LOCATION)
+get_filename_component(wheel "${mujoco}" DIRECTORY)
+file(GLOB files "${wheel}/../*.dist-info/licenses/*")
+install(FILES ${files} DESTINATION ${doc}/mujoco)
+# The licences of the Debian libraries that were copied.
+install(CODE "set(folder \"\${CMAKE_INSTALL_PREFIX}/${libraries}\")\nset(licences \"\${CMAKE_INSTALL_PREFIX}/${doc}\")")
+install(SCRIPT cmake/package/licences.cmake)
+
+# --- Tarball
+set(CPACK_GENERATOR TGZ)
+set(CPACK_PACKAGE_FILE_NAME "cxlab-${PROJECT_VERSION}-debian12-${CMAKE_SYSTEM_PROCESSOR}")
+include(CPack)
