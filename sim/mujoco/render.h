@@ -11,16 +11,9 @@
 #include "cx/base/expected.h"
 #include "sim/mujoco/gl_context.h"
 #include "sim/mujoco/physics_gate.h"
+#include "sim/picture.h"
 
 namespace cxlab::sim {
-
-/// RGB, 8 bits each, top row first.
-struct Picture {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;
-};
-
-Status write_png(const Picture& picture, const std::filesystem::path& file);
 
 class Renderer {
  public:

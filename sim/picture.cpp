@@ -1,0 +1,25 @@
+#include "sim/picture.h"
+
+#include <png.h>
+
+#include <cstdio>
+#include <memory>
+
+namespace cxlab::sim {
+
+Status write_png(const Picture& picture, const std::filesystem::path& file) {
+  const auto failed = [&] { return Error{ErrorKind::kResource, "cannot write the picture", file.string(), 0, {}}; };
+  std::unique_ptr<FILE, int (*)(FILE*)> out(std::fopen(file.c_str(), "wb"), std::fclose);
+  if (!out) return failed();
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(picture.width);
+  image.height = static_cast<png_uint_32>(picture.height);
+  image.format = PNG_FORMAT_RGB;
+  image.flags = PNG_IMAGE_FLAG_FAST;
+  const bool written = png_image_write_to_stdio(&image, out.get(), 0, picture.rgb.data(), 3 * picture.width, nullptr) != 0;
+  if (!written || std::fclose(out.release()) != 0) return failed();
+  return {};
+}
+
+}  // namespace cxlab::sim
