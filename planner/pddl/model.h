@@ -55,7 +55,6 @@ struct Expression {
     kDivide,
     kNegate,
     kDuration,   ///< ?duration of the surrounding durative action
-    kElapsed,    ///< #t: seconds since the action began; only inside rates of change
     kTotalTime,  ///< total-time: end of the plan; only in the metric
   };
   Kind kind = Kind::kConstant;
@@ -110,7 +109,7 @@ struct Effect {
   enum class Time : std::uint8_t {
     kStart,       ///< also of instantaneous actions
     kEnd,
-    kContinuous,  ///< kIncrease or kDecrease all along the action; `value` is the rate, a number a second
+    kContinuous,  ///< kIncrease or kDecrease all along the action; `value` is the rate, without its #t, a second
   };
   Kind kind = Kind::kAdd;
   Time time = Time::kStart;

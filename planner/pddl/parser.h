@@ -21,4 +21,7 @@ Expected<Problem> parse_problem(std::string_view text, const std::string& file, 
 /// Reads and parses both files.
 Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file);
 
+/// The content of a file.
+Expected<std::string> read_text(const std::string& file);
+
 }  // namespace cxlab::planner

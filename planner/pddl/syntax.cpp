@@ -1,0 +1,136 @@
+#include "planner/pddl/syntax.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace cxlab::planner {
+namespace {
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
+bool ends_word(char c) { return is_space(c) || c == '(' || c == ')' || c == ';'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+class Reader {
+ public:
+  Reader(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+
+  Expected<Node> read_file() {
+    skip_space();
+    if (at_end()) return error("the file is empty; expected (define ...)", line_);
+    if (text_[position_] != '(')
+      return error("found '" + std::string(take_word_for_message()) + "', expected (define ...)", line_);
+    auto node = read_list(0);
+    if (!node) return node;
+    skip_space();
+    if (!at_end())
+      return error(text_[position_] == ')' ? "found a ')' that closes nothing; expected the end of the file"
+                                           : "found more text behind the closing ')' of (define ...); expected the end of the file",
+                   line_);
+    return node;
+  }
+
+ private:
+  bool at_end() const { return position_ >= text_.size(); }
+
+  void skip_space() {
+    for (; !at_end(); ++position_) {
+      const char c = text_[position_];
+      if (c == '\n') ++line_;
+      if (is_space(c)) continue;
+      if (c != ';') return;
+      while (!at_end() && text_[position_] != '\n') ++position_;
+      --position_;  // the loop steps to the line's end, and counts it
+    }
+  }
+
+  std::string_view take_word() {
+    const std::size_t begin = position_;
+    while (!at_end() && !ends_word(text_[position_])) ++position_;
+    return text_.substr(begin, position_ - begin);
+  }
+  std::string_view take_word_for_message() { return take_word().substr(0, 60); }
+
+  Expected<Node> read_list(int depth) {
+    Node list;
+    list.is_list = true;
+    list.line = line_;
+    if (depth >= kDeepestNesting)
+      return error("lists are nested more than " + std::to_string(kDeepestNesting) + " deep", line_);
+    ++position_;
+    while (true) {
+      skip_space();
+      if (at_end()) return error("found the end of the file, expected a ')' for the list that begins here", list.line);
+      if (text_[position_] == ')') {
+        ++position_;
+        return list;
+      }
+      if (text_[position_] == '(') {
+        auto item = read_list(depth + 1);
+        if (!item) return item;
+        list.items.push_back(std::move(*item));
+      } else {
+        Node word;
+        word.line = line_;
+        word.word = take_word();
+        list.items.push_back(std::move(word));
+      }
+    }
+  }
+
+  Error error(std::string message, int line) const { return input_error(std::move(message), file_, line); }
+
+  std::string_view text_;
+  const std::string& file_;
+  std::size_t position_ = 0;
+  int line_ = 1;
+};
+
+void append_excerpt(const Node& node, std::string& out) {
+  constexpr std::size_t kLongest = 60;
+  if (out.size() > kLongest) return;
+  if (!node.is_list) {
+    out += node.word.substr(0, kLongest);
+    return;
+  }
+  out += '(';
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    if (i > 0) out += ' ';
+    if (out.size() > kLongest) {
+      out += "...";
+      break;
+    }
+    append_excerpt(node.items[i], out);
+  }
+  out += ')';
+}
+
+}  // namespace
+
+Expected<Syntax> read_syntax(std::string_view text, const std::string& file) {
+  Syntax syntax;
+  syntax.text = std::make_unique<std::string>(text);
+  for (char& c : *syntax.text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  std::string_view body = *syntax.text;
+  if (body.starts_with("\xef\xbb\xbf")) body.remove_prefix(3);  // the mark of UTF-8 files
+  auto root = Reader(body, file).read_file();
+  if (!root) return root.error();
+  syntax.root = std::move(*root);
+  return syntax;
+}
+
+std::string excerpt(const Node& node) {
+  std::string out;
+  append_excerpt(node, out);
+  return out;
+}
+
+bool to_number(std::string_view word, double& number) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  const std::string_view digits = word.starts_with('-') ? word.substr(1) : word;
+  if (digits.empty() || !(is_digit(digits[0]) || (digits[0] == '.' && digits.size() > 1 && is_digit(digits[1])))) return false;
+  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), number);
+  return code == std::errc{} && end == word.data() + word.size() && std::isfinite(number);
+}
+
+}  // namespace cxlab::planner

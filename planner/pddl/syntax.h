@@ -1,0 +1,43 @@
+#pragma once
+// Text to nested lists: the shape of a PDDL file before anything is known about names.
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cx/base/expected.h"
+
+namespace cxlab::planner {
+
+/// A word, or a list of nodes. Words are lower case and point into the text of the Syntax.
+struct Node {
+  bool is_list = false;
+  int line = 0;
+  std::string_view word;
+  std::vector<Node> items;
+
+  /// The word that begins the list; empty if there is none.
+  std::string_view head() const { return is_list && !items.empty() && !items[0].is_list ? items[0].word : std::string_view{}; }
+  bool is_word(std::string_view text) const { return !is_list && word == text; }
+};
+
+/// The single form of a file.
+struct Syntax {
+  std::unique_ptr<std::string> text;
+  Node root;
+};
+
+/// Deepest nesting that is read; real files stay below 30.
+inline constexpr int kDeepestNesting = 200;
+
+/// Reads one form. Comments begin with `;`.
+Expected<Syntax> read_syntax(std::string_view text, const std::string& file);
+
+/// The node as text, shortened to about 60 characters, for messages.
+std::string excerpt(const Node& node);
+
+/// The number that a word means, if it is one.
+bool to_number(std::string_view word, double& number);
+
+}  // namespace cxlab::planner

@@ -1,0 +1,176 @@
+#include <gtest/gtest.h>
+
+#include "planner/pddl/parser.h"
+
+namespace cxlab::planner {
+namespace {
+
+Domain parsed(const std::string& sections) {
+  auto domain = parse_domain("(define (domain d)\n" + sections + ")", "d.pddl");
+  EXPECT_TRUE(domain) << domain.error().text();
+  return domain ? std::move(*domain) : Domain{};
+}
+
+/// The error of a domain whose sections begin in line 2.
+std::string error_of(const std::string& sections) {
+  const auto domain = parse_domain("(define (domain d)\n" + sections + ")", "d.pddl");
+  return domain ? "no error" : domain.error().text();
+}
+
+constexpr const char* kWorld =
+    "(:types robot place - object depot - place)\n"                                   // line 2
+    "(:constants base - depot)\n"                                                      // 3
+    "(:predicates (at ?r - robot ?p - place) (open ?p - place) (done))\n"              // 4
+    "(:functions (battery ?r - robot) (way ?a ?b - place) (total-cost))\n";            // 5
+
+std::string with_world(const std::string& sections) { return kWorld + sections; }
+
+TEST(DomainParser, TypesFormATreeWithEither) {
+  const Domain domain = parsed("(:types a b - object c - (either a b) d - c)");
+  const auto type = [&](const char* name) { return find(domain.type_names, name); };
+  EXPECT_TRUE(domain.is_a(type("d"), type("a")));
+  EXPECT_TRUE(domain.is_a(type("d"), type("b")));
+  EXPECT_TRUE(domain.is_a(type("d"), Domain::kObjectType));
+  EXPECT_FALSE(domain.is_a(type("a"), type("c")));
+}
+
+TEST(DomainParser, SupertypeThatStandsNowhereElseIsAType) {
+  const Domain domain = parsed("(:types robot - movable)");
+  EXPECT_TRUE(domain.is_a(find(domain.type_names, "robot"), find(domain.type_names, "movable")));
+}
+
+TEST(DomainParser, SectionsMayStandInAnyOrder) {
+  const Domain domain = parsed("(:action go :parameters (?r - robot) :effect (ready ?r)) (:predicates (ready ?r - robot)) (:types robot)");
+  EXPECT_EQ(domain.actions.at(0).effects.size(), 1u);
+}
+
+TEST(DomainParser, NamesAreLowerCase) {
+  const Domain domain = parsed(with_world("(:action GO :parameters (?R - Robot) :effect (AT ?r BASE))"));
+  EXPECT_EQ(domain.actions.at(0).name, "go");
+  EXPECT_EQ(domain.actions[0].effects.at(0).terms.at(0), Term::variable(0));
+  EXPECT_EQ(domain.actions[0].effects[0].terms.at(1), Term::object(0));
+}
+
+TEST(DomainParser, ConditionsOfADurativeActionAreSortedByTime) {
+  const Domain domain = parsed(with_world(
+      "(:durative-action go :parameters (?r - robot ?a ?b - place) :duration (= ?duration (way ?a ?b))"
+      " :condition (and (at start (at ?r ?a)) (over all (open ?b)) (at start (>= (battery ?r) ?duration)) (at end (not (done)))"
+      "   (forall (?p - place) (over all (imply (at ?r ?p) (open ?p)))))"
+      " :effect (and (at start (not (at ?r ?a))) (at end (at ?r ?b)) (decrease (battery ?r) (* #t 0.5))))"));
+  const Action& go = domain.actions.at(0);
+  EXPECT_TRUE(go.durative);
+  EXPECT_EQ(go.slots, 4);
+  ASSERT_EQ(go.condition.start.operands.size(), 2u);
+  EXPECT_EQ(go.condition.start.operands[1].sides.at(1).kind, Expression::Kind::kDuration);
+  ASSERT_EQ(go.condition.over_all.operands.size(), 2u);
+  EXPECT_EQ(go.condition.over_all.operands[1].kind, Condition::Kind::kForall);
+  EXPECT_EQ(go.condition.over_all.operands[1].variables.at(0).slot, 3);
+  EXPECT_EQ(go.condition.end.kind, Condition::Kind::kNot);
+  ASSERT_EQ(go.effects.size(), 3u);
+  EXPECT_EQ(go.effects[2].time, Effect::Time::kContinuous);
+  EXPECT_EQ(go.effects[2].value.value, 0.5);
+  EXPECT_EQ(go.duration.at(0).bound.kind, Expression::Kind::kFunction);
+}
+
+TEST(DomainParser, EffectsAreFlattenedWithTheirQuantifiersAndConditions) {
+  const Domain domain = parsed(with_world(
+      "(:durative-action sweep :parameters (?r - robot) :duration (and (>= ?duration 1) (at end (<= 4 ?duration)))"
+      " :effect (and (forall (?p - place) (when (and (at start (at ?r ?p)) (at end (done))) (at end (and (open ?p) (not (done))))))"
+      "   (at start (increase (battery ?r) 2))))"));
+  const Action& sweep = domain.actions.at(0);
+  ASSERT_EQ(sweep.effects.size(), 3u);
+  for (int i : {0, 1}) {
+    EXPECT_EQ(sweep.effects[i].variables.at(0).slot, 1);
+    EXPECT_EQ(sweep.effects[i].condition.start.kind, Condition::Kind::kAtom);
+    EXPECT_EQ(sweep.effects[i].condition.end.kind, Condition::Kind::kAtom);
+    EXPECT_EQ(sweep.effects[i].time, Effect::Time::kEnd);
+  }
+  EXPECT_EQ(sweep.effects[1].kind, Effect::Kind::kDelete);
+  EXPECT_TRUE(sweep.effects[2].condition.is_true());
+  ASSERT_EQ(sweep.duration.size(), 2u);
+  EXPECT_TRUE(sweep.duration[1].at_end);
+  EXPECT_EQ(sweep.duration[1].comparison, Comparison::kGreaterEqual);
+}
+
+TEST(DomainParser, EqualityOfObjectsAndOfNumbersAreTold) {
+  const Domain domain = parsed(with_world(
+      "(:action a :parameters (?r - robot ?p - place) :precondition (and (= ?p base) (= (battery ?r) 1) (= total-cost 3)))"));
+  const auto& parts = domain.actions.at(0).condition.start.operands;
+  EXPECT_EQ(parts.at(0).kind, Condition::Kind::kSame);
+  EXPECT_EQ(parts.at(1).kind, Condition::Kind::kCompare);
+  EXPECT_EQ(parts.at(2).kind, Condition::Kind::kCompare);
+}
+
+TEST(DomainParser, RatesMayHoldHashTAnywhereButOnce) {
+  const auto rate = [](const std::string& value) {
+    return parsed(with_world("(:durative-action a :parameters (?r - robot) :duration () :effect (increase (battery ?r) " + value + "))"))
+        .actions.at(0).effects.at(0).value;
+  };
+  EXPECT_EQ(rate("#t").value, 1);
+  EXPECT_EQ(rate("(* 2 #t)").value, 2);
+  EXPECT_EQ(rate("(- (* #t 2))").kind, Expression::Kind::kNegate);
+  EXPECT_EQ(rate("(/ #t (battery ?r))").kind, Expression::Kind::kDivide);
+  EXPECT_EQ(rate("(+ #t (* 2 (* #t 3)))").operands.at(1).kind, Expression::Kind::kMultiply);
+}
+
+TEST(DomainParser, WhatIsNotSupportedIsNamed) {
+  const auto unsupported = [](const std::string& sections) {
+    const auto domain = parse_domain("(define (domain d)\n" + with_world(sections) + ")", "d.pddl");
+    if (domain) return std::string("no error");
+    EXPECT_EQ(domain.error().code, kUnsupported) << domain.error().text();
+    return domain.error().text();
+  };
+  EXPECT_EQ(unsupported("(:requirements :preferences)"), "d.pddl:6: found requirement :preferences: not supported");
+  EXPECT_EQ(unsupported("(:process p)"), "d.pddl:6: found section :process: not supported");
+  EXPECT_EQ(unsupported("(:functions (holds ?r - robot) - place)"),
+            "d.pddl:6: found a function of type place: object fluents are not supported, only numbers");
+  EXPECT_EQ(unsupported("(:durative-action a :parameters (?r - robot) :duration () :effect (increase (battery ?r) (* #t #t)))"),
+            "d.pddl:6: found (* #t #t): only linear change is supported, #t must occur once in a product");
+}
+
+TEST(DomainParser, ErrorsTellWhatWasDeclaredWhere) {
+  EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robot)\n :effect (at ?r))")),
+            "d.pddl:7: found 1 argument in (at ?r), expected 2; declared at d.pddl:4");
+  EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robot) :effect (at base base))")),
+            "d.pddl:6: found base of type depot; declared at d.pddl:3; expected type robot for argument 1 of at; declared at d.pddl:4");
+  EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robot) :effect (at ?p base))")),
+            "d.pddl:6: found variable ?p, which is not declared here; did you mean '?r'?");
+  EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robot) :effect (opn base))")),
+            "d.pddl:6: found 'opn', expected a predicate of the domain; did you mean 'open'?");
+  EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robt))")),
+            "d.pddl:6: found type 'robt', expected a type of the domain; did you mean 'robot'?");
+  EXPECT_EQ(error_of(with_world("(:action a :precondition (battery base))")),
+            "d.pddl:6: found the numeric fluent 'battery', expected a predicate; declared at d.pddl:5");
+  EXPECT_EQ(error_of(with_world("(:action a :effect (done))\n(:action a :effect (done))")),
+            "d.pddl:7: found action 'a' a second time; declared at d.pddl:6");
+  EXPECT_EQ(error_of(with_world("(:durative-action a :parameters () :duration (= ?duration 1)\n :condition (done))")),
+            "d.pddl:7: found (done), expected (at start ...), (over all ...) or (at end ...)");
+  EXPECT_EQ(error_of(with_world("(:action a :parameters () :condition (done))")),
+            "d.pddl:6: found :condition, expected :parameters, :precondition or :effect of an action");
+  EXPECT_EQ(error_of(with_world("(:durative-action a :parameters ())")),
+            "d.pddl:6: the durative action has no :duration, expected (= ?duration NUMBER)");
+  EXPECT_EQ(error_of("(:types a - b b - c c - a)"), "d.pddl:2: type 'a' is its own supertype, expected types without a cycle");
+}
+
+TEST(DomainParser, ProblemInPlaceOfADomainIsSeen) {
+  EXPECT_EQ(parse_domain("(define (problem p))", "p.pddl").error().text(),
+            "p.pddl:1: found a problem, expected a domain: (define (domain NAME) ...); are the files swapped?");
+}
+
+TEST(DomainParser, DerivedPredicatesAreStratified) {
+  const Domain domain = parsed(with_world(
+      "(:predicates (reach ?a ?b - place) (alone ?a - place) (road ?a ?b - place))"
+      "(:derived (alone ?a - place) (not (exists (?b - place) (reach ?a ?b))))"
+      "(:derived (reach ?a ?b) (or (road ?a ?b) (exists (?c - place) (and (reach ?a ?c) (road ?c ?b)))))"));
+  EXPECT_EQ(domain.predicates[find(domain.predicate_names, "reach")].stratum, 0);
+  EXPECT_EQ(domain.predicates[find(domain.predicate_names, "alone")].stratum, 1);
+  EXPECT_EQ(domain.derivations.at(1).slots, 3);
+  EXPECT_EQ(domain.derivations[1].parameters.at(0).types.at(0), find(domain.type_names, "place")) << "taken from the predicate";
+  EXPECT_EQ(error_of(with_world("(:derived (done) (not (done)))")),
+            "d.pddl:6: derived predicate 'done' depends on its own negation, expected rules without such a cycle; declared at d.pddl:4");
+  EXPECT_EQ(error_of(with_world("(:derived (done) (and))\n(:action a :effect (done))")),
+            "d.pddl:7: found an effect on 'done', which is derived by a rule; expected a predicate without one; declared at d.pddl:4");
+}
+
+}  // namespace
+}  // namespace cxlab::planner

@@ -1,0 +1,91 @@
+#include <gtest/gtest.h>
+
+#include "planner/pddl/parser.h"
+
+namespace cxlab::planner {
+namespace {
+
+constexpr const char* kDomain =
+    "(define (domain work-flow) (:types robot place - object depot - place)\n"
+    "(:constants base - depot)\n"
+    "(:predicates (at ?r - robot ?p - place) (open ?p - place))\n"
+    "(:functions (battery ?r - robot) (total-cost)))";
+
+const Domain& domain() {
+  static const Domain parsed = *parse_domain(kDomain, "d.pddl");
+  return parsed;
+}
+
+Problem parsed(const std::string& sections) {
+  auto problem = parse_problem("(define (problem p) (:domain work_flow) (:objects r1 r2 - robot hall - place)\n" + sections + ")",
+                               "p.pddl", domain());
+  EXPECT_TRUE(problem) << problem.error().text();
+  return problem ? std::move(*problem) : Problem{};
+}
+
+std::string error_of(const std::string& sections) {
+  const auto problem = parse_problem("(define (problem p) (:domain work_flow) (:objects r1 r2 - robot hall - place)\n" + sections + ")",
+                                     "p.pddl", domain());
+  return problem ? "no error" : problem.error().text();
+}
+
+TEST(ProblemParser, ConstantsComeBeforeObjects) {
+  const Problem problem = parsed("");
+  ASSERT_EQ(problem.objects.size(), 4u);
+  EXPECT_EQ(problem.objects[0].name, "base");
+  EXPECT_EQ(objects_of(domain(), problem, {find(domain().type_names, "place")}), (std::vector<ObjectId>{0, 3}));
+}
+
+TEST(ProblemParser, InitHoldsFactsValuesAndWhatHappensLater) {
+  const Problem problem = parsed(
+      "(:init (at r1 base) (at r1 base) (not (open hall)) (= (battery r1) 2.5)"
+      " (at 9 (not (open hall))) (at 5 (open hall)) (at 7.5 (= (battery r1) 1)) (at 0 (open base)))"
+      " (:goal (and (open hall) (exists (?r - robot) (at ?r hall)))) (:metric minimize (+ (total-time) (* 2 (total-cost))))");
+  EXPECT_EQ(problem.init.size(), 2u) << "one fact twice, one at time 0";
+  ASSERT_EQ(problem.timed_facts.size(), 2u);
+  EXPECT_EQ(problem.timed_facts[0].time, 5);
+  EXPECT_FALSE(problem.timed_facts[1].value);
+  EXPECT_EQ(problem.timed_values.at(0).assignment.value, 1);
+  EXPECT_EQ(problem.goal_slots, 1);
+  EXPECT_FALSE(problem.metric->maximize);
+  ASSERT_EQ(problem.values.size(), 2u);
+  EXPECT_EQ(problem.values[1].value, 0) << "total-cost begins with 0";
+}
+
+TEST(ProblemParser, ObjectDeclaredTwiceBelongsToBothTypes) {
+  const Problem problem = parsed("(:objects r1 - place)");
+  EXPECT_EQ(problem.objects.size(), 4u);
+  EXPECT_EQ(problem.objects[1].types.size(), 2u);
+}
+
+TEST(ProblemParser, ErrorsTellBothFiles) {
+  EXPECT_EQ(error_of("(:init (at hall r1))"),
+            "p.pddl:2: found hall of type place; declared at p.pddl:1; expected type robot for argument 1 of at; declared at d.pddl:3");
+  EXPECT_EQ(error_of("(:init (at r3 base))"), "p.pddl:2: found 'r3', expected a variable or an object; did you mean 'r1'?");
+  EXPECT_EQ(error_of("(:init (= (battery r1) 1)\n (= (battery r1) 2))"), "p.pddl:3: found a second value for (battery r1), expected one");
+  EXPECT_EQ(error_of("(:init (= (battery r1) x))"), "p.pddl:2: found (= (battery r1) x), expected (= (FUNCTION OBJECT...) NUMBER)");
+  EXPECT_EQ(error_of("(:init (at -1 (open hall)))"), "p.pddl:2: found time -1, expected a time that is not negative");
+  EXPECT_EQ(error_of("(:goal (open hall) (open base))"),
+            "p.pddl:2: found 2 conditions in :goal, expected one; several are joined by (and ...)");
+  EXPECT_EQ(error_of("(:goal (and))\n(:goal (and))"), "p.pddl:3: found :goal a second time, expected one");
+  EXPECT_EQ(error_of("(:goals)"), "p.pddl:2: found (:goals), expected :domain, :objects, :init, :goal or :metric");
+}
+
+TEST(ProblemParser, NamesOfDomainsMayDifferInDashesOnly) {
+  EXPECT_TRUE(parse_problem("(define (problem p) (:domain Work_Flow))", "p.pddl", domain()));
+  EXPECT_EQ(parse_problem("(define (problem p) (:domain flow))", "p.pddl", domain()).error().text(),
+            "p.pddl:1: found domain 'flow', expected 'work-flow', the name in d.pddl");
+}
+
+TEST(ProblemParser, PreferencesAreNotSupported) {
+  const auto problem = parse_problem("(define (problem p) (:domain work-flow) (:goal (preference x (open base))))", "p.pddl", domain());
+  ASSERT_FALSE(problem);
+  EXPECT_EQ(problem.error().code, kUnsupported);
+}
+
+TEST(LoadTask, MissingFileIsAnError) {
+  EXPECT_EQ(load_task("/nonexistent.pddl", "/nonexistent.pddl").error().text(), "/nonexistent.pddl: cannot be read; expected a file");
+}
+
+}  // namespace
+}  // namespace cxlab::planner
