@@ -243,6 +243,14 @@ Environment* EnvironmentManager::find(std::string_view name) {
   return nullptr;
 }
 
+Status EnvironmentManager::perceive(std::size_t i) {
+  Entry& entry = environments_[i];
+  if (Status s = entry.environment->perceive(); !s) return s;
+  for (Plugin* plugin : entry.loaded)
+    if (Status s = plugin->perceive(EnvironmentGuard(*entry.environment)); !s) return s;
+  return {};
+}
+
 Status EnvironmentManager::decide_if_due(std::size_t i, SimTime now) {
   Entry& entry = environments_[i];
   for (Plugin* plugin : entry.loaded) {

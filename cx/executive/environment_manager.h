@@ -65,7 +65,7 @@ class EnvironmentManager {
   std::size_t size() const { return environments_.size(); }
   Environment& environment(std::size_t i) { return *environments_[i].environment; }
   Environment* find(std::string_view name);
-  Status perceive(std::size_t i) { return environment(i).perceive(); }
+  Status perceive(std::size_t i);
   /// Lets the plugins act that are due, the executive above all.
   Status decide_if_due(std::size_t i, SimTime now);
   /// The earliest time at which any environment has something to decide.

@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -34,6 +35,7 @@ class Parameters {
   const Parameter* find(std::string_view name) const;
   /// Sets a parameter; `yaml` is its value as YAML. `origin` is named in errors.
   Status set(const std::string& name, const std::string& yaml, const std::string& origin);
+  void put(const std::string& name, Parameter value) { values_[name] = std::move(value); }
   /// Names of the parameters (or groups) directly below `group` ("" = all), sorted.
   std::vector<std::string> below(std::string_view group) const;
   /// Where the group begins, for errors: file and the first line of its parameters.

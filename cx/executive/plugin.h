@@ -21,7 +21,7 @@ namespace cxlab::cx {
 struct PluginContext {
   std::string name;               ///< of the instance
   std::string type;               ///< as in YAML, e.g. "cx::FileLoadPlugin"
-  const Parameters& parameters;   ///< of the manager node
+  Parameters& parameters;         ///< of the manager node
   bus::Bus& bus;
   bus::ParticipantId node{};      ///< the manager node on the bus
   Files& files;
@@ -47,6 +47,9 @@ class Plugin {
   /// Once, when it has left its last environment.
   virtual void finalize() {}
 
+  /// Each tick, after the environment has taken what waited for it and before any rule runs: for facts of its own that
+  /// are due. `next_due` makes sure of the tick.
+  virtual Status perceive(EnvironmentGuard) { return {}; }
   /// When it wants to act in that environment; `on_due` is called at the first tick not before.
   virtual SimTime next_due(const Environment&) const { return kNever; }
   virtual Status on_due(EnvironmentGuard) { return {}; }

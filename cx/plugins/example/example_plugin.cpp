@@ -1,0 +1,28 @@
+#include "cx/plugins/example/example_plugin.h"
+
+namespace cxlab::cx {
+
+namespace {
+
+/// The least that a plugin can be: says when its environments come and go.
+class ExamplePlugin final : public Plugin {
+ public:
+  using Plugin::Plugin;
+
+  Status clips_env_init(EnvironmentGuard environment) override {
+    log(*environment, LogLevel::kInfo, "Initializing plugin for environment " + environment->name());
+    return {};
+  }
+
+  void clips_env_destroyed(EnvironmentGuard environment) override {
+    log(*environment, LogLevel::kInfo, "Destroying plugin for environment " + environment->name());
+  }
+};
+
+}  // namespace
+
+PluginType example_plugin() {
+  return {"cx::ExamplePlugin", {}, [](PluginContext c) { return std::make_unique<ExamplePlugin>(std::move(c)); }};
+}
+
+}  // namespace cxlab::cx
