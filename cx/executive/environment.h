@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <typeindex>
 #include <vector>
 
 #include "cx/base/append_file.h"
@@ -64,6 +66,15 @@ class Environment {
   bool ending() const { return ending_; }
   void end() { ending_ = true; }
 
+  /// What plugins of this environment share, e.g. the messages that its rules hold: one object a type, made from this
+  /// environment when first asked for; it goes with the environment.
+  template <class T>
+  T& common() {
+    auto& shared = common_[std::type_index(typeid(T))];
+    if (!shared) shared = std::make_shared<T>(*this);
+    return *static_cast<T*>(shared.get());
+  }
+
   // --- What enters from outside
   /// Records a delivery as an input of this environment and makes it the cause of what follows. `what` and `name` as the
   /// rules know it: "topic" "/chatter".
@@ -90,6 +101,7 @@ class Environment {
   LogRouter router_;
   std::unique_ptr<RuleEngine> engine_;
   bus::ParticipantId participant_{};
+  std::map<std::type_index, std::shared_ptr<void>> common_;
   bool ending_ = false;
 };
 

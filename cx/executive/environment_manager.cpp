@@ -69,9 +69,12 @@ Expected<const PluginType*> EnvironmentManager::type_of(const std::string& insta
   }
   std::vector<std::string> known;
   for (const PluginType& t : options_.plugin_types) {
-    if (t.name == type) return &t;
-    known.push_back(t.name);
+    if (t.has ? t.has(type, bus_.registry()) : t.name == type) return &t;
+    if (!t.has) known.push_back(t.name);
   }
+  for (const PluginType& t : options_.plugin_types)
+    if (t.classes)
+      for (std::string& name : t.classes(bus_.registry())) known.push_back(std::move(name));
   return parameters_.error_at(instance + ".plugin", "unknown plugin type '" + type + "'" + did_you_mean(type, known));
 }
 
@@ -174,12 +177,14 @@ Status EnvironmentManager::load_plugin(Entry& entry, const std::string& name) {
   if (found == instances_.end()) {
     auto type = type_of(name, entry.environment->name());
     if (!type) return type.error();
-    PluginContext context{name, (*type)->name, parameters_, bus_, node_, files_, options_.epoch, options_.keep_going,
+    std::string class_name;
+    if (Status s = parameters_.read(name + ".plugin", class_name); !s) return s;
+    PluginContext context{name, class_name, parameters_, bus_, node_, files_, options_.epoch, options_.keep_going,
                           [this](Error e) { load_errors_.push_back(std::move(e)); },
                           [this](LogLevel level, std::string_view logger, std::string_view text) { log(level, logger, text); }};
     auto plugin = (*type)->make(std::move(context));
     if (Status s = plugin->initialize(); !s) return s;
-    log(LogLevel::kInfo, options_.node, "Created plugin: " + name + " of type " + (*type)->name + " on activation");
+    log(LogLevel::kInfo, options_.node, "Created plugin: " + name + " of type " + class_name + " on activation");
     instances_.push_back({name, Instance{std::move(plugin), 0}});
     found = instances_.end() - 1;
   }

@@ -71,11 +71,14 @@ class Plugin {
   PluginContext context_;
 };
 
-/// A plugin class as YAML names it.
+/// A plugin class as YAML names it, or a family of classes that are made from their names.
 struct PluginType {
-  std::string name;                     ///< "cx::ExecutivePlugin"
+  std::string name;                     ///< "cx::ExecutivePlugin"; of a family a pattern for people, "cx::CX<Pkg><Name>Plugin"
   std::vector<std::string> parameters;  ///< that it reads, beside `plugin`
   std::function<std::unique_ptr<Plugin>(PluginContext)> make;
+  /// Families only: whether a class is one of them, and the names of all (asked for when a class was not found).
+  std::function<bool(const std::string& type, bus::Registry& interfaces)> has = {};
+  std::function<std::vector<std::string>(bus::Registry& interfaces)> classes = {};
 };
 
 /// What a plugin keeps of each environment, in order of loading.

@@ -1,7 +1,6 @@
 #include "cx/plugins/ros_msgs/fields.h"
 
 #include <cmath>
-#include <string>
 #include <vector>
 
 namespace cxlab::cx {
@@ -13,14 +12,17 @@ using bus::MessageView;
 
 namespace {
 
-std::string unknown_field(std::string_view what, const bus::MessageType& type, std::string_view field) {
-  std::string message = "Failed to " + std::string(what) + " field " + std::string(field) + ": " + type.name() + " has no such field";
-  std::vector<std::string> known;
-  for (const Field& f : type.fields()) known.push_back(f.name);
+FieldFault unknown_field(const bus::MessageType& type, std::string_view field) {
+  std::string text = type.name() + " has no field '" + std::string(field) + "'";
+  const std::vector<std::string> known = type.field_names();
   const std::string near = nearest_word(std::string(field), known);
-  if (!near.empty()) return message + ", did you mean '" + near + "'?";
-  for (std::size_t i = 0; i < known.size(); ++i) message += (i == 0 ? "; it has " : ", ") + known[i];
-  return message;
+  if (!near.empty()) return {FieldFault::Kind::kNoField, text + ", did you mean '" + near + "'?"};
+  for (std::size_t i = 0; i < known.size(); ++i) text += (i == 0 ? "; it has " : ", ") + known[i];
+  return {FieldFault::Kind::kNoField, text};
+}
+
+FieldFault wrong_type(const bus::MessageType& found, const bus::MessageType& expected) {
+  return {FieldFault::Kind::kNoMessage, "found a message of type " + found.name() + ", expected " + expected.name()};
 }
 
 bool is_real(FieldType type) { return type == FieldType::kFloat32 || type == FieldType::kFloat64; }
@@ -71,22 +73,31 @@ void give_array(Call& call, MessageStore& store, Handle message, const MessageVi
   call.give_integers(values);
 }
 
-Error found_expected(const ValueRef& value, std::string_view expected) {
-  return input_error("found " + value.copy().print() + ", expected " + std::string(expected));
+using Fault = std::optional<FieldFault>;
+
+FieldFault value_fault(std::string text) { return {FieldFault::Kind::kValue, std::move(text)}; }
+FieldFault found_expected(const ValueRef& value, std::string_view expected) {
+  return value_fault("found " + value.copy().print() + ", expected " + std::string(expected));
+}
+Fault fault_of(const Status& status) {
+  if (status) return std::nullopt;
+  return value_fault(status.error().message);
 }
 
-Status set_integer(const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
-  if (value.is(ValueType::kInteger)) return view.set_integer(field, value.as_integer(), index);
+FieldFault unknown_message() { return {FieldFault::Kind::kUnknownMessage, "found an unknown message pointer"}; }
+
+Fault set_integer(const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
+  if (value.is(ValueType::kInteger)) return fault_of(view.set_integer(field, value.as_integer(), index));
   if (field.type == FieldType::kChar && value.is_text() && value.text().size() <= 1)
-    return view.set_integer(field, value.text().empty() ? 0 : static_cast<unsigned char>(value.text()[0]), index);
+    return fault_of(view.set_integer(field, value.text().empty() ? 0 : static_cast<unsigned char>(value.text()[0]), index));
   if (!value.is(ValueType::kFloat)) return found_expected(value, field.type == FieldType::kChar ? "one character" : "an INTEGER");
   const double number = value.as_number();
   constexpr double kLimit = 9223372036854775808.0;  // 2^63
   if (std::trunc(number) != number || number < -kLimit || number >= kLimit) return found_expected(value, "a whole number");
-  return view.set_integer(field, static_cast<std::int64_t>(number), index);
+  return fault_of(view.set_integer(field, static_cast<std::int64_t>(number), index));
 }
 
-Status set_real(const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
+Fault set_real(const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
   if (!value.is_number()) return found_expected(value, "a number");
   const double number = value.as_number();
   const bool single = field.type == FieldType::kFloat32;
@@ -102,71 +113,86 @@ Status set_real(const MessageView& view, const Field& field, const ValueRef& val
   return {};
 }
 
-Status set_value(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
+Fault set_value(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
   if (field.type == FieldType::kBool) {
     if (!value.is_text()) return found_expected(value, "TRUE or FALSE");
-    return view.set_integer(field, value.text() == "TRUE" ? 1 : 0, index);
+    return fault_of(view.set_integer(field, value.text() == "TRUE" ? 1 : 0, index));
   }
   if (is_real(field.type)) return set_real(view, field, value, index);
   if (is_text(field.type)) {
     if (!value.is_text()) return found_expected(value, "a STRING or SYMBOL");
-    return view.set_text(field, value.text(), index);
+    return fault_of(view.set_text(field, value.text(), index));
   }
   if (field.type != FieldType::kMessage) return set_integer(view, field, value, index);
   const MessageView source = value.is(ValueType::kHandle) ? store.view(value.as_handle()) : MessageView();
-  if (!source) return input_error("Failed to set unknown message");
+  if (!source) return unknown_message();
   if (&source.type() != field.nested)
-    return input_error("found a message of type " + source.type().name() + ", expected " + field.nested->name());
+    return value_fault(wrong_type(source.type(), *field.nested).text);
   view.nested(field, index).copy_from(source);
   return {};
 }
 
 /// Sources may lie in the array that is set, so they are copied before it changes its size.
-Status set_messages(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& values) {
+Fault set_messages(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& values) {
   std::vector<bus::Message> sources;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const MessageView source = values[i].is(ValueType::kHandle) ? store.view(values[i].as_handle()) : MessageView();
-    if (!source) return input_error("Failed to set unknown message");
+    if (!source) return unknown_message();
     if (&source.type() != field.nested)
-      return input_error("found a message of type " + source.type().name() + ", expected " + field.nested->name());
+      return value_fault(wrong_type(source.type(), *field.nested).text);
     sources.emplace_back(source);
   }
   if (field.array != ArrayKind::kFixed)
-    if (Status s = view.resize(field, sources.size()); !s) return s;
+    if (Fault fault = fault_of(view.resize(field, sources.size()))) return fault;
   for (std::size_t i = 0; i < sources.size(); ++i) view.nested(field, i).copy_from(sources[i].view());
   return {};
 }
 
-Status set_array(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& values) {
-  if (!values.is(ValueType::kMultifield)) return input_error("expected multifield value!");
+Fault set_array(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& values) {
+  if (!values.is(ValueType::kMultifield))
+    return FieldFault{FieldFault::Kind::kNotMultifield, "found " + values.copy().print() + ", expected a multifield"};
   if (field.array == ArrayKind::kFixed && values.size() != field.size_limit)
-    return input_error("found " + std::to_string(values.size()) + " values, expected exactly " + std::to_string(field.size_limit));
+    return value_fault("found " + std::to_string(values.size()) + " values, expected exactly " + std::to_string(field.size_limit));
   if (field.type == FieldType::kMessage) return set_messages(store, view, field, values);
   if (field.array != ArrayKind::kFixed)
-    if (Status s = view.resize(field, values.size()); !s) return s;
+    if (Fault fault = fault_of(view.resize(field, values.size()))) return fault;
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (Status s = set_value(store, view, field, values[i], i); !s) return s;
+    if (Fault fault = set_value(store, view, field, values[i], i)) return fault;
   return {};
 }
 
 }  // namespace
 
-void give_field(Call& call, MessageStore& store, Handle message, std::string_view name) {
-  const MessageView view = store.view(message);
-  if (!view) return call.fail("Failed to retrieve field " + std::string(name) + ": invalid message pointer");
-  const Field* field = view.type().find(name);
-  if (!field) return call.fail(unknown_field("retrieve", view.type(), name));
-  if (field->array == ArrayKind::kSingle) give_single(call, store, message, view, *field);
-  else give_array(call, store, message, view, *field);
+const Field* Fields::find(const bus::MessageType& type, const ValueRef& name) {
+  const auto mix = reinterpret_cast<std::uintptr_t>(name.atom()) ^ reinterpret_cast<std::uintptr_t>(&type) >> 3;
+  Known& known = known_[(mix >> 4) % known_.size()];
+  // An atom that has gone may have left its place in memory to another one.
+  if (known.atom == name.atom() && known.type == &type && known.field->name == name.text()) return known.field;
+  const Field* field = type.find(name.text());
+  if (field) known = {name.atom(), &type, field};
+  return field;
 }
 
-void set_field(Call& call, MessageStore& store, Handle message, std::string_view name, const ValueRef& value) {
-  const MessageView view = store.writable(message);
-  if (!view) return call.fail("Failed to set field " + std::string(name) + ": invalid message pointer");
-  const Field* field = view.type().find(name);
-  if (!field) return call.fail(unknown_field("set", view.type(), name));
-  const Status status = field->array == ArrayKind::kSingle ? set_value(store, view, *field, value, 0) : set_array(store, view, *field, value);
-  if (!status) call.fail("Failed to set field " + std::string(name) + " of " + view.type().name() + ": " + status.error().message);
+Fault Fields::give(Call& call, Handle message, const ValueRef& name, const bus::MessageType* expected) {
+  const MessageView view = store_.view(message);
+  if (!view) return FieldFault{FieldFault::Kind::kNoMessage, "invalid message pointer"};
+  if (expected && expected != &view.type()) return wrong_type(view.type(), *expected);
+  const Field* field = find(view.type(), name);
+  if (!field) return unknown_field(view.type(), name.text());
+  if (field->array == ArrayKind::kSingle) give_single(call, store_, message, view, *field);
+  else give_array(call, store_, message, view, *field);
+  return std::nullopt;
+}
+
+Fault Fields::set(Handle message, const ValueRef& name, const ValueRef& value, const bus::MessageType* expected) {
+  const MessageView view = store_.writable(message);
+  if (!view) return FieldFault{FieldFault::Kind::kNoMessage, "invalid message pointer"};
+  if (expected && expected != &view.type()) return wrong_type(view.type(), *expected);
+  const Field* field = find(view.type(), name);
+  if (!field) return unknown_field(view.type(), name.text());
+  Fault fault = field->array == ArrayKind::kSingle ? set_value(store_, view, *field, value, 0) : set_array(store_, view, *field, value);
+  if (fault) fault->text += " (" + field->type_text() + ' ' + field->name + " of " + view.type().name() + ')';
+  return fault;
 }
 
 }  // namespace cxlab::cx

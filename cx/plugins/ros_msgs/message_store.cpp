@@ -4,85 +4,175 @@
 
 namespace cxlab::cx {
 
-Handle MessageStore::add(Entry entry) {
-  const Handle handle = engine_.new_handle();
-  if (entry.parent == Handle::kNone) ++roots_;
-  entries_.emplace(handle, std::move(entry));
-  return handle;
+MessageStore::Owner MessageStore::new_owner() {
+  sizes_.push_back(0);
+  return static_cast<Owner>(sizes_.size() - 1);
 }
 
-Handle MessageStore::create(const bus::MessageType& type) {
-  Entry entry;
-  entry.message = std::make_shared<bus::Message>(type);
-  entry.own = true;
-  return add(std::move(entry));
+// --- The table of handles
+
+std::uint32_t MessageStore::find(Handle handle) const {
+  if (handle == Handle::kNone) return kNone;
+  for (std::size_t i = home(handle); table_[i].handle != Handle::kNone; i = (i + 1) & (table_.size() - 1))
+    if (table_[i].handle == handle) return table_[i].entry;
+  return kNone;
 }
 
-Handle MessageStore::receive(bus::SharedMessage message) {
-  Entry entry;
+void MessageStore::put(Handle handle, std::uint32_t entry) {
+  if (2 * ++used_ > table_.size()) {
+    std::vector<Place> old(2 * table_.size());
+    old.swap(table_);
+    used_ = 1;
+    for (const Place& place : old)
+      if (place.handle != Handle::kNone) put(place.handle, place.entry);
+  }
+  std::size_t i = home(handle);
+  while (table_[i].handle != Handle::kNone) i = (i + 1) & (table_.size() - 1);
+  table_[i] = {handle, entry};
+}
+
+void MessageStore::take_out(Handle handle) {
+  std::size_t hole = home(handle);
+  while (table_[hole].handle != handle) hole = (hole + 1) & (table_.size() - 1);
+  --used_;
+  // Shift back what a search would no longer reach over the hole.
+  for (std::size_t i = (hole + 1) & (table_.size() - 1); table_[i].handle != Handle::kNone; i = (i + 1) & (table_.size() - 1)) {
+    const std::size_t wanted = home(table_[i].handle);
+    const bool stays = hole <= i ? (hole < wanted && wanted <= i) : (hole < wanted || wanted <= i);
+    if (stays) continue;
+    table_[hole] = table_[i];
+    hole = i;
+  }
+  table_[hole] = {};
+}
+
+// --- Entries
+
+std::uint32_t MessageStore::add() {
+  std::uint32_t at = free_;
+  if (at == kNone) {
+    at = static_cast<std::uint32_t>(entries_.size());
+    entries_.emplace_back();
+  } else {
+    free_ = entries_[at].next;
+    entries_[at].next = kNone;
+  }
+  entries_[at].handle = engine_.new_handle();
+  put(entries_[at].handle, at);
+  return at;
+}
+
+Handle MessageStore::add_root(bus::SharedMessage message, bool own, Owner owner) {
+  Entry& entry = entries_[add()];
   entry.message = std::move(message);
-  return add(std::move(entry));
+  entry.own = own;
+  entry.owner = owner;
+  ++sizes_[static_cast<std::size_t>(owner)];
+  return entry.handle;
 }
 
-void MessageStore::erase(Handle handle) {
-  const auto found = entries_.find(handle);
-  if (found == entries_.end()) return;
-  const std::vector<Handle> children = std::move(found->second.children);
-  if (found->second.parent == Handle::kNone) --roots_;
-  entries_.erase(found);
-  for (const Handle child : children) erase(child);
+Handle MessageStore::create(const bus::MessageType& type, Owner owner) { return add_root(std::make_shared<bus::Message>(type), true, owner); }
+
+Handle MessageStore::receive(bus::SharedMessage message, Owner owner) { return add_root(std::move(message), false, owner); }
+
+void MessageStore::erase(std::uint32_t at) {
+  for (std::uint32_t child = entries_[at].first; child != kNone;) {
+    const std::uint32_t next = entries_[child].next;
+    erase(child);
+    child = next;
+  }
+  Entry& entry = entries_[at];
+  take_out(entry.handle);
+  if (entry.parent == kNone) --sizes_[static_cast<std::size_t>(entry.owner)];
+  entry = {};
+  entry.next = free_;
+  free_ = at;
 }
 
 bool MessageStore::destroy(Handle handle) {
-  const auto found = entries_.find(handle);
-  if (found == entries_.end()) return false;
-  if (const auto parent = entries_.find(found->second.parent); parent != entries_.end()) std::erase(parent->second.children, handle);
-  erase(handle);
+  const std::uint32_t at = find(handle);
+  if (at == kNone) return false;
+  if (entries_[at].parent != kNone) {
+    Entry& parent = entries_[entries_[at].parent];
+    std::uint32_t before = kNone;
+    for (std::uint32_t child = parent.first; child != at; child = entries_[child].next) before = child;
+    (before == kNone ? parent.first : entries_[before].next) = entries_[at].next;
+    if (parent.last == at) parent.last = before;
+    parent.found = kNone;
+  }
+  erase(at);
   return true;
 }
 
-bus::MessageView MessageStore::view(Handle handle) const {
-  const auto found = entries_.find(handle);
-  if (found == entries_.end()) return {};
-  const Entry& entry = found->second;
+void MessageStore::destroy_all(Owner owner) {
+  for (std::uint32_t at = 0; at < entries_.size(); ++at) {
+    const Entry& entry = entries_[at];
+    if (entry.handle != Handle::kNone && entry.parent == kNone && entry.owner == owner) erase(at);
+  }
+}
+
+// --- Messages
+
+bus::MessageView MessageStore::view_of(const Entry& entry) const {
   if (entry.message) return entry.message->view();
-  const bus::MessageView parent = view(entry.parent);
+  const bus::MessageView parent = view_of(entries_[entry.parent]);
   if (!parent || entry.index >= parent.size(*entry.field)) return {};
   return parent.nested(*entry.field, entry.index);
 }
 
+bus::MessageView MessageStore::view(Handle handle) const {
+  const std::uint32_t at = find(handle);
+  return at == kNone ? bus::MessageView() : view_of(entries_[at]);
+}
+
 bus::MessageView MessageStore::writable(Handle handle) {
-  auto root = entries_.find(handle);
-  while (root != entries_.end() && !root->second.message) root = entries_.find(root->second.parent);
-  if (root == entries_.end()) return {};
-  Entry& entry = root->second;
-  if (!entry.own || entry.message.use_count() > 1) {
-    entry.message = std::make_shared<bus::Message>(entry.message->view());
-    entry.own = true;
+  const std::uint32_t at = find(handle);
+  if (at == kNone) return {};
+  Entry* root = &entries_[at];
+  while (!root->message) root = &entries_[root->parent];
+  if (!root->own || root->message.use_count() > 1) {
+    root->message = std::make_shared<bus::Message>(root->message->view());
+    root->own = true;
   }
-  return view(handle);
+  return view_of(entries_[at]);
 }
 
 bus::SharedMessage MessageStore::share(Handle handle) const {
-  const auto found = entries_.find(handle);
-  if (found == entries_.end()) return nullptr;
-  if (found->second.message) return found->second.message;
-  const bus::MessageView part = view(handle);
+  const std::uint32_t at = find(handle);
+  if (at == kNone) return nullptr;
+  if (entries_[at].message) return entries_[at].message;
+  const bus::MessageView part = view_of(entries_[at]);
   return part ? std::make_shared<bus::Message>(part) : nullptr;
 }
 
-Handle MessageStore::nested(Handle parent, const bus::Field& field, std::size_t index) {
-  for (const Handle child : entries_.at(parent).children) {
-    const Entry& entry = entries_.at(child);
-    if (entry.field == &field && entry.index == index) return child;
+std::uint32_t MessageStore::find_child(std::uint32_t from, std::uint32_t end, const bus::Field& field, std::size_t index) const {
+  for (std::uint32_t child = from; child != end && child != kNone; child = entries_[child].next)
+    if (entries_[child].field == &field && entries_[child].index == index) return child;
+  return kNone;
+}
+
+Handle MessageStore::nested(Handle handle, const bus::Field& field, std::size_t index) {
+  const std::uint32_t parent = find(handle);
+  std::uint32_t child = kNone;
+  if (index < entries_[parent].beyond) {
+    // Elements of an array are asked for one after the other.
+    const std::uint32_t start = entries_[parent].found;
+    child = find_child(start, kNone, field, index);
+    if (child == kNone) child = find_child(entries_[parent].first, start, field, index);
   }
-  Entry entry;
-  entry.parent = parent;
-  entry.field = &field;
-  entry.index = index;
-  const Handle handle = add(std::move(entry));
-  entries_.at(parent).children.push_back(handle);
-  return handle;
+  if (child == kNone) {
+    child = add();
+    Entry& entry = entries_[child];
+    entry.parent = parent;
+    entry.field = &field;
+    entry.index = index;
+    Entry& above = entries_[parent];
+    (above.first == kNone ? above.first : entries_[above.last].next) = child;
+    above.last = child;
+    above.beyond = std::max(above.beyond, index + 1);
+  }
+  entries_[parent].found = child;
+  return entries_[child].handle;
 }
 
 }  // namespace cxlab::cx

@@ -2,25 +2,32 @@
 // The messages that the rules of one environment hold, by handle.
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
-#include <unordered_map>
 #include <vector>
 
 #include "cx/bus/message.h"
-#include "cx/engine/engine.h"
+#include "cx/executive/environment.h"
 
 namespace cxlab::cx {
 
 /// Every message that was created or received stays until the rules destroy it. A nested message is a handle into its
-/// parent and dies with it. Messages that others hold, too, are copied before the first change.
+/// parent and dies with it. Messages that others hold, too, are copied before the first change. All plugins of an
+/// environment share the store (`environment.common<MessageStore>()`), so that any of them reads what another nested;
+/// each message has an owner, whose leak it would be.
 class MessageStore {
  public:
-  explicit MessageStore(RuleEngine& engine) : engine_(engine) {}
+  enum class Owner : std::uint32_t {};
 
-  Handle create(const bus::MessageType& type);
-  Handle receive(bus::SharedMessage message);
+  explicit MessageStore(Environment& environment) : engine_(environment.engine()), table_(64) {}
+
+  Owner new_owner();
+  Handle create(const bus::MessageType& type, Owner owner);
+  Handle receive(bus::SharedMessage message, Owner owner);
   /// With all that is nested in it; false if unknown.
   bool destroy(Handle handle);
+  /// All of that owner.
+  void destroy_all(Owner owner);
 
   /// Empty if the handle is unknown, or the array that it pointed into has become shorter.
   bus::MessageView view(Handle handle) const;
@@ -28,27 +35,50 @@ class MessageStore {
   bus::MessageView writable(Handle handle);
   /// To post it: no copy until the rules change it. Null if the handle is unknown.
   bus::SharedMessage share(Handle handle) const;
-  /// The handle of a message in a field; the same each time.
+  /// The handle of a message in a field of `parent`, which must be known; the same each time.
   Handle nested(Handle parent, const bus::Field& field, std::size_t index);
 
-  /// Messages, nested ones not counted.
-  std::size_t size() const { return roots_; }
+  /// Messages of that owner, nested ones not counted.
+  std::size_t size(Owner owner) const { return sizes_[static_cast<std::size_t>(owner)]; }
 
  private:
+  static constexpr std::uint32_t kNone = UINT32_MAX;  // no entry
+
   struct Entry {
-    std::shared_ptr<const bus::Message> message;  // of a root
-    bool own = false;                             // made here: may be changed while nobody else holds it
-    Handle parent = Handle::kNone;                // of a nested one, with its place there:
+    Handle handle = Handle::kNone;  // none: free, `next` is the next free one
+    bus::SharedMessage message;     // of a root
+    bool own = false;               // made here: may be changed while nobody else holds it
+    Owner owner{};
+    std::uint32_t parent = kNone;   // of a nested one, with its place there:
     const bus::Field* field = nullptr;
     std::size_t index = 0;
-    std::vector<Handle> children;
+    std::uint32_t first = kNone, last = kNone;  // children, a list through `next`
+    std::uint32_t found = kNone;                // the child that was asked for last
+    std::size_t beyond = 0;                     // one more than the largest index of a child
+    std::uint32_t next = kNone;
   };
-  Handle add(Entry entry);
-  void erase(Handle handle);
+  /// Open addressing; handles are counted, so their low bits spread them.
+  struct Place {
+    Handle handle = Handle::kNone;
+    std::uint32_t entry = 0;
+  };
+
+  std::uint32_t add();
+  Handle add_root(bus::SharedMessage message, bool own, Owner owner);
+  void erase(std::uint32_t entry);
+  std::uint32_t find(Handle handle) const;
+  std::uint32_t find_child(std::uint32_t from, std::uint32_t end, const bus::Field& field, std::size_t index) const;
+  bus::MessageView view_of(const Entry& entry) const;
+  std::size_t home(Handle handle) const { return static_cast<std::size_t>(handle) & (table_.size() - 1); }
+  void put(Handle handle, std::uint32_t entry);
+  void take_out(Handle handle);
 
   RuleEngine& engine_;
-  std::unordered_map<Handle, Entry> entries_;
-  std::size_t roots_ = 0;
+  std::vector<Entry> entries_;
+  std::uint32_t free_ = kNone;
+  std::vector<Place> table_;
+  std::size_t used_ = 0;
+  std::vector<std::size_t> sizes_;  // by owner
 };
 
 }  // namespace cxlab::cx

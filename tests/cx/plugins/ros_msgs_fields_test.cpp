@@ -3,6 +3,7 @@
 namespace cxlab::cx {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 /// Calls functions of the plugin directly.
@@ -78,7 +79,7 @@ TEST_F(Fields, NumbersAreConvertedWhereExact) {
 }
 
 TEST_F(Fields, NumbersThatDoNotFitAreReported) {
-  EXPECT_THAT(set("i64", "3.5"), HasSubstr("Failed to set field i64 of test_msgs/msg/All: found 3.5, expected a whole number"));
+  EXPECT_THAT(set("i64", "3.5"), HasSubstr("Failed to set field i64: found 3.5, expected a whole number (int64 i64 of test_msgs/msg/All)"));
   EXPECT_THAT(set("f32", "16777217"), HasSubstr("holds exactly"));
   EXPECT_THAT(set("f64", "9007199254740993"), HasSubstr("holds exactly"));
   EXPECT_THAT(set("f64", "9223372036854775807"), HasSubstr("holds exactly"));
@@ -92,13 +93,65 @@ TEST_F(Fields, OtherMismatchesAreReported) {
   EXPECT_THAT(set("s", "5"), HasSubstr("expected a STRING or SYMBOL"));
   EXPECT_THAT(set("b", "1"), HasSubstr("expected TRUE or FALSE"));
   EXPECT_THAT(set("c", "\"ab\""), HasSubstr("expected one character"));
-  EXPECT_THAT(set("is", "1"), HasSubstr("expected multifield value!"));
   EXPECT_THAT(set("fixed", "(create$ 1.0 2.0)"), HasSubstr("found 2 values, expected exactly 3"));
   EXPECT_THAT(set("few", "(create$ 1 2 3)"), HasSubstr("Failed to set field few"));
-  EXPECT_THAT(set("p", "x"), HasSubstr("Failed to set unknown message"));
   EXPECT_THAT(set("p", "(ros-msgs-create-message \"std_msgs/msg/Empty\")"), HasSubstr("expected geometry_msgs/msg/Point"));
-  EXPECT_THAT(set("i65", "1"), HasSubstr("Failed to set field i65: test_msgs/msg/All has no such field, did you mean 'i64'?"));
-  EXPECT_THAT(get("?*m*", "i65"), HasSubstr("Failed to retrieve field i65"));
+  EXPECT_THAT(get("(ros-msgs-create-message \"std_msgs/msg/Int32\")", "data"), "0");
+}
+
+TEST_F(Fields, WhereCxLogsAndGoesOnTheRuleGoesOn) {
+  const auto errors = [this](const std::string& actions) {
+    lab_.log.lines.clear();
+    EXPECT_TRUE(lab_.engine().build("(defrule goes-on (go) => " + actions + " (println \"went on\"))", "agent.clp", 7).ok());
+    EXPECT_TRUE(lab_.engine().assert_string("(go)").ok());
+    lab_.ticks(6);
+    EXPECT_TRUE(lab_.engine().eval("(undefrule goes-on)").ok());
+    EXPECT_TRUE(lab_.engine().eval("(do-for-all-facts ((?f go)) TRUE (retract ?f))").ok());
+    EXPECT_EQ(lab_.log.with("went on").size(), 1U) << actions;
+    return lab_.log.with("error ");
+  };
+  const std::string where = ", in rule goes-on (agent.clp:7)";
+  EXPECT_THAT(errors("(println \"got \" (ros-msgs-get-field ?*m* i65))"),
+              ElementsAre("error ros_msgs: Failed to retrieve field i65",
+                          "error ros_msgs: ros-msgs-get-field: test_msgs/msg/All has no field 'i65', did you mean 'i64'?" + where));
+  EXPECT_EQ(lab_.log.with("got FALSE").size(), 1U) << "CX gives what is not defined";
+  EXPECT_THAT(errors("(ros-msgs-set-field ?*m* i65 1)"),
+              ElementsAre("error ros_msgs: Failed to set field i65",
+                          "error ros_msgs: ros-msgs-set-field: test_msgs/msg/All has no field 'i65', did you mean 'i64'?" + where));
+  EXPECT_THAT(errors("(ros-msgs-set-field ?*m* is 1)"),
+              ElementsAre("error ros_msgs: expected multifield value!",
+                          "error ros_msgs: ros-msgs-set-field: found 1, expected a multifield (int32[] is of test_msgs/msg/All)" + where));
+  EXPECT_THAT(errors("(ros-msgs-set-field ?*m* p x)"),
+              ElementsAre("error ros_msgs: Failed to set unknown message",
+                          "error ros_msgs: ros-msgs-set-field: found an unknown message pointer (geometry_msgs/msg/Point p of test_msgs/msg/All)" + where));
+  EXPECT_EQ(errors("(ros-msgs-set-field ?*m* ps (create$ 1))").size(), 2U);
+  EXPECT_EQ(get("?*m*", "ps"), "()") << "nothing is set by half";
+}
+
+TEST_F(Fields, AnInvalidPointerEndsTheRule) {
+  EXPECT_THAT(set("s", "x"), "\"x\"");
+  ASSERT_TRUE(lab_.engine().eval("(ros-msgs-destroy-message ?*m*)").ok());
+  EXPECT_THAT(get("?*m*", "s"), HasSubstr("Failed to retrieve field s: invalid message pointer"));
+  EXPECT_THAT(set("s", "x"), HasSubstr("Failed to set field s: invalid message pointer"));
+}
+
+TEST_F(Fields, ANameIsLookedUpForEachTypeThatACallSiteMeets) {
+  ASSERT_TRUE(lab_.engine().build("(deffunction data (?m) (ros-msgs-get-field ?m data))").ok());
+  EXPECT_EQ(lab_.engine().eval("(data (ros-msgs-create-message \"std_msgs/msg/Int32\"))")->print(), "0");
+  EXPECT_EQ(lab_.engine().eval("(data (ros-msgs-create-message \"std_msgs/msg/String\"))")->print(), "\"\"");
+  EXPECT_EQ(lab_.engine().eval("(data (ros-msgs-create-message \"std_msgs/msg/Int32\"))")->print(), "0");
+}
+
+TEST_F(Fields, ALongArrayOfMessagesGivesTheSameHandlesAgain) {
+  ASSERT_TRUE(lab_.engine().build("(deffunction many (?n) (bind ?l (create$)) (bind ?p (ros-msgs-create-message \"geometry_msgs/msg/Point\"))"
+                                  " (loop-for-count (?i ?n) (ros-msgs-set-field ?p x ?i) (bind ?l ?l ?p) ) (ros-msgs-set-field ?*m* ps ?l) (ros-msgs-destroy-message ?p))").ok());
+  ASSERT_TRUE(lab_.engine().eval("(many 500)").ok());
+  const std::string first = get("?*m*", "ps");
+  EXPECT_EQ(get("?*m*", "ps"), first);
+  EXPECT_NE(get("?*m*", "p"), get("(nth$ 1 (ros-msgs-get-field ?*m* ps))", "x"));
+  ASSERT_TRUE(lab_.engine().eval("(ros-msgs-destroy-message (nth$ 3 (ros-msgs-get-field ?*m* ps)))").ok());
+  EXPECT_NE(get("?*m*", "ps"), first) << "a handle that was destroyed is never used again";
+  EXPECT_EQ(get("(nth$ 3 (ros-msgs-get-field ?*m* ps))", "x"), "500.0");
 }
 
 TEST_F(Fields, ANestedMessageIsAHandleIntoItsParent) {
