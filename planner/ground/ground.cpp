@@ -1,0 +1,454 @@
+#include "planner/ground/ground.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "planner/ground/reachable.h"
+
+namespace cxlab::planner {
+
+namespace {
+
+constexpr std::size_t kMostAlternatives = 32;  ///< actions that one is split into, before a derived fact is used
+
+/// A ground condition in negation normal form.
+struct Formula {
+  enum class Kind : std::uint8_t { kTrue, kFalse, kFact, kComparison, kAnd, kOr };
+  Kind kind = Kind::kTrue;
+  int index = -1;
+  std::vector<Formula> parts;
+};
+
+Formula truth(bool value) { return {value ? Formula::Kind::kTrue : Formula::Kind::kFalse, -1, {}}; }
+
+Formula join(Formula::Kind kind, std::vector<Formula> parts) {
+  const Formula::Kind absorbing = kind == Formula::Kind::kAnd ? Formula::Kind::kFalse : Formula::Kind::kTrue;
+  const Formula::Kind neutral = kind == Formula::Kind::kAnd ? Formula::Kind::kTrue : Formula::Kind::kFalse;
+  Formula joined{kind, -1, {}};
+  for (Formula& part : parts) {
+    if (part.kind == absorbing) return {absorbing, -1, {}};
+    if (part.kind == neutral) continue;
+    if (part.kind == kind) std::ranges::move(part.parts, std::back_inserter(joined.parts));
+    else joined.parts.push_back(std::move(part));
+  }
+  if (joined.parts.empty()) return {neutral, -1, {}};
+  if (joined.parts.size() == 1) return Formula(std::move(joined.parts[0]));
+  return joined;
+}
+
+void sort_unique(std::vector<int>& items) {
+  std::ranges::sort(items);
+  items.erase(std::unique(items.begin(), items.end()), items.end());
+}
+
+bool same(const GroundCondition& a, const GroundCondition& b) { return a.facts == b.facts && a.comparisons == b.comparisons; }
+
+class Grounder {
+ public:
+  Grounder(const Task& task, Reachable reachable) : task_(task), reachable_(std::move(reachable)) {}
+
+  GroundTask run() {
+    for (const Assignment& value : task_.problem.values) values_[{value.function, value.objects}] = value.value;
+    for (const Binding& binding : reachable_.bindings) add_actions(binding);
+    std::vector<ObjectId> frame(static_cast<std::size_t>(task_.problem.goal_slots), -1);
+    if (std::optional<GroundCondition> goal = conjunction(formula(task_.problem.goal, frame, false))) out_.goal = std::move(*goal);
+    else out_.proved_unsolvable = true;
+    for (std::size_t next = 0; next < demanded_.size(); ++next) derive(demanded_[next]);
+    add_events();
+    if (task_.problem.metric) {
+      out_.metric = expression(task_.problem.metric->value, frame);
+      if (task_.problem.metric->maximize) out_.metric.steps.push_back({GroundExpression::Kind::kNegate, -1, 0});
+    }
+    mirror_complements();
+    set_initial_state();
+    order_axioms();
+    return std::move(out_);
+  }
+
+ private:
+  using Key = std::pair<int, std::vector<ObjectId>>;
+
+  std::vector<ObjectId> objects(const std::vector<Term>& terms, const std::vector<ObjectId>& frame) const {
+    std::vector<ObjectId> found;
+    for (const Term& term : terms) found.push_back(term.is_variable ? frame[term.index] : term.index);
+    return found;
+  }
+
+  int fact(PredicateId predicate, const std::vector<ObjectId>& arguments) {
+    const auto [entry, fresh] = fact_ids_.try_emplace({predicate, arguments}, static_cast<int>(out_.facts.size()));
+    if (fresh) {
+      const bool derived = task_.domain.predicates[predicate].derived;
+      out_.facts.push_back({predicate, arguments, -1, false, derived});
+      if (derived) demanded_.push_back(entry->second);
+    }
+    return entry->second;
+  }
+
+  int complement(int id) {
+    if (out_.facts[id].complement < 0) {
+      GroundFact opposite = out_.facts[id];
+      opposite.is_complement = true;
+      opposite.complement = id;
+      out_.facts[id].complement = static_cast<int>(out_.facts.size());
+      out_.facts.push_back(std::move(opposite));
+    }
+    return out_.facts[id].complement;
+  }
+
+  int number(FunctionId function, const std::vector<ObjectId>& arguments) {
+    const auto [entry, fresh] = number_ids_.try_emplace({function, arguments}, static_cast<int>(out_.numbers.size()));
+    if (fresh) out_.numbers.push_back({function, arguments});
+    return entry->second;
+  }
+
+  double initial_value(FunctionId function, const std::vector<ObjectId>& arguments) const {
+    const auto found = values_.find({function, arguments});
+    return found == values_.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
+  }
+
+  GroundExpression expression(const Expression& from, const std::vector<ObjectId>& frame) {
+    using Kind = Expression::Kind;
+    GroundExpression out;
+    const auto append = [&](const Expression& operand) {
+      const GroundExpression part = expression(operand, frame);
+      out.steps.insert(out.steps.end(), part.steps.begin(), part.steps.end());
+    };
+    const auto operation = [&](GroundExpression::Kind kind) {
+      append(from.operands[0]);
+      for (std::size_t i = 1; i < from.operands.size(); ++i) {
+        append(from.operands[i]);
+        out.steps.push_back({kind, -1, 0});
+      }
+    };
+    switch (from.kind) {
+      case Kind::kConstant: return GroundExpression::constant(from.value);
+      case Kind::kFunction: {
+        const std::vector<ObjectId> arguments = objects(from.terms, frame);
+        if (!reachable_.changing[from.function]) return GroundExpression::constant(initial_value(from.function, arguments));
+        out.steps.push_back({GroundExpression::Kind::kNumber, number(from.function, arguments), 0});
+        return out;
+      }
+      case Kind::kAdd: operation(GroundExpression::Kind::kAdd); break;
+      case Kind::kSubtract: operation(GroundExpression::Kind::kSubtract); break;
+      case Kind::kMultiply: operation(GroundExpression::Kind::kMultiply); break;
+      case Kind::kDivide: operation(GroundExpression::Kind::kDivide); break;
+      case Kind::kNegate:
+        append(from.operands[0]);
+        out.steps.push_back({GroundExpression::Kind::kNegate, -1, 0});
+        break;
+      case Kind::kDuration: out.steps.push_back({GroundExpression::Kind::kDuration, -1, 0}); return out;
+      case Kind::kTotalTime: out.steps.push_back({GroundExpression::Kind::kTotalTime, -1, 0}); return out;
+    }
+    if (const LinearForm form = linear_form(out); form.is_linear && form.weights.empty() && form.duration_weight == 0)
+      return GroundExpression::constant(out.evaluate(nullptr));
+    return out;
+  }
+
+  Formula comparison(GroundComparison::Kind kind, GroundExpression left, const GroundExpression& right) {
+    left.steps.insert(left.steps.end(), right.steps.begin(), right.steps.end());
+    left.steps.push_back({GroundExpression::Kind::kSubtract, -1, 0});
+    GroundComparison made{kind, std::move(left), {}};
+    made.linear = linear_form(made.expression);
+    if (made.linear.is_linear && made.linear.weights.empty() && made.linear.duration_weight == 0)
+      return truth(made.holds(nullptr));
+    std::string key(1, static_cast<char>(kind));
+    for (const auto& step : made.expression.steps)
+      key += std::to_string(static_cast<int>(step.kind)) + ',' + std::to_string(step.number) + ',' + std::to_string(step.value) + ';';
+    const auto [entry, fresh] = comparison_ids_.try_emplace(std::move(key), static_cast<int>(out_.comparisons.size()));
+    if (fresh) out_.comparisons.push_back(std::move(made));
+    return {Formula::Kind::kComparison, entry->second, {}};
+  }
+
+  Formula compare(const Condition& condition, const std::vector<ObjectId>& frame, bool negated) {
+    using Kind = GroundComparison::Kind;
+    GroundExpression left = expression(condition.sides[0], frame), right = expression(condition.sides[1], frame);
+    switch (condition.comparison) {
+      case Comparison::kLess: std::swap(left, right); [[fallthrough]];
+      case Comparison::kGreater:
+        return negated ? comparison(Kind::kNotNegative, right, left) : comparison(Kind::kPositive, left, right);
+      case Comparison::kLessEqual: std::swap(left, right); [[fallthrough]];
+      case Comparison::kGreaterEqual:
+        return negated ? comparison(Kind::kPositive, right, left) : comparison(Kind::kNotNegative, left, right);
+      case Comparison::kEqual: break;
+    }
+    if (!negated) return comparison(Kind::kZero, left, right);
+    return join(Formula::Kind::kOr, {comparison(Kind::kPositive, left, right), comparison(Kind::kPositive, right, left)});
+  }
+
+  Formula formula(const Condition& condition, std::vector<ObjectId>& frame, bool negated) {
+    using Kind = Condition::Kind;
+    switch (condition.kind) {
+      case Kind::kAtom: {
+        const std::vector<ObjectId> arguments = objects(condition.terms, frame);
+        if (!task_.domain.predicates[condition.predicate].derived) {
+          if (reachable_.atoms.find(condition.predicate, arguments) < 0) return truth(negated);
+          if (!reachable_.fluent[condition.predicate]) return truth(!negated);
+        }
+        const int id = fact(condition.predicate, arguments);
+        return {Formula::Kind::kFact, negated ? complement(id) : id, {}};
+      }
+      case Kind::kSame: {
+        const std::vector<ObjectId> pair = objects(condition.terms, frame);
+        return truth((pair[0] == pair[1]) != negated);
+      }
+      case Kind::kCompare: return compare(condition, frame, negated);
+      case Kind::kNot: return formula(condition.operands[0], frame, !negated);
+      case Kind::kAnd:
+      case Kind::kOr: {
+        std::vector<Formula> parts;
+        for (const Condition& operand : condition.operands) parts.push_back(formula(operand, frame, negated));
+        return join((condition.kind == Kind::kAnd) != negated ? Formula::Kind::kAnd : Formula::Kind::kOr, std::move(parts));
+      }
+      case Kind::kImply: {
+        std::vector<Formula> parts;
+        parts.push_back(formula(condition.operands[0], frame, !negated));
+        parts.push_back(formula(condition.operands[1], frame, negated));
+        return join(negated ? Formula::Kind::kAnd : Formula::Kind::kOr, std::move(parts));
+      }
+      case Kind::kForall:
+      case Kind::kExists: {
+        std::vector<Formula> parts;
+        for_each_assignment(task_, condition.variables, frame, [&] { parts.push_back(formula(condition.operands[0], frame, negated)); });
+        return join((condition.kind == Kind::kForall) != negated ? Formula::Kind::kAnd : Formula::Kind::kOr, std::move(parts));
+      }
+    }
+    return truth(false);
+  }
+
+  /// The conjunction that says the same, with derived facts for disjunctions; none if it is false.
+  std::optional<GroundCondition> conjunction(const Formula& from) {
+    GroundCondition out;
+    if (from.kind == Formula::Kind::kFalse) return std::nullopt;
+    if (from.kind == Formula::Kind::kTrue) return out;
+    const std::vector<Formula> single = {from};
+    for (const Formula& part : from.kind == Formula::Kind::kAnd ? from.parts : single) {
+      if (part.kind == Formula::Kind::kFact) out.facts.push_back(part.index);
+      else if (part.kind == Formula::Kind::kComparison) out.comparisons.push_back(part.index);
+      else out.facts.push_back(disjunction_fact(part));
+    }
+    sort_unique(out.facts);
+    sort_unique(out.comparisons);
+    return out;
+  }
+
+  int disjunction_fact(const Formula& from) {
+    const int head = static_cast<int>(out_.facts.size());
+    out_.facts.push_back({-1, {}, -1, false, true});
+    for (const Formula& part : from.parts)
+      if (std::optional<GroundCondition> body = conjunction(part)) out_.axioms.push_back({head, std::move(*body), 0});
+    return head;
+  }
+
+  /// Conjunctions of which one holds exactly if the formula does.
+  std::vector<GroundCondition> alternatives(const Formula& from) {
+    if (from.kind == Formula::Kind::kFalse) return {};
+    std::vector<std::vector<Formula>> found = {{}};
+    const std::vector<Formula> single = {from};
+    const std::vector<Formula> none;
+    const std::vector<Formula>& parts = from.kind == Formula::Kind::kAnd ? from.parts : from.kind == Formula::Kind::kTrue ? none : single;
+    std::size_t count = 1;
+    for (const Formula& part : parts)
+      if (part.kind == Formula::Kind::kOr) count *= std::min(part.parts.size(), kMostAlternatives + 1);
+    const bool split = count <= kMostAlternatives;
+    for (const Formula& part : parts) {
+      if (part.kind != Formula::Kind::kOr || !split) {
+        for (auto& one : found) one.push_back(part);
+        continue;
+      }
+      std::vector<std::vector<Formula>> more;
+      for (const auto& one : found)
+        for (const Formula& choice : part.parts) {
+          more.push_back(one);
+          more.back().push_back(choice);
+        }
+      found = std::move(more);
+    }
+    std::vector<GroundCondition> out;
+    for (auto& one : found)
+      if (std::optional<GroundCondition> made = conjunction(join(Formula::Kind::kAnd, std::move(one)))) out.push_back(std::move(*made));
+    return out;
+  }
+
+  void add_actions(const Binding& binding) {
+    const Action& schema = task_.domain.actions[binding.action];
+    std::vector<ObjectId> frame(static_cast<std::size_t>(schema.slots), -1);
+    std::ranges::copy(binding.arguments, frame.begin());
+    const std::vector<GroundCondition> starts = alternatives(formula(schema.condition.start, frame, false));
+    if (starts.empty()) return;
+    std::optional<GroundCondition> over_all = conjunction(formula(schema.condition.over_all, frame, false));
+    if (!over_all) return;
+    const std::vector<GroundCondition> ends = alternatives(formula(schema.condition.end, frame, false));
+    if (ends.empty()) return;
+    GroundAction action;
+    action.schema = binding.action;
+    action.arguments = binding.arguments;
+    action.durative = schema.durative;
+    for (const DurationConstraint& constraint : schema.duration)
+      action.duration.push_back({constraint.comparison, expression(constraint.bound, frame), constraint.at_end});
+    action.over_all = std::move(*over_all);
+    for (const Effect& effect : schema.effects)
+      for_each_assignment(task_, effect.variables, frame, [&] { add_effect(effect, frame, action); });
+    tidy(action.at_start);
+    tidy(action.at_end);
+    for (ConditionalEffects& conditional : action.conditional) tidy(conditional.at_start), tidy(conditional.at_end);
+    for (const GroundCondition& start : starts)
+      for (const GroundCondition& end : ends) {
+        action.start = start;
+        action.end = end;
+        out_.actions.push_back(action);
+      }
+  }
+
+  void add_effect(const Effect& effect, std::vector<ObjectId>& frame, GroundAction& action) {
+    using Kind = Effect::Kind;
+    const std::vector<ObjectId> arguments = objects(effect.terms, frame);
+    if (effect.time == Effect::Time::kContinuous) {
+      GroundExpression rate = expression(effect.value, frame);
+      if (effect.kind == Kind::kDecrease) negate(rate);
+      action.continuous.push_back({number(effect.function, arguments), std::move(rate)});
+      return;
+    }
+    if (effect.kind == Kind::kDelete && reachable_.atoms.find(effect.predicate, arguments) < 0) return;
+    const bool at_start = effect.time == Effect::Time::kStart;
+    GroundEffects* target = at_start ? &action.at_start : &action.at_end;
+    if (!effect.condition.is_true()) {
+      ConditionalEffects made;
+      for (auto [from, to] : {std::pair{&effect.condition.start, &made.start}, {&effect.condition.over_all, &made.over_all}, {&effect.condition.end, &made.end}}) {
+        std::optional<GroundCondition> condition = conjunction(formula(*from, frame, false));
+        if (!condition) return;
+        *to = std::move(*condition);
+      }
+      if (!made.start.empty() || !made.over_all.empty() || !made.end.empty()) {
+        auto known = std::ranges::find_if(action.conditional, [&](const ConditionalEffects& other) {
+          return same(other.start, made.start) && same(other.over_all, made.over_all) && same(other.end, made.end);
+        });
+        if (known == action.conditional.end()) known = action.conditional.insert(known, std::move(made));
+        target = at_start ? &known->at_start : &known->at_end;
+      }
+    }
+    if (effect.kind == Kind::kAdd) {
+      target->add.push_back(fact(effect.predicate, arguments));
+    } else if (effect.kind == Kind::kDelete) {
+      target->remove.push_back(fact(effect.predicate, arguments));
+    } else {
+      NumericEffect numeric{NumericEffect::Kind::kIncrease, number(effect.function, arguments), expression(effect.value, frame)};
+      if (effect.kind == Kind::kAssign) numeric.kind = NumericEffect::Kind::kAssign;
+      if (effect.kind == Kind::kDecrease) negate(numeric.value);
+      if (effect.kind == Kind::kScaleUp || effect.kind == Kind::kScaleDown) numeric.kind = NumericEffect::Kind::kScale;
+      if (effect.kind == Kind::kScaleDown) {
+        numeric.value.steps.insert(numeric.value.steps.begin(), {GroundExpression::Kind::kConstant, -1, 1.0});
+        numeric.value.steps.push_back({GroundExpression::Kind::kDivide, -1, 0});
+      }
+      target->numbers.push_back(std::move(numeric));
+    }
+  }
+
+  static void negate(GroundExpression& value) {
+    if (value.is_constant()) value.steps[0].value = -value.steps[0].value;
+    else value.steps.push_back({GroundExpression::Kind::kNegate, -1, 0});
+  }
+
+  static void tidy(GroundEffects& effects) {
+    sort_unique(effects.add);
+    sort_unique(effects.remove);
+    std::erase_if(effects.remove, [&](int id) { return std::ranges::binary_search(effects.add, id); });
+  }
+
+  /// Axioms of a derived fact that some condition asks for.
+  void derive(int id) {
+    const PredicateId predicate = out_.facts[id].predicate;
+    const std::vector<ObjectId> arguments = out_.facts[id].objects;
+    for (const Derivation& rule : task_.domain.derivations) {
+      if (rule.predicate != predicate) continue;
+      bool typed = true;
+      for (std::size_t i = 0; i < arguments.size(); ++i)
+        typed = typed && fits(task_.domain, task_.problem.objects[arguments[i]], rule.parameters[i].types);
+      if (!typed) continue;
+      std::vector<ObjectId> frame(static_cast<std::size_t>(rule.slots), -1);
+      for (std::size_t i = 0; i < arguments.size(); ++i) frame[rule.parameters[i].slot] = arguments[i];
+      for (GroundCondition& body : alternatives(formula(rule.condition, frame, false))) out_.axioms.push_back({id, std::move(body), 0});
+    }
+  }
+
+  void add_events() {
+    std::map<Micros, GroundEffects> events;
+    const auto micros = [](double seconds) { return static_cast<Micros>(std::llround(seconds * kMicrosPerSecond)); };
+    for (const TimedFact& timed : task_.problem.timed_facts) {
+      GroundEffects& effects = events[micros(timed.time)];
+      if (timed.value) effects.add.push_back(fact(timed.fact.predicate, timed.fact.objects));
+      else if (reachable_.atoms.find(timed.fact.predicate, timed.fact.objects) >= 0) effects.remove.push_back(fact(timed.fact.predicate, timed.fact.objects));
+    }
+    for (const TimedAssignment& timed : task_.problem.timed_values)
+      events[micros(timed.time)].numbers.push_back({NumericEffect::Kind::kAssign, number(timed.assignment.function, timed.assignment.objects),
+                                                    GroundExpression::constant(timed.assignment.value)});
+    for (auto& [time, effects] : events) {
+      tidy(effects);
+      out_.events.push_back({time, std::move(effects)});
+    }
+  }
+
+  void mirror_complements() {
+    const auto mirror = [this](GroundEffects& effects) {
+      const std::size_t adds = effects.add.size(), removes = effects.remove.size();
+      for (std::size_t i = 0; i < adds; ++i)
+        if (const int opposite = out_.facts[effects.add[i]].complement; opposite >= 0) effects.remove.push_back(opposite);
+      for (std::size_t i = 0; i < removes; ++i)
+        if (const int opposite = out_.facts[effects.remove[i]].complement; opposite >= 0) effects.add.push_back(opposite);
+      tidy(effects);
+    };
+    for (GroundAction& action : out_.actions) {
+      mirror(action.at_start);
+      mirror(action.at_end);
+      for (ConditionalEffects& conditional : action.conditional) mirror(conditional.at_start), mirror(conditional.at_end);
+    }
+    for (TimedEvent& event : out_.events) mirror(event.effects);
+  }
+
+  void set_initial_state() {
+    out_.initial_facts.assign(out_.facts.size(), 0);
+    for (const Fact& init : task_.problem.init)
+      if (const auto found = fact_ids_.find({init.predicate, init.objects}); found != fact_ids_.end()) out_.initial_facts[found->second] = 1;
+    for (std::size_t f = 0; f < out_.facts.size(); ++f)
+      if (out_.facts[f].is_complement) out_.initial_facts[f] = !out_.initial_facts[out_.facts[f].complement];
+    for (const GroundNumber& number : out_.numbers) out_.initial_numbers.push_back(initial_value(number.function, number.objects));
+  }
+
+  /// Negation in a body reaches lower strata only.
+  void order_axioms() {
+    std::vector<int> stratum(out_.facts.size(), 0);
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (const Axiom& axiom : out_.axioms)
+        for (const int id : axiom.body.facts) {
+          const GroundFact& read = out_.facts[id];
+          if (!read.derived) continue;
+          const int least = read.is_complement ? stratum[read.complement] + 1 : stratum[id];
+          if (stratum[axiom.head] < least) stratum[axiom.head] = least, changed = true;
+        }
+    }
+    for (Axiom& axiom : out_.axioms) axiom.stratum = stratum[axiom.head];
+    std::ranges::stable_sort(out_.axioms, {}, &Axiom::stratum);
+  }
+
+  const Task& task_;
+  Reachable reachable_;
+  GroundTask out_;
+  std::map<Key, double> values_;
+  std::map<Key, int> fact_ids_, number_ids_;
+  std::map<std::string, int> comparison_ids_;
+  std::vector<int> demanded_;  ///< derived facts that conditions ask for
+};
+
+}  // namespace
+
+Expected<GroundTask> ground(const Task& task, const GroundOptions& options) {
+  Expected<Reachable> reachable = find_reachable(task, options.most_actions);
+  if (!reachable) return reachable.error();
+  GroundTask out = Grounder(task, std::move(*reachable)).run();
+  prune(out);
+  return out;
+}
+
+}  // namespace cxlab::planner

@@ -1,0 +1,274 @@
+#include "planner/ground/reachable.h"
+
+#include <algorithm>
+
+namespace cxlab::planner {
+
+std::size_t AtomTable::slot(PredicateId predicate, std::span<const ObjectId> objects) const {
+  std::uint64_t hash = 0x9e3779b97f4a7c15ull * static_cast<std::uint64_t>(predicate + 1);
+  for (const ObjectId object : objects) hash = (hash ^ static_cast<std::uint64_t>(object + 1)) * 0xff51afd7ed558ccdull, hash ^= hash >> 32;
+  const std::size_t mask = slots_.size() - 1;
+  for (std::size_t at = hash & mask;; at = (at + 1) & mask) {
+    const int atom = slots_[at];
+    if (atom < 0) return at;
+    if (predicates_[atom] == predicate && std::ranges::equal(this->objects(atom), objects)) return at;
+  }
+}
+
+int AtomTable::find(PredicateId predicate, std::span<const ObjectId> objects) const { return slots_[slot(predicate, objects)]; }
+
+int AtomTable::insert(PredicateId predicate, std::span<const ObjectId> objects) {
+  if (2 * predicates_.size() >= slots_.size()) grow();
+  int& entry = slots_[slot(predicate, objects)];
+  if (entry < 0) {
+    entry = size();
+    predicates_.push_back(predicate);
+    objects_.insert(objects_.end(), objects.begin(), objects.end());
+    begin_.push_back(objects_.size());
+  }
+  return entry;
+}
+
+void AtomTable::grow() {
+  slots_.assign(2 * slots_.size(), -1);
+  for (int atom = 0; atom < size(); ++atom) slots_[slot(predicates_[atom], objects(atom))] = atom;
+}
+
+namespace {
+
+struct Atom {
+  PredicateId predicate = -1;
+  std::vector<Term> terms;
+};
+
+struct Equality {
+  Term left, right;
+  bool same = true;
+};
+
+/// What the join looks at in one action.
+struct Pattern {
+  std::vector<Atom> atoms;
+  std::vector<Equality> equalities;
+  std::vector<std::vector<ObjectId>> candidates;  ///< by parameter
+  std::vector<std::vector<char>> allowed;         ///< by parameter, object
+};
+
+class Join {
+ public:
+  Join(const Task& task, std::size_t most) : task_(task), most_(most) {}
+
+  Expected<Reachable> run() {
+    find_changing();
+    const std::size_t predicates = task_.domain.predicates.size();
+    by_argument_.resize(predicates);
+    everything_.resize(predicates);
+    for (std::size_t p = 0; p < predicates; ++p)
+      by_argument_[p].assign(task_.domain.predicates[p].parameters.size(), std::vector<std::vector<int>>(task_.problem.objects.size()));
+    for (std::size_t a = 0; a < task_.domain.actions.size(); ++a) patterns_.push_back(make_pattern(task_.domain.actions[a]));
+
+    AtomTable& atoms = result_.atoms;
+    for (const Fact& fact : task_.problem.init)
+      if (!result_.fluent[fact.predicate]) show(atoms.insert(fact.predicate, fact.objects));
+    visible_ = atoms.size();
+    for (const Fact& fact : task_.problem.init) atoms.insert(fact.predicate, fact.objects);
+    for (const TimedFact& timed : task_.problem.timed_facts)
+      if (timed.value) atoms.insert(timed.fact.predicate, timed.fact.objects);
+    for (std::size_t a = 0; a < patterns_.size(); ++a)
+      if (std::ranges::none_of(patterns_[a].atoms, [this](const Atom& atom) { return result_.fluent[atom.predicate] != 0; })) begin(a, -1, -1);
+    while (visible_ < atoms.size() && !too_many_) {
+      const int atom = visible_++;
+      show(atom);
+      for (std::size_t a = 0; a < patterns_.size(); ++a)
+        for (std::size_t k = 0; k < patterns_[a].atoms.size(); ++k)
+          if (patterns_[a].atoms[k].predicate == atoms.predicate(atom)) begin(a, static_cast<int>(k), atom);
+    }
+    if (too_many_)
+      return Error{ErrorKind::kResource, "found more than " + std::to_string(most_) + " ground actions: the problem is too large to be written out", task_.problem.file, 0, "memory"};
+    return std::move(result_);
+  }
+
+ private:
+  void find_changing() {
+    result_.fluent.assign(task_.domain.predicates.size(), 0);
+    result_.changing.assign(task_.domain.functions.size(), 0);
+    for (std::size_t p = 0; p < task_.domain.predicates.size(); ++p) result_.fluent[p] = task_.domain.predicates[p].derived;
+    for (const Action& action : task_.domain.actions)
+      for (const Effect& effect : action.effects) (effect.is_numeric() ? result_.changing[effect.function] : result_.fluent[effect.predicate]) = 1;
+    for (const TimedFact& timed : task_.problem.timed_facts) result_.fluent[timed.fact.predicate] = 1;
+    for (const TimedAssignment& timed : task_.problem.timed_values) result_.changing[timed.assignment.function] = 1;
+  }
+
+  Pattern make_pattern(const Action& action) const {
+    Pattern pattern;
+    std::vector<char> own(task_.domain.predicates.size(), 0);  // added by the action itself as it begins
+    for (const Effect& effect : action.effects)
+      if (effect.kind == Effect::Kind::kAdd && effect.time == Effect::Time::kStart) own[effect.predicate] = 1;
+    collect(action.condition.start, nullptr, pattern);
+    collect(action.condition.over_all, &own, pattern);
+    collect(action.condition.end, &own, pattern);
+    for (const Variable& parameter : action.parameters) {
+      pattern.candidates.push_back(objects_of(task_.domain, task_.problem, parameter.types));
+      pattern.allowed.emplace_back(task_.problem.objects.size(), 0);
+      for (const ObjectId object : pattern.candidates.back()) pattern.allowed.back()[object] = 1;
+    }
+    return pattern;
+  }
+
+  void collect(const Condition& condition, const std::vector<char>* own, Pattern& pattern) const {
+    using Kind = Condition::Kind;
+    if (condition.kind == Kind::kAnd) {
+      for (const Condition& operand : condition.operands) collect(operand, own, pattern);
+    } else if (condition.kind == Kind::kAtom) {
+      if (!task_.domain.predicates[condition.predicate].derived && !(own && (*own)[condition.predicate]))
+        pattern.atoms.push_back({condition.predicate, condition.terms});
+    } else if (condition.kind == Kind::kSame) {
+      pattern.equalities.push_back({condition.terms[0], condition.terms[1], true});
+    } else if (condition.kind == Kind::kNot && condition.operands[0].kind == Kind::kSame) {
+      pattern.equalities.push_back({condition.operands[0].terms[0], condition.operands[0].terms[1], false});
+    }
+  }
+
+  void show(int atom) {
+    const PredicateId predicate = result_.atoms.predicate(atom);
+    everything_[predicate].push_back(atom);
+    const std::span<const ObjectId> objects = result_.atoms.objects(atom);
+    for (std::size_t i = 0; i < objects.size(); ++i) by_argument_[predicate][i][objects[i]].push_back(atom);
+  }
+
+  void begin(std::size_t action, int first, int atom) {
+    action_ = action;
+    frame_.assign(static_cast<std::size_t>(task_.domain.actions[action].slots), -1);
+    std::vector<char> done(patterns_[action].atoms.size(), 0);
+    if (first >= 0) {
+      std::vector<int> bound;
+      if (!match(patterns_[action].atoms[first], atom, bound)) return;
+      done[first] = 1;
+    }
+    extend(done);
+  }
+
+  ObjectId value(const Term& term) const { return term.is_variable ? frame_[term.index] : term.index; }
+
+  /// Binds the variables of `pattern` to the objects of `atom`; the slots bound are added to `bound`.
+  bool match(const Atom& pattern, int atom, std::vector<int>& bound) {
+    const std::span<const ObjectId> objects = result_.atoms.objects(atom);
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const Term& term = pattern.terms[i];
+      const ObjectId now = value(term);
+      if (now == objects[i]) continue;
+      if (now >= 0 || !patterns_[action_].allowed[term.index][objects[i]]) return release(bound);
+      frame_[term.index] = objects[i];
+      bound.push_back(term.index);
+    }
+    return equalities_hold() || release(bound);
+  }
+
+  bool release(std::vector<int>& bound) {
+    for (const int slot : bound) frame_[slot] = -1;
+    bound.clear();
+    return false;
+  }
+
+  bool equalities_hold() const {
+    return std::ranges::all_of(patterns_[action_].equalities, [this](const Equality& equality) {
+      const ObjectId left = value(equality.left), right = value(equality.right);
+      return left < 0 || right < 0 || (left == right) == equality.same;
+    });
+  }
+
+  void extend(std::vector<char> done) {
+    const Pattern& pattern = patterns_[action_];
+    int best = -1;
+    const std::vector<int>* candidates = nullptr;
+    for (std::size_t k = 0; k < pattern.atoms.size(); ++k) {
+      if (done[k]) continue;
+      const Atom& atom = pattern.atoms[k];
+      bool ground = true;
+      const std::vector<int>* fewest = &everything_[atom.predicate];
+      key_.clear();
+      for (std::size_t i = 0; i < atom.terms.size(); ++i) {
+        const ObjectId object = value(atom.terms[i]);
+        key_.push_back(object);
+        if (object < 0) ground = false;
+        else if (const std::vector<int>& with = by_argument_[atom.predicate][i][object]; with.size() < fewest->size()) fewest = &with;
+      }
+      if (ground) {
+        const int known = result_.atoms.find(atom.predicate, key_);
+        if (known < 0 || known >= visible_) return;
+        done[k] = 1;
+      } else if (!candidates || fewest->size() < candidates->size()) {
+        best = static_cast<int>(k);
+        candidates = fewest;
+      }
+    }
+    if (best < 0) {
+      enumerate(0);
+      return;
+    }
+    done[best] = 1;
+    std::vector<int> bound;
+    for (const int atom : *candidates) {
+      if (match(pattern.atoms[best], atom, bound)) {
+        extend(done);
+        release(bound);
+      }
+      if (too_many_) return;
+    }
+  }
+
+  void enumerate(std::size_t parameter) {
+    const Pattern& pattern = patterns_[action_];
+    while (parameter < pattern.candidates.size() && frame_[parameter] >= 0) ++parameter;
+    if (parameter == pattern.candidates.size()) {
+      record();
+      return;
+    }
+    for (const ObjectId object : pattern.candidates[parameter]) {
+      frame_[parameter] = object;
+      if (equalities_hold()) enumerate(parameter + 1);
+      if (too_many_) break;
+    }
+    frame_[parameter] = -1;
+  }
+
+  void record() {
+    const Action& action = task_.domain.actions[action_];
+    const std::vector<ObjectId> arguments(frame_.begin(), frame_.begin() + static_cast<std::ptrdiff_t>(action.parameters.size()));
+    const int before = seen_.size();
+    seen_.insert(static_cast<PredicateId>(action_), arguments);
+    if (seen_.size() == before) return;
+    if (result_.bindings.size() >= most_) {
+      too_many_ = true;
+      return;
+    }
+    result_.bindings.push_back({static_cast<ActionId>(action_), arguments});
+    std::vector<ObjectId> frame = frame_, objects;
+    for (const Effect& effect : action.effects) {
+      if (effect.kind != Effect::Kind::kAdd) continue;
+      for_each_assignment(task_, effect.variables, frame, [&] {
+        objects.clear();
+        for (const Term& term : effect.terms) objects.push_back(term.is_variable ? frame[term.index] : term.index);
+        result_.atoms.insert(effect.predicate, objects);
+      });
+    }
+  }
+
+  const Task& task_;
+  const std::size_t most_;
+  Reachable result_;
+  std::vector<Pattern> patterns_;
+  std::vector<std::vector<std::vector<std::vector<int>>>> by_argument_;  ///< predicate, position, object: visible atoms
+  std::vector<std::vector<int>> everything_;                            ///< predicate: visible atoms
+  AtomTable seen_;  ///< bindings
+  int visible_ = 0;
+  std::size_t action_ = 0;
+  std::vector<ObjectId> frame_, key_;
+  bool too_many_ = false;
+};
+
+}  // namespace
+
+Expected<Reachable> find_reachable(const Task& task, std::size_t most_bindings) { return Join(task, most_bindings).run(); }
+
+}  // namespace cxlab::planner

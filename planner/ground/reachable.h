@@ -1,0 +1,66 @@
+#pragma once
+// Which ground atoms can become true, and under which arguments each action can be applied, if nothing were ever
+// deleted and conditions that are not plain atoms always held. A join over the atoms found so far, driven by each new one.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "planner/pddl/model.h"
+
+namespace cxlab::planner {
+
+/// Ground atoms, numbered in the order in which they were added.
+class AtomTable {
+ public:
+  /// The number of an atom, or -1.
+  int find(PredicateId predicate, std::span<const ObjectId> objects) const;
+  /// The number of the atom, added if it is new.
+  int insert(PredicateId predicate, std::span<const ObjectId> objects);
+
+  int size() const { return static_cast<int>(predicates_.size()); }
+  PredicateId predicate(int atom) const { return predicates_[atom]; }
+  std::span<const ObjectId> objects(int atom) const {
+    return {objects_.data() + begin_[atom], objects_.data() + begin_[atom + 1]};
+  }
+
+ private:
+  std::size_t slot(PredicateId predicate, std::span<const ObjectId> objects) const;
+  void grow();
+
+  std::vector<PredicateId> predicates_;
+  std::vector<std::size_t> begin_ = {0};
+  std::vector<ObjectId> objects_;
+  std::vector<int> slots_ = std::vector<int>(64, -1);  ///< open addressing; size is a power of two
+};
+
+struct Binding {
+  ActionId action = -1;
+  std::vector<ObjectId> arguments;
+};
+
+struct Reachable {
+  AtomTable atoms;                ///< derived predicates are not in it
+  std::vector<char> fluent;       ///< by predicate: something changes it
+  std::vector<char> changing;     ///< by function: something changes it
+  std::vector<Binding> bindings;
+};
+
+/// Fails (kResource, code "memory") beyond `most_bindings`.
+Expected<Reachable> find_reachable(const Task& task, std::size_t most_bindings);
+
+/// Calls `visit()` for every assignment of objects to `variables`, written to their slots of `frame`.
+template <class Visit>
+void for_each_assignment(const Task& task, std::span<const Variable> variables, std::vector<ObjectId>& frame, const Visit& visit) {
+  if (variables.empty()) {
+    visit();
+    return;
+  }
+  for (const ObjectId object : objects_of(task.domain, task.problem, variables[0].types)) {
+    frame[variables[0].slot] = object;
+    for_each_assignment(task, variables.subspan(1), frame, visit);
+  }
+}
+
+}  // namespace cxlab::planner

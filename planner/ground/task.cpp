@@ -1,0 +1,124 @@
+#include "planner/ground/task.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace cxlab::planner {
+
+namespace {
+
+constexpr std::size_t kDeepest = 64;  ///< operands that wait in one expression
+
+LinearForm times(LinearForm form, double factor) {
+  for (auto& [number, weight] : form.weights) weight *= factor;
+  std::erase_if(form.weights, [](const auto& entry) { return entry.second == 0; });
+  form.constant *= factor;
+  form.duration_weight *= factor;
+  return form;
+}
+
+LinearForm plus(const LinearForm& a, const LinearForm& b) {
+  LinearForm sum;
+  sum.is_linear = a.is_linear && b.is_linear;
+  sum.constant = a.constant + b.constant;
+  sum.duration_weight = a.duration_weight + b.duration_weight;
+  auto left = a.weights.begin(), right = b.weights.begin();
+  while (left != a.weights.end() || right != b.weights.end()) {
+    if (right == b.weights.end() || (left != a.weights.end() && left->first < right->first)) {
+      sum.weights.push_back(*left++);
+    } else if (left == a.weights.end() || right->first < left->first) {
+      sum.weights.push_back(*right++);
+    } else {
+      if (left->second + right->second != 0) sum.weights.emplace_back(left->first, left->second + right->second);
+      ++left, ++right;
+    }
+  }
+  return sum;
+}
+
+bool is_number(const LinearForm& form) { return form.is_linear && form.weights.empty() && form.duration_weight == 0; }
+
+}  // namespace
+
+double GroundExpression::evaluate(const double* numbers, double duration_s, double total_time_s) const {
+  std::array<double, kDeepest> stack;
+  std::size_t top = 0;
+  for (const Step& step : steps) {
+    switch (step.kind) {
+      case Kind::kConstant: stack[top++] = step.value; break;
+      case Kind::kNumber: stack[top++] = numbers[step.number]; break;
+      case Kind::kDuration: stack[top++] = duration_s; break;
+      case Kind::kTotalTime: stack[top++] = total_time_s; break;
+      case Kind::kNegate: stack[top - 1] = -stack[top - 1]; break;
+      case Kind::kAdd: --top; stack[top - 1] += stack[top]; break;
+      case Kind::kSubtract: --top; stack[top - 1] -= stack[top]; break;
+      case Kind::kMultiply: --top; stack[top - 1] *= stack[top]; break;
+      case Kind::kDivide:
+        --top;
+        stack[top - 1] = stack[top] == 0 ? std::numeric_limits<double>::quiet_NaN() : stack[top - 1] / stack[top];
+        break;
+    }
+    if (top == kDeepest) return std::numeric_limits<double>::quiet_NaN();
+  }
+  return top == 1 ? stack[0] : std::numeric_limits<double>::quiet_NaN();
+}
+
+LinearForm linear_form(const GroundExpression& expression) {
+  using Kind = GroundExpression::Kind;
+  std::vector<LinearForm> stack;
+  const auto take = [&stack] {
+    LinearForm form = std::move(stack.back());
+    stack.pop_back();
+    return form;
+  };
+  for (const GroundExpression::Step& step : expression.steps) {
+    LinearForm form;
+    form.is_linear = true;
+    switch (step.kind) {
+      case Kind::kConstant: form.constant = step.value; break;
+      case Kind::kNumber: form.weights.emplace_back(step.number, 1.0); break;
+      case Kind::kDuration: form.duration_weight = 1; break;
+      case Kind::kTotalTime: form.is_linear = false; break;
+      case Kind::kNegate: form = times(take(), -1); break;
+      case Kind::kAdd:
+      case Kind::kSubtract: {
+        const LinearForm right = times(take(), step.kind == Kind::kAdd ? 1 : -1);
+        form = plus(take(), right);
+        break;
+      }
+      case Kind::kMultiply: {
+        const LinearForm right = take(), left = take();
+        if (is_number(right)) form = times(left, right.constant);
+        else if (is_number(left)) form = times(right, left.constant);
+        else form.is_linear = false;
+        break;
+      }
+      case Kind::kDivide: {
+        const LinearForm right = take(), left = take();
+        if (is_number(right) && right.constant != 0) form = times(left, 1 / right.constant);
+        else form.is_linear = false;
+        break;
+      }
+    }
+    stack.push_back(std::move(form));
+  }
+  return stack.size() == 1 ? stack[0] : LinearForm{};
+}
+
+std::string action_name(const Task& task, const GroundAction& action) {
+  std::string name = "(" + task.domain.actions[action.schema].name;
+  for (const ObjectId object : action.arguments) name += " " + task.problem.objects[object].name;
+  return name + ")";
+}
+
+std::string fact_name(const Task& task, const GroundFact& fact) {
+  if (fact.predicate < 0) return "(disjunction)";
+  std::string name = "(" + task.domain.predicates[fact.predicate].name;
+  for (const ObjectId object : fact.objects) name += " " + task.problem.objects[object].name;
+  name += ")";
+  return fact.is_complement ? "(not " + name + ")" : name;
+}
+
+}  // namespace cxlab::planner

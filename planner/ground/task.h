@@ -1,0 +1,171 @@
+#pragma once
+// A planning task without variables: facts are bits, numeric fluents are slots, every action is written out.
+//
+// Conditions are conjunctions of facts that are true: where a problem asks for the absence of a fact, the fact has a
+// complement, a fact of its own that every effect keeps opposite. Disjunctions that cannot be split over several
+// actions are derived facts.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "planner/pddl/model.h"
+
+namespace cxlab::planner {
+
+/// Time of plans: whole microseconds, so that sums of durations are exact.
+using Micros = std::int64_t;
+
+/// Two happenings of which one reads what the other writes are this far apart: one millisecond, as plan validators
+/// ask, and one microsecond against their rounding.
+inline constexpr Micros kSeparation = 1001;
+
+inline constexpr Micros kMicrosPerSecond = 1'000'000;
+
+/// A number computed from numeric fluents: operations in postfix order.
+struct GroundExpression {
+  enum class Kind : std::uint8_t { kConstant, kNumber, kDuration, kTotalTime, kAdd, kSubtract, kMultiply, kDivide, kNegate };
+  struct Step {
+    Kind kind = Kind::kConstant;
+    int number = -1;   ///< of kNumber
+    double value = 0;  ///< of kConstant
+    bool operator==(const Step&) const = default;
+  };
+  std::vector<Step> steps;
+
+  bool is_constant() const { return steps.size() == 1 && steps[0].kind == Kind::kConstant; }
+  bool operator==(const GroundExpression&) const = default;
+
+  static GroundExpression constant(double value) { return {{{Kind::kConstant, -1, value}}}; }
+
+  /// Value with these numbers; a division by zero or an undefined number gives not-a-number.
+  double evaluate(const double* numbers, double duration_s = 0, double total_time_s = 0) const;
+};
+
+/// sum of weight * number + constant + duration_weight * ?duration
+struct LinearForm {
+  bool is_linear = false;
+  std::vector<std::pair<int, double>> weights;  ///< by number, ascending, none zero
+  double constant = 0;
+  double duration_weight = 0;
+};
+
+/// The linear form of an expression, or is_linear = false.
+LinearForm linear_form(const GroundExpression& expression);
+
+/// `expression` > 0, >= 0 or = 0. False where the expression is not a number.
+struct GroundComparison {
+  enum class Kind : std::uint8_t { kPositive, kNotNegative, kZero };
+  Kind kind = Kind::kNotNegative;
+  GroundExpression expression;
+  LinearForm linear;
+
+  /// Sums of floating-point numbers are compared with this tolerance.
+  static constexpr double kTolerance = 1e-9;
+
+  bool accepts(double value) const {
+    if (kind == Kind::kPositive) return value > kTolerance;
+    if (kind == Kind::kNotNegative) return value >= -kTolerance;
+    return value >= -kTolerance && value <= kTolerance;
+  }
+  bool holds(const double* numbers, double duration_s = 0) const { return accepts(expression.evaluate(numbers, duration_s)); }
+};
+
+struct GroundCondition {
+  std::vector<int> facts;        ///< all true; ascending
+  std::vector<int> comparisons;  ///< all hold; ascending
+  bool empty() const { return facts.empty() && comparisons.empty(); }
+};
+
+struct NumericEffect {
+  enum class Kind : std::uint8_t { kAssign, kIncrease, kScale };
+  Kind kind = Kind::kIncrease;
+  int number = -1;
+  GroundExpression value;  ///< a decrease is an increase by the negated value, a division a scaling by the inverse
+};
+
+/// What one happening changes. Facts that are deleted and added are true afterwards.
+struct GroundEffects {
+  std::vector<int> add, remove;  ///< ascending, disjoint
+  std::vector<NumericEffect> numbers;
+  bool empty() const { return add.empty() && remove.empty() && numbers.empty(); }
+};
+
+/// Effects under a condition. `start` is read when the action begins, the others at their time; effects at the start
+/// have a condition at the start only.
+struct ConditionalEffects {
+  GroundCondition start, over_all, end;
+  GroundEffects at_start, at_end;
+};
+
+struct GroundDuration {
+  Comparison comparison = Comparison::kEqual;
+  GroundExpression bound;
+  bool at_end = false;
+};
+
+/// `number` changes by `rate` a second, all along the action.
+struct ContinuousEffect {
+  int number = -1;
+  GroundExpression rate;
+};
+
+struct GroundAction {
+  ActionId schema = -1;
+  std::vector<ObjectId> arguments;
+  bool durative = false;
+  std::vector<GroundDuration> duration;
+  GroundCondition start, over_all, end;
+  GroundEffects at_start, at_end;
+  std::vector<ConditionalEffects> conditional;
+  std::vector<ContinuousEffect> continuous;
+};
+
+/// `head` is true if `body` holds; false if no axiom says otherwise.
+struct Axiom {
+  int head = -1;
+  GroundCondition body;
+  int stratum = 0;
+};
+
+/// What happens from outside.
+struct TimedEvent {
+  Micros time = 0;
+  GroundEffects effects;
+};
+
+struct GroundFact {
+  PredicateId predicate = -1;     ///< -1 for the fact of a disjunction
+  std::vector<ObjectId> objects;
+  int complement = -1;            ///< the fact that is opposite, or -1
+  bool is_complement = false;     ///< true: `predicate` of `objects` does not hold
+  bool derived = false;
+};
+
+struct GroundNumber {
+  FunctionId function = -1;
+  std::vector<ObjectId> objects;
+};
+
+struct GroundTask {
+  std::vector<GroundFact> facts;
+  std::vector<GroundNumber> numbers;
+  std::vector<GroundComparison> comparisons;
+  std::vector<GroundAction> actions;
+  std::vector<Axiom> axioms;           ///< by stratum
+  std::vector<TimedEvent> events;      ///< by time
+  std::vector<char> initial_facts;     ///< without derived facts
+  std::vector<double> initial_numbers; ///< not-a-number where undefined
+  GroundCondition goal;
+  bool proved_unsolvable = false;      ///< the goal is out of reach even if nothing were ever deleted
+  GroundExpression metric;             ///< to be made small; empty = makespan
+
+  /// Words of bits of a state.
+  int words() const { return static_cast<int>((facts.size() + 63) / 64); }
+};
+
+/// "(name arg arg)" as plans write it.
+std::string action_name(const Task& task, const GroundAction& action);
+std::string fact_name(const Task& task, const GroundFact& fact);
+
+}  // namespace cxlab::planner

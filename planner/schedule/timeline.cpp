@@ -1,0 +1,175 @@
+#include "planner/schedule/timeline.h"
+
+#include <algorithm>
+
+namespace cxlab::planner {
+
+namespace {
+
+void touch(std::vector<Touch>& touches, int key, std::uint8_t does, bool at_start, bool at_end) {
+  auto found = std::ranges::find(touches, key, &Touch::key);
+  if (found == touches.end()) found = touches.insert(found, Touch{key, 0, 0});
+  if (at_start) found->at_start |= does;
+  if (at_end) found->at_end |= does;
+}
+
+}  // namespace
+
+Touches::Touches(const GroundTask& task) : task_(task), keys_(static_cast<int>(task.facts.size() + task.numbers.size())) {
+  bases_.resize(task.facts.size());
+  for (std::size_t f = 0; f < task.facts.size(); ++f)
+    if (!task.facts[f].derived) bases_[f] = {key_of_fact(static_cast<int>(f))};
+  for (bool changed = !task.axioms.empty(); changed;) {
+    changed = false;
+    for (const Axiom& axiom : task.axioms) {
+      std::vector<int> bases = bases_[axiom.head];
+      for (const int f : axiom.body.facts) {
+        const int positive = task.facts[f].derived && task.facts[f].is_complement ? task.facts[f].complement : f;
+        bases.insert(bases.end(), bases_[positive].begin(), bases_[positive].end());
+      }
+      for (const int c : axiom.body.comparisons)
+        for (const auto& step : task.comparisons[c].expression.steps)
+          if (step.kind == GroundExpression::Kind::kNumber) bases.push_back(static_cast<int>(task.facts.size()) + step.number);
+      std::ranges::sort(bases);
+      bases.erase(std::unique(bases.begin(), bases.end()), bases.end());
+      if (bases.size() != bases_[axiom.head].size()) bases_[axiom.head] = std::move(bases), changed = true;
+    }
+  }
+  for (std::size_t f = 0; f < task.facts.size(); ++f)
+    if (task.facts[f].derived && task.facts[f].is_complement) bases_[f] = bases_[task.facts[f].complement];
+
+  for (const GroundAction& action : task.actions) {
+    std::vector<Touch> touches;
+    write(touches, action.at_start, true);
+    write(touches, action.at_end, false);
+    for (const ConditionalEffects& conditional : action.conditional) {
+      write(touches, conditional.at_start, true);
+      write(touches, conditional.at_end, false);
+    }
+    const std::vector<Touch> written = touches;
+    read(touches, action.start, true, false);
+    read(touches, action.over_all, true, true);
+    // A condition over all that the beginning itself establishes is not read by the beginning.
+    for (Touch& now : touches) {
+      const auto before = std::ranges::find(written, now.key, &Touch::key);
+      if (before != written.end() && before->at_start == Touch::kUp) {
+        std::vector<Touch> alone;
+        read(alone, action.start, true, false);
+        const auto reads = std::ranges::find(alone, now.key, &Touch::key);
+        now.at_start = static_cast<std::uint8_t>(before->at_start | (reads == alone.end() ? 0 : reads->at_start));
+      }
+    }
+    read(touches, action.end, false, true);
+    for (const ConditionalEffects& conditional : action.conditional) {
+      read(touches, conditional.start, true, false);
+      read(touches, conditional.over_all, true, true);
+      read(touches, conditional.end, false, true);
+    }
+    for (const GroundDuration& duration : action.duration) read(touches, duration.bound, !duration.at_end, duration.at_end);
+    for (const ContinuousEffect& effect : action.continuous) {
+      read(touches, effect.rate, true, true);
+      touch(touches, static_cast<int>(task.facts.size()) + effect.number, Touch::kRead | Touch::kUp | Touch::kDown, true, true);
+    }
+    actions_.push_back(std::move(touches));
+  }
+  events_of_key_.resize(static_cast<std::size_t>(keys_));
+  for (std::size_t e = 0; e < task.events.size(); ++e) {
+    std::vector<Touch> touches;
+    write(touches, task.events[e].effects, true);
+    for (const Touch& touched : touches) events_of_key_[touched.key].push_back(static_cast<int>(e));
+    events_.push_back(std::move(touches));
+  }
+}
+
+int Touches::key_of_fact(int fact) const {
+  const GroundFact& f = task_.facts[fact];
+  return f.is_complement && f.complement >= 0 ? f.complement : fact;
+}
+
+void Touches::read(std::vector<Touch>& touches, const GroundCondition& condition, bool at_start, bool at_end) const {
+  for (const int f : condition.facts)
+    for (const int key : bases_[f]) touch(touches, key, Touch::kRead, at_start, at_end);
+  for (const int c : condition.comparisons) read(touches, task_.comparisons[c].expression, at_start, at_end);
+}
+
+void Touches::read(std::vector<Touch>& touches, const GroundExpression& expression, bool at_start, bool at_end) const {
+  for (const auto& step : expression.steps)
+    if (step.kind == GroundExpression::Kind::kNumber)
+      touch(touches, static_cast<int>(task_.facts.size()) + step.number, Touch::kRead, at_start, at_end);
+}
+
+void Touches::write(std::vector<Touch>& touches, const GroundEffects& effects, bool at_start) const {
+  const auto change = [&](int f, bool add) {
+    const bool up = add != (task_.facts[f].is_complement && task_.facts[f].complement >= 0);
+    touch(touches, key_of_fact(f), up ? Touch::kUp : Touch::kDown, at_start, !at_start);
+  };
+  for (const int f : effects.add) change(f, true);
+  for (const int f : effects.remove) change(f, false);
+  for (const NumericEffect& effect : effects.numbers) {
+    const std::uint8_t does = effect.kind == NumericEffect::Kind::kIncrease ? Touch::kUp : Touch::kUp | Touch::kDown;
+    touch(touches, static_cast<int>(task_.facts.size()) + effect.number, does, at_start, !at_start);
+    read(touches, effect.value, at_start, !at_start);
+  }
+}
+
+void Timeline::clear() {
+  std::ranges::fill(keys_, Last{});
+  next_event_ = 0;
+  makespan_ = 0;
+}
+
+Micros Timeline::after(const Last& last, std::uint8_t does) {
+  Micros earliest = kEver;
+  if (does & Touch::kRead) earliest = std::max({earliest, last.up, last.down});
+  if (does & Touch::kUp) earliest = std::max({earliest, last.read, last.down});
+  if (does & Touch::kDown) earliest = std::max({earliest, last.read, last.up});
+  return earliest + kSeparation;
+}
+
+void Timeline::note(Last& last, std::uint8_t does, Micros time) {
+  if (does & Touch::kRead) last.read = std::max(last.read, time);
+  if (does & Touch::kUp) last.up = std::max(last.up, time);
+  if (does & Touch::kDown) last.down = std::max(last.down, time);
+}
+
+bool Timeline::before_events(int key, std::uint8_t does, Micros time) const {
+  for (const int event : touches_.events_of(key)) {
+    if (event < next_event_) continue;
+    for (const Touch& touched : touches_.of_event(event))
+      if (touched.key == key && Touches::conflict(touched.at_start, does) && time + kSeparation > touches_.events()[event].time) return false;
+  }
+  return true;
+}
+
+Micros Timeline::append(int action, Micros duration) {
+  const std::span<const Touch> touches = touches_.of(action);
+  Micros start = 0;
+  for (const Touch& touched : touches) {
+    const Last& last = keys_[touched.key];
+    if (touched.at_start) start = std::max(start, after(last, touched.at_start));
+    if (touched.at_end) start = std::max(start, after(last, touched.at_end) - duration);
+  }
+  if (next_event_ < static_cast<int>(touches_.events().size()))
+    for (const Touch& touched : touches)
+      if ((touched.at_start && !before_events(touched.key, touched.at_start, start)) ||
+          (touched.at_end && !before_events(touched.key, touched.at_end, start + duration)))
+        return kNever;
+  for (const Touch& touched : touches) {
+    Last& last = keys_[touched.key];
+    if (touched.at_start) note(last, touched.at_start, start);
+    if (touched.at_end) note(last, touched.at_end, start + duration);
+  }
+  makespan_ = std::max(makespan_, start + duration);
+  return start;
+}
+
+bool Timeline::append_event() {
+  const Micros time = touches_.events()[next_event_].time;
+  for (const Touch& touched : touches_.of_event(next_event_))
+    if (after(keys_[touched.key], touched.at_start) > time) return false;
+  for (const Touch& touched : touches_.of_event(next_event_)) note(keys_[touched.key], touched.at_start, time);
+  ++next_event_;
+  return true;
+}
+
+}  // namespace cxlab::planner

@@ -1,0 +1,85 @@
+#pragma once
+// When each action of a sequence begins if all begin as early as they may.
+//
+// A happening touches keys: the facts and numbers that it reads or changes (a fact and its complement are one key, a
+// derived fact stands for all that it is derived from). Two happenings that touch a key keep the order of the sequence
+// and kSeparation if one changes what the other reads, or both change it in ways that do not commute. So each reads the
+// same values as in the sequence, and a plan that is right one action after the other is right as scheduled.
+
+#include <span>
+#include <vector>
+
+#include "planner/ground/task.h"
+
+namespace cxlab::planner {
+
+/// What one happening does with one key.
+struct Touch {
+  static constexpr std::uint8_t kRead = 1, kUp = 2, kDown = 4;  ///< up: added, increased; down: deleted; both: assigned
+  int key = 0;
+  std::uint8_t at_start = 0;
+  std::uint8_t at_end = 0;
+};
+
+/// Touches of all actions and events.
+class Touches {
+ public:
+  explicit Touches(const GroundTask& task);
+
+  int keys() const { return keys_; }
+  std::span<const Touch> of(int action) const { return actions_[action]; }
+  std::span<const Touch> of_event(int event) const { return events_[event]; }
+  const std::vector<TimedEvent>& events() const { return task_.events; }
+  /// Events that touch a key, ascending.
+  std::span<const int> events_of(int key) const { return events_of_key_[key]; }
+  /// Whether happenings that do this with a key do not commute.
+  static bool conflict(std::uint8_t a, std::uint8_t b) {
+    return ((a & Touch::kRead) && (b & (Touch::kUp | Touch::kDown))) || ((b & Touch::kRead) && (a & (Touch::kUp | Touch::kDown))) ||
+           ((a & Touch::kUp) && (b & Touch::kDown)) || ((a & Touch::kDown) && (b & Touch::kUp));
+  }
+
+ private:
+  void read(std::vector<Touch>& touches, const GroundCondition& condition, bool at_start, bool at_end) const;
+  void read(std::vector<Touch>& touches, const GroundExpression& expression, bool at_start, bool at_end) const;
+  void write(std::vector<Touch>& touches, const GroundEffects& effects, bool at_start) const;
+  int key_of_fact(int fact) const;
+
+  const GroundTask& task_;
+  int keys_ = 0;
+  std::vector<std::vector<int>> bases_;  ///< by fact: keys that it depends on
+  std::vector<std::vector<Touch>> actions_, events_;
+  std::vector<std::vector<int>> events_of_key_;
+};
+
+/// Earliest starts of a growing sequence.
+class Timeline {
+ public:
+  static constexpr Micros kNever = -1;
+
+  explicit Timeline(const Touches& touches) : touches_(touches), keys_(static_cast<std::size_t>(touches.keys())) {}
+
+  void clear();
+  /// Appends an action; its start, or kNever if an event that has not been appended forbids it.
+  Micros append(int action, Micros duration);
+  /// Lets the next event happen after all that has been appended. False if that is too late.
+  bool append_event();
+  int next_event() const { return next_event_; }
+  Micros makespan() const { return makespan_; }
+
+ private:
+  struct Last {
+    Micros read = kEver, up = kEver, down = kEver;  ///< latest happening of each kind
+  };
+  static constexpr Micros kEver = -kSeparation;
+
+  static Micros after(const Last& last, std::uint8_t does);
+  static void note(Last& last, std::uint8_t does, Micros time);
+  bool before_events(int key, std::uint8_t does, Micros time) const;
+
+  const Touches& touches_;
+  std::vector<Last> keys_;
+  int next_event_ = 0;
+  Micros makespan_ = 0;
+};
+
+}  // namespace cxlab::planner

@@ -1,0 +1,68 @@
+#pragma once
+// How much the planner may still do. Work is counted by kind, each with a fixed weight, so that the same budget always
+// gives the same answer; a wall clock only cuts a run short when a timeout was asked for.
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+namespace cxlab::planner {
+
+enum class Work : std::uint8_t {
+  kGround,    ///< ground actions
+  kReach,     ///< operators looked at by heuristics and landmarks
+  kNode,      ///< states made
+  kSchedule,  ///< actions scheduled or executed by the improvement
+  kBound,     ///< operators looked at for lower bounds
+};
+inline constexpr std::size_t kWorkKinds = 5;
+/// Units of one piece of work, in thousandths. A unit is about a microsecond of a core of 2020.
+inline constexpr std::array<std::int64_t, kWorkKinds> kWorkWeights = {5000, 4, 1000, 60, 10};
+
+class Budget {
+ public:
+  static constexpr std::int64_t kUnlimited = std::numeric_limits<std::int64_t>::max();
+
+  Budget() = default;
+  /// `units` to spend, and seconds of wall time from now.
+  Budget(std::int64_t units, std::optional<double> timeout_s) : limit_(units) {
+    if (timeout_s)
+      deadline_ = std::chrono::steady_clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(*timeout_s * 1e6));
+  }
+
+  void spend(Work kind, std::int64_t pieces) { counts_[static_cast<std::size_t>(kind)] += pieces; }
+
+  std::int64_t units() const {
+    std::int64_t thousandths = 0;
+    for (std::size_t k = 0; k < kWorkKinds; ++k) thousandths += counts_[k] * kWorkWeights[k];
+    return thousandths / 1000;
+  }
+
+  /// A part of this budget ends when `units()` reaches `until`; the whole still holds.
+  void set_slice(std::int64_t until) { slice_ = until; }
+  void clear_slice() { slice_ = kUnlimited; }
+
+  bool slice_over() { return units() >= slice_ || over(); }
+  bool over() {
+    if (over_) return true;
+    const std::int64_t now = units();
+    if (now >= limit_) over_ = true;
+    else if (deadline_ && now >= next_look_) {
+      next_look_ = now + 200;
+      over_ = std::chrono::steady_clock::now() >= *deadline_;
+    }
+    return over_;
+  }
+  std::int64_t limit() const { return limit_; }
+  bool has_deadline() const { return deadline_.has_value(); }
+
+ private:
+  std::array<std::int64_t, kWorkKinds> counts_{};
+  std::int64_t limit_ = kUnlimited, slice_ = kUnlimited, next_look_ = 0;
+  std::optional<std::chrono::steady_clock::time_point> deadline_;
+  bool over_ = false;
+};
+
+}  // namespace cxlab::planner

@@ -1,0 +1,218 @@
+#include "planner/search/lazy_search.h"
+
+#include <algorithm>
+
+#include "cx/base/random.h"
+
+namespace cxlab::planner {
+
+namespace {
+
+constexpr int kBoost = 1000;  ///< turns that preferred queues get when an estimate has become better
+
+std::uint64_t hash_words(const Word* words, int count) {
+  std::uint64_t hash = 0x9e3779b97f4a7c15ull;
+  for (int i = 0; i < count; ++i) {
+    hash = (hash ^ words[i]) * 0xff51afd7ed558ccdull;
+    hash ^= hash >> 32;
+  }
+  return hash;
+}
+
+/// States that have been made, each with how it was reached.
+class Nodes {
+ public:
+  struct Node {
+    int parent = -1;
+    int action = -1;
+    Micros duration = 0;
+    int next_event = 0;
+  };
+
+  Nodes(int state_words, int landmark_words) : state_words_(state_words), landmark_words_(landmark_words), slots_(1024, -1) {}
+
+  const Word* state(int node) const { return &states_[static_cast<std::size_t>(node) * state_words_]; }
+  Word* reached(int node) { return landmark_words_ ? &reached_[static_cast<std::size_t>(node) * landmark_words_] : nullptr; }
+  const Node& operator[](int node) const { return nodes_[node]; }
+  int size() const { return static_cast<int>(nodes_.size()); }
+  std::size_t words() const { return states_.size() + reached_.size() + nodes_.size() * 4; }
+
+  /// The new node, or -1 if the state is known with this event to come.
+  int add(const Word* state, const Word* reached, const Node& node) {
+    if (2 * nodes_.size() >= slots_.size()) grow();
+    int& entry = slots_[slot(state, node.next_event)];
+    if (entry >= 0) return -1;
+    entry = size();
+    states_.insert(states_.end(), state, state + state_words_);
+    if (landmark_words_) reached_.insert(reached_.end(), reached, reached + landmark_words_);
+    nodes_.push_back(node);
+    return entry;
+  }
+
+ private:
+  std::size_t slot(const Word* state, int next_event) const {
+    const std::size_t mask = slots_.size() - 1;
+    for (std::size_t at = (hash_words(state, state_words_) + static_cast<std::uint64_t>(next_event) * 0x51ed27ull) & mask;; at = (at + 1) & mask) {
+      const int node = slots_[at];
+      if (node < 0 || (nodes_[node].next_event == next_event && std::equal(state, state + state_words_, this->state(node)))) return at;
+    }
+  }
+  void grow() {
+    slots_.assign(2 * slots_.size(), -1);
+    for (int node = 0; node < size(); ++node) slots_[slot(state(node), nodes_[node].next_event)] = node;
+  }
+
+  int state_words_, landmark_words_;
+  std::vector<Word> states_, reached_;
+  std::vector<Node> nodes_;
+  std::vector<int> slots_;
+};
+
+/// Steps to try, those with the smallest estimate first, first in first out among equals.
+class Queue {
+ public:
+  struct Entry {
+    int parent;
+    int action;
+  };
+
+  bool empty() const { return size_ == 0; }
+  void push(int estimate, Entry entry) {
+    const std::size_t bucket = static_cast<std::size_t>(std::min(estimate, 1 << 16));
+    if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
+    buckets_[bucket].entries.push_back(entry);
+    least_ = std::min(least_, bucket);
+    ++size_;
+  }
+  Entry pop() {
+    while (buckets_[least_].entries.size() == buckets_[least_].head) ++least_;
+    return take(buckets_[least_]);
+  }
+  Entry pop_any(RandomStream& random) {
+    std::size_t skip = random.below(size_);
+    for (Bucket& bucket : buckets_) {
+      const std::size_t here = bucket.entries.size() - bucket.head;
+      if (skip < here) {
+        std::swap(bucket.entries[bucket.head], bucket.entries[bucket.head + skip]);
+        return take(bucket);
+      }
+      skip -= here;
+    }
+    return pop();
+  }
+
+  int priority = 0;  ///< queues take turns: the smallest is next
+
+ private:
+  struct Bucket {
+    std::vector<Entry> entries;
+    std::size_t head = 0;
+  };
+  Entry take(Bucket& bucket) {
+    const Entry entry = bucket.entries[bucket.head++];
+    if (bucket.head == bucket.entries.size()) bucket.entries.clear(), bucket.head = 0;
+    --size_;
+    return entry;
+  }
+
+  std::vector<Bucket> buckets_;
+  std::size_t least_ = std::numeric_limits<std::size_t>::max(), size_ = 0;
+};
+
+}  // namespace
+
+SearchEnd LazySearch::run(const State& start, const LazyOptions& options, Budget& budget, Sequence& found) {
+  const GroundTask& task = simulator_.task();
+  const int words = simulator_.words();
+  const int events = static_cast<int>(task.events.size());
+  const int landmark_words = options.landmarks ? landmarks_.words() : 0;
+  RandomStream random(options.seed, "planner lazy search");
+  RelaxedHeuristic heuristic(simulator_, relaxed_);
+  Timeline timeline(touches_);
+  Nodes nodes(words, landmark_words);
+  enum { kPlain, kPlainPreferred, kMarks, kMarksPreferred, kQueues };
+  std::vector<Queue> queues(kQueues);
+  int best_plain = std::numeric_limits<int>::max(), best_marks = best_plain;
+  std::int64_t reported = 0;
+
+  const auto path = [&](int node) {
+    Sequence steps;
+    for (; nodes[node].parent >= 0; node = nodes[node].parent) steps.push_back({nodes[node].action, nodes[node].duration});
+    std::ranges::reverse(steps);
+    return steps;
+  };
+  const auto fits_events = [&](int parent, int action, Micros duration) {
+    timeline.clear();
+    Sequence steps = path(parent);
+    steps.push_back({action, duration});
+    for (const SequenceStep& step : steps)
+      if (is_event(step) ? !timeline.append_event() : timeline.append(step.action, step.duration) == Timeline::kNever) return false;
+    return true;
+  };
+
+  State state = start;
+  std::vector<Word> reached(static_cast<std::size_t>(landmark_words), 0);
+  if (landmark_words) landmarks_.mark(state.data(), reached.data());
+  int node = nodes.add(state.data(), reached.data(), {});
+  std::vector<int> order, preferred;
+  for (;;) {
+    if (node >= 0) {
+      const int next_event = nodes[node].next_event;
+      if (simulator_.is_goal(state.data())) {
+        found = path(node);
+        return SearchEnd::kFound;
+      }
+      const int estimate = heuristic.evaluate(state.data(), next_event);
+      budget.spend(Work::kReach, heuristic.work() - reported);
+      reported = heuristic.work();
+      if (estimate != RelaxedHeuristic::kDeadEnd) {
+        const int marks = landmark_words ? landmarks_.remaining(state.data(), nodes.reached(node)) : 0;
+        bool better = false;
+        if (estimate < best_plain) best_plain = estimate, better = true;
+        if (landmark_words && marks < best_marks) best_marks = marks, better = true;
+        if (better) queues[kPlainPreferred].priority -= kBoost, queues[kMarksPreferred].priority -= landmark_words ? kBoost : 0;
+        order = heuristic.applicable();
+        preferred = heuristic.preferred();
+        if (next_event < events) {
+          order.push_back(-2 - next_event);
+          if (std::ranges::any_of(heuristic.relaxed_plan(), [](int a) { return a <= -2; })) preferred.push_back(-2 - next_event);
+        }
+        if (options.seed != 0) random.shuffle(order), random.shuffle(preferred);
+        for (const int action : order) {
+          queues[kPlain].push(estimate, {node, action});
+          if (landmark_words) queues[kMarks].push(marks, {node, action});
+        }
+        for (const int action : preferred) {
+          queues[kPlainPreferred].push(estimate, {node, action});
+          if (landmark_words) queues[kMarksPreferred].push(marks, {node, action});
+        }
+      }
+    }
+    if (budget.slice_over()) return SearchEnd::kBudget;
+    if (nodes.words() > options.most_words) return SearchEnd::kMemory;
+    Queue* next = nullptr;
+    for (Queue& queue : queues)
+      if (!queue.empty() && (!next || queue.priority < next->priority)) next = &queue;
+    if (!next) return SearchEnd::kExhausted;
+    ++next->priority;
+    const Queue::Entry entry = options.random_choice > 0 && random.chance(options.random_choice) ? next->pop_any(random) : next->pop();
+    state.assign(nodes.state(entry.parent), nodes.state(entry.parent) + words);
+    budget.spend(Work::kNode, 1);
+    Nodes::Node made{entry.parent, entry.action, 0, nodes[entry.parent].next_event};
+    node = -1;
+    if (entry.action <= -2) {
+      simulator_.apply_event(-2 - entry.action, state.data());
+      ++made.next_event;
+    } else if (!simulator_.apply(entry.action, state.data(), made.duration)) {
+      continue;
+    }
+    if (events > 0 && !fits_events(entry.parent, made.action, made.duration)) continue;
+    if (landmark_words) {
+      std::copy(nodes.reached(entry.parent), nodes.reached(entry.parent) + landmark_words, reached.begin());
+      landmarks_.mark(state.data(), reached.data());
+    }
+    node = nodes.add(state.data(), reached.data(), made);
+  }
+}
+
+}  // namespace cxlab::planner

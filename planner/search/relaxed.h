@@ -1,0 +1,84 @@
+#pragma once
+// The task without deletions: how far the goal seems, and which actions seem to help. Additive costs choose the
+// cheapest achiever of each atom, the relaxed plan is read off them (hFF with hadd, Keyder and Geffner 2008; numeric
+// conditions as in subgoaling, Scala et al. 2016: a gap takes as many steps as it needs).
+
+#include <cstdint>
+#include <vector>
+
+#include "planner/search/simulator.h"
+
+namespace cxlab::planner {
+
+/// A way to reach atoms: a whole action (with one of its conditional effects), an axiom, an event.
+struct RelaxedOperator {
+  int action = -1;  ///< -1: axiom; -2 - k: event k
+  bool base = true; ///< has exactly the condition of the action
+  int cost = 1;
+  std::vector<int> conditions;  ///< atoms
+  std::vector<int> adds;        ///< facts
+  struct Gain {
+    int atom;       ///< of a comparison
+    double change;  ///< of its value, towards the goal; infinite: one application does it
+  };
+  std::vector<Gain> gains;
+};
+
+/// Atoms are facts, then comparisons.
+class RelaxedTask {
+ public:
+  /// `unit_costs`: every action costs 1; else its duration in tenths of the mean one, and 1.
+  RelaxedTask(const Simulator& simulator, bool unit_costs);
+
+  int atoms() const { return atoms_; }
+  int facts() const { return facts_; }
+  const std::vector<RelaxedOperator>& operators() const { return operators_; }
+  const std::vector<int>& goal() const { return goal_; }
+  const std::vector<int>& readers(int atom) const { return readers_[atom]; }
+
+ private:
+  void add_operators(const Simulator& simulator, int action, int cost);
+  void add_effects(const GroundTask& task, RelaxedOperator& made, const GroundEffects& effects, int action) const;
+
+  int facts_ = 0, atoms_ = 0;
+  std::vector<RelaxedOperator> operators_;
+  std::vector<int> goal_;
+  std::vector<std::vector<int>> readers_;  ///< by atom: operators that have it as a condition
+};
+
+class RelaxedHeuristic {
+ public:
+  static constexpr int kDeadEnd = std::numeric_limits<int>::max();
+
+  RelaxedHeuristic(const Simulator& simulator, const RelaxedTask& relaxed);
+
+  /// Cost of a relaxed plan from `state`, in which `next_event` is the first event to come.
+  int evaluate(const Word* state, int next_event = 0);
+  /// Actions whose conditions hold in the last state; ascending.
+  const std::vector<int>& applicable() const { return applicable_; }
+  /// Those of them that the relaxed plan contains.
+  const std::vector<int>& preferred() const { return preferred_; }
+  /// Actions of the relaxed plan, and events as -2 - k.
+  const std::vector<int>& relaxed_plan() const { return plan_; }
+  /// Work done by all evaluations: operators looked at.
+  std::int64_t work() const { return work_; }
+
+ private:
+  void reach(int atom, int cost, int achiever);
+  void explore(int next_event);
+  void extract(int atom);
+
+  const Simulator& simulator_;
+  const RelaxedTask& relaxed_;
+  std::vector<int> cost_, achiever_, missing_, sum_;
+  std::vector<double> gap_;  ///< by comparison
+  std::vector<char> marked_, in_plan_;
+  std::vector<std::vector<int>> buckets_;
+  std::vector<int> applicable_, preferred_, plan_;
+  const Word* state_ = nullptr;
+  int unreached_goals_ = 0;
+  std::vector<char> is_goal_;
+  std::int64_t work_ = 0;
+};
+
+}  // namespace cxlab::planner

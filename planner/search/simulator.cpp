@@ -1,0 +1,235 @@
+#include "planner/search/simulator.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cxlab::planner {
+
+namespace {
+
+constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
+constexpr double kLongest = 1e12;  ///< seconds; beyond it a duration is not taken for one
+
+bool contains(const std::vector<int>& sorted, int item) { return std::ranges::binary_search(sorted, item); }
+
+void sort_unique(std::vector<int>& items) {
+  std::ranges::sort(items);
+  items.erase(std::unique(items.begin(), items.end()), items.end());
+}
+
+}  // namespace
+
+Simulator::Simulator(const GroundTask& task)
+    : task_(task), fact_words_(task.words()), words_(fact_words_ + static_cast<int>(task.numbers.size())) {
+  for (const GroundAction& action : task.actions) whole_.push_back(make_whole(action));
+}
+
+Simulator::Whole Simulator::make_whole(const GroundAction& action) const {
+  Whole whole;
+  whole.condition = action.start;
+  for (const GroundCondition* later : {&action.over_all, &action.end}) {
+    for (const int f : later->facts) {
+      if (contains(action.at_start.remove, f)) whole.impossible = true;
+      const bool derived = task_.facts[f].derived;  // may change with the beginning: looked at when it is applied
+      if (!contains(action.at_start.add, f) && !derived && action.conditional.empty()) whole.condition.facts.push_back(f);
+    }
+    if (action.at_start.numbers.empty() && action.continuous.empty() && action.conditional.empty())
+      for (const int c : later->comparisons)
+        if (task_.comparisons[c].linear.is_linear && task_.comparisons[c].linear.duration_weight == 0) whole.condition.comparisons.push_back(c);
+  }
+  sort_unique(whole.condition.facts);
+  sort_unique(whole.condition.comparisons);
+  std::vector<int> kept;
+  for (const int f : action.at_start.add)
+    if (!contains(action.at_end.remove, f)) kept.push_back(f);
+  std::ranges::set_union(kept, action.at_end.add, std::back_inserter(whole.effects.add));
+  std::ranges::set_union(action.at_start.remove, action.at_end.remove, std::back_inserter(whole.effects.remove));
+  std::erase_if(whole.effects.remove, [&](int f) { return contains(whole.effects.add, f); });
+  whole.plain = action.conditional.empty() && action.continuous.empty() && action.at_start.numbers.empty() && action.at_end.numbers.empty() &&
+                task_.axioms.empty();
+  const auto constant = [](const GroundDuration& duration) { return duration.bound.is_constant() && !duration.at_end; };
+  if (!action.durative) {
+    whole.fixed = true;
+  } else if (std::ranges::all_of(action.duration, constant)) {
+    const State none(static_cast<std::size_t>(words_), 0);
+    const int index = static_cast<int>(&action - task_.actions.data());
+    if (const std::optional<DurationRange> range = durations(index, none.data())) {
+      whole.fixed = true;
+      whole.duration = range->least;
+    } else {
+      whole.impossible = true;
+    }
+  }
+  for (const auto* condition : {&action.over_all, &action.end})
+    for (const int c : condition->comparisons)
+      if (!contains(whole.condition.comparisons, c)) whole.plain = false;
+  return whole;
+}
+
+State Simulator::initial() const {
+  State state(static_cast<std::size_t>(words_), 0);
+  for (std::size_t f = 0; f < task_.facts.size(); ++f)
+    if (task_.initial_facts[f]) set(state.data(), static_cast<int>(f));
+  std::ranges::copy(task_.initial_numbers, mutable_numbers(state.data()));
+  derive(state.data());
+  return state;
+}
+
+bool Simulator::holds(const GroundCondition& condition, const Word* state, double duration_s) const {
+  for (const int f : condition.facts)
+    if (!is_set(state, f)) return false;
+  for (const int c : condition.comparisons)
+    if (!task_.comparisons[c].holds(numbers(state), duration_s)) return false;
+  return true;
+}
+
+std::optional<DurationRange> Simulator::durations(int action, const Word* state) const {
+  DurationRange range{kSeparation, DurationRange::kForever};
+  for (const GroundDuration& constraint : task_.actions[action].duration) {
+    if (constraint.at_end) continue;  // looked at when the action ends
+    const double bound = constraint.bound.evaluate(numbers(state));
+    if (!(std::abs(bound) < kLongest)) return std::nullopt;
+    const Micros micros = static_cast<Micros>(std::llround(bound * kSecond));
+    if (constraint.comparison == Comparison::kEqual && micros < 1) return std::nullopt;
+    if (constraint.comparison == Comparison::kEqual) range.least = range.least == kSeparation ? micros : std::max(range.least, micros);
+    else if (constraint.comparison == Comparison::kGreaterEqual) range.least = std::max(range.least, micros);
+    if (constraint.comparison != Comparison::kGreaterEqual) range.most = std::min(range.most, micros);
+  }
+  if (range.least > range.most) return std::nullopt;
+  return range;
+}
+
+bool Simulator::apply(int action, Word* state, Micros& duration) const {
+  const Whole& whole = whole_[action];
+  if (whole.fixed) {
+    duration = whole.duration;
+  } else {
+    const std::optional<DurationRange> range = durations(action, state);
+    if (!range) return false;
+    duration = range->least;
+  }
+  return apply_with(action, state, duration);
+}
+
+bool Simulator::apply_with(int action, Word* state, Micros duration) const {
+  const Whole& whole = whole_[action];
+  if (whole.impossible || !holds(whole.condition, state, static_cast<double>(duration) / kSecond)) return false;
+  if (whole.plain) {
+    for (const int f : whole.effects.remove) reset(state, f);
+    for (const int f : whole.effects.add) set(state, f);
+    return true;
+  }
+  Remembered remembered;
+  if (!begin(action, state, duration, remembered)) return false;
+  if (!task_.actions[action].durative) return true;
+  return over_all_holds(action, state, duration) && end(action, state, duration, remembered);
+}
+
+bool Simulator::begin(int action, Word* state, Micros duration, Remembered& remembered) const {
+  const GroundAction& a = task_.actions[action];
+  const double seconds = static_cast<double>(duration) / kSecond;
+  if (!holds(a.start, state, seconds)) return false;
+  remembered.clear();
+  GroundEffects fired;
+  for (const ConditionalEffects& conditional : a.conditional) {
+    const bool held = holds(conditional.start, state, seconds);
+    remembered.push_back(static_cast<char>(held));
+    if (!held) continue;
+    fired.add.insert(fired.add.end(), conditional.at_start.add.begin(), conditional.at_start.add.end());
+    fired.remove.insert(fired.remove.end(), conditional.at_start.remove.begin(), conditional.at_start.remove.end());
+    fired.numbers.insert(fired.numbers.end(), conditional.at_start.numbers.begin(), conditional.at_start.numbers.end());
+  }
+  if (fired.empty()) {
+    apply_effects(a.at_start, state, seconds);
+  } else {
+    GroundEffects all = a.at_start;
+    all.add.insert(all.add.end(), fired.add.begin(), fired.add.end());
+    all.remove.insert(all.remove.end(), fired.remove.begin(), fired.remove.end());
+    all.numbers.insert(all.numbers.end(), fired.numbers.begin(), fired.numbers.end());
+    apply_effects(all, state, seconds);
+  }
+  return true;
+}
+
+bool Simulator::end(int action, Word* state, Micros duration, const Remembered& remembered) const {
+  const GroundAction& a = task_.actions[action];
+  const double seconds = static_cast<double>(duration) / kSecond;
+  if (!a.continuous.empty()) {
+    std::vector<double> changes;
+    for (const ContinuousEffect& effect : a.continuous) changes.push_back(effect.rate.evaluate(numbers(state), seconds) * seconds);
+    double* numbers = mutable_numbers(state);
+    for (std::size_t i = 0; i < changes.size(); ++i) numbers[a.continuous[i].number] += changes[i];
+    derive(state);
+    if (!over_all_holds(action, state, duration)) return false;  // linear in time: both ends decide
+  }
+  if (!holds(a.end, state, seconds)) return false;
+  for (const GroundDuration& constraint : a.duration) {
+    if (!constraint.at_end) continue;
+    const double bound = constraint.bound.evaluate(numbers(state));
+    if (constraint.comparison != Comparison::kLessEqual && !(seconds >= bound - 1e-6)) return false;
+    if (constraint.comparison != Comparison::kGreaterEqual && !(seconds <= bound + 1e-6)) return false;
+  }
+  if (a.conditional.empty()) {
+    apply_effects(a.at_end, state, seconds);
+    return true;
+  }
+  GroundEffects all = a.at_end;
+  for (std::size_t i = 0; i < a.conditional.size(); ++i) {
+    const ConditionalEffects& conditional = a.conditional[i];
+    if (!remembered[i] || !holds(conditional.over_all, state, seconds) || !holds(conditional.end, state, seconds)) continue;
+    all.add.insert(all.add.end(), conditional.at_end.add.begin(), conditional.at_end.add.end());
+    all.remove.insert(all.remove.end(), conditional.at_end.remove.begin(), conditional.at_end.remove.end());
+    all.numbers.insert(all.numbers.end(), conditional.at_end.numbers.begin(), conditional.at_end.numbers.end());
+  }
+  apply_effects(all, state, seconds);
+  return true;
+}
+
+bool Simulator::over_all_holds(int action, const Word* state, Micros duration) const {
+  return holds(task_.actions[action].over_all, state, static_cast<double>(duration) / kSecond);
+}
+
+void Simulator::apply_event(int event, Word* state) const { apply_effects(task_.events[event].effects, state, 0); }
+
+void Simulator::apply_effects(const GroundEffects& effects, Word* state, double duration_s) const {
+  std::vector<double> values;
+  for (const NumericEffect& effect : effects.numbers) values.push_back(effect.value.evaluate(numbers(state), duration_s));
+  double* numbers = mutable_numbers(state);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    double& number = numbers[effects.numbers[i].number];
+    switch (effects.numbers[i].kind) {
+      case NumericEffect::Kind::kAssign: number = values[i]; break;
+      case NumericEffect::Kind::kIncrease: number += values[i]; break;
+      case NumericEffect::Kind::kScale: number *= values[i]; break;
+    }
+    number += 0.0;  // no negative zero: equal states have equal bits
+  }
+  for (const int f : effects.remove) reset(state, f);
+  for (const int f : effects.add) set(state, f);
+  if (!task_.axioms.empty()) derive(state);
+}
+
+void Simulator::derive(Word* state) const {
+  if (task_.axioms.empty()) return;
+  for (const Axiom& axiom : task_.axioms) {
+    reset(state, axiom.head);
+    if (const int opposite = task_.facts[axiom.head].complement; opposite >= 0) set(state, opposite);
+  }
+  for (std::size_t f = 0; f < task_.facts.size(); ++f)  // derived, and no axiom is left
+    if (task_.facts[f].derived && task_.facts[f].is_complement && !is_set(state, task_.facts[f].complement)) set(state, static_cast<int>(f));
+  for (std::size_t begin = 0, stop = 0; begin < task_.axioms.size(); begin = stop) {
+    while (stop < task_.axioms.size() && task_.axioms[stop].stratum == task_.axioms[begin].stratum) ++stop;
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t i = begin; i < stop; ++i) {
+        const Axiom& axiom = task_.axioms[i];
+        if (is_set(state, axiom.head) || !holds(axiom.body, state)) continue;
+        set(state, axiom.head);
+        if (const int opposite = task_.facts[axiom.head].complement; opposite >= 0) reset(state, opposite);
+        changed = true;
+      }
+    }
+  }
+}
+
+}  // namespace cxlab::planner

@@ -1,0 +1,88 @@
+#pragma once
+// States of a ground task and what actions do to them when one follows the other.
+//
+// A state is an array of words: the bits of the facts, then the numbers as bits of doubles.
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "planner/ground/task.h"
+
+namespace cxlab::planner {
+
+using Word = std::uint64_t;
+using State = std::vector<Word>;
+
+inline bool is_set(const Word* state, int fact) { return (state[fact >> 6] >> (fact & 63)) & 1; }
+inline void set(Word* state, int fact) { state[fact >> 6] |= Word{1} << (fact & 63); }
+inline void reset(Word* state, int fact) { state[fact >> 6] &= ~(Word{1} << (fact & 63)); }
+
+struct DurationRange {
+  Micros least = 0;
+  Micros most = 0;  ///< kForever: any
+  static constexpr Micros kForever = std::numeric_limits<Micros>::max() / 4;
+};
+
+/// Values that conditional effects read when their action began.
+using Remembered = std::vector<char>;
+
+class Simulator {
+ public:
+  explicit Simulator(const GroundTask& task);
+
+  const GroundTask& task() const { return task_; }
+  int words() const { return words_; }  ///< of a whole state
+  State initial() const;
+  const double* numbers(const Word* state) const { return reinterpret_cast<const double*>(state + fact_words_); }
+
+  bool holds(const GroundCondition& condition, const Word* state, double duration_s = 0) const;
+  bool is_goal(const Word* state) const { return holds(task_.goal, state); }
+
+  /// What must be true for an action to run from beginning to end with nothing beside it; `impossible` if it cannot.
+  const GroundCondition& whole_condition(int action) const { return whole_[action].condition; }
+  const GroundEffects& whole_effects(int action) const { return whole_[action].effects; }  ///< facts only; conditional ones are not in it
+  bool whole_impossible(int action) const { return whole_[action].impossible; }
+
+  /// Durations that the constraints allow in this state; none if there is no duration.
+  std::optional<DurationRange> durations(int action, const Word* state) const;
+
+  /// Runs the whole action; `duration` is the shortest one allowed. False, and the state is spoilt, if it cannot run.
+  bool apply(int action, Word* state, Micros& duration) const;
+  /// The same with a duration given.
+  bool apply_with(int action, Word* state, Micros duration) const;
+
+  /// Begins an action: conditions at the start, effects. Conditions over all are not looked at.
+  bool begin(int action, Word* state, Micros duration, Remembered& remembered) const;
+  /// Ends an action that began `duration` ago.
+  bool end(int action, Word* state, Micros duration, const Remembered& remembered) const;
+  bool over_all_holds(int action, const Word* state, Micros duration) const;
+  void apply_event(int event, Word* state) const;
+
+  /// Sets the derived facts.
+  void derive(Word* state) const;
+
+ private:
+  struct Whole {
+    GroundCondition condition;
+    GroundEffects effects;
+    bool impossible = false;
+    bool plain = false;        ///< condition and effects of facts are all there is
+    bool fixed = false;        ///< the duration is a constant
+    Micros duration = 0;
+  };
+
+  double* mutable_numbers(Word* state) const { return reinterpret_cast<double*>(state + fact_words_); }
+  void apply_effects(const GroundEffects& effects, Word* state, double duration_s) const;
+  Whole make_whole(const GroundAction& action) const;
+
+  const GroundTask& task_;
+  int fact_words_ = 0;
+  int words_ = 0;
+  std::vector<Whole> whole_;
+};
+
+}  // namespace cxlab::planner
