@@ -103,17 +103,22 @@ class DomainParser {
       if (domain_.type_names.emplace(node.word, fresh).second)
         domain_.types.push_back({std::string(node.word), {}, resolver_.source(node)});
     };
+    std::vector<const Node*> parents;  // which may stand nowhere else
     for (std::size_t i = 1; i < section.items.size(); ++i) {
       const Node& item = section.items[i];
-      if (!item.is_list) {
-        if (item.word != "-") add(item);
-        continue;
+      const bool is_parent = section.items[i - 1].is_word("-");
+      if (item.is_list && (!is_parent || item.head() != "either")) return fail(item, "found " + excerpt(item) + ", expected a type");
+      if (item.is_list) {
+        for (std::size_t k = 1; k < item.items.size(); ++k) parents.push_back(&item.items[k]);
+      } else if (is_parent) {
+        parents.push_back(&item);
+      } else if (item.word != "-") {
+        add(item);
       }
-      if (item.head() != "either" || !section.items[i - 1].is_word("-")) return fail(item, "found " + excerpt(item) + ", expected a type");
-      for (std::size_t k = 1; k < item.items.size(); ++k) {
-        if (item.items[k].is_list) return fail(item, "found " + excerpt(item.items[k]) + ", expected a type");
-        add(item.items[k]);
-      }
+    }
+    for (const Node* parent : parents) {
+      if (parent->is_list) return fail(*parent, "found " + excerpt(*parent) + ", expected a type");
+      add(*parent);
     }
     return true;
   }
@@ -168,9 +173,10 @@ class DomainParser {
       const auto [known, fresh] = constant_names_.emplace(entry.name->word, static_cast<int>(domain_.constants.size()));
       if (fresh) {
         domain_.constants.push_back({std::string(entry.name->word), std::move(entry.types), resolver_.source(*entry.name)});
-      } else if (domain_.constants[known->second].types != entry.types) {
-        return fail(*entry.name, "found constant '" + known->first + "' a second time with another type" +
-                                     resolver_.declared(domain_.constants[known->second].source));
+      } else {  // declared twice: it belongs to both types
+        auto& types = domain_.constants[known->second].types;
+        for (const TypeId type : entry.types)
+          if (std::find(types.begin(), types.end(), type) == types.end()) types.push_back(type);
       }
     }
     return true;

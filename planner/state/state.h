@@ -1,0 +1,166 @@
+#pragma once
+// What is true and what numbers are, at one instant; and how conditions are evaluated and effects collected in it.
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "planner/pddl/model.h"
+
+namespace cxlab::planner {
+
+/// The objects bound to the slots of an action, rule or goal.
+using Frame = std::vector<ObjectId>;
+
+/// Truth of ground atoms and values of ground functions. A value may change linearly with time.
+class State {
+ public:
+  /// Nothing is true, nothing has a value.
+  explicit State(const Domain& domain) : facts_(domain.predicates.size()), numbers_(domain.functions.size()) {}
+  /// The initial state, without derived facts.
+  State(const Domain& domain, const Problem& problem);
+
+  bool holds(PredicateId predicate, std::span<const ObjectId> objects) const;
+  void set(PredicateId predicate, std::span<const ObjectId> objects, bool value);
+  /// Makes all facts of a predicate false.
+  void clear(PredicateId predicate) { facts_[predicate].clear(); }
+
+  /// The value now; none where it is undefined.
+  std::optional<double> value(FunctionId function, std::span<const ObjectId> objects) const;
+  void set_value(FunctionId function, std::span<const ObjectId> objects, double value);
+  /// Forgets a value.
+  void clear_value(FunctionId function, std::span<const ObjectId> objects);
+
+  /// Change a second of a defined value; 0 for others.
+  double rate(FunctionId function, std::span<const ObjectId> objects) const;
+  void add_rate(FunctionId function, std::span<const ObjectId> objects, double rate);
+  void clear_rates();
+  bool has_rates() const { return !changing_.empty(); }
+  /// Looks `seconds` ahead along the rates; 0 = now. Values that are set meanwhile are set for now.
+  void look_ahead(double seconds) { ahead_ = seconds; }
+  /// Moves all changing values on.
+  void advance(double seconds);
+
+  /// All that is true, and all values, in the order in which it became so.
+  std::vector<Fact> facts() const;
+  std::vector<Assignment> values() const;
+
+ private:
+  struct Hash {
+    using is_transparent = void;
+    std::size_t operator()(std::span<const ObjectId> objects) const {
+      std::uint64_t hash = 0x9e3779b97f4a7c15u;
+      for (const ObjectId object : objects) hash = (hash ^ static_cast<std::uint64_t>(object)) * 0x100000001b3u + (hash >> 29);
+      return hash;
+    }
+  };
+  struct Same {
+    using is_transparent = void;
+    bool operator()(std::span<const ObjectId> a, std::span<const ObjectId> b) const {
+      return std::equal(a.begin(), a.end(), b.begin(), b.end());
+    }
+  };
+  struct Number {
+    double value = 0;
+    double rate = 0;
+    std::uint64_t order = 0;
+  };
+  template <class T>
+  using Table = std::unordered_map<std::vector<ObjectId>, T, Hash, Same>;
+
+  const Number* number(FunctionId function, std::span<const ObjectId> objects) const;
+
+  std::vector<Table<std::uint64_t>> facts_;  // by predicate: when it became true
+  std::vector<Table<Number>> numbers_;       // by function
+  std::vector<Fact> changing_;               // functions with a rate, as `predicate`
+  std::uint64_t changes_ = 0;  // counted for the order of facts() and values()
+  double ahead_ = 0;
+};
+
+/// Compares as the validator does: numbers that differ by less than 1e-9 (relative, above 1) are equal.
+bool compare(double left, Comparison comparison, double right);
+
+/// One ground effect. `value` is the right-hand side of the numeric kinds.
+struct Change {
+  Effect::Kind kind = Effect::Kind::kAdd;
+  int id = -1;  ///< predicate or function
+  std::vector<ObjectId> objects;
+  double value = 0;
+  const Effect* effect = nullptr;
+};
+
+/// Evaluates parts of a task. Outlived by domain and problem; made anew when objects are added or removed.
+class Evaluator {
+ public:
+  Evaluator(const Domain& domain, const Problem& problem) : domain_(domain), problem_(problem) {}
+
+  /// Whether `condition` holds. A comparison that reads an undefined value does not hold. `frame` has one entry a
+  /// slot; those of quantifiers are overwritten. `duration` is that of the action, where there is one.
+  bool holds(const Condition& condition, Frame& frame, const State& state, double duration = 0) const;
+
+  /// A number; none if an undefined value is read, or something is divided by 0.
+  std::optional<double> number(const Expression& expression, const Frame& frame, const State& state, double duration = 0) const;
+
+  /// Calls `visit` for every binding of `variables` in `frame`; stops when it returns false, and then gives false.
+  template <class Visit>
+  bool each_binding(const std::vector<Variable>& variables, Frame& frame, Visit visit, std::size_t from = 0) const {
+    if (from == variables.size()) return visit();
+    for (const ObjectId object : candidates(variables[from])) {
+      frame[variables[from].slot] = object;
+      if (!each_binding(variables, frame, visit, from + 1)) return false;
+    }
+    return true;
+  }
+  /// The objects that a variable may be.
+  const std::vector<ObjectId>& candidates(const Variable& variable) const;
+
+  /// The effect with every binding of its variables for which `when(frame)` is true. False when a right-hand side has
+  /// no value; `failed` is then that effect's.
+  template <class When>
+  bool collect(const Effect& effect, Frame& frame, const State& state, double duration, When when, std::vector<Change>& out) const {
+    return each_binding(effect.variables, frame, [&] {
+      if (!when(frame)) return true;
+      return ground(effect, frame, state, duration, out);
+    });
+  }
+
+  /// Recomputes all facts of derived predicates.
+  void derive(State& state) const;
+
+  const Domain& domain() const { return domain_; }
+  const Problem& problem() const { return problem_; }
+
+ private:
+  bool ground(const Effect& effect, const Frame& frame, const State& state, double duration, std::vector<Change>& out) const;
+
+  const Domain& domain_;
+  const Problem& problem_;
+  mutable std::map<std::vector<TypeId>, std::vector<ObjectId>> by_types_;  // found before, found again
+};
+
+/// Applies changes that were collected in one state: deletes, then adds, then numbers in their order. False if a number
+/// that is changed relatively has no value.
+bool apply_changes(const std::vector<Change>& changes, State& state);
+
+/// The objects of terms in a frame, without allocation for the usual few.
+class Objects {
+ public:
+  Objects(const std::vector<Term>& terms, const Frame& frame);
+  operator std::span<const ObjectId>() const { return {data(), size_}; }
+  const ObjectId* begin() const { return data(); }
+  const ObjectId* end() const { return data() + size_; }
+
+ private:
+  static constexpr std::size_t kFew = 12;
+  const ObjectId* data() const { return size_ <= kFew ? few_ : many_.data(); }
+
+  std::size_t size_;
+  ObjectId few_[kFew];
+  std::vector<ObjectId> many_;
+};
+
+}  // namespace cxlab::planner
