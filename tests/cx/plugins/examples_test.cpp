@@ -49,5 +49,20 @@ TEST(Examples, RosMsgs) {
   EXPECT_THAT(lines_of("ros_msgs", 2), IsSupersetOf({"info listener: \033[36mheard: it is 0.5", "info talker: the listener says: as you wish"}));
 }
 
+TEST(Examples, RosParam) {
+  EXPECT_THAT(lines_of("ros_param", 1), IsSupersetOf({"info main: R1 drives at 0.8 m/s", "info main: tools: \"gripper\" \"camera\"", "info main: tries: 3"}));
+}
+
+TEST(Examples, Tf2PoseTracker) {
+  const auto lines = lines_of("tf2_pose_tracker", 5);
+  EXPECT_THAT(lines, IsSupersetOf({"info watcher: gripper is at 0.5 1, seen at 0.4 s", "info watcher: gripper is at 1 1, seen at 1.4 s"}));
+  EXPECT_THAT(lines, ::testing::Not(::testing::Contains(::testing::HasSubstr("seen at 2.4 s"))));
+}
+
+TEST(Examples, Example) {
+  EXPECT_THAT(lines_of("example", 1), IsSupersetOf({"info example: Initializing plugin for environment main", "info main: nothing was to do",
+                                                    "info example: Destroying plugin for environment main"}));
+}
+
 }  // namespace
 }  // namespace cxlab::cx
