@@ -68,7 +68,12 @@ struct GroundComparison {
     if (kind == Kind::kNotNegative) return value >= -kTolerance;
     return value >= -kTolerance && value <= kTolerance;
   }
-  bool holds(const double* numbers, double duration_s = 0) const { return accepts(expression.evaluate(numbers, duration_s)); }
+  bool holds(const double* numbers, double duration_s = 0) const {
+    if (!linear.is_linear) return accepts(expression.evaluate(numbers, duration_s));
+    double value = linear.constant + linear.duration_weight * duration_s;
+    for (const auto& [number, weight] : linear.weights) value += weight * numbers[number];
+    return accepts(value);
+  }
 };
 
 struct GroundCondition {

@@ -115,21 +115,26 @@ void Touches::write(std::vector<Touch>& touches, const GroundEffects& effects, b
 void Timeline::clear() {
   std::ranges::fill(keys_, Last{});
   next_event_ = 0;
+  appended_ = 0;
   makespan_ = 0;
 }
 
-Micros Timeline::after(const Last& last, std::uint8_t does) {
-  Micros earliest = kEver;
-  if (does & Touch::kRead) earliest = std::max({earliest, last.up, last.down});
-  if (does & Touch::kUp) earliest = std::max({earliest, last.read, last.down});
-  if (does & Touch::kDown) earliest = std::max({earliest, last.read, last.up});
-  return earliest + kSeparation;
+Timeline::Latest Timeline::after(const Last& last, std::uint8_t does) {
+  const auto later = [](const Latest& a, const Latest& b) { return a.time >= b.time ? a : b; };
+  Latest latest;
+  if (does & Touch::kRead) latest = later(last.up, last.down);
+  if (does & Touch::kUp) latest = later(latest, later(last.read, last.down));
+  if (does & Touch::kDown) latest = later(latest, later(last.read, last.up));
+  return latest;
 }
 
-void Timeline::note(Last& last, std::uint8_t does, Micros time) {
-  if (does & Touch::kRead) last.read = std::max(last.read, time);
-  if (does & Touch::kUp) last.up = std::max(last.up, time);
-  if (does & Touch::kDown) last.down = std::max(last.down, time);
+void Timeline::note(Last& last, std::uint8_t does, Micros time) const {
+  const auto keep = [&](Latest& latest) {
+    if (time > latest.time) latest = {time, appended_};
+  };
+  if (does & Touch::kRead) keep(last.read);
+  if (does & Touch::kUp) keep(last.up);
+  if (does & Touch::kDown) keep(last.down);
 }
 
 bool Timeline::before_events(int key, std::uint8_t does, Micros time) const {
@@ -144,10 +149,15 @@ bool Timeline::before_events(int key, std::uint8_t does, Micros time) const {
 Micros Timeline::append(int action, Micros duration) {
   const std::span<const Touch> touches = touches_.of(action);
   Micros start = 0;
+  cause_ = -1;
+  const auto wait = [&](const Latest& latest, Micros offset) {
+    const Micros earliest = latest.time + kSeparation - offset;
+    if (earliest > start) start = earliest, cause_ = latest.by;
+  };
   for (const Touch& touched : touches) {
     const Last& last = keys_[touched.key];
-    if (touched.at_start) start = std::max(start, after(last, touched.at_start));
-    if (touched.at_end) start = std::max(start, after(last, touched.at_end) - duration);
+    if (touched.at_start) wait(after(last, touched.at_start), 0);
+    if (touched.at_end) wait(after(last, touched.at_end), duration);
   }
   if (next_event_ < static_cast<int>(touches_.events().size()))
     for (const Touch& touched : touches)
@@ -160,15 +170,17 @@ Micros Timeline::append(int action, Micros duration) {
     if (touched.at_end) note(last, touched.at_end, start + duration);
   }
   makespan_ = std::max(makespan_, start + duration);
+  ++appended_;
   return start;
 }
 
 bool Timeline::append_event() {
   const Micros time = touches_.events()[next_event_].time;
   for (const Touch& touched : touches_.of_event(next_event_))
-    if (after(keys_[touched.key], touched.at_start) > time) return false;
+    if (after(keys_[touched.key], touched.at_start).time + kSeparation > time) return false;
   for (const Touch& touched : touches_.of_event(next_event_)) note(keys_[touched.key], touched.at_start, time);
   ++next_event_;
+  ++appended_;
   return true;
 }
 

@@ -61,24 +61,32 @@ class Timeline {
   void clear();
   /// Appends an action; its start, or kNever if an event that has not been appended forbids it.
   Micros append(int action, Micros duration);
+  /// The earlier append (0, 1, ...) that kept the last one from starting sooner; -1: none did.
+  int cause() const { return cause_; }
   /// Lets the next event happen after all that has been appended. False if that is too late.
   bool append_event();
   int next_event() const { return next_event_; }
   Micros makespan() const { return makespan_; }
 
  private:
+  struct Latest {
+    Micros time = kEver;
+    int by = -1;  ///< append
+  };
   struct Last {
-    Micros read = kEver, up = kEver, down = kEver;  ///< latest happening of each kind
+    Latest read, up, down;  ///< latest happening of each kind
   };
   static constexpr Micros kEver = -kSeparation;
 
-  static Micros after(const Last& last, std::uint8_t does);
-  static void note(Last& last, std::uint8_t does, Micros time);
+  static Latest after(const Last& last, std::uint8_t does);
+  void note(Last& last, std::uint8_t does, Micros time) const;
   bool before_events(int key, std::uint8_t does, Micros time) const;
 
   const Touches& touches_;
   std::vector<Last> keys_;
   int next_event_ = 0;
+  int appended_ = 0;
+  int cause_ = -1;
   Micros makespan_ = 0;
 };
 

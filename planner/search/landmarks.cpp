@@ -7,7 +7,7 @@ namespace cxlab::planner {
 
 Landmarks::Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std::int64_t most_work)
     : simulator_(simulator), facts_(relaxed.facts()) {
-  const State initial = simulator.initial();
+  const PackedState initial = simulator.initial();
   const std::size_t atoms = static_cast<std::size_t>(relaxed.atoms()), words = (atoms + 63) / 64;
   const auto& operators = relaxed.operators();
   std::int64_t one_round = 0;

@@ -121,7 +121,7 @@ class Queue {
 
 }  // namespace
 
-SearchEnd LazySearch::run(const State& start, const LazyOptions& options, Budget& budget, Sequence& found) {
+SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, Budget& budget, Sequence& found) {
   const GroundTask& task = simulator_.task();
   const int words = simulator_.words();
   const int events = static_cast<int>(task.events.size());
@@ -150,7 +150,7 @@ SearchEnd LazySearch::run(const State& start, const LazyOptions& options, Budget
     return true;
   };
 
-  State state = start;
+  PackedState state = start;
   std::vector<Word> reached(static_cast<std::size_t>(landmark_words), 0);
   if (landmark_words) landmarks_.mark(state.data(), reached.data());
   int node = nodes.add(state.data(), reached.data(), {});

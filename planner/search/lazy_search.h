@@ -43,7 +43,7 @@ class LazySearch {
       : simulator_(simulator), touches_(touches), relaxed_(relaxed), landmarks_(landmarks) {}
 
   /// Looks for a sequence from `start` (of which `reached` landmarks are marked by itself) to the goal.
-  SearchEnd run(const State& start, const LazyOptions& options, Budget& budget, Sequence& found);
+  SearchEnd run(const PackedState& start, const LazyOptions& options, Budget& budget, Sequence& found);
 
  private:
   const Simulator& simulator_;

@@ -24,7 +24,7 @@ RelaxedTask::RelaxedTask(const Simulator& simulator, bool unit_costs) {
   atoms_ = facts_ + static_cast<int>(task.comparisons.size());
   std::vector<double> lengths;
   double sum = 0;
-  const State initial = simulator.initial();
+  const PackedState initial = simulator.initial();
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
     const std::optional<DurationRange> range = task.actions[a].durative ? simulator.durations(static_cast<int>(a), initial.data()) : DurationRange{};
     lengths.push_back(range ? static_cast<double>(range->least) : 0.0);

@@ -10,6 +10,15 @@ namespace {
 constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
 constexpr double kLongest = 1e12;  ///< seconds; beyond it a duration is not taken for one
 
+void change(double& number, NumericEffect::Kind kind, double value) {
+  switch (kind) {
+    case NumericEffect::Kind::kAssign: number = value; break;
+    case NumericEffect::Kind::kIncrease: number += value; break;
+    case NumericEffect::Kind::kScale: number *= value; break;
+  }
+  number += 0.0;  // no negative zero: equal states have equal bits
+}
+
 bool contains(const std::vector<int>& sorted, int item) { return std::ranges::binary_search(sorted, item); }
 
 void sort_unique(std::vector<int>& items) {
@@ -45,13 +54,15 @@ Simulator::Whole Simulator::make_whole(const GroundAction& action) const {
   std::ranges::set_union(kept, action.at_end.add, std::back_inserter(whole.effects.add));
   std::ranges::set_union(action.at_start.remove, action.at_end.remove, std::back_inserter(whole.effects.remove));
   std::erase_if(whole.effects.remove, [&](int f) { return contains(whole.effects.add, f); });
-  whole.plain = action.conditional.empty() && action.continuous.empty() && action.at_start.numbers.empty() && action.at_end.numbers.empty() &&
-                task_.axioms.empty();
+  whole.numbers = action.at_start.numbers;
+  whole.numbers.insert(whole.numbers.end(), action.at_end.numbers.begin(), action.at_end.numbers.end());
+  whole.plain = action.conditional.empty() && action.continuous.empty() && task_.axioms.empty() &&
+                std::ranges::all_of(whole.numbers, [](const NumericEffect& effect) { return effect.value.is_constant(); });
   const auto constant = [](const GroundDuration& duration) { return duration.bound.is_constant() && !duration.at_end; };
   if (!action.durative) {
     whole.fixed = true;
   } else if (std::ranges::all_of(action.duration, constant)) {
-    const State none(static_cast<std::size_t>(words_), 0);
+    const PackedState none(static_cast<std::size_t>(words_), 0);
     const int index = static_cast<int>(&action - task_.actions.data());
     if (const std::optional<DurationRange> range = durations(index, none.data())) {
       whole.fixed = true;
@@ -66,8 +77,8 @@ Simulator::Whole Simulator::make_whole(const GroundAction& action) const {
   return whole;
 }
 
-State Simulator::initial() const {
-  State state(static_cast<std::size_t>(words_), 0);
+PackedState Simulator::initial() const {
+  PackedState state(static_cast<std::size_t>(words_), 0);
   for (std::size_t f = 0; f < task_.facts.size(); ++f)
     if (task_.initial_facts[f]) set(state.data(), static_cast<int>(f));
   std::ranges::copy(task_.initial_numbers, mutable_numbers(state.data()));
@@ -117,6 +128,7 @@ bool Simulator::apply_with(int action, Word* state, Micros duration) const {
   if (whole.plain) {
     for (const int f : whole.effects.remove) reset(state, f);
     for (const int f : whole.effects.add) set(state, f);
+    for (const NumericEffect& effect : whole.numbers) change(mutable_numbers(state)[effect.number], effect.kind, effect.value.steps[0].value);
     return true;
   }
   Remembered remembered;
@@ -195,15 +207,7 @@ void Simulator::apply_effects(const GroundEffects& effects, Word* state, double 
   std::vector<double> values;
   for (const NumericEffect& effect : effects.numbers) values.push_back(effect.value.evaluate(numbers(state), duration_s));
   double* numbers = mutable_numbers(state);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    double& number = numbers[effects.numbers[i].number];
-    switch (effects.numbers[i].kind) {
-      case NumericEffect::Kind::kAssign: number = values[i]; break;
-      case NumericEffect::Kind::kIncrease: number += values[i]; break;
-      case NumericEffect::Kind::kScale: number *= values[i]; break;
-    }
-    number += 0.0;  // no negative zero: equal states have equal bits
-  }
+  for (std::size_t i = 0; i < values.size(); ++i) change(numbers[effects.numbers[i].number], effects.numbers[i].kind, values[i]);
   for (const int f : effects.remove) reset(state, f);
   for (const int f : effects.add) set(state, f);
   if (!task_.axioms.empty()) derive(state);

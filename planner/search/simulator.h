@@ -15,7 +15,7 @@
 namespace cxlab::planner {
 
 using Word = std::uint64_t;
-using State = std::vector<Word>;
+using PackedState = std::vector<Word>;
 
 inline bool is_set(const Word* state, int fact) { return (state[fact >> 6] >> (fact & 63)) & 1; }
 inline void set(Word* state, int fact) { state[fact >> 6] |= Word{1} << (fact & 63); }
@@ -36,7 +36,7 @@ class Simulator {
 
   const GroundTask& task() const { return task_; }
   int words() const { return words_; }  ///< of a whole state
-  State initial() const;
+  PackedState initial() const;
   const double* numbers(const Word* state) const { return reinterpret_cast<const double*>(state + fact_words_); }
 
   bool holds(const GroundCondition& condition, const Word* state, double duration_s = 0) const;
@@ -70,7 +70,8 @@ class Simulator {
     GroundCondition condition;
     GroundEffects effects;
     bool impossible = false;
-    bool plain = false;        ///< condition and effects of facts are all there is
+    std::vector<NumericEffect> numbers;  ///< in the order of time
+    bool plain = false;        ///< condition, effects and constant changes of numbers are all there is
     bool fixed = false;        ///< the duration is a constant
     Micros duration = 0;
   };

@@ -1,0 +1,61 @@
+#pragma once
+// Shorter plans from a plan: local search over the order and the choice of its actions.
+//
+// A plan is a list of actions. Decoding runs through the list again and again, always taking the first action that can
+// be applied, until the goal is reached, and schedules as it goes; what remains is dropped. So any order is a plan as
+// long as the goal is reached, and moving one action drags along those that wait for it.
+
+#include <functional>
+#include <vector>
+
+#include "cx/base/random.h"
+#include "planner/search/lazy_search.h"
+
+namespace cxlab::planner {
+
+class LocalSearch {
+ public:
+  using OnBetter = std::function<void(const Sequence&, Micros makespan)>;
+
+  LocalSearch(const Simulator& simulator, const Touches& touches, std::uint64_t seed);
+
+  /// Takes a plan to go on from. Its makespan.
+  Micros start(const Sequence& plan);
+  /// Tries moves until the slice of the budget is over, or `most_idle` moves in a row gave no new best plan.
+  void run(Budget& budget, std::int64_t most_idle, const OnBetter& on_better);
+
+  const Sequence& best() const { return best_.order; }
+  Micros best_makespan() const { return best_.makespan; }
+
+ private:
+  struct Plan {
+    Sequence order;               ///< as executed
+    std::vector<Micros> starts;
+    std::vector<int> causes;      ///< by step: the step that it waits for
+    Micros makespan = 0;
+    double cost = 0;
+  };
+
+  bool decode(const Sequence& list, double most_cost, Plan& plan);
+  void set_current(Plan plan);
+  void make_move(Sequence& list);
+  void pull(Sequence& list, int step, int to) const;
+  void exchange(Sequence& list);
+  int critical_step();
+  std::vector<int> alternatives(int action) const;
+
+  const Simulator& simulator_;
+  const Touches& touches_;
+  RandomStream random_;
+  Timeline timeline_;
+  Plan current_, best_;
+  std::vector<Word> states_;        ///< before each step of the current plan
+  std::vector<int> critical_;       ///< steps that determine the makespan, the last one first
+  std::vector<std::vector<int>> achievers_;  ///< by fact, then number: actions that add it or change it
+  std::vector<double> history_;     ///< costs accepted some moves ago (late acceptance, Burke and Bykov 2017)
+  std::int64_t moves_ = 0;
+  PackedState scratch_, trial_;
+  std::int64_t work_ = 0;
+};
+
+}  // namespace cxlab::planner
