@@ -35,6 +35,19 @@ std::vector<std::string> prefixes(const Files& files) {
   return out;
 }
 
+/// Types and names of resources are words: with a path in them rules would look anywhere on the disk.
+Status check_word(std::string_view function, const char* what, std::string_view word) {
+  const std::string begin = "ament_index_cpp::" + std::string(function) + "() resource " + what;
+  if (word.empty()) return input_error(begin + " must not be empty");
+  if (word.find('/') != std::string_view::npos || word == "." || word == "..") return input_error(begin + " must be a word, found '" + std::string(word) + "'");
+  return {};
+}
+
+Status check_words(std::string_view function, const Call& call) {
+  if (Status s = check_word(function, "type", call.text(0)); !s) return s;
+  return call.size() < 2 ? Status() : check_word(function, "name", call.text(1));
+}
+
 /// A resource of the index: of type `packages` for every package, else what the prefixes' index folders hold.
 bool find_resource(const Files& files, std::string_view type, std::string_view name, std::string& content, std::string& prefix) {
   for (const std::string& package : files.packages()) {
@@ -88,16 +101,21 @@ class AmentIndexPlugin final : public Plugin {
          }},
         {{"ament-index-get-resource", "bm", 2, 2, ";sy;sy", FunctionKind::kPure, name(), "Content and path of a resource, or FALSE."},
          [](const Files& files, Call& call) -> Expected<Value> {
+           if (Status s = check_words("get_resource", call); !s) return s.error();
            std::string content, prefix;
            if (!find_resource(files, call.text(0), call.text(1), content, prefix)) return Value::boolean(false);
            return list({content, prefix});
          }},
         {{"ament-index-get-resources", "mb", 1, 1, ";sy", FunctionKind::kPure, name(), "Resources of a type and their prefixes, in turn."},
-         [](const Files& files, Call& call) -> Expected<Value> { return list(resources(files, call.text(0))); }},
+         [](const Files& files, Call& call) -> Expected<Value> {
+           if (Status s = check_words("get_resources", call); !s) return s.error();
+           return list(resources(files, call.text(0)));
+         }},
         {{"ament-index-get-search-paths", "m", 0, 0, "", FunctionKind::kPure, name(), "All prefixes."},
          [](const Files& files, Call&) -> Expected<Value> { return list(prefixes(files)); }},
         {{"ament-index-has-resource", "b", 2, 2, ";sy;sy", FunctionKind::kPure, name(), "Whether there is such a resource."},
          [](const Files& files, Call& call) -> Expected<Value> {
+           if (Status s = check_words("has_resource", call); !s) return s.error();
            std::string content, prefix;
            return Value::boolean(find_resource(files, call.text(0), call.text(1), content, prefix));
          }},

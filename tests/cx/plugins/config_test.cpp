@@ -123,32 +123,5 @@ TEST(InputLog, WhatRulesFindOutsideReplaysWithoutIt) {
   EXPECT_EQ(tape.next, tape.kept.size());
 }
 
-TEST(AmentIndex, KnowsThePackages) {
-  Lab lab;
-  lab.options.packages["far"] = {lab.folder / "copies", "/opt/share/far"};
-  lab.agent("");
-  lab.run_up();
-  const auto eval = [&](const std::string& expression) { return lab.engine().eval(expression)->print(); };
-  const std::string agent = (lab.folder / "agent").string();
-  EXPECT_EQ(eval("(ament-index-get-package-share-directory \"agent\")"), '"' + agent + '"');
-  EXPECT_EQ(eval("(ament-index-get-package-share-directory far)"), "\"/opt/share/far\"");
-  EXPECT_EQ(eval("(ament-index-get-package-prefix far)"), "\"/opt\"");
-  EXPECT_EQ(eval("(ament-index-get-packages-with-prefixes)"), "(\"agent\" \"" + agent + "\" \"far\" \"/opt\")");
-  EXPECT_EQ(eval("(ament-index-get-search-paths)"), "(\"" + agent + "\" \"/opt\")");
-  EXPECT_EQ(eval("(ament-index-has-resource packages far)"), "TRUE");
-  EXPECT_EQ(eval("(ament-index-get-resource packages far)"), "(\"\" \"/opt\")");
-  EXPECT_EQ(eval("(ament-index-get-resource packages fa)"), "FALSE");
-  EXPECT_EQ(eval("(ament-index-get-resources packages)"), "(\"agent\" \"" + agent + "\" \"far\" \"/opt\")");
-  EXPECT_EQ(eval("(ament-index-get-resources nothing)"), "()");
-}
-
-TEST(AmentIndex, AnUnknownPackageIsFalseAndAnErrorLine) {
-  Lab lab;
-  lab.agent("");
-  lab.run_up();
-  EXPECT_EQ(lab.engine().eval("(ament-index-get-package-share-directory agnt)")->print(), "FALSE");
-  EXPECT_THAT(lab.log.with("error "), ElementsAre("error ament_index: ament-index-get-package-share-directory: package 'agnt' not found, did you mean 'agent'?"));
-}
-
 }  // namespace
 }  // namespace cxlab::cx

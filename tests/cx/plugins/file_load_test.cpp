@@ -90,5 +90,41 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["a.clp"]
   EXPECT_THAT(lab.log.with("Created plugin"), SizeIs(1));
 }
 
+TEST(FileLoad, PackagesAreAskedInOrderAndOnlyWhenTheyAreReached) {
+  Lab lab;
+  lab.options.packages["other"] = {lab.folder / "other", {}};
+  lab.config(R"(environments: ["main"]
+main: {plugins: ["files"]}
+files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent", "other", "nowhere"], load: ["a.clp", "b.clp"]})");
+  lab.write("agent/a.clp", "(defrule a => (println \"a of agent\"))");
+  lab.write("other/a.clp", "(defrule a => (println \"a of other\"))");
+  lab.write("other/b.clp", "(defrule b => (println \"b of other\"))");
+  lab.run_up();
+  EXPECT_THAT(lab.log.with("info main: "), ::testing::UnorderedElementsAre("info main: a of agent", "info main: b of other"));
+}
+
+TEST(FileLoad, AFileThatIsNowhereDropsAllThatFollowWhenItKeepsGoing) {
+  Lab lab;
+  lab.options.keep_going = true;
+  lab.config(R"(environments: ["main"]
+main: {plugins: ["files"]}
+files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["a.clp", "none.clp", "b.clp"], batch: ["c.clp"], cleanup_batch: ["c.clp"]})");
+  lab.write("agent/a.clp", "(defrule a => (println \"a\"))");
+  lab.write("agent/b.clp", "(defrule b => (println \"b\"))");
+  lab.write("agent/c.clp", "(println \"c\")");
+  lab.run_up();
+  ASSERT_TRUE(lab.manager->deactivate().ok());
+  EXPECT_THAT(lab.log.with("info main: "), ElementsAre("info main: a"));
+  EXPECT_THAT(lab.log.with("error "), ElementsAre(HasSubstr("Cannot resolve file none.clp")));
+}
+
+TEST(FileLoad, RulesOfAnAbsolutePathAreTakenAsTheyAre) {
+  Lab lab;
+  const auto file = lab.write("elsewhere/a.clp", "(defrule a => (println \"absolute\"))");
+  lab.config("environments: [\"main\"]\nmain: {plugins: [\"files\"]}\nfiles: {plugin: \"cx::FileLoadPlugin\", load: [\"" + file.string() + "\"]}");
+  lab.run_up();
+  EXPECT_THAT(lab.log.with("absolute"), SizeIs(1));
+}
+
 }  // namespace
 }  // namespace cxlab::cx
