@@ -4,6 +4,8 @@
 #include <cctype>
 #include <system_error>
 
+#include "cx/executive/plugin_library.h"
+
 namespace cxlab::cx {
 
 namespace {
@@ -53,8 +55,23 @@ Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(Manager
     if (Status s = parameters->set(name.substr(prefix.size()), value, "--param " + name); !s) return s.error();
   }
   auto manager = std::unique_ptr<EnvironmentManager>(new EnvironmentManager(std::move(options), std::move(*parameters), bus, journal));
+  if (Status s = manager->add_packaged_plugins(); !s) return s.error();
   if (Status s = manager->check_configuration(); !s) return s.error();
   return manager;
+}
+
+Status EnvironmentManager::add_packaged_plugins() {
+  for (const std::string& package : files_.packages()) {
+    auto types = read_plugin_manifest(package, files_);
+    if (!types) return types.error();
+    for (PluginType& type : *types) {
+      for (const PluginType& other : options_.plugin_types)
+        if (other.name == type.name)
+          return input_error("plugin class '" + type.name + "' of package '" + package + "' has a name that is taken: give it a namespace of your own");
+      options_.plugin_types.push_back(std::move(type));
+    }
+  }
+  return {};
 }
 
 Expected<const PluginType*> EnvironmentManager::type_of(const std::string& instance, const std::string& environment) const {
@@ -108,6 +125,7 @@ Status EnvironmentManager::check_configuration() {
         if (!options_.keep_going) return type.error();
         continue;  // told at activation, as in CX
       }
+      if ((*type)->any_parameter) continue;
       std::vector<std::string> known = (*type)->parameters;
       known.push_back("plugin");
       if (Status s = check_unknown(plugin, std::move(known), "plugin '" + plugin + "' (" + (*type)->name + ")"); !s) return s;
@@ -179,17 +197,18 @@ Status EnvironmentManager::load_plugin(Entry& entry, const std::string& name) {
     if (!type) return type.error();
     std::string class_name;
     if (Status s = parameters_.read(name + ".plugin", class_name); !s) return s;
-    PluginContext context{name, class_name, parameters_, bus_, node_, files_, options_.epoch, options_.keep_going,
+    PluginContext context{name, class_name, {}, parameters_, bus_, node_, files_, options_.epoch, options_.keep_going,
                           [this](Error e) { load_errors_.push_back(std::move(e)); },
                           [this](LogLevel level, std::string_view logger, std::string_view text) { log(level, logger, text); }};
-    auto plugin = (*type)->make(std::move(context));
-    if (Status s = plugin->initialize(); !s) return s;
+    auto plugin = make_plugin(**type, std::move(context));
+    if (!plugin) return plugin.error();
+    if (Status s = call_plugin(**plugin, "initialize", [&] { return (*plugin)->initialize(); }); !s) return s;
     log(LogLevel::kInfo, options_.node, "Created plugin: " + name + " of type " + class_name + " on activation");
-    instances_.push_back({name, Instance{std::move(plugin), 0}});
+    instances_.push_back({name, Instance{*std::move(plugin), 0}});
     found = instances_.end() - 1;
   }
   Plugin& plugin = *found->second.plugin;
-  if (Status s = plugin.clips_env_init(EnvironmentGuard(*entry.environment)); !s) {
+  if (Status s = call_plugin(plugin, "clips_env_init", [&] { return plugin.clips_env_init(EnvironmentGuard(*entry.environment)); }); !s) {
     entry.environment->engine().remove_functions_of(name);
     return s;
   }
@@ -229,14 +248,21 @@ Status EnvironmentManager::deactivate() {
   for (Entry& entry : environments_) {
     entry.environment->end();
     for (auto it = entry.loaded.rbegin(); it != entry.loaded.rend(); ++it) {
-      (*it)->clips_env_destroyed(EnvironmentGuard(*entry.environment));
+      keep_first(first, call_plugin(**it, "clips_env_destroyed", [&] {
+        (*it)->clips_env_destroyed(EnvironmentGuard(*entry.environment));
+        return Status();
+      }));
       entry.environment->engine().remove_functions_of((*it)->name());
       log(LogLevel::kInfo, options_.node, "[" + (*it)->name() + "] Deactivated!");
     }
     entry.loaded.clear();
     keep_first(first, entry.environment->check_errors());
   }
-  for (auto it = instances_.rbegin(); it != instances_.rend(); ++it) it->second.plugin->finalize();
+  for (auto it = instances_.rbegin(); it != instances_.rend(); ++it)
+    keep_first(first, call_plugin(*it->second.plugin, "finalize", [&] {
+      it->second.plugin->finalize();
+      return Status();
+    }));
   instances_.clear();
   keep_first(first, flush_logs());
   return first;
@@ -260,7 +286,7 @@ Status EnvironmentManager::decide_if_due(std::size_t i, SimTime now) {
   Entry& entry = environments_[i];
   for (Plugin* plugin : entry.loaded) {
     if (plugin->next_due(*entry.environment) > now) continue;
-    if (Status s = plugin->on_due(EnvironmentGuard(*entry.environment)); !s) return s;
+    if (Status s = call_plugin(*plugin, "on_due", [&] { return plugin->on_due(EnvironmentGuard(*entry.environment)); }); !s) return s;
   }
   return entry.environment->log_status();
 }

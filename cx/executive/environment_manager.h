@@ -84,7 +84,7 @@ class EnvironmentManager {
 
  private:
   struct Instance {
-    std::unique_ptr<Plugin> plugin;
+    std::shared_ptr<Plugin> plugin;  // as make_plugin gave it
     int users = 0;
   };
   struct Entry {
@@ -94,6 +94,7 @@ class EnvironmentManager {
   };
 
   EnvironmentManager(ManagerOptions options, Parameters parameters, bus::Bus& bus, RecordSink& journal);
+  Status add_packaged_plugins();
   Status check_configuration();
   Status check_unknown(const std::string& group, std::vector<std::string> known, const std::string& what);
   Expected<const PluginType*> type_of(const std::string& instance, const std::string& environment) const;

@@ -21,6 +21,7 @@ namespace cxlab::cx {
 struct PluginContext {
   std::string name;               ///< of the instance
   std::string type;               ///< as in YAML, e.g. "cx::FileLoadPlugin"
+  std::string library;            ///< file that it comes from; empty = built in
   Parameters& parameters;         ///< of the manager node
   bus::Bus& bus;
   bus::ParticipantId node{};      ///< the manager node on the bus
@@ -56,6 +57,7 @@ class Plugin {
 
   const std::string& name() const { return context_.name; }
   const std::string& type() const { return context_.type; }
+  const std::string& library() const { return context_.library; }
 
  protected:
   const PluginContext& context() const { return context_; }
@@ -71,14 +73,21 @@ class Plugin {
   PluginContext context_;
 };
 
+class PluginLibrary;
+
 /// A plugin class as YAML names it, or a family of classes that are made from their names.
 struct PluginType {
   std::string name;                     ///< "cx::ExecutivePlugin"; of a family a pattern for people, "cx::CX<Pkg><Name>Plugin"
   std::vector<std::string> parameters;  ///< that it reads, beside `plugin`
-  std::function<std::unique_ptr<Plugin>(PluginContext)> make;
+  std::function<std::unique_ptr<Plugin>(PluginContext)> make;  ///< none where a library has it
   /// Families only: whether a class is one of them, and the names of all (asked for when a class was not found).
   std::function<bool(const std::string& type, bus::Registry& interfaces)> has = {};
   std::function<std::vector<std::string>(bus::Registry& interfaces)> classes = {};
+  // Of classes in libraries of a user's own:
+  std::shared_ptr<PluginLibrary> library = {};
+  int line = 0;                         ///< in the manifest
+  std::string description = {};
+  bool any_parameter = false;           ///< the manifest does not list them
 };
 
 /// What a plugin keeps of each environment, in order of loading.

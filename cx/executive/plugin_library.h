@@ -1,0 +1,40 @@
+#pragma once
+// Plugins of a user's own: shared libraries that a package names in its manifest, `cxlab_plugins.yaml`.
+//
+//   library: libgreeter.so                # beside the manifest, else in <prefix>/lib of <prefix>/share/<package>
+//   plugins:
+//     - class: my::Greeter                # as in CXLAB_PLUGINS and in `plugin:` of a configuration
+//       base: cxlab::cx::Plugin           # may be left out
+//       description: Greets who comes.
+//       parameters: [greeting]            # that it reads; without this key any is taken
+//
+// A library is opened when its first instance is made and closed when the last has gone.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/executive/files.h"
+#include "cx/executive/plugin.h"
+
+namespace cxlab::cx {
+
+inline constexpr const char* kPluginManifest = "cxlab_plugins.yaml";
+inline constexpr const char* kPluginBase = "cxlab::cx::Plugin";
+
+/// The plugin classes of the package's manifest; none where it has no manifest. Nothing is opened. Bad manifests are
+/// errors with file:line.
+Expected<std::vector<PluginType>> read_plugin_manifest(const std::string& package, Files& files);
+
+/// Makes an instance. Of a library: opens it, which fails with kResource (not there, a library or a symbol that it needs is
+/// missing) or kInput (built with other headers, has no such class); file and line are those of the manifest.
+/// The library stays open as long as the instance lives.
+Expected<std::shared_ptr<Plugin>> make_plugin(const PluginType& type, PluginContext context);
+
+/// Calls a plugin. What it throws becomes an error of kind run, and what it returns is told with its name.
+Status call_plugin(const Plugin& plugin, std::string_view hook, const std::function<Status()>& call);
+
+}  // namespace cxlab::cx
