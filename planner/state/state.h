@@ -119,7 +119,7 @@ class Evaluator {
   const std::vector<ObjectId>& candidates(const Variable& variable) const;
 
   /// The effect with every binding of its variables for which `when(frame)` is true. False when a right-hand side has
-  /// no value; `failed` is then that effect's.
+  /// no value.
   template <class When>
   bool collect(const Effect& effect, Frame& frame, const State& state, double duration, When when, std::vector<Change>& out) const {
     return each_binding(effect.variables, frame, [&] {
@@ -128,6 +128,9 @@ class Evaluator {
     });
   }
 
+  /// The effect with the binding in `frame`. False when its right-hand side has no value.
+  bool ground(const Effect& effect, const Frame& frame, const State& state, double duration, std::vector<Change>& out) const;
+
   /// Recomputes all facts of derived predicates.
   void derive(State& state) const;
 
@@ -135,8 +138,6 @@ class Evaluator {
   const Problem& problem() const { return problem_; }
 
  private:
-  bool ground(const Effect& effect, const Frame& frame, const State& state, double duration, std::vector<Change>& out) const;
-
   const Domain& domain_;
   const Problem& problem_;
   mutable std::map<std::vector<TypeId>, std::vector<ObjectId>> by_types_;  // found before, found again

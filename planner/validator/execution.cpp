@@ -1,0 +1,355 @@
+#include "planner/validator/execution.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/pddl/parser.h"
+#include "planner/pddl/text.h"
+#include "planner/validator/crossing.h"
+
+namespace cxlab::planner {
+namespace {
+
+/// Plans end within thirty years.
+constexpr double kLatest = 1e9;
+
+Nanos to_nanos(double seconds) { return static_cast<Nanos>(std::llround(seconds * 1e9)); }
+
+bool reads_changing(const Expression& expression, const Frame& frame, const State& state) {
+  if (expression.kind == Expression::Kind::kFunction && state.rate(expression.function, Objects(expression.terms, frame)) != 0) return true;
+  return std::any_of(expression.operands.begin(), expression.operands.end(),
+                     [&](const Expression& operand) { return reads_changing(operand, frame, state); });
+}
+
+}  // namespace
+
+Execution::Execution(const Validator& validator, const Plan& plan, const ValidateOptions& options)
+    : validator_(validator),
+      evaluator_(validator.evaluator()),
+      domain_(evaluator_.domain()),
+      problem_(evaluator_.problem()),
+      plan_(plan),
+      options_(options),
+      epsilon_(to_nanos(options.epsilon)),
+      state_(validator.initial()) {}
+
+Expected<Verdict> Execution::run() {
+  verdict_.makespan = makespan(plan_);
+  if (!lay_out()) return std::move(verdict_);
+  Nanos now = 0;
+  bool right = true;
+  for (std::size_t first = 0; right && first < happenings_.size();) {
+    std::size_t last = first;
+    while (last < happenings_.size() && happenings_[last].time == happenings_[first].time) ++last;
+    current_ = first;
+    right = pass(now, happenings_[first].time) && happen(first, last);
+    now = happenings_[first].time;
+    first = last;
+  }
+  current_ = happenings_.size();
+  right = right && check_goal();
+  if (unsupported_) return *unsupported_;
+  verdict_.valid = right;
+  if (right && problem_.metric) {
+    verdict_.metric = evaluator_.number(problem_.metric->value, Frame{}, state_, verdict_.makespan);
+  }
+  return std::move(verdict_);
+}
+
+/// Fills starts, ends and happenings up to the end of the plan.
+bool Execution::lay_out() {
+  running_.resize(plan_.size());
+  for (int step = 0; step < static_cast<int>(plan_.size()); ++step) {
+    const PlanStep& planned = plan_[step];
+    const Action& action = action_of(step);
+    const double end = planned.start + planned.duration;
+    Violation violation;
+    violation.kind = Violation::Kind::kTime;
+    violation.time = planned.start;
+    violation.step = step;
+    if (!(std::abs(planned.start) < kLatest) || !(std::abs(end) < kLatest)) {
+      violation.message = describe_step(step) + ": found a time that is not below " + number_text(kLatest) + " s";
+      return fail(violation);
+    }
+    starts_.push_back(to_nanos(planned.start));
+    ends_.push_back(action.durative ? to_nanos(end) : starts_.back());
+    if (starts_.back() < 0) {
+      violation.message = describe_step(step) + " begins before 0";
+      violation.advice = "let all steps begin " + time_text(-planned.start) + " s later";
+      return fail(violation);
+    }
+    if (ends_.back() < starts_.back()) {
+      violation.kind = Violation::Kind::kDuration;
+      violation.message = describe_step(step) + " has a negative duration";
+      return fail(violation);
+    }
+    end_ = std::max(end_, ends_.back());
+    running_[step].frame = planned.arguments;
+    running_[step].frame.resize(static_cast<std::size_t>(action.slots));
+    if (action.durative) {
+      happenings_.push_back({starts_.back(), Happening::Kind::kStart, step});
+      happenings_.push_back({ends_.back(), Happening::Kind::kEnd, step});
+    } else {
+      happenings_.push_back({starts_.back(), Happening::Kind::kInstant, step});
+    }
+  }
+  std::vector<Nanos> outside;
+  for (const TimedFact& later : problem_.timed_facts) outside.push_back(to_nanos(later.time));
+  for (const TimedAssignment& later : problem_.timed_values) outside.push_back(to_nanos(later.time));
+  std::sort(outside.begin(), outside.end());
+  outside.erase(std::unique(outside.begin(), outside.end()), outside.end());
+  for (const Nanos time : outside)
+    if (time <= end_) happenings_.push_back({time, Happening::Kind::kOutside, -1});
+  std::stable_sort(happenings_.begin(), happenings_.end(), [](const Happening& a, const Happening& b) {
+    return a.time != b.time ? a.time < b.time : a.kind < b.kind;
+  });
+  return true;
+}
+
+/// Time goes on with nothing happening.
+bool Execution::pass(Nanos from, Nanos to) {
+  if (from == to) return true;
+  const double length = to_seconds(to - from);
+  std::vector<int> by_number = active_;
+  std::sort(by_number.begin(), by_number.end());
+  for (const int step : by_number) {
+    if (!hold_over_all(step, length)) return false;
+    drop_pending(step, length);
+  }
+  state_.advance(length);
+  return true;
+}
+
+bool Execution::hold_over_all(int step, double length) {
+  const Condition& condition = action_of(step).condition.over_all;
+  if (condition.is_true()) return true;
+  const double began = to_seconds(happenings_[current_].time) - length;
+  for (const double ahead : sample_points(evaluator_, condition, running_[step].frame, state_, duration_of_step(step), length)) {
+    state_.look_ahead(ahead);
+    if (!holds(condition, step)) return fail_condition(step, condition, "over all", state_.has_rates() ? began + ahead : began);
+  }
+  state_.look_ahead(0);
+  return true;
+}
+
+/// Forgets conditional effects whose condition over all was broken.
+void Execution::drop_pending(int step, double length) {
+  for (Pending& pending : running_[step].pending) {
+    const Condition& condition = pending.effect->condition.over_all;
+    if (condition.is_true()) continue;
+    std::erase_if(pending.frames, [&](Frame& frame) {
+      const auto points = sample_points(evaluator_, condition, frame, state_, duration_of_step(step), length);
+      const bool held = std::all_of(points.begin(), points.end(), [&](double ahead) {
+        state_.look_ahead(ahead);
+        return evaluator_.holds(condition, frame, state_, duration_of_step(step));
+      });
+      state_.look_ahead(0);
+      return !held;
+    });
+  }
+}
+
+/// All that happens at one time: conditions first, then effects together.
+bool Execution::happen(std::size_t first, std::size_t last) {
+  for (std::size_t i = first; i < last; ++i)
+    if (!conditions_of(happenings_[i])) return false;
+  const std::size_t known = records_.size();
+  for (std::size_t i = first; i < last; ++i) {
+    Record record{happenings_[i], {}};
+    if (!collect(happenings_[i], record.changes)) return false;
+    records_.push_back(std::move(record));
+  }
+  if (!check_interference(first, last)) return false;
+  bool rates_change = state_.has_rates();
+  for (std::size_t i = first; i < last; ++i) {
+    const Happening& happening = happenings_[i];
+    const Record& record = records_[known + (i - first)];
+    if (!apply_changes(record.changes, state_)) {
+      for (const Change& change : record.changes)
+        if (change.effect != nullptr && change.effect->is_numeric()) return fail_effect(happening.step, *change.effect, to_seconds(happening.time));
+    }
+    if (happening.kind == Happening::Kind::kStart) active_.push_back(happening.step);
+    if (happening.kind == Happening::Kind::kEnd) std::erase(active_, happening.step);
+    if (happening.kind == Happening::Kind::kStart)
+      for (const Effect& effect : action_of(happening.step).effects) rates_change = rates_change || effect.time == Effect::Time::kContinuous;
+  }
+  evaluator_.derive(state_);
+  return !rates_change || set_rates();
+}
+
+bool Execution::duration_of(const Happening& happening) {
+  const Action& action = action_of(happening.step);
+  const double duration = duration_of_step(happening.step);
+  for (const DurationConstraint& constraint : action.duration) {
+    if (constraint.at_end != (happening.kind == Happening::Kind::kEnd)) continue;
+    const auto bound = evaluator_.number(constraint.bound, running_[happening.step].frame, state_);
+    const double gap = bound ? duration - *bound : 0;
+    const bool low = bound && constraint.comparison != Comparison::kLessEqual && gap < -options_.duration_tolerance - 1e-9;
+    const bool high = bound && constraint.comparison != Comparison::kGreaterEqual && gap > options_.duration_tolerance + 1e-9;
+    if (bound && !low && !high) continue;
+    Violation violation;
+    violation.kind = Violation::Kind::kDuration;
+    violation.time = to_seconds(happening.time);
+    violation.step = happening.step;
+    violation.when = constraint.at_end ? "at end" : "at start";
+    Printer printer(domain_, problem_.objects);
+    printer.name_objects(plan_[happening.step].arguments);
+    violation.condition = printer.expression(constraint.bound);
+    violation.message = describe_step(happening.step) + ": the duration is " + time_text(duration);
+    if (!bound) {
+      violation.message += ", but its bound " + violation.condition + " has no value";
+    } else {
+      const char* verb = constraint.comparison == Comparison::kEqual ? "" : low ? "at least " : "at most ";
+      violation.message += ", expected " + (verb + time_text(*bound));
+      violation.advice = "write [" + time_text(*bound) + "]";
+    }
+    return fail(violation);
+  }
+  return true;
+}
+
+bool Execution::conditions_of(const Happening& happening) {
+  if (happening.kind == Happening::Kind::kOutside) return true;
+  const TimedCondition& condition = action_of(happening.step).condition;
+  const bool at_end = happening.kind == Happening::Kind::kEnd;
+  if (!duration_of(happening)) return false;
+  const Condition& now = at_end ? condition.end : condition.start;
+  if (!holds(now, happening.step)) {
+    const char* when = happening.kind == Happening::Kind::kInstant ? "" : at_end ? "at end" : "at start";
+    return fail_condition(happening.step, now, when, to_seconds(happening.time));
+  }
+  if (happening.kind == Happening::Kind::kStart) enable_pending(happening.step);
+  return true;
+}
+
+void Execution::enable_pending(int step) {
+  Running& running = running_[step];
+  for (const Effect& effect : action_of(step).effects) {
+    if (effect.time != Effect::Time::kEnd || (effect.condition.start.is_true() && effect.condition.over_all.is_true())) continue;
+    Pending pending{&effect, {}};
+    evaluator_.each_binding(effect.variables, running.frame, [&] {
+      if (holds(effect.condition.start, step)) pending.frames.push_back(running.frame);
+      return true;
+    });
+    running.pending.push_back(std::move(pending));
+  }
+}
+
+bool Execution::collect(const Happening& happening, std::vector<Change>& changes) {
+  if (happening.kind != Happening::Kind::kOutside) return collect_step(happening, changes);
+  for (const TimedFact& later : problem_.timed_facts)
+    if (to_nanos(later.time) == happening.time)
+      changes.push_back({later.value ? Effect::Kind::kAdd : Effect::Kind::kDelete, later.fact.predicate, later.fact.objects, 0, nullptr});
+  for (const TimedAssignment& later : problem_.timed_values)
+    if (to_nanos(later.time) == happening.time)
+      changes.push_back({Effect::Kind::kAssign, later.assignment.function, later.assignment.objects, later.assignment.value, nullptr});
+  return true;
+}
+
+bool Execution::collect_step(const Happening& happening, std::vector<Change>& changes) {
+  const int step = happening.step;
+  const bool at_end = happening.kind == Happening::Kind::kEnd;
+  for (const Effect& effect : action_of(step).effects) {
+    if (effect.time != (at_end ? Effect::Time::kEnd : Effect::Time::kStart)) continue;
+    const bool right = at_end ? collect_end(step, effect, changes)
+                              : evaluator_.collect(effect, running_[step].frame, state_, duration_of_step(step),
+                                                   [&](Frame&) { return holds(effect.condition.start, step); }, changes);
+    if (!right) return fail_effect(step, effect, to_seconds(happening.time));
+  }
+  return true;
+}
+
+bool Execution::collect_end(int step, const Effect& effect, std::vector<Change>& changes) {
+  Running& running = running_[step];
+  const double duration = duration_of_step(step);
+  const auto pending = std::find_if(running.pending.begin(), running.pending.end(), [&](const Pending& each) { return each.effect == &effect; });
+  if (pending == running.pending.end())
+    return evaluator_.collect(effect, running.frame, state_, duration, [&](Frame&) { return holds(effect.condition.end, step); }, changes);
+  for (Frame& frame : pending->frames) {
+    if (!evaluator_.holds(effect.condition.end, frame, state_, duration)) continue;
+    if (!evaluator_.ground(effect, frame, state_, duration, changes)) return false;
+  }
+  return true;
+}
+
+/// Rates of change of all running steps.
+bool Execution::set_rates() {
+  state_.clear_rates();
+  const auto each_rate = [&](auto visit) {
+    for (const int step : active_)
+      for (const Effect& effect : action_of(step).effects) {
+        if (effect.time != Effect::Time::kContinuous) continue;
+        Frame& frame = running_[step].frame;
+        if (!evaluator_.each_binding(effect.variables, frame, [&] { return visit(step, effect, frame); })) return false;
+      }
+    return true;
+  };
+  const bool right = each_rate([&](int step, const Effect& effect, Frame& frame) {
+    const Objects objects(effect.terms, frame);
+    const auto rate = evaluator_.number(effect.value, frame, state_, duration_of_step(step));
+    if (!rate || !state_.value(effect.function, objects)) return fail_effect(step, effect, to_seconds(happenings_[current_].time));
+    state_.add_rate(effect.function, objects, effect.kind == Effect::Kind::kIncrease ? *rate : -*rate);
+    return true;
+  });
+  return right && each_rate([&](int step, const Effect& effect, Frame& frame) {
+    if (!reads_changing(effect.value, frame, state_)) return true;
+    unsupported_ = input_error("the rate of " + describe_step(step) + " reads a number that changes continuously itself: only linear change is supported",
+                               domain_.file, effect.source.line);
+    unsupported_->code = kUnsupported;
+    return false;
+  });
+}
+
+Footprint Execution::footprint_of(const Happening& happening, const std::vector<Change>& changes) {
+  Footprint footprint(validator_);
+  footprint.write(changes);
+  if (happening.kind == Happening::Kind::kOutside) return footprint;
+  const Action& action = action_of(happening.step);
+  Frame& frame = running_[happening.step].frame;
+  const bool at_end = happening.kind == Happening::Kind::kEnd;
+  footprint.read(at_end ? action.condition.end : action.condition.start, frame);
+  for (const DurationConstraint& constraint : action.duration)
+    if (constraint.at_end == at_end) footprint.read(constraint.bound, frame);
+  for (const Effect& effect : action.effects) {
+    if (effect.time == Effect::Time::kContinuous) continue;
+    const bool now = (effect.time == Effect::Time::kEnd) == at_end;
+    evaluator_.each_binding(effect.variables, frame, [&] {
+      if (!at_end) footprint.read(effect.condition.start, frame);  // also decides about effects at the end
+      if (at_end) footprint.read(effect.condition.end, frame);
+      if (now) footprint.read(effect.value, frame);
+      return true;
+    });
+  }
+  return footprint;
+}
+
+bool Execution::check_interference(std::size_t first, std::size_t last) {
+  const Nanos now = happenings_[first].time;
+  std::erase_if(recent_, [&](const Recent& each) { return now - each.happening.time >= epsilon_; });
+  const bool soon = last < happenings_.size() && happenings_[last].time - now < epsilon_;
+  if (recent_.empty() && last - first < 2 && !soon) return true;
+  for (std::size_t i = first; i < last; ++i) {
+    Recent fresh{happenings_[i], footprint_of(happenings_[i], records_[records_.size() - (last - i)].changes)};
+    for (const Recent& earlier : recent_) {
+      const std::string what = Footprint::interference(earlier.footprint, fresh.footprint);
+      if (!what.empty()) return fail_interference(earlier.happening, fresh.happening, what);
+    }
+    recent_.push_back(std::move(fresh));
+  }
+  return true;
+}
+
+bool Execution::check_goal() {
+  Frame frame(static_cast<std::size_t>(problem_.goal_slots), 0);
+  if (evaluator_.holds(problem_.goal, frame, state_)) return true;
+  Violation violation;
+  violation.kind = Violation::Kind::kGoal;
+  violation.time = to_seconds(end_);
+  violation.when = "at end";
+  const Condition& part = failing_part(problem_.goal, frame, 0);
+  violation.message = "the goal does not hold at the end of the plan (" + time_text(violation.time) + ")";
+  explain(part, frame, violation, 0);
+  return fail(violation);
+}
+
+}  // namespace cxlab::planner

@@ -1,0 +1,110 @@
+#pragma once
+// One plan, played through from happening to happening.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planner/validator/footprint.h"
+#include "planner/validator/validator.h"
+
+namespace cxlab::planner {
+
+/// Times as whole nanoseconds, so that equal is equal.
+using Nanos = std::int64_t;
+inline double to_seconds(Nanos time) { return static_cast<double>(time) * 1e-9; }
+
+/// Something that happens at once.
+struct Happening {
+  enum class Kind { kOutside, kStart, kInstant, kEnd };
+  Nanos time = 0;
+  Kind kind = Kind::kOutside;
+  int step = -1;  ///< index in the plan
+};
+
+class Execution {
+ public:
+  Execution(const Validator& validator, const Plan& plan, const ValidateOptions& options);
+
+  Expected<Verdict> run();
+
+ private:
+  /// A conditional effect at the end of a running step that was enabled at its start: the objects of its variables.
+  struct Pending {
+    const Effect* effect;
+    std::vector<Frame> frames;
+  };
+  struct Running {
+    Frame frame;
+    std::vector<Pending> pending;
+  };
+  struct Recent {
+    Happening happening;
+    Footprint footprint;
+  };
+  /// What happened, for explanations.
+  struct Record {
+    Happening happening;
+    std::vector<Change> changes;
+  };
+
+  bool lay_out();
+  bool pass(Nanos from, Nanos to);
+  bool hold_over_all(int step, double length);
+  void drop_pending(int step, double length);
+  bool happen(std::size_t first, std::size_t last);
+  bool conditions_of(const Happening& happening);
+  bool duration_of(const Happening& happening);
+  bool collect(const Happening& happening, std::vector<Change>& changes);
+  bool collect_step(const Happening& happening, std::vector<Change>& changes);
+  bool collect_end(int step, const Effect& effect, std::vector<Change>& changes);
+  void enable_pending(int step);
+  bool set_rates();
+  bool check_interference(std::size_t first, std::size_t last);
+  Footprint footprint_of(const Happening& happening, const std::vector<Change>& changes);
+  bool check_goal();
+
+  const Action& action_of(int step) const { return domain_.actions[plan_[step].action]; }
+  double duration_of_step(int step) const { return to_seconds(ends_[step] - starts_[step]); }
+  bool holds(const Condition& condition, int step) { return evaluator_.holds(condition, running_[step].frame, state_, duration_of_step(step)); }
+
+  // Explanations (explanation.cpp).
+
+  bool fail(Violation violation);
+  bool fail_condition(int step, const Condition& condition, const char* when, double time);
+  bool fail_effect(int step, const Effect& effect, double time);
+  bool fail_interference(const Happening& earlier, const Happening& later, const std::string& what);
+  const Condition& failing_part(const Condition& condition, Frame& frame, double duration) const;
+  void explain(const Condition& part, const Frame& frame, Violation& violation, double duration) const;
+  void explain_fact(const Condition& atom, const Frame& frame, bool wanted, Violation& violation) const;
+  void explain_numbers(const Condition& part, const Frame& frame, Violation& violation, double duration) const;
+  std::optional<Happening> next_change(PredicateId predicate, std::span<const ObjectId> objects, bool value) const;
+  bool step_changes(int step, PredicateId predicate, std::span<const ObjectId> objects, bool value, Effect::Time time) const;
+  std::string advice_for_fact(const std::string& fact, bool wanted, const Happening* spoiler, const std::optional<Happening>& later,
+                              const Violation& violation) const;
+  std::string actions_that(PredicateId predicate, bool value) const;
+  std::string describe(const Happening& happening) const;
+  std::string describe_step(int step) const;
+
+  const Validator& validator_;
+  const Evaluator& evaluator_;
+  const Domain& domain_;
+  const Problem& problem_;
+  const Plan& plan_;
+  ValidateOptions options_;
+  Nanos epsilon_;
+  State state_;
+  std::vector<Nanos> starts_, ends_;
+  std::vector<Happening> happenings_;  ///< by time
+  std::size_t current_ = 0;            ///< first happening of the group that is played
+  std::vector<Running> running_;       ///< by step
+  std::vector<int> active_;            ///< steps that run now
+  std::vector<Recent> recent_;         ///< less than epsilon ago
+  std::vector<Record> records_;
+  Nanos end_ = 0;
+  Verdict verdict_;
+  std::optional<Error> unsupported_;
+};
+
+}  // namespace cxlab::planner

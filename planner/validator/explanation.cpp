@@ -1,0 +1,230 @@
+// Why a plan is wrong, and what would mend it.
+
+#include <algorithm>
+
+#include "planner/pddl/text.h"
+#include "planner/validator/execution.h"
+
+namespace cxlab::planner {
+namespace {
+
+std::string at_time(double seconds) { return " at " + time_text(seconds); }
+
+/// The atom of a literal, and whether it is wanted true.
+const Condition* literal_atom(const Condition& condition, bool& wanted) {
+  wanted = condition.kind != Condition::Kind::kNot;
+  const Condition& inner = wanted ? condition : condition.operands[0];
+  return inner.kind == Condition::Kind::kAtom ? &inner : nullptr;
+}
+
+}  // namespace
+
+bool Execution::fail(Violation violation) {
+  verdict_.violation = std::move(violation);
+  return false;
+}
+
+std::string Execution::describe_step(int step) const {
+  std::string text = time_text(plan_[step].start) + ": " + step_text(plan_[step], domain_, problem_);
+  if (plan_[step].line > 0) text += " (line " + std::to_string(plan_[step].line) + ")";
+  return text;
+}
+
+std::string Execution::describe(const Happening& happening) const {
+  switch (happening.kind) {
+    case Happening::Kind::kOutside: return "the initial state's event at " + time_text(to_seconds(happening.time));
+    case Happening::Kind::kStart: return "the start of " + describe_step(happening.step);
+    case Happening::Kind::kEnd: return "the end" + at_time(to_seconds(happening.time)) + " of " + describe_step(happening.step);
+    case Happening::Kind::kInstant: return describe_step(happening.step);
+  }
+  return {};
+}
+
+/// The smallest part of a condition that does not hold and explains why; `frame` is then bound to its objects.
+const Condition& Execution::failing_part(const Condition& condition, Frame& frame, double duration) const {
+  using Kind = Condition::Kind;
+  switch (condition.kind) {
+    case Kind::kAnd:
+      for (const Condition& operand : condition.operands)
+        if (!evaluator_.holds(operand, frame, state_, duration)) return failing_part(operand, frame, duration);
+      return condition;
+    case Kind::kImply: return failing_part(condition.operands[1], frame, duration);
+    case Kind::kForall: {
+      Frame broken;
+      evaluator_.each_binding(condition.variables, frame, [&] {
+        broken = frame;
+        return evaluator_.holds(condition.operands[0], frame, state_, duration);
+      });
+      frame = broken;
+      return failing_part(condition.operands[0], frame, duration);
+    }
+    default: return condition;
+  }
+}
+
+bool Execution::fail_condition(int step, const Condition& condition, const char* when, double time) {
+  Violation violation;
+  violation.kind = Violation::Kind::kCondition;
+  violation.time = time;
+  violation.step = step;
+  violation.when = when;
+  Frame frame = running_[step].frame;
+  const double duration = duration_of_step(step);
+  const Condition& part = failing_part(condition, frame, duration);
+  violation.message = describe_step(step) + ": a condition" + (*when == 0 ? "" : " " + violation.when) + " does not hold" + at_time(time);
+  explain(part, frame, violation, duration);
+  state_.look_ahead(0);
+  return fail(std::move(violation));
+}
+
+bool Execution::fail_effect(int step, const Effect& effect, double time) {
+  Violation violation;
+  violation.kind = Violation::Kind::kEffect;
+  violation.time = time;
+  violation.step = step;
+  Printer printer(domain_, problem_.objects);
+  printer.name_objects(plan_[step].arguments);
+  violation.condition = printer.effect(effect);
+  violation.message = describe_step(step) + ": the effect " + violation.condition + at_time(time) +
+                      " has no value: it reads or changes a number that is undefined, or divides by 0";
+  violation.advice = "give the number a value in :init of " + problem_.file;
+  return fail(std::move(violation));
+}
+
+bool Execution::fail_interference(const Happening& earlier, const Happening& later, const std::string& what) {
+  Violation violation;
+  violation.kind = Violation::Kind::kInterference;
+  violation.time = to_seconds(later.time);
+  violation.step = later.step >= 0 ? later.step : earlier.step;
+  violation.other_step = later.step >= 0 ? earlier.step : -1;
+  violation.condition = what;
+  const double gap = to_seconds(later.time - earlier.time);
+  violation.message = describe(earlier) + " and " + describe(later) + " both use " + what + " and one of them changes it; they are " +
+                      (gap == 0 ? "at the same time" : time_text(gap) + " s apart") + ", expected at least " + time_text(options_.epsilon) + " s";
+  violation.advice = "move one of them by " + number_text(std::max(options_.epsilon - gap, options_.epsilon / 1000)) + " s";
+  return fail(std::move(violation));
+}
+
+void Execution::explain(const Condition& part, const Frame& frame, Violation& violation, double duration) const {
+  Printer printer(domain_, problem_.objects);
+  printer.name_objects(frame);
+  violation.condition = printer.condition(part);
+  violation.message += ": " + violation.condition;
+  bool wanted = true;
+  if (const Condition* atom = literal_atom(part, wanted)) {
+    explain_fact(*atom, frame, wanted, violation);
+  } else if (part.kind == Condition::Kind::kCompare) {
+    explain_numbers(part, frame, violation, duration);
+  }
+}
+
+void Execution::explain_numbers(const Condition& part, const Frame& frame, Violation& violation, double duration) const {
+  std::string values;
+  for (const Expression& side : part.sides) {
+    const auto value = evaluator_.number(side, frame, state_, duration);
+    values += (values.empty() ? "" : " and ") + (value ? number_text(*value) : std::string("without value"));
+  }
+  violation.message += "; its sides are " + values;
+  std::string changers;
+  std::vector<const Expression*> open = {&part.sides[0], &part.sides[1]};
+  std::vector<FunctionId> seen;
+  while (!open.empty()) {
+    const Expression& next = *open.back();
+    open.pop_back();
+    for (const Expression& operand : next.operands) open.push_back(&operand);
+    if (next.kind != Expression::Kind::kFunction || std::find(seen.begin(), seen.end(), next.function) != seen.end()) continue;
+    seen.push_back(next.function);
+    for (const Action& action : domain_.actions)
+      for (const Effect& effect : action.effects)
+        if (effect.is_numeric() && effect.function == next.function) {
+          changers += (changers.empty() ? "" : ", ") + action.name;
+          break;
+        }
+  }
+  violation.advice = changers.empty() ? "no action changes these numbers: see :init of " + problem_.file
+                                      : "the numbers are changed by " + changers + ": move or add such a step";
+}
+
+bool Execution::step_changes(int step, PredicateId predicate, std::span<const ObjectId> objects, bool value, Effect::Time time) const {
+  Frame frame = running_[step].frame;
+  for (const Effect& effect : action_of(step).effects) {
+    if (effect.time != time || effect.predicate != predicate || effect.kind != (value ? Effect::Kind::kAdd : Effect::Kind::kDelete)) continue;
+    const bool none = evaluator_.each_binding(effect.variables, frame, [&] {
+      const Objects changed(effect.terms, frame);
+      return !std::equal(changed.begin(), changed.end(), objects.begin(), objects.end());
+    });
+    if (!none) return true;
+  }
+  return false;
+}
+
+/// The next happening that gives a fact this value.
+std::optional<Happening> Execution::next_change(PredicateId predicate, std::span<const ObjectId> objects, bool value) const {
+  for (std::size_t i = current_; i < happenings_.size(); ++i) {
+    const Happening& happening = happenings_[i];
+    if (happening.kind == Happening::Kind::kOutside) continue;
+    const auto time = happening.kind == Happening::Kind::kEnd ? Effect::Time::kEnd : Effect::Time::kStart;
+    if (step_changes(happening.step, predicate, objects, value, time)) return happening;
+  }
+  for (const TimedFact& later : problem_.timed_facts)
+    if (later.value == value && later.fact.predicate == predicate && std::equal(objects.begin(), objects.end(), later.fact.objects.begin(), later.fact.objects.end()) &&
+        (current_ >= happenings_.size() || later.time >= to_seconds(happenings_[current_].time)))
+      return Happening{static_cast<Nanos>(later.time * 1e9), Happening::Kind::kOutside, -1};
+  return std::nullopt;
+}
+
+std::string Execution::actions_that(PredicateId predicate, bool value) const {
+  std::string names;
+  for (const Action& action : domain_.actions)
+    for (const Effect& effect : action.effects)
+      if (effect.predicate == predicate && effect.kind == (value ? Effect::Kind::kAdd : Effect::Kind::kDelete)) {
+        names += (names.empty() ? "" : ", ") + action.name;
+        break;
+      }
+  return names;
+}
+
+void Execution::explain_fact(const Condition& atom, const Frame& frame, bool wanted, Violation& violation) const {
+  const Objects objects(atom.terms, frame);
+  const std::string fact = Printer(domain_, problem_.objects).fact(atom.predicate, objects);
+  if (domain_.predicates[atom.predicate].derived) {
+    violation.message += "; " + domain_.predicates[atom.predicate].name + " is derived by a rule";
+    return;
+  }
+  const Happening* spoiler = nullptr;
+  for (const Record& record : records_)
+    for (const Change& change : record.changes)
+      if (change.kind == (wanted ? Effect::Kind::kDelete : Effect::Kind::kAdd) && change.id == atom.predicate &&
+          std::equal(objects.begin(), objects.end(), change.objects.begin(), change.objects.end()))
+        spoiler = &record.happening;
+  const char* value = wanted ? "false" : "true";
+  violation.message += spoiler == nullptr ? std::string("; ") + fact + " has been " + value + " from the beginning"
+                                          : "; " + fact + " was made " + value + " by " + describe(*spoiler);
+  if (!validator_.is_fluent_predicate(atom.predicate)) {
+    violation.advice = "no action changes " + domain_.predicates[atom.predicate].name + ": choose other arguments, or mend :init of " + problem_.file;
+    return;
+  }
+  violation.advice = advice_for_fact(fact, wanted, spoiler, next_change(atom.predicate, objects, wanted), violation);
+  if (violation.advice.empty()) {
+    const std::string names = actions_that(atom.predicate, wanted);
+    violation.advice = names.empty() ? "no action makes it " + std::string(wanted ? "true" : "false")
+                                     : "add a step before " + time_text(violation.time) + " that makes it " + (wanted ? "true" : "false") + ": " + names;
+  }
+}
+
+std::string Execution::advice_for_fact(const std::string& fact, bool wanted, const Happening* spoiler, const std::optional<Happening>& later,
+                                       const Violation& violation) const {
+  const std::string value = wanted ? " true" : " false";
+  const bool over_all = violation.when == "over all";
+  // Broken on the way by another: that one may wait.
+  if (over_all && spoiler != nullptr && spoiler->step != violation.step && to_seconds(spoiler->time) > plan_[violation.step].start)
+    return "let " + describe(*spoiler) + " wait until " + time_text(to_seconds(ends_[violation.step])) + ", when " + describe_step(violation.step) + " has ended";
+  if (!later || later->step == violation.step) return {};
+  const double from = to_seconds(later->time) + options_.epsilon;
+  const std::string cause = describe(*later) + " makes " + fact + value;
+  if (violation.kind == Violation::Kind::kGoal) return "wait for it: " + cause;
+  const char* verb = violation.when == "at end" ? " end at " : " begin at ";
+  return "let " + describe_step(violation.step) + verb + time_text(from) + " or later: " + cause;
+}
+
+}  // namespace cxlab::planner

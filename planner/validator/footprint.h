@@ -1,0 +1,40 @@
+#pragma once
+// What a happening reads and writes, to see whether two interfere.
+
+#include <string>
+#include <vector>
+
+#include "planner/validator/validator.h"
+
+namespace cxlab::planner {
+
+class Footprint {
+ public:
+  explicit Footprint(const Validator& validator) : validator_(&validator) {}
+
+  /// Adds what `condition` reads with this binding. What can never change is evaluated first, and parts that are then
+  /// known read nothing.
+  void read(const Condition& condition, Frame& frame);
+  void read(const Expression& expression, const Frame& frame);
+  void write(const std::vector<Change>& changes);
+
+  /// The fact or number over which two happenings interfere; empty if they do not.
+  static std::string interference(const Footprint& a, const Footprint& b);
+
+ private:
+  enum class Known { kNo, kTrue, kFalse };
+  Known gather(const Condition& condition, Frame& frame);
+  Known gather_atom(const Condition& condition, Frame& frame);
+  Known gather_many(const Condition& condition, Frame& frame);
+  std::string name(const Fact& fact, bool number) const;
+  static std::string one_way(const Footprint& reader, const Footprint& writer);
+
+  const Validator* validator_;
+  // Functions are kept as Fact, too, with their id as `predicate`.
+  std::vector<Fact> reads_, adds_, deletes_;
+  std::vector<Fact> number_reads_, assigned_, increased_;
+  std::vector<PredicateId> read_predicates_;  ///< every fact of these, through derived predicates
+  std::vector<FunctionId> read_functions_;
+};
+
+}  // namespace cxlab::planner

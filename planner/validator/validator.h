@@ -1,0 +1,87 @@
+#pragma once
+// Is this plan right? The meaning of plans is that of PDDL 2.1 (Fox and Long, 2003), as the validator VAL reads it.
+//
+// Starts, ends, instantaneous actions and events from outside are happenings. A condition at start or end is read just
+// before its happening, `over all` in the open interval between. Happenings closer than epsilon must not interfere: none
+// reads or writes what another writes, except that several may increase and decrease one number. The goal must hold
+// after the last step. Numbers that change continuously are linear between happenings; conditions on them are checked
+// at every crossing, not by sampling.
+
+#include <optional>
+#include <string>
+
+#include "cx/base/expected.h"
+#include "planner/pddl/plan.h"
+#include "planner/state/state.h"
+
+namespace cxlab::planner {
+
+struct ValidateOptions {
+  double epsilon = 0.001;             ///< s that keeps interfering happenings apart
+  double duration_tolerance = 0.001;  ///< s by which a duration may miss its bounds: plans are printed with few decimals
+};
+
+/// The first thing that is wrong with a plan.
+struct Violation {
+  enum class Kind {
+    kTime,          ///< a step begins before 0 or has no possible time
+    kDuration,      ///< the duration misses its bounds
+    kCondition,     ///< a condition of a step does not hold
+    kEffect,        ///< a right-hand side reads a number without value
+    kInterference,  ///< two happenings are closer than epsilon and interfere
+    kGoal,          ///< the goal does not hold at the end
+  };
+  Kind kind = Kind::kCondition;
+  double time = 0;        ///< s
+  int step = -1;          ///< index in the plan; -1 = the goal or an event from outside
+  int other_step = -1;    ///< the one it interferes with
+  std::string when;       ///< at start, over all, at end; empty where that says nothing
+  std::string condition;  ///< the smallest part that does not hold, as PDDL
+  std::string message;    ///< what is wrong, with numbers and who made it so
+  std::string advice;     ///< what would mend it
+};
+
+const char* to_word(Violation::Kind kind);
+
+struct Verdict {
+  bool valid = false;
+  std::optional<Violation> violation;
+  double makespan = 0;           ///< s
+  std::optional<double> metric;  ///< value of the problem's metric, of valid plans
+};
+
+/// Checks plans of one problem. Outlived by domain and problem.
+class Validator {
+ public:
+  Validator(const Domain& domain, const Problem& problem);
+
+  /// An error (code kUnsupported) only if numbers change in a way that is not linear.
+  Expected<Verdict> check(const Plan& plan, const ValidateOptions& options = {}) const;
+
+  const Evaluator& evaluator() const { return evaluator_; }
+  const State& initial() const { return initial_; }
+  /// Whether an action or event can change it.
+  bool is_fluent_predicate(PredicateId id) const { return fluent_predicates_[id]; }
+  bool is_fluent_function(FunctionId id) const { return fluent_functions_[id]; }
+  /// Predicates that are not derived and that this derived one depends on, directly or not, and can change.
+  const std::vector<PredicateId>& bases(PredicateId derived) const { return bases_[derived]; }
+  const std::vector<FunctionId>& base_functions(PredicateId derived) const { return base_functions_[derived]; }
+
+ private:
+  void find_fluents();
+  void find_bases();
+
+  const Domain& domain_;
+  const Problem& problem_;
+  Evaluator evaluator_;
+  State initial_;
+  std::vector<bool> fluent_predicates_;
+  std::vector<bool> fluent_functions_;
+  std::vector<std::vector<PredicateId>> bases_;
+  std::vector<std::vector<FunctionId>> base_functions_;
+};
+
+/// `error: ...` for people: one paragraph of message and advice.
+std::string to_text(const Violation& violation);
+
+}  // namespace cxlab::planner
