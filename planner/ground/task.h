@@ -6,6 +6,7 @@
 // actions are derived facts.
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,18 @@ using Micros = std::int64_t;
 inline constexpr Micros kSeparation = 1001;
 
 inline constexpr Micros kMicrosPerSecond = 1'000'000;
+
+using Word = std::uint64_t;
+
+inline bool is_set(const Word* state, int fact) { return (state[fact >> 6] >> (fact & 63)) & 1; }
+inline void set(Word* state, int fact) { state[fact >> 6] |= Word{1} << (fact & 63); }
+inline void reset(Word* state, int fact) { state[fact >> 6] &= ~(Word{1} << (fact & 63)); }
+
+struct DurationRange {
+  Micros least = 0;
+  Micros most = 0;  ///< kForever: any
+  static constexpr Micros kForever = std::numeric_limits<Micros>::max() / 4;
+};
 
 /// A number computed from numeric fluents: operations in postfix order.
 struct GroundExpression {

@@ -46,23 +46,12 @@ Touches::Touches(const GroundTask& task) : task_(task), keys_(static_cast<int>(t
       write(touches, conditional.at_start, true);
       write(touches, conditional.at_end, false);
     }
-    const std::vector<Touch> written = touches;
     read(touches, action.start, true, false);
-    read(touches, action.over_all, true, true);
-    // A condition over all that the beginning itself establishes is not read by the beginning.
-    for (Touch& now : touches) {
-      const auto before = std::ranges::find(written, now.key, &Touch::key);
-      if (before != written.end() && before->at_start == Touch::kUp) {
-        std::vector<Touch> alone;
-        read(alone, action.start, true, false);
-        const auto reads = std::ranges::find(alone, now.key, &Touch::key);
-        now.at_start = static_cast<std::uint8_t>(before->at_start | (reads == alone.end() ? 0 : reads->at_start));
-      }
-    }
+    hold(touches, action.over_all);
     read(touches, action.end, false, true);
     for (const ConditionalEffects& conditional : action.conditional) {
       read(touches, conditional.start, true, false);
-      read(touches, conditional.over_all, true, true);
+      hold(touches, conditional.over_all);
       read(touches, conditional.end, false, true);
     }
     for (const GroundDuration& duration : action.duration) read(touches, duration.bound, !duration.at_end, duration.at_end);
@@ -90,6 +79,18 @@ void Touches::read(std::vector<Touch>& touches, const GroundCondition& condition
   for (const int f : condition.facts)
     for (const int key : bases_[f]) touch(touches, key, Touch::kRead, at_start, at_end);
   for (const int c : condition.comparisons) read(touches, task_.comparisons[c].expression, at_start, at_end);
+}
+
+void Touches::hold(std::vector<Touch>& touches, const GroundCondition& condition) const {
+  constexpr std::uint8_t kBoth = Touch::kHoldTrue | Touch::kHoldFalse;
+  for (const int f : condition.facts) {
+    const GroundFact& fact = task_.facts[f];
+    const std::uint8_t does = fact.derived ? kBoth : key_of_fact(f) != f ? Touch::kHoldFalse : Touch::kHoldTrue;
+    for (const int key : bases_[f]) touch(touches, key, does, true, true);
+  }
+  for (const int c : condition.comparisons)
+    for (const auto& step : task_.comparisons[c].expression.steps)
+      if (step.kind == GroundExpression::Kind::kNumber) touch(touches, static_cast<int>(task_.facts.size()) + step.number, kBoth, true, true);
 }
 
 void Touches::read(std::vector<Touch>& touches, const GroundExpression& expression, bool at_start, bool at_end) const {
@@ -122,7 +123,7 @@ void Timeline::clear() {
 Timeline::Latest Timeline::after(const Last& last, std::uint8_t does) {
   const auto later = [](const Latest& a, const Latest& b) { return a.time >= b.time ? a : b; };
   Latest latest;
-  if (does & Touch::kRead) latest = later(last.up, last.down);
+  if (does & Touch::kAnyRead) latest = later(last.up, last.down);
   if (does & Touch::kUp) latest = later(latest, later(last.read, last.down));
   if (does & Touch::kDown) latest = later(latest, later(last.read, last.up));
   return latest;
@@ -132,7 +133,7 @@ void Timeline::note(Last& last, std::uint8_t does, Micros time) const {
   const auto keep = [&](Latest& latest) {
     if (time > latest.time) latest = {time, appended_};
   };
-  if (does & Touch::kRead) keep(last.read);
+  if (does & Touch::kAnyRead) keep(last.read);
   if (does & Touch::kUp) keep(last.up);
   if (does & Touch::kDown) keep(last.down);
 }

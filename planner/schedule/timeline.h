@@ -15,7 +15,11 @@ namespace cxlab::planner {
 
 /// What one happening does with one key.
 struct Touch {
-  static constexpr std::uint8_t kRead = 1, kUp = 2, kDown = 4;  ///< up: added, increased; down: deleted; both: assigned
+  static constexpr std::uint8_t kRead = 1;
+  static constexpr std::uint8_t kUp = 2, kDown = 4;  ///< added or increased; deleted; both: assigned
+  /// Needed true, needed false all along: bounds of the open interval in which a condition over all counts.
+  static constexpr std::uint8_t kHoldTrue = 8, kHoldFalse = 16;
+  static constexpr std::uint8_t kAnyRead = kRead | kHoldTrue | kHoldFalse;
   int key = 0;
   std::uint8_t at_start = 0;
   std::uint8_t at_end = 0;
@@ -34,12 +38,22 @@ class Touches {
   std::span<const int> events_of(int key) const { return events_of_key_[key]; }
   /// Whether happenings that do this with a key do not commute.
   static bool conflict(std::uint8_t a, std::uint8_t b) {
-    return ((a & Touch::kRead) && (b & (Touch::kUp | Touch::kDown))) || ((b & Touch::kRead) && (a & (Touch::kUp | Touch::kDown))) ||
+    return ((a & Touch::kAnyRead) && (b & (Touch::kUp | Touch::kDown))) || ((b & Touch::kAnyRead) && (a & (Touch::kUp | Touch::kDown))) ||
            ((a & Touch::kUp) && (b & Touch::kDown)) || ((a & Touch::kDown) && (b & Touch::kUp));
+  }
+  /// Whether they also must not share an instant: not if they conflict over a condition over all only.
+  static bool conflict_at_instant(std::uint8_t a, std::uint8_t b) {
+    constexpr std::uint8_t kPoint = Touch::kRead | Touch::kUp | Touch::kDown;
+    return conflict(a & kPoint, b & kPoint);
+  }
+  /// Whether `writer` makes false what `holder` needs.
+  static bool violates(std::uint8_t writer, std::uint8_t holder) {
+    return ((writer & Touch::kDown) && (holder & Touch::kHoldTrue)) || ((writer & Touch::kUp) && (holder & Touch::kHoldFalse));
   }
 
  private:
   void read(std::vector<Touch>& touches, const GroundCondition& condition, bool at_start, bool at_end) const;
+  void hold(std::vector<Touch>& touches, const GroundCondition& condition) const;
   void read(std::vector<Touch>& touches, const GroundExpression& expression, bool at_start, bool at_end) const;
   void write(std::vector<Touch>& touches, const GroundEffects& effects, bool at_start) const;
   int key_of_fact(int fact) const;

@@ -121,6 +121,13 @@ class Queue {
 
 }  // namespace
 
+bool EventCheck::accepts(const Sequence& path, const Word*) {
+  timeline_.clear();
+  for (const SequenceStep& step : path)
+    if (is_event(step) ? !timeline_.append_event() : timeline_.append(step.action, step.duration) == Timeline::kNever) return false;
+  return true;
+}
+
 SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, Budget& budget, Sequence& found) {
   const GroundTask& task = simulator_.task();
   const int words = simulator_.words();
@@ -128,7 +135,6 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
   const int landmark_words = options.landmarks ? landmarks_.words() : 0;
   RandomStream random(options.seed, "planner lazy search");
   RelaxedHeuristic heuristic(simulator_, relaxed_);
-  Timeline timeline(touches_);
   Nodes nodes(words, landmark_words);
   enum { kPlain, kPlainPreferred, kMarks, kMarksPreferred, kQueues };
   std::vector<Queue> queues(kQueues);
@@ -141,15 +147,6 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
     std::ranges::reverse(steps);
     return steps;
   };
-  const auto fits_events = [&](int parent, int action, Micros duration) {
-    timeline.clear();
-    Sequence steps = path(parent);
-    steps.push_back({action, duration});
-    for (const SequenceStep& step : steps)
-      if (is_event(step) ? !timeline.append_event() : timeline.append(step.action, step.duration) == Timeline::kNever) return false;
-    return true;
-  };
-
   PackedState state = start;
   std::vector<Word> reached(static_cast<std::size_t>(landmark_words), 0);
   if (landmark_words) landmarks_.mark(state.data(), reached.data());
@@ -206,7 +203,12 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
     } else if (!simulator_.apply(entry.action, state.data(), made.duration)) {
       continue;
     }
-    if (events > 0 && !fits_events(entry.parent, made.action, made.duration)) continue;
+    if (check_) {
+      Sequence steps = path(entry.parent);
+      steps.push_back({made.action, made.duration});
+      budget.spend(Work::kSchedule, static_cast<std::int64_t>(4 * steps.size()));
+      if (!check_->accepts(steps, state.data())) continue;
+    }
     if (landmark_words) {
       std::copy(nodes.reached(entry.parent), nodes.reached(entry.parent) + landmark_words, reached.begin());
       landmarks_.mark(state.data(), reached.data());

@@ -37,19 +37,38 @@ struct LazyOptions {
   std::size_t most_words = std::size_t{1} << 27;  ///< memory of states, in words of 8 bytes
 };
 
+/// Whether a sequence from the initial state can be given times.
+class PathCheck {
+ public:
+  virtual ~PathCheck() = default;
+  /// `path` has been accepted but for its last step; `state` is the state that it leads to.
+  virtual bool accepts(const Sequence& path, const Word* state) = 0;
+};
+
+/// Accepts sequences of whole actions that keep clear of events.
+class EventCheck : public PathCheck {
+ public:
+  explicit EventCheck(const Touches& touches) : timeline_(touches) {}
+  bool accepts(const Sequence& path, const Word* state) override;
+
+ private:
+  Timeline timeline_;
+};
+
 class LazySearch {
  public:
-  LazySearch(const Simulator& simulator, const Touches& touches, const RelaxedTask& relaxed, const Landmarks& landmarks)
-      : simulator_(simulator), touches_(touches), relaxed_(relaxed), landmarks_(landmarks) {}
+  /// `check`: none, or asked for every step.
+  LazySearch(const Simulator& simulator, const RelaxedTask& relaxed, const Landmarks& landmarks, PathCheck* check = nullptr)
+      : simulator_(simulator), relaxed_(relaxed), landmarks_(landmarks), check_(check) {}
 
-  /// Looks for a sequence from `start` (of which `reached` landmarks are marked by itself) to the goal.
+  /// Looks for a sequence from `start` to the goal.
   SearchEnd run(const PackedState& start, const LazyOptions& options, Budget& budget, Sequence& found);
 
  private:
   const Simulator& simulator_;
-  const Touches& touches_;
   const RelaxedTask& relaxed_;
   const Landmarks& landmarks_;
+  PathCheck* check_;
 };
 
 }  // namespace cxlab::planner

@@ -3,10 +3,6 @@
 //
 // A state is an array of words: the bits of the facts, then the numbers as bits of doubles.
 
-#include <bit>
-#include <cstdint>
-#include <cstring>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -14,18 +10,7 @@
 
 namespace cxlab::planner {
 
-using Word = std::uint64_t;
 using PackedState = std::vector<Word>;
-
-inline bool is_set(const Word* state, int fact) { return (state[fact >> 6] >> (fact & 63)) & 1; }
-inline void set(Word* state, int fact) { state[fact >> 6] |= Word{1} << (fact & 63); }
-inline void reset(Word* state, int fact) { state[fact >> 6] &= ~(Word{1} << (fact & 63)); }
-
-struct DurationRange {
-  Micros least = 0;
-  Micros most = 0;  ///< kForever: any
-  static constexpr Micros kForever = std::numeric_limits<Micros>::max() / 4;
-};
 
 /// Values that conditional effects read when their action began.
 using Remembered = std::vector<char>;

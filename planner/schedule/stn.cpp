@@ -1,0 +1,199 @@
+#include "planner/schedule/stn.h"
+
+#include <algorithm>
+
+namespace cxlab::planner {
+
+void Stn::clear() {
+  steps_.clear();
+  point_step_.clear();
+  point_event_.clear();
+  edges_.clear();
+  for (const int key : used_keys_) keys_[key].clear();
+  used_keys_.clear();
+  next_event_ = 0;
+}
+
+int Stn::add_point(int step, int event) {
+  point_step_.push_back(step);
+  point_event_.push_back(event);
+  return static_cast<int>(point_step_.size()) - 1;
+}
+
+void Stn::connect(int point, std::span<const Touch> touches, bool at_end) {
+  for (const Touch& touched : touches) {
+    const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
+    if (!does) continue;
+    std::vector<Use>& uses = keys_[touched.key];
+    for (const Use& use : uses)
+      if (Touches::conflict(use.does, does) && (point_step_[use.point] < 0 || point_step_[use.point] != point_step_[point]))
+        edges_.push_back({use.point, point, !Touches::conflict_at_instant(use.does, does)});
+    if (uses.empty()) used_keys_.push_back(touched.key);
+    uses.push_back({point, does});
+  }
+}
+
+int Stn::begin(int action, DurationRange range) {
+  const int step = steps();
+  steps_.push_back({action, range});
+  steps_[step].start = add_point(step, -1);
+  connect(steps_[step].start, touches_.of(action), false);
+  return step;
+}
+
+void Stn::finish(int step) {
+  steps_[step].end = add_point(step, -1);
+  connect(steps_[step].end, touches_.of(steps_[step].action), true);
+}
+
+void Stn::event() {
+  const int point = add_point(-1, next_event_);
+  connect(point, touches_.of_event(next_event_), false);
+  ++next_event_;
+}
+
+bool Stn::solve(Micros hold_separation) {
+  hold_separation_ = hold_separation;
+  // Ends to come: after everything that they conflict with, and after the ends of what they would break.
+  const std::size_t points = point_step_.size(), edges = edges_.size();
+  std::vector<int> open;
+  for (int step = 0; step < steps(); ++step)
+    if (steps_[step].end < 0) open.push_back(step);
+  for (const int step : open) {
+    steps_[step].end = add_point(step, -1);
+    for (const Touch& touched : touches_.of(steps_[step].action))
+      for (const Use& use : keys_[touched.key])
+        if (Touches::conflict(use.does, touched.at_end) && point_step_[use.point] != step)
+          edges_.push_back({use.point, steps_[step].end, !Touches::conflict_at_instant(use.does, touched.at_end)});
+  }
+  for (const int writer : open)
+    for (const int holder : open) {
+      if (writer == holder) continue;
+      for (const Touch& written : touches_.of(steps_[writer].action))
+        for (const Touch& held : touches_.of(steps_[holder].action))
+          if (written.key == held.key && Touches::violates(written.at_end, held.at_end)) edges_.push_back({steps_[holder].end, steps_[writer].end, true});
+    }
+  const bool solved = relax(hold_separation) && keeps_clear_of_events();
+  for (const int step : open) steps_[step].end = -1;
+  point_step_.resize(points);
+  point_event_.resize(points);
+  edges_.resize(edges);
+  return solved;
+}
+
+bool Stn::relax(Micros hold_separation) {
+  times_.assign(point_step_.size(), 0);
+  for (std::size_t p = 0; p < point_event_.size(); ++p)
+    if (point_event_[p] >= 0) times_[p] = touches_.events()[point_event_[p]].time;
+  std::size_t rounds = 0;
+  for (bool changed = true; changed;) {
+    changed = false;
+    if (rounds++ > 2 * steps_.size() + 2) return false;
+    // Edges are in the order of their later point, so that one sweep carries times all the way.
+    std::size_t edge = 0;
+    for (std::size_t p = 0; p < times_.size(); ++p) {
+      Micros earliest = times_[p];
+      for (; edge < edges_.size() && edges_[edge].to == static_cast<int>(p); ++edge)
+        earliest = std::max(earliest, times_[edges_[edge].from] + (edges_[edge].hold ? hold_separation : kSeparation));
+      const int step = point_step_[p];
+      if (step >= 0 && steps_[step].end == static_cast<int>(p)) earliest = std::max(earliest, times_[steps_[step].start] + steps_[step].range.least);
+      if (earliest == times_[p]) continue;
+      if (point_event_[p] >= 0) return false;
+      times_[p] = earliest;
+      changed = true;
+    }
+    for (; edge < edges_.size(); ++edge) {  // between ends to come
+      const Micros earliest = times_[edges_[edge].from] + (edges_[edge].hold ? hold_separation : kSeparation);
+      if (earliest > times_[edges_[edge].to]) times_[edges_[edge].to] = earliest, changed = true;
+    }
+    for (const Step& step : steps_) {
+      const Micros earliest = times_[step.end] - step.range.most;
+      if (earliest > times_[step.start]) times_[step.start] = earliest, changed = true;
+    }
+  }
+  return true;
+}
+
+bool Stn::keeps_clear_of_events() const {
+  if (next_event_ == static_cast<int>(touches_.events().size())) return true;
+  for (std::size_t p = 0; p < point_step_.size(); ++p) {
+    const int step = point_step_[p];
+    if (step < 0) continue;
+    const bool at_end = steps_[step].end == static_cast<int>(p);
+    for (const Touch& touched : touches_.of(steps_[step].action)) {
+      const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
+      if (!does) continue;
+      for (const int event : touches_.events_of(touched.key)) {
+        if (event < next_event_) continue;
+        for (const Touch& other : touches_.of_event(event))
+          if (other.key == touched.key && Touches::conflict(other.at_start, does) && times_[p] + kSeparation > touches_.events()[event].time) return false;
+      }
+    }
+  }
+  return true;
+}
+
+Micros Stn::makespan() const {
+  Micros latest = 0;
+  for (const Step& step : steps_)
+    if (step.end >= 0) latest = std::max(latest, times_[step.end]);
+  return latest;
+}
+
+std::vector<Ordering> Stn::orderings() const {
+  const std::size_t points = point_step_.size(), words = (points + 63) / 64;
+  const auto name = [&](int point) {
+    const int step = point_step_[point];
+    return 2 * step + (steps_[step].end == point ? 1 : 0);
+  };
+  std::vector<Ordering> found;
+  for (const Step& step : steps_)
+    if (step.end >= 0) found.push_back({name(step.start), name(step.end), step.range.least, step.range.most});
+  // before[p]: points that some chain of constraints puts before p
+  std::vector<Word> before(points * words, 0);
+  std::size_t edge = 0;
+  for (std::size_t p = 0; p < points; ++p) {
+    Word* own = &before[p * words];
+    std::vector<int> direct;
+    for (; edge < edges_.size() && edges_[edge].to == static_cast<int>(p); ++edge) direct.push_back(static_cast<int>(edge));
+    const int step = point_step_[p];
+    const bool is_end = step >= 0 && steps_[step].end == static_cast<int>(p);
+    const auto follow = [&](int from) {
+      for (std::size_t w = 0; w < words; ++w) own[w] |= before[static_cast<std::size_t>(from) * words + w];
+    };
+    if (is_end) follow(steps_[step].start), set(own, steps_[step].start);
+    for (const int e : direct)
+      if (!edges_[e].hold) follow(edges_[e].from);
+    std::ranges::sort(direct, [&](int a, int b) { return edges_[a].from < edges_[b].from || (edges_[a].from == edges_[b].from && edges_[a].hold < edges_[b].hold); });
+    int last = -1;
+    for (const int e : direct) {
+      const int from = edges_[e].from;
+      if (from == last) continue;
+      last = from;
+      if (is_set(own, from)) continue;
+      const Micros separation = edges_[e].hold ? hold_separation_ : kSeparation;
+      if (point_event_[p] >= 0 && point_event_[from] >= 0) continue;
+      if (point_event_[p] >= 0) {  // before a fixed time
+        found.push_back({Ordering::kOrigin, name(from), 0, touches_.events()[point_event_[p]].time - separation});
+      } else if (point_event_[from] >= 0) {
+        found.push_back({Ordering::kOrigin, name(static_cast<int>(p)), touches_.events()[point_event_[from]].time + separation, DurationRange::kForever});
+      } else {
+        found.push_back({name(from), name(static_cast<int>(p)), separation, DurationRange::kForever});
+      }
+    }
+    for (const int e : direct)
+      if (!edges_[e].hold) set(own, edges_[e].from);
+  }
+  for (const Step& step : steps_)  // events that have not happened bound what they would break
+    for (const bool at_end : {false, true})
+      for (const Touch& touched : touches_.of(step.action))
+        for (const int event : touches_.events_of(touched.key)) {
+          if (event < next_event_) continue;
+          for (const Touch& other : touches_.of_event(event))
+            if (other.key == touched.key && Touches::conflict(other.at_start, at_end ? touched.at_end : touched.at_start))
+              found.push_back({Ordering::kOrigin, name(at_end ? step.end : step.start), 0, touches_.events()[event].time - kSeparation});
+        }
+  return found;
+}
+
+}  // namespace cxlab::planner

@@ -1,0 +1,75 @@
+#pragma once
+// The simple temporal network of a plan whose actions may overlap: happenings in an order in which they are right, and
+// the distances that keep them so. Earliest times by relaxation (Bellman and Ford; Dechter, Meiri and Pearl 1991).
+
+#include <vector>
+
+#include "planner/schedule/timeline.h"
+
+namespace cxlab::planner {
+
+/// `to` happens at least `least` and at most `most` after `from`. Point 2 k is the start of step k, 2 k + 1 its end;
+/// kOrigin is the start of the plan.
+struct Ordering {
+  static constexpr int kOrigin = -1;
+  int from = kOrigin, to = 0;
+  Micros least = 0;
+  Micros most = DurationRange::kForever;
+};
+
+class Stn {
+ public:
+  explicit Stn(const Touches& touches) : touches_(touches), keys_(static_cast<std::size_t>(touches.keys())) {}
+
+  void clear();
+  /// The next happening is the start of an action; the index of its step.
+  int begin(int action, DurationRange range);
+  /// The next happening is the end of a step.
+  void finish(int step);
+  /// The next happening is the next event.
+  void event();
+
+  /// Earliest times. Actions that have not ended must still be able to end after all that happened so far.
+  /// `hold_separation`: between a condition over all and what changes it at its ends; 0 is what PDDL asks.
+  /// False if there are none.
+  bool solve(Micros hold_separation);
+
+  int steps() const { return static_cast<int>(steps_.size()); }
+  Micros start(int step) const { return times_[steps_[step].start]; }
+  Micros end(int step) const { return times_[steps_[step].end]; }
+  Micros makespan() const;
+  /// Constraints between points, without those that follow from others. After `solve`, when all steps have ended.
+  std::vector<Ordering> orderings() const;
+
+ private:
+  struct Step {
+    int action;
+    DurationRange range;
+    int start = -1, end = -1;  ///< points
+  };
+  struct Edge {
+    int from, to;
+    bool hold;  ///< over a condition over all only
+  };
+  struct Use {
+    int point;
+    std::uint8_t does;
+  };
+
+  int add_point(int step, int event);
+  void connect(int point, std::span<const Touch> touches, bool at_end);
+  bool relax(Micros hold_separation);
+  bool keeps_clear_of_events() const;
+
+  const Touches& touches_;
+  std::vector<Step> steps_;
+  std::vector<int> point_step_, point_event_;  ///< by point; -1: none
+  std::vector<Edge> edges_;
+  std::vector<std::vector<Use>> keys_;
+  std::vector<int> used_keys_;
+  std::vector<Micros> times_;
+  int next_event_ = 0;
+  Micros hold_separation_ = 0;
+};
+
+}  // namespace cxlab::planner

@@ -1,0 +1,199 @@
+#include "planner/search/split.h"
+
+#include <algorithm>
+
+namespace cxlab::planner {
+
+namespace {
+
+bool contains(const std::vector<int>& sorted, int item) { return std::ranges::binary_search(sorted, item); }
+
+bool mentions_duration(const GroundExpression& expression) {
+  return std::ranges::any_of(expression.steps, [](const auto& step) { return step.kind == GroundExpression::Kind::kDuration; });
+}
+
+bool mentions_duration(const GroundEffects& effects) {
+  return std::ranges::any_of(effects.numbers, [](const NumericEffect& effect) { return mentions_duration(effect.value); });
+}
+
+}  // namespace
+
+bool is_envelope(const GroundTask& task, const GroundAction& action) {
+  if (!action.durative) return false;
+  for (const int f : action.at_start.add)
+    if (contains(action.at_end.remove, f)) return true;
+  for (const NumericEffect& first : action.at_start.numbers)
+    for (const NumericEffect& last : action.at_end.numbers)
+      if (first.number == last.number) return true;
+  const auto given = [&](int f) { return contains(action.start.facts, f) || contains(action.over_all.facts, f) || contains(action.at_start.add, f); };
+  for (const int f : action.end.facts)
+    if (!given(f) || contains(action.at_start.remove, f)) return true;
+  for (const int f : action.over_all.facts)
+    if (contains(action.at_start.remove, f)) return true;
+  for (const int c : action.end.comparisons)
+    if (!contains(action.over_all.comparisons, c) && task.comparisons[c].linear.duration_weight == 0) return true;
+  return false;
+}
+
+bool can_be_cut(const GroundAction& action) {
+  if (!action.durative || !action.continuous.empty() || mentions_duration(action.at_start) || mentions_duration(action.at_end)) return false;
+  for (const GroundDuration& duration : action.duration)
+    if (duration.at_end) return false;
+  return std::ranges::all_of(action.conditional, [](const ConditionalEffects& conditional) {
+    return conditional.at_end.empty() || (conditional.start.empty() && conditional.over_all.empty());
+  });
+}
+
+SplitTask split(const GroundTask& task, const std::vector<char>& cut) {
+  SplitTask out;
+  out.task = task;
+  out.task.actions.clear();
+  for (std::size_t a = 0; a < task.actions.size(); ++a) {
+    const GroundAction& action = task.actions[a];
+    if (!cut[a]) {
+      out.task.actions.push_back(action);
+      out.origins.push_back({static_cast<int>(a), SplitTask::Part::kWhole});
+      continue;
+    }
+    const int running = static_cast<int>(out.task.facts.size()), idle = running + 1;
+    out.task.facts.push_back({-1, {}, idle, false, false});
+    out.task.facts.push_back({-1, {}, running, true, false});
+    out.task.initial_facts.push_back(0);
+    out.task.initial_facts.push_back(1);
+    out.task.goal.facts.push_back(idle);
+    GroundAction begin, end;
+    begin.schema = end.schema = action.schema;
+    begin.arguments = end.arguments = action.arguments;
+    begin.start = action.start;
+    begin.start.facts.push_back(idle);
+    for (const int f : action.over_all.facts)
+      if (!contains(action.at_start.add, f) && !contains(begin.start.facts, f) && action.conditional.empty() && !task.facts[f].derived)
+        begin.start.facts.push_back(f);
+    std::ranges::sort(begin.start.facts);
+    begin.at_start = action.at_start;
+    begin.at_start.add.push_back(running);
+    begin.at_start.remove.push_back(idle);
+    end.start = action.end;
+    end.start.facts.insert(end.start.facts.end(), action.over_all.facts.begin(), action.over_all.facts.end());
+    end.start.facts.push_back(running);
+    std::ranges::sort(end.start.facts);
+    end.start.facts.erase(std::unique(end.start.facts.begin(), end.start.facts.end()), end.start.facts.end());
+    end.at_start = action.at_end;
+    end.at_start.add.push_back(idle);
+    end.at_start.remove.push_back(running);
+    for (const ConditionalEffects& conditional : action.conditional) {
+      if (!conditional.at_start.empty()) begin.conditional.push_back({conditional.start, {}, {}, conditional.at_start, {}});
+      if (!conditional.at_end.empty()) end.conditional.push_back({conditional.end, {}, {}, conditional.at_end, {}});
+    }
+    out.task.actions.push_back(std::move(begin));
+    out.origins.push_back({static_cast<int>(a), SplitTask::Part::kBegin});
+    out.task.actions.push_back(std::move(end));
+    out.origins.push_back({static_cast<int>(a), SplitTask::Part::kEnd});
+  }
+  return out;
+}
+
+SplitCheck::SplitCheck(const SplitTask& split, const GroundTask& original, const Touches& touches)
+    : split_(split), original_(original), simulator_(split.task), durations_(original), stn_(touches) {}
+
+bool SplitCheck::accepts(const Sequence& path, const Word* state) {
+  // Conditions over all of what is running, in the state that the last step has made.
+  stn_.clear();
+  std::vector<std::pair<int, int>> open;  // action, step
+  PackedState now = simulator_.initial();
+  const std::size_t original_words = static_cast<std::size_t>(original_.words());
+  PackedState reduced(original_words + original_.numbers.size());
+  for (const SequenceStep& step : path) {
+    if (is_event(step)) {
+      stn_.event();
+      simulator_.apply_event(-2 - step.action, now.data());
+      continue;
+    }
+    const SplitTask::Origin origin = split_.origins[step.action];
+    if (origin.part == SplitTask::Part::kEnd) {
+      const auto known = std::ranges::find(open, origin.action, &std::pair<int, int>::first);
+      stn_.finish(known->second);
+      open.erase(known);
+    } else {
+      DurationRange range{step.duration, step.duration};
+      if (const GroundAction& action = original_.actions[origin.action]; action.durative && !action.duration.empty()) {
+        std::copy(now.begin(), now.begin() + static_cast<std::ptrdiff_t>(original_words), reduced.begin());
+        std::copy(now.end() - static_cast<std::ptrdiff_t>(original_.numbers.size()), now.end(), reduced.begin() + static_cast<std::ptrdiff_t>(original_words));
+        const std::optional<DurationRange> allowed = durations_.durations(origin.action, reduced.data());
+        if (!allowed) return false;
+        range = origin.part == SplitTask::Part::kWhole ? DurationRange{step.duration, step.duration} : *allowed;
+      } else if (action.durative) {
+        range = {kSeparation, DurationRange::kForever};
+      }
+      const int index = stn_.begin(origin.action, range);
+      if (origin.part == SplitTask::Part::kWhole) stn_.finish(index);
+      else open.emplace_back(origin.action, index);
+    }
+    if (!simulator_.apply_with(step.action, now.data(), step.duration)) return false;
+  }
+  for (const auto& [action, step] : open)
+    if (!simulator_.holds(original_.actions[action].over_all, state)) return false;
+  return stn_.solve(0);
+}
+
+Concurrent SplitCheck::translate(const Sequence& path) const {
+  Concurrent plan;
+  std::vector<std::pair<int, int>> open;
+  PackedState now = simulator_.initial();
+  const std::size_t original_words = static_cast<std::size_t>(original_.words());
+  PackedState reduced(original_words + original_.numbers.size());
+  for (const SequenceStep& step : path) {
+    if (is_event(step)) {
+      plan.order.push_back({Happening::Kind::kEvent, -2 - step.action});
+      simulator_.apply_event(-2 - step.action, now.data());
+      continue;
+    }
+    const SplitTask::Origin origin = split_.origins[step.action];
+    if (origin.part == SplitTask::Part::kEnd) {
+      const auto known = std::ranges::find(open, origin.action, &std::pair<int, int>::first);
+      plan.order.push_back({Happening::Kind::kEnd, known->second});
+      open.erase(known);
+    } else {
+      DurationRange range{step.duration, step.duration};
+      if (origin.part == SplitTask::Part::kBegin) {
+        std::copy(now.begin(), now.begin() + static_cast<std::ptrdiff_t>(original_words), reduced.begin());
+        std::copy(now.end() - static_cast<std::ptrdiff_t>(original_.numbers.size()), now.end(), reduced.begin() + static_cast<std::ptrdiff_t>(original_words));
+        if (const std::optional<DurationRange> allowed = durations_.durations(origin.action, reduced.data())) range = *allowed;
+      }
+      const int index = static_cast<int>(plan.steps.size());
+      plan.steps.push_back({origin.action, range});
+      plan.order.push_back({Happening::Kind::kBegin, index});
+      if (origin.part == SplitTask::Part::kWhole) plan.order.push_back({Happening::Kind::kEnd, index});
+      else open.emplace_back(origin.action, index);
+    }
+    simulator_.apply_with(step.action, now.data(), step.duration);
+  }
+  return plan;
+}
+
+void fill(Stn& stn, const Concurrent& plan) {
+  stn.clear();
+  for (const Happening& happening : plan.order) {
+    if (happening.kind == Happening::Kind::kEvent) stn.event();
+    else if (happening.kind == Happening::Kind::kEnd) stn.finish(happening.step);
+    else stn.begin(plan.steps[happening.step].action, plan.steps[happening.step].range);
+  }
+}
+
+Concurrent from_sequence(const GroundTask& task, const Sequence& sequence) {
+  Concurrent plan;
+  for (const SequenceStep& step : sequence) {
+    if (is_event(step)) {
+      plan.order.push_back({Happening::Kind::kEvent, -2 - step.action});
+      continue;
+    }
+    const int index = static_cast<int>(plan.steps.size());
+    const Micros duration = task.actions[step.action].durative ? step.duration : 0;
+    plan.steps.push_back({step.action, {duration, duration}});
+    plan.order.push_back({Happening::Kind::kBegin, index});
+    plan.order.push_back({Happening::Kind::kEnd, index});
+  }
+  return plan;
+}
+
+}  // namespace cxlab::planner

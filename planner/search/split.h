@@ -1,0 +1,72 @@
+#pragma once
+// Actions that must overlap: a task in which some actions are cut into a beginning and an end, and the check that a
+// sequence of those can be given times.
+//
+// Between its beginning and its end an action is running, a fact that only its own parts touch. A sequence of parts is
+// a plan if no condition over all is broken in between and the temporal network of its happenings has a solution.
+
+#include <memory>
+#include <vector>
+
+#include "planner/schedule/stn.h"
+#include "planner/search/lazy_search.h"
+
+namespace cxlab::planner {
+
+/// Whether others may need an action to be under way: it makes true for its duration what it ends itself, or its end or
+/// its duration needs what its beginning does not.
+bool is_envelope(const GroundTask& task, const GroundAction& action);
+/// Whether an action can be cut: not if its end remembers its beginning or numbers change all along.
+bool can_be_cut(const GroundAction& action);
+
+struct SplitTask {
+  enum class Part : std::uint8_t { kWhole, kBegin, kEnd };
+  struct Origin {
+    int action;
+    Part part;
+  };
+  GroundTask task;              ///< facts of the original first, with the same numbers
+  std::vector<Origin> origins;  ///< by action of `task`
+};
+
+/// Cuts the actions that are marked.
+SplitTask split(const GroundTask& task, const std::vector<char>& cut);
+
+/// A plan with overlaps: steps, and their happenings in an order in which they are right.
+struct Happening {
+  enum class Kind : std::uint8_t { kBegin, kEnd, kEvent };
+  Kind kind = Kind::kBegin;
+  int step = -1;  ///< of kBegin and kEnd; the number of the event of kEvent
+};
+struct Concurrent {
+  struct Step {
+    int action = -1;  ///< of the original task
+    DurationRange range;
+  };
+  std::vector<Step> steps;
+  std::vector<Happening> order;
+};
+
+/// Accepts the sequences of a split task that can be given times.
+class SplitCheck : public PathCheck {
+ public:
+  SplitCheck(const SplitTask& split, const GroundTask& original, const Touches& touches);
+
+  bool accepts(const Sequence& path, const Word* state) override;
+  /// The steps of a sequence of the split task.
+  Concurrent translate(const Sequence& path) const;
+
+ private:
+  const SplitTask& split_;
+  const GroundTask& original_;
+  Simulator simulator_;   ///< of the split task
+  Simulator durations_;   ///< of the original
+  Stn stn_;
+};
+
+/// The temporal network of a plan; `solve` has not been called.
+void fill(Stn& stn, const Concurrent& plan);
+/// A sequence of whole actions as a plan with happenings.
+Concurrent from_sequence(const GroundTask& task, const Sequence& sequence);
+
+}  // namespace cxlab::planner
