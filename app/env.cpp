@@ -1,5 +1,6 @@
-// cxlab env: an unchanged configuration of the CX, with an empty world.
+// cxlab env: an unchanged configuration of the CX, with an empty world or the nodes named.
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <set>
@@ -8,6 +9,7 @@
 #include "app/session.h"
 #include "cx/journal/file_store.h"
 #include "cx/yaml/yaml.h"
+#include "scenarios/nodes.h"
 
 namespace cxlab::app {
 
@@ -18,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr double kDefaultEnd = 60;  // s
 
 struct Options {
-  std::vector<std::string> configs, packages, params, remaps;
+  std::vector<std::string> configs, nodes, packages, params, remaps;
   std::string name_space = "/", stimuli;
   bool trust_rules = false, stop = false;
   RunOptions run;
@@ -92,6 +94,59 @@ Expected<std::map<std::string, std::string>> find_packages(const Options& option
   return packages;
 }
 
+/// The Logistics League is a world of its own, not a node in the list.
+constexpr const char* kLeague = "rcll";
+
+std::string known_nodes() {
+  std::string known = std::string(kLeague) + ", the Logistics League (docs/rcll.md)";
+  for (const NodeKind& kind : node_kinds()) known += "; " + std::string(kind.name) + ", " + std::string(kind.what);
+  return known;
+}
+
+Status check_nodes(const std::vector<std::string>& nodes) {
+  std::set<std::string> seen;
+  for (const std::string& node : nodes) {
+    if (!seen.insert(node).second) return usage("--with: '" + node + "' was named twice");
+    if (node == kLeague || find_node(node)) continue;
+    return usage("--with: found '" + node + "', expected one of: " + known_nodes());
+  }
+  return {};
+}
+
+/// What --param says about a node, as lines of its map.
+Expected<std::string> settings_of(const std::string& node, const std::vector<std::string>& params, int columns) {
+  std::string text;
+  const std::string prefix = node + '.', margin(static_cast<std::size_t>(columns), ' ');
+  for (const std::string& param : params) {
+    auto named = split("--param", param, "=", "NODE.NAME=VALUE");
+    if (!named) return named.error();
+    if (!named->first.starts_with(prefix)) continue;
+    auto value = yaml::Document::parse(named->second, "--param " + named->first);
+    if (!value) return value.error();
+    text += margin + in_quotes(named->first.substr(prefix.size())) + ":\n" + indented(value->root().dump(), columns + 2);
+  }
+  return text;
+}
+
+/// `world:` and `servers:`. The league is the world if it is named, else turtlesim; what else there is stands beside it.
+Expected<std::string> nodes_text(const Options& options) {
+  if (Status s = check_nodes(options.nodes); !s) return s.error();
+  const auto named = [&](const char* node) { return std::find(options.nodes.begin(), options.nodes.end(), node) != options.nodes.end(); };
+  const std::string world = named(kLeague) ? kLeague : named("turtlesim") ? "turtlesim" : "";
+  std::string text, servers;
+  for (const std::string& node : options.nodes) {
+    auto settings = settings_of(node, options.params, node == world ? 2 : 4);
+    if (!settings) return settings.error();
+    if (node == world) text = "world:\n  kind: " + node + '\n' + *settings;
+    else servers += "  - node: " + node + '\n' + *settings;
+  }
+  return text + (servers.empty() ? "" : "servers:\n" + servers);
+}
+
+bool is_of_a_node(const std::string& param, const std::vector<std::string>& nodes) {
+  return std::any_of(nodes.begin(), nodes.end(), [&](const std::string& node) { return param.starts_with(node + '.'); });
+}
+
 /// The scenario that these options stand for, as its file would read.
 Expected<std::string> scenario_text(const Options& options) {
   std::string text = "schema: 1\nduration_s: " + std::to_string(options.run.until.value_or(kDefaultEnd)) + "\non_rule_error: " + (options.stop ? "stop" : "continue") + '\n';
@@ -99,7 +154,9 @@ Expected<std::string> scenario_text(const Options& options) {
   if (options.trust_rules) text += "trust_rules: true\n";
   auto packages = find_packages(options);
   if (!packages) return packages.error();
-  text += "packages:\n";
+  auto nodes = nodes_text(options);
+  if (!nodes) return nodes.error();
+  text += *nodes + "packages:\n";
   for (const auto& [name, folder] : *packages) text += "  " + in_quotes(name) + ": " + in_quotes(folder) + '\n';
   text += "agents:\n";
   for (const std::string& config : options.configs) {
@@ -110,14 +167,16 @@ Expected<std::string> scenario_text(const Options& options) {
       if (!names) return names.error();
       text += "      " + in_quotes(names->first) + ": " + in_quotes(names->second) + '\n';
     }
-    if (!options.params.empty()) text += "    params:\n";
+    std::string params;
     for (const std::string& param : options.params) {
+      if (is_of_a_node(param, options.nodes)) continue;
       auto named = split("--param", param, "=", "NODE.NAME=VALUE");
       if (!named) return named.error();
       auto value = yaml::Document::parse(named->second, "--param " + named->first);
       if (!value) return value.error();
-      text += "      " + in_quotes(named->first) + ":\n" + indented(value->root().dump(), 8);
+      params += "      " + in_quotes(named->first) + ":\n" + indented(value->root().dump(), 8);
     }
+    if (!params.empty()) text += "    params:\n" + params;
   }
   if (options.stimuli.empty()) return text;
   auto stimuli = yaml::Document::load(options.stimuli);
@@ -158,6 +217,7 @@ int env(const Options& options) {
 void declare(CLI::App& command, Options& options) {
   command.add_option("config", options.configs, "Configurations of the CLIPS-Executive (YAML), one environment manager each")->required();
   command.add_option("--package", options.packages, "NAME=DIR: where a package lies (default: what lies around the configuration)")->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--with", options.nodes, "Starts a node beside it: " + known_nodes())->take_all()->expected(1)->allow_extra_args(false);
   command.add_option("--param", options.params, "NODE.NAME=VALUE: changes a parameter")->take_all()->expected(1)->allow_extra_args(false);
   command.add_option("--namespace", options.name_space, "Of the nodes")->capture_default_str();
   command.add_option("--remap", options.remaps, "FROM:=TO: renames a topic, service or action")->take_all()->expected(1)->allow_extra_args(false);
@@ -181,8 +241,8 @@ void declare(CLI::App& command, Options& options) {
 
 void add_env(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("env", "Runs a configuration of the CLIPS-Executive as it is, without a world");
-  command->footer("Examples:\n  cxlab env docs/examples/hello/hello.yaml\n  cxlab env my_agent/params/agent.yaml --until 30 --stimuli tests/stimuli.yaml");
+  CLI::App* command = app.add_subcommand("env", "Runs a configuration of the CLIPS-Executive as it is, in an empty world or with the nodes named");
+  command->footer("Examples:\n  cxlab env docs/examples/hello/hello.yaml\n  cxlab env my_agent/params/agent.yaml --until 30 --stimuli tests/stimuli.yaml\n  cxlab env scenarios/turtlesim/agents/params/boundary.yaml --with turtlesim");
   declare(*command, *options);
   command->callback([options, &action] { action = [options] { return env(*options); }; });
 }

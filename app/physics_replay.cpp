@@ -5,6 +5,7 @@
 #include "cx/journal/input_log.h"
 #include "scenarios/rcll/floor_plan.h"
 #include "scenarios/rcll/stage.h"
+#include "scenarios/turtlesim/stage.h"
 
 namespace cxlab::app {
 
@@ -13,13 +14,8 @@ Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
   PhysicsOfRun out;
   auto scenario = run.scenario();
   if (!scenario) return scenario.error();
-  auto scratch = ScratchFolder::create();
-  if (!scratch) return scratch.error();
-  out.scratch_ = *std::move(scratch);
   auto files = StoredFiles::open(run.folder);
   if (!files) return files.error();
-  if (Status s = files->materialise(out.scratch_->path()); !s) return s.error();
-
   auto reader = InputLogReader::open(run.folder / "inputs.bin");
   if (!reader) return reader.error();
   out.log_ = std::make_unique<std::string>();
@@ -30,23 +26,39 @@ Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
     }
   out.log_status_ = reader->status();
 
-  auto plan = rcll::floor_plan_of(scenario->rcll, scenario->seed);
-  if (!plan) return plan.error();
-  out.plan_ = *std::move(plan);
-  auto options = rcll::model_options(*scenario, out.scratch_->path() / "models");
-  if (!options) return options.error();
-  auto replay = sim::PhysicsReplay::load(out.plan_, *options, *out.log_);
-  if (!replay) return replay.error();
-  out.replay_.emplace(*std::move(replay));
-  out.step_ = scenario->physics_step;
+  if (scenario->world_kind == Scenario::WorldKind::kTurtlesim)
+    out.turtles_ = std::make_unique<sim::TurtleReplay>(turtlesim::world_options(scenario->turtlesim, scenario->physics_step), *out.log_);
+  else if (Status s = out.load_factory(*scenario, *files); !s) return s.error();
   return out;
 }
 
-Status PhysicsOfRun::advance_to(SimTime t) { return replay_->advance_to(t / step_); }
+Status PhysicsOfRun::load_factory(const Scenario& scenario, const StoredFiles& files) {
+  auto scratch = ScratchFolder::create();
+  if (!scratch) return scratch.error();
+  scratch_ = *std::move(scratch);
+  if (Status s = files.materialise(scratch_->path()); !s) return s;
+  auto plan = rcll::floor_plan_of(scenario.rcll, scenario.seed);
+  if (!plan) return plan.error();
+  plan_ = *std::move(plan);
+  auto options = rcll::model_options(scenario, scratch_->path() / "models");
+  if (!options) return options.error();
+  auto replay = sim::PhysicsReplay::load(plan_, *options, *log_);
+  if (!replay) return replay.error();
+  factory_.emplace(*std::move(replay));
+  step_ = scenario.physics_step;
+  return {};
+}
+
+Status PhysicsOfRun::advance_to(SimTime t) { return turtles_ ? turtles_->advance_to(t) : factory_->advance_to(t / step_); }
+
+Expected<std::unique_ptr<View>> PhysicsOfRun::view(int width, int height) const {
+  if (turtles_) return view_of_turtles(turtles_->world(), width, height);
+  return view_of_factory(plan_, factory_->gate(), width, height);
+}
 
 std::string PhysicsOfRun::hash() const {
   char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(replay_->hash()));
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(turtles_ ? turtles_->world().hash() : factory_->hash()));
   return text;
 }
 

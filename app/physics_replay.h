@@ -5,6 +5,8 @@
 #include <string>
 
 #include "app/recorded_run.h"
+#include "app/view.h"
+#include "sim/box2d/turtle_world.h"
 #include "sim/mujoco/physics_gate.h"
 
 namespace cxlab::app {
@@ -21,11 +23,11 @@ class PhysicsOfRun {
   Status advance_to(SimTime t);
   /// As in result.json.
   std::string hash() const;
-  const sim::PhysicsGate& world() const { return replay_->gate(); }
-  const sim::FloorPlan& plan() const { return plan_; }
+  Expected<std::unique_ptr<View>> view(int width, int height) const;
 
  private:
   PhysicsOfRun() = default;
+  Status load_factory(const Scenario& scenario, const StoredFiles& files);
 
   std::unique_ptr<ScratchFolder> scratch_;
   std::unique_ptr<std::string> log_;  // at a fixed place: the replay views it
@@ -33,7 +35,8 @@ class PhysicsOfRun {
   SimTime log_end_{};
   SimTime step_{};
   sim::FloorPlan plan_;
-  std::optional<sim::PhysicsReplay> replay_;
+  std::optional<sim::PhysicsReplay> factory_;   // either of the two
+  std::unique_ptr<sim::TurtleReplay> turtles_;
 };
 
 }  // namespace cxlab::app

@@ -1,7 +1,5 @@
 #include "app/pictures.h"
 
-#include "scenarios/rcll/stage.h"
-
 namespace cxlab::app {
 
 namespace {
@@ -10,11 +8,6 @@ constexpr double kFramesPerSecond = 10;  // of simulated time; the film plays 20
 constexpr int kWidth = 640, kHeight = 480;
 
 void note(const std::string& text) { std::fprintf(stderr, "no pictures: %s\n", text.c_str()); }
-
-const sim::MujocoWorld* world_of(Episode& episode) {
-  const auto* game = dynamic_cast<const rcll::GameStage*>(&episode.stage());
-  return game ? game->physics() : nullptr;
-}
 
 /// In single quotes for the shell.
 std::string quoted(const std::string& text) {
@@ -28,14 +21,9 @@ std::string quoted(const std::string& text) {
 Expected<std::unique_ptr<Pictures>> Pictures::create(Episode& episode, const RunFolder* folder, std::vector<double> times, const std::string& video) {
   std::unique_ptr<Pictures> pictures(new Pictures);
   if (times.empty() && video.empty()) return pictures;
-  const sim::MujocoWorld* world = world_of(episode);
-  if (!world) {
-    note("only the physics tier has a world to look at: --tier physics");
-    return pictures;
-  }
-  auto renderer = sim::Renderer::create(world->plan(), world->gate(), kWidth, kHeight);
-  if (!renderer) {
-    note(renderer.error().message);
+  auto view = view_of(episode.stage(), kWidth, kHeight);
+  if (!view) {
+    note(view.error().message);
     return pictures;
   }
   if (folder) {
@@ -47,12 +35,15 @@ Expected<std::unique_ptr<Pictures>> Pictures::create(Episode& episode, const Run
     note("with --out none there is no folder for --snapshot");
   }
   if (!video.empty()) {
-    const std::string command = "ffmpeg -loglevel error -y -f rawvideo -pix_fmt rgb24 -s 640x480 -r 200 -i - -r 25 -pix_fmt yuv420p " + quoted(video);
+    auto first = (*view)->draw((*view)->cameras().front());
+    if (!first) return first.error();
+    const std::string size = std::to_string((*first)->width) + 'x' + std::to_string((*first)->height);
+    const std::string command = "ffmpeg -loglevel error -y -f rawvideo -pix_fmt rgb24 -s " + size + " -r 200 -i - -r 25 -pix_fmt yuv420p " + quoted(video);
     if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0) note("--video needs ffmpeg: apt-get install ffmpeg");
     else pictures->film_ = popen(command.c_str(), "w");
     pictures->video_ = video;
   }
-  pictures->renderer_ = *std::move(renderer);
+  pictures->view_ = *std::move(view);
   return pictures;
 }
 
@@ -61,37 +52,36 @@ Pictures::~Pictures() {
 }
 
 Status Pictures::look(Episode& episode) {
-  if (!renderer_) return {};
+  if (!view_) return {};
   const double t = to_seconds(episode.now());
   const bool picture_due = next_ < times_.size() && times_[next_] <= t;
   const bool frame_due = film_ && next_frame_ <= t;
   if (!picture_due && !frame_due) return {};
-  const sim::PhysicsGate& world = world_of(episode)->gate();
   if (picture_due) {
     while (next_ < times_.size() && times_[next_] <= t) ++next_;
-    if (Status s = snapshot(world, t); !s) return s;
+    if (Status s = snapshot(t); !s) return s;
   }
-  return frame_due ? frame(world) : Status();
+  return frame_due ? frame() : Status();
 }
 
-Status Pictures::snapshot(const sim::PhysicsGate& world, double t) {
-  for (const char* camera : {"field", "top"}) {
-    auto picture = renderer_->draw(world, camera);
+Status Pictures::snapshot(double t) {
+  for (const std::string& camera : view_->cameras()) {
+    auto picture = view_->draw(camera);
     if (!picture) return picture.error();
     char name[64];
-    std::snprintf(name, sizeof name, "%07.2f-%s.png", t, camera);
+    std::snprintf(name, sizeof name, "%07.2f-%s.png", t, camera.c_str());
     const std::filesystem::path file = folder_ / name;
     if (Status s = sim::write_png(**picture, file); !s) return s;
     char caption[64];
-    std::snprintf(caption, sizeof caption, "%s at %.0f s", camera, t);
+    std::snprintf(caption, sizeof caption, "%s at %.0f s", camera.c_str(), t);
     taken_.push_back({caption, file});
   }
   return {};
 }
 
-Status Pictures::frame(const sim::PhysicsGate& world) {
+Status Pictures::frame() {
   next_frame_ += 1 / kFramesPerSecond;
-  auto picture = renderer_->draw(world, "field");
+  auto picture = view_->draw(view_->cameras().front());
   if (!picture) return picture.error();
   const auto& rgb = (*picture)->rgb;
   if (std::fwrite(rgb.data(), 1, rgb.size(), film_) != rgb.size())

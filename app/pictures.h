@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "app/report.h"
+#include "app/view.h"
 #include "cx/base/expected.h"
 #include "cx/journal/run_folder.h"
 #include "scenarios/episode.h"
-#include "sim/mujoco/render.h"
 
 namespace cxlab::app {
 
@@ -28,10 +28,10 @@ class Pictures {
 
  private:
   Pictures() = default;
-  Status snapshot(const sim::PhysicsGate& world, double t);
-  Status frame(const sim::PhysicsGate& world);
+  Status snapshot(double t);
+  Status frame();
 
-  std::unique_ptr<sim::Renderer> renderer_;
+  std::unique_ptr<View> view_;
   std::filesystem::path folder_;
   std::vector<double> times_;
   std::size_t next_ = 0;

@@ -7,8 +7,7 @@
 #include "app/console.h"
 #include "app/physics_replay.h"
 #include "app/recorded_run.h"
-#include "scenarios/rcll/stage.h"
-#include "sim/mujoco/render.h"
+#include "app/view.h"
 
 namespace cxlab::app {
 
@@ -17,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string what, out, camera = "field", size = "960x720";
+  std::string what, out, camera, size = "960x720";
   double at = 0;
   std::optional<std::uint64_t> seed;
   std::vector<std::string> overrides;
@@ -36,12 +35,14 @@ Expected<Size> read_size(const std::string& text) {
   return size;
 }
 
-Status draw(const Options& options, const sim::FloorPlan& plan, const sim::PhysicsGate& world) {
+/// `make` gives the view for a size.
+template <class Make>
+Status draw(const Options& options, Make make) {
   auto size = read_size(options.size);
   if (!size) return size.error();
-  auto renderer = sim::Renderer::create(plan, world, size->width, size->height);
-  if (!renderer) return renderer.error();
-  auto picture = (*renderer)->draw(world, options.camera);
+  Expected<std::unique_ptr<View>> view = make(size->width, size->height);
+  if (!view) return view.error();
+  auto picture = (*view)->draw(options.camera.empty() ? (*view)->cameras().front() : options.camera);
   if (!picture) return picture.error();
   return sim::write_png(**picture, options.out);
 }
@@ -50,13 +51,14 @@ Status render_run(const Options& options) {
   auto run = RecordedRun::open(options.what);
   if (!run) return run.error();
   const SimTime at = from_seconds(options.at);
-  if (run->tier == Tier::kTimed) return input_error("the run was played in the timed tier, which has no bodies to look at: play it with --tier physics", options.what);
+  if (!run->physics_hash && run->finished && run->tier == Tier::kTimed)
+    return input_error("the run was played in the timed tier, which has no bodies to look at: play it with --tier physics", options.what);
   if (run->finished && at > run->sim_time) return input_error("the run ends at " + std::to_string(to_seconds(run->sim_time)) + " s", options.what);
   auto replay = PhysicsOfRun::load(*run);
   if (!replay) return replay.error();
   if (!replay->log_status() && at > replay->log_end()) return replay->log_status().error();
   if (Status s = replay->advance_to(at); !s) return s;
-  return draw(options, replay->plan(), replay->world());
+  return draw(options, [&](int width, int height) { return replay->view(width, height); });
 }
 
 Status render_scenario(const Options& options) {
@@ -65,7 +67,7 @@ Status render_scenario(const Options& options) {
   auto scenario = Scenario::load(options.what, overrides);
   if (!scenario) return scenario.error();
   if (scenario->world_kind == Scenario::WorldKind::kNone) return input_error("the world is empty: there is nothing to look at", options.what);
-  if (scenario->tier == Tier::kTimed) return input_error("the timed tier has no bodies to look at: --set tier=physics", options.what);
+  if (scenario->world_kind == Scenario::WorldKind::kRcll && scenario->tier == Tier::kTimed) return input_error("the timed tier has no bodies to look at: --set tier=physics", options.what);
   auto episode = Episode::load(*std::move(scenario), shared_episode_options());
   if (!episode) return episode.error();
   Episode& played = **episode;
@@ -77,8 +79,7 @@ Status render_scenario(const Options& options) {
   }
   progress.clear();
   if (signal_that_came()) return {};
-  const auto* stage = dynamic_cast<const rcll::GameStage*>(&played.stage());
-  const Status drawn = draw(options, stage->physics()->plan(), stage->physics()->gate());
+  const Status drawn = draw(options, [&](int width, int height) { return view_of(played.stage(), width, height); });
   const Result result = played.close(RunStatus::kStopped);
   return drawn && result.reason ? Status(*result.reason) : drawn;
 }
@@ -101,11 +102,11 @@ void add_render(CLI::App& app, Action& action) {
   command->add_option("what", options->what, "Folder of a run, or a scenario, which is played up to then")->required();
   command->add_option("--at", options->at, "When, s of simulated time")->required()->check(CLI::NonNegativeNumber);
   command->add_option("--out", options->out, "The picture (PNG)")->required();
-  command->add_option("--camera", options->camera, "field, top, a robot (robot1) or a machine (C-CS1)")->capture_default_str();
-  command->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
+  command->add_option("--camera", options->camera, "Of a factory: field (default), top, a robot (robot1) or a machine (C-CS1)");
+  command->add_option("--size", options->size, "WIDTHxHEIGHT; a canvas of turtles is the largest square in it")->capture_default_str();
   command->add_option("--seed", options->seed, "Of a scenario: seed of all chance");
   command->add_option("--set", options->overrides, "Of a scenario: changes a value, a.b[0].c=VALUE")->take_all()->expected(1)->allow_extra_args(false);
-  command->footer("Example:\n  cxlab render scenarios/rcll/game.yaml --at 60 --out field.png --camera top");
+  command->footer("Example:\n  cxlab render scenarios/rcll/game.yaml --at 60 --out field.png --camera top\n  cxlab render scenarios/turtlesim/figures.yaml --at 40 --out figures.png --size 500x500");
   command->callback([options, &action] { action = [options] { return render(*options); }; });
 }
 

@@ -25,7 +25,7 @@ install(RUNTIME_DEPENDENCY_SET needed
   LIBRARY DESTINATION ${libraries})
 
 # --- Headers
-foreach(folder cx/base cx/bus cx/engine cx/executive cx/journal cx/yaml sim sim/skills sim/traffic scenarios scenarios/rcll)
+foreach(folder cx/base cx/bus cx/engine cx/executive cx/journal cx/yaml sim sim/skills sim/traffic sim/box2d scenarios scenarios/rcll scenarios/turtlesim)
   file(GLOB files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${folder}/*.h")
   install(FILES ${files} DESTINATION ${headers}/${folder})
 endforeach()

@@ -3,8 +3,10 @@
 #include <algorithm>
 
 #include "cx/plugins/builtin.h"
+#include "scenarios/nodes.h"
 #include "scenarios/rcll/stage.h"
 #include "scenarios/stimuli.h"
+#include "scenarios/turtlesim/stage.h"
 
 namespace cxlab {
 
@@ -121,19 +123,17 @@ Status Episode::build_stage() {
     stage_ = std::make_unique<Stage>();
     return {};
   }
-  if (scenario_.world_kind == Scenario::WorldKind::kRcll) {
-    auto stage = rcll::make_stage(scenario_, options_.models, *bus_, journal_);
-    if (!stage) {
-      Error error = stage.error();
-      if (error.file.empty()) error.file = scenario_.file.string();
-      return error;
-    }
-    stage_ = *std::move(stage);
-    for (const std::filesystem::path& file : stage_->files)
-      if (Status s = keep("models/" + file.filename().string(), file); !s) return s;
-  } else {
-    stage_ = std::make_unique<Stage>();
+  auto stage = make_stage();
+  if (!stage) {
+    Error error = stage.error();
+    if (error.file.empty()) error.file = scenario_.file.string();
+    return error;
   }
+  stage_ = *std::move(stage);
+  for (const std::filesystem::path& file : stage_->files)
+    if (Status s = keep("models/" + file.filename().string(), file); !s) return s;
+  for (const ServerSpec& spec : scenario_.servers)
+    if (Status s = find_node(spec.node)->add(spec, {scenario_, *bus_, journal_, options_.log}, *stage_); !s) return s;
   if (scenario_.stimuli.empty()) return {};
   auto stimuli = StimuliServer::create(scenario_.stimuli, *bus_, journal_, [this](const std::string& line) {
     if (options_.log) options_.log->line({bus_->now(), cx::LogLevel::kInfo, "stimuli", line, {}});
@@ -141,6 +141,19 @@ Status Episode::build_stage() {
   if (!stimuli) return stimuli.error();
   stage_->servers.insert(stage_->servers.begin(), *std::move(stimuli));
   return {};
+}
+
+Expected<std::unique_ptr<Stage>> Episode::make_stage() {
+  switch (scenario_.world_kind) {
+    case Scenario::WorldKind::kRcll: return rcll::make_stage(scenario_, options_.models, *bus_, journal_);
+    case Scenario::WorldKind::kTurtlesim: {
+      auto stage = turtlesim::TurtleStage::create(scenario_.turtlesim, scenario_.physics_step, *bus_, journal_, options_.log);
+      if (!stage) return stage.error();
+      return std::unique_ptr<Stage>(*std::move(stage));
+    }
+    case Scenario::WorldKind::kNone: break;
+  }
+  return std::make_unique<Stage>();
 }
 
 Status Episode::build_agents() {
@@ -236,7 +249,7 @@ SimTime Episode::next_tick() const {
   if (bus_->any_waiting()) return following;
   SimTime due = last;
   if (replayer_) due = std::min(due, replayer_->next_due());
-  if (stage_->world) due = std::min(due, stage_->world->next_event());
+  for (const auto& world : stage_->worlds) due = std::min(due, world->next_event());
   for (const auto& server : stage_->servers) due = std::min(due, server->next_due());
   if (stage_->referee) due = std::min(due, stage_->referee->next_due());
   for (const auto& agent : agents_) due = std::min(due, agent->next_due());
@@ -244,9 +257,11 @@ SimTime Episode::next_tick() const {
 }
 
 Status Episode::advance_world(SimTime next) {
-  if (!stage_->world || next <= SimTime::zero()) return {};
+  if (stage_->worlds.empty() || next <= SimTime::zero()) return {};
   if (options_.physics_meter) options_.physics_meter->begin();
-  const Status moved = stage_->world->advance(next - std::max(now_, SimTime::zero()));
+  Status moved;
+  for (auto& world : stage_->worlds)
+    if (moved) moved = world->advance(next - std::max(now_, SimTime::zero()));
   if (options_.physics_meter) options_.physics_meter->end();
   return moved;
 }

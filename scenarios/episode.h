@@ -92,6 +92,7 @@ class Episode {
   Status build_bus();
   Status build_replay();
   Status build_stage();
+  Expected<std::unique_ptr<Stage>> make_stage();
   Status build_agents();
   Status keep(const std::string& logical_name, const std::filesystem::path& file);
   Status keep_for_agent(std::size_t agent, const std::filesystem::path& file);

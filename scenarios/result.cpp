@@ -75,6 +75,10 @@ std::string Result::to_json() const {
   for (const RobotResult& r : robots)
     out["robots"].push_back({{"name", r.name}, {"busy_s", r.busy_s}, {"drive_s", r.drive_s}, {"wait_s", r.wait_s},
                              {"skills", r.skills}, {"failures", r.failures}, {"contacts", r.contacts}});
+  if (!turtles.empty()) out["turtles"] = Json::array();
+  for (const TurtleResult& t : turtles)
+    out["turtles"].push_back({{"name", t.name}, {"alive", t.alive}, {"x", t.x}, {"y", t.y}, {"theta", t.theta}, {"driven_m", t.driven_m},
+                              {"walls", t.walls}, {"touches", t.touches}, {"teleports", t.teleports}});
   out["plans"] = plans;
   out["replans"] = replans;
   out["rule_errors"] = Json::array();

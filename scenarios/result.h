@@ -41,6 +41,13 @@ struct RobotResult {
   double busy_s = 0, drive_s = 0, wait_s = 0;
   int skills = 0, failures = 0, contacts = 0;
 };
+struct TurtleResult {
+  std::string name;
+  bool alive = true;
+  double x = 0, y = 0, theta = 0;  ///< m, m, rad: last seen
+  double driven_m = 0;             ///< without jumps
+  int walls = 0, touches = 0, teleports = 0;
+};
 struct RuleErrorResult {
   std::string rule, file, side, message;
   int line = 0;
@@ -61,6 +68,7 @@ struct Result {
   std::vector<OrderResult> orders;
   std::vector<DeliveryResult> deliveries;
   std::vector<RobotResult> robots;
+  std::vector<TurtleResult> turtles;
   std::vector<RuleErrorResult> rule_errors;
   std::string journal_hash, physics_hash;
   std::vector<std::pair<std::string, std::string>> stream_hashes;  ///< name -> hash, by name

@@ -4,6 +4,9 @@
 #include <array>
 
 #include "cx/journal/file_store.h"
+#include "scenarios/nodes.h"
+#include "scenarios/turtlesim/read_config.h"
+#include "sim/box2d/turtle_world.h"
 
 namespace cxlab {
 
@@ -80,6 +83,29 @@ void read_timed(const yaml::Value& value, sim::TimedSkillsConfig& timed) {
   if (Status s = sim::validate(timed); !s) value.fail(s.error().message);
 }
 
+/// A node by its name alone, or a map with its settings.
+ServerSpec read_server(const yaml::Value& value) {
+  ServerSpec spec;
+  const NodeKind* kind = nullptr;
+  const auto find = [&](const yaml::Value& name) {
+    spec.node = name.as_string();
+    kind = find_node(spec.node);
+    std::string known;
+    for (const NodeKind& other : node_kinds()) known += (known.empty() ? "" : ", ") + std::string(other.name);
+    if (!kind && !spec.node.empty()) name.fail("found '" + spec.node + "', expected one of: " + known);
+  };
+  if (value.is_scalar()) {
+    find(value);
+    return spec;
+  }
+  yaml::Map map = value.as_map();
+  find(map.require("node"));
+  if (!kind) return spec;
+  kind->read(map, spec);
+  map.finish();
+  return spec;
+}
+
 Expectation read_expectation(const yaml::Value& value) {
   Expectation expectation;
   expectation.line = value.line();
@@ -124,11 +150,16 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
   if (const yaml::Value world = map.get("world")) {
     yaml::Map world_map = world.as_map();
     std::string kind = "none";
-    world_map.read_word("kind", kind, {"none", "rcll"});
+    world_map.read_word("kind", kind, {"none", "rcll", "turtlesim"});
     if (kind == "rcll") {
       scenario.world_kind = WorldKind::kRcll;
       rcll::read_config(world_map, scenario.rcll);
       scenario.duration = from_seconds(scenario.rcll.setup_s + scenario.rcll.production_s);
+    }
+    if (kind == "turtlesim") {
+      scenario.world_kind = WorldKind::kTurtlesim;
+      turtlesim::read_config(world_map, scenario.turtlesim);
+      scenario.tick = scenario.physics_step = sim::TurtleWorldOptions().step;
     }
     world_map.finish();
   }
@@ -141,6 +172,8 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
   if (const yaml::Value packages = map.get("packages")) read_names(packages.as_map(), scenario.packages);
   if (const yaml::Value agents = map.get("agents"))
     for (const yaml::Value& agent : agents.as_list()) scenario.agents.push_back(read_agent(agent));
+  if (const yaml::Value servers = map.get("servers"))
+    for (const yaml::Value& server : servers.as_list()) scenario.servers.push_back(read_server(server));
   if (const yaml::Value stimuli = map.get("stimuli")) scenario.stimuli = read_stimuli(stimuli);
   std::string on_rule_error = "stop";
   map.read_word("on_rule_error", on_rule_error, {"stop", "continue"});

@@ -14,6 +14,7 @@
 #include "cx/base/time.h"
 #include "cx/yaml/yaml.h"
 #include "scenarios/rcll/read_config.h"
+#include "scenarios/turtlesim/config.h"
 #include "sim/skills/timed_skills.h"
 
 namespace cxlab {
@@ -27,6 +28,12 @@ struct AgentSpec {
   std::vector<std::pair<std::string, std::string>> remaps;   ///< FROM := TO
   std::map<std::string, std::string> packages;               ///< package -> folder, relative to the scenario file
   std::vector<std::pair<std::string, std::string>> params;   ///< NODE.NAME -> value
+};
+
+/// A node beside world and agents: an item of `servers:` (scenarios/nodes.h).
+struct ServerSpec {
+  std::string node;             ///< which kind
+  turtlesim::Config turtlesim;  ///< of kind turtlesim
 };
 
 /// Something that happens at a time whatever the rules do: exactly one of the verbs.
@@ -55,9 +62,11 @@ struct Scenario {
   std::string text;                    ///< of the file
   std::vector<std::string> overrides;  ///< as given by --set
 
-  enum class WorldKind { kNone, kRcll };
+  enum class WorldKind { kNone, kRcll, kTurtlesim };
   WorldKind world_kind = WorldKind::kNone;
   rcll::WorldConfig rcll;                   ///< of kind rcll
+  turtlesim::Config turtlesim;              ///< of kind turtlesim
+  std::vector<ServerSpec> servers;          ///< nodes beside the world
 
   Tier tier = Tier::kPhysics;
   sim::TimedSkillsConfig timed;        ///< durations and failures of the timed tier

@@ -27,7 +27,7 @@ class Referee {
 
 struct Stage {
   virtual ~Stage() = default;
-  std::unique_ptr<sim::Simulation> world;             ///< none in an empty world
+  std::vector<std::unique_ptr<sim::Simulation>> worlds;  ///< moved on in this order; none in an empty world
   std::vector<std::unique_ptr<sim::Server>> servers;  ///< called in this order
   std::unique_ptr<Referee> referee;                   ///< may be none
   std::vector<std::filesystem::path> files;           ///< models that were read

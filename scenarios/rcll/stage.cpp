@@ -74,7 +74,7 @@ Status GameStage::build(const Scenario& scenario, const std::filesystem::path& m
     physics_ = made->get();
     floor_ = physics_;
     files = physics_->model_files();
-    world = *std::move(made);
+    worlds.push_back(*std::move(made));
     auto fleet = sim::Fleet::create(*physics_, *physics_, zone_places(), bus, sink);
     if (!fleet) return fleet.error();
     fleet_ = fleet->get();
@@ -85,7 +85,7 @@ Status GameStage::build(const Scenario& scenario, const std::filesystem::path& m
     auto fleet = sim::Fleet::create(*ledger, *ledger, scenario.timed, scenario.seed, zone_places(), bus, sink);
     if (!fleet) return fleet.error();
     fleet_ = fleet->get();
-    world = std::move(ledger);
+    worlds.push_back(std::move(ledger));
     servers.push_back(*std::move(fleet));
   }
   auto factory = Factory::make(scenario.rcll, scenario.seed, *floor_, bus, sink);

@@ -7,7 +7,7 @@ namespace cxlab::sim {
 
 namespace {
 
-constexpr std::array<std::size_t, 6> kValues{3, 0, 3, 3, 5, 0};  // by verb
+constexpr std::array<std::size_t, 7> kValues{3, 0, 3, 3, 5, 0, 3};  // by verb
 
 template <typename Int>
 void put(std::string& out, Int value) {

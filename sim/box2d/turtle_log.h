@@ -21,6 +21,7 @@ enum class TurtleVerb : std::uint8_t {
   kTeleport,  ///< x, y, theta
   kPen,       ///< r, g, b, width, off
   kClear,
+  kBackground,  ///< r, g, b
 };
 
 /// One write after the step of that number was taken.

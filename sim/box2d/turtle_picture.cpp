@@ -119,10 +119,10 @@ void lay_turtle(const Turtle& turtle, Picture& picture) {
 
 }  // namespace
 
-Picture draw_turtles(const TurtleWorld& world, Colour background, int side) {
+Picture draw_turtles(const TurtleWorld& world, int side) {
   assert(side >= 16);
   Picture picture{side, side, std::vector<std::uint8_t>(3 * static_cast<std::size_t>(side) * static_cast<std::size_t>(side))};
-  lay_canvas(world.canvas(), background, picture);
+  lay_canvas(world.canvas(), world.background(), picture);
   for (const Turtle& turtle : world.turtles()) lay_turtle(turtle, picture);
   return picture;
 }

@@ -7,6 +7,6 @@
 namespace cxlab::sim {
 
 /// `side` x `side` pixels, 16 or more; the canvas has 500.
-Picture draw_turtles(const TurtleWorld& world, Colour background, int side = Canvas::kSize);
+Picture draw_turtles(const TurtleWorld& world, int side = Canvas::kSize);
 
 }  // namespace cxlab::sim

@@ -226,9 +226,15 @@ void TurtleWorld::clear() {
   canvas_.clear();
 }
 
+void TurtleWorld::set_background(const Colour& colour) {
+  note(TurtleVerb::kBackground, {}, {double(colour.r), double(colour.g), double(colour.b)});
+  options_.background = colour;
+}
+
 Status TurtleWorld::apply(const TurtleWrite& write) {
   const auto& v = write.values;
-  const bool about_one = write.verb != TurtleVerb::kSpawn && write.verb != TurtleVerb::kClear;
+  const bool about_one = write.verb != TurtleVerb::kSpawn && write.verb != TurtleVerb::kClear && write.verb != TurtleVerb::kBackground;
+  const auto byte = [](double value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0)); };
   if (about_one && !find(write.turtle)) return input_error("the log of the turtles speaks of turtle " + std::to_string(static_cast<int>(write.turtle)) + ", which is not there");
   switch (write.verb) {
     case TurtleVerb::kSpawn:
@@ -237,11 +243,8 @@ Status TurtleWorld::apply(const TurtleWrite& write) {
     case TurtleVerb::kKill: kill(write.turtle); break;
     case TurtleVerb::kDrive: drive(write.turtle, v[0], v[1], v[2]); break;
     case TurtleVerb::kTeleport: teleport(write.turtle, v[0], v[1], v[2]); break;
-    case TurtleVerb::kPen: {
-      const auto byte = [](double value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0)); };
-      set_pen(write.turtle, {{byte(v[0]), byte(v[1]), byte(v[2])}, byte(v[3]), v[4] != 0});
-      break;
-    }
+    case TurtleVerb::kPen: set_pen(write.turtle, {{byte(v[0]), byte(v[1]), byte(v[2])}, byte(v[3]), v[4] != 0}); break;
+    case TurtleVerb::kBackground: set_background({byte(v[0]), byte(v[1]), byte(v[2])}); break;
     case TurtleVerb::kClear: clear(); break;
   }
   return {};
@@ -249,13 +252,13 @@ Status TurtleWorld::apply(const TurtleWrite& write) {
 
 // --- Queries
 
-std::optional<Colour> TurtleWorld::ink_under(const Turtle& turtle) const {
+Colour TurtleWorld::colour_under(const Turtle& turtle) const {
   const auto pixel = [](double metres) { return static_cast<int>(std::lround(std::clamp(metres, 0.0, kSide) * kPixelsPerMetre)); };
-  return canvas_.ink(pixel(turtle.x), Canvas::kSize - 1 - pixel(turtle.y));
+  return canvas_.ink(pixel(turtle.x), Canvas::kSize - 1 - pixel(turtle.y)).value_or(options_.background);
 }
 
 std::uint64_t TurtleWorld::hash() const {
-  std::vector<double> state{static_cast<double>(steps_), static_cast<double>(last_id_)};
+  std::vector<double> state{static_cast<double>(steps_), static_cast<double>(last_id_), double(options_.background.r), double(options_.background.g), double(options_.background.b)};
   for (std::size_t i = 0; i < turtles_.size(); ++i) {
     const Turtle& t = turtles_[i];
     const Body& body = physics_->bodies[i];

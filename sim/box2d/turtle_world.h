@@ -21,6 +21,7 @@ namespace cxlab::sim {
 struct TurtleWorldOptions {
   SimTime step = std::chrono::milliseconds(16);
   SimTime start{};          ///< of the first step's interval; nothing moves before
+  Colour background{69, 86, 255};
   bool collisions = false;  ///< turtles are round, 0.9 m wide and push each other; else they pass through, as in ROS
 };
 
@@ -74,13 +75,15 @@ class TurtleWorld final : public Simulation {
   void teleport_relative(TurtleId turtle, double distance, double angle);
   void set_pen(TurtleId turtle, const Pen& pen);
   void clear();
+  void set_background(const Colour& colour);
 
   // --- What can be seen
   std::span<const Turtle> turtles() const { return turtles_; }  ///< by id
   const Turtle* find(TurtleId id) const;
   const Canvas& canvas() const { return canvas_; }
-  /// The ink under the turtle, if there is any.
-  std::optional<Colour> ink_under(const Turtle& turtle) const;
+  Colour background() const { return options_.background; }
+  /// Of the canvas under the turtle: ink, else background.
+  Colour colour_under(const Turtle& turtle) const;
   /// Of the last `advance`, in order of time.
   std::span<const TurtleEvent> events() const { return events_; }
   /// Of everything that later steps and pictures depend on.

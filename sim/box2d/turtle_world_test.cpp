@@ -110,9 +110,9 @@ TEST_F(TurtleWorldTest, TurtlesPassThroughEachOtherUnlessTheyCollide) {
 TEST_F(TurtleWorldTest, PensDrawWhereTurtlesGoAndJump) {
   TurtleWorld world({});
   const TurtleId id = world.spawn(1, 1, 0);
-  EXPECT_FALSE(world.ink_under(*world.find(id)));
+  EXPECT_EQ(world.colour_under(*world.find(id)), (Colour{69, 86, 255}));
   world.teleport(id, 3, 1, 0);
-  EXPECT_EQ(world.ink_under(*world.find(id)), (Colour{179, 184, 255}));
+  EXPECT_EQ(world.colour_under(*world.find(id)), (Colour{179, 184, 255}));
   EXPECT_TRUE(world.canvas().ink(90, Canvas::kSize - 1 - 45)) << "the way of the jump at x = 2, y = 1";
   Pen red{{255, 0, 0}, 1, false};
   world.set_pen(id, red);
@@ -123,7 +123,8 @@ TEST_F(TurtleWorldTest, PensDrawWhereTurtlesGoAndJump) {
   red.off = true;
   world.set_pen(id, red);
   world.teleport(id, 8, 8, 0);
-  EXPECT_FALSE(world.ink_under(*world.find(id)));
+  world.set_background({1, 2, 3});
+  EXPECT_EQ(world.colour_under(*world.find(id)), (Colour{1, 2, 3}));
   world.clear();
   EXPECT_FALSE(world.canvas().ink(90, Canvas::kSize - 1 - 45));
 }
@@ -154,6 +155,7 @@ void dance(TurtleWorld& world, int steps) {
     if (i == 300) world.kill(c);
     if (i == 320) world.teleport(b, 2, 2, 0.5);
     if (i == 330) world.clear();
+    if (i == 340) world.set_background({200, 100, 50});
     ASSERT_TRUE(world.advance(from_seconds(0.016)).ok());
   }
 }
@@ -192,7 +194,7 @@ TEST_F(TurtleWorldTest, APictureShowsBackgroundInkAndTurtle) {
   const TurtleId id = world.spawn(2, 2, 0);
   world.teleport(id, 9, 2, 0);
   for (const int side : {500, 320}) {
-    const Picture picture = draw_turtles(world, {69, 86, 255}, side);
+    const Picture picture = draw_turtles(world, side);
     ASSERT_EQ(picture.width, side);
     ASSERT_EQ(picture.rgb.size(), 3u * static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
     const auto at = [&](double x, double y) {

@@ -1,0 +1,33 @@
+#pragma once
+// A turtlesim node as a scenario describes it: `world: {kind: turtlesim, ...}` or `{node: turtlesim, ...}` under `servers:`.
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/time.h"
+
+namespace cxlab::turtlesim {
+
+/// A turtle that is there when the node starts.
+struct StartTurtle {
+  std::string name = "turtle1";
+  double x = 5.544445, y = 5.544445, theta = 0;  ///< m, m, rad
+};
+
+struct Config {
+  std::string name_space = "/";
+  std::vector<std::pair<std::string, std::string>> remaps;  ///< FROM := TO
+  SimTime start{};                                          ///< the node, its topics and services are not there before
+  bool collisions = false;                                  ///< turtles push each other; in ROS they do not
+  int background_r = 69, background_g = 86, background_b = 255;
+  std::vector<StartTurtle> turtles{{}};
+};
+
+/// What is wrong with the values, if anything.
+Status validate(const Config& config);
+/// Whether a turtle can have that name: parts of letters, digits and '_' that begin with no digit, with '/' between them.
+bool is_turtle_name(const std::string& name);
+
+}  // namespace cxlab::turtlesim
