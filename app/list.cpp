@@ -1,19 +1,14 @@
 // cxlab list: what there is to use.
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include "app/command.h"
+#include "app/reference.h"
 #include "app/share.h"
 #include "cx/bus/bus.h"
-#include "cx/executive/environment_manager.h"
-#include "cx/journal/journal.h"
-#include "cx/plugins/builtin.h"
 
 namespace cxlab::app {
 
@@ -58,48 +53,16 @@ int list_skills() {
   return 0;
 }
 
-/// An environment with every plugin that comes with cxlab, to ask what rules find in it.
-Expected<std::string> all_plugins_yaml() {
-  std::string names, sections;
-  for (const cx::PluginType& type : cx::builtin_plugins()) {
-    std::string name = type.name.substr(type.name.rfind(':') + 1);
-    names += (names.empty() ? "" : ", ") + name;
-    sections += "    " + name + ": {plugin: \"" + type.name + "\"}\n";
+int list_reference(bool functions) {
+  auto reference = read_reference();
+  if (!reference) return fail(reference.error());
+  for (const PluginReference& plugin : *reference) {
+    for (const FunctionSpec& f : plugin.functions)
+      if (functions) std::printf("%-80s %-28s %-7s %s\n", call_text(f).c_str(), type_text(f.returns).c_str(), kind_text(f).c_str(), plugin.plugin.c_str());
+    for (const Documented& c : plugin.constructs)
+      if (!functions && c.kind == "deftemplate") std::printf("; %s\n%s\n", plugin.plugin.c_str(), c.text.c_str());
   }
-  std::string file = (fs::temp_directory_path() / "cxlab-list-XXXXXX").string();
-  const int descriptor = mkstemp(file.data());
-  if (descriptor < 0) return Error{ErrorKind::kResource, "cannot write to " + fs::temp_directory_path().string(), {}, 0, {}};
-  close(descriptor);
-  std::ofstream(file) << "/**:\n  ros__parameters:\n    environments: [main]\n    main: {plugins: [" << names << "], log_clips_to_file: false}\n" << sections;
-  return file;
-}
-
-int list_in_environment(bool functions) {
-  auto config = all_plugins_yaml();
-  if (!config) return fail(config.error());
-  bus::Registry registry;
-  if (Status s = registry.add_packages_in(find_share().interfaces); !s) return fail(s.error());
-  Journal journal;
-  bus::Bus bus(registry, journal);
-  cx::ManagerOptions options;
-  options.config = *config;
-  options.plugin_types = cx::builtin_plugins();
-  auto manager = cx::EnvironmentManager::create(std::move(options), bus, journal);
-  std::error_code ignored;
-  fs::remove(*config, ignored);
-  if (!manager) return fail(manager.error());
-  if (Status s = (*manager)->configure(); !s) return fail(s.error());
-  if (Status s = (*manager)->activate(); !s) return fail(s.error());
-  const RuleEngine& engine = (*manager)->environment(0).engine();
-  if (functions) {
-    for (const FunctionSpec& f : engine.functions())
-      std::printf("%-46s %-4s %-6s %-8s %s\n", f.name.c_str(), f.returns.c_str(), f.arg_types.c_str(), f.kind == FunctionKind::kPure ? "pure" : "acting", f.owner.c_str());
-  } else {
-    for (const ConstructInfo& c : engine.constructs())
-      if (c.kind == "deftemplate") std::printf("%s\n", c.text.c_str());
-  }
-  const Status ended = (*manager)->deactivate();
-  return ended ? 0 : fail(ended.error());
+  return 0;
 }
 
 }  // namespace
@@ -113,7 +76,7 @@ void add_list(CLI::App& app, Action& action) {
   command->callback([what, &action] {
     action = [what] {
       if (*what == "scenarios") return list_scenarios();
-      return *what == "skills" ? list_skills() : list_in_environment(*what == "functions");
+      return *what == "skills" ? list_skills() : list_reference(*what == "functions");
     };
   });
 }

@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
   add_render(app, action);
   add_why_not(app, action);
   add_list(app, action);
+  add_doc(app, action);
   add_test(app, action);
   add_bench(app, action);
   add_new(app, action);

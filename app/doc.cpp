@@ -1,0 +1,92 @@
+// cxlab doc: what a function, template or plugin is.
+
+#include <cstdio>
+
+#include "app/command.h"
+#include "app/reference.h"
+
+namespace cxlab::app {
+
+namespace {
+
+struct Options {
+  std::string name;
+  bool json = false, markdown = false;
+};
+
+void print(const PluginReference& plugin) {
+  std::printf("%s\n", plugin.plugin.c_str());
+  for (const std::string& parameter : plugin.parameters) std::printf("  parameter %s\n", parameter.c_str());
+  for (const FunctionSpec& f : plugin.functions) {
+    std::printf("  %s -> %s, %s\n", call_text(f).c_str(), type_text(f.returns).c_str(), kind_text(f).c_str());
+    std::printf("      %s\n", f.doc.c_str());
+  }
+  for (const Documented& c : plugin.constructs) std::printf("  %s %s\n", c.kind.c_str(), c.name.c_str());
+}
+
+void print_whole(const PluginReference& plugin) {
+  print(plugin);
+  for (const Documented& c : plugin.constructs) std::printf("\n%s\n", c.text.c_str());
+}
+
+/// The part of the reference that is about the name: a plugin whole, or one thing of it.
+std::vector<PluginReference> about(const std::vector<PluginReference>& reference, const std::string& name) {
+  std::vector<PluginReference> out;
+  for (const PluginReference& plugin : reference) {
+    if (plugin.plugin == name || plugin.plugin == "cx::" + name) return {plugin};
+    PluginReference part{plugin.plugin, {}, {}, {}};
+    for (const FunctionSpec& f : plugin.functions)
+      if (f.name == name) part.functions.push_back(f);
+    for (const Documented& c : plugin.constructs)
+      if (c.name == name) part.constructs.push_back(c);
+    if (!part.functions.empty() || !part.constructs.empty()) out.push_back(std::move(part));
+  }
+  return out;
+}
+
+Error unknown(const std::vector<PluginReference>& reference, const std::string& name) {
+  std::vector<std::string> known;
+  for (const PluginReference& plugin : reference) {
+    known.push_back(plugin.plugin);
+    for (const FunctionSpec& f : plugin.functions) known.push_back(f.name);
+    for (const Documented& c : plugin.constructs) known.push_back(c.name);
+  }
+  const std::string near = nearest_word(name, known);
+  return input_error("there is no function, template or plugin '" + name + "'" + (near.empty() ? "; cxlab doc lists all" : ", did you mean '" + near + "'?"));
+}
+
+int doc(const Options& options) {
+  // A class of a family (cx::CX<Pkg><Name>Plugin) is made from its name.
+  const bool is_class = options.name.starts_with("cx::");
+  auto reference = read_reference();
+  if (!reference) return fail(reference.error());
+  std::vector<PluginReference> shown = options.name.empty() ? *reference : about(*reference, options.name);
+  if (shown.empty() && is_class) {
+    auto made = read_reference({options.name});
+    if (!made) return fail(made.error());
+    shown.push_back(std::move(made->back()));
+  }
+  if (shown.empty()) return fail(unknown(*reference, options.name));
+  if (options.json) std::fputs(reference_json(shown).c_str(), stdout);
+  else if (options.markdown) std::fputs(reference_page(shown).c_str(), stdout);
+  else
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      if (i > 0) std::puts("");
+      options.name.empty() ? print(shown[i]) : print_whole(shown[i]);
+    }
+  return 0;
+}
+
+}  // namespace
+
+void add_doc(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("doc", "Tells what rules can use: all plugins with their functions and templates, or one of them");
+  command->footer("Examples:\n  cxlab doc\n  cxlab doc config-load\n  cxlab doc tf2-tracked-pose\n  cxlab doc cx::ExecutivePlugin");
+  command->add_option("name", options->name, "A function, a template or other construct, or a plugin class");
+  CLI::Option* json = command->add_flag("--json", options->json, "As JSON");
+  command->add_flag("--markdown", options->markdown, "As docs/reference.md")->excludes(json);
+  command->callback([options, &action] { action = [options] { return doc(*options); }; });
+}
+
+}  // namespace cxlab::app

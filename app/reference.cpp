@@ -1,0 +1,178 @@
+#include "app/reference.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/share.h"
+#include "cx/bus/bus.h"
+#include "cx/executive/environment_manager.h"
+#include "cx/journal/journal.h"
+#include "cx/plugins/builtin.h"
+
+namespace cxlab::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kManager = "environment manager";
+
+/// A configuration with an environment for each class, and one without plugins.
+Expected<std::string> write_configuration(const std::vector<std::string>& classes) {
+  std::string environments = "none", sections = "    none: {log_clips_to_file: false}\n";
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    const std::string number = std::to_string(i);
+    environments += ", e" + number;
+    sections += "    e" + number + ": {plugins: [p" + number + "], log_clips_to_file: false}\n    p" + number + ": {plugin: \"" + classes[i] + "\"}\n";
+  }
+  std::string file = (fs::temp_directory_path() / "cxlab-doc-XXXXXX").string();
+  const int descriptor = mkstemp(file.data());
+  if (descriptor < 0) return Error{ErrorKind::kResource, "cannot write to " + fs::temp_directory_path().string(), {}, 0, {}};
+  close(descriptor);
+  std::ofstream(file) << "/**:\n  ros__parameters:\n    environments: [" << environments << "]\n" << sections;
+  return file;
+}
+
+std::vector<std::string> all_classes() {
+  std::vector<std::string> out;
+  for (const cx::PluginType& type : cx::builtin_plugins())
+    if (type.name.find('<') == std::string::npos) out.push_back(type.name);  // else a family that is made from names
+  return out;
+}
+
+const char* type_word(char code) {
+  switch (code) {
+    case 's': return "STRING";
+    case 'y': return "SYMBOL";
+    case 'l': return "INTEGER";
+    case 'd': return "FLOAT";
+    case 'b': return "BOOLEAN";
+    case 'e': return "EXTERNAL-ADDRESS";
+    case 'm': return "MULTIFIELD";
+    case 'f': return "FACT";
+    case 'i': return "INSTANCE";
+    case 'n': return "INSTANCE-NAME";
+    case 'v': return "nothing";
+    default: return "anything";
+  }
+}
+
+/// The codes of each argument; the first entry is that of arguments without their own.
+std::vector<std::string> argument_codes(const FunctionSpec& function) {
+  std::vector<std::string> out(1);
+  for (const char c : function.arg_types) {
+    if (c == ';') out.emplace_back();
+    else out.back() += c;
+  }
+  return out;
+}
+
+std::string escaped(std::string text) {
+  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, 1, '\\');
+  return text;
+}
+
+}  // namespace
+
+std::string type_text(const std::string& codes) {
+  std::string out;
+  for (const char c : codes) out += (out.empty() ? "" : "|") + std::string(type_word(c));
+  return out.empty() ? "anything" : out;
+}
+
+std::string kind_text(const FunctionSpec& function) { return function.kind == FunctionKind::kPure ? "pure" : "acting"; }
+
+std::string call_text(const FunctionSpec& function) {
+  const std::vector<std::string> codes = argument_codes(function);
+  const bool open = function.max_args == kAnyNumberOfArguments;
+  const std::size_t shown = open ? std::max<std::size_t>(function.min_args, codes.size() - 1) : function.max_args;
+  std::string out = '(' + function.name;
+  for (std::size_t i = 0; i < shown; ++i) {
+    const std::string type = type_text(i + 1 < codes.size() && !codes[i + 1].empty() ? codes[i + 1] : codes[0]);
+    out += i < function.min_args ? ' ' + type : " [" + type + ']';
+  }
+  return out + (open ? " ...)" : ")");
+}
+
+Expected<std::vector<PluginReference>> read_reference(const std::vector<std::string>& named) {
+  const std::vector<std::string> classes = named.empty() ? all_classes() : named;
+  bus::Registry registry;
+  if (Status s = registry.add_packages_in(find_share().interfaces); !s) return s.error();
+  Journal journal;
+  bus::Bus bus(registry, journal);
+  auto config = write_configuration(classes);
+  if (!config) return config.error();
+  cx::ManagerOptions options;
+  options.config = *config;
+  options.plugin_types = cx::builtin_plugins();
+  auto manager = cx::EnvironmentManager::create(std::move(options), bus, journal);
+  std::error_code ignored;
+  fs::remove(*config, ignored);
+  if (!manager) {
+    Error error = manager.error();
+    error.file.clear();  // ours, and gone
+    return error;
+  }
+  if (Status s = (*manager)->configure(); !s) return s.error();
+  if (Status s = (*manager)->activate(); !s) return s.error();
+
+  std::vector<PluginReference> out;
+  for (std::size_t i = 0; i <= classes.size(); ++i) {
+    const RuleEngine& engine = (*manager)->find(i == 0 ? "none" : 'e' + std::to_string(i - 1))->engine();
+    PluginReference& plugin = out.emplace_back();
+    plugin.plugin = i == 0 ? kManager : classes[i - 1];
+    for (const cx::PluginType& type : cx::builtin_plugins())
+      if (type.name == plugin.plugin) plugin.parameters = type.parameters;
+    for (FunctionSpec& f : engine.functions())
+      if (i == 0 || f.owner == 'p' + std::to_string(i - 1)) plugin.functions.push_back(std::move(f));
+    for (const ConstructInfo& c : engine.constructs()) plugin.constructs.push_back({c.kind, c.name, c.text});
+  }
+  const Status ended = (*manager)->deactivate();
+  if (!ended) return ended.error();
+  return out;
+}
+
+std::string reference_page(const std::vector<PluginReference>& reference) {
+  std::string out =
+      "# Reference\n\nAll that rules find in an environment, beside CLIPS itself, by the plugin that brings it. This page is made from the\n"
+      "code: `cxlab doc --markdown > docs/reference.md`. *Pure* functions may stand on a left-hand side, *acting* ones may not.\n";
+  for (const PluginReference& plugin : reference) {
+    out += "\n## " + plugin.plugin + "\n";
+    if (!plugin.parameters.empty()) {
+      out += "\nParameters:";
+      for (std::size_t i = 0; i < plugin.parameters.size(); ++i) out += (i == 0 ? " `" : ", `") + plugin.parameters[i] + '`';
+      out += '\n';
+    }
+    if (!plugin.functions.empty()) out += "\n| Function | Gives | | |\n|---|---|---|---|\n";
+    for (const FunctionSpec& f : plugin.functions)
+      out += "| `" + escaped(call_text(f)) + "` | " + escaped(type_text(f.returns)) + " | " + kind_text(f) + " | " + f.doc + " |\n";
+    if (!plugin.constructs.empty()) {
+      out += "\n```clips\n";
+      for (const Documented& c : plugin.constructs) out += c.text + '\n';
+      out += "```\n";
+    }
+    if (plugin.functions.empty() && plugin.constructs.empty()) out += "\nNothing that rules see.\n";
+  }
+  return out;
+}
+
+std::string reference_json(const std::vector<PluginReference>& reference) {
+  using Json = nlohmann::ordered_json;
+  Json out = Json::array();
+  for (const PluginReference& plugin : reference) {
+    Json functions = Json::array(), constructs = Json::array();
+    for (const FunctionSpec& f : plugin.functions)
+      functions.push_back({{"name", f.name}, {"call", call_text(f)}, {"gives", type_text(f.returns)}, {"arguments", f.arg_types}, {"returns", f.returns},
+                           {"min_args", f.min_args}, {"max_args", f.max_args == kAnyNumberOfArguments ? Json() : Json(f.max_args)}, {"kind", kind_text(f)}, {"help", f.doc}});
+    for (const Documented& c : plugin.constructs) constructs.push_back({{"kind", c.kind}, {"name", c.name}, {"text", c.text}});
+    out.push_back({{"plugin", plugin.plugin}, {"parameters", plugin.parameters}, {"functions", functions}, {"constructs", constructs}});
+  }
+  return out.dump(2) + '\n';
+}
+
+}  // namespace cxlab::app

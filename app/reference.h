@@ -1,0 +1,41 @@
+#pragma once
+// What rules find in an environment: functions, templates, globals and rules of the plugins, asked of the plugins
+// themselves.
+
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/engine/function.h"
+
+namespace cxlab::app {
+
+struct Documented {
+  std::string kind;    ///< "deftemplate", "defglobal", "defrule", "deffunction"
+  std::string name;
+  std::string text;    ///< as written
+};
+
+/// What one plugin class brings.
+struct PluginReference {
+  std::string plugin;                   ///< "cx::ConfigPlugin"; "environment manager" for what is always there
+  std::vector<std::string> parameters;  ///< of its YAML
+  std::vector<FunctionSpec> functions;  ///< by name
+  std::vector<Documented> constructs;   ///< in order of definition
+};
+
+/// Of these classes, or of all that come with cxlab: each is loaded alone into an environment.
+Expected<std::vector<PluginReference>> read_reference(const std::vector<std::string>& classes = {});
+
+/// `(config-load STRING|SYMBOL STRING|SYMBOL)`.
+std::string call_text(const FunctionSpec& function);
+/// "STRING", "INTEGER|FLOAT", "nothing", ...
+std::string type_text(const std::string& codes);
+/// "pure" or "acting".
+std::string kind_text(const FunctionSpec& function);
+
+/// docs/reference.md.
+std::string reference_page(const std::vector<PluginReference>& reference);
+std::string reference_json(const std::vector<PluginReference>& reference);
+
+}  // namespace cxlab::app

@@ -1,0 +1,66 @@
+"""cxlab doc, and the pages that are made from the code. python3 -m unittest reference"""
+
+import json
+import re
+import subprocess
+import unittest
+
+from lab import CXLAB, SOURCE
+
+
+def doc(*arguments):
+    return subprocess.run([CXLAB, "doc", *arguments], text=True, timeout=60, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+
+class Doc(unittest.TestCase):
+    def test_reference_page_is_up_to_date(self):
+        page = (SOURCE / "docs/reference.md").read_text()
+        self.assertEqual(doc("--markdown").stdout, page, "docs/reference.md is old: cxlab doc --markdown > docs/reference.md")
+
+    def test_one_function(self):
+        done = doc("ros-param-get-value")
+        self.assertEqual(done.returncode, 0)
+        self.assertIn("(ros-param-get-value STRING|SYMBOL anything) -> anything, pure", done.stdout)
+        self.assertNotIn("config-load", done.stdout)
+
+    def test_one_template(self):
+        done = doc("confval")
+        self.assertIn("cx::ConfigPlugin", done.stdout)
+        self.assertIn("(multislot list-value)", done.stdout)
+
+    def test_one_plugin(self):
+        for name in ("cx::ExecutivePlugin", "ExecutivePlugin"):
+            done = doc(name)
+            self.assertIn("parameter refresh_rate", done.stdout)
+            self.assertIn("(now) -> FLOAT, pure", done.stdout)
+            self.assertIn("(defrule time-retract", done.stdout)
+
+    def test_unknown_name(self):
+        done = doc("confvl")
+        self.assertEqual((done.returncode, done.stdout), (3, ""))
+        self.assertIn("did you mean 'confval'?", done.stderr)
+
+    def test_json(self):
+        plugins = {p["plugin"]: p for p in json.loads(doc("--json").stdout)}
+        load = plugins["cx::ConfigPlugin"]["functions"][0]
+        self.assertEqual((load["name"], load["kind"], load["min_args"], load["max_args"], load["gives"]), ("config-load", "acting", 2, 2, "nothing"))
+        self.assertTrue(all(f["help"].endswith(".") for p in plugins.values() for f in p["functions"]), "each function has a sentence of help")
+
+    def test_list_says_the_same(self):
+        listed = subprocess.run([CXLAB, "list", "functions"], text=True, timeout=60, stdout=subprocess.PIPE).stdout
+        names = [f["name"] for p in json.loads(doc("--json").stdout) for f in p["functions"]]
+        self.assertEqual([re.match(r"\(([^ )]+)", line)[1] for line in listed.splitlines()], names)
+
+    def test_each_plugin_has_a_page_and_an_example(self):
+        for plugin in json.loads(doc("--json").stdout):
+            if not plugin["plugin"].startswith("cx::"):
+                continue
+            name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", plugin["plugin"][4:].removesuffix("Plugin")).lower()
+            page = (SOURCE / f"docs/plugins/{name}.md").read_text()
+            self.assertIn(plugin["plugin"], page.splitlines()[0])
+            self.assertIn(f"docs/examples/{name}/example.yaml", page)
+            self.assertTrue((SOURCE / f"docs/examples/{name}/example.yaml").is_file(), name)
+
+
+if __name__ == "__main__":
+    unittest.main()
