@@ -225,7 +225,7 @@ void declare(CLI::App& command, Options& options) {
   options.run.keep_going = true;
   command.add_flag("--keep-going,!--no-keep-going", options.run.keep_going, "Errors in rule files are reported and the run goes on (default); it then ends with exit code 3");
   command.add_flag("--stop-on-rule-error", options.stop, "An error in a rule ends the run (exit code 4)");
-  command.add_flag("--strict-cx", options.run.strict, "Unknown parameters are errors");
+  command.add_flag("--strict-cx", options.run.strict, "Parameters that CX does not know are errors, not INFO lines");
   command.add_flag("--trust-rules", options.trust_rules, "Rules may read, write and run anything");
   command.add_option("--until", options.run.until, "End, s of simulated time (default 60)")->check(CLI::NonNegativeNumber);
   command.add_option("--seed", options.run.seed, "Seed of all chance");

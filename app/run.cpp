@@ -31,6 +31,7 @@ void declare(CLI::App& command, RunOptions& options) {
   command.add_option("--out", options.out, "Folder of the run; 'none' writes nothing (default runs/<scenario>-<seed>)");
   command.add_flag("--force", options.force, "Overwrites a folder that is in use");
   command.add_option("--journal", options.journal, "What journal.jsonl holds: none, decisions or full")->capture_default_str();
+  command.add_flag("--strict-cx", options.strict, "Parameters that CX does not know are errors, not INFO lines");
   command.add_flag("--realtime", options.realtime, "Sleeps between ticks, to watch");
   command.add_option("--snapshot", options.snapshot, "Pictures: every:SECONDS or SECONDS,SECONDS,...");
   command.add_option("--video", options.video, "Film of the game (needs ffmpeg)");

@@ -3,9 +3,10 @@
 import os
 import resource
 import shutil
+import subprocess
 import unittest
 
-from lab import CONFIG, GAME, SCENARIO, SOURCE, Lab
+from lab import CONFIG, CXLAB, GAME, SCENARIO, SOURCE, Lab
 
 HEAD = "(deftemplate pose (slot x))\n(deffacts start (go))\n"
 STIMULI = SCENARIO + "stimuli:\n"
@@ -74,6 +75,20 @@ class Scenarios(Lab):
         shutil.rmtree(self.out)
         self.write("agent.yaml", CONFIG.replace("refresh_rate: 10", "refresh_rate: 0"))
         self.fails(3, "agent.yaml:5: parameter 'executive.refresh_rate': found 0")
+
+    def test_parameters_that_cx_does_not_know(self):
+        self.agent("(defrule go => (printout t \"up\" crlf))")
+        self.write("agent.yaml", CONFIG.replace("refresh_rate", "refresh_rat"))
+        place = "agent.yaml:5: unknown parameter 'executive.refresh_rat' of plugin 'executive' (cx::ExecutivePlugin), did you mean 'refresh_rate'?"
+        self.fails(3, "error: ", place, arguments=["--strict-cx"])
+        env = [CXLAB, "env", "agent.yaml", "--package", "rules=rules", "--until", "1", "--out", "none"]
+        loose, strict = (subprocess.run(env + more, cwd=self.folder, text=True, timeout=60, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                         for more in ([], ["--strict-cx"]))
+        self.assertEqual((loose.returncode, strict.returncode), (0, 3))
+        told = [line for line in loose.stderr.splitlines() if place in line]
+        self.assertEqual(len(told), 1, "one line")
+        self.assertIn("[info]", told[0])
+        self.assertIn(place, strict.stderr)
 
     def test_usage(self):
         self.agent("")
