@@ -77,13 +77,14 @@ class Grounder {
   }
 
   int fact(PredicateId predicate, const std::vector<ObjectId>& arguments) {
-    const auto [entry, fresh] = fact_ids_.try_emplace({predicate, arguments}, static_cast<int>(out_.facts.size()));
-    if (fresh) {
+    const int atom = fact_atoms_.insert(predicate, arguments);
+    if (atom == static_cast<int>(fact_ids_.size())) {
       const bool derived = task_.domain.predicates[predicate].derived;
+      fact_ids_.push_back(static_cast<int>(out_.facts.size()));
       out_.facts.push_back({predicate, arguments, -1, false, derived});
-      if (derived) demanded_.push_back(entry->second);
+      if (derived) demanded_.push_back(fact_ids_.back());
     }
-    return entry->second;
+    return fact_ids_[atom];
   }
 
   int complement(int id) {
@@ -98,9 +99,9 @@ class Grounder {
   }
 
   int number(FunctionId function, const std::vector<ObjectId>& arguments) {
-    const auto [entry, fresh] = number_ids_.try_emplace({function, arguments}, static_cast<int>(out_.numbers.size()));
-    if (fresh) out_.numbers.push_back({function, arguments});
-    return entry->second;
+    const int id = number_atoms_.insert(function, arguments);
+    if (id == static_cast<int>(out_.numbers.size())) out_.numbers.push_back({function, arguments});
+    return id;
   }
 
   double initial_value(FunctionId function, const std::vector<ObjectId>& arguments) const {
@@ -409,7 +410,7 @@ class Grounder {
   void set_initial_state() {
     out_.initial_facts.assign(out_.facts.size(), 0);
     for (const Fact& init : task_.problem.init)
-      if (const auto found = fact_ids_.find({init.predicate, init.objects}); found != fact_ids_.end()) out_.initial_facts[found->second] = 1;
+      if (const int atom = fact_atoms_.find(init.predicate, init.objects); atom >= 0) out_.initial_facts[fact_ids_[atom]] = 1;
     for (std::size_t f = 0; f < out_.facts.size(); ++f)
       if (out_.facts[f].is_complement) out_.initial_facts[f] = !out_.initial_facts[out_.facts[f].complement];
     for (const GroundNumber& number : out_.numbers) out_.initial_numbers.push_back(initial_value(number.function, number.objects));
@@ -436,7 +437,8 @@ class Grounder {
   Reachable reachable_;
   GroundTask out_;
   std::map<Key, double> values_;
-  std::map<Key, int> fact_ids_, number_ids_;
+  AtomTable fact_atoms_, number_atoms_;  ///< the functions of numbers in place of predicates
+  std::vector<int> fact_ids_;            ///< by atom of fact_atoms_
   std::map<std::string, int> comparison_ids_;
   std::vector<int> demanded_;  ///< derived facts that conditions ask for
 };

@@ -156,6 +156,109 @@ void rename(GroundExpression& expression, const std::vector<int>& renamed) {
     if (step.kind == GroundExpression::Kind::kNumber) step.number = renamed[step.number];
 }
 
+/// Keeps actions that add a fact that is asked for, or change a number that is read, counting what the goal and kept
+/// actions ask for.
+void drop_irrelevant(GroundTask& task) {
+  std::vector<char> fact(task.facts.size(), 0), number(task.numbers.size(), 0), keep(task.actions.size(), 0);
+  std::vector<std::vector<int>> adders(task.facts.size()), changers(task.numbers.size());
+  const auto note = [&](const GroundEffects& effects, int action) {
+    for (const int f : effects.add) adders[f].push_back(action);
+    for (const NumericEffect& effect : effects.numbers) changers[effect.number].push_back(action);
+  };
+  for (std::size_t a = 0; a < task.actions.size(); ++a) {
+    const GroundAction& action = task.actions[a];
+    note(action.at_start, static_cast<int>(a)), note(action.at_end, static_cast<int>(a));
+    for (const ConditionalEffects& conditional : action.conditional) note(conditional.at_start, static_cast<int>(a)), note(conditional.at_end, static_cast<int>(a));
+    for (const ContinuousEffect& effect : action.continuous) changers[effect.number].push_back(static_cast<int>(a));
+  }
+  std::vector<int> queue;  // actions to look at
+  const auto take = [&](int action) {
+    if (!keep[action]) keep[action] = 1, queue.push_back(action);
+  };
+  const auto ask_number = [&](const GroundExpression& expression) {
+    for (const auto& step : expression.steps) {
+      if (step.kind != GroundExpression::Kind::kNumber || number[step.number]) continue;
+      number[step.number] = 1;
+      for (const int action : changers[step.number]) take(action);
+    }
+  };
+  const auto ask = [&](const GroundCondition& condition) {
+    std::vector<int> facts = condition.facts;
+    for (const int c : condition.comparisons) ask_number(task.comparisons[c].expression);
+    while (!facts.empty()) {
+      const int f = facts.back();
+      facts.pop_back();
+      if (fact[f]) continue;
+      fact[f] = 1;
+      for (const int action : adders[f]) take(action);
+      if (!task.facts[f].derived) continue;
+      const int head = task.facts[f].is_complement ? task.facts[f].complement : f;
+      for (const Axiom& axiom : task.axioms) {
+        if (axiom.head != head) continue;
+        facts.insert(facts.end(), axiom.body.facts.begin(), axiom.body.facts.end());
+        for (const int below : axiom.body.facts)  // the absence of a derived fact asks for the absence of what it is derived from
+          if (task.facts[below].complement >= 0) facts.push_back(task.facts[below].complement);
+        for (const int c : axiom.body.comparisons) ask_number(task.comparisons[c].expression);
+      }
+      if (task.facts[f].is_complement)  // what falsifies a body has no fact of its own: everything may help
+        for (std::size_t a = 0; a < task.actions.size(); ++a) take(static_cast<int>(a));
+    }
+  };
+  ask(task.goal);
+  ask_number(task.metric);
+  while (!queue.empty()) {
+    const GroundAction& action = task.actions[queue.back()];
+    queue.pop_back();
+    ask(action.start), ask(action.over_all), ask(action.end);
+    for (const ConditionalEffects& conditional : action.conditional) ask(conditional.start), ask(conditional.over_all), ask(conditional.end);
+    for (const GroundDuration& duration : action.duration) ask_number(duration.bound);
+    for (const auto* effects : {&action.at_start, &action.at_end})
+      for (const NumericEffect& effect : effects->numbers) ask_number(effect.value);
+  }
+  compact(task.actions, keep);
+}
+
+/// Actions that ask and do the same are one: keeps the first.
+void drop_copies(GroundTask& task) {
+  std::vector<std::pair<std::string, std::size_t>> keys;
+  for (std::size_t a = 0; a < task.actions.size(); ++a) {
+    const GroundAction& action = task.actions[a];
+    if (!action.conditional.empty() || !action.continuous.empty()) continue;
+    std::string key(1, static_cast<char>('0' + action.durative));
+    const auto add = [&key](const std::vector<int>& ids) {
+      for (const int id : ids) key.append(reinterpret_cast<const char*>(&id), sizeof id);
+      key += '|';
+      key.append(4, '\xff');
+    };
+    const auto add_expression = [&key](const GroundExpression& expression) {
+      for (const auto& step : expression.steps) {
+        key += static_cast<char>(step.kind);
+        key.append(reinterpret_cast<const char*>(&step.number), sizeof step.number);
+        key.append(reinterpret_cast<const char*>(&step.value), sizeof step.value);
+      }
+      key += '|';
+    };
+    for (const auto* condition : {&action.start, &action.over_all, &action.end}) add(condition->facts), add(condition->comparisons);
+    for (const auto* effects : {&action.at_start, &action.at_end}) {
+      add(effects->add), add(effects->remove);
+      for (const NumericEffect& effect : effects->numbers) {
+        add({static_cast<int>(effect.kind), effect.number});
+        add_expression(effect.value);
+      }
+    }
+    for (const GroundDuration& duration : action.duration) {
+      add({static_cast<int>(duration.comparison), duration.at_end});
+      add_expression(duration.bound);
+    }
+    keys.emplace_back(std::move(key), a);
+  }
+  std::ranges::sort(keys);
+  std::vector<char> keep(task.actions.size(), 1);
+  for (std::size_t i = 1; i < keys.size(); ++i)
+    if (keys[i].first == keys[i - 1].first) keep[keys[i].second] = 0;
+  compact(task.actions, keep);
+}
+
 void drop_facts(GroundTask& task) {
   std::vector<char> removed(task.facts.size(), 0), asked(task.facts.size(), 0);
   for_each_effects(task, [&](GroundEffects& effects) {
@@ -246,8 +349,10 @@ void prune(GroundTask& task) {
              (conditional.at_start.empty() && conditional.at_end.empty());
     });
   std::erase_if(task.axioms, [&](const Axiom& axiom) { return !relaxation.reaches(axiom.body); });
+  drop_irrelevant(task);
   drop_facts(task);
   drop_numbers(task);
+  drop_copies(task);
 }
 
 }  // namespace cxlab::planner

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "planner/ground/relevant.h"
+
 namespace cxlab::planner {
 
 std::size_t AtomTable::slot(PredicateId predicate, std::span<const ObjectId> objects) const {
@@ -65,6 +67,7 @@ class Join {
     everything_.resize(predicates);
     for (std::size_t p = 0; p < predicates; ++p)
       by_argument_[p].assign(task_.domain.predicates[p].parameters.size(), std::vector<std::vector<int>>(task_.problem.objects.size()));
+    relevant_ = relevant_actions(task_);
     for (std::size_t a = 0; a < task_.domain.actions.size(); ++a) patterns_.push_back(make_pattern(task_.domain.actions[a]));
 
     AtomTable& atoms = result_.atoms;
@@ -75,13 +78,13 @@ class Join {
     for (const TimedFact& timed : task_.problem.timed_facts)
       if (timed.value) atoms.insert(timed.fact.predicate, timed.fact.objects);
     for (std::size_t a = 0; a < patterns_.size(); ++a)
-      if (std::ranges::none_of(patterns_[a].atoms, [this](const Atom& atom) { return result_.fluent[atom.predicate] != 0; })) begin(a, -1, -1);
+      if (relevant_[a] && std::ranges::none_of(patterns_[a].atoms, [this](const Atom& atom) { return result_.fluent[atom.predicate] != 0; })) begin(a, -1, -1);
     while (visible_ < atoms.size() && !too_many_) {
       const int atom = visible_++;
       show(atom);
       for (std::size_t a = 0; a < patterns_.size(); ++a)
         for (std::size_t k = 0; k < patterns_[a].atoms.size(); ++k)
-          if (patterns_[a].atoms[k].predicate == atoms.predicate(atom)) begin(a, static_cast<int>(k), atom);
+          if (relevant_[a] && patterns_[a].atoms[k].predicate == atoms.predicate(atom)) begin(a, static_cast<int>(k), atom);
     }
     if (too_many_)
       return Error{ErrorKind::kResource, "found more than " + std::to_string(most_) + " ground actions: the problem is too large to be written out", task_.problem.file, 0, "memory"};
@@ -107,8 +110,17 @@ class Join {
     collect(action.condition.start, nullptr, pattern);
     collect(action.condition.over_all, &own, pattern);
     collect(action.condition.end, &own, pattern);
+    std::vector<char> used(static_cast<std::size_t>(action.slots), 0);
+    for (const Condition* condition : {&action.condition.start, &action.condition.over_all, &action.condition.end}) mark(*condition, used);
+    for (const DurationConstraint& constraint : action.duration) mark(constraint.bound, used);
+    for (const Effect& effect : action.effects) {
+      mark(effect.terms, used);
+      mark(effect.value, used);
+      for (const Condition* condition : {&effect.condition.start, &effect.condition.over_all, &effect.condition.end}) mark(*condition, used);
+    }
     for (const Variable& parameter : action.parameters) {
       pattern.candidates.push_back(objects_of(task_.domain, task_.problem, parameter.types));
+      if (!used[parameter.slot] && pattern.candidates.back().size() > 1) pattern.candidates.back().resize(1);  // all would be the same
       pattern.allowed.emplace_back(task_.problem.objects.size(), 0);
       for (const ObjectId object : pattern.candidates.back()) pattern.allowed.back()[object] = 1;
     }
@@ -127,6 +139,20 @@ class Join {
     } else if (condition.kind == Kind::kNot && condition.operands[0].kind == Kind::kSame) {
       pattern.equalities.push_back({condition.operands[0].terms[0], condition.operands[0].terms[1], false});
     }
+  }
+
+  static void mark(const std::vector<Term>& terms, std::vector<char>& used) {
+    for (const Term& term : terms)
+      if (term.is_variable) used[term.index] = 1;
+  }
+  static void mark(const Expression& expression, std::vector<char>& used) {
+    mark(expression.terms, used);
+    for (const Expression& operand : expression.operands) mark(operand, used);
+  }
+  static void mark(const Condition& condition, std::vector<char>& used) {
+    mark(condition.terms, used);
+    for (const Expression& side : condition.sides) mark(side, used);
+    for (const Condition& operand : condition.operands) mark(operand, used);
   }
 
   void show(int atom) {
@@ -258,6 +284,7 @@ class Join {
   const std::size_t most_;
   Reachable result_;
   std::vector<Pattern> patterns_;
+  std::vector<char> relevant_;  ///< by action
   std::vector<std::vector<std::vector<std::vector<int>>>> by_argument_;  ///< predicate, position, object: visible atoms
   std::vector<std::vector<int>> everything_;                            ///< predicate: visible atoms
   AtomTable seen_;  ///< bindings

@@ -19,7 +19,7 @@ enum class Work : std::uint8_t {
 };
 inline constexpr std::size_t kWorkKinds = 5;
 /// Units of one piece of work, in thousandths. A unit is about a microsecond of a core of 2020.
-inline constexpr std::array<std::int64_t, kWorkKinds> kWorkWeights = {5000, 4, 1000, 60, 10};
+inline constexpr std::array<std::int64_t, kWorkKinds> kWorkWeights = {5000, 20, 2000, 150, 20};
 
 class Budget {
  public:

@@ -1,0 +1,158 @@
+#include "planner/bounds/lower_bound.h"
+
+#include <algorithm>
+
+#include "planner/search/landmarks.h"
+
+namespace cxlab::planner {
+
+namespace {
+
+constexpr Micros kNever = DurationRange::kForever;
+
+class Bounds {
+ public:
+  Bounds(const Simulator& simulator, Budget& budget) : simulator_(simulator), task_(simulator.task()), budget_(budget) {}
+
+  Micros run() {
+    find_durations();
+    find_earliest();
+    Micros bound = 0;
+    for (const int f : task_.goal.facts) bound = std::max(bound, fact_[f]);
+    for (const int c : task_.goal.comparisons) bound = std::max(bound, comparison_[c]);
+    return bound >= kNever ? 0 : std::max(bound, resources());
+  }
+
+ private:
+  /// Shortest duration of each action in any state; 0 where that depends.
+  void find_durations() {
+    const PackedState none(static_cast<std::size_t>(simulator_.words()), 0);
+    for (std::size_t a = 0; a < task_.actions.size(); ++a) {
+      const GroundAction& action = task_.actions[a];
+      Micros least = 0;
+      for (const GroundDuration& duration : action.duration)
+        if (duration.bound.is_constant() && duration.comparison != Comparison::kLessEqual)
+          least = std::max(least, static_cast<Micros>(duration.bound.steps[0].value * kMicrosPerSecond));
+      durations_.push_back(action.durative ? least : 0);
+    }
+  }
+
+  Micros latest(const GroundCondition& condition, const std::vector<int>& own) const {
+    Micros time = 0;
+    for (const int f : condition.facts)
+      if (!std::ranges::binary_search(own, f)) time = std::max(time, fact_[f]);
+    for (const int c : condition.comparisons) time = std::max(time, comparison_[c]);
+    return time;
+  }
+
+  Micros earliest_start(std::size_t a) const {
+    const GroundAction& action = task_.actions[a];
+    static const std::vector<int> kNone;
+    const Micros start = std::max(latest(action.start, kNone), latest(action.over_all, own_[a]));
+    return std::max(start, latest(action.end, own_[a]) - durations_[a]);
+  }
+
+  void find_earliest() {
+    fact_.assign(task_.facts.size(), kNever);
+    comparison_.assign(task_.comparisons.size(), kNever);
+    const PackedState initial = simulator_.initial();
+    for (std::size_t f = 0; f < task_.facts.size(); ++f)
+      if (is_set(initial.data(), static_cast<int>(f)) || (task_.facts[f].derived && task_.facts[f].is_complement)) fact_[f] = 0;
+    // A comparison can come true as soon as one of its numbers changes.
+    std::vector<std::vector<int>> readers(task_.numbers.size());
+    for (std::size_t c = 0; c < task_.comparisons.size(); ++c) {
+      if (task_.comparisons[c].holds(simulator_.numbers(initial.data())) || task_.comparisons[c].linear.duration_weight != 0) comparison_[c] = 0;
+      for (const auto& step : task_.comparisons[c].expression.steps)
+        if (step.kind == GroundExpression::Kind::kNumber) readers[step.number].push_back(static_cast<int>(c));
+    }
+    for (const GroundAction& action : task_.actions) {
+      own_.push_back(action.at_start.add);
+      for (const ConditionalEffects& conditional : action.conditional)
+        own_.back().insert(own_.back().end(), conditional.at_start.add.begin(), conditional.at_start.add.end());
+      std::ranges::sort(own_.back());
+    }
+    bool changed = true;
+    const auto lower = [&changed](Micros& time, Micros to) {
+      if (to < time) time = to, changed = true;
+    };
+    const auto apply = [&](const GroundEffects& effects, Micros time) {
+      for (const int f : effects.add) lower(fact_[f], time);
+      for (const NumericEffect& effect : effects.numbers)
+        for (const int c : readers[effect.number]) lower(comparison_[c], time);
+    };
+    for (const TimedEvent& event : task_.events) apply(event.effects, event.time);
+    while (changed) {
+      changed = false;
+      budget_.spend(Work::kBound, static_cast<std::int64_t>(task_.actions.size()));
+      for (std::size_t a = 0; a < task_.actions.size(); ++a) {
+        const GroundAction& action = task_.actions[a];
+        const Micros start = earliest_start(a);
+        if (start >= kNever) continue;
+        const Micros end = start + durations_[a];
+        apply(action.at_start, start);
+        apply(action.at_end, end);
+        for (const ConditionalEffects& conditional : action.conditional) apply(conditional.at_start, start), apply(conditional.at_end, end);
+        for (const ContinuousEffect& effect : action.continuous)
+          for (const int c : readers[effect.number]) lower(comparison_[c], start);
+      }
+      for (const Axiom& axiom : task_.axioms) lower(fact_[axiom.head], latest(axiom.body, {}));
+    }
+  }
+
+  /// Actions that take a fact at their start and give it back at their end cannot overlap if they share it.
+  Micros resources() {
+    if (!task_.axioms.empty()) return 0;
+    const RelaxedTask relaxed(simulator_, true);
+    const Landmarks landmarks(simulator_, relaxed, 20'000'000);
+    budget_.spend(Work::kBound, landmarks.work());
+    const PackedState initial = simulator_.initial();
+    std::vector<std::vector<int>> achievers(task_.facts.size());
+    for (std::size_t a = 0; a < task_.actions.size(); ++a)
+      for (const auto* effects : {&task_.actions[a].at_start, &task_.actions[a].at_end})
+        for (const int f : effects->add) achievers[f].push_back(static_cast<int>(a));
+    for (const GroundAction& action : task_.actions)
+      for (const ConditionalEffects& conditional : action.conditional)
+        for (const auto* effects : {&conditional.at_start, &conditional.at_end})
+          for (const int f : effects->add) achievers[f].clear();  // not known which actions
+    std::vector<std::vector<int>> locks(task_.facts.size());  // by resource: actions
+    for (std::size_t a = 0; a < task_.actions.size(); ++a)
+      for (const int f : task_.actions[a].start.facts)
+        if (std::ranges::binary_search(task_.actions[a].at_start.remove, f)) locks[f].push_back(static_cast<int>(a));
+    Micros best = 0;
+    for (std::size_t resource = 0; resource < locks.size(); ++resource) {
+      if (locks[resource].size() < 2) continue;
+      bool unary = true;  // nothing else gives it back
+      for (const int a : achievers[resource]) unary = unary && std::ranges::binary_search(locks[resource], a) && std::ranges::binary_search(task_.actions[a].at_end.add, static_cast<int>(resource));
+      if (!unary || achievers[resource].empty()) continue;
+      std::vector<char> used(task_.actions.size(), 0);
+      Micros work = 0, head = kNever;
+      for (const int atom : landmarks.atoms()) {
+        if (atom >= static_cast<int>(task_.facts.size()) || is_set(initial.data(), atom) || achievers[atom].empty()) continue;
+        const std::vector<int>& ways = achievers[atom];
+        if (!std::ranges::all_of(ways, [&](int a) { return !used[a] && std::ranges::binary_search(locks[resource], a); })) continue;
+        Micros shortest = kNever;
+        for (const int a : ways) {
+          used[a] = 1;
+          const bool returns = std::ranges::binary_search(task_.actions[a].at_end.add, static_cast<int>(resource));
+          shortest = std::min(shortest, returns ? durations_[a] : 0);
+          head = std::min(head, earliest_start(static_cast<std::size_t>(a)));
+        }
+        work += shortest;
+      }
+      if (work > 0) best = std::max(best, head + work);
+    }
+    return best;
+  }
+
+  const Simulator& simulator_;
+  const GroundTask& task_;
+  Budget& budget_;
+  std::vector<Micros> durations_, fact_, comparison_;
+  std::vector<std::vector<int>> own_;  ///< by action: what its beginning adds
+};
+
+}  // namespace
+
+Micros lower_bound(const Simulator& simulator, Budget& budget) { return Bounds(simulator, budget).run(); }
+
+}  // namespace cxlab::planner

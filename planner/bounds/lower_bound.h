@@ -1,0 +1,16 @@
+#pragma once
+// A makespan that no plan can beat.
+//
+// Critical path: every fact has an earliest time, the latest of the conditions of its quickest achiever and the time
+// that this takes (temporal h-max, Haslum and Geffner 2001). Resources: what needs the same key exclusively cannot
+// overlap, so the work that every plan must do with it, before it and after it adds up.
+
+#include "planner/schedule/timeline.h"
+#include "planner/search/budget.h"
+#include "planner/search/simulator.h"
+
+namespace cxlab::planner {
+
+Micros lower_bound(const Simulator& simulator, Budget& budget);
+
+}  // namespace cxlab::planner

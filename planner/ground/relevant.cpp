@@ -1,0 +1,82 @@
+#include "planner/ground/relevant.h"
+
+#include <algorithm>
+
+namespace cxlab::planner {
+
+namespace {
+
+class Relevance {
+ public:
+  explicit Relevance(const Task& task)
+      : task_(task), present_(task.domain.predicates.size(), 0), absent_(present_), number_(task.domain.functions.size(), 0), action_(task.domain.actions.size(), 0) {
+    ask(task.problem.goal, false);
+    if (task.problem.metric) ask(task.problem.metric->value);
+    while (changed_) {
+      changed_ = false;
+      for (std::size_t a = 0; a < action_.size(); ++a) look_at(a);
+      for (const Derivation& rule : task.domain.derivations) {
+        if (present_[rule.predicate]) ask(rule.condition, false);
+        if (absent_[rule.predicate]) ask(rule.condition, true);
+      }
+    }
+  }
+
+  std::vector<char> take() { return std::move(action_); }
+
+ private:
+  void look_at(std::size_t index) {
+    const Action& action = task_.domain.actions[index];
+    bool needed = action_[index];
+    for (const Effect& effect : action.effects) {
+      if (!helps(effect)) continue;
+      needed = true;
+      ask(effect.condition);
+      ask(effect.value);
+    }
+    if (!needed || action_[index]) return;
+    action_[index] = 1;
+    changed_ = true;
+    ask(action.condition);
+    for (const DurationConstraint& constraint : action.duration) ask(constraint.bound);
+  }
+
+  bool helps(const Effect& effect) const {
+    if (effect.kind == Effect::Kind::kAdd) return present_[effect.predicate];
+    if (effect.kind == Effect::Kind::kDelete) return absent_[effect.predicate];
+    return number_[effect.function];
+  }
+
+  void ask(const TimedCondition& condition) {
+    for (const Condition* part : {&condition.start, &condition.over_all, &condition.end}) ask(*part, false);
+  }
+
+  void ask(const Condition& condition, bool negated) {
+    using Kind = Condition::Kind;
+    if (condition.kind == Kind::kAtom) mark((negated ? absent_ : present_)[condition.predicate]);
+    for (const Expression& side : condition.sides) ask(side);
+    for (std::size_t i = 0; i < condition.operands.size(); ++i) {
+      const bool turns = condition.kind == Kind::kNot || (condition.kind == Kind::kImply && i == 0);
+      ask(condition.operands[i], negated != turns);
+    }
+  }
+
+  void ask(const Expression& expression) {
+    if (expression.kind == Expression::Kind::kFunction) mark(number_[expression.function]);
+    for (const Expression& operand : expression.operands) ask(operand);
+  }
+
+  void mark(char& flag) {
+    if (!flag) flag = 1, changed_ = true;
+  }
+
+  const Task& task_;
+  std::vector<char> present_, absent_, number_, action_;
+  bool changed_ = true;
+};
+
+}  // namespace
+
+std::vector<char> relevant_actions(const Task& task) { return Relevance(task).take(); }
+
+}  // namespace cxlab::planner

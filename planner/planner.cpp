@@ -1,0 +1,269 @@
+#include "planner/planner.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "planner/bounds/lower_bound.h"
+#include "planner/ground/ground.h"
+#include "planner/improve/local_search.h"
+#include "planner/search/split.h"
+
+namespace cxlab::planner {
+
+namespace {
+
+constexpr std::int64_t kFirstSlice = 2'000'000;     ///< units of the first try; each round of tries has twice as many
+constexpr std::int64_t kLandmarkWork = 300'000'000;  ///< word operations
+constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
+
+/// A ground task with what searches on it need.
+struct SearchSpace {
+  explicit SearchSpace(const GroundTask& task)
+      : simulator(task), relaxed(simulator, true), landmarks(simulator, relaxed, kLandmarkWork) {}
+  Simulator simulator;
+  RelaxedTask relaxed;
+  Landmarks landmarks;
+};
+
+class Planner {
+ public:
+  Planner(const Task& task, const PlanOptions& options, Budget& budget, GroundTask ground)
+      : task_(task), options_(options), budget_(budget), began_(std::chrono::steady_clock::now()), ground_(std::move(ground)), touches_(ground_) {}
+
+  PlanAnswer run() {
+    if (ground_.proved_unsolvable) {
+      answer_.status = PlanStatus::kUnsolvable;
+      answer_.reason = "the goal is out of reach even if nothing were ever deleted";
+      return finish();
+    }
+    sequences_ = std::make_unique<SearchSpace>(ground_);
+    budget_.spend(Work::kReach, sequences_->landmarks.work() / 16);
+    warm_start();
+    if (!answer_.plan) find_first();
+    if (answer_.plan) {
+      answer_.status = PlanStatus::kPlan;
+      bound_ = lower_bound(sequences_->simulator, budget_);
+      answer_.lower_bound_s = static_cast<double>(bound_) / kSecond;
+      if (options_.anytime) improve();
+      answer_.reason = proved_best() ? "no plan is shorter" : "a plan";
+    }
+    return finish();
+  }
+
+ private:
+  PlanAnswer finish() {
+    answer_.units = budget_.units();
+    return std::move(answer_);
+  }
+
+  bool proved_best() const { return answer_.plan && best_makespan_ <= bound_ + kSeparation * static_cast<Micros>(2 * answer_.plan->steps.size()); }
+
+  /// Hands out a plan if it is the best so far.
+  void publish(const Concurrent& plan) {
+    Stn stn(touches_);
+    fill(stn, plan);
+    if (!stn.solve(kSeparation) && !(fill(stn, plan), stn.solve(0))) return;
+    if (answer_.plan && stn.makespan() >= best_makespan_) return;
+    TimedPlan timed;
+    std::vector<int> by_start(plan.steps.size());
+    for (std::size_t i = 0; i < by_start.size(); ++i) by_start[i] = static_cast<int>(i);
+    std::ranges::stable_sort(by_start, {}, [&](int step) { return stn.start(step); });
+    std::vector<int> place(by_start.size());
+    for (std::size_t i = 0; i < by_start.size(); ++i) {
+      const int step = by_start[i];
+      place[step] = static_cast<int>(i);
+      const GroundAction& action = ground_.actions[plan.steps[step].action];
+      timed.steps.push_back({static_cast<double>(stn.start(step)) / kSecond, action.schema, action.arguments,
+                             static_cast<double>(stn.end(step) - stn.start(step)) / kSecond, 0});
+    }
+    for (Ordering ordering : stn.orderings()) {
+      if (ordering.from >= 0) ordering.from = 2 * place[ordering.from / 2] + ordering.from % 2;
+      ordering.to = 2 * place[ordering.to / 2] + ordering.to % 2;
+      timed.orderings.push_back(ordering);
+    }
+    timed.makespan_s = static_cast<double>(stn.makespan()) / kSecond;
+    timed.latest = latest_times(timed, stn.makespan());
+    best_makespan_ = stn.makespan();
+    if (!answer_.plan) answer_.first_plan_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+    answer_.plan = std::move(timed);
+    if (options_.on_plan) options_.on_plan(*answer_.plan, budget_.units());
+  }
+
+  static std::vector<Micros> latest_times(const TimedPlan& plan, Micros makespan) {
+    std::vector<Micros> latest(2 * plan.steps.size(), makespan);
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (const Ordering& ordering : plan.orderings) {
+        const auto lower = [&](int point, Micros to) {
+          if (point >= 0 && to < latest[point]) latest[point] = to, changed = true;
+        };
+        lower(ordering.from, latest[ordering.to] - ordering.least);
+        if (ordering.most < DurationRange::kForever) lower(ordering.to, (ordering.from < 0 ? 0 : latest[ordering.from]) + ordering.most);
+      }
+    }
+    return latest;
+  }
+
+  void take(const Sequence& sequence) {
+    if (best_sequence_.empty()) best_sequence_ = sequence;
+    publish(from_sequence(ground_, sequence));
+  }
+
+  LazyOptions lazy_options(std::uint64_t seed) const {
+    LazyOptions options;
+    options.seed = seed;
+    options.random_choice = seed == 0 ? 0 : 0.05;
+    options.most_words = options_.most_memory_mb * 1024 * 1024 / 8 / 2;
+    return options;
+  }
+
+  SearchEnd search_sequences(std::uint64_t seed, std::int64_t slice, Sequence& found) {
+    EventCheck check(touches_);
+    LazySearch search(sequences_->simulator, sequences_->relaxed, sequences_->landmarks, ground_.events.empty() ? nullptr : &check);
+    budget_.set_slice(budget_.units() + slice);
+    const SearchEnd end = search.run(sequences_->simulator.initial(), lazy_options(seed), budget_, found);
+    budget_.clear_slice();
+    return end;
+  }
+
+  /// Searches with actions cut in two.
+  struct Cut {
+    std::unique_ptr<SplitTask> split;
+    std::unique_ptr<SearchSpace> space;
+    bool exhausted = false;
+  };
+
+  Cut make_cut(bool all) {
+    std::vector<char> marked;
+    for (const GroundAction& action : ground_.actions) marked.push_back(can_be_cut(action) && (all || is_envelope(ground_, action)));
+    Cut cut;
+    if (std::ranges::find(marked, 1) == marked.end()) {
+      cut.exhausted = true;
+      return cut;
+    }
+    cut.split = std::make_unique<SplitTask>(split(ground_, marked));
+    cut.space = std::make_unique<SearchSpace>(cut.split->task);
+    budget_.spend(Work::kReach, cut.space->landmarks.work() / 16);
+    return cut;
+  }
+
+  bool search_cut(Cut& cut, std::uint64_t seed, std::int64_t slice) {
+    if (cut.exhausted) return false;
+    SplitCheck check(*cut.split, ground_, touches_);
+    LazySearch search(cut.space->simulator, cut.space->relaxed, cut.space->landmarks, &check);
+    Sequence found;
+    budget_.set_slice(budget_.units() + slice);
+    const SearchEnd end = search.run(cut.space->simulator.initial(), lazy_options(seed), budget_, found);
+    budget_.clear_slice();
+    cut.exhausted = end == SearchEnd::kExhausted;
+    note(end);
+    if (end != SearchEnd::kFound) return false;
+    publish(check.translate(found));
+    return answer_.plan.has_value();
+  }
+
+  void note(SearchEnd end) { out_of_memory_ |= end == SearchEnd::kMemory; }
+
+  void find_first() {
+    bool sequences_exhausted = false;
+    std::optional<Cut> envelopes, everything;
+    std::int64_t slice = kFirstSlice;
+    for (std::uint64_t round = 0; !budget_.over(); ++round, slice *= 2) {
+      if (!sequences_exhausted) {
+        Sequence found;
+        const SearchEnd end = search_sequences(round, slice, found);
+        note(end);
+        if (end == SearchEnd::kFound) take(found);
+        if (answer_.plan) return;
+        sequences_exhausted = end == SearchEnd::kExhausted;
+      }
+      if (!envelopes) envelopes = make_cut(false);
+      if (search_cut(*envelopes, round, slice)) return;
+      if (round == 0 && !(sequences_exhausted && envelopes->exhausted)) continue;
+      if (!everything) everything = make_cut(true);
+      if (search_cut(*everything, round, slice)) return;
+      if (sequences_exhausted && envelopes->exhausted && everything->exhausted) {
+        answer_.status = PlanStatus::kEnded;
+        answer_.reason = "no plan was found by any search; that none exists is not proved";
+        return;
+      }
+    }
+    answer_.status = out_of_memory_ && !budget_.over() ? PlanStatus::kMemory : PlanStatus::kBudget;
+    answer_.reason = "the budget ended before a plan was found";
+  }
+
+  /// Decodes the steps of a plan under execution; a search fills in what is missing.
+  void warm_start() {
+    if (options_.warm_start.empty()) return;
+    Sequence kept;
+    PackedState state = sequences_->simulator.initial();
+    for (const PlanStep& step : options_.warm_start) {
+      for (std::size_t a = 0; a < ground_.actions.size(); ++a) {
+        if (ground_.actions[a].schema != step.action || ground_.actions[a].arguments != step.arguments) continue;
+        PackedState next = state;
+        Micros duration = 0;
+        if (!sequences_->simulator.apply(static_cast<int>(a), next.data(), duration)) continue;
+        kept.push_back({static_cast<int>(a), duration});
+        state = std::move(next);
+        break;
+      }
+    }
+    if (!ground_.events.empty()) return;
+    Sequence rest;
+    LazySearch search(sequences_->simulator, sequences_->relaxed, sequences_->landmarks);
+    budget_.set_slice(budget_.units() + kFirstSlice);
+    const SearchEnd end = search.run(state, lazy_options(0), budget_, rest);
+    budget_.clear_slice();
+    if (end != SearchEnd::kFound) return;
+    kept.insert(kept.end(), rest.begin(), rest.end());
+    take(kept);
+  }
+
+  void improve() {
+    // Rounds: a new first plan, or the best one shaken, and local search from there.
+    std::int64_t idle = 2000;
+    for (std::uint64_t round = 0; !budget_.over() && !proved_best(); ++round) {
+      Sequence from = best_sequence_;
+      if (round > 0 && (round % 2 == 1 || from.empty())) {
+        Sequence found;
+        if (search_sequences(round, kFirstSlice / 4, found) == SearchEnd::kFound) from = std::move(found);
+      }
+      if (from.empty()) {
+        if (round > 50) return;
+        continue;
+      }
+      LocalSearch local(sequences_->simulator, touches_, round + 1);
+      if (local.start(from) == Timeline::kNever) continue;
+      local.run(budget_, idle, [&](const Sequence& sequence, Micros makespan) {
+        if (makespan >= best_makespan_) return;
+        best_sequence_ = sequence;
+        publish(from_sequence(ground_, sequence));
+      });
+      if (round % 4 == 3) idle += idle / 2;
+    }
+  }
+
+  const Task& task_;
+  const PlanOptions& options_;
+  Budget& budget_;
+  const std::chrono::steady_clock::time_point began_;
+  GroundTask ground_;
+  Touches touches_;
+  std::unique_ptr<SearchSpace> sequences_;
+  PlanAnswer answer_;
+  Sequence best_sequence_;
+  Micros best_makespan_ = DurationRange::kForever, bound_ = 0;
+  bool out_of_memory_ = false;
+};
+
+}  // namespace
+
+Expected<PlanAnswer> find_plan(const Task& task, const PlanOptions& options) {
+  Budget budget(options.budget, options.timeout_s);
+  Expected<GroundTask> made = ground(task);
+  if (!made) return made.error();
+  budget.spend(Work::kGround, static_cast<std::int64_t>(made->actions.size()));
+  return Planner(task, options, budget, std::move(*made)).run();
+}
+
+}  // namespace cxlab::planner

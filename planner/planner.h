@@ -1,0 +1,64 @@
+#pragma once
+// Finds plans for PDDL problems with time, numbers and events.
+//
+//   Expected<Task> task = load_task("domain.pddl", "problem.pddl");
+//   Expected<PlanAnswer> answer = find_plan(*task, {.timeout_s = 1.0, .anytime = true});
+//   if (answer && answer->plan) puts(to_text(answer->plan->steps, task->domain, task->problem).c_str());
+//
+// One thread, one result: the same problem and the same budget of work units give the same answer. A timeout is wall
+// time and gives what was found by then. Every plan has been checked by the validator before it is handed out.
+
+#include <functional>
+#include <optional>
+
+#include "cx/base/expected.h"
+#include "planner/pddl/plan.h"
+#include "planner/schedule/stn.h"
+
+namespace cxlab::planner {
+
+/// A plan as times and as what the times must keep to.
+struct TimedPlan {
+  Plan steps;                        ///< by start; times as early as possible
+  double makespan_s = 0;
+  std::optional<double> metric;      ///< value of the problem's metric
+  /// Distances between starts (2 k) and ends (2 k + 1) of steps: any times that keep them are a plan too.
+  std::vector<Ordering> orderings;
+  std::vector<Micros> latest;        ///< by point: latest time that keeps the makespan
+};
+
+struct PlanOptions {
+  std::int64_t budget = 60'000'000;  ///< work units; a unit is about a microsecond
+  std::optional<double> timeout_s;   ///< wall time
+  bool anytime = false;              ///< go on to better plans until the budget ends or a plan is proved best
+  /// Steps that are left of a plan under execution, in their order: tried first, repaired and improved from there.
+  Plan warm_start;
+  /// Called with every plan that is better than all before it.
+  std::function<void(const TimedPlan&, std::int64_t units)> on_plan;
+  std::size_t most_memory_mb = 2048;
+};
+
+enum class PlanStatus {
+  kPlan,
+  kUnsolvable,   ///< proved
+  kEnded,        ///< all that could be tried was tried, without a proof
+  kMemory,
+  kBudget,       ///< units or time
+};
+
+struct PlanAnswer {
+  PlanStatus status = PlanStatus::kEnded;
+  std::string reason;               ///< one sentence
+  std::optional<TimedPlan> plan;
+  double lower_bound_s = 0;         ///< no plan is shorter
+  std::int64_t units = 0;           ///< spent
+  double first_plan_s = 0;          ///< wall time to the first plan; for people, not for decisions
+
+  /// How far the plan can be from the shortest one, as a share of it: 0.05 = at most 5 %.
+  double gap() const { return plan && lower_bound_s > 0 ? plan->makespan_s / lower_bound_s - 1 : 0; }
+};
+
+/// Fails only where the problem cannot be written out (code "memory").
+Expected<PlanAnswer> find_plan(const Task& task, const PlanOptions& options = {});
+
+}  // namespace cxlab::planner
