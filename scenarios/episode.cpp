@@ -156,13 +156,25 @@ Expected<std::unique_ptr<Stage>> Episode::make_stage() {
   return std::make_unique<Stage>();
 }
 
+cx::RunSettings Episode::run_settings() const {
+  return {.log = options_.log,
+          .run_folder = options_.run_folder,
+          .seed = scenario_.seed,
+          .epoch = scenario_.epoch,
+          .max_firings = scenario_.max_firings_per_tick,
+          .stop_on_rule_error = scenario_.stop_on_rule_error,
+          .keep_going = options_.keep_going,
+          .strict = options_.strict,
+          .trust_rules = scenario_.trust_rules};
+}
+
 Status Episode::build_agents() {
   if (options_.replay) shares_ = options_.replay->shares;
   else
     for (const AgentSpec& spec : scenario_.agents) shares_.push_back(scenario_.shares(spec));
   if (shares_.size() != scenario_.agents.size()) return input_error("the recorded run has another number of agents", scenario_.file.string());
   for (const AgentSpec& spec : scenario_.agents) {
-    cx::ManagerOptions manager;
+    cx::ManagerOptions manager{run_settings()};
     const std::size_t index = agents_.size();
     const std::string number = std::to_string(index);
     const std::filesystem::path config = scenario_.resolve(spec.config);
@@ -175,19 +187,13 @@ Status Episode::build_agents() {
       manager.packages[name] = {options_.replay ? copies / "packages" / name : std::filesystem::path(share), share};
     if (options_.replay) manager.outside_copies = copies / "outside";
     manager.plugin_types = cx::builtin_plugins();
-    manager.log = options_.log;
     manager.outside = make_outside("agent/" + number);
     manager.on_read = [this, index, config](const std::string&, const std::filesystem::path& file) {
       return file == config ? keep("agents/" + std::to_string(index) + "/config/" + file.filename().string(), file) : keep_for_agent(index, file);
     };
-    manager.seed = scenario_.seed;
-    manager.epoch = scenario_.epoch;
-    manager.run_folder = options_.run_folder;
-    manager.stop_on_rule_error = scenario_.stop_on_rule_error;
-    manager.max_firings = scenario_.max_firings_per_tick;
-    manager.keep_going = options_.keep_going;
-    manager.strict = options_.strict;
-    manager.trust_rules = scenario_.trust_rules;
+    manager.on_join = [this](bus::ParticipantId participant) {
+      if (tap_) tap_->watch(participant);
+    };
     auto made = cx::EnvironmentManager::create(std::move(manager), *bus_, journal_);
     if (!made) return made.error();
     agents_.push_back(*std::move(made));
@@ -203,13 +209,13 @@ LookOutside* Episode::make_outside(const std::string& stream) {
 }
 
 Status Episode::start() {
-  for (auto& agent : agents_)
-    if (Status s = agent->configure(); !s) return s;
-  for (auto& agent : agents_)
-    for (std::size_t i = 0; i < agent->size(); ++i)
-      if (tap_) tap_->watch(agent->environment(i).participant());
-  for (auto& agent : agents_)
-    if (Status s = agent->activate(); !s) return s;
+  const auto starts = [&](std::size_t i) { return scenario_.agents[i].activate || agents_[i]->autostart(); };
+  for (std::size_t i = 0; i < agents_.size(); ++i)
+    if (starts(i))
+      if (Status s = agents_[i]->configure(); !s) return s;
+  for (std::size_t i = 0; i < agents_.size(); ++i)
+    if (starts(i))
+      if (Status s = agents_[i]->activate(); !s) return s;
   if (Status s = keep_interfaces(); !s) return s;
   return write_out();
 }
@@ -230,6 +236,8 @@ Status Episode::tick() {
   for (auto& agent : agents_)
     for (std::size_t i = 0; i < agent->size(); ++i)
       if (Status s = agent->decide_if_due(i, now_); !s) return s;
+  for (auto& agent : agents_)
+    if (Status s = act(*agent); !s) return s;
   for (auto& server : stage_->servers)
     if (Status s = server->act(now_); !s) return s;
   return write_out();
@@ -239,6 +247,12 @@ Status Episode::perceive(cx::EnvironmentManager& agent, std::size_t i) {
   if (replayer_)
     if (Status s = replayer_->deliver_due(agent.environment(i).participant()); !s) return s;
   return agent.perceive(i);
+}
+
+Status Episode::act(cx::EnvironmentManager& agent) {
+  if (replayer_)
+    if (Status s = replayer_->deliver_due(agent.participant()); !s) return s;
+  return agent.act();
 }
 
 /// The first tick at which something is due; each one where a world steps.

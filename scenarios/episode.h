@@ -101,7 +101,9 @@ class Episode {
   LookOutside* make_outside(const std::string& stream);
   Status check_replay() const;
   Status all_replayed() const;
+  cx::RunSettings run_settings() const;
   Status perceive(cx::EnvironmentManager& agent, std::size_t i);
+  Status act(cx::EnvironmentManager& agent);
   Status write_out();
 
   Scenario scenario_;

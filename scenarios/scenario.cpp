@@ -67,6 +67,7 @@ AgentSpec read_agent(const yaml::Value& value) {
   if (const yaml::Value packages = map.get("packages")) read_names(packages.as_map(), agent.packages);
   if (const yaml::Value params = map.get("params"))
     for (const auto& [name, param] : params.as_map().entries()) agent.params.emplace_back(name, param.dump());
+  map.read("activate", agent.activate);
   map.finish();
   if (agent.name_space.empty() || agent.name_space[0] != '/')
     map.get("namespace").fail("found '" + agent.name_space + "', expected an absolute name like /cyan");

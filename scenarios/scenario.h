@@ -28,6 +28,7 @@ struct AgentSpec {
   std::vector<std::pair<std::string, std::string>> remaps;   ///< FROM := TO
   std::map<std::string, std::string> packages;               ///< package -> folder, relative to the scenario file
   std::vector<std::pair<std::string, std::string>> params;   ///< NODE.NAME -> value
+  bool activate = true;    ///< configured and activated at the start; else only with its parameter `autostart_node`
 };
 
 /// A node beside world and agents: an item of `servers:` (scenarios/nodes.h).

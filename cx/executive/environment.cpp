@@ -41,20 +41,15 @@ Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus:
   Environment& self = *environment;
   const Options& given = self.options_;
   self.journal_ = &journal;
-  if (!given.log_file.empty()) {
-    auto file = AppendFile::create(given.log_file);
-    if (!file) return file.error();
-    self.log_file_ = std::move(*file);
-  }
   EngineOptions engine;
   engine.name = unique_name(given);
   engine.now = [&bus] { return bus.now(); };
-  engine.epoch = from_seconds(given.epoch);
-  engine.seed = given.seed;
+  engine.epoch = from_seconds(given.run->epoch);
+  engine.seed = given.run->seed;
   engine.journal = &journal;
   engine.files = &files;
-  engine.outside = given.outside;
-  engine.trust_rules = given.trust_rules;
+  engine.outside = given.run->outside;
+  engine.trust_rules = given.run->trust_rules;
   engine.on_output = [&self](std::string_view name, std::string_view text) { self.router_.write(name, text); };
   auto made = RuleEngine::create(std::move(engine));
   if (!made) return made.error();
@@ -65,7 +60,6 @@ Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus:
 
 Environment::~Environment() {
   if (engine_) bus_.leave(participant_);
-  (void)log_file_.close();
 }
 
 Status Environment::perceive() {
@@ -76,7 +70,7 @@ Status Environment::perceive() {
 
 Status Environment::run() {
   engine_->refresh_all_agendas();
-  RunReport report = engine_->run(options_.max_firings);
+  RunReport report = engine_->run(options_.run->max_firings);
   if (Status s = check_errors(std::move(report.errors)); !s) return s;
   if (report.loop)
     return Error{ErrorKind::kRun,
@@ -93,9 +87,9 @@ Status Environment::check_errors() {
 Status Environment::check_errors(std::vector<RuleError> errors) {
   Status first;
   for (RuleError& e : errors) {
-    if (options_.stop_on_rule_error && first) first = e.error();
+    if (options_.run->stop_on_rule_error && first) first = e.error();
     // A run that stops ends with the error; one that goes on tells the place here.
-    if (!options_.stop_on_rule_error) log(LogLevel::kError, name(), e.error().text());
+    if (!options_.run->stop_on_rule_error) log(LogLevel::kError, name(), e.error().text());
     if (options_.rule_errors) options_.rule_errors->push_back({name(), std::move(e)});
   }
   return first;
@@ -111,7 +105,7 @@ void Environment::note_input(std::string_view what, std::string_view name, const
 }
 
 Value Environment::look(std::string_view function, const std::function<Value()>& outside) {
-  Value value = options_.outside ? options_.outside->look(function, outside) : outside();
+  Value value = options_.run->outside ? options_.run->outside->look(function, outside) : outside();
   data_.begin().field("what", "look").field("name", function).field("value", value.print());
   journal_->write(engine_->stream(), now(), RecordKind::kInput, data_, engine_->cause());
   return value;
@@ -122,9 +116,9 @@ void Environment::log(LogLevel level, std::string_view logger, std::string_view 
 }
 
 void Environment::write_line(const LogLine& line, LogLevel level_in_file) {
-  if (options_.log) options_.log->line(line);
+  if (options_.run->log) options_.run->log->line(line);
   // A failed write stays in the file's status, which the manager asks for once a tick.
-  if (log_file_.is_open()) (void)log_file_.append(file_line(line, level_in_file));
+  if (options_.log_file) (void)options_.log_file->append(file_line(line, level_in_file));
 }
 
 }  // namespace cxlab::cx

@@ -16,6 +16,7 @@
 #include "cx/engine/engine.h"
 #include "cx/executive/files.h"
 #include "cx/executive/log.h"
+#include "cx/executive/run_settings.h"
 
 namespace cxlab::cx {
 
@@ -30,15 +31,9 @@ class Environment {
   struct Options {
     std::string name;
     bus::NodeName node;                  ///< that its names are resolved against
-    std::uint64_t seed = 0;
-    double epoch = 0;                    ///< s since 1970 at simulated time 0
+    const RunSettings* run = nullptr;    ///< outlives the environment
     bool redirect_stdout_to_debug = false;
-    std::filesystem::path log_file;      ///< empty = none
-    LogSink* log = nullptr;              ///< may be none
-    LookOutside* outside = nullptr;      ///< may be none
-    bool trust_rules = false;
-    bool stop_on_rule_error = true;
-    std::int64_t max_firings = 100000;   ///< a run; 0 = no limit
+    AppendFile* log_file = nullptr;      ///< may be none
     std::vector<RuleErrorEntry>* rule_errors = nullptr;  ///< all errors are added here
   };
   static Expected<std::unique_ptr<Environment>> create(Options options, bus::Bus& bus, RecordSink& journal, Files& files);
@@ -85,8 +80,7 @@ class Environment {
   /// A line of a plugin or of the manager that concerns this environment.
   void log(LogLevel level, std::string_view logger, std::string_view text);
   /// Whether the log file could be written (kResource if not).
-  Status log_status() const { return log_file_.status(); }
-  Status flush_log() { return log_file_.flush(); }
+  Status log_status() const { return options_.log_file ? options_.log_file->status() : Status(); }
 
  private:
   Environment(Options options, bus::Bus& bus, Files& files);
@@ -97,7 +91,6 @@ class Environment {
   Files& files_;
   RecordSink* journal_ = nullptr;
   RecordData data_;
-  AppendFile log_file_;
   LogRouter router_;
   std::unique_ptr<RuleEngine> engine_;
   bus::ParticipantId participant_{};

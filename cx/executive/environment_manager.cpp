@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "cx/executive/plugin_library.h"
+#include "cx/executive/parameter_services.h"
 
 namespace cxlab::cx {
 
@@ -22,6 +23,11 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   return near.empty() ? std::string() : ", did you mean '" + near + "'?";
 }
 
+/// "cyan/" for "/cyan", nothing for the root.
+std::string stream_prefix(const std::string& name_space) {
+  return name_space == "/" ? std::string() : name_space.substr(name_space.starts_with('/') ? 1 : 0) + '/';
+}
+
 void keep_first(Status& first, Status next) {
   if (first && !next) first = std::move(next);
 }
@@ -34,9 +40,14 @@ EnvironmentManager::EnvironmentManager(ManagerOptions options, Parameters parame
       bus_(bus),
       journal_(journal),
       files_({options_.packages, options_.run_folder, options_.trust_rules, options_.on_read, options_.outside_copies}),
-      node_name_{options_.node, options_.name_space, options_.remaps} {
-  const std::string space = options_.name_space == "/" ? "" : options_.name_space.substr(options_.name_space.starts_with('/') ? 1 : 0) + '/';
-  node_ = bus_.join(bus::ParticipantKind::kNode, node_name_, journal_.open_stream("node/" + space + options_.node));
+      node_name_{options_.node, options_.name_space, options_.remaps},
+      node_(bus_.join(bus::ParticipantKind::kNode, node_name_, journal_.open_stream("node/" + stream_prefix(options_.name_space) + options_.node))),
+      lifecycle_(bus_, node_, [this](Transition t) { return change(t); },
+                 [this](const Error& why) {
+                   if (why.kind == ErrorKind::kUsage) log(LogLevel::kWarn, options_.node, why.message);
+                   else fail(why);
+                 }) {
+  if (options_.on_join) options_.on_join(node_);
 }
 
 EnvironmentManager::~EnvironmentManager() {
@@ -49,14 +60,18 @@ Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(Manager
     if (Status s = options.on_read("config/" + options.config.filename().string(), options.config); !s) return s.error();
   auto parameters = Parameters::load(options.config, options.node, options.name_space);
   if (!parameters) return parameters.error();
-  const std::string prefix = options.node + '.';
-  for (const auto& [name, value] : options.params) {
-    if (!name.starts_with(prefix)) continue;
-    if (Status s = parameters->set(name.substr(prefix.size()), value, "--param " + name); !s) return s.error();
-  }
+  const std::string full_name = bus::NodeName{options.node, options.name_space, {}}.full_name();
+  for (const auto& [name, value] : options.params)
+    for (const std::string& prefix : {options.node + '.', full_name + '.'})
+      if (name.starts_with(prefix))
+        if (Status s = parameters->set(name.substr(prefix.size()), value, "--param " + name); !s) return s.error();
+  parameters->declare("autostart_node", "false");
+  parameters->declare("bond_heartbeat_period", "0.0");
   auto manager = std::unique_ptr<EnvironmentManager>(new EnvironmentManager(std::move(options), std::move(*parameters), bus, journal));
   if (Status s = manager->add_packaged_plugins(); !s) return s.error();
   if (Status s = manager->check_configuration(); !s) return s.error();
+  if (Status s = manager->lifecycle_.serve(); !s) return s.error();
+  if (Status s = serve_parameters(bus, manager->node_, manager->parameters_); !s) return s.error();
   return manager;
 }
 
@@ -107,13 +122,16 @@ Status EnvironmentManager::check_unknown(const std::string& group, std::vector<s
 }
 
 Status EnvironmentManager::check_configuration() {
-  if (Status s = parameters_.read("environments", names_); !s) return s;
-  std::vector<std::string> checked;
-  for (std::size_t i = 0; i < names_.size(); ++i) {
-    const std::string& name = names_[i];
-    if (std::find(names_.begin(), names_.begin() + static_cast<std::ptrdiff_t>(i), name) != names_.begin() + static_cast<std::ptrdiff_t>(i))
+  std::vector<std::string> names, checked;
+  bool autostart = false;
+  double bond = 0;
+  if (Status s = parameters_.read("autostart_node", autostart); !s) return s;
+  if (Status s = parameters_.read("bond_heartbeat_period", bond); !s) return s;
+  if (Status s = parameters_.read("environments", names); !s) return s;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string& name = names[i];
+    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), name) != names.begin() + static_cast<std::ptrdiff_t>(i))
       return parameters_.error_at("environments", "environment '" + name + "' is listed twice");
-    if (auto o = environment_options(name); !o) return o.error();
     if (Status s = check_unknown(name, kEnvironmentKeys, "environment '" + name + "'"); !s) return s;
     std::vector<std::string> plugins;
     if (Status s = parameters_.read(name + ".plugins", plugins); !s) return s;
@@ -134,101 +152,61 @@ Status EnvironmentManager::check_configuration() {
   return {};
 }
 
-Expected<Environment::Options> EnvironmentManager::environment_options(const std::string& name) {
-  Environment::Options o;
-  o.name = name;
-  o.node = node_name_;
-  o.seed = options_.seed;
-  o.epoch = options_.epoch;
-  o.log = options_.log;
-  o.outside = options_.outside;
-  o.trust_rules = options_.trust_rules;
-  o.stop_on_rule_error = options_.stop_on_rule_error;
-  o.max_firings = options_.max_firings;
-  o.rule_errors = &rule_errors_;
-  bool to_file = true;
-  if (Status s = parameters_.read(name + ".log_clips_to_file", to_file); !s) return s.error();
-  if (Status s = parameters_.read(name + ".redirect_stdout_to_debug", o.redirect_stdout_to_debug); !s) return s.error();
-  if (to_file && !options_.run_folder.empty()) {
-    std::string file = options_.name_space.substr(options_.name_space.starts_with('/') ? 1 : 0);
-    if (!file.empty()) file += '/';
-    file += name + ".log";
-    std::replace(file.begin(), file.end(), '/', '_');
-    o.log_file = options_.run_folder / "logs" / file;
-  }
-  return o;
+// --- Life
+
+bool EnvironmentManager::autostart() const {
+  bool autostart = false;
+  return parameters_.read("autostart_node", autostart).ok() && autostart;
 }
 
-Status EnvironmentManager::configure() {
+Status EnvironmentManager::change(Transition transition) {
+  switch (transition) {
+    case Transition::kConfigure: return do_configure();
+    case Transition::kActivate: return do_activate();
+    case Transition::kDeactivate: return do_deactivate();
+    case Transition::kCleanup: return do_cleanup();
+    case Transition::kShutdown: break;
+  }
+  // As the hook that CX runs before its process ends.
+  Status first;
+  if (state() == LifeState::kActive) first = do_deactivate();
+  keep_first(first, do_cleanup());
+  return first;
+}
+
+Status EnvironmentManager::do_configure() {
   if (!options_.run_folder.empty()) {
     std::error_code error;
     std::filesystem::create_directories(options_.run_folder / "logs", error);
     if (error) return Error{ErrorKind::kResource, "cannot make the folder: " + error.message(), (options_.run_folder / "logs").string(), 0, {}};
   }
-  for (const std::string& name : names_) {
-    auto options = environment_options(name);
-    if (!options) return options.error();
-    auto environment = Environment::create(std::move(*options), bus_, journal_, files_);
-    if (!environment) return environment.error();
-    RuleEngine& engine = (*environment)->engine();
-    engine.unwatch("all");
-    std::vector<std::string> watch;
-    if (Status s = parameters_.read(name + ".watch", watch); !s) return s;
-    for (const std::string& item : watch)
-      if (!engine.watch(lower(item))) return parameters_.error_at(name + ".watch", "Unknown watch item: " + item);
-    if (Status s = engine.add_function({"cx-shutdown", "v", 0, 0, "", FunctionKind::kActing, options_.node,
-                                        "Ends the executive at the end of this tick, through deactivation."},
-                                       [this](Call&) { shutdown_ = true; });
-        !s)
-      return s;
-    Entry entry;
-    if (Status s = parameters_.read(name + ".plugins", entry.plugin_names); !s) return s;
-    entry.environment = std::move(*environment);
-    environments_.push_back(std::move(entry));
-    log(LogLevel::kInfo, options_.node, "Initialized new CLIPS environment: " + name);
-  }
-  return {};
-}
-
-Status EnvironmentManager::load_plugin(Entry& entry, const std::string& name) {
-  auto found = std::find_if(instances_.begin(), instances_.end(), [&](const auto& i) { return i.first == name; });
-  if (found == instances_.end()) {
-    auto type = type_of(name, entry.environment->name());
-    if (!type) return type.error();
-    std::string class_name;
-    if (Status s = parameters_.read(name + ".plugin", class_name); !s) return s;
-    PluginContext context{name, class_name, {}, parameters_, bus_, node_, files_, options_.epoch, options_.keep_going,
-                          [this](Error e) { load_errors_.push_back(std::move(e)); },
-                          [this](LogLevel level, std::string_view logger, std::string_view text) { log(level, logger, text); }};
-    auto plugin = make_plugin(**type, std::move(context));
-    if (!plugin) return plugin.error();
-    if (Status s = call_plugin(**plugin, "initialize", [&] { return (*plugin)->initialize(); }); !s) return s;
-    log(LogLevel::kInfo, options_.node, "Created plugin: " + name + " of type " + class_name + " on activation");
-    instances_.push_back({name, Instance{*std::move(plugin), 0}});
-    found = instances_.end() - 1;
-  }
-  Plugin& plugin = *found->second.plugin;
-  if (Status s = call_plugin(plugin, "clips_env_init", [&] { return plugin.clips_env_init(EnvironmentGuard(*entry.environment)); }); !s) {
-    entry.environment->engine().remove_functions_of(name);
-    return s;
-  }
-  ++found->second.users;
-  entry.loaded.push_back(&plugin);
-  return {};
-}
-
-Status EnvironmentManager::activate() {
-  for (Entry& entry : environments_) {
-    for (const std::string& name : entry.plugin_names) {
-      Status loaded = load_plugin(entry, name);
-      if (Status s = entry.environment->check_errors(); loaded && !s) loaded = std::move(s);
-      if (loaded) continue;
-      if (!options_.keep_going || loaded.error().kind != ErrorKind::kInput) return loaded;
-      log(LogLevel::kError, name, loaded.error().text());
-      load_errors_.push_back(loaded.error());
+  std::vector<std::string> names;
+  if (Status s = parameters_.read("environments", names); !s) return s;
+  for (const std::string& name : names) {
+    auto environment = make_environment(name);
+    if (!environment) {
+      environments_.clear();
+      return environment.error();
     }
-    for (const Error& note : entry.environment->engine().take_notes())
-      entry.environment->log(LogLevel::kWarn, options_.node, note.text());
+    environments_.push_back({{}, std::move(*environment), {}});
+  }
+  if (Status s = serve_environments(); !s) return s;
+  return serve_plugins();
+}
+
+Status EnvironmentManager::do_activate() {
+  if (Status s = serve_plugins(); !s) return s;
+  for (Entry& entry : environments_) {
+    if (entry.environment->ending()) {
+      // It was active before: it begins anew, because CLIPS redefines no template that a rule uses.
+      const std::string name = entry.environment->name();
+      entry.environment.reset();
+      entry.libraries.clear();
+      auto fresh = make_environment(name);
+      if (!fresh) return fresh.error();
+      entry.environment = std::move(*fresh);
+    }
+    if (Status s = load_all(entry); !s) return s;
   }
   for (Entry& entry : environments_) {
     entry.environment->engine().reset();
@@ -238,6 +216,10 @@ Status EnvironmentManager::activate() {
 }
 
 Status EnvironmentManager::deactivate() {
+  return state() == LifeState::kActive ? lifecycle_.change(Transition::kDeactivate) : flush_logs();
+}
+
+Status EnvironmentManager::do_deactivate() {
   Status first;
   for (Entry& entry : environments_) {
     RuleEngine& engine = entry.environment->engine();
@@ -247,32 +229,267 @@ Status EnvironmentManager::deactivate() {
   }
   for (Entry& entry : environments_) {
     entry.environment->end();
-    for (auto it = entry.loaded.rbegin(); it != entry.loaded.rend(); ++it) {
-      keep_first(first, call_plugin(**it, "clips_env_destroyed", [&] {
-        (*it)->clips_env_destroyed(EnvironmentGuard(*entry.environment));
-        return Status();
-      }));
-      entry.environment->engine().remove_functions_of((*it)->name());
-      log(LogLevel::kInfo, options_.node, "[" + (*it)->name() + "] Deactivated!");
-    }
-    entry.loaded.clear();
+    unload_all(entry);
     keep_first(first, entry.environment->check_errors());
   }
-  for (auto it = instances_.rbegin(); it != instances_.rend(); ++it)
-    keep_first(first, call_plugin(*it->second.plugin, "finalize", [&] {
-      it->second.plugin->finalize();
-      return Status();
-    }));
-  instances_.clear();
+  finalize_unused();
+  keep_first(first, std::exchange(failure_, Status()));
+  for (const bus::EndpointId service : plugin_services_) bus_.remove(service);
+  plugin_services_.clear();
   keep_first(first, flush_logs());
   return first;
 }
 
-Environment* EnvironmentManager::find(std::string_view name) {
+Status EnvironmentManager::do_cleanup() {
+  for (Entry& entry : environments_) {
+    entry.environment->end();
+    unload_all(entry);
+  }
+  environments_.clear();
+  finalize_unused();
+  for (auto* services : {&environment_services_, &plugin_services_}) {
+    for (const bus::EndpointId service : *services) bus_.remove(service);
+    services->clear();
+  }
+  return flush_logs();
+}
+
+// --- Environments
+
+Expected<AppendFile*> EnvironmentManager::log_file(const std::string& name) {
+  if (const auto known = log_files_.find(name); known != log_files_.end()) return &known->second;
+  std::string stem = stream_prefix(options_.name_space) + name;
+  std::replace(stem.begin(), stem.end(), '/', '_');
+  const std::filesystem::path folder = options_.run_folder / "logs";
+  auto file = AppendFile::create(folder / (stem + ".log"));
+  if (!file) return file.error();
+  std::error_code ignored;  // a file system without links has only the file itself
+  std::filesystem::create_symlink(stem + ".log", folder / (stem + "_latest.log"), ignored);
+  return &log_files_.emplace(name, std::move(*file)).first->second;
+}
+
+Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(const std::string& name) {
+  Environment::Options o;
+  o.name = name;
+  o.node = node_name_;
+  o.run = &options_;
+  o.rule_errors = &rule_errors_;
+  bool to_file = true;
+  if (Status s = parameters_.read(name + ".log_clips_to_file", to_file); !s) return s.error();
+  if (Status s = parameters_.read(name + ".redirect_stdout_to_debug", o.redirect_stdout_to_debug); !s) return s.error();
+  if (to_file && !options_.run_folder.empty()) {
+    auto file = log_file(name);
+    if (!file) return file.error();
+    o.log_file = *file;
+  }
+  auto environment = Environment::create(std::move(o), bus_, journal_, files_);
+  if (!environment) return environment.error();
+  if (options_.on_join) options_.on_join((*environment)->participant());
+  RuleEngine& engine = (*environment)->engine();
+  engine.unwatch("all");
+  std::vector<std::string> watch;
+  if (Status s = parameters_.read(name + ".watch", watch); !s) return s.error();
+  for (const std::string& item : watch)
+    if (!engine.watch(lower(item))) return parameters_.error_at(name + ".watch", "Unknown watch item: " + item);
+  if (Status s = engine.add_function({"cx-shutdown", "v", 0, 0, "", FunctionKind::kActing, options_.node,
+                                      "Ends the executive at the end of this tick, through deactivation."},
+                                     [this](Call&) { shutdown_ = true; });
+      !s)
+    return s.error();
+  log(LogLevel::kInfo, options_.node, "Initialized new CLIPS environment: " + name);
+  return environment;
+}
+
+EnvironmentManager::Entry* EnvironmentManager::entry_of(std::string_view name) {
   for (Entry& entry : environments_)
-    if (entry.environment->name() == name) return entry.environment.get();
+    if (entry.environment->name() == name) return &entry;
   return nullptr;
 }
+
+Environment* EnvironmentManager::find(std::string_view name) {
+  Entry* entry = entry_of(name);
+  return entry ? entry->environment.get() : nullptr;
+}
+
+std::vector<std::string> EnvironmentManager::environment_names() const {
+  std::vector<std::string> names;
+  for (const Entry& entry : environments_) names.push_back(entry.environment->name());
+  return names;
+}
+
+Expected<std::vector<std::string>> EnvironmentManager::plugin_names(const std::string& environment) const {
+  for (const Entry& entry : environments_) {
+    if (entry.environment->name() != environment) continue;
+    std::vector<std::string> names;
+    for (const Plugin* plugin : entry.loaded) names.push_back(plugin->name());
+    return names;
+  }
+  return input_error("unknown environment");
+}
+
+Status EnvironmentManager::create_environment(const std::string& name) {
+  if (find(name)) return input_error("Enviroment " + name + " already exists!");
+  if (name.empty()) return input_error("an environment needs a name");
+  auto environment = make_environment(name);
+  if (!environment) {
+    log(LogLevel::kError, options_.node, environment.error().text());
+    return environment.error();
+  }
+  environments_.push_back({{}, std::move(*environment), {}});
+  if (Status s = load_all(environments_.back()); !s) {
+    fail(s.error());
+    return s;
+  }
+  return {};
+}
+
+Status EnvironmentManager::destroy_environment(const std::string& name) {
+  Entry* entry = entry_of(name);
+  if (!entry) return input_error("unknown Environment name");
+  entry->environment->end();
+  unload_all(*entry);
+  if (Status s = entry->environment->check_errors(); !s) fail(s.error());
+  entry->environment.reset();  // before the code of its plugins
+  environments_.erase(environments_.begin() + (entry - environments_.data()));
+  finalize_unused();
+  return {};
+}
+
+void EnvironmentManager::note(Error error) {
+  log(LogLevel::kError, options_.node, error.text());
+  load_errors_.push_back(std::move(error));
+}
+
+void EnvironmentManager::fail(Error error) {
+  if (options_.keep_going && error.kind == ErrorKind::kInput) note(std::move(error));
+  else keep_first(failure_, std::move(error));
+}
+
+// --- Plugins
+
+Status EnvironmentManager::load_all(Entry& entry) {
+  std::vector<std::string> names;
+  if (Status s = parameters_.read(entry.environment->name() + ".plugins", names); !s) return s;
+  for (const std::string& name : names) {
+    const bool there = std::any_of(entry.loaded.begin(), entry.loaded.end(), [&](const Plugin* p) { return p->name() == name; });
+    if (there) continue;
+    if (auto loaded = load(entry, name); !loaded) return loaded.error();
+  }
+  return {};
+}
+
+Expected<bool> EnvironmentManager::load(Entry& entry, const std::string& name) {
+  const Status loaded = load_unchecked(entry, name);
+  const Status rules = entry.environment->check_errors();
+  for (const Error& n : entry.environment->engine().take_notes()) entry.environment->log(LogLevel::kWarn, options_.node, n.text());
+  for (const Status* s : {&loaded, &rules}) {
+    if (*s) continue;
+    const bool may_go_on = s == &loaded || s->error().kind == ErrorKind::kInput;
+    if (!options_.keep_going || !may_go_on) return s->error();
+    log(LogLevel::kError, name, s->error().text());
+    load_errors_.push_back(s->error());
+  }
+  return loaded.ok();
+}
+
+Status EnvironmentManager::load_unchecked(Entry& entry, const std::string& name) {
+  auto found = std::find_if(instances_.begin(), instances_.end(), [&](const Instance& i) { return i.name == name; });
+  if (found == instances_.end()) {
+    auto type = type_of(name, entry.environment->name());
+    if (!type) return type.error();
+    std::string class_name;
+    if (Status s = parameters_.read(name + ".plugin", class_name); !s) return s;
+    auto plugin = make_plugin(**type, {name, class_name, {}, parameters_, bus_, node_, files_, options_,
+                                       [this](Error e) { load_errors_.push_back(std::move(e)); },
+                                       [this](LogLevel level, std::string_view logger, std::string_view text) { log(level, logger, text); }});
+    if (!plugin) return plugin.error();
+    if (Status s = call_plugin(**plugin, "initialize", [&] { return (*plugin)->initialize(); }); !s) return s;
+    log(LogLevel::kInfo, options_.node, "Created plugin: " + name + " of type " + class_name + " on activation");
+    instances_.push_back({name, *std::move(plugin), 0});
+    found = instances_.end() - 1;
+  }
+  Plugin& plugin = *found->plugin;
+  if (auto library = library_of(found->plugin)) entry.libraries.push_back(std::move(library));
+  if (Status s = call_plugin(plugin, "clips_env_init", [&] { return plugin.clips_env_init(EnvironmentGuard(*entry.environment)); }); !s) {
+    entry.environment->engine().remove_functions_of(name);
+    return s;
+  }
+  ++found->users;
+  entry.loaded.push_back(&plugin);
+  return {};
+}
+
+Status EnvironmentManager::load_plugin(const std::string& environment, const std::string& plugin) {
+  Entry* entry = entry_of(environment);
+  if (!entry) return input_error("unknown environment");
+  const Error refused = input_error("error while loading plugin");
+  if (std::any_of(entry->loaded.begin(), entry->loaded.end(), [&](const Plugin* p) { return p->name() == plugin; })) {
+    log(LogLevel::kError, options_.node, "plugin '" + plugin + "' is already loaded in environment '" + environment + "'");
+    return refused;
+  }
+  if (auto type = type_of(plugin, environment); !type) {
+    log(LogLevel::kError, options_.node, type.error().text());
+    return refused;
+  }
+  const auto loaded = load(*entry, plugin);
+  if (!loaded) keep_first(failure_, loaded.error());
+  if (loaded && *loaded) return {};
+  finalize_unused();
+  return refused;
+}
+
+void EnvironmentManager::unload(Entry& entry, Plugin& plugin) {
+  const std::string name = plugin.name();
+  const Status gone = call_plugin(plugin, "clips_env_destroyed", [&]() -> Status {
+    plugin.clips_env_destroyed(EnvironmentGuard(*entry.environment));
+    return {};
+  });
+  if (!gone) {
+    if (options_.keep_going) note(gone.error());
+    else keep_first(failure_, gone);
+  }
+  entry.environment->engine().remove_functions_of(name);
+  log(LogLevel::kInfo, options_.node, "[" + name + "] Deactivated!");
+  std::erase(entry.loaded, &plugin);
+  for (Instance& instance : instances_)
+    if (instance.plugin.get() == &plugin) --instance.users;
+}
+
+void EnvironmentManager::unload_all(Entry& entry) {
+  while (!entry.loaded.empty()) unload(entry, *entry.loaded.back());
+}
+
+void EnvironmentManager::finalize_unused() {
+  for (std::size_t i = instances_.size(); i-- > 0;) {
+    Instance& instance = instances_[i];
+    if (instance.users > 0) continue;
+    const Status ended = call_plugin(*instance.plugin, "finalize", [&]() -> Status {
+      instance.plugin->finalize();
+      return {};
+    });
+    if (!ended) {
+      if (options_.keep_going) note(ended.error());
+      else keep_first(failure_, ended);
+    }
+    instances_.erase(instances_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+}
+
+Status EnvironmentManager::unload_plugin(const std::string& environment, const std::string& plugin) {
+  Entry* entry = entry_of(environment);
+  if (!entry) {
+    log(LogLevel::kError, options_.node, "there is no environment '" + environment + "' to unload plugin '" + plugin + "' from");
+    return input_error("unknown plugin");
+  }
+  const auto found = std::find_if(entry->loaded.begin(), entry->loaded.end(), [&](const Plugin* p) { return p->name() == plugin; });
+  if (found == entry->loaded.end()) return input_error("unknown plugin");
+  unload(*entry, **found);
+  if (Status s = entry->environment->check_errors(); !s) fail(s.error());
+  finalize_unused();
+  return {};
+}
+
+// --- A tick
 
 Status EnvironmentManager::perceive(std::size_t i) {
   Entry& entry = environments_[i];
@@ -291,6 +508,11 @@ Status EnvironmentManager::decide_if_due(std::size_t i, SimTime now) {
   return entry.environment->log_status();
 }
 
+Status EnvironmentManager::act() {
+  bus_.deliver(node_);
+  return std::exchange(failure_, Status());
+}
+
 SimTime EnvironmentManager::next_due() const {
   SimTime first = kNever;
   for (const Entry& entry : environments_)
@@ -303,9 +525,63 @@ bool EnvironmentManager::shutdown_requested() const {
                                   [](const Entry& e) { return e.environment->engine().exit_requested(); });
 }
 
+// --- Services
+
+Status EnvironmentManager::serve_environments() {
+  if (!environment_services_.empty()) return {};
+  auto made = serve(bus_, node_, "~/list_envs", "cx_msgs/srv/ListClipsEnvs", [this](const auto&, const auto& response) {
+    for (const std::string& name : environment_names()) response.append_text("envs", name);
+    response.set("success", true);
+  });
+  if (!made) return made.error();
+  environment_services_.push_back(*made);
+  return {};
+}
+
+Status EnvironmentManager::serve_plugins() {
+  if (!plugin_services_.empty()) return {};
+  const auto answer = [](const Status& done, const bus::MessageView& response) {
+    response.set("success", done.ok());
+    if (!done) response.set("error", done.error().message);
+  };
+  struct Service {
+    const char *name, *type;
+    std::function<void(const bus::MessageView& request, const bus::MessageView& response)> act;
+  };
+  const Service services[] = {
+      {"~/create_env", "cx_msgs/srv/CreateClipsEnv",
+       [this, answer](const auto& q, const auto& a) { answer(create_environment(q.text("env_name")), a); }},
+      {"~/destroy_env", "cx_msgs/srv/DestroyClipsEnv",
+       [this, answer](const auto& q, const auto& a) { answer(destroy_environment(q.text("env_name")), a); }},
+      {"~/load_plugin", "cx_msgs/srv/LoadClipsPlugin",
+       [this, answer](const auto& q, const auto& a) { answer(load_plugin(q.text("env_name"), q.text("plugin_name")), a); }},
+      {"~/unload_plugin", "cx_msgs/srv/UnloadClipsPlugin",
+       [this, answer](const auto& q, const auto& a) { answer(unload_plugin(q.text("env_name"), q.text("plugin_name")), a); }},
+      {"~/list_plugins", "cx_msgs/srv/ListClipsPlugins",
+       [this](const auto& q, const auto& a) {
+         a.set("success", true);
+         if (q.text("env_name").empty()) return;
+         auto names = plugin_names(q.text("env_name"));
+         if (!names) {
+           a.set("success", false).set("error", names.error().message);
+           return;
+         }
+         for (const std::string& name : *names) a.append_text("plugins", name);
+       }},
+  };
+  for (const Service& s : services) {
+    auto made = serve(bus_, node_, s.name, s.type, s.act);
+    if (!made) return made.error();
+    plugin_services_.push_back(*made);
+  }
+  return {};
+}
+
+// --- Log
+
 Status EnvironmentManager::flush_logs() {
   Status first;
-  for (Entry& entry : environments_) keep_first(first, entry.environment->flush_log());
+  for (auto& [name, file] : log_files_) keep_first(first, file.flush());
   return first;
 }
 

@@ -1,8 +1,7 @@
 #pragma once
-// The environment manager of CX: reads its YAML, makes the environments, loads their plugins and runs them. It has no
-// thread and no timer: an episode calls it in the order of docs/contracts.md 1.
+// The environment manager of CX: a lifecycle node that makes environments as its YAML says, loads their plugins and runs
+// them. It has no thread and no timer: an episode calls it in the order of docs/contracts.md 1.
 
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -16,65 +15,80 @@
 #include "cx/bus/bus.h"
 #include "cx/executive/environment.h"
 #include "cx/executive/files.h"
+#include "cx/executive/lifecycle.h"
 #include "cx/executive/log.h"
 #include "cx/executive/parameters.h"
 #include "cx/executive/plugin.h"
+#include "cx/executive/run_settings.h"
 
 namespace cxlab::cx {
 
-struct ManagerOptions {
+struct ManagerOptions : RunSettings {
   std::filesystem::path config;                              ///< YAML as for the ROS 2 CX
   std::string node = "clips_manager";
   std::string name_space = "/";
-  std::vector<std::pair<std::string, std::string>> remaps;   ///< FROM := TO
+  std::vector<std::pair<std::string, std::string>> remaps;   ///< FROM := TO, see `bus::NodeName`
   std::vector<std::pair<std::string, std::string>> params;   ///< NODE.NAME -> value (YAML); those of other nodes are left alone
   std::map<std::string, Package> packages;
   std::vector<PluginType> plugin_types;                      ///< e.g. `builtin_plugins()`
-  LogSink* log = nullptr;                                    ///< may be none
-  LookOutside* outside = nullptr;                            ///< may be none
   FileRead on_read;                                          ///< told of each file that plugins and rules read; may be none
-  std::uint64_t seed = 0;                                    ///< each environment draws from a stream of its own
-  double epoch = 0;                                          ///< s since 1970 at simulated time 0
+  std::function<void(bus::ParticipantId)> on_join;           ///< told of the node and of each environment on the bus; may be none
   std::filesystem::path outside_copies;                      ///< replay: `Files::Options::outside`
-  std::filesystem::path run_folder;                          ///< for `logs/<env>.log` and what rules write; empty = neither
-  bool stop_on_rule_error = true;                            ///< else errors are only noted, as CX does
-  std::int64_t max_firings = 100000;                         ///< a run of an environment; 0 = no limit
-  bool keep_going = false;                                   ///< errors in rule files are noted and loading goes on
-  bool strict = false;                                       ///< unknown parameters are errors
-  bool trust_rules = false;                                  ///< rules read and write any file and call `system`
 };
 
 class EnvironmentManager {
  public:
-  /// Reads and checks the configuration.
+  /// Reads and checks the configuration; the node joins the bus with its parameters and lifecycle services.
   static Expected<std::unique_ptr<EnvironmentManager>> create(ManagerOptions options, bus::Bus& bus, RecordSink& journal);
   ~EnvironmentManager();
   EnvironmentManager(const EnvironmentManager&) = delete;
   EnvironmentManager& operator=(const EnvironmentManager&) = delete;
 
-  // --- Life, as of a lifecycle node. Each may be called once, in this order; after an error only `deactivate`.
-  /// Makes the environments, without plugins.
-  Status configure();
+  // --- Life, as of a lifecycle node; others ask for it through `~/change_state`. kUsage where the state forbids it.
+  LifeState state() const { return lifecycle_.state(); }
+  /// The parameter `autostart_node`: it wants to be configured and activated at the start.
+  bool autostart() const;
+  /// Makes the environments, without plugins; offers the six services (list_envs, create_env, ...).
+  Status configure() { return lifecycle_.change(Transition::kConfigure); }
   /// All plugins of all environments; then each environment: reset, agendas refreshed, run.
-  Status activate();
-  /// (executive-finalize) and a last run in each environment; then its plugins go, in reverse order. Does all of it and
-  /// returns the first error.
+  Status activate() { return lifecycle_.change(Transition::kActivate); }
+  /// (executive-finalize) and a last run in each environment; then its plugins go, in reverse order, and the services but
+  /// list_envs. Does all of it and returns the first error. Nothing to do where nothing is active.
   Status deactivate();
+  /// The environments go.
+  Status cleanup() { return lifecycle_.change(Transition::kCleanup); }
 
-  // --- A tick: first every environment perceives, then every environment decides
+  // --- A tick: first every environment perceives, then every environment decides, at the end the node acts
   std::size_t size() const { return environments_.size(); }
   Environment& environment(std::size_t i) { return *environments_[i].environment; }
   Environment* find(std::string_view name);
   Status perceive(std::size_t i);
   /// Lets the plugins act that are due, the executive above all.
   Status decide_if_due(std::size_t i, SimTime now);
+  /// Takes what was sent to the node and does it: transitions, environments, plugins, parameters. Fails if that must end
+  /// the run.
+  Status act();
   /// The earliest time at which any environment has something to decide.
   SimTime next_due() const;
   /// Rules called (cx-shutdown) or (exit).
   bool shutdown_requested() const;
 
+  // --- What others ask of the node at run time. The error's message is the answer that CX gives; the log says more.
+  /// Environment and plugins as its parameters say; no reset and no run. "Enviroment X already exists!"
+  Status create_environment(const std::string& name);
+  /// Plugins in reverse order, no (executive-finalize). "unknown Environment name"
+  Status destroy_environment(const std::string& name);
+  /// No reset. "unknown environment", "error while loading plugin"
+  Status load_plugin(const std::string& environment, const std::string& plugin);
+  /// "unknown plugin"
+  Status unload_plugin(const std::string& environment, const std::string& plugin);
+  std::vector<std::string> environment_names() const;
+  /// In order of loading; of an environment that there is.
+  Expected<std::vector<std::string>> plugin_names(const std::string& environment) const;
+
   // --- What has happened
   const std::string& node() const { return options_.node; }
+  bus::ParticipantId participant() const { return node_; }
   /// All errors of rules so far, those of loading included.
   const std::vector<RuleErrorEntry>& rule_errors() const { return rule_errors_; }
   /// With `keep_going`: what was wrong in files and plugins that did not load.
@@ -84,13 +98,14 @@ class EnvironmentManager {
 
  private:
   struct Instance {
+    std::string name;
     std::shared_ptr<Plugin> plugin;  // as make_plugin gave it
-    int users = 0;
+    int users = 0;                   // environments
   };
   struct Entry {
+    std::vector<std::shared_ptr<void>> libraries;  // of all plugins that were ever loaded here: goes last
     std::unique_ptr<Environment> environment;
-    std::vector<std::string> plugin_names;  // as listed
-    std::vector<Plugin*> loaded;            // in order of loading
+    std::vector<Plugin*> loaded;                   // in order of loading
   };
 
   EnvironmentManager(ManagerOptions options, Parameters parameters, bus::Bus& bus, RecordSink& journal);
@@ -98,8 +113,31 @@ class EnvironmentManager {
   Status check_configuration();
   Status check_unknown(const std::string& group, std::vector<std::string> known, const std::string& what);
   Expected<const PluginType*> type_of(const std::string& instance, const std::string& environment) const;
-  Expected<Environment::Options> environment_options(const std::string& name);
-  Status load_plugin(Entry& entry, const std::string& name);
+
+  Status change(Transition transition);
+  Status do_configure();
+  Status do_activate();
+  Status do_deactivate();
+  Status do_cleanup();
+
+  Expected<std::unique_ptr<Environment>> make_environment(const std::string& name);
+  Expected<AppendFile*> log_file(const std::string& name);
+  Status load_all(Entry& entry);
+  /// Loads one plugin and says whether it is there now. Fails if what went wrong must end the run: with `keep_going`
+  /// a plugin that fails is only noted, and not recorded as loaded.
+  Expected<bool> load(Entry& entry, const std::string& name);
+  Status load_unchecked(Entry& entry, const std::string& name);
+  void unload(Entry& entry, Plugin& plugin);
+  void unload_all(Entry& entry);
+  /// `finalize` of those instances that no environment has any more, the last made first.
+  void finalize_unused();
+  void note(Error error);
+  /// What was asked for at run time went wrong: noted with `keep_going`, else the run ends.
+  void fail(Error error);
+  Entry* entry_of(std::string_view name);
+
+  Status serve_environments();
+  Status serve_plugins();
   void log(LogLevel level, std::string_view logger, std::string_view text);
 
   ManagerOptions options_;
@@ -109,11 +147,14 @@ class EnvironmentManager {
   Files files_;
   bus::NodeName node_name_;
   bus::ParticipantId node_{};
-  std::vector<std::string> names_;
+  Lifecycle lifecycle_;
+  std::vector<bus::EndpointId> environment_services_, plugin_services_;  // list_envs; the other five
+  std::map<std::string, AppendFile> log_files_;                          // by environment; outlive it, it may come again
   std::vector<Entry> environments_;
-  std::vector<std::pair<std::string, Instance>> instances_;  // in order of creation
+  std::vector<Instance> instances_;  // in order of creation
   std::vector<RuleErrorEntry> rule_errors_;
   std::vector<Error> load_errors_;
+  Status failure_;                   // of something that was asked for, that must end the run
   bool shutdown_ = false;
 };
 

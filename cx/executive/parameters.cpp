@@ -162,6 +162,12 @@ Status Parameters::set(const std::string& name, const std::string& yaml, const s
   return {};
 }
 
+std::vector<std::string> Parameters::names() const {
+  std::vector<std::string> out;
+  for (const auto& [name, value] : values_) out.push_back(name);
+  return out;
+}
+
 std::vector<std::string> Parameters::below(std::string_view group) const {
   std::vector<std::string> out;
   const std::string prefix = group.empty() ? std::string() : std::string(group) + '.';

@@ -35,7 +35,13 @@ class Parameters {
   const Parameter* find(std::string_view name) const;
   /// Sets a parameter; `yaml` is its value as YAML. `origin` is named in errors.
   Status set(const std::string& name, const std::string& yaml, const std::string& origin);
+  /// Sets a parameter that is not there yet.
+  void declare(const std::string& name, const std::string& yaml) {
+    if (!find(name)) (void)set(name, yaml, "default");
+  }
   void put(const std::string& name, Parameter value) { values_[name] = std::move(value); }
+  /// All names, sorted.
+  std::vector<std::string> names() const;
   /// Names of the parameters (or groups) directly below `group` ("" = all), sorted.
   std::vector<std::string> below(std::string_view group) const;
   /// Where the group begins, for errors: file and the first line of its parameters.

@@ -14,6 +14,7 @@
 #include "cx/executive/files.h"
 #include "cx/executive/log.h"
 #include "cx/executive/parameters.h"
+#include "cx/executive/run_settings.h"
 
 namespace cxlab::cx {
 
@@ -26,8 +27,7 @@ struct PluginContext {
   bus::Bus& bus;
   bus::ParticipantId node{};      ///< the manager node on the bus
   Files& files;
-  double epoch = 0;               ///< s since 1970 at simulated time 0
-  bool keep_going = false;        ///< errors in rule files are noted and loading goes on, as in CX
+  const RunSettings& run;
   std::function<void(Error)> note_load_error;
   std::function<void(LogLevel, std::string_view logger, std::string_view text)> log;
 };

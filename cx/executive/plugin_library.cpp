@@ -145,6 +145,17 @@ Expected<std::vector<PluginType>> read_plugin_manifest(const std::string& packag
   return types;
 }
 
+/// Keeps the library until the plugin's destructor has run.
+struct DeletePlugin {
+  std::shared_ptr<void> library;
+  void operator()(Plugin* plugin) const { delete plugin; }
+};
+
+std::shared_ptr<void> library_of(const std::shared_ptr<Plugin>& plugin) {
+  const auto* deleter = std::get_deleter<DeletePlugin>(plugin);
+  return deleter ? deleter->library : nullptr;
+}
+
 Expected<std::shared_ptr<Plugin>> make_plugin(const PluginType& type, PluginContext context) {
   const std::string name = context.name, class_name = context.type;
   std::shared_ptr<PluginLibrary::Open> open;
@@ -161,8 +172,7 @@ Expected<std::shared_ptr<Plugin>> make_plugin(const PluginType& type, PluginCont
   const std::string described = who(name, class_name, context.library);
   try {
     std::unique_ptr<Plugin> plugin = make(std::move(context));
-    // The deleter keeps the library until the plugin's destructor has run.
-    return std::shared_ptr<Plugin>(plugin.release(), [open](Plugin* p) { delete p; });
+    return std::shared_ptr<Plugin>(plugin.release(), DeletePlugin{open});
   } catch (...) {
     return thrown(described, "its constructor");
   }

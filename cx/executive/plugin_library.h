@@ -8,7 +8,7 @@
 //       description: Greets who comes.
 //       parameters: [greeting]            # that it reads; without this key any is taken
 //
-// A library is opened when its first instance is made and closed when the last has gone.
+// A library is opened when its first instance is made and closed when the last environment that used it has gone.
 
 #include <functional>
 #include <memory>
@@ -33,6 +33,9 @@ Expected<std::vector<PluginType>> read_plugin_manifest(const std::string& packag
 /// missing) or kInput (built with other headers, has no such class); file and line are those of the manifest.
 /// The library stays open as long as the instance lives.
 Expected<std::shared_ptr<Plugin>> make_plugin(const PluginType& type, PluginContext context);
+
+/// The library that the instance comes from, open as long as somebody holds this; none for one that is built in.
+std::shared_ptr<void> library_of(const std::shared_ptr<Plugin>& plugin);
 
 /// Calls a plugin. What it throws becomes an error of kind run, and what it returns is told with its name.
 Status call_plugin(const Plugin& plugin, std::string_view hook, const std::function<Status()>& call);

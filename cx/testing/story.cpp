@@ -239,6 +239,7 @@ class Play {
       if (Status s = manager_->perceive(i); !s) return s;
     for (std::size_t i = 0; i < manager_->size(); ++i)
       if (Status s = manager_->decide_if_due(i, now_); !s) return s;
+    if (Status s = manager_->act(); !s) return s;
     stand_ins_.act();
     return {};
   }

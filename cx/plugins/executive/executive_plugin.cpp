@@ -42,7 +42,7 @@ class ExecutivePlugin final : public Plugin {
 
   Status clips_env_init(EnvironmentGuard environment) override {
     RuleEngine& engine = environment.engine();
-    const double epoch = context().epoch;
+    const double epoch = context().run.epoch;
     if (Status s = engine.add_function({"now", "d", 0, 0, "", FunctionKind::kPure, name(), "Simulated time in seconds."},
                                        [](Call& call) { call.give_number(to_seconds(call.engine().now())); });
         !s)

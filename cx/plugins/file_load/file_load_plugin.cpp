@@ -28,7 +28,7 @@ class FileLoadPlugin final : public Plugin {
           continue;
         }
         const Error error = context().parameters.error_at(name() + '.' + std::string(list.key), found.error().message);
-        if (!context().keep_going) return error;
+        if (!context().run.keep_going) return error;
         log(LogLevel::kError, error.text());
         context().note_load_error(error);
         return {};  // the files that follow are dropped, as in CX
@@ -60,10 +60,10 @@ class FileLoadPlugin final : public Plugin {
       log(environment, LogLevel::kError, "Failed to load file " + file.path.string());
       return text.error();
     }
-    const OnLoadError on_error = context().keep_going ? OnLoadError::kKeepGoing : OnLoadError::kStop;
+    const OnLoadError on_error = context().run.keep_going ? OnLoadError::kKeepGoing : OnLoadError::kStop;
     const LoadReport report = environment.engine().load_text(*text, file.path.string(), mode, on_error);
     (void)environment.check_errors(report.errors);  // noted; what they mean for loading is decided here
-    if (!context().keep_going) return report.status();
+    if (!context().run.keep_going) return report.status();
     for (const RuleError& e : report.errors) context().note_load_error(e.error());
     return {};
   }

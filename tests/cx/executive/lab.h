@@ -140,6 +140,7 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.c
       if (Status s = manager->perceive(i); !s) return s;
     for (std::size_t i = 0; i < manager->size(); ++i)
       if (Status s = manager->decide_if_due(i, now); !s) return s;
+    if (Status s = manager->act(); !s) return s;
     now += kTick;
     return {};
   }

@@ -1,0 +1,66 @@
+#pragma once
+// The life of a node as ROS 2 has it: primary states, the transitions between them, and the services through which
+// others ask for them (lifecycle_msgs).
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/bus/bus.h"
+
+namespace cxlab::cx {
+
+/// Numbers as in lifecycle_msgs/msg/State.
+enum class LifeState : std::uint8_t { kUnconfigured = 1, kInactive = 2, kActive = 3, kFinalized = 4 };
+/// "unconfigured", "inactive", "active", "finalized".
+std::string_view to_string(LifeState state);
+
+/// Numbers as in lifecycle_msgs/msg/Transition; shutdown has one more number for each state that it leaves.
+enum class Transition : std::uint8_t { kConfigure = 1, kCleanup = 2, kActivate = 3, kDeactivate = 4, kShutdown = 5 };
+/// "configure", "cleanup", "activate", "deactivate", "shutdown".
+std::string_view to_string(Transition transition);
+
+class Lifecycle {
+ public:
+  using Act = std::function<Status(Transition)>;
+  using Tell = std::function<void(const Error&)>;
+  /// `act` does what a transition means; `failed` is told what was wrong when one was asked for on the bus: kUsage when
+  /// the state does not allow it, else the error of `act`.
+  Lifecycle(bus::Bus& bus, bus::ParticipantId node, Act act, Tell failed);
+
+  /// Offers `~/change_state`, `~/get_state`, `~/get_available_states`, `~/get_available_transitions`,
+  /// `~/get_transition_graph` and tells of transitions on `~/transition_event`.
+  Status serve();
+
+  LifeState state() const { return state_; }
+  bool allows(Transition transition) const { return row_of(transition) != nullptr; }
+  /// Carries out a transition. A configure that fails leaves the node unconfigured; all others reach their goal also
+  /// when something in them failed. kUsage if the state does not allow it.
+  Status change(Transition transition);
+
+  struct Row;  ///< one transition out of one state
+
+ private:
+  const Row* row_of(Transition transition) const;
+  void on_change_state(const bus::Delivery& request);
+  void tell_event(const Row& row, bool ended, std::uint8_t id, const char* label, LifeState goal);
+
+  bus::Bus& bus_;
+  bus::ParticipantId node_;
+  Act act_;
+  Tell failed_;
+  LifeState state_ = LifeState::kUnconfigured;
+  bus::EndpointId change_state_{};
+  std::optional<bus::EndpointId> events_;
+  const bus::MessageType* event_ = nullptr;
+};
+
+/// Serves `name` for the node; `answer` fills the response. Of package types that come with cxlab.
+Expected<bus::EndpointId> serve(bus::Bus& bus, bus::ParticipantId node, const std::string& name, const std::string& type,
+                                std::function<void(const bus::MessageView& request, const bus::MessageView& response)> answer);
+
+}  // namespace cxlab::cx

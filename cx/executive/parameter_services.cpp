@@ -1,0 +1,252 @@
+#include "cx/executive/parameter_services.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdlib>
+#include <memory>
+
+#include "cx/executive/lifecycle.h"
+
+namespace cxlab::cx {
+
+namespace {
+
+using Type = Parameter::Type;
+
+/// As in rcl_interfaces/msg/ParameterType.
+enum RosType : std::uint8_t {
+  kNotSet = 0, kBool = 1, kInteger = 2, kDouble = 3, kString = 4, kByteArray = 5, kBoolArray = 6, kIntegerArray = 7, kDoubleArray = 8, kStringArray = 9
+};
+constexpr std::array<const char*, 10> kTypeNames{"not set", "bool", "integer", "double", "string", "byte_array", "bool_array", "integer_array", "double_array", "string_array"};
+
+std::int64_t integer_of(const Parameter& p) { return std::strtoll(p.text.c_str(), nullptr, 10); }
+double number_of(const Parameter& p) { return std::strtod(p.text.c_str(), nullptr); }
+
+RosType type_of(const Parameter& p) {
+  switch (p.type) {
+    case Type::kNone: return kNotSet;
+    case Type::kBool: return kBool;
+    case Type::kInteger: return kInteger;
+    case Type::kDouble: return kDouble;
+    case Type::kString: return kString;
+    case Type::kList: break;
+  }
+  const auto all = [&](Type t) { return !p.items.empty() && std::all_of(p.items.begin(), p.items.end(), [t](const Parameter& i) { return i.type == t; }); };
+  if (all(Type::kBool)) return kBoolArray;
+  if (all(Type::kInteger)) return kIntegerArray;
+  const bool numbers = !p.items.empty() && std::all_of(p.items.begin(), p.items.end(), [](const Parameter& i) { return i.type == Type::kInteger || i.type == Type::kDouble; });
+  return numbers ? kDoubleArray : kStringArray;
+}
+
+Parameter scalar(Type type, std::string text) {
+  Parameter p;
+  p.type = type;
+  p.text = std::move(text);
+  return p;
+}
+
+std::string shortest(double number) {
+  std::array<char, 32> text{};
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), number);
+  return {text.data(), end};
+}
+
+template <class Item>
+Parameter list_of(const bus::MessageView& value, const char* field, Item item) {
+  Parameter p;
+  p.type = Type::kList;
+  const bus::Field& f = *value.type().find(field);
+  for (std::size_t i = 0; i < value.size(f); ++i) p.items.push_back(item(f, i));
+  return p;
+}
+
+/// The services of one node.
+class Server {
+ public:
+  Server(bus::Bus& bus, Parameters& parameters, std::string node) : bus_(bus), parameters_(parameters), node_(std::move(node)) {}
+
+  Status open(bus::ParticipantId node) {
+    auto type = bus_.registry().message("rcl_interfaces/msg/ParameterEvent");
+    if (!type) return type.error();
+    event_ = *type;
+    auto events = bus_.advertise(node, "/parameter_events", *event_);
+    if (!events) return events.error();
+    events_ = *events;
+    return {};
+  }
+
+  void list(const bus::MessageView& request, const bus::MessageView& response) const {
+    const bus::MessageView result = response.nested("result");
+    const bus::Field& prefixes = *request.type().find("prefixes");
+    const std::int64_t depth = request.integer("depth");
+    for (const std::string& name : parameters_.names()) {
+      bool wanted = request.size(prefixes) == 0 && deep_enough(name, depth);
+      for (std::size_t i = 0; i < request.size(prefixes) && !wanted; ++i) {
+        const std::string& prefix = request.text(prefixes, i);
+        wanted = name == prefix || (name.starts_with(prefix + '.') && deep_enough(name.substr(prefix.size() + 1), depth));
+      }
+      if (!wanted) continue;
+      result.append_text("names", name);
+      const std::string group = name.substr(0, name.rfind('.'));
+      if (group.size() == name.size()) continue;
+      const bus::Field& groups = *result.type().find("prefixes");
+      const std::size_t n = result.size(groups);
+      if (n == 0 || result.text(groups, n - 1) != group) result.append_text("prefixes", group);
+    }
+  }
+
+  void get(const bus::MessageView& request, const bus::MessageView& response) const {
+    each_name(request, [&](const std::string&, const Parameter* p) {
+      const bus::MessageView value = response.append("values");
+      if (p) put_parameter(*p, value);
+    });
+  }
+
+  void types(const bus::MessageView& request, const bus::MessageView& response) const {
+    const bus::Field& types = *response.type().find("types");
+    (void)response.resize(types, request.size("names"));
+    std::size_t i = 0;
+    each_name(request, [&](const std::string&, const Parameter* p) { (void)response.set_integer(types, p ? type_of(*p) : kNotSet, i++); });
+  }
+
+  void describe(const bus::MessageView& request, const bus::MessageView& response) const {
+    each_name(request, [&](const std::string& name, const Parameter* p) {
+      response.append("descriptors").set("name", name).set("type", static_cast<std::int64_t>(p ? type_of(*p) : kNotSet));
+    });
+  }
+
+  void set(const bus::MessageView& request, const bus::MessageView& response) {
+    const bus::Field& list = *request.type().find("parameters");
+    for (std::size_t i = 0; i < request.size(list); ++i) {
+      const Status s = set({request.nested(list, i)});
+      put_result(s, response.append("results"));
+    }
+  }
+
+  void set_atomically(const bus::MessageView& request, const bus::MessageView& response) {
+    const bus::Field& list = *request.type().find("parameters");
+    std::vector<bus::MessageView> all;
+    for (std::size_t i = 0; i < request.size(list); ++i) all.push_back(request.nested(list, i));
+    put_result(set(all), response.nested("result"));
+  }
+
+ private:
+  static bool deep_enough(const std::string& name, std::int64_t depth) {
+    return depth == 0 || std::count(name.begin(), name.end(), '.') < depth;
+  }
+
+  template <class Do>
+  void each_name(const bus::MessageView& request, Do&& act) const {
+    const bus::Field& names = *request.type().find("names");
+    for (std::size_t i = 0; i < request.size(names); ++i) act(request.text(names, i), parameters_.find(request.text(names, i)));
+  }
+
+  static void put_result(const Status& s, const bus::MessageView& result) {
+    result.set("successful", s.ok());
+    if (!s) result.set("reason", s.error().message);
+  }
+
+  /// All of them or none.
+  Status set(const std::vector<bus::MessageView>& wanted) {
+    std::vector<std::pair<std::string, Parameter>> changes;
+    for (const bus::MessageView& parameter : wanted) {
+      const std::string& name = parameter.text("name");
+      if (name.empty()) return input_error("a parameter needs a name");
+      auto value = take_parameter(parameter.nested("value"));
+      if (!value) return value.error();
+      const Parameter* old = parameters_.find(name);
+      const RosType was = old ? type_of(*old) : kNotSet, is = type_of(*value);
+      if (old && was != is && !(old->type == Type::kList && value->type == Type::kList && (old->items.empty() || value->items.empty())))
+        return input_error("Wrong parameter type, parameter {" + name + "} is of type {" + kTypeNames[was] + "}, setting it to {" + kTypeNames[is] + "} is not allowed.");
+      value->file = "parameter " + node_ + '.' + name;
+      changes.emplace_back(name, *std::move(value));
+    }
+    auto message = std::make_shared<bus::Message>(*event_);
+    const bus::MessageView event = message->view();
+    const auto now = bus_.now().count();
+    event.nested("stamp").set("sec", now / 1'000'000'000).set("nanosec", now % 1'000'000'000);
+    event.set("node", node_);
+    for (auto& [name, value] : changes) {
+      const bus::MessageView told = event.append(parameters_.find(name) ? "changed_parameters" : "new_parameters");
+      told.set("name", name);
+      put_parameter(value, told.nested("value"));
+      parameters_.put(name, std::move(value));
+    }
+    bus_.publish(events_, std::move(message));
+    return {};
+  }
+
+  bus::Bus& bus_;
+  Parameters& parameters_;
+  std::string node_;
+  bus::EndpointId events_{};
+  const bus::MessageType* event_ = nullptr;
+};
+
+}  // namespace
+
+void put_parameter(const Parameter& p, const bus::MessageView& value) {
+  const RosType type = type_of(p);
+  value.set("type", static_cast<std::int64_t>(type));
+  const auto fill = [&](const char* field, auto put) {
+    const bus::Field& f = *value.type().find(field);
+    (void)value.resize(f, p.items.size());
+    for (std::size_t i = 0; i < p.items.size(); ++i) put(f, p.items[i], i);
+  };
+  switch (type) {
+    case kBool: value.set("bool_value", p.text == "true"); break;
+    case kInteger: value.set("integer_value", integer_of(p)); break;
+    case kDouble: value.set("double_value", number_of(p)); break;
+    case kString: value.set("string_value", p.text); break;
+    case kBoolArray: fill("bool_array_value", [&](const auto& f, const Parameter& i, std::size_t n) { (void)value.set_integer(f, i.text == "true", n); }); break;
+    case kIntegerArray: fill("integer_array_value", [&](const auto& f, const Parameter& i, std::size_t n) { (void)value.set_integer(f, integer_of(i), n); }); break;
+    case kDoubleArray: fill("double_array_value", [&](const auto& f, const Parameter& i, std::size_t n) { value.set_real(f, number_of(i), n); }); break;
+    case kStringArray: fill("string_array_value", [&](const auto& f, const Parameter& i, std::size_t n) { (void)value.set_text(f, i.text, n); }); break;
+    case kNotSet:
+    case kByteArray: break;
+  }
+}
+
+Expected<Parameter> take_parameter(const bus::MessageView& value) {
+  switch (value.integer("type")) {
+    case kBool: return scalar(Type::kBool, value.integer("bool_value") ? "true" : "false");
+    case kInteger: return scalar(Type::kInteger, std::to_string(value.integer("integer_value")));
+    case kDouble: return scalar(Type::kDouble, shortest(value.real("double_value")));
+    case kString: return scalar(Type::kString, value.text("string_value"));
+    case kByteArray:
+      return list_of(value, "byte_array_value", [&](const bus::Field& f, std::size_t i) { return scalar(Type::kInteger, std::to_string(value.integer(f, i))); });
+    case kBoolArray:
+      return list_of(value, "bool_array_value", [&](const bus::Field& f, std::size_t i) { return scalar(Type::kBool, value.integer(f, i) ? "true" : "false"); });
+    case kIntegerArray:
+      return list_of(value, "integer_array_value", [&](const bus::Field& f, std::size_t i) { return scalar(Type::kInteger, std::to_string(value.integer(f, i))); });
+    case kDoubleArray:
+      return list_of(value, "double_array_value", [&](const bus::Field& f, std::size_t i) { return scalar(Type::kDouble, shortest(value.real(f, i))); });
+    case kStringArray:
+      return list_of(value, "string_array_value", [&](const bus::Field& f, std::size_t i) { return scalar(Type::kString, value.text(f, i)); });
+    default: return input_error("a parameter cannot be set to nothing");
+  }
+}
+
+Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters) {
+  const auto server = std::make_shared<Server>(bus, parameters, bus.name_of(node).full_name());
+  if (Status s = server->open(node); !s) return s;
+  using Answer = std::function<void(const bus::MessageView&, const bus::MessageView&)>;
+  struct Service {
+    const char *name, *type;
+    Answer answer;
+  };
+  const std::array<Service, 6> services{{
+      {"~/list_parameters", "rcl_interfaces/srv/ListParameters", [server](const auto& q, const auto& a) { server->list(q, a); }},
+      {"~/get_parameters", "rcl_interfaces/srv/GetParameters", [server](const auto& q, const auto& a) { server->get(q, a); }},
+      {"~/get_parameter_types", "rcl_interfaces/srv/GetParameterTypes", [server](const auto& q, const auto& a) { server->types(q, a); }},
+      {"~/describe_parameters", "rcl_interfaces/srv/DescribeParameters", [server](const auto& q, const auto& a) { server->describe(q, a); }},
+      {"~/set_parameters", "rcl_interfaces/srv/SetParameters", [server](const auto& q, const auto& a) { server->set(q, a); }},
+      {"~/set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically", [server](const auto& q, const auto& a) { server->set_atomically(q, a); }},
+  }};
+  for (const Service& s : services)
+    if (auto made = cx::serve(bus, node, s.name, s.type, s.answer); !made) return made.error();
+  return {};
+}
+
+}  // namespace cxlab::cx

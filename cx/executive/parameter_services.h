@@ -1,0 +1,19 @@
+#pragma once
+// The parameter services that every ROS 2 node has (rcl_interfaces), over a node's `Parameters`.
+
+#include "cx/base/expected.h"
+#include "cx/bus/bus.h"
+#include "cx/executive/parameters.h"
+
+namespace cxlab::cx {
+
+/// Into and out of an rcl_interfaces/msg/ParameterValue.
+void put_parameter(const Parameter& parameter, const bus::MessageView& value);
+Expected<Parameter> take_parameter(const bus::MessageView& value);
+
+/// Offers `~/list_parameters`, `~/get_parameters`, `~/get_parameter_types`, `~/describe_parameters`,
+/// `~/set_parameters`, `~/set_parameters_atomically`, and tells of changes on `/parameter_events`. A parameter keeps its
+/// type; a name that is not there yet is declared by setting it. `parameters` outlives the node's place on the bus.
+Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters);
+
+}  // namespace cxlab::cx

@@ -1,0 +1,90 @@
+#pragma once
+// A node that calls services of a manager, as `ros2 service call` would.
+
+#include "tests/cx/executive/lab.h"
+
+namespace cxlab::cx {
+
+/// A plugin that tells each hook on the log, and fails or throws where its parameter `fail` says.
+class TellingPlugin final : public Plugin {
+ public:
+  using Plugin::Plugin;
+  Status initialize() override {
+    if (Status s = parameter("fail", fail_); !s) return s;
+    return tell("initialize");
+  }
+  Status clips_env_init(EnvironmentGuard environment) override {
+    if (Status s = environment.engine().add_function({name() + "-word", "s", 0, 0, "", FunctionKind::kPure, name(), "A word."},
+                                                     [this](Call& call) { call.give_string(name()); });
+        !s)
+      return s;
+    return tell("init " + environment->name());
+  }
+  void clips_env_destroyed(EnvironmentGuard environment) override { (void)tell("destroyed " + environment->name()); }
+  void finalize() override { (void)tell("finalize"); }
+
+ private:
+  Status tell(const std::string& what) {
+    log(LogLevel::kInfo, what);
+    const std::string word = what.substr(0, what.find(' '));
+    if (fail_ == word) return Error{ErrorKind::kRun, name() + " fails in " + word, {}, 0, {}};
+    if (fail_ == "throw-" + word) throw std::runtime_error("thrown in " + word);
+    return {};
+  }
+  std::string fail_;
+};
+
+inline PluginType telling_plugin() {
+  return {"test::Telling", {"fail"}, [](PluginContext c) { return std::make_unique<TellingPlugin>(std::move(c)); }};
+}
+
+class Caller {
+ public:
+  explicit Caller(Lab& lab) : lab_(lab) {
+    node_ = lab.bus.join(bus::ParticipantKind::kNode, {"caller", "/", {}}, lab.records.open_stream("node/caller"));
+  }
+
+  /// Calls, lets a tick go by and gives the answer as text; "" if none came.
+  std::string call(const std::string& service, const std::string& type, const std::string& request = "{}") {
+    post(service, type, request);
+    const Status ticked = lab_.tick();
+    EXPECT_TRUE(ticked.ok()) << ticked.error().text();
+    return take();
+  }
+  /// The same without the tick.
+  void post(const std::string& service, const std::string& type, const std::string& request = "{}") {
+    auto found = lab_.registry.service(type);
+    ASSERT_TRUE(found.ok()) << found.error().text();
+    auto client = lab_.bus.create_client(node_, service, **found, [this](const bus::Delivery& d) { answer_ = d.message->view().to_string(); });
+    ASSERT_TRUE(client.ok()) << client.error().text();
+    auto message = bus::Message::from_yaml(*(*found)->request, request);
+    ASSERT_TRUE(message.ok()) << message.error().text();
+    answer_.clear();
+    lab_.bus.call(*client, std::make_shared<const bus::Message>(*std::move(message)));
+  }
+  std::string take() {
+    lab_.bus.deliver(node_);
+    return answer_;
+  }
+
+  std::string manager(const std::string& name, const std::string& type, const std::string& request = "{}") {
+    return call("/clips_manager/" + name, "cx_msgs/srv/" + type, request);
+  }
+  std::string load(const std::string& env, const std::string& plugin) {
+    return manager("load_plugin", "LoadClipsPlugin", "{env_name: '" + env + "', plugin_name: '" + plugin + "'}");
+  }
+  std::string unload(const std::string& env, const std::string& plugin) {
+    return manager("unload_plugin", "UnloadClipsPlugin", "{env_name: '" + env + "', plugin_name: '" + plugin + "'}");
+  }
+  std::string change(const std::string& transition) {
+    return call("/clips_manager/change_state", "lifecycle_msgs/srv/ChangeState", "{transition: {label: '" + transition + "'}}");
+  }
+  bus::ParticipantId node() const { return node_; }
+
+ private:
+  Lab& lab_;
+  bus::ParticipantId node_{};
+  std::string answer_;
+};
+
+}  // namespace cxlab::cx
