@@ -174,7 +174,8 @@ Status Episode::build_agents() {
     for (const AgentSpec& spec : scenario_.agents) shares_.push_back(scenario_.shares(spec));
   if (shares_.size() != scenario_.agents.size()) return input_error("the recorded run has another number of agents", scenario_.file.string());
   for (const AgentSpec& spec : scenario_.agents) {
-    cx::ManagerOptions manager{run_settings()};
+    cx::ManagerOptions manager;
+    static_cast<cx::RunSettings&>(manager) = run_settings();
     const std::size_t index = agents_.size();
     const std::string number = std::to_string(index);
     const std::filesystem::path config = scenario_.resolve(spec.config);
