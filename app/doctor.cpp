@@ -14,6 +14,7 @@
 #include "app/command.h"
 #include "app/share.h"
 #include "cx/engine/version.h"
+#include "sim/box2d/library.h"
 #include "sim/mujoco/library.h"
 
 namespace cxlab::app {
@@ -94,6 +95,7 @@ std::vector<Finding> examine() {
   findings.push_back({"cxlab", Verdict::kGood, CXLAB_VERSION, ""});
   findings.push_back({"CLIPS", Verdict::kGood, clips_version(), ""});
   findings.push_back({"MuJoCo", Verdict::kGood, sim::mujoco_version(), ""});
+  findings.push_back({"Box2D", Verdict::kGood, sim::box2d_version(), ""});
   const Share folders = find_share();
   findings.push_back(share("interfaces", folders.interfaces));
   findings.push_back(share("models", folders.models));

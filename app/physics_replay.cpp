@@ -26,6 +26,7 @@ Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
     }
   out.log_status_ = reader->status();
 
+  out.tick_ = scenario->tick;
   if (scenario->world_kind == Scenario::WorldKind::kTurtlesim)
     out.turtles_ = std::make_unique<sim::TurtleReplay>(turtlesim::world_options(scenario->turtlesim, scenario->physics_step), *out.log_);
   else if (Status s = out.load_factory(*scenario, *files); !s) return s.error();
@@ -49,7 +50,7 @@ Status PhysicsOfRun::load_factory(const Scenario& scenario, const StoredFiles& f
   return {};
 }
 
-Status PhysicsOfRun::advance_to(SimTime t) { return turtles_ ? turtles_->advance_to(t) : factory_->advance_to(t / step_); }
+Status PhysicsOfRun::advance_to(SimTime t) { return turtles_ ? turtles_->advance_to(tick_not_before(t, tick_)) : factory_->advance_to(t / step_); }
 
 Expected<std::unique_ptr<View>> PhysicsOfRun::view(int width, int height) const {
   if (turtles_) return view_of_turtles(turtles_->world(), width, height);

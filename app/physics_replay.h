@@ -20,6 +20,7 @@ class PhysicsOfRun {
   const Status& log_status() const { return log_status_; }
   SimTime log_end() const { return log_end_; }
 
+  /// To the first tick not before `t` (a canvas), or the last step before it (a factory).
   Status advance_to(SimTime t);
   /// As in result.json.
   std::string hash() const;
@@ -33,7 +34,7 @@ class PhysicsOfRun {
   std::unique_ptr<std::string> log_;  // at a fixed place: the replay views it
   Status log_status_;
   SimTime log_end_{};
-  SimTime step_{};
+  SimTime step_{}, tick_{};
   sim::FloorPlan plan_;
   std::optional<sim::PhysicsReplay> factory_;   // either of the two
   std::unique_ptr<sim::TurtleReplay> turtles_;

@@ -17,6 +17,7 @@
 #include "cx/engine/version.h"
 #include "cx/journal/run_folder.h"
 #include "scenarios/episode.h"
+#include "sim/box2d/library.h"
 #include "sim/mujoco/library.h"
 
 namespace cxlab::app {
@@ -63,7 +64,7 @@ std::string manifest(const Run& run) {
   out["overrides"] = run.scenario.overrides;
   out["seed"] = run.scenario.seed;
   out["tier"] = run.scenario.tier == Tier::kTimed ? "timed" : "physics";
-  out["versions"] = {{"cxlab", CXLAB_VERSION}, {"CLIPS", clips_version()}, {"MuJoCo", sim::mujoco_version()}, {"ROS 2 CX studied", "90f440b1 (2026-06-13)"}};
+  out["versions"] = {{"cxlab", CXLAB_VERSION}, {"CLIPS", clips_version()}, {"MuJoCo", sim::mujoco_version()}, {"Box2D", sim::box2d_version()}, {"ROS 2 CX studied", "90f440b1 (2026-06-13)"}};
   out["command"] = command_line();
   out["folder"] = std::filesystem::current_path().string();
   out["until"] = run.options.until ? nlohmann::ordered_json(*run.options.until) : nlohmann::ordered_json(nullptr);
