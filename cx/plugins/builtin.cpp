@@ -1,6 +1,7 @@
 #include "cx/plugins/builtin.h"
 
 #include "cx/plugins/ament_index/ament_index_plugin.h"
+#include "cx/plugins/bindings/bindings_plugin.h"
 #include "cx/plugins/config/config_plugin.h"
 #include "cx/plugins/example/example_plugin.h"
 #include "cx/plugins/executive/executive_plugin.h"
@@ -12,7 +13,7 @@
 namespace cxlab::cx {
 
 std::vector<PluginType> builtin_plugins() {
-  return {ament_index_plugin(), config_plugin(),    example_plugin(),   executive_plugin(),
+  return {ament_index_plugin(), bindings_plugin(), config_plugin(),    example_plugin(),         executive_plugin(),
           file_load_plugin(),   ros_msgs_plugin(), ros_param_plugin(), tf2_pose_tracker_plugin()};
 }
 

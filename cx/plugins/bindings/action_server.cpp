@@ -1,0 +1,154 @@
+// Bindings of actions: the server, which the generic plugin does not have.
+
+#include <vector>
+
+#include "cx/plugins/bindings/binding.h"
+
+namespace cxlab::cx {
+
+namespace {
+
+constexpr std::int64_t kReject = 1, kAccept = 2;  // of both callbacks; a goal may also be deferred, 3
+
+}  // namespace
+
+Status ActionBinding::install_server() {
+  using F = FunctionKind;
+  using S = bus::GoalStatus;
+  Status status;
+  const auto more = [&](const char* suffix, const char* returns, const char* types, F kind, const char* doc, Function f) {
+    if (status) status = add(suffix, returns, types, kind, doc, std::move(f));
+  };
+  more("create-server", "v", ";sy", F::kActing, "Serves the action.", [this](Call& call) { create_server(call); });
+  more("destroy-server", "v", ";sy", F::kActing, "Ends the server.", [this](Call& call) { destroy_server(call); });
+  more("server-goal-handle-succeed", "v", ";e;e", F::kActing, "Ends a goal with a result.", [this](Call& call) { end_goal(call, S::kSucceeded); });
+  more("server-goal-handle-abort", "v", ";e;e", F::kActing, "Ends a goal that has failed.", [this](Call& call) { end_goal(call, S::kAborted); });
+  more("server-goal-handle-canceled", "v", ";e;e", F::kActing, "Ends a goal that was to be cancelled.", [this](Call& call) { end_goal(call, S::kCanceled); });
+  more("server-goal-handle-get-goal", "e", ";e", F::kActing, "The goal's message.", [this](Call& call) {
+    ServedGoal* goal = served(call);
+    call.give_handle(goal ? goal_message(*goal) : Handle::kNone);
+  });
+  more("server-goal-handle-get-goal-id", "s", ";e", F::kPure, "The goal's id, 32 hex digits.", [this](Call& call) {
+    const ServedGoal* goal = served(call);
+    call.give_string(goal ? bus::to_string(goal->id) : std::string());
+  });
+  const auto asks = [&](const char* suffix, const char* doc, bool (*holds)(S)) {
+    more(suffix, "b", ";e", F::kPure, doc, [this, holds](Call& call) {
+      const ServedGoal* goal = served(call);
+      call.give_boolean(goal && holds(bus_.server_goal_status(goal->endpoint, goal->id)));
+    });
+  };
+  asks("server-goal-handle-is-canceling", "Whether the client wants the goal cancelled.", [](S s) { return s == S::kCanceling; });
+  asks("server-goal-handle-is-executing", "Whether the goal is under way.", [](S s) { return s == S::kExecuting; });
+  asks("server-goal-handle-is-active", "Whether the goal has not ended.", [](S s) { return s == S::kAccepted || s == S::kExecuting || s == S::kCanceling; });
+  more("server-goal-handle-execute", "v", ";e", F::kActing, "Begins a deferred goal.", [this](Call& call) {
+    const ServedGoal* goal = served(call);
+    if (goal && !bus_.execute(goal->endpoint, goal->id))
+      call.fail(std::string("the goal is ") + status_word(bus_.server_goal_status(goal->endpoint, goal->id)) + ", expected ACCEPTED");
+  });
+  more("server-goal-handle-publish-feedback", "v", ";e;e", F::kActing, "Tells the client how far the goal is.", [this](Call& call) {
+    const ServedGoal* goal = served(call);
+    if (!goal || !is_a(call, call.handle(1), *type_.feedback)) return;
+    if (!bus_.publish_feedback(goal->endpoint, goal->id, store_.share(call.handle(1))))
+      call.fail(std::string("the goal is ") + status_word(bus_.server_goal_status(goal->endpoint, goal->id)) + ", expected one that has not ended");
+  });
+  more("server-goal-handle-destroy", "d", ";e", F::kActing, "Drops a goal handle.", [this](Call& call) { destroy_served(call); });
+  return status;
+}
+
+void ActionBinding::create_server(Call& call) {
+  const std::string server(call.text(0));
+  if (servers_.contains(server)) return log(LogLevel::kWarn, "Already providing action server " + server);
+  auto endpoint = bus_.serve_action(environment_.participant(), server, type_,
+                                    {[this, server](const bus::Delivery& d) { take_goal(server, d); },
+                                     [this, server](const bus::Delivery& d) { take_cancel(server, d); }});
+  if (!endpoint) return call.fail(endpoint.error().text());
+  servers_[server].endpoint = *endpoint;
+  put(named("server"), {{"name", Value::string(server)}});
+}
+
+void ActionBinding::destroy_server(Call& call) {
+  const std::string server(call.text(0));
+  const auto found = servers_.find(server);
+  if (found == servers_.end()) return log(LogLevel::kWarn, "No action server " + server);
+  bus_.remove(found->second.endpoint);
+  servers_.erase(found);
+  take_back(named("server"), "name", server);
+}
+
+std::int64_t ActionBinding::ask(const std::string& callback, std::initializer_list<Value> args, std::int64_t most, std::int64_t missing) {
+  if (!engine_.callable(callback)) {
+    log(LogLevel::kDebug, callback + " not defined, accept");
+    return missing;
+  }
+  const std::vector<Value> list(args);
+  const auto said = engine_.call(callback, list);
+  if (!said) return kReject;  // the error is in the engine's next report
+  const bool known = said->is(ValueType::kInteger) && said->as_integer() >= kReject && said->as_integer() <= most;
+  if (known) return said->as_integer();
+  log(LogLevel::kError, callback + " returned " + said->print() + ", expected an INTEGER from 1 to " + std::to_string(most) + ": rejected");
+  return kReject;
+}
+
+void ActionBinding::take_goal(const std::string& server, const bus::Delivery& delivery) {
+  environment_.note_input("goal", server, delivery);
+  const Handle message = store_.receive(delivery.message, owner_);
+  const std::int64_t answer =
+      ask(named("handle-goal-callback"), {Value::string(server), Value::handle(message), Value::string(bus::to_string(delivery.goal))}, 3, kAccept);
+  bus_.answer_goal(delivery.endpoint, delivery.goal, static_cast<bus::GoalAnswer>(answer));
+  const auto open = servers_.find(server);
+  if (answer == kReject || open == servers_.end()) {
+    store_.destroy(message);
+    return;
+  }
+  const Handle handle = engine_.new_handle();
+  open->second.goals[delivery.goal] = handle;
+  served_[handle] = {server, delivery.endpoint, delivery.goal, delivery.message, message};
+  put(named("accepted-goal"), {{"server", Value::string(server)}, {"server-goal-handle-ptr", Value::handle(handle)}});
+}
+
+void ActionBinding::take_cancel(const std::string& server, const bus::Delivery& delivery) {
+  environment_.note_input("cancel", server, delivery);
+  const auto& goals = servers_.at(server).goals;
+  const auto found = goals.find(delivery.goal);
+  const std::int64_t answer =
+      found == goals.end() ? kReject
+                           : ask(named("cancel-goal-callback"),
+                                 {Value::string(server), Value::handle(goal_message(served_.at(found->second))), Value::handle(found->second)}, 2, kAccept);
+  bus_.answer_cancel(delivery.endpoint, delivery, answer == kAccept);
+}
+
+ActionBinding::ServedGoal* ActionBinding::served(Call& call) {
+  const auto found = served_.find(call.handle(0));
+  if (found != served_.end()) return &found->second;
+  unknown_handle(call, "server goal handle");
+  return nullptr;
+}
+
+Handle ActionBinding::goal_message(ServedGoal& goal) {
+  if (!store_.view(goal.goal)) goal.goal = store_.receive(goal.message, owner_);
+  return goal.goal;
+}
+
+void ActionBinding::end_goal(Call& call, bus::GoalStatus status) {
+  const ServedGoal* goal = served(call);
+  if (!goal || !is_a(call, call.handle(1), *type_.result)) return;
+  if (bus_.finish(goal->endpoint, goal->id, status, store_.share(call.handle(1)))) return;
+  call.fail(std::string("the goal is ") + status_word(bus_.server_goal_status(goal->endpoint, goal->id)) + ", expected " +
+            (status == bus::GoalStatus::kCanceled ? "CANCELING" : "EXECUTING or CANCELING"));
+}
+
+void ActionBinding::destroy_served(Call& call) {
+  const auto found = served_.find(call.handle(0));
+  if (found == served_.end()) return;
+  const ServedGoal goal = found->second;
+  served_.erase(found);
+  if (const auto open = servers_.find(goal.server); open != servers_.end()) open->second.goals.erase(goal.id);
+  store_.destroy(goal.goal);
+  // Nobody can end the goal any more; its client shall not wait for ever.
+  bus_.execute(goal.endpoint, goal.id);
+  if (bus_.finish(goal.endpoint, goal.id, bus::GoalStatus::kAborted, std::make_shared<bus::Message>(*type_.result)))
+    log(LogLevel::kWarn, "goal " + bus::to_string(goal.id) + " of server " + goal.server + " is aborted: its handle was destroyed before its end");
+}
+
+}  // namespace cxlab::cx
