@@ -49,6 +49,11 @@ TEST(Examples, RosMsgs) {
   EXPECT_THAT(lines_of("ros_msgs", 2), IsSupersetOf({"info listener: \033[36mheard: it is 0.5", "info talker: the listener says: as you wish"}));
 }
 
+TEST(Examples, Bindings) {
+  EXPECT_THAT(lines_of("bindings", 2), IsSupersetOf({"info caller: power answered TRUE", "info caller: the robot says: power TRUE",
+                                                     "info caller: so far (0 1)", "info caller: SUCCEEDED (0 1 1 2 3 5 8)"}));
+}
+
 TEST(Examples, RosParam) {
   EXPECT_THAT(lines_of("ros_param", 1), IsSupersetOf({"info main: R1 drives at 0.8 m/s", "info main: tools: \"gripper\" \"camera\"", "info main: tries: 3"}));
 }
