@@ -194,6 +194,7 @@ Status Episode::build_agents() {
     };
     manager.on_join = [this](bus::ParticipantId participant) {
       if (tap_) tap_->watch(participant);
+      if (replayer_) replayer_->watch(participant);
     };
     auto made = cx::EnvironmentManager::create(std::move(manager), *bus_, journal_);
     if (!made) return made.error();

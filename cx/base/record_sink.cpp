@@ -20,7 +20,9 @@ RecordData& RecordData::begin() {
 }
 
 void RecordData::put_be(std::uint64_t value, int size) {
-  for (int shift = 8 * (size - 1); shift >= 0; shift -= 8) bytes_.push_back(static_cast<char>(value >> shift));
+  std::array<char, 8> bytes;
+  for (int i = 0; i < 8; ++i) bytes[static_cast<std::size_t>(i)] = static_cast<char>(value >> (56 - 8 * i));
+  bytes_.append(bytes.data() + 8 - size, static_cast<std::size_t>(size));
 }
 
 RecordData& RecordData::name(std::string_view key) {

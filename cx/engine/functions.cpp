@@ -95,7 +95,9 @@ void Call::give_number(double v) { set(result_, CreateFloat(engine_.raw(), v)); 
 void Call::give_symbol(std::string_view text) { set(result_, CreateSymbol(engine_.raw(), std::string(text).c_str())); }
 void Call::give_string(std::string_view text) { set(result_, CreateString(engine_.raw(), std::string(text).c_str())); }
 void Call::give_boolean(bool v) { set(result_, v ? TrueSymbol(engine_.raw()) : FalseSymbol(engine_.raw())); }
-void Call::give_handle(Handle id) { give(Value::handle(id)); }
+void Call::give_handle(Handle id) {
+  set(result_, CreateCExternalAddress(engine_.raw(), reinterpret_cast<void*>(static_cast<std::uintptr_t>(id))));
+}
 
 void Call::give_integers(std::span<const std::int64_t> values) {
   give_multifield(engine_, result_, values, [](Environment* env, std::int64_t v) { return CreateInteger(env, v); });

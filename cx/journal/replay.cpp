@@ -82,6 +82,10 @@ SimTime Replayer::next_due() const {
   return due;
 }
 
+void Replayer::watch(bus::ParticipantId participant) {
+  senders_[journal_.stream_name(bus_.stream_of(participant))] = participant;
+}
+
 Status Replayer::deliver_due(bus::ParticipantId environment) {
   const std::string& name = journal_.stream_name(bus_.stream_of(environment));
   senders_[name] = environment;

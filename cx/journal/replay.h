@@ -47,6 +47,8 @@ class Replayer {
   /// Time of the last entry of an environment.
   SimTime end() const { return end_; }
 
+  /// Tells of an environment before anything is delivered: others may have heard of it first.
+  void watch(bus::ParticipantId participant);
   /// Hands over what this environment took at `Bus::now`, if anything.
   Status deliver_due(bus::ParticipantId environment);
   /// When an environment takes next; kNever after the last.

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <functional>
 #include <utility>
 
 #include "temp_folder.h"
@@ -165,6 +166,37 @@ TEST_F(Replay, TheEnvironmentAloneEndsInTheSameHash) {
   EXPECT_EQ(world.journal.stream_hash("env/echo"), recorded_);
   EXPECT_EQ(replayer.end(), milliseconds(100));
   EXPECT_TRUE(replayer.log_status().ok());
+}
+
+TEST_F(Replay, AnEnvironmentIsKnownAsSenderBeforeItTakesAnything) {
+  const auto play = [](World& world, ParticipantId late, const std::function<void()>& take) {
+    const auto& text = **world.registry.message("std_msgs/msg/String");
+    world.bus.publish(*world.bus.advertise(late, "chatter", text), std::make_shared<Message>(text));
+    world.bus.begin_tick(SimTime{0});
+    take();
+    return world.journal.journal_hash();
+  };
+  const auto join = [](World& world) {
+    return world.bus.join(ParticipantKind::kEnvironment, {"late", "/", {}}, world.journal.open_stream("env/late"));
+  };
+  World then;
+  Echo first(then.bus, then.journal);
+  const ParticipantId late = join(then);
+  auto log = InputLogWriter::create(temp_ / "two.bin");
+  RecordingTap tap(then.bus, then.journal, *log);
+  then.bus.set_input_tap(&tap);
+  tap.watch(first.id);
+  const std::string recorded = play(then, late, [&] { EXPECT_EQ(then.bus.deliver(first.id), 1U); });
+  ASSERT_TRUE(log->close().ok());
+
+  World now;
+  Echo again(now.bus, now.journal);
+  const ParticipantId late_again = join(now);
+  Replayer replayer(*InputLogReader::open(temp_ / "two.bin"), now.bus, now.journal);
+  now.bus.mute(true);
+  replayer.watch(again.id);
+  replayer.watch(late_again);
+  EXPECT_EQ(play(now, late_again, [&] { EXPECT_TRUE(replayer.deliver_due(again.id).ok()); }), recorded);
 }
 
 TEST_F(Replay, AnEndpointThatIsNotMadeIsADifference) {
