@@ -1,0 +1,94 @@
+"""Turtlesim and the league beside a configuration of the CX, and pictures of turtles, as a user calls them."""
+
+import json
+import os
+import shutil
+import struct
+import subprocess
+import tempfile
+import unittest
+import zlib
+from pathlib import Path
+
+CXLAB = os.environ["CXLAB"]
+SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
+TURTLES = SOURCE / "scenarios/turtlesim"
+BOUNDARY = TURTLES / "agents/params/boundary.yaml"
+HELLO = SOURCE / "docs/examples/hello/hello.yaml"
+
+
+def read_png(file):
+    """Width and the rows of an RGB picture without interlacing."""
+    data, at, packed = file.read_bytes(), 8, b""
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        if kind == b"IHDR":
+            width, height = struct.unpack(">II", data[at + 8:at + 16])
+        if kind == b"IDAT":
+            packed += data[at + 8:at + 8 + size]
+        at += 12 + size
+    raw, rows, above = zlib.decompress(packed), [], bytearray(3 * width)
+    for y in range(height):
+        kind, row = raw[y * (3 * width + 1)], bytearray(raw[y * (3 * width + 1) + 1:(y + 1) * (3 * width + 1)])
+        for i in range(3 * width):
+            a, b, c = (row[i - 3] if i >= 3 else 0), above[i], (above[i - 3] if i >= 3 else 0)
+            p = a + b - c
+            paeth = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
+            row[i] = (row[i] + (0, a, b, (a + b) // 2, paeth)[kind]) % 256
+        rows.append(row)
+        above = row
+    return width, rows
+
+
+class Turtlesim(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="cxlab-turtles-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def cxlab(self, *arguments, expect=0):
+        done = subprocess.run([CXLAB, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder, timeout=60)
+        self.assertEqual(done.returncode, expect, f"cxlab {arguments}\n{done.stdout}\n{done.stderr}")
+        return done
+
+    def test_a_configuration_runs_with_turtlesim(self):
+        stimuli = self.folder / "stimuli.yaml"
+        stimuli.write_text("- {at: 1, publish: /turtle1/cmd_vel, type: geometry_msgs/msg/Twist, data: {linear: {x: 5.0}}}\n")
+        done = self.cxlab("env", BOUNDARY, "--with", "turtlesim", "--param", "turtlesim.background_r=1", "--stimuli", stimuli, "--until", 5, "--out", "run")
+        self.assertIn("turtle1 is home again", done.stderr)
+        self.assertNotRegex(done.stderr, r"\[(warn|error)\]")
+        result = json.loads((self.folder / "run/result.json").read_text())
+        self.assertEqual(result["turtles"][0]["teleports"], 1)
+        self.assertEqual(result["ticks"], 314)  # of 16 ms, one at 0
+        self.assertIn("physics: the same", self.cxlab("replay", "run").stdout)
+        self.cxlab("render", "run", "--at", 3, "--out", "canvas.png", "--size", "500x500")
+        width, rows = read_png(self.folder / "canvas.png")
+        self.assertEqual(width, 500)
+        self.assertEqual(tuple(rows[10][30:33]), (1, 86, 255))
+        middle = rows[249][3 * 350:3 * 350 + 3]
+        self.assertEqual(tuple(middle), (179, 184, 255), "ink where the turtle went")
+
+    def test_the_league_stands_beside_a_configuration(self):
+        result = json.loads(self.cxlab("env", HELLO, "--with", "rcll", "--with", "turtlesim", "--param", "rcll.robots=1", "--until", 2,
+                                       "--out", "run", "--quiet", "--json").stdout)
+        self.assertEqual([robot["name"] for robot in result["robots"]], ["robot1"])
+        self.assertIn("node/turtlesim", result["stream_hashes"])
+        self.assertIn("node/factory", result["stream_hashes"])
+
+    def test_unknown_nodes_and_settings_are_told(self):
+        done = self.cxlab("env", HELLO, "--with", "turtle", expect=2)
+        for known in ("turtle'", "rcll", "turtlesim"):
+            self.assertIn(known, done.stderr)
+        self.cxlab("env", HELLO, "--with", "turtlesim", "--with", "turtlesim", expect=2)
+        done = self.cxlab("env", HELLO, "--with", "turtlesim", "--param", "turtlesim.backgruond_r=1", expect=3)
+        self.assertIn("did you mean 'background_r'", done.stderr)
+        done = self.cxlab("render", TURTLES / "boundary.yaml", "--at", 1, "--out", "x.png", "--camera", "field", expect=3)
+        self.assertIn("expected: canvas", done.stderr)
+
+    def test_snapshots_are_in_the_page(self):
+        self.cxlab("run", TURTLES / "figures.yaml", "--snapshot", "10,20", "--out", "run", "--quiet")
+        self.assertEqual(sorted(p.name for p in (self.folder / "run/snapshots").iterdir()), ["0010.00-canvas.png", "0020.00-canvas.png"])
+        self.assertEqual((self.folder / "run/index.html").read_text().count("data:image/png;base64,"), 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
