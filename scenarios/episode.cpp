@@ -173,6 +173,8 @@ Status Episode::build_agents() {
   else
     for (const AgentSpec& spec : scenario_.agents) shares_.push_back(scenario_.shares(spec));
   if (shares_.size() != scenario_.agents.size()) return input_error("the recorded run has another number of agents", scenario_.file.string());
+  for (const auto& shares : shares_)
+    for (const auto& [package, folder] : shares) journal_.name_folder(folder, "package://" + package);
   for (const AgentSpec& spec : scenario_.agents) {
     cx::ManagerOptions manager;
     static_cast<cx::RunSettings&>(manager) = run_settings();

@@ -118,15 +118,16 @@ RecordRef Journal::write(StreamId id, SimTime t, RecordKind kind, const RecordDa
     put(scratch_, streams_[static_cast<std::size_t>(cause.stream)]->name_hash);
     put(scratch_, cause.n);
   }
-  put(scratch_, static_cast<std::uint32_t>(data.bytes().size()));
-  scratch_.append(data.bytes());
+  const std::string_view bytes = folders_.rewrite(data.bytes(), renamed_) ? std::string_view(renamed_) : data.bytes();
+  put(scratch_, static_cast<std::uint32_t>(bytes.size()));
+  scratch_.append(bytes);
   XXH3_128bits_update(stream.hash.get(), scratch_.data(), scratch_.size());
 
-  if (file_.is_open() && is_exported(kind, level_)) export_line(stream, t, kind, data, causes);
+  if (file_.is_open() && is_exported(kind, level_)) export_line(stream, t, kind, bytes, causes);
   return {id, stream.records++};
 }
 
-void Journal::export_line(const Stream& stream, SimTime t, RecordKind kind, const RecordData& data,
+void Journal::export_line(const Stream& stream, SimTime t, RecordKind kind, std::string_view data,
                           std::span<const RecordRef> causes) {
   line_.assign("{\"stream\":");
   line_ += stream.json_name;
@@ -137,7 +138,7 @@ void Journal::export_line(const Stream& stream, SimTime t, RecordKind kind, cons
   line_ += ",\"kind\":\"";
   line_ += to_string(kind);
   line_ += "\",\"data\":";
-  const Status well_formed = append_json(data.bytes(), line_);
+  const Status well_formed = append_json(data, line_);
   assert(well_formed.ok() && "RecordData: a list or map without as many values as it announced");
   line_ += ",\"cause\":[";
   for (std::size_t i = 0; i < causes.size(); ++i) {

@@ -13,6 +13,7 @@
 #include "cx/base/expected.h"
 #include "cx/base/record_sink.h"
 #include "cx/base/append_file.h"
+#include "cx/journal/folder_names.h"
 
 namespace cxlab {
 
@@ -37,6 +38,9 @@ class Journal final : public RecordSink {
   /// From now on writes the records of that level to `path` as lines of JSON. Lines reach the file when 64 KiB have
   /// come together, at least every 10 s of simulated time, and with `flush`.
   Status export_to(const std::filesystem::path& path, JournalLevel level);
+
+  /// From now on texts in records that hold this folder hold the name instead, e.g. "package://agent".
+  void name_folder(const std::string& folder, const std::string& name) { folders_.add(folder, name); }
 
   StreamId open_stream(std::string_view name) override;
   RecordRef write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data,
@@ -64,11 +68,13 @@ class Journal final : public RecordSink {
 
  private:
   struct Stream;
-  void export_line(const Stream& stream, SimTime t, RecordKind kind, const RecordData& data,
+  void export_line(const Stream& stream, SimTime t, RecordKind kind, std::string_view data,
                    std::span<const RecordRef> causes);
 
   std::vector<std::unique_ptr<Stream>> streams_;  // by id
   std::map<std::string, StreamId, std::less<>> ids_;
+  FolderNames folders_;
+  std::string renamed_;  // data of a record with names of folders
   JournalLevel level_ = JournalLevel::kNone;
   AppendFile file_;
   SimTime flush_due_{};

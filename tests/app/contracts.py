@@ -7,7 +7,7 @@ import subprocess
 import time
 import unittest
 
-from lab import CXLAB, GAME, SCENARIO, SOURCE, Lab
+from lab import CONFIG, CXLAB, GAME, SCENARIO, SOURCE, Lab
 
 KINDS = ["delivery", "ring", "cap", "buffer", "payment", "late", "competitive", "exploration", "penalty"]
 FIELDS = ["schema", "scenario", "seed", "tier", "status", "reason", "deterministic", "sim_time_s", "wall_time_s", "physics_wall_s",
@@ -58,6 +58,21 @@ class Game(Lab):
             self.assertNotIn(str(SOURCE).encode(), content, name)
             self.assertNotIn(str(self.folder).encode(), content, name)
         self.assertLess(sum(f.stat().st_size for f in self.out.rglob("*") if f.is_file()), 25e6)
+
+    def test_the_place_of_a_package_does_not_count(self):
+        hashes = []
+        for place in ("a", "somewhere/else/on/this/disk"):
+            self.write(f"{place}/agent.yaml", CONFIG.replace('"files"]', '"index", "files"]') + '    index: {plugin: "cx::AmentIndexPlugin"}\n')
+            self.write(f"{place}/scenario.yaml", SCENARIO)
+            self.write(f"{place}/rules/rules.clp", '(defrule go => (assert (share (str-cat (ament-index-get-package-share-directory rules) "/x"))))')
+            done = subprocess.run([CXLAB, "run", self.folder / place / "scenario.yaml", "--quiet", "--out", "out", "--force", "--journal", "full"],
+                                  cwd=self.folder, text=True, timeout=60, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            hashes.append(self.result()["journal_hash"])
+            self.assertIn("package://rules/x", (self.out / "journal.jsonl").read_text())
+            replay = subprocess.run([CXLAB, "replay", "out", "--rules"], cwd=self.folder, text=True, timeout=60, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            self.assertEqual(replay.returncode, 0, replay.stdout + replay.stderr)
+        self.assertEqual(hashes[0], hashes[1])
 
     def test_failures_are_drawn_from_the_seed(self):
         failing = ["--set", "timed.pick_failure=0.3", "--until", "300"]

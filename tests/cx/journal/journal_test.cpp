@@ -100,6 +100,36 @@ TEST(JournalHash, IgnoresStreamsWithoutRecordsAndTheExport) {
   EXPECT_EQ(hash, quiet.journal_hash());
 }
 
+/// The journal of an agent whose package lies in that folder and that keeps the folder in facts.
+std::string hash_with_package_in(const std::string& folder, const std::string& known_as = "package://agent") {
+  Journal journal;
+  journal.name_folder("/opt/ros/share/other", "package://other");
+  journal.name_folder(folder, known_as);
+  const StreamId env = journal.open_stream("env/a");
+  RecordData data;
+  data.begin().field("state", "/opt/ros/share/other").name("slots").open_map(2).text_key("\"" + folder + "/clips/a.clp\"").value(2.5).text_key("list").open_list(2).value("see " + folder).value(std::int64_t{7});
+  journal.write(env, milliseconds(20), RecordKind::kAssert, data);
+  return journal.journal_hash();
+}
+
+TEST(JournalHash, DoesNotDependOnWherePackagesLie) {
+  EXPECT_EQ(hash_with_package_in("/a/agent"), hash_with_package_in("/home/somebody/with/a/long/way/to/the/sources/of/agent"));
+  EXPECT_NE(hash_with_package_in("/a/agent"), hash_with_package_in("/a/agent", "package://other_agent"));
+}
+
+TEST(JournalExport, FoldersHaveTheirNames) {
+  const std::string text = exported(JournalLevel::kFull, [](Journal& journal) {
+    journal.name_folder("/a/agent", "package://agent");
+    journal.name_folder("/a/agent/inner", "package://inner");
+    RecordData data;
+    data.begin().field("file", "/a/agent/clips/a.clp").field("inner", "\"/a/agent/inner\"").field("both", "/a/agent:/a/agent/inner/x")
+        .field("other", "/a/agent2").field("below", "/b/a/agent").field("topic", "/a").field("uri", "file:///a/agent/b").field("n", 3);
+    journal.write(journal.open_stream("env/a"), milliseconds(20), RecordKind::kInput, data);
+  });
+  EXPECT_THAT(text, HasSubstr(R"({"file":"package://agent/clips/a.clp","inner":"\"package://inner\"","both":"package://agent:package://inner/x",)"
+                              R"("other":"/a/agent2","below":"/b/a/agent","topic":"/a","uri":"file://package://agent/b","n":3})"));
+}
+
 TEST(Journal, NumbersTheRecordsOfEachStreamFromZero) {
   Journal journal;
   const StreamId a = journal.open_stream("env/a");
