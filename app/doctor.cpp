@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "app/command.h"
-#include "app/share.h"
 #include "cx/engine/version.h"
+#include "scenarios/share.h"
 #include "sim/box2d/library.h"
 #include "sim/mujoco/library.h"
 

@@ -218,6 +218,7 @@ void declare(CLI::App& command, Options& options) {
   command.add_option("config", options.configs, "Configurations of the CLIPS-Executive (YAML), one environment manager each")->required();
   command.add_option("--package", options.packages, "NAME=DIR: where a package lies (default: what lies around the configuration)")->take_all()->expected(1)->allow_extra_args(false);
   command.add_option("--with", options.nodes, "Starts a node beside it: " + known_nodes())->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--prefix,--plugin-path", options.run.prefixes, "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")->take_all()->expected(1)->allow_extra_args(false);
   command.add_option("--param", options.params, "NODE.NAME=VALUE: changes a parameter")->take_all()->expected(1)->allow_extra_args(false);
   command.add_option("--namespace", options.name_space, "Of the nodes")->capture_default_str();
   command.add_option("--remap", options.remaps, "FROM:=TO: renames a topic, service or action")->take_all()->expected(1)->allow_extra_args(false);

@@ -7,8 +7,8 @@
 
 #include "app/command.h"
 #include "app/reference.h"
-#include "app/share.h"
 #include "cx/bus/bus.h"
+#include "scenarios/share.h"
 
 namespace cxlab::app {
 

@@ -38,6 +38,7 @@ void read_manifest(const Json& json, RecordedRun& run) {
   run.options.journal = json.at("journal").get<std::string>();
   run.options.keep_going = json.at("keep_going").get<bool>();
   run.options.strict = json.at("strict_cx").get<bool>();
+  run.options.prefixes = json.at("prefixes").get<std::vector<std::string>>();
   for (const Json& agent : json.at("agents")) run.shares.push_back(agent.at("packages").get<std::map<std::string, std::string>>());
 }
 

@@ -8,11 +8,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "app/share.h"
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/journal/journal.h"
 #include "cx/plugins/builtin.h"
+#include "scenarios/share.h"
 
 namespace cxlab::app {
 

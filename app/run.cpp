@@ -32,6 +32,7 @@ void declare(CLI::App& command, RunOptions& options) {
   command.add_flag("--force", options.force, "Overwrites a folder that is in use");
   command.add_option("--journal", options.journal, "What journal.jsonl holds: none, decisions or full")->capture_default_str();
   command.add_flag("--strict-cx", options.strict, "Parameters that CX does not know are errors, not INFO lines");
+  command.add_option("--prefix,--plugin-path", options.prefixes, "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")->take_all()->expected(1)->allow_extra_args(false);
   command.add_flag("--realtime", options.realtime, "Sleeps between ticks, to watch");
   command.add_option("--snapshot", options.snapshot, "Pictures: every:SECONDS or SECONDS,SECONDS,...");
   command.add_option("--video", options.video, "Film of the game (needs ffmpeg)");

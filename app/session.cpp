@@ -13,10 +13,10 @@
 #include "app/log_printer.h"
 #include "app/pictures.h"
 #include "app/report.h"
-#include "app/share.h"
 #include "cx/engine/version.h"
 #include "cx/journal/run_folder.h"
 #include "scenarios/episode.h"
+#include "scenarios/share.h"
 #include "sim/box2d/library.h"
 #include "sim/mujoco/library.h"
 
@@ -43,6 +43,7 @@ class Meter : public WallMeter {
 struct Run {
   RunOptions options;
   Scenario scenario;
+  std::vector<std::string> named_prefixes;  // absolute
   std::optional<RunFolder> folder;
   std::unique_ptr<Episode> episode;
   Meter game, physics;
@@ -71,6 +72,7 @@ std::string manifest(const Run& run) {
   out["journal"] = run.options.journal;
   out["keep_going"] = run.options.keep_going;
   out["strict_cx"] = run.options.strict;
+  out["prefixes"] = run.named_prefixes;
   out["agents"] = nlohmann::ordered_json::array();
   for (const AgentSpec& agent : run.scenario.agents) out["agents"].push_back({{"config", agent.config}, {"packages", run.scenario.shares(agent)}});
   out["repeat"] = "cxlab rerun " + run.folder->path().string();
@@ -185,6 +187,12 @@ Played play_scenario(const RunOptions& options, Scenario scenario) {
   Run run;
   run.options = options;
   run.scenario = std::move(scenario);
+  for (const std::string& prefix : options.prefixes) run.named_prefixes.push_back(std::filesystem::absolute(prefix).lexically_normal().string());
+  std::vector<std::string> prefixes = run.named_prefixes;
+  for (std::string& prefix : default_prefixes()) prefixes.push_back(std::move(prefix));
+  auto installed = packages_below(prefixes);
+  if (!installed) return failed(installed.error());
+  run.scenario.packages.insert(installed->begin(), installed->end());
   const auto level = parse_journal_level(options.journal);
   if (!level) return failed(Error{ErrorKind::kUsage, "--journal: " + level.error().message, {}, 0, {}});
   auto folder = make_folder(options, run.scenario);

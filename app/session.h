@@ -25,6 +25,7 @@ struct RunOptions {
   std::string video;
   bool json = false;
   bool quiet = false;
+  std::vector<std::string> prefixes;  ///< whose packages are found, before the default ones
   bool keep_going = false;           ///< errors in rule files are reported and the run goes on
   bool strict = false;               ///< unknown parameters of the CX are errors
   bool silent = false;               ///< nothing on stdout: the command says itself what came out

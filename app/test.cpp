@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/command.h"
-#include "app/share.h"
 #include "cx/testing/story_file.h"
+#include "scenarios/share.h"
 
 namespace cxlab::app {
 

@@ -29,6 +29,7 @@ foreach(folder cx/base cx/bus cx/engine cx/executive cx/journal cx/yaml sim sim/
   file(GLOB files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${folder}/*.h")
   install(FILES ${files} DESTINATION ${headers}/${folder})
 endforeach()
+install(FILES "${PROJECT_BINARY_DIR}/include/cx_abi/cx/executive/abi.h" DESTINATION ${headers}/cx/executive)
 get_target_property(clips_core clips_c INTERFACE_INCLUDE_DIRECTORIES)
 get_target_property(clips_kind clips_c TYPE)
 if(clips_kind STREQUAL "SHARED_LIBRARY")  # else the system's

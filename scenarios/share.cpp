@@ -1,0 +1,73 @@
+#include "scenarios/share.h"
+
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <sstream>
+
+namespace cxlab {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The prefix, seen from <prefix>/bin/<program>, <prefix>/lib/cxlab/<library>; empty where there is no share/cxlab.
+fs::path prefix_of(const fs::path& file) {
+  std::error_code ignored;
+  const fs::path above = fs::canonical(file, ignored).parent_path().parent_path();
+  for (const fs::path& prefix : {above, above.parent_path()})
+    if (!prefix.empty() && fs::is_directory(prefix / "share/cxlab/interfaces", ignored)) return prefix;
+  return {};
+}
+
+fs::path installed_prefix() {
+  Dl_info here{};
+  if (dladdr(reinterpret_cast<const void*>(&find_share), &here) && here.dli_fname)
+    if (fs::path prefix = prefix_of(here.dli_fname); !prefix.empty()) return prefix;
+  return prefix_of("/proc/self/exe");
+}
+
+bool is_package(const fs::path& folder) {
+  std::error_code ignored;
+  for (const char* sign : {"package.xml", "cxlab_plugins.yaml", "msg", "srv", "action"})
+    if (fs::exists(folder / sign, ignored)) return true;
+  return false;
+}
+
+}  // namespace
+
+Share find_share() {
+  const auto in = [](const fs::path& share, const fs::path& prefix) {
+    return Share{share / "interfaces", share / "models", share / "scenarios", share / "docs", prefix};
+  };
+  const fs::path prefix = installed_prefix();
+  if (const char* named = std::getenv("CXLAB_SHARE")) return in(named, prefix);
+  if (!prefix.empty()) return in(prefix / "share/cxlab", prefix);
+  const fs::path source = CXLAB_SOURCE_DIR;
+  return Share{source / "cx/interfaces", source / "models", source / "scenarios", source / "docs", {}};
+}
+
+Expected<std::map<std::string, std::string>> packages_below(const std::vector<std::string>& prefixes) {
+  std::map<std::string, std::string> packages;
+  for (const std::string& prefix : prefixes) {
+    std::error_code error;
+    const fs::path share = fs::absolute(prefix).lexically_normal() / "share";
+    for (const auto& entry : fs::directory_iterator(share, error))
+      if (is_package(entry.path())) packages.emplace(entry.path().filename().string(), entry.path().string());
+    if (error) return input_error("prefix " + prefix + ": cannot read its folder share: " + error.message());
+  }
+  return packages;
+}
+
+std::vector<std::string> default_prefixes() {
+  std::vector<std::string> prefixes;
+  if (const char* named = std::getenv("CXLAB_PREFIX_PATH")) {
+    std::stringstream list(named);
+    for (std::string prefix; std::getline(list, prefix, ':');)
+      if (!prefix.empty()) prefixes.push_back(prefix);
+  }
+  if (const fs::path own = find_share().prefix; !own.empty()) prefixes.push_back(own.string());
+  return prefixes;
+}
+
+}  // namespace cxlab

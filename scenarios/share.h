@@ -1,0 +1,33 @@
+#pragma once
+// Where data lies: what comes with cxlab, and packages that are installed below a prefix.
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+
+namespace cxlab {
+
+struct Share {
+  std::filesystem::path interfaces;  ///< packages of interface definitions
+  std::filesystem::path models;      ///< MJCF
+  std::filesystem::path scenarios;
+  std::filesystem::path docs;
+  std::filesystem::path prefix;      ///< that cxlab is installed below; empty in a source tree
+};
+
+/// $CXLAB_SHARE, else share/cxlab of the prefix that this library or program is installed below, else the source tree
+/// that it was built from.
+Share find_share();
+
+/// The packages below <prefix>/share, by name: folders with a package.xml, a manifest of plugins, or interface
+/// definitions. The first prefix that has a package wins. A prefix that is not there is an error.
+Expected<std::map<std::string, std::string>> packages_below(const std::vector<std::string>& prefixes);
+
+/// The prefixes that are looked through without being named: those in $CXLAB_PREFIX_PATH (separated by ':'), then the one
+/// that cxlab is installed below.
+std::vector<std::string> default_prefixes();
+
+}  // namespace cxlab

@@ -1,0 +1,163 @@
+"""Installs cxlab below a prefix, moves it, and builds and runs plugins and programs against it, as a user would."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
+BUILD = Path(os.environ["CXLAB_BUILD_DIR"])
+CMAKE = os.environ["CMAKE"]
+
+WHOLE_LIFE = ["initialize", "clips_env_init one", "clips_env_init two", "clips_env_destroyed one", "clips_env_destroyed two", "finalize", "gone"]
+
+
+def call(*arguments, expect=0, cwd=None, **environment):
+    done = subprocess.run(list(map(str, arguments)), capture_output=True, text=True, cwd=cwd, timeout=900, env={**os.environ, **environment})
+    if done.returncode != expect:
+        raise AssertionError(f"{arguments}: exit code {done.returncode}, expected {expect}\n{done.stdout}\n{done.stderr}")
+    return done
+
+
+def build(source, folder, prefix):
+    call(CMAKE, "-S", source, "-B", folder, "-D", f"CMAKE_PREFIX_PATH={prefix}", "-D", "CMAKE_BUILD_TYPE=Debug")
+    call(CMAKE, "--build", folder, "-j2")
+
+
+class Installed(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = Path(tempfile.mkdtemp(prefix="cxlab-own-"))
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        call(CMAKE, "--install", BUILD, "--prefix", cls.folder / "first")
+        (cls.folder / "first").rename(cls.folder / "prefix")  # an installation may be moved
+        cls.prefix = cls.folder / "prefix"
+        cls.cxlab = cls.prefix / "bin/cxlab"
+
+    def env(self, config, *arguments, expect=0, **environment):
+        return call(self.cxlab, "env", config, "--out", "none", *arguments, expect=expect, cwd=self.folder, **environment)
+
+
+class OwnPackages(Installed):
+    def test_template_of_a_plugin_builds_and_runs_its_test(self):
+        folder = self.folder / "my_plugin"
+        call(self.cxlab, "new", "plugin", folder)
+        build(folder, folder / "build", self.prefix)
+        call("ctest", "--test-dir", folder / "build", "--output-on-failure")
+
+        # Installed below a prefix of its own it is found through the option, or through the variable.
+        own = self.folder / "own"
+        call(CMAKE, "--install", folder / "build", "--prefix", own)
+        shutil.rmtree(folder)
+        config = self.folder / "demo.yaml"
+        shutil.copy(own / "share/my_plugin/params/demo.yaml", config)
+        self.assertIn("three counts make 6", self.env(config, "--until", 3, "--prefix", own).stderr)
+        self.assertIn("three counts make 6", self.env(config, "--until", 3, CXLAB_PREFIX_PATH=str(own)).stderr)
+        self.assertIn("unknown plugin type 'my::CounterPlugin'", self.env(config, "--until", 3, "--no-keep-going", expect=3).stderr)
+
+        # A run keeps the library: its rules play again without it.
+        run = self.folder / "run"
+        call(self.cxlab, "env", config, "--until", 3, "--out", run, "--prefix", own)
+        shutil.rmtree(own)
+        self.assertIn("rules: the same", call(self.cxlab, "replay", run, "--rules").stdout)
+
+    def test_program_of_ones_own_plays_the_same_episode(self):
+        build(self.prefix / "share/cxlab/docs/examples/play_episode", self.folder / "play", self.prefix)
+        game = self.prefix / "share/cxlab/scenarios/rcll/game.yaml"
+        own = call(self.folder / "play/play_episode", game, 130).stdout
+        self.assertRegex(own, r"(?m)^ 120.0 s: agent has \d+ facts$")
+        result = json.loads(call(self.cxlab, "run", game, "--until", 130, "--out", "none", "--json").stdout)
+        self.assertIn(f"journal {result['journal_hash']}", own)
+
+    def test_template_of_an_agent_is_installed(self):
+        folder = self.folder / "agent"
+        call(self.cxlab, "new", "agent", folder)
+        call(self.cxlab, "test", cwd=folder)
+
+
+class HooksInOrder(Installed):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        build(SOURCE / "tests/app/own_plugins", cls.folder / "wrong", cls.prefix)
+
+    def run_plugin(self, plugin, *arguments, expect=0, **parameters):
+        """One instance `talk` in two environments, and a rule that calls it. What the instance told, and all that was printed."""
+        lines = "".join(f"      {name}: {value}\n" for name, value in parameters.items())
+        (self.folder / "config.yaml").write_text(f"""
+/**:
+  ros__parameters:
+    environments: ["one", "two"]
+    one: {{plugins: ["talk", "files"]}}
+    two: {{plugins: ["talk"]}}
+    files: {{plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["rules"], load: ["rules.clp"]}}
+    talk:
+      plugin: "{plugin}"
+{lines}""")
+        (self.folder / "rules").mkdir(exist_ok=True)
+        (self.folder / "rules/rules.clp").write_text("(deffacts start (begin))\n(defrule talk (begin) => (printout info (chat) crlf))\n")
+        said = self.env(self.folder / "config.yaml", "--until", 1, "--package", f"rules={self.folder / 'rules'}", "--no-keep-going",
+                        "--stop-on-rule-error", *arguments, expect=expect).stderr
+        return re.findall(r"^\[[ .\d]+\] \[info\] \[talk\] (.*)$", said, re.MULTILINE), said
+
+    def chatty(self, expect=0, **parameters):
+        return self.run_plugin("test::Chatty", "--prefix", self.folder / "wrong", expect=expect, **parameters)
+
+    def broken(self, manifest, expect):
+        folder = self.folder / "broken"
+        folder.mkdir(exist_ok=True)
+        (folder / "cxlab_plugins.yaml").write_text(manifest)
+        return self.run_plugin("test::Broken", "--package", f"broken={folder}", expect=expect)[1]
+
+    def library(self, name):
+        return self.broken(f"library: {self.folder}/wrong/lib/{name}\nplugins:\n  - class: test::Broken\n", 5 if "symbol" in name else 3)
+
+    def test_each_hook_is_called_in_its_order(self):
+        told, said = self.chatty()
+        self.assertEqual(told, WHOLE_LIFE)
+        self.assertIn("[one] 7", said)
+
+    def test_plugin_that_cannot_begin_is_not_finalized(self):
+        for how, words in (("throw", "initialize threw: out of words"), ("fail", "initialize: does not want to")):
+            told, said = self.chatty(expect=4, **{how: "initialize"})
+            self.assertEqual(told, ["initialize", "gone"])
+            self.assertIn(f"plugin 'talk' (test::Chatty of {self.folder}/wrong/lib/libchatty.so): {words}", said)
+
+    def test_plugin_that_refuses_an_environment_is_finalized_and_not_destroyed_there(self):
+        for how, words in (("throw", "clips_env_init threw: out of words"), ("fail", "clips_env_init: does not want to")):
+            told, said = self.chatty(expect=4, **{how: "clips_env_init"})
+            self.assertEqual(told, ["initialize", "clips_env_init one", "finalize", "gone"])
+            self.assertIn(f"libchatty.so): {words}", said)
+
+    def test_plugin_that_throws_at_its_end_gets_all_calls_of_its_end(self):
+        for hook in ("clips_env_destroyed", "finalize"):
+            told, said = self.chatty(expect=4, throw=hook)
+            self.assertEqual(told, WHOLE_LIFE)
+            self.assertIn(f"libchatty.so): {hook} threw: out of words", said)
+
+    def test_function_that_throws_is_an_error_of_the_rule(self):
+        told, said = self.chatty(expect=4, throw="chat")
+        self.assertEqual(told, WHOLE_LIFE)
+        self.assertRegex(said, r"rules.clp:2: rule talk, RHS: .*no words")
+
+    def test_what_is_wrong_with_a_library_is_said_with_the_place_in_its_manifest(self):
+        manifest = f"{self.folder}/broken/cxlab_plugins.yaml"
+        said = self.broken("library: libnone.so\nplugins:\n  - class: test::Broken\n", 5)
+        self.assertIn(f"{manifest}:1: library 'libnone.so' is not there (looked for {self.folder}/broken/libnone.so", said)
+        self.assertRegex(self.library("libother_abi.so"), re.escape(manifest) + r":1: .*was built for cxlab 0.0.1 .*build it again")
+        self.assertRegex(self.library("libno_exports.so"), re.escape(manifest) + r":1: .*CXLAB_PLUGINS")
+        self.assertRegex(self.library("libmissing_symbol.so"), re.escape(manifest) + r":1: .*undefined symbol: .*defined_nowhere")
+        self.assertRegex(self.library("libchatty.so"), re.escape(manifest) + r":3: .*no plugin class 'test::Broken', its CXLAB_PLUGINS names test::Chatty")
+
+    def test_manifest_that_is_wrong_is_an_error_with_its_line(self):
+        manifest = f"{self.folder}/broken/cxlab_plugins.yaml"
+        self.assertIn(f"{manifest}:1: key 'plugins' is missing", self.broken("library: libx.so\nplugin: []\n", 3))
+        self.assertIn(f"{manifest}:4: ", self.broken("library: libx.so\nplugins:\n  - class: test::Broken\n    base: cx::ClipsPlugin\n", 3))
+
+
+if __name__ == "__main__":
+    unittest.main()
