@@ -493,9 +493,9 @@ Status EnvironmentManager::unload_plugin(const std::string& environment, const s
 
 Status EnvironmentManager::perceive(std::size_t i) {
   Entry& entry = environments_[i];
-  if (Status s = entry.environment->perceive(); !s) return s;
+  if (Status s = call_handlers(entry.environment->name(), [&] { return entry.environment->perceive(); }); !s) return s;
   for (Plugin* plugin : entry.loaded)
-    if (Status s = plugin->perceive(EnvironmentGuard(*entry.environment)); !s) return s;
+    if (Status s = call_plugin(*plugin, "perceive", [&] { return plugin->perceive(EnvironmentGuard(*entry.environment)); }); !s) return s;
   return {};
 }
 

@@ -191,4 +191,12 @@ Status call_plugin(const Plugin& plugin, std::string_view hook, const std::funct
   }
 }
 
+Status call_handlers(const std::string& environment, const std::function<Status()>& call) {
+  try {
+    return call();
+  } catch (...) {
+    return thrown("environment '" + environment + "'", "a plugin's handler of a delivery");
+  }
+}
+
 }  // namespace cxlab::cx

@@ -39,5 +39,7 @@ std::shared_ptr<void> library_of(const std::shared_ptr<Plugin>& plugin);
 
 /// Calls a plugin. What it throws becomes an error of kind run, and what it returns is told with its name.
 Status call_plugin(const Plugin& plugin, std::string_view hook, const std::function<Status()>& call);
+/// The same where the bus calls what plugins have subscribed.
+Status call_handlers(const std::string& environment, const std::function<Status()>& call);
 
 }  // namespace cxlab::cx

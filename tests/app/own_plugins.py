@@ -73,6 +73,18 @@ class OwnPackages(Installed):
         result = json.loads(call(self.cxlab, "run", game, "--until", 130, "--out", "none", "--json").stdout)
         self.assertIn(f"journal {result['journal_hash']}", own)
 
+    def examples(self):
+        build(self.prefix / "share/cxlab/docs/examples/own_plugins", self.folder / "own_plugins", self.prefix)
+        return self.folder / "own_plugins/share/own_plugins/params"
+
+    def test_bridge_hands_facts_over_at_the_next_tick_and_replays(self):
+        run = self.folder / "bridge"
+        said = call(self.cxlab, "env", self.examples() / "bridge.yaml", "--until", 3, "--out", run).stderr
+        lines = re.findall(r"\[ *([.\d]+)\] \[info\] \[(eye|hand)\] (.*)", said)
+        self.assertEqual([(who, what) for _, who, what in lines], [("hand", "grasping the cup, seen at 1.1"), ("eye", "the hand has the cup")])
+        self.assertEqual([float(when) for when, _, _ in lines], [1.2, 1.3])  # executives of 10 Hz
+        self.assertIn("rules: the same", call(self.cxlab, "replay", run, "--rules").stdout)
+
     def test_template_of_an_agent_is_installed(self):
         folder = self.folder / "agent"
         call(self.cxlab, "new", "agent", folder)
