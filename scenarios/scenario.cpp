@@ -185,7 +185,8 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
   map.finish();
 
   if (scenario.tick <= SimTime::zero()) map.get("tick_s").fail("must be more than 0");
-  else if (scenario.physics_step <= SimTime::zero() || scenario.tick % scenario.physics_step != SimTime::zero())
+  else if (scenario.physics_step <= SimTime::zero()) map.get("physics_step_s").fail("must be more than 0");
+  else if (scenario.world_kind != WorldKind::kTurtlesim && scenario.tick % scenario.physics_step != SimTime::zero())  // a canvas steps at any tick
     map.get("physics_step_s").fail("tick_s must be a whole multiple of physics_step_s");
   if (scenario.max_firings_per_tick < 0) map.get("max_firings_per_tick").fail("must be 0 (no limit) or more");
   if (Status s = document->status(); !s) return s.error();

@@ -258,6 +258,14 @@ TEST_F(TurtlesimTest, StandsBesideAnotherWorldAndComesLate) {
   EXPECT_NEAR(static_cast<double>(poses.size()), 51, 1) << "ticks of 20 ms, a step of 16 ms in most of them: one pose a tick";
 }
 
+TEST_F(TurtlesimTest, AnyTickTakesTheStepsThatAreDue) {
+  open("turtles: [{name: turtle1, x: 1, y: 1}]", "tick_s: 0.1\n");
+  drive("turtle1", "{linear: {x: 1.0}}");
+  play(*episode_, 1.6);
+  EXPECT_EQ(world().steps(), 100);
+  EXPECT_NEAR(world().turtles()[0].x, 1.992, 1e-4);
+}
+
 TEST_F(TurtlesimTest, WrongSettingsAreToldWithTheirLine) {
   const auto error = [&](const std::string& text) {
     auto scenario = Scenario::parse("schema: 1\n" + text, "x.yaml");
