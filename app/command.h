@@ -19,6 +19,7 @@ void add_rerun(CLI::App& app, Action& action);
 void add_env(CLI::App& app, Action& action);
 void add_render(CLI::App& app, Action& action);
 void add_why_not(CLI::App& app, Action& action);
+void add_validate(CLI::App& app, Action& action);
 void add_list(CLI::App& app, Action& action);
 void add_doc(CLI::App& app, Action& action);
 void add_test(CLI::App& app, Action& action);

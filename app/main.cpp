@@ -47,6 +47,7 @@ int main(int argc, char** argv) {
   add_env(app, action);
   add_render(app, action);
   add_why_not(app, action);
+  add_validate(app, action);
   add_list(app, action);
   add_doc(app, action);
   add_test(app, action);

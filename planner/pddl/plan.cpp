@@ -89,7 +89,7 @@ class PlanReader {
     const Action& action = domain_.actions[step.action];
     const std::string declared = "; declared at " + domain_.file + ":" + std::to_string(action.source.line);
     if (names.size() - 1 != action.parameters.size())
-      return error("found " + std::to_string(names.size() - 1) + " arguments of " + action.name + ", expected " +
+      return error("found " + std::to_string(names.size() - 1) + (names.size() == 2 ? " argument of " : " arguments of ") + action.name + ", expected " +
                    std::to_string(action.parameters.size()) + declared);
     for (std::size_t i = 1; i < names.size(); ++i) {
       const ObjectId object = find(problem_.object_names, names[i]);

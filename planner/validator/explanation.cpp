@@ -217,7 +217,10 @@ std::string Execution::advice_for_fact(const std::string& fact, bool wanted, con
   const std::string value = wanted ? " true" : " false";
   const bool over_all = violation.when == "over all";
   // Broken on the way by another: that one may wait.
-  if (over_all && spoiler != nullptr && spoiler->step != violation.step && to_seconds(spoiler->time) > plan_[violation.step].start)
+  const bool on_the_way = over_all && spoiler != nullptr && spoiler->step != violation.step && to_seconds(spoiler->time) > plan_[violation.step].start;
+  if (on_the_way && spoiler->kind == Happening::Kind::kOutside)
+    return "let " + describe_step(violation.step) + " end at " + time_text(to_seconds(spoiler->time)) + " or before";
+  if (on_the_way)
     return "let " + describe(*spoiler) + " wait until " + time_text(to_seconds(ends_[violation.step])) + ", when " + describe_step(violation.step) + " has ended";
   if (!later || later->step == violation.step) return {};
   const double from = to_seconds(later->time) + options_.epsilon;

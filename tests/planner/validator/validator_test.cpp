@@ -165,7 +165,7 @@ TEST(Validator, EventsFromOutsideOpenAndCloseWindows) {
             "  advice: let 4.000: (work r b) (line 1) begin at 5.001 or later: the initial state's event at 5.000 makes (open b) true");
   EXPECT_EQ(checker.verdict("6: (work r b) [4]"),
             "6.000: (work r b) (line 1): a condition over all does not hold at 9.000: (open b); (open b) was made false by the initial state's "
-            "event at 9.000\n  advice: let the initial state's event at 9.000 wait until 10.000, when 6.000: (work r b) (line 1) has ended");
+            "event at 9.000\n  advice: let 6.000: (work r b) (line 1) end at 9.000 or before");
 }
 
 TEST(Validator, RequiredConcurrencyIsUnderstood) {

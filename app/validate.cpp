@@ -1,0 +1,117 @@
+// cxlab validate: is this plan right, and if not, what is wrong first?
+
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/command.h"
+#include "app/planning.h"
+#include "planner/pddl/parser.h"
+#include "planner/pddl/text.h"
+#include "planner/validator/robustness.h"
+
+namespace cxlab::app {
+
+namespace {
+
+using planner::time_text;
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string domain, problem, plan;
+  planner::ValidateOptions rules;
+  bool robust = false;
+  double limit = 0;  ///< s; 0 = the makespan
+  bool json = false;
+};
+
+Json to_json(const planner::Violation& violation, const planner::Plan& plan, const planner::Task& task) {
+  Json out = {{"kind", to_word(violation.kind)}, {"time", violation.time}};
+  if (violation.step >= 0) {
+    out["step"] = violation.step;
+    out["action"] = step_text(plan[violation.step], task.domain, task.problem);
+    out["line"] = plan[violation.step].line;
+  }
+  if (violation.other_step >= 0) out["other_step"] = violation.other_step;
+  out["when"] = violation.when;
+  out["condition"] = violation.condition;
+  out["message"] = violation.message;
+  out["advice"] = violation.advice;
+  return out;
+}
+
+void print_text(const planner::Verdict& verdict, const std::optional<planner::Robustness>& robust, std::size_t steps) {
+  if (!verdict.valid) {
+    std::printf("invalid: %s\n", planner::to_text(*verdict.violation).c_str());
+    return;
+  }
+  std::printf("valid: %zu steps, makespan %s s", steps, time_text(verdict.makespan).c_str());
+  if (verdict.metric) std::printf(", metric %s", planner::number_text(*verdict.metric).c_str());
+  std::printf("\n");
+  if (!robust) return;
+  std::printf("robust: steps may begin up to %s s early or late (%d plans checked)\n", planner::number_text(robust->holds).c_str(), robust->samples);
+  if (robust->violation)
+    std::printf("with up to %s s: %s\n", planner::number_text(robust->breaks).c_str(), planner::to_text(*robust->violation).c_str());
+}
+
+void print_json(const planner::Verdict& verdict, const std::optional<planner::Robustness>& robust, const planner::Plan& plan, const planner::Task& task) {
+  Json out = {{"valid", verdict.valid}, {"steps", plan.size()}, {"makespan", verdict.makespan}};
+  out["metric"] = verdict.metric ? Json(*verdict.metric) : Json();
+  out["violation"] = verdict.violation ? to_json(*verdict.violation, plan, task) : Json();
+  if (robust) {
+    out["robust"] = {{"holds_s", robust->holds}, {"breaks_s", robust->breaks}, {"plans", robust->samples}};
+    out["robust"]["violation"] = robust->violation ? to_json(*robust->violation, plan, task) : Json();
+  }
+  std::printf("%s\n", out.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+}
+
+int validate(const Options& options) {
+  const auto task = planner::load_task(options.domain, options.problem);
+  if (!task) return fail_planning(task.error());
+  const auto text = planner::read_text(options.plan);
+  if (!text) return fail_planning(text.error());
+  const auto plan = planner::parse_plan(*text, options.plan, task->domain, task->problem);
+  if (!plan) return fail_planning(plan.error());
+  const planner::Validator validator(task->domain, task->problem);
+  const auto verdict = validator.check(*plan, options.rules);
+  if (!verdict) return fail_planning(verdict.error());
+  std::optional<planner::Robustness> robust;
+  if (options.robust && verdict->valid) {
+    const auto found = planner::robustness(validator, *plan, options.rules, options.limit > 0 ? options.limit : verdict->makespan);
+    if (!found) return fail_planning(found.error());
+    robust = *found;
+  }
+  if (options.json) {
+    print_json(*verdict, robust, *plan, *task);
+  } else {
+    print_text(*verdict, robust, plan->size());
+  }
+  return verdict->valid ? 0 : static_cast<int>(ErrorKind::kNo);
+}
+
+}  // namespace
+
+int fail_planning(const Error& error) {
+  fail(error);
+  if (error.kind != ErrorKind::kInput) return static_cast<int>(error.kind);
+  return error.code == planner::kUnsupported ? kExitUnsupported : kExitInput;
+}
+
+void add_validate(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("validate", "Says whether a plan is right, and what is wrong first");
+  command->add_option("domain", options->domain, "PDDL file of the domain")->required();
+  command->add_option("problem", options->problem, "PDDL file of the problem")->required();
+  command->add_option("plan", options->plan, "Plan, one step a line: TIME: (ACTION OBJECT...) [DURATION]")->required();
+  command->add_option("--epsilon", options->rules.epsilon, "s that keeps interfering happenings apart")->check(CLI::NonNegativeNumber)->capture_default_str();
+  command->add_option("--tolerance", options->rules.duration_tolerance, "s by which a duration may miss its bounds")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_flag("--robust", options->robust, "Also search by how much steps may begin early or late");
+  command->add_option("--robust-limit", options->limit, "Largest shift to try, s (default: the makespan)")->check(CLI::PositiveNumber);
+  command->add_flag("--json", options->json, "The answer as JSON");
+  command->footer("Exit codes: 0 valid; 1 not valid; 31 a file cannot be used; 34 something in it is not supported.");
+  command->callback([options, &action] { action = [options] { return validate(*options); }; });
+}
+
+}  // namespace cxlab::app
