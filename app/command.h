@@ -24,6 +24,7 @@ void add_list(CLI::App& app, Action& action);
 void add_doc(CLI::App& app, Action& action);
 void add_test(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
+void add_plan(CLI::App& app, Action& action);
 void add_new(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
 

@@ -52,6 +52,7 @@ int main(int argc, char** argv) {
   add_doc(app, action);
   add_test(app, action);
   add_bench(app, action);
+  add_plan(app, action);
   add_new(app, action);
   add_doctor(app, action);
   try {

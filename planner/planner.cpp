@@ -7,12 +7,14 @@
 #include "planner/ground/ground.h"
 #include "planner/improve/local_search.h"
 #include "planner/search/split.h"
+#include "planner/validator/validator.h"
 
 namespace cxlab::planner {
 
 namespace {
 
-constexpr std::int64_t kFirstSlice = 2'000'000;     ///< units of the first try; each round of tries has twice as many
+constexpr std::int64_t kFirstSlice = 60'000;         ///< units of the first try; each round of tries has twice as many
+constexpr std::int64_t kRestartSlice = 400'000;      ///< units of a search that is to give another plan to start from
 constexpr std::int64_t kLandmarkWork = 300'000'000;  ///< word operations
 constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
 
@@ -28,7 +30,8 @@ struct SearchSpace {
 class Planner {
  public:
   Planner(const Task& task, const PlanOptions& options, Budget& budget, GroundTask ground)
-      : task_(task), options_(options), budget_(budget), began_(std::chrono::steady_clock::now()), ground_(std::move(ground)), touches_(ground_) {}
+      : options_(options), budget_(budget), began_(std::chrono::steady_clock::now()), ground_(std::move(ground)), touches_(ground_),
+        validator_(task.domain, task.problem) {}
 
   PlanAnswer run() {
     if (ground_.proved_unsolvable) {
@@ -37,6 +40,7 @@ class Planner {
       return finish();
     }
     sequences_ = std::make_unique<SearchSpace>(ground_);
+    whole_ = std::make_unique<SplitTask>(split(ground_, std::vector<char>(ground_.actions.size(), 0)));
     budget_.spend(Work::kReach, sequences_->landmarks.work() / 16);
     warm_start();
     if (!answer_.plan) find_first();
@@ -58,12 +62,12 @@ class Planner {
 
   bool proved_best() const { return answer_.plan && best_makespan_ <= bound_ + kSeparation * static_cast<Micros>(2 * answer_.plan->steps.size()); }
 
-  /// Hands out a plan if it is the best so far.
-  void publish(const Concurrent& plan) {
+  /// Hands out a plan if it is the best so far and the validator agrees.
+  bool publish(const Concurrent& plan) {
     Stn stn(touches_);
     fill(stn, plan);
-    if (!stn.solve(kSeparation) && !(fill(stn, plan), stn.solve(0))) return;
-    if (answer_.plan && stn.makespan() >= best_makespan_) return;
+    if (!stn.solve(kSeparation) && !stn.solve(0)) return false;
+    if (answer_.plan && stn.makespan() >= best_makespan_) return false;
     TimedPlan timed;
     std::vector<int> by_start(plan.steps.size());
     for (std::size_t i = 0; i < by_start.size(); ++i) by_start[i] = static_cast<int>(i);
@@ -83,10 +87,19 @@ class Planner {
     }
     timed.makespan_s = static_cast<double>(stn.makespan()) / kSecond;
     timed.latest = latest_times(timed, stn.makespan());
+    const Expected<Verdict> verdict = validator_.check(timed.steps);
+    budget_.spend(Work::kNode, static_cast<std::int64_t>(10 * timed.steps.size()));
+    if (!verdict || !verdict->valid) {
+      ++answer_.refused;
+      answer_.refusal = verdict ? verdict->violation->message : verdict.error().text();
+      return false;
+    }
+    timed.metric = verdict->metric;
     best_makespan_ = stn.makespan();
     if (!answer_.plan) answer_.first_plan_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
     answer_.plan = std::move(timed);
     if (options_.on_plan) options_.on_plan(*answer_.plan, budget_.units());
+    return true;
   }
 
   static std::vector<Micros> latest_times(const TimedPlan& plan, Micros makespan) {
@@ -104,9 +117,10 @@ class Planner {
     return latest;
   }
 
+  /// A plan of whole actions.
   void take(const Sequence& sequence) {
     if (best_sequence_.empty()) best_sequence_ = sequence;
-    publish(from_sequence(ground_, sequence));
+    publish(SplitCheck(*whole_, ground_, touches_).translate(sequence));
   }
 
   LazyOptions lazy_options(std::uint64_t seed) const {
@@ -166,23 +180,23 @@ class Planner {
 
   void find_first() {
     bool sequences_exhausted = false;
-    std::optional<Cut> envelopes, everything;
     std::int64_t slice = kFirstSlice;
     for (std::uint64_t round = 0; !budget_.over(); ++round, slice *= 2) {
+      const std::uint64_t seed = round % 2 == 0 ? 0 : round;
       if (!sequences_exhausted) {
         Sequence found;
-        const SearchEnd end = search_sequences(round, slice, found);
+        const SearchEnd end = search_sequences(seed, slice, found);
         note(end);
         if (end == SearchEnd::kFound) take(found);
         if (answer_.plan) return;
         sequences_exhausted = end == SearchEnd::kExhausted;
       }
-      if (!envelopes) envelopes = make_cut(false);
-      if (search_cut(*envelopes, round, slice)) return;
-      if (round == 0 && !(sequences_exhausted && envelopes->exhausted)) continue;
-      if (!everything) everything = make_cut(true);
-      if (search_cut(*everything, round, slice)) return;
-      if (sequences_exhausted && envelopes->exhausted && everything->exhausted) {
+      if (!envelopes_) envelopes_ = make_cut(false);
+      if (search_cut(*envelopes_, seed, slice)) return;
+      if (round == 0 && !(sequences_exhausted && envelopes_->exhausted)) continue;
+      if (!everything_) everything_ = make_cut(true);
+      if (search_cut(*everything_, seed, slice)) return;
+      if (sequences_exhausted && envelopes_->exhausted && everything_->exhausted) {
         answer_.status = PlanStatus::kEnded;
         answer_.reason = "no plan was found by any search; that none exists is not proved";
         return;
@@ -211,7 +225,7 @@ class Planner {
     if (!ground_.events.empty()) return;
     Sequence rest;
     LazySearch search(sequences_->simulator, sequences_->relaxed, sequences_->landmarks);
-    budget_.set_slice(budget_.units() + kFirstSlice);
+    budget_.set_slice(budget_.units() + kRestartSlice);
     const SearchEnd end = search.run(state, lazy_options(0), budget_, rest);
     budget_.clear_slice();
     if (end != SearchEnd::kFound) return;
@@ -220,36 +234,43 @@ class Planner {
   }
 
   void improve() {
-    // Rounds: a new first plan, or the best one shaken, and local search from there.
+    // Rounds: a new first plan, or the best one, and local search from there; now on whole actions, now on parts.
     std::int64_t idle = 2000;
     for (std::uint64_t round = 0; !budget_.over() && !proved_best(); ++round) {
       Sequence from = best_sequence_;
-      if (round > 0 && (round % 2 == 1 || from.empty())) {
+      if (round % 3 == 2 || from.empty()) {
         Sequence found;
-        if (search_sequences(round, kFirstSlice / 4, found) == SearchEnd::kFound) from = std::move(found);
+        if (search_sequences(round, kRestartSlice, found) == SearchEnd::kFound) from = std::move(found);
       }
       if (from.empty()) {
         if (round > 50) return;
         continue;
       }
-      LocalSearch local(sequences_->simulator, touches_, round + 1);
-      if (local.start(from) == Timeline::kNever) continue;
+      const bool cut = round % 3 == 1;
+      if (cut && !everything_) everything_ = make_cut(true);
+      if (cut && everything_->exhausted) continue;
+      const SplitTask& parts = cut ? *everything_->split : *whole_;
+      const Simulator& simulator = cut ? everything_->space->simulator : sequences_->simulator;
+      LocalSearch local(parts, ground_, simulator, touches_, round + 1);
+      if (local.start(to_parts(parts, from)) == Timeline::kNever) continue;
+      const SplitCheck check(parts, ground_, touches_);
       local.run(budget_, idle, [&](const Sequence& sequence, Micros makespan) {
         if (makespan >= best_makespan_) return;
-        best_sequence_ = sequence;
-        publish(from_sequence(ground_, sequence));
+        if (publish(check.translate(sequence)) && !cut) best_sequence_ = sequence;
       });
-      if (round % 4 == 3) idle += idle / 2;
+      if (round % 6 == 5) idle += idle / 2;
     }
   }
 
-  const Task& task_;
   const PlanOptions& options_;
   Budget& budget_;
   const std::chrono::steady_clock::time_point began_;
   GroundTask ground_;
   Touches touches_;
-  std::unique_ptr<SearchSpace> sequences_;
+  Validator validator_;
+  std::unique_ptr<SearchSpace> sequences_;  ///< of whole actions
+  std::unique_ptr<SplitTask> whole_;        ///< nothing is cut
+  std::optional<Cut> envelopes_, everything_;
   PlanAnswer answer_;
   Sequence best_sequence_;
   Micros best_makespan_ = DurationRange::kForever, bound_ = 0;

@@ -52,6 +52,8 @@ struct PlanAnswer {
   std::optional<TimedPlan> plan;
   double lower_bound_s = 0;         ///< no plan is shorter
   std::int64_t units = 0;           ///< spent
+  int refused = 0;                  ///< plans that the validator did not accept: a fault of the planner's
+  std::string refusal;              ///< why the last of them
   double first_plan_s = 0;          ///< wall time to the first plan; for people, not for decisions
 
   /// How far the plan can be from the shortest one, as a share of it: 0.05 = at most 5 %.

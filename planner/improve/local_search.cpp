@@ -8,19 +8,19 @@ namespace cxlab::planner {
 namespace {
 
 constexpr std::size_t kHistory = 100;
+constexpr int kMostPasses = 20;
 constexpr double kStartWeight = 0.05;  ///< of the mean start in the cost: earlier is better even where it does not count yet
 
 }  // namespace
 
-LocalSearch::LocalSearch(const Simulator& simulator, const Touches& touches, std::uint64_t seed)
-    : simulator_(simulator), touches_(touches), random_(seed, "planner local search"), timeline_(touches) {
-  const GroundTask& task = simulator.task();
-  achievers_.resize(task.facts.size() + task.numbers.size());
-  for (std::size_t a = 0; a < task.actions.size(); ++a) {
-    if (simulator.whole_impossible(static_cast<int>(a))) continue;
-    for (const int f : simulator.whole_effects(static_cast<int>(a)).add) achievers_[f].push_back(static_cast<int>(a));
-    for (const auto* effects : {&task.actions[a].at_start, &task.actions[a].at_end})
-      for (const NumericEffect& effect : effects->numbers) achievers_[task.facts.size() + effect.number].push_back(static_cast<int>(a));
+LocalSearch::LocalSearch(const SplitTask& split, const GroundTask& original, const Simulator& simulator, const Touches& touches, std::uint64_t seed)
+    : split_(split), original_(original), simulator_(simulator), whole_(original), touches_(touches), random_(seed, "planner local search"), timeline_(touches) {
+  achievers_.resize(original.facts.size() + original.numbers.size());
+  for (std::size_t a = 0; a < original.actions.size(); ++a) {
+    if (whole_.whole_impossible(static_cast<int>(a)) && split.parts[a].second < 0) continue;
+    for (const int f : whole_.whole_effects(static_cast<int>(a)).add) achievers_[f].push_back(static_cast<int>(a));
+    for (const auto* effects : {&original.actions[a].at_start, &original.actions[a].at_end})
+      for (const NumericEffect& effect : effects->numbers) achievers_[original.facts.size() + effect.number].push_back(static_cast<int>(a));
   }
 }
 
@@ -34,50 +34,116 @@ Micros LocalSearch::start(const Sequence& plan) {
 }
 
 bool LocalSearch::decode(const Sequence& list, double most_cost, Plan& plan) {
-  const int words = simulator_.words();
   scratch_ = simulator_.initial();
   timeline_.clear();
+  running_.clear();
   plan.order.clear();
-  plan.starts.clear();
+  plan.times.clear();
   plan.causes.clear();
-  plan.makespan = 0;
+  releases_.assign(list.size(), {0, -1});
+  shifted_ = false;
   std::vector<int> next(list.size() + 1);  // linked list of what is left; index 0 is the head
   for (std::size_t i = 0; i <= list.size(); ++i) next[i] = i < list.size() ? static_cast<int>(i) + 1 : 0;
-  double sum = 0;
   while (!simulator_.is_goal(scratch_.data())) {
     int before = 0, item = next[0];
     bool taken = false;
     for (; item != 0; before = item, item = next[item]) {
       ++work_;
-      const SequenceStep& step = list[item - 1];
+      SequenceStep step = list[item - 1];
       if (is_event(step)) {
-        if (!timeline_.append_event()) return false;
         simulator_.apply_event(-2 - step.action, scratch_.data());
+        if (!keeps_running(scratch_.data())) return false;
         plan.order.push_back(step);
-        plan.starts.push_back(touches_.events()[-2 - step.action].time);
-        plan.causes.push_back(-1);
         taken = true;
         break;
       }
       if (!simulator_.holds(simulator_.whole_condition(step.action), scratch_.data())) continue;
       trial_ = scratch_;
-      Micros duration = 0;
-      if (!simulator_.apply(step.action, trial_.data(), duration)) continue;
-      const Micros start = timeline_.append(step.action, duration);
-      if (start == Timeline::kNever) return false;
-      std::copy(trial_.begin(), trial_.begin() + words, scratch_.begin());
-      plan.order.push_back({step.action, duration});
-      plan.starts.push_back(start);
-      plan.causes.push_back(timeline_.cause());
-      sum += static_cast<double>(start);
+      if (!simulator_.apply(step.action, trial_.data(), step.duration)) continue;
+      const SplitTask::Origin origin = split_.origins[step.action];
+      if (origin.part == SplitTask::Part::kBegin) {
+        const std::optional<DurationRange> range = simulator_.durations(step.action, scratch_.data());
+        if (!range) continue;
+        step.duration = range->least;
+        if (!simulator_.holds(original_.actions[origin.action].over_all, trial_.data())) continue;
+      }
+      if (!running_.empty()) {
+        const auto own = origin.part == SplitTask::Part::kEnd ? std::ranges::find(running_, origin.action, &Running::action) : running_.end();
+        const Running ended = own == running_.end() ? Running{-1, -1, 0, 0} : *own;
+        if (ended.action >= 0) running_.erase(own);
+        if (!keeps_running(trial_.data())) {
+          if (ended.action >= 0) running_.push_back(ended);
+          continue;
+        }
+        if (ended.action >= 0) running_.push_back(ended);  // `place` takes it out
+      }
+      std::swap(trial_, scratch_);
+      plan.order.push_back(step);
       taken = true;
       break;
     }
-    if (!taken) return false;
+    if (!taken || !place(plan, plan.order.size() - 1)) return false;
     next[before] = next[item];
     if (static_cast<double>(timeline_.makespan()) > most_cost) return false;
   }
+  return running_.empty() && schedule(plan, most_cost);
+}
+
+bool LocalSearch::keeps_running(const Word* state) const {
+  return std::ranges::all_of(running_, [&](const Running& running) { return simulator_.holds(original_.actions[running.action].over_all, state); });
+}
+
+/// Gives the next step of the order its time.
+bool LocalSearch::place(Plan& plan, std::size_t index) {
+  const SequenceStep& step = plan.order[index];
+  Micros time = 0;
+  int cause = -1;
+  if (is_event(step)) {
+    if (!timeline_.append_event()) return false;
+    time = touches_.events()[-2 - step.action].time;
+  } else {
+    const SplitTask::Origin origin = split_.origins[step.action];
+    if (origin.part == SplitTask::Part::kWhole) {
+      time = timeline_.append(origin.action, step.duration);
+      cause = timeline_.cause();
+    } else if (origin.part == SplitTask::Part::kBegin) {
+      const auto [release, waits_for] = releases_[index];
+      time = timeline_.append_start(origin.action, release);
+      cause = timeline_.cause() < 0 ? waits_for : timeline_.cause();
+      running_.push_back({origin.action, static_cast<int>(index), time, step.duration});
+    } else {
+      const auto own = std::ranges::find(running_, origin.action, &Running::action);
+      const Micros due = own->start + own->duration;
+      time = timeline_.append_end(origin.action, due);
+      cause = timeline_.cause() < 0 ? own->begin : timeline_.cause();
+      if (time > due) {  // the beginning must wait: the times are computed again
+        releases_[own->begin] = {time - own->duration, timeline_.cause()};
+        shifted_ = true;
+      }
+      running_.erase(own);
+    }
+    if (time == Timeline::kNever) return false;
+  }
+  plan.times.push_back(time);
+  plan.causes.push_back(cause);
+  return true;
+}
+
+bool LocalSearch::schedule(Plan& plan, double most_cost) {
+  for (int pass = 0; shifted_; ++pass) {
+    if (pass == kMostPasses) return false;
+    shifted_ = false;
+    timeline_.clear();
+    running_.clear();
+    plan.times.clear();
+    plan.causes.clear();
+    work_ += static_cast<std::int64_t>(plan.order.size());
+    for (std::size_t i = 0; i < plan.order.size(); ++i)
+      if (!place(plan, i) || static_cast<double>(timeline_.makespan()) > most_cost) return false;
+  }
   plan.makespan = timeline_.makespan();
+  double sum = 0;
+  for (const Micros time : plan.times) sum += static_cast<double>(time);
   plan.cost = static_cast<double>(plan.makespan) + kStartWeight * sum / std::max<double>(1, static_cast<double>(plan.order.size()));
   return true;
 }
@@ -95,13 +161,16 @@ void LocalSearch::set_current(Plan plan) {
   }
   std::ranges::copy(state, &states_[current_.order.size() * words]);
   critical_.clear();
+  const auto ends_late = [&](const SequenceStep& step) { return !is_event(step) && split_.origins[step.action].part == SplitTask::Part::kWhole; };
   int last = -1;
   for (std::size_t i = 0; i < current_.order.size(); ++i)
-    if (current_.starts[i] + current_.order[i].duration == current_.makespan) last = static_cast<int>(i);
+    if (current_.times[i] + (ends_late(current_.order[i]) ? current_.order[i].duration : 0) == current_.makespan) last = static_cast<int>(i);
   for (; last >= 0; last = current_.causes[last]) critical_.push_back(last);
 }
 
-int LocalSearch::critical_step() { return critical_[random_.below(critical_.size())]; }
+int LocalSearch::critical_step() {
+  return critical_.empty() ? static_cast<int>(random_.below(current_.order.size())) : critical_[random_.below(critical_.size())];
+}
 
 void LocalSearch::run(Budget& budget, std::int64_t most_idle, const OnBetter& on_better) {
   if (current_.order.empty()) return;
@@ -194,32 +263,49 @@ void LocalSearch::pull(Sequence& list, int step, int to) const {
   std::ranges::copy(segment, list.begin() + to);
 }
 
-std::vector<int> LocalSearch::alternatives(int action) const {
+std::vector<int> LocalSearch::alternatives(int original) const {
   std::vector<int> found;
-  for (const int f : simulator_.whole_effects(action).add) found.insert(found.end(), achievers_[f].begin(), achievers_[f].end());
-  const GroundTask& task = simulator_.task();
-  for (const auto* effects : {&task.actions[action].at_start, &task.actions[action].at_end})
+  for (const int f : whole_.whole_effects(original).add) found.insert(found.end(), achievers_[f].begin(), achievers_[f].end());
+  for (const auto* effects : {&original_.actions[original].at_start, &original_.actions[original].at_end})
     for (const NumericEffect& effect : effects->numbers) {
-      const auto& more = achievers_[task.facts.size() + effect.number];
+      const auto& more = achievers_[original_.facts.size() + effect.number];
       found.insert(found.end(), more.begin(), more.end());
     }
-  std::erase(found, action);
+  std::erase(found, original);
   return found;
 }
 
 void LocalSearch::exchange(Sequence& list) {
-  const std::size_t at = random_.chance(0.5) ? static_cast<std::size_t>(critical_step()) : random_.below(list.size());
-  if (at >= list.size() || is_event(list[at])) return;
+  if (list.empty()) return;
+  const std::size_t at = std::min(list.size() - 1, random_.chance(0.5) ? static_cast<std::size_t>(critical_step()) : random_.below(list.size()));
+  if (is_event(list[at])) return;
+  const int original = split_.origins[list[at].action].action;
+  const auto [first, last] = split_.parts[original];
+  // The parts of this action nearest to the place.
+  std::size_t begin = at, end = at;
+  if (last >= 0 && list[at].action == last) {
+    while (begin > 0 && list[begin].action != first) --begin;
+    if (list[begin].action != first) return;
+  } else if (last >= 0) {
+    while (end + 1 < list.size() && list[end].action != last) ++end;
+    if (list[end].action != last) return;
+  }
   const double kind = random_.uniform();
-  if (kind < 0.15 && list.size() > 1) {
-    list.erase(list.begin() + static_cast<std::ptrdiff_t>(at));
+  if (kind < 0.15 && list.size() > 2) {
+    if (last >= 0) list.erase(list.begin() + static_cast<std::ptrdiff_t>(end));
+    list.erase(list.begin() + static_cast<std::ptrdiff_t>(begin));
     return;
   }
-  const std::vector<int> others = alternatives(list[at].action);
+  const std::vector<int> others = alternatives(original);
   if (others.empty()) return;
-  const SequenceStep other{others[random_.below(others.size())], 0};
-  if (kind < 0.7) list[at] = other;
-  else list.insert(list.begin() + static_cast<std::ptrdiff_t>(at), other);
+  const auto [other_first, other_last] = split_.parts[others[random_.below(others.size())]];
+  if (kind < 0.7 && (last >= 0) == (other_last >= 0)) {
+    list[begin] = {other_first, 0};
+    if (last >= 0) list[end] = {other_last, 0};
+  } else {
+    if (other_last >= 0) list.insert(list.begin() + static_cast<std::ptrdiff_t>(end), {other_last, 0});
+    list.insert(list.begin() + static_cast<std::ptrdiff_t>(begin), {other_first, 0});
+  }
 }
 
 }  // namespace cxlab::planner

@@ -3,13 +3,14 @@
 //
 // A plan is a list of actions. Decoding runs through the list again and again, always taking the first action that can
 // be applied, until the goal is reached, and schedules as it goes; what remains is dropped. So any order is a plan as
-// long as the goal is reached, and moving one action drags along those that wait for it.
+// long as the goal is reached, and moving one action drags along those that wait for it. Where actions are cut, the list
+// has their beginnings and ends, so that others can start or end in between.
 
 #include <functional>
 #include <vector>
 
 #include "cx/base/random.h"
-#include "planner/search/lazy_search.h"
+#include "planner/search/split.h"
 
 namespace cxlab::planner {
 
@@ -17,9 +18,10 @@ class LocalSearch {
  public:
   using OnBetter = std::function<void(const Sequence&, Micros makespan)>;
 
-  LocalSearch(const Simulator& simulator, const Touches& touches, std::uint64_t seed);
+  /// `simulator` is of the split task, `touches` of the original; the split may cut nothing.
+  LocalSearch(const SplitTask& split, const GroundTask& original, const Simulator& simulator, const Touches& touches, std::uint64_t seed);
 
-  /// Takes a plan to go on from. Its makespan.
+  /// Takes a plan to go on from, as a sequence of parts. Its makespan, or Timeline::kNever if it is none.
   Micros start(const Sequence& plan);
   /// Tries moves until the slice of the budget is over, or `most_idle` moves in a row gave no new best plan.
   void run(Budget& budget, std::int64_t most_idle, const OnBetter& on_better);
@@ -30,28 +32,44 @@ class LocalSearch {
  private:
   struct Plan {
     Sequence order;               ///< as executed
-    std::vector<Micros> starts;
+    std::vector<Micros> times;    ///< by step: of a beginning, of an end, of the start of a whole action
     std::vector<int> causes;      ///< by step: the step that it waits for
     Micros makespan = 0;
     double cost = 0;
   };
 
+  /// An action that has begun and not ended.
+  struct Running {
+    int action;      ///< of the original
+    int begin;       ///< step
+    Micros start, duration;
+  };
+
   bool decode(const Sequence& list, double most_cost, Plan& plan);
+  bool schedule(Plan& plan, double most_cost);
+  bool place(Plan& plan, std::size_t step);
+  bool keeps_running(const Word* state) const;
   void set_current(Plan plan);
   void make_move(Sequence& list);
   void pull(Sequence& list, int step, int to) const;
   void exchange(Sequence& list);
   int critical_step();
-  std::vector<int> alternatives(int action) const;
+  std::vector<int> alternatives(int original) const;
 
+  const SplitTask& split_;
+  const GroundTask& original_;
   const Simulator& simulator_;
+  Simulator whole_;                 ///< of the original
   const Touches& touches_;
   RandomStream random_;
   Timeline timeline_;
   Plan current_, best_;
   std::vector<Word> states_;        ///< before each step of the current plan
   std::vector<int> critical_;       ///< steps that determine the makespan, the last one first
-  std::vector<std::vector<int>> achievers_;  ///< by fact, then number: actions that add it or change it
+  std::vector<std::vector<int>> achievers_;  ///< by fact, then number: original actions that add it or change it
+  std::vector<Running> running_;
+  std::vector<std::pair<Micros, int>> releases_;  ///< by step: a beginning that must wait for its end, and the cause
+  bool shifted_ = false;            ///< a release has grown since the schedule began
   std::vector<double> history_;     ///< costs accepted some moves ago (late acceptance, Burke and Bykov 2017)
   std::int64_t moves_ = 0;
   PackedState scratch_, trial_;

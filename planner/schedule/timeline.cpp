@@ -175,6 +175,34 @@ Micros Timeline::append(int action, Micros duration) {
   return start;
 }
 
+Micros Timeline::append_start(int action, Micros release) { return append_happening(action, false, release); }
+
+Micros Timeline::append_end(int action, Micros earliest) {
+  const Micros time = append_happening(action, true, earliest);
+  makespan_ = std::max(makespan_, time);
+  return time;
+}
+
+Micros Timeline::append_happening(int action, bool at_end, Micros earliest) {
+  const std::span<const Touch> touches = touches_.of(action);
+  Micros time = earliest;
+  cause_ = -1;
+  for (const Touch& touched : touches) {
+    const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
+    if (!does) continue;
+    const Latest latest = after(keys_[touched.key], does);
+    if (latest.time + kSeparation > time) time = latest.time + kSeparation, cause_ = latest.by;
+  }
+  for (const Touch& touched : touches) {
+    const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
+    if (does && next_event_ < static_cast<int>(touches_.events().size()) && !before_events(touched.key, does, time)) return kNever;
+  }
+  for (const Touch& touched : touches)
+    if (const std::uint8_t does = at_end ? touched.at_end : touched.at_start) note(keys_[touched.key], does, time);
+  ++appended_;
+  return time;
+}
+
 bool Timeline::append_event() {
   const Micros time = touches_.events()[next_event_].time;
   for (const Touch& touched : touches_.of_event(next_event_))

@@ -75,6 +75,10 @@ class Timeline {
   void clear();
   /// Appends an action; its start, or kNever if an event that has not been appended forbids it.
   Micros append(int action, Micros duration);
+  /// Appends the start of an action, not before `release`; its time or kNever.
+  Micros append_start(int action, Micros release);
+  /// Appends the end of an action, not before `earliest`; its time or kNever.
+  Micros append_end(int action, Micros earliest);
   /// The earlier append (0, 1, ...) that kept the last one from starting sooner; -1: none did.
   int cause() const { return cause_; }
   /// Lets the next event happen after all that has been appended. False if that is too late.
@@ -94,6 +98,7 @@ class Timeline {
 
   static Latest after(const Last& last, std::uint8_t does);
   void note(Last& last, std::uint8_t does, Micros time) const;
+  Micros append_happening(int action, bool at_end, Micros earliest);
   bool before_events(int key, std::uint8_t does, Micros time) const;
 
   const Touches& touches_;

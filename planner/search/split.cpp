@@ -50,6 +50,8 @@ SplitTask split(const GroundTask& task, const std::vector<char>& cut) {
   out.task.actions.clear();
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
     const GroundAction& action = task.actions[a];
+    const int first = static_cast<int>(out.task.actions.size());
+    out.parts.emplace_back(first, cut[a] ? first + 1 : -1);
     if (!cut[a]) {
       out.task.actions.push_back(action);
       out.origins.push_back({static_cast<int>(a), SplitTask::Part::kWhole});
@@ -64,6 +66,7 @@ SplitTask split(const GroundTask& task, const std::vector<char>& cut) {
     GroundAction begin, end;
     begin.schema = end.schema = action.schema;
     begin.arguments = end.arguments = action.arguments;
+    begin.duration = action.duration;  // what the beginning allows; it takes no time itself
     begin.start = action.start;
     begin.start.facts.push_back(idle);
     for (const int f : action.over_all.facts)
@@ -94,15 +97,20 @@ SplitTask split(const GroundTask& task, const std::vector<char>& cut) {
 }
 
 SplitCheck::SplitCheck(const SplitTask& split, const GroundTask& original, const Touches& touches)
-    : split_(split), original_(original), simulator_(split.task), durations_(original), stn_(touches) {}
+    : split_(split), original_(original), simulator_(split.task), stn_(touches) {}
+
+DurationRange SplitCheck::range(const SequenceStep& step, const Word* state) const {
+  const SplitTask::Origin origin = split_.origins[step.action];
+  if (origin.part == SplitTask::Part::kBegin)
+    if (const std::optional<DurationRange> allowed = simulator_.durations(step.action, state)) return *allowed;
+  const Micros duration = original_.actions[origin.action].durative ? step.duration : 0;
+  return {duration, duration};
+}
 
 bool SplitCheck::accepts(const Sequence& path, const Word* state) {
-  // Conditions over all of what is running, in the state that the last step has made.
   stn_.clear();
   std::vector<std::pair<int, int>> open;  // action, step
   PackedState now = simulator_.initial();
-  const std::size_t original_words = static_cast<std::size_t>(original_.words());
-  PackedState reduced(original_words + original_.numbers.size());
   for (const SequenceStep& step : path) {
     if (is_event(step)) {
       stn_.event();
@@ -115,17 +123,7 @@ bool SplitCheck::accepts(const Sequence& path, const Word* state) {
       stn_.finish(known->second);
       open.erase(known);
     } else {
-      DurationRange range{step.duration, step.duration};
-      if (const GroundAction& action = original_.actions[origin.action]; action.durative && !action.duration.empty()) {
-        std::copy(now.begin(), now.begin() + static_cast<std::ptrdiff_t>(original_words), reduced.begin());
-        std::copy(now.end() - static_cast<std::ptrdiff_t>(original_.numbers.size()), now.end(), reduced.begin() + static_cast<std::ptrdiff_t>(original_words));
-        const std::optional<DurationRange> allowed = durations_.durations(origin.action, reduced.data());
-        if (!allowed) return false;
-        range = origin.part == SplitTask::Part::kWhole ? DurationRange{step.duration, step.duration} : *allowed;
-      } else if (action.durative) {
-        range = {kSeparation, DurationRange::kForever};
-      }
-      const int index = stn_.begin(origin.action, range);
+      const int index = stn_.begin(origin.action, range(step, now.data()));
       if (origin.part == SplitTask::Part::kWhole) stn_.finish(index);
       else open.emplace_back(origin.action, index);
     }
@@ -140,8 +138,6 @@ Concurrent SplitCheck::translate(const Sequence& path) const {
   Concurrent plan;
   std::vector<std::pair<int, int>> open;
   PackedState now = simulator_.initial();
-  const std::size_t original_words = static_cast<std::size_t>(original_.words());
-  PackedState reduced(original_words + original_.numbers.size());
   for (const SequenceStep& step : path) {
     if (is_event(step)) {
       plan.order.push_back({Happening::Kind::kEvent, -2 - step.action});
@@ -154,14 +150,8 @@ Concurrent SplitCheck::translate(const Sequence& path) const {
       plan.order.push_back({Happening::Kind::kEnd, known->second});
       open.erase(known);
     } else {
-      DurationRange range{step.duration, step.duration};
-      if (origin.part == SplitTask::Part::kBegin) {
-        std::copy(now.begin(), now.begin() + static_cast<std::ptrdiff_t>(original_words), reduced.begin());
-        std::copy(now.end() - static_cast<std::ptrdiff_t>(original_.numbers.size()), now.end(), reduced.begin() + static_cast<std::ptrdiff_t>(original_words));
-        if (const std::optional<DurationRange> allowed = durations_.durations(origin.action, reduced.data())) range = *allowed;
-      }
       const int index = static_cast<int>(plan.steps.size());
-      plan.steps.push_back({origin.action, range});
+      plan.steps.push_back({origin.action, range(step, now.data())});
       plan.order.push_back({Happening::Kind::kBegin, index});
       if (origin.part == SplitTask::Part::kWhole) plan.order.push_back({Happening::Kind::kEnd, index});
       else open.emplace_back(origin.action, index);
@@ -171,6 +161,20 @@ Concurrent SplitCheck::translate(const Sequence& path) const {
   return plan;
 }
 
+Sequence to_parts(const SplitTask& split, const Sequence& whole) {
+  Sequence parts;
+  for (const SequenceStep& step : whole) {
+    if (is_event(step)) {
+      parts.push_back(step);
+      continue;
+    }
+    const auto [first, last] = split.parts[step.action];
+    parts.push_back({first, last < 0 ? step.duration : 0});
+    if (last >= 0) parts.push_back({last, 0});
+  }
+  return parts;
+}
+
 void fill(Stn& stn, const Concurrent& plan) {
   stn.clear();
   for (const Happening& happening : plan.order) {
@@ -178,22 +182,6 @@ void fill(Stn& stn, const Concurrent& plan) {
     else if (happening.kind == Happening::Kind::kEnd) stn.finish(happening.step);
     else stn.begin(plan.steps[happening.step].action, plan.steps[happening.step].range);
   }
-}
-
-Concurrent from_sequence(const GroundTask& task, const Sequence& sequence) {
-  Concurrent plan;
-  for (const SequenceStep& step : sequence) {
-    if (is_event(step)) {
-      plan.order.push_back({Happening::Kind::kEvent, -2 - step.action});
-      continue;
-    }
-    const int index = static_cast<int>(plan.steps.size());
-    const Micros duration = task.actions[step.action].durative ? step.duration : 0;
-    plan.steps.push_back({step.action, {duration, duration}});
-    plan.order.push_back({Happening::Kind::kBegin, index});
-    plan.order.push_back({Happening::Kind::kEnd, index});
-  }
-  return plan;
 }
 
 }  // namespace cxlab::planner

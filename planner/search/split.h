@@ -25,8 +25,9 @@ struct SplitTask {
     int action;
     Part part;
   };
-  GroundTask task;              ///< facts of the original first, with the same numbers
-  std::vector<Origin> origins;  ///< by action of `task`
+  GroundTask task;                          ///< facts of the original first, with the same numbers
+  std::vector<Origin> origins;              ///< by action of `task`
+  std::vector<std::pair<int, int>> parts;   ///< by action of the original: its beginning or the whole, and its end or -1
 };
 
 /// Cuts the actions that are marked.
@@ -57,16 +58,18 @@ class SplitCheck : public PathCheck {
   Concurrent translate(const Sequence& path) const;
 
  private:
+  DurationRange range(const SequenceStep& step, const Word* state) const;
+
   const SplitTask& split_;
   const GroundTask& original_;
-  Simulator simulator_;   ///< of the split task
-  Simulator durations_;   ///< of the original
+  Simulator simulator_;  ///< of the split task
   Stn stn_;
 };
 
+/// The sequence of parts of a sequence of whole actions.
+Sequence to_parts(const SplitTask& split, const Sequence& whole);
+
 /// The temporal network of a plan; `solve` has not been called.
 void fill(Stn& stn, const Concurrent& plan);
-/// A sequence of whole actions as a plan with happenings.
-Concurrent from_sequence(const GroundTask& task, const Sequence& sequence);
 
 }  // namespace cxlab::planner

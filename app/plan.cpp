@@ -1,0 +1,144 @@
+// cxlab plan: a plan for a PDDL problem.
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "app/command.h"
+#include "app/plan_picture.h"
+#include "planner/pddl/parser.h"
+#include "planner/planner.h"
+
+namespace cxlab::app {
+
+namespace {
+
+using nlohmann::ordered_json;
+using planner::PlanStatus;
+
+constexpr int kNoSuchInput = 31, kUnsupported = 34, kUnsolvable = 10, kEnded = 12, kMemory = 22, kOutOfBudget = 23;
+
+struct PlanCommand {
+  std::string domain, problem, out, svg;
+  std::optional<double> timeout_s;
+  std::int64_t budget = planner::PlanOptions{}.budget;
+  bool anytime = false, json = false;
+};
+
+int exit_code(PlanStatus status) {
+  switch (status) {
+    case PlanStatus::kPlan: return 0;
+    case PlanStatus::kUnsolvable: return kUnsolvable;
+    case PlanStatus::kEnded: return kEnded;
+    case PlanStatus::kMemory: return kMemory;
+    case PlanStatus::kBudget: return kOutOfBudget;
+  }
+  return kEnded;
+}
+
+const char* word(PlanStatus status) {
+  switch (status) {
+    case PlanStatus::kPlan: return "plan";
+    case PlanStatus::kUnsolvable: return "unsolvable";
+    case PlanStatus::kEnded: return "ended";
+    case PlanStatus::kMemory: return "memory";
+    case PlanStatus::kBudget: return "budget";
+  }
+  return "ended";
+}
+
+ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& task) {
+  ordered_json out;
+  out["status"] = word(answer.status);
+  out["reason"] = answer.reason;
+  out["units"] = answer.units;
+  if (!answer.plan) return out;
+  out["makespan_s"] = answer.plan->makespan_s;
+  out["lower_bound_s"] = answer.lower_bound_s;
+  if (answer.plan->metric) out["metric"] = *answer.plan->metric;
+  out["first_plan_wall_s"] = answer.first_plan_s;
+  for (std::size_t i = 0; i < answer.plan->steps.size(); ++i) {
+    const planner::PlanStep& step = answer.plan->steps[i];
+    ordered_json arguments = ordered_json::array();
+    for (const planner::ObjectId object : step.arguments) arguments.push_back(task.problem.objects[static_cast<std::size_t>(object)].name);
+    const double latest = static_cast<double>(answer.plan->latest[2 * i]) / planner::kMicrosPerSecond;
+    out["steps"].push_back({{"start", step.start},
+                            {"duration", step.duration},
+                            {"latest_start", latest},
+                            {"action", task.domain.actions[static_cast<std::size_t>(step.action)].name},
+                            {"arguments", std::move(arguments)}});
+  }
+  const auto point = [](int p) { return p < 0 ? ordered_json("origin") : ordered_json({{"step", p / 2}, {"at", p % 2 ? "end" : "start"}}); };
+  for (const planner::Ordering& ordering : answer.plan->orderings) {
+    ordered_json edge = {{"from", point(ordering.from)}, {"to", point(ordering.to)}, {"least_s", static_cast<double>(ordering.least) / planner::kMicrosPerSecond}};
+    if (ordering.most < planner::DurationRange::kForever) edge["most_s"] = static_cast<double>(ordering.most) / planner::kMicrosPerSecond;
+    out["orderings"].push_back(std::move(edge));
+  }
+  return out;
+}
+
+int write(const std::string& file, const std::string& text) {
+  std::ofstream out(file);
+  out << text;
+  out.flush();
+  if (out) return 0;
+  std::fprintf(stderr, "error: %s: cannot be written\n", file.c_str());
+  return static_cast<int>(ErrorKind::kResource);
+}
+
+int run(const PlanCommand& command) {
+  const Expected<planner::Task> task = planner::load_task(command.domain, command.problem);
+  if (!task) {
+    std::fprintf(stderr, "error: %s\n", task.error().text().c_str());
+    return task.error().code == planner::kUnsupported ? kUnsupported : kNoSuchInput;
+  }
+  planner::PlanOptions options;
+  options.budget = command.budget;
+  options.timeout_s = command.timeout_s;
+  options.anytime = command.anytime;
+  options.on_plan = [](const planner::TimedPlan& plan, std::int64_t units) {
+    std::fprintf(stderr, "plan: %zu steps, makespan %.3f s, after %lld units\n", plan.steps.size(), plan.makespan_s, static_cast<long long>(units));
+  };
+  const Expected<planner::PlanAnswer> answer = planner::find_plan(*task, options);
+  if (!answer) {
+    std::fprintf(stderr, "error: %s\n", answer.error().text().c_str());
+    return answer.error().code == "memory" ? kMemory : answer.error().code == planner::kUnsupported ? kUnsupported : fail(answer.error());
+  }
+  std::fprintf(stderr, "%s: %s; %lld units\n", word(answer->status), answer->reason.c_str(), static_cast<long long>(answer->units));
+  int code = exit_code(answer->status);
+  if (answer->plan) {
+    std::fprintf(stderr, "makespan %.3f s, no plan under %.3f s: at most %.1f %% from the shortest\n", answer->plan->makespan_s, answer->lower_bound_s,
+                 100 * answer->gap());
+    const std::string text = planner::to_text(answer->plan->steps, task->domain, task->problem);
+    if (!command.out.empty()) code = std::max(code, write(command.out, text));
+    else if (!command.json) std::fputs(text.c_str(), stdout);
+    if (!command.svg.empty()) code = std::max(code, write(command.svg, plan_picture(*answer->plan, *task)));
+  }
+  if (command.json) std::printf("%s\n", to_json(*answer, *task).dump(1).c_str());
+  return code;
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app, Action& action) {
+  auto options = std::make_shared<PlanCommand>();
+  CLI::App* plan = app.add_subcommand("plan", "Find a plan for a PDDL problem with time, numbers and events");
+  plan->add_option("domain", options->domain, "PDDL domain")->required();
+  plan->add_option("problem", options->problem, "PDDL problem")->required();
+  plan->add_option("--timeout", options->timeout_s, "wall time in seconds")->check(CLI::PositiveNumber);
+  plan->add_option("--budget", options->budget, "work units; one is about a microsecond. The same budget gives the same plan")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  plan->add_flag("--anytime", options->anytime, "go on to shorter plans until time or budget end");
+  plan->add_option("--out", options->out, "write the plan to this file instead of standard output");
+  plan->add_option("--svg", options->svg, "draw the plan: bars, slack and partial order");
+  plan->add_flag("--json", options->json, "print plan, partial order and bound as JSON");
+  plan->footer(
+      "Exit codes: 0 a plan; 10 proved unsolvable; 12 ended without plan or proof; 22 memory; 23 time or budget ended; 31 bad\n"
+      "input; 34 unsupported PDDL; 2 usage; 5 output cannot be written.");
+  plan->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace cxlab::app

@@ -1,0 +1,70 @@
+#include "app/plan_picture.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace cxlab::app {
+
+namespace {
+
+constexpr int kRow = 20, kLeft = 360, kWidth = 1000, kTop = 30;
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", value);
+  return text;
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<') out += "&lt;";
+    else if (c == '>') out += "&gt;";
+    else if (c == '&') out += "&amp;";
+    else out += c;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string plan_picture(const planner::TimedPlan& plan, const planner::Task& task) {
+  const double scale = kWidth / std::max(plan.makespan_s, 1e-9);
+  const auto x = [&](double seconds) { return number(kLeft + seconds * scale); };
+  const auto y = [](std::size_t row) { return kTop + static_cast<int>(row) * kRow; };
+  const int height = y(plan.steps.size()) + 30;
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + std::to_string(kLeft + kWidth + 40) + "\" height=\"" + std::to_string(height) +
+                    "\" font-family=\"sans-serif\" font-size=\"11\">\n"
+                    "<defs><marker id=\"tip\" markerWidth=\"6\" markerHeight=\"6\" refX=\"5\" refY=\"3\" orient=\"auto\">"
+                    "<path d=\"M0,0 L6,3 L0,6 z\" fill=\"#999\"/></marker></defs>\n"
+                    "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+  for (int tick = 0; tick <= 10; ++tick) {
+    const double seconds = plan.makespan_s * tick / 10;
+    svg += "<line x1=\"" + x(seconds) + "\" y1=\"" + std::to_string(kTop - 8) + "\" x2=\"" + x(seconds) + "\" y2=\"" + std::to_string(height - 20) +
+           "\" stroke=\"#eee\"/><text x=\"" + x(seconds) + "\" y=\"16\" text-anchor=\"middle\">" + number(seconds) + " s</text>\n";
+  }
+  static const char* const kColours[] = {"#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#76b7b2", "#edc948", "#b07aa1", "#9c755f"};
+  for (std::size_t i = 0; i < plan.steps.size(); ++i) {
+    const planner::PlanStep& step = plan.steps[i];
+    const double latest = static_cast<double>(plan.latest[2 * i + 1]) / planner::kMicrosPerSecond;
+    svg += "<text x=\"" + std::to_string(kLeft - 8) + "\" y=\"" + std::to_string(y(i) + 13) + "\" text-anchor=\"end\">" +
+           escaped(planner::step_text(step, task.domain, task.problem)) + "</text>";
+    svg += "<line x1=\"" + x(step.start) + "\" y1=\"" + std::to_string(y(i) + 8) + "\" x2=\"" + x(latest) + "\" y2=\"" + std::to_string(y(i) + 8) +
+           "\" stroke=\"#bbb\" stroke-width=\"3\"/>";
+    svg += "<rect x=\"" + x(step.start) + "\" y=\"" + std::to_string(y(i) + 2) + "\" width=\"" + number(std::max(1.0, step.duration * scale)) +
+           "\" height=\"13\" fill=\"" + kColours[static_cast<std::size_t>(step.action) % std::size(kColours)] + "\"><title>" + number(step.start) + " to " +
+           number(step.start + step.duration) + " s, at the latest " + number(latest) + " s</title></rect>\n";
+  }
+  for (const planner::Ordering& ordering : plan.orderings) {
+    if (ordering.from < 0 || ordering.from / 2 == ordering.to / 2) continue;
+    const auto point = [&](int p) {
+      const planner::PlanStep& step = plan.steps[static_cast<std::size_t>(p / 2)];
+      return x(step.start + (p % 2 ? step.duration : 0));
+    };
+    svg += "<line x1=\"" + point(ordering.from) + "\" y1=\"" + std::to_string(y(static_cast<std::size_t>(ordering.from / 2)) + 8) + "\" x2=\"" + point(ordering.to) +
+           "\" y2=\"" + std::to_string(y(static_cast<std::size_t>(ordering.to / 2)) + 8) + "\" stroke=\"#999\" stroke-width=\"0.7\" marker-end=\"url(#tip)\"/>\n";
+  }
+  return svg + "</svg>\n";
+}
+
+}  // namespace cxlab::app
