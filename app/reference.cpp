@@ -140,7 +140,8 @@ Expected<std::vector<PluginReference>> read_reference(const std::vector<std::str
 std::string reference_page(const std::vector<PluginReference>& reference) {
   std::string out =
       "# Reference\n\nAll that rules find in an environment, beside CLIPS itself, by the plugin that brings it. This page is made from the\n"
-      "code: `cxlab doc --markdown > docs/reference.md`. *Pure* functions may stand on a left-hand side, *acting* ones may not.\n";
+      "code: `cxlab doc --markdown > docs/reference.md`. *Pure* functions may stand on a left-hand side, *acting* ones may not.\n"
+      "Classes that are made from their names (`cx::CX<Pkg><Name>Plugin`) are told one at a time: `cxlab doc cx::CXStdMsgsStringPlugin`.\n";
   for (const PluginReference& plugin : reference) {
     out += "\n## " + plugin.plugin + "\n";
     if (!plugin.parameters.empty()) {

@@ -35,6 +35,13 @@ class Doc(unittest.TestCase):
             self.assertIn("(now) -> FLOAT, pure", done.stdout)
             self.assertIn("(defrule time-retract", done.stdout)
 
+    def test_a_class_that_is_made_from_its_name(self):
+        done = doc("cx::CXStdMsgsStringPlugin")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("(std-msgs-string-create-message) -> EXTERNAL-ADDRESS", done.stdout)
+        self.assertIn("(deftemplate std-msgs-string-message", done.stdout)
+        self.assertIn("did you mean 'cx::CXStdMsgsStringPlugin'?", doc("cx::CXStdMsgsStrngPlugin").stderr)
+
     def test_unknown_name(self):
         done = doc("confvl")
         self.assertEqual((done.returncode, done.stdout), (3, ""))
