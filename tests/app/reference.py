@@ -1,8 +1,10 @@
 """cxlab doc, and the pages that are made from the code. python3 -m unittest reference"""
 
 import json
+import pathlib
 import re
 import subprocess
+import tempfile
 import unittest
 
 from lab import CXLAB, SOURCE
@@ -67,6 +69,21 @@ class Doc(unittest.TestCase):
             self.assertIn(plugin["plugin"], page.splitlines()[0])
             self.assertIn(f"docs/examples/{name}/example.yaml", page)
             self.assertTrue((SOURCE / f"docs/examples/{name}/example.yaml").is_file(), name)
+
+
+class Examples(unittest.TestCase):
+    def test_each_ends_without_a_complaint_and_replays(self):
+        examples = sorted((SOURCE / "docs/examples").glob("*/example.yaml"))
+        self.assertTrue(examples)
+        for example in examples:
+            with self.subTest(example.parent.name), tempfile.TemporaryDirectory() as folder:
+                run = pathlib.Path(folder) / "run"
+                call = lambda *arguments: subprocess.run([CXLAB, *arguments], text=True, timeout=60, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                done = call("env", example, "--package", f"example={example.parent}", "--strict-cx", "--until", "5", "--out", run)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual([line for line in done.stderr.splitlines() if "[warn]" in line or "[error]" in line], [])
+                replay = call("replay", run, "--rules")
+                self.assertEqual(replay.returncode, 0, replay.stdout + replay.stderr)
 
 
 if __name__ == "__main__":
