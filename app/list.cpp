@@ -9,6 +9,7 @@
 #include "app/reference.h"
 #include "cx/bus/bus.h"
 #include "scenarios/share.h"
+#include "sim/faults/fault.h"
 
 namespace cxlab::app {
 
@@ -65,17 +66,26 @@ int list_reference(bool functions) {
   return 0;
 }
 
+int list_faults() {
+  for (const sim::FaultWord& word : sim::fault_words()) {
+    const std::string when = word.by_occasion ? "at | probability, from, until, times" : "at | mean_s, from, until, times";
+    std::printf("%-15s %s\n%-15s %s; %s\n", std::string(word.name).c_str(), std::string(word.what).c_str(), "", std::string(word.arguments).c_str(), when.c_str());
+  }
+  return 0;
+}
+
 }  // namespace
 
 void add_list(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("list", "Lists what there is: scenarios, skills, functions that rules can call, templates of the plugins");
+  CLI::App* command = app.add_subcommand("list", "Lists what there is: scenarios, skills, functions that rules can call, templates of the plugins, faults of a scenario");
   auto what = std::make_shared<std::string>();
-  command->add_option("what", *what, "scenarios, skills, functions or templates")
+  command->add_option("what", *what, "scenarios, skills, functions, templates or faults")
       ->required()
-      ->check(CLI::IsMember({"scenarios", "skills", "functions", "templates"}));
+      ->check(CLI::IsMember({"scenarios", "skills", "functions", "templates", "faults"}));
   command->callback([what, &action] {
     action = [what] {
       if (*what == "scenarios") return list_scenarios();
+      if (*what == "faults") return list_faults();
       return *what == "skills" ? list_skills() : list_reference(*what == "functions");
     };
   });

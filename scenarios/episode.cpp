@@ -90,11 +90,15 @@ Status Episode::build_bus() {
   if (options_.replay) return build_replay();
   if (Status s = registry_.add_packages_in(options_.interfaces); !s) return s;
   std::map<std::string, std::string> packages = scenario_.packages;
-  for (const AgentSpec& agent : scenario_.agents) packages.insert(agent.packages.begin(), agent.packages.end());
+  std::map<std::string, int> lines = scenario_.package_lines;
+  for (const AgentSpec& agent : scenario_.agents) {
+    packages.insert(agent.packages.begin(), agent.packages.end());
+    lines.insert(agent.package_lines.begin(), agent.package_lines.end());
+  }
   for (const auto& [name, folder] : packages) {
     const std::filesystem::path path = scenario_.resolve(folder);
     if (!std::filesystem::is_directory(path))
-      return input_error("package " + name + ": there is no folder " + path.string(), scenario_.file.string());
+      return input_error("package " + name + ": there is no folder " + path.string(), scenario_.file.string(), lines[name]);
     if (!has_interfaces(path)) continue;
     if (Status s = registry_.add_package(name, path); !s) return s;
   }

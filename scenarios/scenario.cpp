@@ -53,8 +53,12 @@ Stimulus read_stimulus(const yaml::Value& value) {
   return stimulus;
 }
 
-void read_names(yaml::Map map, std::map<std::string, std::string>& out) {
-  for (const auto& [key, value] : map.entries()) out[key] = value.as_string();
+void read_packages(yaml::Map map, std::map<std::string, std::string>& out, std::map<std::string, int>& lines) {
+  for (const auto& [name, folder] : map.entries()) {
+    out[name] = folder.as_string();
+    lines[name] = folder.line();
+    if (out[name].empty()) folder.fail("expected a folder");
+  }
 }
 
 AgentSpec read_agent(const yaml::Value& value) {
@@ -64,7 +68,7 @@ AgentSpec read_agent(const yaml::Value& value) {
   map.read("namespace", agent.name_space);
   if (const yaml::Value remap = map.get("remap"))
     for (const auto& [from, to] : remap.as_map().entries()) agent.remaps.emplace_back(from, to.as_string());
-  if (const yaml::Value packages = map.get("packages")) read_names(packages.as_map(), agent.packages);
+  if (const yaml::Value packages = map.get("packages")) read_packages(packages.as_map(), agent.packages, agent.package_lines);
   if (const yaml::Value params = map.get("params"))
     for (const auto& [name, param] : params.as_map().entries()) agent.params.emplace_back(name, param.dump());
   map.read("activate", agent.activate);
@@ -170,12 +174,17 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
   if (const yaml::Value timed = map.get("timed")) read_timed(timed, scenario.timed);
   map.read("seed", scenario.seed).read("epoch", scenario.epoch);
   map.read_seconds("duration_s", scenario.duration).read_seconds("tick_s", scenario.tick).read_seconds("physics_step_s", scenario.physics_step);
-  if (const yaml::Value packages = map.get("packages")) read_names(packages.as_map(), scenario.packages);
+  if (const yaml::Value packages = map.get("packages")) read_packages(packages.as_map(), scenario.packages, scenario.package_lines);
   if (const yaml::Value agents = map.get("agents"))
     for (const yaml::Value& agent : agents.as_list()) scenario.agents.push_back(read_agent(agent));
   if (const yaml::Value servers = map.get("servers"))
     for (const yaml::Value& server : servers.as_list()) scenario.servers.push_back(read_server(server));
   if (const yaml::Value stimuli = map.get("stimuli")) scenario.stimuli = read_stimuli(stimuli);
+  if (const yaml::Value faults = map.get("faults")) {
+    scenario.faults = read_faults(faults);
+    if (scenario.world_kind != WorldKind::kRcll) faults.fail("this world has neither robots nor machines: expected world.kind rcll");
+  }
+  if (const yaml::Value planner = map.get("planner")) planner.fail("there is no planner in this version: leave the key out");
   std::string on_rule_error = "stop";
   map.read_word("on_rule_error", on_rule_error, {"stop", "continue"});
   scenario.stop_on_rule_error = on_rule_error == "stop";

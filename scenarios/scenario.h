@@ -15,6 +15,7 @@
 #include "cx/yaml/yaml.h"
 #include "scenarios/rcll/read_config.h"
 #include "scenarios/turtlesim/config.h"
+#include "sim/faults/fault.h"
 #include "sim/skills/timed_skills.h"
 
 namespace cxlab {
@@ -27,6 +28,7 @@ struct AgentSpec {
   std::string name_space = "/";
   std::vector<std::pair<std::string, std::string>> remaps;   ///< FROM := TO
   std::map<std::string, std::string> packages;               ///< package -> folder, relative to the scenario file
+  std::map<std::string, int> package_lines;                  ///< where they stand, for errors
   std::vector<std::pair<std::string, std::string>> params;   ///< NODE.NAME -> value
   bool activate = true;    ///< configured and activated at the start; else only with its parameter `autostart_node`
 };
@@ -77,8 +79,10 @@ struct Scenario {
   SimTime tick = from_seconds(0.02);
   SimTime physics_step = from_seconds(0.01);
   std::map<std::string, std::string> packages;  ///< interface and share folders, for all agents
+  std::map<std::string, int> package_lines;     ///< where they stand, for errors
   std::vector<AgentSpec> agents;
   std::vector<Stimulus> stimuli;
+  std::vector<sim::Fault> faults;      ///< what goes wrong with robots and machines
   bool stop_on_rule_error = true;      ///< on_rule_error: stop | continue
   std::int64_t max_firings_per_tick = 100000;  ///< 0 = no limit
   bool trust_rules = false;
@@ -96,5 +100,7 @@ struct Scenario {
 
 /// A list of stimuli, from a scenario or from a file of its own.
 std::vector<Stimulus> read_stimuli(const yaml::Value& list);
+/// The list below `faults:`.
+std::vector<sim::Fault> read_faults(const yaml::Value& list);
 
 }  // namespace cxlab

@@ -210,6 +210,8 @@ const T* get(const RecordValue& map, std::string_view key) {
 
 }  // namespace
 
+bool operator==(const RecordValue& a, const RecordValue& b) { return a.value == b.value; }
+
 const RecordValue* RecordValue::find(std::string_view key) const {
   const auto* map = std::get_if<Map>(&value);
   if (!map) return nullptr;

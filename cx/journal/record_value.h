@@ -26,7 +26,7 @@ struct RecordValue {
   bool truth(std::string_view key, bool otherwise = false) const;
   std::string_view text(std::string_view key, std::string_view otherwise = {}) const;
 
-  friend bool operator==(const RecordValue&, const RecordValue&) = default;
+  friend bool operator==(const RecordValue& a, const RecordValue& b);
 };
 
 /// Reads the bytes of a `RecordData`. Never reads beyond them, whatever they hold.

@@ -95,8 +95,8 @@ std::vector<Pose> admissible_poses(std::string_view machine, bool shelf_faces_wa
 
 /// Rule 5, for one more machine at `c`.
 bool makes_three_in_a_row(const CellSet& machines, Cell c) {
-  for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}, {-1, 1}}) {
-    const auto at = [&](int n) { return machines.has({c.x + n * dx, c.y + n * dy}); };
+  for (const Cell& step : {Cell{1, 0}, Cell{0, 1}, Cell{1, 1}, Cell{-1, 1}}) {
+    const auto at = [&](int n) { return machines.has({c.x + n * step.x, c.y + n * step.y}); };
     if ((at(-2) && at(-1)) || (at(-1) && at(1)) || (at(1) && at(2))) return true;
   }
   return false;

@@ -70,11 +70,17 @@ Machine::Answer Machine::instruct(const Instruction& instruction, SimTime now, s
   return {};
 }
 
+bool Machine::fail(SimTime now, sim::World& world, const std::string& reason) {
+  if (state_ == MachineState::kBroken || context_.clock.phase(now) != Phase::kProduction) return false;
+  break_down(now, world, InstructError::kBroken, reason);
+  return true;
+}
+
 void Machine::step(SimTime now, sim::World& world) {
   last_step_ = now;
   if (context_.clock.phase(now) == Phase::kProduction) {
     observe(now, world);
-    const bool down = now >= down_.begin && now < down_.end;
+    const bool down = std::ranges::any_of(downs_, [&](const DownPeriod& period) { return now >= period.begin && now < period.end; });
     if (state_ == MachineState::kDown && !down) leave_down(now, world);
     if (state_ != MachineState::kDown && state_ != MachineState::kBroken && down) enter_down(now, world);
     if (state_ == MachineState::kBroken && in_phase(now) >= kBrokenTime) enter(MachineState::kIdle, now);
@@ -100,8 +106,10 @@ SimTime Machine::next_due() const {
     if (t > last_step_) due = std::min(due, t);
   };
   at(observe_due());
-  at(down_.begin);
-  at(down_.end);
+  for (const DownPeriod& period : downs_) {
+    at(period.begin);
+    at(period.end);
+  }
   at(context_.clock.production_begin);
   at(context_.clock.production_end);
   if (state_ == MachineState::kBroken) at(phase_start_ + kBrokenTime);

@@ -98,7 +98,9 @@ class Machine {
   Machine(sim::StationId id, Team team, MachineContext& context, const sim::FloorPlan& plan);
   virtual ~Machine() = default;
 
-  void set_down(DownPeriod down) { down_ = down; }
+  void add_down(DownPeriod down) { downs_.push_back(down); }
+  /// Breaks for a reason of its own. False, and nothing happens, when it is BROKEN already or the game is not in production.
+  bool fail(SimTime now, sim::World& world, const std::string& reason);
 
   /// Accepts an instruction (error kNone: see `job`; RESET is done at once), or says why not. A refusal may leave the
   /// machine BROKEN.
@@ -162,7 +164,7 @@ class Machine {
   Team team_;
   MachineState state_ = MachineState::kIdle, before_down_ = MachineState::kIdle;
   SimTime phase_start_{}, last_step_{}, down_since_{};
-  DownPeriod down_;
+  std::vector<DownPeriod> downs_;
   Job job_;
   Instruction instruction_;
   struct { double speed = 0, stop_x = 0; bool wanted = false; } belt_;

@@ -228,7 +228,7 @@ void draw_down_periods(RandomStream& random, const GameClock& clock, std::vector
     const std::int64_t begin = random.between(kEarliest, production - duration);
     const DownPeriod period{clock.at(static_cast<double>(begin)), clock.at(static_cast<double>(begin + duration))};
     for (auto& machine : machines)
-      if (machine->name().substr(2) == name) machine->set_down(period);
+      if (machine->name().substr(2) == name) machine->add_down(period);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "scenarios/rcll/floor_plan.h"
 #include "scenarios/rcll/layout.h"
+#include "scenarios/rcll/machine_faults.h"
 #include "sim/ledger/ledger_world.h"
 
 namespace cxlab::rcll {
@@ -75,14 +76,14 @@ Status GameStage::build(const Scenario& scenario, const std::filesystem::path& m
     floor_ = physics_;
     files = physics_->model_files();
     worlds.push_back(*std::move(made));
-    auto fleet = sim::Fleet::create(*physics_, *physics_, zone_places(), bus, sink);
+    auto fleet = sim::Fleet::create(*physics_, *physics_, zone_places(), bus, sink, {scenario.faults, scenario.seed});
     if (!fleet) return fleet.error();
     fleet_ = fleet->get();
     servers.push_back(*std::move(fleet));
   } else {
     auto ledger = std::make_unique<sim::LedgerWorld>(*plan);
     floor_ = ledger.get();
-    auto fleet = sim::Fleet::create(*ledger, *ledger, scenario.timed, scenario.seed, zone_places(), bus, sink);
+    auto fleet = sim::Fleet::create(*ledger, *ledger, scenario.timed, scenario.seed, zone_places(), bus, sink, {scenario.faults, scenario.seed});
     if (!fleet) return fleet.error();
     fleet_ = fleet->get();
     worlds.push_back(std::move(ledger));
@@ -91,6 +92,9 @@ Status GameStage::build(const Scenario& scenario, const std::filesystem::path& m
   auto factory = Factory::make(scenario.rcll, scenario.seed, *floor_, bus, sink);
   if (!factory) return factory.error();
   factory_ = factory->get();
+  auto faults = MachineFaults::make(scenario.faults, scenario.seed, factory_->machines(), *floor_, sink);
+  if (!faults) return faults.error();
+  servers.push_back(*std::move(faults));
   servers.push_back(*std::move(factory));
   referee = std::make_unique<FactoryReferee>(*factory_);
   return {};

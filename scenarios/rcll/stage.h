@@ -39,7 +39,7 @@ class GameStage final : public Stage {
   Factory* factory_ = nullptr;
 };
 
-/// Everything of a game, from the scenario: servers in the order robots, factory.
+/// Everything of a game, from the scenario: servers in the order robots, faults of machines, factory.
 Expected<std::unique_ptr<Stage>> make_stage(const Scenario& scenario, const std::filesystem::path& models, bus::Bus& bus, RecordSink& sink);
 
 /// The floor of a scenario as it is at the start.

@@ -1,7 +1,10 @@
 #include "sim/skills/fleet.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
+
+#include "sim/skills/faulty_skills.h"
 
 namespace cxlab::sim {
 namespace {
@@ -20,29 +23,37 @@ Fleet::Fleet(const WorldView& world, Places places)
 }
 
 Expected<std::unique_ptr<Fleet>> Fleet::create(const WorldView& world, RobotBodies& bodies, Places places, bus::Bus& bus,
-                                               RecordSink& sink) {
+                                               RecordSink& sink, FleetFaults faults) {
   std::unique_ptr<Fleet> fleet(new Fleet(world, std::move(places)));
   for (std::size_t i = 0; i < world.plan().robots.size(); ++i)
     fleet->skills_.push_back(
         std::make_unique<PhysicsSkills>(static_cast<RobotId>(i), world, bodies, fleet->traffic_));
-  if (Status s = fleet->open(bus, sink); !s) return s.error();
+  if (Status s = fleet->open(bus, sink, faults); !s) return s.error();
   return fleet;
 }
 
 Expected<std::unique_ptr<Fleet>> Fleet::create(const WorldView& world, RobotBook& book, const TimedSkillsConfig& config,
-                                               std::uint64_t seed, Places places, bus::Bus& bus, RecordSink& sink) {
+                                               std::uint64_t seed, Places places, bus::Bus& bus, RecordSink& sink,
+                                               FleetFaults faults) {
   if (Status s = validate(config); !s) return s.error();
   std::unique_ptr<Fleet> fleet(new Fleet(world, std::move(places)));
-  fleet->durations_.emplace(seed, "durations");
-  fleet->faults_.emplace(seed, "faults");
   for (std::size_t i = 0; i < world.plan().robots.size(); ++i)
-    fleet->skills_.push_back(std::make_unique<TimedSkills>(static_cast<RobotId>(i), world, book, fleet->traffic_, config,
-                                                           *fleet->durations_, *fleet->faults_));
-  if (Status s = fleet->open(bus, sink); !s) return s.error();
+    fleet->skills_.push_back(std::make_unique<TimedSkills>(static_cast<RobotId>(i), world, book, fleet->traffic_, config, seed));
+  if (Status s = fleet->open(bus, sink, faults); !s) return s.error();
   return fleet;
 }
 
-Status Fleet::open(bus::Bus& bus, RecordSink& sink) {
+Status Fleet::open(bus::Bus& bus, RecordSink& sink, const FleetFaults& faults) {
+  std::vector<std::string> names;
+  for (const RobotStart& robot : world_.plan().robots) names.push_back(robot.name);
+  for (const Fault& fault : faults.faults)
+    if (!fault.robot.empty() && std::ranges::find(names, fault.robot) == names.end()) {
+      const std::string near = nearest_word(fault.robot, names);
+      return input_error("robot: no robot '" + fault.robot + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?"), fault.file, fault.line);
+    }
+  if (!faults.faults.empty())
+    for (std::size_t i = 0; i < skills_.size(); ++i)
+      skills_[i] = std::make_unique<FaultySkills>(std::move(skills_[i]), static_cast<RobotId>(i), world_, faults.faults, faults.seed, sink);
   for (std::size_t i = 0; i < skills_.size(); ++i) {
     auto server = SkillServer::create(static_cast<RobotId>(i), world_.plan(), places_, *skills_[i], bus, sink);
     if (!server) return server.error();

@@ -2,10 +2,10 @@
 // All robots of a floor with their skill servers and the traffic between them: one server of an episode.
 
 #include <memory>
-#include <optional>
+#include <span>
 #include <vector>
 
-#include "cx/base/random.h"
+#include "sim/faults/fault.h"
 #include "sim/server.h"
 #include "sim/skills/physics_skills.h"
 #include "sim/skills/skill_server.h"
@@ -14,6 +14,12 @@
 
 namespace cxlab::sim {
 
+/// What shall go wrong with robots and their skills, and the seed of its chance. Read when the fleet is made.
+struct FleetFaults {
+  std::span<const Fault> faults;
+  std::uint64_t seed = 0;
+};
+
 class Fleet final : public Server {
  public:
   using Places = SkillServer::Places;
@@ -21,10 +27,11 @@ class Fleet final : public Server {
   /// Physics tier. World, bodies, bus and sink outlive it. `places`: names that drive_to takes beside spots; a robot goes
   /// to the free standing place nearest to that pose, at most 0.75 m from it. Fails when the bus lacks cxlab_skills.
   static Expected<std::unique_ptr<Fleet>> create(const WorldView& world, RobotBodies& bodies, Places places, bus::Bus& bus,
-                                                 RecordSink& sink);
-  /// Timed tier; draws from the streams "durations" and "faults" of `seed`.
+                                                 RecordSink& sink, FleetFaults faults = {});
+  /// Timed tier; draws from the streams "durations/<robot>" and "failures/<robot>" of `seed`.
   static Expected<std::unique_ptr<Fleet>> create(const WorldView& world, RobotBook& book, const TimedSkillsConfig& config,
-                                                 std::uint64_t seed, Places places, bus::Bus& bus, RecordSink& sink);
+                                                 std::uint64_t seed, Places places, bus::Bus& bus, RecordSink& sink,
+                                                 FleetFaults faults = {});
 
   Status sense(SimTime now) override;
   Status act(SimTime now) override;
@@ -34,12 +41,11 @@ class Fleet final : public Server {
 
  private:
   Fleet(const WorldView& world, Places places);
-  Status open(bus::Bus& bus, RecordSink& sink);
+  Status open(bus::Bus& bus, RecordSink& sink, const FleetFaults& faults);
 
   const WorldView& world_;
   Traffic traffic_;
   Places places_;
-  std::optional<RandomStream> durations_, faults_;
   std::vector<std::unique_ptr<RobotSkills>> skills_;
   std::vector<std::unique_ptr<SkillServer>> servers_;
 };

@@ -313,6 +313,8 @@ void PhysicsSkills::move_fingers(double opening) {
   bodies_.command_fingers(robot_, opening);
 }
 
+void PhysicsSkills::drop(SimTime) { move_fingers(kOpen); }
+
 void PhysicsSkills::act(SimTime now) {
   const bool at_work = active_ && traffic_.working(robot_);
   if (!at_work) {

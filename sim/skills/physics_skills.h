@@ -19,6 +19,7 @@ class PhysicsSkills final : public RobotSkills {
   void cancel(SimTime now) override;
   std::optional<SkillResult> sense(SimTime now) override;
   void act(SimTime now) override;
+  void drop(SimTime now) override;
   SkillPhase phase() const override { return phase_; }
   double remaining(SimTime now) const override { return traffic_.remaining(robot_, now); }
   SimTime next_due() const override { return now_; }  // a stepped world is looked at each tick

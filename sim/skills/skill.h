@@ -77,6 +77,8 @@ class RobotSkills {
   virtual std::optional<SkillResult> sense(SimTime now) = 0;
   /// Commands motors, or writes the book; also between skills, when the robot makes room for others.
   virtual void act(SimTime now) = 0;
+  /// Lets go of what the robot holds, wherever it is: a fault, not a skill.
+  virtual void drop(SimTime now) = 0;
   virtual SkillPhase phase() const = 0;
   /// Metres still to drive.
   virtual double remaining(SimTime now) const = 0;

@@ -8,8 +8,7 @@ namespace cxlab::sim {
 
 SkillServer::SkillServer(RobotId robot, const FloorPlan& plan, const Places& places, RobotSkills& skills, bus::Bus& bus,
                          RecordSink& sink)
-    : robot_(robot),
-      name_(plan.robots[static_cast<std::size_t>(robot)].name),
+    : name_(plan.robots[static_cast<std::size_t>(robot)].name),
       plan_(plan),
       places_(places),
       skills_(skills),
@@ -93,7 +92,7 @@ void SkillServer::take_goal(const Action& action, const bus::Delivery& delivery)
   ++stats_.skills;
   record(action, message.text("target"), "start");
   sink_.write(stream_, now_, RecordKind::kSkill, data_, {&delivery.cause, 1});
-  active_.emplace();
+  active_ = Active{};
   active_->action = &action;
   active_->goal = delivery.goal;
   active_->since = active_->phase_since = now_;

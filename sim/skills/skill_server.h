@@ -75,7 +75,6 @@ class SkillServer {
   void count_phase(SimTime now);
   void record(const Action& action, const std::string& target, std::string_view event);
 
-  RobotId robot_;
   std::string name_;
   const FloorPlan& plan_;
   const Places& places_;

@@ -27,8 +27,10 @@ Status validate(const TimedSkillsConfig& config) {
 }
 
 TimedSkills::TimedSkills(RobotId robot, const WorldView& world, RobotBook& book, Traffic& traffic,
-                         const TimedSkillsConfig& config, RandomStream& durations, RandomStream& faults)
-    : robot_(robot), world_(world), book_(book), traffic_(traffic), config_(config), durations_(durations), faults_(faults) {}
+                         const TimedSkillsConfig& config, std::uint64_t seed)
+    : robot_(robot), world_(world), book_(book), traffic_(traffic), config_(config),
+      durations_(seed, "durations/" + world.plan().robots[static_cast<std::size_t>(robot)].name),
+      failures_(seed, "failures/" + world.plan().robots[static_cast<std::size_t>(robot)].name) {}
 
 void TimedSkills::start(const SkillGoal& goal, SimTime now) {
   goal_ = goal;
@@ -79,7 +81,7 @@ std::optional<SkillCode> TimedSkills::obstacle() const {
 SkillCode TimedSkills::handle() {
   if (const auto code = obstacle()) return *code;
   const bool picks = goal_.kind == SkillKind::kPick;
-  if (faults_.chance(picks ? config_.pick_failure : config_.place_failure))
+  if (failures_.chance(picks ? config_.pick_failure : config_.place_failure))
     return picks ? SkillCode::kGraspFailed : SkillCode::kSensorDisagreement;
   const Status done = picks ? book_.grasp(robot_, *goal_.spot) : book_.release(robot_, *goal_.spot);
   return done ? SkillCode::kNone : SkillCode::kInternal;
@@ -107,7 +109,7 @@ std::optional<SkillResult> TimedSkills::sense(SimTime now) {
   }
   if (traffic_.arrived(robot_)) {
     if (goal_.kind == SkillKind::kDriveTo)
-      return end(faults_.chance(config_.drive_failure) ? SkillCode::kUnableToMove : SkillCode::kNone, now);
+      return end(failures_.chance(config_.drive_failure) ? SkillCode::kUnableToMove : SkillCode::kNone, now);
     if (const auto code = obstacle()) return end(*code, now);
     const bool picks = goal_.kind == SkillKind::kPick;
     const double duration = durations_.normal(picks ? config_.pick_mean_s : config_.place_mean_s,

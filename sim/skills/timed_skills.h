@@ -26,14 +26,15 @@ Status validate(const TimedSkillsConfig& config);
 
 class TimedSkills final : public RobotSkills {
  public:
-  /// Draws from `durations` and `faults`, which all robots of an episode share; all outlive it.
+  /// Draws from streams of this robot alone: what the others do moves none of its draws. World, book and traffic outlive it.
   TimedSkills(RobotId robot, const WorldView& world, RobotBook& book, Traffic& traffic, const TimedSkillsConfig& config,
-              RandomStream& durations, RandomStream& faults);
+              std::uint64_t seed);
 
   void start(const SkillGoal& goal, SimTime now) override;
   void cancel(SimTime now) override;
   std::optional<SkillResult> sense(SimTime now) override;
   void act(SimTime now) override;
+  void drop(SimTime) override { book_.drop(robot_); }
   SkillPhase phase() const override { return phase_; }
   double remaining(SimTime now) const override { return traffic_.remaining(robot_, now); }
   SimTime next_due() const override;
@@ -48,8 +49,8 @@ class TimedSkills final : public RobotSkills {
   RobotBook& book_;
   Traffic& traffic_;
   TimedSkillsConfig config_;
-  RandomStream& durations_;
-  RandomStream& faults_;
+  RandomStream durations_;
+  RandomStream failures_;
   SkillGoal goal_;
   bool active_ = false;
   SkillPhase phase_ = SkillPhase::kDrive;

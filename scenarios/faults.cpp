@@ -1,0 +1,89 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "scenarios/scenario.h"
+#include "sim/skills/skill.h"
+
+namespace cxlab {
+namespace {
+
+using sim::Fault;
+using sim::FaultWord;
+
+/// Whether the kind takes that key, and whether it must be there ("seconds*").
+bool takes(const FaultWord& word, const std::string& key) {
+  return (", " + std::string(word.arguments)).find(", " + key) != std::string::npos;
+}
+bool needs(const FaultWord& word, const std::string& key) { return takes(word, key + '*'); }
+
+void read_when(yaml::Map& map, const FaultWord& word, Fault& fault) {
+  const char* chance = word.by_occasion ? "probability" : "mean_s";
+  const bool at = map.has("at"), by_chance = map.has(chance);
+  if (at == by_chance) return map.fail(std::string("expected either at or ") + chance);
+  if (at) {
+    fault.at.emplace();
+    map.read_seconds("at", *fault.at);
+    return;
+  }
+  if (word.by_occasion) {
+    map.read("probability", fault.probability);
+    if (!(fault.probability >= 0 && fault.probability <= 1)) map.get("probability").fail("found " + map.get("probability").text() + ", expected a probability, 0 .. 1");
+  } else {
+    map.read_seconds("mean_s", fault.mean);
+    if (fault.mean < from_seconds(0.001)) map.get("mean_s").fail("found " + map.get("mean_s").text() + ", expected at least 0.001 s");
+  }
+  map.read_seconds("from", fault.from).read_seconds("until", fault.until).read("times", fault.times);
+  if (fault.times < 0) map.get("times").fail("must be 0 (no limit) or more");
+}
+
+void read_error(yaml::Map& map, Fault& fault) {
+  map.read("error", fault.error);
+  constexpr int kCodes[]{103, 201, 202, 204, 206, 207, 208, 209, 220, 300};
+  if (fault.error == 0 || std::ranges::find(kCodes, fault.error) != std::end(kCodes)) return;
+  std::string list;
+  for (const int code : kCodes) list += (list.empty() ? "" : ", ") + std::to_string(code);
+  map.get("error").fail("found " + std::to_string(fault.error) + ", expected one of: " + list);
+}
+
+Fault read_fault(const yaml::Value& value) {
+  Fault fault;
+  fault.file = value.file();
+  fault.line = value.line();
+  yaml::Map map = value.as_map();
+  std::vector<std::string> kinds;
+  for (const FaultWord& word : sim::fault_words()) kinds.emplace_back(word.name);
+  std::string kind;
+  if (!map.require("kind")) return fault;
+  map.read_word("kind", kind, kinds);
+  const auto word = std::ranges::find(sim::fault_words(), kind, &FaultWord::name);
+  if (word == sim::fault_words().end()) return fault;
+  fault.kind = word->kind;
+  read_when(map, *word, fault);
+  for (const char* key : {"machine", "seconds"})
+    if (needs(*word, key)) map.require(key);
+  if (takes(*word, "robot")) map.read("robot", fault.robot);
+  if (takes(*word, "machine")) map.read("machine", fault.machine);
+  if (takes(*word, "skill")) {
+    using sim::SkillKind;
+    map.read_word("skill", fault.skill, {std::string(to_string(SkillKind::kDriveTo)), std::string(to_string(SkillKind::kPick)), std::string(to_string(SkillKind::kPlace))});
+  }
+  if (takes(*word, "error")) read_error(map, fault);
+  if (takes(*word, "after_s")) map.read_seconds("after_s", fault.after);
+  if (takes(*word, "seconds")) map.read_seconds("seconds", fault.duration);
+  map.finish();
+  return fault;
+}
+
+}  // namespace
+
+std::vector<Fault> read_faults(const yaml::Value& list) {
+  std::vector<Fault> faults;
+  for (const yaml::Value& item : list.as_list()) {
+    faults.push_back(read_fault(item));
+    faults.back().number = faults.size() - 1;
+  }
+  return faults;
+}
+
+}  // namespace cxlab

@@ -1,0 +1,56 @@
+#include "sim/faults/fault.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace cxlab::sim {
+namespace {
+
+constexpr std::array<FaultWord, 5> kWords{{
+    {"skill_fails", FaultKind::kSkillFails, "robot, skill, error, after_s",
+     "the skill is broken off after that time and ends with the error code; what was held is still held", true},
+    {"skill_stalls", FaultKind::kSkillStalls, "seconds*, robot, skill",
+     "the robot stands for that time before it begins the skill", true},
+    {"piece_dropped", FaultKind::kPieceDropped, "robot", "the fingers open: what the robot holds falls to the floor", false},
+    {"machine_breaks", FaultKind::kMachineBreaks, "machine*", "the machine is BROKEN, as after a wrong instruction", false},
+    {"machine_down", FaultKind::kMachineDown, "machine*, seconds*", "the machine is DOWN for that time", false},
+}};
+
+}  // namespace
+
+std::span<const FaultWord> fault_words() { return kWords; }
+
+std::string_view to_string(FaultKind kind) {
+  return std::ranges::find(kWords, kind, &FaultWord::kind)->name;
+}
+
+FaultTimer::FaultTimer(const Fault& fault, std::uint64_t seed, std::string_view place)
+    : fault_(fault), random_(seed, "faults/" + std::to_string(fault.number) + '/' + std::string(place)) {
+  left_ = fault.at ? 1 : fault.times > 0 ? fault.times : -1;
+  if (fault.at) due_ = *fault.at;
+  else if (fault.mean > SimTime::zero()) draw_next(fault.from);
+}
+
+bool FaultTimer::open(SimTime now) const {
+  return left_ != 0 && (fault_.at ? now >= *fault_.at : now >= fault_.from && now < fault_.until);
+}
+
+bool FaultTimer::strikes_occasion(SimTime now) {
+  if (!open(now) || !(fault_.at || random_.chance(fault_.probability))) return false;
+  struck(now);
+  return true;
+}
+
+void FaultTimer::struck(SimTime now) {
+  if (left_ > 0) --left_;
+  due_ = kNever;
+  if (left_ != 0 && fault_.mean > SimTime::zero()) draw_next(now);
+}
+
+void FaultTimer::draw_next(SimTime from) {
+  due_ = from + from_seconds(std::min(1e9, -to_seconds(fault_.mean) * std::log1p(-random_.uniform())));
+  if (due_ >= fault_.until) due_ = kNever;
+}
+
+}  // namespace cxlab::sim

@@ -1,0 +1,53 @@
+#pragma once
+// The skills of a robot with the scenario's faults: between the server on the bus and the skills of either tier.
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cx/base/record_sink.h"
+#include "sim/faults/fault.h"
+#include "sim/skills/skill.h"
+
+namespace cxlab::sim {
+
+class FaultySkills final : public RobotSkills {
+ public:
+  /// Takes those of `faults` that are about this robot's skills. Strikes are written to the stream "faults". World and sink outlive it.
+  FaultySkills(std::unique_ptr<RobotSkills> skills, RobotId robot, const WorldView& world, std::span<const Fault> faults,
+               std::uint64_t seed, RecordSink& sink);
+
+  void start(const SkillGoal& goal, SimTime now) override;
+  void cancel(SimTime now) override;
+  std::optional<SkillResult> sense(SimTime now) override;
+  void act(SimTime now) override { skills_->act(now); }
+  void drop(SimTime now) override { skills_->drop(now); }
+  SkillPhase phase() const override { return stalled() ? SkillPhase::kWait : skills_->phase(); }
+  double remaining(SimTime now) const override { return stalled() ? 0 : skills_->remaining(now); }
+  SimTime next_due() const override;
+
+ private:
+  bool stalled() const { return begins_at_ != kNever; }
+  /// The fault of that kind that strikes the skill which begins now, if any.
+  const Fault* striking(FaultKind kind, const SkillGoal& goal, SimTime now);
+  void record(const Fault& fault, SimTime now);
+  void drop_due(SimTime now);
+
+  std::unique_ptr<RobotSkills> skills_;
+  RobotId robot_;
+  std::string name_;
+  const WorldView& world_;
+  RecordSink& sink_;
+  std::vector<FaultTimer> timers_;
+
+  SkillGoal goal_;
+  SimTime begins_at_ = kNever;              // of a skill that is stalled
+  SimTime fails_at_ = kNever;
+  const Fault* failing_ = nullptr;
+  bool broken_off_ = false, cancelled_ = false;
+  RecordData data_;
+};
+
+}  // namespace cxlab::sim

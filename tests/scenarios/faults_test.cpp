@@ -1,0 +1,206 @@
+// Faults of a scenario: each kind acts, in both tiers, and moves nothing that it is not about.
+
+#include <algorithm>
+
+#include "cx/journal/journal_reader.h"
+#include "scenarios/rcll/stage.h"
+#include "sim/faults/fault.h"
+#include "tests/scenarios/stage.h"
+
+namespace cxlab {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Robots in a game without rules: stimuli send their goals.
+class Faults : public EpisodeTest, public testing::WithParamInterface<const char*> {
+ protected:
+  std::filesystem::path floor(const std::string& name, const std::string& goals, const std::string& faults, const std::string& tier) {
+    return write(name + ".yaml", "schema: 1\nworld: {kind: rcll, down: false, orders: [{base_color: BASE_RED, cap_color: CAP_GREY}]}\n"
+                                 "tier: " + tier + "\nduration_s: 200\nstimuli:\n" + goals + "faults:\n" + faults);
+  }
+  static std::string goal(double at, const std::string& robot, const std::string& skill, const std::string& target) {
+    const std::string type = skill == "drive_to" ? "DriveTo" : skill == "pick" ? "Pick" : "Place";
+    return "  - {at: " + std::to_string(at) + ", send_goal: /" + robot + '/' + skill + ", type: cxlab_skills/action/" + type +
+           ", goal: {target: " + target + "}}\n";
+  }
+  /// How each skill of the robot ended: code and duration (s).
+  std::vector<std::pair<int, double>> ends(const std::string& run, const std::string& robot) const {
+    std::vector<std::pair<int, double>> out;
+    for (const JournalRecord& r : records(run, "node/" + robot))
+      if (r.kind == RecordKind::kSkill && r.data.text("event") == "end")
+        out.emplace_back(static_cast<int>(r.data.integer("code")), r.data.number("duration_s"));
+    return out;
+  }
+  /// Times (s) at which that fault of the list struck.
+  std::vector<double> strikes(const std::string& run, int number) const {
+    std::vector<double> out;
+    for (const JournalRecord& r : records(run, "faults"))
+      if (r.data.integer("number") == number) out.push_back(to_seconds(r.t));
+    return out;
+  }
+  std::vector<JournalRecord> records(const std::string& run, const std::string& stream) const {
+    const auto all = read_journal(folder_ / run / "journal.jsonl");
+    EXPECT_TRUE(all.ok());
+    std::vector<JournalRecord> out;
+    for (const JournalRecord& r : *all)
+      if (r.stream == stream) out.push_back(r);
+    return out;
+  }
+  static std::string state(Episode& episode, const std::string& machine) {
+    for (const auto& m : dynamic_cast<rcll::GameStage&>(episode.stage()).factory().machines())
+      if (m->name() == machine) return std::string(to_string(m->state()));
+    return "no such machine";
+  }
+};
+
+TEST_P(Faults, ASkillIsBrokenOffAndEndsWithTheCode) {
+  const std::string goals = goal(1, "robot1", "drive_to", "C-BS-INPUT") + goal(80, "robot1", "drive_to", "C_Z11");
+  (void)whole(floor("broken", goals, "  - {kind: skill_fails, at: 0.5, robot: robot1, error: 220, after_s: 3}\n", GetParam()), {}, "run");
+  const auto ended = ends("run", "robot1");
+  ASSERT_EQ(ended.size(), 2u);
+  EXPECT_EQ(ended[0].first, 220);
+  EXPECT_GE(ended[0].second, 3);
+  EXPECT_LT(ended[0].second, 6);
+  EXPECT_EQ(ended[1].first, 0) << "once";
+  EXPECT_THAT(strikes("run", 0), ElementsAre(testing::DoubleNear(4, 0.05)));
+}
+
+TEST_P(Faults, AFaultOfOneSkillLeavesTheOthersAlone) {
+  const std::string goals = goal(1, "robot1", "drive_to", "C-CS1-INPUT") + goal(80, "robot1", "pick", "C-CS1-SHELF-LEFT");
+  (void)whole(floor("one", goals, "  - {kind: skill_fails, probability: 1, skill: pick}\n", GetParam()), {}, "run");
+  const auto ended = ends("run", "robot1");
+  ASSERT_EQ(ended.size(), 2u);
+  EXPECT_EQ(ended[0].first, 0);
+  EXPECT_EQ(ended[1].first, 206) << "what a pick ends with where nothing else is said";
+}
+
+TEST_P(Faults, AStalledRobotStandsAndThenDoesIt) {
+  const std::string goals = goal(1, "robot1", "drive_to", "C-BS-INPUT");
+  (void)whole(floor("quick", goals, "  - {kind: skill_stalls, at: 100, seconds: 7}\n", GetParam()), {}, "quick");
+  (void)whole(floor("late", goals, "  - {kind: skill_stalls, at: 0, robot: robot1, seconds: 7}\n", GetParam()), {}, "late");
+  const auto quick = ends("quick", "robot1"), late = ends("late", "robot1");
+  ASSERT_EQ(quick.size(), 1u);
+  ASSERT_EQ(late.size(), 1u);
+  EXPECT_EQ(late[0].first, 0);
+  EXPECT_NEAR(late[0].second, quick[0].second + 7, 0.1);
+}
+
+TEST_P(Faults, ADroppedPieceLiesOnTheFloor) {
+  const std::string goals = goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(110, "robot1", "place", "C-CS1-SHELF-LEFT");
+  auto episode = load(floor("drop", goals, "  - {kind: piece_dropped, at: 85, robot: robot1}\n", GetParam()), {}, "run");
+  begin(*episode);
+  play(*episode, 200);
+  const auto& stage = dynamic_cast<rcll::GameStage&>(episode->stage());
+  EXPECT_FALSE(stage.floor().robot(sim::RobotId{0}).held);
+  EXPECT_TRUE(std::ranges::any_of(stage.floor().pieces(), [](const sim::Piece& p) { return p.holder == sim::Holder::kFloor; }));
+  (void)episode->close(RunStatus::kCompleted);
+  const auto struck = strikes("run", 0);
+  EXPECT_THAT(struck, ElementsAre(85));
+  const auto ended = ends("run", "robot1");
+  ASSERT_EQ(ended.size(), 2u);
+  EXPECT_EQ(ended[1].first, 208) << "nothing to place";
+}
+
+TEST_P(Faults, MachinesBreakAndGoDown) {
+  std::string ticks;  // in the timed tier nothing else happens at these times
+  for (const char* t : {"9.9", "10.1", "20.1", "36", "42"}) ticks += std::string("  - {at: ") + t + ", publish: /tick, type: std_msgs/msg/Empty}\n";
+  auto episode = load(floor("machines", ticks,
+                            "  - {kind: machine_breaks, at: 10, machine: C-CS1}\n  - {kind: machine_down, at: 20, machine: C-BS, seconds: 15}\n", GetParam()));
+  begin(*episode);
+  const auto at = [&](double t) {
+    play(*episode, t);
+    return state(*episode, "C-CS1") + ' ' + state(*episode, "C-BS");
+  };
+  EXPECT_EQ(at(9.9), "IDLE IDLE");
+  EXPECT_EQ(at(10.1), "BROKEN IDLE");
+  EXPECT_EQ(at(20.1), "BROKEN DOWN");
+  EXPECT_EQ(at(36), "BROKEN IDLE");
+  EXPECT_EQ(at(42), "IDLE IDLE");
+}
+
+INSTANTIATE_TEST_SUITE_P(Tiers, Faults, testing::Values("physics", "timed"), [](const auto& info) { return std::string(info.param); });
+
+using FaultsAlone = Faults;
+
+TEST_P(FaultsAlone, AFaultMovesNoOtherDraw) {
+  // robot2 works far from robot1; its durations are drawn.
+  const std::string goals = goal(1, "robot1", "drive_to", "C-CS1-SHELF-LEFT") + goal(1, "robot2", "pick", "C-CS2-SHELF-LEFT") +
+                            goal(60, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(100, "robot2", "place", "C-CS2-SHELF-LEFT");
+  const std::string first = "  - {kind: machine_breaks, mean_s: 20, machine: C-DS}\n";
+  const std::string none = first + "  - {kind: skill_fails, at: 1000}\n";
+  const std::string more = first + "  - {kind: skill_fails, probability: 1, robot: robot1, skill: pick, after_s: 3}\n  - {kind: machine_down, mean_s: 50, machine: C-BS, seconds: 3}\n";
+  const auto before = streams(whole(floor("a", goals, none, GetParam()), {}, "before"));
+  const auto after = streams(whole(floor("b", goals, more, GetParam()), {}, "after"));
+  EXPECT_NE(before.at("node/robot1"), after.at("node/robot1"));
+  EXPECT_EQ(before.at("node/robot2"), after.at("node/robot2"));
+  EXPECT_GT(strikes("before", 0).size(), 2u);
+  EXPECT_EQ(strikes("before", 0), strikes("after", 0)) << "each fault has a stream of its own";
+  const auto again = whole(folder_ / "b.yaml");
+  EXPECT_EQ(streams(again), after);
+}
+
+INSTANTIATE_TEST_SUITE_P(Tiers, FaultsAlone, testing::Values("timed"), [](const auto& info) { return std::string(info.param); });
+
+TEST_F(Faults, WrongFaultsAreBadInputWithTheirPlace) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"{kind: skill_fail, at: 1}", "expected one of: skill_fails, skill_stalls"},
+      {"{kind: skill_fails}", "expected either at or probability"},
+      {"{kind: skill_fails, at: 1, probability: 0.1}", "expected either at or probability"},
+      {"{kind: skill_fails, probability: 1.5}", "expected a probability"},
+      {"{kind: skill_fails, at: 1, error: 7}", "expected one of: 103"},
+      {"{kind: skill_fails, at: 1, machine: C-BS}", "unknown key 'machine'"},
+      {"{kind: skill_stalls, at: 1}", "key 'seconds' is missing"},
+      {"{kind: machine_breaks, at: 1}", "key 'machine' is missing"},
+      {"{kind: machine_down, mean_s: 0, machine: C-BS, seconds: 1}", "at least 0.001 s"},
+      {"{at: 1}", "key 'kind' is missing"}};
+  for (const auto& [text, what] : cases) {
+    const auto read = Scenario::parse(std::string("schema: 1\nworld: {kind: rcll}\nfaults:\n  - ") + text + "\n", "s.yaml");
+    ASSERT_FALSE(read.ok()) << text;
+    EXPECT_THAT(read.error().text(), HasSubstr("s.yaml:4: ")) << text;
+    EXPECT_THAT(read.error().text(), HasSubstr(what)) << text;
+  }
+  const auto empty = Scenario::parse("schema: 1\nfaults:\n  - {kind: skill_fails, at: 1}\n", "s.yaml");
+  ASSERT_FALSE(empty.ok());
+  EXPECT_THAT(empty.error().text(), HasSubstr("this world has neither robots nor machines"));
+  for (const char* text : {"{kind: machine_breaks, at: 1, machine: C-CSS1}", "{kind: piece_dropped, at: 1, robot: robt1}"}) {
+    const auto file = write("names.yaml", std::string("schema: 1\nworld: {kind: rcll}\ntier: timed\nfaults:\n  - ") + text + "\n");
+    EpisodeOptions options;
+    options.interfaces = source_dir() / "cx/interfaces";
+    const auto episode = Episode::load(*Scenario::load(file), options);
+    ASSERT_FALSE(episode.ok());
+    EXPECT_THAT(episode.error().text(), testing::AllOf(HasSubstr("names.yaml:5: "), HasSubstr("did you mean")));
+  }
+}
+
+TEST(FaultTimer, StrikesAsOftenAsItIsAskedFor) {
+  sim::Fault fault;
+  fault.probability = 0.2;
+  sim::FaultTimer often(fault, 1, "robot1");
+  int struck = 0;
+  for (int i = 0; i < 2000; ++i) struck += often.strikes_occasion(from_seconds(i));
+  EXPECT_NEAR(struck, 400, 60);
+
+  fault.times = 3;
+  fault.from = from_seconds(10);
+  fault.until = from_seconds(1000);
+  fault.probability = 1;
+  sim::FaultTimer few(fault, 1, "robot1");
+  std::vector<int> at;
+  for (int i = 0; i < 2000; ++i)
+    if (few.strikes_occasion(from_seconds(i))) at.push_back(i);
+  EXPECT_THAT(at, ElementsAre(10, 11, 12));
+
+  sim::Fault machine;
+  machine.kind = sim::FaultKind::kMachineBreaks;
+  machine.mean = from_seconds(50);
+  machine.until = from_seconds(50000);
+  sim::FaultTimer now_and_then(machine, 1, "C-BS");
+  int times = 0;
+  for (; now_and_then.due() != kNever; ++times) now_and_then.struck(now_and_then.due());
+  EXPECT_NEAR(times, 1000, 100);
+}
+
+}  // namespace
+}  // namespace cxlab
