@@ -55,7 +55,7 @@ class Scenarios(Lab):
         self.scenario_fails(SCENARIO.replace("agent.yaml", "agnt.yaml"), "agnt.yaml: cannot")
         self.assertEqual(self.result()["reason"]["code"], "bad_input")
         shutil.rmtree(self.out)
-        self.scenario_fails(SCENARIO.replace("rules: rules", "rules: rulez"), "scenario.yaml: package rules: there is no folder rulez")
+        self.scenario_fails(SCENARIO.replace("rules: rules", "rules: rulez"), "scenario.yaml:3: package rules: there is no folder rulez")
         shutil.rmtree(self.out)
         (self.folder / "rules/rules.clp").unlink()
         self.write("scenario.yaml", SCENARIO)
