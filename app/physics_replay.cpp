@@ -10,7 +10,7 @@
 namespace cxlab::app {
 
 Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
-  if (!run.physics_hash) return input_error("the run has no physics: it was played in the timed tier or in an empty world", run.folder.string());
+  if (run.finished ? !run.physics_hash : run.tier == Tier::kTimed) return input_error("the run has no physics: it was played in the timed tier or in an empty world", run.folder.string());
   PhysicsOfRun out;
   auto scenario = run.scenario();
   if (!scenario) return scenario.error();

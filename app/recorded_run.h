@@ -29,6 +29,9 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
+/// No run is longer; the end of one that was killed, of which only its log knows how far it came.
+inline constexpr SimTime kLongestRun = std::chrono::seconds(1'000'000'000);
+
 struct RecordedRun {
   std::filesystem::path folder;
   std::filesystem::path scenario_file;   ///< absolute; need not be there any more

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string what, out, camera, size = "960x720";
-  double at = 0;
+  std::optional<double> at;
   std::optional<std::uint64_t> seed;
   std::vector<std::string> overrides;
 };
@@ -53,15 +53,18 @@ Status render_run(const Options& options) {
   const SimTime at = from_seconds(options.at);
   if (!run->physics_hash && run->finished && run->tier == Tier::kTimed)
     return input_error("the run was played in the timed tier, which has no bodies to look at: play it with --tier physics", options.what);
-  if (run->finished && at > run->sim_time) return input_error("the run ends at " + std::to_string(to_seconds(run->sim_time)) + " s", options.what);
+  if (run->finished && options.at && from_seconds(*options.at) > run->sim_time) return input_error("the run ends at " + std::to_string(to_seconds(run->sim_time)) + " s", options.what);
   auto replay = PhysicsOfRun::load(*run);
   if (!replay) return replay.error();
+  const SimTime at = options.at ? from_seconds(*options.at) : run->finished ? run->sim_time : replay->log_end();
   if (!replay->log_status() && at > replay->log_end()) return replay->log_status().error();
   if (Status s = replay->advance_to(at); !s) return s;
   return draw(options, [&](int width, int height) { return replay->view(width, height); });
 }
 
 Status render_scenario(const Options& options) {
+  if (!options.at) return Error{ErrorKind::kUsage, "--at is missing: a scenario is played up to then", {}, 0, {}};
+  const double at = *options.at;
   std::vector<std::string> overrides = options.overrides;
   if (options.seed) overrides.push_back("seed=" + std::to_string(*options.seed));
   auto scenario = Scenario::load(options.what, overrides);
@@ -73,9 +76,9 @@ Status render_scenario(const Options& options) {
   Episode& played = **episode;
   Progress progress(false);
   if (Status s = played.start(); !s) return s;
-  while (to_seconds(played.now()) < options.at && !played.over() && !signal_that_came()) {
+  while (to_seconds(played.now()) < at && !played.over() && !signal_that_came()) {
     if (Status s = played.tick(); !s) return s;
-    progress.show(to_seconds(played.now()), options.at, {});
+    progress.show(to_seconds(played.now()), at, {});
   }
   progress.clear();
   if (signal_that_came()) return {};
@@ -100,7 +103,7 @@ void add_render(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("render", "Draws the world of a run or of a scenario at a time");
   command->add_option("what", options->what, "Folder of a run, or a scenario, which is played up to then")->required();
-  command->add_option("--at", options->at, "When, s of simulated time")->required()->check(CLI::NonNegativeNumber);
+  command->add_option("--at", options->at, "When, s of simulated time (of a run: default its end, or how far its log goes)")->check(CLI::NonNegativeNumber);
   command->add_option("--out", options->out, "The picture (PNG)")->required();
   command->add_option("--camera", options->camera, "Of a factory: field (default), top, a robot (robot1) or a machine (C-CS1)");
   command->add_option("--size", options->size, "WIDTHxHEIGHT; a canvas of turtles is the largest square in it")->capture_default_str();

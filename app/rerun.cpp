@@ -27,12 +27,27 @@ std::vector<std::string> differences(const RecordedRun& then, const Result& now)
   return out;
 }
 
+/// The first file or folder of the scenario that is not there any more.
+Status still_there(const RecordedRun& run, const Scenario& scenario) {
+  const auto missing = [&](const std::string& what, const std::filesystem::path& path) {
+    return input_error(what + " is not there any more: " + path.string() + "; bring it back to rerun, or play the rules alone "
+                       "from the run's own copies: cxlab replay " + run.folder.string(), run.folder.string());
+  };
+  for (const AgentSpec& agent : scenario.agents) {
+    if (const auto config = scenario.resolve(agent.config); !std::filesystem::exists(config)) return missing("the configuration", config);
+    for (const auto& [name, folder] : scenario.shares(agent))
+      if (!std::filesystem::is_directory(folder)) return missing("package " + name, folder);
+  }
+  return {};
+}
+
 int rerun(const Options& options) {
   auto run = RecordedRun::open(options.run);
   if (!run) return fail(run.error());
   if (!run->finished) return fail(input_error("the run was cut off before its end: there is nothing to compare with", options.run));
   auto scenario = run->scenario();
   if (!scenario) return fail(scenario.error());
+  if (Status s = still_there(*run, *scenario); !s) return fail(s.error());
   RunOptions play = run->options;
   play.out = options.out;
   play.quiet = options.quiet;

@@ -64,8 +64,8 @@ std::string manifest(const Run& run) {
   out["scenario"] = run.scenario.file.string();
   out["overrides"] = run.scenario.overrides;
   out["seed"] = run.scenario.seed;
-  out["tier"] = run.scenario.tier == Tier::kTimed ? "timed" : "physics";
   out["versions"] = {{"cxlab", CXLAB_VERSION}, {"CLIPS", clips_version()}, {"MuJoCo", sim::mujoco_version()}, {"Box2D", sim::box2d_version()}, {"ROS 2 CX studied", "90f440b1 (2026-06-13)"}};
+  out["tier"] = run.scenario.world_kind == Scenario::WorldKind::kNone ? "none" : run.scenario.tier == Tier::kTimed ? "timed" : "physics";
   out["command"] = command_line();
   out["folder"] = std::filesystem::current_path().string();
   out["until"] = run.options.until ? nlohmann::ordered_json(*run.options.until) : nlohmann::ordered_json(nullptr);

@@ -217,9 +217,9 @@ Error unknown_rule(Episode& episode, const std::string& rule) {
 int why_not(const Options& options) {
   auto run = RecordedRun::open(options.run);
   if (!run) return fail(run.error());
-  SimTime end = run->finished ? run->sim_time : kNever;
+  SimTime end = run->finished ? run->sim_time : kLongestRun;
   if (options.at) end = std::min(end, from_seconds(*options.at));
-  auto replay = RulesReplay::load(*run, run->finished ? run->sim_time : end, JournalLevel::kFull);
+  auto replay = RulesReplay::load(*run, run->finished ? run->sim_time : kLongestRun, JournalLevel::kFull);
   if (!replay) return fail(replay.error());
   Episode& episode = *replay->episode;
   if (!run->finished) end = std::min(end, episode.replay_end());

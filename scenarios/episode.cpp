@@ -341,6 +341,7 @@ Result Episode::result() const {
   out.scenario = scenario_.name;
   out.seed = scenario_.seed;
   out.tier = scenario_.tier;
+  out.has_world = scenario_.world_kind != Scenario::WorldKind::kNone;
   out.sim_time = std::max(now_, SimTime::zero());
   out.ticks = ticks_;
   stage_->report(out);

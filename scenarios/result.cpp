@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "scenarios/rcll/referee.h"
+
 namespace cxlab {
 
 using Json = nlohmann::ordered_json;
@@ -45,7 +47,7 @@ std::string Result::to_json() const {
   out["schema"] = 1;
   out["scenario"] = scenario;
   out["seed"] = seed;
-  out["tier"] = tier == Tier::kTimed ? "timed" : "physics";
+  out["tier"] = !has_world ? "none" : tier == Tier::kTimed ? "timed" : "physics";
   out["status"] = to_string(status);
   out["reason"] = reason_json(reason);
   out["deterministic"] = deterministic;
@@ -97,6 +99,7 @@ Result unfinished_result(const Scenario& scenario) {
   result.scenario = scenario.name;
   result.seed = scenario.seed;
   result.tier = scenario.tier;
+  result.has_world = scenario.world_kind != Scenario::WorldKind::kNone;
   result.reason = Error{ErrorKind::kRun, "the run has not ended", {}, 0, "unfinished"};
   return result;
 }
@@ -108,7 +111,8 @@ Json value_at(const Json& root, const std::string& path) {
   std::string pointer = "/";
   for (const char c : path) {
     if (c == ']') continue;
-    pointer += c == '.' || c == '[' ? '/' : c;
+    if (c == '/') pointer += "~1";
+    else pointer += c == '.' || c == '[' ? '/' : c;
   }
   try {
     const Json::json_pointer json_pointer(pointer);
@@ -119,6 +123,67 @@ Json value_at(const Json& root, const std::string& path) {
 }
 
 }  // namespace
+
+namespace {
+
+/// A result that has one of everything.
+Json sample_result() {
+  Result sample;
+  sample.reason = Error{ErrorKind::kRun, "message", "file", 1, "code"};
+  for (const char* team : {"CYAN", "MAGENTA"}) {
+    sample.teams.push_back({team, 0, {}});
+    for (std::size_t kind = 0; kind < rcll::kPointKinds; ++kind)
+      sample.teams.back().by_kind.emplace_back(to_string(static_cast<rcll::PointKind>(kind)), 0);
+  }
+  sample.orders.emplace_back();
+  sample.deliveries.emplace_back();
+  sample.robots.emplace_back();
+  sample.turtles.emplace_back();
+  sample.rule_errors.emplace_back();
+  return Json::parse(sample.to_json());
+}
+
+/// The next step of "a.b[0].c": "a", "b", "[0]", "c".
+std::string take_step(std::string& path) {
+  if (path.starts_with('.')) path.erase(0, 1);
+  const std::size_t end = path.starts_with('[') ? path.find(']') : path.find_first_of(".[");
+  const std::size_t size = end == std::string::npos ? path.size() : path[end] == ']' ? end + 1 : end;
+  std::string step = path.substr(0, size);
+  path.erase(0, size);
+  return step;
+}
+
+bool is_index(const std::string& step) {
+  return step.size() > 2 && step.front() == '[' && step.back() == ']' && step.find_first_not_of("0123456789", 1) == step.size() - 1;
+}
+
+}  // namespace
+
+Status check_result_path(const std::string& path) {
+  Json at = sample_result();
+  std::string rest = path, before;
+  while (!rest.empty()) {
+    if (before == "stream_hashes") return {};  // then the name of a stream
+    const std::string step = take_step(rest);
+    if (at.is_array()) {
+      if (!is_index(step)) return input_error("found '" + path + "', expected an index like " + before + "[0]");
+      at = Json(at[0]);
+    } else if (!at.contains(step)) {
+      std::vector<std::string> known;
+      if (at.is_object())
+        for (const auto& [key, value] : at.items()) known.push_back(key);
+      const std::string near = nearest_word(step, known);
+      std::string expected;
+      for (const std::string& key : known) expected += (expected.empty() ? "; known are: " : ", ") + key;
+      return input_error("result.json has no '" + step + "'" + (before.empty() ? "" : " in '" + before + "'") +
+                         (near.empty() ? expected : ", did you mean '" + near + "'?"));
+    } else {
+      at = Json(at[step]);
+    }
+    before += (before.empty() || step.starts_with('[') ? "" : ".") + step;
+  }
+  return before.empty() ? Status(input_error("expected a path into result.json, for example teams.CYAN.points")) : Status();
+}
 
 Status check_expectations(const std::vector<Expectation>& expectations, const std::string& result_json, const std::string& file) {
   const Json result = Json::parse(result_json);

@@ -58,6 +58,7 @@ struct Result {
   std::string scenario;
   std::uint64_t seed = 0;
   Tier tier{};
+  bool has_world = true;  ///< an empty one has no tier
   RunStatus status = RunStatus::kFailed;
   std::optional<Error> reason;
   bool deterministic = true;
@@ -80,6 +81,8 @@ struct Result {
 const char* to_string(RunStatus status);
 /// The result of a run that has only begun: status failed, reason unfinished.
 Result unfinished_result(const Scenario& scenario);
+/// Whether result.json can have something at that path ("teams.CYAN.points", "orders[0].points"); else what is wrong.
+Status check_result_path(const std::string& path);
 /// The first expectation that does not hold, as an error of kind kNo.
 Status check_expectations(const std::vector<Expectation>& expectations, const std::string& result_json, const std::string& file);
 

@@ -5,6 +5,7 @@
 
 #include "cx/journal/file_store.h"
 #include "scenarios/nodes.h"
+#include "scenarios/result.h"
 #include "scenarios/turtlesim/read_config.h"
 #include "sim/box2d/turtle_world.h"
 
@@ -115,7 +116,10 @@ Expectation read_expectation(const yaml::Value& value) {
   Expectation expectation;
   expectation.line = value.line();
   yaml::Map map = value.as_map();
-  expectation.path = map.require("path").as_string();
+  if (const yaml::Value path = map.require("path")) {
+    expectation.path = path.as_string();
+    if (Status s = check_result_path(expectation.path); !s) path.fail(s.error().message);
+  }
   if (const yaml::Value v = map.get("min")) expectation.min = v.as_number();
   if (const yaml::Value v = map.get("max")) expectation.max = v.as_number();
   if (const yaml::Value v = map.get("equals")) expectation.equals = v.as_string();

@@ -12,8 +12,23 @@
 namespace cxlab::yaml {
 
 struct Value::Shared {
+  /// Something given by `Document::set`.
+  struct Override {
+    std::string path, assignment;
+  };
   std::string file;
   std::vector<Error> errors;
+  std::vector<Override> overrides;
+
+  /// Notes what is wrong at that path: where the value comes from says where it is.
+  void add(const std::string& path, std::string what, int line) {
+    for (const Override& o : overrides)
+      if (path == o.path || (path.starts_with(o.path) && (path[o.path.size()] == '.' || path[o.path.size()] == '['))) {
+        errors.push_back(input_error("--set " + o.assignment + ": " + what));
+        return;
+      }
+    errors.push_back(input_error(std::move(what), file, line));
+  }
 };
 
 namespace {
@@ -56,7 +71,7 @@ std::string Value::dump() const {
 
 void Value::fail(std::string what) const {
   if (!path_.empty()) what = path_ + ": " + what;
-  shared_->errors.push_back(input_error(std::move(what), shared_->file, line()));
+  shared_->add(path_, std::move(what), line());
 }
 
 std::string Value::as_string(std::string fallback) const {
@@ -220,7 +235,7 @@ void Map::finish() {
     std::string list;
     for (const auto& a : asked_) list += (list.empty() ? "" : ", ") + a;
     what += near.empty() ? "; known are: " + list : ", did you mean '" + near + "'?";
-    value_.shared_->errors.push_back(input_error(std::move(what), value_.shared_->file, item.first.Mark().line + 1));
+    value_.shared_->add(value_.path_.empty() ? key : value_.path_ + '.' + key, std::move(what), item.first.Mark().line + 1);
   }
 }
 
@@ -282,7 +297,7 @@ bool split_path(const std::string& path, std::vector<Step>& steps) {
 Status Document::set(const std::string& assignment) {
   const auto fail = [&](const std::string& what) { return Status(input_error("--set " + assignment + ": " + what)); };
   const std::size_t equals = assignment.find('=');
-  if (equals == std::string::npos) return fail("expected PATH=VALUE");
+  if (equals == std::string::npos) return Error{ErrorKind::kUsage, "--set " + assignment + ": expected PATH=VALUE", {}, 0, {}};
   std::vector<Step> steps;
   if (!split_path(assignment.substr(0, equals), steps)) return fail("expected a path like a.b[0].c");
   YAML::Node value;
@@ -311,6 +326,7 @@ Status Document::set(const std::string& assignment) {
     if (!at[step.key].IsDefined() || at[step.key].IsNull()) at[step.key] = YAML::Node(steps[i + 1].index >= 0 ? YAML::NodeType::Sequence : YAML::NodeType::Map);
     at.reset(at[step.key]);
   }
+  root_.shared_->overrides.push_back({assignment.substr(0, equals), assignment});
   return {};
 }
 

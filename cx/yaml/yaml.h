@@ -92,7 +92,8 @@ class Document {
   static Expected<Document> load(const std::filesystem::path& file);
   static Expected<Document> parse(const std::string& text, const std::string& name);
 
-  /// `a.b[0].c=VALUE`; VALUE is YAML. Missing maps on the way are made, so that reading reports unknown keys.
+  /// `a.b[0].c=VALUE`; VALUE is YAML. Missing maps on the way are made, so that reading reports unknown keys. What reading
+  /// finds wrong in VALUE names the assignment instead of file and line. Without '=': kUsage.
   Status set(const std::string& assignment);
   /// The document's one value. Without one: an empty map.
   Value root() const;

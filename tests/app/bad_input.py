@@ -48,8 +48,23 @@ class Scenarios(Lab):
 
     def test_overrides(self):
         self.scenario_fails(GAME, "unknown key 'tem' in 'world', did you mean 'team'?", arguments=["--set", "world.tem=CYAN"])
-        self.scenario_fails(GAME, "--set team: expected PATH=VALUE", arguments=["--set", "team"])
+        self.agent("", GAME)
+        self.fails(2, "--set team: expected PATH=VALUE", arguments=["--set", "team"])
+        self.scenario_fails(GAME, "error: --set world.robots=7: world.robots: found 7, expected 0 to 3", arguments=["--set", "world.robots=7"])
+        self.scenario_fails(GAME, "error: --set world.layout=[{machin: C-BS}]: world.layout[0]: ", arguments=["--set", "world.layout=[{machin: C-BS}]"])
+        self.scenario_fails(GAME.replace("20", "twenty"), "scenario.yaml:2: world.production_s: found 'twenty'", arguments=["--set", "world.robots=2"])
         self.scenario_fails(SCENARIO, "index 3 is beyond the list's 1 items", arguments=["--set", "agents[3].config=x"])
+
+    def test_expectations(self):
+        for path, message in (("teams.CYAN.pionts", "did you mean 'points'?"), ("team.CYAN.points", "did you mean 'teams'?"),
+                              ("robots[0].skils", "did you mean 'skills'?"), ("robots.skills", "expected an index like robots[0]"),
+                              ("teams.RED.points", "known are: CYAN, MAGENTA")):
+            self.scenario_fails(GAME + f"expect:\n  - {{path: '{path}', min: 1}}\n", "scenario.yaml:5: expect[0].path: ", message)
+
+    def test_an_empty_world_has_no_tier(self):
+        self.agent("")
+        self.assertEqual(self.run_it().returncode, 0)
+        self.assertEqual(self.result()["tier"], "none")
 
     def test_missing_files(self):
         self.scenario_fails(SCENARIO.replace("agent.yaml", "agnt.yaml"), "agnt.yaml: cannot")

@@ -224,6 +224,34 @@ clips_manager:
         self.assertIn("did you mean 'take'", self.cxlab("why-not", run, "tak", expect=3).stderr)
         self.assertIn("condition 2 does not hold", self.cxlab("why-not", run, "take").stdout)
 
+    # --- runs that were killed
+
+    def kill(self, run):
+        """What a killed run leaves: a result of a run that has not ended, and a log that ends anywhere."""
+        result = json.loads((run / "result.json").read_text())
+        result.update(status="failed", reason={"code": "unfinished", "message": "", "file": None, "line": None}, sim_time_s=0, ticks=0,
+                      stream_hashes={}, physics_hash=None)
+        (run / "result.json").write_text(json.dumps(result))
+        return run
+
+    def test_why_not_looks_at_the_last_time_that_was_recorded(self):
+        config = self.package("(defrule late (time ?t&:(> ?t 1.2)) => (assert (late)))")
+        self.cxlab("env", config, "--until", 3, "--quiet", "--out", self.folder / "run")
+        answer = self.answer("why-not", self.kill(self.folder / "run"), "late")
+        self.assertEqual(answer["explanations"][0]["verdict"], "fired")
+        game = self.kill(self.timed_game(50))
+        rules = sorted((SOURCE / "scenarios/rcll/agent").rglob("*.clp"))
+        rule = next(line.split()[1] for file in rules for line in file.read_text().splitlines() if line.startswith("(defrule "))
+        self.assertGreater(self.answer("why-not", game, rule)["at_s"], 40)
+
+    def test_a_rerun_without_its_files_says_what_is_missing(self):
+        config = self.package("(defrule a => (assert (one)))")
+        self.cxlab("env", config, "--until", 1, "--quiet", "--out", self.folder / "run")
+        shutil.rmtree(config.parent.parent)
+        error = self.cxlab("rerun", self.folder / "run", expect=3).stderr
+        self.assertIn("the configuration is not there any more: ", error)
+        self.assertIn("cxlab replay", error)
+
     # --- render
 
     def test_a_picture_of_a_run_is_that_of_its_scenario(self):
@@ -234,6 +262,12 @@ clips_manager:
         self.cxlab("render", GAME, "--at", 3, "--camera", "top", "--size", "320x240", "--out", self.folder / "scenario.png")
         self.assertEqual((self.folder / "run.png").read_bytes(), (self.folder / "scenario.png").read_bytes())
         self.cxlab("render", run, "--at", 100, "--out", self.folder / "late.png", expect=3)
+        self.cxlab("render", run, "--camera", "top", "--size", "320x240", "--out", self.folder / "end.png")
+        self.cxlab("render", self.kill(run), "--camera", "top", "--size", "320x240", "--out", self.folder / "killed.png")
+        self.assertNotEqual((self.folder / "end.png").read_bytes(), (self.folder / "run.png").read_bytes())
+        start = self.folder / "start.png"
+        self.cxlab("render", run, "--at", 0, "--camera", "top", "--size", "320x240", "--out", start)
+        self.assertNotEqual((self.folder / "killed.png").read_bytes(), start.read_bytes())
         self.assertIn("robot1", self.cxlab("render", run, "--at", 1, "--camera", "robbot1", "--out", self.folder / "x.png", expect=3).stderr)
 
     def test_what_cannot_be_drawn_is_said(self):

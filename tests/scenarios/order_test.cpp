@@ -1,5 +1,7 @@
 // "Time and order" of docs/contracts.md.
 
+#include <algorithm>
+
 #include "tests/scenarios/stage.h"
 
 namespace cxlab {
@@ -88,6 +90,119 @@ TEST_F(TimeAndOrder, SendersComeInTheirOrder) {
     if (line.find("\"stream\":\"env/c\"") != std::string::npos && line.find("\"kind\":\"input\"") != std::string::npos)
       heard.push_back(line.find("from a") != std::string::npos ? "a" : "b");
   EXPECT_THAT(heard, ElementsAre("a", "b"));
+}
+
+/// A node that uses what the environment offers and offers what the environment uses.
+class Peer {
+ public:
+  Peer(Episode& episode, const std::string& name) : bus_(episode.bus()), word_(**bus_.registry().message("words/msg/Word")) {
+    const bus::ServiceType& door = **bus_.registry().service("std_srvs/srv/SetBool");
+    const bus::ActionType& count = **bus_.registry().action("example_interfaces/action/Fibonacci");
+    const auto keep = [this](const bus::Delivery& d) { taken_.push_back(d); };
+    node = bus_.join(bus::ParticipantKind::kNode, {name, "/", {}}, episode.journal().open_stream("node/" + name));
+    topic_ = *bus_.advertise(node, "/word", word_);
+    client_ = *bus_.create_client(node, "/own_door", door, nullptr);
+    service_ = *bus_.serve(node, "/door_" + name, door, keep);
+    action_client_ = *bus_.create_action_client(node, "/own_count", count, {});
+    action_ = *bus_.serve_action(node, "/count_" + name, count, {keep, keep});
+    request_ = blank(*door.request);
+    response_ = blank(*door.response);
+    goal_ = blank(*count.goal);
+    feedback_ = blank(*count.feedback);
+    result_ = blank(*count.result);
+  }
+  static bus::SharedMessage blank(const bus::MessageType& type) { return std::make_shared<const bus::Message>(type); }
+
+  void send_goal() { goals_.push_back(bus_.send_goal(action_client_, goal_)); }
+  void accept_goal() {
+    take();
+    bus_.answer_goal(action_, taken_.at(0).goal, bus::GoalAnswer::kAccept);
+  }
+  void take() {
+    taken_.clear();
+    bus_.deliver(node);
+  }
+  /// Posts one of each kind and two words, in the opposite of the order in which they are to come.
+  void post_all() {
+    take();  // the service's request, a goal, a cancel of the goal before it
+    const auto of = [this](bus::DeliveryKind kind) { return *std::ranges::find(taken_, kind, &bus::Delivery::kind); };
+    const bus::Delivery request = of(bus::DeliveryKind::kServiceRequest), goal = of(bus::DeliveryKind::kGoal), cancel = of(bus::DeliveryKind::kCancel);
+    for (int i = 1; i <= 2; ++i) {
+      bus::Message word(word_);
+      word->set("number", i);
+      bus_.publish(topic_, std::make_shared<const bus::Message>(std::move(word)));
+    }
+    bus_.publish_feedback(action_, cancel.goal, feedback_);
+    bus_.cancel_goal(action_client_, goals_.front());
+    send_goal();
+    bus_.call(client_, request_);
+    bus_.answer_cancel(action_, cancel, true);
+    bus_.finish(action_, cancel.goal, bus::GoalStatus::kCanceled, result_);
+    bus_.answer_goal(action_, goal.goal, bus::GoalAnswer::kAccept);
+    bus_.respond(service_, request, response_);
+  }
+  bus::ParticipantId node{};
+
+ private:
+  bus::Bus& bus_;
+  const bus::MessageType& word_;
+  bus::EndpointId topic_{}, client_{}, service_{}, action_client_{}, action_{};
+  bus::SharedMessage request_, response_, goal_, feedback_, result_;
+  std::vector<bus::GoalId> goals_;
+  std::vector<bus::Delivery> taken_;
+};
+
+TEST_F(TimeAndOrder, AllNineKindsComeInTheirOrderThenBySenderThenByCount) {
+  auto episode = load(scenario("nine", {{"a", kClock}}));
+  begin(*episode);
+  bus::Bus& bus = episode->bus();
+  const bus::ParticipantId env = episode->agents()[0]->environment(0).participant();
+  Peer x(*episode, "x"), y(*episode, "y");
+  std::vector<std::string> heard;
+  const auto note = [&](const std::string& what) {
+    return [&heard, &bus, what](const bus::Delivery& d) { heard.push_back(what + ' ' + bus.name_of(d.from).name); };
+  };
+  const bus::ServiceType& door = **bus.registry().service("std_srvs/srv/SetBool");
+  const bus::ActionType& count = **bus.registry().action("example_interfaces/action/Fibonacci");
+  // The environment's own endpoints, with callbacks that tell what the tick brings.
+  bus::EndpointId own_count{};
+  const auto take_goal = [&](const bus::Delivery& d) {
+    note("goal")(d);
+    bus.answer_goal(own_count, d.goal, bus::GoalAnswer::kAccept);
+  };
+  const auto hear_word = [&](const bus::Delivery& d) {
+    heard.push_back("word " + bus.name_of(d.from).name + ' ' + std::to_string(d.message->view().integer("number")));
+  };
+  ASSERT_TRUE(bus.subscribe(env, "/word", **bus.registry().message("words/msg/Word"), hear_word).ok());
+  ASSERT_TRUE(bus.serve(env, "/own_door", door, note("request")).ok());
+  own_count = *bus.serve_action(env, "/own_count", count, {take_goal, note("cancel")});
+  std::vector<bus::EndpointId> doors, counts;
+  for (const char* name : {"x", "y"}) {
+    doors.push_back(*bus.create_client(env, std::string("/door_") + name, door, note("response")));
+    counts.push_back(*bus.create_action_client(env, std::string("/count_") + name, count,
+                                               {note("goal response"), note("feedback"), note("result"), note("cancel response")}));
+  }
+  // Before: a goal of each peer to the environment, and of the environment to each peer.
+  x.send_goal();
+  y.send_goal();
+  std::vector<bus::GoalId> sent;
+  for (const bus::EndpointId client : counts) sent.push_back(bus.send_goal(client, Peer::blank(*count.goal)));
+  ASSERT_TRUE(episode->tick().ok());
+  x.accept_goal();
+  y.accept_goal();
+  ASSERT_TRUE(episode->tick().ok());
+  for (std::size_t i = 0; i < 2; ++i) {
+    bus.cancel_goal(counts[i], sent[i]);
+    bus.send_goal(counts[i], Peer::blank(*count.goal));
+    bus.call(doors[i], Peer::blank(*door.request));
+  }
+  y.post_all();  // first, though x is the first sender
+  x.post_all();
+  heard.clear();
+  ASSERT_TRUE(episode->tick().ok());
+  EXPECT_THAT(heard, ElementsAre("response x", "response y", "goal response x", "goal response y", "cancel response x", "cancel response y",
+                                 "request x", "request y", "goal x", "goal y", "cancel x", "cancel y", "feedback x", "feedback y",
+                                 "result x", "result y", "word x 1", "word x 2", "word y 1", "word y 2"));
 }
 
 TEST_F(TimeAndOrder, RequestsComeBeforeTopicsThatWereSentBefore) {
