@@ -10,7 +10,8 @@
 namespace cxlab::app {
 
 Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
-  if (run.finished ? !run.physics_hash : run.tier == Tier::kTimed) return input_error("the run has no physics: it was played in the timed tier or in an empty world", run.folder.string());
+  const Error none = input_error("the run has no physics: it was played in the timed tier or in an empty world", run.folder.string());
+  if (run.finished && !run.physics_hash) return none;
   PhysicsOfRun out;
   auto scenario = run.scenario();
   if (!scenario) return scenario.error();
@@ -25,6 +26,7 @@ Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
       out.log_end_ = world->t;
     }
   out.log_status_ = reader->status();
+  if (!run.finished && out.log_->empty()) return none;
 
   out.tick_ = scenario->tick;
   if (scenario->world_kind == Scenario::WorldKind::kTurtlesim)

@@ -50,7 +50,6 @@ Status draw(const Options& options, Make make) {
 Status render_run(const Options& options) {
   auto run = RecordedRun::open(options.what);
   if (!run) return run.error();
-  const SimTime at = from_seconds(options.at);
   if (!run->physics_hash && run->finished && run->tier == Tier::kTimed)
     return input_error("the run was played in the timed tier, which has no bodies to look at: play it with --tier physics", options.what);
   if (run->finished && options.at && from_seconds(*options.at) > run->sim_time) return input_error("the run ends at " + std::to_string(to_seconds(run->sim_time)) + " s", options.what);
