@@ -64,7 +64,8 @@ Parameter list_of(const bus::MessageView& value, const char* field, Item item) {
 /// The services of one node.
 class Server {
  public:
-  Server(bus::Bus& bus, Parameters& parameters, std::string node) : bus_(bus), parameters_(parameters), node_(std::move(node)) {}
+  Server(bus::Bus& bus, Parameters& parameters, ParameterCheck check, std::string node)
+      : bus_(bus), parameters_(parameters), check_(std::move(check)), node_(std::move(node)) {}
 
   Status open(bus::ParticipantId node) {
     auto type = bus_.registry().message("rcl_interfaces/msg/ParameterEvent");
@@ -159,6 +160,8 @@ class Server {
       const RosType was = old ? type_of(*old) : kNotSet, is = type_of(*value);
       if (old && was != is && !(old->type == Type::kList && value->type == Type::kList && (old->items.empty() || value->items.empty())))
         return input_error("Wrong parameter type, parameter {" + name + "} is of type {" + kTypeNames[was] + "}, setting it to {" + kTypeNames[is] + "} is not allowed.");
+      if (check_)
+        if (Status s = check_(name, *value); !s) return s;
       value->file = "parameter " + node_ + '.' + name;
       changes.emplace_back(name, *std::move(value));
     }
@@ -179,6 +182,7 @@ class Server {
 
   bus::Bus& bus_;
   Parameters& parameters_;
+  ParameterCheck check_;
   std::string node_;
   bus::EndpointId events_{};
   const bus::MessageType* event_ = nullptr;
@@ -228,8 +232,8 @@ Expected<Parameter> take_parameter(const bus::MessageView& value) {
   }
 }
 
-Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters) {
-  const auto server = std::make_shared<Server>(bus, parameters, bus.name_of(node).full_name());
+Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters, ParameterCheck check) {
+  const auto server = std::make_shared<Server>(bus, parameters, std::move(check), bus.name_of(node).full_name());
   if (Status s = server->open(node); !s) return s;
   using Answer = std::function<void(const bus::MessageView&, const bus::MessageView&)>;
   struct Service {

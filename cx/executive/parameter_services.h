@@ -1,6 +1,9 @@
 #pragma once
 // The parameter services that every ROS 2 node has (rcl_interfaces), over a node's `Parameters`.
 
+#include <functional>
+#include <string>
+
 #include "cx/base/expected.h"
 #include "cx/bus/bus.h"
 #include "cx/executive/parameters.h"
@@ -11,9 +14,12 @@ namespace cxlab::cx {
 void put_parameter(const Parameter& parameter, const bus::MessageView& value);
 Expected<Parameter> take_parameter(const bus::MessageView& value);
 
+/// What is wrong with a value that somebody wants to set, if anything.
+using ParameterCheck = std::function<Status(const std::string& name, const Parameter& value)>;
+
 /// Offers `~/list_parameters`, `~/get_parameters`, `~/get_parameter_types`, `~/describe_parameters`,
 /// `~/set_parameters`, `~/set_parameters_atomically`, and tells of changes on `/parameter_events`. A parameter keeps its
-/// type; a name that is not there yet is declared by setting it. `parameters` outlives the node's place on the bus.
-Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters);
+/// type; a name that is not there yet is declared by setting it. What `check` refuses is not set. `parameters` outlives the node's place on the bus.
+Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters, ParameterCheck check = {});
 
 }  // namespace cxlab::cx

@@ -72,9 +72,7 @@ Status TurtlesimNode::start() {
   if (Status s = serve("reset", "std_srvs/srv/Empty", &TurtlesimNode::on_reset); !s) return s;
   if (Status s = serve("spawn", "turtlesim/srv/Spawn", &TurtlesimNode::on_spawn); !s) return s;
   if (Status s = serve("kill", "turtlesim/srv/Kill", &TurtlesimNode::on_kill); !s) return s;
-  if (Status s = serve("~/get_parameters", "rcl_interfaces/srv/GetParameters", &TurtlesimNode::on_get_parameters); !s) return s;
-  if (Status s = serve("~/set_parameters", "rcl_interfaces/srv/SetParameters", &TurtlesimNode::on_set_parameters); !s) return s;
-  if (Status s = serve("~/list_parameters", "rcl_interfaces/srv/ListParameters", &TurtlesimNode::on_list_parameters); !s) return s;
+  if (Status s = serve_parameters(); !s) return s;
   for (const StartTurtle& turtle : config_.turtles)
     if (Status s = spawn(turtle.name, turtle.x, turtle.y, turtle.theta); !s) return s;
   return {};
@@ -108,7 +106,7 @@ Status TurtlesimNode::sense(SimTime now) {
 
 Status TurtlesimNode::act(SimTime) {
   if (!self_) return {};
-  bus_.deliver(*self_);
+  if (bus_.deliver(*self_) > 0) apply_parameters();
   for (const auto& turtle : turtles_) {
     if (!turtle->rotation) continue;
     const Rotation& rotation = *turtle->rotation;

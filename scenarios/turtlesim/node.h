@@ -12,6 +12,7 @@
 #include "cx/base/record_sink.h"
 #include "cx/bus/bus.h"
 #include "cx/executive/log.h"
+#include "cx/executive/parameters.h"
 #include "scenarios/turtlesim/config.h"
 #include "sim/box2d/turtle_world.h"
 #include "sim/server.h"
@@ -70,15 +71,15 @@ class TurtlesimNode final : public sim::Server {
   void on_kill(const bus::Delivery& request);
   void on_clear(const bus::Delivery& request);
   void on_reset(const bus::Delivery& request);
-  void on_get_parameters(const bus::Delivery& request);
-  void on_set_parameters(const bus::Delivery& request);
-  void on_list_parameters(const bus::Delivery& request);
   void on_command(Turtle& turtle, const bus::Delivery& message);
   void on_teleport(Turtle& turtle, const bus::Delivery& request);
   void on_teleport_relative(Turtle& turtle, const bus::Delivery& request);
   void on_pen(Turtle& turtle, const bus::Delivery& request);
   void on_rotate(Turtle& turtle, const bus::Delivery& goal);
   void on_cancel(Turtle& turtle, const bus::Delivery& cancel);
+
+  Status serve_parameters();
+  void apply_parameters();
 
   // What goes out
   void publish(Turtle& turtle);
@@ -95,6 +96,7 @@ class TurtlesimNode final : public sim::Server {
   bus::Bus& bus_;
   RecordSink& sink_;
   cx::LogSink* log_;
+  cx::Parameters parameters_;
   RecordData data_;
   std::string logger_ = "turtlesim";
   std::optional<bus::ParticipantId> self_;  // since the start
