@@ -131,9 +131,10 @@ class Planner {
     return options;
   }
 
-  SearchEnd search_sequences(std::uint64_t seed, std::int64_t slice, Sequence& found) {
+  /// `in_time`: sequences that come too late for events are given up at once.
+  SearchEnd search_sequences(std::uint64_t seed, std::int64_t slice, bool in_time, Sequence& found) {
     EventCheck check(touches_);
-    LazySearch search(sequences_->simulator, sequences_->relaxed, sequences_->landmarks, ground_.events.empty() ? nullptr : &check);
+    LazySearch search(sequences_->simulator, sequences_->relaxed, sequences_->landmarks, in_time && !ground_.events.empty() ? &check : nullptr);
     budget_.set_slice(budget_.units() + slice);
     const SearchEnd end = search.run(sequences_->simulator.initial(), lazy_options(seed), budget_, found);
     budget_.clear_slice();
@@ -176,6 +177,24 @@ class Planner {
     return answer_.plan.has_value();
   }
 
+  /// Looks for a sequence without regard to when events end what it needs, and moves its actions until they are in time.
+  bool mend_late(std::uint64_t seed, std::int64_t slice) {
+    Sequence found;
+    const SearchEnd end = search_sequences(seed, slice, false, found);
+    note(end);
+    if (end != SearchEnd::kFound) return false;
+    LocalSearch local(*whole_, ground_, sequences_->simulator, touches_, seed + 1);
+    if (!local.start(found)) return false;
+    const SplitCheck check(*whole_, ground_, touches_);
+    budget_.set_slice(budget_.units() + 2 * slice);
+    local.run(budget_, std::numeric_limits<std::int64_t>::max(), [&](const Sequence& sequence, Micros) {
+      if (answer_.plan) return;
+      if (publish(check.translate(sequence))) best_sequence_ = sequence, budget_.set_slice(budget_.units());
+    });
+    budget_.clear_slice();
+    return answer_.plan.has_value();
+  }
+
   void note(SearchEnd end) { out_of_memory_ |= end == SearchEnd::kMemory; }
 
   void find_first() {
@@ -185,12 +204,13 @@ class Planner {
       const std::uint64_t seed = round % 2 == 0 ? 0 : round;
       if (!sequences_exhausted) {
         Sequence found;
-        const SearchEnd end = search_sequences(seed, slice, found);
+        const SearchEnd end = search_sequences(seed, slice, true, found);
         note(end);
         if (end == SearchEnd::kFound) take(found);
         if (answer_.plan) return;
         sequences_exhausted = end == SearchEnd::kExhausted;
       }
+      if (!ground_.events.empty() && mend_late(seed, slice)) return;
       if (!envelopes_) envelopes_ = make_cut(false);
       if (search_cut(*envelopes_, seed, slice)) return;
       if (round == 0 && !(sequences_exhausted && envelopes_->exhausted)) continue;
@@ -240,7 +260,7 @@ class Planner {
       Sequence from = best_sequence_;
       if (round % 3 == 2 || from.empty()) {
         Sequence found;
-        if (search_sequences(round, kRestartSlice, found) == SearchEnd::kFound) from = std::move(found);
+        if (search_sequences(round, kRestartSlice, false, found) == SearchEnd::kFound) from = std::move(found);
       }
       if (from.empty()) {
         if (round > 50) return;
@@ -252,7 +272,7 @@ class Planner {
       const SplitTask& parts = cut ? *everything_->split : *whole_;
       const Simulator& simulator = cut ? everything_->space->simulator : sequences_->simulator;
       LocalSearch local(parts, ground_, simulator, touches_, round + 1);
-      if (local.start(to_parts(parts, from)) == Timeline::kNever) continue;
+      if (!local.start(to_parts(parts, from))) continue;
       const SplitCheck check(parts, ground_, touches_);
       local.run(budget_, idle, [&](const Sequence& sequence, Micros makespan) {
         if (makespan >= best_makespan_) return;

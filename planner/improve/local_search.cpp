@@ -14,7 +14,7 @@ constexpr double kStartWeight = 0.05;  ///< of the mean start in the cost: earli
 }  // namespace
 
 LocalSearch::LocalSearch(const SplitTask& split, const GroundTask& original, const Simulator& simulator, const Touches& touches, std::uint64_t seed)
-    : split_(split), original_(original), simulator_(simulator), whole_(original), touches_(touches), random_(seed, "planner local search"), timeline_(touches) {
+    : split_(split), original_(original), simulator_(simulator), whole_(original), touches_(touches), random_(seed, "planner local search"), timeline_(touches, true) {
   achievers_.resize(original.facts.size() + original.numbers.size());
   for (std::size_t a = 0; a < original.actions.size(); ++a) {
     if (whole_.whole_impossible(static_cast<int>(a)) && split.parts[a].second < 0) continue;
@@ -24,13 +24,13 @@ LocalSearch::LocalSearch(const SplitTask& split, const GroundTask& original, con
   }
 }
 
-Micros LocalSearch::start(const Sequence& plan) {
+bool LocalSearch::start(const Sequence& plan) {
   Plan decoded;
-  if (!decode(plan, std::numeric_limits<double>::infinity(), decoded)) return Timeline::kNever;
+  if (!decode(plan, std::numeric_limits<double>::infinity(), decoded)) return false;
   history_.assign(kHistory, decoded.cost);
-  if (best_.order.empty() || decoded.makespan < best_.makespan) best_ = decoded;
+  if (best_.order.empty() || decoded.aim() < best_.aim()) best_ = decoded;
   set_current(std::move(decoded));
-  return current_.makespan;
+  return true;
 }
 
 bool LocalSearch::decode(const Sequence& list, double most_cost, Plan& plan) {
@@ -142,9 +142,10 @@ bool LocalSearch::schedule(Plan& plan, double most_cost) {
       if (!place(plan, i) || static_cast<double>(timeline_.makespan()) > most_cost) return false;
   }
   plan.makespan = timeline_.makespan();
+  plan.lateness = timeline_.lateness();
   double sum = 0;
   for (const Micros time : plan.times) sum += static_cast<double>(time);
-  plan.cost = static_cast<double>(plan.makespan) + kStartWeight * sum / std::max<double>(1, static_cast<double>(plan.order.size()));
+  plan.cost = static_cast<double>(plan.aim()) + kStartWeight * sum / std::max<double>(1, static_cast<double>(plan.order.size()));
   return true;
 }
 
@@ -186,10 +187,10 @@ void LocalSearch::run(Budget& budget, std::int64_t most_idle, const OnBetter& on
     budget.spend(Work::kSchedule, work_ + static_cast<std::int64_t>(tried.order.size()) + 10);
     if (accepted) {
       set_current(tried);
-      if (current_.makespan < best_.makespan) {
+      if (current_.aim() < best_.aim()) {
         best_ = current_;
         idle = 0;
-        if (on_better) on_better(best_.order, best_.makespan);
+        if (best_.lateness == 0) on_better(best_.order, best_.makespan);
       }
     }
     if (current_.cost < late) late = current_.cost;

@@ -21,21 +21,24 @@ class LocalSearch {
   /// `simulator` is of the split task, `touches` of the original; the split may cut nothing.
   LocalSearch(const SplitTask& split, const GroundTask& original, const Simulator& simulator, const Touches& touches, std::uint64_t seed);
 
-  /// Takes a plan to go on from, as a sequence of parts. Its makespan, or Timeline::kNever if it is none.
-  Micros start(const Sequence& plan);
-  /// Tries moves until the slice of the budget is over, or `most_idle` moves in a row gave no new best plan.
+  /// Takes a plan to go on from, as a sequence of parts; false if it is none. It may come too late for events: the
+  /// search then brings that down first.
+  bool start(const Sequence& plan);
+  /// Tries moves until the slice of the budget is over, or `most_idle` moves in a row gave no new best plan. Plans that
+  /// keep clear of events are told.
   void run(Budget& budget, std::int64_t most_idle, const OnBetter& on_better);
 
-  const Sequence& best() const { return best_.order; }
-  Micros best_makespan() const { return best_.makespan; }
+  bool in_time() const { return best_.lateness == 0; }
 
  private:
+  static constexpr Micros kLatenessWeight = 10;
   struct Plan {
     Sequence order;               ///< as executed
     std::vector<Micros> times;    ///< by step: of a beginning, of an end, of the start of a whole action
     std::vector<int> causes;      ///< by step: the step that it waits for
-    Micros makespan = 0;
+    Micros makespan = 0, lateness = 0;
     double cost = 0;
+    Micros aim() const { return makespan + kLatenessWeight * lateness; }
   };
 
   /// An action that has begun and not ended.

@@ -118,6 +118,7 @@ void Timeline::clear() {
   next_event_ = 0;
   appended_ = 0;
   makespan_ = 0;
+  lateness_ = 0;
 }
 
 Timeline::Latest Timeline::after(const Last& last, std::uint8_t does) {
@@ -138,11 +139,15 @@ void Timeline::note(Last& last, std::uint8_t does, Micros time) const {
   if (does & Touch::kDown) keep(last.down);
 }
 
-bool Timeline::before_events(int key, std::uint8_t does, Micros time) const {
+bool Timeline::before_events(int key, std::uint8_t does, Micros time) {
   for (const int event : touches_.events_of(key)) {
     if (event < next_event_) continue;
     for (const Touch& touched : touches_.of_event(event))
-      if (touched.key == key && Touches::conflict(touched.at_start, does) && time + kSeparation > touches_.events()[event].time) return false;
+      if (touched.key == key && Touches::conflict(touched.at_start, does) && time + kSeparation > touches_.events()[event].time) {
+        if (!lenient_) return false;
+        lateness_ += time + kSeparation - touches_.events()[event].time;
+        return true;
+      }
   }
   return true;
 }
@@ -205,8 +210,12 @@ Micros Timeline::append_happening(int action, bool at_end, Micros earliest) {
 
 bool Timeline::append_event() {
   const Micros time = touches_.events()[next_event_].time;
-  for (const Touch& touched : touches_.of_event(next_event_))
-    if (after(keys_[touched.key], touched.at_start).time + kSeparation > time) return false;
+  for (const Touch& touched : touches_.of_event(next_event_)) {
+    const Micros earliest = after(keys_[touched.key], touched.at_start).time + kSeparation;
+    if (earliest <= time) continue;
+    if (!lenient_) return false;
+    lateness_ += earliest - time;
+  }
   for (const Touch& touched : touches_.of_event(next_event_)) note(keys_[touched.key], touched.at_start, time);
   ++next_event_;
   ++appended_;

@@ -70,7 +70,9 @@ class Timeline {
  public:
   static constexpr Micros kNever = -1;
 
-  explicit Timeline(const Touches& touches) : touches_(touches), keys_(static_cast<std::size_t>(touches.keys())) {}
+  /// `lenient`: what comes too late for an event is accepted and counted.
+  explicit Timeline(const Touches& touches, bool lenient = false)
+      : touches_(touches), keys_(static_cast<std::size_t>(touches.keys())), lenient_(lenient) {}
 
   void clear();
   /// Appends an action; its start, or kNever if an event that has not been appended forbids it.
@@ -85,6 +87,8 @@ class Timeline {
   bool append_event();
   int next_event() const { return next_event_; }
   Micros makespan() const { return makespan_; }
+  /// By how much happenings came too late, summed; 0 unless lenient.
+  Micros lateness() const { return lateness_; }
 
  private:
   struct Latest {
@@ -99,10 +103,12 @@ class Timeline {
   static Latest after(const Last& last, std::uint8_t does);
   void note(Last& last, std::uint8_t does, Micros time) const;
   Micros append_happening(int action, bool at_end, Micros earliest);
-  bool before_events(int key, std::uint8_t does, Micros time) const;
+  bool before_events(int key, std::uint8_t does, Micros time);
 
   const Touches& touches_;
   std::vector<Last> keys_;
+  bool lenient_ = false;
+  Micros lateness_ = 0;
   int next_event_ = 0;
   int appended_ = 0;
   int cause_ = -1;
