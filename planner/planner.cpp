@@ -5,7 +5,7 @@
 
 #include "planner/bounds/lower_bound.h"
 #include "planner/ground/ground.h"
-#include "planner/improve/local_search.h"
+#include "planner/improve/rebuild.h"
 #include "planner/search/split.h"
 #include "planner/validator/validator.h"
 
@@ -183,14 +183,24 @@ class Planner {
     const SearchEnd end = search_sequences(seed, slice, false, found);
     note(end);
     if (end != SearchEnd::kFound) return false;
-    LocalSearch local(*whole_, ground_, sequences_->simulator, touches_, seed + 1);
-    if (!local.start(found)) return false;
+    Decoder decoder(*whole_, ground_, sequences_->simulator, touches_);
     const SplitCheck check(*whole_, ground_, touches_);
-    budget_.set_slice(budget_.units() + 2 * slice);
-    local.run(budget_, std::numeric_limits<std::int64_t>::max(), [&](const Sequence& sequence, Micros) {
-      if (answer_.plan) return;
-      if (publish(check.translate(sequence))) best_sequence_ = sequence, budget_.set_slice(budget_.units());
-    });
+    const auto on_better = [&](const Sequence& sequence, Micros) {
+      if (!answer_.plan && publish(check.translate(sequence))) best_sequence_ = sequence, budget_.set_slice(budget_.units());
+    };
+    const RelaxedTask timed(sequences_->simulator, false);
+    const std::int64_t until = budget_.units() + 2 * slice;
+    for (std::uint64_t round = 0; !answer_.plan && budget_.units() < until && !budget_.over(); ++round) {
+      budget_.set_slice(until);
+      LocalSearch local(decoder, seed + round);
+      if (!local.start(found)) break;
+      if (local.best().lateness == 0) on_better(local.best().order, local.best().makespan);
+      local.run(budget_, 1000, on_better);
+      Rebuild rebuild(decoder, timed, seed + round);
+      if (answer_.plan || !rebuild.start(local.best().order)) break;
+      rebuild.run(budget_, 100, on_better);
+      found = rebuild.best().order;
+    }
     budget_.clear_slice();
     return answer_.plan.has_value();
   }
@@ -254,11 +264,18 @@ class Planner {
   }
 
   void improve() {
-    // Rounds: a new first plan, or the best one, and local search from there; now on whole actions, now on parts.
+    // Rounds: another first plan, or the best one; then what rebuilds it, and local search, now on whole actions, now
+    // on parts.
+    const RelaxedTask timed(sequences_->simulator, false);
+    Decoder decoder(*whole_, ground_, sequences_->simulator, touches_);
+    const SplitCheck check(*whole_, ground_, touches_);
+    const auto on_better = [&](const Sequence& sequence, Micros makespan) {
+      if (makespan < best_makespan_ && publish(check.translate(sequence))) best_sequence_ = sequence;
+    };
     std::int64_t idle = 2000;
     for (std::uint64_t round = 0; !budget_.over() && !proved_best(); ++round) {
       Sequence from = best_sequence_;
-      if (round % 3 == 2 || from.empty()) {
+      if (round % 4 == 3 || from.empty()) {
         Sequence found;
         if (search_sequences(round, kRestartSlice, false, found) == SearchEnd::kFound) from = std::move(found);
       }
@@ -266,20 +283,33 @@ class Planner {
         if (round > 50) return;
         continue;
       }
-      const bool cut = round % 3 == 1;
-      if (cut && !everything_) everything_ = make_cut(true);
-      if (cut && everything_->exhausted) continue;
-      const SplitTask& parts = cut ? *everything_->split : *whole_;
-      const Simulator& simulator = cut ? everything_->space->simulator : sequences_->simulator;
-      LocalSearch local(parts, ground_, simulator, touches_, round + 1);
-      if (!local.start(to_parts(parts, from))) continue;
-      const SplitCheck check(parts, ground_, touches_);
-      local.run(budget_, idle, [&](const Sequence& sequence, Micros makespan) {
-        if (makespan >= best_makespan_) return;
-        if (publish(check.translate(sequence)) && !cut) best_sequence_ = sequence;
-      });
-      if (round % 6 == 5) idle += idle / 2;
+      if (round % 4 == 1) {
+        improve_parts(from, round, idle);
+        continue;
+      }
+      LocalSearch local(decoder, round + 1);
+      if (!local.start(from)) continue;
+      const std::int64_t before = budget_.units();
+      local.run(budget_, idle, on_better);
+      Rebuild rebuild(decoder, timed, round + 1);
+      if (!rebuild.start(local.best().order)) continue;
+      budget_.set_slice(budget_.units() + std::max<std::int64_t>(20'000, budget_.units() - before));
+      rebuild.run(budget_, idle, on_better);
+      budget_.clear_slice();
+      if (round % 8 == 7) idle += idle / 2;
     }
+  }
+
+  void improve_parts(const Sequence& from, std::uint64_t round, std::int64_t idle) {
+    if (!everything_) everything_ = make_cut(true);
+    if (everything_->exhausted) return;
+    Decoder decoder(*everything_->split, ground_, everything_->space->simulator, touches_);
+    LocalSearch local(decoder, round + 1);
+    if (!local.start(to_parts(*everything_->split, from))) return;
+    const SplitCheck check(*everything_->split, ground_, touches_);
+    local.run(budget_, idle, [&](const Sequence& sequence, Micros makespan) {
+      if (makespan < best_makespan_) publish(check.translate(sequence));
+    });
   }
 
   const PlanOptions& options_;

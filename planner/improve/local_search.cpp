@@ -8,16 +8,16 @@ namespace cxlab::planner {
 namespace {
 
 constexpr std::size_t kHistory = 100;
-constexpr int kMostPasses = 20;
-constexpr double kStartWeight = 0.05;  ///< of the mean start in the cost: earlier is better even where it does not count yet
 
 }  // namespace
 
-LocalSearch::LocalSearch(const SplitTask& split, const GroundTask& original, const Simulator& simulator, const Touches& touches, std::uint64_t seed)
-    : split_(split), original_(original), simulator_(simulator), whole_(original), touches_(touches), random_(seed, "planner local search"), timeline_(touches, true) {
+LocalSearch::LocalSearch(Decoder& decoder, std::uint64_t seed)
+    : decoder_(decoder), split_(decoder.split()), original_(decoder.original()), simulator_(decoder.simulator()), whole_(original_),
+      random_(seed, "planner local search") {
+  const GroundTask& original = original_;
   achievers_.resize(original.facts.size() + original.numbers.size());
   for (std::size_t a = 0; a < original.actions.size(); ++a) {
-    if (whole_.whole_impossible(static_cast<int>(a)) && split.parts[a].second < 0) continue;
+    if (whole_.whole_impossible(static_cast<int>(a)) && split_.parts[a].second < 0) continue;
     for (const int f : whole_.whole_effects(static_cast<int>(a)).add) achievers_[f].push_back(static_cast<int>(a));
     for (const auto* effects : {&original.actions[a].at_start, &original.actions[a].at_end})
       for (const NumericEffect& effect : effects->numbers) achievers_[original.facts.size() + effect.number].push_back(static_cast<int>(a));
@@ -25,131 +25,15 @@ LocalSearch::LocalSearch(const SplitTask& split, const GroundTask& original, con
 }
 
 bool LocalSearch::start(const Sequence& plan) {
-  Plan decoded;
-  if (!decode(plan, std::numeric_limits<double>::infinity(), decoded)) return false;
+  DecodedPlan decoded;
+  if (!decoder_.decode(plan, std::numeric_limits<double>::infinity(), decoded)) return false;
   history_.assign(kHistory, decoded.cost);
   if (best_.order.empty() || decoded.aim() < best_.aim()) best_ = decoded;
   set_current(std::move(decoded));
   return true;
 }
 
-bool LocalSearch::decode(const Sequence& list, double most_cost, Plan& plan) {
-  scratch_ = simulator_.initial();
-  timeline_.clear();
-  running_.clear();
-  plan.order.clear();
-  plan.times.clear();
-  plan.causes.clear();
-  releases_.assign(list.size(), {0, -1});
-  shifted_ = false;
-  std::vector<int> next(list.size() + 1);  // linked list of what is left; index 0 is the head
-  for (std::size_t i = 0; i <= list.size(); ++i) next[i] = i < list.size() ? static_cast<int>(i) + 1 : 0;
-  while (!simulator_.is_goal(scratch_.data())) {
-    int before = 0, item = next[0];
-    bool taken = false;
-    for (; item != 0; before = item, item = next[item]) {
-      ++work_;
-      SequenceStep step = list[item - 1];
-      if (is_event(step)) {
-        simulator_.apply_event(-2 - step.action, scratch_.data());
-        if (!keeps_running(scratch_.data())) return false;
-        plan.order.push_back(step);
-        taken = true;
-        break;
-      }
-      if (!simulator_.holds(simulator_.whole_condition(step.action), scratch_.data())) continue;
-      trial_ = scratch_;
-      if (!simulator_.apply(step.action, trial_.data(), step.duration)) continue;
-      const SplitTask::Origin origin = split_.origins[step.action];
-      if (origin.part == SplitTask::Part::kBegin) {
-        const std::optional<DurationRange> range = simulator_.durations(step.action, scratch_.data());
-        if (!range) continue;
-        step.duration = range->least;
-        if (!simulator_.holds(original_.actions[origin.action].over_all, trial_.data())) continue;
-      }
-      if (!running_.empty()) {
-        const auto own = origin.part == SplitTask::Part::kEnd ? std::ranges::find(running_, origin.action, &Running::action) : running_.end();
-        const Running ended = own == running_.end() ? Running{-1, -1, 0, 0} : *own;
-        if (ended.action >= 0) running_.erase(own);
-        if (!keeps_running(trial_.data())) {
-          if (ended.action >= 0) running_.push_back(ended);
-          continue;
-        }
-        if (ended.action >= 0) running_.push_back(ended);  // `place` takes it out
-      }
-      std::swap(trial_, scratch_);
-      plan.order.push_back(step);
-      taken = true;
-      break;
-    }
-    if (!taken || !place(plan, plan.order.size() - 1)) return false;
-    next[before] = next[item];
-    if (static_cast<double>(timeline_.makespan()) > most_cost) return false;
-  }
-  return running_.empty() && schedule(plan, most_cost);
-}
-
-bool LocalSearch::keeps_running(const Word* state) const {
-  return std::ranges::all_of(running_, [&](const Running& running) { return simulator_.holds(original_.actions[running.action].over_all, state); });
-}
-
-/// Gives the next step of the order its time.
-bool LocalSearch::place(Plan& plan, std::size_t index) {
-  const SequenceStep& step = plan.order[index];
-  Micros time = 0;
-  int cause = -1;
-  if (is_event(step)) {
-    if (!timeline_.append_event()) return false;
-    time = touches_.events()[-2 - step.action].time;
-  } else {
-    const SplitTask::Origin origin = split_.origins[step.action];
-    if (origin.part == SplitTask::Part::kWhole) {
-      time = timeline_.append(origin.action, step.duration);
-      cause = timeline_.cause();
-    } else if (origin.part == SplitTask::Part::kBegin) {
-      const auto [release, waits_for] = releases_[index];
-      time = timeline_.append_start(origin.action, release);
-      cause = timeline_.cause() < 0 ? waits_for : timeline_.cause();
-      running_.push_back({origin.action, static_cast<int>(index), time, step.duration});
-    } else {
-      const auto own = std::ranges::find(running_, origin.action, &Running::action);
-      const Micros due = own->start + own->duration;
-      time = timeline_.append_end(origin.action, due);
-      cause = timeline_.cause() < 0 ? own->begin : timeline_.cause();
-      if (time > due) {  // the beginning must wait: the times are computed again
-        releases_[own->begin] = {time - own->duration, timeline_.cause()};
-        shifted_ = true;
-      }
-      running_.erase(own);
-    }
-    if (time == Timeline::kNever) return false;
-  }
-  plan.times.push_back(time);
-  plan.causes.push_back(cause);
-  return true;
-}
-
-bool LocalSearch::schedule(Plan& plan, double most_cost) {
-  for (int pass = 0; shifted_; ++pass) {
-    if (pass == kMostPasses) return false;
-    shifted_ = false;
-    timeline_.clear();
-    running_.clear();
-    plan.times.clear();
-    plan.causes.clear();
-    work_ += static_cast<std::int64_t>(plan.order.size());
-    for (std::size_t i = 0; i < plan.order.size(); ++i)
-      if (!place(plan, i) || static_cast<double>(timeline_.makespan()) > most_cost) return false;
-  }
-  plan.makespan = timeline_.makespan();
-  plan.lateness = timeline_.lateness();
-  double sum = 0;
-  for (const Micros time : plan.times) sum += static_cast<double>(time);
-  plan.cost = static_cast<double>(plan.aim()) + kStartWeight * sum / std::max<double>(1, static_cast<double>(plan.order.size()));
-  return true;
-}
-
-void LocalSearch::set_current(Plan plan) {
+void LocalSearch::set_current(DecodedPlan plan) {
   current_ = std::move(plan);
   const std::size_t words = static_cast<std::size_t>(simulator_.words());
   states_.resize((current_.order.size() + 1) * words);
@@ -176,15 +60,14 @@ int LocalSearch::critical_step() {
 void LocalSearch::run(Budget& budget, std::int64_t most_idle, const OnBetter& on_better) {
   if (current_.order.empty()) return;
   Sequence list;
-  Plan tried;
+  DecodedPlan tried;
   for (std::int64_t idle = 0; idle < most_idle; ++idle) {
     list = current_.order;
     make_move(list);
-    work_ = 0;
     double& late = history_[static_cast<std::size_t>(moves_++) % history_.size()];
     const double threshold = std::max(late, current_.cost);
-    const bool accepted = decode(list, threshold, tried) && tried.cost <= threshold;
-    budget.spend(Work::kSchedule, work_ + static_cast<std::int64_t>(tried.order.size()) + 10);
+    const bool accepted = decoder_.decode(list, threshold, tried) && tried.cost <= threshold;
+    budget.spend(Work::kSchedule, decoder_.take_work() + static_cast<std::int64_t>(tried.order.size()) + 10);
     if (accepted) {
       set_current(tried);
       if (current_.aim() < best_.aim()) {

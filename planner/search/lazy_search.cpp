@@ -135,6 +135,8 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
   const int landmark_words = options.landmarks ? landmarks_.words() : 0;
   RandomStream random(options.seed, "planner lazy search");
   RelaxedHeuristic heuristic(simulator_, relaxed_);
+  if (options.cost_noise > 0) heuristic.scatter_costs(random, options.cost_noise);
+  const std::int64_t last_unit = options.most_units == Budget::kUnlimited ? Budget::kUnlimited : budget.units() + options.most_units;
   Nodes nodes(words, landmark_words);
   enum { kPlain, kPlainPreferred, kMarks, kMarksPreferred, kQueues };
   std::vector<Queue> queues(kQueues);
@@ -185,7 +187,7 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
         }
       }
     }
-    if (budget.slice_over()) return SearchEnd::kBudget;
+    if (budget.slice_over() || budget.units() >= last_unit) return SearchEnd::kBudget;
     if (nodes.words() > options.most_words) return SearchEnd::kMemory;
     Queue* next = nullptr;
     for (Queue& queue : queues)

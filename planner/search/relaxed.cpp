@@ -122,8 +122,14 @@ RelaxedHeuristic::RelaxedHeuristic(const Simulator& simulator, const RelaxedTask
   sum_.resize(operators);
   in_plan_.resize(operators);
   gap_.resize(simulator.task().comparisons.size());
+  for (const RelaxedOperator& op : relaxed.operators()) prices_.push_back(op.cost);
   is_goal_.assign(atoms, 0);
   for (const int atom : relaxed.goal()) is_goal_[atom] = 1;
+}
+
+void RelaxedHeuristic::scatter_costs(RandomStream& random, double share) {
+  for (int& price : prices_)
+    if (price > 0) price += static_cast<int>(static_cast<double>(price) * share * random.uniform());
 }
 
 void RelaxedHeuristic::reach(int atom, int cost, int achiever) {
@@ -169,7 +175,7 @@ int RelaxedHeuristic::evaluate(const Word* state, int next_event) {
   for (std::size_t o = 0; o < in_plan_.size(); ++o) {
     if (!in_plan_[o]) continue;
     const RelaxedOperator& op = relaxed_.operators()[o];
-    total += op.cost * in_plan_[o];
+    total += prices_[o] * in_plan_[o];
     if (op.action == -1) continue;
     plan_.push_back(op.action);
     if (op.action >= 0 && std::ranges::binary_search(applicable_, op.action)) preferred_.push_back(op.action);
@@ -182,7 +188,7 @@ void RelaxedHeuristic::explore(int next_event) {
   const auto fire = [&](int o) {
     const RelaxedOperator& op = relaxed_.operators()[o];
     if (op.action <= -2 && -2 - op.action < next_event) return;
-    const int before = sum_[o], cost = std::min(before + op.cost, kInfinite - 1);
+    const int before = sum_[o], cost = std::min(before + prices_[o], kInfinite - 1);
     for (const int fact : op.adds) reach(fact, cost, o);
     for (const RelaxedOperator::Gain& gain : op.gains) {
       const std::size_t c = static_cast<std::size_t>(gain.atom - relaxed_.facts());
@@ -194,7 +200,7 @@ void RelaxedHeuristic::explore(int next_event) {
         if (comparison.kind == GroundComparison::Kind::kPositive && std::abs(gap_[c] + steps * gain.change) < 1e-9) steps += 1;
       }
       steps = std::clamp(steps, 1.0, kMostSteps);
-      reach(gain.atom, std::min(before + static_cast<int>(steps) * op.cost, kInfinite - 1), o);
+      reach(gain.atom, std::min(before + static_cast<int>(steps) * prices_[o], kInfinite - 1), o);
     }
   };
   for (std::size_t o = 0; o < missing_.size(); ++o)
@@ -229,7 +235,7 @@ void RelaxedHeuristic::extract(int atom) {
     const int o = achiever_[now];
     const RelaxedOperator& op = relaxed_.operators()[o];
     int times = 1;
-    if (now >= relaxed_.facts() && op.cost > 0) times = std::max(1, (cost_[now] - sum_[o]) / op.cost);
+    if (now >= relaxed_.facts() && prices_[o] > 0) times = std::max(1, (cost_[now] - sum_[o]) / prices_[o]);
     in_plan_[o] = static_cast<char>(std::min(120, std::max<int>(in_plan_[o], times)));
     for (const int condition : op.conditions) stack.push_back(condition);
   }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "cx/base/random.h"
 #include "planner/search/simulator.h"
 
 namespace cxlab::planner {
@@ -52,6 +53,8 @@ class RelaxedHeuristic {
 
   RelaxedHeuristic(const Simulator& simulator, const RelaxedTask& relaxed);
 
+  /// Makes every operator with a cost dearer by chance, by up to `share` of it.
+  void scatter_costs(RandomStream& random, double share);
   /// Cost of a relaxed plan from `state`, in which `next_event` is the first event to come.
   int evaluate(const Word* state, int next_event = 0);
   /// Actions whose conditions hold in the last state; ascending.
@@ -70,6 +73,7 @@ class RelaxedHeuristic {
 
   const Simulator& simulator_;
   const RelaxedTask& relaxed_;
+  std::vector<int> prices_;  ///< by operator
   std::vector<int> cost_, achiever_, missing_, sum_;
   std::vector<double> gap_;  ///< by comparison
   std::vector<char> marked_, in_plan_;

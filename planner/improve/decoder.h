@@ -1,0 +1,76 @@
+#pragma once
+// From a list of actions to a plan.
+//
+// Decoding runs through the list again and again, always taking the first action that can be applied, until the goal is
+// reached, and schedules as it goes; what remains is dropped. So any order is a plan as long as the goal is reached, and
+// moving one action drags along those that wait for it. Where actions are cut, the list has their beginnings and ends,
+// so that others can start or end in between.
+
+#include <utility>
+#include <vector>
+
+#include "planner/search/split.h"
+
+namespace cxlab::planner {
+
+/// What decoding gives.
+struct DecodedPlan {
+  static constexpr Micros kLatenessWeight = 10;
+  Sequence order;             ///< as executed
+  std::vector<Micros> times;  ///< by step: of a beginning, of an end, of the start of a whole action
+  std::vector<int> causes;    ///< by step: the step that it waits for, or -1
+  Micros makespan = 0;
+  Micros lateness = 0;        ///< by how much things come too late for events
+  double cost = 0;            ///< what improvement brings down: the aim, and a little of all times
+
+  Micros aim() const { return makespan + kLatenessWeight * lateness; }
+};
+
+class Decoder {
+ public:
+  /// `simulator` is of the split task, `touches` of the original; the split may cut nothing.
+  Decoder(const SplitTask& split, const GroundTask& original, const Simulator& simulator, const Touches& touches)
+      : split_(split), original_(original), simulator_(simulator), touches_(touches), timeline_(touches, true) {}
+
+  /// False if the list does not lead to the goal, or costs more than `most_cost`.
+  bool decode(const Sequence& list, double most_cost, DecodedPlan& plan);
+  /// Goes as far as the list leads; the state then. Nothing has a time. False if something is still running.
+  bool advance(const Sequence& list, Sequence& order, PackedState& state);
+  /// Work since the last call: steps looked at.
+  std::int64_t take_work() { return std::exchange(work_, 0); }
+
+  const SplitTask& split() const { return split_; }
+  const GroundTask& original() const { return original_; }
+  const Simulator& simulator() const { return simulator_; }
+  const Touches& touches() const { return touches_; }
+
+ private:
+  /// An action that has begun and not ended.
+  struct Running {
+    int action;  ///< of the original
+    int begin;   ///< step
+    Micros start, duration;
+  };
+  enum class Taken { kYes, kNo, kFailed };
+
+  void clear(const Sequence& list);
+  Taken take_next(const Sequence& list, SequenceStep& step);
+  bool schedule(DecodedPlan& plan, double most_cost);
+  bool place(DecodedPlan& plan, std::size_t step);
+  bool keeps_running(const Word* state, int except) const;
+
+  const SplitTask& split_;
+  const GroundTask& original_;
+  const Simulator& simulator_;
+  const Touches& touches_;
+  Timeline timeline_;
+  PackedState scratch_, trial_;
+  std::vector<int> next_;  ///< linked list of what is left; index 0 is the head
+  std::vector<Running> running_;
+  std::vector<std::pair<Micros, int>> releases_;  ///< by step: a beginning that must wait for its end, and the cause
+  int next_event_ = 0;
+  bool shifted_ = false;                          ///< a release has grown since the schedule began
+  std::int64_t work_ = 0;
+};
+
+}  // namespace cxlab::planner

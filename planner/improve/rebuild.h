@@ -1,0 +1,34 @@
+#pragma once
+// Shorter plans from a plan: takes out what belongs together, lets a search fill the gap in another way, and keeps the
+// result if it is no worse (large neighbourhood search).
+
+#include "cx/base/random.h"
+#include "planner/improve/local_search.h"
+
+namespace cxlab::planner {
+
+class Rebuild {
+ public:
+  /// `relaxed` is of whole actions, with their durations as costs; the decoder cuts nothing.
+  Rebuild(Decoder& decoder, const RelaxedTask& relaxed, std::uint64_t seed);
+
+  /// Takes a plan to go on from; false if it is none.
+  bool start(const Sequence& plan);
+  /// Goes on until the slice of the budget is over, or `most_idle` tries in a row gave no new best plan.
+  void run(Budget& budget, std::int64_t most_idle, const LocalSearch::OnBetter& on_better);
+
+  const DecodedPlan& best() const { return best_; }
+
+ private:
+  Sequence without_some();
+  std::vector<char> belongs_to_goal(int goal_fact) const;
+
+  Decoder& decoder_;
+  const RelaxedTask& relaxed_;
+  RandomStream random_;
+  DecodedPlan current_, best_;
+  std::vector<double> history_;
+  std::int64_t tries_ = 0;
+};
+
+}  // namespace cxlab::planner
