@@ -117,6 +117,19 @@ Expected<PluginMaker> PluginLibrary::find(const Open& open, const std::string& c
   return error(ErrorKind::kInput, open.file + " has no plugin class '" + class_name + "', its CXLAB_PLUGINS names " + open.exports->names, line);
 }
 
+static PluginType read_class(const yaml::Value& item, std::shared_ptr<PluginLibrary> library) {
+  yaml::Map plugin = item.as_map();
+  PluginType type;
+  type.library = std::move(library);
+  type.line = plugin.require("class").line();
+  type.name = plugin.get("class").as_string();
+  std::string base = kPluginBase;
+  plugin.read("description", type.description).read_word("base", base, {kPluginBase}).read("parameters", type.parameters);
+  type.any_parameter = !plugin.has("parameters");
+  plugin.finish();
+  return type;
+}
+
 Expected<std::vector<PluginType>> read_plugin_manifest(const std::string& package, Files& files) {
   std::vector<PluginType> types;
   auto file = files.resolve(kPluginManifest, {package});
@@ -125,22 +138,14 @@ Expected<std::vector<PluginType>> read_plugin_manifest(const std::string& packag
   if (!text) return text.error();
   auto document = yaml::Document::parse(*text, file->path.string());
   if (!document) return document.error();
-  yaml::Map map = document->root().as_map();
-  const yaml::Value name = map.require("library");
-  auto library = std::make_shared<PluginLibrary>(name.as_string(), file->path.string(), name.line(), fs::path(*files.share_directory(package)), files);
-  for (const yaml::Value& item : map.require("plugins").as_list()) {
-    yaml::Map plugin = item.as_map();
-    PluginType type;
-    type.library = library;
-    type.line = plugin.require("class").line();
-    type.name = plugin.get("class").as_string();
-    std::string base = kPluginBase;
-    plugin.read("description", type.description).read_word("base", base, {kPluginBase}).read("parameters", type.parameters);
-    type.any_parameter = !plugin.has("parameters");
-    plugin.finish();
-    types.push_back(std::move(type));
+  const yaml::Value root = document->root();
+  for (const yaml::Value& entry : root.is_list() ? root.as_list() : std::vector{root}) {
+    yaml::Map map = entry.as_map();
+    const yaml::Value name = map.require("library");
+    auto library = std::make_shared<PluginLibrary>(name.as_string(), file->path.string(), name.line(), fs::path(*files.share_directory(package)), files);
+    for (const yaml::Value& item : map.require("plugins").as_list()) types.push_back(read_class(item, library));
+    map.finish();
   }
-  map.finish();
   if (Status s = document->status(); !s) return s.error();
   return types;
 }

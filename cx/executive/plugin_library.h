@@ -8,7 +8,7 @@
 //       description: Greets who comes.
 //       parameters: [greeting]            # that it reads; without this key any is taken
 //
-// A library is opened when its first instance is made and closed when the last environment that used it has gone.
+// A package with several libraries has a list of such maps. A library is opened when its first instance is made and closed when the last environment that used it has gone.
 
 #include <functional>
 #include <memory>

@@ -73,9 +73,13 @@ class OwnPackages(Installed):
         result = json.loads(call(self.cxlab, "run", game, "--until", 130, "--out", "none", "--json").stdout)
         self.assertIn(f"journal {result['journal_hash']}", own)
 
-    def examples(self):
-        build(self.prefix / "share/cxlab/docs/examples/own_plugins", self.folder / "own_plugins", self.prefix)
-        return self.folder / "own_plugins/share/own_plugins/params"
+    @classmethod
+    def examples(cls):
+        """The configurations of the examples, which are built once."""
+        folder = cls.folder / "own_plugins"
+        if not folder.exists():
+            build(cls.prefix / "share/cxlab/docs/examples/own_plugins", folder, cls.prefix)
+        return folder / "share/own_plugins/params"
 
     def test_bridge_hands_facts_over_at_the_next_tick_and_replays(self):
         run = self.folder / "bridge"
@@ -116,8 +120,8 @@ class HooksInOrder(Installed):
                         "--stop-on-rule-error", *arguments, expect=expect).stderr
         return re.findall(r"^\[[ .\d]+\] \[info\] \[talk\] (.*)$", said, re.MULTILINE), said
 
-    def chatty(self, expect=0, **parameters):
-        return self.run_plugin("test::Chatty", "--prefix", self.folder / "wrong", expect=expect, **parameters)
+    def chatty(self, *arguments, expect=0, **parameters):
+        return self.run_plugin("test::Chatty", "--prefix", self.folder / "wrong", *arguments, expect=expect, **parameters)
 
     def broken(self, manifest, expect):
         folder = self.folder / "broken"
@@ -150,6 +154,22 @@ class HooksInOrder(Installed):
             told, said = self.chatty(expect=4, throw=hook)
             self.assertEqual(told, WHOLE_LIFE)
             self.assertIn(f"libchatty.so): {hook} threw: out of words", said)
+
+    def test_library_is_closed_after_the_last_environment_that_used_it(self):
+        steps = [("unload_plugin", "UnloadClipsPlugin", "{env_name: one, plugin_name: talk}"), ("destroy_env", "DestroyClipsEnv", "{env_name: two}"),
+                 ("destroy_env", "DestroyClipsEnv", "{env_name: one}"), ("create_env", "CreateClipsEnv", "{env_name: two}")]
+        (self.folder / "stimuli.yaml").write_text("".join(
+            f"- {{at: {0.2 * (i + 1):.1f}, call: /clips_manager/{name}, type: cx_msgs/srv/{kind}, request: {request}}}\n"
+            for i, (name, kind, request) in enumerate(steps)))
+        told, said = self.chatty("--stimuli", self.folder / "stimuli.yaml")
+        life = ["initialize", "clips_env_init one", "clips_env_init two", "clips_env_destroyed one", "clips_env_destroyed two", "finalize", "gone"]
+        again = ["initialize", "clips_env_init two", "clips_env_destroyed two", "finalize", "gone"]
+        self.assertEqual(told, life + again)
+        # The plugin has left both environments after 0.4 s; `one`, which had used it, holds its code until 0.6 s.
+        marks = [said.index("[talk] finalize"), said.index("the library is closed"), said.index("[talk] clips_env_init two", said.index("[talk] finalize"))]
+        self.assertEqual(marks, sorted(marks))
+        between = said[marks[0]:marks[1]]
+        self.assertRegex(between, r"\[ +0.6\d*\]")
 
     def test_function_that_throws_is_an_error_of_the_rule(self):
         told, said = self.chatty(expect=4, throw="chat")

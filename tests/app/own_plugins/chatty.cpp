@@ -2,6 +2,7 @@
 
 #include <cx/executive/export_plugins.h>
 
+#include <cstdio>
 #include <stdexcept>
 
 namespace test {
@@ -38,6 +39,11 @@ class Chatty final : public cx::Plugin {
   }
   std::string fail_, throw_;
 };
+
+/// Tells when the library leaves the process.
+struct Library {
+  ~Library() { std::fputs("the library is closed\n", stderr); }
+} library;
 
 }  // namespace test
 
