@@ -6,15 +6,12 @@
 struct Baseline {
   Environment* env;
   FactBuilder* messages;
-  long long handles;
 };
-
-static struct Baseline* self(UDFContext* context) { return (struct Baseline*)context->context; }
 
 static void create(Environment* env, UDFContext* context, UDFValue* result) {
   UDFValue arg;
   if (!UDFFirstArgument(context, LEXEME_BITS, &arg)) return;
-  result->externalAddressValue = CreateCExternalAddress(env, (void*)(size_t)++self(context)->handles);
+  result->externalAddressValue = CreateCExternalAddress(env, (void*)2);
 }
 
 static void destroy(Environment* env, UDFContext* context, UDFValue* result) {
@@ -48,11 +45,11 @@ static void publish(Environment* env, UDFContext* context, UDFValue* result) {
 struct Baseline* baseline_create(const char* deftemplate, const char* rule) {
   struct Baseline* baseline = calloc(1, sizeof *baseline);
   Environment* env = baseline->env = CreateEnvironment();
-  AddUDF(env, "ros-msgs-create-message", "e", 1, 1, ";sy", create, "create", baseline);
-  AddUDF(env, "ros-msgs-destroy-message", "v", 1, 1, ";e", destroy, "destroy", baseline);
-  AddUDF(env, "ros-msgs-get-field", "*", 2, 2, ";e;sy", get, "get", baseline);
-  AddUDF(env, "ros-msgs-set-field", "v", 3, 3, ";e;sy;*", set, "set", baseline);
-  AddUDF(env, "ros-msgs-publish", "v", 2, 2, ";e;sy", publish, "publish", baseline);
+  AddUDF(env, "ros-msgs-create-message", "e", 1, 1, ";sy", create, "create", NULL);
+  AddUDF(env, "ros-msgs-destroy-message", "v", 1, 1, ";e", destroy, "destroy", NULL);
+  AddUDF(env, "ros-msgs-get-field", "*", 2, 2, ";e;sy", get, "get", NULL);
+  AddUDF(env, "ros-msgs-set-field", "v", 3, 3, ";e;sy;*", set, "set", NULL);
+  AddUDF(env, "ros-msgs-publish", "v", 2, 2, ";e;sy", publish, "publish", NULL);
   if (Build(env, deftemplate) != BE_NO_ERROR || Build(env, rule) != BE_NO_ERROR) {
     baseline_destroy(baseline);
     return NULL;
@@ -65,7 +62,7 @@ long long baseline_cycle(struct Baseline* baseline) {
   Environment* env = baseline->env;
   FBPutSlotString(baseline->messages, "topic", "pose");
   FBPutSlotCLIPSExternalAddress(baseline->messages, "msg-ptr",
-                                CreateCExternalAddress(env, (void*)(size_t)++baseline->handles));
+                                CreateCExternalAddress(env, (void*)1));
   FBAssert(baseline->messages);
   return Run(env, -1);
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <bit>
+#include <cstring>
 
 namespace cxlab {
 
@@ -20,9 +21,12 @@ RecordData& RecordData::begin() {
 }
 
 void RecordData::put_be(std::uint64_t value, int size) {
+  // What is not used of the eight bytes is shifted out.
+  std::uint64_t big_endian = value << (64 - 8 * size);
+  if constexpr (std::endian::native == std::endian::little) big_endian = __builtin_bswap64(big_endian);
   std::array<char, 8> bytes;
-  for (int i = 0; i < 8; ++i) bytes[static_cast<std::size_t>(i)] = static_cast<char>(value >> (56 - 8 * i));
-  bytes_.append(bytes.data() + 8 - size, static_cast<std::size_t>(size));
+  std::memcpy(bytes.data(), &big_endian, bytes.size());
+  bytes_.append(bytes.data(), static_cast<std::size_t>(size));
 }
 
 RecordData& RecordData::name(std::string_view key) {

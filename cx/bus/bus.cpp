@@ -114,7 +114,7 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
   state_->write(now_, endpoint, {});
 
   if (endpoint.kind == EndpointKind::kSubscription)
-    for (const auto& [what, message] : channel->kept) state_->enqueue(endpoint, message.delivery, message.tick);
+    for (const auto& [what, message] : channel->kept) state_->enqueue(endpoint, Delivery(message.delivery), message.tick);
   const bool first_server =
       endpoint.provides() && endpoint.kind != EndpointKind::kPublisher && channel->providers.size() == 1;
   if (first_server) {
@@ -211,8 +211,8 @@ void Bus::publish(EndpointId publisher, SharedMessage message, Causes causes) {
   if (is_kept_topic(from->channel->name, *from->message))
     from->channel->kept[placed_frames(delivery.message->view())] = {delivery, from->id, state_->tick};
   const auto& users = from->channel->users;
-  for (std::size_t i = 0; i < users.size(); ++i)
-    state_->enqueue(*users[i], i + 1 < users.size() ? delivery : std::move(delivery), state_->tick);
+  for (std::size_t i = 0; i + 1 < users.size(); ++i) state_->enqueue(*users[i], Delivery(delivery), state_->tick);
+  if (!users.empty()) state_->enqueue(*users.back(), std::move(delivery), state_->tick);
 }
 
 bool Bus::service_ready(EndpointId client) const {

@@ -172,7 +172,7 @@ struct Bus::State {
   }
 
   /// Into the inbox of the endpoint's owner; `tick` is that of the post.
-  void enqueue(Endpoint& to, Delivery delivery, std::uint64_t posted) {
+  void enqueue(Endpoint& to, Delivery&& delivery, std::uint64_t posted) {
     delivery.endpoint = to.id;
     Participant& receiver = participant(to.owner);
     const bool between_environments = receiver.kind == ParticipantKind::kEnvironment &&

@@ -105,7 +105,22 @@ void RuleEngine::reset() {
   Reset(environment_);
 }
 
+namespace {
+
+/// Whether an activation has a salience that is computed: only then does a refresh change anything.
+bool any_salience_computed(Environment* env) {
+  for (Defmodule* module = GetNextDefmodule(env, nullptr); module != nullptr; module = GetNextDefmodule(env, module)) {
+    const auto* rules = static_cast<const defruleModule*>(GetModuleItem(env, module, DefruleData(env)->DefruleModuleIndex));
+    for (const Activation* activation = rules->agenda; activation != nullptr; activation = activation->next)
+      if (activation->theRule->dynamicSalience != nullptr) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 void RuleEngine::refresh_all_agendas() {
+  if (!any_salience_computed(environment_)) return;
   HostCall call(*impl_, {ErrorSide::kCallback, "refresh-agenda", {}, 0, nullptr});
   RefreshAllAgendas(environment_);
 }

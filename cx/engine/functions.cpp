@@ -1,6 +1,7 @@
 // Functions that rules call and C++ answers.
 
-#include <array>
+#include <cstddef>
+#include <new>
 
 #include "internal/impl.h"
 
@@ -26,7 +27,8 @@ struct CallFrame {
   static void run(Environment* env, UDFContext* context, UDFValue* result) {
     const FunctionRecord& record = *static_cast<FunctionRecord*>(context->context);
     constexpr std::size_t kInPlace = 8;
-    std::array<ValueRef, kInPlace> in_place;
+    alignas(ValueRef) std::byte memory[kInPlace * sizeof(ValueRef)];  // cleared for each call it would cost more than the call
+    auto* const in_place = reinterpret_cast<ValueRef*>(memory);
     std::vector<ValueRef> many;
     std::size_t size = 0;
     try {
@@ -34,14 +36,15 @@ struct CallFrame {
         UDFValue value;
         const unsigned bits = size < record.arg_bits.size() ? record.arg_bits[size] : record.rest_bits;
         if (!UDFNextArgument(context, bits, &value)) return;
+        // Built in its place: a copy would wait for what was just written.
         const bool list = value.header->type == MULTIFIELD_TYPE;
-        const ValueRef ref(value.value, list ? value.begin : 0,
-                           !list ? 0 : value.range == SIZE_MAX ? value.multifieldValue->length : value.range);
+        const std::size_t begin = list ? value.begin : 0;
+        const std::size_t length = !list ? 0 : value.range == SIZE_MAX ? value.multifieldValue->length : value.range;
         if (size < kInPlace) {
-          in_place[size] = ref;
+          new (in_place + size) ValueRef(value.value, begin, length);
         } else {
-          if (size == kInPlace) many.assign(in_place.begin(), in_place.end());
-          many.push_back(ref);
+          if (size == kInPlace) many.assign(in_place, in_place + kInPlace);
+          many.emplace_back(value.value, begin, length);
         }
         ++size;
       }
@@ -56,7 +59,7 @@ struct CallFrame {
         return;
       }
       Call call(*record.engine, record.spec, context, result);
-      call.args_ = size <= kInPlace ? std::span<const ValueRef>(in_place.data(), size) : std::span<const ValueRef>(many);
+      call.args_ = size <= kInPlace ? std::span<const ValueRef>(in_place, size) : std::span<const ValueRef>(many);
       record.function(call);
     } catch (const std::exception& exception) {
       say_error(env, context, exception.what());

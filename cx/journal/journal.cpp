@@ -2,6 +2,7 @@
 
 #include <xxhash.h>
 
+#include <array>
 #include <bit>
 #include <cassert>
 #include <charconv>
@@ -108,20 +109,32 @@ RecordRef Journal::write(StreamId id, SimTime t, RecordKind kind, const RecordDa
   assert(static_cast<std::size_t>(id) < streams_.size());
   Stream& stream = *streams_[static_cast<std::size_t>(id)];
 
-  scratch_.clear();
-  put(scratch_, stream.records);
-  put(scratch_, static_cast<std::int64_t>(t.count()));
-  put(scratch_, static_cast<std::uint8_t>(kind));
-  put(scratch_, static_cast<std::uint32_t>(causes.size()));
+  // Its number, time, kind and causes, then the data: in that order, but in pieces.
+  constexpr std::size_t kMostInPlace = 8;
+  std::array<char, 25 + 16 * kMostInPlace> head;
+  std::size_t size = 0;
+  const auto put_head = [&](auto value) {
+    std::memcpy(head.data() + size, &value, sizeof value);
+    size += sizeof value;
+  };
+  const auto hash_head = [&] {
+    XXH3_128bits_update(stream.hash.get(), head.data(), size);
+    size = 0;
+  };
+  put_head(stream.records);
+  put_head(static_cast<std::int64_t>(t.count()));
+  put_head(static_cast<std::uint8_t>(kind));
+  put_head(static_cast<std::uint32_t>(causes.size()));
   for (const RecordRef& cause : causes) {
     assert(static_cast<std::size_t>(cause.stream) < streams_.size());
-    put(scratch_, streams_[static_cast<std::size_t>(cause.stream)]->name_hash);
-    put(scratch_, cause.n);
+    put_head(streams_[static_cast<std::size_t>(cause.stream)]->name_hash);
+    put_head(cause.n);
+    if (size + 16 + 4 > head.size()) hash_head();
   }
   const std::string_view bytes = folders_.rewrite(data.bytes(), renamed_) ? std::string_view(renamed_) : data.bytes();
-  put(scratch_, static_cast<std::uint32_t>(bytes.size()));
-  scratch_.append(bytes);
-  XXH3_128bits_update(stream.hash.get(), scratch_.data(), scratch_.size());
+  put_head(static_cast<std::uint32_t>(bytes.size()));
+  hash_head();
+  XXH3_128bits_update(stream.hash.get(), bytes.data(), bytes.size());
 
   if (file_.is_open() && is_exported(kind, level_)) export_line(stream, t, kind, bytes, causes);
   return {id, stream.records++};

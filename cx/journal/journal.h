@@ -78,7 +78,6 @@ class Journal final : public RecordSink {
   JournalLevel level_ = JournalLevel::kNone;
   AppendFile file_;
   SimTime flush_due_{};
-  std::string scratch_;
   std::string line_;
 };
 

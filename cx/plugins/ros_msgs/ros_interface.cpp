@@ -143,7 +143,8 @@ void RosInterface::destroy_subscription(Call& call) {
 void RosInterface::publish(Call& call) { BusConnection::publish(call, call.handle(0), call.text(1)); }
 
 void RosInterface::on_message(const std::string& topic, Handle message) {
-  put("ros-msgs-message", {{"topic", Value::string(topic)}, {"msg-ptr", Value::handle(message)}});
+  static const std::string kMessage = "ros-msgs-message";
+  put(kMessage, {{"topic", Value::string(topic)}, {"msg-ptr", Value::handle(message)}});
 }
 
 // --- Services
