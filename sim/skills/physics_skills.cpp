@@ -34,7 +34,7 @@ constexpr double kStill = 0.03;            ///< m/s
 constexpr double kAxisExact = 0.002;
 constexpr double kPieceSize = 0.042;       ///< m: two pieces nearer than that would touch
 
-constexpr SimTime kLookTime{5'000'000'000};   ///< until the camera has found the spot and held it
+constexpr SimTime kLookTime{8'000'000'000};   ///< until the camera has found the spot and held it
 constexpr SimTime kCheckTime{2'000'000'000};  ///< looking whether the piece is where it should be
 constexpr SimTime kGripTime{400'000'000};
 constexpr SimTime kReleaseTime{300'000'000};

@@ -12,9 +12,9 @@ namespace cxlab::sim {
 
 /// How long handling takes, and how often skills fail. Every duration is at least `shortest_s`.
 struct TimedSkillsConfig {
-  double pick_mean_s = 12.5;    ///< from standing before the spot to standing there again
+  double pick_mean_s = 15.5;    ///< from standing before the spot to standing there again
   double pick_sigma_s = 0.4;
-  double place_mean_s = 12.3;
+  double place_mean_s = 15.3;
   double place_sigma_s = 0.6;
   double shortest_s = 2.0;
   double drive_failure = 0;     ///< probability a drive_to that it ends with 201, where it should have ended well

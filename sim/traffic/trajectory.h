@@ -11,7 +11,7 @@ namespace cxlab::sim {
 
 /// What a planned motion asks of a base: a little less than it can do, so that the controller can catch up.
 struct DriveLimits {
-  double speed = 0.55;          ///< m/s, of 0.7: the rim speed of a Robotino, 0.59, less a margin
+  double speed = 0.50;          ///< m/s, of 0.7: what RCLL teams reckon with for a Robotino, whose rim runs at 0.59
   double speed_up = 0.36;       ///< m/s2, of 0.4
   double slow_down = 1.0;       ///< m/s2, of 1.5
   double sideways = 0.35;       ///< m/s2, centripetal in curves

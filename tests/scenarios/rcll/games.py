@@ -116,7 +116,9 @@ def main():
             faults = list(game.faults()) + ([f"exit code {done.returncode}: {done.stderr}"] if done.returncode else [])
             accepted = sum(d["correct"] for d in game.result["deliveries"])
             deliveries.append(accepted)
-            print(f"seed {seed}: {accepted} delivered, driving together {game.share_driving_together():.0%}", *faults, sep="; ")
+            idlest = min(robot["busy_s"] for robot in game.result["robots"]) / game.result["sim_time_s"]
+            print(f"seed {seed}: {accepted} delivered, each robot at work {idlest:.0%} or more, "
+                  f"driving together {game.share_driving_together():.0%}", *faults, sep="; ", flush=True)
             failed += bool(faults)
     mean = sum(deliveries) / len(deliveries)
     print(f"{len(deliveries) - failed} passed, {failed} failed; {mean:.2f} deliveries a game")
