@@ -13,10 +13,14 @@ namespace {
 
 UDFContext* context_of(void* context) { return static_cast<UDFContext*>(context); }
 
-void say_error(Environment* env, UDFContext* context, std::string_view message) {
+void write_error(Environment* env, UDFContext* context, std::string_view message) {
   const std::string text = std::string("Function '") + UDFContextFunctionName(context) + "': " + std::string(message) + "\n";
   PrintErrorID(env, "CXLAB", 1, false);
   WriteString(env, STDERR, text.c_str());
+}
+
+void say_error(Environment* env, UDFContext* context, std::string_view message) {
+  write_error(env, context, message);
   UDFThrowError(context);
 }
 
@@ -142,6 +146,8 @@ void Call::fail(std::string_view message) {
   say_error(engine_.raw(), context_of(context_), message);
   give_boolean(false);
 }
+
+void Call::complain(std::string_view message) { write_error(engine_.raw(), context_of(context_), message); }
 
 // --- Adding and removing -------------------------------------------------------------------------------------------
 

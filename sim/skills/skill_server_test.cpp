@@ -154,7 +154,7 @@ TEST_P(Skills, APieceGoesFromOneMachineToAnother) {
   const double picked_in = finish(pick);
   ASSERT_EQ(pick.status, bus::GoalStatus::kSucceeded) << pick.error;
   EXPECT_GT(picked_in, 5);
-  EXPECT_LT(picked_in, 20);
+  EXPECT_LT(picked_in, 24);
   EXPECT_EQ(pick.phases.front(), "drive");
   EXPECT_EQ(robot1().held, piece);
   const Heard& place = done("robot1", SkillKind::kPlace, "C-CS1-INPUT");

@@ -61,16 +61,6 @@ void BusConnection::take_back(const std::string& deftemplate, std::string_view s
   }
 }
 
-void BusConnection::explain(const Call& call, const std::string& text) {
-  std::string line = call.spec().name + ": " + text;
-  if (const std::string rule = engine_.current_rule(); !rule.empty()) {
-    line += ", in rule " + rule;
-    if (const ConstructInfo* place = engine_.find_construct("defrule", rule); place && !place->file.empty())
-      line += " (" + place->file + ':' + std::to_string(place->line) + ')';
-  }
-  log(LogLevel::kError, line);
-}
-
 // --- Topics
 
 bool BusConnection::open_publisher(Call& call, const std::string& topic, const bus::MessageType& type) {

@@ -108,8 +108,6 @@ class BusConnection {
   /// Retracts the facts of the template whose slot has that value.
   void take_back(const std::string& deftemplate, std::string_view slot, std::string_view value);
   void log(LogLevel level, const std::string& text) { environment_.log(level, logger_, text); }
-  /// An ERROR line that names the function, the rule that called it and its place; the rule goes on.
-  void explain(const Call& call, const std::string& text);
   /// WARN, closed.
   template <class Open>
   void close_all(ByName<Open>& open, const std::string& what) {

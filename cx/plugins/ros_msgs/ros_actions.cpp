@@ -85,7 +85,7 @@ void RosInterface::uuid_to_string(Call& call) {
     if (fits) id[i] = static_cast<std::uint8_t>(bytes[i].as_integer());
   }
   if (fits) return call.give_symbol(bus::to_string(id));
-  explain(call, "found " + bytes.copy().print() + ", expected 16 integers from 0 to 255");
+  call.complain("found " + bytes.copy().print() + ", expected 16 integers from 0 to 255");
   call.give_boolean(false);
 }
 

@@ -96,7 +96,7 @@ void RosInterface::get_field(Call& call) {
   const std::string failed = "Failed to retrieve field " + std::string(call.text(1));
   if (fault->kind != FieldFault::Kind::kNoField) return call.fail(failed + ": " + fault->text);
   log(LogLevel::kError, failed);
-  explain(call, fault->text);
+  call.complain(fault->text);
   call.give_boolean(false);
 }
 
@@ -111,7 +111,7 @@ void RosInterface::set_field(Call& call) {
     case FieldFault::Kind::kNotMultifield: log(LogLevel::kError, "expected multifield value!"); break;
     case FieldFault::Kind::kUnknownMessage: log(LogLevel::kError, "Failed to set unknown message"); break;
   }
-  explain(call, fault->text);
+  call.complain(fault->text);
 }
 
 // --- Topics
