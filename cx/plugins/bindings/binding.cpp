@@ -61,7 +61,7 @@ bool Binding::is_a(Call& call, Handle message, const bus::MessageType& type) {
 
 void Binding::unknown_handle(Call& call, const std::string& what) {
   log(LogLevel::kError, "Unknown " + what + ": map::at");
-  explain(call, "the " + what + " was destroyed, or is none");
+  call.complain("the " + what + " was destroyed, or is none");
 }
 
 // --- Messages
