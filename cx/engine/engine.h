@@ -213,6 +213,8 @@ class RuleEngine {
   bool callable(const std::string& function) const;
   /// Errors since the last report or call of this.
   std::vector<RuleError> take_errors();
+  /// An error where rules are just now, as CLIPS would word it (`[CODE1] ...\n`); nothing is printed, nothing halts.
+  void note_error(const std::string& text);
   bool has_errors() const { return !errors_.empty(); }
   /// `(exit)` was called by a rule; it ends the run and nothing else.
   bool exit_requested() const;

@@ -90,6 +90,11 @@ void RuleEngine::Impl::capture(const char* text) {
   captured += text;
 }
 
+void RuleEngine::note_error(const std::string& text) {
+  impl_->capture("[");
+  impl_->capture(text.c_str() + 1);
+}
+
 void RuleEngine::Impl::flush_errors() {
   if (starts.empty()) return;
   std::vector<Message> messages;

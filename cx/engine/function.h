@@ -65,7 +65,7 @@ class Call {
   /// Ends the call with an error: the message goes to `stderr` in the manner of CLIPS and the rest of the rule is
   /// skipped, as UDFThrowError does.
   void fail(std::string_view message);
-  /// The same error, but the rule goes on, as with CX where its plugins only log.
+  /// The same error, but silent on `stderr`, and the rule goes on: where the plugins of CX only log.
   void complain(std::string_view message);
   bool failed() const { return failed_; }
 

@@ -13,14 +13,13 @@ namespace {
 
 UDFContext* context_of(void* context) { return static_cast<UDFContext*>(context); }
 
-void write_error(Environment* env, UDFContext* context, std::string_view message) {
-  const std::string text = std::string("Function '") + UDFContextFunctionName(context) + "': " + std::string(message) + "\n";
-  PrintErrorID(env, "CXLAB", 1, false);
-  WriteString(env, STDERR, text.c_str());
+std::string error_text(UDFContext* context, std::string_view message) {
+  return std::string("Function '") + UDFContextFunctionName(context) + "': " + std::string(message) + "\n";
 }
 
 void say_error(Environment* env, UDFContext* context, std::string_view message) {
-  write_error(env, context, message);
+  PrintErrorID(env, "CXLAB", 1, false);
+  WriteString(env, STDERR, error_text(context, message).c_str());
   UDFThrowError(context);
 }
 
@@ -147,7 +146,7 @@ void Call::fail(std::string_view message) {
   give_boolean(false);
 }
 
-void Call::complain(std::string_view message) { write_error(engine_.raw(), context_of(context_), message); }
+void Call::complain(std::string_view message) { engine_.note_error("[CXLAB1] " + error_text(context_of(context_), message)); }
 
 // --- Adding and removing -------------------------------------------------------------------------------------------
 
