@@ -205,6 +205,25 @@ TEST_F(Bindings, MessagesThatAreLeftAreToldByTheirPlugin) {
   EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn std-msgs-int32: Found 1 message(s), cleaning up ...", "warn std-msgs-string: Found 2 message(s), cleaning up ..."));
 }
 
+TEST_F(Bindings, UnloadingWhileRulesUseItLeavesThemAnError) {
+  run({"StdMsgsString"}, R"((defrule hear ?f <- (std-msgs-string-message (msg-ptr ?m)) => (retract ?f)
+  (println "said " (std-msgs-string-get-field ?m data)) (std-msgs-string-destroy-message ?m))
+(defrule make ?f <- (make) => (retract ?f) (std-msgs-string-create-message)))");
+  EXPECT_EQ(act("(std-msgs-string-create-subscription \"a\") (std-msgs-string-create-message)"), "");
+  ASSERT_TRUE(lab_.manager->unload_plugin("main", "std-msgs-string").ok());
+  EXPECT_THAT(lab_.log.with("warn std-msgs-string: "),
+              ElementsAre(HasSubstr("has open a subscription"), HasSubstr("Found 1 message(s)"), HasSubstr("-subscription cant be undefined"),
+                          HasSubstr("-message cant be undefined")));
+  ASSERT_TRUE(lab_.engine().assert_string("(make)").ok());
+  Status s;
+  for (int i = 0; i < 6 && s.ok(); ++i) s = lab_.tick();
+  ASSERT_FALSE(s.ok());
+  EXPECT_THAT(s.error().message, HasSubstr("belongs to unloaded plugin std-msgs-string"));
+  ASSERT_TRUE(lab_.manager->load_plugin("main", "std-msgs-string").ok());
+  ASSERT_TRUE(lab_.engine().assert_string("(make)").ok());
+  lab_.ticks(6);
+}
+
 TEST_F(Bindings, EveryClassLoads) {
   std::vector<std::string> classes;
   std::size_t functions = 0;

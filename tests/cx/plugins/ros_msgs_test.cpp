@@ -247,6 +247,36 @@ TEST_F(RosMsgs, WhatIsLeftOpenIsToldAtTheEnd) {
                           "warn ros_msgs: Environment main has open e action clients, cleaning up ...", "warn ros_msgs: Found 2 message(s), cleaning up ..."));
 }
 
+TEST_F(RosMsgs, UnloadingWhileRulesUseItLeavesThemAnError) {
+  lab_.agent(R"((deffacts start (open))
+(defrule open (open) => (ros-msgs-create-subscription "a" "std_msgs/msg/String") (ros-msgs-create-publisher "b" "std_msgs/msg/String"))
+(defrule hear ?f <- (ros-msgs-message (msg-ptr ?m)) => (retract ?f) (println "heard " (ros-msgs-get-field ?m "data")))
+(defrule say ?f <- (say) => (retract ?f) (ros-msgs-publish (ros-msgs-create-message "std_msgs/msg/String") "b")))");
+  lab_.run_up();
+  const auto publisher = *lab_.bus.advertise(node_, "/a", type("std_msgs/msg/String"));
+  lab_.bus.publish(publisher, text("on its way"));
+  ASSERT_TRUE(lab_.manager->unload_plugin("main", "ros_msgs").ok());
+  EXPECT_THAT(lab_.log.with("warn ros_msgs: Environment main has open"),
+              ElementsAre("warn ros_msgs: Environment main has open b publishers, cleaning up ...", "warn ros_msgs: Environment main has open a subscription, cleaning up ..."));
+  EXPECT_THAT(lab_.log.with("ros-msgs-message cant be undefined"), SizeIs(1)) << "a rule uses it";
+  EXPECT_TRUE(lab_.engine().has("deftemplate", "ros-msgs-message"));
+  EXPECT_FALSE(lab_.engine().has("deftemplate", "ros-msgs-client")) << "nobody uses it";
+  lab_.ticks(6);
+  EXPECT_THAT(lab_.facts("ros-msgs-message"), IsEmpty()) << "what was on its way is dropped";
+  ASSERT_TRUE(lab_.engine().assert_string("(say)").ok());
+  Status s;
+  for (int i = 0; i < 6 && s.ok(); ++i) s = lab_.tick();
+  ASSERT_FALSE(s.ok());
+  EXPECT_THAT(s.error().message, HasSubstr("belongs to unloaded plugin ros_msgs"));
+
+  ASSERT_TRUE(lab_.manager->load_plugin("main", "ros_msgs").ok());
+  lab_.ticks(1);  // the one that failed
+  act("(ros-msgs-create-subscription \"a\" \"std_msgs/msg/String\")");
+  lab_.bus.publish(publisher, text("again"));
+  lab_.ticks(6);
+  EXPECT_THAT(lab_.log.with("heard"), ElementsAre("info main: heard again")) << "old rules call the plugin that came back";
+}
+
 TEST_F(RosMsgs, ActingFunctionsHaveNoPlaceOnALeftHandSide) {
   lab_.agent("(defrule bad (go) (test (ros-msgs-create-message \"std_msgs/msg/Empty\")) =>)");
   const Status s = lab_.start();
