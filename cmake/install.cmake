@@ -24,10 +24,14 @@ install(RUNTIME_DEPENDENCY_SET needed
   PRE_EXCLUDE_REGEXES "^ld-linux" "^lib(c|m|dl|rt|pthread|stdc\\+\\+|gcc_s|z|[a-z]+san)\\.so"
   LIBRARY DESTINATION ${libraries})
 
-# --- Headers
-foreach(folder cx/base cx/bus cx/engine cx/executive cx/journal cx/yaml sim sim/skills sim/traffic sim/box2d scenarios scenarios/rcll scenarios/turtlesim)
+# --- Headers: all but those of the plugins that come with cxlab and of MuJoCo's room
+file(GLOB folders RELATIVE "${PROJECT_SOURCE_DIR}" cx/* sim sim/* scenarios scenarios/*)
+list(FILTER folders EXCLUDE REGEX "^(cx/plugins|sim/mujoco)$")
+foreach(folder IN LISTS folders)
   file(GLOB files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${folder}/*.h")
-  install(FILES ${files} DESTINATION ${headers}/${folder})
+  if(files)
+    install(FILES ${files} DESTINATION ${headers}/${folder})
+  endif()
 endforeach()
 install(FILES "${PROJECT_BINARY_DIR}/include/cx_abi/cx/executive/abi.h" DESTINATION ${headers}/cx/executive)
 get_target_property(clips_core clips_c INTERFACE_INCLUDE_DIRECTORIES)
