@@ -14,6 +14,9 @@ constexpr std::array kSupported = {
     ":durative-actions", ":duration-inequalities", ":continuous-effects", ":derived-predicates", ":timed-initial-literals",
     ":timed-initial-fluents", ":timed-effects", ":action-costs", ":time"};
 
+constexpr std::array kReserved = {"and", "or", "not", "imply", "forall", "exists", "when", "preference", "=", "<", "<=", ">", ">=", "+", "-", "*", "/",
+                                  "assign", "increase", "decrease", "scale-up", "scale-down"};
+
 class DomainParser {
  public:
   DomainParser(const Node& root, const std::string& file)
@@ -186,6 +189,8 @@ class DomainParser {
   bool signature(const Node& node, const char* what, std::string& name, std::vector<Variable>& parameters) {
     if (node.head().empty()) return fail(node, "found " + excerpt(node) + ", expected " + what + " such as (name ?x - TYPE)");
     name = node.head();
+    if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end())
+      return fail(node, "found '" + name + "' as the name of " + what + ", which is a word of the language");
     Node list;
     list.is_list = true;
     list.line = node.line;

@@ -106,7 +106,7 @@ class ProblemParser {
     const std::string_view head = node.head();
     double time = 0;
     if (head == "=") return value(node, std::nullopt);
-    if (head == "at" && node.items.size() == 3 && !node.items[1].is_list && to_number(node.items[1].word, time)) {
+    if (head == "at" && node.items.size() == 3 && node.items[2].is_list && !node.items[1].is_list && to_number(node.items[1].word, time)) {
       if (time < 0) return fail(node, "found time " + std::string(node.items[1].word) + ", expected a time that is not negative");
       const Node& happens = node.items[2];
       return happens.head() == "=" ? value(happens, time) : literal(happens, time);

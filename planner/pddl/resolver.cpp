@@ -87,7 +87,7 @@ bool Resolver::typed_list(const std::vector<Node>& items, std::size_t first, con
       if (name == "number") return fail_unsupported(node, std::string(what) + " of type number: not supported, numbers are values of functions only");
       return fail(node, "found type '" + name + "', expected a type of the domain" + hint(name, domain_.type_names));
     }
-    types.push_back(id);
+    if (std::find(types.begin(), types.end(), id) == types.end()) types.push_back(id);
     return true;
   };
   std::size_t untyped = out.size();

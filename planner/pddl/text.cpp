@@ -1,5 +1,6 @@
 #include "planner/pddl/text.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -58,7 +59,10 @@ std::string time_text(double seconds) {
 void Printer::name_variables(const std::vector<Variable>& parameters) {
   for (const Variable& variable : parameters) {
     if (static_cast<int>(names_.size()) <= variable.slot) names_.resize(variable.slot + 1);
-    names_[variable.slot] = variable.name;
+    // A variable may hide an outer one in the file; flattened, both stand side by side.
+    std::string name = variable.name;
+    for (int copy = 2; std::find(names_.begin(), names_.end(), name) != names_.end(); ++copy) name = variable.name + "-" + std::to_string(copy);
+    names_[variable.slot] = name;
   }
 }
 
@@ -86,8 +90,10 @@ std::string Printer::terms(const std::string& name, const std::vector<Term>& ter
 
 std::string Printer::variables(const std::vector<Variable>& variables) const {
   std::string text;
-  for (const Variable& variable : variables)
-    text += (text.empty() ? "" : " ") + variable.name + " - " + types_text(*domain_, variable.types);
+  for (const Variable& variable : variables) {
+    const bool named = variable.slot < static_cast<int>(names_.size()) && !names_[variable.slot].empty();
+    text += (text.empty() ? "" : " ") + (named ? names_[variable.slot] : variable.name) + " - " + types_text(*domain_, variable.types);
+  }
   return text;
 }
 
@@ -133,7 +139,7 @@ std::string Printer::condition(const Condition& condition) const {
              expression(condition.sides[1]) + ")";
     case Kind::kForall:
     case Kind::kExists:
-      return std::string(condition.kind == Kind::kForall ? "(forall (" : "(exists (") + variables(condition.variables) + ") " +
+      return std::string(condition.kind == Kind::kForall ? "(forall (" : "(exists (") + inside(condition.variables).variables(condition.variables) + ") " +
              inside(condition.variables).condition(condition.operands[0]) + ")";
     case Kind::kNot: verb = "not"; break;
     case Kind::kAnd: verb = "and"; break;
@@ -146,7 +152,7 @@ std::string Printer::condition(const Condition& condition) const {
 }
 
 std::string Printer::effect(const Effect& effect) const {
-  const Printer printer = inside(effect.variables);
+  const Printer& printer = *this;
   std::string text;
   if (effect.kind == Effect::Kind::kAdd || effect.kind == Effect::Kind::kDelete) {
     text = printer.terms(domain_->predicates[effect.predicate].name, effect.terms);

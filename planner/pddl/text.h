@@ -21,7 +21,7 @@ class Printer {
 
   std::string condition(const Condition& condition) const;
   std::string expression(const Expression& expression) const;
-  /// Without its time: `(when C (p ?x))`.
+  /// Without its variables, time and condition: `(not (p ?x))`. Name its variables first.
   std::string effect(const Effect& effect) const;
   /// `?x ?y - type ?z - (either a b)`
   std::string variables(const std::vector<Variable>& variables) const;

@@ -21,6 +21,15 @@ std::string objects_text(const Domain& domain, const std::vector<Object>& object
   return text;
 }
 
+/// What the problem adds to the types of the domain's constants.
+std::string more_types_text(const Domain& domain, const std::vector<Object>& objects) {
+  std::string text;
+  for (std::size_t i = 0; i < domain.constants.size(); ++i)
+    for (std::size_t k = domain.constants[i].types.size(); k < objects[i].types.size(); ++k)
+      text += "\n    " + objects[i].name + " - " + domain.types[objects[i].types[k]].name;
+  return text;
+}
+
 std::string signature(const Printer& printer, const std::string& name, const std::vector<Variable>& parameters) {
   return "(" + name + (parameters.empty() ? "" : " ") + printer.variables(parameters) + ")";
 }
@@ -112,7 +121,7 @@ std::string to_pddl(const Domain& domain) {
 std::string to_pddl(const Domain& domain, const Problem& problem) {
   const Printer printer(domain, problem.objects);
   std::string text = "(define (problem " + problem.name + ")\n  (:domain " + domain.name + ")\n  (:objects" +
-                     objects_text(domain, problem.objects, domain.constants.size()) + ")\n  (:init";
+                     more_types_text(domain, problem.objects) + objects_text(domain, problem.objects, domain.constants.size()) + ")\n  (:init";
   for (const Fact& fact : problem.init) text += "\n    " + printer.fact(fact.predicate, fact.objects);
   const auto value_text = [&](const Assignment& value) {
     return "(= " + printer.function(value.function, value.objects) + " " + number_text(value.value) + ")";

@@ -301,6 +301,7 @@ Value filter_list(Interpreter& self, const Value& subject, const Call&) { return
 /// map(attribute=..., default=...) or map("filter", arguments...)
 Value filter_map(Interpreter& self, const Value& subject, const Call& call) {
   std::vector<Value> out;
+  if (!subject.truth()) return Value::list({});
   if (call.positional.empty()) {
     const Arguments arguments = given(self, "map", call, "- attribute default");
     if (!arguments.has(1)) return self.fail("map takes the name of a filter, or attribute=...");
@@ -325,6 +326,7 @@ Value select(Interpreter& self, const Value& subject, const Call& call, bool wan
   if (!test.empty() && !is_test(test)) return self.fail("found '" + test + "', expected a test" + test_hint(test));
   Call rest{{}, call.named};
   if (call.positional.size() > skip + 1) rest.positional.assign(call.positional.begin() + static_cast<std::ptrdiff_t>(skip) + 1, call.positional.end());
+  if (!subject.truth()) return Value::list({});  // as Jinja, whatever it is
   for (Value& item : self.items(subject)) {
     if (self.failed()) return {};
     const Value value = by_attribute ? part_of(self, item, &call.positional[0]) : item;

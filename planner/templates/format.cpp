@@ -207,6 +207,7 @@ Value format_braces(Interpreter& interpreter, const std::string& format, const C
     Value value = field(interpreter, path, call, automatic);
     if (conversion == "r") value = value.repr();
     if (conversion == "s") value = value.str();
+    if (value.is_undefined() && !spec_text.empty() && !interpreter.require(value)) return {};
     const auto spec = parse_spec(spec_text);
     if (!spec) return interpreter.fail("found the format '" + spec_text + "', which is not understood");
     const std::string piece = formatted(interpreter, *spec, value).str();

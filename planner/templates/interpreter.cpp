@@ -401,7 +401,8 @@ void Interpreter::bind(const Node& node, const Call& call, Rendering& rendering,
       used[static_cast<std::size_t>(named - call.named.begin())] = true;
       scope->set(name, named->second);
     } else {
-      scope->set(name, value ? evaluate(*value, rendering, scope) : Value::undefined(name));
+      scope->set(name, Value::undefined(name));  // a default sees itself undefined
+      if (value) scope->set(name, evaluate(*value, rendering, scope));
     }
   }
   std::vector<Value> rest;

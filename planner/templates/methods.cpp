@@ -294,7 +294,10 @@ Value make_range(Interpreter& self, const Call& call) {
     if (static_cast<std::int64_t>(numbers.size()) > kMost) return self.fail("range is longer than " + std::to_string(kMost));
     if (__builtin_add_overflow(i, step, &i)) break;
   }
-  return self.spend(numbers.size()) ? Value::list(std::move(numbers)) : Value{};
+  if (!self.spend(numbers.size())) return {};
+  Value range = Value::tuple(std::move(numbers));  // which nobody can change
+  range.as_list()->shown = "range(" + std::to_string(first) + ", " + std::to_string(last) + (step == 1 ? "" : ", " + std::to_string(step)) + ")";
+  return range;
 }
 
 Value make_dict(Interpreter& self, const Call& call) {

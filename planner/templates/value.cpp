@@ -132,6 +132,8 @@ void Value::append_repr(std::string& out, int depth) const {
     out += float_text(as_float());
   } else if (is_string()) {
     out += string_repr(as_string());
+  } else if (as_list() != nullptr && !as_list()->shown.empty()) {
+    out += as_list()->shown;
   } else if (const ListData* list = as_list()) {
     out += list->tuple ? '(' : '[';
     for (std::size_t i = 0; i < list->items.size(); ++i) {

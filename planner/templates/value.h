@@ -28,6 +28,7 @@ struct ListData {
   std::vector<Value> items;
   bool tuple = false;
   std::vector<std::string> names;  ///< of a named tuple
+  std::string shown;               ///< what is printed instead of the items, if not empty
 };
 struct DictData {
   std::vector<std::pair<Value, Value>> entries;  ///< in the order of insertion
@@ -63,9 +64,9 @@ class Value {
 
   static Value none() { return Value(Data(nullptr)); }
   static Value undefined(std::string name) { return Value(Data(Undefined{std::move(name)})); }
-  static Value list(std::vector<Value> items) { return Value(Data(std::make_shared<ListData>(ListData{std::move(items), false, {}}))); }
+  static Value list(std::vector<Value> items) { return Value(Data(std::make_shared<ListData>(ListData{std::move(items), false, {}, {}}))); }
   static Value tuple(std::vector<Value> items, std::vector<std::string> names = {}) {
-    return Value(Data(std::make_shared<ListData>(ListData{std::move(items), true, std::move(names)})));
+    return Value(Data(std::make_shared<ListData>(ListData{std::move(items), true, std::move(names), {}})));
   }
   static Value dict() { return Value(Data(std::make_shared<DictData>())); }
   static Value object(std::string kind) { return Value(Data(std::make_shared<ObjectData>(ObjectData{std::move(kind), {}, {}}))); }

@@ -84,6 +84,7 @@ bool Execution::fail_effect(int step, const Effect& effect, double time) {
   violation.step = step;
   Printer printer(domain_, problem_.objects);
   printer.name_objects(plan_[step].arguments);
+  printer.name_variables(effect.variables);
   violation.condition = printer.effect(effect);
   violation.message = describe_step(step) + ": the effect " + violation.condition + at_time(time) +
                       " has no value: it reads or changes a number that is undefined, or divides by 0";
