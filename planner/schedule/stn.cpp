@@ -83,35 +83,44 @@ bool Stn::solve(Micros hold_separation) {
 
 bool Stn::relax(Micros hold_separation) {
   times_.assign(point_step_.size(), 0);
+  causes_.assign(point_step_.size(), -1);
   for (std::size_t p = 0; p < point_event_.size(); ++p)
     if (point_event_[p] >= 0) times_[p] = touches_.events()[point_event_[p]].time;
-  std::size_t rounds = 0;
-  for (bool changed = true; changed;) {
+  bool changed = true;
+  const auto raise = [&](int point, int cause, Micros to) {
+    if (to <= times_[point]) return true;
+    times_[point] = to;
+    causes_[point] = cause;
+    changed = true;
+    return point_event_[point] < 0;
+  };
+  while (changed) {
     changed = false;
-    if (rounds++ > 2 * steps_.size() + 2) return false;
     // Edges are in the order of their later point, so that one sweep carries times all the way.
     std::size_t edge = 0;
+    const auto follow = [&](const Edge& e) { return raise(e.to, e.from, times_[e.from] + (e.hold ? hold_separation : kSeparation)); };
     for (std::size_t p = 0; p < times_.size(); ++p) {
-      Micros earliest = times_[p];
       for (; edge < edges_.size() && edges_[edge].to == static_cast<int>(p); ++edge)
-        earliest = std::max(earliest, times_[edges_[edge].from] + (edges_[edge].hold ? hold_separation : kSeparation));
+        if (!follow(edges_[edge])) return false;
       const int step = point_step_[p];
-      if (step >= 0 && steps_[step].end == static_cast<int>(p)) earliest = std::max(earliest, times_[steps_[step].start] + steps_[step].range.least);
-      if (earliest == times_[p]) continue;
-      if (point_event_[p] >= 0) return false;
-      times_[p] = earliest;
-      changed = true;
+      if (step >= 0 && steps_[step].end == static_cast<int>(p)) raise(steps_[step].end, steps_[step].start, times_[steps_[step].start] + steps_[step].range.least);
     }
-    for (; edge < edges_.size(); ++edge) {  // between ends to come
-      const Micros earliest = times_[edges_[edge].from] + (edges_[edge].hold ? hold_separation : kSeparation);
-      if (earliest > times_[edges_[edge].to]) times_[edges_[edge].to] = earliest, changed = true;
-    }
-    for (const Step& step : steps_) {
-      const Micros earliest = times_[step.end] - step.range.most;
-      if (earliest > times_[step.start]) times_[step.start] = earliest, changed = true;
-    }
+    for (; edge < edges_.size(); ++edge) follow(edges_[edge]);  // between ends to come
+    for (const Step& step : steps_) raise(step.start, step.end, times_[step.end] - step.range.most);
+    if (changed && has_cycle()) return false;
   }
   return true;
+}
+
+/// Whether some point waits for itself: then there are no times.
+bool Stn::has_cycle() {
+  marks_.assign(causes_.size(), 0);
+  for (std::size_t p = 0; p < causes_.size(); ++p) {
+    int at = static_cast<int>(p);
+    while (at >= 0 && marks_[at] == 0) marks_[at] = static_cast<int>(p) + 1, at = causes_[at];
+    if (at >= 0 && marks_[at] == static_cast<int>(p) + 1) return true;
+  }
+  return false;
 }
 
 bool Stn::keeps_clear_of_events() const {

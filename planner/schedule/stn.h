@@ -59,6 +59,7 @@ class Stn {
   int add_point(int step, int event);
   void connect(int point, std::span<const Touch> touches, bool at_end);
   bool relax(Micros hold_separation);
+  bool has_cycle();
   bool keeps_clear_of_events() const;
 
   const Touches& touches_;
@@ -68,6 +69,7 @@ class Stn {
   std::vector<std::vector<Use>> keys_;
   std::vector<int> used_keys_;
   std::vector<Micros> times_;
+  std::vector<int> causes_, marks_;  ///< by point: what it waits for; scratch
   int next_event_ = 0;
   Micros hold_separation_ = 0;
 };

@@ -208,7 +208,7 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
     if (check_) {
       Sequence steps = path(entry.parent);
       steps.push_back({made.action, made.duration});
-      budget.spend(Work::kSchedule, static_cast<std::int64_t>(4 * steps.size()));
+      budget.spend(Work::kSchedule, static_cast<std::int64_t>(steps.size()));
       if (!check_->accepts(steps, state.data())) continue;
     }
     if (landmark_words) {
