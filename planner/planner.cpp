@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 
 #include "planner/bounds/lower_bound.h"
 #include "planner/ground/ground.h"
@@ -66,7 +67,7 @@ class Planner {
   bool publish(const Concurrent& plan) {
     Stn stn(touches_);
     fill(stn, plan);
-    if (!stn.solve(kSeparation) && !stn.solve(0)) return false;
+    if (!stn.solve_complete(kSeparation) && !stn.solve_complete(0)) return false;
     if (answer_.plan && stn.makespan() >= best_makespan_) return false;
     TimedPlan timed;
     std::vector<int> by_start(plan.steps.size());
@@ -177,6 +178,25 @@ class Planner {
     return answer_.plan.has_value();
   }
 
+  /// Every search has ended without a plan: looks whether any order of happenings reaches the goal, whatever their times.
+  void prove_unsolvable() {
+    answer_.status = PlanStatus::kEnded;
+    answer_.reason = "no plan was found by any search; that none exists is not proved";
+    const std::optional<GroundTask> relaxed = untimed(ground_);
+    if (!relaxed) return;
+    const SearchSpace space(*relaxed);
+    LazySearch search(space.simulator, space.relaxed, space.landmarks);
+    Sequence found;
+    const SearchEnd end = search.run(space.simulator.initial(), lazy_options(0), budget_, found);
+    if (end == SearchEnd::kExhausted) {
+      answer_.status = PlanStatus::kUnsolvable;
+      answer_.reason = "no order of happenings reaches the goal, whatever their times";
+    } else if (end == SearchEnd::kBudget) {
+      answer_.status = PlanStatus::kBudget;
+      answer_.reason = "the budget ended before a plan was found";
+    }
+  }
+
   /// Looks for a sequence without regard to when events end what it needs, and moves its actions until they are in time.
   bool mend_late(std::uint64_t seed, std::int64_t slice) {
     Sequence found;
@@ -227,8 +247,7 @@ class Planner {
       if (!everything_) everything_ = make_cut(true);
       if (search_cut(*everything_, seed, slice)) return;
       if (sequences_exhausted && envelopes_->exhausted && everything_->exhausted) {
-        answer_.status = PlanStatus::kEnded;
-        answer_.reason = "no plan was found by any search; that none exists is not proved";
+        prove_unsolvable();
         return;
       }
     }

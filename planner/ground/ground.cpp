@@ -64,6 +64,7 @@ class Grounder {
     mirror_complements();
     set_initial_state();
     order_axioms();
+    find_derived_reads();
     return std::move(out_);
   }
 
@@ -431,6 +432,47 @@ class Grounder {
     }
     for (Axiom& axiom : out_.axioms) axiom.stratum = stratum[axiom.head];
     std::ranges::stable_sort(out_.axioms, {}, &Axiom::stratum);
+  }
+
+  void find_derived_reads() {
+    if (task_.domain.derivations.empty()) return;
+    for (const Action& action : task_.domain.actions) {
+      GroundTask::SchemaReads reads;
+      const auto add = [this](const TimedCondition& condition, GroundTask::SchemaReads& to) {
+        for (auto [from, target] : {std::pair{&condition.start, &to.start}, {&condition.over_all, &to.over_all}, {&condition.end, &to.end}}) {
+          std::vector<char> seen(task_.domain.predicates.size(), 0);
+          read_derived(*from, false, seen, *target);
+        }
+      };
+      add(action.condition, reads);
+      for (const Effect& effect : action.effects) add(effect.condition, reads);
+      out_.derived_reads.push_back(std::move(reads));
+    }
+  }
+
+  /// `inside`: of a rule, where plain facts count, too.
+  void read_derived(const Condition& condition, bool inside, std::vector<char>& seen, DerivedReads& reads) const {
+    const auto prepare = [&] {
+      reads.predicates.resize(task_.domain.predicates.size(), 0);
+      reads.functions.resize(task_.domain.functions.size(), 0);
+    };
+    if (condition.kind == Condition::Kind::kAtom) {
+      const PredicateId predicate = condition.predicate;
+      if (inside && !task_.domain.predicates[predicate].derived) prepare(), reads.predicates[predicate] = 1;
+      if (task_.domain.predicates[predicate].derived && !seen[predicate]) {
+        seen[predicate] = 1;
+        for (const Derivation& rule : task_.domain.derivations)
+          if (rule.predicate == predicate) read_derived(rule.condition, true, seen, reads);
+      }
+    }
+    if (inside)
+      for (const Expression& side : condition.sides) prepare(), read_functions(side, reads);
+    for (const Condition& operand : condition.operands) read_derived(operand, inside, seen, reads);
+  }
+
+  static void read_functions(const Expression& expression, DerivedReads& reads) {
+    if (expression.kind == Expression::Kind::kFunction) reads.functions[expression.function] = 1;
+    for (const Expression& operand : expression.operands) read_functions(operand, reads);
   }
 
   const Task& task_;

@@ -159,6 +159,9 @@ void rename(GroundExpression& expression, const std::vector<int>& renamed) {
 /// Keeps actions that add a fact that is asked for, or change a number that is read, counting what the goal and kept
 /// actions ask for.
 void drop_irrelevant(GroundTask& task) {
+  for (const TimedEvent& event : task.events)  // any action may be needed to wait for what events bring about
+    for (const int f : event.effects.add)
+      if (std::ranges::find(task.goal.facts, f) != task.goal.facts.end()) return;
   std::vector<char> fact(task.facts.size(), 0), number(task.numbers.size(), 0), keep(task.actions.size(), 0);
   std::vector<std::vector<int>> adders(task.facts.size()), changers(task.numbers.size());
   const auto note = [&](const GroundEffects& effects, int action) {

@@ -11,6 +11,12 @@ class Relevance {
   explicit Relevance(const Task& task)
       : task_(task), present_(task.domain.predicates.size(), 0), absent_(present_), number_(task.domain.functions.size(), 0), action_(task.domain.actions.size(), 0) {
     ask(task.problem.goal, false);
+    // A plan ends with its last action: where events bring about the goal, any action may be needed to wait for them.
+    for (const TimedFact& timed : task.problem.timed_facts)
+      if ((timed.value ? present_ : absent_)[timed.fact.predicate]) {
+        action_.assign(action_.size(), 1);
+        return;
+      }
     if (task.problem.metric) ask(task.problem.metric->value);
     while (changed_) {
       changed_ = false;

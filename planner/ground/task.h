@@ -165,6 +165,13 @@ struct GroundNumber {
   std::vector<ObjectId> objects;
 };
 
+/// What a condition reads through derived predicates, as validators judge it: every fact of the predicates, and every
+/// number of the functions, that they are derived from.
+struct DerivedReads {
+  std::vector<char> predicates, functions;  ///< empty: none
+  bool any() const { return !predicates.empty(); }
+};
+
 struct GroundTask {
   std::vector<GroundFact> facts;
   std::vector<GroundNumber> numbers;
@@ -172,6 +179,10 @@ struct GroundTask {
   std::vector<GroundAction> actions;
   std::vector<Axiom> axioms;           ///< by stratum
   std::vector<TimedEvent> events;      ///< by time
+  struct SchemaReads {
+    DerivedReads start, over_all, end;
+  };
+  std::vector<SchemaReads> derived_reads;  ///< by action of the domain; empty without derived predicates
   std::vector<char> initial_facts;     ///< without derived facts
   std::vector<double> initial_numbers; ///< not-a-number where undefined
   GroundCondition goal;

@@ -136,6 +136,7 @@ bool Decoder::schedule(DecodedPlan& plan, double most_cost) {
     for (std::size_t i = 0; i < plan.order.size(); ++i)
       if (!place(plan, i) || static_cast<double>(timeline_.makespan()) > most_cost) return false;
   }
+  timeline_.finish();
   plan.makespan = timeline_.makespan();
   plan.lateness = timeline_.lateness();
   double sum = 0;

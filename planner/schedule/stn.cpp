@@ -35,7 +35,7 @@ void Stn::connect(int point, std::span<const Touch> touches, bool at_end) {
 
 int Stn::begin(int action, DurationRange range) {
   const int step = steps();
-  steps_.push_back({action, range});
+  steps_.push_back({action, range, -1, -1, 0});
   steps_[step].start = add_point(step, -1);
   connect(steps_[step].start, touches_.of(action), false);
   return step;
@@ -74,6 +74,8 @@ bool Stn::solve(Micros hold_separation) {
           if (written.key == held.key && Touches::violates(written.at_end, held.at_end)) edges_.push_back({steps_[holder].end, steps_[writer].end, true});
     }
   const bool solved = relax(hold_separation) && keeps_clear_of_events();
+  last_happening_ = 0;
+  for (std::size_t p = 0; p < points; ++p) last_happening_ = std::max(last_happening_, times_[p]);
   for (const int step : open) steps_[step].end = -1;
   point_step_.resize(points);
   point_event_.resize(points);
@@ -81,9 +83,27 @@ bool Stn::solve(Micros hold_separation) {
   return solved;
 }
 
+bool Stn::solve_complete(Micros hold_separation) {
+  const auto fits_goal = [&] {
+    for (int event = next_event_; event < static_cast<int>(touches_.events().size()); ++event)
+      if (touches_.breaks_goal(event) && makespan() + kSeparation > touches_.events()[event].time) return false;
+    return true;
+  };
+  if (!solve(hold_separation)) return false;
+  const Micros last = next_event_ > 0 ? touches_.events()[next_event_ - 1].time + kSeparation : 0;
+  if (makespan() >= last) return fits_goal();
+  for (Step& step : steps_) {  // one of the steps waits
+    step.release = last - step.range.least;
+    if (solve(hold_separation) && fits_goal()) return true;
+    step.release = 0;
+  }
+  return false;
+}
+
 bool Stn::relax(Micros hold_separation) {
   times_.assign(point_step_.size(), 0);
   causes_.assign(point_step_.size(), -1);
+  for (const Step& step : steps_) times_[step.start] = step.release;
   for (std::size_t p = 0; p < point_event_.size(); ++p)
     if (point_event_[p] >= 0) times_[p] = touches_.events()[point_event_[p]].time;
   bool changed = true;
@@ -171,8 +191,9 @@ std::vector<Ordering> Stn::orderings() const {
       for (std::size_t w = 0; w < words; ++w) own[w] |= before[static_cast<std::size_t>(from) * words + w];
     };
     if (is_end) follow(steps_[step].start), set(own, steps_[step].start);
+    const auto weak = [&](int e) { return edges_[e].hold && hold_separation_ < kSeparation; };
     for (const int e : direct)
-      if (!edges_[e].hold) follow(edges_[e].from);
+      if (!weak(e)) follow(edges_[e].from);
     std::ranges::sort(direct, [&](int a, int b) { return edges_[a].from < edges_[b].from || (edges_[a].from == edges_[b].from && edges_[a].hold < edges_[b].hold); });
     int last = -1;
     for (const int e : direct) {
@@ -191,7 +212,7 @@ std::vector<Ordering> Stn::orderings() const {
       }
     }
     for (const int e : direct)
-      if (!edges_[e].hold) set(own, edges_[e].from);
+      if (!weak(e)) set(own, edges_[e].from);
   }
   for (const Step& step : steps_)  // events that have not happened bound what they would break
     for (const bool at_end : {false, true})

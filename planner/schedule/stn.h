@@ -33,11 +33,16 @@ class Stn {
   /// `hold_separation`: between a condition over all and what changes it at its ends; 0 is what PDDL asks.
   /// False if there are none.
   bool solve(Micros hold_separation);
+  /// The same for a complete plan: its last step ends after all events that happened, and no other event breaks the
+  /// goal before that.
+  bool solve_complete(Micros hold_separation);
 
   int steps() const { return static_cast<int>(steps_.size()); }
   Micros start(int step) const { return times_[steps_[step].start]; }
   Micros end(int step) const { return times_[steps_[step].end]; }
   Micros makespan() const;
+  /// The latest of all happenings, without ends to come.
+  Micros last_happening() const { return last_happening_; }
   /// Constraints between points, without those that follow from others. After `solve`, when all steps have ended.
   std::vector<Ordering> orderings() const;
 
@@ -46,6 +51,7 @@ class Stn {
     int action;
     DurationRange range;
     int start = -1, end = -1;  ///< points
+    Micros release = 0;        ///< not before
   };
   struct Edge {
     int from, to;
@@ -71,6 +77,7 @@ class Stn {
   std::vector<Micros> times_;
   std::vector<int> causes_, marks_;  ///< by point: what it waits for; scratch
   int next_event_ = 0;
+  Micros last_happening_ = 0;
   Micros hold_separation_ = 0;
 };
 

@@ -54,6 +54,12 @@ Touches::Touches(const GroundTask& task) : task_(task), keys_(static_cast<int>(t
       hold(touches, conditional.over_all);
       read(touches, conditional.end, false, true);
     }
+    if (!task.derived_reads.empty()) {
+      const GroundTask::SchemaReads& reads = task.derived_reads[action.schema];
+      read(touches, reads.start, Touch::kRead, true, false);
+      read(touches, reads.over_all, Touch::kHoldTrue | Touch::kHoldFalse, true, true);
+      read(touches, reads.end, Touch::kRead, false, true);
+    }
     for (const GroundDuration& duration : action.duration) read(touches, duration.bound, !duration.at_end, duration.at_end);
     for (const ContinuousEffect& effect : action.continuous) {
       read(touches, effect.rate, true, true);
@@ -61,6 +67,7 @@ Touches::Touches(const GroundTask& task) : task_(task), keys_(static_cast<int>(t
     }
     actions_.push_back(std::move(touches));
   }
+  hold(goal_, task.goal);
   events_of_key_.resize(static_cast<std::size_t>(keys_));
   for (std::size_t e = 0; e < task.events.size(); ++e) {
     std::vector<Touch> touches;
@@ -68,6 +75,13 @@ Touches::Touches(const GroundTask& task) : task_(task), keys_(static_cast<int>(t
     for (const Touch& touched : touches) events_of_key_[touched.key].push_back(static_cast<int>(e));
     events_.push_back(std::move(touches));
   }
+}
+
+bool Touches::breaks_goal(int event) const {
+  for (const Touch& touched : of_event(event))
+    for (const Touch& needed : goal_)
+      if (touched.key == needed.key && violates(touched.at_start, needed.at_start)) return true;
+  return false;
 }
 
 int Touches::key_of_fact(int fact) const {
@@ -93,6 +107,15 @@ void Touches::hold(std::vector<Touch>& touches, const GroundCondition& condition
       if (step.kind == GroundExpression::Kind::kNumber) touch(touches, static_cast<int>(task_.facts.size()) + step.number, kBoth, true, true);
 }
 
+void Touches::read(std::vector<Touch>& touches, const DerivedReads& reads, std::uint8_t does, bool at_start, bool at_end) const {
+  if (!reads.any()) return;
+  for (std::size_t f = 0; f < task_.facts.size(); ++f)
+    if (const GroundFact& fact = task_.facts[f]; !fact.derived && fact.predicate >= 0 && reads.predicates[fact.predicate])
+      touch(touches, key_of_fact(static_cast<int>(f)), does, at_start, at_end);
+  for (std::size_t n = 0; n < task_.numbers.size(); ++n)
+    if (reads.functions[task_.numbers[n].function]) touch(touches, static_cast<int>(task_.facts.size() + n), does, at_start, at_end);
+}
+
 void Touches::read(std::vector<Touch>& touches, const GroundExpression& expression, bool at_start, bool at_end) const {
   for (const auto& step : expression.steps)
     if (step.kind == GroundExpression::Kind::kNumber)
@@ -111,6 +134,16 @@ void Touches::write(std::vector<Touch>& touches, const GroundEffects& effects, b
     touch(touches, static_cast<int>(task_.facts.size()) + effect.number, does, at_start, !at_start);
     read(touches, effect.value, at_start, !at_start);
   }
+}
+
+bool Timeline::finish() {
+  for (int event = next_event_; event < static_cast<int>(touches_.events().size()); ++event) {
+    const Micros late = makespan_ + kSeparation - touches_.events()[event].time;
+    if (late <= 0 || !touches_.breaks_goal(event)) continue;
+    if (!lenient_) return false;
+    lateness_ += late;
+  }
+  return true;
 }
 
 void Timeline::clear() {

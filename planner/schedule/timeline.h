@@ -33,6 +33,10 @@ class Touches {
   int keys() const { return keys_; }
   std::span<const Touch> of(int action) const { return actions_[action]; }
   std::span<const Touch> of_event(int event) const { return events_[event]; }
+  /// What the goal needs.
+  std::span<const Touch> of_goal() const { return goal_; }
+  /// Whether an event makes the goal false.
+  bool breaks_goal(int event) const;
   const std::vector<TimedEvent>& events() const { return task_.events; }
   /// Events that touch a key, ascending.
   std::span<const int> events_of(int key) const { return events_of_key_[key]; }
@@ -53,6 +57,7 @@ class Touches {
 
  private:
   void read(std::vector<Touch>& touches, const GroundCondition& condition, bool at_start, bool at_end) const;
+  void read(std::vector<Touch>& touches, const DerivedReads& reads, std::uint8_t does, bool at_start, bool at_end) const;
   void hold(std::vector<Touch>& touches, const GroundCondition& condition) const;
   void read(std::vector<Touch>& touches, const GroundExpression& expression, bool at_start, bool at_end) const;
   void write(std::vector<Touch>& touches, const GroundEffects& effects, bool at_start) const;
@@ -62,6 +67,7 @@ class Touches {
   int keys_ = 0;
   std::vector<std::vector<int>> bases_;  ///< by fact: keys that it depends on
   std::vector<std::vector<Touch>> actions_, events_;
+  std::vector<Touch> goal_;
   std::vector<std::vector<int>> events_of_key_;
 };
 
@@ -85,7 +91,8 @@ class Timeline {
   int cause() const { return cause_; }
   /// Lets the next event happen after all that has been appended. False if that is too late.
   bool append_event();
-  int next_event() const { return next_event_; }
+  /// Says that the plan is complete. False if an event that has not been appended breaks the goal before its end.
+  bool finish();
   Micros makespan() const { return makespan_; }
   /// By how much happenings came too late, summed; 0 unless lenient.
   Micros lateness() const { return lateness_; }

@@ -128,6 +128,11 @@ bool EventCheck::accepts(const Sequence& path, const Word*) {
   return true;
 }
 
+bool EventCheck::accepts_goal(const Sequence& path) {
+  const bool acts = std::ranges::any_of(path, [](const SequenceStep& step) { return !is_event(step); });
+  return (acts || path.empty()) && accepts(path, nullptr) && timeline_.finish();
+}
+
 SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, Budget& budget, Sequence& found) {
   const GroundTask& task = simulator_.task();
   const int words = simulator_.words();
@@ -137,7 +142,7 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
   RelaxedHeuristic heuristic(simulator_, relaxed_);
   if (options.cost_noise > 0) heuristic.scatter_costs(random, options.cost_noise);
   const std::int64_t last_unit = options.most_units == Budget::kUnlimited ? Budget::kUnlimited : budget.units() + options.most_units;
-  Nodes nodes(words, landmark_words);
+  Nodes nodes(words + 1, landmark_words);  // the last word is the signature
   enum { kPlain, kPlainPreferred, kMarks, kMarksPreferred, kQueues };
   std::vector<Queue> queues(kQueues);
   int best_plain = std::numeric_limits<int>::max(), best_marks = best_plain;
@@ -150,6 +155,7 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
     return steps;
   };
   PackedState state = start;
+  state.push_back(0);
   std::vector<Word> reached(static_cast<std::size_t>(landmark_words), 0);
   if (landmark_words) landmarks_.mark(state.data(), reached.data());
   int node = nodes.add(state.data(), reached.data(), {});
@@ -159,7 +165,7 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
       const int next_event = nodes[node].next_event;
       if (simulator_.is_goal(state.data())) {
         found = path(node);
-        return SearchEnd::kFound;
+        if (!check_ || check_->accepts_goal(found)) return SearchEnd::kFound;
       }
       const int estimate = heuristic.evaluate(state.data(), next_event);
       budget.spend(Work::kReach, heuristic.work() - reported);
@@ -195,7 +201,7 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
     if (!next) return SearchEnd::kExhausted;
     ++next->priority;
     const Queue::Entry entry = options.random_choice > 0 && random.chance(options.random_choice) ? next->pop_any(random) : next->pop();
-    state.assign(nodes.state(entry.parent), nodes.state(entry.parent) + words);
+    state.assign(nodes.state(entry.parent), nodes.state(entry.parent) + words + 1);
     budget.spend(Work::kNode, 1);
     Nodes::Node made{entry.parent, entry.action, 0, nodes[entry.parent].next_event};
     node = -1;
@@ -210,6 +216,7 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
       steps.push_back({made.action, made.duration});
       budget.spend(Work::kSchedule, static_cast<std::int64_t>(steps.size()));
       if (!check_->accepts(steps, state.data())) continue;
+      state.back() = check_->signature();
     }
     if (landmark_words) {
       std::copy(nodes.reached(entry.parent), nodes.reached(entry.parent) + landmark_words, reached.begin());

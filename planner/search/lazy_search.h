@@ -45,6 +45,10 @@ class PathCheck {
   virtual ~PathCheck() = default;
   /// `path` has been accepted but for its last step; `state` is the state that it leads to.
   virtual bool accepts(const Sequence& path, const Word* state) = 0;
+  /// Of the path accepted last: equal states with different signatures are different, for time matters to them.
+  virtual Word signature() const = 0;
+  /// `path` has been accepted and leads to the goal.
+  virtual bool accepts_goal(const Sequence& path) = 0;
 };
 
 /// Accepts sequences of whole actions that keep clear of events.
@@ -52,6 +56,8 @@ class EventCheck : public PathCheck {
  public:
   explicit EventCheck(const Touches& touches) : timeline_(touches) {}
   bool accepts(const Sequence& path, const Word* state) override;
+  Word signature() const override { return 0; }
+  bool accepts_goal(const Sequence& path) override;
 
  private:
   Timeline timeline_;

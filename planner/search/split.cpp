@@ -6,6 +6,8 @@ namespace cxlab::planner {
 
 namespace {
 
+constexpr Micros kSignatureGrain = 50 * kSeparation;  ///< separations add up differently in another order
+
 bool contains(const std::vector<int>& sorted, int item) { return std::ranges::binary_search(sorted, item); }
 
 bool mentions_duration(const GroundExpression& expression) {
@@ -96,6 +98,37 @@ SplitTask split(const GroundTask& task, const std::vector<char>& cut) {
   return out;
 }
 
+std::optional<GroundTask> untimed(const GroundTask& task) {
+  GroundTask out = task;
+  out.actions.clear();
+  for (const GroundAction& action : task.actions) {
+    if (!action.durative) {
+      out.actions.push_back(action);
+      continue;
+    }
+    if (!can_be_cut(action)) return std::nullopt;
+    const int begun = static_cast<int>(out.facts.size());
+    out.facts.push_back({-1, {}, -1, false, false});
+    out.initial_facts.push_back(0);
+    GroundAction begin, end;
+    begin.schema = end.schema = action.schema;
+    begin.arguments = end.arguments = action.arguments;
+    begin.start = action.start;
+    begin.at_start = action.at_start;
+    begin.at_start.add.push_back(begun);
+    end.start = action.end;
+    end.start.facts.push_back(begun);
+    end.at_start = action.at_end;
+    for (const ConditionalEffects& conditional : action.conditional) {
+      if (!conditional.at_start.empty()) begin.conditional.push_back({conditional.start, {}, {}, conditional.at_start, {}});
+      if (!conditional.at_end.empty()) end.conditional.push_back({conditional.end, {}, {}, conditional.at_end, {}});
+    }
+    out.actions.push_back(std::move(begin));
+    out.actions.push_back(std::move(end));
+  }
+  return out;
+}
+
 SplitCheck::SplitCheck(const SplitTask& split, const GroundTask& original, const Touches& touches)
     : split_(split), original_(original), simulator_(split.task), stn_(touches) {}
 
@@ -131,7 +164,20 @@ bool SplitCheck::accepts(const Sequence& path, const Word* state) {
   }
   for (const auto& [action, step] : open)
     if (!simulator_.holds(original_.actions[action].over_all, state)) return false;
-  return stn_.solve(0);
+  if (!stn_.solve(0)) return false;
+  signature_ = 0;
+  std::ranges::sort(open);
+  for (const auto& [action, step] : open) {
+    const Micros ran = (stn_.last_happening() - stn_.start(step)) / kSignatureGrain;
+    signature_ = (signature_ ^ static_cast<Word>(ran + 1)) * 0x9e3779b97f4a7c15ull;
+  }
+  return true;
+}
+
+bool SplitCheck::accepts_goal(const Sequence& path) {
+  if (original_.events.empty()) return true;
+  fill(stn_, translate(path));
+  return (path.empty() || stn_.steps() > 0) && stn_.solve_complete(0);
 }
 
 Concurrent SplitCheck::translate(const Sequence& path) const {

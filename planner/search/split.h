@@ -5,7 +5,7 @@
 // Between its beginning and its end an action is running, a fact that only its own parts touch. A sequence of parts is
 // a plan if no condition over all is broken in between and the temporal network of its happenings has a solution.
 
-#include <memory>
+#include <optional>
 #include <vector>
 
 #include "planner/schedule/stn.h"
@@ -33,6 +33,11 @@ struct SplitTask {
 /// Cuts the actions that are marked.
 SplitTask split(const GroundTask& task, const std::vector<char>& cut);
 
+/// A task that has every plan of this one as a sequence, and more: time and conditions over all are left out, an action
+/// that has begun once may end at any time and often. What cannot be reached there cannot be reached. Nothing if an action
+/// cannot be cut.
+std::optional<GroundTask> untimed(const GroundTask& task);
+
 /// A plan with overlaps: steps, and their happenings in an order in which they are right.
 struct Happening {
   enum class Kind : std::uint8_t { kBegin, kEnd, kEvent };
@@ -54,6 +59,9 @@ class SplitCheck : public PathCheck {
   SplitCheck(const SplitTask& split, const GroundTask& original, const Touches& touches);
 
   bool accepts(const Sequence& path, const Word* state) override;
+  /// How long each running action has run by the time of the last happening, roughly.
+  Word signature() const override { return signature_; }
+  bool accepts_goal(const Sequence& path) override;
   /// The steps of a sequence of the split task.
   Concurrent translate(const Sequence& path) const;
 
@@ -64,6 +72,7 @@ class SplitCheck : public PathCheck {
   const GroundTask& original_;
   Simulator simulator_;  ///< of the split task
   Stn stn_;
+  Word signature_ = 0;
 };
 
 /// The sequence of parts of a sequence of whole actions.

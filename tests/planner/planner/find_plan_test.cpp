@@ -1,0 +1,194 @@
+// Problems that need one feature each, and the answers that are not plans.
+
+#include "planner/planner.h"
+
+#include <gtest/gtest.h>
+
+#include "planner/pddl/parser.h"
+#include "planner/validator/validator.h"
+
+namespace cxlab::planner {
+namespace {
+
+Task parse(const std::string& domain_body, const std::string& problem_body) {
+  Expected<Domain> domain = parse_domain("(define (domain d) (:requirements :adl :durative-actions :fluents :timed-initial-literals :derived-predicates :continuous-effects :duration-inequalities)\n" + domain_body + ")", "domain.pddl");
+  EXPECT_TRUE(domain) << domain.error().text();
+  Expected<Problem> problem = parse_problem("(define (problem p) (:domain d)\n" + problem_body + ")", "problem.pddl", *domain);
+  EXPECT_TRUE(problem) << problem.error().text();
+  return {std::move(*domain), std::move(*problem)};
+}
+
+/// The answer; a plan has been judged by the validator once more.
+PlanAnswer answer(const Task& task, PlanOptions options = {.budget = 2'000'000}) {
+  Expected<PlanAnswer> found = find_plan(task, options);
+  EXPECT_TRUE(found) << found.error().text();
+  EXPECT_EQ(found->refused, 0) << found->refusal;
+  if (found->plan) {
+    const Expected<Verdict> verdict = Validator(task.domain, task.problem).check(found->plan->steps);
+    EXPECT_TRUE(verdict && verdict->valid) << to_text(found->plan->steps, task.domain, task.problem);
+  }
+  return std::move(*found);
+}
+
+constexpr const char* kLamp = R"((:predicates (dark) (light) (done ?i) (item ?i) (free))
+  (:durative-action strike :parameters () :duration (= ?duration 5) :condition (at start (dark))
+   :effect (and (at start (not (dark))) (at start (light)) (at end (not (light))) (at end (dark))))
+  (:durative-action mend :parameters (?i) :duration (= ?duration 2)
+   :condition (and (at start (item ?i)) (at start (free)) (over all (light)))
+   :effect (and (at start (not (free))) (at end (free)) (at end (done ?i)))))";
+
+TEST(FindPlan, OverlapsActionsWhereOneNeedsTheOther) {
+  const PlanAnswer found = answer(parse(kLamp, "(:objects a b c) (:init (dark) (free) (item a) (item b) (item c)) (:goal (and (done a) (done b) (done c)))"));
+  ASSERT_TRUE(found.plan);
+  EXPECT_EQ(found.plan->steps.size(), 5u);  // two matches: three items take six seconds
+}
+
+TEST(FindPlan, WhatHappensTooLateIsNoPlan) {
+  const std::string domain = R"((:predicates (open) (in))
+    (:durative-action enter :parameters () :duration (= ?duration 4) :condition (over all (open)) :effect (at end (in))))";
+  const PlanAnswer in_time = answer(parse(domain, "(:init (at 2 (open)) (at 7 (not (open)))) (:goal (in))"));
+  ASSERT_TRUE(in_time.plan);
+  EXPECT_GE(in_time.plan->steps[0].start, 2.0);
+  EXPECT_FALSE(answer(parse(domain, "(:init (at 2 (open)) (at 5 (not (open)))) (:goal (in))")).plan);
+}
+
+TEST(FindPlan, APlanThatWaitsForAnEventEndsAfterIt) {
+  const PlanAnswer found = answer(parse(R"((:predicates (day) (awake))
+    (:durative-action rise :parameters () :duration (= ?duration 1) :condition () :effect (at end (awake))))",
+                                        "(:init (at 6 (day))) (:goal (and (day) (awake)))"));
+  ASSERT_TRUE(found.plan);
+  EXPECT_GT(found.plan->makespan_s, 6.0);
+}
+
+TEST(FindPlan, CountsWhatItMustCollect) {
+  const PlanAnswer found = answer(parse(R"((:functions (coins)) (:predicates (bought))
+    (:durative-action earn :parameters () :duration (= ?duration 2) :condition (at start (<= (coins) 5)) :effect (at end (increase (coins) 2)))
+    (:durative-action buy :parameters () :duration (= ?duration 1) :condition (at start (>= (coins) 5)) :effect (and (at end (bought)) (at start (decrease (coins) 5)))))",
+                                        "(:init (= (coins) 0)) (:goal (bought))"));
+  ASSERT_TRUE(found.plan);
+  EXPECT_EQ(found.plan->steps.size(), 4u);
+}
+
+TEST(FindPlan, DurationsDependOnTheState) {
+  const PlanAnswer found = answer(parse(R"((:functions (fuel) (rate)) (:predicates (full))
+    (:durative-action refuel :parameters () :duration (= ?duration (/ (- 10 (fuel)) (rate))) :condition () :effect (and (at end (assign (fuel) 10)) (at end (full)))))",
+                                        "(:init (= (fuel) 4) (= (rate) 2)) (:goal (full))"));
+  ASSERT_TRUE(found.plan);
+  EXPECT_NEAR(found.plan->steps[0].duration, 3.0, 1e-9);
+}
+
+TEST(FindPlan, DerivedFactsAndTheirAbsence) {
+  const PlanAnswer found = answer(parse(R"((:predicates (on ?a ?b) (above ?a ?b) (taken))
+    (:derived (above ?a ?b) (or (on ?a ?b) (exists (?c) (and (on ?a ?c) (above ?c ?b)))))
+    (:action lift :parameters (?a ?b) :precondition (on ?a ?b) :effect (not (on ?a ?b)))
+    (:action take :parameters (?b) :precondition (forall (?a) (not (above ?a ?b))) :effect (taken)))",
+                                        "(:objects x y z) (:init (on x y) (on y z)) (:goal (and (taken) (not (above x z))))"));
+  ASSERT_TRUE(found.plan);
+}
+
+TEST(FindPlan, AConditionOfTheBeginningDecidesAnEffectAtTheEnd) {
+  const PlanAnswer found = answer(parse(R"((:predicates (wet) (rain) (home))
+    (:durative-action walk :parameters () :duration (= ?duration 3) :condition () :effect (and (at end (home)) (when (at start (rain)) (at end (wet))))))",
+                                        "(:init (rain) (at 1 (not (rain)))) (:goal (and (home) (not (wet))))"));
+  ASSERT_TRUE(found.plan);
+  EXPECT_GT(found.plan->steps[0].start, 1.0);
+}
+
+TEST(FindPlan, NumbersThatChangeAllAlong) {
+  const PlanAnswer found = answer(parse(R"((:functions (level)) (:predicates (idle))
+    (:durative-action pump :parameters () :duration (= ?duration 3) :condition (and (at start (idle)) (over all (>= (level) 0)))
+     :effect (and (at start (not (idle))) (at end (idle)) (increase (level) (* #t 2)))))",
+                                        "(:init (idle) (= (level) 1)) (:goal (>= (level) 12))"));
+  ASSERT_TRUE(found.plan);
+  EXPECT_EQ(found.plan->steps.size(), 2u);
+}
+
+TEST(FindPlan, ProvesThatNothingAddsTheGoal) {
+  const PlanAnswer found = answer(parse("(:predicates (a) (b)) (:action make :parameters () :precondition (b) :effect (a))", "(:init) (:goal (a))"));
+  EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
+}
+
+TEST(FindPlan, ProvesThatNoOrderWorks) {
+  const PlanAnswer found = answer(parse(R"((:predicates (key) (a) (b))
+    (:action open-a :parameters () :precondition (key) :effect (and (a) (not (key))))
+    (:action open-b :parameters () :precondition (key) :effect (and (b) (not (key)))))",
+                                        "(:init (key)) (:goal (and (a) (b)))"));
+  EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
+}
+
+TEST(FindPlan, EndsWithoutProofWhereOnlyTimeForbids) {
+  const std::string domain = R"((:predicates (lit) (done))
+    (:durative-action flash :parameters () :duration (= ?duration 1) :condition () :effect (and (at start (lit)) (at end (not (lit)))))
+    (:durative-action work :parameters () :duration (= ?duration 2) :condition (over all (lit)) :effect (at end (done))))";
+  EXPECT_EQ(answer(parse(domain, "(:init) (:goal (done))")).status, PlanStatus::kEnded);
+}
+
+TEST(FindPlan, SaysThatTheBudgetEnded) {
+  std::string objects = "(:objects";
+  std::string init;
+  for (int i = 0; i < 14; ++i) objects += " o" + std::to_string(i), init += " (item o" + std::to_string(i) + ")";
+  const PlanAnswer found = answer(parse(kLamp, objects + ") (:init (dark) (free)" + init + ") (:goal (forall (?i) (done ?i)))"), {.budget = 300});
+  EXPECT_EQ(found.status, PlanStatus::kBudget);
+  EXPECT_GE(found.units, 300);
+}
+
+constexpr const char* kJobs = R"((:types job machine - object) (:predicates (waits ?j - job) (at ?j - job ?m - machine) (free ?m - machine) (done ?j - job))
+  (:durative-action load :parameters (?j - job ?m - machine) :duration (= ?duration 2) :condition (and (at start (waits ?j)) (at start (free ?m)))
+   :effect (and (at start (not (waits ?j))) (at start (not (free ?m))) (at end (at ?j ?m))))
+  (:durative-action work :parameters (?j - job ?m - machine) :duration (= ?duration 5) :condition (at start (at ?j ?m))
+   :effect (and (at start (not (at ?j ?m))) (at end (free ?m)) (at end (done ?j)))))";
+constexpr const char* kSixJobs = R"((:objects j1 j2 j3 j4 j5 j6 - job m1 m2 m3 - machine)
+  (:init (waits j1) (waits j2) (waits j3) (waits j4) (waits j5) (waits j6) (free m1) (free m2) (free m3))
+  (:goal (forall (?j - job) (done ?j))))";
+
+TEST(FindPlan, ImprovesUntilTheBudgetEnds) {
+  const Task task = parse(kJobs, kSixJobs);
+  const PlanAnswer found = answer(task, {.budget = 500'000, .anytime = true});
+  ASSERT_TRUE(found.plan);
+  EXPECT_NEAR(found.plan->makespan_s, 14.0, 0.02);  // two rounds on three machines
+  EXPECT_LE(found.lower_bound_s, found.plan->makespan_s);
+}
+
+TEST(FindPlan, SameBudgetSamePlan) {
+  const Task task = parse(kJobs, kSixJobs);
+  const PlanOptions options{.budget = 200'000, .anytime = true};
+  const PlanAnswer once = answer(task, options), again = answer(task, options);
+  ASSERT_TRUE(once.plan && again.plan);
+  EXPECT_EQ(to_text(once.plan->steps, task.domain, task.problem), to_text(again.plan->steps, task.domain, task.problem));
+  EXPECT_EQ(once.units, again.units);
+}
+
+TEST(FindPlan, EveryPlanToldIsBetterThanTheLast) {
+  const Task task = parse(kJobs, kSixJobs);
+  std::vector<double> told;
+  PlanOptions options{.budget = 300'000, .anytime = true};
+  options.on_plan = [&](const TimedPlan& plan, std::int64_t) { told.push_back(plan.makespan_s); };
+  const PlanAnswer found = answer(task, options);
+  ASSERT_FALSE(told.empty());
+  EXPECT_TRUE(std::ranges::is_sorted(told, std::greater_equal<>{}));
+  EXPECT_EQ(told.back(), found.plan->makespan_s);
+}
+
+TEST(FindPlan, PlansShiftedWithinThePartialOrderAreRight) {
+  const Task task = parse(kJobs, kSixJobs);
+  const PlanAnswer found = answer(task, {.budget = 200'000, .anytime = true});
+  ASSERT_TRUE(found.plan);
+  Plan late = found.plan->steps;
+  for (std::size_t i = 0; i < late.size(); ++i) late[i].start = static_cast<double>(found.plan->latest[2 * i]) / kMicrosPerSecond;
+  const Expected<Verdict> verdict = Validator(task.domain, task.problem).check(late);
+  EXPECT_TRUE(verdict && verdict->valid) << (verdict ? verdict->violation->message : verdict.error().text());
+}
+
+TEST(FindPlan, GoesOnFromAPlanUnderExecution) {
+  const Task before = parse(kJobs, kSixJobs);
+  const PlanAnswer first = answer(before);
+  ASSERT_TRUE(first.plan);
+  const Task now = parse(kJobs, R"((:objects j1 j2 j3 j4 j5 j6 - job m1 m2 m3 - machine)
+    (:init (waits j2) (waits j3) (waits j4) (waits j5) (waits j6) (at j1 m1) (free m2) (free m3)) (:goal (forall (?j - job) (done ?j))))");
+  const PlanAnswer second = answer(now, {.budget = 200'000, .warm_start = first.plan->steps});
+  ASSERT_TRUE(second.plan);
+  EXPECT_EQ(second.plan->steps.size(), 11u);
+}
+
+}  // namespace
+}  // namespace cxlab::planner

@@ -1,0 +1,12 @@
+#include "tests/planner/random/check_many.h"
+
+namespace cxlab::planner {
+
+TEST(RandomProblems, TenThousandOfThem) {
+  const Tally tally = check_many(2, 10'000);
+  std::printf("plans %d, proved unsolvable %d, no answer %d, of which the oracle solves %d\n", tally.plans, tally.unsolvable, tally.ended, tally.missed);
+  EXPECT_GT(tally.plans, 2000);
+  EXPECT_LT(tally.missed, 10);
+}
+
+}  // namespace cxlab::planner

@@ -1,0 +1,42 @@
+#pragma once
+// Small random temporal problems: facts without arguments, one counter, actions with whole durations, events.
+
+#include <string>
+#include <vector>
+
+#include "cx/base/random.h"
+
+namespace cxlab::planner {
+
+struct Literal {
+  int fact = 0;
+  bool value = true;
+};
+
+struct RandomAction {
+  int duration = 1;  ///< s
+  std::vector<Literal> start, over_all, end;              ///< conditions
+  std::vector<Literal> start_effects, end_effects;
+  int least_count = -1;  ///< the counter at the start; -1: not read
+  int change = 0;        ///< of the counter at the end
+};
+
+struct RandomEvent {
+  int time = 1;  ///< s
+  Literal effect;
+};
+
+struct RandomProblem {
+  int facts = 4;
+  std::vector<char> initial;
+  int count = 0;
+  std::vector<RandomAction> actions;
+  std::vector<RandomEvent> events;
+  std::vector<Literal> goal;
+
+  static RandomProblem draw(RandomStream& random);
+  std::string domain() const;
+  std::string problem() const;
+};
+
+}  // namespace cxlab::planner

@@ -1,0 +1,24 @@
+#include "tests/planner/random/check_many.h"
+
+namespace cxlab::planner {
+
+TEST(RandomProblems, PlansAreValidAndWhatIsCalledUnsolvableHasNoPlan) {
+  const Tally tally = check_many(1, 300);
+  EXPECT_GT(tally.plans, 60);
+  EXPECT_GT(tally.unsolvable, 30);
+  EXPECT_EQ(tally.missed, 0) << "the oracle found plans where the planner ended without an answer";
+}
+
+TEST(RandomProblems, TheOracleKnowsThatOverlapSolvesWhatSequencesCannot) {
+  RandomProblem problem;
+  problem.facts = 2;
+  problem.initial = {0, 0};
+  problem.actions = {{3, {}, {}, {}, {{0, true}}, {{0, false}}, -1, 0}, {1, {}, {{0, true}}, {}, {}, {{1, true}}, -1, 0}};
+  problem.goal = {{1, true}};
+  EXPECT_EQ(ask_oracle(problem), OracleAnswer::kSolvable);
+  problem.actions[0].duration = 1;
+  problem.actions[1].duration = 2;
+  EXPECT_EQ(ask_oracle(problem), OracleAnswer::kNoPlanInHorizon);
+}
+
+}  // namespace cxlab::planner

@@ -1,0 +1,21 @@
+#pragma once
+// Whether a random problem has a plan, by trying everything: an own simulation that shares nothing with the planner.
+//
+// Time is counted in whole seconds and, within a second, in instants that are one epsilon apart. At every instant any
+// set of actions may start; what is due ends, and events happen. All reachable situations up to a horizon are visited.
+
+#include "tests/planner/random/random_problem.h"
+
+namespace cxlab::planner {
+
+enum class OracleAnswer { kSolvable, kNoPlanInHorizon, kTooLarge };
+
+struct OracleLimits {
+  int seconds = 9;
+  int instants = 4;  ///< of a second
+  std::size_t most_situations = 200'000;
+};
+
+OracleAnswer ask_oracle(const RandomProblem& problem, const OracleLimits& limits = {});
+
+}  // namespace cxlab::planner
