@@ -57,12 +57,31 @@ ParticipantId Bus::join(ParticipantKind kind, NodeName name, StreamId stream) {
 }
 
 const NodeName& Bus::name_of(ParticipantId p) const { return state_->participant(p).name; }
+std::optional<ParticipantId> Bus::find_node(std::string_view full_name) const {
+  for (std::size_t i = 0; i < state_->participants.size(); ++i) {
+    const Participant& p = *state_->participants[i];
+    if (p.kind == ParticipantKind::kNode && !p.gone && p.name.full_name() == full_name) return static_cast<ParticipantId>(i);
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> Bus::nodes() const {
+  std::vector<std::string> names;
+  for (const auto& p : state_->participants)
+    if (p->kind == ParticipantKind::kNode && !p->gone) names.push_back(p->name.full_name());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 StreamId Bus::stream_of(ParticipantId p) const { return state_->participant(p).stream; }
 
 void Bus::leave(ParticipantId p) {
   Participant& participant = state_->participant(p);
+  if (participant.gone) return;
   for (std::size_t i = 0; i < participant.endpoints.size(); ++i)
     if (participant.endpoints[i]) remove(participant.endpoints[i]->id);
+  participant.gone = true;
+  if (!participant.delivering) participant.release();
   state_->data.begin().field("op", "leave").field("name", std::string_view(participant.name.full_name()));
   state_->sink.write(participant.stream, now_, RecordKind::kBus, state_->data);
 }
@@ -83,10 +102,14 @@ void Bus::begin_tick(SimTime now) {
 Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::unique_ptr<Endpoint> made,
                               std::string_view type_name) {
   Participant& owner = state_->participant(p);
+  if (owner.gone) return Error{ErrorKind::kRun, "node '" + owner.name.full_name() + "' has left the bus", {}, 0, {}};
   const std::string noun(noun_of(made->kind));
   if (const std::string fault = name_fault(written); !fault.empty())
     return input_error("name of the " + noun + " '" + std::string(written) + "' " + fault);
-  const std::string name = owner.name.resolve(written);
+  const NameKind kind = made->kind <= EndpointKind::kSubscription ? NameKind::kTopic
+                        : made->kind <= EndpointKind::kClient     ? NameKind::kService
+                                                                  : NameKind::kAction;
+  const std::string name = owner.name.resolve(written, kind);
   auto& channel = state_->channels(made->kind)[name];
   if (!channel) {
     channel = std::make_unique<Channel>();

@@ -80,19 +80,25 @@ using Causes = std::span<const RecordRef>;
 
 using Handler = std::function<void(const Delivery&)>;
 
-/// How names of one participant map to the bus: relative names get the namespace, "~" the node name, then the first
-/// remap whose FROM, expanded in the same way, is that name replaces it.
+enum class NameKind : std::uint8_t { kTopic, kService, kAction };
+
+/// How names of one participant map to the bus: relative names get the namespace, "~" the node name, `{node}`, `{ns}` and
+/// `{namespace}` what they say; then the first remap whose FROM, expanded in the same way, is that name replaces it.
+/// A FROM may begin with "NODE:" (holds for nodes of that name only) and with "rostopic://" or "rosservice://" (for topics
+/// or services only), as in ROS.
 struct NodeName {
   std::string name;                                         ///< e.g. "clips_manager"
   std::string name_space = "/";                             ///< absolute
   std::vector<std::pair<std::string, std::string>> remaps;  ///< FROM := TO, both as written by the user
   /// The absolute name on the bus. Absolute names are only moved by remaps.
-  std::string resolve(std::string_view name_as_written) const;
+  std::string resolve(std::string_view name_as_written, NameKind kind = NameKind::kTopic) const;
   /// The same without remaps.
   std::string expand(std::string_view name_as_written) const;
   /// E.g. "/ns/clips_manager".
   std::string full_name() const;
 };
+/// Carries out the remaps `__node:=NAME`, `__name:=NAME` and `__ns:=/NAMESPACE` (also behind "NODE:") and takes them out.
+void rename_node(NodeName& node);
 
 /// Takes part in the input log: what entered each environment, and the answers of functions that look outside.
 class InputTap {
@@ -113,6 +119,10 @@ class Bus {
   // --- Participants
   ParticipantId join(ParticipantKind kind, NodeName name, StreamId stream);
   const NodeName& name_of(ParticipantId p) const;
+  /// The node of that full name that is there; none after it left.
+  std::optional<ParticipantId> find_node(std::string_view full_name) const;
+  /// Full names of all nodes that are there, sorted.
+  std::vector<std::string> nodes() const;
   StreamId stream_of(ParticipantId p) const;
   /// Removes the participant's endpoints; what it had posted is still delivered.
   void leave(ParticipantId p);

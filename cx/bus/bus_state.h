@@ -113,10 +113,17 @@ struct Participant {
   std::uint64_t twin = 0;  ///< participants of the same full name that joined before
   std::uint64_t posts = 0;
   bool delivering = false;
+  bool gone = false;  ///< it has left; its name and stream stay, for what it had posted
   std::vector<std::unique_ptr<Endpoint>> endpoints;  ///< by number; null once removed
   std::vector<Delivery> inbox;                       ///< may be taken now
   std::vector<Delivery> next_inbox;                  ///< from environments to this one: after the next begin_tick
   std::vector<Delivery> taken;                       ///< what deliver() works on; keeps its memory
+
+  /// Gives the memory of one that left back: many environments may come and go.
+  void release() {
+    std::vector<std::unique_ptr<Endpoint>>().swap(endpoints);
+    for (auto* box : {&inbox, &next_inbox, &taken}) std::vector<Delivery>().swap(*box);
+  }
 };
 
 struct Bus::State {

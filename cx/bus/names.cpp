@@ -6,22 +6,73 @@ namespace cxlab::bus {
 
 std::string NodeName::full_name() const { return (name_space == "/" ? "" : name_space) + '/' + name; }
 
-std::string NodeName::expand(std::string_view written) const {
-  if (!written.empty() && written.front() == '/') return std::string(written);
-  if (!written.empty() && written.front() == '~') return full_name() + std::string(written.substr(1));
-  return (name_space == "/" ? "" : name_space) + '/' + std::string(written);
+namespace {
+
+void substitute(std::string& text, std::string_view word, const std::string& value) {
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + value.size())) text.replace(at, word.size(), value);
 }
 
-std::string NodeName::resolve(std::string_view name_as_written) const {
+/// Takes "NODE:" off the front, if there is one; "rostopic://" is none. False if it is of another node.
+bool is_for(const std::string& node, std::string_view& from) {
+  const std::size_t colon = from.find(':');
+  if (colon == std::string_view::npos || from.substr(colon).starts_with("://")) return true;
+  if (from.substr(0, colon) != node) return false;
+  from.remove_prefix(colon + 1);
+  return true;
+}
+
+/// Takes the kind's prefix off the front. False if it is of another kind.
+bool is_for(NameKind kind, std::string_view& from) {
+  for (const auto& [prefix, wanted] : {std::pair<std::string_view, NameKind>{"rostopic://", NameKind::kTopic}, {"rosservice://", NameKind::kService}}) {
+    if (!from.starts_with(prefix)) continue;
+    from.remove_prefix(prefix.size());
+    return kind == wanted;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string NodeName::expand(std::string_view as_written) const {
+  std::string written(as_written);
+  if (written.find('{') != std::string::npos) {
+    substitute(written, "{node}", name);
+    for (const char* word : {"{ns}", "{namespace}"}) substitute(written, word, name_space.substr(name_space.starts_with('/') ? 1 : 0));
+  }
+  if (!written.empty() && written.front() == '/') return written;
+  if (!written.empty() && written.front() == '~') return full_name() + written.substr(1);
+  return (name_space == "/" ? "" : name_space) + '/' + written;
+}
+
+std::string NodeName::resolve(std::string_view name_as_written, NameKind kind) const {
   const std::string expanded = expand(name_as_written);
-  for (const auto& [from, to] : remaps)
-    if (expand(from) == expanded) return expand(to);
+  for (const auto& [written, to] : remaps) {
+    std::string_view from = written;
+    if (is_for(name, from) && is_for(kind, from) && expand(from) == expanded) {
+      std::string_view target = to;
+      (void)is_for(kind, target);
+      return expand(target);
+    }
+  }
   return expanded;
+}
+
+void rename_node(NodeName& node) {
+  const std::string old_name = node.name;
+  std::erase_if(node.remaps, [&](const auto& remap) {
+    std::string_view from = remap.first;
+    const bool ours = is_for(old_name, from);
+    if (from != "__node" && from != "__name" && from != "__ns") return false;
+    if (ours) (from == "__ns" ? node.name_space : node.name) = remap.second;
+    return true;
+  });
 }
 
 std::string name_fault(std::string_view written) {
   if (written.empty()) return "is empty";
-  std::string_view rest = written;
+  std::string plain(written);
+  for (const char* word : {"{node}", "{ns}", "{namespace}"}) substitute(plain, word, "x");
+  std::string_view rest = plain;
   if (rest.front() == '~') {
     rest.remove_prefix(1);
     if (rest.empty()) return {};

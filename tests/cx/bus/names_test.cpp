@@ -37,9 +37,29 @@ TEST(Names, ResolveAsInRos) {
     EXPECT_EQ((NodeName{"node", c.name_space, c.remaps}.resolve(c.written)), c.expected) << c.written;
 }
 
+TEST(Names, RemapsMayHoldForOneNodeOrOneKind) {
+  const NodeName node{"node", "/ns", {{"rosservice://a", "s"}, {"rostopic://a", "t"}, {"node:b", "mine"}, {"other:b", "theirs"}, {"rosservice:///c", "/d"}, {"{node}/e", "f/{ns}"}}};
+  EXPECT_EQ(node.resolve("a", NameKind::kService), "/ns/s");
+  EXPECT_EQ(node.resolve("a", NameKind::kTopic), "/ns/t");
+  EXPECT_EQ(node.resolve("a", NameKind::kAction), "/ns/a");
+  EXPECT_EQ(node.resolve("b"), "/ns/mine");
+  EXPECT_EQ(node.resolve("/c", NameKind::kService), "/d");
+  EXPECT_EQ(node.resolve("/c", NameKind::kTopic), "/c");
+  EXPECT_EQ(node.resolve("node/e"), "/ns/f/ns");
+  EXPECT_EQ(node.expand("{node}/x"), "/ns/node/x");
+  EXPECT_EQ(node.expand("/{namespace}/x"), "/ns/x");
+}
+
+TEST(Names, ANodeMayBeRenamed) {
+  NodeName node{"node", "/", {{"other:__ns", "/wrong"}, {"node:__ns", "/right"}, {"__node", "me"}, {"a", "b"}}};
+  rename_node(node);
+  EXPECT_EQ(node.full_name(), "/right/me");
+  EXPECT_EQ(node.remaps.size(), 1u);
+}
+
 TEST(Names, WhatRosRefusesIsAFault) {
-  for (const char* good : {"a", "/a", "~/a", "~", "a/b_2", "_hidden", "/a/_b"}) EXPECT_EQ(name_fault(good), "") << good;
-  for (const char* bad : {"", "/", "a//b", "//a", "a/", "2a", "a/2b", "a b", "a-b", "~a", "a~", "\xc3\xa4", "a\n"})
+  for (const char* good : {"a", "/a", "~/a", "~", "a/b_2", "_hidden", "/a/_b", "{node}/a", "/{ns}/b"}) EXPECT_EQ(name_fault(good), "") << good;
+  for (const char* bad : {"", "/", "a//b", "//a", "a/", "2a", "a/2b", "a b", "a-b", "~a", "a~", "{foo}", "\xc3\xa4", "a\n"})
     EXPECT_NE(name_fault(bad), "") << bad;
 }
 
