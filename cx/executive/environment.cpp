@@ -1,7 +1,11 @@
 #include "cx/executive/environment.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdio>
+
+#include "cx/executive/thread_gate.h"
 
 namespace cxlab::cx {
 
@@ -59,10 +63,36 @@ Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus:
 }
 
 Environment::~Environment() {
+  for (const auto& gate : gates_) gate->close();
   if (engine_) bus_.leave(participant_);
 }
 
+Expected<std::shared_ptr<ThreadGate>> Environment::open_gate(const std::string& plugin) {
+  std::string word;  // letters and digits for the topic's name
+  for (const char c : name()) {
+    if (std::isalnum(static_cast<unsigned char>(c))) word += c;
+    else word += '_';
+  }
+  auto gate = std::make_shared<ThreadGate>(*this, plugin, options_.node.expand("~/threads/" + word + '_' + std::to_string(gates_opened_++)));
+  if (Status s = gate->open(); !s) return s.error();
+  gates_.push_back(gate);
+  return gate;
+}
+
+void Environment::close_gates(std::string_view plugin) {
+  for (const auto& gate : gates_)
+    if (gate->owner() == plugin) gate->close();
+  std::erase_if(gates_, [&](const auto& gate) { return gate->owner() == plugin; });
+}
+
+bus::ParticipantId Environment::join_threads(bus::NodeName name, const std::string& plugin) {
+  name.name += "_threads";
+  return bus_.join(bus::ParticipantKind::kNode, std::move(name), journal_->open_stream("threads/" + unique_name(options_) + '/' + plugin));
+}
+
 Status Environment::perceive() {
+  thread_ = std::this_thread::get_id();
+  for (const auto& gate : gates_) gate->hand_over();
   bus_.deliver(participant_);
   engine_->clear_cause();
   return check_errors();

@@ -1,12 +1,15 @@
 #pragma once
 // One CLIPS environment of the executive: its engine, its place on the bus, its log.
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <typeindex>
 #include <vector>
 
@@ -25,6 +28,8 @@ struct RuleErrorEntry {
   std::string environment;
   RuleError error;
 };
+
+class ThreadGate;
 
 class Environment {
  public:
@@ -77,6 +82,17 @@ class Environment {
   /// What a function found outside, through the input log.
   Value look(std::string_view function, const std::function<Value()>& outside);
 
+  // --- Threads of plugins (cx/executive/thread_gate.h)
+  /// A gate for the plugin's threads; the manager closes it before the plugin is unloaded. From then on each tick is
+  /// played, and the run is not deterministic.
+  Expected<std::shared_ptr<ThreadGate>> open_gate(const std::string& plugin);
+  void close_gates(std::string_view plugin);
+  bool has_gates() const { return !gates_.empty(); }
+  /// Whether the caller is on the thread that plays the episode.
+  bool on_its_thread() const { return thread_.load() == std::this_thread::get_id(); }
+  /// The place on the bus from which requests of a plugin's threads come.
+  bus::ParticipantId join_threads(bus::NodeName name, const std::string& plugin);
+
   /// A line of a plugin or of the manager that concerns this environment.
   void log(LogLevel level, std::string_view logger, std::string_view text);
   /// Whether the log file could be written (kResource if not).
@@ -96,12 +112,19 @@ class Environment {
   bus::ParticipantId participant_{};
   std::map<std::type_index, std::shared_ptr<void>> common_;
   bool ending_ = false;
+  std::atomic<std::thread::id> thread_{std::this_thread::get_id()};
+  std::vector<std::shared_ptr<ThreadGate>> gates_;
+  int gates_opened_ = 0;
 };
 
-/// Held while an environment is used: the mutex of CX. Only on the episode's thread; holding it there costs nothing.
+/// Held while an environment is used: the mutex of CX. Only on the episode's thread, where holding it costs nothing; on
+/// another it throws std::logic_error: threads have `Environment::open_gate`.
 class EnvironmentGuard {
  public:
-  explicit EnvironmentGuard(Environment& environment) : environment_(&environment) {}
+  explicit EnvironmentGuard(Environment& environment) : environment_(&environment) {
+    if (!environment.on_its_thread())
+      throw std::logic_error("environment '" + environment.name() + "' is used on another thread than the episode's: threads go through Environment::open_gate");
+  }
   Environment& operator*() const { return *environment_; }
   Environment* operator->() const { return environment_; }
   RuleEngine& engine() const { return environment_->engine(); }

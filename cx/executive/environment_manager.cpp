@@ -51,6 +51,13 @@ EnvironmentManager::EnvironmentManager(ManagerOptions options, Parameters parame
 }
 
 EnvironmentManager::~EnvironmentManager() {
+  options_.log = nullptr;  // it may have gone
+  bond_.reset();
+  for (Entry& entry : environments_) {  // threads of plugins end with them, also where nobody deactivated
+    entry.environment->end();
+    unload_all(entry);
+  }
+  finalize_unused();
   environments_.clear();
   bus_.leave(node_);
 }
@@ -58,9 +65,14 @@ EnvironmentManager::~EnvironmentManager() {
 Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(ManagerOptions options, bus::Bus& bus, RecordSink& journal) {
   if (options.on_read)
     if (Status s = options.on_read("config/" + options.config.filename().string(), options.config); !s) return s.error();
+  bus::NodeName name{options.node, options.name_space, options.remaps};
+  bus::rename_node(name);
+  options.node = name.name;
+  options.name_space = name.name_space;
+  options.remaps = name.remaps;
   auto parameters = Parameters::load(options.config, options.node, options.name_space);
   if (!parameters) return parameters.error();
-  const std::string full_name = bus::NodeName{options.node, options.name_space, {}}.full_name();
+  const std::string full_name = name.full_name();
   for (const auto& [name, value] : options.params)
     for (const std::string& prefix : {options.node + '.', full_name + '.'})
       if (name.starts_with(prefix))
@@ -212,6 +224,23 @@ Status EnvironmentManager::do_activate() {
     entry.environment->engine().reset();
     if (Status s = entry.environment->run(); !s) return s;
   }
+  return form_bond();
+}
+
+Status EnvironmentManager::form_bond() {
+  double period = 0;
+  if (Status s = parameters_.read("bond_heartbeat_period", period); !s) return s;
+  if (period <= 0) return {};
+  Bond::Options options;
+  options.id = options_.node;
+  options.instance = node_name_.full_name();
+  options.period = from_seconds(period);
+  options.connect_timeout = kNever;  // nobody has to watch it
+  auto bond = Bond::create(bus_, node_, std::move(options), [this](Bond::Loss loss) {
+    log(LogLevel::kWarn, options_.node, "the peer of its bond " + std::string(to_string(loss)));
+  });
+  if (!bond) return bond.error();
+  bond_ = *std::move(bond);
   return {};
 }
 
@@ -221,6 +250,8 @@ Status EnvironmentManager::deactivate() {
 
 Status EnvironmentManager::do_deactivate() {
   Status first;
+  if (bond_) bond_->end();
+  bond_.reset();
   for (Entry& entry : environments_) {
     RuleEngine& engine = entry.environment->engine();
     engine.clear_cause();
@@ -411,9 +442,11 @@ Status EnvironmentManager::load_unchecked(Entry& entry, const std::string& name)
   Plugin& plugin = *found->plugin;
   if (auto library = library_of(found->plugin)) entry.libraries.push_back(std::move(library));
   if (Status s = call_plugin(plugin, "clips_env_init", [&] { return plugin.clips_env_init(EnvironmentGuard(*entry.environment)); }); !s) {
+    entry.environment->close_gates(name);
     entry.environment->engine().remove_functions_of(name);
     return s;
   }
+  if (entry.environment->has_gates()) deterministic_ = false;
   ++found->users;
   entry.loaded.push_back(&plugin);
   return {};
@@ -440,6 +473,7 @@ Status EnvironmentManager::load_plugin(const std::string& environment, const std
 
 void EnvironmentManager::unload(Entry& entry, Plugin& plugin) {
   const std::string name = plugin.name();
+  entry.environment->close_gates(name);
   const Status gone = call_plugin(plugin, "clips_env_destroyed", [&]() -> Status {
     plugin.clips_env_destroyed(EnvironmentGuard(*entry.environment));
     return {};
@@ -510,11 +544,14 @@ Status EnvironmentManager::decide_if_due(std::size_t i, SimTime now) {
 
 Status EnvironmentManager::act() {
   bus_.deliver(node_);
+  if (bond_) bond_->act();
   return std::exchange(failure_, Status());
 }
 
 SimTime EnvironmentManager::next_due() const {
-  SimTime first = kNever;
+  SimTime first = bond_ ? bond_->next_due() : kNever;
+  for (const Entry& entry : environments_)
+    if (entry.environment->has_gates()) return bus_.now();
   for (const Entry& entry : environments_)
     for (const Plugin* plugin : entry.loaded) first = std::min(first, plugin->next_due(*entry.environment));
   return first;

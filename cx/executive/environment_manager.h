@@ -13,6 +13,7 @@
 #include "cx/base/record_sink.h"
 #include "cx/base/time.h"
 #include "cx/bus/bus.h"
+#include "cx/executive/bond.h"
 #include "cx/executive/environment.h"
 #include "cx/executive/files.h"
 #include "cx/executive/lifecycle.h"
@@ -93,6 +94,8 @@ class EnvironmentManager {
   const std::vector<RuleErrorEntry>& rule_errors() const { return rule_errors_; }
   /// With `keep_going`: what was wrong in files and plugins that did not load.
   const std::vector<Error>& load_errors() const { return load_errors_; }
+  /// False once a plugin has opened a gate for threads.
+  bool deterministic() const { return deterministic_; }
   /// Writes the log files out.
   Status flush_logs();
 
@@ -136,6 +139,8 @@ class EnvironmentManager {
   void fail(Error error);
   Entry* entry_of(std::string_view name);
 
+  /// While active and `bond_heartbeat_period` is above 0: on topic `bond`, with the node's name as id, as nav2 has it.
+  Status form_bond();
   Status serve_environments();
   Status serve_plugins();
   void log(LogLevel level, std::string_view logger, std::string_view text);
@@ -154,8 +159,10 @@ class EnvironmentManager {
   std::vector<Instance> instances_;  // in order of creation
   std::vector<RuleErrorEntry> rule_errors_;
   std::vector<Error> load_errors_;
+  std::unique_ptr<Bond> bond_;       // may be none
   Status failure_;                   // of something that was asked for, that must end the run
   bool shutdown_ = false;
+  bool deterministic_ = true;
 };
 
 }  // namespace cxlab::cx

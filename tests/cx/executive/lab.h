@@ -39,6 +39,10 @@ class KeptRecords final : public RecordSink {
     bytes_[i] += '\n';
     return {stream, counts_[i]++};
   }
+  /// Drops the bytes; numbers go on.
+  void forget() {
+    for (std::string& bytes : bytes_) std::string().swap(bytes);
+  }
   std::map<std::string, std::string> all() const {
     std::map<std::string, std::string> out;
     for (std::size_t i = 0; i < names_.size(); ++i) out[names_[i]] = bytes_[i];
