@@ -139,7 +139,13 @@ Status Episode::build_stage() {
   for (const ServerSpec& spec : scenario_.servers)
     if (Status s = find_node(spec.node)->add(spec, {scenario_, *bus_, journal_, options_.log}, *stage_); !s) return s;
   if (scenario_.stimuli.empty()) return {};
-  auto stimuli = StimuliServer::create(scenario_.stimuli, *bus_, journal_, [this](const std::string& line) {
+  std::vector<std::string> managers;
+  for (const AgentSpec& agent : scenario_.agents) {
+    bus::NodeName name{cx::ManagerOptions().node, agent.name_space, agent.remaps};
+    bus::rename_node(name);
+    managers.push_back(name.full_name());
+  }
+  auto stimuli = StimuliServer::create(scenario_.stimuli, managers, *bus_, journal_, [this](const std::string& line) {
     if (options_.log) options_.log->line({bus_->now(), cx::LogLevel::kInfo, "stimuli", line, {}});
   });
   if (!stimuli) return stimuli.error();
@@ -345,6 +351,7 @@ Result Episode::result() const {
   out.sim_time = std::max(now_, SimTime::zero());
   out.ticks = ticks_;
   stage_->report(out);
+  for (const auto& agent : agents_) out.deterministic = out.deterministic && agent->deterministic();
   for (const auto& agent : agents_)
     for (const cx::RuleErrorEntry& entry : agent->rule_errors())
       out.rule_errors.push_back({entry.error.rule, entry.error.file, std::string(to_string(entry.error.side)), entry.error.message,

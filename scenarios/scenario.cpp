@@ -19,12 +19,18 @@ struct VerbWord {
   const char* content;  ///< the key that carries what is sent, nullptr if none
   bool typed;
 };
-constexpr std::array<VerbWord, 5> kVerbs{{
+constexpr std::array<VerbWord, 11> kVerbs{{
     {"publish", Stimulus::Verb::kPublish, "data", true},
     {"call", Stimulus::Verb::kCall, "request", true},
     {"serve", Stimulus::Verb::kServe, "response", true},
     {"send_goal", Stimulus::Verb::kSendGoal, "goal", true},
     {"cancel_goal", Stimulus::Verb::kCancelGoal, nullptr, false},
+    {"set_param", Stimulus::Verb::kSetParam, "value", false},
+    {"load_plugin", Stimulus::Verb::kLoadPlugin, nullptr, false},
+    {"unload_plugin", Stimulus::Verb::kUnloadPlugin, nullptr, false},
+    {"create_env", Stimulus::Verb::kCreateEnv, nullptr, false},
+    {"destroy_env", Stimulus::Verb::kDestroyEnv, nullptr, false},
+    {"stop_node", Stimulus::Verb::kStopNode, nullptr, false},
 }};
 
 Stimulus read_stimulus(const yaml::Value& value) {
@@ -40,7 +46,16 @@ Stimulus read_stimulus(const yaml::Value& value) {
     if (!target) continue;
     ++verbs;
     stimulus.verb = word.verb;
-    stimulus.target = target.as_string();
+    if (word.verb == Stimulus::Verb::kLoadPlugin || word.verb == Stimulus::Verb::kUnloadPlugin) {
+      yaml::Map keys = target.as_map();
+      stimulus.target = keys.require("env").as_string();
+      stimulus.plugin = keys.require("plugin").as_string();
+      keys.finish();
+    } else {
+      stimulus.target = target.as_string();
+    }
+    if (word.verb >= Stimulus::Verb::kLoadPlugin && word.verb <= Stimulus::Verb::kDestroyEnv) map.read("manager", stimulus.manager);
+    if (word.verb == Stimulus::Verb::kSetParam) map.require("value");
     if (word.typed) stimulus.type = map.require("type").as_string();
     if (word.content)
       if (const yaml::Value content = map.get(word.content)) stimulus.content = content.dump();

@@ -41,12 +41,14 @@ struct ServerSpec {
 
 /// Something that happens at a time whatever the rules do: exactly one of the verbs.
 struct Stimulus {
-  enum class Verb { kPublish, kCall, kServe, kSendGoal, kCancelGoal };
+  enum class Verb { kPublish, kCall, kServe, kSendGoal, kCancelGoal, kSetParam, kLoadPlugin, kUnloadPlugin, kCreateEnv, kDestroyEnv, kStopNode };
   SimTime at{};
   Verb verb{};
-  std::string target;   ///< topic, service or action
+  std::string target;   ///< topic, service, action, NODE.NAME of a parameter, environment or node
   std::string type;     ///< interface
-  std::string content;  ///< data, request, response or goal as YAML
+  std::string content;  ///< data, request, response, goal or value as YAML
+  std::string plugin;   ///< to load or unload
+  std::string manager;  ///< of the environment; empty = the only one
   std::string file;     ///< where it stands, for errors
   int line = 0;
 };

@@ -1,6 +1,9 @@
 #include "scenarios/stimuli.h"
 
+#include <algorithm>
 #include <map>
+
+#include "cx/executive/parameter_services.h"
 
 namespace cxlab {
 
@@ -26,7 +29,12 @@ struct StimuliServer::State {
   std::map<std::string, EndpointId> publishers, clients, services, action_clients;
   std::map<std::string, bus::GoalId> last_goal;
 
+  std::vector<std::string> managers;
+
   Status prepare(const Stimulus& stimulus);
+  /// What is asked of a node at run time, as the call of its service that it is.
+  Expected<Stimulus> as_call(const Stimulus& stimulus) const;
+  Status stop_node(const Stimulus& stimulus);
   Status post(const Prepared& item);
   Expected<EndpointId> client(const Prepared& item);
   Expected<EndpointId> action_client(const Prepared& item);
@@ -56,7 +64,85 @@ const char* word(bus::GoalStatus status) {
 
 }  // namespace
 
+Expected<Stimulus> StimuliServer::State::as_call(const Stimulus& asked) const {
+  using Verb = Stimulus::Verb;
+  Stimulus call = asked;
+  call.verb = Verb::kCall;
+  if (asked.verb == Verb::kSetParam) {
+    const std::size_t dot = asked.target.find('.');
+    if (dot == 0 || dot == std::string::npos || dot + 1 == asked.target.size())
+      return at_stimulus(asked, input_error("expected NODE.NAME of a parameter, as in clips_manager.main.watch"));
+    call.target = asked.target.substr(0, dot) + "/set_parameters";
+    call.type = "rcl_interfaces/srv/SetParameters";
+    cx::Parameters values;
+    if (Status s = values.set(asked.target.substr(dot + 1), asked.content, asked.file); !s) return at_stimulus(asked, s.error());
+    auto service = bus.registry().service(call.type);
+    if (!service) return at_stimulus(asked, service.error());
+    bus::Message request(*(*service)->request);
+    for (const std::string& name : values.names()) {
+      const bus::MessageView parameter = request.view().append("parameters");
+      parameter.set("name", name);
+      cx::put_parameter(*values.find(name), parameter.nested("value"));
+    }
+    call.content = request.view().to_string();
+    return call;
+  }
+  std::string manager = asked.manager;
+  if (manager.empty()) {
+    if (managers.size() != 1)
+      return at_stimulus(asked, input_error("there are " + std::to_string(managers.size()) + " environment managers: say which with 'manager: /NAMESPACE/clips_manager'"));
+    manager = managers.front();
+  }
+  const auto quoted = [](const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+      if (c == '"' || c == '\\') out += '\\';
+      out += c;
+    }
+    return out + '"';
+  };
+  call.content = "{env_name: " + quoted(asked.target) + (asked.plugin.empty() ? "" : ", plugin_name: " + quoted(asked.plugin)) + '}';
+  const bool plugin = asked.verb == Verb::kLoadPlugin || asked.verb == Verb::kUnloadPlugin;
+  const bool more = asked.verb == Verb::kLoadPlugin || asked.verb == Verb::kCreateEnv;
+  call.target = manager + (plugin ? (more ? "/load_plugin" : "/unload_plugin") : (more ? "/create_env" : "/destroy_env"));
+  call.type = std::string("cx_msgs/srv/") + (plugin ? (more ? "LoadClipsPlugin" : "UnloadClipsPlugin") : (more ? "CreateClipsEnv" : "DestroyClipsEnv"));
+  return call;
+}
+
+/// A lifecycle node is asked to shut down; any other leaves the bus without a word.
+Status StimuliServer::State::stop_node(const Stimulus& stimulus) {
+  const std::string node = bus.name_of(self).expand(stimulus.target);
+  const auto services = bus.services();
+  const bool lives = std::any_of(services.begin(), services.end(), [&](const auto& s) { return s.name == node + "/change_state" && s.providers > 0; });
+  if (lives) {
+    Stimulus call = stimulus;
+    call.verb = Stimulus::Verb::kCall;
+    call.target = node + "/change_state";
+    call.type = "lifecycle_msgs/srv/ChangeState";
+    call.content = "{transition: {label: shutdown}}";
+    if (Status s = prepare(call); !s) return s;
+    const Prepared item = std::move(prepared.back());
+    prepared.pop_back();
+    return post(item);
+  }
+  const auto found = bus.find_node(node);
+  if (!found) {
+    std::string known;
+    for (const std::string& other : bus.nodes()) known += (known.empty() ? "" : ", ") + other;
+    return at_stimulus(stimulus, input_error("there is no such node; there are " + known));
+  }
+  bus.leave(*found);
+  log(node + ": stopped");
+  data.begin().field("what", "stopped").field("name", std::string_view(node));
+  sink.write(bus.stream_of(self), bus.now(), RecordKind::kInput, data);
+  return {};
+}
+
 Status StimuliServer::State::prepare(const Stimulus& stimulus) {
+  if (stimulus.verb >= Stimulus::Verb::kSetParam && stimulus.verb != Stimulus::Verb::kStopNode) {
+    auto call = as_call(stimulus);
+    return call ? prepare(*call) : Status(call.error());
+  }
   Prepared item;
   item.stimulus = stimulus;
   const bus::MessageType* type = nullptr;
@@ -83,7 +169,7 @@ Status StimuliServer::State::prepare(const Stimulus& stimulus) {
       type = (*action)->goal;
       break;
     }
-    case Stimulus::Verb::kCancelGoal: break;
+    default: break;
   }
   if (type) {
     auto message = bus::Message::from_yaml(*type, stimulus.content.empty() ? "{}" : stimulus.content);
@@ -162,6 +248,8 @@ Status StimuliServer::State::post(const Prepared& item) {
       bus.cancel_goal(action_clients.at(target), it->second);
       return {};
     }
+    case Stimulus::Verb::kStopNode: return stop_node(stimulus);
+    default: break;  // calls, since `prepare`
   }
   return {};
 }
@@ -169,8 +257,9 @@ Status StimuliServer::State::post(const Prepared& item) {
 StimuliServer::StimuliServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 StimuliServer::~StimuliServer() = default;
 
-Expected<std::unique_ptr<StimuliServer>> StimuliServer::create(std::vector<Stimulus> stimuli, bus::Bus& bus, RecordSink& sink, Log log) {
-  auto state = std::unique_ptr<State>(new State{bus, sink, std::move(log), {}, {}, {}, 0, {}, {}, {}, {}, {}});
+Expected<std::unique_ptr<StimuliServer>> StimuliServer::create(std::vector<Stimulus> stimuli, const std::vector<std::string>& managers,
+                                                                 bus::Bus& bus, RecordSink& sink, Log log) {
+  auto state = std::unique_ptr<State>(new State{bus, sink, std::move(log), {}, {}, {}, 0, {}, {}, {}, {}, {}, managers});
   state->self = bus.join(bus::ParticipantKind::kNode, bus::NodeName{"stimuli", "/", {}}, sink.open_stream("node/stimuli"));
   for (const Stimulus& stimulus : stimuli)
     if (Status s = state->prepare(stimulus); !s) return s.error();

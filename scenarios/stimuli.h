@@ -16,7 +16,9 @@ class StimuliServer : public sim::Server {
  public:
   using Log = std::function<void(const std::string& line)>;
   /// Joins the bus as node "stimuli". Types, names and contents are checked now; errors name the stimulus' file and line.
-  static Expected<std::unique_ptr<StimuliServer>> create(std::vector<Stimulus> stimuli, bus::Bus& bus, RecordSink& sink, Log log);
+  /// `managers` are the nodes of the environment managers: a stimulus that names none means the only one.
+  static Expected<std::unique_ptr<StimuliServer>> create(std::vector<Stimulus> stimuli, const std::vector<std::string>& managers,
+                                                         bus::Bus& bus, RecordSink& sink, Log log);
   ~StimuliServer() override;
 
   Status sense(SimTime now) override;
