@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <set>
 
@@ -22,7 +23,8 @@ constexpr double kDefaultEnd = 60;  // s
 struct Options {
   std::vector<std::string> configs, nodes, packages, params, remaps;
   std::string name_space = "/", stimuli;
-  bool trust_rules = false, stop = false;
+  std::vector<std::string> transitions;
+  bool trust_rules = false, stop = false, activate = true;
   RunOptions run;
 };
 
@@ -147,6 +149,27 @@ bool is_of_a_node(const std::string& param, const std::vector<std::string>& node
   return std::any_of(nodes.begin(), nodes.end(), [&](const std::string& node) { return param.starts_with(node + '.'); });
 }
 
+/// Transitions of the managers, as stimuli.
+Expected<std::string> transition_items(const Options& options) {
+  const std::string node = bus::NodeName{"clips_manager", options.name_space, {}}.full_name();
+  std::string items;
+  for (const std::string& text : options.transitions) {
+    auto parts = split("--transition", text, ":", "SECONDS:NAME or SECONDS:NAME@NODE");
+    if (!parts) return parts.error();
+    char* end = nullptr;
+    const double at = std::strtod(parts->first.c_str(), &end);
+    const std::size_t where = parts->second.find('@');
+    const std::string name = parts->second.substr(0, where);
+    const std::vector<std::string> known{"configure", "activate", "deactivate", "cleanup", "shutdown"};
+    if (*end != '\0' || at < 0) return usage("--transition: found '" + text + "', expected SECONDS:NAME or SECONDS:NAME@NODE");
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      return usage("--transition: found '" + name + "', expected configure, activate, deactivate, cleanup or shutdown");
+    items += "  - {at: " + parts->first + ", call: " + in_quotes((where == std::string::npos ? node : parts->second.substr(where + 1)) + "/change_state") +
+             ", type: lifecycle_msgs/srv/ChangeState, request: {transition: {label: " + name + "}}}\n";
+  }
+  return items;
+}
+
 /// The scenario that these options stand for, as its file would read.
 Expected<std::string> scenario_text(const Options& options) {
   std::string text = "schema: 1\nduration_s: " + std::to_string(options.run.until.value_or(kDefaultEnd)) + "\non_rule_error: " + (options.stop ? "stop" : "continue") + '\n';
@@ -161,6 +184,7 @@ Expected<std::string> scenario_text(const Options& options) {
   text += "agents:\n";
   for (const std::string& config : options.configs) {
     text += "  - config: " + in_quotes(fs::absolute(config).lexically_normal().string()) + "\n    namespace: " + in_quotes(options.name_space) + '\n';
+    if (!options.activate) text += "    activate: false\n";
     if (!options.remaps.empty()) text += "    remap:\n";
     for (const std::string& remap : options.remaps) {
       auto names = split("--remap", remap, ":=", "FROM:=TO");
@@ -178,12 +202,16 @@ Expected<std::string> scenario_text(const Options& options) {
     }
     if (!params.empty()) text += "    params:\n" + params;
   }
-  if (options.stimuli.empty()) return text;
-  auto stimuli = yaml::Document::load(options.stimuli);
-  if (!stimuli) return stimuli.error();
-  (void)read_stimuli(stimuli->root());
-  if (Status s = stimuli->status(); !s) return s.error();
-  return text + "stimuli:\n" + indented(stimuli->root().dump(), 2);
+  auto list = transition_items(options);
+  if (!list) return list.error();
+  if (!options.stimuli.empty()) {
+    auto stimuli = yaml::Document::load(options.stimuli);
+    if (!stimuli) return stimuli.error();
+    (void)read_stimuli(stimuli->root());
+    if (Status s = stimuli->status(); !s) return s.error();
+    for (const yaml::Value& item : stimuli->root().as_list()) *list += "  -\n" + indented(item.dump(), 6);
+  }
+  return list->empty() ? text : text + "stimuli:\n" + *list;
 }
 
 Expected<Scenario> make_scenario(const Options& options) {
@@ -195,7 +223,16 @@ Expected<Scenario> make_scenario(const Options& options) {
   if (!scenario || options.stimuli.empty()) return scenario;
   auto stimuli = yaml::Document::load(options.stimuli);  // again, for the places of later errors
   if (!stimuli) return stimuli.error();
-  scenario->stimuli = read_stimuli(stimuli->root());
+  std::vector<Stimulus> placed = read_stimuli(stimuli->root());
+  auto items = transition_items(options);
+  if (!items) return items.error();
+  if (!items->empty()) {
+    auto transitions = yaml::Document::parse(*items, "--transition");
+    if (!transitions) return transitions.error();
+    for (Stimulus& transition : read_stimuli(transitions->root())) placed.push_back(std::move(transition));
+    std::stable_sort(placed.begin(), placed.end(), [](const Stimulus& a, const Stimulus& b) { return a.at < b.at; });
+  }
+  scenario->stimuli = std::move(placed);
   return scenario;
 }
 
@@ -223,6 +260,9 @@ void declare(CLI::App& command, Options& options) {
   command.add_option("--namespace", options.name_space, "Of the nodes")->capture_default_str();
   command.add_option("--remap", options.remaps, "FROM:=TO: renames a topic, service or action")->take_all()->expected(1)->allow_extra_args(false);
   command.add_option("--stimuli", options.stimuli, "What happens from outside (YAML list, docs/scenario.md)");
+  command.add_flag("!--no-activate", options.activate, "Managers without autostart_node stay unconfigured until somebody asks");
+  command.add_option("--transition", options.transitions, "SECONDS:NAME[@NODE]: configure, activate, deactivate, cleanup or shutdown of a manager (docs/plugins/manager.md)")
+      ->take_all()->expected(1)->allow_extra_args(false);
   options.run.keep_going = true;
   command.add_flag("--keep-going,!--no-keep-going", options.run.keep_going, "Errors in rule files are reported and the run goes on (default); it then ends with exit code 3");
   command.add_flag("--stop-on-rule-error", options.stop, "An error in a rule ends the run (exit code 4)");

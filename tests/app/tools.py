@@ -101,6 +101,27 @@ clips_manager:
         stimuli.write_text("- {at: 0.5, shout: /other}\n")
         self.assertIn("stimuli.yaml:1:", self.cxlab("env", config, "--stimuli", stimuli, expect=3).stderr)
 
+    def test_managers_and_environments_come_and_go_at_run_time(self):
+        example = SOURCE / "docs/examples/manager"
+        done = self.cxlab("env", example / "example.yaml", "--package", f"example={example}", "--stimuli", example / "stimuli.yaml",
+                          "--until", 4, "--out", self.folder / "run")
+        for line in ("a helper came: TRUE", "helping since 2.1", "FIRE    1 help: ", "the boss goes", "/clips_manager/change_state: response {success: true}"):
+            self.assertIn(line, done.stderr)
+        self.cxlab("replay", self.folder / "run", "--rules")
+
+    def test_a_manager_goes_through_its_life_when_asked_to(self):
+        config = self.package('(defrule go => (printout t "here" crlf))\n(defrule end (executive-finalize) => (printout t "gone" crlf))')
+        waits = self.cxlab("env", config, "--until", 1, "--out", "none", "--no-activate")
+        self.assertNotIn("here", waits.stderr)
+        twice = self.cxlab("env", config, "--until", 2, "--out", "none", "--no-activate", "--transition", "0.2:configure", "--transition", "0.4:activate",
+                           "--transition", "0.6:deactivate", "--transition", "0.8:activate@/clips_manager")
+        self.assertEqual(twice.stderr.count("] here"), 2)
+        self.assertEqual(twice.stderr.count("] gone"), 2)
+        self.assertNotIn("here", self.cxlab("env", config, "--until", 1, "--out", "none", "--no-activate", "--param", "clips_manager.autostart_node=false").stderr)
+        self.assertIn("here", self.cxlab("env", config, "--until", 1, "--out", "none", "--no-activate", "--param", "clips_manager.autostart_node=true").stderr)
+        self.cxlab("env", config, "--transition", "soon:activate", expect=2)
+        self.cxlab("env", config, "--transition", "1:jump", expect=2)
+
     def test_an_unknown_parameter_is_an_error_when_asked_to(self):
         config = self.package("(defrule a =>)")
         config.write_text(config.read_text() + "    executive.refesh_rate: 3\n")

@@ -33,6 +33,10 @@ TEST(Examples, Executive) {
   EXPECT_THAT(lines, ::testing::Not(::testing::Contains(::testing::HasSubstr("2.5 s"))));
 }
 
+TEST(Examples, Manager) {
+  EXPECT_THAT(lines_of("manager", 2), IsSupersetOf({"info main: a helper came: TRUE", "info helper: helping since 0.1", "info main: the boss goes"}));
+}
+
 TEST(Examples, Config) {
   EXPECT_THAT(lines_of("config", 1), IsSupersetOf({"info main: hello R1", "info main: hello R2", "info main: 3 machines"}));
 }
