@@ -1,5 +1,6 @@
 #include "cx/plugins/executive/executive_plugin.h"
 
+#include <algorithm>
 #include <optional>
 
 namespace cxlab::cx {
@@ -52,7 +53,7 @@ class ExecutivePlugin final : public Plugin {
         !s)
       return s;
     if (Status s = engine.load_text(kTimeRules, "cx_executive_plugin/time.clp", LoadMode::kBatch).status(); !s) return s;
-    states_.add(*environment);
+    states_.add(*environment, State{next_});
     return {};
   }
 
@@ -78,6 +79,7 @@ class ExecutivePlugin final : public Plugin {
     const SimTime now = environment->now();
     // Dues that a long tick stepped over are one run.
     while (due_time(start_, state.next, static_cast<double>(refresh_rate_)) <= now) ++state.next;
+    next_ = std::max(next_, state.next);
     if (assert_time_) {
       environment.engine().clear_cause();
       const Value time = Value::number(to_seconds(now));
@@ -97,6 +99,7 @@ class ExecutivePlugin final : public Plugin {
   bool assert_time_ = true;
   std::int64_t refresh_rate_ = 10;  ///< Hz
   SimTime start_{};
+  std::int64_t next_ = 0;  ///< that of an environment which comes now: all keep one beat
   std::optional<bus::EndpointId> publisher_;
   bus::SharedMessage tick_message_;
   PerEnvironment<State> states_;
