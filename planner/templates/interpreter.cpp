@@ -391,7 +391,8 @@ Value Interpreter::make_macro(const Node& node, Rendering& rendering, const Scop
 void Interpreter::bind(const Node& node, const Call& call, Rendering& rendering, const ScopePtr& scope) {
   std::vector<bool> used(call.named.size(), false);
   for (std::size_t i = 0; i < node.parameters.size() && !failed(); ++i) {
-    const auto& [name, value] = node.parameters[i];
+    const std::string& name = node.parameters[i].first;
+    const ExpressionPtr& value = node.parameters[i].second;
     if (i < call.positional.size()) {
       scope->set(name, call.positional[i]);
       continue;
