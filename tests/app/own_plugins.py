@@ -89,6 +89,14 @@ class OwnPackages(Installed):
         self.assertEqual([float(when) for when, _, _ in lines], [1.2, 1.3])  # executives of 10 Hz
         self.assertIn("rules: the same", call(self.cxlab, "replay", run, "--rules").stdout)
 
+    def test_thread_of_a_plugin_posts_facts_and_the_run_replays(self):
+        run = self.folder / "sensor"
+        said = call(self.cxlab, "env", self.examples() / "sensor.yaml", "--until", 100000, "--out", run).stderr
+        self.assertEqual(re.findall(r"reading (\d)", said), ["1", "2", "3"])
+        result = json.loads((run / "result.json").read_text())
+        self.assertEqual((result["status"], result["deterministic"]), ("stopped", False))
+        self.assertIn("rules: the same", call(self.cxlab, "replay", run, "--rules").stdout)
+
     def test_template_of_an_agent_is_installed(self):
         folder = self.folder / "agent"
         call(self.cxlab, "new", "agent", folder)
