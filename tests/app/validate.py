@@ -4,7 +4,7 @@ import json
 import os
 import subprocess
 
-from lab import CXLAB, Lab
+from lab import CXLAB, SOURCE, Lab
 
 DOMAIN = """(define (domain d) (:types place)
   (:predicates (at ?p - place) (road ?a ?b - place))
@@ -59,6 +59,14 @@ class Validate(Lab):
         os.remove(self.folder / "plan")
         done = subprocess.run([CXLAB, "validate", "d.pddl", "p.pddl", "plan"], capture_output=True, text=True, cwd=self.folder)
         self.assertEqual(done.returncode, 31)
+
+    def test_example_of_the_docs(self):
+        folder = SOURCE / "docs/examples/planning"
+        page = (SOURCE / "docs/planning.md").read_text()
+        for plan, code in (("good.plan", 0), ("hasty.plan", 1)):
+            done = subprocess.run([CXLAB, "validate", "domain.pddl", "problem.pddl", plan], capture_output=True, text=True, cwd=folder)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn(done.stdout.strip(), page)
 
     def test_usage(self):
         self.assertEqual(subprocess.run([CXLAB, "validate", "d.pddl"], capture_output=True).returncode, 2)

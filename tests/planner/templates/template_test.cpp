@@ -8,6 +8,8 @@
 #include <fstream>
 #include <map>
 
+#include "planner/pddl/parser.h"
+
 namespace cxlab::planner::templates {
 namespace {
 
@@ -63,6 +65,15 @@ TEST(Template, RunawayTemplatesAreStopped) {
   EXPECT_EQ(error_of("{{ " + std::string(1000, '[') + " }}"), "main:1: found '}', expected ']'");
   EXPECT_EQ(error_of("{{ " + std::string(1000, '[') + std::string(1000, ']') + " }}"), "main:1: expressions are nested more than 100 deep");
   EXPECT_EQ(error_of("{% set a = [] %}{% do a.append([a]) %}"), "main:1: a list or dict cannot hold itself");
+}
+
+TEST(Template, ExampleOfTheDocsMakesADomain) {
+  const auto text = render_file(std::string(std::getenv("CXLAB_SOURCE_DIR")) + "/docs/examples/planning", "stations.pddl");
+  ASSERT_TRUE(text) << text.error().text();
+  const auto domain = parse_domain(*text, "stations.pddl");
+  ASSERT_TRUE(domain) << domain.error().text() << *text;
+  EXPECT_EQ(domain->actions.size(), 2u);
+  EXPECT_EQ(domain->actions[1].duration.at(0).bound.value, 10);
 }
 
 TEST(Template, FilesAreFoundBelowTheFolderOnly) {

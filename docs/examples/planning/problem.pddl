@@ -1,0 +1,7 @@
+(define (problem one-hall)
+  (:domain hall)
+  (:objects r1 - robot base hall - place)
+  (:init (at r1 base) (= (way base hall) 5) (= (way hall base) 5)
+    (at 3 (open hall)) (at 60 (not (open hall))))
+  (:goal (done hall))
+  (:metric minimize (total-time)))
