@@ -7,6 +7,7 @@
 #include "planner/bounds/lower_bound.h"
 #include "planner/ground/ground.h"
 #include "planner/improve/rebuild.h"
+#include "planner/pddl/parser.h"
 #include "planner/search/split.h"
 #include "planner/validator/validator.h"
 
@@ -19,6 +20,8 @@ constexpr std::int64_t kRestartSlice = 400'000;      ///< units of a search that
 constexpr std::int64_t kLandmarkWork = 300'000'000;  ///< word operations
 constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
 
+using Clock = std::chrono::steady_clock;
+
 /// A ground task with what searches on it need.
 struct SearchSpace {
   explicit SearchSpace(const GroundTask& task)
@@ -30,11 +33,11 @@ struct SearchSpace {
 
 class Planner {
  public:
-  Planner(const Task& task, const PlanOptions& options, Budget& budget, GroundTask ground)
-      : options_(options), budget_(budget), began_(std::chrono::steady_clock::now()), ground_(std::move(ground)), touches_(ground_),
+  Planner(const Task& task, const PlanOptions& options, Budget& budget, Clock::time_point began, GroundTask ground)
+      : options_(options), budget_(budget), began_(began), ground_(std::move(ground)), touches_(ground_),
         validator_(task.domain, task.problem) {}
 
-  PlanAnswer run() {
+  Expected<PlanAnswer> run() {
     if (ground_.proved_unsolvable) {
       answer_.status = PlanStatus::kUnsolvable;
       answer_.reason = "the goal is out of reach even if nothing were ever deleted";
@@ -56,7 +59,8 @@ class Planner {
   }
 
  private:
-  PlanAnswer finish() {
+  Expected<PlanAnswer> finish() {
+    if (unsupported_ && !answer_.plan) return *unsupported_;
     answer_.units = budget_.units();
     return std::move(answer_);
   }
@@ -90,6 +94,7 @@ class Planner {
     timed.latest = latest_times(timed, stn.makespan());
     const Expected<Verdict> verdict = validator_.check(timed.steps);
     budget_.spend(Work::kNode, static_cast<std::int64_t>(10 * timed.steps.size()));
+    if (!verdict && verdict.error().code == kUnsupported) unsupported_ = verdict.error();
     if (!verdict || !verdict->valid) {
       ++answer_.refused;
       answer_.refusal = verdict ? verdict->violation->message : verdict.error().text();
@@ -97,7 +102,7 @@ class Planner {
     }
     timed.metric = verdict->metric;
     best_makespan_ = stn.makespan();
-    if (!answer_.plan) answer_.first_plan_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+    if (!answer_.plan) answer_.first_plan_s = std::chrono::duration<double>(Clock::now() - began_).count();
     answer_.plan = std::move(timed);
     if (options_.on_plan) options_.on_plan(*answer_.plan, budget_.units());
     return true;
@@ -174,7 +179,7 @@ class Planner {
     cut.exhausted = end == SearchEnd::kExhausted;
     note(end);
     if (end != SearchEnd::kFound) return false;
-    publish(check.translate(found));
+    if (publish(check.translate(found))) best_cut_ = {&cut, std::move(found)};
     return answer_.plan.has_value();
   }
 
@@ -230,7 +235,7 @@ class Planner {
   void find_first() {
     bool sequences_exhausted = false;
     std::int64_t slice = kFirstSlice;
-    for (std::uint64_t round = 0; !budget_.over(); ++round, slice *= 2) {
+    for (std::uint64_t round = 0; !budget_.over() && !unsupported_; ++round, slice *= 2) {
       const std::uint64_t seed = round % 2 == 0 ? 0 : round;
       if (!sequences_exhausted) {
         Sequence found;
@@ -294,12 +299,15 @@ class Planner {
     std::int64_t idle = 2000;
     for (std::uint64_t round = 0; !budget_.over() && !proved_best(); ++round) {
       Sequence from = best_sequence_;
-      if (round % 4 == 3 || from.empty()) {
+      if (round % 4 == 3) {
         Sequence found;
         if (search_sequences(round, kRestartSlice, false, found) == SearchEnd::kFound) from = std::move(found);
       }
       if (from.empty()) {
-        if (round > 50) return;
+        if (!best_cut_.first) return;
+        if (round % 4 == 3) search_cut(*best_cut_.first, round, kRestartSlice);
+        improve_cut(*best_cut_.first, best_cut_.second, round, idle);
+        idle += idle / 4;
         continue;
       }
       if (round % 4 == 1) {
@@ -321,39 +329,45 @@ class Planner {
 
   void improve_parts(const Sequence& from, std::uint64_t round, std::int64_t idle) {
     if (!everything_) everything_ = make_cut(true);
-    if (everything_->exhausted) return;
-    Decoder decoder(*everything_->split, ground_, everything_->space->simulator, touches_);
+    if (!everything_->exhausted) improve_cut(*everything_, to_parts(*everything_->split, from), round, idle);
+  }
+
+  void improve_cut(Cut& cut, const Sequence& from, std::uint64_t round, std::int64_t idle) {
+    Decoder decoder(*cut.split, ground_, cut.space->simulator, touches_);
     LocalSearch local(decoder, round + 1);
-    if (!local.start(to_parts(*everything_->split, from))) return;
-    const SplitCheck check(*everything_->split, ground_, touches_);
+    if (!local.start(from)) return;
+    const SplitCheck check(*cut.split, ground_, touches_);
     local.run(budget_, idle, [&](const Sequence& sequence, Micros makespan) {
-      if (makespan < best_makespan_) publish(check.translate(sequence));
+      if (makespan < best_makespan_ && publish(check.translate(sequence)) && best_cut_.first) best_cut_ = {&cut, sequence};
     });
   }
 
   const PlanOptions& options_;
   Budget& budget_;
-  const std::chrono::steady_clock::time_point began_;
+  const Clock::time_point began_;
   GroundTask ground_;
   Touches touches_;
   Validator validator_;
   std::unique_ptr<SearchSpace> sequences_;  ///< of whole actions
   std::unique_ptr<SplitTask> whole_;        ///< nothing is cut
   std::optional<Cut> envelopes_, everything_;
+  std::pair<Cut*, Sequence> best_cut_{nullptr, {}};  ///< the best plan as a sequence of parts, where no sequence was found
   PlanAnswer answer_;
   Sequence best_sequence_;
   Micros best_makespan_ = DurationRange::kForever, bound_ = 0;
   bool out_of_memory_ = false;
+  std::optional<Error> unsupported_;  ///< what the validator cannot judge
 };
 
 }  // namespace
 
 Expected<PlanAnswer> find_plan(const Task& task, const PlanOptions& options) {
+  const Clock::time_point began = Clock::now();
   Budget budget(options.budget, options.timeout_s);
   Expected<GroundTask> made = ground(task);
   if (!made) return made.error();
   budget.spend(Work::kGround, static_cast<std::int64_t>(made->actions.size()));
-  return Planner(task, options, budget, std::move(*made)).run();
+  return Planner(task, options, budget, began, std::move(*made)).run();
 }
 
 }  // namespace cxlab::planner

@@ -262,6 +262,27 @@ void drop_copies(GroundTask& task) {
   compact(task.actions, keep);
 }
 
+/// Where effects depend on a duration that may be chosen, the action is there with several.
+void offer_durations(GroundTask& task) {
+  const auto mentions = [](const GroundExpression& expression) {
+    return std::ranges::any_of(expression.steps, [](const auto& step) { return step.kind == GroundExpression::Kind::kDuration; });
+  };
+  for (std::size_t a = 0, actions = task.actions.size(); a < actions; ++a) {
+    const GroundAction& action = task.actions[a];
+    bool depends = !action.continuous.empty();
+    for (const auto* effects : {&action.at_start, &action.at_end})
+      for (const NumericEffect& effect : effects->numbers) depends = depends || mentions(effect.value);
+    for (const auto* condition : {&action.start, &action.over_all, &action.end})
+      for (const int c : condition->comparisons) depends = depends || mentions(task.comparisons[c].expression);
+    if (!action.durative || !depends || std::ranges::any_of(action.duration, [](const auto& d) { return d.comparison == Comparison::kEqual; })) continue;
+    for (const double stretch : {0.125, 0.25, 0.5, 1.0}) {
+      GroundAction longer = task.actions[a];
+      longer.stretch = stretch;
+      task.actions.push_back(std::move(longer));
+    }
+  }
+}
+
 void drop_facts(GroundTask& task) {
   std::vector<char> removed(task.facts.size(), 0), asked(task.facts.size(), 0);
   for_each_effects(task, [&](GroundEffects& effects) {
@@ -356,6 +377,7 @@ void prune(GroundTask& task) {
   drop_facts(task);
   drop_numbers(task);
   drop_copies(task);
+  offer_durations(task);
 }
 
 }  // namespace cxlab::planner

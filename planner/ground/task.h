@@ -133,6 +133,7 @@ struct GroundAction {
   std::vector<ObjectId> arguments;
   bool durative = false;
   std::vector<GroundDuration> duration;
+  double stretch = 0;  ///< as a whole action it lasts this share of the way from the shortest to the longest duration
   GroundCondition start, over_all, end;
   GroundEffects at_start, at_end;
   std::vector<ConditionalEffects> conditional;

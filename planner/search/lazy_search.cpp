@@ -77,6 +77,7 @@ class Queue {
   };
 
   bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
   void push(int estimate, Entry entry) {
     const std::size_t bucket = static_cast<std::size_t>(std::min(estimate, 1 << 16));
     if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
@@ -194,7 +195,9 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
       }
     }
     if (budget.slice_over() || budget.units() >= last_unit) return SearchEnd::kBudget;
-    if (nodes.words() > options.most_words) return SearchEnd::kMemory;
+    std::size_t waiting = 0;
+    for (const Queue& queue : queues) waiting += queue.size();
+    if (nodes.words() + waiting > options.most_words) return SearchEnd::kMemory;
     Queue* next = nullptr;
     for (Queue& queue : queues)
       if (!queue.empty() && (!next || queue.priority < next->priority)) next = &queue;

@@ -8,6 +8,7 @@ namespace cxlab::planner {
 namespace {
 
 constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
+constexpr Micros kLongStretch = 1000;  ///< times the shortest duration, where none is the longest
 constexpr double kLongest = 1e12;  ///< seconds; beyond it a duration is not taken for one
 
 void change(double& number, NumericEffect::Kind kind, double value) {
@@ -66,7 +67,7 @@ Simulator::Whole Simulator::make_whole(const GroundAction& action) const {
     const int index = static_cast<int>(&action - task_.actions.data());
     if (const std::optional<DurationRange> range = durations(index, none.data())) {
       whole.fixed = true;
-      whole.duration = range->least;
+      whole.duration = chosen(index, *range);
     } else {
       whole.impossible = true;
     }
@@ -110,6 +111,13 @@ std::optional<DurationRange> Simulator::durations(int action, const Word* state)
   return range;
 }
 
+Micros Simulator::chosen(int action, const DurationRange& range) const {
+  const double stretch = task_.actions[action].stretch;
+  if (stretch == 0) return range.least;
+  const Micros most = std::min(range.most, std::max(range.least, kMicrosPerSecond) * kLongStretch);
+  return range.least + static_cast<Micros>(stretch * static_cast<double>(std::max<Micros>(0, most - range.least)));
+}
+
 bool Simulator::apply(int action, Word* state, Micros& duration) const {
   const Whole& whole = whole_[action];
   if (whole.fixed) {
@@ -117,7 +125,7 @@ bool Simulator::apply(int action, Word* state, Micros& duration) const {
   } else {
     const std::optional<DurationRange> range = durations(action, state);
     if (!range) return false;
-    duration = range->least;
+    duration = chosen(action, *range);
   }
   return apply_with(action, state, duration);
 }

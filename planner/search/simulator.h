@@ -35,7 +35,7 @@ class Simulator {
   /// Durations that the constraints allow in this state; none if there is no duration.
   std::optional<DurationRange> durations(int action, const Word* state) const;
 
-  /// Runs the whole action; `duration` is the shortest one allowed. False, and the state is spoilt, if it cannot run.
+  /// Runs the whole action; `duration` is the shortest one allowed, or longer by its stretch. False, and the state is spoilt, if it cannot run.
   bool apply(int action, Word* state, Micros& duration) const;
   /// The same with a duration given.
   bool apply_with(int action, Word* state, Micros duration) const;
@@ -61,6 +61,7 @@ class Simulator {
     Micros duration = 0;
   };
 
+  Micros chosen(int action, const DurationRange& range) const;
   double* mutable_numbers(Word* state) const { return reinterpret_cast<double*>(state + fact_words_); }
   void apply_effects(const GroundEffects& effects, Word* state, double duration_s) const;
   Whole make_whole(const GroundAction& action) const;
