@@ -16,9 +16,9 @@ void substitute(std::string& text, std::string_view word, const std::string& val
 bool is_for(const std::string& node, std::string_view& from) {
   const std::size_t colon = from.find(':');
   if (colon == std::string_view::npos || from.substr(colon).starts_with("://")) return true;
-  if (from.substr(0, colon) != node) return false;
+  const bool ours = from.substr(0, colon) == node;
   from.remove_prefix(colon + 1);
-  return true;
+  return ours;
 }
 
 /// Takes the kind's prefix off the front. False if it is of another kind.
