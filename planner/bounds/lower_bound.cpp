@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "planner/search/landmarks.h"
+#include "planner/search/split.h"
 
 namespace cxlab::planner {
 
@@ -37,19 +38,18 @@ class Bounds {
     }
   }
 
-  Micros latest(const GroundCondition& condition, const std::vector<int>& own) const {
+  Micros latest(const GroundCondition& condition) const {
     Micros time = 0;
-    for (const int f : condition.facts)
-      if (!std::ranges::binary_search(own, f)) time = std::max(time, fact_[f]);
+    for (const int f : condition.facts) time = std::max(time, fact_[f]);
     for (const int c : condition.comparisons) time = std::max(time, comparison_[c]);
     return time;
   }
 
-  Micros earliest_start(std::size_t a) const {
+  /// What others may bring about while it runs does not hold up the beginning.
+  Micros earliest_start(std::size_t a) const { return latest(task_.actions[a].start); }
+  Micros earliest_end(std::size_t a) const {
     const GroundAction& action = task_.actions[a];
-    static const std::vector<int> kNone;
-    const Micros start = std::max(latest(action.start, kNone), latest(action.over_all, own_[a]));
-    return std::max(start, latest(action.end, own_[a]) - durations_[a]);
+    return std::max({earliest_start(a) + durations_[a], latest(action.over_all), latest(action.end)});
   }
 
   void find_earliest() {
@@ -64,12 +64,6 @@ class Bounds {
       if (task_.comparisons[c].holds(simulator_.numbers(initial.data())) || task_.comparisons[c].linear.duration_weight != 0) comparison_[c] = 0;
       for (const auto& step : task_.comparisons[c].expression.steps)
         if (step.kind == GroundExpression::Kind::kNumber) readers[step.number].push_back(static_cast<int>(c));
-    }
-    for (const GroundAction& action : task_.actions) {
-      own_.push_back(action.at_start.add);
-      for (const ConditionalEffects& conditional : action.conditional)
-        own_.back().insert(own_.back().end(), conditional.at_start.add.begin(), conditional.at_start.add.end());
-      std::ranges::sort(own_.back());
     }
     bool changed = true;
     const auto lower = [&changed](Micros& time, Micros to) {
@@ -88,22 +82,26 @@ class Bounds {
         const GroundAction& action = task_.actions[a];
         const Micros start = earliest_start(a);
         if (start >= kNever) continue;
-        const Micros end = start + durations_[a];
         apply(action.at_start, start);
-        apply(action.at_end, end);
-        for (const ConditionalEffects& conditional : action.conditional) apply(conditional.at_start, start), apply(conditional.at_end, end);
+        for (const ConditionalEffects& conditional : action.conditional) apply(conditional.at_start, start);
         for (const ContinuousEffect& effect : action.continuous)
           for (const int c : readers[effect.number]) lower(comparison_[c], start);
+        const Micros end = earliest_end(a);
+        if (end >= kNever) continue;
+        apply(action.at_end, end);
+        for (const ConditionalEffects& conditional : action.conditional) apply(conditional.at_end, end);
       }
-      for (const Axiom& axiom : task_.axioms) lower(fact_[axiom.head], latest(axiom.body, {}));
+      for (const Axiom& axiom : task_.axioms) lower(fact_[axiom.head], latest(axiom.body));
     }
   }
 
   /// Actions that take a fact at their start and give it back at their end cannot overlap if they share it.
   Micros resources() {
-    if (!task_.axioms.empty()) return 0;
-    const RelaxedTask relaxed(simulator_, true);
-    const Landmarks landmarks(simulator_, relaxed, 20'000'000);
+    const std::optional<GroundTask> parts = untimed(task_);  // its landmarks are those of overlapping plans, too
+    if (!task_.axioms.empty() || !parts) return 0;
+    const Simulator simulator(*parts);
+    const RelaxedTask relaxed(simulator, true);
+    const Landmarks landmarks(simulator, relaxed, 20'000'000);
     budget_.spend(Work::kBound, landmarks.work());
     const PackedState initial = simulator_.initial();
     std::vector<std::vector<int>> achievers(task_.facts.size());
@@ -148,7 +146,6 @@ class Bounds {
   const GroundTask& task_;
   Budget& budget_;
   std::vector<Micros> durations_, fact_, comparison_;
-  std::vector<std::vector<int>> own_;  ///< by action: what its beginning adds
 };
 
 }  // namespace

@@ -8,59 +8,64 @@ namespace cxlab::planner {
 namespace {
 
 /// What can happen if nothing is ever deleted and numbers go as far as they like in each direction in which they move.
+/// The beginning of an action asks for its start condition only: others may bring about the rest while it runs.
 class Relaxation {
  public:
-  explicit Relaxation(const GroundTask& task)
-      : task_(task), fact_(task.facts.size(), 0), comparison_(task.comparisons.size(), 0), action_(task.actions.size(), 0),
-        up_(task.numbers.size(), 0), down_(task.numbers.size(), 0) {
-    for (std::size_t f = 0; f < task.facts.size(); ++f)
-      fact_[f] = task.initial_facts[f] || (task.facts[f].derived && task.facts[f].is_complement);
-    for (std::size_t c = 0; c < task.comparisons.size(); ++c) {
-      const GroundComparison& comparison = task.comparisons[c];
-      comparison_[c] = comparison.holds(task.initial_numbers.data()) || !comparison.linear.is_linear || comparison.linear.duration_weight != 0;
+  explicit Relaxation(const GroundTask& task) : task_(task), useless_(task.actions.size(), 0) {
+    for (bool changed = true; changed;) {  // what can begin but never end is in no plan
+      spread();
+      changed = false;
+      for (std::size_t a = 0; a < task.actions.size(); ++a)
+        if (begun_[a] && !ended_[a]) useless_[a] = 1, changed = true;
     }
-    for (const TimedEvent& event : task.events) apply(event.effects);
-    for (bool changed = true; changed;) changed = round();
   }
 
   bool reaches(const GroundCondition& condition) const {
     return std::ranges::all_of(condition.facts, [this](int f) { return fact_[f] != 0; }) &&
            std::ranges::all_of(condition.comparisons, [this](int c) { return comparison_[c] != 0; });
   }
-  bool applicable(std::size_t action) const { return action_[action] != 0; }
+  bool applicable(std::size_t action) const { return ended_[action] != 0; }
 
  private:
+  void spread() {
+    fact_.assign(task_.facts.size(), 0);
+    comparison_.assign(task_.comparisons.size(), 0);
+    begun_.assign(task_.actions.size(), 0);
+    ended_.assign(task_.actions.size(), 0);
+    up_.assign(task_.numbers.size(), 0);
+    down_.assign(task_.numbers.size(), 0);
+    for (std::size_t f = 0; f < task_.facts.size(); ++f)
+      fact_[f] = task_.initial_facts[f] || (task_.facts[f].derived && task_.facts[f].is_complement);
+    for (std::size_t c = 0; c < task_.comparisons.size(); ++c) {
+      const GroundComparison& comparison = task_.comparisons[c];
+      comparison_[c] = comparison.holds(task_.initial_numbers.data()) || !comparison.linear.is_linear || comparison.linear.duration_weight != 0;
+    }
+    for (const TimedEvent& event : task_.events) apply(event.effects);
+    for (bool changed = true; changed;) changed = round();
+  }
+
   bool round() {
     bool changed = false;
     for (std::size_t a = 0; a < task_.actions.size(); ++a) {
       const GroundAction& action = task_.actions[a];
-      if (action_[a] && action.conditional.empty()) continue;
-      if (!reaches(action.start)) continue;
-      if (!action_[a]) {
-        // What must hold during the action or at its end may be brought about by its own beginning.
-        std::vector<std::pair<int, char>> saved;
-        for (const int f : action.at_start.add) saved.emplace_back(f, fact_[f]), fact_[f] = 1;
-        const std::vector<char> up = up_, down = down_, comparisons = comparison_;
-        move(action.at_start);
-        for (const ContinuousEffect& change : action.continuous) move_number(change.number, change.rate);
-        for (const ConditionalEffects& conditional : action.conditional) {
-          for (const int f : conditional.at_start.add) saved.emplace_back(f, fact_[f]), fact_[f] = 1;
-          move(conditional.at_start);
-        }
-        refresh();
-        const bool possible = reaches(action.over_all) && reaches(action.end);
-        for (auto it = saved.rbegin(); it != saved.rend(); ++it) fact_[it->first] = it->second;
-        up_ = up, down_ = down, comparison_ = comparisons;
-        if (!possible) continue;
-        action_[a] = 1;
+      if (useless_[a] || (ended_[a] && action.conditional.empty()) || !reaches(action.start)) continue;
+      if (!begun_[a]) {
+        begun_[a] = 1;
         changed = true;
-        changed |= apply(action.at_start) | apply(action.at_end);
-        for (const ContinuousEffect& effect : action.continuous) changed |= move_number(effect.number, effect.rate);
+        apply(action.at_start);
+        for (const ContinuousEffect& effect : action.continuous) move_number(effect.number, effect.rate);
         refresh();
       }
-      for (const ConditionalEffects& conditional : action.conditional)
-        if (reaches(conditional.start) && reaches(conditional.over_all) && reaches(conditional.end))
-          changed |= apply(conditional.at_start) | apply(conditional.at_end);
+      if (!ended_[a] && reaches(action.over_all) && reaches(action.end)) {
+        ended_[a] = 1;
+        changed = true;
+        apply(action.at_end);
+      }
+      for (const ConditionalEffects& conditional : action.conditional) {
+        if (!reaches(conditional.start)) continue;
+        changed |= apply(conditional.at_start);
+        if (ended_[a] && reaches(conditional.over_all) && reaches(conditional.end)) changed |= apply(conditional.at_end);
+      }
     }
     for (const Axiom& axiom : task_.axioms)
       if (!fact_[axiom.head] && reaches(axiom.body)) fact_[axiom.head] = 1, changed = true;
@@ -109,7 +114,8 @@ class Relaxation {
   }
 
   const GroundTask& task_;
-  std::vector<char> fact_, comparison_, action_, up_, down_;
+  std::vector<char> useless_;  ///< by action
+  std::vector<char> fact_, comparison_, begun_, ended_, up_, down_;
 };
 
 template <class Visit>

@@ -124,14 +124,14 @@ class Queue {
 
 bool EventCheck::accepts(const Sequence& path, const Word*) {
   timeline_.clear();
+  acts_ = std::ranges::any_of(path, [](const SequenceStep& step) { return !is_event(step); });
   for (const SequenceStep& step : path)
     if (is_event(step) ? !timeline_.append_event() : timeline_.append(step.action, step.duration) == Timeline::kNever) return false;
   return true;
 }
 
 bool EventCheck::accepts_goal(const Sequence& path) {
-  const bool acts = std::ranges::any_of(path, [](const SequenceStep& step) { return !is_event(step); });
-  return (acts || path.empty()) && accepts(path, nullptr) && timeline_.finish();
+  return accepts(path, nullptr) && (acts_ || path.empty()) && timeline_.finish();
 }
 
 SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, Budget& budget, Sequence& found) {

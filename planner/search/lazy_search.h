@@ -56,11 +56,13 @@ class EventCheck : public PathCheck {
  public:
   explicit EventCheck(const Touches& touches) : timeline_(touches) {}
   bool accepts(const Sequence& path, const Word* state) override;
-  Word signature() const override { return 0; }
+  /// Whether the path acts at all: a plan that only waits has no end.
+  Word signature() const override { return acts_; }
   bool accepts_goal(const Sequence& path) override;
 
  private:
   Timeline timeline_;
+  bool acts_ = false;
 };
 
 class LazySearch {

@@ -165,7 +165,7 @@ bool SplitCheck::accepts(const Sequence& path, const Word* state) {
   for (const auto& [action, step] : open)
     if (!simulator_.holds(original_.actions[action].over_all, state)) return false;
   if (!stn_.solve(0)) return false;
-  signature_ = 0;
+  signature_ = stn_.steps() > 0;
   std::ranges::sort(open);
   for (const auto& [action, step] : open) {
     const Micros ran = (stn_.last_happening() - stn_.start(step)) / kSignatureGrain;
