@@ -48,12 +48,12 @@ std::string number_text(double number) {
 }
 
 std::string time_text(double seconds) {
-  if (std::abs(seconds) < 1e12 && std::abs(seconds * 1000 - std::round(seconds * 1000)) < 1e-6) {
-    char buffer[32];
-    std::snprintf(buffer, sizeof buffer, "%.3f", std::round(seconds * 1000) == 0 ? 0.0 : seconds);
-    return buffer;
-  }
-  return number_text(seconds);
+  if (!(std::abs(seconds) < 1e7)) return number_text(seconds);
+  char buffer[40];
+  std::snprintf(buffer, sizeof buffer, "%.9f", seconds);
+  std::string text = buffer;
+  while (text.back() == '0' && text[text.size() - 4] != '.') text.pop_back();
+  return text == "-0.000" ? "0.000" : text;
 }
 
 void Printer::name_variables(const std::vector<Variable>& parameters) {

@@ -41,7 +41,7 @@ class Printer {
 
 /// A number as short as it can be read back without loss: 5, 0.1.
 std::string number_text(double number);
-/// A time in seconds with three decimals, or more where three lose something: 5.000.
+/// A time in seconds with three decimals, or up to nine where three lose something: 5.000, 33.333333333.
 std::string time_text(double seconds);
 
 /// The whole domain or problem as PDDL that parses to the same model.

@@ -46,9 +46,12 @@ TEST(Writer, NumbersAndTimesAreShortAndExact) {
   EXPECT_EQ(number_text(5), "5");
   EXPECT_EQ(number_text(0.1), "0.1");
   EXPECT_EQ(time_text(5), "5.000");
-  EXPECT_EQ(time_text(100.0 / 3), "33.333333333333336");
+  EXPECT_EQ(time_text(100.0 / 3), "33.333333333");
   EXPECT_EQ(time_text(0.1 + 0.2), "0.300");
   EXPECT_EQ(time_text(-1e-12), "0.000");
+  EXPECT_EQ(time_text(5.0010010000000005), "5.001001");
+  EXPECT_EQ(time_text(0.0005), "0.0005");
+  EXPECT_EQ(time_text(-1440), "-1440.000");
 }
 
 }  // namespace
