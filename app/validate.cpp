@@ -49,9 +49,9 @@ void print_text(const planner::Verdict& verdict, const std::optional<planner::Ro
   if (verdict.metric) std::printf(", metric %s", planner::number_text(*verdict.metric).c_str());
   std::printf("\n");
   if (!robust) return;
-  std::printf("robust: steps may begin up to %s s early or late (%d plans checked)\n", planner::number_text(robust->holds).c_str(), robust->samples);
+  std::printf("robust: steps may begin up to %s s early or late (%d plans checked)\n", time_text(robust->holds).c_str(), robust->samples);
   if (robust->violation)
-    std::printf("with up to %s s: %s\n", planner::number_text(robust->breaks).c_str(), planner::to_text(*robust->violation).c_str());
+    std::printf("with up to %s s: %s\n", time_text(robust->breaks).c_str(), planner::to_text(*robust->violation).c_str());
 }
 
 void print_json(const planner::Verdict& verdict, const std::optional<planner::Robustness>& robust, const planner::Plan& plan, const planner::Task& task) {

@@ -1,6 +1,7 @@
 #include "planner/validator/robustness.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "cx/base/random.h"
 
@@ -68,7 +69,7 @@ Expected<Robustness> robustness(const Validator& validator, const Plan& plan, co
     found.samples = shaker.samples();
     constexpr double kFinest = 1e-6;  // s
     if (found.breaks == 0 || found.breaks <= kFinest || found.breaks - found.holds <= std::max(kFinest, found.breaks * 1e-3)) return found;
-    shift = (found.holds + found.breaks) / 2;
+    shift = std::round((found.holds + found.breaks) / 2 * 1e7) / 1e7;  // seven decimals, to be read
   }
 }
 
