@@ -1,0 +1,56 @@
+"""cxlab plan: answers, exit codes, files. python3 -m unittest plan"""
+
+import json
+import subprocess
+import xml.etree.ElementTree
+
+from lab import CXLAB, Lab
+
+DOMAIN = """(define (domain d) (:types place)
+  (:predicates (at ?p - place) (road ?a ?b - place) (seen ?p - place))
+  (:durative-action go :parameters (?a ?b - place) :duration (= ?duration 5)
+    :condition (and (at start (at ?a)) (over all (road ?a ?b)))
+    :effect (and (at start (not (at ?a))) (at end (at ?b)) (at end (seen ?b)))))
+"""
+PROBLEM = "(define (problem p) (:domain d) (:objects a b c - place) (:init (at a) (road a b) (road b c)) (:goal (at c)))\n"
+
+
+class Plan(Lab):
+    def plan(self, *arguments, domain=DOMAIN, problem=PROBLEM):
+        files = [self.write("d.pddl", domain), self.write("p.pddl", problem)]
+        return subprocess.run([CXLAB, "plan", *map(str, files), *arguments], capture_output=True, text=True, cwd=self.folder)
+
+    def test_a_plan_is_printed_and_valid(self):
+        done = self.plan("--out", "found.plan", "--svg", "found.svg")
+        self.assertEqual((done.returncode, done.stdout), (0, ""))
+        judged = subprocess.run([CXLAB, "validate", "d.pddl", "p.pddl", "found.plan"], capture_output=True, text=True, cwd=self.folder)
+        self.assertEqual(judged.returncode, 0, judged.stdout)
+        self.assertEqual((self.folder / "found.plan").read_text(), self.plan().stdout)
+        xml.etree.ElementTree.parse(self.folder / "found.svg")
+
+    def test_json_tells_order_and_bound(self):
+        answer = json.loads(self.plan("--json").stdout)
+        self.assertEqual((answer["status"], len(answer["steps"])), ("plan", 2))
+        self.assertLessEqual(answer["lower_bound_s"], answer["makespan_s"])
+        self.assertEqual(answer["steps"][0]["arguments"], ["a", "b"])
+        self.assertIn({"from": {"step": 0, "at": "end"}, "to": {"step": 1, "at": "start"}, "least_s": 0.001001}, answer["orderings"])
+
+    def test_same_budget_same_answer(self):
+        arguments = ("--json", "--anytime", "--budget", "50000")
+        first, second = (json.loads(self.plan(*arguments).stdout) for _ in range(2))
+        for answer in (first, second):
+            del answer["first_plan_wall_s"]
+        self.assertEqual(first, second)
+
+    def test_every_other_answer_has_its_code(self):
+        self.assertEqual(self.plan(problem=PROBLEM.replace("(road b c)", "")).returncode, 10)
+        # The road is open for less time than going takes: only time forbids it.
+        closing = PROBLEM.replace("(road b c)", "(at 1 (road b c)) (at 4 (not (road b c)))")
+        self.assertEqual(self.plan(problem=closing).returncode, 12)
+        self.assertEqual(self.plan("--budget", "1").returncode, 23)
+        done = self.plan(domain=DOMAIN.replace("(at end (at ?b))", "(at end (as ?b))"))
+        self.assertEqual(done.returncode, 31)
+        self.assertIn("d.pddl:5:", done.stderr)
+        self.assertEqual(self.plan(domain=DOMAIN.replace("(:types", "(:requirements :preferences) (:types")).returncode, 34)
+        self.assertEqual(self.plan("--budget", "0").returncode, 2)
+        self.assertEqual(self.plan("--out", "/no/such/folder/plan").returncode, 5)
