@@ -64,18 +64,28 @@
 
 (deftemplate job
   "One piece to be brought from one place to another by one robot.
-   WAITING: no robot yet. GO-FETCH, FETCH, GO-PUT, PUT: the skill that runs or is next. DONE: the piece is there."
+   WAITING: no robot yet. GO-FETCH, FETCH, GO-PUT, PUT: the skill that runs or is next. DONE: the piece is there.
+   GIVEN-UP: nothing more to do. A DISCARD begins with the piece in the gripper."
   (slot id (type INTEGER))
-  (slot purpose (type SYMBOL) (allowed-values BUFFER CLEAR BASE DELIVER PAY))
+  (slot purpose (type SYMBOL) (allowed-values BUFFER CLEAR BASE DELIVER PAY DISCARD))
   (slot station (type STRING))
   (slot order (type INTEGER) (default 0))
   (slot from (type STRING))
   (slot to (type STRING))
   (slot robot (type STRING) (default ""))
-  (slot step (type SYMBOL) (allowed-values WAITING GO-FETCH FETCH GO-PUT PUT DONE) (default WAITING))
+  (slot step (type SYMBOL) (allowed-values WAITING GO-FETCH FETCH GO-PUT PUT DONE GIVEN-UP) (default WAITING))
   (slot moving (type SYMBOL) (allowed-values NO YES) (default NO))
-  (slot tries (type INTEGER) (default 0))
-  (slot not-before (type FLOAT) (default 0.0)))
+  (slot tries (type INTEGER) (default 0))           ; failures of this step, one after the other
+  (slot not-before (type FLOAT) (default 0.0))
+  (slot handed-over (type INTEGER) (default 0))     ; how often a robot left it to others
+  (slot avoid (type STRING) (default "")))          ; the robot that did; it stays away until not-before
+
+(deftemplate trouble
+  "Trying the step again does not help (recovery.clp).
+   HELD: there is a piece in the gripper, ours. FULL: one, not ours. UNABLE: the piece cannot be fetched. MISSING: it is
+   not there. OCCUPIED: something lies where it should go. LOST: it fell. STUCK: it cannot be put down."
+  (slot job (type INTEGER))
+  (slot kind (type SYMBOL) (allowed-values HELD FULL UNABLE MISSING OCCUPIED LOST STUCK)))
 
 (deftemplate held-up
   "This step of a job must wait; the rule that sees its reason gone retracts it."

@@ -13,12 +13,24 @@
 (deffunction distance (?x1 ?y1 ?x2 ?y2)
   (sqrt (+ (* (- ?x1 ?x2) (- ?x1 ?x2)) (* (- ?y1 ?y2) (- ?y1 ?y2)))))
 
+(deffunction trouble-of (?step ?code ?tries)
+  "What it means that this step failed with that code, after so many failures before; NONE: worth another try."
+  (bind ?fetches (or (eq ?step GO-FETCH) (eq ?step FETCH)))
+  (if (and ?fetches (= ?code 207)) then (return (if (> ?tries 0) then HELD else FULL)))
+  (if (and (= ?code 208) (> ?tries 0)) then (return LOST))
+  (if (< ?tries 2) then (return NONE))
+  (if (and ?fetches (= ?code 202)) then (return MISSING))
+  (if ?fetches then (return UNABLE))
+  (if (= ?code 209) then (return OCCUPIED))
+  (if (< ?tries 5) then NONE else STUCK))
+
 (defrule job-step-command
   "A step is due: command the skill for it."
   ?job <- (job (id ?id) (robot ?robot&~"") (step ?step&GO-FETCH|FETCH|GO-PUT|PUT) (moving NO) (from ?from) (to ?to)
                (not-before ?wait))
   (time ?now&:(>= ?now ?wait))
   (not (held-up (job ?id) (step ?step)))
+  (not (trouble (job ?id)))
   =>
   (bind ?skill (switch ?step (case FETCH then pick) (case PUT then place) (default drive_to)))
   (bind ?target (if (or (eq ?step GO-FETCH) (eq ?step FETCH)) then ?from else ?to))
@@ -38,18 +50,20 @@
                (step (switch ?step (case GO-FETCH then FETCH) (case FETCH then GO-PUT) (case GO-PUT then PUT) (default DONE)))))
 
 (defrule job-step-failed
-  "The skill failed: try it again a little later. Nothing to pick up at a shelf means that the slot is empty."
+  "The skill failed: try it again a little later, or have the trouble seen to."
   ?job <- (job (id ?id) (step ?step) (moving YES) (tries ?tries))
   ?command <- (command (id ?id) (state FAILED) (skill ?skill) (target ?target) (error-code ?code) (error ?error))
   (time ?now)
   =>
   (printout warn "job " ?id ": " ?skill " " ?target " failed: " ?code " " ?error crlf)
   (retract ?command)
-  (modify ?job (moving NO) (tries (+ ?tries 1)) (not-before (+ ?now 1.0))))
+  (modify ?job (moving NO) (tries (+ ?tries 1)) (not-before (+ ?now 1.0)))
+  (bind ?kind (trouble-of ?step ?code ?tries))
+  (if (neq ?kind NONE) then (assert (trouble (job ?id) (kind ?kind)))))
 
 (defrule job-robot-free
-  "The piece is at its place: the robot has nothing to do."
-  ?job <- (job (robot ?robot&~"") (step DONE))
+  "The piece is at its place, or given up: the robot has nothing to do."
+  ?job <- (job (robot ?robot&~"") (step DONE|GIVEN-UP))
   ?r <- (robot (name ?robot))
   (time ?now)
   =>

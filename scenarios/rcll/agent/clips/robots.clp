@@ -8,19 +8,23 @@
   "What speaks against a robot, in m: its way to the piece, less what it has rested."
   (- (distance ?x ?y ?robot-x ?robot-y) (* 0.6 ?idle)))
 
+(deffunction may-take (?robot ?avoid ?not-before ?now)
+  "The robot that left a job to others takes it again only after a while."
+  (or (>= ?now ?not-before) (and (neq ?avoid "") (neq ?robot ?avoid))))
+
 (defrule robot-take-job
   "The most urgent waiting job, of equals the oldest, goes to the idle robot with the least reluctance."
-  ?job <- (job (id ?id) (step WAITING) (purpose ?purpose) (from ?from))
+  ?job <- (job (id ?id) (step WAITING) (purpose ?purpose) (from ?from) (avoid ?avoid) (not-before ?wait))
   (not (job (step WAITING) (purpose ?p&:(< (urgency ?p) (urgency ?purpose)))))
   (not (job (step WAITING) (purpose ?purpose) (id ?other&:(< ?other ?id))))
   (machine (name =(machine-of ?from)) (x ?x) (y ?y))
   (time ?now)
-  ?robot <- (robot (name ?name) (state IDLE) (x ?rx) (y ?ry) (idle-since ?since))
-  (not (robot (state IDLE) (name ~?name) (x ?ox) (y ?oy)
+  ?robot <- (robot (name ?name&:(may-take ?name ?avoid ?wait ?now)) (state IDLE) (x ?rx) (y ?ry) (idle-since ?since))
+  (not (robot (state IDLE) (name ?o-name&~?name&:(may-take ?o-name ?avoid ?wait ?now)) (x ?ox) (y ?oy)
               (idle-since ?o-since&:(< (reluctance ?x ?y ?ox ?oy (- ?now ?o-since)) (reluctance ?x ?y ?rx ?ry (- ?now ?since))))))
   =>
   (modify ?robot (state BUSY))
-  (modify ?job (robot ?name) (step GO-FETCH)))
+  (modify ?job (robot ?name) (step GO-FETCH) (not-before 0.0)))
 
 (defrule robot-pay
   "Nothing else to do: an idle robot brings a base to a slide that has room; each is a payment."

@@ -53,7 +53,7 @@
 
 (defrule delivery-instruct
   "The piece lies on the belt: tell the delivery station which order it is for; 0 throws it away."
-  ?job <- (job (id ?id) (purpose CLEAR|DELIVER) (step DONE) (robot "") (order ?order) (to ?to))
+  ?job <- (job (id ?id) (purpose CLEAR|DELIVER|DISCARD) (step DONE) (robot "") (order ?order) (to ?to))
   (machine (name ?delivery&:(eq ?to (str-cat ?delivery "-INPUT"))) (kind DS))
   =>
   (retract ?job)
@@ -72,6 +72,12 @@
   =>
   (retract ?delivered)
   (modify ?order (state DONE)))
+
+(defrule delivery-discarded
+  "Nobody ordered it."
+  ?delivered <- (delivered 0 ?)
+  =>
+  (retract ?delivered))
 
 (defrule delivery-order-failed
   "The delivery station broke down: the order is open again."

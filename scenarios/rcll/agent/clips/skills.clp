@@ -97,6 +97,7 @@
   (slot handle (default NONE))
   (slot goal-id (type SYMBOL) (default NONE))
   (slot state (type SYMBOL) (allowed-values NEW SENT RUNNING SUCCEEDED FAILED) (default NEW))
+  (slot tries (type INTEGER) (default 0))
   (slot error (type STRING) (default "")))
 
 (defrule instruct-client-create
@@ -107,9 +108,10 @@
   (ros-msgs-create-action-client ?*INSTRUCT* "rcll_interfaces/action/InstructMachine"))
 
 (defrule instruct-send
-  "An instruction waits until its machine is idle, then goes out."
+  "An instruction waits until its machine is idle, then goes out. A reset does not wait."
   ?i <- (instruction (machine ?machine) (operation ?operation) (side ?side) (color ?color) (order ?order) (state NEW))
-  (machine (name ?machine) (state IDLE))
+  (machine (name ?machine) (state ?machine-state&:(or (eq ?machine-state IDLE)
+                                                      (and (eq ?operation "RESET") (neq ?machine-state BROKEN)))))
   (ros-msgs-action-client (server "/factory/instruct_machine"))
   (not (instruction (state SENT)))
   =>
@@ -132,11 +134,23 @@
   (modify ?i (state RUNNING) (goal NONE) (handle ?handle) (goal-id ?goal-id)))
 
 (defrule instruct-result
-  ?i <- (instruction (state RUNNING) (goal-id ?goal-id) (handle ?handle))
+  "The instruction ended. One that came when the machine was not ready waits for it once more."
+  ?i <- (instruction (operation ?operation) (state RUNNING) (goal-id ?goal-id) (handle ?handle) (tries ?tries))
   ?wrapped <- (ros-msgs-wrapped-result (server "/factory/instruct_machine") (goal-id ?goal-id) (code ?code) (result-ptr ?result))
   =>
+  (bind ?error-code (ros-msgs-get-field ?result "error_code"))
   (bind ?error (ros-msgs-get-field ?result "error"))
   (ros-msgs-destroy-message ?result)
   (ros-msgs-destroy-client-goal-handle ?handle)
   (retract ?wrapped)
-  (modify ?i (handle NONE) (state (if (eq ?code SUCCEEDED) then SUCCEEDED else FAILED)) (error ?error)))
+  (bind ?again (and (= ?error-code 209) (neq ?operation "RESET") (< ?tries 5)))
+  (modify ?i (handle NONE) (goal-id NONE) (tries (+ ?tries 1)) (error ?error)
+             (state (if ?again then NEW else (if (eq ?code SUCCEEDED) then SUCCEEDED else FAILED)))))
+
+(defrule instruct-reset-done
+  "The machine is BROKEN, or a reset is not possible."
+  ?i <- (instruction (machine ?machine) (operation "RESET") (state ?state))
+  (machine (name ?machine) (state ?machine-state))
+  (test (or (eq ?state FAILED) (and (neq ?state SENT) (neq ?state RUNNING) (eq ?machine-state BROKEN))))
+  =>
+  (retract ?i))

@@ -13,6 +13,7 @@
   ?station <- (cap-station (name ?name) (phase EMPTY))
   ?shelf <- (shelf (machine ?name) (spot ?spot) (state FULL))
   (not (shelf (machine ?name) (state FULL) (spot ?other&:(< (str-compare ?other ?spot) 0))))
+  (not (job (purpose BUFFER) (station ?name)))
   =>
   (modify ?station (phase BUFFERING))
   (modify ?shelf (state TAKEN))
@@ -30,8 +31,10 @@
 (defrule station-retrieve-cap
   "The carrier lies on the belt: have its cap taken."
   ?job <- (job (id ?id) (purpose BUFFER) (step DONE) (robot "") (station ?name))
+  ?station <- (cap-station (name ?name) (phase EMPTY|BUFFERING))
   =>
   (retract ?job)
+  (modify ?station (phase BUFFERING))
   (assert (instruction (id ?id) (machine ?name) (operation "RETRIEVE_CAP"))))
 
 (defrule station-cap-retrieved
@@ -106,6 +109,7 @@
   (job (id ?id) (purpose BASE) (step PUT) (station ?name))
   (cap-station (name ?name) (phase LOADED))
   (machine (name ?name) (state IDLE))
+  (not (instruction (machine ?name) (operation "RESET")))
   ?held <- (held-up (job ?id) (step PUT))
   =>
   (retract ?held))
@@ -113,7 +117,7 @@
 (defrule station-mount-cap
   "The base lies on the belt: have the cap mounted."
   ?job <- (job (id ?id) (purpose BASE) (step DONE) (robot "") (station ?name))
-  ?station <- (cap-station (name ?name))
+  ?station <- (cap-station (name ?name) (phase LOADED))
   =>
   (retract ?job)
   (modify ?station (phase MOUNTING))
@@ -148,13 +152,28 @@
 ; --- What goes wrong
 
 (defrule station-instruction-failed
-  "The machine broke down with what was in it: the order is open again, the station begins anew."
+  "The machine broke down with what was in it: the station begins anew, for the same order."
   ?instruction <- (instruction (machine ?name) (operation ?operation&"RETRIEVE_CAP"|"MOUNT_CAP") (state FAILED) (error ?error))
   ?station <- (cap-station (name ?name))
   =>
   (printout warn ?operation " at " ?name " failed: " ?error crlf)
   (retract ?instruction)
   (modify ?station (phase EMPTY)))
+
+(defrule station-broken
+  "It broke down by itself, and its cap and what lay on it are gone: it begins anew, for the same order."
+  (machine (name ?name) (state BROKEN))
+  ?station <- (cap-station (name ?name) (phase CLEARING|LOADED|MOUNTED))
+  =>
+  (modify ?station (phase EMPTY)))
+
+(defrule station-product-saved
+  "It broke down just after the product had left: the order needs no second one."
+  (job (purpose DELIVER) (station ?name) (order ?order) (step GO-PUT))
+  ?station <- (cap-station (name ?name) (order ?order) (phase EMPTY|BUFFERING))
+  (not (job (purpose BASE) (station ?name)))
+  =>
+  (modify ?station (order 0)))
 
 ; --- Shelves
 

@@ -1,0 +1,213 @@
+; What becomes of a job when trying again does not help: one rule for each trouble.
+
+(defglobal ?*AVOID* = 20.0)       ; so long a robot leaves a job to the others, s
+(defglobal ?*HAND-OVERS* = 3)
+(defglobal ?*RESET-TIME* = 35.0)  ; until a machine that was reset is idle again, s
+
+(deffunction input-of (?machine)
+  (str-cat ?machine "-INPUT"))
+
+(deffunction discard (?robot ?delivery)
+  "The robot brings whatever it holds to the delivery station, as order 0."
+  (bind ?id (create-job (new-id) DISCARD "" 0 "" (input-of ?delivery)))
+  (do-for-fact ((?job job)) (= ?job:id ?id) (modify ?job (robot ?robot) (step GO-PUT)))
+  (assert (held-up (job ?id) (step GO-PUT))))
+
+(deffunction reset-machine (?machine)
+  "Breaks the machine, so that it is idle and empty after a while."
+  (if (not (any-factp ((?i instruction)) (and (eq ?i:machine ?machine) (eq ?i:operation "RESET"))))
+   then (assert (instruction (id (new-id)) (machine ?machine) (operation "RESET")))))
+
+; --- Fetching
+
+(defrule recover-held
+  "A pick that failed late has the piece all the same: on with it."
+  ?trouble <- (trouble (job ?id) (kind HELD))
+  ?job <- (job (id ?id))
+  =>
+  (retract ?trouble)
+  (modify ?job (step GO-PUT) (tries 0)))
+
+(defrule recover-full
+  "The gripper holds a piece of which nobody knows: away with it; another robot does the job."
+  ?trouble <- (trouble (job ?id) (kind FULL))
+  ?job <- (job (id ?id) (robot ?robot))
+  (machine (name ?delivery) (kind DS))
+  (time ?now)
+  =>
+  (retract ?trouble)
+  (modify ?job (robot "") (step WAITING) (tries 0) (avoid ?robot) (not-before (+ ?now ?*AVOID*)))
+  (discard ?robot ?delivery))
+
+(defrule recover-unable
+  "This robot cannot fetch it: another one, or this one later."
+  ?trouble <- (trouble (job ?id) (kind UNABLE))
+  ?job <- (job (id ?id) (robot ?name) (step ?step) (handed-over ?count))
+  (test (or (eq ?step GO-FETCH) (< ?count ?*HAND-OVERS*)))
+  ?robot <- (robot (name ?name))
+  (time ?now)
+  =>
+  (retract ?trouble)
+  (modify ?robot (state IDLE) (idle-since ?now))
+  (modify ?job (robot "") (step WAITING) (tries 0) (avoid ?name) (handed-over (+ ?count 1))
+               (not-before (+ ?now (* ?*AVOID* (+ ?count 1))))))
+
+(defrule recover-unable-all
+  "No robot can fetch it: as if it were not there."
+  ?trouble <- (trouble (job ?id) (kind UNABLE))
+  (job (id ?id) (step FETCH) (handed-over ?count&:(>= ?count ?*HAND-OVERS*)))
+  =>
+  (modify ?trouble (kind MISSING)))
+
+(defrule recover-missing-carrier
+  "The shelf slot is empty: the station goes on with the next one."
+  ?trouble <- (trouble (job ?id) (kind MISSING))
+  ?job <- (job (id ?id) (purpose BUFFER) (station ?name))
+  ?station <- (cap-station (name ?name))
+  =>
+  (retract ?trouble)
+  (modify ?job (step GIVEN-UP))
+  (modify ?station (phase EMPTY)))
+
+(defrule recover-missing-base
+  "No base at the base station: have another one dispensed, onto an empty belt."
+  ?trouble <- (trouble (job ?id) (kind MISSING))
+  ?job <- (job (id ?id) (purpose BASE|PAY) (order ?order))
+  (machine (name ?bs) (kind BS) (state ?state&~DOWN))
+  =>
+  (retract ?trouble)
+  (modify ?job (tries 0) (handed-over 0))
+  (if (eq ?state READY-AT-OUTPUT) then (reset-machine ?bs))
+  (assert (held-up (job ?id) (step FETCH)))
+  (assert (instruction (id ?id) (machine ?bs) (operation "DISPENSE_BASE") (side "OUTPUT") (color (base-of ?order)))))
+
+(defrule recover-missing-output
+  "What should lie at the output does not: a bare base leaves its cap behind, without its product a station begins anew.
+   If the machine sees it still, nobody can take it: reset."
+  ?trouble <- (trouble (job ?id) (kind MISSING))
+  ?job <- (job (id ?id) (purpose ?purpose&CLEAR|DELIVER) (station ?name))
+  (machine (name ?name) (state ?state&~DOWN))
+  ?station <- (cap-station (name ?name) (phase ?phase))
+  =>
+  (retract ?trouble)
+  (modify ?job (step GIVEN-UP))
+  (bind ?jammed (eq ?state READY-AT-OUTPUT))
+  (if ?jammed then (reset-machine ?name))
+  (if (and (eq ?purpose CLEAR) (eq ?phase CLEARING)) then (modify ?station (phase (if ?jammed then EMPTY else LOADED))))
+  (if (and (eq ?purpose DELIVER) (eq ?phase MOUNTED)) then (modify ?station (phase EMPTY))))
+
+(defrule recover-gone-with-machine
+  "The station broke down before the job came to fetch from it."
+  ?job <- (job (purpose ?purpose&CLEAR|DELIVER) (station ?name) (step WAITING|GO-FETCH|FETCH) (moving NO))
+  (cap-station (name ?name) (phase ?phase&~CLEARING&~MOUNTED))
+  =>
+  (modify ?job (step GIVEN-UP)))
+
+; --- Putting down
+
+(defrule recover-occupied-belt
+  "Something lies on the belt that nobody will take away: reset the machine, then try again."
+  ?trouble <- (trouble (job ?id) (kind OCCUPIED))
+  ?job <- (job (id ?id) (purpose ?purpose) (to ?to))
+  (machine (name ?name&:(eq ?name (machine-of ?to))) (kind CS|DS) (state ~DOWN))
+  (time ?now)
+  =>
+  (retract ?trouble)
+  (modify ?job (tries 0) (not-before (+ ?now ?*RESET-TIME*)))
+  (if (eq ?purpose BASE) then (assert (held-up (job ?id) (step PUT))))
+  (reset-machine ?name))
+
+(defrule recover-occupied-slide
+  "The slide is blocked: no more payments there, away with the base."
+  ?trouble <- (trouble (job ?id) (kind OCCUPIED))
+  ?job <- (job (id ?id) (to ?to))
+  ?slide <- (slide (spot ?to))
+  (machine (name ?delivery) (kind DS))
+  =>
+  (retract ?trouble)
+  (modify ?slide (count 3))
+  (modify ?job (purpose DISCARD) (to (input-of ?delivery)) (step GO-PUT) (tries 0))
+  (assert (held-up (job ?id) (step GO-PUT))))
+
+(defrule recover-stuck
+  "The robot does not get rid of the piece there: away with it, and the job begins anew."
+  ?trouble <- (trouble (job ?id) (kind STUCK))
+  ?job <- (job (id ?id) (purpose ~DISCARD) (robot ?robot))
+  (machine (name ?delivery) (kind DS))
+  =>
+  (modify ?trouble (kind LOST))
+  (modify ?job (robot ""))
+  (discard ?robot ?delivery))
+
+(defrule recover-stuck-with-waste
+  "Not even there: later."
+  ?trouble <- (trouble (job ?id) (kind STUCK))
+  ?job <- (job (id ?id) (purpose DISCARD))
+  (time ?now)
+  =>
+  (retract ?trouble)
+  (modify ?job (tries 0) (not-before (+ ?now ?*RESET-TIME*))))
+
+(defrule recover-lost-carrier
+  ?trouble <- (trouble (job ?id) (kind LOST))
+  ?job <- (job (id ?id) (purpose BUFFER) (station ?name))
+  ?station <- (cap-station (name ?name))
+  =>
+  (retract ?trouble)
+  (modify ?job (step GIVEN-UP))
+  (modify ?station (phase EMPTY)))
+
+(defrule recover-lost-base
+  "The station sees that no base comes, and has another one fetched."
+  ?trouble <- (trouble (job ?id) (kind LOST))
+  ?job <- (job (id ?id) (purpose BASE|DISCARD))
+  =>
+  (retract ?trouble)
+  (modify ?job (step GIVEN-UP)))
+
+(defrule recover-lost-payment
+  "The slide has room for another one."
+  ?trouble <- (trouble (job ?id) (kind LOST))
+  ?job <- (job (id ?id) (purpose CLEAR|PAY) (to ?to))
+  =>
+  (retract ?trouble)
+  (modify ?job (step GIVEN-UP))
+  (do-for-fact ((?slide slide)) (eq ?slide:spot ?to) (modify ?slide (count (- ?slide:count 1)))))
+
+(defrule recover-lost-product
+  "The order is open again."
+  ?trouble <- (trouble (job ?id) (kind LOST))
+  ?job <- (job (id ?id) (purpose DELIVER) (order ?order-id))
+  ?order <- (order (id ?order-id))
+  =>
+  (retract ?trouble)
+  (modify ?job (step GIVEN-UP))
+  (modify ?order (state OPEN)))
+
+(defrule recover-base-in-the-way
+  "A station broke down while a robot came with its base. Where robots are few the base would keep the one that is needed."
+  ?job <- (job (purpose BASE) (station ?name) (step PUT) (moving NO) (robot ?robot&~""))
+  (cap-station (name ?name) (phase EMPTY|BUFFERING))
+  (team (size ?size&:(< ?size 3)))
+  (machine (name ?delivery) (kind DS))
+  =>
+  (modify ?job (step GIVEN-UP) (robot ""))
+  (discard ?robot ?delivery))
+
+(defrule recover-base-without-cap
+  "The base lies on the belt of a station that has lost its cap meanwhile: have it taken away."
+  ?job <- (job (purpose BASE) (station ?name) (step DONE) (robot ""))
+  (cap-station (name ?name) (phase EMPTY|BUFFERING))
+  (machine (name ?name) (state IDLE))
+  =>
+  (modify ?job (step GIVEN-UP))
+  (reset-machine ?name))
+
+(defrule recover-given-up
+  "Nobody works on it any more: it is forgotten, with all that it had reserved."
+  ?job <- (job (id ?id) (step GIVEN-UP) (robot ""))
+  =>
+  (retract ?job)
+  (do-for-all-facts ((?held held-up)) (= ?held:job ?id) (retract ?held))
+  (do-for-all-facts ((?reserved reserved)) (= ?reserved:job ?id) (retract ?reserved))
+  (do-for-all-facts ((?trouble trouble)) (= ?trouble:job ?id) (retract ?trouble)))
