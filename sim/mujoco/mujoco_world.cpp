@@ -18,7 +18,7 @@ constexpr double kOpeningLow = -0.010, kOpeningHigh = 0.045;
 
 // docs/models.md: machine.
 constexpr double kBeltTop = 0.898, kBeltY = -0.025, kBeltHalfLength = 0.175;
-constexpr double kSlideX = 0.10, kSlideY = 0.25;
+constexpr double kSlideX = 0.10;
 constexpr double kAlongBelt = 0.010, kAcrossBelt = 0.015, kShelfRadius = 0.040;
 constexpr double kLying = 0.030;           ///< an underside this near to the working height lies there
 constexpr double kPieceDiameter = 0.040;

@@ -83,9 +83,9 @@
 (deftemplate trouble
   "Trying the step again does not help (recovery.clp).
    HELD: there is a piece in the gripper, ours. FULL: one, not ours. UNABLE: the piece cannot be fetched. MISSING: it is
-   not there. OCCUPIED: something lies where it should go. LOST: it fell. STUCK: it cannot be put down."
+   not there. GONE: its machine broke down with it. OCCUPIED: something lies where it should go. LOST: it fell. STUCK: it cannot be put down."
   (slot job (type INTEGER))
-  (slot kind (type SYMBOL) (allowed-values HELD FULL UNABLE MISSING OCCUPIED LOST STUCK)))
+  (slot kind (type SYMBOL) (allowed-values HELD FULL UNABLE MISSING GONE OCCUPIED LOST STUCK)))
 
 (deftemplate held-up
   "This step of a job must wait; the rule that sees its reason gone retracts it."

@@ -97,11 +97,25 @@
   (if (and (eq ?purpose DELIVER) (eq ?phase MOUNTED)) then (modify ?station (phase EMPTY))))
 
 (defrule recover-gone-with-machine
-  "The station broke down before the job came to fetch from it."
-  ?job <- (job (purpose ?purpose&CLEAR|DELIVER) (station ?name) (step WAITING|GO-FETCH|FETCH) (moving NO))
-  (cap-station (name ?name) (phase ?phase&~CLEARING&~MOUNTED))
+  "The station breaks down before the robot has fetched from it."
+  (job (id ?id) (purpose CLEAR|DELIVER) (station ?name) (step WAITING|GO-FETCH|FETCH))
+  (machine (name ?name) (state BROKEN))
+  =>
+  (assert (trouble (job ?id) (kind GONE))))
+
+(defrule recover-gone
+  "The robot, if any, is done with its skill: it need not go there."
+  (trouble (job ?id) (kind GONE))
+  ?job <- (job (id ?id) (step WAITING|GO-FETCH|FETCH) (moving NO))
   =>
   (modify ?job (step GIVEN-UP)))
+
+(defrule recover-not-gone
+  "The robot had it already."
+  ?trouble <- (trouble (job ?id) (kind GONE))
+  (job (id ?id) (step GO-PUT))
+  =>
+  (retract ?trouble))
 
 ; --- Putting down
 

@@ -133,6 +133,7 @@
 (defrule station-deliver
   "The product is ready and its window is near: bring it to the delivery station."
   (cap-station (name ?name) (phase MOUNTED) (order ?order))
+  (machine (name ?name) (state ~BROKEN))
   (order (id ?order) (begin ?begin))
   (not (job (purpose DELIVER) (station ?name)))
   (machine (name ?delivery) (kind DS))

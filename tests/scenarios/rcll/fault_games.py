@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""Plays games in which things go wrong, and checks that the agent recovers.
+
+    fault_games.py PROGRAM SCENARIO TIER FIRST_SEED LAST_SEED [KIND]...
+
+For each kind of fault that `PROGRAM list faults` names, and for all of them together: enough deliveries, no skill that
+fails again and again, no time in which nothing happens.
+"""
+import collections
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+LEAST_DELIVERIES = 3
+MOST_FAILURES = 60           # of skills, in a game with a dozen strikes
+MOST_FAILURES_IN_A_ROW = 8   # of one robot, the same skill at the same target
+LONGEST_PAUSE_S = 150        # without the end of any skill; a machine may be down for that long
+
+MACHINES = ["C-BS", "C-CS1", "C-CS2", "C-DS"]
+FAULTS = {
+    "skill_fails": [{"probability": 0.15, "after_s": 10}],
+    "skill_stalls": [{"probability": 0.15, "seconds": 15}],
+    "piece_dropped": [{"mean_s": 400}],
+    "machine_breaks": [{"mean_s": 600, "machine": machine} for machine in MACHINES],
+    "machine_down": [{"mean_s": 400, "machine": machine, "seconds": 45} for machine in MACHINES],
+}
+TOGETHER = {
+    "skill_fails": [{"probability": 0.05, "after_s": 10}],
+    "skill_stalls": [{"probability": 0.05, "seconds": 10}],
+    "piece_dropped": [{"mean_s": 1200}],
+    "machine_breaks": [{"mean_s": 2400, "machine": machine} for machine in MACHINES],
+    "machine_down": [{"mean_s": 1200, "machine": machine, "seconds": 30} for machine in MACHINES],
+}
+
+
+def faults_of(kind):
+    chosen = TOGETHER if kind == "together" else {kind: FAULTS[kind]}
+    return [{"kind": name, **keys} for name, list_of_keys in chosen.items() for keys in list_of_keys]
+
+
+def problems(folder):
+    """What is wrong with a game; last, a line of figures."""
+    result = json.loads((folder / "result.json").read_text())
+    strikes = failures = worst = 0
+    row = collections.Counter()
+    ends = [0.0]
+    for line in (folder / "journal.jsonl").open():
+        record = json.loads(line)
+        data = record["data"]
+        if record["kind"] == "control" and "fault" in data:
+            strikes += 1
+        if record["kind"] != "skill" or data["event"] != "end":
+            continue
+        ends.append(record["t"] / 1e9)
+        key = (data["robot"], data["skill"], data["target"])
+        if data["code"] == 0:
+            row[key] = 0
+        elif not data["cancelled"]:
+            failures += 1
+            row[key] += 1
+            worst = max(worst, row[key])
+    ends.append(result["sim_time_s"])
+    pause = max(b - a for a, b in zip(ends, ends[1:]))
+    accepted = sum(d["correct"] for d in result["deliveries"])
+    if result["status"] != "completed":
+        yield f"status {result['status']}: {result['reason']}"
+    if strikes == 0:
+        yield "no fault struck"
+    if accepted < LEAST_DELIVERIES:
+        yield f"only {accepted} deliveries"
+    if failures > MOST_FAILURES or worst > MOST_FAILURES_IN_A_ROW:
+        yield f"{failures} failures, {worst} in a row"
+    if pause > LONGEST_PAUSE_S:
+        yield f"nothing happens for {pause:.0f} s"
+    yield f"{accepted} delivered, {strikes} faults, {failures} failures, {worst} in a row, pause {pause:.0f} s"
+
+
+def main():
+    program, scenario, tier, first, last, *kinds = sys.argv[1:]
+    listed = subprocess.run([program, "list", "faults"], capture_output=True, text=True, check=True).stdout
+    known = {line.split()[0] for line in listed.splitlines() if line[:1].strip()}
+    if known != FAULTS.keys():
+        sys.exit(f"`cxlab list faults` and this script differ: {known ^ FAULTS.keys()}")
+    failed = played = 0
+    with tempfile.TemporaryDirectory(prefix="cxlab-faults-") as folder:
+        for kind in kinds or [*FAULTS, "together"]:
+            arguments = ["--set", "faults=" + json.dumps(faults_of(kind))]
+            for seed in range(int(first), int(last) + 1):
+                out = pathlib.Path(folder) / f"{kind}-{seed}"
+                done = subprocess.run([program, "run", scenario, "--tier", tier, "--seed", str(seed), "--quiet", "--out",
+                                       str(out), *arguments], capture_output=True, text=True)
+                *bad, figures = problems(out) if (out / "result.json").exists() else ["no result", ""]
+                if done.returncode:
+                    bad.append(f"exit code {done.returncode}: {done.stderr}")
+                print(f"{kind}, seed {seed}: {figures}", *bad, sep="; ", flush=True)
+                played += 1
+                failed += bool(bad)
+    print(f"{played - failed} passed, {failed} failed")
+    sys.exit(1 if failed else 0)
+
+
+if __name__ == "__main__":
+    main()
