@@ -18,7 +18,8 @@ Expected<Domain> parse_domain(std::string_view text, const std::string& file);
 /// Parses the text of a problem of that domain.
 Expected<Problem> parse_problem(std::string_view text, const std::string& file, const Domain& domain);
 
-/// Reads and parses both files.
+/// Reads and parses both files. A file with `{{`, `{%` or `{#` is a template: it is rendered first, with its folder as the
+/// place of all that it names, and errors then count the lines of what came out, as `FILE (rendered)`.
 Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file);
 
 /// The content of a file.

@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 
 #include "planner/pddl/parser.h"
 #include "planner/pddl/resolver.h"
@@ -200,28 +198,6 @@ Expected<Problem> parse_problem(std::string_view text, const std::string& file, 
   auto syntax = read_syntax(text, file);
   if (!syntax) return syntax.error();
   return ProblemParser(syntax->root, file, domain).parse();
-}
-
-Expected<std::string> read_text(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return input_error("cannot be read; expected a file", file);
-  if (in.peek() == std::ifstream::traits_type::eof() && !in.bad()) return std::string{};
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (in.bad() || !text) return input_error("cannot be read; expected a file", file);
-  return std::move(text).str();
-}
-
-Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file) {
-  const auto domain_text = read_text(domain_file);
-  if (!domain_text) return domain_text.error();
-  const auto problem_text = read_text(problem_file);
-  if (!problem_text) return problem_text.error();
-  auto domain = parse_domain(*domain_text, domain_file);
-  if (!domain) return domain.error();
-  auto problem = parse_problem(*problem_text, problem_file, *domain);
-  if (!problem) return problem.error();
-  return Task{std::move(*domain), std::move(*problem)};
 }
 
 }  // namespace cxlab::planner

@@ -1,4 +1,8 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
 
 #include "planner/pddl/parser.h"
 
@@ -81,6 +85,22 @@ TEST(ProblemParser, PreferencesAreNotSupported) {
   const auto problem = parse_problem("(define (problem p) (:domain work-flow) (:goal (preference x (open base))))", "p.pddl", domain());
   ASSERT_FALSE(problem);
   EXPECT_EQ(problem.error().code, kUnsupported);
+}
+
+TEST(LoadTask, TemplatesAreRenderedFirst) {
+  const auto folder = std::filesystem::temp_directory_path() / ("cxlab-load-" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "base") << "(define (domain d) (:predicates {% block p %}{% endblock %}))";
+  std::ofstream(folder / "d") << "{% extends 'base' %}{% block p %}{% for n in range(3) %}(p{{ n }}) {% endfor %}{% endblock %}";
+  std::ofstream(folder / "p") << "(define (problem p) (:domain d)\n{# two #}\n(:init {{ '(p0)' }} (p9)))";
+  const auto task = load_task(folder / "d", folder / "p");
+  ASSERT_FALSE(task);
+  EXPECT_EQ(task.error().text(), (folder / "p").string() + " (rendered):3: found 'p9', expected a predicate of the domain; did you mean 'p0'?");
+  std::ofstream(folder / "p") << "(define (problem p) (:domain d) (:init (p2)))";
+  const auto right = load_task(folder / "d", folder / "p");
+  ASSERT_TRUE(right) << right.error().text();
+  EXPECT_EQ(right->domain.predicates.size(), 3u);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(LoadTask, MissingFileIsAnError) {
