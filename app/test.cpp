@@ -63,7 +63,7 @@ void play(Played& played, const testing::StorySetup& setup) {
 
 nlohmann::json to_json(const Played& p) {
   nlohmann::json rules = nlohmann::json::array();
-  for (const auto& r : p.result.rules) rules.push_back({r.file, r.rule, r.line, r.fired});
+  for (const auto& r : p.result.rules) rules.push_back({r.file, r.rule, r.line, r.fired, r.activated});
   nlohmann::json bad;
   if (p.result.bad) bad = {{"kind", static_cast<int>(p.result.bad->kind)}, {"message", p.result.bad->message}, {"file", p.result.bad->file}, {"line", p.result.bad->line}};
   return {{"failures", p.result.failures}, {"notes", p.result.notes}, {"sim_time_s", p.result.sim_time_s}, {"wall_s", p.wall_s}, {"rules", rules}, {"bad", bad}};
@@ -74,7 +74,7 @@ void from_json(const nlohmann::json& j, Played& p) {
   p.result.notes = j["notes"].get<std::vector<std::string>>();
   p.result.sim_time_s = j["sim_time_s"];
   p.wall_s = j["wall_s"];
-  for (const auto& r : j["rules"]) p.result.rules.push_back({r[0], r[1], r[2], r[3]});
+  for (const auto& r : j["rules"]) p.result.rules.push_back({r[0], r[1], r[2], r[3], r[4]});
   if (const auto& bad = j["bad"]; !bad.is_null())
     p.result.bad = Error{static_cast<ErrorKind>(bad["kind"].get<int>()), bad["message"], bad["file"], bad["line"], {}};
 }
@@ -163,25 +163,65 @@ std::string to_junit(const std::vector<Played>& stories) {
          std::to_string(failures) + "\" errors=\"" + std::to_string(errors) + "\" time=\"" + time + "\">\n" + cases + "</testsuite>\n";
 }
 
-/// Rules as functions of lcov: how often each fired in all stories.
-std::string to_lcov(const std::vector<Played>& stories) {
-  std::map<std::string, std::map<std::pair<int, std::string>, long>> files;
+/// What became of a rule in all stories.
+struct Covered {
+  long fired = 0, activated = 0;
+  const char* state() const { return fired > 0 ? "fired" : activated > 0 ? "activated but never fired" : "never matched"; }
+};
+/// By file, then by line and name.
+using Coverage = std::map<std::string, std::map<std::pair<int, std::string>, Covered>>;
+
+Coverage coverage_of(const std::vector<Played>& stories) {
+  Coverage files;
   for (const Played& p : stories)
-    for (const auto& r : p.result.rules) files[r.file][{r.line, r.rule}] += r.fired;
+    for (const auto& r : p.result.rules) {
+      Covered& covered = files[r.file][{r.line, r.rule}];
+      covered.fired += r.fired;
+      covered.activated += r.activated;
+    }
+  return files;
+}
+
+/// Rules as functions of lcov; its branches say whether each was activated and whether it fired.
+std::string to_lcov(const Coverage& files) {
   std::string out;
   for (const auto& [file, rules] : files) {
     out += "TN:\nSF:" + file + '\n';
-    std::size_t hit = 0;
-    for (const auto& [rule, fired] : rules) out += "FN:" + std::to_string(rule.first) + ',' + rule.second + '\n';
-    for (const auto& [rule, fired] : rules) {
-      out += "FNDA:" + std::to_string(fired) + ',' + rule.second + '\n';
-      hit += fired > 0;
+    std::size_t hit = 0, branches = 0;
+    for (const auto& [rule, covered] : rules) out += "FN:" + std::to_string(rule.first) + ',' + rule.second + '\n';
+    for (const auto& [rule, covered] : rules) {
+      out += "FNDA:" + std::to_string(covered.fired) + ',' + rule.second + '\n';
+      hit += covered.fired > 0;
     }
     out += "FNF:" + std::to_string(rules.size()) + "\nFNH:" + std::to_string(hit) + '\n';
-    for (const auto& [rule, fired] : rules) out += "DA:" + std::to_string(rule.first) + ',' + std::to_string(fired) + '\n';
+    for (const auto& [rule, covered] : rules) {
+      out += "BRDA:" + std::to_string(rule.first) + ",0,0," + std::to_string(covered.activated) + '\n';
+      out += "BRDA:" + std::to_string(rule.first) + ",0,1," + std::to_string(covered.fired) + '\n';
+      branches += (covered.activated > 0) + (covered.fired > 0);
+    }
+    out += "BRF:" + std::to_string(2 * rules.size()) + "\nBRH:" + std::to_string(branches) + '\n';
+    for (const auto& [rule, covered] : rules) out += "DA:" + std::to_string(rule.first) + ',' + std::to_string(covered.fired) + '\n';
     out += "LF:" + std::to_string(rules.size()) + "\nLH:" + std::to_string(hit) + "\nend_of_record\n";
   }
   return out;
+}
+
+void print(const Coverage& files) {
+  std::map<std::string, int> counts;
+  for (const auto& [file, rules] : files)
+    for (const auto& [rule, covered] : rules) {
+      ++counts[covered.state()];
+      if (covered.fired == 0) std::printf("%s:%d: %s: %s\n", file.c_str(), rule.first, rule.second.c_str(), covered.state());
+    }
+  std::printf("rules: %d fired, %d activated but never fired, %d never matched\n", counts["fired"], counts["activated but never fired"], counts["never matched"]);
+}
+
+nlohmann::json to_json(const Coverage& files) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const auto& [file, rules] : files)
+    for (const auto& [rule, covered] : rules)
+      rows.push_back({{"file", file}, {"line", rule.first}, {"rule", rule.second}, {"state", covered.state()}, {"fired", covered.fired}, {"activated", covered.activated}});
+  return rows;
 }
 
 Status write(const std::string& file, const std::string& text) {
@@ -208,7 +248,7 @@ int test(const TestOptions& options) {
     if (!specs) return fail(specs.error());
     for (StorySpec& spec : *specs) stories.push_back({std::move(spec), {}, 0});
   }
-  const testing::StorySetup setup{find_share().interfaces};
+  const testing::StorySetup setup{find_share().interfaces, !options.coverage.empty()};
   if (options.jobs > 1) {
     if (Status s = play_in_processes(stories, setup, options.jobs); !s) return fail(s.error());
   } else {
@@ -223,10 +263,14 @@ int test(const TestOptions& options) {
     if (!options.json) print(p);
     rows.push_back({{"file", p.spec.file}, {"story", p.spec.name}, {"passed", p.result.passed()}, {"failures", complaints(p)}, {"notes", p.result.notes}, {"wall_s", p.wall_s}, {"sim_time_s", p.result.sim_time_s}});
   }
-  if (options.json) std::printf("%s\n", nlohmann::json{{"passed", passed}, {"failed", stories.size() - passed}, {"stories", rows}}.dump(2).c_str());
+  const Coverage coverage = coverage_of(stories);
+  nlohmann::json report{{"passed", passed}, {"failed", stories.size() - passed}, {"stories", rows}};
+  if (setup.coverage) report["rules"] = to_json(coverage);
+  if (setup.coverage && !options.json) print(coverage);
+  if (options.json) std::printf("%s\n", report.dump(2).c_str());
   else std::printf("%zu passed, %zu failed\n", passed, stories.size() - passed);
   if (Status s = write(options.junit, to_junit(stories)); !s) return fail(s.error());
-  if (Status s = write(options.coverage, to_lcov(stories)); !s) return fail(s.error());
+  if (Status s = write(options.coverage, to_lcov(coverage)); !s) return fail(s.error());
   if (bad) return static_cast<int>(ErrorKind::kInput);
   return passed == stories.size() ? 0 : static_cast<int>(ErrorKind::kNo);
 }
@@ -239,7 +283,7 @@ void add_test(CLI::App& app, Action& action) {
   command->footer("Example:\n  cxlab test scenarios/rcll/agent/stories --junit report.xml");
   command->add_option("paths", options->paths, "Story files, or folders with *.story.yaml (default: this folder)");
   command->add_option("--junit", options->junit, "Writes a JUnit report");
-  command->add_option("--coverage", options->coverage, "Writes how often each rule fired, as lcov");
+  command->add_option("--coverage", options->coverage, "Says which rules fired, were only activated, or never matched; writes the counts as lcov");
   command->add_option("-j", options->jobs, "Processes")->check(CLI::Range(1, 256));
   command->add_flag("--json", options->json, "Prints JSON");
   command->callback([options, &action] { action = [options] { return test(*options); }; });

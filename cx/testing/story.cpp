@@ -25,13 +25,23 @@ std::string seconds(SimTime t) {
   return text;
 }
 
-/// Keeps what plugins clean up at the end: it was left open.
+/// Keeps what plugins clean up at the end: it was left open. Counts the activations that CLIPS tells of.
 class Leaks final : public cx::LogSink {
  public:
   void line(const cx::LogLine& line) override {
+    if (line.text.starts_with(kActivation)) return count(line.text.substr(kActivation.size()));
     if (line.level == cx::LogLevel::kWarn && line.text.find("cleaning up") != std::string_view::npos) found.emplace_back(line.text);
   }
   std::vector<std::string> found;
+  std::map<std::string, long> activated;  ///< by rule
+
+ private:
+  static constexpr std::string_view kActivation = "==> Activation ";
+  /// `0      open: f-1,f-2`
+  void count(std::string_view rest) {
+    const auto name = rest.find_first_not_of(' ', rest.find(' '));
+    if (name != rest.npos) ++activated[std::string(rest.substr(name, rest.find(':', name) - name))];
+  }
 };
 
 /// A folder that goes with its owner.
@@ -172,6 +182,7 @@ class Play {
     else environment_ = manager_->find(spec_.environment);
     if (!environment_) return at(spec_.line, "environment '" + spec_.environment + "' is not in the configuration" + did_you_mean(spec_.environment, names));
     watches_.choose(environment_->name());
+    if (setup_.coverage) environment_->engine().watch("activations");
     return {};
   }
 
@@ -363,7 +374,8 @@ class Play {
     for (const ConstructInfo& c : environment_->engine().constructs())
       if (c.kind == "defrule" && c.line > 0 && fs::path(c.file).is_absolute())
         result_.rules.push_back({c.file, c.name, c.line,
-                                 std::count_if(watches_.firings().begin(), watches_.firings().end(), [&](const Firing& f) { return f.rule == c.name; })});
+                                 std::count_if(watches_.firings().begin(), watches_.firings().end(), [&](const Firing& f) { return f.rule == c.name; }),
+                                 leaks_.activated[c.name]});
   }
 
   const StorySpec& spec_;

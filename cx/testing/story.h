@@ -63,13 +63,14 @@ struct StorySpec {
 
 struct StorySetup {
   std::filesystem::path interfaces;  ///< folder of packages of definitions
+  bool coverage = false;             ///< count activations too; costs a line of text for each
 };
 
-/// How often a rule has fired.
+/// How often a rule has fired, and been put on the agenda (0 without `StorySetup::coverage`).
 struct RuleCount {
   std::string file, rule;
   int line = 0;
-  long fired = 0;
+  long fired = 0, activated = 0;
 };
 
 struct StoryResult {

@@ -35,6 +35,21 @@ class Testing(unittest.TestCase):
         self.assertEqual(suite.find("testcase").get("name"), "one <&")
         self.assertIn("FNDA:1,go\n", (self.folder / "c.info").read_text())
 
+    def test_coverage_tells_what_became_of_each_rule(self):
+        (self.folder / "b.clp").write_text("(defrule first (declare (salience 1)) ?s <- (start) => (retract ?s))\n"
+                                           "(defrule late (start) => (assert (late)))\n(defrule deaf (nothing) => (assert (heard)))\n")
+        (self.folder / "b.story.yaml").write_text("- story: b\n  rules: b.clp\n  given: [(start)]\n  expect: [{fires: first, within_s: 1}]\n")
+        for more in [], ["-j", "2"]:
+            done = cxlab("test", "--coverage", "c.info", *more, cwd=self.folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("b.clp:2: late: activated but never fired\n", done.stdout)
+            self.assertIn("b.clp:3: deaf: never matched\n", done.stdout)
+            self.assertIn("rules: 1 fired, 1 activated but never fired, 1 never matched\n", done.stdout)
+            self.assertIn("BRDA:2,0,0,1\nBRDA:2,0,1,0\n", (self.folder / "c.info").read_text())
+        rules = json.loads(cxlab("test", "--json", "--coverage", "c.info", cwd=self.folder).stdout)["rules"]
+        self.assertEqual([(r["rule"], r["state"]) for r in rules],
+                         [("first", "fired"), ("late", "activated but never fired"), ("deaf", "never matched")])
+
     def test_a_failure_is_exit_1_with_line_also_in_processes(self):
         self.story("not_fires: go")
         for more in [], ["-j", "3"]:
