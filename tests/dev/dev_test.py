@@ -35,7 +35,7 @@ class Dev(unittest.TestCase):
         for arguments in ((), ("help",), ("--help",)):
             done = dev(*arguments)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
-            for command in ("run", "test", "cxlab", "path", "help", "--no-install", "--long"):
+            for command in ("run", "test", "cxlab", "fuzz", "path", "help", "--no-install", "--long"):
                 self.assertIn(command, done.stdout)
 
     def test_path_is_where_the_program_is_built(self):
@@ -45,6 +45,20 @@ class Dev(unittest.TestCase):
         done = dev("fly")
         self.assertEqual((done.returncode, done.stdout), (2, ""))
         self.assertIn("unknown command 'fly'", done.stderr)
+
+    def test_fuzz_names_its_targets(self):
+        for arguments in ((), ("rules",), ("rules", "soon"), ("ruels", "5")):
+            done = dev("fuzz", *arguments)
+            self.assertEqual((done.returncode, done.stdout), (2, ""))
+            self.assertRegex(done.stderr, "TARGET SECONDS .*targets: definition .*rules scenario stimuli")
+
+    def test_fuzz_without_clang_says_what_to_install(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("bash", "dirname"):
+                (pathlib.Path(folder) / name).symlink_to(shutil.which(name))
+            done = dev("fuzz", "rules", "5", PATH=folder)
+        self.assertEqual(done.returncode, 5)
+        self.assertIn("apt-get install clang", done.stderr)
 
     def test_no_install_prints_the_command_that_installs(self):
         done = dev_on_a_bare_machine("test", "--no-install")
