@@ -1,5 +1,8 @@
 // Python's `"..." % arguments` and `"...".format(arguments)`.
 
+#include <array>
+#include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 
@@ -50,13 +53,12 @@ std::string padded(const Spec& spec, const std::string& sign, const std::string&
 }
 
 std::string whole_text(const Spec& spec, std::int64_t value) {
-  std::uint64_t size = value < 0 ? ~static_cast<std::uint64_t>(value) + 1 : static_cast<std::uint64_t>(value);
-  const unsigned base = spec.type == 'x' || spec.type == 'X' ? 16 : spec.type == 'o' ? 8 : spec.type == 'b' ? 2 : 10;
-  std::string digits;
-  do {
-    digits.insert(digits.begin(), (spec.type == 'X' ? "0123456789ABCDEF" : "0123456789abcdef")[size % base]);
-    size /= base;
-  } while (size > 0);
+  const std::uint64_t size = value < 0 ? ~static_cast<std::uint64_t>(value) + 1 : static_cast<std::uint64_t>(value);
+  const int base = spec.type == 'x' || spec.type == 'X' ? 16 : spec.type == 'o' ? 8 : spec.type == 'b' ? 2 : 10;
+  std::array<char, 64> buffer{};
+  std::string digits(buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), size, base).ptr);
+  if (spec.type == 'X')
+    for (char& c : digits) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   if (spec.alternate && base != 10) digits = std::string("0") + spec.type + digits;
   return digits;
 }
