@@ -50,7 +50,7 @@ class Planner {
     if (!answer_.plan) find_first();
     if (answer_.plan) {
       answer_.status = PlanStatus::kPlan;
-      bound_ = lower_bound(sequences_->simulator, budget_);
+      bound_ = lower_bound(ground_, budget_);
       answer_.lower_bound_s = static_cast<double>(bound_) / kSecond;
       if (options_.anytime) improve();
       answer_.reason = proved_best() ? "no plan is shorter" : "a plan";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "planner/ground/mutex.h"
 #include "planner/search/landmarks.h"
 #include "planner/search/split.h"
 
@@ -150,6 +151,16 @@ class Bounds {
 
 }  // namespace
 
-Micros lower_bound(const Simulator& simulator, Budget& budget) { return Bounds(simulator, budget).run(); }
+Micros lower_bound(const GroundTask& task, Budget& budget) {
+  const std::vector<char> possible = possible_actions(task);
+  GroundTask reduced = task;
+  std::size_t kept = 0;
+  for (std::size_t a = 0; a < task.actions.size(); ++a)
+    if (possible[a]) reduced.actions[kept++] = task.actions[a];
+  reduced.actions.resize(kept);
+  budget.spend(Work::kBound, static_cast<std::int64_t>(task.actions.size() * (1 + task.facts.size() / 64)));
+  const Simulator simulator(reduced);
+  return Bounds(simulator, budget).run();
+}
 
 }  // namespace cxlab::planner

@@ -1,0 +1,112 @@
+#include "planner/ground/mutex.h"
+
+#include <algorithm>
+#include <bit>
+#include <tuple>
+
+namespace cxlab::planner {
+
+namespace {
+
+/// What one happening needs, adds and surely removes.
+struct Operator {
+  std::vector<int> needs, adds, removes;
+};
+
+class Pairs {
+ public:
+  explicit Pairs(const GroundTask& task) : facts_(task.facts.size() + task.actions.size()), words_((facts_ + 63) / 64), rows_(facts_ * words_, 0) {
+    std::vector<int> initial;
+    for (std::size_t f = 0; f < task.facts.size(); ++f)
+      if (task.initial_facts[f]) initial.push_back(static_cast<int>(f));
+    for (const int a : initial)
+      for (const int b : initial) set(row(a), b);
+    for (std::size_t a = 0; a < task.actions.size(); ++a) add_operators(task, static_cast<int>(a));
+    for (const TimedEvent& event : task.events) operators_.push_back({{}, event.effects.add, event.effects.remove});
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (const Operator& op : operators_)
+        if (reachable(op.needs) && apply(op)) changed = true;
+    }
+  }
+
+  bool reachable(const std::vector<int>& facts) const {
+    for (std::size_t i = 0; i < facts.size(); ++i)
+      for (std::size_t j = i; j < facts.size(); ++j)
+        if (!is_set(row(facts[i]), facts[j])) return false;
+    return true;
+  }
+
+ private:
+  Word* row(int fact) { return &rows_[static_cast<std::size_t>(fact) * words_]; }
+  const Word* row(int fact) const { return &rows_[static_cast<std::size_t>(fact) * words_]; }
+
+  /// That an action has begun is a fact that nothing removes: it may end at any time, and several may run.
+  void add_operators(const GroundTask& task, int index) {
+    const GroundAction& action = task.actions[index];
+    const int begun = static_cast<int>(task.facts.size()) + index;
+    Operator begin{action.start.facts, action.at_start.add, action.at_start.remove};
+    if (action.durative) begin.adds.push_back(begun);
+    Operator end{action.end.facts, action.at_end.add, action.at_end.remove};
+    end.needs.push_back(begun);
+    for (const ConditionalEffects& conditional : action.conditional) {
+      // A condition that does not hold removes nothing; what it would add may come on top.
+      for (auto [op, when, effects] : {std::tuple{&begin, &conditional.start, &conditional.at_start}, {&end, &conditional.end, &conditional.at_end}}) {
+        if (effects->add.empty()) continue;
+        Operator extra{op->needs, effects->add, {}};
+        extra.needs.insert(extra.needs.end(), when->facts.begin(), when->facts.end());
+        extra.adds.insert(extra.adds.end(), op->adds.begin(), op->adds.end());
+        for (const int f : op->removes)
+          if (std::ranges::find(extra.adds, f) == extra.adds.end()) extra.removes.push_back(f);
+        operators_.push_back(std::move(extra));
+        std::erase_if(op->removes, [&](int f) { return std::ranges::find(effects->add, f) != effects->add.end(); });
+      }
+    }
+    operators_.push_back(std::move(begin));
+    if (action.durative) operators_.push_back(std::move(end));
+  }
+
+  bool apply(const Operator& op) {
+    // What can be true beside: reachable with every need, and not removed.
+    std::vector<Word> beside(words_, 0);
+    if (op.needs.empty()) {
+      for (std::size_t f = 0; f < facts_; ++f)
+        if (is_set(row(static_cast<int>(f)), static_cast<int>(f))) set(beside.data(), static_cast<int>(f));
+    } else {
+      beside.assign(row(op.needs[0]), row(op.needs[0]) + words_);
+      for (const int need : op.needs)
+        for (std::size_t w = 0; w < words_; ++w) beside[w] &= row(need)[w];
+    }
+    for (const int f : op.removes) reset(beside.data(), f);
+    for (const int f : op.adds) set(beside.data(), f);
+    bool changed = false;
+    for (const int added : op.adds)
+      for (std::size_t w = 0; w < words_; ++w) {
+        Word fresh = beside[w] & ~row(added)[w];
+        if (!fresh) continue;
+        changed = true;
+        row(added)[w] |= fresh;
+        for (; fresh; fresh &= fresh - 1) set(row(static_cast<int>(w * 64 + static_cast<std::size_t>(std::countr_zero(fresh)))), added);
+      }
+    return changed;
+  }
+
+  const std::size_t facts_, words_;
+  std::vector<Word> rows_;
+  std::vector<Operator> operators_;
+};
+
+}  // namespace
+
+std::vector<char> possible_actions(const GroundTask& task, std::size_t most_facts) {
+  std::vector<char> possible(task.actions.size(), 1);
+  if (!task.axioms.empty() || task.facts.size() > most_facts || task.actions.size() > 4 * most_facts) return possible;
+  const Pairs pairs(task);
+  for (std::size_t a = 0; a < task.actions.size(); ++a) {
+    const GroundAction& action = task.actions[a];
+    possible[a] = pairs.reachable(action.start.facts) && pairs.reachable(action.over_all.facts) && pairs.reachable(action.end.facts);
+  }
+  return possible;
+}
+
+}  // namespace cxlab::planner
