@@ -135,6 +135,21 @@ void StandIns::on_call(Server& server, const Delivery& request) {
   endings_.push_back({false, bus_.now() + outcome.takes, server.endpoint, request, {}, server.results[k]});
 }
 
+Expected<bool> StandIns::end_goal(const std::string& action, const Outcome& outcome) {
+  const auto server = servers_.find(action);
+  if (server == servers_.end()) return false;
+  const auto ending = std::find_if(endings_.begin(), endings_.end(), [&](const Ending& e) { return e.action && e.endpoint == server->second->endpoint; });
+  if (ending == endings_.end()) return false;
+  auto type = bus_.registry().action(server->second->stand_in.type);
+  if (!type) return type.error();
+  auto message = result_of(*(*type)->result, outcome);
+  if (!message) return message.error();
+  ending->due = bus_.now();
+  ending->status = outcome.kind == Outcome::Kind::kSucceed ? bus::GoalStatus::kSucceeded : bus::GoalStatus::kAborted;
+  ending->message = *message;
+  return true;
+}
+
 void StandIns::sense(SimTime now) {
   std::vector<Ending> open;
   for (Ending& ending : endings_) {

@@ -48,6 +48,9 @@ class StandIns {
   Status listen(const std::string& topic, const std::string& type, const std::string& file, int line);
   Status publish(const std::string& topic, const std::string& type, const std::string& data, const std::string& file, int line);
 
+  /// The oldest goal that this action has taken and not ended ends now, in that way (succeed, fail); false if there is none.
+  Expected<bool> end_goal(const std::string& action, const Outcome& outcome);
+
   /// Ends what is due.
   void sense(SimTime now);
   /// Takes what was sent.

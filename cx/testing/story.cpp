@@ -8,6 +8,7 @@
 
 #include "cx/executive/environment_manager.h"
 #include "cx/plugins/builtin.h"
+#include "cx/testing/step_story.h"
 #include "cx/testing/watch.h"
 #include "cx/yaml/yaml.h"
 
@@ -94,9 +95,7 @@ class Play {
 
   StoryResult run() {
     if (Status s = prepare(); !s) return bad(s.error());
-    if (Status s = manager_->configure(); !s) return bad(s.error());
-    if (Status s = find_environment(); !s) return bad(s.error());
-    if (Status s = manager_->activate(); !s) return s.error().kind == ErrorKind::kInput ? bad(s.error()) : broken(s.error());
+    if (Status s = begin(); !s) return s.error().kind == ErrorKind::kInput ? bad(s.error()) : broken(s.error());
     if (Status s = check_names(); !s) return bad(s.error());
     for (const Line& fact : spec_.given)
       if (Status s = assert_fact(fact.text, fact.line); !s) return bad(s.error());
@@ -116,7 +115,22 @@ class Play {
     return std::move(result_);
   }
 
- private:
+ protected:
+  Status begin() {
+    if (Status s = manager_->configure(); !s) return Error{ErrorKind::kInput, s.error().message, s.error().file, s.error().line, s.error().code};
+    if (Status s = find_environment(); !s) return s;
+    return manager_->activate();
+  }
+  FactText copy_of(const FactCopy& copy) const {
+    FactText fact{copy.template_name, {}};
+    for (const auto& [name, value] : copy.slots) {
+      fact.slots.emplace_back(name, std::vector<std::string>());
+      if (!value.is(ValueType::kMultifield)) fact.slots.back().second.push_back(value.print());
+      for (const Value& item : value.items()) fact.slots.back().second.push_back(item.print());
+    }
+    return fact;
+  }
+
   StoryResult bad(const Error& error) {
     result_.bad = error;
     return std::move(result_);
@@ -229,13 +243,7 @@ class Play {
     if (!pattern) return pattern.error();
     bool any = false;
     for (const FactCopy& copy : environment_->engine().facts(pattern->template_name())) {
-      FactText fact{copy.template_name, {}};
-      for (const auto& [name, value] : copy.slots) {
-        fact.slots.emplace_back(name, std::vector<std::string>());
-        if (!value.is(ValueType::kMultifield)) fact.slots.back().second.push_back(value.print());
-        for (const Value& item : value.items()) fact.slots.back().second.push_back(item.print());
-      }
-      if (pattern->matches(fact)) any |= environment_->engine().retract(copy.index);
+      if (pattern->matches(copy_of(copy))) any |= environment_->engine().retract(copy.index);
     }
     if (any) return {};
     return Error{ErrorKind::kNo, spec_.file + ':' + std::to_string(step.line) + ": retract " + step.text + " at " + seconds(now_) + ": there is no such fact", {}, 0, {}};
@@ -396,5 +404,141 @@ class Play {
 }  // namespace
 
 StoryResult run_story(const StorySpec& spec, const StorySetup& setup) { return Play(spec, setup).run(); }
+
+// --- Step by step
+
+/// The story's specification, which `Play` refers to, comes first.
+struct StoryOwner {
+  StorySpec owned_spec;
+  StorySetup owned_setup;
+};
+
+struct Story::Stage : StoryOwner, Play {
+  Stage(StorySpec spec, StorySetup setup, Report told)
+      : StoryOwner{std::move(spec), std::move(setup)}, Play(owned_spec, owned_setup), report(std::move(told)) {}
+
+  Report report;
+  Where begun;
+  bool usable = false;
+  SimTime patience = std::chrono::seconds(10);
+  std::vector<bool> met;  // goals heard, by their place
+
+  void check(const Status& status, const Where& where) {
+    if (!status) report(where, status.error().text());
+  }
+  void open(const Where& where) {
+    begun = where;
+    Status s = prepare();
+    if (s) s = begin();
+    usable = static_cast<bool>(s);
+    check(s, where);
+  }
+  void step(const Where& where) {
+    end_ = now_ + patience;
+    Status s = tick();
+    usable = static_cast<bool>(s);
+    check(s, where);
+    now_ += kTick;
+  }
+  /// Time goes on until `done`, at most until `until`.
+  template <typename Done>
+  bool wait(SimTime until, const Where& where, const Done& done) {
+    while (usable) {
+      if (done()) return true;
+      if (now_ > until) return false;
+      step(where);
+    }
+    return true;  // what is wrong has been reported
+  }
+  const FactCopy* find(const FactPattern& pattern) {
+    found_ = environment_->engine().facts(pattern.template_name());
+    const auto at = std::find_if(found_.begin(), found_.end(), [&](const FactCopy& copy) { return pattern.matches(copy_of(copy)); });
+    return at == found_.end() ? nullptr : &*at;
+  }
+  void end_goal(const std::string& action, Outcome::Kind kind, const std::string& result, const Where& where) {
+    if (!usable) return;
+    Outcome outcome;
+    outcome.kind = kind;
+    outcome.result = result;
+    const auto ended = stand_ins_.end_goal(action, outcome);
+    if (!ended) report(where, ended.error().text());
+    else if (!*ended) report(where, action + " has taken no goal that it could end");
+  }
+
+  std::vector<FactCopy> found_;
+  using Play::assert_fact, Play::copy_of, Play::environment_, Play::now_, Play::stand_ins_, Play::manager_;
+};
+
+Story::Story(StorySpec spec, StorySetup setup, Report report, Where where)
+    : stage_(std::make_unique<Stage>(std::move(spec), std::move(setup), std::move(report))) {
+  if (stage_->owned_spec.file.empty()) stage_->owned_spec.file = where.file_name();
+  stage_->open(where);
+}
+
+Story::~Story() {
+  if (stage_->usable) stage_->check(stage_->manager_->deactivate(), stage_->begun);
+}
+
+void Story::skill(const std::string& action, const std::string& type, Where where) {
+  StandIn stand_in{true, action, type, {Outcome{}}, where.file_name(), static_cast<int>(where.line())};
+  stand_in.outcomes.front().kind = Outcome::Kind::kNever;
+  if (stage_->usable) stage_->check(stage_->stand_ins_.add(stand_in), where);
+}
+
+void Story::given(const std::string& fact, Where where) {
+  if (!stage_->usable) return;
+  const Status s = stage_->assert_fact(fact, static_cast<int>(where.line()));
+  if (!s) stage_->environment_->engine().take_errors();  // reported here, not by the next run
+  stage_->check(s, where);
+}
+
+void Story::pass(double seconds, Where where) {
+  stage_->wait(stage_->now_ + from_seconds(seconds) - kTick, where, [] { return false; });
+}
+
+void Story::expect_command(const std::string& robot, const std::string& skill, const std::string& target, Where where) {
+  const std::string action = '/' + robot + '/' + skill;
+  std::string others;
+  const bool came = stage_->wait(stage_->now_ + stage_->patience, where, [&] {
+    const std::vector<Heard>& heard = stage_->stand_ins_.heard();
+    stage_->met.resize(heard.size());
+    others.clear();
+    for (std::size_t i = 0; i < heard.size(); ++i) {
+      if (heard[i].kind != Heard::Kind::kGoal || stage_->met[i]) continue;
+      if (heard[i].name == action && contains(heard[i].content, "{target: '" + target + "'}")) return static_cast<bool>(stage_->met[i] = true);
+      others += (others.empty() ? "" : ", ") + heard[i].name + ' ' + heard[i].content + " at " + seconds(heard[i].t);
+    }
+    return false;
+  });
+  if (!came) stage_->report(where, "expected " + action + " for " + target + " by " + seconds(stage_->now_) + "; " + (others.empty() ? "no other goal came" : "there came " + others));
+}
+
+void Story::expect_fact(const std::string& text, Where where) {
+  const auto pattern = FactPattern::parse(text, where.file_name(), static_cast<int>(where.line()));
+  if (!pattern) return stage_->report(where, pattern.error().text());
+  if (stage_->wait(stage_->now_ + stage_->patience, where, [&] { return stage_->find(*pattern) != nullptr; })) return;
+  std::string what = "expected fact " + text + " by " + seconds(stage_->now_);
+  for (const FactCopy& copy : stage_->found_) what += "\n  there is " + copy.print() + ": " + pattern->difference(stage_->copy_of(copy));
+  stage_->report(where, what);
+}
+
+void Story::expect_no_fact(const std::string& text, Where where) {
+  const auto pattern = FactPattern::parse(text, where.file_name(), static_cast<int>(where.line()));
+  if (!pattern) return stage_->report(where, pattern.error().text());
+  if (!stage_->usable) return;
+  if (const FactCopy* fact = stage_->find(*pattern)) stage_->report(where, "expected no fact " + text + "; there is " + fact->print());
+  else if (!stage_->environment_->engine().has("deftemplate", pattern->template_name())) stage_->report(where, "there is no deftemplate '" + pattern->template_name() + "', so this says nothing");
+}
+
+void Story::skill_succeeds(const std::string& robot, const std::string& skill, Where where) {
+  stage_->end_goal('/' + robot + '/' + skill, Outcome::Kind::kSucceed, {}, where);
+}
+
+void Story::skill_fails(const std::string& robot, const std::string& skill, int error_code, Where where) {
+  stage_->end_goal('/' + robot + '/' + skill, Outcome::Kind::kFail, "{error_code: " + std::to_string(error_code) + '}', where);
+}
+
+void Story::set_patience(double seconds) { stage_->patience = from_seconds(seconds); }
+double Story::now_s() const { return to_seconds(stage_->now_); }
 
 }  // namespace cxlab::testing
