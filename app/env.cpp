@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <set>
 
+#include "app/arguments.h"
 #include "app/command.h"
 #include "app/session.h"
 #include "cx/journal/file_store.h"
@@ -91,6 +92,7 @@ Expected<std::map<std::string, std::string>> find_packages(const Options& option
   for (const std::string& text : options.packages) {
     auto named = split("--package", text, "=", "NAME=DIR");
     if (!named) return named.error();
+    if (!fs::is_directory(named->second)) return input_error("--package " + text + ": there is no folder " + named->second);
     packages[named->first] = fs::absolute(named->second).lexically_normal().string();
   }
   return packages;
@@ -268,8 +270,8 @@ void declare(CLI::App& command, Options& options) {
   command.add_flag("--stop-on-rule-error", options.stop, "An error in a rule ends the run (exit code 4)");
   command.add_flag("--strict-cx", options.run.strict, "Parameters that CX does not know are errors, not INFO lines");
   command.add_flag("--trust-rules", options.trust_rules, "Rules may read, write and run anything");
-  command.add_option("--until", options.run.until, "End, s of simulated time (default 60)")->check(CLI::NonNegativeNumber);
-  command.add_option("--seed", options.run.seed, "Seed of all chance");
+  command.add_option("--until", options.run.until, "End, s of simulated time (default 60)")->check(not_negative());
+  command.add_option("--seed", options.run.seed, "Seed of all chance")->check(seed_number());
   command.add_option("--out", options.run.out, "Folder of the run; 'none' writes nothing (default runs/<config>-<seed>)");
   command.add_flag("--force", options.run.force, "Overwrites a folder that is in use");
   command.add_option("--journal", options.run.journal, "What journal.jsonl holds: none, decisions or full")->capture_default_str();

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <exception>
 
+#include "app/arguments.h"
 #include "app/command.h"
 #include "app/stack_guard.h"
 #include "sim/mujoco/library.h"
@@ -55,10 +56,11 @@ int main(int argc, char** argv) {
   add_plan(app, action);
   add_new(app, action);
   add_doctor(app, action);
+  if (Status s = check_command(app, argc, argv); !s) return fail(s.error());
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : static_cast<int>(ErrorKind::kUsage);
+    return usage_exit(app, e);
   }
   return action();
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/arguments.h"
 #include "app/command.h"
 #include "app/plan_picture.h"
 #include "planner/pddl/parser.h"
@@ -127,9 +128,9 @@ void add_plan(CLI::App& app, Action& action) {
   CLI::App* plan = app.add_subcommand("plan", "Find a plan for a PDDL problem with time, numbers and events");
   plan->add_option("domain", options->domain, "PDDL domain")->required();
   plan->add_option("problem", options->problem, "PDDL problem")->required();
-  plan->add_option("--timeout", options->timeout_s, "wall time in seconds")->check(CLI::PositiveNumber);
+  plan->add_option("--timeout", options->timeout_s, "wall time in seconds")->check(positive());
   plan->add_option("--budget", options->budget, "work units; one is about a microsecond. The same budget gives the same plan")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   plan->add_flag("--anytime", options->anytime, "go on to shorter plans until time or budget end");
   plan->add_option("--out", options->out, "write the plan to this file instead of standard output");

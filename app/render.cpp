@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
 #include "app/physics_replay.h"
@@ -102,11 +103,11 @@ void add_render(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("render", "Draws the world of a run or of a scenario at a time");
   command->add_option("what", options->what, "Folder of a run, or a scenario, which is played up to then")->required();
-  command->add_option("--at", options->at, "When, s of simulated time (of a run: default its end, or how far its log goes)")->check(CLI::NonNegativeNumber);
+  command->add_option("--at", options->at, "When, s of simulated time (of a run: default its end, or how far its log goes)")->check(not_negative());
   command->add_option("--out", options->out, "The picture (PNG)")->required();
   command->add_option("--camera", options->camera, "Of a factory: field (default), top, a robot (robot1) or a machine (C-CS1)");
   command->add_option("--size", options->size, "WIDTHxHEIGHT; a canvas of turtles is the largest square in it")->capture_default_str();
-  command->add_option("--seed", options->seed, "Of a scenario: seed of all chance");
+  command->add_option("--seed", options->seed, "Of a scenario: seed of all chance")->check(seed_number());
   command->add_option("--set", options->overrides, "Of a scenario: changes a value, a.b[0].c=VALUE")->take_all()->expected(1)->allow_extra_args(false);
   command->footer("Example:\n  cxlab render scenarios/rcll/game.yaml --at 60 --out field.png --camera top\n  cxlab render scenarios/turtlesim/figures.yaml --at 40 --out figures.png --size 500x500");
   command->callback([options, &action] { action = [options] { return render(*options); }; });

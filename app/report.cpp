@@ -52,8 +52,9 @@ std::string time_axis(double end, double bottom) {
   std::string out;
   for (double t = 0; t <= end + 1e-9; t += step) {
     const std::string x = number(x_of(t, end));
+    const char* anchor = t + step / 3 > end ? "end" : "middle";  // the last one stays inside of the picture
     out += "<line class=grid x1=" + x + " x2=" + x + " y1=0 y2=" + number(bottom) + " /><text x=" + x + " y=" + number(bottom + 14) +
-           " text-anchor=middle>" + clock_text(t) + "</text>";
+           " text-anchor=" + anchor + ">" + clock_text(t) + "</text>";
   }
   return out;
 }
@@ -100,9 +101,9 @@ std::string gantt(const Report& report, double end) {
     out += "<text x=4 y=" + number(y + 16) + ">" + escape(robots[i]) + "</text>";
     for (const SkillBar& bar : report.skills) {
       if (bar.robot != robots[i]) continue;
-      out += "<rect class='" + escape(bar.skill) + (bar.succeeded ? "" : " failed") + "' x=" + number(x_of(bar.begin, end), 2) + " y=" + number(y) +
+      out += "<rect class='" + escape(bar.skill) + (bar.ended && !bar.succeeded ? " failed" : "") + "' x=" + number(x_of(bar.begin, end), 2) + " y=" + number(y) +
              " width=" + number(std::max(0.5, x_of(bar.end, end) - x_of(bar.begin, end)), 2) + " height=24><title>" + escape(bar.skill + ' ' + bar.target) +
-             ", " + number(bar.begin) + " to " + number(bar.end) + " s" + (bar.succeeded ? "" : ", failed") + "</title></rect>";
+             ", " + number(bar.begin) + " to " + number(bar.end) + " s" + (!bar.ended ? ", still at work" : bar.succeeded ? "" : ", failed") + "</title></rect>";
     }
   }
   return out + "</svg>";
@@ -126,6 +127,37 @@ std::string robot_table(const Result& result) {
     out += "<tr><td>" + escape(robot.name) + "<td>" + number(100 * robot.busy_s / end, 0) + " %<td>" + number(100 * robot.drive_s / end, 0) + " %<td>" +
            std::to_string(robot.skills) + "<td>" + std::to_string(robot.failures) + "<td>" + std::to_string(robot.contacts) + "</tr>";
   return out + "</table>";
+}
+
+std::string turtle_table(const Result& result) {
+  if (result.turtles.empty()) return {};
+  std::string out = "<h2>Turtles</h2><table><tr><th>turtle<th>x<th>y<th>driven<th>walls<th>touches<th>teleports</tr>";
+  for (const TurtleResult& turtle : result.turtles)
+    out += "<tr><td>" + escape(turtle.name) + (turtle.alive ? "" : " (killed)") + "<td>" + number(turtle.x, 2) + "<td>" + number(turtle.y, 2) + "<td>" +
+           number(turtle.driven_m) + " m<td>" + std::to_string(turtle.walls) + "<td>" + std::to_string(turtle.touches) + "<td>" +
+           std::to_string(turtle.teleports) + "</tr>";
+  return out + "</table>";
+}
+
+std::string rule_error_table(const Result& result) {
+  if (result.rule_errors.empty()) return {};
+  std::string out = "<h2>Errors in rules</h2><table><tr><th>rule<th>place<th>side<th>tick<th>what</tr>";
+  constexpr std::size_t kShown = 50;
+  for (std::size_t i = 0; i < std::min(kShown, result.rule_errors.size()); ++i) {
+    const RuleErrorResult& e = result.rule_errors[i];
+    out += "<tr><td>" + escape(e.rule) + "<td>" + escape(e.file) + ':' + std::to_string(e.line) + "<td>" + escape(e.side) + "<td>" + std::to_string(e.tick) +
+           "<td class=bad>" + escape(e.message) + "</tr>";
+  }
+  out += "</table>";
+  if (result.rule_errors.size() > kShown) out += "<p>and " + std::to_string(result.rule_errors.size() - kShown) + " more, in result.json</p>";
+  return out;
+}
+
+/// To what lies beside the page: they work as long as it stays in the run's folder.
+std::string links(const Report& report) {
+  std::string out = "<h2>Files of this run</h2><p>";
+  for (const std::string& file : report.files) out += "<a href='" + escape(file) + "'>" + escape(file) + "</a> ";
+  return out + "</p>";
 }
 
 std::string team_table(const Result& result) {
@@ -157,7 +189,7 @@ void note_skill(const JournalRecord& record, OpenSkills& open, std::vector<Skill
   const std::string robot(record.data.text("robot"));
   const std::string_view event = record.data.text("event");
   if (event == "start") {
-    open[robot] = {robot, std::string(record.data.text("skill")), std::string(record.data.text("target")), to_seconds(record.t), 0, false};
+    open[robot] = {robot, std::string(record.data.text("skill")), std::string(record.data.text("target")), to_seconds(record.t), 0, false, true};
   } else if (event == "end" && open.contains(robot)) {
     SkillBar bar = open[robot];
     bar.end = to_seconds(record.t);
@@ -183,6 +215,7 @@ Status read_story(const std::filesystem::path& journal, Report& report) {
   }
   for (auto& [robot, bar] : open) {
     bar.end = to_seconds(report.result.sim_time);
+    bar.ended = false;
     report.skills.push_back(bar);
   }
   return {};
@@ -193,13 +226,14 @@ std::string to_html(const Report& report) {
   const double end = std::max(1.0, to_seconds(r.sim_time));
   std::string out = "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'><title>" + escape(r.scenario) + ", seed " +
                     std::to_string(r.seed) + "</title><style>" + kStyle + "</style><h1>" + escape(r.scenario) + ", seed " + std::to_string(r.seed) + "</h1><p>" +
-                    to_string(r.status) + " after " + clock_text(to_seconds(r.sim_time)) + " of simulated time, " + (r.tier == Tier::kTimed ? "timed" : "physics") +
-                    " tier, " + number(r.real_time_factor, 0) + " x real time";
+                    to_string(r.status) + " after " + clock_text(to_seconds(r.sim_time)) + " of simulated time, " + (!r.has_world ? "" : r.tier == Tier::kTimed ? "timed tier, " : "physics tier, ") +
+                    number(r.real_time_factor, 0) + " x real time";
   if (r.reason) out += "<br><span class=bad>" + escape(r.reason->text()) + "</span>";
   out += "</p>" + team_table(r);
-  if (!r.teams.empty()) out += points_chart(report, end);
+  if (!report.scores.empty()) out += points_chart(report, end);
   out += order_table(r);
-  if (!r.robots.empty()) out += gantt(report, end) + robot_table(r);
+  if (!report.skills.empty()) out += gantt(report, end);
+  out += robot_table(r) + turtle_table(r) + rule_error_table(r) + links(report);
   if (!report.pictures.empty()) out += "<h2>Pictures</h2>";
   for (const Picture& picture : report.pictures) {
     std::ifstream in(picture.file, std::ios::binary);

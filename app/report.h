@@ -15,6 +15,7 @@ struct SkillBar {
   std::string robot, skill, target;
   double begin = 0, end = 0;  ///< s
   bool succeeded = false;
+  bool ended = true;          ///< false: it was still at work when the run ended
 };
 /// Points of one team given or taken at a time.
 struct ScoreStep {
@@ -31,6 +32,7 @@ struct Report {
   std::vector<SkillBar> skills;
   std::vector<ScoreStep> scores;
   std::vector<Picture> pictures;
+  std::vector<std::string> files;  ///< of the run's folder, that the page links to
 };
 
 /// Skills and scores as `journal.jsonl` tells them.

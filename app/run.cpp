@@ -1,5 +1,6 @@
 // cxlab run: plays one episode.
 
+#include "app/arguments.h"
 #include "app/command.h"
 #include "app/session.h"
 
@@ -24,10 +25,10 @@ int run(const RunOptions& options) {
 
 void declare(CLI::App& command, RunOptions& options) {
   command.add_option("scenario", options.scenario, "Scenario file (YAML)")->required();
-  command.add_option("--seed", options.seed, "Seed of all chance, instead of the scenario's");
+  command.add_option("--seed", options.seed, "Seed of all chance, instead of the scenario's")->check(seed_number());
   command.add_option("--tier", options.tier, "physics: MuJoCo; timed: durations only")->check(CLI::IsMember({"physics", "timed"}));
   command.add_option("--set", options.overrides, "Changes a value: a.b[0].c=VALUE (may be given often)")->take_all();
-  command.add_option("--until", options.until, "Stops at this simulated time, s")->check(CLI::NonNegativeNumber);
+  command.add_option("--until", options.until, "Stops at this simulated time, s")->check(not_negative());
   command.add_option("--out", options.out, "Folder of the run; 'none' writes nothing (default runs/<scenario>-<seed>)");
   command.add_flag("--force", options.force, "Overwrites a folder that is in use");
   command.add_option("--journal", options.journal, "What journal.jsonl holds: none, decisions or full")->capture_default_str();

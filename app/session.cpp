@@ -5,9 +5,9 @@
 #include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <thread>
 
+#include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
 #include "app/log_printer.h"
@@ -44,6 +44,7 @@ struct Run {
   RunOptions options;
   Scenario scenario;
   std::vector<std::string> named_prefixes;  // absolute
+  std::vector<double> snapshots;            // when, s
   std::optional<RunFolder> folder;
   std::unique_ptr<Episode> episode;
   Meter game, physics;
@@ -79,12 +80,16 @@ std::string manifest(const Run& run) {
   return out.dump(2) + '\n';
 }
 
+/// When the run ends at the latest, s.
+double end_of(const Run& run) {
+  const double duration = to_seconds(run.scenario.duration);
+  return std::min(run.options.until.value_or(duration), duration);
+}
+
 Status play(Run& run, Progress& progress) {
   Episode& episode = *run.episode;
-  const double end = run.options.until.value_or(to_seconds(run.scenario.duration));
-  auto times = snapshot_times(run.options.snapshot, end);
-  if (!times) return times.error();
-  auto pictures = Pictures::create(episode, run.folder ? &*run.folder : nullptr, *times, run.options.video);
+  const double end = end_of(run);
+  auto pictures = Pictures::create(episode, run.folder ? &*run.folder : nullptr, run.snapshots, run.options.video);
   if (!pictures) return pictures.error();
 
   if (Status s = episode.start(); !s) return s;
@@ -102,6 +107,18 @@ Status play(Run& run, Progress& progress) {
   if (Status s = (*pictures)->finish(); !s) return s;
   run.report.pictures = (*pictures)->taken();
   return {};
+}
+
+/// Those that a person reads, relative to the run's folder.
+std::vector<std::string> readable_files(const std::filesystem::path& folder) {
+  std::vector<std::string> out = {"result.json", "manifest.json", "journal.jsonl"};
+  std::error_code ignored;
+  std::vector<std::string> logs;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "logs", ignored))
+    if (!entry.is_symlink()) logs.push_back("logs/" + entry.path().filename().string());
+  std::sort(logs.begin(), logs.end());
+  out.insert(out.end(), logs.begin(), logs.end());
+  return out;
 }
 
 RunStatus status_of(const Run& run, const Status& played) {
@@ -122,6 +139,7 @@ int finish(Run& run, const Status& played) {
   if (run.folder) {
     Status written = run.folder->write("result.json", json);
     if (written) written = read_story(run.folder->path() / "journal.jsonl", run.report);
+    run.report.files = readable_files(run.folder->path());
     if (written) written = run.folder->write("index.html", to_html(run.report));
     if (!written && !failure) failure = written.error();
   }
@@ -139,33 +157,6 @@ int finish(Run& run, const Status& played) {
 }
 
 }  // namespace
-
-Expected<std::vector<double>> snapshot_times(const std::string& text, double end) {
-  const auto bad = [&](const std::string& found) {
-    return Error{ErrorKind::kUsage, "--snapshot: found '" + found + "', expected every:SECONDS or SECONDS,SECONDS,...", {}, 0, {}};
-  };
-  const auto seconds = [](const std::string& word) -> std::optional<double> {
-    char* rest = nullptr;
-    const double value = std::strtod(word.c_str(), &rest);
-    return !word.empty() && *rest == '\0' && value >= 0 && value < 1e9 ? std::optional<double>(value) : std::nullopt;
-  };
-  std::vector<double> times;
-  if (text.empty()) return times;
-  if (text.starts_with("every:")) {
-    const auto step = seconds(text.substr(6));
-    if (!step || *step <= 0) return bad(text);
-    for (int k = 0; k * *step <= end; ++k) times.push_back(k * *step);
-    return times;
-  }
-  std::stringstream words(text);
-  for (std::string word; std::getline(words, word, ',');) {
-    const auto time = seconds(word);
-    if (!time) return bad(text);
-    times.push_back(*time);
-  }
-  std::sort(times.begin(), times.end());
-  return times;
-}
 
 void watch_signals() {
   std::signal(SIGINT, remember_signal);
@@ -195,6 +186,9 @@ Played play_scenario(const RunOptions& options, Scenario scenario) {
   run.scenario.packages.insert(installed->begin(), installed->end());
   const auto level = parse_journal_level(options.journal);
   if (!level) return failed(Error{ErrorKind::kUsage, "--journal: " + level.error().message, {}, 0, {}});
+  auto snapshots = snapshot_times(options.snapshot, end_of(run));
+  if (!snapshots) return failed(snapshots.error());
+  run.snapshots = *std::move(snapshots);
   auto folder = make_folder(options, run.scenario);
   if (!folder) return failed(folder.error());
   run.folder = *std::move(folder);

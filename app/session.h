@@ -32,8 +32,6 @@ struct RunOptions {
 };
 
 void declare(CLI::App& command, RunOptions& options);
-/// The times (s) at which pictures are taken, up to `end`.
-Expected<std::vector<double>> snapshot_times(const std::string& text, double end);
 
 struct Played {
   int exit_code = 0;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/arguments.h"
 #include "app/command.h"
 #include "app/planning.h"
 #include "planner/pddl/parser.h"
@@ -103,12 +104,12 @@ void add_validate(CLI::App& app, Action& action) {
   command->add_option("domain", options->domain, "PDDL file of the domain")->required();
   command->add_option("problem", options->problem, "PDDL file of the problem")->required();
   command->add_option("plan", options->plan, "Plan, one step a line: TIME: (ACTION OBJECT...) [DURATION]")->required();
-  command->add_option("--epsilon", options->rules.epsilon, "s that keeps interfering happenings apart")->check(CLI::NonNegativeNumber)->capture_default_str();
+  command->add_option("--epsilon", options->rules.epsilon, "s that keeps interfering happenings apart")->check(not_negative())->capture_default_str();
   command->add_option("--tolerance", options->rules.duration_tolerance, "s by which a duration may miss its bounds")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   command->add_flag("--robust", options->robust, "Also search by how much steps may begin early or late");
-  command->add_option("--robust-limit", options->limit, "Largest shift to try, s (default: the makespan)")->check(CLI::PositiveNumber);
+  command->add_option("--robust-limit", options->limit, "Largest shift to try, s (default: the makespan)")->check(positive());
   command->add_flag("--json", options->json, "The answer as JSON");
   command->footer("Exit codes: 0 valid; 1 not valid; 31 a file cannot be used; 34 something in it is not supported.");
   command->callback([options, &action] { action = [options] { return validate(*options); }; });

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "app/arguments.h"
 #include "app/command.h"
 #include "app/conditions.h"
 #include "app/recorded_run.h"
@@ -147,14 +148,15 @@ Json explain_agenda(const std::vector<ActivationInfo>& agenda, const std::string
   return out;
 }
 
-Json explain(cx::Environment& environment, const std::string& rule, const std::filesystem::path& journal) {
+/// `stream` is the environment's in the journal.
+Json explain(cx::Environment& environment, const std::string& stream, const std::string& rule, const std::filesystem::path& journal) {
   RuleEngine& engine = environment.engine();
   const ConstructInfo& info = *engine.find_construct("defrule", rule);
   const std::string name = info.name;
   // The executive takes its time fact back after each run: here is what the next run would find.
   if (engine.find_construct("defrule", "time-retract") && engine.facts("time").empty())
     if (auto fact = engine.assert_string("(time " + std::to_string(to_seconds(environment.now())) + ")"); fact) engine.refresh_all_agendas();
-  const Firings fired = firings_of("env/" + environment.name(), name, journal);
+  const Firings fired = firings_of(stream, name, journal);
   Json out{{"environment", environment.name()}, {"rule", name}, {"file", environment.files().journal_name(info.file)}, {"line", info.line}};
   out["fired"] = fired.count;
   if (fired.count > 0) {
@@ -232,7 +234,8 @@ int why_not(const Options& options) {
   Json explanations = Json::array();
   for (auto& agent : episode.agents())
     for (std::size_t i = 0; i < agent->size(); ++i)
-      if (agent->environment(i).engine().find_construct("defrule", options.rule)) explanations.push_back(explain(agent->environment(i), options.rule, replay->journal()));
+      if (RuleEngine& engine = agent->environment(i).engine(); engine.find_construct("defrule", options.rule))
+        explanations.push_back(explain(agent->environment(i), episode.journal().stream_name(engine.stream()), options.rule, replay->journal()));
   if (explanations.empty()) return fail(unknown_rule(episode, options.rule));
   const double t = std::max(0.0, to_seconds(episode.now()));
   if (options.json) {
@@ -251,7 +254,7 @@ void add_why_not(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("why-not", "Says why a rule of a recorded run has not fired");
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_option("rule", options->rule, "Name of the rule")->required();
-  command->add_option("--at", options->at, "When, s of simulated time (default: the end)")->check(CLI::NonNegativeNumber);
+  command->add_option("--at", options->at, "When, s of simulated time (default: the end)")->check(not_negative());
   command->add_flag("--json", options->json, "The answer as JSON");
   command->callback([options, &action] { action = [options] { return why_not(*options); }; });
 }

@@ -75,11 +75,13 @@ Status Episode::keep_for_agent(std::size_t agent, const std::filesystem::path& f
 Status Episode::keep_interfaces() {
   if (!files_) return {};
   std::map<std::filesystem::path, std::string> packages;
+  for (const auto& [name, folder] : scenario_.shares({})) packages[folder] = name;
   for (const auto& shares : shares_)
     for (const auto& [name, folder] : shares) packages[folder] = name;
   for (const std::filesystem::path& file : registry_.files_read()) {
-    const auto folder = file.parent_path().parent_path();
-    const auto known = packages.find(std::filesystem::absolute(folder).lexically_normal());
+    std::filesystem::path folder = std::filesystem::absolute(file).parent_path().parent_path().lexically_normal();
+    if (!folder.has_filename()) folder = folder.parent_path();  // of a package "."
+    const auto known = packages.find(folder);
     const std::string package = known != packages.end() ? known->second : folder.filename().string();
     if (Status s = keep("interfaces/" + package + '/' + file.parent_path().filename().string() + '/' + file.filename().string(), file); !s) return s;
   }

@@ -190,6 +190,7 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
   std::string tier = "physics";
   map.read_word("tier", tier, {"physics", "timed"});
   scenario.tier = tier == "timed" ? Tier::kTimed : Tier::kPhysics;
+  if (scenario.tier == Tier::kTimed && scenario.world_kind == WorldKind::kTurtlesim) map.get("tier").fail("found 'timed', expected physics: turtlesim has no other tier");
   if (const yaml::Value timed = map.get("timed")) read_timed(timed, scenario.timed);
   map.read("seed", scenario.seed).read("epoch", scenario.epoch);
   map.read_seconds("duration_s", scenario.duration).read_seconds("tick_s", scenario.tick).read_seconds("physics_step_s", scenario.physics_step);

@@ -109,6 +109,28 @@ class Scenarios(Lab):
         self.agent("")
         self.fails(2, "--frob", arguments=["--frob"])
         self.fails(2, "'some' is no journal level: none, decisions or full", arguments=["--journal", "some"])
+        self.fails(2, "error: --seed: found '-1', expected a whole number from 0", "cxlab run --help", arguments=["--seed", "-1"])
+        self.fails(2, "error: --until: found '-3', expected a number, 0 or more", arguments=["--until", "-3"])
+        done = subprocess.run([CXLAB, "rnu"], text=True, stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("there is no command 'rnu', did you mean 'run'?", done.stderr)
+
+    def test_pictures_that_cannot_be(self):
+        self.agent("", GAME)
+        for text, message in (("every:0", "found 'every:0', expected every:SECONDS"), ("1,,2", "found '1,,2'"), ("1,21", "no picture at 21 s: the run ends at 20 s")):
+            done = self.fails(2, "error: --snapshot: ", message, arguments=["--snapshot", text])
+            self.assertEqual(done.stdout, "")
+            self.assertFalse(self.out.exists(), "nothing is written")
+        self.fails(2, "no picture at 6 s: the run ends at 5 s", arguments=["--snapshot", "6", "--until", "5"])
+
+    def test_a_package_option_without_its_folder(self):
+        self.agent("")
+        done = subprocess.run([CXLAB, "env", "agent.yaml", "--package", "a=nowhere", "--out", "none"], cwd=self.folder, text=True, stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("--package a=nowhere: there is no folder nowhere", done.stderr)
+
+    def test_turtlesim_has_no_timed_tier(self):
+        self.scenario_fails("schema: 1\nworld: {kind: turtlesim}\ntier: timed\n", "scenario.yaml:3: tier: found 'timed', expected physics")
 
 
 class Rules(Lab):

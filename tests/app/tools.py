@@ -9,6 +9,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from lab import CONFIG
+
 CXLAB = os.environ["CXLAB"]
 SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
 GAME = SOURCE / "scenarios/rcll/game.yaml"
@@ -244,6 +246,33 @@ clips_manager:
         self.assertGreater(why("later")["fired"], 0)
         self.assertIn("did you mean 'take'", self.cxlab("why-not", run, "tak", expect=3).stderr)
         self.assertIn("condition 2 does not hold", self.cxlab("why-not", run, "take").stdout)
+
+    def test_why_not_counts_what_fired_below_a_namespace(self):
+        config = self.package("(defrule go => (assert (gone)))")
+        run = self.folder / "run"
+        self.cxlab("env", config, "--until", 1, "--quiet", "--namespace", "/pond", "--out", run)
+        self.assertEqual(self.answer("why-not", run, "go")["explanations"][0]["fired"], 1)
+
+    # --- packages
+
+    def test_a_package_may_be_the_folder_of_the_scenario(self):
+        (self.folder / "msg").mkdir()
+        (self.folder / "msg/Count.msg").write_text("int32 n\n")
+        (self.folder / "agent.yaml").write_text(CONFIG)
+        (self.folder / "rules.clp").write_text('(defrule go => (ros-msgs-destroy-message (ros-msgs-create-message "rules/msg/Count")))')
+        for folder in (".", "./", "../" + self.folder.name):
+            (self.folder / "scenario.yaml").write_text(f"schema: 1\nduration_s: 1\npackages: {{rules: {folder}}}\nagents:\n  - config: agent.yaml\n")
+            self.cxlab("run", "scenario.yaml", "--quiet", "--out", "run", "--force")
+            self.cxlab("replay", "run")
+
+    # --- the page
+
+    def test_a_skill_that_is_still_at_work_has_not_failed(self):
+        run = self.timed_game(50)
+        page = (run / "index.html").read_text()
+        self.assertIn("still at work", page)
+        self.assertNotIn("class='drive_to failed'", page)
+        self.assertIn("href='logs/agent.log'", page)
 
     # --- runs that were killed
 

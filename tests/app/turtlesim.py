@@ -87,7 +87,9 @@ class Turtlesim(unittest.TestCase):
     def test_snapshots_are_in_the_page(self):
         self.cxlab("run", TURTLES / "figures.yaml", "--snapshot", "10,20", "--out", "run", "--quiet")
         self.assertEqual(sorted(p.name for p in (self.folder / "run/snapshots").iterdir()), ["0010.00-canvas.png", "0020.00-canvas.png"])
-        self.assertEqual((self.folder / "run/index.html").read_text().count("data:image/png;base64,"), 2)
+        page = (self.folder / "run/index.html").read_text()
+        self.assertEqual(page.count("data:image/png;base64,"), 2)
+        self.assertIn("<td>turtle1 (killed)<td>", page)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,27 @@
+#pragma once
+// What options take, checked with messages that say what was found and what was expected.
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+
+namespace cxlab::app {
+
+/// A number, 0 or more.
+CLI::Validator not_negative();
+/// A number above 0.
+CLI::Validator positive();
+/// A whole number from 0 that 64 bits hold.
+CLI::Validator seed_number();
+
+/// The times (s) of `--snapshot`: `every:T` up to `end`, or `T,T,...`, none of which may be after `end`.
+Expected<std::vector<double>> snapshot_times(const std::string& text, double end);
+
+/// Exit code of a command line that cannot be used; 0 after `--help` and `--version`.
+int usage_exit(const CLI::App& app, const CLI::ParseError& error);
+/// Fails if the first argument is no command: CLI11 would only say that one is missing.
+Status check_command(const CLI::App& app, int argc, char** argv);
+
+}  // namespace cxlab::app
