@@ -138,8 +138,10 @@ Status Episode::build_stage() {
   stage_ = *std::move(stage);
   for (const std::filesystem::path& file : stage_->files)
     if (Status s = keep("models/" + file.filename().string(), file); !s) return s;
+  const NodeSetup setup{scenario_, *bus_, journal_, options_.log, options_.run_folder,
+                        [this](const std::string& name, const std::filesystem::path& file) { return keep("nodes/" + name, file); }};
   for (const ServerSpec& spec : scenario_.servers)
-    if (Status s = find_node(spec.node)->add(spec, {scenario_, *bus_, journal_, options_.log}, *stage_); !s) return s;
+    if (Status s = find_node(spec.node)->add(spec, setup, *stage_); !s) return s;
   if (scenario_.stimuli.empty()) return {};
   std::vector<std::string> managers;
   for (const AgentSpec& agent : scenario_.agents) {
@@ -353,6 +355,7 @@ Result Episode::result() const {
   out.sim_time = std::max(now_, SimTime::zero());
   out.ticks = ticks_;
   stage_->report(out);
+  for (const auto& report : stage_->reports) report(out);
   for (const auto& agent : agents_) out.deterministic = out.deterministic && agent->deterministic();
   for (const auto& agent : agents_)
     for (const cx::RuleErrorEntry& entry : agent->rule_errors())

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "scenarios/pddl/stage.h"
 #include "scenarios/turtlesim/read_config.h"
 #include "scenarios/turtlesim/stage.h"
 
@@ -15,6 +16,9 @@ constexpr std::array kKinds{
              [](const ServerSpec& spec, const NodeSetup& setup, Stage& stage) {
                return turtlesim::add_turtlesim(spec.turtlesim, stage, setup.bus, setup.sink, setup.log);
              }},
+    NodeKind{"pddl_manager", "keeps PDDL instances and plans (docs/pddl-manager.md)",
+             [](yaml::Map& keys, ServerSpec& spec) { pddl::read_config(keys, spec.pddl); },
+             [](const ServerSpec& spec, const NodeSetup& setup, Stage& stage) { return pddl::add_manager(spec.pddl, setup, stage); }},
 };
 
 }  // namespace

@@ -2,6 +2,8 @@
 // The nodes that come with cxlab and stand beside world and agents: what `servers:` of a scenario and `--with` of
 // `cxlab env` name. One explicit list; who adds a node adds it there.
 
+#include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,6 +25,9 @@ struct NodeSetup {
   bus::Bus& bus;
   RecordSink& sink;
   cx::LogSink* log = nullptr;  ///< may be none
+  std::filesystem::path run_folder;  ///< empty = nothing is written
+  /// Told of each file that a node reads, before it does, for the run's copy.
+  std::function<Status(const std::string& logical_name, const std::filesystem::path& file)> keep;
 };
 
 struct NodeKind {

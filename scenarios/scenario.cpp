@@ -204,7 +204,7 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
     scenario.faults = read_faults(faults);
     if (scenario.world_kind != WorldKind::kRcll) faults.fail("this world has neither robots nor machines: expected world.kind rcll");
   }
-  if (const yaml::Value planner = map.get("planner")) planner.fail("there is no planner in this version: leave the key out");
+  if (const yaml::Value planner = map.get("planner")) pddl::read_cost(planner, scenario.planner);
   std::string on_rule_error = "stop";
   map.read_word("on_rule_error", on_rule_error, {"stop", "continue"});
   scenario.stop_on_rule_error = on_rule_error == "stop";

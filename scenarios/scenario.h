@@ -13,6 +13,8 @@
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
 #include "cx/yaml/yaml.h"
+#include "planner/cost.h"
+#include "scenarios/pddl/config.h"
 #include "scenarios/rcll/read_config.h"
 #include "scenarios/turtlesim/config.h"
 #include "sim/faults/fault.h"
@@ -37,6 +39,7 @@ struct AgentSpec {
 struct ServerSpec {
   std::string node;             ///< which kind
   turtlesim::Config turtlesim;  ///< of kind turtlesim
+  pddl::Config pddl;            ///< of kind pddl_manager
 };
 
 /// Something that happens at a time whatever the rules do: exactly one of the verbs.
@@ -83,6 +86,7 @@ struct Scenario {
   std::map<std::string, std::string> packages;  ///< interface and share folders, for all agents
   std::map<std::string, int> package_lines;     ///< where they stand, for errors
   std::vector<AgentSpec> agents;
+  planner::PlanningCost planner;       ///< what plans cost in simulated time
   std::vector<Stimulus> stimuli;
   std::vector<sim::Fault> faults;      ///< what goes wrong with robots and machines
   bool stop_on_rule_error = true;      ///< on_rule_error: stop | continue

@@ -3,6 +3,7 @@
 // (`rcll::make_stage`).
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,6 +32,7 @@ struct Stage {
   std::vector<std::unique_ptr<sim::Server>> servers;  ///< called in this order
   std::unique_ptr<Referee> referee;                   ///< may be none
   std::vector<std::filesystem::path> files;           ///< models that were read
+  std::vector<std::function<void(Result&)>> reports;  ///< of nodes beside the world: what they add to the result
   /// What has entered the physics since the last call, for the input log.
   virtual std::string take_inputs() { return {}; }
   /// Writes teams, orders, deliveries, robots, steps and the physics hash.

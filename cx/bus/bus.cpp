@@ -29,9 +29,9 @@ std::string_view noun_of(EndpointKind kind) {
 
 std::vector<Bus::Info> info_of(const Channels& channels) {
   std::vector<Bus::Info> infos;
-  for (const auto& [name, channel] : channels) {
+  for (const auto& [key, channel] : channels) {
     if (channel->providers.empty() && channel->users.empty()) continue;
-    infos.push_back({name, channel->type_name, static_cast<int>(channel->providers.size()),
+    infos.push_back({channel->name, channel->type_name, static_cast<int>(channel->providers.size()),
                      static_cast<int>(channel->users.size())});
   }
   return infos;
@@ -110,7 +110,7 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
                         : made->kind <= EndpointKind::kClient     ? NameKind::kService
                                                                   : NameKind::kAction;
   const std::string name = owner.name.resolve(written, kind);
-  auto& channel = state_->channels(made->kind)[name];
+  auto& channel = state_->channels(made->kind)[state_->key_of(made->kind, name, type_name)];
   if (!channel) {
     channel = std::make_unique<Channel>();
     channel->name = name;
@@ -201,6 +201,18 @@ Expected<EndpointId> Bus::create_action_client(ParticipantId p, std::string_view
   endpoint->handlers[handler_index(DeliveryKind::kResult)] = std::move(handlers.result);
   endpoint->handlers[handler_index(DeliveryKind::kCancelResponse)] = std::move(handlers.cancel_response);
   return add(p, action, std::move(endpoint), type.name);
+}
+
+void Bus::allow_types(ParticipantId p, std::string_view name) {
+  for (const NameKind kind : {NameKind::kService, NameKind::kAction}) {
+    const std::string resolved = state_->participant(p).name.resolve(name, kind);
+    state_->many_typed.insert(resolved);
+    Channels* channels = kind == NameKind::kService ? &state_->services : &state_->actions;
+    auto known = channels->extract(resolved);
+    if (known.empty()) continue;
+    known.key() += ' ' + known.mapped()->type_name;
+    channels->insert(std::move(known));
+  }
 }
 
 void Bus::remove(EndpointId id) {

@@ -150,6 +150,9 @@ class Bus {
   };
   Expected<EndpointId> create_action_client(ParticipantId p, std::string_view action, const ActionType& type,
                                             ActionClientHandlers handlers);
+  /// Services and actions of several types live side by side under this name from now on: servers and clients of one
+  /// type do not see those of another. For servers that speak several packages of interfaces.
+  void allow_types(ParticipantId p, std::string_view name);
   /// Removes an endpoint. What is in flight to it is dropped; open requests and goals of a removed server stay
   /// unanswered.
   void remove(EndpointId endpoint);

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -130,6 +131,7 @@ struct Bus::State {
   RecordSink& sink;
   std::vector<std::unique_ptr<Participant>> participants;
   Channels topics, services, actions;
+  std::set<std::string, std::less<>> many_typed;   ///< names of services and actions under which types live side by side
   std::vector<std::unique_ptr<Endpoint>> removed;  ///< whose handler may be running
   int running = 0;                                 ///< handlers, nested
   std::uint64_t tick = 0;
@@ -155,6 +157,12 @@ struct Bus::State {
   Channels& channels(EndpointKind kind) {
     if (kind <= EndpointKind::kSubscription) return topics;
     return kind <= EndpointKind::kClient ? services : actions;
+  }
+
+  /// What stands for a service or action among `channels`: its name, with its type where several live side by side.
+  std::string key_of(EndpointKind kind, const std::string& name, std::string_view type) const {
+    const bool many = kind > EndpointKind::kSubscription && (muted || many_typed.contains(name));
+    return many ? name + ' ' + std::string(type) : name;
   }
 
   /// Begins the record of something that `endpoint` does: data {op, name}.

@@ -213,6 +213,32 @@ TEST_F(BusTest, NamespacesKeepParticipantsApartAndRemapsJoinThem) {
   EXPECT_THAT(deliver(magenta), ElementsAre("for all"));
 }
 
+TEST_F(BusTest, TypesLiveSideBySideUnderANameThatAllowsIt) {
+  const auto a = environment("a"), b = environment("b"), server = node("server");
+  int for_a = 0, for_b = 0;
+  const auto& empty = **registry_.service("std_srvs/srv/Empty");
+  const auto client_a = bus_.create_client(a, "/s", *set_bool_, [&](const Delivery&) { ++for_a; });
+  bus_.allow_types(server, "s");
+  const auto client_b = bus_.create_client(b, "/s", empty, [&](const Delivery&) { ++for_b; });
+  ASSERT_TRUE(client_a.ok() && client_b.ok());
+  EndpointId served_bool{};
+  served_bool = *bus_.serve(server, "s", *set_bool_, [&](const Delivery& d) { bus_.respond(served_bool, d, std::make_shared<Message>(*set_bool_->response)); });
+  EXPECT_TRUE(bus_.service_ready(*client_a));
+  EXPECT_FALSE(bus_.service_ready(*client_b));
+  EndpointId served_empty{};
+  served_empty = *bus_.serve(server, "s", empty, [&](const Delivery& d) { bus_.respond(served_empty, d, std::make_shared<Message>(*empty.response)); });
+  bus_.call(*client_a, std::make_shared<Message>(*set_bool_->request));
+  bus_.call(*client_b, std::make_shared<Message>(*empty.request));
+  tick();
+  bus_.deliver(server);
+  bus_.deliver(a);
+  bus_.deliver(b);
+  EXPECT_EQ(for_a, 1);
+  EXPECT_EQ(for_b, 1);
+  ASSERT_EQ(bus_.services().size(), 2u);
+  EXPECT_EQ(bus_.services()[0].name, "/s");
+}
+
 TEST_F(BusTest, ASecondTypeOfTheSameNameIsAnErrorWhileTheFirstIsThere) {
   const auto a = node("a"), b = node("b");
   const auto out = advertise(a, "t");

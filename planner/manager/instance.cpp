@@ -1,0 +1,351 @@
+#include "planner/manager/instance.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "planner/manager/condition_text.h"
+
+namespace cxlab::planner {
+namespace {
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+template <class Items>
+std::vector<std::string> names_of(const Items& items) {
+  std::vector<std::string> names;
+  for (const auto& item : items) names.push_back(item.name);
+  return names;
+}
+
+Error unknown(const std::string& what, const std::string& found, const std::vector<std::string>& known) {
+  const std::string near = nearest_word(found, known);
+  return input_error("unknown " + what + " '" + found + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?"));
+}
+
+}  // namespace
+
+Instance::Instance(Task task) : task_(std::move(task)), state_(task_.domain, task_.problem) {
+  task_.problem.goal = {};
+  task_.problem.goal_slots = 0;
+  goals_["base"];
+  renew_evaluator();
+}
+
+void Instance::renew_evaluator() {
+  evaluator_.emplace(task_.domain, task_.problem);
+  touch();
+}
+
+const State& Instance::state() const {
+  if (!derived_) evaluator_->derive(state_);
+  derived_ = true;
+  return state_;
+}
+
+// --- Names
+
+Expected<std::vector<ObjectId>> Instance::objects(const Names& names, const std::vector<Variable>& parameters, const std::string& of) const {
+  if (names.size() != parameters.size())
+    return input_error("'" + of + "': found " + std::to_string(names.size()) + " arguments, expected " + std::to_string(parameters.size()));
+  std::vector<ObjectId> ids(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    ids[i] = find(problem().object_names, names[i]);
+    if (ids[i] < 0) ids[i] = find(problem().object_names, lower(names[i]));
+    if (ids[i] < 0) return unknown("object", names[i], names_of(problem().objects));
+    if (!fits(domain(), problem().objects[static_cast<std::size_t>(ids[i])], parameters[i].types))
+      return input_error("'" + of + "': '" + names[i] + "' has the wrong type for " + parameters[i].name);
+  }
+  return ids;
+}
+
+Expected<Fact> Instance::fact(const std::string& predicate, const Names& arguments) const {
+  const PredicateId id = find(domain().predicate_names, lower(predicate));
+  if (id < 0) return unknown("fluent", predicate, names_of(domain().predicates));
+  auto ids = objects(arguments, domain().predicates[static_cast<std::size_t>(id)].parameters, predicate);
+  if (!ids) return ids.error();
+  return Fact{id, *std::move(ids)};
+}
+
+Expected<Fact> Instance::number(const std::string& function, const Names& arguments) const {
+  const FunctionId id = find(domain().function_names, lower(function));
+  if (id < 0) return unknown("function", function, names_of(domain().functions));
+  auto ids = objects(arguments, domain().functions[static_cast<std::size_t>(id)].parameters, function);
+  if (!ids) return ids.error();
+  return Fact{id, *std::move(ids)};
+}
+
+Expected<ActionCall> Instance::step(const std::string& action, const Names& arguments) const {
+  const ActionId id = find(domain().action_names, lower(action));
+  if (id < 0) return unknown("action", action, names_of(domain().actions));
+  auto ids = objects(arguments, domain().actions[static_cast<std::size_t>(id)].parameters, action);
+  if (!ids) return ids.error();
+  return ActionCall{id, *std::move(ids)};
+}
+
+Expected<TypeId> Instance::type(const std::string& name) const {
+  const TypeId id = find(domain().type_names, lower(name));
+  if (id < 0) return unknown("type", name, names_of(domain().types));
+  return id;
+}
+
+// --- What is so now
+
+std::vector<Fact> Instance::facts() const {
+  std::vector<Fact> all = state().facts();
+  std::stable_partition(all.begin(), all.end(), [&](const Fact& f) { return !domain().predicates[static_cast<std::size_t>(f.predicate)].derived; });
+  return all;
+}
+
+Instance::Names Instance::objects_of_type(TypeId type) const {
+  Names names;
+  for (const ObjectId id : objects_of(domain(), problem(), {type})) names.push_back(problem().objects[static_cast<std::size_t>(id)].name);
+  return names;
+}
+
+Status Instance::set(const Fact& fact, bool value) {
+  const Predicate& predicate = domain().predicates[static_cast<std::size_t>(fact.predicate)];
+  if (predicate.derived) return input_error("'" + predicate.name + "' is derived from other fluents and cannot be set");
+  state_.set(fact.predicate, fact.objects, value);
+  touch();
+  return {};
+}
+
+void Instance::set_value(const Fact& number, double value) {
+  state_.set_value(number.predicate, number.objects, value);
+  touch();
+}
+
+Status Instance::add_object(const std::string& written, const std::string& type_name) {
+  auto type_id = type(type_name);
+  if (!type_id) return type_id.error();
+  const std::string name = lower(written);
+  if (name.empty()) return input_error("found an object without a name");
+  Problem& problem = task_.problem;
+  if (const ObjectId known = find(problem.object_names, name); known >= 0) {
+    if (fits(domain(), problem.objects[static_cast<std::size_t>(known)], {*type_id})) return {};
+    return input_error("object '" + name + "' is there already, with another type than '" + type_name + "'");
+  }
+  problem.object_names[name] = static_cast<int>(problem.objects.size());
+  problem.objects.push_back({name, {*type_id}, {Source::File::kProblem, 0}});
+  renew_evaluator();
+  return {};
+}
+
+Status Instance::remove_object(const std::string& written, const std::string& type_name) {
+  const std::string name = lower(written);
+  const ObjectId id = find(problem().object_names, name);
+  if (id < 0) return unknown("object", name, names_of(problem().objects));
+  if (!type_name.empty()) {
+    auto type_id = type(type_name);
+    if (!type_id) return type_id.error();
+    if (!fits(domain(), problem().objects[static_cast<std::size_t>(id)], {*type_id}))
+      return input_error("object '" + name + "' is not of type '" + type_name + "'");
+  }
+  if (id < static_cast<ObjectId>(domain().constants.size())) return input_error("'" + name + "' is a constant of the domain and cannot be removed");
+
+  // The state goes through the problem, which knows how to be without an object. Goals go the same way.
+  Problem now = problem();
+  evaluator_.reset();
+  now.init.clear();
+  for (Fact& fact : state_.facts())
+    if (!domain().predicates[static_cast<std::size_t>(fact.predicate)].derived) now.init.push_back(std::move(fact));
+  now.values = state_.values();
+  std::vector<char> keep(now.objects.size(), 1);
+  keep[static_cast<std::size_t>(id)] = 0;
+  for (auto& [_, goal] : goals_) {
+    Problem carrier;
+    carrier.objects = now.objects;
+    carrier.init = std::move(goal.facts);
+    carrier.values = std::move(goal.values);
+    carrier = without_objects(carrier, keep);
+    goal.facts = std::move(carrier.init);
+    goal.values = std::move(carrier.values);
+    std::erase(goal.objects, name);
+  }
+  const auto before = [](const auto& events, std::size_t next) {
+    return std::vector(events.begin() + static_cast<std::ptrdiff_t>(next), events.end());
+  };
+  now.timed_facts = before(now.timed_facts, next_fact_);
+  now.timed_values = before(now.timed_values, next_value_);
+  next_fact_ = next_value_ = 0;
+  task_.problem = without_objects(now, keep);
+  state_ = State(domain(), problem());
+  renew_evaluator();
+  return {};
+}
+
+bool Instance::advance(double seconds) {
+  bool any = false;
+  const Problem& p = problem();
+  for (; next_fact_ < p.timed_facts.size() && p.timed_facts[next_fact_].time <= seconds; ++next_fact_, any = true) {
+    const TimedFact& event = p.timed_facts[next_fact_];
+    state_.set(event.fact.predicate, event.fact.objects, event.value);
+  }
+  for (; next_value_ < p.timed_values.size() && p.timed_values[next_value_].time <= seconds; ++next_value_, any = true) {
+    const Assignment& event = p.timed_values[next_value_].assignment;
+    state_.set_value(event.function, event.objects, event.value);
+  }
+  if (any) touch();
+  return any;
+}
+
+// --- Goals
+
+Status Instance::create_goal(const std::string& name) {
+  if (name.empty()) return input_error("a goal instance needs a name");
+  goals_[name] = {};
+  return {};
+}
+
+GoalInstance* Instance::goal(const std::string& name) {
+  const auto known = goals_.find(name);
+  return known == goals_.end() ? nullptr : &known->second;
+}
+
+Status Instance::set_actions(GoalInstance& goal, const Names& names) const {
+  Names wanted;
+  for (const std::string& name : names) {
+    if (find(domain().action_names, lower(name)) < 0) return unknown("action", name, names_of(domain().actions));
+    wanted.push_back(lower(name));
+  }
+  goal.actions = std::move(wanted);
+  return {};
+}
+
+Status Instance::set_fluents(GoalInstance& goal, const Names& names) const {
+  Names wanted, known = names_of(domain().predicates);
+  for (const Function& function : domain().functions) known.push_back(function.name);
+  for (const std::string& name : names) {
+    if (std::find(known.begin(), known.end(), lower(name)) == known.end()) return unknown("fluent", name, known);
+    wanted.push_back(lower(name));
+  }
+  goal.fluents = std::move(wanted);
+  return {};
+}
+
+Status Instance::set_objects(GoalInstance& goal, const Names& names) const {
+  Names wanted;
+  for (const std::string& name : names) {
+    if (find(problem().object_names, lower(name)) < 0) return unknown("object", name, names_of(problem().objects));
+    wanted.push_back(lower(name));
+  }
+  goal.objects = std::move(wanted);
+  return {};
+}
+
+// --- Actions
+
+Frame Instance::frame(const ActionCall& call) const {
+  Frame frame(static_cast<std::size_t>(domain().actions[static_cast<std::size_t>(call.action)].slots), 0);
+  std::copy(call.arguments.begin(), call.arguments.end(), frame.begin());
+  return frame;
+}
+
+/// The shortest that the action may take, s.
+double Instance::duration(const ActionCall& call, const Frame& frame) const {
+  double shortest = 0;
+  for (const DurationConstraint& constraint : domain().actions[static_cast<std::size_t>(call.action)].duration) {
+    const auto bound = evaluator_->number(constraint.bound, frame, state_);
+    if (bound && (constraint.comparison == Comparison::kEqual || constraint.comparison == Comparison::kGreaterEqual))
+      shortest = std::max(shortest, *bound);
+  }
+  return shortest;
+}
+
+Instance::Names Instance::unsatisfied(const ActionCall& call, When when) const {
+  const Action& action = domain().actions[static_cast<std::size_t>(call.action)];
+  Frame bound = frame(call);
+  const double length = action.durative ? duration(call, bound) : 0;
+  Names missing;
+  const auto check = [&](const auto& self, const Condition& condition, const State& now) -> void {
+    if (condition.kind == Condition::Kind::kAnd) {
+      for (const Condition& part : condition.operands) self(self, part, now);
+    } else if (!evaluator_->holds(condition, bound, now, length)) {
+      missing.push_back(told_text(condition, domain(), problem().objects, call.arguments));
+    }
+  };
+  const State& now = state();
+  if (when == When::kStart || when == When::kAtStart) check(check, action.condition.start, now);
+  if (when == When::kOverAll) check(check, action.condition.over_all, now);
+  if (when == When::kEnd) check(check, action.condition.end, now);
+  if (when == When::kStart && missing.empty() && !action.condition.over_all.is_true()) {
+    std::vector<Change> changes;
+    bool defined = true;
+    for (const Effect& effect : action.effects)
+      if (effect.time == Effect::Time::kStart)
+        defined = evaluator_->collect(effect, bound, now, length, [&](Frame& f) { return evaluator_->holds(effect.condition.start, f, now, length); }, changes) && defined;
+    State after = now;
+    if (!defined || !apply_changes(changes, after)) return {"an effect at the start reads a number without a value"};
+    evaluator_->derive(after);
+    check(check, action.condition.over_all, after);
+  }
+  return missing;
+}
+
+Expected<std::vector<ToldEffect>> Instance::effects(const ActionCall& call) const {
+  const Action& action = domain().actions[static_cast<std::size_t>(call.action)];
+  Frame bound = frame(call);
+  const State& now = state();
+  const double length = action.durative ? duration(call, bound) : 0;
+  std::vector<ToldEffect> told;
+  for (const Effect& effect : action.effects) {
+    std::vector<Change> changes;
+    const TimedCondition& when = effect.condition;
+    const auto holds = [&](Frame& f) {
+      return evaluator_->holds(when.start, f, now, length) && evaluator_->holds(when.over_all, f, now, length) && evaluator_->holds(when.end, f, now, length);
+    };
+    const auto& name = effect.is_numeric() ? domain().functions[static_cast<std::size_t>(effect.function)].name
+                                           : domain().predicates[static_cast<std::size_t>(effect.predicate)].name;
+    if (!evaluator_->collect(effect, bound, now, length, holds, changes))
+      return input_error("effect on '" + name + "' of '" + action.name + "': its right-hand side has no value now");
+    for (const Change& change : changes) {
+      ToldEffect out{name, {}, effect.time != Effect::Time::kStart, effect.is_numeric(), change.kind == Effect::Kind::kAdd, '=', change.value};
+      for (const ObjectId object : change.objects) out.arguments.push_back(problem().objects[static_cast<std::size_t>(object)].name);
+      if (effect.time == Effect::Time::kContinuous) out.number *= length;
+      if (change.kind == Effect::Kind::kIncrease) out.operation = '+';
+      if (change.kind == Effect::Kind::kDecrease) out.operation = '-';
+      if (change.kind == Effect::Kind::kScaleUp || change.kind == Effect::Kind::kScaleDown) {
+        const auto old = now.value(change.id, change.objects);
+        if (!old || (change.kind == Effect::Kind::kScaleDown && change.value == 0))
+          return input_error("effect on '" + name + "' of '" + action.name + "': there is no value to scale");
+        out.number = change.kind == Effect::Kind::kScaleUp ? *old * change.value : *old / change.value;
+      }
+      told.push_back(std::move(out));
+    }
+  }
+  return told;
+}
+
+Expected<std::vector<ToldEffect>> Instance::original_effects(const ActionCall& call) const {
+  const Action& action = domain().actions[static_cast<std::size_t>(call.action)];
+  const Frame bound = frame(call);
+  std::vector<ToldEffect> told;
+  for (const Effect& effect : action.effects) {
+    if (effect.is_numeric() && !action.durative) return input_error("'InstantaneousAction' object has no attribute 'function_effects'");
+    const auto& name = effect.is_numeric() ? domain().functions[static_cast<std::size_t>(effect.function)].name
+                                           : domain().predicates[static_cast<std::size_t>(effect.predicate)].name;
+    ToldEffect out{name, {}, effect.time != Effect::Time::kStart, effect.is_numeric(), effect.kind == Effect::Kind::kAdd, '=', 0};
+    for (const Term& term : effect.terms) {
+      const auto variable = std::find_if(effect.variables.begin(), effect.variables.end(),
+                                         [&](const Variable& v) { return term.is_variable && v.slot == term.index; });
+      if (variable != effect.variables.end()) out.arguments.push_back(variable->name.substr(1));
+      else out.arguments.push_back(problem().objects[static_cast<std::size_t>(term.is_variable ? bound[static_cast<std::size_t>(term.index)] : term.index)].name);
+    }
+    if (effect.is_numeric()) {
+      const bool plain = effect.value.kind == Expression::Kind::kConstant || effect.value.kind == Expression::Kind::kFunction;
+      const auto value = plain ? evaluator_->number(effect.value, bound, state_) : std::nullopt;
+      if (!value || effect.kind == Effect::Kind::kScaleUp || effect.kind == Effect::Kind::kScaleDown || effect.time == Effect::Time::kContinuous)
+        return input_error("Unknown value type");
+      out.number = *value;
+      if (effect.kind == Effect::Kind::kIncrease) out.operation = '+';
+      if (effect.kind == Effect::Kind::kDecrease) out.operation = '-';
+    }
+    told.push_back(std::move(out));
+  }
+  return told;
+}
+
+}  // namespace cxlab::planner

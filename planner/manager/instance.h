@@ -1,0 +1,126 @@
+#pragma once
+// A problem that changes while plans for it are made and carried out: objects, facts and numbers of now, and goals.
+//
+//   auto instance = Instance::make(*load_task("domain.pddl", "problem.pddl"));
+//   (*instance)->set(*(*instance)->fact("on", {"a", "b"}), true);
+//   auto step = (*instance)->step("pick-up", {"a"});
+//   std::vector<std::string> missing = (*instance)->unsatisfied(*step, Instance::When::kStart);
+//
+// Names are taken in any case. Errors name what was found and the nearest known name.
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "planner/pddl/model.h"
+#include "planner/state/state.h"
+
+namespace cxlab::planner {
+
+/// What a plan is made for: a goal, and what of the instance the planner sees. Empty lists do not filter.
+struct GoalInstance {
+  std::vector<Fact> facts;
+  std::vector<Assignment> values;
+  std::vector<std::string> actions;
+  std::vector<std::string> fluents;  ///< predicates and functions whose present facts and values the planner gets
+  std::vector<std::string> objects;  ///< beside the constants of the domain
+};
+
+/// An action with its arguments.
+struct ActionCall {
+  ActionId action = -1;
+  std::vector<ObjectId> arguments;
+};
+
+/// One effect as it is told to agents.
+struct ToldEffect {
+  std::string name;
+  std::vector<std::string> arguments;
+  bool at_end = false;
+  bool numeric = false;
+  bool value = false;      ///< of a fact: it becomes true
+  char operation = '=';    ///< of a number: = + -
+  double number = 0;
+};
+
+class Instance {
+ public:
+  using Names = std::vector<std::string>;
+
+  /// The goals of the problem are dropped; the goal instance `base` is there.
+  explicit Instance(Task task);
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+
+  const Domain& domain() const { return task_.domain; }
+  const Problem& problem() const { return task_.problem; }
+
+  // --- Names to ids
+  Expected<Fact> fact(const std::string& predicate, const Names& arguments) const;
+  Expected<Fact> number(const std::string& function, const Names& arguments) const;  ///< `predicate` is the FunctionId
+  Expected<ActionCall> step(const std::string& action, const Names& arguments) const;
+  Expected<TypeId> type(const std::string& name) const;
+
+  // --- What is so now
+  std::vector<Fact> facts() const;  ///< in the order in which they became true; derived ones are last
+  std::vector<Assignment> values() const { return state_.values(); }
+  Names objects_of_type(TypeId type) const;
+  /// kInput where the predicate is derived.
+  Status set(const Fact& fact, bool value);
+  void set_value(const Fact& number, double value);
+  Status add_object(const std::string& name, const std::string& type);
+  /// With it go the facts, numbers and goals that name it.
+  Status remove_object(const std::string& name, const std::string& type);
+  /// Lets the events of the problem come that are due `seconds` after it was loaded. Whether there were any.
+  bool advance(double seconds);
+
+  // --- Goals, by name
+  Status create_goal(const std::string& name);  ///< anew if it is there
+  GoalInstance* goal(const std::string& name);
+  Status set_actions(GoalInstance& goal, const Names& names) const;
+  Status set_fluents(GoalInstance& goal, const Names& names) const;
+  Status set_objects(GoalInstance& goal, const Names& names) const;
+
+  // --- Actions in the state of now
+  enum class When {
+    kStart,    ///< conditions at the start, and those over all just after the effects at the start
+    kAtStart,  ///< conditions at the start alone
+    kOverAll,
+    kEnd,
+  };
+  /// The conditions that do not hold, as `p(a)`, `(not p(a))`, `Forall (t y) p(y)`; none: the action can be done.
+  Names unsatisfied(const ActionCall& call, When when) const;
+  /// Conditional effects whose condition holds now, universal ones with every object, numbers computed. Changes all along
+  /// the action are told at its end.
+  Expected<std::vector<ToldEffect>> effects(const ActionCall& call) const;
+  /// As the first PDDL manager told them: conditions of effects are left out, universal effects are told once with the
+  /// names of their variables, right-hand sides are constants or single functions.
+  Expected<std::vector<ToldEffect>> original_effects(const ActionCall& call) const;
+
+  // --- Planning
+  /// The problem of now for that goal, `seconds` after it was loaded.
+  Expected<Task> planning_task(const GoalInstance& goal, double seconds) const;
+
+ private:
+  Expected<std::vector<ObjectId>> objects(const Names& names, const std::vector<Variable>& parameters, const std::string& of) const;
+  Frame frame(const ActionCall& call) const;
+  double duration(const ActionCall& call, const Frame& frame) const;
+  void renew_evaluator();
+  const State& state() const;
+  void touch() { derived_ = false; }
+
+  Task task_;
+  mutable State state_;           // derived facts are made on demand
+  mutable bool derived_ = false;
+  std::optional<Evaluator> evaluator_;
+  std::map<std::string, GoalInstance> goals_;
+  std::size_t next_fact_ = 0, next_value_ = 0;  // events of the problem that have not come yet
+};
+
+/// A copy of the problem without the objects for which `keep` is false; what names them goes, all else is renumbered.
+Problem without_objects(const Problem& problem, const std::vector<char>& keep);
+
+}  // namespace cxlab::planner

@@ -1,0 +1,168 @@
+#pragma once
+// The PDDL manager of CX: a lifecycle node that keeps PDDL instances, answers questions about them and makes plans.
+// Planning takes simulated time: a plan of u work units is answered a + b * u seconds after it was asked for. It has no
+// thread and no timer: an episode calls it in the order of docs/contracts.md 1.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/record_sink.h"
+#include "cx/base/time.h"
+#include "cx/bus/bus.h"
+#include "cx/executive/lifecycle.h"
+#include "cx/executive/log.h"
+#include "cx/executive/parameters.h"
+#include "planner/cost.h"
+#include "planner/manager/instance.h"
+#include "planner/planner.h"
+
+namespace cxlab::planner {
+
+struct PddlManagerOptions {
+  std::string node = "pddl_manager";
+  std::string name_space = "/";
+  std::vector<std::pair<std::string, std::string>> remaps;  ///< FROM := TO
+  bool autostart = true;          ///< configured and activated when it is made
+  double bond_period = 0;         ///< s between heartbeats on /bond while active; 0 = none
+  bool original = false;          ///< answers as the first PDDL manager does, errors included
+  bool anytime = false;           ///< plans are improved until the budget ends
+  PlanningCost cost;
+  cx::LogSink* log = nullptr;     ///< may be none
+  /// Told of each file that is read, before it is; may be none.
+  std::function<Status(const std::string& logical_name, const std::filesystem::path& file)> on_read;
+  /// What a relative directory of an instance means; may be none.
+  std::function<std::filesystem::path(const std::string& directory)> resolve;
+  /// Writes a problem that somebody wants to see; without it nothing is written.
+  std::function<Status(const std::filesystem::path& file, const std::string& text)> write;
+};
+
+class PddlManager {
+ public:
+  /// Joins the bus; with `autostart` it is active when this returns.
+  static Expected<std::unique_ptr<PddlManager>> create(PddlManagerOptions options, bus::Bus& bus, RecordSink& sink);
+  ~PddlManager();
+  PddlManager(const PddlManager&) = delete;
+  PddlManager& operator=(const PddlManager&) = delete;
+
+  // --- Life, as of a lifecycle node
+  cx::LifeState state() const { return lifecycle_.state(); }
+  Status change(cx::Transition transition) { return lifecycle_.change(transition); }
+
+  // --- A tick
+  /// Posts the answers whose time has come, and heartbeats.
+  Status answer_due(SimTime now);
+  /// Takes what was sent to the node and answers it; plans that were asked for are made here.
+  Status act();
+  SimTime next_due() const;
+
+  /// Plans that were found; of these, those for a goal instance that had had one before.
+  int plans() const { return plans_; }
+  int replans() const { return replans_; }
+
+ private:
+  struct Entry {
+    std::unique_ptr<Instance> instance;
+    SimTime loaded{};
+  };
+  /// A package of interfaces, and the endpoint of its planning action.
+  struct Dialect {
+    std::string package;
+    bus::EndpointId plan{};
+    const bus::ActionType* plan_type = nullptr;
+  };
+  /// A plan that was made and is told later.
+  struct Job {
+    std::size_t dialect = 0;
+    bus::GoalId goal{};
+    SimTime due{};
+    bus::GoalStatus status{};
+    bus::SharedMessage result, report;
+  };
+  using View = bus::MessageView;
+  using Handler = Status (PddlManager::*)(const View& request, const View& response);
+  struct ServiceRow;
+
+  PddlManager(PddlManagerOptions options, bus::Bus& bus, RecordSink& sink);
+
+  // Life
+  Status act_on(cx::Transition transition);
+  Status configure();
+  Status serve(const std::string& package, const ServiceRow& row);
+  void clean_up();
+  void stop_jobs(const std::string& reason);
+  void beat(bool active);
+
+  // Questions (services.cpp). The error becomes the answer.
+  Status add_pddl_instance(const View& q, const View& a);
+  Status get_action_names(const View& q, const View& a);
+  Status get_fluents(const View& q, const View& a);
+  Status get_functions(const View& q, const View& a);
+  Status get_predicates(const View& q, const View& a);
+  Status get_type_objects(const View& q, const View& a);
+  Status add_fluent(const View& q, const View& a);
+  Status add_fluents(const View& q, const View& a);
+  Status rm_fluents(const View& q, const View& a);
+  Status set_functions(const View& q, const View& a);
+  Status add_objects(const View& q, const View& a);
+  Status rm_objects(const View& q, const View& a);
+  Status set_goals(const View& q, const View& a);
+  Status clear_goals(const View& q, const View& a);
+  Status create_goal_instance(const View& q, const View& a);
+  Status set_action_filter(const View& q, const View& a);
+  Status set_fluent_filter(const View& q, const View& a);
+  Status set_object_filter(const View& q, const View& a);
+  Status check_action_condition(const View& q, const View& a);
+  Status check_action_condition_at(const View& q, const View& a);
+  Status get_action_effects(const View& q, const View& a);
+
+  Expected<Instance*> find_instance(const std::string& name);
+  Expected<std::pair<Instance*, GoalInstance*>> find_goal(const View& q);
+  Expected<std::unique_ptr<Instance>> load(const View& q);
+  Expected<std::string> read(const std::string& directory, const std::string& file);
+  Status set_fluents(const std::vector<View>& fluents, bool value, const View& a);
+  void tell_update(const std::string& instance);
+  Status check(const View& action, Instance::When when, const View& a);
+
+  // Plans (plans.cpp)
+  void on_goal(std::size_t dialect, const bus::Delivery& goal);
+  void on_cancel(std::size_t dialect, const bus::Delivery& cancel);
+  struct Outcome;
+  Outcome make_plan(const View& goal);
+  Job job_of(std::size_t dialect, const bus::GoalId& id, const View& goal, const Outcome& outcome) const;
+  void dump(const View& goal, const Task& task);
+  void finish(const Job& job);
+
+  void log(cx::LogLevel level, const std::string& text);
+
+  PddlManagerOptions options_;
+  bus::Bus& bus_;
+  RecordSink& sink_;
+  bus::ParticipantId node_{};
+  cx::Parameters parameters_;
+  cx::Lifecycle lifecycle_;
+  std::vector<bus::EndpointId> endpoints_;  // what there is from configure to cleanup
+  std::vector<Dialect> dialects_;
+  bus::EndpointId updates_{}, reports_{};
+  std::optional<bus::EndpointId> bond_;
+  const bus::MessageType *update_type_ = nullptr, *report_type_ = nullptr, *bond_type_ = nullptr;
+  std::map<std::string, Entry> instances_;
+  std::vector<Job> jobs_;                   // in the order in which they were asked for
+  SimTime bond_start_ = kNever;
+  std::int64_t beats_ = 0;
+  Status failure_;                          // ends the run
+  bool answer_ = true;                      // false: the request stays without an answer, as in the original
+  int plans_ = 0, replans_ = 0;
+  std::set<std::pair<std::string, std::string>> planned_;  // instances with their goals
+  RecordData data_;
+};
+
+}  // namespace cxlab::planner

@@ -1,0 +1,175 @@
+// Goals of the PDDL manager: plans, and when they are told.
+
+#include <algorithm>
+
+#include "planner/manager/manager.h"
+#include "planner/pddl/text.h"
+
+namespace cxlab::planner {
+
+namespace {
+
+using View = bus::MessageView;
+
+/// Starts that are not further apart than this belong to one class, s.
+constexpr double kSameClass = 0.1;
+
+double seconds_of(Micros time) { return static_cast<double>(time) / kMicrosPerSecond; }
+
+}  // namespace
+
+/// What planning came to.
+struct PddlManager::Outcome {
+  std::string status;  ///< of PlanReport
+  std::string reason;
+  std::optional<Task> task;      ///< whose actions and objects the plan counts
+  PlanAnswer answer;
+  bus::GoalStatus ends = bus::GoalStatus::kAborted;
+};
+
+PddlManager::Outcome PddlManager::make_plan(const View& goal) {
+  auto found = find_goal(goal);
+  if (!found) return {"ERROR", found.error().message, {}, {}, bus::GoalStatus::kAborted};
+  const auto& [instance, wanted] = *found;
+  if (options_.original && !wanted->objects.empty())
+    return {"ERROR", "as in the original, an object filter breaks planning", {}, {}, bus::GoalStatus::kAborted};
+  const SimTime loaded = instances_.at(goal.text("pddl_instance")).loaded;
+  auto task = instance->planning_task(*wanted, options_.original ? 0 : to_seconds(bus_.now() - loaded));
+  if (!task) return {"ERROR", task.error().message, {}, {}, bus::GoalStatus::kAborted};
+  if (goal.type().find("output_dir")) dump(goal, *task);
+  PlanOptions how;
+  how.budget = options_.cost.budget;
+  how.anytime = options_.anytime;
+  auto answer = find_plan(*task, how);
+  if (!answer) return {"MEMORY", answer.error().message, {}, {}, bus::GoalStatus::kAborted};
+  Outcome outcome{"PLAN", answer->reason, *std::move(task), *std::move(answer), bus::GoalStatus::kSucceeded};
+  if (outcome.answer.plan) return outcome;
+  switch (outcome.answer.status) {
+    case PlanStatus::kUnsolvable: outcome.status = "UNSOLVABLE"; break;
+    case PlanStatus::kBudget:
+      outcome.status = "TIMEOUT";
+      outcome.ends = bus::GoalStatus::kAborted;
+      break;
+    case PlanStatus::kMemory:
+      outcome.status = "MEMORY";
+      outcome.ends = bus::GoalStatus::kAborted;
+      break;
+    default: outcome.status = "NO-PLAN"; break;
+  }
+  if (options_.original) outcome.ends = bus::GoalStatus::kSucceeded;
+  return outcome;
+}
+
+void PddlManager::dump(const View& goal, const Task& task) {
+  const std::string& directory = goal.text("output_dir");
+  if (directory.empty() || !options_.write) return;
+  const std::string stem = goal.text("pddl_instance") + "_" + goal.text("goal_instance");
+  const std::filesystem::path folder = directory;
+  for (const auto& [name, text] : {std::pair(stem + "_domain.pddl", to_pddl(task.domain)), std::pair(stem + "_problem.pddl", to_pddl(task.domain, task.problem))})
+    if (Status s = options_.write(folder / name, text); !s) log(cx::LogLevel::kError, s.error().text());
+}
+
+PddlManager::Job PddlManager::job_of(std::size_t dialect, const bus::GoalId& id, const View& goal, const Outcome& outcome) const {
+  Job job{dialect, id, {}, outcome.ends, {}, {}};
+  const std::string &instance = goal.text("pddl_instance"), &goal_instance = goal.text("goal_instance");
+  auto result = std::make_shared<bus::Message>(*dialects_[dialect].plan_type->result);
+  auto report = std::make_shared<bus::Message>(*report_type_);
+  const View told = report->view();
+  told.set("goal_id", bus::to_string(id)).set("pddl_instance", instance).set("goal_instance", goal_instance);
+  told.set("status", outcome.status).set("reason", outcome.reason).set("units", outcome.answer.units).set("lower_bound", outcome.answer.lower_bound_s);
+  result->view().set("success", outcome.answer.plan.has_value());
+  if (outcome.answer.plan) {
+    const TimedPlan& plan = *outcome.answer.plan;
+    std::int64_t equiv_class = 0;
+    double class_start = 0;
+    for (const PlanStep& step : plan.steps) {
+      if (step.start > class_start + kSameClass) {
+        ++equiv_class;
+        class_start = step.start;
+      }
+      const View out = result->view().append("actions");
+      out.set("pddl_instance", instance).set("goal_instance", goal_instance);
+      out.set("name", outcome.task->domain.actions[static_cast<std::size_t>(step.action)].name);
+      for (const ObjectId object : step.arguments) out.append_text("args", outcome.task->problem.objects[static_cast<std::size_t>(object)].name);
+      out.set("start_time", step.start).set("duration", step.duration).set("equiv_class", equiv_class);
+    }
+    told.set("makespan", plan.makespan_s);
+    const bus::Field& latest = *told.type().find("latest_start");
+    if (told.resize(latest, plan.steps.size()))
+      for (std::size_t i = 0; i < plan.steps.size() && 2 * i < plan.latest.size(); ++i) told.set_real(latest, seconds_of(plan.latest[2 * i]), i);
+    for (const Ordering& ordering : plan.orderings) {
+      const View out = told.append("orderings");
+      const bool origin = ordering.from == Ordering::kOrigin;
+      out.set("from_action", origin ? -1 : ordering.from / 2).set("from_end", !origin && ordering.from % 2 == 1);
+      out.set("to_action", ordering.to / 2).set("to_end", ordering.to % 2 == 1);
+      out.set("at_least", seconds_of(ordering.least)).set("at_most", ordering.most == DurationRange::kForever ? -1.0 : seconds_of(ordering.most));
+    }
+  }
+  const double wait = options_.cost.latency_a + options_.cost.latency_b * static_cast<double>(outcome.answer.units);
+  job.due = bus_.now() + (options_.cost.charge ? from_seconds(wait) : SimTime{});
+  job.result = std::move(result);
+  job.report = std::move(report);
+  return job;
+}
+
+void PddlManager::on_goal(std::size_t dialect, const bus::Delivery& goal) {
+  const bus::EndpointId server = dialects_[dialect].plan;
+  if (state() != cx::LifeState::kActive) {
+    log(cx::LogLevel::kWarn, "a goal was rejected: the node is " + std::string(cx::to_string(state())));
+    bus_.answer_goal(server, goal.goal, bus::GoalAnswer::kReject);
+    return;
+  }
+  bus_.answer_goal(server, goal.goal, bus::GoalAnswer::kAccept);
+  const View wanted = goal.message->view();
+  Job job = job_of(dialect, goal.goal, wanted, make_plan(wanted));
+  if (options_.cost.charge && job.due > bus_.now()) jobs_.push_back(std::move(job));
+  else finish(job);
+}
+
+void PddlManager::finish(const Job& job) {
+  const View told = job.report->view();
+  const bool found = told.text("status") == "PLAN";
+  if (found) {
+    ++plans_;
+    if (!planned_.emplace(told.text("pddl_instance"), told.text("goal_instance")).second) ++replans_;
+  }
+  data_.begin().field("op", "plan").field("instance", std::string_view(told.text("pddl_instance"))).field("goal", std::string_view(told.text("goal_instance")));
+  data_.field("status", std::string_view(told.text("status"))).field("units", told.integer("units")).field("makespan", told.real("makespan"));
+  sink_.write(bus_.stream_of(node_), bus_.now(), RecordKind::kDecision, data_);
+  const std::string whose = "plan for '" + told.text("goal_instance") + "' of '" + told.text("pddl_instance") + "': ";
+  if (found) log(cx::LogLevel::kInfo, whose + number_text(told.real("makespan")) + " s");
+  else log(cx::LogLevel::kWarn, whose + told.text("status") + ", " + told.text("reason"));
+  bus_.publish(reports_, job.report);
+  bus_.finish(dialects_[job.dialect].plan, job.goal, job.status, job.result);
+}
+
+void PddlManager::on_cancel(std::size_t dialect, const bus::Delivery& cancel) {
+  const bus::EndpointId server = dialects_[dialect].plan;
+  const auto job = std::find_if(jobs_.begin(), jobs_.end(), [&](const Job& j) { return j.dialect == dialect && j.goal == cancel.goal; });
+  const bool accept = !options_.original && job != jobs_.end();
+  bus_.answer_cancel(server, cancel, accept);
+  if (!accept) return;
+  Job canceled = std::move(*job);
+  jobs_.erase(job);
+  auto report = std::make_shared<bus::Message>(*report_type_);
+  for (const char* field : {"goal_id", "pddl_instance", "goal_instance"}) report->view().set(field, canceled.report->view().text(field));
+  report->view().set("status", "CANCELED").set("reason", "the goal was canceled");
+  canceled.report = std::move(report);
+  canceled.result = std::make_shared<bus::Message>(*dialects_[dialect].plan_type->result);
+  canceled.status = bus::GoalStatus::kCanceled;
+  finish(canceled);
+}
+
+void PddlManager::stop_jobs(const std::string& reason) {
+  for (Job& job : std::exchange(jobs_, {})) {
+    auto report = std::make_shared<bus::Message>(*report_type_);
+    for (const char* field : {"goal_id", "pddl_instance", "goal_instance"}) report->view().set(field, job.report->view().text(field));
+    report->view().set("status", "ERROR").set("reason", reason);
+    job.report = std::move(report);
+    job.result = std::make_shared<bus::Message>(*dialects_[job.dialect].plan_type->result);
+    job.status = bus::GoalStatus::kAborted;
+    finish(job);
+  }
+}
+
+}  // namespace cxlab::planner

@@ -1,0 +1,209 @@
+#include "fixture.h"
+
+namespace cxlab::planner {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr const char* kTower = "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [a, b]}]}";
+constexpr const char* kReport = "cxlab_pddl_interfaces/msg/PlanReport";
+
+PddlManagerOptions at_cost(double a, double b) {
+  PddlManagerOptions options;
+  options.cost.latency_a = a;
+  options.cost.latency_b = b;
+  return options;
+}
+
+TEST_F(ManagerTest, APlanIsAnsweredAfterItsSimulatedTime) {
+  start(at_cost(1.5, 0));
+  load_blocks();
+  tell("set_goals", "SetGoals", kTower);
+  const auto heard = listen("/pddl_manager/plan_report", kReport);
+  const double asked = to_seconds(now_);
+  const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
+  ticks(100);
+  EXPECT_NEAR(answer->time, asked + 1.5, 0.05);
+  EXPECT_EQ(answer->status, bus::GoalStatus::kSucceeded);
+  EXPECT_TRUE(answer->success);
+  EXPECT_THAT(answer->actions, ElementsAre("unstack(c a) @0.00+3 class 0", HasSubstr("put-down(c) @3.00+2 class 1"), HasSubstr("pick-up(a) @5.00+2 class 2"),
+                                           HasSubstr("stack(a b) @7.00+3 class 3")));
+  ASSERT_EQ(heard->size(), 1u);
+  EXPECT_THAT(heard->front(), HasSubstr("status: \"PLAN\""));
+  EXPECT_EQ(manager_->plans(), 1);
+}
+
+TEST_F(ManagerTest, WhatIsNotChargedIsAnsweredAtOnce) {
+  PddlManagerOptions options = at_cost(1.5, 1);
+  options.cost.charge = false;
+  start(std::move(options));
+  load_blocks();
+  tell("set_goals", "SetGoals", kTower);
+  const double asked = to_seconds(now_);
+  const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
+  ticks(2);
+  EXPECT_NEAR(answer->time, asked + 0.04, 0.001);
+  EXPECT_TRUE(answer->success);
+}
+
+TEST_F(ManagerTest, GoalsArePlannedForSideBySideInSimulatedTime) {
+  start(at_cost(1, 0));
+  load_blocks();
+  for (const char* goal : {"g1", "g2"}) tell("create_goal_instance", "CreateGoalInstance", std::string("{pddl_instance: bw, goal_instance: ") + goal + "}");
+  tell("set_goals", "SetGoals", "{goal_instance: g1, fluents: [{pddl_instance: bw, name: on, args: [b, c]}]}");
+  tell("set_goals", "SetGoals", "{goal_instance: g2, fluents: [{pddl_instance: bw, name: holding, args: [c]}]}");
+  const double asked = to_seconds(now_);
+  const auto first = plan("{pddl_instance: bw, goal_instance: g1}"), second = plan("{pddl_instance: bw, goal_instance: g2}", "expertino_msgs");
+  ticks(60);
+  EXPECT_NEAR(first->time, asked + 1, 0.05);
+  EXPECT_NEAR(second->time, asked + 1, 0.05);
+  EXPECT_EQ(first->actions.size(), 2u);
+  EXPECT_THAT(second->actions, ElementsAre("unstack(c a) @0.00+3 class 0"));
+}
+
+TEST_F(ManagerTest, FiltersSayWhatThePlannerSees) {
+  start(at_cost(0, 0));
+  load_blocks();
+  tell("set_goals", "SetGoals", kTower);
+  const auto answer_with = [&](const std::string& service, const std::string& type, const std::string& list) {
+    tell(service, type, "{pddl_instance: bw, goal_instance: base, " + list + "}");
+    const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
+    ticks(3);
+    return answer->success ? std::to_string(answer->actions.size()) + " actions" : std::string("none");
+  };
+  EXPECT_EQ(answer_with("set_action_filter", "SetActionFilter", "actions: [pick-up, stack]"), "none");
+  EXPECT_EQ(answer_with("set_action_filter", "SetActionFilter", "actions: []"), "4 actions");
+  EXPECT_EQ(answer_with("set_object_filter", "SetObjectFilter", "objects: [a, b]"), "none");  // nobody can take c from a
+  EXPECT_EQ(answer_with("set_object_filter", "SetObjectFilter", "objects: [a, b, c]"), "4 actions");
+  EXPECT_EQ(answer_with("set_fluent_filter", "SetFluentFilter", "fluents: [on, ontable, clear]"), "none");  // no hand is empty
+  EXPECT_EQ(answer_with("set_fluent_filter", "SetFluentFilter", "fluents: []"), "4 actions");
+}
+
+TEST_F(ManagerTest, NoPlanTimeoutAndCancelAreToldApart) {
+  PddlManagerOptions options = at_cost(1, 0);
+  options.cost.budget = 40;
+  start(std::move(options));
+  load_blocks();
+  const auto heard = listen("/pddl_manager/plan_report", kReport);
+  const auto ended = [&](const std::string& goal) {
+    heard->clear();
+    const auto answer = plan(goal);
+    ticks(100);
+    EXPECT_FALSE(answer->success);
+    return answer->status;
+  };
+  tell("set_goals", "SetGoals", kTower);
+  EXPECT_EQ(ended("{pddl_instance: bw, goal_instance: base}"), bus::GoalStatus::kAborted);
+  EXPECT_THAT(*heard, ElementsAre(HasSubstr("status: \"TIMEOUT\"")));
+  EXPECT_EQ(ended("{pddl_instance: bw, goal_instance: nope}"), bus::GoalStatus::kAborted);
+  EXPECT_THAT(*heard, ElementsAre(HasSubstr("has no goal instance 'nope'")));
+  tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, a]}, {pddl_instance: bw, name: holding, args: [b]}]}");
+
+  manager_.reset();
+  start(at_cost(1, 0));
+  load_blocks();
+  tell("set_goals", "SetGoals", kTower);
+  tell("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [put-down]}");
+  EXPECT_EQ(ended("{pddl_instance: bw, goal_instance: base}"), bus::GoalStatus::kSucceeded);
+  EXPECT_THAT(*heard, ElementsAre(HasSubstr("status: \"UNSOLVABLE\"")));
+
+  heard->clear();
+  const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
+  ticks(10);
+  bus_.cancel_goal(last_client_, last_goal_);
+  ticks(3);
+  EXPECT_EQ(answer->status, bus::GoalStatus::kCanceled);
+  EXPECT_THAT(*heard, ElementsAre(HasSubstr("status: \"CANCELED\"")));
+  ticks(100);
+  EXPECT_EQ(heard->size(), 1u);
+}
+
+TEST_F(ManagerTest, TheOriginalRejectsToCancelAndSaysNoPlanWithSuccess) {
+  PddlManagerOptions options = at_cost(1, 0);
+  options.original = true;
+  start(std::move(options));
+  load_blocks();
+  tell("set_goals", "SetGoals", kTower);
+  tell("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [put-down]}");
+  const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
+  ticks(10);
+  bus_.cancel_goal(last_client_, last_goal_);
+  ticks(100);
+  EXPECT_EQ(answer->status, bus::GoalStatus::kSucceeded);
+  EXPECT_FALSE(answer->success);
+}
+
+TEST_F(ManagerTest, TheProblemIsWrittenWhereSomebodyAsksForIt) {
+  PddlManagerOptions options = at_cost(0, 0);
+  std::map<std::string, std::string> written;
+  options.write = [&](const std::filesystem::path& file, const std::string& text) {
+    written[file.string()] = text;
+    return Status();
+  };
+  start(std::move(options));
+  load_blocks();
+  tell("set_goals", "SetGoals", kTower);
+  (void)plan("{pddl_instance: bw, goal_instance: base, output_dir: /out}");
+  ticks(3);
+  EXPECT_THAT(written["/out/bw_base_domain.pddl"], HasSubstr("(:durative-action pick-up"));
+  EXPECT_THAT(written["/out/bw_base_problem.pddl"], HasSubstr("(:goal (and (on a b)))"));
+}
+
+TEST_F(ManagerTest, ANodeHasALifeAndABond) {
+  PddlManagerOptions options;
+  options.autostart = false;
+  options.bond_period = 0.5;
+  start(std::move(options));
+  const auto beats = listen("/bond", "bond/msg/Status");
+  const auto change = [&](const std::string& label) {
+    const bus::Message answer = ask("change_state", "ChangeState", "{transition: {label: " + label + "}}", "lifecycle_msgs");
+    return answer->integer("success") != 0;
+  };
+  EXPECT_FALSE(change("activate"));
+  EXPECT_TRUE(change("configure"));
+  EXPECT_TRUE(change("activate"));
+  load_blocks();
+  ticks(100);
+  EXPECT_GE(beats->size(), 4u);
+  tell("set_goals", "SetGoals", kTower);
+  EXPECT_TRUE(change("deactivate"));
+  EXPECT_THAT(beats->back(), HasSubstr("active: false"));
+  EXPECT_TRUE(change("cleanup"));
+  EXPECT_EQ(manager_->state(), cx::LifeState::kUnconfigured);
+}
+
+TEST_F(ManagerTest, TwoRunsAreTheSameToTheLastByte) {
+  const auto run = [&] {
+    QuietSink sink;
+    bus::Bus bus(registry_, sink);
+    auto manager = PddlManager::create(at_cost(0.1, 1e-6), bus, sink);
+    EXPECT_TRUE(manager.ok());
+    const auto agent = bus.join(bus::ParticipantKind::kEnvironment, {"agent", "/", {}}, sink.open_stream("agent"));
+    const auto call = [&](const std::string& name, const std::string& type, const std::string& request) {
+      const bus::ServiceType& service = **registry_.service("cx_pddl_interfaces/srv/" + type);
+      auto made = bus.create_client(agent, "/pddl_manager/" + name, service, nullptr);
+      bus.call(*made, std::make_shared<bus::Message>(*bus::Message::from_yaml(*service.request, request)));
+    };
+    call("add_pddl_instance", "AddPddlInstance", "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}");
+    call("set_goals", "SetGoals", kTower);
+    const bus::ActionType& type = **registry_.action("cx_pddl_interfaces/action/PlanTemporal");
+    auto made = bus.create_action_client(agent, "/pddl_manager/temp_plan", type, {});
+    bus.send_goal(*made, std::make_shared<bus::Message>(*bus::Message::from_yaml(*type.goal, "{pddl_instance: bw, goal_instance: base}")));
+    for (int i = 1; i < 50; ++i) {
+      bus.begin_tick(SimTime{i * 20'000'000});
+      EXPECT_TRUE((*manager)->answer_due(bus.now()).ok());
+      bus.deliver(agent);
+      EXPECT_TRUE((*manager)->act().ok());
+    }
+    return sink.all;
+  };
+  const std::string first = run();
+  EXPECT_THAT(first, HasSubstr("unstack"));
+  EXPECT_EQ(first, run());
+}
+
+}  // namespace
+}  // namespace cxlab::planner
