@@ -1,5 +1,6 @@
 // cxlab rerun: plays a run again from its manifest, and compares the hashes.
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -41,13 +42,54 @@ Status still_there(const RecordedRun& run, const Scenario& scenario) {
   return {};
 }
 
+/// Whether the run read files of no package: those are not laid out below a folder that it could be played from.
+bool read_outside(const StoredFiles& files) {
+  const auto names = files.names();
+  return std::any_of(names.begin(), names.end(), [](const std::string& name) { return name.starts_with("agents/") && name.find("/outside/") != name.npos; });
+}
+
+/// Lets the scenario play from the run's copies, laid out below `root`: each agent's configuration, and its packages with
+/// what was read of them and their definitions.
+Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const std::filesystem::path& root, Scenario& scenario) {
+  namespace fs = std::filesystem;
+  if (run.shares.size() != scenario.agents.size()) return input_error("the run's manifest has another number of agents", run.folder.string());
+  if (Status s = files.materialise(root); !s) return s;
+  scenario.packages.clear();
+  std::error_code error;
+  for (std::size_t i = 0; i < scenario.agents.size(); ++i) {
+    AgentSpec& agent = scenario.agents[i];
+    const fs::path copies = root / "agents" / std::to_string(i);
+    agent.config = (copies / "config" / scenario.resolve(agent.config).filename()).string();
+    agent.packages.clear();
+    for (const auto& [name, share] : run.shares[i]) {
+      const fs::path folder = copies / "packages" / name;
+      fs::create_directories(folder, error);
+      if (const fs::path definitions = root / "interfaces" / name; !error && fs::is_directory(definitions))
+        fs::copy(definitions, folder, fs::copy_options::recursive | fs::copy_options::skip_existing, error);
+      if (error) return Error{ErrorKind::kResource, error.message(), folder.string(), 0, {}};
+      agent.packages[name] = folder.string();
+    }
+  }
+  return {};
+}
+
 int rerun(const Options& options) {
   auto run = RecordedRun::open(options.run);
   if (!run) return fail(run.error());
   if (!run->finished) return fail(input_error("the run was cut off before its end: there is nothing to compare with", options.run));
   auto scenario = run->scenario();
   if (!scenario) return fail(scenario.error());
-  if (Status s = still_there(*run, *scenario); !s) return fail(s.error());
+  std::unique_ptr<ScratchFolder> copies;
+  if (Status there = still_there(*run, *scenario); !there) {
+    auto files = StoredFiles::open(run->folder);
+    if (!files) return fail(files.error());
+    if (read_outside(*files)) return fail(there.error());
+    auto scratch = ScratchFolder::create();
+    if (!scratch) return fail(scratch.error());
+    copies = *std::move(scratch);
+    if (Status s = play_from_copies(*run, *files, copies->path(), *scenario); !s) return fail(s.error());
+    std::fprintf(stderr, "note: files of the scenario have gone; all are taken from the run's own copies: %s\n", run->folder.c_str());
+  }
   RunOptions play = run->options;
   play.out = options.out;
   play.quiet = options.quiet;

@@ -290,9 +290,27 @@ clips_manager:
         rule = next(line.split()[1] for file in rules for line in file.read_text().splitlines() if line.startswith("(defrule "))
         self.assertGreater(self.answer("why-not", game, rule)["at_s"], 40)
 
-    def test_a_rerun_without_its_files_says_what_is_missing(self):
-        config = self.package("(defrule a => (assert (one)))")
+    def test_a_rerun_without_its_files_plays_the_runs_copies(self):
+        config = self.package('(defrule a => (assert (one) (share (ament-index-get-package-share-directory "mine"))))')
         self.cxlab("env", config, "--until", 1, "--quiet", "--out", self.folder / "run")
+        shutil.rmtree(config.parent.parent)
+        for number in range(2):   # the rerun of a rerun too
+            done = self.cxlab("rerun", self.folder / "run", "--quiet", "--out", self.folder / f"again{number}")
+            self.assertIn("the same: ", done.stdout)
+            self.assertIn("the run's own copies", done.stderr)
+
+    def test_a_game_whose_agent_has_gone_is_rerun(self):
+        agent = self.folder / "rcll/agent"
+        shutil.copytree(SOURCE / "scenarios/rcll/agent", agent)
+        shutil.copy(GAME, agent.parent / "game.yaml")
+        self.cxlab("run", agent.parent / "game.yaml", "--tier", "timed", "--until", 60, "--quiet", "--out", self.folder / "run")
+        shutil.rmtree(agent.parent)
+        self.assertTrue(self.answer("rerun", self.folder / "run", "--quiet", "--out", self.folder / "again")["same"])
+
+    def test_a_rerun_without_files_of_no_package_says_what_is_missing(self):
+        (self.folder / "elsewhere.clp").write_text("(deffacts e (there))")
+        config = self.package(f'(defrule a => (load* "{self.folder}/elsewhere.clp"))')
+        self.cxlab("env", config, "--until", 1, "--trust-rules", "--quiet", "--out", self.folder / "run")
         shutil.rmtree(config.parent.parent)
         error = self.cxlab("rerun", self.folder / "run", expect=3).stderr
         self.assertIn("the configuration is not there any more: ", error)
