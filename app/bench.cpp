@@ -15,6 +15,7 @@
 
 #include "app/command.h"
 #include "cx/yaml/yaml.h"
+#include "scenarios/scenario.h"
 
 namespace cxlab::app {
 
@@ -243,9 +244,25 @@ ordered_json summary_of(const std::vector<Episode>& episodes, const Suite& suite
   return out;
 }
 
+/// Reads every scenario with every strategy, so that a misspelt override does not cost a night of failed episodes.
+Status check_scenarios(const Suite& suite) {
+  for (const fs::path& scenario : suite.scenarios)
+    for (const auto& [strategy, overrides] : suite.strategies) {
+      std::vector<std::string> all = overrides;
+      if (!suite.tier.empty()) all.push_back("tier=" + suite.tier);
+      auto read = Scenario::load(scenario, all);
+      if (read) continue;
+      Error error = read.error();
+      error.message = "strategy '" + strategy + "': " + error.message;
+      return error;
+    }
+  return {};
+}
+
 int bench(const BenchOptions& options) {
   auto suite = read_suite(options.suite);
   if (!suite) return fail(suite.error());
+  if (Status s = check_scenarios(*suite); !s) return fail(s.error());
   const fs::path folder = options.out.empty() ? fs::path("runs") / ("bench-" + fs::path(options.suite).stem().string()) : fs::path(options.out);
   std::error_code error;
   fs::create_directories(folder / "rows", error);

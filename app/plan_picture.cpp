@@ -1,6 +1,7 @@
 #include "app/plan_picture.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace cxlab::app {
@@ -26,6 +27,14 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+/// The least of ... 1, 2, 5, 10, 20, 50 ... that is not below `least`.
+double round_step(double least) {
+  const double unit = std::pow(10, std::floor(std::log10(std::max(least, 1e-3))));
+  for (const double factor : {1.0, 2.0, 5.0})
+    if (factor * unit >= least) return factor * unit;
+  return 10 * unit;
+}
+
 }  // namespace
 
 std::string plan_picture(const planner::TimedPlan& plan, const planner::Task& task) {
@@ -38,8 +47,9 @@ std::string plan_picture(const planner::TimedPlan& plan, const planner::Task& ta
                     "<defs><marker id=\"tip\" markerWidth=\"6\" markerHeight=\"6\" refX=\"5\" refY=\"3\" orient=\"auto\">"
                     "<path d=\"M0,0 L6,3 L0,6 z\" fill=\"#999\"/></marker></defs>\n"
                     "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
-  for (int tick = 0; tick <= 10; ++tick) {
-    const double seconds = plan.makespan_s * tick / 10;
+  const double step_s = round_step(plan.makespan_s / 10);
+  for (int tick = 0; tick * step_s <= plan.makespan_s; ++tick) {
+    const double seconds = tick * step_s;
     svg += "<line x1=\"" + x(seconds) + "\" y1=\"" + std::to_string(kTop - 8) + "\" x2=\"" + x(seconds) + "\" y2=\"" + std::to_string(height - 20) +
            "\" stroke=\"#eee\"/><text x=\"" + x(seconds) + "\" y=\"16\" text-anchor=\"middle\">" + number(seconds) + " s</text>\n";
   }

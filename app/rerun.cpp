@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/command.h"
@@ -25,6 +26,24 @@ std::vector<std::string> differences(const RecordedRun& then, const Result& now)
   for (const auto& [stream, hash] : hashes)
     if (!then.stream_hashes.contains(stream)) out.push_back(stream);
   if (then.physics_hash.value_or("") != now.physics_hash) out.push_back("physics");
+  return out;
+}
+
+/// Files that the two runs read with another content, or that only one of them read; a build with other rules of its own
+/// explains a difference no less than a changed scenario.
+std::vector<std::string> changed_files(const std::filesystem::path& then, const std::filesystem::path& now) {
+  const auto index = [](const std::filesystem::path& run) {
+    std::ifstream in(run / "files/index.json");
+    const nlohmann::json read = nlohmann::json::parse(in, nullptr, /*allow_exceptions=*/false);
+    const bool usable = read.is_object() && read.contains("files") && read["files"].is_object();
+    return usable ? read["files"] : nlohmann::json::object();
+  };
+  const nlohmann::json before = index(then), after = index(now);
+  std::vector<std::string> out;
+  for (const auto& [name, hash] : before.items())
+    if (!after.contains(name) || after[name] != hash) out.push_back(name);
+  for (const auto& [name, hash] : after.items())
+    if (!before.contains(name)) out.push_back(name);
   return out;
 }
 
@@ -99,8 +118,9 @@ int rerun(const Options& options) {
   if (const int number = signal_that_came()) return 128 + number;
   if (played.result.stream_hashes.empty()) return played.exit_code;
   const std::vector<std::string> differ = differences(*run, played.result);
+  const std::vector<std::string> changed = changed_files(run->folder, played.folder);
   if (options.json) {
-    const nlohmann::ordered_json out{{"same", differ.empty()}, {"run", options.run}, {"again", played.folder.string()}, {"differ", differ}};
+    const nlohmann::ordered_json out{{"same", differ.empty()}, {"run", options.run}, {"again", played.folder.string()}, {"differ", differ}, {"changed_files", changed}};
     std::printf("%s\n", out.dump(2).c_str());
   } else if (differ.empty()) {
     std::printf("the same: %zu streams%s; %s\n", run->stream_hashes.size(), run->physics_hash ? " and the physics" : "", played.folder.c_str());
@@ -108,6 +128,7 @@ int rerun(const Options& options) {
     std::string list;
     for (const std::string& name : differ) list += (list.empty() ? "" : ", ") + name;
     std::printf("different: %s; %s\n", list.c_str(), played.folder.c_str());
+    for (const std::string& name : changed) std::printf("  not the file of then: %s\n", name.c_str());
   }
   return differ.empty() ? 0 : static_cast<int>(ErrorKind::kNo);
 }

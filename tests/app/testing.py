@@ -66,7 +66,7 @@ class Testing(unittest.TestCase):
 
     def test_bench_compares_and_goes_on(self):
         (self.folder / "empty.yaml").write_text("schema: 1\nduration_s: 1\n")
-        (self.folder / "suite.yaml").write_text('scenarios: [empty.yaml]\nseeds: "1..2"\nstrategies: {plain: [], long: [duration_s=2], broken: [duration=3]}\n')
+        (self.folder / "suite.yaml").write_text('scenarios: [empty.yaml]\nseeds: "1..2"\nstrategies: {plain: [], long: [duration_s=2], broken: ["agents=[{config: none.yaml}]"]}\n')
         first = cxlab("bench", "suite.yaml", "-j", 2, "--out", "o", cwd=self.folder)
         self.assertEqual(first.returncode, 1, first.stderr)
         with open(self.folder / "o/rows.csv") as rows:
@@ -76,6 +76,14 @@ class Testing(unittest.TestCase):
         again = cxlab("bench", "suite.yaml", "--out", "o", "--json", cwd=self.folder)
         self.assertEqual(len(again.stderr.splitlines()), 1, again.stderr)
         self.assertEqual([s["points"]["n"] for s in json.loads(again.stdout)], [2, 2, 0])
+
+    def test_bench_reads_all_overrides_first(self):
+        (self.folder / "empty.yaml").write_text("schema: 1\nduration_s: 1\n")
+        (self.folder / "suite.yaml").write_text("scenarios: [empty.yaml]\nseeds: [1]\nstrategies: {plain: [], broken: [duration=3]}\n")
+        done = cxlab("bench", "suite.yaml", "--out", "o", cwd=self.folder)
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("strategy 'broken': --set duration=3: unknown key 'duration', did you mean 'duration_s'?", done.stderr)
+        self.assertFalse((self.folder / "o").exists())
 
     def test_a_new_agent_runs_at_once(self):
         self.assertEqual(cxlab("new", "agent", "mine", cwd=self.folder).returncode, 0)

@@ -215,7 +215,9 @@ clips_manager:
         config = self.package("(defrule a => (assert (one)))")
         self.cxlab("env", config, "--until", 1, "--quiet", "--out", self.folder / "run")
         (config.parent.parent / "mine.clp").write_text("(defrule a => (assert (two)))")
-        self.assertEqual(self.answer("rerun", self.folder / "run", "--quiet", "--out", self.folder / "again", expect=1)["differ"], ["env/main"])
+        again = self.answer("rerun", self.folder / "run", "--quiet", "--out", self.folder / "again", expect=1)
+        self.assertEqual(again["differ"], ["env/main"])
+        self.assertEqual([name.rsplit("/", 1)[1] for name in again["changed_files"]], ["mine.clp"])
 
     # --- why-not
 
