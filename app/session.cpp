@@ -184,6 +184,7 @@ Played play_scenario(const RunOptions& options, Scenario scenario) {
   auto installed = packages_below(prefixes);
   if (!installed) return failed(installed.error());
   run.scenario.packages.insert(installed->begin(), installed->end());
+  run.scenario.packages.merge(own_packages());
   const auto level = parse_journal_level(options.journal);
   if (!level) return failed(Error{ErrorKind::kUsage, "--journal: " + level.error().message, {}, 0, {}});
   auto snapshots = snapshot_times(options.snapshot, end_of(run));

@@ -38,13 +38,13 @@ bool is_package(const fs::path& folder) {
 
 Share find_share() {
   const auto in = [](const fs::path& share, const fs::path& prefix) {
-    return Share{share / "interfaces", share / "models", share / "scenarios", share / "docs", prefix};
+    return Share{share / "interfaces", share / "models", share / "packages", share / "scenarios", share / "docs", prefix};
   };
   const fs::path prefix = installed_prefix();
   if (const char* named = std::getenv("CXLAB_SHARE")) return in(named, prefix);
   if (!prefix.empty()) return in(prefix / "share/cxlab", prefix);
   const fs::path source = CXLAB_SOURCE_DIR;
-  return Share{source / "cx/interfaces", source / "models", source / "scenarios", source / "docs", {}};
+  return Share{source / "cx/interfaces", source / "models", source / "cx/packages", source / "scenarios", source / "docs", {}};
 }
 
 Expected<std::map<std::string, std::string>> packages_below(const std::vector<std::string>& prefixes) {
@@ -56,6 +56,14 @@ Expected<std::map<std::string, std::string>> packages_below(const std::vector<st
       if (is_package(entry.path())) packages.emplace(entry.path().filename().string(), entry.path().string());
     if (error) return input_error("prefix " + prefix + ": cannot read its folder share: " + error.message());
   }
+  return packages;
+}
+
+std::map<std::string, std::string> own_packages() {
+  std::map<std::string, std::string> packages;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(find_share().packages, ignored))
+    if (is_package(entry.path())) packages.emplace(entry.path().filename().string(), fs::absolute(entry.path()).lexically_normal().string());
   return packages;
 }
 

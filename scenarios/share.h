@@ -13,6 +13,7 @@ namespace cxlab {
 struct Share {
   std::filesystem::path interfaces;  ///< packages of interface definitions
   std::filesystem::path models;      ///< MJCF
+  std::filesystem::path packages;    ///< share folders of packages of rules
   std::filesystem::path scenarios;
   std::filesystem::path docs;
   std::filesystem::path prefix;      ///< that cxlab is installed below; empty in a source tree
@@ -25,6 +26,9 @@ Share find_share();
 /// The packages below <prefix>/share, by name: folders with a package.xml, a manifest of plugins, or interface
 /// definitions. The first prefix that has a package wins. A prefix that is not there is an error.
 Expected<std::map<std::string, std::string>> packages_below(const std::vector<std::string>& prefixes);
+
+/// Those that come with cxlab: folders of `Share::packages`, by name.
+std::map<std::string, std::string> own_packages();
 
 /// The prefixes that are looked through without being named: those in $CXLAB_PREFIX_PATH (separated by ':'), then the one
 /// that cxlab is installed below.

@@ -1,0 +1,589 @@
+; Rules that talk to the PDDL manager. Needs the templates of deftemplates.clp and the plugins cx::RosMsgsPlugin and
+; cx::CXCxPddlInterfacesPlanTemporalPlugin. An instance is asked one thing at a time: its slot busy-with says which.
+; A request that finds no manager stays PENDING and is sent again at the next tick.
+
+(defglobal
+  ?*PDDL-SALIENCE-INSTANCES* = -5100
+  ?*PDDL-SALIENCE-ACTION-NAMES* = -5300
+  ?*PDDL-SALIENCE-OBJECTS* = -5400
+  ?*PDDL-SALIENCE-FLUENTS* = -5500
+  ?*PDDL-SALIENCE-EFFECTS* = -5600
+  ?*PDDL-SALIENCE-CLEAR-GOALS* = -5700
+  ?*PDDL-SALIENCE-CREATE-GOAL* = -5800
+  ?*PDDL-SALIENCE-ACTION-FILTER* = -5900
+  ?*PDDL-SALIENCE-FLUENT-FILTER* = -6000
+  ?*PDDL-SALIENCE-OBJECT-FILTER* = -6100
+  ?*PDDL-SALIENCE-SET-GOALS* = -6200
+  ?*PDDL-SALIENCE-PLAN* = -6300
+  ?*PDDL-SALIENCE-CONDITIONS* = -6400
+  ?*PDDL-SALIENCE-GET-FLUENTS* = -6500)
+
+; --- Messages
+
+(deffunction pddl-strings (?items)
+  "Each item as a string."
+  (bind ?texts (create$))
+  (foreach ?item ?items (bind ?texts (create$ ?texts (str-cat ?item))))
+  ?texts)
+
+(deffunction pddl-symbols (?items)
+  "Each item as a symbol."
+  (bind ?symbols (create$))
+  (foreach ?item ?items (bind ?symbols (create$ ?symbols (sym-cat ?item))))
+  ?symbols)
+
+(deffunction pddl-message (?type ?instance ?name ?params)
+  "A new Fluent, Function or Action message."
+  (bind ?message (ros-msgs-create-message (str-cat "cx_pddl_interfaces/msg/" ?type)))
+  (ros-msgs-set-field ?message "pddl_instance" (str-cat ?instance))
+  (ros-msgs-set-field ?message "name" (str-cat ?name))
+  (ros-msgs-set-field ?message "args" (pddl-strings ?params))
+  ?message)
+
+(deffunction pddl-request (?type ?instance ?goal)
+  "A new request about an instance, and a goal where there is one."
+  (bind ?request (ros-msgs-create-request (str-cat "cx_pddl_interfaces/srv/" ?type)))
+  (if (neq ?instance nil) then (ros-msgs-set-field ?request "pddl_instance" (str-cat ?instance)))
+  (if (neq ?goal nil) then (ros-msgs-set-field ?request "goal_instance" (str-cat ?goal)))
+  ?request)
+
+(deffunction pddl-send (?node ?service ?request $?meta)
+  "Sends a request and notes whose it is. FALSE when the manager is not there."
+  (bind ?name (str-cat ?node "/" ?service))
+  (bind ?id (ros-msgs-async-send-request ?request ?name))
+  (ros-msgs-destroy-message ?request)
+  (if (eq ?id FALSE) then (return FALSE))
+  (assert (pddl-service-request-meta (service ?name) (request-id ?id) (meta ?meta)))
+  TRUE)
+
+(deffunction pddl-error-of (?response)
+  (if (ros-msgs-get-field ?response "success") then "" else (ros-msgs-get-field ?response "error")))
+
+(deffunction pddl-answered (?instance ?message ?response ?meta)
+  "The answer was taken: it goes, and the instance can be asked the next thing."
+  (ros-msgs-destroy-message ?message)
+  (retract ?response ?meta)
+  (do-for-fact ((?i pddl-instance)) (eq ?i:name ?instance) (modify ?i (busy-with FALSE))))
+
+(deffunction pddl-apply-op (?op ?value ?new)
+  "The value after an effect: = sets it, + and - change it."
+  (switch ?op
+    (case "+" then (+ ?value ?new))
+    (case "-" then (- ?value ?new))
+    (default ?new)))
+
+(deffunction pddl-value-of (?instance ?name ?params)
+  "The numeric fluent as it is known here; 0 where it is not."
+  (do-for-fact ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?name) (eq ?f:params ?params)) (return ?f:value))
+  0.0)
+
+; --- The manager
+
+(defrule pddl-manager-connect
+  "A manager is named: clients of all that it serves."
+  ?manager <- (pddl-manager (node ?node) (ros-comm-init FALSE))
+  =>
+  (foreach ?pair (create$ "add_pddl_instance AddPddlInstance" "get_action_names GetActionNames" "get_fluents GetFluents"
+      "get_functions GetFunctions" "get_predicates GetPredicates" "get_type_objects GetTypeObjects" "add_fluents AddFluents"
+      "rm_fluents RemoveFluents" "set_functions SetFunctions" "add_objects AddObjects" "rm_objects RemoveObjects"
+      "set_goals SetGoals" "clear_goals ClearGoals" "create_goal_instance CreateGoalInstance"
+      "set_action_filter SetActionFilter" "set_fluent_filter SetFluentFilter" "set_object_filter SetObjectFilter"
+      "check_action_condition CheckActionCondition" "get_action_effects GetActionEffects")
+    (bind ?words (explode$ ?pair))
+    (ros-msgs-create-client (str-cat ?node "/" (nth$ 1 ?words)) (str-cat "cx_pddl_interfaces/srv/" (nth$ 2 ?words))))
+  (cx-pddl-interfaces-plan-temporal-create-client (str-cat ?node "/temp_plan"))
+  (modify ?manager (ros-comm-init TRUE)))
+
+(defrule pddl-manager-disconnect
+  "The executive ends: the clients go."
+  (executive-finalize)
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
+  =>
+  (do-for-all-facts ((?c ros-msgs-client)) (eq (str-index (str-cat ?node "/") ?c:service) 1) (ros-msgs-destroy-client ?c:service))
+  (do-for-all-facts ((?p pddl-plan)) (eq (type ?p:goal-ptr) EXTERNAL-ADDRESS) (cx-pddl-interfaces-plan-temporal-goal-destroy ?p:goal-ptr))
+  (cx-pddl-interfaces-plan-temporal-destroy-client (str-cat ?node "/temp_plan")))
+
+; --- Instances
+
+(defrule pddl-instance-load
+  (declare (salience ?*PDDL-SALIENCE-INSTANCES*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?instance <- (pddl-instance (name ?name) (domain ?domain) (problem ?problem) (directory ?directory) (state PENDING))
+  =>
+  (bind ?request (pddl-request AddPddlInstance nil nil))
+  (ros-msgs-set-field ?request "name" (str-cat ?name))
+  (ros-msgs-set-field ?request "directory" ?directory)
+  (ros-msgs-set-field ?request "domain_file" ?domain)
+  (ros-msgs-set-field ?request "problem_file" ?problem)
+  (if (pddl-send ?node "add_pddl_instance" ?request instance ?name) then (modify ?instance (state WAITING))))
+
+(defrule pddl-instance-loaded
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta instance ?name))
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  ?instance <- (pddl-instance (name ?name) (state WAITING))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (modify ?instance (state (if (eq ?error "") then LOADED else ERROR)) (error ?error))
+  (ros-msgs-destroy-message ?message)
+  (retract ?response ?meta))
+
+; --- Questions. meta: what, instance, more
+
+(defrule pddl-ask-action-names
+  (declare (salience ?*PDDL-SALIENCE-ACTION-NAMES*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-action-names (instance ?instance) (state PENDING))
+  =>
+  (if (pddl-send ?node "get_action_names" (pddl-request GetActionNames ?instance nil) action-names ?instance)
+   then (modify ?i (busy-with GET-ACTION-NAMES)) (modify ?ask (state WAITING))))
+
+(defrule pddl-answer-action-names
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta action-names ?instance))
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  ?ask <- (pddl-action-names (instance ?instance) (state WAITING))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (modify ?ask (state (if (eq ?error "") then DONE else ERROR)) (error ?error)
+               (action-names (pddl-symbols (ros-msgs-get-field ?message "action_names"))))
+  (pddl-answered ?instance ?message ?response ?meta))
+
+(defrule pddl-ask-fluents
+  (declare (salience ?*PDDL-SALIENCE-GET-FLUENTS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-get-fluents (instance ?instance) (state PENDING))
+  =>
+  (if (pddl-send ?node "get_fluents" (pddl-request GetFluents ?instance nil) fluents ?instance)
+   then (modify ?i (busy-with GET-FLUENTS)) (modify ?ask (state WAITING))))
+
+(defrule pddl-answer-fluents
+  "The facts of the instance are those of the manager, no more and no less."
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta fluents ?instance))
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  ?ask <- (pddl-get-fluents (instance ?instance) (state WAITING))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (if (eq ?error "") then
+    (do-for-all-facts ((?f pddl-fluent)) (eq ?f:instance ?instance) (retract ?f))
+    (foreach ?fluent (ros-msgs-get-field ?message "fluents")
+      (assert (pddl-fluent (instance ?instance) (name (sym-cat (ros-msgs-get-field ?fluent "name")))
+                           (params (pddl-symbols (ros-msgs-get-field ?fluent "args")))))))
+  (modify ?ask (state (if (eq ?error "") then DONE else ERROR)) (error ?error))
+  (pddl-answered ?instance ?message ?response ?meta))
+
+(defrule pddl-ask-numeric-fluents
+  (declare (salience ?*PDDL-SALIENCE-GET-FLUENTS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-get-numeric-fluents (instance ?instance) (state PENDING))
+  =>
+  (if (pddl-send ?node "get_functions" (pddl-request GetFunctions ?instance nil) functions ?instance)
+   then (modify ?i (busy-with GET-NUMERIC-FLUENTS)) (modify ?ask (state WAITING))))
+
+(defrule pddl-answer-numeric-fluents
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta functions ?instance))
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  ?ask <- (pddl-get-numeric-fluents (instance ?instance) (state WAITING))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (if (eq ?error "") then
+    (do-for-all-facts ((?f pddl-numeric-fluent)) (eq ?f:instance ?instance) (retract ?f))
+    (foreach ?function (ros-msgs-get-field ?message "functions")
+      (assert (pddl-numeric-fluent (instance ?instance) (name (sym-cat (ros-msgs-get-field ?function "name")))
+                                   (params (pddl-symbols (ros-msgs-get-field ?function "args")))
+                                   (value (ros-msgs-get-field ?function "value"))))))
+  (modify ?ask (state (if (eq ?error "") then DONE else ERROR)) (error ?error))
+  (pddl-answered ?instance ?message ?response ?meta))
+
+(defrule pddl-ask-predicates
+  (declare (salience ?*PDDL-SALIENCE-GET-FLUENTS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-get-predicates (instance ?instance) (state PENDING))
+  =>
+  (if (pddl-send ?node "get_predicates" (pddl-request GetPredicates ?instance nil) predicates ?instance)
+   then (modify ?i (busy-with GET-PREDICATES)) (modify ?ask (state WAITING))))
+
+(defrule pddl-answer-predicates
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta predicates ?instance))
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  ?ask <- (pddl-get-predicates (instance ?instance) (state WAITING))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (foreach ?predicate (ros-msgs-get-field ?message "predicates")
+    (assert (pddl-predicate (instance ?instance) (name (sym-cat (ros-msgs-get-field ?predicate "name")))
+                            (param-types (pddl-symbols (ros-msgs-get-field ?predicate "param_types")))
+                            (param-names (pddl-symbols (ros-msgs-get-field ?predicate "param_names"))))))
+  (modify ?ask (state (if (eq ?error "") then DONE else ERROR)) (error ?error))
+  (pddl-answered ?instance ?message ?response ?meta))
+
+(defrule pddl-ask-type-objects
+  (declare (salience ?*PDDL-SALIENCE-GET-FLUENTS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-get-type-objects (instance ?instance) (type ?type) (state PENDING))
+  =>
+  (bind ?request (pddl-request GetTypeObjects ?instance nil))
+  (ros-msgs-set-field ?request "type" (str-cat ?type))
+  (if (pddl-send ?node "get_type_objects" ?request type-objects ?instance)
+   then (modify ?i (busy-with GET-TYPE-OBJECTS)) (modify ?ask (state WAITING))))
+
+(defrule pddl-answer-type-objects
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta type-objects ?instance))
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  ?ask <- (pddl-get-type-objects (instance ?instance) (type ?type) (state WAITING))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (if (eq ?error "") then
+    (do-for-all-facts ((?f pddl-type-objects)) (and (eq ?f:instance ?instance) (eq ?f:type ?type)) (retract ?f))
+    (assert (pddl-type-objects (instance ?instance) (type ?type) (objects (pddl-symbols (ros-msgs-get-field ?message "objects"))))))
+  (modify ?ask (state (if (eq ?error "") then DONE else ERROR)) (error ?error))
+  (pddl-answered ?instance ?message ?response ?meta))
+
+; --- Changes. All that are pending of one kind go in one request; deletes go first.
+
+(defrule pddl-send-fluent-changes
+  (declare (salience ?*PDDL-SALIENCE-FLUENTS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  (pddl-fluent-change (instance ?instance) (delete ?delete) (state PENDING))
+  (or (test (eq ?delete TRUE))
+      (not (pddl-fluent-change (instance ?instance) (delete TRUE) (state PENDING))))
+  =>
+  (bind ?fluents (create$))
+  (do-for-all-facts ((?c pddl-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:delete ?delete) (eq ?c:state PENDING))
+    (bind ?fluents (create$ ?fluents (pddl-message Fluent ?instance ?c:name ?c:params))))
+  (bind ?request (pddl-request (if ?delete then RemoveFluents else AddFluents) nil nil))
+  (ros-msgs-set-field ?request "fluents" ?fluents)
+  (foreach ?fluent ?fluents (ros-msgs-destroy-message ?fluent))
+  (if (pddl-send ?node (if ?delete then "rm_fluents" else "add_fluents") ?request fluent-changes ?instance) then
+    (modify ?i (busy-with FLUENTS))
+    (do-for-all-facts ((?c pddl-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:delete ?delete) (eq ?c:state PENDING))
+      (modify ?c (state WAITING)))))
+
+(defrule pddl-fluents-changed
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta fluent-changes ?instance))
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (if (neq ?error "") then (printout error "pddl-fluent-change: " ?error crlf))
+  (do-for-all-facts ((?c pddl-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state WAITING))
+    (if (neq ?error "") then (modify ?c (state ERROR) (error ?error)) else
+      (bind ?name (sym-cat ?c:name))
+      (bind ?params (pddl-symbols ?c:params))
+      (if ?c:delete
+        then (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?name) (eq ?f:params ?params)) (retract ?f))
+        else (assert (pddl-fluent (instance ?instance) (name ?name) (params ?params))))
+      (retract ?c)))
+  (pddl-answered ?instance ?message ?response ?meta))
+
+(defrule pddl-send-numeric-changes
+  (declare (salience ?*PDDL-SALIENCE-FLUENTS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  (pddl-numeric-fluent-change (instance ?instance) (state PENDING))
+  =>
+  (bind ?functions (create$))
+  (do-for-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state PENDING))
+    (bind ?function (pddl-message Function ?instance ?c:name ?c:params))
+    (ros-msgs-set-field ?function "value" (float ?c:value))
+    (bind ?functions (create$ ?functions ?function)))
+  (bind ?request (pddl-request SetFunctions nil nil))
+  (ros-msgs-set-field ?request "functions" ?functions)
+  (foreach ?function ?functions (ros-msgs-destroy-message ?function))
+  (if (pddl-send ?node "set_functions" ?request numeric-changes ?instance) then
+    (modify ?i (busy-with NUMERIC-FLUENTS))
+    (do-for-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state PENDING))
+      (modify ?c (state WAITING)))))
+
+(defrule pddl-numbers-changed
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta numeric-changes ?instance))
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (if (neq ?error "") then (printout error "pddl-numeric-fluent-change: " ?error crlf))
+  (do-for-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state WAITING))
+    (if (neq ?error "") then (modify ?c (state ERROR) (error ?error)) else
+      (bind ?name (sym-cat ?c:name))
+      (bind ?params (pddl-symbols ?c:params))
+      (do-for-all-facts ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?name) (eq ?f:params ?params)) (retract ?f))
+      (assert (pddl-numeric-fluent (instance ?instance) (name ?name) (params ?params) (value (float ?c:value))))
+      (retract ?c)))
+  (pddl-answered ?instance ?message ?response ?meta))
+
+(defrule pddl-send-object-change
+  (declare (salience ?*PDDL-SALIENCE-OBJECTS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?change <- (pddl-object-change (instance ?instance) (name ?name) (type ?type) (delete ?delete) (state PENDING))
+  =>
+  (bind ?object (ros-msgs-create-message "cx_pddl_interfaces/msg/Object"))
+  (ros-msgs-set-field ?object "pddl_instance" (str-cat ?instance))
+  (ros-msgs-set-field ?object "name" (str-cat ?name))
+  (if (neq ?type nil) then (ros-msgs-set-field ?object "type" (str-cat ?type)))
+  (bind ?request (pddl-request (if ?delete then RemoveObjects else AddObjects) nil nil))
+  (ros-msgs-set-field ?request "objects" (create$ ?object))
+  (ros-msgs-destroy-message ?object)
+  (if (pddl-send ?node (if ?delete then "rm_objects" else "add_objects") ?request object-change ?instance)
+   then (modify ?i (busy-with OBJECTS)) (modify ?change (state WAITING))))
+
+(defrule pddl-object-changed
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta object-change ?instance))
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  ?change <- (pddl-object-change (instance ?instance) (name ?name) (delete ?delete) (state WAITING))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (if (neq ?error "") then (modify ?change (state ERROR) (error ?error)) else (retract ?change))
+  (if (and ?delete (eq ?error "")) then
+    (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance ?instance) (member$ (sym-cat ?name) ?f:params)) (retract ?f))
+    (do-for-all-facts ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (member$ (sym-cat ?name) ?f:params)) (retract ?f)))
+  (pddl-answered ?instance ?message ?response ?meta))
+
+; --- Goals and filters
+
+(defrule pddl-send-clear-goals
+  (declare (salience ?*PDDL-SALIENCE-CLEAR-GOALS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-clear-goals (instance ?instance) (goal ?goal) (state PENDING))
+  =>
+  (if (pddl-send ?node "clear_goals" (pddl-request ClearGoals ?instance ?goal) clear-goals ?instance)
+   then (modify ?i (busy-with CLEAR-GOALS)) (modify ?ask (state WAITING))))
+
+(defrule pddl-send-create-goal-instance
+  (declare (salience ?*PDDL-SALIENCE-CREATE-GOAL*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-create-goal-instance (instance ?instance) (goal ?goal) (state PENDING))
+  =>
+  (if (pddl-send ?node "create_goal_instance" (pddl-request CreateGoalInstance ?instance ?goal) create-goal-instance ?instance)
+   then (modify ?i (busy-with CREATE-GOAL-INSTANCE)) (modify ?ask (state WAITING))))
+
+(defrule pddl-send-set-goals
+  (declare (salience ?*PDDL-SALIENCE-SET-GOALS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-set-goals (instance ?instance) (goal ?goal) (state PENDING))
+  =>
+  (bind ?fluents (create$))
+  (do-for-all-facts ((?g pddl-goal-fluent)) (and (eq ?g:instance ?instance) (eq ?g:goal ?goal))
+    (bind ?fluents (create$ ?fluents (pddl-message Fluent ?instance ?g:name ?g:params))))
+  (bind ?functions (create$))
+  (do-for-all-facts ((?g pddl-goal-numeric-fluent)) (and (eq ?g:instance ?instance) (eq ?g:goal ?goal))
+    (bind ?function (pddl-message Function ?instance ?g:name ?g:params))
+    (ros-msgs-set-field ?function "value" (float ?g:value))
+    (bind ?functions (create$ ?functions ?function)))
+  (bind ?request (pddl-request SetGoals nil ?goal))
+  (ros-msgs-set-field ?request "fluents" ?fluents)
+  (ros-msgs-set-field ?request "functions" ?functions)
+  (foreach ?part (create$ ?fluents ?functions) (ros-msgs-destroy-message ?part))
+  (if (pddl-send ?node "set_goals" ?request set-goals ?instance)
+   then (modify ?i (busy-with SET-GOALS)) (modify ?ask (state WAITING))))
+
+(defrule pddl-goals-answered
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta ?what&clear-goals|create-goal-instance|set-goals ?instance))
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (bind ?state (if (eq ?error "") then DONE else ERROR))
+  (if (neq ?error "") then (printout error "pddl-" ?what ": " ?error crlf))
+  (switch ?what
+    (case clear-goals then
+      (do-for-fact ((?a pddl-clear-goals)) (and (eq ?a:instance ?instance) (eq ?a:state WAITING)) (modify ?a (state ?state) (error ?error))))
+    (case create-goal-instance then
+      (do-for-fact ((?a pddl-create-goal-instance)) (and (eq ?a:instance ?instance) (eq ?a:state WAITING)) (modify ?a (state ?state) (error ?error))))
+    (case set-goals then
+      (do-for-fact ((?a pddl-set-goals)) (and (eq ?a:instance ?instance) (eq ?a:state WAITING)) (modify ?a (state ?state) (error ?error)))))
+  (pddl-answered ?instance ?message ?response ?meta))
+
+(deffunction pddl-send-filter (?node ?i ?filter ?instance ?goal ?names ?service ?type ?field ?busy)
+  (bind ?request (pddl-request ?type ?instance ?goal))
+  (ros-msgs-set-field ?request ?field (pddl-strings ?names))
+  (if (pddl-send ?node ?service ?request filter ?instance)
+   then (modify ?i (busy-with ?busy)) (modify ?filter (state WAITING))))
+
+(defrule pddl-send-action-filter
+  (declare (salience ?*PDDL-SALIENCE-ACTION-FILTER*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?f <- (pddl-planning-filter (type ACTIONS) (instance ?instance) (goal ?goal) (filter $?names) (state PENDING))
+  =>
+  (pddl-send-filter ?node ?i ?f ?instance ?goal ?names "set_action_filter" SetActionFilter "actions" SET-ACTION-FILTER))
+
+(defrule pddl-send-fluent-filter
+  (declare (salience ?*PDDL-SALIENCE-FLUENT-FILTER*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?f <- (pddl-planning-filter (type FLUENTS) (instance ?instance) (goal ?goal) (filter $?names) (state PENDING))
+  =>
+  (pddl-send-filter ?node ?i ?f ?instance ?goal ?names "set_fluent_filter" SetFluentFilter "fluents" SET-FLUENT-FILTER))
+
+(defrule pddl-send-object-filter
+  (declare (salience ?*PDDL-SALIENCE-OBJECT-FILTER*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?f <- (pddl-planning-filter (type OBJECTS) (instance ?instance) (goal ?goal) (filter $?names) (state PENDING))
+  =>
+  (pddl-send-filter ?node ?i ?f ?instance ?goal ?names "set_object_filter" SetObjectFilter "objects" SET-OBJECT-FILTER))
+
+(defrule pddl-filter-answered
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta filter ?instance))
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  ?filter <- (pddl-planning-filter (instance ?instance) (state WAITING))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (if (eq ?error "") then (printout green "TRUE" crlf) (retract ?filter)
+   else (printout error "pddl-planning-filter: " ?error crlf) (modify ?filter (state ERROR) (error ?error)))
+  (pddl-answered ?instance ?message ?response ?meta))
+
+; --- Plans. A goal's response does not say which goal it means, so one plan at a time is WAITING for it; many are PLANNING.
+
+(defrule pddl-send-plan
+  (declare (salience ?*PDDL-SALIENCE-PLAN*))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?plan <- (pddl-plan (instance ?instance) (goal ?goal) (output-dir ?directory) (state PENDING))
+  (not (pddl-plan (state WAITING)))
+  =>
+  (bind ?wanted (cx-pddl-interfaces-plan-temporal-goal-create))
+  (cx-pddl-interfaces-plan-temporal-goal-set-field ?wanted "pddl_instance" (str-cat ?instance))
+  (cx-pddl-interfaces-plan-temporal-goal-set-field ?wanted "goal_instance" (str-cat ?goal))
+  (cx-pddl-interfaces-plan-temporal-goal-set-field ?wanted "output_dir" ?directory)
+  (cx-pddl-interfaces-plan-temporal-send-goal ?wanted (str-cat ?node "/temp_plan"))
+  (modify ?plan (state WAITING) (goal-ptr ?wanted)))
+
+(defrule pddl-plan-accepted
+  (pddl-manager (node ?node))
+  ?response <- (cx-pddl-interfaces-plan-temporal-goal-response (server ?server) (client-goal-handle-ptr ?handle))
+  (test (eq ?server (str-cat ?node "/temp_plan")))
+  ?plan <- (pddl-plan (state WAITING))
+  =>
+  (retract ?response)
+  (if (str-index "0x0>" (implode$ (create$ ?handle))) then
+    (printout red "plan was refused!" crlf)
+    (modify ?plan (state FAILED))
+   else (modify ?plan (state PLANNING) (goal-handle ?handle))))
+
+(defrule pddl-plan-cancel
+  (pddl-manager (node ?node))
+  ?plan <- (pddl-plan (goal-handle ?handle&~nil) (state REQUEST-CANCELING))
+  =>
+  (cx-pddl-interfaces-plan-temporal-client-cancel-goal (str-cat ?node "/temp_plan") ?handle)
+  (modify ?plan (state CANCELING)))
+
+(defrule pddl-plan-cancel-unsent
+  "It has not reached the manager yet."
+  ?plan <- (pddl-plan (goal-handle nil) (goal-ptr nil) (state REQUEST-CANCELING))
+  =>
+  (modify ?plan (state CANCELED)))
+
+(defrule pddl-plan-cancel-answered
+  ?response <- (cx-pddl-interfaces-plan-temporal-cancel-goal-response)
+  =>
+  (do-for-all-facts ((?e cx-pddl-interfaces-plan-temporal-cancel-goal-entry)) TRUE (retract ?e))
+  (retract ?response))
+
+(defrule pddl-plan-ended
+  "The plan's steps become facts."
+  ?end <- (cx-pddl-interfaces-plan-temporal-wrapped-result (goal-id ?uuid) (code ?code) (result-ptr ?result))
+  ?plan <- (pddl-plan (id ?id) (instance ?instance) (goal-ptr ?goal) (goal-handle ?handle&~nil) (state PLANNING|REQUEST-CANCELING|CANCELING))
+  (test (eq ?uuid (cx-pddl-interfaces-plan-temporal-client-goal-handle-get-goal-id ?handle)))
+  =>
+  (bind ?state FAILED)
+  (if (eq ?code CANCELED) then (bind ?state CANCELED))
+  (if (and (eq ?code SUCCEEDED) (cx-pddl-interfaces-plan-temporal-result-get-field ?result "success")) then
+    (bind ?state SUCCESS)
+    (bind ?number 0)
+    (foreach ?action (cx-pddl-interfaces-plan-temporal-result-get-field ?result "actions")
+      (assert (pddl-action (instance ?instance) (plan ?id) (id ?number)
+                           (name (sym-cat (ros-msgs-get-field ?action "name"))) (params (ros-msgs-get-field ?action "args"))
+                           (planned-start-time (ros-msgs-get-field ?action "start_time"))
+                           (planned-duration (ros-msgs-get-field ?action "duration"))))
+      (bind ?number (+ ?number 1))))
+  (if (eq ?state FAILED) then (printout red "plan not found!" crlf))
+  (modify ?plan (state ?state) (goal-ptr nil) (goal-handle nil))
+  (cx-pddl-interfaces-plan-temporal-goal-destroy ?goal)
+  (cx-pddl-interfaces-plan-temporal-client-goal-handle-destroy ?handle)
+  (cx-pddl-interfaces-plan-temporal-result-destroy ?result)
+  (retract ?end))
+
+; --- Conditions and effects of a step
+
+(defrule pddl-send-condition
+  (declare (salience ?*PDDL-SALIENCE-CONDITIONS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-action-condition (instance ?instance) (action ?action) (plan ?plan) (state PENDING))
+  (pddl-action (instance ?instance) (id ?action) (plan ?of&:(or (eq ?plan nil) (eq ?plan ?of))) (name ?name) (params $?params))
+  =>
+  (bind ?message (pddl-message Action ?instance ?name ?params))
+  (bind ?request (pddl-request CheckActionCondition nil nil))
+  (ros-msgs-set-field ?request "action" ?message)
+  (ros-msgs-destroy-message ?message)
+  (if (pddl-send ?node "check_action_condition" ?request condition ?instance)
+   then (modify ?i (busy-with CHECK-CONDITIONS)) (modify ?ask (state CHECK-CONDITION))))
+
+(defrule pddl-condition-checked
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta condition ?instance))
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  ?ask <- (pddl-action-condition (instance ?instance) (state CHECK-CONDITION))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (bind ?missing (create$))
+  (foreach ?condition (ros-msgs-get-field ?message "unsatisfied_conditions") (bind ?missing (create$ ?condition ?missing)))
+  (bind ?state (if (ros-msgs-get-field ?message "sat") then CONDITION-SAT else CONDITION-UNSAT))
+  (modify ?ask (state (if (eq ?error "") then ?state else ERROR)) (error ?error) (unsatisfied-conditions ?missing))
+  (pddl-answered ?instance ?message ?response ?meta))
+
+(defrule pddl-send-get-effect
+  "The effects at the end are asked for when those at the start have come true."
+  (declare (salience ?*PDDL-SALIENCE-EFFECTS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-action-get-effect (action ?action) (instance ?own&:(or (eq ?own nil) (eq ?own ?instance))) (plan ?plan)
+                                  (state ?state&PENDING|START-EFFECT-APPLIED))
+  (pddl-action (instance ?instance) (id ?action) (plan ?of&:(or (eq ?plan nil) (eq ?plan ?of))) (name ?name) (params $?params))
+  (not (pddl-fluent-change (instance ?instance) (state PENDING)))
+  (not (pddl-numeric-fluent-change (instance ?instance) (state PENDING)))
+  =>
+  (bind ?message (pddl-message Action ?instance ?name ?params))
+  (bind ?request (pddl-request GetActionEffects nil nil))
+  (ros-msgs-set-field ?request "action" ?message)
+  (ros-msgs-destroy-message ?message)
+  (if (pddl-send ?node "get_action_effects" ?request effects ?instance)
+   then (modify ?i (busy-with ACTION-EFFECTS)) (modify ?ask (instance ?instance) (state (if (eq ?state PENDING) then WAITING else WAITING-END)))))
+
+(deffunction pddl-take-effects (?message ?instance ?action ?apply ?point)
+  "Effects of one time point become changes to make, or facts to look at."
+  (foreach ?effect (ros-msgs-get-field ?message "fluent_effects")
+    (if (eq (ros-msgs-get-field ?effect "time_point") (str-cat ?point)) then
+      (bind ?fluent (ros-msgs-get-field ?effect "fluent"))
+      (bind ?name (sym-cat (ros-msgs-get-field ?fluent "name")))
+      (bind ?params (pddl-symbols (ros-msgs-get-field ?fluent "args")))
+      (bind ?value (ros-msgs-get-field ?effect "value"))
+      (if ?apply then (assert (pddl-fluent-change (instance ?instance) (name ?name) (params ?params) (delete (not ?value))))
+       else (if ?value then (assert (pddl-effect-fluent (instance ?instance) (action ?action) (name ?name) (params ?params) (effect-type ?point)))))))
+  (foreach ?effect (ros-msgs-get-field ?message "function_effects")
+    (if (eq (ros-msgs-get-field ?effect "time_point") (str-cat ?point)) then
+      (bind ?function (ros-msgs-get-field ?effect "function"))
+      (bind ?name (sym-cat (ros-msgs-get-field ?function "name")))
+      (bind ?params (pddl-symbols (ros-msgs-get-field ?function "args")))
+      (bind ?value (pddl-apply-op (ros-msgs-get-field ?effect "operator_type") (pddl-value-of ?instance ?name ?params) (ros-msgs-get-field ?effect "value")))
+      (if ?apply then (assert (pddl-numeric-fluent-change (instance ?instance) (name ?name) (params ?params) (value ?value)))
+       else (assert (pddl-effect-numeric-fluent (instance ?instance) (action ?action) (name ?name) (params ?params) (value ?value) (effect-type ?point)))))))
+
+(defrule pddl-effects-told
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta effects ?instance))
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  ?ask <- (pddl-action-get-effect (instance ?instance) (action ?action) (effect-type ?type) (apply ?apply) (state ?state&WAITING|WAITING-END))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (bind ?next DONE)
+  (if (eq ?error "") then
+    (if (and (neq ?type END) (eq ?state WAITING)) then (pddl-take-effects ?message ?instance ?action ?apply START))
+    (if (and (eq ?type ALL) ?apply (eq ?state WAITING)) then (bind ?next START-EFFECT-APPLIED)
+     else (if (neq ?type START) then (pddl-take-effects ?message ?instance ?action ?apply END)))
+   else (bind ?next ERROR))
+  (modify ?ask (state ?next) (error ?error))
+  (pddl-answered ?instance ?message ?response ?meta))

@@ -1,0 +1,119 @@
+"""The agents of docs/examples/blocksworld, as docs/pddl-manager.md runs them."""
+
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+CXLAB = os.environ["CXLAB"]
+BLOCKS = Path(os.environ["CXLAB_SOURCE_DIR"]) / "docs/examples/blocksworld"
+
+CONFIG = """clips_manager:
+  ros__parameters:
+    environments: ["main"]
+    main: {plugins: ["executive", "ament_index", "ros_msgs", "plan_temporal", "files"]}
+    executive: {plugin: "cx::ExecutivePlugin"}
+    ament_index: {plugin: "cx::AmentIndexPlugin"}
+    ros_msgs: {plugin: "cx::RosMsgsPlugin"}
+    plan_temporal: {plugin: "cx::CXCxPddlInterfacesPlanTemporalPlugin"}
+    files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent", "cx_pddl_clips"], batch: ["clips/pddl.clp", "all.clp"]}
+"""
+# Everything that the helper rules answer, asked for at once; a plan that is canceled; at last all facts are printed.
+AGENT = """(deffacts wanted
+  (pddl-manager)
+  (pddl-instance (name blocks) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
+  (pddl-action-names (instance blocks))
+  (pddl-get-predicates (instance blocks))
+  (pddl-get-type-objects (instance blocks) (type block))
+  (pddl-get-fluents (instance blocks))
+  (pddl-get-numeric-fluents (instance blocks))
+  (pddl-object-change (instance blocks) (name d) (type block))
+  (pddl-fluent-change (instance blocks) (name ontable) (params d))
+  (pddl-fluent-change (instance blocks) (name clear) (params b) (delete TRUE))
+  (pddl-numeric-fluent-change (instance blocks) (name moves) (value 5))
+  (pddl-clear-goals (instance blocks) (goal base))
+  (pddl-create-goal-instance (instance blocks) (goal g))
+  (pddl-planning-filter (instance blocks) (goal g) (type ACTIONS) (filter unstack put-down))
+  (pddl-planning-filter (instance blocks) (goal g) (type OBJECTS) (filter a b c))
+  (pddl-planning-filter (instance blocks) (goal g) (type FLUENTS) (filter))
+  (pddl-goal-fluent (instance blocks) (goal g) (name ontable) (params c))
+  (pddl-goal-numeric-fluent (instance blocks) (goal g) (name moves) (value 6))
+  (pddl-set-goals (instance blocks) (goal g))
+  (pddl-plan (instance blocks) (id p) (goal g))
+  (pddl-action-condition (instance blocks) (action 0))
+  (pddl-action-condition (instance blocks) (action 1))
+  (pddl-action-get-effect (action 0) (effect-type ALL) (apply FALSE)))
+(defrule apply (pddl-action-condition (action 1) (state CONDITION-UNSAT)) => (assert (pddl-action-get-effect (instance blocks) (action 0) (effect-type ALL) (apply TRUE))))
+(defrule cancel-it (pddl-action-get-effect (apply TRUE) (state DONE)) (not (pddl-fluent-change)) (not (pddl-plan (id q))) => (assert (pddl-plan (instance blocks) (id q) (goal g))))
+(defrule cancel-it-2 ?p <- (pddl-plan (id q) (state PLANNING)) => (modify ?p (state REQUEST-CANCELING)))
+(defrule look (time ?t&:(> ?t 15.0)) (not (looked)) => (assert (looked)) (facts))
+"""
+
+
+class Blocksworld(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.out = Path(self.folder.name) / "run"
+
+    def cxlab(self, *arguments, expect=0):
+        done = subprocess.run([CXLAB, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder.name, timeout=60)
+        self.assertEqual(done.returncode, expect, f"{arguments}\n{done.stdout}\n{done.stderr}")
+        self.assertNotRegex(done.stderr, r"\[(warn|error)\]")
+        return done
+
+    def result(self, folder):
+        return json.loads((folder / "result.json").read_text())
+
+    def test_the_agent_with_helper_rules_builds_the_tower_and_replays(self):
+        done = self.cxlab("run", BLOCKS / "helpers.yaml", "--out", self.out)
+        self.assertIn("a is on b, b is on c: 3 moves", done.stderr)
+        self.cxlab("replay", self.out, "--rules")
+        again = Path(self.folder.name) / "again"
+        self.cxlab("run", BLOCKS / "helpers.yaml", "--out", again)
+        self.assertEqual(self.result(self.out)["journal_hash"], self.result(again)["journal_hash"])
+
+    def test_the_agent_with_raw_services_builds_the_tower_and_replays(self):
+        done = self.cxlab("run", BLOCKS / "raw.yaml", "--out", self.out)
+        self.assertIn("the tower stands after 6 steps", done.stderr)
+        self.cxlab("replay", self.out, "--rules")
+
+    def test_a_configuration_runs_beside_a_manager(self):
+        done = self.cxlab("env", BLOCKS / "params/raw.yaml", "--with", "pddl_manager", "--until", 30, "--out", "none")
+        self.assertIn("the tower stands", done.stderr)
+
+    def test_planning_takes_the_time_that_the_scenario_says(self):
+        slow = self.cxlab("run", BLOCKS / "helpers.yaml", "--set", "planner.latency.a=5", "--out", self.out)
+        self.assertRegex(slow.stderr, r"\[ +5\.[45]\d+\] \[info\] \[pddl_manager\] plan for 'tower'")
+
+    def test_the_helper_rules_answer_all_that_is_asked(self):
+        package = Path(self.folder.name) / "agent"
+        (package / "params").mkdir(parents=True)
+        (package / "params/agent.yaml").write_text(CONFIG)
+        (package / "all.clp").write_text(AGENT.replace("FOLDER", str(BLOCKS / "pddl")))
+        done = subprocess.run([CXLAB, "env", package / "params/agent.yaml", "--with", "pddl_manager", "--package", f"agent={package}",
+                               "--param", "pddl_manager.planner={latency: {a: 1}}", "--until", "20", "--out", "none"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for fact in [
+            "(pddl-action-names (instance blocks) (action-names pick-up put-down stack unstack) (state DONE)",
+            "(pddl-predicate (instance blocks) (name on) (param-types block block) (param-names x y))",
+            "(pddl-type-objects (instance blocks) (type block) (objects a b c d))",
+            "(pddl-fluent (instance blocks) (name ontable) (params d))",
+            "(pddl-set-goals (instance blocks) (goal g) (state DONE)",
+            '(pddl-action (instance blocks) (id 0) (name unstack) (params "c" "a") (plan p) (planned-start-time 0.0) (planned-duration 3.0))',
+            '(pddl-action-condition (instance blocks) (action 1) (plan nil) (state CONDITION-UNSAT) (unsatisfied-conditions "holding(c)")',
+            "(pddl-effect-fluent (instance blocks) (action 0) (name holding) (params c) (effect-type END))",
+            "(pddl-effect-numeric-fluent (instance blocks) (action 0) (name moves) (params) (value 6.0) (effect-type END))",
+            "(pddl-fluent (instance blocks) (name holding) (params c))",
+            "(pddl-numeric-fluent (instance blocks) (name moves) (params) (value 6.0))",
+            "(id q) (goal g) (goal-ptr nil) (plan-type nil) (goal-handle nil) (output-dir \"\") (type TEMPORAL) (state CANCELED))",
+        ]:
+            self.assertIn(fact, done.stderr)
+        for gone in ["(name clear) (params b)", "pddl-planning-filter", "pddl-object-change", "(name on) (params c a)"]:
+            self.assertNotIn(gone, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
