@@ -30,13 +30,13 @@ def problem_and_steps(count):
 
 def with_upf(domain, problem, steps):
     """Microseconds a step, and the facts that are true afterwards."""
-    import unified_planning as up
+    from unified_planning.environment import get_environment
     from unified_planning.engines.sequential_simulator import UPState
     from unified_planning.io import PDDLReader
     from unified_planning.model import StartTiming, TimeInterval
     from unified_planning.model.walkers import StateEvaluator
 
-    up.shortcuts.get_environment().credits_stream = None
+    get_environment().credits_stream = None
     model = PDDLReader().parse_problem(str(domain), str(problem))
     em = model.environment.expression_manager
     begin = time.perf_counter()
