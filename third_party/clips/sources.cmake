@@ -13,6 +13,19 @@ function(clips_digest folder out)
   set(${out} "${digest}" PARENT_SCOPE)
 endfunction()
 
+# Mends what CLIPS 6.40 does wrong. In a pattern like (a ?x&=(f ?y)) it reads the type of what f gives as if f were a
+# function of C, past the end of a deffunction: whether the rule then loads is chance.
+function(mend_clips folder)
+  file(READ "${folder}/core/pattern.c" text)
+  set(wrong "else if (tempRestriction->pnType == RETURN_VALUE_CONSTRAINT_NODE)\n")
+  string(REPLACE "${wrong}" "else if (tempRestriction->pnType == RETURN_VALUE_CONSTRAINT_NODE && tempRestriction->expression->pnType == FCALL_NODE)\n"
+         mended "${text}")
+  if(mended STREQUAL text)
+    message(FATAL_ERROR "CLIPS: ${folder}/core/pattern.c is not the file that is to be mended")
+  endif()
+  file(WRITE "${folder}/core/pattern.c" "${mended}")
+endfunction()
+
 # Sets out to a folder with core/, test_suite/ and examples/ of the crate that Cargo.lock pins, downloaded
 # by cargo if the cache has no intact copy.
 function(fetch_clips out)
@@ -24,7 +37,7 @@ function(fetch_clips out)
 
   if(EXISTS "${folder}/digest")
     file(READ "${folder}/digest" found)
-    if(found STREQUAL digest)
+    if(found STREQUAL "${digest} mended")
       return()
     endif()
   endif()
@@ -55,5 +68,6 @@ function(fetch_clips out)
 
   file(REMOVE_RECURSE "${folder}")
   file(COPY "${cached}/" DESTINATION "${folder}")
-  file(WRITE "${folder}/digest" "${digest}")
+  mend_clips("${folder}")
+  file(WRITE "${folder}/digest" "${digest} mended")
 endfunction()

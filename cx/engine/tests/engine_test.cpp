@@ -263,6 +263,20 @@ TEST_F(Engine, ArgumentsOutliveTheFactThatHeldThem) {
   }
 }
 
+// CLIPS 6.40 took the deffunction for a function of C and read past its end: half of such rules did not load.
+TEST_F(Engine, APatternMayHoldWhatADeffunctionGives) {
+  for (int i = 0; i < 200; ++i) {
+    const std::string n = std::to_string(i);
+    ASSERT_TRUE(engine().build("(deffunction twice" + n + " (?x) (* 2 ?x))").ok());
+    const LoadReport report = engine().load_text("(defrule pair" + n + " (one ?n) (other ?m&=(twice" + n + " ?n)) => (assert (fired)))", "r.clp",
+                                                 LoadMode::kConstructs);
+    ASSERT_TRUE(report.ok()) << report.errors.front().text();
+  }
+  ASSERT_TRUE(engine().assert_string("(one 2)").ok());
+  ASSERT_TRUE(engine().assert_string("(other 4)").ok());
+  EXPECT_EQ(engine().run(1000).fired, 200);
+}
+
 TEST_F(Engine, TwoEnginesInterleavedBehaveAsAlone) {
   const std::string rules =
       "(deffacts start (step 0))\n"
