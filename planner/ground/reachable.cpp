@@ -104,12 +104,18 @@ class Join {
 
   Pattern make_pattern(const Action& action) const {
     Pattern pattern;
-    std::vector<char> own(task_.domain.predicates.size(), 0);  // added by the action itself as it begins
+    // What must hold later may be brought about by the action itself or by others that overlap it, so that only facts
+    // that cannot change count at the end, and over all those that no action adds which begins in the same instant.
+    const std::vector<char>& later = result_.fluent;
+    std::vector<char> at_once(later.size(), 0);
     for (const Effect& effect : action.effects)
-      if (effect.kind == Effect::Kind::kAdd && effect.time == Effect::Time::kStart) own[effect.predicate] = 1;
+      if (effect.kind == Effect::Kind::kAdd && effect.time == Effect::Time::kStart) at_once[effect.predicate] = 1;
+    for (const Action& other : task_.domain.actions)
+      for (const Effect& effect : other.effects)
+        if (effect.kind == Effect::Kind::kAdd && effect.time == Effect::Time::kStart && !other.condition.over_all.is_true()) at_once[effect.predicate] = 1;
     collect(action.condition.start, nullptr, pattern);
-    collect(action.condition.over_all, &own, pattern);
-    collect(action.condition.end, &own, pattern);
+    collect(action.condition.over_all, &at_once, pattern);
+    collect(action.condition.end, &later, pattern);
     std::vector<char> used(static_cast<std::size_t>(action.slots), 0);
     for (const Condition* condition : {&action.condition.start, &action.condition.over_all, &action.condition.end}) mark(*condition, used);
     for (const DurationConstraint& constraint : action.duration) mark(constraint.bound, used);
@@ -127,12 +133,13 @@ class Join {
     return pattern;
   }
 
-  void collect(const Condition& condition, const std::vector<char>* own, Pattern& pattern) const {
+  /// `left_out`: by predicate, atoms that do not count.
+  void collect(const Condition& condition, const std::vector<char>* left_out, Pattern& pattern) const {
     using Kind = Condition::Kind;
     if (condition.kind == Kind::kAnd) {
-      for (const Condition& operand : condition.operands) collect(operand, own, pattern);
+      for (const Condition& operand : condition.operands) collect(operand, left_out, pattern);
     } else if (condition.kind == Kind::kAtom) {
-      if (!task_.domain.predicates[condition.predicate].derived && !(own && (*own)[condition.predicate]))
+      if (!task_.domain.predicates[condition.predicate].derived && !(left_out && (*left_out)[condition.predicate]))
         pattern.atoms.push_back({condition.predicate, condition.terms});
     } else if (condition.kind == Kind::kSame) {
       pattern.equalities.push_back({condition.terms[0], condition.terms[1], true});
