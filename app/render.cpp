@@ -53,7 +53,11 @@ Status render_run(const Options& options) {
   if (!run) return run.error();
   if (!run->physics_hash && run->finished && run->tier == Tier::kTimed)
     return input_error("the run was played in the timed tier, which has no bodies to look at: play it with --tier physics", options.what);
-  if (run->finished && options.at && from_seconds(*options.at) > run->sim_time) return input_error("the run ends at " + std::to_string(to_seconds(run->sim_time)) + " s", options.what);
+  if (run->finished && options.at && from_seconds(*options.at) > run->sim_time) {
+    char end[32];
+    std::snprintf(end, sizeof end, "%g s", to_seconds(run->sim_time));
+    return input_error(std::string("the run ends at ") + end, options.what);
+  }
   auto replay = PhysicsOfRun::load(*run);
   if (!replay) return replay.error();
   const SimTime at = options.at ? from_seconds(*options.at) : run->finished ? run->sim_time : replay->log_end();
