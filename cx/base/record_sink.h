@@ -1,7 +1,9 @@
 #pragma once
 // Where everybody writes what happened. `cx/journal` implements it; an episode hands it in.
 
+#include <bit>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string>
 #include <string_view>
@@ -46,7 +48,9 @@ class RecordData {
   RecordData& value(std::int64_t value);
   RecordData& value(double value);
   RecordData& value(bool value);
-  RecordData& value(std::string_view value);
+  RecordData& value(std::string_view value) { return value_between({}, value, {}); }
+  /// One text of three parts, e.g. a string in its quotes.
+  RecordData& value_between(std::string_view before, std::string_view value, std::string_view after);
   RecordData& nil();
   /// A list of exactly `size` values that follow.
   RecordData& open_list(std::size_t size);
@@ -54,11 +58,22 @@ class RecordData {
   RecordData& open_map(std::size_t size);
   RecordData& text_key(std::string_view key) { return value(key); }
 
-  std::string_view bytes() const { return bytes_; }
+  std::string_view bytes() const { return {memory_.data(), size_}; }
 
  private:
-  void put_be(std::uint64_t value, int size);
-  std::string bytes_;
+  /// Where the next bytes go: room for that many, which `took` then counts.
+  char* room(std::size_t bytes) {
+    if (memory_.size() - size_ < bytes) grow(bytes);
+    return memory_.data() + size_;
+  }
+  RecordData& took(std::size_t bytes) {
+    size_ += bytes;
+    return *this;
+  }
+  void grow(std::size_t bytes);
+
+  std::string memory_;  // of which the first `size_` bytes are written
+  std::size_t size_ = 0;
   std::uint16_t fields_ = 0;
 };
 
@@ -71,5 +86,106 @@ class RecordSink {
   virtual RecordRef write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data,
                           std::span<const RecordRef> causes = {}) = 0;
 };
+
+// --- The encoding: https://github.com/msgpack/msgpack/blob/master/spec.md; the outer map is always a map 16. Inline,
+// because records are a good part of what a rule costs, and most keys are literals.
+
+namespace record_data {
+
+/// Written as MessagePack has it: big-endian.
+inline void put(char* out, std::uint64_t value) {
+  if constexpr (std::endian::native == std::endian::little) value = __builtin_bswap64(value);
+  std::memcpy(out, &value, sizeof value);
+}
+inline void put(char* out, std::uint32_t value) {
+  if constexpr (std::endian::native == std::endian::little) value = __builtin_bswap32(value);
+  std::memcpy(out, &value, sizeof value);
+}
+inline void put(char* out, std::uint16_t value) {
+  if constexpr (std::endian::native == std::endian::little) value = __builtin_bswap16(value);
+  std::memcpy(out, &value, sizeof value);
+}
+/// Where the text ends. An empty one may have no memory.
+inline char* put(char* out, std::string_view text) {
+  if (!text.empty()) std::memcpy(out, text.data(), text.size());
+  return out + text.size();
+}
+
+}  // namespace record_data
+
+inline RecordData& RecordData::begin() {
+  size_ = 0;
+  fields_ = 0;
+  std::memcpy(room(3), "\xde\x00", 3);
+  return took(3);
+}
+
+inline RecordData& RecordData::name(std::string_view key) {
+  record_data::put(memory_.data() + 1, ++fields_);
+  return value(key);
+}
+
+inline RecordData& RecordData::value(std::int64_t value) {
+  char* const out = room(9);
+  if (value >= 0 && value < 128) {
+    out[0] = static_cast<char>(value);
+    return took(1);
+  }
+  if (value >= INT32_MIN && value <= INT32_MAX) {
+    out[0] = '\xd2';
+    record_data::put(out + 1, static_cast<std::uint32_t>(value));
+    return took(5);
+  }
+  out[0] = '\xd3';
+  record_data::put(out + 1, static_cast<std::uint64_t>(value));
+  return took(9);
+}
+
+inline RecordData& RecordData::value(double value) {
+  char* const out = room(9);
+  out[0] = '\xcb';
+  record_data::put(out + 1, std::bit_cast<std::uint64_t>(value));
+  return took(9);
+}
+
+inline RecordData& RecordData::value(bool value) {
+  *room(1) = value ? '\xc3' : '\xc2';
+  return took(1);
+}
+
+inline RecordData& RecordData::value_between(std::string_view before, std::string_view value, std::string_view after) {
+  const std::size_t length = before.size() + value.size() + after.size();
+  char* const out = room(5 + length);
+  char* text = out + 1;
+  if (length < 32) {
+    out[0] = static_cast<char>(0xa0 | length);
+  } else {
+    out[0] = '\xdb';
+    record_data::put(out + 1, static_cast<std::uint32_t>(length));
+    text = out + 5;
+  }
+  text = record_data::put(text, before);
+  text = record_data::put(text, value);
+  return took(static_cast<std::size_t>(record_data::put(text, after) - out));
+}
+
+inline RecordData& RecordData::nil() {
+  *room(1) = '\xc0';
+  return took(1);
+}
+
+inline RecordData& RecordData::open_list(std::size_t size) {
+  char* const out = room(5);
+  out[0] = '\xdd';
+  record_data::put(out + 1, static_cast<std::uint32_t>(size));
+  return took(5);
+}
+
+inline RecordData& RecordData::open_map(std::size_t size) {
+  char* const out = room(5);
+  out[0] = '\xdf';
+  record_data::put(out + 1, static_cast<std::uint32_t>(size));
+  return took(5);
+}
 
 }  // namespace cxlab

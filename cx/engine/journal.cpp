@@ -23,14 +23,8 @@ void RuleEngine::Impl::put_value(const CLIPSValue& value) {
     case INTEGER_TYPE: data.value(static_cast<std::int64_t>(value.integerValue->contents)); break;
     case FLOAT_TYPE: data.value(value.floatValue->contents); break;
     case SYMBOL_TYPE: data.value(std::string_view(value.lexemeValue->contents)); break;
-    case STRING_TYPE:
-      text_buffer.assign(1, '"').append(value.lexemeValue->contents).append(1, '"');
-      data.value(std::string_view(text_buffer));
-      break;
-    case INSTANCE_NAME_TYPE:
-      text_buffer.assign(1, '[').append(value.lexemeValue->contents).append(1, ']');
-      data.value(std::string_view(text_buffer));
-      break;
+    case STRING_TYPE: data.value_between("\"", value.lexemeValue->contents, "\""); break;
+    case INSTANCE_NAME_TYPE: data.value_between("[", value.lexemeValue->contents, "]"); break;
     case EXTERNAL_ADDRESS_TYPE:
       data.open_map(1).text_key("handle").value(
           static_cast<std::int64_t>(reinterpret_cast<std::uintptr_t>(value.externalAddressValue->contents)));

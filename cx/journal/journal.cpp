@@ -42,16 +42,40 @@ struct FreeState {
 
 struct Journal::Stream {
   explicit Stream(std::string_view stream_name)
-      : name(stream_name), name_hash(XXH3_64bits(name.data(), name.size())), hash(XXH3_createState()) {
-    XXH3_128bits_reset(hash.get());
+      : name(stream_name), name_hash(XXH3_64bits(name.data(), name.size())), state(XXH3_createState()), unhashed(kHashedAtOnce, 0) {
+    XXH3_128bits_reset(state.get());
     append_json_string(name, json_name);
+  }
+
+  /// Where the next bytes to be hashed go: room for that many. `took` tells where they end.
+  char* room(std::size_t bytes) {
+    if (unhashed.size() - size < bytes) {
+      hash_waiting();
+      if (unhashed.size() < bytes) unhashed.resize(bytes);
+    }
+    return unhashed.data() + size;
+  }
+  void took(const char* end) { size = static_cast<std::size_t>(end - unhashed.data()); }
+  void hash_waiting() {
+    XXH3_128bits_update(state.get(), unhashed.data(), size);
+    size = 0;
+  }
+  /// Of all records so far.
+  std::string hash() {
+    hash_waiting();
+    return hash_text(XXH3_128bits_digest(state.get()));
   }
 
   std::string name;
   std::string json_name;  // in quotes
   std::uint64_t name_hash;
   std::uint64_t records = 0;
-  std::unique_ptr<XXH3_state_t, FreeState> hash;
+
+ private:
+  static constexpr std::size_t kHashedAtOnce = 2048;
+  std::unique_ptr<XXH3_state_t, FreeState> state;
+  std::string unhashed;  // the first `size` bytes wait
+  std::size_t size = 0;
 };
 
 Expected<JournalLevel> parse_journal_level(std::string_view word) {
@@ -109,32 +133,24 @@ RecordRef Journal::write(StreamId id, SimTime t, RecordKind kind, const RecordDa
   assert(static_cast<std::size_t>(id) < streams_.size());
   Stream& stream = *streams_[static_cast<std::size_t>(id)];
 
-  // Its number, time, kind and causes, then the data: in that order, but in pieces.
-  constexpr std::size_t kMostInPlace = 8;
-  std::array<char, 25 + 16 * kMostInPlace> head;
-  std::size_t size = 0;
-  const auto put_head = [&](auto value) {
-    std::memcpy(head.data() + size, &value, sizeof value);
-    size += sizeof value;
+  const std::string_view bytes = folders_.rewrite(data.bytes(), renamed_) ? std::string_view(renamed_) : data.bytes();
+  char* out = stream.room(29 + 16 * causes.size() + bytes.size());
+  const auto put = [&out](auto value) {
+    std::memcpy(out, &value, sizeof value);
+    out += sizeof value;
   };
-  const auto hash_head = [&] {
-    XXH3_128bits_update(stream.hash.get(), head.data(), size);
-    size = 0;
-  };
-  put_head(stream.records);
-  put_head(static_cast<std::int64_t>(t.count()));
-  put_head(static_cast<std::uint8_t>(kind));
-  put_head(static_cast<std::uint32_t>(causes.size()));
+  put(stream.records);
+  put(static_cast<std::int64_t>(t.count()));
+  put(static_cast<std::uint8_t>(kind));
+  put(static_cast<std::uint32_t>(causes.size()));
   for (const RecordRef& cause : causes) {
     assert(static_cast<std::size_t>(cause.stream) < streams_.size());
-    put_head(streams_[static_cast<std::size_t>(cause.stream)]->name_hash);
-    put_head(cause.n);
-    if (size + 16 + 4 > head.size()) hash_head();
+    put(streams_[static_cast<std::size_t>(cause.stream)]->name_hash);
+    put(cause.n);
   }
-  const std::string_view bytes = folders_.rewrite(data.bytes(), renamed_) ? std::string_view(renamed_) : data.bytes();
-  put_head(static_cast<std::uint32_t>(bytes.size()));
-  hash_head();
-  XXH3_128bits_update(stream.hash.get(), bytes.data(), bytes.size());
+  put(static_cast<std::uint32_t>(bytes.size()));
+  std::memcpy(out, bytes.data(), bytes.size());
+  stream.took(out + bytes.size());
 
   if (file_.is_open() && is_exported(kind, level_)) export_line(stream, t, kind, bytes, causes);
   return {id, stream.records++};
@@ -177,9 +193,8 @@ const std::string& Journal::stream_name(StreamId stream) const {
 std::vector<Journal::StreamSummary> Journal::streams() const {
   std::vector<StreamSummary> summaries;
   for (const auto& [name, id] : ids_) {
-    const Stream& stream = *streams_[static_cast<std::size_t>(id)];
-    if (stream.records == 0) continue;
-    summaries.push_back({name, stream.records, hash_text(XXH3_128bits_digest(stream.hash.get()))});
+    Stream& stream = *streams_[static_cast<std::size_t>(id)];
+    if (stream.records > 0) summaries.push_back({name, stream.records, stream.hash()});
   }
   return summaries;
 }
@@ -187,8 +202,8 @@ std::vector<Journal::StreamSummary> Journal::streams() const {
 std::string Journal::stream_hash(std::string_view name) const {
   const auto found = ids_.find(name);
   if (found == ids_.end()) return {};
-  const Stream& stream = *streams_[static_cast<std::size_t>(found->second)];
-  return stream.records == 0 ? std::string{} : hash_text(XXH3_128bits_digest(stream.hash.get()));
+  Stream& stream = *streams_[static_cast<std::size_t>(found->second)];
+  return stream.records == 0 ? std::string{} : stream.hash();
 }
 
 std::string Journal::journal_hash() const {

@@ -98,7 +98,6 @@ struct RuleEngine::Impl {
   FactTable known_facts;
   std::uint64_t last_fact_number = 0;
   RecordData data;
-  std::string text_buffer;
   std::vector<RecordRef> host_causes;
   std::vector<RecordRef> fire_causes;
   RecordRef fire_record;
