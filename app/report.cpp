@@ -204,6 +204,7 @@ void note_skill(const JournalRecord& record, OpenSkills& open, std::vector<Skill
 Status read_story(const std::filesystem::path& journal, Report& report) {
   auto reader = JournalReader::open(journal);
   if (!reader) return reader.error();
+  reader->only({RecordKind::kSkill, RecordKind::kReferee});
   OpenSkills open;
   while (true) {
     auto record = reader->next();

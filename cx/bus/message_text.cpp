@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstring>
 
 #include "cx/bus/message.h"
 
@@ -79,6 +80,13 @@ void MessageView::record(RecordData& data) const {
   data.open_map(type_->fields().size());
   for (const Field& field : type_->fields()) {
     data.text_key(field.name);
+    if (field.type == FieldType::kFloat64 && field.array == ArrayKind::kSingle) {
+      // Most fields of most messages.
+      double number;
+      std::memcpy(&number, memory_ + field.offset, sizeof number);
+      data.value(number);
+      continue;
+    }
     const std::size_t count = size(field);
     if (field.array != ArrayKind::kSingle) data.open_list(count);
     for (std::size_t i = 0; i < count; ++i) record_element(*this, field, i, data);

@@ -198,7 +198,7 @@ void machine_function(Environment* env, UDFContext* context, UDFValue* result) {
     UDFValue answer;
     answer.voidValue = VoidConstant(env);
     call_original(env, context, &answer, args);
-    return ValueRef(answer.value, 0, 0).copy();
+    return ValueRef(answer.value, value_type(*answer.header), 0, 0).copy();
   });
   result->value = value.is(ValueType::kVoid) ? static_cast<void*>(VoidConstant(env)) : to_clips(env, value);
 }

@@ -234,6 +234,9 @@ class RuleEngine {
   /// Those added here and not removed, by name.
   std::vector<FunctionSpec> functions() const;
   Handle new_handle() { return Handle{++last_handle_}; }
+  /// A text of a call stays where it is as long as the engine: its atom then means this text, and is quick to compare.
+  /// For the few texts that functions are called with again and again.
+  void keep(const ValueRef& text);
   /// Acting functions that tests on a left-hand side call, directly or through deffunctions: found at load, where each
   /// is an error with `kStop` and a note here with `kKeepGoing`.
   std::vector<Error> take_notes();

@@ -95,8 +95,7 @@ void RuleEngine::note_error(const std::string& text) {
   impl_->capture(text.c_str() + 1);
 }
 
-void RuleEngine::Impl::flush_errors() {
-  if (starts.empty()) return;
+void RuleEngine::Impl::make_errors() {
   std::vector<Message> messages;
   for (std::size_t i = 0; i < starts.size(); ++i) {
     const std::size_t end = i + 1 < starts.size() ? starts[i + 1].at : captured.size();

@@ -8,7 +8,7 @@ using namespace clips;
 
 Value to_value(const CLIPSValue& value) {
   const std::size_t size = value.header->type == MULTIFIELD_TYPE ? value.multifieldValue->length : 0;
-  return ValueRef(value.value, 0, size).copy();
+  return ValueRef(value.value, value_type(*value.header), 0, size).copy();
 }
 
 void* to_clips(Environment* env, const Value& value) {
@@ -42,7 +42,17 @@ std::string qualified_name(const ConstructHeader& header) {
   return std::string_view(module) == "MAIN" ? header.name->contents : std::string(module) + "::" + header.name->contents;
 }
 
-Deftemplate* RuleEngine::Impl::find_template(const std::string& name) const {
+Deftemplate* RuleEngine::Impl::find_template(const std::string& name) {
+  // Most facts from C++ are of a few templates of the current module: their names are looked up once.
+  KnownName& known = template_names[(name.size() + static_cast<unsigned char>(name.empty() ? 0 : name.back())) % template_names.size()];
+  if (known.text != name || known.atom == nullptr) {
+    if (known.atom != nullptr) ReleaseLexeme(env, known.atom);
+    known = {name, CreateSymbol(env, name.c_str())};
+    RetainLexeme(env, known.atom);
+  }
+  for (Deftemplate* found = GetNextDeftemplate(env, nullptr); found != nullptr; found = reinterpret_cast<Deftemplate*>(found->header.next)) {
+    if (found->header.name == known.atom) return found;
+  }
   if (Deftemplate* found = FindDeftemplate(env, name.c_str())) return found;
   // A plugin's template lives in MAIN, whatever module the rules have made the current one.
   Defmodule* current = GetCurrentModule(env);
@@ -95,9 +105,9 @@ std::optional<Error> RuleEngine::Impl::put_slot(Deftemplate& deftemplate, const 
 }
 
 Expected<std::int64_t> RuleEngine::Impl::assert_made(Fact* fact) {
-  const std::string name = fact->whichDeftemplate->header.name->contents;
+  const CLIPSLexeme& name = *fact->whichDeftemplate->header.name;
   Fact* asserted = Assert(fact);
-  if (asserted == nullptr) return Error{ErrorKind::kRun, "CLIPS refused a fact of '" + name + "'", {}, 0, {}};
+  if (asserted == nullptr) return Error{ErrorKind::kRun, "CLIPS refused a fact of '" + std::string(name.contents) + "'", {}, 0, {}};
   return asserted->factIndex;
 }
 

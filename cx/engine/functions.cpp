@@ -1,5 +1,6 @@
 // Functions that rules call and C++ answers.
 
+#include <algorithm>
 #include <cstddef>
 #include <new>
 
@@ -27,6 +28,9 @@ void say_error(Environment* env, UDFContext* context, std::string_view message) 
 
 /// Evaluates the arguments, calls, and lets no exception through.
 struct CallFrame {
+  static_assert(1U << FLOAT_TYPE == FLOAT_BIT && 1U << INTEGER_TYPE == INTEGER_BIT && 1U << SYMBOL_TYPE == SYMBOL_BIT &&
+                1U << STRING_TYPE == STRING_BIT && std::max({FLOAT_TYPE, INTEGER_TYPE, SYMBOL_TYPE}) < STRING_TYPE);
+
   static void run(Environment* env, UDFContext* context, UDFValue* result) {
     const FunctionRecord& record = *static_cast<FunctionRecord*>(context->context);
     constexpr std::size_t kInPlace = 8;
@@ -38,16 +42,23 @@ struct CallFrame {
       while (UDFHasNextArgument(context)) {
         UDFValue value;
         const unsigned bits = size < record.arg_bits.size() ? record.arg_bits[size] : record.rest_bits;
-        if (!UDFNextArgument(context, bits, &value)) return;
+        if (const Expression& arg = *context->lastArg; arg.type <= STRING_TYPE && (bits & 1U << arg.type) != 0) {
+          // A number or a text as it stands in the rules.
+          value.value = arg.value;
+          context->lastArg = arg.nextArg;
+          ++context->lastPosition;
+        } else if (!UDFNextArgument(context, bits, &value)) {
+          return;
+        }
         // Built in its place: a copy would wait for what was just written.
         const bool list = value.header->type == MULTIFIELD_TYPE;
         const std::size_t begin = list ? value.begin : 0;
         const std::size_t length = !list ? 0 : value.range == SIZE_MAX ? value.multifieldValue->length : value.range;
         if (size < kInPlace) {
-          new (in_place + size) ValueRef(value.value, begin, length);
+          new (in_place + size) ValueRef(value.value, value_type(*value.header), begin, length);
         } else {
           if (size == kInPlace) many.assign(in_place, in_place + kInPlace);
-          many.emplace_back(value.value, begin, length);
+          many.emplace_back(value.value, value_type(*value.header), begin, length);
         }
         ++size;
       }
@@ -238,6 +249,10 @@ void RuleEngine::remove_functions_of(const std::string& owner) {
   for (auto& [name, record] : impl_->functions) {
     if (record->spec.owner == owner) remove_function(name);
   }
+}
+
+void RuleEngine::keep(const ValueRef& text) {
+  RetainLexeme(environment_, static_cast<CLIPSLexeme*>(const_cast<void*>(text.atom())));
 }
 
 std::vector<FunctionSpec> RuleEngine::functions() const {

@@ -2,17 +2,9 @@
 
 #include <cstdio>
 
-#include "internal/clips_api.h"
+#include "internal/impl.h"
 
 namespace cxlab {
-namespace {
-
-using clips::TypeHeader;
-
-const TypeHeader& header_of(const void* atom) { return *static_cast<const TypeHeader*>(atom); }
-
-}  // namespace
-
 Value Value::multifield(std::vector<Value> items) {
   Value value(ValueType::kMultifield, 0, 0.0, {});
   value.items_ = std::move(items);
@@ -62,34 +54,6 @@ std::string Value::print() const {
   return {};
 }
 
-ValueType ValueRef::type() const {
-  if (atom_ == nullptr) return ValueType::kVoid;
-  switch (header_of(atom_).type) {
-    case INTEGER_TYPE: return ValueType::kInteger;
-    case FLOAT_TYPE: return ValueType::kFloat;
-    case SYMBOL_TYPE: return ValueType::kSymbol;
-    case STRING_TYPE: return ValueType::kString;
-    case INSTANCE_NAME_TYPE: return ValueType::kInstanceName;
-    case EXTERNAL_ADDRESS_TYPE: return ValueType::kHandle;
-    case FACT_ADDRESS_TYPE: return ValueType::kFact;
-    case INSTANCE_ADDRESS_TYPE: return ValueType::kInstance;
-    case MULTIFIELD_TYPE: return ValueType::kMultifield;
-    default: return ValueType::kVoid;
-  }
-}
-
-bool ValueRef::is_text() const {
-  const ValueType t = type();
-  return t == ValueType::kSymbol || t == ValueType::kString || t == ValueType::kInstanceName;
-}
-
-bool ValueRef::is_number() const {
-  const ValueType t = type();
-  return t == ValueType::kInteger || t == ValueType::kFloat;
-}
-
-bool ValueRef::is_true() const { return !(type() == ValueType::kSymbol && text() == "FALSE"); }
-
 std::int64_t ValueRef::as_integer() const {
   switch (type()) {
     case ValueType::kInteger: return static_cast<const clips::CLIPSInteger*>(atom_)->contents;
@@ -121,7 +85,8 @@ std::int64_t ValueRef::fact_index() const {
 
 ValueRef ValueRef::operator[](std::size_t i) const {
   const auto* list = static_cast<const clips::Multifield*>(atom_);
-  return ValueRef(list->contents[begin_ + i].value, 0, 0);
+  const clips::CLIPSValue& item = list->contents[begin_ + i];
+  return ValueRef(item.value, value_type(*item.header), 0, 0);
 }
 
 Value ValueRef::copy() const {

@@ -67,14 +67,15 @@ class Value {
 class ValueRef {
  public:
   ValueRef() = default;
-  /// `atom` is a CLIPS header; `begin` and `size` are the part of a multifield.
-  ValueRef(const void* atom, std::size_t begin, std::size_t size) : atom_(atom), begin_(begin), size_(size) {}
+  /// `atom` is a CLIPS header of that type; `begin` and `size` are the part of a multifield.
+  ValueRef(const void* atom, ValueType type, std::size_t begin, std::size_t size)
+      : atom_(atom), begin_(begin), size_(size), type_(type) {}
 
-  ValueType type() const;
-  bool is(ValueType type) const { return this->type() == type; }
-  bool is_text() const;
-  bool is_number() const;
-  bool is_true() const;
+  ValueType type() const { return type_; }
+  bool is(ValueType type) const { return type_ == type; }
+  bool is_text() const { return type_ == ValueType::kSymbol || type_ == ValueType::kString || type_ == ValueType::kInstanceName; }
+  bool is_number() const { return type_ == ValueType::kInteger || type_ == ValueType::kFloat; }
+  bool is_true() const { return !(type_ == ValueType::kSymbol && text() == "FALSE"); }
 
   /// A FLOAT is cut to its integer part, as CLIPS does.
   std::int64_t as_integer() const;
@@ -95,6 +96,7 @@ class ValueRef {
   const void* atom_ = nullptr;
   std::size_t begin_ = 0;
   std::size_t size_ = 0;
+  ValueType type_ = ValueType::kVoid;
 };
 
 /// A FLOAT as CLIPS prints it: 15 digits, with ".0" where it would look like an integer.

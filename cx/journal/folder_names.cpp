@@ -74,7 +74,6 @@ bool FolderNames::in_text(std::string_view text, std::string& out) const {
 }
 
 bool FolderNames::rewrite(std::string_view bytes, std::string& out) const {
-  if (names_.empty()) return false;
   // Most records hold none: look at the slashes before anything is copied. Heads of texts are no part of names, but one
   // may look like it: the exact test follows.
   const auto may_begin = [&](std::size_t at) {

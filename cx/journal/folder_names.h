@@ -13,6 +13,7 @@ class FolderNames {
   /// `folder` is absolute. A folder that is known keeps its first name.
   void add(const std::string& folder, const std::string& name);
 
+  bool empty() const { return names_.empty(); }
   /// Whether texts in the bytes of a `RecordData` hold one of the folders (as a whole path or the beginning of one);
   /// `out` is then the same data with names instead.
   bool rewrite(std::string_view bytes, std::string& out) const;

@@ -133,7 +133,8 @@ RecordRef Journal::write(StreamId id, SimTime t, RecordKind kind, const RecordDa
   assert(static_cast<std::size_t>(id) < streams_.size());
   Stream& stream = *streams_[static_cast<std::size_t>(id)];
 
-  const std::string_view bytes = folders_.rewrite(data.bytes(), renamed_) ? std::string_view(renamed_) : data.bytes();
+  std::string_view bytes = data.bytes();
+  if (!folders_.empty() && folders_.rewrite(bytes, renamed_)) bytes = renamed_;
   char* out = stream.room(29 + 16 * causes.size() + bytes.size());
   const auto put = [&out](auto value) {
     std::memcpy(out, &value, sizeof value);

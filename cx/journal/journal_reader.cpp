@@ -1,5 +1,6 @@
 #include "cx/journal/journal_reader.h"
 
+#include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
 
@@ -59,6 +60,20 @@ std::optional<JournalRecord::Cause> parse_cause(const std::string& text) {
 
 }  // namespace
 
+namespace {
+
+/// The kind of a line as the journal writes it, with nothing nested before it; none if it looks otherwise.
+std::optional<RecordKind> kind_in_head(std::string_view line) {
+  static constexpr std::string_view kKey = "\"kind\":\"";
+  const std::string_view head = line.substr(0, line.find('{', 1));
+  const auto key = head.find(kKey);
+  if (key == std::string_view::npos) return std::nullopt;
+  const std::string_view rest = head.substr(key + kKey.size());
+  return kind_of(rest.substr(0, rest.find('"')));
+}
+
+}  // namespace
+
 Expected<JournalRecord> parse_journal_line(std::string_view line) {
   const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) return input_error("expected a record, a JSON object");
@@ -105,15 +120,22 @@ Expected<JournalReader> JournalReader::open(const std::filesystem::path& path) {
 }
 
 Expected<std::optional<JournalRecord>> JournalReader::next() {
-  if (!std::getline(file_, text_)) return std::optional<JournalRecord>{};
-  ++line_;
-  if (file_.eof()) {
-    cut_off_ = true;
-    return std::optional<JournalRecord>{};
+  const auto wanted = [this](RecordKind kind) {
+    return kinds_.empty() || std::find(kinds_.begin(), kinds_.end(), kind) != kinds_.end();
+  };
+  while (std::getline(file_, text_)) {
+    ++line_;
+    if (file_.eof()) {
+      cut_off_ = true;
+      break;
+    }
+    const auto kind = kinds_.empty() ? std::nullopt : kind_in_head(text_);
+    if (kind && !wanted(*kind)) continue;
+    auto record = parse_journal_line(text_);
+    if (!record) return input_error(record.error().message, path_, line_);
+    if (wanted(record->kind)) return std::optional<JournalRecord>(std::move(*record));
   }
-  auto record = parse_journal_line(text_);
-  if (!record) return input_error(record.error().message, path_, line_);
-  return std::optional<JournalRecord>(std::move(*record));
+  return std::optional<JournalRecord>{};
 }
 
 Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& path) {

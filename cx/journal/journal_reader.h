@@ -6,6 +6,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -38,6 +39,8 @@ Expected<JournalRecord> parse_journal_line(std::string_view line);
 class JournalReader {
  public:
   static Expected<JournalReader> open(const std::filesystem::path& path);
+  /// From now on `next` leaves out records of other kinds, and mostly reads no more of their lines than the head.
+  void only(std::vector<RecordKind> kinds) { kinds_ = std::move(kinds); }
   /// The next record; nothing at the end. A malformed line is an error with file and line.
   Expected<std::optional<JournalRecord>> next();
   /// After the end: whether the last line was cut off (the process was killed while writing); it is not given out.
@@ -47,6 +50,7 @@ class JournalReader {
   std::ifstream file_;
   std::string path_;
   std::string text_;
+  std::vector<RecordKind> kinds_;  // empty: all
   int line_ = 0;
   bool cut_off_ = false;
 };

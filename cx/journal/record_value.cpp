@@ -4,6 +4,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 
 namespace cxlab {
 namespace {
@@ -130,57 +131,6 @@ Status decode(TokenReader& reader, RecordValue& out, int depth) {
   return {};
 }
 
-void append_number(double value, std::string& out) {
-  if (std::isnan(value)) {
-    out += "\"nan\"";
-  } else if (std::isinf(value)) {
-    out += value > 0 ? "\"inf\"" : "\"-inf\"";
-  } else {
-    char digits[32];
-    const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-    out.append(digits, end);
-    if (std::find_if(digits, end, [](char c) { return c == '.' || c == 'e'; }) == end) out += ".0";
-  }
-}
-
-Status append_value(TokenReader& reader, std::string& out, int depth) {
-  const Token token = reader.next();
-  if (depth > kDeepest) return malformed("nested too deep");
-  switch (token.type) {
-    case TokenType::kBad: return malformed("cut off, or a byte that starts no value");
-    case TokenType::kNil: out += "null"; break;
-    case TokenType::kTruth: out += token.integer != 0 ? "true" : "false"; break;
-    case TokenType::kInteger: {
-      char digits[24];
-      out.append(digits, std::to_chars(digits, digits + sizeof digits, token.integer).ptr);
-      break;
-    }
-    case TokenType::kReal: append_number(token.real, out); break;
-    case TokenType::kText: append_json_string(token.text, out); break;
-    case TokenType::kList:
-      out += '[';
-      for (std::int64_t i = 0; i < token.integer; ++i) {
-        if (i > 0) out += ',';
-        if (Status s = append_value(reader, out, depth + 1); !s) return s;
-      }
-      out += ']';
-      break;
-    case TokenType::kMap:
-      out += '{';
-      for (std::int64_t i = 0; i < token.integer; ++i) {
-        if (i > 0) out += ',';
-        const Token key = reader.next();
-        if (key.type != TokenType::kText) return malformed("a key that is no text");
-        append_json_string(key.text, out);
-        out += ':';
-        if (Status s = append_value(reader, out, depth + 1); !s) return s;
-      }
-      out += '}';
-      break;
-  }
-  return {};
-}
-
 /// Bytes of the UTF-8 character that `text` begins with, 0 if it begins with none (RFC 3629, table in section 4).
 std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<std::uint8_t>(text[i]) : 0; };
@@ -201,6 +151,133 @@ std::size_t utf8_length(std::string_view text) {
   }
   return 0;
 }
+
+// --- JSON. Written into memory that has room for the longest text, so that no character is checked for it.
+
+/// Of a text with its quotes: a control character becomes six.
+std::size_t text_room(std::size_t size) { return 6 * size + 2; }
+/// Of any record: every value becomes at most eight times its bytes, brackets and commas included; 32 for `to_chars`.
+std::size_t json_room(std::size_t size) { return 8 * size + 32; }
+
+/// Whether any of eight characters is not written as it is: control characters, quotes, backslashes, all beyond ASCII.
+bool any_special(std::uint64_t eight) {
+  constexpr std::uint64_t kEach = 0x0101010101010101, kHigh = 0x80 * kEach;
+  const auto zero = [](std::uint64_t x) { return (x - kEach) & ~x; };
+  const std::uint64_t control = (eight - 0x20 * kEach) & ~eight;
+  return ((eight | control | zero(eight ^ '"' * kEach) | zero(eight ^ '\\' * kEach) | zero(eight ^ 0x7f * kEach)) & kHigh) != 0;
+}
+
+char* write_special(std::string_view text, std::size_t length, char* out) {
+  static constexpr char kHex[] = "0123456789abcdef";
+  const char c = text.front();
+  const auto write = [&out](std::string_view piece) {
+    std::memcpy(out, piece.data(), piece.size());
+    out += piece.size();
+  };
+  if (length == 0) {
+    write("\xef\xbf\xbd");
+  } else if (c == '"' || c == '\\') {
+    *out++ = '\\';
+    *out++ = c;
+  } else if (c == '\n') {
+    write("\\n");
+  } else if (static_cast<std::uint8_t>(c) < 0x20 || c == 0x7f) {
+    write("\\u00");
+    *out++ = kHex[static_cast<std::uint8_t>(c) >> 4];
+    *out++ = kHex[c & 15];
+  } else {
+    write(text.substr(0, length));
+  }
+  return out;
+}
+
+char* write_text(std::string_view text, char* out) {
+  *out++ = '"';
+  while (!text.empty()) {
+    std::uint64_t eight;
+    if (text.size() >= sizeof eight) {
+      std::memcpy(&eight, text.data(), sizeof eight);
+      if (!any_special(eight)) {
+        std::memcpy(out, &eight, sizeof eight);
+        out += sizeof eight;
+        text.remove_prefix(sizeof eight);
+        continue;
+      }
+    }
+    const std::size_t length = utf8_length(text);
+    out = write_special(text, length, out);
+    text.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  *out++ = '"';
+  return out;
+}
+
+char* write_number(double value, char* out) {
+  const auto word = [out](std::string_view text) {
+    std::memcpy(out, text.data(), text.size());
+    return out + text.size();
+  };
+  if (std::isnan(value)) return word("\"nan\"");
+  if (std::isinf(value)) return word(value > 0 ? "\"inf\"" : "\"-inf\"");
+  char* end = std::to_chars(out, out + 32, value).ptr;
+  if (std::find_if(out, end, [](char c) { return c == '.' || c == 'e'; }) == end) {
+    *end++ = '.';
+    *end++ = '0';
+  }
+  return end;
+}
+
+/// Writes one record; `end` is where it got.
+struct JsonWriter {
+  TokenReader reader;
+  char* end;
+  const char* fault = nullptr;
+
+  bool value(int depth) {
+    const Token token = reader.next();
+    if (depth > kDeepest) return fail("nested too deep");
+    switch (token.type) {
+      case TokenType::kBad: return fail("cut off, or a byte that starts no value");
+      case TokenType::kNil: return word("null");
+      case TokenType::kTruth: return word(token.integer != 0 ? "true" : "false");
+      case TokenType::kInteger: end = std::to_chars(end, end + 24, token.integer).ptr; return true;
+      case TokenType::kReal: end = write_number(token.real, end); return true;
+      case TokenType::kText: end = write_text(token.text, end); return true;
+      case TokenType::kList:
+        *end++ = '[';
+        for (std::int64_t i = 0; i < token.integer; ++i) {
+          if (i > 0) *end++ = ',';
+          if (!value(depth + 1)) return false;
+        }
+        *end++ = ']';
+        return true;
+      case TokenType::kMap:
+        *end++ = '{';
+        for (std::int64_t i = 0; i < token.integer; ++i) {
+          if (i > 0) *end++ = ',';
+          const Token key = reader.next();
+          if (key.type != TokenType::kText) return fail("a key that is no text");
+          end = write_text(key.text, end);
+          *end++ = ':';
+          if (!value(depth + 1)) return false;
+        }
+        *end++ = '}';
+        return true;
+    }
+    return false;
+  }
+
+ private:
+  bool fail(const char* what) {
+    fault = what;
+    return false;
+  }
+  bool word(std::string_view text) {
+    std::memcpy(end, text.data(), text.size());
+    end += text.size();
+    return true;
+  }
+};
 
 template <class T>
 const T* get(const RecordValue& map, std::string_view key) {
@@ -249,34 +326,18 @@ Expected<RecordValue> decode_record_data(std::string_view bytes) {
 }
 
 Status append_json(std::string_view bytes, std::string& out) {
-  TokenReader reader(bytes);
-  if (Status s = append_value(reader, out, 0); !s) return s;
-  return reader.at_end() ? Status{} : Status{malformed("bytes after its end")};
+  const std::size_t before = out.size();
+  out.resize(before + json_room(bytes.size()));
+  JsonWriter writer{TokenReader(bytes), out.data() + before};
+  if (writer.value(0) && !writer.reader.at_end()) writer.fault = "bytes after its end";
+  out.resize(static_cast<std::size_t>(writer.end - out.data()));
+  return writer.fault == nullptr ? Status{} : Status{malformed(writer.fault)};
 }
 
 void append_json_string(std::string_view text, std::string& out) {
-  static constexpr char kHex[] = "0123456789abcdef";
-  out += '"';
-  while (!text.empty()) {
-    const char c = text.front();
-    const std::size_t length = utf8_length(text);
-    if (length == 0) {
-      out += "\xef\xbf\xbd";
-    } else if (c == '"' || c == '\\') {
-      out += '\\';
-      out += c;
-    } else if (c == '\n') {
-      out += "\\n";
-    } else if (static_cast<std::uint8_t>(c) < 0x20 || c == 0x7f) {
-      out += "\\u00";
-      out += kHex[static_cast<std::uint8_t>(c) >> 4];
-      out += kHex[c & 15];
-    } else {
-      out.append(text.substr(0, length));
-    }
-    text.remove_prefix(std::max<std::size_t>(length, 1));
-  }
-  out += '"';
+  const std::size_t before = out.size();
+  out.resize(before + text_room(text.size()));
+  out.resize(static_cast<std::size_t>(write_text(text, out.data() + before) - out.data()));
 }
 
 }  // namespace cxlab

@@ -1,6 +1,7 @@
 #pragma once
 // What the sources of the engine share.
 
+#include <array>
 #include <map>
 #include <optional>
 #include <set>
@@ -67,7 +68,10 @@ struct RuleEngine::Impl {
 
   void capture(const char* text);
   /// Turns what was captured into errors of the innermost context.
-  void flush_errors();
+  void flush_errors() {
+    if (!starts.empty()) make_errors();
+  }
+  void make_errors();
   void add_error(RuleError error);
   /// The line of the only call that the message names in that side of the construct, else where the construct begins.
   int line_of_error(const ConstructInfo& info, ErrorSide side, const std::string& message) const;
@@ -114,7 +118,12 @@ struct RuleEngine::Impl {
   /// To be called where no function is being evaluated, but for the one that called C++.
   void release_kept();
 
-  clips::Deftemplate* find_template(const std::string& name) const;
+  struct KnownName {
+    std::string text;
+    clips::CLIPSLexeme* atom = nullptr;  ///< retained
+  };
+  std::array<KnownName, 16> template_names;
+  clips::Deftemplate* find_template(const std::string& name);
   clips::Fact* find_fact(std::int64_t index) const;
   std::optional<Error> put_slot(clips::Deftemplate& deftemplate, const Slot& slot, clips::CLIPSValue* slots);
   Expected<std::int64_t> assert_made(clips::Fact* fact);
@@ -180,6 +189,20 @@ class HostCall {
   clips::GCBlock block_;
 };
 
+inline ValueType value_type(const clips::TypeHeader& header) {
+  switch (header.type) {
+    case INTEGER_TYPE: return ValueType::kInteger;
+    case FLOAT_TYPE: return ValueType::kFloat;
+    case SYMBOL_TYPE: return ValueType::kSymbol;
+    case STRING_TYPE: return ValueType::kString;
+    case INSTANCE_NAME_TYPE: return ValueType::kInstanceName;
+    case EXTERNAL_ADDRESS_TYPE: return ValueType::kHandle;
+    case FACT_ADDRESS_TYPE: return ValueType::kFact;
+    case INSTANCE_ADDRESS_TYPE: return ValueType::kInstance;
+    case MULTIFIELD_TYPE: return ValueType::kMultifield;
+    default: return ValueType::kVoid;
+  }
+}
 Value to_value(const clips::CLIPSValue& value);
 /// An atom, or a multifield of the garbage frame.
 void* to_clips(clips::Environment* env, const Value& value);

@@ -166,10 +166,12 @@ Fault set_array(MessageStore& store, const MessageView& view, const Field& field
 const Field* Fields::find(const bus::MessageType& type, const ValueRef& name) {
   const auto mix = reinterpret_cast<std::uintptr_t>(name.atom()) ^ reinterpret_cast<std::uintptr_t>(&type) >> 3;
   Known& known = known_[(mix >> 4) % known_.size()];
-  // An atom that has gone may have left its place in memory to another one.
-  if (known.atom == name.atom() && known.type == &type && known.field->name == name.text()) return known.field;
+  if (known.atom == name.atom() && known.type == &type) return known.field;
   const Field* field = type.find(name.text());
-  if (field) known = {name.atom(), &type, field};
+  if (field) {
+    store_.engine().keep(name);
+    known = {name.atom(), &type, field};
+  }
   return field;
 }
 

@@ -21,6 +21,7 @@ class MessageStore {
 
   explicit MessageStore(Environment& environment) : engine_(environment.engine()), table_(64) {}
 
+  RuleEngine& engine() const { return engine_; }
   Owner new_owner();
   Handle create(const bus::MessageType& type, Owner owner);
   Handle receive(bus::SharedMessage message, Owner owner);

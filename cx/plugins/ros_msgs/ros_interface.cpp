@@ -70,15 +70,14 @@ std::vector<RosInterface::Entry> RosInterface::functions(const std::string& owne
 
 const bus::MessageType* RosInterface::message_type(Call& call, const ValueRef& name) {
   Known& known = known_[(reinterpret_cast<std::uintptr_t>(name.atom()) >> 5) % known_.size()];
-  // An atom that has gone may have left its place in memory to another one.
-  if (known.atom == name.atom() && known.name == name.text()) return known.type;
-  std::string text(name.text());
-  auto type = bus_.registry().message(text);
+  if (known.atom == name.atom()) return known.type;
+  auto type = bus_.registry().message(std::string(name.text()));
   if (!type) {
     call.fail(type.error().text());
     return nullptr;
   }
-  known = {name.atom(), std::move(text), *type};
+  engine_.keep(name);
+  known = {name.atom(), *type};
   return *type;
 }
 

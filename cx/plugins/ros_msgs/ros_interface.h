@@ -68,7 +68,6 @@ class RosInterface final : public BusConnection {
   /// What a name meant last, by its atom: looked up once a call site.
   struct Known {
     const void* atom = nullptr;
-    std::string name;
     const bus::MessageType* type = nullptr;
   };
   std::array<Known, 16> known_{};

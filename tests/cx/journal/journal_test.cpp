@@ -208,6 +208,16 @@ TEST(JournalExport, TextIsAlwaysValidUtf8) {
   EXPECT_EQ(json("a\"b\\c\nd\x01"), R"("a\"b\\c\nd\u0001")");
   const std::string unknown = "\xef\xbf\xbd";
   EXPECT_EQ(json("x\xff\x79"), "\"x" + unknown + "y\"");
+  for (int c = 0; c < 128; ++c) {
+    // Wherever in a longer text a character stands, it is written as where it stands alone.
+    const std::string one(1, static_cast<char>(c)), alone = json(one);
+    for (std::size_t at = 0; at < 9; ++at) {
+      std::string text = "plain text", expected = "\"" + text + "\"";
+      text.insert(at, one);
+      expected.insert(at + 1, alone.substr(1, alone.size() - 2));
+      EXPECT_EQ(json(text), expected) << c;
+    }
+  }
   EXPECT_EQ(json("\xc3"), "\"" + unknown + "\"") << "cut off";
   EXPECT_EQ(json("\xc0\x80"), "\"" + unknown + unknown + "\"") << "longer than needed";
   EXPECT_EQ(json("\xed\xa0\x80"), "\"" + unknown + unknown + unknown + "\"") << "half a surrogate pair";
@@ -278,6 +288,28 @@ TEST(JournalReader, GivesBackWhatWasWritten) {
   EXPECT_EQ(last.data.text("state"), "OPEN");
   EXPECT_EQ(last.data.text("nothing", "none"), "none");
   EXPECT_THAT(last.causes, ElementsAre(JournalRecord::Cause{"node/robot1", 0}));
+}
+
+TEST(JournalReader, LeavesOutKindsThatNobodyAskedFor) {
+  TempFolder folder;
+  // Another order of members, with a "kind" in the data, and one that is nobody's business.
+  const std::string by_hand =
+      R"({"data":{"kind":"fire"},"stream":"s","n":0,"t":0,"kind":"decision","cause":[]})" "\n"
+      R"({"data":{"kind":"decision"},"stream":"s","n":1,"t":0,"kind":"fire","cause":[]})" "\n";
+  put_file(folder / "j", exported(JournalLevel::kDecisions, [](Journal& journal) {
+             tell(journal, journal.open_stream("env/{\"kind\":\"fire\""), journal.open_stream("node/robot1"));
+           }) + by_hand);
+  auto reader = JournalReader::open(folder / "j");
+  ASSERT_TRUE(reader.ok());
+  reader->only({RecordKind::kSkill, RecordKind::kDecision});
+  std::vector<std::string> found;
+  while (true) {
+    auto record = reader->next();
+    ASSERT_TRUE(record.ok()) << record.error().text();
+    if (!*record) break;
+    found.push_back((*record)->stream + ' ' + std::string(to_string((*record)->kind)));
+  }
+  EXPECT_THAT(found, ElementsAre("node/robot1 skill", "env/{\"kind\":\"fire\" decision", "s decision"));
 }
 
 TEST(JournalReader, LeavesOutALastLineThatIsCutOff) {
