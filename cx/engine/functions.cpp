@@ -35,9 +35,9 @@ struct CallFrame {
     const FunctionRecord& record = *static_cast<FunctionRecord*>(context->context);
     constexpr std::size_t kInPlace = 8;
     alignas(ValueRef) std::byte memory[kInPlace * sizeof(ValueRef)];  // cleared for each call it would cost more than the call
-    auto* const in_place = reinterpret_cast<ValueRef*>(memory);
+    auto* args = reinterpret_cast<ValueRef*>(memory);
+    std::size_t room = kInPlace, size = 0;
     std::vector<ValueRef> many;
-    std::size_t size = 0;
     try {
       while (UDFHasNextArgument(context)) {
         UDFValue value;
@@ -50,17 +50,16 @@ struct CallFrame {
         } else if (!UDFNextArgument(context, bits, &value)) {
           return;
         }
+        if (size == room) {
+          if (many.empty()) many.assign(args, args + size);
+          many.resize(room *= 4);
+          args = many.data();
+        }
         // Built in its place: a copy would wait for what was just written.
         const bool list = value.header->type == MULTIFIELD_TYPE;
         const std::size_t begin = list ? value.begin : 0;
         const std::size_t length = !list ? 0 : value.range == SIZE_MAX ? value.multifieldValue->length : value.range;
-        if (size < kInPlace) {
-          new (in_place + size) ValueRef(value.value, value_type(*value.header), begin, length);
-        } else {
-          if (size == kInPlace) many.assign(in_place, in_place + kInPlace);
-          many.emplace_back(value.value, value_type(*value.header), begin, length);
-        }
-        ++size;
+        new (args + size++) ValueRef(value.value, value_type(*value.header), begin, length);
       }
       if (!record.function) {
         say_error(env, context, "belongs to unloaded plugin " + record.spec.owner);
@@ -73,7 +72,7 @@ struct CallFrame {
         return;
       }
       Call call(*record.engine, record.spec, context, result);
-      call.args_ = size <= kInPlace ? std::span<const ValueRef>(in_place, size) : std::span<const ValueRef>(many);
+      call.args_ = std::span<const ValueRef>(args, size);
       record.function(call);
     } catch (const std::exception& exception) {
       say_error(env, context, exception.what());
