@@ -36,6 +36,7 @@ struct PddlManagerOptions {
   bool original = false;          ///< answers as the first PDDL manager does, errors included
   bool anytime = false;           ///< plans are improved until the budget ends
   PlanningCost cost;
+  std::string command;            ///< another planner that makes the plans (`find_plan_with`); empty = ours
   cx::LogSink* log = nullptr;     ///< may be none
   /// Told of each file that is read, before it is; may be none.
   std::function<Status(const std::string& logical_name, const std::filesystem::path& file)> on_read;

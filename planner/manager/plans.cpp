@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "planner/manager/external.h"
 #include "planner/manager/manager.h"
 #include "planner/pddl/text.h"
 
@@ -40,7 +41,9 @@ PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   PlanOptions how;
   how.budget = options_.cost.budget;
   how.anytime = options_.anytime;
-  auto answer = find_plan(*task, how);
+  const double wall_s = static_cast<double>(how.budget) * 1e-6;  // a unit is about a microsecond
+  auto answer = options_.command.empty() ? find_plan(*task, how) : find_plan_with(options_.command, *task, wall_s);
+  if (!answer && !options_.command.empty()) return {"ERROR", answer.error().text(), {}, {}, bus::GoalStatus::kAborted};
   if (!answer) return {"MEMORY", answer.error().message, {}, {}, bus::GoalStatus::kAborted};
   Outcome outcome{"PLAN", answer->reason, *std::move(task), *std::move(answer), bus::GoalStatus::kSucceeded};
   if (outcome.answer.plan) return outcome;

@@ -42,6 +42,7 @@ Status add_manager(const Config& config, const NodeSetup& setup, Stage& stage) {
   options.bond_period = config.bond_period;
   options.original = config.original;
   options.anytime = config.anytime;
+  options.command = config.command;
   options.cost = config.cost.value_or(setup.scenario.planner);
   options.log = setup.log;
   options.on_read = setup.keep;
@@ -51,7 +52,8 @@ Status add_manager(const Config& config, const NodeSetup& setup, Stage& stage) {
   auto manager = planner::PddlManager::create(std::move(options), setup.bus, setup.sink);
   if (!manager) return manager.error();
   auto server = std::make_unique<ManagerServer>(*std::move(manager));
-  stage.reports.push_back([&node = server->manager()](Result& result) {
+  stage.reports.push_back([&node = server->manager(), outside = !config.command.empty()](Result& result) {
+    if (outside) result.deterministic = false;
     result.plans += node.plans();
     result.replans += node.replans();
   });

@@ -136,6 +136,31 @@ TEST_F(ManagerTest, TheOriginalRejectsToCancelAndSaysNoPlanWithSuccess) {
   EXPECT_FALSE(answer->success);
 }
 
+TEST_F(ManagerTest, AnotherPlannerMayMakeThePlans) {
+  PddlManagerOptions options = at_cost(0.5, 1);
+  const auto answer_of = [&](const std::string& command) {
+    manager_.reset();
+    options.command = command;
+    start(options);
+    load_blocks();
+    tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: holding, args: [c]}]}");
+    const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
+    ticks(40);
+    return answer;
+  };
+  const auto heard = listen("/pddl_manager/plan_report", kReport);
+  const auto answer = answer_of("grep -q holding {problem} && grep -q unstack {domain} && echo '0.0: (unstack c a) [3.0]' > {plan}");
+  EXPECT_TRUE(answer->success);
+  EXPECT_THAT(answer->actions, ElementsAre("unstack(c a) @0.00+3 class 0"));
+  EXPECT_FALSE(answer_of("echo '0.0: (pick-up a) [2.0]' > {plan}")->success);
+  EXPECT_THAT(heard->back(), HasSubstr("the planner's plan is wrong"));
+  EXPECT_EQ(answer_of("exit 7")->status, bus::GoalStatus::kSucceeded);
+  EXPECT_THAT(heard->back(), HasSubstr("ended with code 7 and wrote no plan"));
+  options.cost.budget = 50'000;
+  EXPECT_EQ(answer_of("sleep 10")->status, bus::GoalStatus::kAborted);
+  EXPECT_THAT(heard->back(), HasSubstr("TIMEOUT"));
+}
+
 TEST_F(ManagerTest, TheProblemIsWrittenWhereSomebodyAsksForIt) {
   PddlManagerOptions options = at_cost(0, 0);
   std::map<std::string, std::string> written;
