@@ -9,6 +9,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/session.h"
+#include "cx/executive/environment_manager.h"
 #include "cx/journal/file_store.h"
 #include "cx/yaml/yaml.h"
 #include "scenarios/nodes.h"
@@ -36,6 +37,25 @@ Expected<std::pair<std::string, std::string>> split(const std::string& option, c
   const std::size_t at = text.find(sign);
   if (at == std::string::npos || at == 0) return usage(option + ": found '" + text + "', expected " + form);
   return std::pair(text.substr(0, at), text.substr(at + sign.size()));
+}
+
+/// The end of a line of the scenario that was made from this option: errors in it are blamed on the option.
+constexpr const char* kFrom = "  # from ";
+
+std::string from(const std::string& option) {
+  return option.find('\n') == std::string::npos ? kFrom + option + '\n' : "\n";
+}
+
+/// The option that the line of an error, or the nearest line before it that has one, was made from.
+Error blame_option(Error error, const std::string& text) {
+  std::size_t end = 0;
+  for (int line = 0; line < error.line && end != std::string::npos; ++line) end = text.find('\n', end + (line > 0 ? 1 : 0));
+  const std::size_t at = text.substr(0, end).rfind(kFrom);
+  if (at == std::string::npos) return error;
+  const std::size_t begin = at + std::string_view(kFrom).size();
+  error.file = text.substr(begin, text.find('\n', begin) - begin);
+  error.line = 0;
+  return error;
 }
 
 /// A scalar of YAML, whatever is in it.
@@ -127,7 +147,7 @@ Expected<std::string> settings_of(const std::string& node, const std::vector<std
     if (!named->first.starts_with(prefix)) continue;
     auto value = yaml::Document::parse(named->second, "--param " + named->first);
     if (!value) return value.error();
-    text += margin + in_quotes(named->first.substr(prefix.size())) + ":\n" + indented(value->root().dump(), columns + 2);
+    text += margin + in_quotes(named->first.substr(prefix.size())) + ":" + from("--param " + param) + indented(value->root().dump(), columns + 2);
   }
   return text;
 }
@@ -149,6 +169,29 @@ Expected<std::string> nodes_text(const Options& options) {
 
 bool is_of_a_node(const std::string& param, const std::vector<std::string>& nodes) {
   return std::any_of(nodes.begin(), nodes.end(), [&](const std::string& node) { return param.starts_with(node + '.'); });
+}
+
+/// Each --param is for a node that there will be.
+Status check_params(const Options& options) {
+  std::vector<std::pair<std::string, std::string>> remaps;
+  for (const std::string& remap : options.remaps) {
+    auto names = split("--remap", remap, ":=", "FROM:=TO");
+    if (!names) return names.error();
+    remaps.push_back(*std::move(names));
+  }
+  bus::NodeName manager{cx::ManagerOptions().node, options.name_space, remaps};
+  bus::rename_node(manager);
+  std::vector<std::string> known = options.nodes;
+  known.insert(known.begin(), {manager.name, manager.full_name()});
+  for (const std::string& param : options.params) {
+    if (is_of_a_node(param, known)) continue;
+    auto named = split("--param", param, "=", "NODE.NAME=VALUE");
+    if (!named) return named.error();
+    std::string names = known.front();
+    for (const std::string& node : options.nodes) names += ", " + node;
+    return usage("--param: found '" + param + "', expected NODE.NAME=VALUE with one of the nodes " + names);
+  }
+  return {};
 }
 
 /// Transitions of the managers, as stimuli.
@@ -185,13 +228,13 @@ Expected<std::string> scenario_text(const Options& options) {
   for (const auto& [name, folder] : *packages) text += "  " + in_quotes(name) + ": " + in_quotes(folder) + '\n';
   text += "agents:\n";
   for (const std::string& config : options.configs) {
-    text += "  - config: " + in_quotes(fs::absolute(config).lexically_normal().string()) + "\n    namespace: " + in_quotes(options.name_space) + '\n';
+    text += "  - config: " + in_quotes(fs::absolute(config).lexically_normal().string()) + "\n    namespace: " + in_quotes(options.name_space) + from("--namespace " + options.name_space);
     if (!options.activate) text += "    activate: false\n";
     if (!options.remaps.empty()) text += "    remap:\n";
     for (const std::string& remap : options.remaps) {
       auto names = split("--remap", remap, ":=", "FROM:=TO");
       if (!names) return names.error();
-      text += "      " + in_quotes(names->first) + ": " + in_quotes(names->second) + '\n';
+      text += "      " + in_quotes(names->first) + ": " + in_quotes(names->second) + from("--remap " + remap);
     }
     std::string params;
     for (const std::string& param : options.params) {
@@ -200,7 +243,7 @@ Expected<std::string> scenario_text(const Options& options) {
       if (!named) return named.error();
       auto value = yaml::Document::parse(named->second, "--param " + named->first);
       if (!value) return value.error();
-      params += "      " + in_quotes(named->first) + ":\n" + indented(value->root().dump(), 8);
+      params += "      " + in_quotes(named->first) + ":" + from("--param " + param) + indented(value->root().dump(), 8);
     }
     if (!params.empty()) text += "    params:\n" + params;
   }
@@ -217,11 +260,16 @@ Expected<std::string> scenario_text(const Options& options) {
 }
 
 Expected<Scenario> make_scenario(const Options& options) {
-  for (const std::string& config : options.configs)
+  for (const std::string& config : options.configs) {
+    if (fs::is_directory(config)) return input_error("is a folder, expected a configuration (YAML)", config);
     if (!fs::is_regular_file(config)) return input_error("there is no such file", config);
+  }
+  if (Status s = check_params(options); !s) return s.error();
   auto text = scenario_text(options);
   if (!text) return text.error();
-  auto scenario = Scenario::parse(*text, fs::path(options.configs.front()).stem().string() + ".yaml");
+  const std::string name = fs::path(options.configs.front()).stem().string() + ".yaml";
+  auto scenario = Scenario::parse(*text, name);
+  if (!scenario && scenario.error().file == name) return blame_option(scenario.error(), *text);
   if (!scenario || options.stimuli.empty()) return scenario;
   auto stimuli = yaml::Document::load(options.stimuli);  // again, for the places of later errors
   if (!stimuli) return stimuli.error();

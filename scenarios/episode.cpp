@@ -1,6 +1,7 @@
 #include "scenarios/episode.h"
 
 #include <algorithm>
+#include <set>
 
 #include "cx/plugins/builtin.h"
 #include "scenarios/nodes.h"
@@ -189,6 +190,7 @@ Status Episode::build_agents() {
   if (shares_.size() != scenario_.agents.size()) return input_error("the recorded run has another number of agents", scenario_.file.string());
   for (const auto& shares : shares_)
     for (const auto& [package, folder] : shares) journal_.name_folder(folder, "package://" + package);
+  const auto streams = std::make_shared<std::set<std::string>>();
   for (const AgentSpec& spec : scenario_.agents) {
     cx::ManagerOptions manager;
     static_cast<cx::RunSettings&>(manager) = run_settings();
@@ -203,6 +205,7 @@ Status Episode::build_agents() {
     for (const auto& [name, share] : shares_[index])
       manager.packages[name] = {options_.replay ? copies / "packages" / name : std::filesystem::path(share), share};
     if (options_.replay) manager.outside_copies = copies / "outside";
+    manager.streams = streams;
     manager.plugin_types = cx::builtin_plugins();
     manager.outside = make_outside("agent/" + number);
     manager.on_read = [this, index, config](const std::string&, const std::filesystem::path& file) {

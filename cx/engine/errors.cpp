@@ -26,11 +26,21 @@ bool is_network_message(std::string_view code) { return code == "DRIVE1" || code
 
 struct Message {
   std::string code;
-  std::string head;  ///< its first line
+  std::string head;  ///< its first sentence
   std::string text;
   int line = 0;      ///< being parsed when it began
   bool acting = false;
 };
+
+/// Its first line; a sentence of CLIPS that goes on in the next line is taken whole.
+std::string head_of(const std::string& text) {
+  const std::size_t end = text.find('\n');
+  std::string head = text.substr(0, end);
+  while (head.ends_with(' ')) head.pop_back();
+  if (end == std::string::npos || head.ends_with('.') || head.starts_with("[CXLAB")) return head;
+  const std::string next = text.substr(end + 1, text.find('\n', end + 1) - end - 1);
+  return next.empty() ? head : head + ' ' + next;
+}
 
 /// The rules named by "Of pattern #2 in rule go".
 std::vector<std::string> rules_named(const std::string& text) {
@@ -41,6 +51,12 @@ std::vector<std::string> rules_named(const std::string& text) {
     names.push_back(text.substr(at, text.find_first_of(" \n", at) - at));
   }
   return names;
+}
+
+/// The rules that are activated at this join or behind it.
+void add_rules_below(const joinNode& join, std::vector<std::string>& rules) {
+  if (join.ruleToActivate != nullptr) rules.emplace_back(DefruleName(join.ruleToActivate));
+  for (const joinLink* link = join.nextLinks; link != nullptr; link = link->next) add_rules_below(*link->join, rules);
 }
 
 /// What a message puts in single quotes.
@@ -93,6 +109,14 @@ void RuleEngine::Impl::capture(const char* text) {
 void RuleEngine::note_error(const std::string& text) {
   impl_->capture("[");
   impl_->capture(text.c_str() + 1);
+  // A test of these rules goes on all the same, and CLIPS will not name them.
+  std::vector<std::string> rules;
+  if (const joinNode* join = EngineData(impl_->env)->GlobalJoin) add_rules_below(*join, rules);
+  if (rules.empty()) return;
+  std::string named = "DRIVE1] In the join network";
+  for (const std::string& rule : rules) named += " in rule " + rule;
+  impl_->capture("[");
+  impl_->capture((named + '\n').c_str());
 }
 
 void RuleEngine::Impl::make_errors() {
@@ -101,7 +125,7 @@ void RuleEngine::Impl::make_errors() {
     const std::size_t end = i + 1 < starts.size() ? starts[i + 1].at : captured.size();
     Message message;
     message.text = captured.substr(starts[i].at, end - starts[i].at);
-    message.head = message.text.substr(0, message.text.find('\n'));
+    message.head = head_of(message.text);
     message.line = starts[i].line;
     message.acting = starts[i].acting;
     message.code = code_of(message.head);

@@ -11,14 +11,6 @@ namespace cxlab::cx {
 
 namespace {
 
-/// The environment's name on this bus: two managers in different namespaces may both have a "main".
-std::string unique_name(const Environment::Options& options) {
-  const std::string& space = options.node.name_space;
-  std::string prefix = space.starts_with('/') ? space.substr(1) : space;
-  if (!prefix.empty() && !prefix.ends_with('/')) prefix += '/';
-  return prefix + options.name;
-}
-
 /// [12.340] [main] [info] text
 std::string file_line(const LogLine& line, LogLevel level) {
   std::array<char, 40> stamp{};
@@ -46,7 +38,7 @@ Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus:
   const Options& given = self.options_;
   self.journal_ = &journal;
   EngineOptions engine;
-  engine.name = unique_name(given);
+  engine.name = given.unique_name;
   engine.now = [&bus] { return bus.now(); };
   engine.epoch = from_seconds(given.run->epoch);
   engine.seed = given.run->seed;
@@ -87,7 +79,7 @@ void Environment::close_gates(std::string_view plugin) {
 
 bus::ParticipantId Environment::join_threads(bus::NodeName name, const std::string& plugin) {
   name.name += "_threads";
-  return bus_.join(bus::ParticipantKind::kNode, std::move(name), journal_->open_stream("threads/" + unique_name(options_) + '/' + plugin));
+  return bus_.join(bus::ParticipantKind::kNode, std::move(name), journal_->open_stream("threads/" + options_.unique_name + '/' + plugin));
 }
 
 Status Environment::perceive() {

@@ -35,6 +35,7 @@ class Environment {
  public:
   struct Options {
     std::string name;
+    std::string unique_name;             ///< in the run: of its streams; those of two managers may both be a "main"
     bus::NodeName node;                  ///< that its names are resolved against
     const RunSettings* run = nullptr;    ///< outlives the environment
     bool redirect_stdout_to_debug = false;

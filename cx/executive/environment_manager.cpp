@@ -28,6 +28,14 @@ std::string stream_prefix(const std::string& name_space) {
   return name_space == "/" ? std::string() : name_space.substr(name_space.starts_with('/') ? 1 : 0) + '/';
 }
 
+/// `name`, or where another manager of the run has it "<name>-2", "-3" ...
+std::string claim(const ManagerOptions& options, const std::string& kind, const std::string& name) {
+  const std::string wanted = stream_prefix(options.name_space) + name;
+  std::string given = wanted;
+  for (int k = 2; options.streams && !options.streams->insert(kind + given).second; ++k) given = wanted + '-' + std::to_string(k);
+  return given;
+}
+
 void keep_first(Status& first, Status next) {
   if (first && !next) first = std::move(next);
 }
@@ -41,7 +49,7 @@ EnvironmentManager::EnvironmentManager(ManagerOptions options, Parameters parame
       journal_(journal),
       files_({options_.packages, options_.run_folder, options_.trust_rules, options_.on_read, options_.outside_copies}),
       node_name_{options_.node, options_.name_space, options_.remaps},
-      node_(bus_.join(bus::ParticipantKind::kNode, node_name_, journal_.open_stream("node/" + stream_prefix(options_.name_space) + options_.node))),
+      node_(bus_.join(bus::ParticipantKind::kNode, node_name_, journal_.open_stream("node/" + claim(options_, "node/", options_.node)))),
       lifecycle_(bus_, node_, [this](Transition t) { return change(t); },
                  [this](const Error& why) {
                    if (why.kind == ErrorKind::kUsage) log(LogLevel::kWarn, options_.node, why.message);
@@ -133,6 +141,16 @@ Status EnvironmentManager::check_unknown(const std::string& group, std::vector<s
   return {};
 }
 
+void EnvironmentManager::tell_of_no_plugins(const std::string& environment, const std::vector<std::string>& listed) {
+  std::string text = "environment '" + environment + "': no parameter '" + environment + ".plugins', nothing is loaded into it";
+  for (const std::string& group : parameters_.below(""))
+    if (parameters_.find(group + ".plugins") && std::find(listed.begin(), listed.end(), group) == listed.end()) {
+      text += ", did you mean '" + group + "'?";
+      break;
+    }
+  log(LogLevel::kInfo, options_.node, parameters_.error_at("environments", text).text());
+}
+
 Status EnvironmentManager::check_configuration() {
   std::vector<std::string> names, checked;
   bool autostart = false;
@@ -140,6 +158,8 @@ Status EnvironmentManager::check_configuration() {
   if (Status s = parameters_.read("autostart_node", autostart); !s) return s;
   if (Status s = parameters_.read("bond_heartbeat_period", bond); !s) return s;
   if (Status s = parameters_.read("environments", names); !s) return s;
+  if (!parameters_.find("environments"))
+    log(LogLevel::kInfo, options_.node, parameters_.error_at("", "no parameter 'environments': nothing runs until create_env is called").text());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string& name = names[i];
     if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), name) != names.begin() + static_cast<std::ptrdiff_t>(i))
@@ -147,6 +167,7 @@ Status EnvironmentManager::check_configuration() {
     if (Status s = check_unknown(name, kEnvironmentKeys, "environment '" + name + "'"); !s) return s;
     std::vector<std::string> plugins;
     if (Status s = parameters_.read(name + ".plugins", plugins); !s) return s;
+    if (!parameters_.find(name + ".plugins")) tell_of_no_plugins(name, names);
     for (const std::string& plugin : plugins) {
       if (std::find(checked.begin(), checked.end(), plugin) != checked.end()) continue;
       checked.push_back(plugin);
@@ -287,9 +308,14 @@ Status EnvironmentManager::do_cleanup() {
 
 // --- Environments
 
+const std::string& EnvironmentManager::unique_name(const std::string& environment) {
+  const auto known = unique_names_.find(environment);
+  return known != unique_names_.end() ? known->second : unique_names_.emplace(environment, claim(options_, "env/", environment)).first->second;
+}
+
 Expected<AppendFile*> EnvironmentManager::log_file(const std::string& name) {
   if (const auto known = log_files_.find(name); known != log_files_.end()) return &known->second;
-  std::string stem = stream_prefix(options_.name_space) + name;
+  std::string stem = unique_name(name);
   std::replace(stem.begin(), stem.end(), '/', '_');
   const std::filesystem::path folder = options_.run_folder / "logs";
   auto file = AppendFile::create(folder / (stem + ".log"));
@@ -302,6 +328,7 @@ Expected<AppendFile*> EnvironmentManager::log_file(const std::string& name) {
 Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(const std::string& name) {
   Environment::Options o;
   o.name = name;
+  o.unique_name = unique_name(name);
   o.node = node_name_;
   o.run = &options_;
   o.rule_errors = &rule_errors_;

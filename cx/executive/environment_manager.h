@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +36,7 @@ struct ManagerOptions : RunSettings {
   FileRead on_read;                                          ///< told of each file that plugins and rules read; may be none
   std::function<void(bus::ParticipantId)> on_join;           ///< told of the node and of each environment on the bus; may be none
   std::filesystem::path outside_copies;                      ///< replay: `Files::Options::outside`
+  std::shared_ptr<std::set<std::string>> streams;            ///< of all managers of the run, so that no two share one; may be none
 };
 
 class EnvironmentManager {
@@ -114,6 +116,7 @@ class EnvironmentManager {
   EnvironmentManager(ManagerOptions options, Parameters parameters, bus::Bus& bus, RecordSink& journal);
   Status add_packaged_plugins();
   Status check_configuration();
+  void tell_of_no_plugins(const std::string& environment, const std::vector<std::string>& listed);
   Status check_unknown(const std::string& group, std::vector<std::string> known, const std::string& what);
   Expected<const PluginType*> type_of(const std::string& instance, const std::string& environment) const;
 
@@ -124,6 +127,8 @@ class EnvironmentManager {
   Status do_cleanup();
 
   Expected<std::unique_ptr<Environment>> make_environment(const std::string& name);
+  /// Of an environment of this manager, the same each time it is made.
+  const std::string& unique_name(const std::string& environment);
   Expected<AppendFile*> log_file(const std::string& name);
   Status load_all(Entry& entry);
   /// Loads one plugin and says whether it is there now. Fails if what went wrong must end the run: with `keep_going`
@@ -154,6 +159,7 @@ class EnvironmentManager {
   bus::ParticipantId node_{};
   Lifecycle lifecycle_;
   std::vector<bus::EndpointId> environment_services_, plugin_services_;  // list_envs; the other five
+  std::map<std::string, std::string> unique_names_;                      // of environments: with namespace, and number if need be
   std::map<std::string, AppendFile> log_files_;                          // by environment; outlive it, it may come again
   std::vector<Entry> environments_;
   std::vector<Instance> instances_;  // in order of creation
