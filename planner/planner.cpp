@@ -16,6 +16,7 @@ namespace cxlab::planner {
 namespace {
 
 constexpr std::int64_t kFirstSlice = 20'000;         ///< units of the first try, at least; each round of tries has half as many more
+constexpr std::int64_t kLongestSlice = 1'000'000'000'000;
 constexpr std::int64_t kSliceOfOperator = 20;        ///< units of the first try by operator
 constexpr std::int64_t kRestartSlice = 400'000;      ///< units of a search that is to give another plan to start from
 constexpr std::int64_t kLandmarkWork = 300'000'000;  ///< word operations
@@ -236,7 +237,7 @@ class Planner {
   void find_first() {
     bool sequences_exhausted = false;
     std::int64_t slice = std::max(kFirstSlice, kSliceOfOperator * static_cast<std::int64_t>(sequences_->relaxed.operators().size()));
-    for (std::uint64_t round = 0; !budget_.over() && !unsupported_; ++round, slice += slice / 2) {
+    for (std::uint64_t round = 0; !budget_.over() && !unsupported_; ++round, slice = std::min(slice + slice / 2, kLongestSlice)) {
       const std::uint64_t seed = round;
       if (!sequences_exhausted) {
         Sequence found;

@@ -186,20 +186,20 @@ Concurrent SplitCheck::translate(const Sequence& path) const {
   PackedState now = simulator_.initial();
   for (const SequenceStep& step : path) {
     if (is_event(step)) {
-      plan.order.push_back({Happening::Kind::kEvent, -2 - step.action});
+      plan.order.push_back({SplitPoint::Kind::kEvent, -2 - step.action});
       simulator_.apply_event(-2 - step.action, now.data());
       continue;
     }
     const SplitTask::Origin origin = split_.origins[step.action];
     if (origin.part == SplitTask::Part::kEnd) {
       const auto known = std::ranges::find(open, origin.action, &std::pair<int, int>::first);
-      plan.order.push_back({Happening::Kind::kEnd, known->second});
+      plan.order.push_back({SplitPoint::Kind::kEnd, known->second});
       open.erase(known);
     } else {
       const int index = static_cast<int>(plan.steps.size());
       plan.steps.push_back({origin.action, range(step, now.data())});
-      plan.order.push_back({Happening::Kind::kBegin, index});
-      if (origin.part == SplitTask::Part::kWhole) plan.order.push_back({Happening::Kind::kEnd, index});
+      plan.order.push_back({SplitPoint::Kind::kBegin, index});
+      if (origin.part == SplitTask::Part::kWhole) plan.order.push_back({SplitPoint::Kind::kEnd, index});
       else open.emplace_back(origin.action, index);
     }
     simulator_.apply_with(step.action, now.data(), step.duration);
@@ -223,9 +223,9 @@ Sequence to_parts(const SplitTask& split, const Sequence& whole) {
 
 void fill(Stn& stn, const Concurrent& plan) {
   stn.clear();
-  for (const Happening& happening : plan.order) {
-    if (happening.kind == Happening::Kind::kEvent) stn.event();
-    else if (happening.kind == Happening::Kind::kEnd) stn.finish(happening.step);
+  for (const SplitPoint& happening : plan.order) {
+    if (happening.kind == SplitPoint::Kind::kEvent) stn.event();
+    else if (happening.kind == SplitPoint::Kind::kEnd) stn.finish(happening.step);
     else stn.begin(plan.steps[happening.step].action, plan.steps[happening.step].range);
   }
 }

@@ -39,7 +39,7 @@ SplitTask split(const GroundTask& task, const std::vector<char>& cut);
 std::optional<GroundTask> untimed(const GroundTask& task);
 
 /// A plan with overlaps: steps, and their happenings in an order in which they are right.
-struct Happening {
+struct SplitPoint {
   enum class Kind : std::uint8_t { kBegin, kEnd, kEvent };
   Kind kind = Kind::kBegin;
   int step = -1;  ///< of kBegin and kEnd; the number of the event of kEvent
@@ -50,7 +50,7 @@ struct Concurrent {
     DurationRange range;
   };
   std::vector<Step> steps;
-  std::vector<Happening> order;
+  std::vector<SplitPoint> order;
 };
 
 /// Accepts the sequences of a split task that can be given times.
