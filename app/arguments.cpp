@@ -84,8 +84,7 @@ Status check_command(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
   if (std::find(names.begin(), names.end(), word) != names.end()) return {};
-  const std::string near = nearest_word(word, names);
-  return Error{ErrorKind::kUsage, "there is no command '" + word + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?") + "; cxlab --help lists them", {}, 0, {}};
+  return Error{ErrorKind::kUsage, "there is no command '" + word + "'" + did_you_mean(word, names) + "; cxlab --help lists them", {}, 0, {}};
 }
 
 }  // namespace cxlab::app

@@ -212,8 +212,7 @@ Error unknown_rule(Episode& episode, const std::string& rule) {
     for (std::size_t i = 0; i < agent->size(); ++i)
       for (const ConstructInfo& info : agent->environment(i).engine().constructs())
         if (info.kind == "defrule") names.push_back(info.name);
-  const std::string near = nearest_word(rule, names);
-  return input_error("no environment has a rule '" + rule + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?"));
+  return input_error("no environment has a rule '" + rule + "'" + did_you_mean(rule, names));
 }
 
 int why_not(const Options& options) {

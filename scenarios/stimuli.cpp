@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "cx/executive/parameter_services.h"
+#include "cx/node/parameter_services.h"
 
 namespace cxlab {
 

@@ -74,5 +74,7 @@ class [[nodiscard]] Status {
 
 /// The candidate nearest to `word` by edit distance, or empty if none is near; for "did you mean".
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);
+/// ", did you mean 'X'?" with the nearest candidate, or nothing; for the end of a message.
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates, std::string_view separator = ", ");
 
 }  // namespace cxlab

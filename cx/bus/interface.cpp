@@ -45,7 +45,7 @@ std::vector<std::string> split(std::string_view text) {
   }
 }
 
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
+std::string nearest_is(const std::string& word, const std::vector<std::string>& candidates) {
   const std::string nearest = nearest_word(word, candidates);
   return nearest.empty() ? "" : "; nearest is '" + nearest + "'";
 }
@@ -230,12 +230,12 @@ Status Registry::read(const std::string& package, const std::string& folder, con
   const std::string full = package + '/' + folder + '/' + name;
   const auto known = state_->packages.find(package);
   if (known == state_->packages.end())
-    return input_error("package '" + package + "' of '" + full + "' is not known" + did_you_mean(package, packages()));
+    return input_error("package '" + package + "' of '" + full + "' is not known" + nearest_is(package, packages()));
   const fs::path path = known->second.folder / folder / (name + '.' + folder);
   std::error_code failure;
   if (!is_identifier(name) || !fs::is_regular_file(path, failure))
     return input_error("'" + full + "' is not defined in package '" + package + "'" +
-                       did_you_mean(full, interfaces(package)));
+                       nearest_is(full, interfaces(package)));
 
   auto& reading = state_->reading;
   if (const auto outer = std::find(reading.begin(), reading.end(), full); outer != reading.end()) {

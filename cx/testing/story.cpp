@@ -200,11 +200,6 @@ class Play {
     return {};
   }
 
-  static std::string did_you_mean(const std::string& word, const std::vector<std::string>& known) {
-    const std::string near = nearest_word(word, known);
-    return near.empty() ? std::string() : ", did you mean '" + near + "'?";
-  }
-
   /// Rules, actions and patterns that can never be met are mistakes of the story.
   Status check_names() {
     std::vector<std::string> rules;

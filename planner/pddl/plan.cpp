@@ -84,7 +84,7 @@ class PlanReader {
     if (step.action < 0) {
       std::vector<std::string> known;
       for (const Action& each : domain_.actions) known.push_back(each.name);
-      return error("found '" + names[0] + "', expected an action of " + domain_.file + hint(names[0], known));
+      return error("found '" + names[0] + "', expected an action of " + domain_.file + did_you_mean(names[0], known, "; "));
     }
     const Action& action = domain_.actions[step.action];
     const std::string declared = "; declared at " + domain_.file + ":" + std::to_string(action.source.line);
@@ -96,7 +96,7 @@ class PlanReader {
       if (object < 0) {
         std::vector<std::string> known;
         for (const Object& each : problem_.objects) known.push_back(each.name);
-        return error("found '" + names[i] + "', expected an object of " + problem_.file + hint(names[i], known));
+        return error("found '" + names[i] + "', expected an object of " + problem_.file + did_you_mean(names[i], known, "; "));
       }
       const Variable& parameter = action.parameters[i - 1];
       if (!fits(domain_, problem_.objects[object], parameter.types)) {
@@ -107,11 +107,6 @@ class PlanReader {
       step.arguments.push_back(object);
     }
     return {};
-  }
-
-  static std::string hint(const std::string& word, const std::vector<std::string>& known) {
-    const std::string nearest = nearest_word(word, known);
-    return nearest.empty() ? std::string{} : "; did you mean '" + nearest + "'?";
   }
 
   Status duration(std::string_view text, PlanStep& step) {

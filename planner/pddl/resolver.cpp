@@ -11,8 +11,7 @@ std::string hint(const std::string& word, const NameTable& names) {
   std::vector<std::string> candidates;
   for (const auto& entry : names) candidates.push_back(entry.first);
   std::sort(candidates.begin(), candidates.end());
-  const std::string nearest = nearest_word(word, candidates);
-  return nearest.empty() ? std::string{} : "; did you mean '" + nearest + "'?";
+  return did_you_mean(word, candidates, "; ");
 }
 
 std::string count(std::size_t n, const std::string& noun) {

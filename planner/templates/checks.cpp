@@ -32,8 +32,7 @@ std::string canonical(std::string_view name) {
 bool is_test(std::string_view name) { return std::find(test_names().begin(), test_names().end(), name) != test_names().end(); }
 
 std::string test_hint(const std::string& name) {
-  const std::string nearest = nearest_word(name, test_names());
-  return nearest.empty() ? std::string{} : "; did you mean '" + nearest + "'?";
+  return did_you_mean(name, test_names(), "; ");
 }
 
 bool apply_test(Interpreter& interpreter, std::string_view written, const Value& subject, const Call& call) {

@@ -532,8 +532,7 @@ bool is_known_filter(std::string_view name) { return is_filter(name) || std::fin
 std::string filter_hint(const std::string& name) {
   std::vector<std::string> names;
   for (const Named& each : kFilters) names.emplace_back(each.name);
-  const std::string nearest = nearest_word(name, names);
-  return nearest.empty() ? std::string{} : "; did you mean '" + nearest + "'?";
+  return did_you_mean(name, names, "; ");
 }
 
 Value apply_filter(Interpreter& interpreter, std::string_view name, const Value& subject, const Call& call) {

@@ -159,9 +159,8 @@ void Factory::start(const bus::Delivery& delivery) {
   if (machine == nullptr) {
     std::vector<std::string> names;
     for (const auto& m : machines_) names.push_back(m->name());
-    const std::string near = nearest_word(name, names);
     return finish(delivery.goal, InstructError::kNoMachine,
-                  "no machine '" + name + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?"), name);
+                  "no machine '" + name + "'" + did_you_mean(name, names), name);
   }
   if (machine->team() != team_)
     return finish(delivery.goal, InstructError::kWrongTeam, name + " belongs to " + std::string(to_string(machine->team())), name);

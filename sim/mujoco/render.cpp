@@ -87,8 +87,7 @@ Expected<const Picture*> Renderer::draw(const PhysicsGate& world, std::string_vi
   const bool overview = camera >= 0;
   if (!overview) camera = mj_name2id(m, mjOBJ_CAMERA, (std::string(name) + "/view").c_str());
   if (camera < 0) {
-    const std::string near = nearest_word(std::string(name), cameras());
-    return input_error("no camera '" + std::string(name) + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?"));
+    return input_error("no camera '" + std::string(name) + "'" + did_you_mean(std::string(name), cameras()));
   }
   if (!context_->make_current()) return Error{ErrorKind::kResource, "OpenGL context was lost", {}, 0, "no_opengl"};
 

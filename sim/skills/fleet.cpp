@@ -48,8 +48,7 @@ Status Fleet::open(bus::Bus& bus, RecordSink& sink, const FleetFaults& faults) {
   for (const RobotStart& robot : world_.plan().robots) names.push_back(robot.name);
   for (const Fault& fault : faults.faults)
     if (!fault.robot.empty() && std::ranges::find(names, fault.robot) == names.end()) {
-      const std::string near = nearest_word(fault.robot, names);
-      return input_error("robot: no robot '" + fault.robot + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?"), fault.file, fault.line);
+      return input_error("robot: no robot '" + fault.robot + "'" + did_you_mean(fault.robot, names), fault.file, fault.line);
     }
   if (!faults.faults.empty())
     for (std::size_t i = 0; i < skills_.size(); ++i)

@@ -61,8 +61,7 @@ Expected<SkillGoal> SkillServer::read_goal(const Action& action, const bus::Mess
     for (const Spot& spot : plan_.spots) names.push_back(spot.name);
     if (action.kind == SkillKind::kDriveTo)
       for (const auto& [place, pose] : places_) names.push_back(place);
-    const std::string near = nearest_word(goal.target, names);
-    return input_error("'" + goal.target + "' is not " + expected + (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    return input_error("'" + goal.target + "' is not " + expected + did_you_mean(goal.target, names, "; "));
   };
   if (action.kind != SkillKind::kDriveTo) return unknown("a spot of a machine");
   if (const auto place = places_.find(goal.target); place != places_.end()) {
