@@ -367,15 +367,18 @@ ExpressionPtr ExpressionParser::postfix(ExpressionPtr operand) {
     } else if (is_operator("[")) {
       operand = subscript(std::move(operand));
     } else if (is_operator("(")) {
-      auto made = make(Expression::Kind::kCall);
-      made->operands.push_back(std::move(operand));
-      if (!call_arguments(*made)) return nullptr;
-      operand = std::move(made);
+      operand = call(std::move(operand));
     } else {
       return operand;
     }
   }
   return nullptr;
+}
+
+ExpressionPtr ExpressionParser::call(ExpressionPtr operand) {
+  auto made = make(Expression::Kind::kCall);
+  made->operands.push_back(std::move(operand));
+  return call_arguments(*made) ? std::move(made) : nullptr;
 }
 
 bool ExpressionParser::call_arguments(Expression& call) {
@@ -423,10 +426,7 @@ ExpressionPtr ExpressionParser::filters(ExpressionPtr operand) {
     } else if (is_name("is")) {
       operand = test(std::move(operand));
     } else if (is_operator("(")) {
-      auto made = make(Expression::Kind::kCall);
-      made->operands.push_back(std::move(operand));
-      if (!call_arguments(*made)) return nullptr;
-      operand = std::move(made);
+      operand = call(std::move(operand));
     } else {
       return operand;
     }

@@ -31,6 +31,7 @@ class ExpressionParser {
   ExpressionPtr filters(ExpressionPtr operand);
   /// A filter name and its arguments, without the bar.
   ExpressionPtr filter(ExpressionPtr operand);
+  ExpressionPtr call(ExpressionPtr operand);
   bool call_arguments(Expression& call);
 
   const Token& now() const { return tokens_[position_]; }
