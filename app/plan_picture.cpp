@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "app/markup.h"
+
 namespace cxlab::app {
 
 namespace {
@@ -14,17 +16,6 @@ std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1f", value);
   return text;
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else if (c == '&') out += "&amp;";
-    else out += c;
-  }
-  return out;
 }
 
 /// The least of ... 1, 2, 5, 10, 20, 50 ... that is not below `least`.
@@ -58,7 +49,7 @@ std::string plan_picture(const planner::TimedPlan& plan, const planner::Task& ta
     const planner::PlanStep& step = plan.steps[i];
     const double latest = static_cast<double>(plan.latest[2 * i + 1]) / planner::kMicrosPerSecond;
     svg += "<text x=\"" + std::to_string(kLeft - 8) + "\" y=\"" + std::to_string(y(i) + 13) + "\" text-anchor=\"end\">" +
-           escaped(planner::step_text(step, task.domain, task.problem)) + "</text>";
+           escape(planner::step_text(step, task.domain, task.problem)) + "</text>";
     svg += "<line x1=\"" + x(step.start) + "\" y1=\"" + std::to_string(y(i) + 8) + "\" x2=\"" + x(latest) + "\" y2=\"" + std::to_string(y(i) + 8) +
            "\" stroke=\"#bbb\" stroke-width=\"3\"/>";
     svg += "<rect x=\"" + x(step.start) + "\" y=\"" + std::to_string(y(i) + 2) + "\" width=\"" + number(std::max(1.0, step.duration * scale)) +

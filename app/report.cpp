@@ -8,23 +8,12 @@
 #include <map>
 
 #include "app/console.h"
+#include "app/markup.h"
 #include "cx/journal/journal_reader.h"
 
 namespace cxlab::app {
 
 namespace {
-
-std::string escape(std::string_view text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
-    }
-  return out;
-}
 
 std::string number(double value, int digits = 1) {
   char text[48];

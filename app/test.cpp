@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/command.h"
+#include "app/markup.h"
 #include "cx/testing/story_file.h"
 #include "scenarios/share.h"
 
@@ -125,15 +126,11 @@ Status play_in_processes(std::vector<Played>& stories, const testing::StorySetup
   return {};
 }
 
+/// XML has no way to write most control characters.
 std::string xml(const std::string& text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? '?' : c;
-    }
+  std::string out = escape(text);
+  for (char& c : out)
+    if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') c = '?';
   return out;
 }
 
