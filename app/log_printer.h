@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "app/console.h"
-#include "cx/executive/log.h"
+#include "cx/node/log.h"
 
 namespace cxlab::app {
 

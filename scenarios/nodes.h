@@ -12,7 +12,7 @@
 #include "cx/base/expected.h"
 #include "cx/base/record_sink.h"
 #include "cx/bus/bus.h"
-#include "cx/executive/log.h"
+#include "cx/node/log.h"
 #include "cx/yaml/yaml.h"
 #include "scenarios/scenario.h"
 #include "scenarios/stage.h"

@@ -18,7 +18,7 @@
 #include "cx/bus/bus.h"
 #include "cx/engine/engine.h"
 #include "cx/executive/files.h"
-#include "cx/executive/log.h"
+#include "cx/executive/log_router.h"
 #include "cx/executive/run_settings.h"
 
 namespace cxlab::cx {

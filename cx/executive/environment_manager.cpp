@@ -5,7 +5,7 @@
 #include <system_error>
 
 #include "cx/executive/plugin_library.h"
-#include "cx/executive/parameter_services.h"
+#include "cx/node/parameter_services.h"
 
 namespace cxlab::cx {
 
@@ -16,11 +16,6 @@ const std::vector<std::string> kEnvironmentKeys{"plugins", "log_clips_to_file", 
 std::string lower(std::string text) {
   for (char& c : text) c = c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
-}
-
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& known) {
-  const std::string near = nearest_word(word, known);
-  return near.empty() ? std::string() : ", did you mean '" + near + "'?";
 }
 
 /// "cyan/" for "/cyan", nothing for the root.
@@ -61,10 +56,7 @@ EnvironmentManager::EnvironmentManager(ManagerOptions options, Parameters parame
 EnvironmentManager::~EnvironmentManager() {
   options_.log = nullptr;  // it may have gone
   bond_.reset();
-  for (Entry& entry : environments_) {  // threads of plugins end with them, also where nobody deactivated
-    entry.environment->end();
-    unload_all(entry);
-  }
+  for (Entry& entry : environments_) end(entry);  // threads of plugins end with them, also where nobody deactivated
   finalize_unused();
   environments_.clear();
   bus_.leave(node_);
@@ -280,8 +272,7 @@ Status EnvironmentManager::do_deactivate() {
     keep_first(first, entry.environment->run());
   }
   for (Entry& entry : environments_) {
-    entry.environment->end();
-    unload_all(entry);
+    end(entry);
     keep_first(first, entry.environment->check_errors());
   }
   finalize_unused();
@@ -293,10 +284,7 @@ Status EnvironmentManager::do_deactivate() {
 }
 
 Status EnvironmentManager::do_cleanup() {
-  for (Entry& entry : environments_) {
-    entry.environment->end();
-    unload_all(entry);
-  }
+  for (Entry& entry : environments_) end(entry);
   environments_.clear();
   finalize_unused();
   for (auto* services : {&environment_services_, &plugin_services_}) {
@@ -358,6 +346,12 @@ Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(cons
   return environment;
 }
 
+Plugin* EnvironmentManager::Entry::find(std::string_view plugin) const {
+  for (Plugin* p : loaded)
+    if (p->name() == plugin) return p;
+  return nullptr;
+}
+
 EnvironmentManager::Entry* EnvironmentManager::entry_of(std::string_view name) {
   for (Entry& entry : environments_)
     if (entry.environment->name() == name) return &entry;
@@ -404,8 +398,7 @@ Status EnvironmentManager::create_environment(const std::string& name) {
 Status EnvironmentManager::destroy_environment(const std::string& name) {
   Entry* entry = entry_of(name);
   if (!entry) return input_error("unknown Environment name");
-  entry->environment->end();
-  unload_all(*entry);
+  end(*entry);
   if (Status s = entry->environment->check_errors(); !s) fail(s.error());
   entry->environment.reset();  // before the code of its plugins
   environments_.erase(environments_.begin() + (entry - environments_.data()));
@@ -423,14 +416,19 @@ void EnvironmentManager::fail(Error error) {
   else keep_first(failure_, std::move(error));
 }
 
+void EnvironmentManager::end_hook(const Status& ended) {
+  if (ended) return;
+  if (options_.keep_going) note(ended.error());
+  else keep_first(failure_, ended);
+}
+
 // --- Plugins
 
 Status EnvironmentManager::load_all(Entry& entry) {
   std::vector<std::string> names;
   if (Status s = parameters_.read(entry.environment->name() + ".plugins", names); !s) return s;
   for (const std::string& name : names) {
-    const bool there = std::any_of(entry.loaded.begin(), entry.loaded.end(), [&](const Plugin* p) { return p->name() == name; });
-    if (there) continue;
+    if (entry.find(name)) continue;
     if (auto loaded = load(entry, name); !loaded) return loaded.error();
   }
   return {};
@@ -483,7 +481,7 @@ Status EnvironmentManager::load_plugin(const std::string& environment, const std
   Entry* entry = entry_of(environment);
   if (!entry) return input_error("unknown environment");
   const Error refused = input_error("error while loading plugin");
-  if (std::any_of(entry->loaded.begin(), entry->loaded.end(), [&](const Plugin* p) { return p->name() == plugin; })) {
+  if (entry->find(plugin)) {
     log(LogLevel::kError, options_.node, "plugin '" + plugin + "' is already loaded in environment '" + environment + "'");
     return refused;
   }
@@ -505,10 +503,7 @@ void EnvironmentManager::unload(Entry& entry, Plugin& plugin) {
     plugin.clips_env_destroyed(EnvironmentGuard(*entry.environment));
     return {};
   });
-  if (!gone) {
-    if (options_.keep_going) note(gone.error());
-    else keep_first(failure_, gone);
-  }
+  end_hook(gone);
   entry.environment->engine().remove_functions_of(name);
   log(LogLevel::kInfo, options_.node, "[" + name + "] Deactivated!");
   std::erase(entry.loaded, &plugin);
@@ -516,7 +511,8 @@ void EnvironmentManager::unload(Entry& entry, Plugin& plugin) {
     if (instance.plugin.get() == &plugin) --instance.users;
 }
 
-void EnvironmentManager::unload_all(Entry& entry) {
+void EnvironmentManager::end(Entry& entry) {
+  entry.environment->end();
   while (!entry.loaded.empty()) unload(entry, *entry.loaded.back());
 }
 
@@ -528,10 +524,7 @@ void EnvironmentManager::finalize_unused() {
       instance.plugin->finalize();
       return {};
     });
-    if (!ended) {
-      if (options_.keep_going) note(ended.error());
-      else keep_first(failure_, ended);
-    }
+    end_hook(ended);
     instances_.erase(instances_.begin() + static_cast<std::ptrdiff_t>(i));
   }
 }
@@ -542,9 +535,9 @@ Status EnvironmentManager::unload_plugin(const std::string& environment, const s
     log(LogLevel::kError, options_.node, "there is no environment '" + environment + "' to unload plugin '" + plugin + "' from");
     return input_error("unknown plugin");
   }
-  const auto found = std::find_if(entry->loaded.begin(), entry->loaded.end(), [&](const Plugin* p) { return p->name() == plugin; });
-  if (found == entry->loaded.end()) return input_error("unknown plugin");
-  unload(*entry, **found);
+  Plugin* found = entry->find(plugin);
+  if (!found) return input_error("unknown plugin");
+  unload(*entry, *found);
   if (Status s = entry->environment->check_errors(); !s) fail(s.error());
   finalize_unused();
   return {};
@@ -587,58 +580,6 @@ SimTime EnvironmentManager::next_due() const {
 bool EnvironmentManager::shutdown_requested() const {
   return shutdown_ || std::any_of(environments_.begin(), environments_.end(),
                                   [](const Entry& e) { return e.environment->engine().exit_requested(); });
-}
-
-// --- Services
-
-Status EnvironmentManager::serve_environments() {
-  if (!environment_services_.empty()) return {};
-  auto made = serve(bus_, node_, "~/list_envs", "cx_msgs/srv/ListClipsEnvs", [this](const auto&, const auto& response) {
-    for (const std::string& name : environment_names()) response.append_text("envs", name);
-    response.set("success", true);
-  });
-  if (!made) return made.error();
-  environment_services_.push_back(*made);
-  return {};
-}
-
-Status EnvironmentManager::serve_plugins() {
-  if (!plugin_services_.empty()) return {};
-  const auto answer = [](const Status& done, const bus::MessageView& response) {
-    response.set("success", done.ok());
-    if (!done) response.set("error", done.error().message);
-  };
-  struct Service {
-    const char *name, *type;
-    std::function<void(const bus::MessageView& request, const bus::MessageView& response)> act;
-  };
-  const Service services[] = {
-      {"~/create_env", "cx_msgs/srv/CreateClipsEnv",
-       [this, answer](const auto& q, const auto& a) { answer(create_environment(q.text("env_name")), a); }},
-      {"~/destroy_env", "cx_msgs/srv/DestroyClipsEnv",
-       [this, answer](const auto& q, const auto& a) { answer(destroy_environment(q.text("env_name")), a); }},
-      {"~/load_plugin", "cx_msgs/srv/LoadClipsPlugin",
-       [this, answer](const auto& q, const auto& a) { answer(load_plugin(q.text("env_name"), q.text("plugin_name")), a); }},
-      {"~/unload_plugin", "cx_msgs/srv/UnloadClipsPlugin",
-       [this, answer](const auto& q, const auto& a) { answer(unload_plugin(q.text("env_name"), q.text("plugin_name")), a); }},
-      {"~/list_plugins", "cx_msgs/srv/ListClipsPlugins",
-       [this](const auto& q, const auto& a) {
-         a.set("success", true);
-         if (q.text("env_name").empty()) return;
-         auto names = plugin_names(q.text("env_name"));
-         if (!names) {
-           a.set("success", false).set("error", names.error().message);
-           return;
-         }
-         for (const std::string& name : *names) a.append_text("plugins", name);
-       }},
-  };
-  for (const Service& s : services) {
-    auto made = serve(bus_, node_, s.name, s.type, s.act);
-    if (!made) return made.error();
-    plugin_services_.push_back(*made);
-  }
-  return {};
 }
 
 // --- Log

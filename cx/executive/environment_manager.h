@@ -14,14 +14,14 @@
 #include "cx/base/record_sink.h"
 #include "cx/base/time.h"
 #include "cx/bus/bus.h"
-#include "cx/executive/bond.h"
 #include "cx/executive/environment.h"
 #include "cx/executive/files.h"
-#include "cx/executive/lifecycle.h"
-#include "cx/executive/log.h"
-#include "cx/executive/parameters.h"
 #include "cx/executive/plugin.h"
 #include "cx/executive/run_settings.h"
+#include "cx/node/bond.h"
+#include "cx/node/lifecycle.h"
+#include "cx/node/log.h"
+#include "cx/node/parameters.h"
 
 namespace cxlab::cx {
 
@@ -111,6 +111,7 @@ class EnvironmentManager {
     std::vector<std::shared_ptr<void>> libraries;  // of all plugins that were ever loaded here: goes last
     std::unique_ptr<Environment> environment;
     std::vector<Plugin*> loaded;                   // in order of loading
+    Plugin* find(std::string_view plugin) const;
   };
 
   EnvironmentManager(ManagerOptions options, Parameters parameters, bus::Bus& bus, RecordSink& journal);
@@ -136,12 +137,15 @@ class EnvironmentManager {
   Expected<bool> load(Entry& entry, const std::string& name);
   Status load_unchecked(Entry& entry, const std::string& name);
   void unload(Entry& entry, Plugin& plugin);
-  void unload_all(Entry& entry);
+  /// An environment ends: its plugins go, the last loaded first.
+  void end(Entry& entry);
   /// `finalize` of those instances that no environment has any more, the last made first.
   void finalize_unused();
   void note(Error error);
   /// What was asked for at run time went wrong: noted with `keep_going`, else the run ends.
   void fail(Error error);
+  /// A hook of a plugin has ended: an error of any kind is noted with `keep_going`, else the run ends.
+  void end_hook(const Status& ended);
   Entry* entry_of(std::string_view name);
 
   /// While active and `bond_heartbeat_period` is above 0: on topic `bond`, with the node's name as id, as nav2 has it.

@@ -52,10 +52,7 @@ Files::Files(Options options) : options_(std::move(options)) {
 Expected<std::string> Files::share_directory(std::string_view package) const {
   const auto found = options_.packages.find(std::string(package));
   if (found != options_.packages.end()) return found->second.share;
-  std::string message = "package '" + std::string(package) + "' not found";
-  const std::string near = nearest_word(std::string(package), packages());
-  if (!near.empty()) message += ", did you mean '" + near + "'?";
-  return input_error(std::move(message));
+  return input_error("package '" + std::string(package) + "' not found" + did_you_mean(std::string(package), packages()));
 }
 
 Expected<std::string> Files::prefix(std::string_view package) const {

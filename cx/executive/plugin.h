@@ -12,9 +12,9 @@
 #include "cx/bus/bus.h"
 #include "cx/executive/environment.h"
 #include "cx/executive/files.h"
-#include "cx/executive/log.h"
-#include "cx/executive/parameters.h"
 #include "cx/executive/run_settings.h"
+#include "cx/node/log.h"
+#include "cx/node/parameters.h"
 
 namespace cxlab::cx {
 

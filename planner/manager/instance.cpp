@@ -21,8 +21,7 @@ std::vector<std::string> names_of(const Items& items) {
 }
 
 Error unknown(const std::string& what, const std::string& found, const std::vector<std::string>& known) {
-  const std::string near = nearest_word(found, known);
-  return input_error("unknown " + what + " '" + found + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?"));
+  return input_error("unknown " + what + " '" + found + "'" + did_you_mean(found, known));
 }
 
 }  // namespace

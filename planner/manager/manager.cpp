@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "cx/executive/parameter_services.h"
+#include "cx/node/parameter_services.h"
 
 namespace cxlab::planner {
 

@@ -58,8 +58,7 @@ Expected<Instance*> PddlManager::find_instance(const std::string& name) {
   if (known == instances_.end()) {
     std::vector<std::string> names;
     for (const auto& [other, _] : instances_) names.push_back(other);
-    const std::string near = nearest_word(name, names);
-    return input_error("unknown pddl instance '" + name + "'" + (near.empty() ? "" : ", did you mean '" + near + "'?"));
+    return input_error("unknown pddl instance '" + name + "'" + did_you_mean(name, names));
   }
   if (!options_.original && known->second.instance->advance(to_seconds(bus_.now() - known->second.loaded))) tell_update(name);
   return known->second.instance.get();

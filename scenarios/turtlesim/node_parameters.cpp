@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdlib>
 
-#include "cx/executive/parameter_services.h"
+#include "cx/node/parameter_services.h"
 #include "scenarios/turtlesim/node_parts.h"
 
 namespace cxlab::turtlesim {

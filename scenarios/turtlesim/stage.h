@@ -6,7 +6,7 @@
 #include "cx/base/expected.h"
 #include "cx/base/record_sink.h"
 #include "cx/bus/bus.h"
-#include "cx/executive/log.h"
+#include "cx/node/log.h"
 #include "scenarios/stage.h"
 #include "scenarios/turtlesim/node.h"
 

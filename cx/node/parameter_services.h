@@ -6,7 +6,7 @@
 
 #include "cx/base/expected.h"
 #include "cx/bus/bus.h"
-#include "cx/executive/parameters.h"
+#include "cx/node/parameters.h"
 
 namespace cxlab::cx {
 

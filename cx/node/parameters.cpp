@@ -1,4 +1,4 @@
-#include "cx/executive/parameters.h"
+#include "cx/node/parameters.h"
 
 #include <yaml-cpp/yaml.h>
 

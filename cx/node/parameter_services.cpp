@@ -1,4 +1,4 @@
-#include "cx/executive/parameter_services.h"
+#include "cx/node/parameter_services.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <memory>
 
-#include "cx/executive/lifecycle.h"
+#include "cx/node/lifecycle.h"
 
 namespace cxlab::cx {
 

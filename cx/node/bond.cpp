@@ -1,4 +1,4 @@
-#include "cx/executive/bond.h"
+#include "cx/node/bond.h"
 
 #include <algorithm>
 

@@ -2,8 +2,6 @@
 // What people read while a run goes on: lines of environments, plugins and the manager, with simulated time.
 
 #include <cstdint>
-#include <functional>
-#include <string>
 #include <string_view>
 
 #include "cx/base/time.h"
@@ -28,21 +26,6 @@ class LogSink {
  public:
   virtual ~LogSink() = default;
   virtual void line(const LogLine& line) = 0;
-};
-
-/// Makes lines of what rules print. All logical names share one buffer, as in CX: a line has the level and colour of the
-/// name that delivered its end.
-class LogRouter {
- public:
-  using Emit = std::function<void(LogLevel level, std::string_view colour, std::string_view text)>;
-  LogRouter(bool redirect_stdout_to_debug, Emit emit) : redirect_(redirect_stdout_to_debug), emit_(std::move(emit)) {}
-
-  void write(std::string_view logical_name, std::string_view text);
-
- private:
-  bool redirect_;
-  Emit emit_;
-  std::string buffer_;
 };
 
 }  // namespace cxlab::cx

@@ -1,4 +1,4 @@
-#include "cx/executive/lifecycle.h"
+#include "cx/node/lifecycle.h"
 
 #include <array>
 #include <memory>

@@ -1,18 +1,8 @@
-#include "cx/executive/log.h"
+#include "cx/executive/log_router.h"
 
 #include <array>
 
 namespace cxlab::cx {
-
-std::string_view to_string(LogLevel level) {
-  switch (level) {
-    case LogLevel::kDebug: return "debug";
-    case LogLevel::kInfo: return "info";
-    case LogLevel::kWarn: return "warn";
-    case LogLevel::kError: break;
-  }
-  return "error";
-}
 
 namespace {
 
