@@ -1,13 +1,16 @@
-; Hears of the readings of a plugin's thread.
+; Hears of the readings of a plugin's thread. Several may come between two ticks.
 
 (defrule hear
-  "A reading has come."
+  "The oldest reading that was not heard of."
   (reading ?n)
+  (not (heard ?n))
+  (not (and (reading ?before&:(< ?before ?n)) (not (heard ?before))))
   =>
+  (assert (heard ?n))
   (printout info "reading " ?n crlf))
 
 (defrule enough
   "The third reading ends the run."
-  (reading 3)
+  (heard 3)
   =>
   (cx-shutdown))
