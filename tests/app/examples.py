@@ -1,0 +1,84 @@
+"""Every example of the documentation and every scenario that comes along loads, runs and ends without a warning or an error."""
+
+import json
+import os
+import re
+import shlex
+import subprocess
+import unittest
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+CXLAB = os.environ["CXLAB"]
+SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
+
+# What no page tells as a command of its own.
+MORE = (
+    "cxlab run scenarios/rcll/game.yaml --tier timed",
+    "cxlab env scenarios/rcll/agent/params/agent.yaml --with rcll --param rcll.production_s=60 --until 200",
+    "cxlab run scenarios/turtlesim/hypotheses.yaml",
+    "cxlab env scenarios/turtlesim/agents/params/figures.yaml --with turtlesim",
+    "cxlab env scenarios/turtlesim/agents/params/hypotheses.yaml --with turtlesim",
+    "cxlab env docs/examples/blocksworld/params/helpers.yaml --with pddl_manager",
+    "cxlab env docs/templates/agent/agent.yaml --package my_agent=docs/templates/agent --until 5",
+    "cxlab run docs/templates/agent/scenario.yaml",
+)
+# An example may be there to show a warning: its file, and what it warns of.
+SHOWN = {"scenarios/turtlesim/boundary_late.yaml": "service turtle1/teleport_absolute not available, abort request."}
+# Needs a library that is built first: tests/app/own_plugins.py, tests of the template.
+BUILT_FIRST = ("docs/examples/own_plugins/", "docs/templates/plugin/")
+
+
+def told():
+    """The commands in the pages that run a file of ours."""
+    commands = set()
+    for page in [SOURCE / "README.md", *sorted((SOURCE / "docs").rglob("*.md"))]:
+        text = page.read_text().replace("\\\n", " ")
+        for found in re.findall(r"(?:^|`|\./dev )(cxlab (?:env|run) [^`\n#]*)", text, re.MULTILINE):
+            words = shlex.split(found)
+            if len(words) > 2 and (SOURCE / words[2]).is_file() and "pddl_manager.command" not in found:
+                commands.add(shlex.join(words))
+    return commands
+
+
+def examples():
+    """All configurations and scenarios that come along."""
+    files = set()
+    for folder in ("docs/examples", "docs/templates", "scenarios"):
+        for file in (SOURCE / folder).rglob("*.yaml"):
+            if re.search(r"^schema: |^ +environments: ", file.read_text(), re.MULTILINE):
+                files.add(str(file.relative_to(SOURCE)))
+    return {file for file in files if not file.startswith(BUILT_FIRST)}
+
+
+def run(command):
+    words = command.split()
+    strict = ["--strict-cx"] if words[1] == "env" else []
+    done = subprocess.run([CXLAB, *shlex.split(command)[1:], *strict, "--out", "none", "--json"], cwd=SOURCE, text=True, timeout=100,
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    return command, done
+
+
+class Examples(unittest.TestCase):
+    def test_each_ends_without_a_complaint(self):
+        commands = [c for c in sorted(told() | set(MORE)) if not re.search("--snapshot|--set|game.yaml$", c)]
+        with ThreadPoolExecutor(max_workers=2) as pool:
+            for command, done in pool.map(run, commands):
+                with self.subTest(command):
+                    complaints = [line for line in done.stderr.splitlines() if re.search(r"\[(warn|error)\]|^(warning|error):", line)]
+                    shown = SHOWN.get(shlex.split(command)[2])
+                    if shown:
+                        self.assertTrue(complaints, "it is there to show one")
+                        complaints = [line for line in complaints if shown not in line]
+                    self.assertEqual((done.returncode, complaints), (0, []))
+                    result = json.loads(done.stdout)
+                    self.assertEqual(result["rule_errors"], [])
+                    self.assertIn(result["status"], ("completed", "stopped"))
+
+    def test_none_is_left_out(self):
+        self.assertEqual(examples() - {shlex.split(command)[2] for command in told() | set(MORE)}, set())
+        self.assertGreater(len(told()), 15, "the pages are read")
+
+
+if __name__ == "__main__":
+    unittest.main()
