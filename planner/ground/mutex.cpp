@@ -59,7 +59,7 @@ class Pairs {
         for (const int f : op->removes)
           if (std::ranges::find(extra.adds, f) == extra.adds.end()) extra.removes.push_back(f);
         operators_.push_back(std::move(extra));
-        std::erase_if(op->removes, [&](int f) { return std::ranges::find(effects->add, f) != effects->add.end(); });
+        std::erase_if(op->removes, [&add = effects->add](int f) { return std::ranges::find(add, f) != add.end(); });
       }
     }
     operators_.push_back(std::move(begin));
