@@ -1,6 +1,9 @@
 #include "cx/journal/journal.h"
 
 #include <xxhash.h>
+#if defined(__x86_64__) && __has_include(<xxh_x86dispatch.h>)
+#include <xxh_x86dispatch.h>  // the same hashes with the widest instructions that the machine has
+#endif
 
 #include <array>
 #include <bit>
