@@ -1,0 +1,90 @@
+// Configurations of the environment manager: the first byte says how strict, the rest is the YAML. What is read lives for
+// two ticks, with all plugins of cxlab and the rules of an example, and ends.
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "cx/bus/bus.h"
+#include "cx/executive/environment_manager.h"
+#include "cx/journal/journal.h"
+#include "cx/plugins/builtin.h"
+#include "tests/fuzz/fuzz.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of this process, which goes with it.
+const fs::path& folder() {
+  static const fs::path made = [] {
+    fs::path path = fs::temp_directory_path() / ("cxlab-fuzz-" + std::to_string(getpid()));
+    fs::create_directories(path);
+    std::atexit([] {
+      std::error_code ignored;
+      fs::remove_all(folder(), ignored);
+    });
+    return path;
+  }();
+  return made;
+}
+
+cxlab::bus::Registry& registry() {
+  static cxlab::bus::Registry packages = [] {
+    cxlab::bus::Registry made;
+    cxlab::fuzz::promise(made.add_packages_in(fs::path(CXLAB_SOURCE_DIR) / "cx/interfaces").ok(), "the packages of cxlab are there");
+    return made;
+  }();
+  return packages;
+}
+
+void live(cxlab::cx::ManagerOptions options) {
+  using namespace cxlab;
+  Journal journal;
+  bus::Bus bus(registry(), journal);
+  const auto told = [](const Status& s) {
+    fuzz::promise(s.ok() || !s.error().message.empty(), "an error says what it is");
+    return s.ok();
+  };
+  auto made = cx::EnvironmentManager::create(std::move(options), bus, journal);
+  if (!made) return (void)told(made.error());
+  cx::EnvironmentManager& manager = **made;
+  if (!told(manager.configure())) return;
+  if (told(manager.activate())) {
+    for (int tick = 0; tick < 2; ++tick) {
+      const SimTime now{tick * 20'000'000};
+      bus.begin_tick(now);
+      for (std::size_t i = 0; i < manager.size(); ++i)
+        if (!told(manager.perceive(i))) return;
+      for (std::size_t i = 0; i < manager.size(); ++i)
+        if (!told(manager.decide_if_due(i, now))) return;
+      if (!told(manager.act())) return;
+    }
+    told(manager.deactivate());
+  }
+  fuzz::promise(manager.state() != cx::LifeState::kActive, "what is not active has no plugins that run");
+  told(manager.cleanup());
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cxlab;
+  if (size == 0) return 0;
+  const fs::path config = folder() / "config.yaml";
+  std::ofstream(config, std::ios::binary) << fuzz::text_of(data + 1, size - 1);
+  cx::ManagerOptions options;
+  options.config = config;
+  options.plugin_types = cx::builtin_plugins();
+  options.packages["example"] = {fs::path(CXLAB_SOURCE_DIR) / "docs/examples/file_load", {}};
+  options.run_folder = folder() / "run";
+  options.max_firings = 100;
+  options.strict = (data[0] & 1U) != 0;
+  options.keep_going = (data[0] & 2U) != 0;
+  options.stop_on_rule_error = (data[0] & 4U) != 0;
+  live(std::move(options));
+  std::error_code ignored;
+  fs::remove_all(folder() / "run", ignored);
+  return 0;
+}
