@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "planner/ground/idle.h"
 #include "planner/ground/reachable.h"
 
 namespace cxlab::planner {
@@ -387,7 +388,7 @@ class Grounder {
                                                     GroundExpression::constant(timed.assignment.value)});
     for (auto& [time, effects] : events) {
       tidy(effects);
-      out_.events.push_back({time, std::move(effects)});
+      out_.events.push_back({time, std::move(effects), {}});
     }
   }
 
@@ -492,6 +493,7 @@ Expected<GroundTask> ground(const Task& task, const GroundOptions& options) {
   if (!reachable) return reachable.error();
   GroundTask out = Grounder(task, std::move(*reachable)).run();
   prune(out);
+  find_idle(task, out);
   return out;
 }
 

@@ -128,6 +128,16 @@ struct ContinuousEffect {
   GroundExpression rate;
 };
 
+/// What no plan depends on, but validators hold against happenings at one time: a condition names a fact that is always
+/// so, or that another part of the condition makes unimportant; an effect changes what nobody needs.
+struct IdleTouch {
+  enum class Of : std::uint8_t { kFact, kNumber, kOther };
+  Of of = Of::kOther;
+  int index = -1;  ///< of kOther: 0 ... GroundTask::others - 1
+  bool at_end = false;
+  bool read = false, up = false, down = false;  ///< up: added or increased; down: deleted; both: assigned
+};
+
 struct GroundAction {
   ActionId schema = -1;
   std::vector<ObjectId> arguments;
@@ -138,6 +148,7 @@ struct GroundAction {
   GroundEffects at_start, at_end;
   std::vector<ConditionalEffects> conditional;
   std::vector<ContinuousEffect> continuous;
+  std::vector<IdleTouch> idle;
 };
 
 /// `head` is true if `body` holds; false if no axiom says otherwise.
@@ -151,6 +162,7 @@ struct Axiom {
 struct TimedEvent {
   Micros time = 0;
   GroundEffects effects;
+  std::vector<IdleTouch> idle;
 };
 
 struct GroundFact {
@@ -189,6 +201,7 @@ struct GroundTask {
   GroundCondition goal;
   bool proved_unsolvable = false;      ///< the goal is out of reach even if nothing were ever deleted
   GroundExpression metric;             ///< to be made small; empty = makespan
+  int others = 0;                      ///< facts and numbers that only IdleTouch knows
 
   /// Words of bits of a state.
   int words() const { return static_cast<int>((facts.size() + 63) / 64); }

@@ -15,7 +15,7 @@ void touch(std::vector<Touch>& touches, int key, std::uint8_t does, bool at_star
 
 }  // namespace
 
-Touches::Touches(const GroundTask& task) : task_(task), keys_(static_cast<int>(task.facts.size() + task.numbers.size())) {
+Touches::Touches(const GroundTask& task) : task_(task), keys_(static_cast<int>(task.facts.size() + task.numbers.size()) + task.others) {
   bases_.resize(task.facts.size());
   for (std::size_t f = 0; f < task.facts.size(); ++f)
     if (!task.facts[f].derived) bases_[f] = {key_of_fact(static_cast<int>(f))};
@@ -65,6 +65,7 @@ Touches::Touches(const GroundTask& task) : task_(task), keys_(static_cast<int>(t
       read(touches, effect.rate, true, true);
       touch(touches, static_cast<int>(task.facts.size()) + effect.number, Touch::kRead | Touch::kUp | Touch::kDown, true, true);
     }
+    idle(touches, action.idle);
     actions_.push_back(std::move(touches));
   }
   hold(goal_, task.goal);
@@ -72,6 +73,7 @@ Touches::Touches(const GroundTask& task) : task_(task), keys_(static_cast<int>(t
   for (std::size_t e = 0; e < task.events.size(); ++e) {
     std::vector<Touch> touches;
     write(touches, task.events[e].effects, true);
+    idle(touches, task.events[e].idle);
     for (const Touch& touched : touches) events_of_key_[touched.key].push_back(static_cast<int>(e));
     events_.push_back(std::move(touches));
   }
@@ -133,6 +135,15 @@ void Touches::write(std::vector<Touch>& touches, const GroundEffects& effects, b
     const std::uint8_t does = effect.kind == NumericEffect::Kind::kIncrease ? Touch::kUp : Touch::kUp | Touch::kDown;
     touch(touches, static_cast<int>(task_.facts.size()) + effect.number, does, at_start, !at_start);
     read(touches, effect.value, at_start, !at_start);
+  }
+}
+
+void Touches::idle(std::vector<Touch>& touches, const std::vector<IdleTouch>& from) const {
+  const int numbers = static_cast<int>(task_.facts.size()), others = numbers + static_cast<int>(task_.numbers.size());
+  for (const IdleTouch& each : from) {
+    const int key = each.of == IdleTouch::Of::kFact ? key_of_fact(each.index) : each.index + (each.of == IdleTouch::Of::kNumber ? numbers : others);
+    const int does = (each.read ? Touch::kRead : 0) | (each.up ? Touch::kUp : 0) | (each.down ? Touch::kDown : 0);
+    touch(touches, key, static_cast<std::uint8_t>(does), !each.at_end, each.at_end);
   }
 }
 

@@ -4,7 +4,8 @@
 // A happening touches keys: the facts and numbers that it reads or changes (a fact and its complement are one key, a
 // derived fact stands for all that it is derived from). Two happenings that touch a key keep the order of the sequence
 // and kSeparation if one changes what the other reads, or both change it in ways that do not commute. So each reads the
-// same values as in the sequence, and a plan that is right one action after the other is right as scheduled.
+// same values as in the sequence, and a plan that is right one action after the other is right as scheduled. What only
+// validators care about (IdleTouch) is kept apart in the same way.
 
 #include <span>
 #include <vector>
@@ -61,6 +62,7 @@ class Touches {
   void hold(std::vector<Touch>& touches, const GroundCondition& condition) const;
   void read(std::vector<Touch>& touches, const GroundExpression& expression, bool at_start, bool at_end) const;
   void write(std::vector<Touch>& touches, const GroundEffects& effects, bool at_start) const;
+  void idle(std::vector<Touch>& touches, const std::vector<IdleTouch>& from) const;
   int key_of_fact(int fact) const;
 
   const GroundTask& task_;

@@ -314,8 +314,8 @@ Footprint Execution::footprint_of(const Happening& happening, const std::vector<
     if (effect.time == Effect::Time::kContinuous) continue;
     const bool now = (effect.time == Effect::Time::kEnd) == at_end;
     evaluator_.each_binding(effect.variables, frame, [&] {
-      if (!at_end) footprint.read(effect.condition.start, frame);  // also decides about effects at the end
-      if (at_end) footprint.read(effect.condition.end, frame);
+      if (!at_end) footprint.read_guard(effect.condition.start, frame);  // also decides about effects at the end
+      if (at_end) footprint.read_guard(effect.condition.end, frame);
       if (now) footprint.read(effect.value, frame);
       return true;
     });

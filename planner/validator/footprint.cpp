@@ -21,7 +21,16 @@ const Fact* touched(const std::vector<int>& ids, const std::vector<Fact>& facts)
 
 }  // namespace
 
-void Footprint::read(const Condition& condition, Frame& frame) { gather(condition, frame); }
+void Footprint::read(const Condition& condition, Frame& frame) {
+  if (condition.kind == Condition::Kind::kAtom) gather_atom(condition, frame);
+  for (const Expression& side : condition.sides) read(side, frame);
+  validator_->evaluator().each_binding(condition.variables, frame, [&] {
+    for (const Condition& operand : condition.operands) read(operand, frame);
+    return true;
+  });
+}
+
+void Footprint::read_guard(const Condition& condition, Frame& frame) { gather(condition, frame); }
 
 void Footprint::read(const Expression& expression, const Frame& frame) {
   if (expression.kind == Expression::Kind::kFunction && validator_->is_fluent_function(expression.function)) {

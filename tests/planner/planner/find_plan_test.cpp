@@ -43,6 +43,40 @@ TEST(FindPlan, OverlapsActionsWhereOneNeedsTheOther) {
   EXPECT_EQ(found.plan->steps.size(), 5u);  // two matches: three items take six seconds
 }
 
+TEST(FindPlan, KeepsApartWhatValidatorsKeepApartThoughNothingDependsOnIt) {
+  const auto starts = [](const char* condition, const char* init) {
+    const PlanAnswer found = answer(parse(std::string(R"((:predicates (known) (never) (fixed) (go) (seen) (done)) (:functions (count) (sum))
+      (:durative-action look :parameters () :duration (= ?duration 2) :condition (at start )") + condition + R"() :effect (at end (seen)))
+      (:durative-action work :parameters () :duration (= ?duration 2) :condition (at start (go))
+       :effect (and (at start (known)) (at start (not (never))) (at start (assign (count) 1)) (at end (done)))))",
+                                          std::string("(:init (go) (= (count) 0) (= (sum) 0) ") + init + ") (:goal (and (seen) (done)))"));
+    EXPECT_TRUE(found.plan) << condition;
+    return found.plan ? found.plan->steps[1].start : -1;
+  };
+  EXPECT_GE(starts("(known)", "(known)"), 0.001);                      // always true, made true again
+  EXPECT_GE(starts("(not (never))", ""), 0.001);                       // always false, made false again
+  EXPECT_GE(starts("(or (fixed) (known))", "(fixed) (known)"), 0.001); // decided by what never changes
+  EXPECT_GE(starts("(imply (never) (fixed))", "(fixed)"), 0.001);
+  EXPECT_GE(starts("(or (fixed) (> (count) 5))", "(fixed)"), 0.001);
+  EXPECT_EQ(starts("(fixed)", "(fixed)"), 0);
+}
+
+TEST(FindPlan, ChangesThatNobodyNeedsAreKeptApartIfTheyInterfere) {
+  const auto second_start = [](const char* first, const char* second) {
+    const PlanAnswer found = answer(parse(std::string(R"((:predicates (a) (b) (lamp) (go)) (:functions (sum) (rate))
+      (:durative-action one :parameters () :duration (= ?duration 2) :condition (at start (go)) :effect (and (at start )") + first + R"() (at end (a))))
+      (:durative-action two :parameters () :duration (= ?duration 2) :condition (at start (go)) :effect (and (at start )" + second + ") (at end (b))))",
+                                          "(:init (go) (= (sum) 0) (= (rate) 1)) (:goal (and (a) (b)))"));
+    EXPECT_TRUE(found.plan) << first;
+    return found.plan ? found.plan->steps[1].start : -1;
+  };
+  EXPECT_GE(second_start("(lamp)", "(not (lamp))"), 0.001);
+  EXPECT_GE(second_start("(assign (sum) 1)", "(increase (sum) 1)"), 0.001);
+  EXPECT_GE(second_start("(increase (sum) (rate))", "(increase (rate) 1)"), 0.001);
+  EXPECT_EQ(second_start("(increase (sum) 2)", "(increase (sum) 1)"), 0);
+  EXPECT_EQ(second_start("(lamp)", "(lamp)"), 0);
+}
+
 TEST(FindPlan, WhatHappensTooLateIsNoPlan) {
   const std::string domain = R"((:predicates (open) (in))
     (:durative-action enter :parameters () :duration (= ?duration 4) :condition (over all (open)) :effect (at end (in))))";

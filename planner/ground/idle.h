@@ -1,0 +1,11 @@
+#pragma once
+// What validators keep apart although no plan depends on it.
+
+#include "planner/ground/task.h"
+
+namespace cxlab::planner {
+
+/// Fills in GroundAction::idle and TimedEvent::idle of a pruned task.
+void find_idle(const Task& task, GroundTask& ground);
+
+}  // namespace cxlab::planner
