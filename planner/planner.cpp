@@ -158,7 +158,12 @@ class Planner {
 
   Cut make_cut(bool all) {
     std::vector<char> marked;
-    for (const GroundAction& action : ground_.actions) marked.push_back(can_be_cut(action) && (all || is_envelope(ground_, action)));
+    const PackedState initial = sequences_->simulator.initial();
+    for (const GroundAction& action : ground_.actions) {
+      const std::optional<DurationRange> range = sequences_->simulator.durations(static_cast<int>(marked.size()), initial.data());
+      const bool lasts = !range || range->most >= kSeparation;
+      marked.push_back(lasts && can_be_cut(ground_, action) && (all || is_envelope(ground_, action)));
+    }
     Cut cut;
     if (std::ranges::find(marked, 1) == marked.end()) {
       cut.exhausted = true;

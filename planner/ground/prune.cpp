@@ -162,16 +162,30 @@ void rename(GroundExpression& expression, const std::vector<int>& renamed) {
     if (step.kind == GroundExpression::Kind::kNumber) step.number = renamed[step.number];
 }
 
+/// Whether an event may bring about a part of the goal.
+bool events_help_goal(const GroundTask& task) {
+  if (task.events.empty()) return false;
+  if (std::ranges::any_of(task.goal.facts, [&](int f) { return task.facts[f].derived; })) return true;
+  const auto reads = [&](int number) {
+    return std::ranges::any_of(task.goal.comparisons, [&](int c) {
+      return std::ranges::any_of(task.comparisons[c].expression.steps, [&](const auto& step) { return step.number == number; });
+    });
+  };
+  return std::ranges::any_of(task.events, [&](const TimedEvent& event) {
+    return std::ranges::any_of(event.effects.add, [&](int f) { return std::ranges::binary_search(task.goal.facts, f); }) ||
+           std::ranges::any_of(event.effects.numbers, [&](const NumericEffect& effect) { return reads(effect.number); });
+  });
+}
+
 /// Keeps actions that add a fact that is asked for, or change a number that is read, counting what the goal and kept
 /// actions ask for.
 void drop_irrelevant(GroundTask& task) {
-  for (const TimedEvent& event : task.events)  // any action may be needed to wait for what events bring about
-    for (const int f : event.effects.add)
-      if (std::ranges::find(task.goal.facts, f) != task.goal.facts.end()) return;
+  if (events_help_goal(task)) return;  // any action may be needed to wait for them
   std::vector<char> fact(task.facts.size(), 0), number(task.numbers.size(), 0), keep(task.actions.size(), 0);
-  std::vector<std::vector<int>> adders(task.facts.size()), changers(task.numbers.size());
+  std::vector<std::vector<int>> adders(task.facts.size()), removers(task.facts.size()), changers(task.numbers.size());
   const auto note = [&](const GroundEffects& effects, int action) {
     for (const int f : effects.add) adders[f].push_back(action);
+    for (const int f : effects.remove) removers[f].push_back(action);
     for (const NumericEffect& effect : effects.numbers) changers[effect.number].push_back(action);
   };
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
@@ -183,6 +197,9 @@ void drop_irrelevant(GroundTask& task) {
   std::vector<int> queue;  // actions to look at
   const auto take = [&](int action) {
     if (!keep[action]) keep[action] = 1, queue.push_back(action);
+  };
+  const auto take_all = [&] {
+    for (std::size_t a = 0; a < task.actions.size(); ++a) take(static_cast<int>(a));
   };
   const auto ask_number = [&](const GroundExpression& expression) {
     for (const auto& step : expression.steps) {
@@ -209,8 +226,14 @@ void drop_irrelevant(GroundTask& task) {
           if (task.facts[below].complement >= 0) facts.push_back(task.facts[below].complement);
         for (const int c : axiom.body.comparisons) ask_number(task.comparisons[c].expression);
       }
-      if (task.facts[f].is_complement)  // what falsifies a body has no fact of its own: everything may help
-        for (std::size_t a = 0; a < task.actions.size(); ++a) take(static_cast<int>(a));
+      if (task.facts[f].is_complement) take_all();  // what falsifies a body has no fact of its own: everything may help
+    }
+  };
+  /// An effect that must not come about may have to be kept from it.
+  const auto deny = [&](const GroundCondition& condition) {
+    for (const int f : condition.facts) {
+      if (task.facts[f].derived) take_all();
+      for (const int action : removers[f]) take(action);
     }
   };
   ask(task.goal);
@@ -219,10 +242,15 @@ void drop_irrelevant(GroundTask& task) {
     const GroundAction& action = task.actions[queue.back()];
     queue.pop_back();
     ask(action.start), ask(action.over_all), ask(action.end);
-    for (const ConditionalEffects& conditional : action.conditional) ask(conditional.start), ask(conditional.over_all), ask(conditional.end);
+    for (const ConditionalEffects& conditional : action.conditional)
+      for (const GroundCondition* condition : {&conditional.start, &conditional.over_all, &conditional.end}) ask(*condition), deny(*condition);
     for (const GroundDuration& duration : action.duration) ask_number(duration.bound);
     for (const auto* effects : {&action.at_start, &action.at_end})
       for (const NumericEffect& effect : effects->numbers) ask_number(effect.value);
+    for (const ConditionalEffects& conditional : action.conditional)
+      for (const auto* effects : {&conditional.at_start, &conditional.at_end})
+        for (const NumericEffect& effect : effects->numbers) ask_number(effect.value);
+    for (const ContinuousEffect& effect : action.continuous) ask_number(effect.rate);
   }
   compact(task.actions, keep);
 }

@@ -11,26 +11,37 @@ class Relevance {
   explicit Relevance(const Task& task)
       : task_(task), present_(task.domain.predicates.size(), 0), absent_(present_), number_(task.domain.functions.size(), 0), action_(task.domain.actions.size(), 0) {
     ask(task.problem.goal, false);
+    while (changed_) changed_ = false, look_at_rules();
     // A plan ends with its last action: where events bring about the goal, any action may be needed to wait for them.
-    for (const TimedFact& timed : task.problem.timed_facts)
-      if ((timed.value ? present_ : absent_)[timed.fact.predicate]) {
-        action_.assign(action_.size(), 1);
-        return;
-      }
+    if (events_help()) {
+      action_.assign(action_.size(), 1);
+      return;
+    }
     if (task.problem.metric) ask(task.problem.metric->value);
+    changed_ = true;
     while (changed_) {
       changed_ = false;
       for (std::size_t a = 0; a < action_.size(); ++a) look_at(a);
-      for (const Derivation& rule : task.domain.derivations) {
-        if (present_[rule.predicate]) ask(rule.condition, false);
-        if (absent_[rule.predicate]) ask(rule.condition, true);
-      }
+      look_at_rules();
     }
   }
 
   std::vector<char> take() { return std::move(action_); }
 
  private:
+  bool events_help() const {
+    const auto helps = [this](const TimedFact& timed) { return (timed.value ? present_ : absent_)[timed.fact.predicate] != 0; };
+    return std::ranges::any_of(task_.problem.timed_facts, helps) ||
+           std::ranges::any_of(task_.problem.timed_values, [this](const TimedAssignment& timed) { return number_[timed.assignment.function] != 0; });
+  }
+
+  void look_at_rules() {
+    for (const Derivation& rule : task_.domain.derivations) {
+      if (present_[rule.predicate]) ask(rule.condition, false);
+      if (absent_[rule.predicate]) ask(rule.condition, true);
+    }
+  }
+
   void look_at(std::size_t index) {
     const Action& action = task_.domain.actions[index];
     bool needed = action_[index];
@@ -44,6 +55,8 @@ class Relevance {
     action_[index] = 1;
     changed_ = true;
     ask(action.condition);
+    for (const Effect& effect : action.effects)  // one that must not come about may have to be kept from it
+      for (const Condition* part : {&effect.condition.start, &effect.condition.over_all, &effect.condition.end}) ask(*part, true);
     for (const DurationConstraint& constraint : action.duration) ask(constraint.bound);
   }
 

@@ -71,7 +71,7 @@ bool Stn::solve(Micros hold_separation) {
       if (writer == holder) continue;
       for (const Touch& written : touches_.of(steps_[writer].action))
         for (const Touch& held : touches_.of(steps_[holder].action))
-          if (written.key == held.key && Touches::violates(written.at_end, held.at_end)) edges_.push_back({steps_[holder].end, steps_[writer].end, true});
+          if (written.key == held.key && Touches::surely_violates(written.at_end, held.at_end)) edges_.push_back({steps_[holder].end, steps_[writer].end, true});
     }
   const bool solved = relax(hold_separation) && keeps_clear_of_events();
   last_happening_ = 0;
@@ -155,7 +155,9 @@ bool Stn::keeps_clear_of_events() const {
       for (const int event : touches_.events_of(touched.key)) {
         if (event < next_event_) continue;
         for (const Touch& other : touches_.of_event(event))
-          if (other.key == touched.key && Touches::conflict(other.at_start, does) && times_[p] + kSeparation > touches_.events()[event].time) return false;
+          if (other.key == touched.key && Touches::conflict(other.at_start, does) &&
+              times_[p] + separation(other.at_start, does) > touches_.events()[event].time)
+            return false;
       }
     }
   }
@@ -219,9 +221,11 @@ std::vector<Ordering> Stn::orderings() const {
       for (const Touch& touched : touches_.of(step.action))
         for (const int event : touches_.events_of(touched.key)) {
           if (event < next_event_) continue;
+          const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
           for (const Touch& other : touches_.of_event(event))
-            if (other.key == touched.key && Touches::conflict(other.at_start, at_end ? touched.at_end : touched.at_start))
-              found.push_back({Ordering::kOrigin, name(at_end ? step.end : step.start), 0, touches_.events()[event].time - kSeparation});
+            if (other.key == touched.key && Touches::conflict(other.at_start, does))
+              found.push_back({Ordering::kOrigin, name(at_end ? step.end : step.start), 0,
+                               touches_.events()[event].time - separation(other.at_start, does)});
         }
   return found;
 }

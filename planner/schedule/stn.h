@@ -67,6 +67,8 @@ class Stn {
   bool relax(Micros hold_separation);
   bool has_cycle();
   bool keeps_clear_of_events() const;
+  /// Of happenings that conflict.
+  Micros separation(std::uint8_t a, std::uint8_t b) const { return Touches::conflict_at_instant(a, b) ? kSeparation : hold_separation_; }
 
   const Touches& touches_;
   std::vector<Step> steps_;

@@ -186,12 +186,14 @@ void Timeline::note(Last& last, std::uint8_t does, Micros time) const {
 bool Timeline::before_events(int key, std::uint8_t does, Micros time) {
   for (const int event : touches_.events_of(key)) {
     if (event < next_event_) continue;
-    for (const Touch& touched : touches_.of_event(event))
-      if (touched.key == key && Touches::conflict(touched.at_start, does) && time + kSeparation > touches_.events()[event].time) {
-        if (!lenient_) return false;
-        lateness_ += time + kSeparation - touches_.events()[event].time;
-        return true;
-      }
+    for (const Touch& touched : touches_.of_event(event)) {
+      if (touched.key != key || !Touches::conflict(touched.at_start, does)) continue;
+      const Micros late = time + (Touches::conflict_at_instant(touched.at_start, does) ? kSeparation : 0) - touches_.events()[event].time;
+      if (late <= 0) continue;
+      if (!lenient_) return false;
+      lateness_ += late;
+      return true;
+    }
   }
   return true;
 }

@@ -51,9 +51,14 @@ class Touches {
     constexpr std::uint8_t kPoint = Touch::kRead | Touch::kUp | Touch::kDown;
     return conflict(a & kPoint, b & kPoint);
   }
-  /// Whether `writer` makes false what `holder` needs.
+  /// Whether `writer` may make false what `holder` needs.
   static bool violates(std::uint8_t writer, std::uint8_t holder) {
     return ((writer & Touch::kDown) && (holder & Touch::kHoldTrue)) || ((writer & Touch::kUp) && (holder & Touch::kHoldFalse));
+  }
+  /// Whether it does so for certain: a derived fact or a comparison may survive a change of what it reads.
+  static bool surely_violates(std::uint8_t writer, std::uint8_t holder) {
+    constexpr std::uint8_t kBoth = Touch::kHoldTrue | Touch::kHoldFalse;
+    return (holder & kBoth) != kBoth && violates(writer, holder);
   }
 
  private:

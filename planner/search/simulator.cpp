@@ -58,6 +58,7 @@ Simulator::Whole Simulator::make_whole(const GroundAction& action) const {
   whole.numbers = action.at_start.numbers;
   whole.numbers.insert(whole.numbers.end(), action.at_end.numbers.begin(), action.at_end.numbers.end());
   whole.plain = action.conditional.empty() && action.continuous.empty() && task_.axioms.empty() &&
+                std::ranges::none_of(action.duration, &GroundDuration::at_end) &&
                 std::ranges::all_of(whole.numbers, [](const NumericEffect& effect) { return effect.value.is_constant(); });
   const auto constant = [](const GroundDuration& duration) { return duration.bound.is_constant() && !duration.at_end; };
   if (!action.durative) {
@@ -75,7 +76,30 @@ Simulator::Whole Simulator::make_whole(const GroundAction& action) const {
   for (const auto* condition : {&action.over_all, &action.end})
     for (const int c : condition->comparisons)
       if (!contains(whole.condition.comparisons, c)) whole.plain = false;
+  if (action.durative && whole.fixed && whole.duration < kSeparation) whole.plain = false;
+  whole.interferes = action.durative && interferes(action);
   return whole;
+}
+
+bool Simulator::interferes(const GroundAction& action) const {
+  const auto meet = [](const std::vector<int>& a, const std::vector<int>& b) {
+    return std::ranges::any_of(a, [&b](int item) { return contains(b, item); });
+  };
+  const auto reads = [this](const GroundCondition& condition, const NumericEffect& effect) {
+    return std::ranges::any_of(condition.comparisons, [&](int c) {
+      return std::ranges::any_of(task_.comparisons[c].expression.steps, [&](const auto& step) { return step.number == effect.number; });
+    });
+  };
+  const auto disturbs = [&](const GroundEffects& effects, const GroundCondition& condition) {
+    return meet(effects.add, condition.facts) || meet(effects.remove, condition.facts) ||
+           std::ranges::any_of(effects.numbers, [&](const NumericEffect& effect) { return reads(condition, effect); });
+  };
+  const auto both_change = [&](const NumericEffect& effect) {
+    return std::ranges::any_of(action.at_end.numbers, [&](const NumericEffect& other) { return other.number == effect.number; });
+  };
+  return !action.conditional.empty() || disturbs(action.at_start, action.end) || disturbs(action.at_end, action.start) ||
+         meet(action.at_start.add, action.at_end.remove) || meet(action.at_start.remove, action.at_end.add) ||
+         std::ranges::any_of(action.at_start.numbers, both_change);
 }
 
 PackedState Simulator::initial() const {
@@ -102,7 +126,7 @@ std::optional<DurationRange> Simulator::durations(int action, const Word* state)
     const double bound = constraint.bound.evaluate(numbers(state));
     if (!(std::abs(bound) < kLongest)) return std::nullopt;
     const Micros micros = static_cast<Micros>(std::llround(bound * kSecond));
-    if (constraint.comparison == Comparison::kEqual && micros < 1) return std::nullopt;
+    if (micros < 0 && constraint.comparison != Comparison::kGreaterEqual) return std::nullopt;
     if (constraint.comparison == Comparison::kEqual) range.least = range.least == kSeparation ? micros : std::max(range.least, micros);
     else if (constraint.comparison == Comparison::kGreaterEqual) range.least = std::max(range.least, micros);
     if (constraint.comparison != Comparison::kGreaterEqual) range.most = std::min(range.most, micros);
@@ -140,6 +164,9 @@ bool Simulator::apply_with(int action, Word* state, Micros duration) const {
     return true;
   }
   Remembered remembered;
+  if (task_.actions[action].durative && duration < kSeparation) {  // its beginning and its end are one happening
+    if (whole.interferes || !holds(task_.actions[action].end, state, static_cast<double>(duration) / kSecond)) return false;
+  }
   if (!begin(action, state, duration, remembered)) return false;
   if (!task_.actions[action].durative) return true;
   return over_all_holds(action, state, duration) && end(action, state, duration, remembered);

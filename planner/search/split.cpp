@@ -37,7 +37,10 @@ bool is_envelope(const GroundTask& task, const GroundAction& action) {
   return false;
 }
 
-bool can_be_cut(const GroundAction& action) {
+bool can_be_cut(const GroundTask& task, const GroundAction& action) {
+  for (const auto* condition : {&action.start, &action.over_all, &action.end})
+    for (const int c : condition->comparisons)
+      if (mentions_duration(task.comparisons[c].expression)) return false;
   if (!action.durative || !action.continuous.empty() || mentions_duration(action.at_start) || mentions_duration(action.at_end)) return false;
   for (const GroundDuration& duration : action.duration)
     if (duration.at_end) return false;
@@ -106,7 +109,7 @@ std::optional<GroundTask> untimed(const GroundTask& task) {
       out.actions.push_back(action);
       continue;
     }
-    if (!can_be_cut(action)) return std::nullopt;
+    if (!can_be_cut(task, action)) return std::nullopt;
     const int begun = static_cast<int>(out.facts.size());
     out.facts.push_back({-1, {}, -1, false, false});
     out.initial_facts.push_back(0);

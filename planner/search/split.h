@@ -17,7 +17,7 @@ namespace cxlab::planner {
 /// its duration needs what its beginning does not.
 bool is_envelope(const GroundTask& task, const GroundAction& action);
 /// Whether an action can be cut: not if its end remembers its beginning or numbers change all along.
-bool can_be_cut(const GroundAction& action);
+bool can_be_cut(const GroundTask& task, const GroundAction& action);
 
 struct SplitTask {
   enum class Part : std::uint8_t { kWhole, kBegin, kEnd };

@@ -128,6 +128,49 @@ TEST(FindPlan, AConditionOfTheBeginningDecidesAnEffectAtTheEnd) {
   EXPECT_GT(found.plan->steps[0].start, 1.0);
 }
 
+TEST(FindPlan, AnEffectThatMustNotComeAboutIsKeptFromIt) {
+  const PlanAnswer found = answer(parse(R"((:predicates (wet ?p) (rain) (roof ?p) (home ?p) (person ?p))
+    (:durative-action walk :parameters (?p) :duration (= ?duration 4) :condition (at start (person ?p))
+     :effect (and (at end (home ?p)) (when (and (at start (rain)) (over all (not (roof ?p)))) (at end (wet ?p)))))
+    (:action open-umbrella :parameters (?p) :precondition (person ?p) :effect (roof ?p)))",
+                                        "(:objects a b) (:init (rain) (person a) (person b)) (:goal (and (home a) (not (wet a)) (home b) (wet b)))"));
+  ASSERT_TRUE(found.plan);
+  EXPECT_EQ(found.plan->steps.size(), 3u);
+}
+
+TEST(FindPlan, ADurationIsBoundedWhenTheActionEnds) {
+  const PlanAnswer found = answer(parse(R"((:functions (most)) (:predicates (done))
+    (:durative-action work :parameters () :duration (and (at start (>= ?duration 2)) (at end (<= ?duration (most)))) :condition () :effect (at end (done)))
+    (:durative-action allow :parameters () :duration (= ?duration 1) :condition () :effect (at end (increase (most) 2))))",
+                                        "(:init (= (most) 1)) (:goal (done))"));
+  ASSERT_TRUE(found.plan);
+  EXPECT_EQ(found.plan->steps.size(), 2u);
+}
+
+TEST(FindPlan, AnActionWithoutDurationIsOneHappening) {
+  const std::string start_and_end = "(:predicates (a) (b)) (:durative-action x :parameters () :duration (= ?duration 0) :effect (and (at start (a)) (at end (b))) :condition ";
+  EXPECT_TRUE(answer(parse(start_and_end + "())", "(:init) (:goal (and (a) (b)))")).plan);
+  EXPECT_EQ(answer(parse(start_and_end + "(at end (a)))", "(:init) (:goal (and (a) (b)))")).status, PlanStatus::kEnded);
+}
+
+TEST(FindPlan, SeveralInTurnKeepAnExistenceAlive) {
+  const PlanAnswer found = answer(parse(R"((:predicates (on ?l) (fresh ?l) (done))
+    (:durative-action light :parameters (?l) :duration (= ?duration 3) :condition (at start (fresh ?l))
+     :effect (and (at start (not (fresh ?l))) (at start (on ?l)) (at end (not (on ?l)))))
+    (:durative-action work :parameters () :duration (= ?duration 5) :condition (over all (exists (?l) (on ?l))) :effect (at end (done))))",
+                                        "(:objects l1 l2) (:init (fresh l1) (fresh l2)) (:goal (done))"));
+  ASSERT_TRUE(found.plan);
+  EXPECT_NEAR(found.plan->makespan_s, 5.002, 0.001);
+}
+
+TEST(FindPlan, AConditionOverAllMayEndWithItsAction) {
+  const PlanAnswer found = answer(parse(R"((:predicates (open) (done))
+    (:durative-action stay :parameters () :duration (= ?duration 5) :condition (over all (open)) :effect (at end (done))))",
+                                        "(:init (open) (at 5 (not (open)))) (:goal (done))"));
+  ASSERT_TRUE(found.plan);
+  EXPECT_EQ(found.plan->makespan_s, 5.0);
+}
+
 TEST(FindPlan, NumbersThatChangeAllAlong) {
   const PlanAnswer found = answer(parse(R"((:functions (level)) (:predicates (idle))
     (:durative-action pump :parameters () :duration (= ?duration 3) :condition (and (at start (idle)) (over all (>= (level) 0)))
