@@ -1,5 +1,6 @@
 // cxlab render: one picture, of a recorded run or of a scenario that is played up to then.
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
@@ -73,8 +74,10 @@ Status render_scenario(const Options& options) {
   if (options.seed) overrides.push_back("seed=" + std::to_string(*options.seed));
   auto scenario = Scenario::load(options.what, overrides);
   if (!scenario) return scenario.error();
-  if (scenario->world_kind == Scenario::WorldKind::kNone) return input_error("the world is empty: there is nothing to look at", options.what);
-  if (scenario->world_kind == Scenario::WorldKind::kRcll && scenario->tier == Tier::kTimed) return input_error("the timed tier has no bodies to look at: --set tier=physics", options.what);
+  const bool canvas = std::ranges::any_of(scenario->servers, [](const ServerSpec& server) { return server.node == "turtlesim"; });
+  if (scenario->world_kind == Scenario::WorldKind::kNone && !canvas) return input_error("the world is empty: there is nothing to look at", options.what);
+  if (scenario->world_kind == Scenario::WorldKind::kRcll && scenario->tier == Tier::kTimed && !canvas)
+    return input_error("the timed tier has no bodies to look at: --set tier=physics", options.what);
   auto episode = Episode::load(*std::move(scenario), shared_episode_options());
   if (!episode) return episode.error();
   Episode& played = **episode;
@@ -109,7 +112,7 @@ void add_render(CLI::App& app, Action& action) {
   command->add_option("what", options->what, "Folder of a run, or a scenario, which is played up to then")->required();
   command->add_option("--at", options->at, "When, s of simulated time (of a run: default its end, or how far its log goes)")->check(not_negative());
   command->add_option("--out", options->out, "The picture (PNG)")->required();
-  command->add_option("--camera", options->camera, "Of a factory: field (default), top, a robot (robot1) or a machine (C-CS1)");
+  command->add_option("--camera", options->camera, "Of a factory: field (default), top, a robot (robot1) or a machine (C-CS1); of turtles: canvas");
   command->add_option("--size", options->size, "WIDTHxHEIGHT; a canvas of turtles is the largest square in it")->capture_default_str();
   command->add_option("--seed", options->seed, "Of a scenario: seed of all chance")->check(seed_number());
   command->add_option("--set", options->overrides, "Of a scenario: changes a value, a.b[0].c=VALUE")->take_all()->expected(1)->allow_extra_args(false);

@@ -11,6 +11,8 @@ namespace cxlab::app {
 
 namespace {
 
+const std::string kCanvas = "canvas";
+
 class FactoryView final : public View {
  public:
   FactoryView(std::unique_ptr<sim::Renderer> renderer, const sim::PhysicsGate& world) : renderer_(std::move(renderer)), world_(world) {}
@@ -26,16 +28,38 @@ class TurtleView final : public View {
  public:
   TurtleView(const sim::TurtleWorld& world, int side) : world_(world), side_(side) {}
   Expected<const sim::Picture*> draw(std::string_view camera) override {
-    if (camera != "canvas") return input_error("found no camera '" + std::string(camera) + "', expected: canvas");
+    if (camera != kCanvas) return input_error("found no camera '" + std::string(camera) + "', expected: " + kCanvas);
     picture_ = sim::draw_turtles(world_, side_);
     return &picture_;
   }
-  std::vector<std::string> cameras() const override { return {"canvas"}; }
+  std::vector<std::string> cameras() const override { return {kCanvas}; }
 
  private:
   const sim::TurtleWorld& world_;
   int side_;
   sim::Picture picture_;
+};
+
+/// A world and the canvases beside it: "canvas", "canvas2", ...; any other camera is the first view's.
+class SeveralViews final : public View {
+ public:
+  explicit SeveralViews(std::vector<std::unique_ptr<View>> views) : views_(std::move(views)) {
+    const bool canvas_first = views_.front()->cameras().front() == kCanvas;
+    for (std::size_t i = canvas_first ? 0 : 1; i < views_.size(); ++i) canvases_.emplace_back(canvases_.empty() ? kCanvas : kCanvas + std::to_string(canvases_.size() + 1), views_[i].get());
+    if (!canvas_first) names_ = views_.front()->cameras();
+    for (const auto& [name, view] : canvases_) names_.push_back(name);
+  }
+  Expected<const sim::Picture*> draw(std::string_view camera) override {
+    for (const auto& [name, view] : canvases_)
+      if (name == camera) return view->draw(kCanvas);
+    return views_.front()->draw(camera);
+  }
+  std::vector<std::string> cameras() const override { return names_; }
+
+ private:
+  std::vector<std::unique_ptr<View>> views_;
+  std::vector<std::pair<std::string, View*>> canvases_;
+  std::vector<std::string> names_;
 };
 
 }  // namespace
@@ -51,11 +75,19 @@ std::unique_ptr<View> view_of_turtles(const sim::TurtleWorld& world, int width, 
 }
 
 Expected<std::unique_ptr<View>> view_of(const Stage& stage, int width, int height) {
-  if (const auto* turtles = dynamic_cast<const turtlesim::TurtleStage*>(&stage)) return view_of_turtles(turtles->node().world(), width, height);
+  std::vector<std::unique_ptr<View>> views;
   const auto* game = dynamic_cast<const rcll::GameStage*>(&stage);
-  if (!game) return input_error("the world is empty: there is nothing to look at");
-  if (!game->physics()) return input_error("the timed tier has no bodies to look at: --tier physics (render: --set tier=physics)");
-  return view_of_factory(game->physics()->plan(), game->physics()->gate(), width, height);
+  if (game && game->physics()) {
+    auto factory = view_of_factory(game->physics()->plan(), game->physics()->gate(), width, height);
+    if (!factory) return factory.error();
+    views.push_back(*std::move(factory));
+  }
+  for (const auto& server : stage.servers)
+    if (const auto* turtles = dynamic_cast<const turtlesim::TurtlesimNode*>(server.get())) views.push_back(view_of_turtles(turtles->world(), width, height));
+  if (views.size() > 1) return std::unique_ptr<View>(std::make_unique<SeveralViews>(std::move(views)));
+  if (!views.empty()) return std::move(views.front());
+  if (game) return input_error("the timed tier has no bodies to look at: --tier physics (render: --set tier=physics)");
+  return input_error("the world is empty: there is nothing to look at");
 }
 
 }  // namespace cxlab::app

@@ -91,6 +91,17 @@ class Turtlesim(unittest.TestCase):
         self.assertEqual(page.count("data:image/png;base64,"), 2)
         self.assertIn("<td>turtle1 (killed)<td>", page)
 
+    def test_a_canvas_beside_another_world_is_drawn(self):
+        scenario = self.folder / "both.yaml"
+        scenario.write_text("schema: 1\nworld: {kind: rcll, production_s: 20}\ntier: timed\nservers:\n  - {node: turtlesim, background_r: 2}\n"
+                            "  - {node: turtlesim, namespace: /second, background_r: 3}\n")
+        self.cxlab("run", scenario, "--snapshot", "1", "--until", 2, "--out", "run", "--quiet")
+        self.assertEqual(sorted(p.name for p in (self.folder / "run/snapshots").iterdir()), ["0001.00-canvas.png", "0001.00-canvas2.png"])
+        self.cxlab("render", scenario, "--at", 1, "--camera", "canvas2", "--out", "second.png", "--size", "200x200")
+        width, rows = read_png(self.folder / "second.png")
+        self.assertEqual((width, tuple(rows[10][30:33])), (200, (3, 86, 255)))
+        self.assertIn("no bodies to look at", self.cxlab("render", scenario, "--at", 1, "--set", "servers=[]", "--out", "x.png", expect=3).stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

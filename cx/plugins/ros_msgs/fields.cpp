@@ -93,6 +93,8 @@ Fault set_integer(const MessageView& view, const Field& field, const ValueRef& v
   if (!value.is(ValueType::kFloat)) return found_expected(value, field.type == FieldType::kChar ? "one character" : "an INTEGER");
   const double number = value.as_number();
   constexpr double kLimit = 9223372036854775808.0;  // 2^63
+  if (field.type == FieldType::kUint64 && number >= kLimit && number < 2 * kLimit)  // as INTEGERs have it: wrapped
+    return fault_of(view.set_integer(field, static_cast<std::int64_t>(static_cast<std::uint64_t>(number)), index));
   if (std::trunc(number) != number || number < -kLimit || number >= kLimit) return found_expected(value, "a whole number");
   return fault_of(view.set_integer(field, static_cast<std::int64_t>(number), index));
 }

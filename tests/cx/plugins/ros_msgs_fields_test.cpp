@@ -77,6 +77,9 @@ TEST_F(Fields, NumbersAreConvertedWhereExact) {
   EXPECT_EQ(set("f32", "16777216"), "16777216.0");
   EXPECT_EQ(set("i64", "3.0"), "3");
   EXPECT_EQ(set("is", "(create$ 1.0 2)"), "(1 2)");
+  EXPECT_EQ(set("u64", "18446744073709549568.0"), "-2048") << "wraps as it is read";
+  EXPECT_EQ(set("u64", "-1"), "-1") << "what was read can be set";
+  EXPECT_THAT(set("u64", "18446744073709551616.0"), HasSubstr("expected a whole number"));
 }
 
 TEST_F(Fields, NumbersThatDoNotFitAreReported) {
@@ -188,6 +191,59 @@ TEST_F(Fields, AHandleBeyondAShorterArrayIsInvalid) {
   ASSERT_TRUE(lab_.engine().build("(defglobal ?*e* = (nth$ 1 (ros-msgs-get-field ?*m* ps)))").ok());
   set("ps", "(create$)");
   EXPECT_THAT(get("?*e*", "x"), HasSubstr("invalid message pointer"));
+}
+
+/// An expression for a value of the field, and how it prints when it comes back; empty for messages, whose fields follow.
+std::pair<std::string, std::string> sample(const bus::Field& field) {
+  using T = bus::FieldType;
+  switch (field.type) {
+    case T::kBool: return {"TRUE", "TRUE"};
+    case T::kChar: return {"\"z\"", "\"z\""};
+    case T::kFloat32:
+    case T::kFloat64: return {"-0.5", "-0.5"};
+    case T::kString:
+    case T::kWstring: return {"two", "\"two\""};
+    case T::kMessage: return {"(ros-msgs-create-message \"" + field.nested->name() + "\")", ""};
+    default: return {"101", "101"};
+  }
+}
+
+TEST_F(Fields, EachFieldOfEachInterfaceIsSetAndRead) {
+  std::vector<std::string> types;
+  for (const std::string& package : lab_.registry.packages())
+    for (const std::string& interface : lab_.registry.interfaces(package)) {
+      const bool service = interface.find("/srv/") != std::string::npos, action = interface.find("/action/") != std::string::npos;
+      if (!service && !action) types.push_back(interface);
+      for (const char* part : {"_Request", "_Response"})
+        if (service) types.push_back(interface + part);
+      for (const char* part : {"_Goal", "_Result", "_Feedback"})
+        if (action) types.push_back(interface + part);
+    }
+  ASSERT_TRUE(lab_.engine().build("(defglobal ?*x* = nil)").ok());
+  std::size_t fields = 0;
+  for (const std::string& name : types) {
+    const auto type = lab_.registry.message(name);
+    ASSERT_TRUE(type.ok()) << type.error().text();
+    ASSERT_TRUE(lab_.engine().eval("(bind ?*x* (ros-msgs-create-message \"" + name + "\"))").ok());
+    for (const bus::Field& field : (*type)->fields()) {
+      const auto [value, printed] = sample(field);
+      const std::size_t size = field.array == bus::ArrayKind::kFixed ? field.size_limit : 1;
+      std::string set = value, expected = printed;
+      if (field.array != bus::ArrayKind::kSingle) {
+        set = "(create$", expected = "(";
+        for (std::size_t i = 0; i < size; ++i) set += ' ' + value, expected += (i == 0 ? "" : " ") + printed;
+        set += ')', expected += ')';
+      }
+      ASSERT_TRUE(lab_.engine().eval("(ros-msgs-set-field ?*x* " + field.name + ' ' + set + ")").ok()) << name << ' ' << field.name;
+      EXPECT_TRUE(lab_.engine().take_errors().empty()) << name << ' ' << field.name;
+      const std::string found = get("?*x*", field.name);
+      if (field.is_message()) EXPECT_THAT(found, HasSubstr("<Pointer-C-")) << name << ' ' << field.name;
+      else EXPECT_EQ(found, expected) << name << ' ' << field.name;
+      ++fields;
+    }
+    ASSERT_TRUE(lab_.engine().eval("(ros-msgs-destroy-message ?*x*)").ok());
+  }
+  EXPECT_GT(fields, 700u);
 }
 
 }  // namespace
