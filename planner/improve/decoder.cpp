@@ -58,7 +58,7 @@ bool Decoder::decode(const Sequence& list, double most_cost, DecodedPlan& plan) 
   plan.times.clear();
   plan.causes.clear();
   SequenceStep step;
-  while (!simulator_.is_goal(scratch_.data())) {
+  while (!simulator_.is_lasting_goal(scratch_.data(), next_event_)) {
     if (take_next(list, step) != Taken::kYes) return false;
     plan.order.push_back(step);
     if (!place(plan, plan.order.size() - 1) || static_cast<double>(timeline_.makespan()) > most_cost) return false;

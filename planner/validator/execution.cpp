@@ -98,8 +98,7 @@ bool Execution::lay_out() {
   for (const TimedAssignment& later : problem_.timed_values) outside.push_back(to_nanos(later.time));
   std::sort(outside.begin(), outside.end());
   outside.erase(std::unique(outside.begin(), outside.end()), outside.end());
-  for (const Nanos time : outside)
-    if (time <= end_) happenings_.push_back({time, Happening::Kind::kOutside, -1});
+  for (const Nanos time : outside) happenings_.push_back({time, Happening::Kind::kOutside, -1});
   std::stable_sort(happenings_.begin(), happenings_.end(), [](const Happening& a, const Happening& b) {
     return a.time != b.time ? a.time < b.time : a.kind < b.kind;
   });
@@ -344,10 +343,11 @@ bool Execution::check_goal() {
   if (evaluator_.holds(problem_.goal, frame, state_)) return true;
   Violation violation;
   violation.kind = Violation::Kind::kGoal;
-  violation.time = to_seconds(end_);
+  const Nanos last = happenings_.empty() ? 0 : happenings_.back().time;
+  violation.time = to_seconds(last);
   violation.when = "at end";
   const Condition& part = failing_part(problem_.goal, frame, 0);
-  violation.message = "the goal does not hold at the end of the plan (" + time_text(violation.time) + ")";
+  violation.message = std::string("the goal does not hold ") + (last > end_ ? "after the last event from outside (" : "at the end of the plan (") + time_text(violation.time) + ")";
   explain(part, frame, violation, 0);
   return fail(violation);
 }

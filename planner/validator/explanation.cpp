@@ -208,8 +208,9 @@ void Execution::explain_fact(const Condition& atom, const Frame& frame, bool wan
   violation.advice = advice_for_fact(fact, wanted, spoiler, next_change(atom.predicate, objects, wanted), violation);
   if (violation.advice.empty()) {
     const std::string names = actions_that(atom.predicate, wanted);
+    const bool undone = violation.kind == Violation::Kind::kGoal && spoiler != nullptr && spoiler->kind == Happening::Kind::kOutside;
     violation.advice = names.empty() ? "no action makes it " + std::string(wanted ? "true" : "false")
-                                     : "add a step before " + time_text(violation.time) + " that makes it " + (wanted ? "true" : "false") + ": " + names;
+                                     : "add a step " + (undone ? "after " + time_text(to_seconds(spoiler->time)) : "before " + time_text(violation.time)) + " that makes it " + (wanted ? "true" : "false") + ": " + names;
   }
 }
 

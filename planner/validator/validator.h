@@ -4,8 +4,9 @@
 // Starts, ends, instantaneous actions and events from outside are happenings. A condition at start or end is read just
 // before its happening, `over all` in the open interval between. Happenings closer than epsilon must not interfere: none
 // reads or writes what another writes, except that several may increase and decrease one number. A condition reads all
-// facts that it names, also those that the rest of it makes unimportant. The goal must hold after the last step. Numbers that change continuously are linear between happenings; conditions on them are checked
-// at every crossing, not by sampling.
+// facts that it names, also those that the rest of it makes unimportant. The goal must hold after the last step and all
+// events. Numbers that change continuously are linear between happenings; conditions on them are checked at every
+// crossing, not by sampling.
 
 #include <optional>
 #include <string>

@@ -94,6 +94,17 @@ TEST(FindPlan, APlanThatWaitsForAnEventEndsAfterIt) {
   EXPECT_GT(found.plan->makespan_s, 6.0);
 }
 
+TEST(FindPlan, WhatAnEventUndoesAfterwardsIsNoGoal) {
+  const std::string domain = R"((:predicates (lit))
+    (:durative-action light :parameters () :duration (= ?duration 1) :condition () :effect (at end (lit))))";
+  for (const char* init : {"(:init (at 6 (not (lit))))", "(:init (lit) (at 6 (not (lit))))"}) {
+    const PlanAnswer found = answer(parse(domain, std::string(init) + " (:goal (lit))"));
+    ASSERT_TRUE(found.plan) << init;
+    EXPECT_GT(found.plan->makespan_s, 6.0);
+  }
+  EXPECT_EQ(answer(parse(domain, "(:init (at 6 (not (lit))) (at 7 (lit))) (:goal (lit))")).plan->makespan_s, 1.0);
+}
+
 TEST(FindPlan, CountsWhatItMustCollect) {
   const PlanAnswer found = answer(parse(R"((:functions (coins)) (:predicates (bought))
     (:durative-action earn :parameters () :duration (= ?duration 2) :condition (at start (<= (coins) 5)) :effect (at end (increase (coins) 2)))

@@ -45,7 +45,7 @@ class Oracle {
     for (int f = 0; f < problem_.facts; ++f) first.facts |= static_cast<unsigned>(problem_.initial[static_cast<std::size_t>(f)] != 0) << f;
     first.count = problem_.count;
     first.left.assign(problem_.actions.size(), -1);
-    if (holds(problem_.goal, first.facts)) return OracleAnswer::kSolvable;
+    if (is_lasting_goal(first.facts, -1)) return OracleAnswer::kSolvable;
     std::set<Situation> now = {first};
     std::size_t visited = 0;
     for (int instant = 0; instant < limits_.seconds * limits_.instants; ++instant) {
@@ -54,7 +54,7 @@ class Oracle {
         for (unsigned starts = 0; starts < (1u << problem_.actions.size()); ++starts) {
           Situation next = situation;
           if (!step(next, instant, starts)) continue;
-          if (is_plan(next, situation, starts)) return OracleAnswer::kSolvable;
+          if (is_plan(next, situation, instant, starts)) return OracleAnswer::kSolvable;
           after.insert(std::move(next));
         }
         if (++visited > limits_.most_situations) return OracleAnswer::kTooLarge;
@@ -65,10 +65,22 @@ class Oracle {
   }
 
  private:
-  /// The goal holds as the last action ends.
-  bool is_plan(const Situation& situation, const Situation& before, unsigned starts) const {
+  /// The goal holds and will after the events to come.
+  bool is_lasting_goal(unsigned facts, int instant) const {
+    if (!holds(problem_.goal, facts)) return false;
+    std::vector<const RandomEvent*> later;
+    for (const RandomEvent& event : problem_.events)
+      if (event.time * limits_.instants > instant) later.push_back(&event);
+    // At one time what is made true stays true.
+    std::ranges::sort(later, {}, [](const RandomEvent* event) { return std::pair(event->time, event->effect.value); });
+    for (const RandomEvent* event : later) facts = event->effect.value ? facts | (1u << event->effect.fact) : facts & ~(1u << event->effect.fact);
+    return holds(problem_.goal, facts);
+  }
+
+  /// The last action ends.
+  bool is_plan(const Situation& situation, const Situation& before, int instant, unsigned starts) const {
     return starts == 0 && std::ranges::all_of(situation.left, [](int left) { return left < 0; }) &&
-           std::ranges::any_of(before.left, [](int left) { return left >= 0; }) && holds(problem_.goal, situation.facts);
+           std::ranges::any_of(before.left, [](int left) { return left >= 0; }) && is_lasting_goal(situation.facts, instant);
   }
 
   bool step(Situation& situation, int instant, unsigned starts) const {

@@ -190,6 +190,16 @@ TEST(Validator, EventsFromOutsideOpenAndCloseWindows) {
             "event at 9.000\n  advice: let 6.000: (work r b) (line 1) end at 9.000 or before");
 }
 
+TEST(Validator, TheGoalIsJudgedAfterAllEvents) {
+  const char* world = "(:predicates (lit) (day)) (:action light :effect (lit))";
+  EXPECT_EQ(Checker(world, "(:init (at 9 (day))) (:goal (and (lit) (day)))").verdict("1: (light)"), "valid");
+  EXPECT_EQ(Checker(world, "(:init (at 9 (not (lit)))) (:goal (lit))").verdict("1: (light)"),
+            "the goal does not hold after the last event from outside (9.000): (lit); (lit) was made false by the initial state's event at 9.000\n"
+            "  advice: add a step after 9.000 that makes it true: light");
+  EXPECT_EQ(Checker(world, "(:init (at 9 (not (lit)))) (:goal (lit))").verdict("9.5: (light)"), "valid");
+  EXPECT_EQ(Checker(world, "(:init (at 8 (not (lit))) (at 9 (lit))) (:goal (lit))").verdict("1: (light)"), "valid");
+}
+
 TEST(Validator, RequiredConcurrencyIsUnderstood) {
   const char* world = R"((:types match fuse) (:predicates (light) (unused ?m - match) (mended ?f - fuse))
     (:durative-action burn :parameters (?m - match) :duration (= ?duration 5) :condition (at start (unused ?m))
