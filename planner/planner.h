@@ -31,7 +31,8 @@ struct PlanOptions {
   std::int64_t budget = 60'000'000;  ///< work units; a unit is about a microsecond
   std::optional<double> timeout_s{}; ///< wall time
   bool anytime = false;              ///< go on to better plans until the budget ends or a plan is proved best
-  /// Steps that are left of a plan under execution, in their order: tried first, repaired and improved from there.
+  /// A plan under execution, its steps in their order; those at its beginning may have been done. What is left of it is
+  /// tried first, repaired and improved from there. Not used where there are events.
   Plan warm_start{};
   /// Called with every plan that is better than all before it.
   std::function<void(const TimedPlan&, std::int64_t units)> on_plan{};

@@ -1,9 +1,26 @@
 #include "planner/manager/condition_text.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+
 #include "planner/pddl/text.h"
 
 namespace cxlab::planner {
 namespace {
+
+/// A number as a fraction in lowest terms where it is no integer: 2.5 = 5/2.
+std::string fraction(double value) {
+  const std::string text = number_text(value);
+  const std::size_t point = text.find('.'), decimals = point == std::string::npos ? 0 : text.size() - point - 1;
+  if (decimals == 0 || text.size() > 17 || text.find('e') != std::string::npos) return text;
+  std::int64_t above = 0, below = 1;
+  for (const char c : text)
+    if (c >= '0' && c <= '9') above = 10 * above + (c - '0');
+  for (std::size_t i = 0; i < decimals; ++i) below *= 10;
+  const std::int64_t common = std::gcd(above, below);
+  return (value < 0 ? "-" : "") + std::to_string(above / common) + "/" + std::to_string(below / common);
+}
 
 class Teller {
  public:
@@ -17,7 +34,7 @@ class Teller {
       case Kind::kAtom: return call(domain_.predicates[static_cast<std::size_t>(c.predicate)].name, c.terms);
       case Kind::kSame: return "(" + term(c.terms[0]) + " == " + term(c.terms[1]) + ")";
       case Kind::kCompare: return comparison(c);
-      case Kind::kNot: return "(not " + text(c.operands[0]) + ")";
+      case Kind::kNot: return c.operands[0].kind == Kind::kNot ? text(c.operands[0].operands[0]) : "(not " + text(c.operands[0]) + ")";
       case Kind::kAnd: return joined(c, " and ", "true");
       case Kind::kOr: return joined(c, " or ", "false");
       case Kind::kImply: return "(" + text(c.operands[0]) + " implies " + text(c.operands[1]) + ")";
@@ -66,11 +83,11 @@ class Teller {
     using Kind = Expression::Kind;
     const char* sign = "";
     switch (e.kind) {
-      case Kind::kConstant: return number_text(e.value);
+      case Kind::kConstant: return fraction(e.value);
       case Kind::kFunction: return call(domain_.functions[static_cast<std::size_t>(e.function)].name, e.terms);
       case Kind::kDuration: return "duration";
       case Kind::kTotalTime: return "total-time";
-      case Kind::kNegate: return "(-" + expression(e.operands[0]) + ")";
+      case Kind::kNegate: return "(-1 * " + expression(e.operands[0]) + ")";
       case Kind::kAdd: sign = " + "; break;
       case Kind::kSubtract: sign = " - "; break;
       case Kind::kMultiply: sign = " * "; break;
@@ -93,10 +110,23 @@ class Teller {
   }
 
   std::string type(const std::vector<TypeId>& types) const {
-    if (types.size() == 1) return domain_.types[static_cast<std::size_t>(types[0])].name;
+    if (types.size() == 1) {
+      const Type& type = domain_.types[static_cast<std::size_t>(types[0])];
+      const bool told = !type.parents.empty() && (type.parents[0] != Domain::kObjectType || object_is_a_type());
+      return type.name + (told ? " - " + domain_.types[static_cast<std::size_t>(type.parents[0])].name : "");
+    }
     std::string text = "(either";
     for (const TypeId t : types) text += ' ' + domain_.types[static_cast<std::size_t>(t)].name;
     return text + ")";
+  }
+
+  /// Whether something may be any object; only then `object` is told as a supertype.
+  bool object_is_a_type() const {
+    const auto any = [](const auto& item) {
+      return std::any_of(item.parameters.begin(), item.parameters.end(), [](const Variable& v) { return v.types == std::vector{Domain::kObjectType}; });
+    };
+    return std::any_of(domain_.predicates.begin(), domain_.predicates.end(), any) || std::any_of(domain_.functions.begin(), domain_.functions.end(), any) ||
+           std::any_of(domain_.actions.begin(), domain_.actions.end(), any);
   }
 
   const Domain& domain_;

@@ -20,6 +20,15 @@ std::vector<std::string> names_of(const Items& items) {
   return names;
 }
 
+/// An effect at the end with a condition at the start.
+bool asks_before(const Effect& effect) { return effect.time != Effect::Time::kStart && !effect.condition.start.is_true(); }
+
+std::vector<ObjectId> binding(const Effect& effect, const Frame& frame) {
+  std::vector<ObjectId> objects;
+  for (const Variable& variable : effect.variables) objects.push_back(frame[static_cast<std::size_t>(variable.slot)]);
+  return objects;
+}
+
 Error unknown(const std::string& what, const std::string& found, const std::vector<std::string>& known) {
   return input_error("unknown " + what + " '" + found + "'" + did_you_mean(found, known));
 }
@@ -51,8 +60,7 @@ Expected<std::vector<ObjectId>> Instance::objects(const Names& names, const std:
     return input_error("'" + of + "': found " + std::to_string(names.size()) + " arguments, expected " + std::to_string(parameters.size()));
   std::vector<ObjectId> ids(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
-    ids[i] = find(problem().object_names, names[i]);
-    if (ids[i] < 0) ids[i] = find(problem().object_names, lower(names[i]));
+    ids[i] = find(problem().object_names, lower(names[i]));
     if (ids[i] < 0) return unknown("object", names[i], names_of(problem().objects));
     if (!fits(domain(), problem().objects[static_cast<std::size_t>(ids[i])], parameters[i].types))
       return input_error("'" + of + "': '" + names[i] + "' has the wrong type for " + parameters[i].name);
@@ -93,8 +101,16 @@ Expected<TypeId> Instance::type(const std::string& name) const {
 // --- What is so now
 
 std::vector<Fact> Instance::facts() const {
-  std::vector<Fact> all = state().facts();
-  std::stable_partition(all.begin(), all.end(), [&](const Fact& f) { return !domain().predicates[static_cast<std::size_t>(f.predicate)].derived; });
+  State others = state();
+  std::vector<Fact> all;
+  for (const Fact& fact : problem().init) {
+    if (!others.holds(fact.predicate, fact.objects)) continue;
+    all.push_back(fact);
+    others.set(fact.predicate, fact.objects, false);
+  }
+  std::vector<Fact> later = others.facts();
+  std::stable_partition(later.begin(), later.end(), [&](const Fact& f) { return !domain().predicates[static_cast<std::size_t>(f.predicate)].derived; });
+  all.insert(all.end(), later.begin(), later.end());
   return all;
 }
 
@@ -120,22 +136,20 @@ void Instance::set_value(const Fact& number, double value) {
 Status Instance::add_object(const std::string& written, const std::string& type_name) {
   auto type_id = type(type_name);
   if (!type_id) return type_id.error();
-  const std::string name = lower(written);
-  if (name.empty()) return input_error("found an object without a name");
+  if (written.empty()) return input_error("found an object without a name");
   Problem& problem = task_.problem;
-  if (const ObjectId known = find(problem.object_names, name); known >= 0) {
+  if (const ObjectId known = find(problem.object_names, lower(written)); known >= 0) {
     if (fits(domain(), problem.objects[static_cast<std::size_t>(known)], {*type_id})) return {};
-    return input_error("object '" + name + "' is there already, with another type than '" + type_name + "'");
+    return input_error("object '" + written + "' is there already, with another type than '" + type_name + "'");
   }
-  problem.object_names[name] = static_cast<int>(problem.objects.size());
-  problem.objects.push_back({name, {*type_id}, {Source::File::kProblem, 0}});
+  problem.object_names[lower(written)] = static_cast<int>(problem.objects.size());
+  problem.objects.push_back({written, {*type_id}, {Source::File::kProblem, 0}});
   renew_evaluator();
   return {};
 }
 
-Status Instance::remove_object(const std::string& written, const std::string& type_name) {
-  const std::string name = lower(written);
-  const ObjectId id = find(problem().object_names, name);
+Status Instance::remove_object(const std::string& name, const std::string& type_name) {
+  const ObjectId id = find(problem().object_names, lower(name));
   if (id < 0) return unknown("object", name, names_of(problem().objects));
   if (!type_name.empty()) {
     auto type_id = type(type_name);
@@ -146,10 +160,12 @@ Status Instance::remove_object(const std::string& written, const std::string& ty
   if (id < static_cast<ObjectId>(domain().constants.size())) return input_error("'" + name + "' is a constant of the domain and cannot be removed");
 
   // The state goes through the problem, which knows how to be without an object. Goals go the same way.
+  const std::string told = problem().objects[static_cast<std::size_t>(id)].name;
   Problem now = problem();
   evaluator_.reset();
+  started_.clear();
   now.init.clear();
-  for (Fact& fact : state_.facts())
+  for (Fact& fact : facts())
     if (!domain().predicates[static_cast<std::size_t>(fact.predicate)].derived) now.init.push_back(std::move(fact));
   now.values = state_.values();
   std::vector<char> keep(now.objects.size(), 1);
@@ -162,7 +178,7 @@ Status Instance::remove_object(const std::string& written, const std::string& ty
     carrier = without_objects(carrier, keep);
     goal.facts = std::move(carrier.init);
     goal.values = std::move(carrier.values);
-    std::erase(goal.objects, name);
+    std::erase(goal.objects, told);
   }
   const auto before = [](const auto& events, std::size_t next) {
     return std::vector(events.begin() + static_cast<std::ptrdiff_t>(next), events.end());
@@ -228,8 +244,9 @@ Status Instance::set_fluents(GoalInstance& goal, const Names& names) const {
 Status Instance::set_objects(GoalInstance& goal, const Names& names) const {
   Names wanted;
   for (const std::string& name : names) {
-    if (find(problem().object_names, lower(name)) < 0) return unknown("object", name, names_of(problem().objects));
-    wanted.push_back(lower(name));
+    const ObjectId id = find(problem().object_names, lower(name));
+    if (id < 0) return unknown("object", name, names_of(problem().objects));
+    wanted.push_back(problem().objects[static_cast<std::size_t>(id)].name);
   }
   goal.objects = std::move(wanted);
   return {};
@@ -284,17 +301,40 @@ Instance::Names Instance::unsatisfied(const ActionCall& call, When when) const {
   return missing;
 }
 
+void Instance::remember_start(const ActionCall& call) {
+  const Action& action = domain().actions[static_cast<std::size_t>(call.action)];
+  EffectSet promised;
+  bool any = false;
+  for (std::size_t i = 0; i < action.effects.size(); ++i) {
+    const Effect& effect = action.effects[i];
+    if (!asks_before(effect)) continue;
+    any = true;
+    Frame bound = frame(call);
+    const State& now = state();
+    const double length = duration(call, bound);
+    evaluator_->each_binding(effect.variables, bound, [&] {
+      if (evaluator_->holds(effect.condition.start, bound, now, length)) promised.emplace(i, binding(effect, bound));
+      return true;
+    });
+  }
+  if (any) started_[{call.action, call.arguments}] = std::move(promised);
+}
+
 Expected<std::vector<ToldEffect>> Instance::effects(const ActionCall& call) const {
   const Action& action = domain().actions[static_cast<std::size_t>(call.action)];
   Frame bound = frame(call);
   const State& now = state();
   const double length = action.durative ? duration(call, bound) : 0;
+  const auto started = started_.find({call.action, call.arguments});
   std::vector<ToldEffect> told;
-  for (const Effect& effect : action.effects) {
+  for (std::size_t i = 0; i < action.effects.size(); ++i) {
+    const Effect& effect = action.effects[i];
     std::vector<Change> changes;
     const TimedCondition& when = effect.condition;
+    const bool remembered = started != started_.end() && asks_before(effect);
     const auto holds = [&](Frame& f) {
-      return evaluator_->holds(when.start, f, now, length) && evaluator_->holds(when.over_all, f, now, length) && evaluator_->holds(when.end, f, now, length);
+      const bool held = remembered ? started->second.contains({i, binding(effect, f)}) : evaluator_->holds(when.start, f, now, length);
+      return held && evaluator_->holds(when.over_all, f, now, length) && evaluator_->holds(when.end, f, now, length);
     };
     const auto& name = effect.is_numeric() ? domain().functions[static_cast<std::size_t>(effect.function)].name
                                            : domain().predicates[static_cast<std::size_t>(effect.predicate)].name;
@@ -344,6 +384,8 @@ Expected<std::vector<ToldEffect>> Instance::original_effects(const ActionCall& c
     }
     told.push_back(std::move(out));
   }
+  // It told one time point after the other, that of the first effect first.
+  std::stable_partition(told.begin(), told.end(), [end_first = !told.empty() && told.front().at_end](const ToldEffect& effect) { return effect.at_end == end_first; });
   return told;
 }
 

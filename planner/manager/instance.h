@@ -6,12 +6,15 @@
 //   auto step = (*instance)->step("pick-up", {"a"});
 //   std::vector<std::string> missing = (*instance)->unsatisfied(*step, Instance::When::kStart);
 //
-// Names are taken in any case. Errors name what was found and the nearest known name.
+// Names are taken in any case, and told as they were written: in lower case those of files, as they are those of objects
+// that were added. Errors name what was found and the nearest known name.
 
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -65,7 +68,8 @@ class Instance {
   Expected<TypeId> type(const std::string& name) const;
 
   // --- What is so now
-  std::vector<Fact> facts() const;  ///< in the order in which they became true; derived ones are last
+  /// First those of the problem's :init, in its order; then in the order in which they became true; derived ones are last.
+  std::vector<Fact> facts() const;
   std::vector<Assignment> values() const { return state_.values(); }
   Names objects_of_type(TypeId type) const;
   /// kInput where the predicate is derived.
@@ -93,8 +97,11 @@ class Instance {
   };
   /// The conditions that do not hold, as `p(a)`, `(not p(a))`, `Forall (t y) p(y)`; none: the action can be done.
   Names unsatisfied(const ActionCall& call, When when) const;
-  /// Conditional effects whose condition holds now, universal ones with every object, numbers computed. Changes all along
-  /// the action are told at its end.
+  /// The action may begin now: what its effects at the end ask of the state at the start is remembered until it is said again.
+  void remember_start(const ActionCall& call);
+  /// Conditional effects whose condition holds, universal ones with every object, numbers computed in the state of now.
+  /// Conditions at the start of effects at the end are those that were remembered, or of now where none were. Changes all
+  /// along the action are told at its end.
   Expected<std::vector<ToldEffect>> effects(const ActionCall& call) const;
   /// As the first PDDL manager told them: conditions of effects are left out, universal effects are told once with the
   /// names of their variables, right-hand sides are constants or single functions.
@@ -112,11 +119,16 @@ class Instance {
   const State& state() const;
   void touch() { derived_ = false; }
 
+  using Binding = std::vector<ObjectId>;
+  /// Effects of an action, by index and binding of their variables.
+  using EffectSet = std::set<std::pair<std::size_t, Binding>>;
+
   Task task_;
   mutable State state_;           // derived facts are made on demand
   mutable bool derived_ = false;
   std::optional<Evaluator> evaluator_;
   std::map<std::string, GoalInstance> goals_;
+  std::map<std::pair<ActionId, Binding>, EffectSet> started_;  // effects at the end whose condition at the start held
   std::size_t next_fact_ = 0, next_value_ = 0;  // events of the problem that have not come yet
 };
 

@@ -43,7 +43,8 @@ Expected<std::unique_ptr<PddlManager>> PddlManager::create(PddlManagerOptions op
   const std::pair<const char*, std::string> parameters[] = {{"autostart_node", o.autostart ? "true" : "false"},
                                                             {"bond_heartbeat_period", std::to_string(o.bond_period)},
                                                             {"compat", o.original ? "original" : "none"},
-                                                            {"anytime", o.anytime ? "true" : "false"}};
+                                                            {"anytime", o.anytime ? "true" : "false"},
+                                                            {"warm_start", o.warm_start ? "true" : "false"}};
   for (const auto& [parameter, value] : parameters)
     if (Status s = manager->parameters_.set(parameter, value, "pddl_manager"); !s) return s.error();
   const auto fixed = [](const std::string& name, const cx::Parameter&) {

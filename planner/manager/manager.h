@@ -35,6 +35,7 @@ struct PddlManagerOptions {
   double bond_period = 0;         ///< s between heartbeats on /bond while active; 0 = none
   bool original = false;          ///< answers as the first PDDL manager does, errors included
   bool anytime = false;           ///< plans are improved until the budget ends
+  bool warm_start = true;         ///< a goal that is planned for again begins with what is left of its last plan
   PlanningCost cost;
   std::string command;            ///< another planner that makes the plans (`find_plan_with`); empty = ours
   cx::LogSink* log = nullptr;     ///< may be none
@@ -70,9 +71,15 @@ class PddlManager {
   int replans() const { return replans_; }
 
  private:
+  /// What was told for a goal instance, and the goal that it was told for.
+  struct LastPlan {
+    std::string goal;
+    bus::SharedMessage result;
+  };
   struct Entry {
     std::unique_ptr<Instance> instance;
     SimTime loaded{};
+    std::map<std::string, LastPlan> plans;  // by goal instance
   };
   /// A package of interfaces, and the endpoint of its planning action.
   struct Dialect {
@@ -87,6 +94,7 @@ class PddlManager {
     SimTime due{};
     bus::GoalStatus status{};
     bus::SharedMessage result, report;
+    std::string wanted;  ///< the goal as a text
   };
   using View = bus::MessageView;
   using Handler = Status (PddlManager::*)(const View& request, const View& response);
@@ -132,12 +140,15 @@ class PddlManager {
   Status set_fluents(const std::vector<View>& fluents, bool value, const View& a);
   void tell_update(const std::string& instance);
   Status check(const View& action, Instance::When when, const View& a);
+  using Names = Instance::Names;
+  Status set_filter(const View& q, const char* field, Names GoalInstance::* filter, Status (Instance::*set)(GoalInstance&, const Names&) const);
 
   // Plans (plans.cpp)
   void on_goal(std::size_t dialect, const bus::Delivery& goal);
   void on_cancel(std::size_t dialect, const bus::Delivery& cancel);
   struct Outcome;
   Outcome make_plan(const View& goal);
+  Plan steps_left(const View& goal, const Task& task, const std::string& wanted) const;
   Job job_of(std::size_t dialect, const bus::GoalId& id, const View& goal, const Outcome& outcome) const;
   void dump(const View& goal, const Task& task);
   void finish(const Job& job);

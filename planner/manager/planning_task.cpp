@@ -62,9 +62,10 @@ Problem without_objects(const Problem& problem, const std::vector<char>& keep) {
   for (std::size_t i = 0; i < problem.objects.size(); ++i) {
     if (!keep[i]) continue;
     to[i] = static_cast<ObjectId>(out.objects.size());
-    out.object_names[problem.objects[i].name] = to[i];
     out.objects.push_back(problem.objects[i]);
   }
+  for (const auto& [name, id] : problem.object_names)
+    if (keep[static_cast<std::size_t>(id)]) out.object_names[name] = to[static_cast<std::size_t>(id)];
   const auto moved = [&](std::vector<ObjectId> objects, auto add) {
     for (ObjectId& object : objects)
       if ((object = to[static_cast<std::size_t>(object)]) < 0) return;

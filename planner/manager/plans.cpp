@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "planner/manager/condition_text.h"
 #include "planner/manager/external.h"
 #include "planner/manager/manager.h"
 #include "planner/pddl/text.h"
@@ -15,6 +16,13 @@ using View = bus::MessageView;
 /// Starts that are not further apart than this belong to one class, s.
 constexpr double kSameClass = 0.1;
 
+/// By the name that it was told with; -1 if it is not there any more.
+ObjectId object_of(const Problem& problem, const std::string& name) {
+  const auto same = [&](const Object& object) { return object.name == name; };
+  const auto found = std::find_if(problem.objects.begin(), problem.objects.end(), same);
+  return found == problem.objects.end() ? -1 : static_cast<ObjectId>(found - problem.objects.begin());
+}
+
 double seconds_of(Micros time) { return static_cast<double>(time) / kMicrosPerSecond; }
 
 }  // namespace
@@ -26,7 +34,26 @@ struct PddlManager::Outcome {
   std::optional<Task> task;      ///< whose actions and objects the plan counts
   PlanAnswer answer;
   bus::GoalStatus ends = bus::GoalStatus::kAborted;
+  std::string wanted{};          ///< the goal as a text
 };
+
+/// The steps of the goal's last plan, if it was made for the same goal. The planner finds out which of them are left.
+Plan PddlManager::steps_left(const View& goal, const Task& task, const std::string& wanted) const {
+  const auto& plans = instances_.at(goal.text("pddl_instance")).plans;
+  const auto last = plans.find(goal.text("goal_instance"));
+  if (!options_.warm_start || options_.original || last == plans.end() || last->second.goal != wanted) return {};
+  Plan steps;
+  const View told = last->second.result->view();
+  for (std::size_t i = 0; i < told.size("actions"); ++i) {
+    const View action = told.nested("actions", i);
+    PlanStep step{action.real("start_time"), find(task.domain.action_names, action.text("name")), {}, action.real("duration")};
+    const bus::Field& args = *action.type().find("args");
+    for (std::size_t k = 0; k < action.size(args); ++k) step.arguments.push_back(object_of(task.problem, action.text(args, k)));
+    const bool known = step.action >= 0 && std::find(step.arguments.begin(), step.arguments.end(), -1) == step.arguments.end();
+    if (known) steps.push_back(std::move(step));
+  }
+  return steps;
+}
 
 PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   auto found = find_goal(goal);
@@ -41,11 +68,13 @@ PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   PlanOptions how;
   how.budget = options_.cost.budget;
   how.anytime = options_.anytime;
+  const std::string wanted_text = told_text(task->problem.goal, task->domain, task->problem.objects, {});
+  how.warm_start = steps_left(goal, *task, wanted_text);
   const double wall_s = static_cast<double>(how.budget) * 1e-6;  // a unit is about a microsecond
   auto answer = options_.command.empty() ? find_plan(*task, how) : find_plan_with(options_.command, *task, wall_s);
   if (!answer && !options_.command.empty()) return {"ERROR", answer.error().text(), {}, {}, bus::GoalStatus::kAborted};
   if (!answer) return {"MEMORY", answer.error().message, {}, {}, bus::GoalStatus::kAborted};
-  Outcome outcome{"PLAN", answer->reason, *std::move(task), *std::move(answer), bus::GoalStatus::kSucceeded};
+  Outcome outcome{"PLAN", answer->reason, *std::move(task), *std::move(answer), bus::GoalStatus::kSucceeded, wanted_text};
   if (outcome.answer.plan) return outcome;
   switch (outcome.answer.status) {
     case PlanStatus::kUnsolvable: outcome.status = "UNSOLVABLE"; break;
@@ -73,7 +102,7 @@ void PddlManager::dump(const View& goal, const Task& task) {
 }
 
 PddlManager::Job PddlManager::job_of(std::size_t dialect, const bus::GoalId& id, const View& goal, const Outcome& outcome) const {
-  Job job{dialect, id, {}, outcome.ends, {}, {}};
+  Job job{dialect, id, {}, outcome.ends, {}, {}, outcome.wanted};
   const std::string &instance = goal.text("pddl_instance"), &goal_instance = goal.text("goal_instance");
   auto result = std::make_shared<bus::Message>(*dialects_[dialect].plan_type->result);
   auto report = std::make_shared<bus::Message>(*report_type_);
@@ -134,6 +163,8 @@ void PddlManager::finish(const Job& job) {
   const bool found = told.text("status") == "PLAN";
   if (found) {
     ++plans_;
+    if (const auto entry = instances_.find(told.text("pddl_instance")); entry != instances_.end())
+      entry->second.plans[told.text("goal_instance")] = {job.wanted, job.result};
     if (!planned_.emplace(told.text("pddl_instance"), told.text("goal_instance")).second) ++replans_;
   }
   data_.begin().field("op", "plan").field("instance", std::string_view(told.text("pddl_instance"))).field("goal", std::string_view(told.text("goal_instance")));

@@ -129,7 +129,7 @@ Status PddlManager::add_pddl_instance(const View& q, const View&) {
     return instance.error();
   }
   if (instances_.contains(name)) log(cx::LogLevel::kWarn, "pddl instance '" + name + "' is there already and is replaced");
-  instances_[name] = {*std::move(instance), bus_.now()};
+  instances_[name] = {*std::move(instance), bus_.now(), {}};
   return {};
 }
 
@@ -322,20 +322,19 @@ Status PddlManager::create_goal_instance(const View& q, const View&) {
   return (*instance)->create_goal(q.text("goal_instance"));
 }
 
-Status PddlManager::set_action_filter(const View& q, const View&) {
+/// The original takes any names.
+Status PddlManager::set_filter(const View& q, const char* field, Names GoalInstance::* filter, Status (Instance::*set)(GoalInstance&, const Names&) const) {
   auto goal = find_goal(q);
-  return goal ? goal->first->set_actions(*goal->second, strings(q, "actions")) : Status(goal.error());
+  if (!goal) return goal.error();
+  const auto& [instance, wanted] = *goal;
+  if (!options_.original) return (instance->*set)(*wanted, strings(q, field));
+  wanted->*filter = strings(q, field);
+  return {};
 }
 
-Status PddlManager::set_fluent_filter(const View& q, const View&) {
-  auto goal = find_goal(q);
-  return goal ? goal->first->set_fluents(*goal->second, strings(q, "fluents")) : Status(goal.error());
-}
-
-Status PddlManager::set_object_filter(const View& q, const View&) {
-  auto goal = find_goal(q);
-  return goal ? goal->first->set_objects(*goal->second, strings(q, "objects")) : Status(goal.error());
-}
+Status PddlManager::set_action_filter(const View& q, const View&) { return set_filter(q, "actions", &GoalInstance::actions, &Instance::set_actions); }
+Status PddlManager::set_fluent_filter(const View& q, const View&) { return set_filter(q, "fluents", &GoalInstance::fluents, &Instance::set_fluents); }
+Status PddlManager::set_object_filter(const View& q, const View&) { return set_filter(q, "objects", &GoalInstance::objects, &Instance::set_objects); }
 
 // --- Actions
 
@@ -345,6 +344,7 @@ Status PddlManager::check(const View& action, Instance::When when, const View& a
   auto call = (*instance)->step(action.text("name"), strings(action, "args"));
   if (!call) return call.error();
   const std::vector<std::string> missing = (*instance)->unsatisfied(*call, when);
+  if (missing.empty() && (when == Instance::When::kStart || when == Instance::When::kAtStart)) (*instance)->remember_start(*call);
   a.set("sat", missing.empty());
   put_strings(a, "unsatisfied_conditions", missing);
   return {};

@@ -19,6 +19,7 @@ struct Config {
   double bond_period = 0;     ///< s between heartbeats; 0 = none
   bool original = false;      ///< compat: original
   bool anytime = false;       ///< plans are improved until the budget ends
+  bool warm_start = true;     ///< plans for a goal begin with what is left of its last one
   std::string command;        ///< another planner, as a command with {domain}, {problem} and {plan}; empty = ours
   std::optional<planner::PlanningCost> cost;  ///< none: that of the scenario
 };

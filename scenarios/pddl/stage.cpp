@@ -42,6 +42,7 @@ Status add_manager(const Config& config, const NodeSetup& setup, Stage& stage) {
   options.bond_period = config.bond_period;
   options.original = config.original;
   options.anytime = config.anytime;
+  options.warm_start = config.warm_start;
   options.command = config.command;
   options.cost = config.cost.value_or(setup.scenario.planner);
   options.log = setup.log;

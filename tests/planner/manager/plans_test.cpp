@@ -200,6 +200,83 @@ TEST_F(ManagerTest, ANodeHasALifeAndABond) {
   EXPECT_EQ(manager_->state(), cx::LifeState::kUnconfigured);
 }
 
+// --- Planning again
+
+/// Plans for a tower of six, carries out the first steps, and plans again: the reports of both, and the second plan.
+struct Replanned {
+  std::int64_t units = 0;
+  double makespan = 0;
+  std::vector<std::string> actions;
+};
+
+constexpr const char* kSixBlocks = R"((define (problem six) (:domain blocksworld) (:objects a b c d e f - block)
+  (:init (on a b) (on b c) (on c d) (ontable d) (ontable e) (on f e) (clear a) (clear f) (handempty) (= (moves) 0)) (:goal (and))))";
+constexpr const char* kSixGoal = R"({goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [d, c]}, {pddl_instance: bw, name: on, args: [c, b]},
+  {pddl_instance: bw, name: on, args: [b, f]}, {pddl_instance: bw, name: on, args: [f, a]}, {pddl_instance: bw, name: on, args: [a, e]}]})";
+
+TEST_F(ManagerTest, PlanningAgainBeginsWithWhatIsLeftOfTheLastPlan) {
+  const auto replan = [&](PddlManagerOptions options) {
+    manager_.reset();
+    start(std::move(options));
+    std::ofstream(folder_ / "six.pddl") << kSixBlocks;
+    std::filesystem::copy_file(blocks_folder() + "/domain.pddl", folder_ / "domain.pddl", std::filesystem::copy_options::overwrite_existing);
+    tell("add_pddl_instance", "AddPddlInstance", "{name: bw, directory: \"" + folder_.string() + "\", domain_file: domain.pddl, problem_file: six.pddl}");
+    tell("set_goals", "SetGoals", kSixGoal);
+    std::vector<std::int64_t> units;
+    std::vector<double> makespans;
+    auto made = bus_.subscribe(client_, "/pddl_manager/plan_report", **registry_.message(kReport), [&](const bus::Delivery& d) {
+      units.push_back(d.message->view().integer("units"));
+      makespans.push_back(d.message->view().real("makespan"));
+    });
+    const auto first = plan("{pddl_instance: bw, goal_instance: base}");
+    ticks(3);
+    // unstack a b, put-down a; meanwhile somebody else has taken f from e.
+    EXPECT_THAT(first->actions.at(0), HasSubstr("unstack("));
+    tell("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: bw, name: on, args: [a, b]}, {pddl_instance: bw, name: on, args: [f, e]}]}");
+    tell("add_fluents", "AddFluents", R"({fluents: [{pddl_instance: bw, name: ontable, args: [a]}, {pddl_instance: bw, name: clear, args: [b]},
+      {pddl_instance: bw, name: ontable, args: [f]}, {pddl_instance: bw, name: clear, args: [e]}]})");
+    const auto second = plan("{pddl_instance: bw, goal_instance: base}");
+    ticks(3);
+    bus_.remove(*made);
+    EXPECT_EQ(units.size(), 2u);
+    return Replanned{units.at(1), makespans.at(1), second->actions};
+  };
+  PddlManagerOptions options = at_cost(0, 0);
+  const Replanned warm = replan(options), again = replan(options);
+  options.warm_start = false;
+  const Replanned anew = replan(options);
+  EXPECT_LT(warm.units, anew.units);
+  EXPECT_LE(warm.makespan, anew.makespan);
+  EXPECT_EQ(warm.units, again.units);
+  EXPECT_EQ(warm.actions, again.actions);
+  options.warm_start = true;
+  options.original = true;
+  EXPECT_EQ(replan(options).units, anew.units) << "the original begins anew";
+}
+
+TEST_F(ManagerTest, APlanForOtherGoalsBeginsAnew) {
+  const auto units_of_second = [&](bool warm_start) {
+    PddlManagerOptions options = at_cost(0, 0);
+    options.warm_start = warm_start;
+    manager_.reset();
+    start(std::move(options));
+    load_blocks();
+    tell("set_goals", "SetGoals", kTower);
+    (void)plan("{pddl_instance: bw, goal_instance: base}");
+    ticks(3);
+    tell("clear_goals", "ClearGoals", "{pddl_instance: bw, goal_instance: base}");
+    tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, c]}]}");
+    std::int64_t units = 0;
+    auto made = bus_.subscribe(client_, "/pddl_manager/plan_report", **registry_.message(kReport), [&](const bus::Delivery& d) { units = d.message->view().integer("units"); });
+    const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
+    ticks(3);
+    bus_.remove(*made);
+    EXPECT_EQ(answer->actions.size(), 2u);
+    return units;
+  };
+  EXPECT_EQ(units_of_second(true), units_of_second(false));
+}
+
 TEST_F(ManagerTest, TwoRunsAreTheSameToTheLastByte) {
   const auto run = [&] {
     QuietSink sink;

@@ -66,6 +66,31 @@ TEST_F(ManagerTest, ErrorsNameWhatWasFoundAndChangeNothing) {
   EXPECT_THAT(error_of("add_pddl_instance", "AddPddlInstance", "{name: y, directory: \"" + folder_.string() + "\", domain_file: d.pddl}"), HasSubstr("d.pddl:3:"));
 }
 
+TEST_F(ManagerTest, ObjectsAreToldAsTheyWereAddedAndTakenInAnyCase) {
+  start();
+  load_blocks();
+  tell("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: Cube-7, type: Block}]}");
+  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: ONTABLE, args: [cube-7]}, {pddl_instance: bw, name: clear, args: [CUBE-7]}]}");
+  EXPECT_THAT(texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: bw, type: block}").view(), "objects"), ElementsAre("a", "b", "c", "Cube-7"));
+  EXPECT_THAT(fluents("bw"), ::testing::IsSupersetOf({"ontable(Cube-7)", "clear(Cube-7)"}));
+  tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: holding, args: [Cube-7]}]}");
+  tell("set_object_filter", "SetObjectFilter", "{pddl_instance: bw, goal_instance: base, objects: [cube-7]}");
+  const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
+  ticks(100);
+  EXPECT_THAT(answer->actions, ElementsAre(HasSubstr("pick-up(Cube-7)")));
+  tell("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: cube-7, type: block}]}");
+  EXPECT_THAT(texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: bw, type: block}").view(), "objects"), ElementsAre("a", "b", "c"));
+}
+
+TEST_F(ManagerTest, FluentsOfTheProblemKeepTheirPlace) {
+  start();
+  load_blocks();
+  for (const char* service : {"rm_fluents", "add_fluents"})
+    tell(service, service[0] == 'r' ? "RemoveFluents" : "AddFluents", "{fluents: [{pddl_instance: bw, name: ontable, args: [a]}]}");
+  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: holding, args: [a]}]}");
+  EXPECT_THAT(fluents("bw"), ElementsAre("on(c a)", "ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()", "holding(a)"));
+}
+
 TEST_F(ManagerTest, ADomainAloneMakesAnInstance) {
   start();
   tell("add_pddl_instance", "AddPddlInstance", "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl}");
@@ -120,6 +145,47 @@ TEST_F(ManagerTest, ConditionsAreCheckedAtEveryTimeOfAnAction) {
   EXPECT_THAT(check("{pddl_instance: x, name: smash, args: [l1]}"), ElementsAre("Forall (lamp m) lit(m)", "(price(l1) <= 3)"));
 }
 
+TEST_F(ManagerTest, ConditionsReadAsInTheUnifiedPlanningFramework) {
+  start();
+  // What its version 1.3.0 says of the same domain.
+  load_text(R"((define (domain zoo) (:requirements :adl :durative-actions :numeric-fluents)
+    (:types animal place - object dog cat - animal) (:constants home - place)
+    (:predicates (at ?a - animal ?p - place) (sun) (moon) (any ?o)) (:functions (f) (g) (w ?a - animal))
+    (:durative-action a :parameters (?d - dog) :duration (= ?duration 1) :condition (and
+      (at start (forall (?x - animal ?p - place) (at ?x ?p))) (at start (exists (?o) (any ?o))) (at start (imply (sun) (moon)))
+      (at start (imply (not (moon)) (and (moon) (sun) (any ?d)))) (at start (or (moon) (and (sun) (moon)) (not (sun))))
+      (at start (< (+ (f) (g) 2) -1.5)) (at start (>= (- (f)) 0.001)) (at start (= (* (f) (g) 3) 7)) (at start (> (- (f) (g)) 100))
+      (at start (<= (/ (f) 3) -4)) (at start (not (= (f) (g)))) (at start (not (> (f) -10))) (at start (not (not (moon))))
+      (at start (not (or (sun) (moon)))) (at start (= 1.25 (f))) (at start (>= 3 (w ?d))))
+      :effect (at end (sun)))))",
+            R"((define (problem q) (:domain zoo) (:objects rex - dog tom - cat) (:init (sun) (at rex home) (= (f) 1) (= (g) 1) (= (w rex) 4)) (:goal (and))))");
+  EXPECT_THAT(check("{pddl_instance: x, name: a, args: [rex]}"),
+              ElementsAre("Forall (animal - object x, place - object p) at(x, p)", "Exists (object o) any(o)", "(sun implies moon)",
+                          "((not moon) implies (moon and sun and any(rex)))", "(moon or (sun and moon) or (not sun))", "((f + g + 2) < -3/2)",
+                          "(1/1000 <= (-1 * f))", "((f * g * 3) == 7)", "(100 < (f - g))", "((f / 3) <= -4)", "(not (f == g))", "(not (-10 < f))", "moon",
+                          "(not (sun or moon))", "(5/4 == f)", "(w(rex) <= 3)"));
+}
+
+TEST_F(ManagerTest, AnEffectAtTheEndRemembersWhatItsConditionWasAtTheStart) {
+  start();
+  load_text(R"((define (domain d) (:requirements :adl :durative-actions) (:types t) (:constants a - t) (:predicates (wet ?x - t) (dry) (rust ?x - t))
+    (:durative-action wait :parameters () :duration (= ?duration 5) :condition (at start (dry))
+      :effect (and (at start (not (dry))) (forall (?x - t) (when (at start (wet ?x)) (at end (rust ?x))))
+                   (when (and (at start (dry)) (at end (wet a))) (at end (dry)))))))",
+            "(define (problem p) (:domain d) (:objects b - t) (:init (dry) (wet a)) (:goal (and)))");
+  const std::string action = "{pddl_instance: x, name: wait}";
+  EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)", "END +dry()")) << "nobody has begun: as it is now";
+  EXPECT_THAT(check(action), ElementsAre("sat"));
+  tell("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: x, name: dry}, {pddl_instance: x, name: wet, args: [a]}]}");
+  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: wet, args: [b]}]}");
+  EXPECT_THAT(check(action), ElementsAre("dry"));
+  EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)")) << "a was wet at the start; it is not at the end";
+  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: dry}, {pddl_instance: x, name: wet, args: [a]}]}");
+  EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)", "END +dry()"));
+  EXPECT_THAT(check(action), ElementsAre("sat"));
+  EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)", "END +rust(b)", "END +dry()")) << "it began anew";
+}
+
 TEST_F(ManagerTest, TheOriginalIsReproducedWhereThatIsWanted) {
   PddlManagerOptions options;
   options.original = true;
@@ -135,6 +201,13 @@ TEST_F(ManagerTest, TheOriginalIsReproducedWhereThatIsWanted) {
                 (:action a :parameters (?o - t) :effect (forall (?y - t) (when (q ?y) (p ?y))))))",
             "(define (problem p) (:domain d) (:objects o1 o2 - t) (:init) (:goal (and)))");
   EXPECT_THAT(effects("{pddl_instance: x, name: a, args: [o1]}"), ElementsAre("START +p(y)"));
+  tell("set_action_filter", "SetActionFilter", "{pddl_instance: x, goal_instance: base, actions: [nobody-knows]}");
+  bool asked = false;
+  const bus::ServiceType& clear = **registry_.service("cx_pddl_interfaces/srv/ClearGoals");
+  auto client = bus_.create_client(client_, "/pddl_manager/clear_goals", clear, [&](const bus::Delivery&) { asked = true; });
+  bus_.call(*client, std::make_shared<bus::Message>(*bus::Message::from_yaml(*clear.request, "{pddl_instance: x, goal_instance: nope}")));
+  ticks(50);
+  EXPECT_FALSE(asked) << "an unknown goal is never cleared, nor answered";
 }
 
 TEST_F(ManagerTest, EventsOfTheProblemComeInTheirTime) {

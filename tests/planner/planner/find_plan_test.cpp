@@ -278,5 +278,30 @@ TEST(FindPlan, GoesOnFromAPlanUnderExecution) {
   EXPECT_EQ(second.plan->steps.size(), 11u);
 }
 
+constexpr const char* kErrands = R"((:types place) (:predicates (at ?p - place) (shop ?p - place) (bought ?p - place))
+  (:durative-action go :parameters (?from ?to - place) :duration (= ?duration 5)
+    :condition (at start (at ?from)) :effect (and (at start (not (at ?from))) (at end (at ?to))))
+  (:durative-action buy :parameters (?p - place) :duration (= ?duration 1)
+    :condition (and (over all (at ?p)) (at start (shop ?p))) :effect (at end (bought ?p))))";
+
+TEST(FindPlan, OfAWarmStartOnlyWhatIsLeftIsKept) {
+  const std::string objects = "(:objects home s1 s2 - place) (:init (shop s1) (shop s2) ";
+  const std::string goal = ") (:goal (and (bought s1) (bought s2) (at home)))";
+  const auto steps_of = [&](const std::string& now, const Plan& warm) {
+    const Task task = parse(kErrands, (objects + now + goal).c_str());
+    const PlanAnswer found = answer(task, {.warm_start = warm});
+    EXPECT_TRUE(found.plan);
+    std::string text;
+    for (const PlanStep& step : found.plan->steps) text += step_text(step, task.domain, task.problem);
+    return text;
+  };
+  const auto step = [](ActionId action, std::vector<ObjectId> arguments) { return PlanStep{0, action, std::move(arguments), 1}; };
+  const Plan plan = {step(0, {0, 1}), step(1, {1}), step(0, {1, 0}), step(0, {0, 2}), step(1, {2}), step(0, {2, 0})};
+  EXPECT_EQ(steps_of("(at home)", plan), "(go home s1)(buy s1)(go s1 home)(go home s2)(buy s2)(go s2 home)") << "the plan stays as it was";
+  EXPECT_EQ(steps_of("(at home) (bought s1)", plan), "(go home s2)(buy s2)(go s2 home)") << "what was done could be done again";
+  EXPECT_EQ(steps_of("(at s1) (bought s2)", plan), "(buy s1)(go s1 home)") << "a step was done by somebody else";
+  EXPECT_EQ(steps_of("(at home) (bought s1) (bought s2)", plan), "");
+}
+
 }  // namespace
 }  // namespace cxlab::planner
