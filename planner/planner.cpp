@@ -10,6 +10,7 @@
 #include "planner/ground/ground.h"
 #include "planner/improve/rebuild.h"
 #include "planner/pddl/parser.h"
+#include "planner/search/clock.h"
 #include "planner/search/split.h"
 #include "planner/validator/validator.h"
 
@@ -76,7 +77,6 @@ class Planner {
     Stn stn(touches_);
     fill(stn, plan);
     if (!stn.solve_complete(kSeparation) && !stn.solve_complete(0)) return false;
-    if (answer_.plan && stn.makespan() >= best_makespan_) return false;
     TimedPlan timed;
     std::vector<int> by_start(plan.steps.size());
     for (std::size_t i = 0; i < by_start.size(); ++i) by_start[i] = static_cast<int>(i);
@@ -94,8 +94,29 @@ class Planner {
       ordering.to = 2 * place[ordering.to / 2] + ordering.to % 2;
       timed.orderings.push_back(ordering);
     }
-    timed.makespan_s = static_cast<double>(stn.makespan()) / kSecond;
-    timed.latest = latest_times(timed, stn.makespan());
+    return hand_out(std::move(timed), stn.makespan());
+  }
+
+  /// Steps at fixed times.
+  bool publish(const std::vector<ClockStep>& steps) {
+    TimedPlan timed;
+    Micros makespan = 0;
+    for (const ClockStep& step : steps) {
+      const GroundAction& action = ground_.actions[step.action];
+      const int point = static_cast<int>(2 * timed.steps.size());
+      const Micros length = step.end - step.start;
+      timed.steps.push_back({static_cast<double>(step.start) / kSecond, action.schema, action.arguments, static_cast<double>(length) / kSecond, 0});
+      timed.orderings.push_back({Ordering::kOrigin, point, step.start, step.start});
+      timed.orderings.push_back({point, point + 1, length, length});
+      makespan = std::max(makespan, step.end);
+    }
+    return hand_out(std::move(timed), makespan);
+  }
+
+  bool hand_out(TimedPlan timed, Micros makespan) {
+    if (answer_.plan && makespan >= best_makespan_) return false;
+    timed.makespan_s = static_cast<double>(makespan) / kSecond;
+    timed.latest = latest_times(timed, makespan);
     const Expected<Verdict> verdict = validator_.check(timed.steps);
     budget_.spend(Work::kNode, static_cast<std::int64_t>(10 * timed.steps.size()));
     if (!verdict && verdict.error().code == kUnsupported) unsupported_ = verdict.error();
@@ -105,7 +126,7 @@ class Planner {
       return false;
     }
     timed.metric = verdict->metric;
-    best_makespan_ = stn.makespan();
+    best_makespan_ = makespan;
     if (!answer_.plan) answer_.first_plan_s = std::chrono::duration<double>(Clock::now() - began_).count();
     answer_.plan = std::move(timed);
     if (options_.on_plan) options_.on_plan(*answer_.plan, budget_.units());
@@ -192,6 +213,23 @@ class Planner {
     return answer_.plan.has_value();
   }
 
+  /// Searches along the clock, where actions cannot be cut.
+  bool search_clock(std::uint64_t seed, std::int64_t slice) {
+    if (clock_exhausted_) return false;
+    if (!clock_) {
+      const auto must_be_whole = [this](const GroundAction& action) { return action.durative && !can_be_cut(ground_, action); };
+      clock_exhausted_ = std::ranges::none_of(ground_.actions, must_be_whole);
+      if (clock_exhausted_) return false;
+      clock_ = std::make_unique<ClockSearch>(ground_, sequences_->simulator, touches_);
+    }
+    budget_.set_slice(budget_.units() + slice);
+    const SearchEnd end = clock_->run(lazy_options(seed), best_makespan_, budget_, [this](const std::vector<ClockStep>& steps) { return publish(steps); });
+    budget_.clear_slice();
+    note(end);
+    clock_exhausted_ = end == SearchEnd::kExhausted;
+    return end == SearchEnd::kFound;
+  }
+
   /// Every search has ended without a plan: looks whether any order of happenings reaches the goal, whatever their times.
   void prove_unsolvable() {
     answer_.status = PlanStatus::kEnded;
@@ -257,10 +295,11 @@ class Planner {
       if (!ground_.events.empty() && mend_late(seed, slice)) return;
       if (!envelopes_) envelopes_ = make_cut(false);
       if (search_cut(*envelopes_, seed, slice)) return;
+      if (search_clock(seed, slice)) return;
       if (round == 0 && !(sequences_exhausted && envelopes_->exhausted)) continue;
       if (!everything_) everything_ = make_cut(true);
       if (search_cut(*everything_, seed, slice)) return;
-      if (sequences_exhausted && envelopes_->exhausted && everything_->exhausted) {
+      if (sequences_exhausted && envelopes_->exhausted && everything_->exhausted && clock_exhausted_) {
         prove_unsolvable();
         return;
       }
@@ -368,8 +407,13 @@ class Planner {
         Sequence found;
         if (search_sequences(round, kRestartSlice, false, found) == SearchEnd::kFound) from = std::move(found);
       }
+      if (round % 4 == 2) search_clock(round, kRestartSlice);
       if (from.empty()) {
-        if (!best_cut_.first) return;
+        if (!best_cut_.first) {
+          if (clock_exhausted_) return;
+          search_clock(round, kRestartSlice);
+          continue;
+        }
         if (round % 4 == 3) search_cut(*best_cut_.first, round, kRestartSlice);
         improve_cut(*best_cut_.first, best_cut_.second, round, idle);
         idle += idle / 4;
@@ -417,6 +461,8 @@ class Planner {
   std::unique_ptr<SplitTask> whole_;        ///< nothing is cut
   std::optional<Cut> envelopes_, everything_;
   std::pair<Cut*, Sequence> best_cut_{nullptr, {}};  ///< the best plan as a sequence of parts, where no sequence was found
+  std::unique_ptr<ClockSearch> clock_;
+  bool clock_exhausted_ = false;
   PlanAnswer answer_;
   Sequence best_sequence_;
   Micros best_makespan_ = DurationRange::kForever, bound_ = 0;

@@ -7,6 +7,8 @@ namespace cxlab::planner {
 
 namespace {
 
+constexpr std::size_t kMostAims = 8;  ///< copies of an action that last until a comparison turns
+
 /// What can happen if nothing is ever deleted and numbers go as far as they like in each direction in which they move.
 /// The beginning of an action asks for its start condition only: others may bring about the rest while it runs.
 class Relaxation {
@@ -296,6 +298,26 @@ void drop_copies(GroundTask& task) {
   compact(task.actions, keep);
 }
 
+/// Comparisons that the length of the action may turn, those of the goal and its own first.
+std::vector<int> aims(const GroundTask& task, const GroundAction& action) {
+  std::vector<char> changes(task.numbers.size(), 0);
+  for (const ContinuousEffect& effect : action.continuous) changes[effect.number] = 1;
+  for (const auto* effects : {&action.at_start, &action.at_end})
+    for (const NumericEffect& effect : effects->numbers) changes[effect.number] = 1;
+  std::vector<int> order = task.goal.comparisons;
+  order.insert(order.end(), action.over_all.comparisons.begin(), action.over_all.comparisons.end());
+  for (std::size_t c = 0; c < task.comparisons.size(); ++c) order.push_back(static_cast<int>(c));
+  std::vector<int> found;
+  for (const int c : order) {
+    const LinearForm& linear = task.comparisons[c].linear;
+    if (found.size() == kMostAims) break;
+    if (linear.is_linear && std::ranges::find(found, c) == found.end() &&
+        std::ranges::any_of(linear.weights, [&](const auto& weight) { return changes[weight.first] != 0; }))
+      found.push_back(c);
+  }
+  return found;
+}
+
 /// Where effects depend on a duration that may be chosen, the action is there with several.
 void offer_durations(GroundTask& task) {
   const auto mentions = [](const GroundExpression& expression) {
@@ -313,6 +335,11 @@ void offer_durations(GroundTask& task) {
       GroundAction longer = task.actions[a];
       longer.stretch = stretch;
       task.actions.push_back(std::move(longer));
+    }
+    for (const int aim : aims(task, task.actions[a])) {
+      GroundAction aimed = task.actions[a];
+      aimed.aim = aim;
+      task.actions.push_back(std::move(aimed));
     }
   }
 }

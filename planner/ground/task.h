@@ -144,6 +144,7 @@ struct GroundAction {
   bool durative = false;
   std::vector<GroundDuration> duration;
   double stretch = 0;  ///< as a whole action it lasts this share of the way from the shortest to the longest duration
+  int aim = -1;        ///< as a whole action it lasts until this comparison turns
   GroundCondition start, over_all, end;
   GroundEffects at_start, at_end;
   std::vector<ConditionalEffects> conditional;

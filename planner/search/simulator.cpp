@@ -63,12 +63,12 @@ Simulator::Whole Simulator::make_whole(const GroundAction& action) const {
   const auto constant = [](const GroundDuration& duration) { return duration.bound.is_constant() && !duration.at_end; };
   if (!action.durative) {
     whole.fixed = true;
-  } else if (std::ranges::all_of(action.duration, constant)) {
+  } else if (action.aim < 0 && std::ranges::all_of(action.duration, constant)) {
     const PackedState none(static_cast<std::size_t>(words_), 0);
     const int index = static_cast<int>(&action - task_.actions.data());
     if (const std::optional<DurationRange> range = durations(index, none.data())) {
       whole.fixed = true;
-      whole.duration = chosen(index, *range);
+      whole.duration = *chosen(index, *range, none.data());
     } else {
       whole.impossible = true;
     }
@@ -135,11 +135,51 @@ std::optional<DurationRange> Simulator::durations(int action, const Word* state)
   return range;
 }
 
-Micros Simulator::chosen(int action, const DurationRange& range) const {
+std::optional<DurationRange> Simulator::durations_of_copy(int action, const Word* state) const {
+  const GroundAction& a = task_.actions[action];
+  const std::optional<DurationRange> range = durations(action, state);
+  if (!range || (a.stretch == 0 && a.aim < 0)) return range;
+  const std::optional<Micros> length = chosen(action, *range, state);
+  if (!length) return std::nullopt;
+  return DurationRange{*length, *length};
+}
+
+std::optional<Micros> Simulator::chosen(int action, const DurationRange& range, const Word* state) const {
+  if (task_.actions[action].aim >= 0) return aimed(task_.actions[action], range, state);
   const double stretch = task_.actions[action].stretch;
   if (stretch == 0) return range.least;
   const Micros most = std::min(range.most, std::max(range.least, kMicrosPerSecond) * kLongStretch);
   return range.least + static_cast<Micros>(stretch * static_cast<double>(std::max<Micros>(0, most - range.least)));
+}
+
+/// The duration at whose end the comparison turns, on the side where it holds if there is one.
+std::optional<Micros> Simulator::aimed(const GroundAction& action, const DurationRange& range, const Word* state) const {
+  const double first = static_cast<double>(range.least) / kSecond;
+  const double at_first = value_after(action, state, first), slope = value_after(action, state, first + 1) - at_first;
+  const double exact = (first - at_first / slope) * kSecond;
+  if (!(std::abs(exact) < kLongest * kSecond)) return std::nullopt;
+  for (const double length : {std::round(exact), std::floor(exact), std::ceil(exact), std::round(exact) + 1, std::round(exact) - 1}) {
+    const Micros micros = static_cast<Micros>(length);
+    if (micros < range.least || micros > range.most) continue;
+    if (task_.comparisons[action.aim].accepts(value_after(action, state, length / kSecond))) return micros;
+  }
+  return std::nullopt;
+}
+
+/// What the action that does nothing but change numbers makes of the value of its aim.
+double Simulator::value_after(const GroundAction& action, const Word* state, double duration_s) const {
+  std::vector<double> after(numbers(state), numbers(state) + task_.numbers.size());
+  const auto apply_numbers = [&](const std::vector<NumericEffect>& effects) {
+    std::vector<double> values;
+    for (const NumericEffect& effect : effects) values.push_back(effect.value.evaluate(after.data(), duration_s));
+    for (std::size_t i = 0; i < values.size(); ++i) change(after[effects[i].number], effects[i].kind, values[i]);
+  };
+  apply_numbers(action.at_start.numbers);
+  std::vector<double> changes;
+  for (const ContinuousEffect& effect : action.continuous) changes.push_back(effect.rate.evaluate(after.data(), duration_s) * duration_s);
+  for (std::size_t i = 0; i < changes.size(); ++i) after[action.continuous[i].number] += changes[i];
+  apply_numbers(action.at_end.numbers);
+  return task_.comparisons[action.aim].expression.evaluate(after.data(), duration_s);
 }
 
 bool Simulator::apply(int action, Word* state, Micros& duration) const {
@@ -148,8 +188,9 @@ bool Simulator::apply(int action, Word* state, Micros& duration) const {
     duration = whole.duration;
   } else {
     const std::optional<DurationRange> range = durations(action, state);
-    if (!range) return false;
-    duration = chosen(action, *range);
+    const std::optional<Micros> length = range ? chosen(action, *range, state) : std::nullopt;
+    if (!length) return false;
+    duration = *length;
   }
   return apply_with(action, state, duration);
 }
@@ -209,6 +250,12 @@ bool Simulator::end(int action, Word* state, Micros duration, const Remembered& 
     derive(state);
     if (!over_all_holds(action, state, duration)) return false;  // linear in time: both ends decide
   }
+  return finish(action, state, duration, remembered);
+}
+
+bool Simulator::finish(int action, Word* state, Micros duration, const Remembered& remembered) const {
+  const GroundAction& a = task_.actions[action];
+  const double seconds = static_cast<double>(duration) / kSecond;
   if (!holds(a.end, state, seconds)) return false;
   for (const GroundDuration& constraint : a.duration) {
     if (!constraint.at_end) continue;

@@ -36,6 +36,8 @@ class Simulator {
 
   /// Durations that the constraints allow in this state; none if there is no duration.
   std::optional<DurationRange> durations(int action, const Word* state) const;
+  /// The same for copies of an action that choose: the one that they choose.
+  std::optional<DurationRange> durations_of_copy(int action, const Word* state) const;
 
   /// Runs the whole action; `duration` is the shortest one allowed, or longer by its stretch. False, and the state is spoilt, if it cannot run.
   bool apply(int action, Word* state, Micros& duration) const;
@@ -46,6 +48,8 @@ class Simulator {
   bool begin(int action, Word* state, Micros duration, Remembered& remembered) const;
   /// Ends an action that began `duration` ago.
   bool end(int action, Word* state, Micros duration, const Remembered& remembered) const;
+  /// The same where the numbers that change all along have changed already.
+  bool finish(int action, Word* state, Micros duration, const Remembered& remembered) const;
   bool over_all_holds(int action, const Word* state, Micros duration) const;
   void apply_event(int event, Word* state) const;
 
@@ -64,7 +68,9 @@ class Simulator {
     bool interferes = false;   ///< its end uses what its beginning changes, or the other way: they may not happen at once
   };
 
-  Micros chosen(int action, const DurationRange& range) const;
+  std::optional<Micros> chosen(int action, const DurationRange& range, const Word* state) const;
+  std::optional<Micros> aimed(const GroundAction& action, const DurationRange& range, const Word* state) const;
+  double value_after(const GroundAction& action, const Word* state, double duration_s) const;
   double* mutable_numbers(Word* state) const { return reinterpret_cast<double*>(state + fact_words_); }
   void apply_effects(const GroundEffects& effects, Word* state, double duration_s) const;
   Whole make_whole(const GroundAction& action) const;

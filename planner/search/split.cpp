@@ -37,11 +37,13 @@ bool is_envelope(const GroundTask& task, const GroundAction& action) {
   return false;
 }
 
+bool reads_duration(const GroundAction& action) { return mentions_duration(action.at_start) || mentions_duration(action.at_end); }
+
 bool can_be_cut(const GroundTask& task, const GroundAction& action) {
   for (const auto* condition : {&action.start, &action.over_all, &action.end})
     for (const int c : condition->comparisons)
       if (mentions_duration(task.comparisons[c].expression)) return false;
-  if (!action.durative || !action.continuous.empty() || mentions_duration(action.at_start) || mentions_duration(action.at_end)) return false;
+  if (!action.durative || !action.continuous.empty() || reads_duration(action)) return false;
   for (const GroundDuration& duration : action.duration)
     if (duration.at_end) return false;
   return std::ranges::all_of(action.conditional, [](const ConditionalEffects& conditional) {
@@ -102,6 +104,12 @@ SplitTask split(const GroundTask& task, const std::vector<char>& cut) {
 }
 
 std::optional<GroundTask> untimed(const GroundTask& task) {
+  for (const GroundAction& action : task.actions)
+    if (action.durative && !can_be_cut(task, action)) return std::nullopt;
+  return loosened(task, false);
+}
+
+GroundTask loosened(const GroundTask& task, bool hold) {
   GroundTask out = task;
   out.actions.clear();
   for (const GroundAction& action : task.actions) {
@@ -109,7 +117,6 @@ std::optional<GroundTask> untimed(const GroundTask& task) {
       out.actions.push_back(action);
       continue;
     }
-    if (!can_be_cut(task, action)) return std::nullopt;
     const int begun = static_cast<int>(out.facts.size());
     out.facts.push_back({-1, {}, -1, false, false});
     out.initial_facts.push_back(0);
@@ -121,7 +128,13 @@ std::optional<GroundTask> untimed(const GroundTask& task) {
     begin.at_start.add.push_back(begun);
     end.start = action.end;
     end.start.facts.push_back(begun);
+    if (hold) {
+      end.start.facts.insert(end.start.facts.end(), action.over_all.facts.begin(), action.over_all.facts.end());
+      end.start.comparisons.insert(end.start.comparisons.end(), action.over_all.comparisons.begin(), action.over_all.comparisons.end());
+      std::ranges::sort(end.start.facts);
+    }
     end.at_start = action.at_end;
+    begin.continuous = end.continuous = action.continuous;
     for (const ConditionalEffects& conditional : action.conditional) {
       if (!conditional.at_start.empty()) begin.conditional.push_back({conditional.start, {}, {}, conditional.at_start, {}});
       if (!conditional.at_end.empty()) end.conditional.push_back({conditional.end, {}, {}, conditional.at_end, {}});

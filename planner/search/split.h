@@ -33,9 +33,14 @@ struct SplitTask {
 /// Cuts the actions that are marked.
 SplitTask split(const GroundTask& task, const std::vector<char>& cut);
 
-/// A task that has every plan of this one as a sequence, and more: time and conditions over all are left out, an action
-/// that has begun once may end at any time and often. What cannot be reached there cannot be reached. Nothing if an action
-/// cannot be cut.
+/// Whether effects read how long the action lasts.
+bool reads_duration(const GroundAction& action);
+
+/// A task in which every action with a duration is two, its beginning and its end: time is left out, an action that has
+/// begun once may end at any time and often. `hold`: its end asks for its condition over all.
+GroundTask loosened(const GroundTask& task, bool hold);
+/// The same without conditions over all, as a proof: it has every plan as a sequence, and more, so what cannot be reached there cannot be reached.
+/// Nothing if an action cannot be cut.
 std::optional<GroundTask> untimed(const GroundTask& task);
 
 /// A plan with overlaps: steps, and their happenings in an order in which they are right.

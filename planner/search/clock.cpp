@@ -1,0 +1,352 @@
+#include "planner/search/clock.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "planner/search/split.h"
+
+namespace cxlab::planner {
+
+namespace {
+
+constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
+constexpr Micros kNever = DurationRange::kForever;
+
+bool same_action(const GroundAction& a, const GroundAction& b) { return a.schema == b.schema && a.arguments == b.arguments; }
+
+/// The whole number of microseconds, at least 1, after which a comparison of this value and rate turns; kNever: it does not.
+Micros turn(const GroundComparison& comparison, double value, double rate) {
+  if (rate == 0 || std::isnan(value) || (value > 0) == (rate > 0)) return kNever;
+  const double exact = -value / rate * kSecond;
+  if (!(exact < static_cast<double>(kNever))) return kNever;
+  double rounded = std::round(exact);
+  if (comparison.kind == GroundComparison::Kind::kNotNegative) rounded = rate > 0 ? std::ceil(exact - 1e-6) : std::floor(exact + 1e-6);
+  if (comparison.kind == GroundComparison::Kind::kPositive) rounded = rate > 0 ? std::floor(exact + 1e-6) + 1 : std::ceil(exact - 1e-6) - 1;
+  return rounded >= 1 ? static_cast<Micros>(rounded) : kNever;
+}
+
+}  // namespace
+
+ClockSearch::ClockSearch(const GroundTask& task, const Simulator& simulator, const Touches& touches)
+    : task_(task), simulator_(simulator), touches_(touches), loose_(loosened(task, true)), loose_simulator_(loose_), relaxed_(loose_simulator_, true) {
+  int fact = static_cast<int>(task.facts.size());
+  for (std::size_t a = 0; a < task.actions.size(); ++a) {
+    const GroundAction& action = task.actions[a];
+    loose_origin_.push_back(static_cast<int>(a));
+    if (action.durative) loose_origin_.push_back(static_cast<int>(a));
+    loose_running_.push_back(action.durative ? fact++ : -1);
+    // Where only the way matters in which numbers change, the end is a decision of its own.
+    const bool copy = action.stretch > 0 || action.aim >= 0;
+    if (!copy || reads_duration(action)) candidates_.push_back(static_cast<int>(a));
+  }
+}
+
+bool ClockSearch::conflict(int action, bool at_end, int other, bool other_at_end) const {
+  for (const Touch& mine : touches_of(action))
+    for (const Touch& theirs : touches_of(other))
+      if (mine.key == theirs.key &&
+          Touches::conflict_at_instant(at_end ? mine.at_end : mine.at_start, other_at_end ? theirs.at_end : theirs.at_start))
+        return true;
+  return false;
+}
+
+/// The first time from now at which it can happen.
+Micros ClockSearch::clear_of_recent(const Moment& moment, int action, bool at_end) const {
+  Micros time = moment.time;
+  for (const Recent& recent : moment.recent)
+    if (recent.time + kSeparation > time && conflict(action, at_end, recent.action, recent.at_end)) time = recent.time + kSeparation;
+  return time;
+}
+
+/// When something happens that nobody decides.
+Micros ClockSearch::forced(const Moment& moment) const {
+  Micros time = kNever;
+  for (const Running& running : moment.running) time = std::min(time, running.last_end());
+  if (moment.next_event < static_cast<int>(task_.events.size())) time = std::min(time, task_.events[moment.next_event].time);
+  return time;
+}
+
+std::vector<double> ClockSearch::rates(const Moment& moment) const {
+  std::vector<double> rates(task_.numbers.size(), 0);
+  for (const Running& running : moment.running)
+    for (const ContinuousEffect& effect : task_.actions[running.action].continuous)
+      rates[effect.number] += effect.rate.evaluate(simulator_.numbers(moment.state.data()), static_cast<double>(running.range.least) / kSecond);
+  return rates;
+}
+
+bool ClockSearch::holds_over_all(Moment& moment) const {
+  for (Running& running : moment.running) {
+    const Micros ran = running.is_fixed() ? running.range.least : moment.time - running.start;
+    if (!simulator_.over_all_holds(running.action, moment.state.data(), ran)) return false;
+    for (std::size_t i = 0; i < running.remembered.size(); ++i) {
+      const ConditionalEffects& conditional = task_.actions[running.action].conditional[i];
+      if (!simulator_.holds(conditional.over_all, moment.state.data(), static_cast<double>(ran) / kSecond)) running.remembered[i] = 0;
+    }
+  }
+  return true;
+}
+
+/// Lets time pass in which nothing happens.
+bool ClockSearch::advance(Moment& moment, Micros to) const {
+  if (to == moment.time) return true;
+  if (!holds_over_all(moment)) return false;
+  const std::vector<double> rates = this->rates(moment);
+  double* numbers = reinterpret_cast<double*>(moment.state.data() + task_.words());
+  bool changed = false;
+  for (std::size_t n = 0; n < rates.size(); ++n)
+    if (rates[n] != 0) numbers[n] += rates[n] * (static_cast<double>(to - moment.time) / kSecond), changed = true;
+  moment.time = to;
+  std::erase_if(moment.recent, [&](const Recent& recent) { return recent.time + kSeparation <= to; });
+  if (!changed) return true;
+  simulator_.derive(moment.state.data());
+  return holds_over_all(moment);  // linear in time: both ends decide
+}
+
+bool ClockSearch::begin(Moment& moment, int index) const {
+  const GroundAction& action = task_.actions[index];
+  for (const Running& running : moment.running)
+    if (same_action(task_.actions[running.action], action)) return false;
+  Micros time = clear_of_recent(moment, index, false);
+  std::optional<DurationRange> range = DurationRange{};
+  if (action.durative) {
+    range = simulator_.durations_of_copy(index, moment.state.data());
+    if (!range) return false;
+    for (bool moved = range->least == range->most; moved;) {  // keep the end clear of ends and events to come
+      moved = false;
+      const auto keep_clear = [&](Micros other, int by, bool at_end) {
+        if (std::abs(time + range->least - other) >= kSeparation || !conflict(index, true, by, at_end)) return;
+        time = other + kSeparation - range->least;
+        moved = true;
+      };
+      for (const Running& running : moment.running)
+        if (running.is_fixed()) keep_clear(running.last_end(), running.action, true);
+      for (std::size_t e = static_cast<std::size_t>(moment.next_event); e < task_.events.size(); ++e)
+        keep_clear(task_.events[e].time, -2 - static_cast<int>(e), false);
+    }
+  }
+  if (time > moment.time && (time >= forced(moment) || !advance(moment, time))) return false;
+  if (action.durative && range->most < kSeparation) {
+    if (!simulator_.apply_with(index, moment.state.data(), range->least)) return false;
+    moment.ended.push_back({index, time, time + range->least});
+    moment.recent.push_back({time, index, true});
+  } else {
+    Running running{index, time, *range, {}};
+    if (!simulator_.begin(index, moment.state.data(), range->least, running.remembered)) return false;
+    if (action.durative) {
+      const auto place = std::ranges::upper_bound(moment.running, index, {}, &Running::action);
+      moment.running.insert(place, std::move(running));
+    } else {
+      moment.ended.push_back({index, time, time});
+    }
+  }
+  moment.recent.push_back({time, index, false});
+  return true;
+}
+
+bool ClockSearch::finish(Moment& moment, std::size_t place) const {
+  const Running running = moment.running[place];
+  if (clear_of_recent(moment, running.action, true) > moment.time) return false;
+  if (!simulator_.finish(running.action, moment.state.data(), moment.time - running.start, running.remembered)) return false;
+  moment.running.erase(moment.running.begin() + static_cast<std::ptrdiff_t>(place));
+  moment.ended.push_back({running.action, running.start, moment.time});
+  moment.recent.push_back({moment.time, running.action, true});
+  return true;
+}
+
+/// Ends a step that may go on.
+bool ClockSearch::end(Moment& moment, std::size_t place) const {
+  const Micros time = clear_of_recent(moment, moment.running[place].action, true);
+  if (time < moment.running[place].first_end() || (time > moment.time && time >= forced(moment))) return false;
+  return advance(moment, time) && finish(moment, place);
+}
+
+bool ClockSearch::pass_event(Moment& moment) const {
+  const int name = -2 - moment.next_event;
+  if (clear_of_recent(moment, name, false) > moment.time) return false;
+  simulator_.apply_event(moment.next_event, moment.state.data());
+  moment.recent.push_back({moment.time, name, false});
+  ++moment.next_event;
+  return true;
+}
+
+/// The first time after now at which a comparison turns.
+Micros ClockSearch::next_turn(const Moment& moment, const std::vector<double>& rates) const {
+  Micros first = kNever;
+  for (const GroundComparison& comparison : task_.comparisons) {
+    if (!comparison.linear.is_linear || comparison.linear.duration_weight != 0) continue;
+    double rate = 0, value = comparison.linear.constant;
+    for (const auto& [number, weight] : comparison.linear.weights) {
+      rate += weight * rates[number];
+      value += weight * simulator_.numbers(moment.state.data())[number];
+    }
+    if (const Micros in = turn(comparison, value, rate); in < kNever) first = std::min(first, moment.time + in);
+  }
+  return first;
+}
+
+bool ClockSearch::wait(Moment& moment) const {
+  const Micros must = forced(moment);
+  Micros until = std::min(must, next_turn(moment, rates(moment)));
+  for (const Running& running : moment.running)
+    if (running.first_end() > moment.time) until = std::min(until, running.first_end());
+  if (until == kNever || !advance(moment, until)) return false;
+  if (until < must) return true;
+  while (moment.next_event < static_cast<int>(task_.events.size()) && task_.events[moment.next_event].time == until)
+    if (!pass_event(moment)) return false;
+  for (std::size_t i = 0; i < moment.running.size();) {
+    if (moment.running[i].last_end() > until) ++i;
+    else if (!finish(moment, i)) return false;
+  }
+  return true;
+}
+
+int ClockSearch::estimate(RelaxedHeuristic& heuristic, const Moment& moment, std::vector<char>& preferred) const {
+  PackedState state(static_cast<std::size_t>(loose_simulator_.words()), 0);
+  const auto fact_words = static_cast<std::size_t>(task_.words());
+  std::copy(moment.state.begin(), moment.state.begin() + static_cast<std::ptrdiff_t>(fact_words), state.begin());
+  for (const Running& running : moment.running) {
+    set(state.data(), loose_running_[running.action]);
+    for (const int f : task_.actions[running.action].at_end.add) set(state.data(), f);
+  }
+  double* numbers = reinterpret_cast<double*>(state.data() + loose_.words());
+  std::copy_n(simulator_.numbers(moment.state.data()), task_.numbers.size(), numbers);
+  preferred.assign(task_.actions.size(), 0);
+  const auto evaluate = [&] {
+    const int found = heuristic.evaluate(state.data(), moment.next_event);
+    for (const int action : heuristic.preferred())
+      if (action >= 0) preferred[loose_origin_[action]] = 1;
+    return found;
+  };
+  int best = evaluate();
+  bool projected = false;
+  for (const Running& running : moment.running) {
+    if (!running.is_fixed()) continue;
+    const GroundAction& action = task_.actions[running.action];
+    const double left = static_cast<double>(running.last_end() - moment.time) / kSecond, length = static_cast<double>(running.range.least) / kSecond;
+    for (const ContinuousEffect& effect : action.continuous) numbers[effect.number] += effect.rate.evaluate(numbers, length) * left, projected = true;
+    for (const NumericEffect& effect : action.at_end.numbers) {
+      const double value = effect.value.evaluate(numbers, length);
+      double& number = numbers[effect.number];
+      if (effect.kind == NumericEffect::Kind::kAssign) number = value;
+      else if (effect.kind == NumericEffect::Kind::kIncrease) number += value;
+      else number *= value;
+      projected = true;
+    }
+  }
+  if (projected) best = std::min(best, evaluate());
+  return best;
+}
+
+std::vector<Word> ClockSearch::key(const Moment& moment, bool with_time) const {
+  std::vector<Word> key = moment.state;
+  key.push_back(static_cast<Word>(moment.next_event));
+  if (with_time) key.push_back(static_cast<Word>(moment.time));
+  for (const Running& running : moment.running) {
+    key.push_back(static_cast<Word>(running.action));
+    key.push_back(static_cast<Word>(moment.time - running.start));
+    key.push_back(static_cast<Word>(running.range.least));
+    for (const char held : running.remembered) key.push_back(static_cast<Word>(held));
+  }
+  return key;
+}
+
+bool ClockSearch::too_late(const Moment& moment, Micros before) const {
+  return moment.time >= before || std::ranges::any_of(moment.running, [&](const Running& running) { return running.first_end() >= before; });
+}
+
+SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& budget, const std::function<bool(const std::vector<ClockStep>&)>& accept) {
+  RandomStream random(options.seed, "planner clock search");
+  RelaxedHeuristic heuristic(loose_simulator_, relaxed_);
+  std::int64_t reported = 0;
+  std::vector<Moment> moments;
+  std::vector<std::vector<int>> preferred_of;  // by moment
+  std::set<std::vector<Word>> known;
+  std::size_t words = 0;
+  // Queue: by estimate, first in first out.
+  std::vector<std::vector<int>> buckets;
+  std::vector<std::size_t> heads;
+  std::size_t waiting = 0;
+  std::vector<char> preferred;
+
+  const auto plan_of = [&](const Moment& last) {
+    std::vector<ClockStep> steps = last.ended;
+    for (int at = last.parent; at >= 0; at = moments[at].parent) steps.insert(steps.end(), moments[at].ended.begin(), moments[at].ended.end());
+    std::ranges::stable_sort(steps, {}, &ClockStep::start);
+    return steps;
+  };
+  /// Whether it is a plan that was wanted.
+  const auto add = [&](Moment made, bool wanted) {
+    budget.spend(Work::kNode, 1 + static_cast<std::int64_t>(made.running.size()));
+    if (too_late(made, before)) return false;
+    const bool time_matters = made.next_event < static_cast<int>(task_.events.size()) || before < kNever;
+    std::vector<Word> name = key(made, time_matters);
+    const std::size_t size = 2 * name.size() + 20;
+    if (!known.insert(std::move(name)).second) return false;
+    if (made.running.empty() && simulator_.is_goal(made.state.data()) && accept(plan_of(made))) return true;
+    const int found = estimate(heuristic, made, preferred);
+    budget.spend(Work::kReach, heuristic.work() - reported);
+    reported = heuristic.work();
+    if (found == RelaxedHeuristic::kDeadEnd) return false;
+    const auto bucket = static_cast<std::size_t>(std::min(2 * std::min(found, 1 << 15) + !wanted, 1 << 16));
+    if (bucket >= buckets.size()) buckets.resize(bucket + 1), heads.resize(bucket + 1, 0);
+    buckets[bucket].push_back(static_cast<int>(moments.size()));
+    ++waiting;
+    std::vector<int> best;
+    for (std::size_t a = 0; a < preferred.size(); ++a)
+      if (preferred[a]) best.push_back(static_cast<int>(a));
+    words += size + best.size();
+    preferred_of.push_back(std::move(best));
+    moments.push_back(std::move(made));
+    return false;
+  };
+  const auto take = [&] {
+    const bool any = options.random_choice > 0 && random.chance(options.random_choice);
+    std::size_t skip = any ? random.below(waiting) : 0;
+    --waiting;
+    for (std::size_t b = 0;; ++b) {
+      const std::size_t here = buckets[b].size() - heads[b];
+      if (skip >= here) {
+        skip -= here;
+        continue;
+      }
+      std::swap(buckets[b][heads[b]], buckets[b][heads[b] + skip]);
+      return buckets[b][heads[b]++];
+    }
+  };
+
+  Moment start;
+  start.state = simulator_.initial();
+  if (add(std::move(start), true)) return SearchEnd::kFound;
+  std::vector<int> order = candidates_;
+  while (waiting > 0) {
+    if (budget.slice_over()) return SearchEnd::kBudget;
+    if (words > options.most_words / 4) return SearchEnd::kMemory;
+    const int node = take();
+    const std::vector<int> wanted = preferred_of[node];
+    const auto next = [&] {
+      Moment moment = moments[node];
+      moment.parent = node;
+      moment.ended.clear();
+      return moment;
+    };
+    for (std::size_t i = 0; i < moments[node].running.size(); ++i) {
+      const Running& running = moments[node].running[i];
+      if (running.is_fixed() || moments[node].time < running.first_end()) continue;
+      Moment made = next();
+      if (end(made, i) && add(std::move(made), true)) return SearchEnd::kFound;
+    }
+    if (options.seed != 0) random.shuffle(order);
+    budget.spend(Work::kReach, static_cast<std::int64_t>(order.size()));
+    for (const int action : order) {
+      const auto is_true = [&](int f) { return is_set(moments[node].state.data(), f); };
+      if (!std::ranges::all_of(task_.actions[action].start.facts, is_true)) continue;
+      Moment made = next();
+      if (begin(made, action) && add(std::move(made), std::ranges::binary_search(wanted, action))) return SearchEnd::kFound;
+    }
+    if (Moment made = next(); wait(made) && add(std::move(made), true)) return SearchEnd::kFound;
+  }
+  return SearchEnd::kExhausted;
+}
+
+}  // namespace cxlab::planner
