@@ -44,6 +44,8 @@ bool finite(const Transform& t) {
 
 }  // namespace
 
+Transform planar(double x, double y, double yaw) { return {x, y, 0, 0, 0, std::sin(yaw / 2), std::cos(yaw / 2)}; }
+
 Transform operator*(const Transform& a, const Transform& b) {
   const Vector moved = rotate(a, {b.x, b.y, b.z});
   return {moved.x + a.x, moved.y + a.y, moved.z + a.z,

@@ -21,6 +21,8 @@ struct Transform {
   double x = 0, y = 0, z = 0;               ///< m
   double qx = 0, qy = 0, qz = 0, qw = 1;    ///< unit quaternion
 };
+/// On the floor, turned by `yaw` (rad).
+Transform planar(double x, double y, double yaw);
 /// First `inner`, then `outer`: the pose of c in a from b in a (`outer`) and c in b (`inner`).
 Transform operator*(const Transform& outer, const Transform& inner);
 Transform inverse(const Transform& t);

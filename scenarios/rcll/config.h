@@ -59,6 +59,7 @@ struct WorldConfig {
   double setup_s = 0;              ///< s, set-up phase before production
   double production_s = 1200;      ///< s, length of the production phase
   bool down = true;                ///< one cap and one ring station are out of order once, for 30 to 60 s
+  bool transforms = false;         ///< /tf has where robots are in "map", /tf_static where machines are
   double shelf_refill_s = 20;      ///< s after which a completely empty shelf is filled again
 };
 

@@ -58,6 +58,8 @@ Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, std:
     draw_down_periods(random, factory->context_.clock, factory->machines_);
   }
   if (Status s = factory->join(); !s) return s.error();
+  if (config.transforms)
+    if (Status s = factory->broadcast_transforms(); !s) return s.error();
   return factory;
 }
 
@@ -89,6 +91,17 @@ Status Factory::join() {
   return advertise(robot_info_, "/robot_info", package + "msg/RobotInfo", kRobotInfoPeriod);
 }
 
+Status Factory::broadcast_transforms() {
+  auto made = bus::TransformBroadcaster::create(bus_, node_);
+  if (!made) return made.error();
+  transforms_ = *std::move(made);
+  for (const sim::Station& station : world_.plan().stations) {
+    const sim::Pose2& at = station.pose_in_world;
+    transforms_->set_static("map", station.name, bus::planar(at.x, at.y, at.yaw));
+  }
+  return {};
+}
+
 Status Factory::advertise(Topic& topic, std::string_view name, const std::string& type, SimTime period) {
   auto message = bus_.registry().message(type);
   if (!message) return message.error();
@@ -114,6 +127,13 @@ Status Factory::sense(SimTime now) {
   if (due(machine_info_, now, !context_.events.empty())) publish_machines();
   if (due(ring_info_, now, false)) publish_rings();
   if (due(robot_info_, now, false)) publish_robots();
+  if (transforms_) {
+    for (std::size_t i = 0; i < world_.plan().robots.size(); ++i) {
+      const sim::Pose2 at = world_.robot(static_cast<sim::RobotId>(i)).pose_in_world;
+      transforms_->set("map", world_.plan().robots[i].name, bus::planar(at.x, at.y, at.yaw));
+    }
+    transforms_->post();
+  }
   return {};
 }
 

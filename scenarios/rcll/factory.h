@@ -8,11 +8,13 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cx/base/record_sink.h"
 #include "cx/bus/bus.h"
+#include "cx/bus/transforms.h"
 #include "scenarios/rcll/config.h"
 #include "scenarios/rcll/machines.h"
 #include "scenarios/rcll/referee.h"
@@ -42,6 +44,7 @@ class Factory final : public sim::Server {
  private:
   Factory(const WorldConfig& config, Schedule schedule, sim::World& world, bus::Bus& bus, RecordSink& sink);
   Status join();
+  Status broadcast_transforms();
 
   /// One topic with its period.
   struct Topic {
@@ -82,6 +85,7 @@ class Factory final : public sim::Server {
   const bus::ActionType* action_ = nullptr;
   bus::EndpointId server_{};
   Topic game_state_, order_info_, machine_info_, ring_info_, robot_info_;
+  std::optional<bus::TransformBroadcaster> transforms_;  ///< where they are wanted
   std::vector<Goal> goals_;  ///< running, in order of arrival
   std::uint64_t told_order_changes_ = 0;
   std::array<std::int64_t, 2> told_points_{-1, -1};

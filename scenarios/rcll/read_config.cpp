@@ -36,7 +36,7 @@ void read_config(yaml::Map& world, WorldConfig& config) {
     for (const yaml::Value& item : orders.as_list()) config.orders.push_back(read_order(item));
   world.read("complexities", config.complexities).read("exploration", config.exploration);
   world.read("setup_s", config.setup_s).read("production_s", config.production_s);
-  world.read("down", config.down).read("shelf_refill_s", config.shelf_refill_s);
+  world.read("down", config.down).read("transforms", config.transforms).read("shelf_refill_s", config.shelf_refill_s);
   if (Status s = validate(config); !s) {
     // "world.robots: found ...": said where that key stands.
     const std::string text = s.error().message.substr(std::string_view("world.").size());

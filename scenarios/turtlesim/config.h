@@ -21,6 +21,7 @@ struct Config {
   std::vector<std::pair<std::string, std::string>> remaps;  ///< FROM := TO
   SimTime start{};                                          ///< the node, its topics and services are not there before
   bool collisions = false;                                  ///< turtles push each other; in ROS they do not
+  bool transforms = false;                                  ///< /tf has where each turtle is in "world"; in ROS another node's job
   int background_r = 69, background_g = 86, background_b = 255;
   std::vector<StartTurtle> turtles{{}};
 };

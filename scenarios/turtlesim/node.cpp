@@ -73,6 +73,11 @@ Status TurtlesimNode::start() {
   if (Status s = serve("spawn", "turtlesim/srv/Spawn", &TurtlesimNode::on_spawn); !s) return s;
   if (Status s = serve("kill", "turtlesim/srv/Kill", &TurtlesimNode::on_kill); !s) return s;
   if (Status s = serve_parameters(); !s) return s;
+  if (config_.transforms) {
+    auto made = bus::TransformBroadcaster::create(bus_, *self_);
+    if (!made) return made.error();
+    transforms_ = *std::move(made);
+  }
   for (const StartTurtle& turtle : config_.turtles)
     if (Status s = spawn(turtle.name, turtle.x, turtle.y, turtle.theta); !s) return s;
   return {};
@@ -101,6 +106,7 @@ Status TurtlesimNode::sense(SimTime now) {
     publish(*turtle);
     if (turtle->rotation) report_rotation(*turtle);
   }
+  if (transforms_) transforms_->post();
   return {};
 }
 
@@ -137,6 +143,7 @@ void TurtlesimNode::publish(Turtle& turtle) {
   (void)c.set_integer(*t.g, under.g);
   (void)c.set_integer(*t.b, under.b);
   bus_.publish(turtle.colour, shared(std::move(colour)));
+  if (transforms_) transforms_->set("world", turtle.name, bus::planar(seen.x, seen.y, seen.theta));
 
   TurtleStory& story = stories_[turtle.story];
   story.driven_m += std::hypot(seen.x - story.x, seen.y - story.y);

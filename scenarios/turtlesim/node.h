@@ -11,6 +11,7 @@
 #include "cx/base/expected.h"
 #include "cx/base/record_sink.h"
 #include "cx/bus/bus.h"
+#include "cx/bus/transforms.h"
 #include "cx/node/log.h"
 #include "cx/node/parameters.h"
 #include "scenarios/turtlesim/config.h"
@@ -103,6 +104,7 @@ class TurtlesimNode final : public sim::Server {
   std::unique_ptr<Types> types_;
   std::vector<std::unique_ptr<Turtle>> turtles_;
   std::vector<TurtleStory> stories_;
+  std::optional<bus::TransformBroadcaster> transforms_;  // where they are wanted
   int names_given_ = 0;
   std::int64_t published_step_ = -1;
 };

@@ -19,7 +19,7 @@ void read_config(yaml::Map& map, Config& config) {
   map.read("namespace", config.name_space).read_seconds("start_s", config.start);
   if (const yaml::Value remap = map.get("remap"))
     for (const auto& [from, to] : remap.as_map().entries()) config.remaps.emplace_back(from, to.as_string());
-  map.read("collisions", config.collisions);
+  map.read("collisions", config.collisions).read("transforms", config.transforms);
   map.read("background_r", config.background_r).read("background_g", config.background_g).read("background_b", config.background_b);
   if (const yaml::Value turtles = map.get("turtles")) {
     config.turtles.clear();

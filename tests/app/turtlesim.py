@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import struct
 import subprocess
@@ -90,6 +91,32 @@ class Turtlesim(unittest.TestCase):
         page = (self.folder / "run/index.html").read_text()
         self.assertEqual(page.count("data:image/png;base64,"), 2)
         self.assertIn("<td>turtle1 (killed)<td>", page)
+
+    def test_transforms_are_posted_where_they_are_asked_for(self):
+        folder = SOURCE / "docs/examples/tf2_pose_tracker"
+        command = ["env", folder / "turtle.yaml", "--package", f"example={folder}", "--with", "turtlesim", "--stimuli", folder / "stimuli.yaml", "--until", 4, "--out"]
+        said = self.cxlab(*command, "run", "--param", "turtlesim.transforms=true").stderr
+        self.assertEqual(re.findall(r"\[watcher\] (.*)", said),
+                         ["turtle1 is at (5.54 5.54), turned by 0.00, at 1.0 s"] + [f"turtle1 is at (7.21 6.46), turned by 0.99, at {t}.0 s" for t in (2, 3, 4)])
+        self.assertIn("rules: the same", self.cxlab("replay", "run").stdout)
+        self.assertIn('TF lookup failed: "world" passed to lookupTransform argument target_frame does not exist', self.cxlab(*command, "none").stderr)
+
+    def test_the_league_posts_its_transforms_too(self):
+        (self.folder / "agent.yaml").write_text((SOURCE / "docs/examples/tf2_pose_tracker/turtle.yaml").read_text())
+        (self.folder / "turtle.clp").write_text("""(defrule track => (tf2-start-periodic-lookup "C-BS" "robot1" 1.0) (tf2-start-periodic-lookup "map" "robot1" 1.0)
+  (tf2-start-periodic-lookup "map" "C-BS" 1.0))
+(defrule stop (executive-finalize) (tf2-tracked-pose (timer ?timer)) => (tf2-stop-periodic-lookup ?timer))
+(defrule compare (tf2-tracked-pose (parent "map") (child "robot1") (translation ?rx ?ry ?)) (tf2-tracked-pose (parent "map") (child "C-BS") (translation ?sx ?sy ?))
+  (tf2-tracked-pose (parent "C-BS") (translation ?x ?y ?))
+  => (format t "robot %.2f %.2f, far %.4f %.4f%n" ?rx ?ry (sqrt (+ (** ?x 2) (** ?y 2))) (sqrt (+ (** (- ?rx ?sx) 2) (** (- ?ry ?sy) 2)))))
+""")
+        for tier in ("timed", "physics"):
+            scenario = self.folder / "game.yaml"
+            scenario.write_text(f"schema: 1\nworld: {{kind: rcll, transforms: true}}\ntier: {tier}\nagents: [{{config: agent.yaml, packages: {{example: .}}}}]\n")
+            done = self.cxlab("run", scenario, "--until", 1.5, "--out", "none")
+            self.assertNotRegex(done.stderr, r"\[(warn|error)\]")
+            x, y, far, apart = re.search(r"robot (\S+) (\S+), far (\S+) (\S+)", done.stderr).groups()
+            self.assertEqual((x, y, far), ("4.50", "0.50", apart))
 
     def test_a_canvas_beside_another_world_is_drawn(self):
         scenario = self.folder / "both.yaml"
