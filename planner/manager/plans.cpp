@@ -172,7 +172,7 @@ void PddlManager::finish(const Job& job) {
   sink_.write(bus_.stream_of(node_), bus_.now(), RecordKind::kDecision, data_);
   const std::string whose = "plan for '" + told.text("goal_instance") + "' of '" + told.text("pddl_instance") + "': ";
   if (found) log(cx::LogLevel::kInfo, whose + number_text(told.real("makespan")) + " s");
-  else log(cx::LogLevel::kWarn, whose + told.text("status") + ", " + told.text("reason"));
+  else log(told.text("status") == "CANCELED" ? cx::LogLevel::kInfo : cx::LogLevel::kWarn, whose + told.text("status") + ", " + told.text("reason"));
   bus_.publish(reports_, job.report);
   bus_.finish(dialects_[job.dialect].plan, job.goal, job.status, job.result);
 }

@@ -50,6 +50,24 @@ AGENT = """(deffacts wanted
 (defrule cancel-it-2 ?p <- (pddl-plan (id q) (state PLANNING)) => (modify ?p (state REQUEST-CANCELING)))
 (defrule look (time ?t&:(> ?t 15.0)) (not (looked)) => (assert (looked)) (facts))
 """
+# Requests that are right beside requests that are wrong.
+WRONG = """(deffacts wanted
+  (pddl-manager)
+  (pddl-instance (name blocks) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
+  (pddl-instance (name other) (domain "nowhere.pddl") (problem "problem.pddl") (directory "FOLDER"))
+  (pddl-fluent-change (instance blocks) (name holding) (params a))
+  (pddl-fluent-change (instance blocks) (name holdink) (params b))
+  (pddl-fluent-change (instance blocks) (name "holding") (params "c"))
+  (pddl-numeric-fluent-change (instance blocks) (name moves) (value 3))
+  (pddl-numeric-fluent-change (instance blocks) (name steps) (value 4))
+  (pddl-object-change (instance blocks) (name d) (type blok))
+  (pddl-set-goals (instance blocks) (goal none))
+  (pddl-goal-fluent (instance blocks) (goal none) (name holding) (params a))
+  (pddl-planning-filter (instance blocks) (goal base) (type ACTIONS) (filter fly))
+  (pddl-plan (instance blocks) (id x) (goal nowhere))
+  (pddl-action-names (instance blocks)))
+(defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
+"""
 
 
 class Blocksworld(unittest.TestCase):
@@ -88,18 +106,43 @@ class Blocksworld(unittest.TestCase):
         slow = self.cxlab("run", BLOCKS / "helpers.yaml", "--set", "planner.latency.a=5", "--out", self.out)
         self.assertRegex(slow.stderr, r"\[ +5\.[45]\d+\] \[info\] \[pddl_manager\] plan for 'tower'")
 
-    def test_the_helper_rules_answer_all_that_is_asked(self):
+    def facts_of(self, agent, *arguments, seconds=20):
+        """Log of a run of an agent with the helper rules."""
         package = Path(self.folder.name) / "agent"
-        (package / "params").mkdir(parents=True)
+        (package / "params").mkdir(parents=True, exist_ok=True)
         (package / "params/agent.yaml").write_text(CONFIG)
-        (package / "all.clp").write_text(AGENT.replace("FOLDER", str(BLOCKS / "pddl")))
-        done = subprocess.run([CXLAB, "env", package / "params/agent.yaml", "--with", "pddl_manager", "--package", f"agent={package}",
-                               "--param", "pddl_manager.planner={latency: {a: 1}}", "--until", "20", "--out", "none"], capture_output=True, text=True, timeout=60)
+        (package / "all.clp").write_text(agent.replace("FOLDER", str(BLOCKS / "pddl")))
+        done = subprocess.run([CXLAB, "env", package / "params/agent.yaml", "--package", f"agent={package}", "--until", str(seconds), "--out", "none",
+                               *(arguments or ["--with", "pddl_manager"])], capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stderr
+
+    def test_a_wrong_change_does_not_hold_up_the_others(self):
+        log = self.facts_of(WRONG, seconds=10)
+        for fact in [
+            "(pddl-fluent (instance blocks) (name holding) (params a))",
+            "(pddl-fluent (instance blocks) (name holding) (params c))",
+            '(name holdink) (params b) (delete FALSE) (state ERROR) (error "unknown fluent \'holdink\', did you mean \'holding\'?"))',
+            "(pddl-numeric-fluent (instance blocks) (name moves) (params) (value 3.0))",
+            "(name steps) (params) (value 4) (state ERROR)",
+            "(pddl-object-change (instance blocks) (name d) (type blok) (delete FALSE) (state ERROR)",
+            "(pddl-set-goals (instance blocks) (goal none) (state ERROR)",
+            "(pddl-planning-filter (instance blocks) (goal base) (type ACTIONS) (filter fly) (state ERROR)",
+            "(pddl-action-names (instance blocks) (action-names pick-up put-down stack unstack) (state DONE)",
+            '(pddl-instance (name other) (domain "nowhere.pddl")',
+            "(pddl-plan (instance blocks) (id x) (goal nowhere) (goal-ptr nil) (plan-type nil) (goal-handle nil) (output-dir \"\") (type TEMPORAL) (state FAILED))",
+        ]:
+            self.assertIn(fact, log)
+        self.assertIn("plan not found!", log)
+        self.assertIn("[error] [main] pddl-fluent-change: unknown fluent 'holdink', did you mean 'holding'?", log)
+
+    def test_the_helper_rules_answer_all_that_is_asked(self):
+        log = self.facts_of(AGENT, "--with", "pddl_manager", "--param", "pddl_manager.planner={latency: {a: 1}}")
+        self.assertNotRegex(log, r"\[(warn|error)\]")
         for fact in [
             "(pddl-action-names (instance blocks) (action-names pick-up put-down stack unstack) (state DONE)",
             "(pddl-predicate (instance blocks) (name on) (param-types block block) (param-names x y))",
-            "(pddl-type-objects (instance blocks) (type block) (objects a b c d))",
+            "(pddl-type-objects (instance blocks) (type block) (objects a b c))",  # questions go before changes
             "(pddl-fluent (instance blocks) (name ontable) (params d))",
             "(pddl-set-goals (instance blocks) (goal g) (state DONE)",
             '(pddl-action (instance blocks) (id 0) (name unstack) (params "c" "a") (plan p) (planned-start-time 0.0) (planned-duration 3.0))',
@@ -110,9 +153,9 @@ class Blocksworld(unittest.TestCase):
             "(pddl-numeric-fluent (instance blocks) (name moves) (params) (value 6.0))",
             "(id q) (goal g) (goal-ptr nil) (plan-type nil) (goal-handle nil) (output-dir \"\") (type TEMPORAL) (state CANCELED))",
         ]:
-            self.assertIn(fact, done.stderr)
+            self.assertIn(fact, log)
         for gone in ["(name clear) (params b)", "pddl-planning-filter", "pddl-object-change", "(name on) (params c a)"]:
-            self.assertNotIn(gone, done.stderr)
+            self.assertNotIn(gone, log)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,8 @@
 ; Rules that talk to the PDDL manager. Needs the templates of deftemplates.clp and the plugins cx::RosMsgsPlugin and
 ; cx::CXCxPddlInterfacesPlanTemporalPlugin. An instance is asked one thing at a time: its slot busy-with says which.
-; A request that finds no manager stays PENDING and is sent again at the next tick.
+; A request that finds no manager stays PENDING and is sent again at the next tick. Where several requests wait for an
+; instance, these numbers say which goes first, as in the CLIPS-Executive; agents count on it (objects before the fluents that
+; name them, goals before the plan). Questions go at once.
 
 (defglobal
   ?*PDDL-SALIENCE-INSTANCES* = -5100
@@ -15,8 +17,7 @@
   ?*PDDL-SALIENCE-OBJECT-FILTER* = -6100
   ?*PDDL-SALIENCE-SET-GOALS* = -6200
   ?*PDDL-SALIENCE-PLAN* = -6300
-  ?*PDDL-SALIENCE-CONDITIONS* = -6400
-  ?*PDDL-SALIENCE-GET-FLUENTS* = -6500)
+  ?*PDDL-SALIENCE-CONDITIONS* = -6400)
 
 ; --- Messages
 
@@ -59,6 +60,10 @@
 (deffunction pddl-error-of (?response)
   (if (ros-msgs-get-field ?response "success") then "" else (ros-msgs-get-field ?response "error")))
 
+(deffunction pddl-close (?ask ?error)
+  "A question or request is DONE, or ERROR."
+  (modify ?ask (state (if (eq ?error "") then DONE else ERROR)) (error ?error)))
+
 (deffunction pddl-answered (?instance ?message ?response ?meta)
   "The answer was taken: it goes, and the instance can be asked the next thing."
   (ros-msgs-destroy-message ?message)
@@ -67,7 +72,7 @@
 
 (deffunction pddl-apply-op (?op ?value ?new)
   "The value after an effect: = sets it, + and - change it."
-  (switch ?op
+  (switch (str-cat ?op)
     (case "+" then (+ ?value ?new))
     (case "-" then (- ?value ?new))
     (default ?new)))
@@ -149,7 +154,6 @@
   (pddl-answered ?instance ?message ?response ?meta))
 
 (defrule pddl-ask-fluents
-  (declare (salience ?*PDDL-SALIENCE-GET-FLUENTS*))
   (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-fluents (instance ?instance) (state PENDING))
@@ -169,11 +173,10 @@
     (foreach ?fluent (ros-msgs-get-field ?message "fluents")
       (assert (pddl-fluent (instance ?instance) (name (sym-cat (ros-msgs-get-field ?fluent "name")))
                            (params (pddl-symbols (ros-msgs-get-field ?fluent "args")))))))
-  (modify ?ask (state (if (eq ?error "") then DONE else ERROR)) (error ?error))
+  (pddl-close ?ask ?error)
   (pddl-answered ?instance ?message ?response ?meta))
 
 (defrule pddl-ask-numeric-fluents
-  (declare (salience ?*PDDL-SALIENCE-GET-FLUENTS*))
   (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-numeric-fluents (instance ?instance) (state PENDING))
@@ -193,11 +196,10 @@
       (assert (pddl-numeric-fluent (instance ?instance) (name (sym-cat (ros-msgs-get-field ?function "name")))
                                    (params (pddl-symbols (ros-msgs-get-field ?function "args")))
                                    (value (ros-msgs-get-field ?function "value"))))))
-  (modify ?ask (state (if (eq ?error "") then DONE else ERROR)) (error ?error))
+  (pddl-close ?ask ?error)
   (pddl-answered ?instance ?message ?response ?meta))
 
 (defrule pddl-ask-predicates
-  (declare (salience ?*PDDL-SALIENCE-GET-FLUENTS*))
   (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-predicates (instance ?instance) (state PENDING))
@@ -215,11 +217,10 @@
     (assert (pddl-predicate (instance ?instance) (name (sym-cat (ros-msgs-get-field ?predicate "name")))
                             (param-types (pddl-symbols (ros-msgs-get-field ?predicate "param_types")))
                             (param-names (pddl-symbols (ros-msgs-get-field ?predicate "param_names"))))))
-  (modify ?ask (state (if (eq ?error "") then DONE else ERROR)) (error ?error))
+  (pddl-close ?ask ?error)
   (pddl-answered ?instance ?message ?response ?meta))
 
 (defrule pddl-ask-type-objects
-  (declare (salience ?*PDDL-SALIENCE-GET-FLUENTS*))
   (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-type-objects (instance ?instance) (type ?type) (state PENDING))
@@ -238,43 +239,71 @@
   (if (eq ?error "") then
     (do-for-all-facts ((?f pddl-type-objects)) (and (eq ?f:instance ?instance) (eq ?f:type ?type)) (retract ?f))
     (assert (pddl-type-objects (instance ?instance) (type ?type) (objects (pddl-symbols (ros-msgs-get-field ?message "objects"))))))
-  (modify ?ask (state (if (eq ?error "") then DONE else ERROR)) (error ?error))
+  (pddl-close ?ask ?error)
   (pddl-answered ?instance ?message ?response ?meta))
 
-; --- Changes. All that are pending of one kind go in one request; deletes go first.
+; --- Changes. All that are pending of one kind go in one request; deletes go first. What the manager refuses is tried again
+; one at a time, so that a wrong change does not hold up the others.
+
+(deffunction pddl-change-messages (?type ?changes)
+  "A message for each change."
+  (bind ?messages (create$))
+  (foreach ?change ?changes
+    (bind ?message (pddl-message ?type (fact-slot-value ?change instance) (fact-slot-value ?change name) (fact-slot-value ?change params)))
+    (if (eq ?type Function) then (ros-msgs-set-field ?message "value" (float (fact-slot-value ?change value))))
+    (bind ?messages (create$ ?messages ?message)))
+  ?messages)
+
+(deffunction pddl-send-changes (?node ?service ?request ?field ?messages ?changes ?i ?busy $?meta)
+  "Sends the changes together."
+  (ros-msgs-set-field ?request ?field ?messages)
+  (foreach ?message ?messages (ros-msgs-destroy-message ?message))
+  (if (pddl-send ?node ?service ?request ?meta) then
+    (modify ?i (busy-with ?busy))
+    (foreach ?change ?changes (modify ?change (state WAITING)))))
+
+(deffunction pddl-refuse (?change ?error ?together)
+  "The manager did not take it; of several each is tried alone."
+  (if ?together then (modify ?change (state PENDING) (error ?error))
+   else
+    (printout error (fact-relation ?change) ": " ?error crlf)
+    (modify ?change (state ERROR) (error ?error))))
+
+(deffunction pddl-take-fluent (?instance ?name ?params ?delete)
+  "The fluent is known here, or gone."
+  (if (not ?delete) then (assert (pddl-fluent (instance ?instance) (name ?name) (params ?params)))
+   else (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?name) (eq ?f:params ?params)) (retract ?f))))
+
+(deffunction pddl-take-number (?instance ?name ?params ?value)
+  "The numeric fluent is known here with that value."
+  (do-for-fact ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?name) (eq ?f:params ?params))
+    (modify ?f (value ?value))
+    (return))
+  (assert (pddl-numeric-fluent (instance ?instance) (name ?name) (params ?params) (value ?value))))
 
 (defrule pddl-send-fluent-changes
   (declare (salience ?*PDDL-SALIENCE-FLUENTS*))
   (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
-  (pddl-fluent-change (instance ?instance) (delete ?delete) (state PENDING))
+  ?change <- (pddl-fluent-change (instance ?instance) (delete ?delete) (state PENDING) (error ?tried))
   (or (test (eq ?delete TRUE))
       (not (pddl-fluent-change (instance ?instance) (delete TRUE) (state PENDING))))
   =>
-  (bind ?fluents (create$))
-  (do-for-all-facts ((?c pddl-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:delete ?delete) (eq ?c:state PENDING))
-    (bind ?fluents (create$ ?fluents (pddl-message Fluent ?instance ?c:name ?c:params))))
-  (bind ?request (pddl-request (if ?delete then RemoveFluents else AddFluents) nil nil))
-  (ros-msgs-set-field ?request "fluents" ?fluents)
-  (foreach ?fluent ?fluents (ros-msgs-destroy-message ?fluent))
-  (if (pddl-send ?node (if ?delete then "rm_fluents" else "add_fluents") ?request fluent-changes ?instance) then
-    (modify ?i (busy-with FLUENTS))
-    (do-for-all-facts ((?c pddl-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:delete ?delete) (eq ?c:state PENDING))
-      (modify ?c (state WAITING)))))
+  (bind ?changes (if (neq ?tried "") then (create$ ?change) else
+    (find-all-facts ((?c pddl-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:delete ?delete) (eq ?c:state PENDING) (eq ?c:error "")))))
+  (pddl-send-changes ?node (if ?delete then "rm_fluents" else "add_fluents") (pddl-request (if ?delete then RemoveFluents else AddFluents) nil nil)
+                     "fluents" (pddl-change-messages Fluent ?changes) ?changes ?i FLUENTS fluent-changes ?instance))
 
 (defrule pddl-fluents-changed
   ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta fluent-changes ?instance))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
-  (if (neq ?error "") then (printout error "pddl-fluent-change: " ?error crlf))
+  (bind ?changes (find-all-facts ((?c pddl-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state WAITING))))
   (do-for-all-facts ((?c pddl-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state WAITING))
-    (if (neq ?error "") then (modify ?c (state ERROR) (error ?error)) else
-      (bind ?name (sym-cat ?c:name))
-      (bind ?params (pddl-symbols ?c:params))
-      (if ?c:delete
-        then (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?name) (eq ?f:params ?params)) (retract ?f))
-        else (assert (pddl-fluent (instance ?instance) (name ?name) (params ?params))))
+    (if (neq ?error "") then (pddl-refuse ?c ?error (> (length$ ?changes) 1))
+     else
+      (pddl-take-fluent ?instance (sym-cat ?c:name) (pddl-symbols ?c:params) ?c:delete)
       (retract ?c)))
   (pddl-answered ?instance ?message ?response ?meta))
 
@@ -282,33 +311,23 @@
   (declare (salience ?*PDDL-SALIENCE-FLUENTS*))
   (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
-  (pddl-numeric-fluent-change (instance ?instance) (state PENDING))
+  ?change <- (pddl-numeric-fluent-change (instance ?instance) (state PENDING) (error ?tried))
   =>
-  (bind ?functions (create$))
-  (do-for-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state PENDING))
-    (bind ?function (pddl-message Function ?instance ?c:name ?c:params))
-    (ros-msgs-set-field ?function "value" (float ?c:value))
-    (bind ?functions (create$ ?functions ?function)))
-  (bind ?request (pddl-request SetFunctions nil nil))
-  (ros-msgs-set-field ?request "functions" ?functions)
-  (foreach ?function ?functions (ros-msgs-destroy-message ?function))
-  (if (pddl-send ?node "set_functions" ?request numeric-changes ?instance) then
-    (modify ?i (busy-with NUMERIC-FLUENTS))
-    (do-for-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state PENDING))
-      (modify ?c (state WAITING)))))
+  (bind ?changes (if (neq ?tried "") then (create$ ?change) else
+    (find-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state PENDING) (eq ?c:error "")))))
+  (pddl-send-changes ?node "set_functions" (pddl-request SetFunctions nil nil) "functions" (pddl-change-messages Function ?changes) ?changes
+                     ?i NUMERIC-FLUENTS numeric-changes ?instance))
 
 (defrule pddl-numbers-changed
   ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta numeric-changes ?instance))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
-  (if (neq ?error "") then (printout error "pddl-numeric-fluent-change: " ?error crlf))
+  (bind ?changes (find-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state WAITING))))
   (do-for-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state WAITING))
-    (if (neq ?error "") then (modify ?c (state ERROR) (error ?error)) else
-      (bind ?name (sym-cat ?c:name))
-      (bind ?params (pddl-symbols ?c:params))
-      (do-for-all-facts ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?name) (eq ?f:params ?params)) (retract ?f))
-      (assert (pddl-numeric-fluent (instance ?instance) (name ?name) (params ?params) (value (float ?c:value))))
+    (if (neq ?error "") then (pddl-refuse ?c ?error (> (length$ ?changes) 1))
+     else
+      (pddl-take-number ?instance (sym-cat ?c:name) (pddl-symbols ?c:params) (float ?c:value))
       (retract ?c)))
   (pddl-answered ?instance ?message ?response ?meta))
 
@@ -386,15 +405,9 @@
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
-  (bind ?state (if (eq ?error "") then DONE else ERROR))
   (if (neq ?error "") then (printout error "pddl-" ?what ": " ?error crlf))
-  (switch ?what
-    (case clear-goals then
-      (do-for-fact ((?a pddl-clear-goals)) (and (eq ?a:instance ?instance) (eq ?a:state WAITING)) (modify ?a (state ?state) (error ?error))))
-    (case create-goal-instance then
-      (do-for-fact ((?a pddl-create-goal-instance)) (and (eq ?a:instance ?instance) (eq ?a:state WAITING)) (modify ?a (state ?state) (error ?error))))
-    (case set-goals then
-      (do-for-fact ((?a pddl-set-goals)) (and (eq ?a:instance ?instance) (eq ?a:state WAITING)) (modify ?a (state ?state) (error ?error)))))
+  (do-for-fact ((?ask pddl-clear-goals pddl-create-goal-instance pddl-set-goals)) (and (eq ?ask:instance ?instance) (eq ?ask:state WAITING))
+    (pddl-close ?ask ?error))
   (pddl-answered ?instance ?message ?response ?meta))
 
 (deffunction pddl-send-filter (?node ?i ?filter ?instance ?goal ?names ?service ?type ?field ?busy)
@@ -433,7 +446,7 @@
   ?filter <- (pddl-planning-filter (instance ?instance) (state WAITING))
   =>
   (bind ?error (pddl-error-of ?message))
-  (if (eq ?error "") then (printout green "TRUE" crlf) (retract ?filter)
+  (if (eq ?error "") then (printout green TRUE " " ?error crlf) (retract ?filter)
    else (printout error "pddl-planning-filter: " ?error crlf) (modify ?filter (state ERROR) (error ?error)))
   (pddl-answered ?instance ?message ?response ?meta))
 
@@ -484,24 +497,30 @@
   (do-for-all-facts ((?e cx-pddl-interfaces-plan-temporal-cancel-goal-entry)) TRUE (retract ?e))
   (retract ?response))
 
+(deffunction pddl-take-steps (?result ?plan ?instance)
+  "The plan's steps become facts; they count from 0."
+  (bind ?number 0)
+  (foreach ?action (cx-pddl-interfaces-plan-temporal-result-get-field ?result "actions")
+    (assert (pddl-action (instance ?instance) (plan ?plan) (id ?number)
+                         (name (sym-cat (ros-msgs-get-field ?action "name"))) (params (ros-msgs-get-field ?action "args"))
+                         (planned-start-time (ros-msgs-get-field ?action "start_time"))
+                         (planned-duration (ros-msgs-get-field ?action "duration"))))
+    (bind ?number (+ ?number 1))))
+
+(deffunction pddl-end-of-plan (?code ?result)
+  "What became of a plan."
+  (if (eq ?code CANCELED) then (return CANCELED))
+  (if (and (eq ?code SUCCEEDED) (cx-pddl-interfaces-plan-temporal-result-get-field ?result "success")) then SUCCESS else FAILED))
+
 (defrule pddl-plan-ended
-  "The plan's steps become facts."
   ?end <- (cx-pddl-interfaces-plan-temporal-wrapped-result (goal-id ?uuid) (code ?code) (result-ptr ?result))
   ?plan <- (pddl-plan (id ?id) (instance ?instance) (goal-ptr ?goal) (goal-handle ?handle&~nil) (state PLANNING|REQUEST-CANCELING|CANCELING))
   (test (eq ?uuid (cx-pddl-interfaces-plan-temporal-client-goal-handle-get-goal-id ?handle)))
   =>
-  (bind ?state FAILED)
-  (if (eq ?code CANCELED) then (bind ?state CANCELED))
-  (if (and (eq ?code SUCCEEDED) (cx-pddl-interfaces-plan-temporal-result-get-field ?result "success")) then
-    (bind ?state SUCCESS)
-    (bind ?number 0)
-    (foreach ?action (cx-pddl-interfaces-plan-temporal-result-get-field ?result "actions")
-      (assert (pddl-action (instance ?instance) (plan ?id) (id ?number)
-                           (name (sym-cat (ros-msgs-get-field ?action "name"))) (params (ros-msgs-get-field ?action "args"))
-                           (planned-start-time (ros-msgs-get-field ?action "start_time"))
-                           (planned-duration (ros-msgs-get-field ?action "duration"))))
-      (bind ?number (+ ?number 1))))
-  (if (eq ?state FAILED) then (printout red "plan not found!" crlf))
+  (bind ?state (pddl-end-of-plan ?code ?result))
+  (switch ?state
+    (case SUCCESS then (pddl-take-steps ?result ?id ?instance))
+    (case FAILED then (printout red "plan not found!" crlf)))
   (modify ?plan (state ?state) (goal-ptr nil) (goal-handle nil))
   (cx-pddl-interfaces-plan-temporal-goal-destroy ?goal)
   (cx-pddl-interfaces-plan-temporal-client-goal-handle-destroy ?handle)
@@ -554,24 +573,30 @@
   (if (pddl-send ?node "get_action_effects" ?request effects ?instance)
    then (modify ?i (busy-with ACTION-EFFECTS)) (modify ?ask (instance ?instance) (state (if (eq ?state PENDING) then WAITING else WAITING-END)))))
 
+(deffunction pddl-take-fluent-effect (?instance ?action ?fluent ?value ?apply ?point)
+  "A change to make, or a fact to look at where the fluent becomes true."
+  (bind ?name (sym-cat (ros-msgs-get-field ?fluent "name")))
+  (bind ?params (pddl-symbols (ros-msgs-get-field ?fluent "args")))
+  (if ?apply then (assert (pddl-fluent-change (instance ?instance) (name ?name) (params ?params) (delete (not ?value))))
+   else (if ?value then (assert (pddl-effect-fluent (instance ?instance) (action ?action) (name ?name) (params ?params) (effect-type ?point))))))
+
+(deffunction pddl-take-number-effect (?instance ?action ?function ?op ?new ?apply ?point)
+  "A change to make, or a fact to look at; with the value afterwards."
+  (bind ?name (sym-cat (ros-msgs-get-field ?function "name")))
+  (bind ?params (pddl-symbols (ros-msgs-get-field ?function "args")))
+  (bind ?value (pddl-apply-op ?op (pddl-value-of ?instance ?name ?params) ?new))
+  (if ?apply then (assert (pddl-numeric-fluent-change (instance ?instance) (name ?name) (params ?params) (value ?value)))
+   else (assert (pddl-effect-numeric-fluent (instance ?instance) (action ?action) (name ?name) (params ?params) (value ?value) (effect-type ?point)))))
+
 (deffunction pddl-take-effects (?message ?instance ?action ?apply ?point)
-  "Effects of one time point become changes to make, or facts to look at."
+  "The effects of one time point."
   (foreach ?effect (ros-msgs-get-field ?message "fluent_effects")
     (if (eq (ros-msgs-get-field ?effect "time_point") (str-cat ?point)) then
-      (bind ?fluent (ros-msgs-get-field ?effect "fluent"))
-      (bind ?name (sym-cat (ros-msgs-get-field ?fluent "name")))
-      (bind ?params (pddl-symbols (ros-msgs-get-field ?fluent "args")))
-      (bind ?value (ros-msgs-get-field ?effect "value"))
-      (if ?apply then (assert (pddl-fluent-change (instance ?instance) (name ?name) (params ?params) (delete (not ?value))))
-       else (if ?value then (assert (pddl-effect-fluent (instance ?instance) (action ?action) (name ?name) (params ?params) (effect-type ?point)))))))
+      (pddl-take-fluent-effect ?instance ?action (ros-msgs-get-field ?effect "fluent") (ros-msgs-get-field ?effect "value") ?apply ?point)))
   (foreach ?effect (ros-msgs-get-field ?message "function_effects")
     (if (eq (ros-msgs-get-field ?effect "time_point") (str-cat ?point)) then
-      (bind ?function (ros-msgs-get-field ?effect "function"))
-      (bind ?name (sym-cat (ros-msgs-get-field ?function "name")))
-      (bind ?params (pddl-symbols (ros-msgs-get-field ?function "args")))
-      (bind ?value (pddl-apply-op (ros-msgs-get-field ?effect "operator_type") (pddl-value-of ?instance ?name ?params) (ros-msgs-get-field ?effect "value")))
-      (if ?apply then (assert (pddl-numeric-fluent-change (instance ?instance) (name ?name) (params ?params) (value ?value)))
-       else (assert (pddl-effect-numeric-fluent (instance ?instance) (action ?action) (name ?name) (params ?params) (value ?value) (effect-type ?point)))))))
+      (pddl-take-number-effect ?instance ?action (ros-msgs-get-field ?effect "function") (ros-msgs-get-field ?effect "operator_type")
+                               (ros-msgs-get-field ?effect "value") ?apply ?point))))
 
 (defrule pddl-effects-told
   ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta effects ?instance))
