@@ -215,6 +215,28 @@ TEST_F(ActionBindings, UnknownServerHandlesAreToldAndTheRuleGoesOn) {
   }
 }
 
+TEST_F(ActionBindings, UnloadingAServerWhileAGoalRunsLeavesItsRulesAnError) {
+  run(kServer, false);
+  send();
+  ASSERT_THAT(lab_.log.with("said begun"), SizeIs(1));
+  lab_.log.lines.clear();
+  ASSERT_TRUE(lab_.manager->unload_plugin("server", "fib").ok());
+  EXPECT_THAT(lab_.log.with("warn fib: "), ElementsAre(HasSubstr("has open /fib action servers"), HasSubstr("Found 1 server goal handle(s)"),
+                                                       HasSubstr("-server cant be undefined"), HasSubstr("-accepted-goal cant be undefined")))
+      << "a fact and a rule use these";
+  put("server", "(finish succeed)");
+  put("client", "(cancel)");
+  lab_.ticks(15);
+  EXPECT_THAT(lab_.log.with("belongs to unloaded plugin fib"), testing::Not(IsEmpty()));
+  EXPECT_THAT(said(), IsEmpty()) << "no answer, no result: nobody serves";
+
+  ASSERT_TRUE(lab_.manager->load_plugin("server", "fib").ok());
+  ASSERT_TRUE(lab_.engine("server").eval("(do-for-all-facts ((?f handle finish)) TRUE (retract ?f))").ok());
+  ASSERT_TRUE(lab_.engine("server").eval("(example-interfaces-fibonacci-create-server \"/fib\")").ok());
+  send("(send 4)");
+  EXPECT_THAT(lab_.log.with("said begun 4"), SizeIs(1)) << "the old rules serve again";
+}
+
 TEST_F(ActionBindings, WhatIsLeftIsTold) {
   run(kServer);
   send();

@@ -136,6 +136,27 @@ TEST_F(ActionClients, GoalHandlesThatAreLeftAreTold) {
                                                   "warn ros_msgs: Found 1 client goal handle(s), cleaning up ..."));
 }
 
+TEST_F(ActionClients, UnloadingWhileAGoalRunsDropsWhatWouldCome) {
+  serve();
+  put("(send 3)");
+  run();
+  run();
+  ASSERT_THAT(lab_.log.with("answered EXECUTING"), SizeIs(1));
+  lab_.bus.publish_feedback(server_, goal_, sequence(*type_->feedback, {0, 1}));
+  ASSERT_TRUE(lab_.manager->unload_plugin("main", "ros_msgs").ok());
+  lab_.bus.finish(server_, goal_, bus::GoalStatus::kSucceeded, sequence(*type_->result, {0, 1, 1}));
+  run();
+  EXPECT_THAT(lab_.facts("ros-msgs-feedback"), IsEmpty());
+  EXPECT_THAT(lab_.facts("ros-msgs-wrapped-result"), IsEmpty());
+  EXPECT_THAT(lab_.facts("ros-msgs-goal-response"), SizeIs(1)) << "facts that are there stay, and so do their templates";
+  ASSERT_TRUE(lab_.manager->load_plugin("main", "ros_msgs").ok());
+  put("(cancel)");
+  Status s;
+  for (int i = 0; i < 6 && s.ok(); ++i) s = lab_.tick();
+  ASSERT_FALSE(s.ok());
+  EXPECT_THAT(s.error().message, HasSubstr("unknown client goal handle")) << "it went with the plugin";
+}
+
 TEST_F(ActionClients, AUuidHasSixteenBytes) {
   auto hex = lab_.engine().eval("(ros-msgs-goal-uuid-to-string (create$ 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 255))");
   ASSERT_TRUE(hex.ok());

@@ -221,6 +221,9 @@ TEST_F(RosMsgs, WhatCxLeavesUndefinedIsAnErrorHere) {
               HasSubstr("topic t has std_msgs/msg/String"));
   EXPECT_THAT(fail("(ros-msgs-create-subscription \"t\" \"std_msgs/msg/Int32\")"), HasSubstr("std_msgs/msg/String"));
   EXPECT_THAT(fail("(ros-msgs-async-send-request (ros-msgs-create-request \"std_srvs/srv/Empty\") \"none\")"), HasSubstr("no client for service none"));
+  const std::string gone = "(bind ?m (ros-msgs-create-message \"std_msgs/msg/Empty\")) (ros-msgs-destroy-message ?m) ";
+  EXPECT_THAT(fail(gone + "(ros-msgs-async-send-request ?m \"none\")"), HasSubstr("Failed to send request: invalid message pointer"));
+  EXPECT_THAT(fail(gone + "(ros-msgs-async-send-goal ?m \"none\")"), HasSubstr("Failed to send goal: invalid message pointer"));
   EXPECT_THAT(fail("(ros-msgs-async-send-goal (ros-msgs-create-goal-request \"example_interfaces/action/Fibonacci\") \"none\")"),
               HasSubstr("no action client for server none"));
 }
