@@ -323,25 +323,21 @@ void offer_durations(GroundTask& task) {
   const auto mentions = [](const GroundExpression& expression) {
     return std::ranges::any_of(expression.steps, [](const auto& step) { return step.kind == GroundExpression::Kind::kDuration; });
   };
-  for (std::size_t a = 0, actions = task.actions.size(); a < actions; ++a) {
-    const GroundAction& action = task.actions[a];
+  std::vector<GroundAction> offered;
+  for (const GroundAction& action : task.actions) {
     bool depends = !action.continuous.empty();
     for (const auto* effects : {&action.at_start, &action.at_end})
       for (const NumericEffect& effect : effects->numbers) depends = depends || mentions(effect.value);
     for (const auto* condition : {&action.start, &action.over_all, &action.end})
       for (const int c : condition->comparisons) depends = depends || mentions(task.comparisons[c].expression);
-    if (!action.durative || !depends || std::ranges::any_of(action.duration, [](const auto& d) { return d.comparison == Comparison::kEqual; })) continue;
-    for (const double stretch : {0.125, 0.25, 0.5, 1.0}) {
-      GroundAction longer = task.actions[a];
-      longer.stretch = stretch;
-      task.actions.push_back(std::move(longer));
-    }
-    for (const int aim : aims(task, task.actions[a])) {
-      GroundAction aimed = task.actions[a];
-      aimed.aim = aim;
-      task.actions.push_back(std::move(aimed));
-    }
+    const bool chosen = action.durative && depends && std::ranges::none_of(action.duration, [](const auto& d) { return d.comparison == Comparison::kEqual; });
+    if (chosen)
+      for (const int aim : aims(task, action)) offered.push_back(action), offered.back().aim = aim;
+    offered.push_back(action);
+    if (chosen)
+      for (const double stretch : {0.125, 0.25, 0.5, 1.0}) offered.push_back(action), offered.back().stretch = stretch;
   }
+  task.actions = std::move(offered);
 }
 
 void drop_facts(GroundTask& task) {
