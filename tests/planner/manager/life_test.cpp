@@ -1,0 +1,194 @@
+#include "fixture.h"
+
+namespace cxlab::planner {
+namespace {
+
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr const char* kReport = "cxlab_pddl_interfaces/msg/PlanReport";
+constexpr const char* kHold = "{goal_instance: base, fluents: [{pddl_instance: bw, name: holding, args: [c]}]}";
+
+TEST_F(ManagerTest, ManagersInNamespacesKnowNothingOfEachOther) {
+  PddlManagerOptions options;
+  options.bond_period = 0.5;
+  options.name_space = "/cyan";
+  auto cyan = PddlManager::create(options, bus_, sink_);
+  options.name_space = "/magenta";
+  auto magenta = PddlManager::create(options, bus_, sink_);
+  ASSERT_TRUE(cyan.ok() && magenta.ok());
+  const auto beats = listen("/bond", "bond/msg/Status");
+  const auto cyan_updates = listen("/cyan/pddl_manager/instance_update", "std_msgs/msg/String");
+  const auto magenta_updates = listen("/magenta/pddl_manager/instance_update", "std_msgs/msg/String");
+  const auto ask_one = [&](const std::string& name, const std::string& type, const std::string& request) {
+    const bus::ServiceType& service = **registry_.service("cx_pddl_interfaces/srv/" + type);
+    bus::Message answer(*service.response);
+    auto made = bus_.create_client(client_, name, service, [&](const bus::Delivery& d) { answer = *d.message; });
+    EXPECT_TRUE(made.ok());
+    bus_.call(*made, std::make_shared<bus::Message>(*bus::Message::from_yaml(*service.request, request)));
+    for (int i = 0; i < 2; ++i) {
+      now_ += SimTime{500'000'000};
+      bus_.begin_tick(now_);
+      EXPECT_TRUE((*cyan)->answer_due(now_).ok() && (*magenta)->answer_due(now_).ok());
+      bus_.deliver(client_);
+      EXPECT_TRUE((*cyan)->act().ok() && (*magenta)->act().ok());
+    }
+    return std::pair(answer->integer("success") != 0, answer->text("error"));
+  };
+  const std::string load = "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}";
+  EXPECT_TRUE(ask_one("/cyan/pddl_manager/add_pddl_instance", "AddPddlInstance", load).first);
+  EXPECT_TRUE(ask_one("/cyan/pddl_manager/add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [a]}]}").first);
+  EXPECT_EQ(ask_one("/magenta/pddl_manager/get_fluents", "GetFluents", "{pddl_instance: bw}"), std::pair(false, std::string("unknown pddl instance 'bw'")));
+  EXPECT_THAT(*cyan_updates, ElementsAre(HasSubstr("bw")));
+  EXPECT_THAT(*magenta_updates, IsEmpty());
+  EXPECT_THAT(*beats, ::testing::Contains(HasSubstr("/cyan/pddl_manager")));
+  EXPECT_THAT(*beats, ::testing::Contains(HasSubstr("/magenta/pddl_manager")));
+}
+
+TEST_F(ManagerTest, EveryChangeIsToldOnceAndNothingElseIs) {
+  start();
+  load_blocks();
+  const auto heard = listen("/pddl_manager/instance_update", "std_msgs/msg/String");
+  const auto told = [&] {
+    const std::size_t count = heard->size();
+    EXPECT_THAT(*heard, Each(HasSubstr("data: \"bw\"")));
+    heard->clear();
+    return count;
+  };
+  tell("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: d, type: block}, {pddl_instance: bw, name: e, type: block}]}");
+  EXPECT_EQ(told(), 1u);
+  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [d]}, {pddl_instance: bw, name: clear, args: [e]}]}");
+  EXPECT_EQ(told(), 1u);
+  tell("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [e]}]}");
+  EXPECT_EQ(told(), 1u);
+  tell("set_functions", "SetFunctions", "{functions: [{pddl_instance: bw, name: moves, value: 2}]}");
+  EXPECT_EQ(told(), 1u);
+  tell("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: d, type: block}]}");
+  EXPECT_EQ(told(), 1u);
+  (void)error_of("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [nobody]}]}");
+  (void)error_of("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: d, type: nothing}]}");
+  (void)fluents("bw");
+  (void)check("{pddl_instance: bw, name: pick-up, args: [a]}");
+  (void)effects("{pddl_instance: bw, name: pick-up, args: [a]}");
+  tell("set_goals", "SetGoals", kHold);
+  EXPECT_EQ(told(), 0u);
+}
+
+TEST_F(ManagerTest, StepsThatBeginTogetherAreOneClass) {
+  start();
+  load_text(R"((define (domain d) (:requirements :durative-actions) (:predicates (a) (b) (c) (p ?x) (free))
+    (:durative-action left :parameters () :duration (= ?duration 3) :condition (at start (a)) :effect (at end (b)))
+    (:durative-action right :parameters () :duration (= ?duration 5) :condition (at start (a)) :effect (at end (c)))
+    (:durative-action both :parameters () :duration (= ?duration 1) :condition (and (at start (b)) (at start (c))) :effect (at end (free)))))",
+            "(define (problem p) (:domain d) (:init (a)) (:goal (and)))");
+  tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: x, name: free}]}");
+  const auto answer = plan("{pddl_instance: x, goal_instance: base}");
+  ticks(50);
+  ASSERT_EQ(answer->actions.size(), 3u);
+  EXPECT_THAT(std::vector(answer->actions.begin(), answer->actions.begin() + 2), Each(HasSubstr("@0.00+")));
+  EXPECT_THAT(std::vector(answer->actions.begin(), answer->actions.begin() + 2), Each(HasSubstr("class 0")));
+  EXPECT_THAT(answer->actions[2], HasSubstr("both() @5.00+1 class 1"));
+}
+
+TEST_F(ManagerTest, NumbersAreWantedEvenIfTheyAreZero) {
+  start();
+  load_text(R"((define (domain d) (:requirements :numeric-fluents) (:functions (n)) (:predicates (ready))
+    (:action less :precondition (> (n) 0) :effect (decrease (n) 1))))",
+            "(define (problem p) (:domain d) (:init (= (n) 2)) (:goal (and)))");
+  tell("set_goals", "SetGoals", "{goal_instance: base, functions: [{pddl_instance: x, name: n, value: 0}]}");
+  const auto answer = plan("{pddl_instance: x, goal_instance: base}");
+  ticks(50);
+  EXPECT_EQ(answer->actions.size(), 2u);
+}
+
+TEST_F(ManagerTest, GoalsAreAddedUntilTheyAreCleared) {
+  PddlManagerOptions options;
+  options.cost.charge = false;
+  start(std::move(options));
+  load_blocks();
+  const auto steps = [&] {
+    const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
+    ticks(3);
+    return answer->success ? answer->actions.size() : 99;
+  };
+  EXPECT_EQ(steps(), 0u) << "the goals of the problem are dropped, and base is there";
+  tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: ontable, args: [c]}]}");
+  EXPECT_EQ(steps(), 2u);
+  tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, a]}]}");
+  EXPECT_EQ(steps(), 4u);
+  tell("clear_goals", "ClearGoals", "{pddl_instance: bw, goal_instance: base}");
+  EXPECT_EQ(steps(), 0u);
+}
+
+TEST_F(ManagerTest, AFilterReplacesTheOneBeforeAndAnErrorLeavesItAlone) {
+  PddlManagerOptions options;
+  options.cost.charge = false;
+  start(std::move(options));
+  load_blocks();
+  tell("set_goals", "SetGoals", kHold);
+  const auto planned = [&] {
+    const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
+    ticks(3);
+    return answer->success;
+  };
+  tell("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [STACK]}");
+  EXPECT_FALSE(planned());
+  EXPECT_EQ(error_of("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [unstak]}"), "unknown action 'unstak', did you mean 'unstack'?");
+  EXPECT_FALSE(planned());
+  tell("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [unstack]}");
+  EXPECT_TRUE(planned());
+  tell("set_object_filter", "SetObjectFilter", "{pddl_instance: bw, goal_instance: base, objects: [a, b]}");
+  EXPECT_FALSE(planned()) << "the goal names c";
+  tell("create_goal_instance", "CreateGoalInstance", "{pddl_instance: bw, goal_instance: base}");
+  tell("set_goals", "SetGoals", kHold);
+  EXPECT_TRUE(planned()) << "a goal that is made anew has no filters";
+}
+
+TEST_F(ManagerTest, WhatWasUnderWayEndsWithTheNodeThatIsDeactivated) {
+  PddlManagerOptions options;
+  options.cost.latency_a = 1;
+  start(std::move(options));
+  load_blocks();
+  tell("set_goals", "SetGoals", kHold);
+  const auto reports = listen("/pddl_manager/plan_report", kReport);
+  const auto change = [&](const std::string& label) {
+    return ask("change_state", "ChangeState", "{transition: {label: " + label + "}}", "lifecycle_msgs")->integer("success") != 0;
+  };
+  const auto under_way = plan("{pddl_instance: bw, goal_instance: base}");
+  ticks(5);
+  EXPECT_TRUE(change("deactivate"));
+  EXPECT_EQ(under_way->status, bus::GoalStatus::kAborted);
+  EXPECT_THAT(*reports, ElementsAre(HasSubstr("the node was deactivated")));
+  EXPECT_FALSE(fluents("bw").empty()) << "questions are still answered";
+
+  const auto refused = plan("{pddl_instance: bw, goal_instance: base}");
+  ticks(100);
+  EXPECT_LT(refused->time, 0) << "no plan is made while it is not active";
+  EXPECT_TRUE(change("activate"));
+  const auto again = plan("{pddl_instance: bw, goal_instance: base}");
+  ticks(100);
+  EXPECT_TRUE(again->success);
+
+  EXPECT_TRUE(change("deactivate"));
+  EXPECT_TRUE(change("cleanup"));
+  EXPECT_TRUE(change("configure"));
+  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: bw}"), "unknown pddl instance 'bw'");
+}
+
+TEST_F(ManagerTest, AnInstanceThatIsLoadedAgainIsNew) {
+  start();
+  load_blocks();
+  tell("set_goals", "SetGoals", kHold);
+  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [a]}]}");
+  load_blocks();
+  EXPECT_THAT(fluents("bw"), ElementsAre("on(c a)", "ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()"));
+  const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
+  ticks(100);
+  EXPECT_TRUE(answer->success);
+  EXPECT_THAT(answer->actions, IsEmpty());
+}
+
+}  // namespace
+}  // namespace cxlab::planner
