@@ -1,14 +1,16 @@
 """The PDDL manager beside the Unified Planning Framework: check a step's condition at the start, take its effects, apply
-them, on blocks that go round in towers.
+them, on blocks that go round in towers. Both carry out the same steps and must end in the same state. Then what a question
+costs that a rule asks: check_action_condition from CLIPS over the bus to the manager and back into a rule.
 
     python3 benchmarks/planner/manager.py BUILD_FOLDER [--blocks 20]
 
-Needs unified-planning (pip install unified-planning). Both carry out the same steps and must end in the same state.
+Needs unified-planning for the first part (pip install unified-planning).
 """
 
 import argparse
 import json
 import pathlib
+import resource
 import subprocess
 import tempfile
 import time
@@ -68,6 +70,61 @@ def with_upf(domain, problem, steps, keep_problem):
     return 1e6 * seconds / len(steps), sum(state.get_value(fluent).is_true() for fluent in model.initial_values)
 
 
+CONFIG = """clips_manager:
+  ros__parameters:
+    environments: ["main"]
+    main: {plugins: ["executive", "ros_msgs", "files"]}
+    executive: {plugin: "cx::ExecutivePlugin", refresh_rate: 50}
+    ros_msgs: {plugin: "cx::RosMsgsPlugin"}
+    files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["asker"], load: ["ask.clp"]}
+"""
+AGENT = """(defglobal ?*answers* = 0)
+(defrule connect =>
+  (ros-msgs-create-client "/pddl_manager/add_pddl_instance" "cx_pddl_interfaces/srv/AddPddlInstance")
+  (ros-msgs-create-client "/pddl_manager/check_action_condition" "cx_pddl_interfaces/srv/CheckActionCondition")
+  (bind ?request (ros-msgs-create-request "cx_pddl_interfaces/srv/AddPddlInstance"))
+  (ros-msgs-set-field ?request "name" "bw")
+  (ros-msgs-set-field ?request "directory" "FOLDER")
+  (ros-msgs-set-field ?request "domain_file" "domain.pddl")
+  (ros-msgs-set-field ?request "problem_file" "problem.pddl")
+  (ros-msgs-async-send-request ?request "/pddl_manager/add_pddl_instance")
+  (ros-msgs-destroy-message ?request))
+(defrule ask "EACH questions a tick."
+  (time ?t&:(> ?t 1.0))
+  =>
+  (loop-for-count EACH
+    (bind ?action (ros-msgs-create-message "cx_pddl_interfaces/msg/Action"))
+    (ros-msgs-set-field ?action "pddl_instance" "bw")
+    (ros-msgs-set-field ?action "name" "pick-up")
+    (ros-msgs-set-field ?action "args" (create$ "b1"))
+    (bind ?request (ros-msgs-create-request "cx_pddl_interfaces/srv/CheckActionCondition"))
+    (ros-msgs-set-field ?request "action" ?action)
+    (ros-msgs-async-send-request ?request "/pddl_manager/check_action_condition")
+    (ros-msgs-destroy-message ?request)
+    (ros-msgs-destroy-message ?action)))
+(defrule answered
+  ?response <- (ros-msgs-response (service "/pddl_manager/check_action_condition") (msg-ptr ?message))
+  =>
+  (if (ros-msgs-get-field ?message "sat") then (bind ?*answers* (+ ?*answers* 1)))
+  (ros-msgs-destroy-message ?message)
+  (retract ?response))
+(defrule count (time ?t&:(> ?t 60.0)) (not (counted)) => (assert (counted)) (println "answers " ?*answers*))
+"""
+
+
+def through_the_bus(cxlab, folder, each):
+    """CPU seconds of a minute of an agent that asks `each` questions a tick, and how many were answered with yes."""
+    folder = pathlib.Path(folder)
+    (folder / "ask.clp").write_text(AGENT.replace("FOLDER", str(folder)).replace("EACH", str(each)))
+    (folder / "config.yaml").write_text(CONFIG)
+    (folder / "domain.pddl").write_text(DOMAIN.read_text())
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run([cxlab, "env", folder / "config.yaml", "--with", "pddl_manager", "--package", f"asker={folder}", "--until", "61", "--out", "none"],
+                          check=True, capture_output=True, text=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, int(done.stderr.split("answers ")[1].split()[0])
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("build", type=pathlib.Path)
@@ -80,9 +137,11 @@ def main():
         steps.write_text("\n".join(lines) + "\n")
         program = options.build / "benchmarks/bench_pddl_manager"
         ours = json.loads(subprocess.run([program, DOMAIN, problem, steps, "200"], check=True, capture_output=True, text=True).stdout)
+        (none, _), (some, answers) = (through_the_bus(options.build / "cxlab", folder, each) for each in (0, 20))
         theirs = {way: with_upf(DOMAIN, problem, lines, way == "a problem kept") for way in ("a chain of states", "a problem kept")}
     print(f"{len(lines)} steps, {ours['facts']} facts afterwards; CPU time a step")
     print(f"cxlab                                          {ours['us_per_step']:9.2f} us")
+    print(f"the check alone, asked by a rule over the bus  {1e6 * (some - none) / answers:9.2f} us   ({answers} questions)")
     for way, (microseconds, facts) in theirs.items():
         assert facts == ours["facts"], (way, facts, ours["facts"])
         print(f"Unified Planning Framework, {way:17}  {microseconds:9.2f} us   {microseconds / ours['us_per_step']:7.0f} x")
