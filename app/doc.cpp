@@ -66,6 +66,13 @@ int doc(const Options& options) {
     if (!made) return fail(made.error());
     shown.push_back(std::move(made->back()));
   }
+  if (shown.empty() && !is_class)
+    if (const auto classes = binding_classes_of(options.name); !classes.empty()) {
+      auto made = read_reference(classes);
+      if (!made) return fail(made.error());
+      shown = about(*made, options.name);
+      reference = std::move(made);  // what is near is among them
+    }
   if (shown.empty()) return fail(unknown(*reference, options.name));
   if (options.json) std::fputs(reference_json(shown).c_str(), stdout);
   else if (options.markdown) std::fputs(reference_page(shown).c_str(), stdout);
@@ -82,7 +89,7 @@ int doc(const Options& options) {
 void add_doc(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("doc", "Tells what rules can use: all plugins with their functions and templates, or one of them");
-  command->footer("Examples:\n  cxlab doc\n  cxlab doc config-load\n  cxlab doc tf2-tracked-pose\n  cxlab doc cx::ExecutivePlugin");
+  command->footer("Examples:\n  cxlab doc\n  cxlab doc config-load\n  cxlab doc tf2-tracked-pose\n  cxlab doc cx::ExecutivePlugin\n  cxlab doc std-msgs-string-publish");
   command->add_option("name", options->name, "A function, a template or other construct, or a plugin class");
   CLI::Option* json = command->add_flag("--json", options->json, "As JSON");
   command->add_flag("--markdown", options->markdown, "As docs/reference.md")->excludes(json);

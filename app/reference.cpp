@@ -6,11 +6,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/journal/journal.h"
+#include "cx/plugins/bindings/names.h"
 #include "cx/plugins/builtin.h"
 #include "scenarios/share.h"
 
@@ -78,6 +80,21 @@ std::string escaped(std::string text) {
 }
 
 }  // namespace
+
+std::vector<std::string> binding_classes_of(const std::string& name) {
+  bus::Registry registry;
+  if (!registry.add_packages_in(find_share().interfaces)) return {};
+  std::vector<std::pair<std::string, std::string>> found;  // prefix, class
+  for (const std::string& package : registry.packages())
+    for (const std::string& interface : registry.interfaces(package)) {
+      std::string prefix = cx::kebab_case(cx::camel_case(package) + interface.substr(interface.rfind('/') + 1));
+      if (name.starts_with(prefix + '-')) found.emplace_back(std::move(prefix), cx::binding_class_name(interface));
+    }
+  std::ranges::stable_sort(found, std::greater<>(), [](const auto& item) { return item.first.size(); });
+  std::vector<std::string> out;
+  for (auto& item : found) out.push_back(std::move(item.second));
+  return out;
+}
 
 std::string type_text(const std::string& codes) {
   std::string out;

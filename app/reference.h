@@ -27,6 +27,9 @@ struct PluginReference {
 /// Of these classes, or of all that come with cxlab: each is loaded alone into an environment.
 Expected<std::vector<PluginReference>> read_reference(const std::vector<std::string>& classes = {});
 
+/// Classes of bindings whose functions and facts begin as `name` does ("std-msgs-string-publish"), best first.
+std::vector<std::string> binding_classes_of(const std::string& name);
+
 /// `(config-load STRING|SYMBOL STRING|SYMBOL)`.
 std::string call_text(const FunctionSpec& function);
 /// "STRING", "INTEGER|FLOAT", "nothing", ...

@@ -44,6 +44,13 @@ class Doc(unittest.TestCase):
         self.assertIn("(deftemplate std-msgs-string-message", done.stdout)
         self.assertIn("did you mean 'cx::CXStdMsgsStringPlugin'?", doc("cx::CXStdMsgsStrngPlugin").stderr)
 
+    def test_a_function_of_bindings(self):
+        done = doc("std-msgs-string-publish")
+        self.assertIn("cx::CXStdMsgsStringPlugin\n  (std-msgs-string-publish EXTERNAL-ADDRESS STRING|SYMBOL) -> nothing, acting", done.stdout)
+        self.assertNotIn("create-message", done.stdout)
+        self.assertIn("(slot result-ptr", doc("example-interfaces-fibonacci-wrapped-result").stdout)
+        self.assertIn("did you mean 'std-msgs-string-publish'?", doc("std-msgs-string-publsh").stderr)
+
     def test_unknown_name(self):
         done = doc("confvl")
         self.assertEqual((done.returncode, done.stdout), (3, ""))
