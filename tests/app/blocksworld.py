@@ -68,6 +68,25 @@ WRONG = """(deffacts wanted
   (pddl-action-names (instance blocks)))
 (defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
 """
+# Two goals are planned for at once; a third plan is canceled before the manager has heard of it, a fourth when it has not
+# yet been accepted.
+PLANS = """(deffacts wanted
+  (pddl-manager)
+  (pddl-instance (name blocks) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
+  (pddl-create-goal-instance (instance blocks) (goal g1))
+  (pddl-create-goal-instance (instance blocks) (goal g2))
+  (pddl-goal-fluent (instance blocks) (goal g1) (name ontable) (params c))
+  (pddl-goal-fluent (instance blocks) (goal g2) (name holding) (params c))
+  (pddl-set-goals (instance blocks) (goal g1))
+  (pddl-set-goals (instance blocks) (goal g2))
+  (pddl-plan (instance blocks) (id p1) (goal g1))
+  (pddl-plan (instance blocks) (id p2) (goal g2)))
+(defrule both (pddl-plan (id p1) (state PLANNING)) (pddl-plan (id p2) (state PLANNING)) (time ?t) (not (both)) => (assert (both)) (println "both are planned for"))
+(defrule more (pddl-plan (id p1) (state SUCCESS)) (pddl-plan (id p2) (state SUCCESS)) (not (pddl-plan (id p3))) =>
+  (assert (pddl-plan (instance blocks) (id p3) (goal g1) (state REQUEST-CANCELING)) (pddl-plan (instance blocks) (id p4) (goal g1))))
+(defrule cancel ?p <- (pddl-plan (id p4) (state WAITING)) => (modify ?p (state REQUEST-CANCELING)))
+(defrule look (time ?t&:(> ?t 8.0)) (not (looked)) => (assert (looked)) (facts))
+"""
 
 
 class Blocksworld(unittest.TestCase):
@@ -135,6 +154,16 @@ class Blocksworld(unittest.TestCase):
             self.assertIn(fact, log)
         self.assertIn("plan not found!", log)
         self.assertIn("[error] [main] pddl-fluent-change: unknown fluent 'holdink', did you mean 'holding'?", log)
+
+    def test_plans_are_made_side_by_side_and_canceled_at_any_time(self):
+        log = self.facts_of(PLANS, "--with", "pddl_manager", "--param", "pddl_manager.planner={latency: {a: 1}}", seconds=10)
+        self.assertIn("both are planned for", log)
+        for plan, state in [("p1", "SUCCESS"), ("p2", "SUCCESS"), ("p3", "CANCELED"), ("p4", "CANCELED")]:
+            self.assertRegex(log, rf"\(id {plan}\) .*goal-ptr nil.*\(state {state}\)\)")
+        self.assertIn('(pddl-action (instance blocks) (id 1) (name put-down) (params "c") (plan p1)', log)
+        self.assertIn('(pddl-action (instance blocks) (id 0) (name unstack) (params "c" "a") (plan p2)', log)
+        for left in ["goal-response", "wrapped-result", "cancel-goal", "service-request-meta", "ros-msgs-response", "cleaning up ... goal"]:
+            self.assertNotIn(left, log)
 
     def test_the_helper_rules_answer_all_that_is_asked(self):
         log = self.facts_of(AGENT, "--with", "pddl_manager", "--param", "pddl_manager.planner={latency: {a: 1}}")

@@ -450,14 +450,15 @@
    else (printout error "pddl-planning-filter: " ?error crlf) (modify ?filter (state ERROR) (error ?error)))
   (pddl-answered ?instance ?message ?response ?meta))
 
-; --- Plans. A goal's response does not say which goal it means, so one plan at a time is WAITING for it; many are PLANNING.
+; --- Plans. A goal's response does not say which goal it means, so one plan at a time waits for it (it has a goal and no
+; handle yet); many are PLANNING.
 
 (defrule pddl-send-plan
   (declare (salience ?*PDDL-SALIENCE-PLAN*))
   (pddl-manager (node ?node) (ros-comm-init TRUE))
   (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?plan <- (pddl-plan (instance ?instance) (goal ?goal) (output-dir ?directory) (state PENDING))
-  (not (pddl-plan (state WAITING)))
+  (not (pddl-plan (goal-ptr ~nil) (goal-handle nil)))
   =>
   (bind ?wanted (cx-pddl-interfaces-plan-temporal-goal-create))
   (cx-pddl-interfaces-plan-temporal-goal-set-field ?wanted "pddl_instance" (str-cat ?instance))
@@ -470,13 +471,14 @@
   (pddl-manager (node ?node))
   ?response <- (cx-pddl-interfaces-plan-temporal-goal-response (server ?server) (client-goal-handle-ptr ?handle))
   (test (eq ?server (str-cat ?node "/temp_plan")))
-  ?plan <- (pddl-plan (state WAITING))
+  ?plan <- (pddl-plan (state ?state) (goal-ptr ?goal&~nil) (goal-handle nil))
   =>
   (retract ?response)
   (if (str-index "0x0>" (implode$ (create$ ?handle))) then
     (printout red "plan was refused!" crlf)
-    (modify ?plan (state FAILED))
-   else (modify ?plan (state PLANNING) (goal-handle ?handle))))
+    (cx-pddl-interfaces-plan-temporal-goal-destroy ?goal)
+    (modify ?plan (state FAILED) (goal-ptr nil))
+   else (modify ?plan (state (if (eq ?state WAITING) then PLANNING else ?state)) (goal-handle ?handle))))
 
 (defrule pddl-plan-cancel
   (pddl-manager (node ?node))
