@@ -55,7 +55,9 @@ class OwnPackages(Installed):
         shutil.rmtree(folder)
         config = self.folder / "demo.yaml"
         shutil.copy(own / "share/my_plugin/params/demo.yaml", config)
-        self.assertIn("three counts make 6", self.env(config, "--until", 3, "--prefix", own).stderr)
+        said = self.env(config, "--until", 3, "--prefix", own).stderr
+        self.assertIn("three counts make 6", said)
+        self.assertNotRegex(said, r"\[(warn|error)\]")
         self.assertIn("three counts make 6", self.env(config, "--until", 3, CXLAB_PREFIX_PATH=str(own)).stderr)
         self.assertIn("unknown plugin type 'my::CounterPlugin'", self.env(config, "--until", 3, "--no-keep-going", expect=3).stderr)
 
@@ -85,6 +87,7 @@ class OwnPackages(Installed):
         run = self.folder / "bridge"
         said = call(self.cxlab, "env", self.examples() / "bridge.yaml", "--until", 3, "--out", run).stderr
         lines = re.findall(r"\[ *([.\d]+)\] \[info\] \[(eye|hand)\] (.*)", said)
+        self.assertNotRegex(said, r"\[(warn|error)\]")
         self.assertEqual([(who, what) for _, who, what in lines], [("hand", "grasping the cup, seen at 1.1"), ("eye", "the hand has the cup")])
         self.assertEqual([float(when) for when, _, _ in lines], [1.2, 1.3])  # executives of 10 Hz
         self.assertIn("rules: the same", call(self.cxlab, "replay", run, "--rules").stdout)
@@ -93,6 +96,7 @@ class OwnPackages(Installed):
         run = self.folder / "sensor"
         said = call(self.cxlab, "env", self.examples() / "sensor.yaml", "--until", 100000, "--out", run).stderr
         self.assertEqual(re.findall(r"reading (\d)", said), ["1", "2", "3"])
+        self.assertNotRegex(said, r"\[(warn|error)\]")
         result = json.loads((run / "result.json").read_text())
         self.assertEqual((result["status"], result["deterministic"]), ("stopped", False))
         self.assertIn("rules: the same", call(self.cxlab, "replay", run, "--rules").stdout)
