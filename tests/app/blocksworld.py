@@ -121,6 +121,13 @@ class Blocksworld(unittest.TestCase):
         done = self.cxlab("env", BLOCKS / "params/raw.yaml", "--with", "pddl_manager", "--until", 30, "--out", "none")
         self.assertIn("the tower stands", done.stderr)
 
+    def test_the_agent_plans_again_when_somebody_moves_a_block(self):
+        done = self.cxlab("env", BLOCKS / "params/helpers.yaml", "--with", "pddl_manager", "--stimuli", BLOCKS / "somebody.yaml", "--until", 30, "--out", self.out)
+        self.assertIn('step 2 cannot begin, plan again: "ontable(b)"', done.stderr)
+        self.assertIn("a is on b, b is on c: 3 moves", done.stderr)
+        self.assertEqual(self.result(self.out)["replans"], 1)
+        self.cxlab("replay", self.out, "--rules")
+
     def test_planning_takes_the_time_that_the_scenario_says(self):
         slow = self.cxlab("run", BLOCKS / "helpers.yaml", "--set", "planner.latency.a=5", "--out", self.out)
         self.assertRegex(slow.stderr, r"\[ +5\.[45]\d+\] \[info\] \[pddl_manager\] plan for 'tower'")

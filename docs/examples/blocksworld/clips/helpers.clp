@@ -1,5 +1,6 @@
 ; Builds a tower of three blocks: plans with the helper rules, then does each step when its condition holds. A step
-; takes its planned duration; its effects are applied at its start and its end.
+; takes its planned duration; its effects are applied at its start and its end. When a step cannot begin, somebody else
+; has moved a block: the agent looks what there is and plans again.
 
 (deffacts wanted
   (pddl-manager (node "/pddl_manager"))
@@ -70,9 +71,15 @@
   (modify ?action (state RUNNING) (actual-start-time ?now)))
 
 (defrule cannot-start
-  (pddl-action-condition (action ?id) (state CONDITION-UNSAT) (unsatisfied-conditions $?missing))
+  "It may not: its plan goes; what there is now is asked for, and then planned for."
+  ?check <- (pddl-action-condition (plan ?id) (action ?step) (state CONDITION-UNSAT) (unsatisfied-conditions $?missing))
+  ?plan <- (pddl-plan (id ?id))
+  ?known <- (pddl-get-fluents (state DONE))
   =>
-  (printout error "step " ?id " cannot begin: " (implode$ ?missing) crlf))
+  (println "step " ?step " cannot begin, plan again: " (implode$ ?missing))
+  (do-for-all-facts ((?action pddl-action)) (eq ?action:plan ?id) (retract ?action))
+  (modify ?known (state PENDING))
+  (retract ?check ?plan))
 
 (defrule end
   "Its time is over: its effects at the end."
