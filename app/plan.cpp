@@ -50,6 +50,12 @@ const char* word(PlanStatus status) {
   return "ended";
 }
 
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.10g", value);
+  return text;
+}
+
 ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& task) {
   ordered_json out;
   out["status"] = word(answer.status);
@@ -59,6 +65,7 @@ ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& tas
   out["makespan_s"] = answer.plan->makespan_s;
   out["lower_bound_s"] = answer.lower_bound_s;
   if (answer.plan->metric) out["metric"] = *answer.plan->metric;
+  if (answer.metric_bound) out["metric_bound"] = *answer.metric_bound;
   out["first_plan_wall_s"] = answer.first_plan_s;
   for (std::size_t i = 0; i < answer.plan->steps.size(); ++i) {
     const planner::PlanStep& step = answer.plan->steps[i];
@@ -100,7 +107,8 @@ int run(const PlanCommand& command) {
   options.timeout_s = command.timeout_s;
   options.anytime = command.anytime;
   options.on_plan = [](const planner::TimedPlan& plan, std::int64_t units) {
-    std::fprintf(stderr, "plan: %zu steps, makespan %.3f s, after %lld units\n", plan.steps.size(), plan.makespan_s, static_cast<long long>(units));
+    const std::string metric = plan.metric && *plan.metric != plan.makespan_s ? ", metric " + number(*plan.metric) : "";
+    std::fprintf(stderr, "plan: %zu steps, makespan %.3f s%s, after %lld units\n", plan.steps.size(), plan.makespan_s, metric.c_str(), static_cast<long long>(units));
   };
   const Expected<planner::PlanAnswer> answer = planner::find_plan(*task, options);
   if (!answer) {
@@ -112,6 +120,10 @@ int run(const PlanCommand& command) {
   if (answer->plan) {
     std::fprintf(stderr, "makespan %.3f s, no plan under %.3f s: at most %.1f %% from the shortest\n", answer->plan->makespan_s, answer->lower_bound_s,
                  100 * answer->gap());
+    if (answer->by_metric && answer->plan->metric) {
+      const std::string bound = answer->metric_bound ? "no plan has a better one than " + number(*answer->metric_bound) : "what the best is is not known";
+      std::fprintf(stderr, "metric %s, %s\n", number(*answer->plan->metric).c_str(), bound.c_str());
+    }
     const std::string text = planner::to_text(answer->plan->steps, task->domain, task->problem);
     if (!command.out.empty()) code = std::max(code, write(command.out, text));
     else if (!command.json) std::fputs(text.c_str(), stdout);
@@ -132,7 +144,7 @@ void add_plan(CLI::App& app, Action& action) {
   plan->add_option("--budget", options->budget, "work units; one is about a microsecond. The same budget gives the same plan")
       ->check(positive())
       ->capture_default_str();
-  plan->add_flag("--anytime", options->anytime, "go on to shorter plans until time or budget end");
+  plan->add_flag("--anytime", options->anytime, "go on to better plans until time or budget end: by the metric, or shorter ones");
   plan->add_option("--out", options->out, "write the plan to this file instead of standard output");
   plan->add_option("--svg", options->svg, "draw the plan: bars, slack and partial order");
   plan->add_flag("--json", options->json, "print plan, partial order and bound as JSON");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <map>
 #include <memory>
 #include <span>
@@ -39,7 +40,7 @@ struct SearchSpace {
 class Planner {
  public:
   Planner(const Task& task, const PlanOptions& options, Budget& budget, Clock::time_point began, GroundTask ground)
-      : options_(options), budget_(budget), began_(began), ground_(std::move(ground)), touches_(ground_),
+      : task_(task), options_(options), budget_(budget), began_(began), ground_(std::move(ground)), touches_(ground_),
         validator_(task.domain, task.problem) {}
 
   Expected<PlanAnswer> run() {
@@ -49,6 +50,8 @@ class Planner {
       return finish();
     }
     sequences_ = std::make_unique<SearchSpace>(ground_);
+    objective_ = std::make_unique<Objective>(sequences_->simulator);
+    answer_.by_metric = !objective_->is_makespan();
     whole_ = std::make_unique<SplitTask>(split(ground_, std::vector<char>(ground_.actions.size(), 0)));
     budget_.spend(Work::kReach, sequences_->landmarks.work() / 16);
     warm_start();
@@ -57,8 +60,11 @@ class Planner {
       answer_.status = PlanStatus::kPlan;
       bound_ = lower_bound(ground_, budget_);
       answer_.lower_bound_s = static_cast<double>(bound_) / kSecond;
-      if (options_.anytime) improve();
-      answer_.reason = proved_best() ? "no plan is shorter" : "a plan";
+      metric_bound_ = objective_->bound(bound_);
+      if (metric_bound_ && answer_.plan->metric) answer_.metric_bound = signed_metric(*metric_bound_);
+      if (options_.anytime && answer_.by_metric) improve_metric();
+      else if (options_.anytime) improve();
+      answer_.reason = !proved_best() ? "a plan" : answer_.by_metric ? "no plan has a better metric" : "no plan is shorter";
     }
     return finish();
   }
@@ -70,7 +76,16 @@ class Planner {
     return std::move(answer_);
   }
 
-  bool proved_best() const { return answer_.plan && best_makespan_ <= bound_ + kSeparation * static_cast<Micros>(2 * answer_.plan->steps.size()); }
+  bool proved_best() const {
+    if (!answer_.plan) return false;
+    const Micros separations = kSeparation * static_cast<Micros>(2 * answer_.plan->steps.size());
+    if (!answer_.by_metric) return best_makespan_ <= bound_ + separations;
+    const double slack = objective_->time_weight() * static_cast<double>(separations) / kSecond;
+    return metric_bound_ && answer_.plan->metric && signed_metric(*answer_.plan->metric) <= *metric_bound_ + slack + 1e-9;
+  }
+
+  /// From the metric as it is told to the one that is made small, and back.
+  double signed_metric(double metric) const { return task_.problem.metric->maximize ? -metric : metric; }
 
   /// Hands out a plan if it is the best so far and the validator agrees.
   bool publish(const Concurrent& plan) {
@@ -114,7 +129,7 @@ class Planner {
   }
 
   bool hand_out(TimedPlan timed, Micros makespan) {
-    if (answer_.plan && makespan >= best_makespan_) return false;
+    if (answer_.plan && !answer_.by_metric && makespan >= best_makespan_) return false;
     timed.makespan_s = static_cast<double>(makespan) / kSecond;
     timed.latest = latest_times(timed, makespan);
     const Expected<Verdict> verdict = validator_.check(timed.steps);
@@ -126,6 +141,10 @@ class Planner {
       return false;
     }
     timed.metric = verdict->metric;
+    const double value = answer_.by_metric ? Objective::value_of(timed.metric ? signed_metric(*timed.metric) : std::numeric_limits<double>::quiet_NaN(), makespan)
+                                           : static_cast<double>(makespan);
+    if (answer_.plan && (value > best_value_ || (value == best_value_ && makespan >= best_makespan_))) return false;
+    best_value_ = value;
     best_makespan_ = makespan;
     if (!answer_.plan) answer_.first_plan_s = std::chrono::duration<double>(Clock::now() - began_).count();
     answer_.plan = std::move(timed);
@@ -223,7 +242,7 @@ class Planner {
       clock_ = std::make_unique<ClockSearch>(ground_, sequences_->simulator, touches_);
     }
     budget_.set_slice(budget_.units() + slice);
-    const SearchEnd end = clock_->run(lazy_options(seed), best_makespan_, budget_, [this](const std::vector<ClockStep>& steps) { return publish(steps); });
+    const SearchEnd end = clock_->run(lazy_options(seed), answer_.by_metric ? DurationRange::kForever : best_makespan_, budget_, [this](const std::vector<ClockStep>& steps) { return publish(steps); });
     budget_.clear_slice();
     note(end);
     clock_exhausted_ = end == SearchEnd::kExhausted;
@@ -255,10 +274,10 @@ class Planner {
     const SearchEnd end = search_sequences(seed, slice, false, found);
     note(end);
     if (end != SearchEnd::kFound) return false;
-    Decoder decoder(*whole_, ground_, sequences_->simulator, touches_);
+    Decoder decoder(*whole_, ground_, sequences_->simulator, touches_, *objective_);
     const SplitCheck check(*whole_, ground_, touches_);
-    const auto on_better = [&](const Sequence& sequence, Micros) {
-      if (!answer_.plan && publish(check.translate(sequence))) best_sequence_ = sequence, budget_.set_slice(budget_.units());
+    const auto on_better = [&](const DecodedPlan& plan) {
+      if (!answer_.plan && publish(check.translate(plan.order))) best_sequence_ = plan.order, budget_.set_slice(budget_.units());
     };
     const RelaxedTask timed(sequences_->simulator, false);
     const std::int64_t until = budget_.units() + 2 * slice;
@@ -266,7 +285,7 @@ class Planner {
       budget_.set_slice(until);
       LocalSearch local(decoder, seed + round);
       if (!local.start(found)) break;
-      if (local.best().lateness == 0) on_better(local.best().order, local.best().makespan);
+      if (local.best().lateness == 0) on_better(local.best());
       local.run(budget_, 1000, on_better);
       Rebuild rebuild(decoder, timed, seed + round);
       if (answer_.plan || !rebuild.start(local.best().order)) break;
@@ -395,10 +414,10 @@ class Planner {
     // Rounds: another first plan, or the best one; then what rebuilds it, and local search, now on whole actions, now
     // on parts.
     const RelaxedTask timed(sequences_->simulator, false);
-    Decoder decoder(*whole_, ground_, sequences_->simulator, touches_);
+    Decoder decoder(*whole_, ground_, sequences_->simulator, touches_, *objective_);
     const SplitCheck check(*whole_, ground_, touches_);
-    const auto on_better = [&](const Sequence& sequence, Micros makespan) {
-      if (makespan < best_makespan_ && publish(check.translate(sequence))) best_sequence_ = sequence;
+    const auto on_better = [&](const DecodedPlan& plan) {
+      if (plan.value < best_value_ && publish(check.translate(plan.order))) best_sequence_ = plan.order;
     };
     std::int64_t idle = 2000;
     for (std::uint64_t round = 0; !budget_.over() && !proved_best(); ++round) {
@@ -436,21 +455,86 @@ class Planner {
     }
   }
 
+  /// Improvement by the metric. Rounds: local search and rebuilding on whole actions, local search on parts, searches for
+  /// sequences of both kinds whose numbers leave room for a better metric.
+  void improve_metric() {
+    const RelaxedTask priced(sequences_->simulator, objective_->prices());
+    Decoder decoder(*whole_, ground_, sequences_->simulator, touches_, *objective_);
+    const SplitCheck check(*whole_, ground_, touches_);
+    if (!everything_) everything_ = make_cut(true);
+    const auto on_better = [&](const DecodedPlan& plan) {
+      if (plan.value < best_value_ && publish(check.translate(plan.order))) best_sequence_ = plan.order, best_cut_ = {};
+    };
+    bool searched_all = false, searched_parts = everything_->exhausted;  // there is nothing better than the best plan
+    std::int64_t idle = 2000;
+    for (std::uint64_t round = 0; !budget_.over() && !proved_best(); ++round) {
+      const int kind = static_cast<int>(round % 4);
+      Sequence from = kind == 3 ? Sequence{} : best_sequence_;
+      if (kind == 1) {
+        if (best_cut_.first) improve_cut(*best_cut_.first, best_cut_.second, round, idle);
+        else if (!everything_->exhausted && !from.empty()) improve_cut(*everything_, to_parts(*everything_->split, from), round, idle);
+      } else if (kind == 3 && !searched_parts) {
+        SplitCheck parts(*everything_->split, ground_, touches_);
+        searched_parts = search_for_better(everything_->split->task, &parts, round, from) == SearchEnd::kExhausted;
+        if (!from.empty() && publish(parts.translate(from))) best_cut_ = {&*everything_, std::move(from)};
+      } else if (kind == 0 || kind == 2) {
+        if (kind == 2 && !searched_all) searched_all = search_for_better(ground_, nullptr, round, from) == SearchEnd::kExhausted;
+        if (kind == 2) search_clock(round, kRestartSlice);
+        LocalSearch local(decoder, round + 1);
+        if (from.empty() || !local.start(from)) {
+          if (searched_all && searched_parts && clock_exhausted_ && from.empty()) return;
+          continue;
+        }
+        const std::int64_t began = budget_.units();
+        if (local.best().lateness == 0) on_better(local.best());
+        local.run(budget_, idle, on_better);
+        Rebuild rebuild(decoder, priced, round + 1);
+        if (!rebuild.start(local.best().order)) continue;
+        budget_.set_slice(budget_.units() + std::max<std::int64_t>(20'000, budget_.units() - began));
+        rebuild.run(budget_, idle, on_better);
+        budget_.clear_slice();
+        if (kind == 2) idle += idle / 2;
+      }
+    }
+  }
+
+  SearchEnd search_for_better(const GroundTask& base, PathCheck* check, std::uint64_t seed, Sequence& found) {
+    const std::optional<double> metric = answer_.plan->metric;
+    std::optional<GroundComparison> better = metric ? objective_->better_than(signed_metric(*metric), bound_) : std::nullopt;
+    if (!better) return SearchEnd::kExhausted;
+    GroundTask task = base;
+    task.goal.comparisons.push_back(static_cast<int>(task.comparisons.size()));
+    task.comparisons.push_back(std::move(*better));
+    const Simulator simulator(task);
+    const RelaxedTask relaxed(simulator, Objective(simulator).prices());
+    const Landmarks none(simulator, relaxed, 0);
+    LazySearch search(simulator, relaxed, none, check);
+    LazyOptions options = lazy_options(seed);
+    options.landmarks = false;
+    Sequence sequence;
+    budget_.set_slice(budget_.units() + kRestartSlice);
+    const SearchEnd end = search.run(simulator.initial(), options, budget_, sequence);
+    budget_.clear_slice();
+    if (end == SearchEnd::kFound) found = std::move(sequence);
+    return end;
+  }
+
   void improve_parts(const Sequence& from, std::uint64_t round, std::int64_t idle) {
     if (!everything_) everything_ = make_cut(true);
     if (!everything_->exhausted) improve_cut(*everything_, to_parts(*everything_->split, from), round, idle);
   }
 
   void improve_cut(Cut& cut, const Sequence& from, std::uint64_t round, std::int64_t idle) {
-    Decoder decoder(*cut.split, ground_, cut.space->simulator, touches_);
+    Decoder decoder(*cut.split, ground_, cut.space->simulator, touches_, *objective_);
     LocalSearch local(decoder, round + 1);
     if (!local.start(from)) return;
     const SplitCheck check(*cut.split, ground_, touches_);
-    local.run(budget_, idle, [&](const Sequence& sequence, Micros makespan) {
-      if (makespan < best_makespan_ && publish(check.translate(sequence)) && best_cut_.first) best_cut_ = {&cut, sequence};
+    local.run(budget_, idle, [&](const DecodedPlan& plan) {
+      if (plan.value < best_value_ && publish(check.translate(plan.order)) && (best_cut_.first || answer_.by_metric)) best_cut_ = {&cut, plan.order};
     });
   }
 
+  const Task& task_;
   const PlanOptions& options_;
   Budget& budget_;
   const Clock::time_point began_;
@@ -465,7 +549,10 @@ class Planner {
   bool clock_exhausted_ = false;
   PlanAnswer answer_;
   Sequence best_sequence_;
+  std::unique_ptr<Objective> objective_;
+  double best_value_ = std::numeric_limits<double>::infinity();  ///< of the objective
   Micros best_makespan_ = DurationRange::kForever, bound_ = 0;
+  std::optional<double> metric_bound_;  ///< of the metric that is made small
   bool out_of_memory_ = false;
   std::optional<Error> unsupported_;  ///< what the validator cannot judge
 };

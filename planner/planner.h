@@ -30,6 +30,7 @@ struct TimedPlan {
 struct PlanOptions {
   std::int64_t budget = 60'000'000;  ///< work units; a unit is about a microsecond
   std::optional<double> timeout_s{}; ///< wall time
+  /// Better: a better metric if the problem has one, a shorter makespan among equals.
   bool anytime = false;              ///< go on to better plans until the budget ends or a plan is proved best
   /// A plan under execution, its steps in their order; those at its beginning may have been done. What is left of it is
   /// tried first, repaired and improved from there. Not used where there are events.
@@ -52,6 +53,8 @@ struct PlanAnswer {
   std::string reason;               ///< one sentence
   std::optional<TimedPlan> plan;
   double lower_bound_s = 0;         ///< no plan is shorter
+  bool by_metric = false;           ///< the problem's metric says which plan is better, and not the makespan alone
+  std::optional<double> metric_bound; ///< no plan has a better metric; none: not known
   std::int64_t units = 0;           ///< spent
   int refused = 0;                  ///< plans that the validator did not accept: a fault of the planner's
   std::string refusal;              ///< why the last of them

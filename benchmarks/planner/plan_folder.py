@@ -102,7 +102,7 @@ class Runner:
         answer = json.loads(done.stdout)
         row.update(status=answer["status"], units=answer["units"])
         if answer["status"] == "plan":
-            told = re.findall(r"makespan ([\d.]+) s, after (\d+) units", done.stderr)
+            told = re.findall(r"makespan ([\d.]+) s(?:, metric \S+)?, after (\d+) units", done.stderr)
             row.update(makespan=answer["makespan_s"], bound=answer["lower_bound_s"], first=answer["first_plan_wall_s"], first_makespan=float(told[0][0]),
                        first_units=int(told[0][1]), valid=self.judge(domain, problem, plan), up=up_verdict(domain, problem, plan) if self.options.up else "")
         return row

@@ -51,6 +51,7 @@ class Grounder {
   Grounder(const Task& task, Reachable reachable) : task_(task), reachable_(std::move(reachable)) {}
 
   GroundTask run() {
+    find_absences();
     for (const Assignment& value : task_.problem.values) values_[{value.function, value.objects}] = value.value;
     for (const Binding& binding : reachable_.bindings) add_actions(binding);
     std::vector<ObjectId> frame(static_cast<std::size_t>(task_.problem.goal_slots), -1);
@@ -71,6 +72,30 @@ class Grounder {
 
  private:
   using Key = std::pair<int, std::vector<ObjectId>>;
+
+  /// What is never true can be left out, but not where one action deletes it and another asks for its absence: the two
+  /// must not share an instant.
+  void find_absences() {
+    std::vector<char> asked(task_.domain.predicates.size(), 0), deleted(asked);
+    const auto ask = [&](const TimedCondition& condition) {
+      for (const Condition* part : {&condition.start, &condition.over_all, &condition.end}) find_negations(*part, false, asked);
+    };
+    for (const Action& action : task_.domain.actions) {
+      ask(action.condition);
+      for (const Effect& effect : action.effects) {
+        ask(effect.condition);
+        if (effect.kind == Effect::Kind::kDelete) deleted[effect.predicate] = 1;
+      }
+    }
+    for (std::size_t p = 0; p < asked.size(); ++p) absence_matters_.push_back(asked[p] && deleted[p]);
+  }
+
+  static void find_negations(const Condition& condition, bool negated, std::vector<char>& asked) {
+    using Kind = Condition::Kind;
+    if (condition.kind == Kind::kAtom && negated) asked[condition.predicate] = 1;
+    for (std::size_t i = 0; i < condition.operands.size(); ++i)
+      find_negations(condition.operands[i], negated != (condition.kind == Kind::kNot || (condition.kind == Kind::kImply && i == 0)), asked);
+  }
 
   std::vector<ObjectId> objects(const std::vector<Term>& terms, const std::vector<ObjectId>& frame) const {
     std::vector<ObjectId> found;
@@ -144,8 +169,10 @@ class Grounder {
       case Kind::kDuration: out.steps.push_back({GroundExpression::Kind::kDuration, -1, 0}); return out;
       case Kind::kTotalTime: out.steps.push_back({GroundExpression::Kind::kTotalTime, -1, 0}); return out;
     }
-    if (const LinearForm form = linear_form(out); form.is_linear && form.weights.empty() && form.duration_weight == 0)
-      return GroundExpression::constant(out.evaluate(nullptr));
+    const auto is_constant = [](const GroundExpression::Step& step) {  // zero times an undefined number is undefined
+      return step.kind != GroundExpression::Kind::kNumber && step.kind != GroundExpression::Kind::kDuration && step.kind != GroundExpression::Kind::kTotalTime;
+    };
+    if (std::ranges::all_of(out.steps, is_constant)) return GroundExpression::constant(out.evaluate(nullptr));
     return out;
   }
 
@@ -186,7 +213,8 @@ class Grounder {
       case Kind::kAtom: {
         const std::vector<ObjectId> arguments = objects(condition.terms, frame);
         if (!task_.domain.predicates[condition.predicate].derived) {
-          if (reachable_.atoms.find(condition.predicate, arguments) < 0) return truth(negated);
+          const bool can_be_true = reachable_.atoms.find(condition.predicate, arguments) >= 0;
+          if (!can_be_true && !(negated && absence_matters_[condition.predicate])) return truth(negated);
           if (!reachable_.fluent[condition.predicate]) return truth(!negated);
         }
         const int id = fact(condition.predicate, arguments);
@@ -313,7 +341,7 @@ class Grounder {
       action.continuous.push_back({number(effect.function, arguments), std::move(rate)});
       return;
     }
-    if (effect.kind == Kind::kDelete && reachable_.atoms.find(effect.predicate, arguments) < 0) return;
+    if (effect.kind == Kind::kDelete && !absence_matters_[effect.predicate] && reachable_.atoms.find(effect.predicate, arguments) < 0) return;
     const bool at_start = effect.time == Effect::Time::kStart;
     GroundEffects* target = at_start ? &action.at_start : &action.at_end;
     if (!effect.condition.is_true()) {
@@ -483,6 +511,7 @@ class Grounder {
   AtomTable fact_atoms_, number_atoms_;  ///< the functions of numbers in place of predicates
   std::vector<int> fact_ids_;            ///< by atom of fact_atoms_
   std::map<std::string, int> comparison_ids_;
+  std::vector<char> absence_matters_;    ///< by predicate
   std::vector<int> demanded_;  ///< derived facts that conditions ask for
 };
 

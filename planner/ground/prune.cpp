@@ -341,18 +341,21 @@ void offer_durations(GroundTask& task) {
 }
 
 void drop_facts(GroundTask& task) {
-  std::vector<char> removed(task.facts.size(), 0), asked(task.facts.size(), 0);
+  // What makes a fact true that is true already must still keep clear of what reads it.
+  std::vector<char> added(task.facts.size(), 0), removed(added), asked(added);
   for_each_effects(task, [&](GroundEffects& effects) {
+    for (const int f : effects.add) added[f] = 1;
     for (const int f : effects.remove) removed[f] = 1;
   });
   for_each_condition(task, [&](GroundCondition& condition) {
-    std::erase_if(condition.facts, [&](int f) { return !task.facts[f].derived && task.initial_facts[f] && !removed[f]; });
+    std::erase_if(condition.facts, [&](int f) { return !task.facts[f].derived && task.initial_facts[f] && !added[f] && !removed[f]; });
     for (const int f : condition.facts) asked[f] = 1;
   });
   for (const Axiom& axiom : task.axioms) asked[axiom.head] = 1;
   for (std::size_t f = 0; f < task.facts.size(); ++f)  // the complement of a derived fact is computed from it
     if (asked[f] && task.facts[f].derived && task.facts[f].is_complement) asked[task.facts[f].complement] = 1;
-  std::vector<char> initial = task.initial_facts;
+  for (std::size_t f = 0; f < task.facts.size(); ++f)  // and what one adds and another deletes keeps apart, too
+    if (const int opposite = task.facts[f].complement; !task.facts[f].is_complement && added[f] && removed[f] && (opposite < 0 || !asked[opposite])) asked[f] = 1;
   const std::vector<int> renamed = compact(task.facts, asked);
   compact(task.initial_facts, asked);
   for_each_condition(task, [&](GroundCondition& condition) { rename(condition.facts, renamed); });

@@ -7,6 +7,7 @@ namespace cxlab::planner {
 namespace {
 
 constexpr int kMostPasses = 20;
+constexpr double kLeastTimeWeight = 1e-6;  ///< where time does not count
 constexpr double kStartWeight = 0.05;  ///< of the mean time in the cost: earlier is better even where it does not count yet
 
 }  // namespace
@@ -58,12 +59,30 @@ bool Decoder::decode(const Sequence& list, double most_cost, DecodedPlan& plan) 
   plan.times.clear();
   plan.causes.clear();
   SequenceStep step;
-  while (!simulator_.is_lasting_goal(scratch_.data(), next_event_)) {
-    if (take_next(list, step) != Taken::kYes) return false;
+  std::size_t end = 0;
+  bool reached = false;
+  for (;;) {
+    if (simulator_.is_lasting_goal(scratch_.data(), next_event_)) {
+      if (objective_.never_falls()) return running_.empty() && schedule(plan, most_cost);
+      if (running_.empty()) reached = true, end = plan.order.size(), end_ = scratch_;
+    }
+    const Taken taken = take_next(list, step);
+    if (taken == Taken::kNo && reached) break;
+    if (taken != Taken::kYes) return false;
     plan.order.push_back(step);
-    if (!place(plan, plan.order.size() - 1) || static_cast<double>(timeline_.makespan()) > most_cost) return false;
+    if (!place(plan, plan.order.size() - 1) || too_dear(most_cost)) return false;
   }
-  return running_.empty() && schedule(plan, most_cost);
+  if (end < plan.order.size()) {  // scheduled once more without the rest
+    plan.order.resize(end);
+    scratch_ = end_;
+    shifted_ = true;
+  }
+  return schedule(plan, most_cost);
+}
+
+bool Decoder::too_dear(double most_cost) const {
+  if (objective_.is_makespan()) return static_cast<double>(timeline_.makespan()) > most_cost;
+  return objective_.never_falls() && objective_.value(simulator_.numbers(scratch_.data()), timeline_.makespan()) > most_cost;
 }
 
 bool Decoder::advance(const Sequence& list, Sequence& order, PackedState& state) {
@@ -134,14 +153,16 @@ bool Decoder::schedule(DecodedPlan& plan, double most_cost) {
     plan.causes.clear();
     work_ += static_cast<std::int64_t>(plan.order.size());
     for (std::size_t i = 0; i < plan.order.size(); ++i)
-      if (!place(plan, i) || static_cast<double>(timeline_.makespan()) > most_cost) return false;
+      if (!place(plan, i) || too_dear(most_cost)) return false;
   }
   timeline_.finish();
   plan.makespan = timeline_.makespan();
   plan.lateness = timeline_.lateness();
   double sum = 0;
   for (const Micros time : plan.times) sum += static_cast<double>(time);
-  plan.cost = static_cast<double>(plan.aim()) + kStartWeight * sum / std::max<double>(1, static_cast<double>(plan.order.size()));
+  plan.value = objective_.value(simulator_.numbers(scratch_.data()), plan.makespan);
+  const double start_weight = std::max(kLeastTimeWeight, objective_.time_weight()) * kStartWeight;
+  plan.cost = plan.aim() + start_weight * sum / std::max<double>(1, static_cast<double>(plan.order.size()));
   return true;
 }
 

@@ -3,12 +3,14 @@
 //
 // Decoding runs through the list again and again, always taking the first action that can be applied, until the goal is
 // reached, and schedules as it goes; what remains is dropped. So any order is a plan as long as the goal is reached, and
-// moving one action drags along those that wait for it. Where actions are cut, the list has their beginnings and ends,
-// so that others can start or end in between.
+// moving one action drags along those that wait for it. Where more actions can make a plan better, decoding goes on to
+// the last step after which the goal holds. Where actions are cut, the list has their beginnings and ends, so that others
+// can start or end in between.
 
 #include <utility>
 #include <vector>
 
+#include "planner/improve/objective.h"
 #include "planner/search/split.h"
 
 namespace cxlab::planner {
@@ -20,17 +22,18 @@ struct DecodedPlan {
   std::vector<Micros> times;  ///< by step: of a beginning, of an end, of the start of a whole action
   std::vector<int> causes;    ///< by step: the step that it waits for, or -1
   Micros makespan = 0;
+  double value = 0;           ///< of the objective
   Micros lateness = 0;        ///< by how much things come too late for events
   double cost = 0;            ///< what improvement brings down: the aim, and a little of all times
 
-  Micros aim() const { return makespan + kLatenessWeight * lateness; }
+  double aim() const { return value + static_cast<double>(kLatenessWeight * lateness); }
 };
 
 class Decoder {
  public:
   /// `simulator` is of the split task, `touches` of the original; the split may cut nothing.
-  Decoder(const SplitTask& split, const GroundTask& original, const Simulator& simulator, const Touches& touches)
-      : split_(split), original_(original), simulator_(simulator), touches_(touches), timeline_(touches, true) {}
+  Decoder(const SplitTask& split, const GroundTask& original, const Simulator& simulator, const Touches& touches, const Objective& objective)
+      : split_(split), original_(original), simulator_(simulator), touches_(touches), objective_(objective), timeline_(touches, true) {}
 
   /// False if the list does not lead to the goal, or costs more than `most_cost`.
   bool decode(const Sequence& list, double most_cost, DecodedPlan& plan);
@@ -43,6 +46,7 @@ class Decoder {
   const GroundTask& original() const { return original_; }
   const Simulator& simulator() const { return simulator_; }
   const Touches& touches() const { return touches_; }
+  const Objective& objective() const { return objective_; }
 
  private:
   /// An action that has begun and not ended.
@@ -56,6 +60,7 @@ class Decoder {
   void clear(const Sequence& list);
   Taken take_next(const Sequence& list, SequenceStep& step);
   bool schedule(DecodedPlan& plan, double most_cost);
+  bool too_dear(double most_cost) const;
   bool place(DecodedPlan& plan, std::size_t step);
   bool keeps_running(const Word* state, int except) const;
 
@@ -63,8 +68,9 @@ class Decoder {
   const GroundTask& original_;
   const Simulator& simulator_;
   const Touches& touches_;
+  const Objective& objective_;
   Timeline timeline_;
-  PackedState scratch_, trial_;
+  PackedState scratch_, trial_, end_;
   std::vector<int> next_;  ///< linked list of what is left; index 0 is the head
   std::vector<Running> running_;
   std::vector<std::pair<Micros, int>> releases_;  ///< by step: a beginning that must wait for its end, and the cause

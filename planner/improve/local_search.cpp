@@ -8,6 +8,7 @@ namespace cxlab::planner {
 namespace {
 
 constexpr std::size_t kHistory = 100;
+constexpr double kExchanges = 0.5;  ///< share of moves that change which actions there are, where not time alone counts
 
 }  // namespace
 
@@ -21,6 +22,7 @@ LocalSearch::LocalSearch(Decoder& decoder, std::uint64_t seed)
     for (const int f : whole_.whole_effects(static_cast<int>(a)).add) achievers_[f].push_back(static_cast<int>(a));
     for (const auto* effects : {&original.actions[a].at_start, &original.actions[a].at_end})
       for (const NumericEffect& effect : effects->numbers) achievers_[original.facts.size() + effect.number].push_back(static_cast<int>(a));
+    if (!decoder.objective().never_falls() && decoder.objective().change(static_cast<int>(a)) < 0) earners_.push_back(static_cast<int>(a));
   }
 }
 
@@ -73,7 +75,7 @@ void LocalSearch::run(Budget& budget, std::int64_t most_idle, const OnBetter& on
       if (current_.aim() < best_.aim()) {
         best_ = current_;
         idle = 0;
-        if (best_.lateness == 0) on_better(best_.order, best_.makespan);
+        if (best_.lateness == 0) on_better(best_);
       }
     }
     if (current_.cost < late) late = current_.cost;
@@ -83,7 +85,8 @@ void LocalSearch::run(Budget& budget, std::int64_t most_idle, const OnBetter& on
 
 void LocalSearch::make_move(Sequence& list) {
   const int size = static_cast<int>(list.size());
-  const double kind = random_.uniform();
+  const bool changes_actions = !decoder_.objective().is_makespan() && random_.chance(kExchanges);
+  const double kind = changes_actions ? 1 : random_.uniform();
   if (kind < 0.45) {  // a critical step before the one that it waits for
     const int step = critical_step(), cause = current_.causes[step];
     const int to = cause < 0 ? static_cast<int>(random_.below(static_cast<std::uint64_t>(step) + 1))
@@ -159,8 +162,26 @@ std::vector<int> LocalSearch::alternatives(int original) const {
   return found;
 }
 
+void LocalSearch::insert(Sequence& list, std::size_t begin, std::size_t end, int original) const {
+  const auto [first, last] = split_.parts[original];
+  if (last >= 0) list.insert(list.begin() + static_cast<std::ptrdiff_t>(end), {last, 0});
+  list.insert(list.begin() + static_cast<std::ptrdiff_t>(begin), {first, 0});
+}
+
 void LocalSearch::exchange(Sequence& list) {
   if (list.empty()) return;
+  if (!earners_.empty() && !original_.events.empty() && random_.chance(0.1)) {  // waits for the next event
+    const auto last = std::ranges::find_if(list.rbegin(), list.rend(), is_event);
+    const std::size_t events = static_cast<std::size_t>(std::ranges::count_if(list, is_event)), from = static_cast<std::size_t>(list.rend() - last);
+    if (events == original_.events.size()) return;
+    list.insert(list.begin() + static_cast<std::ptrdiff_t>(from + random_.below(list.size() - from + 1)), {-2 - static_cast<int>(events), 0});
+    return;
+  }
+  if (!earners_.empty() && random_.chance(0.3)) {
+    const std::size_t at = random_.below(list.size() + 1);
+    insert(list, at, at, earners_[random_.below(earners_.size())]);
+    return;
+  }
   const std::size_t at = std::min(list.size() - 1, random_.chance(0.5) ? static_cast<std::size_t>(critical_step()) : random_.below(list.size()));
   if (is_event(list[at])) return;
   const int original = split_.origins[list[at].action].action;
@@ -182,13 +203,13 @@ void LocalSearch::exchange(Sequence& list) {
   }
   const std::vector<int> others = alternatives(original);
   if (others.empty()) return;
-  const auto [other_first, other_last] = split_.parts[others[random_.below(others.size())]];
+  const int other = others[random_.below(others.size())];
+  const auto [other_first, other_last] = split_.parts[other];
   if (kind < 0.7 && (last >= 0) == (other_last >= 0)) {
     list[begin] = {other_first, 0};
     if (last >= 0) list[end] = {other_last, 0};
   } else {
-    if (other_last >= 0) list.insert(list.begin() + static_cast<std::ptrdiff_t>(end), {other_last, 0});
-    list.insert(list.begin() + static_cast<std::ptrdiff_t>(begin), {other_first, 0});
+    insert(list, begin, end, other);
   }
 }
 

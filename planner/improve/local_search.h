@@ -12,7 +12,7 @@ namespace cxlab::planner {
 
 class LocalSearch {
  public:
-  using OnBetter = std::function<void(const Sequence&, Micros makespan)>;
+  using OnBetter = std::function<void(const DecodedPlan&)>;
 
   LocalSearch(Decoder& decoder, std::uint64_t seed);
 
@@ -30,6 +30,7 @@ class LocalSearch {
   void make_move(Sequence& list);
   void pull(Sequence& list, int step, int to) const;
   void exchange(Sequence& list);
+  void insert(Sequence& list, std::size_t begin, std::size_t end, int original) const;
   int critical_step();
   std::vector<int> alternatives(int original) const;
 
@@ -43,6 +44,7 @@ class LocalSearch {
   std::vector<Word> states_;        ///< before each step of the current plan
   std::vector<int> critical_;       ///< steps that determine the makespan, the last one first
   std::vector<std::vector<int>> achievers_;  ///< by fact, then number: original actions that add it or change it
+  std::vector<int> earners_;        ///< original actions that make the objective better by themselves
   std::vector<double> history_;     ///< costs accepted some moves ago
   std::int64_t moves_ = 0;
 };

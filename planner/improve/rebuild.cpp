@@ -54,7 +54,7 @@ void Rebuild::run(Budget& budget, std::int64_t most_idle, const LocalSearch::OnB
       if (current_.aim() < best_.aim()) {
         best_ = current_;
         idle = 0;
-        if (best_.lateness == 0) on_better(best_.order, best_.makespan);
+        if (best_.lateness == 0) on_better(best_);
       }
     }
     if (current_.cost < late) late = current_.cost;

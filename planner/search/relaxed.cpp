@@ -16,12 +16,9 @@ void sort_unique(std::vector<int>& items) {
   items.erase(std::unique(items.begin(), items.end()), items.end());
 }
 
-}  // namespace
-
-RelaxedTask::RelaxedTask(const Simulator& simulator, bool unit_costs) {
+/// Costs of actions by their durations: tenths of the mean one, and 1.
+std::vector<int> duration_costs(const Simulator& simulator) {
   const GroundTask& task = simulator.task();
-  facts_ = static_cast<int>(task.facts.size());
-  atoms_ = facts_ + static_cast<int>(task.comparisons.size());
   std::vector<double> lengths;
   double sum = 0;
   const PackedState initial = simulator.initial();
@@ -31,10 +28,22 @@ RelaxedTask::RelaxedTask(const Simulator& simulator, bool unit_costs) {
     sum += lengths.back();
   }
   const double mean = std::max(sum / std::max<double>(1, static_cast<double>(lengths.size())), 1.0);
-  for (std::size_t a = 0; a < task.actions.size(); ++a) {
-    const int cost = unit_costs ? 1 : 1 + static_cast<int>(std::min(100.0, 10 * lengths[a] / mean));
-    if (!simulator.whole_impossible(static_cast<int>(a))) add_operators(simulator, static_cast<int>(a), cost);
-  }
+  std::vector<int> costs;
+  for (const double length : lengths) costs.push_back(1 + static_cast<int>(std::min(100.0, 10 * length / mean)));
+  return costs;
+}
+
+}  // namespace
+
+RelaxedTask::RelaxedTask(const Simulator& simulator, bool unit_costs)
+    : RelaxedTask(simulator, unit_costs ? std::vector<int>(simulator.task().actions.size(), 1) : duration_costs(simulator)) {}
+
+RelaxedTask::RelaxedTask(const Simulator& simulator, const std::vector<int>& costs) {
+  const GroundTask& task = simulator.task();
+  facts_ = static_cast<int>(task.facts.size());
+  atoms_ = facts_ + static_cast<int>(task.comparisons.size());
+  for (std::size_t a = 0; a < task.actions.size(); ++a)
+    if (!simulator.whole_impossible(static_cast<int>(a))) add_operators(simulator, static_cast<int>(a), costs[a]);
   const auto atoms_of = [&](const GroundCondition& condition) {
     std::vector<int> atoms = condition.facts;
     for (const int c : condition.comparisons) atoms.push_back(facts_ + c);

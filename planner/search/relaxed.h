@@ -30,6 +30,8 @@ class RelaxedTask {
  public:
   /// `unit_costs`: every action costs 1; else its duration in tenths of the mean one, and 1.
   RelaxedTask(const Simulator& simulator, bool unit_costs);
+  /// `costs`: by action.
+  RelaxedTask(const Simulator& simulator, const std::vector<int>& costs);
 
   int atoms() const { return atoms_; }
   int facts() const { return facts_; }

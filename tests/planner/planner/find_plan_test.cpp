@@ -280,5 +280,76 @@ TEST(FindPlan, OfAWarmStartOnlyWhatIsLeftIsKept) {
   EXPECT_EQ(steps_of("(at home) (bought s1) (bought s2)", plan), "");
 }
 
+/// Parcels by air, quick and dear, or by road, slow and cheap; several go at once.
+constexpr const char* kParcels = R"((:predicates (waits ?p) (there ?p)) (:functions (total-cost) (fuel-used))
+  (:durative-action fly :parameters (?p) :duration (= ?duration 2) :condition (at start (waits ?p))
+   :effect (and (at start (not (waits ?p))) (at end (there ?p)) (at end (increase (total-cost) 9)) (at end (increase (fuel-used) 6))))
+  (:durative-action drive :parameters (?p) :duration (= ?duration 7) :condition (at start (waits ?p))
+   :effect (and (at start (not (waits ?p))) (at end (there ?p)) (at end (increase (total-cost) 2)) (at end (increase (fuel-used) 1)))))";
+
+PlanAnswer send_parcels(const std::string& metric) {
+  return answer(parse(kParcels, "(:objects a b c) (:init (waits a) (waits b) (waits c) (= (total-cost) 0) (= (fuel-used) 0)) (:goal (and (there a) (there b) (there c)))" + metric),
+                {.budget = 300'000, .anytime = true});
+}
+
+TEST(Metric, WithoutOneTheShortestPlanIsTheBest) {
+  const PlanAnswer found = send_parcels("");
+  EXPECT_FALSE(found.by_metric);
+  EXPECT_NEAR(found.plan->makespan_s, 2.0, 0.01);
+}
+
+TEST(Metric, CostAloneTakesTheSlowWay) {
+  const PlanAnswer found = send_parcels("(:metric minimize (total-cost))");
+  EXPECT_TRUE(found.by_metric);
+  EXPECT_DOUBLE_EQ(found.plan->metric.value(), 6.0);
+  EXPECT_NEAR(found.plan->makespan_s, 7.0, 0.01);  // the shortest of the cheapest
+}
+
+TEST(Metric, TimeAndFuelTogetherAreWeighed) {
+  // All by road: 2 * 7 + 3 = 17; all by air: 2 * 2 + 18 = 22; one by air changes fuel only.
+  EXPECT_NEAR(send_parcels("(:metric minimize (+ (* 2 (total-time)) (fuel-used)))").plan->metric.value(), 17.0, 0.01);
+  // All by air: 4 * 2 + 18 = 26; all by road: 4 * 7 + 3 = 31.
+  EXPECT_NEAR(send_parcels("(:metric minimize (+ (* 4 (total-time)) (fuel-used)))").plan->metric.value(), 26.0, 0.01);
+}
+
+TEST(Metric, TheBoundIsThatOfTheMakespanTimesItsWeight) {
+  const PlanAnswer found = send_parcels("(:metric minimize (+ (* 4 (total-time)) (fuel-used)))");
+  ASSERT_TRUE(found.metric_bound);
+  EXPECT_DOUBLE_EQ(*found.metric_bound, 4 * found.lower_bound_s);
+  EXPECT_GT(*found.metric_bound, 0.0);
+  const PlanAnswer unweighted = send_parcels("(:metric minimize (- (fuel-used) (total-time)))");
+  EXPECT_FALSE(unweighted.metric_bound);  // waiting makes it better without end
+}
+
+TEST(Metric, AMultipleOfTheMakespanIsTheMakespan) {
+  const PlanAnswer found = send_parcels("(:metric minimize (+ (* 3 (total-time)) 5))");
+  EXPECT_FALSE(found.by_metric);
+  EXPECT_NEAR(found.plan->metric.value(), 3 * found.plan->makespan_s + 5, 1e-9);
+  EXPECT_NEAR(found.metric_bound.value(), 11.0, 1e-9);
+}
+
+TEST(Metric, WhatIsToBeLargeGrowsBeyondTheGoal) {
+  const Task task = parse(R"((:predicates (ripe ?t) (home) (basket)) (:functions (apples))
+    (:durative-action pick :parameters (?t) :duration (= ?duration 1) :condition (and (at start (ripe ?t)) (at start (basket)))
+     :effect (and (at start (not (ripe ?t))) (at end (increase (apples) 3))))
+    (:durative-action sell :parameters () :duration (= ?duration 1) :condition (at start (basket))
+     :effect (and (at start (not (basket))) (at end (increase (apples) 4)))))",
+                          "(:objects x y z) (:init (ripe x) (ripe y) (ripe z) (basket) (home) (= (apples) 0)) (:goal (home)) (:metric maximize (apples))");
+  const PlanAnswer found = answer(task, {.budget = 300'000, .anytime = true});
+  EXPECT_DOUBLE_EQ(found.plan->metric.value(), 13.0);  // three trees, then the basket is sold
+  EXPECT_FALSE(found.metric_bound);
+}
+
+TEST(Metric, TheSameBudgetGivesTheSamePlan) {
+  const std::string metric = "(:metric minimize (+ (* 2 (total-time)) (fuel-used)))";
+  const PlanAnswer first = send_parcels(metric), second = send_parcels(metric);
+  EXPECT_EQ(first.units, second.units);
+  ASSERT_EQ(first.plan->steps.size(), second.plan->steps.size());
+  for (std::size_t i = 0; i < first.plan->steps.size(); ++i) {
+    EXPECT_EQ(first.plan->steps[i].arguments, second.plan->steps[i].arguments);
+    EXPECT_EQ(first.plan->steps[i].start, second.plan->steps[i].start);
+  }
+}
+
 }  // namespace
 }  // namespace cxlab::planner

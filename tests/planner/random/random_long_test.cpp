@@ -9,4 +9,11 @@ TEST(RandomProblems, TenThousandOfThem) {
   EXPECT_LT(tally.missed, 10);
 }
 
+TEST(RandomProblems, TwoThousandMetrics) {
+  const MetricTally tally = check_metrics(2, 2'000, 300'000);
+  std::printf("compared %d, worse %d, other than the shortest %d, bounded %d\n", tally.compared, tally.worse, tally.not_shortest, tally.bounded);
+  EXPECT_GT(tally.compared, 400);
+  EXPECT_LT(tally.worse, 5);
+}
+
 }  // namespace cxlab::planner

@@ -55,6 +55,15 @@ RandomProblem RandomProblem::draw(RandomStream& random) {
   return made;
 }
 
+RandomProblem RandomProblem::draw_with_metric(RandomStream& random) {
+  RandomProblem made = draw(random);
+  made.time_weight = static_cast<int>(random.between(0, 3));
+  made.count_weight = static_cast<int>(random.between(-2, 4));
+  if (made.count_weight == 0) made.count_weight = 1;
+  for (RandomAction& action : made.actions) action.change = static_cast<int>(random.between(0, 5) - random.between(0, 1));
+  return made;
+}
+
 std::string RandomProblem::domain() const {
   std::string out = "(define (domain d) (:requirements :durative-actions :negative-preconditions :fluents :timed-initial-literals)\n(:predicates";
   for (int f = 0; f < facts; ++f) out += " " + name(f);
@@ -78,7 +87,10 @@ std::string RandomProblem::problem() const {
   for (const RandomEvent& event : events) out += " (at " + std::to_string(event.time) + " " + text(event.effect) + ")";
   out += ")\n(:goal (and";
   for (const Literal& literal : goal) out += " " + text(literal);
-  return out + ")))\n";
+  out += "))";
+  if (time_weight != 0 || count_weight != 0)
+    out += "\n(:metric minimize (+ (* " + std::to_string(time_weight) + " (total-time)) (* " + std::to_string(count_weight) + " (n))))";
+  return out + ")\n";
 }
 
 }  // namespace cxlab::planner

@@ -33,8 +33,12 @@ struct RandomProblem {
   std::vector<RandomAction> actions;
   std::vector<RandomEvent> events;
   std::vector<Literal> goal;
+  /// The metric to be made small: time_weight * total-time + count_weight * counter; none if both are 0.
+  int time_weight = 0, count_weight = 0;
 
   static RandomProblem draw(RandomStream& random);
+  /// With a counter that most actions change, and a metric.
+  static RandomProblem draw_with_metric(RandomStream& random);
   std::string domain() const;
   std::string problem() const;
 };

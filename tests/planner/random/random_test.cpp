@@ -9,6 +9,14 @@ TEST(RandomProblems, PlansAreValidAndWhatIsCalledUnsolvableHasNoPlan) {
   EXPECT_EQ(tally.missed, 0) << "the oracle found plans where the planner ended without an answer";
 }
 
+TEST(RandomProblems, MetricsAreMadeAsGoodAsAnExhaustiveSearchKnows) {
+  const MetricTally tally = check_metrics(1, 300, 100'000);
+  EXPECT_GT(tally.compared, 30);
+  EXPECT_GT(tally.not_shortest, 5);
+  EXPECT_GT(tally.bounded, 10);
+  EXPECT_EQ(tally.worse, 0);
+}
+
 TEST(RandomProblems, TheOracleKnowsThatOverlapSolvesWhatSequencesCannot) {
   RandomProblem problem;
   problem.facts = 2;

@@ -40,12 +40,19 @@ class Oracle {
  public:
   Oracle(const RandomProblem& problem, const OracleLimits& limits) : problem_(problem), limits_(limits) {}
 
-  OracleAnswer run() {
+  OracleAnswer run() { return visit(true); }
+
+  std::optional<int> least_metric() { return visit(false) == OracleAnswer::kTooLarge ? std::nullopt : best_; }
+
+ private:
+  /// Visits everything, or up to the first plan.
+  OracleAnswer visit(bool first_only) {
     Situation first;
     for (int f = 0; f < problem_.facts; ++f) first.facts |= static_cast<unsigned>(problem_.initial[static_cast<std::size_t>(f)] != 0) << f;
     first.count = problem_.count;
     first.left.assign(problem_.actions.size(), -1);
-    if (is_lasting_goal(first.facts, -1)) return OracleAnswer::kSolvable;
+    if (is_lasting_goal(first.facts, -1)) note_plan(0, first);
+    if (best_ && first_only) return OracleAnswer::kSolvable;
     std::set<Situation> now = {first};
     std::size_t visited = 0;
     for (int instant = 0; instant < limits_.seconds * limits_.instants; ++instant) {
@@ -54,7 +61,8 @@ class Oracle {
         for (unsigned starts = 0; starts < (1u << problem_.actions.size()); ++starts) {
           Situation next = situation;
           if (!step(next, instant, starts)) continue;
-          if (is_plan(next, situation, instant, starts)) return OracleAnswer::kSolvable;
+          if (is_plan(next, situation, instant, starts)) note_plan(instant / limits_.instants, next);
+          if (best_ && first_only) return OracleAnswer::kSolvable;
           after.insert(std::move(next));
         }
         if (++visited > limits_.most_situations) return OracleAnswer::kTooLarge;
@@ -64,7 +72,11 @@ class Oracle {
     return OracleAnswer::kNoPlanInHorizon;
   }
 
- private:
+  void note_plan(int seconds, const Situation& situation) {
+    const int metric = problem_.time_weight * seconds + problem_.count_weight * situation.count;
+    best_ = std::min(metric, best_.value_or(metric));
+  }
+
   /// The goal holds and will after the events to come.
   bool is_lasting_goal(unsigned facts, int instant) const {
     if (!holds(problem_.goal, facts)) return false;
@@ -129,10 +141,13 @@ class Oracle {
 
   const RandomProblem& problem_;
   const OracleLimits limits_;
+  std::optional<int> best_;  ///< least metric of a plan
 };
 
 }  // namespace
 
 OracleAnswer ask_oracle(const RandomProblem& problem, const OracleLimits& limits) { return Oracle(problem, limits).run(); }
+
+std::optional<int> ask_oracle_for_metric(const RandomProblem& problem, const OracleLimits& limits) { return Oracle(problem, limits).least_metric(); }
 
 }  // namespace cxlab::planner

@@ -4,6 +4,8 @@
 // Time is counted in whole seconds and, within a second, in instants that are one epsilon apart. At every instant any
 // set of actions may start; what is due ends, and events happen. All reachable situations up to a horizon are visited.
 
+#include <optional>
+
 #include "tests/planner/random/random_problem.h"
 
 namespace cxlab::planner {
@@ -17,5 +19,8 @@ struct OracleLimits {
 };
 
 OracleAnswer ask_oracle(const RandomProblem& problem, const OracleLimits& limits = {});
+
+/// The least metric of all plans within the horizon, with time in whole seconds; none if there is no plan or too much to visit.
+std::optional<int> ask_oracle_for_metric(const RandomProblem& problem, const OracleLimits& limits = {});
 
 }  // namespace cxlab::planner
