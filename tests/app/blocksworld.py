@@ -47,6 +47,11 @@ AGENT = """(deffacts wanted
   (pddl-action-get-effect (action 0) (effect-type ALL) (apply FALSE)))
 (defrule apply (pddl-action-condition (action 1) (state CONDITION-UNSAT)) => (assert (pddl-action-get-effect (instance blocks) (action 0) (effect-type ALL) (apply TRUE))))
 (defrule cancel-it (pddl-action-get-effect (apply TRUE) (state DONE)) (not (pddl-fluent-change)) (not (pddl-plan (id q))) => (assert (pddl-plan (instance blocks) (id q) (goal g))))
+(defrule ask-again ?g <- (pddl-get-fluents (state DONE)) ?n <- (pddl-get-numeric-fluents (state DONE)) (time ?t&:(> ?t 12.0)) (not (again)) =>
+  (assert (again) (pddl-fluent (instance blocks) (name on) (params b b)))
+  (modify ?g (state PENDING)) (modify ?n (state PENDING)))
+(defrule new-number (declare (salience 1)) (pddl-numeric-fluent (name moves) (value ?v)) => (println "moves are " ?v))
+(defrule new-fact (declare (salience 1)) (pddl-fluent (name ontable) (params b)) => (println "b is on the table"))
 (defrule cancel-it-2 ?p <- (pddl-plan (id q) (state PLANNING)) => (modify ?p (state REQUEST-CANCELING)))
 (defrule look (time ?t&:(> ?t 15.0)) (not (looked)) => (assert (looked)) (facts))
 """
@@ -190,7 +195,9 @@ class Blocksworld(unittest.TestCase):
             "(id q) (goal g) (goal-ptr nil) (plan-type nil) (goal-handle nil) (output-dir \"\") (type TEMPORAL) (state CANCELED))",
         ]:
             self.assertIn(fact, log)
-        for gone in ["(name clear) (params b)", "pddl-planning-filter", "pddl-object-change", "(name on) (params c a)"]:
+        self.assertEqual(log.count("b is on the table"), 1, "facts that stay true are not made anew")
+        self.assertEqual([log.count(f"moves are {n}.0") for n in (0, 5, 6)], [1, 1, 1])
+        for gone in ["(name on) (params b b)", "(name clear) (params b)", "pddl-planning-filter", "pddl-object-change", "(name on) (params c a)"]:
             self.assertNotIn(gone, log)
 
 

@@ -82,6 +82,26 @@
   (do-for-fact ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?name) (eq ?f:params ?params)) (return ?f:value))
   0.0)
 
+; --- Fluents as they are known here
+
+(deffunction pddl-take-fluent (?instance ?name ?params)
+  "The fluent is known; its fact."
+  (assert (pddl-fluent (instance ?instance) (name (sym-cat ?name)) (params (pddl-symbols ?params)))))
+
+(deffunction pddl-drop-fluent (?instance ?name ?params)
+  "The fluent is known no more."
+  (bind ?symbol (sym-cat ?name))
+  (bind ?symbols (pddl-symbols ?params))
+  (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?symbol) (eq ?f:params ?symbols)) (retract ?f)))
+
+(deffunction pddl-take-number (?instance ?name ?params ?value)
+  "The numeric fluent is known with that value; its fact."
+  (bind ?symbol (sym-cat ?name))
+  (bind ?symbols (pddl-symbols ?params))
+  (do-for-fact ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?symbol) (eq ?f:params ?symbols))
+    (return (modify ?f (value (float ?value)))))
+  (assert (pddl-numeric-fluent (instance ?instance) (name ?symbol) (params ?symbols) (value (float ?value)))))
+
 ; --- The manager
 
 (defrule pddl-manager-connect
@@ -162,17 +182,17 @@
    then (modify ?i (busy-with GET-FLUENTS)) (modify ?ask (state WAITING))))
 
 (defrule pddl-answer-fluents
-  "The facts of the instance are those of the manager, no more and no less."
+  "The facts of the instance are those of the manager, no more and no less; those that were known stay as they are."
   ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta fluents ?instance))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   ?ask <- (pddl-get-fluents (instance ?instance) (state WAITING))
   =>
   (bind ?error (pddl-error-of ?message))
   (if (eq ?error "") then
-    (do-for-all-facts ((?f pddl-fluent)) (eq ?f:instance ?instance) (retract ?f))
+    (bind ?now (create$))
     (foreach ?fluent (ros-msgs-get-field ?message "fluents")
-      (assert (pddl-fluent (instance ?instance) (name (sym-cat (ros-msgs-get-field ?fluent "name")))
-                           (params (pddl-symbols (ros-msgs-get-field ?fluent "args")))))))
+      (bind ?now (create$ ?now (pddl-take-fluent ?instance (ros-msgs-get-field ?fluent "name") (ros-msgs-get-field ?fluent "args")))))
+    (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance ?instance) (not (member$ ?f ?now))) (retract ?f)))
   (pddl-close ?ask ?error)
   (pddl-answered ?instance ?message ?response ?meta))
 
@@ -191,11 +211,11 @@
   =>
   (bind ?error (pddl-error-of ?message))
   (if (eq ?error "") then
-    (do-for-all-facts ((?f pddl-numeric-fluent)) (eq ?f:instance ?instance) (retract ?f))
+    (bind ?now (create$))
     (foreach ?function (ros-msgs-get-field ?message "functions")
-      (assert (pddl-numeric-fluent (instance ?instance) (name (sym-cat (ros-msgs-get-field ?function "name")))
-                                   (params (pddl-symbols (ros-msgs-get-field ?function "args")))
-                                   (value (ros-msgs-get-field ?function "value"))))))
+      (bind ?now (create$ ?now (pddl-take-number ?instance (ros-msgs-get-field ?function "name") (ros-msgs-get-field ?function "args")
+                                                 (ros-msgs-get-field ?function "value")))))
+    (do-for-all-facts ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (not (member$ ?f ?now))) (retract ?f)))
   (pddl-close ?ask ?error)
   (pddl-answered ?instance ?message ?response ?meta))
 
@@ -269,18 +289,6 @@
     (printout error (fact-relation ?change) ": " ?error crlf)
     (modify ?change (state ERROR) (error ?error))))
 
-(deffunction pddl-take-fluent (?instance ?name ?params ?delete)
-  "The fluent is known here, or gone."
-  (if (not ?delete) then (assert (pddl-fluent (instance ?instance) (name ?name) (params ?params)))
-   else (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?name) (eq ?f:params ?params)) (retract ?f))))
-
-(deffunction pddl-take-number (?instance ?name ?params ?value)
-  "The numeric fluent is known here with that value."
-  (do-for-fact ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?name) (eq ?f:params ?params))
-    (modify ?f (value ?value))
-    (return))
-  (assert (pddl-numeric-fluent (instance ?instance) (name ?name) (params ?params) (value ?value))))
-
 (defrule pddl-send-fluent-changes
   (declare (salience ?*PDDL-SALIENCE-FLUENTS*))
   (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
@@ -303,7 +311,7 @@
   (do-for-all-facts ((?c pddl-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state WAITING))
     (if (neq ?error "") then (pddl-refuse ?c ?error (> (length$ ?changes) 1))
      else
-      (pddl-take-fluent ?instance (sym-cat ?c:name) (pddl-symbols ?c:params) ?c:delete)
+      (if ?c:delete then (pddl-drop-fluent ?instance ?c:name ?c:params) else (pddl-take-fluent ?instance ?c:name ?c:params))
       (retract ?c)))
   (pddl-answered ?instance ?message ?response ?meta))
 
@@ -327,7 +335,7 @@
   (do-for-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state WAITING))
     (if (neq ?error "") then (pddl-refuse ?c ?error (> (length$ ?changes) 1))
      else
-      (pddl-take-number ?instance (sym-cat ?c:name) (pddl-symbols ?c:params) (float ?c:value))
+      (pddl-take-number ?instance ?c:name ?c:params ?c:value)
       (retract ?c)))
   (pddl-answered ?instance ?message ?response ?meta))
 
