@@ -30,7 +30,10 @@ PddlManager::PddlManager(PddlManagerOptions options, bus::Bus& bus, RecordSink& 
       lifecycle_(bus_, node_, [this](cx::Transition t) { return act_on(t); },
                  [this](const Error& why) { log(cx::LogLevel::kWarn, why.message); }) {}
 
-PddlManager::~PddlManager() { bus_.leave(node_); }
+PddlManager::~PddlManager() {
+  bond_.reset();
+  bus_.leave(node_);
+}
 
 Expected<std::unique_ptr<PddlManager>> PddlManager::create(PddlManagerOptions options, bus::Bus& bus, RecordSink& sink) {
   bus::NodeName name{options.node, options.name_space, options.remaps};
@@ -64,18 +67,13 @@ Status PddlManager::act_on(cx::Transition transition) {
   const bool active = state() == cx::LifeState::kActive;
   switch (transition) {
     case cx::Transition::kConfigure: return configure();
-    case cx::Transition::kActivate:
-      if (options_.bond_period > 0) {
-        bond_start_ = bus_.now();
-        beats_ = 0;
-      }
-      return {};
+    case cx::Transition::kActivate: return form_bond();
     case cx::Transition::kDeactivate:
     case cx::Transition::kShutdown:
       if (active) {
         stop_jobs("the node was deactivated");
-        beat(false);
-        bond_start_ = kNever;
+        if (bond_) bond_->end();
+        bond_.reset();
       }
       if (transition == cx::Transition::kShutdown) clean_up();
       return {};
@@ -99,11 +97,6 @@ Status PddlManager::configure() {
   auto reports = advertise("~/plan_report", "cxlab_pddl_interfaces/msg/PlanReport", report_type_);
   if (!reports) return reports.error();
   reports_ = *reports;
-  if (options_.bond_period > 0) {
-    auto bond = advertise("/bond", "bond/msg/Status", bond_type_);
-    if (!bond) return bond.error();
-    bond_ = *bond;
-  }
 
   using M = PddlManager;
   static constexpr ServiceRow kServices[] = {
@@ -178,36 +171,33 @@ void PddlManager::clean_up() {
   for (const bus::EndpointId endpoint : endpoints_) bus_.remove(endpoint);
   endpoints_.clear();
   dialects_.clear();
-  bond_.reset();
   instances_.clear();
 }
 
-void PddlManager::beat(bool active) {
-  if (!bond_) return;
-  auto message = std::make_shared<bus::Message>(*bond_type_);
-  const bus::NodeName& name = bus_.name_of(node_);
-  const View status = message->view();
-  const std::int64_t now = bus_.now().count();
-  status.nested("header").nested("stamp").set("sec", now / 1'000'000'000).set("nanosec", now % 1'000'000'000);
-  status.set("id", name.name).set("instance_id", name.full_name()).set("active", active);
-  status.set("heartbeat_timeout", 4.0).set("heartbeat_period", options_.bond_period);
-  bus_.publish(*bond_, std::move(message));
+Status PddlManager::form_bond() {
+  if (options_.bond_period <= 0) return {};
+  cx::Bond::Options options;
+  options.id = options_.node;
+  options.instance = bus_.name_of(node_).full_name();
+  options.period = from_seconds(options_.bond_period);
+  options.connect_timeout = kNever;  // nobody has to watch it
+  auto bond = cx::Bond::create(bus_, node_, std::move(options), [this](cx::Bond::Loss loss) {
+    log(cx::LogLevel::kWarn, "the peer of its bond " + std::string(cx::to_string(loss)));
+  });
+  if (!bond) return bond.error();
+  bond_ = *std::move(bond);
+  return {};
 }
 
 // --- A tick
 
 SimTime PddlManager::next_due() const {
-  SimTime first = kNever;
+  SimTime first = bond_ ? bond_->next_due() : kNever;
   for (const Job& job : jobs_) first = std::min(first, job.due);
-  if (bond_start_ != kNever) first = std::min(first, due_time(bond_start_, beats_, 1 / options_.bond_period));
   return first;
 }
 
 Status PddlManager::answer_due(SimTime now) {
-  while (bond_start_ != kNever && due_time(bond_start_, beats_, 1 / options_.bond_period) <= now) {
-    ++beats_;
-    beat(true);
-  }
   std::vector<Job> due;
   for (const Job& job : jobs_)
     if (job.due <= now) due.push_back(job);
@@ -219,6 +209,7 @@ Status PddlManager::answer_due(SimTime now) {
 
 Status PddlManager::act() {
   bus_.deliver(node_);
+  if (bond_) bond_->act();
   return std::exchange(failure_, Status());
 }
 

@@ -18,6 +18,7 @@
 #include "cx/base/record_sink.h"
 #include "cx/base/time.h"
 #include "cx/bus/bus.h"
+#include "cx/node/bond.h"
 #include "cx/node/lifecycle.h"
 #include "cx/node/log.h"
 #include "cx/node/parameters.h"
@@ -32,7 +33,7 @@ struct PddlManagerOptions {
   std::string name_space = "/";
   std::vector<std::pair<std::string, std::string>> remaps;  ///< FROM := TO
   bool autostart = true;          ///< configured and activated when it is made
-  double bond_period = 0;         ///< s between heartbeats on /bond while active; 0 = none
+  double bond_period = 0;         ///< s between heartbeats on `bond` while active, as an environment manager; 0 = none
   bool original = false;          ///< answers as the first PDDL manager does, errors included
   bool anytime = false;           ///< plans are improved until the budget ends
   bool warm_start = true;         ///< a goal that is planned for again begins with what is left of its last plan
@@ -60,9 +61,9 @@ class PddlManager {
   Status change(cx::Transition transition) { return lifecycle_.change(transition); }
 
   // --- A tick
-  /// Posts the answers whose time has come, and heartbeats.
+  /// Posts the answers whose time has come.
   Status answer_due(SimTime now);
-  /// Takes what was sent to the node and answers it; plans that were asked for are made here.
+  /// Takes what was sent to the node and answers it; plans that were asked for are made here. Sends heartbeats.
   Status act();
   SimTime next_due() const;
 
@@ -108,7 +109,7 @@ class PddlManager {
   Status serve(const std::string& package, const ServiceRow& row);
   void clean_up();
   void stop_jobs(const std::string& reason);
-  void beat(bool active);
+  Status form_bond();
 
   // Questions (services.cpp). The error becomes the answer.
   Status add_pddl_instance(const View& q, const View& a);
@@ -164,12 +165,10 @@ class PddlManager {
   std::vector<bus::EndpointId> endpoints_;  // what there is from configure to cleanup
   std::vector<Dialect> dialects_;
   bus::EndpointId updates_{}, reports_{};
-  std::optional<bus::EndpointId> bond_;
-  const bus::MessageType *update_type_ = nullptr, *report_type_ = nullptr, *bond_type_ = nullptr;
+  std::unique_ptr<cx::Bond> bond_;          // may be none
+  const bus::MessageType *update_type_ = nullptr, *report_type_ = nullptr;
   std::map<std::string, Entry> instances_;
   std::vector<Job> jobs_;                   // in the order in which they were asked for
-  SimTime bond_start_ = kNever;
-  std::int64_t beats_ = 0;
   Status failure_;                          // ends the run
   bool answer_ = true;                      // false: the request stays without an answer, as in the original
   int plans_ = 0, replans_ = 0;
