@@ -176,6 +176,7 @@ class Planner {
   LazyOptions lazy_options(std::uint64_t seed) const {
     LazyOptions options;
     options.seed = seed;
+    options.late_goal = late_goal_;
     options.random_choice = seed == 0 ? 0 : 0.05;
     options.most_words = options_.most_memory_mb * 1024 * 1024 / 8 / 2;
     return options;
@@ -225,7 +226,7 @@ class Planner {
     budget_.set_slice(budget_.units() + slice);
     const SearchEnd end = search.run(cut.space->simulator.initial(), lazy_options(seed), budget_, found);
     budget_.clear_slice();
-    cut.exhausted = end == SearchEnd::kExhausted;
+    cut.exhausted = is_exhausted(end);
     note(end);
     if (end != SearchEnd::kFound) return false;
     if (publish(check.translate(found))) best_cut_ = {&cut, std::move(found)};
@@ -245,7 +246,7 @@ class Planner {
     const SearchEnd end = clock_->run(lazy_options(seed), answer_.by_metric ? DurationRange::kForever : best_makespan_, budget_, [this](const std::vector<ClockStep>& steps) { return publish(steps); });
     budget_.clear_slice();
     note(end);
-    clock_exhausted_ = end == SearchEnd::kExhausted;
+    clock_exhausted_ = is_exhausted(end);
     return end == SearchEnd::kFound;
   }
 
@@ -296,6 +297,12 @@ class Planner {
     return answer_.plan.has_value();
   }
 
+  /// Whether a search has nothing more to give, however the goal may come about.
+  bool is_exhausted(SearchEnd end) {
+    if (end == SearchEnd::kExhausted && !late_goal_) early_exhausted_ = true;
+    return end == SearchEnd::kExhausted && (late_goal_ || ground_.events.empty());
+  }
+
   void note(SearchEnd end) { out_of_memory_ |= end == SearchEnd::kMemory; }
 
   void find_first() {
@@ -303,13 +310,15 @@ class Planner {
     std::int64_t slice = std::max(kFirstSlice, kSliceOfOperator * static_cast<std::int64_t>(sequences_->relaxed.operators().size()));
     for (std::uint64_t round = 0; !budget_.over() && !unsupported_; ++round, slice = std::min(slice + slice / 2, kLongestSlice)) {
       const std::uint64_t seed = round;
+      // Plans after whose last action events bring about the goal only where there seem to be no others.
+      late_goal_ = !ground_.events.empty() && (early_exhausted_ || round % 2 == 1);
       if (!sequences_exhausted) {
         Sequence found;
         const SearchEnd end = search_sequences(seed, slice, true, found);
         note(end);
         if (end == SearchEnd::kFound) take(found);
         if (answer_.plan) return;
-        sequences_exhausted = end == SearchEnd::kExhausted;
+        sequences_exhausted = is_exhausted(end);
       }
       if (!ground_.events.empty() && mend_late(seed, slice)) return;
       if (!envelopes_) envelopes_ = make_cut(false);
@@ -547,6 +556,8 @@ class Planner {
   std::pair<Cut*, Sequence> best_cut_{nullptr, {}};  ///< the best plan as a sequence of parts, where no sequence was found
   std::unique_ptr<ClockSearch> clock_;
   bool clock_exhausted_ = false;
+  bool late_goal_ = false;        ///< searches take plans after which events bring about the goal
+  bool early_exhausted_ = false;  ///< a search for other plans has come to its end
   PlanAnswer answer_;
   Sequence best_sequence_;
   std::unique_ptr<Objective> objective_;

@@ -283,7 +283,7 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
     std::vector<Word> name = key(made, time_matters);
     const std::size_t size = 2 * name.size() + 20;
     if (!known.insert(std::move(name)).second) return false;
-    if (made.running.empty() && simulator_.is_goal(made.state.data()) && accept(plan_of(made))) return true;
+    if (made.running.empty() && simulator_.is_lasting_goal(made.state.data(), made.next_event, options.late_goal) && accept(plan_of(made))) return true;
     const int found = estimate(heuristic, made, preferred);
     budget.spend(Work::kReach, heuristic.work() - reported);
     reported = heuristic.work();

@@ -164,7 +164,7 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
   for (;;) {
     if (node >= 0) {
       const int next_event = nodes[node].next_event;
-      if (simulator_.is_lasting_goal(state.data(), next_event)) {
+      if (simulator_.is_lasting_goal(state.data(), next_event, options.late_goal)) {
         found = path(node);
         if (!check_ || check_->accepts_goal(found)) return SearchEnd::kFound;
       }

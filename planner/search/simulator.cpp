@@ -283,9 +283,10 @@ bool Simulator::over_all_holds(int action, const Word* state, Micros duration) c
   return holds(task_.actions[action].over_all, state, static_cast<double>(duration) / kSecond);
 }
 
-bool Simulator::is_lasting_goal(const Word* state, int next_event) const {
+bool Simulator::is_lasting_goal(const Word* state, int next_event, bool late) const {
   const int events = static_cast<int>(task_.events.size());
-  if (!is_goal(state) || next_event == events) return is_goal(state);
+  if (next_event == events) return is_goal(state);
+  if (!late && !is_goal(state)) return false;
   PackedState later(state, state + words());
   for (int event = next_event; event < events; ++event) apply_event(event, later.data());
   return is_goal(later.data());

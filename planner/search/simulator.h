@@ -26,8 +26,9 @@ class Simulator {
 
   bool holds(const GroundCondition& condition, const Word* state, double duration_s = 0) const;
   bool is_goal(const Word* state) const { return holds(task_.goal, state); }
-  /// Whether the goal holds and will after all events from `next_event` on, as validators ask.
-  bool is_lasting_goal(const Word* state, int next_event) const;
+  /// Whether the goal holds and will after all events from `next_event` on. Validators ask for the latter only (`late`),
+  /// other readers of plans for both.
+  bool is_lasting_goal(const Word* state, int next_event, bool late = false) const;
 
   /// What must be true for an action to run from beginning to end with nothing beside it; `impossible` if it cannot.
   const GroundCondition& whole_condition(int action) const { return whole_[action].condition; }

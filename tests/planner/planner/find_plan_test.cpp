@@ -82,6 +82,14 @@ TEST(FindPlan, WhatAnEventUndoesAfterwardsIsNoGoal) {
   EXPECT_EQ(answer(parse(domain, "(:init (at 6 (not (lit))) (at 7 (lit))) (:goal (lit))")).plan->makespan_s, 1.0);
 }
 
+TEST(FindPlan, AnEventAfterTheLastActionMayBringAboutTheGoal) {
+  const PlanAnswer found = answer(parse(R"((:predicates (lamp) (photo))
+    (:durative-action expose :parameters () :duration (= ?duration 3) :condition (over all (lamp)) :effect (at end (photo))))",
+                                        "(:init (at 2 (lamp)) (at 6 (not (lamp)))) (:goal (and (photo) (not (lamp))))"));
+  ASSERT_TRUE(found.plan);
+  EXPECT_LT(found.plan->makespan_s, 6.0);
+}
+
 TEST(FindPlan, CountsWhatItMustCollect) {
   const PlanAnswer found = answer(parse(R"((:functions (coins)) (:predicates (bought))
     (:durative-action earn :parameters () :duration (= ?duration 2) :condition (at start (<= (coins) 5)) :effect (at end (increase (coins) 2)))
