@@ -19,10 +19,8 @@ class Bounds {
   Micros run() {
     find_durations();
     find_earliest();
-    Micros bound = 0;
-    for (const int f : task_.goal.facts) bound = std::max(bound, fact_[f]);
-    for (const int c : task_.goal.comparisons) bound = std::max(bound, comparison_[c]);
-    return bound >= kNever ? 0 : std::max(bound, resources());
+    const Micros shared = resources(), bound = earliest_goal();
+    return bound >= kNever ? 0 : std::max(bound, shared);
   }
 
  private:
@@ -60,11 +58,11 @@ class Bounds {
     for (std::size_t f = 0; f < task_.facts.size(); ++f)
       if (is_set(initial.data(), static_cast<int>(f)) || (task_.facts[f].derived && task_.facts[f].is_complement)) fact_[f] = 0;
     // A comparison can come true as soon as one of its numbers changes.
-    std::vector<std::vector<int>> readers(task_.numbers.size());
+    readers_.assign(task_.numbers.size(), {});
     for (std::size_t c = 0; c < task_.comparisons.size(); ++c) {
       if (task_.comparisons[c].holds(simulator_.numbers(initial.data())) || task_.comparisons[c].linear.duration_weight != 0) comparison_[c] = 0;
       for (const auto& step : task_.comparisons[c].expression.steps)
-        if (step.kind == GroundExpression::Kind::kNumber) readers[step.number].push_back(static_cast<int>(c));
+        if (step.kind == GroundExpression::Kind::kNumber) readers_[step.number].push_back(static_cast<int>(c));
     }
     bool changed = true;
     const auto lower = [&changed](Micros& time, Micros to) {
@@ -73,7 +71,7 @@ class Bounds {
     const auto apply = [&](const GroundEffects& effects, Micros time) {
       for (const int f : effects.add) lower(fact_[f], time);
       for (const NumericEffect& effect : effects.numbers)
-        for (const int c : readers[effect.number]) lower(comparison_[c], time);
+        for (const int c : readers_[effect.number]) lower(comparison_[c], time);
     };
     for (const TimedEvent& event : task_.events) apply(event.effects, event.time);
     while (changed) {
@@ -86,7 +84,7 @@ class Bounds {
         apply(action.at_start, start);
         for (const ConditionalEffects& conditional : action.conditional) apply(conditional.at_start, start);
         for (const ContinuousEffect& effect : action.continuous)
-          for (const int c : readers[effect.number]) lower(comparison_[c], start);
+          for (const int c : readers_[effect.number]) lower(comparison_[c], start);
         const Micros end = earliest_end(a);
         if (end >= kNever) continue;
         apply(action.at_end, end);
@@ -94,6 +92,21 @@ class Bounds {
       }
       for (const Axiom& axiom : task_.axioms) lower(fact_[axiom.head], latest(axiom.body));
     }
+  }
+
+  /// What events bring about of the goal may come after the end of the plan.
+  Micros earliest_goal() {
+    for (const TimedEvent& event : task_.events) {
+      for (const int f : event.effects.add) fact_[f] = 0;
+      for (const NumericEffect& effect : event.effects.numbers)
+        for (const int c : readers_[effect.number]) comparison_[c] = 0;
+    }
+    for (bool changed = !task_.events.empty(); changed;) {
+      changed = false;
+      for (const Axiom& axiom : task_.axioms)
+        if (const Micros time = latest(axiom.body); time < fact_[axiom.head]) fact_[axiom.head] = time, changed = true;
+    }
+    return latest(task_.goal);
   }
 
   /// Actions that take a fact at their start and give it back at their end cannot overlap if they share it.
@@ -113,6 +126,8 @@ class Bounds {
       for (const ConditionalEffects& conditional : action.conditional)
         for (const auto* effects : {&conditional.at_start, &conditional.at_end})
           for (const int f : effects->add) achievers[f].clear();  // not known which actions
+    for (const TimedEvent& event : task_.events)
+      for (const int f : event.effects.add) achievers[f].clear();
     std::vector<std::vector<int>> locks(task_.facts.size());  // by resource: actions
     for (std::size_t a = 0; a < task_.actions.size(); ++a)
       for (const int f : task_.actions[a].start.facts)
@@ -147,6 +162,7 @@ class Bounds {
   const GroundTask& task_;
   Budget& budget_;
   std::vector<Micros> durations_, fact_, comparison_;
+  std::vector<std::vector<int>> readers_;  ///< by number: comparisons
 };
 
 }  // namespace
