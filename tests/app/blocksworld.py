@@ -177,6 +177,20 @@ class Blocksworld(unittest.TestCase):
         for left in ["goal-response", "wrapped-result", "cancel-goal", "service-request-meta", "ros-msgs-response", "cleaning up ... goal"]:
             self.assertNotIn(left, log)
 
+    def test_each_namespace_may_have_its_manager_and_its_agent(self):
+        scenario = Path(self.folder.name) / "two.yaml"
+        scenario.write_text("""schema: 1
+servers: [{node: pddl_manager, namespace: /cyan}, {node: pddl_manager, namespace: /magenta, planner: {latency: {a: 2}}}]
+duration_s: 10
+packages: {agent: agent}
+agents: [{config: agent/params/agent.yaml, namespace: /cyan}, {config: agent/params/agent.yaml, namespace: /magenta}]
+""")
+        self.facts_of(PLANS.replace("(pddl-manager)", '(pddl-manager (node "pddl_manager"))'), seconds=0.1)  # writes the agent
+        log = self.cxlab("run", scenario, "--out", "none").stderr
+        self.assertEqual(log.count("(id p2) (goal g2) (goal-ptr nil) (plan-type nil) (goal-handle nil) (output-dir \"\") (type TEMPORAL) (state SUCCESS)"), 2)
+        times = [float(line[1:10]) for line in log.splitlines() if "[pddl_manager] plan for 'g2'" in line]
+        self.assertAlmostEqual(times[1] - times[0], 2, places=1)  # each has its own planning time
+
     def test_the_helper_rules_answer_all_that_is_asked(self):
         log = self.facts_of(AGENT, "--with", "pddl_manager", "--param", "pddl_manager.planner={latency: {a: 1}}")
         self.assertNotRegex(log, r"\[(warn|error)\]")
