@@ -61,10 +61,10 @@ class Plugin {
 
  protected:
   const PluginContext& context() const { return context_; }
-  /// Reads `<instance>.<key>` of the YAML; leaves the field alone when it is missing.
+  /// Declares `<instance>.<key>` with the field's value as default, and reads it.
   template <class T>
   Status parameter(std::string_view key, T& field) const {
-    return context_.parameters.read(context_.name + '.' + std::string(key), field);
+    return context_.parameters.declare(context_.name + '.' + std::string(key), field);
   }
   void log(LogLevel level, std::string_view text) const { context_.log(level, context_.name, text); }
   void log(Environment& environment, LogLevel level, std::string_view text) const { environment.log(level, context_.name, text); }

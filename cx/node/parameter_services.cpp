@@ -157,8 +157,9 @@ class Server {
       auto value = take_parameter(parameter.nested("value"));
       if (!value) return value.error();
       const Parameter* old = parameters_.find(name);
-      const RosType was = old ? type_of(*old) : kNotSet, is = type_of(*value);
-      if (old && was != is && !(old->type == Type::kList && value->type == Type::kList && (old->items.empty() || value->items.empty())))
+      if (!old) return input_error("parameter '" + name + "' cannot be set because it was not declared");
+      const RosType was = type_of(*old), is = type_of(*value);
+      if (was != is && old->type != Type::kNone && !(old->type == Type::kList && value->type == Type::kList && (old->items.empty() || value->items.empty())))
         return input_error("Wrong parameter type, parameter {" + name + "} is of type {" + kTypeNames[was] + "}, setting it to {" + kTypeNames[is] + "} is not allowed.");
       if (check_)
         if (Status s = check_(name, *value); !s) return s;
@@ -171,7 +172,7 @@ class Server {
     event.nested("stamp").set("sec", now / 1'000'000'000).set("nanosec", now % 1'000'000'000);
     event.set("node", node_);
     for (auto& [name, value] : changes) {
-      const bus::MessageView told = event.append(parameters_.find(name) ? "changed_parameters" : "new_parameters");
+      const bus::MessageView told = event.append("changed_parameters");
       told.set("name", name);
       put_parameter(value, told.nested("value"));
       parameters_.put(name, std::move(value));

@@ -19,7 +19,7 @@ using ParameterCheck = std::function<Status(const std::string& name, const Param
 
 /// Offers `~/list_parameters`, `~/get_parameters`, `~/get_parameter_types`, `~/describe_parameters`,
 /// `~/set_parameters`, `~/set_parameters_atomically`, and tells of changes on `/parameter_events`. A parameter keeps its
-/// type; a name that is not there yet is declared by setting it. What `check` refuses is not set. `parameters` outlives the node's place on the bus.
+/// type; one that is not there is not set, nor what `check` refuses. `parameters` outlives the node's place on the bus.
 Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters, ParameterCheck check = {});
 
 }  // namespace cxlab::cx

@@ -3,7 +3,10 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <charconv>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
@@ -30,6 +33,36 @@ bool is_number(std::string_view text, Number& out) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
+/// As ROS reads it, with C's prefixes: `0x10` is 16, `010` is 8 and `08` no integer.
+bool is_integer(const std::string& text, std::int64_t& out) {
+  char* end = nullptr;
+  errno = 0;
+  out = std::strtoll(text.c_str(), &end, 0);
+  return errno == 0 && end != text.c_str() && *end == '\0';
+}
+
+/// `.inf`, `-.inf`, `.nan` are numbers as `inf` is.
+bool is_real(std::string text, double& out) {
+  for (const std::string_view word : {".inf", ".Inf", ".INF", ".nan", ".NaN", ".NAN"})
+    if (text.ends_with(word) && text.size() <= word.size() + 1) text.erase(text.size() - word.size(), 1);
+  return is_number(text, out);
+}
+
+std::string shortest(double number) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr};
+}
+
+Parameter scalar(Parameter::Type type, std::string text, const char* file) {
+  Parameter p;
+  p.type = type;
+  p.text = std::move(text);
+  p.file = file;
+  return p;
+}
+
+constexpr const char* kDefault = "default";
+
 Parameter to_parameter(const YAML::Node& node, const std::string& file) {
   Parameter p;
   p.file = file;
@@ -45,8 +78,8 @@ Parameter to_parameter(const YAML::Node& node, const std::string& file) {
   std::int64_t integer = 0;
   double number = 0;
   if (node.Tag() == "!") p.type = Parameter::Type::kString;  // quoted
-  else if (is_number(p.text, integer)) p.type = Parameter::Type::kInteger;
-  else if (is_number(p.text, number)) p.type = Parameter::Type::kDouble;
+  else if (is_integer(p.text, integer)) p.type = Parameter::Type::kInteger, p.text = std::to_string(integer);
+  else if (is_real(p.text, number)) p.type = Parameter::Type::kDouble, p.text = shortest(number);
   else if (YAML::convert<bool>::decode(node, truth)) p.type = Parameter::Type::kBool, p.text = truth ? "true" : "false";
   else p.type = Parameter::Type::kString;
   return p;
@@ -104,9 +137,14 @@ bool matches(const std::vector<std::string>& pattern, std::size_t p, const std::
 }
 
 Error wrong_type(const Parameter& p, std::string_view name, std::string_view expected) {
+  using Type = Parameter::Type;
   std::string found(to_string(p.type));
   if (!p.text.empty()) found = "'" + p.text + "' (" + found + ")";
-  return input_error("parameter '" + std::string(name) + "': found " + found + ", expected " + std::string(expected), p.file, p.line);
+  std::string message = "parameter '" + std::string(name) + "': found " + found + ", expected " + std::string(expected);
+  const bool plain = p.type == Type::kBool || p.type == Type::kInteger || p.type == Type::kDouble;
+  if (plain && expected.ends_with("string")) message += ": in quotes it is one";
+  if (plain && expected.ends_with("strings")) message += ": in quotes it is a string";
+  return input_error(std::move(message), p.file, p.line);
 }
 
 }  // namespace
@@ -230,6 +268,16 @@ Status Parameters::read(std::string_view name, std::vector<std::string>& field) 
     field.push_back(item.text);
   }
   return {};
+}
+
+Parameter Parameters::default_of(bool value) { return scalar(Parameter::Type::kBool, value ? "true" : "false", kDefault); }
+Parameter Parameters::default_of(std::int64_t value) { return scalar(Parameter::Type::kInteger, std::to_string(value), kDefault); }
+Parameter Parameters::default_of(double value) { return scalar(Parameter::Type::kDouble, shortest(value), kDefault); }
+Parameter Parameters::default_of(const std::string& value) { return scalar(Parameter::Type::kString, value, kDefault); }
+Parameter Parameters::default_of(const std::vector<std::string>& value) {
+  Parameter p = scalar(Parameter::Type::kList, {}, kDefault);
+  for (const std::string& text : value) p.items.push_back(default_of(text));
+  return p;
 }
 
 }  // namespace cxlab::cx

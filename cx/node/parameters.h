@@ -35,10 +35,6 @@ class Parameters {
   const Parameter* find(std::string_view name) const;
   /// Sets a parameter; `yaml` is its value as YAML. `origin` is named in errors.
   Status set(const std::string& name, const std::string& yaml, const std::string& origin);
-  /// Sets a parameter that is not there yet.
-  void declare(const std::string& name, const std::string& yaml) {
-    if (!find(name)) (void)set(name, yaml, "default");
-  }
   void put(const std::string& name, Parameter value) { values_[name] = std::move(value); }
   /// All names, sorted.
   std::vector<std::string> names() const;
@@ -54,7 +50,20 @@ class Parameters {
   Status read(std::string_view name, std::string& field) const;
   Status read(std::string_view name, std::vector<std::string>& field) const;
 
+  /// As a node declares a parameter: reads it, and where it is missing it is there from now on with the field's value.
+  template <class T>
+  Status declare(const std::string& name, T& field) {
+    if (!find(name)) put(name, default_of(field));
+    return read(name, field);
+  }
+
  private:
+  static Parameter default_of(bool value);
+  static Parameter default_of(std::int64_t value);
+  static Parameter default_of(double value);
+  static Parameter default_of(const std::string& value);
+  static Parameter default_of(const std::vector<std::string>& value);
+
   std::string file_;
   std::map<std::string, Parameter, std::less<>> values_;  // by dotted name
 };

@@ -16,10 +16,10 @@ constexpr std::array<const char*, 3> kNames{"background_r", "background_g", "bac
 
 Status TurtlesimNode::serve_parameters() {
   const sim::Colour now = world_.background();
-  const std::array<std::uint8_t, 3> values{now.r, now.g, now.b};
-  for (std::size_t i = 0; i < kNames.size(); ++i) parameters_.declare(kNames[i], std::to_string(values[i]));
+  std::array<std::int64_t, 3> values{now.r, now.g, now.b};
+  for (std::size_t i = 0; i < kNames.size(); ++i)
+    if (Status s = parameters_.declare(kNames[i], values[i]); !s) return s;
   return cx::serve_parameters(bus_, *self_, parameters_, [this](const std::string& name, const cx::Parameter& value) -> Status {
-    if (!parameters_.find(name)) return input_error("parameter '" + name + "' cannot be set because it was not declared");
     const long number = std::strtol(value.text.c_str(), nullptr, 10);
     if (number < 0 || number > 255) return input_error(name + ": found " + value.text + ", expected 0 to 255");
     return {};

@@ -12,6 +12,7 @@ struct ParameterServices : ::testing::Test {
     lab.config(R"(environments: ["main"]
 main: {plugins: ["executive"]}
 executive: {plugin: "cx::ExecutivePlugin", refresh_rate: 10}
+late: {plugin: "cx::FileLoadPlugin", load: ["nothing.clp"], pkg_share_dirs: ["agent"]}
 mine: {flag: true, ratio: 0.5, list: [1, 2], words: ["a", "b"], text: hello})");
     lab.run_up();
   }
@@ -55,14 +56,28 @@ TEST_F(ParameterServices, ChangesAreToldToAll) {
   std::string heard;
   ASSERT_TRUE(lab.bus.subscribe(caller.node(), "/parameter_events", **lab.registry.message("rcl_interfaces/msg/ParameterEvent"),
                                 [&](const bus::Delivery& d) { heard = d.message->view().to_string(); }).ok());
-  call("set_parameters", "SetParameters", "{parameters: [{name: mine.text, value: {type: 4, string_value: bye}}, {name: fresh, value: {type: 2, integer_value: 3}}]}");
-  EXPECT_THAT(heard, ::testing::AllOf(HasSubstr("node: \"/clips_manager\""), HasSubstr("fresh")));
+  call("set_parameters", "SetParameters", "{parameters: [{name: mine.text, value: {type: 4, string_value: bye}}, {name: mine.ratio, value: {type: 3, double_value: 3.0}}]}");
+  EXPECT_THAT(heard, ::testing::AllOf(HasSubstr("node: \"/clips_manager\""), HasSubstr("changed_parameters: [{name: \"mine.ratio\"")));
 }
 
-TEST_F(ParameterServices, APluginThatTheFileDoesNotNameCanBeDescribedAndLoaded) {
+TEST_F(ParameterServices, OneThatWasNotDeclaredCannotBeSet) {
+  EXPECT_EQ(call("set_parameters", "SetParameters", "{parameters: [{name: fresh, value: {type: 2, integer_value: 3}}]}"),
+            R"({results: [{successful: false, reason: "parameter 'fresh' cannot be set because it was not declared"}]})");
+  EXPECT_THAT(call("set_parameters_atomically", "SetParametersAtomically", "{parameters: [{name: mine.ratio, value: {type: 3, double_value: 9.0}}, {name: fresh, value: {type: 1}}]}"),
+              HasSubstr("was not declared"));
+  EXPECT_THAT(call("get_parameters", "GetParameters", "{names: [mine.ratio, fresh]}"), HasSubstr("double_value: 0.5"));
+}
+
+TEST_F(ParameterServices, WhatTheNodeAndItsPluginsReadIsDeclaredWithItsDefault) {
+  EXPECT_THAT(call("list_parameters", "ListParameters", "{prefixes: [main, executive]}"),
+              HasSubstr(R"(names: ["executive.assert_time", "executive.plugin", "executive.publish_on_refresh", "executive.refresh_rate", "main.log_clips_to_file", "main.plugins", "main.redirect_stdout_to_debug", "main.watch"])"));
+  EXPECT_EQ(call("get_parameter_types", "GetParameterTypes", "{names: [main.watch, executive.assert_time, use_sim_time, bond_heartbeat_period]}"), "{types: [9, 1, 1, 3]}");
+  EXPECT_THAT(call("set_parameters", "SetParameters", "{parameters: [{name: main.watch, value: {type: 9, string_array_value: [facts]}}]}"), HasSubstr("successful: true"));
+}
+
+TEST_F(ParameterServices, APluginOfTheFileMayBeChangedBeforeItIsLoaded) {
   lab.write("agent/late.clp", "(defrule late (time ?t) => (println \"late rule\"))");
-  call("set_parameters", "SetParameters", "{parameters: [{name: late.plugin, value: {type: 4, string_value: 'cx::FileLoadPlugin'}},"
-                                          " {name: late.load, value: {type: 9, string_array_value: [late.clp]}}, {name: late.pkg_share_dirs, value: {type: 9, string_array_value: [agent]}}]}");
+  call("set_parameters", "SetParameters", "{parameters: [{name: late.load, value: {type: 9, string_array_value: [late.clp]}}]}");
   EXPECT_EQ(caller.load("main", "late"), R"({success: true, error: ""})");
   lab.ticks(6);
   EXPECT_FALSE(lab.log.with("main: late rule").empty());
