@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "cx/bus/names.h"
 #include "cx/journal/file_store.h"
 #include "scenarios/nodes.h"
 #include "scenarios/result.h"
@@ -83,7 +84,10 @@ AgentSpec read_agent(const yaml::Value& value) {
   agent.config = map.require("config").as_string();
   map.read("namespace", agent.name_space);
   if (const yaml::Value remap = map.get("remap"))
-    for (const auto& [from, to] : remap.as_map().entries()) agent.remaps.emplace_back(from, to.as_string());
+    for (const auto& [from, to] : remap.as_map().entries()) {
+      agent.remaps.emplace_back(from, to.as_string());
+      if (const std::string fault = bus::remap_fault(agent.remaps.back()); !fault.empty()) to.fail(fault);
+    }
   if (const yaml::Value packages = map.get("packages")) read_packages(packages.as_map(), agent.packages, agent.package_lines);
   if (const yaml::Value params = map.get("params"))
     for (const auto& [name, param] : params.as_map().entries()) agent.params.emplace_back(name, param.dump());

@@ -44,12 +44,13 @@ Bus::~Bus() = default;
 
 // --- Participants
 
-ParticipantId Bus::join(ParticipantKind kind, NodeName name, StreamId stream) {
+ParticipantId Bus::join(ParticipantKind kind, NodeName name, StreamId stream, std::string part) {
   auto participant = std::make_unique<Participant>();
   participant->kind = kind;
   participant->stream = stream;
   for (const auto& other : state_->participants) participant->twin += other->name.full_name() == name.full_name();
   participant->name = std::move(name);
+  participant->part = std::move(part);
   state_->data.begin().field("op", "join").field("name", std::string_view(participant->name.full_name()));
   state_->sink.write(stream, now_, RecordKind::kBus, state_->data);
   state_->participants.push_back(std::move(participant));
@@ -57,6 +58,8 @@ ParticipantId Bus::join(ParticipantKind kind, NodeName name, StreamId stream) {
 }
 
 const NodeName& Bus::name_of(ParticipantId p) const { return state_->participant(p).name; }
+bool Bus::is_there(ParticipantId p) const { return !state_->participant(p).gone; }
+
 std::optional<ParticipantId> Bus::find_node(std::string_view full_name) const {
   for (std::size_t i = 0; i < state_->participants.size(); ++i) {
     const Participant& p = *state_->participants[i];
@@ -138,9 +141,11 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
 
   if (endpoint.kind == EndpointKind::kSubscription)
     for (const auto& [what, message] : channel->kept) state_->enqueue(endpoint, Delivery(message.delivery), message.tick);
-  const bool first_server =
-      endpoint.provides() && endpoint.kind != EndpointKind::kPublisher && channel->providers.size() == 1;
-  if (first_server) {
+  const bool serves = endpoint.provides() && endpoint.kind != EndpointKind::kPublisher;
+  if (serves && channel->providers.size() > 1 && state_->tell_rivals && !state_->is_twin_of(*channel->providers.front(), owner))
+    state_->tell_rivals(noun + " '" + name + "' has more than one server: " + state_->owner_of(*channel->providers.front()) + " answers, " +
+                        state_->owner_of(endpoint) + " only once that is gone");
+  if (serves && channel->providers.size() == 1) {
     for (Waiting& request : channel->waiting) state_->hand_to_server(endpoint, std::move(request));
     channel->waiting.clear();
   }
@@ -214,6 +219,8 @@ void Bus::allow_types(ParticipantId p, std::string_view name) {
     channels->insert(std::move(known));
   }
 }
+
+void Bus::on_rivals(std::function<void(const std::string&)> tell) { state_->tell_rivals = std::move(tell); }
 
 void Bus::remove(EndpointId id) {
   Endpoint* endpoint = state_->find(id);

@@ -117,8 +117,11 @@ class Bus {
   Registry& registry() { return registry_; }
 
   // --- Participants
-  ParticipantId join(ParticipantKind kind, NodeName name, StreamId stream);
+  /// `part`: what of the node it is, for people ("environment main"); empty = the node itself.
+  ParticipantId join(ParticipantKind kind, NodeName name, StreamId stream, std::string part = {});
   const NodeName& name_of(ParticipantId p) const;
+  /// False once it has left.
+  bool is_there(ParticipantId p) const;
   /// The node of that full name that is there; none after it left.
   std::optional<ParticipantId> find_node(std::string_view full_name) const;
   /// Full names of all nodes that are there, sorted.
@@ -133,7 +136,7 @@ class Bus {
 
   // --- Endpoints. Names are as written by the participant. They are registered at once. Types must agree on the bus:
   // a second type for the same name is an error. Nothing is ever lost to a full queue: all is kept until it is taken.
-  // Of several servers of one name the first that is still there answers. Posts through a removed endpoint do nothing;
+  // Of several servers of one name the first that is still there answers, and `on_rivals` hears of it. Posts through a removed endpoint do nothing;
   // a message of another type than the endpoint's is a bug of the caller (asserts).
   Expected<EndpointId> advertise(ParticipantId p, std::string_view topic, const MessageType& type);
   Expected<EndpointId> subscribe(ParticipantId p, std::string_view topic, const MessageType& type, Handler handler);
@@ -153,6 +156,9 @@ class Bus {
   /// Services and actions of several types live side by side under this name from now on: servers and clients of one
   /// type do not see those of another. For servers that speak several packages of interfaces.
   void allow_types(ParticipantId p, std::string_view name);
+  /// Told in one sentence of a second server of a service or action, which names both; not of nodes of one name, all of
+  /// whose services are double.
+  void on_rivals(std::function<void(const std::string& text)> tell);
   /// Removes an endpoint. What is in flight to it is dropped; open requests and goals of a removed server stay
   /// unanswered.
   void remove(EndpointId endpoint);

@@ -110,6 +110,7 @@ inline std::size_t handler_index(DeliveryKind kind) {
 struct Participant {
   ParticipantKind kind{};
   NodeName name;
+  std::string part;  ///< of the node, e.g. "environment main"; may be empty
   StreamId stream{};
   std::uint64_t twin = 0;  ///< participants of the same full name that joined before
   std::uint64_t posts = 0;
@@ -138,6 +139,7 @@ struct Bus::State {
   InputTap* tap = nullptr;
   bool muted = false;
   RecordData data;
+  std::function<void(const std::string&)> tell_rivals;
 
   explicit State(RecordSink& to) : sink(to) {}
 
@@ -157,6 +159,19 @@ struct Bus::State {
   Channels& channels(EndpointKind kind) {
     if (kind <= EndpointKind::kSubscription) return topics;
     return kind <= EndpointKind::kClient ? services : actions;
+  }
+
+  /// "/clips_manager (environment main)".
+  std::string owner_of(const Endpoint& endpoint) {
+    const Participant& owner = participant(endpoint.owner);
+    return owner.name.full_name() + (owner.part.empty() ? "" : " (" + owner.part + ')');
+  }
+
+  /// Whether it is of a node of the same name: whoever made both knows.
+  bool is_twin_of(const Endpoint& endpoint, const Participant& other) {
+    const Participant& owner = participant(endpoint.owner);
+    return &owner != &other && owner.kind == ParticipantKind::kNode && other.kind == ParticipantKind::kNode &&
+           owner.name.full_name() == other.name.full_name();
   }
 
   /// What stands for a service or action among `channels`: its name, with its type where several live side by side.

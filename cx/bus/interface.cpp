@@ -74,11 +74,6 @@ std::vector<std::string> files_in(const fs::path& folder, const std::string& ext
   return names;
 }
 
-bool holds_definitions(const fs::path& folder) {
-  return std::any_of(kForms.begin(), kForms.end(),
-                     [&](const Form& form) { return fs::is_directory(folder / form.folder); });
-}
-
 /// Sets a field of the prototype to the default that the definition gives.
 Status set_default(const MessageView& message, const Field& field) {
   std::vector<std::string> items{field.default_text};
@@ -180,6 +175,11 @@ Registry::Registry() : state_(std::make_unique<State>()) {}
 Registry::~Registry() = default;
 Registry::Registry(Registry&&) noexcept = default;
 Registry& Registry::operator=(Registry&&) noexcept = default;
+
+bool holds_definitions(const fs::path& package) {
+  return std::any_of(kForms.begin(), kForms.end(),
+                     [&](const Form& form) { return fs::is_directory(package / form.folder); });
+}
 
 Status Registry::add_package(const std::string& package, const fs::path& folder) {
   if (!is_identifier(package))

@@ -118,6 +118,9 @@ struct ActionType {
   const MessageType* feedback = nullptr;
 };
 
+/// Whether the folder of a package has definitions; one of rules or plugins only has none.
+bool holds_definitions(const std::filesystem::path& package);
+
 /// Packages of definition files: `<folder>/{msg,srv,action}/*.{msg,srv,action}`. A type is read when first asked for.
 class Registry {
  public:

@@ -93,6 +93,34 @@ std::string name_fault(std::string_view written) {
   return {};
 }
 
+std::string remap_fault(const std::pair<std::string, std::string>& remap) {
+  std::string_view from = remap.first, to = remap.second;
+  const std::size_t colon = from.find(':');
+  if (colon != std::string_view::npos && !from.substr(colon).starts_with("://")) {
+    const std::string_view node = from.substr(0, colon);
+    if (const std::string fault = name_fault(node); !fault.empty() || node.find_first_of("/~{") != std::string_view::npos)
+      return "found '" + std::string(node) + "' before ':', expected the name of a node";
+    from.remove_prefix(colon + 1);
+  }
+  const auto bad = [](std::string_view name, const std::string& fault) { return "the name '" + std::string(name) + "' " + fault; };
+  if (from == "__ns") {
+    if (!to.starts_with('/')) return bad(to, "does not begin with '/', as a namespace does");
+    const std::string fault = to == "/" ? std::string() : name_fault(to);
+    return fault.empty() ? fault : bad(to, fault);
+  }
+  if (from == "__node" || from == "__name") {
+    if (to.find_first_of("/~{") != std::string_view::npos) return bad(to, "has more than the letters, digits and '_' of a node's name");
+    const std::string fault = name_fault(to);
+    return fault.empty() ? fault : bad(to, fault);
+  }
+  for (std::string_view* name : {&from, &to}) {
+    for (const std::string_view scheme : {"rostopic://", "rosservice://"})
+      if (name->starts_with(scheme)) name->remove_prefix(scheme.size());
+    if (const std::string fault = name_fault(*name); !fault.empty()) return bad(*name, fault);
+  }
+  return {};
+}
+
 std::string to_string(const GoalId& id) {
   static constexpr std::string_view kHex = "0123456789abcdef";
   std::string text;

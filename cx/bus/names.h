@@ -3,10 +3,13 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace cxlab::bus {
 
 /// What is wrong with a name as a participant writes it ("has an empty part"), empty if it is good.
 std::string name_fault(std::string_view written);
+/// What is wrong with a remap FROM := TO, with what was expected; empty if it is good.
+std::string remap_fault(const std::pair<std::string, std::string>& remap);
 
 }  // namespace cxlab::bus

@@ -50,7 +50,7 @@ Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus:
   auto made = RuleEngine::create(std::move(engine));
   if (!made) return made.error();
   self.engine_ = std::move(*made);
-  self.participant_ = bus.join(bus::ParticipantKind::kEnvironment, given.node, self.engine_->stream());
+  self.participant_ = bus.join(bus::ParticipantKind::kEnvironment, given.node, self.engine_->stream(), "environment " + given.name);
   return environment;
 }
 
@@ -82,6 +82,11 @@ bus::ParticipantId Environment::join_threads(bus::NodeName name, const std::stri
   return bus_.join(bus::ParticipantKind::kNode, std::move(name), journal_->open_stream("threads/" + options_.unique_name + '/' + plugin));
 }
 
+void Environment::begin_again() {
+  ending_ = false;
+  engine_->keep_same_constructs(true);
+}
+
 Status Environment::perceive() {
   thread_ = std::this_thread::get_id();
   for (const auto& gate : gates_) gate->hand_over();
@@ -94,10 +99,15 @@ Status Environment::run() {
   engine_->refresh_all_agendas();
   RunReport report = engine_->run(options_.run->max_firings);
   if (Status s = check_errors(std::move(report.errors)); !s) return s;
-  if (report.loop)
-    return Error{ErrorKind::kRun,
-                 "environment '" + name() + "': " + std::to_string(report.fired) + " rules have fired without an end: " + report.loop_report.text(),
-                 {}, 0, "rule_loop"};
+  if (report.loop) {
+    Error error{ErrorKind::kRun, "environment '" + name() + "': " + report.loop_report.text() + "; if they are right, allow more with max_firings_per_tick (now " +
+                                     std::to_string(options_.run->max_firings) + ", 0 = no limit)", {}, 0, "rule_loop"};
+    if (!report.loop_report.rules.empty()) {
+      error.file = report.loop_report.rules.front().file;
+      error.line = report.loop_report.rules.front().line;
+    }
+    return error;
+  }
   return {};
 }
 

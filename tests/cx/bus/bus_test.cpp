@@ -179,7 +179,9 @@ TEST_F(BusTest, AParticipantThatLeavesTakesItsEndpointsButNotItsPosts) {
   subscribe(server, "u");
   subscribe(env, "t");
   bus_.publish(out, text("last words"));
+  EXPECT_TRUE(bus_.is_there(server));
   bus_.leave(server);
+  EXPECT_FALSE(bus_.is_there(server));
   EXPECT_THAT(deliver(env), ElementsAre("last words"));
   ASSERT_EQ(bus_.topics().size(), 1u);
   EXPECT_EQ(bus_.topics()[0].name, "/t");
@@ -369,6 +371,23 @@ TEST_F(ServiceTest, OfTwoServersTheFirstAnswersUntilItGoes) {
   bus_.remove(service);
   bus_.call(client, blank(*set_bool_->request));
   EXPECT_EQ(bus_.deliver(second), 1u);
+}
+
+TEST_F(ServiceTest, ASecondServerIsToldWithBothOwners) {
+  std::vector<std::string> told;
+  bus_.on_rivals([&](const std::string& text) { told.push_back(text); });
+  const auto first = node("first"), twin = node("first");
+  const auto env = bus_.join(ParticipantKind::kEnvironment, {"second", "/", {}}, sink_.open_stream("second"), "environment main");
+  ASSERT_TRUE(bus_.serve(first, "s", *set_bool_, nullptr).ok());
+  ASSERT_TRUE(bus_.serve(twin, "s", *set_bool_, nullptr).ok());
+  EXPECT_THAT(told, ElementsAre()) << "of two nodes of one name everything is double";
+  ASSERT_TRUE(bus_.serve(env, "s", *set_bool_, nullptr).ok());
+  ASSERT_TRUE(bus_.serve_action(first, "s", *fibonacci_, {}).ok());
+  ASSERT_TRUE(bus_.serve_action(first, "s", *fibonacci_, {}).ok());
+  advertise(first, "t");
+  advertise(env, "t");
+  EXPECT_THAT(told, ElementsAre("service '/s' has more than one server: /first answers, /second (environment main) only once that is gone",
+                                "action '/s' has more than one server: /first answers, /first only once that is gone"));
 }
 
 TEST_F(ServiceTest, AnswersToAClientThatHasGoneAreDropped) {

@@ -63,6 +63,16 @@ TEST(Names, WhatRosRefusesIsAFault) {
     EXPECT_NE(name_fault(bad), "") << bad;
 }
 
+TEST(Names, ARemapNeedsGoodNames) {
+  for (const auto& [from, to] : {std::pair{"a", "b"}, {"/a", "~/b"}, {"n:a", "b"}, {"rostopic://a", "b"}, {"n:rosservice:///a", "rosservice://b"}, {"__node", "other"},
+                                 {"n:__name", "other"}, {"__ns", "/cyan/one"}, {"__ns", "/"}, {"~/x", "{ns}/x"}})
+    EXPECT_EQ(remap_fault({from, to}), "") << from << ' ' << to;
+  for (const auto& [from, to] : {std::pair{"a b", "c"}, {"a", "c d"}, {"", "a"}, {"a", ""}, {"a", "b//c"}, {"x y:a", "b"}, {"__node", "/a"}, {"__node", "a/b"}, {"__ns", "cyan"},
+                                 {"__ns", "/a b"}, {"rostopic://a b", "c"}})
+    EXPECT_NE(remap_fault({from, to}), "") << from << ' ' << to;
+  EXPECT_EQ(remap_fault({"a b", "c"}), "the name 'a b' has a ' '; expected letters, digits, '_' and '/'");
+}
+
 TEST(Names, GoalIdsAreHexDigitsWithoutDashes) {
   GoalId id{};
   id[0] = 0x0f;
