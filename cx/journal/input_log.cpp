@@ -17,7 +17,7 @@ constexpr std::size_t kChunkHeader = 12;  // length (4), checksum (8), little-en
 constexpr std::size_t kChunkBytes = 32 * 1024;
 constexpr SimTime kFlushInterval = std::chrono::seconds(10);
 
-enum EntryType : std::uint8_t { kTake = 1, kResult = 2, kWorld = 3 };
+enum EntryType : std::uint8_t { kTake = 1, kResult = 2, kWorld = 3, kReached = 4 };
 
 /// Which optional fields of a delivery follow.
 enum DeliveryField : std::uint8_t {
@@ -155,6 +155,7 @@ Expected<InputLogWriter> InputLogWriter::create(const std::filesystem::path& pat
   if (Status s = file->append(kMagic); !s) return s.error();
   InputLogWriter log(std::move(*file));
   log.flush_due_ = kFlushInterval;
+  if (Status s = log.flush(); !s) return s.error();
   return log;
 }
 
@@ -242,6 +243,12 @@ void InputLogWriter::add(const LoggedWorld& world) {
   finish(world.t);
 }
 
+void InputLogWriter::reach(SimTime t) {
+  if (!status() || t < flush_due_) return;
+  begin(kReached, t);
+  finish(t);
+}
+
 void InputLogWriter::end_chunk() {
   if (chunk_.empty()) return;
   const auto length = static_cast<std::uint32_t>(chunk_.size());
@@ -315,41 +322,47 @@ bool InputLogReader::open_chunk() {
 }
 
 std::optional<LoggedInput> InputLogReader::next() {
-  while (chunk_.empty()) {
-    if (!status_ || !open_chunk()) return std::nullopt;
+  while (true) {
+    while (chunk_.empty()) {
+      if (!status_ || !open_chunk()) return std::nullopt;
+    }
+    EntryReader in(chunk_, *names_);
+    const std::uint8_t type = in.byte();
+    // Sums of times wrap in unsigned numbers: those of a broken log may be anything.
+    last_t_ = SimTime{static_cast<std::int64_t>(static_cast<std::uint64_t>(last_t_.count()) +
+                                                static_cast<std::uint64_t>(in.signed_integer()))};
+    std::optional<LoggedInput> entry;
+    switch (type) {
+      case kTake: {
+        LoggedTake take{last_t_, in.name(), {}};
+        const std::uint64_t count = in.unsigned_integer();
+        for (std::uint64_t i = 0; i < count && in.ok(); ++i) take.deliveries.push_back(read_delivery(in));
+        entry = std::move(take);
+        break;
+      }
+      case kResult: {
+        LoggedResult result{last_t_, in.name(), {}, {}};
+        result.key = in.name();
+        result.bytes = in.bytes();
+        entry = result;
+        break;
+      }
+      case kWorld: {
+        LoggedWorld world{last_t_, in.name(), {}};
+        world.bytes = in.bytes();
+        entry = world;
+        break;
+      }
+      case kReached: break;
+      default: in.refuse();
+    }
+    if (!in.ok()) {
+      fail("an entry that no writer makes");
+      return std::nullopt;
+    }
+    reached_ = last_t_;
+    if (entry) return entry;
   }
-  EntryReader in(chunk_, *names_);
-  const std::uint8_t type = in.byte();
-  // Sums of times wrap in unsigned numbers: those of a broken log may be anything.
-  last_t_ = SimTime{static_cast<std::int64_t>(static_cast<std::uint64_t>(last_t_.count()) +
-                                              static_cast<std::uint64_t>(in.signed_integer()))};
-  LoggedInput entry;
-  switch (type) {
-    case kTake: {
-      LoggedTake take{last_t_, in.name(), {}};
-      const std::uint64_t count = in.unsigned_integer();
-      for (std::uint64_t i = 0; i < count && in.ok(); ++i) take.deliveries.push_back(read_delivery(in));
-      entry = std::move(take);
-      break;
-    }
-    case kResult: {
-      LoggedResult result{last_t_, in.name(), {}, {}};
-      result.key = in.name();
-      result.bytes = in.bytes();
-      entry = result;
-      break;
-    }
-    case kWorld: {
-      LoggedWorld world{last_t_, in.name(), {}};
-      world.bytes = in.bytes();
-      entry = world;
-      break;
-    }
-    default: in.refuse();
-  }
-  if (in.ok()) return entry;
-  fail("an entry that no writer makes");
-  return std::nullopt;
 }
 
 }  // namespace cxlab

@@ -76,6 +76,9 @@ class InputLogWriter {
   void add(const LoggedTake& take);
   void add(const LoggedResult& result);
   void add(const LoggedWorld& world);
+  /// The run has come to `t`, with or without inputs: noted now and then, so that the log of one that is killed says how
+  /// far it goes.
+  void reach(SimTime t);
 
   /// Whether writing went well so far (kResource if not); ask once a tick.
   const Status& status() const { return file_.status(); }
@@ -106,6 +109,8 @@ class InputLogReader {
 
   /// The next entry; nothing at the end, or where the log is broken.
   std::optional<LoggedInput> next();
+  /// How far the entries go that were read.
+  SimTime reached() const { return reached_; }
   /// After the last entry: where and how the log is broken (cut off, changed), or success.
   const Status& status() const { return status_; }
 
@@ -120,7 +125,7 @@ class InputLogReader {
   std::size_t chunk_start_ = 0;  // of the current one
   std::string_view chunk_;       // what is left of the current one
   std::shared_ptr<std::deque<std::string>> names_;
-  SimTime last_t_{};
+  SimTime last_t_{}, reached_{};
   Status status_;
 };
 

@@ -66,13 +66,12 @@ Replayer::Replayer(InputLogReader log, bus::Bus& bus, Journal& journal)
     : log_(std::move(log)), bus_(bus), journal_(journal) {
   while (auto entry = log_.next()) {
     if (auto* take = std::get_if<LoggedTake>(&*entry)) {
-      end_ = take->t;
       inputs_[std::string(take->to)].takes.push_back(std::move(*take));
     } else if (const auto* result = std::get_if<LoggedResult>(&*entry)) {
-      end_ = result->t;
       inputs_[std::string(result->environment)].results.push_back(*result);
     }
   }
+  end_ = log_.reached();
 }
 
 SimTime Replayer::next_due() const {

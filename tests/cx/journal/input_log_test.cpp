@@ -159,6 +159,21 @@ TEST(InputLog, EntriesReachTheFileWithinTenSimulatedSeconds) {
   EXPECT_EQ(read_all(content_of(temp / "inputs.bin")).entries, 2u);
 }
 
+TEST(InputLog, SaysHowFarTheRunCameWithoutAnyInputs) {
+  TempFolder temp;
+  auto log = InputLogWriter::create(temp / "inputs.bin");
+  const auto read = [&] {
+    auto reader = InputLogReader::open(temp / "inputs.bin");
+    EXPECT_TRUE(reader.ok()) << "a run that was killed at once has a log";
+    EXPECT_FALSE(reader->next());
+    EXPECT_TRUE(reader->status().ok());
+    return reader->reached();
+  };
+  EXPECT_EQ(read(), SimTime::zero());
+  for (int i = 0; i <= 1500; ++i) log->reach(milliseconds(20) * i);
+  EXPECT_EQ(read(), SimTime(seconds(30)));
+}
+
 TEST(InputLog, AFullDiskIsAnErrorAndLeavesWholeChunks) {
   TempFolder temp;
   auto log = InputLogWriter::create(temp / "inputs.bin");
