@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "app/command.h"
+#include "app/packages.h"
 #include "app/reference.h"
 
 namespace cxlab::app {
@@ -11,11 +12,15 @@ namespace {
 
 struct Options {
   std::string name;
+  PackageOptions packages;
   bool json = false, markdown = false;
 };
 
 void print(const PluginReference& plugin) {
-  std::printf("%s\n", plugin.plugin.c_str());
+  std::printf("%s", plugin.plugin.c_str());
+  if (!plugin.package.empty()) std::printf(" (package %s)%s%s", plugin.package.c_str(), plugin.description.empty() ? "" : ": ", plugin.description.c_str());
+  std::puts("");
+  if (!plugin.problem.empty()) std::printf("  cannot be loaded: %s\n", plugin.problem.c_str());
   for (const std::string& parameter : plugin.parameters) std::printf("  parameter %s\n", parameter.c_str());
   for (const FunctionSpec& f : plugin.functions) {
     std::printf("  %s -> %s, %s\n", call_text(f).c_str(), type_text(f.returns).c_str(), kind_text(f).c_str());
@@ -34,7 +39,9 @@ std::vector<PluginReference> about(const std::vector<PluginReference>& reference
   std::vector<PluginReference> out;
   for (const PluginReference& plugin : reference) {
     if (plugin.plugin == name || plugin.plugin == "cx::" + name) return {plugin};
-    PluginReference part{plugin.plugin, {}, {}, {}};
+    PluginReference part;
+    part.plugin = plugin.plugin;
+    part.package = plugin.package;
     for (const FunctionSpec& f : plugin.functions)
       if (f.name == name) part.functions.push_back(f);
     for (const Documented& c : plugin.constructs)
@@ -58,17 +65,19 @@ Error unknown(const std::vector<PluginReference>& reference, const std::string& 
 int doc(const Options& options) {
   // A class of a family (cx::CX<Pkg><Name>Plugin) is made from its name.
   const bool is_class = options.name.starts_with("cx::");
-  auto reference = read_reference();
+  auto packages = find_packages(options.packages);
+  if (!packages) return fail(packages.error());
+  auto reference = read_reference(*packages);
   if (!reference) return fail(reference.error());
   std::vector<PluginReference> shown = options.name.empty() ? *reference : about(*reference, options.name);
   if (shown.empty() && is_class) {
-    auto made = read_reference({options.name});
+    auto made = read_reference(*packages, {options.name});
     if (!made) return fail(made.error());
     shown.push_back(std::move(made->back()));
   }
   if (shown.empty() && !is_class)
-    if (const auto classes = binding_classes_of(options.name); !classes.empty()) {
-      auto made = read_reference(classes);
+    if (const auto classes = binding_classes_of(options.name, *packages); !classes.empty()) {
+      auto made = read_reference(*packages, classes);
       if (!made) return fail(made.error());
       shown = about(*made, options.name);
       reference = std::move(made);  // what is near is among them
@@ -91,6 +100,7 @@ void add_doc(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("doc", "Tells what rules can use: all plugins with their functions and templates, or one of them");
   command->footer("Examples:\n  cxlab doc\n  cxlab doc config-load\n  cxlab doc tf2-tracked-pose\n  cxlab doc cx::ExecutivePlugin\n  cxlab doc std-msgs-string-publish");
   command->add_option("name", options->name, "A function, a template or other construct, or a plugin class");
+  add_package_options(*command, options->packages);
   CLI::Option* json = command->add_flag("--json", options->json, "As JSON");
   command->add_flag("--markdown", options->markdown, "As docs/reference.md")->excludes(json);
   command->callback([options, &action] { action = [options] { return doc(*options); }; });

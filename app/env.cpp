@@ -8,7 +8,9 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
+#include "app/packages.h"
 #include "app/session.h"
+#include "cx/bus/names.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/journal/file_store.h"
 #include "cx/yaml/yaml.h"
@@ -27,6 +29,7 @@ struct Options {
   std::string name_space = "/", stimuli;
   std::vector<std::string> transitions;
   bool trust_rules = false, stop = false, activate = true;
+  std::optional<std::int64_t> max_firings;
   RunOptions run;
 };
 
@@ -97,7 +100,7 @@ fs::path package_of(const fs::path& config) {
 }
 
 /// Those named by the user, else those around the configurations: theirs, and the packages beside these.
-Expected<std::map<std::string, std::string>> find_packages(const Options& options) {
+Expected<std::map<std::string, std::string>> packages_of(const Options& options) {
   std::map<std::string, std::string> packages;
   for (const std::string& config : options.configs) {
     const fs::path own = package_of(fs::absolute(config).lexically_normal());
@@ -109,13 +112,9 @@ Expected<std::map<std::string, std::string>> find_packages(const Options& option
       if (fs::is_regular_file(entry.path() / "package.xml")) neighbours.insert(entry.path());
     for (const fs::path& neighbour : neighbours) packages.emplace(package_name(neighbour), neighbour.string());
   }
-  for (const std::string& text : options.packages) {
-    auto named = split("--package", text, "=", "NAME=DIR");
-    if (!named) return named.error();
-    if (!fs::is_directory(named->second)) return input_error("--package " + text + ": there is no folder " + named->second);
-    packages[named->first] = fs::absolute(named->second).lexically_normal().string();
-  }
-  return packages;
+  auto named = named_packages(options.packages);
+  if (named) named->merge(packages);
+  return named;
 }
 
 /// The Logistics League is a world of its own, not a node in the list.
@@ -177,6 +176,7 @@ Status check_params(const Options& options) {
   for (const std::string& remap : options.remaps) {
     auto names = split("--remap", remap, ":=", "FROM:=TO");
     if (!names) return names.error();
+    if (const std::string fault = bus::remap_fault(*names); !fault.empty()) return usage("--remap " + remap + ": " + fault);
     remaps.push_back(*std::move(names));
   }
   bus::NodeName manager{cx::ManagerOptions().node, options.name_space, remaps};
@@ -220,7 +220,8 @@ Expected<std::string> scenario_text(const Options& options) {
   std::string text = "schema: 1\nduration_s: " + std::to_string(options.run.until.value_or(kDefaultEnd)) + "\non_rule_error: " + (options.stop ? "stop" : "continue") + '\n';
   if (options.run.seed) text += "seed: " + std::to_string(*options.run.seed) + '\n';
   if (options.trust_rules) text += "trust_rules: true\n";
-  auto packages = find_packages(options);
+  if (options.max_firings) text += "max_firings_per_tick: " + std::to_string(*options.max_firings) + '\n';
+  auto packages = packages_of(options);
   if (!packages) return packages.error();
   auto nodes = nodes_text(options);
   if (!nodes) return nodes.error();
@@ -316,6 +317,8 @@ void declare(CLI::App& command, Options& options) {
   options.run.keep_going = true;
   command.add_flag("--keep-going,!--no-keep-going", options.run.keep_going, "Errors in rule files are reported and the run goes on (default); it then ends with exit code 3");
   command.add_flag("--stop-on-rule-error", options.stop, "An error in a rule ends the run (exit code 4)");
+  command.add_option("--max-firings", options.max_firings, "Rules that an environment may fire in a tick before the run ends as one without an end (default 100000, 0 = no limit)")
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 62));
   command.add_flag("--strict-cx", options.run.strict, "Parameters that CX does not know are errors, not INFO lines");
   command.add_flag("--trust-rules", options.trust_rules, "Rules may read, write and run anything");
   command.add_option("--until", options.run.until, "End, s of simulated time (default 60)")->check(not_negative());

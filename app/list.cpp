@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "app/command.h"
+#include "app/packages.h"
 #include "app/reference.h"
 #include "cx/bus/bus.h"
 #include "scenarios/share.h"
@@ -54,14 +55,29 @@ int list_skills() {
   return 0;
 }
 
-int list_reference(bool functions) {
-  auto reference = read_reference();
+/// A plugin class, where it comes from and what it is or reads.
+void print_plugin(const PluginReference& plugin) {
+  if (plugin.plugin.find("::") == std::string::npos) return;  // the manager
+  std::string text = plugin.problem.empty() ? plugin.description : "cannot be loaded: " + plugin.problem;
+  for (std::size_t i = 0; text.empty() && i < plugin.parameters.size(); ++i) text += (i == 0 ? "parameters " : ", ") + plugin.parameters[i];
+  std::printf("%-32s %-20s %s\n", plugin.plugin.c_str(), plugin.package.empty() ? "cxlab" : plugin.package.c_str(), text.c_str());
+}
+
+int list_reference(const std::string& what, const PackageOptions& options) {
+  auto packages = find_packages(options);
+  if (!packages) return fail(packages.error());
+  auto reference = read_reference(*packages);
   if (!reference) return fail(reference.error());
+  if (what == "plugins") {
+    for (const PluginReference& plugin : *reference) print_plugin(plugin);
+    std::printf("%-32s %-20s one for each message, service and action, e.g. cx::CXStdMsgsStringPlugin\n", "cx::CX<Pkg><Name>Plugin", "cxlab");
+    return 0;
+  }
   for (const PluginReference& plugin : *reference) {
     for (const FunctionSpec& f : plugin.functions)
-      if (functions) std::printf("%-80s %-28s %-7s %s\n", call_text(f).c_str(), type_text(f.returns).c_str(), kind_text(f).c_str(), plugin.plugin.c_str());
+      if (what == "functions") std::printf("%-80s %-28s %-7s %s\n", call_text(f).c_str(), type_text(f.returns).c_str(), kind_text(f).c_str(), plugin.plugin.c_str());
     for (const Documented& c : plugin.constructs)
-      if (!functions && c.kind == "deftemplate") std::printf("; %s\n%s\n", plugin.plugin.c_str(), c.text.c_str());
+      if (what == "templates" && c.kind == "deftemplate") std::printf("; %s\n%s\n", plugin.plugin.c_str(), c.text.c_str());
   }
   return 0;
 }
@@ -77,16 +93,18 @@ int list_faults() {
 }  // namespace
 
 void add_list(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("list", "Lists what there is: scenarios, skills, functions that rules can call, templates of the plugins, faults of a scenario");
+  CLI::App* command = app.add_subcommand("list", "Lists what there is: scenarios, skills, plugin classes, functions that rules can call, templates of the plugins, faults of a scenario");
   auto what = std::make_shared<std::string>();
-  command->add_option("what", *what, "scenarios, skills, functions, templates or faults")
+  command->add_option("what", *what, "scenarios, skills, plugins, functions, templates or faults")
       ->required()
-      ->check(CLI::IsMember({"scenarios", "skills", "functions", "templates", "faults"}));
-  command->callback([what, &action] {
-    action = [what] {
+      ->check(CLI::IsMember({"scenarios", "skills", "plugins", "functions", "templates", "faults"}));
+  auto packages = std::make_shared<PackageOptions>();
+  add_package_options(*command, *packages);
+  command->callback([what, packages, &action] {
+    action = [what, packages] {
       if (*what == "scenarios") return list_scenarios();
       if (*what == "faults") return list_faults();
-      return *what == "skills" ? list_skills() : list_reference(*what == "functions");
+      return *what == "skills" ? list_skills() : list_reference(*what, *packages);
     };
   });
 }

@@ -11,6 +11,7 @@
 
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
+#include "cx/executive/plugin_library.h"
 #include "cx/journal/journal.h"
 #include "cx/plugins/bindings/names.h"
 #include "cx/plugins/builtin.h"
@@ -40,11 +41,33 @@ Expected<std::string> write_configuration(const std::vector<std::string>& classe
   return file;
 }
 
-std::vector<std::string> all_classes() {
-  std::vector<std::string> out;
-  for (const cx::PluginType& type : cx::builtin_plugins())
-    if (type.name.find('<') == std::string::npos) out.push_back(type.name);  // else a family that is made from names
+struct KnownClass {
+  cx::PluginType type;
+  std::string package;  // empty = built in
+};
+
+/// Those that come with cxlab, but families that are made from names, then those of the packages.
+Expected<std::vector<KnownClass>> all_classes(const std::map<std::string, std::string>& packages) {
+  std::vector<KnownClass> out;
+  for (cx::PluginType& type : cx::builtin_plugins())
+    if (!type.has) out.push_back({std::move(type), {}});
+  cx::Files::Options options;
+  for (const auto& [name, folder] : packages) options.packages[name] = {folder, {}};
+  cx::Files files(std::move(options));
+  for (const auto& [name, folder] : packages) {
+    auto types = cx::read_plugin_manifest(name, files);
+    if (!types) return types.error();
+    for (cx::PluginType& type : *types) out.push_back({std::move(type), name});
+  }
   return out;
+}
+
+Status add_interfaces(bus::Registry& registry, const std::map<std::string, std::string>& packages) {
+  if (Status s = registry.add_packages_in(find_share().interfaces); !s) return s;
+  for (const auto& [name, folder] : packages)
+    if (bus::holds_definitions(folder))
+      if (Status s = registry.add_package(name, folder); !s) return s;
+  return {};
 }
 
 const char* type_word(char code) {
@@ -81,9 +104,9 @@ std::string escaped(std::string text) {
 
 }  // namespace
 
-std::vector<std::string> binding_classes_of(const std::string& name) {
+std::vector<std::string> binding_classes_of(const std::string& name, const std::map<std::string, std::string>& packages) {
   bus::Registry registry;
-  if (!registry.add_packages_in(find_share().interfaces)) return {};
+  if (!add_interfaces(registry, packages)) return {};
   std::vector<std::pair<std::string, std::string>> found;  // prefix, class
   for (const std::string& package : registry.packages())
     for (const std::string& interface : registry.interfaces(package)) {
@@ -116,10 +139,14 @@ std::string call_text(const FunctionSpec& function) {
   return out + (open ? " ...)" : ")");
 }
 
-Expected<std::vector<PluginReference>> read_reference(const std::vector<std::string>& named) {
-  const std::vector<std::string> classes = named.empty() ? all_classes() : named;
+Expected<std::vector<PluginReference>> read_reference(const std::map<std::string, std::string>& packages, const std::vector<std::string>& named) {
+  auto known = all_classes(packages);
+  if (!known) return known.error();
+  std::vector<std::string> classes = named;
+  if (named.empty())
+    for (const KnownClass& k : *known) classes.push_back(k.type.name);
   bus::Registry registry;
-  if (Status s = registry.add_packages_in(find_share().interfaces); !s) return s.error();
+  if (Status s = add_interfaces(registry, packages); !s) return s.error();
   Journal journal;
   bus::Bus bus(registry, journal);
   auto config = write_configuration(classes);
@@ -127,6 +154,8 @@ Expected<std::vector<PluginReference>> read_reference(const std::vector<std::str
   cx::ManagerOptions options;
   options.config = *config;
   options.plugin_types = cx::builtin_plugins();
+  for (const auto& [name, folder] : packages) options.packages[name] = {folder, {}};
+  options.keep_going = named.empty();  // one that cannot be loaded does not hide the others
   auto manager = cx::EnvironmentManager::create(std::move(options), bus, journal);
   std::error_code ignored;
   fs::remove(*config, ignored);
@@ -139,12 +168,19 @@ Expected<std::vector<PluginReference>> read_reference(const std::vector<std::str
   if (Status s = (*manager)->activate(); !s) return s.error();
 
   std::vector<PluginReference> out;
+  std::size_t problems = 0;
   for (std::size_t i = 0; i <= classes.size(); ++i) {
     const RuleEngine& engine = (*manager)->find(i == 0 ? "none" : 'e' + std::to_string(i - 1))->engine();
     PluginReference& plugin = out.emplace_back();
     plugin.plugin = i == 0 ? kManager : classes[i - 1];
-    for (const cx::PluginType& type : cx::builtin_plugins())
-      if (type.name == plugin.plugin) plugin.parameters = type.parameters;
+    for (const KnownClass& k : *known) {
+      if (k.type.name != plugin.plugin) continue;
+      plugin.package = k.package;
+      plugin.description = k.type.description;
+      plugin.parameters = k.type.parameters;
+    }
+    if (i > 0 && (*manager)->plugin_names('e' + std::to_string(i - 1))->empty())
+      plugin.problem = problems < (*manager)->load_errors().size() ? (*manager)->load_errors()[problems++].text() : "it cannot be loaded";
     for (FunctionSpec& f : engine.functions())
       if (i == 0 || f.owner == 'p' + std::to_string(i - 1)) plugin.functions.push_back(std::move(f));
     for (const ConstructInfo& c : engine.constructs()) plugin.constructs.push_back({c.kind, c.name, c.text});
@@ -161,6 +197,7 @@ std::string reference_page(const std::vector<PluginReference>& reference) {
       "Classes that are made from their names (`cx::CX<Pkg><Name>Plugin`) are told one at a time: `cxlab doc cx::CXStdMsgsStringPlugin`.\n";
   for (const PluginReference& plugin : reference) {
     out += "\n## " + plugin.plugin + "\n";
+    if (!plugin.package.empty()) out += "\nOf package `" + plugin.package + "`." + (plugin.description.empty() ? "" : ' ' + plugin.description) + '\n';
     if (!plugin.parameters.empty()) {
       out += "\nParameters:";
       for (std::size_t i = 0; i < plugin.parameters.size(); ++i) out += (i == 0 ? " `" : ", `") + plugin.parameters[i] + '`';
@@ -188,7 +225,10 @@ std::string reference_json(const std::vector<PluginReference>& reference) {
       functions.push_back({{"name", f.name}, {"call", call_text(f)}, {"gives", type_text(f.returns)}, {"arguments", f.arg_types}, {"returns", f.returns},
                            {"min_args", f.min_args}, {"max_args", f.max_args == kAnyNumberOfArguments ? Json() : Json(f.max_args)}, {"kind", kind_text(f)}, {"help", f.doc}});
     for (const Documented& c : plugin.constructs) constructs.push_back({{"kind", c.kind}, {"name", c.name}, {"text", c.text}});
-    out.push_back({{"plugin", plugin.plugin}, {"parameters", plugin.parameters}, {"functions", functions}, {"constructs", constructs}});
+    Json one{{"plugin", plugin.plugin}, {"parameters", plugin.parameters}, {"functions", functions}, {"constructs", constructs}};
+    if (!plugin.package.empty()) one.update({{"package", plugin.package}, {"description", plugin.description}});
+    if (!plugin.problem.empty()) one["problem"] = plugin.problem;
+    out.push_back(std::move(one));
   }
   return out.dump(2) + '\n';
 }

@@ -2,6 +2,7 @@
 // What rules find in an environment: functions, templates, globals and rules of the plugins, asked of the plugins
 // themselves.
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,16 +20,20 @@ struct Documented {
 /// What one plugin class brings.
 struct PluginReference {
   std::string plugin;                   ///< "cx::ConfigPlugin"; "environment manager" for what is always there
+  std::string package;                  ///< with the plugin; empty = comes with cxlab
+  std::string description;              ///< of its manifest
+  std::string problem;                  ///< why it could not be loaded, so that the rest is not known
   std::vector<std::string> parameters;  ///< of its YAML
   std::vector<FunctionSpec> functions;  ///< by name
   std::vector<Documented> constructs;   ///< in order of definition
 };
 
-/// Of these classes, or of all that come with cxlab: each is loaded alone into an environment.
-Expected<std::vector<PluginReference>> read_reference(const std::vector<std::string>& classes = {});
+/// Of these classes, or of all that come with cxlab and of all plugins of these packages (name -> folder): each is loaded
+/// alone into an environment.
+Expected<std::vector<PluginReference>> read_reference(const std::map<std::string, std::string>& packages, const std::vector<std::string>& classes = {});
 
 /// Classes of bindings whose functions and facts begin as `name` does ("std-msgs-string-publish"), best first.
-std::vector<std::string> binding_classes_of(const std::string& name);
+std::vector<std::string> binding_classes_of(const std::string& name, const std::map<std::string, std::string>& packages);
 
 /// `(config-load STRING|SYMBOL STRING|SYMBOL)`.
 std::string call_text(const FunctionSpec& function);

@@ -11,6 +11,7 @@
 #include "app/command.h"
 #include "app/console.h"
 #include "app/log_printer.h"
+#include "app/packages.h"
 #include "app/pictures.h"
 #include "app/report.h"
 #include "cx/engine/version.h"
@@ -127,6 +128,20 @@ RunStatus status_of(const Run& run, const Status& played) {
   return run.episode->completed() ? RunStatus::kCompleted : RunStatus::kStopped;
 }
 
+/// What went wrong while files and plugins were loaded (with --keep-going there may be much), each once and in order; then
+/// `failure`, if it is none of them.
+std::vector<Error> errors_of(Episode& episode, const Error& failure) {
+  std::vector<Error> out;
+  const auto add = [&out](const Error& error) {
+    const auto same = [&error](const Error& told) { return told.text() == error.text(); };
+    if (std::none_of(out.begin(), out.end(), same)) out.push_back(error);
+  };
+  for (const auto& agent : episode.agents())
+    for (const Error& error : agent->load_errors()) add(error);
+  add(failure);
+  return out;
+}
+
 int finish(Run& run, const Status& played) {
   Result& result = run.report.result;
   result = run.episode->close(status_of(run, played), played ? std::nullopt : std::optional<Error>(played.error()));
@@ -147,9 +162,8 @@ int finish(Run& run, const Status& played) {
   if (!run.options.json && !run.options.silent) std::fputs(score_board(result).c_str(), stdout);
   if (run.folder && !run.options.json && !run.options.silent) std::printf("%s\n", (run.folder->path() / "index.html").c_str());
   if (failure) {
-    for (const RuleErrorResult& e : result.rule_errors)  // with --keep-going there may be many; `failure` is one of them
-      if (e.side == "load" && (e.file != failure->file || e.line != failure->line)) (void)fail(input_error(e.message, e.file, e.line));
-    return fail(*failure);
+    for (const Error& e : errors_of(*run.episode, *failure)) (void)fail(e);
+    return static_cast<int>(failure->kind);
   }
   if (g_signal) return 128 + g_signal;
   if (Status s = check_expectations(run.scenario.expect, json, run.scenario.file.string()); !s) return fail(s.error());
@@ -179,12 +193,9 @@ Played play_scenario(const RunOptions& options, Scenario scenario) {
   run.options = options;
   run.scenario = std::move(scenario);
   for (const std::string& prefix : options.prefixes) run.named_prefixes.push_back(std::filesystem::absolute(prefix).lexically_normal().string());
-  std::vector<std::string> prefixes = run.named_prefixes;
-  for (std::string& prefix : default_prefixes()) prefixes.push_back(std::move(prefix));
-  auto installed = packages_below(prefixes);
+  auto installed = installed_packages(run.named_prefixes);
   if (!installed) return failed(installed.error());
-  run.scenario.packages.insert(installed->begin(), installed->end());
-  run.scenario.packages.merge(own_packages());
+  run.scenario.packages.merge(*installed);
   const auto level = parse_journal_level(options.journal);
   if (!level) return failed(Error{ErrorKind::kUsage, "--journal: " + level.error().message, {}, 0, {}});
   auto snapshots = snapshot_times(options.snapshot, end_of(run));

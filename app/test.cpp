@@ -12,6 +12,7 @@
 
 #include "app/command.h"
 #include "app/markup.h"
+#include "app/packages.h"
 #include "cx/testing/story_file.h"
 #include "scenarios/share.h"
 
@@ -26,6 +27,7 @@ using testing::StorySpec;
 struct TestOptions {
   std::vector<std::string> paths;
   std::string junit, coverage;
+  PackageOptions packages;
   int jobs = 1;
   bool json = false;
 };
@@ -245,7 +247,9 @@ int test(const TestOptions& options) {
     if (!specs) return fail(specs.error());
     for (StorySpec& spec : *specs) stories.push_back({std::move(spec), {}, 0});
   }
-  const testing::StorySetup setup{find_share().interfaces, !options.coverage.empty()};
+  auto packages = find_packages(options.packages);
+  if (!packages) return fail(packages.error());
+  const testing::StorySetup setup{find_share().interfaces, !options.coverage.empty(), *std::move(packages)};
   if (options.jobs > 1) {
     if (Status s = play_in_processes(stories, setup, options.jobs); !s) return fail(s.error());
   } else {
@@ -279,6 +283,7 @@ void add_test(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("test", "Plays stories: regression tests of rules (docs/testing.md)");
   command->footer("Example:\n  cxlab test scenarios/rcll/agent/stories --junit report.xml");
   command->add_option("paths", options->paths, "Story files, or folders with *.story.yaml (default: this folder)");
+  add_package_options(*command, options->packages);
   command->add_option("--junit", options->junit, "Writes a JUnit report");
   command->add_option("--coverage", options->coverage, "Says which rules fired, were only activated, or never matched; writes the counts as lcov");
   command->add_option("-j", options->jobs, "Processes")->check(CLI::Range(1, 256));

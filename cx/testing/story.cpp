@@ -144,14 +144,13 @@ class Play {
   Status prepare() {
     if (Status s = registry_.add_packages_in(setup_.interfaces); !s) return s;
     cx::ManagerOptions options;
-    for (const auto& [name, folder] : spec_.packages) {
+    std::map<std::string, fs::path> packages = spec_.packages;
+    packages.insert(setup_.packages.begin(), setup_.packages.end());
+    for (const auto& [name, folder] : packages) {
       if (!fs::is_directory(folder)) return at(spec_.line, "package " + name + ": there is no folder " + folder.string());
       options.packages[name] = {folder, {}};
-      for (const char* kind : {"msg", "srv", "action"})
-        if (fs::is_directory(folder / kind)) {
-          if (Status s = registry_.add_package(name, folder); !s) return s;
-          break;
-        }
+      if (!bus::holds_definitions(folder)) continue;
+      if (Status s = registry_.add_package(name, folder); !s) return s;
     }
     auto config = config_file();
     if (!config) return config.error();

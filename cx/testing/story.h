@@ -64,6 +64,7 @@ struct StorySpec {
 struct StorySetup {
   std::filesystem::path interfaces;  ///< folder of packages of definitions
   bool coverage = false;             ///< count activations too; costs a line of text for each
+  std::map<std::string, std::string> packages = {};  ///< beside those that a story names, which win
 };
 
 /// How often a rule has fired, and been put on the agenda (0 without `StorySetup::coverage`).

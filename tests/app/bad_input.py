@@ -123,6 +123,14 @@ class Scenarios(Lab):
             self.assertFalse(self.out.exists(), "nothing is written")
         self.fails(2, "no picture at 6 s: the run ends at 5 s", arguments=["--snapshot", "6", "--until", "5"])
 
+    def test_remaps_of_names_that_ros_refuses(self):
+        self.agent("")
+        for remap, message in (("a b:=c", "the name 'a b' has a ' '"), ("a:=b//c", "the name 'b//c' has an empty part"), ("__node:=/a", "the name '/a' has more than")):
+            done = subprocess.run([CXLAB, "env", "agent.yaml", "--remap", remap, "--out", "none"], cwd=self.folder, text=True, stderr=subprocess.PIPE)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(f"error: --remap {remap}: {message}", done.stderr)
+        self.scenario_fails(SCENARIO + "    remap: {a: b, c: d e}\n", "scenario.yaml:6: agents[0].remap.c: the name 'd e' has a ' '")
+
     def test_a_package_option_without_its_folder(self):
         self.agent("")
         done = subprocess.run([CXLAB, "env", "agent.yaml", "--package", "a=nowhere", "--out", "none"], cwd=self.folder, text=True, stderr=subprocess.PIPE)
@@ -210,7 +218,7 @@ class Rules(Lab):
     def test_loop(self):
         self.agent("(deffacts n (n 0))\n(defrule grow ?f <- (n ?n) => (retract ?f) (assert (n (+ 1 ?n))))\n",
                    SCENARIO + "max_firings_per_tick: 1000\n")
-        self.fails(4, "environment 'main'", "grow (", "n (")
+        self.fails(4, "rules.clp:2: environment 'main'", "grow (", "rules.clp:2)", "n (", "max_firings_per_tick (now 1000, 0 = no limit)")
         self.assertEqual(self.result()["reason"]["code"], "rule_loop")
 
     def test_loop_inside_an_action(self):

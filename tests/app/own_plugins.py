@@ -59,6 +59,16 @@ class OwnPackages(Installed):
         self.assertIn("three counts make 6", said)
         self.assertNotRegex(said, r"\[(warn|error)\]")
         self.assertIn("three counts make 6", self.env(config, "--until", 3, CXLAB_PREFIX_PATH=str(own)).stderr)
+        for told in (call(self.cxlab, "list", "plugins", "--prefix", own), call(self.cxlab, "doc", "my::CounterPlugin", "--prefix", own),
+                     call(self.cxlab, "doc", CXLAB_PREFIX_PATH=str(own))):
+            self.assertIn("my::CounterPlugin", told.stdout)
+            self.assertIn("my_plugin", told.stdout)
+        self.assertIn("(deftemplate counter", call(self.cxlab, "doc", "counter", "--package", f"my_plugin={own}/share/my_plugin").stdout)
+        self.assertNotIn("my::CounterPlugin", call(self.cxlab, "list", "plugins").stdout)
+        story = self.folder / "own.story.yaml"
+        story.write_text(f"stories:\n  - {{story: counts, config: {config}, end: 2, expect: [{{fact: (counter), within_s: 2}}]}}\n")
+        call(self.cxlab, "test", story, "--prefix", own)
+        call(self.cxlab, "test", story, expect=3)
         self.assertIn("unknown plugin type 'my::CounterPlugin'", self.env(config, "--until", 3, "--no-keep-going", expect=3).stderr)
 
         # A run keeps the library: its rules play again without it.

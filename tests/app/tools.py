@@ -88,6 +88,30 @@ clips_manager:
         for line in ("mine.clp:1:", "mine.clp:2:"):
             self.assertIn(line, done.stderr)
 
+    def test_what_did_not_load_is_told_at_the_end_in_its_order(self):
+        config = self.package("(defrule a => (nosuch))\n(defrule b => (nosuch2))\n(defrule open (x)")
+        (config.parent.parent / "more.clp").write_text("(defrule c => (nosuch3))\n")
+        text = config.read_text().replace('load: ["mine.clp"]', 'load: ["more.clp", "mine.clp"]').replace('"files"', '"files", "nothing"')
+        config.write_text(text)
+        done = self.cxlab("env", config, "--until", 1, "--out", "none", expect=3)
+        told = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
+        places = [line.split("/")[-1].split(": ")[0] for line in told]
+        self.assertEqual(places, ["more.clp:1", "mine.clp:1", "mine.clp:2", "mine.clp:3", "mine.yaml:5"], told)
+
+    def test_a_loop_may_be_allowed_to_be_longer(self):
+        config = self.package("(deffacts n (n 0))\n(defrule grow ?f <- (n ?n&:(< ?n 3000)) => (retract ?f) (assert (n (+ 1 ?n))))")
+        self.cxlab("env", config, "--until", 1, "--out", "none", "--max-firings", 1000, expect=4)
+        self.cxlab("env", config, "--until", 1, "--out", "none", "--max-firings", 4000)
+
+    def test_two_servers_of_one_name_are_told_with_both_owners(self):
+        config = self.package('(deffacts go (go))\n(deffunction /door-service-callback (?s ?q ?a))\n'
+                              '(defrule r (go) => (ros-msgs-create-service "/door" "std_srvs/srv/SetBool"))', '"executive", "ros_msgs", "files"')
+        config.write_text(config.read_text() + '    ros_msgs: {plugin: "cx::RosMsgsPlugin"}\n')
+        stimuli = self.folder / "stimuli.yaml"
+        stimuli.write_text("- {at: 0.5, serve: /door, type: std_srvs/srv/SetBool}\n")
+        done = self.cxlab("env", config, "--until", 1, "--out", "none", "--stimuli", stimuli)
+        self.assertIn("[warn] [bus] service '/door' has more than one server: /clips_manager (environment main) answers, /stimuli only once that is gone", done.stderr)
+
     def test_an_error_in_a_rule_does_not_end_env_unless_asked_to(self):
         config = self.package("(defrule a => (printout t (/ 1 0) crlf))")
         self.cxlab("env", config, "--until", 1, "--out", "none")
@@ -291,6 +315,14 @@ clips_manager:
         rules = sorted((SOURCE / "scenarios/rcll/agent").rglob("*.clp"))
         rule = next(line.split()[1] for file in rules for line in file.read_text().splitlines() if line.startswith("(defrule "))
         self.assertGreater(self.answer("why-not", game, rule)["at_s"], 40)
+
+    def test_why_not_of_a_killed_run_without_any_inputs(self):
+        config = self.package("(defrule go => (assert (here)))\n(defrule never (there) => (println \"there\"))")
+        self.cxlab("env", config, "--until", 45, "--quiet", "--out", self.folder / "run")
+        killed = self.kill(self.folder / "run")
+        self.assertEqual(self.answer("why-not", killed, "never")["at_s"], 40)
+        (killed / "inputs.bin").write_bytes((killed / "inputs.bin").read_bytes()[:8])   # killed at once
+        self.assertEqual(self.answer("why-not", killed, "never")["at_s"], 0)
 
     def test_a_rerun_without_its_files_plays_the_runs_copies(self):
         config = self.package('(defrule a => (assert (one) (share (ament-index-get-package-share-directory "mine"))))')
