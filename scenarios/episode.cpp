@@ -11,17 +11,6 @@
 
 namespace cxlab {
 
-namespace {
-
-/// A package may also hold rules only.
-bool has_interfaces(const std::filesystem::path& package) {
-  for (const char* kind : {"msg", "srv", "action"})
-    if (std::filesystem::is_directory(package / kind)) return true;
-  return false;
-}
-
-}  // namespace
-
 Episode::Episode(Scenario scenario, EpisodeOptions options) : scenario_(std::move(scenario)), options_(std::move(options)) {}
 
 Episode::~Episode() = default;
@@ -102,10 +91,13 @@ Status Episode::build_bus() {
     const std::filesystem::path path = scenario_.resolve(folder);
     if (!std::filesystem::is_directory(path))
       return input_error("package " + name + ": there is no folder " + path.string(), scenario_.file.string(), lines[name]);
-    if (!has_interfaces(path)) continue;
+    if (!bus::holds_definitions(path)) continue;
     if (Status s = registry_.add_package(name, path); !s) return s;
   }
   bus_ = std::make_unique<bus::Bus>(registry_, journal_);
+  bus_->on_rivals([this](const std::string& text) {
+    if (options_.log) options_.log->line({bus_->now(), cx::LogLevel::kWarn, "bus", text, {}});
+  });
   if (inputs_) {
     tap_.emplace(*bus_, journal_, *inputs_);
     bus_->set_input_tap(&*tap_);
@@ -215,6 +207,10 @@ Status Episode::build_agents() {
       if (tap_) tap_->watch(participant);
       if (replayer_) replayer_->watch(participant);
     };
+    bus::NodeName name{manager.node, manager.name_space, manager.remaps};
+    bus::rename_node(name);
+    if (options_.log && bus_->find_node(name.full_name()))
+      options_.log->line({bus_->now(), cx::LogLevel::kInfo, name.name, "another node is called " + name.full_name() + " already: its services answer, those of this one do not; a namespace or the remap __node:=NAME keeps them apart", {}});
     auto made = cx::EnvironmentManager::create(std::move(manager), *bus_, journal_);
     if (!made) return made.error();
     agents_.push_back(*std::move(made));
@@ -316,6 +312,7 @@ Status Episode::write_out() {
   if (Status s = check_replay(); !s) return s;
   if (inputs_) {
     if (std::string bytes = stage_->take_inputs(); !bytes.empty()) inputs_->add(LoggedWorld{bus_->now(), "world", bytes});
+    inputs_->reach(bus_->now());
     if (Status s = inputs_->status(); !s) return s;
   }
   return journal_.status();

@@ -154,18 +154,28 @@ RunReport RuleEngine::run(std::int64_t limit) {
 LoopReport RuleEngine::Impl::loop_report() const {
   const auto most_frequent = [](const std::map<std::string, std::int64_t>& counts) {
     std::vector<LoopReport::Count> sorted;
-    for (const auto& [name, count] : counts) sorted.push_back({name, count});
+    for (const auto& [name, count] : counts) sorted.push_back({name, count, {}, 0});
     std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.count > b.count; });
     if (sorted.size() > 5) sorted.resize(5);
     return sorted;
   };
-  return {most_frequent(fired_rules), most_frequent(changed_templates), fired};
+  LoopReport report{most_frequent(fired_rules), most_frequent(changed_templates), fired};
+  for (LoopReport::Count& rule : report.rules) {
+    const ConstructInfo* info = engine.find_construct("defrule", rule.name);
+    if (info == nullptr) continue;
+    rule.file = info->file;
+    rule.line = info->line;
+  }
+  return report;
 }
 
 std::string LoopReport::text() const {
   const auto list = [](const std::vector<Count>& counts) {
     std::string text;
-    for (const Count& c : counts) text += (text.empty() ? "" : ", ") + c.name + " (" + std::to_string(c.count) + " x)";
+    for (const Count& c : counts) {
+      text += (text.empty() ? "" : ", ") + c.name + " (" + std::to_string(c.count) + " x";
+      text += c.file.empty() ? ")" : ", " + c.file + ':' + std::to_string(c.line) + ')';
+    }
     return text.empty() ? std::string("none") : text;
   };
   return "rules still fire after " + std::to_string(fired) + " firings; most frequent at the end: " + list(rules) +

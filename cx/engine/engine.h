@@ -77,6 +77,8 @@ struct LoopReport {
   struct Count {
     std::string name;
     std::int64_t count = 0;
+    std::string file;            ///< of rules: where it is defined; empty if that is not known
+    int line = 0;
   };
   std::vector<Count> rules;      ///< most frequent first, at most 5
   std::vector<Count> templates;  ///< whose facts changed most, at most 5
@@ -167,6 +169,9 @@ class RuleEngine {
   LoadReport load_file(const std::string& path, LoadMode mode, OnLoadError on_error = OnLoadError::kStop);
   LoadReport load_text(std::string_view text, const std::string& file, LoadMode mode,
                        OnLoadError on_error = OnLoadError::kStop);
+  /// While true, a deftemplate, defclass or defmodule that is there word for word is left as it is instead of being
+  /// defined again, which CLIPS refuses while something uses it: for files that are loaded once more.
+  void keep_same_constructs(bool keep);
   /// One construct, e.g. a deftemplate of a plugin.
   Status build(std::string_view construct, const std::string& file = {}, int line = 0);
   /// Removes a construct; fails while something uses it.

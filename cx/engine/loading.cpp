@@ -118,6 +118,17 @@ std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) 
   return errors;
 }
 
+bool RuleEngine::Impl::is_there_already(const Form& form) const {
+  const bool module = form.head == "defmodule";
+  if (form.head != "deftemplate" && form.head != "defclass" && !module) return false;
+  const ConstructInfo* known = engine.find_construct(form.head, form.name);
+  if (known == nullptr || known->text != form.text || !engine.has(form.head, module ? known->name : known->module + "::" + known->name)) return false;
+  if (module) SetCurrentModule(env, FindDefmodule(env, known->name.c_str()));  // what follows it belongs there
+  return true;
+}
+
+void RuleEngine::keep_same_constructs(bool keep) { impl_->keep_same = keep; }
+
 bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, LoadMode mode) {
   HostCall call(*this, {ErrorSide::kLoad, form.name, file, form.line, &form});
   if (mode == LoadMode::kConstructs && !(form.list && is_construct(env, form.head))) {
@@ -130,6 +141,7 @@ bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, Load
     add_error(std::move(error));
     return false;
   }
+  if (keep_same && is_there_already(form)) return true;
   const long old_line = SetLineCount(env, form.line);
   const char* old_router = RouterData(env)->LineCountRouter;
   const bool old_evaluating = CommandLineData(env)->EvaluatingTopLevelCommand;

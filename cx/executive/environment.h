@@ -63,9 +63,12 @@ class Environment {
   Status check_errors();
   Status check_errors(std::vector<RuleError> errors);
 
-  /// The environment goes as a whole: plugins need not take back constructs.
+  /// The environment goes as a whole, or rests until it is activated again: plugins need not take back constructs.
   bool ending() const { return ending_; }
   void end() { ending_ = true; }
+  /// It is activated again: what is loaded once more finds templates that are there word for word.
+  void begin_again();
+  void has_begun() { engine_->keep_same_constructs(false); }
 
   /// What plugins of this environment share, e.g. the messages that its rules hold: one object a type, made from this
   /// environment when first asked for; it goes with the environment.

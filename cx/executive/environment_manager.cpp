@@ -77,8 +77,6 @@ Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(Manager
     for (const std::string& prefix : {options.node + '.', full_name + '.'})
       if (name.starts_with(prefix))
         if (Status s = parameters->set(name.substr(prefix.size()), value, "--param " + name); !s) return s.error();
-  parameters->declare("autostart_node", "false");
-  parameters->declare("bond_heartbeat_period", "0.0");
   auto manager = std::unique_ptr<EnvironmentManager>(new EnvironmentManager(std::move(options), std::move(*parameters), bus, journal));
   if (Status s = manager->add_packaged_plugins(); !s) return s.error();
   if (Status s = manager->check_configuration(); !s) return s.error();
@@ -145,12 +143,14 @@ void EnvironmentManager::tell_of_no_plugins(const std::string& environment, cons
 
 Status EnvironmentManager::check_configuration() {
   std::vector<std::string> names, checked;
-  bool autostart = false;
+  bool autostart = false, use_sim_time = false;
   double bond = 0;
-  if (Status s = parameters_.read("autostart_node", autostart); !s) return s;
-  if (Status s = parameters_.read("bond_heartbeat_period", bond); !s) return s;
-  if (Status s = parameters_.read("environments", names); !s) return s;
-  if (!parameters_.find("environments"))
+  if (Status s = parameters_.declare("use_sim_time", use_sim_time); !s) return s;  // as every node
+  if (Status s = parameters_.declare("autostart_node", autostart); !s) return s;
+  if (Status s = parameters_.declare("bond_heartbeat_period", bond); !s) return s;
+  const bool none = !parameters_.find("environments");
+  if (Status s = parameters_.declare("environments", names); !s) return s;
+  if (none)
     log(LogLevel::kInfo, options_.node, parameters_.error_at("", "no parameter 'environments': nothing runs until create_env is called").text());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string& name = names[i];
@@ -222,16 +222,10 @@ Status EnvironmentManager::do_configure() {
 Status EnvironmentManager::do_activate() {
   if (Status s = serve_plugins(); !s) return s;
   for (Entry& entry : environments_) {
-    if (entry.environment->ending()) {
-      // It was active before: it begins anew, because CLIPS redefines no template that a rule uses.
-      const std::string name = entry.environment->name();
-      entry.environment.reset();
-      entry.libraries.clear();
-      auto fresh = make_environment(name);
-      if (!fresh) return fresh.error();
-      entry.environment = std::move(*fresh);
-    }
-    if (Status s = load_all(entry); !s) return s;
+    if (entry.environment->ending()) entry.environment->begin_again();
+    const Status loaded = load_all(entry);
+    entry.environment->has_begun();
+    if (!loaded) return loaded;
   }
   for (Entry& entry : environments_) {
     entry.environment->engine().reset();
@@ -321,8 +315,8 @@ Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(cons
   o.run = &options_;
   o.rule_errors = &rule_errors_;
   bool to_file = true;
-  if (Status s = parameters_.read(name + ".log_clips_to_file", to_file); !s) return s.error();
-  if (Status s = parameters_.read(name + ".redirect_stdout_to_debug", o.redirect_stdout_to_debug); !s) return s.error();
+  if (Status s = parameters_.declare(name + ".log_clips_to_file", to_file); !s) return s.error();
+  if (Status s = parameters_.declare(name + ".redirect_stdout_to_debug", o.redirect_stdout_to_debug); !s) return s.error();
   if (to_file && !options_.run_folder.empty()) {
     auto file = log_file(name);
     if (!file) return file.error();
@@ -334,7 +328,7 @@ Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(cons
   RuleEngine& engine = (*environment)->engine();
   engine.unwatch("all");
   std::vector<std::string> watch;
-  if (Status s = parameters_.read(name + ".watch", watch); !s) return s.error();
+  if (Status s = parameters_.declare(name + ".watch", watch); !s) return s.error();
   for (const std::string& item : watch)
     if (!engine.watch(lower(item))) return parameters_.error_at(name + ".watch", "Unknown watch item: " + item);
   if (Status s = engine.add_function({"cx-shutdown", "v", 0, 0, "", FunctionKind::kActing, options_.node,
@@ -425,11 +419,16 @@ void EnvironmentManager::end_hook(const Status& ended) {
 // --- Plugins
 
 Status EnvironmentManager::load_all(Entry& entry) {
+  const std::string list = entry.environment->name() + ".plugins";
   std::vector<std::string> names;
-  if (Status s = parameters_.read(entry.environment->name() + ".plugins", names); !s) return s;
-  for (const std::string& name : names) {
-    if (entry.find(name)) continue;
-    if (auto loaded = load(entry, name); !loaded) return loaded.error();
+  if (Status s = parameters_.declare(list, names); !s) return s;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto end = names.begin() + static_cast<std::ptrdiff_t>(i);
+    if (std::find(names.begin(), end, names[i]) != end)
+      log(LogLevel::kWarn, options_.node,
+          parameters_.error_at(list, "plugin '" + names[i] + "' is listed twice in '" + list + "': it is loaded once").text());
+    else if (!entry.find(names[i]))
+      if (auto loaded = load(entry, names[i]); !loaded) return loaded.error();
   }
   return {};
 }
@@ -465,7 +464,8 @@ Status EnvironmentManager::load_unchecked(Entry& entry, const std::string& name)
     found = instances_.end() - 1;
   }
   Plugin& plugin = *found->plugin;
-  if (auto library = library_of(found->plugin)) entry.libraries.push_back(std::move(library));
+  if (auto library = library_of(found->plugin); library && std::find(entry.libraries.begin(), entry.libraries.end(), library) == entry.libraries.end())
+    entry.libraries.push_back(std::move(library));
   if (Status s = call_plugin(plugin, "clips_env_init", [&] { return plugin.clips_env_init(EnvironmentGuard(*entry.environment)); }); !s) {
     entry.environment->close_gates(name);
     entry.environment->engine().remove_functions_of(name);

@@ -53,7 +53,8 @@ class EnvironmentManager {
   bool autostart() const;
   /// Makes the environments, without plugins; offers the six services (list_envs, create_env, ...).
   Status configure() { return lifecycle_.change(Transition::kConfigure); }
-  /// All plugins of all environments; then each environment: reset, agendas refreshed, run.
+  /// All plugins of all environments; then each environment: reset, agendas refreshed, run. Environments that were active
+  /// before keep their constructs; what the plugins load once more replaces them.
   Status activate() { return lifecycle_.change(Transition::kActivate); }
   /// (executive-finalize) and a last run in each environment; then its plugins go, in reverse order, and the services but
   /// list_envs. Does all of it and returns the first error. Nothing to do where nothing is active.

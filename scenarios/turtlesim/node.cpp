@@ -99,7 +99,7 @@ Status TurtlesimNode::sense(SimTime now) {
     if (now < config_.start) return {};
     if (Status s = start(); !s) return s;
   }
-  if (published_step_ == world_.steps()) return {};
+  if (published_step_ == world_.steps() || !bus_.is_there(*self_)) return {};
   published_step_ = world_.steps();
   report_events();
   for (const auto& turtle : turtles_) {
@@ -111,7 +111,7 @@ Status TurtlesimNode::sense(SimTime now) {
 }
 
 Status TurtlesimNode::act(SimTime) {
-  if (!self_) return {};
+  if (!self_ || !bus_.is_there(*self_)) return {};
   if (bus_.deliver(*self_) > 0) apply_parameters();
   for (const auto& turtle : turtles_) {
     if (!turtle->rotation) continue;

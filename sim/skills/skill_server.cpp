@@ -115,6 +115,9 @@ void SkillServer::take_cancel(const Action& action, const bus::Delivery& deliver
 void SkillServer::take(SimTime now) {
   now_ = now;
   if (bus_.has_waiting(node_)) bus_.deliver(node_);
+  if (!active_ || active_->cancelling || bus_.is_there(node_)) return;
+  active_->cancelling = true;  // the node was stopped: the robot does not drive on
+  skills_.cancel(now);
 }
 
 // --- Feedback and result

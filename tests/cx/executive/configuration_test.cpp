@@ -85,6 +85,42 @@ TEST(Configuration, AWrongTypeHasItsLine) {
   EXPECT_EQ(e.message, "parameter 'x.refresh_rate': found '10.5' (a double), expected an integer");
 }
 
+TEST(Configuration, WordsThatYamlTakesForSomethingElseNeedQuotes) {
+  EXPECT_EQ(error_of("environments: [n]").message, "parameter 'environments': found 'false' (a bool), expected a list of strings: in quotes it is a string");
+}
+
+TEST(Configuration, NumbersAreReadAsRosReadsThem) {
+  Lab lab;
+  lab.config("environments: []\nhex: 0x10\noctal: 010\nplain: -7\nno_octal: 08\nfar: -.inf\nquoted: '010'");
+  ASSERT_TRUE(lab.create().ok());
+  auto read = Parameters::load(lab.options.config, "clips_manager", "/");
+  ASSERT_TRUE(read.ok());
+  std::int64_t integer = 0;
+  double number = 0;
+  std::string text;
+  for (const auto& [name, value] : {std::pair{"hex", 16}, {"octal", 8}, {"plain", -7}}) {
+    ASSERT_TRUE(read->read(name, integer).ok()) << name;
+    EXPECT_EQ(integer, value) << name;
+  }
+  EXPECT_FALSE(read->read("no_octal", integer).ok());
+  ASSERT_TRUE(read->read("no_octal", number).ok());
+  EXPECT_EQ(number, 8);
+  ASSERT_TRUE(read->read("far", number).ok());
+  EXPECT_LT(number, -1e300);
+  ASSERT_TRUE(read->read("quoted", text).ok());
+  EXPECT_EQ(text, "010");
+}
+
+TEST(Configuration, APluginListedTwiceIsLoadedOnceAndToldOf) {
+  Lab lab;
+  lab.config("environments: [\"main\"]\nmain: {plugins: [\"x\", \"x\"]}\nx: {plugin: \"cx::ExamplePlugin\"}");
+  lab.run_up();
+  EXPECT_EQ(lab.log.with("Initializing plugin").size(), 1u);
+  const auto warned = lab.log.with("warn clips_manager: ");
+  ASSERT_EQ(warned.size(), 1u);
+  EXPECT_THAT(warned[0], HasSubstr("config.yaml:4: plugin 'x' is listed twice in 'main.plugins': it is loaded once"));
+}
+
 TEST(Configuration, ARateMustBePositive) {
   const Error e = error_of("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx: {plugin: \"cx::ExecutivePlugin\", refresh_rate: 0}");
   EXPECT_EQ(e.line, 5);

@@ -197,6 +197,9 @@ TEST(RuleLoops, EndTheRunAndAreNamed) {
   EXPECT_EQ(s.error().code, "rule_loop");
   EXPECT_THAT(s.error().message, HasSubstr("spin"));
   EXPECT_THAT(s.error().message, HasSubstr("counter"));
+  EXPECT_EQ(s.error().file, (lab.folder / "agent/rules.clp").string());
+  EXPECT_EQ(s.error().line, 2);
+  EXPECT_THAT(s.error().message, HasSubstr("max_firings_per_tick (now 1000, 0 = no limit)"));
 }
 
 /// What a run with these rules writes to all streams.

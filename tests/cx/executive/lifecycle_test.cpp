@@ -60,6 +60,32 @@ TEST_F(LifecycleTest, LivesAgainWithoutACleanup) {
   EXPECT_THAT(lab.facts("item"), ElementsAre("(item (a 1))"));
 }
 
+TEST_F(LifecycleTest, AnEnvironmentThatIsActivatedAgainIsTheSame) {
+  lab.run_up();
+  ASSERT_TRUE(lab.engine().build("(deffacts by-hand (hand))").ok());
+  ASSERT_TRUE(lab.engine().build("(defrule by-hand (hand) => (println \"by hand \" (gensym*)))").ok());
+  for (int life = 0; life < 3; ++life) {
+    for (const char* step : {"deactivate", "activate"}) EXPECT_EQ(caller.change(step), "{success: true}") << step;
+    lab.ticks(6);
+  }
+  EXPECT_EQ(lab.log.with("Initialized new CLIPS environment").size(), 1u);
+  EXPECT_EQ(lab.log.with("begins").size(), 4u);
+  EXPECT_THAT(lab.log.with("by hand "), ElementsAre("info main: by hand gen1", "info main: by hand gen2", "info main: by hand gen3"));
+  EXPECT_THAT(lab.log.with("error"), IsEmpty());
+  EXPECT_THAT(lab.log.with("warn"), IsEmpty());
+}
+
+TEST_F(LifecycleTest, ATemplateThatWasChangedMeanwhileIsAnErrorAsInClips) {
+  lab.options.keep_going = true;
+  lab.run_up();
+  EXPECT_EQ(caller.change("deactivate"), "{success: true}");
+  lab.write("agent/rules.clp", "(deftemplate item (slot a) (slot b))");
+  EXPECT_EQ(caller.change("activate"), "{success: true}");
+  ASSERT_EQ(lab.manager->load_errors().size(), 1u);
+  EXPECT_THAT(lab.manager->load_errors()[0].message, HasSubstr("CSTRCPSR4"));
+  EXPECT_EQ(lab.manager->load_errors()[0].line, 1);
+}
+
 TEST_F(LifecycleTest, RefusesWhatTheStateDoesNotAllow) {
   lab.run_up();
   EXPECT_EQ(caller.change("configure"), "{success: false}");

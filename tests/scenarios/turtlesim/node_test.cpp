@@ -226,6 +226,25 @@ TEST_F(TurtlesimTest, NamesFollowNamespaceAndRemaps) {
   EXPECT_EQ(call("/pond/spawn", "turtlesim/srv/Spawn"), "{name: \"turtle2\"}");
 }
 
+TEST_F(TurtlesimTest, ANodeThatIsStoppedSaysAndDoesNothingAnyMore) {
+  episode_ = load(write("stopped.yaml", "schema: 1\nworld: {kind: turtlesim}\nduration_s: 60\nstimuli:\n  - {at: 8.5, stop_node: /turtlesim}\n"));
+  ASSERT_TRUE(episode_);
+  begin(*episode_);
+  me_ = bus().join(bus::ParticipantKind::kNode, {"tester", "/", {}}, episode_->journal().open_stream("node/tester"));
+  for (int second = 0; second < 8; ++second) {
+    drive("turtle1", "{linear: {x: 2.0}}");
+    play(*episode_, second + 1.0);
+  }
+  EXPECT_THAT(log_.with("I hit the wall"), ::testing::Not(::testing::IsEmpty()));
+  drive("turtle1", "{linear: {x: 2.0}}");
+  play(*episode_, 8.6);
+  EXPECT_THAT(log_.with("/turtlesim: stopped"), SizeIs(1));
+  const auto said = log_.all.size();
+  play(*episode_, 12);
+  EXPECT_EQ(log_.all.size(), said) << "it is at the wall all the while";
+  EXPECT_EQ(call("/spawn", "turtlesim/srv/Spawn"), "none");
+}
+
 TEST_F(TurtlesimTest, TurtlesThatCollidePushEachOther) {
   for (const bool collisions : {false, true}) {
     open(std::string("collisions: ") + (collisions ? "true" : "false") + ", turtles: [{name: a, x: 4}, {name: b, x: 6}]");
