@@ -59,7 +59,8 @@ int list_skills() {
 void print_plugin(const PluginReference& plugin) {
   if (plugin.plugin.find("::") == std::string::npos) return;  // the manager
   std::string text = plugin.problem.empty() ? plugin.description : "cannot be loaded: " + plugin.problem;
-  for (std::size_t i = 0; text.empty() && i < plugin.parameters.size(); ++i) text += (i == 0 ? "parameters " : ", ") + plugin.parameters[i];
+  if (text.empty())
+    for (const std::string& parameter : plugin.parameters) text += (text.empty() ? "parameters " : ", ") + parameter;
   std::printf("%-32s %-20s %s\n", plugin.plugin.c_str(), plugin.package.empty() ? "cxlab" : plugin.package.c_str(), text.c_str());
 }
 

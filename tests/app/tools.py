@@ -105,7 +105,7 @@ clips_manager:
 
     def test_two_servers_of_one_name_are_told_with_both_owners(self):
         config = self.package('(deffacts go (go))\n(deffunction /door-service-callback (?s ?q ?a))\n'
-                              '(defrule r (go) => (ros-msgs-create-service "/door" "std_srvs/srv/SetBool"))', '"executive", "ros_msgs", "files"')
+                              '(defrule r (go) => (ros-msgs-create-service "/door" "std_srvs/srv/SetBool"))', plugins='"executive", "ros_msgs", "files"')
         config.write_text(config.read_text() + '    ros_msgs: {plugin: "cx::RosMsgsPlugin"}\n')
         stimuli = self.folder / "stimuli.yaml"
         stimuli.write_text("- {at: 0.5, serve: /door, type: std_srvs/srv/SetBool}\n")

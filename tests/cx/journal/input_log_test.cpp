@@ -154,7 +154,7 @@ TEST(InputLog, EntriesReachTheFileWithinTenSimulatedSeconds) {
   TempFolder temp;
   auto log = InputLogWriter::create(temp / "inputs.bin");
   log->add(LoggedWorld{seconds(9), "world", "a"});
-  EXPECT_EQ(std::filesystem::file_size(temp / "inputs.bin"), 0u);
+  EXPECT_EQ(std::filesystem::file_size(temp / "inputs.bin"), 8u);
   log->add(LoggedWorld{seconds(10), "world", "b"});
   EXPECT_EQ(read_all(content_of(temp / "inputs.bin")).entries, 2u);
 }
