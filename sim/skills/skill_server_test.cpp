@@ -242,6 +242,17 @@ TEST_P(Skills, ADriveThatIsCancelledStopsAtOnce) {
   EXPECT_EQ(done("robot1", SkillKind::kDriveTo, "C_Z22").status, bus::GoalStatus::kSucceeded);
 }
 
+TEST_P(Skills, ARobotWhoseNodeIsStoppedStands) {
+  const Heard& drive = send("robot1", SkillKind::kDriveTo, "C-CS1-INPUT");
+  wait(4);
+  const Pose2 before = robot1().pose_in_world;
+  bus.leave(*bus.find_node("/robot1"));
+  wait(3);
+  EXPECT_LT(std::hypot(robot1().vx, robot1().vy), 1e-3);
+  EXPECT_LT(std::hypot(robot1().pose_in_world.x - before.x, robot1().pose_in_world.y - before.y), 0.5);
+  EXPECT_FALSE(drive.ended) << "nobody is there to say so";
+}
+
 TEST_P(Skills, CancelledAtAnyMomentTheRobotIsSafeAndThePieceIsHeldOrLies) {
   // Every half second of a pick and of a place, the arm ends at home and the next skill works.
   for (int step = 0; step < 12; ++step) {
