@@ -118,8 +118,11 @@ int run(const PlanCommand& command) {
   std::fprintf(stderr, "%s: %s; %lld units\n", word(answer->status), answer->reason.c_str(), static_cast<long long>(answer->units));
   int code = exit_code(answer->status);
   if (answer->plan) {
-    std::fprintf(stderr, "makespan %.3f s, no plan under %.3f s: at most %.1f %% from the shortest\n", answer->plan->makespan_s, answer->lower_bound_s,
-                 100 * answer->gap());
+    const double makespan = answer->plan->makespan_s, bound = answer->lower_bound_s;
+    if (const std::optional<double> gap = answer->gap())
+      std::fprintf(stderr, "makespan %.3f s, no plan under %.3f s: at most %.1f %% from the shortest\n", makespan, bound, 100 * *gap);
+    else
+      std::fprintf(stderr, "makespan %.3f s, no bound is known\n", makespan);
     if (answer->by_metric && answer->plan->metric) {
       const std::string bound = answer->metric_bound ? "no plan has a better one than " + number(*answer->metric_bound) : "what the best is is not known";
       std::fprintf(stderr, "metric %s, %s\n", number(*answer->plan->metric).c_str(), bound.c_str());

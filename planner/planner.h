@@ -60,8 +60,11 @@ struct PlanAnswer {
   std::string refusal;              ///< why the last of them
   double first_plan_s = 0;          ///< wall time to the first plan; for people, not for decisions
 
-  /// How far the plan can be from the shortest one, as a share of it: 0.05 = at most 5 %.
-  double gap() const { return plan && lower_bound_s > 0 ? plan->makespan_s / lower_bound_s - 1 : 0; }
+  /// How far the plan can be from the shortest one, as a share of it: 0.05 = at most 5 %; none without plan or bound.
+  std::optional<double> gap() const {
+    if (plan && plan->makespan_s == 0) return 0;
+    return plan && lower_bound_s > 0 ? std::optional(plan->makespan_s / lower_bound_s - 1) : std::nullopt;
+  }
 };
 
 /// Fails only where the problem cannot be written out (code "memory").
