@@ -55,7 +55,7 @@ install(FILES "${installed}/cxlabConfig.cmake" "${installed}/cxlabConfigVersion.
   DESTINATION lib/cmake/cxlab)
 
 # --- Data
-install(DIRECTORY cx/interfaces cx/packages models docs DESTINATION ${share})
+install(DIRECTORY cx/interfaces cx/packages models docs planner/engines DESTINATION ${share} PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY scenarios DESTINATION ${share}
   FILES_MATCHING PATTERN "*.yaml" PATTERN "*.clp" PATTERN "*.pddl" PATTERN "package.xml")
 install(FILES README.md LICENSE DESTINATION ${doc})

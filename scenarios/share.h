@@ -16,6 +16,7 @@ struct Share {
   std::filesystem::path packages;    ///< share folders of packages of rules
   std::filesystem::path scenarios;
   std::filesystem::path docs;
+  std::filesystem::path engines;     ///< scripts that run other planners
   std::filesystem::path prefix;      ///< that cxlab is installed below; empty in a source tree
 };
 

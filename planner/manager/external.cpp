@@ -1,5 +1,6 @@
 #include "planner/manager/external.h"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 
@@ -21,6 +23,9 @@ namespace cxlab::planner {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// s between happenings that interfere: planners keep them apart by different times.
+constexpr double kLeastSeparation = 0.0001;
 
 /// A folder that is gone afterwards.
 class WorkFolder {
@@ -39,10 +44,21 @@ class WorkFolder {
   fs::path path_;
 };
 
-std::string filled(std::string command, const std::string& placeholder, const fs::path& file) {
-  for (std::size_t at = 0; (at = command.find(placeholder, at)) != std::string::npos; at += file.string().size())
-    command.replace(at, placeholder.size(), file.string());
+std::string filled(std::string command, const std::string& placeholder, const std::string& value) {
+  for (std::size_t at = 0; (at = command.find(placeholder, at)) != std::string::npos; at += value.size())
+    command.replace(at, placeholder.size(), value);
   return command;
+}
+
+/// For the shell, as one word.
+std::string quoted(const std::string& word) { return "'" + filled(word, "'", "'\\''") + "'"; }
+
+/// The last line that says something.
+std::string last_line(const std::string& text) {
+  const std::size_t end = text.find_last_not_of(" \t\r\n");
+  if (end == std::string::npos) return {};
+  const std::size_t begin = text.find_last_of('\n', end);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - (begin == std::string::npos ? 0 : begin + 1) + 1);
 }
 
 struct Ended {
@@ -50,15 +66,17 @@ struct Ended {
   int code = 0;
 };
 
-/// The command with all that it starts is a process group of its own.
-Expected<Ended> run(const std::string& command, double timeout_s) {
+/// The command with all that it starts is a process group of its own, which ends with it. `log` is what it prints.
+Expected<Ended> run(const std::string& command, const fs::path& log, double timeout_s) {
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   posix_spawnattr_setpgroup(&attributes, 0);
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);  // stdout carries answers only
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+  posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);
   std::string shell = "sh", option = "-c", text = command;
   char* arguments[] = {shell.data(), option.data(), text.data(), nullptr};
   pid_t child = 0;
@@ -79,32 +97,62 @@ Expected<Ended> run(const std::string& command, double timeout_s) {
     }
     usleep(2000);
   }
+  kill(-child, SIGKILL);  // what it left running
   ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return ended;
 }
 
-}  // namespace
-
-Expected<PlanAnswer> find_plan_with(const std::string& command, const Task& task, double timeout_s) {
-  const WorkFolder folder;
-  if (folder.path().empty()) return Error{ErrorKind::kResource, "no folder for the planner's files could be made", {}, 0, {}};
-  const fs::path domain = folder.path() / "domain.pddl", problem = folder.path() / "problem.pddl", plan = folder.path() / "plan.txt";
-  std::ofstream(domain) << to_pddl(task.domain);
-  std::ofstream(problem) << to_pddl(task.domain, task.problem);
-  auto ended = run(filled(filled(filled(command, "{domain}", domain), "{problem}", problem), "{plan}", plan), timeout_s);
-  if (!ended) return ended.error();
-
+/// What it means that the planner wrote no plan; `said` is its last line.
+Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, const Ended& ended, const std::string& said) {
   PlanAnswer answer;
-  if (!fs::is_regular_file(plan)) {
-    answer.status = ended->in_time ? PlanStatus::kEnded : PlanStatus::kBudget;
-    answer.reason = ended->in_time ? "the planner ended with code " + std::to_string(ended->code) + " and wrote no plan" : "the planner was ended after its time";
+  answer.status = ended.in_time ? PlanStatus::kEnded : PlanStatus::kBudget;
+  if (!ended.in_time) {
+    answer.reason = "the planner was ended after its time";
     return answer;
   }
+  answer.reason = "the planner ended with code " + std::to_string(ended.code) + " and wrote no plan" + (said.empty() ? "" : ": " + said);
+  if (!planner.our_codes) return answer;
+  switch (ended.code) {
+    case 10: answer.status = PlanStatus::kUnsolvable; break;
+    case 12: break;
+    case 22: answer.status = PlanStatus::kMemory; break;
+    case 23: answer.status = PlanStatus::kBudget; break;
+    default: return Error{ErrorKind::kResource, answer.reason, {}, 0, {}};
+  }
+  answer.reason = said;
+  return answer;
+}
+
+}  // namespace
+
+ExternalPlanner up_engine(const fs::path& script, const std::string& python, const std::string& engine) {
+  return {quoted(python) + " -W ignore " + quoted(script.string()) + " " + quoted(engine) + " {domain} {problem} {plan} --timeout {timeout}", true};
+}
+
+Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& task, double timeout_s) {
+  const WorkFolder folder;
+  if (folder.path().empty()) return Error{ErrorKind::kResource, "no folder for the planner's files could be made", {}, 0, {}};
+  const fs::path domain = folder.path() / "domain.pddl", problem = folder.path() / "problem.pddl", plan = folder.path() / "plan.txt", log = folder.path() / "log.txt";
+  std::ofstream(domain) << to_pddl(task.domain);
+  std::ofstream(problem) << to_pddl(task.domain, task.problem);
+  char seconds[32];
+  std::snprintf(seconds, sizeof seconds, "%.3f", timeout_s);
+  std::string command = planner.command;
+  for (const auto& [placeholder, value] : {std::pair<std::string, std::string>{"{domain}", domain}, {"{problem}", problem}, {"{plan}", plan}, {"{timeout}", seconds}})
+    command = filled(std::move(command), placeholder, value);
+  auto ended = run(command, log, timeout_s);
+  if (!ended) return ended.error();
+  const auto printed = read_text(log.string());
+  const std::string said = printed ? *printed : "";
+  std::fputs(said.c_str(), stderr);  // stdout carries answers only
+  if (!fs::is_regular_file(plan)) return without_plan(planner, *ended, last_line(said));
+
+  PlanAnswer answer;
   auto text = read_text(plan.string());
   if (!text) return text.error();
   auto steps = parse_plan(*text, "plan.txt", task.domain, task.problem);
   if (!steps) return steps.error();
-  auto verdict = Validator(task.domain, task.problem).check(*steps);
+  auto verdict = Validator(task.domain, task.problem).check(*steps, {.epsilon = kLeastSeparation});
   if (!verdict) return verdict.error();
   if (!verdict->valid) {
     answer.refused = 1;

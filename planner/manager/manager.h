@@ -23,6 +23,7 @@
 #include "cx/node/log.h"
 #include "cx/node/parameters.h"
 #include "planner/cost.h"
+#include "planner/manager/external.h"
 #include "planner/manager/instance.h"
 #include "planner/planner.h"
 
@@ -38,7 +39,7 @@ struct PddlManagerOptions {
   bool anytime = false;           ///< plans are improved until the budget ends
   bool warm_start = true;         ///< a goal that is planned for again begins with what is left of its last plan
   PlanningCost cost;
-  std::string command;            ///< another planner that makes the plans (`find_plan_with`); empty = ours
+  ExternalPlanner other;          ///< another planner that makes the plans; without a command: ours
   cx::LogSink* log = nullptr;     ///< may be none
   /// Told of each file that is read, before it is; may be none.
   std::function<Status(const std::string& logical_name, const std::filesystem::path& file)> on_read;

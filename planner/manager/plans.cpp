@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "planner/manager/condition_text.h"
-#include "planner/manager/external.h"
 #include "planner/manager/manager.h"
 #include "planner/pddl/text.h"
 
@@ -71,8 +70,9 @@ PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   const std::string wanted_text = told_text(task->problem.goal, task->domain, task->problem.objects, {});
   how.warm_start = steps_left(goal, *task, wanted_text);
   const double wall_s = static_cast<double>(how.budget) * 1e-6;  // a unit is about a microsecond
-  auto answer = options_.command.empty() ? find_plan(*task, how) : find_plan_with(options_.command, *task, wall_s);
-  if (!answer && !options_.command.empty()) return {"ERROR", answer.error().text(), {}, {}, bus::GoalStatus::kAborted};
+  const bool ours = options_.other.command.empty();
+  auto answer = ours ? find_plan(*task, how) : find_plan_with(options_.other, *task, wall_s);
+  if (!answer && !ours) return {"ERROR", answer.error().text(), {}, {}, bus::GoalStatus::kAborted};
   if (!answer) return {"MEMORY", answer.error().message, {}, {}, bus::GoalStatus::kAborted};
   Outcome outcome{"PLAN", answer->reason, *std::move(task), *std::move(answer), bus::GoalStatus::kSucceeded, wanted_text};
   if (outcome.answer.plan) return outcome;

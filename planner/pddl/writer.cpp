@@ -1,5 +1,8 @@
 // Domains and problems as PDDL files.
 
+#include <span>
+#include <utility>
+
 #include "planner/pddl/text.h"
 
 namespace cxlab::planner {
@@ -35,10 +38,12 @@ std::string signature(const Printer& printer, const std::string& name, const std
 }
 
 std::string timed_text(const Printer& printer, const TimedCondition& condition) {
+  // One time in front of each part, which is what planners read best.
   std::string text = "(and";
-  if (!condition.start.is_true()) text += " (at start " + printer.condition(condition.start) + ")";
-  if (!condition.over_all.is_true()) text += " (over all " + printer.condition(condition.over_all) + ")";
-  if (!condition.end.is_true()) text += " (at end " + printer.condition(condition.end) + ")";
+  for (const auto& [time, whole] : {std::pair{"at start", &condition.start}, {"over all", &condition.over_all}, {"at end", &condition.end}}) {
+    const std::span<const Condition> parts = whole->kind == Condition::Kind::kAnd ? std::span(whole->operands) : std::span(whole, 1);
+    for (const Condition& part : parts) text += std::string(" (") + time + " " + printer.condition(part) + ")";
+  }
   return text + ")";
 }
 
@@ -55,14 +60,14 @@ std::string effect_text(const Printer& action_printer, const Effect& effect, boo
 }
 
 std::string duration_text(const Printer& printer, const std::vector<DurationConstraint>& duration) {
-  std::string text = "(and";
+  std::string text;
   for (const DurationConstraint& constraint : duration) {
     const char* verb = constraint.comparison == Comparison::kLessEqual ? "<=" : constraint.comparison == Comparison::kGreaterEqual ? ">=" : "=";
     std::string one = std::string("(") + verb + " ?duration " + printer.expression(constraint.bound) + ")";
     if (constraint.at_end) one = "(at end " + one + ")";
-    text += " " + one;
+    text += (text.empty() ? "" : " ") + one;
   }
-  return text + ")";
+  return duration.size() == 1 ? text : "(and " + text + ")";
 }
 
 std::string action_text(const Domain& domain, const Action& action) {

@@ -20,9 +20,12 @@ void read_config(yaml::Map& map, Config& config) {
   if (const yaml::Value remap = map.get("remap"))
     for (const auto& [from, to] : remap.as_map().entries()) config.remaps.emplace_back(from, to.as_string());
   map.read("autostart_node", config.autostart).read("bond_heartbeat_period", config.bond_period).read("anytime", config.anytime).read("warm_start", config.warm_start).read("command", config.command);
+  map.read("engine", config.engine).read("python", config.python);
   if (config.bond_period < 0) map.get("bond_heartbeat_period").fail("must be 0 (no heartbeats) or more");
   if (!config.command.empty() && config.command.find("{plan}") == std::string::npos)
     map.get("command").fail("found no {plan} in it, expected a command that writes its plan to {plan}");
+  if (!config.command.empty() && !config.engine.empty()) map.get("engine").fail("found beside command, expected one of the two");
+  if (config.engine.empty() && map.has("python")) map.get("python").fail("says which interpreter has the engine, but there is no engine");
   std::string compat = "none";
   map.read_word("compat", compat, {"none", "original"});
   config.original = compat == "original";

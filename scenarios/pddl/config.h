@@ -21,6 +21,8 @@ struct Config {
   bool anytime = false;       ///< plans are improved until the budget ends
   bool warm_start = true;     ///< plans for a goal begin with what is left of its last one
   std::string command;        ///< another planner, as a command with {domain}, {problem} and {plan}; empty = ours
+  std::string engine;         ///< another planner, an engine of the Unified Planning Framework; empty = none
+  std::string python = "python3";  ///< the interpreter that has the engine
   std::optional<planner::PlanningCost> cost;  ///< none: that of the scenario
 };
 

@@ -3,6 +3,7 @@
 #include "cx/base/append_file.h"
 #include "cx/executive/files.h"
 #include "planner/manager/manager.h"
+#include "scenarios/share.h"
 
 namespace cxlab::pddl {
 
@@ -43,7 +44,7 @@ Status add_manager(const Config& config, const NodeSetup& setup, Stage& stage) {
   options.original = config.original;
   options.anytime = config.anytime;
   options.warm_start = config.warm_start;
-  options.command = config.command;
+  options.other = config.engine.empty() ? planner::ExternalPlanner{config.command, false} : planner::up_engine(find_share().engines / "up_engine.py", config.python, config.engine);
   options.cost = config.cost.value_or(setup.scenario.planner);
   options.log = setup.log;
   options.on_read = setup.keep;
@@ -53,7 +54,7 @@ Status add_manager(const Config& config, const NodeSetup& setup, Stage& stage) {
   auto manager = planner::PddlManager::create(std::move(options), setup.bus, setup.sink);
   if (!manager) return manager.error();
   auto server = std::make_unique<ManagerServer>(*std::move(manager));
-  stage.reports.push_back([&node = server->manager(), outside = !config.command.empty()](Result& result) {
+  stage.reports.push_back([&node = server->manager(), outside = !config.command.empty() || !config.engine.empty()](Result& result) {
     if (outside) result.deterministic = false;
     result.plans += node.plans();
     result.replans += node.replans();

@@ -9,6 +9,7 @@ from pathlib import Path
 
 CXLAB = os.environ["CXLAB"]
 BLOCKS = Path(os.environ["CXLAB_SOURCE_DIR"]) / "docs/examples/blocksworld"
+FRAMEWORK = Path(os.environ["CXLAB_SOURCE_DIR"]) / "tests/planner/engines/fake"  # a Unified Planning Framework of our own
 
 CONFIG = """clips_manager:
   ros__parameters:
@@ -136,6 +137,30 @@ class Blocksworld(unittest.TestCase):
     def test_planning_takes_the_time_that_the_scenario_says(self):
         slow = self.cxlab("run", BLOCKS / "helpers.yaml", "--set", "planner.latency.a=5", "--out", self.out)
         self.assertRegex(slow.stderr, r"\[ +5\.[45]\d+\] \[info\] \[pddl_manager\] plan for 'tower'")
+
+    def run_with_engine(self, engine, *more, path):
+        """The agent with raw services beside a manager that has this engine plan; `path` is where Python finds packages."""
+        return subprocess.run([CXLAB, "env", BLOCKS / "params/raw.yaml", "--with", "pddl_manager", "--param", f"pddl_manager.engine={engine}", *more, "--until", "30",
+                               "--out", self.out], capture_output=True, text=True, timeout=60, env={**os.environ, "PYTHONPATH": str(path)})
+
+    def test_another_planner_builds_the_tower_and_the_run_says_that_it_is_not_deterministic(self):
+        done = self.run_with_engine("aries", path=FRAMEWORK)
+        self.assertIn("the tower stands after 6 steps", done.stderr)
+        self.assertIs(self.result(self.out)["deterministic"], False)
+        own = Path(self.folder.name) / "own"
+        self.cxlab("env", BLOCKS / "params/raw.yaml", "--with", "pddl_manager", "--until", 30, "--out", own)
+        self.assertIs(self.result(own)["deterministic"], True)
+        command = f"{CXLAB} plan {{domain}} {{problem}} --out {{plan}}"
+        self.cxlab("env", BLOCKS / "params/raw.yaml", "--with", "pddl_manager", "--param", f"pddl_manager.command={command}", "--until", 30, "--force", "--out", own)
+        self.assertIs(self.result(own)["deterministic"], False)
+
+    def test_an_engine_that_is_not_there_is_told_with_the_command_that_installs_it(self):
+        done = self.run_with_engine("lpg", path=FRAMEWORK)
+        self.assertRegex(done.stderr, r"ERROR, the planner ended with code 5 and wrote no plan: engine lpg: not installed: \S+ -m pip install up-lpg")
+        self.assertIn("there is no plan: ABORTED", done.stderr)
+        done = self.run_with_engine("lpg", "--param", "pddl_manager.command=x {plan}", path=FRAMEWORK)
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("found beside command, expected one of the two", done.stderr)
 
     def facts_of(self, agent, *arguments, seconds=20):
         """Log of a run of an agent with the helper rules."""

@@ -53,4 +53,15 @@ class Plan(Lab):
         self.assertIn("d.pddl:5:", done.stderr)
         self.assertEqual(self.plan(domain=DOMAIN.replace("(:types", "(:requirements :preferences) (:types")).returncode, 34)
         self.assertEqual(self.plan("--budget", "0").returncode, 2)
+
+    def test_a_problem_that_does_not_fit_into_memory_has_a_code_of_its_own(self):
+        # 12^6 ground actions, each with arguments that matter.
+        names = "abcdef"
+        domain = ("(define (domain d) (:predicates (x ?a) (g)) (:action a :parameters (" + " ".join(f"?{n}" for n in names) + ")\n :precondition (and "
+                  + " ".join(f"(x ?{n})" for n in names) + ") :effect (and (g) " + " ".join(f"(not (x ?{n}))" for n in names) + ")))")
+        objects = " ".join(f"o{i}" for i in range(12))
+        problem = f"(define (problem p) (:domain d) (:objects {objects}) (:init {' '.join(f'(x o{i})' for i in range(12))}) (:goal (g)))"
+        done = self.plan(domain=domain, problem=problem)
+        self.assertEqual(done.returncode, 22, done.stderr)
+        self.assertIn("found more than 1000000 ground actions", done.stderr)
         self.assertEqual(self.plan("--out", "/no/such/folder/plan").returncode, 5)

@@ -140,7 +140,7 @@ TEST_F(ManagerTest, AnotherPlannerMayMakeThePlans) {
   PddlManagerOptions options = at_cost(0.5, 1);
   const auto answer_of = [&](const std::string& command) {
     manager_.reset();
-    options.command = command;
+    options.other.command = command;
     start(options);
     load_blocks();
     tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: holding, args: [c]}]}");

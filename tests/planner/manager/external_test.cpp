@@ -1,0 +1,57 @@
+// Planners of others, run as commands.
+
+#include "planner/manager/external.h"
+
+#include <unistd.h>
+
+#include <fstream>
+
+#include "../validator/checker.h"
+
+namespace cxlab::planner {
+namespace {
+
+TEST(FindPlanWith, ExitCodesOfOursAreAnswers) {
+  const Checker world("(:action light :effect (lit)) (:predicates (lit))", "(:init) (:goal (lit))");
+  const auto answer = [&](int code) { return find_plan_with({"echo why >&2; exit " + std::to_string(code), true}, world.task(), 10); };
+  for (const auto& [code, status] : {std::pair{10, PlanStatus::kUnsolvable}, {12, PlanStatus::kEnded}, {22, PlanStatus::kMemory}, {23, PlanStatus::kBudget}}) {
+    ASSERT_TRUE(answer(code)) << code;
+    EXPECT_EQ(answer(code)->status, status) << code;
+    EXPECT_EQ(answer(code)->reason, "why");
+  }
+  ASSERT_FALSE(answer(5));
+  EXPECT_EQ(answer(5).error().message, "the planner ended with code 5 and wrote no plan: why");
+  EXPECT_EQ(find_plan_with({"echo why; exit 10", false}, world.task(), 10)->reason, "the planner ended with code 10 and wrote no plan: why");
+}
+
+TEST(FindPlanWith, PlansOfOthersNeedOnlyATenthOfAMillisecondBetweenSteps) {
+  const Checker world("(:predicates (lit) (seen)) (:action light :effect (lit)) (:action see :precondition (lit) :effect (seen))", "(:init) (:goal (seen))");
+  const auto found = [&](const char* second) {
+    return find_plan_with({std::string("printf '0: (light)\\n") + second + ": (see)\\n' > {plan}", false}, world.task(), 10)->plan.has_value();
+  };
+  EXPECT_TRUE(found("0.0002"));
+  EXPECT_FALSE(found("0.00002"));
+}
+
+TEST(FindPlanWith, WhatThePlannerLeavesRunningEndsWithIt) {
+  const Checker world("(:predicates (lit))", "(:init) (:goal (lit))");
+  const auto is_gone = [](pid_t process) {
+    for (int tries = 0; tries < 200; ++tries, usleep(10'000)) {
+      std::ifstream stat("/proc/" + std::to_string(process) + "/stat");
+      std::string id, name, state;
+      if (!(stat >> id >> name >> state) || state == "Z") return true;
+    }
+    return false;
+  };
+  const std::string file = testing::TempDir() + "left_running";
+  for (const auto& [ends, timeout] : {std::pair{"exit 1", 10.0}, {"sleep 60", 0.2}}) {
+    (void)find_plan_with({"sleep 60 & echo $! > " + file + "; " + ends, false}, world.task(), timeout);
+    pid_t left = 0;
+    std::ifstream(file) >> left;
+    ASSERT_GT(left, 0);
+    EXPECT_TRUE(is_gone(left)) << ends;
+  }
+}
+
+}  // namespace
+}  // namespace cxlab::planner
