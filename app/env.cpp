@@ -99,6 +99,21 @@ fs::path package_of(const fs::path& config) {
   return folder.filename() == "params" || folder.filename() == "config" ? folder.parent_path() : folder;
 }
 
+/// Packages beside this one: in the folder that it lies in, and those of an install space with a prefix for each package
+/// (install/NAME/share/NAME, as colcon makes it).
+std::set<fs::path> neighbours_of(const fs::path& package) {
+  std::error_code ignored;
+  std::set<fs::path> found;
+  const auto add = [&](const fs::path& folder) {
+    if (fs::is_regular_file(folder / "package.xml", ignored)) found.insert(folder);
+  };
+  const fs::path share = package.parent_path(), prefix = share.parent_path();
+  for (const auto& entry : fs::directory_iterator(share, ignored)) add(entry.path());
+  if (share.filename() == "share" && prefix.filename() == package.filename())
+    for (const auto& entry : fs::directory_iterator(prefix.parent_path(), ignored)) add(entry.path() / "share" / entry.path().filename());
+  return found;
+}
+
 /// Those named by the user, else those around the configurations: theirs, and the packages beside these.
 Expected<std::map<std::string, std::string>> packages_of(const Options& options) {
   std::map<std::string, std::string> packages;
@@ -106,11 +121,7 @@ Expected<std::map<std::string, std::string>> packages_of(const Options& options)
     const fs::path own = package_of(fs::absolute(config).lexically_normal());
     packages.emplace(package_name(own), own.string());
     if (!fs::is_regular_file(own / "package.xml")) continue;
-    std::error_code ignored;
-    std::set<fs::path> neighbours;
-    for (const auto& entry : fs::directory_iterator(own.parent_path(), ignored))
-      if (fs::is_regular_file(entry.path() / "package.xml")) neighbours.insert(entry.path());
-    for (const fs::path& neighbour : neighbours) packages.emplace(package_name(neighbour), neighbour.string());
+    for (const fs::path& neighbour : neighbours_of(own)) packages.emplace(package_name(neighbour), neighbour.string());
   }
   auto named = named_packages(options.packages);
   if (named) named->merge(packages);

@@ -49,6 +49,22 @@ class Agents(Env):
         self.assertNotIn("rule go, RHS", log)
 
 
+class Packages(Env):
+    def test_those_beside_the_configuration_are_found_in_each_layout_of_a_workspace(self):
+        for layout in ("ws/src/{0}", "ws/merged/share/{0}", "ws/install/{0}/share/{0}"):
+            with self.subTest(layout):
+                for name, files in (("my_agent", {"params/a.yaml": AGENT.replace('["rules"]', '["my_agent"]').replace("rules.clp", "clips/rules.clp"),
+                                                  "clips/rules.clp": '(defrule tell => (println "sum " (ros-msgs-get-field (ros-msgs-create-message "my_msgs/msg/Sum") "sum")))'}),
+                                    ("my_msgs", {"msg/Sum.msg": "int32 sum 7\n"})):
+                    self.write(f"{layout.format(name)}/package.xml", f'<package format="3"><name>{name}</name></package>')
+                    for file, text in files.items():
+                        self.write(f"{layout.format(name)}/{file}", text)
+                done = subprocess.run([CXLAB, "env", f"{layout.format('my_agent')}/params/a.yaml", "--until", "0", "--out", "none"], cwd=self.folder, text=True,
+                                      timeout=60, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertIn("[main] sum 7", done.stderr)
+
+
 class WrongInput(Env):
     def test_sentences_of_clips_are_told_whole(self):
         log = self.env("(defrule a => (println ?*x*))\n(defrule b (n ?x&:(numberp ?x)) => (str-length (length$ ?x)))\n"
