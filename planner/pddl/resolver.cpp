@@ -189,6 +189,8 @@ bool Resolver::arguments(const Node& node, const std::string& name, const std::v
 bool Resolver::atom(const Node& node, PredicateId& predicate, std::vector<Term>& terms) {
   const std::string name(node.head());
   if (name.empty()) return fail(node, "found " + excerpt(node) + ", expected (PREDICATE ARGUMENT...)");
+  if ((name == "at" || name == "over") && node.items.size() == 3 && node.items[2].is_list)
+    return fail(node, "found " + excerpt(node) + " where " + (in_durative_ ? "the time has been said" : "there is no time to say") + ", expected (PREDICATE ARGUMENT...)");
   predicate = find(domain_.predicate_names, name);
   if (predicate < 0) {
     if (is_trajectory_operator(name) || name == "preference")

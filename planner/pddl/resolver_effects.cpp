@@ -101,6 +101,9 @@ bool Resolver::effect(const Node& node, const EffectContext& context, std::vecto
     return fail(node, "found " + excerpt(node) + ", expected (at start ...), (at end ...) or a continuous (increase F (* #t RATE))");
   }
   if (to_numeric_kind(head)) return numeric_effect(node, context, out);
+  for (const std::string_view word : {"or", "imply", "exists", "=", "<", "<=", ">", ">="})
+    if (head == word && find(domain_.predicate_names, head) < 0)
+      return fail(node, "found " + excerpt(node) + ", expected an effect: it cannot leave open what happens, and numbers are set by (assign F NUMBER)");
   return literal_effect(node, context, out);
 }
 

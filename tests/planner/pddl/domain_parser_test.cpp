@@ -149,6 +149,10 @@ TEST(DomainParser, ErrorsTellWhatWasDeclaredWhere) {
             "d.pddl:6: found :condition, expected :parameters, :precondition or :effect of an action");
   EXPECT_EQ(error_of(with_world("(:durative-action a :parameters ())")),
             "d.pddl:6: the durative action has no :duration, expected (= ?duration NUMBER)");
+  EXPECT_EQ(error_of(with_world("(:durative-action a :parameters () :duration (= ?duration 1)\n :condition (over all (at end (done))))")),
+            "d.pddl:7: found (at end (done)) where the time has been said, expected (PREDICATE ARGUMENT...)");
+  EXPECT_EQ(error_of(with_world("(:action a :effect (or (done) (done)))")),
+            "d.pddl:6: found (or (done) (done)), expected an effect: it cannot leave open what happens, and numbers are set by (assign F NUMBER)");
   EXPECT_EQ(error_of("(:types a - b b - c c - a)"), "d.pddl:2: type 'a' is its own supertype, expected types without a cycle");
 }
 
