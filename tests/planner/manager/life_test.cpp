@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <random>
+#include <set>
+
 #include "fixture.h"
 
 namespace cxlab::planner {
@@ -190,6 +194,82 @@ TEST_F(ManagerTest, AnInstanceThatIsLoadedAgainIsNew) {
   ticks(100);
   EXPECT_TRUE(answer->success);
   EXPECT_THAT(answer->actions, IsEmpty());
+}
+
+/// What is true in blocksworld as a set of texts, and how requests change it.
+struct Blocks {
+  std::set<std::string> objects = {"a", "b", "c"}, facts = {"on(c a)", "ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()"};
+
+  void remove(const std::string& object) {
+    objects.erase(object);
+    std::erase_if(facts, [&](const std::string& fact) {
+      const std::string arguments = " " + fact.substr(fact.find('(') + 1, fact.size() - fact.find('(') - 2) + " ";
+      return arguments.find(" " + object + " ") != std::string::npos;
+    });
+  }
+};
+
+TEST_F(ManagerTest, RandomRequestsDoToTheInstanceWhatTheyDoToASet) {
+  PddlManagerOptions options;
+  options.cost.charge = false;
+  options.cost.budget = 20'000;
+  start(std::move(options));
+  load_blocks();
+  Blocks blocks;
+  std::mt19937 draw(7);
+  const auto one_of = [&](const std::vector<std::string>& texts) { return texts[draw() % texts.size()]; };
+  const std::vector<std::string> names = {"a", "b", "c", "d", "E", "f"};
+  int plans = 0;
+  for (int round = 0; round < 1000; ++round) {
+    const std::string x = one_of(names), y = one_of(names);
+    const bool known_x = blocks.objects.contains(x), known_y = blocks.objects.contains(y);
+    switch (draw() % 6) {
+      case 0: {
+        EXPECT_EQ(ask("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: " + x + ", type: block}]}")->integer("success"), 1);
+        blocks.objects.insert(x);
+        break;
+      }
+      case 1: {
+        if (draw() % 4 != 0) break;  // else few blocks are left
+        const bool done = ask("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: " + x + ", type: block}]}")->integer("success") != 0;
+        EXPECT_EQ(done, known_x);
+        blocks.remove(x);
+        break;
+      }
+      case 2:
+      case 3: {
+        const bool add = draw() % 3 != 0;
+        const std::string request = "{fluents: [{pddl_instance: bw, name: on, args: [" + x + ", " + y + "]}, {pddl_instance: bw, name: clear, args: [" + x + "]}]}";
+        const bus::Message answer = add ? ask("add_fluents", "AddFluents", request) : ask("rm_fluents", "RemoveFluents", request);
+        EXPECT_EQ(answer->integer("success") != 0, known_x && known_y) << answer->text("error");
+        EXPECT_EQ(answer->text("error").empty(), known_x && known_y);
+        if (!known_x || !known_y) break;
+        for (const std::string& fact : {"on(" + x + " " + y + ")", "clear(" + x + ")"}) add ? (void)blocks.facts.insert(fact) : (void)blocks.facts.erase(fact);
+        break;
+      }
+      case 4: {
+        if (!known_x || !known_y) break;
+        tell("create_goal_instance", "CreateGoalInstance", "{pddl_instance: bw, goal_instance: g}");
+        tell("set_goals", "SetGoals", "{goal_instance: g, fluents: [{pddl_instance: bw, name: clear, args: [" + x + "]}, {pddl_instance: bw, name: clear, args: [" + y + "]}]}");
+        const auto answer = plan("{pddl_instance: bw, goal_instance: g}");
+        ticks(3);
+        EXPECT_GE(answer->time, 0);
+        plans += answer->success;
+        break;
+      }
+      default: {
+        if (!known_x) break;
+        std::vector<std::string> missing;
+        for (const std::string& fact : {"clear(" + x + ")", "ontable(" + x + ")", std::string("handempty()")})
+          if (!blocks.facts.contains(fact)) missing.push_back(fact == "handempty()" ? "handempty" : fact);
+        EXPECT_EQ(check("{pddl_instance: bw, name: pick-up, args: [" + x + "]}"), missing.empty() ? std::vector<std::string>{"sat"} : missing);
+      }
+    }
+    const std::vector<std::string> now = fluents("bw");
+    ASSERT_EQ(std::set<std::string>(now.begin(), now.end()), blocks.facts) << "after request " << round;
+    ASSERT_EQ(now.size(), blocks.facts.size());
+  }
+  EXPECT_GT(plans, 20);
 }
 
 }  // namespace
