@@ -183,6 +183,8 @@ bool is_of_a_node(const std::string& param, const std::vector<std::string>& node
 
 /// Each --param is for a node that there will be.
 Status check_params(const Options& options) {
+  if (const std::string fault = bus::namespace_fault(options.name_space); !fault.empty())
+    return usage("--namespace: the name '" + options.name_space + "' " + fault);
   std::vector<std::pair<std::string, std::string>> remaps;
   for (const std::string& remap : options.remaps) {
     auto names = split("--remap", remap, ":=", "FROM:=TO");

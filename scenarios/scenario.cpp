@@ -93,8 +93,8 @@ AgentSpec read_agent(const yaml::Value& value) {
     for (const auto& [name, param] : params.as_map().entries()) agent.params.emplace_back(name, param.dump());
   map.read("activate", agent.activate);
   map.finish();
-  if (agent.name_space.empty() || agent.name_space[0] != '/')
-    map.get("namespace").fail("found '" + agent.name_space + "', expected an absolute name like /cyan");
+  if (const std::string fault = bus::namespace_fault(agent.name_space); !fault.empty())
+    map.get("namespace").fail("the name '" + agent.name_space + "' " + fault);
   return agent;
 }
 

@@ -93,6 +93,12 @@ std::string name_fault(std::string_view written) {
   return {};
 }
 
+std::string namespace_fault(std::string_view name_space) {
+  if (name_space == "/") return {};
+  if (!name_space.starts_with('/')) return "does not begin with '/'; expected an absolute name like /cyan";
+  return name_fault(name_space);
+}
+
 std::string remap_fault(const std::pair<std::string, std::string>& remap) {
   std::string_view from = remap.first, to = remap.second;
   const std::size_t colon = from.find(':');
@@ -104,8 +110,7 @@ std::string remap_fault(const std::pair<std::string, std::string>& remap) {
   }
   const auto bad = [](std::string_view name, const std::string& fault) { return "the name '" + std::string(name) + "' " + fault; };
   if (from == "__ns") {
-    if (!to.starts_with('/')) return bad(to, "does not begin with '/', as a namespace does");
-    const std::string fault = to == "/" ? std::string() : name_fault(to);
+    const std::string fault = namespace_fault(to);
     return fault.empty() ? fault : bad(to, fault);
   }
   if (from == "__node" || from == "__name") {

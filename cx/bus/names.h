@@ -9,6 +9,8 @@ namespace cxlab::bus {
 
 /// What is wrong with a name as a participant writes it ("has an empty part"), empty if it is good.
 std::string name_fault(std::string_view written);
+/// The same for a namespace, "/" or "/cyan/one".
+std::string namespace_fault(std::string_view name_space);
 /// What is wrong with a remap FROM := TO, with what was expected; empty if it is good.
 std::string remap_fault(const std::pair<std::string, std::string>& remap);
 

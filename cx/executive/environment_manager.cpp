@@ -31,6 +31,12 @@ std::string claim(const ManagerOptions& options, const std::string& kind, const 
   return given;
 }
 
+/// An error that does not say where it was is at `place`.
+Status at_place(const Status& status, const Error& place) {
+  if (status || !status.error().file.empty()) return status;
+  return Error{status.error().kind, status.error().message, place.file, place.line, status.error().code};
+}
+
 void keep_first(Status& first, Status next) {
   if (first && !next) first = std::move(next);
 }
@@ -357,49 +363,6 @@ Environment* EnvironmentManager::find(std::string_view name) {
   return entry ? entry->environment.get() : nullptr;
 }
 
-std::vector<std::string> EnvironmentManager::environment_names() const {
-  std::vector<std::string> names;
-  for (const Entry& entry : environments_) names.push_back(entry.environment->name());
-  return names;
-}
-
-Expected<std::vector<std::string>> EnvironmentManager::plugin_names(const std::string& environment) const {
-  for (const Entry& entry : environments_) {
-    if (entry.environment->name() != environment) continue;
-    std::vector<std::string> names;
-    for (const Plugin* plugin : entry.loaded) names.push_back(plugin->name());
-    return names;
-  }
-  return input_error("unknown environment");
-}
-
-Status EnvironmentManager::create_environment(const std::string& name) {
-  if (find(name)) return input_error("Enviroment " + name + " already exists!");
-  if (name.empty()) return input_error("an environment needs a name");
-  auto environment = make_environment(name);
-  if (!environment) {
-    log(LogLevel::kError, options_.node, environment.error().text());
-    return environment.error();
-  }
-  environments_.push_back({{}, std::move(*environment), {}});
-  if (Status s = load_all(environments_.back()); !s) {
-    fail(s.error());
-    return s;
-  }
-  return {};
-}
-
-Status EnvironmentManager::destroy_environment(const std::string& name) {
-  Entry* entry = entry_of(name);
-  if (!entry) return input_error("unknown Environment name");
-  end(*entry);
-  if (Status s = entry->environment->check_errors(); !s) fail(s.error());
-  entry->environment.reset();  // before the code of its plugins
-  environments_.erase(environments_.begin() + (entry - environments_.data()));
-  finalize_unused();
-  return {};
-}
-
 void EnvironmentManager::note(Error error) {
   log(LogLevel::kError, options_.node, error.text());
   load_errors_.push_back(std::move(error));
@@ -434,7 +397,7 @@ Status EnvironmentManager::load_all(Entry& entry) {
 }
 
 Expected<bool> EnvironmentManager::load(Entry& entry, const std::string& name) {
-  const Status loaded = load_unchecked(entry, name);
+  const Status loaded = at_place(load_unchecked(entry, name), parameters_.error_at(name + ".plugin", {}));
   const Status rules = entry.environment->check_errors();
   for (const Error& n : entry.environment->engine().take_notes()) entry.environment->log(LogLevel::kWarn, options_.node, n.text());
   for (const Status* s : {&loaded, &rules}) {
@@ -477,25 +440,6 @@ Status EnvironmentManager::load_unchecked(Entry& entry, const std::string& name)
   return {};
 }
 
-Status EnvironmentManager::load_plugin(const std::string& environment, const std::string& plugin) {
-  Entry* entry = entry_of(environment);
-  if (!entry) return input_error("unknown environment");
-  const Error refused = input_error("error while loading plugin");
-  if (entry->find(plugin)) {
-    log(LogLevel::kError, options_.node, "plugin '" + plugin + "' is already loaded in environment '" + environment + "'");
-    return refused;
-  }
-  if (auto type = type_of(plugin, environment); !type) {
-    log(LogLevel::kError, options_.node, type.error().text());
-    return refused;
-  }
-  const auto loaded = load(*entry, plugin);
-  if (!loaded) keep_first(failure_, loaded.error());
-  if (loaded && *loaded) return {};
-  finalize_unused();
-  return refused;
-}
-
 void EnvironmentManager::unload(Entry& entry, Plugin& plugin) {
   const std::string name = plugin.name();
   entry.environment->close_gates(name);
@@ -527,20 +471,6 @@ void EnvironmentManager::finalize_unused() {
     end_hook(ended);
     instances_.erase(instances_.begin() + static_cast<std::ptrdiff_t>(i));
   }
-}
-
-Status EnvironmentManager::unload_plugin(const std::string& environment, const std::string& plugin) {
-  Entry* entry = entry_of(environment);
-  if (!entry) {
-    log(LogLevel::kError, options_.node, "there is no environment '" + environment + "' to unload plugin '" + plugin + "' from");
-    return input_error("unknown plugin");
-  }
-  Plugin* found = entry->find(plugin);
-  if (!found) return input_error("unknown plugin");
-  unload(*entry, *found);
-  if (Status s = entry->environment->check_errors(); !s) fail(s.error());
-  finalize_unused();
-  return {};
 }
 
 // --- A tick

@@ -1,8 +1,89 @@
-// The services of the environment manager: list, create and destroy environments; list, load and unload plugins.
+// What others ask of the environment manager at run time, and its services for that: list, create and destroy
+// environments; list, load and unload plugins.
+
+#include <utility>
 
 #include "cx/executive/environment_manager.h"
 
 namespace cxlab::cx {
+
+std::vector<std::string> EnvironmentManager::environment_names() const {
+  std::vector<std::string> names;
+  for (const Entry& entry : environments_) names.push_back(entry.environment->name());
+  return names;
+}
+
+Expected<std::vector<std::string>> EnvironmentManager::plugin_names(const std::string& environment) const {
+  for (const Entry& entry : environments_) {
+    if (entry.environment->name() != environment) continue;
+    std::vector<std::string> names;
+    for (const Plugin* plugin : entry.loaded) names.push_back(plugin->name());
+    return names;
+  }
+  return input_error("unknown environment");
+}
+
+Status EnvironmentManager::create_environment(const std::string& name) {
+  if (find(name)) return input_error("Enviroment " + name + " already exists!");
+  if (name.empty()) return input_error("an environment needs a name");
+  auto environment = make_environment(name);
+  if (!environment) {
+    log(LogLevel::kError, options_.node, environment.error().text());
+    return environment.error();
+  }
+  environments_.push_back({{}, std::move(*environment), {}});
+  if (Status s = load_all(environments_.back()); !s) {
+    fail(s.error());
+    return s;
+  }
+  return {};
+}
+
+Status EnvironmentManager::destroy_environment(const std::string& name) {
+  Entry* entry = entry_of(name);
+  if (!entry) return input_error("unknown Environment name");
+  end(*entry);
+  if (Status s = entry->environment->check_errors(); !s) fail(s.error());
+  entry->environment.reset();  // before the code of its plugins
+  environments_.erase(environments_.begin() + (entry - environments_.data()));
+  finalize_unused();
+  return {};
+}
+
+Status EnvironmentManager::load_plugin(const std::string& environment, const std::string& plugin) {
+  Entry* entry = entry_of(environment);
+  if (!entry) return input_error("unknown environment");
+  const Error refused = input_error("error while loading plugin");
+  if (entry->find(plugin)) {
+    log(LogLevel::kError, options_.node, "plugin '" + plugin + "' is already loaded in environment '" + environment + "'");
+    return refused;
+  }
+  if (auto type = type_of(plugin, environment); !type) {
+    log(LogLevel::kError, options_.node, type.error().text());
+    return refused;
+  }
+  const auto loaded = load(*entry, plugin);
+  if (!loaded && failure_) failure_ = loaded.error();
+  if (loaded && *loaded) return {};
+  finalize_unused();
+  return refused;
+}
+
+Status EnvironmentManager::unload_plugin(const std::string& environment, const std::string& plugin) {
+  Entry* entry = entry_of(environment);
+  if (!entry) {
+    log(LogLevel::kError, options_.node, "there is no environment '" + environment + "' to unload plugin '" + plugin + "' from");
+    return input_error("unknown plugin");
+  }
+  Plugin* found = entry->find(plugin);
+  if (!found) return input_error("unknown plugin");
+  unload(*entry, *found);
+  if (Status s = entry->environment->check_errors(); !s) fail(s.error());
+  finalize_unused();
+  return {};
+}
+
+// --- As services
 
 Status EnvironmentManager::serve_environments() {
   if (!environment_services_.empty()) return {};

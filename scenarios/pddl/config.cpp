@@ -1,5 +1,7 @@
 #include "scenarios/pddl/config.h"
 
+#include "cx/bus/names.h"
+
 namespace cxlab::pddl {
 
 void read_cost(const yaml::Value& value, planner::PlanningCost& cost) {
@@ -18,7 +20,12 @@ void read_cost(const yaml::Value& value, planner::PlanningCost& cost) {
 void read_config(yaml::Map& map, Config& config) {
   map.read("name", config.name).read("namespace", config.name_space);
   if (const yaml::Value remap = map.get("remap"))
-    for (const auto& [from, to] : remap.as_map().entries()) config.remaps.emplace_back(from, to.as_string());
+    for (const auto& [from, to] : remap.as_map().entries()) {
+      config.remaps.emplace_back(from, to.as_string());
+      if (const std::string fault = bus::remap_fault(config.remaps.back()); !fault.empty()) to.fail(fault);
+    }
+  if (const std::string fault = bus::namespace_fault(config.name_space); !fault.empty())
+    map.get("namespace").fail("the name '" + config.name_space + "' " + fault);
   map.read("autostart_node", config.autostart).read("bond_heartbeat_period", config.bond_period).read("anytime", config.anytime).read("warm_start", config.warm_start).read("command", config.command);
   map.read("engine", config.engine).read("python", config.python);
   if (config.bond_period < 0) map.get("bond_heartbeat_period").fail("must be 0 (no heartbeats) or more");

@@ -77,7 +77,8 @@ class WrongInput(Env):
         for option, value, code, text in (
                 ("--param", "clips_mngr.x=1", 2, "--param: found 'clips_mngr.x=1', expected NODE.NAME=VALUE with one of the nodes clips_manager"),
                 ("--param", "turtlesim.backgrund_r=1", 3, "--param turtlesim.backgrund_r=1: unknown key 'backgrund_r'"),
-                ("--namespace", "a b", 3, "--namespace a b: agents[0].namespace: found 'a b', expected an absolute name like /cyan"),
+                ("--namespace", "a b", 2, "--namespace: the name 'a b' does not begin with '/'; expected an absolute name like /cyan"),
+                ("--namespace", "/a//b", 2, "--namespace: the name '/a//b' has an empty part"),
                 ("--package", "more=/nowhere", 3, "--package more=/nowhere: there is no folder /nowhere")):
             with self.subTest(option + ' ' + value):
                 more = ["--with", "turtlesim"] if "turtlesim" in value else []

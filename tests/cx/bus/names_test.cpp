@@ -63,6 +63,11 @@ TEST(Names, WhatRosRefusesIsAFault) {
     EXPECT_NE(name_fault(bad), "") << bad;
 }
 
+TEST(Names, ANamespaceIsAbsolute) {
+  for (const char* good : {"/", "/cyan", "/cyan/one_2"}) EXPECT_EQ(namespace_fault(good), "") << good;
+  for (const char* bad : {"", "cyan", "//", "/a//b", "/a/", "/a b", "/2a"}) EXPECT_NE(namespace_fault(bad), "") << bad;
+}
+
 TEST(Names, ARemapNeedsGoodNames) {
   for (const auto& [from, to] : {std::pair{"a", "b"}, {"/a", "~/b"}, {"n:a", "b"}, {"rostopic://a", "b"}, {"n:rosservice:///a", "rosservice://b"}, {"__node", "other"},
                                  {"n:__name", "other"}, {"__ns", "/cyan/one"}, {"__ns", "/"}, {"~/x", "{ns}/x"}})

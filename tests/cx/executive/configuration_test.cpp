@@ -121,6 +121,14 @@ TEST(Configuration, APluginListedTwiceIsLoadedOnceAndToldOf) {
   EXPECT_THAT(warned[0], HasSubstr("config.yaml:4: plugin 'x' is listed twice in 'main.plugins': it is loaded once"));
 }
 
+TEST(Configuration, TwoPluginsWithTheSameFunctionsAreToldWithTheirPlace) {
+  Lab lab;
+  lab.config("environments: [\"main\"]\nmain: {plugins: [\"x\", \"y\"]}\nx: {plugin: \"cx::RosParamPlugin\"}\ny: {plugin: \"cx::RosParamPlugin\"}");
+  const Status s = lab.start();
+  ASSERT_FALSE(s.ok());
+  EXPECT_THAT(s.error().text(), HasSubstr("config.yaml:6: function 'ros-param-get-value' of plugin 'y' exists already, from plugin 'x'"));
+}
+
 TEST(Configuration, ARateMustBePositive) {
   const Error e = error_of("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx: {plugin: \"cx::ExecutivePlugin\", refresh_rate: 0}");
   EXPECT_EQ(e.line, 5);
