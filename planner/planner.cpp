@@ -12,6 +12,7 @@
 #include "planner/improve/rebuild.h"
 #include "planner/pddl/parser.h"
 #include "planner/search/clock.h"
+#include "planner/search/lasting.h"
 #include "planner/search/split.h"
 #include "planner/validator/validator.h"
 
@@ -212,7 +213,7 @@ class Planner {
       cut.exhausted = true;
       return cut;
     }
-    cut.split = std::make_unique<SplitTask>(split(ground_, marked));
+    cut.split = std::make_unique<SplitTask>(split(with_lasting_facts(ground_), marked));
     cut.space = std::make_unique<SearchSpace>(cut.split->task);
     budget_.spend(Work::kReach, cut.space->landmarks.work() / 16);
     return cut;

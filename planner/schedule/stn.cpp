@@ -9,7 +9,7 @@ void Stn::clear() {
   point_step_.clear();
   point_event_.clear();
   edges_.clear();
-  for (const int key : used_keys_) keys_[key].clear();
+  for (const int key : used_keys_) keys_[key].clear(), is_used_[key] = 0;
   used_keys_.clear();
   next_event_ = 0;
 }
@@ -28,7 +28,7 @@ void Stn::connect(int point, std::span<const Touch> touches, bool at_end) {
     for (const Use& use : uses)
       if (Touches::conflict(use.does, does) && (point_step_[use.point] < 0 || point_step_[use.point] != point_step_[point]))
         edges_.push_back({use.point, point, !Touches::conflict_at_instant(use.does, does)});
-    if (uses.empty()) used_keys_.push_back(touched.key);
+    if (!is_used_[touched.key]) is_used_[touched.key] = 1, used_keys_.push_back(touched.key);
     uses.push_back({point, does});
   }
 }
@@ -50,6 +50,21 @@ void Stn::event() {
   const int point = add_point(-1, next_event_);
   connect(point, touches_.of_event(next_event_), false);
   ++next_event_;
+}
+
+void Stn::truncate(int points) {
+  for (int point = this->points() - 1; point >= points; --point) {
+    const int step = point_step_[point];
+    const bool at_end = step >= 0 && steps_[step].end == point;
+    for (const Touch& touched : step < 0 ? touches_.of_event(point_event_[point]) : touches_.of(steps_[step].action))
+      if (at_end ? touched.at_end : touched.at_start) keys_[touched.key].pop_back();
+    if (step < 0) --next_event_;
+    else if (at_end) steps_[step].end = -1;
+    else steps_.pop_back();
+    while (!edges_.empty() && edges_.back().to == point) edges_.pop_back();
+    point_step_.pop_back();
+    point_event_.pop_back();
+  }
 }
 
 bool Stn::solve(Micros hold_separation) {

@@ -19,7 +19,7 @@ struct Ordering {
 
 class Stn {
  public:
-  explicit Stn(const Touches& touches) : touches_(touches), keys_(static_cast<std::size_t>(touches.keys())) {}
+  explicit Stn(const Touches& touches) : touches_(touches), keys_(static_cast<std::size_t>(touches.keys())), is_used_(keys_.size(), 0) {}
 
   void clear();
   /// The next happening is the start of an action; the index of its step.
@@ -28,6 +28,11 @@ class Stn {
   void finish(int step);
   /// The next happening is the next event.
   void event();
+
+  /// Happenings so far.
+  int points() const { return static_cast<int>(point_step_.size()); }
+  /// Forgets all happenings but the first ones.
+  void truncate(int points);
 
   /// Earliest times. Actions that have not ended must still be able to end after all that happened so far.
   /// `hold_separation`: between a condition over all and what changes it at its ends; 0 is what PDDL asks.
@@ -76,6 +81,7 @@ class Stn {
   std::vector<Edge> edges_;
   std::vector<std::vector<Use>> keys_;
   std::vector<int> used_keys_;
+  std::vector<char> is_used_;  ///< by key: in used_keys_
   std::vector<Micros> times_;
   std::vector<int> causes_, marks_;  ///< by point: what it waits for; scratch
   int next_event_ = 0;

@@ -18,6 +18,7 @@ namespace cxlab::planner {
 struct SequenceStep {
   int action = -1;
   Micros duration = 0;
+  bool operator==(const SequenceStep&) const = default;
 };
 using Sequence = std::vector<SequenceStep>;
 

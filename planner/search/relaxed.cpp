@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace cxlab::planner {
 
@@ -56,9 +57,17 @@ RelaxedTask::RelaxedTask(const Simulator& simulator, const std::vector<int>& cos
     operators_.push_back(std::move(made));
   }
   goal_ = atoms_of(task.goal);
-  readers_.resize(static_cast<std::size_t>(atoms_));
-  for (std::size_t o = 0; o < operators_.size(); ++o)
-    for (const int atom : operators_[o].conditions) readers_[atom].push_back(static_cast<int>(o));
+  std::vector<std::vector<int>> readers(static_cast<std::size_t>(atoms_));
+  for (std::size_t o = 0; o < operators_.size(); ++o) {
+    const RelaxedOperator& op = operators_[o];
+    for (const int atom : op.conditions) readers[atom].push_back(static_cast<int>(o));
+    adds_.add(op.adds);
+    conditions_.push_back(static_cast<int>(op.conditions.size()));
+    base_actions_.push_back(op.base && op.action >= 0 ? op.action : -1);
+    has_gains_.push_back(!op.gains.empty());
+    if (op.conditions.empty()) unconditional_.push_back(static_cast<int>(o));
+  }
+  for (const auto& list : readers) readers_.add(list);
 }
 
 void RelaxedTask::add_operators(const Simulator& simulator, int action, int cost) {
@@ -155,7 +164,7 @@ int RelaxedHeuristic::evaluate(const Word* state, int next_event) {
   state_ = state;
   std::ranges::fill(cost_, kInfinite);
   std::ranges::fill(sum_, 0);
-  for (std::size_t o = 0; o < missing_.size(); ++o) missing_[o] = static_cast<int>(relaxed_.operators()[o].conditions.size());
+  missing_ = relaxed_.conditions();
   for (auto& bucket : buckets_) bucket.clear();
   for (int f = 0; f < relaxed_.facts(); ++f)
     if (is_set(state, f) || (task.facts[f].derived && task.facts[f].is_complement)) reach(f, 0, -1);
@@ -172,19 +181,19 @@ int RelaxedHeuristic::evaluate(const Word* state, int next_event) {
   applicable_.clear();
   plan_.clear();
   for (std::size_t o = 0; o < missing_.size(); ++o)
-    if (const RelaxedOperator& op = relaxed_.operators()[o]; op.base && op.action >= 0 && missing_[o] == 0 && sum_[o] == 0) applicable_.push_back(op.action);
+    if (missing_[o] == 0 && sum_[o] == 0 && relaxed_.base_actions()[o] >= 0) applicable_.push_back(relaxed_.base_actions()[o]);
   std::ranges::sort(applicable_);
   preferred_.clear();
   for (const int atom : relaxed_.goal())
     if (cost_[atom] >= kInfinite) return kDeadEnd;
   std::ranges::fill(marked_, 0);
-  std::ranges::fill(in_plan_, 0);
+  used_.clear();
   int total = 0;
   for (const int atom : relaxed_.goal()) extract(atom);
-  for (std::size_t o = 0; o < in_plan_.size(); ++o) {
-    if (!in_plan_[o]) continue;
+  std::ranges::sort(used_);
+  for (const int o : used_) {
     const RelaxedOperator& op = relaxed_.operators()[o];
-    total += prices_[o] * in_plan_[o];
+    total += prices_[o] * std::exchange(in_plan_[o], 0);
     if (op.action == -1) continue;
     plan_.push_back(op.action);
     if (op.action >= 0 && std::ranges::binary_search(applicable_, op.action)) preferred_.push_back(op.action);
@@ -195,11 +204,12 @@ int RelaxedHeuristic::evaluate(const Word* state, int next_event) {
 
 void RelaxedHeuristic::explore(int next_event) {
   const auto fire = [&](int o) {
-    const RelaxedOperator& op = relaxed_.operators()[o];
-    if (op.action <= -2 && -2 - op.action < next_event) return;
+    if (next_event > 0)
+      if (const int action = relaxed_.operators()[o].action; action <= -2 && -2 - action < next_event) return;
     const int before = sum_[o], cost = std::min(before + prices_[o], kInfinite - 1);
-    for (const int fact : op.adds) reach(fact, cost, o);
-    for (const RelaxedOperator::Gain& gain : op.gains) {
+    for (const int fact : relaxed_.adds(o)) reach(fact, cost, o);
+    if (!relaxed_.has_gains(o)) return;
+    for (const RelaxedOperator::Gain& gain : relaxed_.operators()[o].gains) {
       const std::size_t c = static_cast<std::size_t>(gain.atom - relaxed_.facts());
       const GroundComparison& comparison = simulator_.task().comparisons[c];
       double steps = 1;
@@ -212,8 +222,7 @@ void RelaxedHeuristic::explore(int next_event) {
       reach(gain.atom, std::min(before + static_cast<int>(steps) * prices_[o], kInfinite - 1), o);
     }
   };
-  for (std::size_t o = 0; o < missing_.size(); ++o)
-    if (missing_[o] == 0) fire(static_cast<int>(o));
+  for (const int o : relaxed_.unconditional()) fire(o);
   for (std::size_t bucket = 0; bucket < buckets_.size(); ++bucket) {
     for (std::size_t i = 0; i < buckets_[bucket].size(); ++i) {
       const int atom = buckets_[bucket][i];
@@ -245,6 +254,7 @@ void RelaxedHeuristic::extract(int atom) {
     const RelaxedOperator& op = relaxed_.operators()[o];
     int times = 1;
     if (now >= relaxed_.facts() && prices_[o] > 0) times = std::max(1, (cost_[now] - sum_[o]) / prices_[o]);
+    if (!in_plan_[o]) used_.push_back(o);
     in_plan_[o] = static_cast<char>(std::min(120, std::max<int>(in_plan_[o], times)));
     for (const int condition : op.conditions) stack.push_back(condition);
   }

@@ -4,6 +4,7 @@
 // conditions as in subgoaling, Scala et al. 2016: a gap takes as many steps as it needs).
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "cx/base/random.h"
@@ -37,7 +38,14 @@ class RelaxedTask {
   int facts() const { return facts_; }
   const std::vector<RelaxedOperator>& operators() const { return operators_; }
   const std::vector<int>& goal() const { return goal_; }
-  const std::vector<int>& readers(int atom) const { return readers_[atom]; }
+  std::span<const int> readers(int atom) const { return readers_.of(atom); }
+  std::span<const int> adds(int op) const { return adds_.of(op); }
+  /// By operator: how many conditions; the action of one that has exactly the condition of the action, else -1.
+  const std::vector<int>& conditions() const { return conditions_; }
+  const std::vector<int>& base_actions() const { return base_actions_; }
+  /// Operators without conditions, and whether an operator has gains.
+  const std::vector<int>& unconditional() const { return unconditional_; }
+  bool has_gains(int op) const { return has_gains_[op] != 0; }
 
  private:
   void add_operators(const Simulator& simulator, int action, int cost);
@@ -46,7 +54,23 @@ class RelaxedTask {
   int facts_ = 0, atoms_ = 0;
   std::vector<RelaxedOperator> operators_;
   std::vector<int> goal_;
-  std::vector<std::vector<int>> readers_;  ///< by atom: operators that have it as a condition
+  /// Lists in one array: what is read all the time lies together.
+  class Lists {
+   public:
+    void add(std::span<const int> list) {
+      items_.insert(items_.end(), list.begin(), list.end());
+      begin_.push_back(items_.size());
+    }
+    std::span<const int> of(int list) const { return {items_.data() + begin_[list], items_.data() + begin_[list + 1]}; }
+
+   private:
+    std::vector<std::size_t> begin_ = {0};
+    std::vector<int> items_;
+  };
+  Lists readers_;  ///< by atom: operators that have it as a condition
+  Lists adds_;     ///< by operator
+  std::vector<int> conditions_, base_actions_, unconditional_;
+  std::vector<char> has_gains_;
 };
 
 class RelaxedHeuristic {
@@ -80,6 +104,7 @@ class RelaxedHeuristic {
   std::vector<double> gap_;  ///< by comparison
   std::vector<char> marked_, in_plan_;
   std::vector<std::vector<int>> buckets_;
+  std::vector<int> used_;  ///< operators of the relaxed plan
   std::vector<int> applicable_, preferred_, plan_;
   const Word* state_ = nullptr;
   int unreached_goals_ = 0;

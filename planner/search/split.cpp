@@ -146,7 +146,9 @@ GroundTask loosened(const GroundTask& task, bool hold) {
 }
 
 SplitCheck::SplitCheck(const SplitTask& split, const GroundTask& original, const Touches& touches)
-    : split_(split), original_(original), simulator_(split.task), stn_(touches) {}
+    : split_(split), original_(original), simulator_(split.task), stn_(touches) {
+  levels_.push_back({{}, simulator_.initial(), {}, 0});
+}
 
 DurationRange SplitCheck::range(const SequenceStep& step, const Word* state) const {
   const SplitTask::Origin origin = split_.origins[step.action];
@@ -156,28 +158,47 @@ DurationRange SplitCheck::range(const SequenceStep& step, const Word* state) con
   return {duration, duration};
 }
 
-bool SplitCheck::accepts(const Sequence& path, const Word* state) {
-  stn_.clear();
-  std::vector<std::pair<int, int>> open;  // action, step
-  PackedState now = simulator_.initial();
-  for (const SequenceStep& step : path) {
-    if (is_event(step)) {
-      stn_.event();
-      simulator_.apply_event(-2 - step.action, now.data());
-      continue;
-    }
+/// Adds a step to the network; false if it cannot be applied.
+bool SplitCheck::append(const SequenceStep& step) {
+  if (levels_.size() < depth_ + 2) levels_.emplace_back();
+  const Level& before = levels_[depth_];
+  Level& after = levels_[++depth_];
+  after.step = step;
+  after.state = before.state;
+  after.open = before.open;
+  bool applied = true;
+  if (is_event(step)) {
+    stn_.event();
+    simulator_.apply_event(-2 - step.action, after.state.data());
+  } else {
     const SplitTask::Origin origin = split_.origins[step.action];
     if (origin.part == SplitTask::Part::kEnd) {
-      const auto known = std::ranges::find(open, origin.action, &std::pair<int, int>::first);
+      const auto known = std::ranges::find(after.open, origin.action, &std::pair<int, int>::first);
       stn_.finish(known->second);
-      open.erase(known);
+      after.open.erase(known);
     } else {
-      const int index = stn_.begin(origin.action, range(step, now.data()));
+      const int index = stn_.begin(origin.action, range(step, before.state.data()));
       if (origin.part == SplitTask::Part::kWhole) stn_.finish(index);
-      else open.emplace_back(origin.action, index);
+      else after.open.emplace_back(origin.action, index);
     }
-    if (!simulator_.apply_with(step.action, now.data(), step.duration)) return false;
+    applied = simulator_.apply_with(step.action, after.state.data(), step.duration);
   }
+  after.points = stn_.points();
+  return applied;
+}
+
+bool SplitCheck::accepts(const Sequence& path, const Word* state) {
+  // Paths share their beginnings: the network goes back to where this one parts from the last.
+  std::size_t common = 0;
+  while (common < depth_ && common < path.size() && levels_[common + 1].step == path[common]) ++common;
+  depth_ = common;
+  stn_.truncate(levels_[depth_].points);
+  while (depth_ < path.size())
+    if (!append(path[depth_])) {
+      stn_.truncate(levels_[--depth_].points);
+      return false;
+    }
+  std::vector<std::pair<int, int>> open = levels_[depth_].open;
   for (const auto& [action, step] : open)
     if (!simulator_.holds(original_.actions[action].over_all, state)) return false;
   if (!stn_.solve(0)) return false;
@@ -193,6 +214,7 @@ bool SplitCheck::accepts(const Sequence& path, const Word* state) {
 bool SplitCheck::accepts_goal(const Sequence& path) {
   if (original_.events.empty()) return true;
   fill(stn_, translate(path));
+  depth_ = 0;  // the network is not that of the levels any more
   return (path.empty() || stn_.steps() > 0) && stn_.solve_complete(0);
 }
 

@@ -71,12 +71,23 @@ class SplitCheck : public PathCheck {
   Concurrent translate(const Sequence& path) const;
 
  private:
+  /// After a step of the path: what the next one needs to know.
+  struct Level {
+    SequenceStep step;
+    PackedState state;
+    std::vector<std::pair<int, int>> open;  ///< running actions and their steps
+    int points = 0;                         ///< of the network
+  };
+
   DurationRange range(const SequenceStep& step, const Word* state) const;
+  bool append(const SequenceStep& step);
 
   const SplitTask& split_;
   const GroundTask& original_;
   Simulator simulator_;  ///< of the split task
-  Stn stn_;
+  Stn stn_;                     ///< of the path looked at last
+  std::vector<Level> levels_;   ///< of its steps; the first is the start
+  std::size_t depth_ = 0;       ///< how many it has
   Word signature_ = 0;
 };
 

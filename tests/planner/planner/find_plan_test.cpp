@@ -54,6 +54,26 @@ TEST(FindPlan, ChangesThatNobodyNeedsAreKeptApartIfTheyInterfere) {
   EXPECT_EQ(second_start("(lamp)", "(lamp)"), 0);
 }
 
+TEST(FindPlan, WhatLastsTooShortlyIsNoHelp) {
+  std::string objects, init, goal;
+  for (int i = 0; i < 40; ++i) {
+    const std::string name = " b" + std::to_string(i);
+    objects += name, init += (i % 2 ? " (small" : " (big") + name + ")", goal += " (baked" + name + ") (glazed" + name + ")";
+  }
+  const PlanAnswer found = answer(parse(R"((:predicates (hot) (in ?b) (small ?b) (big ?b) (glazed ?b) (baked ?b))
+    (:durative-action a-short-fire :parameters () :duration (= ?duration 8) :condition () :effect (and (at start (hot)) (at end (not (hot)))))
+    (:durative-action long-fire :parameters () :duration (= ?duration 20) :condition () :effect (and (at start (hot)) (at end (not (hot)))))
+    (:durative-action bake :parameters (?b) :duration (= ?duration 15) :condition (and (at start (big ?b)) (over all (hot)))
+     :effect (and (at start (in ?b)) (at end (not (in ?b))) (at end (baked ?b))))
+    (:durative-action toast :parameters (?b) :duration (= ?duration 5) :condition (and (at start (small ?b)) (over all (hot)))
+     :effect (and (at start (in ?b)) (at end (not (in ?b))) (at end (baked ?b))))
+    (:durative-action glaze :parameters (?b) :duration (= ?duration 2) :condition (over all (in ?b)) :effect (at end (glazed ?b))))",
+                                        "(:objects" + objects + ") (:init" + init + ") (:goal (and" + goal + "))"),
+                                  {.budget = 100'000});
+  ASSERT_TRUE(found.plan);
+  EXPECT_NEAR(found.plan->makespan_s, 20.0, 0.1);
+}
+
 TEST(FindPlan, WhatHappensTooLateIsNoPlan) {
   const std::string domain = R"((:predicates (open) (in))
     (:durative-action enter :parameters () :duration (= ?duration 4) :condition (over all (open)) :effect (at end (in))))";
