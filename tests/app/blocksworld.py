@@ -93,6 +93,17 @@ PLANS = """(deffacts wanted
 (defrule cancel ?p <- (pddl-plan (id p4) (state WAITING)) => (modify ?p (state REQUEST-CANCELING)))
 (defrule look (time ?t&:(> ?t 8.0)) (not (looked)) => (assert (looked)) (facts))
 """
+# A step is applied by an agent that never asked for numbers.
+NUMBERS = """(deffacts wanted
+  (pddl-manager)
+  (pddl-instance (name blocks) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
+  (pddl-numeric-fluent-change (instance other) (name moves) (value 1))
+  (pddl-goal-fluent (instance blocks) (goal base) (name holding) (params c))
+  (pddl-set-goals (instance blocks) (goal base))
+  (pddl-plan (instance blocks) (id p)))
+(defrule apply (pddl-plan (state SUCCESS)) => (assert (pddl-action-get-effect (instance blocks) (action 0) (apply TRUE))))
+(defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
+"""
 
 
 class Blocksworld(unittest.TestCase):
@@ -201,6 +212,15 @@ class Blocksworld(unittest.TestCase):
         self.assertIn('(pddl-action (instance blocks) (id 0) (name unstack) (params "c" "a") (plan p2)', log)
         for left in ["goal-response", "wrapped-result", "cancel-goal", "service-request-meta", "ros-msgs-response", "cleaning up ... goal"]:
             self.assertNotIn(left, log)
+
+    def test_an_effect_on_a_number_that_was_not_asked_for_begins_with_its_value(self):
+        problem = Path(self.folder.name) / "pddl"
+        problem.mkdir()
+        (problem / "domain.pddl").write_text((BLOCKS / "pddl/domain.pddl").read_text())
+        (problem / "problem.pddl").write_text((BLOCKS / "pddl/problem.pddl").read_text().replace("(= (moves) 0)", "(= (moves) 41)"))
+        log = self.facts_of(NUMBERS.replace("FOLDER", str(problem)), seconds=6)
+        self.assertIn("(pddl-numeric-fluent (instance blocks) (name moves) (params) (value 42.0))", log)
+        self.assertIn("(pddl-action-get-effect (instance blocks) (action 0) (plan nil) (effect-type ALL) (apply TRUE) (state DONE)", log)
 
     def test_each_namespace_may_have_its_manager_and_its_agent(self):
         scenario = Path(self.folder.name) / "two.yaml"

@@ -608,17 +608,33 @@
       (pddl-take-number-effect ?instance ?action (ros-msgs-get-field ?effect "function") (ros-msgs-get-field ?effect "operator_type")
                                (ros-msgs-get-field ?effect "value") ?apply ?point))))
 
+(deffunction pddl-number-missing (?message ?instance)
+  "Whether an effect changes a number by something that is not known here, though it may be asked for."
+  (if (any-factp ((?ask pddl-get-numeric-fluents)) (and (eq ?ask:instance ?instance) (member$ ?ask:state (create$ DONE ERROR)))) then (return FALSE))
+  (foreach ?effect (ros-msgs-get-field ?message "function_effects")
+    (bind ?function (ros-msgs-get-field ?effect "function"))
+    (bind ?name (sym-cat (ros-msgs-get-field ?function "name")))
+    (bind ?params (pddl-symbols (ros-msgs-get-field ?function "args")))
+    (if (and (neq (ros-msgs-get-field ?effect "operator_type") "=")
+             (not (any-factp ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?name) (eq ?f:params ?params)))))
+     then (return TRUE)))
+  FALSE)
+
+(deffunction pddl-tell-effects (?message ?instance ?action ?type ?apply ?state)
+  "What is due becomes changes, or facts; the state of the question afterwards. Numbers that it needs are asked for first."
+  (if (pddl-number-missing ?message ?instance) then
+    (assert (pddl-get-numeric-fluents (instance ?instance)))
+    (return (if (eq ?state WAITING) then PENDING else START-EFFECT-APPLIED)))
+  (if (and (neq ?type END) (eq ?state WAITING)) then (pddl-take-effects ?message ?instance ?action ?apply START))
+  (if (and (eq ?type ALL) ?apply (eq ?state WAITING)) then (return START-EFFECT-APPLIED))
+  (if (neq ?type START) then (pddl-take-effects ?message ?instance ?action ?apply END))
+  DONE)
+
 (defrule pddl-effects-told
   ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta effects ?instance))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   ?ask <- (pddl-action-get-effect (instance ?instance) (action ?action) (effect-type ?type) (apply ?apply) (state ?state&WAITING|WAITING-END))
   =>
   (bind ?error (pddl-error-of ?message))
-  (bind ?next DONE)
-  (if (eq ?error "") then
-    (if (and (neq ?type END) (eq ?state WAITING)) then (pddl-take-effects ?message ?instance ?action ?apply START))
-    (if (and (eq ?type ALL) ?apply (eq ?state WAITING)) then (bind ?next START-EFFECT-APPLIED)
-     else (if (neq ?type START) then (pddl-take-effects ?message ?instance ?action ?apply END)))
-   else (bind ?next ERROR))
-  (modify ?ask (state ?next) (error ?error))
+  (modify ?ask (error ?error) (state (if (eq ?error "") then (pddl-tell-effects ?message ?instance ?action ?type ?apply ?state) else ERROR)))
   (pddl-answered ?instance ?message ?response ?meta))
