@@ -127,7 +127,16 @@ bool RuleEngine::Impl::is_there_already(const Form& form) const {
   return true;
 }
 
-void RuleEngine::keep_same_constructs(bool keep) { impl_->keep_same = keep; }
+void RuleEngine::keep_same_constructs(bool keep) {
+  impl_->keep_same = keep;
+  if (keep) {
+    SetCurrentModule(environment_, FindDefmodule(environment_, "MAIN"));  // as at the first load
+    return;
+  }
+  // Places of constructs that were replaced are given back: files may be loaded again any number of times.
+  std::erase_if(impl_->constructs, [](const auto& info) { return !info; });
+  for (std::size_t i = 0; i < impl_->constructs.size(); ++i) impl_->construct_index[std::pair(impl_->constructs[i]->kind, impl_->constructs[i]->name)] = i;
+}
 
 bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, LoadMode mode) {
   HostCall call(*this, {ErrorSide::kLoad, form.name, file, form.line, &form});
@@ -276,7 +285,7 @@ Status RuleEngine::undefine(std::string_view kind, const std::string& name) {
   Construct* construct = FindConstruct(environment_, std::string(kind).c_str());
   if (construct == nullptr) return input_error("'" + std::string(kind) + "' is no kind of construct");
   HostCall call(*impl_, {ErrorSide::kCallback, "undefine", {}, 0, nullptr});
-  ConstructHeader* found = construct->findFunction(environment_, name.c_str());
+  ConstructHeader* found = construct->findFunction == nullptr ? nullptr : construct->findFunction(environment_, name.c_str());
   if (found == nullptr) return input_error("there is no " + std::string(kind) + " '" + name + "'");
   const bool deletable = construct->isConstructDeletableFunction == nullptr || construct->isConstructDeletableFunction(found);
   if (!deletable || construct->deleteFunction == nullptr || !construct->deleteFunction(found, environment_)) {
@@ -292,6 +301,7 @@ Status RuleEngine::undefine(std::string_view kind, const std::string& name) {
 }
 
 bool RuleEngine::has(std::string_view kind, const std::string& name) const {
+  if (kind == "defmodule") return FindDefmodule(environment_, name.c_str()) != nullptr;
   Construct* construct = FindConstruct(environment_, std::string(kind).c_str());
   return construct != nullptr && construct->findFunction(environment_, name.c_str()) != nullptr;
 }

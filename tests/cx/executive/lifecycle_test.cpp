@@ -75,6 +75,27 @@ TEST_F(LifecycleTest, AnEnvironmentThatIsActivatedAgainIsTheSame) {
   EXPECT_THAT(lab.log.with("warn"), IsEmpty());
 }
 
+TEST_F(LifecycleTest, AllKindsOfConstructsAreLoadedAgain) {
+  lab.agent(R"((defclass MAIN::THING (is-a USER) (slot x))
+(defmethod MAIN::area ((?x INTEGER)) (* ?x ?x))
+(definstances MAIN::things ([t] of THING (x 1)))
+(deffacts MAIN::go (go))
+(defrule MAIN::begin (go) => (println "begin " (area 4) " " (send [t] get-x)) (focus USE))
+(defrule MAIN::last (declare (salience -1)) (go) => (println "main again"))
+(defmodule WORK (export ?ALL))
+(deftemplate item (slot a))
+(deffunction twice (?x) (* 2 ?x))
+(deffacts items (item (a 5)))
+(defmodule USE (import WORK ?ALL))
+(defglobal ?*g* = 3)
+(defrule uses (item (a ?x)) => (println "item " (twice ?x) " " ?*g*) (bind ?*g* 9)))");
+  lab.run_up();
+  for (int life = 0; life < 2; ++life)
+    for (const char* step : {"deactivate", "activate"}) EXPECT_EQ(caller.change(step), "{success: true}") << step;
+  for (const char* line : {"begin 16 1", "item 10 3", "main again"}) EXPECT_EQ(lab.log.with(line).size(), 3u) << line;
+  EXPECT_THAT(lab.log.with("error"), IsEmpty());
+}
+
 TEST_F(LifecycleTest, ATemplateThatWasChangedMeanwhileIsAnErrorAsInClips) {
   lab.options.keep_going = true;
   lab.run_up();
