@@ -120,7 +120,7 @@ class DomainParser {
       }
     }
     for (const Node* parent : parents) {
-      if (parent->is_list) return fail(*parent, "found " + excerpt(*parent) + ", expected a type");
+      if (parent->is_list || parent->is_word("-")) return fail(*parent, "found " + excerpt(*parent) + ", expected a type");
       add(*parent);
     }
     return true;

@@ -139,6 +139,7 @@ TEST(DomainParser, ErrorsTellWhatWasDeclaredWhere) {
             "d.pddl:6: found 'opn', expected a predicate of the domain; did you mean 'open'?");
   EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robt))")),
             "d.pddl:6: found type 'robt', expected a type of the domain; did you mean 'robot'?");
+  EXPECT_EQ(error_of("(:types robot - -)"), "d.pddl:2: found -, expected a type");
   EXPECT_EQ(error_of(with_world("(:action a :precondition (battery base))")),
             "d.pddl:6: found the numeric fluent 'battery', expected a predicate; declared at d.pddl:5");
   EXPECT_EQ(error_of(with_world("(:action a :effect (done))\n(:action a :effect (done))")),
