@@ -34,6 +34,8 @@ struct RecordRef {
 class RecordData {
  public:
   RecordData& begin();
+  /// Goes on from a record that was begun before.
+  RecordData& begin(const RecordData& opening);
   RecordData& field(std::string_view key, std::int64_t value) { return name(key).value(value); }
   RecordData& field(std::string_view key, int value) { return name(key).value(static_cast<std::int64_t>(value)); }
   RecordData& field(std::string_view key, std::uint64_t value) { return name(key).value(static_cast<std::int64_t>(value)); }

@@ -136,6 +136,7 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
   endpoint.channel = channel.get();
   (endpoint.provides() ? channel->providers : channel->users).push_back(&endpoint);
   owner.endpoints.push_back(std::move(made));
+  if (endpoint.kind == EndpointKind::kPublisher) endpoint.opening = state_->begin("publish", endpoint);
   state_->begin(op_of(endpoint.kind), endpoint).field("type", type_name);
   state_->write(now_, endpoint, {});
 
@@ -245,7 +246,7 @@ void Bus::publish(EndpointId publisher, SharedMessage message, Causes causes) {
   Endpoint* from = state_->find(publisher, EndpointKind::kPublisher);
   if (from == nullptr) return;
   assert(message && &message->view().type() == from->message);
-  Delivery delivery = state_->begin_post(DeliveryKind::kTopic, "publish", *from);
+  Delivery delivery = state_->begin_publish(*from);
   state_->add_message("msg", message);
   delivery.cause = state_->write(now_, *from, causes);
   if (state_->muted) return;

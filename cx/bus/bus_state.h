@@ -75,6 +75,7 @@ struct Endpoint {
   const MessageType* message = nullptr;
   const MessageType* answer = nullptr;  ///< response, result
   const MessageType* feedback = nullptr;
+  RecordData opening;               ///< publishers: how the record of each post begins
   std::array<Handler, 4> handlers;  ///< by handler_index
   std::uint64_t next_number = 1;    ///< of a client's calls, or of the requests to a server
   std::map<std::uint64_t, OpenRequest> requests;
@@ -189,11 +190,19 @@ struct Bus::State {
   }
   /// Begins a post: the next number of its sender, and its record up to there.
   Delivery begin_post(DeliveryKind kind, std::string_view op, const Endpoint& from) {
+    begin(op, from);
+    return number_post(kind, from);
+  }
+  Delivery begin_publish(const Endpoint& from) {
+    data.begin(from.opening);
+    return number_post(DeliveryKind::kTopic, from);
+  }
+  Delivery number_post(DeliveryKind kind, const Endpoint& from) {
     Delivery delivery;
     delivery.kind = kind;
     delivery.from = from.owner;
     delivery.sequence = ++participant(from.owner).posts;
-    begin(op, from).field("seq", delivery.sequence);
+    data.field("seq", delivery.sequence);
     return delivery;
   }
   void add_message(std::string_view key, const SharedMessage& message) {

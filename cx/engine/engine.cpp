@@ -110,7 +110,7 @@ namespace {
 /// Whether an activation has a salience that is computed: only then does a refresh change anything.
 bool any_salience_computed(Environment* env) {
   for (Defmodule* module = GetNextDefmodule(env, nullptr); module != nullptr; module = GetNextDefmodule(env, module)) {
-    const auto* rules = static_cast<const defruleModule*>(GetModuleItem(env, module, DefruleData(env)->DefruleModuleIndex));
+    const auto* rules = reinterpret_cast<const defruleModule*>(module->itemsArray[DefruleData(env)->DefruleModuleIndex]);
     for (const Activation* activation = rules->agenda; activation != nullptr; activation = activation->next)
       if (activation->theRule->dynamicSalience != nullptr) return true;
   }
@@ -135,12 +135,12 @@ bool RuleEngine::Impl::anything_left() const {
 RunReport RuleEngine::run(std::int64_t limit) {
   RunReport report;
   {
-    HostCall call(*impl_, {ErrorSide::kCallback, "run", {}, 0, nullptr});
+    HostCall call(*impl_, {ErrorSide::kCallback, "run", {}, 0, nullptr}, Collect::kLater);
     impl_->limit = limit;
     impl_->fired = 0;
     impl_->limit_reached = false;
-    impl_->fired_rules.clear();
-    impl_->changed_templates.clear();
+    if (!impl_->fired_rules.empty()) impl_->fired_rules.clear();
+    if (!impl_->changed_templates.empty()) impl_->changed_templates.clear();
     // The limit of Run itself would print a message whenever half of it has fired.
     report.fired = Run(environment_, -1);
     impl_->limit = 0;
@@ -231,7 +231,7 @@ bool RuleEngine::callable(const std::string& function) const {
 bool RuleEngine::watch(const std::string& item) { return SetWatchItem(environment_, item.c_str(), true, nullptr); }
 bool RuleEngine::unwatch(const std::string& item) { return SetWatchItem(environment_, item.c_str(), false, nullptr); }
 
-std::string RuleEngine::current_rule() const { return impl_->rule_acting ? impl_->rule_name : std::string(); }
+std::string RuleEngine::current_rule() const { return std::string(impl_->rule_acting ? impl_->rule_name : std::string_view()); }
 
 std::vector<Error> RuleEngine::take_notes() { return std::exchange(impl_->notes, {}); }
 

@@ -270,21 +270,22 @@ void RuleEngine::Impl::close_rule() {
 
 std::vector<RuleError> RuleEngine::take_errors() {
   impl_->flush_errors();
+  if (errors_.empty()) return {};
   impl_->known_errors.clear();
   return std::exchange(errors_, {});
 }
 
-HostCall::HostCall(RuleEngine::Impl& impl, RuleEngine::Impl::Context context) : impl_(impl) {
-  Environment* env = impl.env;
-  embedded_ = EvaluationData(env)->CurrentExpression == nullptr;
+HostCall::HostCall(RuleEngine::Impl& impl, const RuleEngine::Impl::Context& context, Collect collect)
+    : impl_(impl), embedded_(EvaluationData(impl.env)->CurrentExpression == nullptr), collect_(collect) {
   impl.flush_errors();
   depth_ = impl.contexts.size();
-  if (embedded_ || context.side == ErrorSide::kLoad) impl.contexts.push_back(std::move(context));
+  if (embedded_ || context.side == ErrorSide::kLoad) impl.contexts.push_back(context);
   if (embedded_) {
-    ResetErrorFlags(env);
+    ResetErrorFlags(impl.env);
     impl.turns = 0;
+  } else {
+    GCBlockStart(impl.env, &block_);
   }
-  GCBlockStart(env, &block_);
 }
 
 HostCall::~HostCall() {
@@ -292,12 +293,15 @@ HostCall::~HostCall() {
   if (impl_.rule_open && impl_.rule_depth > depth_) impl_.close_rule();
   impl_.flush_errors();
   impl_.contexts.resize(depth_);
-  if (embedded_) impl_.release_kept();
-  GCBlockEnd(env, &block_);
-  if (embedded_) {
-    CleanCurrentGarbageFrame(env, nullptr);
-    CallPeriodicTasks(env);
+  if (!embedded_) {
+    GCBlockEnd(env, &block_);
+    return;
   }
+  impl_.release_kept();
+  if (collect_ == Collect::kLater && ++impl_.uncollected < RuleEngine::Impl::kMostUncollected) return;
+  impl_.uncollected = 0;
+  CleanCurrentGarbageFrame(env, nullptr);
+  CallPeriodicTasks(env);
 }
 
 }  // namespace cxlab

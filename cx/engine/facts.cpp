@@ -1,5 +1,7 @@
 // Facts in and out, without a detour over text.
 
+#include <cstring>
+
 #include "internal/impl.h"
 
 namespace cxlab {
@@ -82,7 +84,8 @@ Multifield* RuleEngine::Impl::make_multifield(const std::vector<Value>& items) {
 std::optional<Error> RuleEngine::Impl::put_slot(Deftemplate& deftemplate, const Slot& slot, CLIPSValue* slots) {
   std::size_t position = 0;
   const templateSlot* found = deftemplate.slotList;
-  while (found != nullptr && slot.name != found->slotName->contents) {
+  const auto is_name = [&slot](const char* name) { return std::strncmp(name, slot.name.data(), slot.name.size()) == 0 && name[slot.name.size()] == '\0'; };
+  while (found != nullptr && !is_name(found->slotName->contents)) {
     found = found->next;
     ++position;
   }
@@ -119,7 +122,7 @@ Expected<std::int64_t> RuleEngine::assert_string(const std::string& fact) {
 }
 
 Expected<std::int64_t> RuleEngine::assert_fact(const std::string& template_name, std::span<const Slot> slots) {
-  HostCall call(*impl_, {ErrorSide::kCallback, {}, {}, 0, nullptr});
+  HostCall call(*impl_, {ErrorSide::kCallback, {}, {}, 0, nullptr}, Collect::kLater);
   Deftemplate* deftemplate = impl_->find_template(template_name);
   if (deftemplate == nullptr || deftemplate->implied) {
     return input_error("there is no deftemplate '" + template_name + "'");
@@ -139,7 +142,7 @@ Expected<std::int64_t> RuleEngine::assert_fact(const std::string& template_name,
 }
 
 Expected<std::int64_t> RuleEngine::assert_ordered(const std::string& name, std::span<const Value> values) {
-  HostCall call(*impl_, {ErrorSide::kCallback, {}, {}, 0, nullptr});
+  HostCall call(*impl_, {ErrorSide::kCallback, {}, {}, 0, nullptr}, Collect::kLater);
   Deftemplate* deftemplate = impl_->find_template(name);
   if (deftemplate == nullptr) {
     deftemplate = CreateImpliedDeftemplate(environment_, CreateSymbol(environment_, name.c_str()), true);

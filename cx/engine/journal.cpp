@@ -6,7 +6,11 @@ namespace cxlab {
 
 using namespace clips;
 
-void RuleEngine::set_cause(std::span<const RecordRef> causes) { impl_->host_causes.assign(causes.begin(), causes.end()); }
+void RuleEngine::set_cause(std::span<const RecordRef> causes) {
+  // Mostly one record; `assign` is a call that much code would be read for.
+  if (causes.size() == 1 && impl_->host_causes.size() == 1) impl_->host_causes.front() = causes.front();
+  else impl_->host_causes.assign(causes.begin(), causes.end());
+}
 
 std::span<const RecordRef> RuleEngine::cause() const {
   if (impl_->rule_acting && impl_->fire_recorded) return {&impl_->fire_record, 1};
@@ -132,13 +136,17 @@ void RuleEngine::Impl::release_kept() {
 void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self) noexcept {
   Impl& impl = *static_cast<Impl*>(self);
   if (impl.rule_open) impl.flush_errors();
-  const Defrule& rule = *activation->theRule;
-  impl.rule_name = rule.header.name->contents;
+  if (CLIPSLexeme* name = activation->theRule->header.name; name != impl.rule_atom) {
+    if (impl.rule_atom != nullptr) ReleaseLexeme(impl.env, impl.rule_atom);
+    impl.rule_atom = name;
+    RetainLexeme(impl.env, name);
+    impl.rule_name = name->contents;
+  }
   impl.rule_open = true;
   impl.rule_acting = true;
   impl.turns = 0;
   impl.rule_depth = impl.contexts.size();
-  if (impl.counting()) ++impl.fired_rules[impl.rule_name];
+  if (impl.counting()) ++impl.fired_rules[std::string(impl.rule_name)];
   impl.fire_recorded = false;
   RecordSink* journal = impl.engine.options_.journal;
   if (journal == nullptr) return;

@@ -98,7 +98,8 @@ Status Environment::perceive() {
 Status Environment::run() {
   engine_->refresh_all_agendas();
   RunReport report = engine_->run(options_.run->max_firings);
-  if (Status s = check_errors(std::move(report.errors)); !s) return s;
+  if (!report.errors.empty())
+    if (Status s = check_errors(std::move(report.errors)); !s) return s;
   if (report.loop) {
     Error error{ErrorKind::kRun, "environment '" + name() + "': " + report.loop_report.text() + "; if they are right, allow more with max_firings_per_tick (now " +
                                      std::to_string(options_.run->max_firings) + ", 0 = no limit)", {}, 0, "rule_loop"};

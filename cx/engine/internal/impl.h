@@ -15,10 +15,11 @@ namespace cxlab {
 
 /// A function added from C++. Its address is the context of its definitions in CLIPS, so it stays when removed.
 struct FunctionRecord {
+  // What each call reads comes first, so that it lies together.
   RuleEngine* engine = nullptr;
-  FunctionSpec spec;
   Function function;  ///< empty once removed
   std::vector<unsigned> arg_bits;
+  FunctionSpec spec;
   unsigned rest_bits = 0;
   clips::FunctionDefinition* definition = nullptr;
   /// Taken out of the table in which CLIPS looks up names, while removed.
@@ -39,11 +40,11 @@ struct RuleEngine::Impl {
 
   // --- Errors (errors.cpp) ---------------------------------------------------------------------------------------
 
-  /// What is being done on behalf of whom; the innermost is last.
+  /// What is being done on behalf of whom; the innermost is last. The texts are those of whoever does it.
   struct Context {
     ErrorSide side = ErrorSide::kLoad;
-    std::string name;            ///< of a construct or a called function
-    std::string file;
+    std::string_view name;       ///< of a construct or a called function
+    std::string_view file;
     int line = 0;
     const Form* form = nullptr;  ///< being loaded
   };
@@ -54,7 +55,8 @@ struct RuleEngine::Impl {
   std::size_t rule_depth = 0;
   std::uint64_t turns = 0;  ///< of loops since the rule fired or the host called
   static constexpr std::uint64_t kMostTurns = 10'000'000;
-  std::string rule_name;
+  clips::CLIPSLexeme* rule_atom = nullptr;  ///< its name, retained
+  std::string_view rule_name;               ///< the text of it
 
   /// What CLIPS has said on stderr from the first "[CODE]" on, and where its messages begin with the line being parsed.
   std::string captured;
@@ -119,6 +121,9 @@ struct RuleEngine::Impl {
   std::vector<clips::TypeHeader*> kept_values;
   /// To be called where no function is being evaluated, but for the one that called C++.
   void release_kept();
+  /// Calls from the host since its garbage was collected.
+  int uncollected = 0;
+  static constexpr int kMostUncollected = 2;
 
   struct KnownName {
     std::string text;
@@ -175,11 +180,14 @@ struct RuleEngine::Impl {
   void show(FunctionRecord& record);
 };
 
-/// A call from C++ into CLIPS: errors of before are cleared, garbage is collected at the end, and what CLIPS says
-/// belongs to this context.
+/// When the garbage of a call from C++ is collected: at its end, or with that of later calls, where it is little.
+enum class Collect : std::uint8_t { kNow, kLater };
+
+/// A call from C++ into CLIPS: errors of before are cleared, garbage is collected, and what CLIPS says belongs to this
+/// context.
 class HostCall {
  public:
-  HostCall(RuleEngine::Impl& impl, RuleEngine::Impl::Context context);
+  HostCall(RuleEngine::Impl& impl, const RuleEngine::Impl::Context& context, Collect collect = Collect::kNow);
   ~HostCall();
   HostCall(const HostCall&) = delete;
   HostCall& operator=(const HostCall&) = delete;
@@ -187,12 +195,13 @@ class HostCall {
  private:
   RuleEngine::Impl& impl_;
   std::size_t depth_;
-  bool embedded_;
+  bool embedded_;  ///< else a function of rules called C++, and what it leaves is collected here
+  Collect collect_;
   clips::GCBlock block_;
 };
 
-inline ValueType value_type(const clips::TypeHeader& header) {
-  switch (header.type) {
+inline ValueType value_type(unsigned short clips_type) {
+  switch (clips_type) {
     case INTEGER_TYPE: return ValueType::kInteger;
     case FLOAT_TYPE: return ValueType::kFloat;
     case SYMBOL_TYPE: return ValueType::kSymbol;
@@ -205,6 +214,7 @@ inline ValueType value_type(const clips::TypeHeader& header) {
     default: return ValueType::kVoid;
   }
 }
+inline ValueType value_type(const clips::TypeHeader& header) { return value_type(header.type); }
 Value to_value(const clips::CLIPSValue& value);
 /// An atom, or a multifield of the garbage frame.
 void* to_clips(clips::Environment* env, const Value& value);
