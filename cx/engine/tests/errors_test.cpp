@@ -195,7 +195,7 @@ TEST_F(RuleErrors, ALoopIsStoppedAndExplained) {
   const RunReport report = engine().run(1000);
   EXPECT_EQ(report.fired, 1000);
   EXPECT_TRUE(report.loop);
-  EXPECT_THAT(report.loop_report.text(), AllOf(HasSubstr("after 1000 firings"), HasSubstr("endless (1000 x)"), HasSubstr("count (2000 x)")));
+  EXPECT_THAT(report.loop_report.text(), AllOf(HasSubstr("after 1000 firings"), HasSubstr("endless (1000 x, rules.clp:2)"), HasSubstr("count (2000 x)")));
 }
 
 TEST_F(RuleErrors, ARunThatEndsAtItsLimitIsNoLoop) {
