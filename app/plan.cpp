@@ -64,6 +64,7 @@ ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& tas
   if (!answer.plan) return out;
   out["makespan_s"] = answer.plan->makespan_s;
   out["lower_bound_s"] = answer.lower_bound_s;
+  out["lower_bound_assumes_order"] = answer.bound_assumes_order;
   if (answer.plan->metric) out["metric"] = *answer.plan->metric;
   if (answer.metric_bound) out["metric_bound"] = *answer.metric_bound;
   out["first_plan_wall_s"] = answer.first_plan_s;
@@ -120,7 +121,8 @@ int run(const PlanCommand& command) {
   if (answer->plan) {
     const double makespan = answer->plan->makespan_s, bound = answer->lower_bound_s;
     if (const std::optional<double> gap = answer->gap())
-      std::fprintf(stderr, "makespan %.3f s, no plan under %.3f s: at most %.1f %% from the shortest\n", makespan, bound, 100 * *gap);
+      std::fprintf(stderr, "makespan %.3f s, no plan under %.3f s%s: at most %.1f %% from the shortest\n", makespan, bound,
+                   answer->bound_assumes_order ? " in which no two actions change one fact at one instant" : "", 100 * *gap);
     else
       std::fprintf(stderr, "makespan %.3f s, no bound is known\n", makespan);
     if (answer->by_metric && answer->plan->metric) {

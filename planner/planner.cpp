@@ -25,6 +25,10 @@ constexpr std::int64_t kLongestSlice = 1'000'000'000'000;
 constexpr std::int64_t kSliceOfOperator = 20;        ///< units of the first try by operator
 constexpr std::int64_t kRestartSlice = 400'000;      ///< units of a search that is to give another plan to start from
 constexpr std::int64_t kLandmarkWork = 300'000'000;  ///< word operations
+constexpr std::int64_t kBoundSlice = 30'000;         ///< units for the first lower bound,
+constexpr std::int64_t kLeastBoundSlice = 2'000;     ///< as many as the first plan took and these where no better one is asked for
+constexpr std::int64_t kBoundGrowth = 6;             ///< how much longer the next slice for it is,
+constexpr std::int64_t kBoundShare = 5;              ///< and how many times as much has then been spent in all
 constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
 
 using Clock = std::chrono::steady_clock;
@@ -59,13 +63,12 @@ class Planner {
     if (!answer_.plan) find_first();
     if (answer_.plan) {
       answer_.status = PlanStatus::kPlan;
-      bound_ = lower_bound(ground_, budget_);
-      answer_.lower_bound_s = static_cast<double>(bound_) / kSecond;
-      metric_bound_ = objective_->bound(bound_);
-      if (metric_bound_ && answer_.plan->metric) answer_.metric_bound = signed_metric(*metric_bound_);
+      if (!options_.anytime) bound_slice_ = std::min(kBoundSlice, std::max(kLeastBoundSlice, budget_.units()));
+      raise_bound();
       if (options_.anytime && answer_.by_metric) improve_metric();
       else if (options_.anytime) improve();
       answer_.reason = !proved_best() ? "a plan" : answer_.by_metric ? "no plan has a better metric" : "no plan is shorter";
+      if (proved_best() && answer_.bound_assumes_order) answer_.reason += " in which no two actions change one fact at one instant";
     }
     return finish();
   }
@@ -87,6 +90,17 @@ class Planner {
 
   /// From the metric as it is told to the one that is made small, and back.
   double signed_metric(double metric) const { return task_.problem.metric->maximize ? -metric : metric; }
+
+  void raise_bound() {
+    const LowerBound found = lower_bound(ground_, budget_, bound_slice_);
+    bound_slice_ = found.complete ? Budget::kUnlimited / kBoundShare : bound_slice_ * kBoundGrowth;
+    if (found.makespan < bound_) return;
+    bound_ = found.makespan;
+    answer_.lower_bound_s = static_cast<double>(bound_) / kSecond;
+    answer_.bound_assumes_order = found.assumes_order;
+    metric_bound_ = objective_->bound(bound_);
+    if (metric_bound_ && answer_.plan->metric) answer_.metric_bound = signed_metric(*metric_bound_);
+  }
 
   /// Hands out a plan if it is the best so far and the validator agrees.
   bool publish(const Concurrent& plan) {
@@ -431,6 +445,10 @@ class Planner {
     };
     std::int64_t idle = 2000;
     for (std::uint64_t round = 0; !budget_.over() && !proved_best(); ++round) {
+      if (budget_.units() > kBoundShare * bound_slice_) {
+        raise_bound();
+        continue;
+      }
       Sequence from = best_sequence_;
       if (round % 4 == 3) {
         Sequence found;
@@ -565,6 +583,7 @@ class Planner {
   double best_value_ = std::numeric_limits<double>::infinity();  ///< of the objective
   Micros best_makespan_ = DurationRange::kForever, bound_ = 0;
   std::optional<double> metric_bound_;  ///< of the metric that is made small
+  std::int64_t bound_slice_ = kBoundSlice;
   bool out_of_memory_ = false;
   std::optional<Error> unsupported_;  ///< what the validator cannot judge
 };

@@ -52,7 +52,8 @@ struct PlanAnswer {
   PlanStatus status = PlanStatus::kEnded;
   std::string reason;               ///< one sentence
   std::optional<TimedPlan> plan;
-  double lower_bound_s = 0;         ///< no plan is shorter
+  double lower_bound_s = 0;         ///< no plan is shorter,
+  bool bound_assumes_order = false; ///< true: of those in which no two actions change the same fact at the same instant
   bool by_metric = false;           ///< the problem's metric says which plan is better, and not the makespan alone
   std::optional<double> metric_bound; ///< no plan has a better metric; none: not known
   std::int64_t units = 0;           ///< spent

@@ -1,7 +1,10 @@
 #include "planner/bounds/lower_bound.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
+#include "planner/bounds/sequencing.h"
 #include "planner/ground/mutex.h"
 #include "planner/search/landmarks.h"
 #include "planner/search/split.h"
@@ -11,28 +14,33 @@ namespace cxlab::planner {
 namespace {
 
 constexpr Micros kNever = DurationRange::kForever;
+constexpr std::int64_t kLandmarkWork = 10;  ///< word operations by unit of the slice
+constexpr std::size_t kMostWays = 4;        ///< actions of an activity; more of them are seldom far apart
 
 class Bounds {
  public:
   Bounds(const Simulator& simulator, Budget& budget) : simulator_(simulator), task_(simulator.task()), budget_(budget) {}
 
-  Micros run() {
+  LowerBound run(std::int64_t slice) {
     find_durations();
     find_earliest();
-    const Micros shared = resources(), bound = earliest_goal();
-    return bound >= kNever ? 0 : std::max(bound, shared);
+    const std::vector<Micros> released = comparison_;
+    LowerBound bound;
+    bound.makespan = earliest_goal();
+    if (bound.makespan >= kNever) bound.makespan = 0;
+    else if (task_.axioms.empty()) raise_by_pairs(bound, released, slice);
+    return bound;
   }
 
  private:
   /// Shortest duration of each action in any state; 0 where that depends.
   void find_durations() {
-    const PackedState none(static_cast<std::size_t>(simulator_.words()), 0);
     for (std::size_t a = 0; a < task_.actions.size(); ++a) {
       const GroundAction& action = task_.actions[a];
       Micros least = 0;
       for (const GroundDuration& duration : action.duration)
         if (duration.bound.is_constant() && duration.comparison != Comparison::kLessEqual)
-          least = std::max(least, static_cast<Micros>(duration.bound.steps[0].value * kMicrosPerSecond));
+          least = std::max(least, static_cast<Micros>(std::llround(duration.bound.steps[0].value * kMicrosPerSecond)));
       durations_.push_back(action.durative ? least : 0);
     }
   }
@@ -109,53 +117,105 @@ class Bounds {
     return latest(task_.goal);
   }
 
-  /// Actions that take a fact at their start and give it back at their end cannot overlap if they share it.
-  Micros resources() {
+  /// `released` by comparison: earliest time.
+  void raise_by_pairs(LowerBound& bound, const std::vector<Micros>& released, std::int64_t slice) {
+    goal_ = task_.goal.facts;
+    for (const TimedEvent& event : task_.events)
+      std::erase_if(goal_, [&](int f) { return std::ranges::binary_search(event.effects.add, f); });
+    const std::int64_t began = budget_.units();
+    budget_.set_slice(began + slice);
+    const Micros unit = find_unit();
+    const auto raise = [&](Micros to) {
+      if (to > bound.makespan) bound.makespan = to, bound.assumes_order = true;
+    };
+    const HappeningTask happenings(task_, durations_, released, unit);
+    budget_.spend(Work::kBound, static_cast<std::int64_t>(task_.actions.size()));
+    PairTimes all(happenings);
+    if (all.solve(budget_)) {
+      raise(unit * all.time(goal_));
+      // The last fifth is for the orders.
+      budget_.set_slice(began + slice - slice / 5);
+      const Activities activities = find_activities(happenings, all, unit, slice);
+      bound.complete = !budget_.slice_over();
+      budget_.set_slice(began + slice);
+      raise(unit * shortest_sequence(activities, budget_));
+      bound.assumes_order = bound.assumes_order && all.assumes_order();
+    }
+    bound.complete = bound.complete && !budget_.slice_over();
+    budget_.clear_slice();
+  }
+
+  Activities find_activities(const HappeningTask& happenings, const PairTimes& all, Micros unit, std::int64_t slice) {
+    std::vector<std::vector<int>> ways;  // by activity: its actions
+    for (std::vector<int>& actions : find_landmarks(slice)) {
+      std::erase_if(actions, [&](int a) { return all.beginning(a) >= PairTimes::kNever; });
+      if (!actions.empty() && actions.size() <= kMostWays && std::ranges::find(ways, actions) == ways.end()) ways.push_back(std::move(actions));
+    }
+    std::ranges::stable_sort(ways, {}, &std::vector<int>::size);
+    // By action: from its beginning to that of each other, last to the goal.
+    std::vector<std::vector<PairTime>> after(task_.actions.size());
+    PairTimes then(happenings);
+    const auto look_after = [&](int a) {
+      if (!after[a].empty()) return true;
+      if (!then.solve_after(a, all, budget_)) return false;
+      for (std::size_t b = 0; b < task_.actions.size(); ++b) after[a].push_back(then.beginning(static_cast<int>(b)));
+      after[a].push_back(std::max(then.time(goal_), static_cast<PairTime>(durations_[a] / unit)));
+      return true;
+    };
+    const auto first_unknown = std::ranges::find_if_not(ways, [&](const auto& actions) { return std::ranges::all_of(actions, look_after); });
+    ways.erase(first_unknown, ways.end());
+    Activities activities;
+    for (const auto& first : ways) {
+      PairTime head = PairTimes::kNever, tail = PairTimes::kNever;
+      for (const int a : first) head = std::min(head, all.beginning(a)), tail = std::min(tail, after[a].back());
+      activities.heads.push_back(head);
+      activities.tails.push_back(tail);
+      activities.apart.emplace_back();
+      for (const auto& second : ways) {
+        PairTime least = PairTimes::kNever;
+        for (const int a : first)
+          for (const int b : second) least = std::min(least, a == b ? 0 : after[a][b]);
+        activities.apart.back().push_back(least);
+      }
+    }
+    return activities;
+  }
+
+  /// The longest unit of which all durations are multiples, unless that is too short to count with.
+  Micros find_unit() const {
+    Micros unit = 0, longest = 1;
+    for (const Micros duration : durations_) unit = std::gcd(unit, duration), longest = std::max(longest, duration);
+    return std::max<Micros>({unit, longest >> 17, 1});
+  }
+
+  /// Sets of actions of which every plan has one: all that add a landmark.
+  std::vector<std::vector<int>> find_landmarks(std::int64_t slice) {
+    std::vector<std::vector<int>> found;
     const std::optional<GroundTask> parts = untimed(task_);  // its landmarks are those of overlapping plans, too
-    if (!task_.axioms.empty() || !parts) return 0;
+    if (!parts) return found;
     const Simulator simulator(*parts);
     const RelaxedTask relaxed(simulator, true);
-    const Landmarks landmarks(simulator, relaxed, 20'000'000);
+    const Landmarks landmarks(simulator, relaxed, slice * kLandmarkWork);
     budget_.spend(Work::kBound, landmarks.work());
-    const PackedState initial = simulator_.initial();
     std::vector<std::vector<int>> achievers(task_.facts.size());
-    for (std::size_t a = 0; a < task_.actions.size(); ++a)
-      for (const auto* effects : {&task_.actions[a].at_start, &task_.actions[a].at_end})
-        for (const int f : effects->add) achievers[f].push_back(static_cast<int>(a));
-    for (const GroundAction& action : task_.actions)
-      for (const ConditionalEffects& conditional : action.conditional)
-        for (const auto* effects : {&conditional.at_start, &conditional.at_end})
-          for (const int f : effects->add) achievers[f].clear();  // not known which actions
-    for (const TimedEvent& event : task_.events)
-      for (const int f : event.effects.add) achievers[f].clear();
-    std::vector<std::vector<int>> locks(task_.facts.size());  // by resource: actions
-    for (std::size_t a = 0; a < task_.actions.size(); ++a)
-      for (const int f : task_.actions[a].start.facts)
-        if (std::ranges::binary_search(task_.actions[a].at_start.remove, f)) locks[f].push_back(static_cast<int>(a));
-    Micros best = 0;
-    for (std::size_t resource = 0; resource < locks.size(); ++resource) {
-      if (locks[resource].size() < 2) continue;
-      bool unary = true;  // nothing else gives it back
-      for (const int a : achievers[resource]) unary = unary && std::ranges::binary_search(locks[resource], a) && std::ranges::binary_search(task_.actions[a].at_end.add, static_cast<int>(resource));
-      if (!unary || achievers[resource].empty()) continue;
-      std::vector<char> used(task_.actions.size(), 0);
-      Micros work = 0, head = kNever;
-      for (const int atom : landmarks.atoms()) {
-        if (atom >= static_cast<int>(task_.facts.size()) || is_set(initial.data(), atom) || achievers[atom].empty()) continue;
-        const std::vector<int>& ways = achievers[atom];
-        if (!std::ranges::all_of(ways, [&](int a) { return !used[a] && std::ranges::binary_search(locks[resource], a); })) continue;
-        Micros shortest = kNever;
-        for (const int a : ways) {
-          used[a] = 1;
-          const bool returns = std::ranges::binary_search(task_.actions[a].at_end.add, static_cast<int>(resource));
-          shortest = std::min(shortest, returns ? durations_[a] : 0);
-          head = std::min(head, earliest_start(static_cast<std::size_t>(a)));
-        }
-        work += shortest;
-      }
-      if (work > 0) best = std::max(best, head + work);
+    const auto note = [&](const std::vector<int>& added, std::size_t a) {
+      for (const int f : added) achievers[f].push_back(static_cast<int>(a));
+    };
+    for (std::size_t a = 0; a < task_.actions.size(); ++a) {
+      const GroundAction& action = task_.actions[a];
+      note(action.at_start.add, a);
+      note(action.at_end.add, a);
+      for (const ConditionalEffects& conditional : action.conditional) note(conditional.at_start.add, a), note(conditional.at_end.add, a);
     }
-    return best;
+    for (const TimedEvent& event : task_.events)
+      for (const int f : event.effects.add) achievers[f].clear();  // no action need do it
+    for (const int atom : landmarks.atoms()) {
+      if (atom >= static_cast<int>(task_.facts.size()) || task_.initial_facts[atom]) continue;
+      std::vector<int>& actions = achievers[atom];
+      actions.erase(std::unique(actions.begin(), actions.end()), actions.end());
+      if (!actions.empty()) found.push_back(actions);
+    }
+    return found;
   }
 
   const Simulator& simulator_;
@@ -163,11 +223,12 @@ class Bounds {
   Budget& budget_;
   std::vector<Micros> durations_, fact_, comparison_;
   std::vector<std::vector<int>> readers_;  ///< by number: comparisons
+  std::vector<int> goal_;                  ///< facts that no event brings about
 };
 
 }  // namespace
 
-Micros lower_bound(const GroundTask& task, Budget& budget) {
+LowerBound lower_bound(const GroundTask& task, Budget& budget, std::int64_t slice) {
   const std::vector<char> possible = possible_actions(task);
   GroundTask reduced = task;
   std::size_t kept = 0;
@@ -176,7 +237,7 @@ Micros lower_bound(const GroundTask& task, Budget& budget) {
   reduced.actions.resize(kept);
   budget.spend(Work::kBound, static_cast<std::int64_t>(task.actions.size() * (1 + task.facts.size() / 64)));
   const Simulator simulator(reduced);
-  return Bounds(simulator, budget).run();
+  return Bounds(simulator, budget).run(slice);
 }
 
 }  // namespace cxlab::planner

@@ -50,14 +50,12 @@ class Pairs {
     Operator end{action.end.facts, action.at_end.add, action.at_end.remove};
     end.needs.push_back(begun);
     for (const ConditionalEffects& conditional : action.conditional) {
-      // A condition that does not hold removes nothing; what it would add may come on top.
+      // A condition that does not hold removes nothing. What is added comes on top of what the others of the same
+      // happening add, so it leaves beside it all that the happening needs.
       for (auto [op, when, effects] : {std::tuple{&begin, &conditional.start, &conditional.at_start}, {&end, &conditional.end, &conditional.at_end}}) {
         if (effects->add.empty()) continue;
         Operator extra{op->needs, effects->add, {}};
         extra.needs.insert(extra.needs.end(), when->facts.begin(), when->facts.end());
-        extra.adds.insert(extra.adds.end(), op->adds.begin(), op->adds.end());
-        for (const int f : op->removes)
-          if (std::ranges::find(extra.adds, f) == extra.adds.end()) extra.removes.push_back(f);
         operators_.push_back(std::move(extra));
         std::erase_if(op->removes, [&add = effects->add](int f) { return std::ranges::find(add, f) != add.end(); });
       }

@@ -64,6 +64,44 @@ RandomProblem RandomProblem::draw_with_metric(RandomStream& random) {
   return made;
 }
 
+RandomProblem RandomProblem::draw_shop(RandomStream& random) {
+  RandomProblem made;
+  const int places = static_cast<int>(random.between(1, 2)), jobs = static_cast<int>(random.between(2, 4));
+  made.facts = places + jobs;
+  made.initial.assign(static_cast<std::size_t>(made.facts), 0);
+  for (int place = 0; place < places; ++place) made.initial[static_cast<std::size_t>(place)] = 1;
+  const auto draw_place = [&] { return static_cast<int>(random.below(static_cast<std::uint64_t>(places))); };
+  const auto add = [](std::vector<Literal>& literals, Literal literal) {
+    if (std::ranges::find(literals, literal.fact, &Literal::fact) == literals.end()) literals.push_back(literal);
+  };
+  for (int job = 0; job < jobs; ++job) {
+    RandomAction action;
+    action.duration = static_cast<int>(random.between(1, 3));
+    action.end_effects = {{places + job, true}};
+    const int place = draw_place();
+    if (random.chance(0.7)) add(action.start, {place, true});
+    if (random.chance(0.4)) {
+      add(action.start_effects, {place, false});
+      add(action.end_effects, {place, true});
+    } else {
+      add(action.over_all, {place, true});
+      add(action.end_effects, {place, random.chance(0.2)});
+    }
+    if (random.chance(0.3)) add(action.end_effects, {draw_place(), random.chance(0.5)});
+    if (job > 0 && random.chance(0.4)) add(action.start, {places + static_cast<int>(random.below(static_cast<std::uint64_t>(job))), true});
+    if (job > 0 && random.chance(0.2)) add(action.end_effects, {places + static_cast<int>(random.below(static_cast<std::uint64_t>(job))), false});
+    made.goal.push_back({places + job, true});
+    made.actions.push_back(std::move(action));
+  }
+  RandomAction clear;
+  clear.duration = static_cast<int>(random.between(1, 2));
+  clear.end_effects = {{draw_place(), true}};
+  if (random.chance(0.3)) clear.start = {{clear.end_effects[0].fact, false}};
+  made.actions.push_back(std::move(clear));
+  if (random.chance(0.2)) made.events.push_back({static_cast<int>(random.between(1, 4)), {draw_place(), random.chance(0.5)}});
+  return made;
+}
+
 std::string RandomProblem::domain() const {
   std::string out = "(define (domain d) (:requirements :durative-actions :negative-preconditions :fluents :timed-initial-literals)\n(:predicates";
   for (int f = 0; f < facts; ++f) out += " " + name(f);

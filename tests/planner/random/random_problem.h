@@ -39,6 +39,9 @@ struct RandomProblem {
   static RandomProblem draw(RandomStream& random);
   /// With a counter that most actions change, and a metric.
   static RandomProblem draw_with_metric(RandomStream& random);
+  /// Jobs that take turns: places that are kept from the start of an action to its end, or filled at its end and freed by
+  /// another action.
+  static RandomProblem draw_shop(RandomStream& random);
   std::string domain() const;
   std::string problem() const;
 };

@@ -27,6 +27,7 @@ struct Footprint {
     return (read & (other.add | other.remove)) || (other.read & (add | remove)) || (add & other.remove) || (remove & other.add) ||
            (reads_count && other.changes_count) || (other.reads_count && changes_count);
   }
+  bool coincides(const Footprint& other) const { return (add & other.add) || (remove & other.remove); }
 };
 
 Footprint footprint(const std::vector<Literal>& conditions, const std::vector<Literal>& effects) {
@@ -41,6 +42,9 @@ class Oracle {
   Oracle(const RandomProblem& problem, const OracleLimits& limits) : problem_(problem), limits_(limits) {}
 
   OracleAnswer run() { return visit(true); }
+
+  /// Instants of the shortest plan; 0 until one is known.
+  int end() const { return end_; }
 
   std::optional<int> least_metric() { return visit(false) == OracleAnswer::kTooLarge ? std::nullopt : best_; }
 
@@ -61,7 +65,10 @@ class Oracle {
         for (unsigned starts = 0; starts < (1u << problem_.actions.size()); ++starts) {
           Situation next = situation;
           if (!step(next, instant, starts)) continue;
-          if (is_plan(next, situation, instant, starts)) note_plan(instant / limits_.instants, next);
+          if (is_plan(next, situation, instant, starts)) {
+            note_plan(instant / limits_.instants, next);
+            if (end_ == 0) end_ = instant;
+          }
           if (best_ && first_only) return OracleAnswer::kSolvable;
           after.insert(std::move(next));
         }
@@ -72,6 +79,7 @@ class Oracle {
     return OracleAnswer::kNoPlanInHorizon;
   }
 
+ private:
   void note_plan(int seconds, const Situation& situation) {
     const int metric = problem_.time_weight * seconds + problem_.count_weight * situation.count;
     best_ = std::min(metric, best_.value_or(metric));
@@ -126,7 +134,7 @@ class Oracle {
     }
     for (std::size_t i = 0; i < footprints.size(); ++i)
       for (std::size_t j = i + 1; j < footprints.size(); ++j)
-        if (footprints[i].interferes(footprints[j])) return false;
+        if (footprints[i].interferes(footprints[j]) || (!limits_.may_coincide && footprints[i].coincides(footprints[j]))) return false;
     for (const bool value : {false, true})
       for (const auto* list : effects)
         for (const Literal& literal : *list)
@@ -142,6 +150,7 @@ class Oracle {
   const RandomProblem& problem_;
   const OracleLimits limits_;
   std::optional<int> best_;  ///< least metric of a plan
+  int end_ = 0;
 };
 
 }  // namespace
@@ -149,5 +158,11 @@ class Oracle {
 OracleAnswer ask_oracle(const RandomProblem& problem, const OracleLimits& limits) { return Oracle(problem, limits).run(); }
 
 std::optional<int> ask_oracle_for_metric(const RandomProblem& problem, const OracleLimits& limits) { return Oracle(problem, limits).least_metric(); }
+
+std::optional<int> shortest_plan_s(const RandomProblem& problem, const OracleLimits& limits) {
+  Oracle oracle(problem, limits);
+  if (oracle.run() != OracleAnswer::kSolvable) return std::nullopt;
+  return oracle.end() / limits.instants;
+}
 
 }  // namespace cxlab::planner
