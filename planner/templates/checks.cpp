@@ -51,7 +51,7 @@ bool apply_test(Interpreter& interpreter, std::string_view written, const Value&
   if (name == "string") return subject.is_string();
   if (name == "mapping") return subject.as_dict() != nullptr;
   if (name == "sequence" || name == "iterable") return subject.is_string() || subject.as_list() != nullptr || subject.as_dict() != nullptr || subject.is_undefined();
-  if (name == "callable") return subject.as_function() != nullptr || (subject.as_object() != nullptr && subject.as_object()->call);
+  if (name == "callable") return subject.is_undefined() || subject.as_function() != nullptr || (subject.as_object() != nullptr && subject.as_object()->call);
   if (name == "lower") return subject.str() == lower(subject.str()) && has_letters(subject.str());
   if (name == "upper") return subject.str() == upper(subject.str()) && has_letters(subject.str());
   if (name == "filter") return is_filter(subject.str());

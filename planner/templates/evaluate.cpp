@@ -407,7 +407,8 @@ Value Interpreter::binary(const std::string& operation, const Value& left, const
     case 'd': return std::floor(x / y);
     case '%': {
       const double rest = std::fmod(x, y);
-      return rest != 0 && (rest < 0) != (y < 0) ? rest + y : rest;
+      if (rest == 0) return std::copysign(0.0, y);
+      return (rest < 0) != (y < 0) ? rest + y : rest;
     }
     default: return std::pow(x, y);
   }

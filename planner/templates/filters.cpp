@@ -187,6 +187,7 @@ Value filter_last(Interpreter& self, const Value& subject, const Call&) {
 Value filter_float(Interpreter& self, const Value& subject, const Call& call) {
   const Value otherwise = given(self, "float", call, "default").get(0, Value(0.0));
   if (subject.is_number()) return subject.as_float();
+  if (!self.require(subject)) return {};
   if (!subject.is_string()) return otherwise;
   const std::string text = trim(subject.as_string(), kWhitespace, true, true);
   double number = 0;
@@ -200,6 +201,7 @@ Value filter_int(Interpreter& self, const Value& subject, const Call& call) {
   const Value otherwise = arguments.get(0, Value(0));
   const auto whole = [&](double number) { return std::abs(number) < 9e18 ? Value(static_cast<std::int64_t>(number)) : otherwise; };
   if (subject.is_number()) return subject.is_float() ? whole(subject.as_float()) : Value(subject.as_int());
+  if (!self.require(subject)) return {};
   if (!subject.is_string()) return otherwise;
   std::string text = trim(subject.as_string(), kWhitespace, true, true);
   auto base = static_cast<int>(arguments.integer(1, 10));
@@ -246,6 +248,8 @@ Value filter_groupby(Interpreter& self, const Value& subject, const Call& call) 
 
 Value filter_indent(Interpreter& self, const Value& subject, const Call& call) {
   Arguments arguments = given(self, "indent", call, "width first blank");
+  if (!self.require(subject)) return {};
+  if (!subject.is_string()) return self.fail("found " + subject.repr() + " to indent, expected a string");
   std::string space;
   if (arguments.has(0) && arguments[0]->is_string()) {
     space = arguments[0]->as_string();
@@ -380,7 +384,7 @@ Value filter_round(Interpreter& self, const Value& subject, const Call& call) {
   const std::int64_t precision = arguments.integer(0, 0);
   const std::string method = arguments.text(1, "common");
   const double scale = std::pow(10.0, static_cast<double>(precision));
-  if (method == "ceil") return std::ceil(subject.as_float() * scale) / scale;
+  if (method == "ceil") return (std::ceil(subject.as_float() * scale) + 0.0) / scale;  // no negative zero
   if (method == "floor") return std::floor(subject.as_float() * scale) / scale;
   if (method != "common") return self.fail("found the method '" + method + "', expected common, ceil or floor");
   if (precision < 0) {
@@ -464,6 +468,7 @@ Value filter_tojson(Interpreter& self, const Value& subject, const Call& call) {
 Value filter_trim(Interpreter& self, const Value& subject, const Call& call) { return filter_method(self, subject, "strip", call); }
 
 Value filter_truncate(Interpreter& self, const Value& subject, const Call& call) {
+  if (subject.is_undefined()) return subject;
   Arguments arguments = given(self, "truncate", call, "length killwords end leeway");
   const std::int64_t length = arguments.integer(0, 255), leeway = arguments.integer(3, 5);
   const std::string end = arguments.text(2, "...");
@@ -477,12 +482,21 @@ Value filter_truncate(Interpreter& self, const Value& subject, const Call& call)
   return out + end;
 }
 
+/// Lists and dicts, and tuples with those.
+bool may_change(const Value& value) {
+  if (value.as_dict() != nullptr) return true;
+  const ListData* list = value.as_list();
+  if (list == nullptr || !list->shown.empty()) return false;
+  return !list->tuple || std::any_of(list->items.begin(), list->items.end(), may_change);
+}
+
 Value filter_unique(Interpreter& self, const Value& subject, const Call& call) {
   const Arguments arguments = given(self, "unique", call, "case_sensitive attribute");
   std::vector<Value> out, keys;
   for (Value& item : self.items(subject)) {
     const Value key = folded(part_of(self, item, arguments[1]), arguments.truth(0, false));
     if (!self.spend(keys.size() + 1)) return {};
+    if (may_change(key)) return self.fail("found " + key.repr() + " for unique, expected what cannot change: no list or dict");
     if (std::any_of(keys.begin(), keys.end(), [&](const Value& known) { return known.equals(key); })) continue;
     keys.push_back(key);
     out.push_back(std::move(item));

@@ -212,6 +212,8 @@ Value format_braces(Interpreter& interpreter, const std::string& format, const C
     if (value.is_undefined() && !spec_text.empty() && !interpreter.require(value)) return {};
     const auto spec = parse_spec(spec_text);
     if (!spec) return interpreter.fail("found the format '" + spec_text + "', which is not understood");
+    if (!spec_text.empty() && (value.as_list() != nullptr || value.as_dict() != nullptr || value.is_none()))
+      return interpreter.fail("found " + value.repr() + " for a format with a width or type, expected a text or a number");
     const std::string piece = formatted(interpreter, *spec, value).str();
     if (!interpreter.spend(1, piece.size())) return {};
     out += piece;
@@ -276,7 +278,8 @@ Value format_percent(Interpreter& interpreter, const std::string& format, const 
     out += piece;
   }
   if (!by_name && tuple != nullptr && next < count) return interpreter.fail("found too many arguments for a format");
-  if (!by_name && tuple == nullptr && next == 0 && argument.as_dict() == nullptr) return interpreter.fail("found too many arguments for a format");
+  if (!by_name && tuple == nullptr && next == 0 && argument.as_dict() == nullptr && argument.as_list() == nullptr)
+    return interpreter.fail("found too many arguments for a format");
   return out;
 }
 

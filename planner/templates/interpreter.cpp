@@ -174,11 +174,12 @@ void Interpreter::run_node(const Node& node, Rendering& rendering, const ScopePt
     case Node::Kind::kMacro: scope->set(node.text, make_macro(node, rendering, scope)); break;
     case Node::Kind::kCallBlock: run_call(node, rendering, scope, out); break;
     case Node::Kind::kFilterBlock: {
+      if (dropped) break;
       std::string text;
       run(node.body, rendering, std::make_shared<Scope>(Scope{scope, {}}), text);
       line_ = node.line;
       const std::string filtered = evaluate_filters(*node.expression, Value(std::move(text)), rendering, scope).str();
-      if (!dropped) append(out, filtered);
+      append(out, filtered);
       break;
     }
     case Node::Kind::kWith: run_with(node, rendering, scope, out); break;

@@ -79,7 +79,7 @@ class Lexer {
     const int line = line_;
     skip(2);
     if (starts("-") || starts("+")) skip(1);
-    if (type == '%' && at_raw("raw")) return raw(line);
+    if (type == '%' && at_raw("raw", false)) return raw(line);
     add(type == '{' ? Token::Kind::kOutputBegin : Token::Kind::kStatementBegin, "");
     return tag_body(type == '{' ? "}}" : "%}", type == '{' ? Token::Kind::kOutputEnd : Token::Kind::kStatementEnd, line);
   }
@@ -93,15 +93,15 @@ class Lexer {
     return {};
   }
 
-  /// Whether the tag is `word %}`; position is behind {%. Moves behind it if so.
-  bool at_raw(std::string_view word) {
+  /// Whether the tag is `word %}`, or with `plus` also `word +%}`; position is behind {%. Moves behind it if so.
+  bool at_raw(std::string_view word, bool plus) {
     std::size_t at = position_;
     while (at < source_.size() && is_space(source_[at])) ++at;
     if (!std::string_view(source_).substr(at).starts_with(word)) return false;
     at += word.size();
     while (at < source_.size() && is_space(source_[at])) ++at;
     const bool strip = at < source_.size() && source_[at] == '-';
-    if (strip || (at < source_.size() && source_[at] == '+')) ++at;
+    if (strip || (plus && at < source_.size() && source_[at] == '+')) ++at;
     if (!std::string_view(source_).substr(at).starts_with("%}")) return false;
     skip(at + 2 - position_);
     strip_next_ = strip;
@@ -119,7 +119,7 @@ class Lexer {
       skip(2);
       const bool strip = starts("-");
       if (strip || starts("+")) skip(1);
-      if (!at_raw("endraw")) continue;
+      if (!at_raw("endraw", true)) continue;
       std::string kept = trim(std::string_view(source_).substr(begin, tag - begin), kWhitespace, strip_first, strip);
       tokens_.push_back({Token::Kind::kText, text_line, std::move(kept), {}});
       return {};

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array kStringMethods = {"upper", "lower", "strip", "lstrip", "rstrip", "split", "rsplit", "splitlines", "join", "replace", "startswith", "endswith",
                                        "find", "index", "count", "format", "title", "capitalize", "isdigit", "isalpha", "isalnum", "isupper", "islower",
-                                       "isspace", "zfill", "ljust", "rjust", "center", "removeprefix", "removesuffix"};
+                                       "isspace", "zfill", "ljust", "rjust", "center", "removeprefix", "removesuffix", "swapcase", "partition", "rpartition"};
 constexpr std::array kListMethods = {"append", "extend", "insert", "pop", "index", "count", "reverse", "sort", "remove", "clear", "copy"};
 constexpr std::array kTupleMethods = {"index", "count"};
 constexpr std::array kDictMethods = {"items", "keys", "values", "get", "update", "pop", "setdefault", "copy", "clear"};
@@ -192,6 +192,18 @@ Value string_method(Interpreter& self, const std::string& text, std::string_view
   if (name == "ljust" || name == "rjust" || name == "center") {
     Arguments given = arguments("width fillchar");
     return justified(self, text, given.integer(0, 0), given.text(1, " "), name[0]);
+  }
+  if (name == "swapcase") {
+    std::string out;
+    for (const std::string& character : code_points(text)) out += is_capital(character[0]) ? lower(character) : upper(character);
+    return out;
+  }
+  if (name == "partition" || name == "rpartition") {
+    const std::string by = arguments("sep").text(0, "");
+    if (by.empty()) return self.fail("empty separator");
+    const std::size_t at = name == "partition" ? text.find(by) : text.rfind(by);
+    if (at != std::string::npos) return Value::tuple({text.substr(0, at), by, text.substr(at + by.size())});
+    return name == "partition" ? Value::tuple({text, "", ""}) : Value::tuple({"", "", text});
   }
   const std::string affix = arguments("affix").text(0, "");
   if (name == "removeprefix") return text.starts_with(affix) ? text.substr(affix.size()) : text;
