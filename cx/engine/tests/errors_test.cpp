@@ -189,6 +189,24 @@ TEST_F(RuleErrors, ActingFunctionsOnALeftHandSideAreErrorsAtLoad) {
   EXPECT_THAT(notes[0].text(), AllOf(StartsWith("agent.clp:3: "), HasSubstr("'outer'")));
 }
 
+TEST_F(RuleErrors, AnUnboundVariableAsArgumentIsAnErrorOnceAndTheFunctionIsNotCalled) {
+  int calls = 0;
+  const auto count = [&calls](Call&) { ++calls; };
+  ASSERT_TRUE(engine().add_function({.name = "take", .min_args = 1, .max_args = 1, .arg_types = ";e"}, count).ok());
+  ASSERT_TRUE(engine().add_function({.name = "take-any", .min_args = 1, .max_args = 1}, count).ok());
+  given("(defrule typed (go) => (bind ?x (nth$ 1 (create$ 1))) (bind ?x) (take ?x))\n(defrule any (go) => (bind ?x (nth$ 1 (create$ 1))) (bind ?x) (take-any ?x))");
+  ASSERT_TRUE(engine().assert_string("(go)").ok());
+  for (int rule = 0; rule < 2; ++rule) {
+    const RunReport report = engine().run();
+    EXPECT_EQ(report.fired, 1);
+    ASSERT_FALSE(report.errors.empty());
+    const std::string& said = report.errors.front().detail;
+    EXPECT_THAT(said, HasSubstr("Variable ?x unbound"));
+    EXPECT_EQ(said.find("unbound"), said.rfind("unbound")) << said;
+  }
+  EXPECT_EQ(calls, 0);
+}
+
 TEST_F(RuleErrors, ALoopIsStoppedAndExplained) {
   given("(deffacts f (count 0))\n(defrule endless ?c <- (count ?n) => (retract ?c) (assert (count (+ ?n 1))))");
   engine().reset();
