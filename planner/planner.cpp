@@ -23,6 +23,7 @@ namespace {
 constexpr std::int64_t kFirstSlice = 20'000;         ///< units of the first try, at least; each round of tries has half as many more
 constexpr std::int64_t kLongestSlice = 1'000'000'000'000;
 constexpr std::int64_t kSliceOfOperator = 20;        ///< units of the first try by operator
+constexpr std::int64_t kShareOfUnlikely = 4;        ///< of a slice, for overlaps where nothing hints at them
 constexpr std::int64_t kRestartSlice = 400'000;      ///< units of a search that is to give another plan to start from
 constexpr std::int64_t kLandmarkWork = 300'000'000;  ///< word operations
 constexpr std::int64_t kBoundSlice = 30'000;         ///< units for the first lower bound,
@@ -207,6 +208,23 @@ class Planner {
     return end;
   }
 
+  /// The search of seed 0: it goes on where it was when its last slice ended.
+  SearchEnd go_on_with_first(std::int64_t slice, Sequence& found) {
+    budget_.set_slice(budget_.units() + slice);
+    SearchEnd end;
+    if (first_search_) {
+      end = first_search_->go_on(budget_, found);
+    } else {
+      first_check_ = std::make_unique<EventCheck>(touches_);
+      first_search_ = std::make_unique<LazySearch>(sequences_->simulator, sequences_->relaxed, sequences_->landmarks, ground_.events.empty() ? nullptr : first_check_.get());
+      end = first_search_->run(sequences_->simulator.initial(), lazy_options(0), budget_, found);
+    }
+    budget_.clear_slice();
+    first_ended_ = end != SearchEnd::kBudget;
+    if (first_ended_) first_search_.reset();
+    return end;
+  }
+
   /// Searches with actions cut in two.
   struct Cut {
     std::unique_ptr<SplitTask> split;
@@ -329,7 +347,7 @@ class Planner {
       late_goal_ = !ground_.events.empty() && (early_exhausted_ || round % 2 == 1);
       if (!sequences_exhausted) {
         Sequence found;
-        const SearchEnd end = search_sequences(seed, slice, true, found);
+        const SearchEnd end = round % 2 == 0 && !first_ended_ ? go_on_with_first(slice, found) : search_sequences(seed, slice, true, found);
         note(end);
         if (end == SearchEnd::kFound) take(found);
         if (answer_.plan) return;
@@ -341,7 +359,8 @@ class Planner {
       if (search_clock(seed, slice)) return;
       if (round == 0 && !(sequences_exhausted && envelopes_->exhausted)) continue;
       if (!everything_) everything_ = make_cut(true);
-      if (search_cut(*everything_, seed, slice)) return;
+      const bool likely = envelopes_->split != nullptr;  // something needs others to be under way
+      if (search_cut(*everything_, seed, likely ? slice : slice / kShareOfUnlikely)) return;
       if (sequences_exhausted && envelopes_->exhausted && everything_->exhausted && clock_exhausted_) {
         prove_unsolvable();
         return;
@@ -570,6 +589,9 @@ class Planner {
   Touches touches_;
   Validator validator_;
   std::unique_ptr<SearchSpace> sequences_;  ///< of whole actions
+  std::unique_ptr<EventCheck> first_check_;
+  std::unique_ptr<LazySearch> first_search_;
+  bool first_ended_ = false;
   std::unique_ptr<SplitTask> whole_;        ///< nothing is cut
   std::optional<Cut> envelopes_, everything_;
   std::pair<Cut*, Sequence> best_cut_{nullptr, {}};  ///< the best plan as a sequence of parts, where no sequence was found

@@ -134,32 +134,58 @@ bool EventCheck::accepts_goal(const Sequence& path) {
   return accepts(path, nullptr) && (acts_ || path.empty()) && timeline_.finish();
 }
 
-SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, Budget& budget, Sequence& found) {
-  const GroundTask& task = simulator_.task();
-  const int words = simulator_.words();
-  const int events = static_cast<int>(task.events.size());
-  const int landmark_words = options.landmarks ? landmarks_.words() : 0;
-  RandomStream random(options.seed, "planner lazy search");
-  RelaxedHeuristic heuristic(simulator_, relaxed_);
-  if (options.cost_noise > 0) heuristic.scatter_costs(random, options.cost_noise);
-  const std::int64_t last_unit = options.most_units == Budget::kUnlimited ? Budget::kUnlimited : budget.units() + options.most_units;
-  Nodes nodes(words + 1, landmark_words);  // the last word is the signature
-  enum { kPlain, kPlainPreferred, kMarks, kMarksPreferred, kQueues };
-  std::vector<Queue> queues(kQueues);
+namespace {
+
+enum { kPlain, kPlainPreferred, kMarks, kMarksPreferred, kQueues };
+
+}  // namespace
+
+/// What a search has done so far.
+struct LazySearch::Progress {
+  LazyOptions options;
+  int landmark_words;
+  RandomStream random;
+  RelaxedHeuristic heuristic;
+  std::int64_t last_unit;
+  Nodes nodes;  // the last word is the signature
+  std::vector<Queue> queues = std::vector<Queue>(kQueues);
   int best_plain = std::numeric_limits<int>::max(), best_marks = best_plain;
   std::int64_t reported = 0;
+  PackedState state{};
+  std::vector<Word> reached{};
+  int node = -1;  ///< made and not yet looked at
+};
 
-  const auto path = [&](int node) {
+LazySearch::LazySearch(const Simulator& simulator, const RelaxedTask& relaxed, const Landmarks& landmarks, PathCheck* check)
+    : simulator_(simulator), relaxed_(relaxed), landmarks_(landmarks), check_(check) {}
+
+LazySearch::~LazySearch() = default;
+
+SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, Budget& budget, Sequence& found) {
+  const int landmark_words = options.landmarks ? landmarks_.words() : 0;
+  const std::int64_t last_unit = options.most_units == Budget::kUnlimited ? Budget::kUnlimited : budget.units() + options.most_units;
+  progress_.reset(new Progress{options, landmark_words, RandomStream(options.seed, "planner lazy search"), RelaxedHeuristic(simulator_, relaxed_), last_unit,
+                               Nodes(simulator_.words() + 1, landmark_words)});
+  Progress& p = *progress_;
+  if (options.cost_noise > 0) p.heuristic.scatter_costs(p.random, options.cost_noise);
+  p.state = start;
+  p.state.push_back(0);
+  p.reached.resize(static_cast<std::size_t>(landmark_words), 0);
+  if (landmark_words) landmarks_.mark(p.state.data(), p.reached.data());
+  p.node = p.nodes.add(p.state.data(), p.reached.data(), {});
+  return go_on(budget, found);
+}
+
+SearchEnd LazySearch::go_on(Budget& budget, Sequence& found) {
+  auto& [options, landmark_words, random, heuristic, last_unit, nodes, queues, best_plain, best_marks, reported, state, reached, node] = *progress_;
+  const int words = simulator_.words();
+  const int events = static_cast<int>(simulator_.task().events.size());
+  const auto path = [&nodes = nodes](int to) {
     Sequence steps;
-    for (; nodes[node].parent >= 0; node = nodes[node].parent) steps.push_back({nodes[node].action, nodes[node].duration});
+    for (int at = to; nodes[at].parent >= 0; at = nodes[at].parent) steps.push_back({nodes[at].action, nodes[at].duration});
     std::ranges::reverse(steps);
     return steps;
   };
-  PackedState state = start;
-  state.push_back(0);
-  std::vector<Word> reached(static_cast<std::size_t>(landmark_words), 0);
-  if (landmark_words) landmarks_.mark(state.data(), reached.data());
-  int node = nodes.add(state.data(), reached.data(), {});
   std::vector<int> order, preferred;
   for (;;) {
     if (node >= 0) {
@@ -194,6 +220,7 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
         }
       }
     }
+    node = -1;
     if (budget.slice_over() || budget.units() >= last_unit) return SearchEnd::kBudget;
     std::size_t waiting = 0;
     for (const Queue& queue : queues) waiting += queue.size();
@@ -207,7 +234,6 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
     state.assign(nodes.state(entry.parent), nodes.state(entry.parent) + words + 1);
     budget.spend(Work::kNode, 1);
     Nodes::Node made{entry.parent, entry.action, 0, nodes[entry.parent].next_event};
-    node = -1;
     if (entry.action <= -2) {
       simulator_.apply_event(-2 - entry.action, state.data());
       ++made.next_event;

@@ -5,6 +5,7 @@
 // Sequences miss what needs actions to overlap; see concurrent_search.h. What they contain need not happen in their
 // order: the timeline decides.
 
+#include <memory>
 #include <vector>
 
 #include "planner/schedule/timeline.h"
@@ -70,17 +71,23 @@ class EventCheck : public PathCheck {
 class LazySearch {
  public:
   /// `check`: none, or asked for every step.
-  LazySearch(const Simulator& simulator, const RelaxedTask& relaxed, const Landmarks& landmarks, PathCheck* check = nullptr)
-      : simulator_(simulator), relaxed_(relaxed), landmarks_(landmarks), check_(check) {}
+  LazySearch(const Simulator& simulator, const RelaxedTask& relaxed, const Landmarks& landmarks, PathCheck* check = nullptr);
+  ~LazySearch();
+  LazySearch(const LazySearch&) = delete;
+  LazySearch& operator=(const LazySearch&) = delete;
 
   /// Looks for a sequence from `start` to the goal.
   SearchEnd run(const PackedState& start, const LazyOptions& options, Budget& budget, Sequence& found);
+  /// The same search goes on after its slice of the budget ended.
+  SearchEnd go_on(Budget& budget, Sequence& found);
 
  private:
+  struct Progress;
   const Simulator& simulator_;
   const RelaxedTask& relaxed_;
   const Landmarks& landmarks_;
   PathCheck* check_;
+  std::unique_ptr<Progress> progress_;
 };
 
 }  // namespace cxlab::planner
