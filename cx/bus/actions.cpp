@@ -70,6 +70,10 @@ void Bus::cancel_goal(EndpointId client, const GoalId& goal, Causes causes) { ca
 void Bus::cancel_all_goals(EndpointId client, Causes causes) { cancel(client, {}, kNever, causes); }
 void Bus::cancel_goals_before(EndpointId client, SimTime stamp, Causes causes) { cancel(client, {}, stamp, causes); }
 
+void Bus::forget_goal(EndpointId client, const GoalId& goal) {
+  if (Endpoint* from = state_->find(client, EndpointKind::kActionClient)) from->sent.erase(goal);
+}
+
 GoalStatus Bus::goal_status(EndpointId client, const GoalId& goal) const {
   const Endpoint* from = state_->find(client, EndpointKind::kActionClient);
   if (from == nullptr) return GoalStatus::kUnknown;
@@ -144,6 +148,11 @@ bool Bus::finish(EndpointId server, const GoalId& id, GoalStatus status, SharedM
   if (!allowed) return false;
   assert(result && &result->view().type() == from->answer);
   goal.status = status;
+  while (!from->ended.empty() && from->ended.front().first < now_ - kEndedGoalKept) {
+    from->served.erase(from->ended.front().second);
+    from->ended.pop_front();
+  }
+  from->ended.emplace_back(now_, id);
   Delivery delivery = state_->begin_post(DeliveryKind::kResult, "result", *from);
   state_->data.field("goal_id", std::string_view(to_string(id))).field("status", static_cast<int>(status));
   state_->add_message("result", result);
@@ -208,10 +217,10 @@ bool Bus::answer_cancel(EndpointId server, const Delivery& cancel, bool accept) 
   if (request == from->requests.end()) return false;
   OpenRequest& open = request->second;
   if (std::erase(open.undecided, cancel.goal) == 0) return false;
-  ServedGoal& goal = from->served.at(cancel.goal);
-  if (accept && goal.cancelable()) {
-    goal.status = GoalStatus::kCanceling;
-    open.canceling.emplace_back(cancel.goal, goal.accepted_at);
+  const auto goal = from->served.find(cancel.goal);
+  if (accept && goal != from->served.end() && goal->second.cancelable()) {
+    goal->second.status = GoalStatus::kCanceling;
+    open.canceling.emplace_back(cancel.goal, goal->second.accepted_at);
   }
   if (open.undecided.empty())
     state_->answer_cancel_request(now_, *from, cancel.request_id,

@@ -334,7 +334,10 @@ void Bus::State::handle(SimTime now, const Delivery& delivery) {
     case DeliveryKind::kGoalResponse:
     case DeliveryKind::kFeedback:
     case DeliveryKind::kResult:
-      endpoint->sent[delivery.goal].status = delivery.status;
+      if (const auto known = endpoint->sent.find(delivery.goal); known != endpoint->sent.end()) {
+        known->second.status = delivery.status;
+        if (delivery.kind == DeliveryKind::kGoalResponse && !delivery.accepted) endpoint->sent.erase(known);
+      }
       break;
     case DeliveryKind::kCancelResponse:
       for (const auto& [goal, accepted_at] : delivery.goals_canceling)

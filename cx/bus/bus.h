@@ -55,6 +55,8 @@ enum class GoalStatus : std::int8_t {
   kCanceled = 5,
   kAborted = 6
 };
+/// How long a server remembers a goal after its end.
+inline constexpr SimTime kEndedGoalKept = std::chrono::minutes(15);
 enum class GoalAnswer : std::uint8_t { kReject = 1, kAccept = 2, kDefer = 3 };
 
 /// One thing that a participant takes. `from` orders; records name participants, never count them.
@@ -189,6 +191,8 @@ class Bus {
   void cancel_goals_before(EndpointId client, SimTime stamp, Causes causes = {});
   /// Status as far as the client has taken deliveries.
   GoalStatus goal_status(EndpointId client, const GoalId& goal) const;
+  /// The client will not ask for its status again. What still comes from the goal is delivered all the same.
+  void forget_goal(EndpointId client, const GoalId& goal);
 
   // --- Actions, server side. What the state of the goal does not allow is ignored and returns false: a goal is
   // answered once; accepted -> executing -> (canceling ->) succeeded, aborted; canceled only from canceling.
@@ -198,7 +202,7 @@ class Bus {
   bool answer_cancel(EndpointId server, const Delivery& cancel, bool accept);
   bool execute(EndpointId server, const GoalId& goal);  ///< of a deferred goal
   bool publish_feedback(EndpointId server, const GoalId& goal, SharedMessage feedback);
-  /// Ends the goal: kSucceeded, kAborted or kCanceled.
+  /// Ends the goal: kSucceeded, kAborted or kCanceled. Its status is kept for `kEndedGoalKept`, as ROS 2 keeps results.
   bool finish(EndpointId server, const GoalId& goal, GoalStatus status, SharedMessage result);
   GoalStatus server_goal_status(EndpointId server, const GoalId& goal) const;
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cassert>
+#include <deque>
 #include <map>
 #include <memory>
 #include <set>
@@ -81,6 +82,7 @@ struct Endpoint {
   std::map<std::uint64_t, OpenRequest> requests;
   std::map<GoalId, SentGoal> sent;
   std::map<GoalId, ServedGoal> served;
+  std::deque<std::pair<SimTime, GoalId>> ended;  ///< of `served`, with their ends
   std::size_t next_order = 0;
 
   bool provides() const {

@@ -99,7 +99,7 @@ class BusConnection {
   const Goal* find_goal(Handle goal) const;
   /// Of a goal that was accepted and has not ended; none otherwise.
   Handle handle_of(const std::string& server, const bus::GoalId& id) const;
-  bool destroy_goal(Handle goal) { return goals_.erase(goal) > 0; }
+  void destroy_goal(Handle goal);
 
   // --- Templates, functions, facts, log
   Status add_templates(std::span<const Template> templates);

@@ -79,6 +79,13 @@ const BusConnection::Goal* BusConnection::find_goal(Handle goal) const {
   return found == goals_.end() ? nullptr : &found->second;
 }
 
+void BusConnection::destroy_goal(Handle goal) {
+  const auto found = goals_.find(goal);
+  if (found == goals_.end()) return;
+  bus_.forget_goal(found->second.client, found->second.id);
+  goals_.erase(found);
+}
+
 void BusConnection::cancel_goal(Call& call, std::string_view server, Handle handle) {
   const Goal* goal = find_goal(handle);
   if (!goal) return call.fail("unknown client goal handle");

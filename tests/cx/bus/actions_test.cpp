@@ -173,6 +173,35 @@ TEST_F(ActionTest, AGoalThatEndsWhileACancelIsOpenStaysEnded) {
   EXPECT_THAT(deliver(env_), ElementsAre("cancel 1 of 0", "result 4"));
 }
 
+TEST_F(ActionTest, AGoalThatEndedLongAgoIsForgotten) {
+  const auto server = make_server();
+  const GoalId first = executing(server);
+  finish(server, first, GoalStatus::kSucceeded);
+  bus_.begin_tick(kEndedGoalKept);
+  const GoalId second = executing(server);
+  finish(server, second, GoalStatus::kSucceeded);
+  EXPECT_EQ(bus_.server_goal_status(server, first), GoalStatus::kSucceeded) << "just not yet";
+  bus_.begin_tick(kEndedGoalKept + std::chrono::seconds(1));
+  const GoalId third = executing(server);
+  EXPECT_EQ(bus_.server_goal_status(server, first), GoalStatus::kSucceeded) << "until another one ends";
+  finish(server, third, GoalStatus::kSucceeded);
+  EXPECT_EQ(bus_.server_goal_status(server, first), GoalStatus::kUnknown);
+  EXPECT_EQ(bus_.server_goal_status(server, second), GoalStatus::kSucceeded);
+  bus_.cancel_goal(client_, first);
+  bus_.deliver(robot_);
+  EXPECT_THAT(deliver(env_), ::testing::Contains("cancel 2 of 0")) << "an unknown goal";
+}
+
+TEST_F(ActionTest, WhatTheClientForgetsIsDeliveredAllTheSame) {
+  const auto server = make_server();
+  const GoalId goal = executing(server);
+  bus_.forget_goal(client_, goal);
+  EXPECT_EQ(bus_.goal_status(client_, goal), GoalStatus::kUnknown);
+  finish(server, goal, GoalStatus::kSucceeded);
+  EXPECT_THAT(deliver(env_), ElementsAre("result 4"));
+  EXPECT_EQ(bus_.goal_status(client_, goal), GoalStatus::kUnknown);
+}
+
 TEST_F(ActionTest, CancelsOfUnknownAndEndedGoalsAreAnsweredByTheBus) {
   const auto server = make_server();
   const GoalId ended = executing(server);
