@@ -25,6 +25,8 @@ MORE = (
 )
 # An example may be there to show a warning: its file, and what it warns of.
 SHOWN = {"scenarios/turtlesim/boundary_late.yaml": "service turtle1/teleport_absolute not available, abort request."}
+# Another planner's program has to be installed.
+NEEDS_MORE = r"pddl_manager\.(command|engine|python)"
 # Needs a library that is built first: tests/app/own_plugins.py, tests of the template.
 BUILT_FIRST = ("docs/examples/own_plugins/", "docs/templates/plugin/")
 
@@ -36,7 +38,7 @@ def told():
         text = page.read_text().replace("\\\n", " ")
         for found in re.findall(r"(?:^|`|\./dev )(cxlab (?:env|run) [^`\n#]*)", text, re.MULTILINE):
             words = shlex.split(found)
-            if len(words) > 2 and (SOURCE / words[2]).is_file() and "pddl_manager.command" not in found:
+            if len(words) > 2 and (SOURCE / words[2]).is_file() and not re.search(NEEDS_MORE, found):
                 commands.add(shlex.join(words))
     return commands
 
