@@ -15,7 +15,7 @@ namespace {
 
 constexpr Micros kNever = DurationRange::kForever;
 constexpr std::int64_t kLandmarkWork = 10;  ///< word operations by unit of the slice
-constexpr std::size_t kMostWays = 4;        ///< actions of an activity; more of them are seldom far apart
+constexpr std::size_t kMostWays = 16;       ///< actions of an activity; more of them are seldom far apart
 
 class Bounds {
  public:
