@@ -60,10 +60,9 @@ int LocalSearch::critical_step() {
 }
 
 void LocalSearch::run(Budget& budget, std::int64_t most_idle, const OnBetter& on_better) {
-  if (current_.order.empty()) return;
   Sequence list;
   DecodedPlan tried;
-  for (std::int64_t idle = 0; idle < most_idle; ++idle) {
+  for (std::int64_t idle = 0; idle < most_idle && !current_.order.empty(); ++idle) {
     list = current_.order;
     make_move(list);
     double& late = history_[static_cast<std::size_t>(moves_++) % history_.size()];
