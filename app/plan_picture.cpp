@@ -10,7 +10,8 @@ namespace cxlab::app {
 
 namespace {
 
-constexpr int kRow = 20, kLeft = 360, kWidth = 1000, kTop = 30;
+constexpr int kRow = 20, kWidth = 1000, kTop = 30;
+constexpr double kLetter = 6.4;  ///< width, at least that of most letters
 
 std::string number(double value) {
   char text[32];
@@ -29,11 +30,14 @@ double round_step(double least) {
 }  // namespace
 
 std::string plan_picture(const planner::TimedPlan& plan, const planner::Task& task) {
+  std::size_t longest = 16;
+  for (const planner::PlanStep& step : plan.steps) longest = std::max(longest, planner::step_text(step, task.domain, task.problem).size());
+  const int left = static_cast<int>(kLetter * static_cast<double>(longest)) + 16;
   const double scale = kWidth / std::max(plan.makespan_s, 1e-9);
-  const auto x = [&](double seconds) { return number(kLeft + seconds * scale); };
+  const auto x = [&](double seconds) { return number(left + seconds * scale); };
   const auto y = [](std::size_t row) { return kTop + static_cast<int>(row) * kRow; };
   const int height = y(plan.steps.size()) + 30;
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + std::to_string(kLeft + kWidth + 40) + "\" height=\"" + std::to_string(height) +
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + std::to_string(left + kWidth + 40) + "\" height=\"" + std::to_string(height) +
                     "\" font-family=\"sans-serif\" font-size=\"11\">\n"
                     "<defs><marker id=\"tip\" markerWidth=\"6\" markerHeight=\"6\" refX=\"5\" refY=\"3\" orient=\"auto\">"
                     "<path d=\"M0,0 L6,3 L0,6 z\" fill=\"#999\"/></marker></defs>\n"
@@ -48,7 +52,7 @@ std::string plan_picture(const planner::TimedPlan& plan, const planner::Task& ta
   for (std::size_t i = 0; i < plan.steps.size(); ++i) {
     const planner::PlanStep& step = plan.steps[i];
     const double latest = static_cast<double>(plan.latest[2 * i + 1]) / planner::kMicrosPerSecond;
-    svg += "<text x=\"" + std::to_string(kLeft - 8) + "\" y=\"" + std::to_string(y(i) + 13) + "\" text-anchor=\"end\">" +
+    svg += "<text x=\"" + std::to_string(left - 8) + "\" y=\"" + std::to_string(y(i) + 13) + "\" text-anchor=\"end\">" +
            escape(planner::step_text(step, task.domain, task.problem)) + "</text>";
     svg += "<line x1=\"" + x(step.start) + "\" y1=\"" + std::to_string(y(i) + 8) + "\" x2=\"" + x(latest) + "\" y2=\"" + std::to_string(y(i) + 8) +
            "\" stroke=\"#bbb\" stroke-width=\"3\"/>";

@@ -76,7 +76,7 @@ def ours(options, field, scratch, domain, problem):
     if answer["status"] != "plan":
         return row | {"why": answer["status"], "units": answer["units"]}
     first = re.search(r"makespan ([\d.]+) s(?:, \S+ [-\d.e+]+)?, after (\d+) units", said)
-    row |= {"first": ended.first_cpu, "first_wall": answer["first_plan_wall_s"], "first_makespan": float(first.group(1)), "units": answer["units"],
+    row |= {"first": ended.first_cpu, "first_wall": answer.get("first_plan_wall_s"), "first_makespan": float(first.group(1)), "units": answer["units"],
             "makespan": makespan(read_steps(plan.read_text())), "bound": answer.get("lower_bound_s")}
     if field:
         row["judged"] = field.judge(domain, problem, plan)
