@@ -347,7 +347,7 @@ class Planner {
       late_goal_ = !ground_.events.empty() && (early_exhausted_ || round % 2 == 1);
       if (!sequences_exhausted) {
         Sequence found;
-        const SearchEnd end = round % 2 == 0 && !first_ended_ ? go_on_with_first(slice, found) : search_sequences(seed, slice, true, found);
+        const SearchEnd end = round % 4 == 0 && !first_ended_ ? go_on_with_first(slice, found) : search_sequences(seed, slice, true, found);
         note(end);
         if (end == SearchEnd::kFound) take(found);
         if (answer_.plan) return;
@@ -359,7 +359,7 @@ class Planner {
       if (search_clock(seed, slice)) return;
       if (round == 0 && !(sequences_exhausted && envelopes_->exhausted)) continue;
       if (!everything_) everything_ = make_cut(true);
-      const bool likely = envelopes_->split != nullptr;  // something needs others to be under way
+      const bool likely = envelopes_->split != nullptr || round == 1;  // something needs others to be under way, or never tried
       if (search_cut(*everything_, seed, likely ? slice : slice / kShareOfUnlikely)) return;
       if (sequences_exhausted && envelopes_->exhausted && everything_->exhausted && clock_exhausted_) {
         prove_unsolvable();
