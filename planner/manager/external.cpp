@@ -26,6 +26,8 @@ namespace fs = std::filesystem;
 
 /// s between happenings that interfere: planners keep them apart by different times.
 constexpr double kLeastSeparation = 0.0001;
+/// How a shell ends that cannot run what it is told to (POSIX, 2.8.2).
+constexpr int kNotExecutable = 126, kNotFound = 127;
 
 /// A folder that is gone afterwards.
 class WorkFolder {
@@ -110,6 +112,10 @@ Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, const Ended& e
     answer.reason = "the planner was ended after its time";
     return answer;
   }
+  if (ended.code == kNotExecutable || ended.code == kNotFound) {
+    std::string message = "the planner's command cannot be run (code " + std::to_string(ended.code) + ")" + (said.empty() ? "" : ": " + said);
+    return Error{ErrorKind::kResource, message + "; " + planner.remedy, {}, 0, {}};
+  }
   answer.reason = "the planner ended with code " + std::to_string(ended.code) + " and wrote no plan" + (said.empty() ? "" : ": " + said);
   if (!planner.our_codes) return answer;
   switch (ended.code) {
@@ -126,7 +132,8 @@ Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, const Ended& e
 }  // namespace
 
 ExternalPlanner up_engine(const fs::path& script, const std::string& python, const std::string& engine) {
-  return {quoted(python) + " -W ignore " + quoted(script.string()) + " " + quoted(engine) + " {domain} {problem} {plan} --timeout {timeout}", true};
+  return {quoted(python) + " -W ignore " + quoted(script.string()) + " " + quoted(engine) + " {domain} {problem} {plan} --timeout {timeout}", true,
+          "set the parameter `python` to a Python interpreter that has the Unified Planning Framework; found '" + python + "'"};
 }
 
 Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& task, double timeout_s) {

@@ -24,6 +24,20 @@ TEST(FindPlanWith, ExitCodesOfOursAreAnswers) {
   EXPECT_EQ(find_plan_with({"echo why; exit 10", false}, world.task(), 10)->reason, "the planner ended with code 10 and wrote no plan: why");
 }
 
+TEST(FindPlanWith, WhatTheShellCannotRunIsAnErrorAndNoAnswer) {
+  const Checker world("(:predicates (lit))", "(:init) (:goal (lit))");
+  for (const auto& [command, code] : {std::pair{"no-such-planner {domain}", "127"}, {"/dev/null {domain}", "126"}}) {
+    const auto answer = find_plan_with({command, false}, world.task(), 10);
+    ASSERT_FALSE(answer) << command;
+    EXPECT_EQ(answer.error().message.rfind("the planner's command cannot be run (code " + std::string(code) + "): ", 0), 0u) << answer.error().message;
+    EXPECT_NE(answer.error().message.find("parameter `command`"), std::string::npos) << answer.error().message;
+  }
+  const auto answer = find_plan_with(up_engine("up_engine.py", "nopython", "aries"), world.task(), 10);
+  ASSERT_FALSE(answer);
+  EXPECT_NE(answer.error().message.find("; set the parameter `python` to a Python interpreter that has the Unified Planning Framework; found 'nopython'"), std::string::npos)
+      << answer.error().message;
+}
+
 TEST(FindPlanWith, PlansOfOthersNeedOnlyATenthOfAMillisecondBetweenSteps) {
   const Checker world("(:predicates (lit) (seen)) (:action light :effect (lit)) (:action see :precondition (lit) :effect (seen))", "(:init) (:goal (seen))");
   const auto found = [&](const char* second) {

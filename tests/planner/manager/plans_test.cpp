@@ -156,6 +156,8 @@ TEST_F(ManagerTest, AnotherPlannerMayMakeThePlans) {
   EXPECT_THAT(heard->back(), HasSubstr("the planner's plan is wrong"));
   EXPECT_EQ(answer_of("exit 7")->status, bus::GoalStatus::kSucceeded);
   EXPECT_THAT(heard->back(), HasSubstr("ended with code 7 and wrote no plan"));
+  EXPECT_EQ(answer_of("no-such-planner > {plan}.log")->status, bus::GoalStatus::kAborted);
+  EXPECT_THAT(heard->back(), testing::AllOf(HasSubstr("ERROR"), HasSubstr("cannot be run (code 127)")));
   options.cost.budget = 50'000;
   EXPECT_EQ(answer_of("sleep 10")->status, bus::GoalStatus::kAborted);
   EXPECT_THAT(heard->back(), HasSubstr("TIMEOUT"));
