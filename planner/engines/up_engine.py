@@ -29,6 +29,16 @@ def end(code, why):
     os._exit(code)  # engines leave threads and servers behind
 
 
+def packages(name):
+    """What pip installs for an engine, or None for names that are not known: no package name is made up."""
+    return PACKAGES.get(name, "up-" + name) if name in ENGINES or name in PACKAGES else None
+
+
+def refuse_unknown(name):
+    near = difflib.get_close_matches(name, [*ENGINES, *PACKAGES], 1)
+    end(2, f"engine {name}: unknown to the Unified Planning Framework; " + (f"did you mean {near[0]}? " if near else "") + "it knows " + ", ".join(sorted({*ENGINES, *PACKAGES})))
+
+
 def factory_with(name, up):
     """The framework's factory and the engine's name in it."""
     factory = up.environment.get_environment().factory
@@ -39,10 +49,9 @@ def factory_with(name, up):
         except (ImportError, AttributeError) as missing:
             end(5, f"engine {name}: {missing}; is it installed for {sys.executable}?")
     elif name not in factory.engines:
-        near = difflib.get_close_matches(name, ENGINES, 1)
-        if name not in ENGINES and name not in PACKAGES:
-            end(2, f"engine {name}: unknown to the Unified Planning Framework; " + (f"did you mean {near[0]}?" if near else "it knows " + ", ".join(ENGINES)))
-        end(5, f"engine {name}: not installed: {sys.executable} -m pip install {PACKAGES.get(name, 'up-' + name)}")
+        if not packages(name):
+            refuse_unknown(name)
+        end(5, f"engine {name}: not installed: {sys.executable} -m pip install {packages(name)}")
     return factory
 
 
@@ -109,8 +118,10 @@ def main():
         for part in ("environment", "engines", "io", "plans"):
             importlib.import_module("unified_planning." + part)
     except ImportError as missing:
-        name = options.engine.partition(":")[0]
-        end(5, f"engine {options.engine}: {missing}: {sys.executable} -m pip install unified-planning {PACKAGES.get(name, 'up-' + name)}")
+        if not packages(options.engine) and ":" not in options.engine:
+            refuse_unknown(options.engine)
+        needed = " ".join(filter(None, ["unified-planning", packages(options.engine)]))  # the package of MODULE:CLASS is not known
+        end(5, f"engine {options.engine}: {missing}: {sys.executable} -m pip install {needed}")
     factory = factory_with(options.engine, up)
     factory.environment.credits_stream = None
     task, lacking = task_for(factory.engine(options.engine), options, up)

@@ -9,6 +9,8 @@ import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
 SCRIPT = pathlib.Path(os.environ["CXLAB_SOURCE_DIR"]) / "planner/engines/up_engine.py"
+KNOWN = ("it knows aries, enhsp, enhsp-any, enhsp-opt, fast-downward, fast-downward-opt, fmap, lpg, lpg-anytime, nextflap, pyperplan, symk, symk-opt, "
+         "tamer")
 
 
 class UpEngine(unittest.TestCase):
@@ -63,10 +65,13 @@ class UpEngine(unittest.TestCase):
 
     def test_what_is_missing_is_told_with_the_command_that_installs_it(self):
         self.ends(5, "engine lpg: not installed: PYTHON -m pip install up-lpg 'setuptools<81'", "lpg")
-        self.ends(2, "engine ariess: unknown to the Unified Planning Framework; did you mean aries?", "ariess")
+        self.ends(2, f"engine ariess: unknown to the Unified Planning Framework; did you mean aries? {KNOWN}", "ariess")
         self.ends(5, "engine no_such_module:Engine: No module named 'no_such_module'; is it installed for PYTHON?", "no_such_module:Engine")
         (self.folder / "unified_planning.py").write_text("raise ImportError(\"No module named 'unified_planning'\")")
         self.ends(5, "engine tamer: No module named 'unified_planning': PYTHON -m pip install unified-planning up-tamer", "tamer", path=self.folder)
+        self.ends(2, f"engine tamr: unknown to the Unified Planning Framework; did you mean tamer? {KNOWN}", "tamr", path=self.folder)
+        self.ends(2, f"engine nosuch: unknown to the Unified Planning Framework; {KNOWN}", "nosuch", path=self.folder)
+        self.ends(5, "engine lpgg:Engine: No module named 'unified_planning': PYTHON -m pip install unified-planning", "lpgg:Engine", path=self.folder)
 
 
 if __name__ == "__main__":
