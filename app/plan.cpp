@@ -9,6 +9,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/plan_picture.h"
+#include "app/planning.h"
 #include "planner/pddl/parser.h"
 #include "planner/planner.h"
 
@@ -50,12 +51,6 @@ const char* word(PlanStatus status) {
   return "ended";
 }
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.10g", value);
-  return text;
-}
-
 /// `timed`: with wall times; without, the same budget gives the same bytes.
 ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& task, bool timed) {
   ordered_json out;
@@ -66,8 +61,8 @@ ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& tas
   out["makespan_s"] = answer.plan->makespan_s;
   out["lower_bound_s"] = answer.lower_bound_s;
   out["lower_bound_assumes_order"] = answer.bound_assumes_order;
-  if (answer.plan->metric) out["metric"] = *answer.plan->metric;
-  if (answer.metric_bound) out["metric_bound"] = *answer.metric_bound;
+  if (answer.plan->metric) out["metric"] = told_metric(*answer.plan->metric);
+  if (answer.metric_bound) out["metric_bound"] = told_metric(*answer.metric_bound);
   if (timed) out["first_plan_wall_s"] = answer.first_plan_s;
   for (std::size_t i = 0; i < answer.plan->steps.size(); ++i) {
     const planner::PlanStep& step = answer.plan->steps[i];
@@ -109,7 +104,7 @@ int run(const PlanCommand& command) {
   options.timeout_s = command.timeout_s;
   options.anytime = command.anytime;
   options.on_plan = [](const planner::TimedPlan& plan, std::int64_t units) {
-    const std::string metric = plan.metric && *plan.metric != plan.makespan_s ? ", metric " + number(*plan.metric) : "";
+    const std::string metric = plan.metric && told_metric(*plan.metric) != told_metric(plan.makespan_s) ? ", metric " + metric_text(*plan.metric) : "";
     std::fprintf(stderr, "plan: %zu steps, makespan %.3f s%s, after %lld units\n", plan.steps.size(), plan.makespan_s, metric.c_str(), static_cast<long long>(units));
   };
   const Expected<planner::PlanAnswer> answer = planner::find_plan(*task, options);
@@ -127,8 +122,8 @@ int run(const PlanCommand& command) {
     else
       std::fprintf(stderr, "makespan %.3f s, no bound is known\n", makespan);
     if (answer->by_metric && answer->plan->metric) {
-      const std::string bound = answer->metric_bound ? "no plan has a better one than " + number(*answer->metric_bound) : "what the best is is not known";
-      std::fprintf(stderr, "metric %s, %s\n", number(*answer->plan->metric).c_str(), bound.c_str());
+      const std::string bound = answer->metric_bound ? "no plan has a better one than " + metric_text(*answer->metric_bound) : "what the best is is not known";
+      std::fprintf(stderr, "metric %s, %s\n", metric_text(*answer->plan->metric).c_str(), bound.c_str());
     }
     const std::string text = planner::to_text(answer->plan->steps, task->domain, task->problem);
     if (!command.out.empty()) code = std::max(code, write(command.out, text));

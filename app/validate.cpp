@@ -1,5 +1,6 @@
 // cxlab validate: is this plan right, and if not, what is wrong first?
 
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -47,7 +48,7 @@ void print_text(const planner::Verdict& verdict, const std::optional<planner::Ro
     return;
   }
   std::printf("valid: %zu steps, makespan %s s", steps, time_text(verdict.makespan).c_str());
-  if (verdict.metric) std::printf(", metric %s", planner::number_text(*verdict.metric).c_str());
+  if (verdict.metric) std::printf(", metric %s", metric_text(*verdict.metric).c_str());
   std::printf("\n");
   if (!robust) return;
   std::printf("robust: steps may begin up to %s s early or late (%d plans checked)\n", time_text(robust->holds).c_str(), robust->samples);
@@ -57,7 +58,7 @@ void print_text(const planner::Verdict& verdict, const std::optional<planner::Ro
 
 void print_json(const planner::Verdict& verdict, const std::optional<planner::Robustness>& robust, const planner::Plan& plan, const planner::Task& task) {
   Json out = {{"valid", verdict.valid}, {"steps", plan.size()}, {"makespan", verdict.makespan}};
-  out["metric"] = verdict.metric ? Json(*verdict.metric) : Json();
+  out["metric"] = verdict.metric ? Json(told_metric(*verdict.metric)) : Json();
   out["violation"] = verdict.violation ? to_json(*verdict.violation, plan, task) : Json();
   if (robust) {
     out["robust"] = {{"holds_s", robust->holds}, {"breaks_s", robust->breaks}, {"plans", robust->samples}};
@@ -97,6 +98,13 @@ int fail_planning(const Error& error) {
   if (error.kind != ErrorKind::kInput) return static_cast<int>(error.kind);
   return error.code == planner::kUnsupported ? kExitUnsupported : kExitInput;
 }
+
+double told_metric(double metric) {
+  constexpr double kMillion = 1e6, kMost = 1e9;  // doubles beyond have no millionths to round to
+  return std::abs(metric) < kMost ? std::round(metric * kMillion) / kMillion + 0.0 : metric;  // + 0.0: no -0
+}
+
+std::string metric_text(double metric) { return planner::number_text(told_metric(metric)); }
 
 void add_validate(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();

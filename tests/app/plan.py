@@ -35,6 +35,18 @@ class Plan(Lab):
         self.assertEqual(answer["steps"][0]["arguments"], ["a", "b"])
         self.assertIn({"from": {"step": 0, "at": "end"}, "to": {"step": 1, "at": "start"}, "least_s": 0.001001}, answer["orderings"])
 
+    def test_metric_is_told_alike_by_all_commands(self):
+        problem = PROBLEM.replace("(:goal (at c))", "(:goal (at c)) (:metric minimize (+ (* 0.1 (total-time)) (+ 0.1 0.2)))")
+        done = self.plan("--json", "--out", "found.plan", problem=problem)
+        answer = json.loads(done.stdout)
+        arguments = [CXLAB, "validate", "d.pddl", "p.pddl", "found.plan"]
+        judged = [subprocess.run([*arguments, *more], capture_output=True, text=True, cwd=self.folder).stdout for more in ([], ["--json"])]
+        text = str(answer["metric"])
+        self.assertRegex(text, r"^1\.3001\d{0,2}$")  # 0.1 * 10.001 + 0.3, in doubles with noise at the 17th digit
+        self.assertRegex(judged[0], f", metric {text}\n$")
+        self.assertEqual(json.loads(judged[1])["metric"], answer["metric"])
+        self.assertIn(f"metric {text}", self.plan(problem=problem).stderr)
+
     def test_same_budget_same_answer(self):
         arguments = ("--json", "--anytime", "--budget", "50000")
         first, second = (self.plan(*arguments) for _ in range(2))
