@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <set>
 
 #include "planner/templates/parser.h"
@@ -100,12 +101,25 @@ class StatementParser : public ExpressionParser {
     if (word == "with") return with_statement(line);
     if (word == "autoescape" || word == "trans" || word == "debug" || word == "break" || word == "continue") {
       fail_unsupported(line, "found the statement '" + word + "': not supported");
-    } else if (word.starts_with("end") || word == "else" || word == "elif") {
-      fail_at(line, "found {% " + word + " %}, which ends or continues nothing");
     } else {
-      fail_at(line, "found '" + word + "', expected a statement: for, if, set, block, extends, include, import, from, macro, call, filter, with, raw");
+      refuse(line, word);
     }
     return nullptr;
+  }
+
+  /// A tag that begins no statement: one that ends or continues another, or a misspelt one.
+  void refuse(int line, const std::string& word) {
+    static const std::vector<std::string> kBegin = {"for", "if", "set", "block", "extends", "include", "import", "from", "macro", "call", "filter", "with", "do", "raw"};
+    static const std::vector<std::string> kGoOn = {"else", "elif", "endfor", "endif", "endset", "endblock", "endmacro", "endcall", "endfilter", "endwith", "endraw"};
+    if (std::find(kGoOn.begin(), kGoOn.end(), word) != kGoOn.end()) {
+      fail_at(line, "found {% " + word + " %}, which ends or continues nothing");
+      return;
+    }
+    std::vector<std::string> all = kBegin;
+    all.insert(all.end(), kGoOn.begin(), kGoOn.end());
+    std::string list;
+    for (const std::string& known : all) list += (list.empty() ? "" : ", ") + known;
+    fail_at(line, "found '" + word + "', expected a statement: " + list + did_you_mean(word, all, "; "));
   }
 
   std::unique_ptr<Node> begin(Node::Kind kind, int line) const {

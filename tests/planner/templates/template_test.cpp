@@ -33,8 +33,14 @@ TEST(Template, SeesTheVariablesThatAreGiven) {
 }
 
 TEST(Template, ErrorsTellTheTemplateAndItsLine) {
+  const std::string statements =
+      "for, if, set, block, extends, include, import, from, macro, call, filter, with, do, raw, else, elif, endfor, endif, endset, endblock, endmacro, endcall, "
+      "endfilter, endwith, endraw";
   EXPECT_EQ(error_of("a\n{% fr x in y %}"),
-            "main:2: found 'fr', expected a statement: for, if, set, block, extends, include, import, from, macro, call, filter, with, raw");
+            "main:2: found 'fr', expected a statement: " + statements + "; did you mean 'for'?");
+  EXPECT_EQ(error_of("{% for x in y %}\n{% enfor %}"), "main:2: found 'enfor', expected a statement: " + statements + "; did you mean 'endfor'?");
+  EXPECT_EQ(error_of("{% endforr %}"), "main:1: found 'endforr', expected a statement: " + statements + "; did you mean 'endfor'?");
+  EXPECT_EQ(error_of("{% endif %}"), "main:1: found {% endif %}, which ends or continues nothing");
   EXPECT_EQ(error_of("{{ 'x'|uper }}"), "main:1: found 'uper', expected a filter; did you mean 'upper'?");
   EXPECT_EQ(error_of("{{ 1 is od }}"), "main:1: found 'od', expected a test; did you mean 'odd'?");
   EXPECT_EQ(error_of("\n\n{{ a.b }}"), "main:3: 'a' is undefined");
