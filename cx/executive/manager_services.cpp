@@ -59,7 +59,7 @@ Status EnvironmentManager::load_plugin(const std::string& environment, const std
     return refused;
   }
   if (auto type = type_of(plugin, environment); !type) {
-    log(LogLevel::kError, options_.node, type.error().text());
+    fail(type.error());
     return refused;
   }
   const auto loaded = load(*entry, plugin);

@@ -120,7 +120,7 @@ TEST_F(ManagerServices, APluginThatFailsIsNotRecordedAndNotDestroyed) {
   EXPECT_EQ(caller.manager("list_plugins", "ListClipsPlugins", "{env_name: main}"), R"({success: true, plugins: ["executive", "one"], error: ""})");
   EXPECT_THAT(hooks(), ElementsAre("one: initialize", "one: init main", "bad_init: initialize", "bad_init: init main", "bad_init: finalize",
                                    "bad_start: initialize", "throws: initialize", "throws: init main", "throws: finalize"));
-  EXPECT_EQ(lab.manager->load_errors().size(), 3u);
+  EXPECT_EQ(lab.manager->load_errors().size(), 4u) << "of all but the one that is there";
   EXPECT_EQ(lab.log.with("clips_env_init threw: thrown in init").size(), 1u);
   EXPECT_EQ(lab.log.with("plugin 'nowhere' of environment 'main': no parameter 'nowhere.plugin' says what it is").size(), 1u);
 }
@@ -133,6 +133,25 @@ TEST_F(ManagerServices, ABrokenRuleFileEndsTheRunUnlessItKeepsGoing) {
   EXPECT_EQ(s.error().kind, ErrorKind::kInput);
   EXPECT_THAT(s.error().file, HasSubstr("broken.clp"));
   EXPECT_EQ(caller.take(), R"({success: false, error: "error while loading plugin"})");
+}
+
+TEST_F(ManagerServices, AnUnknownPluginOrClassEndsTheRunUnlessItKeepsGoing) {
+  const std::pair<const char*, const char*> mistakes[] = {{"nowhere", "no parameter 'nowhere.plugin' says what it is"},
+                                                          {"no_class", "unknown plugin type 'test::Teling', did you mean 'test::Telling'?"}};
+  for (const auto& [plugin, message] : mistakes) {
+    SCOPED_TRACE(plugin);
+    Lab strict;
+    strict.options.plugin_types.push_back(telling_plugin());
+    strict.config("environments: [\"main\"]\nmain: {plugins: []}\nno_class: {plugin: \"test::Teling\"}");
+    strict.run_up();
+    Caller asks(strict);
+    asks.post("/clips_manager/load_plugin", "cx_msgs/srv/LoadClipsPlugin", "{env_name: main, plugin_name: " + std::string(plugin) + "}");
+    const Status s = strict.tick();
+    ASSERT_FALSE(s.ok());
+    EXPECT_EQ(s.error().kind, ErrorKind::kInput);
+    EXPECT_THAT(s.error().message, HasSubstr(message));
+    EXPECT_EQ(asks.take(), R"({success: false, error: "error while loading plugin"})");
+  }
 }
 
 TEST_F(ManagerServices, UnloadPluginTakesItBack) {
