@@ -137,10 +137,26 @@ Status EnvironmentManager::check_unknown(const std::string& group, std::vector<s
   return {};
 }
 
+Status EnvironmentManager::tell_of_no_environments() {
+  std::vector<std::string> values;  // a group is not a misspelt list
+  for (const std::string& name : parameters_.below(""))
+    if (name != "environments" && parameters_.find(name)) values.push_back(name);
+  const std::string near = nearest_word("environments", values);
+  if (near.empty()) {
+    log(LogLevel::kInfo, options_.node, parameters_.error_at("", "no parameter 'environments': nothing runs until create_env is called").text());
+    return {};
+  }
+  const Error error = parameters_.error_at(near, "unknown parameter '" + near + "' of the manager, did you mean 'environments'? Nothing runs until create_env is called");
+  if (options_.strict) return error;
+  log(LogLevel::kWarn, options_.node, error.text());
+  return {};
+}
+
 void EnvironmentManager::tell_of_no_plugins(const std::string& environment, const std::vector<std::string>& listed) {
   std::string text = "environment '" + environment + "': no parameter '" + environment + ".plugins', nothing is loaded into it";
+  const bool unknown_name = parameters_.below(environment).empty();  // else a key in it may be misspelt, which check_unknown tells
   for (const std::string& group : parameters_.below(""))
-    if (parameters_.find(group + ".plugins") && std::find(listed.begin(), listed.end(), group) == listed.end()) {
+    if (unknown_name && parameters_.find(group + ".plugins") && std::find(listed.begin(), listed.end(), group) == listed.end()) {
       text += ", did you mean '" + group + "'?";
       break;
     }
@@ -157,7 +173,7 @@ Status EnvironmentManager::check_configuration() {
   const bool none = !parameters_.find("environments");
   if (Status s = parameters_.declare("environments", names); !s) return s;
   if (none)
-    log(LogLevel::kInfo, options_.node, parameters_.error_at("", "no parameter 'environments': nothing runs until create_env is called").text());
+    if (Status s = tell_of_no_environments(); !s) return s;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string& name = names[i];
     if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), name) != names.begin() + static_cast<std::ptrdiff_t>(i))

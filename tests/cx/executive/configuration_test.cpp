@@ -176,6 +176,35 @@ TEST(Configuration, StrictMakesAnUnknownParameterAnError) {
   EXPECT_EQ(e.line, 7);
 }
 
+TEST(Configuration, AMisspeltListOfEnvironmentsIsAWarningWithItsPlace) {
+  const std::string misspelt = "enviroments: [\"main\"]\nmain: {plugins: []}";
+  Lab lab;
+  lab.config(misspelt);
+  ASSERT_TRUE(lab.start().ok());
+  const auto lines = lab.log.with("warn clips_manager: ");
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_THAT(lines[0], HasSubstr("config.yaml:3: unknown parameter 'enviroments' of the manager, did you mean 'environments'?"));
+  EXPECT_EQ(error_of(misspelt, true).line, 3);
+}
+
+TEST(Configuration, AManagerWithoutEnvironmentsIsOneInfoLine) {
+  Lab lab;
+  lab.options.strict = true;
+  lab.config("environment: {plugins: []}\nuse_sim_time: true");
+  ASSERT_TRUE(lab.start().ok());
+  EXPECT_EQ(lab.log.with("warn ").size(), 0u) << "an environment to come may have any name";
+  EXPECT_EQ(lab.log.with("info clips_manager: ").size(), 1u);
+}
+
+TEST(Configuration, AMisspeltListOfPluginsProposesNoOtherEnvironment) {
+  Lab lab;
+  lab.config("environments: [\"right\"]\nright: {plugin: [\"x\"]}\nthird: {plugins: [\"x\"]}\nx: {plugin: \"cx::ExecutivePlugin\"}");
+  lab.run_up();
+  EXPECT_EQ(lab.log.with("config.yaml:4: unknown parameter 'right.plugin' of environment 'right', did you mean 'plugins'?").size(), 1u);
+  EXPECT_EQ(lab.log.with("no parameter 'right.plugins'").size(), 1u);
+  EXPECT_EQ(lab.log.with("third").size(), 0u);
+}
+
 TEST(Configuration, WhenItKeepsGoingPluginsThatFailAreLeftOut) {
   Lab lab;
   lab.options.keep_going = true;
