@@ -329,7 +329,7 @@ void declare(CLI::App& command, Options& options) {
       ->take_all()->expected(1)->allow_extra_args(false);
   options.run.keep_going = true;
   command.add_flag("--keep-going,!--no-keep-going", options.run.keep_going, "Errors in rule files are reported and the run goes on (default); it then ends with exit code 3");
-  command.add_flag("--stop-on-rule-error", options.stop, "An error in a rule ends the run (exit code 4)");
+  command.add_flag("--stop-on-rule-error", options.stop, "An error in a rule ends the run (exit code 4); without it the run goes on and the exit code does not tell of it");
   command.add_option("--max-firings", options.max_firings, "Rules that an environment may fire in a tick before the run ends as one without an end (default 100000, 0 = no limit)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 62));
   command.add_flag("--strict-cx", options.run.strict, "Parameters that CX does not know are errors, not INFO lines");
