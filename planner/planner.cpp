@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
-#include <map>
 #include <memory>
-#include <span>
 
 #include "planner/bounds/lower_bound.h"
 #include "planner/ground/ground.h"
 #include "planner/improve/rebuild.h"
+#include "planner/improve/remainder.h"
 #include "planner/pddl/parser.h"
 #include "planner/search/clock.h"
 #include "planner/search/lasting.h"
@@ -370,30 +369,12 @@ class Planner {
     answer_.reason = "the budget ended before a plan was found";
   }
 
-  using OneOf = std::vector<int>;  ///< ground actions, each a way to do the same step
-  struct Done {
-    Sequence steps;
-    PackedState state;  ///< after them
-    int left_out = 0;   ///< steps that could not be done
-    int score() const { return static_cast<int>(steps.size()) - left_out; }
-  };
-  bool is_goal(const Done& done) const { return sequences_->simulator.is_goal(done.state.data()); }
-
   /// Takes what is left of a plan under execution; after it a search fills in what is missing.
   void warm_start() {
     if (options_.warm_start.empty() || !ground_.events.empty()) return;
-    std::map<std::pair<ActionId, std::vector<ObjectId>>, OneOf> by_step;
-    for (std::size_t a = 0; a < ground_.actions.size(); ++a)
-      by_step[{ground_.actions[a].schema, ground_.actions[a].arguments}].push_back(static_cast<int>(a));
-    budget_.spend(Work::kReach, static_cast<std::int64_t>(ground_.actions.size()));
-    std::vector<OneOf> steps;
-    for (const PlanStep& step : options_.warm_start) {
-      const auto known = by_step.find({step.action, step.arguments});
-      steps.push_back(known == by_step.end() ? OneOf{} : known->second);
-    }
-
-    Done done = what_is_left(steps);
-    if (!is_goal(done)) {
+    Remainder remainder(sequences_->simulator, budget_);
+    Remainder::Done done = remainder.of(options_.warm_start);
+    if (!remainder.is_goal(done)) {
       Sequence rest;
       LazySearch search(sequences_->simulator, sequences_->relaxed, sequences_->landmarks);
       budget_.set_slice(budget_.units() + kRestartSlice);
@@ -402,55 +383,7 @@ class Planner {
       if (end != SearchEnd::kFound) return;
       done.steps.insert(done.steps.end(), rest.begin(), rest.end());
     }
-    take(without_needless(std::move(done.steps)));
-  }
-
-  /// The shortest end of the plan that leads to the goal, for its beginning has been done. If none does, the one of which
-  /// most can be done.
-  Done what_is_left(const std::vector<OneOf>& steps) {
-    const PackedState now = sequences_->simulator.initial();
-    Done best = do_in_order({}, now);
-    for (std::size_t count = 0; count <= steps.size() && !is_goal(best); ++count) {
-      Done done = do_in_order(std::span(steps).last(count), now);
-      if (is_goal(done) || done.score() > best.score()) best = std::move(done);
-    }
-    return best;
-  }
-
-  /// Leaves out steps without which the others lead to the goal, with what cannot be done without them.
-  Sequence without_needless(Sequence steps) {
-    PackedState state = sequences_->simulator.initial();
-    for (std::size_t i = 0; i < steps.size();) {
-      std::vector<OneOf> later;
-      for (std::size_t k = i + 1; k < steps.size(); ++k) later.push_back({steps[k].action});
-      const Done less = do_in_order(later, state);
-      if (is_goal(less)) {
-        steps.resize(i);
-        steps.insert(steps.end(), less.steps.begin(), less.steps.end());
-      } else {
-        Micros duration = 0;
-        sequences_->simulator.apply(steps[i++].action, state.data(), duration);
-      }
-    }
-    return steps;
-  }
-
-  /// Does one step after the other; those that cannot be done are left out.
-  Done do_in_order(std::span<const OneOf> steps, PackedState from) {
-    Done done{{}, std::move(from)};
-    for (const OneOf& ways : steps) {
-      const auto way = std::find_if(ways.begin(), ways.end(), [&](int action) {
-        PackedState next = done.state;
-        Micros duration = 0;
-        if (!sequences_->simulator.apply(action, next.data(), duration)) return false;
-        done.steps.push_back({action, duration});
-        done.state = std::move(next);
-        return true;
-      });
-      if (way == ways.end()) ++done.left_out;
-    }
-    budget_.spend(Work::kSchedule, static_cast<std::int64_t>(steps.size()));
-    return done;
+    take(remainder.without_needless(std::move(done.steps)));
   }
 
   void improve() {
