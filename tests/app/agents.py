@@ -3,16 +3,9 @@
 import subprocess
 import unittest
 
-from lab import CXLAB, Lab
+from lab import CONFIG, CXLAB, Lab
 
-AGENT = """clips_manager:
-  ros__parameters:
-    environments: ["main"]
-    main: {plugins: ["executive", "ros_msgs", "files"]}
-    executive: {plugin: "cx::ExecutivePlugin", refresh_rate: 10}
-    ros_msgs: {plugin: "cx::RosMsgsPlugin"}
-    files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["rules"], load: ["rules.clp"]}
-"""
+AGENT = CONFIG.replace("/**", "clips_manager")
 
 
 class Env(Lab):
