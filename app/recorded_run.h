@@ -10,24 +10,11 @@
 
 #include "app/session.h"
 #include "cx/base/expected.h"
+#include "cx/base/scratch_folder.h"
 #include "cx/journal/file_store.h"
 #include "scenarios/episode.h"
 
 namespace cxlab::app {
-
-/// A folder under the system's temporary folder, taken away with its content at the end.
-class ScratchFolder {
- public:
-  static Expected<std::unique_ptr<ScratchFolder>> create();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
-  std::filesystem::path path_;
-};
 
 /// No run is longer; the end of one that was killed, of which only its log knows how far it came.
 inline constexpr SimTime kLongestRun = std::chrono::seconds(1'000'000'000);

@@ -4,8 +4,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <memory>
 #include <optional>
 
+#include "cx/base/scratch_folder.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/plugins/builtin.h"
 #include "cx/testing/step_story.h"
@@ -43,23 +45,6 @@ class Leaks final : public cx::LogSink {
     const auto name = rest.find_first_not_of(' ', rest.find(' '));
     if (name != rest.npos) ++activated[std::string(rest.substr(name, rest.find(':', name) - name))];
   }
-};
-
-/// A folder that goes with its owner.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "cxlab-story-XXXXXX").string();
-    if (mkdtemp(pattern.data())) path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 /// Whether all that `wanted` names is in `found`; numbers as numbers.
@@ -181,7 +166,10 @@ class Play {
       if (!fs::is_regular_file(file)) return at(spec_.line, "there is no rule file " + file.string());
       files += (files.empty() ? "'" : ", '") + fs::absolute(file).lexically_normal().string() + '\'';
     }
-    const fs::path made = folder_.path() / "story.yaml";
+    auto scratch = ScratchFolder::create();
+    if (!scratch) return scratch.error();
+    scratch_ = std::move(*scratch);
+    const fs::path made = scratch_->path() / "story.yaml";
     std::ofstream(made) << "/**:\n  ros__parameters:\n    environments: [main]\n    main: {plugins: [executive, ros_msgs, files]}\n"
                            "    executive: {plugin: 'cx::ExecutivePlugin'}\n    ros_msgs: {plugin: 'cx::RosMsgsPlugin'}\n"
                            "    files: {plugin: 'cx::FileLoadPlugin', load: [" << files << "]}\n";
@@ -382,7 +370,7 @@ class Play {
 
   const StorySpec& spec_;
   const StorySetup& setup_;
-  TemporaryFolder folder_;
+  std::unique_ptr<ScratchFolder> scratch_;
   Leaks leaks_;
   Watch watches_;
   bus::Registry registry_;

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "cx/base/scratch_folder.h"
 #include "planner/pddl/parser.h"
 #include "planner/pddl/text.h"
 #include "planner/validator/validator.h"
@@ -28,23 +29,6 @@ namespace fs = std::filesystem;
 constexpr double kLeastSeparation = 0.0001;
 /// How a shell ends that cannot run what it is told to (POSIX, 2.8.2).
 constexpr int kNotExecutable = 126, kNotFound = 127;
-
-/// A folder that is gone afterwards.
-class WorkFolder {
- public:
-  WorkFolder() {
-    std::string pattern = (fs::temp_directory_path() / "cxlab-plan-XXXXXX").string();
-    if (const char* made = mkdtemp(pattern.data())) path_ = made;
-  }
-  ~WorkFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 std::string filled(std::string command, const std::string& placeholder, const std::string& value) {
   for (std::size_t at = 0; (at = command.find(placeholder, at)) != std::string::npos; at += value.size())
@@ -137,9 +121,10 @@ ExternalPlanner up_engine(const fs::path& script, const std::string& python, con
 }
 
 Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& task, double timeout_s) {
-  const WorkFolder folder;
-  if (folder.path().empty()) return Error{ErrorKind::kResource, "no folder for the planner's files could be made", {}, 0, {}};
-  const fs::path domain = folder.path() / "domain.pddl", problem = folder.path() / "problem.pddl", plan = folder.path() / "plan.txt", log = folder.path() / "log.txt";
+  const auto scratch = ScratchFolder::create();
+  if (!scratch) return scratch.error();
+  const fs::path& folder = (*scratch)->path();
+  const fs::path domain = folder / "domain.pddl", problem = folder / "problem.pddl", plan = folder / "plan.txt", log = folder / "log.txt";
   std::ofstream(domain) << to_pddl(task.domain);
   std::ofstream(problem) << to_pddl(task.domain, task.problem);
   char seconds[32];

@@ -2,7 +2,7 @@
 // Greedy best-first search over whole actions, one after the other: lazy evaluation, the queues of the relaxed plan and
 // of the landmarks in turn, actions of the relaxed plan preferred (LAMA, Richter and Westphal 2010).
 //
-// Sequences miss what needs actions to overlap; see concurrent_search.h. What they contain need not happen in their
+// Sequences miss what needs actions to overlap; see split.h and clock.h. What they contain need not happen in their
 // order: the timeline decides.
 
 #include <memory>
