@@ -92,9 +92,35 @@ class Testing(unittest.TestCase):
         run = cxlab("run", "scenario.yaml", "--out", "none", cwd=mine)
         self.assertEqual(run.returncode, 0, run.stderr)
         self.assertIn("the door is open for Ada", run.stderr)
-        env = cxlab("env", "agent.yaml", "--package", "my_agent=.", "--until", 5, cwd=mine)
+        env = cxlab("env", "agent.yaml", "--package", "mine=.", "--until", 5, cwd=mine)
         self.assertEqual(env.returncode, 0, env.stderr)
         self.assertEqual(cxlab("new", "agent", "mine", cwd=self.folder).returncode, 2)
+
+    def test_a_new_project_is_named_by_the_last_part_of_its_path(self):
+        for kind, path in (("agent", "deep/er/door_2/"), ("plugin", "arm")):
+            made = cxlab("new", kind, path, cwd=self.folder)
+            self.assertEqual(made.returncode, 0, made.stderr)
+            files = [file for file in (self.folder / path).rglob("*") if file.is_file()]
+            self.assertGreater(len(files), 4)
+            name = path.strip("/").split("/")[-1]
+            texts = "".join(file.read_text() for file in files)
+            self.assertIn(name, texts)
+            self.assertNotRegex(texts, f"(?i)my_?{kind}")
+        here = self.folder / "here"
+        here.mkdir()
+        self.assertEqual(cxlab("new", "agent", ".", cwd=here).returncode, 0)
+        self.assertIn('pkg_share_dirs: ["here"]', (here / "agent.yaml").read_text())
+
+    def test_a_name_that_no_package_can_have_makes_nothing(self):
+        for name, near in (("odd name", "'odd_name'"), ("My-Robot", "'my_robot'"), ("2nd", "'nd'"), ("_x", "'x'"), ("x_", "'x'"), ("a__b", "'a_b'"),
+                           ("naïve", "'na_ve'"), ("%", "a letter first"), ("null", "no name in YAML"), ("std_msgs", "comes with cxlab"),
+                           ("cx_pddl_clips", "comes with cxlab")):
+            for kind in ("agent", "plugin"):
+                made = cxlab("new", kind, name, cwd=self.folder)
+                self.assertEqual(made.returncode, 2, name)
+                self.assertIn(f"{name}: its last part names the package: ", made.stderr)
+                self.assertIn(near, made.stderr)
+                self.assertFalse((self.folder / name).exists())
 
 
 if __name__ == "__main__":

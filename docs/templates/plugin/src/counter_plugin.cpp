@@ -7,7 +7,7 @@ namespace my {
 namespace cx = cxlab::cx;
 
 /// (counter-add N) adds N to the environment's counter, publishes my_plugin/msg/Count and gives the sum.
-class CounterPlugin final : public cx::Plugin {
+class MyPluginCounter final : public cx::Plugin {
  public:
   using Plugin::Plugin;
 
@@ -61,4 +61,4 @@ class CounterPlugin final : public cx::Plugin {
 
 }  // namespace my
 
-CXLAB_PLUGINS(my::CounterPlugin);
+CXLAB_PLUGINS(my::MyPluginCounter);
