@@ -98,7 +98,7 @@ Status EnvironmentManager::add_packaged_plugins() {
     for (PluginType& type : *types) {
       for (const PluginType& other : options_.plugin_types)
         if (other.name == type.name)
-          return input_error("plugin class '" + type.name + "' of package '" + package + "' has a name that is taken: give it a namespace of your own");
+          return manifest_error(type, "found the plugin class '" + type.name + "', which " + place_of(other) + " has too; expected a name of its own");
       options_.plugin_types.push_back(std::move(type));
     }
   }

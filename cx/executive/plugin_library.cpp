@@ -150,6 +150,10 @@ Expected<std::vector<PluginType>> read_plugin_manifest(const std::string& packag
   return types;
 }
 
+Error manifest_error(const PluginType& type, std::string message) { return type.library->error(ErrorKind::kInput, std::move(message), type.line); }
+
+std::string place_of(const PluginType& type) { return type.library ? type.library->manifest() + ':' + std::to_string(type.line) : "cxlab"; }
+
 /// Keeps the library until the plugin's destructor has run.
 struct DeletePlugin {
   std::shared_ptr<void> library;

@@ -29,6 +29,11 @@ inline constexpr const char* kPluginBase = "cxlab::cx::Plugin";
 /// errors with file:line.
 Expected<std::vector<PluginType>> read_plugin_manifest(const std::string& package, Files& files);
 
+/// An error where the manifest names this class of a library.
+Error manifest_error(const PluginType& type, std::string message);
+/// "/p/share/greeter/cxlab_plugins.yaml:3", or "cxlab" for one that is built in.
+std::string place_of(const PluginType& type);
+
 /// Makes an instance. Of a library: opens it, which fails with kResource (not there, a library or a symbol that it needs is
 /// missing) or kInput (built with other headers, has no such class); file and line are those of the manifest.
 /// The library stays open as long as the instance lives.

@@ -59,23 +59,36 @@ class OwnPackages(Installed):
         self.assertIn("three counts make 6", said)
         self.assertNotRegex(said, r"\[(warn|error)\]")
         self.assertIn("three counts make 6", self.env(config, "--until", 3, CXLAB_PREFIX_PATH=str(own)).stderr)
-        for told in (call(self.cxlab, "list", "plugins", "--prefix", own), call(self.cxlab, "doc", "my::CounterPlugin", "--prefix", own),
+        for told in (call(self.cxlab, "list", "plugins", "--prefix", own), call(self.cxlab, "doc", "my::MyPluginCounter", "--prefix", own),
                      call(self.cxlab, "doc", CXLAB_PREFIX_PATH=str(own))):
-            self.assertIn("my::CounterPlugin", told.stdout)
+            self.assertIn("my::MyPluginCounter", told.stdout)
             self.assertIn("my_plugin", told.stdout)
         self.assertIn("(deftemplate counter", call(self.cxlab, "doc", "counter", "--package", f"my_plugin={own}/share/my_plugin").stdout)
-        self.assertNotIn("my::CounterPlugin", call(self.cxlab, "list", "plugins").stdout)
+        self.assertNotIn("my::MyPluginCounter", call(self.cxlab, "list", "plugins").stdout)
         story = self.folder / "own.story.yaml"
         story.write_text(f"stories:\n  - {{story: counts, config: {config}, end: 2, expect: [{{fact: (counter), within_s: 2}}]}}\n")
         call(self.cxlab, "test", story, "--prefix", own)
         call(self.cxlab, "test", story, expect=3)
-        self.assertIn("unknown plugin type 'my::CounterPlugin'", self.env(config, "--until", 3, "--no-keep-going", expect=3).stderr)
+        self.assertIn("unknown plugin type 'my::MyPluginCounter'", self.env(config, "--until", 3, "--no-keep-going", expect=3).stderr)
 
         # A run keeps the library: its rules play again without it.
         run = self.folder / "run"
         call(self.cxlab, "env", config, "--until", 3, "--out", run, "--prefix", own)
         shutil.rmtree(own)
         self.assertIn("rules: the same", call(self.cxlab, "replay", run, "--rules").stdout)
+
+    def test_plugins_made_by_names_live_below_one_prefix(self):
+        own = self.folder / "several"
+        for name in ("new", "time"):  # a keyword, and a function of the C library
+            call(self.cxlab, "new", "plugin", self.folder / name)
+            build(self.folder / name, self.folder / name / "build", self.prefix)
+            call("ctest", "--test-dir", self.folder / name / "build", "--output-on-failure")
+            call(CMAKE, "--install", self.folder / name / "build", "--prefix", own)
+        for name in ("new", "time"):
+            self.assertIn("three counts make 6", self.env(own / f"share/{name}/params/demo.yaml", "--until", 3, "--prefix", own).stderr)
+        listed = call(self.cxlab, "list", "plugins", "--prefix", own).stdout
+        self.assertIn("my::NewCounter", listed)
+        self.assertIn("my::TimeCounter", listed)
 
     def test_program_of_ones_own_plays_the_same_episode(self):
         build(self.prefix / "share/cxlab/docs/examples/play_episode", self.folder / "play", self.prefix)
@@ -211,6 +224,10 @@ class HooksInOrder(Installed):
         manifest = f"{self.folder}/broken/cxlab_plugins.yaml"
         self.assertIn(f"{manifest}:1: key 'plugins' is missing", self.broken("library: libx.so\nplugin: []\n", 3))
         self.assertIn(f"{manifest}:4: ", self.broken("library: libx.so\nplugins:\n  - class: test::Broken\n    base: cx::ClipsPlugin\n", 3))
+        twice = self.broken("library: libx.so\nplugins:\n  - class: test::Broken\n  - class: test::Broken\n", 3)
+        self.assertIn(f"{manifest}:4: found the plugin class 'test::Broken', which {manifest}:3 has too; expected a name of its own", twice)
+        ours = self.broken("library: libx.so\nplugins:\n  - class: cx::ConfigPlugin\n", 3)
+        self.assertIn(f"{manifest}:3: found the plugin class 'cx::ConfigPlugin', which cxlab has too", ours)
 
 
 if __name__ == "__main__":
