@@ -54,7 +54,10 @@ Fault read_fault(const yaml::Value& value) {
   std::vector<std::string> kinds;
   for (const FaultWord& word : sim::fault_words()) kinds.emplace_back(word.name);
   std::string kind;
-  if (!map.require("kind")) return fault;
+  if (!map.require("kind")) {
+    map.finish();
+    return fault;
+  }
   map.read_word("kind", kind, kinds);
   const auto word = std::ranges::find(sim::fault_words(), kind, &FaultWord::name);
   if (word == sim::fault_words().end()) return fault;

@@ -124,9 +124,10 @@ ServerSpec read_server(const yaml::Value& value) {
     return spec;
   }
   yaml::Map map = value.as_map();
-  find(map.require("node"));
-  if (!kind) return spec;
-  kind->read(map, spec);
+  const yaml::Value name = map.require("node");
+  find(name);
+  if (name && !kind) return spec;
+  if (kind) kind->read(map, spec);
   map.finish();
   return spec;
 }

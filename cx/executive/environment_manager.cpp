@@ -112,8 +112,10 @@ Expected<const PluginType*> EnvironmentManager::type_of(const std::string& insta
     std::vector<std::string> typed;
     for (const auto& group : parameters_.below(""))
       if (parameters_.find(group + ".plugin")) typed.push_back(group);
+    const std::string misspelt = nearest_word("plugin", parameters_.below(instance));
     return parameters_.error_at(environment + ".plugins", "plugin '" + instance + "' of environment '" + environment +
-                                "': no parameter '" + instance + ".plugin' says what it is" + did_you_mean(instance, typed));
+                                "': no parameter '" + instance + ".plugin' says what it is" +
+                                (misspelt.empty() ? did_you_mean(instance, typed) : ", did you mean it by '" + instance + '.' + misspelt + "'?"));
   }
   std::vector<std::string> known;
   for (const PluginType& t : options_.plugin_types) {

@@ -28,7 +28,7 @@ Status EnvironmentManager::create_environment(const std::string& name) {
   if (name.empty()) return input_error("an environment needs a name");
   auto environment = make_environment(name);
   if (!environment) {
-    log(LogLevel::kError, options_.node, environment.error().text());
+    fail(environment.error());
     return environment.error();
   }
   environments_.push_back({{}, std::move(*environment), {}});

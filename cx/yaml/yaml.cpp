@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 namespace cxlab::yaml {
 
@@ -149,7 +150,10 @@ bool Map::has(std::string_view key) { return static_cast<bool>(get(key)); }
 
 Value Map::require(std::string_view key) {
   Value value = get(key);
-  if (!value) value_.fail("key '" + std::string(key) + "' is missing");
+  if (!value) {
+    missing_.emplace_back(key, value_.shared_->errors.size());
+    value_.fail("key '" + std::string(key) + "' is missing");
+  }
   return value;
 }
 
@@ -223,6 +227,7 @@ std::vector<std::pair<std::string, Value>> Map::entries() {
 void Map::finish() {
   if (!value_.is_map()) return;
   std::set<std::string> seen;
+  std::vector<std::tuple<std::string, std::string, int>> close_by, far_off;  // path, what, line
   for (const auto& item : *value_.node_) {
     if (item.first.IsScalar() && !seen.insert(item.first.Scalar()).second)
       value_.shared_->errors.push_back(
@@ -232,11 +237,19 @@ void Map::finish() {
     std::string what = "unknown key '" + key + "'";
     if (!value_.path_.empty()) what += " in '" + value_.path_ + "'";
     const std::string near = nearest_word(key, asked_);
+    const auto missing = std::find_if(missing_.begin(), missing_.end(), [&](const auto& m) { return m.first == near; });
+    if (missing != missing_.end()) {
+      value_.shared_->errors[missing->second].message += ", did you mean it by '" + key + "'?";
+      missing_.erase(missing);
+      continue;
+    }
     std::string list;
     for (const auto& a : asked_) list += (list.empty() ? "" : ", ") + a;
     what += near.empty() ? "; known are: " + list : ", did you mean '" + near + "'?";
-    value_.shared_->add(value_.path_.empty() ? key : value_.path_ + '.' + key, std::move(what), item.first.Mark().line + 1);
+    (near.empty() ? far_off : close_by).emplace_back(value_.path_.empty() ? key : value_.path_ + '.' + key, std::move(what), item.first.Mark().line + 1);
   }
+  for (auto* unknown : {&close_by, &far_off})
+    for (auto& [path, what, line] : *unknown) value_.shared_->add(path, std::move(what), line);
 }
 
 Expected<Document> Document::load(const std::filesystem::path& file) {

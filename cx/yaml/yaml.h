@@ -56,7 +56,8 @@ class Value {
   std::string path_;
 };
 
-/// A mapping that is read key by key; `finish` reports the keys that nobody asked for.
+/// A mapping that is read key by key; `finish` reports the keys that nobody asked for: first those that are near a key that
+/// was asked for. One that is near a missing required key is told in that key's error.
 class Map {
  public:
   Value get(std::string_view key);       ///< may be missing
@@ -84,6 +85,7 @@ class Map {
   friend class Value;
   Value value_;
   std::vector<std::string> asked_;
+  std::vector<std::pair<std::string, std::size_t>> missing_;  // required keys, each with its error in the document
 };
 
 /// A file or text.

@@ -154,7 +154,8 @@ TEST_F(Faults, WrongFaultsAreBadInputWithTheirPlace) {
       {"{kind: skill_stalls, at: 1}", "key 'seconds' is missing"},
       {"{kind: machine_breaks, at: 1}", "key 'machine' is missing"},
       {"{kind: machine_down, mean_s: 0, machine: C-BS, seconds: 1}", "at least 0.001 s"},
-      {"{at: 1}", "key 'kind' is missing"}};
+      {"{at: 1}", "key 'kind' is missing"},
+      {"{at: 1, knd: skill_fails}", "key 'kind' is missing, did you mean it by 'knd'?"}};
   for (const auto& [text, what] : cases) {
     const auto read = Scenario::parse(std::string("schema: 1\nworld: {kind: rcll}\nfaults:\n  - ") + text + "\n", "s.yaml");
     ASSERT_FALSE(read.ok()) << text;

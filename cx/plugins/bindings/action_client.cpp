@@ -42,12 +42,12 @@ Status ActionBinding::install() {
   return status;
 }
 
-void ActionBinding::close() {
-  close_all(servers_, "action servers");
-  if (!served_.empty()) log(LogLevel::kWarn, "Found " + std::to_string(served_.size()) + " server goal handle(s), cleaning up ...");
+void ActionBinding::close(Leftovers& left) {
+  close_all(servers_, "action servers", left);
+  left.server_goals += served_.size();
   for (const auto& [handle, goal] : served_) store_.destroy(goal.goal);
   served_.clear();
-  Binding::close();
+  Binding::close(left);
 }
 
 Status ActionBinding::install_client() {

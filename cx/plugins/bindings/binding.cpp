@@ -47,8 +47,8 @@ Status Binding::add_all(std::vector<Template> suffixes) {
   return {};
 }
 
-void Binding::close() {
-  BusConnection::close();
+void Binding::close(Leftovers& left) {
+  BusConnection::close(left);
   remove_templates(templates_);
 }
 

@@ -17,7 +17,7 @@ class Binding : public BusConnection {
  public:
   Binding(Environment& environment, std::string logger, std::string prefix)
       : BusConnection(environment, std::move(logger)), prefix_(std::move(prefix)) {}
-  void close() override;
+  void close(Leftovers& left) override;
 
  protected:
   /// P-suffix.
@@ -69,7 +69,7 @@ class ActionBinding final : public Binding {
   ActionBinding(Environment& environment, std::string logger, std::string prefix, const bus::ActionType& type)
       : Binding(environment, std::move(logger), std::move(prefix)), type_(type) {}
   Status install() override;
-  void close() override;
+  void close(Leftovers& left) override;
 
  private:
   struct Server {

@@ -42,8 +42,12 @@ class BindingsPlugin final : public Plugin {
   }
 
   void clips_env_destroyed(EnvironmentGuard environment) override {
-    if (BusConnection* binding = find(*environment)) binding->close();
+    if (BusConnection* binding = find(*environment)) binding->close(left_);
     remove(*environment);
+  }
+
+  void finalize() override {
+    for (const std::string& line : left_.lines()) log(LogLevel::kWarn, line);
   }
 
  private:
@@ -68,6 +72,7 @@ class BindingsPlugin final : public Plugin {
   PerEnvironment<MessageBinding> messages_;
   PerEnvironment<ServiceBinding> services_;
   PerEnvironment<ActionBinding> actions_;
+  Leftovers left_;
 };
 
 }  // namespace

@@ -4,6 +4,18 @@
 
 namespace cxlab::cx {
 
+std::vector<std::string> Leftovers::lines() const {
+  std::vector<std::string> out;
+  const auto found = [&out](std::size_t count, const char* what) {
+    if (count > 0) out.push_back("Found " + std::to_string(count) + ' ' + what + ", cleaning up ...");
+  };
+  found(messages, "message(s)");
+  for (const std::string& name : open) out.push_back(name + ", cleaning up ...");
+  found(server_goals, "server goal handle(s)");
+  found(client_goals, "client goal handle(s)");
+  return out;
+}
+
 BusConnection::BusConnection(Environment& environment, std::string logger)
     : environment_(environment),
       engine_(environment.engine()),
@@ -23,15 +35,15 @@ void BusConnection::on_result(const std::string&, const bus::Delivery&, Handle) 
 void BusConnection::on_cancel_response(const std::string&, const bus::Delivery&) {}
 std::string BusConnection::callback_of(const std::string& service) const { return service; }
 
-void BusConnection::close() {
-  close_all(publishers_, "publishers");
-  close_all(subscriptions_, "subscription");
-  close_all(clients_, "clients");
-  close_all(services_, "services");
-  close_all(action_clients_, "action clients");
-  if (store_.size(owner_) > 0) log(LogLevel::kWarn, "Found " + std::to_string(store_.size(owner_)) + " message(s), cleaning up ...");
+void BusConnection::close(Leftovers& left) {
+  close_all(publishers_, "publishers", left);
+  close_all(subscriptions_, "subscription", left);
+  close_all(clients_, "clients", left);
+  close_all(services_, "services", left);
+  close_all(action_clients_, "action clients", left);
+  left.messages += store_.size(owner_);
   store_.destroy_all(owner_);
-  if (!goals_.empty()) log(LogLevel::kWarn, "Found " + std::to_string(goals_.size()) + " client goal handle(s), cleaning up ...");
+  left.client_goals += goals_.size();
   goals_.clear();
 }
 

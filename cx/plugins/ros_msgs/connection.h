@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cx/executive/environment.h"
 #include "cx/plugins/ros_msgs/fields.h"
@@ -21,6 +22,15 @@ const char* status_word(bus::GoalStatus status);
 /// How a goal ended: SUCCEEDED, CANCELED, ABORTED, else UNKNOWN.
 const char* result_word(bus::GoalStatus status);
 
+/// What rules left open or undestroyed, in all environments of a plugin instance.
+struct Leftovers {
+  std::size_t messages = 0, client_goals = 0, server_goals = 0;  ///< handles
+  std::vector<std::string> open;                                 ///< "Environment E has open NAME publishers"
+
+  /// A line for each of them, as CX warns when the plugin is finalized.
+  std::vector<std::string> lines() const;
+};
+
 class BusConnection {
  public:
   /// `logger` is the plugin instance, which owns functions and messages.
@@ -31,8 +41,8 @@ class BusConnection {
 
   /// Adds all templates and functions.
   virtual Status install() = 0;
-  /// Warns of what the rules have left open, closes it, and takes the templates away.
-  virtual void close();
+  /// Closes what the rules have left open, adds it to `left`, and takes the templates away.
+  virtual void close(Leftovers& left);
 
   struct Template {
     std::string name;
@@ -108,11 +118,10 @@ class BusConnection {
   /// Retracts the facts of the template whose slot has that value.
   void take_back(const std::string& deftemplate, std::string_view slot, std::string_view value);
   void log(LogLevel level, const std::string& text) { environment_.log(level, logger_, text); }
-  /// WARN, closed.
   template <class Open>
-  void close_all(ByName<Open>& open, const std::string& what) {
+  void close_all(ByName<Open>& open, const std::string& what, Leftovers& left) {
     for (const auto& [name, entry] : open) {
-      log(LogLevel::kWarn, "Environment " + environment_.name() + " has open " + name + ' ' + what + ", cleaning up ...");
+      left.open.push_back("Environment " + environment_.name() + " has open " + name + ' ' + what);
       bus_.remove(entry.endpoint);
     }
     open.clear();

@@ -39,8 +39,8 @@ Status RosInterface::install() {
   return {};
 }
 
-void RosInterface::close() {
-  BusConnection::close();
+void RosInterface::close(Leftovers& left) {
+  BusConnection::close(left);
   remove_templates(templates());
 }
 

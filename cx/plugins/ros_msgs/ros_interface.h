@@ -13,7 +13,7 @@ class RosInterface final : public BusConnection {
  public:
   using BusConnection::BusConnection;
   Status install() override;
-  void close() override;
+  void close(Leftovers& left) override;
 
  private:
   struct Entry {

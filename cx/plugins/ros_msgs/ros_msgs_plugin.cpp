@@ -18,12 +18,17 @@ class RosMsgsPlugin final : public Plugin {
   }
 
   void clips_env_destroyed(EnvironmentGuard environment) override {
-    interfaces_.find(*environment)->close();
+    interfaces_.find(*environment)->close(left_);
     interfaces_.remove(*environment);
+  }
+
+  void finalize() override {
+    for (const std::string& line : left_.lines()) log(LogLevel::kWarn, line);
   }
 
  private:
   PerEnvironment<RosInterface> interfaces_;
+  Leftovers left_;
 };
 
 }  // namespace

@@ -146,6 +146,11 @@ TEST(Configuration, APluginWithoutTypeNamesTheNearestInstance) {
   EXPECT_THAT(e.message, HasSubstr("did you mean 'files'?"));
 }
 
+TEST(Configuration, APluginWhoseTypeIsMisspeltNamesTheKey) {
+  EXPECT_THAT(error_of("environments: [\"main\"]\nmain: {plugins: [\"files\"]}\nfiles: {plugn: \"cx::FileLoadPlugin\"}").message,
+              HasSubstr("no parameter 'files.plugin' says what it is, did you mean it by 'files.plugn'?"));
+}
+
 TEST(Configuration, AnUnknownWatchItemIsAnError) {
   EXPECT_EQ(error_of("environments: [\"main\"]\nmain: {watch: [\"fcts\"]}").message, "Unknown watch item: fcts");
 }

@@ -15,6 +15,7 @@ struct ManagerServices : ::testing::Test {
     lab.config(R"(environments: ["main"]
 main: {plugins: ["executive", "one"]}
 extra: {plugins: ["one", "files"], watch: ["facts"]}
+wrong: {watch: ["fcts"]}
 executive: {plugin: "cx::ExecutivePlugin"}
 files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.clp"], cleanup_batch: ["end.clp"]}
 more: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["more.clp"]}
@@ -76,6 +77,21 @@ TEST_F(ManagerServices, CreateEnvLoadsItsPluginsWithoutResetAndRun) {
   EXPECT_EQ(lab.log.with("info extra: ==> f-1").size(), 1u) << "its watch items hold";
   EXPECT_EQ(caller.manager("create_env", "CreateClipsEnv", "{env_name: extra}"), R"({success: false, error: "Enviroment extra already exists!"})");
   EXPECT_EQ(caller.manager("create_env", "CreateClipsEnv", "{env_name: bare}"), R"({success: true, error: ""})") << "without parameters it has no plugins";
+}
+
+TEST_F(ManagerServices, AnEnvironmentWithWrongParametersIsNotMade) {
+  lab.options.keep_going = true;
+  lab.run_up();
+  EXPECT_EQ(caller.manager("create_env", "CreateClipsEnv", "{env_name: wrong}"), R"({success: false, error: "Unknown watch item: fcts"})");
+  EXPECT_EQ(lab.manager->environment_names().size(), 1u);
+  ASSERT_EQ(lab.manager->load_errors().size(), 1u) << "so that the exit code tells";
+  EXPECT_THAT(lab.manager->load_errors().front().text(), HasSubstr(": Unknown watch item: fcts"));
+}
+
+TEST_F(ManagerServices, AnEnvironmentWithWrongParametersEndsTheRunUnlessItKeepsGoing) {
+  lab.run_up();
+  EXPECT_FALSE(lab.manager->create_environment("wrong").ok());
+  EXPECT_EQ(lab.manager->act().error().message, "Unknown watch item: fcts");
 }
 
 TEST_F(ManagerServices, DestroyEnvUnloadsInReverseWithoutExecutiveFinalize) {

@@ -221,9 +221,8 @@ TEST_F(ActionBindings, UnloadingAServerWhileAGoalRunsLeavesItsRulesAnError) {
   ASSERT_THAT(lab_.log.with("said begun"), SizeIs(1));
   lab_.log.lines.clear();
   ASSERT_TRUE(lab_.manager->unload_plugin("server", "fib").ok());
-  EXPECT_THAT(lab_.log.with("warn fib: "), ElementsAre(HasSubstr("has open /fib action servers"), HasSubstr("Found 1 server goal handle(s)"),
-                                                       HasSubstr("-server cant be undefined"), HasSubstr("-accepted-goal cant be undefined")))
-      << "a fact and a rule use these";
+  EXPECT_THAT(lab_.log.with("warn fib: "), ElementsAre(HasSubstr("-server cant be undefined"), HasSubstr("-accepted-goal cant be undefined")))
+      << "a fact and a rule use these; what is left is told when the client's environment has lost the plugin, too";
   put("server", "(finish succeed)");
   put("client", "(cancel)");
   lab_.ticks(15);
@@ -243,8 +242,8 @@ TEST_F(ActionBindings, WhatIsLeftIsTold) {
   lab_.log.lines.clear();
   ASSERT_TRUE(lab_.manager->deactivate().ok());
   EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn fib: Environment server has open /fib action servers, cleaning up ...",
-                                                  "warn fib: Found 1 server goal handle(s), cleaning up ...",
                                                   "warn fib: Environment client has open fib action clients, cleaning up ...",
+                                                  "warn fib: Found 1 server goal handle(s), cleaning up ...",
                                                   "warn fib: Found 1 client goal handle(s), cleaning up ..."));
 }
 

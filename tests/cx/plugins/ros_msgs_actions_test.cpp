@@ -131,8 +131,8 @@ TEST_F(ActionClients, GoalHandlesThatAreLeftAreTold) {
   run();
   run();
   ASSERT_TRUE(lab_.manager->deactivate().ok());
-  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn ros_msgs: Environment main has open fib action clients, cleaning up ...",
-                                                  "warn ros_msgs: Found 1 message(s), cleaning up ...",
+  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn ros_msgs: Found 1 message(s), cleaning up ...",
+                                                  "warn ros_msgs: Environment main has open fib action clients, cleaning up ...",
                                                   "warn ros_msgs: Found 1 client goal handle(s), cleaning up ..."));
 }
 

@@ -245,9 +245,19 @@ TEST_F(RosMsgs, WhatIsLeftOpenIsToldAtTheEnd) {
          (ros-msgs-get-field (ros-msgs-create-message "geometry_msgs/msg/Twist") "linear") (ros-msgs-create-message "std_msgs/msg/Empty"))");
   ASSERT_TRUE(lab_.manager->deactivate().ok());
   EXPECT_THAT(lab_.log.with("warn "),
-              ElementsAre("warn ros_msgs: Environment main has open a publishers, cleaning up ...", "warn ros_msgs: Environment main has open b subscription, cleaning up ...",
+              ElementsAre("warn ros_msgs: Found 2 message(s), cleaning up ...",
+                          "warn ros_msgs: Environment main has open a publishers, cleaning up ...", "warn ros_msgs: Environment main has open b subscription, cleaning up ...",
                           "warn ros_msgs: Environment main has open c clients, cleaning up ...", "warn ros_msgs: Environment main has open d services, cleaning up ...",
-                          "warn ros_msgs: Environment main has open e action clients, cleaning up ...", "warn ros_msgs: Found 2 message(s), cleaning up ..."));
+                          "warn ros_msgs: Environment main has open e action clients, cleaning up ..."));
+}
+
+TEST_F(RosMsgs, WhatIsLeftIsToldWhenThePluginIsFinalized) {
+  lab_.agent("");
+  lab_.run_up();
+  act("(ros-msgs-create-message \"std_msgs/msg/Empty\")");
+  ASSERT_TRUE(lab_.manager->deactivate().ok());
+  ASSERT_FALSE(lab_.log.lines.empty());
+  EXPECT_EQ(lab_.log.lines.back(), "warn ros_msgs: Found 1 message(s), cleaning up ...") << "after every plugin was deactivated, as in CX";
 }
 
 TEST_F(RosMsgs, UnloadingWhileRulesUseItLeavesThemAnError) {

@@ -49,6 +49,21 @@ TEST(Yaml, ErrorsNameFileLineAndRemedy) {
   EXPECT_NE(error_of("a: [1\n").find("s.yaml:2: not YAML"), std::string::npos);
 }
 
+TEST(Yaml, AMisspeltRequiredKeyIsToldByItsName) {
+  const auto agent = [](const std::string& text) {
+    auto document = Document::parse(text, "s.yaml");
+    Map map = document->root().as_map();
+    map.require("config");
+    map.get("namespace");
+    map.finish();
+    return document->status().error().text();
+  };
+  EXPECT_EQ(agent("confg: a.yaml\n"), "s.yaml:1: key 'config' is missing, did you mean it by 'confg'?");
+  EXPECT_EQ(agent("namespace: /a\n"), "s.yaml:1: key 'config' is missing");
+  EXPECT_EQ(agent("config: a.yaml\nqqqqqqqqqq: 1\nnamspace: /a\n"), "s.yaml:3: unknown key 'namspace', did you mean 'namespace'?")
+      << "the one with a remedy comes first";
+}
+
 TEST(Yaml, SetWritesAtAPath) {
   auto document = Document::parse("world: {kind: rcll}\nagents: [{config: a}, {config: b}]\n", "s.yaml");
   ASSERT_TRUE(document.ok());
