@@ -58,9 +58,12 @@ Status read_scalar(const YAML::Node& node, const MessageView& message, const Fie
 Status read_element(const YAML::Node& node, const MessageView& message, const Field& field, std::size_t index,
                     const std::string& path) {
   if (field.is_message()) return read_message(node, message.nested(field, index), path);
-  if (Status status = read_scalar(node, message, field, index); !status)
-    return error_at(node, "field '" + path + "': " + status.error().message);
-  return {};
+  const Status status = read_scalar(node, message, field, index);
+  if (status) return {};
+  // The message names its field as well; here it has its path.
+  std::string_view found = status.error().message;
+  if (const std::string name = "field '" + field.name + "': "; found.starts_with(name)) found.remove_prefix(name.size());
+  return error_at(node, "field '" + path + "': " + std::string(found));
 }
 
 Status read_field(const YAML::Node& node, const MessageView& message, const Field& field, const std::string& path) {
