@@ -122,10 +122,13 @@ Expected<const PluginType*> EnvironmentManager::type_of(const std::string& insta
     if (t.has ? t.has(type, bus_.registry()) : t.name == type) return &t;
     if (!t.has) known.push_back(t.name);
   }
-  for (const PluginType& t : options_.plugin_types)
-    if (t.classes)
-      for (std::string& name : t.classes(bus_.registry())) known.push_back(std::move(name));
-  return parameters_.error_at(instance + ".plugin", "unknown plugin type '" + type + "'" + did_you_mean(type, known));
+  std::string remedy;
+  for (const PluginType& t : options_.plugin_types) {
+    if (!t.classes) continue;
+    for (std::string& name : t.classes(bus_.registry())) known.push_back(std::move(name));
+    if (type.starts_with(t.name.substr(0, t.name.find('<')))) remedy = " (a package of your own is named by --package NAME=DIR)";
+  }
+  return parameters_.error_at(instance + ".plugin", "unknown plugin type '" + type + "'" + did_you_mean(type, known) + remedy);
 }
 
 Status EnvironmentManager::check_unknown(const std::string& group, std::vector<std::string> known, const std::string& what) {
