@@ -19,7 +19,13 @@ Status Binding::add_fields(const std::string& create, const std::string& destroy
   using F = FunctionKind;
   if (Status s = add(create, "e", "", F::kActing, "A new message.", [this, &type](Call& call) { call.give_handle(store_.create(type, owner_)); }); !s)
     return s;
-  if (Status s = add(destroy, "v", ";e", F::kActing, "Drops a message and what is nested in it.", [this](Call& call) { store_.destroy(call.handle(0)); }); !s)
+  // As in CX, a message of another type is none of this function's: it stays, and is told at the end.
+  if (Status s = add(destroy, "v", ";e", F::kActing, "Drops a message and what is nested in it.",
+                     [this, &type](Call& call) {
+                       const bus::MessageView view = store_.view(call.handle(0));
+                       if (view && &view.type() == &type) store_.destroy(call.handle(0));
+                     });
+      !s)
     return s;
   if (Status s = add(fields + "get-field", "*", ";e;sy", F::kPure, "A field of a message.",
                      [this, &type](Call& call) {

@@ -187,7 +187,12 @@ bool BusConnection::open_service(Call& call, const std::string& service, const b
   return true;
 }
 
-bool BusConnection::close_service(const std::string& service) { return close_one(services_, service, "No service "); }
+bool BusConnection::close_service(const std::string& service) {
+  const auto found = services_.find(service);
+  if (found == services_.end() || found->second.endpoint != answering_) return close_one(services_, service, "No service ");
+  services_.erase(found);  // `answer` removes it, after its answer
+  return true;
+}
 
 void BusConnection::answer(const std::string& service, const bus::Delivery& request) {
   environment_.note_input("request", service, request);
@@ -195,6 +200,7 @@ void BusConnection::answer(const std::string& service, const bus::Delivery& requ
   const std::string callback = callback_of(service);
   const Handle asked = store_.receive(request.message, owner_);
   const Handle answered = store_.create(*open.type->response, owner_);
+  answering_ = open.endpoint;
   if (engine_.callable(callback)) {
     const std::array<Value, 3> args{Value::string(service), Value::handle(asked), Value::handle(answered)};
     // An error in the callback is in the engine's next report; what it has filled in is sent all the same, as in CX.
@@ -207,6 +213,9 @@ void BusConnection::answer(const std::string& service, const bus::Delivery& requ
   store_.destroy(asked);
   store_.destroy(answered);
   bus_.respond(open.endpoint, request, std::move(response));
+  answering_.reset();
+  const auto still = services_.find(service);
+  if (still == services_.end() || still->second.endpoint != open.endpoint) bus_.remove(open.endpoint);
 }
 
 }  // namespace cxlab::cx

@@ -154,6 +154,8 @@ class BusConnection {
   }
   void answer(const std::string& service, const bus::Delivery& request);
   void take_goal_response(const std::string& server, const bus::Delivery& delivery);
+
+  std::optional<bus::EndpointId> answering_;  ///< the service whose callback runs: closed there, it answers all the same
 };
 
 }  // namespace cxlab::cx

@@ -100,6 +100,14 @@ class Lab {
     return text.str();
   }
 
+  /// The first block of code of a page of docs that contains the word.
+  static std::string page_code(const std::string& page, const std::string& word) {
+    const std::string text = read(std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / page), fence = "\n```\n";
+    const std::size_t at = text.find(word, text.find(fence));
+    const std::size_t begin = text.rfind(fence, at) + fence.size();
+    return text.substr(begin, text.find(fence, begin) - begin);
+  }
+
   /// The parameters below `ros__parameters`.
   void config(const std::string& parameters) {
     std::string text = "/**:\n  ros__parameters:\n";

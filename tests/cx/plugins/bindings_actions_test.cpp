@@ -122,6 +122,17 @@ TEST_F(ActionBindings, ARejectedGoalGivesANullHandle) {
   EXPECT_THAT(said(), ElementsAre("info client: said fib status 0")) << "the rule goes on, as in CX";
 }
 
+TEST_F(ActionBindings, TheRuleOfThePageKnowsARejectedGoal) {
+  std::string rules = lab_.page_code("docs/plugins/bindings.md", "is-null");
+  rules.replace(rules.find("P-"), 2, "example-interfaces-fibonacci-");
+  run("(deffunction example-interfaces-fibonacci-handle-goal-callback (?s ?g ?u) (if (= (example-interfaces-fibonacci-goal-get-field ?g order) 3) then 1 else 2))", false);
+  ASSERT_TRUE(lab_.engine("client").load_text(rules, "page.clp", LoadMode::kConstructs).ok()) << rules;
+  send("(send 4)");
+  EXPECT_THAT(lab_.log.with("no: "), IsEmpty()) << "this one was accepted";
+  send("(send 3)");
+  EXPECT_THAT(lab_.log.with("no: "), ElementsAre("info client: no: fib"));
+}
+
 TEST_F(ActionBindings, AnotherAnswerIsAnErrorAndRejects) {
   run("(deffunction example-interfaces-fibonacci-handle-goal-callback (?s ?g ?u) TRUE)", false);
   send();

@@ -183,7 +183,8 @@ TEST_F(Bindings, AnUnknownClassGivesTheNearest) {
   lab_.config("environments: [\"main\"]\nmain: {plugins: [\"s\"]}\ns: {plugin: \"cx::CXStdMsgsStrinPlugin\"}");
   const Status s = lab_.start();
   ASSERT_FALSE(s.ok());
-  EXPECT_THAT(s.error().message, HasSubstr("unknown plugin type 'cx::CXStdMsgsStrinPlugin', did you mean 'cx::CXStdMsgsStringPlugin'?"));
+  EXPECT_THAT(s.error().message, HasSubstr("unknown plugin type 'cx::CXStdMsgsStrinPlugin', did you mean 'cx::CXStdMsgsStringPlugin'?"
+                                           " (a package of your own is named by --package NAME=DIR)"));
   EXPECT_GT(s.error().line, 0);
 }
 
@@ -203,6 +204,93 @@ TEST_F(Bindings, MessagesThatAreLeftAreToldByTheirPlugin) {
   EXPECT_EQ(act("(std-msgs-string-create-message) (std-msgs-string-create-message) (std-msgs-int32-create-message)"), "");
   ASSERT_TRUE(lab_.manager->deactivate().ok());
   EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn std-msgs-int32: Found 1 message(s), cleaning up ...", "warn std-msgs-string: Found 2 message(s), cleaning up ..."));
+}
+
+TEST_F(Bindings, AMessageOfAnotherTypeIsNotDestroyed) {
+  run({"StdMsgsString", "StdSrvsSetBool"});
+  EXPECT_EQ(act(R"((bind ?m (std-msgs-string-create-message)) (std-msgs-string-set-field ?m data kept) (std-srvs-set-bool-request-destroy ?m)
+    (println "said " (std-msgs-string-get-field ?m data))
+    (bind ?r (std-srvs-set-bool-response-create)) (std-srvs-set-bool-request-destroy ?r) (std-msgs-string-destroy-message ?m))"), "");
+  EXPECT_THAT(said(), ElementsAre("info main: said kept"));
+  ASSERT_TRUE(lab_.manager->deactivate().ok());
+  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn std-srvs-set-bool: Found 1 message(s), cleaning up ...")) << "as in CX the response is left";
+}
+
+TEST_F(Bindings, AServiceThatItsCallbackClosesAnswersOnce) {
+  lab_.options.stop_on_rule_error = false;
+  run({"StdSrvsTrigger"}, R"((deffunction std-srvs-trigger-service-callback (?service ?request ?response)
+  (std-srvs-trigger-destroy-service ?service) (std-srvs-trigger-response-set-field ?response message "for the last time"))
+(defrule answered ?f <- (std-srvs-trigger-response (msg-ptr ?m)) =>
+  (println "said " (std-srvs-trigger-response-get-field ?m message)) (std-srvs-trigger-response-destroy ?m) (retract ?f)))");
+  EXPECT_EQ(act(R"((std-srvs-trigger-create-service "once") (std-srvs-trigger-create-client "once") (bind ?r (std-srvs-trigger-request-create))
+    (std-srvs-trigger-send-request ?r "once") (std-srvs-trigger-send-request ?r "once") (std-srvs-trigger-request-destroy ?r))"), "");
+  EXPECT_THAT(said(), ElementsAre("info main: said for the last time"));
+  EXPECT_EQ(act("(std-srvs-trigger-create-service \"once\")"), "");
+  EXPECT_THAT(lab_.log.with("warn "), IsEmpty()) << "the first one has gone";
+}
+
+TEST_F(Bindings, UnloadingAServiceWhileRulesUseItLeavesThemAnError) {
+  lab_.options.stop_on_rule_error = false;
+  lab_.config(R"(environments: ["server", "client"]
+server: {plugins: ["executive", "switch", "server_files"]}
+client: {plugins: ["executive", "switch", "client_files"]}
+executive: {plugin: "cx::ExecutivePlugin", refresh_rate: 50}
+switch: {plugin: "cx::CXStdSrvsSetBoolPlugin"}
+server_files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["server.clp"]}
+client_files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["client.clp"]})");
+  lab_.write("agent/server.clp", R"((deffacts start (open))
+(defrule open ?f <- (open) => (retract ?f) (std-srvs-set-bool-create-service "power"))
+(deffunction std-srvs-set-bool-service-callback (?service ?request ?response)
+  (std-srvs-set-bool-response-set-field ?response message (str-cat "by " ?service))))");
+  lab_.write("agent/client.clp", R"((deffacts start (open))
+(defrule open ?f <- (open) => (retract ?f) (std-srvs-set-bool-create-client "power"))
+(defrule ask ?f <- (ask) => (retract ?f)
+  (bind ?r (std-srvs-set-bool-request-create)) (std-srvs-set-bool-send-request ?r "power") (std-srvs-set-bool-request-destroy ?r))
+(defrule answered ?f <- (std-srvs-set-bool-response (service ?s) (msg-ptr ?m)) => (retract ?f)
+  (println "said " ?s " " (std-srvs-set-bool-response-get-field ?m message)) (std-srvs-set-bool-response-destroy ?m)))");
+  lab_.run_up();
+  const auto put = [&](const char* environment, const char* fact) {
+    ASSERT_TRUE(lab_.engine(environment).assert_string(fact).ok());
+    lab_.ticks(4);
+  };
+  put("client", "(ask)");
+  EXPECT_THAT(said(), ElementsAre("info client: said power by power"));
+
+  // The server goes with a request under way: nobody answers, and what comes later waits for a server.
+  lab_.log.lines.clear();
+  ASSERT_TRUE(lab_.engine("client").assert_string("(ask)").ok());
+  lab_.ticks(1);
+  ASSERT_TRUE(lab_.manager->unload_plugin("server", "switch").ok());
+  EXPECT_THAT(lab_.log.with("warn switch: "), ElementsAre(HasSubstr("Environment server has open power services, cleaning up ..."),
+                                                          HasSubstr("-service cant be undefined")));
+  const std::vector<Value> args{Value::string("power"), Value::handle(Handle{1}), Value::handle(Handle{2})};
+  EXPECT_FALSE(lab_.engine("server").call("std-srvs-set-bool-service-callback", args).ok());
+  EXPECT_THAT(lab_.engine("server").take_errors().at(0).text(), HasSubstr("belongs to unloaded plugin switch"));
+  put("client", "(ask)");
+  EXPECT_THAT(said(), IsEmpty());
+  EXPECT_THAT(lab_.log.with("warn switch: service power not available, the request waits for it"), SizeIs(1));
+
+  // It comes back, and the old rules serve again.
+  ASSERT_TRUE(lab_.manager->load_plugin("server", "switch").ok());
+  put("server", "(open)");
+  lab_.ticks(4);
+  EXPECT_THAT(said(), testing::Not(IsEmpty()));
+
+  // The client goes with a request under way: the answer comes to nobody, and its rules are told.
+  lab_.log.lines.clear();
+  ASSERT_TRUE(lab_.engine("client").assert_string("(ask)").ok());
+  lab_.ticks(1);
+  ASSERT_TRUE(lab_.manager->unload_plugin("client", "switch").ok());
+  EXPECT_THAT(lab_.log.with("warn switch: "), ElementsAre(HasSubstr("Environment client has open power clients, cleaning up ..."),
+                                                          HasSubstr("-client cant be undefined"), HasSubstr("-response cant be undefined")))
+      << "a fact and a rule use these";
+  put("client", "(ask)");
+  EXPECT_THAT(lab_.log.with("rule ask"), ElementsAre(HasSubstr("'std-srvs-set-bool-request-create': belongs to unloaded plugin switch")));
+  EXPECT_THAT(said(), IsEmpty());
+  ASSERT_TRUE(lab_.manager->load_plugin("client", "switch").ok());
+  put("client", "(open)");
+  put("client", "(ask)");
+  EXPECT_THAT(said(), ElementsAre("info client: said power by power"));
 }
 
 TEST_F(Bindings, UnloadingWhileRulesUseItLeavesThemAnError) {

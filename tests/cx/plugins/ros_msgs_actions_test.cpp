@@ -125,6 +125,17 @@ TEST_F(ActionClients, ARejectedGoalGivesANullHandleWhoseUseIsAnError) {
   EXPECT_EQ(*lab_.engine().facts("ros-msgs-goal-response").at(0).slot("client-goal-handle-ptr"), Value::handle(Handle::kNone));
 }
 
+TEST_F(ActionClients, TheRuleOfThePageKnowsARejectedGoal) {
+  serve(bus::GoalAnswer::kReject);
+  ASSERT_TRUE(lab_.engine().undefine("defrule", "answered").ok()) << "it would ask a null handle";
+  const std::string rules = lab_.page_code("docs/plugins/ros_msgs.md", "is-null");
+  ASSERT_TRUE(lab_.engine().load_text(rules, "page.clp", LoadMode::kConstructs).ok()) << rules;
+  put("(send 3)");
+  run();
+  run();
+  EXPECT_THAT(lab_.log.with("no: "), ElementsAre("info main: no: fib"));
+}
+
 TEST_F(ActionClients, GoalHandlesThatAreLeftAreTold) {
   serve();
   put("(send 3)");
