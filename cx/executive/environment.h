@@ -122,18 +122,22 @@ class Environment {
 };
 
 /// Held while an environment is used: the mutex of CX. Only on the episode's thread, where holding it costs nothing; on
-/// another it throws std::logic_error: threads have `Environment::open_gate`.
+/// another, making one and using one (a copy that a plugin kept) throw std::logic_error: threads have
+/// `Environment::open_gate`.
 class EnvironmentGuard {
  public:
-  explicit EnvironmentGuard(Environment& environment) : environment_(&environment) {
-    if (!environment.on_its_thread())
-      throw std::logic_error("environment '" + environment.name() + "' is used on another thread than the episode's: threads go through Environment::open_gate");
-  }
-  Environment& operator*() const { return *environment_; }
-  Environment* operator->() const { return environment_; }
-  RuleEngine& engine() const { return environment_->engine(); }
+  explicit EnvironmentGuard(Environment& environment) : environment_(&environment) { check_thread(); }
+  Environment& operator*() const { return check_thread(); }
+  Environment* operator->() const { return &check_thread(); }
+  RuleEngine& engine() const { return check_thread().engine(); }
 
  private:
+  Environment& check_thread() const {
+    if (!environment_->on_its_thread())
+      throw std::logic_error("environment '" + environment_->name() + "' is used on another thread than the episode's: threads go through Environment::open_gate");
+    return *environment_;
+  }
+
   Environment* environment_;
 };
 

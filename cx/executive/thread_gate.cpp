@@ -45,6 +45,8 @@ void ThreadGate::close() {
     waiting_.clear();
   }
   for (auto& [id, promise] : left) promise.set_value(gone(owner_));
+  for (const auto& [key, publisher] : publishers_) environment_.bus().remove(publisher);
+  publishers_.clear();
   environment_.bus().remove(in_);
   environment_.bus().leave(node_);
 }
@@ -57,6 +59,8 @@ ThreadGate::Answer ThreadGate::ask(Request request) {
     promise.set_value(gone(owner_));
   } else if (environment_.on_its_thread()) {
     promise.set_value(Error{ErrorKind::kRun, "plugin '" + owner_ + "': a thread gate is for other threads; on the episode's use the environment", {}, 0, {}});
+  } else if (waiting_.size() == kMostWaiting) {
+    promise.set_value(Error{ErrorKind::kRun, "plugin '" + owner_ + "': " + std::to_string(kMostWaiting) + " requests of its threads wait for a tick: wait for answers", {}, 0, {}});
   } else {
     request.id = ++last_id_;
     asked_.emplace(request.id, std::move(promise));
@@ -119,11 +123,12 @@ Status ThreadGate::publish_now(const std::string& topic, const std::string& type
   if (!type) return type.error();
   auto message = bus::Message::from_yaml(**type, yaml);
   if (!message) return message.error();
-  auto known = publishers_.find(topic);
+  const auto key = std::pair(topic, type_name);
+  auto known = publishers_.find(key);
   if (known == publishers_.end()) {
     auto made = bus.advertise(environment_.participant(), topic, **type);
     if (!made) return made.error();
-    known = publishers_.emplace(topic, *made).first;
+    known = publishers_.emplace(key, *made).first;
   }
   bus.publish(known->second, std::make_shared<const bus::Message>(*std::move(message)), environment_.engine().cause());
   return {};

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -26,6 +27,8 @@ class ThreadGate {
  public:
   /// What became of a request, after the tick. It may also be dropped without waiting.
   using Answer = std::future<Expected<Value>>;
+  /// More requests than these do not wait for a tick: their answer is an error at once.
+  static constexpr std::size_t kMostWaiting = 10'000;
 
   // --- For any thread but the episode's, where the answer is an error: use the environment itself there. Once the plugin
   // is unloaded all answers are errors, those that wait included.
@@ -61,7 +64,7 @@ class ThreadGate {
   const bus::MessageType* type_ = nullptr;
   bus::ParticipantId node_{};
   bus::EndpointId out_{}, in_{};
-  std::map<std::string, bus::EndpointId> publishers_;  // of the environment, for `publish`
+  std::map<std::pair<std::string, std::string>, bus::EndpointId> publishers_;  // of the environment, for `publish`: by topic and type
 
   std::mutex mutex_;  // guards what follows
   bool open_ = false;

@@ -96,12 +96,35 @@ TEST_F(ThreadGateTest, NothingHappensBetweenTicks) {
   EXPECT_EQ(lab.facts("scan").size(), 1u);
 }
 
+TEST_F(ThreadGateTest, AThreadThatNeverWaitsIsRefusedBeforeItFillsTheMemory) {
+  std::string answer;
+  start([&](ThreadGate& gate) {
+    for (std::size_t i = 0; i < ThreadGate::kMostWaiting; ++i) (void)gate.retract(4711);
+    answer = gate.assert_fact("(scan 2)").get().error().text();
+  });
+  while (!done) std::this_thread::yield();
+  EXPECT_THAT(answer, HasSubstr("plugin 'worker': 10000 requests of its threads wait for a tick"));
+  lab.ticks(2);
+  EXPECT_TRUE(lab.facts("scan").empty());
+}
+
 TEST_F(ThreadGateTest, ABadRequestIsTheAnswerAndInTheLog) {
   std::string answer;
   start([&](ThreadGate& gate) { answer = gate.publish("word", "std_msgs/msg/Strin", "{}").get().error().text(); });
   until_done();
   EXPECT_THAT(answer, HasSubstr("std_msgs/msg/Strin"));
   EXPECT_EQ(lab.log.with("error worker: from a thread: ").size(), 1u);
+}
+
+TEST_F(ThreadGateTest, ATopicThatThreadsPublishKeepsItsType) {
+  std::string answer;
+  start([&](ThreadGate& gate) {
+    EXPECT_TRUE(gate.publish("word", "std_msgs/msg/String", "{data: hello}").get().ok());
+    answer = gate.publish("word", "std_msgs/msg/Int32", "{data: 1}").get().error().text();
+    EXPECT_TRUE(gate.publish("word", "std_msgs/msg/String", "{data: again}").get().ok());
+  });
+  until_done();
+  EXPECT_THAT(answer, HasSubstr("'/word' has type std_msgs/msg/String, found a second type std_msgs/msg/Int32"));
 }
 
 TEST_F(ThreadGateTest, AWaitingThreadIsFreedWhenItsPluginIsUnloaded) {
@@ -117,24 +140,34 @@ TEST_F(ThreadGateTest, AWaitingThreadIsFreedWhenItsPluginIsUnloaded) {
 }
 
 TEST_F(ThreadGateTest, TheEpisodesThreadIsRefusedAndSoIsTheHandleOnOthers) {
-  bool thrown = false;
+  std::vector<std::string> thrown;
   Environment* environment = nullptr;
+  std::unique_ptr<EnvironmentGuard> kept;
   std::atomic<bool> go = false;
   start([&](ThreadGate&) {
     while (!go) std::this_thread::yield();
-    try {
-      EnvironmentGuard guard(*environment);
-    } catch (const std::logic_error& e) {
-      thrown = std::string(e.what()).find("open_gate") != std::string::npos;
-    }
+    const auto attempt = [&](const std::function<void()>& use) {
+      try {
+        use();
+        thrown.push_back("nothing");
+      } catch (const std::logic_error& e) {
+        thrown.push_back(e.what());
+      }
+    };
+    attempt([&] { EnvironmentGuard made(*environment); });
+    const EnvironmentGuard copy = *kept;
+    attempt([&] { (void)copy->now(); });
+    attempt([&] { (void)*copy; });
+    attempt([&] { (void)copy.engine(); });
   });
   environment = lab.manager->find("main");
+  kept = std::make_unique<EnvironmentGuard>(*environment);
   go = true;
   auto gate = environment->open_gate("here");
   ASSERT_TRUE(gate.ok());
   EXPECT_FALSE((*gate)->assert_fact("(scan 1)").get().ok());
   until_done();
-  EXPECT_TRUE(thrown);
+  EXPECT_THAT(thrown, ElementsAre(HasSubstr("open_gate"), HasSubstr("open_gate"), HasSubstr("open_gate"), HasSubstr("open_gate")));
 }
 
 }  // namespace
