@@ -78,7 +78,8 @@ class DomainParser {
       const Node& item = section.items[i];
       if (item.is_list || !item.word.starts_with(':')) return fail(item, "found " + excerpt(item) + ", expected a requirement such as :typing");
       if (std::find(kSupported.begin(), kSupported.end(), item.word) == kSupported.end())
-        return resolver_.fail_unsupported(item, "found requirement " + std::string(item.word) + ": not supported");
+        return resolver_.fail_unsupported(item, "found requirement " + std::string(item.word) + ": not supported" +
+                                                           did_you_mean(std::string(item.word), {kSupported.begin(), kSupported.end()}));
       domain_.requirements.emplace_back(item.word);
     }
     return true;

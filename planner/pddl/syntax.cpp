@@ -8,6 +8,7 @@ namespace {
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
 bool ends_word(char c) { return is_space(c) || c == '(' || c == ')' || c == ';'; }
+bool is_control(char c) { return (c >= 0 && c < 0x20) || c == 0x7f; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 class Reader {
@@ -23,8 +24,9 @@ class Reader {
     if (!node) return node;
     skip_space();
     if (!at_end())
-      return error(text_[position_] == ')' ? "found a ')' that closes nothing; expected the end of the file"
-                                           : "found more text behind the closing ')' of (define ...); expected the end of the file",
+      return error((text_[position_] == ')' ? "found a ')' that closes nothing; expected the end of the file"
+                                            : "found more text behind the closing ')' of (define ...); expected the end of the file") +
+                       last_section(),
                    line_);
     return node;
   }
@@ -48,7 +50,27 @@ class Reader {
     while (!at_end() && !ends_word(text_[position_])) ++position_;
     return text_.substr(begin, position_ - begin);
   }
+  /// Where to look for the parenthesis: sections before the last were closed in order.
+  std::string last_section() const {
+    return section_line_ == 0 ? "" : "; the last section before it, " + std::string(section_) + ", begins in line " + std::to_string(section_line_);
+  }
+
   std::string_view take_word_for_message() { return take_word().substr(0, 60); }
+
+  /// `(:action` and its like stand directly in (define ...): inside another section, that one was not closed.
+  Status begin_section(const Node& outer, int depth) {
+    const std::size_t begin = position_;
+    ++position_;
+    const std::string_view name = take_word_for_message();
+    position_ = begin;
+    if (depth > 0)
+      return error("found (" + std::string(name) + " in line " + std::to_string(line_) + ", expected a ')' before it for " +
+                       (section_line_ > 0 ? "the section " + std::string(section_) : "the list") + " that begins here",
+                   section_line_ > 0 ? section_line_ : outer.line);
+    section_ = name;
+    section_line_ = line_;
+    return {};
+  }
 
   Expected<Node> read_list(int depth) {
     Node list;
@@ -59,12 +81,15 @@ class Reader {
     ++position_;
     while (true) {
       skip_space();
-      if (at_end()) return error("found the end of the file, expected a ')' for the list that begins here", list.line);
+      if (at_end()) return error("found the end of the file, expected a ')' for the list that begins here" + last_section(), list.line);
       if (text_[position_] == ')') {
         ++position_;
         return list;
       }
       if (text_[position_] == '(') {
+        if (text_.substr(position_ + 1).starts_with(':')) {
+          if (Status s = begin_section(list, depth); !s) return s.error();
+        }
         auto item = read_list(depth + 1);
         if (!item) return item;
         list.items.push_back(std::move(*item));
@@ -72,6 +97,8 @@ class Reader {
         Node word;
         word.line = line_;
         word.word = take_word();
+        for (const char c : word.word)
+          if (is_control(c)) return error("found a control character (code " + std::to_string(static_cast<int>(c)) + ") in a name, expected text", line_);
         list.items.push_back(std::move(word));
       }
     }
@@ -83,6 +110,8 @@ class Reader {
   const std::string& file_;
   std::size_t position_ = 0;
   int line_ = 1;
+  std::string_view section_;  // the last that began
+  int section_line_ = 0;
 };
 
 void append_excerpt(const Node& node, std::string& out) {

@@ -27,6 +27,20 @@ TEST(Syntax, ListWithoutEndIsReportedWhereItBegins) {
   EXPECT_EQ(error_of("domain"), "a.pddl:1: found 'domain', expected (define ...)");
 }
 
+TEST(Syntax, SectionInsideAnotherNamesTheOneThatWasNotClosed) {
+  EXPECT_EQ(error_of("(define (domain d)\n(:action a\n :effect (x)\n\n(:action b))"),
+            "a.pddl:2: found (:action in line 5, expected a ')' before it for the section :action that begins here");
+  EXPECT_EQ(error_of("(define (domain d\n(:types t)\n(:action b))"), "a.pddl:1: found (:types in line 2, expected a ')' before it for the list that begins here");
+  EXPECT_EQ(error_of("(define (domain d)\n(:types t))\n(:action b))"),
+            "a.pddl:3: found more text behind the closing ')' of (define ...); expected the end of the file; the last section before it, :types, begins in line 2");
+  EXPECT_EQ(error_of("(define (domain d)\n(:types t)\n"),
+            "a.pddl:1: found the end of the file, expected a ')' for the list that begins here; the last section before it, :types, begins in line 2");
+}
+
+TEST(Syntax, ControlCharactersAreNoNames) {
+  EXPECT_EQ(error_of(std::string_view("(define\n a\0b)", 13)), "a.pddl:2: found a control character (code 0) in a name, expected text");
+}
+
 TEST(Syntax, DeepNestingIsAnErrorNotAnOverflow) {
   EXPECT_EQ(error_of(std::string(100000, '(')), "a.pddl:1: lists are nested more than 200 deep");
 }
