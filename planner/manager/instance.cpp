@@ -280,23 +280,27 @@ Instance::Names Instance::unsatisfied(const ActionCall& call, When when) const {
     if (condition.kind == Condition::Kind::kAnd) {
       for (const Condition& part : condition.operands) self(self, part, now);
     } else if (!evaluator_->holds(condition, bound, now, length)) {
-      missing.push_back(told_text(condition, domain(), problem().objects, call.arguments));
+      std::string told = told_text(condition, domain(), problem().objects, call.arguments);
+      if (std::find(missing.begin(), missing.end(), told) == missing.end()) missing.push_back(std::move(told));
     }
   };
   const State& now = state();
   if (when == When::kStart || when == When::kAtStart) check(check, action.condition.start, now);
   if (when == When::kOverAll) check(check, action.condition.over_all, now);
   if (when == When::kEnd) check(check, action.condition.end, now);
-  if (when == When::kStart && missing.empty() && !action.condition.over_all.is_true()) {
+  if (when == When::kStart && !action.condition.over_all.is_true()) {
     std::vector<Change> changes;
     bool defined = true;
     for (const Effect& effect : action.effects)
       if (effect.time == Effect::Time::kStart)
         defined = evaluator_->collect(effect, bound, now, length, [&](Frame& f) { return evaluator_->holds(effect.condition.start, f, now, length); }, changes) && defined;
     State after = now;
-    if (!defined || !apply_changes(changes, after)) return {"an effect at the start reads a number without a value"};
-    evaluator_->derive(after);
-    check(check, action.condition.over_all, after);
+    if (defined && apply_changes(changes, after)) {
+      evaluator_->derive(after);
+      check(check, action.condition.over_all, after);
+    } else {
+      missing.push_back("an effect at the start reads a number without a value");
+    }
   }
   return missing;
 }

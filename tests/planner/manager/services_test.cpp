@@ -143,6 +143,8 @@ TEST_F(ManagerTest, ConditionsAreCheckedAtEveryTimeOfAnAction) {
   EXPECT_THAT(at("OVER-ALL"), ElementsAre("guarded"));
   EXPECT_THAT(at("END"), ElementsAre("Forall (lamp l) (not broken(l))"));
   EXPECT_THAT(check("{pddl_instance: x, name: smash, args: [l1]}"), ElementsAre("Forall (lamp m) lit(m)", "(price(l1) <= 3)"));
+  tell("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: x, name: power}]}");
+  EXPECT_THAT(check(action), ElementsAre("power", "guarded"));  // all that is missing, at once
 }
 
 TEST_F(ManagerTest, ConditionsReadAsInTheUnifiedPlanningFramework) {
