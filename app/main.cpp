@@ -1,5 +1,8 @@
 // cxlab: the command line. One process plays one episode.
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -24,6 +27,15 @@ std::vector<std::string> g_command_line;
 constexpr const char* kExitCodes =
     "Exit codes: 0 done; 1 the answer is no; 2 usage; 3 bad input; 4 the run failed; 5 output or resource; 70 a bug of "
     "cxlab; 130, 143 ended by a signal.";
+
+/// `code`; or that standard output did not take the answer, as on a full disk. A pipe whose reader has seen enough is no error.
+int with_all_said(int code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  struct stat out {};
+  if (fstat(STDOUT_FILENO, &out) == 0 && (S_ISFIFO(out.st_mode) || S_ISSOCK(out.st_mode))) return code;
+  std::fputs("error: standard output cannot be written\n", stderr);
+  return code == 0 ? static_cast<int>(ErrorKind::kResource) : code;
+}
 
 int main(int argc, char** argv) {
   sim::on_mujoco_bug([](const char* message) {
@@ -62,7 +74,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return usage_exit(app, e);
   }
-  return action();
+  return with_all_said(action());
 }
 
 }  // namespace

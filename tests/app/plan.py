@@ -26,7 +26,25 @@ class Plan(Lab):
         judged = subprocess.run([CXLAB, "validate", "d.pddl", "p.pddl", "found.plan"], capture_output=True, text=True, cwd=self.folder)
         self.assertEqual(judged.returncode, 0, judged.stdout)
         self.assertEqual((self.folder / "found.plan").read_text(), self.plan().stdout)
-        xml.etree.ElementTree.parse(self.folder / "found.svg")
+        picture = xml.etree.ElementTree.parse(self.folder / "found.svg")
+        texts = [text.text for text in picture.iter("{http://www.w3.org/2000/svg}text")]
+        self.assertEqual(texts[-3:], ["runs", "slack: may end this late, makespan kept", "waits for"])
+
+    def test_a_picture_is_as_wide_as_its_bars_need(self):
+        def width(places):
+            names = [f"p{i}" for i in range(places)]
+            roads = " ".join(f"(road {a} {b})" for a, b in zip(names, names[1:]))
+            self.plan("--svg", "found.svg", problem=f"(define (problem p) (:domain d) (:objects {' '.join(names)} - place) (:init (at p0) {roads}) (:goal (at {names[-1]})))")
+            return int(xml.etree.ElementTree.parse(self.folder / "found.svg").getroot().get("width"))
+        self.assertLess(width(3), 620)
+        self.assertAlmostEqual(width(31) - width(21), 300, delta=5)
+        self.assertEqual(width(70), width(80))
+
+    def test_standard_output_that_takes_nothing_is_told(self):
+        self.plan()
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([CXLAB, "plan", "d.pddl", "p.pddl"], stdout=full, stderr=subprocess.PIPE, text=True, cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr.splitlines()[-1]), (5, "error: standard output cannot be written"))
 
     def test_json_tells_order_and_bound(self):
         answer = json.loads(self.plan("--json").stdout)
