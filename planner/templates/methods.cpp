@@ -330,9 +330,18 @@ Value make_cycler(Interpreter& self, const Call& call) {
   Value cycler = Value::object("Cycler");
   auto at = std::make_shared<std::size_t>(0);
   const std::vector<Value> values = call.positional;
-  cycler.as_object()->set("next", Value::function("next", [at, values](Interpreter&, const Call&) { return values[(*at)++ % values.size()]; }));
-  cycler.as_object()->set("reset", Value::function("reset", [at](Interpreter&, const Call&) {
-                            *at = 0;
+  const auto turn_to = [at, values, weak = cycler.weak_object()](std::size_t next) {
+    *at = next % values.size();
+    if (const auto object = weak.lock()) object->set("current", values[*at]);
+  };
+  turn_to(0);
+  cycler.as_object()->set("next", Value::function("next", [at, values, turn_to](Interpreter&, const Call&) {
+                            const Value now = values[*at];
+                            turn_to(*at + 1);
+                            return now;
+                          }));
+  cycler.as_object()->set("reset", Value::function("reset", [turn_to](Interpreter&, const Call&) {
+                            turn_to(0);
                             return Value::none();
                           }));
   return cycler;

@@ -91,6 +91,8 @@ class Value {
   ListData* as_list() const { return get<ListData>(); }
   DictData* as_dict() const { return get<DictData>(); }
   ObjectData* as_object() const { return get<ObjectData>(); }
+  /// For functions of an object that change it: they do not keep it.
+  std::weak_ptr<ObjectData> weak_object() const { return std::get<std::shared_ptr<ObjectData>>(data_); }
   FunctionData* as_function() const { return get<FunctionData>(); }
 
   /// As Python's bool(), str(), repr() and type().__name__ say.
