@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -152,7 +153,16 @@ void add_plan(CLI::App& app, Action& action) {
   plan->footer(
       "Exit codes: 0 a plan; 10 proved unsolvable; 12 ended without plan or proof; 22 memory; 23 time or budget ended; 31 bad\n"
       "input; 34 unsupported PDDL; 2 usage; 5 output cannot be written.");
-  plan->callback([options, &action] { action = [options] { return run(*options); }; });
+  plan->callback([options, &action] {
+    action = [options] {
+      try {
+        return run(*options);
+      } catch (const std::bad_alloc&) {
+        std::fputs("error: out of memory\n", stderr);
+        return kMemory;
+      }
+    };
+  });
 }
 
 }  // namespace cxlab::app

@@ -1,6 +1,7 @@
 """cxlab plan: answers, exit codes, files. python3 -m unittest plan"""
 
 import json
+import resource
 import subprocess
 import xml.etree.ElementTree
 
@@ -39,6 +40,17 @@ class Plan(Lab):
         self.assertLess(width(3), 620)
         self.assertAlmostEqual(width(31) - width(21), 300, delta=5)
         self.assertEqual(width(70), width(80))
+
+    def test_memory_that_ends_is_an_answer_of_its_own(self):
+        few = lambda: resource.setrlimit(resource.RLIMIT_AS, (100 << 20, 100 << 20))
+        if subprocess.run([CXLAB, "--version"], capture_output=True, preexec_fn=few).returncode != 0:
+            self.skipTest("the program does not even begin, as under a sanitizer")
+        domain = "(define (domain d) (:types t) (:predicates (p ?a ?b - t)) (:action x :parameters (?a ?b - t) :effect (p ?a ?b)))"
+        objects = " ".join(f"o{i}" for i in range(900))
+        problem = f"(define (problem p) (:domain d) (:objects {objects} - t) (:init) (:goal (forall (?a ?b - t) (p ?a ?b))))"
+        files = [self.write("d.pddl", domain), self.write("p.pddl", problem)]
+        done = subprocess.run([CXLAB, "plan", *map(str, files)], capture_output=True, text=True, cwd=self.folder, preexec_fn=few)
+        self.assertEqual((done.returncode, done.stderr), (22, "error: out of memory\n"))
 
     def test_standard_output_that_takes_nothing_is_told(self):
         self.plan()
