@@ -1,6 +1,7 @@
 #include "planner/bounds/pair_times.h"
 
 #include <algorithm>
+#include <span>
 
 namespace cxlab::planner {
 
@@ -8,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kEntriesOfWork = 64;  ///< entries that take as long as one piece of Work::kBound
 
-bool share(const std::vector<int>& a, const std::vector<int>& b) {
+bool share(std::span<const int> a, std::span<const int> b) {
   return std::ranges::any_of(a, [&](int item) { return std::ranges::find(b, item) != b.end(); });
 }
 
@@ -142,9 +143,13 @@ void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& 
     }
     unite(happening.removes, broken);
   }
+  const auto removed_facts = [this](const Happening& happening) {  // they come before what it breaks
+    return std::span(happening.removes.begin(), std::ranges::lower_bound(happening.removes, facts_));
+  };
   for (int a = 0; a < runs_; ++a) {
     const Happening first = happenings_[static_cast<std::size_t>(end_of_run[a])];
     const std::vector<int>& needs = task.actions[action_of_run[a]].end.facts;
+    const std::span<const int> removes = removed_facts(first);
     for (const int atom : first.removes) {
       const int b = atom - facts_;
       if (b < a) continue;
@@ -155,14 +160,11 @@ void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& 
       const Happening& second = happenings_[static_cast<std::size_t>(end_of_run[b])];
       if (!std::ranges::binary_search(second.removes, facts_ + a)) continue;
       const std::vector<int>& others = task.actions[action_of_run[b]].end.facts;
-      if (share(first.adds, second.removes) || share(first.removes, second.adds) || share(needs, second.removes) || share(needs, second.adds) ||
-          share(others, first.removes) || share(others, first.adds))
+      const std::span<const int> other_removes = removed_facts(second);
+      if (share(first.adds, other_removes) || share(removes, second.adds) || share(needs, other_removes) || share(needs, second.adds) ||
+          share(others, removes) || share(others, first.adds))
         continue;  // they cannot share an instant
-      const auto facts_only = [this](std::vector<int> atoms) {
-        std::erase_if(atoms, [this](int f) { return f >= facts_; });
-        return atoms;
-      };
-      if (share(first.adds, second.adds) || share(facts_only(first.removes), second.removes)) {
+      if (share(first.adds, second.adds) || share(removes, other_removes)) {
         left_out_.emplace_back(a, b);
         continue;
       }
