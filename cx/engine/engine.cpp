@@ -142,11 +142,7 @@ RunReport RuleEngine::run(std::int64_t limit) {
   RunReport report;
   {
     HostCall call(*impl_, {ErrorSide::kCallback, "run", {}, 0, nullptr}, Collect::kLater);
-    impl_->limit = limit;
-    impl_->fired = 0;
-    impl_->limit_reached = false;
-    if (!impl_->fired_rules.empty()) impl_->fired_rules.clear();
-    if (!impl_->changed_templates.empty()) impl_->changed_templates.clear();
+    impl_->count_firings(limit);
     // The limit of Run itself would print a message whenever half of it has fired.
     report.fired = Run(environment_, -1);
     impl_->limit = 0;
@@ -155,6 +151,14 @@ RunReport RuleEngine::run(std::int64_t limit) {
   report.loop = impl_->limit_reached;
   if (report.loop) report.loop_report = impl_->loop_report();
   return report;
+}
+
+void RuleEngine::Impl::count_firings(std::int64_t most) {
+  limit = most;
+  fired = 0;
+  limit_reached = false;
+  if (!fired_rules.empty()) fired_rules.clear();
+  if (!changed_templates.empty()) changed_templates.clear();
 }
 
 LoopReport RuleEngine::Impl::loop_report() const {

@@ -143,6 +143,7 @@ struct EngineOptions {
   RecordSink* journal = nullptr;           ///< may be none
   FileAccess* files = nullptr;             ///< none: every path is refused to rules, `load_file` opens what it is given
   LookOutside* outside = nullptr;          ///< may be none
+  std::int64_t max_load_firings = 0;       ///< of a `(run)` in a file that is loaded; more are an error there; 0 = no limit
   bool trust_rules = false;                ///< `system`, `remove`, `rename` act
   std::function<void(std::string_view logical_name, std::string_view text)> on_output;  ///< all that rules print
 };

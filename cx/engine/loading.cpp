@@ -163,7 +163,19 @@ bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, Load
     if (fine) remember(form, file);
   } else {
     RouterData(env)->LineCountRouter = "command";
+    const bool counts = limit == 0;  // a rule that loads cannot `run`
+    if (counts) count_firings(engine.options_.max_load_firings);
     fine = RouteCommand(env, form.text.c_str(), false) && !GetEvaluationError(env);
+    if (counts) limit = 0;
+    if (counts && limit_reached) {
+      fine = false;
+      RuleError error;
+      error.file = file;
+      error.line = form.line;
+      error.message = "(" + form.head + " ...): " + loop_report().text();
+      error.detail = error.message;
+      add_error(std::move(error));
+    }
   }
   RouterData(env)->LineCountRouter = old_router;
   SetLineCount(env, old_line);

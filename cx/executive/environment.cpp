@@ -45,6 +45,7 @@ Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus:
   engine.journal = &journal;
   engine.files = &files;
   engine.outside = given.run->outside;
+  engine.max_load_firings = given.run->max_firings;
   engine.trust_rules = given.run->trust_rules;
   engine.on_output = [&self](std::string_view name, std::string_view text) { self.router_.write(name, text); };
   auto made = RuleEngine::create(std::move(engine));

@@ -159,6 +159,7 @@ struct RuleEngine::Impl {
   bool counting() const { return limit > 0 && fired + 5000 >= limit; }
   bool exit_requested = false;
   bool anything_left() const;
+  void count_firings(std::int64_t most);  ///< anew; from here on a loop ends there, with `limit_reached`
   LoopReport loop_report() const;
 
   // --- Functions (functions.cpp, builtins.cpp) -------------------------------------------------------------------

@@ -216,6 +216,18 @@ TEST_F(RuleErrors, ALoopIsStoppedAndExplained) {
   EXPECT_THAT(report.loop_report.text(), AllOf(HasSubstr("after 1000 firings"), HasSubstr("endless (1000 x, rules.clp:2)"), HasSubstr("count (2000 x)")));
 }
 
+TEST_F(RuleErrors, ARunInAFileThatNeverEndsIsStoppedAtItsLine) {
+  EngineOptions options;
+  options.max_load_firings = 1000;
+  const auto engine = RuleEngine::create(options);
+  ASSERT_TRUE(engine.ok());
+  const LoadReport report = (*engine)->load_text("(deftemplate n (slot x))\n(defrule endless ?n <- (n (x ?x)) => (modify ?n (x (+ ?x 1))))\n"
+                                                 "(assert (n (x 1)))\n(run)\n(deffacts more (a))", "calls.bat", LoadMode::kBatch, OnLoadError::kKeepGoing);
+  ASSERT_EQ(report.errors.size(), 1u);
+  EXPECT_THAT(report.errors[0].text(), AllOf(HasSubstr("calls.bat:4: "), HasSubstr("after 1000 firings"), HasSubstr("endless (1000 x, calls.bat:2)")));
+  EXPECT_NE((*engine)->find_construct("deffacts", "more"), nullptr) << "the rest is loaded";
+}
+
 TEST_F(RuleErrors, ARunThatEndsAtItsLimitIsNoLoop) {
   given("(deffacts f (a 1) (a 2) (a 3))\n(defrule go (a ?) =>)");
   engine().reset();
