@@ -26,8 +26,11 @@ struct StimuliServer::State {
   bus::ParticipantId self{};
   std::vector<Prepared> prepared;
   std::size_t next = 0;
-  std::map<std::string, EndpointId> publishers, clients, services, action_clients;
-  std::map<std::string, bus::GoalId> last_goal;
+  using Channel = std::pair<std::string, std::string>;  // name and type: one name may be served under several
+  static Channel channel(const Prepared& item) { return {item.stimulus.target, item.message->view().type().name()}; }
+  std::map<Channel, EndpointId> publishers, clients, action_clients;
+  std::map<std::string, EndpointId> services;
+  std::map<std::string, std::pair<EndpointId, bus::GoalId>> last_goal;
 
   std::vector<std::string> managers;
 
@@ -182,22 +185,22 @@ Status StimuliServer::State::prepare(const Stimulus& stimulus) {
 
 Expected<EndpointId> StimuliServer::State::client(const Prepared& item) {
   const std::string& target = item.stimulus.target;
-  if (const auto it = clients.find(target); it != clients.end()) return it->second;
+  if (const auto it = clients.find(channel(item)); it != clients.end()) return it->second;
   auto made = bus.create_client(self, target, *item.service, [this, target](const Delivery& d) { say(target, "response", d); });
-  if (made) clients[target] = *made;
+  if (made) clients[channel(item)] = *made;
   return made;
 }
 
 Expected<EndpointId> StimuliServer::State::action_client(const Prepared& item) {
   const std::string& target = item.stimulus.target;
-  if (const auto it = action_clients.find(target); it != action_clients.end()) return it->second;
+  if (const auto it = action_clients.find(channel(item)); it != action_clients.end()) return it->second;
   bus::Bus::ActionClientHandlers handlers;
   handlers.goal_response = [this, target](const Delivery& d) { say(target, d.accepted ? "goal accepted" : "goal rejected", d); };
   handlers.feedback = [this, target](const Delivery& d) { say(target, "feedback", d); };
   handlers.result = [this, target](const Delivery& d) { say(target, word(d.status), d); };
   handlers.cancel_response = [this, target](const Delivery& d) { say(target, d.return_code == 0 ? "cancel accepted" : "cancel refused", d); };
   auto made = bus.create_action_client(self, target, *item.action, std::move(handlers));
-  if (made) action_clients[target] = *made;
+  if (made) action_clients[channel(item)] = *made;
   return made;
 }
 
@@ -206,11 +209,11 @@ Status StimuliServer::State::post(const Prepared& item) {
   const std::string& target = stimulus.target;
   switch (stimulus.verb) {
     case Stimulus::Verb::kPublish: {
-      auto it = publishers.find(target);
+      auto it = publishers.find(channel(item));
       if (it == publishers.end()) {
         auto publisher = bus.advertise(self, target, item.message->view().type());
         if (!publisher) return at_stimulus(stimulus, publisher.error());
-        it = publishers.emplace(target, *publisher).first;
+        it = publishers.emplace(channel(item), *publisher).first;
       }
       bus.publish(it->second, item.message);
       return {};
@@ -238,14 +241,14 @@ Status StimuliServer::State::post(const Prepared& item) {
       auto made = action_client(item);
       if (!made) return at_stimulus(stimulus, made.error());
       if (!bus.action_ready(*made)) log(target + ": nobody serves it; the goal waits");
-      last_goal[target] = bus.send_goal(*made, item.message);
+      last_goal[target] = {*made, bus.send_goal(*made, item.message)};
       return {};
     }
     case Stimulus::Verb::kCancelGoal: {
       const auto it = last_goal.find(target);
       if (it == last_goal.end())
         return Error{ErrorKind::kInput, target + ": no goal was sent there before", stimulus.file, stimulus.line, {}};
-      bus.cancel_goal(action_clients.at(target), it->second);
+      bus.cancel_goal(it->second.first, it->second.second);
       return {};
     }
     case Stimulus::Verb::kStopNode: return stop_node(stimulus);
