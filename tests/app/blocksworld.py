@@ -104,6 +104,52 @@ NUMBERS = """(deffacts wanted
 (defrule apply (pddl-plan (state SUCCESS)) => (assert (pddl-action-get-effect (instance blocks) (action 0) (apply TRUE))))
 (defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
 """
+# Templates defined anew with the slots and values of CX alone, and strict types.
+OVERRIDES = """
+(deftemplate pddl-instance (slot name (type SYMBOL)) (slot domain (type STRING)) (slot problem (type STRING)) (slot directory (type STRING))
+  (slot state (type SYMBOL) (allowed-values PENDING LOADED ERROR)) (slot busy-with (type SYMBOL) (default FALSE)) (slot error (type STRING)))
+(deftemplate pddl-fluent-change (slot instance (type SYMBOL)) (slot name (type SYMBOL)) (multislot params (type SYMBOL))
+  (slot delete (type SYMBOL) (allowed-values FALSE TRUE)) (slot state (type SYMBOL) (allowed-values PENDING WAITING ERROR)))
+(deftemplate pddl-plan (slot instance (type SYMBOL)) (slot id (type SYMBOL)) (slot goal (type SYMBOL)) (slot goal-ptr (type EXTERNAL-ADDRESS)) (slot plan-type)
+  (slot goal-handle (type EXTERNAL-ADDRESS)) (slot output-dir (type STRING)) (slot type (type SYMBOL) (allowed-values TEMPORAL))
+  (slot state (type SYMBOL) (allowed-values PENDING WAITING PLANNING REQUEST-CANCELING CANCELING CANCELED)) (slot plan-start (type FLOAT)))
+(deftemplate pddl-action (slot instance (type SYMBOL)) (slot id (type INTEGER)) (slot name (type SYMBOL)) (multislot params (type STRING)) (slot plan (type SYMBOL))
+  (slot planned-start-time (type FLOAT)) (slot planned-duration (type FLOAT)) (slot state (type SYMBOL) (allowed-values IDLE SELECTED EXECUTING DONE)))
+(deftemplate pddl-action-condition (slot instance (type SYMBOL)) (slot action (type INTEGER))
+  (slot state (type SYMBOL) (allowed-values PENDING CHECK-CONDITION CONDITION-SAT CONDITION-UNSAT)) (multislot unsatisfied-conditions (type STRING)))
+(deftemplate pddl-action-get-effect (slot action (type INTEGER)) (slot effect-type (type SYMBOL) (allowed-values ALL START END)) (slot apply (type SYMBOL))
+  (slot state (type SYMBOL) (allowed-values PENDING START-EFFECT-APPLIED DONE)))
+"""
+OVERRIDING = """(deffacts wanted
+  (pddl-manager)
+  (pddl-instance (name blocks) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
+  (pddl-get-fluents (instance blocks)) (pddl-get-numeric-fluents (instance blocks))
+  (pddl-fluent-change (instance blocks) (name clear) (params b) (delete TRUE))
+  (pddl-fluent-change (instance blocks) (name holdink) (params b))
+  (pddl-fluent-change (instance blocks) (name ontable) (params c))
+  (pddl-goal-fluent (instance blocks) (goal base) (name holding) (params c))
+  (pddl-set-goals (instance blocks) (goal base))
+  (pddl-plan (instance blocks) (id p) (goal base)))
+(defrule check (pddl-action (id ?id)) => (assert (pddl-action-condition (instance blocks) (action ?id))))
+(defrule apply (pddl-action-condition (action ?id) (state CONDITION-SAT)) => (assert (pddl-action-get-effect (action ?id) (apply TRUE))))
+(defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
+"""
+# The agent loses interest while the manager answers.
+FORGETFUL = """(deffacts wanted
+  (pddl-manager)
+  (pddl-instance (name blocks) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
+  (pddl-get-fluents (instance blocks))
+  (pddl-action-names (instance blocks)))
+(defrule forget ?ask <- (pddl-get-fluents (state WAITING)) => (retract ?ask))
+(defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
+"""
+# The manager is not active: it answers questions and rejects goals.
+REJECTED = """(deffacts wanted
+  (pddl-manager)
+  (pddl-instance (name blocks) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
+  (pddl-plan (instance blocks) (id p)))
+(defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
+"""
 
 
 class Blocksworld(unittest.TestCase):
@@ -145,6 +191,15 @@ class Blocksworld(unittest.TestCase):
         self.assertEqual(self.result(self.out)["replans"], 1)
         self.cxlab("replay", self.out, "--rules")
 
+    def test_stimuli_may_ask_under_both_names_of_the_interfaces(self):
+        stimuli = Path(self.folder.name) / "both.yaml"
+        stimuli.write_text("".join(f"""
+- {{at: 1, call: /pddl_manager/add_pddl_instance, type: {package}/srv/AddPddlInstance, request: {{name: {package}, directory: {BLOCKS}/pddl, domain_file: domain.pddl, problem_file: problem.pddl}}}}
+- {{at: 2, send_goal: /pddl_manager/temp_plan, type: {package}/action/PlanTemporal, goal: {{pddl_instance: {package}, goal_instance: base}}}}
+""" for package in ("cx_pddl_interfaces", "expertino_msgs")))
+        done = self.cxlab("env", BLOCKS / "params/raw.yaml", "--with", "pddl_manager", "--stimuli", stimuli, "--until", 4, "--out", "none")
+        self.assertEqual(done.stderr.count("goal succeeded {success: true, actions: []}"), 2)
+
     def test_planning_takes_the_time_that_the_scenario_says(self):
         slow = self.cxlab("run", BLOCKS / "helpers.yaml", "--set", "planner.latency.a=5", "--out", self.out)
         self.assertRegex(slow.stderr, r"\[ +5\.[45]\d+\] \[info\] \[pddl_manager\] plan for 'tower'")
@@ -173,11 +228,12 @@ class Blocksworld(unittest.TestCase):
         self.assertEqual(done.returncode, 3)
         self.assertIn("found beside command, expected one of the two", done.stderr)
 
-    def facts_of(self, agent, *arguments, seconds=20):
+    def facts_of(self, agent, *arguments, seconds=20, config=CONFIG, overrides=""):
         """Log of a run of an agent with the helper rules."""
         package = Path(self.folder.name) / "agent"
         (package / "params").mkdir(parents=True, exist_ok=True)
-        (package / "params/agent.yaml").write_text(CONFIG)
+        (package / "params/agent.yaml").write_text(config)
+        (package / "overrides.clp").write_text(overrides)
         (package / "all.clp").write_text(agent.replace("FOLDER", str(BLOCKS / "pddl")))
         done = subprocess.run([CXLAB, "env", package / "params/agent.yaml", "--package", f"agent={package}", "--until", str(seconds), "--out", "none",
                                *(arguments or ["--with", "pddl_manager"])], capture_output=True, text=True, timeout=60)
@@ -212,6 +268,33 @@ class Blocksworld(unittest.TestCase):
         self.assertIn('(pddl-action (instance blocks) (id 0) (name unstack) (params "c" "a") (plan p2)', log)
         for left in ["goal-response", "wrapped-result", "cancel-goal", "service-request-meta", "ros-msgs-response", "cleaning up ... goal"]:
             self.assertNotIn(left, log)
+
+    def test_templates_may_be_defined_anew_with_the_slots_of_cx_alone(self):
+        batch = 'batch: ["clips/deftemplates.clp", "overrides.clp", "clips/pddl-no-deftemplates.clp", "all.clp"]'
+        log = self.facts_of(OVERRIDING, seconds=10, config=CONFIG.replace('batch: ["clips/pddl.clp", "all.clp"]', batch), overrides=OVERRIDES)
+        for fact in [
+            '(pddl-action-condition (instance blocks) (action 0) (state CONDITION-SAT) (unsatisfied-conditions))',
+            "(pddl-action-get-effect (action 0) (effect-type ALL) (apply TRUE) (state DONE))",
+            "(pddl-fluent (instance blocks) (name holding) (params c))",
+            "(pddl-fluent (instance blocks) (name ontable) (params c))",
+            "(pddl-fluent-change (instance blocks) (name holdink) (params b) (delete FALSE) (state ERROR))",
+            "(pddl-numeric-fluent (instance blocks) (name moves) (params) (value 1.0))",
+        ]:
+            self.assertIn(fact, log)
+        self.assertNotIn("(name clear) (params b)", log)
+        self.assertNotIn("pddl-refused", log)
+
+    def test_a_question_that_is_taken_back_does_not_block_the_instance(self):
+        log = self.facts_of(FORGETFUL, seconds=6)
+        self.assertIn("(pddl-action-names (instance blocks) (action-names pick-up put-down stack unstack) (state DONE)", log)
+        self.assertIn("(state LOADED) (busy-with FALSE)", log)
+
+    def test_a_rejected_goal_is_a_plan_that_failed(self):
+        stimuli = Path(self.folder.name) / "configure.yaml"
+        stimuli.write_text("[{at: 0.1, call: /pddl_manager/change_state, type: lifecycle_msgs/srv/ChangeState, request: {transition: {label: configure}}}]")
+        log = self.facts_of(REJECTED, "--with", "pddl_manager", "--param", "pddl_manager.autostart_node=false", "--stimuli", stimuli, seconds=6)
+        self.assertIn("plan was refused!", log)
+        self.assertRegex(log, r"\(id p\) .*\(goal-ptr nil\).*\(state FAILED\)")
 
     def test_an_effect_on_a_number_that_was_not_asked_for_begins_with_its_value(self):
         problem = Path(self.folder.name) / "pddl"

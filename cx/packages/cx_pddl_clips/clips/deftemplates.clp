@@ -57,6 +57,8 @@
   (slot instance) (slot name) (slot type) (slot delete (type SYMBOL) (allowed-values TRUE FALSE) (default FALSE))
   (slot state (type SYMBOL) (allowed-values PENDING WAITING ERROR) (default PENDING)) (slot error (type STRING)))
 
+(deftemplate pddl-refused "A change, by its index, that was refused together with others; it is tried alone." (slot change))
+
 ; --- Goals and plans
 
 (deftemplate pddl-goal-fluent (slot instance) (slot goal) (slot name) (multislot params))
@@ -98,6 +100,6 @@
   (slot instance) (slot action) (slot plan)
   (slot effect-type (type SYMBOL) (allowed-values ALL START END) (default ALL))
   (slot apply (type SYMBOL) (allowed-values TRUE FALSE) (default FALSE))
-  (slot state (type SYMBOL) (allowed-values PENDING WAITING START-EFFECT-APPLIED WAITING-END DONE ERROR) (default PENDING)) (slot error (type STRING)))
+  (slot state (type SYMBOL) (allowed-values PENDING WAITING START-EFFECT-APPLIED DONE ERROR) (default PENDING)) (slot error (type STRING)))
 (deftemplate pddl-effect-fluent (slot instance) (slot action) (slot name) (multislot params) (slot effect-type))
 (deftemplate pddl-effect-numeric-fluent (slot instance) (slot action) (slot name) (multislot params) (slot value) (slot effect-type))

@@ -2,7 +2,8 @@
 ; cx::CXCxPddlInterfacesPlanTemporalPlugin. An instance is asked one thing at a time: its slot busy-with says which.
 ; A request that finds no manager stays PENDING and is sent again at the next tick. Where several requests wait for an
 ; instance, these numbers say which goes first, as in the CLIPS-Executive; agents count on it (objects before the fluents that
-; name them, goals before the plan). Questions go at once.
+; name them, goals before the plan). Questions go at once. Of a template nothing is taken for granted but the slots and states
+; that CX has, for an agent may have defined it anew with these alone.
 
 (defglobal
   ?*PDDL-SALIENCE-INSTANCES* = -5100
@@ -60,9 +61,38 @@
 (deffunction pddl-error-of (?response)
   (if (ros-msgs-get-field ?response "success") then "" else (ros-msgs-get-field ?response "error")))
 
+; --- Requests. They are known by their index, which stays when they are modified.
+
+(deffunction pddl-agrees (?ask ?slot ?value)
+  "Whether a request can mean that: its slot has the value or nil, or there is none."
+  (or (not (deftemplate-slot-existp (fact-relation ?ask) ?slot)) (eq (fact-slot-value ?ask ?slot) nil) (eq (fact-slot-value ?ask ?slot) ?value)))
+
+(deffunction pddl-is-set (?pointer)
+  "FALSE of nil, and of the null pointer with which a slot of external addresses begins."
+  (bind ?text (implode$ (create$ ?pointer)))
+  (not (or (eq ?pointer nil) (str-index "(nil)" ?text) (str-index "0x0>" ?text))))
+
+(deffunction pddl-put (?ask ?slot ?value)
+  "Where the request has such a slot."
+  (if (deftemplate-slot-existp (fact-relation ?ask) ?slot) then
+    (switch ?slot
+      (case error then (modify ?ask (error ?value)))
+      (case instance then (modify ?ask (instance ?value))))))
+
+(deffunction pddl-becomes (?ask ?state ?error)
+  "The state of a request, if it is still there."
+  (if (fact-existp ?ask) then
+    (pddl-put ?ask error ?error)
+    (modify ?ask (state ?state))))
+
 (deffunction pddl-close (?ask ?error)
   "A question or request is DONE, or ERROR."
-  (modify ?ask (state (if (eq ?error "") then DONE else ERROR)) (error ?error)))
+  (pddl-becomes ?ask (if (eq ?error "") then DONE else ERROR) ?error))
+
+(deffunction pddl-sent (?i ?busy ?ask ?state)
+  "The instance is busy with the request."
+  (modify ?i (busy-with ?busy))
+  (pddl-becomes ?ask ?state ""))
 
 (deffunction pddl-answered (?instance ?message ?response ?meta)
   "The answer was taken: it goes, and the instance can be asked the next thing."
@@ -125,7 +155,7 @@
   (pddl-manager (node ?node) (ros-comm-init TRUE))
   =>
   (do-for-all-facts ((?c ros-msgs-client)) (eq (str-index (str-cat ?node "/") ?c:service) 1) (ros-msgs-destroy-client ?c:service))
-  (do-for-all-facts ((?p pddl-plan)) (eq (type ?p:goal-ptr) EXTERNAL-ADDRESS) (cx-pddl-interfaces-plan-temporal-goal-destroy ?p:goal-ptr))
+  (do-for-all-facts ((?p pddl-plan)) (pddl-is-set ?p:goal-ptr) (cx-pddl-interfaces-plan-temporal-goal-destroy ?p:goal-ptr))
   (cx-pddl-interfaces-plan-temporal-destroy-client (str-cat ?node "/temp_plan")))
 
 ; --- Instances
@@ -140,15 +170,14 @@
   (ros-msgs-set-field ?request "directory" ?directory)
   (ros-msgs-set-field ?request "domain_file" ?domain)
   (ros-msgs-set-field ?request "problem_file" ?problem)
-  (if (pddl-send ?node "add_pddl_instance" ?request instance ?name) then (modify ?instance (state WAITING))))
+  (if (pddl-send ?node "add_pddl_instance" ?request instance ?name (fact-index ?instance)) then (pddl-becomes ?instance WAITING "")))
 
 (defrule pddl-instance-loaded
-  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta instance ?name))
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta instance ?name ?instance))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
-  ?instance <- (pddl-instance (name ?name) (state WAITING))
   =>
   (bind ?error (pddl-error-of ?message))
-  (modify ?instance (state (if (eq ?error "") then LOADED else ERROR)) (error ?error))
+  (pddl-becomes ?instance (if (eq ?error "") then LOADED else ERROR) ?error)
   (ros-msgs-destroy-message ?message)
   (retract ?response ?meta))
 
@@ -160,17 +189,16 @@
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-action-names (instance ?instance) (state PENDING))
   =>
-  (if (pddl-send ?node "get_action_names" (pddl-request GetActionNames ?instance nil) action-names ?instance)
-   then (modify ?i (busy-with GET-ACTION-NAMES)) (modify ?ask (state WAITING))))
+  (if (pddl-send ?node "get_action_names" (pddl-request GetActionNames ?instance nil) action-names ?instance (fact-index ?ask))
+   then (pddl-sent ?i GET-ACTION-NAMES ?ask WAITING)))
 
 (defrule pddl-answer-action-names
-  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta action-names ?instance))
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta action-names ?instance ?ask))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
-  ?ask <- (pddl-action-names (instance ?instance) (state WAITING))
   =>
   (bind ?error (pddl-error-of ?message))
-  (modify ?ask (state (if (eq ?error "") then DONE else ERROR)) (error ?error)
-               (action-names (pddl-symbols (ros-msgs-get-field ?message "action_names"))))
+  (if (fact-existp ?ask) then (modify ?ask (action-names (pddl-symbols (ros-msgs-get-field ?message "action_names")))))
+  (pddl-close ?ask ?error)
   (pddl-answered ?instance ?message ?response ?meta))
 
 (defrule pddl-ask-fluents
@@ -178,14 +206,13 @@
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-fluents (instance ?instance) (state PENDING))
   =>
-  (if (pddl-send ?node "get_fluents" (pddl-request GetFluents ?instance nil) fluents ?instance)
-   then (modify ?i (busy-with GET-FLUENTS)) (modify ?ask (state WAITING))))
+  (if (pddl-send ?node "get_fluents" (pddl-request GetFluents ?instance nil) fluents ?instance (fact-index ?ask))
+   then (pddl-sent ?i GET-FLUENTS ?ask WAITING)))
 
 (defrule pddl-answer-fluents
   "The facts of the instance are those of the manager, no more and no less; those that were known stay as they are."
-  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta fluents ?instance))
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta fluents ?instance ?ask))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
-  ?ask <- (pddl-get-fluents (instance ?instance) (state WAITING))
   =>
   (bind ?error (pddl-error-of ?message))
   (if (eq ?error "") then
@@ -201,13 +228,12 @@
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-numeric-fluents (instance ?instance) (state PENDING))
   =>
-  (if (pddl-send ?node "get_functions" (pddl-request GetFunctions ?instance nil) functions ?instance)
-   then (modify ?i (busy-with GET-NUMERIC-FLUENTS)) (modify ?ask (state WAITING))))
+  (if (pddl-send ?node "get_functions" (pddl-request GetFunctions ?instance nil) functions ?instance (fact-index ?ask))
+   then (pddl-sent ?i GET-NUMERIC-FLUENTS ?ask WAITING)))
 
 (defrule pddl-answer-numeric-fluents
-  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta functions ?instance))
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta functions ?instance ?ask))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
-  ?ask <- (pddl-get-numeric-fluents (instance ?instance) (state WAITING))
   =>
   (bind ?error (pddl-error-of ?message))
   (if (eq ?error "") then
@@ -224,13 +250,12 @@
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-predicates (instance ?instance) (state PENDING))
   =>
-  (if (pddl-send ?node "get_predicates" (pddl-request GetPredicates ?instance nil) predicates ?instance)
-   then (modify ?i (busy-with GET-PREDICATES)) (modify ?ask (state WAITING))))
+  (if (pddl-send ?node "get_predicates" (pddl-request GetPredicates ?instance nil) predicates ?instance (fact-index ?ask))
+   then (pddl-sent ?i GET-PREDICATES ?ask WAITING)))
 
 (defrule pddl-answer-predicates
-  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta predicates ?instance))
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta predicates ?instance ?ask))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
-  ?ask <- (pddl-get-predicates (instance ?instance) (state WAITING))
   =>
   (bind ?error (pddl-error-of ?message))
   (foreach ?predicate (ros-msgs-get-field ?message "predicates")
@@ -247,13 +272,12 @@
   =>
   (bind ?request (pddl-request GetTypeObjects ?instance nil))
   (ros-msgs-set-field ?request "type" (str-cat ?type))
-  (if (pddl-send ?node "get_type_objects" ?request type-objects ?instance)
-   then (modify ?i (busy-with GET-TYPE-OBJECTS)) (modify ?ask (state WAITING))))
+  (if (pddl-send ?node "get_type_objects" ?request type-objects ?instance (fact-index ?ask) ?type)
+   then (pddl-sent ?i GET-TYPE-OBJECTS ?ask WAITING)))
 
 (defrule pddl-answer-type-objects
-  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta type-objects ?instance))
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta type-objects ?instance ?ask ?type))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
-  ?ask <- (pddl-get-type-objects (instance ?instance) (type ?type) (state WAITING))
   =>
   (bind ?error (pddl-error-of ?message))
   (if (eq ?error "") then
@@ -280,25 +304,34 @@
   (foreach ?message ?messages (ros-msgs-destroy-message ?message))
   (if (pddl-send ?node ?service ?request ?meta) then
     (modify ?i (busy-with ?busy))
-    (foreach ?change ?changes (modify ?change (state WAITING)))))
+    (foreach ?change ?changes (pddl-becomes ?change WAITING ""))))
 
 (deffunction pddl-refuse (?change ?error ?together)
   "The manager did not take it; of several each is tried alone."
-  (if ?together then (modify ?change (state PENDING) (error ?error))
+  (if ?together then
+    (assert (pddl-refused (change (fact-index ?change))))
+    (pddl-becomes ?change PENDING ?error)
    else
     (printout error (fact-relation ?change) ": " ?error crlf)
-    (modify ?change (state ERROR) (error ?error))))
+    (pddl-becomes ?change ERROR ?error)))
+
+(deffunction pddl-was-refused (?change)
+  (any-factp ((?r pddl-refused)) (eq ?r:change (fact-index ?change))))
+
+(deffunction pddl-close-changes ()
+  "What was tried alone has been answered."
+  (do-for-all-facts ((?r pddl-refused)) (or (not (fact-existp ?r:change)) (neq (fact-slot-value ?r:change state) PENDING)) (retract ?r)))
 
 (defrule pddl-send-fluent-changes
   (declare (salience ?*PDDL-SALIENCE-FLUENTS*))
   (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
-  ?change <- (pddl-fluent-change (instance ?instance) (delete ?delete) (state PENDING) (error ?tried))
+  ?change <- (pddl-fluent-change (instance ?instance) (delete ?delete) (state PENDING))
   (or (test (eq ?delete TRUE))
       (not (pddl-fluent-change (instance ?instance) (delete TRUE) (state PENDING))))
   =>
-  (bind ?changes (if (neq ?tried "") then (create$ ?change) else
-    (find-all-facts ((?c pddl-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:delete ?delete) (eq ?c:state PENDING) (eq ?c:error "")))))
+  (bind ?changes (if (pddl-was-refused ?change) then (create$ ?change) else
+    (find-all-facts ((?c pddl-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:delete ?delete) (eq ?c:state PENDING) (not (pddl-was-refused ?c))))))
   (pddl-send-changes ?node (if ?delete then "rm_fluents" else "add_fluents") (pddl-request (if ?delete then RemoveFluents else AddFluents) nil nil)
                      "fluents" (pddl-change-messages Fluent ?changes) ?changes ?i FLUENTS fluent-changes ?instance))
 
@@ -313,16 +346,17 @@
      else
       (if ?c:delete then (pddl-drop-fluent ?instance ?c:name ?c:params) else (pddl-take-fluent ?instance ?c:name ?c:params))
       (retract ?c)))
+  (pddl-close-changes)
   (pddl-answered ?instance ?message ?response ?meta))
 
 (defrule pddl-send-numeric-changes
   (declare (salience ?*PDDL-SALIENCE-FLUENTS*))
   (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
-  ?change <- (pddl-numeric-fluent-change (instance ?instance) (state PENDING) (error ?tried))
+  ?change <- (pddl-numeric-fluent-change (instance ?instance) (state PENDING))
   =>
-  (bind ?changes (if (neq ?tried "") then (create$ ?change) else
-    (find-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state PENDING) (eq ?c:error "")))))
+  (bind ?changes (if (pddl-was-refused ?change) then (create$ ?change) else
+    (find-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state PENDING) (not (pddl-was-refused ?c))))))
   (pddl-send-changes ?node "set_functions" (pddl-request SetFunctions nil nil) "functions" (pddl-change-messages Function ?changes) ?changes
                      ?i NUMERIC-FLUENTS numeric-changes ?instance))
 
@@ -337,6 +371,7 @@
      else
       (pddl-take-number ?instance ?c:name ?c:params ?c:value)
       (retract ?c)))
+  (pddl-close-changes)
   (pddl-answered ?instance ?message ?response ?meta))
 
 (defrule pddl-send-object-change
@@ -352,16 +387,15 @@
   (bind ?request (pddl-request (if ?delete then RemoveObjects else AddObjects) nil nil))
   (ros-msgs-set-field ?request "objects" (create$ ?object))
   (ros-msgs-destroy-message ?object)
-  (if (pddl-send ?node (if ?delete then "rm_objects" else "add_objects") ?request object-change ?instance)
-   then (modify ?i (busy-with OBJECTS)) (modify ?change (state WAITING))))
+  (if (pddl-send ?node (if ?delete then "rm_objects" else "add_objects") ?request object-change ?instance (fact-index ?change) ?name ?delete)
+   then (pddl-sent ?i OBJECTS ?change WAITING)))
 
 (defrule pddl-object-changed
-  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta object-change ?instance))
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta object-change ?instance ?change ?name ?delete))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
-  ?change <- (pddl-object-change (instance ?instance) (name ?name) (delete ?delete) (state WAITING))
   =>
   (bind ?error (pddl-error-of ?message))
-  (if (neq ?error "") then (modify ?change (state ERROR) (error ?error)) else (retract ?change))
+  (if (neq ?error "") then (pddl-becomes ?change ERROR ?error) else (if (fact-existp ?change) then (retract ?change)))
   (if (and ?delete (eq ?error "")) then
     (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance ?instance) (member$ (sym-cat ?name) ?f:params)) (retract ?f))
     (do-for-all-facts ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (member$ (sym-cat ?name) ?f:params)) (retract ?f)))
@@ -375,8 +409,8 @@
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-clear-goals (instance ?instance) (goal ?goal) (state PENDING))
   =>
-  (if (pddl-send ?node "clear_goals" (pddl-request ClearGoals ?instance ?goal) clear-goals ?instance)
-   then (modify ?i (busy-with CLEAR-GOALS)) (modify ?ask (state WAITING))))
+  (if (pddl-send ?node "clear_goals" (pddl-request ClearGoals ?instance ?goal) clear-goals ?instance (fact-index ?ask))
+   then (pddl-sent ?i CLEAR-GOALS ?ask WAITING)))
 
 (defrule pddl-send-create-goal-instance
   (declare (salience ?*PDDL-SALIENCE-CREATE-GOAL*))
@@ -384,8 +418,8 @@
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-create-goal-instance (instance ?instance) (goal ?goal) (state PENDING))
   =>
-  (if (pddl-send ?node "create_goal_instance" (pddl-request CreateGoalInstance ?instance ?goal) create-goal-instance ?instance)
-   then (modify ?i (busy-with CREATE-GOAL-INSTANCE)) (modify ?ask (state WAITING))))
+  (if (pddl-send ?node "create_goal_instance" (pddl-request CreateGoalInstance ?instance ?goal) create-goal-instance ?instance (fact-index ?ask))
+   then (pddl-sent ?i CREATE-GOAL-INSTANCE ?ask WAITING)))
 
 (defrule pddl-send-set-goals
   (declare (salience ?*PDDL-SALIENCE-SET-GOALS*))
@@ -405,24 +439,23 @@
   (ros-msgs-set-field ?request "fluents" ?fluents)
   (ros-msgs-set-field ?request "functions" ?functions)
   (foreach ?part (create$ ?fluents ?functions) (ros-msgs-destroy-message ?part))
-  (if (pddl-send ?node "set_goals" ?request set-goals ?instance)
-   then (modify ?i (busy-with SET-GOALS)) (modify ?ask (state WAITING))))
+  (if (pddl-send ?node "set_goals" ?request set-goals ?instance (fact-index ?ask))
+   then (pddl-sent ?i SET-GOALS ?ask WAITING)))
 
 (defrule pddl-goals-answered
-  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta ?what&clear-goals|create-goal-instance|set-goals ?instance))
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta ?what&clear-goals|create-goal-instance|set-goals ?instance ?ask))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
   (if (neq ?error "") then (printout error "pddl-" ?what ": " ?error crlf))
-  (do-for-fact ((?ask pddl-clear-goals pddl-create-goal-instance pddl-set-goals)) (and (eq ?ask:instance ?instance) (eq ?ask:state WAITING))
-    (pddl-close ?ask ?error))
+  (pddl-close ?ask ?error)
   (pddl-answered ?instance ?message ?response ?meta))
 
 (deffunction pddl-send-filter (?node ?i ?filter ?instance ?goal ?names ?service ?type ?field ?busy)
   (bind ?request (pddl-request ?type ?instance ?goal))
   (ros-msgs-set-field ?request ?field (pddl-strings ?names))
-  (if (pddl-send ?node ?service ?request filter ?instance)
-   then (modify ?i (busy-with ?busy)) (modify ?filter (state WAITING))))
+  (if (pddl-send ?node ?service ?request filter ?instance (fact-index ?filter))
+   then (pddl-sent ?i ?busy ?filter WAITING)))
 
 (defrule pddl-send-action-filter
   (declare (salience ?*PDDL-SALIENCE-ACTION-FILTER*))
@@ -449,24 +482,30 @@
   (pddl-send-filter ?node ?i ?f ?instance ?goal ?names "set_object_filter" SetObjectFilter "objects" SET-OBJECT-FILTER))
 
 (defrule pddl-filter-answered
-  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta filter ?instance))
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta filter ?instance ?filter))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
-  ?filter <- (pddl-planning-filter (instance ?instance) (state WAITING))
   =>
   (bind ?error (pddl-error-of ?message))
-  (if (eq ?error "") then (printout green TRUE " " ?error crlf) (retract ?filter)
-   else (printout error "pddl-planning-filter: " ?error crlf) (modify ?filter (state ERROR) (error ?error)))
+  (if (eq ?error "") then
+    (printout green TRUE " " ?error crlf)
+    (if (fact-existp ?filter) then (retract ?filter))
+   else
+    (printout error "pddl-planning-filter: " ?error crlf)
+    (pddl-becomes ?filter ERROR ?error))
   (pddl-answered ?instance ?message ?response ?meta))
 
 ; --- Plans. A goal's response does not say which goal it means, so one plan at a time waits for it (it has a goal and no
 ; handle yet); many are PLANNING.
+
+(deffunction pddl-plan-becomes (?plan ?state ?goal ?handle)
+  (modify ?plan (state ?state) (goal-ptr ?goal) (goal-handle ?handle)))
 
 (defrule pddl-send-plan
   (declare (salience ?*PDDL-SALIENCE-PLAN*))
   (pddl-manager (node ?node) (ros-comm-init TRUE))
   (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?plan <- (pddl-plan (instance ?instance) (goal ?goal) (output-dir ?directory) (state PENDING))
-  (not (pddl-plan (goal-ptr ~nil) (goal-handle nil)))
+  (not (pddl-plan (goal-ptr ?sent&:(pddl-is-set ?sent)) (goal-handle ?handle&:(not (pddl-is-set ?handle)))))
   =>
   (bind ?wanted (cx-pddl-interfaces-plan-temporal-goal-create))
   (cx-pddl-interfaces-plan-temporal-goal-set-field ?wanted "pddl_instance" (str-cat ?instance))
@@ -479,25 +518,25 @@
   (pddl-manager (node ?node))
   ?response <- (cx-pddl-interfaces-plan-temporal-goal-response (server ?server) (client-goal-handle-ptr ?handle))
   (test (eq ?server (str-cat ?node "/temp_plan")))
-  ?plan <- (pddl-plan (state ?state) (goal-ptr ?goal&~nil) (goal-handle nil))
+  ?plan <- (pddl-plan (state ?state) (goal-ptr ?goal&:(pddl-is-set ?goal)) (goal-handle ?none&:(not (pddl-is-set ?none))))
   =>
   (retract ?response)
-  (if (str-index "0x0>" (implode$ (create$ ?handle))) then
+  (if (pddl-is-set ?handle) then (pddl-plan-becomes ?plan (if (eq ?state WAITING) then PLANNING else ?state) ?goal ?handle)
+   else
     (printout red "plan was refused!" crlf)
     (cx-pddl-interfaces-plan-temporal-goal-destroy ?goal)
-    (modify ?plan (state FAILED) (goal-ptr nil))
-   else (modify ?plan (state (if (eq ?state WAITING) then PLANNING else ?state)) (goal-handle ?handle))))
+    (pddl-plan-becomes ?plan FAILED nil nil)))
 
 (defrule pddl-plan-cancel
   (pddl-manager (node ?node))
-  ?plan <- (pddl-plan (goal-handle ?handle&~nil) (state REQUEST-CANCELING))
+  ?plan <- (pddl-plan (goal-handle ?handle&:(pddl-is-set ?handle)) (state REQUEST-CANCELING))
   =>
   (cx-pddl-interfaces-plan-temporal-client-cancel-goal (str-cat ?node "/temp_plan") ?handle)
   (modify ?plan (state CANCELING)))
 
 (defrule pddl-plan-cancel-unsent
   "It has not reached the manager yet."
-  ?plan <- (pddl-plan (goal-handle nil) (goal-ptr nil) (state REQUEST-CANCELING))
+  ?plan <- (pddl-plan (goal-handle ?handle&:(not (pddl-is-set ?handle))) (goal-ptr ?goal&:(not (pddl-is-set ?goal))) (state REQUEST-CANCELING))
   =>
   (modify ?plan (state CANCELED)))
 
@@ -524,14 +563,14 @@
 
 (defrule pddl-plan-ended
   ?end <- (cx-pddl-interfaces-plan-temporal-wrapped-result (goal-id ?uuid) (code ?code) (result-ptr ?result))
-  ?plan <- (pddl-plan (id ?id) (instance ?instance) (goal-ptr ?goal) (goal-handle ?handle&~nil) (state PLANNING|REQUEST-CANCELING|CANCELING))
+  ?plan <- (pddl-plan (id ?id) (instance ?instance) (goal-ptr ?goal) (goal-handle ?handle&:(pddl-is-set ?handle)) (state PLANNING|REQUEST-CANCELING|CANCELING))
   (test (eq ?uuid (cx-pddl-interfaces-plan-temporal-client-goal-handle-get-goal-id ?handle)))
   =>
   (bind ?state (pddl-end-of-plan ?code ?result))
   (switch ?state
     (case SUCCESS then (pddl-take-steps ?result ?id ?instance))
     (case FAILED then (printout red "plan not found!" crlf)))
-  (modify ?plan (state ?state) (goal-ptr nil) (goal-handle nil))
+  (pddl-plan-becomes ?plan ?state nil nil)
   (cx-pddl-interfaces-plan-temporal-goal-destroy ?goal)
   (cx-pddl-interfaces-plan-temporal-client-goal-handle-destroy ?handle)
   (cx-pddl-interfaces-plan-temporal-result-destroy ?result)
@@ -543,26 +582,26 @@
   (declare (salience ?*PDDL-SALIENCE-CONDITIONS*))
   (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
-  ?ask <- (pddl-action-condition (instance ?instance) (action ?action) (plan ?plan) (state PENDING))
-  (pddl-action (instance ?instance) (id ?action) (plan ?of&:(or (eq ?plan nil) (eq ?plan ?of))) (name ?name) (params $?params))
+  ?ask <- (pddl-action-condition (instance ?instance) (action ?action) (state PENDING))
+  (pddl-action (instance ?instance) (id ?action) (plan ?plan&:(pddl-agrees ?ask plan ?plan)) (name ?name) (params $?params))
   =>
   (bind ?message (pddl-message Action ?instance ?name ?params))
   (bind ?request (pddl-request CheckActionCondition nil nil))
   (ros-msgs-set-field ?request "action" ?message)
   (ros-msgs-destroy-message ?message)
-  (if (pddl-send ?node "check_action_condition" ?request condition ?instance)
-   then (modify ?i (busy-with CHECK-CONDITIONS)) (modify ?ask (state CHECK-CONDITION))))
+  (if (pddl-send ?node "check_action_condition" ?request condition ?instance (fact-index ?ask))
+   then (pddl-sent ?i CHECK-CONDITIONS ?ask CHECK-CONDITION)))
 
 (defrule pddl-condition-checked
-  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta condition ?instance))
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta condition ?instance ?ask))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
-  ?ask <- (pddl-action-condition (instance ?instance) (state CHECK-CONDITION))
   =>
   (bind ?error (pddl-error-of ?message))
   (bind ?missing (create$))
   (foreach ?condition (ros-msgs-get-field ?message "unsatisfied_conditions") (bind ?missing (create$ ?condition ?missing)))
   (bind ?state (if (ros-msgs-get-field ?message "sat") then CONDITION-SAT else CONDITION-UNSAT))
-  (modify ?ask (state (if (eq ?error "") then ?state else ERROR)) (error ?error) (unsatisfied-conditions ?missing))
+  (if (fact-existp ?ask) then (modify ?ask (unsatisfied-conditions ?missing)))
+  (pddl-becomes ?ask (if (eq ?error "") then ?state else ERROR) ?error)
   (pddl-answered ?instance ?message ?response ?meta))
 
 (defrule pddl-send-get-effect
@@ -570,9 +609,9 @@
   (declare (salience ?*PDDL-SALIENCE-EFFECTS*))
   (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
-  ?ask <- (pddl-action-get-effect (action ?action) (instance ?own&:(or (eq ?own nil) (eq ?own ?instance))) (plan ?plan)
-                                  (state ?state&PENDING|START-EFFECT-APPLIED))
-  (pddl-action (instance ?instance) (id ?action) (plan ?of&:(or (eq ?plan nil) (eq ?plan ?of))) (name ?name) (params $?params))
+  ?ask <- (pddl-action-get-effect (action ?action) (state ?state&PENDING|START-EFFECT-APPLIED))
+  (test (pddl-agrees ?ask instance ?instance))
+  (pddl-action (instance ?instance) (id ?action) (plan ?plan&:(pddl-agrees ?ask plan ?plan)) (name ?name) (params $?params))
   (not (pddl-fluent-change (instance ?instance) (state PENDING)))
   (not (pddl-numeric-fluent-change (instance ?instance) (state PENDING)))
   =>
@@ -580,8 +619,10 @@
   (bind ?request (pddl-request GetActionEffects nil nil))
   (ros-msgs-set-field ?request "action" ?message)
   (ros-msgs-destroy-message ?message)
-  (if (pddl-send ?node "get_action_effects" ?request effects ?instance)
-   then (modify ?i (busy-with ACTION-EFFECTS)) (modify ?ask (instance ?instance) (state (if (eq ?state PENDING) then WAITING else WAITING-END)))))
+  (if (pddl-send ?node "get_action_effects" ?request effects ?instance (fact-index ?ask) (if (eq ?state PENDING) then START else END))
+   then
+    (pddl-put ?ask instance ?instance)
+    (pddl-sent ?i ACTION-EFFECTS ?ask WAITING)))
 
 (deffunction pddl-take-fluent-effect (?instance ?action ?fluent ?value ?apply ?point)
   "A change to make, or a fact to look at where the fluent becomes true."
@@ -620,21 +661,24 @@
      then (return TRUE)))
   FALSE)
 
-(deffunction pddl-tell-effects (?message ?instance ?action ?type ?apply ?state)
-  "What is due becomes changes, or facts; the state of the question afterwards. Numbers that it needs are asked for first."
+(deffunction pddl-tell-effects (?message ?instance ?action ?type ?apply ?asked)
+  "What is due becomes changes, or facts; the state of the question afterwards. Numbers that it needs are asked for first.
+  Asked for were the effects from START on, or the rest from END on."
   (if (pddl-number-missing ?message ?instance) then
     (assert (pddl-get-numeric-fluents (instance ?instance)))
-    (return (if (eq ?state WAITING) then PENDING else START-EFFECT-APPLIED)))
-  (if (and (neq ?type END) (eq ?state WAITING)) then (pddl-take-effects ?message ?instance ?action ?apply START))
-  (if (and (eq ?type ALL) ?apply (eq ?state WAITING)) then (return START-EFFECT-APPLIED))
+    (return (if (eq ?asked START) then PENDING else START-EFFECT-APPLIED)))
+  (if (and (neq ?type END) (eq ?asked START)) then (pddl-take-effects ?message ?instance ?action ?apply START))
+  (if (and (eq ?type ALL) ?apply (eq ?asked START)) then (return START-EFFECT-APPLIED))
   (if (neq ?type START) then (pddl-take-effects ?message ?instance ?action ?apply END))
   DONE)
 
 (defrule pddl-effects-told
-  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta effects ?instance))
+  ?meta <- (pddl-service-request-meta (service ?service) (request-id ?id) (meta effects ?instance ?ask ?asked))
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
-  ?ask <- (pddl-action-get-effect (instance ?instance) (action ?action) (effect-type ?type) (apply ?apply) (state ?state&WAITING|WAITING-END))
   =>
   (bind ?error (pddl-error-of ?message))
-  (modify ?ask (error ?error) (state (if (eq ?error "") then (pddl-tell-effects ?message ?instance ?action ?type ?apply ?state) else ERROR)))
+  (if (fact-existp ?ask) then
+    (pddl-becomes ?ask (if (neq ?error "") then ERROR
+                        else (pddl-tell-effects ?message ?instance (fact-slot-value ?ask action) (fact-slot-value ?ask effect-type)
+                                                (fact-slot-value ?ask apply) ?asked)) ?error))
   (pddl-answered ?instance ?message ?response ?meta))
