@@ -15,6 +15,7 @@ namespace {
 
 constexpr Micros kNever = DurationRange::kForever;
 constexpr std::int64_t kLandmarkWork = 10;  ///< word operations by unit of the slice
+constexpr std::size_t kMostBytes = std::size_t{512} << 20;  ///< of the times of pairs
 constexpr std::size_t kMostWays = 16;       ///< actions of an activity; more of them are seldom far apart
 
 class Bounds {
@@ -130,6 +131,12 @@ class Bounds {
     };
     const HappeningTask happenings(task_, durations_, released, unit);
     budget_.spend(Work::kBound, static_cast<std::int64_t>(task_.actions.size()));
+    const bool fits = 2 * PairTimes::bytes(happenings) <= kMostBytes;
+    bound.complete = !fits;
+    if (!fits || units_of(Work::kBound, PairTimes::round_work(happenings)) > slice) {
+      budget_.clear_slice();
+      return;
+    }
     PairTimes all(happenings);
     if (all.solve(budget_)) {
       raise(unit * all.time(goal_));

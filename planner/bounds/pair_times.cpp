@@ -191,6 +191,17 @@ PairTimes::PairTimes(const HappeningTask& task) : task_(task), width_(padded(tas
   end_beside_.resize(run_width_);
 }
 
+std::size_t PairTimes::bytes(const HappeningTask& task) {
+  const std::size_t atoms = static_cast<std::size_t>(task.atoms()), width = padded(task.atoms());
+  return sizeof(PairTime) * (atoms * width + static_cast<std::size_t>(task.runs()) * width + atoms * padded(task.runs()));
+}
+
+std::int64_t PairTimes::round_work(const HappeningTask& task) {
+  std::size_t rows = 0;
+  for (const Happening& happening : task.happenings()) rows += happening.needs.size() + happening.adds.size() + 1;
+  return static_cast<std::int64_t>(rows * (padded(task.atoms()) + padded(task.runs()))) / kEntriesOfWork;
+}
+
 bool PairTimes::solve(Budget& budget) {
   for (int p = 0; p < task_.facts(); ++p)
     for (int q = 0; q < task_.facts(); ++q)

@@ -79,6 +79,10 @@ class PairTimes {
 
   explicit PairTimes(const HappeningTask& task);
 
+  /// Memory of one, in bytes, and work of looking once at each happening, in pieces of Work::kBound.
+  static std::size_t bytes(const HappeningTask& task);
+  static std::int64_t round_work(const HappeningTask& task);
+
   /// From the initial state. False if the slice of the budget ended: then no time holds.
   bool solve(Budget& budget);
   /// From right after the beginning of an action in any plan: all may be true that `all`, from the initial state, does

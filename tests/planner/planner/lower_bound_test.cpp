@@ -41,6 +41,19 @@ constexpr const char* kTwoPieces = "(:objects a b - piece) (:init (raw a) (raw b
 
 TEST(LowerBound, PiecesThatShareAPlaceComeOneAfterTheOther) { EXPECT_EQ(seconds(bound_of(parse(kOven, kTwoPieces))), 30); }
 
+TEST(LowerBound, IsNotBegunWhereTheSliceIsTooShortForOneRound) {
+  std::string pieces, raw, out;
+  for (int i = 0; i < 60; ++i) {
+    const std::string piece = " p" + std::to_string(i);
+    pieces += piece, raw += " (raw" + piece + ")", out += " (out" + piece + ")";
+  }
+  const Expected<GroundTask> made = ground(parse(kOven, "(:objects" + pieces + " - piece) (:init (empty)" + raw + ") (:goal (and" + out + "))"));
+  ASSERT_TRUE(made);
+  Budget budget;
+  EXPECT_FALSE(lower_bound(*made, budget, 100).complete);
+  EXPECT_LT(budget.units(), 100);
+}
+
 TEST(LowerBound, SaysWhereActionsThatEndTogetherWouldBeShorter) {
   const Task task = parse(kOven, kTwoPieces);
   EXPECT_TRUE(bound_of(task).assumes_order);
