@@ -4,9 +4,12 @@
 #include <cctype>
 
 #include "planner/manager/condition_text.h"
+#include "planner/pddl/text.h"
 
 namespace cxlab::planner {
 namespace {
+
+constexpr std::size_t kMostNames = 10;  ///< that an error tells
 
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -29,11 +32,17 @@ std::vector<ObjectId> binding(const Effect& effect, const Frame& frame) {
   return objects;
 }
 
-Error unknown(const std::string& what, const std::string& found, const std::vector<std::string>& known) {
-  return input_error("unknown " + what + " '" + found + "'" + did_you_mean(found, known));
-}
-
 }  // namespace
+
+Error unknown_name(const std::string& what, const std::string& found, const std::vector<std::string>& known) {
+  const std::string text = "unknown " + what + " '" + found + "'";
+  if (known.empty()) return input_error(text + ", there is none");
+  if (const std::string hint = did_you_mean(found, known); !hint.empty()) return input_error(text + hint);
+  std::string names = known[0];
+  for (std::size_t i = 1; i < std::min(known.size(), kMostNames); ++i) names += ", " + known[i];
+  if (known.size() > kMostNames) names += " and " + std::to_string(known.size() - kMostNames) + " more";
+  return input_error(text + ", known: " + names);
+}
 
 Instance::Instance(Task task) : task_(std::move(task)), state_(task_.domain, task_.problem) {
   task_.problem.goal = {};
@@ -61,16 +70,17 @@ Expected<std::vector<ObjectId>> Instance::objects(const Names& names, const std:
   std::vector<ObjectId> ids(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     ids[i] = find(problem().object_names, lower(names[i]));
-    if (ids[i] < 0) return unknown("object", names[i], names_of(problem().objects));
+    if (ids[i] < 0) return unknown_name("object", names[i], names_of(problem().objects));
     if (!fits(domain(), problem().objects[static_cast<std::size_t>(ids[i])], parameters[i].types))
-      return input_error("'" + of + "': '" + names[i] + "' has the wrong type for " + parameters[i].name);
+      return input_error("'" + of + "': '" + names[i] + "' has the wrong type for " + parameters[i].name + ": found " +
+                         types_text(domain(), problem().objects[static_cast<std::size_t>(ids[i])].types) + ", expected " + types_text(domain(), parameters[i].types));
   }
   return ids;
 }
 
 Expected<Fact> Instance::fact(const std::string& predicate, const Names& arguments) const {
   const PredicateId id = find(domain().predicate_names, lower(predicate));
-  if (id < 0) return unknown("fluent", predicate, names_of(domain().predicates));
+  if (id < 0) return unknown_name("fluent", predicate, names_of(domain().predicates));
   auto ids = objects(arguments, domain().predicates[static_cast<std::size_t>(id)].parameters, predicate);
   if (!ids) return ids.error();
   return Fact{id, *std::move(ids)};
@@ -78,7 +88,7 @@ Expected<Fact> Instance::fact(const std::string& predicate, const Names& argumen
 
 Expected<Fact> Instance::number(const std::string& function, const Names& arguments) const {
   const FunctionId id = find(domain().function_names, lower(function));
-  if (id < 0) return unknown("function", function, names_of(domain().functions));
+  if (id < 0) return unknown_name("function", function, names_of(domain().functions));
   auto ids = objects(arguments, domain().functions[static_cast<std::size_t>(id)].parameters, function);
   if (!ids) return ids.error();
   return Fact{id, *std::move(ids)};
@@ -86,7 +96,7 @@ Expected<Fact> Instance::number(const std::string& function, const Names& argume
 
 Expected<ActionCall> Instance::step(const std::string& action, const Names& arguments) const {
   const ActionId id = find(domain().action_names, lower(action));
-  if (id < 0) return unknown("action", action, names_of(domain().actions));
+  if (id < 0) return unknown_name("action", action, names_of(domain().actions));
   auto ids = objects(arguments, domain().actions[static_cast<std::size_t>(id)].parameters, action);
   if (!ids) return ids.error();
   return ActionCall{id, *std::move(ids)};
@@ -94,7 +104,7 @@ Expected<ActionCall> Instance::step(const std::string& action, const Names& argu
 
 Expected<TypeId> Instance::type(const std::string& name) const {
   const TypeId id = find(domain().type_names, lower(name));
-  if (id < 0) return unknown("type", name, names_of(domain().types));
+  if (id < 0) return unknown_name("type", name, names_of(domain().types));
   return id;
 }
 
@@ -133,43 +143,58 @@ void Instance::set_value(const Fact& number, double value) {
   touch();
 }
 
-Status Instance::add_object(const std::string& written, const std::string& type_name) {
-  auto type_id = type(type_name);
-  if (!type_id) return type_id.error();
-  if (written.empty()) return input_error("found an object without a name");
-  Problem& problem = task_.problem;
-  if (const ObjectId known = find(problem.object_names, lower(written)); known >= 0) {
-    if (fits(domain(), problem.objects[static_cast<std::size_t>(known)], {*type_id})) return {};
-    return input_error("object '" + written + "' is there already, with another type than '" + type_name + "'");
+Expected<std::vector<Object>> Instance::new_objects(const std::vector<ObjectName>& wanted) const {
+  std::vector<Object> made;
+  for (const ObjectName& object : wanted) {
+    auto type_id = type(object.type);
+    if (!type_id) return type_id.error();
+    if (object.name.empty()) return input_error("found an object without a name");
+    const Object* there = nullptr;
+    if (const ObjectId known = find(problem().object_names, lower(object.name)); known >= 0) there = &problem().objects[static_cast<std::size_t>(known)];
+    for (const Object& before : made)
+      if (lower(before.name) == lower(object.name)) there = &before;
+    if (!there) made.push_back({object.name, {*type_id}, {Source::File::kProblem, 0}});
+    else if (!fits(domain(), *there, {*type_id}))
+      return input_error("object '" + object.name + "' is there already: found the type " + types_text(domain(), there->types) + ", expected " + object.type);
   }
-  problem.object_names[lower(written)] = static_cast<int>(problem.objects.size());
-  problem.objects.push_back({written, {*type_id}, {Source::File::kProblem, 0}});
-  renew_evaluator();
-  return {};
+  return made;
 }
 
-Status Instance::remove_object(const std::string& name, const std::string& type_name) {
-  const ObjectId id = find(problem().object_names, lower(name));
-  if (id < 0) return unknown("object", name, names_of(problem().objects));
-  if (!type_name.empty()) {
-    auto type_id = type(type_name);
-    if (!type_id) return type_id.error();
-    if (!fits(domain(), problem().objects[static_cast<std::size_t>(id)], {*type_id}))
-      return input_error("object '" + name + "' is not of type '" + type_name + "'");
+void Instance::add_objects(std::vector<Object> objects) {
+  Problem& problem = task_.problem;
+  for (Object& object : objects) {
+    problem.object_names[lower(object.name)] = static_cast<int>(problem.objects.size());
+    problem.objects.push_back(std::move(object));
   }
-  if (id < static_cast<ObjectId>(domain().constants.size())) return input_error("'" + name + "' is a constant of the domain and cannot be removed");
+  renew_evaluator();
+}
 
-  // The state goes through the problem, which knows how to be without an object. Goals go the same way.
-  const std::string told = problem().objects[static_cast<std::size_t>(id)].name;
+Expected<std::vector<char>> Instance::others_than(const std::vector<ObjectName>& gone) const {
+  std::vector<char> keep(problem().objects.size(), 1);
+  for (const ObjectName& object : gone) {
+    const ObjectId id = find(problem().object_names, lower(object.name));
+    if (id < 0) return unknown_name("object", object.name, names_of(problem().objects));
+    const Object& there = problem().objects[static_cast<std::size_t>(id)];
+    if (!object.type.empty()) {
+      auto type_id = type(object.type);
+      if (!type_id) return type_id.error();
+      if (!fits(domain(), there, {*type_id}))
+        return input_error("object '" + object.name + "': found the type " + types_text(domain(), there.types) + ", expected " + object.type);
+    }
+    if (id < static_cast<ObjectId>(domain().constants.size())) return input_error("'" + object.name + "' is a constant of the domain and cannot be removed");
+    keep[static_cast<std::size_t>(id)] = 0;
+  }
+  return keep;
+}
+
+/// The state goes through the problem, which knows how to be without objects. Goals go the same way.
+void Instance::keep_objects(const std::vector<char>& keep) {
   Problem now = problem();
-  evaluator_.reset();
   started_.clear();
   now.init.clear();
   for (Fact& fact : facts())
     if (!domain().predicates[static_cast<std::size_t>(fact.predicate)].derived) now.init.push_back(std::move(fact));
   now.values = state_.values();
-  std::vector<char> keep(now.objects.size(), 1);
-  keep[static_cast<std::size_t>(id)] = 0;
   for (auto& [_, goal] : goals_) {
     Problem carrier;
     carrier.objects = now.objects;
@@ -178,7 +203,8 @@ Status Instance::remove_object(const std::string& name, const std::string& type_
     carrier = without_objects(carrier, keep);
     goal.facts = std::move(carrier.init);
     goal.values = std::move(carrier.values);
-    std::erase(goal.objects, told);
+    for (std::size_t i = 0; i < keep.size(); ++i)
+      if (!keep[i]) std::erase(goal.objects, now.objects[i].name);
   }
   const auto before = [](const auto& events, std::size_t next) {
     return std::vector(events.begin() + static_cast<std::ptrdiff_t>(next), events.end());
@@ -189,7 +215,6 @@ Status Instance::remove_object(const std::string& name, const std::string& type_
   task_.problem = without_objects(now, keep);
   state_ = State(domain(), problem());
   renew_evaluator();
-  return {};
 }
 
 bool Instance::advance(double seconds) {
@@ -223,7 +248,7 @@ GoalInstance* Instance::goal(const std::string& name) {
 Status Instance::set_actions(GoalInstance& goal, const Names& names) const {
   Names wanted;
   for (const std::string& name : names) {
-    if (find(domain().action_names, lower(name)) < 0) return unknown("action", name, names_of(domain().actions));
+    if (find(domain().action_names, lower(name)) < 0) return unknown_name("action", name, names_of(domain().actions));
     wanted.push_back(lower(name));
   }
   goal.actions = std::move(wanted);
@@ -234,7 +259,7 @@ Status Instance::set_fluents(GoalInstance& goal, const Names& names) const {
   Names wanted, known = names_of(domain().predicates);
   for (const Function& function : domain().functions) known.push_back(function.name);
   for (const std::string& name : names) {
-    if (std::find(known.begin(), known.end(), lower(name)) == known.end()) return unknown("fluent", name, known);
+    if (std::find(known.begin(), known.end(), lower(name)) == known.end()) return unknown_name("fluent", name, known);
     wanted.push_back(lower(name));
   }
   goal.fluents = std::move(wanted);
@@ -245,7 +270,7 @@ Status Instance::set_objects(GoalInstance& goal, const Names& names) const {
   Names wanted;
   for (const std::string& name : names) {
     const ObjectId id = find(problem().object_names, lower(name));
-    if (id < 0) return unknown("object", name, names_of(problem().objects));
+    if (id < 0) return unknown_name("object", name, names_of(problem().objects));
     wanted.push_back(problem().objects[static_cast<std::size_t>(id)].name);
   }
   goal.objects = std::move(wanted);

@@ -7,7 +7,7 @@
 //   std::vector<std::string> missing = (*instance)->unsatisfied(*step, Instance::When::kStart);
 //
 // Names are taken in any case, and told as they were written: in lower case those of files, as they are those of objects
-// that were added. Errors name what was found and the nearest known name.
+// that were added. Errors name what was found and the nearest known name, or those known.
 
 #include <map>
 #include <memory>
@@ -30,6 +30,11 @@ struct GoalInstance {
   std::vector<std::string> actions;
   std::vector<std::string> fluents;  ///< predicates and functions whose present facts and values the planner gets
   std::vector<std::string> objects;  ///< beside the constants of the domain
+};
+
+/// An object as agents name it; one that is to go needs no type.
+struct ObjectName {
+  std::string name, type;
 };
 
 /// An action with its arguments.
@@ -75,9 +80,13 @@ class Instance {
   /// kInput where the predicate is derived.
   Status set(const Fact& fact, bool value);
   void set_value(const Fact& number, double value);
-  Status add_object(const std::string& name, const std::string& type);
-  /// With it go the facts, numbers and goals that name it.
-  Status remove_object(const std::string& name, const std::string& type);
+  /// Those of `wanted` that are not there yet; an error if one of them cannot be.
+  Expected<std::vector<Object>> new_objects(const std::vector<ObjectName>& wanted) const;
+  void add_objects(std::vector<Object> objects);
+  /// 1 for each object of the problem that stays without `gone`; an error if one of these cannot go.
+  Expected<std::vector<char>> others_than(const std::vector<ObjectName>& gone) const;
+  /// With the others go the facts, numbers and goals that name them.
+  void keep_objects(const std::vector<char>& keep);
   /// Lets the events of the problem come that are due `seconds` after it was loaded. Whether there were any.
   bool advance(double seconds);
 
@@ -134,5 +143,8 @@ class Instance {
 
 /// A copy of the problem without the objects for which `keep` is false; what names them goes, all else is renumbered.
 Problem without_objects(const Problem& problem, const std::vector<char>& keep);
+
+/// Says what was found, and the nearest of the known names or, where none is near, some of them.
+Error unknown_name(const std::string& what, const std::string& found, const std::vector<std::string>& known);
 
 }  // namespace cxlab::planner

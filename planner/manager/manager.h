@@ -140,6 +140,8 @@ class PddlManager {
   Expected<std::unique_ptr<Instance>> load(const View& q);
   Expected<std::string> read(const std::string& directory, const std::string& file);
   Status set_fluents(const std::vector<View>& fluents, bool value, const View& a);
+  struct ObjectsOf;
+  Expected<std::vector<ObjectsOf>> objects_by_instance(const View& q);
   void tell_update(const std::string& instance);
   Status check(const View& action, Instance::When when, const View& a);
   using Names = Instance::Names;

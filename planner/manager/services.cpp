@@ -58,7 +58,8 @@ Expected<Instance*> PddlManager::find_instance(const std::string& name) {
   if (known == instances_.end()) {
     std::vector<std::string> names;
     for (const auto& [other, _] : instances_) names.push_back(other);
-    return input_error("unknown pddl instance '" + name + "'" + did_you_mean(name, names));
+    if (names.empty()) return input_error("unknown pddl instance '" + name + "': none is loaded, add it with the service add_pddl_instance");
+    return unknown_name("pddl instance", name, names);
   }
   if (!options_.original && known->second.instance->advance(to_seconds(bus_.now() - known->second.loaded))) tell_update(name);
   return known->second.instance.get();
@@ -68,7 +69,7 @@ Expected<std::pair<Instance*, GoalInstance*>> PddlManager::find_goal(const View&
   auto instance = find_instance(q.text("pddl_instance"));
   if (!instance) return instance.error();
   GoalInstance* goal = (*instance)->goal(q.text("goal_instance"));
-  if (!goal) return input_error("pddl instance '" + q.text("pddl_instance") + "' has no goal instance '" + q.text("goal_instance") + "': create it first");
+  if (!goal) return input_error("pddl instance '" + q.text("pddl_instance") + "' has no goal instance '" + q.text("goal_instance") + "': create it first with the service create_goal_instance");
   return std::pair(*instance, goal);
 }
 
@@ -231,34 +232,56 @@ Status PddlManager::set_functions(const View& q, const View& a) {
   return {};
 }
 
-Status PddlManager::add_objects(const View& q, const View& a) {
-  const std::vector<View> objects = messages(q, "objects");
-  std::vector<std::string> changed;
-  Status done;
-  for (const View& object : objects) {
-    auto instance = find_instance(object.text("pddl_instance"));
-    done = instance ? (*instance)->add_object(object.text("name"), object.text("type")) : Status(instance.error());
-    if (!done) break;
-    add_once(changed, object.text("pddl_instance"));
+/// The objects of a request, by instance.
+struct PddlManager::ObjectsOf {
+  std::string name;
+  Instance* instance;
+  std::vector<ObjectName> objects;
+};
+
+Expected<std::vector<PddlManager::ObjectsOf>> PddlManager::objects_by_instance(const View& q) {
+  std::vector<ObjectsOf> all;
+  for (const View& object : messages(q, "objects")) {
+    const std::string& name = object.text("pddl_instance");
+    auto instance = find_instance(name);
+    if (!instance) return instance.error();
+    auto known = std::find_if(all.begin(), all.end(), [&](const ObjectsOf& o) { return o.instance == *instance; });
+    if (known == all.end()) known = all.insert(all.end(), {name, *instance, {}});
+    known->objects.push_back({object.text("name"), object.text("type")});
   }
-  for (const std::string& name : changed) tell_update(name);
-  if (done) put_spaces(a, options_.original, objects.size());
-  return done;
+  return all;
 }
 
-Status PddlManager::rm_objects(const View& q, const View& a) {
-  const std::vector<View> objects = messages(q, "objects");
-  std::vector<std::string> changed;
-  Status done;
-  for (const View& object : objects) {
-    auto instance = find_instance(object.text("pddl_instance"));
-    done = instance ? (*instance)->remove_object(object.text("name"), object.text("type")) : Status(instance.error());
-    if (!done) break;
-    add_once(changed, object.text("pddl_instance"));
+/// All or nothing.
+Status PddlManager::add_objects(const View& q, const View& a) {
+  auto all = objects_by_instance(q);
+  if (!all) return all.error();
+  std::vector<std::vector<Object>> made;
+  for (const ObjectsOf& of : *all) {
+    auto objects = of.instance->new_objects(of.objects);
+    if (!objects) return objects.error();
+    made.push_back(*std::move(objects));
   }
-  for (const std::string& name : changed) tell_update(name);
-  if (done) put_spaces(a, options_.original, objects.size());
-  return done;
+  for (std::size_t i = 0; i < made.size(); ++i) (*all)[i].instance->add_objects(std::move(made[i]));
+  for (const ObjectsOf& of : *all) tell_update(of.name);
+  put_spaces(a, options_.original, messages(q, "objects").size());
+  return {};
+}
+
+/// All or nothing.
+Status PddlManager::rm_objects(const View& q, const View& a) {
+  auto all = objects_by_instance(q);
+  if (!all) return all.error();
+  std::vector<std::vector<char>> stay;
+  for (const ObjectsOf& of : *all) {
+    auto keep = of.instance->others_than(of.objects);
+    if (!keep) return keep.error();
+    stay.push_back(*std::move(keep));
+  }
+  for (std::size_t i = 0; i < stay.size(); ++i) (*all)[i].instance->keep_objects(stay[i]);
+  for (const ObjectsOf& of : *all) tell_update(of.name);
+  put_spaces(a, options_.original, messages(q, "objects").size());
+  return {};
 }
 
 // --- Goals and filters
@@ -274,7 +297,7 @@ Status PddlManager::set_goals(const View& q, const View&) {
     auto instance = find_instance(part.text("pddl_instance"));
     if (!instance) return instance.error();
     GoalInstance* goal = (*instance)->goal(q.text("goal_instance"));
-    if (!goal) return input_error("pddl instance '" + part.text("pddl_instance") + "' has no goal instance '" + q.text("goal_instance") + "': create it first");
+    if (!goal) return input_error("pddl instance '" + part.text("pddl_instance") + "' has no goal instance '" + q.text("goal_instance") + "': create it first with the service create_goal_instance");
     return std::pair(*instance, goal);
   };
   const auto collect = [&]() -> Status {

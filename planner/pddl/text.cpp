@@ -30,14 +30,14 @@ const char* effect_verb(Effect::Kind kind) {
   }
 }
 
+}  // namespace
+
 std::string types_text(const Domain& domain, const std::vector<TypeId>& types) {
   if (types.size() == 1) return domain.types[types[0]].name;
   std::string text = "(either";
   for (const TypeId type : types) text += " " + domain.types[type].name;
   return text + ")";
 }
-
-}  // namespace
 
 std::string number_text(double number) {
   char buffer[64];

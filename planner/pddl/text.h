@@ -39,6 +39,8 @@ class Printer {
   std::vector<std::string> names_;
 };
 
+/// `block`, `(either a b)`
+std::string types_text(const Domain& domain, const std::vector<TypeId>& types);
 /// A number as short as it can be read back without loss: 5, 0.1.
 std::string number_text(double number);
 /// A time in seconds with three decimals, or up to nine where three lose something: 5.000, 33.333333333.

@@ -44,7 +44,7 @@ TEST_F(ManagerTest, ManagersInNamespacesKnowNothingOfEachOther) {
   const std::string load = "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}";
   EXPECT_TRUE(ask_one("/cyan/pddl_manager/add_pddl_instance", "AddPddlInstance", load).first);
   EXPECT_TRUE(ask_one("/cyan/pddl_manager/add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [a]}]}").first);
-  EXPECT_EQ(ask_one("/magenta/pddl_manager/get_fluents", "GetFluents", "{pddl_instance: bw}"), std::pair(false, std::string("unknown pddl instance 'bw'")));
+  EXPECT_EQ(ask_one("/magenta/pddl_manager/get_fluents", "GetFluents", "{pddl_instance: bw}"), std::pair(false, std::string("unknown pddl instance 'bw': none is loaded, add it with the service add_pddl_instance")));
   EXPECT_THAT(*cyan_updates, ElementsAre(HasSubstr("bw")));
   EXPECT_THAT(*magenta_updates, IsEmpty());
   EXPECT_GE(cyan_beats->size(), 3u);
@@ -180,7 +180,7 @@ TEST_F(ManagerTest, WhatWasUnderWayEndsWithTheNodeThatIsDeactivated) {
   EXPECT_TRUE(change("deactivate"));
   EXPECT_TRUE(change("cleanup"));
   EXPECT_TRUE(change("configure"));
-  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: bw}"), "unknown pddl instance 'bw'");
+  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: bw}"), "unknown pddl instance 'bw': none is loaded, add it with the service add_pddl_instance");
 }
 
 TEST_F(ManagerTest, AnInstanceThatIsLoadedAgainIsNew) {

@@ -66,6 +66,55 @@ TEST_F(ManagerTest, ErrorsNameWhatWasFoundAndChangeNothing) {
   EXPECT_THAT(error_of("add_pddl_instance", "AddPddlInstance", "{name: y, directory: \"" + folder_.string() + "\", domain_file: d.pddl}"), HasSubstr("d.pddl:3:"));
 }
 
+TEST_F(ManagerTest, AListOfObjectsIsTakenAsAWholeOrNotAtAll) {
+  start();
+  load_blocks();
+  tell("add_pddl_instance", "AddPddlInstance", "{name: other, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}");
+  const auto objects = [&](const std::string& instance) {
+    return texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: " + instance + ", type: object}").view(), "objects");
+  };
+  const std::vector<std::string> facts = fluents("bw");
+  const auto heard = listen("/pddl_manager/instance_update", "std_msgs/msg/String");
+  EXPECT_EQ(error_of("add_objects", "AddObjects", "{objects: [{pddl_instance: other, name: d, type: block}, {pddl_instance: bw, name: d, type: block}, {pddl_instance: bw, name: e, type: blok}]}"),
+            "unknown type 'blok', did you mean 'block'?");
+  EXPECT_EQ(error_of("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: d, type: object}, {pddl_instance: bw, name: D, type: block}]}"),
+            "object 'D' is there already: found the type object, expected block");
+  EXPECT_EQ(error_of("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: other, name: a}, {pddl_instance: bw, name: a}, {pddl_instance: bw, name: nobody}]}"),
+            "unknown object 'nobody', known: a, b, c");
+  EXPECT_THAT(*heard, IsEmpty());
+  EXPECT_THAT(objects("bw"), ElementsAre("a", "b", "c"));
+  EXPECT_THAT(objects("other"), ElementsAre("a", "b", "c"));
+  EXPECT_EQ(fluents("bw"), facts);
+
+  tell("add_objects", "AddObjects", "{objects: [{pddl_instance: other, name: d, type: block}, {pddl_instance: bw, name: d, type: block}, {pddl_instance: bw, name: D, type: object}]}");
+  tell("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: a, type: block}, {pddl_instance: other, name: b}, {pddl_instance: bw, name: b}]}");
+  EXPECT_THAT(*heard, ::testing::SizeIs(4));
+  EXPECT_THAT(objects("bw"), ElementsAre("c", "d"));
+  EXPECT_THAT(objects("other"), ElementsAre("a", "c", "d"));
+  EXPECT_THAT(fluents("bw"), ElementsAre("clear(c)", "handempty()"));
+}
+
+TEST_F(ManagerTest, ErrorsNameTheRemedy) {
+  start();
+  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: bw}"), "unknown pddl instance 'bw': none is loaded, add it with the service add_pddl_instance");
+  load_text(R"((define (domain d) (:requirements :typing)
+    (:types cup plate - dish place) (:predicates (on ?d - (either cup plate) ?p - place)) (:functions (price ?d - dish))
+    (:action move :parameters (?d - dish) :effect (on ?d table)) (:constants table - place)))",
+            "(define (problem p) (:domain d) (:objects red - cup deep - plate) (:init) (:goal (and)))");
+  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: household}"), "unknown pddl instance 'household', known: x");
+  EXPECT_EQ(error_of("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: on, args: [table, table]}]}"),
+            "'on': 'table' has the wrong type for ?d: found place, expected (either cup plate)");
+  EXPECT_EQ(error_of("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: below, args: []}]}"), "unknown fluent 'below', known: on");
+  EXPECT_EQ(error_of("set_functions", "SetFunctions", "{functions: [{pddl_instance: x, name: weight, args: [red]}]}"), "unknown function 'weight', known: price");
+  EXPECT_EQ(error_of("get_type_objects", "GetTypeObjects", "{pddl_instance: x, type: table}"), "unknown type 'table', known: object, cup, plate, place, dish");
+  EXPECT_EQ(error_of("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: x, name: red, type: place}]}"), "object 'red': found the type cup, expected place");
+  EXPECT_THAT(error_of("clear_goals", "ClearGoals", "{pddl_instance: x, goal_instance: tidy}"), HasSubstr("create it first with the service create_goal_instance"));
+  std::string many = "{objects: [";
+  for (int i = 0; i < 20; ++i) many += std::string(i ? ", " : "") + "{pddl_instance: x, name: cup-number-" + std::to_string(i) + ", type: cup}";
+  tell("add_objects", "AddObjects", many + "]}");
+  EXPECT_THAT(error_of("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: x, name: w}]}"), ::testing::EndsWith("cup-number-6 and 13 more"));
+}
+
 TEST_F(ManagerTest, ObjectsAreToldAsTheyWereAddedAndTakenInAnyCase) {
   start();
   load_blocks();
