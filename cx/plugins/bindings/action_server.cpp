@@ -71,9 +71,23 @@ void ActionBinding::destroy_server(Call& call) {
   const std::string server(call.text(0));
   const auto found = servers_.find(server);
   if (found == servers_.end()) return log(LogLevel::kWarn, "No action server " + server);
-  bus_.remove(found->second.endpoint);
+  const bus::EndpointId endpoint = found->second.endpoint;
   servers_.erase(found);
   take_back(named("server"), "name", server);
+  for (const auto& [handle, goal] : served_)
+    if (goal.endpoint == endpoint) abort_unended(goal, "its server was destroyed");
+  if (endpoint != answering_) bus_.remove(endpoint);  // else whoever asks the callback removes it, after the answer
+}
+
+bool ActionBinding::is_open(const std::string& server, bus::EndpointId endpoint) const {
+  const auto found = servers_.find(server);
+  return found != servers_.end() && found->second.endpoint == endpoint;
+}
+
+void ActionBinding::abort_unended(const ServedGoal& goal, const char* why) {
+  bus_.execute(goal.endpoint, goal.id);
+  if (bus_.finish(goal.endpoint, goal.id, bus::GoalStatus::kAborted, std::make_shared<bus::Message>(*type_.result)))
+    log(LogLevel::kWarn, "goal " + bus::to_string(goal.id) + " of server " + goal.server + " is aborted: " + why + " before its end");
 }
 
 std::int64_t ActionBinding::ask(const std::string& callback, std::initializer_list<Value> args, std::int64_t most, std::int64_t missing) {
@@ -93,17 +107,24 @@ std::int64_t ActionBinding::ask(const std::string& callback, std::initializer_li
 void ActionBinding::take_goal(const std::string& server, const bus::Delivery& delivery) {
   environment_.note_input("goal", server, delivery);
   const Handle message = store_.receive(delivery.message, owner_);
+  answering_ = delivery.endpoint;
   const std::int64_t answer =
       ask(named("handle-goal-callback"), {Value::string(server), Value::handle(message), Value::string(bus::to_string(delivery.goal))}, 3, kAccept);
+  answering_.reset();
   bus_.answer_goal(delivery.endpoint, delivery.goal, static_cast<bus::GoalAnswer>(answer));
-  const auto open = servers_.find(server);
-  if (answer == kReject || open == servers_.end()) {
+  const ServedGoal goal{server, delivery.endpoint, delivery.goal, delivery.message, message};
+  const bool open = is_open(server, delivery.endpoint);
+  if (!open) {
+    abort_unended(goal, "its server was destroyed");
+    bus_.remove(delivery.endpoint);
+  }
+  if (answer == kReject || !open) {
     store_.destroy(message);
     return;
   }
   const Handle handle = engine_.new_handle();
-  open->second.goals[delivery.goal] = handle;
-  served_[handle] = {server, delivery.endpoint, delivery.goal, delivery.message, message};
+  servers_.at(server).goals[delivery.goal] = handle;
+  served_[handle] = goal;
   put(named("accepted-goal"), {{"server", Value::string(server)}, {"server-goal-handle-ptr", Value::handle(handle)}});
 }
 
@@ -111,11 +132,14 @@ void ActionBinding::take_cancel(const std::string& server, const bus::Delivery& 
   environment_.note_input("cancel", server, delivery);
   const auto& goals = servers_.at(server).goals;
   const auto found = goals.find(delivery.goal);
+  answering_ = delivery.endpoint;
   const std::int64_t answer =
       found == goals.end() ? kReject
                            : ask(named("cancel-goal-callback"),
                                  {Value::string(server), Value::handle(goal_message(served_.at(found->second))), Value::handle(found->second)}, 2, kAccept);
+  answering_.reset();
   bus_.answer_cancel(delivery.endpoint, delivery, answer == kAccept);
+  if (!is_open(server, delivery.endpoint)) bus_.remove(delivery.endpoint);
 }
 
 ActionBinding::ServedGoal* ActionBinding::served(Call& call) {
@@ -145,10 +169,7 @@ void ActionBinding::destroy_served(Call& call) {
   served_.erase(found);
   if (const auto open = servers_.find(goal.server); open != servers_.end()) open->second.goals.erase(goal.id);
   store_.destroy(goal.goal);
-  // Nobody can end the goal any more; its client shall not wait for ever.
-  bus_.execute(goal.endpoint, goal.id);
-  if (bus_.finish(goal.endpoint, goal.id, bus::GoalStatus::kAborted, std::make_shared<bus::Message>(*type_.result)))
-    log(LogLevel::kWarn, "goal " + bus::to_string(goal.id) + " of server " + goal.server + " is aborted: its handle was destroyed before its end");
+  abort_unended(goal, "its handle was destroyed");
 }
 
 }  // namespace cxlab::cx

@@ -138,6 +138,8 @@ class BusConnection {
   ByName<Service> clients_, services_;
   ByName<ActionClient> action_clients_;
   std::map<Handle, Goal> goals_;
+  /// The service or action server whose callback runs: destroyed there, it answers all the same.
+  std::optional<bus::EndpointId> answering_;
 
  private:
   /// Warns with `missing` and the name where it is not open.
@@ -154,8 +156,6 @@ class BusConnection {
   }
   void answer(const std::string& service, const bus::Delivery& request);
   void take_goal_response(const std::string& server, const bus::Delivery& delivery);
-
-  std::optional<bus::EndpointId> answering_;  ///< the service whose callback runs: closed there, it answers all the same
 };
 
 }  // namespace cxlab::cx

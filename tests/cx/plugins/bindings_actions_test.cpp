@@ -214,6 +214,34 @@ TEST_F(ActionBindings, AnAbortedGoalAndOneWhoseHandleIsDestroyedEnd) {
   EXPECT_THAT(lab_.log.with("ended ABORTED () 6"), SizeIs(1)) << "the client does not wait for ever";
 }
 
+TEST_F(ActionBindings, AServerThatItsCallbackDestroysAnswersAndEndsItsGoals) {
+  run(R"((deffunction example-interfaces-fibonacci-handle-goal-callback (?server ?goal ?uuid)
+  (bind ?order (example-interfaces-fibonacci-goal-get-field ?goal order))
+  (if (> ?order 1) then (example-interfaces-fibonacci-destroy-server ?server))
+  (if (= ?order 3) then 1 else 2)))", false);
+  send("(send 1)");
+  EXPECT_THAT(said(), ElementsAre("info client: said fib status 2"));
+  lab_.log.lines.clear();
+  send("(send 2)");
+  EXPECT_THAT(lab_.log.with("is aborted: its server was destroyed before its end"), SizeIs(2)) << "the goal that ran, and the one that was accepted meanwhile";
+  EXPECT_THAT(lab_.log.with("said ended ABORTED () 6"), SizeIs(2)) << "their clients do not wait for ever";
+  EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-accepted-goal", "server"), SizeIs(1)) << "none for a goal that nobody can end";
+
+  ASSERT_TRUE(lab_.engine("server").eval("(example-interfaces-fibonacci-create-server \"/fib\")").ok());
+  send("(send 3)");
+  EXPECT_EQ(*lab_.engine("client").facts("example-interfaces-fibonacci-goal-response").back().slot("client-goal-handle-ptr"), Value::handle(Handle::kNone))
+      << "it was rejected";
+  EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-server", "server"), IsEmpty());
+}
+
+TEST_F(ActionBindings, AServerThatItsCancelCallbackDestroysAnswersTheCancel) {
+  run("(deffunction example-interfaces-fibonacci-cancel-goal-callback (?server ?goal ?handle) (example-interfaces-fibonacci-destroy-server ?server) 2)");
+  send();
+  send("(cancel)");
+  EXPECT_THAT(lab_.log.with("said ended ABORTED () 6"), SizeIs(1));
+  EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-cancel-goal-response", "client"), ElementsAre(HasSubstr("ERROR_REJECTED")));
+}
+
 TEST_F(ActionBindings, UnknownServerHandlesAreToldAndTheRuleGoesOn) {
   run("");
   for (const auto& [what, gives] : std::vector<std::pair<std::string, std::string>>{
