@@ -29,6 +29,7 @@ constexpr std::int64_t kBoundSlice = 30'000;         ///< units for the first lo
 constexpr std::int64_t kLeastBoundSlice = 2'000;     ///< as many as the first plan took and these where no better one is asked for
 constexpr std::int64_t kBoundGrowth = 6;             ///< how much longer the next slice for it is,
 constexpr std::int64_t kBoundShare = 5;              ///< and how many times as much has then been spent in all
+constexpr std::size_t kMostMissing = 5;              ///< numbers that an answer names
 constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
 
 using Clock = std::chrono::steady_clock;
@@ -51,7 +52,7 @@ class Planner {
   Expected<PlanAnswer> run() {
     if (ground_.proved_unsolvable) {
       answer_.status = PlanStatus::kUnsolvable;
-      answer_.reason = "the goal is out of reach even if nothing were ever deleted";
+      answer_.reason = "the goal is out of reach even if nothing were ever deleted" + missing_values();
       return finish();
     }
     sequences_ = std::make_unique<SearchSpace>(ground_);
@@ -78,6 +79,14 @@ class Planner {
     if (unsupported_ && !answer_.plan) return *unsupported_;
     answer_.units = budget_.units();
     return std::move(answer_);
+  }
+
+  std::string missing_values() const {
+    const std::vector<int>& missing = ground_.missing_values;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(missing.size(), kMostMissing); ++i) text += (i ? ", " : "") + number_name(task_, ground_.numbers[missing[i]]);
+    if (missing.size() > kMostMissing) text += " and " + std::to_string(missing.size() - kMostMissing) + " more";
+    return text.empty() ? text : "; without a value in :init, and nothing assigns one: " + text;
   }
 
   bool proved_best() const {

@@ -11,9 +11,11 @@ constexpr std::size_t kMostAims = 8;  ///< copies of an action that last until a
 
 /// What can happen if nothing is ever deleted and numbers go as far as they like in each direction in which they move.
 /// The beginning of an action asks for its start condition only: others may bring about the rest while it runs.
+/// A number without a value has none until one is assigned; before that what reads it or changes it cannot happen.
 class Relaxation {
  public:
-  explicit Relaxation(const GroundTask& task) : task_(task), useless_(task.actions.size(), 0) {
+  /// `any_value`: as if every number without a value had the right one.
+  explicit Relaxation(const GroundTask& task, bool any_value = false) : task_(task), any_value_(any_value), useless_(task.actions.size(), 0) {
     for (bool changed = true; changed;) {  // what can begin but never end is in no plan
       spread();
       changed = false;
@@ -27,8 +29,28 @@ class Relaxation {
            std::ranges::all_of(condition.comparisons, [this](int c) { return comparison_[c] != 0; });
   }
   bool applicable(std::size_t action) const { return ended_[action] != 0; }
+  bool has_value(int number) const { return defined_[number] != 0; }
 
  private:
+  bool has_value(const GroundExpression& expression) const {
+    return any_value_ || std::ranges::all_of(expression.steps, [this](const GroundExpression::Step& step) {
+      return step.kind == GroundExpression::Kind::kNumber ? defined_[step.number] != 0 : !std::isnan(step.value);
+    });
+  }
+  bool has_values(const GroundEffects& effects) const {
+    return any_value_ || std::ranges::all_of(effects.numbers, [this](const NumericEffect& effect) {
+      return has_value(effect.value) && (effect.kind == NumericEffect::Kind::kAssign || defined_[effect.number]);
+    });
+  }
+  bool can_begin(const GroundAction& action) const {
+    return has_values(action.at_start) &&
+           std::ranges::all_of(action.continuous, [this](const ContinuousEffect& effect) { return has_value(effect.rate) && (any_value_ || defined_[effect.number]); }) &&
+           std::ranges::all_of(action.duration, [this](const GroundDuration& duration) { return duration.at_end || has_value(duration.bound); });
+  }
+  bool can_end(const GroundAction& action) const {
+    return has_values(action.at_end) && std::ranges::all_of(action.duration, [this](const GroundDuration& duration) { return has_value(duration.bound); });
+  }
+
   void spread() {
     fact_.assign(task_.facts.size(), 0);
     comparison_.assign(task_.comparisons.size(), 0);
@@ -36,12 +58,16 @@ class Relaxation {
     ended_.assign(task_.actions.size(), 0);
     up_.assign(task_.numbers.size(), 0);
     down_.assign(task_.numbers.size(), 0);
+    defined_.assign(task_.numbers.size(), 0);
+    for (std::size_t n = 0; n < task_.numbers.size(); ++n) defined_[n] = !std::isnan(task_.initial_numbers[n]);
     for (std::size_t f = 0; f < task_.facts.size(); ++f)
       fact_[f] = task_.initial_facts[f] || (task_.facts[f].derived && task_.facts[f].is_complement);
     for (std::size_t c = 0; c < task_.comparisons.size(); ++c) {
       const GroundComparison& comparison = task_.comparisons[c];
-      comparison_[c] = comparison.holds(task_.initial_numbers.data()) || !comparison.linear.is_linear || comparison.linear.duration_weight != 0;
+      comparison_[c] = comparison.holds(task_.initial_numbers.data()) ||
+                       (any_value_ && std::isnan(comparison.expression.evaluate(task_.initial_numbers.data())));
     }
+    refresh();
     for (const TimedEvent& event : task_.events) apply(event.effects);
     for (bool changed = true; changed;) changed = round();
   }
@@ -52,21 +78,22 @@ class Relaxation {
       const GroundAction& action = task_.actions[a];
       if (useless_[a] || (ended_[a] && action.conditional.empty()) || !reaches(action.start)) continue;
       if (!begun_[a]) {
+        if (!can_begin(action)) continue;
         begun_[a] = 1;
         changed = true;
         apply(action.at_start);
         for (const ContinuousEffect& effect : action.continuous) move_number(effect.number, effect.rate);
         refresh();
       }
-      if (!ended_[a] && reaches(action.over_all) && reaches(action.end)) {
+      if (!ended_[a] && reaches(action.over_all) && reaches(action.end) && can_end(action)) {
         ended_[a] = 1;
         changed = true;
         apply(action.at_end);
       }
       for (const ConditionalEffects& conditional : action.conditional) {
         if (!reaches(conditional.start)) continue;
-        changed |= apply(conditional.at_start);
-        if (ended_[a] && reaches(conditional.over_all) && reaches(conditional.end)) changed |= apply(conditional.at_end);
+        if (has_values(conditional.at_start)) changed |= apply(conditional.at_start);
+        if (ended_[a] && reaches(conditional.over_all) && reaches(conditional.end) && has_values(conditional.at_end)) changed |= apply(conditional.at_end);
       }
     }
     for (const Axiom& axiom : task_.axioms)
@@ -88,7 +115,7 @@ class Relaxation {
       if (effect.kind == NumericEffect::Kind::kIncrease) {
         changed |= move_number(effect.number, effect.value);
       } else if (!up_[effect.number] || !down_[effect.number]) {
-        up_[effect.number] = down_[effect.number] = 1;
+        up_[effect.number] = down_[effect.number] = defined_[effect.number] = 1;
         changed = true;
       }
     }
@@ -105,19 +132,20 @@ class Relaxation {
 
   void refresh() {
     for (std::size_t c = 0; c < task_.comparisons.size(); ++c) {
-      if (comparison_[c]) continue;
       const GroundComparison& comparison = task_.comparisons[c];
+      if (comparison_[c] || !has_value(comparison.expression)) continue;
+      comparison_[c] = !comparison.linear.is_linear || comparison.linear.duration_weight != 0;
       for (const auto& [number, weight] : comparison.linear.weights) {
         const bool rises = weight > 0 ? up_[number] : down_[number], falls = weight > 0 ? down_[number] : up_[number];
-        if (rises || (falls && comparison.kind == GroundComparison::Kind::kZero) || (std::isnan(task_.initial_numbers[number]) && (rises || falls)))
-          comparison_[c] = 1;
+        if (rises || (falls && comparison.kind == GroundComparison::Kind::kZero)) comparison_[c] = 1;
       }
     }
   }
 
   const GroundTask& task_;
+  bool any_value_;
   std::vector<char> useless_;  ///< by action
-  std::vector<char> fact_, comparison_, begun_, ended_, up_, down_;
+  std::vector<char> fact_, comparison_, begun_, ended_, up_, down_, defined_;
 };
 
 template <class Visit>
@@ -177,6 +205,12 @@ bool events_help_goal(const GroundTask& task) {
     return std::ranges::any_of(event.effects.add, [&](int f) { return std::ranges::binary_search(task.goal.facts, f); }) ||
            std::ranges::any_of(event.effects.numbers, [&](const NumericEffect& effect) { return reads(effect.number); });
   });
+}
+
+void keep_applicable(GroundTask& task, const Relaxation& relaxation) {
+  std::vector<char> keep(task.actions.size(), 0);
+  for (std::size_t a = 0; a < task.actions.size(); ++a) keep[a] = relaxation.applicable(a);
+  compact(task.actions, keep);
 }
 
 /// Keeps actions that add a fact that is asked for, or change a number that is read, counting what the goal and kept
@@ -318,6 +352,38 @@ std::vector<int> aims(const GroundTask& task, const GroundAction& action) {
   return found;
 }
 
+/// Numbers without a value that keep the goal out of reach. Of the actions those stay that would help.
+void find_missing_values(GroundTask& task, const Relaxation& relaxation) {
+  const Relaxation with_values(task, true);
+  if (!with_values.reaches(task.goal)) return;
+  keep_applicable(task, with_values);
+  drop_irrelevant(task);
+  std::vector<char> missing(task.numbers.size(), 0);
+  const auto read = [&](const GroundExpression& expression) {
+    for (const auto& step : expression.steps)
+      if (step.kind == GroundExpression::Kind::kNumber && !relaxation.has_value(step.number)) missing[step.number] = 1;
+  };
+  const auto read_condition = [&](const GroundCondition& condition) {
+    for (const int c : condition.comparisons) read(task.comparisons[c].expression);
+  };
+  read_condition(task.goal);
+  for (const GroundAction& action : task.actions) {
+    for (const auto* condition : {&action.start, &action.over_all, &action.end}) read_condition(*condition);
+    for (const GroundDuration& duration : action.duration) read(duration.bound);
+    for (const auto* effects : {&action.at_start, &action.at_end})
+      for (const NumericEffect& effect : effects->numbers) {
+        read(effect.value);
+        if (effect.kind != NumericEffect::Kind::kAssign && !relaxation.has_value(effect.number)) missing[effect.number] = 1;
+      }
+    for (const ContinuousEffect& effect : action.continuous) {
+      read(effect.rate);
+      if (!relaxation.has_value(effect.number)) missing[effect.number] = 1;
+    }
+  }
+  for (std::size_t n = 0; n < missing.size(); ++n)
+    if (missing[n]) task.missing_values.push_back(static_cast<int>(n));
+}
+
 /// Where effects depend on a duration that may be chosen, the action is there with several.
 void offer_durations(GroundTask& task) {
   const auto mentions = [](const GroundExpression& expression) {
@@ -420,13 +486,13 @@ void drop_numbers(GroundTask& task) {
 
 void prune(GroundTask& task) {
   const Relaxation relaxation(task);
-  if (task.proved_unsolvable || !relaxation.reaches(task.goal)) {
+  if (task.proved_unsolvable) return;
+  if (!relaxation.reaches(task.goal)) {
     task.proved_unsolvable = true;
+    find_missing_values(task, relaxation);
     return;
   }
-  std::vector<char> keep(task.actions.size(), 0);
-  for (std::size_t a = 0; a < task.actions.size(); ++a) keep[a] = relaxation.applicable(a);
-  compact(task.actions, keep);
+  keep_applicable(task, relaxation);
   for (GroundAction& action : task.actions)
     std::erase_if(action.conditional, [&](const ConditionalEffects& conditional) {
       return !relaxation.reaches(conditional.start) || !relaxation.reaches(conditional.over_all) || !relaxation.reaches(conditional.end) ||

@@ -113,6 +113,12 @@ std::string action_name(const Task& task, const GroundAction& action) {
   return name + ")";
 }
 
+std::string number_name(const Task& task, const GroundNumber& number) {
+  std::string name = "(" + task.domain.functions[number.function].name;
+  for (const ObjectId object : number.objects) name += " " + task.problem.objects[object].name;
+  return name + ")";
+}
+
 std::string fact_name(const Task& task, const GroundFact& fact) {
   if (fact.predicate < 0) return "(disjunction)";
   std::string name = "(" + task.domain.predicates[fact.predicate].name;

@@ -201,6 +201,7 @@ struct GroundTask {
   std::vector<double> initial_numbers; ///< not-a-number where undefined
   GroundCondition goal;
   bool proved_unsolvable = false;      ///< the goal is out of reach even if nothing were ever deleted
+  std::vector<int> missing_values;     ///< numbers that keep the goal out of reach, for they have no value and get none
   GroundExpression metric;             ///< to be made small; empty = makespan
   int others = 0;                      ///< facts and numbers that only IdleTouch knows
 
@@ -210,6 +211,7 @@ struct GroundTask {
 
 /// "(name arg arg)" as plans write it.
 std::string action_name(const Task& task, const GroundAction& action);
+std::string number_name(const Task& task, const GroundNumber& number);
 std::string fact_name(const Task& task, const GroundFact& fact);
 
 }  // namespace cxlab::planner

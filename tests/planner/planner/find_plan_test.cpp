@@ -201,6 +201,28 @@ TEST(FindPlan, ProvesThatNothingAddsTheGoal) {
   EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
 }
 
+TEST(FindPlan, ANumberThatNeverGetsAValueIsNamed) {
+  const char* refuel = R"((:predicates (full ?c) (ready)) (:functions (fuel ?c) (spare ?c) (used))
+    (:action fill :parameters (?c) :precondition (ready) :effect (and (increase (fuel ?c) 1) (full ?c)))
+    (:action spill :parameters (?c) :precondition (ready) :effect (scale-down (spare ?c) 2)))";
+  const auto reason = [&](const std::string& more, const std::string& init, const std::string& goal) {
+    const PlanAnswer found = answer(parse(refuel + more, "(:objects a b) (:init (ready) " + init + ") (:goal " + goal + ")"), {.budget = 200'000});
+    return found.status == PlanStatus::kUnsolvable ? found.reason : found.plan ? "a plan" : "another answer: " + found.reason;
+  };
+  const std::string missing = "the goal is out of reach even if nothing were ever deleted; without a value in :init, and nothing assigns one: ";
+  EXPECT_EQ(reason("", "(= (fuel b) 0)", "(full a)"), missing + "(fuel a)");
+  EXPECT_EQ(reason("", "", "(and (full a) (>= (spare b) 1))"), missing + "(fuel a), (spare b)");
+  EXPECT_EQ(reason("", "(= (fuel a) 0)", "(full a)"), "a plan");
+  EXPECT_EQ(reason("", "", "(>= (fuel a) 3)"), missing + "(fuel a)");
+  EXPECT_EQ(reason("(:durative-action measure :parameters (?c) :duration (= ?duration (+ 1 (spare ?c))) :condition () :effect (at end (full ?c)))", "", "(full b)"),
+            missing + "(fuel b), (spare b)");
+  EXPECT_EQ(reason("(:action calibrate :parameters (?c) :effect (assign (fuel ?c) 2))", "", "(>= (fuel a) 4)"), "a plan");
+  EXPECT_EQ(reason("(:action pour :parameters (?c ?d) :precondition (not (= ?c ?d)) :effect (and (full ?c) (assign (fuel ?c) (fuel ?d))))", "", "(full a)"),
+            missing + "(fuel a), (fuel b)");
+  EXPECT_EQ(reason("", "(at 5 (= (fuel a) 1))", "(>= (fuel a) 3)"), "a plan");
+  EXPECT_EQ(reason("", "", "(and (full a) (not (ready)))"), "the goal is out of reach even if nothing were ever deleted");
+}
+
 TEST(FindPlan, ProvesThatNoOrderWorks) {
   const PlanAnswer found = answer(parse(R"((:predicates (key) (a) (b))
     (:action open-a :parameters () :precondition (key) :effect (and (a) (not (key))))
