@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import tempfile
 import unittest
@@ -142,6 +143,24 @@ FORGETFUL = """(deffacts wanted
   (pddl-action-names (instance blocks)))
 (defrule forget ?ask <- (pddl-get-fluents (state WAITING)) => (retract ?ask))
 (defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
+"""
+# A plan is taken back before it is accepted, another one while it is made; each makes room for the next.
+TAKEN_BACK = """(deffacts wanted
+  (pddl-manager)
+  (pddl-instance (name blocks) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
+  (pddl-create-goal-instance (instance blocks) (goal g1))
+  (pddl-create-goal-instance (instance blocks) (goal g2))
+  (pddl-goal-fluent (instance blocks) (goal g1) (name ontable) (params c))
+  (pddl-goal-fluent (instance blocks) (goal g2) (name holding) (params c))
+  (pddl-set-goals (instance blocks) (goal g1))
+  (pddl-set-goals (instance blocks) (goal g2))
+  (pddl-plan (instance blocks) (id p1) (goal g1)))
+(defrule take-back-unsent ?p <- (pddl-plan (id p1) (state WAITING)) =>
+  (retract ?p) (assert (pddl-plan (instance blocks) (id p2) (goal g2))))
+(defrule take-back-planned (pddl-plan (id p2) (state SUCCESS)) (not (p3)) => (assert (p3) (pddl-plan (instance blocks) (id p3) (goal g1))))
+(defrule take-back-sent ?p <- (pddl-plan (id p3) (state PLANNING)) =>
+  (retract ?p) (assert (pddl-plan (instance blocks) (id p4) (goal g2))))
+(defrule look (time ?t&:(> ?t 12.0)) (not (looked)) => (assert (looked)) (facts))
 """
 # The manager is not active: it answers questions and rejects goals.
 REJECTED = """(deffacts wanted
@@ -288,6 +307,16 @@ class Blocksworld(unittest.TestCase):
         log = self.facts_of(FORGETFUL, seconds=6)
         self.assertIn("(pddl-action-names (instance blocks) (action-names pick-up put-down stack unstack) (state DONE)", log)
         self.assertIn("(state LOADED) (busy-with FALSE)", log)
+
+    def test_a_plan_that_is_taken_back_gives_its_steps_to_no_other(self):
+        log = self.facts_of(TAKEN_BACK, "--with", "pddl_manager", "--param", "pddl_manager.planner={latency: {a: 1}}", seconds=14)
+        steps = [line.split("(pddl-action ")[1] for line in log.splitlines() if "(pddl-action " in line]
+        self.assertEqual([re.sub(r" \(planned.*", "", step) for step in steps],
+                         [f'(instance blocks) (id 0) (name unstack) (params "c" "a") (plan {plan})' for plan in ("p2", "p4")], log)
+        for plan in ("p2", "p4"):
+            self.assertRegex(log, rf"\(id {plan}\) .*goal-ptr nil.*\(state SUCCESS\)\)")
+        for left in ["goal-response", "wrapped-result", "pddl-plan-goal", "cleaning up ... goal", "[warn]", "[error]"]:
+            self.assertNotIn(left, log)
 
     def test_a_rejected_goal_is_a_plan_that_failed(self):
         stimuli = Path(self.folder.name) / "configure.yaml"

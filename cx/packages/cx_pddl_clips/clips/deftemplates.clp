@@ -86,6 +86,7 @@
   (slot type (type SYMBOL) (default TEMPORAL))
   (slot state (type SYMBOL)
     (allowed-values PENDING WAITING PLANNING SUCCESS FAILED REQUEST-CANCELING CANCELING CANCELED) (default PENDING)))
+(deftemplate pddl-plan-goal "A goal that was sent for a plan, and its handle when it has been accepted." (slot goal-ptr) (slot goal-handle))
 (deftemplate pddl-action "A step of a plan; its id counts from 0 in the plan."
   (slot instance) (slot id) (slot name (type SYMBOL)) (multislot params) (slot plan)
   (slot planned-start-time (type FLOAT)) (slot planned-duration (type FLOAT)))

@@ -155,7 +155,7 @@
   (pddl-manager (node ?node) (ros-comm-init TRUE))
   =>
   (do-for-all-facts ((?c ros-msgs-client)) (eq (str-index (str-cat ?node "/") ?c:service) 1) (ros-msgs-destroy-client ?c:service))
-  (do-for-all-facts ((?p pddl-plan)) (pddl-is-set ?p:goal-ptr) (cx-pddl-interfaces-plan-temporal-goal-destroy ?p:goal-ptr))
+  (do-for-all-facts ((?g pddl-plan-goal)) TRUE (cx-pddl-interfaces-plan-temporal-goal-destroy ?g:goal-ptr))
   (cx-pddl-interfaces-plan-temporal-destroy-client (str-cat ?node "/temp_plan")))
 
 ; --- Instances
@@ -494,8 +494,8 @@
     (pddl-becomes ?filter ERROR ?error))
   (pddl-answered ?instance ?message ?response ?meta))
 
-; --- Plans. A goal's response does not say which goal it means, so one plan at a time waits for it (it has a goal and no
-; handle yet); many are PLANNING.
+; --- Plans. A goal's response does not say which goal it means, so one goal at a time waits for it (it has no handle yet);
+; many are PLANNING. A plan may be retracted meanwhile: its goal is still answered, and the answer dropped.
 
 (deffunction pddl-plan-becomes (?plan ?state ?goal ?handle)
   (modify ?plan (state ?state) (goal-ptr ?goal) (goal-handle ?handle)))
@@ -505,27 +505,31 @@
   (pddl-manager (node ?node) (ros-comm-init TRUE))
   (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?plan <- (pddl-plan (instance ?instance) (goal ?goal) (output-dir ?directory) (state PENDING))
-  (not (pddl-plan (goal-ptr ?sent&:(pddl-is-set ?sent)) (goal-handle ?handle&:(not (pddl-is-set ?handle)))))
+  (not (pddl-plan-goal (goal-handle nil)))
   =>
   (bind ?wanted (cx-pddl-interfaces-plan-temporal-goal-create))
   (cx-pddl-interfaces-plan-temporal-goal-set-field ?wanted "pddl_instance" (str-cat ?instance))
   (cx-pddl-interfaces-plan-temporal-goal-set-field ?wanted "goal_instance" (str-cat ?goal))
   (cx-pddl-interfaces-plan-temporal-goal-set-field ?wanted "output_dir" ?directory)
   (cx-pddl-interfaces-plan-temporal-send-goal ?wanted (str-cat ?node "/temp_plan"))
+  (assert (pddl-plan-goal (goal-ptr ?wanted)))
   (modify ?plan (state WAITING) (goal-ptr ?wanted)))
 
 (defrule pddl-plan-accepted
   (pddl-manager (node ?node))
   ?response <- (cx-pddl-interfaces-plan-temporal-goal-response (server ?server) (client-goal-handle-ptr ?handle))
   (test (eq ?server (str-cat ?node "/temp_plan")))
-  ?plan <- (pddl-plan (state ?state) (goal-ptr ?goal&:(pddl-is-set ?goal)) (goal-handle ?none&:(not (pddl-is-set ?none))))
+  ?sent <- (pddl-plan-goal (goal-ptr ?goal) (goal-handle nil))
   =>
   (retract ?response)
-  (if (pddl-is-set ?handle) then (pddl-plan-becomes ?plan (if (eq ?state WAITING) then PLANNING else ?state) ?goal ?handle)
+  (if (pddl-is-set ?handle) then
+    (do-for-fact ((?plan pddl-plan)) (eq ?plan:goal-ptr ?goal) (pddl-plan-becomes ?plan (if (eq ?plan:state WAITING) then PLANNING else ?plan:state) ?goal ?handle))
+    (modify ?sent (goal-handle ?handle))
    else
     (printout red "plan was refused!" crlf)
+    (do-for-fact ((?plan pddl-plan)) (eq ?plan:goal-ptr ?goal) (pddl-plan-becomes ?plan FAILED nil nil))
     (cx-pddl-interfaces-plan-temporal-goal-destroy ?goal)
-    (pddl-plan-becomes ?plan FAILED nil nil)))
+    (retract ?sent)))
 
 (defrule pddl-plan-cancel
   (pddl-manager (node ?node))
@@ -563,14 +567,16 @@
 
 (defrule pddl-plan-ended
   ?end <- (cx-pddl-interfaces-plan-temporal-wrapped-result (goal-id ?uuid) (code ?code) (result-ptr ?result))
-  ?plan <- (pddl-plan (id ?id) (instance ?instance) (goal-ptr ?goal) (goal-handle ?handle&:(pddl-is-set ?handle)) (state PLANNING|REQUEST-CANCELING|CANCELING))
+  ?sent <- (pddl-plan-goal (goal-ptr ?goal) (goal-handle ?handle&~nil))
   (test (eq ?uuid (cx-pddl-interfaces-plan-temporal-client-goal-handle-get-goal-id ?handle)))
   =>
   (bind ?state (pddl-end-of-plan ?code ?result))
-  (switch ?state
-    (case SUCCESS then (pddl-take-steps ?result ?id ?instance))
-    (case FAILED then (printout red "plan not found!" crlf)))
-  (pddl-plan-becomes ?plan ?state nil nil)
+  (do-for-fact ((?plan pddl-plan)) (eq ?plan:goal-ptr ?goal)
+    (switch ?state
+      (case SUCCESS then (pddl-take-steps ?result ?plan:id ?plan:instance))
+      (case FAILED then (printout red "plan not found!" crlf)))
+    (pddl-plan-becomes ?plan ?state nil nil))
+  (retract ?sent)
   (cx-pddl-interfaces-plan-temporal-goal-destroy ?goal)
   (cx-pddl-interfaces-plan-temporal-client-goal-handle-destroy ?handle)
   (cx-pddl-interfaces-plan-temporal-result-destroy ?result)
