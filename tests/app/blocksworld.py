@@ -162,6 +162,15 @@ TAKEN_BACK = """(deffacts wanted
   (retract ?p) (assert (pddl-plan (instance blocks) (id p4) (goal g2))))
 (defrule look (time ?t&:(> ?t 12.0)) (not (looked)) => (assert (looked)) (facts))
 """
+# A question that is refused has the instance loaded again.
+LOADS_AGAIN = """(deffacts wanted
+  (pddl-manager)
+  (pddl-instance (name blocks) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER")))
+(defrule ask (time ?t&:(> ?t 5.0)) (not (pddl-get-fluents)) => (assert (pddl-get-fluents (instance blocks))))
+(defrule load-again ?ask <- (pddl-get-fluents (state ERROR)) ?i <- (pddl-instance (state LOADED)) =>
+  (modify ?i (state PENDING) (busy-with FALSE)) (modify ?ask (state PENDING)))
+(defrule look (time ?t&:(> ?t 7.0)) (not (looked)) => (assert (looked)) (facts))
+"""
 # The manager is not active: it answers questions and rejects goals.
 REJECTED = """(deffacts wanted
   (pddl-manager)
@@ -333,6 +342,17 @@ class Blocksworld(unittest.TestCase):
         log = self.facts_of(NUMBERS.replace("FOLDER", str(problem)), seconds=6)
         self.assertIn("(pddl-numeric-fluent (instance blocks) (name moves) (params) (value 42.0))", log)
         self.assertIn("(pddl-action-get-effect (instance blocks) (action 0) (plan nil) (effect-type ALL) (apply TRUE) (state DONE)", log)
+
+    def test_a_manager_that_lost_its_instances_is_told_and_may_load_them_again(self):
+        life = Path(self.folder.name) / "life.yaml"
+        life.write_text("\n".join(f"- {{at: {at}, call: /pddl_manager/change_state, type: lifecycle_msgs/srv/ChangeState, request: {{transition: {{label: {label}}}}}}}"
+                                  for at, label in [(2, "deactivate"), (2.1, "cleanup"), (3, "configure"), (3.1, "activate")]))
+        run = ("--with", "pddl_manager", "--stimuli", life, "--until", "20", "--out", "none")
+        done = subprocess.run([CXLAB, "env", BLOCKS / "params/helpers.yaml", *run], capture_output=True, text=True, timeout=60)
+        self.assertIn("[error] [builder] pddl-action-get-effect: unknown pddl instance 'blocks': none is loaded, add it with the service add_pddl_instance", done.stderr)
+        log = self.facts_of(LOADS_AGAIN, *run[:4], seconds=8)
+        self.assertIn("(pddl-get-fluents (instance blocks) (state DONE)", log)
+        self.assertIn("(name ontable) (params a)", log)
 
     def test_each_namespace_may_have_its_manager_and_its_agent(self):
         scenario = Path(self.folder.name) / "two.yaml"

@@ -80,8 +80,9 @@
       (case instance then (modify ?ask (instance ?value))))))
 
 (deffunction pddl-becomes (?ask ?state ?error)
-  "The state of a request, if it is still there."
+  "The state of a request, if it is still there. Errors are told."
   (if (fact-existp ?ask) then
+    (if (eq ?state ERROR) then (printout error (fact-relation ?ask) ": " ?error crlf))
     (pddl-put ?ask error ?error)
     (modify ?ask (state ?state))))
 
@@ -311,9 +312,7 @@
   (if ?together then
     (assert (pddl-refused (change (fact-index ?change))))
     (pddl-becomes ?change PENDING ?error)
-   else
-    (printout error (fact-relation ?change) ": " ?error crlf)
-    (pddl-becomes ?change ERROR ?error)))
+   else (pddl-becomes ?change ERROR ?error)))
 
 (deffunction pddl-was-refused (?change)
   (any-factp ((?r pddl-refused)) (eq ?r:change (fact-index ?change))))
@@ -447,7 +446,6 @@
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
-  (if (neq ?error "") then (printout error "pddl-" ?what ": " ?error crlf))
   (pddl-close ?ask ?error)
   (pddl-answered ?instance ?message ?response ?meta))
 
@@ -490,7 +488,6 @@
     (printout green TRUE " " ?error crlf)
     (if (fact-existp ?filter) then (retract ?filter))
    else
-    (printout error "pddl-planning-filter: " ?error crlf)
     (pddl-becomes ?filter ERROR ?error))
   (pddl-answered ?instance ?message ?response ?meta))
 

@@ -24,11 +24,6 @@
           (pddl-get-numeric-fluents (instance blocks))
           (pddl-create-goal-instance (instance blocks) (goal tower))))
 
-(defrule not-loaded
-  (pddl-instance (state ERROR) (error ?error))
-  =>
-  (printout error "the problem was not loaded: " ?error crlf))
-
 (defrule aim
   "The goal instance is there: tell what is wanted."
   (pddl-create-goal-instance (goal tower) (state DONE))
