@@ -70,11 +70,25 @@ Expected<std::vector<double>> snapshot_times(const std::string& text, double end
   return times;
 }
 
+/// Of a number that CLI11 cannot read it says neither what it expected nor how to write it.
+static std::string told(const CLI::App& command, const CLI::ParseError& error) {
+  const std::string text = error.what(), begin = "Could not convert: ";
+  const std::size_t equals = text.find(" = ");
+  if (!text.starts_with(begin) || equals == std::string::npos) return text;
+  const std::string name = text.substr(begin.size(), equals - begin.size()), found = text.substr(equals + 3);
+  const CLI::Option* option = command.get_option_no_throw(name);
+  const bool whole = option && option->get_type_name().find("INT") != std::string::npos;
+  const auto value = number_in(found);
+  const bool is_whole = whole && value && *value == std::floor(*value) && std::abs(*value) < 1e15;
+  return name + ": " + expected(found, whole ? "a whole number" : "a number") + (is_whole ? ": " + std::to_string(static_cast<std::int64_t>(*value)) : "");
+}
+
 int usage_exit(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) return app.exit(error);
   std::string command = "cxlab";
-  for (const CLI::App* at = &app; !at->get_subcommands().empty();) command += ' ' + (at = at->get_subcommands().front())->get_name();
-  std::fprintf(stderr, "error: %s\n%s --help tells more\n", error.what(), command.c_str());
+  const CLI::App* at = &app;
+  while (!at->get_subcommands().empty()) command += ' ' + (at = at->get_subcommands().front())->get_name();
+  std::fprintf(stderr, "error: %s\n%s --help tells more\n", told(*at, error).c_str(), command.c_str());
   return static_cast<int>(ErrorKind::kUsage);
 }
 

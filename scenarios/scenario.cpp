@@ -152,6 +152,7 @@ Expectation read_expectation(const yaml::Value& value) {
 
 std::vector<Stimulus> read_stimuli(const yaml::Value& list) {
   std::vector<Stimulus> stimuli;
+  if (list.is_map() && list.as_map().entries().empty()) return stimuli;  // an empty file
   for (const yaml::Value& item : list.as_list()) stimuli.push_back(read_stimulus(item));
   std::stable_sort(stimuli.begin(), stimuli.end(), [](const Stimulus& a, const Stimulus& b) { return a.at < b.at; });
   return stimuli;

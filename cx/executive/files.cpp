@@ -52,7 +52,8 @@ Files::Files(Options options) : options_(std::move(options)) {
 Expected<std::string> Files::share_directory(std::string_view package) const {
   const auto found = options_.packages.find(std::string(package));
   if (found != options_.packages.end()) return found->second.share;
-  return input_error("package '" + std::string(package) + "' not found" + did_you_mean(std::string(package), packages()));
+  const std::string name(package), near = did_you_mean(name, packages());
+  return input_error("package '" + name + "' not found" + (near.empty() ? "; say where it is: --package " + name + "=DIR, or packages: {" + name + ": DIR} in a scenario" : near));
 }
 
 Expected<std::string> Files::prefix(std::string_view package) const {

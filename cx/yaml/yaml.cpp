@@ -239,7 +239,9 @@ void Map::finish() {
     const std::string near = nearest_word(key, asked_);
     const auto missing = std::find_if(missing_.begin(), missing_.end(), [&](const auto& m) { return m.first == near; });
     if (missing != missing_.end()) {
-      value_.shared_->errors[missing->second].message += ", did you mean it by '" + key + "'?";
+      Error& error = value_.shared_->errors[missing->second];
+      error.message += ", did you mean it by '" + key + "'?";
+      if (!error.file.empty()) error.line = item.first.Mark().line + 1;
       missing_.erase(missing);
       continue;
     }

@@ -137,6 +137,19 @@ class Scenarios(Lab):
         self.assertEqual(done.returncode, 3)
         self.assertIn("--package a=nowhere: there is no folder nowhere", done.stderr)
 
+    def test_a_package_that_nobody_named_is_told_with_its_option(self):
+        self.agent("")
+        remedy = "Cannot resolve file rules.clp: package 'rules' not found; say where it is: --package rules=DIR, or packages: {rules: DIR} in a scenario"
+        self.scenario_fails(SCENARIO.replace("packages: {rules: rules}\n", ""), "agent.yaml:7: " + remedy)
+
+    def test_an_empty_file_of_stimuli_has_none(self):
+        self.agent("")
+        for text in ("", "# none yet\n", "[]\n"):
+            self.write("stimuli.yaml", text)
+            done = subprocess.run([CXLAB, "env", "agent.yaml", "--package", "rules=rules", "--stimuli", "stimuli.yaml", "--until", "1", "--out", "none"],
+                                  cwd=self.folder, text=True, stderr=subprocess.PIPE)
+            self.assertEqual(done.returncode, 0, done.stderr)
+
     def test_turtlesim_has_no_timed_tier(self):
         self.scenario_fails("schema: 1\nworld: {kind: turtlesim}\ntier: timed\n", "scenario.yaml:3: tier: found 'timed', expected physics")
 

@@ -222,7 +222,7 @@ class HooksInOrder(Installed):
 
     def test_manifest_that_is_wrong_is_an_error_with_its_line(self):
         manifest = f"{self.folder}/broken/cxlab_plugins.yaml"
-        self.assertIn(f"{manifest}:1: key 'plugins' is missing", self.broken("library: libx.so\nplugin: []\n", 3))
+        self.assertIn(f"{manifest}:2: key 'plugins' is missing, did you mean it by 'plugin'?", self.broken("library: libx.so\nplugin: []\n", 3))
         self.assertIn(f"{manifest}:4: ", self.broken("library: libx.so\nplugins:\n  - class: test::Broken\n    base: cx::ClipsPlugin\n", 3))
         twice = self.broken("library: libx.so\nplugins:\n  - class: test::Broken\n  - class: test::Broken\n", 3)
         self.assertIn(f"{manifest}:4: found the plugin class 'test::Broken', which {manifest}:3 has too; expected a name of its own", twice)

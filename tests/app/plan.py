@@ -41,6 +41,11 @@ class Plan(Lab):
         self.assertAlmostEqual(width(31) - width(21), 300, delta=5)
         self.assertEqual(width(70), width(80))
 
+    def test_a_budget_that_is_no_whole_number_is_told_with_the_number_that_may_be_meant(self):
+        for budget, message in [("1e6", "found '1e6', expected a whole number: 1000000"), ("1.5", "found '1.5', expected a whole number")]:
+            done = self.plan("--budget", budget)
+            self.assertEqual((done.returncode, done.stderr.splitlines()[0]), (2, "error: --budget: " + message))
+
     def test_memory_that_ends_is_an_answer_of_its_own(self):
         few = lambda: resource.setrlimit(resource.RLIMIT_AS, (100 << 20, 100 << 20))
         if subprocess.run([CXLAB, "--version"], capture_output=True, preexec_fn=few).returncode != 0:

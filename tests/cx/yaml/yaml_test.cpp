@@ -59,6 +59,7 @@ TEST(Yaml, AMisspeltRequiredKeyIsToldByItsName) {
     return document->status().error().text();
   };
   EXPECT_EQ(agent("confg: a.yaml\n"), "s.yaml:1: key 'config' is missing, did you mean it by 'confg'?");
+  EXPECT_EQ(agent("namespace: /a\nconfg: a.yaml\n"), "s.yaml:2: key 'config' is missing, did you mean it by 'confg'?");
   EXPECT_EQ(agent("namespace: /a\n"), "s.yaml:1: key 'config' is missing");
   EXPECT_EQ(agent("config: a.yaml\nqqqqqqqqqq: 1\nnamspace: /a\n"), "s.yaml:3: unknown key 'namspace', did you mean 'namespace'?")
       << "the one with a remedy comes first";
