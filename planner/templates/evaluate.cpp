@@ -31,21 +31,19 @@ bool Interpreter::require(const Value& value) {
   return false;
 }
 
-Value Interpreter::self_of(Rendering& rendering) {
-  Value self = Value::object("TemplateReference");
-  Rendering* in = &rendering;
-  for (const auto& [name, levels] : rendering.blocks)
-    self.as_object()->set(name, Value::function(name, [in, block = name](Interpreter& interpreter, const Call&) {
-                            return Value(interpreter.block_text(block, 0, *in, in->top));
-                          }));
-  return self;
+const Value* Interpreter::find_variable(const std::string& name, Scope& scope) {
+  bool inside = true;  // of the template or block that runs
+  for (Scope* level = &scope; level != nullptr; level = level->outer.get()) {
+    if (const Value* found = level->find(name)) return found;
+    if (level->of_rendering) inside = false;
+    if (inside && std::find(level->hidden.begin(), level->hidden.end(), name) != level->hidden.end()) return nullptr;
+  }
+  return nullptr;
 }
 
 Value Interpreter::look_up(const std::string& name, Rendering& rendering, const ScopePtr& scope) {
-  for (Scope* level = scope.get(); level != nullptr; level = level->outer.get())
-    if (const Value* found = level->find(name)) return *found;
-  if (name == "self") return self_of(rendering);
-  return Value::undefined(name);
+  if (const Value* found = find_variable(name, *scope)) return *found;
+  return name == "self" ? self_of(rendering, scope) : Value::undefined(name);
 }
 
 Value Interpreter::evaluate(const Expression& expression, Rendering& rendering, const ScopePtr& scope) {

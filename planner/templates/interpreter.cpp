@@ -13,14 +13,7 @@ namespace {
 /// Nesting of what runs: statements, expressions, macros that call themselves.
 constexpr int kDeepestRun = 1000;
 
-/// Where the interpreter is, restored at the end of a block of ours.
-template <class T>
-struct Restore {
-  explicit Restore(T& place) : place(place), before(place) {}
-  ~Restore() { place = before; }
-  T& place;
-  T before;
-};
+ScopePtr scope_in(const ScopePtr& outer, const std::vector<std::string>& hidden) { return std::make_shared<Scope>(Scope{outer, {}, hidden}); }
 
 }  // namespace
 
@@ -32,10 +25,11 @@ Value* Scope::find(std::string_view name) {
 
 void Scope::set(const std::string& name, Value value) {
   if (Value* known = find(name)) {
-    *known = std::move(value);
+    *known = value;
   } else {
-    names.emplace_back(name, std::move(value));
+    names.emplace_back(name, value);
   }
+  if (shared) shared->set(name, std::move(value));
 }
 
 Interpreter::Interpreter(const Loader& loader, const Limits& limits) : loader_(loader), limits_(limits), globals_(std::make_shared<Scope>()) {
@@ -91,10 +85,9 @@ const Template* Interpreter::load(const std::string& name, bool may_miss) {
 }
 
 Expected<std::string> Interpreter::render(const std::string& name, const std::vector<std::pair<std::string, Value>>& variables) {
-  for (const auto& [variable, value] : variables) globals_->set(variable, value);
   const Template* root = load(name, false);
   std::string out;
-  if (root != nullptr) out = run_whole(*root, new_rendering(globals_));
+  if (root != nullptr) out = run_whole(*root, new_rendering(std::make_shared<Scope>(Scope{globals_, variables, {}})));
   if (error_) {
     if (error_->file.empty()) error_->file = name;
     return *error_;
@@ -104,7 +97,8 @@ Expected<std::string> Interpreter::render(const std::string& name, const std::ve
 
 Rendering& Interpreter::new_rendering(ScopePtr outer) {
   renderings_.push_back(std::make_unique<Rendering>());
-  renderings_.back()->top = std::make_shared<Scope>(Scope{std::move(outer), {}});
+  renderings_.back()->top = std::make_shared<Scope>(Scope{std::move(outer), {}, {}});
+  renderings_.back()->top->of_rendering = true;
   return *renderings_.back();
 }
 
@@ -127,8 +121,16 @@ std::string Interpreter::run_whole(const Template& root, Rendering& rendering) {
     if (generations > 100) fail("found more than 100 templates that extend each other");
     current_ = next;
     rendering.parent = nullptr;
-    rendering.out = &out;
-    run(next->body, rendering, rendering.top, out);
+    const ScopePtr scope = scope_in(rendering.top, next->hidden);
+    scope->shared = rendering.top;
+    for (const std::string& name : next->reads) {  // as they are now: what it extends may set them later
+      if (const Value* known = find_variable(name, *scope)) {
+        scope->names.emplace_back(name, *known);
+      } else {
+        scope->hidden.push_back(name);
+      }
+    }
+    run(next->body, rendering, scope, out);
     next = rendering.parent;
   }
   rendering.parent = nullptr;
@@ -150,7 +152,7 @@ void Interpreter::run_node(const Node& node, Rendering& rendering, const ScopePt
     return;
   }
   if (!spend(1)) return;
-  const bool dropped = rendering.parent != nullptr && &out == rendering.out;  // only blocks of a child are shown
+  const bool dropped = rendering.parent != nullptr && !node.captured;  // the text of a child
   switch (node.kind) {
     case Node::Kind::kText:
       if (!dropped) append(out, node.text);
@@ -162,23 +164,19 @@ void Interpreter::run_node(const Node& node, Rendering& rendering, const ScopePt
     case Node::Kind::kIf: run(evaluate(*node.expression, rendering, scope).truth() ? node.body : node.otherwise, rendering, scope, out); break;
     case Node::Kind::kSet:
     case Node::Kind::kSetBlock: run_set(node, rendering, scope); break;
-    case Node::Kind::kBlock:
-      if (!dropped) run_block(node, rendering, scope, out);
-      break;
+    case Node::Kind::kBlock: run_block(node, rendering, scope, out); break;
     case Node::Kind::kExtends: run_extends(node, rendering, scope); break;
-    case Node::Kind::kInclude:
-      if (!dropped) run_include(node, rendering, scope, out);
-      break;
+    case Node::Kind::kInclude: run_include(node, rendering, scope, out); break;
     case Node::Kind::kImport:
     case Node::Kind::kFromImport: run_import(node, rendering, scope); break;
-    case Node::Kind::kMacro: scope->set(node.text, make_macro(node, rendering, scope)); break;
+    case Node::Kind::kMacro: define(node.text, make_macro(node, rendering, scope), false, rendering, scope); break;
     case Node::Kind::kCallBlock: run_call(node, rendering, scope, out); break;
     case Node::Kind::kFilterBlock: {
-      if (dropped) break;
       std::string text;
-      run(node.body, rendering, std::make_shared<Scope>(Scope{scope, {}}), text);
+      const ScopePtr inner = scope_in(scope, node.hidden);
+      run(node.body, rendering, inner, text);
       line_ = node.line;
-      const std::string filtered = evaluate_filters(*node.expression, Value(std::move(text)), rendering, scope).str();
+      const std::string filtered = evaluate_filters(*node.expression, Value(std::move(text)), rendering, inner).str();
       append(out, filtered);
       break;
     }
@@ -198,7 +196,7 @@ void Interpreter::run_loop(const Node& node, const Value& over, int depth, Rende
     std::vector<Value> kept;
     for (Value& value : values) {
       if (failed()) return;
-      const ScopePtr inner = std::make_shared<Scope>(Scope{scope, {}});
+      const ScopePtr inner = scope_in(scope, {});
       assign(*node.target, value, rendering, inner);
       if (evaluate(*node.filter, rendering, inner).truth()) kept.push_back(std::move(value));
     }
@@ -242,13 +240,13 @@ void Interpreter::run_loop(const Node& node, const Value& over, int depth, Rende
     fields.set("last", i + 1 == count);
     fields.set("previtem", i == 0 ? Value::undefined("there is no previous item") : values[i - 1]);
     fields.set("nextitem", i + 1 == count ? Value::undefined("there is no next item") : values[i + 1]);
-    const ScopePtr inner = std::make_shared<Scope>(Scope{scope, {}});
-    inner->set("loop", loop);
+    const ScopePtr inner = scope_in(scope, node.hidden);
+    if (node.uses_loop) inner->set("loop", loop);
     assign(*node.target, values[i], rendering, inner);
     run(node.body, rendering, inner, out);
   }
   fields.call = nullptr;
-  if (count == 0) run(node.otherwise, rendering, std::make_shared<Scope>(Scope{scope, {}}), out);
+  if (count == 0) run(node.otherwise, rendering, scope_in(scope, node.otherwise_hidden), out);
 }
 
 void Interpreter::run_set(const Node& node, Rendering& rendering, const ScopePtr& scope) {
@@ -257,17 +255,18 @@ void Interpreter::run_set(const Node& node, Rendering& rendering, const ScopePtr
     return;
   }
   std::string text;
-  run(node.body, rendering, std::make_shared<Scope>(Scope{scope, {}}), text);
+  const ScopePtr inner = scope_in(scope, node.hidden);
+  run(node.body, rendering, inner, text);
   line_ = node.line;
   Value value(std::move(text));
-  if (node.expression) value = evaluate_filters(*node.expression, value, rendering, scope);
+  if (node.expression) value = evaluate_filters(*node.expression, value, rendering, inner);
   assign(*node.target, value, rendering, scope);
 }
 
 void Interpreter::assign(const Expression& target, const Value& value, Rendering& rendering, const ScopePtr& scope) {
   if (failed()) return;
   if (target.kind == Expression::Kind::kName) {
-    scope->set(target.name, value);
+    define(target.name, value, false, rendering, scope);
   } else if (target.kind == Expression::Kind::kAttribute) {
     const Value space = evaluate(*target.operands[0], rendering, scope);
     if (failed()) return;
@@ -291,141 +290,79 @@ void Interpreter::assign(const Expression& target, const Value& value, Rendering
   }
 }
 
-void Interpreter::run_block(const Node& node, Rendering& rendering, const ScopePtr& scope, std::string& out) {
-  append(out, block_text(node.text, 0, rendering, node.scoped ? scope : rendering.top));
-}
-
-std::string Interpreter::block_text(const std::string& name, std::size_t level, Rendering& rendering, const ScopePtr& scope) {
-  const auto found = rendering.blocks.find(name);
-  if (found == rendering.blocks.end() || level >= found->second.size()) {
-    fail("there is no parent block called '" + name + "'");
-    return {};
-  }
-  const auto [block, owner] = found->second[level];
-  Restore<const Template*> place(current_);
-  Restore<int> line(line_);
-  current_ = owner;
-  if (block->required) {
-    fail("block '" + name + "' is required, expected a template that fills it");
-    return {};
-  }
-  const ScopePtr inner = std::make_shared<Scope>(Scope{scope, {}});
-  Rendering* in = &rendering;
-  inner->set("super", Value::function("super", [name, level, in, scope](Interpreter& self, const Call&) {
-               return Value(self.block_text(name, level + 1, *in, scope));
-             }));
-  std::string text;
-  run(block->body, rendering, inner, text);
-  return text;
-}
-
-void Interpreter::run_extends(const Node& node, Rendering& rendering, const ScopePtr& scope) {
-  if (rendering.parent != nullptr) {
-    fail("found a second 'extends', expected one");
-    return;
-  }
-  const Value name = evaluate(*node.expression, rendering, scope);
-  if (failed()) return;
-  if (!name.is_string()) {
-    fail("found " + name.repr() + " to extend, expected the name of a template");
-    return;
-  }
-  rendering.parent = load(name.as_string(), false);
-  if (rendering.parent != nullptr) add_blocks(*rendering.parent, rendering);
-}
-
-void Interpreter::run_include(const Node& node, Rendering& rendering, const ScopePtr& scope, std::string& out) {
-  const Value name = evaluate(*node.expression, rendering, scope);
-  if (failed()) return;
-  const std::vector<Value> names = name.is_string() ? std::vector<Value>{name} : items(name);
-  const Template* found = nullptr;
-  for (const Value& each : names) {
-    if (found != nullptr || failed()) break;
-    found = load(each.str(), true);
-  }
-  if (failed()) return;
-  if (found == nullptr) {
-    if (!node.ignore_missing) fail("found no template " + name.repr() + " to include");
-    return;
-  }
-  append(out, run_whole(*found, new_rendering(node.with_context ? scope : globals_)));
-}
-
-Value Interpreter::import_module(const Node& node, Rendering& rendering, const ScopePtr& scope) {
-  const Value name = evaluate(*node.expression, rendering, scope);
-  if (failed()) return {};
-  if (!name.is_string()) return fail("found " + name.repr() + " to import, expected the name of a template");
-  const Template* found = load(name.as_string(), false);
-  if (found == nullptr) return {};
-  Rendering& inner = new_rendering(node.with_context ? scope : globals_);
-  run_whole(*found, inner);
-  Value module = Value::object("TemplateModule");
-  for (const auto& [each, value] : inner.top->names)
-    if (!each.starts_with('_')) module.as_object()->set(each, value);
-  return module;
-}
-
-void Interpreter::run_import(const Node& node, Rendering& rendering, const ScopePtr& scope) {
-  const Value module = import_module(node, rendering, scope);
-  if (failed()) return;
-  if (node.kind == Node::Kind::kImport) {
-    scope->set(node.text, module);
-    return;
-  }
-  for (const auto& [name, alias] : node.names) {
-    const Value* value = module.as_object()->find(name);
-    scope->set(alias, value != nullptr ? *value : Value::undefined(name));
+void Interpreter::define(const std::string& name, Value value, bool imported, Rendering& rendering, const ScopePtr& scope) {
+  scope->set(name, std::move(value));
+  if (!scope->shared) return;
+  if (imported) {
+    rendering.imported.insert(name);
+  } else {
+    rendering.imported.erase(name);
   }
 }
 
 Value Interpreter::make_macro(const Node& node, Rendering& rendering, const ScopePtr& scope) {
   captured_.push_back(scope);
+  Value macro = Value::object("Macro");
+  ObjectData& fields = *macro.as_object();
+  std::vector<Value> names;
+  for (const auto& [name, value] : node.parameters) names.emplace_back(name);
+  fields.set("name", node.kind == Node::Kind::kMacro ? Value(node.text) : Value::none());
+  fields.set("arguments", Value::tuple(std::move(names)));
+  fields.set("catch_kwargs", node.uses_kwargs);
+  fields.set("catch_varargs", node.uses_varargs);
+  fields.set("caller", node.uses_caller);
   Rendering* in = &rendering;
-  const Template* owner = current_;
-  return Value::function(node.text, [&node, in, scope, owner](Interpreter& self, const Call& call) {
+  fields.call = [&node, in, scope, owner = current_](Interpreter& self, const Call& call) {
     Restore<const Template*> place(self.current_);
     self.current_ = owner;
     return self.run_macro(node, call, *in, scope);
-  });
+  };
+  return macro;
 }
 
 void Interpreter::bind(const Node& node, const Call& call, Rendering& rendering, const ScopePtr& scope) {
-  std::vector<bool> used(call.named.size(), false);
-  for (std::size_t i = 0; i < node.parameters.size() && !failed(); ++i) {
+  const std::string what = node.kind == Node::Kind::kMacro ? "the macro '" + node.text + "'" : "caller";
+  std::vector<std::pair<std::string, Value>> named = call.named;
+  const auto take = [&](const std::string& name, Value otherwise) {
+    const auto found = std::find_if(named.begin(), named.end(), [&](const auto& each) { return each.first == name; });
+    if (found == named.end()) return otherwise;
+    Value value = std::move(found->second);
+    named.erase(found);
+    return value;
+  };
+  const std::size_t count = node.parameters.size(), positional = std::min(count, call.positional.size());
+  bool has_caller = false;
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < count; ++i) {
     const std::string& name = node.parameters[i].first;
-    const ExpressionPtr& value = node.parameters[i].second;
-    if (i < call.positional.size()) {
-      scope->set(name, call.positional[i]);
-      continue;
-    }
-    const auto named = std::find_if(call.named.begin(), call.named.end(), [&](const auto& each) { return each.first == name; });
-    if (named != call.named.end()) {
-      used[static_cast<std::size_t>(named - call.named.begin())] = true;
-      scope->set(name, named->second);
-    } else {
-      scope->set(name, Value::undefined(name));  // a default sees itself undefined
-      if (value) scope->set(name, evaluate(*value, rendering, scope));
-    }
+    has_caller = has_caller || name == "caller";
+    const bool given = i < positional || std::any_of(named.begin(), named.end(), [&](const auto& each) { return each.first == name; });
+    if (!given) missing.push_back(i);
+    scope->set(name, i < positional ? call.positional[i] : take(name, Value::undefined(name)));
   }
-  std::vector<Value> rest;
-  for (std::size_t i = node.parameters.size(); i < call.positional.size(); ++i) rest.push_back(call.positional[i]);
-  scope->set("varargs", Value::tuple(std::move(rest)));
-  Value named = Value::dict();
-  for (std::size_t i = 0; i < call.named.size(); ++i) {
-    if (call.named[i].first == "caller") {
-      scope->set("caller", call.named[i].second);
-    } else if (!used[i]) {
-      templates::assign(*named.as_dict(), call.named[i].first, call.named[i].second);
-    }
+  if (node.uses_caller && !has_caller) scope->set("caller", take("caller", Value::undefined("found no caller of " + what + ", expected {% call %}")));
+  if (node.uses_kwargs) {
+    Value rest = Value::dict();
+    for (auto& [name, value] : named) templates::assign(*rest.as_dict(), name, std::move(value));
+    scope->set("kwargs", rest);
+  } else if (!named.empty()) {
+    fail(named.front().first == "caller" ? "found {% call %} of " + what + ", which does not use its caller"
+                                         : "found the argument '" + named.front().first + "' of " + what + ", which it does not have or has already");
   }
-  scope->set("kwargs", named);
+  if (node.uses_varargs) {
+    scope->set("varargs", Value::tuple({call.positional.begin() + static_cast<std::ptrdiff_t>(positional), call.positional.end()}));
+  } else if (call.positional.size() > count) {
+    fail("found " + std::to_string(call.positional.size()) + " arguments of " + what + ", expected at most " + std::to_string(count));
+  }
+  for (const std::size_t i : missing)
+    if (const auto& [name, value] = node.parameters[i]; value && !failed()) scope->set(name, evaluate(*value, rendering, scope));
 }
 
 Value Interpreter::run_macro(const Node& node, const Call& call, Rendering& rendering, const ScopePtr& scope) {
   Restore<int> line(line_);
   Restore<int> depth(depth_);
   if (++depth_ > kDeepestRun) return fail("macro '" + node.text + "' calls itself more than " + std::to_string(kDeepestRun) + " deep");
-  const ScopePtr inner = std::make_shared<Scope>(Scope{scope, {}});
+  const ScopePtr inner = scope_in(scope, node.hidden);
   bind(node, call, rendering, inner);
   std::string text;
   run(node.body, rendering, inner, text);
@@ -436,20 +373,12 @@ void Interpreter::run_call(const Node& node, Rendering& rendering, const ScopePt
   Call call = arguments(*node.expression, rendering, scope);
   const Value callee = evaluate(*node.expression->operands[0], rendering, scope);
   if (failed()) return;
-  Rendering* in = &rendering;
-  const Template* owner = current_;
-  captured_.push_back(scope);
-  call.named.emplace_back("caller", Value::function("caller", [&node, in, scope, owner](Interpreter& self, const Call& inner) {
-                            Restore<const Template*> place(self.current_);
-                            self.current_ = owner;
-                            return self.run_macro(node, inner, *in, scope);
-                          }));
-  const std::string text = this->call(callee, call).str();
-  if (rendering.parent == nullptr || &out != rendering.out) append(out, text);
+  call.named.emplace_back("caller", make_macro(node, rendering, scope));
+  append(out, this->call(callee, call).str());
 }
 
 void Interpreter::run_with(const Node& node, Rendering& rendering, const ScopePtr& scope, std::string& out) {
-  const ScopePtr inner = std::make_shared<Scope>(Scope{scope, {}});
+  const ScopePtr inner = scope_in(scope, node.hidden);
   for (const auto& [name, value] : node.parameters) inner->set(name, evaluate(*value, rendering, scope));
   run(node.body, rendering, inner, out);
 }

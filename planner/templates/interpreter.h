@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,19 +17,32 @@ namespace cxlab::planner::templates {
 struct Scope {
   std::shared_ptr<Scope> outer;
   std::vector<std::pair<std::string, Value>> names;
+  std::vector<std::string> hidden;       ///< undefined while they are not in `names`, for who runs here
+  std::shared_ptr<Scope> shared = {};    ///< of a top level: the variables of the rendering, which get all that is set here
+  bool of_rendering = false;             ///< what blocks and included templates see: they look behind `hidden` outside
 
   Value* find(std::string_view name);
   void set(const std::string& name, Value value);
 };
 using ScopePtr = std::shared_ptr<Scope>;
 
-/// One template on its way: the chain of those that it extends, and the variables of its top level.
+/// One template on its way: the chain of those that it extends, and the variables that they share.
 struct Rendering {
-  const Template* root = nullptr;                              ///< the template that is run now
   std::map<std::string, std::vector<std::pair<const Node*, const Template*>>> blocks;  ///< by name: the child's first
   ScopePtr top;
+  std::set<std::string> imported;    ///< variables of `top` that who imports the template does not get
   const Template* parent = nullptr;  ///< what it extends, from the statement on until that runs
-  std::string* out = nullptr;        ///< text of the top level, dropped once there is a parent
+};
+
+/// Where the interpreter is, restored at the end of a block of ours.
+template <class T>
+struct Restore {
+  explicit Restore(T& place) : place(place), before(place) {}
+  ~Restore() { place = before; }
+  Restore(const Restore&) = delete;
+  Restore& operator=(const Restore&) = delete;
+  T& place;
+  T before;
 };
 
 /// After an error `failed()` is true and everything ends quickly; values are then meaningless.
@@ -69,15 +83,23 @@ class Interpreter {
   void run_loop(const Node& node, const Value& over, int depth, Rendering& rendering, const ScopePtr& scope, std::string& out);
   void run_set(const Node& node, Rendering& rendering, const ScopePtr& scope);
   void run_block(const Node& node, Rendering& rendering, const ScopePtr& scope, std::string& out);
-  std::string block_text(const std::string& name, std::size_t level, Rendering& rendering, const ScopePtr& scope);
+  std::string block_text(const std::string& name, std::size_t level, Rendering& rendering, const ScopePtr& around);
+  /// What `super`, `super.super` and `self.NAME` are: the block at that level of the chain, to be called.
+  Value block_reference(const std::string& name, std::size_t level, Rendering& rendering, const ScopePtr& around);
   void run_extends(const Node& node, Rendering& rendering, const ScopePtr& scope);
   void run_include(const Node& node, Rendering& rendering, const ScopePtr& scope, std::string& out);
   void run_import(const Node& node, Rendering& rendering, const ScopePtr& scope);
   Value import_module(const Node& node, Rendering& rendering, const ScopePtr& scope);
+  Value make_module(const Template& from, ScopePtr outer);
+  /// The module of a template that sees no variables of others; made once.
+  Value module_alone(const Template& from);
+  /// Sets a name; at the top level for the whole rendering, and for who imports the template unless it was imported itself.
+  void define(const std::string& name, Value value, bool imported, Rendering& rendering, const ScopePtr& scope);
   Rendering& new_rendering(ScopePtr outer);
   static void add_blocks(const Template& from, Rendering& rendering);
   /// Renders all of a template, and what it extends, into a new string.
   std::string run_whole(const Template& root, Rendering& rendering);
+  /// Of {% macro %} and {% call %}.
   Value make_macro(const Node& node, Rendering& rendering, const ScopePtr& scope);
   Value run_macro(const Node& node, const Call& call, Rendering& rendering, const ScopePtr& scope);
   void bind(const Node& node, const Call& call, Rendering& rendering, const ScopePtr& scope);
@@ -92,8 +114,10 @@ class Interpreter {
   Value evaluate_filters(const Expression& expression, const Value& body, Rendering& rendering, const ScopePtr& scope);
   Value slice(const Value& subject, const Expression& bounds, Rendering& rendering, const ScopePtr& scope);
   Call arguments(const Expression& expression, Rendering& rendering, const ScopePtr& scope);
+  /// The variable that is seen from a scope, or null.
+  static const Value* find_variable(const std::string& name, Scope& scope);
   Value look_up(const std::string& name, Rendering& rendering, const ScopePtr& scope);
-  Value self_of(Rendering& rendering);
+  Value self_of(Rendering& rendering, const ScopePtr& scope);
   void assign(const Expression& target, const Value& value, Rendering& rendering, const ScopePtr& scope);
   bool compare(const std::string& operation, const Value& left, const Value& right);
   void append(std::string& out, const std::string& text);
@@ -103,6 +127,7 @@ class Interpreter {
   std::map<std::string, std::unique_ptr<Template>> templates_;
   std::vector<std::unique_ptr<Rendering>> renderings_;  ///< all, for macros outlive their template
   std::vector<std::weak_ptr<Scope>> captured_;          ///< scopes that functions hold, emptied at the end
+  std::map<const Template*, Value> modules_;            ///< see module_alone
   ScopePtr globals_;
   const Template* current_ = nullptr;
   int line_ = 0;

@@ -3,6 +3,7 @@
 
 #include "planner/templates/parser.h"
 #include "planner/templates/parser_base.h"
+#include "planner/templates/scopes.h"
 
 namespace cxlab::planner::templates {
 namespace {
@@ -17,6 +18,7 @@ class StatementParser : public ExpressionParser {
   Expected<std::unique_ptr<Template>> run() {
     template_->body = body({});
     if (failed()) return error();
+    if (Status status = resolve_scopes(*template_); !status) return status.error();
     return std::move(template_);
   }
 
@@ -205,6 +207,9 @@ class StatementParser : public ExpressionParser {
     node->required = take_name("required");
     close();
     node->body = body({"endblock"});
+    for (const auto& inside : node->body)
+      if (node->required && (inside->kind != Node::Kind::kText || inside->text.find_first_not_of(kWhitespace) != std::string::npos))
+        fail_at(inside->line, "found contents of the block '" + node->text + "', which is required: expected only blanks and comments");
     next();
     if (now().kind == Token::Kind::kName && !take_name(node->text)) fail("found " + found() + ", expected '" + node->text + "', the name of the block that ends here");
     close();

@@ -25,7 +25,8 @@ struct Limits {
   std::size_t steps = 20'000'000;  ///< evaluated expressions, items and statements
 };
 
-/// Renders the template of that name. `variables` are seen by it and by all that it extends and includes.
+/// Renders the template of that name. `variables` are seen by it, by what it extends, and by what it includes or imports with
+/// its context.
 /// Errors carry the name as `file`, and the line; what Jinja has and this has not carries the code "unsupported".
 Expected<std::string> render(const Loader& loader, const std::string& name, const std::vector<std::pair<std::string, Value>>& variables = {},
                              const Limits& limits = {});

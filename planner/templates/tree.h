@@ -84,12 +84,27 @@ struct Node {
   bool required = false;        ///< block
   bool ignore_missing = false;  ///< include
   bool with_context = true;     ///< include, import
+
+  // By resolve_scopes (scopes.h).
+  std::vector<std::string> hidden;            ///< names that the body assigns to before it reads them: undefined until then
+  std::vector<std::string> otherwise_hidden;  ///< for: the same of its else
+  bool top_level = false;                     ///< block: in no loop, macro or other block; not shown where it stands in a child
+  bool captured = false;                      ///< text, output: inside a macro, block or set; shown in a child, too
+  bool uses_loop = false;                     ///< for
+  bool uses_super = false;                    ///< block
+  bool uses_caller = false;                   ///< macro, call
+  bool uses_kwargs = false;                   ///< macro, call
+  bool uses_varargs = false;                  ///< macro, call
 };
 
 struct Template {
   std::string name;
   Body body;
   std::map<std::string, const Node*> blocks;  ///< all, also those in others
+
+  // By resolve_scopes (scopes.h), of the top level.
+  std::vector<std::string> hidden;  ///< names that it assigns to before it reads them
+  std::vector<std::string> reads;   ///< names that it reads first
 };
 
 }  // namespace cxlab::planner::templates

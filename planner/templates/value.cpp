@@ -108,6 +108,7 @@ const char* Value::type_name() const {
 
 std::string Value::str() const {
   if (is_string()) return as_string();
+  if (as_object() != nullptr && as_object()->text) return *as_object()->text;
   return repr();
 }
 

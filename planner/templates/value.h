@@ -37,7 +37,8 @@ struct DictData {
 struct ObjectData {
   std::string kind;
   std::vector<std::pair<std::string, Value>> fields;
-  Function call;  ///< may be empty
+  Function call;                    ///< may be empty
+  std::optional<std::string> text;  ///< what str() gives, if that is not the kind
 
   Value* find(std::string_view name);
   void set(const std::string& name, Value value);
@@ -69,7 +70,7 @@ class Value {
     return Value(Data(std::make_shared<ListData>(ListData{std::move(items), true, std::move(names), {}})));
   }
   static Value dict() { return Value(Data(std::make_shared<DictData>())); }
-  static Value object(std::string kind) { return Value(Data(std::make_shared<ObjectData>(ObjectData{std::move(kind), {}, {}}))); }
+  static Value object(std::string kind) { return Value(Data(std::make_shared<ObjectData>(ObjectData{std::move(kind), {}, {}, {}}))); }
   static Value function(std::string name, Function call) {
     return Value(Data(std::make_shared<FunctionData>(FunctionData{std::move(name), std::move(call)})));
   }

@@ -74,8 +74,9 @@ TYPES = ["number", "text", "list", "table", "truth"]
 class Generator:
     def __init__(self, seed):
         self.random = random.Random(seed)
-        self.macros = 0
-        self.may_set = True
+        self.macros = self.blocks = 0
+        self.parts = False  # whether there is a template `part` to include and import
+        self.captured = False  # in a macro, set or filter, where Jinja takes an include without context for text of the top level
 
     def pick(self, items):
         return self.random.choice(items)
@@ -121,11 +122,27 @@ class Generator:
 
     def statement(self, depth):
         body = lambda: self.body(depth + 1)
+
+        def captured_body():
+            before, self.captured = self.captured, True
+            inner = self.body(depth + 1)
+            self.captured = before
+            return inner
+
         left, right = self.mark(), self.mark()
         tag = lambda inside: "{%" + left + " " + inside + " " + right + "%}"
         end = lambda inside: "{%" + self.mark() + " " + inside + " " + self.mark() + "%}"
-        kind = 0 if depth > 2 else self.random.randrange(14)
-        if kind in (7, 8) and not self.may_set:  # Jinja resolves names that a block sets later in ways of its own
+        kind = 0 if depth > 2 else self.random.randrange(17)
+        if kind == 14 and self.parts:
+            return tag("include " + self.pick(["'part'", "'part'", "'part' with context"] + ([] if self.captured else ["'part' without context"])))
+        if kind == 15 and self.parts:
+            how = self.pick(["", "", " with context"])
+            return tag("import 'part' as p" + how) + "{{ p.v }}{{ p.s is defined }}" if self.random.random() < 0.5 else \
+                tag(f"from 'part' import v, s as {self.pick(['s', 'w'])}" + how) + "{{ v }}{{ s }}"
+        if kind == 16:
+            self.blocks += 1
+            return self.block(f"in{self.blocks}", depth) + self.pick(["", "", "{{ self.in" + str(self.blocks) + "() }}"])
+        if kind > 13:
             kind = 0
         if kind <= 2:
             return "{{" + self.pick(["", "-"]) + " " + self.expression() + " " + self.pick(["", "-"]) + "}}"
@@ -149,20 +166,20 @@ class Generator:
             kind = self.pick(TYPES)
             return tag(f"set {self.pick(VARIABLES[kind])} = {self.expression(1, kind)}")
         if kind == 8:
-            return tag("set " + self.pick(VARIABLES["text"]) + self.pick(["", "", " | upper", " | trim"])) + body() + end("endset")
+            return tag("set " + self.pick(VARIABLES["text"]) + self.pick(["", "", " | upper", " | trim"])) + captured_body() + end("endset")
         if kind == 9:
             return tag(f"with {self.pick(VARIABLES['number'])} = {self.expression(1, 'number')}") + body() + end("endwith")
         if kind == 10:
             self.macros += 1
             name = f"m{self.macros}"
             if self.random.random() < 0.3:
-                return tag(f"macro {name}(a)") + body() + "{{ caller(a) }}" + end("endmacro") + \
-                    "{% call(b) " + name + f"({self.expression(2)}) %}}" + body() + "{% endcall %}"
+                return tag(f"macro {name}(a)") + captured_body() + "{{ caller(a) }}" + end("endmacro") + \
+                    "{% call(b) " + name + f"({self.expression(2)}) %}}" + captured_body() + "{% endcall %}"
             arguments = self.pick([self.expression(2), "", f"b={self.expression(2)}", f"1, {self.expression(2)}"])
             extra = self.pick(["", "{{ varargs }}", "{{ kwargs }}"])
-            return tag(f"macro {name}(a, b={self.expression(2)})") + body() + extra + end("endmacro") + "{{ " + name + f"({arguments}) }}}}"
+            return tag(f"macro {name}(a, b={self.expression(2)})") + captured_body() + extra + end("endmacro") + "{{ " + name + f"({arguments}) }}}}"
         if kind == 11:
-            return tag("filter " + self.pick(["upper", "indent(2)", "trim", "replace('a','q')", "title"])) + body() + end("endfilter")
+            return tag("filter " + self.pick(["upper", "indent(2)", "trim", "replace('a','q')", "title"])) + captured_body() + end("endfilter")
         if kind == 12:
             return "{% set ns = namespace(n=0) %}" + tag(f"for c in {self.expression(2, 'list')}") + "{% set ns.n = ns.n + 1 %}" + \
                 end("endfor") + "{{ ns.n }}"
@@ -172,31 +189,43 @@ class Generator:
     def body(self, depth=0):
         return "".join(self.pick([" ", "\n", "txt ", "<a>\n ", "", "  \n  "]) + self.statement(depth) for _ in range(self.random.randint(1, 3)))
 
-    def block(self, name):
+    def block(self, name, depth=0):
         scoped = self.pick(["", "", " scoped"])
-        self.may_set = False
-        inner = self.body(1)
-        self.may_set = True
+        before, self.captured = self.captured, False
+        inner = self.body(depth + 1)
+        self.captured = before
         if self.random.random() < 0.3:
-            inner = "{{ super() }}" + inner
+            inner = "{{ super() if super is defined }}" + inner
         return "{%" + self.mark() + f" block {name}{scoped} " + self.mark() + "%}" + inner + "{% endblock %}"
 
     def templates(self):
+        part = {}
+        if self.random.random() < 0.4:
+            seen = "".join(self.pick(["{{ a }}", "{{ n }}", "{{ t }}", "{{ loop.index if loop is defined else '-' }}", "{{ b is defined }}"]) for _ in range(3))
+            part = {"part": seen + self.body(1) + "{% set v = " + self.expression(2) + " %}{% import 'none' as s %}", "none": ""}
+            self.parts = True
+        return {**part, **self.family()}
+
+    def family(self):
         kind = self.random.random()
         if kind < 0.45:
             return {"main": PRELUDE + self.body()}
         if kind < 0.6:
             return {"main": PRELUDE + "{{ " + self.expression() + " }}"}
-        base = PRELUDE + self.body() + self.block("one").replace("{{ super() }}", "") + self.pick(["", "{% for a in [1,2] %}" + self.block("two").replace("{{ super() }}", "") + "{% endfor %}"]) + \
+        base = PRELUDE + self.body() + self.block("one") + self.pick(["", "{% for a in [1,2] %}" + self.block("two") + "{% endfor %}"]) + \
             self.pick(["", "{{ self.one() }}"]) + self.body()
         if kind < 0.75:
-            return {"base": base, "main": "{% extends 'base' %}" + PRELUDE + self.body() + self.block("one") + self.pick(["", self.block("two")])}
+            stands = self.pick(["{}", "{}", "{{% if y %}}{}{{% endif %}}", "{{% for a in k %}}{}{{% endfor %}}", "{{% with a = 5 %}}{}{{% endwith %}}"])
+            return {"base": base, "main": self.pick(["", "before {{ 1 }}"]) + self.pick(["{% extends 'base' %}", "{% if true %}{% extends 'base' %}{% endif %}"]) +
+                    self.pick([PRELUDE, ""]) + self.body() + stands.format(self.block("one")) + self.pick(["", self.block("two")])}
         if kind < 0.82:
             middle = "{% extends 'base' %}" + PRELUDE + self.block("one")
             return {"base": base, "mid": middle, "main": "{% extends 'mid' %}" + PRELUDE + self.block("one") + self.pick(["", self.block("two")])}
         if kind < 0.92:
             how = self.pick(["'part'", "'part' without context", "'part' with context", "['nope','part']", "'nope' ignore missing"])
+            self.parts = False
             return {"part": self.pick(["", PRELUDE]) + self.body(), "main": PRELUDE + self.body() + "{% include " + how + " %}" + self.body()}
+        self.parts = False
         part = PRELUDE + "{% set a = " + self.expression(2) + " %}{% macro m(x=1) %}" + self.body(1) + "{% endmacro %}"
         how = self.pick(["{% import 'part' as p %}{{ p.a }}{{ p.m(2) }}", "{% from 'part' import m, a as b %}{{ m() }}{{ b }}",
                          "{% from 'part' import m with context %}{{ m(n) }}"])

@@ -32,6 +32,31 @@ TEST(Template, SeesTheVariablesThatAreGiven) {
   EXPECT_EQ(*text, "a-b 2");
 }
 
+TEST(Template, ImportsWithoutContextSeeNoVariables) {
+  const auto text = render(loader_of({{"main", "{% import 'part' as alone %}{% import 'part' as with with context %}{{ alone.n }} {{ with.n }}"},
+                                      {"part", "{% set n = given|default('none') %}"}}),
+                           "main", {{"given", Value(7)}});
+  ASSERT_TRUE(text) << text.error().text();
+  EXPECT_EQ(*text, "none 7");
+}
+
+TEST(Template, MacrosTakeTheArgumentsThatTheyHave) {
+  EXPECT_EQ(error_of("{% macro m(a) %}{% endmacro %}\n{{ m(1, 2) }}"), "main:2: found 2 arguments of the macro 'm', expected at most 1");
+  EXPECT_EQ(error_of("{% macro m(a) %}{% endmacro %}\n{{ m(b=1) }}"), "main:2: found the argument 'b' of the macro 'm', which it does not have or has already");
+  EXPECT_EQ(error_of("{% macro m() %}{% endmacro %}\n{% call m() %}{% endcall %}"), "main:2: found {% call %} of the macro 'm', which does not use its caller");
+  EXPECT_EQ(error_of("{% macro m() %}\n{{ caller() }}{% endmacro %}{{ m() }}"), "main:2: found no caller of the macro 'm', expected {% call %}");
+  EXPECT_EQ(error_of("\n{% macro m(caller) %}{{ caller() }}{% endmacro %}"), "main:2: found the parameter 'caller' without default, expected one");
+}
+
+TEST(Template, StatementsOutOfTheirPlaceAreErrors) {
+  EXPECT_EQ(error_of("\n{% for i in [1] %}{% extends 'base' %}{% endfor %}"),
+            "main:2: found 'extends' inside another statement, expected it at the top level (or in an if there)");
+  EXPECT_EQ(error_of("{% for i in [1] %}\n{% set loop = 2 %}{% endfor %}"), "main:2: found an assignment to 'loop' inside a loop, which has that name already");
+  EXPECT_EQ(error_of("{% block a required %}\nx{% endblock %}"),
+            "main:1: found contents of the block 'a', which is required: expected only blanks and comments");
+  EXPECT_EQ(error_of("\n{% block a required %}{% endblock %}"), "main:2: block 'a' is required, expected a template that fills it");
+}
+
 TEST(Template, ErrorsTellTheTemplateAndItsLine) {
   const std::string statements =
       "for, if, set, block, extends, include, import, from, macro, call, filter, with, do, raw, else, elif, endfor, endif, endset, endblock, endmacro, endcall, "
