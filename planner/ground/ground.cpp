@@ -154,7 +154,8 @@ class Grounder {
       case Kind::kConstant: return GroundExpression::constant(from.value);
       case Kind::kFunction: {
         const std::vector<ObjectId> arguments = objects(from.terms, frame);
-        if (!reachable_.changing[from.function]) return GroundExpression::constant(initial_value(from.function, arguments));
+        const double value = initial_value(from.function, arguments);
+        if (!reachable_.changing[from.function] && !std::isnan(value)) return GroundExpression::constant(value);
         out.steps.push_back({GroundExpression::Kind::kNumber, number(from.function, arguments), 0});
         return out;
       }

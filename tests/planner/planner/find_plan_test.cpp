@@ -202,7 +202,7 @@ TEST(FindPlan, ProvesThatNothingAddsTheGoal) {
 }
 
 TEST(FindPlan, ANumberThatNeverGetsAValueIsNamed) {
-  const char* refuel = R"((:predicates (full ?c) (ready)) (:functions (fuel ?c) (spare ?c) (used))
+  const char* refuel = R"((:predicates (full ?c) (ready)) (:functions (fuel ?c) (spare ?c) (weight ?c))
     (:action fill :parameters (?c) :precondition (ready) :effect (and (increase (fuel ?c) 1) (full ?c)))
     (:action spill :parameters (?c) :precondition (ready) :effect (scale-down (spare ?c) 2)))";
   const auto reason = [&](const std::string& more, const std::string& init, const std::string& goal) {
@@ -216,6 +216,7 @@ TEST(FindPlan, ANumberThatNeverGetsAValueIsNamed) {
   EXPECT_EQ(reason("", "", "(>= (fuel a) 3)"), missing + "(fuel a)");
   EXPECT_EQ(reason("(:durative-action measure :parameters (?c) :duration (= ?duration (+ 1 (spare ?c))) :condition () :effect (at end (full ?c)))", "", "(full b)"),
             missing + "(fuel b), (spare b)");
+  EXPECT_EQ(reason("(:action weigh :parameters (?c) :precondition (<= (weight ?c) 3) :effect (full ?c))", "(= (weight b) 9)", "(full a)"), missing + "(fuel a), (weight a)");
   EXPECT_EQ(reason("(:action calibrate :parameters (?c) :effect (assign (fuel ?c) 2))", "", "(>= (fuel a) 4)"), "a plan");
   EXPECT_EQ(reason("(:action pour :parameters (?c ?d) :precondition (not (= ?c ?d)) :effect (and (full ?c) (assign (fuel ?c) (fuel ?d))))", "", "(full a)"),
             missing + "(fuel a), (fuel b)");
