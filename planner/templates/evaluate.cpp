@@ -123,7 +123,10 @@ Value Interpreter::evaluate_literal(const Expression& expression, Rendering& ren
     case Expression::Kind::kTuple: return Value::tuple(std::move(values));
     case Expression::Kind::kDict: {
       Value dict = Value::dict();
-      for (std::size_t i = 0; i + 1 < values.size(); i += 2) templates::assign(*dict.as_dict(), values[i], values[i + 1]);
+      for (std::size_t i = 0; i + 1 < values.size(); i += 2) {
+        if (may_change(values[i])) return fail("found " + values[i].repr() + " as key of a dict, expected what cannot change: no list or dict");
+        templates::assign(*dict.as_dict(), values[i], values[i + 1]);
+      }
       return dict;
     }
     default: {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -184,12 +185,21 @@ Value filter_last(Interpreter& self, const Value& subject, const Call&) {
   return items.empty() ? Value::undefined("No last item, sequence was empty.") : items.back();
 }
 
+/// Without the underscores between digits, as Python reads numbers in strings.
+std::string without_underscores(const std::string& text) {
+  const auto digit = [&](std::size_t at) { return at < text.size() && std::isxdigit(static_cast<unsigned char>(text[at])) != 0; };
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (text[i] != '_' || i == 0 || !digit(i - 1) || !digit(i + 1)) out += text[i];
+  return out;
+}
+
 Value filter_float(Interpreter& self, const Value& subject, const Call& call) {
   const Value otherwise = given(self, "float", call, "default").get(0, Value(0.0));
   if (subject.is_number()) return subject.as_float();
   if (!self.require(subject)) return {};
   if (!subject.is_string()) return otherwise;
-  const std::string text = trim(subject.as_string(), kWhitespace, true, true);
+  const std::string text = without_underscores(trim(subject.as_string(), kWhitespace, true, true));
   double number = 0;
   const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const auto [end, code] = std::from_chars(begin, text.data() + text.size(), number);
@@ -199,11 +209,14 @@ Value filter_float(Interpreter& self, const Value& subject, const Call& call) {
 Value filter_int(Interpreter& self, const Value& subject, const Call& call) {
   Arguments arguments = given(self, "int", call, "default base");
   const Value otherwise = arguments.get(0, Value(0));
-  const auto whole = [&](double number) { return std::abs(number) < 9e18 ? Value(static_cast<std::int64_t>(number)) : otherwise; };
+  const auto whole = [&](double number) {
+    if (std::isnan(number) || (std::isinf(number) && subject.is_string())) return otherwise;
+    return std::abs(number) < 0x1p63 ? Value(static_cast<std::int64_t>(number)) : self.fail("the number is too large");
+  };
   if (subject.is_number()) return subject.is_float() ? whole(subject.as_float()) : Value(subject.as_int());
   if (!self.require(subject)) return {};
   if (!subject.is_string()) return otherwise;
-  std::string text = trim(subject.as_string(), kWhitespace, true, true);
+  std::string text = without_underscores(trim(subject.as_string(), kWhitespace, true, true));
   auto base = static_cast<int>(arguments.integer(1, 10));
   if (base < 2 || base > 36) return self.fail("found base " + std::to_string(base) + ", expected 2 to 36");
   if (base == 16 && (text.starts_with("0x") || text.starts_with("0X"))) text = text.substr(2);
@@ -480,14 +493,6 @@ Value filter_truncate(Interpreter& self, const Value& subject, const Call& call)
   for (std::int64_t i = 0; i < kept; ++i) out += points[static_cast<std::size_t>(i)];
   if (!arguments.truth(1, false)) out = out.substr(0, out.rfind(' '));
   return out + end;
-}
-
-/// Lists and dicts, and tuples with those.
-bool may_change(const Value& value) {
-  if (value.as_dict() != nullptr) return true;
-  const ListData* list = value.as_list();
-  if (list == nullptr || !list->shown.empty()) return false;
-  return !list->tuple || std::any_of(list->items.begin(), list->items.end(), may_change);
 }
 
 Value filter_unique(Interpreter& self, const Value& subject, const Call& call) {

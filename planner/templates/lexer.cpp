@@ -1,6 +1,7 @@
 #include "planner/templates/lexer.h"
 
 #include <array>
+#include <cctype>
 #include <charconv>
 
 namespace cxlab::planner::templates {
@@ -198,8 +199,8 @@ class Lexer {
 
   Status escape(std::size_t& at, std::string& out) {
     const char c = source_[at + 1];
-    static constexpr std::string_view kNames = "ntrfvab0\\'\"";
-    static constexpr std::string_view kCharacters("\n\t\r\f\v\a\b\0\\'\"", 11);
+    static constexpr std::string_view kNames = "ntrfvab\\'\"";
+    static constexpr std::string_view kCharacters = "\n\t\r\f\v\a\b\\'\"";
     const std::size_t digits = c == 'x' ? 2 : c == 'u' ? 4 : c == 'U' ? 8 : 0;
     if (digits > 0) {
       unsigned point = 0;
@@ -211,6 +212,15 @@ class Lexer {
       at += 2 + digits;
       return {};
     }
+    if (c >= '0' && c <= '7') {
+      unsigned point = 0;
+      std::size_t end = at + 1;
+      for (; end < std::min(source_.size(), at + 4) && source_[end] >= '0' && source_[end] <= '7'; ++end) point = point * 8 + static_cast<unsigned>(source_[end] - '0');
+      append_utf8(point, out);
+      at = end;
+      return {};
+    }
+    if (c == 'N') return error("found a character by its name (\\N) in a string: not supported, use \\u");
     const std::size_t known = kNames.find(c);
     if (c == '\n') {
     } else if (known != std::string_view::npos) {
@@ -236,10 +246,12 @@ class Lexer {
     const char base = source_[at] == '0' && at + 1 < source_.size() ? static_cast<char>(source_[at + 1] | 0x20) : ' ';
     if (base == 'x' || base == 'b' || base == 'o') {
       std::int64_t value = 0;
-      const auto [end, code] = std::from_chars(source_.data() + at + 2, source_.data() + source_.size(), value, base == 'x' ? 16 : base == 'b' ? 2 : 8);
-      if (code != std::errc{}) return error("found a broken number");
+      for (at += 2; at < source_.size() && (std::isxdigit(static_cast<unsigned char>(source_[at])) != 0 || source_[at] == '_'); ++at)
+        if (source_[at] != '_') digits += source_[at];
+      const auto [end, code] = std::from_chars(digits.data(), digits.data() + digits.size(), value, base == 'x' ? 16 : base == 'b' ? 2 : 8);
+      if (code != std::errc{} || end != digits.data() + digits.size() || source_[at - 1] == '_') return error("found a broken number");
       add(Token::Kind::kInteger, "", Value(value));
-      skip(static_cast<std::size_t>(end - (source_.data() + position_)));
+      skip(at - position_);
       return {};
     }
     take();
@@ -266,6 +278,8 @@ class Lexer {
       if (std::from_chars(digits.data(), digits.data() + digits.size(), parsed).ec != std::errc{}) return error("found a number that is too large: " + digits);
       value = parsed;
     } else {
+      if (digits[0] == '0' && digits.find_first_not_of('0') != std::string::npos && !after_dot)
+        return error("found the number " + digits + ", expected no zero in front");
       std::int64_t parsed = 0;
       if (std::from_chars(digits.data(), digits.data() + digits.size(), parsed).ec != std::errc{})
         return error("found a number that is too large: " + digits.substr(0, 40));

@@ -269,8 +269,18 @@ Value dict_method(Interpreter& self, DictData& dict, std::string_view name, cons
   }
   if (name == "update") {
     DictData more;
-    for (const Value& from : call.positional)
-      if (const DictData* other = from.as_dict()) more.entries.insert(more.entries.end(), other->entries.begin(), other->entries.end());
+    for (const Value& from : call.positional) {
+      if (const DictData* other = from.as_dict()) {
+        more.entries.insert(more.entries.end(), other->entries.begin(), other->entries.end());
+        continue;
+      }
+      for (const Value& pair : self.items(from)) {
+        std::vector<Value> two = self.items(pair);
+        if (self.failed() || two.size() != 2 || may_change(two[0])) return self.fail("found " + pair.repr() + " for a dict, expected a key and its value");
+        more.entries.emplace_back(std::move(two[0]), std::move(two[1]));
+      }
+    }
+    if (self.failed()) return {};
     for (const auto& [key, value] : call.named) more.entries.emplace_back(key, value);
     for (const auto& [key, value] : more.entries) {
       if (!may_hold(self, value, &dict)) return {};

@@ -272,6 +272,8 @@ class StatementParser : public ExpressionParser {
     if (!expect_operator("(")) return;
     while (!failed() && !is_operator(")")) {
       std::string name = expect_name("a parameter");
+      if (std::any_of(node.parameters.begin(), node.parameters.end(), [&](const auto& each) { return each.first == name; }))
+        fail("found the parameter '" + name + "' a second time");
       ExpressionPtr value = take_operator("=") ? expression() : nullptr;
       if (!failed() && !value && !node.parameters.empty() && node.parameters.back().second) fail("found a parameter without default behind one with a default");
       node.parameters.emplace_back(std::move(name), std::move(value));

@@ -54,6 +54,13 @@ void ObjectData::set(const std::string& name, Value value) {
   }
 }
 
+bool may_change(const Value& value) {
+  if (value.as_dict() != nullptr) return true;
+  const ListData* list = value.as_list();
+  if (list == nullptr || !list->shown.empty()) return false;
+  return !list->tuple || std::any_of(list->items.begin(), list->items.end(), may_change);
+}
+
 Value* find(DictData& dict, const Value& key) {
   for (auto& [known, value] : dict.entries)
     if (known.equals(key)) return &value;

@@ -122,6 +122,9 @@ class Value {
   Data data_;
 };
 
+/// Lists and dicts, and tuples with those: what cannot be a key.
+bool may_change(const Value& value);
+
 /// The value of a key; null if there is none.
 Value* find(DictData& dict, const Value& key);
 void assign(DictData& dict, const Value& key, Value value);
