@@ -15,6 +15,7 @@
 #include "cx/journal/file_store.h"
 #include "cx/yaml/yaml.h"
 #include "scenarios/nodes.h"
+#include "scenarios/share.h"
 
 namespace cxlab::app {
 
@@ -90,17 +91,20 @@ std::string package_name(const fs::path& folder) {
   return folder.filename().string();
 }
 
-/// The package that a configuration lies in: the nearest folder above it with a package.xml; without one the folder above
-/// "params" or "config", or the folder of the file.
+/// The package that a configuration lies in: the nearest folder above it with a package.xml; without one, or below the
+/// folder share of a prefix, the folder above "params" or "config", or the folder of the file.
 fs::path package_of(const fs::path& config) {
+  fs::path usual = config.parent_path();
+  if (usual.filename() == "params" || usual.filename() == "config") usual = usual.parent_path();
+  if (usual.parent_path().filename() == "share") return usual;
   for (fs::path folder = config.parent_path(); folder.has_relative_path(); folder = folder.parent_path())
     if (fs::is_regular_file(folder / "package.xml")) return folder;
-  const fs::path folder = config.parent_path();
-  return folder.filename() == "params" || folder.filename() == "config" ? folder.parent_path() : folder;
+  return usual;
 }
 
-/// Packages beside this one: in the folder that it lies in, and those of an install space with a prefix for each package
-/// (install/NAME/share/NAME, as colcon makes it).
+/// Packages beside this one: those with a package.xml in the folder that it lies in; in the folder share of a prefix, also
+/// those that only have a manifest or definitions, as our CMake makes them; and those of an install space with a prefix for
+/// each package (install/NAME/share/NAME, as colcon makes it).
 std::set<fs::path> neighbours_of(const fs::path& package) {
   std::error_code ignored;
   std::set<fs::path> found;
@@ -108,6 +112,10 @@ std::set<fs::path> neighbours_of(const fs::path& package) {
     if (fs::is_regular_file(folder / "package.xml", ignored)) found.insert(folder);
   };
   const fs::path share = package.parent_path(), prefix = share.parent_path();
+  if (share.filename() == "share")
+    if (const auto below = packages_below({prefix.string()}))
+      for (const auto& [name, folder] : *below) found.insert(folder);
+  if (!fs::is_regular_file(package / "package.xml")) return found;
   for (const auto& entry : fs::directory_iterator(share, ignored)) add(entry.path());
   if (share.filename() == "share" && prefix.filename() == package.filename())
     for (const auto& entry : fs::directory_iterator(prefix.parent_path(), ignored)) add(entry.path() / "share" / entry.path().filename());
@@ -120,7 +128,6 @@ Expected<std::map<std::string, std::string>> packages_of(const Options& options)
   for (const std::string& config : options.configs) {
     const fs::path own = package_of(fs::absolute(config).lexically_normal());
     packages.emplace(package_name(own), own.string());
-    if (!fs::is_regular_file(own / "package.xml")) continue;
     for (const fs::path& neighbour : neighbours_of(own)) packages.emplace(package_name(neighbour), neighbour.string());
   }
   auto named = named_packages(options.packages);

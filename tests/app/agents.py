@@ -44,12 +44,14 @@ class Agents(Env):
 
 class Packages(Env):
     def test_those_beside_the_configuration_are_found_in_each_layout_of_a_workspace(self):
-        for layout in ("ws/src/{0}", "ws/merged/share/{0}", "ws/install/{0}/share/{0}"):
+        # The last has no package.xml, as a build folder of our CMake.
+        for layout in ("ws/src/{0}", "ws/merged/share/{0}", "ws/install/{0}/share/{0}", "build/share/{0}"):
             with self.subTest(layout):
                 for name, files in (("my_agent", {"params/a.yaml": AGENT.replace('["rules"]', '["my_agent"]').replace("rules.clp", "clips/rules.clp"),
                                                   "clips/rules.clp": '(defrule tell => (println "sum " (ros-msgs-get-field (ros-msgs-create-message "my_msgs/msg/Sum") "sum")))'}),
                                     ("my_msgs", {"msg/Sum.msg": "int32 sum 7\n"})):
-                    self.write(f"{layout.format(name)}/package.xml", f'<package format="3"><name>{name}</name></package>')
+                    if layout.startswith("ws"):
+                        self.write(f"{layout.format(name)}/package.xml", f'<package format="3"><name>{name}</name></package>')
                     for file, text in files.items():
                         self.write(f"{layout.format(name)}/{file}", text)
                 done = subprocess.run([CXLAB, "env", f"{layout.format('my_agent')}/params/a.yaml", "--until", "0", "--out", "none"], cwd=self.folder, text=True,
