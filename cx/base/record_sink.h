@@ -38,7 +38,7 @@ class RecordData {
   RecordData& begin(const RecordData& opening);
   RecordData& field(std::string_view key, std::int64_t value) { return name(key).value(value); }
   RecordData& field(std::string_view key, int value) { return name(key).value(static_cast<std::int64_t>(value)); }
-  RecordData& field(std::string_view key, std::uint64_t value) { return name(key).value(static_cast<std::int64_t>(value)); }
+  RecordData& field(std::string_view key, std::uint64_t value) { return name(key).value(value); }
   RecordData& field(std::string_view key, double value) { return name(key).value(value); }
   RecordData& field(std::string_view key, bool value) { return name(key).value(value); }
   RecordData& field(std::string_view key, std::string_view value) { return name(key).value(value); }
@@ -48,6 +48,7 @@ class RecordData {
   /// A key whose value follows with `value`, `open_list`, `open_map` or `nil`.
   RecordData& name(std::string_view key);
   RecordData& value(std::int64_t value);
+  RecordData& value(std::uint64_t value);
   RecordData& value(double value);
   RecordData& value(bool value);
   RecordData& value(std::string_view value) { return value_between({}, value, {}); }
@@ -140,6 +141,14 @@ inline RecordData& RecordData::value(std::int64_t value) {
   }
   out[0] = '\xd3';
   record_data::put(out + 1, static_cast<std::uint64_t>(value));
+  return took(9);
+}
+
+inline RecordData& RecordData::value(std::uint64_t value) {
+  if (value <= INT64_MAX) return this->value(static_cast<std::int64_t>(value));
+  char* const out = room(9);
+  out[0] = '\xcf';
+  record_data::put(out + 1, value);
   return took(9);
 }
 

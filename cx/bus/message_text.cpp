@@ -19,6 +19,8 @@ void record_element(const MessageView& message, const Field& field, std::size_t 
     data.value(message.real(field, index));
   else if (field.type == FieldType::kBool)
     data.value(message.integer(field, index) != 0);
+  else if (field.type == FieldType::kUint64)
+    data.value(static_cast<std::uint64_t>(message.integer(field, index)));
   else
     data.value(message.integer(field, index));
 }

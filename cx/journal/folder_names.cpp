@@ -33,6 +33,7 @@ Extent extent(std::string_view rest) {
     case 0xdf: return {5, 0, false};
     case 0xde: return {3, 0, false};
     case 0xcb:
+    case 0xcf:
     case 0xd3: return {9, 0, false};
     default: return {};
   }

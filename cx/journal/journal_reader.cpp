@@ -15,8 +15,13 @@ bool convert(const Json& json, RecordValue& out, int depth) {
   if (depth > kDeepest) return false;
   switch (json.type()) {
     case Json::value_t::boolean: out.value = json.get<bool>(); break;
-    case Json::value_t::number_integer:
-    case Json::value_t::number_unsigned: out.value = json.get<std::int64_t>(); break;
+    case Json::value_t::number_integer: out.value = json.get<std::int64_t>(); break;
+    case Json::value_t::number_unsigned:
+      if (const auto number = json.get<std::uint64_t>(); number > INT64_MAX)
+        out.value = number;
+      else
+        out.value = static_cast<std::int64_t>(number);
+      break;
     case Json::value_t::number_float: out.value = json.get<double>(); break;
     case Json::value_t::string: out.value = json.get<std::string>(); break;
     case Json::value_t::array: {

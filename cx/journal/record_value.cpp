@@ -13,11 +13,11 @@ constexpr int kDeepest = 64;
 
 Error malformed(const char* what) { return input_error(std::string("malformed record data: ") + what); }
 
-enum class TokenType { kBad, kNil, kTruth, kInteger, kReal, kText, kList, kMap };
+enum class TokenType { kBad, kNil, kTruth, kInteger, kUnsigned, kReal, kText, kList, kMap };
 
 struct Token {
   TokenType type = TokenType::kBad;
-  std::int64_t integer = 0;  ///< also the truth, and the size of a list or map
+  std::int64_t integer = 0;  ///< also the truth, the bits of an unsigned, and the size of a list or map
   double real = 0;
   std::string_view text;
 };
@@ -43,6 +43,11 @@ class TokenReader {
         const auto bits = number(8);
         if (!bits) return {};
         return {TokenType::kReal, 0, std::bit_cast<double>(*bits), {}};
+      }
+      case 0xcf: {
+        const auto bits = number(8);
+        if (!bits) return {};
+        return {TokenType::kUnsigned, static_cast<std::int64_t>(*bits), 0, {}};
       }
       case 0xd2: {
         const auto bits = number(4);
@@ -106,6 +111,7 @@ Status decode(TokenReader& reader, RecordValue& out, int depth) {
     case TokenType::kNil: out.value = std::monostate{}; break;
     case TokenType::kTruth: out.value = token.integer != 0; break;
     case TokenType::kInteger: out.value = token.integer; break;
+    case TokenType::kUnsigned: out.value = static_cast<std::uint64_t>(token.integer); break;
     case TokenType::kReal: out.value = token.real; break;
     case TokenType::kText: out.value = std::string(token.text); break;
     case TokenType::kList: {
@@ -241,6 +247,7 @@ struct JsonWriter {
       case TokenType::kNil: return word("null");
       case TokenType::kTruth: return word(token.integer != 0 ? "true" : "false");
       case TokenType::kInteger: end = std::to_chars(end, end + 24, token.integer).ptr; return true;
+      case TokenType::kUnsigned: end = std::to_chars(end, end + 24, static_cast<std::uint64_t>(token.integer)).ptr; return true;
       case TokenType::kReal: end = write_number(token.real, end); return true;
       case TokenType::kText: end = write_text(token.text, end); return true;
       case TokenType::kList:
@@ -303,6 +310,7 @@ std::int64_t RecordValue::integer(std::string_view key, std::int64_t otherwise) 
 
 double RecordValue::number(std::string_view key, double otherwise) const {
   if (const auto* whole = get<std::int64_t>(*this, key)) return static_cast<double>(*whole);
+  if (const auto* large = get<std::uint64_t>(*this, key)) return static_cast<double>(*large);
   const auto* found = get<double>(*this, key);
   return found ? *found : otherwise;
 }

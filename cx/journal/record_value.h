@@ -16,7 +16,8 @@ struct RecordValue {
   using List = std::vector<RecordValue>;
   using Map = std::vector<std::pair<std::string, RecordValue>>;  ///< in the order of writing
 
-  std::variant<std::monostate, bool, std::int64_t, double, std::string, List, Map> value;
+  /// Unsigned only where an int64 is too small.
+  std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, List, Map> value;
 
   /// The value under `key`, or nullptr if this is no map or has no such key.
   const RecordValue* find(std::string_view key) const;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "fixture.h"
 
 namespace cxlab::bus {
@@ -221,6 +223,17 @@ TEST_F(Messages, RecordsHoldAllFieldsInOrder) {
   expected.begin().name("msg").open_map(3);
   expected.text_key("x").value(0.0).text_key("y").value(1.0).text_key("z").value(0.0);
   EXPECT_EQ(data.bytes(), expected.bytes());
+}
+
+TEST_F(Messages, RecordsHoldTheWholeRangeOfUint64) {
+  Message message(**registry_.message("std_msgs/msg/UInt64"));
+  message->set("data", std::int64_t{-1});
+  RecordData data, expected;
+  data.begin().name("msg");
+  message->record(data);
+  expected.begin().name("msg").open_map(1).text_key("data").value(std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(data.bytes(), expected.bytes());
+  EXPECT_EQ(message->to_string(), "{data: 18446744073709551615}");
 }
 
 }  // namespace

@@ -180,14 +180,16 @@ TEST(JournalExport, NumbersAreTheShortestThatReadBackTheSame) {
   RecordData data;
   data.begin().field("tenth", 0.1).field("one", 1.0).field("tiny", 5e-324).field("big", 1e300).field("third", 1.0 / 3.0);
   data.field("least", std::numeric_limits<std::int64_t>::min()).field("minus", -5).field("list", std::vector<double>{0.5, -0.0});
+  data.field("unsigned", std::numeric_limits<std::uint64_t>::max());
   const std::string text = exported(JournalLevel::kFull, [&](Journal& journal) {
     journal.write(journal.open_stream("s"), {}, RecordKind::kControl, data);
   });
   EXPECT_THAT(text, HasSubstr("{\"tenth\":0.1,\"one\":1.0,\"tiny\":5e-324,\"big\":1e+300,\"third\":0.3333333333333333,"
-                              "\"least\":-9223372036854775808,\"minus\":-5,\"list\":[0.5,-0.0]}"));
+                              "\"least\":-9223372036854775808,\"minus\":-5,\"list\":[0.5,-0.0],\"unsigned\":18446744073709551615}"));
   const auto record = parse_journal_line(text);
   ASSERT_TRUE(record.ok());
   EXPECT_EQ(record->data, *decode_record_data(data.bytes()));
+  EXPECT_EQ(record->data.number("unsigned"), 18446744073709551616.0);
 }
 
 TEST(JournalExport, NumbersThatJsonLacksBecomeWords) {
