@@ -116,6 +116,7 @@ class RosParamPlugin final : public Plugin {
   }
 
   Expected<std::vector<Value>> read(const std::string& parameter, const ValueRef& fallback) {
+    if (parameter.empty()) return input_error("found an empty name, expected that of a parameter");
     auto wanted = wanted_by(fallback);
     if (!wanted) return wanted.error();
     const Parameter* known = context().parameters.find(parameter);

@@ -82,6 +82,10 @@ TEST_F(RosParam, AnotherTypeIsAnErrorOfTheRule) {
   EXPECT_THAT(failure("goal.x", "(assert (a))"), HasSubstr("found a default <Fact-"));
 }
 
+TEST_F(RosParam, AnEmptyNameIsAnErrorOfTheRule) {
+  EXPECT_THAT(failure("\"\"", "3"), HasSubstr("parameter '': found an empty name, expected that of a parameter"));
+}
+
 TEST_F(RosParam, ParametersOfPluginsAreParametersOfTheNode) {
   EXPECT_EQ(get("params.gain", "0.0"), "2.5");
   EXPECT_EQ(get("params.plugin", "\"\""), "\"cx::RosParamPlugin\"");
