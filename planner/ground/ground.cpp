@@ -516,12 +516,43 @@ class Grounder {
   std::vector<int> demanded_;  ///< derived facts that conditions ask for
 };
 
+/// What reads or changes a number that has no value at first has to wait for one: its square is at least 0 once it has.
+void ask_for_values(GroundTask& task) {
+  std::vector<int> comparison(task.numbers.size(), -1);
+  const auto ask = [&](GroundCondition& condition, int number) {
+    if (!std::isnan(task.initial_numbers[number])) return;
+    if (comparison[number] < 0) {
+      using Kind = GroundExpression::Kind;
+      comparison[number] = static_cast<int>(task.comparisons.size());
+      GroundExpression square{{{Kind::kNumber, number, 0}, {Kind::kNumber, number, 0}, {Kind::kMultiply, -1, 0}}};
+      LinearForm form = linear_form(square);
+      task.comparisons.push_back({GroundComparison::Kind::kNotNegative, std::move(square), std::move(form)});
+    }
+    condition.comparisons.push_back(comparison[number]);
+  };
+  const auto ask_read = [&](GroundCondition& condition, const GroundExpression& expression) {
+    for (const auto& step : expression.steps)
+      if (step.kind == GroundExpression::Kind::kNumber) ask(condition, step.number);
+  };
+  for (GroundAction& action : task.actions) {
+    for (auto [effects, condition] : {std::pair{&action.at_start, &action.start}, {&action.at_end, &action.end}})
+      for (const NumericEffect& effect : effects->numbers) {
+        if (effect.kind != NumericEffect::Kind::kAssign) ask(*condition, effect.number);
+        ask_read(*condition, effect.value);
+      }
+    for (const ContinuousEffect& effect : action.continuous) ask(action.start, effect.number), ask_read(action.start, effect.rate);
+    sort_unique(action.start.comparisons);
+    sort_unique(action.end.comparisons);
+  }
+}
+
 }  // namespace
 
 Expected<GroundTask> ground(const Task& task, const GroundOptions& options) {
   Expected<Reachable> reachable = find_reachable(task, options.most_actions);
   if (!reachable) return reachable.error();
   GroundTask out = Grounder(task, std::move(*reachable)).run();
+  ask_for_values(out);
   prune(out);
   find_idle(task, out);
   return out;

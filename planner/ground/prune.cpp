@@ -42,13 +42,8 @@ class Relaxation {
       return has_value(effect.value) && (effect.kind == NumericEffect::Kind::kAssign || defined_[effect.number]);
     });
   }
-  bool can_begin(const GroundAction& action) const {
-    return has_values(action.at_start) &&
-           std::ranges::all_of(action.continuous, [this](const ContinuousEffect& effect) { return has_value(effect.rate) && (any_value_ || defined_[effect.number]); }) &&
-           std::ranges::all_of(action.duration, [this](const GroundDuration& duration) { return duration.at_end || has_value(duration.bound); });
-  }
-  bool can_end(const GroundAction& action) const {
-    return has_values(action.at_end) && std::ranges::all_of(action.duration, [this](const GroundDuration& duration) { return has_value(duration.bound); });
+  bool has_duration(const GroundAction& action, bool ends) const {
+    return std::ranges::all_of(action.duration, [&](const GroundDuration& duration) { return (duration.at_end && !ends) || has_value(duration.bound); });
   }
 
   void spread() {
@@ -78,14 +73,14 @@ class Relaxation {
       const GroundAction& action = task_.actions[a];
       if (useless_[a] || (ended_[a] && action.conditional.empty()) || !reaches(action.start)) continue;
       if (!begun_[a]) {
-        if (!can_begin(action)) continue;
+        if (!has_duration(action, false)) continue;
         begun_[a] = 1;
         changed = true;
         apply(action.at_start);
         for (const ContinuousEffect& effect : action.continuous) move_number(effect.number, effect.rate);
         refresh();
       }
-      if (!ended_[a] && reaches(action.over_all) && reaches(action.end) && can_end(action)) {
+      if (!ended_[a] && reaches(action.over_all) && reaches(action.end) && has_duration(action, true)) {
         ended_[a] = 1;
         changed = true;
         apply(action.at_end);
@@ -370,15 +365,6 @@ void find_missing_values(GroundTask& task, const Relaxation& relaxation) {
   for (const GroundAction& action : task.actions) {
     for (const auto* condition : {&action.start, &action.over_all, &action.end}) read_condition(*condition);
     for (const GroundDuration& duration : action.duration) read(duration.bound);
-    for (const auto* effects : {&action.at_start, &action.at_end})
-      for (const NumericEffect& effect : effects->numbers) {
-        read(effect.value);
-        if (effect.kind != NumericEffect::Kind::kAssign && !relaxation.has_value(effect.number)) missing[effect.number] = 1;
-      }
-    for (const ContinuousEffect& effect : action.continuous) {
-      read(effect.rate);
-      if (!relaxation.has_value(effect.number)) missing[effect.number] = 1;
-    }
   }
   for (std::size_t n = 0; n < missing.size(); ++n)
     if (missing[n]) task.missing_values.push_back(static_cast<int>(n));

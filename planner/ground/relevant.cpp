@@ -10,6 +10,7 @@ class Relevance {
  public:
   explicit Relevance(const Task& task)
       : task_(task), present_(task.domain.predicates.size(), 0), absent_(present_), number_(task.domain.functions.size(), 0), action_(task.domain.actions.size(), 0) {
+    find_late_values();
     ask(task.problem.goal, false);
     while (changed_) changed_ = false, look_at_rules();
     // A plan ends with its last action: where events bring about the goal, any action may be needed to wait for them.
@@ -29,6 +30,20 @@ class Relevance {
   std::vector<char> take() { return std::move(action_); }
 
  private:
+  /// Functions some of whose numbers have no value at first and get one from an action.
+  void find_late_values() {
+    std::vector<std::size_t> values(number_.size(), 0);
+    for (const Assignment& value : task_.problem.values) ++values[value.function];
+    late_.assign(number_.size(), 0);
+    for (const Action& action : task_.domain.actions)
+      for (const Effect& effect : action.effects) {
+        if (effect.kind != Effect::Kind::kAssign) continue;
+        std::size_t all = 1;
+        for (const Variable& parameter : task_.domain.functions[effect.function].parameters) all *= objects_of(task_.domain, task_.problem, parameter.types).size();
+        late_[effect.function] = values[effect.function] < all;
+      }
+  }
+
   bool events_help() const {
     const auto helps = [this](const TimedFact& timed) { return (timed.value ? present_ : absent_)[timed.fact.predicate] != 0; };
     return std::ranges::any_of(task_.problem.timed_facts, helps) ||
@@ -58,6 +73,16 @@ class Relevance {
     for (const Effect& effect : action.effects)  // one that must not come about may have to be kept from it
       for (const Condition* part : {&effect.condition.start, &effect.condition.over_all, &effect.condition.end}) ask(*part, true);
     for (const DurationConstraint& constraint : action.duration) ask(constraint.bound);
+    for (const Effect& effect : action.effects) {  // it cannot be done before the numbers that it reads and changes have values
+      if (!effect.is_numeric()) continue;
+      if (effect.kind != Effect::Kind::kAssign && late_[effect.function]) mark(number_[effect.function]);
+      ask_late(effect.value);
+    }
+  }
+
+  void ask_late(const Expression& expression) {
+    if (expression.kind == Expression::Kind::kFunction && late_[expression.function]) mark(number_[expression.function]);
+    for (const Expression& operand : expression.operands) ask_late(operand);
   }
 
   bool helps(const Effect& effect) const {
@@ -91,6 +116,7 @@ class Relevance {
 
   const Task& task_;
   std::vector<char> present_, absent_, number_, action_;
+  std::vector<char> late_;  ///< by function
   bool changed_ = true;
 };
 

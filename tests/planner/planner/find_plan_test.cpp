@@ -220,6 +220,8 @@ TEST(FindPlan, ANumberThatNeverGetsAValueIsNamed) {
   EXPECT_EQ(reason("(:action calibrate :parameters (?c) :effect (assign (fuel ?c) 2))", "", "(>= (fuel a) 4)"), "a plan");
   EXPECT_EQ(reason("(:action pour :parameters (?c ?d) :precondition (not (= ?c ?d)) :effect (and (full ?c) (assign (fuel ?c) (fuel ?d))))", "", "(full a)"),
             missing + "(fuel a), (fuel b)");
+  EXPECT_EQ(reason("(:action calibrate :parameters (?c) :effect (assign (fuel ?c) 2))", "", "(full a)"), "a plan");
+  EXPECT_EQ(reason("(:action copy :parameters (?c) :effect (and (full ?c) (assign (fuel ?c) (spare ?c)))) (:action repair :parameters (?c) :effect (assign (spare ?c) 2))", "", "(full a)"), "a plan");
   EXPECT_EQ(reason("", "(at 5 (= (fuel a) 1))", "(>= (fuel a) 3)"), "a plan");
   EXPECT_EQ(reason("", "", "(and (full a) (not (ready)))"), "the goal is out of reach even if nothing were ever deleted");
 }
