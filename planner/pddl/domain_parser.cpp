@@ -190,6 +190,7 @@ class DomainParser {
   bool signature(const Node& node, const char* what, std::string& name, std::vector<Variable>& parameters) {
     if (node.head().empty()) return fail(node, "found " + excerpt(node) + ", expected " + what + " such as (name ?x - TYPE)");
     name = node.head();
+    if (name.starts_with('?')) return fail(node, "found the variable " + name + ", expected the name of " + what);
     if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end())
       return fail(node, "found '" + name + "' as the name of " + what + ", which is a word of the language");
     Node list;
@@ -303,6 +304,7 @@ class DomainParser {
     action.source = resolver_.source(section);
     if (section.items.size() < 2 || section.items[1].is_list) return fail(section, "found " + excerpt(section) + ", expected the name of the action");
     action.name = section.items[1].word;
+    if (action.name.starts_with('?')) return fail(section.items[1], "found the variable " + action.name + ", expected the name of the action");
     const auto [known, fresh] = domain_.action_names.emplace(action.name, static_cast<int>(domain_.actions.size()));
     if (!fresh)
       return fail(section, "found action '" + action.name + "' a second time" + resolver_.declared(domain_.actions[known->second].source));

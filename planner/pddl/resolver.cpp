@@ -7,8 +7,11 @@
 namespace cxlab::planner {
 namespace {
 
-std::string hint(const std::string& word, const NameTable& names) {
-  std::vector<std::string> candidates;
+constexpr const char* kConditionWords[] = {"and", "or", "not", "imply", "forall", "exists"};
+constexpr const char* kMetricWords[] = {"total-time"};
+
+std::string hint(const std::string& word, const NameTable& names, std::span<const char* const> words = {}) {
+  std::vector<std::string> candidates(words.begin(), words.end());
   for (const auto& entry : names) candidates.push_back(entry.first);
   std::sort(candidates.begin(), candidates.end());
   return did_you_mean(word, candidates, "; ");
@@ -83,6 +86,7 @@ bool Resolver::typed_list(const std::vector<Node>& items, std::size_t first, con
     const int id = find(domain_.type_names, node.word);
     if (id < 0) {
       const std::string name(node.word);
+      if (name.starts_with('?')) return fail(node, "found the variable " + name + ", expected a type");
       if (name == "number") return fail_unsupported(node, std::string(what) + " of type number: not supported, numbers are values of functions only");
       return fail(node, "found type '" + name + "', expected a type of the domain" + hint(name, domain_.type_names));
     }
@@ -94,6 +98,7 @@ bool Resolver::typed_list(const std::vector<Node>& items, std::size_t first, con
     const Node& item = items[i];
     if (item.is_list) return fail(item, "found " + excerpt(item) + ", expected " + what);
     if (item.word != "-") {
+      if (item.word.starts_with('?') && std::string_view(what) != "a variable") return fail(item, "found the variable " + std::string(item.word) + ", expected " + what);
       out.push_back({&item, {}});
       continue;
     }
@@ -186,7 +191,7 @@ bool Resolver::arguments(const Node& node, const std::string& name, const std::v
   return true;
 }
 
-bool Resolver::atom(const Node& node, PredicateId& predicate, std::vector<Term>& terms) {
+bool Resolver::atom(const Node& node, Words words, PredicateId& predicate, std::vector<Term>& terms) {
   const std::string name(node.head());
   if (name.empty()) return fail(node, "found " + excerpt(node) + ", expected (PREDICATE ARGUMENT...)");
   if ((name == "at" || name == "over") && node.items.size() == 3 && node.items[2].is_list)
@@ -198,13 +203,13 @@ bool Resolver::atom(const Node& node, PredicateId& predicate, std::vector<Term>&
     const int function = find(domain_.function_names, name);
     if (function >= 0)
       return fail(node, "found the numeric fluent '" + name + "', expected a predicate" + declared(domain_.functions[function].source));
-    return fail(node, "found '" + name + "', expected a predicate of the domain" + hint(name, domain_.predicate_names));
+    return fail(node, "found '" + name + "', expected a predicate of the domain" + hint(name, domain_.predicate_names, words));
   }
   const Predicate& declaration = domain_.predicates[predicate];
   return arguments(node, name, declaration.parameters, declaration.source, terms);
 }
 
-bool Resolver::function_term(const Node& node, FunctionId& function, std::vector<Term>& terms) {
+bool Resolver::function_term(const Node& node, Words words, FunctionId& function, std::vector<Term>& terms) {
   const std::string name(node.is_list ? node.head() : node.word);
   if (name.empty()) return fail(node, "found " + excerpt(node) + ", expected a number, (FUNCTION ARGUMENT...) or (+ - * / ...)");
   function = find(domain_.function_names, name);
@@ -212,7 +217,7 @@ bool Resolver::function_term(const Node& node, FunctionId& function, std::vector
     const int predicate = find(domain_.predicate_names, name);
     if (predicate >= 0)
       return fail(node, "found the predicate '" + name + "', expected a numeric fluent" + declared(domain_.predicates[predicate].source));
-    return fail(node, "found '" + name + "', expected a number or a function of the domain" + hint(name, domain_.function_names));
+    return fail(node, "found '" + name + "', expected a number or a function of the domain" + hint(name, domain_.function_names, words));
   }
   const Function& declaration = domain_.functions[function];
   if (!node.is_list) {
@@ -249,7 +254,7 @@ bool Resolver::expression(const Node& node, Place place, Expression& out) {
   }
   if (!kind) {
     out.kind = Kind::kFunction;
-    return function_term(node, out.function, out.terms);
+    return function_term(node, place == Place::kMetric ? Words(kMetricWords) : Words{}, out.function, out.terms);
   }
   const std::size_t operands = node.items.size() - 1;
   if (*kind == Kind::kSubtract && operands == 1) kind = Kind::kNegate;
@@ -315,7 +320,7 @@ bool Resolver::condition(const Node& node, Condition& out) {
     wanted = 2;
   } else {
     out.kind = Condition::Kind::kAtom;
-    return atom(node, out.predicate, out.terms);
+    return atom(node, kConditionWords, out.predicate, out.terms);
   }
   if (wanted && node.items.size() - 1 != *wanted)
     return fail(node, "found " + count(node.items.size() - 1, "operand") + " in " + excerpt(node) + ", expected " + std::to_string(*wanted));
@@ -384,12 +389,12 @@ bool Resolver::ground(const std::vector<Term>& terms, const Node& node, std::vec
 bool Resolver::ground_fact(const Node& node, Fact& out) {
   if (!node.is_list) return fail(node, "found '" + std::string(node.word) + "', expected (PREDICATE OBJECT...)");
   std::vector<Term> terms;
-  return atom(node, out.predicate, terms) && ground(terms, node, out.objects);
+  return atom(node, {}, out.predicate, terms) && ground(terms, node, out.objects);
 }
 
 bool Resolver::ground_function(const Node& node, Assignment& out) {
   std::vector<Term> terms;
-  return function_term(node, out.function, terms) && ground(terms, node, out.objects);
+  return function_term(node, {}, out.function, terms) && ground(terms, node, out.objects);
 }
 
 void conjoin(Condition& into, Condition&& more) {

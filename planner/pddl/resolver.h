@@ -2,6 +2,7 @@
 // Nested lists to conditions, effects and numbers: looks names up, checks arity and types.
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -68,8 +69,11 @@ class Resolver {
   };
   enum class Place { kCondition, kDuration, kEffect, kMetric };
 
-  bool atom(const Node& node, PredicateId& predicate, std::vector<Term>& terms);
-  bool function_term(const Node& node, FunctionId& function, std::vector<Term>& terms);
+  /// Words of the language that may stand in the place of a name, for "did you mean".
+  using Words = std::span<const char* const>;
+
+  bool atom(const Node& node, Words words, PredicateId& predicate, std::vector<Term>& terms);
+  bool function_term(const Node& node, Words words, FunctionId& function, std::vector<Term>& terms);
   bool arguments(const Node& node, const std::string& name, const std::vector<Variable>& parameters, const Source& declared_at,
                  std::vector<Term>& terms);
   bool term(const Node& node, Term& out);

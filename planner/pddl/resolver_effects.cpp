@@ -189,7 +189,7 @@ bool Resolver::numeric_effect(const Node& node, const EffectContext& context, st
   effect.variables = context.variables;
   effect.condition = context.condition;
   effect.source = source(node);
-  if (!function_term(node.items[1], effect.function, effect.terms)) return false;
+  if (!function_term(node.items[1], {}, effect.function, effect.terms)) return false;
   const bool right = effect.time == Effect::Time::kContinuous ? rate(node.items[2], effect.value)
                                                                : expression(node.items[2], Place::kEffect, effect.value);
   if (right) out.push_back(std::move(effect));
@@ -207,7 +207,8 @@ bool Resolver::literal_effect(const Node& node, const EffectContext& context, st
   effect.variables = context.variables;
   effect.condition = context.condition;
   effect.source = source(node);
-  if (!atom(literal, effect.predicate, effect.terms)) return false;
+  static constexpr const char* kWords[] = {"and", "not", "when", "forall", "assign", "increase", "decrease", "scale-up", "scale-down"};
+  if (!atom(literal, negative ? Words{} : Words(kWords), effect.predicate, effect.terms)) return false;
   const Predicate& predicate = domain_.predicates[effect.predicate];
   if (predicate.derived)
     return fail(literal, "found an effect on '" + predicate.name + "', which is derived by a rule; expected a predicate without one" +

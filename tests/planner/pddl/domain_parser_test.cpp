@@ -44,6 +44,24 @@ TEST(DomainParser, SectionsMayStandInAnyOrder) {
   EXPECT_EQ(domain.actions.at(0).effects.size(), 1u);
 }
 
+TEST(DomainParser, VariablesAreNoNames) {
+  EXPECT_EQ(error_of("(:types a ?x - b)"), "d.pddl:2: found the variable ?x, expected a type");
+  EXPECT_EQ(error_of("(:types a)\n(:constants ?c - a)"), "d.pddl:3: found the variable ?c, expected a constant");
+  EXPECT_EQ(error_of("(:predicates (?p))"), "d.pddl:2: found the variable ?p, expected the name of a predicate");
+  EXPECT_EQ(error_of("(:functions (?f))"), "d.pddl:2: found the variable ?f, expected the name of a function");
+  EXPECT_EQ(error_of("(:action ?go)"), "d.pddl:2: found the variable ?go, expected the name of the action");
+  EXPECT_EQ(error_of("(:types a) (:predicates (p ?x - ?y - a))"), "d.pddl:2: found the variable ?y, expected a type");
+  const auto problem = parse_problem("(define (problem p) (:domain d)\n(:objects ?o))", "p.pddl", parsed(""));
+  EXPECT_EQ(problem.error().text(), "p.pddl:2: found the variable ?o, expected an object");
+}
+
+TEST(DomainParser, MisspeltWordsOfTheLanguageAreHinted) {
+  EXPECT_EQ(error_of(with_world("(:action a :effect (decrese (total-cost) 1))")),
+            "d.pddl:6: found 'decrese', expected a predicate of the domain; did you mean 'decrease'?");
+  EXPECT_EQ(error_of(with_world("(:action a :precondition (foral (?r - robot) (done)))")),
+            "d.pddl:6: found 'foral', expected a predicate of the domain; did you mean 'forall'?");
+}
+
 TEST(DomainParser, NamesAreLowerCase) {
   const Domain domain = parsed(with_world("(:action GO :parameters (?R - Robot) :effect (AT ?r BASE))"));
   EXPECT_EQ(domain.actions.at(0).name, "go");
