@@ -236,7 +236,7 @@ class Bounds {
 }  // namespace
 
 LowerBound lower_bound(const GroundTask& task, Budget& budget, std::int64_t slice) {
-  const std::vector<char> possible = possible_actions(task);
+  const std::vector<char> possible = possible_by_pairs(task).actions;
   GroundTask reduced = task;
   std::size_t kept = 0;
   for (std::size_t a = 0; a < task.actions.size(); ++a)

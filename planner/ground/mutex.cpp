@@ -96,14 +96,15 @@ class Pairs {
 
 }  // namespace
 
-std::vector<char> possible_actions(const GroundTask& task, std::size_t most_facts) {
-  std::vector<char> possible(task.actions.size(), 1);
+Possible possible_by_pairs(const GroundTask& task, std::size_t most_facts) {
+  Possible possible{std::vector<char>(task.actions.size(), 1)};
   if (!task.axioms.empty() || task.facts.size() > most_facts || task.actions.size() > 4 * most_facts) return possible;
   const Pairs pairs(task);
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
     const GroundAction& action = task.actions[a];
-    possible[a] = pairs.reachable(action.start.facts) && pairs.reachable(action.over_all.facts) && pairs.reachable(action.end.facts);
+    possible.actions[a] = pairs.reachable(action.start.facts) && pairs.reachable(action.over_all.facts) && pairs.reachable(action.end.facts);
   }
+  possible.goal = pairs.reachable(task.goal.facts);
   return possible;
 }
 

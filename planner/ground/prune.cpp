@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "planner/ground/ground.h"
+#include "planner/ground/mutex.h"
 
 namespace cxlab::planner {
 
@@ -468,15 +469,12 @@ void drop_numbers(GroundTask& task) {
   rename(task.metric, numbers);
 }
 
-}  // namespace
-
-void prune(GroundTask& task) {
+/// Keeps what can happen and what somebody asks for; false if the goal is out of reach.
+bool keep_useful(GroundTask& task) {
   const Relaxation relaxation(task);
-  if (task.proved_unsolvable) return;
   if (!relaxation.reaches(task.goal)) {
-    task.proved_unsolvable = true;
     find_missing_values(task, relaxation);
-    return;
+    return false;
   }
   keep_applicable(task, relaxation);
   for (GroundAction& action : task.actions)
@@ -488,6 +486,25 @@ void prune(GroundTask& task) {
   drop_irrelevant(task);
   drop_facts(task);
   drop_numbers(task);
+  return true;
+}
+
+/// The same with what no pair of facts allows left out.
+bool keep_possible(GroundTask& task) {
+  const Possible possible = possible_by_pairs(task);
+  if (!possible.goal) return false;
+  if (std::ranges::find(possible.actions, 0) == possible.actions.end()) return true;
+  compact(task.actions, possible.actions);
+  return keep_useful(task);
+}
+
+}  // namespace
+
+void prune(GroundTask& task) {
+  if (task.proved_unsolvable || !keep_useful(task) || !keep_possible(task)) {
+    task.proved_unsolvable = true;
+    return;
+  }
   drop_copies(task);
   offer_durations(task);
 }

@@ -200,7 +200,7 @@ struct GroundTask {
   std::vector<char> initial_facts;     ///< without derived facts
   std::vector<double> initial_numbers; ///< not-a-number where undefined
   GroundCondition goal;
-  bool proved_unsolvable = false;      ///< the goal is out of reach even if nothing were ever deleted
+  bool proved_unsolvable = false;      ///< the goal is out of reach even if nothing were ever deleted, or by pairs of facts
   std::vector<int> missing_values;     ///< numbers that keep the goal out of reach, for they have no value and get none
   GroundExpression metric;             ///< to be made small; empty = makespan
   int others = 0;                      ///< facts and numbers that only IdleTouch knows

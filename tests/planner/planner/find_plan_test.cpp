@@ -234,6 +234,21 @@ TEST(FindPlan, ProvesThatNoOrderWorks) {
   EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
 }
 
+TEST(FindPlan, ProvesThatTwoFactsOfTheGoalAreNeverTrueTogetherWithoutTryingAllStates) {
+  std::string objects = "(:objects", off;
+  for (int i = 0; i < 40; ++i) objects += " s" + std::to_string(i), off += " (off s" + std::to_string(i) + ")";
+  const PlanAnswer found = answer(parse(R"((:predicates (key) (left) (right) (on ?s) (off ?s))
+    (:durative-action open-left :parameters () :duration (= ?duration 2) :condition (at start (key))
+     :effect (and (at start (not (key))) (at end (left))))
+    (:durative-action open-right :parameters () :duration (= ?duration 2) :condition (at start (key))
+     :effect (and (at start (not (key))) (at end (right))))
+    (:action switch-on :parameters (?s) :precondition (off ?s) :effect (and (on ?s) (not (off ?s))))
+    (:action switch-off :parameters (?s) :precondition (on ?s) :effect (and (off ?s) (not (on ?s)))))",
+                                        objects + ") (:init (key)" + off + ") (:goal (and (left) (right) (forall (?s) (on ?s))))"), {.budget = 20'000});
+  EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
+  EXPECT_LT(found.units, 5'000);
+}
+
 TEST(FindPlan, EndsWithoutProofWhereOnlyTimeForbids) {
   const std::string domain = R"((:predicates (lit) (done))
     (:durative-action flash :parameters () :duration (= ?duration 1) :condition () :effect (and (at start (lit)) (at end (not (lit)))))
