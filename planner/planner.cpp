@@ -297,7 +297,7 @@ class Planner {
   void prove_unsolvable() {
     answer_.status = PlanStatus::kEnded;
     answer_.reason = "no plan was found by any search; that none exists is not proved";
-    const std::optional<GroundTask> relaxed = untimed(ground_);
+    const std::optional<GroundTask> relaxed = untimed(ground_, Ends::kAsBegun);
     if (!relaxed) return;
     const SearchSpace space(*relaxed);
     LazySearch search(space.simulator, space.relaxed, space.landmarks);

@@ -198,7 +198,7 @@ class Bounds {
   /// Sets of actions of which every plan has one: all that add a landmark.
   std::vector<std::vector<int>> find_landmarks(std::int64_t slice) {
     std::vector<std::vector<int>> found;
-    const std::optional<GroundTask> parts = untimed(task_);  // its landmarks are those of overlapping plans, too
+    const std::optional<GroundTask> parts = untimed(task_, Ends::kOften);  // its landmarks are those of overlapping plans, too
     if (!parts) return found;
     const Simulator simulator(*parts);
     const RelaxedTask relaxed(simulator, true);

@@ -103,10 +103,29 @@ SplitTask split(const GroundTask& task, const std::vector<char>& cut) {
   return out;
 }
 
-std::optional<GroundTask> untimed(const GroundTask& task) {
+std::optional<GroundTask> untimed(const GroundTask& task, Ends ends) {
   for (const GroundAction& action : task.actions)
     if (action.durative && !can_be_cut(task, action)) return std::nullopt;
-  return loosened(task, false);
+  GroundTask out = loosened(task, false);
+  if (ends == Ends::kOften) return out;
+  const auto add_fact = [&out] {
+    out.facts.push_back({-1, {}, -1, false, false});
+    out.initial_facts.push_back(1);
+    return static_cast<int>(out.facts.size()) - 1;
+  };
+  std::size_t part = 0;
+  for (const GroundAction& action : task.actions) {
+    GroundAction& begin = out.actions[part++];
+    if (!action.durative) continue;
+    GroundAction& end = out.actions[part++];
+    const int begun = begin.at_start.add.back(), idle = add_fact(), single = add_fact();
+    begin.at_start.remove.push_back(idle);
+    begin.conditional.push_back({{{begun}, {}}, {}, {}, {{}, {single}, {}}, {}});
+    end.at_start.add.push_back(idle);
+    end.conditional.push_back({{{single}, {}}, {}, {}, {{}, {begun}, {}}, {}});
+    out.goal.facts.push_back(idle);
+  }
+  return out;
 }
 
 GroundTask loosened(const GroundTask& task, bool hold) {

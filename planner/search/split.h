@@ -39,9 +39,14 @@ bool reads_duration(const GroundAction& action);
 /// A task in which every action with a duration is two, its beginning and its end: time is left out, an action that has
 /// begun once may end at any time and often. `hold`: its end asks for its condition over all.
 GroundTask loosened(const GroundTask& task, bool hold);
-/// The same without conditions over all, as a proof: it has every plan as a sequence, and more, so what cannot be reached there cannot be reached.
-/// Nothing if an action cannot be cut.
-std::optional<GroundTask> untimed(const GroundTask& task);
+/// How often an action ends that has begun in an untimed task.
+enum class Ends : std::uint8_t {
+  kOften,    ///< any time: enough where what is removed does not count
+  kAsBegun,  ///< once, and before the goal, unless it began anew while it was running: then the last of its parts is an end
+};
+/// The same without conditions over all, as a proof: it has every plan as a sequence, and more, so what cannot be reached
+/// there cannot be reached. Nothing if an action cannot be cut.
+std::optional<GroundTask> untimed(const GroundTask& task, Ends ends);
 
 /// A plan with overlaps: steps, and their happenings in an order in which they are right.
 struct SplitPoint {

@@ -249,6 +249,35 @@ TEST(FindPlan, ProvesThatTwoFactsOfTheGoalAreNeverTrueTogetherWithoutTryingAllSt
   EXPECT_LT(found.units, 5'000);
 }
 
+TEST(FindPlan, ProvesThatWhatEndsDoesNotEndAgain) {
+  // If one lifting could end often, a block would be in the hand and on another one.
+  const PlanAnswer found = answer(parse(R"((:predicates (on ?x ?y) (table ?x) (clear ?x) (free) (held ?x))
+    (:durative-action lift :parameters (?x) :duration (= ?duration 2)
+     :condition (and (at start (clear ?x)) (at start (table ?x)) (at start (free)))
+     :effect (and (at start (not (free))) (at start (not (clear ?x))) (at end (not (table ?x))) (at end (held ?x))))
+    (:durative-action stack :parameters (?x ?y) :duration (= ?duration 3)
+     :condition (and (at start (held ?x)) (at start (clear ?y)))
+     :effect (and (at start (not (held ?x))) (at start (not (clear ?y))) (at end (clear ?x)) (at end (on ?x ?y)) (at end (free))))
+    (:durative-action unstack :parameters (?x ?y) :duration (= ?duration 3)
+     :condition (and (at start (on ?x ?y)) (at start (clear ?x)) (at start (free)))
+     :effect (and (at start (not (free))) (at start (not (clear ?x))) (at end (not (on ?x ?y))) (at end (held ?x)) (at end (clear ?y)))))",
+                                        R"((:objects a b c) (:init (table a) (table b) (table c) (clear a) (clear b) (clear c) (free))
+    (:goal (and (on a b) (on b a))))"));
+  EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
+}
+
+TEST(FindPlan, CostsThatNothingReadsDoNotMakeTwoStatesOfOne) {
+  // Three tiles on a ring of four places only go round: two of them never change their order.
+  const PlanAnswer found = answer(parse(R"((:predicates (at ?t ?p) (empty ?p) (next ?p ?q)) (:functions (total-cost))
+    (:action slide :parameters (?t ?p ?q) :precondition (and (at ?t ?p) (empty ?q) (next ?p ?q))
+     :effect (and (at ?t ?q) (empty ?p) (not (at ?t ?p)) (not (empty ?q)) (increase (total-cost) 1))))",
+                                        R"((:objects a b c n e s w) (:init (at a n) (at b e) (at c s) (empty w) (= (total-cost) 0)
+     (next n e) (next e s) (next s w) (next w n) (next e n) (next s e) (next w s) (next n w))
+    (:goal (and (at b n) (at a e) (at c s))) (:metric minimize (total-cost)))"), {.budget = 100'000});
+  EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
+  EXPECT_GT(found.units, 20);  // not by facts in pairs
+}
+
 TEST(FindPlan, EndsWithoutProofWhereOnlyTimeForbids) {
   const std::string domain = R"((:predicates (lit) (done))
     (:durative-action flash :parameters () :duration (= ?duration 1) :condition () :effect (and (at start (lit)) (at end (not (lit)))))
