@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "planner/ground/ground.h"
 #include "planner/ground/mutex.h"
@@ -418,6 +419,27 @@ void drop_facts(GroundTask& task) {
     if (fact.complement >= 0) fact.complement = renamed[fact.complement];
 }
 
+void rename_numbers(GroundTask& task, const std::vector<int>& renamed) {
+  for (GroundComparison& comparison : task.comparisons) {
+    rename(comparison.expression, renamed);
+    comparison.linear = linear_form(comparison.expression);
+  }
+  for_each_effects(task, [&](GroundEffects& effects) {
+    for (NumericEffect& effect : effects.numbers) {
+      effect.number = renamed[effect.number];
+      rename(effect.value, renamed);
+    }
+  });
+  for (GroundAction& action : task.actions) {
+    for (ContinuousEffect& effect : action.continuous) {
+      effect.number = renamed[effect.number];
+      rename(effect.rate, renamed);
+    }
+    for (GroundDuration& duration : action.duration) rename(duration.bound, renamed);
+  }
+  rename(task.metric, renamed);
+}
+
 void drop_numbers(GroundTask& task) {
   std::vector<char> asked(task.numbers.size(), 0), used(task.comparisons.size(), 0);
   const auto ask = [&asked](const GroundExpression& expression) {
@@ -447,26 +469,27 @@ void drop_numbers(GroundTask& task) {
   const std::vector<int> numbers = compact(task.numbers, asked);
   compact(task.initial_numbers, asked);
   for_each_condition(task, [&](GroundCondition& condition) { rename(condition.comparisons, comparisons); });
-  for (GroundComparison& comparison : task.comparisons) {
-    rename(comparison.expression, numbers);
-    comparison.linear = linear_form(comparison.expression);
-  }
   for_each_effects(task, [&](GroundEffects& effects) {
     std::erase_if(effects.numbers, [&](const NumericEffect& effect) { return numbers[effect.number] < 0; });
-    for (NumericEffect& effect : effects.numbers) {
-      effect.number = numbers[effect.number];
-      rename(effect.value, numbers);
-    }
   });
-  for (GroundAction& action : task.actions) {
+  for (GroundAction& action : task.actions)
     std::erase_if(action.continuous, [&](const ContinuousEffect& effect) { return numbers[effect.number] < 0; });
-    for (ContinuousEffect& effect : action.continuous) {
-      effect.number = numbers[effect.number];
-      rename(effect.rate, numbers);
-    }
-    for (GroundDuration& duration : action.duration) rename(duration.bound, numbers);
+  rename_numbers(task, numbers);
+}
+
+void put_telling_numbers_first(GroundTask& task) {
+  const std::vector<char> telling = telling_numbers(task);
+  std::vector<int> order(telling.size()), place(telling.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_partition(order, [&](int n) { return telling[n] != 0; });
+  const std::vector<GroundNumber> numbers = task.numbers;
+  const std::vector<double> values = task.initial_numbers;
+  for (std::size_t to = 0; to < order.size(); ++to) {
+    place[order[to]] = static_cast<int>(to);
+    task.numbers[to] = numbers[order[to]];
+    task.initial_numbers[to] = values[order[to]];
   }
-  rename(task.metric, numbers);
+  rename_numbers(task, place);
 }
 
 /// Keeps what can happen and what somebody asks for; false if the goal is out of reach.
@@ -505,6 +528,7 @@ void prune(GroundTask& task) {
     task.proved_unsolvable = true;
     return;
   }
+  put_telling_numbers_first(task);
   drop_copies(task);
   offer_durations(task);
 }

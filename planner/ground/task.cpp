@@ -107,6 +107,27 @@ LinearForm linear_form(const GroundExpression& expression) {
   return stack.size() == 1 ? stack[0] : LinearForm{};
 }
 
+std::vector<char> telling_numbers(const GroundTask& task) {
+  std::vector<char> telling(task.numbers.size(), 0);
+  const auto read = [&telling](const GroundExpression& expression) {
+    for (const auto& step : expression.steps)
+      if (step.kind == GroundExpression::Kind::kNumber) telling[step.number] = 1;
+  };
+  const auto read_by = [&read](const GroundEffects& effects) {
+    for (const NumericEffect& effect : effects.numbers) read(effect.value);
+  };
+  for (std::size_t n = 0; n < telling.size(); ++n) telling[n] = std::isnan(task.initial_numbers[n]);  // it cannot be changed before it has a value
+  for (const GroundComparison& comparison : task.comparisons) read(comparison.expression);
+  for (const TimedEvent& event : task.events) read_by(event.effects);
+  for (const GroundAction& action : task.actions) {
+    for (const GroundDuration& duration : action.duration) read(duration.bound);
+    for (const ContinuousEffect& effect : action.continuous) read(effect.rate);
+    read_by(action.at_start), read_by(action.at_end);
+    for (const ConditionalEffects& conditional : action.conditional) read_by(conditional.at_start), read_by(conditional.at_end);
+  }
+  return telling;
+}
+
 std::string action_name(const Task& task, const GroundAction& action) {
   std::string name = "(" + task.domain.actions[action.schema].name;
   for (const ObjectId object : action.arguments) name += " " + task.problem.objects[object].name;

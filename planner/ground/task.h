@@ -188,7 +188,7 @@ struct DerivedReads {
 
 struct GroundTask {
   std::vector<GroundFact> facts;
-  std::vector<GroundNumber> numbers;
+  std::vector<GroundNumber> numbers;   ///< those that only the metric reads last
   std::vector<GroundComparison> comparisons;
   std::vector<GroundAction> actions;
   std::vector<Axiom> axioms;           ///< by stratum
@@ -208,6 +208,10 @@ struct GroundTask {
   /// Words of bits of a state.
   int words() const { return static_cast<int>((facts.size() + 63) / 64); }
 };
+
+/// By number: whether it may matter to what can be done, so that states with different values differ: all but those that
+/// only the metric reads.
+std::vector<char> telling_numbers(const GroundTask& task);
 
 /// "(name arg arg)" as plans write it.
 std::string action_name(const Task& task, const GroundAction& action);

@@ -239,7 +239,7 @@ int ClockSearch::estimate(RelaxedHeuristic& heuristic, const Moment& moment, std
 }
 
 std::vector<Word> ClockSearch::key(const Moment& moment, bool with_time) const {
-  std::vector<Word> key = moment.state;
+  std::vector<Word> key(moment.state.begin(), moment.state.begin() + simulator_.telling_words());
   key.push_back(static_cast<Word>(moment.next_event));
   if (with_time) key.push_back(static_cast<Word>(moment.time));
   for (const Running& running : moment.running) {

@@ -10,16 +10,18 @@ namespace {
 
 constexpr int kBoost = 1000;  ///< turns that preferred queues get when an estimate has become better
 
-std::uint64_t hash_words(const Word* words, int count) {
+std::uint64_t hash_words(const Word* words, int count, Word last) {
   std::uint64_t hash = 0x9e3779b97f4a7c15ull;
-  for (int i = 0; i < count; ++i) {
-    hash = (hash ^ words[i]) * 0xff51afd7ed558ccdull;
+  const auto add = [&hash](Word word) {
+    hash = (hash ^ word) * 0xff51afd7ed558ccdull;
     hash ^= hash >> 32;
-  }
+  };
+  for (int i = 0; i < count; ++i) add(words[i]);
+  add(last);
   return hash;
 }
 
-/// States that have been made, each with how it was reached.
+/// States that have been made, each with how it was reached. They differ by their first words and their last one.
 class Nodes {
  public:
   struct Node {
@@ -29,7 +31,8 @@ class Nodes {
     int next_event = 0;
   };
 
-  Nodes(int state_words, int landmark_words) : state_words_(state_words), landmark_words_(landmark_words), slots_(1024, -1) {}
+  Nodes(int state_words, int telling_words, int landmark_words)
+      : state_words_(state_words), telling_words_(telling_words), landmark_words_(landmark_words), slots_(1024, -1) {}
 
   const Word* state(int node) const { return &states_[static_cast<std::size_t>(node) * state_words_]; }
   Word* reached(int node) { return landmark_words_ ? &reached_[static_cast<std::size_t>(node) * landmark_words_] : nullptr; }
@@ -50,11 +53,13 @@ class Nodes {
   }
 
  private:
+  bool is_same(const Word* a, const Word* b) const { return a[state_words_ - 1] == b[state_words_ - 1] && std::equal(a, a + telling_words_, b); }
   std::size_t slot(const Word* state, int next_event) const {
     const std::size_t mask = slots_.size() - 1;
-    for (std::size_t at = (hash_words(state, state_words_) + static_cast<std::uint64_t>(next_event) * 0x51ed27ull) & mask;; at = (at + 1) & mask) {
+    const Word last = state[state_words_ - 1];
+    for (std::size_t at = (hash_words(state, telling_words_, last) + static_cast<std::uint64_t>(next_event) * 0x51ed27ull) & mask;; at = (at + 1) & mask) {
       const int node = slots_[at];
-      if (node < 0 || (nodes_[node].next_event == next_event && std::equal(state, state + state_words_, this->state(node)))) return at;
+      if (node < 0 || (nodes_[node].next_event == next_event && is_same(state, this->state(node)))) return at;
     }
   }
   void grow() {
@@ -62,7 +67,7 @@ class Nodes {
     for (int node = 0; node < size(); ++node) slots_[slot(state(node), nodes_[node].next_event)] = node;
   }
 
-  int state_words_, landmark_words_;
+  int state_words_, telling_words_, landmark_words_;
   std::vector<Word> states_, reached_;
   std::vector<Node> nodes_;
   std::vector<int> slots_;
@@ -165,7 +170,7 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
   const int landmark_words = options.landmarks ? landmarks_.words() : 0;
   const std::int64_t last_unit = options.most_units == Budget::kUnlimited ? Budget::kUnlimited : budget.units() + options.most_units;
   progress_.reset(new Progress{options, landmark_words, RandomStream(options.seed, "planner lazy search"), RelaxedHeuristic(simulator_, relaxed_), last_unit,
-                               Nodes(simulator_.words() + 1, landmark_words)});
+                               Nodes(simulator_.words() + 1, simulator_.telling_words(), landmark_words)});
   Progress& p = *progress_;
   if (options.cost_noise > 0) p.heuristic.scatter_costs(p.random, options.cost_noise);
   p.state = start;

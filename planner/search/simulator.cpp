@@ -31,6 +31,8 @@ void sort_unique(std::vector<int>& items) {
 
 Simulator::Simulator(const GroundTask& task)
     : task_(task), fact_words_(task.words()), words_(fact_words_ + static_cast<int>(task.numbers.size())) {
+  const std::vector<char> telling = telling_numbers(task);
+  telling_words_ = fact_words_ + static_cast<int>(std::ranges::find(telling.rbegin(), telling.rend(), 1).base() - telling.begin());
   for (const GroundAction& action : task.actions) whole_.push_back(make_whole(action));
 }
 

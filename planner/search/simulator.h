@@ -20,7 +20,8 @@ class Simulator {
   explicit Simulator(const GroundTask& task);
 
   const GroundTask& task() const { return task_; }
-  int words() const { return words_; }  ///< of a whole state
+  int words() const { return words_; }          ///< of a whole state
+  int telling_words() const { return telling_words_; }  ///< the first ones, by which states differ: without what only the metric reads
   PackedState initial() const;
   const double* numbers(const Word* state) const { return reinterpret_cast<const double*>(state + fact_words_); }
 
@@ -79,7 +80,7 @@ class Simulator {
 
   const GroundTask& task_;
   int fact_words_ = 0;
-  int words_ = 0;
+  int words_ = 0, telling_words_ = 0;
   std::vector<Whole> whole_;
 };
 
