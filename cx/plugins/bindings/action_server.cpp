@@ -75,7 +75,7 @@ void ActionBinding::destroy_server(Call& call) {
   servers_.erase(found);
   take_back(named("server"), "name", server);
   for (const auto& [handle, goal] : served_)
-    if (goal.endpoint == endpoint) abort_unended(goal, "its server was destroyed");
+    if (goal.endpoint == endpoint) abort_unended(goal, LogLevel::kInfo, "its server was destroyed");
   if (endpoint != answering_) bus_.remove(endpoint);  // else whoever asks the callback removes it, after the answer
 }
 
@@ -84,10 +84,10 @@ bool ActionBinding::is_open(const std::string& server, bus::EndpointId endpoint)
   return found != servers_.end() && found->second.endpoint == endpoint;
 }
 
-void ActionBinding::abort_unended(const ServedGoal& goal, const char* why) {
+void ActionBinding::abort_unended(const ServedGoal& goal, LogLevel level, const char* why) {
   bus_.execute(goal.endpoint, goal.id);
   if (bus_.finish(goal.endpoint, goal.id, bus::GoalStatus::kAborted, std::make_shared<bus::Message>(*type_.result)))
-    log(LogLevel::kWarn, "goal " + bus::to_string(goal.id) + " of server " + goal.server + " is aborted: " + why + " before its end");
+    log(level, "goal " + bus::to_string(goal.id) + " of server " + goal.server + " is aborted: " + why + " before its end");
 }
 
 std::int64_t ActionBinding::ask(const std::string& callback, std::initializer_list<Value> args, std::int64_t most, std::int64_t missing) {
@@ -115,7 +115,7 @@ void ActionBinding::take_goal(const std::string& server, const bus::Delivery& de
   const ServedGoal goal{server, delivery.endpoint, delivery.goal, delivery.message, message};
   const bool open = is_open(server, delivery.endpoint);
   if (!open) {
-    abort_unended(goal, "its server was destroyed");
+    abort_unended(goal, LogLevel::kInfo, "its server was destroyed");
     bus_.remove(delivery.endpoint);
   }
   if (answer == kReject || !open) {
@@ -169,7 +169,7 @@ void ActionBinding::destroy_served(Call& call) {
   served_.erase(found);
   if (const auto open = servers_.find(goal.server); open != servers_.end()) open->second.goals.erase(goal.id);
   store_.destroy(goal.goal);
-  abort_unended(goal, "its handle was destroyed");
+  abort_unended(goal, LogLevel::kWarn, "its handle was destroyed");
 }
 
 }  // namespace cxlab::cx

@@ -102,7 +102,7 @@ class ActionBinding final : public Binding {
   void destroy_served(Call& call);
   bool is_open(const std::string& server, bus::EndpointId endpoint) const;
   /// Nobody can end the goal any more; its client shall not wait for ever.
-  void abort_unended(const ServedGoal& goal, const char* why);
+  void abort_unended(const ServedGoal& goal, LogLevel level, const char* why);
 
   // Client side (action_client.cpp)
   const Goal* sent(Call& call);
