@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "planner/templates/interpreter.h"
 #include "planner/templates/library.h"
@@ -29,7 +30,7 @@ Arguments::Arguments(Interpreter& interpreter, std::string_view what, const Call
 
 std::int64_t Arguments::integer(std::size_t index, std::int64_t otherwise) {
   if (!has(index)) return otherwise;
-  if (values_[index]->is_number()) return values_[index]->as_int();
+  if (values_[index]->is_number() && std::abs(values_[index]->as_float()) < 0x1p63) return values_[index]->as_int();
   interpreter_.fail("found " + values_[index]->repr() + ", expected a whole number");
   return otherwise;
 }

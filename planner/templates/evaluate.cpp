@@ -21,6 +21,14 @@ std::optional<std::int64_t> whole_power(std::int64_t base, std::int64_t exponent
   return result;
 }
 
+/// Python's x // y: of what is left without the rest, for x / y may round up to a whole number.
+double floor_quotient(double x, double y) {
+  const double rest = std::fmod(x, y);
+  const double quotient = (x - rest) / y - (rest != 0 && (y < 0) != (rest < 0) ? 1 : 0);
+  if (quotient == 0) return std::copysign(0.0, x / y);
+  return std::floor(quotient) + (quotient - std::floor(quotient) > 0.5 ? 1 : 0);
+}
+
 }  // namespace
 
 bool Interpreter::require(const Value& value) {
@@ -405,7 +413,7 @@ Value Interpreter::binary(const std::string& operation, const Value& left, const
     case '+': return x + y;
     case '-': return x - y;
     case '*': return x * y;
-    case 'd': return std::floor(x / y);
+    case 'd': return floor_quotient(x, y);
     case '%': {
       const double rest = std::fmod(x, y);
       if (rest == 0) return std::copysign(0.0, y);

@@ -398,7 +398,7 @@ Value filter_round(Interpreter& self, const Value& subject, const Call& call) {
   const std::string method = arguments.text(1, "common");
   const double scale = std::pow(10.0, static_cast<double>(precision));
   if (method == "ceil") return (std::ceil(subject.as_float() * scale) + 0.0) / scale;  // no negative zero
-  if (method == "floor") return std::floor(subject.as_float() * scale) / scale;
+  if (method == "floor") return (std::floor(subject.as_float() * scale) + 0.0) / scale;
   if (method != "common") return self.fail("found the method '" + method + "', expected common, ceil or floor");
   if (precision < 0) {
     const double rounded = std::nearbyint(subject.as_float() * scale) / scale;

@@ -95,7 +95,9 @@ Value formatted(Interpreter& interpreter, const Spec& spec, const Value& value) 
   const std::string sign = negative ? "-" : spec.sign == '+' ? "+" : spec.sign == ' ' ? " " : "";
   std::string body;
   if (!real) {
+    if (value.is_float() && !(std::abs(value.as_float()) < 0x1p63)) return interpreter.fail("found " + value.repr() + ", which is too large for a whole number");
     body = whole_text(spec, value.as_int());
+    if (spec.precision > static_cast<int>(body.size())) body.insert(0, static_cast<std::size_t>(spec.precision) - body.size(), '0');
   } else if (spec.type == 0 && spec.precision < 0) {
     body = float_text(std::abs(value.as_float()));
   } else {
@@ -211,7 +213,8 @@ Value format_braces(Interpreter& interpreter, const std::string& format, const C
     if (conversion == "s") value = value.str();
     if (value.is_undefined() && !spec_text.empty() && !interpreter.require(value)) return {};
     const auto spec = parse_spec(spec_text);
-    if (!spec) return interpreter.fail("found the format '" + spec_text + "', which is not understood");
+    if (!spec || (spec->precision >= 0 && (value.is_whole() && !value.is_bool()) && (spec->type == 0 || spec->type == 'd')))
+      return interpreter.fail("found the format '" + spec_text + "' for " + value.repr() + ", which is not understood");
     if (!spec_text.empty() && (value.as_list() != nullptr || value.as_dict() != nullptr || value.is_none()))
       return interpreter.fail("found " + value.repr() + " for a format with a width or type, expected a text or a number");
     const std::string piece = formatted(interpreter, *spec, value).str();

@@ -1,5 +1,8 @@
 // Blocks, and templates that other templates name: extends, include, import.
 
+#include <set>
+#include <string_view>
+
 #include "planner/templates/interpreter.h"
 #include "planner/templates/parser.h"
 
@@ -22,9 +25,10 @@ ScopePtr with_locals(const ScopePtr& scope) {
 /// All that is seen from `scope`, as it is now.
 ScopePtr copy_of(const ScopePtr& scope, const ScopePtr& globals) {
   auto copy = std::make_shared<Scope>(Scope{globals, {}, {}});
+  std::set<std::string_view> seen;
   for (const Scope* level = scope.get(); level != globals.get(); level = level->outer.get())
     for (const auto& [name, value] : level->names)
-      if (copy->find(name) == nullptr) copy->names.emplace_back(name, value);
+      if (seen.insert(name).second) copy->names.emplace_back(name, value);
   return copy;
 }
 
@@ -121,7 +125,9 @@ Value Interpreter::import_module(const Node& node, Rendering& rendering, const S
   if (!name.is_string()) return fail("found " + name.repr() + " to import, expected the name of a template");
   const Template* found = load(name.as_string(), false);
   if (found == nullptr) return {};
-  return node.with_context ? make_module(*found, copy_of(scope, globals_)) : module_alone(*found);
+  if (!node.with_context) return module_alone(*found);
+  const ScopePtr seen = copy_of(scope, globals_);
+  return spend(seen->names.size()) ? make_module(*found, seen) : Value{};
 }
 
 void Interpreter::run_import(const Node& node, Rendering& rendering, const ScopePtr& scope) {

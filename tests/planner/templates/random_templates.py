@@ -76,7 +76,7 @@ class Generator:
         self.random = random.Random(seed)
         self.macros = self.blocks = 0
         self.parts = False  # whether there is a template `part` to include and import
-        self.captured = False  # in a macro, set or filter, where Jinja takes an include without context for text of the top level
+        self.captured = False  # in a macro, set, filter or recursive loop, where Jinja takes an include without context for text of the top level
 
     def pick(self, items):
         return self.random.choice(items)
@@ -160,7 +160,7 @@ class Generator:
             return tag(f"for {target} in {over}{condition}") + body() + inside + other + end("endfor")
         if kind == 6:
             return tag(f"for x in {self.pick(['[[1,[2]],[3]]', '[1,[2,[3]]]', self.expression(2, 'list')])} recursive") + \
-                "{{ loop.depth }}" + "{% if x is iterable and x is not string %}({{ loop(x) }}){% else %}" + body() + \
+                "{{ loop.depth }}" + "{% if x is iterable and x is not string %}({{ loop(x) }}){% else %}" + captured_body() + \
                 "{% endif %}" + end("endfor")
         if kind == 7:
             kind = self.pick(TYPES)
