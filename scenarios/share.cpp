@@ -29,7 +29,7 @@ fs::path installed_prefix() {
 
 bool is_package(const fs::path& folder) {
   std::error_code ignored;
-  for (const char* sign : {"package.xml", "cxlab_plugins.yaml", "msg", "srv", "action"})
+  for (const char* sign : {"package.xml", "cxlab_plugins.yaml", "msg", "srv", "action", "clips", "params", "pddl"})
     if (fs::exists(folder / sign, ignored)) return true;
   return false;
 }

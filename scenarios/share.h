@@ -24,8 +24,8 @@ struct Share {
 /// that it was built from.
 Share find_share();
 
-/// The packages below <prefix>/share, by name: folders with a package.xml, a manifest of plugins, or interface
-/// definitions. The first prefix that has a package wins. A prefix that is not there is an error.
+/// The packages below <prefix>/share, by name: folders with a package.xml, a manifest of plugins, interface definitions,
+/// rules, configurations or PDDL files. The first prefix that has a package wins. A prefix that is not there is an error.
 Expected<std::map<std::string, std::string>> packages_below(const std::vector<std::string>& prefixes);
 
 /// Those that come with cxlab: folders of `Share::packages`, by name.

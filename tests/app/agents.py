@@ -60,6 +60,15 @@ class Packages(Env):
                 self.assertIn("[main] sum 7", done.stderr)
 
 
+    def test_one_of_rules_alone_is_found_below_a_prefix(self):
+        self.write("agent/a.yaml", AGENT.replace("rules.clp", "clips/rules.clp"))
+        self.write("prefix/share/rules/clips/rules.clp", "(defrule tell => (println there))")
+        done = subprocess.run([CXLAB, "env", "agent/a.yaml", "--prefix", "prefix", "--until", "0", "--out", "none"], cwd=self.folder, text=True, timeout=60,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("[main] there", done.stderr)
+
+
 class WrongInput(Env):
     def test_sentences_of_clips_are_told_whole(self):
         log = self.env("(defrule a => (println ?*x*))\n(defrule b (n ?x&:(numberp ?x)) => (str-length (length$ ?x)))\n"
