@@ -81,7 +81,10 @@ std::vector<Value> sorted(Interpreter& self, std::vector<Value> values, const Va
 Value filter_abs(Interpreter& self, const Value& subject, const Call&) {
   if (!self.require(subject)) return {};
   if (subject.is_float()) return std::abs(subject.as_float());
-  return subject.is_whole() ? Value(subject.as_int() < 0 ? 0 - subject.as_int() : subject.as_int()) : self.fail("found " + subject.repr() + ", expected a number");
+  if (!subject.is_whole()) return self.fail("found " + subject.repr() + ", expected a number");
+  std::int64_t size = subject.as_int();
+  if (size < 0 && __builtin_sub_overflow(std::int64_t{0}, size, &size)) return self.fail("the number is too large");
+  return size;
 }
 
 Value filter_attr(Interpreter& self, const Value& subject, const Call& call) {
@@ -402,7 +405,8 @@ Value filter_round(Interpreter& self, const Value& subject, const Call& call) {
   if (method != "common") return self.fail("found the method '" + method + "', expected common, ceil or floor");
   if (precision < 0) {
     const double rounded = std::nearbyint(subject.as_float() * scale) / scale;
-    return subject.is_whole() ? Value(static_cast<std::int64_t>(rounded)) : Value(rounded);
+    if (!subject.is_whole()) return rounded;
+    return std::abs(rounded) < 0x1p63 ? Value(static_cast<std::int64_t>(rounded)) : self.fail("the number is too large");
   }
   if (subject.is_whole()) return subject.as_int();
   char text[512];

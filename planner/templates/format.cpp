@@ -91,11 +91,12 @@ Value formatted(Interpreter& interpreter, const Spec& spec, const Value& value) 
   if (!value.is_number()) return interpreter.fail(std::string("found ") + value.repr() + " for the format '" + spec.type + "', expected a number");
   const bool real = real_type || (spec.type == 0 && value.is_float());
   if (whole_type && value.is_float() && spec.type != 'd' && spec.type != 'i') return interpreter.fail("found a float, expected a whole number");
+  if (!real && value.is_float() && !(std::abs(value.as_float()) < 0x1p63))
+    return interpreter.fail("found " + value.repr() + ", which is too large for a whole number");
   const bool negative = real ? std::signbit(value.as_float()) : value.as_int() < 0;
   const std::string sign = negative ? "-" : spec.sign == '+' ? "+" : spec.sign == ' ' ? " " : "";
   std::string body;
   if (!real) {
-    if (value.is_float() && !(std::abs(value.as_float()) < 0x1p63)) return interpreter.fail("found " + value.repr() + ", which is too large for a whole number");
     body = whole_text(spec, value.as_int());
     if (spec.precision > static_cast<int>(body.size())) body.insert(0, static_cast<std::size_t>(spec.precision) - body.size(), '0');
   } else if (spec.type == 0 && spec.precision < 0) {

@@ -48,6 +48,14 @@ TEST(Template, MacrosTakeTheArgumentsThatTheyHave) {
   EXPECT_EQ(error_of("\n{% macro m(caller) %}{{ caller() }}{% endmacro %}"), "main:2: found the parameter 'caller' without default, expected one");
 }
 
+TEST(Template, NumbersBeyondSixtyFourBitsAreErrors) {
+  EXPECT_EQ(error_of("{{ (-9223372036854775807 - 1)|abs }}"), "main:1: the number is too large");
+  EXPECT_EQ(error_of("{{ 9223372036854775807|round(-1) }}"), "main:1: the number is too large");
+  EXPECT_EQ(error_of("{{ 1e20|int }}"), "main:1: the number is too large");
+  EXPECT_EQ(error_of("{{ '%d' % 1e20 }}"), "main:1: found 1e+20, which is too large for a whole number");
+  EXPECT_EQ(error_of("{{ [1]|batch(1e20)|list }}"), "main:1: found 1e+20, expected a whole number");
+}
+
 TEST(Template, StatementsOutOfTheirPlaceAreErrors) {
   EXPECT_EQ(error_of("\n{% for i in [1] %}{% extends 'base' %}{% endfor %}"),
             "main:2: found 'extends' inside another statement, expected it at the top level (or in an if there)");
