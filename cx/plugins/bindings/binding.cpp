@@ -67,7 +67,8 @@ bool Binding::is_a(Call& call, Handle message, const bus::MessageType& type) {
 
 void Binding::unknown_handle(Call& call, const std::string& what) {
   log(LogLevel::kError, "Unknown " + what + ": map::at");
-  call.complain("the " + what + " was destroyed, or is none");
+  const bool null = call.handle(0) == Handle::kNone;
+  call.complain("the " + what + (null ? " is a null pointer, as of a goal that was rejected" : " was destroyed, or is none"));
 }
 
 // --- Messages

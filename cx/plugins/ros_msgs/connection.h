@@ -107,6 +107,8 @@ class BusConnection {
   ActionClient* action_client(Call& call, std::string_view server);
   void cancel_goal(Call& call, std::string_view server, Handle goal);
   const Goal* find_goal(Handle goal) const;
+  /// Of a handle that `find_goal` does not know.
+  static std::string unknown_goal(Handle goal);
   /// Of a goal that was accepted and has not ended; none otherwise.
   Handle handle_of(const std::string& server, const bus::GoalId& id) const;
   void destroy_goal(Handle goal);

@@ -79,6 +79,10 @@ const BusConnection::Goal* BusConnection::find_goal(Handle goal) const {
   return found == goals_.end() ? nullptr : &found->second;
 }
 
+std::string BusConnection::unknown_goal(Handle goal) {
+  return std::string("unknown client goal handle") + (goal == Handle::kNone ? ": a null pointer, as of a goal that was rejected" : "");
+}
+
 void BusConnection::destroy_goal(Handle goal) {
   const auto found = goals_.find(goal);
   if (found == goals_.end()) return;
@@ -88,7 +92,7 @@ void BusConnection::destroy_goal(Handle goal) {
 
 void BusConnection::cancel_goal(Call& call, std::string_view server, Handle handle) {
   const Goal* goal = find_goal(handle);
-  if (!goal) return call.fail("unknown client goal handle");
+  if (!goal) return call.fail(unknown_goal(handle));
   if (const ActionClient* client = action_client(call, server)) bus_.cancel_goal(client->endpoint, goal->id, engine_.cause());
 }
 

@@ -56,7 +56,7 @@ void RosInterface::destroy_goal_handle(Call& call) { destroy_goal(call.handle(0)
 
 const BusConnection::Goal* RosInterface::goal_of(Call& call) {
   const Goal* goal = find_goal(call.handle(0));
-  if (!goal) call.fail("unknown client goal handle");
+  if (!goal) call.fail(unknown_goal(call.handle(0)));
   return goal;
 }
 

@@ -121,7 +121,7 @@ TEST_F(ActionClients, ARejectedGoalGivesANullHandleWhoseUseIsAnError) {
   Status s;
   for (int i = 0; i < 6 && s.ok(); ++i) s = lab_.tick();
   ASSERT_FALSE(s.ok());
-  EXPECT_THAT(s.error().message, HasSubstr("unknown client goal handle"));
+  EXPECT_THAT(s.error().message, HasSubstr("unknown client goal handle: a null pointer, as of a goal that was rejected"));
   EXPECT_EQ(*lab_.engine().facts("ros-msgs-goal-response").at(0).slot("client-goal-handle-ptr"), Value::handle(Handle::kNone));
 }
 
