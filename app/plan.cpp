@@ -1,5 +1,6 @@
 // cxlab plan: a plan for a PDDL problem.
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -22,6 +23,7 @@ using nlohmann::ordered_json;
 using planner::PlanStatus;
 
 constexpr int kNoSuchInput = 31, kUnsupported = 34, kUnsolvable = 10, kEnded = 12, kMemory = 22, kOutOfBudget = 23;
+constexpr double kLongestTimeout = 1e9;  ///< s; clocks end some time after it
 
 struct PlanCommand {
   std::string domain, problem, out, svg;
@@ -94,15 +96,49 @@ int write(const std::string& file, const std::string& text) {
   return static_cast<int>(ErrorKind::kResource);
 }
 
+/// Prints and writes the answer as asked; the exit code.
+int tell(const planner::PlanAnswer& answer, const planner::Task& task, const PlanCommand& command) {
+  std::fprintf(stderr, "%s: %s; %lld units\n", word(answer.status), answer.reason.c_str(), static_cast<long long>(answer.units));
+  int code = exit_code(answer.status);
+  if (answer.plan) {
+    const double makespan = answer.plan->makespan_s, bound = answer.lower_bound_s;
+    if (const std::optional<double> gap = answer.gap())
+      std::fprintf(stderr, "makespan %.3f s, no plan under %.3f s%s: at most %.1f %% from the shortest\n", makespan, bound,
+                   answer.bound_assumes_order ? " in which no two actions change one fact at one instant" : "", 100 * *gap);
+    else
+      std::fprintf(stderr, "makespan %.3f s, no bound is known\n", makespan);
+    if (answer.by_metric && answer.plan->metric) {
+      const std::string bound = answer.metric_bound ? "no plan has a better one than " + metric_text(*answer.metric_bound) : "what the best is is not known";
+      std::fprintf(stderr, "metric %s, %s\n", metric_text(*answer.plan->metric).c_str(), bound.c_str());
+    }
+    const std::string text = planner::to_text(answer.plan->steps, task.domain, task.problem);
+    if (!command.out.empty()) code = std::max(code, write(command.out, text));
+    else if (!command.json) std::fputs(text.c_str(), stdout);
+    if (!command.svg.empty()) code = std::max(code, write(command.svg, plan_picture(*answer.plan, task)));
+  }
+  if (command.json) std::printf("%s\n", to_json(answer, task, command.timeout_s.has_value()).dump(1).c_str());
+  return code;
+}
+
+/// The time counts from here: reading the files is part of it.
 int run(const PlanCommand& command) {
-  const Expected<planner::Task> task = planner::load_task(command.domain, command.problem);
+  using Clock = std::chrono::steady_clock;
+  planner::Deadline deadline;
+  if (command.timeout_s) deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(*command.timeout_s, kLongestTimeout)));
+  const Expected<planner::Task> task = planner::load_task(command.domain, command.problem, deadline);
+  if (!task && task.error().code == planner::kTooLate) {
+    planner::PlanAnswer answer;
+    answer.status = PlanStatus::kBudget;
+    answer.reason = task.error().text();
+    return tell(answer, {}, command);
+  }
   if (!task) {
     std::fprintf(stderr, "error: %s\n", task.error().text().c_str());
     return task.error().code == planner::kUnsupported ? kUnsupported : kNoSuchInput;
   }
   planner::PlanOptions options;
   options.budget = command.budget;
-  options.timeout_s = command.timeout_s;
+  if (deadline) options.timeout_s = std::chrono::duration<double>(*deadline - Clock::now()).count();
   options.anytime = command.anytime;
   options.on_plan = [](const planner::TimedPlan& plan, std::int64_t units) {
     const std::string metric = plan.metric && told_metric(*plan.metric) != told_metric(plan.makespan_s) ? ", metric " + metric_text(*plan.metric) : "";
@@ -113,26 +149,7 @@ int run(const PlanCommand& command) {
     std::fprintf(stderr, "error: %s\n", answer.error().text().c_str());
     return answer.error().code == "memory" ? kMemory : answer.error().code == planner::kUnsupported ? kUnsupported : fail(answer.error());
   }
-  std::fprintf(stderr, "%s: %s; %lld units\n", word(answer->status), answer->reason.c_str(), static_cast<long long>(answer->units));
-  int code = exit_code(answer->status);
-  if (answer->plan) {
-    const double makespan = answer->plan->makespan_s, bound = answer->lower_bound_s;
-    if (const std::optional<double> gap = answer->gap())
-      std::fprintf(stderr, "makespan %.3f s, no plan under %.3f s%s: at most %.1f %% from the shortest\n", makespan, bound,
-                   answer->bound_assumes_order ? " in which no two actions change one fact at one instant" : "", 100 * *gap);
-    else
-      std::fprintf(stderr, "makespan %.3f s, no bound is known\n", makespan);
-    if (answer->by_metric && answer->plan->metric) {
-      const std::string bound = answer->metric_bound ? "no plan has a better one than " + metric_text(*answer->metric_bound) : "what the best is is not known";
-      std::fprintf(stderr, "metric %s, %s\n", metric_text(*answer->plan->metric).c_str(), bound.c_str());
-    }
-    const std::string text = planner::to_text(answer->plan->steps, task->domain, task->problem);
-    if (!command.out.empty()) code = std::max(code, write(command.out, text));
-    else if (!command.json) std::fputs(text.c_str(), stdout);
-    if (!command.svg.empty()) code = std::max(code, write(command.svg, plan_picture(*answer->plan, *task)));
-  }
-  if (command.json) std::printf("%s\n", to_json(*answer, *task, command.timeout_s.has_value()).dump(1).c_str());
-  return code;
+  return tell(*answer, *task, command);
 }
 
 }  // namespace

@@ -25,6 +25,8 @@ constexpr std::int64_t kSliceOfOperator = 20;        ///< units of the first try
 constexpr std::int64_t kShareOfUnlikely = 4;        ///< of a slice, for overlaps where nothing hints at them
 constexpr double kCostNoise = 3;                     ///< in every other try: what one prefers in vain is dear in another
 constexpr std::int64_t kRestartSlice = 400'000;      ///< units of a search that is to give another plan to start from
+constexpr std::int64_t kSpaceWork = 4;               ///< of making a search space, by action, in pieces of Work::kGround
+constexpr std::int64_t kCopyWork = 8;                ///< of a task with other actions
 constexpr std::int64_t kLandmarkWork = 300'000'000;  ///< word operations
 constexpr std::int64_t kBoundSlice = 30'000;         ///< units for the first lower bound,
 constexpr std::int64_t kLeastBoundSlice = 2'000;     ///< as many as the first plan took and these where no better one is asked for
@@ -37,8 +39,11 @@ using Clock = std::chrono::steady_clock;
 
 /// A ground task with what searches on it need.
 struct SearchSpace {
-  explicit SearchSpace(const GroundTask& task)
-      : simulator(task), relaxed(simulator, true), landmarks(simulator, relaxed, kLandmarkWork) {}
+  SearchSpace(const GroundTask& task, Budget& budget)
+      : simulator(task), relaxed(simulator, true), landmarks(simulator, relaxed, kLandmarkWork, budget) {
+    budget.spend(Work::kGround, kSpaceWork * static_cast<std::int64_t>(task.actions.size()));
+    budget.spend(Work::kReach, landmarks.work() / 16);
+  }
   Simulator simulator;
   RelaxedTask relaxed;
   Landmarks landmarks;
@@ -56,12 +61,15 @@ class Planner {
       answer_.reason = "the goal is out of reach, judged by facts one by one and in pairs" + missing_values();
       return finish();
     }
-    sequences_ = std::make_unique<SearchSpace>(ground_);
+    sequences_ = std::make_unique<SearchSpace>(ground_, budget_);
     objective_ = std::make_unique<Objective>(sequences_->simulator);
     answer_.by_metric = !objective_->is_makespan();
+    answer_.status = PlanStatus::kBudget;
+    answer_.reason = "the budget ended before a plan was found";
+    if (budget_.late()) return finish();
     whole_ = std::make_unique<SplitTask>(split(ground_, std::vector<char>(ground_.actions.size(), 0)));
-    budget_.spend(Work::kReach, sequences_->landmarks.work() / 16);
-    warm_start();
+    budget_.spend(Work::kGround, kCopyWork * static_cast<std::int64_t>(ground_.actions.size()));
+    if (!budget_.late()) warm_start();
     if (!answer_.plan) find_first();
     if (answer_.plan) {
       answer_.status = PlanStatus::kPlan;
@@ -102,6 +110,7 @@ class Planner {
   double signed_metric(double metric) const { return task_.problem.metric->maximize ? -metric : metric; }
 
   void raise_bound() {
+    if (budget_.late()) return;
     const LowerBound found = lower_bound(ground_, budget_, bound_slice_);
     bound_slice_ = found.complete ? Budget::kUnlimited / kBoundShare : bound_slice_ * kBoundGrowth;
     if (found.makespan < bound_) return;
@@ -251,13 +260,14 @@ class Planner {
       marked.push_back(lasts && can_be_cut(ground_, action) && (all || is_envelope(ground_, action)));
     }
     Cut cut;
-    if (std::ranges::find(marked, 1) == marked.end()) {
+    if (budget_.late() || std::ranges::find(marked, 1) == marked.end()) {
       cut.exhausted = true;
       return cut;
     }
     cut.split = std::make_unique<SplitTask>(split(with_lasting_facts(ground_), marked));
-    cut.space = std::make_unique<SearchSpace>(cut.split->task);
-    budget_.spend(Work::kReach, cut.space->landmarks.work() / 16);
+    if (!budget_.late()) cut.space = std::make_unique<SearchSpace>(cut.split->task, budget_);
+    if (budget_.late()) return {nullptr, nullptr, true};
+    budget_.spend(Work::kGround, 2 * kCopyWork * static_cast<std::int64_t>(ground_.actions.size()));
     return cut;
   }
 
@@ -278,7 +288,7 @@ class Planner {
 
   /// Searches along the clock, where actions cannot be cut.
   bool search_clock(std::uint64_t seed, std::int64_t slice) {
-    if (clock_exhausted_) return false;
+    if (clock_exhausted_ || budget_.late()) return false;
     if (!clock_) {
       const auto must_be_whole = [this](const GroundAction& action) { return action.durative && !can_be_cut(ground_, action); };
       clock_exhausted_ = std::ranges::none_of(ground_.actions, must_be_whole);
@@ -299,7 +309,7 @@ class Planner {
     answer_.reason = "no plan was found by any search; that none exists is not proved";
     const std::optional<GroundTask> relaxed = untimed(ground_, Ends::kAsBegun);
     if (!relaxed) return;
-    const SearchSpace space(*relaxed);
+    const SearchSpace space(*relaxed, budget_);
     LazySearch search(space.simulator, space.relaxed, space.landmarks);
     Sequence found;
     const SearchEnd end = search.run(space.simulator.initial(), lazy_options(0), budget_, found);
@@ -371,13 +381,12 @@ class Planner {
       if (!everything_) everything_ = make_cut(true);
       const bool likely = envelopes_->split != nullptr || round == 1;  // something needs others to be under way, or never tried
       if (search_cut(*everything_, seed, likely ? slice : slice / kShareOfUnlikely)) return;
-      if (sequences_exhausted && envelopes_->exhausted && everything_->exhausted && clock_exhausted_) {
+      if (!budget_.late() && sequences_exhausted && envelopes_->exhausted && everything_->exhausted && clock_exhausted_) {
         prove_unsolvable();
         return;
       }
     }
-    answer_.status = out_of_memory_ && !budget_.over() ? PlanStatus::kMemory : PlanStatus::kBudget;
-    answer_.reason = "the budget ended before a plan was found";
+    if (out_of_memory_ && !budget_.over()) answer_.status = PlanStatus::kMemory;
   }
 
   /// Takes what is left of a plan under execution; after it a search fills in what is missing.
@@ -400,6 +409,7 @@ class Planner {
   void improve() {
     // Rounds: another first plan, or the best one; then what rebuilds it, and local search, now on whole actions, now
     // on parts.
+    if (budget_.late()) return;
     const RelaxedTask timed(sequences_->simulator, false);
     Decoder decoder(*whole_, ground_, sequences_->simulator, touches_, *objective_);
     const SplitCheck check(*whole_, ground_, touches_);
@@ -449,6 +459,7 @@ class Planner {
   /// Improvement by the metric. Rounds: local search and rebuilding on whole actions, local search on parts, searches for
   /// sequences of both kinds whose numbers leave room for a better metric.
   void improve_metric() {
+    if (budget_.late()) return;
     const RelaxedTask priced(sequences_->simulator, objective_->prices());
     Decoder decoder(*whole_, ground_, sequences_->simulator, touches_, *objective_);
     const SplitCheck check(*whole_, ground_, touches_);
@@ -493,12 +504,14 @@ class Planner {
     const std::optional<double> metric = answer_.plan->metric;
     std::optional<GroundComparison> better = metric ? objective_->better_than(signed_metric(*metric), bound_) : std::nullopt;
     if (!better) return SearchEnd::kExhausted;
+    if (budget_.late()) return SearchEnd::kBudget;
     GroundTask task = base;
     task.goal.comparisons.push_back(static_cast<int>(task.comparisons.size()));
     task.comparisons.push_back(std::move(*better));
     const Simulator simulator(task);
+    if (budget_.late()) return SearchEnd::kBudget;
     const RelaxedTask relaxed(simulator, Objective(simulator).prices());
-    const Landmarks none(simulator, relaxed, 0);
+    const Landmarks none(simulator, relaxed, 0, budget_);
     LazySearch search(simulator, relaxed, none, check);
     LazyOptions options = lazy_options(seed);
     options.landmarks = false;
@@ -559,9 +572,15 @@ class Planner {
 Expected<PlanAnswer> find_plan(const Task& task, const PlanOptions& options) {
   const Clock::time_point began = Clock::now();
   Budget budget(options.budget, options.timeout_s);
-  Expected<GroundTask> made = ground(task);
+  Expected<GroundTask> made = ground(task, budget);
+  if (!made && made.error().code == kOutOfBudget) {
+    PlanAnswer answer;
+    answer.status = PlanStatus::kBudget;
+    answer.reason = made.error().message;
+    answer.units = budget.units();
+    return answer;
+  }
   if (!made) return made.error();
-  budget.spend(Work::kGround, static_cast<std::int64_t>(made->actions.size()));
   return Planner(task, options, budget, began, std::move(*made)).run();
 }
 

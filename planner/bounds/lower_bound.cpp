@@ -25,8 +25,9 @@ class Bounds {
   LowerBound run(std::int64_t slice) {
     find_durations();
     find_earliest();
-    const std::vector<Micros> released = comparison_;
     LowerBound bound;
+    if (budget_.late()) return {0, false, false};
+    const std::vector<Micros> released = comparison_;
     bound.makespan = earliest_goal();
     if (bound.makespan >= kNever) bound.makespan = 0;
     else if (task_.axioms.empty()) raise_by_pairs(bound, released, slice);
@@ -83,7 +84,7 @@ class Bounds {
         for (const int c : readers_[effect.number]) lower(comparison_[c], time);
     };
     for (const TimedEvent& event : task_.events) apply(event.effects, event.time);
-    while (changed) {
+    while (changed && !budget_.late()) {
       changed = false;
       budget_.spend(Work::kBound, static_cast<std::int64_t>(task_.actions.size()));
       for (std::size_t a = 0; a < task_.actions.size(); ++a) {
@@ -129,11 +130,11 @@ class Bounds {
     const auto raise = [&](Micros to) {
       if (to > bound.makespan) bound.makespan = to, bound.assumes_order = true;
     };
-    const HappeningTask happenings(task_, durations_, released, unit);
+    const HappeningTask happenings(task_, durations_, released, unit, budget_);
     budget_.spend(Work::kBound, static_cast<std::int64_t>(task_.actions.size()));
     const bool fits = 2 * PairTimes::bytes(happenings) <= kMostBytes;
     bound.complete = !fits;
-    if (!fits || units_of(Work::kBound, PairTimes::round_work(happenings)) > slice) {
+    if (budget_.late() || !fits || units_of(Work::kBound, PairTimes::round_work(happenings)) > slice) {
       budget_.clear_slice();
       return;
     }
@@ -199,10 +200,10 @@ class Bounds {
   std::vector<std::vector<int>> find_landmarks(std::int64_t slice) {
     std::vector<std::vector<int>> found;
     const std::optional<GroundTask> parts = untimed(task_, Ends::kOften);  // its landmarks are those of overlapping plans, too
-    if (!parts) return found;
+    if (!parts || budget_.late()) return found;
     const Simulator simulator(*parts);
     const RelaxedTask relaxed(simulator, true);
-    const Landmarks landmarks(simulator, relaxed, slice * kLandmarkWork);
+    const Landmarks landmarks(simulator, relaxed, slice * kLandmarkWork, budget_);
     budget_.spend(Work::kBound, landmarks.work());
     std::vector<std::vector<int>> achievers(task_.facts.size());
     const auto note = [&](const std::vector<int>& added, std::size_t a) {
@@ -236,7 +237,8 @@ class Bounds {
 }  // namespace
 
 LowerBound lower_bound(const GroundTask& task, Budget& budget, std::int64_t slice) {
-  const std::vector<char> possible = possible_by_pairs(task).actions;
+  const std::vector<char> possible = possible_by_pairs(task, budget).actions;
+  if (budget.late()) return {0, false, false};
   GroundTask reduced = task;
   std::size_t kept = 0;
   for (std::size_t a = 0; a < task.actions.size(); ++a)

@@ -9,7 +9,7 @@
 // times between beginnings. Actions that need facts that are never true together are left out.
 
 #include "planner/schedule/timeline.h"
-#include "planner/search/budget.h"
+#include "planner/ground/budget.h"
 
 namespace cxlab::planner {
 
@@ -21,6 +21,7 @@ struct LowerBound {
   bool complete = true;  ///< false: more than `slice` units might raise it
 };
 
+/// If the time runs out, what is known by then.
 LowerBound lower_bound(const GroundTask& task, Budget& budget, std::int64_t slice);
 
 }  // namespace cxlab::planner

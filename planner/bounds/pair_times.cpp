@@ -41,7 +41,7 @@ std::size_t padded(int count) { return (static_cast<std::size_t>(count) + 7) / 8
 
 }  // namespace
 
-HappeningTask::HappeningTask(const GroundTask& task, const std::vector<Micros>& durations, const std::vector<Micros>& released, Micros unit)
+HappeningTask::HappeningTask(const GroundTask& task, const std::vector<Micros>& durations, const std::vector<Micros>& released, Micros unit, Budget& budget)
     : facts_(static_cast<int>(task.facts.size())), beginnings_(task.actions.size(), -1), initial_(task.initial_facts) {
   const auto units = [unit](Micros time) { return static_cast<PairTime>(std::min<Micros>(time / unit, PairTimes::kMost)); };
   const auto release = [&](const std::vector<int>& comparisons) {
@@ -95,7 +95,7 @@ HappeningTask::HappeningTask(const GroundTask& task, const std::vector<Micros>& 
     add_conditional(action, first, first + 1);
   }
   for (const TimedEvent& event : task.events) happenings_.push_back({{}, event.effects.add, event.effects.remove, {}, -1, 0, units(event.time), true});
-  find_breaks(task, action_of_run, end_of_run);
+  find_breaks(task, action_of_run, end_of_run, budget);
   readers_.resize(static_cast<std::size_t>(atoms()));
   ends_of_.resize(static_cast<std::size_t>(runs_));
   for (std::size_t h = 0; h < happenings_.size(); ++h) {
@@ -125,13 +125,14 @@ void HappeningTask::add_conditional(const GroundAction& action, int begin, int e
 }
 
 /// Which happenings make false what actions under way need over all.
-void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& action_of_run, const std::vector<int>& end_of_run) {
+void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& action_of_run, const std::vector<int>& end_of_run, Budget& budget) {
   std::vector<std::vector<int>> holders(task.facts.size());  // by fact: runs
   for (int run = 0; run < runs_; ++run)
     if (happenings_[static_cast<std::size_t>(beginnings_[action_of_run[run]])].lasts > 0)
       for (const int f : task.actions[action_of_run[run]].over_all.facts) holders[f].push_back(run);
   ends_itself_.assign(static_cast<std::size_t>(runs_), 0);
   for (Happening& happening : happenings_) {
+    if (budget.late()) return;
     std::vector<int> broken;
     for (const int f : happening.removes) {
       if (f >= facts_) continue;
@@ -147,6 +148,7 @@ void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& 
     return std::span(happening.removes.begin(), std::ranges::lower_bound(happening.removes, facts_));
   };
   for (int a = 0; a < runs_; ++a) {
+    if (budget.late()) return;
     const Happening first = happenings_[static_cast<std::size_t>(end_of_run[a])];
     const std::vector<int>& needs = task.actions[action_of_run[a]].end.facts;
     const std::span<const int> removes = removed_facts(first);
@@ -224,6 +226,7 @@ bool PairTimes::solve_after(int action, const PairTimes& all, Budget& budget) {
   for (const int p : begin.removes) possible[p] = 0;
   for (const int p : begin.adds) possible[p] = 1;
   for (int p = 0; p < atoms; ++p) {
+    if (budget.late()) return false;
     for (int q = 0; q < atoms; ++q) {
       const bool together = possible[p] && possible[q] && all.time(p, q) < kNever;
       pairs(p)[q] = together ? 0 : kNever;

@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "planner/ground/task.h"
-#include "planner/search/budget.h"
+#include "planner/ground/budget.h"
 
 namespace cxlab::planner {
 
@@ -45,7 +45,8 @@ struct Happening {
 class HappeningTask {
  public:
   /// `durations` by action, at least; `released` by comparison, earliest times. `unit` in microseconds; all is rounded down.
-  HappeningTask(const GroundTask& task, const std::vector<Micros>& durations, const std::vector<Micros>& released, Micros unit);
+  /// Not to be used if the time runs out.
+  HappeningTask(const GroundTask& task, const std::vector<Micros>& durations, const std::vector<Micros>& released, Micros unit, Budget& budget);
 
   int facts() const { return facts_; }
   int runs() const { return runs_; }
@@ -62,7 +63,7 @@ class HappeningTask {
 
  private:
   void add_conditional(const GroundAction& action, int begin, int end);
-  void find_breaks(const GroundTask& task, const std::vector<int>& action_of_run, const std::vector<int>& end_of_run);
+  void find_breaks(const GroundTask& task, const std::vector<int>& action_of_run, const std::vector<int>& end_of_run, Budget& budget);
 
   int facts_ = 0, runs_ = 0;
   std::vector<Happening> happenings_;

@@ -13,6 +13,7 @@ namespace cxlab::planner {
 namespace {
 
 constexpr std::size_t kMostAlternatives = 32;  ///< actions that one is split into, before a derived fact is used
+constexpr std::int64_t kActionWork = 10;       ///< of an action besides its conditions and effects, in pieces of Work::kGround
 
 /// A ground condition in negation normal form.
 struct Formula {
@@ -48,22 +49,27 @@ bool same(const GroundCondition& a, const GroundCondition& b) { return a.facts =
 
 class Grounder {
  public:
-  Grounder(const Task& task, Reachable reachable) : task_(task), reachable_(std::move(reachable)) {}
+  Grounder(const Task& task, Reachable reachable, Budget& budget) : task_(task), reachable_(std::move(reachable)), budget_(budget) {}
 
+  /// Incomplete if the budget ends.
   GroundTask run() {
     find_absences();
     for (const Assignment& value : task_.problem.values) values_[{value.function, value.objects}] = value.value;
-    for (const Binding& binding : reachable_.bindings) add_actions(binding);
+    for (const Binding& binding : reachable_.bindings) {
+      add_actions(binding);
+      if (budget_.over()) return std::move(out_);
+    }
     std::vector<ObjectId> frame(static_cast<std::size_t>(task_.problem.goal_slots), -1);
     if (std::optional<GroundCondition> goal = conjunction(formula(task_.problem.goal, frame, false))) out_.goal = std::move(*goal);
     else out_.proved_unsolvable = true;
-    for (std::size_t next = 0; next < demanded_.size(); ++next) derive(demanded_[next]);
+    for (std::size_t next = 0; next < demanded_.size() && !budget_.over(); ++next) derive(demanded_[next]);
     add_events();
     if (task_.problem.metric) {
       out_.metric = expression(task_.problem.metric->value, frame);
       if (task_.problem.metric->maximize) out_.metric.steps.push_back({GroundExpression::Kind::kNegate, -1, 0});
     }
     mirror_complements();
+    if (budget_.late()) return std::move(out_);
     set_initial_state();
     order_axioms();
     find_derived_reads();
@@ -210,6 +216,7 @@ class Grounder {
 
   Formula formula(const Condition& condition, std::vector<ObjectId>& frame, bool negated) {
     using Kind = Condition::Kind;
+    budget_.spend(Work::kGround, 1);
     switch (condition.kind) {
       case Kind::kAtom: {
         const std::vector<ObjectId> arguments = objects(condition.terms, frame);
@@ -242,7 +249,7 @@ class Grounder {
       case Kind::kForall:
       case Kind::kExists: {
         std::vector<Formula> parts;
-        for_each_assignment(task_, condition.variables, frame, [&] { parts.push_back(formula(condition.operands[0], frame, negated)); });
+        for_each_assignment(task_, condition.variables, frame, budget_, [&] { parts.push_back(formula(condition.operands[0], frame, negated)); });
         return join((condition.kind == Kind::kForall) != negated ? Formula::Kind::kAnd : Formula::Kind::kOr, std::move(parts));
       }
     }
@@ -321,12 +328,13 @@ class Grounder {
       action.duration.push_back({constraint.comparison, expression(constraint.bound, frame), constraint.at_end});
     action.over_all = std::move(*over_all);
     for (const Effect& effect : schema.effects)
-      for_each_assignment(task_, effect.variables, frame, [&] { add_effect(effect, frame, action); });
+      for_each_assignment(task_, effect.variables, frame, budget_, [&] { add_effect(effect, frame, action); });
     tidy(action.at_start);
     tidy(action.at_end);
     for (ConditionalEffects& conditional : action.conditional) tidy(conditional.at_start), tidy(conditional.at_end);
     for (const GroundCondition& start : starts)
       for (const GroundCondition& end : ends) {
+        budget_.spend(Work::kGround, kActionWork);
         action.start = start;
         action.end = end;
         out_.actions.push_back(action);
@@ -450,8 +458,9 @@ class Grounder {
   /// Negation in a body reaches lower strata only.
   void order_axioms() {
     std::vector<int> stratum(out_.facts.size(), 0);
-    for (bool changed = true; changed;) {
+    for (bool changed = true; changed && !budget_.over();) {
       changed = false;
+      budget_.spend(Work::kGround, static_cast<std::int64_t>(out_.axioms.size()));
       for (const Axiom& axiom : out_.axioms)
         for (const int id : axiom.body.facts) {
           const GroundFact& read = out_.facts[id];
@@ -507,6 +516,7 @@ class Grounder {
 
   const Task& task_;
   Reachable reachable_;
+  Budget& budget_;
   GroundTask out_;
   std::map<Key, double> values_;
   AtomTable fact_atoms_, number_atoms_;  ///< the functions of numbers in place of predicates
@@ -548,13 +558,14 @@ void ask_for_values(GroundTask& task) {
 
 }  // namespace
 
-Expected<GroundTask> ground(const Task& task, const GroundOptions& options) {
-  Expected<Reachable> reachable = find_reachable(task, options.most_actions);
+Expected<GroundTask> ground(const Task& task, Budget& budget, const GroundOptions& options) {
+  Expected<Reachable> reachable = find_reachable(task, options.most_actions, budget);
   if (!reachable) return reachable.error();
-  GroundTask out = Grounder(task, std::move(*reachable)).run();
-  ask_for_values(out);
-  prune(out);
-  find_idle(task, out);
+  GroundTask out = Grounder(task, std::move(*reachable), budget).run();
+  if (!budget.over()) ask_for_values(out);
+  if (!budget.over()) prune(out, budget);
+  if (!budget.over()) find_idle(task, out, budget);
+  if (budget.over()) return out_of_budget("while the problem was written out");
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "cx/base/expected.h"
+#include "planner/ground/budget.h"
 #include "planner/ground/task.h"
 
 namespace cxlab::planner {
@@ -12,11 +13,16 @@ struct GroundOptions {
   std::size_t most_actions = 1'000'000;  ///< beyond it the problem does not fit into memory
 };
 
-/// Writes out all actions that can become applicable. Fails (kResource, code "memory") if there are too many.
-Expected<GroundTask> ground(const Task& task, const GroundOptions& options = {});
+/// Writes out all actions that can become applicable. Fails (kResource) if there are too many (code "memory") or the
+/// budget does not suffice (code kOutOfBudget).
+Expected<GroundTask> ground(const Task& task, Budget& budget, const GroundOptions& options = {});
+inline Expected<GroundTask> ground(const Task& task) {
+  Budget unlimited;
+  return ground(task, unlimited);
+}
 
 /// Removes what cannot happen, what is always so and what nobody asks, and finds the goal out of reach if it is.
-/// `ground` has done it.
-void prune(GroundTask& task);
+/// `ground` has done it. Not to be used further if the budget ended.
+void prune(GroundTask& task, Budget& budget);
 
 }  // namespace cxlab::planner

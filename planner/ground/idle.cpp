@@ -13,7 +13,7 @@ using Of = IdleTouch::Of;
 
 class IdleFinder {
  public:
-  IdleFinder(const Task& task, GroundTask& ground) : task_(task), ground_(ground) {
+  IdleFinder(const Task& task, GroundTask& ground, Budget& budget) : task_(task), ground_(ground), budget_(budget) {
     find_changing();
     for (const bool complements : {false, true})
       for (std::size_t f = 0; f < ground.facts.size(); ++f) {
@@ -25,8 +25,16 @@ class IdleFinder {
   }
 
   void run() {
-    for (GroundAction& action : ground_.actions) look_at(action);
-    for (TimedEvent& event : ground_.events) look_at(event);
+    for (GroundAction& action : ground_.actions) {
+      budget_.spend(Work::kGround, 1);
+      if (budget_.over()) return;
+      look_at(action);
+    }
+    for (TimedEvent& event : ground_.events) {
+      budget_.spend(Work::kGround, static_cast<std::int64_t>(task_.problem.timed_facts.size() + task_.problem.timed_values.size()));
+      if (budget_.over()) return;
+      look_at(event);
+    }
     drop_harmless();
   }
 
@@ -62,7 +70,7 @@ class IdleFinder {
     for (const Effect& effect : schema.effects) {
       if (effect.time == Effect::Time::kContinuous) continue;
       at_end_ = effect.time == Effect::Time::kEnd;
-      for_each_assignment(task_, effect.variables, frame_, [&] { write(effect); });
+      for_each_assignment(task_, effect.variables, frame_, budget_, [&] { write(effect); });
     }
   }
 
@@ -90,7 +98,7 @@ class IdleFinder {
     }
     for (const Expression& side : condition.sides) read(side);
     if (!condition.operands.empty())
-      for_each_assignment(task_, condition.variables, frame_, [&] {
+      for_each_assignment(task_, condition.variables, frame_, budget_, [&] {
         for (const Condition& operand : condition.operands) read(operand, needed);
       });
   }
@@ -169,6 +177,7 @@ class IdleFinder {
 
   const Task& task_;
   GroundTask& ground_;
+  Budget& budget_;
   std::vector<char> changing_predicates_, changing_functions_;
   AtomTable facts_, numbers_, other_facts_, other_numbers_;  ///< functions in place of predicates for numbers
   std::vector<int> fact_ids_, number_ids_, other_fact_ids_, other_number_ids_;  ///< by entry of the tables
@@ -180,8 +189,8 @@ class IdleFinder {
 
 }  // namespace
 
-void find_idle(const Task& task, GroundTask& ground) {
-  if (!ground.proved_unsolvable) IdleFinder(task, ground).run();
+void find_idle(const Task& task, GroundTask& ground, Budget& budget) {
+  if (!ground.proved_unsolvable) IdleFinder(task, ground, budget).run();
 }
 
 }  // namespace cxlab::planner

@@ -8,6 +8,8 @@ namespace cxlab::planner {
 
 namespace {
 
+constexpr std::size_t kWordsOfWork = 200;  ///< words of rows that take as long as one piece of Work::kGround
+
 /// What one happening needs, adds and surely removes.
 struct Operator {
   std::vector<int> needs, adds, removes;
@@ -15,7 +17,7 @@ struct Operator {
 
 class Pairs {
  public:
-  explicit Pairs(const GroundTask& task) : facts_(task.facts.size() + task.actions.size()), words_((facts_ + 63) / 64), rows_(facts_ * words_, 0) {
+  Pairs(const GroundTask& task, Budget& budget) : facts_(task.facts.size() + task.actions.size()), words_((facts_ + 63) / 64), rows_(facts_ * words_, 0) {
     std::vector<int> initial;
     for (std::size_t f = 0; f < task.facts.size(); ++f)
       if (task.initial_facts[f]) initial.push_back(static_cast<int>(f));
@@ -23,10 +25,20 @@ class Pairs {
       for (const int b : initial) set(row(a), b);
     for (std::size_t a = 0; a < task.actions.size(); ++a) add_operators(task, static_cast<int>(a));
     for (const TimedEvent& event : task.events) operators_.push_back({{}, event.effects.add, event.effects.remove});
+    std::size_t words = 0;
     for (bool changed = true; changed;) {
       changed = false;
-      for (const Operator& op : operators_)
-        if (reachable(op.needs) && apply(op)) changed = true;
+      for (const Operator& op : operators_) {
+        words += 1 + op.needs.size();
+        if (reachable(op.needs)) {
+          if (apply(op)) changed = true;
+          words += (op.needs.size() + op.adds.size() + 1) * words_;
+        }
+        if (words < kWordsOfWork) continue;
+        budget.spend(Work::kGround, static_cast<std::int64_t>(words / kWordsOfWork));
+        words %= kWordsOfWork;
+        if (budget.over()) return;
+      }
     }
   }
 
@@ -96,10 +108,11 @@ class Pairs {
 
 }  // namespace
 
-Possible possible_by_pairs(const GroundTask& task, std::size_t most_facts) {
+Possible possible_by_pairs(const GroundTask& task, Budget& budget, std::size_t most_facts) {
   Possible possible{std::vector<char>(task.actions.size(), 1)};
   if (!task.axioms.empty() || task.facts.size() > most_facts || task.actions.size() > 4 * most_facts) return possible;
-  const Pairs pairs(task);
+  const Pairs pairs(task, budget);
+  if (budget.over()) return possible;
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
     const GroundAction& action = task.actions[a];
     possible.actions[a] = pairs.reachable(action.start.facts) && pairs.reachable(action.over_all.facts) && pairs.reachable(action.end.facts);

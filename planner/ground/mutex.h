@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "planner/ground/budget.h"
 #include "planner/ground/task.h"
 
 namespace cxlab::planner {
@@ -15,7 +16,7 @@ struct Possible {
 };
 
 /// Beginnings and ends count one by one, so that overlapping plans are covered; numbers are taken to allow everything. All
-/// is possible if there are derived facts or more than `most_facts`.
-Possible possible_by_pairs(const GroundTask& task, std::size_t most_facts = 1500);
+/// is possible if there are derived facts or more than `most_facts`, or the budget ends.
+Possible possible_by_pairs(const GroundTask& task, Budget& budget, std::size_t most_facts = 1500);
 
 }  // namespace cxlab::planner

@@ -10,15 +10,18 @@ namespace cxlab::planner {
 namespace {
 
 constexpr std::size_t kMostAims = 8;  ///< copies of an action that last until a comparison turns
+constexpr std::int64_t kActionWork = 4;  ///< of looking at all that an action asks and does, in pieces of Work::kGround
 
 /// What can happen if nothing is ever deleted and numbers go as far as they like in each direction in which they move.
 /// The beginning of an action asks for its start condition only: others may bring about the rest while it runs.
 /// A number without a value has none until one is assigned; before that what reads it or changes it cannot happen.
+/// Says nothing if the budget ends.
 class Relaxation {
  public:
   /// `any_value`: as if every number without a value had the right one.
-  explicit Relaxation(const GroundTask& task, bool any_value = false) : task_(task), any_value_(any_value), useless_(task.actions.size(), 0) {
-    for (bool changed = true; changed;) {  // what can begin but never end is in no plan
+  Relaxation(const GroundTask& task, Budget& budget, bool any_value = false)
+      : task_(task), budget_(budget), any_value_(any_value), useless_(task.actions.size(), 0) {
+    for (bool changed = true; changed && !budget.over();) {  // what can begin but never end is in no plan
       spread();
       changed = false;
       for (std::size_t a = 0; a < task.actions.size(); ++a)
@@ -66,12 +69,15 @@ class Relaxation {
     }
     refresh();
     for (const TimedEvent& event : task_.events) apply(event.effects);
-    for (bool changed = true; changed;) changed = round();
+    for (bool changed = true; changed && !budget_.over();) changed = round();
   }
 
   bool round() {
     bool changed = false;
+    budget_.spend(Work::kGround, static_cast<std::int64_t>(task_.axioms.size()));
     for (std::size_t a = 0; a < task_.actions.size(); ++a) {
+      budget_.spend(Work::kGround, 1);
+      if (budget_.over()) return false;
       const GroundAction& action = task_.actions[a];
       if (useless_[a] || (ended_[a] && action.conditional.empty()) || !reaches(action.start)) continue;
       if (!begun_[a]) {
@@ -128,6 +134,7 @@ class Relaxation {
   }
 
   void refresh() {
+    budget_.spend(Work::kGround, static_cast<std::int64_t>(task_.comparisons.size()));
     for (std::size_t c = 0; c < task_.comparisons.size(); ++c) {
       const GroundComparison& comparison = task_.comparisons[c];
       if (comparison_[c] || !has_value(comparison.expression)) continue;
@@ -140,6 +147,7 @@ class Relaxation {
   }
 
   const GroundTask& task_;
+  Budget& budget_;
   bool any_value_;
   std::vector<char> useless_;  ///< by action
   std::vector<char> fact_, comparison_, begun_, ended_, up_, down_, defined_;
@@ -212,7 +220,7 @@ void keep_applicable(GroundTask& task, const Relaxation& relaxation) {
 
 /// Keeps actions that add a fact that is asked for, or change a number that is read, counting what the goal and kept
 /// actions ask for.
-void drop_irrelevant(GroundTask& task) {
+void drop_irrelevant(GroundTask& task, Budget& budget) {
   if (events_help_goal(task)) return;  // any action may be needed to wait for them
   std::vector<char> fact(task.facts.size(), 0), number(task.numbers.size(), 0), keep(task.actions.size(), 0);
   std::vector<std::vector<int>> adders(task.facts.size()), removers(task.facts.size()), changers(task.numbers.size());
@@ -252,6 +260,7 @@ void drop_irrelevant(GroundTask& task) {
       for (const int action : adders[f]) take(action);
       if (!task.facts[f].derived) continue;
       const int head = task.facts[f].is_complement ? task.facts[f].complement : f;
+      budget.spend(Work::kGround, static_cast<std::int64_t>(task.axioms.size()));
       for (const Axiom& axiom : task.axioms) {
         if (axiom.head != head) continue;
         facts.insert(facts.end(), axiom.body.facts.begin(), axiom.body.facts.end());
@@ -274,6 +283,8 @@ void drop_irrelevant(GroundTask& task) {
   while (!queue.empty()) {
     const GroundAction& action = task.actions[queue.back()];
     queue.pop_back();
+    budget.spend(Work::kGround, kActionWork);
+    if (budget.over()) return;
     ask(action.start), ask(action.over_all), ask(action.end);
     for (const ConditionalEffects& conditional : action.conditional)
       for (const GroundCondition* condition : {&conditional.start, &conditional.over_all, &conditional.end}) ask(*condition), deny(*condition);
@@ -289,9 +300,11 @@ void drop_irrelevant(GroundTask& task) {
 }
 
 /// Actions that ask and do the same are one: keeps the first.
-void drop_copies(GroundTask& task) {
+void drop_copies(GroundTask& task, Budget& budget) {
   std::vector<std::pair<std::string, std::size_t>> keys;
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
+    budget.spend(Work::kGround, kActionWork);
+    if (budget.over()) return;
     const GroundAction& action = task.actions[a];
     if (!action.conditional.empty() || !action.continuous.empty()) continue;
     std::string key(1, static_cast<char>('0' + action.durative));
@@ -350,11 +363,12 @@ std::vector<int> aims(const GroundTask& task, const GroundAction& action) {
 }
 
 /// Numbers without a value that keep the goal out of reach. Of the actions those stay that would help.
-void find_missing_values(GroundTask& task, const Relaxation& relaxation) {
-  const Relaxation with_values(task, true);
-  if (!with_values.reaches(task.goal)) return;
+void find_missing_values(GroundTask& task, const Relaxation& relaxation, Budget& budget) {
+  const Relaxation with_values(task, budget, true);
+  if (budget.over() || !with_values.reaches(task.goal)) return;
   keep_applicable(task, with_values);
-  drop_irrelevant(task);
+  drop_irrelevant(task, budget);
+  if (budget.over()) return;
   std::vector<char> missing(task.numbers.size(), 0);
   const auto read = [&](const GroundExpression& expression) {
     for (const auto& step : expression.steps)
@@ -373,23 +387,28 @@ void find_missing_values(GroundTask& task, const Relaxation& relaxation) {
 }
 
 /// Where effects depend on a duration that may be chosen, the action is there with several.
-void offer_durations(GroundTask& task) {
+void offer_durations(GroundTask& task, Budget& budget) {
   const auto mentions = [](const GroundExpression& expression) {
     return std::ranges::any_of(expression.steps, [](const auto& step) { return step.kind == GroundExpression::Kind::kDuration; });
   };
   std::vector<GroundAction> offered;
-  for (const GroundAction& action : task.actions) {
+  for (GroundAction& action : task.actions) {
+    budget.spend(Work::kGround, 1);
+    if (budget.over()) return;
     bool depends = !action.continuous.empty();
     for (const auto* effects : {&action.at_start, &action.at_end})
       for (const NumericEffect& effect : effects->numbers) depends = depends || mentions(effect.value);
     for (const auto* condition : {&action.start, &action.over_all, &action.end})
       for (const int c : condition->comparisons) depends = depends || mentions(task.comparisons[c].expression);
     const bool chosen = action.durative && depends && std::ranges::none_of(action.duration, [](const auto& d) { return d.comparison == Comparison::kEqual; });
-    if (chosen)
-      for (const int aim : aims(task, action)) offered.push_back(action), offered.back().aim = aim;
+    if (!chosen) {
+      offered.push_back(std::move(action));
+      continue;
+    }
+    budget.spend(Work::kGround, static_cast<std::int64_t>(task.comparisons.size()) + kActionWork * static_cast<std::int64_t>(kMostAims));
+    for (const int aim : aims(task, action)) offered.push_back(action), offered.back().aim = aim;
     offered.push_back(action);
-    if (chosen)
-      for (const double stretch : {0.125, 0.25, 0.5, 1.0}) offered.push_back(action), offered.back().stretch = stretch;
+    for (const double stretch : {0.125, 0.25, 0.5, 1.0}) offered.push_back(action), offered.back().stretch = stretch;
   }
   task.actions = std::move(offered);
 }
@@ -440,7 +459,7 @@ void rename_numbers(GroundTask& task, const std::vector<int>& renamed) {
   rename(task.metric, renamed);
 }
 
-void drop_numbers(GroundTask& task) {
+void drop_numbers(GroundTask& task, Budget& budget) {
   std::vector<char> asked(task.numbers.size(), 0), used(task.comparisons.size(), 0);
   const auto ask = [&asked](const GroundExpression& expression) {
     for (const auto& step : expression.steps)
@@ -456,6 +475,8 @@ void drop_numbers(GroundTask& task) {
     for (const GroundDuration& duration : action.duration) ask(duration.bound);
   for (std::size_t before = 0, now = 1; before != now;) {  // what a needed number is computed from is needed
     before = static_cast<std::size_t>(std::ranges::count(asked, 1));
+    budget.spend(Work::kGround, static_cast<std::int64_t>(task.actions.size()));
+    if (budget.over()) return;
     for_each_effects(task, [&](GroundEffects& effects) {
       for (const NumericEffect& effect : effects.numbers)
         if (asked[effect.number]) ask(effect.value);
@@ -493,10 +514,11 @@ void put_telling_numbers_first(GroundTask& task) {
 }
 
 /// Keeps what can happen and what somebody asks for; false if the goal is out of reach.
-bool keep_useful(GroundTask& task) {
-  const Relaxation relaxation(task);
+bool keep_useful(GroundTask& task, Budget& budget) {
+  const Relaxation relaxation(task, budget);
+  if (budget.over()) return true;
   if (!relaxation.reaches(task.goal)) {
-    find_missing_values(task, relaxation);
+    find_missing_values(task, relaxation, budget);
     return false;
   }
   keep_applicable(task, relaxation);
@@ -506,31 +528,35 @@ bool keep_useful(GroundTask& task) {
              (conditional.at_start.empty() && conditional.at_end.empty());
     });
   std::erase_if(task.axioms, [&](const Axiom& axiom) { return !relaxation.reaches(axiom.body); });
-  drop_irrelevant(task);
+  drop_irrelevant(task, budget);
+  if (budget.over()) return true;
+  budget.spend(Work::kGround, kActionWork * static_cast<std::int64_t>(task.actions.size()));
   drop_facts(task);
-  drop_numbers(task);
+  if (!budget.over()) drop_numbers(task, budget);
   return true;
 }
 
 /// The same with what no pair of facts allows left out.
-bool keep_possible(GroundTask& task) {
-  const Possible possible = possible_by_pairs(task);
+bool keep_possible(GroundTask& task, Budget& budget) {
+  const Possible possible = possible_by_pairs(task, budget);
+  if (budget.over()) return true;
   if (!possible.goal) return false;
   if (std::ranges::find(possible.actions, 0) == possible.actions.end()) return true;
   compact(task.actions, possible.actions);
-  return keep_useful(task);
+  return keep_useful(task, budget);
 }
 
 }  // namespace
 
-void prune(GroundTask& task) {
-  if (task.proved_unsolvable || !keep_useful(task) || !keep_possible(task)) {
+void prune(GroundTask& task, Budget& budget) {
+  if (task.proved_unsolvable || !keep_useful(task, budget) || (!budget.over() && !keep_possible(task, budget))) {
     task.proved_unsolvable = true;
     return;
   }
+  if (budget.over()) return;
   put_telling_numbers_first(task);
-  drop_copies(task);
-  offer_durations(task);
+  drop_copies(task, budget);
+  if (!budget.over()) offer_durations(task, budget);
 }
 
 }  // namespace cxlab::planner

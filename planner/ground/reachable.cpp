@@ -38,6 +38,8 @@ void AtomTable::grow() {
 
 namespace {
 
+constexpr std::int64_t kBindingWork = 3;  ///< of an action that is found, in pieces of Work::kGround
+
 struct Atom {
   PredicateId predicate = -1;
   std::vector<Term> terms;
@@ -58,7 +60,7 @@ struct Pattern {
 
 class Join {
  public:
-  Join(const Task& task, std::size_t most) : task_(task), most_(most) {}
+  Join(const Task& task, std::size_t most, Budget& budget) : task_(task), most_(most), budget_(budget) {}
 
   Expected<Reachable> run() {
     find_changing();
@@ -79,7 +81,7 @@ class Join {
       if (timed.value) atoms.insert(timed.fact.predicate, timed.fact.objects);
     for (std::size_t a = 0; a < patterns_.size(); ++a)
       if (relevant_[a] && std::ranges::none_of(patterns_[a].atoms, [this](const Atom& atom) { return result_.fluent[atom.predicate] != 0; })) begin(a, -1, -1);
-    while (visible_ < atoms.size() && !too_many_) {
+    while (visible_ < atoms.size() && !stopped()) {
       const int atom = visible_++;
       show(atom);
       for (std::size_t a = 0; a < patterns_.size(); ++a)
@@ -88,10 +90,13 @@ class Join {
     }
     if (too_many_)
       return Error{ErrorKind::kResource, "found more than " + std::to_string(most_) + " ground actions: the problem is too large to be written out", task_.problem.file, 0, "memory"};
+    if (budget_.over()) return out_of_budget("while the problem was written out");
     return std::move(result_);
   }
 
  private:
+  bool stopped() { return too_many_ || budget_.over(); }
+
   void find_changing() {
     result_.fluent.assign(task_.domain.predicates.size(), 0);
     result_.changing.assign(task_.domain.functions.size(), 0);
@@ -242,11 +247,12 @@ class Join {
     done[best] = 1;
     std::vector<int> bound;
     for (const int atom : *candidates) {
+      budget_.spend(Work::kGround, 1);
       if (match(pattern.atoms[best], atom, bound)) {
         extend(done);
         release(bound);
       }
-      if (too_many_) return;
+      if (stopped()) return;
     }
   }
 
@@ -259,8 +265,9 @@ class Join {
     }
     for (const ObjectId object : pattern.candidates[parameter]) {
       frame_[parameter] = object;
+      budget_.spend(Work::kGround, 1);
       if (equalities_hold()) enumerate(parameter + 1);
-      if (too_many_) break;
+      if (stopped()) break;
     }
     frame_[parameter] = -1;
   }
@@ -275,11 +282,12 @@ class Join {
       too_many_ = true;
       return;
     }
+    budget_.spend(Work::kGround, kBindingWork);
     result_.bindings.push_back({static_cast<ActionId>(action_), arguments});
     std::vector<ObjectId> frame = frame_, objects;
     for (const Effect& effect : action.effects) {
       if (effect.kind != Effect::Kind::kAdd) continue;
-      for_each_assignment(task_, effect.variables, frame, [&] {
+      for_each_assignment(task_, effect.variables, frame, budget_, [&] {
         objects.clear();
         for (const Term& term : effect.terms) objects.push_back(term.is_variable ? frame[term.index] : term.index);
         result_.atoms.insert(effect.predicate, objects);
@@ -289,6 +297,7 @@ class Join {
 
   const Task& task_;
   const std::size_t most_;
+  Budget& budget_;
   Reachable result_;
   std::vector<Pattern> patterns_;
   std::vector<char> relevant_;  ///< by action
@@ -303,6 +312,6 @@ class Join {
 
 }  // namespace
 
-Expected<Reachable> find_reachable(const Task& task, std::size_t most_bindings) { return Join(task, most_bindings).run(); }
+Expected<Reachable> find_reachable(const Task& task, std::size_t most_bindings, Budget& budget) { return Join(task, most_bindings, budget).run(); }
 
 }  // namespace cxlab::planner

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "planner/ground/budget.h"
 #include "planner/pddl/model.h"
 
 namespace cxlab::planner {
@@ -47,19 +48,21 @@ struct Reachable {
   std::vector<Binding> bindings;
 };
 
-/// Fails (kResource, code "memory") beyond `most_bindings`.
-Expected<Reachable> find_reachable(const Task& task, std::size_t most_bindings);
+/// Fails (kResource) beyond `most_bindings` (code "memory") or the budget (code kOutOfBudget).
+Expected<Reachable> find_reachable(const Task& task, std::size_t most_bindings, Budget& budget);
 
-/// Calls `visit()` for every assignment of objects to `variables`, written to their slots of `frame`.
+/// Calls `visit()` for every assignment of objects to `variables`, written to their slots of `frame`, until the budget ends.
 template <class Visit>
-void for_each_assignment(const Task& task, std::span<const Variable> variables, std::vector<ObjectId>& frame, const Visit& visit) {
+void for_each_assignment(const Task& task, std::span<const Variable> variables, std::vector<ObjectId>& frame, Budget& budget, const Visit& visit) {
   if (variables.empty()) {
+    budget.spend(Work::kGround, 1);
     visit();
     return;
   }
   for (const ObjectId object : objects_of(task.domain, task.problem, variables[0].types)) {
+    if (budget.over()) return;
     frame[variables[0].slot] = object;
-    for_each_assignment(task, variables.subspan(1), frame, visit);
+    for_each_assignment(task, variables.subspan(1), frame, budget, visit);
   }
 }
 

@@ -24,7 +24,7 @@ bool Rebuild::start(const Sequence& plan) {
 
 void Rebuild::run(Budget& budget, std::int64_t most_idle, const LocalSearch::OnBetter& on_better) {
   const Simulator& simulator = decoder_.simulator();
-  const Landmarks none(simulator, relaxed_, 0);
+  const Landmarks none(simulator, relaxed_, 0, budget);
   LazySearch search(simulator, relaxed_, none);
   DecodedPlan tried;
   Sequence kept, filled;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "planner/pddl/plan.h"
-#include "planner/search/budget.h"
+#include "planner/ground/budget.h"
 #include "planner/search/lazy_search.h"
 
 namespace cxlab::planner {

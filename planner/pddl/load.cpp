@@ -41,14 +41,14 @@ Expected<std::string> read_text(const std::string& file) {
   return std::move(text).str();
 }
 
-Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file) {
+Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file, const Deadline& deadline) {
   const auto domain_text = read_source(domain_file);
   if (!domain_text) return domain_text.error();
   const auto problem_text = read_source(problem_file);
   if (!problem_text) return problem_text.error();
   auto domain = parse_domain(domain_text->text, domain_text->name);
   if (!domain) return domain.error();
-  auto problem = parse_problem(problem_text->text, problem_text->name, *domain);
+  auto problem = parse_problem(problem_text->text, problem_text->name, *domain, deadline);
   if (!problem) return problem.error();
   return Task{std::move(*domain), std::move(*problem)};
 }

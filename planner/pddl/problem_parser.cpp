@@ -16,8 +16,9 @@ std::string plain_name(std::string name) {
 
 class ProblemParser {
  public:
-  ProblemParser(const Node& root, const std::string& file, const Domain& domain)
+  ProblemParser(const Node& root, const std::string& file, const Domain& domain, const Deadline& deadline)
       : root_(root),
+        deadline_(deadline),
         domain_(domain),
         resolver_(domain, problem_.objects, problem_.object_names, problem_.file, Source::File::kProblem) {
     problem_.file = file;
@@ -28,7 +29,7 @@ class ProblemParser {
   Expected<Problem> parse() {
     if (!define() || !each(":domain", &ProblemParser::domain_name) || !each(":objects", &ProblemParser::objects) ||
         !each(":init", &ProblemParser::init) || !each(":goal", &ProblemParser::goal) || !each(":metric", &ProblemParser::metric))
-      return resolver_.error();
+      return late_ ? too_late(problem_.file) : resolver_.error();
     finish();
     return std::move(problem_);
   }
@@ -101,6 +102,8 @@ class ProblemParser {
   }
 
   bool element(const Node& node) {
+    if (facts_++ % kReadBetweenLooks == 0 && is_over(deadline_)) late_ = true;
+    if (late_) return false;
     const std::string_view head = node.head();
     double time = 0;
     if (head == "=") return value(node, std::nullopt);
@@ -184,6 +187,9 @@ class ProblemParser {
   }
 
   const Node& root_;
+  const Deadline& deadline_;
+  std::size_t facts_ = 0;
+  bool late_ = false;
   const Domain& domain_;
   Problem problem_;
   Resolver resolver_;
@@ -194,10 +200,10 @@ class ProblemParser {
 
 }  // namespace
 
-Expected<Problem> parse_problem(std::string_view text, const std::string& file, const Domain& domain) {
-  auto syntax = read_syntax(text, file);
+Expected<Problem> parse_problem(std::string_view text, const std::string& file, const Domain& domain, const Deadline& deadline) {
+  auto syntax = read_syntax(text, file, deadline);
   if (!syntax) return syntax.error();
-  return ProblemParser(syntax->root, file, domain).parse();
+  return ProblemParser(syntax->root, file, domain, deadline).parse();
 }
 
 }  // namespace cxlab::planner

@@ -13,7 +13,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 class Reader {
  public:
-  Reader(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+  Reader(std::string_view text, const std::string& file, const Deadline& deadline) : text_(text), file_(file), deadline_(deadline) {}
 
   Expected<Node> read_file() {
     skip_space();
@@ -80,6 +80,7 @@ class Reader {
       return error("lists are nested more than " + std::to_string(kDeepestNesting) + " deep", line_);
     ++position_;
     while (true) {
+      if (nodes_++ % kReadBetweenLooks == 0 && is_over(deadline_)) return too_late(file_);
       skip_space();
       if (at_end()) return error("found the end of the file, expected a ')' for the list that begins here" + last_section(), list.line);
       if (text_[position_] == ')') {
@@ -108,7 +109,8 @@ class Reader {
 
   std::string_view text_;
   const std::string& file_;
-  std::size_t position_ = 0;
+  const Deadline& deadline_;
+  std::size_t position_ = 0, nodes_ = 0;
   int line_ = 1;
   std::string_view section_;  // the last that began
   int section_line_ = 0;
@@ -135,14 +137,18 @@ void append_excerpt(const Node& node, std::string& out) {
 
 }  // namespace
 
-Expected<Syntax> read_syntax(std::string_view text, const std::string& file) {
+bool is_over(const Deadline& deadline) { return deadline && std::chrono::steady_clock::now() >= *deadline; }
+
+Error too_late(const std::string& file) { return {ErrorKind::kResource, "the time ended while the file was read", file, 0, kTooLate}; }
+
+Expected<Syntax> read_syntax(std::string_view text, const std::string& file, const Deadline& deadline) {
   Syntax syntax;
   syntax.text = std::make_unique<std::string>(text);
   for (char& c : *syntax.text)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   std::string_view body = *syntax.text;
   if (body.starts_with("\xef\xbb\xbf")) body.remove_prefix(3);  // the mark of UTF-8 files
-  auto root = Reader(body, file).read_file();
+  auto root = Reader(body, file, deadline).read_file();
   if (!root) return root.error();
   syntax.root = std::move(*root);
   return syntax;

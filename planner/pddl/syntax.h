@@ -1,7 +1,9 @@
 #pragma once
 // Text to nested lists: the shape of a PDDL file before anything is known about names.
 
+#include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,8 +33,18 @@ struct Syntax {
 /// Deepest nesting that is read; real files stay below 30.
 inline constexpr int kDeepestNesting = 200;
 
+/// When reading is to be given up; none: never.
+using Deadline = std::optional<std::chrono::steady_clock::time_point>;
+
+inline constexpr std::size_t kReadBetweenLooks = 1024;  ///< nodes and facts that are read between two looks at the clock
+
+bool is_over(const Deadline& deadline);
+/// `Error::code` of what took too long to be read.
+inline constexpr const char* kTooLate = "late";
+Error too_late(const std::string& file);
+
 /// Reads one form. Comments begin with `;`.
-Expected<Syntax> read_syntax(std::string_view text, const std::string& file);
+Expected<Syntax> read_syntax(std::string_view text, const std::string& file, const Deadline& deadline = {});
 
 /// The node as text, shortened to about 60 characters, for messages.
 std::string excerpt(const Node& node);

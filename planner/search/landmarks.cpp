@@ -5,7 +5,13 @@
 
 namespace cxlab::planner {
 
-Landmarks::Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std::int64_t most_work)
+namespace {
+
+constexpr std::size_t kLookEvery = 256;  ///< operators between two looks at the clock
+
+}  // namespace
+
+Landmarks::Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std::int64_t most_work, Budget& budget)
     : simulator_(simulator), facts_(relaxed.facts()) {
   const PackedState initial = simulator.initial();
   const std::size_t atoms = static_cast<std::size_t>(relaxed.atoms()), words = (atoms + 63) / 64;
@@ -29,7 +35,8 @@ Landmarks::Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std
     if (missing[o] == 0) queue.push_back(static_cast<int>(o)), queued[o] = 1;
   }
   std::vector<Word> before(words);
-  while (!queue.empty()) {
+  for (std::size_t looked = 0; !queue.empty(); ++looked) {
+    if (looked % kLookEvery == 0 && budget.late()) return;
     const int o = queue.front();
     queue.pop_front();
     queued[o] = 0;

@@ -5,14 +5,15 @@
 
 #include <vector>
 
+#include "planner/ground/budget.h"
 #include "planner/search/relaxed.h"
 
 namespace cxlab::planner {
 
 class Landmarks {
  public:
-  /// Looks for them from the initial state; none if that would take more than `most_work` steps.
-  Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std::int64_t most_work);
+  /// Looks for them from the initial state; none if that would take more than `most_work` steps or the time runs out.
+  Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std::int64_t most_work, Budget& budget);
 
   int count() const { return static_cast<int>(atoms_.size()); }
   int words() const { return (count() + 63) / 64; }

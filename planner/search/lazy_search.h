@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "planner/schedule/timeline.h"
-#include "planner/search/budget.h"
+#include "planner/ground/budget.h"
 #include "planner/search/landmarks.h"
 #include "planner/search/relaxed.h"
 

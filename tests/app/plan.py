@@ -92,7 +92,9 @@ class Plan(Lab):
         # The road is open for less time than going takes: only time forbids it.
         closing = PROBLEM.replace("(road b c)", "(at 1 (road b c)) (at 4 (not (road b c)))")
         self.assertEqual(self.plan(problem=closing).returncode, 12)
-        self.assertEqual(self.plan("--budget", "1").returncode, 23)
+        for limit in ("--budget", "1"), ("--timeout", "1e-9"):
+            ended = self.plan("--json", *limit)
+            self.assertEqual((ended.returncode, json.loads(ended.stdout)["status"]), (23, "budget"))
         done = self.plan(domain=DOMAIN.replace("(at end (at ?b))", "(at end (as ?b))"))
         self.assertEqual(done.returncode, 31)
         self.assertIn("d.pddl:5:", done.stderr)

@@ -87,6 +87,15 @@ TEST(ProblemParser, PreferencesAreNotSupported) {
   EXPECT_EQ(problem.error().code, kUnsupported);
 }
 
+TEST(ProblemParser, GivesUpWhenTheDeadlineHasPassed) {
+  const std::string text = "(define (problem p) (:domain work-flow) (:init) (:goal (and)))";
+  const auto now = std::chrono::steady_clock::now();
+  EXPECT_TRUE(parse_problem(text, "p.pddl", domain(), now + std::chrono::hours(1)));
+  const auto late = parse_problem(text, "p.pddl", domain(), now);
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, kTooLate);
+}
+
 TEST(LoadTask, TemplatesAreRenderedFirst) {
   const auto folder = std::filesystem::temp_directory_path() / ("cxlab-load-" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);

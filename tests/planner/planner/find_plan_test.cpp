@@ -294,6 +294,47 @@ TEST(FindPlan, SaysThatTheBudgetEnded) {
   EXPECT_GE(found.units, 300);
 }
 
+/// Objects o0 ... of which fact (p o) holds.
+std::string numbered(int count) {
+  std::string objects = "(:objects", init;
+  for (int i = 0; i < count; ++i) objects += " o" + std::to_string(i), init += " (p o" + std::to_string(i) + ")";
+  return objects + ") (:init (next o0 o1)" + init + ")";
+}
+
+TEST(FindPlan, TheBudgetMayEndWhileTheProblemIsWrittenOut) {
+  std::string different;  // no choice of twelve of eleven objects is
+  for (char a = 'a'; a <= 'l'; ++a)
+    for (char b = 'a'; b < a; ++b) different += std::string(" (not (= ?") + a + " ?" + b + "))";
+  const std::string five = "(?a ?b ?c ?d ?e)", all = "(p ?a) (p ?b) (p ?c) (p ?d) (p ?e)";
+  const std::pair<std::string, int> actions[] = {
+      {"(:action a :parameters " + five + " :precondition (and " + all + ") :effect (and (g) (made ?a ?b ?c ?d ?e)))", 60},
+      {"(:action a :parameters (?a ?b ?c ?d ?e ?f ?g ?h ?i ?j ?k ?l) :precondition (and " + all + different + ") :effect (g)) (:action b :parameters () :effect (g))", 11},
+      {"(:action a :parameters () :effect (and (g) (forall " + five + " (made ?a ?b ?c ?d ?e))))", 60},
+      {"(:action a :parameters (?x) :precondition (forall " + five + " (or (p ?a) (made ?a ?b ?c ?d ?e))) :effect (and (g) (made ?x ?x ?x ?x ?x) (not (p ?x))))", 60}};
+  for (const auto& [action, objects] : actions) {
+    const Task task = parse("(:predicates (p ?x) (next ?x ?y) (g) (made ?a ?b ?c ?d ?e))" + action, numbered(objects) + "(:goal (or (g) (made o1 o2 o3 o4 o5)))");
+    const PlanAnswer found = answer(task, {.budget = 5'000}), again = answer(task, {.budget = 5'000});
+    EXPECT_EQ(found.status, PlanStatus::kBudget) << action;
+    EXPECT_EQ(found.reason, "the budget ended while the problem was written out") << action;
+    EXPECT_LE(found.units, 5'100) << action;
+    EXPECT_EQ(found.units, again.units) << action;
+  }
+}
+
+TEST(FindPlan, WritingTheProblemOutCountsAsWork) {
+  const auto units = [](int objects) {
+    return answer(parse("(:predicates (p ?x) (next ?x ?y) (g)) (:action a :parameters (?a ?b) :precondition (and (p ?a) (p ?b)) :effect (and (next ?a ?b) (g)))",
+                        numbered(objects) + "(:goal (g))")).units;
+  };
+  EXPECT_GT(units(60), 3 * units(30));
+}
+
+TEST(FindPlan, NoTimeIsOverAtOnce) {
+  const PlanAnswer found = answer(parse("(:predicates (g)) (:action a :parameters () :effect (g))", "(:init) (:goal (g))"), {.timeout_s = 0.0});
+  EXPECT_EQ(found.status, PlanStatus::kBudget);
+  EXPECT_FALSE(found.plan);
+}
+
 constexpr const char* kJobs = R"((:types job machine - object) (:predicates (waits ?j - job) (at ?j - job ?m - machine) (free ?m - machine) (done ?j - job))
   (:durative-action load :parameters (?j - job ?m - machine) :duration (= ?duration 2) :condition (and (at start (waits ?j)) (at start (free ?m)))
    :effect (and (at start (not (waits ?j))) (at start (not (free ?m))) (at end (at ?j ?m))))

@@ -8,10 +8,12 @@
 #include <limits>
 #include <optional>
 
+#include "cx/base/expected.h"
+
 namespace cxlab::planner {
 
 enum class Work : std::uint8_t {
-  kGround,    ///< ground actions
+  kGround,    ///< what is looked at while a problem is written out: atoms, parts of conditions, actions in each pass
   kReach,     ///< operators looked at by heuristics and landmarks
   kNode,      ///< states made
   kSchedule,  ///< actions scheduled or executed by the improvement
@@ -19,10 +21,13 @@ enum class Work : std::uint8_t {
 };
 inline constexpr std::size_t kWorkKinds = 5;
 /// Units of one piece of work, in thousandths. A unit is about a microsecond of a core of 2020.
-inline constexpr std::array<std::int64_t, kWorkKinds> kWorkWeights = {5000, 20, 2000, 150, 20};
+inline constexpr std::array<std::int64_t, kWorkKinds> kWorkWeights = {100, 20, 2000, 150, 20};
 
 /// Units of so many pieces of work.
 constexpr std::int64_t units_of(Work kind, std::int64_t pieces) { return pieces * kWorkWeights[static_cast<std::size_t>(kind)] / 1000; }
+
+/// `Error::code` of what the budget did not suffice for.
+inline constexpr const char* kOutOfBudget = "budget";
 
 class Budget {
  public:
@@ -54,9 +59,15 @@ class Budget {
     if (now >= limit_) over_ = true;
     else if (deadline_ && now >= next_look_) {
       next_look_ = now + 200;
-      over_ = std::chrono::steady_clock::now() >= *deadline_;
+      late();
     }
     return over_;
+  }
+  /// Whether the time has run out, by a look at the clock: for long steps between which little is spent.
+  bool late() {
+    if (!late_ && deadline_) late_ = std::chrono::steady_clock::now() >= *deadline_;
+    over_ |= late_;
+    return late_;
   }
   std::int64_t limit() const { return limit_; }
   bool has_deadline() const { return deadline_.has_value(); }
@@ -65,7 +76,11 @@ class Budget {
   std::array<std::int64_t, kWorkKinds> counts_{};
   std::int64_t limit_ = kUnlimited, slice_ = kUnlimited, next_look_ = 0;
   std::optional<std::chrono::steady_clock::time_point> deadline_;
-  bool over_ = false;
+  bool over_ = false, late_ = false;
 };
+
+inline Error out_of_budget(const char* what) {
+  return {ErrorKind::kResource, std::string("the budget ended ") + what, {}, 0, kOutOfBudget};
+}
 
 }  // namespace cxlab::planner
