@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kMostAims = 8;  ///< copies of an action that last until a comparison turns
 constexpr std::int64_t kActionWork = 4;  ///< of looking at all that an action asks and does, in pieces of Work::kGround
+constexpr std::size_t kLooksOfWork = 32;  ///< looks at whether a comparison or an axiom is known already, in one piece
 
 /// What can happen if nothing is ever deleted and numbers go as far as they like in each direction in which they move.
 /// The beginning of an action asks for its start condition only: others may bring about the rest while it runs.
@@ -72,9 +73,15 @@ class Relaxation {
     for (bool changed = true; changed && !budget_.over();) changed = round();
   }
 
+  void look(std::size_t count) {
+    looks_ += count;
+    budget_.spend(Work::kGround, static_cast<std::int64_t>(looks_ / kLooksOfWork));
+    looks_ %= kLooksOfWork;
+  }
+
   bool round() {
     bool changed = false;
-    budget_.spend(Work::kGround, static_cast<std::int64_t>(task_.axioms.size()));
+    look(task_.axioms.size());
     for (std::size_t a = 0; a < task_.actions.size(); ++a) {
       budget_.spend(Work::kGround, 1);
       if (budget_.over()) return false;
@@ -134,7 +141,7 @@ class Relaxation {
   }
 
   void refresh() {
-    budget_.spend(Work::kGround, static_cast<std::int64_t>(task_.comparisons.size()));
+    look(task_.comparisons.size());
     for (std::size_t c = 0; c < task_.comparisons.size(); ++c) {
       const GroundComparison& comparison = task_.comparisons[c];
       if (comparison_[c] || !has_value(comparison.expression)) continue;
@@ -148,6 +155,7 @@ class Relaxation {
 
   const GroundTask& task_;
   Budget& budget_;
+  std::size_t looks_ = 0;
   bool any_value_;
   std::vector<char> useless_;  ///< by action
   std::vector<char> fact_, comparison_, begun_, ended_, up_, down_, defined_;
@@ -260,7 +268,7 @@ void drop_irrelevant(GroundTask& task, Budget& budget) {
       for (const int action : adders[f]) take(action);
       if (!task.facts[f].derived) continue;
       const int head = task.facts[f].is_complement ? task.facts[f].complement : f;
-      budget.spend(Work::kGround, static_cast<std::int64_t>(task.axioms.size()));
+      budget.spend(Work::kGround, static_cast<std::int64_t>(1 + task.axioms.size() / kLooksOfWork));
       for (const Axiom& axiom : task.axioms) {
         if (axiom.head != head) continue;
         facts.insert(facts.end(), axiom.body.facts.begin(), axiom.body.facts.end());
