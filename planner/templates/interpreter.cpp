@@ -302,7 +302,7 @@ void Interpreter::define(const std::string& name, Value value, bool imported, Re
 
 Value Interpreter::make_macro(const Node& node, Rendering& rendering, const ScopePtr& scope) {
   captured_.push_back(scope);
-  Value macro = Value::object("Macro");
+  Value macro = Value::object(node.kind == Node::Kind::kMacro ? "Macro '" + node.text + "'" : "Macro anonymous");
   ObjectData& fields = *macro.as_object();
   std::vector<Value> names;
   for (const auto& [name, value] : node.parameters) names.emplace_back(name);
