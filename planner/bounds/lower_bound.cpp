@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "planner/bounds/sequencing.h"
-#include "planner/ground/mutex.h"
 #include "planner/search/landmarks.h"
 #include "planner/search/split.h"
 
@@ -237,15 +236,7 @@ class Bounds {
 }  // namespace
 
 LowerBound lower_bound(const GroundTask& task, Budget& budget, std::int64_t slice) {
-  const std::vector<char> possible = possible_by_pairs(task, budget).actions;
-  if (budget.late()) return {0, false, false};
-  GroundTask reduced = task;
-  std::size_t kept = 0;
-  for (std::size_t a = 0; a < task.actions.size(); ++a)
-    if (possible[a]) reduced.actions[kept++] = task.actions[a];
-  reduced.actions.resize(kept);
-  budget.spend(Work::kBound, static_cast<std::int64_t>(task.actions.size() * (1 + task.facts.size() / 64)));
-  const Simulator simulator(reduced);
+  const Simulator simulator(task);
   return Bounds(simulator, budget).run(slice);
 }
 
