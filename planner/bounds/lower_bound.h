@@ -8,8 +8,8 @@
 // than sequencing.h says. Robots, machines and places that only one can have at a time need not be known: they show as
 // times between beginnings. Actions that need facts that are never true together are left out.
 
-#include "planner/schedule/timeline.h"
 #include "planner/ground/budget.h"
+#include "planner/schedule/timeline.h"
 
 namespace cxlab::planner {
 
