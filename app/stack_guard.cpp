@@ -11,7 +11,7 @@ namespace cxlab::app {
 
 namespace {
 
-constexpr char kMessage[] = "\nerror: the stack is full: a deffunction calls itself without end (see the last lines of the log for where)\n";
+constexpr char kMessage[] = "\nerror: the stack is full: a message-handler, or what it calls, calls itself without end (see the last lines of the log for where)\n";
 
 void on_fault(int number, siginfo_t* info, void* context) {
   const auto fault = reinterpret_cast<std::uintptr_t>(info->si_addr);

@@ -91,6 +91,7 @@ void RuleEngine::Impl::install_router() {
 
 void RuleEngine::Impl::print(const char* logical_name, const char* text) {
   const std::string_view name = logical_name;
+  if (leaving_calls && name == "stderr") return;
   if (name == "stderr") capture(text);
   if (engine.options_.on_output) engine.options_.on_output(name, text);
 }

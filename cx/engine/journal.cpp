@@ -1,4 +1,6 @@
-// Hooks of CLIPS on facts and firings: the journal, and the counts for the report on a loop.
+// Hooks of CLIPS on facts, firings, loops and calls: the journal, the counts for the report on a loop, and what never ends.
+
+#include <utility>
 
 #include "internal/impl.h"
 
@@ -192,6 +194,38 @@ void RuleEngine::Impl::on_turn(Environment* env, void* self) noexcept {
   SetEvaluationError(env, true);
 }
 
+bool RuleEngine::Impl::call(EntityEvaluationFunction* evaluate, void* construct, UDFValue* result) {
+  const auto here = reinterpret_cast<std::uintptr_t>(__builtin_frame_address(0));
+  if (calls == 0) calls_begin = here;
+  if (calls_begin - here > kMostStack) {
+    result->value = FalseSymbol(env);
+    if (leaving_calls) return false;
+    PrintErrorID(env, "CXLAB", 2, false);
+    const std::string text = "Function '" + qualified_name(*static_cast<ConstructHeader*>(construct)) +
+                             "' is called again and again from within itself, until 6 MB of the stack are full: stopped.\n";
+    WriteString(env, STDERR, text.c_str());
+    SetHaltExecution(env, true);
+    SetEvaluationError(env, true);
+    leaving_calls = true;
+    return false;
+  }
+  ++calls;
+  const bool given = evaluate(env, construct, result);
+  --calls;
+  if (calls == 0) leaving_calls = false;
+  return given;
+}
+
+bool RuleEngine::Impl::on_deffunction(Environment* env, void* deffunction, UDFValue* result) noexcept {
+  Impl& impl = *of(env)->impl_;
+  return impl.call(impl.call_deffunction, deffunction, result);
+}
+
+bool RuleEngine::Impl::on_generic(Environment* env, void* generic, UDFValue* result) noexcept {
+  Impl& impl = *of(env)->impl_;
+  return impl.call(impl.call_generic, generic, result);
+}
+
 void RuleEngine::Impl::on_clear(Environment*, void* self) noexcept {
   Impl& impl = *static_cast<Impl*>(self);
   impl.known_facts.clear();
@@ -210,6 +244,8 @@ void RuleEngine::Impl::install_hooks() {
   AddAfterRuleFiresFunction(env, "cxlab", on_fired, 0, this);
   AddClearFunction(env, "cxlab", on_clear, 0, this);
   AddPeriodicFunction(env, "cxlab", on_turn, 0, this);
+  call_deffunction = std::exchange(EvaluationData(env)->PrimitivesArray[PCALL]->evaluateFunction, on_deffunction);
+  call_generic = std::exchange(EvaluationData(env)->PrimitivesArray[GCALL]->evaluateFunction, on_generic);
 }
 
 }  // namespace cxlab

@@ -111,9 +111,10 @@ class Scenarios(Lab):
         self.fails(2, "'some' is no journal level: none, decisions or full", arguments=["--journal", "some"])
         self.fails(2, "error: --seed: found '-1', expected a whole number from 0", "cxlab run --help", arguments=["--seed", "-1"])
         self.fails(2, "error: --until: found '-3', expected a number, 0 or more", arguments=["--until", "-3"])
-        done = subprocess.run([CXLAB, "rnu"], text=True, stderr=subprocess.PIPE)
-        self.assertEqual(done.returncode, 2)
-        self.assertIn("there is no command 'rnu', did you mean 'run'?", done.stderr)
+        for swapped, meant in (("rnu", "run"), ("evn", "env")):
+            done = subprocess.run([CXLAB, swapped], text=True, stderr=subprocess.PIPE)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(f"there is no command '{swapped}', did you mean '{meant}'?", done.stderr)
 
     def test_pictures_that_cannot_be(self):
         self.agent("", GAME)
@@ -240,7 +241,13 @@ class Rules(Lab):
 
     def test_recursion_without_end(self):
         self.agent("(deffacts n (n 0))\n(deffunction f (?x) (f (+ ?x 1)))\n(defrule fall (n ?x) => (f ?x))\n")
-        self.fails(4, "a deffunction calls itself without end")
+        self.fails(4, "rules.clp:3: rule fall, RHS", "Function 'f' is called again and again from within itself")
+        self.assertEqual(self.result()["reason"]["line"], 3)
+
+    def test_handlers_that_send_without_end(self):
+        self.agent("(defclass A (is-a USER))\n(defmessage-handler A f () (send ?self f))\n(deffacts n (n 0))\n"
+                   "(defrule fall (n ?x) => (send (make-instance a of A) f))\n")
+        self.fails(4, "the stack is full")
 
     def test_continue_goes_on_and_tells(self):
         self.agent(HEAD + "(defrule a (go) => (/ 1 0))\n(defrule b (declare (salience -1)) (go) => (println goes on))\n",

@@ -55,6 +55,13 @@ struct RuleEngine::Impl {
   std::size_t rule_depth = 0;
   std::uint64_t turns = 0;  ///< of loops since the rule fired or the host called
   static constexpr std::uint64_t kMostTurns = 10'000'000;
+  /// Calls of deffunctions and generic functions under way, and where on the stack the outermost began.
+  int calls = 0;
+  std::uintptr_t calls_begin = 0;
+  bool leaving_calls = false;  ///< they were nested too deep: what CLIPS says at each level is left out
+  static constexpr std::uintptr_t kMostStack = 6 * 1024 * 1024;
+  clips::EntityEvaluationFunction* call_deffunction = nullptr;  ///< of CLIPS
+  clips::EntityEvaluationFunction* call_generic = nullptr;
   clips::CLIPSLexeme* rule_atom = nullptr;  ///< its name, retained
   std::string_view rule_name;               ///< the text of it
 
@@ -148,6 +155,10 @@ struct RuleEngine::Impl {
   static void on_clear(clips::Environment*, void* self) noexcept;
   /// CLIPS calls it at each turn of a loop and at the end of each deffunction; ends a loop without end.
   static void on_turn(clips::Environment*, void* self) noexcept;
+  /// CLIPS calls them for each call of a deffunction or generic function in an expression; end a recursion without end.
+  static bool on_deffunction(clips::Environment*, void* deffunction, clips::UDFValue* result) noexcept;
+  static bool on_generic(clips::Environment*, void* generic, clips::UDFValue* result) noexcept;
+  bool call(clips::EntityEvaluationFunction* evaluate, void* construct, clips::UDFValue* result);
 
   // --- Running (engine.cpp) --------------------------------------------------------------------------------------
 

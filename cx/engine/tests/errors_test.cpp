@@ -26,6 +26,25 @@ TEST_F(RuleErrors, ALoopWithoutEndInsideARuleIsStopped) {
   EXPECT_THAT(texts(engine().run().errors), ElementsAre(AllOf(HasSubstr("rule go, RHS"), HasSubstr("Still looping"))));
 }
 
+TEST_F(RuleErrors, ADeffunctionThatCallsItselfWithoutEndIsStopped) {
+  given("(deffunction fall (?x) (+ 1 (fall (+ ?x 1))))\n"
+        "(deffunction deep (?x) (if (> ?x 0) then (+ 1 (deep (- ?x 1))) else 0))\n"
+        "(defrule go (a) =>\n  (fall 1)\n  (assert (never)))\n"
+        "(defrule later (declare (salience -1)) (a) => (assert (depth (deep 1000))))\n");
+  ASSERT_TRUE(engine().assert_string("(a)").ok());
+  EXPECT_THAT(texts(engine().run().errors), ElementsAre(AllOf(StartsWith("rules.clp:4: rule go, RHS"), HasSubstr("'fall'"))));
+  EXPECT_THAT(engine().run().errors, IsEmpty());
+  EXPECT_THAT(fact_texts(), ElementsAre("(a)", "(depth 1000)")) << "the next run can call as before";
+  EXPECT_LT(output["stderr"].size(), 1000u) << "not a line for each level";
+}
+
+TEST_F(RuleErrors, MethodsThatCallEachOtherWithoutEndAreStopped) {
+  given("(defgeneric there)\n(defmethod back ((?x INTEGER)) (there ?x))\n(defmethod there ((?x INTEGER)) (back ?x))\n"
+        "(defrule go (a) => (back 1))\n");
+  ASSERT_TRUE(engine().assert_string("(a)").ok());
+  EXPECT_THAT(texts(engine().run().errors), ElementsAre(AllOf(HasSubstr("rule go, RHS"), HasSubstr("from within itself"))));
+}
+
 TEST_F(RuleErrors, AnUnknownSlotHasTheLineWhereItStands) {
   EXPECT_THAT(load_errors("(deftemplate order (slot id))\n\n(defrule go\n  (order (id ?x)\n         (colour RED))\n  =>\n)\n"),
               ElementsAre(AllOf(StartsWith("rules.clp:5: [TMPLTDEF1]"), HasSubstr("'colour'"))));
