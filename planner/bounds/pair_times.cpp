@@ -60,7 +60,7 @@ HappeningTask::HappeningTask(const GroundTask& task, const std::vector<Micros>& 
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
     const GroundAction& action = task.actions[a];
     const int first = beginnings_[a] = static_cast<int>(happenings_.size());
-    Happening begin;
+    PairHappening begin;
     begin.needs = action.start.facts;
     begin.adds = action.at_start.add;
     begin.removes = action.at_start.remove;
@@ -78,7 +78,7 @@ HappeningTask::HappeningTask(const GroundTask& task, const std::vector<Micros>& 
     begin.begins = runs_;
     begin.adds.push_back(facts_ + runs_);
     begin.lasts = units(durations[a]);
-    Happening end;
+    PairHappening end;
     end.needs = action.end.facts;
     if (durations[a] > 0) unite(end.needs, action.over_all.facts);  // what takes no time has nothing in between
     end.needs.push_back(facts_ + runs_);
@@ -111,9 +111,9 @@ void HappeningTask::add_conditional(const GroundAction& action, int begin, int e
     for (const bool at_end : {false, true}) {
       const std::vector<int>& adds = (at_end ? conditional.at_end : conditional.at_start).add;
       if (adds.empty()) continue;
-      Happening& base = happenings_[static_cast<std::size_t>(at_end ? end : begin)];
+      PairHappening& base = happenings_[static_cast<std::size_t>(at_end ? end : begin)];
       std::erase_if(base.removes, [&](int f) { return std::ranges::find(adds, f) != adds.end(); });
-      Happening extra;
+      PairHappening extra;
       extra.needs = base.needs;
       unite(extra.needs, (at_end ? conditional.end : conditional.start).facts);
       extra.adds = adds;
@@ -131,7 +131,7 @@ void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& 
     if (happenings_[static_cast<std::size_t>(beginnings_[action_of_run[run]])].lasts > 0)
       for (const int f : task.actions[action_of_run[run]].over_all.facts) holders[f].push_back(run);
   ends_itself_.assign(static_cast<std::size_t>(runs_), 0);
-  for (Happening& happening : happenings_) {
+  for (PairHappening& happening : happenings_) {
     if (budget.late()) return;
     std::vector<int> broken;
     for (const int f : happening.removes) {
@@ -144,12 +144,12 @@ void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& 
     }
     unite(happening.removes, broken);
   }
-  const auto removed_facts = [this](const Happening& happening) {  // they come before what it breaks
+  const auto removed_facts = [this](const PairHappening& happening) {  // they come before what it breaks
     return std::span(happening.removes.begin(), std::ranges::lower_bound(happening.removes, facts_));
   };
   for (int a = 0; a < runs_; ++a) {
     if (budget.late()) return;
-    const Happening first = happenings_[static_cast<std::size_t>(end_of_run[a])];
+    const PairHappening first = happenings_[static_cast<std::size_t>(end_of_run[a])];
     const std::vector<int>& needs = task.actions[action_of_run[a]].end.facts;
     const std::span<const int> removes = removed_facts(first);
     for (const int atom : first.removes) {
@@ -159,7 +159,7 @@ void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& 
         if (ends_itself_[a]) left_out_.emplace_back(a, a);
         continue;
       }
-      const Happening& second = happenings_[static_cast<std::size_t>(end_of_run[b])];
+      const PairHappening& second = happenings_[static_cast<std::size_t>(end_of_run[b])];
       if (!std::ranges::binary_search(second.removes, facts_ + a)) continue;
       const std::vector<int>& others = task.actions[action_of_run[b]].end.facts;
       const std::span<const int> other_removes = removed_facts(second);
@@ -170,7 +170,7 @@ void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& 
         left_out_.emplace_back(a, b);
         continue;
       }
-      Happening both = first;
+      PairHappening both = first;
       unite(both.needs, second.needs);
       unite(both.adds, second.adds);
       unite(both.removes, second.removes);
@@ -200,7 +200,7 @@ std::size_t PairTimes::bytes(const HappeningTask& task) {
 
 std::int64_t PairTimes::round_work(const HappeningTask& task) {
   std::size_t rows = 0;
-  for (const Happening& happening : task.happenings()) rows += happening.needs.size() + happening.adds.size() + 1;
+  for (const PairHappening& happening : task.happenings()) rows += happening.needs.size() + happening.adds.size() + 1;
   return static_cast<std::int64_t>(rows * (padded(task.atoms()) + padded(task.runs()))) / kEntriesOfWork;
 }
 
@@ -214,7 +214,7 @@ bool PairTimes::solve(Budget& budget) {
 }
 
 bool PairTimes::solve_after(int action, const PairTimes& all, Budget& budget) {
-  const Happening& begin = task_.happenings()[task_.beginning(action)];
+  const PairHappening& begin = task_.happenings()[task_.beginning(action)];
   const int atoms = task_.atoms();
   std::vector<char> possible(static_cast<std::size_t>(atoms), 1);  // right after it
   for (int p = 0; p < atoms; ++p) {
@@ -251,7 +251,7 @@ PairTime PairTimes::time(const std::vector<int>& atoms) const {
 }
 
 PairTime PairTimes::beginning(int action) const {
-  const Happening& begin = task_.happenings()[task_.beginning(action)];
+  const PairHappening& begin = task_.happenings()[task_.beginning(action)];
   return std::max(time(begin.needs), timed_ ? begin.release : 0);
 }
 
@@ -305,7 +305,7 @@ bool PairTimes::settle(Budget& budget) {
 }
 
 void PairTimes::apply(int index) {
-  const Happening& happening = task_.happenings()[index];
+  const PairHappening& happening = task_.happenings()[index];
   const std::size_t atoms = width_, runs = run_width_;
   PairTime now = std::max(time(happening.needs), timed_ ? happening.release : 0);
   for (const int run : happening.ends)

@@ -22,8 +22,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "planner/ground/task.h"
 #include "planner/ground/budget.h"
+#include "planner/ground/task.h"
 
 namespace cxlab::planner {
 
@@ -31,7 +31,7 @@ namespace cxlab::planner {
 using PairTime = std::int32_t;
 
 /// What happens at one instant.
-struct Happening {
+struct PairHappening {
   std::vector<int> needs;           ///< atoms true right before; of an end: also its conditions over all, and that it runs
   std::vector<int> adds, removes;   ///< atoms; a beginning adds that its action runs, an end removes it
   std::vector<int> ends;            ///< runs that end now
@@ -51,7 +51,7 @@ class HappeningTask {
   int facts() const { return facts_; }
   int runs() const { return runs_; }
   int atoms() const { return facts_ + runs_; }
-  const std::vector<Happening>& happenings() const { return happenings_; }
+  const std::vector<PairHappening>& happenings() const { return happenings_; }
   const std::vector<int>& readers(int atom) const { return readers_[atom]; }  ///< happenings that need it
   const std::vector<int>& without_needs() const { return without_needs_; }
   const std::vector<int>& ends_of(int run) const { return ends_of_[run]; }    ///< happenings that end it
@@ -66,7 +66,7 @@ class HappeningTask {
   void find_breaks(const GroundTask& task, const std::vector<int>& action_of_run, const std::vector<int>& end_of_run, Budget& budget);
 
   int facts_ = 0, runs_ = 0;
-  std::vector<Happening> happenings_;
+  std::vector<PairHappening> happenings_;
   std::vector<int> beginnings_, without_needs_;
   std::vector<std::vector<int>> readers_, ends_of_;
   std::vector<char> initial_, ends_itself_;
@@ -99,9 +99,9 @@ class PairTimes {
   bool assumes_order() const;
 
  private:
-  PairTime* pairs(int atom) { return &pairs_[static_cast<std::size_t>(atom) * width_]; }
-  PairTime* ends(int run) { return &ends_[static_cast<std::size_t>(run) * width_]; }
-  PairTime* ends_by_atom(int atom) { return &ends_by_atom_[static_cast<std::size_t>(atom) * run_width_]; }
+  PairTime* pairs(int atom) { return pairs_.data() + static_cast<std::size_t>(atom) * width_; }
+  PairTime* ends(int run) { return ends_.data() + static_cast<std::size_t>(run) * width_; }
+  PairTime* ends_by_atom(int atom) { return ends_by_atom_.data() + static_cast<std::size_t>(atom) * run_width_; }
   bool settle(Budget& budget);
   void apply(int happening);
   void queue(int happening);

@@ -510,7 +510,7 @@ void put_telling_numbers_first(GroundTask& task) {
   const std::vector<char> telling = telling_numbers(task);
   std::vector<int> order(telling.size()), place(telling.size());
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_partition(order, [&](int n) { return telling[n] != 0; });
+  std::stable_partition(order.begin(), order.end(), [&](int n) { return telling[n] != 0; });
   const std::vector<GroundNumber> numbers = task.numbers;
   const std::vector<double> values = task.initial_numbers;
   for (std::size_t to = 0; to < order.size(); ++to) {
