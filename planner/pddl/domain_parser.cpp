@@ -122,6 +122,7 @@ class DomainParser {
     }
     for (const Node* parent : parents) {
       if (parent->is_list || parent->is_word("-")) return fail(*parent, "found " + excerpt(*parent) + ", expected a type");
+      if (parent->word.starts_with('?')) return fail(*parent, "found the variable " + std::string(parent->word) + ", expected a type");
       add(*parent);
     }
     return true;

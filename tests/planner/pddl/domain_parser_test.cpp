@@ -46,6 +46,8 @@ TEST(DomainParser, SectionsMayStandInAnyOrder) {
 
 TEST(DomainParser, VariablesAreNoNames) {
   EXPECT_EQ(error_of("(:types a ?x - b)"), "d.pddl:2: found the variable ?x, expected a type");
+  EXPECT_EQ(error_of("(:types a - ?y)"), "d.pddl:2: found the variable ?y, expected a type");
+  EXPECT_EQ(error_of("(:types a b - (either a ?y))"), "d.pddl:2: found the variable ?y, expected a type");
   EXPECT_EQ(error_of("(:types a)\n(:constants ?c - a)"), "d.pddl:3: found the variable ?c, expected a constant");
   EXPECT_EQ(error_of("(:predicates (?p))"), "d.pddl:2: found the variable ?p, expected the name of a predicate");
   EXPECT_EQ(error_of("(:functions (?f))"), "d.pddl:2: found the variable ?f, expected the name of a function");
