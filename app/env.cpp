@@ -291,6 +291,13 @@ Expected<Scenario> make_scenario(const Options& options) {
   const std::string name = fs::path(options.configs.front()).stem().string() + ".yaml";
   auto scenario = Scenario::parse(*text, name);
   if (!scenario && scenario.error().file == name) return blame_option(scenario.error(), *text);
+  if (scenario)
+    for (AgentSpec& agent : scenario->agents)
+      for (cx::GivenParameter& param : agent.params) {
+        const Error place = blame_option(input_error({}, param.file, param.line), *text);
+        param.file = place.file;
+        param.line = place.line;
+      }
   if (!scenario || options.stimuli.empty()) return scenario;
   auto stimuli = yaml::Document::load(options.stimuli);  // again, for the places of later errors
   if (!stimuli) return stimuli.error();

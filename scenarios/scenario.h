@@ -12,6 +12,7 @@
 
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
+#include "cx/node/parameters.h"
 #include "cx/yaml/yaml.h"
 #include "planner/cost.h"
 #include "scenarios/pddl/config.h"
@@ -31,7 +32,7 @@ struct AgentSpec {
   std::vector<std::pair<std::string, std::string>> remaps;   ///< FROM := TO
   std::map<std::string, std::string> packages;               ///< package -> folder, relative to the scenario file
   std::map<std::string, int> package_lines;                  ///< where they stand, for errors
-  std::vector<std::pair<std::string, std::string>> params;   ///< NODE.NAME -> value
+  std::vector<cx::GivenParameter> params;
   bool activate = true;    ///< configured and activated at the start; else only with its parameter `autostart_node`
 };
 

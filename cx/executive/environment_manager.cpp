@@ -79,10 +79,10 @@ Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(Manager
   auto parameters = Parameters::load(options.config, options.node, options.name_space);
   if (!parameters) return parameters.error();
   const std::string full_name = name.full_name();
-  for (const auto& [name, value] : options.params)
+  for (const GivenParameter& given : options.params)
     for (const std::string& prefix : {options.node + '.', full_name + '.'})
-      if (name.starts_with(prefix))
-        if (Status s = parameters->set(name.substr(prefix.size()), value, "--param " + name); !s) return s.error();
+      if (given.name.starts_with(prefix))
+        if (Status s = parameters->set(given.name.substr(prefix.size()), given.value, given.file, given.line); !s) return s.error();
   auto manager = std::unique_ptr<EnvironmentManager>(new EnvironmentManager(std::move(options), std::move(*parameters), bus, journal));
   if (Status s = manager->add_packaged_plugins(); !s) return s.error();
   if (Status s = manager->check_configuration(); !s) return s.error();

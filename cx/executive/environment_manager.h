@@ -30,7 +30,7 @@ struct ManagerOptions : RunSettings {
   std::string node = "clips_manager";
   std::string name_space = "/";
   std::vector<std::pair<std::string, std::string>> remaps;   ///< FROM := TO, see `bus::NodeName`
-  std::vector<std::pair<std::string, std::string>> params;   ///< NODE.NAME -> value (YAML); those of other nodes are left alone
+  std::vector<GivenParameter> params;                        ///< those of other nodes are left alone
   std::map<std::string, Package> packages;
   std::vector<PluginType> plugin_types;                      ///< e.g. `builtin_plugins()`
   FileRead on_read;                                          ///< told of each file that plugins and rules read; may be none

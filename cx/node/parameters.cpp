@@ -191,11 +191,17 @@ const Parameter* Parameters::find(std::string_view name) const {
   return found == values_.end() ? nullptr : &found->second;
 }
 
-Status Parameters::set(const std::string& name, const std::string& yaml, const std::string& origin) {
+Status Parameters::set(const std::string& name, const std::string& yaml, const std::string& origin, int line) {
+  Values values;
   try {
-    flatten(YAML::Load(yaml), name, origin, values_);
+    flatten(YAML::Load(yaml), name, origin, values);
   } catch (const YAML::Exception& e) {
-    return input_error("parameter '" + name + "': the value is not YAML: " + e.msg, origin);
+    return input_error("parameter '" + name + "': the value is not YAML: " + e.msg, origin, line);
+  }
+  for (auto& [key, value] : values) {
+    value.line = line;  // not that in the value
+    for (Parameter& item : value.items) item.line = line;
+    values_[key] = std::move(value);
   }
   return {};
 }

@@ -26,6 +26,14 @@ struct Parameter {
 /// "a bool", "an integer", ...
 std::string_view to_string(Parameter::Type type);
 
+/// A parameter that is given beside the file.
+struct GivenParameter {
+  std::string name;    ///< NODE.NAME
+  std::string value;   ///< as YAML
+  std::string file{};  ///< where it stands, for errors
+  int line = 0;
+};
+
 class Parameters {
  public:
   /// Reads the sections that apply to the node; the more special one wins. A file without any such section is an error.
@@ -33,8 +41,8 @@ class Parameters {
 
   /// The parameter, or nullptr.
   const Parameter* find(std::string_view name) const;
-  /// Sets a parameter; `yaml` is its value as YAML. `origin` is named in errors.
-  Status set(const std::string& name, const std::string& yaml, const std::string& origin);
+  /// Sets a parameter; `yaml` is its value as YAML. `origin` and `line` are named in errors.
+  Status set(const std::string& name, const std::string& yaml, const std::string& origin, int line = 0);
   void put(const std::string& name, Parameter value) { values_[name] = std::move(value); }
   /// All names, sorted.
   std::vector<std::string> names() const;

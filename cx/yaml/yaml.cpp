@@ -21,14 +21,16 @@ struct Value::Shared {
   std::vector<Error> errors;
   std::vector<Override> overrides;
 
+  /// What was given for that path, or nullptr.
+  const Override* given(const std::string& path) const {
+    for (const Override& o : overrides)
+      if (path == o.path || (path.starts_with(o.path) && (path[o.path.size()] == '.' || path[o.path.size()] == '['))) return &o;
+    return nullptr;
+  }
   /// Notes what is wrong at that path: where the value comes from says where it is.
   void add(const std::string& path, std::string what, int line) {
-    for (const Override& o : overrides)
-      if (path == o.path || (path.starts_with(o.path) && (path[o.path.size()] == '.' || path[o.path.size()] == '['))) {
-        errors.push_back(input_error("--set " + o.assignment + ": " + what));
-        return;
-      }
-    errors.push_back(input_error(std::move(what), file, line));
+    if (const Override* o = given(path)) errors.push_back(input_error("--set " + o->assignment + ": " + what));
+    else errors.push_back(input_error(std::move(what), file, line));
   }
 };
 
@@ -58,6 +60,10 @@ bool parse_number(const std::string& text, Number& out) {
 Value::operator bool() const { return node_ && node_->IsDefined() && !node_->IsNull(); }
 int Value::line() const { return node_ && node_->IsDefined() ? node_->Mark().line + 1 : 0; }
 const std::string& Value::file() const { return shared_->file; }
+std::pair<std::string, int> Value::place() const {
+  if (const Shared::Override* o = shared_->given(path_)) return {"--set " + o->assignment, 0};
+  return {file(), line()};
+}
 bool Value::is_map() const { return node_ && node_->IsMap(); }
 bool Value::is_list() const { return node_ && node_->IsSequence(); }
 bool Value::is_scalar() const { return node_ && node_->IsScalar(); }

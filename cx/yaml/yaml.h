@@ -27,6 +27,8 @@ class Value {
   int line() const;                  ///< from 1
   const std::string& path() const { return path_; }
   const std::string& file() const;
+  /// For errors that are found later: file and line, or the argument of `Document::set` and 0.
+  std::pair<std::string, int> place() const;
 
   bool is_map() const;
   bool is_list() const;

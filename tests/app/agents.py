@@ -81,6 +81,7 @@ class WrongInput(Env):
         for option, value, code, text in (
                 ("--param", "clips_mngr.x=1", 2, "--param: found 'clips_mngr.x=1', expected NODE.NAME=VALUE with one of the nodes clips_manager"),
                 ("--param", "turtlesim.backgrund_r=1", 3, "--param turtlesim.backgrund_r=1: unknown key 'backgrund_r'"),
+                ("--param", "clips_manager.main.watch=[fact]", 3, "--param clips_manager.main.watch=[fact]: Unknown watch item: fact"),
                 ("--namespace", "a b", 2, "--namespace: the name 'a b' does not begin with '/'; expected an absolute name like /cyan"),
                 ("--namespace", "/a//b", 2, "--namespace: the name '/a//b' has an empty part"),
                 ("--package", "more=/nowhere", 3, "--package more=/nowhere: there is no folder /nowhere")):

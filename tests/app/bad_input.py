@@ -91,6 +91,15 @@ class Scenarios(Lab):
         self.write("agent.yaml", CONFIG.replace("refresh_rate: 10", "refresh_rate: 0"))
         self.fails(3, "agent.yaml:5: parameter 'executive.refresh_rate': found 0")
 
+    def test_parameters_of_a_scenario(self):
+        self.agent("", SCENARIO + "    params:\n      clips_manager.executive.refresh_rate: fast\n")
+        fault = "parameter 'executive.refresh_rate': found 'fast' (a string), expected an integer"
+        self.fails(3, "error: scenario.yaml:7: " + fault)
+        shutil.rmtree(self.out)
+        setting = "agents[0].params={clips_manager.executive.refresh_rate: fast}"
+        self.agent("")
+        self.fails(3, f"error: --set {setting}: {fault}", arguments=["--set", setting])
+
     def test_parameters_that_cx_does_not_know(self):
         self.agent("(defrule go => (printout t \"up\" crlf))")
         self.write("agent.yaml", CONFIG.replace("refresh_rate", "refresh_rat"))
