@@ -73,15 +73,19 @@ std::string plan_picture(const planner::TimedPlan& plan, const planner::Task& ta
            "\" stroke=\"#eee\"/><text x=\"" + x(seconds) + "\" y=\"16\" text-anchor=\"middle\">" + number(seconds) + " s</text>\n";
   }
   static const char* const kColours[] = {"#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#76b7b2", "#edc948", "#b07aa1", "#9c755f"};
+  std::vector<int> actions;  // of the plan: so many have a colour of their own
+  for (const planner::PlanStep& step : plan.steps)
+    if (std::find(actions.begin(), actions.end(), step.action) == actions.end()) actions.push_back(step.action);
   for (std::size_t i = 0; i < plan.steps.size(); ++i) {
     const planner::PlanStep& step = plan.steps[i];
+    const auto colour = static_cast<std::size_t>(std::find(actions.begin(), actions.end(), step.action) - actions.begin());
     const double latest = static_cast<double>(plan.latest[2 * i + 1]) / planner::kMicrosPerSecond;
     svg += "<text x=\"" + std::to_string(left - 8) + "\" y=\"" + std::to_string(y(i) + 13) + "\" text-anchor=\"end\">" +
            escape(planner::step_text(step, task.domain, task.problem)) + "</text>";
     svg += "<line x1=\"" + x(step.start) + "\" y1=\"" + std::to_string(y(i) + 8) + "\" x2=\"" + x(latest) + "\" y2=\"" + std::to_string(y(i) + 8) +
            "\" stroke=\"#bbb\" stroke-width=\"3\"/>";
     svg += "<rect x=\"" + x(step.start) + "\" y=\"" + std::to_string(y(i) + 2) + "\" width=\"" + number(std::max(1.0, step.duration * scale)) +
-           "\" height=\"13\" fill=\"" + kColours[static_cast<std::size_t>(step.action) % std::size(kColours)] + "\"><title>" + number(step.start) + " to " +
+           "\" height=\"13\" fill=\"" + kColours[colour % std::size(kColours)] + "\"><title>" + number(step.start) + " to " +
            number(step.start + step.duration) + " s, at the latest " + number(latest) + " s</title></rect>\n";
   }
   for (const planner::Ordering& ordering : plan.orderings) {

@@ -31,6 +31,16 @@ class Plan(Lab):
         texts = [text.text for text in picture.iter("{http://www.w3.org/2000/svg}text")]
         self.assertEqual(texts[-3:], ["runs", "slack: may end this late, makespan kept", "waits for"])
 
+    def test_the_actions_of_a_plan_have_colours_of_their_own(self):
+        unused = " ".join(f"(:action no{i} :parameters () :precondition (q) :effect (r))" for i in range(7))
+        domain = ("(define (domain d) (:predicates (q) (r) (s)) (:durative-action first :duration (= ?duration 1) :effect (at end (r)))"
+                  f" {unused} (:durative-action last :duration (= ?duration 1) :condition (at start (r)) :effect (at end (s))))")
+        done = self.plan("--svg", "found.svg", domain=domain, problem="(define (problem p) (:domain d) (:init) (:goal (s)))")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        bars = [r.get("fill") for r in xml.etree.ElementTree.parse(self.folder / "found.svg").iter("{http://www.w3.org/2000/svg}rect") if len(r) == 1]
+        self.assertEqual(len(bars), 2)
+        self.assertNotEqual(*bars)
+
     def test_a_picture_is_as_wide_as_its_bars_need(self):
         def width(places):
             names = [f"p{i}" for i in range(places)]
