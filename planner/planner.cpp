@@ -11,6 +11,7 @@
 #include "planner/improve/remainder.h"
 #include "planner/pddl/parser.h"
 #include "planner/search/clock.h"
+#include "planner/search/kept_search.h"
 #include "planner/search/lasting.h"
 #include "planner/search/split.h"
 #include "planner/validator/validator.h"
@@ -22,6 +23,7 @@ namespace {
 constexpr std::int64_t kFirstSlice = 20'000;         ///< units of the first try, at least; each round of tries has half as many more
 constexpr std::int64_t kLongestSlice = 1'000'000'000'000;
 constexpr std::int64_t kSliceOfOperator = 20;        ///< units of the first try by operator
+constexpr std::uint64_t kRoundsOfFirst = 4;         ///< in one of so many the search of seed 0 goes on; the others start anew
 constexpr std::int64_t kShareOfUnlikely = 4;        ///< of a slice, for overlaps where nothing hints at them
 constexpr double kCostNoise = 3;                     ///< in every other try: what one prefers in vain is dear in another
 constexpr std::int64_t kRestartSlice = 400'000;      ///< units of a search that is to give another plan to start from
@@ -71,6 +73,7 @@ class Planner {
     budget_.spend(Work::kGround, kCopyWork * static_cast<std::int64_t>(ground_.actions.size()));
     if (!budget_.late()) warm_start();
     if (!answer_.plan) find_first();
+    forget_kept_searches();
     if (answer_.plan) {
       answer_.status = PlanStatus::kPlan;
       if (!options_.anytime) bound_slice_ = std::min(kBoundSlice, std::max(kLeastBoundSlice, budget_.units()));
@@ -207,40 +210,25 @@ class Planner {
     publish(SplitCheck(*whole_, ground_, touches_).translate(sequence));
   }
 
+  bool has_durations() const { return std::ranges::any_of(ground_.actions, &GroundAction::durative); }
+
   LazyOptions lazy_options(std::uint64_t seed) const {
     LazyOptions options;
     options.seed = seed;
     options.late_goal = late_goal_;
     options.random_choice = seed == 0 ? 0 : 0.05;
     if (seed % 2 == 1) options.cost_noise = kCostNoise;
-    options.most_words = options_.most_memory_mb * 1024 * 1024 / 8 / 2;
+    options.most_words = options_.most_memory_mb * 1024 * 1024 / 8 / (has_durations() ? 4 : 2);  // searches alive at the same time
     return options;
   }
 
-  /// `in_time`: sequences that come too late for events are given up at once.
-  SearchEnd search_sequences(std::uint64_t seed, std::int64_t slice, bool in_time, Sequence& found) {
-    EventCheck check(touches_);
-    LazySearch search(sequences_->simulator, sequences_->relaxed, sequences_->landmarks, in_time && !ground_.events.empty() ? &check : nullptr);
+  /// `in_time`: sequences that come too late for events are given up at once. `keep`: the first one goes on.
+  SearchEnd search_sequences(std::uint64_t seed, std::int64_t slice, bool in_time, Sequence& found, bool keep = false) {
+    KeptSearch once;
+    PathCheck* check = in_time && !ground_.events.empty() ? &event_check_ : nullptr;
     budget_.set_slice(budget_.units() + slice);
-    const SearchEnd end = search.run(sequences_->simulator.initial(), lazy_options(seed), budget_, found);
+    const SearchEnd end = (keep ? first_ : once).go_on(sequences_->simulator, sequences_->relaxed, sequences_->landmarks, check, lazy_options(seed), budget_, found);
     budget_.clear_slice();
-    return end;
-  }
-
-  /// The search of seed 0: it goes on where it was when its last slice ended.
-  SearchEnd go_on_with_first(std::int64_t slice, Sequence& found) {
-    budget_.set_slice(budget_.units() + slice);
-    SearchEnd end;
-    if (first_search_) {
-      end = first_search_->go_on(budget_, found);
-    } else {
-      first_check_ = std::make_unique<EventCheck>(touches_);
-      first_search_ = std::make_unique<LazySearch>(sequences_->simulator, sequences_->relaxed, sequences_->landmarks, ground_.events.empty() ? nullptr : first_check_.get());
-      end = first_search_->run(sequences_->simulator.initial(), lazy_options(0), budget_, found);
-    }
-    budget_.clear_slice();
-    first_ended_ = end != SearchEnd::kBudget;
-    if (first_ended_) first_search_.reset();
     return end;
   }
 
@@ -248,6 +236,8 @@ class Planner {
   struct Cut {
     std::unique_ptr<SplitTask> split;
     std::unique_ptr<SearchSpace> space;
+    std::unique_ptr<SplitCheck> check;
+    KeptSearch first;
     bool exhausted = false;
   };
 
@@ -266,23 +256,30 @@ class Planner {
     }
     cut.split = std::make_unique<SplitTask>(split(with_lasting_facts(ground_), marked));
     if (!budget_.late()) cut.space = std::make_unique<SearchSpace>(cut.split->task, budget_);
-    if (budget_.late()) return {nullptr, nullptr, true};
+    if (budget_.late()) cut.exhausted = true;
+    else cut.check = std::make_unique<SplitCheck>(*cut.split, ground_, touches_);
     budget_.spend(Work::kGround, 2 * kCopyWork * static_cast<std::int64_t>(ground_.actions.size()));
     return cut;
   }
 
+  void forget_kept_searches() {
+    first_.forget();
+    for (std::optional<Cut>* cut : {&envelopes_, &everything_})
+      if (*cut) (*cut)->first.forget();
+  }
+
   bool search_cut(Cut& cut, std::uint64_t seed, std::int64_t slice) {
     if (cut.exhausted) return false;
-    SplitCheck check(*cut.split, ground_, touches_);
-    LazySearch search(cut.space->simulator, cut.space->relaxed, cut.space->landmarks, &check);
+    KeptSearch once;
+    const bool keep = seed % kRoundsOfFirst == 0 && !answer_.plan;
     Sequence found;
     budget_.set_slice(budget_.units() + slice);
-    const SearchEnd end = search.run(cut.space->simulator.initial(), lazy_options(seed), budget_, found);
+    const SearchEnd end = (keep ? cut.first : once).go_on(cut.space->simulator, cut.space->relaxed, cut.space->landmarks, cut.check.get(), lazy_options(seed), budget_, found);
     budget_.clear_slice();
     cut.exhausted = is_exhausted(end);
     note(end);
     if (end != SearchEnd::kFound) return false;
-    if (publish(check.translate(found))) best_cut_ = {&cut, std::move(found)};
+    if (publish(cut.check->translate(found))) best_cut_ = {&cut, std::move(found)};
     return answer_.plan.has_value();
   }
 
@@ -305,6 +302,11 @@ class Planner {
 
   /// Every search has ended without a plan: looks whether any order of happenings reaches the goal, whatever their times.
   void prove_unsolvable() {
+    if (ground_.events.empty() && !has_durations()) {
+      answer_.status = PlanStatus::kUnsolvable;  // the search over sequences has seen every order
+      answer_.reason = "no order of actions reaches the goal";
+      return;
+    }
     answer_.status = PlanStatus::kEnded;
     answer_.reason = "no plan was found by any search; that none exists is not proved";
     const std::optional<GroundTask> relaxed = untimed(ground_, Ends::kAsBegun);
@@ -367,7 +369,7 @@ class Planner {
       late_goal_ = !ground_.events.empty() && (early_exhausted_ || round % 2 == 1);
       if (!sequences_exhausted) {
         Sequence found;
-        const SearchEnd end = round % 4 == 0 && !first_ended_ ? go_on_with_first(slice, found) : search_sequences(seed, slice, true, found);
+        const SearchEnd end = search_sequences(seed, slice, true, found, seed % kRoundsOfFirst == 0);
         note(end);
         if (end == SearchEnd::kFound) take(found);
         if (answer_.plan) return;
@@ -546,9 +548,8 @@ class Planner {
   Touches touches_;
   Validator validator_;
   std::unique_ptr<SearchSpace> sequences_;  ///< of whole actions
-  std::unique_ptr<EventCheck> first_check_;
-  std::unique_ptr<LazySearch> first_search_;
-  bool first_ended_ = false;
+  EventCheck event_check_{touches_};
+  KeptSearch first_;                        ///< for sequences
   std::unique_ptr<SplitTask> whole_;        ///< nothing is cut
   std::optional<Cut> envelopes_, everything_;
   std::pair<Cut*, Sequence> best_cut_{nullptr, {}};  ///< the best plan as a sequence of parts, where no sequence was found

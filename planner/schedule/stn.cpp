@@ -25,8 +25,12 @@ void Stn::connect(int point, std::span<const Touch> touches, bool at_end) {
     const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
     if (!does) continue;
     std::vector<Use>& uses = keys_[touched.key];
-    for (const Use& use : uses)
-      if (Touches::conflict(use.does, does) && (point_step_[use.point] < 0 || point_step_[use.point] != point_step_[point]))
+    const auto is_own = [&](const Use& use) { return point_step_[use.point] >= 0 && point_step_[use.point] == point_step_[point]; };
+    // What came before the last one that waits for all before it, and for which all after it wait, keeps clear by itself.
+    std::size_t first = uses.size();
+    while (first > 0 && (first == uses.size() || is_own(uses[first]) || !Touches::conflicts_with_all(uses[first].does))) --first;
+    for (; first < uses.size(); ++first)
+      if (const Use& use = uses[first]; Touches::conflict(use.does, does) && !is_own(use))
         edges_.push_back({use.point, point, !Touches::conflict_at_instant(use.does, does)});
     if (!is_used_[touched.key]) is_used_[touched.key] = 1, used_keys_.push_back(touched.key);
     uses.push_back({point, does});

@@ -42,6 +42,8 @@ class Stn {
   /// goal before that.
   bool solve_complete(Micros hold_separation);
 
+  /// Least distances between happenings that the network keeps; those that follow from others are mostly left out.
+  std::size_t distances() const { return edges_.size(); }
   int steps() const { return static_cast<int>(steps_.size()); }
   Micros start(int step) const { return times_[steps_[step].start]; }
   Micros end(int step) const { return times_[steps_[step].end]; }

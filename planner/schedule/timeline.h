@@ -46,6 +46,9 @@ class Touches {
     return ((a & Touch::kAnyRead) && (b & (Touch::kUp | Touch::kDown))) || ((b & Touch::kAnyRead) && (a & (Touch::kUp | Touch::kDown))) ||
            ((a & Touch::kUp) && (b & Touch::kDown)) || ((a & Touch::kDown) && (b & Touch::kUp));
   }
+  /// Whether it conflicts with everything that something else may do with the key, at an instant where that does not only
+  /// begin or end a condition over all.
+  static bool conflicts_with_all(std::uint8_t does) { return (does & Touch::kRead) && (does & (Touch::kUp | Touch::kDown)); }
   /// Whether they also must not share an instant: not if they conflict over a condition over all only.
   static bool conflict_at_instant(std::uint8_t a, std::uint8_t b) {
     constexpr std::uint8_t kPoint = Touch::kRead | Touch::kUp | Touch::kDown;

@@ -278,6 +278,20 @@ TEST(FindPlan, CostsThatNothingReadsDoNotMakeTwoStatesOfOne) {
   EXPECT_GT(found.units, 20);  // not by facts in pairs
 }
 
+TEST(FindPlan, WithoutDurationsOneSearchThroughAllOrdersIsTheProof) {
+  // Five tiles on a board of two by three: half of the 720 states can be reached.
+  const PlanAnswer found = answer(parse(R"((:predicates (at ?t ?p) (empty ?p) (next ?p ?q))
+    (:action slide :parameters (?t ?p ?q) :precondition (and (at ?t ?p) (empty ?q) (next ?p ?q))
+     :effect (and (at ?t ?q) (empty ?p) (not (at ?t ?p)) (not (empty ?q)))))",
+                                        R"((:objects a b c d e p1 p2 p3 p4 p5 p6)
+    (:init (at a p1) (at b p2) (at c p3) (at d p4) (at e p5) (empty p6)
+     (next p1 p2) (next p2 p1) (next p2 p3) (next p3 p2) (next p4 p5) (next p5 p4) (next p5 p6) (next p6 p5)
+     (next p1 p4) (next p4 p1) (next p2 p5) (next p5 p2) (next p3 p6) (next p6 p3))
+    (:goal (and (at b p1) (at a p2) (at c p3) (at d p4) (at e p5))))"));
+  EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
+  EXPECT_EQ(found.reason, "no order of actions reaches the goal");
+}
+
 TEST(FindPlan, EndsWithoutProofWhereOnlyTimeForbids) {
   const std::string domain = R"((:predicates (lit) (done))
     (:durative-action flash :parameters () :duration (= ?duration 1) :condition () :effect (and (at start (lit)) (at end (not (lit)))))

@@ -1,9 +1,10 @@
-// Times of happenings: earliest schedules and temporal networks.
+// Times of happenings: earliest schedules and temporal networks; searches in slices.
 
 #include <gtest/gtest.h>
 
 #include "planner/ground/ground.h"
 #include "planner/pddl/parser.h"
+#include "planner/search/kept_search.h"
 #include "planner/search/split.h"
 
 namespace cxlab::planner {
@@ -54,6 +55,63 @@ TEST(Stn, AgreesWithTheTimeline) {
   EXPECT_EQ(stn.start(1), 4 * kSecond + kSeparation);
   EXPECT_EQ(stn.makespan(), 6 * kSecond + kSeparation);
   ASSERT_EQ(stn.orderings().size(), 3u);  // two durations, and the end of `use` before the start of `watch`
+}
+
+TEST(Stn, ALongChainAgreesWithTheTimelineAndNeedsFewDistances) {
+  const GroundTask task = machine();
+  const Touches touches(task);
+  Stn stn(touches);
+  Timeline timeline(touches);
+  std::vector<Micros> starts;
+  for (int i = 0; i < 60; ++i) {
+    const int action = i % 5 == 4 || i % 7 == 3;  // now and then two or more watch in turn
+    const Micros duration = (action == 0 ? 4 : 2) * kSecond;
+    stn.finish(stn.begin(action, {duration, (action == 0 ? 4 : 3) * kSecond}));
+    starts.push_back(timeline.append(action, duration));
+  }
+  ASSERT_TRUE(stn.solve(kSeparation));
+  for (int i = 0; i < 60; ++i) EXPECT_EQ(stn.start(i), starts[i]) << i;
+  EXPECT_LT(stn.distances(), 400u);  // of some 4,000 pairs that conflict
+}
+
+TEST(KeptSearch, GoesOnWhereItsLastSliceEnded) {
+  // Five tiles on a board of two by three, two of them the wrong way round: all of 360 states are looked at.
+  Expected<Domain> domain = parse_domain(R"((define (domain d) (:predicates (at ?t ?p) (empty ?p) (next ?p ?q))
+    (:action slide :parameters (?t ?p ?q) :precondition (and (at ?t ?p) (empty ?q) (next ?p ?q))
+     :effect (and (at ?t ?q) (empty ?p) (not (at ?t ?p)) (not (empty ?q))))))",
+                                         "domain");
+  ASSERT_TRUE(domain);
+  Expected<Problem> problem = parse_problem(R"((define (problem p) (:domain d) (:objects a b c d e p1 p2 p3 p4 p5 p6)
+    (:init (at a p1) (at b p2) (at c p3) (at d p4) (at e p5) (empty p6)
+     (next p1 p2) (next p2 p1) (next p2 p3) (next p3 p2) (next p4 p5) (next p5 p4) (next p5 p6) (next p6 p5)
+     (next p1 p4) (next p4 p1) (next p2 p5) (next p5 p2) (next p3 p6) (next p6 p3))
+    (:goal (and (at b p1) (at a p2) (at c p3) (at d p4) (at e p5)))))",
+                                            "problem", *domain);
+  ASSERT_TRUE(problem);
+  const Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
+  ASSERT_TRUE(task && !task->proved_unsolvable);
+  const Simulator simulator(*task);
+  const RelaxedTask relaxed(simulator, true);
+  Budget whole, sliced;
+  const Landmarks landmarks(simulator, relaxed, 0, whole);
+  Sequence found;
+  KeptSearch at_once, in_slices;
+  ASSERT_EQ(at_once.go_on(simulator, relaxed, landmarks, nullptr, {}, whole, found), SearchEnd::kExhausted);
+  int slices = 0;
+  for (SearchEnd end = SearchEnd::kBudget; end == SearchEnd::kBudget && slices < 20; ++slices) {
+    sliced.set_slice(sliced.units() + whole.units() / 10);
+    end = in_slices.go_on(simulator, relaxed, landmarks, nullptr, {}, sliced, found);
+  }
+  EXPECT_GT(slices, 5);
+  EXPECT_LT(slices, 20);
+  EXPECT_EQ(sliced.units(), whole.units());
+  // One with another aim begins anew: what is left for the first is too little for it.
+  LazyOptions late;
+  late.late_goal = true;
+  sliced.set_slice(sliced.units() + whole.units() / 2);
+  EXPECT_EQ(in_slices.go_on(simulator, relaxed, landmarks, nullptr, {}, sliced, found), SearchEnd::kBudget);
+  sliced.set_slice(sliced.units() + whole.units() * 3 / 4);
+  EXPECT_EQ(in_slices.go_on(simulator, relaxed, landmarks, nullptr, late, sliced, found), SearchEnd::kBudget);
 }
 
 TEST(Split, PartsOfAnActionRunOnce) {
