@@ -12,7 +12,7 @@ using SimTime = std::chrono::nanoseconds;
 /// "Never": later than every due time.
 inline constexpr SimTime kNever = SimTime::max();
 
-inline double to_seconds(SimTime t) { return static_cast<double>(t.count()) * 1e-9; }
+inline double to_seconds(SimTime t) { return static_cast<double>(t.count()) / 1e9; }
 inline SimTime from_seconds(double s) { return SimTime{std::llround(s * 1e9)}; }
 
 /// The k-th due time of a rate (Hz) counted from `start`: `start + k / rate`, rounded to ns, never accumulated.

@@ -13,7 +13,7 @@ namespace cxlab::planner {
 
 /// Times as whole nanoseconds, so that equal is equal.
 using Nanos = std::int64_t;
-inline double to_seconds(Nanos time) { return static_cast<double>(time) * 1e-9; }
+inline double to_seconds(Nanos time) { return static_cast<double>(time) / 1e9; }
 
 /// Something that happens at once.
 struct Happening {

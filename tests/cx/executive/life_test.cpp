@@ -42,6 +42,14 @@ TEST(Executive, AssertsTheTimeAtItsRateAndTakesItBack) {
   EXPECT_THAT(lab.facts("time"), IsEmpty());
 }
 
+TEST(Executive, TheTimeIsTheNumberThatARuleWrites) {
+  Lab lab;
+  lab.agent("(defrule at (time 0.3) => (println \"at\")) (defrule after (time ?t&:(> ?t 0.3)&:(< ?t 0.35)) => (println \"after\"))");
+  lab.run_up();
+  lab.ticks(20);
+  EXPECT_THAT(lab.log.with("main: a"), ElementsAre("info main: at"));
+}
+
 TEST(Executive, DueTimesAreThoseOfItsRateNotOfTicks) {
   Lab lab;
   lab.config(R"(environments: ["main"]
