@@ -94,11 +94,9 @@ class Planner {
   }
 
   std::string missing_values() const {
-    const std::vector<int>& missing = ground_.missing_values;
-    std::string text;
-    for (std::size_t i = 0; i < std::min(missing.size(), kMostMissing); ++i) text += (i ? ", " : "") + number_name(task_, ground_.numbers[missing[i]]);
-    if (missing.size() > kMostMissing) text += " and " + std::to_string(missing.size() - kMostMissing) + " more";
-    return text.empty() ? text : "; without a value in :init, and nothing assigns one: " + text;
+    std::vector<std::string> names;
+    for (const int n : ground_.missing_values) names.push_back(number_name(task_, ground_.numbers[n]));
+    return names.empty() ? "" : "; without a value in :init, and nothing assigns one: " + some_of(names, kMostMissing);
   }
 
   bool proved_best() const {

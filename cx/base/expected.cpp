@@ -53,4 +53,10 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   return near.empty() ? near : std::string(separator) + "did you mean '" + near + "'?";
 }
 
+std::string some_of(const std::vector<std::string>& names, std::size_t most) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text += (i ? ", " : "") + names[i];
+  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
+}
+
 }  // namespace cxlab

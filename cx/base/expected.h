@@ -76,5 +76,7 @@ class [[nodiscard]] Status {
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);
 /// ", did you mean 'X'?" with the nearest candidate, or nothing; for the end of a message.
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates, std::string_view separator = ", ");
+/// "a, b and 3 more": the first `most` of the names.
+std::string some_of(const std::vector<std::string>& names, std::size_t most);
 
 }  // namespace cxlab

@@ -541,8 +541,7 @@ void ask_for_values(GroundTask& task) {
     condition.comparisons.push_back(comparison[number]);
   };
   const auto ask_read = [&](GroundCondition& condition, const GroundExpression& expression) {
-    for (const auto& step : expression.steps)
-      if (step.kind == GroundExpression::Kind::kNumber) ask(condition, step.number);
+    expression.for_each_number([&](int number) { ask(condition, number); });
   };
   for (GroundAction& action : task.actions) {
     for (auto [effects, condition] : {std::pair{&action.at_start, &action.start}, {&action.at_end, &action.end}})

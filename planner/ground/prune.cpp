@@ -251,11 +251,11 @@ void drop_irrelevant(GroundTask& task, Budget& budget) {
     for (std::size_t a = 0; a < task.actions.size(); ++a) take(static_cast<int>(a));
   };
   const auto ask_number = [&](const GroundExpression& expression) {
-    for (const auto& step : expression.steps) {
-      if (step.kind != GroundExpression::Kind::kNumber || number[step.number]) continue;
-      number[step.number] = 1;
-      for (const int action : changers[step.number]) take(action);
-    }
+    expression.for_each_number([&](int n) {
+      if (number[n]) return;
+      number[n] = 1;
+      for (const int action : changers[n]) take(action);
+    });
   };
   const auto ask = [&](const GroundCondition& condition) {
     std::vector<int> facts = condition.facts;
@@ -379,8 +379,9 @@ void find_missing_values(GroundTask& task, const Relaxation& relaxation, Budget&
   if (budget.over()) return;
   std::vector<char> missing(task.numbers.size(), 0);
   const auto read = [&](const GroundExpression& expression) {
-    for (const auto& step : expression.steps)
-      if (step.kind == GroundExpression::Kind::kNumber && !relaxation.has_value(step.number)) missing[step.number] = 1;
+    expression.for_each_number([&](int n) {
+      if (!relaxation.has_value(n)) missing[n] = 1;
+    });
   };
   const auto read_condition = [&](const GroundCondition& condition) {
     for (const int c : condition.comparisons) read(task.comparisons[c].expression);
@@ -469,10 +470,7 @@ void rename_numbers(GroundTask& task, const std::vector<int>& renamed) {
 
 void drop_numbers(GroundTask& task, Budget& budget) {
   std::vector<char> asked(task.numbers.size(), 0), used(task.comparisons.size(), 0);
-  const auto ask = [&asked](const GroundExpression& expression) {
-    for (const auto& step : expression.steps)
-      if (step.kind == GroundExpression::Kind::kNumber) asked[step.number] = 1;
-  };
+  const auto ask = [&asked](const GroundExpression& expression) { expression.for_each_number([&asked](int n) { asked[n] = 1; }); };
   for_each_condition(task, [&](GroundCondition& condition) {
     for (const int c : condition.comparisons) used[c] = 1;
   });

@@ -109,10 +109,7 @@ LinearForm linear_form(const GroundExpression& expression) {
 
 std::vector<char> telling_numbers(const GroundTask& task) {
   std::vector<char> telling(task.numbers.size(), 0);
-  const auto read = [&telling](const GroundExpression& expression) {
-    for (const auto& step : expression.steps)
-      if (step.kind == GroundExpression::Kind::kNumber) telling[step.number] = 1;
-  };
+  const auto read = [&telling](const GroundExpression& expression) { expression.for_each_number([&telling](int n) { telling[n] = 1; }); };
   const auto read_by = [&read](const GroundEffects& effects) {
     for (const NumericEffect& effect : effects.numbers) read(effect.value);
   };

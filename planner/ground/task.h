@@ -46,6 +46,11 @@ struct GroundExpression {
   };
   std::vector<Step> steps;
 
+  template <class Visit>
+  void for_each_number(const Visit& visit) const {
+    for (const Step& step : steps)
+      if (step.kind == Kind::kNumber) visit(step.number);
+  }
   bool is_constant() const { return steps.size() == 1 && steps[0].kind == Kind::kConstant; }
   bool operator==(const GroundExpression&) const = default;
 

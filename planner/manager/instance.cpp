@@ -38,10 +38,7 @@ Error unknown_name(const std::string& what, const std::string& found, const std:
   const std::string text = "unknown " + what + " '" + found + "'";
   if (known.empty()) return input_error(text + ", there is none");
   if (const std::string hint = did_you_mean(found, known); !hint.empty()) return input_error(text + hint);
-  std::string names = known[0];
-  for (std::size_t i = 1; i < std::min(known.size(), kMostNames); ++i) names += ", " + known[i];
-  if (known.size() > kMostNames) names += " and " + std::to_string(known.size() - kMostNames) + " more";
-  return input_error(text + ", known: " + names);
+  return input_error(text + ", known: " + some_of(known, kMostNames));
 }
 
 Instance::Instance(Task task) : task_(std::move(task)), state_(task_.domain, task_.problem) {

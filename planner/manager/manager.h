@@ -136,7 +136,7 @@ class PddlManager {
   Status get_action_effects(const View& q, const View& a);
 
   Expected<Instance*> find_instance(const std::string& name);
-  Expected<std::pair<Instance*, GoalInstance*>> find_goal(const View& q);
+  Expected<std::pair<Instance*, GoalInstance*>> find_goal(const std::string& instance, const std::string& goal);
   Expected<std::unique_ptr<Instance>> load(const View& q);
   Expected<std::string> read(const std::string& directory, const std::string& file);
   Status set_fluents(const std::vector<View>& fluents, bool value, const View& a);

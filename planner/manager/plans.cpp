@@ -55,7 +55,7 @@ Plan PddlManager::steps_left(const View& goal, const Task& task, const std::stri
 }
 
 PddlManager::Outcome PddlManager::make_plan(const View& goal) {
-  auto found = find_goal(goal);
+  auto found = find_goal(goal.text("pddl_instance"), goal.text("goal_instance"));
   if (!found) return {"ERROR", found.error().message, {}, {}, bus::GoalStatus::kAborted};
   const auto& [instance, wanted] = *found;
   if (options_.original && !wanted->objects.empty())

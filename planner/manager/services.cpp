@@ -65,12 +65,12 @@ Expected<Instance*> PddlManager::find_instance(const std::string& name) {
   return known->second.instance.get();
 }
 
-Expected<std::pair<Instance*, GoalInstance*>> PddlManager::find_goal(const View& q) {
-  auto instance = find_instance(q.text("pddl_instance"));
-  if (!instance) return instance.error();
-  GoalInstance* goal = (*instance)->goal(q.text("goal_instance"));
-  if (!goal) return input_error("pddl instance '" + q.text("pddl_instance") + "' has no goal instance '" + q.text("goal_instance") + "': create it first with the service create_goal_instance");
-  return std::pair(*instance, goal);
+Expected<std::pair<Instance*, GoalInstance*>> PddlManager::find_goal(const std::string& instance, const std::string& goal) {
+  auto found = find_instance(instance);
+  if (!found) return found.error();
+  GoalInstance* there = (*found)->goal(goal);
+  if (!there) return input_error("pddl instance '" + instance + "' has no goal instance '" + goal + "': create it first with the service create_goal_instance");
+  return std::pair(*found, there);
 }
 
 void PddlManager::tell_update(const std::string& instance) {
@@ -293,13 +293,7 @@ Status PddlManager::set_goals(const View& q, const View&) {
     Assignment value;
   };
   std::vector<New> all;
-  const auto goal_of = [&](const View& part) -> Expected<std::pair<Instance*, GoalInstance*>> {
-    auto instance = find_instance(part.text("pddl_instance"));
-    if (!instance) return instance.error();
-    GoalInstance* goal = (*instance)->goal(q.text("goal_instance"));
-    if (!goal) return input_error("pddl instance '" + part.text("pddl_instance") + "' has no goal instance '" + q.text("goal_instance") + "': create it first with the service create_goal_instance");
-    return std::pair(*instance, goal);
-  };
+  const auto goal_of = [&](const View& part) { return find_goal(part.text("pddl_instance"), q.text("goal_instance")); };
   const auto collect = [&]() -> Status {
     for (const View& fluent : messages(q, "fluents")) {
       auto goal = goal_of(fluent);
@@ -329,7 +323,7 @@ Status PddlManager::set_goals(const View& q, const View&) {
 }
 
 Status PddlManager::clear_goals(const View& q, const View&) {
-  auto goal = find_goal(q);
+  auto goal = find_goal(q.text("pddl_instance"), q.text("goal_instance"));
   if (!goal) {
     answer_ = !options_.original;
     return goal.error();
@@ -347,7 +341,7 @@ Status PddlManager::create_goal_instance(const View& q, const View&) {
 
 /// The original takes any names.
 Status PddlManager::set_filter(const View& q, const char* field, Names GoalInstance::* filter, Status (Instance::*set)(GoalInstance&, const Names&) const) {
-  auto goal = find_goal(q);
+  auto goal = find_goal(q.text("pddl_instance"), q.text("goal_instance"));
   if (!goal) return goal.error();
   const auto& [instance, wanted] = *goal;
   if (!options_.original) return (instance->*set)(*wanted, strings(q, field));

@@ -105,8 +105,7 @@ void Touches::hold(std::vector<Touch>& touches, const GroundCondition& condition
     for (const int key : bases_[f]) touch(touches, key, does, true, true);
   }
   for (const int c : condition.comparisons)
-    for (const auto& step : task_.comparisons[c].expression.steps)
-      if (step.kind == GroundExpression::Kind::kNumber) touch(touches, static_cast<int>(task_.facts.size()) + step.number, kBoth, true, true);
+    task_.comparisons[c].expression.for_each_number([&](int n) { touch(touches, static_cast<int>(task_.facts.size()) + n, kBoth, true, true); });
 }
 
 void Touches::read(std::vector<Touch>& touches, const DerivedReads& reads, std::uint8_t does, bool at_start, bool at_end) const {
@@ -119,9 +118,7 @@ void Touches::read(std::vector<Touch>& touches, const DerivedReads& reads, std::
 }
 
 void Touches::read(std::vector<Touch>& touches, const GroundExpression& expression, bool at_start, bool at_end) const {
-  for (const auto& step : expression.steps)
-    if (step.kind == GroundExpression::Kind::kNumber)
-      touch(touches, static_cast<int>(task_.facts.size()) + step.number, Touch::kRead, at_start, at_end);
+  expression.for_each_number([&](int n) { touch(touches, static_cast<int>(task_.facts.size()) + n, Touch::kRead, at_start, at_end); });
 }
 
 void Touches::write(std::vector<Touch>& touches, const GroundEffects& effects, bool at_start) const {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cx/base/time.h"
 #include "planner/validator/footprint.h"
 #include "planner/validator/validator.h"
 
@@ -13,7 +14,7 @@ namespace cxlab::planner {
 
 /// Times as whole nanoseconds, so that equal is equal.
 using Nanos = std::int64_t;
-inline double to_seconds(Nanos time) { return static_cast<double>(time) / 1e9; }
+inline double to_seconds(Nanos time) { return cxlab::to_seconds(SimTime{time}); }
 
 /// Something that happens at once.
 struct Happening {

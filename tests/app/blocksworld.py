@@ -75,9 +75,7 @@ WRONG = """(deffacts wanted
   (pddl-action-names (instance blocks)))
 (defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
 """
-# Two goals are planned for at once; a third plan is canceled before the manager has heard of it, a fourth when it has not
-# yet been accepted.
-PLANS = """(deffacts wanted
+TWO_GOALS = """(deffacts wanted
   (pddl-manager)
   (pddl-instance (name blocks) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
   (pddl-create-goal-instance (instance blocks) (goal g1))
@@ -85,7 +83,10 @@ PLANS = """(deffacts wanted
   (pddl-goal-fluent (instance blocks) (goal g1) (name ontable) (params c))
   (pddl-goal-fluent (instance blocks) (goal g2) (name holding) (params c))
   (pddl-set-goals (instance blocks) (goal g1))
-  (pddl-set-goals (instance blocks) (goal g2))
+  (pddl-set-goals (instance blocks) (goal g2))"""
+# Two goals are planned for at once; a third plan is canceled before the manager has heard of it, a fourth when it has not
+# yet been accepted.
+PLANS = TWO_GOALS + """
   (pddl-plan (instance blocks) (id p1) (goal g1))
   (pddl-plan (instance blocks) (id p2) (goal g2)))
 (defrule both (pddl-plan (id p1) (state PLANNING)) (pddl-plan (id p2) (state PLANNING)) (time ?t) (not (both)) => (assert (both)) (println "both are planned for"))
@@ -145,15 +146,7 @@ FORGETFUL = """(deffacts wanted
 (defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
 """
 # A plan is taken back before it is accepted, another one while it is made; each makes room for the next.
-TAKEN_BACK = """(deffacts wanted
-  (pddl-manager)
-  (pddl-instance (name blocks) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
-  (pddl-create-goal-instance (instance blocks) (goal g1))
-  (pddl-create-goal-instance (instance blocks) (goal g2))
-  (pddl-goal-fluent (instance blocks) (goal g1) (name ontable) (params c))
-  (pddl-goal-fluent (instance blocks) (goal g2) (name holding) (params c))
-  (pddl-set-goals (instance blocks) (goal g1))
-  (pddl-set-goals (instance blocks) (goal g2))
+TAKEN_BACK = TWO_GOALS + """
   (pddl-plan (instance blocks) (id p1) (goal g1)))
 (defrule take-back-unsent ?p <- (pddl-plan (id p1) (state WAITING)) =>
   (retract ?p) (assert (pddl-plan (instance blocks) (id p2) (goal g2))))
