@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/mujoco/test_floor.h"
-#include "sim/mujoco/test_rig.h"
+#include "test_floor.h"
+#include "test_rig.h"
 
 namespace cxlab::sim {
 namespace {

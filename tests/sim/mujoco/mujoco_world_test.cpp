@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/mujoco/test_floor.h"
-#include "sim/mujoco/test_rig.h"
+#include "test_floor.h"
+#include "test_rig.h"
 
 namespace cxlab::sim {
 namespace {

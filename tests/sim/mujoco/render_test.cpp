@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/mujoco/mujoco_world.h"
-#include "sim/mujoco/test_floor.h"
+#include "test_floor.h"
 
 /// OSMesa keeps a few bytes of every buffer that was ever bound (LeakSanitizer's own hook).
 extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa\n"; }
