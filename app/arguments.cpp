@@ -15,7 +15,8 @@ namespace {
 std::optional<double> number_in(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value) ? std::optional(value) : std::nullopt;
+  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value) ? std::optional(value)
+                                                                                          : std::nullopt;
 }
 
 std::string expected(const std::string& found, const char* what) { return "found '" + found + "', expected " + what; }
@@ -29,24 +30,34 @@ std::string seconds(double value) {
 }  // namespace
 
 CLI::Validator not_negative() {
-  return {[](std::string& text) { return number_in(text).value_or(-1) >= 0 ? std::string() : expected(text, "a number, 0 or more"); }, ""};
+  return {[](std::string& text) {
+            return number_in(text).value_or(-1) >= 0 ? std::string() : expected(text, "a number, 0 or more");
+          },
+          ""};
 }
 
 CLI::Validator positive() {
-  return {[](std::string& text) { return number_in(text).value_or(0) > 0 ? std::string() : expected(text, "a number above 0"); }, ""};
+  return {[](std::string& text) {
+            return number_in(text).value_or(0) > 0 ? std::string() : expected(text, "a number above 0");
+          },
+          ""};
 }
 
 CLI::Validator seed_number() {
   return {[](std::string& text) {
             std::uint64_t value = 0;
             const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-            return error == std::errc() && end == text.data() + text.size() ? std::string() : expected(text, "a whole number from 0 to 18446744073709551615");
+            return error == std::errc() && end == text.data() + text.size()
+                       ? std::string()
+                       : expected(text, "a whole number from 0 to 18446744073709551615");
           },
           ""};
 }
 
 Expected<std::vector<double>> snapshot_times(const std::string& text, double end) {
-  const auto wrong = [](const std::string& message) { return Error{ErrorKind::kUsage, "--snapshot: " + message, {}, 0, {}}; };
+  const auto wrong = [](const std::string& message) {
+    return Error{ErrorKind::kUsage, "--snapshot: " + message, {}, 0, {}};
+  };
   const auto bad = [&] { return wrong(expected(text, "every:SECONDS or SECONDS,SECONDS,...")); };
   std::vector<double> times;
   if (text.empty()) return times;
@@ -80,7 +91,8 @@ static std::string told(const CLI::App& command, const CLI::ParseError& error) {
   const bool whole = option && option->get_type_name().find("INT") != std::string::npos;
   const auto value = number_in(found);
   const bool is_whole = whole && value && *value == std::floor(*value) && std::abs(*value) < 1e15;
-  return name + ": " + expected(found, whole ? "a whole number" : "a number") + (is_whole ? ": " + std::to_string(static_cast<std::int64_t>(*value)) : "");
+  return name + ": " + expected(found, whole ? "a whole number" : "a number") +
+         (is_whole ? ": " + std::to_string(static_cast<std::int64_t>(*value)) : "");
 }
 
 int usage_exit(const CLI::App& app, const CLI::ParseError& error) {
@@ -98,7 +110,11 @@ Status check_command(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
   if (std::find(names.begin(), names.end(), word) != names.end()) return {};
-  return Error{ErrorKind::kUsage, "there is no command '" + word + "'" + did_you_mean(word, names) + "; cxlab --help lists them", {}, 0, {}};
+  return Error{ErrorKind::kUsage,
+               "there is no command '" + word + "'" + did_you_mean(word, names) + "; cxlab --help lists them",
+               {},
+               0,
+               {}};
 }
 
 }  // namespace cxlab::app

@@ -32,7 +32,8 @@ struct BenchOptions {
 
 struct Suite {
   std::vector<fs::path> scenarios;
-  std::vector<std::pair<std::string, std::vector<std::string>>> strategies;  ///< name, overrides; in the order of the file
+  std::vector<std::pair<std::string, std::vector<std::string>>>
+      strategies;  ///< name, overrides; in the order of the file
   std::vector<std::uint64_t> seeds;
   std::string tier;
 };
@@ -49,13 +50,16 @@ std::vector<std::uint64_t> read_seeds(const yaml::Value& value) {
   std::vector<std::uint64_t> out;
   if (value.is_list()) {
     for (const yaml::Value& item : value.as_list())
-      if (const std::int64_t seed = item.as_integer(); seed < 0) item.fail("expected a seed of at least 0");
-      else out.push_back(static_cast<std::uint64_t>(seed));
+      if (const std::int64_t seed = item.as_integer(); seed < 0)
+        item.fail("expected a seed of at least 0");
+      else
+        out.push_back(static_cast<std::uint64_t>(seed));
     return out;
   }
   unsigned long first = 0, last = 0;
   char rest = 0;
-  if (std::sscanf(value.text().c_str(), "%lu..%lu%c", &first, &last, &rest) != 2 || last < first || last - first >= 100000) {
+  if (std::sscanf(value.text().c_str(), "%lu..%lu%c", &first, &last, &rest) != 2 || last < first ||
+      last - first >= 100000) {
     value.fail("found '" + value.text() + "', expected a list of seeds or a range \"0..29\"");
     return out;
   }
@@ -69,7 +73,8 @@ Expected<Suite> read_suite(const fs::path& file) {
   Suite suite;
   yaml::Map map = document->root().as_map();
   if (const yaml::Value scenarios = map.require("scenarios"))
-    for (const std::string& path : scenarios.as_strings()) suite.scenarios.push_back((file.parent_path() / path).lexically_normal());
+    for (const std::string& path : scenarios.as_strings())
+      suite.scenarios.push_back((file.parent_path() / path).lexically_normal());
   if (const yaml::Value strategies = map.require("strategies")) {
     yaml::Map names = strategies.as_map();
     for (const auto& [name, overrides] : names.entries())
@@ -78,7 +83,8 @@ Expected<Suite> read_suite(const fs::path& file) {
   if (const yaml::Value seeds = map.require("seeds")) suite.seeds = read_seeds(seeds);
   map.read_word("tier", suite.tier, {"timed", "physics"});
   map.finish();
-  if (suite.scenarios.empty() || suite.strategies.empty() || suite.seeds.empty()) map.fail("expected at least one scenario, strategy and seed");
+  if (suite.scenarios.empty() || suite.strategies.empty() || suite.seeds.empty())
+    map.fail("expected at least one scenario, strategy and seed");
   if (Status s = document->status(); !s) return s.error();
   return suite;
 }
@@ -88,7 +94,8 @@ bool read_row(Episode& episode) {
   std::ifstream in(episode.row);
   if (!in) return false;
   ordered_json row = ordered_json::parse(in, nullptr, false);
-  if (row.is_discarded() || !row.is_object() || row.value("arguments", ordered_json()) != episode.arguments) return false;
+  if (row.is_discarded() || !row.is_object() || row.value("arguments", ordered_json()) != episode.arguments)
+    return false;
   episode.found = std::move(row);
   return true;
 }
@@ -98,7 +105,8 @@ std::optional<pid_t> start(const Episode& episode) {
   const pid_t pid = fork();
   if (pid != 0) return pid > 0 ? std::optional<pid_t>(pid) : std::nullopt;
   const std::string output = episode.row.string() + ".out";
-  const int out = open(output.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0644), log = open(episode.log.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0644);
+  const int out = open(output.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0644),
+            log = open(episode.log.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0644);
   if (out < 0 || log < 0 || dup2(out, 1) < 0 || dup2(log, 2) < 0) _exit(5);
   std::vector<char*> argv{const_cast<char*>("cxlab")};
   for (const std::string& a : episode.arguments) argv.push_back(const_cast<char*>(a.c_str()));
@@ -164,8 +172,9 @@ Status play(std::vector<Episode>& episodes, int jobs) {
     Episode& episode = *ended->second;
     running.erase(ended);
     if (Status s = write_row(episode, status); !s) return s;
-    std::fprintf(stderr, "[%zu/%zu] %s %s seed %lu: %s, exit %d, points %s\n", ++done, episodes.size(), episode.scenario.c_str(), episode.strategy.c_str(),
-                 static_cast<unsigned long>(episode.seed), episode.found["status"].get<std::string>().c_str(), episode.found["exit"].get<int>(),
+    std::fprintf(stderr, "[%zu/%zu] %s %s seed %lu: %s, exit %d, points %s\n", ++done, episodes.size(),
+                 episode.scenario.c_str(), episode.strategy.c_str(), static_cast<unsigned long>(episode.seed),
+                 episode.found["status"].get<std::string>().c_str(), episode.found["exit"].get<int>(),
                  episode.found.contains("points") ? episode.found["points"].dump().c_str() : "-");
   }
 }
@@ -174,13 +183,15 @@ bool counts(const Episode& e) { return e.found.contains("points") && e.found["st
 
 struct Summary {
   std::size_t n = 0;
-  double mean = 0, half = std::numeric_limits<double>::quiet_NaN(), min = 0, max = 0;  ///< half width of the 95 % interval
+  double mean = 0, half = std::numeric_limits<double>::quiet_NaN(), min = 0,
+         max = 0;  ///< half width of the 95 % interval
 };
 
 /// The 97.5 % quantile of Student's t.
 double t_quantile(std::size_t freedom) {
-  static constexpr double kTable[] = {12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131,
-                                      2.120,  2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042};
+  static constexpr double kTable[] = {12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,
+                                      2.201,  2.179, 2.160, 2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086,
+                                      2.080,  2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042};
   const double f = static_cast<double>(freedom);
   return freedom <= 30 ? kTable[freedom - 1] : 1.95996 + 2.3723 / f + 2.8225 / (f * f);  // Cornish and Fisher, 1937
 }
@@ -194,7 +205,8 @@ Summary summarize(const std::vector<double>& values) {
   for (const double v : values) s.mean += v / static_cast<double>(s.n);
   double squares = 0;
   for (const double v : values) squares += (v - s.mean) * (v - s.mean);
-  if (s.n > 1) s.half = t_quantile(s.n - 1) * std::sqrt(squares / static_cast<double>(s.n - 1) / static_cast<double>(s.n));
+  if (s.n > 1)
+    s.half = t_quantile(s.n - 1) * std::sqrt(squares / static_cast<double>(s.n - 1) / static_cast<double>(s.n));
   return s;
 }
 
@@ -215,8 +227,8 @@ ordered_json summary_of(const std::vector<Episode>& episodes, const Suite& suite
   ordered_json out = ordered_json::array();
   std::map<std::pair<std::string, std::uint64_t>, double> first;
   char line[512];
-  std::snprintf(line, sizeof line, "%-20s %-20s %7s  %-18s %6s %6s  %-14s %-14s %-14s %s\n", "scenario", "strategy", "done", "points", "min", "max", "deliveries",
-                "busy", "real time", "points against the first strategy");
+  std::snprintf(line, sizeof line, "%-20s %-20s %7s  %-18s %6s %6s  %-14s %-14s %-14s %s\n", "scenario", "strategy",
+                "done", "points", "min", "max", "deliveries", "busy", "real time", "points against the first strategy");
   table = line;
   for (const fs::path& scenario : suite.scenarios)
     for (const auto& [strategy, overrides] : suite.strategies) {
@@ -227,19 +239,29 @@ ordered_json summary_of(const std::vector<Episode>& episodes, const Suite& suite
         if (e.scenario != scenario.stem() || e.strategy != strategy) continue;
         ++all;
         if (!counts(e)) continue;
-        for (const char* key : {"points", "deliveries", "busy", "real_time_factor"}) values[key].push_back(e.found[key].get<double>());
+        for (const char* key : {"points", "deliveries", "busy", "real_time_factor"})
+          values[key].push_back(e.found[key].get<double>());
         const double points = e.found["points"].get<double>();
-        if (strategy == suite.strategies.front().first) first[{e.scenario, e.seed}] = points;
-        else if (const auto other = first.find({e.scenario, e.seed}); other != first.end()) difference.push_back(points - other->second);
+        if (strategy == suite.strategies.front().first)
+          first[{e.scenario, e.seed}] = points;
+        else if (const auto other = first.find({e.scenario, e.seed}); other != first.end())
+          difference.push_back(points - other->second);
       }
       const Summary points = summarize(values["points"]), against = summarize(difference);
-      std::snprintf(line, sizeof line, "%-20s %-20s %3zu/%-3zu  %-18s %6g %6g  %-14s %-14s %-14s %s\n", scenario.stem().c_str(), strategy.c_str(), points.n, all,
-                    text(points, "%.1f").c_str(), points.min, points.max, text(summarize(values["deliveries"]), "%.1f").c_str(), text(summarize(values["busy"]), "%.3f").c_str(),
+      std::snprintf(line, sizeof line, "%-20s %-20s %3zu/%-3zu  %-18s %6g %6g  %-14s %-14s %-14s %s\n",
+                    scenario.stem().c_str(), strategy.c_str(), points.n, all, text(points, "%.1f").c_str(), points.min,
+                    points.max, text(summarize(values["deliveries"]), "%.1f").c_str(),
+                    text(summarize(values["busy"]), "%.3f").c_str(),
                     text(summarize(values["real_time_factor"]), "%.0f").c_str(), text(against, "%+.1f").c_str());
       table += line;
-      out.push_back({{"scenario", scenario.stem().string()}, {"strategy", strategy}, {"episodes", all}, {"points", to_json(points)},
-                     {"deliveries", to_json(summarize(values["deliveries"]))}, {"busy", to_json(summarize(values["busy"]))},
-                     {"real_time_factor", to_json(summarize(values["real_time_factor"]))}, {"points_against_first", to_json(against)}});
+      out.push_back({{"scenario", scenario.stem().string()},
+                     {"strategy", strategy},
+                     {"episodes", all},
+                     {"points", to_json(points)},
+                     {"deliveries", to_json(summarize(values["deliveries"]))},
+                     {"busy", to_json(summarize(values["busy"]))},
+                     {"real_time_factor", to_json(summarize(values["real_time_factor"]))},
+                     {"points_against_first", to_json(against)}});
     }
   return out;
 }
@@ -263,7 +285,8 @@ int bench(const BenchOptions& options) {
   auto suite = read_suite(options.suite);
   if (!suite) return fail(suite.error());
   if (Status s = check_scenarios(*suite); !s) return fail(s.error());
-  const fs::path folder = options.out.empty() ? fs::path("runs") / ("bench-" + fs::path(options.suite).stem().string()) : fs::path(options.out);
+  const fs::path folder = options.out.empty() ? fs::path("runs") / ("bench-" + fs::path(options.suite).stem().string())
+                                              : fs::path(options.out);
   std::error_code error;
   fs::create_directories(folder / "rows", error);
   if (error) return fail(Error{ErrorKind::kResource, error.message(), folder.string(), 0, {}});
@@ -287,16 +310,20 @@ int bench(const BenchOptions& options) {
   bool all_well = true;
   for (const Episode& e : episodes) {
     all_well &= counts(e);
-    csv << e.scenario << ',' << e.strategy << ',' << e.seed << ',' << e.found["status"].get<std::string>() << ',' << e.found["exit"];
-    for (const char* key : {"points", "deliveries", "busy", "real_time_factor"}) csv << ',' << (e.found.contains(key) ? e.found[key].dump() : "");
+    csv << e.scenario << ',' << e.strategy << ',' << e.seed << ',' << e.found["status"].get<std::string>() << ','
+        << e.found["exit"];
+    for (const char* key : {"points", "deliveries", "busy", "real_time_factor"})
+      csv << ',' << (e.found.contains(key) ? e.found[key].dump() : "");
     csv << ',' << e.found.value("journal_hash", "") << '\n';
   }
   csv.close();
   if (!csv) return fail(Error{ErrorKind::kResource, "cannot write this file", (folder / "rows.csv").string(), 0, {}});
   std::string table;
   const ordered_json summary = summary_of(episodes, *suite, table);
-  if (options.json) std::printf("%s\n", summary.dump(2).c_str());
-  else std::printf("%s%s\n", table.c_str(), (folder / "rows.csv").c_str());
+  if (options.json)
+    std::printf("%s\n", summary.dump(2).c_str());
+  else
+    std::printf("%s%s\n", table.c_str(), (folder / "rows.csv").c_str());
   return all_well ? 0 : static_cast<int>(ErrorKind::kNo);
 }
 
@@ -308,7 +335,8 @@ void add_bench(CLI::App& app, Action& action) {
   command->footer("Example:\n  cxlab bench benchmarks/rcll.yaml -j 2");
   command->add_option("suite", options->suite, "Suite file (YAML)")->required();
   command->add_option("-j", options->jobs, "Episodes at once")->check(CLI::Range(1, 256));
-  command->add_option("--out", options->out, "Folder of the rows (default runs/bench-<suite>); rows that are there are kept");
+  command->add_option("--out", options->out,
+                      "Folder of the rows (default runs/bench-<suite>); rows that are there are kept");
   command->add_flag("--json", options->json, "Prints JSON instead of the table");
   command->callback([options, &action] { action = [options] { return bench(*options); }; });
 }

@@ -11,7 +11,8 @@ namespace {
 std::string joined(const std::vector<Term>& terms) {
   std::string out, before;
   for (const Term& term : terms) {
-    const bool close = before.ends_with(':') || before == "=" || before.ends_with("&=") || before.ends_with("|=") || before.ends_with("~=");
+    const bool close = before.ends_with(':') || before == "=" || before.ends_with("&=") || before.ends_with("|=") ||
+                       before.ends_with("~=");
     out += (out.empty() || (close && term.is_list) ? "" : " ") + term.text();
     before = term.word;
   }
@@ -43,7 +44,8 @@ class Reader {
       return term;
     }
     const std::size_t begin = at_;
-    if (text_[at_] == '"') skip_string();
+    if (text_[at_] == '"')
+      skip_string();
     else
       while (at_ < text_.size() && std::string_view(" \t\r\n();\"").find(text_[at_]) == std::string_view::npos) ++at_;
     term.word = text_.substr(begin, at_ - begin);
@@ -59,9 +61,12 @@ class Reader {
 
   void skip_blanks() {
     while (at_ < text_.size()) {
-      if (text_[at_] == ';') at_ = std::min(text_.find('\n', at_), text_.size());
-      else if (std::string_view(" \t\r\n").find(text_[at_]) != std::string_view::npos) ++at_;
-      else return;
+      if (text_[at_] == ';')
+        at_ = std::min(text_.find('\n', at_), text_.size());
+      else if (std::string_view(" \t\r\n").find(text_[at_]) != std::string_view::npos)
+        ++at_;
+      else
+        return;
     }
   }
 
@@ -73,7 +78,8 @@ void collect(const Term& term, bool negated, std::vector<Condition>& out) {
   if (!term.is_list || term.items.empty()) return;
   const std::string& head = term.items.front().word;
   if (head == "test" || head == "declare") return;
-  const bool logical = head == "and" || head == "or" || head == "exists" || head == "forall" || head == "logical" || head == "not";
+  const bool logical =
+      head == "and" || head == "or" || head == "exists" || head == "forall" || head == "logical" || head == "not";
   if (!logical) {
     out.push_back({term, negated});
     return;
@@ -89,7 +95,9 @@ void collect_variables(const Term& term, std::vector<std::string>& out) {
   }
 }
 
-bool is_open(const std::string& word) { return word.empty() || word[0] == '?' || word[0] == '$' || word[0] == ':' || word[0] == '='; }
+bool is_open(const std::string& word) {
+  return word.empty() || word[0] == '?' || word[0] == '$' || word[0] == ':' || word[0] == '=';
+}
 
 /// Whether a value may be what one field of a pattern allows, as far as constants tell.
 bool may_be(const std::string& constraint, const std::string& value) {
@@ -165,7 +173,8 @@ std::vector<Mismatch> mismatches(const Condition& condition, const FactCopy& fac
     return out;
   }
   for (const Term& slot : items)
-    if (slot.is_list && !slot.items.empty()) compare(slot.items.front().word, {slot.items.begin() + 1, slot.items.end()});
+    if (slot.is_list && !slot.items.empty())
+      compare(slot.items.front().word, {slot.items.begin() + 1, slot.items.end()});
   return out;
 }
 

@@ -21,8 +21,8 @@ struct Term {
 
 /// One pattern of a left-hand side.
 struct Condition {
-  Term pattern;           ///< (template ...)
-  bool negated = false;   ///< inside (not ...)
+  Term pattern;          ///< (template ...)
+  bool negated = false;  ///< inside (not ...)
   std::string template_name() const { return pattern.items.empty() ? std::string() : pattern.items.front().word; }
   /// Words like ?order that the pattern names.
   std::vector<std::string> variables() const;
@@ -33,7 +33,7 @@ std::vector<Condition> conditions_of(const std::string& defrule);
 
 /// How a fact fails a pattern.
 struct Mismatch {
-  std::string slot;      ///< "implied" for an ordered fact
+  std::string slot;  ///< "implied" for an ordered fact
   std::string found, expected;
 };
 /// Slots of `fact` that certainly do not match.

@@ -8,7 +8,8 @@
 
 namespace cxlab::app {
 
-Progress::Progress(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()), last_(start_) {}
+Progress::Progress(bool quiet)
+    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()), last_(start_) {}
 
 Progress::~Progress() { clear(); }
 
@@ -24,13 +25,14 @@ void Progress::show(double done, double total, std::string_view note) {
     constexpr int kWidth = 30;
     std::string bar(static_cast<std::size_t>(std::lround(share * kWidth)), '#');
     bar.resize(kWidth, '.');
-    std::fprintf(stderr, "\r\033[K[%s] %s of %s  %.0f x real time  %.0f s left  %.*s", bar.c_str(), clock_text(done).c_str(),
-                 clock_text(total).c_str(), done / wall, left, static_cast<int>(note.size()), note.data());
+    std::fprintf(stderr, "\r\033[K[%s] %s of %s  %.0f x real time  %.0f s left  %.*s", bar.c_str(),
+                 clock_text(done).c_str(), clock_text(total).c_str(), done / wall, left, static_cast<int>(note.size()),
+                 note.data());
     std::fflush(stderr);
     drawn_ = true;
   } else {
-    std::fprintf(stderr, "%s of %s, %.0f x real time, %.0f s left  %.*s\n", clock_text(done).c_str(), clock_text(total).c_str(),
-                 done / wall, left, static_cast<int>(note.size()), note.data());
+    std::fprintf(stderr, "%s of %s, %.0f x real time, %.0f s left  %.*s\n", clock_text(done).c_str(),
+                 clock_text(total).c_str(), done / wall, left, static_cast<int>(note.size()), note.data());
   }
 }
 

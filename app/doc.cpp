@@ -18,7 +18,9 @@ struct Options {
 
 void print(const PluginReference& plugin) {
   std::printf("%s", plugin.plugin.c_str());
-  if (!plugin.package.empty()) std::printf(" (package %s)%s%s", plugin.package.c_str(), plugin.description.empty() ? "" : ": ", plugin.description.c_str());
+  if (!plugin.package.empty())
+    std::printf(" (package %s)%s%s", plugin.package.c_str(), plugin.description.empty() ? "" : ": ",
+                plugin.description.c_str());
   std::puts("");
   if (!plugin.problem.empty()) std::printf("  cannot be loaded: %s\n", plugin.problem.c_str());
   for (const std::string& parameter : plugin.parameters) std::printf("  parameter %s\n", parameter.c_str());
@@ -59,7 +61,8 @@ Error unknown(const std::vector<PluginReference>& reference, const std::string& 
     for (const Documented& c : plugin.constructs) known.push_back(c.name);
   }
   const std::string near = nearest_word(name, known);
-  return input_error("there is no function, template or plugin '" + name + "'" + (near.empty() ? "; cxlab doc lists all" : ", did you mean '" + near + "'?"));
+  return input_error("there is no function, template or plugin '" + name + "'" +
+                     (near.empty() ? "; cxlab doc lists all" : ", did you mean '" + near + "'?"));
 }
 
 int doc(const Options& options) {
@@ -83,8 +86,10 @@ int doc(const Options& options) {
       reference = std::move(made);  // what is near is among them
     }
   if (shown.empty()) return fail(unknown(*reference, options.name));
-  if (options.json) std::fputs(reference_json(shown).c_str(), stdout);
-  else if (options.markdown) std::fputs(reference_page(shown).c_str(), stdout);
+  if (options.json)
+    std::fputs(reference_json(shown).c_str(), stdout);
+  else if (options.markdown)
+    std::fputs(reference_page(shown).c_str(), stdout);
   else
     for (std::size_t i = 0; i < shown.size(); ++i) {
       if (i > 0) std::puts("");
@@ -97,8 +102,11 @@ int doc(const Options& options) {
 
 void add_doc(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("doc", "Tells what rules can use: all plugins with their functions and templates, or one of them");
-  command->footer("Examples:\n  cxlab doc\n  cxlab doc config-load\n  cxlab doc tf2-tracked-pose\n  cxlab doc cx::ExecutivePlugin\n  cxlab doc std-msgs-string-publish");
+  CLI::App* command = app.add_subcommand(
+      "doc", "Tells what rules can use: all plugins with their functions and templates, or one of them");
+  command->footer(
+      "Examples:\n  cxlab doc\n  cxlab doc config-load\n  cxlab doc tf2-tracked-pose\n  cxlab doc "
+      "cx::ExecutivePlugin\n  cxlab doc std-msgs-string-publish");
   command->add_option("name", options->name, "A function, a template or other construct, or a plugin class");
   add_package_options(*command, options->packages);
   CLI::Option* json = command->add_flag("--json", options->json, "As JSON");

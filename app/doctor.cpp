@@ -61,21 +61,25 @@ Finding memory() {
 }
 
 Finding disk() {
-  struct statvfs info {};
-  const double bytes = statvfs(".", &info) == 0 ? static_cast<double>(info.f_bavail) * static_cast<double>(info.f_frsize) : 0;
+  struct statvfs info{};
+  const double bytes =
+      statvfs(".", &info) == 0 ? static_cast<double>(info.f_bavail) * static_cast<double>(info.f_frsize) : 0;
   const bool enough = bytes > 200e6;
-  return {"disk here", enough ? Verdict::kGood : Verdict::kMissing, gigabytes(bytes) + " free", enough ? "" : "a run writes up to 25 MB: free some space or use --out"};
+  return {"disk here", enough ? Verdict::kGood : Verdict::kMissing, gigabytes(bytes) + " free",
+          enough ? "" : "a run writes up to 25 MB: free some space or use --out"};
 }
 
 Finding writable() {
   const bool ok = access(".", W_OK) == 0;
-  return {"this folder", ok ? Verdict::kGood : Verdict::kOptional, ok ? "can be written" : "cannot be written", ok ? "" : "use --out DIR, or --out none"};
+  return {"this folder", ok ? Verdict::kGood : Verdict::kOptional, ok ? "can be written" : "cannot be written",
+          ok ? "" : "use --out DIR, or --out none"};
 }
 
 Finding share(const char* what, const fs::path& folder) {
   std::error_code ignored;
   const bool ok = fs::is_directory(folder, ignored);
-  return {what, ok ? Verdict::kGood : Verdict::kMissing, folder.string(), ok ? "" : "set CXLAB_SHARE to the share/cxlab folder of the installation"};
+  return {what, ok ? Verdict::kGood : Verdict::kMissing, folder.string(),
+          ok ? "" : "set CXLAB_SHARE to the share/cxlab folder of the installation"};
 }
 
 Finding tool(const char* program, const char* without, const char* package) {
@@ -103,8 +107,9 @@ std::vector<Finding> examine() {
   const bool osmesa = loads("libOSMesa.so.8") || loads("libOSMesa.so");
   const bool egl = loads("libEGL.so.1");
   findings.push_back({"OSMesa", osmesa ? Verdict::kGood : Verdict::kOptional, osmesa ? "found" : "not found",
-                      osmesa ? "" : egl ? "pictures go through EGL instead; to have OSMesa: apt-get install libosmesa6"
-                                        : "no pictures (--snapshot, render, --video): apt-get install libosmesa6"});
+                      osmesa ? ""
+                      : egl  ? "pictures go through EGL instead; to have OSMesa: apt-get install libosmesa6"
+                             : "no pictures (--snapshot, render, --video): apt-get install libosmesa6"});
   findings.push_back(tool("ffmpeg", "no --video", "ffmpeg"));
   findings.push_back(memory());
   findings.push_back(disk());
@@ -129,8 +134,11 @@ int doctor(bool json) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Finding& f : examine()) {
     complete = complete && f.verdict != Verdict::kMissing;
-    if (json) list.push_back({{"what", f.what}, {"verdict", word(f.verdict)}, {"found", f.found}, {"remedy", f.remedy}});
-    else std::printf("%-8s %-13s %s%s%s\n", word(f.verdict), f.what.c_str(), f.found.c_str(), f.remedy.empty() ? "" : "; ", f.remedy.c_str());
+    if (json)
+      list.push_back({{"what", f.what}, {"verdict", word(f.verdict)}, {"found", f.found}, {"remedy", f.remedy}});
+    else
+      std::printf("%-8s %-13s %s%s%s\n", word(f.verdict), f.what.c_str(), f.found.c_str(), f.remedy.empty() ? "" : "; ",
+                  f.remedy.c_str());
   }
   if (json) std::printf("%s\n", list.dump(2).c_str());
   return complete ? 0 : static_cast<int>(ErrorKind::kResource);
@@ -139,7 +147,8 @@ int doctor(bool json) {
 }  // namespace
 
 void add_doctor(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("doctor", "Says what this machine has, what is missing and the remedy; needs no network");
+  CLI::App* command =
+      app.add_subcommand("doctor", "Says what this machine has, what is missing and the remedy; needs no network");
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "The findings as JSON");
   command->callback([json, &action] { action = [json] { return doctor(*json); }; });

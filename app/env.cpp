@@ -37,7 +37,8 @@ struct Options {
 Error usage(std::string message) { return Error{ErrorKind::kUsage, std::move(message), {}, 0, {}}; }
 
 /// "A=B" as (A, B).
-Expected<std::pair<std::string, std::string>> split(const std::string& option, const std::string& text, const std::string& sign, const char* form) {
+Expected<std::pair<std::string, std::string>> split(const std::string& option, const std::string& text,
+                                                    const std::string& sign, const char* form) {
   const std::size_t at = text.find(sign);
   if (at == std::string::npos || at == 0) return usage(option + ": found '" + text + "', expected " + form);
   return std::pair(text.substr(0, at), text.substr(at + sign.size()));
@@ -53,7 +54,8 @@ std::string from(const std::string& option) {
 /// The option that the line of an error, or the nearest line before it that has one, was made from.
 Error blame_option(Error error, const std::string& text) {
   std::size_t end = 0;
-  for (int line = 0; line < error.line && end != std::string::npos; ++line) end = text.find('\n', end + (line > 0 ? 1 : 0));
+  for (int line = 0; line < error.line && end != std::string::npos; ++line)
+    end = text.find('\n', end + (line > 0 ? 1 : 0));
   const std::size_t at = text.substr(0, end).rfind(kFrom);
   if (at == std::string::npos) return error;
   const std::size_t begin = at + std::string_view(kFrom).size();
@@ -86,7 +88,8 @@ std::string indented(const std::string& text, int columns) {
 std::string package_name(const fs::path& folder) {
   if (auto text = read_file(folder / "package.xml")) {
     const std::size_t begin = text->find("<name>"), end = text->find("</name>");
-    if (begin != std::string::npos && end != std::string::npos && begin < end) return text->substr(begin + 6, end - begin - 6);
+    if (begin != std::string::npos && end != std::string::npos && begin < end)
+      return text->substr(begin + 6, end - begin - 6);
   }
   return folder.filename().string();
 }
@@ -102,9 +105,9 @@ fs::path package_of(const fs::path& config) {
   return usual;
 }
 
-/// Packages beside this one: those with a package.xml in the folder that it lies in; in the folder share of a prefix, also
-/// those that only have a manifest or definitions, as our CMake makes them; and those of an install space with a prefix for
-/// each package (install/NAME/share/NAME, as colcon makes it).
+/// Packages beside this one: those with a package.xml in the folder that it lies in; in the folder share of a prefix,
+/// also those that only have a manifest or definitions, as our CMake makes them; and those of an install space with a
+/// prefix for each package (install/NAME/share/NAME, as colcon makes it).
 std::set<fs::path> neighbours_of(const fs::path& package) {
   std::error_code ignored;
   std::set<fs::path> found;
@@ -118,7 +121,8 @@ std::set<fs::path> neighbours_of(const fs::path& package) {
   if (!fs::is_regular_file(package / "package.xml")) return found;
   for (const auto& entry : fs::directory_iterator(share, ignored)) add(entry.path());
   if (share.filename() == "share" && prefix.filename() == package.filename())
-    for (const auto& entry : fs::directory_iterator(prefix.parent_path(), ignored)) add(entry.path() / "share" / entry.path().filename());
+    for (const auto& entry : fs::directory_iterator(prefix.parent_path(), ignored))
+      add(entry.path() / "share" / entry.path().filename());
   return found;
 }
 
@@ -164,28 +168,35 @@ Expected<std::string> settings_of(const std::string& node, const std::vector<std
     if (!named->first.starts_with(prefix)) continue;
     auto value = yaml::Document::parse(named->second, "--param " + named->first);
     if (!value) return value.error();
-    text += margin + in_quotes(named->first.substr(prefix.size())) + ":" + from("--param " + param) + indented(value->root().dump(), columns + 2);
+    text += margin + in_quotes(named->first.substr(prefix.size())) + ":" + from("--param " + param) +
+            indented(value->root().dump(), columns + 2);
   }
   return text;
 }
 
-/// `world:` and `servers:`. The league is the world if it is named, else turtlesim; what else there is stands beside it.
+/// `world:` and `servers:`. The league is the world if it is named, else turtlesim; what else there is stands beside
+/// it.
 Expected<std::string> nodes_text(const Options& options) {
   if (Status s = check_nodes(options.nodes); !s) return s.error();
-  const auto named = [&](const char* node) { return std::find(options.nodes.begin(), options.nodes.end(), node) != options.nodes.end(); };
+  const auto named = [&](const char* node) {
+    return std::find(options.nodes.begin(), options.nodes.end(), node) != options.nodes.end();
+  };
   const std::string world = named(kLeague) ? kLeague : named("turtlesim") ? "turtlesim" : "";
   std::string text, servers;
   for (const std::string& node : options.nodes) {
     auto settings = settings_of(node, options.params, node == world ? 2 : 4);
     if (!settings) return settings.error();
-    if (node == world) text = "world:\n  kind: " + node + '\n' + *settings;
-    else servers += "  - node: " + node + '\n' + *settings;
+    if (node == world)
+      text = "world:\n  kind: " + node + '\n' + *settings;
+    else
+      servers += "  - node: " + node + '\n' + *settings;
   }
   return text + (servers.empty() ? "" : "servers:\n" + servers);
 }
 
 bool is_of_a_node(const std::string& param, const std::vector<std::string>& nodes) {
-  return std::any_of(nodes.begin(), nodes.end(), [&](const std::string& node) { return param.starts_with(node + '.'); });
+  return std::any_of(nodes.begin(), nodes.end(),
+                     [&](const std::string& node) { return param.starts_with(node + '.'); });
 }
 
 /// Each --param is for a node that there will be.
@@ -196,7 +207,8 @@ Status check_params(const Options& options) {
   for (const std::string& remap : options.remaps) {
     auto names = split("--remap", remap, ":=", "FROM:=TO");
     if (!names) return names.error();
-    if (const std::string fault = bus::remap_fault(*names); !fault.empty()) return usage("--remap " + remap + ": " + fault);
+    if (const std::string fault = bus::remap_fault(*names); !fault.empty())
+      return usage("--remap " + remap + ": " + fault);
     remaps.push_back(*std::move(names));
   }
   bus::NodeName manager{cx::ManagerOptions().node, options.name_space, remaps};
@@ -226,10 +238,12 @@ Expected<std::string> transition_items(const Options& options) {
     const std::size_t where = parts->second.find('@');
     const std::string name = parts->second.substr(0, where);
     const std::vector<std::string> known{"configure", "activate", "deactivate", "cleanup", "shutdown"};
-    if (*end != '\0' || at < 0) return usage("--transition: found '" + text + "', expected SECONDS:NAME or SECONDS:NAME@NODE");
+    if (*end != '\0' || at < 0)
+      return usage("--transition: found '" + text + "', expected SECONDS:NAME or SECONDS:NAME@NODE");
     if (std::find(known.begin(), known.end(), name) == known.end())
       return usage("--transition: found '" + name + "', expected configure, activate, deactivate, cleanup or shutdown");
-    items += "  - {at: " + parts->first + ", call: " + in_quotes((where == std::string::npos ? node : parts->second.substr(where + 1)) + "/change_state") +
+    items += "  - {at: " + parts->first + ", call: " +
+             in_quotes((where == std::string::npos ? node : parts->second.substr(where + 1)) + "/change_state") +
              ", type: lifecycle_msgs/srv/ChangeState, request: {transition: {label: " + name + "}}}\n";
   }
   return items;
@@ -237,7 +251,8 @@ Expected<std::string> transition_items(const Options& options) {
 
 /// The scenario that these options stand for, as its file would read.
 Expected<std::string> scenario_text(const Options& options) {
-  std::string text = "schema: 1\nduration_s: " + std::to_string(options.run.until.value_or(kDefaultEnd)) + "\non_rule_error: " + (options.stop ? "stop" : "continue") + '\n';
+  std::string text = "schema: 1\nduration_s: " + std::to_string(options.run.until.value_or(kDefaultEnd)) +
+                     "\non_rule_error: " + (options.stop ? "stop" : "continue") + '\n';
   if (options.run.seed) text += "seed: " + std::to_string(*options.run.seed) + '\n';
   if (options.trust_rules) text += "trust_rules: true\n";
   if (options.max_firings) text += "max_firings_per_tick: " + std::to_string(*options.max_firings) + '\n';
@@ -249,7 +264,8 @@ Expected<std::string> scenario_text(const Options& options) {
   for (const auto& [name, folder] : *packages) text += "  " + in_quotes(name) + ": " + in_quotes(folder) + '\n';
   text += "agents:\n";
   for (const std::string& config : options.configs) {
-    text += "  - config: " + in_quotes(fs::absolute(config).lexically_normal().string()) + "\n    namespace: " + in_quotes(options.name_space) + from("--namespace " + options.name_space);
+    text += "  - config: " + in_quotes(fs::absolute(config).lexically_normal().string()) +
+            "\n    namespace: " + in_quotes(options.name_space) + from("--namespace " + options.name_space);
     if (!options.activate) text += "    activate: false\n";
     if (!options.remaps.empty()) text += "    remap:\n";
     for (const std::string& remap : options.remaps) {
@@ -318,41 +334,78 @@ int env(const Options& options) {
   auto scenario = make_scenario(options);
   if (!scenario) return fail(scenario.error());
   RunOptions run = options.run;
-  if (!run.until && !run.quiet) std::fprintf(stderr, "ends at %.0f s of simulated time; --until T for another\n", kDefaultEnd);
+  if (!run.until && !run.quiet)
+    std::fprintf(stderr, "ends at %.0f s of simulated time; --until T for another\n", kDefaultEnd);
   run.until.reset();  // it is the scenario's duration
   run.silent = !run.json;
   const Played played = play_scenario(run, *std::move(scenario));
   if (played.result.journal_hash.empty() || run.json) return played.exit_code;
-  std::printf("%s after %.3f s of simulated time, %zu rule errors\n", to_string(played.result.status), to_seconds(played.result.sim_time),
-              played.result.rule_errors.size());
+  std::printf("%s after %.3f s of simulated time, %zu rule errors\n", to_string(played.result.status),
+              to_seconds(played.result.sim_time), played.result.rule_errors.size());
   if (!played.folder.empty()) std::printf("%s\n", played.folder.c_str());
   return played.exit_code;
 }
 
 void declare(CLI::App& command, Options& options) {
-  command.add_option("config", options.configs, "Configurations of the CLIPS-Executive (YAML), one environment manager each")->required();
-  command.add_option("--package", options.packages, "NAME=DIR: where a package lies (default: what lies around the configuration)")->take_all()->expected(1)->allow_extra_args(false);
-  command.add_option("--with", options.nodes, "Starts a node beside it: " + known_nodes())->take_all()->expected(1)->allow_extra_args(false);
-  command.add_option("--prefix,--plugin-path", options.run.prefixes, "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")->take_all()->expected(1)->allow_extra_args(false);
-  command.add_option("--param", options.params, "NODE.NAME=VALUE: changes a parameter")->take_all()->expected(1)->allow_extra_args(false);
+  command
+      .add_option("config", options.configs,
+                  "Configurations of the CLIPS-Executive (YAML), one environment manager each")
+      ->required();
+  command
+      .add_option("--package", options.packages,
+                  "NAME=DIR: where a package lies (default: what lies around the configuration)")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  command.add_option("--with", options.nodes, "Starts a node beside it: " + known_nodes())
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  command
+      .add_option("--prefix,--plugin-path", options.run.prefixes,
+                  "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  command.add_option("--param", options.params, "NODE.NAME=VALUE: changes a parameter")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
   command.add_option("--namespace", options.name_space, "Of the nodes")->capture_default_str();
-  command.add_option("--remap", options.remaps, "FROM:=TO: renames a topic, service or action")->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--remap", options.remaps, "FROM:=TO: renames a topic, service or action")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
   command.add_option("--stimuli", options.stimuli, "What happens from outside (YAML list, docs/scenario.md)");
-  command.add_flag("!--no-activate", options.activate, "Managers without autostart_node stay unconfigured until somebody asks");
-  command.add_option("--transition", options.transitions, "SECONDS:NAME[@NODE]: configure, activate, deactivate, cleanup or shutdown of a manager (docs/plugins/manager.md)")
-      ->take_all()->expected(1)->allow_extra_args(false);
+  command.add_flag("!--no-activate", options.activate,
+                   "Managers without autostart_node stay unconfigured until somebody asks");
+  command
+      .add_option("--transition", options.transitions,
+                  "SECONDS:NAME[@NODE]: configure, activate, deactivate, cleanup or shutdown of a manager "
+                  "(docs/plugins/manager.md)")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
   options.run.keep_going = true;
-  command.add_flag("--keep-going,!--no-keep-going", options.run.keep_going, "Errors in rule files are reported and the run goes on (default); it then ends with exit code 3");
-  command.add_flag("--stop-on-rule-error", options.stop, "An error in a rule ends the run (exit code 4); without it the run goes on and the exit code does not tell of it");
-  command.add_option("--max-firings", options.max_firings, "Rules that an environment may fire in a tick before the run ends as one without an end (default 100000, 0 = no limit)")
+  command.add_flag("--keep-going,!--no-keep-going", options.run.keep_going,
+                   "Errors in rule files are reported and the run goes on (default); it then ends with exit code 3");
+  command.add_flag("--stop-on-rule-error", options.stop,
+                   "An error in a rule ends the run (exit code 4); without it the run goes on and the exit code does "
+                   "not tell of it");
+  command
+      .add_option("--max-firings", options.max_firings,
+                  "Rules that an environment may fire in a tick before the run ends as one without an end (default "
+                  "100000, 0 = no limit)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 62));
   command.add_flag("--strict-cx", options.run.strict, "Parameters that CX does not know are errors, not INFO lines");
   command.add_flag("--trust-rules", options.trust_rules, "Rules may read, write and run anything");
   command.add_option("--until", options.run.until, "End, s of simulated time (default 60)")->check(not_negative());
   command.add_option("--seed", options.run.seed, "Seed of all chance")->check(seed_number());
-  command.add_option("--out", options.run.out, "Folder of the run; 'none' writes nothing (default runs/<config>-<seed>)");
+  command.add_option("--out", options.run.out,
+                     "Folder of the run; 'none' writes nothing (default runs/<config>-<seed>)");
   command.add_flag("--force", options.run.force, "Overwrites a folder that is in use");
-  command.add_option("--journal", options.run.journal, "What journal.jsonl holds: none, decisions or full")->capture_default_str();
+  command.add_option("--journal", options.run.journal, "What journal.jsonl holds: none, decisions or full")
+      ->capture_default_str();
   command.add_flag("--realtime", options.run.realtime, "Sleeps between ticks, to watch");
   command.add_flag("--json", options.run.json, "Prints result.json");
   command.add_flag("--quiet", options.run.quiet, "No progress and no log lines");
@@ -362,8 +415,11 @@ void declare(CLI::App& command, Options& options) {
 
 void add_env(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("env", "Runs a configuration of the CLIPS-Executive as it is, in an empty world or with the nodes named");
-  command->footer("Examples:\n  cxlab env docs/examples/hello/hello.yaml\n  cxlab env my_agent/params/agent.yaml --until 30 --stimuli tests/stimuli.yaml\n  cxlab env scenarios/turtlesim/agents/params/boundary.yaml --with turtlesim");
+  CLI::App* command = app.add_subcommand(
+      "env", "Runs a configuration of the CLIPS-Executive as it is, in an empty world or with the nodes named");
+  command->footer(
+      "Examples:\n  cxlab env docs/examples/hello/hello.yaml\n  cxlab env my_agent/params/agent.yaml --until 30 "
+      "--stimuli tests/stimuli.yaml\n  cxlab env scenarios/turtlesim/agents/params/boundary.yaml --with turtlesim");
   declare(*command, *options);
   command->callback([options, &action] { action = [options] { return env(*options); }; });
 }

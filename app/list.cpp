@@ -61,7 +61,8 @@ void print_plugin(const PluginReference& plugin) {
   std::string text = plugin.problem.empty() ? plugin.description : "cannot be loaded: " + plugin.problem;
   if (text.empty())
     for (const std::string& parameter : plugin.parameters) text += (text.empty() ? "parameters " : ", ") + parameter;
-  std::printf("%-32s %-20s %s\n", plugin.plugin.c_str(), plugin.package.empty() ? "cxlab" : plugin.package.c_str(), text.c_str());
+  std::printf("%-32s %-20s %s\n", plugin.plugin.c_str(), plugin.package.empty() ? "cxlab" : plugin.package.c_str(),
+              text.c_str());
 }
 
 int list_reference(const std::string& what, const PackageOptions& options) {
@@ -71,22 +72,28 @@ int list_reference(const std::string& what, const PackageOptions& options) {
   if (!reference) return fail(reference.error());
   if (what == "plugins") {
     for (const PluginReference& plugin : *reference) print_plugin(plugin);
-    std::printf("%-32s %-20s one for each message, service and action, e.g. cx::CXStdMsgsStringPlugin\n", "cx::CX<Pkg><Name>Plugin", "cxlab");
+    std::printf("%-32s %-20s one for each message, service and action, e.g. cx::CXStdMsgsStringPlugin\n",
+                "cx::CX<Pkg><Name>Plugin", "cxlab");
     return 0;
   }
   for (const PluginReference& plugin : *reference) {
     for (const FunctionSpec& f : plugin.functions)
-      if (what == "functions") std::printf("%-80s %-28s %-7s %s\n", call_text(f).c_str(), type_text(f.returns).c_str(), kind_text(f).c_str(), plugin.plugin.c_str());
+      if (what == "functions")
+        std::printf("%-80s %-28s %-7s %s\n", call_text(f).c_str(), type_text(f.returns).c_str(), kind_text(f).c_str(),
+                    plugin.plugin.c_str());
     for (const Documented& c : plugin.constructs)
-      if (what == "templates" && c.kind == "deftemplate") std::printf("; %s\n%s\n", plugin.plugin.c_str(), c.text.c_str());
+      if (what == "templates" && c.kind == "deftemplate")
+        std::printf("; %s\n%s\n", plugin.plugin.c_str(), c.text.c_str());
   }
   return 0;
 }
 
 int list_faults() {
   for (const sim::FaultWord& word : sim::fault_words()) {
-    const std::string when = word.by_occasion ? "at | probability, from, until, times" : "at | mean_s, from, until, times";
-    std::printf("%-15s %s\n%-15s %s; %s\n", std::string(word.name).c_str(), std::string(word.what).c_str(), "", std::string(word.arguments).c_str(), when.c_str());
+    const std::string when =
+        word.by_occasion ? "at | probability, from, until, times" : "at | mean_s, from, until, times";
+    std::printf("%-15s %s\n%-15s %s; %s\n", std::string(word.name).c_str(), std::string(word.what).c_str(), "",
+                std::string(word.arguments).c_str(), when.c_str());
   }
   return 0;
 }
@@ -94,7 +101,9 @@ int list_faults() {
 }  // namespace
 
 void add_list(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("list", "Lists what there is: scenarios, skills, plugin classes, functions that rules can call, templates of the plugins, faults of a scenario");
+  CLI::App* command = app.add_subcommand("list",
+                                         "Lists what there is: scenarios, skills, plugin classes, functions that rules "
+                                         "can call, templates of the plugins, faults of a scenario");
   auto what = std::make_shared<std::string>();
   command->add_option("what", *what, "scenarios, skills, plugins, functions, templates or faults")
       ->required()

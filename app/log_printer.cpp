@@ -4,7 +4,8 @@
 
 namespace cxlab::app {
 
-LogPrinter::LogPrinter(Progress& progress, bool quiet) : progress_(progress), quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
+LogPrinter::LogPrinter(Progress& progress, bool quiet)
+    : progress_(progress), quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
 
 void LogPrinter::line(const cx::LogLine& line) {
   if (quiet_ || line.level == cx::LogLevel::kDebug) return;

@@ -28,10 +28,11 @@ constexpr const char* kExitCodes =
     "Exit codes: 0 done; 1 the answer is no; 2 usage; 3 bad input; 4 the run failed; 5 output or resource; 70 a bug of "
     "cxlab; 130, 143 ended by a signal.";
 
-/// `code`; or that standard output did not take the answer, as on a full disk. A pipe whose reader has seen enough is no error.
+/// `code`; or that standard output did not take the answer, as on a full disk. A pipe whose reader has seen enough is
+/// no error.
 int with_all_said(int code) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  struct stat out {};
+  struct stat out{};
   if (fstat(STDOUT_FILENO, &out) == 0 && (S_ISFIFO(out.st_mode) || S_ISSOCK(out.st_mode))) return code;
   std::fputs("error: standard output cannot be written\n", stderr);
   return code == 0 ? static_cast<int>(ErrorKind::kResource) : code;
@@ -48,7 +49,8 @@ int main(int argc, char** argv) {
   g_command_line.assign(argv, argv + argc);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-  CLI::App app{"cxlab: rule-based robot agents (the CLIPS-Executive) in simulated worlds, one process, one clock, one seed."};
+  CLI::App app{
+      "cxlab: rule-based robot agents (the CLIPS-Executive) in simulated worlds, one process, one clock, one seed."};
   app.name("cxlab");
   app.require_subcommand(1);
   app.footer(kExitCodes);

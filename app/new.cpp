@@ -21,19 +21,22 @@ std::string nearest_name(std::string_view text) {
   std::string name;
   for (char c : text) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    if (is_letter(c) || (is_digit(c) && !name.empty())) name += c;
-    else if (!name.empty() && name.back() != '_') name += '_';
+    if (is_letter(c) || (is_digit(c) && !name.empty()))
+      name += c;
+    else if (!name.empty() && name.back() != '_')
+      name += '_';
   }
   while (!name.empty() && name.back() == '_') name.pop_back();
   return name;
 }
 
-/// A package is named as ROS 2 wants it, so that the project can go there: lower case, no '_' at an end or twice in a row.
-/// Empty if that name can be had, else why not.
+/// A package is named as ROS 2 wants it, so that the project can go there: lower case, no '_' at an end or twice in a
+/// row. Empty if that name can be had, else why not.
 std::string objection(const std::string& name) {
   const std::string nearest = nearest_name(name);
   if (name != nearest)
-    return "its last part names the package: found '" + name + "', expected lower-case letters, digits and single '_', a letter first" +
+    return "its last part names the package: found '" + name +
+           "', expected lower-case letters, digits and single '_', a letter first" +
            (nearest.empty() ? "" : ", as in '" + nearest + "'");
   if (name == "null") return "its last part names the package: found 'null', which is no name in YAML";
   std::error_code error;
@@ -54,7 +57,8 @@ std::string camel_case(std::string_view name) {
 }
 
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
 }
 
 /// Copies a file of the template `my_<kind>`, which becomes `name`.
@@ -79,13 +83,16 @@ int copy_template(const std::string& kind, const std::string& folder, const std:
   if (fs::exists(path, error) && !(fs::is_directory(path, error) && fs::is_empty(path, error)))
     return fail(Error{ErrorKind::kUsage, "is there already and not an empty folder", folder, 0, {}});
   const fs::path origin = find_share().docs / "templates" / kind;
-  if (!fs::is_directory(origin, error)) return fail(Error{ErrorKind::kResource, "the files to begin from are missing", origin.string(), 0, {}});
+  if (!fs::is_directory(origin, error))
+    return fail(Error{ErrorKind::kResource, "the files to begin from are missing", origin.string(), 0, {}});
   fs::create_directories(path, error);
   if (error) return fail(Error{ErrorKind::kResource, error.message(), folder, 0, {}});
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(origin)) {
     const fs::path to = path / entry.path().lexically_relative(origin);
-    if (entry.is_directory()) fs::create_directories(to, error);
-    else if (Status s = copy_file(entry.path(), to, kind, name); !s) return fail(s.error());
+    if (entry.is_directory())
+      fs::create_directories(to, error);
+    else if (Status s = copy_file(entry.path(), to, kind, name); !s)
+      return fail(s.error());
   }
   std::printf("%s\n", folder.c_str());
   std::fprintf(stderr, "next: cd %s; %s (README.md tells more)\n", folder.c_str(), next.c_str());
@@ -96,7 +103,8 @@ void add_kind(CLI::App& command, Action& action, const char* kind, const char* w
   auto folder = std::make_shared<std::string>();
   CLI::App* sub = command.add_subcommand(kind, what);
   sub->footer(std::string("Example:\n  cxlab new ") + kind + " my_" + kind);
-  sub->add_option("folder", *folder, "Where; must be new or empty. Its last part is the name of the package")->required();
+  sub->add_option("folder", *folder, "Where; must be new or empty. Its last part is the name of the package")
+      ->required();
   sub->callback([=, &action] { action = [=] { return copy_template(kind, *folder, next); }; });
 }
 
@@ -105,10 +113,12 @@ void add_kind(CLI::App& command, Action& action, const char* kind, const char* w
 void add_new(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("new", "Makes files to begin from");
   command->require_subcommand(1);
-  add_kind(*command, action, "agent", "An agent with configuration, rules, stories and scenario", "cxlab test; cxlab run scenario.yaml");
+  add_kind(*command, action, "agent", "An agent with configuration, rules, stories and scenario",
+           "cxlab test; cxlab run scenario.yaml");
   const fs::path installed = find_share().prefix;
   const std::string prefix = installed.empty() ? "PREFIX (docs/install.md)" : installed.string();
-  add_kind(*command, action, "plugin", "A plugin in C++ with its own messages, configuration, rules and a test, built outside of cxlab",
+  add_kind(*command, action, "plugin",
+           "A plugin in C++ with its own messages, configuration, rules and a test, built outside of cxlab",
            "cmake -B build -D CMAKE_PREFIX_PATH=" + prefix + "; cmake --build build; ctest --test-dir build");
 }
 

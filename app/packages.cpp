@@ -9,16 +9,24 @@ namespace cxlab::app {
 namespace fs = std::filesystem;
 
 void add_package_options(CLI::App& command, PackageOptions& options) {
-  command.add_option("--package", options.named, "NAME=DIR: where a package lies")->take_all()->expected(1)->allow_extra_args(false);
-  command.add_option("--prefix,--plugin-path", options.prefixes, "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")
-      ->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--package", options.named, "NAME=DIR: where a package lies")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  command
+      .add_option("--prefix,--plugin-path", options.prefixes,
+                  "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
 }
 
 Expected<std::map<std::string, std::string>> named_packages(const std::vector<std::string>& named) {
   std::map<std::string, std::string> packages;
   for (const std::string& text : named) {
     const std::size_t at = text.find('=');
-    if (at == std::string::npos || at == 0) return Error{ErrorKind::kUsage, "--package: found '" + text + "', expected NAME=DIR", {}, 0, {}};
+    if (at == std::string::npos || at == 0)
+      return Error{ErrorKind::kUsage, "--package: found '" + text + "', expected NAME=DIR", {}, 0, {}};
     const std::string folder = text.substr(at + 1);
     if (!fs::is_directory(folder)) return input_error("--package " + text + ": there is no folder " + folder);
     packages[text.substr(0, at)] = fs::absolute(folder).lexically_normal().string();

@@ -10,7 +10,8 @@
 namespace cxlab::app {
 
 Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
-  const Error none = input_error("the run has no physics: it was played in the timed tier or in an empty world", run.folder.string());
+  const Error none =
+      input_error("the run has no physics: it was played in the timed tier or in an empty world", run.folder.string());
   if (run.finished && !run.physics_hash) return none;
   PhysicsOfRun out;
   auto scenario = run.scenario();
@@ -30,8 +31,10 @@ Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
 
   out.tick_ = scenario->tick;
   if (scenario->world_kind == Scenario::WorldKind::kTurtlesim)
-    out.turtles_ = std::make_unique<sim::TurtleReplay>(turtlesim::world_options(scenario->turtlesim, scenario->physics_step), *out.log_);
-  else if (Status s = out.load_factory(*scenario, *files); !s) return s.error();
+    out.turtles_ = std::make_unique<sim::TurtleReplay>(
+        turtlesim::world_options(scenario->turtlesim, scenario->physics_step), *out.log_);
+  else if (Status s = out.load_factory(*scenario, *files); !s)
+    return s.error();
   return out;
 }
 
@@ -52,7 +55,9 @@ Status PhysicsOfRun::load_factory(const Scenario& scenario, const StoredFiles& f
   return {};
 }
 
-Status PhysicsOfRun::advance_to(SimTime t) { return turtles_ ? turtles_->advance_to(tick_not_before(t, tick_)) : factory_->advance_to(t / step_); }
+Status PhysicsOfRun::advance_to(SimTime t) {
+  return turtles_ ? turtles_->advance_to(tick_not_before(t, tick_)) : factory_->advance_to(t / step_);
+}
 
 Expected<std::unique_ptr<View>> PhysicsOfRun::view(int width, int height) const {
   if (turtles_) return view_of_turtles(turtles_->world(), width, height);
@@ -61,7 +66,8 @@ Expected<std::unique_ptr<View>> PhysicsOfRun::view(int width, int height) const 
 
 std::string PhysicsOfRun::hash() const {
   char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(turtles_ ? turtles_->world().hash() : factory_->hash()));
+  std::snprintf(text, sizeof text, "%016llx",
+                static_cast<unsigned long long>(turtles_ ? turtles_->world().hash() : factory_->hash()));
   return text;
 }
 

@@ -36,7 +36,7 @@ class PhysicsOfRun {
   SimTime log_end_{};
   SimTime step_{}, tick_{};
   sim::FloorPlan plan_;
-  std::optional<sim::PhysicsReplay> factory_;   // either of the two
+  std::optional<sim::PhysicsReplay> factory_;  // either of the two
   std::unique_ptr<sim::TurtleReplay> turtles_;
 };
 

@@ -18,7 +18,8 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
-Expected<std::unique_ptr<Pictures>> Pictures::create(Episode& episode, const RunFolder* folder, std::vector<double> times, const std::string& video) {
+Expected<std::unique_ptr<Pictures>> Pictures::create(Episode& episode, const RunFolder* folder,
+                                                     std::vector<double> times, const std::string& video) {
   std::unique_ptr<Pictures> pictures(new Pictures);
   if (times.empty() && video.empty()) return pictures;
   auto view = view_of(episode.stage(), kWidth, kHeight);
@@ -38,9 +39,12 @@ Expected<std::unique_ptr<Pictures>> Pictures::create(Episode& episode, const Run
     auto first = (*view)->draw((*view)->cameras().front());
     if (!first) return first.error();
     const std::string size = std::to_string((*first)->width) + 'x' + std::to_string((*first)->height);
-    const std::string command = "ffmpeg -loglevel error -y -f rawvideo -pix_fmt rgb24 -s " + size + " -r 200 -i - -r 25 -pix_fmt yuv420p " + quoted(video);
-    if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0) note("--video needs ffmpeg: apt-get install ffmpeg");
-    else pictures->film_ = popen(command.c_str(), "w");
+    const std::string command = "ffmpeg -loglevel error -y -f rawvideo -pix_fmt rgb24 -s " + size +
+                                " -r 200 -i - -r 25 -pix_fmt yuv420p " + quoted(video);
+    if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0)
+      note("--video needs ffmpeg: apt-get install ffmpeg");
+    else
+      pictures->film_ = popen(command.c_str(), "w");
     pictures->video_ = video;
   }
   pictures->view_ = *std::move(view);

@@ -18,7 +18,8 @@ class Pictures {
  public:
   /// `times` (s) in order. Where pictures cannot be had (no OpenGL, timed tier, no ffmpeg) says so on stderr once and
   /// takes none: the run goes on.
-  static Expected<std::unique_ptr<Pictures>> create(Episode& episode, const RunFolder* folder, std::vector<double> times, const std::string& video);
+  static Expected<std::unique_ptr<Pictures>> create(Episode& episode, const RunFolder* folder,
+                                                    std::vector<double> times, const std::string& video);
   ~Pictures();
 
   /// Takes what is due at the episode's time.

@@ -70,7 +70,8 @@ ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& tas
   for (std::size_t i = 0; i < answer.plan->steps.size(); ++i) {
     const planner::PlanStep& step = answer.plan->steps[i];
     ordered_json arguments = ordered_json::array();
-    for (const planner::ObjectId object : step.arguments) arguments.push_back(task.problem.objects[static_cast<std::size_t>(object)].name);
+    for (const planner::ObjectId object : step.arguments)
+      arguments.push_back(task.problem.objects[static_cast<std::size_t>(object)].name);
     const double latest = static_cast<double>(answer.plan->latest[2 * i]) / planner::kMicrosPerSecond;
     out["steps"].push_back({{"start", step.start},
                             {"duration", step.duration},
@@ -78,10 +79,15 @@ ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& tas
                             {"action", task.domain.actions[static_cast<std::size_t>(step.action)].name},
                             {"arguments", std::move(arguments)}});
   }
-  const auto point = [](int p) { return p < 0 ? ordered_json("origin") : ordered_json({{"step", p / 2}, {"at", p % 2 ? "end" : "start"}}); };
+  const auto point = [](int p) {
+    return p < 0 ? ordered_json("origin") : ordered_json({{"step", p / 2}, {"at", p % 2 ? "end" : "start"}});
+  };
   for (const planner::Ordering& ordering : answer.plan->orderings) {
-    ordered_json edge = {{"from", point(ordering.from)}, {"to", point(ordering.to)}, {"least_s", static_cast<double>(ordering.least) / planner::kMicrosPerSecond}};
-    if (ordering.most < planner::DurationRange::kForever) edge["most_s"] = static_cast<double>(ordering.most) / planner::kMicrosPerSecond;
+    ordered_json edge = {{"from", point(ordering.from)},
+                         {"to", point(ordering.to)},
+                         {"least_s", static_cast<double>(ordering.least) / planner::kMicrosPerSecond}};
+    if (ordering.most < planner::DurationRange::kForever)
+      edge["most_s"] = static_cast<double>(ordering.most) / planner::kMicrosPerSecond;
     out["orderings"].push_back(std::move(edge));
   }
   return out;
@@ -98,22 +104,28 @@ int write(const std::string& file, const std::string& text) {
 
 /// Prints and writes the answer as asked; the exit code.
 int tell(const planner::PlanAnswer& answer, const planner::Task& task, const PlanCommand& command) {
-  std::fprintf(stderr, "%s: %s; %lld units\n", word(answer.status), answer.reason.c_str(), static_cast<long long>(answer.units));
+  std::fprintf(stderr, "%s: %s; %lld units\n", word(answer.status), answer.reason.c_str(),
+               static_cast<long long>(answer.units));
   int code = exit_code(answer.status);
   if (answer.plan) {
     const double makespan = answer.plan->makespan_s, bound = answer.lower_bound_s;
     if (const std::optional<double> gap = answer.gap())
-      std::fprintf(stderr, "makespan %.3f s, no plan under %.3f s%s: at most %.1f %% from the shortest\n", makespan, bound,
-                   answer.bound_assumes_order ? " in which no two actions change one fact at one instant" : "", 100 * *gap);
+      std::fprintf(stderr, "makespan %.3f s, no plan under %.3f s%s: at most %.1f %% from the shortest\n", makespan,
+                   bound, answer.bound_assumes_order ? " in which no two actions change one fact at one instant" : "",
+                   100 * *gap);
     else
       std::fprintf(stderr, "makespan %.3f s, no bound is known\n", makespan);
     if (answer.by_metric && answer.plan->metric) {
-      const std::string bound = answer.metric_bound ? "no plan has a better one than " + metric_text(*answer.metric_bound) : "what the best is is not known";
+      const std::string bound = answer.metric_bound
+                                    ? "no plan has a better one than " + metric_text(*answer.metric_bound)
+                                    : "what the best is is not known";
       std::fprintf(stderr, "metric %s, %s\n", metric_text(*answer.plan->metric).c_str(), bound.c_str());
     }
     const std::string text = planner::to_text(answer.plan->steps, task.domain, task.problem);
-    if (!command.out.empty()) code = std::max(code, write(command.out, text));
-    else if (!command.json) std::fputs(text.c_str(), stdout);
+    if (!command.out.empty())
+      code = std::max(code, write(command.out, text));
+    else if (!command.json)
+      std::fputs(text.c_str(), stdout);
     if (!command.svg.empty()) code = std::max(code, write(command.svg, plan_picture(*answer.plan, task)));
   }
   if (command.json) std::printf("%s\n", to_json(answer, task, command.timeout_s.has_value()).dump(1).c_str());
@@ -124,7 +136,9 @@ int tell(const planner::PlanAnswer& answer, const planner::Task& task, const Pla
 int run(const PlanCommand& command) {
   using Clock = std::chrono::steady_clock;
   planner::Deadline deadline;
-  if (command.timeout_s) deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(*command.timeout_s, kLongestTimeout)));
+  if (command.timeout_s)
+    deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                  std::chrono::duration<double>(std::min(*command.timeout_s, kLongestTimeout)));
   const Expected<planner::Task> task = planner::load_task(command.domain, command.problem, deadline);
   if (!task && task.error().code == planner::kTooLate) {
     planner::PlanAnswer answer;
@@ -141,13 +155,18 @@ int run(const PlanCommand& command) {
   if (deadline) options.timeout_s = std::chrono::duration<double>(*deadline - Clock::now()).count();
   options.anytime = command.anytime;
   options.on_plan = [](const planner::TimedPlan& plan, std::int64_t units) {
-    const std::string metric = plan.metric && told_metric(*plan.metric) != told_metric(plan.makespan_s) ? ", metric " + metric_text(*plan.metric) : "";
-    std::fprintf(stderr, "plan: %zu steps, makespan %.3f s%s, after %lld units\n", plan.steps.size(), plan.makespan_s, metric.c_str(), static_cast<long long>(units));
+    const std::string metric = plan.metric && told_metric(*plan.metric) != told_metric(plan.makespan_s)
+                                   ? ", metric " + metric_text(*plan.metric)
+                                   : "";
+    std::fprintf(stderr, "plan: %zu steps, makespan %.3f s%s, after %lld units\n", plan.steps.size(), plan.makespan_s,
+                 metric.c_str(), static_cast<long long>(units));
   };
   const Expected<planner::PlanAnswer> answer = planner::find_plan(*task, options);
   if (!answer) {
     std::fprintf(stderr, "error: %s\n", answer.error().text().c_str());
-    return answer.error().code == "memory" ? kMemory : answer.error().code == planner::kUnsupported ? kUnsupported : fail(answer.error());
+    return answer.error().code == "memory"                ? kMemory
+           : answer.error().code == planner::kUnsupported ? kUnsupported
+                                                          : fail(answer.error());
   }
   return tell(*answer, *task, command);
 }
@@ -160,15 +179,18 @@ void add_plan(CLI::App& app, Action& action) {
   plan->add_option("domain", options->domain, "PDDL domain")->required();
   plan->add_option("problem", options->problem, "PDDL problem")->required();
   plan->add_option("--timeout", options->timeout_s, "wall time in seconds")->check(positive());
-  plan->add_option("--budget", options->budget, "work units; one is about a microsecond. The same budget gives the same plan")
+  plan->add_option("--budget", options->budget,
+                   "work units; one is about a microsecond. The same budget gives the same plan")
       ->check(positive())
       ->capture_default_str();
-  plan->add_flag("--anytime", options->anytime, "go on to better plans until time or budget end: by the metric, or shorter ones");
+  plan->add_flag("--anytime", options->anytime,
+                 "go on to better plans until time or budget end: by the metric, or shorter ones");
   plan->add_option("--out", options->out, "write the plan to this file instead of standard output");
   plan->add_option("--svg", options->svg, "draw the plan: bars, slack and partial order");
   plan->add_flag("--json", options->json, "print plan, partial order and bound as JSON");
   plan->footer(
-      "Exit codes: 0 a plan; 10 proved unsolvable; 12 ended without plan or proof; 22 memory; 23 time or budget ended; 31 bad\n"
+      "Exit codes: 0 a plan; 10 proved unsolvable; 12 ended without plan or proof; 22 memory; 23 time or budget ended; "
+      "31 bad\n"
       "input; 34 unsupported PDDL; 2 usage; 5 output cannot be written.");
   plan->callback([options, &action] {
     action = [options] {

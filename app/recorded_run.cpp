@@ -27,7 +27,8 @@ void read_manifest(const Json& json, RecordedRun& run) {
   run.options.keep_going = json.at("keep_going").get<bool>();
   run.options.strict = json.at("strict_cx").get<bool>();
   run.options.prefixes = json.at("prefixes").get<std::vector<std::string>>();
-  for (const Json& agent : json.at("agents")) run.shares.push_back(agent.at("packages").get<std::map<std::string, std::string>>());
+  for (const Json& agent : json.at("agents"))
+    run.shares.push_back(agent.at("packages").get<std::map<std::string, std::string>>());
 }
 
 void read_result(const Json& json, RecordedRun& run) {
@@ -84,7 +85,8 @@ Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, Jou
   if (!files) return files.error();
   if (Status s = files->materialise(root / "copies"); !s) return s.error();
   std::error_code error;
-  if (!fs::create_directory(root / "run", error)) return Error{ErrorKind::kResource, "cannot make a folder", (root / "run").string(), 0, {}};
+  if (!fs::create_directory(root / "run", error))
+    return Error{ErrorKind::kResource, "cannot make a folder", (root / "run").string(), 0, {}};
   EpisodeOptions options = shared_episode_options();
   options.run_folder = root / "run";
   options.journal = level;

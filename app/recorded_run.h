@@ -21,13 +21,13 @@ inline constexpr SimTime kLongestRun = std::chrono::seconds(1'000'000'000);
 
 struct RecordedRun {
   std::filesystem::path folder;
-  std::filesystem::path scenario_file;   ///< absolute; need not be there any more
+  std::filesystem::path scenario_file;  ///< absolute; need not be there any more
   std::vector<std::string> overrides;
-  RunOptions options;                    ///< until, journal, keep_going, strict
+  RunOptions options;                                      ///< until, journal, keep_going, strict
   std::vector<std::map<std::string, std::string>> shares;  ///< by agent: package -> its share directory then
 
   // How it ended
-  bool finished = false;                 ///< else it was killed, and what follows is not known
+  bool finished = false;  ///< else it was killed, and what follows is not known
   Tier tier{};
   SimTime sim_time{};
   std::int64_t ticks = 0;
@@ -48,7 +48,8 @@ struct RulesReplay {
   std::filesystem::path journal() const { return scratch->path() / "run" / "journal.jsonl"; }
 
   /// Ends at `end`.
-  static Expected<RulesReplay> load(const RecordedRun& run, SimTime end, JournalLevel level, cx::LogSink* log = nullptr);
+  static Expected<RulesReplay> load(const RecordedRun& run, SimTime end, JournalLevel level,
+                                    cx::LogSink* log = nullptr);
 };
 
 }  // namespace cxlab::app

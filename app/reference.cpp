@@ -31,11 +31,13 @@ Expected<std::string> write_configuration(const std::vector<std::string>& classe
   for (std::size_t i = 0; i < classes.size(); ++i) {
     const std::string number = std::to_string(i);
     environments += ", e" + number;
-    sections += "    e" + number + ": {plugins: [p" + number + "], log_clips_to_file: false}\n    p" + number + ": {plugin: \"" + classes[i] + "\"}\n";
+    sections += "    e" + number + ": {plugins: [p" + number + "], log_clips_to_file: false}\n    p" + number +
+                ": {plugin: \"" + classes[i] + "\"}\n";
   }
   std::string file = (fs::temp_directory_path() / "cxlab-doc-XXXXXX").string();
   const int descriptor = mkstemp(file.data());
-  if (descriptor < 0) return Error{ErrorKind::kResource, "cannot write to " + fs::temp_directory_path().string(), {}, 0, {}};
+  if (descriptor < 0)
+    return Error{ErrorKind::kResource, "cannot write to " + fs::temp_directory_path().string(), {}, 0, {}};
   close(descriptor);
   std::ofstream(file) << "/**:\n  ros__parameters:\n    environments: [" << environments << "]\n" << sections;
   return file;
@@ -91,8 +93,10 @@ const char* type_word(char code) {
 std::vector<std::string> argument_codes(const FunctionSpec& function) {
   std::vector<std::string> out(1);
   for (const char c : function.arg_types) {
-    if (c == ';') out.emplace_back();
-    else out.back() += c;
+    if (c == ';')
+      out.emplace_back();
+    else
+      out.back() += c;
   }
   return out;
 }
@@ -104,7 +108,8 @@ std::string escaped(std::string text) {
 
 }  // namespace
 
-std::vector<std::string> binding_classes_of(const std::string& name, const std::map<std::string, std::string>& packages) {
+std::vector<std::string> binding_classes_of(const std::string& name,
+                                            const std::map<std::string, std::string>& packages) {
   bus::Registry registry;
   if (!add_interfaces(registry, packages)) return {};
   std::vector<std::pair<std::string, std::string>> found;  // prefix, class
@@ -139,7 +144,8 @@ std::string call_text(const FunctionSpec& function) {
   return out + (open ? " ...)" : ")");
 }
 
-Expected<std::vector<PluginReference>> read_reference(const std::map<std::string, std::string>& packages, const std::vector<std::string>& named) {
+Expected<std::vector<PluginReference>> read_reference(const std::map<std::string, std::string>& packages,
+                                                      const std::vector<std::string>& named) {
   auto known = all_classes(packages);
   if (!known) return known.error();
   std::vector<std::string> classes = named;
@@ -180,7 +186,8 @@ Expected<std::vector<PluginReference>> read_reference(const std::map<std::string
       plugin.parameters = k.type.parameters;
     }
     if (i > 0 && (*manager)->plugin_names('e' + std::to_string(i - 1))->empty())
-      plugin.problem = problems < (*manager)->load_errors().size() ? (*manager)->load_errors()[problems++].text() : "it cannot be loaded";
+      plugin.problem = problems < (*manager)->load_errors().size() ? (*manager)->load_errors()[problems++].text()
+                                                                   : "it cannot be loaded";
     for (FunctionSpec& f : engine.functions())
       if (i == 0 || f.owner == 'p' + std::to_string(i - 1)) plugin.functions.push_back(std::move(f));
     for (const ConstructInfo& c : engine.constructs()) plugin.constructs.push_back({c.kind, c.name, c.text});
@@ -192,20 +199,27 @@ Expected<std::vector<PluginReference>> read_reference(const std::map<std::string
 
 std::string reference_page(const std::vector<PluginReference>& reference) {
   std::string out =
-      "# Reference\n\nAll that rules find in an environment, beside CLIPS itself, by the plugin that brings it. This page is made from the\n"
-      "code: `cxlab doc --markdown > docs/reference.md`. *Pure* functions may stand on a left-hand side, *acting* ones may not.\n"
-      "Classes that are made from their names (`cx::CX<Pkg><Name>Plugin`) are told one at a time: `cxlab doc cx::CXStdMsgsStringPlugin`.\n";
+      "# Reference\n\nAll that rules find in an environment, beside CLIPS itself, by the plugin that brings it. This "
+      "page is made from the\n"
+      "code: `cxlab doc --markdown > docs/reference.md`. *Pure* functions may stand on a left-hand side, *acting* ones "
+      "may not.\n"
+      "Classes that are made from their names (`cx::CX<Pkg><Name>Plugin`) are told one at a time: `cxlab doc "
+      "cx::CXStdMsgsStringPlugin`.\n";
   for (const PluginReference& plugin : reference) {
     out += "\n## " + plugin.plugin + "\n";
-    if (!plugin.package.empty()) out += "\nOf package `" + plugin.package + "`." + (plugin.description.empty() ? "" : ' ' + plugin.description) + '\n';
+    if (!plugin.package.empty())
+      out += "\nOf package `" + plugin.package + "`." + (plugin.description.empty() ? "" : ' ' + plugin.description) +
+             '\n';
     if (!plugin.parameters.empty()) {
       out += "\nParameters:";
-      for (std::size_t i = 0; i < plugin.parameters.size(); ++i) out += (i == 0 ? " `" : ", `") + plugin.parameters[i] + '`';
+      for (std::size_t i = 0; i < plugin.parameters.size(); ++i)
+        out += (i == 0 ? " `" : ", `") + plugin.parameters[i] + '`';
       out += '\n';
     }
     if (!plugin.functions.empty()) out += "\n| Function | Gives | | |\n|---|---|---|---|\n";
     for (const FunctionSpec& f : plugin.functions)
-      out += "| `" + escaped(call_text(f)) + "` | " + escaped(type_text(f.returns)) + " | " + kind_text(f) + " | " + f.doc + " |\n";
+      out += "| `" + escaped(call_text(f)) + "` | " + escaped(type_text(f.returns)) + " | " + kind_text(f) + " | " +
+             f.doc + " |\n";
     if (!plugin.constructs.empty()) {
       out += "\n```clips\n";
       for (const Documented& c : plugin.constructs) out += c.text + '\n';
@@ -222,10 +236,21 @@ std::string reference_json(const std::vector<PluginReference>& reference) {
   for (const PluginReference& plugin : reference) {
     Json functions = Json::array(), constructs = Json::array();
     for (const FunctionSpec& f : plugin.functions)
-      functions.push_back({{"name", f.name}, {"call", call_text(f)}, {"gives", type_text(f.returns)}, {"arguments", f.arg_types}, {"returns", f.returns},
-                           {"min_args", f.min_args}, {"max_args", f.max_args == kAnyNumberOfArguments ? Json() : Json(f.max_args)}, {"kind", kind_text(f)}, {"help", f.doc}});
-    for (const Documented& c : plugin.constructs) constructs.push_back({{"kind", c.kind}, {"name", c.name}, {"text", c.text}});
-    Json one{{"plugin", plugin.plugin}, {"parameters", plugin.parameters}, {"functions", functions}, {"constructs", constructs}};
+      functions.push_back({{"name", f.name},
+                           {"call", call_text(f)},
+                           {"gives", type_text(f.returns)},
+                           {"arguments", f.arg_types},
+                           {"returns", f.returns},
+                           {"min_args", f.min_args},
+                           {"max_args", f.max_args == kAnyNumberOfArguments ? Json() : Json(f.max_args)},
+                           {"kind", kind_text(f)},
+                           {"help", f.doc}});
+    for (const Documented& c : plugin.constructs)
+      constructs.push_back({{"kind", c.kind}, {"name", c.name}, {"text", c.text}});
+    Json one{{"plugin", plugin.plugin},
+             {"parameters", plugin.parameters},
+             {"functions", functions},
+             {"constructs", constructs}};
     if (!plugin.package.empty()) one.update({{"package", plugin.package}, {"description", plugin.description}});
     if (!plugin.problem.empty()) one["problem"] = plugin.problem;
     out.push_back(std::move(one));

@@ -12,9 +12,9 @@
 namespace cxlab::app {
 
 struct Documented {
-  std::string kind;    ///< "deftemplate", "defglobal", "defrule", "deffunction"
+  std::string kind;  ///< "deftemplate", "defglobal", "defrule", "deffunction"
   std::string name;
-  std::string text;    ///< as written
+  std::string text;  ///< as written
 };
 
 /// What one plugin class brings.
@@ -28,12 +28,14 @@ struct PluginReference {
   std::vector<Documented> constructs;   ///< in order of definition
 };
 
-/// Of these classes, or of all that come with cxlab and of all plugins of these packages (name -> folder): each is loaded
-/// alone into an environment.
-Expected<std::vector<PluginReference>> read_reference(const std::map<std::string, std::string>& packages, const std::vector<std::string>& classes = {});
+/// Of these classes, or of all that come with cxlab and of all plugins of these packages (name -> folder): each is
+/// loaded alone into an environment.
+Expected<std::vector<PluginReference>> read_reference(const std::map<std::string, std::string>& packages,
+                                                      const std::vector<std::string>& classes = {});
 
 /// Classes of bindings whose functions and facts begin as `name` does ("std-msgs-string-publish"), best first.
-std::vector<std::string> binding_classes_of(const std::string& name, const std::map<std::string, std::string>& packages);
+std::vector<std::string> binding_classes_of(const std::string& name,
+                                            const std::map<std::string, std::string>& packages);
 
 /// `(config-load STRING|SYMBOL STRING|SYMBOL)`.
 std::string call_text(const FunctionSpec& function);

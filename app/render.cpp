@@ -32,8 +32,10 @@ Expected<Size> read_size(const std::string& text) {
   Size size;
   char rest = 0;
   constexpr int kLargest = 4096;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2 || size.width < 16 || size.height < 16 || size.width > kLargest || size.height > kLargest)
-    return Error{ErrorKind::kUsage, "--size: found '" + text + "', expected WIDTHxHEIGHT, each from 16 to 4096", {}, 0, {}};
+  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2 || size.width < 16 ||
+      size.height < 16 || size.width > kLargest || size.height > kLargest)
+    return Error{
+        ErrorKind::kUsage, "--size: found '" + text + "', expected WIDTHxHEIGHT, each from 16 to 4096", {}, 0, {}};
   return size;
 }
 
@@ -53,7 +55,9 @@ Status render_run(const Options& options) {
   auto run = RecordedRun::open(options.what);
   if (!run) return run.error();
   if (!run->physics_hash && run->finished && run->tier == Tier::kTimed)
-    return input_error("the run was played in the timed tier, which has no bodies to look at: play it with --tier physics", options.what);
+    return input_error(
+        "the run was played in the timed tier, which has no bodies to look at: play it with --tier physics",
+        options.what);
   if (run->finished && options.at && from_seconds(*options.at) > run->sim_time) {
     char end[32];
     std::snprintf(end, sizeof end, "%g s", to_seconds(run->sim_time));
@@ -74,8 +78,10 @@ Status render_scenario(const Options& options) {
   if (options.seed) overrides.push_back("seed=" + std::to_string(*options.seed));
   auto scenario = Scenario::load(options.what, overrides);
   if (!scenario) return scenario.error();
-  const bool canvas = std::ranges::any_of(scenario->servers, [](const ServerSpec& server) { return server.node == "turtlesim"; });
-  if (scenario->world_kind == Scenario::WorldKind::kNone && !canvas) return input_error("the world is empty: there is nothing to look at", options.what);
+  const bool canvas =
+      std::ranges::any_of(scenario->servers, [](const ServerSpec& server) { return server.node == "turtlesim"; });
+  if (scenario->world_kind == Scenario::WorldKind::kNone && !canvas)
+    return input_error("the world is empty: there is nothing to look at", options.what);
   if (scenario->world_kind == Scenario::WorldKind::kRcll && scenario->tier == Tier::kTimed && !canvas)
     return input_error("the timed tier has no bodies to look at: --set tier=physics", options.what);
   auto episode = Episode::load(*std::move(scenario), shared_episode_options());
@@ -110,13 +116,23 @@ void add_render(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("render", "Draws the world of a run or of a scenario at a time");
   command->add_option("what", options->what, "Folder of a run, or a scenario, which is played up to then")->required();
-  command->add_option("--at", options->at, "When, s of simulated time (of a run: default its end, or how far its log goes)")->check(not_negative());
+  command
+      ->add_option("--at", options->at,
+                   "When, s of simulated time (of a run: default its end, or how far its log goes)")
+      ->check(not_negative());
   command->add_option("--out", options->out, "The picture (PNG)")->required();
-  command->add_option("--camera", options->camera, "Of a factory: field (default), top, a robot (robot1) or a machine (C-CS1); of turtles: canvas");
-  command->add_option("--size", options->size, "WIDTHxHEIGHT; a canvas of turtles is the largest square in it")->capture_default_str();
+  command->add_option("--camera", options->camera,
+                      "Of a factory: field (default), top, a robot (robot1) or a machine (C-CS1); of turtles: canvas");
+  command->add_option("--size", options->size, "WIDTHxHEIGHT; a canvas of turtles is the largest square in it")
+      ->capture_default_str();
   command->add_option("--seed", options->seed, "Of a scenario: seed of all chance")->check(seed_number());
-  command->add_option("--set", options->overrides, "Of a scenario: changes a value, a.b[0].c=VALUE")->take_all()->expected(1)->allow_extra_args(false);
-  command->footer("Example:\n  cxlab render scenarios/rcll/game.yaml --at 60 --out field.png --camera top\n  cxlab render scenarios/turtlesim/figures.yaml --at 40 --out figures.png --size 500x500");
+  command->add_option("--set", options->overrides, "Of a scenario: changes a value, a.b[0].c=VALUE")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  command->footer(
+      "Example:\n  cxlab render scenarios/rcll/game.yaml --at 60 --out field.png --camera top\n  cxlab render "
+      "scenarios/turtlesim/figures.yaml --at 40 --out figures.png --size 500x500");
   command->callback([options, &action] { action = [options] { return render(*options); }; });
 }
 

@@ -37,7 +37,8 @@ std::map<std::uint64_t, Json> records_of(const std::string& stream, const fs::pa
   std::ifstream in(journal);
   for (std::string line; std::getline(in, line);) {
     Json record = Json::parse(line, nullptr, /*allow_exceptions=*/false);
-    if (record.is_object() && record.value("stream", "") == stream) records.emplace(record.value("n", std::uint64_t{0}), std::move(record));
+    if (record.is_object() && record.value("stream", "") == stream)
+      records.emplace(record.value("n", std::uint64_t{0}), std::move(record));
   }
   return records;
 }
@@ -52,9 +53,11 @@ std::string first_difference(const std::string& stream, const fs::path& recorded
     if (again != now.end() && again->second == record) continue;
     char time[32];
     std::snprintf(time, sizeof time, "%.3f", record.value("t", std::int64_t{0}) / 1e9);
-    return stream + ':' + std::to_string(n) + " at " + time + " s: then " + shown(record) + ", now " + (again == now.end() ? "nothing like it" : shown(again->second));
+    return stream + ':' + std::to_string(n) + " at " + time + " s: then " + shown(record) + ", now " +
+           (again == now.end() ? "nothing like it" : shown(again->second));
   }
-  return stream + ": all " + std::to_string(then.size()) + " records that were exported agree; the difference is in records that the run did not export (--journal full)";
+  return stream + ": all " + std::to_string(then.size()) +
+         " records that were exported agree; the difference is in records that the run did not export (--journal full)";
 }
 
 Status play_to_end(Episode& episode, const RecordedRun& run) {
@@ -76,9 +79,11 @@ Expected<Outcome> replay_rules(const RecordedRun& run) {
     if (!replay) return replay.error();
   }
   const Status played = play_to_end(*replay->episode, run);
-  const Result result = replay->episode->close(RunStatus::kStopped, played ? std::nullopt : std::optional<Error>(played.error()));
+  const Result result =
+      replay->episode->close(RunStatus::kStopped, played ? std::nullopt : std::optional<Error>(played.error()));
   out.end = result.sim_time;
-  if (result.reason && (result.reason->kind == ErrorKind::kNo || run.status != "failed")) out.first_difference = result.reason->text();
+  if (result.reason && (result.reason->kind == ErrorKind::kNo || run.status != "failed"))
+    out.first_difference = result.reason->text();
   const std::map<std::string, std::string> hashes(result.stream_hashes.begin(), result.stream_hashes.end());
   for (const auto& [stream, hash] : run.stream_hashes) {
     if (!stream.starts_with("env/")) continue;
@@ -98,7 +103,8 @@ Expected<Outcome> replay_physics(const RecordedRun& run) {
   out.end = out.broken ? replay->log_end() : run.sim_time;
   if (Status s = replay->advance_to(out.end); !s && run.status != "failed") return s.error();
   (replay->hash() == *run.physics_hash ? out.same : out.differ).push_back("physics");
-  if (!out.differ.empty() && !out.broken) out.first_difference = "physics: then " + *run.physics_hash + ", now " + replay->hash();
+  if (!out.differ.empty() && !out.broken)
+    out.first_difference = "physics: then " + *run.physics_hash + ", now " + replay->hash();
   return out;
 }
 
@@ -132,8 +138,11 @@ void print(const char* half, const Outcome& outcome) {
 int replay(const Options& options) {
   auto run = RecordedRun::open(options.run);
   if (!run) return fail(run.error());
-  if (!run->finished) return fail(input_error("the run was cut off before its end: there are no hashes to compare with", options.run));
-  if (options.physics && !run->physics_hash) return fail(input_error("the run has no physics: it was played in the timed tier or in an empty world", options.run));
+  if (!run->finished)
+    return fail(input_error("the run was cut off before its end: there are no hashes to compare with", options.run));
+  if (options.physics && !run->physics_hash)
+    return fail(
+        input_error("the run has no physics: it was played in the timed tier or in an empty world", options.run));
   watch_signals();
   Json json = Json::object();
   int code = 0;
@@ -142,10 +151,14 @@ int replay(const Options& options) {
       code = fail(outcome.error());
       return false;
     }
-    if (options.json) json[name] = to_json(*outcome);
-    else print(name, *outcome);
-    if (outcome->broken) code = fail(*outcome->broken);
-    else if (code == 0 && (!outcome->differ.empty() || !outcome->first_difference.empty())) code = static_cast<int>(ErrorKind::kNo);
+    if (options.json)
+      json[name] = to_json(*outcome);
+    else
+      print(name, *outcome);
+    if (outcome->broken)
+      code = fail(*outcome->broken);
+    else if (code == 0 && (!outcome->differ.empty() || !outcome->first_difference.empty()))
+      code = static_cast<int>(ErrorKind::kNo);
     return true;
   };
   const bool both = options.rules == options.physics;
@@ -161,7 +174,8 @@ int replay(const Options& options) {
 
 void add_replay(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("replay", "Plays a run again from its input log and says whether the hashes agree");
+  CLI::App* command =
+      app.add_subcommand("replay", "Plays a run again from its input log and says whether the hashes agree");
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_flag("--rules", options->rules, "Only the rules, without world and servers");
   command->add_flag("--physics", options->physics, "Only the physics, without rules and servers");

@@ -26,7 +26,8 @@ std::string base64(const std::string& bytes) {
   std::string out;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     unsigned value = 0;
-    for (std::size_t k = 0; k < 3; ++k) value = value << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 3; ++k)
+      value = value << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
     for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kAlphabet[value >> (18 - 6 * k) & 63] : '=';
   }
   return out;
@@ -42,8 +43,8 @@ std::string time_axis(double end, double bottom) {
   for (double t = 0; t <= end + 1e-9; t += step) {
     const std::string x = number(x_of(t, end));
     const char* anchor = t + step / 3 > end ? "end" : "middle";  // the last one stays inside of the picture
-    out += "<line class=grid x1=" + x + " x2=" + x + " y1=0 y2=" + number(bottom) + " /><text x=" + x + " y=" + number(bottom + 14) +
-           " text-anchor=" + anchor + ">" + clock_text(t) + "</text>";
+    out += "<line class=grid x1=" + x + " x2=" + x + " y1=0 y2=" + number(bottom) + " /><text x=" + x +
+           " y=" + number(bottom + 14) + " text-anchor=" + anchor + ">" + clock_text(t) + "</text>";
   }
   return out;
 }
@@ -68,11 +69,13 @@ std::string points_chart(const Report& report, double end) {
   std::string out = "<h2>Points over time</h2><svg viewBox='0 0 1000 200'>" + time_axis(end, kHeight);
   for (int i = 0; i <= 4; ++i) {
     const double value = top * i / 4, y = kHeight - (kHeight - 10) * i / 4;
-    out += "<line class=grid x1=90 x2=990 y1=" + number(y) + " y2=" + number(y) + " /><text x=84 y=" + number(y + 4) + " text-anchor=end>" + number(value, 0) + "</text>";
+    out += "<line class=grid x1=90 x2=990 y1=" + number(y) + " y2=" + number(y) + " /><text x=84 y=" + number(y + 4) +
+           " text-anchor=end>" + number(value, 0) + "</text>";
   }
   for (const auto& [team, line] : lines) {
     out += "<polyline fill=none stroke-width=2.5 class='" + escape(team) + "' points='";
-    for (const auto& [t, points] : line) out += number(x_of(t, end)) + ',' + number(kHeight - (kHeight - 10) * points / top) + ' ';
+    for (const auto& [t, points] : line)
+      out += number(x_of(t, end)) + ',' + number(kHeight - (kHeight - 10) * points / top) + ' ';
     out += "'/>";
   }
   return out + "</svg>";
@@ -83,16 +86,24 @@ std::string gantt(const Report& report, double end) {
   std::vector<std::string> robots;
   for (const RobotResult& robot : report.result.robots) robots.push_back(robot.name);
   const double height = kRow * static_cast<double>(robots.size());
-  std::string out = "<h2>What the robots did</h2><p class=key><span class=drive_to>drive</span><span class=pick>pick</span><span class=place>place</span>"
-                    "<span class=failed>failed</span></p><svg viewBox='0 0 1000 " + number(height + 20) + "'>" + time_axis(end, height);
+  std::string out =
+      "<h2>What the robots did</h2><p class=key><span class=drive_to>drive</span><span class=pick>pick</span><span "
+      "class=place>place</span>"
+      "<span class=failed>failed</span></p><svg viewBox='0 0 1000 " +
+      number(height + 20) + "'>" + time_axis(end, height);
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const double y = kRow * static_cast<double>(i) + 5;
     out += "<text x=4 y=" + number(y + 16) + ">" + escape(robots[i]) + "</text>";
     for (const SkillBar& bar : report.skills) {
       if (bar.robot != robots[i]) continue;
-      out += "<rect class='" + escape(bar.skill) + (bar.ended && !bar.succeeded ? " failed" : "") + "' x=" + number(x_of(bar.begin, end), 2) + " y=" + number(y) +
-             " width=" + number(std::max(0.5, x_of(bar.end, end) - x_of(bar.begin, end)), 2) + " height=24><title>" + escape(bar.skill + ' ' + bar.target) +
-             ", " + number(bar.begin) + " to " + number(bar.end) + " s" + (!bar.ended ? ", still at work" : bar.succeeded ? "" : ", failed") + "</title></rect>";
+      out += "<rect class='" + escape(bar.skill) + (bar.ended && !bar.succeeded ? " failed" : "") +
+             "' x=" + number(x_of(bar.begin, end), 2) + " y=" + number(y) +
+             " width=" + number(std::max(0.5, x_of(bar.end, end) - x_of(bar.begin, end)), 2) + " height=24><title>" +
+             escape(bar.skill + ' ' + bar.target) + ", " + number(bar.begin) + " to " + number(bar.end) + " s" +
+             (!bar.ended      ? ", still at work"
+              : bar.succeeded ? ""
+                              : ", failed") +
+             "</title></rect>";
     }
   }
   return out + "</svg>";
@@ -102,9 +113,11 @@ std::string order_table(const Result& result) {
   if (result.orders.empty()) return {};
   std::string out = "<h2>Orders</h2><table><tr><th>order<th>product<th>known from<th>delivered<th>points</tr>";
   for (const OrderResult& order : result.orders)
-    out += "<tr><td>" + std::to_string(order.id) + "<td>" + escape(order.complexity) + "<td>" + clock_text(order.ordered) + "<td>" +
-           (order.delivered_at ? clock_text(*order.delivered_at) + (order.correct ? "" : " (wrong)") : std::string("-")) + "<td>" +
-           std::to_string(order.points) + "</tr>";
+    out +=
+        "<tr><td>" + std::to_string(order.id) + "<td>" + escape(order.complexity) + "<td>" + clock_text(order.ordered) +
+        "<td>" +
+        (order.delivered_at ? clock_text(*order.delivered_at) + (order.correct ? "" : " (wrong)") : std::string("-")) +
+        "<td>" + std::to_string(order.points) + "</tr>";
   return out + "</table>";
 }
 
@@ -113,8 +126,9 @@ std::string robot_table(const Result& result) {
   std::string out = "<table><tr><th>robot<th>at work<th>driving<th>skills<th>failed<th>contacts</tr>";
   const double end = std::max(1e-9, to_seconds(result.sim_time));
   for (const RobotResult& robot : result.robots)
-    out += "<tr><td>" + escape(robot.name) + "<td>" + number(100 * robot.busy_s / end, 0) + " %<td>" + number(100 * robot.drive_s / end, 0) + " %<td>" +
-           std::to_string(robot.skills) + "<td>" + std::to_string(robot.failures) + "<td>" + std::to_string(robot.contacts) + "</tr>";
+    out += "<tr><td>" + escape(robot.name) + "<td>" + number(100 * robot.busy_s / end, 0) + " %<td>" +
+           number(100 * robot.drive_s / end, 0) + " %<td>" + std::to_string(robot.skills) + "<td>" +
+           std::to_string(robot.failures) + "<td>" + std::to_string(robot.contacts) + "</tr>";
   return out + "</table>";
 }
 
@@ -122,9 +136,9 @@ std::string turtle_table(const Result& result) {
   if (result.turtles.empty()) return {};
   std::string out = "<h2>Turtles</h2><table><tr><th>turtle<th>x<th>y<th>driven<th>walls<th>touches<th>teleports</tr>";
   for (const TurtleResult& turtle : result.turtles)
-    out += "<tr><td>" + escape(turtle.name) + (turtle.alive ? "" : " (killed)") + "<td>" + number(turtle.x, 2) + "<td>" + number(turtle.y, 2) + "<td>" +
-           number(turtle.driven_m) + " m<td>" + std::to_string(turtle.walls) + "<td>" + std::to_string(turtle.touches) + "<td>" +
-           std::to_string(turtle.teleports) + "</tr>";
+    out += "<tr><td>" + escape(turtle.name) + (turtle.alive ? "" : " (killed)") + "<td>" + number(turtle.x, 2) +
+           "<td>" + number(turtle.y, 2) + "<td>" + number(turtle.driven_m) + " m<td>" + std::to_string(turtle.walls) +
+           "<td>" + std::to_string(turtle.touches) + "<td>" + std::to_string(turtle.teleports) + "</tr>";
   return out + "</table>";
 }
 
@@ -134,11 +148,12 @@ std::string rule_error_table(const Result& result) {
   constexpr std::size_t kShown = 50;
   for (std::size_t i = 0; i < std::min(kShown, result.rule_errors.size()); ++i) {
     const RuleErrorResult& e = result.rule_errors[i];
-    out += "<tr><td>" + escape(e.rule) + "<td>" + escape(e.file) + ':' + std::to_string(e.line) + "<td>" + escape(e.side) + "<td>" + std::to_string(e.tick) +
-           "<td class=bad>" + escape(e.message) + "</tr>";
+    out += "<tr><td>" + escape(e.rule) + "<td>" + escape(e.file) + ':' + std::to_string(e.line) + "<td>" +
+           escape(e.side) + "<td>" + std::to_string(e.tick) + "<td class=bad>" + escape(e.message) + "</tr>";
   }
   out += "</table>";
-  if (result.rule_errors.size() > kShown) out += "<p>and " + std::to_string(result.rule_errors.size() - kShown) + " more, in result.json</p>";
+  if (result.rule_errors.size() > kShown)
+    out += "<p>and " + std::to_string(result.rule_errors.size() - kShown) + " more, in result.json</p>";
   return out;
 }
 
@@ -155,7 +170,8 @@ std::string team_table(const Result& result) {
   for (const auto& [kind, points] : result.teams.front().by_kind) out += "<th>" + escape(kind);
   out += "</tr>";
   for (const TeamResult& team : result.teams) {
-    out += "<tr><td><b class='" + escape(team.team) + "'>" + escape(team.team) + "</b><td><b>" + std::to_string(team.points) + "</b>";
+    out += "<tr><td><b class='" + escape(team.team) + "'>" + escape(team.team) + "</b><td><b>" +
+           std::to_string(team.points) + "</b>";
     for (const auto& [kind, points] : team.by_kind) out += "<td>" + std::to_string(points);
     out += "</tr>";
   }
@@ -164,12 +180,16 @@ std::string team_table(const Result& result) {
 
 constexpr const char* kStyle =
     "body{font:15px/1.5 system-ui,sans-serif;max-width:1060px;margin:2em auto;padding:0 1em;color:#222}h1{margin:0}"
-    "h2{font-size:1.1em;margin:1.6em 0 .4em}table{border-collapse:collapse}td,th{padding:.25em .9em .25em 0;text-align:left;border-bottom:1px solid #ddd}"
+    "h2{font-size:1.1em;margin:1.6em 0 .4em}table{border-collapse:collapse}td,th{padding:.25em .9em .25em "
+    "0;text-align:left;border-bottom:1px solid #ddd}"
     "th{font-weight:600;color:#666}svg{width:100%;height:auto}svg text{font-size:12px;fill:#555}.grid{stroke:#e4e4e4}"
     "polyline.CYAN{stroke:#0093b8}polyline.MAGENTA{stroke:#c2187f}b.CYAN{color:#0093b8}b.MAGENTA{color:#c2187f}"
-    ".drive_to{fill:#8fb8de;background:#8fb8de}.pick{fill:#f2b134;background:#f2b134}.place{fill:#6ab46a;background:#6ab46a}"
-    "rect.failed{fill:#d64545}span.failed{background:#d64545}.key span{padding:.1em .7em;margin-right:.6em;border-radius:3px}"
-    "figure{display:inline-block;margin:.4em .6em .4em 0;width:48%}img{width:100%}figcaption{color:#666}.bad{color:#b00020}";
+    ".drive_to{fill:#8fb8de;background:#8fb8de}.pick{fill:#f2b134;background:#f2b134}.place{fill:#6ab46a;background:#"
+    "6ab46a}"
+    "rect.failed{fill:#d64545}span.failed{background:#d64545}.key span{padding:.1em "
+    ".7em;margin-right:.6em;border-radius:3px}"
+    "figure{display:inline-block;margin:.4em .6em .4em "
+    "0;width:48%}img{width:100%}figcaption{color:#666}.bad{color:#b00020}";
 
 /// Skills that began and have not ended yet, by robot.
 using OpenSkills = std::map<std::string, SkillBar, std::less<>>;
@@ -178,7 +198,13 @@ void note_skill(const JournalRecord& record, OpenSkills& open, std::vector<Skill
   const std::string robot(record.data.text("robot"));
   const std::string_view event = record.data.text("event");
   if (event == "start") {
-    open[robot] = {robot, std::string(record.data.text("skill")), std::string(record.data.text("target")), to_seconds(record.t), 0, false, true};
+    open[robot] = {robot,
+                   std::string(record.data.text("skill")),
+                   std::string(record.data.text("target")),
+                   to_seconds(record.t),
+                   0,
+                   false,
+                   true};
   } else if (event == "end" && open.contains(robot)) {
     SkillBar bar = open[robot];
     bar.end = to_seconds(record.t);
@@ -199,9 +225,11 @@ Status read_story(const std::filesystem::path& journal, Report& report) {
     auto record = reader->next();
     if (!record) return record.error();
     if (!*record) break;
-    if ((*record)->kind == RecordKind::kSkill) note_skill(**record, open, report.skills);
+    if ((*record)->kind == RecordKind::kSkill)
+      note_skill(**record, open, report.skills);
     else if ((*record)->kind == RecordKind::kReferee && (*record)->data.text("event") == "score")
-      report.scores.push_back({std::string((*record)->data.text("team")), std::string((*record)->data.text("kind")), to_seconds((*record)->t), (*record)->data.integer("points")});
+      report.scores.push_back({std::string((*record)->data.text("team")), std::string((*record)->data.text("kind")),
+                               to_seconds((*record)->t), (*record)->data.integer("points")});
   }
   for (auto& [robot, bar] : open) {
     bar.end = to_seconds(report.result.sim_time);
@@ -214,10 +242,15 @@ Status read_story(const std::filesystem::path& journal, Report& report) {
 std::string to_html(const Report& report) {
   const Result& r = report.result;
   const double end = std::max(1.0, to_seconds(r.sim_time));
-  std::string out = "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'><title>" + escape(r.scenario) + ", seed " +
-                    std::to_string(r.seed) + "</title><style>" + kStyle + "</style><h1>" + escape(r.scenario) + ", seed " + std::to_string(r.seed) + "</h1><p>" +
-                    to_string(r.status) + " after " + clock_text(to_seconds(r.sim_time)) + " of simulated time, " + (!r.has_world ? "" : r.tier == Tier::kTimed ? "timed tier, " : "physics tier, ") +
-                    number(r.real_time_factor, 0) + " x real time";
+  std::string out =
+      "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'><title>" +
+      escape(r.scenario) + ", seed " + std::to_string(r.seed) + "</title><style>" + kStyle + "</style><h1>" +
+      escape(r.scenario) + ", seed " + std::to_string(r.seed) + "</h1><p>" + to_string(r.status) + " after " +
+      clock_text(to_seconds(r.sim_time)) + " of simulated time, " +
+      (!r.has_world             ? ""
+       : r.tier == Tier::kTimed ? "timed tier, "
+                                : "physics tier, ") +
+      number(r.real_time_factor, 0) + " x real time";
   if (r.reason) out += "<br><span class=bad>" + escape(r.reason->text()) + "</span>";
   out += "</p>" + team_table(r);
   if (!report.scores.empty()) out += points_chart(report, end);
@@ -228,7 +261,8 @@ std::string to_html(const Report& report) {
   for (const Picture& picture : report.pictures) {
     std::ifstream in(picture.file, std::ios::binary);
     const std::string bytes((std::istreambuf_iterator<char>(in)), {});
-    out += "<figure><img alt='" + escape(picture.caption) + "' src='data:image/png;base64," + base64(bytes) + "'><figcaption>" + escape(picture.caption) + "</figcaption></figure>";
+    out += "<figure><img alt='" + escape(picture.caption) + "' src='data:image/png;base64," + base64(bytes) +
+           "'><figcaption>" + escape(picture.caption) + "</figcaption></figure>";
   }
   return out + "</html>\n";
 }
@@ -243,15 +277,18 @@ std::string score_board(const Result& result) {
       if (points != 0) out += "  " + kind + ' ' + std::to_string(points);
     out += '\n';
   }
-  const auto delivered = std::count_if(result.deliveries.begin(), result.deliveries.end(), [](const DeliveryResult& d) { return d.correct; });
+  const auto delivered = std::count_if(result.deliveries.begin(), result.deliveries.end(),
+                                       [](const DeliveryResult& d) { return d.correct; });
   if (!result.orders.empty()) {
-    std::snprintf(line, sizeof line, "%ld of %zu orders delivered\n", static_cast<long>(delivered), result.orders.size());
+    std::snprintf(line, sizeof line, "%ld of %zu orders delivered\n", static_cast<long>(delivered),
+                  result.orders.size());
     out += line;
   }
   const double end = std::max(1e-9, to_seconds(result.sim_time));
   for (const RobotResult& robot : result.robots) {
-    std::snprintf(line, sizeof line, "%-8s at work %3.0f %%, driving %3.0f %%, %d skills, %d failed, %d contacts\n", robot.name.c_str(),
-                  100 * robot.busy_s / end, 100 * robot.drive_s / end, robot.skills, robot.failures, robot.contacts);
+    std::snprintf(line, sizeof line, "%-8s at work %3.0f %%, driving %3.0f %%, %d skills, %d failed, %d contacts\n",
+                  robot.name.c_str(), 100 * robot.busy_s / end, 100 * robot.drive_s / end, robot.skills, robot.failures,
+                  robot.contacts);
     out += line;
   }
   return out;

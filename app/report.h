@@ -15,7 +15,7 @@ struct SkillBar {
   std::string robot, skill, target;
   double begin = 0, end = 0;  ///< s
   bool succeeded = false;
-  bool ended = true;          ///< false: it was still at work when the run ended
+  bool ended = true;  ///< false: it was still at work when the run ended
 };
 /// Points of one team given or taken at a time.
 struct ScoreStep {

@@ -29,8 +29,8 @@ std::vector<std::string> differences(const RecordedRun& then, const Result& now)
   return out;
 }
 
-/// Files that the two runs read with another content, or that only one of them read; a build with other rules of its own
-/// explains a difference no less than a changed scenario.
+/// Files that the two runs read with another content, or that only one of them read; a build with other rules of its
+/// own explains a difference no less than a changed scenario.
 std::vector<std::string> changed_files(const std::filesystem::path& then, const std::filesystem::path& now) {
   const auto index = [](const std::filesystem::path& run) {
     std::ifstream in(run / "files/index.json");
@@ -50,11 +50,15 @@ std::vector<std::string> changed_files(const std::filesystem::path& then, const 
 /// The first file or folder of the scenario that is not there any more.
 Status still_there(const RecordedRun& run, const Scenario& scenario) {
   const auto missing = [&](const std::string& what, const std::filesystem::path& path) {
-    return input_error(what + " is not there any more: " + path.string() + "; bring it back to rerun, or play the rules alone "
-                       "from the run's own copies: cxlab replay " + run.folder.string(), run.folder.string());
+    return input_error(what + " is not there any more: " + path.string() +
+                           "; bring it back to rerun, or play the rules alone "
+                           "from the run's own copies: cxlab replay " +
+                           run.folder.string(),
+                       run.folder.string());
   };
   for (const AgentSpec& agent : scenario.agents) {
-    if (const auto config = scenario.resolve(agent.config); !std::filesystem::exists(config)) return missing("the configuration", config);
+    if (const auto config = scenario.resolve(agent.config); !std::filesystem::exists(config))
+      return missing("the configuration", config);
     for (const auto& [name, folder] : scenario.shares(agent))
       if (!std::filesystem::is_directory(folder)) return missing("package " + name, folder);
   }
@@ -64,14 +68,18 @@ Status still_there(const RecordedRun& run, const Scenario& scenario) {
 /// Whether the run read files of no package: those are not laid out below a folder that it could be played from.
 bool read_outside(const StoredFiles& files) {
   const auto names = files.names();
-  return std::any_of(names.begin(), names.end(), [](const std::string& name) { return name.starts_with("agents/") && name.find("/outside/") != name.npos; });
+  return std::any_of(names.begin(), names.end(), [](const std::string& name) {
+    return name.starts_with("agents/") && name.find("/outside/") != name.npos;
+  });
 }
 
-/// Lets the scenario play from the run's copies, laid out below `root`: each agent's configuration, and its packages with
-/// what was read of them and their definitions.
-Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const std::filesystem::path& root, Scenario& scenario) {
+/// Lets the scenario play from the run's copies, laid out below `root`: each agent's configuration, and its packages
+/// with what was read of them and their definitions.
+Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const std::filesystem::path& root,
+                        Scenario& scenario) {
   namespace fs = std::filesystem;
-  if (run.shares.size() != scenario.agents.size()) return input_error("the run's manifest has another number of agents", run.folder.string());
+  if (run.shares.size() != scenario.agents.size())
+    return input_error("the run's manifest has another number of agents", run.folder.string());
   if (Status s = files.materialise(root); !s) return s;
   scenario.packages.clear();
   std::error_code error;
@@ -95,7 +103,8 @@ Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const 
 int rerun(const Options& options) {
   auto run = RecordedRun::open(options.run);
   if (!run) return fail(run.error());
-  if (!run->finished) return fail(input_error("the run was cut off before its end: there is nothing to compare with", options.run));
+  if (!run->finished)
+    return fail(input_error("the run was cut off before its end: there is nothing to compare with", options.run));
   auto scenario = run->scenario();
   if (!scenario) return fail(scenario.error());
   std::unique_ptr<ScratchFolder> copies;
@@ -107,7 +116,8 @@ int rerun(const Options& options) {
     if (!scratch) return fail(scratch.error());
     copies = *std::move(scratch);
     if (Status s = play_from_copies(*run, *files, copies->path(), *scenario); !s) return fail(s.error());
-    std::fprintf(stderr, "note: files of the scenario have gone; all are taken from the run's own copies: %s\n", run->folder.c_str());
+    std::fprintf(stderr, "note: files of the scenario have gone; all are taken from the run's own copies: %s\n",
+                 run->folder.c_str());
   }
   RunOptions play = run->options;
   play.out = options.out;
@@ -120,10 +130,15 @@ int rerun(const Options& options) {
   const std::vector<std::string> differ = differences(*run, played.result);
   const std::vector<std::string> changed = changed_files(run->folder, played.folder);
   if (options.json) {
-    const nlohmann::ordered_json out{{"same", differ.empty()}, {"run", options.run}, {"again", played.folder.string()}, {"differ", differ}, {"changed_files", changed}};
+    const nlohmann::ordered_json out{{"same", differ.empty()},
+                                     {"run", options.run},
+                                     {"again", played.folder.string()},
+                                     {"differ", differ},
+                                     {"changed_files", changed}};
     std::printf("%s\n", out.dump(2).c_str());
   } else if (differ.empty()) {
-    std::printf("the same: %zu streams%s; %s\n", run->stream_hashes.size(), run->physics_hash ? " and the physics" : "", played.folder.c_str());
+    std::printf("the same: %zu streams%s; %s\n", run->stream_hashes.size(), run->physics_hash ? " and the physics" : "",
+                played.folder.c_str());
   } else {
     std::string list;
     for (const std::string& name : differ) list += (list.empty() ? "" : ", ") + name;
@@ -137,7 +152,8 @@ int rerun(const Options& options) {
 
 void add_rerun(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("rerun", "Plays a run again into a new folder and says whether the hashes agree");
+  CLI::App* command =
+      app.add_subcommand("rerun", "Plays a run again into a new folder and says whether the hashes agree");
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_option("--out", options->out, "Folder of the new run (default runs/<scenario>-<seed>)");
   command->add_flag("--json", options->json, "The answer as JSON");

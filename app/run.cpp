@@ -26,14 +26,21 @@ int run(const RunOptions& options) {
 void declare(CLI::App& command, RunOptions& options) {
   command.add_option("scenario", options.scenario, "Scenario file (YAML)")->required();
   command.add_option("--seed", options.seed, "Seed of all chance, instead of the scenario's")->check(seed_number());
-  command.add_option("--tier", options.tier, "physics: MuJoCo; timed: durations only")->check(CLI::IsMember({"physics", "timed"}));
+  command.add_option("--tier", options.tier, "physics: MuJoCo; timed: durations only")
+      ->check(CLI::IsMember({"physics", "timed"}));
   command.add_option("--set", options.overrides, "Changes a value: a.b[0].c=VALUE (may be given often)")->take_all();
   command.add_option("--until", options.until, "Stops at this simulated time, s")->check(not_negative());
   command.add_option("--out", options.out, "Folder of the run; 'none' writes nothing (default runs/<scenario>-<seed>)");
   command.add_flag("--force", options.force, "Overwrites a folder that is in use");
-  command.add_option("--journal", options.journal, "What journal.jsonl holds: none, decisions or full")->capture_default_str();
+  command.add_option("--journal", options.journal, "What journal.jsonl holds: none, decisions or full")
+      ->capture_default_str();
   command.add_flag("--strict-cx", options.strict, "Parameters that CX does not know are errors, not INFO lines");
-  command.add_option("--prefix,--plugin-path", options.prefixes, "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")->take_all()->expected(1)->allow_extra_args(false);
+  command
+      .add_option("--prefix,--plugin-path", options.prefixes,
+                  "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
   command.add_flag("--realtime", options.realtime, "Sleeps between ticks, to watch");
   command.add_option("--snapshot", options.snapshot, "Pictures: every:SECONDS or SECONDS,SECONDS,...");
   command.add_option("--video", options.video, "Film of the game (needs ffmpeg)");
@@ -44,12 +51,12 @@ void declare(CLI::App& command, RunOptions& options) {
 void add_run(CLI::App& app, Action& action) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = app.add_subcommand("run", "Plays a scenario");
-  command->footer("Examples:\n  cxlab run scenarios/rcll/game.yaml --seed 7\n  cxlab run scenarios/rcll/game.yaml --tier timed --set world.team=MAGENTA\n"
-                  "  cxlab run scenarios/rcll/game.yaml --snapshot every:300 --out /tmp/game");
+  command->footer(
+      "Examples:\n  cxlab run scenarios/rcll/game.yaml --seed 7\n  cxlab run scenarios/rcll/game.yaml --tier timed "
+      "--set world.team=MAGENTA\n"
+      "  cxlab run scenarios/rcll/game.yaml --snapshot every:300 --out /tmp/game");
   declare(*command, *options);
-  command->callback([options, &action] {
-    action = [options] { return run(*options); };
-  });
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 
 }  // namespace cxlab::app

@@ -54,8 +54,9 @@ struct Run {
 
 Expected<std::optional<RunFolder>> make_folder(const RunOptions& options, const Scenario& scenario) {
   if (options.out == "none") return std::optional<RunFolder>();
-  auto folder = options.out.empty() ? RunFolder::create_numbered("runs", scenario.name + '-' + std::to_string(scenario.seed))
-                                    : RunFolder::create_at(options.out, options.force);
+  auto folder = options.out.empty()
+                    ? RunFolder::create_numbered("runs", scenario.name + '-' + std::to_string(scenario.seed))
+                    : RunFolder::create_at(options.out, options.force);
   if (!folder) return folder.error();
   return std::optional<RunFolder>(*std::move(folder));
 }
@@ -66,8 +67,14 @@ std::string manifest(const Run& run) {
   out["scenario"] = run.scenario.file.string();
   out["overrides"] = run.scenario.overrides;
   out["seed"] = run.scenario.seed;
-  out["versions"] = {{"cxlab", CXLAB_VERSION}, {"CLIPS", clips_version()}, {"MuJoCo", sim::mujoco_version()}, {"Box2D", sim::box2d_version()}, {"ROS 2 CX studied", "90f440b1 (2026-06-13)"}};
-  out["tier"] = run.scenario.world_kind == Scenario::WorldKind::kNone ? "none" : run.scenario.tier == Tier::kTimed ? "timed" : "physics";
+  out["versions"] = {{"cxlab", CXLAB_VERSION},
+                     {"CLIPS", clips_version()},
+                     {"MuJoCo", sim::mujoco_version()},
+                     {"Box2D", sim::box2d_version()},
+                     {"ROS 2 CX studied", "90f440b1 (2026-06-13)"}};
+  out["tier"] = run.scenario.world_kind == Scenario::WorldKind::kNone ? "none"
+                : run.scenario.tier == Tier::kTimed                   ? "timed"
+                                                                      : "physics";
   out["command"] = command_line();
   out["folder"] = std::filesystem::current_path().string();
   out["until"] = run.options.until ? nlohmann::ordered_json(*run.options.until) : nlohmann::ordered_json(nullptr);
@@ -76,7 +83,8 @@ std::string manifest(const Run& run) {
   out["strict_cx"] = run.options.strict;
   out["prefixes"] = run.named_prefixes;
   out["agents"] = nlohmann::ordered_json::array();
-  for (const AgentSpec& agent : run.scenario.agents) out["agents"].push_back({{"config", agent.config}, {"packages", run.scenario.shares(agent)}});
+  for (const AgentSpec& agent : run.scenario.agents)
+    out["agents"].push_back({{"config", agent.config}, {"packages", run.scenario.shares(agent)}});
   out["repeat"] = "cxlab rerun " + run.folder->path().string();
   return out.dump(2) + '\n';
 }
@@ -128,8 +136,8 @@ RunStatus status_of(const Run& run, const Status& played) {
   return run.episode->completed() ? RunStatus::kCompleted : RunStatus::kStopped;
 }
 
-/// What went wrong while files and plugins were loaded (with --keep-going there may be much), each once and in order; then
-/// `failure`, if it is none of them.
+/// What went wrong while files and plugins were loaded (with --keep-going there may be much), each once and in order;
+/// then `failure`, if it is none of them.
 std::vector<Error> errors_of(Episode& episode, const Error& failure) {
   std::vector<Error> out;
   const auto add = [&out](const Error& error) {
@@ -160,7 +168,8 @@ int finish(Run& run, const Status& played) {
   }
   if (run.options.json && !run.options.silent) std::fputs(json.c_str(), stdout);
   if (!run.options.json && !run.options.silent) std::fputs(score_board(result).c_str(), stdout);
-  if (run.folder && !run.options.json && !run.options.silent) std::printf("%s\n", (run.folder->path() / "index.html").c_str());
+  if (run.folder && !run.options.json && !run.options.silent)
+    std::printf("%s\n", (run.folder->path() / "index.html").c_str());
   if (failure) {
     for (const Error& e : errors_of(*run.episode, *failure)) (void)fail(e);
     return static_cast<int>(failure->kind);
@@ -192,7 +201,8 @@ Played play_scenario(const RunOptions& options, Scenario scenario) {
   Run run;
   run.options = options;
   run.scenario = std::move(scenario);
-  for (const std::string& prefix : options.prefixes) run.named_prefixes.push_back(std::filesystem::absolute(prefix).lexically_normal().string());
+  for (const std::string& prefix : options.prefixes)
+    run.named_prefixes.push_back(std::filesystem::absolute(prefix).lexically_normal().string());
   auto installed = installed_packages(run.named_prefixes);
   if (!installed) return failed(installed.error());
   run.scenario.packages.merge(*installed);

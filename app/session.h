@@ -16,19 +16,19 @@ struct RunOptions {
   std::optional<std::uint64_t> seed;
   std::string tier;
   std::vector<std::string> overrides;
-  std::optional<double> until;       ///< s
-  std::string out;                   ///< empty = runs/<scenario>-<seed>, "none" = nothing is written
+  std::optional<double> until;  ///< s
+  std::string out;              ///< empty = runs/<scenario>-<seed>, "none" = nothing is written
   bool force = false;
   std::string journal = "decisions";
   bool realtime = false;
-  std::string snapshot;              ///< "every:T" or "T,T,..."
+  std::string snapshot;  ///< "every:T" or "T,T,..."
   std::string video;
   bool json = false;
   bool quiet = false;
   std::vector<std::string> prefixes;  ///< whose packages are found, before the default ones
-  bool keep_going = false;           ///< errors in rule files are reported and the run goes on
-  bool strict = false;               ///< unknown parameters of the CX are errors
-  bool silent = false;               ///< nothing on stdout: the command says itself what came out
+  bool keep_going = false;            ///< errors in rule files are reported and the run goes on
+  bool strict = false;                ///< unknown parameters of the CX are errors
+  bool silent = false;                ///< nothing on stdout: the command says itself what came out
 };
 
 void declare(CLI::App& command, RunOptions& options);

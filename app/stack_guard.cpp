@@ -11,7 +11,9 @@ namespace cxlab::app {
 
 namespace {
 
-constexpr char kMessage[] = "\nerror: the stack is full: a message-handler, or what it calls, calls itself without end (see the last lines of the log for where)\n";
+constexpr char kMessage[] =
+    "\nerror: the stack is full: a message-handler, or what it calls, calls itself without end (see the last lines of "
+    "the log for where)\n";
 
 void on_fault(int number, siginfo_t* info, void* context) {
   const auto fault = reinterpret_cast<std::uintptr_t>(info->si_addr);
@@ -31,7 +33,7 @@ void install_stack_guard() {
   stack_t other{};
   other.ss_sp = memory;
   other.ss_size = sizeof memory;
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_sigaction = on_fault;
   action.sa_flags = SA_SIGINFO | SA_ONSTACK;
   sigemptyset(&action.sa_mask);

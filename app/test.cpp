@@ -49,7 +49,8 @@ Expected<std::vector<fs::path>> find_files(const std::vector<std::string>& paths
       continue;
     }
     for (fs::recursive_directory_iterator it(path, error), end; !error && it != end; it.increment(error))
-      if (it->is_regular_file() && it->path().filename().string().ends_with(".story.yaml")) out.push_back(it->path().lexically_normal());
+      if (it->is_regular_file() && it->path().filename().string().ends_with(".story.yaml"))
+        out.push_back(it->path().lexically_normal());
     if (error) return Error{ErrorKind::kResource, error.message(), path, 0, {}};
   }
   std::sort(out.begin(), out.end());
@@ -68,8 +69,17 @@ nlohmann::json to_json(const Played& p) {
   nlohmann::json rules = nlohmann::json::array();
   for (const auto& r : p.result.rules) rules.push_back({r.file, r.rule, r.line, r.fired, r.activated});
   nlohmann::json bad;
-  if (p.result.bad) bad = {{"kind", static_cast<int>(p.result.bad->kind)}, {"message", p.result.bad->message}, {"file", p.result.bad->file}, {"line", p.result.bad->line}};
-  return {{"failures", p.result.failures}, {"notes", p.result.notes}, {"sim_time_s", p.result.sim_time_s}, {"wall_s", p.wall_s}, {"rules", rules}, {"bad", bad}};
+  if (p.result.bad)
+    bad = {{"kind", static_cast<int>(p.result.bad->kind)},
+           {"message", p.result.bad->message},
+           {"file", p.result.bad->file},
+           {"line", p.result.bad->line}};
+  return {{"failures", p.result.failures},
+          {"notes", p.result.notes},
+          {"sim_time_s", p.result.sim_time_s},
+          {"wall_s", p.wall_s},
+          {"rules", rules},
+          {"bad", bad}};
 }
 
 void from_json(const nlohmann::json& j, Played& p) {
@@ -124,7 +134,9 @@ Status play_in_processes(std::vector<Played>& stories, const testing::StorySetup
     waitpid(worker.pid, nullptr, 0);
   }
   for (std::size_t i = 0; i < stories.size(); ++i)
-    if (!told[i]) stories[i].result.failures.push_back(stories[i].spec.file + ": the process that played this story ended before it");
+    if (!told[i])
+      stories[i].result.failures.push_back(stories[i].spec.file +
+                                           ": the process that played this story ended before it");
   return {};
 }
 
@@ -152,20 +164,24 @@ std::string to_junit(const std::vector<Played>& stories) {
     errors += p.result.bad.has_value();
     total += p.wall_s;
     std::snprintf(time, sizeof time, "%.3f", p.wall_s);
-    cases += "  <testcase classname=\"" + xml(p.spec.file) + "\" name=\"" + xml(p.spec.name) + "\" time=\"" + time + "\">";
+    cases +=
+        "  <testcase classname=\"" + xml(p.spec.file) + "\" name=\"" + xml(p.spec.name) + "\" time=\"" + time + "\">";
     const char* word = p.result.bad ? "error" : "failure";
     for (const std::string& c : complaints(p)) cases += std::string("\n    <") + word + " message=\"" + xml(c) + "\"/>";
     cases += "</testcase>\n";
   }
   std::snprintf(time, sizeof time, "%.3f", total);
-  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"cxlab\" tests=\"" + std::to_string(stories.size()) + "\" failures=\"" +
-         std::to_string(failures) + "\" errors=\"" + std::to_string(errors) + "\" time=\"" + time + "\">\n" + cases + "</testsuite>\n";
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"cxlab\" tests=\"" +
+         std::to_string(stories.size()) + "\" failures=\"" + std::to_string(failures) + "\" errors=\"" +
+         std::to_string(errors) + "\" time=\"" + time + "\">\n" + cases + "</testsuite>\n";
 }
 
 /// What became of a rule in all stories.
 struct Covered {
   long fired = 0, activated = 0;
-  const char* state() const { return fired > 0 ? "fired" : activated > 0 ? "activated but never fired" : "never matched"; }
+  const char* state() const {
+    return fired > 0 ? "fired" : activated > 0 ? "activated but never fired" : "never matched";
+  }
 };
 /// By file, then by line and name.
 using Coverage = std::map<std::string, std::map<std::pair<int, std::string>, Covered>>;
@@ -199,7 +215,8 @@ std::string to_lcov(const Coverage& files) {
       branches += (covered.activated > 0) + (covered.fired > 0);
     }
     out += "BRF:" + std::to_string(2 * rules.size()) + "\nBRH:" + std::to_string(branches) + '\n';
-    for (const auto& [rule, covered] : rules) out += "DA:" + std::to_string(rule.first) + ',' + std::to_string(covered.fired) + '\n';
+    for (const auto& [rule, covered] : rules)
+      out += "DA:" + std::to_string(rule.first) + ',' + std::to_string(covered.fired) + '\n';
     out += "LF:" + std::to_string(rules.size()) + "\nLH:" + std::to_string(hit) + "\nend_of_record\n";
   }
   return out;
@@ -210,16 +227,23 @@ void print(const Coverage& files) {
   for (const auto& [file, rules] : files)
     for (const auto& [rule, covered] : rules) {
       ++counts[covered.state()];
-      if (covered.fired == 0) std::printf("%s:%d: %s: %s\n", file.c_str(), rule.first, rule.second.c_str(), covered.state());
+      if (covered.fired == 0)
+        std::printf("%s:%d: %s: %s\n", file.c_str(), rule.first, rule.second.c_str(), covered.state());
     }
-  std::printf("rules: %d fired, %d activated but never fired, %d never matched\n", counts["fired"], counts["activated but never fired"], counts["never matched"]);
+  std::printf("rules: %d fired, %d activated but never fired, %d never matched\n", counts["fired"],
+              counts["activated but never fired"], counts["never matched"]);
 }
 
 nlohmann::json to_json(const Coverage& files) {
   nlohmann::json rows = nlohmann::json::array();
   for (const auto& [file, rules] : files)
     for (const auto& [rule, covered] : rules)
-      rows.push_back({{"file", file}, {"line", rule.first}, {"rule", rule.second}, {"state", covered.state()}, {"fired", covered.fired}, {"activated", covered.activated}});
+      rows.push_back({{"file", file},
+                      {"line", rule.first},
+                      {"rule", rule.second},
+                      {"state", covered.state()},
+                      {"fired", covered.fired},
+                      {"activated", covered.activated}});
   return rows;
 }
 
@@ -233,7 +257,8 @@ Status write(const std::string& file, const std::string& text) {
 }
 
 void print(const Played& p) {
-  std::printf("%s  %s: %s (%.0f ms, %.6g s simulated)\n", p.result.passed() ? "ok    " : "FAILED", p.spec.file.c_str(), p.spec.name.c_str(), p.wall_s * 1e3, p.result.sim_time_s);
+  std::printf("%s  %s: %s (%.0f ms, %.6g s simulated)\n", p.result.passed() ? "ok    " : "FAILED", p.spec.file.c_str(),
+              p.spec.name.c_str(), p.wall_s * 1e3, p.result.sim_time_s);
   for (const std::string& c : complaints(p)) std::printf("  %s\n", c.c_str());
   for (const std::string& note : p.result.notes) std::printf("  note: %s\n", note.c_str());
 }
@@ -262,14 +287,22 @@ int test(const TestOptions& options) {
     passed += p.result.passed();
     bad |= p.result.bad.has_value();
     if (!options.json) print(p);
-    rows.push_back({{"file", p.spec.file}, {"story", p.spec.name}, {"passed", p.result.passed()}, {"failures", complaints(p)}, {"notes", p.result.notes}, {"wall_s", p.wall_s}, {"sim_time_s", p.result.sim_time_s}});
+    rows.push_back({{"file", p.spec.file},
+                    {"story", p.spec.name},
+                    {"passed", p.result.passed()},
+                    {"failures", complaints(p)},
+                    {"notes", p.result.notes},
+                    {"wall_s", p.wall_s},
+                    {"sim_time_s", p.result.sim_time_s}});
   }
   const Coverage coverage = coverage_of(stories);
   nlohmann::json report{{"passed", passed}, {"failed", stories.size() - passed}, {"stories", rows}};
   if (setup.coverage) report["rules"] = to_json(coverage);
   if (setup.coverage && !options.json) print(coverage);
-  if (options.json) std::printf("%s\n", report.dump(2).c_str());
-  else std::printf("%zu passed, %zu failed\n", passed, stories.size() - passed);
+  if (options.json)
+    std::printf("%s\n", report.dump(2).c_str());
+  else
+    std::printf("%zu passed, %zu failed\n", passed, stories.size() - passed);
   if (Status s = write(options.junit, to_junit(stories)); !s) return fail(s.error());
   if (Status s = write(options.coverage, to_lcov(coverage)); !s) return fail(s.error());
   if (bad) return static_cast<int>(ErrorKind::kInput);
@@ -285,7 +318,8 @@ void add_test(CLI::App& app, Action& action) {
   command->add_option("paths", options->paths, "Story files, or folders with *.story.yaml (default: this folder)");
   add_package_options(*command, options->packages);
   command->add_option("--junit", options->junit, "Writes a JUnit report");
-  command->add_option("--coverage", options->coverage, "Says which rules fired, were only activated, or never matched; writes the counts as lcov");
+  command->add_option("--coverage", options->coverage,
+                      "Says which rules fired, were only activated, or never matched; writes the counts as lcov");
   command->add_option("-j", options->jobs, "Processes")->check(CLI::Range(1, 256));
   command->add_flag("--json", options->json, "Prints JSON");
   command->callback([options, &action] { action = [options] { return test(*options); }; });

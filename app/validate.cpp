@@ -51,12 +51,15 @@ void print_text(const planner::Verdict& verdict, const std::optional<planner::Ro
   if (verdict.metric) std::printf(", metric %s", metric_text(*verdict.metric).c_str());
   std::printf("\n");
   if (!robust) return;
-  std::printf("robust: steps may begin up to %s s early or late (%d plans checked)\n", time_text(robust->holds).c_str(), robust->samples);
+  std::printf("robust: steps may begin up to %s s early or late (%d plans checked)\n", time_text(robust->holds).c_str(),
+              robust->samples);
   if (robust->violation)
-    std::printf("with up to %s s: %s\n", time_text(robust->breaks).c_str(), planner::to_text(*robust->violation).c_str());
+    std::printf("with up to %s s: %s\n", time_text(robust->breaks).c_str(),
+                planner::to_text(*robust->violation).c_str());
 }
 
-void print_json(const planner::Verdict& verdict, const std::optional<planner::Robustness>& robust, const planner::Plan& plan, const planner::Task& task) {
+void print_json(const planner::Verdict& verdict, const std::optional<planner::Robustness>& robust,
+                const planner::Plan& plan, const planner::Task& task) {
   Json out = {{"valid", verdict.valid}, {"steps", plan.size()}, {"makespan", verdict.makespan}};
   out["metric"] = verdict.metric ? Json(told_metric(*verdict.metric)) : Json();
   out["violation"] = verdict.violation ? to_json(*verdict.violation, plan, task) : Json();
@@ -79,7 +82,8 @@ int validate(const Options& options) {
   if (!verdict) return fail_planning(verdict.error());
   std::optional<planner::Robustness> robust;
   if (options.robust && verdict->valid) {
-    const auto found = planner::robustness(validator, *plan, options.rules, options.limit > 0 ? options.limit : verdict->makespan);
+    const auto found =
+        planner::robustness(validator, *plan, options.rules, options.limit > 0 ? options.limit : verdict->makespan);
     if (!found) return fail_planning(found.error());
     robust = *found;
   }
@@ -112,12 +116,15 @@ void add_validate(CLI::App& app, Action& action) {
   command->add_option("domain", options->domain, "PDDL file of the domain")->required();
   command->add_option("problem", options->problem, "PDDL file of the problem")->required();
   command->add_option("plan", options->plan, "Plan, one step a line: TIME: (ACTION OBJECT...) [DURATION]")->required();
-  command->add_option("--epsilon", options->rules.epsilon, "s that keeps interfering happenings apart")->check(not_negative())->capture_default_str();
+  command->add_option("--epsilon", options->rules.epsilon, "s that keeps interfering happenings apart")
+      ->check(not_negative())
+      ->capture_default_str();
   command->add_option("--tolerance", options->rules.duration_tolerance, "s by which a duration may miss its bounds")
       ->check(not_negative())
       ->capture_default_str();
   command->add_flag("--robust", options->robust, "Also search by how much steps may begin early or late");
-  command->add_option("--robust-limit", options->limit, "Largest shift to try, s (default: the makespan)")->check(positive());
+  command->add_option("--robust-limit", options->limit, "Largest shift to try, s (default: the makespan)")
+      ->check(positive());
   command->add_flag("--json", options->json, "The answer as JSON");
   command->footer("Exit codes: 0 valid; 1 not valid; 31 a file cannot be used; 34 something in it is not supported.");
   command->callback([options, &action] { action = [options] { return validate(*options); }; });

@@ -15,7 +15,8 @@ const std::string kCanvas = "canvas";
 
 class FactoryView final : public View {
  public:
-  FactoryView(std::unique_ptr<sim::Renderer> renderer, const sim::PhysicsGate& world) : renderer_(std::move(renderer)), world_(world) {}
+  FactoryView(std::unique_ptr<sim::Renderer> renderer, const sim::PhysicsGate& world)
+      : renderer_(std::move(renderer)), world_(world) {}
   Expected<const sim::Picture*> draw(std::string_view camera) override { return renderer_->draw(world_, camera); }
   std::vector<std::string> cameras() const override { return {"field", "top"}; }
 
@@ -45,7 +46,9 @@ class SeveralViews final : public View {
  public:
   explicit SeveralViews(std::vector<std::unique_ptr<View>> views) : views_(std::move(views)) {
     const bool canvas_first = views_.front()->cameras().front() == kCanvas;
-    for (std::size_t i = canvas_first ? 0 : 1; i < views_.size(); ++i) canvases_.emplace_back(canvases_.empty() ? kCanvas : kCanvas + std::to_string(canvases_.size() + 1), views_[i].get());
+    for (std::size_t i = canvas_first ? 0 : 1; i < views_.size(); ++i)
+      canvases_.emplace_back(canvases_.empty() ? kCanvas : kCanvas + std::to_string(canvases_.size() + 1),
+                             views_[i].get());
     if (!canvas_first) names_ = views_.front()->cameras();
     for (const auto& [name, view] : canvases_) names_.push_back(name);
   }
@@ -64,7 +67,8 @@ class SeveralViews final : public View {
 
 }  // namespace
 
-Expected<std::unique_ptr<View>> view_of_factory(const sim::FloorPlan& plan, const sim::PhysicsGate& world, int width, int height) {
+Expected<std::unique_ptr<View>> view_of_factory(const sim::FloorPlan& plan, const sim::PhysicsGate& world, int width,
+                                                int height) {
   auto renderer = sim::Renderer::create(plan, world, width, height);
   if (!renderer) return renderer.error();
   return std::unique_ptr<View>(std::make_unique<FactoryView>(*std::move(renderer), world));
@@ -83,7 +87,8 @@ Expected<std::unique_ptr<View>> view_of(const Stage& stage, int width, int heigh
     views.push_back(*std::move(factory));
   }
   for (const auto& server : stage.servers)
-    if (const auto* turtles = dynamic_cast<const turtlesim::TurtlesimNode*>(server.get())) views.push_back(view_of_turtles(turtles->world(), width, height));
+    if (const auto* turtles = dynamic_cast<const turtlesim::TurtlesimNode*>(server.get()))
+      views.push_back(view_of_turtles(turtles->world(), width, height));
   if (views.size() > 1) return std::unique_ptr<View>(std::make_unique<SeveralViews>(std::move(views)));
   if (!views.empty()) return std::move(views.front());
   if (game) return input_error("the timed tier has no bodies to look at: --tier physics (render: --set tier=physics)");

@@ -25,7 +25,8 @@ class View {
 };
 
 /// Worlds must outlive their view. A factory's needs OpenGL; a canvas is as large a square as fits in.
-Expected<std::unique_ptr<View>> view_of_factory(const sim::FloorPlan& plan, const sim::PhysicsGate& world, int width, int height);
+Expected<std::unique_ptr<View>> view_of_factory(const sim::FloorPlan& plan, const sim::PhysicsGate& world, int width,
+                                                int height);
 std::unique_ptr<View> view_of_turtles(const sim::TurtleWorld& world, int width, int height);
 /// Of an episode's world. kInput where there is nothing to look at.
 Expected<std::unique_ptr<View>> view_of(const Stage& stage, int width, int height);

@@ -33,9 +33,13 @@ std::string printed(const Json& data) {
   std::string out = '(' + data.value("template", std::string());
   for (const auto& [name, value] : data["slots"].items()) {
     std::string text;
-    const auto put = [&](const Json& field) { text += ' ' + (field.is_string() ? field.get<std::string>() : field.dump()); };
-    if (value.is_array()) for (const Json& field : value) put(field);
-    else put(value);
+    const auto put = [&](const Json& field) {
+      text += ' ' + (field.is_string() ? field.get<std::string>() : field.dump());
+    };
+    if (value.is_array())
+      for (const Json& field : value) put(field);
+    else
+      put(value);
     out += name == "implied" ? text : " (" + name + text + ')';
   }
   return out + ')';
@@ -59,13 +63,15 @@ Firings firings_of(const std::string& stream, const std::string& rule, const std
     const Json& data = record["data"];
     if (kind == "assert") facts[data.value("fact", std::int64_t{0})] = data;
     if (kind == "modify")
-      for (const auto& [slot, value] : data["slots"].items()) facts[data.value("fact", std::int64_t{0})]["slots"][slot] = value;
+      for (const auto& [slot, value] : data["slots"].items())
+        facts[data.value("fact", std::int64_t{0})]["slots"][slot] = value;
     if (kind != "fire" || data.value("rule", "") != rule) continue;
     ++out.count;
     out.last = record.value("t", std::int64_t{0}) / 1e9;
     out.facts.clear();
     for (const Json& number : data["facts"])
-      if (number.is_number_integer() && facts.contains(number.get<std::int64_t>())) out.facts.push_back(printed(facts[number.get<std::int64_t>()]));
+      if (number.is_number_integer() && facts.contains(number.get<std::int64_t>()))
+        out.facts.push_back(printed(facts[number.get<std::int64_t>()]));
   }
   return out;
 }
@@ -121,12 +127,16 @@ Json explain_condition(const RuleMatches& matches, const std::vector<Condition>&
     out["fact"] = found->fact.print();
     if (!found->differs.empty()) {
       const Mismatch& first = found->differs.front();
-      out["because"] = "the nearest fact differs in " + std::string(first.slot == "implied" ? "its values" : "slot " + first.slot) + ": found " + first.found + ", expected " + first.expected;
+      out["because"] = "the nearest fact differs in " +
+                       std::string(first.slot == "implied" ? "its values" : "slot " + first.slot) + ": found " +
+                       first.found + ", expected " + first.expected;
       out["slot"] = first.slot;
     } else if (pattern.matches > 0) {
       std::string names;
       for (const std::string& name : shared_variables(conditions, i)) names += (names.empty() ? "" : ", ") + name;
-      out["because"] = std::to_string(pattern.matches) + " facts match it alone, none of them together with the conditions before" + (names.empty() ? "" : "; these must agree: " + names);
+      out["because"] = std::to_string(pattern.matches) +
+                       " facts match it alone, none of them together with the conditions before" +
+                       (names.empty() ? "" : "; these must agree: " + names);
     } else {
       out["because"] = "a test of the pattern fails for every fact";
     }
@@ -149,15 +159,20 @@ Json explain_agenda(const std::vector<ActivationInfo>& agenda, const std::string
 }
 
 /// `stream` is the environment's in the journal.
-Json explain(cx::Environment& environment, const std::string& stream, const std::string& rule, const std::filesystem::path& journal) {
+Json explain(cx::Environment& environment, const std::string& stream, const std::string& rule,
+             const std::filesystem::path& journal) {
   RuleEngine& engine = environment.engine();
   const ConstructInfo& info = *engine.find_construct("defrule", rule);
   const std::string name = info.name;
   // The executive takes its time fact back after each run: here is what the next run would find.
   if (engine.find_construct("defrule", "time-retract") && engine.facts("time").empty())
-    if (auto fact = engine.assert_string("(time " + std::to_string(to_seconds(environment.now())) + ")"); fact) engine.refresh_all_agendas();
+    if (auto fact = engine.assert_string("(time " + std::to_string(to_seconds(environment.now())) + ")"); fact)
+      engine.refresh_all_agendas();
   const Firings fired = firings_of(stream, name, journal);
-  Json out{{"environment", environment.name()}, {"rule", name}, {"file", environment.files().journal_name(info.file)}, {"line", info.line}};
+  Json out{{"environment", environment.name()},
+           {"rule", name},
+           {"file", environment.files().journal_name(info.file)},
+           {"line", info.line}};
   out["fired"] = fired.count;
   if (fired.count > 0) {
     out["last_fired_s"] = fired.last;
@@ -168,7 +183,9 @@ Json explain(cx::Environment& environment, const std::string& stream, const std:
     out["verdict"] = matches.error().message;
     return out;
   }
-  const auto complete = [](const RuleMatches& m) { return std::all_of(m.patterns.begin(), m.patterns.end(), [](const auto& p) { return p.partial > 0; }); };
+  const auto complete = [](const RuleMatches& m) {
+    return std::all_of(m.patterns.begin(), m.patterns.end(), [](const auto& p) { return p.partial > 0; });
+  };
   const auto best = std::find_if(matches->begin(), matches->end(), complete);
   if (std::any_of(matches->begin(), matches->end(), [](const RuleMatches& m) { return m.activations > 0; })) {
     out["verdict"] = "waiting";
@@ -184,16 +201,20 @@ Json explain(cx::Environment& environment, const std::string& stream, const std:
 
 void print(const Json& e) {
   const auto text = [](const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); };
-  std::printf("%s (%s:%s) in %s\n", text(e["rule"]).c_str(), text(e["file"]).c_str(), text(e["line"]).c_str(), text(e["environment"]).c_str());
+  std::printf("%s (%s:%s) in %s\n", text(e["rule"]).c_str(), text(e["file"]).c_str(), text(e["line"]).c_str(),
+              text(e["environment"]).c_str());
   if (e["verdict"] == "waiting") {
     const Json& agenda = e["agenda"];
-    std::printf("  all its conditions hold: the next run fires it, with salience %s; %s activations stand above it\n", text(agenda["salience"]).c_str(), text(agenda["above"]).c_str());
-    for (const Json& above : agenda["first_above"]) std::printf("    %s, salience %s\n", text(above["rule"]).c_str(), text(above["salience"]).c_str());
+    std::printf("  all its conditions hold: the next run fires it, with salience %s; %s activations stand above it\n",
+                text(agenda["salience"]).c_str(), text(agenda["above"]).c_str());
+    for (const Json& above : agenda["first_above"])
+      std::printf("    %s, salience %s\n", text(above["rule"]).c_str(), text(above["salience"]).c_str());
   } else if (e["verdict"] == "fired") {
     std::printf("  all its conditions hold, and it has fired for what holds\n");
   } else if (e["verdict"] == "condition") {
     const Json& unmet = e["first_unmet"];
-    std::printf("  condition %s does not hold%s%s\n", text(unmet["condition"]).c_str(), unmet.contains("pattern") ? ": " : "", unmet.contains("pattern") ? text(unmet["pattern"]).c_str() : "");
+    std::printf("  condition %s does not hold%s%s\n", text(unmet["condition"]).c_str(),
+                unmet.contains("pattern") ? ": " : "", unmet.contains("pattern") ? text(unmet["pattern"]).c_str() : "");
     if (unmet.contains("because")) std::printf("  %s\n", text(unmet["because"]).c_str());
     if (unmet.contains("fact")) std::printf("    %s\n", text(unmet["fact"]).c_str());
   }
@@ -234,11 +255,14 @@ int why_not(const Options& options) {
   for (auto& agent : episode.agents())
     for (std::size_t i = 0; i < agent->size(); ++i)
       if (RuleEngine& engine = agent->environment(i).engine(); engine.find_construct("defrule", options.rule))
-        explanations.push_back(explain(agent->environment(i), episode.journal().stream_name(engine.stream()), options.rule, replay->journal()));
+        explanations.push_back(explain(agent->environment(i), episode.journal().stream_name(engine.stream()),
+                                       options.rule, replay->journal()));
   if (explanations.empty()) return fail(unknown_rule(episode, options.rule));
   const double t = std::max(0.0, to_seconds(episode.now()));
   if (options.json) {
-    std::printf("%s\n", Json{{"at_s", t}, {"explanations", explanations}}.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+    std::printf(
+        "%s\n",
+        Json{{"at_s", t}, {"explanations", explanations}}.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
     return 0;
   }
   std::printf("after the tick at %s:\n", seconds(t).c_str());

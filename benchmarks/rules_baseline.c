@@ -61,8 +61,7 @@ struct Baseline* baseline_create(const char* deftemplate, const char* rule) {
 long long baseline_cycle(struct Baseline* baseline) {
   Environment* env = baseline->env;
   FBPutSlotString(baseline->messages, "topic", "pose");
-  FBPutSlotCLIPSExternalAddress(baseline->messages, "msg-ptr",
-                                CreateCExternalAddress(env, (void*)1));
+  FBPutSlotCLIPSExternalAddress(baseline->messages, "msg-ptr", CreateCExternalAddress(env, (void*)1));
   FBAssert(baseline->messages);
   return Run(env, -1);
 }

@@ -66,8 +66,9 @@ class Lab {
     const char* source = std::getenv("CXLAB_SOURCE_DIR");
     need(registry_.add_packages_in(std::filesystem::path(source ? source : ".") / "cx" / "interfaces"));
     std::filesystem::create_directories(folder_);
-    std::ofstream(folder_ / "config.yaml") << "/**: {ros__parameters: {environments: [main], main: {plugins: [ros_msgs]}, "
-                                              "ros_msgs: {plugin: \"cx::RosMsgsPlugin\"}}}\n";
+    std::ofstream(folder_ / "config.yaml")
+        << "/**: {ros__parameters: {environments: [main], main: {plugins: [ros_msgs]}, "
+           "ros_msgs: {plugin: \"cx::RosMsgsPlugin\"}}}\n";
     cx::ManagerOptions options;
     options.config = folder_ / "config.yaml";
     options.plugin_types = cx::builtin_plugins();
@@ -87,7 +88,8 @@ class Lab {
     message->set("x", 0.25).set("y", 0.5);
     message_ = std::make_shared<bus::Message>(std::move(message));
     const bus::Field* x = command->find("x");
-    need(bus_.subscribe(node_, "command", *command, [this, x](const bus::Delivery& d) { sum_ += d.message->view().real(*x); }));
+    need(bus_.subscribe(node_, "command", *command,
+                        [this, x](const bus::Delivery& d) { sum_ += d.message->view().real(*x); }));
   }
   ~Lab() {
     need(manager_->deactivate());
@@ -141,8 +143,8 @@ int run(long cycles, long rounds) {
   baseline_destroy(baseline);
   const double expected = 1.25 * static_cast<double>(cycles * rounds);
   if (lab.sum() != expected || fired != cycles * rounds) stop("a command is missing or wrong");
-  std::printf("{\"cxlab_ns\": %.0f, \"plain_clips_ns\": %.0f, \"ratio\": %.3f, \"cycles\": %ld, \"hash\": \"%s\"}\n", median(ours),
-              median(plain), median(ratios), cycles * rounds, lab.hash().c_str());
+  std::printf("{\"cxlab_ns\": %.0f, \"plain_clips_ns\": %.0f, \"ratio\": %.3f, \"cycles\": %ld, \"hash\": \"%s\"}\n",
+              median(ours), median(plain), median(ratios), cycles * rounds, lab.hash().c_str());
   return 0;
 }
 

@@ -20,21 +20,23 @@ namespace cxlab::planner {
 
 namespace {
 
-constexpr std::int64_t kFirstSlice = 20'000;         ///< units of the first try, at least; each round of tries has half as many more
+constexpr std::int64_t kFirstSlice =
+    20'000;  ///< units of the first try, at least; each round of tries has half as many more
 constexpr std::int64_t kLongestSlice = 1'000'000'000'000;
-constexpr std::int64_t kSliceOfOperator = 20;        ///< units of the first try by operator
-constexpr std::uint64_t kRoundsOfFirst = 4;         ///< in one of so many the search of seed 0 goes on; the others start anew
-constexpr std::int64_t kShareOfUnlikely = 4;        ///< of a slice, for overlaps where nothing hints at them
-constexpr double kCostNoise = 3;                     ///< in every other try: what one prefers in vain is dear in another
-constexpr std::int64_t kRestartSlice = 400'000;      ///< units of a search that is to give another plan to start from
-constexpr std::int64_t kSpaceWork = 4;               ///< of making a search space, by action, in pieces of Work::kGround
-constexpr std::int64_t kCopyWork = 8;                ///< of a task with other actions
+constexpr std::int64_t kSliceOfOperator = 20;  ///< units of the first try by operator
+constexpr std::uint64_t kRoundsOfFirst = 4;   ///< in one of so many the search of seed 0 goes on; the others start anew
+constexpr std::int64_t kShareOfUnlikely = 4;  ///< of a slice, for overlaps where nothing hints at them
+constexpr double kCostNoise = 3;              ///< in every other try: what one prefers in vain is dear in another
+constexpr std::int64_t kRestartSlice = 400'000;  ///< units of a search that is to give another plan to start from
+constexpr std::int64_t kSpaceWork = 4;           ///< of making a search space, by action, in pieces of Work::kGround
+constexpr std::int64_t kCopyWork = 8;            ///< of a task with other actions
 constexpr std::int64_t kLandmarkWork = 300'000'000;  ///< word operations
 constexpr std::int64_t kBoundSlice = 30'000;         ///< units for the first lower bound,
-constexpr std::int64_t kLeastBoundSlice = 2'000;     ///< as many as the first plan took and these where no better one is asked for
-constexpr std::int64_t kBoundGrowth = 6;             ///< how much longer the next slice for it is,
-constexpr std::int64_t kBoundShare = 5;              ///< and how many times as much has then been spent in all
-constexpr std::size_t kMostMissing = 5;              ///< numbers that an answer names
+constexpr std::int64_t kLeastBoundSlice =
+    2'000;                                ///< as many as the first plan took and these where no better one is asked for
+constexpr std::int64_t kBoundGrowth = 6;  ///< how much longer the next slice for it is,
+constexpr std::int64_t kBoundShare = 5;   ///< and how many times as much has then been spent in all
+constexpr std::size_t kMostMissing = 5;   ///< numbers that an answer names
 constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
 
 using Clock = std::chrono::steady_clock;
@@ -54,7 +56,12 @@ struct SearchSpace {
 class Planner {
  public:
   Planner(const Task& task, const PlanOptions& options, Budget& budget, Clock::time_point began, GroundTask ground)
-      : task_(task), options_(options), budget_(budget), began_(began), ground_(std::move(ground)), touches_(ground_),
+      : task_(task),
+        options_(options),
+        budget_(budget),
+        began_(began),
+        ground_(std::move(ground)),
+        touches_(ground_),
         validator_(task.domain, task.problem) {}
 
   Expected<PlanAnswer> run() {
@@ -78,10 +85,15 @@ class Planner {
       answer_.status = PlanStatus::kPlan;
       if (!options_.anytime) bound_slice_ = std::min(kBoundSlice, std::max(kLeastBoundSlice, budget_.units()));
       raise_bound();
-      if (options_.anytime && answer_.by_metric) improve_metric();
-      else if (options_.anytime) improve();
-      answer_.reason = !proved_best() ? "a plan" : answer_.by_metric ? "no plan has a better metric" : "no plan is shorter";
-      if (proved_best() && answer_.bound_assumes_order) answer_.reason += " in which no two actions change one fact at one instant";
+      if (options_.anytime && answer_.by_metric)
+        improve_metric();
+      else if (options_.anytime)
+        improve();
+      answer_.reason = !proved_best()      ? "a plan"
+                       : answer_.by_metric ? "no plan has a better metric"
+                                           : "no plan is shorter";
+      if (proved_best() && answer_.bound_assumes_order)
+        answer_.reason += " in which no two actions change one fact at one instant";
     }
     return finish();
   }
@@ -104,7 +116,8 @@ class Planner {
     const Micros separations = kSeparation * static_cast<Micros>(2 * answer_.plan->steps.size());
     if (!answer_.by_metric) return best_makespan_ <= bound_ + separations;
     const double slack = objective_->time_weight() * static_cast<double>(separations) / kSecond;
-    return metric_bound_ && answer_.plan->metric && signed_metric(*answer_.plan->metric) <= *metric_bound_ + slack + 1e-9;
+    return metric_bound_ && answer_.plan->metric &&
+           signed_metric(*answer_.plan->metric) <= *metric_bound_ + slack + 1e-9;
   }
 
   /// From the metric as it is told to the one that is made small, and back.
@@ -155,7 +168,8 @@ class Planner {
       const GroundAction& action = ground_.actions[step.action];
       const int point = static_cast<int>(2 * timed.steps.size());
       const Micros length = step.end - step.start;
-      timed.steps.push_back({static_cast<double>(step.start) / kSecond, action.schema, action.arguments, static_cast<double>(length) / kSecond, 0});
+      timed.steps.push_back({static_cast<double>(step.start) / kSecond, action.schema, action.arguments,
+                             static_cast<double>(length) / kSecond, 0});
       timed.orderings.push_back({Ordering::kOrigin, point, step.start, step.start});
       timed.orderings.push_back({point, point + 1, length, length});
       makespan = std::max(makespan, step.end);
@@ -176,8 +190,11 @@ class Planner {
       return false;
     }
     timed.metric = verdict->metric;
-    const double value = answer_.by_metric ? Objective::value_of(timed.metric ? signed_metric(*timed.metric) : std::numeric_limits<double>::quiet_NaN(), makespan)
-                                           : static_cast<double>(makespan);
+    const double value =
+        answer_.by_metric
+            ? Objective::value_of(
+                  timed.metric ? signed_metric(*timed.metric) : std::numeric_limits<double>::quiet_NaN(), makespan)
+            : static_cast<double>(makespan);
     if (answer_.plan && (value > best_value_ || (value == best_value_ && makespan >= best_makespan_))) return false;
     best_value_ = value;
     best_makespan_ = makespan;
@@ -196,7 +213,8 @@ class Planner {
           if (point >= 0 && to < latest[point]) latest[point] = to, changed = true;
         };
         lower(ordering.from, latest[ordering.to] - ordering.least);
-        if (ordering.most < DurationRange::kForever) lower(ordering.to, (ordering.from < 0 ? 0 : latest[ordering.from]) + ordering.most);
+        if (ordering.most < DurationRange::kForever)
+          lower(ordering.to, (ordering.from < 0 ? 0 : latest[ordering.from]) + ordering.most);
       }
     }
     return latest;
@@ -216,7 +234,8 @@ class Planner {
     options.late_goal = late_goal_;
     options.random_choice = seed == 0 ? 0 : 0.05;
     if (seed % 2 == 1) options.cost_noise = kCostNoise;
-    options.most_words = options_.most_memory_mb * 1024 * 1024 / 8 / (has_durations() ? 4 : 2);  // searches alive at the same time
+    options.most_words =
+        options_.most_memory_mb * 1024 * 1024 / 8 / (has_durations() ? 4 : 2);  // searches alive at the same time
     return options;
   }
 
@@ -225,7 +244,9 @@ class Planner {
     KeptSearch once;
     PathCheck* check = in_time && !ground_.events.empty() ? &event_check_ : nullptr;
     budget_.set_slice(budget_.units() + slice);
-    const SearchEnd end = (keep ? first_ : once).go_on(sequences_->simulator, sequences_->relaxed, sequences_->landmarks, check, lazy_options(seed), budget_, found);
+    const SearchEnd end = (keep ? first_ : once)
+                              .go_on(sequences_->simulator, sequences_->relaxed, sequences_->landmarks, check,
+                                     lazy_options(seed), budget_, found);
     budget_.clear_slice();
     return end;
   }
@@ -243,7 +264,8 @@ class Planner {
     std::vector<char> marked;
     const PackedState initial = sequences_->simulator.initial();
     for (const GroundAction& action : ground_.actions) {
-      const std::optional<DurationRange> range = sequences_->simulator.durations(static_cast<int>(marked.size()), initial.data());
+      const std::optional<DurationRange> range =
+          sequences_->simulator.durations(static_cast<int>(marked.size()), initial.data());
       const bool lasts = !range || range->most >= kSeparation;
       marked.push_back(lasts && can_be_cut(ground_, action) && (all || is_envelope(ground_, action)));
     }
@@ -254,8 +276,10 @@ class Planner {
     }
     cut.split = std::make_unique<SplitTask>(split(with_lasting_facts(ground_), marked));
     if (!budget_.late()) cut.space = std::make_unique<SearchSpace>(cut.split->task, budget_);
-    if (budget_.late()) cut.exhausted = true;
-    else cut.check = std::make_unique<SplitCheck>(*cut.split, ground_, touches_);
+    if (budget_.late())
+      cut.exhausted = true;
+    else
+      cut.check = std::make_unique<SplitCheck>(*cut.split, ground_, touches_);
     budget_.spend(Work::kGround, 2 * kCopyWork * static_cast<std::int64_t>(ground_.actions.size()));
     return cut;
   }
@@ -272,7 +296,9 @@ class Planner {
     const bool keep = seed % kRoundsOfFirst == 0 && !answer_.plan;
     Sequence found;
     budget_.set_slice(budget_.units() + slice);
-    const SearchEnd end = (keep ? cut.first : once).go_on(cut.space->simulator, cut.space->relaxed, cut.space->landmarks, cut.check.get(), lazy_options(seed), budget_, found);
+    const SearchEnd end = (keep ? cut.first : once)
+                              .go_on(cut.space->simulator, cut.space->relaxed, cut.space->landmarks, cut.check.get(),
+                                     lazy_options(seed), budget_, found);
     budget_.clear_slice();
     cut.exhausted = is_exhausted(end);
     note(end);
@@ -285,20 +311,24 @@ class Planner {
   bool search_clock(std::uint64_t seed, std::int64_t slice) {
     if (clock_exhausted_ || budget_.late()) return false;
     if (!clock_) {
-      const auto must_be_whole = [this](const GroundAction& action) { return action.durative && !can_be_cut(ground_, action); };
+      const auto must_be_whole = [this](const GroundAction& action) {
+        return action.durative && !can_be_cut(ground_, action);
+      };
       clock_exhausted_ = std::ranges::none_of(ground_.actions, must_be_whole);
       if (clock_exhausted_) return false;
       clock_ = std::make_unique<ClockSearch>(ground_, sequences_->simulator, touches_);
     }
     budget_.set_slice(budget_.units() + slice);
-    const SearchEnd end = clock_->run(lazy_options(seed), answer_.by_metric ? DurationRange::kForever : best_makespan_, budget_, [this](const std::vector<ClockStep>& steps) { return publish(steps); });
+    const SearchEnd end = clock_->run(lazy_options(seed), answer_.by_metric ? DurationRange::kForever : best_makespan_,
+                                      budget_, [this](const std::vector<ClockStep>& steps) { return publish(steps); });
     budget_.clear_slice();
     note(end);
     clock_exhausted_ = is_exhausted(end);
     return end == SearchEnd::kFound;
   }
 
-  /// Every search has ended without a plan: looks whether any order of happenings reaches the goal, whatever their times.
+  /// Every search has ended without a plan: looks whether any order of happenings reaches the goal, whatever their
+  /// times.
   void prove_unsolvable() {
     if (ground_.events.empty() && !has_durations()) {
       answer_.status = PlanStatus::kUnsolvable;  // the search over sequences has seen every order
@@ -322,7 +352,8 @@ class Planner {
     }
   }
 
-  /// Looks for a sequence without regard to when events end what it needs, and moves its actions until they are in time.
+  /// Looks for a sequence without regard to when events end what it needs, and moves its actions until they are in
+  /// time.
   bool mend_late(std::uint64_t seed, std::int64_t slice) {
     Sequence found;
     const SearchEnd end = search_sequences(seed, slice, false, found);
@@ -331,7 +362,8 @@ class Planner {
     Decoder decoder(*whole_, ground_, sequences_->simulator, touches_, *objective_);
     const SplitCheck check(*whole_, ground_, touches_);
     const auto on_better = [&](const DecodedPlan& plan) {
-      if (!answer_.plan && publish(check.translate(plan.order))) best_sequence_ = plan.order, budget_.set_slice(budget_.units());
+      if (!answer_.plan && publish(check.translate(plan.order)))
+        best_sequence_ = plan.order, budget_.set_slice(budget_.units());
     };
     const RelaxedTask timed(sequences_->simulator, false);
     const std::int64_t until = budget_.units() + 2 * slice;
@@ -360,8 +392,10 @@ class Planner {
 
   void find_first() {
     bool sequences_exhausted = false;
-    std::int64_t slice = std::max(kFirstSlice, kSliceOfOperator * static_cast<std::int64_t>(sequences_->relaxed.operators().size()));
-    for (std::uint64_t round = 0; !budget_.over() && !unsupported_; ++round, slice = std::min(slice + slice / 2, kLongestSlice)) {
+    std::int64_t slice =
+        std::max(kFirstSlice, kSliceOfOperator * static_cast<std::int64_t>(sequences_->relaxed.operators().size()));
+    for (std::uint64_t round = 0; !budget_.over() && !unsupported_;
+         ++round, slice = std::min(slice + slice / 2, kLongestSlice)) {
       const std::uint64_t seed = round;
       // Plans after whose last action events bring about the goal only where there seem to be no others.
       late_goal_ = !ground_.events.empty() && (early_exhausted_ || round % 2 == 1);
@@ -379,9 +413,11 @@ class Planner {
       if (search_clock(seed, slice)) return;
       if (round == 0 && !(sequences_exhausted && envelopes_->exhausted)) continue;
       if (!everything_) everything_ = make_cut(true);
-      const bool likely = envelopes_->split != nullptr || round == 1;  // something needs others to be under way, or never tried
+      const bool likely =
+          envelopes_->split != nullptr || round == 1;  // something needs others to be under way, or never tried
       if (search_cut(*everything_, seed, likely ? slice : slice / kShareOfUnlikely)) return;
-      if (!budget_.late() && sequences_exhausted && envelopes_->exhausted && everything_->exhausted && clock_exhausted_) {
+      if (!budget_.late() && sequences_exhausted && envelopes_->exhausted && everything_->exhausted &&
+          clock_exhausted_) {
         prove_unsolvable();
         return;
       }
@@ -456,8 +492,8 @@ class Planner {
     }
   }
 
-  /// Improvement by the metric. Rounds: local search and rebuilding on whole actions, local search on parts, searches for
-  /// sequences of both kinds whose numbers leave room for a better metric.
+  /// Improvement by the metric. Rounds: local search and rebuilding on whole actions, local search on parts, searches
+  /// for sequences of both kinds whose numbers leave room for a better metric.
   void improve_metric() {
     if (budget_.late()) return;
     const RelaxedTask priced(sequences_->simulator, objective_->prices());
@@ -473,14 +509,17 @@ class Planner {
       const int kind = static_cast<int>(round % 4);
       Sequence from = kind == 3 ? Sequence{} : best_sequence_;
       if (kind == 1) {
-        if (best_cut_.first) improve_cut(*best_cut_.first, best_cut_.second, round, idle);
-        else if (!everything_->exhausted && !from.empty()) improve_cut(*everything_, to_parts(*everything_->split, from), round, idle);
+        if (best_cut_.first)
+          improve_cut(*best_cut_.first, best_cut_.second, round, idle);
+        else if (!everything_->exhausted && !from.empty())
+          improve_cut(*everything_, to_parts(*everything_->split, from), round, idle);
       } else if (kind == 3 && !searched_parts) {
         SplitCheck parts(*everything_->split, ground_, touches_);
         searched_parts = search_for_better(everything_->split->task, &parts, round, from) == SearchEnd::kExhausted;
         if (!from.empty() && publish(parts.translate(from))) best_cut_ = {&*everything_, std::move(from)};
       } else if (kind == 0 || kind == 2) {
-        if (kind == 2 && !searched_all) searched_all = search_for_better(ground_, nullptr, round, from) == SearchEnd::kExhausted;
+        if (kind == 2 && !searched_all)
+          searched_all = search_for_better(ground_, nullptr, round, from) == SearchEnd::kExhausted;
         if (kind == 2) search_clock(round, kRestartSlice);
         LocalSearch local(decoder, round + 1);
         if (from.empty() || !local.start(from)) {
@@ -502,7 +541,8 @@ class Planner {
 
   SearchEnd search_for_better(const GroundTask& base, PathCheck* check, std::uint64_t seed, Sequence& found) {
     const std::optional<double> metric = answer_.plan->metric;
-    std::optional<GroundComparison> better = metric ? objective_->better_than(signed_metric(*metric), bound_) : std::nullopt;
+    std::optional<GroundComparison> better =
+        metric ? objective_->better_than(signed_metric(*metric), bound_) : std::nullopt;
     if (!better) return SearchEnd::kExhausted;
     if (budget_.late()) return SearchEnd::kBudget;
     GroundTask task = base;
@@ -534,7 +574,8 @@ class Planner {
     if (!local.start(from)) return;
     const SplitCheck check(*cut.split, ground_, touches_);
     local.run(budget_, idle, [&](const DecodedPlan& plan) {
-      if (plan.value < best_value_ && publish(check.translate(plan.order)) && (best_cut_.first || answer_.by_metric)) best_cut_ = {&cut, plan.order};
+      if (plan.value < best_value_ && publish(check.translate(plan.order)) && (best_cut_.first || answer_.by_metric))
+        best_cut_ = {&cut, plan.order};
     });
   }
 
@@ -547,10 +588,11 @@ class Planner {
   Validator validator_;
   std::unique_ptr<SearchSpace> sequences_;  ///< of whole actions
   EventCheck event_check_{touches_};
-  KeptSearch first_;                        ///< for sequences
-  std::unique_ptr<SplitTask> whole_;        ///< nothing is cut
+  KeptSearch first_;                  ///< for sequences
+  std::unique_ptr<SplitTask> whole_;  ///< nothing is cut
   std::optional<Cut> envelopes_, everything_;
-  std::pair<Cut*, Sequence> best_cut_{nullptr, {}};  ///< the best plan as a sequence of parts, where no sequence was found
+  std::pair<Cut*, Sequence> best_cut_{nullptr,
+                                      {}};  ///< the best plan as a sequence of parts, where no sequence was found
   std::unique_ptr<ClockSearch> clock_;
   bool clock_exhausted_ = false;
   bool late_goal_ = false;        ///< searches take plans after which events bring about the goal

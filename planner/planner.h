@@ -19,19 +19,19 @@ namespace cxlab::planner {
 
 /// A plan as times and as what the times must keep to.
 struct TimedPlan {
-  Plan steps;                        ///< by start; times as early as possible
+  Plan steps;  ///< by start; times as early as possible
   double makespan_s = 0;
-  std::optional<double> metric;      ///< value of the problem's metric
+  std::optional<double> metric;  ///< value of the problem's metric
   /// Distances between starts (2 k) and ends (2 k + 1) of steps: any times that keep them are a plan too.
   std::vector<Ordering> orderings;
-  std::vector<Micros> latest;        ///< by point: latest time that keeps the makespan
+  std::vector<Micros> latest;  ///< by point: latest time that keeps the makespan
 };
 
 struct PlanOptions {
-  std::int64_t budget = 60'000'000;  ///< work units; a unit is about a microsecond
-  std::optional<double> timeout_s{}; ///< wall time
+  std::int64_t budget = 60'000'000;   ///< work units; a unit is about a microsecond
+  std::optional<double> timeout_s{};  ///< wall time
   /// Better: a better metric if the problem has one, a shorter makespan among equals.
-  bool anytime = false;              ///< go on to better plans until the budget ends or a plan is proved best
+  bool anytime = false;  ///< go on to better plans until the budget ends or a plan is proved best
   /// A plan under execution, its steps in their order; those at its beginning may have been done. What is left of it is
   /// tried first, repaired and improved from there. Not used where there are events.
   Plan warm_start{};
@@ -42,24 +42,25 @@ struct PlanOptions {
 
 enum class PlanStatus {
   kPlan,
-  kUnsolvable,   ///< proved
-  kEnded,        ///< all that could be tried was tried, without a proof
+  kUnsolvable,  ///< proved
+  kEnded,       ///< all that could be tried was tried, without a proof
   kMemory,
-  kBudget,       ///< units or time
+  kBudget,  ///< units or time
 };
 
 struct PlanAnswer {
   PlanStatus status = PlanStatus::kEnded;
-  std::string reason;               ///< one sentence
+  std::string reason;  ///< one sentence
   std::optional<TimedPlan> plan;
-  double lower_bound_s = 0;         ///< no plan is shorter,
-  bool bound_assumes_order = false; ///< true: of those in which no two actions change the same fact at the same instant
-  bool by_metric = false;           ///< the problem's metric says which plan is better, and not the makespan alone
-  std::optional<double> metric_bound; ///< no plan has a better metric; none: not known
-  std::int64_t units = 0;           ///< spent
-  int refused = 0;                  ///< plans that the validator did not accept: a fault of the planner's
-  std::string refusal;              ///< why the last of them
-  double first_plan_s = 0;          ///< wall time to the first plan; for people, not for decisions
+  double lower_bound_s = 0;  ///< no plan is shorter,
+  bool bound_assumes_order =
+      false;               ///< true: of those in which no two actions change the same fact at the same instant
+  bool by_metric = false;  ///< the problem's metric says which plan is better, and not the makespan alone
+  std::optional<double> metric_bound;  ///< no plan has a better metric; none: not known
+  std::int64_t units = 0;              ///< spent
+  int refused = 0;                     ///< plans that the validator did not accept: a fault of the planner's
+  std::string refusal;                 ///< why the last of them
+  double first_plan_s = 0;             ///< wall time to the first plan; for people, not for decisions
 
   /// How far the plan can be from the shortest one, as a share of it: 0.05 = at most 5 %; none without plan or bound.
   std::optional<double> gap() const {

@@ -11,7 +11,8 @@
 
 namespace cxlab {
 
-Episode::Episode(Scenario scenario, EpisodeOptions options) : scenario_(std::move(scenario)), options_(std::move(options)) {}
+Episode::Episode(Scenario scenario, EpisodeOptions options)
+    : scenario_(std::move(scenario)), options_(std::move(options)) {}
 
 Episode::~Episode() = default;
 
@@ -51,7 +52,8 @@ Status Episode::keep_for_agent(std::size_t agent, const std::filesystem::path& f
     const fs::path relative = fs::absolute(file).lexically_normal().lexically_relative(folder);
     return relative.empty() || *relative.begin() == ".." ? std::string() : relative.generic_string();
   };
-  if (!inside(fs::absolute(options_.run_folder).lexically_normal() / "written").empty()) return {};  // rules write it again
+  if (!inside(fs::absolute(options_.run_folder).lexically_normal() / "written").empty())
+    return {};  // rules write it again
   bool in_package = false;
   for (const auto& [name, folder] : shares_[agent]) {
     const std::string relative = inside(folder);
@@ -73,7 +75,11 @@ Status Episode::keep_interfaces() {
     if (!folder.has_filename()) folder = folder.parent_path();  // of a package "."
     const auto known = packages.find(folder);
     const std::string package = known != packages.end() ? known->second : folder.filename().string();
-    if (Status s = keep("interfaces/" + package + '/' + file.parent_path().filename().string() + '/' + file.filename().string(), file); !s) return s;
+    if (Status s = keep(
+            "interfaces/" + package + '/' + file.parent_path().filename().string() + '/' + file.filename().string(),
+            file);
+        !s)
+      return s;
   }
   return files_->write_index();
 }
@@ -90,7 +96,8 @@ Status Episode::build_bus() {
   for (const auto& [name, folder] : packages) {
     const std::filesystem::path path = scenario_.resolve(folder);
     if (!std::filesystem::is_directory(path))
-      return input_error("package " + name + ": there is no folder " + path.string(), scenario_.file.string(), lines[name]);
+      return input_error("package " + name + ": there is no folder " + path.string(), scenario_.file.string(),
+                         lines[name]);
     if (!bus::holds_definitions(path)) continue;
     if (Status s = registry_.add_package(name, path); !s) return s;
   }
@@ -131,8 +138,13 @@ Status Episode::build_stage() {
   stage_ = *std::move(stage);
   for (const std::filesystem::path& file : stage_->files)
     if (Status s = keep("models/" + file.filename().string(), file); !s) return s;
-  const NodeSetup setup{scenario_, *bus_, journal_, options_.log, options_.run_folder,
-                        [this](const std::string& name, const std::filesystem::path& file) { return keep("nodes/" + name, file); }};
+  const NodeSetup setup{
+      scenario_,
+      *bus_,
+      journal_,
+      options_.log,
+      options_.run_folder,
+      [this](const std::string& name, const std::filesystem::path& file) { return keep("nodes/" + name, file); }};
   for (const ServerSpec& spec : scenario_.servers)
     if (Status s = find_node(spec.node)->add(spec, setup, *stage_); !s) return s;
   if (scenario_.stimuli.empty()) return {};
@@ -154,7 +166,8 @@ Expected<std::unique_ptr<Stage>> Episode::make_stage() {
   switch (scenario_.world_kind) {
     case Scenario::WorldKind::kRcll: return rcll::make_stage(scenario_, options_.models, *bus_, journal_);
     case Scenario::WorldKind::kTurtlesim: {
-      auto stage = turtlesim::TurtleStage::create(scenario_.turtlesim, scenario_.physics_step, *bus_, journal_, options_.log);
+      auto stage =
+          turtlesim::TurtleStage::create(scenario_.turtlesim, scenario_.physics_step, *bus_, journal_, options_.log);
       if (!stage) return stage.error();
       return std::unique_ptr<Stage>(*std::move(stage));
     }
@@ -176,10 +189,12 @@ cx::RunSettings Episode::run_settings() const {
 }
 
 Status Episode::build_agents() {
-  if (options_.replay) shares_ = options_.replay->shares;
+  if (options_.replay)
+    shares_ = options_.replay->shares;
   else
     for (const AgentSpec& spec : scenario_.agents) shares_.push_back(scenario_.shares(spec));
-  if (shares_.size() != scenario_.agents.size()) return input_error("the recorded run has another number of agents", scenario_.file.string());
+  if (shares_.size() != scenario_.agents.size())
+    return input_error("the recorded run has another number of agents", scenario_.file.string());
   for (const auto& shares : shares_)
     for (const auto& [package, folder] : shares) journal_.name_folder(folder, "package://" + package);
   const auto streams = std::make_shared<std::set<std::string>>();
@@ -189,7 +204,8 @@ Status Episode::build_agents() {
     const std::size_t index = agents_.size();
     const std::string number = std::to_string(index);
     const std::filesystem::path config = scenario_.resolve(spec.config);
-    const std::filesystem::path copies = options_.replay ? options_.replay->copies / "agents" / number : std::filesystem::path();
+    const std::filesystem::path copies =
+        options_.replay ? options_.replay->copies / "agents" / number : std::filesystem::path();
     manager.config = options_.replay ? copies / "config" / config.filename() : config;
     manager.name_space = spec.name_space;
     manager.remaps = spec.remaps;
@@ -201,7 +217,8 @@ Status Episode::build_agents() {
     manager.plugin_types = cx::builtin_plugins();
     manager.outside = make_outside("agent/" + number);
     manager.on_read = [this, index, config](const std::string&, const std::filesystem::path& file) {
-      return file == config ? keep("agents/" + std::to_string(index) + "/config/" + file.filename().string(), file) : keep_for_agent(index, file);
+      return file == config ? keep("agents/" + std::to_string(index) + "/config/" + file.filename().string(), file)
+                            : keep_for_agent(index, file);
     };
     manager.on_join = [this](bus::ParticipantId participant) {
       if (tap_) tap_->watch(participant);
@@ -210,7 +227,13 @@ Status Episode::build_agents() {
     bus::NodeName name{manager.node, manager.name_space, manager.remaps};
     bus::rename_node(name);
     if (options_.log && bus_->find_node(name.full_name()))
-      options_.log->line({bus_->now(), cx::LogLevel::kInfo, name.name, "another node is called " + name.full_name() + " already: its services answer, those of this one do not; a namespace or the remap __node:=NAME keeps them apart", {}});
+      options_.log->line({bus_->now(),
+                          cx::LogLevel::kInfo,
+                          name.name,
+                          "another node is called " + name.full_name() +
+                              " already: its services answer, those of this one do not; a namespace or the remap "
+                              "__node:=NAME keeps them apart",
+                          {}});
     auto made = cx::EnvironmentManager::create(std::move(manager), *bus_, journal_);
     if (!made) return made.error();
     agents_.push_back(*std::move(made));
@@ -219,9 +242,12 @@ Status Episode::build_agents() {
 }
 
 LookOutside* Episode::make_outside(const std::string& stream) {
-  if (replayer_) outside_.push_back(std::make_unique<ReplayingOutside>(*replayer_, stream));
-  else if (inputs_) outside_.push_back(std::make_unique<RecordingOutside>(*bus_, *inputs_, stream));
-  else return nullptr;
+  if (replayer_)
+    outside_.push_back(std::make_unique<ReplayingOutside>(*replayer_, stream));
+  else if (inputs_)
+    outside_.push_back(std::make_unique<RecordingOutside>(*bus_, *inputs_, stream));
+  else
+    return nullptr;
   return outside_.back().get();
 }
 
@@ -299,7 +325,8 @@ Status Episode::advance_world(SimTime next) {
 
 Status Episode::check_replay() const {
   for (const auto& outside : outside_)
-    if (const auto* replaying = dynamic_cast<const ReplayingOutside*>(outside.get()); replaying && replaying->error()) return *replaying->error();
+    if (const auto* replaying = dynamic_cast<const ReplayingOutside*>(outside.get()); replaying && replaying->error())
+      return *replaying->error();
   return {};
 }
 
@@ -311,19 +338,19 @@ Status Episode::all_replayed() const {
 Status Episode::write_out() {
   if (Status s = check_replay(); !s) return s;
   if (inputs_) {
-    if (std::string bytes = stage_->take_inputs(); !bytes.empty()) inputs_->add(LoggedWorld{bus_->now(), "world", bytes});
+    if (std::string bytes = stage_->take_inputs(); !bytes.empty())
+      inputs_->add(LoggedWorld{bus_->now(), "world", bytes});
     inputs_->reach(bus_->now());
     if (Status s = inputs_->status(); !s) return s;
   }
   return journal_.status();
 }
 
-bool Episode::completed() const {
-  return now_ >= scenario_.duration || (stage_->referee && stage_->referee->over());
-}
+bool Episode::completed() const { return now_ >= scenario_.duration || (stage_->referee && stage_->referee->over()); }
 
 bool Episode::over() const {
-  return completed() || std::any_of(agents_.begin(), agents_.end(), [](const auto& agent) { return agent->shutdown_requested(); });
+  return completed() ||
+         std::any_of(agents_.begin(), agents_.end(), [](const auto& agent) { return agent->shutdown_requested(); });
 }
 
 Result Episode::close(RunStatus status, std::optional<Error> failure) {
@@ -359,10 +386,11 @@ Result Episode::result() const {
   for (const auto& agent : agents_) out.deterministic = out.deterministic && agent->deterministic();
   for (const auto& agent : agents_)
     for (const cx::RuleErrorEntry& entry : agent->rule_errors())
-      out.rule_errors.push_back({entry.error.rule, entry.error.file, std::string(to_string(entry.error.side)), entry.error.message,
-                                 entry.error.line, entry.error.t / scenario_.tick});
+      out.rule_errors.push_back({entry.error.rule, entry.error.file, std::string(to_string(entry.error.side)),
+                                 entry.error.message, entry.error.line, entry.error.t / scenario_.tick});
   out.journal_hash = journal_.journal_hash();
-  for (const Journal::StreamSummary& stream : journal_.streams()) out.stream_hashes.emplace_back(stream.name, stream.hash);
+  for (const Journal::StreamSummary& stream : journal_.streams())
+    out.stream_hashes.emplace_back(stream.name, stream.hash);
   return out;
 }
 

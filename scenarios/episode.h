@@ -36,8 +36,8 @@ class WallMeter {
 
 /// A former run, from which its environments alone are played again: without world, servers and stimuli.
 struct ReplaySource {
-  std::filesystem::path inputs;  ///< its inputs.bin
-  std::filesystem::path copies;  ///< its files, laid out by name (`StoredFiles::materialise`)
+  std::filesystem::path inputs;                            ///< its inputs.bin
+  std::filesystem::path copies;                            ///< its files, laid out by name (`StoredFiles::materialise`)
   std::vector<std::map<std::string, std::string>> shares;  ///< by agent: what its packages' share directories were
 };
 
@@ -45,13 +45,13 @@ struct EpisodeOptions {
   /// Exists; empty = nothing is written. A replay writes its journal there, and what rules write.
   std::filesystem::path run_folder;
   JournalLevel journal = JournalLevel::kDecisions;
-  cx::LogSink* log = nullptr;        ///< lines of environments and nodes; may be none
+  cx::LogSink* log = nullptr;          ///< lines of environments and nodes; may be none
   WallMeter* physics_meter = nullptr;  ///< around the world's steps; may be none
-  std::filesystem::path interfaces;  ///< folder of the packages that come with cxlab
-  std::filesystem::path models;      ///< MJCF parts
+  std::filesystem::path interfaces;    ///< folder of the packages that come with cxlab
+  std::filesystem::path models;        ///< MJCF parts
   std::optional<ReplaySource> replay;
-  bool strict = false;               ///< unknown CX parameters are errors
-  bool keep_going = false;           ///< errors in rule files are reported and the run goes on, as CX does
+  bool strict = false;      ///< unknown CX parameters are errors
+  bool keep_going = false;  ///< errors in rule files are reported and the run goes on, as CX does
 };
 
 class Episode {
@@ -73,7 +73,7 @@ class Episode {
   /// Deactivates the agents and ends the files. `failure` is what ended the run early, if anything did.
   Result close(RunStatus status, std::optional<Error> failure = {});
 
-  SimTime next_tick() const;  ///< when the next one comes
+  SimTime next_tick() const;            ///< when the next one comes
   SimTime now() const { return now_; }  ///< of the last tick; before tick 0: 0
   const Scenario& scenario() const { return scenario_; }
   Stage& stage() { return *stage_; }

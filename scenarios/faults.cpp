@@ -28,10 +28,12 @@ void read_when(yaml::Map& map, const FaultWord& word, Fault& fault) {
   }
   if (word.by_occasion) {
     map.read("probability", fault.probability);
-    if (!(fault.probability >= 0 && fault.probability <= 1)) map.get("probability").fail("found " + map.get("probability").text() + ", expected a probability, 0 .. 1");
+    if (!(fault.probability >= 0 && fault.probability <= 1))
+      map.get("probability").fail("found " + map.get("probability").text() + ", expected a probability, 0 .. 1");
   } else {
     map.read_seconds("mean_s", fault.mean);
-    if (fault.mean < from_seconds(0.001)) map.get("mean_s").fail("found " + map.get("mean_s").text() + ", expected at least 0.001 s");
+    if (fault.mean < from_seconds(0.001))
+      map.get("mean_s").fail("found " + map.get("mean_s").text() + ", expected at least 0.001 s");
   }
   map.read_seconds("from", fault.from).read_seconds("until", fault.until).read("times", fault.times);
   if (fault.times < 0) map.get("times").fail("must be 0 (no limit) or more");
@@ -69,7 +71,9 @@ Fault read_fault(const yaml::Value& value) {
   if (takes(*word, "machine")) map.read("machine", fault.machine);
   if (takes(*word, "skill")) {
     using sim::SkillKind;
-    map.read_word("skill", fault.skill, {std::string(to_string(SkillKind::kDriveTo)), std::string(to_string(SkillKind::kPick)), std::string(to_string(SkillKind::kPlace))});
+    map.read_word("skill", fault.skill,
+                  {std::string(to_string(SkillKind::kDriveTo)), std::string(to_string(SkillKind::kPick)),
+                   std::string(to_string(SkillKind::kPlace))});
   }
   if (takes(*word, "error")) read_error(map, fault);
   if (takes(*word, "after_s")) map.read_seconds("after_s", fault.after);

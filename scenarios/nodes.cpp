@@ -18,7 +18,9 @@ constexpr std::array kKinds{
              }},
     NodeKind{"pddl_manager", "keeps PDDL instances and plans (docs/pddl-manager.md)",
              [](yaml::Map& keys, ServerSpec& spec) { pddl::read_config(keys, spec.pddl); },
-             [](const ServerSpec& spec, const NodeSetup& setup, Stage& stage) { return pddl::add_manager(spec.pddl, setup, stage); }},
+             [](const ServerSpec& spec, const NodeSetup& setup, Stage& stage) {
+               return pddl::add_manager(spec.pddl, setup, stage);
+             }},
 };
 
 }  // namespace

@@ -24,7 +24,7 @@ struct NodeSetup {
   const Scenario& scenario;
   bus::Bus& bus;
   RecordSink& sink;
-  cx::LogSink* log = nullptr;  ///< may be none
+  cx::LogSink* log = nullptr;        ///< may be none
   std::filesystem::path run_folder;  ///< empty = nothing is written
   /// Told of each file that a node reads, before it does, for the run's copy.
   std::function<Status(const std::string& logical_name, const std::filesystem::path& file)> keep;
@@ -32,8 +32,8 @@ struct NodeSetup {
 
 struct NodeKind {
   std::string_view name;
-  std::string_view what;                                ///< one line for people
-  void (*read)(yaml::Map& keys, ServerSpec& spec);      ///< the node's own keys; the caller finishes the map
+  std::string_view what;                            ///< one line for people
+  void (*read)(yaml::Map& keys, ServerSpec& spec);  ///< the node's own keys; the caller finishes the map
   Status (*add)(const ServerSpec& spec, const NodeSetup& setup, Stage& stage);  ///< puts it on the stage
 };
 

@@ -18,7 +18,8 @@ Expected<Value> value_from_bytes(std::string_view bytes);
 /// Calls, and logs what came.
 class RecordingOutside final : public LookOutside {
  public:
-  RecordingOutside(const bus::Bus& bus, InputLogWriter& log, std::string stream) : bus_(bus), log_(log), stream_(std::move(stream)) {}
+  RecordingOutside(const bus::Bus& bus, InputLogWriter& log, std::string stream)
+      : bus_(bus), log_(log), stream_(std::move(stream)) {}
   Value look(std::string_view function, const std::function<Value()>& outside) override;
 
  private:

@@ -66,27 +66,50 @@ std::string Result::to_json() const {
   }
   out["orders"] = Json::array();
   for (const OrderResult& o : orders)
-    out["orders"].push_back({{"id", o.id}, {"complexity", o.complexity}, {"ordered", o.ordered},
+    out["orders"].push_back({{"id", o.id},
+                             {"complexity", o.complexity},
+                             {"ordered", o.ordered},
                              {"delivered_at", o.delivered_at ? Json(*o.delivered_at) : Json(nullptr)},
-                             {"correct", o.correct}, {"points", o.points}});
+                             {"correct", o.correct},
+                             {"points", o.points}});
   out["deliveries"] = Json::array();
   for (const DeliveryResult& d : deliveries)
-    out["deliveries"].push_back({{"order", d.order}, {"team", d.team}, {"time", d.time}, {"correct", d.correct},
-                                 {"late_s", d.late_s}, {"points", d.points}});
+    out["deliveries"].push_back({{"order", d.order},
+                                 {"team", d.team},
+                                 {"time", d.time},
+                                 {"correct", d.correct},
+                                 {"late_s", d.late_s},
+                                 {"points", d.points}});
   out["robots"] = Json::array();
   for (const RobotResult& r : robots)
-    out["robots"].push_back({{"name", r.name}, {"busy_s", r.busy_s}, {"drive_s", r.drive_s}, {"wait_s", r.wait_s},
-                             {"skills", r.skills}, {"failures", r.failures}, {"contacts", r.contacts}});
+    out["robots"].push_back({{"name", r.name},
+                             {"busy_s", r.busy_s},
+                             {"drive_s", r.drive_s},
+                             {"wait_s", r.wait_s},
+                             {"skills", r.skills},
+                             {"failures", r.failures},
+                             {"contacts", r.contacts}});
   if (!turtles.empty()) out["turtles"] = Json::array();
   for (const TurtleResult& t : turtles)
-    out["turtles"].push_back({{"name", t.name}, {"alive", t.alive}, {"x", t.x}, {"y", t.y}, {"theta", t.theta}, {"driven_m", t.driven_m},
-                              {"walls", t.walls}, {"touches", t.touches}, {"teleports", t.teleports}});
+    out["turtles"].push_back({{"name", t.name},
+                              {"alive", t.alive},
+                              {"x", t.x},
+                              {"y", t.y},
+                              {"theta", t.theta},
+                              {"driven_m", t.driven_m},
+                              {"walls", t.walls},
+                              {"touches", t.touches},
+                              {"teleports", t.teleports}});
   out["plans"] = plans;
   out["replans"] = replans;
   out["rule_errors"] = Json::array();
   for (const RuleErrorResult& e : rule_errors)
-    out["rule_errors"].push_back({{"rule", e.rule}, {"file", e.file}, {"line", e.line}, {"side", e.side},
-                                  {"tick", e.tick}, {"message", e.message}});
+    out["rule_errors"].push_back({{"rule", e.rule},
+                                  {"file", e.file},
+                                  {"line", e.line},
+                                  {"side", e.side},
+                                  {"tick", e.tick},
+                                  {"message", e.message}});
   out["journal_hash"] = journal_hash;
   out["physics_hash"] = physics_hash.empty() ? Json(nullptr) : Json(physics_hash);
   out["stream_hashes"] = Json::object();
@@ -111,8 +134,10 @@ Json value_at(const Json& root, const std::string& path) {
   std::string pointer = "/";
   for (const char c : path) {
     if (c == ']') continue;
-    if (c == '/') pointer += "~1";
-    else pointer += c == '.' || c == '[' ? '/' : c;
+    if (c == '/')
+      pointer += "~1";
+    else
+      pointer += c == '.' || c == '[' ? '/' : c;
   }
   try {
     const Json::json_pointer json_pointer(pointer);
@@ -154,7 +179,8 @@ std::string take_step(std::string& path) {
 }
 
 bool is_index(const std::string& step) {
-  return step.size() > 2 && step.front() == '[' && step.back() == ']' && step.find_first_not_of("0123456789", 1) == step.size() - 1;
+  return step.size() > 2 && step.front() == '[' && step.back() == ']' &&
+         step.find_first_not_of("0123456789", 1) == step.size() - 1;
 }
 
 }  // namespace
@@ -182,21 +208,27 @@ Status check_result_path(const std::string& path) {
     }
     before += (before.empty() || step.starts_with('[') ? "" : ".") + step;
   }
-  return before.empty() ? Status(input_error("expected a path into result.json, for example teams.CYAN.points")) : Status();
+  return before.empty() ? Status(input_error("expected a path into result.json, for example teams.CYAN.points"))
+                        : Status();
 }
 
-Status check_expectations(const std::vector<Expectation>& expectations, const std::string& result_json, const std::string& file) {
+Status check_expectations(const std::vector<Expectation>& expectations, const std::string& result_json,
+                          const std::string& file) {
   const Json result = Json::parse(result_json);
   for (const Expectation& e : expectations) {
     const Json value = value_at(result, e.path);
     const std::string found = value.is_string() ? value.get<std::string>() : value.dump();
     std::string wanted;
     if (e.equals && found != *e.equals) wanted = "'" + *e.equals + "'";
-    if ((e.min || e.max) && !value.is_number()) wanted = "a number";
-    else if (e.min && value.get<double>() < *e.min) wanted = "at least " + Json(*e.min).dump();
-    else if (e.max && value.get<double>() > *e.max) wanted = "at most " + Json(*e.max).dump();
+    if ((e.min || e.max) && !value.is_number())
+      wanted = "a number";
+    else if (e.min && value.get<double>() < *e.min)
+      wanted = "at least " + Json(*e.min).dump();
+    else if (e.max && value.get<double>() > *e.max)
+      wanted = "at most " + Json(*e.max).dump();
     if (wanted.empty()) continue;
-    return Error{ErrorKind::kNo, "expected " + e.path + " to be " + wanted + ", found " + found, file, e.line, "expectation"};
+    return Error{ErrorKind::kNo, "expected " + e.path + " to be " + wanted + ", found " + found, file, e.line,
+                 "expectation"};
   }
   return {};
 }

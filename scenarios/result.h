@@ -31,7 +31,7 @@ struct OrderResult {
 struct DeliveryResult {
   int order = 0;
   std::string team;
-  double time = 0;    ///< s
+  double time = 0;  ///< s
   bool correct = false;
   double late_s = 0;
   std::int64_t points = 0;
@@ -84,6 +84,7 @@ Result unfinished_result(const Scenario& scenario);
 /// Whether result.json can have something at that path ("teams.CYAN.points", "orders[0].points"); else what is wrong.
 Status check_result_path(const std::string& path);
 /// The first expectation that does not hold, as an error of kind kNo.
-Status check_expectations(const std::vector<Expectation>& expectations, const std::string& result_json, const std::string& file);
+Status check_expectations(const std::vector<Expectation>& expectations, const std::string& result_json,
+                          const std::string& file);
 
 }  // namespace cxlab

@@ -55,7 +55,8 @@ Stimulus read_stimulus(const yaml::Value& value) {
     } else {
       stimulus.target = target.as_string();
     }
-    if (word.verb >= Stimulus::Verb::kLoadPlugin && word.verb <= Stimulus::Verb::kDestroyEnv) map.read("manager", stimulus.manager);
+    if (word.verb >= Stimulus::Verb::kLoadPlugin && word.verb <= Stimulus::Verb::kDestroyEnv)
+      map.read("manager", stimulus.manager);
     if (word.verb == Stimulus::Verb::kSetParam) map.require("value");
     if (word.typed) stimulus.type = map.require("type").as_string();
     if (word.content)
@@ -88,7 +89,8 @@ AgentSpec read_agent(const yaml::Value& value) {
       agent.remaps.emplace_back(from, to.as_string());
       if (const std::string fault = bus::remap_fault(agent.remaps.back()); !fault.empty()) to.fail(fault);
     }
-  if (const yaml::Value packages = map.get("packages")) read_packages(packages.as_map(), agent.packages, agent.package_lines);
+  if (const yaml::Value packages = map.get("packages"))
+    read_packages(packages.as_map(), agent.packages, agent.package_lines);
   if (const yaml::Value params = map.get("params"))
     for (const auto& [name, param] : params.as_map().entries()) {
       auto [file, line] = param.place();
@@ -166,7 +168,8 @@ Expected<Scenario> Scenario::load(const std::filesystem::path& file, const std::
   return text ? parse(*text, file, overrides) : Expected<Scenario>(text.error());
 }
 
-Expected<Scenario> Scenario::parse(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+Expected<Scenario> Scenario::parse(const std::string& text, const std::filesystem::path& file,
+                                   const std::vector<std::string>& overrides) {
   auto document = yaml::Document::parse(text, file.string());
   if (!document) return document.error();
   for (const std::string& assignment : overrides)
@@ -199,11 +202,15 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
   std::string tier = "physics";
   map.read_word("tier", tier, {"physics", "timed"});
   scenario.tier = tier == "timed" ? Tier::kTimed : Tier::kPhysics;
-  if (scenario.tier == Tier::kTimed && scenario.world_kind == WorldKind::kTurtlesim) map.get("tier").fail("found 'timed', expected physics: turtlesim has no other tier");
+  if (scenario.tier == Tier::kTimed && scenario.world_kind == WorldKind::kTurtlesim)
+    map.get("tier").fail("found 'timed', expected physics: turtlesim has no other tier");
   if (const yaml::Value timed = map.get("timed")) read_timed(timed, scenario.timed);
   map.read("seed", scenario.seed).read("epoch", scenario.epoch);
-  map.read_seconds("duration_s", scenario.duration).read_seconds("tick_s", scenario.tick).read_seconds("physics_step_s", scenario.physics_step);
-  if (const yaml::Value packages = map.get("packages")) read_packages(packages.as_map(), scenario.packages, scenario.package_lines);
+  map.read_seconds("duration_s", scenario.duration)
+      .read_seconds("tick_s", scenario.tick)
+      .read_seconds("physics_step_s", scenario.physics_step);
+  if (const yaml::Value packages = map.get("packages"))
+    read_packages(packages.as_map(), scenario.packages, scenario.package_lines);
   if (const yaml::Value agents = map.get("agents"))
     for (const yaml::Value& agent : agents.as_list()) scenario.agents.push_back(read_agent(agent));
   if (const yaml::Value servers = map.get("servers"))
@@ -211,7 +218,8 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
   if (const yaml::Value stimuli = map.get("stimuli")) scenario.stimuli = read_stimuli(stimuli);
   if (const yaml::Value faults = map.get("faults")) {
     scenario.faults = read_faults(faults);
-    if (scenario.world_kind != WorldKind::kRcll) faults.fail("this world has neither robots nor machines: expected world.kind rcll");
+    if (scenario.world_kind != WorldKind::kRcll)
+      faults.fail("this world has neither robots nor machines: expected world.kind rcll");
   }
   if (const yaml::Value planner = map.get("planner")) pddl::read_cost(planner, scenario.planner);
   std::string on_rule_error = "stop";
@@ -222,9 +230,12 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
     for (const yaml::Value& item : expect.as_list()) scenario.expect.push_back(read_expectation(item));
   map.finish();
 
-  if (scenario.tick <= SimTime::zero()) map.get("tick_s").fail("must be more than 0");
-  else if (scenario.physics_step <= SimTime::zero()) map.get("physics_step_s").fail("must be more than 0");
-  else if (scenario.world_kind != WorldKind::kTurtlesim && scenario.tick % scenario.physics_step != SimTime::zero())  // a canvas steps at any tick
+  if (scenario.tick <= SimTime::zero())
+    map.get("tick_s").fail("must be more than 0");
+  else if (scenario.physics_step <= SimTime::zero())
+    map.get("physics_step_s").fail("must be more than 0");
+  else if (scenario.world_kind != WorldKind::kTurtlesim &&
+           scenario.tick % scenario.physics_step != SimTime::zero())  // a canvas steps at any tick
     map.get("physics_step_s").fail("tick_s must be a whole multiple of physics_step_s");
   if (scenario.max_firings_per_tick < 0) map.get("max_firings_per_tick").fail("must be 0 (no limit) or more");
   if (Status s = document->status(); !s) return s.error();

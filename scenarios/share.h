@@ -16,23 +16,24 @@ struct Share {
   std::filesystem::path packages;    ///< share folders of packages of rules
   std::filesystem::path scenarios;
   std::filesystem::path docs;
-  std::filesystem::path engines;     ///< scripts that run other planners
-  std::filesystem::path prefix;      ///< that cxlab is installed below; empty in a source tree
+  std::filesystem::path engines;  ///< scripts that run other planners
+  std::filesystem::path prefix;   ///< that cxlab is installed below; empty in a source tree
 };
 
 /// $CXLAB_SHARE, else share/cxlab of the prefix that this library or program is installed below, else the source tree
 /// that it was built from.
 Share find_share();
 
-/// The packages below <prefix>/share, by name: folders with a package.xml, a manifest of plugins, interface definitions,
-/// rules, configurations or PDDL files. The first prefix that has a package wins. A prefix that is not there is an error.
+/// The packages below <prefix>/share, by name: folders with a package.xml, a manifest of plugins, interface
+/// definitions, rules, configurations or PDDL files. The first prefix that has a package wins. A prefix that is not
+/// there is an error.
 Expected<std::map<std::string, std::string>> packages_below(const std::vector<std::string>& prefixes);
 
 /// Those that come with cxlab: folders of `Share::packages`, by name.
 std::map<std::string, std::string> own_packages();
 
-/// The prefixes that are looked through without being named: those in $CXLAB_PREFIX_PATH (separated by ':'), then the one
-/// that cxlab is installed below.
+/// The prefixes that are looked through without being named: those in $CXLAB_PREFIX_PATH (separated by ':'), then the
+/// one that cxlab is installed below.
 std::vector<std::string> default_prefixes();
 
 }  // namespace cxlab

@@ -29,10 +29,10 @@ class Referee {
 struct Stage {
   virtual ~Stage() = default;
   std::vector<std::unique_ptr<sim::Simulation>> worlds;  ///< moved on in this order; none in an empty world
-  std::vector<std::unique_ptr<sim::Server>> servers;  ///< called in this order
-  std::unique_ptr<Referee> referee;                   ///< may be none
-  std::vector<std::filesystem::path> files;           ///< models that were read
-  std::vector<std::function<void(Result&)>> reports;  ///< of nodes beside the world: what they add to the result
+  std::vector<std::unique_ptr<sim::Server>> servers;     ///< called in this order
+  std::unique_ptr<Referee> referee;                      ///< may be none
+  std::vector<std::filesystem::path> files;              ///< models that were read
+  std::vector<std::function<void(Result&)>> reports;     ///< of nodes beside the world: what they add to the result
   /// What has entered the physics since the last call, for the input log.
   virtual std::string take_inputs() { return {}; }
   /// Writes teams, orders, deliveries, robots, steps and the physics hash.

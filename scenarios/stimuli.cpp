@@ -78,7 +78,8 @@ Expected<Stimulus> StimuliServer::State::as_call(const Stimulus& asked) const {
     call.target = asked.target.substr(0, dot) + "/set_parameters";
     call.type = "rcl_interfaces/srv/SetParameters";
     cx::Parameters values;
-    if (Status s = values.set(asked.target.substr(dot + 1), asked.content, asked.file); !s) return at_stimulus(asked, s.error());
+    if (Status s = values.set(asked.target.substr(dot + 1), asked.content, asked.file); !s)
+      return at_stimulus(asked, s.error());
     auto service = bus.registry().service(call.type);
     if (!service) return at_stimulus(asked, service.error());
     bus::Message request(*(*service)->request);
@@ -93,7 +94,9 @@ Expected<Stimulus> StimuliServer::State::as_call(const Stimulus& asked) const {
   std::string manager = asked.manager;
   if (manager.empty()) {
     if (managers.size() != 1)
-      return at_stimulus(asked, input_error("there are " + std::to_string(managers.size()) + " environment managers: say which with 'manager: /NAMESPACE/clips_manager'"));
+      return at_stimulus(asked,
+                         input_error("there are " + std::to_string(managers.size()) +
+                                     " environment managers: say which with 'manager: /NAMESPACE/clips_manager'"));
     manager = managers.front();
   }
   const auto quoted = [](const std::string& text) {
@@ -104,11 +107,14 @@ Expected<Stimulus> StimuliServer::State::as_call(const Stimulus& asked) const {
     }
     return out + '"';
   };
-  call.content = "{env_name: " + quoted(asked.target) + (asked.plugin.empty() ? "" : ", plugin_name: " + quoted(asked.plugin)) + '}';
+  call.content = "{env_name: " + quoted(asked.target) +
+                 (asked.plugin.empty() ? "" : ", plugin_name: " + quoted(asked.plugin)) + '}';
   const bool plugin = asked.verb == Verb::kLoadPlugin || asked.verb == Verb::kUnloadPlugin;
   const bool more = asked.verb == Verb::kLoadPlugin || asked.verb == Verb::kCreateEnv;
-  call.target = manager + (plugin ? (more ? "/load_plugin" : "/unload_plugin") : (more ? "/create_env" : "/destroy_env"));
-  call.type = std::string("cx_msgs/srv/") + (plugin ? (more ? "LoadClipsPlugin" : "UnloadClipsPlugin") : (more ? "CreateClipsEnv" : "DestroyClipsEnv"));
+  call.target =
+      manager + (plugin ? (more ? "/load_plugin" : "/unload_plugin") : (more ? "/create_env" : "/destroy_env"));
+  call.type = std::string("cx_msgs/srv/") + (plugin ? (more ? "LoadClipsPlugin" : "UnloadClipsPlugin")
+                                                    : (more ? "CreateClipsEnv" : "DestroyClipsEnv"));
   return call;
 }
 
@@ -116,7 +122,8 @@ Expected<Stimulus> StimuliServer::State::as_call(const Stimulus& asked) const {
 Status StimuliServer::State::stop_node(const Stimulus& stimulus) {
   const std::string node = bus.name_of(self).expand(stimulus.target);
   const auto services = bus.services();
-  const bool lives = std::any_of(services.begin(), services.end(), [&](const auto& s) { return s.name == node + "/change_state" && s.providers > 0; });
+  const bool lives = std::any_of(services.begin(), services.end(),
+                                 [&](const auto& s) { return s.name == node + "/change_state" && s.providers > 0; });
   if (lives) {
     Stimulus call = stimulus;
     call.verb = Stimulus::Verb::kCall;
@@ -186,7 +193,8 @@ Status StimuliServer::State::prepare(const Stimulus& stimulus) {
 Expected<EndpointId> StimuliServer::State::client(const Prepared& item) {
   const std::string& target = item.stimulus.target;
   if (const auto it = clients.find(channel(item)); it != clients.end()) return it->second;
-  auto made = bus.create_client(self, target, *item.service, [this, target](const Delivery& d) { say(target, "response", d); });
+  auto made =
+      bus.create_client(self, target, *item.service, [this, target](const Delivery& d) { say(target, "response", d); });
   if (made) clients[channel(item)] = *made;
   return made;
 }
@@ -195,10 +203,14 @@ Expected<EndpointId> StimuliServer::State::action_client(const Prepared& item) {
   const std::string& target = item.stimulus.target;
   if (const auto it = action_clients.find(channel(item)); it != action_clients.end()) return it->second;
   bus::Bus::ActionClientHandlers handlers;
-  handlers.goal_response = [this, target](const Delivery& d) { say(target, d.accepted ? "goal accepted" : "goal rejected", d); };
+  handlers.goal_response = [this, target](const Delivery& d) {
+    say(target, d.accepted ? "goal accepted" : "goal rejected", d);
+  };
   handlers.feedback = [this, target](const Delivery& d) { say(target, "feedback", d); };
   handlers.result = [this, target](const Delivery& d) { say(target, word(d.status), d); };
-  handlers.cancel_response = [this, target](const Delivery& d) { say(target, d.return_code == 0 ? "cancel accepted" : "cancel refused", d); };
+  handlers.cancel_response = [this, target](const Delivery& d) {
+    say(target, d.return_code == 0 ? "cancel accepted" : "cancel refused", d);
+  };
   auto made = bus.create_action_client(self, target, *item.action, std::move(handlers));
   if (made) action_clients[channel(item)] = *made;
   return made;
@@ -228,10 +240,11 @@ Status StimuliServer::State::post(const Prepared& item) {
     case Stimulus::Verb::kServe: {
       if (const auto it = services.find(target); it != services.end()) bus.remove(it->second);
       const auto endpoint = std::make_shared<EndpointId>();
-      auto service = bus.serve(self, target, *item.service, [this, endpoint, target, response = item.message](const Delivery& d) {
-        say(target, "request", d);
-        bus.respond(*endpoint, d, response);
-      });
+      auto service =
+          bus.serve(self, target, *item.service, [this, endpoint, target, response = item.message](const Delivery& d) {
+            say(target, "request", d);
+            bus.respond(*endpoint, d, response);
+          });
       if (!service) return at_stimulus(stimulus, service.error());
       *endpoint = *service;
       services[target] = *service;
@@ -260,10 +273,13 @@ Status StimuliServer::State::post(const Prepared& item) {
 StimuliServer::StimuliServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 StimuliServer::~StimuliServer() = default;
 
-Expected<std::unique_ptr<StimuliServer>> StimuliServer::create(std::vector<Stimulus> stimuli, const std::vector<std::string>& managers,
-                                                                 bus::Bus& bus, RecordSink& sink, Log log) {
-  auto state = std::unique_ptr<State>(new State{bus, sink, std::move(log), {}, {}, {}, 0, {}, {}, {}, {}, {}, managers});
-  state->self = bus.join(bus::ParticipantKind::kNode, bus::NodeName{"stimuli", "/", {}}, sink.open_stream("node/stimuli"));
+Expected<std::unique_ptr<StimuliServer>> StimuliServer::create(std::vector<Stimulus> stimuli,
+                                                               const std::vector<std::string>& managers, bus::Bus& bus,
+                                                               RecordSink& sink, Log log) {
+  auto state =
+      std::unique_ptr<State>(new State{bus, sink, std::move(log), {}, {}, {}, 0, {}, {}, {}, {}, {}, managers});
+  state->self =
+      bus.join(bus::ParticipantKind::kNode, bus::NodeName{"stimuli", "/", {}}, sink.open_stream("node/stimuli"));
   for (const Stimulus& stimulus : stimuli)
     if (Status s = state->prepare(stimulus); !s) return s.error();
   return std::unique_ptr<StimuliServer>(new StimuliServer(std::move(state)));

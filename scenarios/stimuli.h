@@ -15,10 +15,11 @@ namespace cxlab {
 class StimuliServer : public sim::Server {
  public:
   using Log = std::function<void(const std::string& line)>;
-  /// Joins the bus as node "stimuli". Types, names and contents are checked now; errors name the stimulus' file and line.
-  /// `managers` are the nodes of the environment managers: a stimulus that names none means the only one.
-  static Expected<std::unique_ptr<StimuliServer>> create(std::vector<Stimulus> stimuli, const std::vector<std::string>& managers,
-                                                         bus::Bus& bus, RecordSink& sink, Log log);
+  /// Joins the bus as node "stimuli". Types, names and contents are checked now; errors name the stimulus' file and
+  /// line. `managers` are the nodes of the environment managers: a stimulus that names none means the only one.
+  static Expected<std::unique_ptr<StimuliServer>> create(std::vector<Stimulus> stimuli,
+                                                         const std::vector<std::string>& managers, bus::Bus& bus,
+                                                         RecordSink& sink, Log log);
   ~StimuliServer() override;
 
   Status sense(SimTime now) override;

@@ -17,7 +17,8 @@ Status write_png(const Picture& picture, const std::filesystem::path& file) {
   image.height = static_cast<png_uint_32>(picture.height);
   image.format = PNG_FORMAT_RGB;
   image.flags = PNG_IMAGE_FLAG_FAST;
-  const bool written = png_image_write_to_stdio(&image, out.get(), 0, picture.rgb.data(), 3 * picture.width, nullptr) != 0;
+  const bool written =
+      png_image_write_to_stdio(&image, out.get(), 0, picture.rgb.data(), 3 * picture.width, nullptr) != 0;
   if (!written || std::fclose(out.release()) != 0) return failed();
   return {};
 }

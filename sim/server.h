@@ -1,5 +1,6 @@
 #pragma once
-// A server: something on the bus that lives in the world (skills of a robot, the factory, a turtle). The episode calls it.
+// A server: something on the bus that lives in the world (skills of a robot, the factory, a turtle). The episode calls
+// it.
 
 #include "cx/base/expected.h"
 #include "cx/base/time.h"

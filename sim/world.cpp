@@ -8,14 +8,14 @@ namespace cxlab::sim {
 namespace {
 
 // docs/models.md: the machine and where a robot stands to reach into it.
-constexpr double kFace = 0.175;           ///< half of the machine's depth
+constexpr double kFace = 0.175;  ///< half of the machine's depth
 constexpr double kBeltRestX = 0.155;
 constexpr double kBeltY = -0.025;
 constexpr double kWorkingHeight = 0.898;  ///< belt, shelf and mouth of the slide
 constexpr double kShelfX = 0.105;
 constexpr double kSlideX = 0.145;
 constexpr double kSlideY = 0.25;
-constexpr double kAlignDistance = 0.50;   ///< robot's centre from the face
+constexpr double kAlignDistance = 0.50;  ///< robot's centre from the face
 constexpr double kBeltReach = 0.33;
 constexpr double kShelfReach = 0.30;
 
@@ -60,8 +60,7 @@ double wrap_angle(double a) {
 
 Pose2 compose(const Pose2& frame, const Pose2& local) {
   const double c = std::cos(frame.yaw), s = std::sin(frame.yaw);
-  return {frame.x + c * local.x - s * local.y, frame.y + s * local.x + c * local.y,
-          wrap_angle(frame.yaw + local.yaw)};
+  return {frame.x + c * local.x - s * local.y, frame.y + s * local.x + c * local.y, wrap_angle(frame.yaw + local.yaw)};
 }
 
 Vec3 transform(const Pose2& frame, const Vec3& local) {

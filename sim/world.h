@@ -22,8 +22,12 @@ enum class RobotId : std::int32_t {};    ///< index into FloorPlan::robots
 enum class StationId : std::int32_t {};  ///< index into FloorPlan::stations
 enum class SpotId : std::int32_t {};     ///< index into FloorPlan::spots
 
-struct Vec3 { double x = 0, y = 0, z = 0; };
-struct Pose2 { double x = 0, y = 0, yaw = 0; };  ///< m, m, rad (-pi, pi]
+struct Vec3 {
+  double x = 0, y = 0, z = 0;
+};
+struct Pose2 {
+  double x = 0, y = 0, yaw = 0;
+};  ///< m, m, rad (-pi, pi]
 /// `local` seen from the frame that `frame` is given in.
 Pose2 compose(const Pose2& frame, const Pose2& local);
 Vec3 transform(const Pose2& frame, const Vec3& local);
@@ -42,12 +46,12 @@ enum class Part : std::uint8_t { kRing, kCap };
 /// Where a piece can be taken or put by a robot.
 enum class SpotKind : std::uint8_t { kBeltInput, kBeltOutput, kShelf, kSlide };
 struct Spot {
-  std::string name;       ///< "C-CS1-INPUT", "C-CS1-OUTPUT", "C-CS1-SHELF-LEFT" (MIDDLE, RIGHT), "C-RS1-SLIDE"
+  std::string name;  ///< "C-CS1-INPUT", "C-CS1-OUTPUT", "C-CS1-SHELF-LEFT" (MIDDLE, RIGHT), "C-RS1-SLIDE"
   StationId station{};
   SpotKind kind{};
-  Vec3 rest_in_station;   ///< underside of a piece that rests there
-  Pose2 align_in_world;   ///< robot's centre, 0.5 m from the face, facing the machine, in line with the spot
-  Pose2 work_in_world;    ///< robot's centre when it reaches (docs/models.md)
+  Vec3 rest_in_station;  ///< underside of a piece that rests there
+  Pose2 align_in_world;  ///< robot's centre, 0.5 m from the face, facing the machine, in line with the spot
+  Pose2 work_in_world;   ///< robot's centre when it reaches (docs/models.md)
 };
 /// A machine. Frame: x from output to input, y left of it, z up, origin on the floor under its centre.
 struct Station {
@@ -56,8 +60,13 @@ struct Station {
   Pose2 pose_in_world;
   bool has_belt = true;
 };
-struct RobotStart { std::string name; Pose2 pose_in_world; };
-struct WallSegment { double x0, y0, x1, y1; };
+struct RobotStart {
+  std::string name;
+  Pose2 pose_in_world;
+};
+struct WallSegment {
+  double x0, y0, x1, y1;
+};
 /// What stands where, fixed for an episode.
 struct FloorPlan {
   double min_x = -7, max_x = 7, min_y = 0, max_y = 8;
@@ -83,16 +92,22 @@ struct Piece {
   PieceId id{};
   Stack stack;
   Holder holder{};
-  int holder_index = -1;    ///< robot, station or spot (slot, slide) by kind of holder
-  Vec3 position_in_world;   ///< underside's centre
+  int holder_index = -1;   ///< robot, station or spot (slot, slide) by kind of holder
+  Vec3 position_in_world;  ///< underside's centre
 };
 /// One piece passed from one holder to another; the referee writes it down.
-struct HolderChange { PieceId piece{}; Holder from{}, to{}; int from_index = -1, to_index = -1; Vec3 position_in_world; SimTime at{}; };
+struct HolderChange {
+  PieceId piece{};
+  Holder from{}, to{};
+  int from_index = -1, to_index = -1;
+  Vec3 position_in_world;
+  SimTime at{};
+};
 
 struct RobotState {
   Pose2 pose_in_world;
-  double vx = 0, vy = 0, omega = 0;   ///< in the world, m/s, rad/s
-  Vec3 gripper;                       ///< axes: forward 0..0.24, left +-0.0375, up 0..0.057 from home
+  double vx = 0, vy = 0, omega = 0;  ///< in the world, m/s, rad/s
+  Vec3 gripper;                      ///< axes: forward 0..0.24, left +-0.0375, up 0..0.057 from home
   double finger_opening = 0;
   std::optional<PieceId> held;        ///< touched by both fingers and off every other support (or so booked)
   std::uint32_t robot_contacts = 0;   ///< new contacts with other robots since the start
@@ -100,7 +115,10 @@ struct RobotState {
 };
 
 enum class Light : std::uint8_t { kOff, kOn, kBlink };
-struct Lights { Light red = Light::kOff, yellow = Light::kOff, green = Light::kOff; friend bool operator==(const Lights&, const Lights&) = default; };
+struct Lights {
+  Light red = Light::kOff, yellow = Light::kOff, green = Light::kOff;
+  friend bool operator==(const Lights&, const Lights&) = default;
+};
 
 /// What one can see. Referee, machines and skills read only this.
 class WorldView {
@@ -118,16 +136,16 @@ class WorldView {
   virtual const Piece* on_belt(StationId id, double x) const = 0;
   /// Payments: pieces that went past the mouth of this station's slide since the start; each is then out of play.
   virtual int slide_count(StationId id) const = 0;
-  /// Holder changes of the verbs called before the last `advance` (the act phase before it, or the set-up), then those of
-  /// that `advance`: who looks once after each `advance` sees every change once, in order of time.
+  /// Holder changes of the verbs called before the last `advance` (the act phase before it, or the set-up), then those
+  /// of that `advance`: who looks once after each `advance` sees every change once, in order of time.
   virtual std::span<const HolderChange> changes() const = 0;
 };
 
 /// The verbs of machines: what the factory's own hardware does to matter. Called in the act phase of a tick.
 class World : public WorldView, public Simulation {
  public:
-  /// A new piece appears at the belt's processing point x (station frame), or on a shelf spot. Fails if the place is taken
-  /// or no spare body is left.
+  /// A new piece appears at the belt's processing point x (station frame), or on a shelf spot. Fails if the place is
+  /// taken or no spare body is left.
   virtual Expected<PieceId> dispense(StationId station, double x_on_belt, const Stack& stack) = 0;
   virtual Expected<PieceId> dispense(SpotId shelf, const Stack& stack) = 0;
   /// Runs the belt at `speed` (m/s, + = towards the input) until a piece reaches `stop_x`, or until stopped.
@@ -161,10 +179,11 @@ class RobotBook {
   virtual ~RobotBook() = default;
   /// The robot moves along the polyline at constant speed and is at its end at `arrival`, facing `final_yaw`.
   virtual void move_along(RobotId robot, std::span<const Pose2> path, SimTime departure, SimTime arrival) = 0;
-  virtual void stop(RobotId robot) = 0;  ///< where it is now
-  virtual Status grasp(RobotId robot, SpotId from) = 0;   ///< the piece there is now held
-  virtual Status release(RobotId robot, SpotId to) = 0;   ///< the held piece now lies there (slide: counted, out of play)
-  virtual void drop(RobotId robot) = 0;                   ///< to the floor
+  virtual void stop(RobotId robot) = 0;                  ///< where it is now
+  virtual Status grasp(RobotId robot, SpotId from) = 0;  ///< the piece there is now held
+  virtual Status release(RobotId robot,
+                         SpotId to) = 0;  ///< the held piece now lies there (slide: counted, out of play)
+  virtual void drop(RobotId robot) = 0;   ///< to the floor
 };
 
 }  // namespace cxlab::sim

@@ -72,6 +72,7 @@ int main(int argc, char** argv) {
         return 1;
       }
   const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-  std::printf("{\"steps\": %zu, \"us_per_step\": %.3f, \"facts\": %zu}\n", steps.size() * static_cast<std::size_t>(rounds),
-              1e6 * seconds / static_cast<double>(steps.size() * static_cast<std::size_t>(rounds)), instance.facts().size());
+  std::printf(
+      "{\"steps\": %zu, \"us_per_step\": %.3f, \"facts\": %zu}\n", steps.size() * static_cast<std::size_t>(rounds),
+      1e6 * seconds / static_cast<double>(steps.size() * static_cast<std::size_t>(rounds)), instance.facts().size());
 }

@@ -34,7 +34,8 @@ bool carry_out(Instance& instance, const PlanStep& step) {
       double now = 0;
       for (const Assignment& v : instance.values())
         if (v.function == number.predicate && v.objects == number.objects) now = v.value;
-      instance.set_value(number, effect.operation == '=' ? effect.number : now + (effect.operation == '-' ? -1 : 1) * effect.number);
+      instance.set_value(
+          number, effect.operation == '=' ? effect.number : now + (effect.operation == '-' ? -1 : 1) * effect.number);
     }
   }
   return true;

@@ -48,7 +48,8 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
   return best;
 }
 
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates, std::string_view separator) {
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates,
+                         std::string_view separator) {
   const std::string near = nearest_word(word, candidates);
   return near.empty() ? near : std::string(separator) + "did you mean '" + near + "'?";
 }

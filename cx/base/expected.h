@@ -75,7 +75,8 @@ class [[nodiscard]] Status {
 /// The candidate nearest to `word` by edit distance, or empty if none is near; for "did you mean".
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);
 /// ", did you mean 'X'?" with the nearest candidate, or nothing; for the end of a message.
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates, std::string_view separator = ", ");
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates,
+                         std::string_view separator = ", ");
 /// "a, b and 3 more": the first `most` of the names.
 std::string some_of(const std::vector<std::string>& names, std::size_t most);
 

@@ -6,7 +6,7 @@
 namespace cxlab {
 
 std::string_view to_string(RecordKind kind) {
-  static constexpr std::array<std::string_view, 11> kNames{"input", "assert", "retract", "modify", "fire", "bus",
+  static constexpr std::array<std::string_view, 11> kNames{"input", "assert",  "retract",  "modify",  "fire", "bus",
                                                            "skill", "referee", "decision", "control", "error"};
   return kNames[static_cast<std::size_t>(kind)];
 }

@@ -13,7 +13,17 @@
 namespace cxlab {
 
 enum class RecordKind : std::uint8_t {
-  kInput, kAssert, kRetract, kModify, kFire, kBus, kSkill, kReferee, kDecision, kControl, kError
+  kInput,
+  kAssert,
+  kRetract,
+  kModify,
+  kFire,
+  kBus,
+  kSkill,
+  kReferee,
+  kDecision,
+  kControl,
+  kError
 };
 
 /// The journal word of a kind: "input", "assert", ...

@@ -11,7 +11,8 @@ namespace fs = std::filesystem;
 Expected<std::unique_ptr<ScratchFolder>> ScratchFolder::create() {
   std::error_code error;
   std::string name = (fs::temp_directory_path(error) / "cxlab-XXXXXX").string();
-  if (error || !mkdtemp(name.data())) return Error{ErrorKind::kResource, "cannot make a temporary folder " + name, {}, 0, {}};
+  if (error || !mkdtemp(name.data()))
+    return Error{ErrorKind::kResource, "cannot make a temporary folder " + name, {}, 0, {}};
   return std::unique_ptr<ScratchFolder>(new ScratchFolder(name));
 }
 

@@ -63,7 +63,8 @@ bool Bus::is_there(ParticipantId p) const { return !state_->participant(p).gone;
 std::optional<ParticipantId> Bus::find_node(std::string_view full_name) const {
   for (std::size_t i = 0; i < state_->participants.size(); ++i) {
     const Participant& p = *state_->participants[i];
-    if (p.kind == ParticipantKind::kNode && !p.gone && p.name.full_name() == full_name) return static_cast<ParticipantId>(i);
+    if (p.kind == ParticipantKind::kNode && !p.gone && p.name.full_name() == full_name)
+      return static_cast<ParticipantId>(i);
   }
   return std::nullopt;
 }
@@ -141,10 +142,13 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
   state_->write(now_, endpoint, {});
 
   if (endpoint.kind == EndpointKind::kSubscription)
-    for (const auto& [what, message] : channel->kept) state_->enqueue(endpoint, Delivery(message.delivery), message.tick);
+    for (const auto& [what, message] : channel->kept)
+      state_->enqueue(endpoint, Delivery(message.delivery), message.tick);
   const bool serves = endpoint.provides() && endpoint.kind != EndpointKind::kPublisher;
-  if (serves && channel->providers.size() > 1 && state_->tell_rivals && !state_->is_twin_of(*channel->providers.front(), owner))
-    state_->tell_rivals(noun + " '" + name + "' has more than one server: " + state_->owner_of(*channel->providers.front()) + " answers, " +
+  if (serves && channel->providers.size() > 1 && state_->tell_rivals &&
+      !state_->is_twin_of(*channel->providers.front(), owner))
+    state_->tell_rivals(noun + " '" + name +
+                        "' has more than one server: " + state_->owner_of(*channel->providers.front()) + " answers, " +
                         state_->owner_of(endpoint) + " only once that is gone");
   if (serves && channel->providers.size() == 1) {
     for (Waiting& request : channel->waiting) state_->hand_to_server(endpoint, std::move(request));
@@ -328,9 +332,7 @@ void Bus::State::handle(SimTime now, const Delivery& delivery) {
       goal.cause = delivery.cause;
       break;
     }
-    case DeliveryKind::kCancel:
-      take_cancel(now, *endpoint, delivery);
-      return;
+    case DeliveryKind::kCancel: take_cancel(now, *endpoint, delivery); return;
     case DeliveryKind::kGoalResponse:
     case DeliveryKind::kFeedback:
     case DeliveryKind::kResult:
@@ -346,8 +348,7 @@ void Bus::State::handle(SimTime now, const Delivery& delivery) {
           known->second.status = GoalStatus::kCanceling;
       break;
     case DeliveryKind::kServiceResponse:
-    case DeliveryKind::kTopic:
-      break;
+    case DeliveryKind::kTopic: break;
   }
   call_handler(*endpoint, delivery);
 }

@@ -84,10 +84,11 @@ using Handler = std::function<void(const Delivery&)>;
 
 enum class NameKind : std::uint8_t { kTopic, kService, kAction };
 
-/// How names of one participant map to the bus: relative names get the namespace, "~" the node name, `{node}`, `{ns}` and
+/// How names of one participant map to the bus: relative names get the namespace, "~" the node name, `{node}`, `{ns}`
+/// and
 /// `{namespace}` what they say; then the first remap whose FROM, expanded in the same way, is that name replaces it.
-/// A FROM may begin with "NODE:" (holds for nodes of that name only) and with "rostopic://" or "rosservice://" (for topics
-/// or services only), as in ROS.
+/// A FROM may begin with "NODE:" (holds for nodes of that name only) and with "rostopic://" or "rosservice://" (for
+/// topics or services only), as in ROS.
 struct NodeName {
   std::string name;                                         ///< e.g. "clips_manager"
   std::string name_space = "/";                             ///< absolute
@@ -99,7 +100,8 @@ struct NodeName {
   /// E.g. "/ns/clips_manager".
   std::string full_name() const;
 };
-/// Carries out the remaps `__node:=NAME`, `__name:=NAME` and `__ns:=/NAMESPACE` (also behind "NODE:") and takes them out.
+/// Carries out the remaps `__node:=NAME`, `__name:=NAME` and `__ns:=/NAMESPACE` (also behind "NODE:") and takes them
+/// out.
 void rename_node(NodeName& node);
 
 /// Takes part in the input log: what entered each environment, and the answers of functions that look outside.
@@ -138,8 +140,8 @@ class Bus {
 
   // --- Endpoints. Names are as written by the participant. They are registered at once. Types must agree on the bus:
   // a second type for the same name is an error. Nothing is ever lost to a full queue: all is kept until it is taken.
-  // Of several servers of one name the first that is still there answers, and `on_rivals` hears of it. Posts through a removed endpoint do nothing;
-  // a message of another type than the endpoint's is a bug of the caller (asserts).
+  // Of several servers of one name the first that is still there answers, and `on_rivals` hears of it. Posts through a
+  // removed endpoint do nothing; a message of another type than the endpoint's is a bug of the caller (asserts).
   Expected<EndpointId> advertise(ParticipantId p, std::string_view topic, const MessageType& type);
   Expected<EndpointId> subscribe(ParticipantId p, std::string_view topic, const MessageType& type, Handler handler);
   Expected<EndpointId> serve(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_request);

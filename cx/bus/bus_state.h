@@ -99,14 +99,10 @@ struct Endpoint {
 inline std::size_t handler_index(DeliveryKind kind) {
   switch (kind) {
     case DeliveryKind::kCancel:
-    case DeliveryKind::kFeedback:
-      return 1;
-    case DeliveryKind::kResult:
-      return 2;
-    case DeliveryKind::kCancelResponse:
-      return 3;
-    default:
-      return 0;
+    case DeliveryKind::kFeedback: return 1;
+    case DeliveryKind::kResult: return 2;
+    case DeliveryKind::kCancelResponse: return 3;
+    default: return 0;
   }
 }
 
@@ -118,7 +114,7 @@ struct Participant {
   std::uint64_t twin = 0;  ///< participants of the same full name that joined before
   std::uint64_t posts = 0;
   bool delivering = false;
-  bool gone = false;  ///< it has left; its name and stream stay, for what it had posted
+  bool gone = false;                                 ///< it has left; its name and stream stay, for what it had posted
   std::vector<std::unique_ptr<Endpoint>> endpoints;  ///< by number; null once removed
   std::vector<Delivery> inbox;                       ///< may be taken now
   std::vector<Delivery> next_inbox;                  ///< from environments to this one: after the next begin_tick
@@ -135,7 +131,7 @@ struct Bus::State {
   RecordSink& sink;
   std::vector<std::unique_ptr<Participant>> participants;
   Channels topics, services, actions;
-  std::set<std::string, std::less<>> many_typed;   ///< names of services and actions under which types live side by side
+  std::set<std::string, std::less<>> many_typed;  ///< names of services and actions under which types live side by side
   std::vector<std::unique_ptr<Endpoint>> removed;  ///< whose handler may be running
   int running = 0;                                 ///< handlers, nested
   std::uint64_t tick = 0;

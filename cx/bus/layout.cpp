@@ -47,24 +47,18 @@ ElementSize element_size(const Field& field) {
     case FieldType::kByte:
     case FieldType::kChar:
     case FieldType::kInt8:
-    case FieldType::kUint8:
-      return {1, 1};
+    case FieldType::kUint8: return {1, 1};
     case FieldType::kInt16:
-    case FieldType::kUint16:
-      return {2, 2};
+    case FieldType::kUint16: return {2, 2};
     case FieldType::kInt32:
     case FieldType::kUint32:
-    case FieldType::kFloat32:
-      return {4, 4};
+    case FieldType::kFloat32: return {4, 4};
     case FieldType::kInt64:
     case FieldType::kUint64:
-    case FieldType::kFloat64:
-      return {8, 8};
+    case FieldType::kFloat64: return {8, 8};
     case FieldType::kString:
-    case FieldType::kWstring:
-      return {sizeof(std::string), alignof(std::string)};
-    case FieldType::kMessage:
-      return {field.nested->byte_size(), field.nested->alignment()};
+    case FieldType::kWstring: return {sizeof(std::string), alignof(std::string)};
+    case FieldType::kMessage: return {field.nested->byte_size(), field.nested->alignment()};
   }
   return {};
 }

@@ -18,24 +18,15 @@ std::string in_quotes(std::string_view text) { return "'" + std::string(text) + 
 
 IntegerRange integer_range(FieldType type) {
   switch (type) {
-    case FieldType::kBool:
-      return {0, 1};
-    case FieldType::kInt8:
-      return range_of<std::int8_t>();
-    case FieldType::kInt16:
-      return range_of<std::int16_t>();
-    case FieldType::kUint16:
-      return range_of<std::uint16_t>();
-    case FieldType::kInt32:
-      return range_of<std::int32_t>();
-    case FieldType::kUint32:
-      return range_of<std::uint32_t>();
-    case FieldType::kInt64:
-      return range_of<std::int64_t>();
-    case FieldType::kUint64:
-      return {0, std::numeric_limits<std::uint64_t>::max()};
-    default:
-      return range_of<std::uint8_t>();  // byte, char, uint8
+    case FieldType::kBool: return {0, 1};
+    case FieldType::kInt8: return range_of<std::int8_t>();
+    case FieldType::kInt16: return range_of<std::int16_t>();
+    case FieldType::kUint16: return range_of<std::uint16_t>();
+    case FieldType::kInt32: return range_of<std::int32_t>();
+    case FieldType::kUint32: return range_of<std::uint32_t>();
+    case FieldType::kInt64: return range_of<std::int64_t>();
+    case FieldType::kUint64: return {0, std::numeric_limits<std::uint64_t>::max()};
+    default: return range_of<std::uint8_t>();  // byte, char, uint8
   }
 }
 

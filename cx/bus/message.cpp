@@ -82,24 +82,15 @@ std::int64_t MessageView::integer(const Field& field, std::size_t index) const {
     case FieldType::kBool:
     case FieldType::kByte:
     case FieldType::kChar:
-    case FieldType::kUint8:
-      return load<std::uint8_t>(at);
-    case FieldType::kInt8:
-      return load<std::int8_t>(at);
-    case FieldType::kInt16:
-      return load<std::int16_t>(at);
-    case FieldType::kUint16:
-      return load<std::uint16_t>(at);
-    case FieldType::kInt32:
-      return load<std::int32_t>(at);
-    case FieldType::kUint32:
-      return load<std::uint32_t>(at);
+    case FieldType::kUint8: return load<std::uint8_t>(at);
+    case FieldType::kInt8: return load<std::int8_t>(at);
+    case FieldType::kInt16: return load<std::int16_t>(at);
+    case FieldType::kUint16: return load<std::uint16_t>(at);
+    case FieldType::kInt32: return load<std::int32_t>(at);
+    case FieldType::kUint32: return load<std::uint32_t>(at);
     case FieldType::kInt64:
-    case FieldType::kUint64:
-      return load<std::int64_t>(at);
-    default:
-      assert(false && "not an integer field");
-      return 0;
+    case FieldType::kUint64: return load<std::int64_t>(at);
+    default: assert(false && "not an integer field"); return 0;
   }
 }
 
@@ -138,15 +129,9 @@ Status MessageView::set_integer(const Field& field, std::int64_t value, std::siz
     return input_error("field '" + field.name + "': found " + std::to_string(value) + ", expected " +
                        range_text(field.type));
   switch (field.stride) {
-    case 1:
-      store(at, static_cast<std::uint8_t>(value));
-      break;
-    case 2:
-      store(at, static_cast<std::uint16_t>(value));
-      break;
-    default:
-      store(at, static_cast<std::uint32_t>(value));
-      break;
+    case 1: store(at, static_cast<std::uint8_t>(value)); break;
+    case 2: store(at, static_cast<std::uint16_t>(value)); break;
+    default: store(at, static_cast<std::uint32_t>(value)); break;
   }
   return {};
 }

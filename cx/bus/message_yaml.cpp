@@ -62,7 +62,8 @@ Status read_element(const YAML::Node& node, const MessageView& message, const Fi
   if (status) return {};
   // The message names its field as well; here it has its path.
   std::string_view found = status.error().message;
-  if (const std::string name = "field '" + field.name + "': "; found.starts_with(name)) found.remove_prefix(name.size());
+  if (const std::string name = "field '" + field.name + "': "; found.starts_with(name))
+    found.remove_prefix(name.size());
   return error_at(node, "field '" + path + "': " + std::string(found));
 }
 

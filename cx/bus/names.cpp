@@ -9,7 +9,8 @@ std::string NodeName::full_name() const { return (name_space == "/" ? "" : name_
 namespace {
 
 void substitute(std::string& text, std::string_view word, const std::string& value) {
-  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + value.size())) text.replace(at, word.size(), value);
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + value.size()))
+    text.replace(at, word.size(), value);
 }
 
 /// Takes "NODE:" off the front, if there is one; "rostopic://" is none. False if it is of another node.
@@ -23,7 +24,8 @@ bool is_for(const std::string& node, std::string_view& from) {
 
 /// Takes the kind's prefix off the front. False if it is of another kind.
 bool is_for(NameKind kind, std::string_view& from) {
-  for (const auto& [prefix, wanted] : {std::pair<std::string_view, NameKind>{"rostopic://", NameKind::kTopic}, {"rosservice://", NameKind::kService}}) {
+  for (const auto& [prefix, wanted] : {std::pair<std::string_view, NameKind>{"rostopic://", NameKind::kTopic},
+                                       {"rosservice://", NameKind::kService}}) {
     if (!from.starts_with(prefix)) continue;
     from.remove_prefix(prefix.size());
     return kind == wanted;
@@ -37,7 +39,8 @@ std::string NodeName::expand(std::string_view as_written) const {
   std::string written(as_written);
   if (written.find('{') != std::string::npos) {
     substitute(written, "{node}", name);
-    for (const char* word : {"{ns}", "{namespace}"}) substitute(written, word, name_space.substr(name_space.starts_with('/') ? 1 : 0));
+    for (const char* word : {"{ns}", "{namespace}"})
+      substitute(written, word, name_space.substr(name_space.starts_with('/') ? 1 : 0));
   }
   if (!written.empty() && written.front() == '/') return written;
   if (!written.empty() && written.front() == '~') return full_name() + written.substr(1);
@@ -104,17 +107,21 @@ std::string remap_fault(const std::pair<std::string, std::string>& remap) {
   const std::size_t colon = from.find(':');
   if (colon != std::string_view::npos && !from.substr(colon).starts_with("://")) {
     const std::string_view node = from.substr(0, colon);
-    if (const std::string fault = name_fault(node); !fault.empty() || node.find_first_of("/~{") != std::string_view::npos)
+    if (const std::string fault = name_fault(node);
+        !fault.empty() || node.find_first_of("/~{") != std::string_view::npos)
       return "found '" + std::string(node) + "' before ':', expected the name of a node";
     from.remove_prefix(colon + 1);
   }
-  const auto bad = [](std::string_view name, const std::string& fault) { return "the name '" + std::string(name) + "' " + fault; };
+  const auto bad = [](std::string_view name, const std::string& fault) {
+    return "the name '" + std::string(name) + "' " + fault;
+  };
   if (from == "__ns") {
     const std::string fault = namespace_fault(to);
     return fault.empty() ? fault : bad(to, fault);
   }
   if (from == "__node" || from == "__name") {
-    if (to.find_first_of("/~{") != std::string_view::npos) return bad(to, "has more than the letters, digits and '_' of a node's name");
+    if (to.find_first_of("/~{") != std::string_view::npos)
+      return bad(to, "has more than the letters, digits and '_' of a node's name");
     const std::string fault = name_fault(to);
     return fault.empty() ? fault : bad(to, fault);
   }

@@ -33,7 +33,8 @@ std::string seconds(SimTime t) {
 std::string_view without_slash(std::string_view frame) { return frame.starts_with('/') ? frame.substr(1) : frame; }
 
 Error refused(std::string_view code, std::string_view child, const std::string& why) {
-  return input_error(std::string(code) + ": Ignoring transform for child_frame_id \"" + std::string(child) + "\" because " + why);
+  return input_error(std::string(code) + ": Ignoring transform for child_frame_id \"" + std::string(child) +
+                     "\" because " + why);
 }
 
 bool finite(const Transform& t) {
@@ -48,9 +49,13 @@ Transform planar(double x, double y, double yaw) { return {x, y, 0, 0, 0, std::s
 
 Transform operator*(const Transform& a, const Transform& b) {
   const Vector moved = rotate(a, {b.x, b.y, b.z});
-  return {moved.x + a.x, moved.y + a.y, moved.z + a.z,
-          a.qw * b.qx + a.qx * b.qw + a.qy * b.qz - a.qz * b.qy, a.qw * b.qy - a.qx * b.qz + a.qy * b.qw + a.qz * b.qx,
-          a.qw * b.qz + a.qx * b.qy - a.qy * b.qx + a.qz * b.qw, a.qw * b.qw - a.qx * b.qx - a.qy * b.qy - a.qz * b.qz};
+  return {moved.x + a.x,
+          moved.y + a.y,
+          moved.z + a.z,
+          a.qw * b.qx + a.qx * b.qw + a.qy * b.qz - a.qz * b.qy,
+          a.qw * b.qy - a.qx * b.qz + a.qy * b.qw + a.qz * b.qx,
+          a.qw * b.qz + a.qx * b.qy - a.qy * b.qx + a.qz * b.qw,
+          a.qw * b.qw - a.qx * b.qx - a.qy * b.qy - a.qz * b.qz};
 }
 
 Transform inverse(const Transform& t) {
@@ -72,8 +77,13 @@ Transform interpolate(const Transform& from, const Transform& to, double part) {
     second = std::sin(part * angle) / std::sin(angle);
   }
   if (dot < 0) second = -second;
-  return {line(from.x, to.x), line(from.y, to.y), line(from.z, to.z), first * from.qx + second * to.qx,
-          first * from.qy + second * to.qy, first * from.qz + second * to.qz, first * from.qw + second * to.qw};
+  return {line(from.x, to.x),
+          line(from.y, to.y),
+          line(from.z, to.z),
+          first * from.qx + second * to.qx,
+          first * from.qy + second * to.qy,
+          first * from.qz + second * to.qz,
+          first * from.qw + second * to.qw};
 }
 
 // --- The buffer
@@ -87,7 +97,8 @@ bool TransformBuffer::leads_to(const std::string* from, std::string_view to) con
   return false;
 }
 
-Status TransformBuffer::set(std::string_view parent, std::string_view child, SimTime stamp, const Transform& pose, bool is_static) {
+Status TransformBuffer::set(std::string_view parent, std::string_view child, SimTime stamp, const Transform& pose,
+                            bool is_static) {
   parent = without_slash(parent);
   child = without_slash(child);
   if (child.empty()) return refused("TF_NO_CHILD_FRAME_ID", child, "child_frame_id not set");
@@ -95,10 +106,12 @@ Status TransformBuffer::set(std::string_view parent, std::string_view child, Sim
   if (child == parent) return refused("TF_SELF_TRANSFORM", child, "frame_id is the same");
   if (!finite(pose)) return refused("TF_NAN_INPUT", child, "of a nan value in the transform");
   const double norm = pose.qx * pose.qx + pose.qy * pose.qy + pose.qz * pose.qz + pose.qw * pose.qw;
-  if (std::abs(norm - 1) > kQuaternionTolerance) return refused("TF_DENORMALIZED_QUATERNION", child, "of an invalid quaternion in the transform");
+  if (std::abs(norm - 1) > kQuaternionTolerance)
+    return refused("TF_DENORMALIZED_QUATERNION", child, "of an invalid quaternion in the transform");
 
   const auto parent_at = frames_.try_emplace(std::string(parent)).first;
-  if (leads_to(&parent_at->first, child)) return refused("TF_LOOP", child, "it already holds '" + std::string(parent) + "': the tree would have a loop");
+  if (leads_to(&parent_at->first, child))
+    return refused("TF_LOOP", child, "it already holds '" + std::string(parent) + "': the tree would have a loop");
   const auto [at, is_new] = frames_.try_emplace(std::string(child));
   Frame& frame = at->second;
   if (frame.samples.empty()) frame.is_static = is_static;
@@ -108,12 +121,17 @@ Status TransformBuffer::set(std::string_view parent, std::string_view child, Sim
     samples.assign(1, added);
     return {};
   }
-  if (!samples.empty() && stamp < samples.back().stamp - keep_) return refused("TF_OLD_DATA", child, "it is from the past");
-  const auto place = std::lower_bound(samples.begin(), samples.end(), stamp, [](const Sample& s, SimTime t) { return s.stamp < t; });
-  if (place != samples.end() && place->stamp == stamp) *place = added;
-  else samples.insert(place, added);
+  if (!samples.empty() && stamp < samples.back().stamp - keep_)
+    return refused("TF_OLD_DATA", child, "it is from the past");
+  const auto place =
+      std::lower_bound(samples.begin(), samples.end(), stamp, [](const Sample& s, SimTime t) { return s.stamp < t; });
+  if (place != samples.end() && place->stamp == stamp)
+    *place = added;
+  else
+    samples.insert(place, added);
   const SimTime oldest = samples.back().stamp - keep_;
-  samples.erase(samples.begin(), std::find_if(samples.begin(), samples.end(), [&](const Sample& s) { return s.stamp >= oldest; }));
+  samples.erase(samples.begin(),
+                std::find_if(samples.begin(), samples.end(), [&](const Sample& s) { return s.stamp >= oldest; }));
   return {};
 }
 
@@ -121,16 +139,18 @@ Expected<std::optional<TransformBuffer::Sample>> TransformBuffer::sample(const F
   const auto& samples = frame.samples;
   if (samples.empty()) return std::optional<Sample>{};
   if (frame.is_static) return std::optional<Sample>{samples.front()};
-  const auto after = std::lower_bound(samples.begin(), samples.end(), at, [](const Sample& s, SimTime t) { return s.stamp < t; });
+  const auto after =
+      std::lower_bound(samples.begin(), samples.end(), at, [](const Sample& s, SimTime t) { return s.stamp < t; });
   if (after != samples.end() && after->stamp == at) return std::optional<Sample>{*after};
   if (samples.size() == 1)
-    return input_error("Lookup would require extrapolation at time " + seconds(at) + ", but only time " + seconds(samples.front().stamp) + " is in the buffer");
+    return input_error("Lookup would require extrapolation at time " + seconds(at) + ", but only time " +
+                       seconds(samples.front().stamp) + " is in the buffer");
   if (after == samples.end())
-    return input_error("Lookup would require extrapolation into the future.  Requested time " + seconds(at) + " but the latest data is at time " +
-                       seconds(samples.back().stamp));
+    return input_error("Lookup would require extrapolation into the future.  Requested time " + seconds(at) +
+                       " but the latest data is at time " + seconds(samples.back().stamp));
   if (after == samples.begin())
-    return input_error("Lookup would require extrapolation into the past.  Requested time " + seconds(at) + " but the earliest data is at time " +
-                       seconds(samples.front().stamp));
+    return input_error("Lookup would require extrapolation into the past.  Requested time " + seconds(at) +
+                       " but the earliest data is at time " + seconds(samples.front().stamp));
   Sample between = *(after - 1);
   if (between.parent == after->parent) {  // else it moved to another parent: the earlier one holds until then
     const auto length = static_cast<double>((after->stamp - between.stamp).count());
@@ -139,7 +159,8 @@ Expected<std::optional<TransformBuffer::Sample>> TransformBuffer::sample(const F
   return std::optional<Sample>{between};
 }
 
-Expected<std::vector<TransformBuffer::Step>> TransformBuffer::way_up(std::string_view name, SimTime at, std::optional<Error>& stopped) const {
+Expected<std::vector<TransformBuffer::Step>> TransformBuffer::way_up(std::string_view name, SimTime at,
+                                                                     std::optional<Error>& stopped) const {
   std::vector<Step> way;
   const std::string* frame = &frames_.find(name)->first;
   Transform pose;
@@ -182,16 +203,20 @@ std::optional<SimTime> TransformBuffer::latest_common_time(std::string_view targ
   return std::nullopt;
 }
 
-Expected<TransformBuffer::Stamped> TransformBuffer::lookup(std::string_view target, std::string_view source, std::optional<SimTime> at) const {
+Expected<TransformBuffer::Stamped> TransformBuffer::lookup(std::string_view target, std::string_view source,
+                                                           std::optional<SimTime> at) const {
   for (const auto& [argument, name] : {std::pair{"target_frame", target}, std::pair{"source_frame", source}}) {
     const std::string which = std::string("lookupTransform argument ") + argument;
     if (name.empty()) return input_error("Invalid argument passed to " + which + " in tf2 frame_ids cannot be empty");
     if (name.starts_with('/'))
-      return input_error("Invalid argument \"" + std::string(name) + "\" passed to " + which + " in tf2 frame_ids cannot start with a '/' like: ");
-    if (frames_.find(name) == frames_.end()) return input_error('"' + std::string(name) + "\" passed to " + which + " does not exist. ");
+      return input_error("Invalid argument \"" + std::string(name) + "\" passed to " + which +
+                         " in tf2 frame_ids cannot start with a '/' like: ");
+    if (frames_.find(name) == frames_.end())
+      return input_error('"' + std::string(name) + "\" passed to " + which + " does not exist. ");
   }
-  const Error apart = input_error("Could not find a connection between '" + std::string(source) + "' and '" + std::string(target) +
-                                  "' because they are not part of the same tree.Tf has two or more unconnected trees.");
+  const Error apart =
+      input_error("Could not find a connection between '" + std::string(source) + "' and '" + std::string(target) +
+                  "' because they are not part of the same tree.Tf has two or more unconnected trees.");
   if (!at) {
     at = latest_common_time(target, source);
     if (!at) return apart;
@@ -205,7 +230,8 @@ Expected<TransformBuffer::Stamped> TransformBuffer::lookup(std::string_view targ
     for (const Step& b : *down)
       if (a.frame == b.frame) return Stamped{inverse(b.pose) * a.pose, *at == kNever ? SimTime{} : *at};
   if (!stopped) return apart;
-  return input_error(stopped->message + ", when looking up transform from frame [" + std::string(source) + "] to frame [" + std::string(target) + ']');
+  return input_error(stopped->message + ", when looking up transform from frame [" + std::string(source) +
+                     "] to frame [" + std::string(target) + ']');
 }
 
 std::vector<std::string> TransformBuffer::frames() const {
@@ -216,14 +242,15 @@ std::vector<std::string> TransformBuffer::frames() const {
 
 // --- On the bus
 
-Expected<std::unique_ptr<TransformListener>> TransformListener::create(Bus& bus, ParticipantId participant,
-                                                                       std::function<void(const std::string&)> on_refused) {
+Expected<std::unique_ptr<TransformListener>> TransformListener::create(
+    Bus& bus, ParticipantId participant, std::function<void(const std::string&)> on_refused) {
   auto type = bus.registry().message(kMessageType);
   if (!type) return type.error();
   std::unique_ptr<TransformListener> listener(new TransformListener(bus, std::move(on_refused)));
   for (const bool is_static : {false, true}) {
-    auto subscription = bus.subscribe(participant, is_static ? "/tf_static" : "/tf", **type,
-                                      [self = listener.get(), is_static](const Delivery& d) { self->take(d, is_static); });
+    auto subscription =
+        bus.subscribe(participant, is_static ? "/tf_static" : "/tf", **type,
+                      [self = listener.get(), is_static](const Delivery& d) { self->take(d, is_static); });
     if (!subscription) return subscription.error();
     listener->subscriptions_.push_back(*subscription);
   }
@@ -239,12 +266,15 @@ void TransformListener::take(const Delivery& delivery, bool is_static) {
   for (std::size_t i = 0; i < message.size("transforms"); ++i) {
     const MessageView stamped = message.nested("transforms", i);
     const MessageView header = stamped.nested("header"), stamp = header.nested("stamp");
-    const MessageView position = stamped.nested("transform").nested("translation"), turn = stamped.nested("transform").nested("rotation");
-    const Transform pose{position.real("x"), position.real("y"), position.real("z"), turn.real("x"), turn.real("y"), turn.real("z"), turn.real("w")};
+    const MessageView position = stamped.nested("transform").nested("translation"),
+                      turn = stamped.nested("transform").nested("rotation");
+    const Transform pose{position.real("x"), position.real("y"), position.real("z"), turn.real("x"),
+                         turn.real("y"),     turn.real("z"),     turn.real("w")};
     const std::string &parent = header.text("frame_id"), &child = stamped.text("child_frame_id");
     const SimTime t = std::chrono::seconds(stamp.integer("sec")) + SimTime{stamp.integer("nanosec")};
     if (Status s = buffer_.set(parent, child, t, pose, is_static); !s && on_refused_)
-      on_refused_("Failure to set received transform from " + child + " to " + parent + " with error: " + s.error().message);
+      on_refused_("Failure to set received transform from " + child + " to " + parent +
+                  " with error: " + s.error().message);
   }
 }
 
@@ -272,20 +302,32 @@ void TransformBroadcaster::post(EndpointId publisher, Poses& poses) {
   const std::int64_t now = bus_->now().count();
   for (const auto& [child, placed] : poses) {
     const MessageView stamped = message->append("transforms");
-    stamped.set("child_frame_id", child).nested("header").set("frame_id", placed.parent).nested("stamp").set("sec", now / 1'000'000'000).set("nanosec", now % 1'000'000'000);
+    stamped.set("child_frame_id", child)
+        .nested("header")
+        .set("frame_id", placed.parent)
+        .nested("stamp")
+        .set("sec", now / 1'000'000'000)
+        .set("nanosec", now % 1'000'000'000);
     const MessageView transform = stamped.nested("transform");
     transform.nested("translation").set("x", placed.pose.x).set("y", placed.pose.y).set("z", placed.pose.z);
-    transform.nested("rotation").set("x", placed.pose.qx).set("y", placed.pose.qy).set("z", placed.pose.qz).set("w", placed.pose.qw);
+    transform.nested("rotation")
+        .set("x", placed.pose.qx)
+        .set("y", placed.pose.qy)
+        .set("z", placed.pose.qz)
+        .set("w", placed.pose.qw);
   }
   poses.clear();
   bus_->publish(publisher, std::make_shared<const Message>(std::move(message)));
 }
 
-bool is_kept_topic(std::string_view topic, const MessageType& type) { return topic.ends_with("/tf_static") && type.name() == kMessageType; }
+bool is_kept_topic(std::string_view topic, const MessageType& type) {
+  return topic.ends_with("/tf_static") && type.name() == kMessageType;
+}
 
 std::string placed_frames(const MessageView& message) {
   std::string out;
-  for (std::size_t i = 0; i < message.size("transforms"); ++i) out += message.nested("transforms", i).text("child_frame_id") + '\n';
+  for (std::size_t i = 0; i < message.size("transforms"); ++i)
+    out += message.nested("transforms", i).text("child_frame_id") + '\n';
   return out;
 }
 

@@ -18,8 +18,8 @@ namespace cxlab::bus {
 
 /// Where a child frame lies in its parent: a point of the child is `rotation * p + translation` in the parent.
 struct Transform {
-  double x = 0, y = 0, z = 0;               ///< m
-  double qx = 0, qy = 0, qz = 0, qw = 1;    ///< unit quaternion
+  double x = 0, y = 0, z = 0;             ///< m
+  double qx = 0, qy = 0, qz = 0, qw = 1;  ///< unit quaternion
 };
 /// On the floor, turned by `yaw` (rad).
 Transform planar(double x, double y, double yaw);
@@ -37,7 +37,8 @@ class TransformBuffer {
 
   /// Refused, with the reason: no names, child and parent the same, NaN, a quaternion that is none, older than the
   /// buffer reaches back, and what would close a loop. Of two transforms of one time the later given holds.
-  Status set(std::string_view parent, std::string_view child, SimTime stamp, const Transform& pose, bool is_static = false);
+  Status set(std::string_view parent, std::string_view child, SimTime stamp, const Transform& pose,
+             bool is_static = false);
 
   struct Stamped {
     Transform pose;
@@ -78,7 +79,8 @@ class TransformBuffer {
 class TransformListener {
  public:
   /// `on_refused` is told of transforms that the buffer does not take.
-  static Expected<std::unique_ptr<TransformListener>> create(Bus& bus, ParticipantId participant, std::function<void(const std::string&)> on_refused);
+  static Expected<std::unique_ptr<TransformListener>> create(Bus& bus, ParticipantId participant,
+                                                             std::function<void(const std::string&)> on_refused);
   ~TransformListener();
   TransformListener(const TransformListener&) = delete;
   TransformListener& operator=(const TransformListener&) = delete;
@@ -86,7 +88,8 @@ class TransformListener {
   const TransformBuffer& buffer() const { return buffer_; }
 
  private:
-  TransformListener(Bus& bus, std::function<void(const std::string&)> on_refused) : bus_(bus), on_refused_(std::move(on_refused)) {}
+  TransformListener(Bus& bus, std::function<void(const std::string&)> on_refused)
+      : bus_(bus), on_refused_(std::move(on_refused)) {}
   void take(const Delivery& delivery, bool is_static);
 
   Bus& bus_;
@@ -102,9 +105,13 @@ class TransformBroadcaster {
   static Expected<TransformBroadcaster> create(Bus& bus, ParticipantId participant);
 
   /// Of now. Kept until `post`; of one child the last holds.
-  void set(const std::string& parent, const std::string& child, const Transform& pose) { moving_[child] = {parent, pose}; }
+  void set(const std::string& parent, const std::string& child, const Transform& pose) {
+    moving_[child] = {parent, pose};
+  }
   /// Holds for all times. Who begins to listen later gets it, too.
-  void set_static(const std::string& parent, const std::string& child, const Transform& pose) { fixed_[child] = {parent, pose}; }
+  void set_static(const std::string& parent, const std::string& child, const Transform& pose) {
+    fixed_[child] = {parent, pose};
+  }
   void post();
 
  private:

@@ -56,7 +56,8 @@ void call_original(Environment* env, UDFContext* context, UDFValue* result, cons
 bool arguments(UDFContext* context, std::vector<UDFValue>& args) {
   for (unsigned i = 1; UDFHasNextArgument(context); ++i) {
     UDFValue value;
-    if (!UDFNextArgument(context, GetNthRestriction(context->environment, context->theFunction, i), &value)) return false;
+    if (!UDFNextArgument(context, GetNthRestriction(context->environment, context->theFunction, i), &value))
+      return false;
     args.push_back(value);
   }
   return true;
@@ -79,7 +80,7 @@ void calendar_function(Environment* env, UDFContext* context, UDFValue* result) 
   gmtime_r(&seconds, &calendar);
   Multifield* list = CreateMultifield(env, 9);
   const int numbers[] = {calendar.tm_year + 1900, calendar.tm_mon + 1, calendar.tm_mday,
-                         calendar.tm_hour, calendar.tm_min, calendar.tm_sec};
+                         calendar.tm_hour,        calendar.tm_min,     calendar.tm_sec};
   for (std::size_t i = 0; i < 6; ++i) list->contents[i].integerValue = CreateInteger(env, numbers[i]);
   list->contents[6].lexemeValue = CreateSymbol(env, kDays[calendar.tm_wday]);
   list->contents[7].integerValue = CreateInteger(env, calendar.tm_yday);
@@ -107,10 +108,12 @@ void random_function(Environment* env, UDFContext* context, UDFValue* result) {
     return;
   }
   if (args.size() != 2 || args[0].integerValue->contents > args[1].integerValue->contents) {
-    refuse(env, context, result, args.size() == 1 ? "expected no or two bounds, found one" : "the first bound is above the second");
+    refuse(env, context, result,
+           args.size() == 1 ? "expected no or two bounds, found one" : "the first bound is above the second");
     return;
   }
-  result->integerValue = CreateInteger(env, random.between(args[0].integerValue->contents, args[1].integerValue->contents));
+  result->integerValue =
+      CreateInteger(env, random.between(args[0].integerValue->contents, args[1].integerValue->contents));
 }
 
 void seed_function(Environment*, UDFContext* context, UDFValue*) {
@@ -125,8 +128,8 @@ void seed_function(Environment*, UDFContext* context, UDFValue*) {
 enum class Access { kRead, kWrite };
 
 /// The file that the i-th argument names, or nothing after a refusal.
-std::optional<std::string> allowed_path(Environment* env, UDFContext* context, UDFValue* result,
-                                        const UDFValue& path, Access access) {
+std::optional<std::string> allowed_path(Environment* env, UDFContext* context, UDFValue* result, const UDFValue& path,
+                                        Access access) {
   FileAccess* files = engine_of(context).options().files;
   const std::string named = path.lexemeValue->contents;
   if (files == nullptr) {
@@ -205,7 +208,8 @@ void machine_function(Environment* env, UDFContext* context, UDFValue* result) {
 
 void trusted_function(Environment* env, UDFContext* context, UDFValue* result) {
   if (!engine_of(context).options().trust_rules) {
-    refuse(env, context, result, "refused to rules that are not trusted (--trust-rules lifts this, or trust_rules: true in the scenario)");
+    refuse(env, context, result,
+           "refused to rules that are not trusted (--trust-rules lifts this, or trust_rules: true in the scenario)");
     return;
   }
   machine_function(env, context, result);

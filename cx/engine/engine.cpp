@@ -15,8 +15,8 @@ namespace {
 /// The logical names that the executive's log takes.
 bool is_log_name(std::string_view name) {
   static constexpr std::array<std::string_view, 22> kNames{
-      "stdout", "stderr", "stdwrn", "t", "l", "info", "debug", "warn", "error", "red", "green", "blue", "yellow",
-      "magenta", "cyan", "white", "bold", "loginfo", "logdebug", "logwarn", "logerror", "stdin"};
+      "stdout", "stderr", "stdwrn",  "t",    "l",     "info", "debug",   "warn",     "error",   "red",      "green",
+      "blue",   "yellow", "magenta", "cyan", "white", "bold", "loginfo", "logdebug", "logwarn", "logerror", "stdin"};
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }
 
@@ -44,7 +44,9 @@ struct OwnData {
 }  // namespace
 
 RuleEngine::RuleEngine(EngineOptions options)
-    : options_(std::move(options)), random_(options_.seed, "env/" + options_.name), impl_(std::make_unique<Impl>(*this)) {}
+    : options_(std::move(options)),
+      random_(options_.seed, "env/" + options_.name),
+      impl_(std::make_unique<Impl>(*this)) {}
 
 Expected<std::unique_ptr<RuleEngine>> RuleEngine::create(EngineOptions options) {
   if (options.name.empty()) return input_error("an environment needs a name");
@@ -72,7 +74,8 @@ RuleEngine::~RuleEngine() {
   for (auto& [name, record] : impl_->functions) impl_->show(*record);
   for (auto& record : impl_->replaced_functions) impl_->show(*record);
   // CLIPS frees symbols before classes, and then looks at the defaults of their slots: classes have to go before.
-  const bool classes = std::any_of(impl_->construct_index.begin(), impl_->construct_index.end(), [](const auto& item) { return item.first.first == "defclass"; });
+  const bool classes = std::any_of(impl_->construct_index.begin(), impl_->construct_index.end(),
+                                   [](const auto& item) { return item.first.first == "defclass"; });
   if (classes) {
     options_.on_output = nullptr;
     Clear(environment_);
@@ -117,7 +120,8 @@ namespace {
 /// Whether an activation has a salience that is computed: only then does a refresh change anything.
 bool any_salience_computed(Environment* env) {
   for (Defmodule* module = GetNextDefmodule(env, nullptr); module != nullptr; module = GetNextDefmodule(env, module)) {
-    const auto* rules = reinterpret_cast<const defruleModule*>(module->itemsArray[DefruleData(env)->DefruleModuleIndex]);
+    const auto* rules =
+        reinterpret_cast<const defruleModule*>(module->itemsArray[DefruleData(env)->DefruleModuleIndex]);
     for (const Activation* activation = rules->agenda; activation != nullptr; activation = activation->next)
       if (activation->theRule->dynamicSalience != nullptr) return true;
   }
@@ -225,24 +229,27 @@ Expected<Value> RuleEngine::call(const std::string& function, std::span<const Va
   }
   if (value) return *value;
   if (errors_.size() > errors_before) return errors_.back().error();
-  const char* what = error == FCBE_FUNCTION_NOT_FOUND_ERROR   ? "there is no function '"
-                     : error == FCBE_INVALID_FUNCTION_ERROR   ? "from C++ one cannot call '"
-                     : error == FCBE_ARGUMENT_COUNT_ERROR     ? "wrong number of arguments for '"
-                     : error == FCBE_ARGUMENT_TYPE_ERROR      ? "wrong type of an argument for '"
-                                                              : "error in '";
+  const char* what = error == FCBE_FUNCTION_NOT_FOUND_ERROR ? "there is no function '"
+                     : error == FCBE_INVALID_FUNCTION_ERROR ? "from C++ one cannot call '"
+                     : error == FCBE_ARGUMENT_COUNT_ERROR   ? "wrong number of arguments for '"
+                     : error == FCBE_ARGUMENT_TYPE_ERROR    ? "wrong type of an argument for '"
+                                                            : "error in '";
   return Error{ErrorKind::kRun, what + function + "'", {}, 0, {}};
 }
 
 bool RuleEngine::exit_requested() const { return impl_->exit_requested; }
 
 bool RuleEngine::callable(const std::string& function) const {
-  return FindFunction(environment_, function.c_str()) != nullptr || has("deffunction", function) || has("defgeneric", function);
+  return FindFunction(environment_, function.c_str()) != nullptr || has("deffunction", function) ||
+         has("defgeneric", function);
 }
 
 bool RuleEngine::watch(const std::string& item) { return SetWatchItem(environment_, item.c_str(), true, nullptr); }
 bool RuleEngine::unwatch(const std::string& item) { return SetWatchItem(environment_, item.c_str(), false, nullptr); }
 
-std::string RuleEngine::current_rule() const { return std::string(impl_->rule_acting ? impl_->rule_name : std::string_view()); }
+std::string RuleEngine::current_rule() const {
+  return std::string(impl_->rule_acting ? impl_->rule_name : std::string_view());
+}
 
 std::vector<Error> RuleEngine::take_notes() { return std::exchange(impl_->notes, {}); }
 
@@ -293,12 +300,14 @@ Expected<std::vector<RuleMatches>> RuleEngine::matches(const std::string& rule) 
       } else {
         const auto* header = static_cast<const patternNodeHeader*>(join.rightSideEntryStructure);
         for (const alphaMemoryHash* hash = header->firstHash; hash != nullptr; hash = hash->nextHash) {
-          for (const PartialMatch* match = hash->alphaMemory; match != nullptr; match = match->nextInMemory) ++pattern.matches;
+          for (const PartialMatch* match = hash->alphaMemory; match != nullptr; match = match->nextInMemory)
+            ++pattern.matches;
         }
       }
       pattern.partial = pattern.matches;
       for (const joinInformation& info : beta) {
-        if (info.theJoin == &join && info.theMemory != nullptr) pattern.partial = static_cast<std::int64_t>(info.theMemory->count);
+        if (info.theJoin == &join && info.theMemory != nullptr)
+          pattern.partial = static_cast<std::int64_t>(info.theMemory->count);
       }
       matches.patterns.push_back(pattern);
     }

@@ -77,7 +77,7 @@ struct LoopReport {
   struct Count {
     std::string name;
     std::int64_t count = 0;
-    std::string file;            ///< of rules: where it is defined; empty if that is not known
+    std::string file;  ///< of rules: where it is defined; empty if that is not known
     int line = 0;
   };
   std::vector<Count> rules;      ///< most frequent first, at most 5
@@ -106,8 +106,8 @@ struct ConstructInfo {
 
 /// A copy of a fact. An ordered fact has the one slot "implied".
 struct FactCopy {
-  std::int64_t index = 0;   ///< as in f-3
-  std::uint64_t number = 0; ///< counted over the life of the environment, as in the journal
+  std::int64_t index = 0;    ///< as in f-3
+  std::uint64_t number = 0;  ///< counted over the life of the environment, as in the journal
   std::string module;
   std::string template_name;
   std::vector<std::pair<std::string, Value>> slots;
@@ -126,9 +126,9 @@ struct ActivationInfo {
 /// How far a rule has got, one entry a disjunct of its left-hand side.
 struct RuleMatches {
   struct Pattern {
-    int condition = 0;           ///< counted from 1
-    std::int64_t matches = 0;    ///< facts that match the pattern alone
-    std::int64_t partial = 0;    ///< combinations of conditions 1 .. this that hold together
+    int condition = 0;         ///< counted from 1
+    std::int64_t matches = 0;  ///< facts that match the pattern alone
+    std::int64_t partial = 0;  ///< combinations of conditions 1 .. this that hold together
     bool negated = false;
   };
   std::vector<Pattern> patterns;
@@ -136,15 +136,15 @@ struct RuleMatches {
 };
 
 struct EngineOptions {
-  std::string name = "main";               ///< of the environment; names its journal stream "env/<name>"
-  std::function<SimTime()> now;            ///< simulated time; without one it stays 0
-  SimTime epoch{};                         ///< since 1970, what simulated time 0 is to `time`, `local-time`, `gm-time`
-  std::uint64_t seed = 0;                  ///< of the episode; `random` draws from (seed, "env/<name>")
-  RecordSink* journal = nullptr;           ///< may be none
-  FileAccess* files = nullptr;             ///< none: every path is refused to rules, `load_file` opens what it is given
-  LookOutside* outside = nullptr;          ///< may be none
-  std::int64_t max_load_firings = 0;       ///< of a `(run)` in a file that is loaded; more are an error there; 0 = no limit
-  bool trust_rules = false;                ///< `system`, `remove`, `rename` act
+  std::string name = "main";          ///< of the environment; names its journal stream "env/<name>"
+  std::function<SimTime()> now;       ///< simulated time; without one it stays 0
+  SimTime epoch{};                    ///< since 1970, what simulated time 0 is to `time`, `local-time`, `gm-time`
+  std::uint64_t seed = 0;             ///< of the episode; `random` draws from (seed, "env/<name>")
+  RecordSink* journal = nullptr;      ///< may be none
+  FileAccess* files = nullptr;        ///< none: every path is refused to rules, `load_file` opens what it is given
+  LookOutside* outside = nullptr;     ///< may be none
+  std::int64_t max_load_firings = 0;  ///< of a `(run)` in a file that is loaded; more are an error there; 0 = no limit
+  bool trust_rules = false;           ///< `system`, `remove`, `rename` act
   std::function<void(std::string_view logical_name, std::string_view text)> on_output;  ///< all that rules print
 };
 
@@ -181,7 +181,8 @@ class RuleEngine {
 
   // --- Facts -----------------------------------------------------------------------------------------------------
 
-  /// `(time 12.5)`: evaluates calls inside, as CLIPS does. Returns the index of the fact; a duplicate returns the old one.
+  /// `(time 12.5)`: evaluates calls inside, as CLIPS does. Returns the index of the fact; a duplicate returns the old
+  /// one.
   Expected<std::int64_t> assert_string(const std::string& fact);
 
   struct Slot {

@@ -15,7 +15,8 @@ std::string_view code_of(std::string_view line) {
   const std::size_t close = line.find(']');
   if (close == std::string_view::npos || close < 3) return {};
   const std::string_view code = line.substr(1, close - 1);
-  if (!std::isupper(static_cast<unsigned char>(code.front())) || !std::isdigit(static_cast<unsigned char>(code.back()))) return {};
+  if (!std::isupper(static_cast<unsigned char>(code.front())) || !std::isdigit(static_cast<unsigned char>(code.back())))
+    return {};
   for (const char c : code) {
     if (!std::isupper(static_cast<unsigned char>(c)) && !std::isdigit(static_cast<unsigned char>(c))) return {};
   }
@@ -28,7 +29,7 @@ struct Message {
   std::string code;
   std::string head;  ///< its first sentence
   std::string text;
-  int line = 0;      ///< being parsed when it began
+  int line = 0;  ///< being parsed when it began
   bool acting = false;
 };
 
@@ -86,7 +87,8 @@ std::string_view to_string(ErrorSide side) {
 Error RuleError::error() const {
   std::string what;
   if (side != ErrorSide::kLoad) {
-    what = (side == ErrorSide::kCallback ? "" : "rule ") + rule + (rule.empty() ? "" : ", ") + std::string(to_string(side)) + ": ";
+    what = (side == ErrorSide::kCallback ? "" : "rule ") + rule + (rule.empty() ? "" : ", ") +
+           std::string(to_string(side)) + ": ";
   }
   return Error{side == ErrorSide::kLoad ? ErrorKind::kInput : ErrorKind::kRun, what + message, file, line,
                side == ErrorSide::kLoad ? "" : "rule_error"};
@@ -98,7 +100,8 @@ void RuleEngine::Impl::capture(const char* text) {
   // CLIPS opens each of its messages with a "[" of its own; what rules print comes in larger pieces.
   if (text[0] == '[' && text[1] == '\0') {
     const bool parsing = !contexts.empty() && contexts.back().form != nullptr &&
-                         (!rule_acting || contexts.size() > rule_depth) && !CommandLineData(env)->EvaluatingTopLevelCommand;
+                         (!rule_acting || contexts.size() > rule_depth) &&
+                         !CommandLineData(env)->EvaluatingTopLevelCommand;
     starts.push_back({captured.size(), parsing ? static_cast<int>(GetLineCount(env)) : 0, rule_acting});
   } else if (starts.empty()) {
     return;
@@ -174,7 +177,8 @@ void RuleEngine::Impl::make_errors() {
       RuleError& last = found.back();
       last.detail += message.text;
       // The function that failed was called by a deffunction, which the rule called.
-      const ConstructInfo* info = in_rule && halted && last.side == ErrorSide::kRhs ? engine.find_construct("defrule", last.rule) : nullptr;
+      const ConstructInfo* info =
+          in_rule && halted && last.side == ErrorSide::kRhs ? engine.find_construct("defrule", last.rule) : nullptr;
       if (info != nullptr && last.line == info->line) last.line = line_of_error(*info, ErrorSide::kRhs, message.head);
       continue;
     }
@@ -216,8 +220,8 @@ void RuleEngine::Impl::add_error(RuleError error) {
                     std::string(to_string(error.side)) + '\n' + error.message;
   if (!known_errors.insert(key).second) {
     for (RuleError& known : engine.errors_) {
-      if (known.rule == error.rule && known.file == error.file && known.line == error.line && known.side == error.side &&
-          known.message == error.message) {
+      if (known.rule == error.rule && known.file == error.file && known.line == error.line &&
+          known.side == error.side && known.message == error.message) {
         ++known.count;
       }
     }
@@ -225,9 +229,14 @@ void RuleEngine::Impl::add_error(RuleError error) {
   }
   if (engine.options_.journal != nullptr) {
     const std::string file = engine.options_.files != nullptr && !error.file.empty()
-                                 ? engine.options_.files->journal_name(error.file) : error.file;
-    data.begin().field("rule", error.rule).field("file", file).field("line", error.line)
-        .field("side", to_string(error.side)).field("message", error.message);
+                                 ? engine.options_.files->journal_name(error.file)
+                                 : error.file;
+    data.begin()
+        .field("rule", error.rule)
+        .field("file", file)
+        .field("line", error.line)
+        .field("side", to_string(error.side))
+        .field("message", error.message);
     write(RecordKind::kError);
   }
   engine.errors_.push_back(std::move(error));

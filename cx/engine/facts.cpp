@@ -41,18 +41,21 @@ void* to_clips(Environment* env, const Value& value) {
 
 std::string qualified_name(const ConstructHeader& header) {
   const char* module = header.whichModule->theModule->header.name->contents;
-  return std::string_view(module) == "MAIN" ? header.name->contents : std::string(module) + "::" + header.name->contents;
+  return std::string_view(module) == "MAIN" ? header.name->contents
+                                            : std::string(module) + "::" + header.name->contents;
 }
 
 Deftemplate* RuleEngine::Impl::find_template(const std::string& name) {
   // Most facts from C++ are of a few templates of the current module: their names are looked up once.
-  KnownName& known = template_names[(name.size() + static_cast<unsigned char>(name.empty() ? 0 : name.back())) % template_names.size()];
+  KnownName& known = template_names[(name.size() + static_cast<unsigned char>(name.empty() ? 0 : name.back())) %
+                                    template_names.size()];
   if (known.text != name || known.atom == nullptr) {
     if (known.atom != nullptr) ReleaseLexeme(env, known.atom);
     known = {name, CreateSymbol(env, name.c_str())};
     RetainLexeme(env, known.atom);
   }
-  for (Deftemplate* found = GetNextDeftemplate(env, nullptr); found != nullptr; found = reinterpret_cast<Deftemplate*>(found->header.next)) {
+  for (Deftemplate* found = GetNextDeftemplate(env, nullptr); found != nullptr;
+       found = reinterpret_cast<Deftemplate*>(found->header.next)) {
     if (found->header.name == known.atom) return found;
   }
   if (Deftemplate* found = FindDeftemplate(env, name.c_str())) return found;
@@ -84,7 +87,9 @@ Multifield* RuleEngine::Impl::make_multifield(const std::vector<Value>& items) {
 std::optional<Error> RuleEngine::Impl::put_slot(Deftemplate& deftemplate, const Slot& slot, CLIPSValue* slots) {
   std::size_t position = 0;
   const templateSlot* found = deftemplate.slotList;
-  const auto is_name = [&slot](const char* name) { return std::strncmp(name, slot.name.data(), slot.name.size()) == 0 && name[slot.name.size()] == '\0'; };
+  const auto is_name = [&slot](const char* name) {
+    return std::strncmp(name, slot.name.data(), slot.name.size()) == 0 && name[slot.name.size()] == '\0';
+  };
   while (found != nullptr && !is_name(found->slotName->contents)) {
     found = found->next;
     ++position;
@@ -110,7 +115,8 @@ std::optional<Error> RuleEngine::Impl::put_slot(Deftemplate& deftemplate, const 
 Expected<std::int64_t> RuleEngine::Impl::assert_made(Fact* fact) {
   const CLIPSLexeme& name = *fact->whichDeftemplate->header.name;
   Fact* asserted = Assert(fact);
-  if (asserted == nullptr) return Error{ErrorKind::kRun, "CLIPS refused a fact of '" + std::string(name.contents) + "'", {}, 0, {}};
+  if (asserted == nullptr)
+    return Error{ErrorKind::kRun, "CLIPS refused a fact of '" + std::string(name.contents) + "'", {}, 0, {}};
   return asserted->factIndex;
 }
 

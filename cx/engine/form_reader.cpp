@@ -97,7 +97,8 @@ FormReading read_forms(std::string_view text, const std::string& file) {
   FormReading reading;
   const std::size_t start = text.starts_with("\xef\xbb\xbf") ? 3 : 0;
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
-    reading.errors.push_back(input_error("found a zero byte, expected text", file, 1 + count_lines(text.substr(0, zero))));
+    reading.errors.push_back(
+        input_error("found a zero byte, expected text", file, 1 + count_lines(text.substr(0, zero))));
   }
 
   Scanner scanner(text, start, 1);
@@ -146,7 +147,8 @@ FormReading read_forms(std::string_view text, const std::string& file) {
     if (form.list && !form.head.empty()) {
       what = "found no closing parenthesis for (" + form.head + (form.name.empty() ? "" : " " + form.name) + " ...)";
     }
-    if (form.list && open_string != 0) what += "; a string that begins in line " + std::to_string(open_string) + " is never closed";
+    if (form.list && open_string != 0)
+      what += "; a string that begins in line " + std::to_string(open_string) + " is never closed";
     const std::size_t next = next_definition(text, begin);
     int next_line = 0;
     if (next != std::string_view::npos) {

@@ -36,7 +36,8 @@ struct CallFrame {
   static void run(Environment* env, UDFContext* context, UDFValue* result) {
     const FunctionRecord& record = *static_cast<FunctionRecord*>(context->context);
     constexpr std::size_t kInPlace = 8;
-    alignas(ValueRef) std::byte memory[kInPlace * sizeof(ValueRef)];  // cleared for each call it would cost more than the call
+    alignas(ValueRef)
+        std::byte memory[kInPlace * sizeof(ValueRef)];  // cleared for each call it would cost more than the call
     auto* args = reinterpret_cast<ValueRef*>(memory);
     std::size_t room = kInPlace, size = 0;
     std::vector<ValueRef> many;
@@ -70,7 +71,8 @@ struct CallFrame {
         return;
       }
       if (size < record.spec.min_args || size > record.spec.max_args) {
-        say_error(env, context, "found " + std::to_string(size) + " arguments, expected " + expected_arguments(record.spec));
+        say_error(env, context,
+                  "found " + std::to_string(size) + " arguments, expected " + expected_arguments(record.spec));
         result->lexemeValue = FalseSymbol(env);
         return;
       }
@@ -124,7 +126,8 @@ void give_multifield(RuleEngine& engine, void* result, const Values& values, Ato
   out.multifieldValue = CreateMultifield(engine.raw(), values.size());
   out.begin = 0;
   out.range = values.size();
-  for (std::size_t i = 0; i < values.size(); ++i) out.multifieldValue->contents[i].value = atom(engine.raw(), values[i]);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    out.multifieldValue->contents[i].value = atom(engine.raw(), values[i]);
 }
 
 void set(void* result, void* atom) { static_cast<UDFValue*>(result)->value = atom; }
@@ -150,7 +153,8 @@ void Call::give_handles(std::span<const Handle> values) {
   give_multifield(engine_, result_, values, [](Environment* env, Handle v) { return to_clips(env, Value::handle(v)); });
 }
 void Call::give_strings(std::span<const std::string> values) {
-  give_multifield(engine_, result_, values, [](Environment* env, const std::string& v) { return CreateString(env, v.c_str()); });
+  give_multifield(engine_, result_, values,
+                  [](Environment* env, const std::string& v) { return CreateString(env, v.c_str()); });
 }
 void Call::give_list(std::span<const Value> values) {
   give_multifield(engine_, result_, values, [](Environment* env, const Value& v) { return to_clips(env, v); });
@@ -181,15 +185,18 @@ void Call::fail(std::string_view message) {
   give_boolean(false);
 }
 
-void Call::complain(std::string_view message) { engine_.note_error("[CXLAB1] " + error_text(context_of(context_), message)); }
+void Call::complain(std::string_view message) {
+  engine_.note_error("[CXLAB1] " + error_text(context_of(context_), message));
+}
 
 // --- Adding and removing -------------------------------------------------------------------------------------------
 
-// CLIPS frees the definition of a function that is removed, also while compiled rules point to it: a later function in the
-// same memory would be called by the old rules. So a definition is only ever taken out of the table of names.
+// CLIPS frees the definition of a function that is removed, also while compiled rules point to it: a later function in
+// the same memory would be called by the old rules. So a definition is only ever taken out of the table of names.
 
 void RuleEngine::Impl::hide(FunctionRecord& record) {
-  FunctionHash** link = &ExternalFunctionData(env)->FunctionHashtable[HashSymbol(record.spec.name.c_str(), SIZE_FUNCTION_HASH)];
+  FunctionHash** link =
+      &ExternalFunctionData(env)->FunctionHashtable[HashSymbol(record.spec.name.c_str(), SIZE_FUNCTION_HASH)];
   while (*link != nullptr && (*link)->fdPtr != record.definition) link = &(*link)->next;
   if (*link == nullptr) return;
   record.hidden = *link;
@@ -198,7 +205,8 @@ void RuleEngine::Impl::hide(FunctionRecord& record) {
 
 void RuleEngine::Impl::show(FunctionRecord& record) {
   if (record.hidden == nullptr) return;
-  FunctionHash*& head = ExternalFunctionData(env)->FunctionHashtable[HashSymbol(record.spec.name.c_str(), SIZE_FUNCTION_HASH)];
+  FunctionHash*& head =
+      ExternalFunctionData(env)->FunctionHashtable[HashSymbol(record.spec.name.c_str(), SIZE_FUNCTION_HASH)];
   record.hidden->next = head;
   head = record.hidden;
   record.hidden = nullptr;
@@ -217,8 +225,8 @@ Status RuleEngine::add_function(FunctionSpec spec, Function function) {
 
   if (known != impl_->functions.end()) {
     FunctionRecord& old = *known->second;
-    if (old.spec.returns == spec.returns && old.spec.arg_types == spec.arg_types && old.spec.min_args == spec.min_args &&
-        old.spec.max_args == spec.max_args) {
+    if (old.spec.returns == spec.returns && old.spec.arg_types == spec.arg_types &&
+        old.spec.min_args == spec.min_args && old.spec.max_args == spec.max_args) {
       old.spec = std::move(spec);
       old.function = std::move(function);
       impl_->show(old);
@@ -230,14 +238,16 @@ Status RuleEngine::add_function(FunctionSpec spec, Function function) {
   record->engine = this;
   record->spec = std::move(spec);
   const FunctionSpec& made = record->spec;
-  const AddUDFError error =
-      AddUDF(environment_, made.name.c_str(), made.returns.c_str(), made.min_args, made.max_args,
-             made.arg_types.empty() ? nullptr : made.arg_types.c_str(), CallFrame::run, made.name.c_str(), record.get());
+  const AddUDFError error = AddUDF(environment_, made.name.c_str(), made.returns.c_str(), made.min_args, made.max_args,
+                                   made.arg_types.empty() ? nullptr : made.arg_types.c_str(), CallFrame::run,
+                                   made.name.c_str(), record.get());
   if (error != AUE_NO_ERROR) {
     spec = made;
-    return refused(error == AUE_INVALID_ARGUMENT_TYPE_ERROR ? "has argument types '" + made.arg_types + "' that CLIPS does not know"
-                   : error == AUE_INVALID_RETURN_TYPE_ERROR ? "returns '" + made.returns + "', which CLIPS does not know"
-                                                            : "has more arguments at least than at most");
+    return refused(error == AUE_INVALID_ARGUMENT_TYPE_ERROR
+                       ? "has argument types '" + made.arg_types + "' that CLIPS does not know"
+                   : error == AUE_INVALID_RETURN_TYPE_ERROR
+                       ? "returns '" + made.returns + "', which CLIPS does not know"
+                       : "has more arguments at least than at most");
   }
   record->definition = FindFunction(environment_, made.name.c_str());
   record->function = std::move(function);

@@ -1,4 +1,5 @@
-// Hooks of CLIPS on facts, firings, loops and calls: the journal, the counts for the report on a loop, and what never ends.
+// Hooks of CLIPS on facts, firings, loops and calls: the journal, the counts for the report on a loop, and what never
+// ends.
 
 #include <utility>
 
@@ -10,8 +11,10 @@ using namespace clips;
 
 void RuleEngine::set_cause(std::span<const RecordRef> causes) {
   // Mostly one record; `assign` is a call that much code would be read for.
-  if (causes.size() == 1 && impl_->host_causes.size() == 1) impl_->host_causes.front() = causes.front();
-  else impl_->host_causes.assign(causes.begin(), causes.end());
+  if (causes.size() == 1 && impl_->host_causes.size() == 1)
+    impl_->host_causes.front() = causes.front();
+  else
+    impl_->host_causes.assign(causes.begin(), causes.end());
 }
 
 std::span<const RecordRef> RuleEngine::cause() const {
@@ -86,8 +89,10 @@ void RuleEngine::Impl::on_assert(Environment*, void* asserted, void* self) noexc
   if (journal == nullptr) return;
   impl.data.begin().field("fact", entry.number).field("template", fact.whichDeftemplate->header.name->contents);
   impl.put_slots(fact, again);
-  entry.record = journal->write(impl.engine.stream_, impl.engine.now(), again ? RecordKind::kModify : RecordKind::kAssert,
-                                impl.data, impl.engine.cause()).n;
+  entry.record = journal
+                     ->write(impl.engine.stream_, impl.engine.now(), again ? RecordKind::kModify : RecordKind::kAssert,
+                             impl.data, impl.engine.cause())
+                     .n;
 }
 
 void RuleEngine::Impl::on_retract(Environment*, void* retracted, void* self) noexcept {
@@ -167,7 +172,8 @@ void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self)
     impl.data.value(static_cast<std::int64_t>(entry->number));
     impl.fire_causes.push_back({impl.engine.stream_, entry->record});
   }
-  impl.fire_record = journal->write(impl.engine.stream_, impl.engine.now(), RecordKind::kFire, impl.data, impl.fire_causes);
+  impl.fire_record =
+      journal->write(impl.engine.stream_, impl.engine.now(), RecordKind::kFire, impl.data, impl.fire_causes);
   impl.fire_recorded = true;
 }
 
@@ -188,7 +194,8 @@ void RuleEngine::Impl::on_turn(Environment* env, void* self) noexcept {
   Impl& impl = *static_cast<Impl*>(self);
   if (++impl.turns != kMostTurns) return;
   PrintErrorID(env, "CXLAB", 2, false);
-  const std::string text = "Still looping after " + std::to_string(kMostTurns) + " turns of loops and deffunctions in one action: stopped.\n";
+  const std::string text = "Still looping after " + std::to_string(kMostTurns) +
+                           " turns of loops and deffunctions in one action: stopped.\n";
   WriteString(env, STDERR, text.c_str());
   SetHaltExecution(env, true);
   SetEvaluationError(env, true);
@@ -201,8 +208,9 @@ bool RuleEngine::Impl::call(EntityEvaluationFunction* evaluate, void* construct,
     result->value = FalseSymbol(env);
     if (leaving_calls) return false;
     PrintErrorID(env, "CXLAB", 2, false);
-    const std::string text = "Function '" + qualified_name(*static_cast<ConstructHeader*>(construct)) +
-                             "' is called again and again from within itself, until 6 MB of the stack are full: stopped.\n";
+    const std::string text =
+        "Function '" + qualified_name(*static_cast<ConstructHeader*>(construct)) +
+        "' is called again and again from within itself, until 6 MB of the stack are full: stopped.\n";
     WriteString(env, STDERR, text.c_str());
     SetHaltExecution(env, true);
     SetEvaluationError(env, true);

@@ -14,13 +14,14 @@ namespace {
 
 /// Functions of CLIPS that a test on a left-hand side must not call; ours say so themselves.
 constexpr std::string_view kActingBuiltins[] = {
-    "assert", "assert-string", "retract", "modify", "duplicate", "reset", "clear", "run", "load", "load*", "batch", "batch*",
-    "load-facts", "bload-facts", "bload", "undefrule", "build", "make-instance", "unmake-instance", "modify-instance", "bind"};
+    "assert", "assert-string", "retract", "modify",        "duplicate",       "reset",           "clear",
+    "run",    "load",          "load*",   "batch",         "batch*",          "load-facts",      "bload-facts",
+    "bload",  "undefrule",     "build",   "make-instance", "unmake-instance", "modify-instance", "bind"};
 
 bool is_construct(Environment* env, const std::string& head) { return FindConstruct(env, head.c_str()) != nullptr; }
 
-/// Calls in a form: `called(name, line)` for the head of every list that is an expression. On a left-hand side those are
-/// the lists inside `(test ...)`, after `=` and `:` of a constraint, and of a salience; elsewhere all lists.
+/// Calls in a form: `called(name, line)` for the head of every list that is an expression. On a left-hand side those
+/// are the lists inside `(test ...)`, after `=` and `:` of a constraint, and of a salience; elsewhere all lists.
 template <class Called>
 void for_each_call(const std::vector<Token>& tokens, std::size_t begin, std::size_t end, bool all, Called called) {
   std::vector<bool> expression{all};
@@ -92,7 +93,8 @@ bool RuleEngine::Impl::is_acting(const std::string& function, std::set<std::stri
   }
   const auto calls = calls_of.find(function);
   if (calls == calls_of.end() || !seen.insert(function).second) return false;
-  return std::any_of(calls->second.begin(), calls->second.end(), [&](const std::string& inner) { return is_acting(inner, seen); });
+  return std::any_of(calls->second.begin(), calls->second.end(),
+                     [&](const std::string& inner) { return is_acting(inner, seen); });
 }
 
 std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) {
@@ -122,7 +124,9 @@ bool RuleEngine::Impl::is_there_already(const Form& form) const {
   const bool module = form.head == "defmodule";
   if (form.head != "deftemplate" && form.head != "defclass" && !module) return false;
   const ConstructInfo* known = engine.find_construct(form.head, form.name);
-  if (known == nullptr || known->text != form.text || !engine.has(form.head, module ? known->name : known->module + "::" + known->name)) return false;
+  if (known == nullptr || known->text != form.text ||
+      !engine.has(form.head, module ? known->name : known->module + "::" + known->name))
+    return false;
   if (module) SetCurrentModule(env, FindDefmodule(env, known->name.c_str()));  // what follows it belongs there
   return true;
 }
@@ -135,7 +139,8 @@ void RuleEngine::keep_same_constructs(bool keep) {
   }
   // Places of constructs that were replaced are given back: files may be loaded again any number of times.
   std::erase_if(impl_->constructs, [](const auto& info) { return !info; });
-  for (std::size_t i = 0; i < impl_->constructs.size(); ++i) impl_->construct_index[std::pair(impl_->constructs[i]->kind, impl_->constructs[i]->name)] = i;
+  for (std::size_t i = 0; i < impl_->constructs.size(); ++i)
+    impl_->construct_index[std::pair(impl_->constructs[i]->kind, impl_->constructs[i]->name)] = i;
 }
 
 bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, LoadMode mode) {
@@ -281,7 +286,8 @@ LoadReport RuleEngine::load_file(const std::string& path, LoadMode mode, OnLoadE
 Status RuleEngine::build(std::string_view construct, const std::string& file, int line) {
   FormReading reading = read_forms(construct, file);
   if (!reading.errors.empty()) return reading.errors.front();
-  if (reading.forms.size() != 1) return input_error("expected one construct, found " + std::to_string(reading.forms.size()), file, line);
+  if (reading.forms.size() != 1)
+    return input_error("expected one construct, found " + std::to_string(reading.forms.size()), file, line);
   Form& form = reading.forms.front();
   if (line > 0) form.line += line - 1;
   std::vector<RuleError> earlier = std::exchange(errors_, {});
@@ -297,9 +303,11 @@ Status RuleEngine::undefine(std::string_view kind, const std::string& name) {
   Construct* construct = FindConstruct(environment_, std::string(kind).c_str());
   if (construct == nullptr) return input_error("'" + std::string(kind) + "' is no kind of construct");
   HostCall call(*impl_, {ErrorSide::kCallback, "undefine", {}, 0, nullptr});
-  ConstructHeader* found = construct->findFunction == nullptr ? nullptr : construct->findFunction(environment_, name.c_str());
+  ConstructHeader* found =
+      construct->findFunction == nullptr ? nullptr : construct->findFunction(environment_, name.c_str());
   if (found == nullptr) return input_error("there is no " + std::string(kind) + " '" + name + "'");
-  const bool deletable = construct->isConstructDeletableFunction == nullptr || construct->isConstructDeletableFunction(found);
+  const bool deletable =
+      construct->isConstructDeletableFunction == nullptr || construct->isConstructDeletableFunction(found);
   if (!deletable || construct->deleteFunction == nullptr || !construct->deleteFunction(found, environment_)) {
     return Error{ErrorKind::kRun, std::string(kind) + " '" + name + "' is in use and stays", {}, 0, {}};
   }

@@ -11,7 +11,16 @@
 namespace cxlab {
 
 enum class ValueType : std::uint8_t {
-  kVoid, kInteger, kFloat, kSymbol, kString, kInstanceName, kHandle, kFact, kInstance, kMultifield
+  kVoid,
+  kInteger,
+  kFloat,
+  kSymbol,
+  kString,
+  kInstanceName,
+  kHandle,
+  kFact,
+  kInstance,
+  kMultifield
 };
 
 /// The value of an EXTERNAL-ADDRESS: a number counted from 1 in its environment, never used again. 0 = none.
@@ -73,7 +82,9 @@ class ValueRef {
 
   ValueType type() const { return type_; }
   bool is(ValueType type) const { return type_ == type; }
-  bool is_text() const { return type_ == ValueType::kSymbol || type_ == ValueType::kString || type_ == ValueType::kInstanceName; }
+  bool is_text() const {
+    return type_ == ValueType::kSymbol || type_ == ValueType::kString || type_ == ValueType::kInstanceName;
+  }
   bool is_number() const { return type_ == ValueType::kInteger || type_ == ValueType::kFloat; }
   bool is_true() const { return !(type_ == ValueType::kSymbol && text() == "FALSE"); }
 

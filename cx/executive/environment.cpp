@@ -27,12 +27,14 @@ Environment::Environment(Options options, bus::Bus& bus, Files& files)
     : options_(std::move(options)),
       bus_(bus),
       files_(files),
-      router_(options_.redirect_stdout_to_debug, [this](LogLevel level, std::string_view colour, std::string_view text) {
-        // Every level is written with `info`, as in the files of CX.
-        write_line({now(), level, options_.name, text, colour}, LogLevel::kInfo);
-      }) {}
+      router_(options_.redirect_stdout_to_debug,
+              [this](LogLevel level, std::string_view colour, std::string_view text) {
+                // Every level is written with `info`, as in the files of CX.
+                write_line({now(), level, options_.name, text, colour}, LogLevel::kInfo);
+              }) {}
 
-Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus::Bus& bus, RecordSink& journal, Files& files) {
+Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus::Bus& bus, RecordSink& journal,
+                                                           Files& files) {
   auto environment = std::unique_ptr<Environment>(new Environment(std::move(options), bus, files));
   Environment& self = *environment;
   const Options& given = self.options_;
@@ -51,7 +53,8 @@ Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus:
   auto made = RuleEngine::create(std::move(engine));
   if (!made) return made.error();
   self.engine_ = std::move(*made);
-  self.participant_ = bus.join(bus::ParticipantKind::kEnvironment, given.node, self.engine_->stream(), "environment " + given.name);
+  self.participant_ =
+      bus.join(bus::ParticipantKind::kEnvironment, given.node, self.engine_->stream(), "environment " + given.name);
   return environment;
 }
 
@@ -63,10 +66,13 @@ Environment::~Environment() {
 Expected<std::shared_ptr<ThreadGate>> Environment::open_gate(const std::string& plugin) {
   std::string word;  // letters and digits for the topic's name
   for (const char c : name()) {
-    if (std::isalnum(static_cast<unsigned char>(c))) word += c;
-    else word += '_';
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      word += c;
+    else
+      word += '_';
   }
-  auto gate = std::make_shared<ThreadGate>(*this, plugin, options_.node.expand("~/threads/" + word + '_' + std::to_string(gates_opened_++)));
+  auto gate = std::make_shared<ThreadGate>(
+      *this, plugin, options_.node.expand("~/threads/" + word + '_' + std::to_string(gates_opened_++)));
   if (Status s = gate->open(); !s) return s.error();
   gates_.push_back(gate);
   return gate;
@@ -80,7 +86,8 @@ void Environment::close_gates(std::string_view plugin) {
 
 bus::ParticipantId Environment::join_threads(bus::NodeName name, const std::string& plugin) {
   name.name += "_threads";
-  return bus_.join(bus::ParticipantKind::kNode, std::move(name), journal_->open_stream("threads/" + options_.unique_name + '/' + plugin));
+  return bus_.join(bus::ParticipantKind::kNode, std::move(name),
+                   journal_->open_stream("threads/" + options_.unique_name + '/' + plugin));
 }
 
 void Environment::begin_again() {
@@ -102,8 +109,13 @@ Status Environment::run() {
   if (!report.errors.empty())
     if (Status s = check_errors(std::move(report.errors)); !s) return s;
   if (report.loop) {
-    Error error{ErrorKind::kRun, "environment '" + name() + "': " + report.loop_report.text() + "; if they are right, allow more with max_firings_per_tick (now " +
-                                     std::to_string(options_.run->max_firings) + ", 0 = no limit)", {}, 0, "rule_loop"};
+    Error error{ErrorKind::kRun,
+                "environment '" + name() + "': " + report.loop_report.text() +
+                    "; if they are right, allow more with max_firings_per_tick (now " +
+                    std::to_string(options_.run->max_firings) + ", 0 = no limit)",
+                {},
+                0,
+                "rule_loop"};
     if (!report.loop_report.rules.empty()) {
       error.file = report.loop_report.rules.front().file;
       error.line = report.loop_report.rules.front().line;

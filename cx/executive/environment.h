@@ -35,14 +35,15 @@ class Environment {
  public:
   struct Options {
     std::string name;
-    std::string unique_name;             ///< in the run: of its streams; those of two managers may both be a "main"
-    bus::NodeName node;                  ///< that its names are resolved against
-    const RunSettings* run = nullptr;    ///< outlives the environment
+    std::string unique_name;           ///< in the run: of its streams; those of two managers may both be a "main"
+    bus::NodeName node;                ///< that its names are resolved against
+    const RunSettings* run = nullptr;  ///< outlives the environment
     bool redirect_stdout_to_debug = false;
-    AppendFile* log_file = nullptr;      ///< may be none
+    AppendFile* log_file = nullptr;                      ///< may be none
     std::vector<RuleErrorEntry>* rule_errors = nullptr;  ///< all errors are added here
   };
-  static Expected<std::unique_ptr<Environment>> create(Options options, bus::Bus& bus, RecordSink& journal, Files& files);
+  static Expected<std::unique_ptr<Environment>> create(Options options, bus::Bus& bus, RecordSink& journal,
+                                                       Files& files);
   ~Environment();
   Environment(const Environment&) = delete;
   Environment& operator=(const Environment&) = delete;
@@ -80,8 +81,8 @@ class Environment {
   }
 
   // --- What enters from outside
-  /// Records a delivery as an input of this environment and makes it the cause of what follows. `what` and `name` as the
-  /// rules know it: "topic" "/chatter".
+  /// Records a delivery as an input of this environment and makes it the cause of what follows. `what` and `name` as
+  /// the rules know it: "topic" "/chatter".
   void note_input(std::string_view what, std::string_view name, const bus::Delivery& delivery);
   /// What a function found outside, through the input log.
   Value look(std::string_view function, const std::function<Value()>& outside);
@@ -134,7 +135,9 @@ class EnvironmentGuard {
  private:
   Environment& check_thread() const {
     if (!environment_->on_its_thread())
-      throw std::logic_error("environment '" + environment_->name() + "' is used on another thread than the episode's: threads go through Environment::open_gate");
+      throw std::logic_error(
+          "environment '" + environment_->name() +
+          "' is used on another thread than the episode's: threads go through Environment::open_gate");
     return *environment_;
   }
 

@@ -27,7 +27,8 @@ std::string stream_prefix(const std::string& name_space) {
 std::string claim(const ManagerOptions& options, const std::string& kind, const std::string& name) {
   const std::string wanted = stream_prefix(options.name_space) + name;
   std::string given = wanted;
-  for (int k = 2; options.streams && !options.streams->insert(kind + given).second; ++k) given = wanted + '-' + std::to_string(k);
+  for (int k = 2; options.streams && !options.streams->insert(kind + given).second; ++k)
+    given = wanted + '-' + std::to_string(k);
   return given;
 }
 
@@ -43,19 +44,24 @@ void keep_first(Status& first, Status next) {
 
 }  // namespace
 
-EnvironmentManager::EnvironmentManager(ManagerOptions options, Parameters parameters, bus::Bus& bus, RecordSink& journal)
+EnvironmentManager::EnvironmentManager(ManagerOptions options, Parameters parameters, bus::Bus& bus,
+                                       RecordSink& journal)
     : options_(std::move(options)),
       parameters_(std::move(parameters)),
       bus_(bus),
       journal_(journal),
       files_({options_.packages, options_.run_folder, options_.trust_rules, options_.on_read, options_.outside_copies}),
       node_name_{options_.node, options_.name_space, options_.remaps},
-      node_(bus_.join(bus::ParticipantKind::kNode, node_name_, journal_.open_stream("node/" + claim(options_, "node/", options_.node)))),
-      lifecycle_(bus_, node_, [this](Transition t) { return change(t); },
-                 [this](const Error& why) {
-                   if (why.kind == ErrorKind::kUsage) log(LogLevel::kWarn, options_.node, why.message);
-                   else fail(why);
-                 }) {
+      node_(bus_.join(bus::ParticipantKind::kNode, node_name_,
+                      journal_.open_stream("node/" + claim(options_, "node/", options_.node)))),
+      lifecycle_(
+          bus_, node_, [this](Transition t) { return change(t); },
+          [this](const Error& why) {
+            if (why.kind == ErrorKind::kUsage)
+              log(LogLevel::kWarn, options_.node, why.message);
+            else
+              fail(why);
+          }) {
   if (options_.on_join) options_.on_join(node_);
 }
 
@@ -68,9 +74,11 @@ EnvironmentManager::~EnvironmentManager() {
   bus_.leave(node_);
 }
 
-Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(ManagerOptions options, bus::Bus& bus, RecordSink& journal) {
+Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(ManagerOptions options, bus::Bus& bus,
+                                                                         RecordSink& journal) {
   if (options.on_read)
-    if (Status s = options.on_read("config/" + options.config.filename().string(), options.config); !s) return s.error();
+    if (Status s = options.on_read("config/" + options.config.filename().string(), options.config); !s)
+      return s.error();
   bus::NodeName name{options.node, options.name_space, options.remaps};
   bus::rename_node(name);
   options.node = name.name;
@@ -82,8 +90,10 @@ Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(Manager
   for (const GivenParameter& given : options.params)
     for (const std::string& prefix : {options.node + '.', full_name + '.'})
       if (given.name.starts_with(prefix))
-        if (Status s = parameters->set(given.name.substr(prefix.size()), given.value, given.file, given.line); !s) return s.error();
-  auto manager = std::unique_ptr<EnvironmentManager>(new EnvironmentManager(std::move(options), std::move(*parameters), bus, journal));
+        if (Status s = parameters->set(given.name.substr(prefix.size()), given.value, given.file, given.line); !s)
+          return s.error();
+  auto manager = std::unique_ptr<EnvironmentManager>(
+      new EnvironmentManager(std::move(options), std::move(*parameters), bus, journal));
   if (Status s = manager->add_packaged_plugins(); !s) return s.error();
   if (Status s = manager->check_configuration(); !s) return s.error();
   if (Status s = manager->lifecycle_.serve(); !s) return s.error();
@@ -98,14 +108,16 @@ Status EnvironmentManager::add_packaged_plugins() {
     for (PluginType& type : *types) {
       for (const PluginType& other : options_.plugin_types)
         if (other.name == type.name)
-          return manifest_error(type, "found the plugin class '" + type.name + "', which " + place_of(other) + " has too; expected a name of its own");
+          return manifest_error(type, "found the plugin class '" + type.name + "', which " + place_of(other) +
+                                          " has too; expected a name of its own");
       options_.plugin_types.push_back(std::move(type));
     }
   }
   return {};
 }
 
-Expected<const PluginType*> EnvironmentManager::type_of(const std::string& instance, const std::string& environment) const {
+Expected<const PluginType*> EnvironmentManager::type_of(const std::string& instance,
+                                                        const std::string& environment) const {
   std::string type;
   if (Status s = parameters_.read(instance + ".plugin", type); !s) return s.error();
   if (type.empty()) {
@@ -113,9 +125,11 @@ Expected<const PluginType*> EnvironmentManager::type_of(const std::string& insta
     for (const auto& group : parameters_.below(""))
       if (parameters_.find(group + ".plugin")) typed.push_back(group);
     const std::string misspelt = nearest_word("plugin", parameters_.below(instance));
-    return parameters_.error_at(environment + ".plugins", "plugin '" + instance + "' of environment '" + environment +
-                                "': no parameter '" + instance + ".plugin' says what it is" +
-                                (misspelt.empty() ? did_you_mean(instance, typed) : ", did you mean it by '" + instance + '.' + misspelt + "'?"));
+    return parameters_.error_at(environment + ".plugins",
+                                "plugin '" + instance + "' of environment '" + environment + "': no parameter '" +
+                                    instance + ".plugin' says what it is" +
+                                    (misspelt.empty() ? did_you_mean(instance, typed)
+                                                      : ", did you mean it by '" + instance + '.' + misspelt + "'?"));
   }
   std::vector<std::string> known;
   for (const PluginType& t : options_.plugin_types) {
@@ -123,16 +137,20 @@ Expected<const PluginType*> EnvironmentManager::type_of(const std::string& insta
     if (!t.has) known.push_back(t.name);
   }
   std::string remedy;
-  if (type.ends_with("ProtobufPlugin")) remedy = "; nothing here talks protobuf, machines and referee are on the bus (docs/rcll.md)";
+  if (type.ends_with("ProtobufPlugin"))
+    remedy = "; nothing here talks protobuf, machines and referee are on the bus (docs/rcll.md)";
   for (const PluginType& t : options_.plugin_types) {
     if (!t.classes) continue;
     for (std::string& name : t.classes(bus_.registry())) known.push_back(std::move(name));
-    if (type.starts_with(t.name.substr(0, t.name.find('<')))) remedy = " (a package of your own is named by --package NAME=DIR)";
+    if (type.starts_with(t.name.substr(0, t.name.find('<'))))
+      remedy = " (a package of your own is named by --package NAME=DIR)";
   }
-  return parameters_.error_at(instance + ".plugin", "unknown plugin type '" + type + "'" + did_you_mean(type, known) + remedy);
+  return parameters_.error_at(instance + ".plugin",
+                              "unknown plugin type '" + type + "'" + did_you_mean(type, known) + remedy);
 }
 
-Status EnvironmentManager::check_unknown(const std::string& group, std::vector<std::string> known, const std::string& what) {
+Status EnvironmentManager::check_unknown(const std::string& group, std::vector<std::string> known,
+                                         const std::string& what) {
   for (const std::string& key : parameters_.below(group)) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     const std::string message = "unknown parameter '" + group + '.' + key + "' of " + what + did_you_mean(key, known);
@@ -149,20 +167,26 @@ Status EnvironmentManager::tell_of_no_environments() {
     if (name != "environments" && parameters_.find(name)) values.push_back(name);
   const std::string near = nearest_word("environments", values);
   if (near.empty()) {
-    log(LogLevel::kInfo, options_.node, parameters_.error_at("", "no parameter 'environments': nothing runs until create_env is called").text());
+    log(LogLevel::kInfo, options_.node,
+        parameters_.error_at("", "no parameter 'environments': nothing runs until create_env is called").text());
     return {};
   }
-  const Error error = parameters_.error_at(near, "unknown parameter '" + near + "' of the manager, did you mean 'environments'? Nothing runs until create_env is called");
+  const Error error = parameters_.error_at(
+      near, "unknown parameter '" + near +
+                "' of the manager, did you mean 'environments'? Nothing runs until create_env is called");
   if (options_.strict) return error;
   log(LogLevel::kWarn, options_.node, error.text());
   return {};
 }
 
 void EnvironmentManager::tell_of_no_plugins(const std::string& environment, const std::vector<std::string>& listed) {
-  std::string text = "environment '" + environment + "': no parameter '" + environment + ".plugins', nothing is loaded into it";
-  const bool unknown_name = parameters_.below(environment).empty();  // else a key in it may be misspelt, which check_unknown tells
+  std::string text =
+      "environment '" + environment + "': no parameter '" + environment + ".plugins', nothing is loaded into it";
+  const bool unknown_name =
+      parameters_.below(environment).empty();  // else a key in it may be misspelt, which check_unknown tells
   for (const std::string& group : parameters_.below(""))
-    if (unknown_name && parameters_.find(group + ".plugins") && std::find(listed.begin(), listed.end(), group) == listed.end()) {
+    if (unknown_name && parameters_.find(group + ".plugins") &&
+        std::find(listed.begin(), listed.end(), group) == listed.end()) {
       text += ", did you mean '" + group + "'?";
       break;
     }
@@ -182,7 +206,8 @@ Status EnvironmentManager::check_configuration() {
     if (Status s = tell_of_no_environments(); !s) return s;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string& name = names[i];
-    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), name) != names.begin() + static_cast<std::ptrdiff_t>(i))
+    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), name) !=
+        names.begin() + static_cast<std::ptrdiff_t>(i))
       return parameters_.error_at("environments", "environment '" + name + "' is listed twice");
     if (Status s = check_unknown(name, kEnvironmentKeys, "environment '" + name + "'"); !s) return s;
     std::vector<std::string> plugins;
@@ -199,7 +224,8 @@ Status EnvironmentManager::check_configuration() {
       if ((*type)->any_parameter) continue;
       std::vector<std::string> known = (*type)->parameters;
       known.push_back("plugin");
-      if (Status s = check_unknown(plugin, std::move(known), "plugin '" + plugin + "' (" + (*type)->name + ")"); !s) return s;
+      if (Status s = check_unknown(plugin, std::move(known), "plugin '" + plugin + "' (" + (*type)->name + ")"); !s)
+        return s;
     }
   }
   return {};
@@ -231,7 +257,12 @@ Status EnvironmentManager::do_configure() {
   if (!options_.run_folder.empty()) {
     std::error_code error;
     std::filesystem::create_directories(options_.run_folder / "logs", error);
-    if (error) return Error{ErrorKind::kResource, "cannot make the folder: " + error.message(), (options_.run_folder / "logs").string(), 0, {}};
+    if (error)
+      return Error{ErrorKind::kResource,
+                   "cannot make the folder: " + error.message(),
+                   (options_.run_folder / "logs").string(),
+                   0,
+                   {}};
   }
   std::vector<std::string> names;
   if (Status s = parameters_.read("environments", names); !s) return s;
@@ -320,7 +351,9 @@ Status EnvironmentManager::do_cleanup() {
 
 const std::string& EnvironmentManager::unique_name(const std::string& environment) {
   const auto known = unique_names_.find(environment);
-  return known != unique_names_.end() ? known->second : unique_names_.emplace(environment, claim(options_, "env/", environment)).first->second;
+  return known != unique_names_.end()
+             ? known->second
+             : unique_names_.emplace(environment, claim(options_, "env/", environment)).first->second;
 }
 
 Expected<AppendFile*> EnvironmentManager::log_file(const std::string& name) {
@@ -344,7 +377,8 @@ Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(cons
   o.rule_errors = &rule_errors_;
   bool to_file = true;
   if (Status s = parameters_.declare(name + ".log_clips_to_file", to_file); !s) return s.error();
-  if (Status s = parameters_.declare(name + ".redirect_stdout_to_debug", o.redirect_stdout_to_debug); !s) return s.error();
+  if (Status s = parameters_.declare(name + ".redirect_stdout_to_debug", o.redirect_stdout_to_debug); !s)
+    return s.error();
   if (to_file && !options_.run_folder.empty()) {
     auto file = log_file(name);
     if (!file) return file.error();
@@ -391,14 +425,18 @@ void EnvironmentManager::note(Error error) {
 }
 
 void EnvironmentManager::fail(Error error) {
-  if (options_.keep_going && error.kind == ErrorKind::kInput) note(std::move(error));
-  else keep_first(failure_, std::move(error));
+  if (options_.keep_going && error.kind == ErrorKind::kInput)
+    note(std::move(error));
+  else
+    keep_first(failure_, std::move(error));
 }
 
 void EnvironmentManager::end_hook(const Status& ended) {
   if (ended) return;
-  if (options_.keep_going) note(ended.error());
-  else keep_first(failure_, ended);
+  if (options_.keep_going)
+    note(ended.error());
+  else
+    keep_first(failure_, ended);
 }
 
 // --- Plugins
@@ -411,7 +449,8 @@ Status EnvironmentManager::load_all(Entry& entry) {
     const auto end = names.begin() + static_cast<std::ptrdiff_t>(i);
     if (std::find(names.begin(), end, names[i]) != end)
       log(LogLevel::kWarn, options_.node,
-          parameters_.error_at(list, "plugin '" + names[i] + "' is listed twice in '" + list + "': it is loaded once").text());
+          parameters_.error_at(list, "plugin '" + names[i] + "' is listed twice in '" + list + "': it is loaded once")
+              .text());
     else if (!entry.find(names[i]))
       if (auto loaded = load(entry, names[i]); !loaded) return loaded.error();
   }
@@ -421,7 +460,8 @@ Status EnvironmentManager::load_all(Entry& entry) {
 Expected<bool> EnvironmentManager::load(Entry& entry, const std::string& name) {
   const Status loaded = at_place(load_unchecked(entry, name), parameters_.error_at(name + ".plugin", {}));
   const Status rules = entry.environment->check_errors();
-  for (const Error& n : entry.environment->engine().take_notes()) entry.environment->log(LogLevel::kWarn, options_.node, n.text());
+  for (const Error& n : entry.environment->engine().take_notes())
+    entry.environment->log(LogLevel::kWarn, options_.node, n.text());
   for (const Status* s : {&loaded, &rules}) {
     if (*s) continue;
     const bool may_go_on = s == &loaded || s->error().kind == ErrorKind::kInput;
@@ -439,9 +479,17 @@ Status EnvironmentManager::load_unchecked(Entry& entry, const std::string& name)
     if (!type) return type.error();
     std::string class_name;
     if (Status s = parameters_.read(name + ".plugin", class_name); !s) return s;
-    auto plugin = make_plugin(**type, {name, class_name, {}, parameters_, bus_, node_, files_, options_,
-                                       [this](Error e) { load_errors_.push_back(std::move(e)); },
-                                       [this](LogLevel level, std::string_view logger, std::string_view text) { log(level, logger, text); }});
+    auto plugin = make_plugin(
+        **type, {name,
+                 class_name,
+                 {},
+                 parameters_,
+                 bus_,
+                 node_,
+                 files_,
+                 options_,
+                 [this](Error e) { load_errors_.push_back(std::move(e)); },
+                 [this](LogLevel level, std::string_view logger, std::string_view text) { log(level, logger, text); }});
     if (!plugin) return plugin.error();
     if (Status s = call_plugin(**plugin, "initialize", [&] { return (*plugin)->initialize(); }); !s) return s;
     log(LogLevel::kInfo, options_.node, "Created plugin: " + name + " of type " + class_name + " on activation");
@@ -449,9 +497,12 @@ Status EnvironmentManager::load_unchecked(Entry& entry, const std::string& name)
     found = instances_.end() - 1;
   }
   Plugin& plugin = *found->plugin;
-  if (auto library = library_of(found->plugin); library && std::find(entry.libraries.begin(), entry.libraries.end(), library) == entry.libraries.end())
+  if (auto library = library_of(found->plugin);
+      library && std::find(entry.libraries.begin(), entry.libraries.end(), library) == entry.libraries.end())
     entry.libraries.push_back(std::move(library));
-  if (Status s = call_plugin(plugin, "clips_env_init", [&] { return plugin.clips_env_init(EnvironmentGuard(*entry.environment)); }); !s) {
+  if (Status s = call_plugin(plugin, "clips_env_init",
+                             [&] { return plugin.clips_env_init(EnvironmentGuard(*entry.environment)); });
+      !s) {
     entry.environment->close_gates(name);
     entry.environment->engine().remove_functions_of(name);
     return s;
@@ -501,7 +552,10 @@ Status EnvironmentManager::perceive(std::size_t i) {
   Entry& entry = environments_[i];
   if (Status s = call_handlers(entry.environment->name(), [&] { return entry.environment->perceive(); }); !s) return s;
   for (Plugin* plugin : entry.loaded)
-    if (Status s = call_plugin(*plugin, "perceive", [&] { return plugin->perceive(EnvironmentGuard(*entry.environment)); }); !s) return s;
+    if (Status s =
+            call_plugin(*plugin, "perceive", [&] { return plugin->perceive(EnvironmentGuard(*entry.environment)); });
+        !s)
+      return s;
   return {};
 }
 
@@ -509,7 +563,9 @@ Status EnvironmentManager::decide_if_due(std::size_t i, SimTime now) {
   Entry& entry = environments_[i];
   for (Plugin* plugin : entry.loaded) {
     if (plugin->next_due(*entry.environment) > now) continue;
-    if (Status s = call_plugin(*plugin, "on_due", [&] { return plugin->on_due(EnvironmentGuard(*entry.environment)); }); !s) return s;
+    if (Status s = call_plugin(*plugin, "on_due", [&] { return plugin->on_due(EnvironmentGuard(*entry.environment)); });
+        !s)
+      return s;
   }
   return entry.environment->log_status();
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The environment manager of CX: a lifecycle node that makes environments as its YAML says, loads their plugins and runs
-// them. It has no thread and no timer: an episode calls it in the order of docs/contracts.md 1.
+// The environment manager of CX: a lifecycle node that makes environments as its YAML says, loads their plugins and
+// runs them. It has no thread and no timer: an episode calls it in the order of docs/contracts.md 1.
 
 #include <filesystem>
 #include <map>
@@ -26,23 +26,26 @@
 namespace cxlab::cx {
 
 struct ManagerOptions : RunSettings {
-  std::filesystem::path config;                              ///< YAML as for the ROS 2 CX
+  std::filesystem::path config;  ///< YAML as for the ROS 2 CX
   std::string node = "clips_manager";
   std::string name_space = "/";
-  std::vector<std::pair<std::string, std::string>> remaps;   ///< FROM := TO, see `bus::NodeName`
-  std::vector<GivenParameter> params;                        ///< those of other nodes are left alone
+  std::vector<std::pair<std::string, std::string>> remaps;  ///< FROM := TO, see `bus::NodeName`
+  std::vector<GivenParameter> params;                       ///< those of other nodes are left alone
   std::map<std::string, Package> packages;
-  std::vector<PluginType> plugin_types;                      ///< e.g. `builtin_plugins()`
-  FileRead on_read;                                          ///< told of each file that plugins and rules read; may be none
-  std::function<void(bus::ParticipantId)> on_join;           ///< told of the node and of each environment on the bus; may be none
-  std::filesystem::path outside_copies;                      ///< replay: `Files::Options::outside`
-  std::shared_ptr<std::set<std::string>> streams;            ///< of all managers of the run, so that no two share one; may be none
+  std::vector<PluginType> plugin_types;  ///< e.g. `builtin_plugins()`
+  FileRead on_read;                      ///< told of each file that plugins and rules read; may be none
+  std::function<void(bus::ParticipantId)>
+      on_join;                           ///< told of the node and of each environment on the bus; may be none
+  std::filesystem::path outside_copies;  ///< replay: `Files::Options::outside`
+  std::shared_ptr<std::set<std::string>>
+      streams;  ///< of all managers of the run, so that no two share one; may be none
 };
 
 class EnvironmentManager {
  public:
   /// Reads and checks the configuration; the node joins the bus with its parameters and lifecycle services.
-  static Expected<std::unique_ptr<EnvironmentManager>> create(ManagerOptions options, bus::Bus& bus, RecordSink& journal);
+  static Expected<std::unique_ptr<EnvironmentManager>> create(ManagerOptions options, bus::Bus& bus,
+                                                              RecordSink& journal);
   ~EnvironmentManager();
   EnvironmentManager(const EnvironmentManager&) = delete;
   EnvironmentManager& operator=(const EnvironmentManager&) = delete;
@@ -53,11 +56,11 @@ class EnvironmentManager {
   bool autostart() const;
   /// Makes the environments, without plugins; offers the six services (list_envs, create_env, ...).
   Status configure() { return lifecycle_.change(Transition::kConfigure); }
-  /// All plugins of all environments; then each environment: reset, agendas refreshed, run. Environments that were active
-  /// before keep their constructs; what the plugins load once more replaces them.
+  /// All plugins of all environments; then each environment: reset, agendas refreshed, run. Environments that were
+  /// active before keep their constructs; what the plugins load once more replaces them.
   Status activate() { return lifecycle_.change(Transition::kActivate); }
-  /// (executive-finalize) and a last run in each environment; then its plugins go, in reverse order, and the services but
-  /// list_envs. Does all of it and returns the first error. Nothing to do where nothing is active.
+  /// (executive-finalize) and a last run in each environment; then its plugins go, in reverse order, and the services
+  /// but list_envs. Does all of it and returns the first error. Nothing to do where nothing is active.
   Status deactivate();
   /// The environments go.
   Status cleanup() { return lifecycle_.change(Transition::kCleanup); }
@@ -69,8 +72,8 @@ class EnvironmentManager {
   Status perceive(std::size_t i);
   /// Lets the plugins act that are due, the executive above all.
   Status decide_if_due(std::size_t i, SimTime now);
-  /// Takes what was sent to the node and does it: transitions, environments, plugins, parameters. Fails if that must end
-  /// the run.
+  /// Takes what was sent to the node and does it: transitions, environments, plugins, parameters. Fails if that must
+  /// end the run.
   Status act();
   /// The earliest time at which any environment has something to decide.
   SimTime next_due() const;
@@ -111,7 +114,7 @@ class EnvironmentManager {
   struct Entry {
     std::vector<std::shared_ptr<void>> libraries;  // of all plugins that were ever loaded here: goes last
     std::unique_ptr<Environment> environment;
-    std::vector<Plugin*> loaded;                   // in order of loading
+    std::vector<Plugin*> loaded;  // in order of loading
     Plugin* find(std::string_view plugin) const;
   };
 
@@ -166,14 +169,14 @@ class EnvironmentManager {
   bus::ParticipantId node_{};
   Lifecycle lifecycle_;
   std::vector<bus::EndpointId> environment_services_, plugin_services_;  // list_envs; the other five
-  std::map<std::string, std::string> unique_names_;                      // of environments: with namespace, and number if need be
-  std::map<std::string, AppendFile> log_files_;                          // by environment; outlive it, it may come again
+  std::map<std::string, std::string> unique_names_;  // of environments: with namespace, and number if need be
+  std::map<std::string, AppendFile> log_files_;      // by environment; outlive it, it may come again
   std::vector<Entry> environments_;
   std::vector<Instance> instances_;  // in order of creation
   std::vector<RuleErrorEntry> rule_errors_;
   std::vector<Error> load_errors_;
-  std::unique_ptr<Bond> bond_;       // may be none
-  Status failure_;                   // of something that was asked for, that must end the run
+  std::unique_ptr<Bond> bond_;  // may be none
+  Status failure_;              // of something that was asked for, that must end the run
   bool shutdown_ = false;
   bool deterministic_ = true;
 };

@@ -17,16 +17,17 @@ using PluginMaker = std::unique_ptr<Plugin> (*)(PluginContext);
 
 /// What a library tells of itself. The first member says whether the others can be read.
 struct PluginExports {
-  const char* abi;           ///< `kPluginAbi` of the headers that it was built with
-  const char* names;         ///< "my::Greeter, my::Bridge"
-  const PluginMaker* make;   ///< one a name
+  const char* abi;          ///< `kPluginAbi` of the headers that it was built with
+  const char* names;        ///< "my::Greeter, my::Bridge"
+  const PluginMaker* make;  ///< one a name
 };
 
 template <class T>
 std::unique_ptr<Plugin> make_exported(PluginContext context) {
   static_assert(std::is_base_of_v<Plugin, T>, "a plugin derives from cxlab::cx::Plugin");
   static_assert(!std::is_abstract_v<T>, "clips_env_init is missing");
-  static_assert(std::is_constructible_v<T, PluginContext>, "a plugin is made from a PluginContext: using Plugin::Plugin;");
+  static_assert(std::is_constructible_v<T, PluginContext>,
+                "a plugin is made from a PluginContext: using Plugin::Plugin;");
   return std::make_unique<T>(std::move(context));
 }
 
@@ -37,10 +38,10 @@ constexpr std::array<PluginMaker, sizeof...(Ts)> exported_makers() {
 
 }  // namespace cxlab::cx
 
-#define CXLAB_PLUGINS(...)                                                                                    \
-  extern "C" __attribute__((visibility("default"))) const cxlab::cx::PluginExports* cxlab_plugin_exports() {  \
-    static constexpr auto make = cxlab::cx::exported_makers<__VA_ARGS__>();                                   \
-    static constexpr cxlab::cx::PluginExports exports{cxlab::cx::kPluginAbi, #__VA_ARGS__, make.data()};      \
-    return &exports;                                                                                          \
-  }                                                                                                           \
+#define CXLAB_PLUGINS(...)                                                                                   \
+  extern "C" __attribute__((visibility("default"))) const cxlab::cx::PluginExports* cxlab_plugin_exports() { \
+    static constexpr auto make = cxlab::cx::exported_makers<__VA_ARGS__>();                                  \
+    static constexpr cxlab::cx::PluginExports exports{cxlab::cx::kPluginAbi, #__VA_ARGS__, make.data()};     \
+    return &exports;                                                                                         \
+  }                                                                                                          \
   static_assert(true)

@@ -14,7 +14,9 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
-bool leaves(const fs::path& relative) { return relative.is_absolute() || (!relative.empty() && *relative.begin() == ".."); }
+bool leaves(const fs::path& relative) {
+  return relative.is_absolute() || (!relative.empty() && *relative.begin() == "..");
+}
 
 /// `path` relative to `folder`, if it lies there.
 bool below(const fs::path& path, const fs::path& folder, fs::path& relative) {
@@ -53,14 +55,18 @@ Expected<std::string> Files::share_directory(std::string_view package) const {
   const auto found = options_.packages.find(std::string(package));
   if (found != options_.packages.end()) return found->second.share;
   const std::string name(package), near = did_you_mean(name, packages());
-  return input_error("package '" + name + "' not found" + (near.empty() ? "; say where it is: --package " + name + "=DIR, or packages: {" + name + ": DIR} in a scenario" : near));
+  return input_error(
+      "package '" + name + "' not found" +
+      (near.empty() ? "; say where it is: --package " + name + "=DIR, or packages: {" + name + ": DIR} in a scenario"
+                    : near));
 }
 
 Expected<std::string> Files::prefix(std::string_view package) const {
   auto share = share_directory(package);
   if (!share) return share;
   const fs::path path(*share);
-  if (path.filename() == package && path.parent_path().filename() == "share") return path.parent_path().parent_path().string();
+  if (path.filename() == package && path.parent_path().filename() == "share")
+    return path.parent_path().parent_path().string();
   return share;
 }
 
@@ -95,7 +101,8 @@ Expected<FoundFile> Files::resolve(const std::string& file, const std::vector<st
     if (const fs::path real = outside(path); is_file(real)) return FoundFile{real, path.filename().string()};
   }
   for (const std::string& package : packages) {
-    if (auto share = share_directory(package); !share) return input_error("Cannot resolve file " + file + ": " + share.error().message);
+    if (auto share = share_directory(package); !share)
+      return input_error("Cannot resolve file " + file + ": " + share.error().message);
     if (find_in(package, path, found)) return found;
   }
   std::string message = "Cannot resolve file " + file;
@@ -137,11 +144,14 @@ Expected<FoundFile> Files::find_for_rules(const std::string& path) const {
       if (!find_in(name, relative, found) || really_below(found.path, package.folder)) return found;
     }
     fs::path relative;
-    if (!options_.run_folder.empty() && below(asked, options_.run_folder, relative) && really_below(asked, options_.run_folder))
+    if (!options_.run_folder.empty() && below(asked, options_.run_folder, relative) &&
+        really_below(asked, options_.run_folder))
       return FoundFile{asked, "run/" + relative.generic_string()};
   }
   if (options_.trust_rules) return FoundFile{outside(asked), asked.filename().string()};
-  return input_error("reading '" + path + "' is refused: rules read from packages and the run's folder only (--trust-rules lifts this, or trust_rules: true in the scenario)");
+  return input_error("reading '" + path +
+                     "' is refused: rules read from packages and the run's folder only (--trust-rules lifts this, or "
+                     "trust_rules: true in the scenario)");
 }
 
 std::string Files::journal_name(const std::string& path) const {
@@ -149,8 +159,10 @@ std::string Files::journal_name(const std::string& path) const {
   if (!normal.is_absolute()) return path;
   fs::path relative;
   for (const auto& [name, package] : options_.packages)
-    if (below(normal, package.folder, relative) || below(normal, package.share, relative)) return name + '/' + relative.generic_string();
-  if (!options_.run_folder.empty() && below(normal, options_.run_folder, relative)) return "run/" + relative.generic_string();
+    if (below(normal, package.folder, relative) || below(normal, package.share, relative))
+      return name + '/' + relative.generic_string();
+  if (!options_.run_folder.empty() && below(normal, options_.run_folder, relative))
+    return "run/" + relative.generic_string();
   return normal.filename().string();
 }
 
@@ -165,15 +177,20 @@ Expected<std::string> Files::for_reading(const std::string& path) {
 Expected<std::string> Files::for_writing(const std::string& path) {
   if (options_.trust_rules) return path;
   const fs::path asked = fs::path(path).lexically_normal();
-  if (options_.run_folder.empty()) return input_error("writing '" + path + "' is refused: the run has no folder to write to");
-  if (leaves(asked.relative_path())) return input_error("writing '" + path + "' is refused: it leaves the run's folder");
+  if (options_.run_folder.empty())
+    return input_error("writing '" + path + "' is refused: the run has no folder to write to");
+  if (leaves(asked.relative_path()))
+    return input_error("writing '" + path + "' is refused: it leaves the run's folder");
   fs::path target = written(asked);
   fs::path relative;
   if (asked.is_absolute() && below(asked, options_.run_folder / "written", relative)) target = asked;
-  if (!really_below(target, options_.run_folder)) return input_error("writing '" + path + "' is refused: a link leads out of the run's folder");
+  if (!really_below(target, options_.run_folder))
+    return input_error("writing '" + path + "' is refused: a link leads out of the run's folder");
   std::error_code error;
   fs::create_directories(target.parent_path(), error);
-  if (error) return Error{ErrorKind::kResource, "cannot make the folder: " + error.message(), target.parent_path().string(), 0, {}};
+  if (error)
+    return Error{
+        ErrorKind::kResource, "cannot make the folder: " + error.message(), target.parent_path().string(), 0, {}};
   return target.string();
 }
 

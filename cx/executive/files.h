@@ -40,8 +40,8 @@ class Files final : public FileAccess {
     std::map<std::string, Package> packages;
     std::filesystem::path run_folder;  ///< empty = rules cannot write
     bool trust_rules = false;
-    FileRead on_read;                  ///< may be none
-    std::filesystem::path outside;     ///< replay: copies of files outside of packages, under `outside_name`; else empty
+    FileRead on_read;               ///< may be none
+    std::filesystem::path outside;  ///< replay: copies of files outside of packages, under `outside_name`; else empty
   };
   explicit Files(Options options);
 

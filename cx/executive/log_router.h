@@ -10,8 +10,8 @@
 
 namespace cxlab::cx {
 
-/// Makes lines of what rules print. All logical names share one buffer, as in CX: a line has the level and colour of the
-/// name that delivered its end.
+/// Makes lines of what rules print. All logical names share one buffer, as in CX: a line has the level and colour of
+/// the name that delivered its end.
 class LogRouter {
  public:
   using Emit = std::function<void(LogLevel level, std::string_view colour, std::string_view text)>;

@@ -55,7 +55,8 @@ Status EnvironmentManager::load_plugin(const std::string& environment, const std
   if (!entry) return input_error("unknown environment");
   const Error refused = input_error("error while loading plugin");
   if (entry->find(plugin)) {
-    log(LogLevel::kError, options_.node, "plugin '" + plugin + "' is already loaded in environment '" + environment + "'");
+    log(LogLevel::kError, options_.node,
+        "plugin '" + plugin + "' is already loaded in environment '" + environment + "'");
     return refused;
   }
   if (auto type = type_of(plugin, environment); !type) {
@@ -72,7 +73,8 @@ Status EnvironmentManager::load_plugin(const std::string& environment, const std
 Status EnvironmentManager::unload_plugin(const std::string& environment, const std::string& plugin) {
   Entry* entry = entry_of(environment);
   if (!entry) {
-    log(LogLevel::kError, options_.node, "there is no environment '" + environment + "' to unload plugin '" + plugin + "' from");
+    log(LogLevel::kError, options_.node,
+        "there is no environment '" + environment + "' to unload plugin '" + plugin + "' from");
     return input_error("unknown plugin");
   }
   Plugin* found = entry->find(plugin);
@@ -112,9 +114,13 @@ Status EnvironmentManager::serve_plugins() {
       {"~/destroy_env", "cx_msgs/srv/DestroyClipsEnv",
        [this, answer](const auto& q, const auto& a) { answer(destroy_environment(q.text("env_name")), a); }},
       {"~/load_plugin", "cx_msgs/srv/LoadClipsPlugin",
-       [this, answer](const auto& q, const auto& a) { answer(load_plugin(q.text("env_name"), q.text("plugin_name")), a); }},
+       [this, answer](const auto& q, const auto& a) {
+         answer(load_plugin(q.text("env_name"), q.text("plugin_name")), a);
+       }},
       {"~/unload_plugin", "cx_msgs/srv/UnloadClipsPlugin",
-       [this, answer](const auto& q, const auto& a) { answer(unload_plugin(q.text("env_name"), q.text("plugin_name")), a); }},
+       [this, answer](const auto& q, const auto& a) {
+         answer(unload_plugin(q.text("env_name"), q.text("plugin_name")), a);
+       }},
       {"~/list_plugins", "cx_msgs/srv/ListClipsPlugins",
        [this](const auto& q, const auto& a) {
          a.set("success", true);

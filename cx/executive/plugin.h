@@ -20,12 +20,12 @@ namespace cxlab::cx {
 
 /// What the manager gives to a plugin. Everything outlives it.
 struct PluginContext {
-  std::string name;               ///< of the instance
-  std::string type;               ///< as in YAML, e.g. "cx::FileLoadPlugin"
-  std::string library;            ///< file that it comes from; empty = built in
-  Parameters& parameters;         ///< of the manager node
+  std::string name;        ///< of the instance
+  std::string type;        ///< as in YAML, e.g. "cx::FileLoadPlugin"
+  std::string library;     ///< file that it comes from; empty = built in
+  Parameters& parameters;  ///< of the manager node
   bus::Bus& bus;
-  bus::ParticipantId node{};      ///< the manager node on the bus
+  bus::ParticipantId node{};  ///< the manager node on the bus
   Files& files;
   const RunSettings& run;
   std::function<void(Error)> note_load_error;
@@ -41,7 +41,8 @@ class Plugin {
 
   /// Once, before its first environment.
   virtual Status initialize() { return {}; }
-  /// Once an environment: adds functions, templates and rules. After an error the plugin does not count as loaded there.
+  /// Once an environment: adds functions, templates and rules. After an error the plugin does not count as loaded
+  /// there.
   virtual Status clips_env_init(EnvironmentGuard environment) = 0;
   /// Takes back what it added. Functions go by themselves (those whose `owner` is `name()`).
   virtual void clips_env_destroyed(EnvironmentGuard) {}
@@ -67,7 +68,9 @@ class Plugin {
     return context_.parameters.declare(context_.name + '.' + std::string(key), field);
   }
   void log(LogLevel level, std::string_view text) const { context_.log(level, context_.name, text); }
-  void log(Environment& environment, LogLevel level, std::string_view text) const { environment.log(level, context_.name, text); }
+  void log(Environment& environment, LogLevel level, std::string_view text) const {
+    environment.log(level, context_.name, text);
+  }
 
  private:
   PluginContext context_;
@@ -77,17 +80,17 @@ class PluginLibrary;
 
 /// A plugin class as YAML names it, or a family of classes that are made from their names.
 struct PluginType {
-  std::string name;                     ///< "cx::ExecutivePlugin"; of a family a pattern for people, "cx::CX<Pkg><Name>Plugin"
-  std::vector<std::string> parameters;  ///< that it reads, beside `plugin`
+  std::string name;  ///< "cx::ExecutivePlugin"; of a family a pattern for people, "cx::CX<Pkg><Name>Plugin"
+  std::vector<std::string> parameters;                         ///< that it reads, beside `plugin`
   std::function<std::unique_ptr<Plugin>(PluginContext)> make;  ///< none where a library has it
   /// Families only: whether a class is one of them, and the names of all (asked for when a class was not found).
   std::function<bool(const std::string& type, bus::Registry& interfaces)> has = {};
   std::function<std::vector<std::string>(bus::Registry& interfaces)> classes = {};
   // Of classes in libraries of a user's own:
   std::shared_ptr<PluginLibrary> library = {};
-  int line = 0;                         ///< in the manifest
+  int line = 0;  ///< in the manifest
   std::string description = {};
-  bool any_parameter = false;           ///< the manifest does not list them
+  bool any_parameter = false;  ///< the manifest does not list them
 };
 
 /// What a plugin keeps of each environment, in order of loading.
@@ -108,7 +111,9 @@ class PerEnvironment {
     std::erase_if(states_, [&](const auto& item) { return item.first == &environment; });
   }
   bool empty() const { return states_.empty(); }
-  bool is_last(const Environment& environment) const { return !states_.empty() && states_.back().first == &environment; }
+  bool is_last(const Environment& environment) const {
+    return !states_.empty() && states_.back().first == &environment;
+  }
 
  private:
   std::vector<std::pair<const Environment*, std::unique_ptr<State>>> states_;

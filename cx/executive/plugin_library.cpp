@@ -29,7 +29,9 @@ class PluginLibrary {
   };
   Expected<std::shared_ptr<Open>> open();
   Expected<PluginMaker> find(const Open& open, const std::string& class_name, int line) const;
-  Error error(ErrorKind kind, std::string message, int line = 0) const { return Error{kind, std::move(message), manifest_, line ? line : line_, {}}; }
+  Error error(ErrorKind kind, std::string message, int line = 0) const {
+    return Error{kind, std::move(message), manifest_, line ? line : line_, {}};
+  }
   const std::string& manifest() const { return manifest_; }
 
  private:
@@ -73,7 +75,11 @@ std::string current_exception_text() {
 }
 
 Error thrown(const std::string& plugin, std::string_view hook) {
-  return Error{ErrorKind::kRun, plugin + ": " + std::string(hook) + " threw: " + current_exception_text(), {}, 0, "plugin_failed"};
+  return Error{ErrorKind::kRun,
+               plugin + ": " + std::string(hook) + " threw: " + current_exception_text(),
+               {},
+               0,
+               "plugin_failed"};
 }
 
 }  // namespace
@@ -88,7 +94,8 @@ Expected<FoundFile> PluginLibrary::locate() const {
     if (auto found = files_.resolve(normal.string(), {})) return found;
     looked += (looked.empty() ? "" : ", ") + normal.string();
   }
-  return error(ErrorKind::kResource, "library '" + name_ + "' is not there (looked for " + looked + "): build it, and install it where the manifest is");
+  return error(ErrorKind::kResource, "library '" + name_ + "' is not there (looked for " + looked +
+                                         "): build it, and install it where the manifest is");
 }
 
 Expected<std::shared_ptr<PluginLibrary::Open>> PluginLibrary::open() {
@@ -100,12 +107,16 @@ Expected<std::shared_ptr<PluginLibrary::Open>> PluginLibrary::open() {
   open->file = file->path.string();
   open->handle = dlopen(file->path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!open->handle)
-    return error(ErrorKind::kResource, std::string("cannot open the library: ") + dlerror() + "; built for cxlab " + kPluginAbi + "? Build it again, and link what it names");
+    return error(ErrorKind::kResource, std::string("cannot open the library: ") + dlerror() + "; built for cxlab " +
+                                           kPluginAbi + "? Build it again, and link what it names");
   const auto exports = reinterpret_cast<const PluginExports* (*)()>(dlsym(open->handle, "cxlab_plugin_exports"));
-  if (!exports) return error(ErrorKind::kInput, open->file + " exports no plugins: end one of its sources with CXLAB_PLUGINS(my::Class)");
+  if (!exports)
+    return error(ErrorKind::kInput,
+                 open->file + " exports no plugins: end one of its sources with CXLAB_PLUGINS(my::Class)");
   open->exports = exports();
   if (std::string_view(open->exports->abi) != kPluginAbi)
-    return error(ErrorKind::kInput, open->file + " was built for cxlab " + open->exports->abi + ", this is " + kPluginAbi + ": build it again");
+    return error(ErrorKind::kInput, open->file + " was built for cxlab " + open->exports->abi + ", this is " +
+                                        kPluginAbi + ": build it again");
   open_ = open;
   return open;
 }
@@ -114,7 +125,9 @@ Expected<PluginMaker> PluginLibrary::find(const Open& open, const std::string& c
   const std::vector<std::string> names = split_names(open.exports->names);
   const auto found = std::find(names.begin(), names.end(), class_name);
   if (found != names.end()) return open.exports->make[found - names.begin()];
-  return error(ErrorKind::kInput, open.file + " has no plugin class '" + class_name + "', its CXLAB_PLUGINS names " + open.exports->names, line);
+  return error(ErrorKind::kInput,
+               open.file + " has no plugin class '" + class_name + "', its CXLAB_PLUGINS names " + open.exports->names,
+               line);
 }
 
 static PluginType read_class(const yaml::Value& item, std::shared_ptr<PluginLibrary> library) {
@@ -124,7 +137,9 @@ static PluginType read_class(const yaml::Value& item, std::shared_ptr<PluginLibr
   type.line = plugin.require("class").line();
   type.name = plugin.get("class").as_string();
   std::string base = kPluginBase;
-  plugin.read("description", type.description).read_word("base", base, {kPluginBase}).read("parameters", type.parameters);
+  plugin.read("description", type.description)
+      .read_word("base", base, {kPluginBase})
+      .read("parameters", type.parameters);
   type.any_parameter = !plugin.has("parameters");
   plugin.finish();
   return type;
@@ -142,7 +157,8 @@ Expected<std::vector<PluginType>> read_plugin_manifest(const std::string& packag
   for (const yaml::Value& entry : root.is_list() ? root.as_list() : std::vector{root}) {
     yaml::Map map = entry.as_map();
     const yaml::Value name = map.require("library");
-    auto library = std::make_shared<PluginLibrary>(name.as_string(), file->path.string(), name.line(), fs::path(*files.share_directory(package)), files);
+    auto library = std::make_shared<PluginLibrary>(name.as_string(), file->path.string(), name.line(),
+                                                   fs::path(*files.share_directory(package)), files);
     for (const yaml::Value& item : map.require("plugins").as_list()) types.push_back(read_class(item, library));
     map.finish();
   }
@@ -150,9 +166,13 @@ Expected<std::vector<PluginType>> read_plugin_manifest(const std::string& packag
   return types;
 }
 
-Error manifest_error(const PluginType& type, std::string message) { return type.library->error(ErrorKind::kInput, std::move(message), type.line); }
+Error manifest_error(const PluginType& type, std::string message) {
+  return type.library->error(ErrorKind::kInput, std::move(message), type.line);
+}
 
-std::string place_of(const PluginType& type) { return type.library ? type.library->manifest() + ':' + std::to_string(type.line) : "cxlab"; }
+std::string place_of(const PluginType& type) {
+  return type.library ? type.library->manifest() + ':' + std::to_string(type.line) : "cxlab";
+}
 
 /// Keeps the library until the plugin's destructor has run.
 struct DeletePlugin {

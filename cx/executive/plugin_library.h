@@ -8,7 +8,8 @@
 //       description: Greets who comes.
 //       parameters: [greeting]            # that it reads; without this key any is taken
 //
-// A package with several libraries has a list of such maps. A library is opened when its first instance is made and closed when the last environment that used it has gone.
+// A package with several libraries has a list of such maps. A library is opened when its first instance is made and
+// closed when the last environment that used it has gone.
 
 #include <functional>
 #include <memory>
@@ -34,8 +35,8 @@ Error manifest_error(const PluginType& type, std::string message);
 /// "/p/share/greeter/cxlab_plugins.yaml:3", or "cxlab" for one that is built in.
 std::string place_of(const PluginType& type);
 
-/// Makes an instance. Of a library: opens it, which fails with kResource (not there, a library or a symbol that it needs is
-/// missing) or kInput (built with other headers, has no such class); file and line are those of the manifest.
+/// Makes an instance. Of a library: opens it, which fails with kResource (not there, a library or a symbol that it
+/// needs is missing) or kInput (built with other headers, has no such class); file and line are those of the manifest.
 /// The library stays open as long as the instance lives.
 Expected<std::shared_ptr<Plugin>> make_plugin(const PluginType& type, PluginContext context);
 

@@ -58,9 +58,19 @@ ThreadGate::Answer ThreadGate::ask(Request request) {
   if (!open_) {
     promise.set_value(gone(owner_));
   } else if (environment_.on_its_thread()) {
-    promise.set_value(Error{ErrorKind::kRun, "plugin '" + owner_ + "': a thread gate is for other threads; on the episode's use the environment", {}, 0, {}});
+    promise.set_value(
+        Error{ErrorKind::kRun,
+              "plugin '" + owner_ + "': a thread gate is for other threads; on the episode's use the environment",
+              {},
+              0,
+              {}});
   } else if (waiting_.size() == kMostWaiting) {
-    promise.set_value(Error{ErrorKind::kRun, "plugin '" + owner_ + "': " + std::to_string(kMostWaiting) + " requests of its threads wait for a tick: wait for answers", {}, 0, {}});
+    promise.set_value(Error{ErrorKind::kRun,
+                            "plugin '" + owner_ + "': " + std::to_string(kMostWaiting) +
+                                " requests of its threads wait for a tick: wait for answers",
+                            {},
+                            0,
+                            {}});
   } else {
     request.id = ++last_id_;
     asked_.emplace(request.id, std::move(promise));
@@ -70,7 +80,9 @@ ThreadGate::Answer ThreadGate::ask(Request request) {
 }
 
 ThreadGate::Answer ThreadGate::assert_fact(const std::string& fact) { return ask({0, "assert", fact, {}, {}}); }
-ThreadGate::Answer ThreadGate::retract(std::int64_t index) { return ask({0, "retract", std::to_string(index), {}, {}}); }
+ThreadGate::Answer ThreadGate::retract(std::int64_t index) {
+  return ask({0, "retract", std::to_string(index), {}, {}});
+}
 ThreadGate::Answer ThreadGate::call(const std::string& expression) { return ask({0, "call", expression, {}, {}}); }
 ThreadGate::Answer ThreadGate::publish(const std::string& topic, const std::string& type, const std::string& yaml) {
   return ask({0, "publish", topic, type, yaml});
@@ -84,7 +96,11 @@ void ThreadGate::hand_over() {
   }
   for (const Request& request : requests) {
     auto message = std::make_shared<bus::Message>(*type_);
-    message->view().set("verb", request.verb).set("text", request.text).set("type", request.type).set("content", request.content);
+    message->view()
+        .set("verb", request.verb)
+        .set("text", request.text)
+        .set("type", request.type)
+        .set("content", request.content);
     message->view().set("id", static_cast<std::int64_t>(request.id));
     environment_.bus().publish(out_, std::move(message));
   }

@@ -1,9 +1,10 @@
 #pragma once
-// The way into an environment for threads of a plugin. Their requests wait in a queue that the environment reads when it
-// perceives: each is then a delivery on the bus like any other, so that it is in the input log and replays.
+// The way into an environment for threads of a plugin. Their requests wait in a queue that the environment reads when
+// it perceives: each is then a delivery on the bus like any other, so that it is in the input log and replays.
 //
-//   gate_ = environment->open_gate(name());                       // in clips_env_init; the run is then not deterministic
-//   auto fact = gate_->assert_fact("(scan (range 1.5))").get();   // on the plugin's thread: waits for the tick
+//   gate_ = environment->open_gate(name());                       // in clips_env_init; the run is then not
+//   deterministic auto fact = gate_->assert_fact("(scan (range 1.5))").get();   // on the plugin's thread: waits for
+//   the tick
 
 #include <cstdint>
 #include <future>
@@ -30,11 +31,11 @@ class ThreadGate {
   /// More requests than these do not wait for a tick: their answer is an error at once.
   static constexpr std::size_t kMostWaiting = 10'000;
 
-  // --- For any thread but the episode's, where the answer is an error: use the environment itself there. Once the plugin
-  // is unloaded all answers are errors, those that wait included.
-  Answer assert_fact(const std::string& fact);         ///< "(hello (a 1))": its index
-  Answer retract(std::int64_t index);                  ///< TRUE, FALSE if there is no such fact
-  Answer call(const std::string& expression);          ///< "(f 1 2)" of rules or plugins: its value
+  // --- For any thread but the episode's, where the answer is an error: use the environment itself there. Once the
+  // plugin is unloaded all answers are errors, those that wait included.
+  Answer assert_fact(const std::string& fact);  ///< "(hello (a 1))": its index
+  Answer retract(std::int64_t index);           ///< TRUE, FALSE if there is no such fact
+  Answer call(const std::string& expression);   ///< "(f 1 2)" of rules or plugins: its value
   Answer publish(const std::string& topic, const std::string& type, const std::string& yaml);  ///< void
 
   // --- For the environment
@@ -64,7 +65,8 @@ class ThreadGate {
   const bus::MessageType* type_ = nullptr;
   bus::ParticipantId node_{};
   bus::EndpointId out_{}, in_{};
-  std::map<std::pair<std::string, std::string>, bus::EndpointId> publishers_;  // of the environment, for `publish`: by topic and type
+  std::map<std::pair<std::string, std::string>, bus::EndpointId>
+      publishers_;  // of the environment, for `publish`: by topic and type
 
   std::mutex mutex_;  // guards what follows
   bool open_ = false;

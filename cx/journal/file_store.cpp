@@ -129,7 +129,8 @@ Expected<std::string> StoredFiles::read(const std::string& logical_name) const {
   const fs::path path = folder_ / found->second;
   auto bytes = read_file(path);
   if (bytes && content_hash(*bytes) != found->second) {
-    return input_error("the copy of '" + logical_name + "' was changed: its content does not have this hash", path.string());
+    return input_error("the copy of '" + logical_name + "' was changed: its content does not have this hash",
+                       path.string());
   }
   return bytes;
 }

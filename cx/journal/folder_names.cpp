@@ -46,14 +46,16 @@ void FolderNames::add(const std::string& folder, const std::string& name) {
   for (const auto& known : names_)
     if (known.first == folder) return;
   names_.emplace_back(folder, name);
-  std::stable_sort(names_.begin(), names_.end(), [](const auto& a, const auto& b) { return a.first.size() > b.first.size(); });
+  std::stable_sort(names_.begin(), names_.end(),
+                   [](const auto& a, const auto& b) { return a.first.size() > b.first.size(); });
 }
 
 const std::pair<std::string, std::string>* FolderNames::find(std::string_view text, std::size_t slash) const {
   if (slash > 0 && is_part_of_a_name(text[slash - 1])) return nullptr;
   for (const auto& name : names_) {
     const std::size_t end = slash + name.first.size();
-    if (text.substr(slash).starts_with(name.first) && (end == text.size() || !is_part_of_a_name(text[end]))) return &name;
+    if (text.substr(slash).starts_with(name.first) && (end == text.size() || !is_part_of_a_name(text[end])))
+      return &name;
   }
   return nullptr;
 }
@@ -78,7 +80,8 @@ bool FolderNames::rewrite(std::string_view bytes, std::string& out) const {
   // Most records hold none: look at the slashes before anything is copied. Heads of texts are no part of names, but one
   // may look like it: the exact test follows.
   const auto may_begin = [&](std::size_t at) {
-    return std::any_of(names_.begin(), names_.end(), [&](const auto& name) { return bytes.substr(at).starts_with(name.first); });
+    return std::any_of(names_.begin(), names_.end(),
+                       [&](const auto& name) { return bytes.substr(at).starts_with(name.first); });
   };
   std::size_t slash = bytes.find('/');
   while (slash != std::string_view::npos && !may_begin(slash)) slash = bytes.find('/', slash + 1);

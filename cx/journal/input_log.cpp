@@ -21,7 +21,13 @@ enum EntryType : std::uint8_t { kTake = 1, kResult = 2, kWorld = 3, kReached = 4
 
 /// Which optional fields of a delivery follow.
 enum DeliveryField : std::uint8_t {
-  kHasMessage = 1, kHasRequest = 2, kHasGoal = 4, kHasOutcome = 8, kHasStamp = 16, kHasGoalsCanceling = 32, kIsAccepted = 64
+  kHasMessage = 1,
+  kHasRequest = 2,
+  kHasGoal = 4,
+  kHasOutcome = 8,
+  kHasStamp = 16,
+  kHasGoalsCanceling = 32,
+  kIsAccepted = 64
 };
 
 static_assert(std::endian::native == std::endian::little);
@@ -281,7 +287,8 @@ Expected<InputLogReader> InputLogReader::open(const std::filesystem::path& path)
 }
 
 Expected<InputLogReader> InputLogReader::from_bytes(std::string bytes, std::string path) {
-  if (!bytes.starts_with(kMagic)) return input_error("expected an input log, which begins with " + std::string(kMagic), path);
+  if (!bytes.starts_with(kMagic))
+    return input_error("expected an input log, which begins with " + std::string(kMagic), path);
   InputLogReader reader;
   reader.path_ = std::move(path);
   reader.bytes_ = std::make_shared<const std::string>(std::move(bytes));
@@ -291,8 +298,8 @@ Expected<InputLogReader> InputLogReader::from_bytes(std::string bytes, std::stri
 }
 
 void InputLogReader::fail(const std::string& what) {
-  status_ = input_error("broken at byte " + std::to_string(chunk_start_) + " of " + std::to_string(bytes_->size()) + ": " +
-                            what + "; what comes before is whole",
+  status_ = input_error("broken at byte " + std::to_string(chunk_start_) + " of " + std::to_string(bytes_->size()) +
+                            ": " + what + "; what comes before is whole",
                         path_);
   chunk_ = {};
   position_ = bytes_->size();

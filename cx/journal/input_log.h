@@ -1,8 +1,8 @@
 #pragma once
 // inputs.bin: everything that entered each environment, and every write to the physics, so that each replays alone.
 //
-// The file: 8 bytes of magic, then chunks of (length, checksum, payload). A payload is a run of whole entries; a name is
-// spelt once and then a number. A chunk that is cut off or changed ends the reading there.
+// The file: 8 bytes of magic, then chunks of (length, checksum, payload). A payload is a run of whole entries; a name
+// is spelt once and then a number. A chunk that is cut off or changed ends the reading there.
 
 #include <array>
 #include <cstdint>
@@ -17,21 +17,21 @@
 #include <variant>
 #include <vector>
 
+#include "cx/base/append_file.h"
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
-#include "cx/base/append_file.h"
 
 namespace cxlab {
 
 /// One thing that an environment took. Participants and causes are known by the name of their stream, endpoints by
 /// their number in the order in which their participant made them: both are the same when the rules run again.
 struct LoggedDelivery {
-  std::uint8_t kind = 0;           ///< bus::DeliveryKind
-  std::string_view from;           ///< stream of the sender
+  std::uint8_t kind = 0;  ///< bus::DeliveryKind
+  std::string_view from;  ///< stream of the sender
   std::uint64_t sequence = 0;
-  std::uint32_t endpoint = 0;      ///< the k-th that the receiver made, from 0
-  std::string_view type;           ///< of the message; empty = there is none
-  std::string_view message;        ///< as `bus::Message::serialize` writes it
+  std::uint32_t endpoint = 0;  ///< the k-th that the receiver made, from 0
+  std::string_view type;       ///< of the message; empty = there is none
+  std::string_view message;    ///< as `bus::Message::serialize` writes it
   std::uint64_t request_id = 0;
   std::array<std::uint8_t, 16> goal{};
   bool accepted = false;
@@ -76,8 +76,8 @@ class InputLogWriter {
   void add(const LoggedTake& take);
   void add(const LoggedResult& result);
   void add(const LoggedWorld& world);
-  /// The run has come to `t`, with or without inputs: noted now and then, so that the log of one that is killed says how
-  /// far it goes.
+  /// The run has come to `t`, with or without inputs: noted now and then, so that the log of one that is killed says
+  /// how far it goes.
   void reach(SimTime t);
 
   /// Whether writing went well so far (kResource if not); ask once a tick.

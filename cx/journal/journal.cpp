@@ -45,7 +45,10 @@ struct FreeState {
 
 struct Journal::Stream {
   explicit Stream(std::string_view stream_name)
-      : name(stream_name), name_hash(XXH3_64bits(name.data(), name.size())), state(XXH3_createState()), unhashed(kHashedAtOnce, 0) {
+      : name(stream_name),
+        name_hash(XXH3_64bits(name.data(), name.size())),
+        state(XXH3_createState()),
+        unhashed(kHashedAtOnce, 0) {
     XXH3_128bits_reset(state.get());
     append_json_string(name, json_name);
   }
@@ -85,7 +88,8 @@ Expected<JournalLevel> parse_journal_level(std::string_view word) {
   if (word == "none") return JournalLevel::kNone;
   if (word == "decisions") return JournalLevel::kDecisions;
   if (word == "full") return JournalLevel::kFull;
-  return Error{ErrorKind::kUsage, "'" + std::string(word) + "' is no journal level: none, decisions or full", {}, 0, {}};
+  return Error{
+      ErrorKind::kUsage, "'" + std::string(word) + "' is no journal level: none, decisions or full", {}, 0, {}};
 }
 
 bool is_exported(RecordKind kind, JournalLevel level) {

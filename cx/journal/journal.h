@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include "cx/base/append_file.h"
 #include "cx/base/expected.h"
 #include "cx/base/record_sink.h"
-#include "cx/base/append_file.h"
 #include "cx/journal/folder_names.h"
 
 namespace cxlab {

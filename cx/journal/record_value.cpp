@@ -170,7 +170,8 @@ bool any_special(std::uint64_t eight) {
   constexpr std::uint64_t kEach = 0x0101010101010101, kHigh = 0x80 * kEach;
   const auto zero = [](std::uint64_t x) { return (x - kEach) & ~x; };
   const std::uint64_t control = (eight - 0x20 * kEach) & ~eight;
-  return ((eight | control | zero(eight ^ '"' * kEach) | zero(eight ^ '\\' * kEach) | zero(eight ^ 0x7f * kEach)) & kHigh) != 0;
+  return ((eight | control | zero(eight ^ '"' * kEach) | zero(eight ^ '\\' * kEach) | zero(eight ^ 0x7f * kEach)) &
+          kHigh) != 0;
 }
 
 char* write_special(std::string_view text, std::size_t length, char* out) {
@@ -247,7 +248,9 @@ struct JsonWriter {
       case TokenType::kNil: return word("null");
       case TokenType::kTruth: return word(token.integer != 0 ? "true" : "false");
       case TokenType::kInteger: end = std::to_chars(end, end + 24, token.integer).ptr; return true;
-      case TokenType::kUnsigned: end = std::to_chars(end, end + 24, static_cast<std::uint64_t>(token.integer)).ptr; return true;
+      case TokenType::kUnsigned:
+        end = std::to_chars(end, end + 24, static_cast<std::uint64_t>(token.integer)).ptr;
+        return true;
       case TokenType::kReal: end = write_number(token.real, end); return true;
       case TokenType::kText: end = write_text(token.text, end); return true;
       case TokenType::kList:

@@ -115,9 +115,10 @@ Expected<bus::Delivery> Replayer::to_delivery(const LoggedDelivery& logged, bus:
   }
   const auto endpoint = bus_.endpoint_of(to, logged.endpoint);
   if (!endpoint) {
-    return differs(name, bus_.now(), "it has not made its endpoint " + std::to_string(logged.endpoint) + " to which " +
-                                         (logged.type.empty() ? "an answer" : std::string(logged.type)) + " from " +
-                                         std::string(logged.from) + " went");
+    return differs(name, bus_.now(),
+                   "it has not made its endpoint " + std::to_string(logged.endpoint) + " to which " +
+                       (logged.type.empty() ? "an answer" : std::string(logged.type)) + " from " +
+                       std::string(logged.from) + " went");
   }
   bus::Delivery delivery;
   delivery.kind = static_cast<bus::DeliveryKind>(logged.kind);
@@ -156,7 +157,8 @@ bus::ParticipantId Replayer::sender(std::string_view stream) {
 Expected<std::string_view> Replayer::next_result(std::string_view environment, std::string_view key) {
   const auto inputs = inputs_.find(environment);
   if (inputs == inputs_.end() || inputs->second.results.empty()) {
-    return differs(std::string(environment), bus_.now(), "it asks for a result of " + std::string(key) + ", then it did not");
+    return differs(std::string(environment), bus_.now(),
+                   "it asks for a result of " + std::string(key) + ", then it did not");
   }
   const LoggedResult result = inputs->second.results.front();
   if (result.key != key) {

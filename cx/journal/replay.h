@@ -69,8 +69,8 @@ class Replayer {
   InputLogReader log_;  // owns what the entries view
   bus::Bus& bus_;
   Journal& journal_;
-  std::map<std::string, Inputs, std::less<>> inputs_;                    // by stream of the environment
-  std::map<std::string, bus::ParticipantId, std::less<>> senders_;       // by stream
+  std::map<std::string, Inputs, std::less<>> inputs_;               // by stream of the environment
+  std::map<std::string, bus::ParticipantId, std::less<>> senders_;  // by stream
   SimTime end_{};
 };
 

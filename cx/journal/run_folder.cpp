@@ -14,8 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// What a run writes; `--force` takes these away from a former one.
-constexpr const char* kFilesOfARun[] = {"manifest.json", "result.json", "inputs.bin", "journal.jsonl", "index.html",
-                                        "logs",          "snapshots",   "files"};
+constexpr const char* kFilesOfARun[] = {"manifest.json", "result.json", "inputs.bin", "journal.jsonl",
+                                        "index.html",    "logs",        "snapshots",  "files"};
 
 Error resource_error(const fs::path& path, const std::string& why) {
   return Error{ErrorKind::kResource, "cannot be made: " + why, path.string(), 0, {}};
@@ -65,8 +65,11 @@ Expected<RunFolder> RunFolder::create_at(const fs::path& path, bool force) {
     const bool empty = fs::is_empty(path, error);
     if (error) return resource_error(path, error.message());
     if (!empty && !force) {
-      return Error{ErrorKind::kUsage, "the output folder is not empty; --force writes into it all the same",
-                   path.string(), 0, {}};
+      return Error{ErrorKind::kUsage,
+                   "the output folder is not empty; --force writes into it all the same",
+                   path.string(),
+                   0,
+                   {}};
     }
     if (!empty && holds_a_run(path)) {
       for (const char* name : kFilesOfARun) {
@@ -89,8 +92,6 @@ Expected<fs::path> RunFolder::subfolder(std::string_view name) const {
   return path;
 }
 
-Status RunFolder::write(std::string_view name, std::string_view text) const {
-  return replace_file(path_ / name, text);
-}
+Status RunFolder::write(std::string_view name, std::string_view text) const { return replace_file(path_ / name, text); }
 
 }  // namespace cxlab

@@ -9,8 +9,8 @@
 
 namespace cxlab {
 
-/// Replaces `path` by `text`: a reader sees the old file or the whole new one. kResource if that fails; the old file then
-/// stays.
+/// Replaces `path` by `text`: a reader sees the old file or the whole new one. kResource if that fails; the old file
+/// then stays.
 Status replace_file(const std::filesystem::path& path, std::string_view text);
 
 class RunFolder {

@@ -14,10 +14,14 @@ std::string_view to_string(Bond::Loss loss) {
 }
 
 Bond::Bond(bus::Bus& bus, Options options, std::function<void(Loss)> on_broken)
-    : bus_(bus), options_(std::move(options)), on_broken_(std::move(on_broken)), start_(bus.now()),
+    : bus_(bus),
+      options_(std::move(options)),
+      on_broken_(std::move(on_broken)),
+      start_(bus.now()),
       deadline_(options_.connect_timeout == kNever ? kNever : start_ + options_.connect_timeout) {}
 
-Expected<std::unique_ptr<Bond>> Bond::create(bus::Bus& bus, bus::ParticipantId node, Options options, std::function<void(Loss)> on_broken) {
+Expected<std::unique_ptr<Bond>> Bond::create(bus::Bus& bus, bus::ParticipantId node, Options options,
+                                             std::function<void(Loss)> on_broken) {
   if (options.period <= SimTime::zero()) return input_error("a bond needs a heartbeat period above 0");
   auto type = bus.registry().message("bond/msg/Status");
   if (!type) return type.error();
@@ -26,7 +30,8 @@ Expected<std::unique_ptr<Bond>> Bond::create(bus::Bus& bus, bus::ParticipantId n
   auto out = bus.advertise(node, bond->options_.topic, **type);
   if (!out) return out.error();
   bond->out_ = *out;
-  auto in = bus.subscribe(node, bond->options_.topic, **type, [self = bond.get()](const bus::Delivery& d) { self->hear(d.message->view()); });
+  auto in = bus.subscribe(node, bond->options_.topic, **type,
+                          [self = bond.get()](const bus::Delivery& d) { self->hear(d.message->view()); });
   if (!in) return in.error();
   bond->in_ = *in;
   return bond;
@@ -48,7 +53,8 @@ void Bond::tell(bool active) {
 }
 
 void Bond::hear(const bus::MessageView& status) {
-  if (status.text("id") != options_.id || status.text("instance_id") == options_.instance || state_ == State::kBroken) return;
+  if (status.text("id") != options_.id || status.text("instance_id") == options_.instance || state_ == State::kBroken)
+    return;
   if (!status.integer("active")) {
     break_up(Loss::kEnded);
     return;
@@ -86,7 +92,8 @@ void Bond::end() {
 
 Status BondWatcher::watch(Bond::Options options) {
   const std::string id = options.id;
-  if (std::any_of(watched_.begin(), watched_.end(), [&](const Watched& w) { return w.id == id; })) return input_error("the bond '" + id + "' is watched already");
+  if (std::any_of(watched_.begin(), watched_.end(), [&](const Watched& w) { return w.id == id; }))
+    return input_error("the bond '" + id + "' is watched already");
   auto bond = Bond::create(bus_, node_, std::move(options), [this, id](Bond::Loss loss) {
     for (Watched& w : watched_) w.lost = w.lost || w.id == id;
     clean_up_(id, loss);

@@ -17,21 +17,22 @@ namespace cxlab::cx {
 class Bond {
  public:
   struct Options {
-    std::string topic = "bond";        ///< as the node writes it
-    std::string id;                    ///< of the bond: both sides have the same
-    std::string instance;              ///< of this side
-    SimTime period{};                  ///< between heartbeats, above 0
-    SimTime timeout = std::chrono::seconds(4);          ///< without a heartbeat of the peer it is lost
-    SimTime connect_timeout = std::chrono::seconds(10); ///< without any; kNever = waits
+    std::string topic = "bond";                          ///< as the node writes it
+    std::string id;                                      ///< of the bond: both sides have the same
+    std::string instance;                                ///< of this side
+    SimTime period{};                                    ///< between heartbeats, above 0
+    SimTime timeout = std::chrono::seconds(4);           ///< without a heartbeat of the peer it is lost
+    SimTime connect_timeout = std::chrono::seconds(10);  ///< without any; kNever = waits
   };
   enum class State : std::uint8_t { kWaiting, kFormed, kBroken };
   enum class Loss : std::uint8_t {
-    kEnded,     ///< the peer said good-bye
-    kSilent,    ///< its heartbeat stayed away
+    kEnded,   ///< the peer said good-bye
+    kSilent,  ///< its heartbeat stayed away
     kNeverCame
   };
   /// `on_broken` is called once, when the peer is lost; not by `end`.
-  static Expected<std::unique_ptr<Bond>> create(bus::Bus& bus, bus::ParticipantId node, Options options, std::function<void(Loss)> on_broken);
+  static Expected<std::unique_ptr<Bond>> create(bus::Bus& bus, bus::ParticipantId node, Options options,
+                                                std::function<void(Loss)> on_broken);
   ~Bond();
   Bond(const Bond&) = delete;
   Bond& operator=(const Bond&) = delete;
@@ -66,7 +67,8 @@ class BondWatcher {
  public:
   /// `clean_up` is called once for each lost peer, with the bond's id.
   using CleanUp = std::function<void(const std::string& id, Bond::Loss loss)>;
-  BondWatcher(bus::Bus& bus, bus::ParticipantId node, CleanUp clean_up) : bus_(bus), node_(node), clean_up_(std::move(clean_up)) {}
+  BondWatcher(bus::Bus& bus, bus::ParticipantId node, CleanUp clean_up)
+      : bus_(bus), node_(node), clean_up_(std::move(clean_up)) {}
 
   /// Watches a peer from now on; `options.id` is unique here.
   Status watch(Bond::Options options);

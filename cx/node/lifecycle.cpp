@@ -56,13 +56,16 @@ constexpr std::array<NamedState, 11> kStates{{{0, "unknown"},
 void put_state(const bus::MessageView& state, std::uint8_t id, std::string_view label) {
   state.set("id", static_cast<std::int64_t>(id)).set("label", label);
 }
-void put_state(const bus::MessageView& out, LifeState state) { put_state(out, static_cast<std::uint8_t>(state), to_string(state)); }
+void put_state(const bus::MessageView& out, LifeState state) {
+  put_state(out, static_cast<std::uint8_t>(state), to_string(state));
+}
 
 }  // namespace
 
 using L = LifeState;
 using T = Transition;
-static constexpr std::uint8_t kConfiguring = 10, kCleaningUp = 11, kShuttingDown = 12, kActivating = 13, kDeactivating = 14;
+static constexpr std::uint8_t kConfiguring = 10, kCleaningUp = 11, kShuttingDown = 12, kActivating = 13,
+                              kDeactivating = 14;
 
 // In the order in which ROS 2 registers them, which is that of get_available_transitions.
 static const auto& rows() {
@@ -78,16 +81,18 @@ static const auto& rows() {
   return kRows;
 }
 
-Expected<bus::EndpointId> serve(bus::Bus& bus, bus::ParticipantId node, const std::string& name, const std::string& type,
+Expected<bus::EndpointId> serve(bus::Bus& bus, bus::ParticipantId node, const std::string& name,
+                                const std::string& type,
                                 std::function<void(const bus::MessageView&, const bus::MessageView&)> answer) {
   auto service = bus.registry().service(type);
   if (!service) return service.error();
   const auto endpoint = std::make_shared<bus::EndpointId>();
-  auto made = bus.serve(node, name, **service, [&bus, endpoint, service = *service, answer = std::move(answer)](const bus::Delivery& d) {
-    auto response = std::make_shared<bus::Message>(*service->response);
-    answer(d.message->view(), response->view());
-    bus.respond(*endpoint, d, std::move(response));
-  });
+  auto made = bus.serve(node, name, **service,
+                        [&bus, endpoint, service = *service, answer = std::move(answer)](const bus::Delivery& d) {
+                          auto response = std::make_shared<bus::Message>(*service->response);
+                          answer(d.message->view(), response->view());
+                          bus.respond(*endpoint, d, std::move(response));
+                        });
   if (made) *endpoint = *made;
   return made;
 }
@@ -110,7 +115,8 @@ Status Lifecycle::serve() {
 
   auto change_type = bus_.registry().service("lifecycle_msgs/srv/ChangeState");
   if (!change_type) return change_type.error();
-  auto made = bus_.serve(node_, "~/change_state", **change_type, [this](const bus::Delivery& d) { on_change_state(d); });
+  auto made =
+      bus_.serve(node_, "~/change_state", **change_type, [this](const bus::Delivery& d) { on_change_state(d); });
   if (!made) return made.error();
   change_state_ = *made;
 
@@ -149,13 +155,21 @@ const Lifecycle::Row* Lifecycle::row_of(Transition transition) const {
 Status Lifecycle::change(Transition transition) {
   const Row* row = row_of(transition);
   if (row == nullptr)
-    return Error{ErrorKind::kUsage, "no transition '" + std::string(to_string(transition)) + "' from state '" + std::string(to_string(state_)) + "'", {}, 0, {}};
+    return Error{ErrorKind::kUsage,
+                 "no transition '" + std::string(to_string(transition)) + "' from state '" +
+                     std::string(to_string(state_)) + "'",
+                 {},
+                 0,
+                 {}};
   tell_event(*row, false, row->id, to_string(transition).data(), row->to);
   const Status done = act_(transition);
   state_ = !done && transition == T::kConfigure ? L::kUnconfigured : row->to;
-  const auto base = static_cast<std::uint8_t>(static_cast<std::uint8_t>(transition) * 10);  // as the TRANSITION_ON_.. constants
-  if (done) tell_event(*row, true, base, "transition_success", state_);
-  else tell_event(*row, true, static_cast<std::uint8_t>(base + 1), "transition_failure", state_);
+  const auto base =
+      static_cast<std::uint8_t>(static_cast<std::uint8_t>(transition) * 10);  // as the TRANSITION_ON_.. constants
+  if (done)
+    tell_event(*row, true, base, "transition_success", state_);
+  else
+    tell_event(*row, true, static_cast<std::uint8_t>(base + 1), "transition_failure", state_);
   return done;
 }
 
@@ -180,17 +194,24 @@ void Lifecycle::on_change_state(const bus::Delivery& request) {
   const std::string label = wanted.text("label");
   const Row* found = nullptr;
   for (const Row& row : rows())
-    if (row.from == state_ && (label.empty() ? row.id == wanted.integer("id") : to_string(row.transition) == label)) found = &row;
+    if (row.from == state_ && (label.empty() ? row.id == wanted.integer("id") : to_string(row.transition) == label))
+      found = &row;
   bool success = false;
   if (found) {
     const Status done = change(found->transition);
     success = done.ok();
     if (!success) failed_(done.error());
   } else {
-    failed_(Error{ErrorKind::kUsage, "No transition matching " + (label.empty() ? std::to_string(wanted.integer("id")) : '\'' + label + '\'') +
-                  " found for current state " + std::string(to_string(state_)), {}, 0, {}});
+    failed_(Error{ErrorKind::kUsage,
+                  "No transition matching " +
+                      (label.empty() ? std::to_string(wanted.integer("id")) : '\'' + label + '\'') +
+                      " found for current state " + std::string(to_string(state_)),
+                  {},
+                  0,
+                  {}});
   }
-  auto response = std::make_shared<bus::Message>(*(*bus_.registry().service("lifecycle_msgs/srv/ChangeState"))->response);
+  auto response =
+      std::make_shared<bus::Message>(*(*bus_.registry().service("lifecycle_msgs/srv/ChangeState"))->response);
   response->view().set("success", success);
   bus_.respond(change_state_, request, std::move(response));
 }

@@ -60,7 +60,8 @@ class Lifecycle {
 };
 
 /// Serves `name` for the node; `answer` fills the response. Of package types that come with cxlab.
-Expected<bus::EndpointId> serve(bus::Bus& bus, bus::ParticipantId node, const std::string& name, const std::string& type,
-                                std::function<void(const bus::MessageView& request, const bus::MessageView& response)> answer);
+Expected<bus::EndpointId> serve(
+    bus::Bus& bus, bus::ParticipantId node, const std::string& name, const std::string& type,
+    std::function<void(const bus::MessageView& request, const bus::MessageView& response)> answer);
 
 }  // namespace cxlab::cx

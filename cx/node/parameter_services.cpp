@@ -16,9 +16,20 @@ using Type = Parameter::Type;
 
 /// As in rcl_interfaces/msg/ParameterType.
 enum RosType : std::uint8_t {
-  kNotSet = 0, kBool = 1, kInteger = 2, kDouble = 3, kString = 4, kByteArray = 5, kBoolArray = 6, kIntegerArray = 7, kDoubleArray = 8, kStringArray = 9
+  kNotSet = 0,
+  kBool = 1,
+  kInteger = 2,
+  kDouble = 3,
+  kString = 4,
+  kByteArray = 5,
+  kBoolArray = 6,
+  kIntegerArray = 7,
+  kDoubleArray = 8,
+  kStringArray = 9
 };
-constexpr std::array<const char*, 10> kTypeNames{"not set", "bool", "integer", "double", "string", "byte_array", "bool_array", "integer_array", "double_array", "string_array"};
+constexpr std::array<const char*, 10> kTypeNames{"not set",      "bool",        "integer",    "double",
+                                                 "string",       "byte_array",  "bool_array", "integer_array",
+                                                 "double_array", "string_array"};
 
 std::int64_t integer_of(const Parameter& p) { return std::strtoll(p.text.c_str(), nullptr, 10); }
 double number_of(const Parameter& p) { return std::strtod(p.text.c_str(), nullptr); }
@@ -32,10 +43,15 @@ RosType type_of(const Parameter& p) {
     case Type::kString: return kString;
     case Type::kList: break;
   }
-  const auto all = [&](Type t) { return !p.items.empty() && std::all_of(p.items.begin(), p.items.end(), [t](const Parameter& i) { return i.type == t; }); };
+  const auto all = [&](Type t) {
+    return !p.items.empty() &&
+           std::all_of(p.items.begin(), p.items.end(), [t](const Parameter& i) { return i.type == t; });
+  };
   if (all(Type::kBool)) return kBoolArray;
   if (all(Type::kInteger)) return kIntegerArray;
-  const bool numbers = !p.items.empty() && std::all_of(p.items.begin(), p.items.end(), [](const Parameter& i) { return i.type == Type::kInteger || i.type == Type::kDouble; });
+  const bool numbers = !p.items.empty() && std::all_of(p.items.begin(), p.items.end(), [](const Parameter& i) {
+    return i.type == Type::kInteger || i.type == Type::kDouble;
+  });
   return numbers ? kDoubleArray : kStringArray;
 }
 
@@ -85,7 +101,8 @@ class Server {
       bool wanted = request.size(prefixes) == 0 && deep_enough(name, depth);
       for (std::size_t i = 0; i < request.size(prefixes) && !wanted; ++i) {
         const std::string& prefix = request.text(prefixes, i);
-        wanted = name == prefix || (name.starts_with(prefix + '.') && deep_enough(name.substr(prefix.size() + 1), depth));
+        wanted =
+            name == prefix || (name.starts_with(prefix + '.') && deep_enough(name.substr(prefix.size() + 1), depth));
       }
       if (!wanted) continue;
       result.append_text("names", name);
@@ -108,12 +125,16 @@ class Server {
     const bus::Field& types = *response.type().find("types");
     (void)response.resize(types, request.size("names"));
     std::size_t i = 0;
-    each_name(request, [&](const std::string&, const Parameter* p) { (void)response.set_integer(types, p ? type_of(*p) : kNotSet, i++); });
+    each_name(request, [&](const std::string&, const Parameter* p) {
+      (void)response.set_integer(types, p ? type_of(*p) : kNotSet, i++);
+    });
   }
 
   void describe(const bus::MessageView& request, const bus::MessageView& response) const {
     each_name(request, [&](const std::string& name, const Parameter* p) {
-      response.append("descriptors").set("name", name).set("type", static_cast<std::int64_t>(p ? type_of(*p) : kNotSet));
+      response.append("descriptors")
+          .set("name", name)
+          .set("type", static_cast<std::int64_t>(p ? type_of(*p) : kNotSet));
     });
   }
 
@@ -140,7 +161,8 @@ class Server {
   template <class Do>
   void each_name(const bus::MessageView& request, Do&& act) const {
     const bus::Field& names = *request.type().find("names");
-    for (std::size_t i = 0; i < request.size(names); ++i) act(request.text(names, i), parameters_.find(request.text(names, i)));
+    for (std::size_t i = 0; i < request.size(names); ++i)
+      act(request.text(names, i), parameters_.find(request.text(names, i)));
   }
 
   static void put_result(const Status& s, const bus::MessageView& result) {
@@ -159,8 +181,10 @@ class Server {
       const Parameter* old = parameters_.find(name);
       if (!old) return input_error("parameter '" + name + "' cannot be set because it was not declared");
       const RosType was = type_of(*old), is = type_of(*value);
-      if (was != is && old->type != Type::kNone && !(old->type == Type::kList && value->type == Type::kList && (old->items.empty() || value->items.empty())))
-        return input_error("Wrong parameter type, parameter {" + name + "} is of type {" + kTypeNames[was] + "}, setting it to {" + kTypeNames[is] + "} is not allowed.");
+      if (was != is && old->type != Type::kNone &&
+          !(old->type == Type::kList && value->type == Type::kList && (old->items.empty() || value->items.empty())))
+        return input_error("Wrong parameter type, parameter {" + name + "} is of type {" + kTypeNames[was] +
+                           "}, setting it to {" + kTypeNames[is] + "} is not allowed.");
       if (check_)
         if (Status s = check_(name, *value); !s) return s;
       value->file = "parameter " + node_ + '.' + name;
@@ -204,10 +228,22 @@ void put_parameter(const Parameter& p, const bus::MessageView& value) {
     case kInteger: value.set("integer_value", integer_of(p)); break;
     case kDouble: value.set("double_value", number_of(p)); break;
     case kString: value.set("string_value", p.text); break;
-    case kBoolArray: fill("bool_array_value", [&](const auto& f, const Parameter& i, std::size_t n) { (void)value.set_integer(f, i.text == "true", n); }); break;
-    case kIntegerArray: fill("integer_array_value", [&](const auto& f, const Parameter& i, std::size_t n) { (void)value.set_integer(f, integer_of(i), n); }); break;
-    case kDoubleArray: fill("double_array_value", [&](const auto& f, const Parameter& i, std::size_t n) { value.set_real(f, number_of(i), n); }); break;
-    case kStringArray: fill("string_array_value", [&](const auto& f, const Parameter& i, std::size_t n) { (void)value.set_text(f, i.text, n); }); break;
+    case kBoolArray:
+      fill("bool_array_value",
+           [&](const auto& f, const Parameter& i, std::size_t n) { (void)value.set_integer(f, i.text == "true", n); });
+      break;
+    case kIntegerArray:
+      fill("integer_array_value",
+           [&](const auto& f, const Parameter& i, std::size_t n) { (void)value.set_integer(f, integer_of(i), n); });
+      break;
+    case kDoubleArray:
+      fill("double_array_value",
+           [&](const auto& f, const Parameter& i, std::size_t n) { value.set_real(f, number_of(i), n); });
+      break;
+    case kStringArray:
+      fill("string_array_value",
+           [&](const auto& f, const Parameter& i, std::size_t n) { (void)value.set_text(f, i.text, n); });
+      break;
     case kNotSet:
     case kByteArray: break;
   }
@@ -220,15 +256,24 @@ Expected<Parameter> take_parameter(const bus::MessageView& value) {
     case kDouble: return scalar(Type::kDouble, shortest(value.real("double_value")));
     case kString: return scalar(Type::kString, value.text("string_value"));
     case kByteArray:
-      return list_of(value, "byte_array_value", [&](const bus::Field& f, std::size_t i) { return scalar(Type::kInteger, std::to_string(value.integer(f, i))); });
+      return list_of(value, "byte_array_value", [&](const bus::Field& f, std::size_t i) {
+        return scalar(Type::kInteger, std::to_string(value.integer(f, i)));
+      });
     case kBoolArray:
-      return list_of(value, "bool_array_value", [&](const bus::Field& f, std::size_t i) { return scalar(Type::kBool, value.integer(f, i) ? "true" : "false"); });
+      return list_of(value, "bool_array_value", [&](const bus::Field& f, std::size_t i) {
+        return scalar(Type::kBool, value.integer(f, i) ? "true" : "false");
+      });
     case kIntegerArray:
-      return list_of(value, "integer_array_value", [&](const bus::Field& f, std::size_t i) { return scalar(Type::kInteger, std::to_string(value.integer(f, i))); });
+      return list_of(value, "integer_array_value", [&](const bus::Field& f, std::size_t i) {
+        return scalar(Type::kInteger, std::to_string(value.integer(f, i)));
+      });
     case kDoubleArray:
-      return list_of(value, "double_array_value", [&](const bus::Field& f, std::size_t i) { return scalar(Type::kDouble, shortest(value.real(f, i))); });
+      return list_of(value, "double_array_value", [&](const bus::Field& f, std::size_t i) {
+        return scalar(Type::kDouble, shortest(value.real(f, i)));
+      });
     case kStringArray:
-      return list_of(value, "string_array_value", [&](const bus::Field& f, std::size_t i) { return scalar(Type::kString, value.text(f, i)); });
+      return list_of(value, "string_array_value",
+                     [&](const bus::Field& f, std::size_t i) { return scalar(Type::kString, value.text(f, i)); });
     default: return input_error("a parameter cannot be set to nothing");
   }
 }
@@ -242,12 +287,18 @@ Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& para
     Answer answer;
   };
   const std::array<Service, 6> services{{
-      {"~/list_parameters", "rcl_interfaces/srv/ListParameters", [server](const auto& q, const auto& a) { server->list(q, a); }},
-      {"~/get_parameters", "rcl_interfaces/srv/GetParameters", [server](const auto& q, const auto& a) { server->get(q, a); }},
-      {"~/get_parameter_types", "rcl_interfaces/srv/GetParameterTypes", [server](const auto& q, const auto& a) { server->types(q, a); }},
-      {"~/describe_parameters", "rcl_interfaces/srv/DescribeParameters", [server](const auto& q, const auto& a) { server->describe(q, a); }},
-      {"~/set_parameters", "rcl_interfaces/srv/SetParameters", [server](const auto& q, const auto& a) { server->set(q, a); }},
-      {"~/set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically", [server](const auto& q, const auto& a) { server->set_atomically(q, a); }},
+      {"~/list_parameters", "rcl_interfaces/srv/ListParameters",
+       [server](const auto& q, const auto& a) { server->list(q, a); }},
+      {"~/get_parameters", "rcl_interfaces/srv/GetParameters",
+       [server](const auto& q, const auto& a) { server->get(q, a); }},
+      {"~/get_parameter_types", "rcl_interfaces/srv/GetParameterTypes",
+       [server](const auto& q, const auto& a) { server->types(q, a); }},
+      {"~/describe_parameters", "rcl_interfaces/srv/DescribeParameters",
+       [server](const auto& q, const auto& a) { server->describe(q, a); }},
+      {"~/set_parameters", "rcl_interfaces/srv/SetParameters",
+       [server](const auto& q, const auto& a) { server->set(q, a); }},
+      {"~/set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically",
+       [server](const auto& q, const auto& a) { server->set_atomically(q, a); }},
   }};
   for (const Service& s : services)
     if (auto made = cx::serve(bus, node, s.name, s.type, s.answer); !made) return made.error();

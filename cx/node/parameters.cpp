@@ -77,11 +77,16 @@ Parameter to_parameter(const YAML::Node& node, const std::string& file) {
   bool truth = false;
   std::int64_t integer = 0;
   double number = 0;
-  if (node.Tag() == "!") p.type = Parameter::Type::kString;  // quoted
-  else if (is_integer(p.text, integer)) p.type = Parameter::Type::kInteger, p.text = std::to_string(integer);
-  else if (is_real(p.text, number)) p.type = Parameter::Type::kDouble, p.text = shortest(number);
-  else if (YAML::convert<bool>::decode(node, truth)) p.type = Parameter::Type::kBool, p.text = truth ? "true" : "false";
-  else p.type = Parameter::Type::kString;
+  if (node.Tag() == "!")
+    p.type = Parameter::Type::kString;  // quoted
+  else if (is_integer(p.text, integer))
+    p.type = Parameter::Type::kInteger, p.text = std::to_string(integer);
+  else if (is_real(p.text, number))
+    p.type = Parameter::Type::kDouble, p.text = shortest(number);
+  else if (YAML::convert<bool>::decode(node, truth))
+    p.type = Parameter::Type::kBool, p.text = truth ? "true" : "false";
+  else
+    p.type = Parameter::Type::kString;
   return p;
 }
 
@@ -113,7 +118,8 @@ void find_sections(const YAML::Node& node, const std::string& path, std::vector<
       out.push_back({path, item.second, item.first.Mark().line + 1});
       continue;
     }
-    find_sections(item.second, path.empty() || path.ends_with('/') || key.starts_with('/') ? path + key : path + '/' + key, out);
+    find_sections(item.second,
+                  path.empty() || path.ends_with('/') || key.starts_with('/') ? path + key : path + '/' + key, out);
   }
 }
 
@@ -129,7 +135,8 @@ std::vector<std::string> segments(std::string_view name) {
 }
 
 /// `**` stands for any number of segments, `*` for one, as in ROS.
-bool matches(const std::vector<std::string>& pattern, std::size_t p, const std::vector<std::string>& name, std::size_t n) {
+bool matches(const std::vector<std::string>& pattern, std::size_t p, const std::vector<std::string>& name,
+             std::size_t n) {
   if (p == pattern.size()) return n == name.size();
   if (pattern[p] == "**")
     return matches(pattern, p + 1, name, n) || (n < name.size() && matches(pattern, p, name, n + 1));
@@ -149,7 +156,8 @@ Error wrong_type(const Parameter& p, std::string_view name, std::string_view exp
 
 }  // namespace
 
-Expected<Parameters> Parameters::load(const std::filesystem::path& file, const std::string& node, const std::string& name_space) {
+Expected<Parameters> Parameters::load(const std::filesystem::path& file, const std::string& node,
+                                      const std::string& name_space) {
   Parameters out;
   out.file_ = file.string();
   std::ifstream in(file, std::ios::binary);
@@ -171,7 +179,8 @@ Expected<Parameters> Parameters::load(const std::filesystem::path& file, const s
       if (matches(pattern, 0, full, 0)) applying.push_back(&s);
     }
     if (applying.empty()) {
-      std::string message = "no parameters for the node '" + node + "': expected a section '" + node + ":' or '/**:' with 'ros__parameters:' below it";
+      std::string message = "no parameters for the node '" + node + "': expected a section '" + node +
+                            ":' or '/**:' with 'ros__parameters:' below it";
       if (!sections.empty()) message += ", found '" + sections.front().name + "'";
       return input_error(std::move(message), out.file_, sections.empty() ? 1 : sections.front().line);
     }
@@ -251,7 +260,8 @@ Status Parameters::read(std::string_view name, std::int64_t& field) const {
 Status Parameters::read(std::string_view name, double& field) const {
   const Parameter* p = find(name);
   if (!p) return {};
-  if (p->type != Parameter::Type::kDouble && p->type != Parameter::Type::kInteger) return wrong_type(*p, name, "a double");
+  if (p->type != Parameter::Type::kDouble && p->type != Parameter::Type::kInteger)
+    return wrong_type(*p, name, "a double");
   is_number(p->text, field);
   return {};
 }
@@ -276,8 +286,12 @@ Status Parameters::read(std::string_view name, std::vector<std::string>& field) 
   return {};
 }
 
-Parameter Parameters::default_of(bool value) { return scalar(Parameter::Type::kBool, value ? "true" : "false", kDefault); }
-Parameter Parameters::default_of(std::int64_t value) { return scalar(Parameter::Type::kInteger, std::to_string(value), kDefault); }
+Parameter Parameters::default_of(bool value) {
+  return scalar(Parameter::Type::kBool, value ? "true" : "false", kDefault);
+}
+Parameter Parameters::default_of(std::int64_t value) {
+  return scalar(Parameter::Type::kInteger, std::to_string(value), kDefault);
+}
 Parameter Parameters::default_of(double value) { return scalar(Parameter::Type::kDouble, shortest(value), kDefault); }
 Parameter Parameters::default_of(const std::string& value) { return scalar(Parameter::Type::kString, value, kDefault); }
 Parameter Parameters::default_of(const std::vector<std::string>& value) {

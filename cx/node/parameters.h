@@ -37,7 +37,8 @@ struct GivenParameter {
 class Parameters {
  public:
   /// Reads the sections that apply to the node; the more special one wins. A file without any such section is an error.
-  static Expected<Parameters> load(const std::filesystem::path& file, const std::string& node, const std::string& name_space);
+  static Expected<Parameters> load(const std::filesystem::path& file, const std::string& node,
+                                   const std::string& name_space);
 
   /// The parameter, or nullptr.
   const Parameter* find(std::string_view name) const;

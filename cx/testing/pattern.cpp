@@ -35,7 +35,8 @@ bool values_match(const Values& pattern, std::size_t p, const Values& values, st
 }
 
 const Values* slot_of(const FactText& fact, const std::string& name) {
-  const auto found = std::find_if(fact.slots.begin(), fact.slots.end(), [&](const auto& slot) { return slot.first == name; });
+  const auto found =
+      std::find_if(fact.slots.begin(), fact.slots.end(), [&](const auto& slot) { return slot.first == name; });
   return found == fact.slots.end() ? nullptr : &found->second;
 }
 
@@ -50,14 +51,18 @@ std::string join(const Values& values) {
 std::string FactText::print() const {
   std::string out = '(' + template_name;
   for (const auto& [name, values] : slots) {
-    if (name == "implied") out += (values.empty() ? "" : " ") + join(values);
-    else out += " (" + name + (values.empty() ? "" : " ") + join(values) + ')';
+    if (name == "implied")
+      out += (values.empty() ? "" : " ") + join(values);
+    else
+      out += " (" + name + (values.empty() ? "" : " ") + join(values) + ')';
   }
   return out + ')';
 }
 
 Expected<FactPattern> FactPattern::parse(const std::string& text, const std::string& file, int line) {
-  const auto bad = [&](const std::string& what) { return input_error("fact pattern " + text + ": " + what, file, line); };
+  const auto bad = [&](const std::string& what) {
+    return input_error("fact pattern " + text + ": " + what, file, line);
+  };
   const FormReading reading = read_forms(text, file);
   if (!reading.errors.empty()) return bad(reading.errors.front().message);
   if (reading.forms.size() != 1 || !reading.forms[0].list) return bad("expected one pattern in parentheses");
@@ -68,12 +73,14 @@ Expected<FactPattern> FactPattern::parse(const std::string& text, const std::str
   pattern.template_name_ = tokens[1].text;
   std::size_t i = 2;
   while (i + 1 < tokens.size()) {
-    if (tokens[i].kind == Token::Kind::kConnective) return bad("&, | and ~ are not understood here; use several expectations");
+    if (tokens[i].kind == Token::Kind::kConnective)
+      return bad("&, | and ~ are not understood here; use several expectations");
     if (tokens[i].kind == Token::Kind::kOpen) {
       if (tokens[i + 1].kind != Token::Kind::kWord) return bad("expected the name of a slot");
       pattern.slots_.emplace_back(std::string(tokens[i + 1].text), Values{});
       for (i += 2; i + 1 < tokens.size() && tokens[i].kind != Token::Kind::kClose; ++i) {
-        if (tokens[i].kind != Token::Kind::kWord && tokens[i].kind != Token::Kind::kString) return bad("a slot holds words, numbers, strings and ? only");
+        if (tokens[i].kind != Token::Kind::kWord && tokens[i].kind != Token::Kind::kString)
+          return bad("a slot holds words, numbers, strings and ? only");
         pattern.slots_.back().second.emplace_back(tokens[i].text);
       }
       ++i;
@@ -86,7 +93,9 @@ Expected<FactPattern> FactPattern::parse(const std::string& text, const std::str
   return pattern;
 }
 
-bool FactPattern::matches(const FactText& fact) const { return fact.template_name == template_name_ && difference(fact).empty(); }
+bool FactPattern::matches(const FactText& fact) const {
+  return fact.template_name == template_name_ && difference(fact).empty();
+}
 
 int FactPattern::closeness(const FactText& fact) const {
   return static_cast<int>(std::count_if(slots_.begin(), slots_.end(), [&](const auto& slot) {
@@ -99,7 +108,8 @@ std::string FactPattern::difference(const FactText& fact) const {
   for (const auto& [name, wanted] : slots_) {
     const Values* values = slot_of(fact, name);
     if (!values) return "there is no slot " + name;
-    if (!values_match(wanted, 0, *values, 0)) return (name == "implied" ? "it" : name) + " is " + join(*values) + ", not " + join(wanted);
+    if (!values_match(wanted, 0, *values, 0))
+      return (name == "implied" ? "it" : name) + " is " + join(*values) + ", not " + join(wanted);
   }
   return {};
 }

@@ -37,7 +37,8 @@ Expected<bus::SharedMessage> result_of(const bus::MessageType& type, const Outco
   if (!read) return read.error();
   bus::Message message(*std::move(read));
   const bool told = outcome.result.find("success:") != std::string::npos;
-  if (!told && outcome.kind == Outcome::Kind::kSucceed && std::any_of(type.fields().begin(), type.fields().end(), [](const bus::Field& f) { return f.name == "success"; }))
+  if (!told && outcome.kind == Outcome::Kind::kSucceed &&
+      std::any_of(type.fields().begin(), type.fields().end(), [](const bus::Field& f) { return f.name == "success"; }))
     message.view().set("success", true);
   return std::make_shared<const bus::Message>(std::move(message));
 }
@@ -45,7 +46,8 @@ Expected<bus::SharedMessage> result_of(const bus::MessageType& type, const Outco
 }  // namespace
 
 StandIns::StandIns(bus::Bus& bus, RecordSink& sink)
-    : bus_(bus), self_(bus.join(bus::ParticipantKind::kNode, bus::NodeName{"story", "/", {}}, sink.open_stream("node/story"))) {}
+    : bus_(bus),
+      self_(bus.join(bus::ParticipantKind::kNode, bus::NodeName{"story", "/", {}}, sink.open_stream("node/story"))) {}
 
 StandIns::~StandIns() { bus_.leave(self_); }
 
@@ -72,15 +74,17 @@ Status StandIns::add(const StandIn& given) {
   if (const auto old = servers_.find(given.name); old != servers_.end()) {
     // The endpoint stays, so that what is under way ends well.
     if (old->second->stand_in.action != given.action || old->second->stand_in.type != given.type)
-      return input_error(given.name + ": served as " + old->second->stand_in.type + " before, not as " + given.type, given.file, given.line);
+      return input_error(given.name + ": served as " + old->second->stand_in.type + " before, not as " + given.type,
+                         given.file, given.line);
     server->endpoint = old->second->endpoint;
     *old->second = std::move(*server);
     return {};
   }
-  auto endpoint = action ? bus_.serve_action(self_, given.name, *action,
-                                             {[this, raw](const Delivery& d) { on_goal(*raw, d); },
-                                              [this, raw](const Delivery& d) { bus_.answer_cancel(raw->endpoint, d, true); }})
-                         : bus_.serve(self_, given.name, *service, [this, raw](const Delivery& d) { on_call(*raw, d); });
+  auto endpoint =
+      action ? bus_.serve_action(self_, given.name, *action,
+                                 {[this, raw](const Delivery& d) { on_goal(*raw, d); },
+                                  [this, raw](const Delivery& d) { bus_.answer_cancel(raw->endpoint, d, true); }})
+             : bus_.serve(self_, given.name, *service, [this, raw](const Delivery& d) { on_call(*raw, d); });
   if (!endpoint) return at(endpoint.error(), given.name, given.file, given.line);
   server->endpoint = *endpoint;
   servers_[given.name] = std::move(server);
@@ -99,7 +103,8 @@ Status StandIns::listen(const std::string& topic, const std::string& type, const
   return {};
 }
 
-Status StandIns::publish(const std::string& topic, const std::string& type, const std::string& data, const std::string& file, int line) {
+Status StandIns::publish(const std::string& topic, const std::string& type, const std::string& data,
+                         const std::string& file, int line) {
   auto known = bus_.registry().message(type);
   if (!known) return at(known.error(), topic, file, line);
   auto message = bus::Message::from_yaml(**known, data.empty() ? "{}" : data);
@@ -124,7 +129,8 @@ void StandIns::on_goal(Server& server, const Delivery& goal) {
   bus_.answer_goal(server.endpoint, goal.goal, bus::GoalAnswer::kAccept);
   const bool never = outcome.kind == Outcome::Kind::kNever;
   endings_.push_back({true, never ? kNever : bus_.now() + outcome.takes, server.endpoint, goal,
-                      outcome.kind == Outcome::Kind::kSucceed ? bus::GoalStatus::kSucceeded : bus::GoalStatus::kAborted, server.results[k]});
+                      outcome.kind == Outcome::Kind::kSucceed ? bus::GoalStatus::kSucceeded : bus::GoalStatus::kAborted,
+                      server.results[k]});
 }
 
 void StandIns::on_call(Server& server, const Delivery& request) {
@@ -138,7 +144,8 @@ void StandIns::on_call(Server& server, const Delivery& request) {
 Expected<bool> StandIns::end_goal(const std::string& action, const Outcome& outcome) {
   const auto server = servers_.find(action);
   if (server == servers_.end()) return false;
-  const auto ending = std::find_if(endings_.begin(), endings_.end(), [&](const Ending& e) { return e.action && e.endpoint == server->second->endpoint; });
+  const auto ending = std::find_if(endings_.begin(), endings_.end(),
+                                   [&](const Ending& e) { return e.action && e.endpoint == server->second->endpoint; });
   if (ending == endings_.end()) return false;
   auto type = bus_.registry().action(server->second->stand_in.type);
   if (!type) return type.error();
@@ -153,11 +160,13 @@ Expected<bool> StandIns::end_goal(const std::string& action, const Outcome& outc
 void StandIns::sense(SimTime now) {
   std::vector<Ending> open;
   for (Ending& ending : endings_) {
-    const bool canceling = ending.action && bus_.server_goal_status(ending.endpoint, ending.taken.goal) == bus::GoalStatus::kCanceling;
+    const bool canceling =
+        ending.action && bus_.server_goal_status(ending.endpoint, ending.taken.goal) == bus::GoalStatus::kCanceling;
     if (ending.due > now && !canceling) {
       open.push_back(std::move(ending));
     } else if (ending.action) {
-      bus_.finish(ending.endpoint, ending.taken.goal, canceling ? bus::GoalStatus::kCanceled : ending.status, ending.message);
+      bus_.finish(ending.endpoint, ending.taken.goal, canceling ? bus::GoalStatus::kCanceled : ending.status,
+                  ending.message);
     } else {
       bus_.respond(ending.endpoint, ending.taken, ending.message);
     }
@@ -170,7 +179,8 @@ void StandIns::act() { bus_.deliver(self_); }
 SimTime StandIns::next_due() const {
   SimTime first = kNever;
   for (const Ending& ending : endings_) {
-    const bool canceling = ending.action && bus_.server_goal_status(ending.endpoint, ending.taken.goal) == bus::GoalStatus::kCanceling;
+    const bool canceling =
+        ending.action && bus_.server_goal_status(ending.endpoint, ending.taken.goal) == bus::GoalStatus::kCanceling;
     first = std::min(first, canceling ? SimTime::zero() : ending.due);
   }
   return first;

@@ -46,9 +46,11 @@ class StandIns {
   /// Serves from now on; a stand-in of that name is replaced (goals that it has taken end as it said).
   Status add(const StandIn& stand_in);
   Status listen(const std::string& topic, const std::string& type, const std::string& file, int line);
-  Status publish(const std::string& topic, const std::string& type, const std::string& data, const std::string& file, int line);
+  Status publish(const std::string& topic, const std::string& type, const std::string& data, const std::string& file,
+                 int line);
 
-  /// The oldest goal that this action has taken and not ended ends now, in that way (succeed, fail); false if there is none.
+  /// The oldest goal that this action has taken and not ended ends now, in that way (succeed, fail); false if there is
+  /// none.
   Expected<bool> end_goal(const std::string& action, const Outcome& outcome);
 
   /// Ends what is due.

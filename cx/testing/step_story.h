@@ -1,6 +1,6 @@
 #pragma once
-// A story told step by step in C++: the rules run while an expectation waits for them, and each skill ends when the test
-// says so (docs/testing.md).
+// A story told step by step in C++: the rules run while an expectation waits for them, and each skill ends when the
+// test says so (docs/testing.md).
 //
 //   Story story({.config = "params/agent.yaml", .packages = {{"my_agent", "."}}}, setup, report);
 //   story.skill("/R1/fetch", "my_msgs/action/Fetch");
@@ -38,7 +38,8 @@ class Story {
   void pass(double seconds, Where where = Where::current());
 
   /// Within `patience` a goal comes to /ROBOT/SKILL whose field `target` is that. Each goal is expected once.
-  void expect_command(const std::string& robot, const std::string& skill, const std::string& target, Where where = Where::current());
+  void expect_command(const std::string& robot, const std::string& skill, const std::string& target,
+                      Where where = Where::current());
   /// Within `patience` there is such a fact (pattern as in story files).
   void expect_fact(const std::string& pattern, Where where = Where::current());
   /// There is no such fact now.

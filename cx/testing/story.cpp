@@ -33,7 +33,8 @@ class Leaks final : public cx::LogSink {
  public:
   void line(const cx::LogLine& line) override {
     if (line.text.starts_with(kActivation)) return count(line.text.substr(kActivation.size()));
-    if (line.level == cx::LogLevel::kWarn && line.text.find("cleaning up") != std::string_view::npos) found.emplace_back(line.text);
+    if (line.level == cx::LogLevel::kWarn && line.text.find("cleaning up") != std::string_view::npos)
+      found.emplace_back(line.text);
   }
   std::vector<std::string> found;
   std::map<std::string, long> activated;  ///< by rule
@@ -102,7 +103,8 @@ class Play {
 
  protected:
   Status begin() {
-    if (Status s = manager_->configure(); !s) return Error{ErrorKind::kInput, s.error().message, s.error().file, s.error().line, s.error().code};
+    if (Status s = manager_->configure(); !s)
+      return Error{ErrorKind::kInput, s.error().message, s.error().file, s.error().line, s.error().code};
     if (Status s = find_environment(); !s) return s;
     return manager_->activate();
   }
@@ -132,7 +134,8 @@ class Play {
     std::map<std::string, fs::path> packages = spec_.packages;
     packages.insert(setup_.packages.begin(), setup_.packages.end());
     for (const auto& [name, folder] : packages) {
-      if (!fs::is_directory(folder)) return at(spec_.line, "package " + name + ": there is no folder " + folder.string());
+      if (!fs::is_directory(folder))
+        return at(spec_.line, "package " + name + ": there is no folder " + folder.string());
       options.packages[name] = {folder, {}};
       if (!bus::holds_definitions(folder)) continue;
       if (Status s = registry_.add_package(name, folder); !s) return s;
@@ -148,7 +151,8 @@ class Play {
     manager_ = *std::move(manager);
     end_ = spec_.end;
     for (const Step& step : spec_.steps) end_ = std::max(end_, step.at);
-    for (const Expectation& e : spec_.expect) end_ = std::max({end_, e.after, e.until == kNever ? SimTime::zero() : e.until});
+    for (const Expectation& e : spec_.expect)
+      end_ = std::max({end_, e.after, e.until == kNever ? SimTime::zero() : e.until});
     end_ = tick_not_before(end_, kTick);
     for (const StandIn& stand_in : spec_.stand_ins)
       if (Status s = stand_ins_.add(stand_in); !s) return s;
@@ -170,18 +174,24 @@ class Play {
     if (!scratch) return scratch.error();
     scratch_ = std::move(*scratch);
     const fs::path made = scratch_->path() / "story.yaml";
-    std::ofstream(made) << "/**:\n  ros__parameters:\n    environments: [main]\n    main: {plugins: [executive, ros_msgs, files]}\n"
-                           "    executive: {plugin: 'cx::ExecutivePlugin'}\n    ros_msgs: {plugin: 'cx::RosMsgsPlugin'}\n"
-                           "    files: {plugin: 'cx::FileLoadPlugin', load: [" << files << "]}\n";
+    std::ofstream(made)
+        << "/**:\n  ros__parameters:\n    environments: [main]\n    main: {plugins: [executive, ros_msgs, files]}\n"
+           "    executive: {plugin: 'cx::ExecutivePlugin'}\n    ros_msgs: {plugin: 'cx::RosMsgsPlugin'}\n"
+           "    files: {plugin: 'cx::FileLoadPlugin', load: ["
+        << files << "]}\n";
     return made;
   }
 
   Status find_environment() {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < manager_->size(); ++i) names.push_back(manager_->environment(i).name());
-    if (spec_.environment.empty() && !names.empty()) environment_ = &manager_->environment(0);
-    else environment_ = manager_->find(spec_.environment);
-    if (!environment_) return at(spec_.line, "environment '" + spec_.environment + "' is not in the configuration" + did_you_mean(spec_.environment, names));
+    if (spec_.environment.empty() && !names.empty())
+      environment_ = &manager_->environment(0);
+    else
+      environment_ = manager_->find(spec_.environment);
+    if (!environment_)
+      return at(spec_.line, "environment '" + spec_.environment + "' is not in the configuration" +
+                                did_you_mean(spec_.environment, names));
     watches_.choose(environment_->name());
     if (setup_.coverage) environment_->engine().watch("activations");
     return {};
@@ -198,10 +208,14 @@ class Play {
         auto pattern = FactPattern::parse(e.text, spec_.file, e.line);
         if (!pattern) return pattern.error();
       } else if (e.kind == Kind::kFires || e.kind == Kind::kNotFires) {
-        if (std::find(rules.begin(), rules.end(), e.text) == rules.end()) return at(e.line, "there is no rule '" + e.text + '\'' + did_you_mean(e.text, rules));
+        if (std::find(rules.begin(), rules.end(), e.text) == rules.end())
+          return at(e.line, "there is no rule '" + e.text + '\'' + did_you_mean(e.text, rules));
       } else if (e.kind == Kind::kGoal) {
-        const bool later = std::any_of(spec_.steps.begin(), spec_.steps.end(), [&](const Step& s) { return s.stand_in.name == e.text; });
-        if (!later && !stand_ins_.serves(e.text)) return at(e.line, "nobody serves " + e.text + did_you_mean(e.text, stand_ins_.names()) + " (skills: of the story)");
+        const bool later = std::any_of(spec_.steps.begin(), spec_.steps.end(),
+                                       [&](const Step& s) { return s.stand_in.name == e.text; });
+        if (!later && !stand_ins_.serves(e.text))
+          return at(e.line,
+                    "nobody serves " + e.text + did_you_mean(e.text, stand_ins_.names()) + " (skills: of the story)");
       }
     }
     return {};
@@ -228,7 +242,12 @@ class Play {
       if (pattern->matches(copy_of(copy))) any |= environment_->engine().retract(copy.index);
     }
     if (any) return {};
-    return Error{ErrorKind::kNo, spec_.file + ':' + std::to_string(step.line) + ": retract " + step.text + " at " + seconds(now_) + ": there is no such fact", {}, 0, {}};
+    return Error{ErrorKind::kNo,
+                 spec_.file + ':' + std::to_string(step.line) + ": retract " + step.text + " at " + seconds(now_) +
+                     ": there is no such fact",
+                 {},
+                 0,
+                 {}};
   }
 
   Status tick() {
@@ -280,26 +299,34 @@ class Play {
       if (version.fact.template_name != pattern->template_name()) continue;
       const bool there = e.at ? version.from <= e.until && version.until > e.until
                               : version.from <= e.until && (version.until > e.after || version.from >= e.after);
-      if (there && pattern->matches(version.fact)) found = found ? found : &version;
-      else if (!near || pattern->closeness(version.fact) >= pattern->closeness(near->fact)) near = &version;
+      if (there && pattern->matches(version.fact))
+        found = found ? found : &version;
+      else if (!near || pattern->closeness(version.fact) >= pattern->closeness(near->fact))
+        near = &version;
     }
     if (e.kind == Expectation::Kind::kNoFact) {
-      if (found) fail(e, "expected no fact " + e.text + span(e) + "; there was " + found->fact.print() + " from " + seconds(found->from));
+      if (found)
+        fail(e, "expected no fact " + e.text + span(e) + "; there was " + found->fact.print() + " from " +
+                    seconds(found->from));
       else if (!environment_->engine().has("deftemplate", pattern->template_name()) && !near)
-        fail(e, "there is no deftemplate '" + pattern->template_name() + "', so this says nothing" + did_you_mean(pattern->template_name(), templates()));
-      else if (near && !slots_known(*pattern, near->fact)) fail(e, e.text + ": " + pattern->difference(near->fact));
+        fail(e, "there is no deftemplate '" + pattern->template_name() + "', so this says nothing" +
+                    did_you_mean(pattern->template_name(), templates()));
+      else if (near && !slots_known(*pattern, near->fact))
+        fail(e, e.text + ": " + pattern->difference(near->fact));
       return;
     }
     if (found) return;
     std::string what = "expected fact " + e.text + span(e);
     if (near) {
       const std::string difference = pattern->difference(near->fact);
-      what += "; nearest: " + near->fact.print() + " at " + seconds(near->from) + (near->until == kNever ? "" : " until " + seconds(near->until)) +
+      what += "; nearest: " + near->fact.print() + " at " + seconds(near->from) +
+              (near->until == kNever ? "" : " until " + seconds(near->until)) +
               (difference.empty() ? ", at another time" : ": " + difference);
     } else {
       what += environment_->engine().has("deftemplate", pattern->template_name())
                   ? "; there was no fact of this template"
-                  : "; there is no deftemplate '" + pattern->template_name() + '\'' + did_you_mean(pattern->template_name(), templates());
+                  : "; there is no deftemplate '" + pattern->template_name() + '\'' +
+                        did_you_mean(pattern->template_name(), templates());
     }
     fail(e, what);
   }
@@ -331,13 +358,15 @@ class Play {
       return;
     }
     if (inside >= e.count) return;
-    std::string what = "expected rule " + e.text + " to fire" + (e.count > 1 ? " " + std::to_string(e.count) + " times" : "") + span(e);
+    std::string what = "expected rule " + e.text + " to fire" +
+                       (e.count > 1 ? " " + std::to_string(e.count) + " times" : "") + span(e);
     if (!times.empty()) return fail(e, what + "; it fired at " + times);
     what += "; it never fired";
     if (const auto matches = environment_->engine().matches(e.text); matches && !matches->empty())
       for (const RuleMatches::Pattern& p : matches->front().patterns)
         if (p.partial == 0) {
-          what += ": at the end its condition " + std::to_string(p.condition) + " held " + (p.matches == 0 ? "for no fact" : "for no combination of facts");
+          what += ": at the end its condition " + std::to_string(p.condition) + " held " +
+                  (p.matches == 0 ? "for no fact" : "for no combination of facts");
           break;
         }
     fail(e, what);
@@ -348,11 +377,14 @@ class Play {
     const Heard* last = nullptr;
     for (const Heard& heard : stand_ins_.heard()) {
       if (heard.kind != kind || heard.name != e.text) continue;
-      if (within(e, heard.t) && contains(heard.content, e.fields)) ++inside;
-      else last = &heard;
+      if (within(e, heard.t) && contains(heard.content, e.fields))
+        ++inside;
+      else
+        last = &heard;
     }
     if (inside >= e.count) return;
-    std::string what = "expected " + (e.count > 1 ? std::to_string(e.count) + " times a " : std::string("a ")) + word + " for " + e.text;
+    std::string what = "expected " + (e.count > 1 ? std::to_string(e.count) + " times a " : std::string("a ")) + word +
+                       " for " + e.text;
     if (!e.fields.empty()) what += " with " + e.fields;
     what += span(e) + "; ";
     if (e.count > 1) what += "there were " + std::to_string(inside) + "; ";
@@ -364,7 +396,8 @@ class Play {
     for (const ConstructInfo& c : environment_->engine().constructs())
       if (c.kind == "defrule" && c.line > 0 && fs::path(c.file).is_absolute())
         result_.rules.push_back({c.file, c.name, c.line,
-                                 std::count_if(watches_.firings().begin(), watches_.firings().end(), [&](const Firing& f) { return f.rule == c.name; }),
+                                 std::count_if(watches_.firings().begin(), watches_.firings().end(),
+                                               [&](const Firing& f) { return f.rule == c.name; }),
                                  leaks_.activated[c.name]});
   }
 
@@ -434,7 +467,8 @@ struct Story::Stage : StoryOwner, Play {
   }
   const FactCopy* find(const FactPattern& pattern) {
     found_ = environment_->engine().facts(pattern.template_name());
-    const auto at = std::find_if(found_.begin(), found_.end(), [&](const FactCopy& copy) { return pattern.matches(copy_of(copy)); });
+    const auto at = std::find_if(found_.begin(), found_.end(),
+                                 [&](const FactCopy& copy) { return pattern.matches(copy_of(copy)); });
     return at == found_.end() ? nullptr : &*at;
   }
   void end_goal(const std::string& action, Outcome::Kind kind, const std::string& result, const Where& where) {
@@ -443,8 +477,10 @@ struct Story::Stage : StoryOwner, Play {
     outcome.kind = kind;
     outcome.result = result;
     const auto ended = stand_ins_.end_goal(action, outcome);
-    if (!ended) report(where, ended.error().text());
-    else if (!*ended) report(where, action + " has taken no goal that it could end");
+    if (!ended)
+      report(where, ended.error().text());
+    else if (!*ended)
+      report(where, action + " has taken no goal that it could end");
   }
 
   std::vector<FactCopy> found_;
@@ -487,12 +523,15 @@ void Story::expect_command(const std::string& robot, const std::string& skill, c
     others.clear();
     for (std::size_t i = 0; i < heard.size(); ++i) {
       if (heard[i].kind != Heard::Kind::kGoal || stage_->met[i]) continue;
-      if (heard[i].name == action && contains(heard[i].content, "{target: '" + target + "'}")) return static_cast<bool>(stage_->met[i] = true);
+      if (heard[i].name == action && contains(heard[i].content, "{target: '" + target + "'}"))
+        return static_cast<bool>(stage_->met[i] = true);
       others += (others.empty() ? "" : ", ") + heard[i].name + ' ' + heard[i].content + " at " + seconds(heard[i].t);
     }
     return false;
   });
-  if (!came) stage_->report(where, "expected " + action + " for " + target + " by " + seconds(stage_->now_) + "; " + (others.empty() ? "no other goal came" : "there came " + others));
+  if (!came)
+    stage_->report(where, "expected " + action + " for " + target + " by " + seconds(stage_->now_) + "; " +
+                              (others.empty() ? "no other goal came" : "there came " + others));
 }
 
 void Story::expect_fact(const std::string& text, Where where) {
@@ -500,7 +539,8 @@ void Story::expect_fact(const std::string& text, Where where) {
   if (!pattern) return stage_->report(where, pattern.error().text());
   if (stage_->wait(stage_->now_ + stage_->patience, where, [&] { return stage_->find(*pattern) != nullptr; })) return;
   std::string what = "expected fact " + text + " by " + seconds(stage_->now_);
-  for (const FactCopy& copy : stage_->found_) what += "\n  there is " + copy.print() + ": " + pattern->difference(stage_->copy_of(copy));
+  for (const FactCopy& copy : stage_->found_)
+    what += "\n  there is " + copy.print() + ": " + pattern->difference(stage_->copy_of(copy));
   stage_->report(where, what);
 }
 
@@ -508,8 +548,10 @@ void Story::expect_no_fact(const std::string& text, Where where) {
   const auto pattern = FactPattern::parse(text, where.file_name(), static_cast<int>(where.line()));
   if (!pattern) return stage_->report(where, pattern.error().text());
   if (!stage_->usable) return;
-  if (const FactCopy* fact = stage_->find(*pattern)) stage_->report(where, "expected no fact " + text + "; there is " + fact->print());
-  else if (!stage_->environment_->engine().has("deftemplate", pattern->template_name())) stage_->report(where, "there is no deftemplate '" + pattern->template_name() + "', so this says nothing");
+  if (const FactCopy* fact = stage_->find(*pattern))
+    stage_->report(where, "expected no fact " + text + "; there is " + fact->print());
+  else if (!stage_->environment_->engine().has("deftemplate", pattern->template_name()))
+    stage_->report(where, "there is no deftemplate '" + pattern->template_name() + "', so this says nothing");
 }
 
 void Story::skill_succeeds(const std::string& robot, const std::string& skill, Where where) {
@@ -517,7 +559,8 @@ void Story::skill_succeeds(const std::string& robot, const std::string& skill, W
 }
 
 void Story::skill_fails(const std::string& robot, const std::string& skill, int error_code, Where where) {
-  stage_->end_goal('/' + robot + '/' + skill, Outcome::Kind::kFail, "{error_code: " + std::to_string(error_code) + '}', where);
+  stage_->end_goal('/' + robot + '/' + skill, Outcome::Kind::kFail, "{error_code: " + std::to_string(error_code) + '}',
+                   where);
 }
 
 void Story::set_patience(double seconds) { stage_->patience = from_seconds(seconds); }

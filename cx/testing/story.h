@@ -49,21 +49,21 @@ struct Expectation {
 struct StorySpec {
   std::string name, file;
   int line = 0;
-  std::filesystem::path config;                     ///< of the CX; empty: `rules` with executive and ros_msgs
+  std::filesystem::path config;  ///< of the CX; empty: `rules` with executive and ros_msgs
   std::vector<std::filesystem::path> rules;
   std::map<std::string, std::filesystem::path> packages;
-  std::string environment;                          ///< empty = the first
+  std::string environment;  ///< empty = the first
   std::uint64_t seed = 1;
   std::vector<Line> given;
   std::vector<StandIn> stand_ins;
   std::vector<Step> steps;
   std::vector<Expectation> expect;
-  SimTime end{};                                    ///< zero: the latest time that is named
+  SimTime end{};  ///< zero: the latest time that is named
 };
 
 struct StorySetup {
-  std::filesystem::path interfaces;  ///< folder of packages of definitions
-  bool coverage = false;             ///< count activations too; costs a line of text for each
+  std::filesystem::path interfaces;                  ///< folder of packages of definitions
+  bool coverage = false;                             ///< count activations too; costs a line of text for each
   std::map<std::string, std::string> packages = {};  ///< beside those that a story names, which win
 };
 

@@ -18,7 +18,10 @@ Outcome read_outcome(yaml::Map& map) {
   std::string word = "succeed";
   map.read_word("outcome", word, {"succeed", "fail", "reject", "never"});
   Outcome outcome;
-  outcome.kind = word == "succeed" ? Outcome::Kind::kSucceed : word == "fail" ? Outcome::Kind::kFail : word == "reject" ? Outcome::Kind::kReject : Outcome::Kind::kNever;
+  outcome.kind = word == "succeed"  ? Outcome::Kind::kSucceed
+                 : word == "fail"   ? Outcome::Kind::kFail
+                 : word == "reject" ? Outcome::Kind::kReject
+                                    : Outcome::Kind::kNever;
   outcome.line = map.value().line();
   map.read_seconds("takes_s", outcome.takes);
   outcome.result = dumped(map, "result");
@@ -36,10 +39,13 @@ StandIn read_stand_in(const yaml::Value& value, bool with_at = false) {
   out.line = value.line();
   if (with_at) map.get("at");
   const yaml::Value action = map.get(with_at ? "skill" : "action"), service = map.get(with_at ? "serve" : "service");
-  if (static_cast<bool>(action) == static_cast<bool>(service)) map.fail(with_at ? "expected one of skill, serve" : "expected one of action, service");
+  if (static_cast<bool>(action) == static_cast<bool>(service))
+    map.fail(with_at ? "expected one of skill, serve" : "expected one of action, service");
   out.action = static_cast<bool>(action);
-  if (action) out.name = action.as_string();
-  else if (service) out.name = service.as_string();
+  if (action)
+    out.name = action.as_string();
+  else if (service)
+    out.name = service.as_string();
   if (const yaml::Value type = map.require("type")) out.type = type.as_string();
   out.outcomes.push_back(read_outcome(map));
   if (const yaml::Value then = map.get("then"))
@@ -113,7 +119,8 @@ Expectation read_expectation(const yaml::Value& item) {
   map.finish();
   if (kinds != 1) map.fail("expected one of fact, no_fact, fires, not_fires, goal, published");
   if (e.until < e.after) map.fail("within_s is before after");
-  if (!e.at && e.until == kNever && (e.kind == Kind::kFact || fires || goal || published)) map.fail("key 'within_s' is missing (or 'at')");
+  if (!e.at && e.until == kNever && (e.kind == Kind::kFact || fires || goal || published))
+    map.fail("key 'within_s' is missing (or 'at')");
   return e;
 }
 

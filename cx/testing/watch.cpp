@@ -29,9 +29,12 @@ std::vector<std::string> values_of(const RecordValue& slot) {
 void put_slots(const RecordValue& record, FactText& fact) {
   const RecordValue* slots = record.find("slots");
   for (const auto& [name, value] : std::get<RecordValue::Map>(slots->value)) {
-    const auto known = std::find_if(fact.slots.begin(), fact.slots.end(), [&](const auto& slot) { return slot.first == name; });
-    if (known == fact.slots.end()) fact.slots.emplace_back(name, values_of(value));
-    else known->second = values_of(value);
+    const auto known =
+        std::find_if(fact.slots.begin(), fact.slots.end(), [&](const auto& slot) { return slot.first == name; });
+    if (known == fact.slots.end())
+      fact.slots.emplace_back(name, values_of(value));
+    else
+      known->second = values_of(value);
   }
 }
 
@@ -49,10 +52,12 @@ void Watch::end_version(std::int64_t fact, SimTime t) {
   if (const auto live = live_.find(fact); live != live_.end()) facts_[live->second].until = t;
 }
 
-RecordRef Watch::write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data, std::span<const RecordRef>) {
+RecordRef Watch::write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data,
+                       std::span<const RecordRef>) {
   const auto index = static_cast<std::size_t>(stream);
   const RecordRef here{stream, counts_[index]++};
-  const bool wanted = kind == RecordKind::kAssert || kind == RecordKind::kModify || kind == RecordKind::kRetract || kind == RecordKind::kFire;
+  const bool wanted = kind == RecordKind::kAssert || kind == RecordKind::kModify || kind == RecordKind::kRetract ||
+                      kind == RecordKind::kFire;
   if (!wanted || streams_[index] != stream_name_) return here;
   const auto record = decode_record_data(data.bytes());
   if (!record) return here;

@@ -31,7 +31,8 @@ class Watch final : public RecordSink {
   void choose(const std::string& environment) { stream_name_ = "env/" + environment; }
 
   StreamId open_stream(std::string_view name) override;
-  RecordRef write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data, std::span<const RecordRef> causes) override;
+  RecordRef write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data,
+                  std::span<const RecordRef> causes) override;
 
   /// In order of their beginning.
   const std::vector<FactVersion>& facts() const { return facts_; }

@@ -24,13 +24,16 @@ struct Value::Shared {
   /// What was given for that path, or nullptr.
   const Override* given(const std::string& path) const {
     for (const Override& o : overrides)
-      if (path == o.path || (path.starts_with(o.path) && (path[o.path.size()] == '.' || path[o.path.size()] == '['))) return &o;
+      if (path == o.path || (path.starts_with(o.path) && (path[o.path.size()] == '.' || path[o.path.size()] == '[')))
+        return &o;
     return nullptr;
   }
   /// Notes what is wrong at that path: where the value comes from says where it is.
   void add(const std::string& path, std::string what, int line) {
-    if (const Override* o = given(path)) errors.push_back(input_error("--set " + o->assignment + ": " + what));
-    else errors.push_back(input_error(std::move(what), file, line));
+    if (const Override* o = given(path))
+      errors.push_back(input_error("--set " + o->assignment + ": " + what));
+    else
+      errors.push_back(input_error(std::move(what), file, line));
   }
 };
 
@@ -178,8 +181,10 @@ Map& Map::read(std::string_view key, std::int64_t& field) {
 Map& Map::read(std::string_view key, int& field) {
   if (const Value v = get(key)) {
     const std::int64_t number = v.as_integer(field);
-    if (number < INT32_MIN || number > INT32_MAX) v.fail("found " + v.text() + ", which is out of range");
-    else field = static_cast<int>(number);
+    if (number < INT32_MIN || number > INT32_MAX)
+      v.fail("found " + v.text() + ", which is out of range");
+    else
+      field = static_cast<int>(number);
   }
   return *this;
 }
@@ -201,8 +206,10 @@ Map& Map::read(std::string_view key, std::vector<std::string>& field) {
 Map& Map::read_seconds(std::string_view key, SimTime& field) {
   if (const Value v = get(key)) {
     const double seconds = v.as_number();
-    if (seconds < 0 || seconds > 1e9) v.fail("found " + v.text() + ", expected seconds from 0 to 1e9");
-    else field = from_seconds(seconds);
+    if (seconds < 0 || seconds > 1e9)
+      v.fail("found " + v.text() + ", expected seconds from 0 to 1e9");
+    else
+      field = from_seconds(seconds);
   }
   return *this;
 }
@@ -236,8 +243,8 @@ void Map::finish() {
   std::vector<std::tuple<std::string, std::string, int>> close_by, far_off;  // path, what, line
   for (const auto& item : *value_.node_) {
     if (item.first.IsScalar() && !seen.insert(item.first.Scalar()).second)
-      value_.shared_->errors.push_back(
-          input_error("key '" + item.first.Scalar() + "' stands here a second time", value_.shared_->file, item.first.Mark().line + 1));
+      value_.shared_->errors.push_back(input_error("key '" + item.first.Scalar() + "' stands here a second time",
+                                                   value_.shared_->file, item.first.Mark().line + 1));
     const std::string key = item.first.IsScalar() ? item.first.Scalar() : "(a key that is not a text)";
     if (std::find(asked_.begin(), asked_.end(), key) != asked_.end()) continue;
     std::string what = "unknown key '" + key + "'";
@@ -254,7 +261,9 @@ void Map::finish() {
     std::string list;
     for (const auto& a : asked_) list += (list.empty() ? "" : ", ") + a;
     what += near.empty() ? "; known are: " + list : ", did you mean '" + near + "'?";
-    (near.empty() ? far_off : close_by).emplace_back(value_.path_.empty() ? key : value_.path_ + '.' + key, std::move(what), item.first.Mark().line + 1);
+    (near.empty() ? far_off : close_by)
+        .emplace_back(value_.path_.empty() ? key : value_.path_ + '.' + key, std::move(what),
+                      item.first.Mark().line + 1);
   }
   for (auto* unknown : {&close_by, &far_off})
     for (auto& [path, what, line] : *unknown) value_.shared_->add(path, std::move(what), line);
@@ -318,7 +327,8 @@ bool split_path(const std::string& path, std::vector<Step>& steps) {
 Status Document::set(const std::string& assignment) {
   const auto fail = [&](const std::string& what) { return Status(input_error("--set " + assignment + ": " + what)); };
   const std::size_t equals = assignment.find('=');
-  if (equals == std::string::npos) return Error{ErrorKind::kUsage, "--set " + assignment + ": expected PATH=VALUE", {}, 0, {}};
+  if (equals == std::string::npos)
+    return Error{ErrorKind::kUsage, "--set " + assignment + ": expected PATH=VALUE", {}, 0, {}};
   std::vector<Step> steps;
   if (!split_path(assignment.substr(0, equals), steps)) return fail("expected a path like a.b[0].c");
   YAML::Node value;
@@ -334,17 +344,22 @@ Status Document::set(const std::string& assignment) {
     if (step.index >= 0) {
       if (!at.IsSequence()) return fail("there is no list before [" + std::to_string(step.index) + "]");
       if (static_cast<std::size_t>(step.index) >= at.size())
-        return fail("index " + std::to_string(step.index) + " is beyond the list's " + std::to_string(at.size()) + " items");
-      if (last) at[step.index] = value;
-      else at.reset(at[step.index]);
+        return fail("index " + std::to_string(step.index) + " is beyond the list's " + std::to_string(at.size()) +
+                    " items");
+      if (last)
+        at[step.index] = value;
+      else
+        at.reset(at[step.index]);
       continue;
     }
-    if (at.IsDefined() && !at.IsNull() && !at.IsMap()) return fail("'" + step.key + "' is below something that is not a map");
+    if (at.IsDefined() && !at.IsNull() && !at.IsMap())
+      return fail("'" + step.key + "' is below something that is not a map");
     if (last) {
       at[step.key] = value;
       break;
     }
-    if (!at[step.key].IsDefined() || at[step.key].IsNull()) at[step.key] = YAML::Node(steps[i + 1].index >= 0 ? YAML::NodeType::Sequence : YAML::NodeType::Map);
+    if (!at[step.key].IsDefined() || at[step.key].IsNull())
+      at[step.key] = YAML::Node(steps[i + 1].index >= 0 ? YAML::NodeType::Sequence : YAML::NodeType::Map);
     at.reset(at[step.key]);
   }
   root_.shared_->overrides.push_back({assignment.substr(0, equals), assignment});

@@ -24,7 +24,7 @@ class Map;
 class Value {
  public:
   explicit operator bool() const;
-  int line() const;                  ///< from 1
+  int line() const;  ///< from 1
   const std::string& path() const { return path_; }
   const std::string& file() const;
   /// For errors that are found later: file and line, or the argument of `Document::set` and 0.
@@ -58,12 +58,12 @@ class Value {
   std::string path_;
 };
 
-/// A mapping that is read key by key; `finish` reports the keys that nobody asked for: first those that are near a key that
-/// was asked for. One that is near a missing required key is told in that key's error.
+/// A mapping that is read key by key; `finish` reports the keys that nobody asked for: first those that are near a key
+/// that was asked for. One that is near a missing required key is told in that key's error.
 class Map {
  public:
-  Value get(std::string_view key);       ///< may be missing
-  Value require(std::string_view key);   ///< missing: an error
+  Value get(std::string_view key);      ///< may be missing
+  Value require(std::string_view key);  ///< missing: an error
   bool has(std::string_view key);
 
   // Leave the field alone when the key is missing.
@@ -96,8 +96,8 @@ class Document {
   static Expected<Document> load(const std::filesystem::path& file);
   static Expected<Document> parse(const std::string& text, const std::string& name);
 
-  /// `a.b[0].c=VALUE`; VALUE is YAML. Missing maps on the way are made, so that reading reports unknown keys. What reading
-  /// finds wrong in VALUE names the assignment instead of file and line. Without '=': kUsage.
+  /// `a.b[0].c=VALUE`; VALUE is YAML. Missing maps on the way are made, so that reading reports unknown keys. What
+  /// reading finds wrong in VALUE names the assignment instead of file and line. Without '=': kUsage.
   Status set(const std::string& assignment);
   /// The document's one value. Without one: an empty map.
   Value root() const;

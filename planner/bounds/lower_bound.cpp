@@ -13,13 +13,14 @@ namespace cxlab::planner {
 namespace {
 
 constexpr Micros kNever = DurationRange::kForever;
-constexpr std::int64_t kLandmarkWork = 10;  ///< word operations by unit of the slice
+constexpr std::int64_t kLandmarkWork = 10;                  ///< word operations by unit of the slice
 constexpr std::size_t kMostBytes = std::size_t{512} << 20;  ///< of the times of pairs
-constexpr std::size_t kMostWays = 16;       ///< actions of an activity; more of them are seldom far apart
+constexpr std::size_t kMostWays = 16;  ///< actions of an activity; more of them are seldom far apart
 
 class Bounds {
  public:
-  Bounds(const Simulator& simulator, Budget& budget) : simulator_(simulator), task_(simulator.task()), budget_(budget) {}
+  Bounds(const Simulator& simulator, Budget& budget)
+      : simulator_(simulator), task_(simulator.task()), budget_(budget) {}
 
   LowerBound run(std::int64_t slice) {
     find_durations();
@@ -28,8 +29,10 @@ class Bounds {
     if (budget_.late()) return {0, false, false};
     const std::vector<Micros> released = comparison_;
     bound.makespan = earliest_goal();
-    if (bound.makespan >= kNever) bound.makespan = 0;
-    else if (task_.axioms.empty()) raise_by_pairs(bound, released, slice);
+    if (bound.makespan >= kNever)
+      bound.makespan = 0;
+    else if (task_.axioms.empty())
+      raise_by_pairs(bound, released, slice);
     return bound;
   }
 
@@ -65,11 +68,14 @@ class Bounds {
     comparison_.assign(task_.comparisons.size(), kNever);
     const PackedState initial = simulator_.initial();
     for (std::size_t f = 0; f < task_.facts.size(); ++f)
-      if (is_set(initial.data(), static_cast<int>(f)) || (task_.facts[f].derived && task_.facts[f].is_complement)) fact_[f] = 0;
+      if (is_set(initial.data(), static_cast<int>(f)) || (task_.facts[f].derived && task_.facts[f].is_complement))
+        fact_[f] = 0;
     // A comparison can come true as soon as one of its numbers changes.
     readers_.assign(task_.numbers.size(), {});
     for (std::size_t c = 0; c < task_.comparisons.size(); ++c) {
-      if (task_.comparisons[c].holds(simulator_.numbers(initial.data())) || task_.comparisons[c].linear.duration_weight != 0) comparison_[c] = 0;
+      if (task_.comparisons[c].holds(simulator_.numbers(initial.data())) ||
+          task_.comparisons[c].linear.duration_weight != 0)
+        comparison_[c] = 0;
       for (const auto& step : task_.comparisons[c].expression.steps)
         if (step.kind == GroundExpression::Kind::kNumber) readers_[step.number].push_back(static_cast<int>(c));
     }
@@ -156,7 +162,8 @@ class Bounds {
     std::vector<std::vector<int>> ways;  // by activity: its actions
     for (std::vector<int>& actions : find_landmarks(slice)) {
       std::erase_if(actions, [&](int a) { return all.beginning(a) >= PairTimes::kNever; });
-      if (!actions.empty() && actions.size() <= kMostWays && std::ranges::find(ways, actions) == ways.end()) ways.push_back(std::move(actions));
+      if (!actions.empty() && actions.size() <= kMostWays && std::ranges::find(ways, actions) == ways.end())
+        ways.push_back(std::move(actions));
     }
     std::ranges::stable_sort(ways, {}, &std::vector<int>::size);
     // By action: from its beginning to that of each other, last to the goal.
@@ -169,7 +176,8 @@ class Bounds {
       after[a].push_back(std::max(then.time(goal_), static_cast<PairTime>(durations_[a] / unit)));
       return true;
     };
-    const auto first_unknown = std::ranges::find_if_not(ways, [&](const auto& actions) { return std::ranges::all_of(actions, look_after); });
+    const auto first_unknown =
+        std::ranges::find_if_not(ways, [&](const auto& actions) { return std::ranges::all_of(actions, look_after); });
     ways.erase(first_unknown, ways.end());
     Activities activities;
     for (const auto& first : ways) {
@@ -198,7 +206,8 @@ class Bounds {
   /// Sets of actions of which every plan has one: all that add a landmark.
   std::vector<std::vector<int>> find_landmarks(std::int64_t slice) {
     std::vector<std::vector<int>> found;
-    const std::optional<GroundTask> parts = untimed(task_, Ends::kOften);  // its landmarks are those of overlapping plans, too
+    const std::optional<GroundTask> parts =
+        untimed(task_, Ends::kOften);  // its landmarks are those of overlapping plans, too
     if (!parts || budget_.late()) return found;
     const Simulator simulator(*parts);
     const RelaxedTask relaxed(simulator, true);
@@ -212,7 +221,8 @@ class Bounds {
       const GroundAction& action = task_.actions[a];
       note(action.at_start.add, a);
       note(action.at_end.add, a);
-      for (const ConditionalEffects& conditional : action.conditional) note(conditional.at_start.add, a), note(conditional.at_end.add, a);
+      for (const ConditionalEffects& conditional : action.conditional)
+        note(conditional.at_start.add, a), note(conditional.at_end.add, a);
     }
     for (const TimedEvent& event : task_.events)
       for (const int f : event.effects.add) achievers[f].clear();  // no action need do it

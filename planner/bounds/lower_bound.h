@@ -2,11 +2,11 @@
 // A makespan that no plan can beat.
 //
 // Critical path: every fact has an earliest time, the latest of the conditions of its quickest achiever and the time
-// that this takes (temporal h-max, Haslum and Geffner 2001); the same for pairs of facts (pair_times.h). Then activities,
-// sets of actions of which every plan has one (all achievers of a landmark): what pairs say from right after each of
-// their actions is how far apart two of them must begin and how long the plan goes on, and no order of them is shorter
-// than sequencing.h says. Robots, machines and places that only one can have at a time need not be known: they show as
-// times between beginnings. Actions that need facts that are never true together are left out.
+// that this takes (temporal h-max, Haslum and Geffner 2001); the same for pairs of facts (pair_times.h). Then
+// activities, sets of actions of which every plan has one (all achievers of a landmark): what pairs say from right
+// after each of their actions is how far apart two of them must begin and how long the plan goes on, and no order of
+// them is shorter than sequencing.h says. Robots, machines and places that only one can have at a time need not be
+// known: they show as times between beginnings. Actions that need facts that are never true together are left out.
 
 #include "planner/ground/budget.h"
 #include "planner/schedule/timeline.h"
@@ -15,8 +15,9 @@ namespace cxlab::planner {
 
 struct LowerBound {
   Micros makespan = 0;
-  /// It holds only for plans in which no two actions change the same fact at the same instant. Elsewhere some validators
-  /// let actions share what is for one: both end at the very same time, and neither ended the other's condition.
+  /// It holds only for plans in which no two actions change the same fact at the same instant. Elsewhere some
+  /// validators let actions share what is for one: both end at the very same time, and neither ended the other's
+  /// condition.
   bool assumes_order = false;
   bool complete = true;  ///< false: more than `slice` units might raise it
 };

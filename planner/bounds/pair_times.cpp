@@ -41,9 +41,12 @@ std::size_t padded(int count) { return (static_cast<std::size_t>(count) + 7) / 8
 
 }  // namespace
 
-HappeningTask::HappeningTask(const GroundTask& task, const std::vector<Micros>& durations, const std::vector<Micros>& released, Micros unit, Budget& budget)
+HappeningTask::HappeningTask(const GroundTask& task, const std::vector<Micros>& durations,
+                             const std::vector<Micros>& released, Micros unit, Budget& budget)
     : facts_(static_cast<int>(task.facts.size())), beginnings_(task.actions.size(), -1), initial_(task.initial_facts) {
-  const auto units = [unit](Micros time) { return static_cast<PairTime>(std::min<Micros>(time / unit, PairTimes::kMost)); };
+  const auto units = [unit](Micros time) {
+    return static_cast<PairTime>(std::min<Micros>(time / unit, PairTimes::kMost));
+  };
   const auto release = [&](const std::vector<int>& comparisons) {
     PairTime time = 0;
     for (const int c : comparisons) time = std::max(time, units(released[c]));
@@ -94,7 +97,8 @@ HappeningTask::HappeningTask(const GroundTask& task, const std::vector<Micros>& 
     happenings_.push_back(std::move(end));
     add_conditional(action, first, first + 1);
   }
-  for (const TimedEvent& event : task.events) happenings_.push_back({{}, event.effects.add, event.effects.remove, {}, -1, 0, units(event.time), true});
+  for (const TimedEvent& event : task.events)
+    happenings_.push_back({{}, event.effects.add, event.effects.remove, {}, -1, 0, units(event.time), true});
   find_breaks(task, action_of_run, end_of_run, budget);
   readers_.resize(static_cast<std::size_t>(atoms()));
   ends_of_.resize(static_cast<std::size_t>(runs_));
@@ -105,7 +109,8 @@ HappeningTask::HappeningTask(const GroundTask& task, const std::vector<Micros>& 
   }
 }
 
-/// What a conditional effect adds is a happening beside that of its action, which removes nothing: others may hold, too.
+/// What a conditional effect adds is a happening beside that of its action, which removes nothing: others may hold,
+/// too.
 void HappeningTask::add_conditional(const GroundAction& action, int begin, int end) {
   for (const ConditionalEffects& conditional : action.conditional) {
     for (const bool at_end : {false, true}) {
@@ -125,7 +130,8 @@ void HappeningTask::add_conditional(const GroundAction& action, int begin, int e
 }
 
 /// Which happenings make false what actions under way need over all.
-void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& action_of_run, const std::vector<int>& end_of_run, Budget& budget) {
+void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& action_of_run,
+                                const std::vector<int>& end_of_run, Budget& budget) {
   std::vector<std::vector<int>> holders(task.facts.size());  // by fact: runs
   for (int run = 0; run < runs_; ++run)
     if (happenings_[static_cast<std::size_t>(beginnings_[action_of_run[run]])].lasts > 0)
@@ -138,8 +144,10 @@ void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& 
       if (f >= facts_) continue;
       for (const int run : holders[f]) {
         if (happening.begins == run) continue;
-        if (!happening.ends.empty() && happening.ends[0] == run) ends_itself_[run] = 1;
-        else broken.push_back(facts_ + run);
+        if (!happening.ends.empty() && happening.ends[0] == run)
+          ends_itself_[run] = 1;
+        else
+          broken.push_back(facts_ + run);
       }
     }
     unite(happening.removes, broken);
@@ -163,8 +171,8 @@ void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& 
       if (!std::ranges::binary_search(second.removes, facts_ + a)) continue;
       const std::vector<int>& others = task.actions[action_of_run[b]].end.facts;
       const std::span<const int> other_removes = removed_facts(second);
-      if (share(first.adds, other_removes) || share(removes, second.adds) || share(needs, other_removes) || share(needs, second.adds) ||
-          share(others, removes) || share(others, first.adds))
+      if (share(first.adds, other_removes) || share(removes, second.adds) || share(needs, other_removes) ||
+          share(needs, second.adds) || share(others, removes) || share(others, first.adds))
         continue;  // they cannot share an instant
       if (share(first.adds, second.adds) || share(removes, other_removes)) {
         left_out_.emplace_back(a, b);
@@ -181,7 +189,8 @@ void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& 
   }
 }
 
-PairTimes::PairTimes(const HappeningTask& task) : task_(task), width_(padded(task.atoms())), run_width_(padded(task.runs())) {
+PairTimes::PairTimes(const HappeningTask& task)
+    : task_(task), width_(padded(task.atoms())), run_width_(padded(task.runs())) {
   const std::size_t atoms = static_cast<std::size_t>(task.atoms()), runs = static_cast<std::size_t>(task.runs());
   pairs_.assign(atoms * width_, kNever);
   ends_.assign(runs * width_, kNever);
@@ -195,7 +204,8 @@ PairTimes::PairTimes(const HappeningTask& task) : task_(task), width_(padded(tas
 
 std::size_t PairTimes::bytes(const HappeningTask& task) {
   const std::size_t atoms = static_cast<std::size_t>(task.atoms()), width = padded(task.atoms());
-  return sizeof(PairTime) * (atoms * width + static_cast<std::size_t>(task.runs()) * width + atoms * padded(task.runs()));
+  return sizeof(PairTime) *
+         (atoms * width + static_cast<std::size_t>(task.runs()) * width + atoms * padded(task.runs()));
 }
 
 std::int64_t PairTimes::round_work(const HappeningTask& task) {
@@ -257,7 +267,8 @@ PairTime PairTimes::beginning(int action) const {
 
 bool PairTimes::assumes_order() const {
   return std::ranges::any_of(task_.left_out(), [this](const auto& runs) {
-    return runs.first == runs.second ? overlaps_itself_[runs.first] != 0 : time(task_.facts() + runs.first, task_.facts() + runs.second) < kNever;
+    return runs.first == runs.second ? overlaps_itself_[runs.first] != 0
+                                     : time(task_.facts() + runs.first, task_.facts() + runs.second) < kNever;
   });
 }
 

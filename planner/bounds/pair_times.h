@@ -3,21 +3,21 @@
 // of PDDL 2.1).
 //
 // Atoms are the facts and, for each durative action, that it is running. No plan has atoms p and q together before
-// `time(p, q)`. A happening at time t (a beginning, an end, an instantaneous action, an event) that adds p leaves q beside
-// it only if q was true before t together with all that the happening needs, and is not removed by it; it removes that b
-// is running if it makes false what b needs over all. A beginning needs, too, what must hold from then on, unless a beginning
-// can add that: two may give it to each other at one instant. For a run of an action and an atom there is a second time: the
-// earliest end of a run during which the atom was true at some time.
+// `time(p, q)`. A happening at time t (a beginning, an end, an instantaneous action, an event) that adds p leaves q
+// beside it only if q was true before t together with all that the happening needs, and is not removed by it; it
+// removes that b is running if it makes false what b needs over all. A beginning needs, too, what must hold from then
+// on, unless a beginning can add that: two may give it to each other at one instant. For a run of an action and an atom
+// there is a second time: the earliest end of a run during which the atom was true at some time.
 //
-// Why no plan is quicker, by induction over the instants of a plan. Let p and q be true right after instant t. If nothing
-// changed them at t they were true before. If x added p and q was true before, q was true with all that x needs, because
-// needs are read right before t and nothing else at t touches them. If x added p and y added q, x may be taken to happen
-// before y: what y needs was true before t and x does not touch it, so it is true beside p. That order fails only where
-// x and y are ends and each makes false what the other needs over all, since over all spares the instant of the end. Such
-// ends are happenings of their own, both at once. Those in which both also change the same fact are left out (`assumes_order`):
-// validators differ on whether they may share an instant, and no plan with them bears any shift.
-// Runs of one ground action may overlap if its beginning can happen while it runs. What is conditional may add and never
-// removes. Numbers are not followed: comparisons hold from `released` on.
+// Why no plan is quicker, by induction over the instants of a plan. Let p and q be true right after instant t. If
+// nothing changed them at t they were true before. If x added p and q was true before, q was true with all that x
+// needs, because needs are read right before t and nothing else at t touches them. If x added p and y added q, x may be
+// taken to happen before y: what y needs was true before t and x does not touch it, so it is true beside p. That order
+// fails only where x and y are ends and each makes false what the other needs over all, since over all spares the
+// instant of the end. Such ends are happenings of their own, both at once. Those in which both also change the same
+// fact are left out (`assumes_order`): validators differ on whether they may share an instant, and no plan with them
+// bears any shift. Runs of one ground action may overlap if its beginning can happen while it runs. What is conditional
+// may add and never removes. Numbers are not followed: comparisons hold from `released` on.
 
 #include <cstdint>
 #include <vector>
@@ -32,21 +32,22 @@ using PairTime = std::int32_t;
 
 /// What happens at one instant.
 struct PairHappening {
-  std::vector<int> needs;           ///< atoms true right before; of an end: also its conditions over all, and that it runs
-  std::vector<int> adds, removes;   ///< atoms; a beginning adds that its action runs, an end removes it
-  std::vector<int> ends;            ///< runs that end now
-  int begins = -1;                  ///< run that begins now
-  PairTime lasts = 0;               ///< of a beginning: at least
-  PairTime release = 0;             ///< not before
-  bool fixed = false;               ///< an event: at `release`
+  std::vector<int> needs;  ///< atoms true right before; of an end: also its conditions over all, and that it runs
+  std::vector<int> adds, removes;  ///< atoms; a beginning adds that its action runs, an end removes it
+  std::vector<int> ends;           ///< runs that end now
+  int begins = -1;                 ///< run that begins now
+  PairTime lasts = 0;              ///< of a beginning: at least
+  PairTime release = 0;            ///< not before
+  bool fixed = false;              ///< an event: at `release`
 };
 
 /// The happenings of a task without derived facts.
 class HappeningTask {
  public:
-  /// `durations` by action, at least; `released` by comparison, earliest times. `unit` in microseconds; all is rounded down.
-  /// Not to be used if the time runs out.
-  HappeningTask(const GroundTask& task, const std::vector<Micros>& durations, const std::vector<Micros>& released, Micros unit, Budget& budget);
+  /// `durations` by action, at least; `released` by comparison, earliest times. `unit` in microseconds; all is rounded
+  /// down. Not to be used if the time runs out.
+  HappeningTask(const GroundTask& task, const std::vector<Micros>& durations, const std::vector<Micros>& released,
+                Micros unit, Budget& budget);
 
   int facts() const { return facts_; }
   int runs() const { return runs_; }
@@ -54,16 +55,17 @@ class HappeningTask {
   const std::vector<PairHappening>& happenings() const { return happenings_; }
   const std::vector<int>& readers(int atom) const { return readers_[atom]; }  ///< happenings that need it
   const std::vector<int>& without_needs() const { return without_needs_; }
-  const std::vector<int>& ends_of(int run) const { return ends_of_[run]; }    ///< happenings that end it
-  int beginning(int action) const { return beginnings_[action]; }             ///< happening
-  bool ends_itself(int run) const { return ends_itself_[run]; }               ///< no other run of the action outlives its end
+  const std::vector<int>& ends_of(int run) const { return ends_of_[run]; }  ///< happenings that end it
+  int beginning(int action) const { return beginnings_[action]; }           ///< happening
+  bool ends_itself(int run) const { return ends_itself_[run]; }  ///< no other run of the action outlives its end
   const std::vector<char>& initial() const { return initial_; }
   /// Runs that change the same fact as they end, where only together they could end at all.
   const std::vector<std::pair<int, int>>& left_out() const { return left_out_; }
 
  private:
   void add_conditional(const GroundAction& action, int begin, int end);
-  void find_breaks(const GroundTask& task, const std::vector<int>& action_of_run, const std::vector<int>& end_of_run, Budget& budget);
+  void find_breaks(const GroundTask& task, const std::vector<int>& action_of_run, const std::vector<int>& end_of_run,
+                   Budget& budget);
 
   int facts_ = 0, runs_ = 0;
   std::vector<PairHappening> happenings_;
@@ -90,7 +92,9 @@ class PairTimes {
   /// not rule out.
   bool solve_after(int action, const PairTimes& all, Budget& budget);
 
-  PairTime time(int p, int q) const { return pairs_[static_cast<std::size_t>(p) * width_ + static_cast<std::size_t>(q)]; }
+  PairTime time(int p, int q) const {
+    return pairs_[static_cast<std::size_t>(p) * width_ + static_cast<std::size_t>(q)];
+  }
   /// When all of them can be true, as far as pairs tell.
   PairTime time(const std::vector<int>& atoms) const;
   /// When an action can begin.
@@ -116,11 +120,11 @@ class PairTimes {
   std::vector<PairTime> ends_by_atom_;  ///< the same by atom, run
   std::vector<PairTime> single_;        ///< time(p, p)
   std::vector<char> overlaps_itself_;
-  bool timed_ = true;                   ///< releases count
+  bool timed_ = true;  ///< releases count
   std::vector<char> queued_;
   std::vector<int> queue_;
   std::vector<PairTime> beside_, end_beside_;
-  std::int64_t work_ = 0;               ///< entries looked at
+  std::int64_t work_ = 0;  ///< entries looked at
 };
 
 }  // namespace cxlab::planner

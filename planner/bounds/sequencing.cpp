@@ -44,7 +44,9 @@ class Sequences {
         for (int k = 0; k < n; ++k)
           if (k != i && k != j && exclusive(i, k) && exclusive(j, k)) left.push_back(k);
         while (!left.empty()) {
-          const auto room = [&](int k) { return std::ranges::count_if(left, [&](int other) { return other != k && exclusive(k, other); }); };
+          const auto room = [&](int k) {
+            return std::ranges::count_if(left, [&](int other) { return other != k && exclusive(k, other); });
+          };
           const int next = *std::ranges::max_element(left, {}, room);
           group.push_back(next);
           std::erase_if(left, [&](int k) { return k == next || !exclusive(k, next); });
@@ -55,14 +57,16 @@ class Sequences {
     return {found.begin(), found.end()};
   }
 
-  /// Of those with a late enough head and a long enough tail: the first head, the shortest times to a next one, the last tail.
+  /// Of those with a late enough head and a long enough tail: the first head, the shortest times to a next one, the
+  /// last tail.
   PairTime by_sum(const std::vector<int>& group) const {
     PairTime most = 0;
     for (const int first : group)
       for (const int last : group) {
         std::vector<int> chosen;
         for (const int k : group)
-          if (activities_.heads[k] >= activities_.heads[first] && activities_.tails[k] >= activities_.tails[last]) chosen.push_back(k);
+          if (activities_.heads[k] >= activities_.heads[first] && activities_.tails[k] >= activities_.tails[last])
+            chosen.push_back(k);
         if (chosen.size() < 2) continue;
         std::int64_t sum = 0, longest = 0;
         for (const int k : chosen) {
@@ -73,7 +77,9 @@ class Sequences {
           longest = std::max<std::int64_t>(longest, next);
           sum += next;
         }
-        most = static_cast<PairTime>(std::max<std::int64_t>(most, std::min<std::int64_t>(activities_.heads[first] + sum - longest + activities_.tails[last], PairTimes::kMost)));
+        most = static_cast<PairTime>(std::max<std::int64_t>(
+            most, std::min<std::int64_t>(activities_.heads[first] + sum - longest + activities_.tails[last],
+                                         PairTimes::kMost)));
       }
     return most;
   }
@@ -96,8 +102,10 @@ class Sequences {
     PairTime beyond = kNever;
     const auto reach = [&](std::size_t set, std::size_t last, PairTime time) {
       const PairTime end = time + activities_.tails[group[last]];
-      if (end > limit) beyond = std::min(beyond, end);
-      else earliest_[set * n + last] = std::min(earliest_[set * n + last], time);
+      if (end > limit)
+        beyond = std::min(beyond, end);
+      else
+        earliest_[set * n + last] = std::min(earliest_[set * n + last], time);
     };
     for (std::size_t i = 0; i < n; ++i) reach(std::size_t{1} << i, i, activities_.heads[group[i]]);
     for (std::size_t set = 1; set < all; ++set)
@@ -107,7 +115,8 @@ class Sequences {
         for (std::size_t next = 0; next < n; ++next) {
           if ((set >> next) & 1) continue;
           const PairTime gap = activities_.apart[group[last]][group[next]];
-          if (gap < kNever) reach(set | (std::size_t{1} << next), next, std::max(time + gap, activities_.heads[group[next]]));
+          if (gap < kNever)
+            reach(set | (std::size_t{1} << next), next, std::max(time + gap, activities_.heads[group[next]]));
         }
       }
     budget_.spend(Work::kBound, static_cast<std::int64_t>(all * n * n / 16));

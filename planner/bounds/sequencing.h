@@ -17,8 +17,8 @@ struct Activities {
   int count() const { return static_cast<int>(heads.size()); }
 };
 
-/// No plan is shorter. Activities that cannot begin together are tried in every order (one machine with heads, tails and
-/// set-up times: Carlier 1982; the orders by dynamic programming, Held and Karp 1962), in groups of a few.
+/// No plan is shorter. Activities that cannot begin together are tried in every order (one machine with heads, tails
+/// and set-up times: Carlier 1982; the orders by dynamic programming, Held and Karp 1962), in groups of a few.
 PairTime shortest_sequence(const Activities& activities, Budget& budget);
 
 }  // namespace cxlab::planner

@@ -24,7 +24,9 @@ inline constexpr std::size_t kWorkKinds = 5;
 inline constexpr std::array<std::int64_t, kWorkKinds> kWorkWeights = {100, 20, 2000, 150, 20};
 
 /// Units of so many pieces of work.
-constexpr std::int64_t units_of(Work kind, std::int64_t pieces) { return pieces * kWorkWeights[static_cast<std::size_t>(kind)] / 1000; }
+constexpr std::int64_t units_of(Work kind, std::int64_t pieces) {
+  return pieces * kWorkWeights[static_cast<std::size_t>(kind)] / 1000;
+}
 
 /// `Error::code` of what the budget did not suffice for.
 inline constexpr const char* kOutOfBudget = "budget";
@@ -37,7 +39,8 @@ class Budget {
   /// `units` to spend, and seconds of wall time from now.
   Budget(std::int64_t units, std::optional<double> timeout_s) : limit_(units) {
     if (timeout_s)
-      deadline_ = std::chrono::steady_clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(*timeout_s * 1e6));
+      deadline_ =
+          std::chrono::steady_clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(*timeout_s * 1e6));
   }
 
   void spend(Work kind, std::int64_t pieces) { counts_[static_cast<std::size_t>(kind)] += pieces; }
@@ -56,7 +59,8 @@ class Budget {
   bool over() {
     if (over_) return true;
     const std::int64_t now = units();
-    if (now >= limit_) over_ = true;
+    if (now >= limit_)
+      over_ = true;
     else if (deadline_ && now >= next_look_) {
       next_look_ = now + 200;
       late();

@@ -13,7 +13,8 @@ namespace cxlab::planner {
 namespace {
 
 constexpr std::size_t kMostAlternatives = 32;  ///< actions that one is split into, before a derived fact is used
-constexpr std::int64_t kActionWork = 10;       ///< of an action besides its conditions and effects, in pieces of Work::kGround
+constexpr std::int64_t kActionWork =
+    10;  ///< of an action besides its conditions and effects, in pieces of Work::kGround
 
 /// A ground condition in negation normal form.
 struct Formula {
@@ -32,8 +33,10 @@ Formula join(Formula::Kind kind, std::vector<Formula> parts) {
   for (Formula& part : parts) {
     if (part.kind == absorbing) return {absorbing, -1, {}};
     if (part.kind == neutral) continue;
-    if (part.kind == kind) std::ranges::move(part.parts, std::back_inserter(joined.parts));
-    else joined.parts.push_back(std::move(part));
+    if (part.kind == kind)
+      std::ranges::move(part.parts, std::back_inserter(joined.parts));
+    else
+      joined.parts.push_back(std::move(part));
   }
   if (joined.parts.empty()) return {neutral, -1, {}};
   if (joined.parts.size() == 1) return Formula(std::move(joined.parts[0]));
@@ -45,11 +48,14 @@ void sort_unique(std::vector<int>& items) {
   items.erase(std::unique(items.begin(), items.end()), items.end());
 }
 
-bool same(const GroundCondition& a, const GroundCondition& b) { return a.facts == b.facts && a.comparisons == b.comparisons; }
+bool same(const GroundCondition& a, const GroundCondition& b) {
+  return a.facts == b.facts && a.comparisons == b.comparisons;
+}
 
 class Grounder {
  public:
-  Grounder(const Task& task, Reachable reachable, Budget& budget) : task_(task), reachable_(std::move(reachable)), budget_(budget) {}
+  Grounder(const Task& task, Reachable reachable, Budget& budget)
+      : task_(task), reachable_(std::move(reachable)), budget_(budget) {}
 
   /// Incomplete if the budget ends.
   GroundTask run() {
@@ -60,8 +66,10 @@ class Grounder {
       if (budget_.over()) return std::move(out_);
     }
     std::vector<ObjectId> frame(static_cast<std::size_t>(task_.problem.goal_slots), -1);
-    if (std::optional<GroundCondition> goal = conjunction(formula(task_.problem.goal, frame, false))) out_.goal = std::move(*goal);
-    else out_.proved_unsolvable = true;
+    if (std::optional<GroundCondition> goal = conjunction(formula(task_.problem.goal, frame, false)))
+      out_.goal = std::move(*goal);
+    else
+      out_.proved_unsolvable = true;
     for (std::size_t next = 0; next < demanded_.size() && !budget_.over(); ++next) derive(demanded_[next]);
     add_events();
     if (task_.problem.metric) {
@@ -84,7 +92,8 @@ class Grounder {
   void find_absences() {
     std::vector<char> asked(task_.domain.predicates.size(), 0), deleted(asked);
     const auto ask = [&](const TimedCondition& condition) {
-      for (const Condition* part : {&condition.start, &condition.over_all, &condition.end}) find_negations(*part, false, asked);
+      for (const Condition* part : {&condition.start, &condition.over_all, &condition.end})
+        find_negations(*part, false, asked);
     };
     for (const Action& action : task_.domain.actions) {
       ask(action.condition);
@@ -100,7 +109,8 @@ class Grounder {
     using Kind = Condition::Kind;
     if (condition.kind == Kind::kAtom && negated) asked[condition.predicate] = 1;
     for (std::size_t i = 0; i < condition.operands.size(); ++i)
-      find_negations(condition.operands[i], negated != (condition.kind == Kind::kNot || (condition.kind == Kind::kImply && i == 0)), asked);
+      find_negations(condition.operands[i],
+                     negated != (condition.kind == Kind::kNot || (condition.kind == Kind::kImply && i == 0)), asked);
   }
 
   std::vector<ObjectId> objects(const std::vector<Term>& terms, const std::vector<ObjectId>& frame) const {
@@ -177,7 +187,8 @@ class Grounder {
       case Kind::kTotalTime: out.steps.push_back({GroundExpression::Kind::kTotalTime, -1, 0}); return out;
     }
     const auto is_constant = [](const GroundExpression::Step& step) {  // zero times an undefined number is undefined
-      return step.kind != GroundExpression::Kind::kNumber && step.kind != GroundExpression::Kind::kDuration && step.kind != GroundExpression::Kind::kTotalTime;
+      return step.kind != GroundExpression::Kind::kNumber && step.kind != GroundExpression::Kind::kDuration &&
+             step.kind != GroundExpression::Kind::kTotalTime;
     };
     if (std::ranges::all_of(out.steps, is_constant)) return GroundExpression::constant(out.evaluate(nullptr));
     return out;
@@ -192,7 +203,8 @@ class Grounder {
       return truth(made.holds(nullptr));
     std::string key(1, static_cast<char>(kind));
     for (const auto& step : made.expression.steps)
-      key += std::to_string(static_cast<int>(step.kind)) + ',' + std::to_string(step.number) + ',' + std::to_string(step.value) + ';';
+      key += std::to_string(static_cast<int>(step.kind)) + ',' + std::to_string(step.number) + ',' +
+             std::to_string(step.value) + ';';
     const auto [entry, fresh] = comparison_ids_.try_emplace(std::move(key), static_cast<int>(out_.comparisons.size()));
     if (fresh) out_.comparisons.push_back(std::move(made));
     return {Formula::Kind::kComparison, entry->second, {}};
@@ -211,7 +223,8 @@ class Grounder {
       case Comparison::kEqual: break;
     }
     if (!negated) return comparison(Kind::kZero, left, right);
-    return join(Formula::Kind::kOr, {comparison(Kind::kPositive, left, right), comparison(Kind::kPositive, right, left)});
+    return join(Formula::Kind::kOr,
+                {comparison(Kind::kPositive, left, right), comparison(Kind::kPositive, right, left)});
   }
 
   Formula formula(const Condition& condition, std::vector<ObjectId>& frame, bool negated) {
@@ -238,7 +251,8 @@ class Grounder {
       case Kind::kOr: {
         std::vector<Formula> parts;
         for (const Condition& operand : condition.operands) parts.push_back(formula(operand, frame, negated));
-        return join((condition.kind == Kind::kAnd) != negated ? Formula::Kind::kAnd : Formula::Kind::kOr, std::move(parts));
+        return join((condition.kind == Kind::kAnd) != negated ? Formula::Kind::kAnd : Formula::Kind::kOr,
+                    std::move(parts));
       }
       case Kind::kImply: {
         std::vector<Formula> parts;
@@ -249,8 +263,10 @@ class Grounder {
       case Kind::kForall:
       case Kind::kExists: {
         std::vector<Formula> parts;
-        for_each_assignment(task_, condition.variables, frame, budget_, [&] { parts.push_back(formula(condition.operands[0], frame, negated)); });
-        return join((condition.kind == Kind::kForall) != negated ? Formula::Kind::kAnd : Formula::Kind::kOr, std::move(parts));
+        for_each_assignment(task_, condition.variables, frame, budget_,
+                            [&] { parts.push_back(formula(condition.operands[0], frame, negated)); });
+        return join((condition.kind == Kind::kForall) != negated ? Formula::Kind::kAnd : Formula::Kind::kOr,
+                    std::move(parts));
       }
     }
     return truth(false);
@@ -263,9 +279,12 @@ class Grounder {
     if (from.kind == Formula::Kind::kTrue) return out;
     const std::vector<Formula> single = {from};
     for (const Formula& part : from.kind == Formula::Kind::kAnd ? from.parts : single) {
-      if (part.kind == Formula::Kind::kFact) out.facts.push_back(part.index);
-      else if (part.kind == Formula::Kind::kComparison) out.comparisons.push_back(part.index);
-      else out.facts.push_back(disjunction_fact(part));
+      if (part.kind == Formula::Kind::kFact)
+        out.facts.push_back(part.index);
+      else if (part.kind == Formula::Kind::kComparison)
+        out.comparisons.push_back(part.index);
+      else
+        out.facts.push_back(disjunction_fact(part));
     }
     sort_unique(out.facts);
     sort_unique(out.comparisons);
@@ -286,7 +305,9 @@ class Grounder {
     std::vector<std::vector<Formula>> found = {{}};
     const std::vector<Formula> single = {from};
     const std::vector<Formula> none;
-    const std::vector<Formula>& parts = from.kind == Formula::Kind::kAnd ? from.parts : from.kind == Formula::Kind::kTrue ? none : single;
+    const std::vector<Formula>& parts = from.kind == Formula::Kind::kAnd    ? from.parts
+                                        : from.kind == Formula::Kind::kTrue ? none
+                                                                            : single;
     std::size_t count = 1;
     for (const Formula& part : parts)
       if (part.kind == Formula::Kind::kOr) count *= std::min(part.parts.size(), kMostAlternatives + 1);
@@ -306,7 +327,8 @@ class Grounder {
     }
     std::vector<GroundCondition> out;
     for (auto& one : found)
-      if (std::optional<GroundCondition> made = conjunction(join(Formula::Kind::kAnd, std::move(one)))) out.push_back(std::move(*made));
+      if (std::optional<GroundCondition> made = conjunction(join(Formula::Kind::kAnd, std::move(one))))
+        out.push_back(std::move(*made));
     return out;
   }
 
@@ -350,12 +372,16 @@ class Grounder {
       action.continuous.push_back({number(effect.function, arguments), std::move(rate)});
       return;
     }
-    if (effect.kind == Kind::kDelete && !absence_matters_[effect.predicate] && reachable_.atoms.find(effect.predicate, arguments) < 0) return;
+    if (effect.kind == Kind::kDelete && !absence_matters_[effect.predicate] &&
+        reachable_.atoms.find(effect.predicate, arguments) < 0)
+      return;
     const bool at_start = effect.time == Effect::Time::kStart;
     GroundEffects* target = at_start ? &action.at_start : &action.at_end;
     if (!effect.condition.is_true()) {
       ConditionalEffects made;
-      for (auto [from, to] : {std::pair{&effect.condition.start, &made.start}, {&effect.condition.over_all, &made.over_all}, {&effect.condition.end, &made.end}}) {
+      for (auto [from, to] : {std::pair{&effect.condition.start, &made.start},
+                              {&effect.condition.over_all, &made.over_all},
+                              {&effect.condition.end, &made.end}}) {
         std::optional<GroundCondition> condition = conjunction(formula(*from, frame, false));
         if (!condition) return;
         *to = std::move(*condition);
@@ -373,7 +399,8 @@ class Grounder {
     } else if (effect.kind == Kind::kDelete) {
       target->remove.push_back(fact(effect.predicate, arguments));
     } else {
-      NumericEffect numeric{NumericEffect::Kind::kIncrease, number(effect.function, arguments), expression(effect.value, frame)};
+      NumericEffect numeric{NumericEffect::Kind::kIncrease, number(effect.function, arguments),
+                            expression(effect.value, frame)};
       if (effect.kind == Kind::kAssign) numeric.kind = NumericEffect::Kind::kAssign;
       if (effect.kind == Kind::kDecrease) negate(numeric.value);
       if (effect.kind == Kind::kScaleUp || effect.kind == Kind::kScaleDown) numeric.kind = NumericEffect::Kind::kScale;
@@ -386,8 +413,10 @@ class Grounder {
   }
 
   static void negate(GroundExpression& value) {
-    if (value.is_constant()) value.steps[0].value = -value.steps[0].value;
-    else value.steps.push_back({GroundExpression::Kind::kNegate, -1, 0});
+    if (value.is_constant())
+      value.steps[0].value = -value.steps[0].value;
+    else
+      value.steps.push_back({GroundExpression::Kind::kNegate, -1, 0});
   }
 
   static void tidy(GroundEffects& effects) {
@@ -408,7 +437,8 @@ class Grounder {
       if (!typed) continue;
       std::vector<ObjectId> frame(static_cast<std::size_t>(rule.slots), -1);
       for (std::size_t i = 0; i < arguments.size(); ++i) frame[rule.parameters[i].slot] = arguments[i];
-      for (GroundCondition& body : alternatives(formula(rule.condition, frame, false))) out_.axioms.push_back({id, std::move(body), 0});
+      for (GroundCondition& body : alternatives(formula(rule.condition, frame, false)))
+        out_.axioms.push_back({id, std::move(body), 0});
     }
   }
 
@@ -417,11 +447,14 @@ class Grounder {
     const auto micros = [](double seconds) { return static_cast<Micros>(std::llround(seconds * kMicrosPerSecond)); };
     for (const TimedFact& timed : task_.problem.timed_facts) {
       GroundEffects& effects = events[micros(timed.time)];
-      if (timed.value) effects.add.push_back(fact(timed.fact.predicate, timed.fact.objects));
-      else if (reachable_.atoms.find(timed.fact.predicate, timed.fact.objects) >= 0) effects.remove.push_back(fact(timed.fact.predicate, timed.fact.objects));
+      if (timed.value)
+        effects.add.push_back(fact(timed.fact.predicate, timed.fact.objects));
+      else if (reachable_.atoms.find(timed.fact.predicate, timed.fact.objects) >= 0)
+        effects.remove.push_back(fact(timed.fact.predicate, timed.fact.objects));
     }
     for (const TimedAssignment& timed : task_.problem.timed_values)
-      events[micros(timed.time)].numbers.push_back({NumericEffect::Kind::kAssign, number(timed.assignment.function, timed.assignment.objects),
+      events[micros(timed.time)].numbers.push_back({NumericEffect::Kind::kAssign,
+                                                    number(timed.assignment.function, timed.assignment.objects),
                                                     GroundExpression::constant(timed.assignment.value)});
     for (auto& [time, effects] : events) {
       tidy(effects);
@@ -433,15 +466,18 @@ class Grounder {
     const auto mirror = [this](GroundEffects& effects) {
       const std::size_t adds = effects.add.size(), removes = effects.remove.size();
       for (std::size_t i = 0; i < adds; ++i)
-        if (const int opposite = out_.facts[effects.add[i]].complement; opposite >= 0) effects.remove.push_back(opposite);
+        if (const int opposite = out_.facts[effects.add[i]].complement; opposite >= 0)
+          effects.remove.push_back(opposite);
       for (std::size_t i = 0; i < removes; ++i)
-        if (const int opposite = out_.facts[effects.remove[i]].complement; opposite >= 0) effects.add.push_back(opposite);
+        if (const int opposite = out_.facts[effects.remove[i]].complement; opposite >= 0)
+          effects.add.push_back(opposite);
       tidy(effects);
     };
     for (GroundAction& action : out_.actions) {
       mirror(action.at_start);
       mirror(action.at_end);
-      for (ConditionalEffects& conditional : action.conditional) mirror(conditional.at_start), mirror(conditional.at_end);
+      for (ConditionalEffects& conditional : action.conditional)
+        mirror(conditional.at_start), mirror(conditional.at_end);
     }
     for (TimedEvent& event : out_.events) mirror(event.effects);
   }
@@ -449,10 +485,12 @@ class Grounder {
   void set_initial_state() {
     out_.initial_facts.assign(out_.facts.size(), 0);
     for (const Fact& init : task_.problem.init)
-      if (const int atom = fact_atoms_.find(init.predicate, init.objects); atom >= 0) out_.initial_facts[fact_ids_[atom]] = 1;
+      if (const int atom = fact_atoms_.find(init.predicate, init.objects); atom >= 0)
+        out_.initial_facts[fact_ids_[atom]] = 1;
     for (std::size_t f = 0; f < out_.facts.size(); ++f)
       if (out_.facts[f].is_complement) out_.initial_facts[f] = !out_.initial_facts[out_.facts[f].complement];
-    for (const GroundNumber& number : out_.numbers) out_.initial_numbers.push_back(initial_value(number.function, number.objects));
+    for (const GroundNumber& number : out_.numbers)
+      out_.initial_numbers.push_back(initial_value(number.function, number.objects));
   }
 
   /// Negation in a body reaches lower strata only.
@@ -478,7 +516,8 @@ class Grounder {
     for (const Action& action : task_.domain.actions) {
       GroundTask::SchemaReads reads;
       const auto add = [this](const TimedCondition& condition, GroundTask::SchemaReads& to) {
-        for (auto [from, target] : {std::pair{&condition.start, &to.start}, {&condition.over_all, &to.over_all}, {&condition.end, &to.end}}) {
+        for (auto [from, target] :
+             {std::pair{&condition.start, &to.start}, {&condition.over_all, &to.over_all}, {&condition.end, &to.end}}) {
           std::vector<char> seen(task_.domain.predicates.size(), 0);
           read_derived(*from, false, seen, *target);
         }
@@ -522,8 +561,8 @@ class Grounder {
   AtomTable fact_atoms_, number_atoms_;  ///< the functions of numbers in place of predicates
   std::vector<int> fact_ids_;            ///< by atom of fact_atoms_
   std::map<std::string, int> comparison_ids_;
-  std::vector<char> absence_matters_;    ///< by predicate
-  std::vector<int> demanded_;  ///< derived facts that conditions ask for
+  std::vector<char> absence_matters_;  ///< by predicate
+  std::vector<int> demanded_;          ///< derived facts that conditions ask for
 };
 
 /// What reads or changes a number that has no value at first has to wait for one: its square is at least 0 once it has.
@@ -549,7 +588,8 @@ void ask_for_values(GroundTask& task) {
         if (effect.kind != NumericEffect::Kind::kAssign) ask(*condition, effect.number);
         ask_read(*condition, effect.value);
       }
-    for (const ContinuousEffect& effect : action.continuous) ask(action.start, effect.number), ask_read(action.start, effect.rate);
+    for (const ContinuousEffect& effect : action.continuous)
+      ask(action.start, effect.number), ask_read(action.start, effect.rate);
     sort_unique(action.start.comparisons);
     sort_unique(action.end.comparisons);
   }

@@ -18,7 +18,8 @@ class IdleFinder {
     for (const bool complements : {false, true})
       for (std::size_t f = 0; f < ground.facts.size(); ++f) {
         const GroundFact& fact = ground.facts[f];
-        if (fact.predicate >= 0 && !fact.derived && fact.is_complement == complements) enter(facts_, fact_ids_, fact.predicate, fact.objects, static_cast<int>(f));
+        if (fact.predicate >= 0 && !fact.derived && fact.is_complement == complements)
+          enter(facts_, fact_ids_, fact.predicate, fact.objects, static_cast<int>(f));
       }
     for (std::size_t n = 0; n < ground.numbers.size(); ++n)
       enter(numbers_, number_ids_, ground.numbers[n].function, ground.numbers[n].objects, static_cast<int>(n));
@@ -31,7 +32,8 @@ class IdleFinder {
       look_at(action);
     }
     for (TimedEvent& event : ground_.events) {
-      budget_.spend(Work::kGround, static_cast<std::int64_t>(task_.problem.timed_facts.size() + task_.problem.timed_values.size()));
+      budget_.spend(Work::kGround,
+                    static_cast<std::int64_t>(task_.problem.timed_facts.size() + task_.problem.timed_values.size()));
       if (budget_.over()) return;
       look_at(event);
     }
@@ -53,7 +55,8 @@ class IdleFinder {
     changing_predicates_.assign(task_.domain.predicates.size(), 0);
     changing_functions_.assign(task_.domain.functions.size(), 0);
     for (const Action& action : task_.domain.actions)
-      for (const Effect& effect : action.effects) (effect.is_numeric() ? changing_functions_[effect.function] : changing_predicates_[effect.predicate]) = 1;
+      for (const Effect& effect : action.effects)
+        (effect.is_numeric() ? changing_functions_[effect.function] : changing_predicates_[effect.predicate]) = 1;
     for (const TimedFact& timed : task_.problem.timed_facts) changing_predicates_[timed.fact.predicate] = 1;
     for (const TimedAssignment& timed : task_.problem.timed_values) changing_functions_[timed.assignment.function] = 1;
   }
@@ -77,7 +80,9 @@ class IdleFinder {
   void look_at(TimedEvent& event) {
     out_ = &event.idle;
     at_end_ = false;
-    const auto now = [&](double time) { return static_cast<Micros>(std::llround(time * kMicrosPerSecond)) == event.time; };
+    const auto now = [&](double time) {
+      return static_cast<Micros>(std::llround(time * kMicrosPerSecond)) == event.time;
+    };
     for (const TimedFact& timed : task_.problem.timed_facts)
       if (now(timed.time)) write_fact(timed.fact.predicate, timed.fact.objects, timed.value);
     for (const TimedAssignment& timed : task_.problem.timed_values)
@@ -93,7 +98,8 @@ class IdleFinder {
   /// `needed` is what the ground action reads already.
   void read(const Condition& condition, const GroundCondition& needed) {
     if (condition.kind == Condition::Kind::kAtom) {
-      if (changing_predicates_[condition.predicate] && !task_.domain.predicates[condition.predicate].derived) read_fact(condition, needed);
+      if (changing_predicates_[condition.predicate] && !task_.domain.predicates[condition.predicate].derived)
+        read_fact(condition, needed);
       return;
     }
     for (const Expression& side : condition.sides) read(side);
@@ -119,8 +125,11 @@ class IdleFinder {
     if (expression.kind == Expression::Kind::kFunction && changing_functions_[expression.function]) {
       const std::vector<ObjectId>& arguments = objects(expression.terms);
       const int known = numbers_.find(expression.function, arguments);
-      if (known >= 0) note({Of::kNumber, number_ids_[known], at_end_, true, false, false});
-      else note({Of::kOther, other(other_numbers_, other_number_ids_, expression.function, arguments), at_end_, true, false, false});
+      if (known >= 0)
+        note({Of::kNumber, number_ids_[known], at_end_, true, false, false});
+      else
+        note({Of::kOther, other(other_numbers_, other_number_ids_, expression.function, arguments), at_end_, true,
+              false, false});
     }
     for (const Expression& operand : expression.operands) read(operand);
   }
@@ -130,16 +139,19 @@ class IdleFinder {
       write_fact(effect.predicate, objects(effect.terms), effect.kind == Effect::Kind::kAdd);
       return;
     }
-    write_number(effect.function, objects(effect.terms), effect.kind == Effect::Kind::kIncrease || effect.kind == Effect::Kind::kDecrease);
+    write_number(effect.function, objects(effect.terms),
+                 effect.kind == Effect::Kind::kIncrease || effect.kind == Effect::Kind::kDecrease);
     read(effect.value);
   }
 
   void write_fact(PredicateId predicate, const std::vector<ObjectId>& arguments, bool add) {
-    if (facts_.find(predicate, arguments) < 0) note({Of::kOther, other(other_facts_, other_fact_ids_, predicate, arguments), at_end_, false, add, !add});
+    if (facts_.find(predicate, arguments) < 0)
+      note({Of::kOther, other(other_facts_, other_fact_ids_, predicate, arguments), at_end_, false, add, !add});
   }
 
   void write_number(FunctionId function, const std::vector<ObjectId>& arguments, bool by) {
-    if (numbers_.find(function, arguments) < 0) note({Of::kOther, other(other_numbers_, other_number_ids_, function, arguments), at_end_, false, true, !by});
+    if (numbers_.find(function, arguments) < 0)
+      note({Of::kOther, other(other_numbers_, other_number_ids_, function, arguments), at_end_, false, true, !by});
   }
 
   int other(AtomTable& table, std::vector<int>& ids, int id, const std::vector<ObjectId>& arguments) {

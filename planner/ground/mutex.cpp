@@ -17,7 +17,8 @@ struct Operator {
 
 class Pairs {
  public:
-  Pairs(const GroundTask& task, Budget& budget) : facts_(task.facts.size() + task.actions.size()), words_((facts_ + 63) / 64), rows_(facts_ * words_, 0) {
+  Pairs(const GroundTask& task, Budget& budget)
+      : facts_(task.facts.size() + task.actions.size()), words_((facts_ + 63) / 64), rows_(facts_ * words_, 0) {
     std::vector<int> initial;
     for (std::size_t f = 0; f < task.facts.size(); ++f)
       if (task.initial_facts[f]) initial.push_back(static_cast<int>(f));
@@ -64,7 +65,8 @@ class Pairs {
     for (const ConditionalEffects& conditional : action.conditional) {
       // A condition that does not hold removes nothing. What is added comes on top of what the others of the same
       // happening add, so it leaves beside it all that the happening needs.
-      for (auto [op, when, effects] : {std::tuple{&begin, &conditional.start, &conditional.at_start}, {&end, &conditional.end, &conditional.at_end}}) {
+      for (auto [op, when, effects] : {std::tuple{&begin, &conditional.start, &conditional.at_start},
+                                       {&end, &conditional.end, &conditional.at_end}}) {
         if (effects->add.empty()) continue;
         Operator extra{op->needs, effects->add, {}};
         extra.needs.insert(extra.needs.end(), when->facts.begin(), when->facts.end());
@@ -96,7 +98,8 @@ class Pairs {
         if (!fresh) continue;
         changed = true;
         row(added)[w] |= fresh;
-        for (; fresh; fresh &= fresh - 1) set(row(static_cast<int>(w * 64 + static_cast<std::size_t>(std::countr_zero(fresh)))), added);
+        for (; fresh; fresh &= fresh - 1)
+          set(row(static_cast<int>(w * 64 + static_cast<std::size_t>(std::countr_zero(fresh)))), added);
       }
     return changed;
   }
@@ -115,7 +118,8 @@ Possible possible_by_pairs(const GroundTask& task, Budget& budget, std::size_t m
   if (budget.over()) return possible;
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
     const GroundAction& action = task.actions[a];
-    possible.actions[a] = pairs.reachable(action.start.facts) && pairs.reachable(action.over_all.facts) && pairs.reachable(action.end.facts);
+    possible.actions[a] = pairs.reachable(action.start.facts) && pairs.reachable(action.over_all.facts) &&
+                          pairs.reachable(action.end.facts);
   }
   possible.goal = pairs.reachable(task.goal.facts);
   return possible;

@@ -15,8 +15,8 @@ struct Possible {
   bool goal = true;           ///< the goal can hold
 };
 
-/// Beginnings and ends count one by one, so that overlapping plans are covered; numbers are taken to allow everything. All
-/// is possible if there are derived facts or more than `most_facts`, or the budget ends.
+/// Beginnings and ends count one by one, so that overlapping plans are covered; numbers are taken to allow everything.
+/// All is possible if there are derived facts or more than `most_facts`, or the budget ends.
 Possible possible_by_pairs(const GroundTask& task, Budget& budget, std::size_t most_facts = 1500);
 
 }  // namespace cxlab::planner

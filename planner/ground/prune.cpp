@@ -9,7 +9,7 @@ namespace cxlab::planner {
 
 namespace {
 
-constexpr std::size_t kMostAims = 8;  ///< copies of an action that last until a comparison turns
+constexpr std::size_t kMostAims = 8;     ///< copies of an action that last until a comparison turns
 constexpr std::int64_t kActionWork = 4;  ///< of looking at all that an action asks and does, in pieces of Work::kGround
 constexpr std::size_t kLooksOfWork = 32;  ///< looks at whether a comparison or an axiom is known already, in one piece
 
@@ -40,16 +40,18 @@ class Relaxation {
  private:
   bool has_value(const GroundExpression& expression) const {
     return any_value_ || std::ranges::all_of(expression.steps, [this](const GroundExpression::Step& step) {
-      return step.kind == GroundExpression::Kind::kNumber ? defined_[step.number] != 0 : !std::isnan(step.value);
-    });
+             return step.kind == GroundExpression::Kind::kNumber ? defined_[step.number] != 0 : !std::isnan(step.value);
+           });
   }
   bool has_values(const GroundEffects& effects) const {
     return any_value_ || std::ranges::all_of(effects.numbers, [this](const NumericEffect& effect) {
-      return has_value(effect.value) && (effect.kind == NumericEffect::Kind::kAssign || defined_[effect.number]);
-    });
+             return has_value(effect.value) && (effect.kind == NumericEffect::Kind::kAssign || defined_[effect.number]);
+           });
   }
   bool has_duration(const GroundAction& action, bool ends) const {
-    return std::ranges::all_of(action.duration, [&](const GroundDuration& duration) { return (duration.at_end && !ends) || has_value(duration.bound); });
+    return std::ranges::all_of(action.duration, [&](const GroundDuration& duration) {
+      return (duration.at_end && !ends) || has_value(duration.bound);
+    });
   }
 
   void spread() {
@@ -103,7 +105,8 @@ class Relaxation {
       for (const ConditionalEffects& conditional : action.conditional) {
         if (!reaches(conditional.start)) continue;
         if (has_values(conditional.at_start)) changed |= apply(conditional.at_start);
-        if (ended_[a] && reaches(conditional.over_all) && reaches(conditional.end) && has_values(conditional.at_end)) changed |= apply(conditional.at_end);
+        if (ended_[a] && reaches(conditional.over_all) && reaches(conditional.end) && has_values(conditional.at_end))
+          changed |= apply(conditional.at_end);
       }
     }
     for (const Axiom& axiom : task_.axioms)
@@ -165,7 +168,8 @@ template <class Visit>
 void for_each_condition(GroundTask& task, const Visit& visit) {
   for (GroundAction& action : task.actions) {
     visit(action.start), visit(action.over_all), visit(action.end);
-    for (ConditionalEffects& conditional : action.conditional) visit(conditional.start), visit(conditional.over_all), visit(conditional.end);
+    for (ConditionalEffects& conditional : action.conditional)
+      visit(conditional.start), visit(conditional.over_all), visit(conditional.end);
   }
   for (Axiom& axiom : task.axioms) visit(axiom.body);
   visit(task.goal);
@@ -211,12 +215,15 @@ bool events_help_goal(const GroundTask& task) {
   if (std::ranges::any_of(task.goal.facts, [&](int f) { return task.facts[f].derived; })) return true;
   const auto reads = [&](int number) {
     return std::ranges::any_of(task.goal.comparisons, [&](int c) {
-      return std::ranges::any_of(task.comparisons[c].expression.steps, [&](const auto& step) { return step.number == number; });
+      return std::ranges::any_of(task.comparisons[c].expression.steps,
+                                 [&](const auto& step) { return step.number == number; });
     });
   };
   return std::ranges::any_of(task.events, [&](const TimedEvent& event) {
-    return std::ranges::any_of(event.effects.add, [&](int f) { return std::ranges::binary_search(task.goal.facts, f); }) ||
-           std::ranges::any_of(event.effects.numbers, [&](const NumericEffect& effect) { return reads(effect.number); });
+    return std::ranges::any_of(event.effects.add,
+                               [&](int f) { return std::ranges::binary_search(task.goal.facts, f); }) ||
+           std::ranges::any_of(event.effects.numbers,
+                               [&](const NumericEffect& effect) { return reads(effect.number); });
   });
 }
 
@@ -240,7 +247,8 @@ void drop_irrelevant(GroundTask& task, Budget& budget) {
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
     const GroundAction& action = task.actions[a];
     note(action.at_start, static_cast<int>(a)), note(action.at_end, static_cast<int>(a));
-    for (const ConditionalEffects& conditional : action.conditional) note(conditional.at_start, static_cast<int>(a)), note(conditional.at_end, static_cast<int>(a));
+    for (const ConditionalEffects& conditional : action.conditional)
+      note(conditional.at_start, static_cast<int>(a)), note(conditional.at_end, static_cast<int>(a));
     for (const ContinuousEffect& effect : action.continuous) changers[effect.number].push_back(static_cast<int>(a));
   }
   std::vector<int> queue;  // actions to look at
@@ -272,7 +280,8 @@ void drop_irrelevant(GroundTask& task, Budget& budget) {
       for (const Axiom& axiom : task.axioms) {
         if (axiom.head != head) continue;
         facts.insert(facts.end(), axiom.body.facts.begin(), axiom.body.facts.end());
-        for (const int below : axiom.body.facts)  // the absence of a derived fact asks for the absence of what it is derived from
+        for (const int below :
+             axiom.body.facts)  // the absence of a derived fact asks for the absence of what it is derived from
           if (task.facts[below].complement >= 0) facts.push_back(task.facts[below].complement);
         for (const int c : axiom.body.comparisons) ask_number(task.comparisons[c].expression);
       }
@@ -295,7 +304,8 @@ void drop_irrelevant(GroundTask& task, Budget& budget) {
     if (budget.over()) return;
     ask(action.start), ask(action.over_all), ask(action.end);
     for (const ConditionalEffects& conditional : action.conditional)
-      for (const GroundCondition* condition : {&conditional.start, &conditional.over_all, &conditional.end}) ask(*condition), deny(*condition);
+      for (const GroundCondition* condition : {&conditional.start, &conditional.over_all, &conditional.end})
+        ask(*condition), deny(*condition);
     for (const GroundDuration& duration : action.duration) ask_number(duration.bound);
     for (const auto* effects : {&action.at_start, &action.at_end})
       for (const NumericEffect& effect : effects->numbers) ask_number(effect.value);
@@ -329,7 +339,8 @@ void drop_copies(GroundTask& task, Budget& budget) {
       }
       key += '|';
     };
-    for (const auto* condition : {&action.start, &action.over_all, &action.end}) add(condition->facts), add(condition->comparisons);
+    for (const auto* condition : {&action.start, &action.over_all, &action.end})
+      add(condition->facts), add(condition->comparisons);
     for (const auto* effects : {&action.at_start, &action.at_end}) {
       add(effects->add), add(effects->remove);
       for (const NumericEffect& effect : effects->numbers) {
@@ -398,7 +409,8 @@ void find_missing_values(GroundTask& task, const Relaxation& relaxation, Budget&
 /// Where effects depend on a duration that may be chosen, the action is there with several.
 void offer_durations(GroundTask& task, Budget& budget) {
   const auto mentions = [](const GroundExpression& expression) {
-    return std::ranges::any_of(expression.steps, [](const auto& step) { return step.kind == GroundExpression::Kind::kDuration; });
+    return std::ranges::any_of(expression.steps,
+                               [](const auto& step) { return step.kind == GroundExpression::Kind::kDuration; });
   };
   std::vector<GroundAction> offered;
   for (GroundAction& action : task.actions) {
@@ -409,12 +421,15 @@ void offer_durations(GroundTask& task, Budget& budget) {
       for (const NumericEffect& effect : effects->numbers) depends = depends || mentions(effect.value);
     for (const auto* condition : {&action.start, &action.over_all, &action.end})
       for (const int c : condition->comparisons) depends = depends || mentions(task.comparisons[c].expression);
-    const bool chosen = action.durative && depends && std::ranges::none_of(action.duration, [](const auto& d) { return d.comparison == Comparison::kEqual; });
+    const bool chosen = action.durative && depends && std::ranges::none_of(action.duration, [](const auto& d) {
+                          return d.comparison == Comparison::kEqual;
+                        });
     if (!chosen) {
       offered.push_back(std::move(action));
       continue;
     }
-    budget.spend(Work::kGround, static_cast<std::int64_t>(task.comparisons.size()) + kActionWork * static_cast<std::int64_t>(kMostAims));
+    budget.spend(Work::kGround, static_cast<std::int64_t>(task.comparisons.size()) +
+                                    kActionWork * static_cast<std::int64_t>(kMostAims));
     for (const int aim : aims(task, action)) offered.push_back(action), offered.back().aim = aim;
     offered.push_back(action);
     for (const double stretch : {0.125, 0.25, 0.5, 1.0}) offered.push_back(action), offered.back().stretch = stretch;
@@ -430,18 +445,22 @@ void drop_facts(GroundTask& task) {
     for (const int f : effects.remove) removed[f] = 1;
   });
   for_each_condition(task, [&](GroundCondition& condition) {
-    std::erase_if(condition.facts, [&](int f) { return !task.facts[f].derived && task.initial_facts[f] && !added[f] && !removed[f]; });
+    std::erase_if(condition.facts,
+                  [&](int f) { return !task.facts[f].derived && task.initial_facts[f] && !added[f] && !removed[f]; });
     for (const int f : condition.facts) asked[f] = 1;
   });
   for (const Axiom& axiom : task.axioms) asked[axiom.head] = 1;
   for (std::size_t f = 0; f < task.facts.size(); ++f)  // the complement of a derived fact is computed from it
     if (asked[f] && task.facts[f].derived && task.facts[f].is_complement) asked[task.facts[f].complement] = 1;
   for (std::size_t f = 0; f < task.facts.size(); ++f)  // and what one adds and another deletes keeps apart, too
-    if (const int opposite = task.facts[f].complement; !task.facts[f].is_complement && added[f] && removed[f] && (opposite < 0 || !asked[opposite])) asked[f] = 1;
+    if (const int opposite = task.facts[f].complement;
+        !task.facts[f].is_complement && added[f] && removed[f] && (opposite < 0 || !asked[opposite]))
+      asked[f] = 1;
   const std::vector<int> renamed = compact(task.facts, asked);
   compact(task.initial_facts, asked);
   for_each_condition(task, [&](GroundCondition& condition) { rename(condition.facts, renamed); });
-  for_each_effects(task, [&](GroundEffects& effects) { rename(effects.add, renamed), rename(effects.remove, renamed); });
+  for_each_effects(task,
+                   [&](GroundEffects& effects) { rename(effects.add, renamed), rename(effects.remove, renamed); });
   for (Axiom& axiom : task.axioms) axiom.head = renamed[axiom.head];
   for (GroundFact& fact : task.facts)
     if (fact.complement >= 0) fact.complement = renamed[fact.complement];
@@ -470,7 +489,9 @@ void rename_numbers(GroundTask& task, const std::vector<int>& renamed) {
 
 void drop_numbers(GroundTask& task, Budget& budget) {
   std::vector<char> asked(task.numbers.size(), 0), used(task.comparisons.size(), 0);
-  const auto ask = [&asked](const GroundExpression& expression) { expression.for_each_number([&asked](int n) { asked[n] = 1; }); };
+  const auto ask = [&asked](const GroundExpression& expression) {
+    expression.for_each_number([&asked](int n) { asked[n] = 1; });
+  };
   for_each_condition(task, [&](GroundCondition& condition) {
     for (const int c : condition.comparisons) used[c] = 1;
   });
@@ -530,8 +551,8 @@ bool keep_useful(GroundTask& task, Budget& budget) {
   keep_applicable(task, relaxation);
   for (GroundAction& action : task.actions)
     std::erase_if(action.conditional, [&](const ConditionalEffects& conditional) {
-      return !relaxation.reaches(conditional.start) || !relaxation.reaches(conditional.over_all) || !relaxation.reaches(conditional.end) ||
-             (conditional.at_start.empty() && conditional.at_end.empty());
+      return !relaxation.reaches(conditional.start) || !relaxation.reaches(conditional.over_all) ||
+             !relaxation.reaches(conditional.end) || (conditional.at_start.empty() && conditional.at_end.empty());
     });
   std::erase_if(task.axioms, [&](const Axiom& axiom) { return !relaxation.reaches(axiom.body); });
   drop_irrelevant(task, budget);

@@ -8,7 +8,8 @@ namespace cxlab::planner {
 
 std::size_t AtomTable::slot(PredicateId predicate, std::span<const ObjectId> objects) const {
   std::uint64_t hash = 0x9e3779b97f4a7c15ull * static_cast<std::uint64_t>(predicate + 1);
-  for (const ObjectId object : objects) hash = (hash ^ static_cast<std::uint64_t>(object + 1)) * 0xff51afd7ed558ccdull, hash ^= hash >> 32;
+  for (const ObjectId object : objects)
+    hash = (hash ^ static_cast<std::uint64_t>(object + 1)) * 0xff51afd7ed558ccdull, hash ^= hash >> 32;
   const std::size_t mask = slots_.size() - 1;
   for (std::size_t at = hash & mask;; at = (at + 1) & mask) {
     const int atom = slots_[at];
@@ -17,7 +18,9 @@ std::size_t AtomTable::slot(PredicateId predicate, std::span<const ObjectId> obj
   }
 }
 
-int AtomTable::find(PredicateId predicate, std::span<const ObjectId> objects) const { return slots_[slot(predicate, objects)]; }
+int AtomTable::find(PredicateId predicate, std::span<const ObjectId> objects) const {
+  return slots_[slot(predicate, objects)];
+}
 
 int AtomTable::insert(PredicateId predicate, std::span<const ObjectId> objects) {
   if (2 * predicates_.size() >= slots_.size()) grow();
@@ -68,9 +71,11 @@ class Join {
     by_argument_.resize(predicates);
     everything_.resize(predicates);
     for (std::size_t p = 0; p < predicates; ++p)
-      by_argument_[p].assign(task_.domain.predicates[p].parameters.size(), std::vector<std::vector<int>>(task_.problem.objects.size()));
+      by_argument_[p].assign(task_.domain.predicates[p].parameters.size(),
+                             std::vector<std::vector<int>>(task_.problem.objects.size()));
     relevant_ = relevant_actions(task_);
-    for (std::size_t a = 0; a < task_.domain.actions.size(); ++a) patterns_.push_back(make_pattern(task_.domain.actions[a]));
+    for (std::size_t a = 0; a < task_.domain.actions.size(); ++a)
+      patterns_.push_back(make_pattern(task_.domain.actions[a]));
 
     AtomTable& atoms = result_.atoms;
     for (const Fact& fact : task_.problem.init)
@@ -80,16 +85,23 @@ class Join {
     for (const TimedFact& timed : task_.problem.timed_facts)
       if (timed.value) atoms.insert(timed.fact.predicate, timed.fact.objects);
     for (std::size_t a = 0; a < patterns_.size(); ++a)
-      if (relevant_[a] && std::ranges::none_of(patterns_[a].atoms, [this](const Atom& atom) { return result_.fluent[atom.predicate] != 0; })) begin(a, -1, -1);
+      if (relevant_[a] && std::ranges::none_of(patterns_[a].atoms, [this](const Atom& atom) {
+            return result_.fluent[atom.predicate] != 0;
+          }))
+        begin(a, -1, -1);
     while (visible_ < atoms.size() && !stopped()) {
       const int atom = visible_++;
       show(atom);
       for (std::size_t a = 0; a < patterns_.size(); ++a)
         for (std::size_t k = 0; k < patterns_[a].atoms.size(); ++k)
-          if (relevant_[a] && patterns_[a].atoms[k].predicate == atoms.predicate(atom)) begin(a, static_cast<int>(k), atom);
+          if (relevant_[a] && patterns_[a].atoms[k].predicate == atoms.predicate(atom))
+            begin(a, static_cast<int>(k), atom);
     }
     if (too_many_)
-      return Error{ErrorKind::kResource, "found more than " + std::to_string(most_) + " ground actions: the problem is too large to be written out", task_.problem.file, 0, "memory"};
+      return Error{
+          ErrorKind::kResource,
+          "found more than " + std::to_string(most_) + " ground actions: the problem is too large to be written out",
+          task_.problem.file, 0, "memory"};
     if (budget_.over()) return out_of_budget("while the problem was written out");
     return std::move(result_);
   }
@@ -100,9 +112,11 @@ class Join {
   void find_changing() {
     result_.fluent.assign(task_.domain.predicates.size(), 0);
     result_.changing.assign(task_.domain.functions.size(), 0);
-    for (std::size_t p = 0; p < task_.domain.predicates.size(); ++p) result_.fluent[p] = task_.domain.predicates[p].derived;
+    for (std::size_t p = 0; p < task_.domain.predicates.size(); ++p)
+      result_.fluent[p] = task_.domain.predicates[p].derived;
     for (const Action& action : task_.domain.actions)
-      for (const Effect& effect : action.effects) (effect.is_numeric() ? result_.changing[effect.function] : result_.fluent[effect.predicate]) = 1;
+      for (const Effect& effect : action.effects)
+        (effect.is_numeric() ? result_.changing[effect.function] : result_.fluent[effect.predicate]) = 1;
     for (const TimedFact& timed : task_.problem.timed_facts) result_.fluent[timed.fact.predicate] = 1;
     for (const TimedAssignment& timed : task_.problem.timed_values) result_.changing[timed.assignment.function] = 1;
   }
@@ -117,21 +131,26 @@ class Join {
       if (effect.kind == Effect::Kind::kAdd && effect.time == Effect::Time::kStart) at_once[effect.predicate] = 1;
     for (const Action& other : task_.domain.actions)
       for (const Effect& effect : other.effects)
-        if (effect.kind == Effect::Kind::kAdd && effect.time == Effect::Time::kStart && !other.condition.over_all.is_true()) at_once[effect.predicate] = 1;
+        if (effect.kind == Effect::Kind::kAdd && effect.time == Effect::Time::kStart &&
+            !other.condition.over_all.is_true())
+          at_once[effect.predicate] = 1;
     collect(action.condition.start, nullptr, pattern);
     collect(action.condition.over_all, &at_once, pattern);
     collect(action.condition.end, &later, pattern);
     std::vector<char> used(static_cast<std::size_t>(action.slots), 0);
-    for (const Condition* condition : {&action.condition.start, &action.condition.over_all, &action.condition.end}) mark(*condition, used);
+    for (const Condition* condition : {&action.condition.start, &action.condition.over_all, &action.condition.end})
+      mark(*condition, used);
     for (const DurationConstraint& constraint : action.duration) mark(constraint.bound, used);
     for (const Effect& effect : action.effects) {
       mark(effect.terms, used);
       mark(effect.value, used);
-      for (const Condition* condition : {&effect.condition.start, &effect.condition.over_all, &effect.condition.end}) mark(*condition, used);
+      for (const Condition* condition : {&effect.condition.start, &effect.condition.over_all, &effect.condition.end})
+        mark(*condition, used);
     }
     for (const Variable& parameter : action.parameters) {
       pattern.candidates.push_back(objects_of(task_.domain, task_.problem, parameter.types));
-      if (!used[parameter.slot] && pattern.candidates.back().size() > 1) pattern.candidates.back().resize(1);  // all would be the same
+      if (!used[parameter.slot] && pattern.candidates.back().size() > 1)
+        pattern.candidates.back().resize(1);  // all would be the same
       pattern.allowed.emplace_back(task_.problem.objects.size(), 0);
       for (const ObjectId object : pattern.candidates.back()) pattern.allowed.back()[object] = 1;
     }
@@ -228,8 +247,10 @@ class Join {
       for (std::size_t i = 0; i < atom.terms.size(); ++i) {
         const ObjectId object = value(atom.terms[i]);
         key_.push_back(object);
-        if (object < 0) ground = false;
-        else if (const std::vector<int>& with = by_argument_[atom.predicate][i][object]; with.size() < fewest->size()) fewest = &with;
+        if (object < 0)
+          ground = false;
+        else if (const std::vector<int>& with = by_argument_[atom.predicate][i][object]; with.size() < fewest->size())
+          fewest = &with;
       }
       if (ground) {
         const int known = result_.atoms.find(atom.predicate, key_);
@@ -274,7 +295,8 @@ class Join {
 
   void record() {
     const Action& action = task_.domain.actions[action_];
-    const std::vector<ObjectId> arguments(frame_.begin(), frame_.begin() + static_cast<std::ptrdiff_t>(action.parameters.size()));
+    const std::vector<ObjectId> arguments(frame_.begin(),
+                                          frame_.begin() + static_cast<std::ptrdiff_t>(action.parameters.size()));
     const int before = seen_.size();
     seen_.insert(static_cast<PredicateId>(action_), arguments);
     if (seen_.size() == before) return;
@@ -300,10 +322,10 @@ class Join {
   Budget& budget_;
   Reachable result_;
   std::vector<Pattern> patterns_;
-  std::vector<char> relevant_;  ///< by action
+  std::vector<char> relevant_;                                           ///< by action
   std::vector<std::vector<std::vector<std::vector<int>>>> by_argument_;  ///< predicate, position, object: visible atoms
-  std::vector<std::vector<int>> everything_;                            ///< predicate: visible atoms
-  AtomTable seen_;  ///< bindings
+  std::vector<std::vector<int>> everything_;                             ///< predicate: visible atoms
+  AtomTable seen_;                                                       ///< bindings
   int visible_ = 0;
   std::size_t action_ = 0;
   std::vector<ObjectId> frame_, key_;
@@ -312,6 +334,8 @@ class Join {
 
 }  // namespace
 
-Expected<Reachable> find_reachable(const Task& task, std::size_t most_bindings, Budget& budget) { return Join(task, most_bindings, budget).run(); }
+Expected<Reachable> find_reachable(const Task& task, std::size_t most_bindings, Budget& budget) {
+  return Join(task, most_bindings, budget).run();
+}
 
 }  // namespace cxlab::planner

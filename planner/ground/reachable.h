@@ -1,6 +1,7 @@
 #pragma once
 // Which ground atoms can become true, and under which arguments each action can be applied, if nothing were ever
-// deleted and conditions that are not plain atoms always held. A join over the atoms found so far, driven by each new one.
+// deleted and conditions that are not plain atoms always held. A join over the atoms found so far, driven by each new
+// one.
 
 #include <cstdint>
 #include <span>
@@ -42,18 +43,20 @@ struct Binding {
 };
 
 struct Reachable {
-  AtomTable atoms;                ///< derived predicates are not in it
-  std::vector<char> fluent;       ///< by predicate: something changes it
-  std::vector<char> changing;     ///< by function: something changes it
+  AtomTable atoms;             ///< derived predicates are not in it
+  std::vector<char> fluent;    ///< by predicate: something changes it
+  std::vector<char> changing;  ///< by function: something changes it
   std::vector<Binding> bindings;
 };
 
 /// Fails (kResource) beyond `most_bindings` (code "memory") or the budget (code kOutOfBudget).
 Expected<Reachable> find_reachable(const Task& task, std::size_t most_bindings, Budget& budget);
 
-/// Calls `visit()` for every assignment of objects to `variables`, written to their slots of `frame`, until the budget ends.
+/// Calls `visit()` for every assignment of objects to `variables`, written to their slots of `frame`, until the budget
+/// ends.
 template <class Visit>
-void for_each_assignment(const Task& task, std::span<const Variable> variables, std::vector<ObjectId>& frame, Budget& budget, const Visit& visit) {
+void for_each_assignment(const Task& task, std::span<const Variable> variables, std::vector<ObjectId>& frame,
+                         Budget& budget, const Visit& visit) {
   if (variables.empty()) {
     budget.spend(Work::kGround, 1);
     visit();

@@ -9,7 +9,11 @@ namespace {
 class Relevance {
  public:
   explicit Relevance(const Task& task)
-      : task_(task), present_(task.domain.predicates.size(), 0), absent_(present_), number_(task.domain.functions.size(), 0), action_(task.domain.actions.size(), 0) {
+      : task_(task),
+        present_(task.domain.predicates.size(), 0),
+        absent_(present_),
+        number_(task.domain.functions.size(), 0),
+        action_(task.domain.actions.size(), 0) {
     find_late_values();
     ask(task.problem.goal, false);
     while (changed_) changed_ = false, look_at_rules();
@@ -39,15 +43,20 @@ class Relevance {
       for (const Effect& effect : action.effects) {
         if (effect.kind != Effect::Kind::kAssign) continue;
         std::size_t all = 1;
-        for (const Variable& parameter : task_.domain.functions[effect.function].parameters) all *= objects_of(task_.domain, task_.problem, parameter.types).size();
+        for (const Variable& parameter : task_.domain.functions[effect.function].parameters)
+          all *= objects_of(task_.domain, task_.problem, parameter.types).size();
         late_[effect.function] = values[effect.function] < all;
       }
   }
 
   bool events_help() const {
-    const auto helps = [this](const TimedFact& timed) { return (timed.value ? present_ : absent_)[timed.fact.predicate] != 0; };
+    const auto helps = [this](const TimedFact& timed) {
+      return (timed.value ? present_ : absent_)[timed.fact.predicate] != 0;
+    };
     return std::ranges::any_of(task_.problem.timed_facts, helps) ||
-           std::ranges::any_of(task_.problem.timed_values, [this](const TimedAssignment& timed) { return number_[timed.assignment.function] != 0; });
+           std::ranges::any_of(task_.problem.timed_values, [this](const TimedAssignment& timed) {
+             return number_[timed.assignment.function] != 0;
+           });
   }
 
   void look_at_rules() {
@@ -71,9 +80,11 @@ class Relevance {
     changed_ = true;
     ask(action.condition);
     for (const Effect& effect : action.effects)  // one that must not come about may have to be kept from it
-      for (const Condition* part : {&effect.condition.start, &effect.condition.over_all, &effect.condition.end}) ask(*part, true);
+      for (const Condition* part : {&effect.condition.start, &effect.condition.over_all, &effect.condition.end})
+        ask(*part, true);
     for (const DurationConstraint& constraint : action.duration) ask(constraint.bound);
-    for (const Effect& effect : action.effects) {  // it cannot be done before the numbers that it reads and changes have values
+    for (const Effect& effect :
+         action.effects) {  // it cannot be done before the numbers that it reads and changes have values
       if (!effect.is_numeric()) continue;
       if (effect.kind != Effect::Kind::kAssign && late_[effect.function]) mark(number_[effect.function]);
       ask_late(effect.value);
@@ -81,7 +92,8 @@ class Relevance {
   }
 
   void ask_late(const Expression& expression) {
-    if (expression.kind == Expression::Kind::kFunction && late_[expression.function]) mark(number_[expression.function]);
+    if (expression.kind == Expression::Kind::kFunction && late_[expression.function])
+      mark(number_[expression.function]);
     for (const Expression& operand : expression.operands) ask_late(operand);
   }
 

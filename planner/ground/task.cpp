@@ -52,9 +52,18 @@ double GroundExpression::evaluate(const double* numbers, double duration_s, doub
       case Kind::kDuration: stack[top++] = duration_s; break;
       case Kind::kTotalTime: stack[top++] = total_time_s; break;
       case Kind::kNegate: stack[top - 1] = -stack[top - 1]; break;
-      case Kind::kAdd: --top; stack[top - 1] += stack[top]; break;
-      case Kind::kSubtract: --top; stack[top - 1] -= stack[top]; break;
-      case Kind::kMultiply: --top; stack[top - 1] *= stack[top]; break;
+      case Kind::kAdd:
+        --top;
+        stack[top - 1] += stack[top];
+        break;
+      case Kind::kSubtract:
+        --top;
+        stack[top - 1] -= stack[top];
+        break;
+      case Kind::kMultiply:
+        --top;
+        stack[top - 1] *= stack[top];
+        break;
       case Kind::kDivide:
         --top;
         stack[top - 1] = stack[top] == 0 ? std::numeric_limits<double>::quiet_NaN() : stack[top - 1] / stack[top];
@@ -90,15 +99,20 @@ LinearForm linear_form(const GroundExpression& expression) {
       }
       case Kind::kMultiply: {
         const LinearForm right = take(), left = take();
-        if (is_number(right)) form = times(left, right.constant);
-        else if (is_number(left)) form = times(right, left.constant);
-        else form.is_linear = false;
+        if (is_number(right))
+          form = times(left, right.constant);
+        else if (is_number(left))
+          form = times(right, left.constant);
+        else
+          form.is_linear = false;
         break;
       }
       case Kind::kDivide: {
         const LinearForm right = take(), left = take();
-        if (is_number(right) && right.constant != 0) form = times(left, 1 / right.constant);
-        else form.is_linear = false;
+        if (is_number(right) && right.constant != 0)
+          form = times(left, 1 / right.constant);
+        else
+          form.is_linear = false;
         break;
       }
     }
@@ -109,18 +123,22 @@ LinearForm linear_form(const GroundExpression& expression) {
 
 std::vector<char> telling_numbers(const GroundTask& task) {
   std::vector<char> telling(task.numbers.size(), 0);
-  const auto read = [&telling](const GroundExpression& expression) { expression.for_each_number([&telling](int n) { telling[n] = 1; }); };
+  const auto read = [&telling](const GroundExpression& expression) {
+    expression.for_each_number([&telling](int n) { telling[n] = 1; });
+  };
   const auto read_by = [&read](const GroundEffects& effects) {
     for (const NumericEffect& effect : effects.numbers) read(effect.value);
   };
-  for (std::size_t n = 0; n < telling.size(); ++n) telling[n] = std::isnan(task.initial_numbers[n]);  // it cannot be changed before it has a value
+  for (std::size_t n = 0; n < telling.size(); ++n)
+    telling[n] = std::isnan(task.initial_numbers[n]);  // it cannot be changed before it has a value
   for (const GroundComparison& comparison : task.comparisons) read(comparison.expression);
   for (const TimedEvent& event : task.events) read_by(event.effects);
   for (const GroundAction& action : task.actions) {
     for (const GroundDuration& duration : action.duration) read(duration.bound);
     for (const ContinuousEffect& effect : action.continuous) read(effect.rate);
     read_by(action.at_start), read_by(action.at_end);
-    for (const ConditionalEffects& conditional : action.conditional) read_by(conditional.at_start), read_by(conditional.at_end);
+    for (const ConditionalEffects& conditional : action.conditional)
+      read_by(conditional.at_start), read_by(conditional.at_end);
   }
   return telling;
 }

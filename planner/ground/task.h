@@ -37,7 +37,17 @@ struct DurationRange {
 
 /// A number computed from numeric fluents: operations in postfix order.
 struct GroundExpression {
-  enum class Kind : std::uint8_t { kConstant, kNumber, kDuration, kTotalTime, kAdd, kSubtract, kMultiply, kDivide, kNegate };
+  enum class Kind : std::uint8_t {
+    kConstant,
+    kNumber,
+    kDuration,
+    kTotalTime,
+    kAdd,
+    kSubtract,
+    kMultiply,
+    kDivide,
+    kNegate
+  };
   struct Step {
     Kind kind = Kind::kConstant;
     int number = -1;   ///< of kNumber
@@ -172,10 +182,10 @@ struct TimedEvent {
 };
 
 struct GroundFact {
-  PredicateId predicate = -1;     ///< -1 for the fact of a disjunction
+  PredicateId predicate = -1;  ///< -1 for the fact of a disjunction
   std::vector<ObjectId> objects;
-  int complement = -1;            ///< the fact that is opposite, or -1
-  bool is_complement = false;     ///< true: `predicate` of `objects` does not hold
+  int complement = -1;         ///< the fact that is opposite, or -1
+  bool is_complement = false;  ///< true: `predicate` of `objects` does not hold
   bool derived = false;
 };
 
@@ -193,29 +203,29 @@ struct DerivedReads {
 
 struct GroundTask {
   std::vector<GroundFact> facts;
-  std::vector<GroundNumber> numbers;   ///< those that only the metric reads last
+  std::vector<GroundNumber> numbers;  ///< those that only the metric reads last
   std::vector<GroundComparison> comparisons;
   std::vector<GroundAction> actions;
-  std::vector<Axiom> axioms;           ///< by stratum
-  std::vector<TimedEvent> events;      ///< by time
+  std::vector<Axiom> axioms;       ///< by stratum
+  std::vector<TimedEvent> events;  ///< by time
   struct SchemaReads {
     DerivedReads start, over_all, end;
   };
   std::vector<SchemaReads> derived_reads;  ///< by action of the domain; empty without derived predicates
-  std::vector<char> initial_facts;     ///< without derived facts
-  std::vector<double> initial_numbers; ///< not-a-number where undefined
+  std::vector<char> initial_facts;         ///< without derived facts
+  std::vector<double> initial_numbers;     ///< not-a-number where undefined
   GroundCondition goal;
-  bool proved_unsolvable = false;      ///< the goal is out of reach even if nothing were ever deleted, or by pairs of facts
-  std::vector<int> missing_values;     ///< numbers that keep the goal out of reach, for they have no value and get none
-  GroundExpression metric;             ///< to be made small; empty = makespan
-  int others = 0;                      ///< facts and numbers that only IdleTouch knows
+  bool proved_unsolvable = false;  ///< the goal is out of reach even if nothing were ever deleted, or by pairs of facts
+  std::vector<int> missing_values;  ///< numbers that keep the goal out of reach, for they have no value and get none
+  GroundExpression metric;          ///< to be made small; empty = makespan
+  int others = 0;                   ///< facts and numbers that only IdleTouch knows
 
   /// Words of bits of a state.
   int words() const { return static_cast<int>((facts.size() + 63) / 64); }
 };
 
-/// By number: whether it may matter to what can be done, so that states with different values differ: all but those that
-/// only the metric reads.
+/// By number: whether it may matter to what can be done, so that states with different values differ: all but those
+/// that only the metric reads.
 std::vector<char> telling_numbers(const GroundTask& task);
 
 /// "(name arg arg)" as plans write it.

@@ -8,7 +8,8 @@ namespace {
 
 constexpr int kMostPasses = 20;
 constexpr double kLeastTimeWeight = 1e-6;  ///< where time does not count
-constexpr double kStartWeight = 0.05;  ///< of the mean time in the cost: earlier is better even where it does not count yet
+constexpr double kStartWeight =
+    0.05;  ///< of the mean time in the cost: earlier is better even where it does not count yet
 
 }  // namespace
 
@@ -45,7 +46,8 @@ Decoder::Taken Decoder::take_next(const Sequence& list, SequenceStep& step) {
       if (!range || !simulator_.holds(original_.actions[origin.action].over_all, trial_.data())) continue;
       step.duration = range->least;
     }
-    if (!running_.empty() && !keeps_running(trial_.data(), origin.part == SplitTask::Part::kEnd ? origin.action : -1)) continue;
+    if (!running_.empty() && !keeps_running(trial_.data(), origin.part == SplitTask::Part::kEnd ? origin.action : -1))
+      continue;
     std::swap(trial_, scratch_);
     next_[before] = next_[item];
     return Taken::kYes;
@@ -82,7 +84,8 @@ bool Decoder::decode(const Sequence& list, double most_cost, DecodedPlan& plan) 
 
 bool Decoder::too_dear(double most_cost) const {
   if (objective_.is_makespan()) return static_cast<double>(timeline_.makespan()) > most_cost;
-  return objective_.never_falls() && objective_.value(simulator_.numbers(scratch_.data()), timeline_.makespan()) > most_cost;
+  return objective_.never_falls() &&
+         objective_.value(simulator_.numbers(scratch_.data()), timeline_.makespan()) > most_cost;
 }
 
 bool Decoder::advance(const Sequence& list, Sequence& order, PackedState& state) {
@@ -95,7 +98,8 @@ bool Decoder::advance(const Sequence& list, Sequence& order, PackedState& state)
     if (is_event(step)) continue;
     const SplitTask::Origin origin = split_.origins[step.action];
     if (origin.part == SplitTask::Part::kBegin) running_.push_back({origin.action, 0, 0, 0});
-    if (origin.part == SplitTask::Part::kEnd) running_.erase(std::ranges::find(running_, origin.action, &Running::action));
+    if (origin.part == SplitTask::Part::kEnd)
+      running_.erase(std::ranges::find(running_, origin.action, &Running::action));
   }
   state = scratch_;
   return running_.empty();

@@ -2,10 +2,10 @@
 // From a list of actions to a plan.
 //
 // Decoding runs through the list again and again, always taking the first action that can be applied, until the goal is
-// reached, and schedules as it goes; what remains is dropped. So any order is a plan as long as the goal is reached, and
-// moving one action drags along those that wait for it. Where more actions can make a plan better, decoding goes on to
-// the last step after which the goal holds. Where actions are cut, the list has their beginnings and ends, so that others
-// can start or end in between.
+// reached, and schedules as it goes; what remains is dropped. So any order is a plan as long as the goal is reached,
+// and moving one action drags along those that wait for it. Where more actions can make a plan better, decoding goes on
+// to the last step after which the goal holds. Where actions are cut, the list has their beginnings and ends, so that
+// others can start or end in between.
 
 #include <utility>
 #include <vector>
@@ -22,9 +22,9 @@ struct DecodedPlan {
   std::vector<Micros> times;  ///< by step: of a beginning, of an end, of the start of a whole action
   std::vector<int> causes;    ///< by step: the step that it waits for, or -1
   Micros makespan = 0;
-  double value = 0;           ///< of the objective
-  Micros lateness = 0;        ///< by how much things come too late for events
-  double cost = 0;            ///< what improvement brings down: the aim, and a little of all times
+  double value = 0;     ///< of the objective
+  Micros lateness = 0;  ///< by how much things come too late for events
+  double cost = 0;      ///< what improvement brings down: the aim, and a little of all times
 
   double aim() const { return value + static_cast<double>(kLatenessWeight * lateness); }
 };
@@ -32,8 +32,14 @@ struct DecodedPlan {
 class Decoder {
  public:
   /// `simulator` is of the split task, `touches` of the original; the split may cut nothing.
-  Decoder(const SplitTask& split, const GroundTask& original, const Simulator& simulator, const Touches& touches, const Objective& objective)
-      : split_(split), original_(original), simulator_(simulator), touches_(touches), objective_(objective), timeline_(touches, true) {}
+  Decoder(const SplitTask& split, const GroundTask& original, const Simulator& simulator, const Touches& touches,
+          const Objective& objective)
+      : split_(split),
+        original_(original),
+        simulator_(simulator),
+        touches_(touches),
+        objective_(objective),
+        timeline_(touches, true) {}
 
   /// False if the list does not lead to the goal, or costs more than `most_cost`.
   bool decode(const Sequence& list, double most_cost, DecodedPlan& plan);
@@ -75,7 +81,7 @@ class Decoder {
   std::vector<Running> running_;
   std::vector<std::pair<Micros, int>> releases_;  ///< by step: a beginning that must wait for its end, and the cause
   int next_event_ = 0;
-  bool shifted_ = false;                          ///< a release has grown since the schedule began
+  bool shifted_ = false;  ///< a release has grown since the schedule began
   std::int64_t work_ = 0;
 };
 

@@ -13,7 +13,11 @@ constexpr double kExchanges = 0.5;  ///< share of moves that change which action
 }  // namespace
 
 LocalSearch::LocalSearch(Decoder& decoder, std::uint64_t seed)
-    : decoder_(decoder), split_(decoder.split()), original_(decoder.original()), simulator_(decoder.simulator()), whole_(original_),
+    : decoder_(decoder),
+      split_(decoder.split()),
+      original_(decoder.original()),
+      simulator_(decoder.simulator()),
+      whole_(original_),
       random_(seed, "planner local search") {
   const GroundTask& original = original_;
   achievers_.resize(original.facts.size() + original.numbers.size());
@@ -21,8 +25,10 @@ LocalSearch::LocalSearch(Decoder& decoder, std::uint64_t seed)
     if (whole_.whole_impossible(static_cast<int>(a)) && split_.parts[a].second < 0) continue;
     for (const int f : whole_.whole_effects(static_cast<int>(a)).add) achievers_[f].push_back(static_cast<int>(a));
     for (const auto* effects : {&original.actions[a].at_start, &original.actions[a].at_end})
-      for (const NumericEffect& effect : effects->numbers) achievers_[original.facts.size() + effect.number].push_back(static_cast<int>(a));
-    if (!decoder.objective().never_falls() && decoder.objective().change(static_cast<int>(a)) < 0) earners_.push_back(static_cast<int>(a));
+      for (const NumericEffect& effect : effects->numbers)
+        achievers_[original.facts.size() + effect.number].push_back(static_cast<int>(a));
+    if (!decoder.objective().never_falls() && decoder.objective().change(static_cast<int>(a)) < 0)
+      earners_.push_back(static_cast<int>(a));
   }
 }
 
@@ -43,20 +49,26 @@ void LocalSearch::set_current(DecodedPlan plan) {
   for (std::size_t i = 0; i < current_.order.size(); ++i) {
     std::ranges::copy(state, &states_[i * words]);
     const SequenceStep& step = current_.order[i];
-    if (is_event(step)) simulator_.apply_event(-2 - step.action, state.data());
-    else simulator_.apply_with(step.action, state.data(), step.duration);
+    if (is_event(step))
+      simulator_.apply_event(-2 - step.action, state.data());
+    else
+      simulator_.apply_with(step.action, state.data(), step.duration);
   }
   std::ranges::copy(state, &states_[current_.order.size() * words]);
   critical_.clear();
-  const auto ends_late = [&](const SequenceStep& step) { return !is_event(step) && split_.origins[step.action].part == SplitTask::Part::kWhole; };
+  const auto ends_late = [&](const SequenceStep& step) {
+    return !is_event(step) && split_.origins[step.action].part == SplitTask::Part::kWhole;
+  };
   int last = -1;
   for (std::size_t i = 0; i < current_.order.size(); ++i)
-    if (current_.times[i] + (ends_late(current_.order[i]) ? current_.order[i].duration : 0) == current_.makespan) last = static_cast<int>(i);
+    if (current_.times[i] + (ends_late(current_.order[i]) ? current_.order[i].duration : 0) == current_.makespan)
+      last = static_cast<int>(i);
   for (; last >= 0; last = current_.causes[last]) critical_.push_back(last);
 }
 
 int LocalSearch::critical_step() {
-  return critical_.empty() ? static_cast<int>(random_.below(current_.order.size())) : critical_[random_.below(critical_.size())];
+  return critical_.empty() ? static_cast<int>(random_.below(current_.order.size()))
+                           : critical_[random_.below(critical_.size())];
 }
 
 void LocalSearch::run(Budget& budget, std::int64_t most_idle, const OnBetter& on_better) {
@@ -134,7 +146,8 @@ void LocalSearch::pull(Sequence& list, int step, int to) const {
       for (const auto* timed : {&task.actions[list[i].action].at_start, &task.actions[list[i].action].at_end})
         for (const NumericEffect& effect : timed->numbers)
           for (const auto& [number, weight] : task.comparisons[c].linear.weights)
-            changed |= number == effect.number && effect.value.is_constant() && effect.value.steps[0].value * weight > 0;
+            changed |=
+                number == effect.number && effect.value.is_constant() && effect.value.steps[0].value * weight > 0;
       provides |= changed;
       return changed;
     });
@@ -151,7 +164,8 @@ void LocalSearch::pull(Sequence& list, int step, int to) const {
 
 std::vector<int> LocalSearch::alternatives(int original) const {
   std::vector<int> found;
-  for (const int f : whole_.whole_effects(original).add) found.insert(found.end(), achievers_[f].begin(), achievers_[f].end());
+  for (const int f : whole_.whole_effects(original).add)
+    found.insert(found.end(), achievers_[f].begin(), achievers_[f].end());
   for (const auto* effects : {&original_.actions[original].at_start, &original_.actions[original].at_end})
     for (const NumericEffect& effect : effects->numbers) {
       const auto& more = achievers_[original_.facts.size() + effect.number];
@@ -171,9 +185,11 @@ void LocalSearch::exchange(Sequence& list) {
   if (list.empty()) return;
   if (!earners_.empty() && !original_.events.empty() && random_.chance(0.1)) {  // waits for the next event
     const auto last = std::ranges::find_if(list.rbegin(), list.rend(), is_event);
-    const std::size_t events = static_cast<std::size_t>(std::ranges::count_if(list, is_event)), from = static_cast<std::size_t>(list.rend() - last);
+    const std::size_t events = static_cast<std::size_t>(std::ranges::count_if(list, is_event)),
+                      from = static_cast<std::size_t>(list.rend() - last);
     if (events == original_.events.size()) return;
-    list.insert(list.begin() + static_cast<std::ptrdiff_t>(from + random_.below(list.size() - from + 1)), {-2 - static_cast<int>(events), 0});
+    list.insert(list.begin() + static_cast<std::ptrdiff_t>(from + random_.below(list.size() - from + 1)),
+                {-2 - static_cast<int>(events), 0});
     return;
   }
   if (!earners_.empty() && random_.chance(0.3)) {
@@ -181,7 +197,8 @@ void LocalSearch::exchange(Sequence& list) {
     insert(list, at, at, earners_[random_.below(earners_.size())]);
     return;
   }
-  const std::size_t at = std::min(list.size() - 1, random_.chance(0.5) ? static_cast<std::size_t>(critical_step()) : random_.below(list.size()));
+  const std::size_t at = std::min(
+      list.size() - 1, random_.chance(0.5) ? static_cast<std::size_t>(critical_step()) : random_.below(list.size()));
   if (is_event(list[at])) return;
   const int original = split_.origins[list[at].action].action;
   const auto [first, last] = split_.parts[original];

@@ -38,14 +38,14 @@ class LocalSearch {
   const SplitTask& split_;
   const GroundTask& original_;
   const Simulator& simulator_;
-  Simulator whole_;                 ///< of the original
+  Simulator whole_;  ///< of the original
   RandomStream random_;
   DecodedPlan current_, best_;
-  std::vector<Word> states_;        ///< before each step of the current plan
-  std::vector<int> critical_;       ///< steps that determine the makespan, the last one first
+  std::vector<Word> states_;                 ///< before each step of the current plan
+  std::vector<int> critical_;                ///< steps that determine the makespan, the last one first
   std::vector<std::vector<int>> achievers_;  ///< by fact, then number: original actions that add it or change it
-  std::vector<int> earners_;        ///< original actions that make the objective better by themselves
-  std::vector<double> history_;     ///< costs accepted some moves ago
+  std::vector<int> earners_;                 ///< original actions that make the objective better by themselves
+  std::vector<double> history_;              ///< costs accepted some moves ago
   std::int64_t moves_ = 0;
 };
 

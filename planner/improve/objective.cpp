@@ -30,10 +30,12 @@ Objective::Objective(const Simulator& simulator)
   for (std::size_t a = 0; a < task_.actions.size(); ++a) {
     const GroundAction& action = task_.actions[a];
     look_at(action.at_start), look_at(action.at_end);
-    for (const ConditionalEffects& conditional : action.conditional) look_at(conditional.at_start), look_at(conditional.at_end);
+    for (const ConditionalEffects& conditional : action.conditional)
+      look_at(conditional.at_start), look_at(conditional.at_end);
     for (const ContinuousEffect& effect : action.continuous)
       if (weight(effect.number) != 0) never_falls_ = false;
-    const std::optional<DurationRange> range = action.durative ? simulator.durations(static_cast<int>(a), initial.data()) : DurationRange{};
+    const std::optional<DurationRange> range =
+        action.durative ? simulator.durations(static_cast<int>(a), initial.data()) : DurationRange{};
     const double duration_s = range ? seconds(range->least) : 0;
     durations_s_.push_back(duration_s);
     changes_[a] = change_of(action.at_start, duration_s) + change_of(action.at_end, duration_s);
@@ -73,18 +75,23 @@ double Objective::value_of(double metric, Micros makespan) {
 }
 
 std::optional<double> Objective::bound(Micros least_makespan) const {
-  if (is_makespan_) return task_.metric.steps.empty() ? seconds(least_makespan) : linear_.constant + linear_.duration_weight * seconds(least_makespan);
+  if (is_makespan_)
+    return task_.metric.steps.empty() ? seconds(least_makespan)
+                                      : linear_.constant + linear_.duration_weight * seconds(least_makespan);
   const double least = task_.metric.evaluate(initial_.data(), 0, seconds(least_makespan));
   if (!never_falls_ || !std::isfinite(least)) return std::nullopt;
   return least;
 }
 
 std::optional<GroundComparison> Objective::better_than(double metric, Micros least_makespan) const {
-  if (is_makespan_ || !linear_.is_linear || linear_.weights.empty() || time_weight_ < 0 || !std::isfinite(metric)) return std::nullopt;
+  if (is_makespan_ || !linear_.is_linear || linear_.weights.empty() || time_weight_ < 0 || !std::isfinite(metric))
+    return std::nullopt;
   GroundExpression room = GroundExpression::constant(metric - 1 / kMillion);
   for (const auto& step : task_.metric.steps) {
-    if (step.kind == GroundExpression::Kind::kTotalTime) room.steps.push_back({GroundExpression::Kind::kConstant, -1, seconds(least_makespan)});
-    else room.steps.push_back(step);
+    if (step.kind == GroundExpression::Kind::kTotalTime)
+      room.steps.push_back({GroundExpression::Kind::kConstant, -1, seconds(least_makespan)});
+    else
+      room.steps.push_back(step);
   }
   room.steps.push_back({GroundExpression::Kind::kSubtract, -1, 0});
   return GroundComparison{GroundComparison::Kind::kNotNegative, room, linear_form(room)};
@@ -99,7 +106,8 @@ std::vector<int> Objective::prices() const {
   }
   const double mean = sum / std::max<double>(1, static_cast<double>(costs.size()));
   std::vector<int> prices;
-  for (const double cost : costs) prices.push_back(1 + (mean > 0 ? static_cast<int>(std::min(10 * cost / mean, 100.0)) : 0));
+  for (const double cost : costs)
+    prices.push_back(1 + (mean > 0 ? static_cast<int>(std::min(10 * cost / mean, 100.0)) : 0));
   return prices;
 }
 

@@ -17,7 +17,8 @@ class Objective {
   bool is_makespan() const { return is_makespan_; }
   /// Infinite where the metric is undefined.
   double value(const double* numbers, Micros makespan) const {
-    return is_makespan_ ? static_cast<double>(makespan) : value_of(task_.metric.evaluate(numbers, 0, seconds(makespan)), makespan);
+    return is_makespan_ ? static_cast<double>(makespan)
+                        : value_of(task_.metric.evaluate(numbers, 0, seconds(makespan)), makespan);
   }
   /// The same of a metric that has been computed (negated where it is to be made large).
   static double value_of(double metric, Micros makespan);

@@ -20,7 +20,8 @@ Remainder::Done Remainder::of(const Plan& plan) {
 std::vector<Remainder::OneOf> Remainder::ways_of(const Plan& plan) {
   const std::vector<GroundAction>& actions = simulator_.task().actions;
   std::map<std::pair<ActionId, std::vector<ObjectId>>, OneOf> by_step;
-  for (std::size_t a = 0; a < actions.size(); ++a) by_step[{actions[a].schema, actions[a].arguments}].push_back(static_cast<int>(a));
+  for (std::size_t a = 0; a < actions.size(); ++a)
+    by_step[{actions[a].schema, actions[a].arguments}].push_back(static_cast<int>(a));
   budget_.spend(Work::kReach, static_cast<std::int64_t>(actions.size()));
   std::vector<OneOf> steps;
   for (const PlanStep& step : plan) {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "planner/pddl/plan.h"
 #include "planner/ground/budget.h"
+#include "planner/pddl/plan.h"
 #include "planner/search/lazy_search.h"
 
 namespace cxlab::planner {
@@ -22,8 +22,8 @@ class Remainder {
 
   Remainder(const Simulator& simulator, Budget& budget) : simulator_(simulator), budget_(budget) {}
 
-  /// The shortest end of the plan that leads to the goal, for its beginning has been done. If none does, the one of which
-  /// most can be done.
+  /// The shortest end of the plan that leads to the goal, for its beginning has been done. If none does, the one of
+  /// which most can be done.
   Done of(const Plan& plan);
   /// Leaves out steps without which the others lead to the goal, with what cannot be done without them.
   Sequence without_needless(Sequence steps);

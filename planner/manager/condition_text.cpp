@@ -24,7 +24,8 @@ std::string fraction(double value) {
 
 class Teller {
  public:
-  Teller(const Domain& domain, const std::vector<Object>& objects, std::span<const ObjectId> bound) : domain_(domain), objects_(objects) {
+  Teller(const Domain& domain, const std::vector<Object>& objects, std::span<const ObjectId> bound)
+      : domain_(domain), objects_(objects) {
     for (const ObjectId object : bound) names_.push_back(objects[static_cast<std::size_t>(object)].name);
   }
 
@@ -34,7 +35,8 @@ class Teller {
       case Kind::kAtom: return call(domain_.predicates[static_cast<std::size_t>(c.predicate)].name, c.terms);
       case Kind::kSame: return "(" + term(c.terms[0]) + " == " + term(c.terms[1]) + ")";
       case Kind::kCompare: return comparison(c);
-      case Kind::kNot: return c.operands[0].kind == Kind::kNot ? text(c.operands[0].operands[0]) : "(not " + text(c.operands[0]) + ")";
+      case Kind::kNot:
+        return c.operands[0].kind == Kind::kNot ? text(c.operands[0].operands[0]) : "(not " + text(c.operands[0]) + ")";
       case Kind::kAnd: return joined(c, " and ", "true");
       case Kind::kOr: return joined(c, " or ", "false");
       case Kind::kImply: return "(" + text(c.operands[0]) + " implies " + text(c.operands[1]) + ")";
@@ -123,9 +125,11 @@ class Teller {
   /// Whether something may be any object; only then `object` is told as a supertype.
   bool object_is_a_type() const {
     const auto any = [](const auto& item) {
-      return std::any_of(item.parameters.begin(), item.parameters.end(), [](const Variable& v) { return v.types == std::vector{Domain::kObjectType}; });
+      return std::any_of(item.parameters.begin(), item.parameters.end(),
+                         [](const Variable& v) { return v.types == std::vector{Domain::kObjectType}; });
     };
-    return std::any_of(domain_.predicates.begin(), domain_.predicates.end(), any) || std::any_of(domain_.functions.begin(), domain_.functions.end(), any) ||
+    return std::any_of(domain_.predicates.begin(), domain_.predicates.end(), any) ||
+           std::any_of(domain_.functions.begin(), domain_.functions.end(), any) ||
            std::any_of(domain_.actions.begin(), domain_.actions.end(), any);
   }
 
@@ -136,7 +140,8 @@ class Teller {
 
 }  // namespace
 
-std::string told_text(const Condition& condition, const Domain& domain, const std::vector<Object>& objects, std::span<const ObjectId> bound) {
+std::string told_text(const Condition& condition, const Domain& domain, const std::vector<Object>& objects,
+                      std::span<const ObjectId> bound) {
   return Teller(domain, objects, bound).text(condition);
 }
 

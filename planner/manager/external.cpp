@@ -44,7 +44,8 @@ std::string last_line(const std::string& text) {
   const std::size_t end = text.find_last_not_of(" \t\r\n");
   if (end == std::string::npos) return {};
   const std::size_t begin = text.find_last_of('\n', end);
-  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1,
+                     end - (begin == std::string::npos ? 0 : begin + 1) + 1);
 }
 
 struct Ended {
@@ -69,7 +70,8 @@ Expected<Ended> run(const std::string& command, const fs::path& log, double time
   const int refused = posix_spawn(&child, "/bin/sh", &files, &attributes, arguments, environ);
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
-  if (refused != 0) return Error{ErrorKind::kResource, "the planner's command could not be started: " + command, {}, 0, {}};
+  if (refused != 0)
+    return Error{ErrorKind::kResource, "the planner's command could not be started: " + command, {}, 0, {}};
 
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
   Ended ended;
@@ -97,10 +99,12 @@ Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, const Ended& e
     return answer;
   }
   if (ended.code == kNotExecutable || ended.code == kNotFound) {
-    std::string message = "the planner's command cannot be run (code " + std::to_string(ended.code) + ")" + (said.empty() ? "" : ": " + said);
+    std::string message = "the planner's command cannot be run (code " + std::to_string(ended.code) + ")" +
+                          (said.empty() ? "" : ": " + said);
     return Error{ErrorKind::kResource, message + "; " + planner.remedy, {}, 0, {}};
   }
-  answer.reason = "the planner ended with code " + std::to_string(ended.code) + " and wrote no plan" + (said.empty() ? "" : ": " + said);
+  answer.reason = "the planner ended with code " + std::to_string(ended.code) + " and wrote no plan" +
+                  (said.empty() ? "" : ": " + said);
   if (!planner.our_codes) return answer;
   switch (ended.code) {
     case 10: answer.status = PlanStatus::kUnsolvable; break;
@@ -116,21 +120,28 @@ Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, const Ended& e
 }  // namespace
 
 ExternalPlanner up_engine(const fs::path& script, const std::string& python, const std::string& engine) {
-  return {quoted(python) + " -W ignore " + quoted(script.string()) + " " + quoted(engine) + " {domain} {problem} {plan} --timeout {timeout}", true,
-          "set the parameter `python` to a Python interpreter that has the Unified Planning Framework; found '" + python + "'"};
+  return {quoted(python) + " -W ignore " + quoted(script.string()) + " " + quoted(engine) +
+              " {domain} {problem} {plan} --timeout {timeout}",
+          true,
+          "set the parameter `python` to a Python interpreter that has the Unified Planning Framework; found '" +
+              python + "'"};
 }
 
 Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& task, double timeout_s) {
   const auto scratch = ScratchFolder::create();
   if (!scratch) return scratch.error();
   const fs::path& folder = (*scratch)->path();
-  const fs::path domain = folder / "domain.pddl", problem = folder / "problem.pddl", plan = folder / "plan.txt", log = folder / "log.txt";
+  const fs::path domain = folder / "domain.pddl", problem = folder / "problem.pddl", plan = folder / "plan.txt",
+                 log = folder / "log.txt";
   std::ofstream(domain) << to_pddl(task.domain);
   std::ofstream(problem) << to_pddl(task.domain, task.problem);
   char seconds[32];
   std::snprintf(seconds, sizeof seconds, "%.3f", timeout_s);
   std::string command = planner.command;
-  for (const auto& [placeholder, value] : {std::pair<std::string, std::string>{"{domain}", domain}, {"{problem}", problem}, {"{plan}", plan}, {"{timeout}", seconds}})
+  for (const auto& [placeholder, value] : {std::pair<std::string, std::string>{"{domain}", domain},
+                                           {"{problem}", problem},
+                                           {"{plan}", plan},
+                                           {"{timeout}", seconds}})
     command = filled(std::move(command), placeholder, value);
   auto ended = run(command, log, timeout_s);
   if (!ended) return ended.error();
@@ -151,7 +162,8 @@ Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& 
     answer.reason = answer.refusal = "the planner's plan is wrong: " + to_text(*verdict->violation);
     return answer;
   }
-  std::stable_sort(steps->begin(), steps->end(), [](const PlanStep& a, const PlanStep& b) { return a.start < b.start; });
+  std::stable_sort(steps->begin(), steps->end(),
+                   [](const PlanStep& a, const PlanStep& b) { return a.start < b.start; });
   answer.status = PlanStatus::kPlan;
   answer.reason = "a plan of another planner";
   answer.plan.emplace();

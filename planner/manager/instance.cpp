@@ -24,7 +24,9 @@ std::vector<std::string> names_of(const Items& items) {
 }
 
 /// An effect at the end with a condition at the start.
-bool asks_before(const Effect& effect) { return effect.time != Effect::Time::kStart && !effect.condition.start.is_true(); }
+bool asks_before(const Effect& effect) {
+  return effect.time != Effect::Time::kStart && !effect.condition.start.is_true();
+}
 
 std::vector<ObjectId> binding(const Effect& effect, const Frame& frame) {
   std::vector<ObjectId> objects;
@@ -61,16 +63,19 @@ const State& Instance::state() const {
 
 // --- Names
 
-Expected<std::vector<ObjectId>> Instance::objects(const Names& names, const std::vector<Variable>& parameters, const std::string& of) const {
+Expected<std::vector<ObjectId>> Instance::objects(const Names& names, const std::vector<Variable>& parameters,
+                                                  const std::string& of) const {
   if (names.size() != parameters.size())
-    return input_error("'" + of + "': found " + std::to_string(names.size()) + " arguments, expected " + std::to_string(parameters.size()));
+    return input_error("'" + of + "': found " + std::to_string(names.size()) + " arguments, expected " +
+                       std::to_string(parameters.size()));
   std::vector<ObjectId> ids(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     ids[i] = find(problem().object_names, lower(names[i]));
     if (ids[i] < 0) return unknown_name("object", names[i], names_of(problem().objects));
     if (!fits(domain(), problem().objects[static_cast<std::size_t>(ids[i])], parameters[i].types))
       return input_error("'" + of + "': '" + names[i] + "' has the wrong type for " + parameters[i].name + ": found " +
-                         types_text(domain(), problem().objects[static_cast<std::size_t>(ids[i])].types) + ", expected " + types_text(domain(), parameters[i].types));
+                         types_text(domain(), problem().objects[static_cast<std::size_t>(ids[i])].types) +
+                         ", expected " + types_text(domain(), parameters[i].types));
   }
   return ids;
 }
@@ -116,14 +121,17 @@ std::vector<Fact> Instance::facts() const {
     others.set(fact.predicate, fact.objects, false);
   }
   std::vector<Fact> later = others.facts();
-  std::stable_partition(later.begin(), later.end(), [&](const Fact& f) { return !domain().predicates[static_cast<std::size_t>(f.predicate)].derived; });
+  std::stable_partition(later.begin(), later.end(), [&](const Fact& f) {
+    return !domain().predicates[static_cast<std::size_t>(f.predicate)].derived;
+  });
   all.insert(all.end(), later.begin(), later.end());
   return all;
 }
 
 Instance::Names Instance::objects_of_type(TypeId type) const {
   Names names;
-  for (const ObjectId id : objects_of(domain(), problem(), {type})) names.push_back(problem().objects[static_cast<std::size_t>(id)].name);
+  for (const ObjectId id : objects_of(domain(), problem(), {type}))
+    names.push_back(problem().objects[static_cast<std::size_t>(id)].name);
   return names;
 }
 
@@ -147,12 +155,15 @@ Expected<std::vector<Object>> Instance::new_objects(const std::vector<ObjectName
     if (!type_id) return type_id.error();
     if (object.name.empty()) return input_error("found an object without a name");
     const Object* there = nullptr;
-    if (const ObjectId known = find(problem().object_names, lower(object.name)); known >= 0) there = &problem().objects[static_cast<std::size_t>(known)];
+    if (const ObjectId known = find(problem().object_names, lower(object.name)); known >= 0)
+      there = &problem().objects[static_cast<std::size_t>(known)];
     for (const Object& before : made)
       if (lower(before.name) == lower(object.name)) there = &before;
-    if (!there) made.push_back({object.name, {*type_id}, {Source::File::kProblem, 0}});
+    if (!there)
+      made.push_back({object.name, {*type_id}, {Source::File::kProblem, 0}});
     else if (!fits(domain(), *there, {*type_id}))
-      return input_error("object '" + object.name + "' is there already: found the type " + types_text(domain(), there->types) + ", expected " + object.type);
+      return input_error("object '" + object.name + "' is there already: found the type " +
+                         types_text(domain(), there->types) + ", expected " + object.type);
   }
   return made;
 }
@@ -176,9 +187,11 @@ Expected<std::vector<char>> Instance::others_than(const std::vector<ObjectName>&
       auto type_id = type(object.type);
       if (!type_id) return type_id.error();
       if (!fits(domain(), there, {*type_id}))
-        return input_error("object '" + object.name + "': found the type " + types_text(domain(), there.types) + ", expected " + object.type);
+        return input_error("object '" + object.name + "': found the type " + types_text(domain(), there.types) +
+                           ", expected " + object.type);
     }
-    if (id < static_cast<ObjectId>(domain().constants.size())) return input_error("'" + object.name + "' is a constant of the domain and cannot be removed");
+    if (id < static_cast<ObjectId>(domain().constants.size()))
+      return input_error("'" + object.name + "' is a constant of the domain and cannot be removed");
     keep[static_cast<std::size_t>(id)] = 0;
   }
   return keep;
@@ -221,7 +234,8 @@ bool Instance::advance(double seconds) {
     const TimedFact& event = p.timed_facts[next_fact_];
     state_.set(event.fact.predicate, event.fact.objects, event.value);
   }
-  for (; next_value_ < p.timed_values.size() && p.timed_values[next_value_].time <= seconds; ++next_value_, any = true) {
+  for (; next_value_ < p.timed_values.size() && p.timed_values[next_value_].time <= seconds;
+       ++next_value_, any = true) {
     const Assignment& event = p.timed_values[next_value_].assignment;
     state_.set_value(event.function, event.objects, event.value);
   }
@@ -315,7 +329,10 @@ Instance::Names Instance::unsatisfied(const ActionCall& call, When when) const {
     bool defined = true;
     for (const Effect& effect : action.effects)
       if (effect.time == Effect::Time::kStart)
-        defined = evaluator_->collect(effect, bound, now, length, [&](Frame& f) { return evaluator_->holds(effect.condition.start, f, now, length); }, changes) && defined;
+        defined = evaluator_->collect(
+                      effect, bound, now, length,
+                      [&](Frame& f) { return evaluator_->holds(effect.condition.start, f, now, length); }, changes) &&
+                  defined;
     State after = now;
     if (defined && apply_changes(changes, after)) {
       evaluator_->derive(after);
@@ -359,7 +376,8 @@ Expected<std::vector<ToldEffect>> Instance::effects(const ActionCall& call) cons
     const TimedCondition& when = effect.condition;
     const bool remembered = started != started_.end() && asks_before(effect);
     const auto holds = [&](Frame& f) {
-      const bool held = remembered ? started->second.contains({i, binding(effect, f)}) : evaluator_->holds(when.start, f, now, length);
+      const bool held = remembered ? started->second.contains({i, binding(effect, f)})
+                                   : evaluator_->holds(when.start, f, now, length);
       return held && evaluator_->holds(when.over_all, f, now, length) && evaluator_->holds(when.end, f, now, length);
     };
     const auto& name = effect.is_numeric() ? domain().functions[static_cast<std::size_t>(effect.function)].name
@@ -367,8 +385,15 @@ Expected<std::vector<ToldEffect>> Instance::effects(const ActionCall& call) cons
     if (!evaluator_->collect(effect, bound, now, length, holds, changes))
       return input_error("effect on '" + name + "' of '" + action.name + "': its right-hand side has no value now");
     for (const Change& change : changes) {
-      ToldEffect out{name, {}, effect.time != Effect::Time::kStart, effect.is_numeric(), change.kind == Effect::Kind::kAdd, '=', change.value};
-      for (const ObjectId object : change.objects) out.arguments.push_back(problem().objects[static_cast<std::size_t>(object)].name);
+      ToldEffect out{name,
+                     {},
+                     effect.time != Effect::Time::kStart,
+                     effect.is_numeric(),
+                     change.kind == Effect::Kind::kAdd,
+                     '=',
+                     change.value};
+      for (const ObjectId object : change.objects)
+        out.arguments.push_back(problem().objects[static_cast<std::size_t>(object)].name);
       if (effect.time == Effect::Time::kContinuous) out.number *= length;
       if (change.kind == Effect::Kind::kIncrease) out.operation = '+';
       if (change.kind == Effect::Kind::kDecrease) out.operation = '-';
@@ -389,20 +414,29 @@ Expected<std::vector<ToldEffect>> Instance::original_effects(const ActionCall& c
   const Frame bound = frame(call);
   std::vector<ToldEffect> told;
   for (const Effect& effect : action.effects) {
-    if (effect.is_numeric() && !action.durative) return input_error("'InstantaneousAction' object has no attribute 'function_effects'");
+    if (effect.is_numeric() && !action.durative)
+      return input_error("'InstantaneousAction' object has no attribute 'function_effects'");
     const auto& name = effect.is_numeric() ? domain().functions[static_cast<std::size_t>(effect.function)].name
                                            : domain().predicates[static_cast<std::size_t>(effect.predicate)].name;
-    ToldEffect out{name, {}, effect.time != Effect::Time::kStart, effect.is_numeric(), effect.kind == Effect::Kind::kAdd, '=', 0};
+    ToldEffect out{
+        name, {}, effect.time != Effect::Time::kStart, effect.is_numeric(), effect.kind == Effect::Kind::kAdd, '=', 0};
     for (const Term& term : effect.terms) {
       const auto variable = std::find_if(effect.variables.begin(), effect.variables.end(),
                                          [&](const Variable& v) { return term.is_variable && v.slot == term.index; });
-      if (variable != effect.variables.end()) out.arguments.push_back(variable->name.substr(1));
-      else out.arguments.push_back(problem().objects[static_cast<std::size_t>(term.is_variable ? bound[static_cast<std::size_t>(term.index)] : term.index)].name);
+      if (variable != effect.variables.end())
+        out.arguments.push_back(variable->name.substr(1));
+      else
+        out.arguments.push_back(problem()
+                                    .objects[static_cast<std::size_t>(
+                                        term.is_variable ? bound[static_cast<std::size_t>(term.index)] : term.index)]
+                                    .name);
     }
     if (effect.is_numeric()) {
-      const bool plain = effect.value.kind == Expression::Kind::kConstant || effect.value.kind == Expression::Kind::kFunction;
+      const bool plain =
+          effect.value.kind == Expression::Kind::kConstant || effect.value.kind == Expression::Kind::kFunction;
       const auto value = plain ? evaluator_->number(effect.value, bound, state_) : std::nullopt;
-      if (!value || effect.kind == Effect::Kind::kScaleUp || effect.kind == Effect::Kind::kScaleDown || effect.time == Effect::Time::kContinuous)
+      if (!value || effect.kind == Effect::Kind::kScaleUp || effect.kind == Effect::Kind::kScaleDown ||
+          effect.time == Effect::Time::kContinuous)
         return input_error("Unknown value type");
       out.number = *value;
       if (effect.kind == Effect::Kind::kIncrease) out.operation = '+';
@@ -411,7 +445,10 @@ Expected<std::vector<ToldEffect>> Instance::original_effects(const ActionCall& c
     told.push_back(std::move(out));
   }
   // It told one time point after the other, that of the first effect first.
-  std::stable_partition(told.begin(), told.end(), [end_first = !told.empty() && told.front().at_end](const ToldEffect& effect) { return effect.at_end == end_first; });
+  std::stable_partition(told.begin(), told.end(),
+                        [end_first = !told.empty() && told.front().at_end](const ToldEffect& effect) {
+                          return effect.at_end == end_first;
+                        });
   return told;
 }
 

@@ -6,8 +6,8 @@
 //   auto step = (*instance)->step("pick-up", {"a"});
 //   std::vector<std::string> missing = (*instance)->unsatisfied(*step, Instance::When::kStart);
 //
-// Names are taken in any case, and told as they were written: in lower case those of files, as they are those of objects
-// that were added. Errors name what was found and the nearest known name, or those known.
+// Names are taken in any case, and told as they were written: in lower case those of files, as they are those of
+// objects that were added. Errors name what was found and the nearest known name, or those known.
 
 #include <map>
 #include <memory>
@@ -49,8 +49,8 @@ struct ToldEffect {
   std::vector<std::string> arguments;
   bool at_end = false;
   bool numeric = false;
-  bool value = false;      ///< of a fact: it becomes true
-  char operation = '=';    ///< of a number: = + -
+  bool value = false;    ///< of a fact: it becomes true
+  char operation = '=';  ///< of a number: = + -
   double number = 0;
 };
 
@@ -73,7 +73,8 @@ class Instance {
   Expected<TypeId> type(const std::string& name) const;
 
   // --- What is so now
-  /// First those of the problem's :init, in its order; then in the order in which they became true; derived ones are last.
+  /// First those of the problem's :init, in its order; then in the order in which they became true; derived ones are
+  /// last.
   std::vector<Fact> facts() const;
   std::vector<Assignment> values() const { return state_.values(); }
   Names objects_of_type(TypeId type) const;
@@ -106,11 +107,12 @@ class Instance {
   };
   /// The conditions that do not hold, as `p(a)`, `(not p(a))`, `Forall (t y) p(y)`; none: the action can be done.
   Names unsatisfied(const ActionCall& call, When when) const;
-  /// The action may begin now: what its effects at the end ask of the state at the start is remembered until it is said again.
+  /// The action may begin now: what its effects at the end ask of the state at the start is remembered until it is said
+  /// again.
   void remember_start(const ActionCall& call);
   /// Conditional effects whose condition holds, universal ones with every object, numbers computed in the state of now.
-  /// Conditions at the start of effects at the end are those that were remembered, or of now where none were. Changes all
-  /// along the action are told at its end.
+  /// Conditions at the start of effects at the end are those that were remembered, or of now where none were. Changes
+  /// all along the action are told at its end.
   Expected<std::vector<ToldEffect>> effects(const ActionCall& call) const;
   /// As the first PDDL manager told them: conditions of effects are left out, universal effects are told once with the
   /// names of their variables, right-hand sides are constants or single functions.
@@ -121,7 +123,8 @@ class Instance {
   Expected<Task> planning_task(const GoalInstance& goal, double seconds) const;
 
  private:
-  Expected<std::vector<ObjectId>> objects(const Names& names, const std::vector<Variable>& parameters, const std::string& of) const;
+  Expected<std::vector<ObjectId>> objects(const Names& names, const std::vector<Variable>& parameters,
+                                          const std::string& of) const;
   Frame frame(const ActionCall& call) const;
   double duration(const ActionCall& call, const Frame& frame) const;
   void renew_evaluator();
@@ -133,12 +136,12 @@ class Instance {
   using EffectSet = std::set<std::pair<std::size_t, Binding>>;
 
   Task task_;
-  mutable State state_;           // derived facts are made on demand
+  mutable State state_;  // derived facts are made on demand
   mutable bool derived_ = false;
   std::optional<Evaluator> evaluator_;
   std::map<std::string, GoalInstance> goals_;
   std::map<std::pair<ActionId, Binding>, EffectSet> started_;  // effects at the end whose condition at the start held
-  std::size_t next_fact_ = 0, next_value_ = 0;  // events of the problem that have not come yet
+  std::size_t next_fact_ = 0, next_value_ = 0;                 // events of the problem that have not come yet
 };
 
 /// A copy of the problem without the objects for which `keep` is false; what names them goes, all else is renumbered.

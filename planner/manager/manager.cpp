@@ -27,15 +27,17 @@ PddlManager::PddlManager(PddlManagerOptions options, bus::Bus& bus, RecordSink& 
       sink_(sink),
       node_(bus_.join(bus::ParticipantKind::kNode, {options_.node, options_.name_space, options_.remaps},
                       sink_.open_stream("node" + bus::NodeName{options_.node, options_.name_space, {}}.full_name()))),
-      lifecycle_(bus_, node_, [this](cx::Transition t) { return act_on(t); },
-                 [this](const Error& why) { log(cx::LogLevel::kWarn, why.message); }) {}
+      lifecycle_(
+          bus_, node_, [this](cx::Transition t) { return act_on(t); },
+          [this](const Error& why) { log(cx::LogLevel::kWarn, why.message); }) {}
 
 PddlManager::~PddlManager() {
   bond_.reset();
   bus_.leave(node_);
 }
 
-Expected<std::unique_ptr<PddlManager>> PddlManager::create(PddlManagerOptions options, bus::Bus& bus, RecordSink& sink) {
+Expected<std::unique_ptr<PddlManager>> PddlManager::create(PddlManagerOptions options, bus::Bus& bus,
+                                                           RecordSink& sink) {
   bus::NodeName name{options.node, options.name_space, options.remaps};
   bus::rename_node(name);
   options.node = name.name;
@@ -83,7 +85,8 @@ Status PddlManager::act_on(cx::Transition transition) {
 }
 
 Status PddlManager::configure() {
-  const auto advertise = [&](const char* topic, const char* name, const bus::MessageType*& type) -> Expected<bus::EndpointId> {
+  const auto advertise = [&](const char* topic, const char* name,
+                             const bus::MessageType*& type) -> Expected<bus::EndpointId> {
     auto found = bus_.registry().message(name);
     if (!found) return found.error();
     type = *found;
@@ -128,7 +131,10 @@ Status PddlManager::configure() {
     if (row.expertino)
       if (Status s = serve(kExpertino, row); !s) return s;
   }
-  if (Status s = serve(kOwn, {"check_action_condition_at", "CheckActionConditionAt", &M::check_action_condition_at, false, false}); !s) return s;
+  if (Status s = serve(
+          kOwn, {"check_action_condition_at", "CheckActionConditionAt", &M::check_action_condition_at, false, false});
+      !s)
+    return s;
 
   bus_.allow_types(node_, "~/temp_plan");
   dialects_ = {{kUpstream}, {kExpertino}};
@@ -137,7 +143,8 @@ Status PddlManager::configure() {
     if (!type) return type.error();
     dialects_[i].plan_type = *type;
     auto made = bus_.serve_action(node_, "~/temp_plan", **type,
-                                  {[this, i](const bus::Delivery& goal) { on_goal(i, goal); }, [this, i](const bus::Delivery& cancel) { on_cancel(i, cancel); }});
+                                  {[this, i](const bus::Delivery& goal) { on_goal(i, goal); },
+                                   [this, i](const bus::Delivery& cancel) { on_cancel(i, cancel); }});
     if (!made) return made.error();
     dialects_[i].plan = *made;
     endpoints_.push_back(*made);

@@ -33,14 +33,14 @@ struct PddlManagerOptions {
   std::string node = "pddl_manager";
   std::string name_space = "/";
   std::vector<std::pair<std::string, std::string>> remaps;  ///< FROM := TO
-  bool autostart = true;          ///< configured and activated when it is made
-  double bond_period = 0;         ///< s between heartbeats on `bond` while active, as an environment manager; 0 = none
-  bool original = false;          ///< answers as the first PDDL manager does, errors included
-  bool anytime = false;           ///< plans are improved until the budget ends
-  bool warm_start = true;         ///< a goal that is planned for again begins with what is left of its last plan
+  bool autostart = true;                                    ///< configured and activated when it is made
+  double bond_period = 0;  ///< s between heartbeats on `bond` while active, as an environment manager; 0 = none
+  bool original = false;   ///< answers as the first PDDL manager does, errors included
+  bool anytime = false;    ///< plans are improved until the budget ends
+  bool warm_start = true;  ///< a goal that is planned for again begins with what is left of its last plan
   PlanningCost cost;
-  ExternalPlanner other;          ///< another planner that makes the plans; without a command: ours
-  cx::LogSink* log = nullptr;     ///< may be none
+  ExternalPlanner other;       ///< another planner that makes the plans; without a command: ours
+  cx::LogSink* log = nullptr;  ///< may be none
   /// Told of each file that is read, before it is; may be none.
   std::function<Status(const std::string& logical_name, const std::filesystem::path& file)> on_read;
   /// What a relative directory of an instance means; may be none.
@@ -145,7 +145,8 @@ class PddlManager {
   void tell_update(const std::string& instance);
   Status check(const View& action, Instance::When when, const View& a);
   using Names = Instance::Names;
-  Status set_filter(const View& q, const char* field, Names GoalInstance::* filter, Status (Instance::*set)(GoalInstance&, const Names&) const);
+  Status set_filter(const View& q, const char* field, Names GoalInstance::* filter,
+                    Status (Instance::*set)(GoalInstance&, const Names&) const);
 
   // Plans (plans.cpp)
   void on_goal(std::size_t dialect, const bus::Delivery& goal);
@@ -168,12 +169,12 @@ class PddlManager {
   std::vector<bus::EndpointId> endpoints_;  // what there is from configure to cleanup
   std::vector<Dialect> dialects_;
   bus::EndpointId updates_{}, reports_{};
-  std::unique_ptr<cx::Bond> bond_;          // may be none
+  std::unique_ptr<cx::Bond> bond_;  // may be none
   const bus::MessageType *update_type_ = nullptr, *report_type_ = nullptr;
   std::map<std::string, Entry> instances_;
-  std::vector<Job> jobs_;                   // in the order in which they were asked for
-  Status failure_;                          // ends the run
-  bool answer_ = true;                      // false: the request stays without an answer, as in the original
+  std::vector<Job> jobs_;  // in the order in which they were asked for
+  Status failure_;         // ends the run
+  bool answer_ = true;     // false: the request stays without an answer, as in the original
   int plans_ = 0, replans_ = 0;
   std::set<std::pair<std::string, std::string>> planned_;  // instances with their goals
   RecordData data_;

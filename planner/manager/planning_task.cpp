@@ -7,13 +7,16 @@
 namespace cxlab::planner {
 namespace {
 
-bool listed(const std::vector<std::string>& names, const std::string& name) { return std::find(names.begin(), names.end(), name) != names.end(); }
+bool listed(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
 
 void keep_actions(Domain& domain, const std::vector<std::string>& names) {
   if (names.empty()) return;
   std::erase_if(domain.actions, [&](const Action& action) { return !listed(names, action.name); });
   domain.action_names.clear();
-  for (std::size_t i = 0; i < domain.actions.size(); ++i) domain.action_names[domain.actions[i].name] = static_cast<int>(i);
+  for (std::size_t i = 0; i < domain.actions.size(); ++i)
+    domain.action_names[domain.actions[i].name] = static_cast<int>(i);
 }
 
 Condition goal_condition(const GoalInstance& goal) {
@@ -49,7 +52,8 @@ bool renumber(Expression& expression, const std::vector<ObjectId>& to) {
     if (!term.is_variable) term.index = to[static_cast<std::size_t>(term.index)];
     if (term.index < 0) return false;
   }
-  return std::all_of(expression.operands.begin(), expression.operands.end(), [&](Expression& part) { return renumber(part, to); });
+  return std::all_of(expression.operands.begin(), expression.operands.end(),
+                     [&](Expression& part) { return renumber(part, to); });
 }
 
 }  // namespace
@@ -72,11 +76,15 @@ Problem without_objects(const Problem& problem, const std::vector<char>& keep) {
     add(std::move(objects));
   };
   for (const Fact& f : problem.init) moved(f.objects, [&](auto o) { out.init.push_back({f.predicate, std::move(o)}); });
-  for (const Assignment& v : problem.values) moved(v.objects, [&](auto o) { out.values.push_back({v.function, std::move(o), v.value}); });
+  for (const Assignment& v : problem.values)
+    moved(v.objects, [&](auto o) { out.values.push_back({v.function, std::move(o), v.value}); });
   for (const TimedFact& f : problem.timed_facts)
-    moved(f.fact.objects, [&](auto o) { out.timed_facts.push_back({f.time, {f.fact.predicate, std::move(o)}, f.value, f.source}); });
+    moved(f.fact.objects,
+          [&](auto o) { out.timed_facts.push_back({f.time, {f.fact.predicate, std::move(o)}, f.value, f.source}); });
   for (const TimedAssignment& v : problem.timed_values)
-    moved(v.assignment.objects, [&](auto o) { out.timed_values.push_back({v.time, {v.assignment.function, std::move(o), v.assignment.value}, v.source}); });
+    moved(v.assignment.objects, [&](auto o) {
+      out.timed_values.push_back({v.time, {v.assignment.function, std::move(o), v.assignment.value}, v.source});
+    });
   out.metric = problem.metric;
   if (out.metric && !renumber(out.metric->value, to)) out.metric.reset();
   return out;
@@ -103,7 +111,8 @@ Expected<Task> Instance::planning_task(const GoalInstance& goal, double seconds)
 
   if (!goal.objects.empty()) {
     std::vector<char> keep(p.objects.size(), 1);
-    for (std::size_t i = domain().constants.size(); i < keep.size(); ++i) keep[i] = listed(goal.objects, p.objects[i].name);
+    for (std::size_t i = domain().constants.size(); i < keep.size(); ++i)
+      keep[i] = listed(goal.objects, p.objects[i].name);
     Problem carrier;  // the goal's numbers of objects move as those of the problem do
     carrier.objects = p.objects;
     carrier.init = goal.facts;

@@ -30,10 +30,10 @@ double seconds_of(Micros time) { return static_cast<double>(time) / kMicrosPerSe
 struct PddlManager::Outcome {
   std::string status;  ///< of PlanReport
   std::string reason;
-  std::optional<Task> task;      ///< whose actions and objects the plan counts
+  std::optional<Task> task;  ///< whose actions and objects the plan counts
   PlanAnswer answer;
   bus::GoalStatus ends = bus::GoalStatus::kAborted;
-  std::string wanted{};          ///< the goal as a text
+  std::string wanted{};  ///< the goal as a text
 };
 
 /// The steps of the goal's last plan, if it was made for the same goal. The planner finds out which of them are left.
@@ -45,10 +45,13 @@ Plan PddlManager::steps_left(const View& goal, const Task& task, const std::stri
   const View told = last->second.result->view();
   for (std::size_t i = 0; i < told.size("actions"); ++i) {
     const View action = told.nested("actions", i);
-    PlanStep step{action.real("start_time"), find(task.domain.action_names, action.text("name")), {}, action.real("duration")};
+    PlanStep step{
+        action.real("start_time"), find(task.domain.action_names, action.text("name")), {}, action.real("duration")};
     const bus::Field& args = *action.type().find("args");
-    for (std::size_t k = 0; k < action.size(args); ++k) step.arguments.push_back(object_of(task.problem, action.text(args, k)));
-    const bool known = step.action >= 0 && std::find(step.arguments.begin(), step.arguments.end(), -1) == step.arguments.end();
+    for (std::size_t k = 0; k < action.size(args); ++k)
+      step.arguments.push_back(object_of(task.problem, action.text(args, k)));
+    const bool known =
+        step.action >= 0 && std::find(step.arguments.begin(), step.arguments.end(), -1) == step.arguments.end();
     if (known) steps.push_back(std::move(step));
   }
   return steps;
@@ -74,7 +77,8 @@ PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   auto answer = ours ? find_plan(*task, how) : find_plan_with(options_.other, *task, wall_s);
   if (!answer && !ours) return {"ERROR", answer.error().text(), {}, {}, bus::GoalStatus::kAborted};
   if (!answer) return {"MEMORY", answer.error().message, {}, {}, bus::GoalStatus::kAborted};
-  Outcome outcome{"PLAN", answer->reason, *std::move(task), *std::move(answer), bus::GoalStatus::kSucceeded, wanted_text};
+  Outcome outcome{"PLAN",     answer->reason, *std::move(task), *std::move(answer), bus::GoalStatus::kSucceeded,
+                  wanted_text};
   if (outcome.answer.plan) return outcome;
   switch (outcome.answer.status) {
     case PlanStatus::kUnsolvable: outcome.status = "UNSOLVABLE"; break;
@@ -97,18 +101,23 @@ void PddlManager::dump(const View& goal, const Task& task) {
   if (directory.empty() || !options_.write) return;
   const std::string stem = goal.text("pddl_instance") + "_" + goal.text("goal_instance");
   const std::filesystem::path folder = directory;
-  for (const auto& [name, text] : {std::pair(stem + "_domain.pddl", to_pddl(task.domain)), std::pair(stem + "_problem.pddl", to_pddl(task.domain, task.problem))})
+  for (const auto& [name, text] : {std::pair(stem + "_domain.pddl", to_pddl(task.domain)),
+                                   std::pair(stem + "_problem.pddl", to_pddl(task.domain, task.problem))})
     if (Status s = options_.write(folder / name, text); !s) log(cx::LogLevel::kError, s.error().text());
 }
 
-PddlManager::Job PddlManager::job_of(std::size_t dialect, const bus::GoalId& id, const View& goal, const Outcome& outcome) const {
+PddlManager::Job PddlManager::job_of(std::size_t dialect, const bus::GoalId& id, const View& goal,
+                                     const Outcome& outcome) const {
   Job job{dialect, id, {}, outcome.ends, {}, {}, outcome.wanted};
   const std::string &instance = goal.text("pddl_instance"), &goal_instance = goal.text("goal_instance");
   auto result = std::make_shared<bus::Message>(*dialects_[dialect].plan_type->result);
   auto report = std::make_shared<bus::Message>(*report_type_);
   const View told = report->view();
   told.set("goal_id", bus::to_string(id)).set("pddl_instance", instance).set("goal_instance", goal_instance);
-  told.set("status", outcome.status).set("reason", outcome.reason).set("units", outcome.answer.units).set("lower_bound", outcome.answer.lower_bound_s);
+  told.set("status", outcome.status)
+      .set("reason", outcome.reason)
+      .set("units", outcome.answer.units)
+      .set("lower_bound", outcome.answer.lower_bound_s);
   result->view().set("success", outcome.answer.plan.has_value());
   if (outcome.answer.plan) {
     const TimedPlan& plan = *outcome.answer.plan;
@@ -122,19 +131,22 @@ PddlManager::Job PddlManager::job_of(std::size_t dialect, const bus::GoalId& id,
       const View out = result->view().append("actions");
       out.set("pddl_instance", instance).set("goal_instance", goal_instance);
       out.set("name", outcome.task->domain.actions[static_cast<std::size_t>(step.action)].name);
-      for (const ObjectId object : step.arguments) out.append_text("args", outcome.task->problem.objects[static_cast<std::size_t>(object)].name);
+      for (const ObjectId object : step.arguments)
+        out.append_text("args", outcome.task->problem.objects[static_cast<std::size_t>(object)].name);
       out.set("start_time", step.start).set("duration", step.duration).set("equiv_class", equiv_class);
     }
     told.set("makespan", plan.makespan_s);
     const bus::Field& latest = *told.type().find("latest_start");
     if (told.resize(latest, plan.steps.size()))
-      for (std::size_t i = 0; i < plan.steps.size() && 2 * i < plan.latest.size(); ++i) told.set_real(latest, seconds_of(plan.latest[2 * i]), i);
+      for (std::size_t i = 0; i < plan.steps.size() && 2 * i < plan.latest.size(); ++i)
+        told.set_real(latest, seconds_of(plan.latest[2 * i]), i);
     for (const Ordering& ordering : plan.orderings) {
       const View out = told.append("orderings");
       const bool origin = ordering.from == Ordering::kOrigin;
       out.set("from_action", origin ? -1 : ordering.from / 2).set("from_end", !origin && ordering.from % 2 == 1);
       out.set("to_action", ordering.to / 2).set("to_end", ordering.to % 2 == 1);
-      out.set("at_least", seconds_of(ordering.least)).set("at_most", ordering.most == DurationRange::kForever ? -1.0 : seconds_of(ordering.most));
+      out.set("at_least", seconds_of(ordering.least))
+          .set("at_most", ordering.most == DurationRange::kForever ? -1.0 : seconds_of(ordering.most));
     }
   }
   const double wait = options_.cost.latency_a + options_.cost.latency_b * static_cast<double>(outcome.answer.units);
@@ -154,8 +166,10 @@ void PddlManager::on_goal(std::size_t dialect, const bus::Delivery& goal) {
   bus_.answer_goal(server, goal.goal, bus::GoalAnswer::kAccept);
   const View wanted = goal.message->view();
   Job job = job_of(dialect, goal.goal, wanted, make_plan(wanted));
-  if (options_.cost.charge && job.due > bus_.now()) jobs_.push_back(std::move(job));
-  else finish(job);
+  if (options_.cost.charge && job.due > bus_.now())
+    jobs_.push_back(std::move(job));
+  else
+    finish(job);
 }
 
 void PddlManager::finish(const Job& job) {
@@ -167,26 +181,36 @@ void PddlManager::finish(const Job& job) {
       entry->second.plans[told.text("goal_instance")] = {job.wanted, job.result};
     if (!planned_.emplace(told.text("pddl_instance"), told.text("goal_instance")).second) ++replans_;
   }
-  data_.begin().field("op", "plan").field("instance", std::string_view(told.text("pddl_instance"))).field("goal", std::string_view(told.text("goal_instance")));
-  data_.field("status", std::string_view(told.text("status"))).field("units", told.integer("units")).field("makespan", told.real("makespan"));
+  data_.begin()
+      .field("op", "plan")
+      .field("instance", std::string_view(told.text("pddl_instance")))
+      .field("goal", std::string_view(told.text("goal_instance")));
+  data_.field("status", std::string_view(told.text("status")))
+      .field("units", told.integer("units"))
+      .field("makespan", told.real("makespan"));
   sink_.write(bus_.stream_of(node_), bus_.now(), RecordKind::kDecision, data_);
   const std::string whose = "plan for '" + told.text("goal_instance") + "' of '" + told.text("pddl_instance") + "': ";
-  if (found) log(cx::LogLevel::kInfo, whose + number_text(told.real("makespan")) + " s");
-  else log(told.text("status") == "CANCELED" ? cx::LogLevel::kInfo : cx::LogLevel::kWarn, whose + told.text("status") + ", " + told.text("reason"));
+  if (found)
+    log(cx::LogLevel::kInfo, whose + number_text(told.real("makespan")) + " s");
+  else
+    log(told.text("status") == "CANCELED" ? cx::LogLevel::kInfo : cx::LogLevel::kWarn,
+        whose + told.text("status") + ", " + told.text("reason"));
   bus_.publish(reports_, job.report);
   bus_.finish(dialects_[job.dialect].plan, job.goal, job.status, job.result);
 }
 
 void PddlManager::on_cancel(std::size_t dialect, const bus::Delivery& cancel) {
   const bus::EndpointId server = dialects_[dialect].plan;
-  const auto job = std::find_if(jobs_.begin(), jobs_.end(), [&](const Job& j) { return j.dialect == dialect && j.goal == cancel.goal; });
+  const auto job = std::find_if(jobs_.begin(), jobs_.end(),
+                                [&](const Job& j) { return j.dialect == dialect && j.goal == cancel.goal; });
   const bool accept = !options_.original && job != jobs_.end();
   bus_.answer_cancel(server, cancel, accept);
   if (!accept) return;
   Job canceled = std::move(*job);
   jobs_.erase(job);
   auto report = std::make_shared<bus::Message>(*report_type_);
-  for (const char* field : {"goal_id", "pddl_instance", "goal_instance"}) report->view().set(field, canceled.report->view().text(field));
+  for (const char* field : {"goal_id", "pddl_instance", "goal_instance"})
+    report->view().set(field, canceled.report->view().text(field));
   report->view().set("status", "CANCELED").set("reason", "the goal was canceled");
   canceled.report = std::move(report);
   canceled.result = std::make_shared<bus::Message>(*dialects_[dialect].plan_type->result);
@@ -197,7 +221,8 @@ void PddlManager::on_cancel(std::size_t dialect, const bus::Delivery& cancel) {
 void PddlManager::stop_jobs(const std::string& reason) {
   for (Job& job : std::exchange(jobs_, {})) {
     auto report = std::make_shared<bus::Message>(*report_type_);
-    for (const char* field : {"goal_id", "pddl_instance", "goal_instance"}) report->view().set(field, job.report->view().text(field));
+    for (const char* field : {"goal_id", "pddl_instance", "goal_instance"})
+      report->view().set(field, job.report->view().text(field));
     report->view().set("status", "ERROR").set("reason", reason);
     job.report = std::move(report);
     job.result = std::make_shared<bus::Message>(*dialects_[job.dialect].plan_type->result);

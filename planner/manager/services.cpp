@@ -31,7 +31,8 @@ void put_strings(const View& message, std::string_view field, const std::vector<
 }
 
 /// `fluent` or `function` of a message.
-void put(const View& out, const std::string& instance, const std::string& name, const std::vector<std::string>& arguments) {
+void put(const View& out, const std::string& instance, const std::string& name,
+         const std::vector<std::string>& arguments) {
   out.set("pddl_instance", instance).set("name", name);
   put_strings(out, "args", arguments);
 }
@@ -58,18 +59,24 @@ Expected<Instance*> PddlManager::find_instance(const std::string& name) {
   if (known == instances_.end()) {
     std::vector<std::string> names;
     for (const auto& [other, _] : instances_) names.push_back(other);
-    if (names.empty()) return input_error("unknown pddl instance '" + name + "': none is loaded, add it with the service add_pddl_instance");
+    if (names.empty())
+      return input_error("unknown pddl instance '" + name +
+                         "': none is loaded, add it with the service add_pddl_instance");
     return unknown_name("pddl instance", name, names);
   }
-  if (!options_.original && known->second.instance->advance(to_seconds(bus_.now() - known->second.loaded))) tell_update(name);
+  if (!options_.original && known->second.instance->advance(to_seconds(bus_.now() - known->second.loaded)))
+    tell_update(name);
   return known->second.instance.get();
 }
 
-Expected<std::pair<Instance*, GoalInstance*>> PddlManager::find_goal(const std::string& instance, const std::string& goal) {
+Expected<std::pair<Instance*, GoalInstance*>> PddlManager::find_goal(const std::string& instance,
+                                                                     const std::string& goal) {
   auto found = find_instance(instance);
   if (!found) return found.error();
   GoalInstance* there = (*found)->goal(goal);
-  if (!there) return input_error("pddl instance '" + instance + "' has no goal instance '" + goal + "': create it first with the service create_goal_instance");
+  if (!there)
+    return input_error("pddl instance '" + instance + "' has no goal instance '" + goal +
+                       "': create it first with the service create_goal_instance");
   return std::pair(*found, there);
 }
 
@@ -104,12 +111,14 @@ Expected<std::string> PddlManager::read(const std::string& directory, const std:
 }
 
 Expected<std::unique_ptr<Instance>> PddlManager::load(const View& q) {
-  const std::string &directory = q.text("directory"), &domain_file = q.text("domain_file"), &problem_file = q.text("problem_file");
+  const std::string &directory = q.text("directory"), &domain_file = q.text("domain_file"),
+                    &problem_file = q.text("problem_file");
   auto domain_text = read(directory, domain_file);
   if (!domain_text) return domain_text.error();
   auto domain = parse_domain(*domain_text, domain_file);
   if (!domain) return domain.error();
-  if (problem_file.empty() && options_.original) return input_error("unsupported operand type(s) for -: 'method' and 'function'");
+  if (problem_file.empty() && options_.original)
+    return input_error("unsupported operand type(s) for -: 'method' and 'function'");
   std::string problem_text = "(define (problem none) (:domain " + domain->name + ") (:init) (:goal (and)))";
   if (!problem_file.empty()) {
     auto text = read(directory, problem_file);
@@ -129,7 +138,8 @@ Status PddlManager::add_pddl_instance(const View& q, const View&) {
     log(cx::LogLevel::kError, "pddl instance '" + name + "': " + instance.error().text());
     return instance.error();
   }
-  if (instances_.contains(name)) log(cx::LogLevel::kWarn, "pddl instance '" + name + "' is there already and is replaced");
+  if (instances_.contains(name))
+    log(cx::LogLevel::kWarn, "pddl instance '" + name + "' is there already and is replaced");
   instances_[name] = {*std::move(instance), bus_.now(), {}};
   return {};
 }
@@ -146,7 +156,8 @@ Status PddlManager::get_fluents(const View& q, const View& a) {
   auto instance = find_instance(name);
   if (!instance) return instance.error();
   for (const Fact& fact : (*instance)->facts())
-    put(a.append("fluents"), name, (*instance)->domain().predicates[static_cast<std::size_t>(fact.predicate)].name, names_of((*instance)->problem(), fact.objects));
+    put(a.append("fluents"), name, (*instance)->domain().predicates[static_cast<std::size_t>(fact.predicate)].name,
+        names_of((*instance)->problem(), fact.objects));
   return {};
 }
 
@@ -156,7 +167,8 @@ Status PddlManager::get_functions(const View& q, const View& a) {
   if (!instance) return instance.error();
   for (const Assignment& value : (*instance)->values()) {
     const View out = a.append("functions");
-    put(out, name, (*instance)->domain().functions[static_cast<std::size_t>(value.function)].name, names_of((*instance)->problem(), value.objects));
+    put(out, name, (*instance)->domain().functions[static_cast<std::size_t>(value.function)].name,
+        names_of((*instance)->problem(), value.objects));
     out.set("value", value.value);
   }
   return {};
@@ -172,7 +184,8 @@ Status PddlManager::get_predicates(const View& q, const View& a) {
     out.set("pddl_instance", name).set("name", predicate.name);
     for (const Variable& parameter : predicate.parameters) {
       std::string type;
-      for (const TypeId t : parameter.types) type += (type.empty() ? "" : "|") + domain.types[static_cast<std::size_t>(t)].name;
+      for (const TypeId t : parameter.types)
+        type += (type.empty() ? "" : "|") + domain.types[static_cast<std::size_t>(t)].name;
       out.append_text("param_types", type);
       out.append_text("param_names", parameter.name.substr(1));
     }
@@ -200,7 +213,8 @@ Status PddlManager::set_fluents(const std::vector<View>& fluents, bool value, co
     if (!instance) return instance.error();
     auto fact = (*instance)->fact(fluent.text("name"), strings(fluent, "args"));
     if (!fact) return fact.error();
-    if ((*instance)->domain().predicates[static_cast<std::size_t>(fact->predicate)].derived) return (*instance)->set(*fact, value);
+    if ((*instance)->domain().predicates[static_cast<std::size_t>(fact->predicate)].derived)
+      return (*instance)->set(*fact, value);
     changes.emplace_back(*instance, *std::move(fact));
     add_once(changed, fluent.text("pddl_instance"));
   }
@@ -316,8 +330,10 @@ Status PddlManager::set_goals(const View& q, const View&) {
   const Status done = collect();
   if (!done && !options_.original) return done;  // the original keeps what came before the error
   for (New& n : all) {
-    if (n.fact) n.goal->facts.push_back(*std::move(n.fact));
-    else n.goal->values.push_back(std::move(n.value));
+    if (n.fact)
+      n.goal->facts.push_back(*std::move(n.fact));
+    else
+      n.goal->values.push_back(std::move(n.value));
   }
   return done;
 }
@@ -340,7 +356,8 @@ Status PddlManager::create_goal_instance(const View& q, const View&) {
 }
 
 /// The original takes any names.
-Status PddlManager::set_filter(const View& q, const char* field, Names GoalInstance::* filter, Status (Instance::*set)(GoalInstance&, const Names&) const) {
+Status PddlManager::set_filter(const View& q, const char* field, Names GoalInstance::* filter,
+                               Status (Instance::*set)(GoalInstance&, const Names&) const) {
   auto goal = find_goal(q.text("pddl_instance"), q.text("goal_instance"));
   if (!goal) return goal.error();
   const auto& [instance, wanted] = *goal;
@@ -349,9 +366,15 @@ Status PddlManager::set_filter(const View& q, const char* field, Names GoalInsta
   return {};
 }
 
-Status PddlManager::set_action_filter(const View& q, const View&) { return set_filter(q, "actions", &GoalInstance::actions, &Instance::set_actions); }
-Status PddlManager::set_fluent_filter(const View& q, const View&) { return set_filter(q, "fluents", &GoalInstance::fluents, &Instance::set_fluents); }
-Status PddlManager::set_object_filter(const View& q, const View&) { return set_filter(q, "objects", &GoalInstance::objects, &Instance::set_objects); }
+Status PddlManager::set_action_filter(const View& q, const View&) {
+  return set_filter(q, "actions", &GoalInstance::actions, &Instance::set_actions);
+}
+Status PddlManager::set_fluent_filter(const View& q, const View&) {
+  return set_filter(q, "fluents", &GoalInstance::fluents, &Instance::set_fluents);
+}
+Status PddlManager::set_object_filter(const View& q, const View&) {
+  return set_filter(q, "objects", &GoalInstance::objects, &Instance::set_objects);
+}
 
 // --- Actions
 
@@ -361,7 +384,8 @@ Status PddlManager::check(const View& action, Instance::When when, const View& a
   auto call = (*instance)->step(action.text("name"), strings(action, "args"));
   if (!call) return call.error();
   const std::vector<std::string> missing = (*instance)->unsatisfied(*call, when);
-  if (missing.empty() && (when == Instance::When::kStart || when == Instance::When::kAtStart)) (*instance)->remember_start(*call);
+  if (missing.empty() && (when == Instance::When::kStart || when == Instance::When::kAtStart))
+    (*instance)->remember_start(*call);
   a.set("sat", missing.empty());
   put_strings(a, "unsatisfied_conditions", missing);
   return {};

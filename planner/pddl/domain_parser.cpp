@@ -8,14 +8,32 @@
 namespace cxlab::planner {
 namespace {
 
-constexpr std::array kSupported = {
-    ":strips", ":typing", ":negative-preconditions", ":disjunctive-preconditions", ":equality", ":existential-preconditions",
-    ":universal-preconditions", ":quantified-preconditions", ":conditional-effects", ":fluents", ":numeric-fluents", ":adl",
-    ":durative-actions", ":duration-inequalities", ":continuous-effects", ":derived-predicates", ":timed-initial-literals",
-    ":timed-initial-fluents", ":timed-effects", ":action-costs", ":time"};
+constexpr std::array kSupported = {":strips",
+                                   ":typing",
+                                   ":negative-preconditions",
+                                   ":disjunctive-preconditions",
+                                   ":equality",
+                                   ":existential-preconditions",
+                                   ":universal-preconditions",
+                                   ":quantified-preconditions",
+                                   ":conditional-effects",
+                                   ":fluents",
+                                   ":numeric-fluents",
+                                   ":adl",
+                                   ":durative-actions",
+                                   ":duration-inequalities",
+                                   ":continuous-effects",
+                                   ":derived-predicates",
+                                   ":timed-initial-literals",
+                                   ":timed-initial-fluents",
+                                   ":timed-effects",
+                                   ":action-costs",
+                                   ":time"};
 
-constexpr std::array kReserved = {"and", "or", "not", "imply", "forall", "exists", "when", "preference", "=", "<", "<=", ">", ">=", "+", "-", "*", "/",
-                                  "assign", "increase", "decrease", "scale-up", "scale-down"};
+constexpr std::array kReserved = {"and",      "or",         "not",      "imply",     "forall", "exists",
+                                  "when",     "preference", "=",        "<",         "<=",     ">",
+                                  ">=",       "+",          "-",        "*",         "/",      "assign",
+                                  "increase", "decrease",   "scale-up", "scale-down"};
 
 class DomainParser {
  public:
@@ -25,13 +43,15 @@ class DomainParser {
   }
 
   Expected<Domain> parse() {
-    if (!define() || !each(":requirements", &DomainParser::requirements) || !types() || !each(":constants", &DomainParser::constants) ||
-        !each(":predicates", &DomainParser::predicates) || !each(":functions", &DomainParser::functions) ||
-        !each(":derived", &DomainParser::derived_name) || !each(":derived", &DomainParser::derived_rule) || !actions())
+    if (!define() || !each(":requirements", &DomainParser::requirements) || !types() ||
+        !each(":constants", &DomainParser::constants) || !each(":predicates", &DomainParser::predicates) ||
+        !each(":functions", &DomainParser::functions) || !each(":derived", &DomainParser::derived_name) ||
+        !each(":derived", &DomainParser::derived_rule) || !actions())
       return resolver_.error();
     if (const auto rule = stratify(domain_)) {
       const Predicate& predicate = domain_.predicates[domain_.derivations[*rule].predicate];
-      return input_error("derived predicate '" + predicate.name + "' depends on its own negation, expected rules without such a cycle" +
+      return input_error("derived predicate '" + predicate.name +
+                             "' depends on its own negation, expected rules without such a cycle" +
                              resolver_.declared(predicate.source),
                          domain_.file, domain_.derivations[*rule].source.line);
     }
@@ -44,13 +64,15 @@ class DomainParser {
   bool fail(const Node& at, std::string message) { return resolver_.fail(at, std::move(message)); }
 
   bool define() {
-    if (root_.head() != "define") return fail(root_, "found " + excerpt(root_) + ", expected (define (domain NAME) ...)");
+    if (root_.head() != "define")
+      return fail(root_, "found " + excerpt(root_) + ", expected (define (domain NAME) ...)");
     if (root_.items.size() < 2 || root_.items[1].head() != "domain")
       return fail(root_, root_.items.size() > 1 && root_.items[1].head() == "problem"
                              ? "found a problem, expected a domain: (define (domain NAME) ...); are the files swapped?"
                              : "expected (domain NAME) behind 'define'");
     const Node& name = root_.items[1];
-    if (name.items.size() != 2 || name.items[1].is_list) return fail(name, "found " + excerpt(name) + ", expected (domain NAME)");
+    if (name.items.size() != 2 || name.items[1].is_list)
+      return fail(name, "found " + excerpt(name) + ", expected (domain NAME)");
     domain_.name = name.items[1].word;
     for (std::size_t i = 2; i < root_.items.size(); ++i)
       if (!known_section(root_.items[i])) return false;
@@ -59,12 +81,14 @@ class DomainParser {
 
   bool known_section(const Node& section) {
     const std::string head(section.head());
-    for (const char* name : {":requirements", ":types", ":constants", ":predicates", ":functions", ":derived", ":action", ":durative-action"})
+    for (const char* name : {":requirements", ":types", ":constants", ":predicates", ":functions", ":derived",
+                             ":action", ":durative-action"})
       if (head == name) return true;
     for (const char* name : {":constraints", ":process", ":event", ":task", ":method", ":axiom"})
       if (head == name) return resolver_.fail_unsupported(section, "found section " + head + ": not supported");
     return fail(section, "found " + excerpt(section) +
-                             ", expected :requirements, :types, :constants, :predicates, :functions, :derived, :action or :durative-action");
+                             ", expected :requirements, :types, :constants, :predicates, :functions, :derived, :action "
+                             "or :durative-action");
   }
 
   bool each(std::string_view head, Section parse) {
@@ -76,10 +100,12 @@ class DomainParser {
   bool requirements(const Node& section) {
     for (std::size_t i = 1; i < section.items.size(); ++i) {
       const Node& item = section.items[i];
-      if (item.is_list || !item.word.starts_with(':')) return fail(item, "found " + excerpt(item) + ", expected a requirement such as :typing");
+      if (item.is_list || !item.word.starts_with(':'))
+        return fail(item, "found " + excerpt(item) + ", expected a requirement such as :typing");
       if (std::find(kSupported.begin(), kSupported.end(), item.word) == kSupported.end())
-        return resolver_.fail_unsupported(item, "found requirement " + std::string(item.word) + ": not supported" +
-                                                           did_you_mean(std::string(item.word), {kSupported.begin(), kSupported.end()}));
+        return resolver_.fail_unsupported(
+            item, "found requirement " + std::string(item.word) + ": not supported" +
+                      did_you_mean(std::string(item.word), {kSupported.begin(), kSupported.end()}));
       domain_.requirements.emplace_back(item.word);
     }
     return true;
@@ -111,7 +137,8 @@ class DomainParser {
     for (std::size_t i = 1; i < section.items.size(); ++i) {
       const Node& item = section.items[i];
       const bool is_parent = section.items[i - 1].is_word("-");
-      if (item.is_list && (!is_parent || item.head() != "either")) return fail(item, "found " + excerpt(item) + ", expected a type");
+      if (item.is_list && (!is_parent || item.head() != "either"))
+        return fail(item, "found " + excerpt(item) + ", expected a type");
       if (item.is_list) {
         for (std::size_t k = 1; k < item.items.size(); ++k) parents.push_back(&item.items[k]);
       } else if (is_parent) {
@@ -121,8 +148,10 @@ class DomainParser {
       }
     }
     for (const Node* parent : parents) {
-      if (parent->is_list || parent->is_word("-")) return fail(*parent, "found " + excerpt(*parent) + ", expected a type");
-      if (parent->word.starts_with('?')) return fail(*parent, "found the variable " + std::string(parent->word) + ", expected a type");
+      if (parent->is_list || parent->is_word("-"))
+        return fail(*parent, "found " + excerpt(*parent) + ", expected a type");
+      if (parent->word.starts_with('?'))
+        return fail(*parent, "found the variable " + std::string(parent->word) + ", expected a type");
       add(*parent);
     }
     return true;
@@ -159,7 +188,8 @@ class DomainParser {
           if (parent == static_cast<TypeId>(i)) {
             Node at;
             at.line = domain_.types[i].source.line;
-            return fail(at, "type '" + domain_.types[i].name + "' is its own supertype, expected types without a cycle");
+            return fail(at,
+                        "type '" + domain_.types[i].name + "' is its own supertype, expected types without a cycle");
           }
           if (row[parent] == 0) {
             row[parent] = 1;
@@ -177,7 +207,8 @@ class DomainParser {
     for (auto& entry : names) {
       const auto [known, fresh] = constant_names_.emplace(entry.name->word, static_cast<int>(domain_.constants.size()));
       if (fresh) {
-        domain_.constants.push_back({std::string(entry.name->word), std::move(entry.types), resolver_.source(*entry.name)});
+        domain_.constants.push_back(
+            {std::string(entry.name->word), std::move(entry.types), resolver_.source(*entry.name)});
       } else {  // declared twice: it belongs to both types
         auto& types = domain_.constants[known->second].types;
         for (const TypeId type : entry.types)
@@ -189,7 +220,8 @@ class DomainParser {
 
   /// `(name ?x - t ...)`, the head of a predicate or function.
   bool signature(const Node& node, const char* what, std::string& name, std::vector<Variable>& parameters) {
-    if (node.head().empty()) return fail(node, "found " + excerpt(node) + ", expected " + what + " such as (name ?x - TYPE)");
+    if (node.head().empty())
+      return fail(node, "found " + excerpt(node) + ", expected " + what + " such as (name ?x - TYPE)");
     name = node.head();
     if (name.starts_with('?')) return fail(node, "found the variable " + name + ", expected the name of " + what);
     if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end())
@@ -208,9 +240,11 @@ class DomainParser {
       Predicate predicate;
       predicate.source = resolver_.source(node);
       if (!signature(node, "a predicate", predicate.name, predicate.parameters)) return false;
-      const auto [known, fresh] = domain_.predicate_names.emplace(predicate.name, static_cast<int>(domain_.predicates.size()));
+      const auto [known, fresh] =
+          domain_.predicate_names.emplace(predicate.name, static_cast<int>(domain_.predicates.size()));
       if (!fresh)
-        return fail(node, "found predicate '" + predicate.name + "' a second time" + resolver_.declared(domain_.predicates[known->second].source));
+        return fail(node, "found predicate '" + predicate.name + "' a second time" +
+                              resolver_.declared(domain_.predicates[known->second].source));
       domain_.predicates.push_back(std::move(predicate));
     }
     return true;
@@ -222,15 +256,18 @@ class DomainParser {
       if (node.is_word("-") && i + 1 < section.items.size()) {
         const Node& type = section.items[++i];
         if (!type.is_word("number"))
-          return resolver_.fail_unsupported(type, "found a function of type " + excerpt(type) + ": object fluents are not supported, only numbers");
+          return resolver_.fail_unsupported(
+              type, "found a function of type " + excerpt(type) + ": object fluents are not supported, only numbers");
         continue;
       }
       Function function;
       function.source = resolver_.source(node);
       if (!signature(node, "a function", function.name, function.parameters)) return false;
-      const auto [known, fresh] = domain_.function_names.emplace(function.name, static_cast<int>(domain_.functions.size()));
+      const auto [known, fresh] =
+          domain_.function_names.emplace(function.name, static_cast<int>(domain_.functions.size()));
       if (!fresh)
-        return fail(node, "found function '" + function.name + "' a second time" + resolver_.declared(domain_.functions[known->second].source));
+        return fail(node, "found function '" + function.name + "' a second time" +
+                              resolver_.declared(domain_.functions[known->second].source));
       domain_.functions.push_back(std::move(function));
     }
     return true;
@@ -242,7 +279,8 @@ class DomainParser {
       return fail(section, "found " + excerpt(section) + ", expected (:derived (PREDICATE ?x - TYPE ...) CONDITION)");
     const std::string name(section.items[1].head());
     const int id = find(domain_.predicate_names, name);
-    if (id < 0) return fail(section.items[1], "found '" + name + "', expected a predicate that is declared in :predicates");
+    if (id < 0)
+      return fail(section.items[1], "found '" + name + "', expected a predicate that is declared in :predicates");
     domain_.predicates[id].derived = true;
     return true;
   }
@@ -255,10 +293,12 @@ class DomainParser {
     rule.predicate = find(domain_.predicate_names, name);
     const Predicate& predicate = domain_.predicates[rule.predicate];
     if (rule.parameters.size() != predicate.parameters.size())
-      return fail(section.items[1], "found " + std::to_string(rule.parameters.size()) + " parameters of '" + name + "', expected " +
-                                        std::to_string(predicate.parameters.size()) + resolver_.declared(predicate.source));
+      return fail(section.items[1], "found " + std::to_string(rule.parameters.size()) + " parameters of '" + name +
+                                        "', expected " + std::to_string(predicate.parameters.size()) +
+                                        resolver_.declared(predicate.source));
     for (std::size_t i = 0; i < rule.parameters.size(); ++i)  // a rule need not repeat the types
-      if (rule.parameters[i].types == std::vector<TypeId>{Domain::kObjectType}) rule.parameters[i].types = predicate.parameters[i].types;
+      if (rule.parameters[i].types == std::vector<TypeId>{Domain::kObjectType})
+        rule.parameters[i].types = predicate.parameters[i].types;
     if (!resolver_.condition(section.items[2], rule.condition)) return false;
     rule.slots = resolver_.slots();
     domain_.derivations.push_back(std::move(rule));
@@ -290,12 +330,15 @@ class DomainParser {
       if (durative && key.is_word(":duration")) part = &parts.duration;
       if (part == nullptr)
         return fail(key, "found " + excerpt(key) + ", expected :parameters, " +
-                             (durative ? ":duration, :condition or :effect of a durative action" : ":precondition or :effect of an action"));
+                             (durative ? ":duration, :condition or :effect of a durative action"
+                                       : ":precondition or :effect of an action"));
       if (*part != nullptr) return fail(key, "found " + std::string(key.word) + " a second time");
-      if (i + 1 == section.items.size()) return fail(key, "found nothing behind " + std::string(key.word) + ", expected a list");
+      if (i + 1 == section.items.size())
+        return fail(key, "found nothing behind " + std::string(key.word) + ", expected a list");
       *part = &section.items[i + 1];
     }
-    if (durative && parts.duration == nullptr) return fail(section, "the durative action has no :duration, expected (= ?duration NUMBER)");
+    if (durative && parts.duration == nullptr)
+      return fail(section, "the durative action has no :duration, expected (= ?duration NUMBER)");
     return true;
   }
 
@@ -303,12 +346,15 @@ class DomainParser {
     Action action;
     action.durative = section.head() == ":durative-action";
     action.source = resolver_.source(section);
-    if (section.items.size() < 2 || section.items[1].is_list) return fail(section, "found " + excerpt(section) + ", expected the name of the action");
+    if (section.items.size() < 2 || section.items[1].is_list)
+      return fail(section, "found " + excerpt(section) + ", expected the name of the action");
     action.name = section.items[1].word;
-    if (action.name.starts_with('?')) return fail(section.items[1], "found the variable " + action.name + ", expected the name of the action");
+    if (action.name.starts_with('?'))
+      return fail(section.items[1], "found the variable " + action.name + ", expected the name of the action");
     const auto [known, fresh] = domain_.action_names.emplace(action.name, static_cast<int>(domain_.actions.size()));
     if (!fresh)
-      return fail(section, "found action '" + action.name + "' a second time" + resolver_.declared(domain_.actions[known->second].source));
+      return fail(section, "found action '" + action.name + "' a second time" +
+                               resolver_.declared(domain_.actions[known->second].source));
     Parts parts;
     if (!split(section, action.durative, parts)) return false;
     resolver_.begin_frame(action.durative);
@@ -320,7 +366,8 @@ class DomainParser {
         return false;
     }
     if (parts.effect != nullptr) {
-      if (action.durative ? !resolver_.timed_effects(*parts.effect, action.effects) : !resolver_.effects(*parts.effect, action.effects))
+      if (action.durative ? !resolver_.timed_effects(*parts.effect, action.effects)
+                          : !resolver_.effects(*parts.effect, action.effects))
         return false;
     }
     action.slots = resolver_.slots();

@@ -15,7 +15,8 @@ struct SourceText {
 };
 
 bool is_template(const std::string& text) {
-  return text.find("{{") != std::string::npos || text.find("{%") != std::string::npos || text.find("{#") != std::string::npos;
+  return text.find("{{") != std::string::npos || text.find("{%") != std::string::npos ||
+         text.find("{#") != std::string::npos;
 }
 
 Expected<SourceText> read_source(const std::string& file) {

@@ -47,8 +47,8 @@ struct Variable {
 /// A number. Operands are in `operands`: one for kNegate, two or more for kAdd and kMultiply, two for the others.
 struct Expression {
   enum class Kind : std::uint8_t {
-    kConstant,   ///< value
-    kFunction,   ///< function, terms
+    kConstant,  ///< value
+    kFunction,  ///< function, terms
     kAdd,
     kSubtract,
     kMultiply,
@@ -107,7 +107,7 @@ struct TimedCondition {
 struct Effect {
   enum class Kind : std::uint8_t { kAdd, kDelete, kAssign, kIncrease, kDecrease, kScaleUp, kScaleDown };
   enum class Time : std::uint8_t {
-    kStart,       ///< also of instantaneous actions
+    kStart,  ///< also of instantaneous actions
     kEnd,
     kContinuous,  ///< kIncrease or kDecrease all along the action; `value` is the rate, without its #t, a second
   };
@@ -118,7 +118,7 @@ struct Effect {
   std::vector<Term> terms;     ///< arguments of the predicate or function
   Expression value;            ///< right-hand side of the numeric kinds
   std::vector<Variable> variables;
-  TimedCondition condition;    ///< of an effect at the end, `start` was evaluated when the action began
+  TimedCondition condition;  ///< of an effect at the end, `start` was evaluated when the action began
   Source source;
 
   bool is_numeric() const { return kind != Kind::kAdd && kind != Kind::kDelete; }
@@ -134,11 +134,11 @@ struct DurationConstraint {
 struct Action {
   std::string name;
   bool durative = false;
-  std::vector<Variable> parameters;  ///< slots 0, 1, ...
-  int slots = 0;                     ///< size of the frame: parameters and all variables of quantifiers
+  std::vector<Variable> parameters;          ///< slots 0, 1, ...
+  int slots = 0;                             ///< size of the frame: parameters and all variables of quantifiers
   std::vector<DurationConstraint> duration;  ///< all must hold; empty = any duration
   TimedCondition condition;
-  std::vector<Effect> effects;       ///< in the order of the file
+  std::vector<Effect> effects;  ///< in the order of the file
   Source source;
 };
 
@@ -238,11 +238,11 @@ struct Problem {
   std::vector<Object> objects;  ///< constants of the domain, then objects of the problem
   std::vector<Fact> init;       ///< what is true, in the order of the file, each once
   std::vector<Assignment> values;
-  std::vector<TimedFact> timed_facts;          ///< by time
-  std::vector<TimedAssignment> timed_values;   ///< by time
+  std::vector<TimedFact> timed_facts;         ///< by time
+  std::vector<TimedAssignment> timed_values;  ///< by time
   Condition goal;
-  int goal_slots = 0;           ///< frame of the goal: variables of its quantifiers
-  std::optional<Metric> metric; ///< none = shortest makespan
+  int goal_slots = 0;            ///< frame of the goal: variables of its quantifiers
+  std::optional<Metric> metric;  ///< none = shortest makespan
 
   NameTable object_names;
 };

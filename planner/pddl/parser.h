@@ -17,11 +17,13 @@ inline constexpr const char* kUnsupported = "unsupported";
 Expected<Domain> parse_domain(std::string_view text, const std::string& file);
 
 /// Parses the text of a problem of that domain. Fails with the code kTooLate when the deadline has passed.
-Expected<Problem> parse_problem(std::string_view text, const std::string& file, const Domain& domain, const Deadline& deadline = {});
+Expected<Problem> parse_problem(std::string_view text, const std::string& file, const Domain& domain,
+                                const Deadline& deadline = {});
 
-/// Reads and parses both files. A file with `{{`, `{%` or `{#` is a template: it is rendered first, with its folder as the
-/// place of all that it names, and errors then count the lines of what came out, as `FILE (rendered)`.
-Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file, const Deadline& deadline = {});
+/// Reads and parses both files. A file with `{{`, `{%` or `{#` is a template: it is rendered first, with its folder as
+/// the place of all that it names, and errors then count the lines of what came out, as `FILE (rendered)`.
+Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file,
+                         const Deadline& deadline = {});
 
 /// The content of a file.
 Expected<std::string> read_text(const std::string& file);

@@ -30,7 +30,8 @@ std::string_view without_comment(std::string_view line) {
 
 class PlanReader {
  public:
-  PlanReader(const std::string& file, const Domain& domain, const Problem& problem) : file_(file), domain_(domain), problem_(problem) {}
+  PlanReader(const std::string& file, const Domain& domain, const Problem& problem)
+      : file_(file), domain_(domain), problem_(problem) {}
 
   Expected<Plan> read(std::string_view text) {
     std::string lower(text);
@@ -84,25 +85,28 @@ class PlanReader {
     if (step.action < 0) {
       std::vector<std::string> known;
       for (const Action& each : domain_.actions) known.push_back(each.name);
-      return error("found '" + names[0] + "', expected an action of " + domain_.file + did_you_mean(names[0], known, "; "));
+      return error("found '" + names[0] + "', expected an action of " + domain_.file +
+                   did_you_mean(names[0], known, "; "));
     }
     const Action& action = domain_.actions[step.action];
     const std::string declared = "; declared at " + domain_.file + ":" + std::to_string(action.source.line);
     if (names.size() - 1 != action.parameters.size())
-      return error("found " + std::to_string(names.size() - 1) + (names.size() == 2 ? " argument of " : " arguments of ") + action.name + ", expected " +
+      return error("found " + std::to_string(names.size() - 1) +
+                   (names.size() == 2 ? " argument of " : " arguments of ") + action.name + ", expected " +
                    std::to_string(action.parameters.size()) + declared);
     for (std::size_t i = 1; i < names.size(); ++i) {
       const ObjectId object = find(problem_.object_names, names[i]);
       if (object < 0) {
         std::vector<std::string> known;
         for (const Object& each : problem_.objects) known.push_back(each.name);
-        return error("found '" + names[i] + "', expected an object of " + problem_.file + did_you_mean(names[i], known, "; "));
+        return error("found '" + names[i] + "', expected an object of " + problem_.file +
+                     did_you_mean(names[i], known, "; "));
       }
       const Variable& parameter = action.parameters[i - 1];
       if (!fits(domain_, problem_.objects[object], parameter.types)) {
         Printer printer(domain_, problem_.objects);
-        return error("found '" + names[i] + "' for argument " + std::to_string(i) + " of " + action.name + ", expected an object for " +
-                     printer.variables({parameter}) + declared);
+        return error("found '" + names[i] + "' for argument " + std::to_string(i) + " of " + action.name +
+                     ", expected an object for " + printer.variables({parameter}) + declared);
       }
       step.arguments.push_back(object);
     }
@@ -120,7 +124,8 @@ class PlanReader {
     std::string_view number = trimmed(text.substr(1, text.size() - 2));
     if (number.starts_with("d:")) number = trimmed(number.substr(2, number.find(';') - 2));
     double seconds = 0;
-    if (!to_number(number, seconds)) return error("found '" + std::string(text.substr(0, 60)) + "', expected a duration such as [5.000]");
+    if (!to_number(number, seconds))
+      return error("found '" + std::string(text.substr(0, 60)) + "', expected a duration such as [5.000]");
     if (action.durative) step.duration = seconds;
     return {};
   }
@@ -134,7 +139,8 @@ class PlanReader {
 
 }  // namespace
 
-Expected<Plan> parse_plan(std::string_view text, const std::string& file, const Domain& domain, const Problem& problem) {
+Expected<Plan> parse_plan(std::string_view text, const std::string& file, const Domain& domain,
+                          const Problem& problem) {
   return PlanReader(file, domain, problem).read(text);
 }
 
@@ -147,7 +153,8 @@ std::string step_text(const PlanStep& step, const Domain& domain, const Problem&
 std::string to_text(const Plan& plan, const Domain& domain, const Problem& problem) {
   std::vector<const PlanStep*> ordered;
   for (const PlanStep& step : plan) ordered.push_back(&step);
-  std::stable_sort(ordered.begin(), ordered.end(), [](const PlanStep* a, const PlanStep* b) { return a->start < b->start; });
+  std::stable_sort(ordered.begin(), ordered.end(),
+                   [](const PlanStep* a, const PlanStep* b) { return a->start < b->start; });
   std::string text;
   for (const PlanStep* step : ordered) {
     text += time_text(step->start) + ": " + step_text(*step, domain, problem);

@@ -11,7 +11,7 @@
 namespace cxlab::planner {
 
 struct PlanStep {
-  double start = 0;     ///< s
+  double start = 0;  ///< s
   ActionId action = -1;
   std::vector<ObjectId> arguments;
   double duration = 0;  ///< s; 0 for instantaneous actions
@@ -21,9 +21,9 @@ struct PlanStep {
 /// Steps in any order.
 using Plan = std::vector<PlanStep>;
 
-/// Reads a plan. Accepted beside the format: comments, blank lines, `[D:5.0; C:1.0]` for the duration, no space where none
-/// is needed. Lines without a time are steps of a sequential plan, at 0, 1, 2 ...
-/// Errors: names that are not known, wrong number or type of arguments, a durative action without a duration.
+/// Reads a plan. Accepted beside the format: comments, blank lines, `[D:5.0; C:1.0]` for the duration, no space where
+/// none is needed. Lines without a time are steps of a sequential plan, at 0, 1, 2 ... Errors: names that are not
+/// known, wrong number or type of arguments, a durative action without a duration.
 Expected<Plan> parse_plan(std::string_view text, const std::string& file, const Domain& domain, const Problem& problem);
 
 /// One line a step, by start.

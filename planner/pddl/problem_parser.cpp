@@ -23,12 +23,14 @@ class ProblemParser {
         resolver_(domain, problem_.objects, problem_.object_names, problem_.file, Source::File::kProblem) {
     problem_.file = file;
     problem_.objects = domain.constants;
-    for (std::size_t i = 0; i < problem_.objects.size(); ++i) problem_.object_names[problem_.objects[i].name] = static_cast<int>(i);
+    for (std::size_t i = 0; i < problem_.objects.size(); ++i)
+      problem_.object_names[problem_.objects[i].name] = static_cast<int>(i);
   }
 
   Expected<Problem> parse() {
     if (!define() || !each(":domain", &ProblemParser::domain_name) || !each(":objects", &ProblemParser::objects) ||
-        !each(":init", &ProblemParser::init) || !each(":goal", &ProblemParser::goal) || !each(":metric", &ProblemParser::metric))
+        !each(":init", &ProblemParser::init) || !each(":goal", &ProblemParser::goal) ||
+        !each(":metric", &ProblemParser::metric))
       return late_ ? too_late(problem_.file) : resolver_.error();
     finish();
     return std::move(problem_);
@@ -42,13 +44,15 @@ class ProblemParser {
   bool fail(const Node& at, std::string message) { return resolver_.fail(at, std::move(message)); }
 
   bool define() {
-    if (root_.head() != "define") return fail(root_, "found " + excerpt(root_) + ", expected (define (problem NAME) ...)");
+    if (root_.head() != "define")
+      return fail(root_, "found " + excerpt(root_) + ", expected (define (problem NAME) ...)");
     if (root_.items.size() < 2 || root_.items[1].head() != "problem")
       return fail(root_, root_.items.size() > 1 && root_.items[1].head() == "domain"
                              ? "found a domain, expected a problem: (define (problem NAME) ...); are the files swapped?"
                              : "expected (problem NAME) behind 'define'");
     const Node& name = root_.items[1];
-    if (name.items.size() != 2 || name.items[1].is_list) return fail(name, "found " + excerpt(name) + ", expected (problem NAME)");
+    if (name.items.size() != 2 || name.items[1].is_list)
+      return fail(name, "found " + excerpt(name) + ", expected (problem NAME)");
     problem_.name = name.items[1].word;
     for (std::size_t i = 2; i < root_.items.size(); ++i)
       if (!known_section(root_.items[i])) return false;
@@ -60,7 +64,8 @@ class ProblemParser {
     for (const char* name : {":domain", ":requirements", ":objects", ":init", ":length"})
       if (head == name) return true;
     for (const char* name : {":goal", ":metric"})
-      if (head == name) return seen_.insert(head).second || fail(section, "found " + head + " a second time, expected one");
+      if (head == name)
+        return seen_.insert(head).second || fail(section, "found " + head + " a second time, expected one");
     for (const char* name : {":constraints", ":htn"})
       if (head == name) return resolver_.fail_unsupported(section, "found section " + head + ": not supported");
     return fail(section, "found " + excerpt(section) + ", expected :domain, :objects, :init, :goal or :metric");
@@ -73,7 +78,8 @@ class ProblemParser {
   }
 
   bool domain_name(const Node& section) {
-    if (section.items.size() != 2 || section.items[1].is_list) return fail(section, "found " + excerpt(section) + ", expected (:domain NAME)");
+    if (section.items.size() != 2 || section.items[1].is_list)
+      return fail(section, "found " + excerpt(section) + ", expected (:domain NAME)");
     const std::string name(section.items[1].word);
     if (plain_name(name) == plain_name(domain_.name)) return true;
     return fail(section, "found domain '" + name + "', expected '" + domain_.name + "', the name in " + domain_.file);
@@ -83,9 +89,11 @@ class ProblemParser {
     std::vector<Resolver::TypedName> names;
     if (!resolver_.typed_list(section.items, 1, "an object", names)) return false;
     for (auto& entry : names) {
-      const auto [known, fresh] = problem_.object_names.emplace(entry.name->word, static_cast<int>(problem_.objects.size()));
+      const auto [known, fresh] =
+          problem_.object_names.emplace(entry.name->word, static_cast<int>(problem_.objects.size()));
       if (fresh) {
-        problem_.objects.push_back({std::string(entry.name->word), std::move(entry.types), resolver_.source(*entry.name)});
+        problem_.objects.push_back(
+            {std::string(entry.name->word), std::move(entry.types), resolver_.source(*entry.name)});
         continue;
       }
       auto& types = problem_.objects[known->second].types;  // declared twice: it belongs to both types
@@ -107,8 +115,10 @@ class ProblemParser {
     const std::string_view head = node.head();
     double time = 0;
     if (head == "=") return value(node, std::nullopt);
-    if (head == "at" && node.items.size() == 3 && node.items[2].is_list && !node.items[1].is_list && to_number(node.items[1].word, time)) {
-      if (time < 0) return fail(node, "found time " + std::string(node.items[1].word) + ", expected a time that is not negative");
+    if (head == "at" && node.items.size() == 3 && node.items[2].is_list && !node.items[1].is_list &&
+        to_number(node.items[1].word, time)) {
+      if (time < 0)
+        return fail(node, "found time " + std::string(node.items[1].word) + ", expected a time that is not negative");
       const Node& happens = node.items[2];
       return happens.head() == "=" ? value(happens, time) : literal(happens, time);
     }
@@ -122,7 +132,8 @@ class ProblemParser {
 
   bool literal(const Node& node, std::optional<double> time) {
     const bool negative = node.head() == "not";
-    if (negative && node.items.size() != 2) return fail(node, "found " + excerpt(node) + ", expected (not (PREDICATE OBJECT...))");
+    if (negative && node.items.size() != 2)
+      return fail(node, "found " + excerpt(node) + ", expected (not (PREDICATE OBJECT...))");
     const Node& positive = negative ? node.items[1] : node;
     Fact fact;
     if (!resolver_.ground_fact(positive, fact)) return false;
@@ -134,7 +145,8 @@ class ProblemParser {
     if (time && *time > 0) {
       problem_.timed_facts.push_back({*time, std::move(fact), !negative, resolver_.source(node)});
     } else if (negative) {
-      if (true_.contains(key)) return fail(node, "found " + excerpt(node) + ", but " + excerpt(positive) + " was true before");
+      if (true_.contains(key))
+        return fail(node, "found " + excerpt(node) + ", but " + excerpt(positive) + " was true before");
     } else if (true_.insert(key).second) {
       problem_.init.push_back(std::move(fact));
     }
@@ -150,7 +162,8 @@ class ProblemParser {
       problem_.timed_values.push_back({*time, std::move(assignment), resolver_.source(node)});
       return true;
     }
-    const auto [known, fresh] = values_.emplace(ValueKey{assignment.function, assignment.objects}, problem_.values.size());
+    const auto [known, fresh] =
+        values_.emplace(ValueKey{assignment.function, assignment.objects}, problem_.values.size());
     if (fresh) {
       problem_.values.push_back(std::move(assignment));
       return true;
@@ -160,7 +173,9 @@ class ProblemParser {
   }
 
   bool goal(const Node& section) {
-    if (section.items.size() != 2) return fail(section, "found " + std::to_string(section.items.size() - 1) + " conditions in :goal, expected one; several are joined by (and ...)");
+    if (section.items.size() != 2)
+      return fail(section, "found " + std::to_string(section.items.size() - 1) +
+                               " conditions in :goal, expected one; several are joined by (and ...)");
     resolver_.begin_frame(false);
     if (!resolver_.condition(section.items[1], problem_.goal)) return false;
     problem_.goal_slots = resolver_.slots();
@@ -168,8 +183,10 @@ class ProblemParser {
   }
 
   bool metric(const Node& section) {
-    if (section.items.size() != 3 || section.items[1].is_list || (section.items[1].word != "minimize" && section.items[1].word != "maximize"))
-      return fail(section, "found " + excerpt(section) + ", expected (:metric minimize VALUE) or (:metric maximize VALUE)");
+    if (section.items.size() != 3 || section.items[1].is_list ||
+        (section.items[1].word != "minimize" && section.items[1].word != "maximize"))
+      return fail(section,
+                  "found " + excerpt(section) + ", expected (:metric minimize VALUE) or (:metric maximize VALUE)");
     Metric metric;
     metric.maximize = section.items[1].word == "maximize";
     resolver_.begin_frame(false);
@@ -183,7 +200,8 @@ class ProblemParser {
     std::stable_sort(problem_.timed_facts.begin(), problem_.timed_facts.end(), by_time);
     std::stable_sort(problem_.timed_values.begin(), problem_.timed_values.end(), by_time);
     const FunctionId cost = find(domain_.function_names, "total-cost");
-    if (cost >= 0 && domain_.functions[cost].parameters.empty() && !values_.contains({cost, {}})) problem_.values.push_back({cost, {}, 0});
+    if (cost >= 0 && domain_.functions[cost].parameters.empty() && !values_.contains({cost, {}}))
+      problem_.values.push_back({cost, {}, 0});
   }
 
   const Node& root_;
@@ -200,7 +218,8 @@ class ProblemParser {
 
 }  // namespace
 
-Expected<Problem> parse_problem(std::string_view text, const std::string& file, const Domain& domain, const Deadline& deadline) {
+Expected<Problem> parse_problem(std::string_view text, const std::string& file, const Domain& domain,
+                                const Deadline& deadline) {
   auto syntax = read_syntax(text, file, deadline);
   if (!syntax) return syntax.error();
   return ProblemParser(syntax->root, file, domain, deadline).parse();

@@ -31,8 +31,8 @@ std::optional<Comparison> to_comparison(std::string_view word) {
 }
 
 bool is_trajectory_operator(std::string_view word) {
-  for (const char* name : {"always", "sometime", "within", "at-most-once", "sometime-after", "sometime-before", "always-within",
-                           "hold-during", "hold-after"})
+  for (const char* name : {"always", "sometime", "within", "at-most-once", "sometime-after", "sometime-before",
+                           "always-within", "hold-during", "hold-after"})
     if (word == name) return true;
   return false;
 }
@@ -58,7 +58,8 @@ bool Resolver::fail_unsupported(const Node& at, std::string message) {
 
 std::string Resolver::declared(const Source& source) const {
   if (source.line == 0) return {};
-  return "; declared at " + (source.file == Source::File::kDomain ? domain_.file : file_) + ":" + std::to_string(source.line);
+  return "; declared at " + (source.file == Source::File::kDomain ? domain_.file : file_) + ":" +
+         std::to_string(source.line);
 }
 
 std::string Resolver::type_names(const std::vector<TypeId>& types) const {
@@ -70,7 +71,8 @@ std::string Resolver::type_names(const std::vector<TypeId>& types) const {
 bool Resolver::may_be(const std::vector<TypeId>& types, const std::vector<TypeId>& wanted) const {
   for (TypeId below = 0; below < static_cast<TypeId>(domain_.types.size()); ++below) {
     const auto is_below = [&](TypeId type) { return domain_.is_a(below, type); };
-    if (std::any_of(types.begin(), types.end(), is_below) && std::any_of(wanted.begin(), wanted.end(), is_below)) return true;
+    if (std::any_of(types.begin(), types.end(), is_below) && std::any_of(wanted.begin(), wanted.end(), is_below))
+      return true;
   }
   return false;
 }
@@ -81,13 +83,16 @@ void Resolver::begin_frame(bool durative) {
   slots_ = 0;
 }
 
-bool Resolver::typed_list(const std::vector<Node>& items, std::size_t first, const char* what, std::vector<TypedName>& out) {
+bool Resolver::typed_list(const std::vector<Node>& items, std::size_t first, const char* what,
+                          std::vector<TypedName>& out) {
   const auto type = [&](const Node& node, std::vector<TypeId>& types) {
     const int id = find(domain_.type_names, node.word);
     if (id < 0) {
       const std::string name(node.word);
       if (name.starts_with('?')) return fail(node, "found the variable " + name + ", expected a type");
-      if (name == "number") return fail_unsupported(node, std::string(what) + " of type number: not supported, numbers are values of functions only");
+      if (name == "number")
+        return fail_unsupported(
+            node, std::string(what) + " of type number: not supported, numbers are values of functions only");
       return fail(node, "found type '" + name + "', expected a type of the domain" + hint(name, domain_.type_names));
     }
     if (std::find(types.begin(), types.end(), id) == types.end()) types.push_back(id);
@@ -98,7 +103,8 @@ bool Resolver::typed_list(const std::vector<Node>& items, std::size_t first, con
     const Node& item = items[i];
     if (item.is_list) return fail(item, "found " + excerpt(item) + ", expected " + what);
     if (item.word != "-") {
-      if (item.word.starts_with('?') && std::string_view(what) != "a variable") return fail(item, "found the variable " + std::string(item.word) + ", expected " + what);
+      if (item.word.starts_with('?') && std::string_view(what) != "a variable")
+        return fail(item, "found the variable " + std::string(item.word) + ", expected " + what);
       out.push_back({&item, {}});
       continue;
     }
@@ -110,7 +116,8 @@ bool Resolver::typed_list(const std::vector<Node>& items, std::size_t first, con
       if (types_node.head() != "either" || types_node.items.size() < 2)
         return fail(types_node, "found " + excerpt(types_node) + ", expected a type or (either TYPE...)");
       for (std::size_t k = 1; k < types_node.items.size(); ++k) {
-        if (types_node.items[k].is_list) return fail(types_node, "found " + excerpt(types_node.items[k]) + ", expected a type");
+        if (types_node.items[k].is_list)
+          return fail(types_node, "found " + excerpt(types_node.items[k]) + ", expected a type");
         if (!type(types_node.items[k], types)) return false;
       }
     } else if (!type(types_node, types)) {
@@ -123,13 +130,15 @@ bool Resolver::typed_list(const std::vector<Node>& items, std::size_t first, con
 }
 
 bool Resolver::declare_variables(const Node& list, std::vector<Variable>& out) {
-  if (!list.is_list) return fail(list, "found '" + std::string(list.word) + "', expected a list of variables: (?x ?y - TYPE ...)");
+  if (!list.is_list)
+    return fail(list, "found '" + std::string(list.word) + "', expected a list of variables: (?x ?y - TYPE ...)");
   std::vector<TypedName> names;
   if (!typed_list(list.items, 0, "a variable", names)) return false;
   const std::size_t first = out.size();
   for (TypedName& entry : names) {
     const std::string name(entry.name->word);
-    if (name.size() < 2 || name[0] != '?') return fail(*entry.name, "found '" + name + "', expected a variable such as ?" + name);
+    if (name.size() < 2 || name[0] != '?')
+      return fail(*entry.name, "found '" + name + "', expected a variable such as ?" + name);
     for (std::size_t i = first; i < out.size(); ++i)
       if (out[i].name == name) return fail(*entry.name, "found variable " + name + " twice in one list");
     out.push_back({name, std::move(entry.types), slots_++});
@@ -154,7 +163,8 @@ bool Resolver::term(const Node& node, Term& out) {
   const int id = find(object_names_, name);
   if (id < 0)
     return fail(node, "found '" + name + "', expected a variable or " +
-                          (which_ == Source::File::kDomain ? "a constant of the domain" : "an object") + hint(name, object_names_));
+                          (which_ == Source::File::kDomain ? "a constant of the domain" : "an object") +
+                          hint(name, object_names_));
   out = Term::object(id);
   return true;
 }
@@ -195,15 +205,20 @@ bool Resolver::atom(const Node& node, Words words, PredicateId& predicate, std::
   const std::string name(node.head());
   if (name.empty()) return fail(node, "found " + excerpt(node) + ", expected (PREDICATE ARGUMENT...)");
   if ((name == "at" || name == "over") && node.items.size() == 3 && node.items[2].is_list)
-    return fail(node, "found " + excerpt(node) + " where " + (in_durative_ ? "the time has been said" : "there is no time to say") + ", expected (PREDICATE ARGUMENT...)");
+    return fail(node, "found " + excerpt(node) + " where " +
+                          (in_durative_ ? "the time has been said" : "there is no time to say") +
+                          ", expected (PREDICATE ARGUMENT...)");
   predicate = find(domain_.predicate_names, name);
   if (predicate < 0) {
     if (is_trajectory_operator(name) || name == "preference")
-      return fail_unsupported(node, "found (" + name + " ...): preferences and trajectory constraints are not supported");
+      return fail_unsupported(node,
+                              "found (" + name + " ...): preferences and trajectory constraints are not supported");
     const int function = find(domain_.function_names, name);
     if (function >= 0)
-      return fail(node, "found the numeric fluent '" + name + "', expected a predicate" + declared(domain_.functions[function].source));
-    return fail(node, "found '" + name + "', expected a predicate of the domain" + hint(name, domain_.predicate_names, words));
+      return fail(node, "found the numeric fluent '" + name + "', expected a predicate" +
+                            declared(domain_.functions[function].source));
+    return fail(
+        node, "found '" + name + "', expected a predicate of the domain" + hint(name, domain_.predicate_names, words));
   }
   const Predicate& declaration = domain_.predicates[predicate];
   return arguments(node, name, declaration.parameters, declaration.source, terms);
@@ -211,19 +226,22 @@ bool Resolver::atom(const Node& node, Words words, PredicateId& predicate, std::
 
 bool Resolver::function_term(const Node& node, Words words, FunctionId& function, std::vector<Term>& terms) {
   const std::string name(node.is_list ? node.head() : node.word);
-  if (name.empty()) return fail(node, "found " + excerpt(node) + ", expected a number, (FUNCTION ARGUMENT...) or (+ - * / ...)");
+  if (name.empty())
+    return fail(node, "found " + excerpt(node) + ", expected a number, (FUNCTION ARGUMENT...) or (+ - * / ...)");
   function = find(domain_.function_names, name);
   if (function < 0) {
     const int predicate = find(domain_.predicate_names, name);
     if (predicate >= 0)
-      return fail(node, "found the predicate '" + name + "', expected a numeric fluent" + declared(domain_.predicates[predicate].source));
-    return fail(node, "found '" + name + "', expected a number or a function of the domain" + hint(name, domain_.function_names, words));
+      return fail(node, "found the predicate '" + name + "', expected a numeric fluent" +
+                            declared(domain_.predicates[predicate].source));
+    return fail(node, "found '" + name + "', expected a number or a function of the domain" +
+                          hint(name, domain_.function_names, words));
   }
   const Function& declaration = domain_.functions[function];
   if (!node.is_list) {
     if (declaration.parameters.empty()) return true;
-    return fail(node, "found '" + name + "' without arguments, expected " + std::to_string(declaration.parameters.size()) +
-                          declared(declaration.source));
+    return fail(node, "found '" + name + "' without arguments, expected " +
+                          std::to_string(declaration.parameters.size()) + declared(declaration.source));
   }
   return arguments(node, name, declaration.parameters, declaration.source, terms);
 }
@@ -261,7 +279,8 @@ bool Resolver::expression(const Node& node, Place place, Expression& out) {
   const bool many = *kind == Kind::kAdd || *kind == Kind::kMultiply;
   const std::size_t wanted = *kind == Kind::kNegate ? 1 : 2;
   if (many ? operands < wanted : operands != wanted)
-    return fail(node, "found " + count(operands, "operand") + " in " + excerpt(node) + ", expected " + (many ? "at least 2" : "2"));
+    return fail(node, "found " + count(operands, "operand") + " in " + excerpt(node) + ", expected " +
+                          (many ? "at least 2" : "2"));
   out.kind = *kind;
   out.operands.resize(operands);
   for (std::size_t i = 0; i < operands; ++i)
@@ -287,11 +306,14 @@ bool Resolver::equality_or_comparison(const Node& node, Condition& out) {
   }
   out.kind = Condition::Kind::kCompare;
   out.sides.resize(2);
-  return expression(node.items[1], Place::kCondition, out.sides[0]) && expression(node.items[2], Place::kCondition, out.sides[1]);
+  return expression(node.items[1], Place::kCondition, out.sides[0]) &&
+         expression(node.items[2], Place::kCondition, out.sides[1]);
 }
 
 bool Resolver::quantified(const Node& node, Condition& out) {
-  if (node.items.size() != 3) return fail(node, "found " + excerpt(node) + ", expected (" + std::string(node.head()) + " (?x - TYPE ...) CONDITION)");
+  if (node.items.size() != 3)
+    return fail(node,
+                "found " + excerpt(node) + ", expected (" + std::string(node.head()) + " (?x - TYPE ...) CONDITION)");
   out.kind = node.head() == "forall" ? Condition::Kind::kForall : Condition::Kind::kExists;
   const std::size_t outer = scope_.size();
   out.operands.resize(1);
@@ -323,7 +345,8 @@ bool Resolver::condition(const Node& node, Condition& out) {
     return atom(node, kConditionWords, out.predicate, out.terms);
   }
   if (wanted && node.items.size() - 1 != *wanted)
-    return fail(node, "found " + count(node.items.size() - 1, "operand") + " in " + excerpt(node) + ", expected " + std::to_string(*wanted));
+    return fail(node, "found " + count(node.items.size() - 1, "operand") + " in " + excerpt(node) + ", expected " +
+                          std::to_string(*wanted));
   out.operands.resize(node.items.size() - 1);
   for (std::size_t i = 1; i < node.items.size(); ++i)
     if (!condition(node.items[i], out.operands[i - 1])) return false;
@@ -331,7 +354,8 @@ bool Resolver::condition(const Node& node, Condition& out) {
 }
 
 bool Resolver::quantified_timed(const Node& node, TimedCondition& out) {
-  if (node.items.size() != 3) return fail(node, "found " + excerpt(node) + ", expected (forall (?x - TYPE ...) TIMED-CONDITION)");
+  if (node.items.size() != 3)
+    return fail(node, "found " + excerpt(node) + ", expected (forall (?x - TYPE ...) TIMED-CONDITION)");
   const std::size_t outer = scope_.size();
   std::vector<Variable> variables;
   TimedCondition inner;
@@ -353,7 +377,9 @@ bool Resolver::quantified_timed(const Node& node, TimedCondition& out) {
 }
 
 bool Resolver::timed_condition(const Node& node, TimedCondition& out) {
-  if (!node.is_list) return fail(node, "found '" + std::string(node.word) + "', expected (at start ...), (over all ...) or (at end ...)");
+  if (!node.is_list)
+    return fail(node,
+                "found '" + std::string(node.word) + "', expected (at start ...), (over all ...) or (at end ...)");
   if (node.items.empty()) return true;
   const std::string_view head = node.head();
   if (head == "and") {
@@ -362,7 +388,8 @@ bool Resolver::timed_condition(const Node& node, TimedCondition& out) {
     return true;
   }
   if (head == "forall") return quantified_timed(node, out);
-  const std::string_view when = node.items.size() == 3 && !node.items[1].is_list ? node.items[1].word : std::string_view{};
+  const std::string_view when =
+      node.items.size() == 3 && !node.items[1].is_list ? node.items[1].word : std::string_view{};
   Condition* into = nullptr;
   if (head == "at" && when == "start") into = &out.start;
   if (head == "at" && when == "end") into = &out.end;

@@ -17,8 +17,8 @@ namespace cxlab::planner {
 class Resolver {
  public:
   /// `objects` are the constants of the domain, or all objects of the problem. All arguments outlive this.
-  Resolver(const Domain& domain, const std::vector<Object>& objects, const NameTable& object_names, const std::string& file,
-           Source::File which);
+  Resolver(const Domain& domain, const std::vector<Object>& objects, const NameTable& object_names,
+           const std::string& file, Source::File which);
 
   // Frames: the variables of one action, rule or goal.
 
@@ -74,8 +74,8 @@ class Resolver {
 
   bool atom(const Node& node, Words words, PredicateId& predicate, std::vector<Term>& terms);
   bool function_term(const Node& node, Words words, FunctionId& function, std::vector<Term>& terms);
-  bool arguments(const Node& node, const std::string& name, const std::vector<Variable>& parameters, const Source& declared_at,
-                 std::vector<Term>& terms);
+  bool arguments(const Node& node, const std::string& name, const std::vector<Variable>& parameters,
+                 const Source& declared_at, std::vector<Term>& terms);
   bool term(const Node& node, Term& out);
   bool expression(const Node& node, Place place, Expression& out);
   bool rate(const Node& node, Expression& out);

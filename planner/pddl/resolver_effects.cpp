@@ -39,7 +39,8 @@ bool Resolver::duration(const Node& node, std::vector<DurationConstraint>& out) 
     return true;
   }
   if (node.items.size() != 3 || (head != "=" && head != "<=" && head != ">="))
-    return fail(node, "found " + excerpt(node) + ", expected (= ?duration NUMBER), (<= ?duration NUMBER) or (>= ?duration NUMBER)");
+    return fail(node, "found " + excerpt(node) +
+                          ", expected (= ?duration NUMBER), (<= ?duration NUMBER) or (>= ?duration NUMBER)");
   DurationConstraint constraint;
   if (head == "<=") constraint.comparison = Comparison::kLessEqual;
   if (head == ">=") constraint.comparison = Comparison::kGreaterEqual;
@@ -75,7 +76,8 @@ bool Resolver::effect(const Node& node, const EffectContext& context, std::vecto
     return true;
   }
   if (head == "forall") {
-    if (node.items.size() != 3) return fail(node, "found " + excerpt(node) + ", expected (forall (?x - TYPE ...) EFFECT)");
+    if (node.items.size() != 3)
+      return fail(node, "found " + excerpt(node) + ", expected (forall (?x - TYPE ...) EFFECT)");
     const std::size_t outer = scope_.size();
     EffectContext inner = context;
     std::vector<Variable> variables;
@@ -86,7 +88,8 @@ bool Resolver::effect(const Node& node, const EffectContext& context, std::vecto
     return true;
   }
   if (head == "when") return conditional_effect(node, context, out);
-  const std::string_view when = node.items.size() == 3 && !node.items[1].is_list ? node.items[1].word : std::string_view{};
+  const std::string_view when =
+      node.items.size() == 3 && !node.items[1].is_list ? node.items[1].word : std::string_view{};
   if (context.durative && !context.time) {
     if (head == "at" && (when == "start" || when == "end")) {
       EffectContext inner = context;
@@ -98,12 +101,16 @@ bool Resolver::effect(const Node& node, const EffectContext& context, std::vecto
       inner.time = Effect::Time::kContinuous;
       return numeric_effect(node, inner, out);
     }
-    return fail(node, "found " + excerpt(node) + ", expected (at start ...), (at end ...) or a continuous (increase F (* #t RATE))");
+    return fail(node, "found " + excerpt(node) +
+                          ", expected (at start ...), (at end ...) or a continuous (increase F (* #t RATE))");
   }
   if (to_numeric_kind(head)) return numeric_effect(node, context, out);
   for (const std::string_view word : {"or", "imply", "exists", "=", "<", "<=", ">", ">="})
     if (head == word && find(domain_.predicate_names, head) < 0)
-      return fail(node, "found " + excerpt(node) + ", expected an effect: it cannot leave open what happens, and numbers are set by (assign F NUMBER)");
+      return fail(
+          node,
+          "found " + excerpt(node) +
+              ", expected an effect: it cannot leave open what happens, and numbers are set by (assign F NUMBER)");
   return literal_effect(node, context, out);
 }
 
@@ -124,7 +131,8 @@ bool Resolver::conditional_effect(const Node& node, const EffectContext& context
   for (std::size_t i = first; i < out.size(); ++i) {
     const TimedCondition& when = out[i].condition;
     if (out[i].time == Effect::Time::kStart && (!when.over_all.is_true() || !when.end.is_true()))
-      return fail(node, "found an effect at start with a condition that is known only later, expected a condition at start");
+      return fail(node,
+                  "found an effect at start with a condition that is known only later, expected a condition at start");
     if (out[i].time == Effect::Time::kContinuous)
       return fail_unsupported(node, "found a conditional continuous effect: not supported");
   }
@@ -146,7 +154,9 @@ bool Resolver::rate(const Node& node, Expression& out) {
       const Node& item = node.items[i];
       Expression factor;
       if (mentions_elapsed(item)) {
-        if (found) return fail_unsupported(node, "found " + excerpt(node) + ": only linear change is supported, #t must occur once in a product");
+        if (found)
+          return fail_unsupported(
+              node, "found " + excerpt(node) + ": only linear change is supported, #t must occur once in a product");
         found = true;
         if (!rate(item, factor)) return false;
       } else if (!expression(item, Place::kEffect, factor)) {
@@ -172,7 +182,8 @@ bool Resolver::rate(const Node& node, Expression& out) {
     out.operands.resize(operands);
     for (std::size_t i = 0; i < operands; ++i) {
       if (!mentions_elapsed(node.items[i + 1]))
-        return fail_unsupported(node, "found " + excerpt(node) + ": only linear change is supported, each summand must have its #t");
+        return fail_unsupported(
+            node, "found " + excerpt(node) + ": only linear change is supported, each summand must have its #t");
       if (!rate(node.items[i + 1], out.operands[i])) return false;
     }
     return true;
@@ -182,7 +193,8 @@ bool Resolver::rate(const Node& node, Expression& out) {
 
 bool Resolver::numeric_effect(const Node& node, const EffectContext& context, std::vector<Effect>& out) {
   if (node.items.size() != 3)
-    return fail(node, "found " + excerpt(node) + ", expected (" + std::string(node.head()) + " (FUNCTION ARGUMENT...) VALUE)");
+    return fail(
+        node, "found " + excerpt(node) + ", expected (" + std::string(node.head()) + " (FUNCTION ARGUMENT...) VALUE)");
   Effect effect;
   effect.kind = *to_numeric_kind(node.head());
   effect.time = *context.time;
@@ -191,7 +203,7 @@ bool Resolver::numeric_effect(const Node& node, const EffectContext& context, st
   effect.source = source(node);
   if (!function_term(node.items[1], {}, effect.function, effect.terms)) return false;
   const bool right = effect.time == Effect::Time::kContinuous ? rate(node.items[2], effect.value)
-                                                               : expression(node.items[2], Place::kEffect, effect.value);
+                                                              : expression(node.items[2], Place::kEffect, effect.value);
   if (right) out.push_back(std::move(effect));
   return right;
 }
@@ -199,19 +211,23 @@ bool Resolver::numeric_effect(const Node& node, const EffectContext& context, st
 bool Resolver::literal_effect(const Node& node, const EffectContext& context, std::vector<Effect>& out) {
   Effect effect;
   const bool negative = node.head() == "not";
-  if (negative && node.items.size() != 2) return fail(node, "found " + excerpt(node) + ", expected (not (PREDICATE ARGUMENT...))");
+  if (negative && node.items.size() != 2)
+    return fail(node, "found " + excerpt(node) + ", expected (not (PREDICATE ARGUMENT...))");
   const Node& literal = negative ? node.items[1] : node;
-  if (!literal.is_list) return fail(literal, "found '" + std::string(literal.word) + "', expected (PREDICATE ARGUMENT...)");
+  if (!literal.is_list)
+    return fail(literal, "found '" + std::string(literal.word) + "', expected (PREDICATE ARGUMENT...)");
   effect.kind = negative ? Effect::Kind::kDelete : Effect::Kind::kAdd;
   effect.time = *context.time;
   effect.variables = context.variables;
   effect.condition = context.condition;
   effect.source = source(node);
-  static constexpr const char* kWords[] = {"and", "not", "when", "forall", "assign", "increase", "decrease", "scale-up", "scale-down"};
+  static constexpr const char* kWords[] = {"and",      "not",      "when",     "forall",    "assign",
+                                           "increase", "decrease", "scale-up", "scale-down"};
   if (!atom(literal, negative ? Words{} : Words(kWords), effect.predicate, effect.terms)) return false;
   const Predicate& predicate = domain_.predicates[effect.predicate];
   if (predicate.derived)
-    return fail(literal, "found an effect on '" + predicate.name + "', which is derived by a rule; expected a predicate without one" +
+    return fail(literal, "found an effect on '" + predicate.name +
+                             "', which is derived by a rule; expected a predicate without one" +
                              declared(predicate.source));
   out.push_back(std::move(effect));
   return true;

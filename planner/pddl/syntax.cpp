@@ -13,7 +13,8 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 class Reader {
  public:
-  Reader(std::string_view text, const std::string& file, const Deadline& deadline) : text_(text), file_(file), deadline_(deadline) {}
+  Reader(std::string_view text, const std::string& file, const Deadline& deadline)
+      : text_(text), file_(file), deadline_(deadline) {}
 
   Expected<Node> read_file() {
     skip_space();
@@ -24,8 +25,9 @@ class Reader {
     if (!node) return node;
     skip_space();
     if (!at_end())
-      return error((text_[position_] == ')' ? "found a ')' that closes nothing; expected the end of the file"
-                                            : "found more text behind the closing ')' of (define ...); expected the end of the file") +
+      return error((text_[position_] == ')'
+                        ? "found a ')' that closes nothing; expected the end of the file"
+                        : "found more text behind the closing ')' of (define ...); expected the end of the file") +
                        last_section(),
                    line_);
     return node;
@@ -52,7 +54,9 @@ class Reader {
   }
   /// Where to look for the parenthesis: sections before the last were closed in order.
   std::string last_section() const {
-    return section_line_ == 0 ? "" : "; the last section before it, " + std::string(section_) + ", begins in line " + std::to_string(section_line_);
+    return section_line_ == 0 ? ""
+                              : "; the last section before it, " + std::string(section_) + ", begins in line " +
+                                    std::to_string(section_line_);
   }
 
   std::string_view take_word_for_message() { return take_word().substr(0, 60); }
@@ -64,7 +68,8 @@ class Reader {
     const std::string_view name = take_word_for_message();
     position_ = begin;
     if (depth > 0)
-      return error("found (" + std::string(name) + " in line " + std::to_string(line_) + ", expected a ')' before it for " +
+      return error("found (" + std::string(name) + " in line " + std::to_string(line_) +
+                       ", expected a ')' before it for " +
                        (section_line_ > 0 ? "the section " + std::string(section_) : "the list") + " that begins here",
                    section_line_ > 0 ? section_line_ : outer.line);
     section_ = name;
@@ -82,7 +87,9 @@ class Reader {
     while (true) {
       if (nodes_++ % kReadBetweenLooks == 0 && is_over(deadline_)) return too_late(file_);
       skip_space();
-      if (at_end()) return error("found the end of the file, expected a ')' for the list that begins here" + last_section(), list.line);
+      if (at_end())
+        return error("found the end of the file, expected a ')' for the list that begins here" + last_section(),
+                     list.line);
       if (text_[position_] == ')') {
         ++position_;
         return list;
@@ -99,7 +106,10 @@ class Reader {
         word.line = line_;
         word.word = take_word();
         for (const char c : word.word)
-          if (is_control(c)) return error("found a control character (code " + std::to_string(static_cast<int>(c)) + ") in a name, expected text", line_);
+          if (is_control(c))
+            return error(
+                "found a control character (code " + std::to_string(static_cast<int>(c)) + ") in a name, expected text",
+                line_);
         list.items.push_back(std::move(word));
       }
     }
@@ -139,7 +149,9 @@ void append_excerpt(const Node& node, std::string& out) {
 
 bool is_over(const Deadline& deadline) { return deadline && std::chrono::steady_clock::now() >= *deadline; }
 
-Error too_late(const std::string& file) { return {ErrorKind::kResource, "the time ended while the file was read", file, 0, kTooLate}; }
+Error too_late(const std::string& file) {
+  return {ErrorKind::kResource, "the time ended while the file was read", file, 0, kTooLate};
+}
 
 Expected<Syntax> read_syntax(std::string_view text, const std::string& file, const Deadline& deadline) {
   Syntax syntax;
@@ -163,7 +175,8 @@ std::string excerpt(const Node& node) {
 bool to_number(std::string_view word, double& number) {
   if (word.starts_with('+')) word.remove_prefix(1);
   const std::string_view digits = word.starts_with('-') ? word.substr(1) : word;
-  if (digits.empty() || !(is_digit(digits[0]) || (digits[0] == '.' && digits.size() > 1 && is_digit(digits[1])))) return false;
+  if (digits.empty() || !(is_digit(digits[0]) || (digits[0] == '.' && digits.size() > 1 && is_digit(digits[1]))))
+    return false;
   const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), number);
   return code == std::errc{} && end == word.data() + word.size() && std::isfinite(number);
 }

@@ -20,7 +20,9 @@ struct Node {
   std::vector<Node> items;
 
   /// The word that begins the list; empty if there is none.
-  std::string_view head() const { return is_list && !items.empty() && !items[0].is_list ? items[0].word : std::string_view{}; }
+  std::string_view head() const {
+    return is_list && !items.empty() && !items[0].is_list ? items[0].word : std::string_view{};
+  }
   bool is_word(std::string_view text) const { return !is_list && word == text; }
 };
 
@@ -36,7 +38,8 @@ inline constexpr int kDeepestNesting = 200;
 /// When reading is to be given up; none: never.
 using Deadline = std::optional<std::chrono::steady_clock::time_point>;
 
-inline constexpr std::size_t kReadBetweenLooks = 1024;  ///< nodes and facts that are read between two looks at the clock
+inline constexpr std::size_t kReadBetweenLooks =
+    1024;  ///< nodes and facts that are read between two looks at the clock
 
 bool is_over(const Deadline& deadline);
 /// `Error::code` of what took too long to be read.

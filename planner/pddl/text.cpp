@@ -61,7 +61,8 @@ void Printer::name_variables(const std::vector<Variable>& parameters) {
     if (static_cast<int>(names_.size()) <= variable.slot) names_.resize(variable.slot + 1);
     // A variable may hide an outer one in the file; flattened, both stand side by side.
     std::string name = variable.name;
-    for (int copy = 2; std::find(names_.begin(), names_.end(), name) != names_.end(); ++copy) name = variable.name + "-" + std::to_string(copy);
+    for (int copy = 2; std::find(names_.begin(), names_.end(), name) != names_.end(); ++copy)
+      name = variable.name + "-" + std::to_string(copy);
     names_[variable.slot] = name;
   }
 }
@@ -92,7 +93,8 @@ std::string Printer::variables(const std::vector<Variable>& variables) const {
   std::string text;
   for (const Variable& variable : variables) {
     const bool named = variable.slot < static_cast<int>(names_.size()) && !names_[variable.slot].empty();
-    text += (text.empty() ? "" : " ") + (named ? names_[variable.slot] : variable.name) + " - " + types_text(*domain_, variable.types);
+    text += (text.empty() ? "" : " ") + (named ? names_[variable.slot] : variable.name) + " - " +
+            types_text(*domain_, variable.types);
   }
   return text;
 }
@@ -139,7 +141,8 @@ std::string Printer::condition(const Condition& condition) const {
              expression(condition.sides[1]) + ")";
     case Kind::kForall:
     case Kind::kExists:
-      return std::string(condition.kind == Kind::kForall ? "(forall (" : "(exists (") + inside(condition.variables).variables(condition.variables) + ") " +
+      return std::string(condition.kind == Kind::kForall ? "(forall (" : "(exists (") +
+             inside(condition.variables).variables(condition.variables) + ") " +
              inside(condition.variables).condition(condition.operands[0]) + ")";
     case Kind::kNot: verb = "not"; break;
     case Kind::kAnd: verb = "and"; break;
@@ -161,7 +164,8 @@ std::string Printer::effect(const Effect& effect) const {
   }
   std::string value = printer.expression(effect.value);
   if (effect.time == Effect::Time::kContinuous) value = "(* #t " + value + ")";
-  return std::string("(") + effect_verb(effect.kind) + " " + printer.terms(domain_->functions[effect.function].name, effect.terms) + " " + value + ")";
+  return std::string("(") + effect_verb(effect.kind) + " " +
+         printer.terms(domain_->functions[effect.function].name, effect.terms) + " " + value + ")";
 }
 
 }  // namespace cxlab::planner

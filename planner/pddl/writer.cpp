@@ -40,8 +40,10 @@ std::string signature(const Printer& printer, const std::string& name, const std
 std::string timed_text(const Printer& printer, const TimedCondition& condition) {
   // One time in front of each part, which is what planners read best.
   std::string text = "(and";
-  for (const auto& [time, whole] : {std::pair{"at start", &condition.start}, {"over all", &condition.over_all}, {"at end", &condition.end}}) {
-    const std::span<const Condition> parts = whole->kind == Condition::Kind::kAnd ? std::span(whole->operands) : std::span(whole, 1);
+  for (const auto& [time, whole] :
+       {std::pair{"at start", &condition.start}, {"over all", &condition.over_all}, {"at end", &condition.end}}) {
+    const std::span<const Condition> parts =
+        whole->kind == Condition::Kind::kAnd ? std::span(whole->operands) : std::span(whole, 1);
     for (const Condition& part : parts) text += std::string(" (") + time + " " + printer.condition(part) + ")";
   }
   return text + ")";
@@ -54,7 +56,8 @@ std::string effect_text(const Printer& action_printer, const Effect& effect, boo
   if (durative && effect.time == Effect::Time::kStart) text = "(at start " + text + ")";
   if (durative && effect.time == Effect::Time::kEnd) text = "(at end " + text + ")";
   if (!effect.condition.is_true())
-    text = "(when " + (durative ? timed_text(printer, effect.condition) : printer.condition(effect.condition.start)) + " " + text + ")";
+    text = "(when " + (durative ? timed_text(printer, effect.condition) : printer.condition(effect.condition.start)) +
+           " " + text + ")";
   if (!effect.variables.empty()) text = "(forall (" + printer.variables(effect.variables) + ") " + text + ")";
   return text;
 }
@@ -62,7 +65,9 @@ std::string effect_text(const Printer& action_printer, const Effect& effect, boo
 std::string duration_text(const Printer& printer, const std::vector<DurationConstraint>& duration) {
   std::string text;
   for (const DurationConstraint& constraint : duration) {
-    const char* verb = constraint.comparison == Comparison::kLessEqual ? "<=" : constraint.comparison == Comparison::kGreaterEqual ? ">=" : "=";
+    const char* verb = constraint.comparison == Comparison::kLessEqual      ? "<="
+                       : constraint.comparison == Comparison::kGreaterEqual ? ">="
+                                                                            : "=";
     std::string one = std::string("(") + verb + " ?duration " + printer.expression(constraint.bound) + ")";
     if (constraint.at_end) one = "(at end " + one + ")";
     text += (text.empty() ? "" : " ") + one;
@@ -106,11 +111,13 @@ std::string to_pddl(const Domain& domain) {
   }
   if (!domain.constants.empty()) text += "  (:constants" + objects_text(domain, domain.constants, 0) + ")\n";
   text += "  (:predicates";
-  for (const Predicate& predicate : domain.predicates) text += "\n    " + signature(printer, predicate.name, predicate.parameters);
+  for (const Predicate& predicate : domain.predicates)
+    text += "\n    " + signature(printer, predicate.name, predicate.parameters);
   text += ")\n";
   if (!domain.functions.empty()) {
     text += "  (:functions";
-    for (const Function& function : domain.functions) text += "\n    " + signature(printer, function.name, function.parameters) + " - number";
+    for (const Function& function : domain.functions)
+      text += "\n    " + signature(printer, function.name, function.parameters) + " - number";
     text += ")\n";
   }
   for (const Derivation& rule : domain.derivations) {
@@ -126,7 +133,8 @@ std::string to_pddl(const Domain& domain) {
 std::string to_pddl(const Domain& domain, const Problem& problem) {
   const Printer printer(domain, problem.objects);
   std::string text = "(define (problem " + problem.name + ")\n  (:domain " + domain.name + ")\n  (:objects" +
-                     more_types_text(domain, problem.objects) + objects_text(domain, problem.objects, domain.constants.size()) + ")\n  (:init";
+                     more_types_text(domain, problem.objects) +
+                     objects_text(domain, problem.objects, domain.constants.size()) + ")\n  (:init";
   for (const Fact& fact : problem.init) text += "\n    " + printer.fact(fact.predicate, fact.objects);
   const auto value_text = [&](const Assignment& value) {
     return "(= " + printer.function(value.function, value.objects) + " " + number_text(value.value) + ")";
@@ -140,7 +148,8 @@ std::string to_pddl(const Domain& domain, const Problem& problem) {
     text += "\n    (at " + number_text(later.time) + " " + value_text(later.assignment) + ")";
   text += ")\n  (:goal " + printer.condition(problem.goal) + ")\n";
   if (problem.metric)
-    text += std::string("  (:metric ") + (problem.metric->maximize ? "maximize " : "minimize ") + printer.expression(problem.metric->value) + ")\n";
+    text += std::string("  (:metric ") + (problem.metric->maximize ? "maximize " : "minimize ") +
+            printer.expression(problem.metric->value) + ")\n";
   return text + ")\n";
 }
 

@@ -25,10 +25,14 @@ void Stn::connect(int point, std::span<const Touch> touches, bool at_end) {
     const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
     if (!does) continue;
     std::vector<Use>& uses = keys_[touched.key];
-    const auto is_own = [&](const Use& use) { return point_step_[use.point] >= 0 && point_step_[use.point] == point_step_[point]; };
-    // What came before the last one that waits for all before it, and for which all after it wait, keeps clear by itself.
+    const auto is_own = [&](const Use& use) {
+      return point_step_[use.point] >= 0 && point_step_[use.point] == point_step_[point];
+    };
+    // What came before the last one that waits for all before it, and for which all after it wait, keeps clear by
+    // itself.
     std::size_t first = uses.size();
-    while (first > 0 && (first == uses.size() || is_own(uses[first]) || !Touches::conflicts_with_all(uses[first].does))) --first;
+    while (first > 0 && (first == uses.size() || is_own(uses[first]) || !Touches::conflicts_with_all(uses[first].does)))
+      --first;
     for (; first < uses.size(); ++first)
       if (const Use& use = uses[first]; Touches::conflict(use.does, does) && !is_own(use))
         edges_.push_back({use.point, point, !Touches::conflict_at_instant(use.does, does)});
@@ -62,9 +66,12 @@ void Stn::truncate(int points) {
     const bool at_end = step >= 0 && steps_[step].end == point;
     for (const Touch& touched : step < 0 ? touches_.of_event(point_event_[point]) : touches_.of(steps_[step].action))
       if (at_end ? touched.at_end : touched.at_start) keys_[touched.key].pop_back();
-    if (step < 0) --next_event_;
-    else if (at_end) steps_[step].end = -1;
-    else steps_.pop_back();
+    if (step < 0)
+      --next_event_;
+    else if (at_end)
+      steps_[step].end = -1;
+    else
+      steps_.pop_back();
     while (!edges_.empty() && edges_.back().to == point) edges_.pop_back();
     point_step_.pop_back();
     point_event_.pop_back();
@@ -90,7 +97,8 @@ bool Stn::solve(Micros hold_separation) {
       if (writer == holder) continue;
       for (const Touch& written : touches_.of(steps_[writer].action))
         for (const Touch& held : touches_.of(steps_[holder].action))
-          if (written.key == held.key && Touches::surely_violates(written.at_end, held.at_end)) edges_.push_back({steps_[holder].end, steps_[writer].end, true});
+          if (written.key == held.key && Touches::surely_violates(written.at_end, held.at_end))
+            edges_.push_back({steps_[holder].end, steps_[writer].end, true});
     }
   const bool solved = relax(hold_separation) && keeps_clear_of_events();
   last_happening_ = 0;
@@ -137,12 +145,15 @@ bool Stn::relax(Micros hold_separation) {
     changed = false;
     // Edges are in the order of their later point, so that one sweep carries times all the way.
     std::size_t edge = 0;
-    const auto follow = [&](const Edge& e) { return raise(e.to, e.from, times_[e.from] + (e.hold ? hold_separation : kSeparation)); };
+    const auto follow = [&](const Edge& e) {
+      return raise(e.to, e.from, times_[e.from] + (e.hold ? hold_separation : kSeparation));
+    };
     for (std::size_t p = 0; p < times_.size(); ++p) {
       for (; edge < edges_.size() && edges_[edge].to == static_cast<int>(p); ++edge)
         if (!follow(edges_[edge])) return false;
       const int step = point_step_[p];
-      if (step >= 0 && steps_[step].end == static_cast<int>(p)) raise(steps_[step].end, steps_[step].start, times_[steps_[step].start] + steps_[step].range.least);
+      if (step >= 0 && steps_[step].end == static_cast<int>(p))
+        raise(steps_[step].end, steps_[step].start, times_[steps_[step].start] + steps_[step].range.least);
     }
     for (; edge < edges_.size(); ++edge) follow(edges_[edge]);  // between ends to come
     for (const Step& step : steps_) raise(step.start, step.end, times_[step.end] - step.range.most);
@@ -205,7 +216,8 @@ std::vector<Ordering> Stn::orderings() const {
   for (std::size_t p = 0; p < points; ++p) {
     Word* own = &before[p * words];
     std::vector<int> direct;
-    for (; edge < edges_.size() && edges_[edge].to == static_cast<int>(p); ++edge) direct.push_back(static_cast<int>(edge));
+    for (; edge < edges_.size() && edges_[edge].to == static_cast<int>(p); ++edge)
+      direct.push_back(static_cast<int>(edge));
     const int step = point_step_[p];
     const bool is_end = step >= 0 && steps_[step].end == static_cast<int>(p);
     const auto follow = [&](int from) {
@@ -215,7 +227,9 @@ std::vector<Ordering> Stn::orderings() const {
     const auto weak = [&](int e) { return edges_[e].hold && hold_separation_ < kSeparation; };
     for (const int e : direct)
       if (!weak(e)) follow(edges_[e].from);
-    std::ranges::sort(direct, [&](int a, int b) { return edges_[a].from < edges_[b].from || (edges_[a].from == edges_[b].from && edges_[a].hold < edges_[b].hold); });
+    std::ranges::sort(direct, [&](int a, int b) {
+      return edges_[a].from < edges_[b].from || (edges_[a].from == edges_[b].from && edges_[a].hold < edges_[b].hold);
+    });
     int last = -1;
     for (const int e : direct) {
       const int from = edges_[e].from;
@@ -227,7 +241,8 @@ std::vector<Ordering> Stn::orderings() const {
       if (point_event_[p] >= 0) {  // before a fixed time
         found.push_back({Ordering::kOrigin, name(from), 0, touches_.events()[point_event_[p]].time - separation});
       } else if (point_event_[from] >= 0) {
-        found.push_back({Ordering::kOrigin, name(static_cast<int>(p)), touches_.events()[point_event_[from]].time + separation, DurationRange::kForever});
+        found.push_back({Ordering::kOrigin, name(static_cast<int>(p)),
+                         touches_.events()[point_event_[from]].time + separation, DurationRange::kForever});
       } else {
         found.push_back({name(from), name(static_cast<int>(p)), separation, DurationRange::kForever});
       }

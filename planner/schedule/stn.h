@@ -19,7 +19,8 @@ struct Ordering {
 
 class Stn {
  public:
-  explicit Stn(const Touches& touches) : touches_(touches), keys_(static_cast<std::size_t>(touches.keys())), is_used_(keys_.size(), 0) {}
+  explicit Stn(const Touches& touches)
+      : touches_(touches), keys_(static_cast<std::size_t>(touches.keys())), is_used_(keys_.size(), 0) {}
 
   void clear();
   /// The next happening is the start of an action; the index of its step.
@@ -75,7 +76,9 @@ class Stn {
   bool has_cycle();
   bool keeps_clear_of_events() const;
   /// Of happenings that conflict.
-  Micros separation(std::uint8_t a, std::uint8_t b) const { return Touches::conflict_at_instant(a, b) ? kSeparation : hold_separation_; }
+  Micros separation(std::uint8_t a, std::uint8_t b) const {
+    return Touches::conflict_at_instant(a, b) ? kSeparation : hold_separation_;
+  }
 
   const Touches& touches_;
   std::vector<Step> steps_;

@@ -15,7 +15,8 @@ void touch(std::vector<Touch>& touches, int key, std::uint8_t does, bool at_star
 
 }  // namespace
 
-Touches::Touches(const GroundTask& task) : task_(task), keys_(static_cast<int>(task.facts.size() + task.numbers.size()) + task.others) {
+Touches::Touches(const GroundTask& task)
+    : task_(task), keys_(static_cast<int>(task.facts.size() + task.numbers.size()) + task.others) {
   bases_.resize(task.facts.size());
   for (std::size_t f = 0; f < task.facts.size(); ++f)
     if (!task.facts[f].derived) bases_[f] = {key_of_fact(static_cast<int>(f))};
@@ -29,7 +30,8 @@ Touches::Touches(const GroundTask& task) : task_(task), keys_(static_cast<int>(t
       }
       for (const int c : axiom.body.comparisons)
         for (const auto& step : task.comparisons[c].expression.steps)
-          if (step.kind == GroundExpression::Kind::kNumber) bases.push_back(static_cast<int>(task.facts.size()) + step.number);
+          if (step.kind == GroundExpression::Kind::kNumber)
+            bases.push_back(static_cast<int>(task.facts.size()) + step.number);
       std::ranges::sort(bases);
       bases.erase(std::unique(bases.begin(), bases.end()), bases.end());
       if (bases.size() != bases_[axiom.head].size()) bases_[axiom.head] = std::move(bases), changed = true;
@@ -60,10 +62,12 @@ Touches::Touches(const GroundTask& task) : task_(task), keys_(static_cast<int>(t
       read(touches, reads.over_all, Touch::kHoldTrue | Touch::kHoldFalse, true, true);
       read(touches, reads.end, Touch::kRead, false, true);
     }
-    for (const GroundDuration& duration : action.duration) read(touches, duration.bound, !duration.at_end, duration.at_end);
+    for (const GroundDuration& duration : action.duration)
+      read(touches, duration.bound, !duration.at_end, duration.at_end);
     for (const ContinuousEffect& effect : action.continuous) {
       read(touches, effect.rate, true, true);
-      touch(touches, static_cast<int>(task.facts.size()) + effect.number, Touch::kRead | Touch::kUp | Touch::kDown, true, true);
+      touch(touches, static_cast<int>(task.facts.size()) + effect.number, Touch::kRead | Touch::kUp | Touch::kDown,
+            true, true);
     }
     idle(touches, action.idle);
     actions_.push_back(std::move(touches));
@@ -105,20 +109,25 @@ void Touches::hold(std::vector<Touch>& touches, const GroundCondition& condition
     for (const int key : bases_[f]) touch(touches, key, does, true, true);
   }
   for (const int c : condition.comparisons)
-    task_.comparisons[c].expression.for_each_number([&](int n) { touch(touches, static_cast<int>(task_.facts.size()) + n, kBoth, true, true); });
+    task_.comparisons[c].expression.for_each_number(
+        [&](int n) { touch(touches, static_cast<int>(task_.facts.size()) + n, kBoth, true, true); });
 }
 
-void Touches::read(std::vector<Touch>& touches, const DerivedReads& reads, std::uint8_t does, bool at_start, bool at_end) const {
+void Touches::read(std::vector<Touch>& touches, const DerivedReads& reads, std::uint8_t does, bool at_start,
+                   bool at_end) const {
   if (!reads.any()) return;
   for (std::size_t f = 0; f < task_.facts.size(); ++f)
-    if (const GroundFact& fact = task_.facts[f]; !fact.derived && fact.predicate >= 0 && reads.predicates[fact.predicate])
+    if (const GroundFact& fact = task_.facts[f];
+        !fact.derived && fact.predicate >= 0 && reads.predicates[fact.predicate])
       touch(touches, key_of_fact(static_cast<int>(f)), does, at_start, at_end);
   for (std::size_t n = 0; n < task_.numbers.size(); ++n)
-    if (reads.functions[task_.numbers[n].function]) touch(touches, static_cast<int>(task_.facts.size() + n), does, at_start, at_end);
+    if (reads.functions[task_.numbers[n].function])
+      touch(touches, static_cast<int>(task_.facts.size() + n), does, at_start, at_end);
 }
 
 void Touches::read(std::vector<Touch>& touches, const GroundExpression& expression, bool at_start, bool at_end) const {
-  expression.for_each_number([&](int n) { touch(touches, static_cast<int>(task_.facts.size()) + n, Touch::kRead, at_start, at_end); });
+  expression.for_each_number(
+      [&](int n) { touch(touches, static_cast<int>(task_.facts.size()) + n, Touch::kRead, at_start, at_end); });
 }
 
 void Touches::write(std::vector<Touch>& touches, const GroundEffects& effects, bool at_start) const {
@@ -138,7 +147,9 @@ void Touches::write(std::vector<Touch>& touches, const GroundEffects& effects, b
 void Touches::idle(std::vector<Touch>& touches, const std::vector<IdleTouch>& from) const {
   const int numbers = static_cast<int>(task_.facts.size()), others = numbers + static_cast<int>(task_.numbers.size());
   for (const IdleTouch& each : from) {
-    const int key = each.of == IdleTouch::Of::kFact ? key_of_fact(each.index) : each.index + (each.of == IdleTouch::Of::kNumber ? numbers : others);
+    const int key = each.of == IdleTouch::Of::kFact
+                        ? key_of_fact(each.index)
+                        : each.index + (each.of == IdleTouch::Of::kNumber ? numbers : others);
     const int does = (each.read ? Touch::kRead : 0) | (each.up ? Touch::kUp : 0) | (each.down ? Touch::kDown : 0);
     touch(touches, key, static_cast<std::uint8_t>(does), !each.at_end, each.at_end);
   }
@@ -185,7 +196,8 @@ bool Timeline::before_events(int key, std::uint8_t does, Micros time) {
     if (event < next_event_) continue;
     for (const Touch& touched : touches_.of_event(event)) {
       if (touched.key != key || !Touches::conflict(touched.at_start, does)) continue;
-      const Micros late = time + (Touches::conflict_at_instant(touched.at_start, does) ? kSeparation : 0) - touches_.events()[event].time;
+      const Micros late = time + (Touches::conflict_at_instant(touched.at_start, does) ? kSeparation : 0) -
+                          touches_.events()[event].time;
       if (late <= 0) continue;
       if (!lenient_) return false;
       lateness_ += late;
@@ -243,7 +255,8 @@ Micros Timeline::append_happening(int action, bool at_end, Micros earliest) {
   }
   for (const Touch& touched : touches) {
     const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
-    if (does && next_event_ < static_cast<int>(touches_.events().size()) && !before_events(touched.key, does, time)) return kNever;
+    if (does && next_event_ < static_cast<int>(touches_.events().size()) && !before_events(touched.key, does, time))
+      return kNever;
   }
   for (const Touch& touched : touches)
     if (const std::uint8_t does = at_end ? touched.at_end : touched.at_start) note(keys_[touched.key], does, time);

@@ -43,12 +43,15 @@ class Touches {
   std::span<const int> events_of(int key) const { return events_of_key_[key]; }
   /// Whether happenings that do this with a key do not commute.
   static bool conflict(std::uint8_t a, std::uint8_t b) {
-    return ((a & Touch::kAnyRead) && (b & (Touch::kUp | Touch::kDown))) || ((b & Touch::kAnyRead) && (a & (Touch::kUp | Touch::kDown))) ||
-           ((a & Touch::kUp) && (b & Touch::kDown)) || ((a & Touch::kDown) && (b & Touch::kUp));
+    return ((a & Touch::kAnyRead) && (b & (Touch::kUp | Touch::kDown))) ||
+           ((b & Touch::kAnyRead) && (a & (Touch::kUp | Touch::kDown))) || ((a & Touch::kUp) && (b & Touch::kDown)) ||
+           ((a & Touch::kDown) && (b & Touch::kUp));
   }
-  /// Whether it conflicts with everything that something else may do with the key, at an instant where that does not only
-  /// begin or end a condition over all.
-  static bool conflicts_with_all(std::uint8_t does) { return (does & Touch::kRead) && (does & (Touch::kUp | Touch::kDown)); }
+  /// Whether it conflicts with everything that something else may do with the key, at an instant where that does not
+  /// only begin or end a condition over all.
+  static bool conflicts_with_all(std::uint8_t does) {
+    return (does & Touch::kRead) && (does & (Touch::kUp | Touch::kDown));
+  }
   /// Whether they also must not share an instant: not if they conflict over a condition over all only.
   static bool conflict_at_instant(std::uint8_t a, std::uint8_t b) {
     constexpr std::uint8_t kPoint = Touch::kRead | Touch::kUp | Touch::kDown;
@@ -56,7 +59,8 @@ class Touches {
   }
   /// Whether `writer` may make false what `holder` needs.
   static bool violates(std::uint8_t writer, std::uint8_t holder) {
-    return ((writer & Touch::kDown) && (holder & Touch::kHoldTrue)) || ((writer & Touch::kUp) && (holder & Touch::kHoldFalse));
+    return ((writer & Touch::kDown) && (holder & Touch::kHoldTrue)) ||
+           ((writer & Touch::kUp) && (holder & Touch::kHoldFalse));
   }
   /// Whether it does so for certain: a derived fact or a comparison may survive a change of what it reads.
   static bool surely_violates(std::uint8_t writer, std::uint8_t holder) {
@@ -66,7 +70,8 @@ class Touches {
 
  private:
   void read(std::vector<Touch>& touches, const GroundCondition& condition, bool at_start, bool at_end) const;
-  void read(std::vector<Touch>& touches, const DerivedReads& reads, std::uint8_t does, bool at_start, bool at_end) const;
+  void read(std::vector<Touch>& touches, const DerivedReads& reads, std::uint8_t does, bool at_start,
+            bool at_end) const;
   void hold(std::vector<Touch>& touches, const GroundCondition& condition) const;
   void read(std::vector<Touch>& touches, const GroundExpression& expression, bool at_start, bool at_end) const;
   void write(std::vector<Touch>& touches, const GroundEffects& effects, bool at_start) const;

@@ -13,23 +13,33 @@ namespace {
 constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
 constexpr Micros kNever = DurationRange::kForever;
 
-bool same_action(const GroundAction& a, const GroundAction& b) { return a.schema == b.schema && a.arguments == b.arguments; }
+bool same_action(const GroundAction& a, const GroundAction& b) {
+  return a.schema == b.schema && a.arguments == b.arguments;
+}
 
-/// The whole number of microseconds, at least 1, after which a comparison of this value and rate turns; kNever: it does not.
+/// The whole number of microseconds, at least 1, after which a comparison of this value and rate turns; kNever: it does
+/// not.
 Micros turn(const GroundComparison& comparison, double value, double rate) {
   if (rate == 0 || std::isnan(value) || (value > 0) == (rate > 0)) return kNever;
   const double exact = -value / rate * kSecond;
   if (!(exact < static_cast<double>(kNever))) return kNever;
   double rounded = std::round(exact);
-  if (comparison.kind == GroundComparison::Kind::kNotNegative) rounded = rate > 0 ? std::ceil(exact - 1e-6) : std::floor(exact + 1e-6);
-  if (comparison.kind == GroundComparison::Kind::kPositive) rounded = rate > 0 ? std::floor(exact + 1e-6) + 1 : std::ceil(exact - 1e-6) - 1;
+  if (comparison.kind == GroundComparison::Kind::kNotNegative)
+    rounded = rate > 0 ? std::ceil(exact - 1e-6) : std::floor(exact + 1e-6);
+  if (comparison.kind == GroundComparison::Kind::kPositive)
+    rounded = rate > 0 ? std::floor(exact + 1e-6) + 1 : std::ceil(exact - 1e-6) - 1;
   return rounded >= 1 ? static_cast<Micros>(rounded) : kNever;
 }
 
 }  // namespace
 
 ClockSearch::ClockSearch(const GroundTask& task, const Simulator& simulator, const Touches& touches)
-    : task_(task), simulator_(simulator), touches_(touches), loose_(loosened(task, true)), loose_simulator_(loose_), relaxed_(loose_simulator_, true) {
+    : task_(task),
+      simulator_(simulator),
+      touches_(touches),
+      loose_(loosened(task, true)),
+      loose_simulator_(loose_),
+      relaxed_(loose_simulator_, true) {
   int fact = static_cast<int>(task.facts.size());
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
     const GroundAction& action = task.actions[a];
@@ -45,8 +55,8 @@ ClockSearch::ClockSearch(const GroundTask& task, const Simulator& simulator, con
 bool ClockSearch::conflict(int action, bool at_end, int other, bool other_at_end) const {
   for (const Touch& mine : touches_of(action))
     for (const Touch& theirs : touches_of(other))
-      if (mine.key == theirs.key &&
-          Touches::conflict_at_instant(at_end ? mine.at_end : mine.at_start, other_at_end ? theirs.at_end : theirs.at_start))
+      if (mine.key == theirs.key && Touches::conflict_at_instant(at_end ? mine.at_end : mine.at_start,
+                                                                 other_at_end ? theirs.at_end : theirs.at_start))
         return true;
   return false;
 }
@@ -55,7 +65,8 @@ bool ClockSearch::conflict(int action, bool at_end, int other, bool other_at_end
 Micros ClockSearch::clear_of_recent(const Moment& moment, int action, bool at_end) const {
   Micros time = moment.time;
   for (const Recent& recent : moment.recent)
-    if (recent.time + kSeparation > time && conflict(action, at_end, recent.action, recent.at_end)) time = recent.time + kSeparation;
+    if (recent.time + kSeparation > time && conflict(action, at_end, recent.action, recent.at_end))
+      time = recent.time + kSeparation;
   return time;
 }
 
@@ -63,7 +74,8 @@ Micros ClockSearch::clear_of_recent(const Moment& moment, int action, bool at_en
 Micros ClockSearch::forced(const Moment& moment) const {
   Micros time = kNever;
   for (const Running& running : moment.running) time = std::min(time, running.last_end());
-  if (moment.next_event < static_cast<int>(task_.events.size())) time = std::min(time, task_.events[moment.next_event].time);
+  if (moment.next_event < static_cast<int>(task_.events.size()))
+    time = std::min(time, task_.events[moment.next_event].time);
   return time;
 }
 
@@ -71,7 +83,8 @@ std::vector<double> ClockSearch::rates(const Moment& moment) const {
   std::vector<double> rates(task_.numbers.size(), 0);
   for (const Running& running : moment.running)
     for (const ContinuousEffect& effect : task_.actions[running.action].continuous)
-      rates[effect.number] += effect.rate.evaluate(simulator_.numbers(moment.state.data()), static_cast<double>(running.range.least) / kSecond);
+      rates[effect.number] += effect.rate.evaluate(simulator_.numbers(moment.state.data()),
+                                                   static_cast<double>(running.range.least) / kSecond);
   return rates;
 }
 
@@ -81,7 +94,8 @@ bool ClockSearch::holds_over_all(Moment& moment) const {
     if (!simulator_.over_all_holds(running.action, moment.state.data(), ran)) return false;
     for (std::size_t i = 0; i < running.remembered.size(); ++i) {
       const ConditionalEffects& conditional = task_.actions[running.action].conditional[i];
-      if (!simulator_.holds(conditional.over_all, moment.state.data(), static_cast<double>(ran) / kSecond)) running.remembered[i] = 0;
+      if (!simulator_.holds(conditional.over_all, moment.state.data(), static_cast<double>(ran) / kSecond))
+        running.remembered[i] = 0;
     }
   }
   return true;
@@ -147,7 +161,8 @@ bool ClockSearch::begin(Moment& moment, int index) const {
 bool ClockSearch::finish(Moment& moment, std::size_t place) const {
   const Running running = moment.running[place];
   if (clear_of_recent(moment, running.action, true) > moment.time) return false;
-  if (!simulator_.finish(running.action, moment.state.data(), moment.time - running.start, running.remembered)) return false;
+  if (!simulator_.finish(running.action, moment.state.data(), moment.time - running.start, running.remembered))
+    return false;
   moment.running.erase(moment.running.begin() + static_cast<std::ptrdiff_t>(place));
   moment.ended.push_back({running.action, running.start, moment.time});
   moment.recent.push_back({moment.time, running.action, true});
@@ -195,8 +210,10 @@ bool ClockSearch::wait(Moment& moment) const {
   while (moment.next_event < static_cast<int>(task_.events.size()) && task_.events[moment.next_event].time == until)
     if (!pass_event(moment)) return false;
   for (std::size_t i = 0; i < moment.running.size();) {
-    if (moment.running[i].last_end() > until) ++i;
-    else if (!finish(moment, i)) return false;
+    if (moment.running[i].last_end() > until)
+      ++i;
+    else if (!finish(moment, i))
+      return false;
   }
   return true;
 }
@@ -223,14 +240,19 @@ int ClockSearch::estimate(RelaxedHeuristic& heuristic, const Moment& moment, std
   for (const Running& running : moment.running) {
     if (!running.is_fixed()) continue;
     const GroundAction& action = task_.actions[running.action];
-    const double left = static_cast<double>(running.last_end() - moment.time) / kSecond, length = static_cast<double>(running.range.least) / kSecond;
-    for (const ContinuousEffect& effect : action.continuous) numbers[effect.number] += effect.rate.evaluate(numbers, length) * left, projected = true;
+    const double left = static_cast<double>(running.last_end() - moment.time) / kSecond,
+                 length = static_cast<double>(running.range.least) / kSecond;
+    for (const ContinuousEffect& effect : action.continuous)
+      numbers[effect.number] += effect.rate.evaluate(numbers, length) * left, projected = true;
     for (const NumericEffect& effect : action.at_end.numbers) {
       const double value = effect.value.evaluate(numbers, length);
       double& number = numbers[effect.number];
-      if (effect.kind == NumericEffect::Kind::kAssign) number = value;
-      else if (effect.kind == NumericEffect::Kind::kIncrease) number += value;
-      else number *= value;
+      if (effect.kind == NumericEffect::Kind::kAssign)
+        number = value;
+      else if (effect.kind == NumericEffect::Kind::kIncrease)
+        number += value;
+      else
+        number *= value;
       projected = true;
     }
   }
@@ -252,10 +274,12 @@ std::vector<Word> ClockSearch::key(const Moment& moment, bool with_time) const {
 }
 
 bool ClockSearch::too_late(const Moment& moment, Micros before) const {
-  return moment.time >= before || std::ranges::any_of(moment.running, [&](const Running& running) { return running.first_end() >= before; });
+  return moment.time >= before ||
+         std::ranges::any_of(moment.running, [&](const Running& running) { return running.first_end() >= before; });
 }
 
-SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& budget, const std::function<bool(const std::vector<ClockStep>&)>& accept) {
+SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& budget,
+                           const std::function<bool(const std::vector<ClockStep>&)>& accept) {
   RandomStream random(options.seed, "planner clock search");
   RelaxedHeuristic heuristic(loose_simulator_, relaxed_);
   std::int64_t reported = 0;
@@ -271,7 +295,8 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
 
   const auto plan_of = [&](const Moment& last) {
     std::vector<ClockStep> steps = last.ended;
-    for (int at = last.parent; at >= 0; at = moments[at].parent) steps.insert(steps.end(), moments[at].ended.begin(), moments[at].ended.end());
+    for (int at = last.parent; at >= 0; at = moments[at].parent)
+      steps.insert(steps.end(), moments[at].ended.begin(), moments[at].ended.end());
     std::ranges::stable_sort(steps, {}, &ClockStep::start);
     return steps;
   };
@@ -283,7 +308,9 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
     std::vector<Word> name = key(made, time_matters);
     const std::size_t size = 2 * name.size() + 20;
     if (!known.insert(std::move(name)).second) return false;
-    if (made.running.empty() && simulator_.is_lasting_goal(made.state.data(), made.next_event, options.late_goal) && accept(plan_of(made))) return true;
+    if (made.running.empty() && simulator_.is_lasting_goal(made.state.data(), made.next_event, options.late_goal) &&
+        accept(plan_of(made)))
+      return true;
     const int found = estimate(heuristic, made, preferred);
     budget.spend(Work::kReach, heuristic.work() - reported);
     reported = heuristic.work();
@@ -342,7 +369,8 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
       const auto is_true = [&](int f) { return is_set(moments[node].state.data(), f); };
       if (!std::ranges::all_of(task_.actions[action].start.facts, is_true)) continue;
       Moment made = next();
-      if (begin(made, action) && add(std::move(made), std::ranges::binary_search(wanted, action))) return SearchEnd::kFound;
+      if (begin(made, action) && add(std::move(made), std::ranges::binary_search(wanted, action)))
+        return SearchEnd::kFound;
     }
     if (Moment made = next(); wait(made) && add(std::move(made), true)) return SearchEnd::kFound;
   }

@@ -1,10 +1,11 @@
 #pragma once
-// Search along the clock: actions begin and end at the time that has been reached, and numbers have their values of that
-// time. For what cannot be cut into parts without times, because numbers change all along or an end remembers its beginning.
+// Search along the clock: actions begin and end at the time that has been reached, and numbers have their values of
+// that time. For what cannot be cut into parts without times, because numbers change all along or an end remembers its
+// beginning.
 //
 // A decision is taken when something has just happened, when a step may end for the first time, and when a comparison
-// turns. Greedy best-first by the relaxed task in which actions are cut (the better of the state as it is and as it will
-// be when all that runs has ended).
+// turns. Greedy best-first by the relaxed task in which actions are cut (the better of the state as it is and as it
+// will be when all that runs has ended).
 
 #include <functional>
 #include <vector>
@@ -24,7 +25,8 @@ class ClockSearch {
   ClockSearch(const GroundTask& task, const Simulator& simulator, const Touches& touches);
 
   /// Hands each plan that ends before `before` to `accept`, until that says yes.
-  SearchEnd run(const LazyOptions& options, Micros before, Budget& budget, const std::function<bool(const std::vector<ClockStep>&)>& accept);
+  SearchEnd run(const LazyOptions& options, Micros before, Budget& budget,
+                const std::function<bool(const std::vector<ClockStep>&)>& accept);
 
  private:
   struct Running {
@@ -66,7 +68,9 @@ class ClockSearch {
   bool holds_over_all(Moment& moment) const;
   Micros clear_of_recent(const Moment& moment, int action, bool at_end) const;
   bool conflict(int action, bool at_end, int other, bool other_at_end) const;
-  std::span<const Touch> touches_of(int action) const { return action < 0 ? touches_.of_event(-2 - action) : touches_.of(action); }
+  std::span<const Touch> touches_of(int action) const {
+    return action < 0 ? touches_.of_event(-2 - action) : touches_.of(action);
+  }
 
   int estimate(RelaxedHeuristic& heuristic, const Moment& moment, std::vector<char>& preferred) const;
   std::vector<Word> key(const Moment& moment, bool with_time) const;
@@ -78,9 +82,9 @@ class ClockSearch {
   GroundTask loose_;
   Simulator loose_simulator_;
   RelaxedTask relaxed_;
-  std::vector<int> candidates_;    ///< actions that may begin
-  std::vector<int> loose_origin_;  ///< by action of the relaxed task: the action
-  std::vector<int> loose_running_; ///< by action: the fact that it has begun; -1: it has no duration
+  std::vector<int> candidates_;     ///< actions that may begin
+  std::vector<int> loose_origin_;   ///< by action of the relaxed task: the action
+  std::vector<int> loose_running_;  ///< by action: the fact that it has begun; -1: it has no duration
 };
 
 }  // namespace cxlab::planner

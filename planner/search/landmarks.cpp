@@ -17,15 +17,18 @@ Landmarks::Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std
   const std::size_t atoms = static_cast<std::size_t>(relaxed.atoms()), words = (atoms + 63) / 64;
   const auto& operators = relaxed.operators();
   std::int64_t one_round = 0;
-  for (const RelaxedOperator& op : operators) one_round += static_cast<std::int64_t>((op.conditions.size() + op.adds.size() + op.gains.size()) * words);
+  for (const RelaxedOperator& op : operators)
+    one_round += static_cast<std::int64_t>((op.conditions.size() + op.adds.size() + op.gains.size()) * words);
   if (3 * one_round > most_work) return;
 
   std::vector<Word> sets(atoms * words, 0);
   std::vector<char> known(atoms, 0), initially(atoms, 0), queued(operators.size(), 0);
   for (int f = 0; f < relaxed.facts(); ++f)
-    initially[f] = is_set(initial.data(), f) || (simulator.task().facts[f].derived && simulator.task().facts[f].is_complement);
+    initially[f] =
+        is_set(initial.data(), f) || (simulator.task().facts[f].derived && simulator.task().facts[f].is_complement);
   for (std::size_t c = 0; c < simulator.task().comparisons.size(); ++c)
-    initially[static_cast<std::size_t>(relaxed.facts()) + c] = simulator.task().comparisons[c].holds(simulator.numbers(initial.data()));
+    initially[static_cast<std::size_t>(relaxed.facts()) + c] =
+        simulator.task().comparisons[c].holds(simulator.numbers(initial.data()));
   for (std::size_t a = 0; a < atoms; ++a)
     if (initially[a]) known[a] = 1;
   std::deque<int> queue;
@@ -110,7 +113,8 @@ Landmarks::Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std
 
 bool Landmarks::holds(int landmark, const Word* state) const {
   const int atom = atoms_[landmark];
-  return atom < facts_ ? is_set(state, atom) : simulator_.task().comparisons[atom - facts_].holds(simulator_.numbers(state));
+  return atom < facts_ ? is_set(state, atom)
+                       : simulator_.task().comparisons[atom - facts_].holds(simulator_.numbers(state));
 }
 
 void Landmarks::mark(const Word* state, Word* reached) const {

@@ -32,8 +32,8 @@ class Landmarks {
   const Simulator& simulator_;
   int facts_ = 0;
   std::vector<int> atoms_;
-  std::vector<char> goal_;                  ///< by landmark
-  std::vector<std::vector<int>> needed_by_; ///< by landmark: landmarks that it must directly precede
+  std::vector<char> goal_;                   ///< by landmark
+  std::vector<std::vector<int>> needed_by_;  ///< by landmark: landmarks that it must directly precede
   std::int64_t work_ = 0;
 };
 

@@ -15,7 +15,8 @@ DurationRange duration_of(const GroundAction& action) {
   DurationRange range{0, action.durative ? DurationRange::kForever : 0};
   for (const GroundDuration& duration : action.duration) {
     if (!duration.bound.is_constant()) continue;
-    const Micros bound = static_cast<Micros>(std::llround(duration.bound.steps[0].value * static_cast<double>(kMicrosPerSecond)));
+    const Micros bound =
+        static_cast<Micros>(std::llround(duration.bound.steps[0].value * static_cast<double>(kMicrosPerSecond)));
     if (duration.comparison != Comparison::kLessEqual) range.least = std::max(range.least, bound);
     if (duration.comparison != Comparison::kGreaterEqual) range.most = std::min(range.most, bound);
   }
@@ -27,12 +28,15 @@ DurationRange duration_of(const GroundAction& action) {
 GroundTask with_lasting_facts(const GroundTask& task) {
   std::vector<DurationRange> durations;
   for (const GroundAction& action : task.actions) durations.push_back(duration_of(action));
-  std::vector<std::vector<Micros>> held(task.facts.size());  // by fact: durations of those that hold it for as long, ascending
+  std::vector<std::vector<Micros>> held(
+      task.facts.size());  // by fact: durations of those that hold it for as long, ascending
   for (std::size_t a = 0; a < task.actions.size(); ++a)
     for (const int f : task.actions[a].at_start.add)
       if (contains(task.actions[a].at_end.remove, f)) held[f].push_back(durations[a].most);
   for (auto& lengths : held) std::ranges::sort(lengths);
-  const auto too_short = [&held](int f, Micros length) { return static_cast<std::size_t>(std::ranges::lower_bound(held[f], length) - held[f].begin()); };
+  const auto too_short = [&held](int f, Micros length) {
+    return static_cast<std::size_t>(std::ranges::lower_bound(held[f], length) - held[f].begin());
+  };
   std::map<std::pair<int, std::size_t>, int> lasting;  // by fact and how many hold it too shortly
   GroundTask out = task;
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
@@ -67,7 +71,8 @@ GroundTask with_lasting_facts(const GroundTask& task) {
     GroundAction& action = out.actions[a];
     follow(action.at_start, &task.actions[a], durations[a].most);
     follow(action.at_end, nullptr, 0);
-    for (ConditionalEffects& conditional : action.conditional) follow(conditional.at_start, nullptr, 0), follow(conditional.at_end, nullptr, 0);
+    for (ConditionalEffects& conditional : action.conditional)
+      follow(conditional.at_start, nullptr, 0), follow(conditional.at_end, nullptr, 0);
   }
   for (TimedEvent& event : out.events) follow(event.effects, nullptr, 0);
   return out;

@@ -8,8 +8,8 @@
 
 namespace cxlab::planner {
 
-/// The task with a fact more for each such condition: that its fact is true and was made true by what lasts long enough.
-/// It has the same plans and the same actions; the facts of `task` come first.
+/// The task with a fact more for each such condition: that its fact is true and was made true by what lasts long
+/// enough. It has the same plans and the same actions; the facts of `task` come first.
 GroundTask with_lasting_facts(const GroundTask& task);
 
 }  // namespace cxlab::planner

@@ -35,7 +35,9 @@ class Nodes {
       : state_words_(state_words), telling_words_(telling_words), landmark_words_(landmark_words), slots_(1024, -1) {}
 
   const Word* state(int node) const { return &states_[static_cast<std::size_t>(node) * state_words_]; }
-  Word* reached(int node) { return landmark_words_ ? &reached_[static_cast<std::size_t>(node) * landmark_words_] : nullptr; }
+  Word* reached(int node) {
+    return landmark_words_ ? &reached_[static_cast<std::size_t>(node) * landmark_words_] : nullptr;
+  }
   const Node& operator[](int node) const { return nodes_[node]; }
   int size() const { return static_cast<int>(nodes_.size()); }
   std::size_t words() const { return states_.size() + reached_.size() + nodes_.size() * 4; }
@@ -53,11 +55,15 @@ class Nodes {
   }
 
  private:
-  bool is_same(const Word* a, const Word* b) const { return a[state_words_ - 1] == b[state_words_ - 1] && std::equal(a, a + telling_words_, b); }
+  bool is_same(const Word* a, const Word* b) const {
+    return a[state_words_ - 1] == b[state_words_ - 1] && std::equal(a, a + telling_words_, b);
+  }
   std::size_t slot(const Word* state, int next_event) const {
     const std::size_t mask = slots_.size() - 1;
     const Word last = state[state_words_ - 1];
-    for (std::size_t at = (hash_words(state, telling_words_, last) + static_cast<std::uint64_t>(next_event) * 0x51ed27ull) & mask;; at = (at + 1) & mask) {
+    for (std::size_t at =
+             (hash_words(state, telling_words_, last) + static_cast<std::uint64_t>(next_event) * 0x51ed27ull) & mask;
+         ; at = (at + 1) & mask) {
       const int node = slots_[at];
       if (node < 0 || (nodes_[node].next_event == next_event && is_same(state, this->state(node)))) return at;
     }
@@ -131,7 +137,8 @@ bool EventCheck::accepts(const Sequence& path, const Word*) {
   timeline_.clear();
   acts_ = std::ranges::any_of(path, [](const SequenceStep& step) { return !is_event(step); });
   for (const SequenceStep& step : path)
-    if (is_event(step) ? !timeline_.append_event() : timeline_.append(step.action, step.duration) == Timeline::kNever) return false;
+    if (is_event(step) ? !timeline_.append_event() : timeline_.append(step.action, step.duration) == Timeline::kNever)
+      return false;
   return true;
 }
 
@@ -161,15 +168,18 @@ struct LazySearch::Progress {
   int node = -1;  ///< made and not yet looked at
 };
 
-LazySearch::LazySearch(const Simulator& simulator, const RelaxedTask& relaxed, const Landmarks& landmarks, PathCheck* check)
+LazySearch::LazySearch(const Simulator& simulator, const RelaxedTask& relaxed, const Landmarks& landmarks,
+                       PathCheck* check)
     : simulator_(simulator), relaxed_(relaxed), landmarks_(landmarks), check_(check) {}
 
 LazySearch::~LazySearch() = default;
 
 SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, Budget& budget, Sequence& found) {
   const int landmark_words = options.landmarks ? landmarks_.words() : 0;
-  const std::int64_t last_unit = options.most_units == Budget::kUnlimited ? Budget::kUnlimited : budget.units() + options.most_units;
-  progress_.reset(new Progress{options, landmark_words, RandomStream(options.seed, "planner lazy search"), RelaxedHeuristic(simulator_, relaxed_), last_unit,
+  const std::int64_t last_unit =
+      options.most_units == Budget::kUnlimited ? Budget::kUnlimited : budget.units() + options.most_units;
+  progress_.reset(new Progress{options, landmark_words, RandomStream(options.seed, "planner lazy search"),
+                               RelaxedHeuristic(simulator_, relaxed_), last_unit,
                                Nodes(simulator_.words() + 1, simulator_.telling_words(), landmark_words)});
   Progress& p = *progress_;
   if (options.cost_noise > 0) p.heuristic.scatter_costs(p.random, options.cost_noise);
@@ -182,12 +192,14 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
 }
 
 SearchEnd LazySearch::go_on(Budget& budget, Sequence& found) {
-  auto& [options, landmark_words, random, heuristic, last_unit, nodes, queues, best_plain, best_marks, reported, state, reached, node] = *progress_;
+  auto& [options, landmark_words, random, heuristic, last_unit, nodes, queues, best_plain, best_marks, reported, state,
+         reached, node] = *progress_;
   const int words = simulator_.words();
   const int events = static_cast<int>(simulator_.task().events.size());
   const auto path = [&nodes = nodes](int to) {
     Sequence steps;
-    for (int at = to; nodes[at].parent >= 0; at = nodes[at].parent) steps.push_back({nodes[at].action, nodes[at].duration});
+    for (int at = to; nodes[at].parent >= 0; at = nodes[at].parent)
+      steps.push_back({nodes[at].action, nodes[at].duration});
     std::ranges::reverse(steps);
     return steps;
   };
@@ -207,12 +219,14 @@ SearchEnd LazySearch::go_on(Budget& budget, Sequence& found) {
         bool better = false;
         if (estimate < best_plain) best_plain = estimate, better = true;
         if (landmark_words && marks < best_marks) best_marks = marks, better = true;
-        if (better) queues[kPlainPreferred].priority -= kBoost, queues[kMarksPreferred].priority -= landmark_words ? kBoost : 0;
+        if (better)
+          queues[kPlainPreferred].priority -= kBoost, queues[kMarksPreferred].priority -= landmark_words ? kBoost : 0;
         order = heuristic.applicable();
         preferred = heuristic.preferred();
         if (next_event < events) {
           order.push_back(-2 - next_event);
-          if (std::ranges::any_of(heuristic.relaxed_plan(), [](int a) { return a <= -2; })) preferred.push_back(-2 - next_event);
+          if (std::ranges::any_of(heuristic.relaxed_plan(), [](int a) { return a <= -2; }))
+            preferred.push_back(-2 - next_event);
         }
         if (options.seed != 0) random.shuffle(order), random.shuffle(preferred);
         for (const int action : order) {
@@ -235,7 +249,8 @@ SearchEnd LazySearch::go_on(Budget& budget, Sequence& found) {
       if (!queue.empty() && (!next || queue.priority < next->priority)) next = &queue;
     if (!next) return SearchEnd::kExhausted;
     ++next->priority;
-    const Queue::Entry entry = options.random_choice > 0 && random.chance(options.random_choice) ? next->pop_any(random) : next->pop();
+    const Queue::Entry entry =
+        options.random_choice > 0 && random.chance(options.random_choice) ? next->pop_any(random) : next->pop();
     state.assign(nodes.state(entry.parent), nodes.state(entry.parent) + words + 1);
     budget.spend(Work::kNode, 1);
     Nodes::Node made{entry.parent, entry.action, 0, nodes[entry.parent].next_event};

@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
-#include "planner/schedule/timeline.h"
 #include "planner/ground/budget.h"
+#include "planner/schedule/timeline.h"
 #include "planner/search/landmarks.h"
 #include "planner/search/relaxed.h"
 
@@ -33,11 +33,11 @@ enum class SearchEnd : std::uint8_t {
 };
 
 struct LazyOptions {
-  std::uint64_t seed = 0;        ///< 0: actions in their order; else shuffled
-  double random_choice = 0;      ///< probability of taking any state of the queue instead of the first
-  double cost_noise = 0;         ///< actions cost up to this much more, as a share, each by chance
+  std::uint64_t seed = 0;    ///< 0: actions in their order; else shuffled
+  double random_choice = 0;  ///< probability of taking any state of the queue instead of the first
+  double cost_noise = 0;     ///< actions cost up to this much more, as a share, each by chance
   bool landmarks = true;
-  bool late_goal = false;        ///< the goal may come about by events after the last action
+  bool late_goal = false;  ///< the goal may come about by events after the last action
   std::int64_t most_units = Budget::kUnlimited;
   std::size_t most_words = std::size_t{1} << 27;  ///< memory of states, in words of 8 bytes
 };
@@ -71,7 +71,8 @@ class EventCheck : public PathCheck {
 class LazySearch {
  public:
   /// `check`: none, or asked for every step.
-  LazySearch(const Simulator& simulator, const RelaxedTask& relaxed, const Landmarks& landmarks, PathCheck* check = nullptr);
+  LazySearch(const Simulator& simulator, const RelaxedTask& relaxed, const Landmarks& landmarks,
+             PathCheck* check = nullptr);
   ~LazySearch();
   LazySearch(const LazySearch&) = delete;
   LazySearch& operator=(const LazySearch&) = delete;

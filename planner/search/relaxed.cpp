@@ -24,7 +24,8 @@ std::vector<int> duration_costs(const Simulator& simulator) {
   double sum = 0;
   const PackedState initial = simulator.initial();
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
-    const std::optional<DurationRange> range = task.actions[a].durative ? simulator.durations(static_cast<int>(a), initial.data()) : DurationRange{};
+    const std::optional<DurationRange> range =
+        task.actions[a].durative ? simulator.durations(static_cast<int>(a), initial.data()) : DurationRange{};
     lengths.push_back(range ? static_cast<double>(range->least) : 0.0);
     sum += lengths.back();
   }
@@ -37,7 +38,8 @@ std::vector<int> duration_costs(const Simulator& simulator) {
 }  // namespace
 
 RelaxedTask::RelaxedTask(const Simulator& simulator, bool unit_costs)
-    : RelaxedTask(simulator, unit_costs ? std::vector<int>(simulator.task().actions.size(), 1) : duration_costs(simulator)) {}
+    : RelaxedTask(simulator,
+                  unit_costs ? std::vector<int>(simulator.task().actions.size(), 1) : duration_costs(simulator)) {}
 
 RelaxedTask::RelaxedTask(const Simulator& simulator, const std::vector<int>& costs) {
   const GroundTask& task = simulator.task();
@@ -97,7 +99,8 @@ void RelaxedTask::add_operators(const Simulator& simulator, int action, int cost
   operators_.push_back(std::move(base));
 }
 
-void RelaxedTask::add_effects(const GroundTask& task, RelaxedOperator& made, const GroundEffects& effects, int action) const {
+void RelaxedTask::add_effects(const GroundTask& task, RelaxedOperator& made, const GroundEffects& effects,
+                              int action) const {
   made.adds.insert(made.adds.end(), effects.add.begin(), effects.add.end());
   sort_unique(made.adds);
   // Net change of each number, infinite where it depends on the state.
@@ -105,10 +108,13 @@ void RelaxedTask::add_effects(const GroundTask& task, RelaxedOperator& made, con
   constexpr double kAny = std::numeric_limits<double>::infinity();
   for (const NumericEffect& effect : effects.numbers) {
     double change = kAny;
-    if (effect.kind == NumericEffect::Kind::kIncrease && effect.value.is_constant()) change = effect.value.steps[0].value;
+    if (effect.kind == NumericEffect::Kind::kIncrease && effect.value.is_constant())
+      change = effect.value.steps[0].value;
     const auto known = std::ranges::find(changes, effect.number, &std::pair<int, double>::first);
-    if (known == changes.end()) changes.emplace_back(effect.number, change);
-    else known->second += change;
+    if (known == changes.end())
+      changes.emplace_back(effect.number, change);
+    else
+      known->second += change;
   }
   if (action >= 0)
     for (const ContinuousEffect& effect : task.actions[action].continuous) changes.emplace_back(effect.number, kAny);
@@ -131,7 +137,8 @@ void RelaxedTask::add_effects(const GroundTask& task, RelaxedOperator& made, con
   }
 }
 
-RelaxedHeuristic::RelaxedHeuristic(const Simulator& simulator, const RelaxedTask& relaxed) : simulator_(simulator), relaxed_(relaxed) {
+RelaxedHeuristic::RelaxedHeuristic(const Simulator& simulator, const RelaxedTask& relaxed)
+    : simulator_(simulator), relaxed_(relaxed) {
   const std::size_t atoms = static_cast<std::size_t>(relaxed.atoms()), operators = relaxed.operators().size();
   cost_.resize(atoms);
   achiever_.resize(atoms);
@@ -172,7 +179,8 @@ int RelaxedHeuristic::evaluate(const Word* state, int next_event) {
     const GroundComparison& comparison = task.comparisons[c];
     const double value = comparison.expression.evaluate(simulator_.numbers(state));
     gap_[c] = value;
-    if (comparison.accepts(value) || comparison.linear.duration_weight != 0) reach(relaxed_.facts() + static_cast<int>(c), 0, -1);
+    if (comparison.accepts(value) || comparison.linear.duration_weight != 0)
+      reach(relaxed_.facts() + static_cast<int>(c), 0, -1);
   }
   unreached_goals_ = static_cast<int>(relaxed_.goal().size());
   explore(next_event);
@@ -181,7 +189,8 @@ int RelaxedHeuristic::evaluate(const Word* state, int next_event) {
   applicable_.clear();
   plan_.clear();
   for (std::size_t o = 0; o < missing_.size(); ++o)
-    if (missing_[o] == 0 && sum_[o] == 0 && relaxed_.base_actions()[o] >= 0) applicable_.push_back(relaxed_.base_actions()[o]);
+    if (missing_[o] == 0 && sum_[o] == 0 && relaxed_.base_actions()[o] >= 0)
+      applicable_.push_back(relaxed_.base_actions()[o]);
   std::ranges::sort(applicable_);
   preferred_.clear();
   for (const int atom : relaxed_.goal())
@@ -216,7 +225,8 @@ void RelaxedHeuristic::explore(int next_event) {
       if (!std::isinf(gain.change) && !std::isnan(gap_[c])) {
         if (comparison.kind == GroundComparison::Kind::kZero && (gap_[c] > 0) == (gain.change > 0)) continue;
         steps = std::ceil(std::abs(gap_[c]) / std::abs(gain.change) - 1e-6);
-        if (comparison.kind == GroundComparison::Kind::kPositive && std::abs(gap_[c] + steps * gain.change) < 1e-9) steps += 1;
+        if (comparison.kind == GroundComparison::Kind::kPositive && std::abs(gap_[c] + steps * gain.change) < 1e-9)
+          steps += 1;
       }
       steps = std::clamp(steps, 1.0, kMostSteps);
       reach(gain.atom, std::min(before + static_cast<int>(steps) * prices_[o], kInfinite - 1), o);

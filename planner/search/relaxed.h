@@ -14,8 +14,8 @@ namespace cxlab::planner {
 
 /// A way to reach atoms: a whole action (with one of its conditional effects), an axiom, an event.
 struct RelaxedOperator {
-  int action = -1;  ///< -1: axiom; -2 - k: event k
-  bool base = true; ///< has exactly the condition of the action
+  int action = -1;   ///< -1: axiom; -2 - k: event k
+  bool base = true;  ///< has exactly the condition of the action
   int cost = 1;
   std::vector<int> conditions;  ///< atoms
   std::vector<int> adds;        ///< facts

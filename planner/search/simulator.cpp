@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
 constexpr Micros kLongStretch = 1000;  ///< times the shortest duration, where none is the longest
-constexpr double kLongest = 1e12;  ///< seconds; beyond it a duration is not taken for one
+constexpr double kLongest = 1e12;      ///< seconds; beyond it a duration is not taken for one
 
 void change(double& number, NumericEffect::Kind kind, double value) {
   switch (kind) {
@@ -32,7 +32,8 @@ void sort_unique(std::vector<int>& items) {
 Simulator::Simulator(const GroundTask& task)
     : task_(task), fact_words_(task.words()), words_(fact_words_ + static_cast<int>(task.numbers.size())) {
   const std::vector<char> telling = telling_numbers(task);
-  telling_words_ = fact_words_ + static_cast<int>(std::ranges::find(telling.rbegin(), telling.rend(), 1).base() - telling.begin());
+  telling_words_ =
+      fact_words_ + static_cast<int>(std::ranges::find(telling.rbegin(), telling.rend(), 1).base() - telling.begin());
   for (const GroundAction& action : task.actions) whole_.push_back(make_whole(action));
 }
 
@@ -43,11 +44,13 @@ Simulator::Whole Simulator::make_whole(const GroundAction& action) const {
     for (const int f : later->facts) {
       if (contains(action.at_start.remove, f)) whole.impossible = true;
       const bool derived = task_.facts[f].derived;  // may change with the beginning: looked at when it is applied
-      if (!contains(action.at_start.add, f) && !derived && action.conditional.empty()) whole.condition.facts.push_back(f);
+      if (!contains(action.at_start.add, f) && !derived && action.conditional.empty())
+        whole.condition.facts.push_back(f);
     }
     if (action.at_start.numbers.empty() && action.continuous.empty() && action.conditional.empty())
       for (const int c : later->comparisons)
-        if (task_.comparisons[c].linear.is_linear && task_.comparisons[c].linear.duration_weight == 0) whole.condition.comparisons.push_back(c);
+        if (task_.comparisons[c].linear.is_linear && task_.comparisons[c].linear.duration_weight == 0)
+          whole.condition.comparisons.push_back(c);
   }
   sort_unique(whole.condition.facts);
   sort_unique(whole.condition.comparisons);
@@ -59,9 +62,10 @@ Simulator::Whole Simulator::make_whole(const GroundAction& action) const {
   std::erase_if(whole.effects.remove, [&](int f) { return contains(whole.effects.add, f); });
   whole.numbers = action.at_start.numbers;
   whole.numbers.insert(whole.numbers.end(), action.at_end.numbers.begin(), action.at_end.numbers.end());
-  whole.plain = action.conditional.empty() && action.continuous.empty() && task_.axioms.empty() &&
-                std::ranges::none_of(action.duration, &GroundDuration::at_end) &&
-                std::ranges::all_of(whole.numbers, [](const NumericEffect& effect) { return effect.value.is_constant(); });
+  whole.plain =
+      action.conditional.empty() && action.continuous.empty() && task_.axioms.empty() &&
+      std::ranges::none_of(action.duration, &GroundDuration::at_end) &&
+      std::ranges::all_of(whole.numbers, [](const NumericEffect& effect) { return effect.value.is_constant(); });
   const auto constant = [](const GroundDuration& duration) { return duration.bound.is_constant() && !duration.at_end; };
   if (!action.durative) {
     whole.fixed = true;
@@ -89,7 +93,8 @@ bool Simulator::interferes(const GroundAction& action) const {
   };
   const auto reads = [this](const GroundCondition& condition, const NumericEffect& effect) {
     return std::ranges::any_of(condition.comparisons, [&](int c) {
-      return std::ranges::any_of(task_.comparisons[c].expression.steps, [&](const auto& step) { return step.number == effect.number; });
+      return std::ranges::any_of(task_.comparisons[c].expression.steps,
+                                 [&](const auto& step) { return step.number == effect.number; });
     });
   };
   const auto disturbs = [&](const GroundEffects& effects, const GroundCondition& condition) {
@@ -97,11 +102,12 @@ bool Simulator::interferes(const GroundAction& action) const {
            std::ranges::any_of(effects.numbers, [&](const NumericEffect& effect) { return reads(condition, effect); });
   };
   const auto both_change = [&](const NumericEffect& effect) {
-    return std::ranges::any_of(action.at_end.numbers, [&](const NumericEffect& other) { return other.number == effect.number; });
+    return std::ranges::any_of(action.at_end.numbers,
+                               [&](const NumericEffect& other) { return other.number == effect.number; });
   };
-  return !action.conditional.empty() || disturbs(action.at_start, action.end) || disturbs(action.at_end, action.start) ||
-         meet(action.at_start.add, action.at_end.remove) || meet(action.at_start.remove, action.at_end.add) ||
-         std::ranges::any_of(action.at_start.numbers, both_change);
+  return !action.conditional.empty() || disturbs(action.at_start, action.end) ||
+         disturbs(action.at_end, action.start) || meet(action.at_start.add, action.at_end.remove) ||
+         meet(action.at_start.remove, action.at_end.add) || std::ranges::any_of(action.at_start.numbers, both_change);
 }
 
 PackedState Simulator::initial() const {
@@ -129,8 +135,10 @@ std::optional<DurationRange> Simulator::durations(int action, const Word* state)
     if (!(std::abs(bound) < kLongest)) return std::nullopt;
     const Micros micros = static_cast<Micros>(std::llround(bound * kSecond));
     if (micros < 0 && constraint.comparison != Comparison::kGreaterEqual) return std::nullopt;
-    if (constraint.comparison == Comparison::kEqual) range.least = range.least == kSeparation ? micros : std::max(range.least, micros);
-    else if (constraint.comparison == Comparison::kGreaterEqual) range.least = std::max(range.least, micros);
+    if (constraint.comparison == Comparison::kEqual)
+      range.least = range.least == kSeparation ? micros : std::max(range.least, micros);
+    else if (constraint.comparison == Comparison::kGreaterEqual)
+      range.least = std::max(range.least, micros);
     if (constraint.comparison != Comparison::kGreaterEqual) range.most = std::min(range.most, micros);
   }
   if (range.least > range.most) return std::nullopt;
@@ -155,12 +163,14 @@ std::optional<Micros> Simulator::chosen(int action, const DurationRange& range, 
 }
 
 /// The duration at whose end the comparison turns, on the side where it holds if there is one.
-std::optional<Micros> Simulator::aimed(const GroundAction& action, const DurationRange& range, const Word* state) const {
+std::optional<Micros> Simulator::aimed(const GroundAction& action, const DurationRange& range,
+                                       const Word* state) const {
   const double first = static_cast<double>(range.least) / kSecond;
   const double at_first = value_after(action, state, first), slope = value_after(action, state, first + 1) - at_first;
   const double exact = (first - at_first / slope) * kSecond;
   if (!(std::abs(exact) < kLongest * kSecond)) return std::nullopt;
-  for (const double length : {std::round(exact), std::floor(exact), std::ceil(exact), std::round(exact) + 1, std::round(exact) - 1}) {
+  for (const double length :
+       {std::round(exact), std::floor(exact), std::ceil(exact), std::round(exact) + 1, std::round(exact) - 1}) {
     const Micros micros = static_cast<Micros>(length);
     if (micros < range.least || micros > range.most) continue;
     if (task_.comparisons[action.aim].accepts(value_after(action, state, length / kSecond))) return micros;
@@ -178,7 +188,8 @@ double Simulator::value_after(const GroundAction& action, const Word* state, dou
   };
   apply_numbers(action.at_start.numbers);
   std::vector<double> changes;
-  for (const ContinuousEffect& effect : action.continuous) changes.push_back(effect.rate.evaluate(after.data(), duration_s) * duration_s);
+  for (const ContinuousEffect& effect : action.continuous)
+    changes.push_back(effect.rate.evaluate(after.data(), duration_s) * duration_s);
   for (std::size_t i = 0; i < changes.size(); ++i) after[action.continuous[i].number] += changes[i];
   apply_numbers(action.at_end.numbers);
   return task_.comparisons[action.aim].expression.evaluate(after.data(), duration_s);
@@ -203,12 +214,14 @@ bool Simulator::apply_with(int action, Word* state, Micros duration) const {
   if (whole.plain) {
     for (const int f : whole.effects.remove) reset(state, f);
     for (const int f : whole.effects.add) set(state, f);
-    for (const NumericEffect& effect : whole.numbers) change(mutable_numbers(state)[effect.number], effect.kind, effect.value.steps[0].value);
+    for (const NumericEffect& effect : whole.numbers)
+      change(mutable_numbers(state)[effect.number], effect.kind, effect.value.steps[0].value);
     return true;
   }
   Remembered remembered;
   if (task_.actions[action].durative && duration < kSeparation) {  // its beginning and its end are one happening
-    if (whole.interferes || !holds(task_.actions[action].end, state, static_cast<double>(duration) / kSecond)) return false;
+    if (whole.interferes || !holds(task_.actions[action].end, state, static_cast<double>(duration) / kSecond))
+      return false;
   }
   if (!begin(action, state, duration, remembered)) return false;
   if (!task_.actions[action].durative) return true;
@@ -246,7 +259,8 @@ bool Simulator::end(int action, Word* state, Micros duration, const Remembered& 
   const double seconds = static_cast<double>(duration) / kSecond;
   if (!a.continuous.empty()) {
     std::vector<double> changes;
-    for (const ContinuousEffect& effect : a.continuous) changes.push_back(effect.rate.evaluate(numbers(state), seconds) * seconds);
+    for (const ContinuousEffect& effect : a.continuous)
+      changes.push_back(effect.rate.evaluate(numbers(state), seconds) * seconds);
     double* numbers = mutable_numbers(state);
     for (std::size_t i = 0; i < changes.size(); ++i) numbers[a.continuous[i].number] += changes[i];
     derive(state);
@@ -272,7 +286,8 @@ bool Simulator::finish(int action, Word* state, Micros duration, const Remembere
   GroundEffects all = a.at_end;
   for (std::size_t i = 0; i < a.conditional.size(); ++i) {
     const ConditionalEffects& conditional = a.conditional[i];
-    if (!remembered[i] || !holds(conditional.over_all, state, seconds) || !holds(conditional.end, state, seconds)) continue;
+    if (!remembered[i] || !holds(conditional.over_all, state, seconds) || !holds(conditional.end, state, seconds))
+      continue;
     all.add.insert(all.add.end(), conditional.at_end.add.begin(), conditional.at_end.add.end());
     all.remove.insert(all.remove.end(), conditional.at_end.remove.begin(), conditional.at_end.remove.end());
     all.numbers.insert(all.numbers.end(), conditional.at_end.numbers.begin(), conditional.at_end.numbers.end());
@@ -298,9 +313,11 @@ void Simulator::apply_event(int event, Word* state) const { apply_effects(task_.
 
 void Simulator::apply_effects(const GroundEffects& effects, Word* state, double duration_s) const {
   std::vector<double> values;
-  for (const NumericEffect& effect : effects.numbers) values.push_back(effect.value.evaluate(numbers(state), duration_s));
+  for (const NumericEffect& effect : effects.numbers)
+    values.push_back(effect.value.evaluate(numbers(state), duration_s));
   double* numbers = mutable_numbers(state);
-  for (std::size_t i = 0; i < values.size(); ++i) change(numbers[effects.numbers[i].number], effects.numbers[i].kind, values[i]);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    change(numbers[effects.numbers[i].number], effects.numbers[i].kind, values[i]);
   for (const int f : effects.remove) reset(state, f);
   for (const int f : effects.add) set(state, f);
   if (!task_.axioms.empty()) derive(state);
@@ -313,7 +330,8 @@ void Simulator::derive(Word* state) const {
     if (const int opposite = task_.facts[axiom.head].complement; opposite >= 0) set(state, opposite);
   }
   for (std::size_t f = 0; f < task_.facts.size(); ++f)  // derived, and no axiom is left
-    if (task_.facts[f].derived && task_.facts[f].is_complement && !is_set(state, task_.facts[f].complement)) set(state, static_cast<int>(f));
+    if (task_.facts[f].derived && task_.facts[f].is_complement && !is_set(state, task_.facts[f].complement))
+      set(state, static_cast<int>(f));
   for (std::size_t begin = 0, stop = 0; begin < task_.axioms.size(); begin = stop) {
     while (stop < task_.axioms.size() && task_.axioms[stop].stratum == task_.axioms[begin].stratum) ++stop;
     for (bool changed = true; changed;) {

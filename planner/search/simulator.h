@@ -20,20 +20,24 @@ class Simulator {
   explicit Simulator(const GroundTask& task);
 
   const GroundTask& task() const { return task_; }
-  int words() const { return words_; }          ///< of a whole state
-  int telling_words() const { return telling_words_; }  ///< the first ones, by which states differ: without what only the metric reads
+  int words() const { return words_; }  ///< of a whole state
+  int telling_words() const {
+    return telling_words_;
+  }  ///< the first ones, by which states differ: without what only the metric reads
   PackedState initial() const;
   const double* numbers(const Word* state) const { return reinterpret_cast<const double*>(state + fact_words_); }
 
   bool holds(const GroundCondition& condition, const Word* state, double duration_s = 0) const;
   bool is_goal(const Word* state) const { return holds(task_.goal, state); }
-  /// Whether the goal holds and will after all events from `next_event` on. Validators ask for the latter only (`late`),
-  /// other readers of plans for both.
+  /// Whether the goal holds and will after all events from `next_event` on. Validators ask for the latter only
+  /// (`late`), other readers of plans for both.
   bool is_lasting_goal(const Word* state, int next_event, bool late = false) const;
 
   /// What must be true for an action to run from beginning to end with nothing beside it; `impossible` if it cannot.
   const GroundCondition& whole_condition(int action) const { return whole_[action].condition; }
-  const GroundEffects& whole_effects(int action) const { return whole_[action].effects; }  ///< facts only; conditional ones are not in it
+  const GroundEffects& whole_effects(int action) const {
+    return whole_[action].effects;
+  }  ///< facts only; conditional ones are not in it
   bool whole_impossible(int action) const { return whole_[action].impossible; }
 
   /// Durations that the constraints allow in this state; none if there is no duration.
@@ -41,7 +45,8 @@ class Simulator {
   /// The same for copies of an action that choose: the one that they choose.
   std::optional<DurationRange> durations_of_copy(int action, const Word* state) const;
 
-  /// Runs the whole action; `duration` is the shortest one allowed, or longer by its stretch. False, and the state is spoilt, if it cannot run.
+  /// Runs the whole action; `duration` is the shortest one allowed, or longer by its stretch. False, and the state is
+  /// spoilt, if it cannot run.
   bool apply(int action, Word* state, Micros& duration) const;
   /// The same with a duration given.
   bool apply_with(int action, Word* state, Micros duration) const;
@@ -64,10 +69,11 @@ class Simulator {
     GroundEffects effects;
     bool impossible = false;
     std::vector<NumericEffect> numbers;  ///< in the order of time
-    bool plain = false;        ///< condition, effects and constant changes of numbers are all there is
-    bool fixed = false;        ///< the duration is a constant
+    bool plain = false;                  ///< condition, effects and constant changes of numbers are all there is
+    bool fixed = false;                  ///< the duration is a constant
     Micros duration = 0;
-    bool interferes = false;   ///< its end uses what its beginning changes, or the other way: they may not happen at once
+    bool interferes =
+        false;  ///< its end uses what its beginning changes, or the other way: they may not happen at once
   };
 
   std::optional<Micros> chosen(int action, const DurationRange& range, const Word* state) const;

@@ -11,11 +11,13 @@ constexpr Micros kSignatureGrain = 50 * kSeparation;  ///< separations add up di
 bool contains(const std::vector<int>& sorted, int item) { return std::ranges::binary_search(sorted, item); }
 
 bool mentions_duration(const GroundExpression& expression) {
-  return std::ranges::any_of(expression.steps, [](const auto& step) { return step.kind == GroundExpression::Kind::kDuration; });
+  return std::ranges::any_of(expression.steps,
+                             [](const auto& step) { return step.kind == GroundExpression::Kind::kDuration; });
 }
 
 bool mentions_duration(const GroundEffects& effects) {
-  return std::ranges::any_of(effects.numbers, [](const NumericEffect& effect) { return mentions_duration(effect.value); });
+  return std::ranges::any_of(effects.numbers,
+                             [](const NumericEffect& effect) { return mentions_duration(effect.value); });
 }
 
 }  // namespace
@@ -27,7 +29,9 @@ bool is_envelope(const GroundTask& task, const GroundAction& action) {
   for (const NumericEffect& first : action.at_start.numbers)
     for (const NumericEffect& last : action.at_end.numbers)
       if (first.number == last.number) return true;
-  const auto given = [&](int f) { return contains(action.start.facts, f) || contains(action.over_all.facts, f) || contains(action.at_start.add, f); };
+  const auto given = [&](int f) {
+    return contains(action.start.facts, f) || contains(action.over_all.facts, f) || contains(action.at_start.add, f);
+  };
   for (const int f : action.end.facts)
     if (!given(f) || contains(action.at_start.remove, f)) return true;
   for (const int f : action.over_all.facts)
@@ -37,7 +41,9 @@ bool is_envelope(const GroundTask& task, const GroundAction& action) {
   return false;
 }
 
-bool reads_duration(const GroundAction& action) { return mentions_duration(action.at_start) || mentions_duration(action.at_end); }
+bool reads_duration(const GroundAction& action) {
+  return mentions_duration(action.at_start) || mentions_duration(action.at_end);
+}
 
 bool can_be_cut(const GroundTask& task, const GroundAction& action) {
   for (const auto* condition : {&action.start, &action.over_all, &action.end})
@@ -77,7 +83,8 @@ SplitTask split(const GroundTask& task, const std::vector<char>& cut) {
     begin.start = action.start;
     begin.start.facts.push_back(idle);
     for (const int f : action.over_all.facts)
-      if (!contains(action.at_start.add, f) && !contains(begin.start.facts, f) && action.conditional.empty() && !task.facts[f].derived)
+      if (!contains(action.at_start.add, f) && !contains(begin.start.facts, f) && action.conditional.empty() &&
+          !task.facts[f].derived)
         begin.start.facts.push_back(f);
     std::ranges::sort(begin.start.facts);
     begin.at_start = action.at_start;
@@ -92,7 +99,8 @@ SplitTask split(const GroundTask& task, const std::vector<char>& cut) {
     end.at_start.add.push_back(idle);
     end.at_start.remove.push_back(running);
     for (const ConditionalEffects& conditional : action.conditional) {
-      if (!conditional.at_start.empty()) begin.conditional.push_back({conditional.start, {}, {}, conditional.at_start, {}});
+      if (!conditional.at_start.empty())
+        begin.conditional.push_back({conditional.start, {}, {}, conditional.at_start, {}});
       if (!conditional.at_end.empty()) end.conditional.push_back({conditional.end, {}, {}, conditional.at_end, {}});
     }
     out.task.actions.push_back(std::move(begin));
@@ -149,13 +157,15 @@ GroundTask loosened(const GroundTask& task, bool hold) {
     end.start.facts.push_back(begun);
     if (hold) {
       end.start.facts.insert(end.start.facts.end(), action.over_all.facts.begin(), action.over_all.facts.end());
-      end.start.comparisons.insert(end.start.comparisons.end(), action.over_all.comparisons.begin(), action.over_all.comparisons.end());
+      end.start.comparisons.insert(end.start.comparisons.end(), action.over_all.comparisons.begin(),
+                                   action.over_all.comparisons.end());
       std::ranges::sort(end.start.facts);
     }
     end.at_start = action.at_end;
     begin.continuous = end.continuous = action.continuous;
     for (const ConditionalEffects& conditional : action.conditional) {
-      if (!conditional.at_start.empty()) begin.conditional.push_back({conditional.start, {}, {}, conditional.at_start, {}});
+      if (!conditional.at_start.empty())
+        begin.conditional.push_back({conditional.start, {}, {}, conditional.at_start, {}});
       if (!conditional.at_end.empty()) end.conditional.push_back({conditional.end, {}, {}, conditional.at_end, {}});
     }
     out.actions.push_back(std::move(begin));
@@ -197,8 +207,10 @@ bool SplitCheck::append(const SequenceStep& step) {
       after.open.erase(known);
     } else {
       const int index = stn_.begin(origin.action, range(step, before.state.data()));
-      if (origin.part == SplitTask::Part::kWhole) stn_.finish(index);
-      else after.open.emplace_back(origin.action, index);
+      if (origin.part == SplitTask::Part::kWhole)
+        stn_.finish(index);
+      else
+        after.open.emplace_back(origin.action, index);
     }
     applied = simulator_.apply_with(step.action, after.state.data(), step.duration);
   }
@@ -256,8 +268,10 @@ Concurrent SplitCheck::translate(const Sequence& path) const {
       const int index = static_cast<int>(plan.steps.size());
       plan.steps.push_back({origin.action, range(step, now.data())});
       plan.order.push_back({SplitPoint::Kind::kBegin, index});
-      if (origin.part == SplitTask::Part::kWhole) plan.order.push_back({SplitPoint::Kind::kEnd, index});
-      else open.emplace_back(origin.action, index);
+      if (origin.part == SplitTask::Part::kWhole)
+        plan.order.push_back({SplitPoint::Kind::kEnd, index});
+      else
+        open.emplace_back(origin.action, index);
     }
     simulator_.apply_with(step.action, now.data(), step.duration);
   }
@@ -281,9 +295,12 @@ Sequence to_parts(const SplitTask& split, const Sequence& whole) {
 void fill(Stn& stn, const Concurrent& plan) {
   stn.clear();
   for (const SplitPoint& happening : plan.order) {
-    if (happening.kind == SplitPoint::Kind::kEvent) stn.event();
-    else if (happening.kind == SplitPoint::Kind::kEnd) stn.finish(happening.step);
-    else stn.begin(plan.steps[happening.step].action, plan.steps[happening.step].range);
+    if (happening.kind == SplitPoint::Kind::kEvent)
+      stn.event();
+    else if (happening.kind == SplitPoint::Kind::kEnd)
+      stn.finish(happening.step);
+    else
+      stn.begin(plan.steps[happening.step].action, plan.steps[happening.step].range);
   }
 }
 

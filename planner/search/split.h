@@ -25,9 +25,9 @@ struct SplitTask {
     int action;
     Part part;
   };
-  GroundTask task;                          ///< facts of the original first, with the same numbers
-  std::vector<Origin> origins;              ///< by action of `task`
-  std::vector<std::pair<int, int>> parts;   ///< by action of the original: its beginning or the whole, and its end or -1
+  GroundTask task;                         ///< facts of the original first, with the same numbers
+  std::vector<Origin> origins;             ///< by action of `task`
+  std::vector<std::pair<int, int>> parts;  ///< by action of the original: its beginning or the whole, and its end or -1
 };
 
 /// Cuts the actions that are marked.
@@ -42,10 +42,11 @@ GroundTask loosened(const GroundTask& task, bool hold);
 /// How often an action ends that has begun in an untimed task.
 enum class Ends : std::uint8_t {
   kOften,    ///< any time: enough where what is removed does not count
-  kAsBegun,  ///< once, and before the goal, unless it began anew while it was running: then the last of its parts is an end
+  kAsBegun,  ///< once, and before the goal, unless it began anew while it was running: then the last of its parts is an
+             ///< end
 };
-/// The same without conditions over all, as a proof: it has every plan as a sequence, and more, so what cannot be reached
-/// there cannot be reached. Nothing if an action cannot be cut.
+/// The same without conditions over all, as a proof: it has every plan as a sequence, and more, so what cannot be
+/// reached there cannot be reached. Nothing if an action cannot be cut.
 std::optional<GroundTask> untimed(const GroundTask& task, Ends ends);
 
 /// A plan with overlaps: steps, and their happenings in an order in which they are right.
@@ -89,10 +90,10 @@ class SplitCheck : public PathCheck {
 
   const SplitTask& split_;
   const GroundTask& original_;
-  Simulator simulator_;  ///< of the split task
-  Stn stn_;                     ///< of the path looked at last
-  std::vector<Level> levels_;   ///< of its steps; the first is the start
-  std::size_t depth_ = 0;       ///< how many it has
+  Simulator simulator_;        ///< of the split task
+  Stn stn_;                    ///< of the path looked at last
+  std::vector<Level> levels_;  ///< of its steps; the first is the start
+  std::size_t depth_ = 0;      ///< how many it has
   Word signature_ = 0;
 };
 

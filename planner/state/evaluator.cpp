@@ -23,7 +23,8 @@ const std::vector<ObjectId>& Evaluator::candidates(const Variable& variable) con
   return by_types_.emplace(variable.types, objects_of(domain_, problem_, variable.types)).first->second;
 }
 
-std::optional<double> Evaluator::number(const Expression& expression, const Frame& frame, const State& state, double duration) const {
+std::optional<double> Evaluator::number(const Expression& expression, const Frame& frame, const State& state,
+                                        double duration) const {
   using Kind = Expression::Kind;
   switch (expression.kind) {
     case Kind::kConstant: return expression.value;
@@ -67,7 +68,8 @@ bool Evaluator::holds(const Condition& condition, Frame& frame, const State& sta
     }
     case Kind::kNot: return !holds(condition.operands[0], frame, state, duration);
     case Kind::kImply:
-      return !holds(condition.operands[0], frame, state, duration) || holds(condition.operands[1], frame, state, duration);
+      return !holds(condition.operands[0], frame, state, duration) ||
+             holds(condition.operands[1], frame, state, duration);
     case Kind::kAnd:
       for (const Condition& operand : condition.operands)
         if (!holds(operand, frame, state, duration)) return false;
@@ -77,16 +79,23 @@ bool Evaluator::holds(const Condition& condition, Frame& frame, const State& sta
         if (holds(operand, frame, state, duration)) return true;
       return false;
     case Kind::kForall:
-      return each_binding(condition.variables, frame, [&] { return holds(condition.operands[0], frame, state, duration); });
+      return each_binding(condition.variables, frame,
+                          [&] { return holds(condition.operands[0], frame, state, duration); });
     case Kind::kExists:
-      return !each_binding(condition.variables, frame, [&] { return !holds(condition.operands[0], frame, state, duration); });
+      return !each_binding(condition.variables, frame,
+                           [&] { return !holds(condition.operands[0], frame, state, duration); });
   }
   return false;
 }
 
-bool Evaluator::ground(const Effect& effect, const Frame& frame, const State& state, double duration, std::vector<Change>& out) const {
+bool Evaluator::ground(const Effect& effect, const Frame& frame, const State& state, double duration,
+                       std::vector<Change>& out) const {
   const Objects objects(effect.terms, frame);
-  Change change{effect.kind, effect.is_numeric() ? effect.function : effect.predicate, {objects.begin(), objects.end()}, 0, &effect};
+  Change change{effect.kind,
+                effect.is_numeric() ? effect.function : effect.predicate,
+                {objects.begin(), objects.end()},
+                0,
+                &effect};
   if (effect.is_numeric()) {
     const auto value = number(effect.value, frame, state, duration);
     if (!value) return false;

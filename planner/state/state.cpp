@@ -6,7 +6,8 @@ namespace cxlab::planner {
 
 State::State(const Domain& domain, const Problem& problem) : State(domain) {
   for (const Fact& fact : problem.init) set(fact.predicate, fact.objects, true);
-  for (const Assignment& assignment : problem.values) set_value(assignment.function, assignment.objects, assignment.value);
+  for (const Assignment& assignment : problem.values)
+    set_value(assignment.function, assignment.objects, assignment.value);
 }
 
 bool State::holds(PredicateId predicate, std::span<const ObjectId> objects) const {
@@ -88,7 +89,8 @@ void State::advance(double seconds) {
 std::vector<Fact> State::facts() const {
   std::vector<std::pair<std::uint64_t, Fact>> ordered;
   for (std::size_t predicate = 0; predicate < facts_.size(); ++predicate)
-    for (const auto& [objects, order] : facts_[predicate]) ordered.push_back({order, {static_cast<PredicateId>(predicate), objects}});
+    for (const auto& [objects, order] : facts_[predicate])
+      ordered.push_back({order, {static_cast<PredicateId>(predicate), objects}});
   std::sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Fact> facts;
   facts.reserve(ordered.size());

@@ -54,7 +54,8 @@ class State {
     using is_transparent = void;
     std::size_t operator()(std::span<const ObjectId> objects) const {
       std::uint64_t hash = 0x9e3779b97f4a7c15u;
-      for (const ObjectId object : objects) hash = (hash ^ static_cast<std::uint64_t>(object)) * 0x100000001b3u + (hash >> 29);
+      for (const ObjectId object : objects)
+        hash = (hash ^ static_cast<std::uint64_t>(object)) * 0x100000001b3u + (hash >> 29);
       return hash;
     }
   };
@@ -77,7 +78,7 @@ class State {
   std::vector<Table<std::uint64_t>> facts_;  // by predicate: when it became true
   std::vector<Table<Number>> numbers_;       // by function
   std::vector<Fact> changing_;               // functions with a rate, as `predicate`
-  std::uint64_t changes_ = 0;  // counted for the order of facts() and values()
+  std::uint64_t changes_ = 0;                // counted for the order of facts() and values()
   double ahead_ = 0;
 };
 
@@ -103,7 +104,8 @@ class Evaluator {
   bool holds(const Condition& condition, Frame& frame, const State& state, double duration = 0) const;
 
   /// A number; none if an undefined value is read, or something is divided by 0.
-  std::optional<double> number(const Expression& expression, const Frame& frame, const State& state, double duration = 0) const;
+  std::optional<double> number(const Expression& expression, const Frame& frame, const State& state,
+                               double duration = 0) const;
 
   /// Calls `visit` for every binding of `variables` in `frame`; stops when it returns false, and then gives false.
   template <class Visit>
@@ -121,7 +123,8 @@ class Evaluator {
   /// The effect with every binding of its variables for which `when(frame)` is true. False when a right-hand side has
   /// no value.
   template <class When>
-  bool collect(const Effect& effect, Frame& frame, const State& state, double duration, When when, std::vector<Change>& out) const {
+  bool collect(const Effect& effect, Frame& frame, const State& state, double duration, When when,
+               std::vector<Change>& out) const {
     return each_binding(effect.variables, frame, [&] {
       if (!when(frame)) return true;
       return ground(effect, frame, state, duration, out);
@@ -129,7 +132,8 @@ class Evaluator {
   }
 
   /// The effect with the binding in `frame`. False when its right-hand side has no value.
-  bool ground(const Effect& effect, const Frame& frame, const State& state, double duration, std::vector<Change>& out) const;
+  bool ground(const Effect& effect, const Frame& frame, const State& state, double duration,
+              std::vector<Change>& out) const;
 
   /// Recomputes all facts of derived predicates.
   void derive(State& state) const;

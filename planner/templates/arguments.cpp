@@ -6,7 +6,8 @@
 
 namespace cxlab::planner::templates {
 
-Arguments::Arguments(Interpreter& interpreter, std::string_view what, const Call& call, std::string_view names) : interpreter_(interpreter) {
+Arguments::Arguments(Interpreter& interpreter, std::string_view what, const Call& call, std::string_view names)
+    : interpreter_(interpreter) {
   std::vector<std::string_view> parameters;
   while (!names.empty()) {
     const std::size_t end = std::min(names.find(' '), names.size());
@@ -15,9 +16,10 @@ Arguments::Arguments(Interpreter& interpreter, std::string_view what, const Call
   }
   values_.resize(parameters.size(), nullptr);
   if (call.positional.size() > parameters.size())
-    interpreter.fail("found " + std::to_string(call.positional.size()) + " arguments of " + std::string(what) + ", expected at most " +
-                     std::to_string(parameters.size()));
-  for (std::size_t i = 0; i < std::min(parameters.size(), call.positional.size()); ++i) values_[i] = &call.positional[i];
+    interpreter.fail("found " + std::to_string(call.positional.size()) + " arguments of " + std::string(what) +
+                     ", expected at most " + std::to_string(parameters.size()));
+  for (std::size_t i = 0; i < std::min(parameters.size(), call.positional.size()); ++i)
+    values_[i] = &call.positional[i];
   for (const auto& [name, value] : call.named) {
     const auto found = std::find(parameters.begin(), parameters.end(), name);
     if (found == parameters.end()) {

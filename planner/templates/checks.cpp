@@ -11,9 +11,11 @@ namespace {
 
 const std::vector<std::string>& test_names() {
   static const std::vector<std::string> names = {
-      "boolean", "callable", "defined", "divisibleby", "eq",   "equalto", "even",     "false",  "filter", "float",  "ge",        "greaterthan", "gt", "in",
-      "integer", "iterable", "le",      "lessthan",    "lower", "lt",     "mapping",  "ne",     "none",   "number", "odd",       "sameas",      "sequence",
-      "string",  "test",     "true",    "undefined",   "upper", "==",     "!=",       "<",      "<=",     ">",      ">="};
+      "boolean", "callable", "defined",  "divisibleby", "eq",      "equalto", "even",      "false",
+      "filter",  "float",    "ge",       "greaterthan", "gt",      "in",      "integer",   "iterable",
+      "le",      "lessthan", "lower",    "lt",          "mapping", "ne",      "none",      "number",
+      "odd",     "sameas",   "sequence", "string",      "test",    "true",    "undefined", "upper",
+      "==",      "!=",       "<",        "<=",          ">",       ">="};
   return names;
 }
 
@@ -29,11 +31,11 @@ std::string canonical(std::string_view name) {
 
 }  // namespace
 
-bool is_test(std::string_view name) { return std::find(test_names().begin(), test_names().end(), name) != test_names().end(); }
-
-std::string test_hint(const std::string& name) {
-  return did_you_mean(name, test_names(), "; ");
+bool is_test(std::string_view name) {
+  return std::find(test_names().begin(), test_names().end(), name) != test_names().end();
 }
+
+std::string test_hint(const std::string& name) { return did_you_mean(name, test_names(), "; "); }
 
 bool apply_test(Interpreter& interpreter, std::string_view written, const Value& subject, const Call& call) {
   if (interpreter.failed() || !interpreter.spend(1)) return false;
@@ -50,8 +52,12 @@ bool apply_test(Interpreter& interpreter, std::string_view written, const Value&
   if (name == "number") return subject.is_number();
   if (name == "string") return subject.is_string();
   if (name == "mapping") return subject.as_dict() != nullptr;
-  if (name == "sequence" || name == "iterable") return subject.is_string() || subject.as_list() != nullptr || subject.as_dict() != nullptr || subject.is_undefined();
-  if (name == "callable") return subject.is_undefined() || subject.as_function() != nullptr || (subject.as_object() != nullptr && subject.as_object()->call);
+  if (name == "sequence" || name == "iterable")
+    return subject.is_string() || subject.as_list() != nullptr || subject.as_dict() != nullptr ||
+           subject.is_undefined();
+  if (name == "callable")
+    return subject.is_undefined() || subject.as_function() != nullptr ||
+           (subject.as_object() != nullptr && subject.as_object()->call);
   if (name == "lower") return subject.str() == lower(subject.str()) && has_letters(subject.str());
   if (name == "upper") return subject.str() == upper(subject.str()) && has_letters(subject.str());
   if (name == "filter") return is_filter(subject.str());

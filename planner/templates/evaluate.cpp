@@ -63,7 +63,8 @@ Value Interpreter::evaluate(const Expression& expression, Rendering& rendering, 
     ~Depth() { --depth; }
     int& depth;
   } level(depth_);
-  if (depth_ > kDeepestRun) return fail("templates, macros and expressions are nested more than " + std::to_string(kDeepestRun) + " deep");
+  if (depth_ > kDeepestRun)
+    return fail("templates, macros and expressions are nested more than " + std::to_string(kDeepestRun) + " deep");
   const auto operand = [&](std::size_t i) { return evaluate(*expression.operands[i], rendering, scope); };
   switch (expression.kind) {
     case Kind::kLiteral: return expression.value;
@@ -100,7 +101,8 @@ Value Interpreter::evaluate(const Expression& expression, Rendering& rendering, 
     case Kind::kSubscript: {
       const Value subject = operand(0);
       if (failed()) return {};
-      if (expression.operands[1]->kind == Kind::kSlice) return slice(subject, *expression.operands[1], rendering, scope);
+      if (expression.operands[1]->kind == Kind::kSlice)
+        return slice(subject, *expression.operands[1], rendering, scope);
       const Value index = operand(1);
       return failed() ? Value{} : item(subject, index);
     }
@@ -132,7 +134,8 @@ Value Interpreter::evaluate_literal(const Expression& expression, Rendering& ren
     case Expression::Kind::kDict: {
       Value dict = Value::dict();
       for (std::size_t i = 0; i + 1 < values.size(); i += 2) {
-        if (may_change(values[i])) return fail("found " + values[i].repr() + " as key of a dict, expected what cannot change: no list or dict");
+        if (may_change(values[i]))
+          return fail("found " + values[i].repr() + " as key of a dict, expected what cannot change: no list or dict");
         templates::assign(*dict.as_dict(), values[i], values[i + 1]);
       }
       return dict;
@@ -149,7 +152,8 @@ Value Interpreter::evaluate_sign(const Expression& expression, Rendering& render
   const Value value = evaluate(*expression.operands[0], rendering, scope);
   if (!require(value)) return {};
   const bool negative = expression.kind == Expression::Kind::kNegate;
-  if (!value.is_number()) return fail(std::string("bad operand type for unary ") + (negative ? "-" : "+") + ": '" + value.type_name() + "'");
+  if (!value.is_number())
+    return fail(std::string("bad operand type for unary ") + (negative ? "-" : "+") + ": '" + value.type_name() + "'");
   if (value.is_float()) return negative ? -value.as_float() : value.as_float();
   std::int64_t result = value.as_int();
   if (negative && __builtin_sub_overflow(std::int64_t{0}, result, &result)) return fail("the number is too large");
@@ -225,7 +229,8 @@ Value Interpreter::attribute(const Value& subject, const std::string& name) {
     if (named != list->names.end()) return list->items[static_cast<std::size_t>(named - list->names.begin())];
   }
   if (has_method(subject, name))
-    return Value::function(name, [subject, name](Interpreter& self, const Call& call) { return call_method(self, subject, name, call); });
+    return Value::function(
+        name, [subject, name](Interpreter& self, const Call& call) { return call_method(self, subject, name, call); });
   if (DictData* dict = subject.as_dict())
     if (const Value* value = find(*dict, Value(name))) return *value;
   return Value::undefined("'" + std::string(subject.type_name()) + " object' has no attribute '" + name + "'");
@@ -282,7 +287,8 @@ Value Interpreter::slice(const Value& subject, const Expression& bounds, Renderi
     picked.push_back(all[static_cast<std::size_t>(i)]);
     if (__builtin_add_overflow(i, step, &i)) break;
   }
-  if (!subject.is_string()) return subject.as_list()->tuple ? Value::tuple(std::move(picked)) : Value::list(std::move(picked));
+  if (!subject.is_string())
+    return subject.as_list()->tuple ? Value::tuple(std::move(picked)) : Value::list(std::move(picked));
   std::string text;
   for (const Value& point : picked) text += point.as_string();
   return text;
@@ -292,8 +298,10 @@ Call Interpreter::arguments(const Expression& expression, Rendering& rendering, 
   Call call;
   for (const auto& argument : expression.arguments) call.positional.push_back(evaluate(*argument, rendering, scope));
   if (expression.star)
-    for (Value& value : items(evaluate(*expression.star, rendering, scope))) call.positional.push_back(std::move(value));
-  for (const auto& [name, argument] : expression.named_arguments) call.named.emplace_back(name, evaluate(*argument, rendering, scope));
+    for (Value& value : items(evaluate(*expression.star, rendering, scope)))
+      call.positional.push_back(std::move(value));
+  for (const auto& [name, argument] : expression.named_arguments)
+    call.named.emplace_back(name, evaluate(*argument, rendering, scope));
   if (expression.double_star) {
     const Value named = evaluate(*expression.double_star, rendering, scope);
     if (failed()) return call;
@@ -337,7 +345,8 @@ Value Interpreter::call(const Value& callee, const Call& call) {
   return fail("'" + std::string(callee.type_name()) + "' object is not callable");
 }
 
-Value Interpreter::evaluate_filters(const Expression& expression, const Value& body, Rendering& rendering, const ScopePtr& scope) {
+Value Interpreter::evaluate_filters(const Expression& expression, const Value& body, Rendering& rendering,
+                                    const ScopePtr& scope) {
   const Value* before = filter_body_;
   filter_body_ = &body;
   Value result = evaluate(expression, rendering, scope);
@@ -364,7 +373,8 @@ Value Interpreter::binary(const std::string& operation, const Value& left, const
   if (o == '*' && right.is_whole() && (left.is_string() || a != nullptr)) {
     const auto times = static_cast<std::size_t>(std::max<std::int64_t>(0, right.as_int()));
     const std::size_t size = left.is_string() ? left.as_string().size() : a->items.size();
-    if (size > 0 && times > limits_.output / size) return fail("the template makes more than " + std::to_string(limits_.output) + " bytes of text");
+    if (size > 0 && times > limits_.output / size)
+      return fail("the template makes more than " + std::to_string(limits_.output) + " bytes of text");
     if (!(left.is_string() ? spend(1, size * times) : spend(size * times))) return {};
     if (left.is_string()) {
       std::string text;
@@ -373,11 +383,13 @@ Value Interpreter::binary(const std::string& operation, const Value& left, const
       return text;
     }
     std::vector<Value> repeated;
-    for (std::size_t i = 0; i < times && size > 0; ++i) repeated.insert(repeated.end(), a->items.begin(), a->items.end());
+    for (std::size_t i = 0; i < times && size > 0; ++i)
+      repeated.insert(repeated.end(), a->items.begin(), a->items.end());
     return a->tuple ? Value::tuple(std::move(repeated)) : Value::list(std::move(repeated));
   }
   if (!left.is_number() || !right.is_number())
-    return fail("unsupported operand types for " + operation + ": '" + left.type_name() + "' and '" + right.type_name() + "'");
+    return fail("unsupported operand types for " + operation + ": '" + left.type_name() + "' and '" +
+                right.type_name() + "'");
   const bool divides = o == '/' || o == 'd' || o == '%';
   if (divides && right.as_float() == 0) return fail("division by zero");
   if (o == '/') return left.as_float() / right.as_float();

@@ -77,7 +77,8 @@ std::string ExpressionParser::expect_name(const char* what) {
   return name;
 }
 
-ExpressionPtr ExpressionParser::binary(Expression::Kind kind, std::string name, ExpressionPtr left, ExpressionPtr right, int line) const {
+ExpressionPtr ExpressionParser::binary(Expression::Kind kind, std::string name, ExpressionPtr left, ExpressionPtr right,
+                                       int line) const {
   auto made = make(kind);
   made->line = line;
   made->name = std::move(name);
@@ -107,7 +108,8 @@ ExpressionPtr ExpressionParser::tuple(bool with_condition) {
   auto made = make(Expression::Kind::kTuple);
   made->operands.push_back(std::move(first));
   while (!failed() && take_operator(",")) {
-    const bool ends = now().kind == Token::Kind::kOutputEnd || now().kind == Token::Kind::kStatementEnd || is_operator(")") || is_operator("=") || is_name("in");
+    const bool ends = now().kind == Token::Kind::kOutputEnd || now().kind == Token::Kind::kStatementEnd ||
+                      is_operator(")") || is_operator("=") || is_name("in");
     if (ends) break;
     made->operands.push_back(expression(with_condition));
   }
@@ -227,7 +229,8 @@ ExpressionPtr ExpressionParser::concatenation() {
 
 ExpressionPtr ExpressionParser::product() {
   auto left = power();
-  for (int length = 0; !failed() && (is_operator("*") || is_operator("/") || is_operator("//") || is_operator("%")) && short_enough(length);
+  for (int length = 0; !failed() && (is_operator("*") || is_operator("/") || is_operator("//") || is_operator("%")) &&
+                       short_enough(length);
        ++length) {
     const Token token = now();
     next();
@@ -267,9 +270,12 @@ ExpressionPtr ExpressionParser::primary() {
   switch (now().kind) {
     case Token::Kind::kName: {
       const std::string name = now().text;
-      if (name == "true" || name == "True") made->value = true;
-      else if (name == "false" || name == "False") made->value = false;
-      else if (name == "none" || name == "None") made->value = Value::none();
+      if (name == "true" || name == "True")
+        made->value = true;
+      else if (name == "false" || name == "False")
+        made->value = false;
+      else if (name == "none" || name == "None")
+        made->value = Value::none();
       else {
         made->kind = Expression::Kind::kName;
         made->name = name;
@@ -394,7 +400,8 @@ bool ExpressionParser::call_arguments(Expression& call) {
       next();
       call.named_arguments.emplace_back(std::move(name), expression());
     } else {
-      if (!call.named_arguments.empty() || call.double_star) fail("found an argument without a name behind one with a name");
+      if (!call.named_arguments.empty() || call.double_star)
+        fail("found an argument without a name behind one with a name");
       call.arguments.push_back(expression());
     }
     if (!is_operator(")") && !expect_operator(",")) break;
@@ -444,11 +451,14 @@ ExpressionPtr ExpressionParser::test(ExpressionPtr operand) {
   }
   made->name = expect_name("a test");
   if (failed()) return nullptr;
-  if (!is_test(made->name)) return fail_at(made->line, "found '" + made->name + "', expected a test" + test_hint(made->name));
+  if (!is_test(made->name))
+    return fail_at(made->line, "found '" + made->name + "', expected a test" + test_hint(made->name));
   made->operands.push_back(std::move(operand));
-  const bool word = now().kind == Token::Kind::kName && now().text != "else" && now().text != "or" && now().text != "and" && now().text != "if" &&
-                    now().text != "is" && now().text != "in" && now().text != "not";
-  const bool literal = now().kind == Token::Kind::kString || now().kind == Token::Kind::kInteger || now().kind == Token::Kind::kFloat;
+  const bool word = now().kind == Token::Kind::kName && now().text != "else" && now().text != "or" &&
+                    now().text != "and" && now().text != "if" && now().text != "is" && now().text != "in" &&
+                    now().text != "not";
+  const bool literal =
+      now().kind == Token::Kind::kString || now().kind == Token::Kind::kInteger || now().kind == Token::Kind::kFloat;
   if (is_operator("(")) {
     if (!call_arguments(*made)) return nullptr;
   } else if (word || literal || is_operator("[") || is_operator("{")) {

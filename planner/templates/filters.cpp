@@ -14,7 +14,9 @@ namespace {
 
 using Filter = Value (*)(Interpreter&, const Value&, const Call&);
 
-Arguments given(Interpreter& self, const char* name, const Call& call, std::string_view names) { return Arguments(self, std::string("the filter ") + name, call, names); }
+Arguments given(Interpreter& self, const char* name, const Call& call, std::string_view names) {
+  return Arguments(self, std::string("the filter ") + name, call, names);
+}
 
 /// `a.b.0` of an item; the item itself if there is no attribute.
 Value part_of(Interpreter& self, const Value& item, const Value* attribute) {
@@ -32,9 +34,12 @@ Value part_of(Interpreter& self, const Value& item, const Value* attribute) {
   return value;
 }
 
-Value folded(const Value& value, bool case_sensitive) { return !case_sensitive && value.is_string() ? Value(lower(value.as_string())) : value; }
+Value folded(const Value& value, bool case_sensitive) {
+  return !case_sensitive && value.is_string() ? Value(lower(value.as_string())) : value;
+}
 
-std::vector<Value> sorted(Interpreter& self, std::vector<Value> values, const Value* attribute, bool case_sensitive, bool reverse) {
+std::vector<Value> sorted(Interpreter& self, std::vector<Value> values, const Value* attribute, bool case_sensitive,
+                          bool reverse) {
   struct Keyed {
     std::vector<Value> keys;
     Value value;
@@ -70,7 +75,9 @@ std::vector<Value> sorted(Interpreter& self, std::vector<Value> values, const Va
   std::vector<Keyed> out;
   for (Keyed& each : keyed) {
     if (self.failed()) break;
-    const auto at = std::upper_bound(out.begin(), out.end(), each, [&](const Keyed& a, const Keyed& b) { return reverse ? before(b, a) : before(a, b); });
+    const auto at = std::upper_bound(out.begin(), out.end(), each, [&](const Keyed& a, const Keyed& b) {
+      return reverse ? before(b, a) : before(a, b);
+    });
     out.insert(at, std::move(each));
   }
   values.clear();
@@ -89,7 +96,8 @@ Value filter_abs(Interpreter& self, const Value& subject, const Call&) {
 
 Value filter_attr(Interpreter& self, const Value& subject, const Call& call) {
   const std::string name = given(self, "attr", call, "name").text(0, "");
-  if (subject.as_dict() != nullptr && !has_method(subject, name)) return Value::undefined(name);  // attributes only, not items
+  if (subject.as_dict() != nullptr && !has_method(subject, name))
+    return Value::undefined(name);  // attributes only, not items
   return self.attribute(subject, name);
 }
 
@@ -102,7 +110,8 @@ Value filter_batch(Interpreter& self, const Value& subject, const Call& call) {
     row.push_back(std::move(item));
   }
   if (!row.empty()) {
-    while (arguments.has(1) && static_cast<std::int64_t>(row.size()) < size && self.spend(1)) row.push_back(*arguments[1]);
+    while (arguments.has(1) && static_cast<std::int64_t>(row.size()) < size && self.spend(1))
+      row.push_back(*arguments[1]);
     rows.push_back(Value::list(std::move(row)));
   }
   return Value::list(std::move(rows));
@@ -111,9 +120,11 @@ Value filter_batch(Interpreter& self, const Value& subject, const Call& call) {
 Value filter_slice(Interpreter& self, const Value& subject, const Call& call) {
   Arguments arguments = given(self, "slice", call, "slices fill_with");
   const std::int64_t slices = arguments.integer(0, 1);
-  if (slices < 1 || slices > 100000) return self.fail("found " + std::to_string(slices) + " slices, expected 1 to 100000");
+  if (slices < 1 || slices > 100000)
+    return self.fail("found " + std::to_string(slices) + " slices, expected 1 to 100000");
   const std::vector<Value> items = self.items(subject);
-  const std::size_t each = items.size() / static_cast<std::size_t>(slices), more = items.size() % static_cast<std::size_t>(slices);
+  const std::size_t each = items.size() / static_cast<std::size_t>(slices),
+                    more = items.size() % static_cast<std::size_t>(slices);
   std::vector<Value> out;
   std::size_t at = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(slices); ++i) {
@@ -125,8 +136,12 @@ Value filter_slice(Interpreter& self, const Value& subject, const Call& call) {
   return Value::list(std::move(out));
 }
 
-Value filter_method(Interpreter& self, const Value& subject, std::string_view method, const Call& call) { return call_method(self, Value(subject.str()), method, call); }
-Value filter_capitalize(Interpreter& self, const Value& subject, const Call& call) { return filter_method(self, subject, "capitalize", call); }
+Value filter_method(Interpreter& self, const Value& subject, std::string_view method, const Call& call) {
+  return call_method(self, Value(subject.str()), method, call);
+}
+Value filter_capitalize(Interpreter& self, const Value& subject, const Call& call) {
+  return filter_method(self, subject, "capitalize", call);
+}
 Value filter_lower(Interpreter&, const Value& subject, const Call&) { return lower(subject.str()); }
 Value filter_upper(Interpreter&, const Value& subject, const Call&) { return upper(subject.str()); }
 Value filter_string(Interpreter&, const Value& subject, const Call&) { return subject.str(); }
@@ -150,7 +165,8 @@ Value filter_title(Interpreter&, const Value& subject, const Call&) {
 
 Value filter_default(Interpreter& self, const Value& subject, const Call& call) {
   const Arguments arguments = given(self, "default", call, "default_value boolean");
-  return subject.is_undefined() || (arguments.truth(1, false) && !subject.truth()) ? arguments.get(0, Value("")) : subject;
+  return subject.is_undefined() || (arguments.truth(1, false) && !subject.truth()) ? arguments.get(0, Value(""))
+                                                                                   : subject;
 }
 
 Value filter_dictsort(Interpreter& self, const Value& subject, const Call& call) {
@@ -190,7 +206,9 @@ Value filter_last(Interpreter& self, const Value& subject, const Call&) {
 
 /// Without the underscores between digits, as Python reads numbers in strings.
 std::string without_underscores(const std::string& text) {
-  const auto digit = [&](std::size_t at) { return at < text.size() && std::isxdigit(static_cast<unsigned char>(text[at])) != 0; };
+  const auto digit = [&](std::size_t at) {
+    return at < text.size() && std::isxdigit(static_cast<unsigned char>(text[at])) != 0;
+  };
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i)
     if (text[i] != '_' || i == 0 || !digit(i - 1) || !digit(i + 1)) out += text[i];
@@ -312,7 +330,8 @@ Value filter_join(Interpreter& self, const Value& subject, const Call& call) {
 
 Value filter_length(Interpreter& self, const Value& subject, const Call&) {
   if (subject.is_string()) return static_cast<std::int64_t>(length_of(subject.as_string()));
-  if (subject.is_number() || subject.is_none()) return self.fail("object of type '" + std::string(subject.type_name()) + "' has no len()");
+  if (subject.is_number() || subject.is_none())
+    return self.fail("object of type '" + std::string(subject.type_name()) + "' has no len()");
   return static_cast<std::int64_t>(self.items(subject).size());
 }
 
@@ -345,7 +364,8 @@ Value select(Interpreter& self, const Value& subject, const Call& call, bool wan
   const std::string test = call.positional.size() > skip ? call.positional[skip].str() : std::string{};
   if (!test.empty() && !is_test(test)) return self.fail("found '" + test + "', expected a test" + test_hint(test));
   Call rest{{}, call.named};
-  if (call.positional.size() > skip + 1) rest.positional.assign(call.positional.begin() + static_cast<std::ptrdiff_t>(skip) + 1, call.positional.end());
+  if (call.positional.size() > skip + 1)
+    rest.positional.assign(call.positional.begin() + static_cast<std::ptrdiff_t>(skip) + 1, call.positional.end());
   if (!subject.truth()) return Value::list({});  // as Jinja, whatever it is
   for (Value& item : self.items(subject)) {
     if (self.failed()) return {};
@@ -354,10 +374,18 @@ Value select(Interpreter& self, const Value& subject, const Call& call, bool wan
   }
   return Value::list(std::move(out));
 }
-Value filter_select(Interpreter& self, const Value& subject, const Call& call) { return select(self, subject, call, true, false); }
-Value filter_reject(Interpreter& self, const Value& subject, const Call& call) { return select(self, subject, call, false, false); }
-Value filter_selectattr(Interpreter& self, const Value& subject, const Call& call) { return select(self, subject, call, true, true); }
-Value filter_rejectattr(Interpreter& self, const Value& subject, const Call& call) { return select(self, subject, call, false, true); }
+Value filter_select(Interpreter& self, const Value& subject, const Call& call) {
+  return select(self, subject, call, true, false);
+}
+Value filter_reject(Interpreter& self, const Value& subject, const Call& call) {
+  return select(self, subject, call, false, false);
+}
+Value filter_selectattr(Interpreter& self, const Value& subject, const Call& call) {
+  return select(self, subject, call, true, true);
+}
+Value filter_rejectattr(Interpreter& self, const Value& subject, const Call& call) {
+  return select(self, subject, call, false, true);
+}
 
 Value extreme(Interpreter& self, const Value& subject, const Call& call, bool largest) {
   const Arguments arguments = given(self, largest ? "max" : "min", call, "case_sensitive attribute");
@@ -374,8 +402,12 @@ Value extreme(Interpreter& self, const Value& subject, const Call& call, bool la
   }
   return best;
 }
-Value filter_max(Interpreter& self, const Value& subject, const Call& call) { return extreme(self, subject, call, true); }
-Value filter_min(Interpreter& self, const Value& subject, const Call& call) { return extreme(self, subject, call, false); }
+Value filter_max(Interpreter& self, const Value& subject, const Call& call) {
+  return extreme(self, subject, call, true);
+}
+Value filter_min(Interpreter& self, const Value& subject, const Call& call) {
+  return extreme(self, subject, call, false);
+}
 
 Value filter_replace(Interpreter& self, const Value& subject, const Call& call) {
   Arguments arguments = given(self, "replace", call, "old new count");
@@ -406,11 +438,13 @@ Value filter_round(Interpreter& self, const Value& subject, const Call& call) {
   if (precision < 0) {
     const double rounded = std::nearbyint(subject.as_float() * scale) / scale;
     if (!subject.is_whole()) return rounded;
-    return std::abs(rounded) < 0x1p63 ? Value(static_cast<std::int64_t>(rounded)) : self.fail("the number is too large");
+    return std::abs(rounded) < 0x1p63 ? Value(static_cast<std::int64_t>(rounded))
+                                      : self.fail("the number is too large");
   }
   if (subject.is_whole()) return subject.as_int();
   char text[512];
-  std::snprintf(text, sizeof text, "%.*f", static_cast<int>(std::min<std::int64_t>(precision, 100)), subject.as_float());
+  std::snprintf(text, sizeof text, "%.*f", static_cast<int>(std::min<std::int64_t>(precision, 100)),
+                subject.as_float());
   double rounded = 0;
   std::from_chars(text, text + sizeof text, rounded);
   return rounded;
@@ -418,7 +452,8 @@ Value filter_round(Interpreter& self, const Value& subject, const Call& call) {
 
 Value filter_sort(Interpreter& self, const Value& subject, const Call& call) {
   const Arguments arguments = given(self, "sort", call, "reverse case_sensitive attribute");
-  return Value::list(sorted(self, self.items(subject), arguments[2], arguments.truth(1, false), arguments.truth(0, false)));
+  return Value::list(
+      sorted(self, self.items(subject), arguments[2], arguments.truth(1, false), arguments.truth(0, false)));
 }
 
 Value filter_sum(Interpreter& self, const Value& subject, const Call& call) {
@@ -445,12 +480,18 @@ void append_json(Interpreter& self, const Value& value, std::string& out, int de
     for (const char c : value.as_string()) {
       char escaped[8];
       std::snprintf(escaped, sizeof escaped, "\\u%04x", static_cast<unsigned char>(c));
-      if (c == '"' || c == '\\') out += std::string("\\") + c;
-      else if (c == '\n') out += "\\n";
-      else if (c == '\t') out += "\\t";
-      else if (c == '\r') out += "\\r";
-      else if (static_cast<unsigned char>(c) < 0x20 || c == '<' || c == '>' || c == '&' || c == '\'') out += escaped;
-      else out += c;
+      if (c == '"' || c == '\\')
+        out += std::string("\\") + c;
+      else if (c == '\n')
+        out += "\\n";
+      else if (c == '\t')
+        out += "\\t";
+      else if (c == '\r')
+        out += "\\r";
+      else if (static_cast<unsigned char>(c) < 0x20 || c == '<' || c == '>' || c == '&' || c == '\'')
+        out += escaped;
+      else
+        out += c;
     }
     out += '"';
   } else if (const ListData* list = value.as_list()) {
@@ -476,13 +517,16 @@ void append_json(Interpreter& self, const Value& value, std::string& out, int de
 }
 
 Value filter_tojson(Interpreter& self, const Value& subject, const Call& call) {
-  if (!call.positional.empty() || !call.named.empty()) return self.fail_unsupported("found tojson with an indent: not supported");
+  if (!call.positional.empty() || !call.named.empty())
+    return self.fail_unsupported("found tojson with an indent: not supported");
   std::string out;
   append_json(self, subject, out, 0);
   return out;
 }
 
-Value filter_trim(Interpreter& self, const Value& subject, const Call& call) { return filter_method(self, subject, "strip", call); }
+Value filter_trim(Interpreter& self, const Value& subject, const Call& call) {
+  return filter_method(self, subject, "strip", call);
+}
 
 Value filter_truncate(Interpreter& self, const Value& subject, const Call& call) {
   if (subject.is_undefined()) return subject;
@@ -492,7 +536,9 @@ Value filter_truncate(Interpreter& self, const Value& subject, const Call& call)
   const auto points = code_points(subject.str());
   if (static_cast<std::int64_t>(points.size()) <= length + leeway) return subject.str();
   const std::int64_t kept = length - static_cast<std::int64_t>(length_of(end));
-  if (kept < 0) return self.fail("found the length " + std::to_string(length) + " to truncate to, expected at least that of the end");
+  if (kept < 0)
+    return self.fail("found the length " + std::to_string(length) +
+                     " to truncate to, expected at least that of the end");
   std::string out;
   for (std::int64_t i = 0; i < kept; ++i) out += points[static_cast<std::size_t>(i)];
   if (!arguments.truth(1, false)) out = out.substr(0, out.rfind(' '));
@@ -505,7 +551,8 @@ Value filter_unique(Interpreter& self, const Value& subject, const Call& call) {
   for (Value& item : self.items(subject)) {
     const Value key = folded(part_of(self, item, arguments[1]), arguments.truth(0, false));
     if (!self.spend(keys.size() + 1)) return {};
-    if (may_change(key)) return self.fail("found " + key.repr() + " for unique, expected what cannot change: no list or dict");
+    if (may_change(key))
+      return self.fail("found " + key.repr() + " for unique, expected what cannot change: no list or dict");
     if (std::any_of(keys.begin(), keys.end(), [&](const Value& known) { return known.equals(key); })) continue;
     keys.push_back(key);
     out.push_back(std::move(item));
@@ -517,7 +564,8 @@ Value filter_wordcount(Interpreter&, const Value& subject, const Call&) {
   std::int64_t words = 0;
   bool inside = false;
   for (const char c : subject.str()) {
-    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || static_cast<unsigned char>(c) >= 0x80;
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+                        static_cast<unsigned char>(c) >= 0x80;
     words += letter && !inside;
     inside = letter;
   }
@@ -528,21 +576,54 @@ struct Named {
   std::string_view name;
   Filter filter;
 };
-constexpr Named kFilters[] = {
-    {"abs", filter_abs},           {"attr", filter_attr},           {"batch", filter_batch},         {"capitalize", filter_capitalize},
-    {"center", filter_center},     {"count", filter_length},        {"d", filter_default},           {"default", filter_default},
-    {"dictsort", filter_dictsort}, {"e", filter_escape},            {"escape", filter_escape},       {"first", filter_first},
-    {"float", filter_float},       {"format", filter_format},       {"groupby", filter_groupby},     {"indent", filter_indent},
-    {"int", filter_int},           {"items", filter_items},         {"join", filter_join},           {"last", filter_last},
-    {"length", filter_length},     {"list", filter_list},           {"lower", filter_lower},         {"map", filter_map},
-    {"max", filter_max},           {"min", filter_min},             {"reject", filter_reject},       {"rejectattr", filter_rejectattr},
-    {"replace", filter_replace},   {"reverse", filter_reverse},     {"round", filter_round},         {"safe", filter_string},
-    {"select", filter_select},     {"selectattr", filter_selectattr}, {"slice", filter_slice},       {"sort", filter_sort},
-    {"string", filter_string},     {"sum", filter_sum},             {"title", filter_title},         {"tojson", filter_tojson},
-    {"trim", filter_trim},         {"truncate", filter_truncate},   {"unique", filter_unique},       {"upper", filter_upper},
-    {"wordcount", filter_wordcount}};
+constexpr Named kFilters[] = {{"abs", filter_abs},
+                              {"attr", filter_attr},
+                              {"batch", filter_batch},
+                              {"capitalize", filter_capitalize},
+                              {"center", filter_center},
+                              {"count", filter_length},
+                              {"d", filter_default},
+                              {"default", filter_default},
+                              {"dictsort", filter_dictsort},
+                              {"e", filter_escape},
+                              {"escape", filter_escape},
+                              {"first", filter_first},
+                              {"float", filter_float},
+                              {"format", filter_format},
+                              {"groupby", filter_groupby},
+                              {"indent", filter_indent},
+                              {"int", filter_int},
+                              {"items", filter_items},
+                              {"join", filter_join},
+                              {"last", filter_last},
+                              {"length", filter_length},
+                              {"list", filter_list},
+                              {"lower", filter_lower},
+                              {"map", filter_map},
+                              {"max", filter_max},
+                              {"min", filter_min},
+                              {"reject", filter_reject},
+                              {"rejectattr", filter_rejectattr},
+                              {"replace", filter_replace},
+                              {"reverse", filter_reverse},
+                              {"round", filter_round},
+                              {"safe", filter_string},
+                              {"select", filter_select},
+                              {"selectattr", filter_selectattr},
+                              {"slice", filter_slice},
+                              {"sort", filter_sort},
+                              {"string", filter_string},
+                              {"sum", filter_sum},
+                              {"title", filter_title},
+                              {"tojson", filter_tojson},
+                              {"trim", filter_trim},
+                              {"truncate", filter_truncate},
+                              {"unique", filter_unique},
+                              {"upper", filter_upper},
+                              {"wordcount", filter_wordcount}};
 
-constexpr std::array kNotDone = {"filesizeformat", "forceescape", "pprint", "random", "striptags", "urlencode", "urlize", "wordwrap", "xmlattr"};
+constexpr std::array kNotDone = {"filesizeformat", "forceescape", "pprint",   "random", "striptags",
+                                 "urlencode",      "urlize",      "wordwrap", "xmlattr"};
 
 }  // namespace
 
@@ -550,7 +631,9 @@ bool is_filter(std::string_view name) {
   return std::any_of(std::begin(kFilters), std::end(kFilters), [&](const Named& each) { return each.name == name; });
 }
 
-bool is_known_filter(std::string_view name) { return is_filter(name) || std::find(kNotDone.begin(), kNotDone.end(), name) != kNotDone.end(); }
+bool is_known_filter(std::string_view name) {
+  return is_filter(name) || std::find(kNotDone.begin(), kNotDone.end(), name) != kNotDone.end();
+}
 
 std::string filter_hint(const std::string& name) {
   std::vector<std::string> names;

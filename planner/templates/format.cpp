@@ -87,10 +87,14 @@ Value formatted(Interpreter& interpreter, const Spec& spec, const Value& value) 
     }
     return padded(spec, "", text, '<');
   }
-  if (!real_type && !whole_type && spec.type != 0) return interpreter.fail(std::string("found the format '") + spec.type + "', which is not known");
-  if (!value.is_number()) return interpreter.fail(std::string("found ") + value.repr() + " for the format '" + spec.type + "', expected a number");
+  if (!real_type && !whole_type && spec.type != 0)
+    return interpreter.fail(std::string("found the format '") + spec.type + "', which is not known");
+  if (!value.is_number())
+    return interpreter.fail(std::string("found ") + value.repr() + " for the format '" + spec.type +
+                            "', expected a number");
   const bool real = real_type || (spec.type == 0 && value.is_float());
-  if (whole_type && value.is_float() && spec.type != 'd' && spec.type != 'i') return interpreter.fail("found a float, expected a whole number");
+  if (whole_type && value.is_float() && spec.type != 'd' && spec.type != 'i')
+    return interpreter.fail("found a float, expected a whole number");
   if (!real && value.is_float() && !(std::abs(value.as_float()) < 0x1p63))
     return interpreter.fail("found " + value.repr() + ", which is too large for a whole number");
   const bool negative = real ? std::signbit(value.as_float()) : value.as_int() < 0;
@@ -98,7 +102,8 @@ Value formatted(Interpreter& interpreter, const Spec& spec, const Value& value) 
   std::string body;
   if (!real) {
     body = whole_text(spec, value.as_int());
-    if (spec.precision > static_cast<int>(body.size())) body.insert(0, static_cast<std::size_t>(spec.precision) - body.size(), '0');
+    if (spec.precision > static_cast<int>(body.size()))
+      body.insert(0, static_cast<std::size_t>(spec.precision) - body.size(), '0');
   } else if (spec.type == 0 && spec.precision < 0) {
     body = float_text(std::abs(value.as_float()));
   } else {
@@ -110,7 +115,8 @@ Value formatted(Interpreter& interpreter, const Spec& spec, const Value& value) 
 
 int digits(const std::string& text, std::size_t& at) {
   int number = 0;
-  for (; at < text.size() && text[at] >= '0' && text[at] <= '9'; ++at) number = std::min(number * 10 + (text[at] - '0'), kWidest + 1);
+  for (; at < text.size() && text[at] >= '0' && text[at] <= '9'; ++at)
+    number = std::min(number * 10 + (text[at] - '0'), kWidest + 1);
   return number;
 }
 
@@ -152,7 +158,8 @@ Value field(Interpreter& interpreter, const std::string& path, const Call& call,
   if (first.empty() || first.find_first_not_of("0123456789") == std::string::npos) {
     std::size_t digit = 0;
     const std::size_t index = first.empty() ? automatic++ : static_cast<std::size_t>(digits(first, digit));
-    if (index >= call.positional.size()) return interpreter.fail("found no argument " + std::to_string(index) + " for a format");
+    if (index >= call.positional.size())
+      return interpreter.fail("found no argument " + std::to_string(index) + " for a format");
     value = call.positional[index];
   } else {
     bool known = false;
@@ -214,10 +221,12 @@ Value format_braces(Interpreter& interpreter, const std::string& format, const C
     if (conversion == "s") value = value.str();
     if (value.is_undefined() && !spec_text.empty() && !interpreter.require(value)) return {};
     const auto spec = parse_spec(spec_text);
-    if (!spec || (spec->precision >= 0 && (value.is_whole() && !value.is_bool()) && (spec->type == 0 || spec->type == 'd')))
+    if (!spec ||
+        (spec->precision >= 0 && (value.is_whole() && !value.is_bool()) && (spec->type == 0 || spec->type == 'd')))
       return interpreter.fail("found the format '" + spec_text + "' for " + value.repr() + ", which is not understood");
     if (!spec_text.empty() && (value.as_list() != nullptr || value.as_dict() != nullptr || value.is_none()))
-      return interpreter.fail("found " + value.repr() + " for a format with a width or type, expected a text or a number");
+      return interpreter.fail("found " + value.repr() +
+                              " for a format with a width or type, expected a text or a number");
     const std::string piece = formatted(interpreter, *spec, value).str();
     if (!interpreter.spend(1, piece.size())) return {};
     out += piece;

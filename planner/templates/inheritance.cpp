@@ -43,7 +43,8 @@ void Interpreter::run_block(const Node& node, Rendering& rendering, const ScopeP
   append(out, block_text(node.text, 0, rendering, node.scoped ? with_locals(scope) : around(scope)));
 }
 
-std::string Interpreter::block_text(const std::string& name, std::size_t level, Rendering& rendering, const ScopePtr& around) {
+std::string Interpreter::block_text(const std::string& name, std::size_t level, Rendering& rendering,
+                                    const ScopePtr& around) {
   const auto [block, owner] = rendering.blocks.at(name).at(level);
   Restore<const Template*> place(current_);
   Restore<int> line(line_);
@@ -55,20 +56,25 @@ std::string Interpreter::block_text(const std::string& name, std::size_t level, 
   return text;
 }
 
-Value Interpreter::block_reference(const std::string& name, std::size_t level, Rendering& rendering, const ScopePtr& around) {
+Value Interpreter::block_reference(const std::string& name, std::size_t level, Rendering& rendering,
+                                   const ScopePtr& around) {
   const auto found = rendering.blocks.find(name);
-  if (found == rendering.blocks.end() || level >= found->second.size()) return Value::undefined("there is no parent block called '" + name + "'");
+  if (found == rendering.blocks.end() || level >= found->second.size())
+    return Value::undefined("there is no parent block called '" + name + "'");
   captured_.push_back(around);
   Value reference = Value::object("BlockReference");
   Rendering* in = &rendering;
-  reference.as_object()->call = [name, level, in, around](Interpreter& self, const Call&) { return Value(self.block_text(name, level, *in, around)); };
+  reference.as_object()->call = [name, level, in, around](Interpreter& self, const Call&) {
+    return Value(self.block_text(name, level, *in, around));
+  };
   reference.as_object()->set("super", block_reference(name, level + 1, rendering, around));
   return reference;
 }
 
 Value Interpreter::self_of(Rendering& rendering, const ScopePtr& scope) {
   Value self = Value::object("TemplateReference");
-  for (const auto& [name, levels] : rendering.blocks) self.as_object()->set(name, block_reference(name, 0, rendering, around(scope)));
+  for (const auto& [name, levels] : rendering.blocks)
+    self.as_object()->set(name, block_reference(name, 0, rendering, around(scope)));
   return self;
 }
 

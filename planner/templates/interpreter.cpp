@@ -13,7 +13,9 @@ namespace {
 /// Nesting of what runs: statements, expressions, macros that call themselves.
 constexpr int kDeepestRun = 1000;
 
-ScopePtr scope_in(const ScopePtr& outer, const std::vector<std::string>& hidden) { return std::make_shared<Scope>(Scope{outer, {}, hidden}); }
+ScopePtr scope_in(const ScopePtr& outer, const std::vector<std::string>& hidden) {
+  return std::make_shared<Scope>(Scope{outer, {}, hidden});
+}
 
 }  // namespace
 
@@ -32,7 +34,8 @@ void Scope::set(const std::string& name, Value value) {
   if (shared) shared->set(name, std::move(value));
 }
 
-Interpreter::Interpreter(const Loader& loader, const Limits& limits) : loader_(loader), limits_(limits), globals_(std::make_shared<Scope>()) {
+Interpreter::Interpreter(const Loader& loader, const Limits& limits)
+    : loader_(loader), limits_(limits), globals_(std::make_shared<Scope>()) {
   globals_->names = global_functions();
 }
 
@@ -60,7 +63,8 @@ bool Interpreter::spend(std::size_t steps, std::size_t bytes) {
   steps_ += steps;
   bytes_ += bytes;
   if (steps_ > limits_.steps) fail("the template takes more than " + std::to_string(limits_.steps) + " steps");
-  if (bytes_ > limits_.output) fail("the template makes more than " + std::to_string(limits_.output) + " bytes of text");
+  if (bytes_ > limits_.output)
+    fail("the template makes more than " + std::to_string(limits_.output) + " bytes of text");
   return !failed();
 }
 
@@ -84,7 +88,8 @@ const Template* Interpreter::load(const std::string& name, bool may_miss) {
   return templates_.emplace(name, std::move(*parsed)).first->second.get();
 }
 
-Expected<std::string> Interpreter::render(const std::string& name, const std::vector<std::pair<std::string, Value>>& variables) {
+Expected<std::string> Interpreter::render(const std::string& name,
+                                          const std::vector<std::pair<std::string, Value>>& variables) {
   const Template* root = load(name, false);
   std::string out;
   if (root != nullptr) out = run_whole(*root, new_rendering(std::make_shared<Scope>(Scope{globals_, variables, {}})));
@@ -161,7 +166,9 @@ void Interpreter::run_node(const Node& node, Rendering& rendering, const ScopePt
       if (!dropped) append(out, evaluate(*node.expression, rendering, scope).str());
       break;
     case Node::Kind::kFor: run_for(node, rendering, scope, out); break;
-    case Node::Kind::kIf: run(evaluate(*node.expression, rendering, scope).truth() ? node.body : node.otherwise, rendering, scope, out); break;
+    case Node::Kind::kIf:
+      run(evaluate(*node.expression, rendering, scope).truth() ? node.body : node.otherwise, rendering, scope, out);
+      break;
     case Node::Kind::kSet:
     case Node::Kind::kSetBlock: run_set(node, rendering, scope); break;
     case Node::Kind::kBlock: run_block(node, rendering, scope, out); break;
@@ -190,7 +197,8 @@ void Interpreter::run_for(const Node& node, Rendering& rendering, const ScopePtr
   if (!failed()) run_loop(node, over, 0, rendering, scope, out);
 }
 
-void Interpreter::run_loop(const Node& node, const Value& over, int depth, Rendering& rendering, const ScopePtr& scope, std::string& out) {
+void Interpreter::run_loop(const Node& node, const Value& over, int depth, Rendering& rendering, const ScopePtr& scope,
+                           std::string& out) {
   std::vector<Value> values = items(over);
   if (node.filter) {
     std::vector<Value> kept;
@@ -283,14 +291,16 @@ void Interpreter::assign(const Expression& target, const Value& value, Rendering
     const std::vector<Value> values = items(value);
     if (failed()) return;
     if (values.size() != target.operands.size()) {
-      fail("found " + std::to_string(values.size()) + " values to unpack, expected " + std::to_string(target.operands.size()));
+      fail("found " + std::to_string(values.size()) + " values to unpack, expected " +
+           std::to_string(target.operands.size()));
       return;
     }
     for (std::size_t i = 0; i < values.size(); ++i) assign(*target.operands[i], values[i], rendering, scope);
   }
 }
 
-void Interpreter::define(const std::string& name, Value value, bool imported, Rendering& rendering, const ScopePtr& scope) {
+void Interpreter::define(const std::string& name, Value value, bool imported, Rendering& rendering,
+                         const ScopePtr& scope) {
   scope->set(name, std::move(value));
   if (!scope->shared) return;
   if (imported) {
@@ -336,32 +346,39 @@ void Interpreter::bind(const Node& node, const Call& call, Rendering& rendering,
   for (std::size_t i = 0; i < count; ++i) {
     const std::string& name = node.parameters[i].first;
     has_caller = has_caller || name == "caller";
-    const bool given = i < positional || std::any_of(named.begin(), named.end(), [&](const auto& each) { return each.first == name; });
+    const bool given =
+        i < positional || std::any_of(named.begin(), named.end(), [&](const auto& each) { return each.first == name; });
     if (!given) missing.push_back(i);
     scope->set(name, i < positional ? call.positional[i] : take(name, Value::undefined(name)));
   }
-  if (node.uses_caller && !has_caller) scope->set("caller", take("caller", Value::undefined("found no caller of " + what + ", expected {% call %}")));
+  if (node.uses_caller && !has_caller)
+    scope->set("caller", take("caller", Value::undefined("found no caller of " + what + ", expected {% call %}")));
   if (node.uses_kwargs) {
     Value rest = Value::dict();
     for (auto& [name, value] : named) templates::assign(*rest.as_dict(), name, std::move(value));
     scope->set("kwargs", rest);
   } else if (!named.empty()) {
     fail(named.front().first == "caller" ? "found {% call %} of " + what + ", which does not use its caller"
-                                         : "found the argument '" + named.front().first + "' of " + what + ", which it does not have or has already");
+                                         : "found the argument '" + named.front().first + "' of " + what +
+                                               ", which it does not have or has already");
   }
   if (node.uses_varargs) {
-    scope->set("varargs", Value::tuple({call.positional.begin() + static_cast<std::ptrdiff_t>(positional), call.positional.end()}));
+    scope->set("varargs", Value::tuple({call.positional.begin() + static_cast<std::ptrdiff_t>(positional),
+                                        call.positional.end()}));
   } else if (call.positional.size() > count) {
-    fail("found " + std::to_string(call.positional.size()) + " arguments of " + what + ", expected at most " + std::to_string(count));
+    fail("found " + std::to_string(call.positional.size()) + " arguments of " + what + ", expected at most " +
+         std::to_string(count));
   }
   for (const std::size_t i : missing)
-    if (const auto& [name, value] = node.parameters[i]; value && !failed()) scope->set(name, evaluate(*value, rendering, scope));
+    if (const auto& [name, value] = node.parameters[i]; value && !failed())
+      scope->set(name, evaluate(*value, rendering, scope));
 }
 
 Value Interpreter::run_macro(const Node& node, const Call& call, Rendering& rendering, const ScopePtr& scope) {
   Restore<int> line(line_);
   Restore<int> depth(depth_);
-  if (++depth_ > kDeepestRun) return fail("macro '" + node.text + "' calls itself more than " + std::to_string(kDeepestRun) + " deep");
+  if (++depth_ > kDeepestRun)
+    return fail("macro '" + node.text + "' calls itself more than " + std::to_string(kDeepestRun) + " deep");
   const ScopePtr inner = scope_in(scope, node.hidden);
   bind(node, call, rendering, inner);
   std::string text;

@@ -17,9 +17,10 @@ namespace cxlab::planner::templates {
 struct Scope {
   std::shared_ptr<Scope> outer;
   std::vector<std::pair<std::string, Value>> names;
-  std::vector<std::string> hidden;       ///< undefined while they are not in `names`, for who runs here
-  std::shared_ptr<Scope> shared = {};    ///< of a top level: the variables of the rendering, which get all that is set here
-  bool of_rendering = false;             ///< what blocks and included templates see: they look behind `hidden` outside
+  std::vector<std::string> hidden;  ///< undefined while they are not in `names`, for who runs here
+  std::shared_ptr<Scope> shared =
+      {};                     ///< of a top level: the variables of the rendering, which get all that is set here
+  bool of_rendering = false;  ///< what blocks and included templates see: they look behind `hidden` outside
 
   Value* find(std::string_view name);
   void set(const std::string& name, Value value);
@@ -80,7 +81,8 @@ class Interpreter {
   void run(const Body& body, Rendering& rendering, const ScopePtr& scope, std::string& out);
   void run_node(const Node& node, Rendering& rendering, const ScopePtr& scope, std::string& out);
   void run_for(const Node& node, Rendering& rendering, const ScopePtr& scope, std::string& out);
-  void run_loop(const Node& node, const Value& over, int depth, Rendering& rendering, const ScopePtr& scope, std::string& out);
+  void run_loop(const Node& node, const Value& over, int depth, Rendering& rendering, const ScopePtr& scope,
+                std::string& out);
   void run_set(const Node& node, Rendering& rendering, const ScopePtr& scope);
   void run_block(const Node& node, Rendering& rendering, const ScopePtr& scope, std::string& out);
   std::string block_text(const std::string& name, std::size_t level, Rendering& rendering, const ScopePtr& around);
@@ -93,7 +95,8 @@ class Interpreter {
   Value make_module(const Template& from, ScopePtr outer);
   /// The module of a template that sees no variables of others; made once.
   Value module_alone(const Template& from);
-  /// Sets a name; at the top level for the whole rendering, and for who imports the template unless it was imported itself.
+  /// Sets a name; at the top level for the whole rendering, and for who imports the template unless it was imported
+  /// itself.
   void define(const std::string& name, Value value, bool imported, Rendering& rendering, const ScopePtr& scope);
   Rendering& new_rendering(ScopePtr outer);
   static void add_blocks(const Template& from, Rendering& rendering);

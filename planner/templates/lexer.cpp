@@ -10,7 +10,8 @@ namespace {
 bool is_space(char c) { return kWhitespace.find(c) != std::string_view::npos; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_name_character(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_' || static_cast<unsigned char>(c) >= 0x80;
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_' ||
+         static_cast<unsigned char>(c) >= 0x80;
 }
 
 void append_utf8(unsigned point, std::string& out) {
@@ -61,13 +62,17 @@ class Lexer {
   void skip(std::size_t count) {
     for (; count > 0 && position_ < source_.size(); --count) line_ += source_[position_++] == '\n';
   }
-  void add(Token::Kind kind, std::string text, Value number = {}) { tokens_.push_back({kind, line_, std::move(text), std::move(number)}); }
+  void add(Token::Kind kind, std::string text, Value number = {}) {
+    tokens_.push_back({kind, line_, std::move(text), std::move(number)});
+  }
 
   /// Text up to the next tag, and the tag.
   Status text() {
     std::size_t tag = position_;
     for (; tag < source_.size(); ++tag)
-      if (source_[tag] == '{' && tag + 1 < source_.size() && (source_[tag + 1] == '{' || source_[tag + 1] == '%' || source_[tag + 1] == '#')) break;
+      if (source_[tag] == '{' && tag + 1 < source_.size() &&
+          (source_[tag + 1] == '{' || source_[tag + 1] == '%' || source_[tag + 1] == '#'))
+        break;
     std::string_view plain = std::string_view(source_).substr(position_, tag - position_);
     const bool strip = tag + 2 < source_.size() && source_[tag + 2] == '-';
     std::string kept = trim(plain, kWhitespace, strip_next_, strip);
@@ -82,7 +87,8 @@ class Lexer {
     if (starts("-") || starts("+")) skip(1);
     if (type == '%' && at_raw("raw", false)) return raw(line);
     add(type == '{' ? Token::Kind::kOutputBegin : Token::Kind::kStatementBegin, "");
-    return tag_body(type == '{' ? "}}" : "%}", type == '{' ? Token::Kind::kOutputEnd : Token::Kind::kStatementEnd, line);
+    return tag_body(type == '{' ? "}}" : "%}", type == '{' ? Token::Kind::kOutputEnd : Token::Kind::kStatementEnd,
+                    line);
   }
 
   Status comment() {
@@ -131,9 +137,11 @@ class Lexer {
     std::string open;  // brackets
     while (true) {
       while (position_ < source_.size() && is_space(source_[position_])) skip(1);
-      if (position_ >= source_.size()) return error("found a tag without end, expected " + std::string(end), begin_line);
+      if (position_ >= source_.size())
+        return error("found a tag without end, expected " + std::string(end), begin_line);
       const bool minus = starts("-");
-      if (open.empty() && (starts(end) || ((minus || starts("+")) && std::string_view(source_).substr(position_ + 1).starts_with(end)))) {
+      if (open.empty() && (starts(end) || ((minus || starts("+")) &&
+                                           std::string_view(source_).substr(position_ + 1).starts_with(end)))) {
         add(end_kind, "");
         if (!starts(end)) {
           strip_next_ = minus;
@@ -159,8 +167,8 @@ class Lexer {
   }
 
   Status operation(std::string& open) {
-    static constexpr std::array kOperators = {"==", "!=", ">=", "<=", "**", "//", "+", "-", "*", "/", "%", "~", "<", ">", "=",
-                                              "(",  ")",  "[",  "]",  "{",  "}",  ".", ",", ":", "|", ";"};
+    static constexpr std::array kOperators = {"==", "!=", ">=", "<=", "**", "//", "+", "-", "*", "/", "%", "~", "<",
+                                              ">",  "=",  "(",  ")",  "[",  "]",  "{", "}", ".", ",", ":", "|", ";"};
     for (const std::string_view word : kOperators) {
       if (!starts(word)) continue;
       const char c = word[0];
@@ -207,7 +215,8 @@ class Lexer {
       const char* first = source_.data() + at + 2;
       const char* last = source_.data() + std::min(source_.size(), at + 2 + digits);
       const auto [end, code] = std::from_chars(first, last, point, 16);
-      if (code != std::errc{} || end != first + digits || point > 0x10ffff) return error("found a broken escape in a string");
+      if (code != std::errc{} || end != first + digits || point > 0x10ffff)
+        return error("found a broken escape in a string");
       append_utf8(point, out);
       at += 2 + digits;
       return {};
@@ -215,7 +224,8 @@ class Lexer {
     if (c >= '0' && c <= '7') {
       unsigned point = 0;
       std::size_t end = at + 1;
-      for (; end < std::min(source_.size(), at + 4) && source_[end] >= '0' && source_[end] <= '7'; ++end) point = point * 8 + static_cast<unsigned>(source_[end] - '0');
+      for (; end < std::min(source_.size(), at + 4) && source_[end] >= '0' && source_[end] <= '7'; ++end)
+        point = point * 8 + static_cast<unsigned>(source_[end] - '0');
       append_utf8(point, out);
       at = end;
       return {};
@@ -238,7 +248,8 @@ class Lexer {
     std::string digits;
     bool real = false;
     const auto take = [&] {
-      while (at < source_.size() && (is_digit(source_[at]) || (source_[at] == '_' && at + 1 < source_.size() && is_digit(source_[at + 1])))) {
+      while (at < source_.size() &&
+             (is_digit(source_[at]) || (source_[at] == '_' && at + 1 < source_.size() && is_digit(source_[at + 1])))) {
         if (source_[at] != '_') digits += source_[at];
         ++at;
       }
@@ -246,16 +257,23 @@ class Lexer {
     const char base = source_[at] == '0' && at + 1 < source_.size() ? static_cast<char>(source_[at + 1] | 0x20) : ' ';
     if (base == 'x' || base == 'b' || base == 'o') {
       std::int64_t value = 0;
-      for (at += 2; at < source_.size() && (std::isxdigit(static_cast<unsigned char>(source_[at])) != 0 || source_[at] == '_'); ++at)
+      for (at += 2;
+           at < source_.size() && (std::isxdigit(static_cast<unsigned char>(source_[at])) != 0 || source_[at] == '_');
+           ++at)
         if (source_[at] != '_') digits += source_[at];
-      const auto [end, code] = std::from_chars(digits.data(), digits.data() + digits.size(), value, base == 'x' ? 16 : base == 'b' ? 2 : 8);
-      if (code != std::errc{} || end != digits.data() + digits.size() || source_[at - 1] == '_') return error("found a broken number");
+      const auto [end, code] = std::from_chars(digits.data(), digits.data() + digits.size(), value,
+                                               base == 'x'   ? 16
+                                               : base == 'b' ? 2
+                                                             : 8);
+      if (code != std::errc{} || end != digits.data() + digits.size() || source_[at - 1] == '_')
+        return error("found a broken number");
       add(Token::Kind::kInteger, "", Value(value));
       skip(at - position_);
       return {};
     }
     take();
-    const bool after_dot = !tokens_.empty() && tokens_.back().kind == Token::Kind::kOperator && tokens_.back().text == ".";
+    const bool after_dot =
+        !tokens_.empty() && tokens_.back().kind == Token::Kind::kOperator && tokens_.back().text == ".";
     if (!after_dot && at + 1 < source_.size() && source_[at] == '.' && is_digit(source_[at + 1])) {
       real = true;
       digits += '.';
@@ -275,7 +293,8 @@ class Lexer {
     Value value;
     if (real) {
       double parsed = 0;
-      if (std::from_chars(digits.data(), digits.data() + digits.size(), parsed).ec != std::errc{}) return error("found a number that is too large: " + digits);
+      if (std::from_chars(digits.data(), digits.data() + digits.size(), parsed).ec != std::errc{})
+        return error("found a number that is too large: " + digits);
       value = parsed;
     } else {
       if (digits[0] == '0' && digits.find_first_not_of('0') != std::string::npos && !after_dot)
@@ -300,6 +319,8 @@ class Lexer {
 
 }  // namespace
 
-Expected<std::vector<Token>> tokenize(std::string_view source, const std::string& file) { return Lexer(source, file).run(); }
+Expected<std::vector<Token>> tokenize(std::string_view source, const std::string& file) {
+  return Lexer(source, file).run();
+}
 
 }  // namespace cxlab::planner::templates

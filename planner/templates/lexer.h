@@ -12,8 +12,8 @@ namespace cxlab::planner::templates {
 
 struct Token {
   enum class Kind {
-    kText,            ///< text outside of tags
-    kOutputBegin,     ///< {{
+    kText,         ///< text outside of tags
+    kOutputBegin,  ///< {{
     kOutputEnd,
     kStatementBegin,  ///< {%
     kStatementEnd,
@@ -26,7 +26,7 @@ struct Token {
   };
   Kind kind = Kind::kEnd;
   int line = 0;
-  std::string text;    ///< of text, names, operators; value of strings
+  std::string text;  ///< of text, names, operators; value of strings
   Value number;
 };
 

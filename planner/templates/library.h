@@ -24,7 +24,8 @@ bool apply_test(Interpreter& interpreter, std::string_view name, const Value& su
 bool has_method(const Value& subject, std::string_view name);
 Value call_method(Interpreter& interpreter, const Value& subject, std::string_view name, const Call& call);
 
-/// Whether `value` is the list, dict or object at this address, or holds it somewhere: what holds itself is never freed.
+/// Whether `value` is the list, dict or object at this address, or holds it somewhere: what holds itself is never
+/// freed.
 bool reaches(const Value& value, const void* container, int depth = 0);
 
 /// range, dict, namespace, cycler, joiner.
@@ -46,7 +47,9 @@ class Arguments {
   Value get(std::size_t index, Value otherwise) const { return has(index) ? *values_[index] : otherwise; }
   bool truth(std::size_t index, bool otherwise) const { return has(index) ? values_[index]->truth() : otherwise; }
   std::int64_t integer(std::size_t index, std::int64_t otherwise);
-  std::string text(std::size_t index, const std::string& otherwise) const { return has(index) ? values_[index]->str() : otherwise; }
+  std::string text(std::size_t index, const std::string& otherwise) const {
+    return has(index) ? values_[index]->str() : otherwise;
+  }
 
  private:
   Interpreter& interpreter_;

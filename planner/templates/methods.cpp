@@ -9,10 +9,14 @@
 namespace cxlab::planner::templates {
 namespace {
 
-constexpr std::array kStringMethods = {"upper", "lower", "strip", "lstrip", "rstrip", "split", "rsplit", "splitlines", "join", "replace", "startswith", "endswith",
-                                       "find", "index", "count", "format", "title", "capitalize", "isdigit", "isalpha", "isalnum", "isupper", "islower",
-                                       "isspace", "zfill", "ljust", "rjust", "center", "removeprefix", "removesuffix", "swapcase", "partition", "rpartition"};
-constexpr std::array kListMethods = {"append", "extend", "insert", "pop", "index", "count", "reverse", "sort", "remove", "clear", "copy"};
+constexpr std::array kStringMethods = {"upper",    "lower",      "strip",     "lstrip",  "rstrip",       "split",
+                                       "rsplit",   "splitlines", "join",      "replace", "startswith",   "endswith",
+                                       "find",     "index",      "count",     "format",  "title",        "capitalize",
+                                       "isdigit",  "isalpha",    "isalnum",   "isupper", "islower",      "isspace",
+                                       "zfill",    "ljust",      "rjust",     "center",  "removeprefix", "removesuffix",
+                                       "swapcase", "partition",  "rpartition"};
+constexpr std::array kListMethods = {"append",  "extend", "insert", "pop",   "index", "count",
+                                     "reverse", "sort",   "remove", "clear", "copy"};
 constexpr std::array kTupleMethods = {"index", "count"};
 constexpr std::array kDictMethods = {"items", "keys", "values", "get", "update", "pop", "setdefault", "copy", "clear"};
 
@@ -61,12 +65,15 @@ Value to_list(std::vector<std::string> parts) {
   return Value::list(std::move(values));
 }
 
-Value justified(Interpreter& interpreter, const std::string& text, std::int64_t width, const std::string& fill, char where) {
+Value justified(Interpreter& interpreter, const std::string& text, std::int64_t width, const std::string& fill,
+                char where) {
   const auto size = static_cast<std::int64_t>(length_of(text));
   if (width <= size) return text;
   const auto missing = static_cast<std::size_t>(width - size);
   if (!interpreter.spend(1, missing)) return {};
-  const std::size_t left = where == 'l' ? 0 : where == 'r' ? missing : missing / 2 + (missing & static_cast<std::size_t>(width) & 1);
+  const std::size_t left = where == 'l'   ? 0
+                           : where == 'r' ? missing
+                                          : missing / 2 + (missing & static_cast<std::size_t>(width) & 1);
   std::string out;
   for (std::size_t i = 0; i < left; ++i) out += fill;
   out += text;
@@ -74,7 +81,9 @@ Value justified(Interpreter& interpreter, const std::string& text, std::int64_t 
   return out;
 }
 
-bool all_of(const std::string& text, bool (*wanted)(char)) { return !text.empty() && std::all_of(text.begin(), text.end(), wanted); }
+bool all_of(const std::string& text, bool (*wanted)(char)) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), wanted);
+}
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_small(char c) { return c >= 'a' && c <= 'z'; }
 bool is_capital(char c) { return c >= 'A' && c <= 'Z'; }
@@ -92,7 +101,9 @@ std::string title(const std::string& text) {
 }
 
 bool starts_or_ends(const std::string& text, const Value& with, bool starts) {
-  const auto one = [&](const Value& each) { return starts ? text.starts_with(each.str()) : text.ends_with(each.str()); };
+  const auto one = [&](const Value& each) {
+    return starts ? text.starts_with(each.str()) : text.ends_with(each.str());
+  };
   if (const ListData* list = with.as_list()) return std::any_of(list->items.begin(), list->items.end(), one);
   return one(with);
 }
@@ -102,11 +113,13 @@ std::int64_t position(const std::string& text, const std::string& part) {
   return at == std::string::npos ? -1 : static_cast<std::int64_t>(length_of(std::string_view(text).substr(0, at)));
 }
 
-Value replaced(Interpreter& interpreter, const std::string& text, const std::string& from, const std::string& to, std::int64_t most) {
+Value replaced(Interpreter& interpreter, const std::string& text, const std::string& from, const std::string& to,
+               std::int64_t most) {
   std::string out;
   std::size_t at = 0;
   for (std::int64_t done = 0; most < 0 || done < most; ++done) {
-    const std::size_t found = from.empty() ? (at < text.size() || done == 0 ? at : std::string::npos) : text.find(from, at);
+    const std::size_t found =
+        from.empty() ? (at < text.size() || done == 0 ? at : std::string::npos) : text.find(from, at);
     if (found == std::string::npos) break;
     out.append(text, at, found - at);
     out += to;
@@ -126,11 +139,14 @@ Value replaced(Interpreter& interpreter, const std::string& text, const std::str
 }
 
 Value string_method(Interpreter& self, const std::string& text, std::string_view name, const Call& call) {
-  const auto arguments = [&](std::string_view names) { return Arguments(self, "str." + std::string(name), call, names); };
+  const auto arguments = [&](std::string_view names) {
+    return Arguments(self, "str." + std::string(name), call, names);
+  };
   if (name == "upper") return upper(text);
   if (name == "lower") return lower(text);
   if (name == "title") return title(text);
-  if (name == "capitalize") return text.empty() ? text : upper(code_points(text)[0]) + lower(text.substr(code_points(text)[0].size()));
+  if (name == "capitalize")
+    return text.empty() ? text : upper(code_points(text)[0]) + lower(text.substr(code_points(text)[0].size()));
   if (name == "strip" || name == "lstrip" || name == "rstrip") {
     const Arguments given = arguments("chars");
     const std::string characters = given.has(0) && !given[0]->is_none() ? given[0]->str() : std::string(kWhitespace);
@@ -164,7 +180,8 @@ Value string_method(Interpreter& self, const std::string& text, std::string_view
     Arguments given = arguments("old new count");
     return replaced(self, text, given.text(0, ""), given.text(1, ""), given.integer(2, -1));
   }
-  if (name == "startswith" || name == "endswith") return starts_or_ends(text, arguments("prefix").get(0, Value("")), name == "startswith");
+  if (name == "startswith" || name == "endswith")
+    return starts_or_ends(text, arguments("prefix").get(0, Value("")), name == "startswith");
   if (name == "find" || name == "index") {
     const std::int64_t at = position(text, arguments("sub").text(0, ""));
     return at < 0 && name == "index" ? self.fail("substring not found") : Value(at);
@@ -181,8 +198,10 @@ Value string_method(Interpreter& self, const std::string& text, std::string_view
   if (name == "isalpha") return all_of(text, is_letter);
   if (name == "isalnum") return all_of(text, [](char c) { return is_letter(c) || is_digit(c); });
   if (name == "isspace") return all_of(text, [](char c) { return kWhitespace.find(c) != std::string_view::npos; });
-  if (name == "isupper") return std::any_of(text.begin(), text.end(), is_capital) && std::none_of(text.begin(), text.end(), is_small);
-  if (name == "islower") return std::any_of(text.begin(), text.end(), is_small) && std::none_of(text.begin(), text.end(), is_capital);
+  if (name == "isupper")
+    return std::any_of(text.begin(), text.end(), is_capital) && std::none_of(text.begin(), text.end(), is_small);
+  if (name == "islower")
+    return std::any_of(text.begin(), text.end(), is_small) && std::none_of(text.begin(), text.end(), is_capital);
   if (name == "zfill") {
     const std::int64_t width = arguments("width").integer(0, 0);
     const bool sign = text.starts_with('-') || text.starts_with('+');
@@ -195,7 +214,8 @@ Value string_method(Interpreter& self, const std::string& text, std::string_view
   }
   if (name == "swapcase") {
     std::string out;
-    for (const std::string& character : code_points(text)) out += is_capital(character[0]) ? lower(character) : upper(character);
+    for (const std::string& character : code_points(text))
+      out += is_capital(character[0]) ? lower(character) : upper(character);
     return out;
   }
   if (name == "partition" || name == "rpartition") {
@@ -211,9 +231,13 @@ Value string_method(Interpreter& self, const std::string& text, std::string_view
 }
 
 Value list_method(Interpreter& self, ListData& list, std::string_view name, const Call& call) {
-  Arguments given(self, "list." + std::string(name), call, name == "insert" ? "index item" : name == "sort" ? "key reverse" : "item");
+  Arguments given(self, "list." + std::string(name), call,
+                  name == "insert" ? "index item"
+                  : name == "sort" ? "key reverse"
+                                   : "item");
   const auto size = static_cast<std::int64_t>(list.items.size());
-  const auto wanted = std::find_if(list.items.begin(), list.items.end(), [&](const Value& item) { return given.has(0) && item.equals(*given[0]); });
+  const auto wanted = std::find_if(list.items.begin(), list.items.end(),
+                                   [&](const Value& item) { return given.has(0) && item.equals(*given[0]); });
   if (self.failed() || !self.spend(list.items.size())) return {};
   if (name == "append" || name == "insert") {
     const Value item = given.get(name == "append" ? 0 : 1, Value{});
@@ -234,15 +258,20 @@ Value list_method(Interpreter& self, ListData& list, std::string_view name, cons
     list.items.erase(list.items.begin() + at);
     return item;
   } else if (name == "index") {
-    return wanted == list.items.end() ? self.fail("the item is not in the list") : Value(static_cast<std::int64_t>(wanted - list.items.begin()));
+    return wanted == list.items.end() ? self.fail("the item is not in the list")
+                                      : Value(static_cast<std::int64_t>(wanted - list.items.begin()));
   } else if (name == "count") {
-    return static_cast<std::int64_t>(std::count_if(list.items.begin(), list.items.end(), [&](const Value& item) { return given.has(0) && item.equals(*given[0]); }));
+    return static_cast<std::int64_t>(std::count_if(list.items.begin(), list.items.end(), [&](const Value& item) {
+      return given.has(0) && item.equals(*given[0]);
+    }));
   } else if (name == "reverse") {
     std::reverse(list.items.begin(), list.items.end());
   } else if (name == "sort") {
     if (given.has(0)) return self.fail_unsupported("found list.sort with a key: not supported, use the filter sort");
     std::vector<Value> sorted = list.items;
-    std::stable_sort(sorted.begin(), sorted.end(), [&](const Value& a, const Value& b) { return given.truth(1, false) ? self.less(b, a) : self.less(a, b); });
+    std::stable_sort(sorted.begin(), sorted.end(), [&](const Value& a, const Value& b) {
+      return given.truth(1, false) ? self.less(b, a) : self.less(a, b);
+    });
     list.items = std::move(sorted);
   } else if (name == "remove") {
     if (wanted == list.items.end()) return self.fail("the item is not in the list");
@@ -258,7 +287,8 @@ Value list_method(Interpreter& self, ListData& list, std::string_view name, cons
 Value dict_method(Interpreter& self, DictData& dict, std::string_view name, const Call& call) {
   std::vector<Value> out;
   if (name == "items" || name == "keys" || name == "values") {
-    for (const auto& [key, value] : dict.entries) out.push_back(name == "items" ? Value::tuple({key, value}) : name == "keys" ? key : value);
+    for (const auto& [key, value] : dict.entries)
+      out.push_back(name == "items" ? Value::tuple({key, value}) : name == "keys" ? key : value);
     return self.spend(out.size()) ? Value::list(std::move(out)) : Value{};
   }
   if (name == "copy" || name == "clear") {
@@ -276,7 +306,8 @@ Value dict_method(Interpreter& self, DictData& dict, std::string_view name, cons
       }
       for (const Value& pair : self.items(from)) {
         std::vector<Value> two = self.items(pair);
-        if (self.failed() || two.size() != 2 || may_change(two[0])) return self.fail("found " + pair.repr() + " for a dict, expected a key and its value");
+        if (self.failed() || two.size() != 2 || may_change(two[0]))
+          return self.fail("found " + pair.repr() + " for a dict, expected a key and its value");
         more.entries.emplace_back(std::move(two[0]), std::move(two[1]));
       }
     }
@@ -298,7 +329,8 @@ Value dict_method(Interpreter& self, DictData& dict, std::string_view name, cons
     assign(dict, *given[0], given.get(1, Value::none()));
     return given.get(1, Value::none());
   }
-  if (known == nullptr) return given.has(1) ? *given[1] : self.fail("found no key " + given[0]->repr() + " in the dict");
+  if (known == nullptr)
+    return given.has(1) ? *given[1] : self.fail("found no key " + given[0]->repr() + " in the dict");
   Value popped = *known;
   std::erase_if(dict.entries, [&](const auto& entry) { return entry.first.equals(*given[0]); });
   return popped;
@@ -307,18 +339,21 @@ Value dict_method(Interpreter& self, DictData& dict, std::string_view name, cons
 Value make_range(Interpreter& self, const Call& call) {
   Arguments given(self, "range", call, "start stop step");
   const bool one = !given.has(1);
-  const std::int64_t first = one ? 0 : given.integer(0, 0), last = one ? given.integer(0, 0) : given.integer(1, 0), step = given.integer(2, 1);
+  const std::int64_t first = one ? 0 : given.integer(0, 0), last = one ? given.integer(0, 0) : given.integer(1, 0),
+                     step = given.integer(2, 1);
   if (step == 0) return self.fail("range step cannot be zero");
   constexpr std::int64_t kMost = 100000;  // as the sandbox of Jinja
   std::vector<Value> numbers;
   for (std::int64_t i = first; step > 0 ? i < last : i > last;) {
     numbers.emplace_back(i);
-    if (static_cast<std::int64_t>(numbers.size()) > kMost) return self.fail("range is longer than " + std::to_string(kMost));
+    if (static_cast<std::int64_t>(numbers.size()) > kMost)
+      return self.fail("range is longer than " + std::to_string(kMost));
     if (__builtin_add_overflow(i, step, &i)) break;
   }
   if (!self.spend(numbers.size())) return {};
   Value range = Value::tuple(std::move(numbers));  // which nobody can change
-  range.as_list()->shown = "range(" + std::to_string(first) + ", " + std::to_string(last) + (step == 1 ? "" : ", " + std::to_string(step)) + ")";
+  range.as_list()->shown = "range(" + std::to_string(first) + ", " + std::to_string(last) +
+                           (step == 1 ? "" : ", " + std::to_string(step)) + ")";
   return range;
 }
 
@@ -375,15 +410,20 @@ bool reaches(const Value& value, const void* container, int depth) {
   const ObjectData* object = value.as_object();
   if (list == nullptr && dict == nullptr && object == nullptr) return false;
   if (depth > 100 || list == container || dict == container || object == container) return true;
-  if (list != nullptr) return std::any_of(list->items.begin(), list->items.end(), [&](const Value& item) { return reaches(item, container, depth + 1); });
+  if (list != nullptr)
+    return std::any_of(list->items.begin(), list->items.end(),
+                       [&](const Value& item) { return reaches(item, container, depth + 1); });
   if (dict != nullptr)
-    return std::any_of(dict->entries.begin(), dict->entries.end(), [&](const auto& entry) { return reaches(entry.second, container, depth + 1); });
-  return std::any_of(object->fields.begin(), object->fields.end(), [&](const auto& field) { return reaches(field.second, container, depth + 1); });
+    return std::any_of(dict->entries.begin(), dict->entries.end(),
+                       [&](const auto& entry) { return reaches(entry.second, container, depth + 1); });
+  return std::any_of(object->fields.begin(), object->fields.end(),
+                     [&](const auto& field) { return reaches(field.second, container, depth + 1); });
 }
 
 bool has_method(const Value& subject, std::string_view name) {
   if (subject.is_string()) return is_one_of(name, kStringMethods);
-  if (const ListData* list = subject.as_list()) return list->tuple ? is_one_of(name, kTupleMethods) : is_one_of(name, kListMethods);
+  if (const ListData* list = subject.as_list())
+    return list->tuple ? is_one_of(name, kTupleMethods) : is_one_of(name, kListMethods);
   return subject.as_dict() != nullptr && is_one_of(name, kDictMethods);
 }
 

@@ -13,7 +13,8 @@
 
 namespace cxlab::planner::templates {
 
-/// Recursive descent with the precedences of Jinja. After an error `failed()` is true, tokens end, and results are null.
+/// Recursive descent with the precedences of Jinja. After an error `failed()` is true, tokens end, and results are
+/// null.
 class ExpressionParser {
  public:
   ExpressionParser(std::vector<Token> tokens, const std::string& file) : tokens_(std::move(tokens)), file_(file) {}
@@ -74,7 +75,8 @@ class ExpressionParser {
   ExpressionPtr test(ExpressionPtr operand);
   ExpressionPtr list_literal();
   ExpressionPtr dict_literal();
-  ExpressionPtr binary(Expression::Kind kind, std::string name, ExpressionPtr left, ExpressionPtr right, int line) const;
+  ExpressionPtr binary(Expression::Kind kind, std::string name, ExpressionPtr left, ExpressionPtr right,
+                       int line) const;
 
   std::vector<Token> tokens_;
   const std::string& file_;

@@ -68,7 +68,8 @@ class Mentions {
 
 bool has_scoped_block(const Body& body) {
   return std::any_of(body.begin(), body.end(), [](const auto& node) {
-    return (node->kind == Node::Kind::kBlock && node->scoped) || has_scoped_block(node->body) || has_scoped_block(node->otherwise);
+    return (node->kind == Node::Kind::kBlock && node->scoped) || has_scoped_block(node->body) ||
+           has_scoped_block(node->otherwise);
   });
 }
 
@@ -172,7 +173,8 @@ class Resolver {
         descend(node.otherwise, frame, place);
         break;
       case Node::Kind::kExtends:
-        if (!place.top_level) fail(node, "found 'extends' inside another statement, expected it at the top level (or in an if there)");
+        if (!place.top_level)
+          fail(node, "found 'extends' inside another statement, expected it at the top level (or in an if there)");
         break;
       case Node::Kind::kFor: loop(node, frame, place); break;
       case Node::Kind::kSet: check_target(node, place); break;
@@ -211,7 +213,8 @@ class Resolver {
   void loop(Node& node, const Frame& frame, Place place) {
     place = {false, place.captured, true};
     check_target(node, place);
-    node.uses_loop = node.recursive || Mentions(node.body, {"loop"})("loop") || has_scoped_block(node.body) || has_scoped_block(node.otherwise);
+    node.uses_loop = node.recursive || Mentions(node.body, {"loop"})("loop") || has_scoped_block(node.body) ||
+                     has_scoped_block(node.otherwise);
     Frame body{&frame, {}}, otherwise{&frame, {}};
     each_target(*node.target, [&](std::string_view name) { body.give(name); }, [](std::string_view) {});
     if (node.uses_loop) body.give("loop");
@@ -223,7 +226,8 @@ class Resolver {
     each_target(
         *node.target,
         [&](std::string_view name) {
-          if (place.in_loop && name == "loop") fail(node, "found an assignment to 'loop' inside a loop, which has that name already");
+          if (place.in_loop && name == "loop")
+            fail(node, "found an assignment to 'loop' inside a loop, which has that name already");
         },
         [](std::string_view) {});
   }
@@ -232,18 +236,21 @@ class Resolver {
     const Mentions mentions(node.body, {"caller", "kwargs", "varargs"});
     Frame inner{&frame, {}};
     const auto given = [&](std::string_view name) {
-      return std::find_if(node.parameters.begin(), node.parameters.end(), [&](const auto& each) { return each.first == name; });
+      return std::find_if(node.parameters.begin(), node.parameters.end(),
+                          [&](const auto& each) { return each.first == name; });
     };
     const auto none = node.parameters.end();
     node.uses_caller = mentions("caller");
-    if (node.uses_caller && given("caller") != none && !given("caller")->second) fail(node, "found the parameter 'caller' without default, expected one");
+    if (node.uses_caller && given("caller") != none && !given("caller")->second)
+      fail(node, "found the parameter 'caller' without default, expected one");
     node.uses_kwargs = mentions("kwargs") && given("kwargs") == none;
     node.uses_varargs = mentions("varargs") && given("varargs") == none;
     for (const auto& [name, value] : node.parameters) inner.give(name);
     if (node.uses_caller) inner.give("caller");
     if (node.uses_kwargs) inner.give("kwargs");
     if (node.uses_varargs) inner.give("varargs");
-    for (const auto& [name, value] : node.parameters) each_read(value.get(), [&](std::string_view read) { inner.read(read); });
+    for (const auto& [name, value] : node.parameters)
+      each_read(value.get(), [&](std::string_view read) { inner.read(read); });
     node.hidden = scope(node.body, inner, place);
   }
 

@@ -6,8 +6,8 @@
 
 namespace cxlab::planner::templates {
 
-/// Fills in what tree.h says is by this function. Errors: `extends` elsewhere than at the top level, an assignment to `loop`
-/// inside a loop, a parameter `caller` without default.
+/// Fills in what tree.h says is by this function. Errors: `extends` elsewhere than at the top level, an assignment to
+/// `loop` inside a loop, a parameter `caller` without default.
 Status resolve_scopes(Template& parsed);
 
 }  // namespace cxlab::planner::templates

@@ -40,7 +40,8 @@ class StatementParser : public ExpressionParser {
     const int line = now().line;
     while (!failed()) {
       if (now().kind == Token::Kind::kEnd) {
-        if (!ends.empty()) fail_at(line, "found the end of the template, expected {% " + std::string(ends.back()) + " %}");
+        if (!ends.empty())
+          fail_at(line, "found the end of the template, expected {% " + std::string(ends.back()) + " %}");
         break;
       }
       if (now().kind == Token::Kind::kText) {
@@ -111,8 +112,10 @@ class StatementParser : public ExpressionParser {
 
   /// A tag that begins no statement: one that ends or continues another, or a misspelt one.
   void refuse(int line, const std::string& word) {
-    static const std::vector<std::string> kBegin = {"for", "if", "set", "block", "extends", "include", "import", "from", "macro", "call", "filter", "with", "do", "raw"};
-    static const std::vector<std::string> kGoOn = {"else", "elif", "endfor", "endif", "endset", "endblock", "endmacro", "endcall", "endfilter", "endwith", "endraw"};
+    static const std::vector<std::string> kBegin = {"for",  "if",    "set",  "block",  "extends", "include", "import",
+                                                    "from", "macro", "call", "filter", "with",    "do",      "raw"};
+    static const std::vector<std::string> kGoOn = {"else",     "elif",    "endfor",    "endif",   "endset", "endblock",
+                                                   "endmacro", "endcall", "endfilter", "endwith", "endraw"};
     if (std::find(kGoOn.begin(), kGoOn.end(), word) != kGoOn.end()) {
       fail_at(line, "found {% " + word + " %}, which ends or continues nothing");
       return;
@@ -208,13 +211,17 @@ class StatementParser : public ExpressionParser {
     close();
     node->body = body({"endblock"});
     for (const auto& inside : node->body)
-      if (node->required && (inside->kind != Node::Kind::kText || inside->text.find_first_not_of(kWhitespace) != std::string::npos))
-        fail_at(inside->line, "found contents of the block '" + node->text + "', which is required: expected only blanks and comments");
+      if (node->required &&
+          (inside->kind != Node::Kind::kText || inside->text.find_first_not_of(kWhitespace) != std::string::npos))
+        fail_at(inside->line, "found contents of the block '" + node->text +
+                                  "', which is required: expected only blanks and comments");
     next();
-    if (now().kind == Token::Kind::kName && !take_name(node->text)) fail("found " + found() + ", expected '" + node->text + "', the name of the block that ends here");
+    if (now().kind == Token::Kind::kName && !take_name(node->text))
+      fail("found " + found() + ", expected '" + node->text + "', the name of the block that ends here");
     close();
     if (!failed() && !template_->blocks.emplace(node->text, node.get()).second)
-      fail_at(line, "found block '" + node->text + "' a second time; declared at " + template_->name + ":" + std::to_string(template_->blocks[node->text]->line));
+      fail_at(line, "found block '" + node->text + "' a second time; declared at " + template_->name + ":" +
+                        std::to_string(template_->blocks[node->text]->line));
     return node;
   }
 
@@ -258,7 +265,8 @@ class StatementParser : public ExpressionParser {
     while (!failed()) {
       if ((is_name("with") || is_name("without")) && ahead().text == "context") break;
       std::string name = expect_name("a name to import");
-      if (name.starts_with('_')) fail("found '" + name + "', but names that begin with an underscore cannot be imported");
+      if (name.starts_with('_'))
+        fail("found '" + name + "', but names that begin with an underscore cannot be imported");
       std::string alias = take_name("as") ? expect_name("a name") : name;
       node->names.emplace_back(std::move(name), std::move(alias));
       if (!take_operator(",") || now().kind == Token::Kind::kStatementEnd) break;
@@ -272,10 +280,12 @@ class StatementParser : public ExpressionParser {
     if (!expect_operator("(")) return;
     while (!failed() && !is_operator(")")) {
       std::string name = expect_name("a parameter");
-      if (std::any_of(node.parameters.begin(), node.parameters.end(), [&](const auto& each) { return each.first == name; }))
+      if (std::any_of(node.parameters.begin(), node.parameters.end(),
+                      [&](const auto& each) { return each.first == name; }))
         fail("found the parameter '" + name + "' a second time");
       ExpressionPtr value = take_operator("=") ? expression() : nullptr;
-      if (!failed() && !value && !node.parameters.empty() && node.parameters.back().second) fail("found a parameter without default behind one with a default");
+      if (!failed() && !value && !node.parameters.empty() && node.parameters.back().second)
+        fail("found a parameter without default behind one with a default");
       node.parameters.emplace_back(std::move(name), std::move(value));
       if (!is_operator(")") && !expect_operator(",")) break;
     }

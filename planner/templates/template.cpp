@@ -24,7 +24,8 @@ Loader folder_loader(const std::string& folder) {
   };
 }
 
-Expected<std::string> render(const Loader& loader, const std::string& name, const std::vector<std::pair<std::string, Value>>& variables, const Limits& limits) {
+Expected<std::string> render(const Loader& loader, const std::string& name,
+                             const std::vector<std::pair<std::string, Value>>& variables, const Limits& limits) {
   return Interpreter(loader, limits).render(name, variables);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Templates in the language of Jinja, as files of domains and problems may be: extends, block, include, import, for, if,
-// set, macro, call, filter, with, raw; expressions, filters and tests. See docs/planning.md for what is left out.
+// Templates in the language of Jinja, as files of domains and problems may be: extends, block, include, import, for,
+// if, set, macro, call, filter, with, raw; expressions, filters and tests. See docs/planning.md for what is left out.
 
 #include <functional>
 #include <optional>
@@ -25,10 +25,11 @@ struct Limits {
   std::size_t steps = 20'000'000;  ///< evaluated expressions, items and statements
 };
 
-/// Renders the template of that name. `variables` are seen by it, by what it extends, and by what it includes or imports with
-/// its context.
-/// Errors carry the name as `file`, and the line; what Jinja has and this has not carries the code "unsupported".
-Expected<std::string> render(const Loader& loader, const std::string& name, const std::vector<std::pair<std::string, Value>>& variables = {},
+/// Renders the template of that name. `variables` are seen by it, by what it extends, and by what it includes or
+/// imports with its context. Errors carry the name as `file`, and the line; what Jinja has and this has not carries the
+/// code "unsupported".
+Expected<std::string> render(const Loader& loader, const std::string& name,
+                             const std::vector<std::pair<std::string, Value>>& variables = {},
                              const Limits& limits = {});
 
 /// Renders `file`, found below `folder`.

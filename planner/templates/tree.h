@@ -15,11 +15,11 @@ using ExpressionPtr = std::unique_ptr<Expression>;
 
 struct Expression {
   enum class Kind {
-    kLiteral,    ///< value
-    kName,       ///< name
-    kList,       ///< operands
-    kTuple,      ///< operands
-    kDict,       ///< operands: key, value, key, value ...
+    kLiteral,  ///< value
+    kName,     ///< name
+    kList,     ///< operands
+    kTuple,    ///< operands
+    kDict,     ///< operands: key, value, key, value ...
     kNegate,
     kPlus,
     kNot,
@@ -86,15 +86,15 @@ struct Node {
   bool with_context = true;     ///< include, import
 
   // By resolve_scopes (scopes.h).
-  std::vector<std::string> hidden;            ///< names that the body assigns to before it reads them: undefined until then
+  std::vector<std::string> hidden;  ///< names that the body assigns to before it reads them: undefined until then
   std::vector<std::string> otherwise_hidden;  ///< for: the same of its else
-  bool top_level = false;                     ///< block: in no loop, macro or other block; not shown where it stands in a child
-  bool captured = false;                      ///< text, output: inside a macro, block or set; shown in a child, too
-  bool uses_loop = false;                     ///< for
-  bool uses_super = false;                    ///< block
-  bool uses_caller = false;                   ///< macro, call
-  bool uses_kwargs = false;                   ///< macro, call
-  bool uses_varargs = false;                  ///< macro, call
+  bool top_level = false;     ///< block: in no loop, macro or other block; not shown where it stands in a child
+  bool captured = false;      ///< text, output: inside a macro, block or set; shown in a child, too
+  bool uses_loop = false;     ///< for
+  bool uses_super = false;    ///< block
+  bool uses_caller = false;   ///< macro, call
+  bool uses_kwargs = false;   ///< macro, call
+  bool uses_varargs = false;  ///< macro, call
 };
 
 struct Template {

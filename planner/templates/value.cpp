@@ -182,7 +182,7 @@ bool Value::equals(const Value& other, int depth) const {
       if (!a->items[i].equals(b->items[i], depth + 1)) return false;
     return true;
   }
-  if (DictData *a = as_dict(), *b = other.as_dict(); a != nullptr && b != nullptr) {
+  if (DictData* a = as_dict(), *b = other.as_dict(); a != nullptr && b != nullptr) {
     if (a->entries.size() != b->entries.size()) return false;
     for (const auto& [key, value] : a->entries) {
       const Value* match = find(*b, key);
@@ -214,7 +214,8 @@ std::optional<int> Value::order(const Value& other) const {
 }
 
 std::size_t length_of(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 std::vector<std::string> code_points(std::string_view text) {

@@ -65,12 +65,16 @@ class Value {
 
   static Value none() { return Value(Data(nullptr)); }
   static Value undefined(std::string name) { return Value(Data(Undefined{std::move(name)})); }
-  static Value list(std::vector<Value> items) { return Value(Data(std::make_shared<ListData>(ListData{std::move(items), false, {}, {}}))); }
+  static Value list(std::vector<Value> items) {
+    return Value(Data(std::make_shared<ListData>(ListData{std::move(items), false, {}, {}})));
+  }
   static Value tuple(std::vector<Value> items, std::vector<std::string> names = {}) {
     return Value(Data(std::make_shared<ListData>(ListData{std::move(items), true, std::move(names), {}})));
   }
   static Value dict() { return Value(Data(std::make_shared<DictData>())); }
-  static Value object(std::string kind) { return Value(Data(std::make_shared<ObjectData>(ObjectData{std::move(kind), {}, {}, {}}))); }
+  static Value object(std::string kind) {
+    return Value(Data(std::make_shared<ObjectData>(ObjectData{std::move(kind), {}, {}, {}})));
+  }
   static Value function(std::string name, Function call) {
     return Value(Data(std::make_shared<FunctionData>(FunctionData{std::move(name), std::move(call)})));
   }
@@ -87,7 +91,11 @@ class Value {
   const std::string& as_string() const { return std::get<std::string>(data_); }
   const std::string& undefined_name() const { return std::get<Undefined>(data_).name; }
   /// Of numbers; booleans are 0 and 1.
-  std::int64_t as_int() const { return is_bool() ? std::get<bool>(data_) : is_int() ? std::get<std::int64_t>(data_) : static_cast<std::int64_t>(std::get<double>(data_)); }
+  std::int64_t as_int() const {
+    return is_bool()  ? std::get<bool>(data_)
+           : is_int() ? std::get<std::int64_t>(data_)
+                      : static_cast<std::int64_t>(std::get<double>(data_));
+  }
   double as_float() const { return is_float() ? std::get<double>(data_) : static_cast<double>(as_int()); }
   ListData* as_list() const { return get<ListData>(); }
   DictData* as_dict() const { return get<DictData>(); }
@@ -108,8 +116,9 @@ class Value {
   std::optional<int> order(const Value& other) const;
 
  private:
-  using Data = std::variant<Undefined, std::nullptr_t, bool, std::int64_t, double, std::string, std::shared_ptr<ListData>, std::shared_ptr<DictData>,
-                            std::shared_ptr<ObjectData>, std::shared_ptr<FunctionData>>;
+  using Data =
+      std::variant<Undefined, std::nullptr_t, bool, std::int64_t, double, std::string, std::shared_ptr<ListData>,
+                   std::shared_ptr<DictData>, std::shared_ptr<ObjectData>, std::shared_ptr<FunctionData>>;
   explicit Value(Data data) : data_(std::move(data)) {}
   template <class T>
   T* get() const {

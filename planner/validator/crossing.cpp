@@ -154,8 +154,8 @@ std::vector<double> roots(Polynomial polynomial, double length) {
   return found;
 }
 
-std::vector<double> sample_points(const Evaluator& evaluator, const Condition& condition, Frame& frame, const State& state,
-                                  double duration, double length) {
+std::vector<double> sample_points(const Evaluator& evaluator, const Condition& condition, Frame& frame,
+                                  const State& state, double duration, double length) {
   Sampler sampler(evaluator, state, duration, length);
   if (state.has_rates()) sampler.visit(condition, frame);
   return sampler.points();

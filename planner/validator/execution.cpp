@@ -16,7 +16,9 @@ constexpr double kLatest = 1e9;
 Nanos to_nanos(double seconds) { return static_cast<Nanos>(std::llround(seconds * 1e9)); }
 
 bool reads_changing(const Expression& expression, const Frame& frame, const State& state) {
-  if (expression.kind == Expression::Kind::kFunction && state.rate(expression.function, Objects(expression.terms, frame)) != 0) return true;
+  if (expression.kind == Expression::Kind::kFunction &&
+      state.rate(expression.function, Objects(expression.terms, frame)) != 0)
+    return true;
   return std::any_of(expression.operands.begin(), expression.operands.end(),
                      [&](const Expression& operand) { return reads_changing(operand, frame, state); });
 }
@@ -123,9 +125,11 @@ bool Execution::hold_over_all(int step, double length) {
   const Condition& condition = action_of(step).condition.over_all;
   if (condition.is_true()) return true;
   const double began = to_seconds(happenings_[current_].time) - length;
-  for (const double ahead : sample_points(evaluator_, condition, running_[step].frame, state_, duration_of_step(step), length)) {
+  for (const double ahead :
+       sample_points(evaluator_, condition, running_[step].frame, state_, duration_of_step(step), length)) {
     state_.look_ahead(ahead);
-    if (!holds(condition, step)) return fail_condition(step, condition, "over all", state_.has_rates() ? began + ahead : began);
+    if (!holds(condition, step))
+      return fail_condition(step, condition, "over all", state_.has_rates() ? began + ahead : began);
   }
   state_.look_ahead(0);
   return true;
@@ -165,12 +169,14 @@ bool Execution::happen(std::size_t first, std::size_t last) {
     const Record& record = records_[known + (i - first)];
     if (!apply_changes(record.changes, state_)) {
       for (const Change& change : record.changes)
-        if (change.effect != nullptr && change.effect->is_numeric()) return fail_effect(happening.step, *change.effect, to_seconds(happening.time));
+        if (change.effect != nullptr && change.effect->is_numeric())
+          return fail_effect(happening.step, *change.effect, to_seconds(happening.time));
     }
     if (happening.kind == Happening::Kind::kStart) active_.push_back(happening.step);
     if (happening.kind == Happening::Kind::kEnd) std::erase(active_, happening.step);
     if (happening.kind == Happening::Kind::kStart)
-      for (const Effect& effect : action_of(happening.step).effects) rates_change = rates_change || effect.time == Effect::Time::kContinuous;
+      for (const Effect& effect : action_of(happening.step).effects)
+        rates_change = rates_change || effect.time == Effect::Time::kContinuous;
   }
   evaluator_.derive(state_);
   return !rates_change || set_rates();
@@ -183,8 +189,10 @@ bool Execution::duration_of(const Happening& happening) {
     if (constraint.at_end != (happening.kind == Happening::Kind::kEnd)) continue;
     const auto bound = evaluator_.number(constraint.bound, running_[happening.step].frame, state_);
     const double gap = bound ? duration - *bound : 0;
-    const bool low = bound && constraint.comparison != Comparison::kLessEqual && gap < -options_.duration_tolerance - 1e-9;
-    const bool high = bound && constraint.comparison != Comparison::kGreaterEqual && gap > options_.duration_tolerance + 1e-9;
+    const bool low =
+        bound && constraint.comparison != Comparison::kLessEqual && gap < -options_.duration_tolerance - 1e-9;
+    const bool high =
+        bound && constraint.comparison != Comparison::kGreaterEqual && gap > options_.duration_tolerance + 1e-9;
     if (bound && !low && !high) continue;
     Violation violation;
     violation.kind = Violation::Kind::kDuration;
@@ -224,7 +232,8 @@ bool Execution::conditions_of(const Happening& happening) {
 void Execution::enable_pending(int step) {
   Running& running = running_[step];
   for (const Effect& effect : action_of(step).effects) {
-    if (effect.time != Effect::Time::kEnd || (effect.condition.start.is_true() && effect.condition.over_all.is_true())) continue;
+    if (effect.time != Effect::Time::kEnd || (effect.condition.start.is_true() && effect.condition.over_all.is_true()))
+      continue;
     Pending pending{&effect, {}};
     evaluator_.each_binding(effect.variables, running.frame, [&] {
       if (holds(effect.condition.start, step)) pending.frames.push_back(running.frame);
@@ -238,10 +247,12 @@ bool Execution::collect(const Happening& happening, std::vector<Change>& changes
   if (happening.kind != Happening::Kind::kOutside) return collect_step(happening, changes);
   for (const TimedFact& later : problem_.timed_facts)
     if (to_nanos(later.time) == happening.time)
-      changes.push_back({later.value ? Effect::Kind::kAdd : Effect::Kind::kDelete, later.fact.predicate, later.fact.objects, 0, nullptr});
+      changes.push_back({later.value ? Effect::Kind::kAdd : Effect::Kind::kDelete, later.fact.predicate,
+                         later.fact.objects, 0, nullptr});
   for (const TimedAssignment& later : problem_.timed_values)
     if (to_nanos(later.time) == happening.time)
-      changes.push_back({Effect::Kind::kAssign, later.assignment.function, later.assignment.objects, later.assignment.value, nullptr});
+      changes.push_back({Effect::Kind::kAssign, later.assignment.function, later.assignment.objects,
+                         later.assignment.value, nullptr});
   return true;
 }
 
@@ -251,8 +262,9 @@ bool Execution::collect_step(const Happening& happening, std::vector<Change>& ch
   for (const Effect& effect : action_of(step).effects) {
     if (effect.time != (at_end ? Effect::Time::kEnd : Effect::Time::kStart)) continue;
     const bool right = at_end ? collect_end(step, effect, changes)
-                              : evaluator_.collect(effect, running_[step].frame, state_, duration_of_step(step),
-                                                   [&](Frame&) { return holds(effect.condition.start, step); }, changes);
+                              : evaluator_.collect(
+                                    effect, running_[step].frame, state_, duration_of_step(step),
+                                    [&](Frame&) { return holds(effect.condition.start, step); }, changes);
     if (!right) return fail_effect(step, effect, to_seconds(happening.time));
   }
   return true;
@@ -261,9 +273,11 @@ bool Execution::collect_step(const Happening& happening, std::vector<Change>& ch
 bool Execution::collect_end(int step, const Effect& effect, std::vector<Change>& changes) {
   Running& running = running_[step];
   const double duration = duration_of_step(step);
-  const auto pending = std::find_if(running.pending.begin(), running.pending.end(), [&](const Pending& each) { return each.effect == &effect; });
+  const auto pending = std::find_if(running.pending.begin(), running.pending.end(),
+                                    [&](const Pending& each) { return each.effect == &effect; });
   if (pending == running.pending.end())
-    return evaluator_.collect(effect, running.frame, state_, duration, [&](Frame&) { return holds(effect.condition.end, step); }, changes);
+    return evaluator_.collect(
+        effect, running.frame, state_, duration, [&](Frame&) { return holds(effect.condition.end, step); }, changes);
   for (Frame& frame : pending->frames) {
     if (!evaluator_.holds(effect.condition.end, frame, state_, duration)) continue;
     if (!evaluator_.ground(effect, frame, state_, duration, changes)) return false;
@@ -286,17 +300,20 @@ bool Execution::set_rates() {
   const bool right = each_rate([&](int step, const Effect& effect, Frame& frame) {
     const Objects objects(effect.terms, frame);
     const auto rate = evaluator_.number(effect.value, frame, state_, duration_of_step(step));
-    if (!rate || !state_.value(effect.function, objects)) return fail_effect(step, effect, to_seconds(happenings_[current_].time));
+    if (!rate || !state_.value(effect.function, objects))
+      return fail_effect(step, effect, to_seconds(happenings_[current_].time));
     state_.add_rate(effect.function, objects, effect.kind == Effect::Kind::kIncrease ? *rate : -*rate);
     return true;
   });
   return right && each_rate([&](int step, const Effect& effect, Frame& frame) {
-    if (!reads_changing(effect.value, frame, state_)) return true;
-    unsupported_ = input_error("the rate of " + describe_step(step) + " reads a number that changes continuously itself: only linear change is supported",
-                               domain_.file, effect.source.line);
-    unsupported_->code = kUnsupported;
-    return false;
-  });
+           if (!reads_changing(effect.value, frame, state_)) return true;
+           unsupported_ =
+               input_error("the rate of " + describe_step(step) +
+                               " reads a number that changes continuously itself: only linear change is supported",
+                           domain_.file, effect.source.line);
+           unsupported_->code = kUnsupported;
+           return false;
+         });
 }
 
 Footprint Execution::footprint_of(const Happening& happening, const std::vector<Change>& changes) {
@@ -347,7 +364,9 @@ bool Execution::check_goal() {
   violation.time = to_seconds(last);
   violation.when = "at end";
   const Condition& part = failing_part(problem_.goal, frame, 0);
-  violation.message = std::string("the goal does not hold ") + (last > end_ ? "after the last event from outside (" : "at the end of the plan (") + time_text(violation.time) + ")";
+  violation.message = std::string("the goal does not hold ") +
+                      (last > end_ ? "after the last event from outside (" : "at the end of the plan (") +
+                      time_text(violation.time) + ")";
   explain(part, frame, violation, 0);
   return fail(violation);
 }

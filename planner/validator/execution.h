@@ -68,7 +68,9 @@ class Execution {
 
   const Action& action_of(int step) const { return domain_.actions[plan_[step].action]; }
   double duration_of_step(int step) const { return to_seconds(ends_[step] - starts_[step]); }
-  bool holds(const Condition& condition, int step) { return evaluator_.holds(condition, running_[step].frame, state_, duration_of_step(step)); }
+  bool holds(const Condition& condition, int step) {
+    return evaluator_.holds(condition, running_[step].frame, state_, duration_of_step(step));
+  }
 
   // Explanations (explanation.cpp).
 
@@ -81,9 +83,10 @@ class Execution {
   void explain_fact(const Condition& atom, const Frame& frame, bool wanted, Violation& violation) const;
   void explain_numbers(const Condition& part, const Frame& frame, Violation& violation, double duration) const;
   std::optional<Happening> next_change(PredicateId predicate, std::span<const ObjectId> objects, bool value) const;
-  bool step_changes(int step, PredicateId predicate, std::span<const ObjectId> objects, bool value, Effect::Time time) const;
-  std::string advice_for_fact(const std::string& fact, bool wanted, const Happening* spoiler, const std::optional<Happening>& later,
-                              const Violation& violation) const;
+  bool step_changes(int step, PredicateId predicate, std::span<const ObjectId> objects, bool value,
+                    Effect::Time time) const;
+  std::string advice_for_fact(const std::string& fact, bool wanted, const Happening* spoiler,
+                              const std::optional<Happening>& later, const Violation& violation) const;
   std::string actions_that(PredicateId predicate, bool value) const;
   std::string describe(const Happening& happening) const;
   std::string describe_step(int step) const;

@@ -34,7 +34,8 @@ std::string Execution::describe(const Happening& happening) const {
   switch (happening.kind) {
     case Happening::Kind::kOutside: return "the initial state's event at " + time_text(to_seconds(happening.time));
     case Happening::Kind::kStart: return "the start of " + describe_step(happening.step);
-    case Happening::Kind::kEnd: return "the end" + at_time(to_seconds(happening.time)) + " of " + describe_step(happening.step);
+    case Happening::Kind::kEnd:
+      return "the end" + at_time(to_seconds(happening.time)) + " of " + describe_step(happening.step);
     case Happening::Kind::kInstant: return describe_step(happening.step);
   }
   return {};
@@ -71,7 +72,8 @@ bool Execution::fail_condition(int step, const Condition& condition, const char*
   Frame frame = running_[step].frame;
   const double duration = duration_of_step(step);
   const Condition& part = failing_part(condition, frame, duration);
-  violation.message = describe_step(step) + ": a condition" + (*when == 0 ? "" : " " + violation.when) + " does not hold" + at_time(time);
+  violation.message = describe_step(step) + ": a condition" + (*when == 0 ? "" : " " + violation.when) +
+                      " does not hold" + at_time(time);
   explain(part, frame, violation, duration);
   state_.look_ahead(0);
   return fail(std::move(violation));
@@ -100,9 +102,12 @@ bool Execution::fail_interference(const Happening& earlier, const Happening& lat
   violation.other_step = later.step >= 0 ? earlier.step : -1;
   violation.condition = what;
   const double gap = to_seconds(later.time - earlier.time);
-  violation.message = describe(earlier) + " and " + describe(later) + " both use " + what + " and one of them changes it; they are " +
-                      (gap == 0 ? "at the same time" : time_text(gap) + " s apart") + ", expected at least " + time_text(options_.epsilon) + " s";
-  violation.advice = "move one of them by " + number_text(std::max(options_.epsilon - gap, options_.epsilon / 1000)) + " s";
+  violation.message = describe(earlier) + " and " + describe(later) + " both use " + what +
+                      " and one of them changes it; they are " +
+                      (gap == 0 ? "at the same time" : time_text(gap) + " s apart") + ", expected at least " +
+                      time_text(options_.epsilon) + " s";
+  violation.advice =
+      "move one of them by " + number_text(std::max(options_.epsilon - gap, options_.epsilon / 1000)) + " s";
   return fail(std::move(violation));
 }
 
@@ -119,7 +124,8 @@ void Execution::explain(const Condition& part, const Frame& frame, Violation& vi
   }
 }
 
-void Execution::explain_numbers(const Condition& part, const Frame& frame, Violation& violation, double duration) const {
+void Execution::explain_numbers(const Condition& part, const Frame& frame, Violation& violation,
+                                double duration) const {
   std::string values;
   for (const Expression& side : part.sides) {
     const auto value = evaluator_.number(side, frame, state_, duration);
@@ -133,7 +139,8 @@ void Execution::explain_numbers(const Condition& part, const Frame& frame, Viola
     const Expression& next = *open.back();
     open.pop_back();
     for (const Expression& operand : next.operands) open.push_back(&operand);
-    if (next.kind != Expression::Kind::kFunction || std::find(seen.begin(), seen.end(), next.function) != seen.end()) continue;
+    if (next.kind != Expression::Kind::kFunction || std::find(seen.begin(), seen.end(), next.function) != seen.end())
+      continue;
     seen.push_back(next.function);
     for (const Action& action : domain_.actions)
       for (const Effect& effect : action.effects)
@@ -146,10 +153,13 @@ void Execution::explain_numbers(const Condition& part, const Frame& frame, Viola
                                       : "the numbers are changed by " + changers + ": move or add such a step";
 }
 
-bool Execution::step_changes(int step, PredicateId predicate, std::span<const ObjectId> objects, bool value, Effect::Time time) const {
+bool Execution::step_changes(int step, PredicateId predicate, std::span<const ObjectId> objects, bool value,
+                             Effect::Time time) const {
   Frame frame = running_[step].frame;
   for (const Effect& effect : action_of(step).effects) {
-    if (effect.time != time || effect.predicate != predicate || effect.kind != (value ? Effect::Kind::kAdd : Effect::Kind::kDelete)) continue;
+    if (effect.time != time || effect.predicate != predicate ||
+        effect.kind != (value ? Effect::Kind::kAdd : Effect::Kind::kDelete))
+      continue;
     const bool none = evaluator_.each_binding(effect.variables, frame, [&] {
       const Objects changed(effect.terms, frame);
       return !std::equal(changed.begin(), changed.end(), objects.begin(), objects.end());
@@ -160,7 +170,8 @@ bool Execution::step_changes(int step, PredicateId predicate, std::span<const Ob
 }
 
 /// The next happening that gives a fact this value.
-std::optional<Happening> Execution::next_change(PredicateId predicate, std::span<const ObjectId> objects, bool value) const {
+std::optional<Happening> Execution::next_change(PredicateId predicate, std::span<const ObjectId> objects,
+                                                bool value) const {
   for (std::size_t i = current_; i < happenings_.size(); ++i) {
     const Happening& happening = happenings_[i];
     if (happening.kind == Happening::Kind::kOutside) continue;
@@ -168,7 +179,8 @@ std::optional<Happening> Execution::next_change(PredicateId predicate, std::span
     if (step_changes(happening.step, predicate, objects, value, time)) return happening;
   }
   for (const TimedFact& later : problem_.timed_facts)
-    if (later.value == value && later.fact.predicate == predicate && std::equal(objects.begin(), objects.end(), later.fact.objects.begin(), later.fact.objects.end()) &&
+    if (later.value == value && later.fact.predicate == predicate &&
+        std::equal(objects.begin(), objects.end(), later.fact.objects.begin(), later.fact.objects.end()) &&
         (current_ >= happenings_.size() || later.time >= to_seconds(happenings_[current_].time)))
       return Happening{static_cast<Nanos>(later.time * 1e9), Happening::Kind::kOutside, -1};
   return std::nullopt;
@@ -202,28 +214,35 @@ void Execution::explain_fact(const Condition& atom, const Frame& frame, bool wan
   violation.message += spoiler == nullptr ? std::string("; ") + fact + " has been " + value + " from the beginning"
                                           : "; " + fact + " was made " + value + " by " + describe(*spoiler);
   if (!validator_.is_fluent_predicate(atom.predicate)) {
-    violation.advice = "no action changes " + domain_.predicates[atom.predicate].name + ": choose other arguments, or mend :init of " + problem_.file;
+    violation.advice = "no action changes " + domain_.predicates[atom.predicate].name +
+                       ": choose other arguments, or mend :init of " + problem_.file;
     return;
   }
   violation.advice = advice_for_fact(fact, wanted, spoiler, next_change(atom.predicate, objects, wanted), violation);
   if (violation.advice.empty()) {
     const std::string names = actions_that(atom.predicate, wanted);
-    const bool undone = violation.kind == Violation::Kind::kGoal && spoiler != nullptr && spoiler->kind == Happening::Kind::kOutside;
+    const bool undone =
+        violation.kind == Violation::Kind::kGoal && spoiler != nullptr && spoiler->kind == Happening::Kind::kOutside;
     violation.advice = names.empty() ? "no action makes it " + std::string(wanted ? "true" : "false")
-                                     : "add a step " + (undone ? "after " + time_text(to_seconds(spoiler->time)) : "before " + time_text(violation.time)) + " that makes it " + (wanted ? "true" : "false") + ": " + names;
+                                     : "add a step " +
+                                           (undone ? "after " + time_text(to_seconds(spoiler->time))
+                                                   : "before " + time_text(violation.time)) +
+                                           " that makes it " + (wanted ? "true" : "false") + ": " + names;
   }
 }
 
-std::string Execution::advice_for_fact(const std::string& fact, bool wanted, const Happening* spoiler, const std::optional<Happening>& later,
-                                       const Violation& violation) const {
+std::string Execution::advice_for_fact(const std::string& fact, bool wanted, const Happening* spoiler,
+                                       const std::optional<Happening>& later, const Violation& violation) const {
   const std::string value = wanted ? " true" : " false";
   const bool over_all = violation.when == "over all";
   // Broken on the way by another: that one may wait.
-  const bool on_the_way = over_all && spoiler != nullptr && spoiler->step != violation.step && to_seconds(spoiler->time) > plan_[violation.step].start;
+  const bool on_the_way = over_all && spoiler != nullptr && spoiler->step != violation.step &&
+                          to_seconds(spoiler->time) > plan_[violation.step].start;
   if (on_the_way && spoiler->kind == Happening::Kind::kOutside)
     return "let " + describe_step(violation.step) + " end at " + time_text(to_seconds(spoiler->time)) + " or before";
   if (on_the_way)
-    return "let " + describe(*spoiler) + " wait until " + time_text(to_seconds(ends_[violation.step])) + ", when " + describe_step(violation.step) + " has ended";
+    return "let " + describe(*spoiler) + " wait until " + time_text(to_seconds(ends_[violation.step])) + ", when " +
+           describe_step(violation.step) + " has ended";
   if (!later || later->step == violation.step) return {};
   const double from = to_seconds(later->time) + options_.epsilon;
   const std::string cause = describe(*later) + " makes " + fact + value;

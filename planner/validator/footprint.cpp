@@ -65,7 +65,8 @@ Footprint::Known Footprint::gather_many(const Condition& condition, Frame& frame
   const bool undecided = validator_->evaluator().each_binding(condition.variables, frame, [&] {
     for (std::size_t i = 0; i < condition.operands.size(); ++i) {
       Known known = gather(condition.operands[i], frame);
-      if (condition.kind == Kind::kImply && i == 0 && known != Known::kNo) known = known == Known::kTrue ? Known::kFalse : Known::kTrue;
+      if (condition.kind == Kind::kImply && i == 0 && known != Known::kNo)
+        known = known == Known::kTrue ? Known::kFalse : Known::kTrue;
       if (known == decides) return false;
       open = open || known == Known::kNo;
     }

@@ -14,8 +14,8 @@ class Footprint {
 
   /// Adds all that `condition` names with this binding, whether or not the rest of it is known: so does VAL.
   void read(const Condition& condition, Frame& frame);
-  /// Adds what the condition of an effect reads. What can never change is evaluated first, and parts that are then known
-  /// read nothing.
+  /// Adds what the condition of an effect reads. What can never change is evaluated first, and parts that are then
+  /// known read nothing.
   void read_guard(const Condition& condition, Frame& frame);
   void read(const Expression& expression, const Frame& frame);
   void write(const std::vector<Change>& changes);

@@ -33,7 +33,8 @@ class Shaker {
   Expected<std::optional<Violation>> shake(double shift) {
     for (const auto& way : ways_) {
       Plan moved = plan_;
-      for (std::size_t step = 0; step < moved.size(); ++step) moved[step].start = std::max(0.0, moved[step].start + shift * way[step]);
+      for (std::size_t step = 0; step < moved.size(); ++step)
+        moved[step].start = std::max(0.0, moved[step].start + shift * way[step]);
       ++samples_;
       auto verdict = validator_.check(moved, options_);
       if (!verdict) return verdict.error();
@@ -52,8 +53,8 @@ class Shaker {
 
 }  // namespace
 
-Expected<Robustness> robustness(const Validator& validator, const Plan& plan, const ValidateOptions& options, double limit,
-                                std::uint64_t seed, int draws) {
+Expected<Robustness> robustness(const Validator& validator, const Plan& plan, const ValidateOptions& options,
+                                double limit, std::uint64_t seed, int draws) {
   Shaker shaker(validator, plan, options, seed, draws);
   Robustness found;
   double shift = limit;
@@ -68,7 +69,9 @@ Expected<Robustness> robustness(const Validator& validator, const Plan& plan, co
     }
     found.samples = shaker.samples();
     constexpr double kFinest = 1e-6;  // s
-    if (found.breaks == 0 || found.breaks <= kFinest || found.breaks - found.holds <= std::max(kFinest, found.breaks * 1e-3)) return found;
+    if (found.breaks == 0 || found.breaks <= kFinest ||
+        found.breaks - found.holds <= std::max(kFinest, found.breaks * 1e-3))
+      return found;
     shift = std::round((found.holds + found.breaks) / 2 * 1e7) / 1e7;  // seven decimals, to be read
   }
 }

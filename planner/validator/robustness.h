@@ -15,10 +15,10 @@ struct Robustness {
   int samples = 0;                     ///< plans that were checked
 };
 
-/// Moves the starts of steps by up to +-shift, durations stay: each step alone, all odd against all even ones, and `draws`
-/// random ways of the stream (seed, "robustness"); searches the largest shift up to `limit` (s) that nothing breaks.
-/// No step is moved before 0. The plan itself must be valid.
-Expected<Robustness> robustness(const Validator& validator, const Plan& plan, const ValidateOptions& options, double limit,
-                                std::uint64_t seed = 1, int draws = 50);
+/// Moves the starts of steps by up to +-shift, durations stay: each step alone, all odd against all even ones, and
+/// `draws` random ways of the stream (seed, "robustness"); searches the largest shift up to `limit` (s) that nothing
+/// breaks. No step is moved before 0. The plan itself must be valid.
+Expected<Robustness> robustness(const Validator& validator, const Plan& plan, const ValidateOptions& options,
+                                double limit, std::uint64_t seed = 1, int draws = 50);
 
 }  // namespace cxlab::planner

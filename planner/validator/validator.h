@@ -2,10 +2,10 @@
 // Is this plan right? The meaning of plans is that of PDDL 2.1 (Fox and Long, 2003), as the validator VAL reads it.
 //
 // Starts, ends, instantaneous actions and events from outside are happenings. A condition at start or end is read just
-// before its happening, `over all` in the open interval between. Happenings closer than epsilon must not interfere: none
-// reads or writes what another writes, except that several may increase and decrease one number. A condition reads all
-// facts that it names, also those that the rest of it makes unimportant. The goal must hold after the last step and all
-// events. Numbers that change continuously are linear between happenings; conditions on them are checked at every
+// before its happening, `over all` in the open interval between. Happenings closer than epsilon must not interfere:
+// none reads or writes what another writes, except that several may increase and decrease one number. A condition reads
+// all facts that it names, also those that the rest of it makes unimportant. The goal must hold after the last step and
+// all events. Numbers that change continuously are linear between happenings; conditions on them are checked at every
 // crossing, not by sampling.
 
 #include <optional>
@@ -18,8 +18,9 @@
 namespace cxlab::planner {
 
 struct ValidateOptions {
-  double epsilon = 0.001;             ///< s that keeps interfering happenings apart
-  double duration_tolerance = 0.001;  ///< s by which a duration may miss its bounds: plans are printed with few decimals
+  double epsilon = 0.001;  ///< s that keeps interfering happenings apart
+  double duration_tolerance =
+      0.001;  ///< s by which a duration may miss its bounds: plans are printed with few decimals
 };
 
 /// The first thing that is wrong with a plan.

@@ -22,7 +22,8 @@ class ManagerServer final : public sim::Server {
 };
 
 /// Below the run's folder, whatever path an agent named.
-Status write_below(const std::filesystem::path& run_folder, const std::filesystem::path& file, const std::string& text) {
+Status write_below(const std::filesystem::path& run_folder, const std::filesystem::path& file,
+                   const std::string& text) {
   const std::filesystem::path path = run_folder / "written" / cx::outside_name(file);
   std::error_code error;
   std::filesystem::create_directories(path.parent_path(), error);
@@ -44,21 +45,26 @@ Status add_manager(const Config& config, const NodeSetup& setup, Stage& stage) {
   options.original = config.original;
   options.anytime = config.anytime;
   options.warm_start = config.warm_start;
-  options.other = config.engine.empty() ? planner::ExternalPlanner{config.command, false} : planner::up_engine(find_share().engines / "up_engine.py", config.python, config.engine);
+  options.other = config.engine.empty()
+                      ? planner::ExternalPlanner{config.command, false}
+                      : planner::up_engine(find_share().engines / "up_engine.py", config.python, config.engine);
   options.cost = config.cost.value_or(setup.scenario.planner);
   options.log = setup.log;
   options.on_read = setup.keep;
   options.resolve = [&scenario = setup.scenario](const std::string& directory) { return scenario.resolve(directory); };
   if (!setup.run_folder.empty())
-    options.write = [folder = setup.run_folder](const std::filesystem::path& file, const std::string& text) { return write_below(folder, file, text); };
+    options.write = [folder = setup.run_folder](const std::filesystem::path& file, const std::string& text) {
+      return write_below(folder, file, text);
+    };
   auto manager = planner::PddlManager::create(std::move(options), setup.bus, setup.sink);
   if (!manager) return manager.error();
   auto server = std::make_unique<ManagerServer>(*std::move(manager));
-  stage.reports.push_back([&node = server->manager(), outside = !config.command.empty() || !config.engine.empty()](Result& result) {
-    if (outside) result.deterministic = false;
-    result.plans += node.plans();
-    result.replans += node.replans();
-  });
+  stage.reports.push_back(
+      [&node = server->manager(), outside = !config.command.empty() || !config.engine.empty()](Result& result) {
+        if (outside) result.deterministic = false;
+        result.plans += node.plans();
+        result.replans += node.replans();
+      });
   stage.servers.push_back(std::move(server));
   return {};
 }

@@ -15,7 +15,8 @@ Error bad_word(const std::string& key, const std::string& found, const std::vect
   std::string expected;
   for (const std::string& word : words) expected += (expected.empty() ? "" : ", ") + word;
   const std::string near = nearest_word(found, words);
-  return bad_value(key, "'" + found + "'", "one of " + expected + (near.empty() ? "" : " (did you mean " + near + "?)"));
+  return bad_value(key, "'" + found + "'",
+                   "one of " + expected + (near.empty() ? "" : " (did you mean " + near + "?)"));
 }
 
 Status check_range(const std::string& key, double value, double low, double high) {
@@ -30,7 +31,8 @@ Status check_range(const std::string& key, double value, double low, double high
 }
 
 Status check_order(const std::string& key, const OrderConfig& order) {
-  if (!complexity_named(order.complexity)) return bad_word(key + ".complexity", order.complexity, {"C0", "C1", "C2", "C3"});
+  if (!complexity_named(order.complexity))
+    return bad_word(key + ".complexity", order.complexity, {"C0", "C1", "C2", "C3"});
   const auto base = base_named(order.base_color);
   if (!base || *base == BaseColor::kClear)
     return bad_word(key + ".base_color", order.base_color, {"BASE_RED", "BASE_BLACK", "BASE_SILVER"});

@@ -11,15 +11,15 @@
 
 namespace cxlab::rcll {
 
-/// Where the rulebook and the referee box differ. `league`: scores and breaks as the referee box, machines turned as the
-/// rulebook has them. `refbox` and `rulebook`: all as the one or the other.
+/// Where the rulebook and the referee box differ. `league`: scores and breaks as the referee box, machines turned as
+/// the rulebook has them. `refbox` and `rulebook`: all as the one or the other.
 enum class Rules : std::uint8_t { kLeague, kRefbox, kRulebook };
 std::optional<Rules> rules_named(std::string_view name);  ///< "league" "refbox" "rulebook"
 
 /// The differences one by one.
 struct RuleChoices {
-  bool shelf_faces_wall = false;       ///< refbox: shelf and slide of a machine at the outer side wall face that wall
-  bool late_in_fifths = false;         ///< rulebook: 15 % of the delivery points a fifth of the window, else 18.75 % a quarter
+  bool shelf_faces_wall = false;  ///< refbox: shelf and slide of a machine at the outer side wall face that wall
+  bool late_in_fifths = false;  ///< rulebook: 15 % of the delivery points a fifth of the window, else 18.75 % a quarter
   bool second_prepare_breaks = false;  ///< rulebook: instructing a busy machine breaks it, else it is ignored
   bool delivery_may_wait = false;      ///< rulebook: a DS waits for its window without limit, else 20 s
 };
@@ -35,32 +35,32 @@ struct PlacedMachine {
 
 /// One order of an explicit list. Times are seconds of the production phase.
 struct OrderConfig {
-  std::string complexity = "C0";    ///< C0..C3, must agree with the number of rings
+  std::string complexity = "C0";  ///< C0..C3, must agree with the number of rings
   std::string base_color = "BASE_RED";
   std::vector<std::string> ring_colors;  ///< from the base upwards
   std::string cap_color = "CAP_BLACK";
-  double activate_at = 0;           ///< s, when agents hear of it
-  double delivery_begin = 0;        ///< s, start of the window
-  double delivery_end = 1200;       ///< s, end of the window; later is late
-  int delivery_gate = 1;            ///< 1..3
-  int quantity = 1;                 ///< products asked for
-  bool competitive = false;         ///< +10 for the team that delivers it first
+  double activate_at = 0;      ///< s, when agents hear of it
+  double delivery_begin = 0;   ///< s, start of the window
+  double delivery_end = 1200;  ///< s, end of the window; later is late
+  int delivery_gate = 1;       ///< 1..3
+  int quantity = 1;            ///< products asked for
+  bool competitive = false;    ///< +10 for the team that delivers it first
 };
 
 /// `world:` of a scenario whose kind is rcll.
 struct WorldConfig {
-  std::string team = "CYAN";       ///< CYAN or MAGENTA: whose robots and machines play; the other team's machines stand idle
-  int robots = 3;                  ///< 0..3
-  std::string rules = "league";    ///< league, refbox, rulebook
+  std::string team = "CYAN";  ///< CYAN or MAGENTA: whose robots and machines play; the other team's machines stand idle
+  int robots = 3;             ///< 0..3
+  std::string rules = "league";           ///< league, refbox, rulebook
   std::vector<PlacedMachine> layout;      ///< empty: generated from the seed
   std::vector<OrderConfig> orders;        ///< empty: ten orders drawn from the seed, numbered from 1
   std::vector<std::string> complexities;  ///< of drawn orders; empty: all four, as the referee box draws them
-  bool exploration = false;        ///< only false in this release: all machines are known from the start
-  double setup_s = 0;              ///< s, set-up phase before production
-  double production_s = 1200;      ///< s, length of the production phase
-  bool down = true;                ///< one cap and one ring station are out of order once, for 30 to 60 s
-  bool transforms = false;         ///< /tf has where robots are in "map", /tf_static where machines are
-  double shelf_refill_s = 20;      ///< s after which a completely empty shelf is filled again
+  bool exploration = false;               ///< only false in this release: all machines are known from the start
+  double setup_s = 0;                     ///< s, set-up phase before production
+  double production_s = 1200;             ///< s, length of the production phase
+  bool down = true;                       ///< one cap and one ring station are out of order once, for 30 to 60 s
+  bool transforms = false;                ///< /tf has where robots are in "map", /tf_static where machines are
+  double shelf_refill_s = 20;             ///< s after which a completely empty shelf is filled again
 };
 
 /// Every value in its range and every name known; errors name the key and what was expected.

@@ -25,7 +25,8 @@ std::string_view name_of(sim::Light light) {
 }
 
 Zone zone_at(const sim::Pose2& pose) {
-  return {pose.x > 0 ? Team::kCyan : Team::kMagenta, static_cast<int>(std::abs(pose.x)) + 1, static_cast<int>(pose.y) + 1};
+  return {pose.x > 0 ? Team::kCyan : Team::kMagenta, static_cast<int>(std::abs(pose.x)) + 1,
+          static_cast<int>(pose.y) + 1};
 }
 
 int degrees_of(double yaw) { return static_cast<int>(std::lround(yaw * 180 / std::numbers::pi) + 360) % 360; }
@@ -64,9 +65,15 @@ Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, std:
 }
 
 Factory::Factory(const WorldConfig& config, Schedule schedule, sim::World& world, bus::Bus& bus, RecordSink& sink)
-    : team_(*team_named(config.team)), world_(world), bus_(bus), sink_(sink),
-      context_{GameClock::of(config.setup_s, config.production_s), choices_of(*rules_named(config.rules)),
-               from_seconds(config.shelf_refill_s), nullptr, {}},
+    : team_(*team_named(config.team)),
+      world_(world),
+      bus_(bus),
+      sink_(sink),
+      context_{GameClock::of(config.setup_s, config.production_s),
+               choices_of(*rules_named(config.rules)),
+               from_seconds(config.shelf_refill_s),
+               nullptr,
+               {}},
       referee_(context_.clock, context_.rules, std::move(schedule), world.plan(), sink) {
   context_.orders = &referee_.schedule().orders;
   machines_ = make_machines(world.plan(), context_);
@@ -80,8 +87,9 @@ Status Factory::join() {
   bus::NodeName name;
   name.name = "factory";
   node_ = bus_.join(bus::ParticipantKind::kNode, name, sink_.open_stream("node/factory"));
-  auto server = bus_.serve_action(node_, "/factory/instruct_machine", *action_,
-                                  {[this](const bus::Delivery& d) { start(d); }, [this](const bus::Delivery& d) { cancel(d); }});
+  auto server =
+      bus_.serve_action(node_, "/factory/instruct_machine", *action_,
+                        {[this](const bus::Delivery& d) { start(d); }, [this](const bus::Delivery& d) { cancel(d); }});
   if (!server) return server.error();
   server_ = *server;
   if (Status s = advertise(game_state_, "/game_state", package + "msg/GameState", kGameStatePeriod); !s) return s;
@@ -179,11 +187,12 @@ void Factory::start(const bus::Delivery& delivery) {
   if (machine == nullptr) {
     std::vector<std::string> names;
     for (const auto& m : machines_) names.push_back(m->name());
-    return finish(delivery.goal, InstructError::kNoMachine,
-                  "no machine '" + name + "'" + did_you_mean(name, names), name);
+    return finish(delivery.goal, InstructError::kNoMachine, "no machine '" + name + "'" + did_you_mean(name, names),
+                  name);
   }
   if (machine->team() != team_)
-    return finish(delivery.goal, InstructError::kWrongTeam, name + " belongs to " + std::string(to_string(machine->team())), name);
+    return finish(delivery.goal, InstructError::kWrongTeam,
+                  name + " belongs to " + std::string(to_string(machine->team())), name);
 
   const Instruction instruction{goal.text("operation"), goal.text("side"), goal.text("base_color"),
                                 goal.text("ring_color"), static_cast<int>(goal.integer("order_id"))};
@@ -215,11 +224,13 @@ void Factory::tell(Goal& goal) {
   goal.machine = nullptr;
 }
 
-void Factory::finish(const bus::GoalId& goal, InstructError error, const std::string& text, const std::string& machine) {
+void Factory::finish(const bus::GoalId& goal, InstructError error, const std::string& text,
+                     const std::string& machine) {
   bus::Message result(*action_->result);
   const bool success = error == InstructError::kNone;
   result->set("success", success).set("error_code", static_cast<int>(error)).set("error", text).set("target", machine);
-  bus_.finish(server_, goal, success ? bus::GoalStatus::kSucceeded : bus::GoalStatus::kAborted, shared(std::move(result)));
+  bus_.finish(server_, goal, success ? bus::GoalStatus::kSucceeded : bus::GoalStatus::kAborted,
+              shared(std::move(result)));
 }
 
 // --- Topics
@@ -272,7 +283,8 @@ void Factory::publish_machines() {
     entry.set("correctly_reported", true).set("loaded_with", machine->loaded_with());
     const std::string_view type = std::string_view(station.name).substr(2);
     if (station.kind == "CS") entry.set("cap_color", to_string(shelf_cap(type)));
-    if (station.kind == "RS") put_texts(entry, "ring_colors", {to_string(rings_of(type)[0]), to_string(rings_of(type)[1])});
+    if (station.kind == "RS")
+      put_texts(entry, "ring_colors", {to_string(rings_of(type)[0]), to_string(rings_of(type)[1])});
   }
   bus_.publish(machine_info_.endpoint, shared(std::move(message)));
 }

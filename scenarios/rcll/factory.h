@@ -86,7 +86,7 @@ class Factory final : public sim::Server {
   bus::EndpointId server_{};
   Topic game_state_, order_info_, machine_info_, ring_info_, robot_info_;
   std::optional<bus::TransformBroadcaster> transforms_;  ///< where they are wanted
-  std::vector<Goal> goals_;  ///< running, in order of arrival
+  std::vector<Goal> goals_;                              ///< running, in order of arrival
   std::uint64_t told_order_changes_ = 0;
   std::array<std::int64_t, 2> told_points_{-1, -1};
   Phase told_phase_ = Phase::kSetup;

@@ -29,7 +29,8 @@ bool disc_fits(const sim::FloorPlan& plan, double x, double y, double radius) {
     return false;
   return std::ranges::all_of(plan.stations,
                              [&](const sim::Station& s) { return distance_to_box(s.pose_in_world, x, y) >= radius; }) &&
-         std::ranges::all_of(plan.walls, [&](const sim::WallSegment& w) { return distance_to_wall(w, x, y) >= radius; });
+         std::ranges::all_of(plan.walls,
+                             [&](const sim::WallSegment& w) { return distance_to_wall(w, x, y) >= radius; });
 }
 
 /// Which points of a grid over the field a disc can get to.
@@ -129,7 +130,8 @@ Expected<sim::FloorPlan> floor_plan_of(const WorldConfig& config, std::uint64_t 
     if (!layout) return layout.error();
     return make_floor_plan(*layout, team, config.robots);
   }
-  // At (4, 2) the end of the insertion area's wall can stand in the way of a shelf's or slide's last slot: 3 % of draws.
+  // At (4, 2) the end of the insertion area's wall can stand in the way of a shelf's or slide's last slot: 3 % of
+  // draws.
   const bool as_refbox = choices_of(*rules_named(config.rules)).shelf_faces_wall;
   RandomStream random(seed, "layout");
   sim::FloorPlan plan = make_floor_plan(draw_layout(random, as_refbox), team, config.robots);

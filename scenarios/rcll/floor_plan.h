@@ -11,15 +11,16 @@
 namespace cxlab::rcll {
 
 /// The plan of a game: field 14 m x 8 m, origin in the middle of its lower edge, cyan's half x > 0. Walls as in the
-/// rulebook's figure; stations in the order of the layout; robots robot1, robot2 ... of the playing team in its insertion area.
+/// rulebook's figure; stations in the order of the layout; robots robot1, robot2 ... of the playing team in its
+/// insertion area.
 sim::FloorPlan make_floor_plan(const Layout& layout, Team team, int robots);
 
 /// Spots that a round robot cannot serve: the pose before the machine is not connected with the team's insertion area
 /// for a disc of `radius` (m), or the working pose does not fit. In order of ids.
 std::vector<sim::SpotId> unreachable_spots(const sim::FloorPlan& plan, double radius);
 
-/// The layout of a scenario as a plan. When none is listed it is drawn from stream "layout" of `seed`, again until every
-/// spot can be served; with the referee box's rules the first draw counts, and some spots may be out of reach.
+/// The layout of a scenario as a plan. When none is listed it is drawn from stream "layout" of `seed`, again until
+/// every spot can be served; with the referee box's rules the first draw counts, and some spots may be out of reach.
 Expected<sim::FloorPlan> floor_plan_of(const WorldConfig& config, std::uint64_t seed);
 
 }  // namespace cxlab::rcll

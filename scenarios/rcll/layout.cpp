@@ -205,8 +205,7 @@ Layout draw_layout(RandomStream& random, bool shelf_faces_wall) {
   for (const Team team : kTeams)
     for (std::size_t m = 0; m < kMachines.size(); ++m) {
       const Pose& pose = (*half)[m];
-      const int rotation =
-          team == Team::kCyan ? pose.rotation : mirrored_rotation(pose, shape_of(kMachines[m]));
+      const int rotation = team == Team::kCyan ? pose.rotation : mirrored_rotation(pose, shape_of(kMachines[m]));
       layout.push_back({team, kMachines[m], {team, pose.cell.x, pose.cell.y}, rotation});
     }
   swap_sides(layout, random.chance(0.5) ? "RS1" : "RS2");
@@ -231,8 +230,8 @@ Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines) {
     if (at == names.end()) {
       const std::string near = nearest_word(given.machine, names);
       return fail("machine: no machine '" + given.machine + "'" +
-                         (near.empty() ? ", expected C- or M- and BS, CS1, CS2, RS1, RS2, SS or DS"
-                                       : ", did you mean '" + near + "'?"));
+                  (near.empty() ? ", expected C- or M- and BS, CS1, CS2, RS1, RS2, SS or DS"
+                                : ", did you mean '" + near + "'?"));
     }
     Placement& placement = layout[static_cast<std::size_t>(at - names.begin())];
     if (placement.rotation >= 0) return fail("machine: " + given.machine + " is placed twice");
@@ -240,11 +239,9 @@ Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines) {
     if (!zone) return fail("zone: found '" + given.zone + "', expected C_Z11 to C_Z78 or M_Z11 to M_Z78");
     if (in_insertion({zone->column, zone->row}))
       return fail("zone: " + given.zone + " is in an insertion area, where robots start");
-    if (std::ranges::find(taken, given.zone) != taken.end())
-      return fail("zone: two machines in " + given.zone);
+    if (std::ranges::find(taken, given.zone) != taken.end()) return fail("zone: two machines in " + given.zone);
     if (given.rotation < 0 || given.rotation > 315 || given.rotation % 45 != 0)
-      return fail("rotation: found " + std::to_string(given.rotation) +
-                         ", expected a multiple of 45 from 0 to 315");
+      return fail("rotation: found " + std::to_string(given.rotation) + ", expected a multiple of 45 from 0 to 315");
     taken.push_back(given.zone);
     placement.zone = *zone;
     placement.rotation = given.rotation;

@@ -3,9 +3,11 @@
 //
 // The cyan half is drawn and mirrored to magenta; then one ring and one cap station change sides. A drawn half obeys
 // (cells x = 1..7 from the centre line, y = 1..8):
-//   1 no machine in the insertion area (5..7, 1), before its exit (5, 2), or in a corner of walls (1, 1), (1, 8), (7, 8),
+//   1 no machine in the insertion area (5..7, 1), before its exit (5, 2), or in a corner of walls (1, 1), (1, 8), (7,
+//   8),
 //     (7, 2), (4, 1);
-//   2 a machine blocks its own cell and those before each side in use (one for multiples of 90 degrees, the diagonal and
+//   2 a machine blocks its own cell and those before each side in use (one for multiples of 90 degrees, the diagonal
+//   and
 //     its two neighbours else); a delivery station uses its input only;
 //   3 blocked cells lie inside the half and outside the insertion area, and no cell is blocked twice;
 //   4 at the border belts run along it, and shelf or slide face away from the wall;
@@ -43,7 +45,7 @@ struct Placement {
   Team team = Team::kCyan;   ///< whose machine it is, wherever it stands
   std::string_view machine;  ///< one of kMachines
   Zone zone;
-  int rotation = 0;          ///< degrees, 0..315, from output to input
+  int rotation = 0;  ///< degrees, 0..315, from output to input
   std::string name() const { return std::string(1, letter(team)) + "-" + std::string(machine); }
 };
 

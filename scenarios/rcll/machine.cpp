@@ -17,8 +17,8 @@ bool working(MachineState state) {
 }  // namespace
 
 std::string_view to_string(MachineState state) {
-  constexpr std::string_view kNames[]{"IDLE",            "PREPARED",  "PROCESSING", "PROCESSED",
-                                      "READY-AT-OUTPUT", "WAIT-IDLE", "BROKEN",     "DOWN"};
+  constexpr std::string_view kNames[]{"IDLE",      "PREPARED", "PROCESSING", "PROCESSED", "READY-AT-OUTPUT",
+                                      "WAIT-IDLE", "BROKEN",   "DOWN"};
   return kNames[static_cast<std::size_t>(state)];
 }
 
@@ -80,7 +80,8 @@ void Machine::step(SimTime now, sim::World& world) {
   last_step_ = now;
   if (context_.clock.phase(now) == Phase::kProduction) {
     observe(now, world);
-    const bool down = std::ranges::any_of(downs_, [&](const DownPeriod& period) { return now >= period.begin && now < period.end; });
+    const bool down =
+        std::ranges::any_of(downs_, [&](const DownPeriod& period) { return now >= period.begin && now < period.end; });
     if (state_ == MachineState::kDown && !down) leave_down(now, world);
     if (state_ != MachineState::kDown && state_ != MachineState::kBroken && down) enter_down(now, world);
     if (state_ == MachineState::kBroken && in_phase(now) >= kBrokenTime) enter(MachineState::kIdle, now);
@@ -144,7 +145,8 @@ void Machine::break_down(SimTime now, sim::World& world, InstructError error, st
   stop_belt(world);
   std::vector<sim::PieceId> on_machine;
   for (const sim::Piece& piece : world.pieces())
-    if (piece.holder == sim::Holder::kBelt && piece.holder_index == static_cast<int>(id_)) on_machine.push_back(piece.id);
+    if (piece.holder == sim::Holder::kBelt && piece.holder_index == static_cast<int>(id_))
+      on_machine.push_back(piece.id);
   for (const sim::PieceId piece : on_machine) world.retire(piece, sim::Holder::kFloor);
   clear();
   if (job_.open) job_ = {job_.number, false, error, name_ + " is BROKEN: " + reason};

@@ -4,8 +4,8 @@
 //   IDLE -instruct-> PREPARED -> PROCESSING -> PROCESSED -> READY-AT-OUTPUT -taken-> WAIT-IDLE -5 s-> IDLE
 //   any -> BROKEN -30 s-> IDLE      any but BROKEN -> DOWN -> as before
 //
-// A machine works in the act phase of a tick: it looks at the world, changes its state, and moves matter by the verbs of
-// `sim::World`. What it did waits as events for the referee.
+// A machine works in the act phase of a tick: it looks at the world, changes its state, and moves matter by the verbs
+// of `sim::World`. What it did waits as events for the referee.
 
 #include <cstdint>
 #include <optional>
@@ -22,7 +22,14 @@
 namespace cxlab::rcll {
 
 enum class MachineState : std::uint8_t {
-  kIdle, kPrepared, kProcessing, kProcessed, kReadyAtOutput, kWaitIdle, kBroken, kDown
+  kIdle,
+  kPrepared,
+  kProcessing,
+  kProcessed,
+  kReadyAtOutput,
+  kWaitIdle,
+  kBroken,
+  kDown
 };
 std::string_view to_string(MachineState state);  ///< "IDLE" ... "READY-AT-OUTPUT"
 /// What the signal lights show in that state.
@@ -31,13 +38,13 @@ sim::Lights lights_of(MachineState state);
 /// Why an instruction ended; numbers as in the league's AgentTask where it has one.
 enum class InstructError : std::uint16_t {
   kNone = 0,
-  kBroken = 1,        ///< the machine broke for a reason outside of the instruction (reset, payments)
+  kBroken = 1,  ///< the machine broke for a reason outside of the instruction (reset, payments)
   kWrongTeam = 101,
-  kInvalid = 103,     ///< something missing, unknown or impossible; where the league says so the machine is now BROKEN
+  kInvalid = 103,  ///< something missing, unknown or impossible; where the league says so the machine is now BROKEN
   kNotSupported = 104,
-  kNoWorkpiece = 202, ///< no workpiece came, or it got stuck: the machine is now BROKEN
+  kNoWorkpiece = 202,  ///< no workpiece came, or it got stuck: the machine is now BROKEN
   kNoMachine = 203,
-  kNotReady = 209,    ///< machine not idle, or game not in production
+  kNotReady = 209,  ///< machine not idle, or game not in production
 };
 
 /// What an agent asks of a machine; unused fields stay empty.
@@ -54,7 +61,7 @@ struct Job {
   std::uint32_t number = 0;  ///< from 1
   bool open = false;         ///< still being carried out
   InstructError error = InstructError::kNone;
-  std::string text;          ///< of the error
+  std::string text;  ///< of the error
 };
 
 struct MachineEvent {
@@ -62,13 +69,13 @@ struct MachineEvent {
   Kind kind{};
   sim::StationId machine{};
   SimTime at{};
-  MachineState state{};   ///< kState
-  int order_id = 0;       ///< kDelivery
-  sim::PieceId piece{};   ///< kDelivery, kCapRetrieved
-  sim::Stack stack;       ///< kDelivery
-  int unused_payments = 0;   ///< kBroke
-  bool cap_buffered = false; ///< kBroke
-  std::string reason;        ///< kBroke
+  MachineState state{};       ///< kState
+  int order_id = 0;           ///< kDelivery
+  sim::PieceId piece{};       ///< kDelivery, kCapRetrieved
+  sim::Stack stack;           ///< kDelivery
+  int unused_payments = 0;    ///< kBroke
+  bool cap_buffered = false;  ///< kBroke
+  std::string reason;         ///< kBroke
 };
 
 /// A time in which the machine does nothing; what it was doing takes that much longer.
@@ -76,8 +83,8 @@ struct DownPeriod {
   SimTime begin = kNever, end = kNever;
 };
 
-// Belts, seen in the machine's frame, which looks from output to input: 0.155 m in 1.538 s from the input to the middle,
-// in 2.656 s from the middle to the output.
+// Belts, seen in the machine's frame, which looks from output to input: 0.155 m in 1.538 s from the input to the
+// middle, in 2.656 s from the middle to the output.
 inline constexpr SimTime kBeltInTime = std::chrono::milliseconds(1538);
 inline constexpr SimTime kBeltOutTime = std::chrono::milliseconds(2656);
 inline constexpr double kBeltEnd = 0.155;               ///< m from the middle
@@ -99,12 +106,16 @@ class Machine {
   virtual ~Machine() = default;
 
   void add_down(DownPeriod down) { downs_.push_back(down); }
-  /// Breaks for a reason of its own. False, and nothing happens, when it is BROKEN already or the game is not in production.
+  /// Breaks for a reason of its own. False, and nothing happens, when it is BROKEN already or the game is not in
+  /// production.
   bool fail(SimTime now, sim::World& world, const std::string& reason);
 
   /// Accepts an instruction (error kNone: see `job`; RESET is done at once), or says why not. A refusal may leave the
   /// machine BROKEN.
-  struct Answer { InstructError error = InstructError::kNone; std::string text; };
+  struct Answer {
+    InstructError error = InstructError::kNone;
+    std::string text;
+  };
   Answer instruct(const Instruction& instruction, SimTime now, sim::World& world);
   /// Looks, changes state, acts. Every tick.
   void step(SimTime now, sim::World& world);
@@ -122,7 +133,11 @@ class Machine {
 
  protected:
   /// Reads and checks an instruction: empty = accepted. `breaks`: the machine is BROKEN by it.
-  struct Refusal { InstructError error = InstructError::kNone; std::string text; bool breaks = false; };
+  struct Refusal {
+    InstructError error = InstructError::kNone;
+    std::string text;
+    bool breaks = false;
+  };
   virtual Refusal check(const Instruction& instruction) const = 0;
   /// Looks after what goes on in any state (payments, shelf).
   virtual void observe(SimTime, sim::World&) {}
@@ -167,7 +182,10 @@ class Machine {
   std::vector<DownPeriod> downs_;
   Job job_;
   Instruction instruction_;
-  struct { double speed = 0, stop_x = 0; bool wanted = false; } belt_;
+  struct {
+    double speed = 0, stop_x = 0;
+    bool wanted = false;
+  } belt_;
 };
 
 }  // namespace cxlab::rcll

@@ -15,10 +15,11 @@ Expected<std::unique_ptr<MachineFaults>> MachineFaults::make(std::span<const sim
     if (fault.machine.empty()) continue;
     const auto at = std::ranges::find(names, fault.machine);
     if (at == names.end()) {
-      return input_error("machine: no machine '" + fault.machine + "'" + did_you_mean(fault.machine, names),
-                         fault.file, fault.line);
+      return input_error("machine: no machine '" + fault.machine + "'" + did_you_mean(fault.machine, names), fault.file,
+                         fault.line);
     }
-    made->entries_.push_back({sim::FaultTimer(fault, seed, fault.machine), machines[static_cast<std::size_t>(at - names.begin())].get()});
+    made->entries_.push_back(
+        {sim::FaultTimer(fault, seed, fault.machine), machines[static_cast<std::size_t>(at - names.begin())].get()});
   }
   return made;
 }
@@ -29,11 +30,16 @@ Status MachineFaults::act(SimTime now) {
     const sim::Fault& fault = entry.timer.fault();
     entry.timer.struck(now);
     bool acted = true;
-    if (fault.kind == sim::FaultKind::kMachineDown) entry.machine->add_down({now, now + fault.duration});
-    else acted = entry.machine->fail(now, world_, "a fault of the scenario");
+    if (fault.kind == sim::FaultKind::kMachineDown)
+      entry.machine->add_down({now, now + fault.duration});
+    else
+      acted = entry.machine->fail(now, world_, "a fault of the scenario");
     RecordData data;
-    data.begin().field("fault", sim::to_string(fault.kind)).field("number", static_cast<std::int64_t>(fault.number))
-        .field("machine", fault.machine).field("acted", acted);
+    data.begin()
+        .field("fault", sim::to_string(fault.kind))
+        .field("number", static_cast<std::int64_t>(fault.number))
+        .field("machine", fault.machine)
+        .field("acted", acted);
     sink_.write(sink_.open_stream("faults"), now, RecordKind::kControl, data);
   }
   return {};

@@ -208,11 +208,16 @@ std::vector<std::unique_ptr<Machine>> make_machines(const sim::FloorPlan& plan, 
     const auto id = static_cast<sim::StationId>(i);
     const sim::Station& station = plan.stations[i];
     const Team team = station.name.front() == 'C' ? Team::kCyan : Team::kMagenta;
-    if (station.kind == "BS") machines.push_back(std::make_unique<BaseStation>(id, team, context, plan));
-    else if (station.kind == "CS") machines.push_back(std::make_unique<CapStation>(id, team, context, plan));
-    else if (station.kind == "RS") machines.push_back(std::make_unique<RingStation>(id, team, context, plan));
-    else if (station.kind == "SS") machines.push_back(std::make_unique<StorageStation>(id, team, context, plan));
-    else machines.push_back(std::make_unique<DeliveryStation>(id, team, context, plan));
+    if (station.kind == "BS")
+      machines.push_back(std::make_unique<BaseStation>(id, team, context, plan));
+    else if (station.kind == "CS")
+      machines.push_back(std::make_unique<CapStation>(id, team, context, plan));
+    else if (station.kind == "RS")
+      machines.push_back(std::make_unique<RingStation>(id, team, context, plan));
+    else if (station.kind == "SS")
+      machines.push_back(std::make_unique<StorageStation>(id, team, context, plan));
+    else
+      machines.push_back(std::make_unique<DeliveryStation>(id, team, context, plan));
   }
   return machines;
 }

@@ -13,7 +13,9 @@ constexpr int kLastActivation = 960;
 constexpr int kSpacing = 120;
 constexpr int kJitter = 90;
 
-struct Range { int low, high; };
+struct Range {
+  int low, high;
+};
 constexpr std::array<Range, 4> kLead{{{60, 120}, {120, 300}, {300, 400}, {400, 500}}};
 constexpr std::array<Range, 4> kWindow{{{90, 180}, {90, 180}, {150, 210}, {150, 210}}};
 

@@ -13,7 +13,7 @@
 namespace cxlab::rcll {
 
 struct Order {
-  int id = 0;                 ///< from 1
+  int id = 0;  ///< from 1
   Complexity complexity{};
   Product product;
   double activate_at = 0;     ///< s, when agents hear of it

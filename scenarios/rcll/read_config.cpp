@@ -21,7 +21,9 @@ OrderConfig read_order(const yaml::Value& value) {
   map.read("complexity", order.complexity).read("base_color", order.base_color).read("ring_colors", order.ring_colors);
   map.read("cap_color", order.cap_color).read("activate_at", order.activate_at);
   map.read("delivery_begin", order.delivery_begin).read("delivery_end", order.delivery_end);
-  map.read("delivery_gate", order.delivery_gate).read("quantity", order.quantity).read("competitive", order.competitive);
+  map.read("delivery_gate", order.delivery_gate)
+      .read("quantity", order.quantity)
+      .read("competitive", order.competitive);
   map.finish();
   return order;
 }

@@ -39,13 +39,16 @@ std::int64_t late_deduction(std::int64_t points, double late_s, double window_s,
 
 GameReferee::GameReferee(GameClock clock, RuleChoices rules, Schedule schedule, const sim::FloorPlan& plan,
                          RecordSink& sink)
-    : clock_(clock), rules_(rules), schedule_(std::move(schedule)), plan_(plan), sink_(sink),
+    : clock_(clock),
+      rules_(rules),
+      schedule_(std::move(schedule)),
+      plan_(plan),
+      sink_(sink),
       stream_(sink.open_stream("referee")) {
   for (const Order& order : schedule_.orders) orders_.emplace_back().order = order;
 }
 
-void GameReferee::judge(SimTime now, std::span<const sim::HolderChange> changes,
-                        std::span<const MachineEvent> events) {
+void GameReferee::judge(SimTime now, std::span<const sim::HolderChange> changes, std::span<const MachineEvent> events) {
   for (const sim::HolderChange& change : changes) write_piece(change);
   for (const MachineEvent& event : events) note(event);
   const Phase phase = clock_.phase(now);
@@ -111,7 +114,8 @@ void GameReferee::write_piece(const sim::HolderChange& change) {
   data_.begin().field("event", "piece").field("piece", static_cast<std::int64_t>(change.piece));
   put_holder("from", change.from, change.from_index);
   put_holder("to", change.to, change.to_index);
-  const std::array<double, 3> position{change.position_in_world.x, change.position_in_world.y, change.position_in_world.z};
+  const std::array<double, 3> position{change.position_in_world.x, change.position_in_world.y,
+                                       change.position_in_world.z};
   data_.field("position", std::span<const double>(position));
   write(change.at);
 }
@@ -174,8 +178,10 @@ void GameReferee::deliver(const MachineEvent& event, Team team) {
   data_.begin().field("event", "delivery").field("order", delivery.order).field("team", to_string(team));
   data_.field("piece", static_cast<std::int64_t>(delivery.piece)).field("product", describe(delivery.stack));
   data_.field("correct", delivery.correct).field("points", delivery.points);
-  if (delivery.correct) data_.field("late_s", delivery.late_s);
-  else data_.field("reason", delivery.reason);
+  if (delivery.correct)
+    data_.field("late_s", delivery.late_s);
+  else
+    data_.field("reason", delivery.reason);
   write(event.at);
   deliveries_.push_back(std::move(delivery));
 }

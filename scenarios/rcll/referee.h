@@ -17,7 +17,15 @@
 namespace cxlab::rcll {
 
 enum class PointKind : std::uint8_t {
-  kDelivery, kRing, kCap, kBuffer, kPayment, kLate, kCompetitive, kExploration, kPenalty
+  kDelivery,
+  kRing,
+  kCap,
+  kBuffer,
+  kPayment,
+  kLate,
+  kCompetitive,
+  kExploration,
+  kPenalty
 };
 inline constexpr std::size_t kPointKinds = 9;
 std::string_view to_string(PointKind kind);  ///< "delivery" ...

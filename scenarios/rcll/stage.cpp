@@ -49,21 +49,23 @@ std::string hex(std::uint64_t value) {
 }  // namespace
 
 Expected<sim::ModelOptions> model_options(const Scenario& scenario, const std::filesystem::path& models) {
-  if (!std::filesystem::is_directory(models)) return Error{ErrorKind::kResource, "there is no folder of models at " + models.string(), {}, 0, {}};
+  if (!std::filesystem::is_directory(models))
+    return Error{ErrorKind::kResource, "there is no folder of models at " + models.string(), {}, 0, {}};
   sim::ModelOptions options;
   options.models = models;
   options.step = to_seconds(scenario.physics_step);
   return options;
 }
 
-Expected<std::unique_ptr<GameStage>> GameStage::create(const Scenario& scenario, const std::filesystem::path& models, bus::Bus& bus,
-                                                       RecordSink& sink) {
+Expected<std::unique_ptr<GameStage>> GameStage::create(const Scenario& scenario, const std::filesystem::path& models,
+                                                       bus::Bus& bus, RecordSink& sink) {
   auto stage = std::make_unique<GameStage>();
   if (Status s = stage->build(scenario, models, bus, sink); !s) return s.error();
   return stage;
 }
 
-Status GameStage::build(const Scenario& scenario, const std::filesystem::path& models, bus::Bus& bus, RecordSink& sink) {
+Status GameStage::build(const Scenario& scenario, const std::filesystem::path& models, bus::Bus& bus,
+                        RecordSink& sink) {
   step_ = scenario.physics_step;
   auto plan = floor_plan_of(scenario.rcll, scenario.seed);
   if (!plan) return plan.error();
@@ -83,7 +85,8 @@ Status GameStage::build(const Scenario& scenario, const std::filesystem::path& m
   } else {
     auto ledger = std::make_unique<sim::LedgerWorld>(*plan);
     floor_ = ledger.get();
-    auto fleet = sim::Fleet::create(*ledger, *ledger, scenario.timed, scenario.seed, zone_places(), bus, sink, {scenario.faults, scenario.seed});
+    auto fleet = sim::Fleet::create(*ledger, *ledger, scenario.timed, scenario.seed, zone_places(), bus, sink,
+                                    {scenario.faults, scenario.seed});
     if (!fleet) return fleet.error();
     fleet_ = fleet->get();
     worlds.push_back(std::move(ledger));
@@ -110,13 +113,19 @@ void GameStage::report(Result& result) const {
   }
   const auto team = static_cast<std::size_t>(factory_->team());
   for (const OrderState& state : game.orders()) {
-    OrderResult out{state.order.id, std::string(to_string(state.order.complexity)), to_seconds(state.released.value_or(factory_->clock().at(state.order.activate_at))), {}, false, state.points[team]};
+    OrderResult out{state.order.id,
+                    std::string(to_string(state.order.complexity)),
+                    to_seconds(state.released.value_or(factory_->clock().at(state.order.activate_at))),
+                    {},
+                    false,
+                    state.points[team]};
     if (state.delivered_at[team]) out.delivered_at = to_seconds(*state.delivered_at[team]);
     out.correct = state.delivered[team] > 0;
     result.orders.push_back(std::move(out));
   }
   for (const Delivery& d : game.deliveries())
-    result.deliveries.push_back({d.order, std::string(to_string(d.team)), to_seconds(d.at), d.correct, d.late_s, d.points});
+    result.deliveries.push_back(
+        {d.order, std::string(to_string(d.team)), to_seconds(d.at), d.correct, d.late_s, d.points});
   int index = 0;
   for (const sim::RobotStats& s : fleet_->stats()) {
     const auto contacts = floor_->robot(sim::RobotId{index++}).robot_contacts;
@@ -128,7 +137,8 @@ void GameStage::report(Result& result) const {
   }
 }
 
-Expected<std::unique_ptr<Stage>> make_stage(const Scenario& scenario, const std::filesystem::path& models, bus::Bus& bus, RecordSink& sink) {
+Expected<std::unique_ptr<Stage>> make_stage(const Scenario& scenario, const std::filesystem::path& models,
+                                            bus::Bus& bus, RecordSink& sink) {
   auto stage = GameStage::create(scenario, models, bus, sink);
   if (!stage) return stage.error();
   return std::unique_ptr<Stage>(*std::move(stage));

@@ -17,8 +17,8 @@ namespace cxlab::rcll {
 
 class GameStage final : public Stage {
  public:
-  static Expected<std::unique_ptr<GameStage>> create(const Scenario& scenario, const std::filesystem::path& models, bus::Bus& bus,
-                                                     RecordSink& sink);
+  static Expected<std::unique_ptr<GameStage>> create(const Scenario& scenario, const std::filesystem::path& models,
+                                                     bus::Bus& bus, RecordSink& sink);
 
   std::string take_inputs() override { return physics_log_.take(); }
   void report(Result& result) const override;
@@ -33,14 +33,15 @@ class GameStage final : public Stage {
 
   sim::PhysicsLog physics_log_;
   SimTime step_{};
-  sim::World* floor_ = nullptr;              // one of the two tiers, owned as `world`
+  sim::World* floor_ = nullptr;  // one of the two tiers, owned as `world`
   sim::MujocoWorld* physics_ = nullptr;
-  sim::Fleet* fleet_ = nullptr;              // owned as servers
+  sim::Fleet* fleet_ = nullptr;  // owned as servers
   Factory* factory_ = nullptr;
 };
 
 /// Everything of a game, from the scenario: servers in the order robots, faults of machines, factory.
-Expected<std::unique_ptr<Stage>> make_stage(const Scenario& scenario, const std::filesystem::path& models, bus::Bus& bus, RecordSink& sink);
+Expected<std::unique_ptr<Stage>> make_stage(const Scenario& scenario, const std::filesystem::path& models,
+                                            bus::Bus& bus, RecordSink& sink);
 
 /// The floor of a scenario as it is at the start.
 Expected<sim::ModelOptions> model_options(const Scenario& scenario, const std::filesystem::path& models);

@@ -19,17 +19,22 @@ bool is_turtle_name(const std::string& name) {
 }
 
 Status validate(const Config& config) {
-  for (const auto& [name, value] : {std::pair("background_r", config.background_r), {"background_g", config.background_g}, {"background_b", config.background_b}})
-    if (value < 0 || value > 255) return input_error(std::string(name) + ": found " + std::to_string(value) + ", expected 0 to 255");
+  for (const auto& [name, value] : {std::pair("background_r", config.background_r),
+                                    {"background_g", config.background_g},
+                                    {"background_b", config.background_b}})
+    if (value < 0 || value > 255)
+      return input_error(std::string(name) + ": found " + std::to_string(value) + ", expected 0 to 255");
   if (const std::string fault = bus::namespace_fault(config.name_space); !fault.empty())
     return input_error("namespace: the name '" + config.name_space + "' " + fault);
   for (const auto& remap : config.remaps)
     if (const std::string fault = bus::remap_fault(remap); !fault.empty()) return input_error("remap: " + fault);
   std::set<std::string> names;
   for (const StartTurtle& turtle : config.turtles) {
-    if (!is_turtle_name(turtle.name)) return input_error("turtles: found the name '" + turtle.name + "', expected letters, digits and '_'");
+    if (!is_turtle_name(turtle.name))
+      return input_error("turtles: found the name '" + turtle.name + "', expected letters, digits and '_'");
     if (!names.insert(turtle.name).second) return input_error("turtles: two turtles are named '" + turtle.name + "'");
-    if (!std::isfinite(turtle.x) || !std::isfinite(turtle.y) || !std::isfinite(turtle.theta)) return input_error("turtles: the place of '" + turtle.name + "' is no number");
+    if (!std::isfinite(turtle.x) || !std::isfinite(turtle.y) || !std::isfinite(turtle.theta))
+      return input_error("turtles: the place of '" + turtle.name + "' is no number");
   }
   return {};
 }

@@ -1,5 +1,6 @@
 #pragma once
-// A turtlesim node as a scenario describes it: `world: {kind: turtlesim, ...}` or `{node: turtlesim, ...}` under `servers:`.
+// A turtlesim node as a scenario describes it: `world: {kind: turtlesim, ...}` or `{node: turtlesim, ...}` under
+// `servers:`.
 
 #include <string>
 #include <utility>
@@ -21,14 +22,15 @@ struct Config {
   std::vector<std::pair<std::string, std::string>> remaps;  ///< FROM := TO
   SimTime start{};                                          ///< the node, its topics and services are not there before
   bool collisions = false;                                  ///< turtles push each other; in ROS they do not
-  bool transforms = false;                                  ///< /tf has where each turtle is in "world"; in ROS another node's job
+  bool transforms = false;  ///< /tf has where each turtle is in "world"; in ROS another node's job
   int background_r = 69, background_g = 86, background_b = 255;
   std::vector<StartTurtle> turtles{{}};
 };
 
 /// What is wrong with the values, if anything.
 Status validate(const Config& config);
-/// Whether a turtle can have that name: parts of letters, digits and '_' that begin with no digit, with '/' between them.
+/// Whether a turtle can have that name: parts of letters, digits and '_' that begin with no digit, with '/' between
+/// them.
 bool is_turtle_name(const std::string& name);
 
 }  // namespace cxlab::turtlesim

@@ -36,7 +36,9 @@ Status TurtlesimNode::Types::find(bus::Registry& registry) {
   Status complete;
   const auto field = [&](const bus::MessageType& type, const char* name) {
     const bus::Field* found = type.find(name);
-    if (!found && complete) complete = input_error("interface " + type.name() + " has no field '" + name + "', which turtlesim's node fills or reads");
+    if (!found && complete)
+      complete = input_error("interface " + type.name() + " has no field '" + name +
+                             "', which turtlesim's node fills or reads");
     return found;
   };
   x = field(*pose, "x"), y = field(*pose, "y"), theta = field(*pose, "theta");
@@ -47,15 +49,16 @@ Status TurtlesimNode::Types::find(bus::Registry& registry) {
   return complete;
 }
 
-TurtlesimNode::TurtlesimNode(const Config& config, sim::TurtleWorld& world, bus::Bus& bus, RecordSink& sink, cx::LogSink* log)
+TurtlesimNode::TurtlesimNode(const Config& config, sim::TurtleWorld& world, bus::Bus& bus, RecordSink& sink,
+                             cx::LogSink* log)
     : config_(config), world_(world), bus_(bus), sink_(sink), log_(log), types_(std::make_unique<Types>()) {}
 
 TurtlesimNode::~TurtlesimNode() {
   if (self_) bus_.leave(*self_);
 }
 
-Expected<std::unique_ptr<TurtlesimNode>> TurtlesimNode::create(const Config& config, sim::TurtleWorld& world, bus::Bus& bus, RecordSink& sink,
-                                                               cx::LogSink* log) {
+Expected<std::unique_ptr<TurtlesimNode>> TurtlesimNode::create(const Config& config, sim::TurtleWorld& world,
+                                                               bus::Bus& bus, RecordSink& sink, cx::LogSink* log) {
   std::unique_ptr<TurtlesimNode> node(new TurtlesimNode(config, world, bus, sink, log));
   if (Status s = node->types_->find(bus.registry()); !s) return s.error();
   if (config.start <= SimTime::zero())
@@ -86,7 +89,8 @@ Status TurtlesimNode::start() {
 Status TurtlesimNode::serve(std::string_view service, const std::string& type, Handler handler) {
   auto found = bus_.registry().service(type);
   if (!found) return found.error();
-  auto made = bus_.serve(*self_, service, **found, [this, handler](const bus::Delivery& request) { (this->*handler)(request); });
+  auto made = bus_.serve(*self_, service, **found,
+                         [this, handler](const bus::Delivery& request) { (this->*handler)(request); });
   return made ? Status() : Status(made.error());
 }
 
@@ -196,11 +200,12 @@ void TurtlesimNode::say(cx::LogLevel level, const std::string& text) {
   if (log_) log_->line({bus_.now(), level, logger_, text, {}});
 }
 
-void TurtlesimNode::note(RecordKind kind, const char* what, const std::string& turtle, std::initializer_list<std::pair<const char*, double>> values,
-                         const bus::Delivery* because) {
+void TurtlesimNode::note(RecordKind kind, const char* what, const std::string& turtle,
+                         std::initializer_list<std::pair<const char*, double>> values, const bus::Delivery* because) {
   data_.begin().field("what", what).field("turtle", turtle);
   for (const auto& [name, value] : values) data_.field(name, value);
-  sink_.write(bus_.stream_of(*self_), bus_.now(), kind, data_, because ? std::span(&because->cause, 1) : std::span<const RecordRef>());
+  sink_.write(bus_.stream_of(*self_), bus_.now(), kind, data_,
+              because ? std::span(&because->cause, 1) : std::span<const RecordRef>());
 }
 
 void TurtlesimNode::answer(const bus::Delivery& request) {

@@ -34,8 +34,8 @@ struct TurtleStory {
 class TurtlesimNode final : public sim::Server {
  public:
   /// Joins the bus now, or at the start that the configuration names. `log` may be none. All must outlive the node.
-  static Expected<std::unique_ptr<TurtlesimNode>> create(const Config& config, sim::TurtleWorld& world, bus::Bus& bus, RecordSink& sink,
-                                                         cx::LogSink* log);
+  static Expected<std::unique_ptr<TurtlesimNode>> create(const Config& config, sim::TurtleWorld& world, bus::Bus& bus,
+                                                         RecordSink& sink, cx::LogSink* log);
   ~TurtlesimNode() override;
 
   /// After each step: pose and colour of each turtle, walls, feedback of rotations.
@@ -89,8 +89,8 @@ class TurtlesimNode final : public sim::Server {
   void end_rotation(Turtle& turtle, bus::GoalStatus status);
   void answer(const bus::Delivery& request);
   void say(cx::LogLevel level, const std::string& text);
-  void note(RecordKind kind, const char* what, const std::string& turtle, std::initializer_list<std::pair<const char*, double>> values,
-            const bus::Delivery* because);
+  void note(RecordKind kind, const char* what, const std::string& turtle,
+            std::initializer_list<std::pair<const char*, double>> values, const bus::Delivery* because);
 
   Config config_;
   sim::TurtleWorld& world_;

@@ -9,7 +9,8 @@ namespace cxlab::turtlesim {
 struct TurtlesimNode::Types {
   const bus::MessageType *pose = nullptr, *colour = nullptr, *twist = nullptr;
   const bus::ActionType* rotate = nullptr;
-  const bus::Field *x = nullptr, *y = nullptr, *theta = nullptr, *linear_velocity = nullptr, *angular_velocity = nullptr;
+  const bus::Field *x = nullptr, *y = nullptr, *theta = nullptr, *linear_velocity = nullptr,
+                   *angular_velocity = nullptr;
   const bus::Field *r = nullptr, *g = nullptr, *b = nullptr;
   const bus::Field *linear = nullptr, *angular = nullptr, *vector_x = nullptr, *vector_y = nullptr, *vector_z = nullptr;
 
@@ -26,13 +27,15 @@ struct TurtlesimNode::Rotation {
 struct TurtlesimNode::Turtle {
   sim::TurtleId id{};
   std::string name;
-  std::size_t story = 0;                  // index
+  std::size_t story = 0;  // index
   bus::EndpointId pose{}, colour{}, rotate{};
-  std::vector<bus::EndpointId> endpoints; // all
+  std::vector<bus::EndpointId> endpoints;  // all
   std::optional<Rotation> rotation;
-  std::array<double, 3> commanded{};      // vx, vy, omega of the last message
+  std::array<double, 3> commanded{};  // vx, vy, omega of the last message
 };
 
-inline bus::SharedMessage shared(bus::Message message) { return std::make_shared<const bus::Message>(std::move(message)); }
+inline bus::SharedMessage shared(bus::Message message) {
+  return std::make_shared<const bus::Message>(std::move(message));
+}
 
 }  // namespace cxlab::turtlesim

@@ -22,7 +22,8 @@ bool all_finite(std::initializer_list<double> values) {
 Status TurtlesimNode::serve(Turtle& turtle, std::string_view service, const std::string& type, TurtleHandler handler) {
   auto found = bus_.registry().service(type);
   if (!found) return found.error();
-  auto made = bus_.serve(*self_, service, **found, [this, &turtle, handler](const bus::Delivery& request) { (this->*handler)(turtle, request); });
+  auto made = bus_.serve(*self_, service, **found,
+                         [this, &turtle, handler](const bus::Delivery& request) { (this->*handler)(turtle, request); });
   if (!made) return made.error();
   turtle.endpoints.push_back(*made);
   return {};
@@ -41,12 +42,19 @@ Status TurtlesimNode::open(Turtle& turtle) {
   const auto command = [this, &turtle](const bus::Delivery& message) { on_command(turtle, message); };
   if (Status s = keep(bus_.subscribe(*self_, below + "cmd_vel", *types_->twist, command), nullptr); !s) return s;
   if (Status s = serve(turtle, below + "set_pen", "turtlesim/srv/SetPen", &TurtlesimNode::on_pen); !s) return s;
-  if (Status s = serve(turtle, below + "teleport_absolute", "turtlesim/srv/TeleportAbsolute", &TurtlesimNode::on_teleport); !s) return s;
-  if (Status s = serve(turtle, below + "teleport_relative", "turtlesim/srv/TeleportRelative", &TurtlesimNode::on_teleport_relative); !s) return s;
+  if (Status s =
+          serve(turtle, below + "teleport_absolute", "turtlesim/srv/TeleportAbsolute", &TurtlesimNode::on_teleport);
+      !s)
+    return s;
+  if (Status s = serve(turtle, below + "teleport_relative", "turtlesim/srv/TeleportRelative",
+                       &TurtlesimNode::on_teleport_relative);
+      !s)
+    return s;
   bus::Bus::ActionServerHandlers handlers;
   handlers.goal = [this, &turtle](const bus::Delivery& goal) { on_rotate(turtle, goal); };
   handlers.cancel = [this, &turtle](const bus::Delivery& cancel) { on_cancel(turtle, cancel); };
-  return keep(bus_.serve_action(*self_, below + "rotate_absolute", *types_->rotate, std::move(handlers)), &turtle.rotate);
+  return keep(bus_.serve_action(*self_, below + "rotate_absolute", *types_->rotate, std::move(handlers)),
+              &turtle.rotate);
 }
 
 Status TurtlesimNode::spawn(const std::string& name, double x, double y, double theta) {
@@ -104,9 +112,12 @@ void TurtlesimNode::on_spawn(const bus::Delivery& request) {
   std::string name = view.text("name");
   if (name.empty()) name = free_name();
   std::string problem;
-  if (find(name)) problem = "A turtle named [" + name + "] already exists";
-  else if (!is_turtle_name(name)) problem = "A turtle cannot be named [" + name + "]: expected letters, digits and '_'";
-  else if (!all_finite({x, y, theta})) problem = "Turtle [" + name + "] cannot be spawned at a place that is no number";
+  if (find(name))
+    problem = "A turtle named [" + name + "] already exists";
+  else if (!is_turtle_name(name))
+    problem = "A turtle cannot be named [" + name + "]: expected letters, digits and '_'";
+  else if (!all_finite({x, y, theta}))
+    problem = "Turtle [" + name + "] cannot be spawned at a place that is no number";
   if (problem.empty())
     if (Status s = spawn(name, x, y, theta); !s) problem = s.error().text();
   if (!problem.empty()) {
@@ -121,8 +132,10 @@ void TurtlesimNode::on_spawn(const bus::Delivery& request) {
 
 void TurtlesimNode::on_kill(const bus::Delivery& request) {
   const std::string& name = request.message->view().text("name");
-  if (Turtle* turtle = find(name)) kill(*turtle);
-  else say(cx::LogLevel::kError, "Tried to kill turtle [" + name + "], which does not exist");
+  if (Turtle* turtle = find(name))
+    kill(*turtle);
+  else
+    say(cx::LogLevel::kError, "Tried to kill turtle [" + name + "], which does not exist");
   answer(request);
 }
 
@@ -149,7 +162,8 @@ void TurtlesimNode::on_reset(const bus::Delivery& request) {
 void TurtlesimNode::on_command(Turtle& turtle, const bus::Delivery& message) {
   const bus::MessageView twist = message.message->view();
   const bus::MessageView linear = twist.nested(*types_->linear), angular = twist.nested(*types_->angular);
-  const std::array<double, 3> wanted{linear.real(*types_->vector_x), linear.real(*types_->vector_y), angular.real(*types_->vector_z)};
+  const std::array<double, 3> wanted{linear.real(*types_->vector_x), linear.real(*types_->vector_y),
+                                     angular.real(*types_->vector_z)};
   if (!all_finite({wanted[0], wanted[1], wanted[2]})) {
     say(cx::LogLevel::kError, "Turtle [" + turtle.name + "] cannot move with a velocity that is no number");
     return;
@@ -162,7 +176,8 @@ void TurtlesimNode::on_command(Turtle& turtle, const bus::Delivery& message) {
     turtle.rotation.reset();
   }
   if (wanted != turtle.commanded)
-    note(RecordKind::kControl, "cmd_vel", turtle.name, {{"vx", wanted[0]}, {"vy", wanted[1]}, {"omega", wanted[2]}}, &message);
+    note(RecordKind::kControl, "cmd_vel", turtle.name, {{"vx", wanted[0]}, {"vy", wanted[1]}, {"omega", wanted[2]}},
+         &message);
   turtle.commanded = wanted;
   world_.drive(turtle.id, wanted[0], wanted[1], wanted[2]);
 }
@@ -205,7 +220,8 @@ void TurtlesimNode::on_pen(Turtle& turtle, const bus::Delivery& request) {
   const sim::Pen pen{{byte("r"), byte("g"), byte("b")}, byte("width"), byte("off") != 0};
   world_.set_pen(turtle.id, pen);
   note(RecordKind::kControl, "set_pen", turtle.name,
-       {{"r", pen.colour.r}, {"g", pen.colour.g}, {"b", pen.colour.b}, {"width", pen.width}, {"off", pen.off}}, &request);
+       {{"r", pen.colour.r}, {"g", pen.colour.g}, {"b", pen.colour.b}, {"width", pen.width}, {"off", pen.off}},
+       &request);
   answer(request);
 }
 

@@ -20,7 +20,9 @@ void read_config(yaml::Map& map, Config& config) {
   if (const yaml::Value remap = map.get("remap"))
     for (const auto& [from, to] : remap.as_map().entries()) config.remaps.emplace_back(from, to.as_string());
   map.read("collisions", config.collisions).read("transforms", config.transforms);
-  map.read("background_r", config.background_r).read("background_g", config.background_g).read("background_b", config.background_b);
+  map.read("background_r", config.background_r)
+      .read("background_g", config.background_g)
+      .read("background_b", config.background_b);
   if (const yaml::Value turtles = map.get("turtles")) {
     config.turtles.clear();
     for (const yaml::Value& turtle : turtles.as_list()) config.turtles.push_back(read_turtle(turtle));

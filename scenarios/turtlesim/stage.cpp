@@ -7,8 +7,8 @@ namespace cxlab::turtlesim {
 namespace {
 
 /// Puts world and node on the stage.
-Expected<const TurtlesimNode*> set_up(const Config& config, SimTime step, sim::TurtleTap* tap, Stage& stage, bus::Bus& bus, RecordSink& sink,
-                                      cx::LogSink* log) {
+Expected<const TurtlesimNode*> set_up(const Config& config, SimTime step, sim::TurtleTap* tap, Stage& stage,
+                                      bus::Bus& bus, RecordSink& sink, cx::LogSink* log) {
   auto world = std::make_unique<sim::TurtleWorld>(world_options(config, step), tap);
   auto node = TurtlesimNode::create(config, *world, bus, sink, log);
   if (!node) return node.error();
@@ -26,7 +26,8 @@ sim::TurtleWorldOptions world_options(const Config& config, SimTime step) {
   return {.step = step, .start = config.start, .background = background, .collisions = config.collisions};
 }
 
-Expected<std::unique_ptr<TurtleStage>> TurtleStage::create(const Config& config, SimTime step, bus::Bus& bus, RecordSink& sink, cx::LogSink* log) {
+Expected<std::unique_ptr<TurtleStage>> TurtleStage::create(const Config& config, SimTime step, bus::Bus& bus,
+                                                           RecordSink& sink, cx::LogSink* log) {
   auto stage = std::make_unique<TurtleStage>();
   auto node = set_up(config, step, &stage->writes_, *stage, bus, sink, log);
   if (!node) return node.error();
@@ -36,7 +37,8 @@ Expected<std::unique_ptr<TurtleStage>> TurtleStage::create(const Config& config,
 
 void TurtleStage::report(Result& result) const {
   for (const TurtleStory& story : node_->stories())
-    result.turtles.push_back({story.name, story.alive, story.x, story.y, story.theta, story.driven_m, story.walls, story.touches, story.teleports});
+    result.turtles.push_back({story.name, story.alive, story.x, story.y, story.theta, story.driven_m, story.walls,
+                              story.touches, story.teleports});
   result.steps = node_->world().steps();
   char hash[17];
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(node_->world().hash()));

@@ -17,7 +17,8 @@ sim::TurtleWorldOptions world_options(const Config& config, SimTime step);
 /// The world of a scenario of kind turtlesim: logged, and told in the result.
 class TurtleStage final : public Stage {
  public:
-  static Expected<std::unique_ptr<TurtleStage>> create(const Config& config, SimTime step, bus::Bus& bus, RecordSink& sink, cx::LogSink* log);
+  static Expected<std::unique_ptr<TurtleStage>> create(const Config& config, SimTime step, bus::Bus& bus,
+                                                       RecordSink& sink, cx::LogSink* log);
 
   std::string take_inputs() override { return writes_.take(); }
   void report(Result& result) const override;

@@ -25,8 +25,8 @@ class Canvas {
 
   Canvas() : pixels_(static_cast<std::size_t>(kSize) * kSize) {}
   void clear();
-  /// A line with round ends between two points in pixels (x right, y down, whole numbers are pixels' centres), as far as
-  /// it lies on the canvas.
+  /// A line with round ends between two points in pixels (x right, y down, whole numbers are pixels' centres), as far
+  /// as it lies on the canvas.
   void line(double x0, double y0, double x1, double y1, const Pen& pen);
   /// The ink at that pixel, if there is any; coordinates beyond the edge mean the pixel there.
   std::optional<Colour> ink(int x, int y) const;

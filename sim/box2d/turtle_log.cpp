@@ -26,12 +26,15 @@ void TurtleLog::record(const TurtleWrite& write) {
   put(bytes_, write.step);
   put(bytes_, static_cast<std::int32_t>(write.turtle));
   put(bytes_, static_cast<std::uint8_t>(write.verb));
-  for (std::size_t i = 0; i < kValues[static_cast<std::size_t>(write.verb)]; ++i) put(bytes_, std::bit_cast<std::uint64_t>(write.values[i]));
+  for (std::size_t i = 0; i < kValues[static_cast<std::size_t>(write.verb)]; ++i)
+    put(bytes_, std::bit_cast<std::uint64_t>(write.values[i]));
 }
 
 Expected<std::optional<TurtleWrite>> TurtleLogReader::next() {
   if (at_ == bytes_.size()) return std::optional<TurtleWrite>();
-  const auto broken = [this] { return input_error("the log of the turtles is damaged at byte " + std::to_string(at_)); };
+  const auto broken = [this] {
+    return input_error("the log of the turtles is damaged at byte " + std::to_string(at_));
+  };
   constexpr std::size_t kHead = 13;
   if (bytes_.size() - at_ < kHead) return broken();
   TurtleWrite write;

@@ -15,7 +15,7 @@ namespace cxlab::sim {
 enum class TurtleId : std::int32_t {};  ///< counted from 1 in order of spawning, never used again
 
 enum class TurtleVerb : std::uint8_t {
-  kSpawn,     ///< x, y, theta
+  kSpawn,  ///< x, y, theta
   kKill,
   kDrive,     ///< vx, vy, omega
   kTeleport,  ///< x, y, theta

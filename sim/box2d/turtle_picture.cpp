@@ -30,7 +30,8 @@ struct Part {
   double x, y, rx, ry;
   enum class Paint { kSkin, kRim, kShell, kEye } paint;
 };
-constexpr std::array<Part, 16> kParts{{  // from below to the top
+constexpr std::array<Part, 16> kParts{{
+    // from below to the top
     {-0.44, 0, 0.12, 0.04, Part::Paint::kSkin},
     {0.26, 0.30, 0.12, 0.09, Part::Paint::kSkin},
     {0.26, -0.30, 0.12, 0.09, Part::Paint::kSkin},
@@ -74,7 +75,8 @@ struct Sum {
 };
 
 void put(Picture& picture, int x, int y, const Sum& sum) {
-  std::uint8_t* pixel = &picture.rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + static_cast<std::size_t>(x))];
+  std::uint8_t* pixel = &picture.rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
+                                          static_cast<std::size_t>(x))];
   pixel[0] = static_cast<std::uint8_t>(std::lround(sum.r));
   pixel[1] = static_cast<std::uint8_t>(std::lround(sum.g));
   pixel[2] = static_cast<std::uint8_t>(std::lround(sum.b));
@@ -107,10 +109,13 @@ void lay_turtle(const Turtle& turtle, Picture& picture) {
   for (int y = clamped(middle_y - kReach * metre); y <= clamped(middle_y + kReach * metre); ++y)
     for (int x = clamped(middle_x - kReach * metre); x <= clamped(middle_x + kReach * metre); ++x) {
       Sum sum;
-      const std::uint8_t* below = &picture.rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + static_cast<std::size_t>(x))];
+      const std::uint8_t* below =
+          &picture.rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
+                            static_cast<std::size_t>(x))];
       const Colour under{below[0], below[1], below[2]};
       for (int i = 0; i < kSamples * kSamples; ++i) {
-        const double px = (x + (i % kSamples + 0.5) / kSamples - middle_x) / metre, py = -(y + (i / kSamples + 0.5) / kSamples - middle_y) / metre;
+        const double px = (x + (i % kSamples + 0.5) / kSamples - middle_x) / metre,
+                     py = -(y + (i / kSamples + 0.5) / kSamples - middle_y) / metre;
         sum.add(paint_at(c * px + s * py, -s * px + c * py, livery).value_or(under), 1.0 / (kSamples * kSamples));
       }
       put(picture, x, y, sum);
@@ -121,7 +126,8 @@ void lay_turtle(const Turtle& turtle, Picture& picture) {
 
 Picture draw_turtles(const TurtleWorld& world, int side) {
   assert(side >= 16);
-  Picture picture{side, side, std::vector<std::uint8_t>(3 * static_cast<std::size_t>(side) * static_cast<std::size_t>(side))};
+  Picture picture{side, side,
+                  std::vector<std::uint8_t>(3 * static_cast<std::size_t>(side) * static_cast<std::size_t>(side))};
   lay_canvas(world.canvas(), world.background(), picture);
   for (const Turtle& turtle : world.turtles()) lay_turtle(turtle, picture);
   return picture;

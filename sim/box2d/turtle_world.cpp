@@ -47,14 +47,17 @@ struct TurtleWorld::Physics final : b2ContactListener {
   void BeginContact(b2Contact* contact) override {
     touches.push_back({id_of(contact->GetFixtureA()), id_of(contact->GetFixtureB())});
   }
-  static TurtleId id_of(b2Fixture* fixture) { return TurtleId{static_cast<std::int32_t>(fixture->GetUserData().pointer)}; }
+  static TurtleId id_of(b2Fixture* fixture) {
+    return TurtleId{static_cast<std::int32_t>(fixture->GetUserData().pointer)};
+  }
 
   b2World world;
   std::vector<Body> bodies;  // beside TurtleWorld::turtles_
   std::vector<std::pair<TurtleId, TurtleId>> touches;
 };
 
-TurtleWorld::TurtleWorld(const TurtleWorldOptions& options, TurtleTap* tap) : options_(options), tap_(tap), physics_(std::make_unique<Physics>()) {
+TurtleWorld::TurtleWorld(const TurtleWorldOptions& options, TurtleTap* tap)
+    : options_(options), tap_(tap), physics_(std::make_unique<Physics>()) {
   assert(options.step > SimTime::zero());
 }
 
@@ -83,8 +86,9 @@ void TurtleWorld::step() {
     }
     // Turned first, then moved along the new heading, as turtlesim does.
     const double heading = body.body->GetAngle() + turtle.omega * dt;
-    body.body->SetLinearVelocity(b2Vec2(static_cast<float>(std::cos(heading) * turtle.vx - std::sin(heading) * turtle.vy),
-                                        static_cast<float>(std::sin(heading) * turtle.vx + std::cos(heading) * turtle.vy)));
+    body.body->SetLinearVelocity(
+        b2Vec2(static_cast<float>(std::cos(heading) * turtle.vx - std::sin(heading) * turtle.vy),
+               static_cast<float>(std::sin(heading) * turtle.vx + std::cos(heading) * turtle.vy)));
     body.body->SetAngularVelocity(static_cast<float>(turtle.omega));
   }
   physics_->touches.clear();
@@ -131,7 +135,9 @@ TurtleWorld::Body* TurtleWorld::body(TurtleId id) {
   return nullptr;
 }
 
-Turtle& TurtleWorld::turtle(const Body& body) { return turtles_[static_cast<std::size_t>(&body - physics_->bodies.data())]; }
+Turtle& TurtleWorld::turtle(const Body& body) {
+  return turtles_[static_cast<std::size_t>(&body - physics_->bodies.data())];
+}
 
 const Turtle* TurtleWorld::find(TurtleId id) const {
   for (const Turtle& turtle : turtles_)
@@ -217,7 +223,8 @@ void TurtleWorld::move(Body& moved, double x, double y, double theta) {
 void TurtleWorld::set_pen(TurtleId id, const Pen& pen) {
   Body* owner = body(id);
   if (!owner) return;
-  note(TurtleVerb::kPen, id, {double(pen.colour.r), double(pen.colour.g), double(pen.colour.b), double(pen.width), double(pen.off)});
+  note(TurtleVerb::kPen, id,
+       {double(pen.colour.r), double(pen.colour.g), double(pen.colour.b), double(pen.width), double(pen.off)});
   turtle(*owner).pen = pen;
 }
 
@@ -233,12 +240,16 @@ void TurtleWorld::set_background(const Colour& colour) {
 
 Status TurtleWorld::apply(const TurtleWrite& write) {
   const auto& v = write.values;
-  const bool about_one = write.verb != TurtleVerb::kSpawn && write.verb != TurtleVerb::kClear && write.verb != TurtleVerb::kBackground;
+  const bool about_one =
+      write.verb != TurtleVerb::kSpawn && write.verb != TurtleVerb::kClear && write.verb != TurtleVerb::kBackground;
   const auto byte = [](double value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0)); };
-  if (about_one && !find(write.turtle)) return input_error("the log of the turtles speaks of turtle " + std::to_string(static_cast<int>(write.turtle)) + ", which is not there");
+  if (about_one && !find(write.turtle))
+    return input_error("the log of the turtles speaks of turtle " + std::to_string(static_cast<int>(write.turtle)) +
+                       ", which is not there");
   switch (write.verb) {
     case TurtleVerb::kSpawn:
-      if (spawn(v[0], v[1], v[2]) != write.turtle) return input_error("the log of the turtles counts them in another way");
+      if (spawn(v[0], v[1], v[2]) != write.turtle)
+        return input_error("the log of the turtles counts them in another way");
       break;
     case TurtleVerb::kKill: kill(write.turtle); break;
     case TurtleVerb::kDrive: drive(write.turtle, v[0], v[1], v[2]); break;
@@ -253,19 +264,22 @@ Status TurtleWorld::apply(const TurtleWrite& write) {
 // --- Queries
 
 Colour TurtleWorld::colour_under(const Turtle& turtle) const {
-  const auto pixel = [](double metres) { return static_cast<int>(std::lround(std::clamp(metres, 0.0, kSide) * kPixelsPerMetre)); };
+  const auto pixel = [](double metres) {
+    return static_cast<int>(std::lround(std::clamp(metres, 0.0, kSide) * kPixelsPerMetre));
+  };
   return canvas_.ink(pixel(turtle.x), Canvas::kSize - 1 - pixel(turtle.y)).value_or(options_.background);
 }
 
 std::uint64_t TurtleWorld::hash() const {
-  std::vector<double> state{static_cast<double>(steps_), static_cast<double>(last_id_), double(options_.background.r), double(options_.background.g), double(options_.background.b)};
+  std::vector<double> state{static_cast<double>(steps_), static_cast<double>(last_id_), double(options_.background.r),
+                            double(options_.background.g), double(options_.background.b)};
   for (std::size_t i = 0; i < turtles_.size(); ++i) {
     const Turtle& t = turtles_[i];
     const Body& body = physics_->bodies[i];
     const b2Vec2 velocity = body.body->GetLinearVelocity();
-    state.insert(state.end(), {static_cast<double>(t.id), t.x, t.y, t.theta, t.vx, t.vy, t.omega, velocity.x, velocity.y,
-                               body.driven ? to_seconds(body.commanded) : -1.0, double(t.pen.colour.r), double(t.pen.colour.g),
-                               double(t.pen.colour.b), double(t.pen.width), double(t.pen.off)});
+    state.insert(state.end(), {static_cast<double>(t.id), t.x, t.y, t.theta, t.vx, t.vy, t.omega, velocity.x,
+                               velocity.y, body.driven ? to_seconds(body.commanded) : -1.0, double(t.pen.colour.r),
+                               double(t.pen.colour.g), double(t.pen.colour.b), double(t.pen.width), double(t.pen.off)});
   }
   const std::uint64_t turtles = XXH64(state.data(), state.size() * sizeof(double), 0);
   return XXH64(canvas_.pixels().data(), canvas_.pixels().size() * sizeof(std::uint32_t), turtles);

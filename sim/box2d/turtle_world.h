@@ -20,7 +20,7 @@ namespace cxlab::sim {
 
 struct TurtleWorldOptions {
   SimTime step = std::chrono::milliseconds(16);
-  SimTime start{};          ///< of the first step's interval; nothing moves before
+  SimTime start{};  ///< of the first step's interval; nothing moves before
   Colour background{69, 86, 255};
   bool collisions = false;  ///< turtles are round, 0.9 m wide and push each other; else they pass through, as in ROS
 };
@@ -63,8 +63,8 @@ class TurtleWorld final : public Simulation {
   SimTime now() const { return now_; }
   std::int64_t steps() const { return steps_; }
 
-  // --- What the node does, between steps. Numbers must be finite; those beyond 1e6 are taken as that. An unknown id does
-  // nothing.
+  // --- What the node does, between steps. Numbers must be finite; those beyond 1e6 are taken as that. An unknown id
+  // does nothing.
   TurtleId spawn(double x, double y, double theta);
   void kill(TurtleId turtle);
   /// Holds for kHold. Box2D moves nothing faster than 2 m and a quarter turn a step.

@@ -12,8 +12,10 @@ constexpr std::array<FaultWord, 5> kWords{{
      "the skill is broken off after that time and ends with the error code; what was held is still held", true},
     {"skill_stalls", FaultKind::kSkillStalls, "seconds*, robot, skill",
      "the robot stands for that time before it begins the skill", true},
-    {"piece_dropped", FaultKind::kPieceDropped, "robot", "the fingers open: what the robot holds falls to the floor", false},
-    {"machine_breaks", FaultKind::kMachineBreaks, "machine*", "the machine is BROKEN, as after a wrong instruction", false},
+    {"piece_dropped", FaultKind::kPieceDropped, "robot", "the fingers open: what the robot holds falls to the floor",
+     false},
+    {"machine_breaks", FaultKind::kMachineBreaks, "machine*", "the machine is BROKEN, as after a wrong instruction",
+     false},
     {"machine_down", FaultKind::kMachineDown, "machine*, seconds*", "the machine is DOWN for that time", false},
 }};
 
@@ -21,15 +23,15 @@ constexpr std::array<FaultWord, 5> kWords{{
 
 std::span<const FaultWord> fault_words() { return kWords; }
 
-std::string_view to_string(FaultKind kind) {
-  return std::ranges::find(kWords, kind, &FaultWord::kind)->name;
-}
+std::string_view to_string(FaultKind kind) { return std::ranges::find(kWords, kind, &FaultWord::kind)->name; }
 
 FaultTimer::FaultTimer(const Fault& fault, std::uint64_t seed, std::string_view place)
     : fault_(fault), random_(seed, "faults/" + std::to_string(fault.number) + '/' + std::string(place)) {
   left_ = fault.at ? 1 : fault.times > 0 ? fault.times : -1;
-  if (fault.at) due_ = *fault.at;
-  else if (fault.mean > SimTime::zero()) draw_next(fault.from);
+  if (fault.at)
+    due_ = *fault.at;
+  else if (fault.mean > SimTime::zero())
+    draw_next(fault.from);
 }
 
 bool FaultTimer::open(SimTime now) const {

@@ -19,23 +19,23 @@ enum class FaultKind : std::uint8_t { kSkillFails, kSkillStalls, kPieceDropped, 
 struct Fault {
   FaultKind kind{};
   // When: `at`, or by chance between `from` and `until`. An occasion is a skill that begins (skill_...), or any time.
-  std::optional<SimTime> at;        ///< once, at the first occasion not before
-  double probability = 0;           ///< skill_...: of each occasion
-  SimTime mean{};                   ///< others: mean time between two, exponentially distributed
+  std::optional<SimTime> at;  ///< once, at the first occasion not before
+  double probability = 0;     ///< skill_...: of each occasion
+  SimTime mean{};             ///< others: mean time between two, exponentially distributed
   SimTime from{}, until = kNever;
-  std::int64_t times = 0;           ///< at most that often, 0 = no limit
+  std::int64_t times = 0;  ///< at most that often, 0 = no limit
   // Where.
-  std::string robot;                ///< empty = each robot, on its own
-  std::string skill;                ///< empty = each
+  std::string robot;  ///< empty = each robot, on its own
+  std::string skill;  ///< empty = each
   std::string machine;
   // What.
-  int error = 0;                    ///< code that the skill ends with; 0 = 201, 206 or 204, by skill
-  SimTime after{};                  ///< from the beginning of the skill
+  int error = 0;    ///< code that the skill ends with; 0 = 201, 206 or 204, by skill
+  SimTime after{};  ///< from the beginning of the skill
   SimTime duration{};
   // For messages.
   std::string file;
   int line = 0;
-  std::size_t number = 0;           ///< in the scenario's list, from 0
+  std::size_t number = 0;  ///< in the scenario's list, from 0
 };
 
 /// For `cxlab list faults` and for reading.
@@ -44,7 +44,7 @@ struct FaultWord {
   FaultKind kind{};
   std::string_view arguments;  ///< keys beside when, required ones first and marked with *
   std::string_view what;
-  bool by_occasion = false;    ///< chance is `probability` and not `mean_s`
+  bool by_occasion = false;  ///< chance is `probability` and not `mean_s`
 };
 std::span<const FaultWord> fault_words();
 std::string_view to_string(FaultKind kind);
@@ -69,7 +69,7 @@ class FaultTimer {
 
   Fault fault_;
   RandomStream random_;
-  std::int64_t left_ = 0;   // -1 = no limit
+  std::int64_t left_ = 0;  // -1 = no limit
   SimTime due_ = kNever;
 };
 

@@ -10,9 +10,9 @@
 namespace cxlab::sim {
 namespace {
 
-constexpr double kAlong = 0.010;        ///< m: at a place of a belt (sim/world.h)
+constexpr double kAlong = 0.010;  ///< m: at a place of a belt (sim/world.h)
 constexpr double kPieceDiameter = 0.040;
-constexpr double kBeltEnd = 0.175;      ///< half of the belt's length
+constexpr double kBeltEnd = 0.175;  ///< half of the belt's length
 constexpr double kBeltY = -0.025;
 constexpr double kBeltTop = 0.898;
 constexpr Vec3 kCarried{0.139, 0, 0.945};  ///< underside of a held piece, in the robot's frame, arm at home and lifted
@@ -53,8 +53,7 @@ Piece* LedgerWorld::held_by(RobotId robot) {
 Pose2 LedgerWorld::pose_at(RobotId robot, SimTime t) const {
   const Motion& motion = motions_[static_cast<std::size_t>(robot)];
   if (motion.path.size() == 1 || t >= motion.arrival) return motion.path.back();
-  const double part = std::max(
-      0.0, to_seconds(t - motion.departure) / to_seconds(motion.arrival - motion.departure));
+  const double part = std::max(0.0, to_seconds(t - motion.departure) / to_seconds(motion.arrival - motion.departure));
   const double s = part * motion.reached.back();
   const auto next = std::ranges::upper_bound(motion.reached, s);
   if (next == motion.reached.end()) return motion.path.back();
@@ -90,22 +89,21 @@ RobotState LedgerWorld::robot(RobotId id) const {
 
 double LedgerWorld::x_on_belt(const Piece& piece) const {
   return inverse_transform(plan_.stations[static_cast<std::size_t>(piece.holder_index)].pose_in_world,
-                           piece.position_in_world).x;
+                           piece.position_in_world)
+      .x;
 }
 
 const Piece* LedgerWorld::at(SpotId id) const {
   const Spot& spot = plan_.spot(id);
   switch (spot.kind) {
     case SpotKind::kBeltInput:
-    case SpotKind::kBeltOutput:
-      return on_belt(spot.station, spot.rest_in_station.x);
+    case SpotKind::kBeltOutput: return on_belt(spot.station, spot.rest_in_station.x);
     case SpotKind::kShelf: {
       const auto it = std::ranges::find_if(
           pieces_, [&](const Piece& p) { return p.holder == Holder::kSlot && p.holder_index == index_of(id); });
       return it != pieces_.end() ? &*it : nullptr;
     }
-    case SpotKind::kSlide:
-      return nullptr;  // what is put there slides in at once
+    case SpotKind::kSlide: return nullptr;  // what is put there slides in at once
   }
   return nullptr;
 }
@@ -157,8 +155,7 @@ void LedgerWorld::carry(StationId id, SimTime duration) {
   const Pose2& frame = plan_.station(id).pose_in_world;
   for (Piece& piece : pieces_)
     if (piece.holder == Holder::kBelt && piece.holder_index == index_of(id))
-      piece.position_in_world =
-          transform(frame, {x_on_belt(piece) + b.speed * to_seconds(duration), kBeltY, kBeltTop});
+      piece.position_in_world = transform(frame, {x_on_belt(piece) + b.speed * to_seconds(duration), kBeltY, kBeltTop});
 }
 
 void LedgerWorld::carry_held_pieces() {
@@ -325,9 +322,7 @@ Status LedgerWorld::release(RobotId robot, SpotId to) {
       pass(*piece, Holder::kBelt, index_of(spot.station), rest, booked_);
       plan_arrival(spot.station);
       break;
-    case SpotKind::kShelf:
-      pass(*piece, Holder::kSlot, index_of(to), rest, booked_);
-      break;
+    case SpotKind::kShelf: pass(*piece, Holder::kSlot, index_of(to), rest, booked_); break;
     case SpotKind::kSlide:
       pass(*piece, Holder::kSlide, index_of(spot.station), rest, booked_);
       ++slide_counts_[static_cast<std::size_t>(spot.station)];

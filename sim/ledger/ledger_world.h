@@ -52,12 +52,12 @@ class LedgerWorld final : public World, public RobotBook {
 
  private:
   struct Belt {
-    double speed = 0;        ///< m/s, + = towards the input; 0 = stands
+    double speed = 0;  ///< m/s, + = towards the input; 0 = stands
     double stop_x = 0;
     SimTime arrival = kNever;  ///< of the first piece at stop_x or over the end
   };
   struct Motion {
-    std::vector<Pose2> path;     ///< its first point is where the robot was at departure
+    std::vector<Pose2> path;      ///< its first point is where the robot was at departure
     std::vector<double> reached;  ///< metres driven at each point of the path
     SimTime departure{}, arrival{};
   };

@@ -20,7 +20,8 @@ using SpecPtr = std::unique_ptr<mjSpec, SpecDeleter>;
 Error mjcf_error(std::string message, const std::filesystem::path& file) {
   int line = 0;
   for (const std::string_view before : {"line ", "Line number="})
-    if (const auto at = message.rfind(before); at != std::string::npos) line = std::atoi(message.c_str() + at + before.size());
+    if (const auto at = message.rfind(before); at != std::string::npos)
+      line = std::atoi(message.c_str() + at + before.size());
   for (char& c : message)
     if (c == '\n') c = ' ';
   return input_error(std::move(message), file.string(), line);
@@ -62,8 +63,7 @@ class Builder {
   Expected<SpecPtr> parse(const std::string& part) {
     const auto file = part_file(part);
     std::error_code code;
-    if (!std::filesystem::is_regular_file(file, code))
-      return input_error("no such model part", file.string());
+    if (!std::filesystem::is_regular_file(file, code)) return input_error("no such model part", file.string());
     char error[1000] = "";
     SpecPtr spec(mj_parseXML(file.string().c_str(), nullptr, error, sizeof error));
     if (!spec) return mjcf_error(error, file);
@@ -180,7 +180,8 @@ class Builder {
     if (Status s = attach("robot", "base", prefix, {}); !s) return s;
     paint(prefix, {"colour-ring", "colour-tower", "colour-deck"}, "robot-" + std::to_string(index + 1));
     for (std::size_t mark = 1; mark <= 3; ++mark)
-      if (mjsGeom* geom = find_geom(prefix + "mark-" + std::to_string(mark)); geom && mark > index + 1) geom->rgba[3] = 0;
+      if (mjsGeom* geom = find_geom(prefix + "mark-" + std::to_string(mark)); geom && mark > index + 1)
+        geom->rgba[3] = 0;
     return {};
   }
 

@@ -23,7 +23,18 @@ struct ModelOptions {
 
 /// What a geom is for, when it touches something.
 enum class GeomRole : std::uint8_t {
-  kNone, kFloor, kWall, kMachine, kBelt, kShelf, kSlide, kHull, kFingerLeft, kFingerRight, kPieceBase, kPiecePart
+  kNone,
+  kFloor,
+  kWall,
+  kMachine,
+  kBelt,
+  kShelf,
+  kSlide,
+  kHull,
+  kFingerLeft,
+  kFingerRight,
+  kPieceBase,
+  kPiecePart
 };
 /// Role and whose it is: station, robot or body of the pool.
 struct GeomUse {
@@ -32,13 +43,23 @@ struct GeomUse {
 };
 
 /// The joints of a robot, and its actuators, in this order.
-enum RobotAxis { kAxisX, kAxisY, kAxisYaw, kAxisForward, kAxisLeft, kAxisUp, kAxisFingerLeft, kAxisFingerRight, kRobotAxes };
+enum RobotAxis {
+  kAxisX,
+  kAxisY,
+  kAxisYaw,
+  kAxisForward,
+  kAxisLeft,
+  kAxisUp,
+  kAxisFingerLeft,
+  kAxisFingerRight,
+  kRobotAxes
+};
 /// The slots of a piece, in this order.
 enum PieceSlot { kSlotBase, kSlotRing1, kSlotRing2, kSlotRing3, kSlotCap, kPieceSlots };
 
 struct StationIds {
-  int belt = -1;                                       ///< geom; -1 without belt
-  std::array<int, 3> lights{-1, -1, -1};               ///< geoms: red, yellow, green
+  int belt = -1;                          ///< geom; -1 without belt
+  std::array<int, 3> lights{-1, -1, -1};  ///< geoms: red, yellow, green
 };
 struct RobotIds {
   std::array<int, kRobotAxes> qpos{}, dof{}, actuator{};
@@ -60,7 +81,7 @@ struct FactoryModel {
   std::vector<StationIds> stations;
   std::vector<RobotIds> robots;
   std::vector<PieceIds> pieces;
-  std::vector<GeomUse> geoms;                ///< by geom id
+  std::vector<GeomUse> geoms;  ///< by geom id
   /// Materials by number of the colour, -1 where there is none; [0] is unused.
   std::vector<int> base_materials, ring_materials, cap_materials;
 };

@@ -39,15 +39,15 @@ class OsMesaContext final : public GlContext {
     make_current_(nullptr, nullptr, 0, 0, 0);
     destroy_(context_);
   }
-  bool make_current() override {
-    return make_current_(context_, pixels_.data(), kUnsignedByte, width_, height_) != 0;
-  }
+  bool make_current() override { return make_current_(context_, pixels_.data(), kUnsignedByte, width_, height_) != 0; }
 
  private:
   static constexpr unsigned kRgba = 0x1908, kUnsignedByte = 0x1401;  // GL/osmesa.h, GL/gl.h
 
   OsMesaContext(int width, int height)
-      : width_(width), height_(height), pixels_(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
+      : width_(width),
+        height_(height),
+        pixels_(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
   bool open() {
     const Library library{"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"};
     void* (*create_context)(unsigned, int, int, int, void*) = nullptr;
@@ -121,7 +121,10 @@ Expected<std::unique_ptr<GlContext>> GlContext::create(int width, int height) {
     if (auto context = OsMesaContext::create(width, height)) return context;
   if (only != "osmesa")
     if (auto context = EglContext::create()) return context;
-  return Error{ErrorKind::kResource, "pictures need OSMesa or EGL, neither can be opened: apt install libosmesa6", {}, 0,
+  return Error{ErrorKind::kResource,
+               "pictures need OSMesa or EGL, neither can be opened: apt install libosmesa6",
+               {},
+               0,
                "no_opengl"};
 }
 

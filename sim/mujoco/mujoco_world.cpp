@@ -9,18 +9,18 @@ namespace cxlab::sim {
 namespace {
 
 // docs/models.md: what robots can do.
-constexpr double kMaxSpeed = 0.7, kMaxAcceleration = 0.4, kMaxBraking = 1.5;           // m/s, m/s2
-constexpr double kMaxTurn = 1.4, kMaxTurnAcceleration = 1.6, kMaxTurnBraking = 3.2;    // rad/s, rad/s2
-constexpr double kAxisSpeed = 0.1;                                                     // m/s
+constexpr double kMaxSpeed = 0.7, kMaxAcceleration = 0.4, kMaxBraking = 1.5;         // m/s, m/s2
+constexpr double kMaxTurn = 1.4, kMaxTurnAcceleration = 1.6, kMaxTurnBraking = 3.2;  // rad/s, rad/s2
+constexpr double kAxisSpeed = 0.1;                                                   // m/s
 constexpr Vec3 kAxesLow{0, -0.0375, 0}, kAxesHigh{0.24, 0.0375, 0.057};
-constexpr double kFingerZero = 0.035;                          ///< opening at the joint's zero
+constexpr double kFingerZero = 0.035;  ///< opening at the joint's zero
 constexpr double kOpeningLow = -0.010, kOpeningHigh = 0.045;
 
 // docs/models.md: machine.
 constexpr double kBeltTop = 0.898, kBeltY = -0.025, kBeltHalfLength = 0.175;
 constexpr double kSlideX = 0.10;
 constexpr double kAlongBelt = 0.010, kAcrossBelt = 0.015, kShelfRadius = 0.040;
-constexpr double kLying = 0.030;           ///< an underside this near to the working height lies there
+constexpr double kLying = 0.030;  ///< an underside this near to the working height lies there
 constexpr double kPieceDiameter = 0.040;
 constexpr double kReleaseHeight = 0.0002;  ///< a new piece appears this high above its place
 
@@ -44,8 +44,12 @@ Expected<std::unique_ptr<MujocoWorld>> MujocoWorld::create(FloorPlan plan, const
 }
 
 MujocoWorld::MujocoWorld(FloorPlan plan, FactoryModel factory, PhysicsTap* tap)
-    : plan_(std::move(plan)), gate_(std::move(factory), plan_), step_(gate_.model().opt.timestep),
-      tracks_(gate_.factory().pieces.size()), motions_(plan_.robots.size()), belts_(plan_.stations.size()),
+    : plan_(std::move(plan)),
+      gate_(std::move(factory), plan_),
+      step_(gate_.model().opt.timestep),
+      tracks_(gate_.factory().pieces.size()),
+      motions_(plan_.robots.size()),
+      belts_(plan_.stations.size()),
       slide_counts_(plan_.stations.size()) {
   gate_.set_tap(tap);
   pieces_.reserve(tracks_.size());
@@ -177,8 +181,7 @@ void MujocoWorld::note_support(Track& track, GeomUse other) {
       // Guides and cheeks touch from the side: what carries it has the say.
       if (track.support == Holder::kDispenser) track.support = Holder::kFloor;
       return;
-    default:
-      return;
+    default: return;
   }
 }
 
@@ -199,7 +202,9 @@ void MujocoWorld::read_piece_contacts() {
     const int body = body_of(piece.id);
     if (d.body_awake[factory.pieces[at_index(body)].body]) renew(tracks_[at_index(body)]);
   }
-  const auto is_piece = [](GeomUse use) { return use.role == GeomRole::kPieceBase || use.role == GeomRole::kPiecePart; };
+  const auto is_piece = [](GeomUse use) {
+    return use.role == GeomRole::kPieceBase || use.role == GeomRole::kPiecePart;
+  };
   for (int c = 0; c < d.ncon; ++c) {
     GeomUse a = factory.geoms[at_index(d.contact[c].geom[0])], b = factory.geoms[at_index(d.contact[c].geom[1])];
     if (!is_piece(a)) std::swap(a, b);
@@ -258,7 +263,8 @@ void MujocoWorld::update_holder(Piece& piece, Track& track) {
     seen_index = track.support_index;
     const StationId station = static_cast<StationId>(track.support_index);
     if (seen == Holder::kSlot)
-      seen_index = nearest_shelf_spot(station, inverse_transform(plan_.station(station).pose_in_world, piece.position_in_world));
+      seen_index =
+          nearest_shelf_spot(station, inverse_transform(plan_.station(station).pose_in_world, piece.position_in_world));
     if (seen == Holder::kSlide) seen_index = slide_spot(station);
   }
   if (seen == piece.holder && seen_index == piece.holder_index) {
@@ -384,13 +390,20 @@ Expected<PieceId> MujocoWorld::put_in_play(const Vec3& underside, const Stack& s
   for (const Piece& piece : pieces_) {
     const Vec3& p = piece.position_in_world;
     if (std::hypot(p.x - underside.x, p.y - underside.y) < kPieceDiameter && std::abs(p.z - underside.z) < 0.06)
-      return Error{ErrorKind::kRun, plan_.station(from).name + ": the place of a new piece is taken by piece " +
-                                        std::to_string(static_cast<int>(piece.id)), {}, 0, "place_taken"};
+      return Error{ErrorKind::kRun,
+                   plan_.station(from).name + ": the place of a new piece is taken by piece " +
+                       std::to_string(static_cast<int>(piece.id)),
+                   {},
+                   0,
+                   "place_taken"};
   }
   const auto spare = std::find_if(tracks_.begin(), tracks_.end(), [](const Track& t) { return !t.in_play; });
   if (spare == tracks_.end())
-    return Error{ErrorKind::kRun, plan_.station(from).name + ": all " + std::to_string(tracks_.size()) +
-                                      " pieces are in play", {}, 0, "no_spare_piece"};
+    return Error{ErrorKind::kRun,
+                 plan_.station(from).name + ": all " + std::to_string(tracks_.size()) + " pieces are in play",
+                 {},
+                 0,
+                 "no_spare_piece"};
   const int body = static_cast<int>(spare - tracks_.begin());
   *spare = Track{};
   spare->in_play = true;

@@ -61,28 +61,30 @@ class MujocoWorld final : public World, public RobotBodies {
     Vec3 want_axes, axes;
     double want_opening = 0.035, opening = 0.035;
     std::uint32_t robot_contacts = 0, static_contacts = 0;
-    std::uint64_t touching_robots = 0;   ///< by index, in the last step
+    std::uint64_t touching_robots = 0;  ///< by index, in the last step
     bool touching_static = false;
     int held_body = -1;
   };
   /// What is known of the piece in a body of the pool beyond `Piece`.
   struct Track {
     bool in_play = false;
-    std::int64_t read_at = -1;           ///< step whose contacts the next five tell
-    std::uint32_t left = 0, right = 0;   ///< robots whose finger touches it, as bits
-    Holder support = Holder::kDispenser; ///< kDispenser = touches no support
+    std::int64_t read_at = -1;            ///< step whose contacts the next five tell
+    std::uint32_t left = 0, right = 0;    ///< robots whose finger touches it, as bits
+    Holder support = Holder::kDispenser;  ///< kDispenser = touches no support
     int support_index = -1;
-    bool touches_other = false;          ///< another piece
+    bool touches_other = false;  ///< another piece
     Holder candidate = Holder::kDispenser;
     int candidate_index = -1, candidate_ticks = 0;
-    double belt_x = 0;                   ///< along the belt that runs below it, before the last step
+    double belt_x = 0;  ///< along the belt that runs below it, before the last step
     int belt = -1;
   };
 
   MujocoWorld(FloorPlan plan, FactoryModel factory, PhysicsTap* tap);
 
   template <class Id>
-  static std::size_t at_index(Id id) { return static_cast<std::size_t>(id); }
+  static std::size_t at_index(Id id) {
+    return static_cast<std::size_t>(id);
+  }
 
   void drive(Motion& motion, const RobotIds& ids, double dt);
   void count_robot_contacts();
@@ -105,15 +107,15 @@ class MujocoWorld final : public World, public RobotBodies {
   PhysicsGate gate_;
   double step_;
   SimTime now_{};
-  std::vector<Piece> pieces_;          ///< by id
-  std::vector<int> bodies_;            ///< body of the pool by piece id - 1; -1 = out of play
-  std::vector<Track> tracks_;          ///< by body of the pool
-  std::vector<Motion> motions_;        ///< by robot
-  std::vector<Belt> belts_;            ///< by station
-  std::vector<int> slide_counts_;      ///< by station
+  std::vector<Piece> pieces_;      ///< by id
+  std::vector<int> bodies_;        ///< body of the pool by piece id - 1; -1 = out of play
+  std::vector<Track> tracks_;      ///< by body of the pool
+  std::vector<Motion> motions_;    ///< by robot
+  std::vector<Belt> belts_;        ///< by station
+  std::vector<int> slide_counts_;  ///< by station
   std::vector<HolderChange> changes_;
-  std::size_t told_changes_ = 0;       ///< of them; the rest came by verbs and is told after the next `advance`
-  std::vector<PieceId> slid_;          ///< of this tick
+  std::size_t told_changes_ = 0;  ///< of them; the rest came by verbs and is told after the next `advance`
+  std::vector<PieceId> slid_;     ///< of this tick
 };
 
 }  // namespace cxlab::sim

@@ -21,8 +21,11 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
 PhysicsGate::PhysicsGate(FactoryModel factory, const FloorPlan& plan)
-    : factory_(std::move(factory)), data_(mj_makeData(factory_.model.get())), hash_(XXH3_createState()),
-      controls_(index(factory_.model->nu)), lights_(factory_.stations.size()) {
+    : factory_(std::move(factory)),
+      data_(mj_makeData(factory_.model.get())),
+      hash_(XXH3_createState()),
+      controls_(index(factory_.model->nu)),
+      lights_(factory_.stations.size()) {
   XXH3_64bits_reset(hash_.get());
   mjModel* m = factory_.model.get();
   for (const StationIds& station : factory_.stations)
@@ -76,12 +79,8 @@ void PhysicsGate::write(const PhysicsWrite& write) {
       controls_[index(write.index)] = static_cast<std::int64_t>(v[0]);
       d->ctrl[write.index] = v[0] * kControlUnit;
       return;
-    case WriteKind::kBeltSpeed:
-      m->geom_surfacevel[6 * factory_.stations[index(write.index)].belt] = v[0];
-      return;
-    case WriteKind::kShape:
-      apply_shape(factory_.pieces[index(write.index)], write);
-      return;
+    case WriteKind::kBeltSpeed: m->geom_surfacevel[6 * factory_.stations[index(write.index)].belt] = v[0]; return;
+    case WriteKind::kShape: apply_shape(factory_.pieces[index(write.index)], write); return;
     case WriteKind::kPlace:
       move_piece(factory_.pieces[index(write.index)], {v[0], v[1], v[2] + kPieceOrigin}, 0);
       return;
@@ -115,7 +114,9 @@ void PhysicsGate::belt_speed(StationId station, double speed) {
 }
 
 void PhysicsGate::shape(int body, const Stack& stack) {
-  write({steps_, WriteKind::kShape, body,
+  write({steps_,
+         WriteKind::kShape,
+         body,
          {static_cast<double>(stack.base), static_cast<double>(stack.rings[0]), static_cast<double>(stack.rings[1]),
           static_cast<double>(stack.rings[2]), static_cast<double>(stack.cap)}});
 }
@@ -129,7 +130,9 @@ void PhysicsGate::park(int body) { write({steps_, WriteKind::kPark, body, {}}); 
 void PhysicsGate::wake(int body) { write({steps_, WriteKind::kWake, body, {}}); }
 
 void PhysicsGate::lights(StationId station, const Lights& lights) {
-  write({steps_, WriteKind::kLights, static_cast<int>(station),
+  write({steps_,
+         WriteKind::kLights,
+         static_cast<int>(station),
          {static_cast<double>(lights.red), static_cast<double>(lights.yellow), static_cast<double>(lights.green)}});
 }
 
@@ -205,8 +208,7 @@ Status PhysicsReplay::read_next() {
   }();
   const bool no_belt = next_->kind == WriteKind::kBeltSpeed && index(next_->index) < limit &&
                        factory.stations[index(next_->index)].belt < 0;
-  if (index(next_->index) >= limit || no_belt)
-    return input_error("physics log: it does not belong to this model");
+  if (index(next_->index) >= limit || no_belt) return input_error("physics log: it does not belong to this model");
   return {};
 }
 

@@ -61,8 +61,8 @@ class PhysicsGate {
   std::int64_t steps_ = 0;
   std::vector<std::int64_t> controls_;  ///< last written, in units
   std::vector<Lights> lights_;
-  std::vector<int> woken_;              ///< bodies whose wake mark is taken back after the next step
-  double piece_inverse_weight_[2];      ///< of a bare base, as compiled
+  std::vector<int> woken_;          ///< bodies whose wake mark is taken back after the next step
+  double piece_inverse_weight_[2];  ///< of a bare base, as compiled
 };
 
 /// Takes the writes of a log on a model of its own: the physics of a run without anything else.

@@ -20,8 +20,9 @@ Expected<std::unique_ptr<Renderer>> Renderer::create(const FloorPlan& plan, cons
                                                      int height) {
   const auto& global = world.model().vis.global;
   if (width < 16 || height < 16 || width > global.offwidth || height > global.offheight)
-    return input_error("picture of " + std::to_string(width) + " x " + std::to_string(height) + ": expected 16 x 16 to " +
-                       std::to_string(global.offwidth) + " x " + std::to_string(global.offheight));
+    return input_error("picture of " + std::to_string(width) + " x " + std::to_string(height) +
+                       ": expected 16 x 16 to " + std::to_string(global.offwidth) + " x " +
+                       std::to_string(global.offheight));
   auto context = GlContext::create(width, height);
   if (!context) return context.error();
   std::unique_ptr<Renderer> made(new Renderer(plan, std::move(*context), width, height));

@@ -37,8 +37,8 @@ class Renderer {
 
   std::unique_ptr<GlContext> context_;
   std::vector<std::string> robots_, stations_;
-  std::vector<std::string> label_of_;    ///< by geom; empty = none
-  std::vector<int> light_of_;            ///< by geom: 3 * station + colour; -1 = none
+  std::vector<std::string> label_of_;  ///< by geom; empty = none
+  std::vector<int> light_of_;          ///< by geom: 3 * station + colour; -1 = none
   std::unique_ptr<mjData, MjDeleter> copy_;
   mjvScene scene_;
   mjvOption option_;

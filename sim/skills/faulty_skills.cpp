@@ -21,14 +21,21 @@ SkillCode code_of(const Fault& fault, SkillKind skill) {
 
 FaultySkills::FaultySkills(std::unique_ptr<RobotSkills> skills, RobotId robot, const WorldView& world,
                            std::span<const Fault> faults, std::uint64_t seed, RecordSink& sink)
-    : skills_(std::move(skills)), robot_(robot), name_(world.plan().robots[static_cast<std::size_t>(robot)].name),
-      world_(world), sink_(sink) {
+    : skills_(std::move(skills)),
+      robot_(robot),
+      name_(world.plan().robots[static_cast<std::size_t>(robot)].name),
+      world_(world),
+      sink_(sink) {
   for (const Fault& fault : faults)
-    if (is_about_robots(fault.kind) && (fault.robot.empty() || fault.robot == name_)) timers_.emplace_back(fault, seed, name_);
+    if (is_about_robots(fault.kind) && (fault.robot.empty() || fault.robot == name_))
+      timers_.emplace_back(fault, seed, name_);
 }
 
 void FaultySkills::record(const Fault& fault, SimTime now) {
-  data_.begin().field("fault", to_string(fault.kind)).field("number", static_cast<std::int64_t>(fault.number)).field("robot", name_);
+  data_.begin()
+      .field("fault", to_string(fault.kind))
+      .field("number", static_cast<std::int64_t>(fault.number))
+      .field("robot", name_);
   sink_.write(sink_.open_stream("faults"), now, RecordKind::kControl, data_);
 }
 

@@ -15,9 +15,10 @@ namespace cxlab::sim {
 
 class FaultySkills final : public RobotSkills {
  public:
-  /// Takes those of `faults` that are about this robot's skills. Strikes are written to the stream "faults". World and sink outlive it.
-  FaultySkills(std::unique_ptr<RobotSkills> skills, RobotId robot, const WorldView& world, std::span<const Fault> faults,
-               std::uint64_t seed, RecordSink& sink);
+  /// Takes those of `faults` that are about this robot's skills. Strikes are written to the stream "faults". World and
+  /// sink outlive it.
+  FaultySkills(std::unique_ptr<RobotSkills> skills, RobotId robot, const WorldView& world,
+               std::span<const Fault> faults, std::uint64_t seed, RecordSink& sink);
 
   void start(const SkillGoal& goal, SimTime now) override;
   void cancel(SimTime now) override;
@@ -43,7 +44,7 @@ class FaultySkills final : public RobotSkills {
   std::vector<FaultTimer> timers_;
 
   SkillGoal goal_;
-  SimTime begins_at_ = kNever;              // of a skill that is stalled
+  SimTime begins_at_ = kNever;  // of a skill that is stalled
   SimTime fails_at_ = kNever;
   const Fault* failing_ = nullptr;
   bool broken_off_ = false, cancelled_ = false;

@@ -22,12 +22,11 @@ Fleet::Fleet(const WorldView& world, Places places)
     }
 }
 
-Expected<std::unique_ptr<Fleet>> Fleet::create(const WorldView& world, RobotBodies& bodies, Places places, bus::Bus& bus,
-                                               RecordSink& sink, FleetFaults faults) {
+Expected<std::unique_ptr<Fleet>> Fleet::create(const WorldView& world, RobotBodies& bodies, Places places,
+                                               bus::Bus& bus, RecordSink& sink, FleetFaults faults) {
   std::unique_ptr<Fleet> fleet(new Fleet(world, std::move(places)));
   for (std::size_t i = 0; i < world.plan().robots.size(); ++i)
-    fleet->skills_.push_back(
-        std::make_unique<PhysicsSkills>(static_cast<RobotId>(i), world, bodies, fleet->traffic_));
+    fleet->skills_.push_back(std::make_unique<PhysicsSkills>(static_cast<RobotId>(i), world, bodies, fleet->traffic_));
   if (Status s = fleet->open(bus, sink, faults); !s) return s.error();
   return fleet;
 }
@@ -38,7 +37,8 @@ Expected<std::unique_ptr<Fleet>> Fleet::create(const WorldView& world, RobotBook
   if (Status s = validate(config); !s) return s.error();
   std::unique_ptr<Fleet> fleet(new Fleet(world, std::move(places)));
   for (std::size_t i = 0; i < world.plan().robots.size(); ++i)
-    fleet->skills_.push_back(std::make_unique<TimedSkills>(static_cast<RobotId>(i), world, book, fleet->traffic_, config, seed));
+    fleet->skills_.push_back(
+        std::make_unique<TimedSkills>(static_cast<RobotId>(i), world, book, fleet->traffic_, config, seed));
   if (Status s = fleet->open(bus, sink, faults); !s) return s.error();
   return fleet;
 }
@@ -48,11 +48,13 @@ Status Fleet::open(bus::Bus& bus, RecordSink& sink, const FleetFaults& faults) {
   for (const RobotStart& robot : world_.plan().robots) names.push_back(robot.name);
   for (const Fault& fault : faults.faults)
     if (!fault.robot.empty() && std::ranges::find(names, fault.robot) == names.end()) {
-      return input_error("robot: no robot '" + fault.robot + "'" + did_you_mean(fault.robot, names), fault.file, fault.line);
+      return input_error("robot: no robot '" + fault.robot + "'" + did_you_mean(fault.robot, names), fault.file,
+                         fault.line);
     }
   if (!faults.faults.empty())
     for (std::size_t i = 0; i < skills_.size(); ++i)
-      skills_[i] = std::make_unique<FaultySkills>(std::move(skills_[i]), static_cast<RobotId>(i), world_, faults.faults, faults.seed, sink);
+      skills_[i] = std::make_unique<FaultySkills>(std::move(skills_[i]), static_cast<RobotId>(i), world_, faults.faults,
+                                                  faults.seed, sink);
   for (std::size_t i = 0; i < skills_.size(); ++i) {
     auto server = SkillServer::create(static_cast<RobotId>(i), world_.plan(), places_, *skills_[i], bus, sink);
     if (!server) return server.error();

@@ -24,14 +24,15 @@ class Fleet final : public Server {
  public:
   using Places = SkillServer::Places;
 
-  /// Physics tier. World, bodies, bus and sink outlive it. `places`: names that drive_to takes beside spots; a robot goes
-  /// to the free standing place nearest to that pose, at most 0.75 m from it. Fails when the bus lacks cxlab_skills.
-  static Expected<std::unique_ptr<Fleet>> create(const WorldView& world, RobotBodies& bodies, Places places, bus::Bus& bus,
-                                                 RecordSink& sink, FleetFaults faults = {});
+  /// Physics tier. World, bodies, bus and sink outlive it. `places`: names that drive_to takes beside spots; a robot
+  /// goes to the free standing place nearest to that pose, at most 0.75 m from it. Fails when the bus lacks
+  /// cxlab_skills.
+  static Expected<std::unique_ptr<Fleet>> create(const WorldView& world, RobotBodies& bodies, Places places,
+                                                 bus::Bus& bus, RecordSink& sink, FleetFaults faults = {});
   /// Timed tier; draws from the streams "durations/<robot>" and "failures/<robot>" of `seed`.
-  static Expected<std::unique_ptr<Fleet>> create(const WorldView& world, RobotBook& book, const TimedSkillsConfig& config,
-                                                 std::uint64_t seed, Places places, bus::Bus& bus, RecordSink& sink,
-                                                 FleetFaults faults = {});
+  static Expected<std::unique_ptr<Fleet>> create(const WorldView& world, RobotBook& book,
+                                                 const TimedSkillsConfig& config, std::uint64_t seed, Places places,
+                                                 bus::Bus& bus, RecordSink& sink, FleetFaults faults = {});
 
   Status sense(SimTime now) override;
   Status act(SimTime now) override;

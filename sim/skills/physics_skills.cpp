@@ -11,18 +11,18 @@ constexpr double kHomeForward = 0.139, kHomeHeight = 0.888;
 constexpr double kForwardStroke = 0.24, kLeftStroke = 0.0375, kUpStroke = 0.057;
 constexpr double kOpen = 0.035, kSqueeze = -0.010;
 constexpr double kOpenEnough = 0.028;
-constexpr double kLifted = 0.045;          ///< m up: clear of the guides
-constexpr double kWithinHull = 0.085;      ///< m forward: nothing sticks out over the robot's hull
-constexpr double kAboveGrip = 0.005;       ///< m over the grip while coming in
-constexpr double kAbovePut = 0.001;        ///< m over the rest when the fingers open
-constexpr double kAboveSlide = 0.012;      ///< m: over the rim of the slide's mouth
+constexpr double kLifted = 0.045;      ///< m up: clear of the guides
+constexpr double kWithinHull = 0.085;  ///< m forward: nothing sticks out over the robot's hull
+constexpr double kAboveGrip = 0.005;   ///< m over the grip while coming in
+constexpr double kAbovePut = 0.001;    ///< m over the rest when the fingers open
+constexpr double kAboveSlide = 0.012;  ///< m: over the rim of the slide's mouth
 
 // Steering of the base.
 constexpr double kTrackGain = 2.5, kTrackYawGain = 3.0;  ///< 1/s
-constexpr SimTime kLead{120'000'000};      ///< the base follows its command that much later
+constexpr SimTime kLead{120'000'000};                    ///< the base follows its command that much later
 constexpr SimTime kSlope{50'000'000};
 constexpr double kFineGain = 3.0, kFineYawGain = 3.0;
-constexpr double kFineSlowDown = 0.6;      ///< m/s2
+constexpr double kFineSlowDown = 0.6;                ///< m/s2
 constexpr double kFineSpeed = 0.1, kFineTurn = 0.6;  ///< the league's robots align at 0.1 m/s
 
 // Where steering is good enough, in m and rad.
@@ -30,9 +30,9 @@ constexpr double kArrivedAt = 0.03, kArrivedYaw = 0.05;
 constexpr double kAlignedAt = 0.012, kAlignedYaw = 0.02;
 constexpr double kAtWork = 0.010;
 constexpr double kBackedOff = 0.03;
-constexpr double kStill = 0.03;            ///< m/s
+constexpr double kStill = 0.03;  ///< m/s
 constexpr double kAxisExact = 0.002;
-constexpr double kPieceSize = 0.042;       ///< m: two pieces nearer than that would touch
+constexpr double kPieceSize = 0.042;  ///< m: two pieces nearer than that would touch
 
 constexpr SimTime kLookTime{8'000'000'000};   ///< until the camera has found the spot and held it
 constexpr SimTime kCheckTime{2'000'000'000};  ///< looking whether the piece is where it should be
@@ -163,8 +163,7 @@ std::optional<SkillResult> PhysicsSkills::sense(SimTime now) {
   if (now - started_ > kSkillTimeout && phase_ != SkillPhase::kStop) return end(SkillCode::kUnableToMove, now);
   switch (phase_) {
     case SkillPhase::kWait:
-    case SkillPhase::kDrive:
-      return sense_drive(now);
+    case SkillPhase::kDrive: return sense_drive(now);
     case SkillPhase::kStop: {
       const bool stands = !traffic_.moving(robot_) && speed_of(state_) < kStill;
       const bool home = state_.gripper.x < kWithinHull;
@@ -172,8 +171,7 @@ std::optional<SkillResult> PhysicsSkills::sense(SimTime now) {
       if ((stands && home && off) || now - entered_ > kPhaseTimeout) return end(SkillCode::kNone, now);
       return std::nullopt;
     }
-    default:
-      return sense_work(now);
+    default: return sense_work(now);
   }
 }
 
@@ -194,7 +192,8 @@ std::optional<SkillResult> PhysicsSkills::sense_drive(SimTime now) {
     }
     const bool there = base_at(goal_.pose, kArrivedAt, kArrivedYaw) && speed_of(state_) < kStill;
     if (there || now - traffic_.motion(robot_)->end() > kSettleTime)
-      return end(base_at(goal_.pose, 2 * kArrivedAt, 2 * kArrivedYaw) ? SkillCode::kNone : SkillCode::kUnableToMove, now);
+      return end(base_at(goal_.pose, 2 * kArrivedAt, 2 * kArrivedYaw) ? SkillCode::kNone : SkillCode::kUnableToMove,
+                 now);
     return std::nullopt;
   }
   if (traffic_.unreachable(robot_)) return end(SkillCode::kNoPath, now);
@@ -219,8 +218,9 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
       return std::nullopt;
     case SkillPhase::kApproach:
       if (base_at(spot_->work_in_world, kAtWork, kAlignedYaw) && speed_of(state_) < kStill &&
-          gripper_at(picks ? reach_axes(state_.pose_in_world, kAboveGrip)
-                           : Vec3{reach_axes(state_.pose_in_world, 0).x, reach_axes(state_.pose_in_world, 0).y, kUpStroke}))
+          gripper_at(
+              picks ? reach_axes(state_.pose_in_world, kAboveGrip)
+                    : Vec3{reach_axes(state_.pose_in_world, 0).x, reach_axes(state_.pose_in_world, 0).y, kUpStroke}))
         enter(SkillPhase::kLower, now);
       else if (late)
         return give_up(SkillCode::kUnableToMove, now);
@@ -260,8 +260,7 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
     case SkillPhase::kCheck:
       if (now - entered_ >= kCheckTime) return verify(now);
       return std::nullopt;
-    default:
-      return end(SkillCode::kInternal, now);
+    default: return end(SkillCode::kInternal, now);
   }
 }
 
@@ -362,7 +361,8 @@ void PhysicsSkills::act(SimTime now) {
       break;
     default: {  // back off, also after a cancel: up first, so that nothing is dragged along
       if (fingers_goal_ == kOpen) move_fingers(kOpen);
-      const bool clear = state_.gripper.z >= kLifted || (fingers_goal_ == kOpen && state_.finger_opening >= kOpenEnough);
+      const bool clear =
+          state_.gripper.z >= kLifted || (fingers_goal_ == kOpen && state_.finger_opening >= kOpenEnough);
       move_gripper({clear ? 0 : gripper_goal_.x, clear ? 0 : gripper_goal_.y, kUpStroke});
       if (clear)
         steer_to(spot_->align_in_world, kFineSpeed);

@@ -63,11 +63,11 @@ class PhysicsSkills final : public RobotSkills {
   SkillPhase phase_ = SkillPhase::kDrive;
   SimTime started_{}, entered_{};
   int tries_ = 0;
-  std::optional<PieceId> piece_;          ///< in hand, or wanted
-  Vec3 carried_offset_;                   ///< of the held piece's underside from the gripper, in the robot's frame
+  std::optional<PieceId> piece_;  ///< in hand, or wanted
+  Vec3 carried_offset_;           ///< of the held piece's underside from the gripper, in the robot's frame
   Vec3 gripper_goal_;
   double fingers_goal_ = 0.035;
-  bool commanded_ = false;                ///< the base has been told to move and not yet to stand
+  bool commanded_ = false;  ///< the base has been told to move and not yet to stand
 };
 
 }  // namespace cxlab::sim

@@ -33,7 +33,7 @@ std::string_view to_string(SkillCode code);
 
 /// What a skill is doing; posted as feedback when it changes.
 enum class SkillPhase : std::uint8_t {
-  kWait,      ///< others are in the way
+  kWait,  ///< others are in the way
   kDrive,
   kAlign,     ///< 0.5 m from the face, in line with the spot
   kLook,      ///< stands there until the camera has found the spot
@@ -42,24 +42,24 @@ enum class SkillPhase : std::uint8_t {
   kGrip,
   kRelease,
   kLift,
-  kBackOff,   ///< to 0.5 m from the face, gripper home
-  kCheck,     ///< looks whether the piece is where it should be
-  kHandle,    ///< timed tier: all between align and back off
-  kStop,      ///< cancelled: until the robot stands and its gripper is home
+  kBackOff,  ///< to 0.5 m from the face, gripper home
+  kCheck,    ///< looks whether the piece is where it should be
+  kHandle,   ///< timed tier: all between align and back off
+  kStop,     ///< cancelled: until the robot stands and its gripper is home
 };
 std::string_view to_string(SkillPhase phase);  ///< "wait" ...
 
 struct SkillGoal {
   SkillKind kind{};
-  std::string target;            ///< as the client named it
-  std::optional<SpotId> spot;    ///< pick and place always; drive_to when the target is a spot
-  Pose2 pose;                    ///< where to stand
+  std::string target;          ///< as the client named it
+  std::optional<SpotId> spot;  ///< pick and place always; drive_to when the target is a spot
+  Pose2 pose;                  ///< where to stand
 };
 
 struct SkillResult {
   SkillCode code = SkillCode::kNone;
-  bool cancelled = false;        ///< ended because of `cancel`
-  std::string text;              ///< what happened, empty when all went well
+  bool cancelled = false;  ///< ended because of `cancel`
+  std::string text;        ///< what happened, empty when all went well
 };
 
 /// Longest time that a skill drives and waits, and that it takes in all; then it ends with 201.

@@ -35,17 +35,20 @@ Status SkillServer::open(Action& action, SkillKind kind, const std::string& type
   if (!known) return known.error();
   action.kind = kind;
   action.type = *known;
-  auto endpoint = bus_.serve_action(
-      node_, "/" + name_ + "/" + std::string(to_string(kind)), **known,
-      {[this, &action](const bus::Delivery& d) { take_goal(action, d); },
-       [this, &action](const bus::Delivery& d) { take_cancel(action, d); }});
+  auto endpoint = bus_.serve_action(node_, "/" + name_ + "/" + std::string(to_string(kind)), **known,
+                                    {[this, &action](const bus::Delivery& d) { take_goal(action, d); },
+                                     [this, &action](const bus::Delivery& d) { take_cancel(action, d); }});
   if (!endpoint) return endpoint.error();
   action.endpoint = *endpoint;
   return {};
 }
 
 void SkillServer::record(const Action& action, const std::string& target, std::string_view event) {
-  data_.begin().field("robot", name_).field("skill", to_string(action.kind)).field("target", target).field("event", event);
+  data_.begin()
+      .field("robot", name_)
+      .field("skill", to_string(action.kind))
+      .field("target", target)
+      .field("event", event);
 }
 
 // --- Goals
@@ -160,11 +163,16 @@ void SkillServer::finish(const SkillResult& result) {
   const bool done = result.code == SkillCode::kNone && !result.cancelled;
   if (result.code != SkillCode::kNone) ++stats_.failures;
   record(action, ended.skill.target, "end");
-  data_.field("code", static_cast<int>(result.code)).field("error", result.text).field("cancelled", result.cancelled)
+  data_.field("code", static_cast<int>(result.code))
+      .field("error", result.text)
+      .field("cancelled", result.cancelled)
       .field("duration_s", duration);
   sink_.write(stream_, now_, RecordKind::kSkill, data_);
   auto message = std::make_shared<bus::Message>(*action.type->result);
-  message->view().set("success", done).set("error_code", static_cast<int>(result.code)).set("error", result.text)
+  message->view()
+      .set("success", done)
+      .set("error_code", static_cast<int>(result.code))
+      .set("error", result.text)
       .set("target", ended.skill.target);
   const bus::GoalStatus status = done               ? bus::GoalStatus::kSucceeded
                                  : result.cancelled ? bus::GoalStatus::kCanceled

@@ -1,8 +1,8 @@
 #pragma once
 // The skills of one robot on the bus: node "robot1" with the actions /robot1/drive_to, /robot1/pick, /robot1/place.
 //
-// One skill at a time: a goal while another one is active, or still ends after a cancel, is rejected. A goal that cannot be
-// meant (an unknown target) is accepted and aborted at once, so that its result can say why.
+// One skill at a time: a goal while another one is active, or still ends after a cancel, is rejected. A goal that
+// cannot be meant (an unknown target) is accepted and aborted at once, so that its result can say why.
 
 #include <array>
 #include <map>
@@ -20,11 +20,11 @@ namespace cxlab::sim {
 /// What a robot has done so far. An active skill counts up to the time asked for.
 struct RobotStats {
   std::string name;
-  double busy_s = 0;    ///< with a skill active
-  double drive_s = 0;   ///< of these, driving to a target
-  double wait_s = 0;    ///< of these, standing because others were in the way
-  int skills = 0;       ///< begun
-  int failures = 0;     ///< ended with an error code
+  double busy_s = 0;   ///< with a skill active
+  double drive_s = 0;  ///< of these, driving to a target
+  double wait_s = 0;   ///< of these, standing because others were in the way
+  int skills = 0;      ///< begun
+  int failures = 0;    ///< ended with an error code
 };
 
 class SkillServer {

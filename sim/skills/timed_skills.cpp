@@ -8,11 +8,11 @@
 namespace cxlab::sim {
 
 Status validate(const TimedSkillsConfig& config) {
-  const std::pair<const char*, double> times[] = {{"pick_mean_s", config.pick_mean_s},
-                                                  {"place_mean_s", config.place_mean_s},
-                                                  {"shortest_s", config.shortest_s}};
+  const std::pair<const char*, double> times[] = {
+      {"pick_mean_s", config.pick_mean_s}, {"place_mean_s", config.place_mean_s}, {"shortest_s", config.shortest_s}};
   for (const auto& [name, value] : times)
-    if (!(value > 0)) return input_error(std::string(name) + ": found " + std::to_string(value) + ", expected a time > 0 s");
+    if (!(value > 0))
+      return input_error(std::string(name) + ": found " + std::to_string(value) + ", expected a time > 0 s");
   const std::pair<const char*, double> sigmas[] = {{"pick_sigma_s", config.pick_sigma_s},
                                                    {"place_sigma_s", config.place_sigma_s}};
   for (const auto& [name, value] : sigmas)
@@ -28,7 +28,11 @@ Status validate(const TimedSkillsConfig& config) {
 
 TimedSkills::TimedSkills(RobotId robot, const WorldView& world, RobotBook& book, Traffic& traffic,
                          const TimedSkillsConfig& config, std::uint64_t seed)
-    : robot_(robot), world_(world), book_(book), traffic_(traffic), config_(config),
+    : robot_(robot),
+      world_(world),
+      book_(book),
+      traffic_(traffic),
+      config_(config),
       durations_(seed, "durations/" + world.plan().robots[static_cast<std::size_t>(robot)].name),
       failures_(seed, "failures/" + world.plan().robots[static_cast<std::size_t>(robot)].name) {}
 
@@ -90,7 +94,8 @@ SkillCode TimedSkills::handle() {
 SimTime TimedSkills::next_due() const {
   if (!active_) return kNever;
   // A motion that is planned to begin later ends the waiting then.
-  return phase_ == SkillPhase::kWait && traffic_.moving(robot_) ? std::min(due_, traffic_.motion(robot_)->start()) : due_;
+  return phase_ == SkillPhase::kWait && traffic_.moving(robot_) ? std::min(due_, traffic_.motion(robot_)->start())
+                                                                : due_;
 }
 
 std::optional<SkillResult> TimedSkills::sense(SimTime now) {
@@ -134,7 +139,8 @@ void TimedSkills::act(SimTime now) {
   for (std::size_t i = kEvery; i + 1 < poses.size(); i += kEvery) path.push_back(poses[i]);
   path.push_back(motion.last());
   book_.move_along(robot_, path, std::max(now, motion.start()), motion.end());
-  if (active_ && phase_ != SkillPhase::kStop) phase_ = traffic_.waiting(robot_, now) ? SkillPhase::kWait : SkillPhase::kDrive;
+  if (active_ && phase_ != SkillPhase::kStop)
+    phase_ = traffic_.waiting(robot_, now) ? SkillPhase::kWait : SkillPhase::kDrive;
 }
 
 }  // namespace cxlab::sim

@@ -1,5 +1,6 @@
 #pragma once
-// The skills without physics: drives take as long as the planned motion, handling takes a drawn time, failures are drawn.
+// The skills without physics: drives take as long as the planned motion, handling takes a drawn time, failures are
+// drawn.
 
 #include <optional>
 
@@ -12,21 +13,22 @@ namespace cxlab::sim {
 
 /// How long handling takes, and how often skills fail. Every duration is at least `shortest_s`.
 struct TimedSkillsConfig {
-  double pick_mean_s = 15.5;    ///< from standing before the spot to standing there again
+  double pick_mean_s = 15.5;  ///< from standing before the spot to standing there again
   double pick_sigma_s = 0.4;
   double place_mean_s = 15.3;
   double place_sigma_s = 0.6;
   double shortest_s = 2.0;
-  double drive_failure = 0;     ///< probability a drive_to that it ends with 201, where it should have ended well
-  double pick_failure = 0;      ///< a pick: 206, the piece stays
-  double place_failure = 0;     ///< a place: 204, the piece stays in the gripper
+  double drive_failure = 0;  ///< probability a drive_to that it ends with 201, where it should have ended well
+  double pick_failure = 0;   ///< a pick: 206, the piece stays
+  double place_failure = 0;  ///< a place: 204, the piece stays in the gripper
 };
 /// Probabilities lie in 0..1, times are positive.
 Status validate(const TimedSkillsConfig& config);
 
 class TimedSkills final : public RobotSkills {
  public:
-  /// Draws from streams of this robot alone: what the others do moves none of its draws. World, book and traffic outlive it.
+  /// Draws from streams of this robot alone: what the others do moves none of its draws. World, book and traffic
+  /// outlive it.
   TimedSkills(RobotId robot, const WorldView& world, RobotBook& book, Traffic& traffic, const TimedSkillsConfig& config,
               std::uint64_t seed);
 
@@ -54,7 +56,7 @@ class TimedSkills final : public RobotSkills {
   SkillGoal goal_;
   bool active_ = false;
   SkillPhase phase_ = SkillPhase::kDrive;
-  SimTime due_ = kNever;   ///< of the time-out, or of the end of handling
+  SimTime due_ = kNever;  ///< of the time-out, or of the end of handling
   std::uint32_t motions_ = 0;
 };
 

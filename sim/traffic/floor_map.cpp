@@ -8,13 +8,13 @@
 namespace cxlab::sim {
 namespace {
 
-constexpr double kGrid = 0.1;            ///< m between nodes
-constexpr double kRoomy = 0.34;          ///< m: closer to fixed things than this costs extra
-constexpr double kCrampedCost = 1.5;     ///< times the length, at kClearance
-constexpr double kWallHalf = 0.025;      ///< half of a wall's thickness
+constexpr double kGrid = 0.1;         ///< m between nodes
+constexpr double kRoomy = 0.34;       ///< m: closer to fixed things than this costs extra
+constexpr double kCrampedCost = 1.5;  ///< times the length, at kClearance
+constexpr double kWallHalf = 0.025;   ///< half of a wall's thickness
 constexpr double kMachineX = 0.175, kMachineY = 0.35;
-constexpr double kJoin = 0.35;           ///< m: how far a pose may lie from the nodes it joins
-constexpr double kJoinClearance = 0.235; ///< beside a machine at work a robot is closer than on its ways
+constexpr double kJoin = 0.35;            ///< m: how far a pose may lie from the nodes it joins
+constexpr double kJoinClearance = 0.235;  ///< beside a machine at work a robot is closer than on its ways
 constexpr double kStraightStep = 0.05;
 constexpr double kRoundStep = 0.1;
 constexpr int kRoundings = 50;
@@ -51,7 +51,8 @@ FloorMap::FloorMap(const FloorPlan& plan)
   parent_.assign(n, -1);
   for (std::size_t i = 0; i < n; ++i) {
     const Point2 p = point(static_cast<Node>(i));
-    double nearest = std::min(std::min(p.x - plan.min_x, plan.max_x - p.x), std::min(p.y - plan.min_y, plan.max_y - p.y));
+    double nearest =
+        std::min(std::min(p.x - plan.min_x, plan.max_x - p.x), std::min(p.y - plan.min_y, plan.max_y - p.y));
     nearest -= kWallHalf;
     for (const Station& station : plan.stations) nearest = std::min(nearest, to_box(p, station.pose_in_world));
     for (const WallSegment& wall : plan.walls)
@@ -79,8 +80,12 @@ void FloorMap::block(std::span<const Keepout> keepouts) {
   ++query_;
   for (const Keepout& k : keepouts) {
     const Footprint& f = k.around;
-    const auto column = [&](double x) { return std::clamp(static_cast<int>(std::floor((x - min_x_) / kGrid)), 0, columns_ - 1); };
-    const auto row = [&](double y) { return std::clamp(static_cast<int>(std::floor((y - min_y_) / kGrid)), 0, rows_ - 1); };
+    const auto column = [&](double x) {
+      return std::clamp(static_cast<int>(std::floor((x - min_x_) / kGrid)), 0, columns_ - 1);
+    };
+    const auto row = [&](double y) {
+      return std::clamp(static_cast<int>(std::floor((y - min_y_) / kGrid)), 0, rows_ - 1);
+    };
     const int c0 = column(std::min(f.a.x, f.b.x) - k.radius), c1 = column(std::max(f.a.x, f.b.x) + k.radius);
     const int r0 = row(std::min(f.a.y, f.b.y) - k.radius), r1 = row(std::max(f.a.y, f.b.y) + k.radius);
     for (int r = r0; r <= r1; ++r)
@@ -214,7 +219,8 @@ void FloorMap::round_off(std::vector<Point2>& way, std::span<const Keepout> keep
         if (distance_squared(middle, fine[i]) < 1e-10) continue;
         const double there = clearance(middle);
         if (there < std::min(room[i], kRoomy - 0.02)) continue;
-        if (std::ranges::any_of(keepouts, [&](const Keepout& k) { return distance(middle, k.around) < k.radius; })) continue;
+        if (std::ranges::any_of(keepouts, [&](const Keepout& k) { return distance(middle, k.around) < k.radius; }))
+          continue;
         fine[i] = middle;
         room[i] = there;
       }

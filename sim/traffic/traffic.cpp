@@ -7,22 +7,22 @@
 namespace cxlab::sim {
 namespace {
 
-constexpr double kGap = 0.51;           ///< m between centres: a way keeps it from robots that stand; hulls touch at 0.45
-constexpr double kMovingGap = 0.50;     ///< between motions, also when one is up to kTimeMargin early or late
-constexpr double kStopGap = 0.47;       ///< below this a motion is broken off
-constexpr double kPlaceGap = 0.58;      ///< of a place to wait from ways and other robots
+constexpr double kGap = 0.51;        ///< m between centres: a way keeps it from robots that stand; hulls touch at 0.45
+constexpr double kMovingGap = 0.50;  ///< between motions, also when one is up to kTimeMargin early or late
+constexpr double kStopGap = 0.47;    ///< below this a motion is broken off
+constexpr double kPlaceGap = 0.58;   ///< of a place to wait from ways and other robots
 constexpr SimTime kTimeMargin{300'000'000};
 constexpr SimTime kSample{100'000'000};
 constexpr SimTime kDelayStep{200'000'000};
 constexpr SimTime kWorthADetour{1'000'000'000};
-constexpr SimTime kGrace{1'000'000'000};   ///< a robot that has just ended a skill is not sent away at once
+constexpr SimTime kGrace{1'000'000'000};  ///< a robot that has just ended a skill is not sent away at once
 constexpr SimTime kRetry{2'000'000'000};
 constexpr SimTime kYieldFor{20'000'000'000};
-constexpr double kReachOfASample = 0.25;   ///< m: further than a robot drives within kTimeMargin
-constexpr double kOffTrack = 0.15;         ///< m: the motion is given up
-constexpr double kWorthQueueing = 1.0;     ///< m that driving nearer must save
-constexpr double kQueueRange = 2.5;        ///< m around a goal for places to wait
-constexpr double kGoalClearance = 0.23;    ///< m: a robot's radius; nobody is sent nearer to fixed things
+constexpr double kReachOfASample = 0.25;  ///< m: further than a robot drives within kTimeMargin
+constexpr double kOffTrack = 0.15;        ///< m: the motion is given up
+constexpr double kWorthQueueing = 1.0;    ///< m that driving nearer must save
+constexpr double kQueueRange = 2.5;       ///< m around a goal for places to wait
+constexpr double kGoalClearance = 0.23;   ///< m: a robot's radius; nobody is sent nearer to fixed things
 
 double distance_to_way(Point2 p, std::span<const Point2> way) {
   double nearest = distance(p, way.front());
@@ -359,7 +359,8 @@ std::optional<std::vector<Point2>> Traffic::way_aside(int index, std::span<const
   return std::nullopt;
 }
 
-bool Traffic::displace(int index, std::span<const Point2> way, const Footprint& end, int for_robot, int depth, SimTime now) {
+bool Traffic::displace(int index, std::span<const Point2> way, const Footprint& end, int for_robot, int depth,
+                       SimTime now) {
   if (depth == 0) return false;
   Robot& robot = robots_[static_cast<std::size_t>(index)];
   if (robot.moving || robot.working) return false;

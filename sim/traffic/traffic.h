@@ -2,8 +2,9 @@
 // Who drives where and when. Every motion is planned in space and time against all motions that are already decided, up
 // to where each of those ends, so that robots neither touch nor block each other. One object for all robots of a floor.
 //
-// Rules: a robot that stands without work, or waits for its way, steps aside when another one needs the place; a robot at
-// work or on its way is waited for, at a place nearby that leaves the others a way around. The oldest request goes first.
+// Rules: a robot that stands without work, or waits for its way, steps aside when another one needs the place; a robot
+// at work or on its way is waited for, at a place nearby that leaves the others a way around. The oldest request goes
+// first.
 
 #include <cstdint>
 #include <optional>
@@ -20,8 +21,8 @@ class Traffic {
   explicit Traffic(const FloorPlan& plan, const DriveLimits& limits = {});
 
   // --- Wishes of a robot. It has one request at a time; a new one replaces the old.
-  /// The robot wants to stand at `goal`. With `work`, it then works within that footprint until `finish_work`, and nobody
-  /// comes near.
+  /// The robot wants to stand at `goal`. With `work`, it then works within that footprint until `finish_work`, and
+  /// nobody comes near.
   void request(RobotId robot, const Pose2& goal, std::optional<Footprint> work, SimTime now);
   /// The request is off; a robot that drives for it brakes.
   void withdraw(RobotId robot, SimTime now);
@@ -60,15 +61,15 @@ class Traffic {
  private:
   enum class Purpose : std::uint8_t { kGoal, kQueue, kYield, kBrake };
   struct Robot {
-    Pose2 pose;               ///< observed, or the end of its last motion
-    Footprint rest;           ///< where it is, or will be when its motion is over
+    Pose2 pose;      ///< observed, or the end of its last motion
+    Footprint rest;  ///< where it is, or will be when its motion is over
     bool working = false;
     bool moving = false;
     Trajectory motion;
     std::uint32_t motions = 0;
     Purpose purpose = Purpose::kGoal;
     SimTime idle_since{};
-    bool wants = false;       ///< has a request that is not fulfilled
+    bool wants = false;  ///< has a request that is not fulfilled
     bool arrived = false;
     bool unreachable = false;
     Pose2 goal;
@@ -90,7 +91,8 @@ class Traffic {
   std::vector<Keepout> rests(int except) const;
 
   void attempt(int robot, SimTime now);
-  bool commit(int robot, std::span<const Point2> way, const Pose2& goal, const Footprint& rest, Purpose purpose, SimTime now);
+  bool commit(int robot, std::span<const Point2> way, const Pose2& goal, const Footprint& rest, Purpose purpose,
+              SimTime now);
   /// The shortest delay after which the motion meets nobody, or nothing.
   std::optional<SimTime> delay_of(int robot, Trajectory& motion, const Footprint& rest, SimTime now) const;
   bool meets_nobody(int robot, const Trajectory& motion, const Footprint& rest, SimTime now) const;
@@ -98,8 +100,8 @@ class Traffic {
   void queue(int robot, SimTime now);
   /// Sends a robot to a place off the way; if others enclose it, these first.
   bool displace(int robot, std::span<const Point2> way, const Footprint& end, int for_robot, int depth, SimTime now);
-  std::optional<std::vector<Point2>> way_aside(int robot, std::span<const Keepout> keepouts, std::span<const Point2> way,
-                                               const Footprint& end);
+  std::optional<std::vector<Point2>> way_aside(int robot, std::span<const Keepout> keepouts,
+                                               std::span<const Point2> way, const Footprint& end);
   void brake(int robot, SimTime now);
   void stand(int robot, SimTime now);
 

@@ -47,9 +47,11 @@ Trajectory::Trajectory(std::span<const Point2> way, double yaw_from, double yaw_
   }
   speed.front() = speed.back() = 0;
   for (std::size_t i = 1; i < n; ++i)
-    speed[i] = std::min(speed[i], std::sqrt(speed[i - 1] * speed[i - 1] + 2 * limits.speed_up * (reached[i] - reached[i - 1])));
+    speed[i] = std::min(speed[i],
+                        std::sqrt(speed[i - 1] * speed[i - 1] + 2 * limits.speed_up * (reached[i] - reached[i - 1])));
   for (std::size_t i = n - 1; i-- > 0;)
-    speed[i] = std::min(speed[i], std::sqrt(speed[i + 1] * speed[i + 1] + 2 * limits.slow_down * (reached[i + 1] - reached[i])));
+    speed[i] = std::min(speed[i],
+                        std::sqrt(speed[i + 1] * speed[i + 1] + 2 * limits.slow_down * (reached[i + 1] - reached[i])));
   for (std::size_t i = 1; i < n; ++i) {
     const double ds = reached[i] - reached[i - 1];
     if (ds <= 0) {

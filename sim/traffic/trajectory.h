@@ -11,12 +11,12 @@ namespace cxlab::sim {
 
 /// What a planned motion asks of a base: a little less than it can do, so that the controller can catch up.
 struct DriveLimits {
-  double speed = 0.50;          ///< m/s, of 0.7: what RCLL teams reckon with for a Robotino, whose rim runs at 0.59
-  double speed_up = 0.36;       ///< m/s2, of 0.4
-  double slow_down = 1.0;       ///< m/s2, of 1.5
-  double sideways = 0.35;       ///< m/s2, centripetal in curves
-  double turn = 0.9;            ///< rad/s, of 1.4: a held piece stays where it is
-  double turn_up = 1.2;         ///< rad/s2, of 1.6 / 3.2
+  double speed = 0.50;     ///< m/s, of 0.7: what RCLL teams reckon with for a Robotino, whose rim runs at 0.59
+  double speed_up = 0.36;  ///< m/s2, of 0.4
+  double slow_down = 1.0;  ///< m/s2, of 1.5
+  double sideways = 0.35;  ///< m/s2, centripetal in curves
+  double turn = 0.9;       ///< rad/s, of 1.4: a held piece stays where it is
+  double turn_up = 1.2;    ///< rad/s2, of 1.6 / 3.2
 };
 
 /// Poses at equal steps of time; before the first and after the last the robot stands.

@@ -26,7 +26,8 @@ class TamperedLog : public testing::Test {
 
   /// Exit code of `cxlab ARGUMENTS`; what it said is in `said_`.
   int cxlab(const std::string& arguments) {
-    const std::string command = std::string(std::getenv("CXLAB")) + ' ' + arguments + " >" + (folder_ / "said").string() + " 2>&1";
+    const std::string command =
+        std::string(std::getenv("CXLAB")) + ' ' + arguments + " >" + (folder_ / "said").string() + " 2>&1";
     const int status = std::system(command.c_str());
     std::ifstream in(folder_ / "said");
     said_.assign(std::istreambuf_iterator<char>(in), {});

@@ -1,5 +1,5 @@
-// Configurations of the environment manager: the first byte says how strict, the rest is the YAML. What is read lives for
-// two ticks, with all plugins of cxlab and the rules of an example, and ends.
+// Configurations of the environment manager: the first byte says how strict, the rest is the YAML. What is read lives
+// for two ticks, with all plugins of cxlab and the rules of an example, and ends.
 
 #include <unistd.h>
 
@@ -33,7 +33,8 @@ const fs::path& folder() {
 cxlab::bus::Registry& registry() {
   static cxlab::bus::Registry packages = [] {
     cxlab::bus::Registry made;
-    cxlab::fuzz::promise(made.add_packages_in(fs::path(CXLAB_SOURCE_DIR) / "cx/interfaces").ok(), "the packages of cxlab are there");
+    cxlab::fuzz::promise(made.add_packages_in(fs::path(CXLAB_SOURCE_DIR) / "cx/interfaces").ok(),
+                         "the packages of cxlab are there");
     return made;
   }();
   return packages;

@@ -1,5 +1,5 @@
-// Interface definitions: the first byte says which kind, the rest is the file. One that is read makes messages that keep
-// their values through bytes.
+// Interface definitions: the first byte says which kind, the rest is the file. One that is read makes messages that
+// keep their values through bytes.
 
 #include <unistd.h>
 

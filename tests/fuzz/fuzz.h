@@ -1,7 +1,7 @@
 #pragma once
 // What every fuzz target is: one function that takes bytes. libFuzzer calls it in the preset `fuzz`, `corpus_main.cpp`
-// with each file of tests/fuzz/corpus/<target> in all others. A target ends the program where the code under test breaks
-// its promise; what it refuses with an error is fine.
+// with each file of tests/fuzz/corpus/<target> in all others. A target ends the program where the code under test
+// breaks its promise; what it refuses with an error is fine.
 
 #include <cstddef>
 #include <cstdint>

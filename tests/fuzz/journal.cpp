@@ -6,7 +6,9 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cxlab;
   const auto record = parse_journal_line(fuzz::text_of(data, size));
-  if (record) fuzz::promise(!record->stream.empty(), "a record has a stream");
-  else fuzz::promise(!record.error().message.empty(), "an error says what it is");
+  if (record)
+    fuzz::promise(!record->stream.empty(), "a record has a stream");
+  else
+    fuzz::promise(!record.error().message.empty(), "an error says what it is");
   return 0;
 }

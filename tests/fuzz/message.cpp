@@ -14,7 +14,8 @@ cxlab::bus::Registry& registry() {
     cxlab::bus::Registry made;
     const std::filesystem::path source = CXLAB_SOURCE_DIR;
     cxlab::fuzz::promise(made.add_packages_in(source / "cx/interfaces").ok(), "the packages of cxlab are there");
-    cxlab::fuzz::promise(made.add_package("every", source / "tests/fuzz/every").ok(), "the package of this target is there");
+    cxlab::fuzz::promise(made.add_package("every", source / "tests/fuzz/every").ok(),
+                         "the package of this target is there");
     return made;
   }();
   return packages;
@@ -50,7 +51,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string bytes = bytes_of(*message);
   std::size_t position = 0;
   const auto again = bus::Message::deserialize(**type, std::as_bytes(std::span(bytes)), position);
-  fuzz::promise(again.ok() && position == bytes.size() && bytes_of(*again) == bytes, "a message comes back from its bytes");
+  fuzz::promise(again.ok() && position == bytes.size() && bytes_of(*again) == bytes,
+                "a message comes back from its bytes");
   const auto told = bus::Message::from_yaml(**type, (*message)->to_string());
   fuzz::promise(told.ok(), "the text of a message reads: " + (told ? std::string() : told.error().message));
   return 0;

@@ -1,4 +1,5 @@
-// PDDL: the text up to a line `---` is the domain, the rest the problem. What is read is written, and reads back the same.
+// PDDL: the text up to a line `---` is the domain, the rest the problem. What is read is written, and reads back the
+// same.
 
 #include "planner/pddl/parser.h"
 #include "planner/pddl/text.h"
@@ -21,12 +22,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (split == std::string::npos) return 0;
   const auto problem = parse_problem(text.substr(split + 5), "p.pddl", *domain);
   if (!problem) {
-    promise(problem.error().file == "p.pddl" && problem.error().line > 0, "an error of a problem has its file and line");
+    promise(problem.error().file == "p.pddl" && problem.error().line > 0,
+            "an error of a problem has its file and line");
     return 0;
   }
   const std::string written_problem = to_pddl(*domain, *problem);
   const auto problem_again = parse_problem(written_problem, "written.pddl", *domain);
-  promise(problem_again.ok(), "a problem that was written can be read: " + (problem_again ? "" : problem_again.error().text()) + "\n" + written_problem);
-  promise(to_pddl(*domain, *problem_again) == written_problem, "a problem that was written reads back the same:\n" + written_problem);
+  promise(problem_again.ok(), "a problem that was written can be read: " +
+                                  (problem_again ? "" : problem_again.error().text()) + "\n" + written_problem);
+  promise(to_pddl(*domain, *problem_again) == written_problem,
+          "a problem that was written reads back the same:\n" + written_problem);
   return 0;
 }

@@ -50,6 +50,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   promise(verdict->valid || !verdict->violation->message.empty(), "a violation says what is wrong");
   const std::string written = to_text(*plan, task().domain, task().problem);
   const auto again = parse_plan(written, "written", task().domain, task().problem);
-  promise(again && to_text(*again, task().domain, task().problem) == written, "a plan that was written reads back the same:\n" + written);
+  promise(again && to_text(*again, task().domain, task().problem) == written,
+          "a plan that was written reads back the same:\n" + written);
   return 0;
 }

@@ -13,11 +13,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const Form& form : reading.forms) {
     fuzz::promise(text.find(form.text) != std::string::npos, "a form stands in the file");
     fuzz::promise(form.line >= 1 && form.line <= lines, "a form begins on a line of the file");
-    for (const Token& token : tokens_of(form)) fuzz::promise(token.line >= form.line && token.line <= lines, "a token lies within its form");
+    for (const Token& token : tokens_of(form))
+      fuzz::promise(token.line >= form.line && token.line <= lines, "a token lies within its form");
     if (form.text.starts_with("\xef\xbb\xbf")) continue;  // a word here, a byte order mark at the beginning of a file
     const FormReading alone = read_forms(form.text, "fuzz.clp");
-    fuzz::promise(alone.errors.empty() && alone.forms.size() == 1 && alone.forms[0].text == form.text, "a form reads as itself alone");
+    fuzz::promise(alone.errors.empty() && alone.forms.size() == 1 && alone.forms[0].text == form.text,
+                  "a form reads as itself alone");
   }
-  for (const Error& error : reading.errors) fuzz::promise(error.line >= 1 && error.line <= lines, "an error has a line of the file");
+  for (const Error& error : reading.errors)
+    fuzz::promise(error.line >= 1 && error.line <= lines, "an error has a line of the file");
   return 0;
 }

@@ -15,7 +15,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::promise(!scenario.error().message.empty(), "an error says what it is");
     return 0;
   }
-  fuzz::promise(scenario->tick > SimTime::zero() && scenario->tick % scenario->physics_step == SimTime::zero(), "a tick is a whole number of steps");
+  fuzz::promise(scenario->tick > SimTime::zero() && scenario->tick % scenario->physics_step == SimTime::zero(),
+                "a tick is a whole number of steps");
   for (const AgentSpec& agent : scenario->agents) (void)scenario->shares(agent);
   return 0;
 }

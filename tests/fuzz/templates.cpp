@@ -14,7 +14,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::size_t name_end = std::min(rest.find('\n'), rest.size());
     const std::size_t next = rest.find("\n--- ", name_end);
     const std::string name = rest.substr(4, name_end - 4);
-    templates[name] = name_end < rest.size() ? rest.substr(name_end + 1, next == std::string::npos ? next : next - name_end) : "";
+    templates[name] =
+        name_end < rest.size() ? rest.substr(name_end + 1, next == std::string::npos ? next : next - name_end) : "";
     rest = next == std::string::npos ? "" : rest.substr(next + 1);
   }
   const Loader loader = [&](const std::string& name) -> std::optional<std::string> {

@@ -32,13 +32,15 @@ TEST_F(Apart, SameSeedSameBytes) {
 }
 
 TEST_F(Apart, WhatHappensInOneEnvironmentMovesNothingInAnother) {
-  const std::string quiet = R"((deffacts start (open)) (defrule open (open) => (ros-msgs-create-subscription "/elsewhere" "words/msg/Word")))";
+  const std::string quiet =
+      R"((deffacts start (open)) (defrule open (open) => (ros-msgs-create-subscription "/elsewhere" "words/msg/Word")))";
   const std::string noisy = R"((deffacts start (open))
 (defrule draw (declare (salience 10)) (time ?t) => (println (random 1 100)))
 (defrule more (open) => (ros-msgs-create-subscription "/third" "std_msgs/msg/String") (ros-msgs-create-message "words/msg/Word")
   (ros-msgs-create-publisher "/elsewhere" "words/msg/Word") (ros-msgs-create-subscription "/word" "words/msg/Word"))
 )";
-  const std::string stimuli = "duration_s: 5\nstimuli:\n  - {at: 2, publish: /word, type: words/msg/Word, data: {number: 7}}\n";
+  const std::string stimuli =
+      "duration_s: 5\nstimuli:\n  - {at: 2, publish: /word, type: words/msg/Word, data: {number: 7}}\n";
   const auto before = streams(whole(scenario("p", {{"b", quiet, 10}, {"a", kSay, 7}}, stimuli)));
   write("words/p/b.clp", noisy);
   const auto after = streams(whole(folder_ / "p.yaml"));
@@ -47,7 +49,8 @@ TEST_F(Apart, WhatHappensInOneEnvironmentMovesNothingInAnother) {
 }
 
 TEST_F(Apart, EpisodesSideBySideAreAsEachAlone) {
-  const std::vector<std::string> first{"tier=timed", "duration_s=120"}, second{"tier=timed", "duration_s=120", "seed=2", "world.team=MAGENTA"};
+  const std::vector<std::string> first{"tier=timed", "duration_s=120"},
+      second{"tier=timed", "duration_s=120", "seed=2", "world.team=MAGENTA"};
   const Result alone_a = whole(game(), first), alone_b = whole(game(), second);
   auto a = load(game(), first), b = load(game(), second);
   begin(*a);

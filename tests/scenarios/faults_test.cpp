@@ -16,14 +16,17 @@ using testing::HasSubstr;
 /// Robots in a game without rules: stimuli send their goals.
 class Faults : public EpisodeTest, public testing::WithParamInterface<const char*> {
  protected:
-  std::filesystem::path floor(const std::string& name, const std::string& goals, const std::string& faults, const std::string& tier) {
-    return write(name + ".yaml", "schema: 1\nworld: {kind: rcll, down: false, orders: [{base_color: BASE_RED, cap_color: CAP_GREY}]}\n"
-                                 "tier: " + tier + "\nduration_s: 200\nstimuli:\n" + goals + "faults:\n" + faults);
+  std::filesystem::path floor(const std::string& name, const std::string& goals, const std::string& faults,
+                              const std::string& tier) {
+    return write(name + ".yaml",
+                 "schema: 1\nworld: {kind: rcll, down: false, orders: [{base_color: BASE_RED, cap_color: CAP_GREY}]}\n"
+                 "tier: " +
+                     tier + "\nduration_s: 200\nstimuli:\n" + goals + "faults:\n" + faults);
   }
   static std::string goal(double at, const std::string& robot, const std::string& skill, const std::string& target) {
     const std::string type = skill == "drive_to" ? "DriveTo" : skill == "pick" ? "Pick" : "Place";
-    return "  - {at: " + std::to_string(at) + ", send_goal: /" + robot + '/' + skill + ", type: cxlab_skills/action/" + type +
-           ", goal: {target: " + target + "}}\n";
+    return "  - {at: " + std::to_string(at) + ", send_goal: /" + robot + '/' + skill + ", type: cxlab_skills/action/" +
+           type + ", goal: {target: " + target + "}}\n";
   }
   /// How each skill of the robot ended: code and duration (s).
   std::vector<std::pair<int, double>> ends(const std::string& run, const std::string& robot) const {
@@ -57,7 +60,9 @@ class Faults : public EpisodeTest, public testing::WithParamInterface<const char
 
 TEST_P(Faults, ASkillIsBrokenOffAndEndsWithTheCode) {
   const std::string goals = goal(1, "robot1", "drive_to", "C-BS-INPUT") + goal(80, "robot1", "drive_to", "C_Z11");
-  (void)whole(floor("broken", goals, "  - {kind: skill_fails, at: 0.5, robot: robot1, error: 220, after_s: 3}\n", GetParam()), {}, "run");
+  (void)whole(
+      floor("broken", goals, "  - {kind: skill_fails, at: 0.5, robot: robot1, error: 220, after_s: 3}\n", GetParam()),
+      {}, "run");
   const auto ended = ends("run", "robot1");
   ASSERT_EQ(ended.size(), 2u);
   EXPECT_EQ(ended[0].first, 220);
@@ -68,7 +73,8 @@ TEST_P(Faults, ASkillIsBrokenOffAndEndsWithTheCode) {
 }
 
 TEST_P(Faults, AFaultOfOneSkillLeavesTheOthersAlone) {
-  const std::string goals = goal(1, "robot1", "drive_to", "C-CS1-INPUT") + goal(80, "robot1", "pick", "C-CS1-SHELF-LEFT");
+  const std::string goals =
+      goal(1, "robot1", "drive_to", "C-CS1-INPUT") + goal(80, "robot1", "pick", "C-CS1-SHELF-LEFT");
   (void)whole(floor("one", goals, "  - {kind: skill_fails, probability: 1, skill: pick}\n", GetParam()), {}, "run");
   const auto ended = ends("run", "robot1");
   ASSERT_EQ(ended.size(), 2u);
@@ -79,7 +85,8 @@ TEST_P(Faults, AFaultOfOneSkillLeavesTheOthersAlone) {
 TEST_P(Faults, AStalledRobotStandsAndThenDoesIt) {
   const std::string goals = goal(1, "robot1", "drive_to", "C-BS-INPUT");
   (void)whole(floor("quick", goals, "  - {kind: skill_stalls, at: 100, seconds: 7}\n", GetParam()), {}, "quick");
-  (void)whole(floor("late", goals, "  - {kind: skill_stalls, at: 0, robot: robot1, seconds: 7}\n", GetParam()), {}, "late");
+  (void)whole(floor("late", goals, "  - {kind: skill_stalls, at: 0, robot: robot1, seconds: 7}\n", GetParam()), {},
+              "late");
   const auto quick = ends("quick", "robot1"), late = ends("late", "robot1");
   ASSERT_EQ(quick.size(), 1u);
   ASSERT_EQ(late.size(), 1u);
@@ -88,13 +95,16 @@ TEST_P(Faults, AStalledRobotStandsAndThenDoesIt) {
 }
 
 TEST_P(Faults, ADroppedPieceLiesOnTheFloor) {
-  const std::string goals = goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(110, "robot1", "place", "C-CS1-SHELF-LEFT");
-  auto episode = load(floor("drop", goals, "  - {kind: piece_dropped, at: 85, robot: robot1}\n", GetParam()), {}, "run");
+  const std::string goals =
+      goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(110, "robot1", "place", "C-CS1-SHELF-LEFT");
+  auto episode =
+      load(floor("drop", goals, "  - {kind: piece_dropped, at: 85, robot: robot1}\n", GetParam()), {}, "run");
   begin(*episode);
   play(*episode, 200);
   const auto& stage = dynamic_cast<rcll::GameStage&>(episode->stage());
   EXPECT_FALSE(stage.floor().robot(sim::RobotId{0}).held);
-  EXPECT_TRUE(std::ranges::any_of(stage.floor().pieces(), [](const sim::Piece& p) { return p.holder == sim::Holder::kFloor; }));
+  EXPECT_TRUE(
+      std::ranges::any_of(stage.floor().pieces(), [](const sim::Piece& p) { return p.holder == sim::Holder::kFloor; }));
   (void)episode->close(RunStatus::kCompleted);
   const auto struck = strikes("run", 0);
   EXPECT_THAT(struck, ElementsAre(85));
@@ -105,9 +115,12 @@ TEST_P(Faults, ADroppedPieceLiesOnTheFloor) {
 
 TEST_P(Faults, MachinesBreakAndGoDown) {
   std::string ticks;  // in the timed tier nothing else happens at these times
-  for (const char* t : {"9.9", "10.1", "20.1", "36", "42"}) ticks += std::string("  - {at: ") + t + ", publish: /tick, type: std_msgs/msg/Empty}\n";
+  for (const char* t : {"9.9", "10.1", "20.1", "36", "42"})
+    ticks += std::string("  - {at: ") + t + ", publish: /tick, type: std_msgs/msg/Empty}\n";
   auto episode = load(floor("machines", ticks,
-                            "  - {kind: machine_breaks, at: 10, machine: C-CS1}\n  - {kind: machine_down, at: 20, machine: C-BS, seconds: 15}\n", GetParam()));
+                            "  - {kind: machine_breaks, at: 10, machine: C-CS1}\n  - {kind: machine_down, at: 20, "
+                            "machine: C-BS, seconds: 15}\n",
+                            GetParam()));
   begin(*episode);
   const auto at = [&](double t) {
     play(*episode, t);
@@ -120,17 +133,21 @@ TEST_P(Faults, MachinesBreakAndGoDown) {
   EXPECT_EQ(at(42), "IDLE IDLE");
 }
 
-INSTANTIATE_TEST_SUITE_P(Tiers, Faults, testing::Values("physics", "timed"), [](const auto& info) { return std::string(info.param); });
+INSTANTIATE_TEST_SUITE_P(Tiers, Faults, testing::Values("physics", "timed"),
+                         [](const auto& info) { return std::string(info.param); });
 
 using FaultsAlone = Faults;
 
 TEST_P(FaultsAlone, AFaultMovesNoOtherDraw) {
   // robot2 works far from robot1; its durations are drawn.
-  const std::string goals = goal(1, "robot1", "drive_to", "C-CS1-SHELF-LEFT") + goal(1, "robot2", "pick", "C-CS2-SHELF-LEFT") +
-                            goal(60, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(100, "robot2", "place", "C-CS2-SHELF-LEFT");
+  const std::string goals =
+      goal(1, "robot1", "drive_to", "C-CS1-SHELF-LEFT") + goal(1, "robot2", "pick", "C-CS2-SHELF-LEFT") +
+      goal(60, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(100, "robot2", "place", "C-CS2-SHELF-LEFT");
   const std::string first = "  - {kind: machine_breaks, mean_s: 20, machine: C-DS}\n";
   const std::string none = first + "  - {kind: skill_fails, at: 1000}\n";
-  const std::string more = first + "  - {kind: skill_fails, probability: 1, robot: robot1, skill: pick, after_s: 3}\n  - {kind: machine_down, mean_s: 50, machine: C-BS, seconds: 3}\n";
+  const std::string more = first +
+                           "  - {kind: skill_fails, probability: 1, robot: robot1, skill: pick, after_s: 3}\n  - "
+                           "{kind: machine_down, mean_s: 50, machine: C-BS, seconds: 3}\n";
   const auto before = streams(whole(floor("a", goals, none, GetParam()), {}, "before"));
   const auto after = streams(whole(floor("b", goals, more, GetParam()), {}, "after"));
   EXPECT_NE(before.at("node/robot1"), after.at("node/robot1"));
@@ -141,7 +158,8 @@ TEST_P(FaultsAlone, AFaultMovesNoOtherDraw) {
   EXPECT_EQ(streams(again), after);
 }
 
-INSTANTIATE_TEST_SUITE_P(Tiers, FaultsAlone, testing::Values("timed"), [](const auto& info) { return std::string(info.param); });
+INSTANTIATE_TEST_SUITE_P(Tiers, FaultsAlone, testing::Values("timed"),
+                         [](const auto& info) { return std::string(info.param); });
 
 TEST_F(Faults, WrongFaultsAreBadInputWithTheirPlace) {
   const std::pair<const char*, const char*> cases[] = {
@@ -157,7 +175,8 @@ TEST_F(Faults, WrongFaultsAreBadInputWithTheirPlace) {
       {"{at: 1}", "key 'kind' is missing"},
       {"{at: 1, knd: skill_fails}", "key 'kind' is missing, did you mean it by 'knd'?"}};
   for (const auto& [text, what] : cases) {
-    const auto read = Scenario::parse(std::string("schema: 1\nworld: {kind: rcll}\nfaults:\n  - ") + text + "\n", "s.yaml");
+    const auto read =
+        Scenario::parse(std::string("schema: 1\nworld: {kind: rcll}\nfaults:\n  - ") + text + "\n", "s.yaml");
     ASSERT_FALSE(read.ok()) << text;
     EXPECT_THAT(read.error().text(), HasSubstr("s.yaml:4: ")) << text;
     EXPECT_THAT(read.error().text(), HasSubstr(what)) << text;
@@ -165,8 +184,10 @@ TEST_F(Faults, WrongFaultsAreBadInputWithTheirPlace) {
   const auto empty = Scenario::parse("schema: 1\nfaults:\n  - {kind: skill_fails, at: 1}\n", "s.yaml");
   ASSERT_FALSE(empty.ok());
   EXPECT_THAT(empty.error().text(), HasSubstr("this world has neither robots nor machines"));
-  for (const char* text : {"{kind: machine_breaks, at: 1, machine: C-CSS1}", "{kind: piece_dropped, at: 1, robot: robt1}"}) {
-    const auto file = write("names.yaml", std::string("schema: 1\nworld: {kind: rcll}\ntier: timed\nfaults:\n  - ") + text + "\n");
+  for (const char* text :
+       {"{kind: machine_breaks, at: 1, machine: C-CSS1}", "{kind: piece_dropped, at: 1, robot: robt1}"}) {
+    const auto file =
+        write("names.yaml", std::string("schema: 1\nworld: {kind: rcll}\ntier: timed\nfaults:\n  - ") + text + "\n");
     EpisodeOptions options;
     options.interfaces = source_dir() / "cx/interfaces";
     const auto episode = Episode::load(*Scenario::load(file), options);

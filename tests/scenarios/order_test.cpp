@@ -18,14 +18,17 @@ constexpr const char* kOpen = "(deffacts start (open))\n";
 
 /// Hears /word and prints it.
 std::string hearer(const std::string& open = {}) {
-  return kOpen + ("(defrule open (open) => (ros-msgs-create-subscription \"/word\" \"words/msg/Word\")" + open + ")\n") +
+  return kOpen +
+         ("(defrule open (open) => (ros-msgs-create-subscription \"/word\" \"words/msg/Word\")" + open + ")\n") +
          "(defrule hear ?f <- (ros-msgs-message (msg-ptr ?m)) => (println \"heard \" (ros-msgs-get-field ?m \"text\"))"
          " (ros-msgs-destroy-message ?m) (retract ?f))\n";
 }
 /// Says a word at a time.
 std::string speaker(const std::string& word, const std::string& t) {
-  return "(defrule say (time " + t + ") => (bind ?m (ros-msgs-create-message \"words/msg/Word\"))"
-         " (ros-msgs-set-field ?m \"text\" \"" + word + "\") (ros-msgs-publish ?m \"/word\") (println \"said " + word + "\"))\n";
+  return "(defrule say (time " + t +
+         ") => (bind ?m (ros-msgs-create-message \"words/msg/Word\"))"
+         " (ros-msgs-set-field ?m \"text\" \"" +
+         word + "\") (ros-msgs-publish ?m \"/word\") (println \"said " + word + "\"))\n";
 }
 const std::string kPublisher = "(ros-msgs-create-publisher \"/word\" \"words/msg/Word\")";
 
@@ -34,9 +37,10 @@ TEST_F(TimeAndOrder, RatesAreCountedNotAccumulated) {
   begin(*episode);
   EXPECT_THAT(log_.with("at "), IsEmpty()) << "no time before tick 0";
   play(*episode, 0.5);
-  EXPECT_THAT(log_.with("ten: at "), ElementsAre("0.000 ten: at 0.0", "0.100 ten: at 0.1", "0.200 ten: at 0.2", "0.300 ten: at 0.3",
-                                                 "0.400 ten: at 0.4", "0.500 ten: at 0.5"));
-  EXPECT_THAT(log_.with("seven: at "), ElementsAre("0.000 seven: at 0.0", "0.160 seven: at 0.16", "0.300 seven: at 0.3", "0.440 seven: at 0.44"))
+  EXPECT_THAT(log_.with("ten: at "), ElementsAre("0.000 ten: at 0.0", "0.100 ten: at 0.1", "0.200 ten: at 0.2",
+                                                 "0.300 ten: at 0.3", "0.400 ten: at 0.4", "0.500 ten: at 0.5"));
+  EXPECT_THAT(log_.with("seven: at "),
+              ElementsAre("0.000 seven: at 0.0", "0.160 seven: at 0.16", "0.300 seven: at 0.3", "0.440 seven: at 0.44"))
       << "k / 7, at the first tick not before";
   play(*episode, 20);
   EXPECT_THAT(log_.with("seven: at "), SizeIs(141));
@@ -45,7 +49,8 @@ TEST_F(TimeAndOrder, RatesAreCountedNotAccumulated) {
 }
 
 TEST_F(TimeAndOrder, ActivationComesBeforeTickZero) {
-  auto episode = load(scenario("life", {{"a", "(deffacts f (go)) (defrule go (go) => (println \"first run at \" (now)))\n"}}));
+  auto episode =
+      load(scenario("life", {{"a", "(deffacts f (go)) (defrule go (go) => (println \"first run at \" (now)))\n"}}));
   begin(*episode);
   EXPECT_THAT(log_.with("first run"), ElementsAre("0.000 a: first run at 0.0"));
   ASSERT_TRUE(episode->tick().ok());
@@ -54,9 +59,13 @@ TEST_F(TimeAndOrder, ActivationComesBeforeTickZero) {
 
 TEST_F(TimeAndOrder, AllPerceiveThenAllDecideThenServersAct) {
   const std::string rules = hearer() + "(defrule clock (time 1.0) => (println \"decides\"))\n";
-  const std::string service = "(deffunction /door-service-callback (?s ?q ?r) (println \"callback\") (ros-msgs-set-field ?r \"success\" TRUE))\n";
-  auto episode = load(scenario("order", {{"a", rules}, {"b", service + hearer("(ros-msgs-create-service \"/door\" \"std_srvs/srv/SetBool\")") +
-                                                                 "(defrule clock (time 1.0) => (println \"decides\"))\n"}},
+  const std::string service =
+      "(deffunction /door-service-callback (?s ?q ?r) (println \"callback\") (ros-msgs-set-field ?r \"success\" "
+      "TRUE))\n";
+  auto episode = load(scenario("order",
+                               {{"a", rules},
+                                {"b", service + hearer("(ros-msgs-create-service \"/door\" \"std_srvs/srv/SetBool\")") +
+                                          "(defrule clock (time 1.0) => (println \"decides\"))\n"}},
                                "stimuli:\n  - {at: 1, publish: /word, type: words/msg/Word, data: {text: w}}\n"
                                "  - {at: 1, call: /door, type: std_srvs/srv/SetBool}\n"));
   begin(*episode);
@@ -64,8 +73,10 @@ TEST_F(TimeAndOrder, AllPerceiveThenAllDecideThenServersAct) {
   const auto lines = log_.with("1.000 ");
   ASSERT_THAT(lines, SizeIs(6)) << "what the stimuli post at 1 s arrives at 1 s, and so does the answer to them";
   EXPECT_EQ(lines.front(), "1.000 b: callback") << "b's callback comes before a's rules: first all perceive";
-  EXPECT_THAT(std::vector(lines.begin() + 1, lines.begin() + 3), testing::UnorderedElementsAre("1.000 a: heard w", "1.000 a: decides"));
-  EXPECT_THAT(std::vector(lines.begin() + 3, lines.begin() + 5), testing::UnorderedElementsAre("1.000 b: heard w", "1.000 b: decides"));
+  EXPECT_THAT(std::vector(lines.begin() + 1, lines.begin() + 3),
+              testing::UnorderedElementsAre("1.000 a: heard w", "1.000 a: decides"));
+  EXPECT_THAT(std::vector(lines.begin() + 3, lines.begin() + 5),
+              testing::UnorderedElementsAre("1.000 b: heard w", "1.000 b: decides"));
   EXPECT_EQ(lines.back().find("1.000 stimuli: /door: response"), 0u) << lines.back();
 }
 
@@ -77,10 +88,12 @@ TEST_F(TimeAndOrder, EnvironmentsHearEachOtherAndThemselvesAtTheNextTick) {
 }
 
 TEST_F(TimeAndOrder, SendersComeInTheirOrder) {
-  auto episode = load(scenario("senders", {{"c", hearer()},
-                                           {"a", kOpen + ("(defrule open (open) => " + kPublisher + ")\n") + speaker("from a", "1.0")},
-                                           {"b", kOpen + ("(defrule open (open) => " + kPublisher + ")\n") + speaker("from b", "1.0")}}),
-                      {}, "senders_run");
+  auto episode =
+      load(scenario("senders",
+                    {{"c", hearer()},
+                     {"a", kOpen + ("(defrule open (open) => " + kPublisher + ")\n") + speaker("from a", "1.0")},
+                     {"b", kOpen + ("(defrule open (open) => " + kPublisher + ")\n") + speaker("from b", "1.0")}}),
+           {}, "senders_run");
   begin(*episode);
   play(*episode, 1.1);
   (void)episode->close(RunStatus::kStopped);
@@ -95,7 +108,8 @@ TEST_F(TimeAndOrder, SendersComeInTheirOrder) {
 /// A node that uses what the environment offers and offers what the environment uses.
 class Peer {
  public:
-  Peer(Episode& episode, const std::string& name) : bus_(episode.bus()), word_(**bus_.registry().message("words/msg/Word")) {
+  Peer(Episode& episode, const std::string& name)
+      : bus_(episode.bus()), word_(**bus_.registry().message("words/msg/Word")) {
     const bus::ServiceType& door = **bus_.registry().service("std_srvs/srv/SetBool");
     const bus::ActionType& count = **bus_.registry().action("example_interfaces/action/Fibonacci");
     const auto keep = [this](const bus::Delivery& d) { taken_.push_back(d); };
@@ -126,7 +140,8 @@ class Peer {
   void post_all() {
     take();  // the service's request, a goal, a cancel of the goal before it
     const auto of = [this](bus::DeliveryKind kind) { return *std::ranges::find(taken_, kind, &bus::Delivery::kind); };
-    const bus::Delivery request = of(bus::DeliveryKind::kServiceRequest), goal = of(bus::DeliveryKind::kGoal), cancel = of(bus::DeliveryKind::kCancel);
+    const bus::Delivery request = of(bus::DeliveryKind::kServiceRequest), goal = of(bus::DeliveryKind::kGoal),
+                        cancel = of(bus::DeliveryKind::kCancel);
     for (int i = 1; i <= 2; ++i) {
       bus::Message word(word_);
       word->set("number", i);
@@ -179,8 +194,9 @@ TEST_F(TimeAndOrder, AllNineKindsComeInTheirOrderThenBySenderThenByCount) {
   std::vector<bus::EndpointId> doors, counts;
   for (const char* name : {"x", "y"}) {
     doors.push_back(*bus.create_client(env, std::string("/door_") + name, door, note("response")));
-    counts.push_back(*bus.create_action_client(env, std::string("/count_") + name, count,
-                                               {note("goal response"), note("feedback"), note("result"), note("cancel response")}));
+    counts.push_back(
+        *bus.create_action_client(env, std::string("/count_") + name, count,
+                                  {note("goal response"), note("feedback"), note("result"), note("cancel response")}));
   }
   // Before: a goal of each peer to the environment, and of the environment to each peer.
   x.send_goal();
@@ -200,24 +216,28 @@ TEST_F(TimeAndOrder, AllNineKindsComeInTheirOrderThenBySenderThenByCount) {
   x.post_all();
   heard.clear();
   ASSERT_TRUE(episode->tick().ok());
-  EXPECT_THAT(heard, ElementsAre("response x", "response y", "goal response x", "goal response y", "cancel response x", "cancel response y",
-                                 "request x", "request y", "goal x", "goal y", "cancel x", "cancel y", "feedback x", "feedback y",
-                                 "result x", "result y", "word x 1", "word x 2", "word y 1", "word y 2"));
+  EXPECT_THAT(heard, ElementsAre("response x", "response y", "goal response x", "goal response y", "cancel response x",
+                                 "cancel response y", "request x", "request y", "goal x", "goal y", "cancel x",
+                                 "cancel y", "feedback x", "feedback y", "result x", "result y", "word x 1", "word x 2",
+                                 "word y 1", "word y 2"));
 }
 
 TEST_F(TimeAndOrder, RequestsComeBeforeTopicsThatWereSentBefore) {
-  const std::string service = "(deffunction /door-service-callback (?s ?q ?r)\n"
-                              " (println \"topics before: \" (length$ (find-all-facts ((?f ros-msgs-message)) TRUE))))\n";
-  auto episode = load(scenario("kinds", {{"a", service + hearer("(ros-msgs-create-service \"/door\" \"std_srvs/srv/SetBool\")")}},
-                               "stimuli:\n  - {at: 1, publish: /word, type: words/msg/Word, data: {text: w}}\n"
-                               "  - {at: 1, call: /door, type: std_srvs/srv/SetBool}\n"));
+  const std::string service =
+      "(deffunction /door-service-callback (?s ?q ?r)\n"
+      " (println \"topics before: \" (length$ (find-all-facts ((?f ros-msgs-message)) TRUE))))\n";
+  auto episode =
+      load(scenario("kinds", {{"a", service + hearer("(ros-msgs-create-service \"/door\" \"std_srvs/srv/SetBool\")")}},
+                    "stimuli:\n  - {at: 1, publish: /word, type: words/msg/Word, data: {text: w}}\n"
+                    "  - {at: 1, call: /door, type: std_srvs/srv/SetBool}\n"));
   begin(*episode);
   play(*episode, 1.1);
   EXPECT_THAT(log_.with(" a: "), ElementsAre("1.000 a: topics before: 0", "1.000 a: heard w"));
 }
 
 TEST_F(TimeAndOrder, ServersHearEnvironmentsAtTheSameTicksEnd) {
-  const std::string rules = kOpen + std::string(R"((defrule open (open) => (ros-msgs-create-client "/door" "std_srvs/srv/SetBool")
+  const std::string rules =
+      kOpen + std::string(R"((defrule open (open) => (ros-msgs-create-client "/door" "std_srvs/srv/SetBool")
   (ros-msgs-create-client "/nobody" "std_srvs/srv/SetBool"))
 (defrule ask (time 1.0) =>
   (bind ?q (ros-msgs-create-request "std_srvs/srv/SetBool"))
@@ -225,7 +245,9 @@ TEST_F(TimeAndOrder, ServersHearEnvironmentsAtTheSameTicksEnd) {
   (println "sent " (neq FALSE (ros-msgs-async-send-request ?q "/door"))))
 (defrule answer (ros-msgs-response (service "/door")) => (println "answered"))
 )");
-  auto episode = load(scenario("servers", {{"a", rules}}, "stimuli:\n  - {at: 0, serve: /door, type: std_srvs/srv/SetBool, response: {success: true}}\n"));
+  auto episode =
+      load(scenario("servers", {{"a", rules}},
+                    "stimuli:\n  - {at: 0, serve: /door, type: std_srvs/srv/SetBool, response: {success: true}}\n"));
   begin(*episode);
   play(*episode, 1.1);
   const auto lines = log_.with("1.0");
@@ -234,11 +256,15 @@ TEST_F(TimeAndOrder, ServersHearEnvironmentsAtTheSameTicksEnd) {
   EXPECT_THAT(log_.with("sent"), ElementsAre("1.000 a: sent TRUE"));
   ASSERT_THAT(log_.with("/door: request"), SizeIs(1));
   EXPECT_EQ(log_.with("/door: request").front().find("1.000 stimuli"), 0u) << "at the same tick";
-  EXPECT_THAT(log_.with("answered"), ElementsAre("1.020 a: answered")) << "what a server posts at a tick's end comes at the next";
+  EXPECT_THAT(log_.with("answered"), ElementsAre("1.020 a: answered"))
+      << "what a server posts at a tick's end comes at the next";
 }
 
 TEST_F(TimeAndOrder, AGoalWaitsForItsServer) {
-  const std::string rules = kOpen + std::string(R"((defrule open (open) => (ros-msgs-create-action-client "/count" "example_interfaces/action/Fibonacci"))
+  const std::string rules =
+      kOpen +
+      std::string(
+          R"((defrule open (open) => (ros-msgs-create-action-client "/count" "example_interfaces/action/Fibonacci"))
 (defrule ask (time 1.0) => (ros-msgs-async-send-goal (ros-msgs-create-goal-request "example_interfaces/action/Fibonacci") "/count"))
 (defrule answer (ros-msgs-goal-response (server "/count")) => (println "accepted"))
 )");
@@ -247,12 +273,15 @@ TEST_F(TimeAndOrder, AGoalWaitsForItsServer) {
   play(*episode, 2);
   EXPECT_THAT(log_.with("accepted"), IsEmpty());
   bus::Bus& bus = episode->bus();
-  const auto node = bus.join(bus::ParticipantKind::kNode, {"counter", "/", {}}, episode->journal().open_stream("node/counter"));
+  const auto node =
+      bus.join(bus::ParticipantKind::kNode, {"counter", "/", {}}, episode->journal().open_stream("node/counter"));
   const auto type = bus.registry().action("example_interfaces/action/Fibonacci");
   ASSERT_TRUE(type.ok());
   bus::EndpointId server{};
   int goals = 0;
-  const auto served = bus.serve_action(node, "/count", **type, {[&](const bus::Delivery& d) { goals += bus.answer_goal(server, d.goal, bus::GoalAnswer::kAccept); }, {}});
+  const auto served = bus.serve_action(
+      node, "/count", **type,
+      {[&](const bus::Delivery& d) { goals += bus.answer_goal(server, d.goal, bus::GoalAnswer::kAccept); }, {}});
   ASSERT_TRUE(served.ok());
   server = *served;
   bus.deliver(node);
@@ -263,7 +292,8 @@ TEST_F(TimeAndOrder, AGoalWaitsForItsServer) {
 
 TEST_F(TimeAndOrder, TicksWithNothingDueAreSkippedWithoutATrace) {
   const Env a{"a", hearer(kPublisher) + speaker("x", "1.0") + kClock, 7};
-  const std::string stimuli = "duration_s: 5\nstimuli:\n  - {at: 2.313, publish: /word, type: words/msg/Word, data: {text: w}}\n";
+  const std::string stimuli =
+      "duration_s: 5\nstimuli:\n  - {at: 2.313, publish: /word, type: words/msg/Word, data: {text: w}}\n";
   const Result few = whole(scenario("few", {a}, stimuli));
   const auto lines = log_.with(" a: ");
   log_.all.clear();

@@ -20,10 +20,16 @@ class RunTime : public EpisodeTest {
     files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: [words], load: [more.clp]}
     limit: 3
 )");
-    write("words/more.clp", "(defrule more (time ?t) => (println \"more \" (random 1 1000000)))\n(defrule hear ?f <- (heard ?) => (retract ?f))");
-    return write("run.yaml", "schema: 1\npackages: {words: words}\nduration_s: 3\nagents: [{config: agent.yaml}]\nstimuli:\n" + stimuli);
+    write("words/more.clp",
+          "(defrule more (time ?t) => (println \"more \" (random 1 1000000)))\n(defrule hear ?f <- (heard ?) => "
+          "(retract ?f))");
+    return write(
+        "run.yaml",
+        "schema: 1\npackages: {words: words}\nduration_s: 3\nagents: [{config: agent.yaml}]\nstimuli:\n" + stimuli);
   }
-  std::string log_of(const std::string& env, const std::string& run = "run") { return read(folder_ / run / ("logs/" + env + ".log")); }
+  std::string log_of(const std::string& env, const std::string& run = "run") {
+    return read(folder_ / run / ("logs/" + env + ".log"));
+  }
   bool said(const std::string& text) { return !log_.with(text).empty(); }
 };
 
@@ -32,17 +38,21 @@ TEST_F(RunTime, PluginsAndEnvironmentsComeAndGo) {
   - {at: 1, create_env: second}
   - {at: 1.5, unload_plugin: {env: main, plugin: ros_msgs}}
   - {at: 2, destroy_env: second, manager: /clips_manager}
-)"), {}, "run");
+)"),
+        {}, "run");
   EXPECT_NE(log_of("main").find("[0.600] [main] [info] more "), std::string::npos);
   EXPECT_EQ(log_of("main").find("[0.500] [main] [info] more "), std::string::npos) << "loaded at the end of that tick";
   EXPECT_NE(log_of("second").find("more "), std::string::npos);
   EXPECT_EQ(log_of("second").find("[2.100]"), std::string::npos);
-  EXPECT_TRUE(said("/clips_manager/unload_plugin: response {success: false, error: \"unknown plugin\"}")) << "what came back is told";
+  EXPECT_TRUE(said("/clips_manager/unload_plugin: response {success: false, error: \"unknown plugin\"}"))
+      << "what came back is told";
   EXPECT_NE(read(folder_ / "run/journal.jsonl").find("unknown plugin"), std::string::npos) << "and journaled";
 }
 
 TEST_F(RunTime, ParametersAreSet) {
-  whole(with("  - {at: 0.5, set_param: clips_manager.limit, value: 5}\n  - {at: 1, set_param: clips_manager.limit, value: five}\n"), {}, "run");
+  whole(with("  - {at: 0.5, set_param: clips_manager.limit, value: 5}\n  - {at: 1, set_param: clips_manager.limit, "
+             "value: five}\n"),
+        {}, "run");
   EXPECT_TRUE(said("clips_manager/set_parameters: response {results: [{successful: true"));
   EXPECT_TRUE(said("is of type {integer}, setting it to {string} is not allowed"));
 }
@@ -103,15 +113,18 @@ TEST_F(RunTime, TheRulesReplayAloneWithAllOfIt) {
 }
 
 TEST_F(RunTime, TheSameStimuliGiveTheSameBytes) {
-  const auto file = with("  - {at: 0.5, create_env: second}\n  - {at: 1, destroy_env: second}\n  - {at: 1.5, create_env: second}\n");
+  const auto file =
+      with("  - {at: 0.5, create_env: second}\n  - {at: 1, destroy_env: second}\n  - {at: 1.5, create_env: second}\n");
   EXPECT_EQ(whole(file, {}, "one").journal_hash, whole(file, {}, "two").journal_hash);
   EXPECT_NE(log_of("second", "one").find("more "), std::string::npos);
 }
 
 TEST_F(RunTime, TwoAgentsWithTheSameNamesLiveOnOneBus) {
   with("  - {at: 0.5, create_env: second, manager: /a/clips_manager}\n");
-  write("run.yaml", "schema: 1\npackages: {words: words}\nduration_s: 2\nagents:\n  - {config: agent.yaml, namespace: /a}\n  - {config: agent.yaml, namespace: /b}\n"
-                    "stimuli:\n  - {at: 0.5, create_env: second, manager: /a/clips_manager}\n");
+  write("run.yaml",
+        "schema: 1\npackages: {words: words}\nduration_s: 2\nagents:\n  - {config: agent.yaml, namespace: /a}\n  - "
+        "{config: agent.yaml, namespace: /b}\n"
+        "stimuli:\n  - {at: 0.5, create_env: second, manager: /a/clips_manager}\n");
   const auto all = streams(whole(folder_ / "run.yaml", {}, "run"));
   EXPECT_TRUE(all.contains("env/a/main"));
   EXPECT_TRUE(all.contains("env/b/main"));
@@ -121,18 +134,24 @@ TEST_F(RunTime, TwoAgentsWithTheSameNamesLiveOnOneBus) {
 
 TEST_F(RunTime, WithSeveralManagersAStimulusNamesOne) {
   with("  - {at: 0.5, create_env: second}\n");
-  write("run.yaml", "schema: 1\npackages: {words: words}\nagents:\n  - {config: agent.yaml, namespace: /a}\n  - {config: agent.yaml, namespace: /b}\nstimuli:\n  - {at: 0.5, create_env: second}\n");
+  write("run.yaml",
+        "schema: 1\npackages: {words: words}\nagents:\n  - {config: agent.yaml, namespace: /a}\n  - {config: "
+        "agent.yaml, namespace: /b}\nstimuli:\n  - {at: 0.5, create_env: second}\n");
   auto scenario = Scenario::load(folder_ / "run.yaml");
   ASSERT_TRUE(scenario.ok());
   EpisodeOptions options;
   options.interfaces = source_dir() / "cx/interfaces";
   const auto episode = Episode::load(*scenario, options);
   ASSERT_FALSE(episode.ok());
-  EXPECT_NE(episode.error().text().find("there are 2 environment managers: say which with 'manager: "), std::string::npos) << episode.error().text();
+  EXPECT_NE(episode.error().text().find("there are 2 environment managers: say which with 'manager: "),
+            std::string::npos)
+      << episode.error().text();
 }
 
 TEST_F(RunTime, AnAgentThatIsNotActivatedWaits) {
-  with("  - {at: 1, call: /clips_manager/change_state, type: lifecycle_msgs/srv/ChangeState, request: {transition: {label: configure}}}\n");
+  with(
+      "  - {at: 1, call: /clips_manager/change_state, type: lifecycle_msgs/srv/ChangeState, request: {transition: "
+      "{label: configure}}}\n");
   const std::string text = read(folder_ / "run.yaml");
   write("run.yaml", std::string(text).replace(text.find("agent.yaml}"), 11, "agent.yaml, activate: false}"));
   whole(folder_ / "run.yaml", {}, "run");

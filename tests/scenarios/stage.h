@@ -69,15 +69,20 @@ class EpisodeTest : public testing::Test {
     for (const Env& e : envs) {
       list += (list.empty() ? "\"" : ", \"") + e.name + '"';
       config += "    " + e.name + ": {plugins: [\"run_" + e.name + "\", \"ros_msgs\", \"load_" + e.name + "\"]}\n";
-      config += "    run_" + e.name + ": {plugin: \"cx::ExecutivePlugin\", refresh_rate: " + std::to_string(e.rate) + "}\n";
-      config += "    load_" + e.name + ": {plugin: \"cx::FileLoadPlugin\", pkg_share_dirs: [\"words\"], load: [\"" + name + '/' + e.name + ".clp\"]}\n";
+      config +=
+          "    run_" + e.name + ": {plugin: \"cx::ExecutivePlugin\", refresh_rate: " + std::to_string(e.rate) + "}\n";
+      config += "    load_" + e.name + ": {plugin: \"cx::FileLoadPlugin\", pkg_share_dirs: [\"words\"], load: [\"" +
+                name + '/' + e.name + ".clp\"]}\n";
       write("words/" + name + '/' + e.name + ".clp", e.rules);
     }
-    write(name + "_agent.yaml", "/**:\n  ros__parameters:\n    environments: [" + list + "]\n    ros_msgs: {plugin: \"cx::RosMsgsPlugin\"}\n" + config);
-    return write(name + ".yaml", "schema: 1\npackages: {words: words}\nagents: [{config: " + name + "_agent.yaml}]\n" + more);
+    write(name + "_agent.yaml", "/**:\n  ros__parameters:\n    environments: [" + list +
+                                    "]\n    ros_msgs: {plugin: \"cx::RosMsgsPlugin\"}\n" + config);
+    return write(name + ".yaml",
+                 "schema: 1\npackages: {words: words}\nagents: [{config: " + name + "_agent.yaml}]\n" + more);
   }
 
-  std::unique_ptr<Episode> load(const std::filesystem::path& file, const std::vector<std::string>& set = {}, const std::string& run = {}) {
+  std::unique_ptr<Episode> load(const std::filesystem::path& file, const std::vector<std::string>& set = {},
+                                const std::string& run = {}) {
     auto read_in = Scenario::load(file, set);
     EXPECT_TRUE(read_in.ok()) << read_in.error().text();
     EpisodeOptions options;
@@ -104,13 +109,16 @@ class EpisodeTest : public testing::Test {
     }
   }
   /// Plays it to the end; what it ended with.
-  Result whole(const std::filesystem::path& file, const std::vector<std::string>& set = {}, const std::string& run = {}) {
+  Result whole(const std::filesystem::path& file, const std::vector<std::string>& set = {},
+               const std::string& run = {}) {
     auto episode = load(file, set, run);
     begin(*episode);
     play(*episode, 1e9);
     return episode->close(RunStatus::kCompleted);
   }
-  static std::map<std::string, std::string> streams(const Result& result) { return {result.stream_hashes.begin(), result.stream_hashes.end()}; }
+  static std::map<std::string, std::string> streams(const Result& result) {
+    return {result.stream_hashes.begin(), result.stream_hashes.end()};
+  }
 
   std::filesystem::path folder_;
   Lines log_;

@@ -47,7 +47,7 @@ class BusyFloor {
     int failures = 0;
     double longest_s = 0;
     double two_drive_s = 0;
-    double handling_s = 0;    ///< of picks and places that began where they work
+    double handling_s = 0;  ///< of picks and places that began where they work
     int handled = 0;
     std::vector<std::string> trouble;
   };
@@ -84,7 +84,8 @@ class BusyFloor {
     for (std::size_t i = 0; i < plan.spots.size(); ++i) {
       const Spot& spot = plan.spots[i];
       const Station& station = plan.station(spot.station);
-      if (station.kind == "BS" && spot.kind == SpotKind::kBeltOutput && !world_.at(static_cast<SpotId>(i)) && !wanted(static_cast<SpotId>(i)))
+      if (station.kind == "BS" && spot.kind == SpotKind::kBeltOutput && !world_.at(static_cast<SpotId>(i)) &&
+          !wanted(static_cast<SpotId>(i)))
         static_cast<void>(world_.dispense(spot.station, spot.rest_in_station.x, any_product()));
       if (spot.kind == SpotKind::kShelf && world_.now() == SimTime{})
         static_cast<void>(world_.dispense(static_cast<SpotId>(i), Stack{4, {}, 1}));
@@ -106,8 +107,10 @@ class BusyFloor {
   SimTime next_due() const {
     SimTime next = kNever;
     for (const Member& m : crew_)
-      if (!m.busy) next = std::min(next, m.idle_until);
-      else if (m.cancel_at > now_) next = std::min(next, m.cancel_at);
+      if (!m.busy)
+        next = std::min(next, m.idle_until);
+      else if (m.cancel_at > now_)
+        next = std::min(next, m.cancel_at);
     return next;
   }
 
@@ -127,7 +130,8 @@ class BusyFloor {
   };
 
   bool wanted(SpotId spot) const {
-    return std::ranges::any_of(crew_, [&](const Member& m) { return m.busy && m.spot == spot && m.kind == SkillKind::kPlace; });
+    return std::ranges::any_of(
+        crew_, [&](const Member& m) { return m.busy && m.spot == spot && m.kind == SkillKind::kPlace; });
   }
   bool claimed(SpotId spot) const {
     return std::ranges::any_of(crew_, [&](const Member& m) { return m.busy && m.spot == spot; });
@@ -161,14 +165,17 @@ class BusyFloor {
       const bool base_station = world_.plan().station(spot.station).kind == "BS";
       // Every robot may want the base station; elsewhere two would spoil each other's place.
       if (m.kind == SkillKind::kPick && world_.at(id) && (base_station || !claimed(id))) choices.push_back(id);
-      if (m.kind == SkillKind::kPlace && spot.kind != SpotKind::kBeltOutput && !base_station && !world_.at(id) && !claimed(id)) choices.push_back(id);
+      if (m.kind == SkillKind::kPlace && spot.kind != SpotKind::kBeltOutput && !base_station && !world_.at(id) &&
+          !claimed(id))
+        choices.push_back(id);
     }
     if (choices.empty() || random_.chance(0.1)) {
       m.kind = SkillKind::kDriveTo;
       choices = spots_;
     }
     if (m.kind == SkillKind::kPick && random_.chance(0.4))
-      std::erase_if(choices, [&](SpotId id) { return world_.plan().station(world_.plan().spot(id).station).kind != "BS"; });
+      std::erase_if(choices,
+                    [&](SpotId id) { return world_.plan().station(world_.plan().spot(id).station).kind != "BS"; });
     if (choices.empty()) return;
     m.spot = choices[random_.below(choices.size())];
     m.target = world_.plan().spot(*m.spot).name;
@@ -212,7 +219,8 @@ class BusyFloor {
     // Another robot may have emptied the place on the way (202); everything else is trouble.
     if (code != 0 && code != 202) {
       ++report.failures;
-      trouble(i, std::to_string(code) + " " + result.text("error") + " in " + m.phase + " after " + std::to_string(took));
+      trouble(i,
+              std::to_string(code) + " " + result.text("error") + " in " + m.phase + " after " + std::to_string(took));
     }
     if (took > 120) trouble(i, "took " + std::to_string(took) + " s");
     m.busy = false;

@@ -46,12 +46,14 @@ void play(std::uint64_t seed, double seconds, Hashes* hashes = nullptr) {
     drive += stats.drive_s;
     wait += stats.wait_s;
   }
-  std::printf("seed %d: %d drives, %d picks, %d places, %d cancels; longest %.1f s, handling %.1f s; busy %.0f %%, drive %.0f %%, "
-              "wait %.0f %%, two drive %.0f %%; contacts %d, %d; trouble %zu\n",
-              static_cast<int>(seed), report.drives, report.picks, report.places, report.cancels, report.longest_s,
-              report.handling_s / std::max(1, report.handled), busy / seconds / 3 * 100, drive / seconds / 3 * 100,
-              wait / seconds / 3 * 100, report.two_drive_s / seconds * 100, robot_contacts, static_contacts,
-              report.trouble.size());
+  std::printf(
+      "seed %d: %d drives, %d picks, %d places, %d cancels; longest %.1f s, handling %.1f s; busy %.0f %%, drive %.0f "
+      "%%, "
+      "wait %.0f %%, two drive %.0f %%; contacts %d, %d; trouble %zu\n",
+      static_cast<int>(seed), report.drives, report.picks, report.places, report.cancels, report.longest_s,
+      report.handling_s / std::max(1, report.handled), busy / seconds / 3 * 100, drive / seconds / 3 * 100,
+      wait / seconds / 3 * 100, report.two_drive_s / seconds * 100, robot_contacts, static_contacts,
+      report.trouble.size());
   std::fflush(stdout);
   EXPECT_EQ(robot_contacts, 0);
   EXPECT_EQ(static_contacts, 0);

@@ -48,9 +48,11 @@ TEST(FleetInTime, WorksWithoutGivingUp) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Outcome outcome = play(seed, 1200);
     const auto& report = outcome.report;
-    std::printf("seed %d: %d drives, %d picks, %d places, %d cancels; longest %.1f s, handling %.1f s, two drive %.0f %%, %d ticks\n",
-                static_cast<int>(seed), report.drives, report.picks, report.places, report.cancels, report.longest_s,
-                report.handling_s / std::max(1, report.handled), report.two_drive_s / 12, outcome.ticks);
+    std::printf(
+        "seed %d: %d drives, %d picks, %d places, %d cancels; longest %.1f s, handling %.1f s, two drive %.0f %%, %d "
+        "ticks\n",
+        static_cast<int>(seed), report.drives, report.picks, report.places, report.cancels, report.longest_s,
+        report.handling_s / std::max(1, report.handled), report.two_drive_s / 12, outcome.ticks);
     for (const std::string& trouble : report.trouble) ADD_FAILURE() << trouble;
     EXPECT_GT(report.picks + report.places, 100);
     EXPECT_GT(report.handling_s / report.handled, 4);

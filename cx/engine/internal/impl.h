@@ -6,9 +6,9 @@
 #include <optional>
 #include <set>
 
+#include "clips_api.h"
 #include "cx/engine/engine.h"
 #include "cx/engine/form_reader.h"
-#include "clips_api.h"
 #include "fact_table.h"
 
 namespace cxlab {
@@ -43,7 +43,7 @@ struct RuleEngine::Impl {
   /// What is being done on behalf of whom; the innermost is last. The texts are those of whoever does it.
   struct Context {
     ErrorSide side = ErrorSide::kLoad;
-    std::string_view name;       ///< of a construct or a called function
+    std::string_view name;  ///< of a construct or a called function
     std::string_view file;
     int line = 0;
     const Form* form = nullptr;  ///< being loaded
@@ -88,7 +88,8 @@ struct RuleEngine::Impl {
 
   // --- Loading (loading.cpp) -------------------------------------------------------------------------------------
 
-  std::map<std::pair<std::string, std::string>, std::size_t> construct_index;  ///< (kind, name) -> place in `constructs`
+  std::map<std::pair<std::string, std::string>, std::size_t>
+      construct_index;  ///< (kind, name) -> place in `constructs`
   std::vector<std::optional<ConstructInfo>> constructs;
   struct CallPlace {
     std::string function;
@@ -165,7 +166,7 @@ struct RuleEngine::Impl {
   std::int64_t limit = 0;
   std::int64_t fired = 0;
   bool limit_reached = false;
-  std::map<std::string, std::int64_t> fired_rules;        ///< counted shortly before the limit
+  std::map<std::string, std::int64_t> fired_rules;  ///< counted shortly before the limit
   std::map<std::string, std::int64_t> changed_templates;
   bool counting() const { return limit > 0 && fired + 5000 >= limit; }
   bool exit_requested = false;

@@ -20,7 +20,8 @@ Function looking(Plugin& plugin, Environment& environment, Look look) {
   };
 }
 
-std::filesystem::path marker(const Files& files, const std::string& package, std::string_view type, std::string_view name) {
+std::filesystem::path marker(const Files& files, const std::string& package, std::string_view type,
+                             std::string_view name) {
   auto prefix = files.prefix(package);
   return std::filesystem::path(*prefix) / "share" / "ament_index" / "resource_index" / type / name;
 }
@@ -39,7 +40,8 @@ std::vector<std::string> prefixes(const Files& files) {
 Status check_word(std::string_view function, const char* what, std::string_view word) {
   const std::string begin = "ament_index_cpp::" + std::string(function) + "() resource " + what;
   if (word.empty()) return input_error(begin + " must not be empty");
-  if (word.find('/') != std::string_view::npos || word == "." || word == "..") return input_error(begin + " must be a word, found '" + std::string(word) + "'");
+  if (word.find('/') != std::string_view::npos || word == "." || word == "..")
+    return input_error(begin + " must be a word, found '" + std::string(word) + "'");
   return {};
 }
 
@@ -49,14 +51,16 @@ Status check_words(std::string_view function, const Call& call) {
 }
 
 /// A resource of the index: of type `packages` for every package, else what the prefixes' index folders hold.
-bool find_resource(const Files& files, std::string_view type, std::string_view name, std::string& content, std::string& prefix) {
+bool find_resource(const Files& files, std::string_view type, std::string_view name, std::string& content,
+                   std::string& prefix) {
   for (const std::string& package : files.packages()) {
     prefix = *files.prefix(package);
     if (type == "packages" && package == name) {
       content.clear();
       return true;
     }
-    const auto text = files.read({marker(files, package, type, name), "ament_index/" + std::string(type) + '/' + std::string(name)});
+    const auto text =
+        files.read({marker(files, package, type, name), "ament_index/" + std::string(type) + '/' + std::string(name)});
     if (text) {
       content = *text;
       return true;
@@ -88,9 +92,11 @@ class AmentIndexPlugin final : public Plugin {
     const std::vector<Entry> entries{
         {{"ament-index-get-package-prefix", "sb", 1, 1, ";sy", FunctionKind::kPure, name(), "Prefix of a package."},
          [text](const Files& files, Call& call) { return text(files.prefix(call.text(0))); }},
-        {{"ament-index-get-package-share-directory", "sb", 1, 1, ";sy", FunctionKind::kPure, name(), "Share directory of a package."},
+        {{"ament-index-get-package-share-directory", "sb", 1, 1, ";sy", FunctionKind::kPure, name(),
+          "Share directory of a package."},
          [text](const Files& files, Call& call) { return text(files.share_directory(call.text(0))); }},
-        {{"ament-index-get-packages-with-prefixes", "mb", 0, 0, "", FunctionKind::kPure, name(), "Packages and their prefixes, in turn."},
+        {{"ament-index-get-packages-with-prefixes", "mb", 0, 0, "", FunctionKind::kPure, name(),
+          "Packages and their prefixes, in turn."},
          [](const Files& files, Call&) -> Expected<Value> {
            std::vector<std::string> out;
            for (const std::string& package : files.packages()) {
@@ -99,21 +105,24 @@ class AmentIndexPlugin final : public Plugin {
            }
            return list(out);
          }},
-        {{"ament-index-get-resource", "bm", 2, 2, ";sy;sy", FunctionKind::kPure, name(), "Content and path of a resource, or FALSE."},
+        {{"ament-index-get-resource", "bm", 2, 2, ";sy;sy", FunctionKind::kPure, name(),
+          "Content and path of a resource, or FALSE."},
          [](const Files& files, Call& call) -> Expected<Value> {
            if (Status s = check_words("get_resource", call); !s) return s.error();
            std::string content, prefix;
            if (!find_resource(files, call.text(0), call.text(1), content, prefix)) return Value::boolean(false);
            return list({content, prefix});
          }},
-        {{"ament-index-get-resources", "mb", 1, 1, ";sy", FunctionKind::kPure, name(), "Resources of a type and their prefixes, in turn."},
+        {{"ament-index-get-resources", "mb", 1, 1, ";sy", FunctionKind::kPure, name(),
+          "Resources of a type and their prefixes, in turn."},
          [](const Files& files, Call& call) -> Expected<Value> {
            if (Status s = check_words("get_resources", call); !s) return s.error();
            return list(resources(files, call.text(0)));
          }},
         {{"ament-index-get-search-paths", "m", 0, 0, "", FunctionKind::kPure, name(), "All prefixes."},
          [](const Files& files, Call&) -> Expected<Value> { return list(prefixes(files)); }},
-        {{"ament-index-has-resource", "b", 2, 2, ";sy;sy", FunctionKind::kPure, name(), "Whether there is such a resource."},
+        {{"ament-index-has-resource", "b", 2, 2, ";sy;sy", FunctionKind::kPure, name(),
+          "Whether there is such a resource."},
          [](const Files& files, Call& call) -> Expected<Value> {
            if (Status s = check_words("has_resource", call); !s) return s.error();
            std::string content, prefix;
@@ -134,7 +143,8 @@ class AmentIndexPlugin final : public Plugin {
       for (const std::string& prefix : prefixes(files)) {
         std::error_code ignored;
         const auto folder = std::filesystem::path(prefix) / "share" / "ament_index" / "resource_index" / type;
-        for (const auto& file : std::filesystem::directory_iterator(folder, ignored)) found.emplace_back(file.path().filename().string(), prefix);
+        for (const auto& file : std::filesystem::directory_iterator(folder, ignored))
+          found.emplace_back(file.path().filename().string(), prefix);
       }
     std::sort(found.begin(), found.end());
     std::vector<std::string> out;

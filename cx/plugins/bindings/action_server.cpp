@@ -16,14 +16,18 @@ Status ActionBinding::install_server() {
   using F = FunctionKind;
   using S = bus::GoalStatus;
   Status status;
-  const auto more = [&](const char* suffix, const char* returns, const char* types, F kind, const char* doc, Function f) {
+  const auto more = [&](const char* suffix, const char* returns, const char* types, F kind, const char* doc,
+                        Function f) {
     if (status) status = add(suffix, returns, types, kind, doc, std::move(f));
   };
   more("create-server", "v", ";sy", F::kActing, "Serves the action.", [this](Call& call) { create_server(call); });
   more("destroy-server", "v", ";sy", F::kActing, "Ends the server.", [this](Call& call) { destroy_server(call); });
-  more("server-goal-handle-succeed", "v", ";e;e", F::kActing, "Ends a goal with a result.", [this](Call& call) { end_goal(call, S::kSucceeded); });
-  more("server-goal-handle-abort", "v", ";e;e", F::kActing, "Ends a goal that has failed.", [this](Call& call) { end_goal(call, S::kAborted); });
-  more("server-goal-handle-canceled", "v", ";e;e", F::kActing, "Ends a goal that was to be cancelled.", [this](Call& call) { end_goal(call, S::kCanceled); });
+  more("server-goal-handle-succeed", "v", ";e;e", F::kActing, "Ends a goal with a result.",
+       [this](Call& call) { end_goal(call, S::kSucceeded); });
+  more("server-goal-handle-abort", "v", ";e;e", F::kActing, "Ends a goal that has failed.",
+       [this](Call& call) { end_goal(call, S::kAborted); });
+  more("server-goal-handle-canceled", "v", ";e;e", F::kActing, "Ends a goal that was to be cancelled.",
+       [this](Call& call) { end_goal(call, S::kCanceled); });
   more("server-goal-handle-get-goal", "e", ";e", F::kActing, "The goal's message.", [this](Call& call) {
     ServedGoal* goal = served(call);
     call.give_handle(goal ? goal_message(*goal) : Handle::kNone);
@@ -38,21 +42,27 @@ Status ActionBinding::install_server() {
       call.give_boolean(goal && holds(bus_.server_goal_status(goal->endpoint, goal->id)));
     });
   };
-  asks("server-goal-handle-is-canceling", "Whether the client wants the goal cancelled.", [](S s) { return s == S::kCanceling; });
+  asks("server-goal-handle-is-canceling", "Whether the client wants the goal cancelled.",
+       [](S s) { return s == S::kCanceling; });
   asks("server-goal-handle-is-executing", "Whether the goal is under way.", [](S s) { return s == S::kExecuting; });
-  asks("server-goal-handle-is-active", "Whether the goal has not ended.", [](S s) { return s == S::kAccepted || s == S::kExecuting || s == S::kCanceling; });
+  asks("server-goal-handle-is-active", "Whether the goal has not ended.",
+       [](S s) { return s == S::kAccepted || s == S::kExecuting || s == S::kCanceling; });
   more("server-goal-handle-execute", "v", ";e", F::kActing, "Begins a deferred goal.", [this](Call& call) {
     const ServedGoal* goal = served(call);
     if (goal && !bus_.execute(goal->endpoint, goal->id))
-      call.fail(std::string("the goal is ") + status_word(bus_.server_goal_status(goal->endpoint, goal->id)) + ", expected ACCEPTED");
+      call.fail(std::string("the goal is ") + status_word(bus_.server_goal_status(goal->endpoint, goal->id)) +
+                ", expected ACCEPTED");
   });
-  more("server-goal-handle-publish-feedback", "v", ";e;e", F::kActing, "Tells the client how far the goal is.", [this](Call& call) {
-    const ServedGoal* goal = served(call);
-    if (!goal || !is_a(call, call.handle(1), *type_.feedback)) return;
-    if (!bus_.publish_feedback(goal->endpoint, goal->id, store_.share(call.handle(1))))
-      call.fail(std::string("the goal is ") + status_word(bus_.server_goal_status(goal->endpoint, goal->id)) + ", expected one that has not ended");
-  });
-  more("server-goal-handle-destroy", "d", ";e", F::kActing, "Drops a goal handle.", [this](Call& call) { destroy_served(call); });
+  more("server-goal-handle-publish-feedback", "v", ";e;e", F::kActing, "Tells the client how far the goal is.",
+       [this](Call& call) {
+         const ServedGoal* goal = served(call);
+         if (!goal || !is_a(call, call.handle(1), *type_.feedback)) return;
+         if (!bus_.publish_feedback(goal->endpoint, goal->id, store_.share(call.handle(1))))
+           call.fail(std::string("the goal is ") + status_word(bus_.server_goal_status(goal->endpoint, goal->id)) +
+                     ", expected one that has not ended");
+       });
+  more("server-goal-handle-destroy", "d", ";e", F::kActing, "Drops a goal handle.",
+       [this](Call& call) { destroy_served(call); });
   return status;
 }
 
@@ -87,10 +97,12 @@ bool ActionBinding::is_open(const std::string& server, bus::EndpointId endpoint)
 void ActionBinding::abort_unended(const ServedGoal& goal, LogLevel level, const char* why) {
   bus_.execute(goal.endpoint, goal.id);
   if (bus_.finish(goal.endpoint, goal.id, bus::GoalStatus::kAborted, std::make_shared<bus::Message>(*type_.result)))
-    log(level, "goal " + bus::to_string(goal.id) + " of server " + goal.server + " is aborted: " + why + " before its end");
+    log(level,
+        "goal " + bus::to_string(goal.id) + " of server " + goal.server + " is aborted: " + why + " before its end");
 }
 
-std::int64_t ActionBinding::ask(const std::string& callback, std::initializer_list<Value> args, std::int64_t most, std::int64_t missing) {
+std::int64_t ActionBinding::ask(const std::string& callback, std::initializer_list<Value> args, std::int64_t most,
+                                std::int64_t missing) {
   if (!engine_.callable(callback)) {
     log(LogLevel::kDebug, callback + " not defined, accept");
     return missing;
@@ -100,7 +112,8 @@ std::int64_t ActionBinding::ask(const std::string& callback, std::initializer_li
   if (!said) return kReject;  // the error is in the engine's next report
   const bool known = said->is(ValueType::kInteger) && said->as_integer() >= kReject && said->as_integer() <= most;
   if (known) return said->as_integer();
-  log(LogLevel::kError, callback + " returned " + said->print() + ", expected an INTEGER from 1 to " + std::to_string(most) + ": rejected");
+  log(LogLevel::kError, callback + " returned " + said->print() + ", expected an INTEGER from 1 to " +
+                            std::to_string(most) + ": rejected");
   return kReject;
 }
 
@@ -109,7 +122,8 @@ void ActionBinding::take_goal(const std::string& server, const bus::Delivery& de
   const Handle message = store_.receive(delivery.message, owner_);
   answering_ = delivery.endpoint;
   const std::int64_t answer =
-      ask(named("handle-goal-callback"), {Value::string(server), Value::handle(message), Value::string(bus::to_string(delivery.goal))}, 3, kAccept);
+      ask(named("handle-goal-callback"),
+          {Value::string(server), Value::handle(message), Value::string(bus::to_string(delivery.goal))}, 3, kAccept);
   answering_.reset();
   bus_.answer_goal(delivery.endpoint, delivery.goal, static_cast<bus::GoalAnswer>(answer));
   const ServedGoal goal{server, delivery.endpoint, delivery.goal, delivery.message, message};
@@ -133,10 +147,12 @@ void ActionBinding::take_cancel(const std::string& server, const bus::Delivery& 
   const auto& goals = servers_.at(server).goals;
   const auto found = goals.find(delivery.goal);
   answering_ = delivery.endpoint;
-  const std::int64_t answer =
-      found == goals.end() ? kReject
-                           : ask(named("cancel-goal-callback"),
-                                 {Value::string(server), Value::handle(goal_message(served_.at(found->second))), Value::handle(found->second)}, 2, kAccept);
+  const std::int64_t answer = found == goals.end()
+                                  ? kReject
+                                  : ask(named("cancel-goal-callback"),
+                                        {Value::string(server), Value::handle(goal_message(served_.at(found->second))),
+                                         Value::handle(found->second)},
+                                        2, kAccept);
   answering_.reset();
   bus_.answer_cancel(delivery.endpoint, delivery, answer == kAccept);
   if (!is_open(server, delivery.endpoint)) bus_.remove(delivery.endpoint);
@@ -158,8 +174,8 @@ void ActionBinding::end_goal(Call& call, bus::GoalStatus status) {
   const ServedGoal* goal = served(call);
   if (!goal || !is_a(call, call.handle(1), *type_.result)) return;
   if (bus_.finish(goal->endpoint, goal->id, status, store_.share(call.handle(1)))) return;
-  call.fail(std::string("the goal is ") + status_word(bus_.server_goal_status(goal->endpoint, goal->id)) + ", expected " +
-            (status == bus::GoalStatus::kCanceled ? "CANCELING" : "EXECUTING or CANCELING"));
+  call.fail(std::string("the goal is ") + status_word(bus_.server_goal_status(goal->endpoint, goal->id)) +
+            ", expected " + (status == bus::GoalStatus::kCanceled ? "CANCELING" : "EXECUTING or CANCELING"));
 }
 
 void ActionBinding::destroy_served(Call& call) {

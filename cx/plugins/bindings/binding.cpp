@@ -8,16 +8,19 @@ namespace cxlab::cx {
 
 std::string Binding::named(std::string_view suffix) const { return prefix_ + '-' + std::string(suffix); }
 
-Status Binding::add(std::string_view suffix, const char* returns, const char* arg_types, FunctionKind kind, const char* doc,
-                    Function function) {
+Status Binding::add(std::string_view suffix, const char* returns, const char* arg_types, FunctionKind kind,
+                    const char* doc, Function function) {
   const std::string_view types(arg_types);
   const auto size = static_cast<std::uint16_t>(std::count(types.begin(), types.end(), ';'));
   return engine_.add_function({named(suffix), returns, size, size, arg_types, kind, logger_, doc}, std::move(function));
 }
 
-Status Binding::add_fields(const std::string& create, const std::string& destroy, const std::string& fields, const bus::MessageType& type) {
+Status Binding::add_fields(const std::string& create, const std::string& destroy, const std::string& fields,
+                           const bus::MessageType& type) {
   using F = FunctionKind;
-  if (Status s = add(create, "e", "", F::kActing, "A new message.", [this, &type](Call& call) { call.give_handle(store_.create(type, owner_)); }); !s)
+  if (Status s = add(create, "e", "", F::kActing, "A new message.",
+                     [this, &type](Call& call) { call.give_handle(store_.create(type, owner_)); });
+      !s)
     return s;
   // As in CX, a message of another type is none of this function's: it stays, and is told at the end.
   if (Status s = add(destroy, "v", ";e", F::kActing, "Drops a message and what is nested in it.",
@@ -32,7 +35,8 @@ Status Binding::add_fields(const std::string& create, const std::string& destroy
                        const auto fault = fields_.give(call, call.handle(0), call.arg(1), &type);
                        if (!fault) return;
                        if (fault->kind == FieldFault::Kind::kNoField)
-                         log(LogLevel::kError, call.spec().name + ": cannot retrieve unknown slot name " + std::string(call.text(1)));
+                         log(LogLevel::kError,
+                             call.spec().name + ": cannot retrieve unknown slot name " + std::string(call.text(1)));
                        call.fail(fault->text);
                      });
       !s)
@@ -61,14 +65,16 @@ void Binding::close(Leftovers& left) {
 bool Binding::is_a(Call& call, Handle message, const bus::MessageType& type) {
   const bus::MessageView view = store_.view(message);
   if (view && &view.type() == &type) return true;
-  call.fail(view ? "found a message of type " + view.type().name() + ", expected " + type.name() : "invalid message pointer");
+  call.fail(view ? "found a message of type " + view.type().name() + ", expected " + type.name()
+                 : "invalid message pointer");
   return false;
 }
 
 void Binding::unknown_handle(Call& call, const std::string& what) {
   log(LogLevel::kError, "Unknown " + what + ": map::at");
   const bool null = call.handle(0) == Handle::kNone;
-  call.complain("the " + what + (null ? " is a null pointer, as of a goal that was rejected" : " was destroyed, or is none"));
+  call.complain("the " + what +
+                (null ? " is a null pointer, as of a goal that was rejected" : " was destroyed, or is none"));
 }
 
 // --- Messages
@@ -87,7 +93,8 @@ Status MessageBinding::install() {
     if (open_publisher(call, topic, type_)) put(named("publisher"), {{"topic", Value::string(topic)}});
   });
   // As in CX, the fact stays.
-  more("destroy-publisher", ";sy", "Closes a publisher; its fact stays.", [this](Call& call) { close_publisher(std::string(call.text(0))); });
+  more("destroy-publisher", ";sy", "Closes a publisher; its fact stays.",
+       [this](Call& call) { close_publisher(std::string(call.text(0))); });
   more("create-subscription", ";s", "Subscribes: each message becomes a fact.", [this](Call& call) {
     const std::string topic(call.text(0));
     if (open_subscription(call, topic, type_)) put(named("subscription"), {{"topic", Value::string(topic)}});
@@ -96,7 +103,8 @@ Status MessageBinding::install() {
     const std::string topic(call.text(0));
     if (close_subscription(topic)) take_back(named("subscription"), "topic", topic);
   });
-  more("publish", ";e;sy", "Publishes a message on a topic.", [this](Call& call) { publish(call, call.handle(0), call.text(1)); });
+  more("publish", ";e;sy", "Publishes a message on a topic.",
+       [this](Call& call) { publish(call, call.handle(0), call.text(1)); });
   return status;
 }
 
@@ -121,7 +129,8 @@ Status ServiceBinding::install() {
     if (open_service(call, service, type_)) put(named("service"), {{"name", Value::string(service)}});
   });
   // As in CX, the fact stays.
-  more("destroy-service", ";sy", "Ends a service; its fact stays.", [this](Call& call) { close_service(std::string(call.text(0))); });
+  more("destroy-service", ";sy", "Ends a service; its fact stays.",
+       [this](Call& call) { close_service(std::string(call.text(0))); });
   more("create-client", ";s", "Opens a client of a service.", [this](Call& call) {
     const std::string service(call.text(0));
     if (open_client(call, service, type_)) put(named("client"), {{"service", Value::string(service)}});

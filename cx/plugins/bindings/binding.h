@@ -23,9 +23,11 @@ class Binding : public BusConnection {
   /// P-suffix.
   std::string named(std::string_view suffix) const;
   /// Adds P-suffix; it takes as many arguments as `arg_types` names.
-  Status add(std::string_view suffix, const char* returns, const char* arg_types, FunctionKind kind, const char* doc, Function function);
+  Status add(std::string_view suffix, const char* returns, const char* arg_types, FunctionKind kind, const char* doc,
+             Function function);
   /// Adds P-`create`, P-`destroy`, P-`fields`get-field, P-`fields`set-field.
-  Status add_fields(const std::string& create, const std::string& destroy, const std::string& fields, const bus::MessageType& type);
+  Status add_fields(const std::string& create, const std::string& destroy, const std::string& fields,
+                    const bus::MessageType& type);
   /// Adds P-suffix templates; they go with the plugin.
   Status add_all(std::vector<Template> suffixes);
   /// The message behind an argument must be of that type; else the call has failed.
@@ -94,7 +96,8 @@ class ActionBinding final : public Binding {
   void take_goal(const std::string& server, const bus::Delivery& delivery);
   void take_cancel(const std::string& server, const bus::Delivery& delivery);
   /// What the callback says: 1 .. `most`; `missing` without one, 1 (reject) after an error or another value.
-  std::int64_t ask(const std::string& callback, std::initializer_list<Value> args, std::int64_t most, std::int64_t missing);
+  std::int64_t ask(const std::string& callback, std::initializer_list<Value> args, std::int64_t most,
+                   std::int64_t missing);
   ServedGoal* served(Call& call);
   /// The handle of the goal's message; a new one if the rules have destroyed it.
   Handle goal_message(ServedGoal& goal);

@@ -19,8 +19,10 @@ class BindingsPlugin final : public Plugin {
     bound_ = *bound;
     Status status;
     const auto keep = [&](auto found, auto& place) {
-      if (found) place = *found;
-      else status = found.error();
+      if (found)
+        place = *found;
+      else
+        status = found.error();
     };
     switch (bound_.kind) {
       case InterfaceKind::kMessage: keep(interfaces.message(bound_.interface), message_); break;
@@ -33,9 +35,15 @@ class BindingsPlugin final : public Plugin {
   Status clips_env_init(EnvironmentGuard environment) override {
     Status installed;
     switch (bound_.kind) {
-      case InterfaceKind::kMessage: installed = messages_.add(*environment, *environment, name(), bound_.prefix, *message_).install(); break;
-      case InterfaceKind::kService: installed = services_.add(*environment, *environment, name(), bound_.prefix, *service_).install(); break;
-      case InterfaceKind::kAction: installed = actions_.add(*environment, *environment, name(), bound_.prefix, *action_).install(); break;
+      case InterfaceKind::kMessage:
+        installed = messages_.add(*environment, *environment, name(), bound_.prefix, *message_).install();
+        break;
+      case InterfaceKind::kService:
+        installed = services_.add(*environment, *environment, name(), bound_.prefix, *service_).install();
+        break;
+      case InterfaceKind::kAction:
+        installed = actions_.add(*environment, *environment, name(), bound_.prefix, *action_).install();
+        break;
     }
     if (!installed) remove(*environment);
     return installed;
@@ -81,7 +89,9 @@ PluginType bindings_plugin() {
   PluginType family;
   family.name = "cx::CX<Pkg><Name>Plugin";
   family.make = [](PluginContext c) { return std::make_unique<BindingsPlugin>(std::move(c)); };
-  family.has = [](const std::string& type, bus::Registry& interfaces) { return find_binding(type, interfaces).has_value(); };
+  family.has = [](const std::string& type, bus::Registry& interfaces) {
+    return find_binding(type, interfaces).has_value();
+  };
   family.classes = [](bus::Registry& interfaces) { return binding_classes(interfaces); };
   return family;
 }

@@ -42,7 +42,9 @@ std::string binding_class_name(std::string_view interface) {
 }
 
 std::optional<BindingClass> find_binding(std::string_view class_name, const bus::Registry& interfaces) {
-  if (!class_name.starts_with(kBegin) || !class_name.ends_with(kEnd) || class_name.size() <= kBegin.size() + kEnd.size()) return std::nullopt;
+  if (!class_name.starts_with(kBegin) || !class_name.ends_with(kEnd) ||
+      class_name.size() <= kBegin.size() + kEnd.size())
+    return std::nullopt;
   const std::string_view body = class_name.substr(kBegin.size(), class_name.size() - kBegin.size() - kEnd.size());
   for (const std::string& package : interfaces.packages()) {
     const std::string camel = camel_case(package);
@@ -51,7 +53,8 @@ std::optional<BindingClass> find_binding(std::string_view class_name, const bus:
     const std::vector<std::string> known = interfaces.interfaces(package);
     using Folder = std::pair<const char*, InterfaceKind>;
     for (const auto& [folder, kind] :
-         {Folder{"/msg/", InterfaceKind::kMessage}, Folder{"/srv/", InterfaceKind::kService}, Folder{"/action/", InterfaceKind::kAction}}) {
+         {Folder{"/msg/", InterfaceKind::kMessage}, Folder{"/srv/", InterfaceKind::kService},
+          Folder{"/action/", InterfaceKind::kAction}}) {
       const std::string interface = package + folder + name;
       for (const std::string& other : known)
         if (other == interface) return BindingClass{kind, interface, kebab_case(body)};

@@ -21,9 +21,12 @@ Value word(const std::string& text) {
   const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const char* end = text.data() + text.size();
   std::int64_t integer = 0;
-  if (const auto [at, error] = std::from_chars(begin, end, integer); error == std::errc() && at == end) return Value::integer(integer);
+  if (const auto [at, error] = std::from_chars(begin, end, integer); error == std::errc() && at == end)
+    return Value::integer(integer);
   double number = 0;
-  if (const auto [at, error] = std::from_chars(begin, end, number); error == std::errc() && at == end && std::isfinite(number)) return Value::number(number);
+  if (const auto [at, error] = std::from_chars(begin, end, number);
+      error == std::errc() && at == end && std::isfinite(number))
+    return Value::number(number);
   return Value::symbol(text);
 }
 
@@ -34,7 +37,8 @@ class Loader {
 
   void assert_below(const std::string& path, const YAML::Node& node) {
     if (node.IsMap()) {
-      for (const auto& item : node) assert_below(path + '/' + (item.first.IsScalar() ? item.first.Scalar() : std::string()), item.second);
+      for (const auto& item : node)
+        assert_below(path + '/' + (item.first.IsScalar() ? item.first.Scalar() : std::string()), item.second);
     } else if (node.IsSequence()) {
       assert_sequence(path, node);
     } else if (node.IsScalar()) {
@@ -51,10 +55,14 @@ class Loader {
     return true;
   }
 
-  void put(const std::string& path, const char* type, const Value& value, bool is_list = false, std::vector<Value> values = {}) {
-    const auto fact = environment_.engine().assert_fact(
-        "confval", {{"path", Value::string(path)}, {"type", Value::symbol(type)}, {"value", value},
-                    {"is-list", Value::boolean(is_list)}, {"list-value", Value::multifield(std::move(values))}});
+  void put(const std::string& path, const char* type, const Value& value, bool is_list = false,
+           std::vector<Value> values = {}) {
+    const auto fact =
+        environment_.engine().assert_fact("confval", {{"path", Value::string(path)},
+                                                      {"type", Value::symbol(type)},
+                                                      {"value", value},
+                                                      {"is-list", Value::boolean(is_list)},
+                                                      {"list-value", Value::multifield(std::move(values))}});
     if (!fact) environment_.log(LogLevel::kError, logger_, fact.error().message);
   }
 
@@ -65,9 +73,12 @@ class Loader {
     double number = 0;
     if (YAML::convert<bool>::decode(node, truth))
       put(path, "BOOL", text == "true" || text == "false" ? Value::boolean(truth) : Value::symbol(text));
-    else if (YAML::convert<int>::decode(node, integer)) put(path, "INT", word(text));
-    else if (YAML::convert<double>::decode(node, number)) put(path, "FLOAT", word(text));
-    else put(path, "STRING", Value::string(text));
+    else if (YAML::convert<int>::decode(node, integer))
+      put(path, "INT", word(text));
+    else if (YAML::convert<double>::decode(node, number))
+      put(path, "FLOAT", word(text));
+    else
+      put(path, "STRING", Value::string(text));
   }
 
   void assert_list(const std::string& path, const YAML::Node& node) {
@@ -91,9 +102,12 @@ class Loader {
       }
       for (const auto& entry : item) {
         const std::string key = at + '/' + (entry.first.IsScalar() ? entry.first.Scalar() : std::string());
-        if (entry.second.IsScalar()) put(key, scalar_type(entry.second), Value::string(entry.second.Scalar()));
-        else if (entry.second.IsSequence() && all_scalars(entry.second)) assert_list(key, entry.second);
-        else assert_below(path + '/' + (entry.first.IsScalar() ? entry.first.Scalar() : std::string()), entry.second);
+        if (entry.second.IsScalar())
+          put(key, scalar_type(entry.second), Value::string(entry.second.Scalar()));
+        else if (entry.second.IsSequence() && all_scalars(entry.second))
+          assert_list(key, entry.second);
+        else
+          assert_below(path + '/' + (entry.first.IsScalar() ? entry.first.Scalar() : std::string()), entry.second);
       }
     }
   }
@@ -120,9 +134,10 @@ class ConfigPlugin final : public Plugin {
     Environment& e = *environment;
     if (!e.engine().has("deftemplate", "confval"))
       if (Status s = e.engine().build(kTemplate, "cx_config_plugin/confval.clp", 1); !s) return s;
-    return e.engine().add_function({"config-load", "v", 2, 2, ";sy;sy", FunctionKind::kActing, name(),
-                                    "Asserts confval facts for a file, below a prefix."},
-                                   [this, &e](Call& call) { load(e, std::string(call.text(0)), std::string(call.text(1))); });
+    return e.engine().add_function(
+        {"config-load", "v", 2, 2, ";sy;sy", FunctionKind::kActing, name(),
+         "Asserts confval facts for a file, below a prefix."},
+        [this, &e](Call& call) { load(e, std::string(call.text(0)), std::string(call.text(1))); });
   }
 
  private:

@@ -29,7 +29,8 @@ class ExecutivePlugin final : public Plugin {
     if (Status s = parameter("refresh_rate", refresh_rate_); !s) return s;
     if (refresh_rate_ <= 0)
       return context().parameters.error_at(name() + ".refresh_rate", "parameter '" + name() + ".refresh_rate': found " +
-                                           std::to_string(refresh_rate_) + ", expected a rate in Hz above 0");
+                                                                         std::to_string(refresh_rate_) +
+                                                                         ", expected a rate in Hz above 0");
     start_ = context().bus.now();
     if (!publish_on_refresh_) return {};
     auto type = context().bus.registry().message("std_msgs/msg/Empty");
@@ -44,15 +45,19 @@ class ExecutivePlugin final : public Plugin {
   Status clips_env_init(EnvironmentGuard environment) override {
     RuleEngine& engine = environment.engine();
     const double epoch = context().run.epoch;
-    if (Status s = engine.add_function({"now", "d", 0, 0, "", FunctionKind::kPure, name(), "Simulated time in seconds."},
-                                       [](Call& call) { call.give_number(to_seconds(call.engine().now())); });
+    if (Status s =
+            engine.add_function({"now", "d", 0, 0, "", FunctionKind::kPure, name(), "Simulated time in seconds."},
+                                [](Call& call) { call.give_number(to_seconds(call.engine().now())); });
         !s)
       return s;
-    if (Status s = engine.add_function({"now-systime", "d", 0, 0, "", FunctionKind::kPure, name(), "Seconds since 1970: the epoch and simulated time."},
-                                       [epoch](Call& call) { call.give_number(epoch + to_seconds(call.engine().now())); });
+    if (Status s =
+            engine.add_function({"now-systime", "d", 0, 0, "", FunctionKind::kPure, name(),
+                                 "Seconds since 1970: the epoch and simulated time."},
+                                [epoch](Call& call) { call.give_number(epoch + to_seconds(call.engine().now())); });
         !s)
       return s;
-    if (Status s = engine.load_text(kTimeRules, "cx_executive_plugin/time.clp", LoadMode::kBatch).status(); !s) return s;
+    if (Status s = engine.load_text(kTimeRules, "cx_executive_plugin/time.clp", LoadMode::kBatch).status(); !s)
+      return s;
     states_.add(*environment, State{next_});
     return {};
   }
@@ -60,7 +65,8 @@ class ExecutivePlugin final : public Plugin {
   void clips_env_destroyed(EnvironmentGuard environment) override {
     states_.remove(*environment);
     if (environment->ending()) return;
-    for (const auto& [kind, construct] : {std::pair{"defrule", "time-retract"}, std::pair{"defglobal", "PRIORITY-TIME-RETRACT"}})
+    for (const auto& [kind, construct] :
+         {std::pair{"defrule", "time-retract"}, std::pair{"defglobal", "PRIORITY-TIME-RETRACT"}})
       if (Status s = environment.engine().undefine(kind, construct); !s)
         log(*environment, LogLevel::kWarn, std::string(construct) + " cant be undefined");
   }
@@ -108,8 +114,9 @@ class ExecutivePlugin final : public Plugin {
 }  // namespace
 
 PluginType executive_plugin() {
-  return {"cx::ExecutivePlugin", {"publish_on_refresh", "assert_time", "refresh_rate"},
-          [](PluginContext c) { return std::make_unique<ExecutivePlugin>(std::move(c)); }};
+  return {"cx::ExecutivePlugin", {"publish_on_refresh", "assert_time", "refresh_rate"}, [](PluginContext c) {
+            return std::make_unique<ExecutivePlugin>(std::move(c));
+          }};
 }
 
 }  // namespace cxlab::cx

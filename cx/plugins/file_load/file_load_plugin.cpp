@@ -18,7 +18,8 @@ class FileLoadPlugin final : public Plugin {
       std::string_view key;
       std::vector<FoundFile>* files;
     };
-    for (const List& list : std::array<List, 3>{{{"load", &load_}, {"batch", &batch_}, {"cleanup_batch", &cleanup_batch_}}}) {
+    for (const List& list :
+         std::array<List, 3>{{{"load", &load_}, {"batch", &batch_}, {"cleanup_batch", &cleanup_batch_}}}) {
       std::vector<std::string> names;
       if (Status s = parameter(list.key, names); !s) return s;
       for (const std::string& file : names) {
@@ -74,8 +75,9 @@ class FileLoadPlugin final : public Plugin {
 }  // namespace
 
 PluginType file_load_plugin() {
-  return {"cx::FileLoadPlugin", {"pkg_share_dirs", "load", "batch", "cleanup_batch"},
-          [](PluginContext c) { return std::make_unique<FileLoadPlugin>(std::move(c)); }};
+  return {"cx::FileLoadPlugin", {"pkg_share_dirs", "load", "batch", "cleanup_batch"}, [](PluginContext c) {
+            return std::make_unique<FileLoadPlugin>(std::move(c));
+          }};
 }
 
 }  // namespace cxlab::cx

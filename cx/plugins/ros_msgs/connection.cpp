@@ -89,15 +89,19 @@ bool BusConnection::open_publisher(Call& call, const std::string& topic, const b
   return true;
 }
 
-bool BusConnection::close_publisher(const std::string& topic) { return close_one(publishers_, topic, "No publisher for topic "); }
+bool BusConnection::close_publisher(const std::string& topic) {
+  return close_one(publishers_, topic, "No publisher for topic ");
+}
 
 void BusConnection::publish(Call& call, Handle message, std::string_view topic) {
   const bus::MessageView view = store_.view(message);
   if (!view) return log(LogLevel::kError, "Failed to publish invalid msg pointer");
   const auto found = publishers_.find(topic);
-  if (found == publishers_.end()) return call.fail("no publisher for topic " + std::string(topic) + ", it has to be created before");
+  if (found == publishers_.end())
+    return call.fail("no publisher for topic " + std::string(topic) + ", it has to be created before");
   if (&view.type() != found->second.type)
-    return call.fail("found a message of type " + view.type().name() + ", topic " + std::string(topic) + " has " + found->second.type->name());
+    return call.fail("found a message of type " + view.type().name() + ", topic " + std::string(topic) + " has " +
+                     found->second.type->name());
   bus_.publish(found->second.endpoint, store_.share(message), engine_.cause());
 }
 
@@ -118,7 +122,9 @@ bool BusConnection::open_subscription(Call& call, const std::string& topic, cons
   return true;
 }
 
-bool BusConnection::close_subscription(const std::string& topic) { return close_one(subscriptions_, topic, "No subscription to topic "); }
+bool BusConnection::close_subscription(const std::string& topic) {
+  return close_one(subscriptions_, topic, "No subscription to topic ");
+}
 
 // --- Services
 
@@ -127,13 +133,14 @@ bool BusConnection::open_client(Call& call, const std::string& service, const bu
     log(LogLevel::kWarn, "Already have a client for service " + service);
     return false;
   }
-  auto endpoint = bus_.create_client(environment_.participant(), service, type, [this, service](const bus::Delivery& delivery) {
-    environment_.note_input("response", service, delivery);
-    Service& client = clients_.at(service);
-    if (client.waited) log(LogLevel::kInfo, "service " + service + " is finally reachable");
-    client.waited = false;
-    on_response(service, delivery.request_id, store_.receive(delivery.message, owner_));
-  });
+  auto endpoint =
+      bus_.create_client(environment_.participant(), service, type, [this, service](const bus::Delivery& delivery) {
+        environment_.note_input("response", service, delivery);
+        Service& client = clients_.at(service);
+        if (client.waited) log(LogLevel::kInfo, "service " + service + " is finally reachable");
+        client.waited = false;
+        on_response(service, delivery.request_id, store_.receive(delivery.message, owner_));
+      });
   if (!endpoint) {
     call.fail(endpoint.error().text());
     return false;
@@ -142,7 +149,9 @@ bool BusConnection::open_client(Call& call, const std::string& service, const bu
   return true;
 }
 
-bool BusConnection::close_client(const std::string& service) { return close_one(clients_, service, "No client for service "); }
+bool BusConnection::close_client(const std::string& service) {
+  return close_one(clients_, service, "No client for service ");
+}
 
 std::optional<std::uint64_t> BusConnection::request(Call& call, Handle request, const std::string& service, bool wait) {
   const bus::MessageView view = store_.view(request);
@@ -157,10 +166,12 @@ std::optional<std::uint64_t> BusConnection::request(Call& call, Handle request, 
   }
   Service& client = found->second;
   if (&view.type() != client.type->request) {
-    call.fail("found a message of type " + view.type().name() + ", service " + service + " takes " + client.type->request->name());
+    call.fail("found a message of type " + view.type().name() + ", service " + service + " takes " +
+              client.type->request->name());
     return std::nullopt;
   }
-  const Value ready = environment_.look("service-ready " + service, [&] { return Value::boolean(bus_.service_ready(client.endpoint)); });
+  const Value ready = environment_.look("service-ready " + service,
+                                        [&] { return Value::boolean(bus_.service_ready(client.endpoint)); });
   if (!ready.is_true() && !wait) {
     log(LogLevel::kWarn, "service " + service + " not available, abort request.");
     return std::nullopt;
@@ -189,7 +200,8 @@ bool BusConnection::open_service(Call& call, const std::string& service, const b
 
 bool BusConnection::close_service(const std::string& service) {
   const auto found = services_.find(service);
-  if (found == services_.end() || found->second.endpoint != answering_) return close_one(services_, service, "No service ");
+  if (found == services_.end() || found->second.endpoint != answering_)
+    return close_one(services_, service, "No service ");
   services_.erase(found);  // `answer` removes it, after its answer
   return true;
 }

@@ -85,8 +85,8 @@ class BusConnection {
   /// The deffunction that answers requests to a service, with (service request response).
   virtual std::string callback_of(const std::string& service) const;
 
-  // --- Verbs of functions. Names are as the rules write them. Opening fails the call when the bus refuses; opening what is
-  // open and closing what is not warns. True = done.
+  // --- Verbs of functions. Names are as the rules write them. Opening fails the call when the bus refuses; opening
+  // what is open and closing what is not warns. True = done.
   bool open_publisher(Call& call, const std::string& topic, const bus::MessageType& type);
   bool close_publisher(const std::string& topic);
   void publish(Call& call, Handle message, std::string_view topic);

@@ -60,7 +60,8 @@ void give_array(Call& call, MessageStore& store, Handle message, const MessageVi
   }
   if (is_text(field.type) || field.type == FieldType::kChar) {
     std::vector<std::string> values(size);
-    for (std::size_t i = 0; i < size; ++i) values[i] = field.type == FieldType::kChar ? char_text(view, field, i) : view.text(field, i);
+    for (std::size_t i = 0; i < size; ++i)
+      values[i] = field.type == FieldType::kChar ? char_text(view, field, i) : view.text(field, i);
     return call.give_strings(values);
   }
   if (field.type == FieldType::kBool) {
@@ -89,13 +90,16 @@ FieldFault unknown_message() { return {FieldFault::Kind::kUnknownMessage, "found
 Fault set_integer(const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
   if (value.is(ValueType::kInteger)) return fault_of(view.set_integer(field, value.as_integer(), index));
   if (field.type == FieldType::kChar && value.is_text() && value.text().size() <= 1)
-    return fault_of(view.set_integer(field, value.text().empty() ? 0 : static_cast<unsigned char>(value.text()[0]), index));
-  if (!value.is(ValueType::kFloat)) return found_expected(value, field.type == FieldType::kChar ? "one character" : "an INTEGER");
+    return fault_of(
+        view.set_integer(field, value.text().empty() ? 0 : static_cast<unsigned char>(value.text()[0]), index));
+  if (!value.is(ValueType::kFloat))
+    return found_expected(value, field.type == FieldType::kChar ? "one character" : "an INTEGER");
   const double number = value.as_number();
-  constexpr double kLimit = 9223372036854775808.0;  // 2^63
+  constexpr double kLimit = 9223372036854775808.0;                                  // 2^63
   if (field.type == FieldType::kUint64 && number >= kLimit && number < 2 * kLimit)  // as INTEGERs have it: wrapped
     return fault_of(view.set_integer(field, static_cast<std::int64_t>(static_cast<std::uint64_t>(number)), index));
-  if (std::trunc(number) != number || number < -kLimit || number >= kLimit) return found_expected(value, "a whole number");
+  if (std::trunc(number) != number || number < -kLimit || number >= kLimit)
+    return found_expected(value, "a whole number");
   return fault_of(view.set_integer(field, static_cast<std::int64_t>(number), index));
 }
 
@@ -115,7 +119,8 @@ Fault set_real(const MessageView& view, const Field& field, const ValueRef& valu
   return {};
 }
 
-Fault set_value(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
+Fault set_value(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& value,
+                std::size_t index) {
   if (field.type == FieldType::kBool) {
     if (!value.is_text()) return found_expected(value, "TRUE or FALSE");
     return fault_of(view.set_integer(field, value.text() == "TRUE" ? 1 : 0, index));
@@ -128,8 +133,7 @@ Fault set_value(MessageStore& store, const MessageView& view, const Field& field
   if (field.type != FieldType::kMessage) return set_integer(view, field, value, index);
   const MessageView source = value.is(ValueType::kHandle) ? store.view(value.as_handle()) : MessageView();
   if (!source) return unknown_message();
-  if (&source.type() != field.nested)
-    return value_fault(wrong_type(source.type(), *field.nested).text);
+  if (&source.type() != field.nested) return value_fault(wrong_type(source.type(), *field.nested).text);
   view.nested(field, index).copy_from(source);
   return {};
 }
@@ -140,8 +144,7 @@ Fault set_messages(MessageStore& store, const MessageView& view, const Field& fi
   for (std::size_t i = 0; i < values.size(); ++i) {
     const MessageView source = values[i].is(ValueType::kHandle) ? store.view(values[i].as_handle()) : MessageView();
     if (!source) return unknown_message();
-    if (&source.type() != field.nested)
-      return value_fault(wrong_type(source.type(), *field.nested).text);
+    if (&source.type() != field.nested) return value_fault(wrong_type(source.type(), *field.nested).text);
     sources.emplace_back(source);
   }
   if (field.array != ArrayKind::kFixed)
@@ -154,7 +157,8 @@ Fault set_array(MessageStore& store, const MessageView& view, const Field& field
   if (!values.is(ValueType::kMultifield))
     return FieldFault{FieldFault::Kind::kNotMultifield, "found " + values.copy().print() + ", expected a multifield"};
   if (field.array == ArrayKind::kFixed && values.size() != field.size_limit)
-    return value_fault("found " + std::to_string(values.size()) + " values, expected exactly " + std::to_string(field.size_limit));
+    return value_fault("found " + std::to_string(values.size()) + " values, expected exactly " +
+                       std::to_string(field.size_limit));
   if (field.type == FieldType::kMessage) return set_messages(store, view, field, values);
   if (field.array != ArrayKind::kFixed)
     if (Fault fault = fault_of(view.resize(field, values.size()))) return fault;
@@ -183,8 +187,10 @@ Fault Fields::give(Call& call, Handle message, const ValueRef& name, const bus::
   if (expected && expected != &view.type()) return wrong_type(view.type(), *expected);
   const Field* field = find(view.type(), name);
   if (!field) return unknown_field(view.type(), name.text());
-  if (field->array == ArrayKind::kSingle) give_single(call, store_, message, view, *field);
-  else give_array(call, store_, message, view, *field);
+  if (field->array == ArrayKind::kSingle)
+    give_single(call, store_, message, view, *field);
+  else
+    give_array(call, store_, message, view, *field);
   return std::nullopt;
 }
 
@@ -194,7 +200,8 @@ Fault Fields::set(Handle message, const ValueRef& name, const ValueRef& value, c
   if (expected && expected != &view.type()) return wrong_type(view.type(), *expected);
   const Field* field = find(view.type(), name);
   if (!field) return unknown_field(view.type(), name.text());
-  Fault fault = field->array == ArrayKind::kSingle ? set_value(store_, view, *field, value, 0) : set_array(store_, view, *field, value);
+  Fault fault = field->array == ArrayKind::kSingle ? set_value(store_, view, *field, value, 0)
+                                                   : set_array(store_, view, *field, value);
   if (fault) fault->text += " (" + field->type_text() + ' ' + field->name + " of " + view.type().name() + ')';
   return fault;
 }

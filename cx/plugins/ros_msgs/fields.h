@@ -30,14 +30,16 @@ class Fields {
  public:
   explicit Fields(MessageStore& store) : store_(store) {}
 
-  /// Gives the field as the result of the call: booleans are TRUE and FALSE, whole numbers INTEGER, others FLOAT, a char
-  /// is a STRING of one character, a nested message a handle into its parent, an array a multifield.
-  /// `expected`: the type that the message must have, null for any.
-  std::optional<FieldFault> give(Call& call, Handle message, const ValueRef& field, const bus::MessageType* expected = nullptr);
+  /// Gives the field as the result of the call: booleans are TRUE and FALSE, whole numbers INTEGER, others FLOAT, a
+  /// char is a STRING of one character, a nested message a handle into its parent, an array a multifield. `expected`:
+  /// the type that the message must have, null for any.
+  std::optional<FieldFault> give(Call& call, Handle message, const ValueRef& field,
+                                 const bus::MessageType* expected = nullptr);
 
   /// Sets the field from a value. INTEGER and FLOAT are converted where that is exact; a value that does not fit is a
   /// fault. Messages are copied in. Arrays take a multifield, those of fixed size one of exactly that size.
-  std::optional<FieldFault> set(Handle message, const ValueRef& field, const ValueRef& value, const bus::MessageType* expected = nullptr);
+  std::optional<FieldFault> set(Handle message, const ValueRef& field, const ValueRef& value,
+                                const bus::MessageType* expected = nullptr);
 
  private:
   const bus::Field* find(const bus::MessageType& type, const ValueRef& name);

@@ -17,7 +17,9 @@ const char* status_word(bus::GoalStatus status) {
   return "UNKNOWN";
 }
 
-const char* result_word(bus::GoalStatus status) { return status > bus::GoalStatus::kCanceling ? status_word(status) : "UNKNOWN"; }
+const char* result_word(bus::GoalStatus status) {
+  return status > bus::GoalStatus::kCanceling ? status_word(status) : "UNKNOWN";
+}
 
 bool BusConnection::open_action_client(Call& call, const std::string& server, const bus::ActionType& type) {
   if (action_clients_.contains(server)) {
@@ -33,7 +35,9 @@ bool BusConnection::open_action_client(Call& call, const std::string& server, co
        },
        [this, server](const bus::Delivery& d) {
          environment_.note_input("result", server, d);
-         on_result(server, d, d.message ? store_.receive(d.message, owner_) : store_.create(*action_clients_.at(server).type->result, owner_));
+         on_result(server, d,
+                   d.message ? store_.receive(d.message, owner_)
+                             : store_.create(*action_clients_.at(server).type->result, owner_));
          action_clients_.at(server).goals.erase(d.goal);
        },
        [this, server](const bus::Delivery& d) {
@@ -65,8 +69,10 @@ void BusConnection::send_goal(Call& call, Handle goal, const std::string& server
   ActionClient* client = action_client(call, server);
   if (!client) return;
   if (&view.type() != client->type->goal)
-    return call.fail("found a message of type " + view.type().name() + ", server " + server + " takes " + client->type->goal->name());
-  const Value ready = environment_.look("action-ready " + server, [&] { return Value::boolean(bus_.action_ready(client->endpoint)); });
+    return call.fail("found a message of type " + view.type().name() + ", server " + server + " takes " +
+                     client->type->goal->name());
+  const Value ready =
+      environment_.look("action-ready " + server, [&] { return Value::boolean(bus_.action_ready(client->endpoint)); });
   if (!ready.is_true() && !client->waited) {
     log(LogLevel::kWarn, "server " + server + " not available, the goal waits for it");
     client->waited = true;
@@ -80,7 +86,8 @@ const BusConnection::Goal* BusConnection::find_goal(Handle goal) const {
 }
 
 std::string BusConnection::unknown_goal(Handle goal) {
-  return std::string("unknown client goal handle") + (goal == Handle::kNone ? ": a null pointer, as of a goal that was rejected" : "");
+  return std::string("unknown client goal handle") +
+         (goal == Handle::kNone ? ": a null pointer, as of a goal that was rejected" : "");
 }
 
 void BusConnection::destroy_goal(Handle goal) {
@@ -93,7 +100,8 @@ void BusConnection::destroy_goal(Handle goal) {
 void BusConnection::cancel_goal(Call& call, std::string_view server, Handle handle) {
   const Goal* goal = find_goal(handle);
   if (!goal) return call.fail(unknown_goal(handle));
-  if (const ActionClient* client = action_client(call, server)) bus_.cancel_goal(client->endpoint, goal->id, engine_.cause());
+  if (const ActionClient* client = action_client(call, server))
+    bus_.cancel_goal(client->endpoint, goal->id, engine_.cause());
 }
 
 Handle BusConnection::handle_of(const std::string& server, const bus::GoalId& id) const {

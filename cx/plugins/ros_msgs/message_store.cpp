@@ -36,7 +36,8 @@ void MessageStore::take_out(Handle handle) {
   while (table_[hole].handle != handle) hole = (hole + 1) & (table_.size() - 1);
   --used_;
   // Shift back what a search would no longer reach over the hole.
-  for (std::size_t i = (hole + 1) & (table_.size() - 1); table_[i].handle != Handle::kNone; i = (i + 1) & (table_.size() - 1)) {
+  for (std::size_t i = (hole + 1) & (table_.size() - 1); table_[i].handle != Handle::kNone;
+       i = (i + 1) & (table_.size() - 1)) {
     const std::size_t wanted = home(table_[i].handle);
     const bool stays = hole <= i ? (hole < wanted && wanted <= i) : (hole < wanted || wanted <= i);
     if (stays) continue;
@@ -71,9 +72,13 @@ Handle MessageStore::add_root(bus::SharedMessage message, bool own, Owner owner)
   return entry.handle;
 }
 
-Handle MessageStore::create(const bus::MessageType& type, Owner owner) { return add_root(std::make_shared<bus::Message>(type), true, owner); }
+Handle MessageStore::create(const bus::MessageType& type, Owner owner) {
+  return add_root(std::make_shared<bus::Message>(type), true, owner);
+}
 
-Handle MessageStore::receive(bus::SharedMessage message, Owner owner) { return add_root(std::move(message), false, owner); }
+Handle MessageStore::receive(bus::SharedMessage message, Owner owner) {
+  return add_root(std::move(message), false, owner);
+}
 
 void MessageStore::erase(std::uint32_t at) {
   for (std::uint32_t child = entries_[at].first; child != kNone;) {
@@ -145,7 +150,8 @@ bus::SharedMessage MessageStore::share(Handle handle) const {
   return part ? std::make_shared<bus::Message>(part) : nullptr;
 }
 
-std::uint32_t MessageStore::find_child(std::uint32_t from, std::uint32_t end, const bus::Field& field, std::size_t index) const {
+std::uint32_t MessageStore::find_child(std::uint32_t from, std::uint32_t end, const bus::Field& field,
+                                       std::size_t index) const {
   for (std::uint32_t child = from; child != end && child != kNone; child = entries_[child].next)
     if (entries_[child].field == &field && entries_[child].index == index) return child;
   return kNone;

@@ -50,7 +50,7 @@ class MessageStore {
     bus::SharedMessage message;     // of a root
     bool own = false;               // made here: may be changed while nobody else holds it
     Owner owner{};
-    std::uint32_t parent = kNone;   // of a nested one, with its place there:
+    std::uint32_t parent = kNone;  // of a nested one, with its place there:
     const bus::Field* field = nullptr;
     std::size_t index = 0;
     std::uint32_t first = kNone, last = kNone;  // children, a list through `next`

@@ -14,18 +14,35 @@ std::vector<RosInterface::Entry> RosInterface::action_functions(const std::strin
   using F = FunctionKind;
   using R = RosInterface;
   return {
-      {{"ros-msgs-create-action-client", "v", 2, 2, ";sy;sy", F::kActing, owner, "Opens a client of an action server."}, &R::create_action_client},
-      {{"ros-msgs-destroy-action-client", "v", 1, 1, ";sy", F::kActing, owner, "Closes an action client."}, &R::destroy_action_client},
-      {{"ros-msgs-create-goal-request", "e", 1, 1, ";sy", F::kActing, owner, "A new goal of an action type."}, &R::create_goal},
-      {{"ros-msgs-async-send-goal", "v", 2, 2, ";e;sy", F::kActing, owner, "Sends a goal; it waits until the server is there."}, &R::send_goal},
-      {{"ros-msgs-async-cancel-goal", "v", 2, 2, ";sy;e", F::kActing, owner, "Asks the server to cancel a goal."}, &R::cancel_goal},
-      {{"ros-msgs-destroy-client-goal-handle", "v", 1, 1, ";e", F::kActing, owner, "Drops a goal handle."}, &R::destroy_goal_handle},
-      {{"ros-msgs-client-goal-handle-get-goal-id", "y", 1, 1, ";e", F::kPure, owner, "The goal's id, 32 hex digits."}, &R::goal_id},
-      {{"ros-msgs-client-goal-handle-get-goal-stamp", "d", 1, 1, ";e", F::kPure, owner, "When the goal was accepted, in seconds."}, &R::goal_stamp},
-      {{"ros-msgs-client-goal-handle-get-status", "y", 1, 1, ";e", F::kPure, owner, "UNKNOWN, ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED or ABORTED."}, &R::goal_status},
-      {{"ros-msgs-client-goal-handle-is-feedback-aware", "b", 1, 1, ";e", F::kPure, owner, "Whether feedback becomes facts."}, &R::is_aware},
-      {{"ros-msgs-client-goal-handle-is-result-aware", "b", 1, 1, ";e", F::kPure, owner, "Whether the result becomes a fact."}, &R::is_aware},
-      {{"ros-msgs-goal-uuid-to-string", "y", 1, 1, ";m", F::kPure, owner, "16 integers as 32 hex digits."}, &R::uuid_to_string},
+      {{"ros-msgs-create-action-client", "v", 2, 2, ";sy;sy", F::kActing, owner, "Opens a client of an action server."},
+       &R::create_action_client},
+      {{"ros-msgs-destroy-action-client", "v", 1, 1, ";sy", F::kActing, owner, "Closes an action client."},
+       &R::destroy_action_client},
+      {{"ros-msgs-create-goal-request", "e", 1, 1, ";sy", F::kActing, owner, "A new goal of an action type."},
+       &R::create_goal},
+      {{"ros-msgs-async-send-goal", "v", 2, 2, ";e;sy", F::kActing, owner,
+        "Sends a goal; it waits until the server is there."},
+       &R::send_goal},
+      {{"ros-msgs-async-cancel-goal", "v", 2, 2, ";sy;e", F::kActing, owner, "Asks the server to cancel a goal."},
+       &R::cancel_goal},
+      {{"ros-msgs-destroy-client-goal-handle", "v", 1, 1, ";e", F::kActing, owner, "Drops a goal handle."},
+       &R::destroy_goal_handle},
+      {{"ros-msgs-client-goal-handle-get-goal-id", "y", 1, 1, ";e", F::kPure, owner, "The goal's id, 32 hex digits."},
+       &R::goal_id},
+      {{"ros-msgs-client-goal-handle-get-goal-stamp", "d", 1, 1, ";e", F::kPure, owner,
+        "When the goal was accepted, in seconds."},
+       &R::goal_stamp},
+      {{"ros-msgs-client-goal-handle-get-status", "y", 1, 1, ";e", F::kPure, owner,
+        "UNKNOWN, ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED or ABORTED."},
+       &R::goal_status},
+      {{"ros-msgs-client-goal-handle-is-feedback-aware", "b", 1, 1, ";e", F::kPure, owner,
+        "Whether feedback becomes facts."},
+       &R::is_aware},
+      {{"ros-msgs-client-goal-handle-is-result-aware", "b", 1, 1, ";e", F::kPure, owner,
+        "Whether the result becomes a fact."},
+       &R::is_aware},
+      {{"ros-msgs-goal-uuid-to-string", "y", 1, 1, ";m", F::kPure, owner, "16 integers as 32 hex digits."},
+       &R::uuid_to_string},
   };
 }
 
@@ -94,7 +111,9 @@ void RosInterface::on_goal_response(const std::string& server, Handle goal) {
 }
 
 void RosInterface::on_feedback(const std::string& server, Handle goal, Handle feedback) {
-  put("ros-msgs-feedback", {{"server", Value::string(server)}, {"client-goal-handle-ptr", Value::handle(goal)}, {"feedback-ptr", Value::handle(feedback)}});
+  put("ros-msgs-feedback", {{"server", Value::string(server)},
+                            {"client-goal-handle-ptr", Value::handle(goal)},
+                            {"feedback-ptr", Value::handle(feedback)}});
 }
 
 void RosInterface::on_result(const std::string& server, const bus::Delivery& end, Handle result) {

@@ -13,15 +13,18 @@ const std::vector<BusConnection::Template>& templates() {
       {"ros-msgs-publisher", "(slot topic (type STRING)) (slot type (type STRING))"},
       {"ros-msgs-message", "(slot topic (type STRING)) (slot msg-ptr (type EXTERNAL-ADDRESS))"},
       {"ros-msgs-client", "(slot service (type STRING)) (slot type (type STRING))"},
-      {"ros-msgs-response", "(slot service (type STRING)) (slot request-id (type INTEGER)) (slot msg-ptr (type EXTERNAL-ADDRESS))"},
+      {"ros-msgs-response",
+       "(slot service (type STRING)) (slot request-id (type INTEGER)) (slot msg-ptr (type EXTERNAL-ADDRESS))"},
       {"ros-msgs-service", "(slot service (type STRING)) (slot type (type STRING))"},
       {"ros-msgs-action-client", "(slot server (type STRING)) (slot type (type STRING))"},
       {"ros-msgs-goal-response", "(slot server (type STRING)) (slot client-goal-handle-ptr (type EXTERNAL-ADDRESS))"},
       {"ros-msgs-wrapped-result",
        "(slot server (type STRING)) (slot goal-id (type SYMBOL)) "
-       "(slot code (type SYMBOL) (allowed-values UNKNOWN SUCCEEDED CANCELED ABORTED)) (slot result-ptr (type EXTERNAL-ADDRESS))"},
+       "(slot code (type SYMBOL) (allowed-values UNKNOWN SUCCEEDED CANCELED ABORTED)) (slot result-ptr (type "
+       "EXTERNAL-ADDRESS))"},
       {"ros-msgs-feedback",
-       "(slot server (type STRING)) (slot client-goal-handle-ptr (type EXTERNAL-ADDRESS)) (slot feedback-ptr (type EXTERNAL-ADDRESS))"},
+       "(slot server (type STRING)) (slot client-goal-handle-ptr (type EXTERNAL-ADDRESS)) (slot feedback-ptr (type "
+       "EXTERNAL-ADDRESS))"},
       {"ros-msgs-cancel-response",
        "(slot server (type STRING)) (slot client-goal-handle-ptr (type EXTERNAL-ADDRESS)) "
        "(slot cancel-response-ptr (type EXTERNAL-ADDRESS))"},
@@ -35,7 +38,8 @@ Status RosInterface::install() {
   if (Status s = add_templates(templates()); !s) return s;
   for (const auto& list : {functions(logger_), action_functions(logger_)})
     for (const Entry& entry : list)
-      if (Status s = engine_.add_function(entry.spec, [this, f = entry.function](Call& call) { (this->*f)(call); }); !s) return s;
+      if (Status s = engine_.add_function(entry.spec, [this, f = entry.function](Call& call) { (this->*f)(call); }); !s)
+        return s;
   return {};
 }
 
@@ -48,20 +52,34 @@ std::vector<RosInterface::Entry> RosInterface::functions(const std::string& owne
   using F = FunctionKind;
   using R = RosInterface;
   return {
-      {{"ros-msgs-create-message", "e", 1, 1, ";sy", F::kActing, owner, "A new message of a type, e.g. std_msgs/msg/String."}, &R::create_message},
-      {{"ros-msgs-destroy-message", "v", 1, 1, ";e", F::kActing, owner, "Drops a message and what is nested in it."}, &R::destroy_message},
+      {{"ros-msgs-create-message", "e", 1, 1, ";sy", F::kActing, owner,
+        "A new message of a type, e.g. std_msgs/msg/String."},
+       &R::create_message},
+      {{"ros-msgs-destroy-message", "v", 1, 1, ";e", F::kActing, owner, "Drops a message and what is nested in it."},
+       &R::destroy_message},
       {{"ros-msgs-get-field", "*", 2, 2, ";e;sy", F::kPure, owner, "A field of a message."}, &R::get_field},
       {{"ros-msgs-set-field", "v", 3, 3, ";e;sy;*", F::kActing, owner, "Sets a field of a message."}, &R::set_field},
-      {{"ros-msgs-create-publisher", "v", 2, 2, ";sy;sy", F::kActing, owner, "Opens a topic for publishing."}, &R::create_publisher},
-      {{"ros-msgs-destroy-publisher", "v", 1, 1, ";sy", F::kActing, owner, "Closes a publisher."}, &R::destroy_publisher},
-      {{"ros-msgs-create-subscription", "v", 2, 2, ";sy;sy", F::kActing, owner, "Subscribes: each message becomes a ros-msgs-message fact."}, &R::create_subscription},
-      {{"ros-msgs-destroy-subscription", "v", 1, 1, ";s", F::kActing, owner, "Ends a subscription."}, &R::destroy_subscription},
+      {{"ros-msgs-create-publisher", "v", 2, 2, ";sy;sy", F::kActing, owner, "Opens a topic for publishing."},
+       &R::create_publisher},
+      {{"ros-msgs-destroy-publisher", "v", 1, 1, ";sy", F::kActing, owner, "Closes a publisher."},
+       &R::destroy_publisher},
+      {{"ros-msgs-create-subscription", "v", 2, 2, ";sy;sy", F::kActing, owner,
+        "Subscribes: each message becomes a ros-msgs-message fact."},
+       &R::create_subscription},
+      {{"ros-msgs-destroy-subscription", "v", 1, 1, ";s", F::kActing, owner, "Ends a subscription."},
+       &R::destroy_subscription},
       {{"ros-msgs-publish", "v", 2, 2, ";e;sy", F::kActing, owner, "Publishes a message on a topic."}, &R::publish},
-      {{"ros-msgs-create-client", "v", 2, 2, ";sy;sy", F::kActing, owner, "Opens a client of a service."}, &R::create_client},
+      {{"ros-msgs-create-client", "v", 2, 2, ";sy;sy", F::kActing, owner, "Opens a client of a service."},
+       &R::create_client},
       {{"ros-msgs-destroy-client", "v", 1, 1, ";sy", F::kActing, owner, "Closes a client."}, &R::destroy_client},
-      {{"ros-msgs-create-request", "e", 1, 1, ";sy", F::kActing, owner, "A new request of a service type."}, &R::create_request},
-      {{"ros-msgs-async-send-request", "bl", 2, 2, ";e;sy", F::kActing, owner, "Sends a request; its number, or FALSE if there is no such service."}, &R::send_request},
-      {{"ros-msgs-create-service", "v", 2, 2, ";sy;sy", F::kActing, owner, "Serves: requests call <service>-service-callback."}, &R::create_service},
+      {{"ros-msgs-create-request", "e", 1, 1, ";sy", F::kActing, owner, "A new request of a service type."},
+       &R::create_request},
+      {{"ros-msgs-async-send-request", "bl", 2, 2, ";e;sy", F::kActing, owner,
+        "Sends a request; its number, or FALSE if there is no such service."},
+       &R::send_request},
+      {{"ros-msgs-create-service", "v", 2, 2, ";sy;sy", F::kActing, owner,
+        "Serves: requests call <service>-service-callback."},
+       &R::create_service},
       {{"ros-msgs-destroy-service", "v", 1, 1, ";sy", F::kActing, owner, "Ends a service."}, &R::destroy_service},
   };
 }
@@ -152,7 +170,8 @@ void RosInterface::create_client(Call& call) {
   const std::string service(call.text(0)), name(call.text(1));
   auto type = bus_.registry().service(name);
   if (!type) return call.fail(type.error().text());
-  if (open_client(call, service, **type)) put("ros-msgs-client", {{"service", Value::string(service)}, {"type", Value::string(name)}});
+  if (open_client(call, service, **type))
+    put("ros-msgs-client", {{"service", Value::string(service)}, {"type", Value::string(name)}});
 }
 
 void RosInterface::destroy_client(Call& call) {
@@ -176,7 +195,8 @@ void RosInterface::create_service(Call& call) {
   const std::string service(call.text(0)), name(call.text(1));
   auto type = bus_.registry().service(name);
   if (!type) return call.fail(type.error().text());
-  if (open_service(call, service, **type)) put("ros-msgs-service", {{"service", Value::string(service)}, {"type", Value::string(name)}});
+  if (open_service(call, service, **type))
+    put("ros-msgs-service", {{"service", Value::string(service)}, {"type", Value::string(name)}});
 }
 
 void RosInterface::destroy_service(Call& call) {

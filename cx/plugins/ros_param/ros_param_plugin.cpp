@@ -16,16 +16,15 @@ struct Wanted {
   bool is_list = false;
 };
 
-bool is_truth(const ValueRef& value) {
-  return value.is_text() && (value.text() == "TRUE" || value.text() == "FALSE");
-}
+bool is_truth(const ValueRef& value) { return value.is_text() && (value.text() == "TRUE" || value.text() == "FALSE"); }
 
 Expected<Type> type_of(const ValueRef& value) {
   if (value.is(ValueType::kInteger)) return Type::kInteger;
   if (value.is(ValueType::kFloat)) return Type::kDouble;
   if (is_truth(value)) return Type::kBool;
   if (value.is_text()) return Type::kString;
-  return input_error("found a default " + value.copy().print() + ", expected a number, a symbol, a string or a list of such");
+  return input_error("found a default " + value.copy().print() +
+                     ", expected a number, a symbol, a string or a list of such");
 }
 
 Expected<Wanted> wanted_by(const ValueRef& fallback) {
@@ -71,16 +70,19 @@ Expected<Value> value_of(const Parameter& p, Type type) {
     std::from_chars(p.text.data() + (p.text.starts_with('+') ? 1 : 0), p.text.data() + p.text.size(), integer);
     if (type == Type::kInteger) return Value::integer(integer);
     number = static_cast<double>(integer);
-    if (type == Type::kDouble && std::abs(number) < 0x1p63 && static_cast<std::int64_t>(number) == integer) return Value::number(number);
+    if (type == Type::kDouble && std::abs(number) < 0x1p63 && static_cast<std::int64_t>(number) == integer)
+      return Value::number(number);
   } else if (p.type == Type::kDouble) {
     std::from_chars(p.text.data() + (p.text.starts_with('+') ? 1 : 0), p.text.data() + p.text.size(), number);
     if (type == Type::kDouble) return Value::number(number);
-    if (type == Type::kInteger && std::abs(number) <= 0x1p53 && std::trunc(number) == number) return Value::integer(static_cast<std::int64_t>(number));
+    if (type == Type::kInteger && std::abs(number) <= 0x1p53 && std::trunc(number) == number)
+      return Value::integer(static_cast<std::int64_t>(number));
   } else if (p.type == type) {
     return type == Type::kBool ? Value::boolean(p.text == "true") : Value::string(p.text);
   }
-  return input_error("found " + (p.text.empty() ? std::string() : "'" + p.text + "' (") + std::string(to_string(p.type)) + (p.text.empty() ? "" : ")") +
-                     ", the default wants " + std::string(to_string(type)));
+  return input_error("found " + (p.text.empty() ? std::string() : "'" + p.text + "' (") +
+                     std::string(to_string(p.type)) + (p.text.empty() ? "" : ")") + ", the default wants " +
+                     std::string(to_string(type)));
 }
 
 /// Parameters of the manager node, as rules ask for them.
@@ -99,7 +101,8 @@ class RosParamPlugin final : public Plugin {
   void get(Environment& environment, Call& call) {
     const std::string parameter(call.text(0));
     const ValueRef& fallback = call.arg(1);
-    // Others may set parameters during the run: what rules found is part of the input log, as (TRUE value...) or (FALSE why).
+    // Others may set parameters during the run: what rules found is part of the input log, as (TRUE value...) or (FALSE
+    // why).
     const Value found = environment.look("ros-param-get-value " + parameter, [&] {
       auto values = read(parameter, fallback);
       if (!values) return Value::multifield({Value::boolean(false), Value::string(values.error().message)});
@@ -108,11 +111,14 @@ class RosParamPlugin final : public Plugin {
     });
     const auto& items = found.items();
     if (items.empty() || !items[0].is_true()) {
-      call.fail("parameter '" + parameter + "': " + (items.size() > 1 ? items[1].text() : std::string("nothing was recorded")));
+      call.fail("parameter '" + parameter +
+                "': " + (items.size() > 1 ? items[1].text() : std::string("nothing was recorded")));
       return;
     }
-    if (fallback.is(ValueType::kMultifield)) call.give_list(std::span(items).subspan(1));
-    else call.give(items.at(1));
+    if (fallback.is(ValueType::kMultifield))
+      call.give_list(std::span(items).subspan(1));
+    else
+      call.give(items.at(1));
   }
 
   Expected<std::vector<Value>> read(const std::string& parameter, const ValueRef& fallback) {
@@ -126,9 +132,11 @@ class RosParamPlugin final : public Plugin {
     }
     const bool is_list = known->type == Type::kList;
     if (is_list != wanted->is_list)
-      return input_error("found " + std::string(to_string(known->type)) + ", the default wants " + (wanted->is_list ? "a list" : std::string(to_string(wanted->type))));
+      return input_error("found " + std::string(to_string(known->type)) + ", the default wants " +
+                         (wanted->is_list ? "a list" : std::string(to_string(wanted->type))));
     std::vector<Value> out;
-    const std::span<const Parameter> items = is_list ? std::span<const Parameter>(known->items) : std::span<const Parameter>(known, 1);
+    const std::span<const Parameter> items =
+        is_list ? std::span<const Parameter>(known->items) : std::span<const Parameter>(known, 1);
     for (const Parameter& item : items) {
       auto value = value_of(item, wanted->type);
       if (!value) return value.error();

@@ -40,7 +40,7 @@ struct Timer {
   std::string parent, child;
   SimTime start{};
   double hz = 0;
-  std::int64_t next = 1;           ///< the k of the next due time
+  std::int64_t next = 1;  ///< the k of the next due time
   std::optional<std::int64_t> fact;
 
   SimTime due() const { return due_time(start, next, hz); }
@@ -73,10 +73,11 @@ class Tf2PoseTrackerPlugin final : public Plugin {
     RuleEngine& engine = e.engine();
     if (!engine.has("deftemplate", "tf2-tracked-pose"))
       if (Status s = engine.build(kTemplate, "cx_tf2_pose_tracker_plugin/tf2-tracked-pose.clp", 1); !s) return s;
-    auto listener = bus::TransformListener::create(e.bus(), e.participant(), [this, &e](const std::string& why) { log(e, LogLevel::kError, why); });
+    auto listener = bus::TransformListener::create(
+        e.bus(), e.participant(), [this, &e](const std::string& why) { log(e, LogLevel::kError, why); });
     if (!listener) return listener.error();
-    if (Status s = engine.add_function({"tf2-start-periodic-lookup", "b", 3, 3, ";sy;sy;d", FunctionKind::kActing, name(),
-                                        "Keeps a tf2-tracked-pose fact of CHILD in PARENT, HZ times a second."},
+    if (Status s = engine.add_function({"tf2-start-periodic-lookup", "b", 3, 3, ";sy;sy;d", FunctionKind::kActing,
+                                        name(), "Keeps a tf2-tracked-pose fact of CHILD in PARENT, HZ times a second."},
                                        [this, &e](Call& call) { start(e, call); });
         !s)
       return s;
@@ -119,17 +120,27 @@ class Tf2PoseTrackerPlugin final : public Plugin {
   void start(Environment& environment, Call& call) {
     const double hz = call.number(2);
     if (!(hz > 0) || hz > 1e9) {
-      log(environment, LogLevel::kError, "Failed to create pose updater: found a rate of " + print_float(hz) + " Hz, expected one above 0 and up to 1e9");
+      log(environment, LogLevel::kError,
+          "Failed to create pose updater: found a rate of " + print_float(hz) +
+              " Hz, expected one above 0 and up to 1e9");
       call.give_boolean(false);
       return;
     }
-    states_.find(environment)->timers.push_back({call.engine().new_handle(), std::string(call.text(0)), std::string(call.text(1)), environment.now(), hz, 1, {}});
+    states_.find(environment)
+        ->timers.push_back({call.engine().new_handle(),
+                            std::string(call.text(0)),
+                            std::string(call.text(1)),
+                            environment.now(),
+                            hz,
+                            1,
+                            {}});
     call.give_boolean(true);
   }
 
   void stop(Environment& environment, Call& call) {
     auto& timers = states_.find(environment)->timers;
-    const auto found = std::find_if(timers.begin(), timers.end(), [&](const Timer& t) { return t.handle == call.handle(0); });
+    const auto found =
+        std::find_if(timers.begin(), timers.end(), [&](const Timer& t) { return t.handle == call.handle(0); });
     if (found == timers.end()) log(environment, LogLevel::kWarn, "tf2-stop-periodic-lookup: invalid pointer!");
     call.give_boolean(found != timers.end());
     if (found != timers.end()) timers.erase(found);
@@ -148,8 +159,14 @@ class Tf2PoseTrackerPlugin final : public Plugin {
     RuleEngine& engine = environment.engine();
     engine.clear_cause();
     if (timer.fact && is_of(timer, engine.fact(*timer.fact))) return engine.modify_fact(*timer.fact, changing);
-    if (timer.fact) log(environment, LogLevel::kWarn, "the tf2-tracked-pose of " + timer.child + " in " + timer.parent + " was retracted, asserting a new one");
-    const std::array<RuleEngine::Slot, 6> slots{{{"parent", Value::string(timer.parent)}, {"child", Value::string(timer.child)}, changing[0], changing[1], changing[2],
+    if (timer.fact)
+      log(environment, LogLevel::kWarn,
+          "the tf2-tracked-pose of " + timer.child + " in " + timer.parent + " was retracted, asserting a new one");
+    const std::array<RuleEngine::Slot, 6> slots{{{"parent", Value::string(timer.parent)},
+                                                 {"child", Value::string(timer.child)},
+                                                 changing[0],
+                                                 changing[1],
+                                                 changing[2],
                                                  {"timer", Value::handle(timer.handle)}}};
     auto fact = engine.assert_fact("tf2-tracked-pose", slots);
     if (!fact) return fact.error();
@@ -163,7 +180,9 @@ class Tf2PoseTrackerPlugin final : public Plugin {
 }  // namespace
 
 PluginType tf2_pose_tracker_plugin() {
-  return {"cx::Tf2PoseTrackerPlugin", {"spin_thread"}, [](PluginContext c) { return std::make_unique<Tf2PoseTrackerPlugin>(std::move(c)); }};
+  return {"cx::Tf2PoseTrackerPlugin", {"spin_thread"}, [](PluginContext c) {
+            return std::make_unique<Tf2PoseTrackerPlugin>(std::move(c));
+          }};
 }
 
 }  // namespace cxlab::cx

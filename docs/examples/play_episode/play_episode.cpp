@@ -20,7 +20,8 @@ void observe(cxlab::Episode& episode) {
   for (auto& agent : episode.agents())
     for (std::size_t i = 0; i < agent->size(); ++i) {
       const cxlab::cx::Environment& environment = agent->environment(i);
-      std::printf("%6.1f s: %s has %zu facts\n", cxlab::to_seconds(episode.now()), environment.name().c_str(), environment.engine().fact_count());
+      std::printf("%6.1f s: %s has %zu facts\n", cxlab::to_seconds(episode.now()), environment.name().c_str(),
+                  environment.engine().fact_count());
     }
 }
 
@@ -51,9 +52,11 @@ int main(int argc, char** argv) {
     next += 60;
   }
 
-  const cxlab::Result result = status ? episode.close(episode.completed() ? cxlab::RunStatus::kCompleted : cxlab::RunStatus::kStopped)
-                                      : episode.close(cxlab::RunStatus::kFailed, status.error());
-  for (const cxlab::TeamResult& team : result.teams) std::printf("%s: %lld points\n", team.team.c_str(), static_cast<long long>(team.points));
+  const cxlab::Result result =
+      status ? episode.close(episode.completed() ? cxlab::RunStatus::kCompleted : cxlab::RunStatus::kStopped)
+             : episode.close(cxlab::RunStatus::kFailed, status.error());
+  for (const cxlab::TeamResult& team : result.teams)
+    std::printf("%s: %lld points\n", team.team.c_str(), static_cast<long long>(team.points));
   std::printf("journal %s\n", result.journal_hash.c_str());
   return result.reason ? fail(*result.reason) : 0;
 }

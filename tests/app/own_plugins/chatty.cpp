@@ -21,13 +21,20 @@ class Chatty final : public cx::Plugin {
   }
   cxlab::Status clips_env_init(cx::EnvironmentGuard environment) override {
     if (cxlab::Status s = hook("clips_env_init", environment->name()); !s) return s;
-    return environment.engine().add_function({.name = "chat", .returns = "l", .max_args = 0, .kind = cxlab::FunctionKind::kActing, .owner = name(), .doc = "Gives 7."},
+    return environment.engine().add_function({.name = "chat",
+                                              .returns = "l",
+                                              .max_args = 0,
+                                              .kind = cxlab::FunctionKind::kActing,
+                                              .owner = name(),
+                                              .doc = "Gives 7."},
                                              [this](cxlab::Call& call) {
                                                if (throw_ == "chat") throw std::runtime_error("no words");
                                                call.give_integer(7);
                                              });
   }
-  void clips_env_destroyed(cx::EnvironmentGuard environment) override { (void)hook("clips_env_destroyed", environment->name()); }
+  void clips_env_destroyed(cx::EnvironmentGuard environment) override {
+    (void)hook("clips_env_destroyed", environment->name());
+  }
   void finalize() override { (void)hook("finalize"); }
 
  private:

@@ -224,11 +224,15 @@ TEST_F(BusTest, TypesLiveSideBySideUnderANameThatAllowsIt) {
   const auto client_b = bus_.create_client(b, "/s", empty, [&](const Delivery&) { ++for_b; });
   ASSERT_TRUE(client_a.ok() && client_b.ok());
   EndpointId served_bool{};
-  served_bool = *bus_.serve(server, "s", *set_bool_, [&](const Delivery& d) { bus_.respond(served_bool, d, std::make_shared<Message>(*set_bool_->response)); });
+  served_bool = *bus_.serve(server, "s", *set_bool_, [&](const Delivery& d) {
+    bus_.respond(served_bool, d, std::make_shared<Message>(*set_bool_->response));
+  });
   EXPECT_TRUE(bus_.service_ready(*client_a));
   EXPECT_FALSE(bus_.service_ready(*client_b));
   EndpointId served_empty{};
-  served_empty = *bus_.serve(server, "s", empty, [&](const Delivery& d) { bus_.respond(served_empty, d, std::make_shared<Message>(*empty.response)); });
+  served_empty = *bus_.serve(server, "s", empty, [&](const Delivery& d) {
+    bus_.respond(served_empty, d, std::make_shared<Message>(*empty.response));
+  });
   bus_.call(*client_a, std::make_shared<Message>(*set_bool_->request));
   bus_.call(*client_b, std::make_shared<Message>(*empty.request));
   tick();
@@ -377,7 +381,8 @@ TEST_F(ServiceTest, ASecondServerIsToldWithBothOwners) {
   std::vector<std::string> told;
   bus_.on_rivals([&](const std::string& text) { told.push_back(text); });
   const auto first = node("first"), twin = node("first");
-  const auto env = bus_.join(ParticipantKind::kEnvironment, {"second", "/", {}}, sink_.open_stream("second"), "environment main");
+  const auto env =
+      bus_.join(ParticipantKind::kEnvironment, {"second", "/", {}}, sink_.open_stream("second"), "environment main");
   ASSERT_TRUE(bus_.serve(first, "s", *set_bool_, nullptr).ok());
   ASSERT_TRUE(bus_.serve(twin, "s", *set_bool_, nullptr).ok());
   EXPECT_THAT(told, ElementsAre()) << "of two nodes of one name everything is double";
@@ -386,8 +391,11 @@ TEST_F(ServiceTest, ASecondServerIsToldWithBothOwners) {
   ASSERT_TRUE(bus_.serve_action(first, "s", *fibonacci_, {}).ok());
   advertise(first, "t");
   advertise(env, "t");
-  EXPECT_THAT(told, ElementsAre("service '/s' has more than one server: /first answers, /second (environment main) only once that is gone",
-                                "action '/s' has more than one server: /first answers, /first only once that is gone"));
+  EXPECT_THAT(
+      told,
+      ElementsAre(
+          "service '/s' has more than one server: /first answers, /second (environment main) only once that is gone",
+          "action '/s' has more than one server: /first answers, /first only once that is gone"));
 }
 
 TEST_F(ServiceTest, AnswersToAClientThatHasGoneAreDropped) {

@@ -210,7 +210,8 @@ TEST_F(Messages, BadYamlNamesFieldLineAndNearest) {
     ASSERT_FALSE(message.ok()) << c.text;
     EXPECT_EQ(message.error().line, c.line) << c.text;
     EXPECT_THAT(message.error().message, HasSubstr(c.message));
-    EXPECT_EQ(message.error().message.find("field '"), message.error().message.rfind("field '")) << "the field is named once";
+    EXPECT_EQ(message.error().message.find("field '"), message.error().message.rfind("field '"))
+        << "the field is named once";
   }
 }
 

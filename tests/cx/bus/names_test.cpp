@@ -38,7 +38,14 @@ TEST(Names, ResolveAsInRos) {
 }
 
 TEST(Names, RemapsMayHoldForOneNodeOrOneKind) {
-  const NodeName node{"node", "/ns", {{"rosservice://a", "s"}, {"rostopic://a", "t"}, {"node:b", "mine"}, {"other:b", "theirs"}, {"rosservice:///c", "/d"}, {"{node}/e", "f/{ns}"}}};
+  const NodeName node{"node",
+                      "/ns",
+                      {{"rosservice://a", "s"},
+                       {"rostopic://a", "t"},
+                       {"node:b", "mine"},
+                       {"other:b", "theirs"},
+                       {"rosservice:///c", "/d"},
+                       {"{node}/e", "f/{ns}"}}};
   EXPECT_EQ(node.resolve("a", NameKind::kService), "/ns/s");
   EXPECT_EQ(node.resolve("a", NameKind::kTopic), "/ns/t");
   EXPECT_EQ(node.resolve("a", NameKind::kAction), "/ns/a");
@@ -58,8 +65,10 @@ TEST(Names, ANodeMayBeRenamed) {
 }
 
 TEST(Names, WhatRosRefusesIsAFault) {
-  for (const char* good : {"a", "/a", "~/a", "~", "a/b_2", "_hidden", "/a/_b", "{node}/a", "/{ns}/b"}) EXPECT_EQ(name_fault(good), "") << good;
-  for (const char* bad : {"", "/", "a//b", "//a", "a/", "2a", "a/2b", "a b", "a-b", "~a", "a~", "{foo}", "\xc3\xa4", "a\n"})
+  for (const char* good : {"a", "/a", "~/a", "~", "a/b_2", "_hidden", "/a/_b", "{node}/a", "/{ns}/b"})
+    EXPECT_EQ(name_fault(good), "") << good;
+  for (const char* bad :
+       {"", "/", "a//b", "//a", "a/", "2a", "a/2b", "a b", "a-b", "~a", "a~", "{foo}", "\xc3\xa4", "a\n"})
     EXPECT_NE(name_fault(bad), "") << bad;
 }
 
@@ -69,11 +78,28 @@ TEST(Names, ANamespaceIsAbsolute) {
 }
 
 TEST(Names, ARemapNeedsGoodNames) {
-  for (const auto& [from, to] : {std::pair{"a", "b"}, {"/a", "~/b"}, {"n:a", "b"}, {"rostopic://a", "b"}, {"n:rosservice:///a", "rosservice://b"}, {"__node", "other"},
-                                 {"n:__name", "other"}, {"__ns", "/cyan/one"}, {"__ns", "/"}, {"~/x", "{ns}/x"}})
+  for (const auto& [from, to] : {std::pair{"a", "b"},
+                                 {"/a", "~/b"},
+                                 {"n:a", "b"},
+                                 {"rostopic://a", "b"},
+                                 {"n:rosservice:///a", "rosservice://b"},
+                                 {"__node", "other"},
+                                 {"n:__name", "other"},
+                                 {"__ns", "/cyan/one"},
+                                 {"__ns", "/"},
+                                 {"~/x", "{ns}/x"}})
     EXPECT_EQ(remap_fault({from, to}), "") << from << ' ' << to;
-  for (const auto& [from, to] : {std::pair{"a b", "c"}, {"a", "c d"}, {"", "a"}, {"a", ""}, {"a", "b//c"}, {"x y:a", "b"}, {"__node", "/a"}, {"__node", "a/b"}, {"__ns", "cyan"},
-                                 {"__ns", "/a b"}, {"rostopic://a b", "c"}})
+  for (const auto& [from, to] : {std::pair{"a b", "c"},
+                                 {"a", "c d"},
+                                 {"", "a"},
+                                 {"a", ""},
+                                 {"a", "b//c"},
+                                 {"x y:a", "b"},
+                                 {"__node", "/a"},
+                                 {"__node", "a/b"},
+                                 {"__ns", "cyan"},
+                                 {"__ns", "/a b"},
+                                 {"rostopic://a b", "c"}})
     EXPECT_NE(remap_fault({from, to}), "") << from << ' ' << to;
   EXPECT_EQ(remap_fault({"a b", "c"}), "the name 'a b' has a ' '; expected letters, digits, '_' and '/'");
 }

@@ -19,18 +19,12 @@ std::string mutate(std::string text, RandomStream& random) {
   for (std::uint64_t i = 0, n = 1 + random.below(3); i < n; ++i) {
     const std::size_t at = random.below(text.size() + 1);
     switch (random.below(4)) {
-      case 0:
-        text.insert(at, kPieces[random.below(std::size(kPieces))]);
-        break;
-      case 1:
-        text.erase(at, random.below(8));
-        break;
+      case 0: text.insert(at, kPieces[random.below(std::size(kPieces))]); break;
+      case 1: text.erase(at, random.below(8)); break;
       case 2:
         if (at < text.size()) text[at] = static_cast<char>(random.below(256));
         break;
-      default:
-        text.insert(at, text.substr(random.below(text.size() + 1), random.below(30)));
-        break;
+      default: text.insert(at, text.substr(random.below(text.size() + 1), random.below(30))); break;
     }
   }
   return text;

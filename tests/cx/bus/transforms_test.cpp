@@ -73,20 +73,27 @@ TEST(Transforms, ErrorsAreThoseOfTf2) {
   ASSERT_TRUE(tf.set("map", "robot", s(1), at(0, 0)).ok());
   ASSERT_TRUE(tf.set("map", "robot", s(2), at(0, 0)).ok());
   ASSERT_TRUE(tf.set("odom", "camera", s(1), at(0, 0)).ok());
-  EXPECT_EQ(error_of(tf.lookup("map", "nobody")), "\"nobody\" passed to lookupTransform argument source_frame does not exist. ");
-  EXPECT_EQ(error_of(tf.lookup("", "robot")), "Invalid argument passed to lookupTransform argument target_frame in tf2 frame_ids cannot be empty");
+  EXPECT_EQ(error_of(tf.lookup("map", "nobody")),
+            "\"nobody\" passed to lookupTransform argument source_frame does not exist. ");
+  EXPECT_EQ(error_of(tf.lookup("", "robot")),
+            "Invalid argument passed to lookupTransform argument target_frame in tf2 frame_ids cannot be empty");
   EXPECT_EQ(error_of(tf.lookup("map", "/robot")),
-            "Invalid argument \"/robot\" passed to lookupTransform argument source_frame in tf2 frame_ids cannot start with a '/' like: ");
+            "Invalid argument \"/robot\" passed to lookupTransform argument source_frame in tf2 frame_ids cannot start "
+            "with a '/' like: ");
   EXPECT_EQ(error_of(tf.lookup("map", "camera")),
-            "Could not find a connection between 'camera' and 'map' because they are not part of the same tree.Tf has two or more unconnected trees.");
+            "Could not find a connection between 'camera' and 'map' because they are not part of the same tree.Tf has "
+            "two or more unconnected trees.");
   EXPECT_EQ(error_of(tf.lookup("map", "robot", s(2.5))),
-            "Lookup would require extrapolation into the future.  Requested time 2.500000 but the latest data is at time 2.000000, "
+            "Lookup would require extrapolation into the future.  Requested time 2.500000 but the latest data is at "
+            "time 2.000000, "
             "when looking up transform from frame [robot] to frame [map]");
   EXPECT_EQ(error_of(tf.lookup("map", "robot", s(0.5))),
-            "Lookup would require extrapolation into the past.  Requested time 0.500000 but the earliest data is at time 1.000000, "
+            "Lookup would require extrapolation into the past.  Requested time 0.500000 but the earliest data is at "
+            "time 1.000000, "
             "when looking up transform from frame [robot] to frame [map]");
   EXPECT_EQ(error_of(tf.lookup("map", "once", s(3))),
-            "Lookup would require extrapolation at time 3.000000, but only time 1.000000 is in the buffer, when looking up transform from "
+            "Lookup would require extrapolation at time 3.000000, but only time 1.000000 is in the buffer, when "
+            "looking up transform from "
             "frame [once] to frame [map]");
 }
 
@@ -173,7 +180,8 @@ TEST_F(TransformTopics, WhoListensLaterGetsTheStaticOnes) {
 }
 
 TEST_F(TransformTopics, RemapsOfTheListenerHold) {
-  auto server = TransformBroadcaster::create(bus_, join(ParticipantKind::kNode, "world", {"world", "/", {{"/tf", "/r1/tf"}}}));
+  auto server =
+      TransformBroadcaster::create(bus_, join(ParticipantKind::kNode, "world", {"world", "/", {{"/tf", "/r1/tf"}}}));
   const ParticipantId agent = join(ParticipantKind::kEnvironment, "agent", {"agent", "/r1", {{"/tf", "tf"}}});
   auto listener = listen(agent);
   tick();
@@ -192,7 +200,8 @@ TEST_F(TransformTopics, ARefusedTransformIsToldAndTheRestIsTaken) {
   server->set("a", "b", at(1, 0));
   server->post();
   bus_.deliver(agent);
-  EXPECT_THAT(refused_, ElementsAre(HasSubstr("Failure to set received transform from a to a with error: TF_SELF_TRANSFORM")));
+  EXPECT_THAT(refused_,
+              ElementsAre(HasSubstr("Failure to set received transform from a to a with error: TF_SELF_TRANSFORM")));
   EXPECT_TRUE(listener->buffer().lookup("a", "b").ok());
 }
 

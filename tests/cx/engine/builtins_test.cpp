@@ -107,7 +107,8 @@ TEST_F(Builtins, RandomComesFromTheStreamOfTheEnvironment) {
 }
 
 TEST_F(Builtins, WithoutFileAccessRulesMayNotTouchFiles) {
-  for (const char* call : {"(open \"f\" f)", "(load \"f\")", "(batch* \"f\")", "(save-facts \"f\")", "(remove \"f\")", "(bsave \"f\")"}) {
+  for (const char* call :
+       {"(open \"f\" f)", "(load \"f\")", "(batch* \"f\")", "(save-facts \"f\")", "(remove \"f\")", "(bsave \"f\")"}) {
     EXPECT_THAT(engine().eval(call).error().message, HasSubstr("rules may not use files here")) << call;
   }
 }
@@ -146,9 +147,12 @@ TEST_F(Builtins, FactsAreSavedAndLoaded) {
 
 TEST_F(Builtins, FilesLoadedByRulesAreReadFormByForm) {
   with_files();
-  write("more.clp", "(defrule more\n  (a)\n  =>\n  (undefined))\n\n(defrule fine (a) => (assert (fine)))\n(defrule open\n (a)\n");
+  write("more.clp",
+        "(defrule more\n  (a)\n  =>\n  (undefined))\n\n(defrule fine (a) => (assert (fine)))\n(defrule open\n (a)\n");
   write("calls.bat", "(assert (called))\n(assert (b)\n");
-  given("(deffacts f (a))\n(defrule loads (declare (salience 1)) (a) => (assert (loaded (load* \"more.clp\") (batch* \"calls.bat\"))))");
+  given(
+      "(deffacts f (a))\n(defrule loads (declare (salience 1)) (a) => (assert (loaded (load* \"more.clp\") (batch* "
+      "\"calls.bat\"))))");
   engine().reset();
   const RunReport report = engine().run();
   std::vector<std::string> texts;
@@ -166,7 +170,8 @@ TEST_F(Builtins, AFileOfTheHostGoesThroughTheAccessToo) {
   EXPECT_TRUE(engine().load_file("rules.clp", LoadMode::kConstructs).ok());
   EXPECT_TRUE(files->read.contains("rules.clp"));
   EXPECT_TRUE(engine().load_file("empty.clp", LoadMode::kConstructs).ok());
-  EXPECT_THAT(engine().load_file("missing.clp", LoadMode::kConstructs).status().error().text(), "missing.clp: cannot read 'missing.clp'");
+  EXPECT_THAT(engine().load_file("missing.clp", LoadMode::kConstructs).status().error().text(),
+              "missing.clp: cannot read 'missing.clp'");
 }
 
 TEST_F(Builtins, StrangersMayNotRunPrograms) {
@@ -175,7 +180,8 @@ TEST_F(Builtins, StrangersMayNotRunPrograms) {
   engine().reset();
   const RunReport report = engine().run();
   ASSERT_THAT(report.errors, SizeIs(1));
-  EXPECT_THAT(report.errors[0].text(), AllOf(HasSubstr("rules.clp:2: rule evil, RHS"), HasSubstr("refused to rules that are not trusted")));
+  EXPECT_THAT(report.errors[0].text(),
+              AllOf(HasSubstr("rules.clp:2: rule evil, RHS"), HasSubstr("refused to rules that are not trusted")));
   EXPECT_FALSE(engine().eval("(chdir \"/\")").ok());
 }
 

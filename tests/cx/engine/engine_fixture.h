@@ -78,7 +78,8 @@ struct EngineTest : testing::Test {
   std::vector<std::string> load_errors(std::string_view rules, LoadMode mode = LoadMode::kConstructs,
                                        OnLoadError on_error = OnLoadError::kKeepGoing) {
     std::vector<std::string> texts;
-    for (const RuleError& error : engine().load_text(rules, "rules.clp", mode, on_error).errors) texts.push_back(error.text());
+    for (const RuleError& error : engine().load_text(rules, "rules.clp", mode, on_error).errors)
+      texts.push_back(error.text());
     return texts;
   }
   std::vector<std::string> fact_texts(std::string_view template_name = {}) {

@@ -14,9 +14,11 @@ struct Engine : EngineTest {};
 // --- Facts ---------------------------------------------------------------------------------------------------------
 
 TEST_F(Engine, FactsOfATemplateAreBuiltFromValues) {
-  given("(deftemplate order (slot id) (slot state (default OPEN)) (multislot colors) (slot made (default-dynamic (gensym*))))");
-  const auto index = engine().assert_fact("order", {{"id", Value::string("O1")},
-                                                    {"colors", Value::multifield({Value::symbol("RED"), Value::integer(2)})}});
+  given(
+      "(deftemplate order (slot id) (slot state (default OPEN)) (multislot colors) (slot made (default-dynamic "
+      "(gensym*))))");
+  const auto index = engine().assert_fact(
+      "order", {{"id", Value::string("O1")}, {"colors", Value::multifield({Value::symbol("RED"), Value::integer(2)})}});
   ASSERT_TRUE(index.ok());
   EXPECT_EQ(*index, 1);
   EXPECT_THAT(fact_texts(), ElementsAre("(order (id \"O1\") (state OPEN) (colors RED 2) (made gen1))"));
@@ -25,9 +27,11 @@ TEST_F(Engine, FactsOfATemplateAreBuiltFromValues) {
 
 TEST_F(Engine, AnUnknownSlotOrTemplateIsRefused) {
   given("(deftemplate order (slot id))");
-  EXPECT_THAT(engine().assert_fact("order", {{"colour", Value::integer(1)}}).error().message, HasSubstr("no slot 'colour'"));
+  EXPECT_THAT(engine().assert_fact("order", {{"colour", Value::integer(1)}}).error().message,
+              HasSubstr("no slot 'colour'"));
   EXPECT_THAT(engine().assert_fact("robot", {}).error().message, HasSubstr("no deftemplate 'robot'"));
-  EXPECT_THAT(engine().assert_fact("order", {{"id", Value::multifield({})}}).error().message, HasSubstr("takes one value"));
+  EXPECT_THAT(engine().assert_fact("order", {{"id", Value::multifield({})}}).error().message,
+              HasSubstr("takes one value"));
   EXPECT_EQ(engine().fact_count(), 0u);
 }
 
@@ -44,8 +48,10 @@ TEST_F(Engine, ATemplateOfMainIsFoundFromAnyModule) {
 }
 
 TEST_F(Engine, AssertStringEvaluatesCalls) {
-  ASSERT_TRUE(engine().add_function({.name = "now", .returns = "d", .max_args = 0, .kind = FunctionKind::kPure},
-                                    [](Call& call) { call.give_number(to_seconds(call.engine().now())); }).ok());
+  ASSERT_TRUE(engine()
+                  .add_function({.name = "now", .returns = "d", .max_args = 0, .kind = FunctionKind::kPure},
+                                [](Call& call) { call.give_number(to_seconds(call.engine().now())); })
+                  .ok());
   now = from_seconds(12.5);
   ASSERT_TRUE(engine().assert_string("(time (now))").ok());
   EXPECT_THAT(fact_texts(), ElementsAre("(time 12.5)"));
@@ -63,7 +69,8 @@ TEST_F(Engine, OrderedFactsHoldHandles) {
 
 TEST_F(Engine, ModifyKeepsTheIndexAndFiresOnlyOnAChange) {
   given("(deftemplate pose (slot x) (multislot q))\n(defrule seen (pose (x ?x) (q $?q)) => (assert (seen ?x ?q)))");
-  const auto index = engine().assert_fact("pose", {{"x", Value::integer(1)}, {"q", Value::multifield({Value::integer(1)})}});
+  const auto index =
+      engine().assert_fact("pose", {{"x", Value::integer(1)}, {"q", Value::multifield({Value::integer(1)})}});
   EXPECT_EQ(engine().run().fired, 1);
   const RuleEngine::Slot same[] = {{"x", Value::integer(1)}, {"q", Value::multifield({Value::integer(1)})}};
   EXPECT_TRUE(engine().modify_fact(*index, same).ok());
@@ -99,30 +106,43 @@ TEST_F(Engine, EvalAndCallGiveValues) {
 }
 
 TEST_F(Engine, FunctionsTakeAndGiveEveryType) {
-  ASSERT_TRUE(engine().add_function({.name = "describe", .min_args = 1}, [](Call& call) {
-    std::string text;
-    for (std::size_t i = 0; i < call.size(); ++i) text += call.arg(i).copy().print() + ";";
-    call.give_string(text);
-  }).ok());
+  ASSERT_TRUE(engine()
+                  .add_function({.name = "describe", .min_args = 1},
+                                [](Call& call) {
+                                  std::string text;
+                                  for (std::size_t i = 0; i < call.size(); ++i)
+                                    text += call.arg(i).copy().print() + ";";
+                                  call.give_string(text);
+                                })
+                  .ok());
   EXPECT_EQ(engine().eval("(describe 1 2.5 a \"b\" [c] (create$ 1 2) (subseq$ (create$ 1 2 3) 2 3) 8 9 10)")->text(),
             "1;2.5;a;\"b\";[c];(1 2);(2 3);8;9;10;");
 
-  ASSERT_TRUE(engine().add_function({.name = "rest", .min_args = 1, .max_args = 1, .arg_types = "m"},
-                                    [](Call& call) { call.give_arg(0); }).ok());
+  ASSERT_TRUE(engine()
+                  .add_function({.name = "rest", .min_args = 1, .max_args = 1, .arg_types = "m"},
+                                [](Call& call) { call.give_arg(0); })
+                  .ok());
   EXPECT_EQ(engine().eval("(rest (rest$ (create$ 1 2 3)))")->print(), "(2 3)");
 
-  ASSERT_TRUE(engine().add_function({.name = "numbers", .returns = "m", .max_args = 0}, [](Call& call) {
-    const double values[] = {1.5, 2.0};
-    call.give_numbers(values);
-  }).ok());
+  ASSERT_TRUE(engine()
+                  .add_function({.name = "numbers", .returns = "m", .max_args = 0},
+                                [](Call& call) {
+                                  const double values[] = {1.5, 2.0};
+                                  call.give_numbers(values);
+                                })
+                  .ok());
   EXPECT_EQ(engine().eval("(numbers)")->print(), "(1.5 2.0)");
 }
 
 TEST_F(Engine, AFunctionMayAssertWhileARuleFires) {
   given("(deftemplate made (slot by))");
-  ASSERT_TRUE(engine().add_function({.name = "make", .returns = "l", .max_args = 0}, [](Call& call) {
-    call.give_integer(*call.engine().assert_fact("made", {{"by", Value::symbol(call.engine().current_rule())}}));
-  }).ok());
+  ASSERT_TRUE(engine()
+                  .add_function({.name = "make", .returns = "l", .max_args = 0},
+                                [](Call& call) {
+                                  call.give_integer(*call.engine().assert_fact(
+                                      "made", {{"by", Value::symbol(call.engine().current_rule())}}));
+                                })
+                  .ok());
   given("(deffacts f (go))\n(defrule maker (go) => (assert (index (make))))");
   engine().reset();
   EXPECT_THAT(engine().run().errors, IsEmpty());
@@ -134,10 +154,12 @@ TEST_F(Engine, AFunctionThatExistsIsNotAddedAgain) {
   const auto nothing = [](Call&) {};
   given("(deffunction mine () 1)");
   EXPECT_TRUE(engine().add_function({.name = "f", .owner = "one"}, nothing).ok());
-  EXPECT_THAT(engine().add_function({.name = "f", .owner = "two"}, nothing).error().message, HasSubstr("exists already, from plugin 'one'"));
+  EXPECT_THAT(engine().add_function({.name = "f", .owner = "two"}, nothing).error().message,
+              HasSubstr("exists already, from plugin 'one'"));
   EXPECT_THAT(engine().add_function({.name = "assert"}, nothing).error().message, HasSubstr("is a function of CLIPS"));
   EXPECT_THAT(engine().add_function({.name = "mine"}, nothing).error().message, HasSubstr("defined by rules"));
-  EXPECT_THAT(engine().add_function({.name = "g", .arg_types = "q"}, nothing).error().message, HasSubstr("argument types 'q'"));
+  EXPECT_THAT(engine().add_function({.name = "g", .arg_types = "q"}, nothing).error().message,
+              HasSubstr("argument types 'q'"));
 }
 
 TEST_F(Engine, AnUnloadedFunctionLeavesATombstoneUntilItComesBack) {
@@ -159,11 +181,13 @@ TEST_F(Engine, AnUnloadedFunctionLeavesATombstoneUntilItComesBack) {
   const RunReport report = engine().run();
   ASSERT_THAT(report.errors, SizeIs(1));
   EXPECT_THAT(report.errors[0].message, HasSubstr("'answer': belongs to unloaded plugin deep_thought"));
-  EXPECT_THAT(load_errors("(defrule new (ask) => (answer))"), ElementsAre(HasSubstr("[EXPRNPSR3]"))) << "new rules do not find it";
+  EXPECT_THAT(load_errors("(defrule new (ask) => (answer))"), ElementsAre(HasSubstr("[EXPRNPSR3]")))
+      << "new rules do not find it";
 
   for (const auto& [answer, returns] : {std::pair<std::int64_t, const char*>{43, "l"}, {44, "ld"}, {45, "l"}}) {
     ASSERT_TRUE(add(answer, returns).ok());
-    given("(defrule new-" + std::to_string(answer) + " (ask ?n&" + std::to_string(answer) + ") => (assert (new (answer))))");
+    given("(defrule new-" + std::to_string(answer) + " (ask ?n&" + std::to_string(answer) +
+          ") => (assert (new (answer))))");
     ASSERT_TRUE(engine().assert_string("(ask " + std::to_string(answer) + ")").ok());
     EXPECT_THAT(engine().run().errors, IsEmpty());
     EXPECT_EQ(fact_texts("answer").back(), "(answer " + std::to_string(answer) + ")") << "the old rule";
@@ -207,8 +231,9 @@ TEST_F(Engine, TheAgendaShowsWhatWouldFireNext) {
 }
 
 TEST_F(Engine, MatchesTellHowFarARuleHasCome) {
-  given("(deftemplate order (slot id))\n(deftemplate robot (slot order))\n"
-        "(defrule serve (order (id ?id)) (robot (order ?id)) (not (halt)) =>)");
+  given(
+      "(deftemplate order (slot id))\n(deftemplate robot (slot order))\n"
+      "(defrule serve (order (id ?id)) (robot (order ?id)) (not (halt)) =>)");
   for (const int id : {1, 2, 3}) {
     ASSERT_TRUE(engine().assert_fact("order", {{"id", Value::integer(id)}}).ok());
   }
@@ -268,8 +293,9 @@ TEST_F(Engine, APatternMayHoldWhatADeffunctionGives) {
   for (int i = 0; i < 200; ++i) {
     const std::string n = std::to_string(i);
     ASSERT_TRUE(engine().build("(deffunction twice" + n + " (?x) (* 2 ?x))").ok());
-    const LoadReport report = engine().load_text("(defrule pair" + n + " (one ?n) (other ?m&=(twice" + n + " ?n)) => (assert (fired)))", "r.clp",
-                                                 LoadMode::kConstructs);
+    const LoadReport report =
+        engine().load_text("(defrule pair" + n + " (one ?n) (other ?m&=(twice" + n + " ?n)) => (assert (fired)))",
+                           "r.clp", LoadMode::kConstructs);
     ASSERT_TRUE(report.ok()) << report.errors.front().text();
   }
   ASSERT_TRUE(engine().assert_string("(one 2)").ok());
@@ -280,7 +306,8 @@ TEST_F(Engine, APatternMayHoldWhatADeffunctionGives) {
 TEST_F(Engine, TwoEnginesInterleavedBehaveAsAlone) {
   const std::string rules =
       "(deffacts start (step 0))\n"
-      "(defrule step ?s <- (step ?n&:(< ?n 40)) => (retract ?s) (assert (step (+ ?n 1)) (drawn ?n (random 1 1000) (gensym*))))";
+      "(defrule step ?s <- (step ?n&:(< ?n 40)) => (retract ?s) (assert (step (+ ?n 1)) (drawn ?n (random 1 1000) "
+      "(gensym*))))";
   const auto play = [&](RuleEngine& a, RuleEngine* b) {
     for (RuleEngine* each : {&a, b}) {
       if (each == nullptr) continue;

@@ -27,27 +27,32 @@ TEST_F(RuleErrors, ALoopWithoutEndInsideARuleIsStopped) {
 }
 
 TEST_F(RuleErrors, ADeffunctionThatCallsItselfWithoutEndIsStopped) {
-  given("(deffunction fall (?x) (+ 1 (fall (+ ?x 1))))\n"
-        "(deffunction deep (?x) (if (> ?x 0) then (+ 1 (deep (- ?x 1))) else 0))\n"
-        "(defrule go (a) =>\n  (fall 1)\n  (assert (never)))\n"
-        "(defrule later (declare (salience -1)) (a) => (assert (depth (deep 1000))))\n");
+  given(
+      "(deffunction fall (?x) (+ 1 (fall (+ ?x 1))))\n"
+      "(deffunction deep (?x) (if (> ?x 0) then (+ 1 (deep (- ?x 1))) else 0))\n"
+      "(defrule go (a) =>\n  (fall 1)\n  (assert (never)))\n"
+      "(defrule later (declare (salience -1)) (a) => (assert (depth (deep 1000))))\n");
   ASSERT_TRUE(engine().assert_string("(a)").ok());
-  EXPECT_THAT(texts(engine().run().errors), ElementsAre(AllOf(StartsWith("rules.clp:4: rule go, RHS"), HasSubstr("'fall'"))));
+  EXPECT_THAT(texts(engine().run().errors),
+              ElementsAre(AllOf(StartsWith("rules.clp:4: rule go, RHS"), HasSubstr("'fall'"))));
   EXPECT_THAT(engine().run().errors, IsEmpty());
   EXPECT_THAT(fact_texts(), ElementsAre("(a)", "(depth 1000)")) << "the next run can call as before";
   EXPECT_LT(output["stderr"].size(), 1000u) << "not a line for each level";
 }
 
 TEST_F(RuleErrors, MethodsThatCallEachOtherWithoutEndAreStopped) {
-  given("(defgeneric there)\n(defmethod back ((?x INTEGER)) (there ?x))\n(defmethod there ((?x INTEGER)) (back ?x))\n"
-        "(defrule go (a) => (back 1))\n");
+  given(
+      "(defgeneric there)\n(defmethod back ((?x INTEGER)) (there ?x))\n(defmethod there ((?x INTEGER)) (back ?x))\n"
+      "(defrule go (a) => (back 1))\n");
   ASSERT_TRUE(engine().assert_string("(a)").ok());
-  EXPECT_THAT(texts(engine().run().errors), ElementsAre(AllOf(HasSubstr("rule go, RHS"), HasSubstr("from within itself"))));
+  EXPECT_THAT(texts(engine().run().errors),
+              ElementsAre(AllOf(HasSubstr("rule go, RHS"), HasSubstr("from within itself"))));
 }
 
 TEST_F(RuleErrors, AnUnknownSlotHasTheLineWhereItStands) {
-  EXPECT_THAT(load_errors("(deftemplate order (slot id))\n\n(defrule go\n  (order (id ?x)\n         (colour RED))\n  =>\n)\n"),
-              ElementsAre(AllOf(StartsWith("rules.clp:5: [TMPLTDEF1]"), HasSubstr("'colour'"))));
+  EXPECT_THAT(
+      load_errors("(deftemplate order (slot id))\n\n(defrule go\n  (order (id ?x)\n         (colour RED))\n  =>\n)\n"),
+      ElementsAre(AllOf(StartsWith("rules.clp:5: [TMPLTDEF1]"), HasSubstr("'colour'"))));
 }
 
 TEST_F(RuleErrors, AnUnknownFunctionHasTheLineWhereItStands) {
@@ -62,7 +67,8 @@ TEST_F(RuleErrors, AnUnbalancedFormIsReportedAndTheOthersAreLoaded) {
 }
 
 TEST_F(RuleErrors, TheFirstErrorStopsALoadThatShallStop) {
-  EXPECT_THAT(load_errors("(defrule one (a) => (undefined))\n(defrule two (a) =>)\n", LoadMode::kConstructs, OnLoadError::kStop),
+  EXPECT_THAT(load_errors("(defrule one (a) => (undefined))\n(defrule two (a) =>)\n", LoadMode::kConstructs,
+                          OnLoadError::kStop),
               SizeIs(1));
   EXPECT_FALSE(engine().has("defrule", "two"));
 }
@@ -73,21 +79,26 @@ TEST_F(RuleErrors, OnlyConstructsMayStandInAFileOfConstructs) {
 }
 
 TEST_F(RuleErrors, ABatchFileHasConstructsCallsAndWords) {
-  EXPECT_THAT(load_errors("(deftemplate order (slot id))\nTRUE\n(assert (order (id 1)))\n(bind ?x 2)\n(assert (order (id ?x)))",
-                          LoadMode::kBatch), IsEmpty());
+  EXPECT_THAT(
+      load_errors("(deftemplate order (slot id))\nTRUE\n(assert (order (id 1)))\n(bind ?x 2)\n(assert (order (id ?x)))",
+                  LoadMode::kBatch),
+      IsEmpty());
   EXPECT_THAT(fact_texts(), ElementsAre("(order (id 1))", "(order (id 2))"));
   EXPECT_THAT(output["stdout"], IsEmpty()) << "results are not echoed";
 }
 
 TEST_F(RuleErrors, ErrorsOfABatchFileHaveTheirLines) {
-  EXPECT_THAT(load_errors("(deftemplate order (slot id))\n(assert (order (id 1)))\n(assert (order\n  (colour 1)))\n(undefined)\n(/ 1 0)\n",
+  EXPECT_THAT(load_errors("(deftemplate order (slot id))\n(assert (order (id 1)))\n(assert (order\n  (colour "
+                          "1)))\n(undefined)\n(/ 1 0)\n",
                           LoadMode::kBatch),
               ElementsAre(StartsWith("rules.clp:4: [TMPLTDEF1]"), StartsWith("rules.clp:5: [EXPRNPSR3]"),
                           StartsWith("rules.clp:6: [PRNTUTIL7]")));
 }
 
 TEST_F(RuleErrors, DivisionByZeroOnTheRightHandSide) {
-  given("(deffacts f (a 0) (b))\n(defrule halves\n  (a ?x)\n  =>\n  (printout t\n    (/ 1 ?x) crlf))\n(defrule other (b) => (assert (c)))");
+  given(
+      "(deffacts f (a 0) (b))\n(defrule halves\n  (a ?x)\n  =>\n  (printout t\n    (/ 1 ?x) crlf))\n(defrule other (b) "
+      "=> (assert (c)))");
   engine().reset();
   now = from_seconds(3);
   const RunReport report = engine().run();
@@ -103,7 +114,9 @@ TEST_F(RuleErrors, DivisionByZeroOnTheRightHandSide) {
 }
 
 TEST_F(RuleErrors, TheNextRunGoesOnAfterAnErrorThatHalted) {
-  given("(deffacts f (a 0) (b))\n(defrule halves (declare (salience 1)) (a ?x) => (/ 1 ?x))\n(defrule other (b) => (assert (c)))");
+  given(
+      "(deffacts f (a 0) (b))\n(defrule halves (declare (salience 1)) (a ?x) => (/ 1 ?x))\n(defrule other (b) => "
+      "(assert (c)))");
   engine().reset();
   EXPECT_THAT(engine().run().errors, SizeIs(1));
   EXPECT_THAT(fact_texts("c"), IsEmpty());
@@ -128,7 +141,9 @@ TEST_F(RuleErrors, DivisionByZeroInAPatternTest) {
 }
 
 TEST_F(RuleErrors, ATestThatFailsBecauseOfAnotherRulesAssertNamesTheRuleOfTheTest) {
-  given("(deffacts f (go))\n(defrule asserts (go) => (assert (amount 0)))\n\n(defrule tests\n  (amount ?x)\n  (test (> (/ 1 ?x) 1))\n  =>)");
+  given(
+      "(deffacts f (go))\n(defrule asserts (go) => (assert (amount 0)))\n\n(defrule tests\n  (amount ?x)\n  (test (> "
+      "(/ 1 ?x) 1))\n  =>)");
   engine().reset();
   EXPECT_THAT(texts(engine().run().errors), ElementsAre(StartsWith("rules.clp:6: rule tests, LHS: [PRNTUTIL7]")));
 }
@@ -153,7 +168,10 @@ TEST_F(RuleErrors, ACallbackHasTheNameAndThePlaceOfItsDeffunction) {
 }
 
 TEST_F(RuleErrors, AFunctionThatFailsIsAnErrorOfTheRuleThatCalledIt) {
-  ASSERT_TRUE(engine().add_function({.name = "send-it", .max_args = 0, .owner = "test"}, [](Call& call) { call.fail("no such topic"); }).ok());
+  ASSERT_TRUE(engine()
+                  .add_function({.name = "send-it", .max_args = 0, .owner = "test"},
+                                [](Call& call) { call.fail("no such topic"); })
+                  .ok());
   given("(deffacts f (a))\n(defrule go (a)\n  =>\n  (send-it)\n  (assert (after)))");
   engine().reset();
   EXPECT_THAT(texts(engine().run().errors),
@@ -162,15 +180,18 @@ TEST_F(RuleErrors, AFunctionThatFailsIsAnErrorOfTheRuleThatCalledIt) {
 }
 
 TEST_F(RuleErrors, AnExceptionOfAFunctionStaysInside) {
-  ASSERT_TRUE(engine().add_function({.name = "explode", .max_args = 0}, [](Call&) { throw std::runtime_error("boom"); }).ok());
+  ASSERT_TRUE(
+      engine().add_function({.name = "explode", .max_args = 0}, [](Call&) { throw std::runtime_error("boom"); }).ok());
   given("(deffacts f (a))\n(defrule go (a) => (explode))");
   engine().reset();
   EXPECT_THAT(texts(engine().run().errors), ElementsAre(HasSubstr("[CXLAB1] Function 'explode': boom")));
 }
 
 TEST_F(RuleErrors, AnArgumentOfTheWrongTypeIsAnErrorOfTheRule) {
-  ASSERT_TRUE(engine().add_function({.name = "twice", .min_args = 1, .max_args = 1, .arg_types = "l"},
-                                    [](Call& call) { call.give_integer(2 * call.integer(0)); }).ok());
+  ASSERT_TRUE(engine()
+                  .add_function({.name = "twice", .min_args = 1, .max_args = 1, .arg_types = "l"},
+                                [](Call& call) { call.give_integer(2 * call.integer(0)); })
+                  .ok());
   given("(deffacts f (a x))\n(defrule go (a ?x) => (twice ?x))");
   engine().reset();
   EXPECT_THAT(texts(engine().run().errors), ElementsAre(HasSubstr("rule go, RHS: [ARGACCES2] Function 'twice'")));
@@ -199,9 +220,10 @@ TEST_F(RuleErrors, ActingFunctionsOnALeftHandSideAreErrorsAtLoad) {
                           "(defrule fine (a ?x&:(look-up ?x)) (publish) => (publish ?x))\n",
                           LoadMode::kConstructs, OnLoadError::kStop),
               ElementsAre(AllOf(StartsWith("rules.clp:4: "), HasSubstr("'publish' on its left-hand side"))));
-  const LoadReport rest = engine().load_text("(defrule hidden\n  (a ?x)\n  (test (and TRUE (outer ?x)))\n  =>)\n"
-                                             "(defrule fine (a ?x&:(look-up ?x)) (publish) => (publish ?x))\n",
-                                             "agent.clp", LoadMode::kConstructs, OnLoadError::kKeepGoing);
+  const LoadReport rest = engine().load_text(
+      "(defrule hidden\n  (a ?x)\n  (test (and TRUE (outer ?x)))\n  =>)\n"
+      "(defrule fine (a ?x&:(look-up ?x)) (publish) => (publish ?x))\n",
+      "agent.clp", LoadMode::kConstructs, OnLoadError::kKeepGoing);
   EXPECT_TRUE(rest.ok()) << "only a note for an agent written for the CX";
   const std::vector<Error> notes = engine().take_notes();
   ASSERT_THAT(notes, SizeIs(1));
@@ -213,7 +235,9 @@ TEST_F(RuleErrors, AnUnboundVariableAsArgumentIsAnErrorOnceAndTheFunctionIsNotCa
   const auto count = [&calls](Call&) { ++calls; };
   ASSERT_TRUE(engine().add_function({.name = "take", .min_args = 1, .max_args = 1, .arg_types = ";e"}, count).ok());
   ASSERT_TRUE(engine().add_function({.name = "take-any", .min_args = 1, .max_args = 1}, count).ok());
-  given("(defrule typed (go) => (bind ?x (nth$ 1 (create$ 1))) (bind ?x) (take ?x))\n(defrule any (go) => (bind ?x (nth$ 1 (create$ 1))) (bind ?x) (take-any ?x))");
+  given(
+      "(defrule typed (go) => (bind ?x (nth$ 1 (create$ 1))) (bind ?x) (take ?x))\n(defrule any (go) => (bind ?x (nth$ "
+      "1 (create$ 1))) (bind ?x) (take-any ?x))");
   ASSERT_TRUE(engine().assert_string("(go)").ok());
   for (int rule = 0; rule < 2; ++rule) {
     const RunReport report = engine().run();
@@ -232,7 +256,9 @@ TEST_F(RuleErrors, ALoopIsStoppedAndExplained) {
   const RunReport report = engine().run(1000);
   EXPECT_EQ(report.fired, 1000);
   EXPECT_TRUE(report.loop);
-  EXPECT_THAT(report.loop_report.text(), AllOf(HasSubstr("after 1000 firings"), HasSubstr("endless (1000 x, rules.clp:2)"), HasSubstr("count (2000 x)")));
+  EXPECT_THAT(
+      report.loop_report.text(),
+      AllOf(HasSubstr("after 1000 firings"), HasSubstr("endless (1000 x, rules.clp:2)"), HasSubstr("count (2000 x)")));
 }
 
 TEST_F(RuleErrors, ARunInAFileThatNeverEndsIsStoppedAtItsLine) {
@@ -240,10 +266,13 @@ TEST_F(RuleErrors, ARunInAFileThatNeverEndsIsStoppedAtItsLine) {
   options.max_load_firings = 1000;
   const auto engine = RuleEngine::create(options);
   ASSERT_TRUE(engine.ok());
-  const LoadReport report = (*engine)->load_text("(deftemplate n (slot x))\n(defrule endless ?n <- (n (x ?x)) => (modify ?n (x (+ ?x 1))))\n"
-                                                 "(assert (n (x 1)))\n(run)\n(deffacts more (a))", "calls.bat", LoadMode::kBatch, OnLoadError::kKeepGoing);
+  const LoadReport report = (*engine)->load_text(
+      "(deftemplate n (slot x))\n(defrule endless ?n <- (n (x ?x)) => (modify ?n (x (+ ?x 1))))\n"
+      "(assert (n (x 1)))\n(run)\n(deffacts more (a))",
+      "calls.bat", LoadMode::kBatch, OnLoadError::kKeepGoing);
   ASSERT_EQ(report.errors.size(), 1u);
-  EXPECT_THAT(report.errors[0].text(), AllOf(HasSubstr("calls.bat:4: "), HasSubstr("after 1000 firings"), HasSubstr("endless (1000 x, calls.bat:2)")));
+  EXPECT_THAT(report.errors[0].text(), AllOf(HasSubstr("calls.bat:4: "), HasSubstr("after 1000 firings"),
+                                             HasSubstr("endless (1000 x, calls.bat:2)")));
   EXPECT_NE((*engine)->find_construct("deffacts", "more"), nullptr) << "the rest is loaded";
 }
 

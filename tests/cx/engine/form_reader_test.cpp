@@ -27,7 +27,8 @@ std::vector<std::string> errors(const FormReading& reading) {
 }
 
 TEST(FormReader, GivesEachFormItsHeadItsNameAndItsLine) {
-  const FormReading reading = read_forms("; a comment (with parentheses\n\n(defrule MAIN::go (a) => (b))\n  (reset)\n", "f.clp");
+  const FormReading reading =
+      read_forms("; a comment (with parentheses\n\n(defrule MAIN::go (a) => (b))\n  (reset)\n", "f.clp");
   EXPECT_THAT(heads(reading), ElementsAre("defrule/go@3", "reset/@4"));
   EXPECT_EQ(reading.forms[0].text, "(defrule MAIN::go (a) => (b))");
   EXPECT_THAT(reading.errors, IsEmpty());
@@ -48,7 +49,8 @@ TEST(FormReader, BareWordsAreFormsOfTheirOwn) {
 TEST(FormReader, AFormThatIsNeverClosedIsAnErrorWhereItBegins) {
   const FormReading reading = read_forms("(a)\n\n(defrule broken\n  (b)\n  =>\n  (c)\n", "f.clp");
   EXPECT_THAT(heads(reading), ElementsAre("a/@1"));
-  EXPECT_THAT(errors(reading), ElementsAre(HasSubstr("f.clp:3: found no closing parenthesis for (defrule broken ...)")));
+  EXPECT_THAT(errors(reading),
+              ElementsAre(HasSubstr("f.clp:3: found no closing parenthesis for (defrule broken ...)")));
 }
 
 TEST(FormReader, ReadingGoesOnAtTheNextConstructInColumnOne) {
@@ -77,7 +79,8 @@ TEST(FormReader, AZeroByteIsAnError) {
 TEST(FormReader, TokensHaveTheirLineInTheFile) {
   const FormReading reading = read_forms("\n(a ; no\n  ?x&:(f \"s\"))", "f.clp");
   std::vector<std::string> list;
-  for (const Token& token : tokens_of(reading.forms[0])) list.push_back(std::string(token.text) + "@" + std::to_string(token.line));
+  for (const Token& token : tokens_of(reading.forms[0]))
+    list.push_back(std::string(token.text) + "@" + std::to_string(token.line));
   EXPECT_THAT(list, ElementsAre("(@2", "a@2", "?x@3", "&@3", ":@3", "(@3", "f@3", "\"s\"@3", ")@3", ")@3"));
 }
 

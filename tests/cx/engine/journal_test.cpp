@@ -26,15 +26,16 @@ struct EngineJournal : EngineTest {
 };
 
 TEST_F(EngineJournal, ADeliveryCausesAFactThatCausesAFiringThatCausesAFact) {
-  given("(deftemplate order (slot id) (slot state (default OPEN)))\n"
-        "(defrule take ?o <- (order (id ?id) (state OPEN)) (idle) => (modify ?o (state TAKEN)) (assert (took ?id)))");
+  given(
+      "(deftemplate order (slot id) (slot state (default OPEN)))\n"
+      "(defrule take ?o <- (order (id ?id) (state OPEN)) (idle) => (modify ?o (state TAKEN)) (assert (took ?id)))");
   EXPECT_THAT(sink.names, ElementsAre("env/main"));
   now = from_seconds(2);
   engine().set_cause({StreamId{5}, 77});
   ASSERT_TRUE(engine().assert_fact("order", {{"id", Value::string("O1")}}).ok());  // record 0
   engine().clear_cause();
   ASSERT_TRUE(engine().assert_string("(idle)").ok());  // record 1
-  engine().run();                                       // fire 2, modify 3, assert 4
+  engine().run();                                      // fire 2, modify 3, assert 4
 
   ASSERT_THAT(sink.records, SizeIs(5));
   EXPECT_EQ(sink.records[0].kind, RecordKind::kAssert);
@@ -94,10 +95,13 @@ TEST_F(EngineJournal, ErrorsAreRecordsCausedByTheFiring) {
 
 TEST_F(EngineJournal, AFunctionSeesTheFiringAsItsCause) {
   std::vector<RecordRef> seen;
-  ASSERT_TRUE(engine().add_function({.name = "publish"}, [&](Call& call) {
-    const auto cause = call.engine().cause();
-    seen.assign(cause.begin(), cause.end());
-  }).ok());
+  ASSERT_TRUE(engine()
+                  .add_function({.name = "publish"},
+                                [&](Call& call) {
+                                  const auto cause = call.engine().cause();
+                                  seen.assign(cause.begin(), cause.end());
+                                })
+                  .ok());
   given("(deffacts f (a))\n(defrule go (a) => (publish))");
   engine().reset();
   engine().run();
@@ -113,13 +117,17 @@ TEST_F(EngineJournal, TheRecordsHoldNothingOfTheProcess) {
     EngineOptions o = options();
     o.journal = &own;
     auto played = make(std::move(o));
-    EXPECT_TRUE(played->add_function({.name = "handle", .returns = "e"}, [](Call& call) {
-      call.give_handle(call.engine().new_handle());
-    }).ok());
-    EXPECT_TRUE(played->load_text("(deffacts f (n 0))\n(deftemplate t (slot h) (slot g) (slot f))\n"
-                                  "(defrule go ?f <- (n ?n&:(< ?n 50)) => (assert (t (h (handle)) (g (gensym*)) (f ?f))) (retract ?f) (assert (n (+ ?n 1))))\n"
-                                  "(defrule pair (t (h ?a) (g ?g)) (t (h ?b&~?a)) => (assert (pair ?a ?b)))",
-                                  "r.clp", LoadMode::kConstructs).ok());
+    EXPECT_TRUE(played
+                    ->add_function({.name = "handle", .returns = "e"},
+                                   [](Call& call) { call.give_handle(call.engine().new_handle()); })
+                    .ok());
+    EXPECT_TRUE(played
+                    ->load_text("(deffacts f (n 0))\n(deftemplate t (slot h) (slot g) (slot f))\n"
+                                "(defrule go ?f <- (n ?n&:(< ?n 50)) => (assert (t (h (handle)) (g (gensym*)) (f ?f))) "
+                                "(retract ?f) (assert (n (+ ?n 1))))\n"
+                                "(defrule pair (t (h ?a) (g ?g)) (t (h ?b&~?a)) => (assert (pair ?a ?b)))",
+                                "r.clp", LoadMode::kConstructs)
+                    .ok());
     played->reset();
     played->run();
     std::string bytes;

@@ -48,12 +48,15 @@ TEST_F(BondTest, HoldsWhileBothLive) {
 TEST_F(BondTest, BeatsInItsPeriodOfSimulatedTime) {
   int beats = 0;
   lab.run_up();
-  ASSERT_TRUE(lab.bus.subscribe(caller.node(), "/bond", **lab.registry.message("bond/msg/Status"), [&](const bus::Delivery& d) {
-    EXPECT_EQ(d.message->view().text("id"), "clips_manager");
-    EXPECT_NEAR(d.message->view().real("heartbeat_period"), 0.1, 1e-6);
-    EXPECT_NEAR(d.message->view().real("heartbeat_timeout"), 4, 1e-6);
-    ++beats;
-  }).ok());
+  ASSERT_TRUE(lab.bus
+                  .subscribe(caller.node(), "/bond", **lab.registry.message("bond/msg/Status"),
+                             [&](const bus::Delivery& d) {
+                               EXPECT_EQ(d.message->view().text("id"), "clips_manager");
+                               EXPECT_NEAR(d.message->view().real("heartbeat_period"), 0.1, 1e-6);
+                               EXPECT_NEAR(d.message->view().real("heartbeat_timeout"), 4, 1e-6);
+                               ++beats;
+                             })
+                  .ok());
   play(51);  // 0 .. 1 s
   EXPECT_EQ(beats, 11);
 }

@@ -14,8 +14,9 @@ class TellingPlugin final : public Plugin {
     return tell("initialize");
   }
   Status clips_env_init(EnvironmentGuard environment) override {
-    if (Status s = environment.engine().add_function({name() + "-word", "s", 0, 0, "", FunctionKind::kPure, name(), "A word."},
-                                                     [this](Call& call) { call.give_string(name()); });
+    if (Status s =
+            environment.engine().add_function({name() + "-word", "s", 0, 0, "", FunctionKind::kPure, name(), "A word."},
+                                              [this](Call& call) { call.give_string(name()); });
         !s)
       return s;
     return tell("init " + environment->name());
@@ -55,7 +56,8 @@ class Caller {
   void post(const std::string& service, const std::string& type, const std::string& request = "{}") {
     auto found = lab_.registry.service(type);
     ASSERT_TRUE(found.ok()) << found.error().text();
-    auto client = lab_.bus.create_client(node_, service, **found, [this](const bus::Delivery& d) { answer_ = d.message->view().to_string(); });
+    auto client = lab_.bus.create_client(node_, service, **found,
+                                         [this](const bus::Delivery& d) { answer_ = d.message->view().to_string(); });
     ASSERT_TRUE(client.ok()) << client.error().text();
     auto message = bus::Message::from_yaml(*(*found)->request, request);
     ASSERT_TRUE(message.ok()) << message.error().text();
@@ -77,7 +79,8 @@ class Caller {
     return manager("unload_plugin", "UnloadClipsPlugin", "{env_name: '" + env + "', plugin_name: '" + plugin + "'}");
   }
   std::string change(const std::string& transition) {
-    return call("/clips_manager/change_state", "lifecycle_msgs/srv/ChangeState", "{transition: {label: '" + transition + "'}}");
+    return call("/clips_manager/change_state", "lifecycle_msgs/srv/ChangeState",
+                "{transition: {label: '" + transition + "'}}");
   }
   bus::ParticipantId node() const { return node_; }
 

@@ -46,7 +46,9 @@ TEST(Configuration, ParametersOfAnotherNodeOnlyAreAnError) {
 
 TEST(Configuration, TheNodesOwnSectionWinsOverTheGeneralOne) {
   Lab lab;
-  lab.options.config = lab.write("config.yaml", "clips_manager: {ros__parameters: {environments: [\"own\"]}}\n/**: {ros__parameters: {environments: [\"all\"]}}\n");
+  lab.options.config = lab.write("config.yaml",
+                                 "clips_manager: {ros__parameters: {environments: [\"own\"]}}\n/**: {ros__parameters: "
+                                 "{environments: [\"all\"]}}\n");
   lab.run_up();
   ASSERT_EQ(lab.manager->size(), 1u);
   EXPECT_EQ(lab.manager->environment(0).name(), "own");
@@ -55,7 +57,9 @@ TEST(Configuration, TheNodesOwnSectionWinsOverTheGeneralOne) {
 TEST(Configuration, AppliesInItsNamespace) {
   Lab lab;
   lab.options.name_space = "/team";
-  lab.options.config = lab.write("config.yaml", "team:\n  clips_manager: {ros__parameters: {environments: [\"a\"]}}\nother:\n  clips_manager: {ros__parameters: {environments: [\"b\"]}}\n");
+  lab.options.config = lab.write("config.yaml",
+                                 "team:\n  clips_manager: {ros__parameters: {environments: [\"a\"]}}\nother:\n  "
+                                 "clips_manager: {ros__parameters: {environments: [\"b\"]}}\n");
   lab.run_up();
   ASSERT_EQ(lab.manager->size(), 1u);
   EXPECT_EQ(lab.manager->environment(0).name(), "a");
@@ -80,13 +84,16 @@ TEST(Configuration, EnvironmentsComeInTheirOrder) {
 }
 
 TEST(Configuration, AWrongTypeHasItsLine) {
-  const Error e = error_of("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx:\n  plugin: \"cx::ExecutivePlugin\"\n  refresh_rate: 10.5");
+  const Error e = error_of(
+      "environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx:\n  plugin: \"cx::ExecutivePlugin\"\n  refresh_rate: "
+      "10.5");
   EXPECT_EQ(e.line, 7);
   EXPECT_EQ(e.message, "parameter 'x.refresh_rate': found '10.5' (a double), expected an integer");
 }
 
 TEST(Configuration, WordsThatYamlTakesForSomethingElseNeedQuotes) {
-  EXPECT_EQ(error_of("environments: [n]").message, "parameter 'environments': found 'false' (a bool), expected a list of strings: in quotes it is a string");
+  EXPECT_EQ(error_of("environments: [n]").message,
+            "parameter 'environments': found 'false' (a bool), expected a list of strings: in quotes it is a string");
 }
 
 TEST(Configuration, NumbersAreReadAsRosReadsThem) {
@@ -123,14 +130,18 @@ TEST(Configuration, APluginListedTwiceIsLoadedOnceAndToldOf) {
 
 TEST(Configuration, TwoPluginsWithTheSameFunctionsAreToldWithTheirPlace) {
   Lab lab;
-  lab.config("environments: [\"main\"]\nmain: {plugins: [\"x\", \"y\"]}\nx: {plugin: \"cx::RosParamPlugin\"}\ny: {plugin: \"cx::RosParamPlugin\"}");
+  lab.config(
+      "environments: [\"main\"]\nmain: {plugins: [\"x\", \"y\"]}\nx: {plugin: \"cx::RosParamPlugin\"}\ny: {plugin: "
+      "\"cx::RosParamPlugin\"}");
   const Status s = lab.start();
   ASSERT_FALSE(s.ok());
-  EXPECT_THAT(s.error().text(), HasSubstr("config.yaml:6: function 'ros-param-get-value' of plugin 'y' exists already, from plugin 'x'"));
+  EXPECT_THAT(s.error().text(),
+              HasSubstr("config.yaml:6: function 'ros-param-get-value' of plugin 'y' exists already, from plugin 'x'"));
 }
 
 TEST(Configuration, ARateMustBePositive) {
-  const Error e = error_of("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx: {plugin: \"cx::ExecutivePlugin\", refresh_rate: 0}");
+  const Error e = error_of(
+      "environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx: {plugin: \"cx::ExecutivePlugin\", refresh_rate: 0}");
   EXPECT_EQ(e.line, 5);
 }
 
@@ -141,18 +152,23 @@ TEST(Configuration, AnUnknownPluginTypeNamesTheNearest) {
 }
 
 TEST(Configuration, AProtobufPluginIsToldWhatThereIsInItsPlace) {
-  const Error e = error_of("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx: {plugin: \"cx::BringupProtobufPlugin\"}");
-  EXPECT_EQ(e.message, "unknown plugin type 'cx::BringupProtobufPlugin'; nothing here talks protobuf, machines and referee are on the bus (docs/rcll.md)");
+  const Error e =
+      error_of("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx: {plugin: \"cx::BringupProtobufPlugin\"}");
+  EXPECT_EQ(e.message,
+            "unknown plugin type 'cx::BringupProtobufPlugin'; nothing here talks protobuf, machines and referee are on "
+            "the bus (docs/rcll.md)");
 }
 
 TEST(Configuration, APluginWithoutTypeNamesTheNearestInstance) {
-  const Error e = error_of("environments: [\"main\"]\nmain: {plugins: [\"fles\"]}\nfiles: {plugin: \"cx::FileLoadPlugin\"}");
+  const Error e =
+      error_of("environments: [\"main\"]\nmain: {plugins: [\"fles\"]}\nfiles: {plugin: \"cx::FileLoadPlugin\"}");
   EXPECT_EQ(e.line, 4);
   EXPECT_THAT(e.message, HasSubstr("did you mean 'files'?"));
 }
 
 TEST(Configuration, APluginWhoseTypeIsMisspeltNamesTheKey) {
-  EXPECT_THAT(error_of("environments: [\"main\"]\nmain: {plugins: [\"files\"]}\nfiles: {plugn: \"cx::FileLoadPlugin\"}").message,
+  EXPECT_THAT(error_of("environments: [\"main\"]\nmain: {plugins: [\"files\"]}\nfiles: {plugn: \"cx::FileLoadPlugin\"}")
+                  .message,
               HasSubstr("no parameter 'files.plugin' says what it is, did you mean it by 'files.plugn'?"));
 }
 
@@ -162,8 +178,11 @@ TEST(Configuration, AnUnknownWatchItemIsAnError) {
 
 TEST(Configuration, TakesEveryWatchItemOfCx) {
   Lab lab;
-  lab.config("environments: [\"main\"]\nmain: {watch: [\"all\", \"FACTS\", \"instances\", \"slots\", \"rules\", \"activations\", \"messages\", "
-             "\"message_handlers\", \"generic_functions\", \"methods\", \"deffunctions\", \"compilations\", \"statistics\", \"globals\", \"focus\"]}");
+  lab.config(
+      "environments: [\"main\"]\nmain: {watch: [\"all\", \"FACTS\", \"instances\", \"slots\", \"rules\", "
+      "\"activations\", \"messages\", "
+      "\"message_handlers\", \"generic_functions\", \"methods\", \"deffunctions\", \"compilations\", \"statistics\", "
+      "\"globals\", \"focus\"]}");
   lab.run_up();
 }
 
@@ -173,16 +192,21 @@ TEST(Configuration, AnEnvironmentListedTwiceIsAnError) {
 
 TEST(Configuration, AnUnknownParameterIsOneInfoLineWithTheNearestName) {
   Lab lab;
-  lab.config("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx:\n  plugin: \"cx::ExecutivePlugin\"\n  refresh_rat: 5\n  mine: 1");
+  lab.config(
+      "environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx:\n  plugin: \"cx::ExecutivePlugin\"\n  refresh_rat: 5\n  "
+      "mine: 1");
   lab.run_up();
   const auto lines = lab.log.with("unknown parameter");
   ASSERT_EQ(lines.size(), 2u);
-  EXPECT_THAT(lines[1], HasSubstr("config.yaml:7: unknown parameter 'x.refresh_rat' of plugin 'x' (cx::ExecutivePlugin), did you mean 'refresh_rate'?"));
+  EXPECT_THAT(lines[1], HasSubstr("config.yaml:7: unknown parameter 'x.refresh_rat' of plugin 'x' "
+                                  "(cx::ExecutivePlugin), did you mean 'refresh_rate'?"));
   EXPECT_THAT(lines[1], ::testing::StartsWith("info clips_manager: "));
 }
 
 TEST(Configuration, StrictMakesAnUnknownParameterAnError) {
-  const Error e = error_of("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx:\n  plugin: \"cx::ExecutivePlugin\"\n  refresh_rat: 5", true);
+  const Error e = error_of(
+      "environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx:\n  plugin: \"cx::ExecutivePlugin\"\n  refresh_rat: 5",
+      true);
   EXPECT_EQ(e.line, 7);
 }
 
@@ -193,7 +217,8 @@ TEST(Configuration, AMisspeltListOfEnvironmentsIsAWarningWithItsPlace) {
   ASSERT_TRUE(lab.start().ok());
   const auto lines = lab.log.with("warn clips_manager: ");
   ASSERT_EQ(lines.size(), 1u);
-  EXPECT_THAT(lines[0], HasSubstr("config.yaml:3: unknown parameter 'enviroments' of the manager, did you mean 'environments'?"));
+  EXPECT_THAT(lines[0],
+              HasSubstr("config.yaml:3: unknown parameter 'enviroments' of the manager, did you mean 'environments'?"));
   EXPECT_EQ(error_of(misspelt, true).line, 3);
 }
 
@@ -208,9 +233,14 @@ TEST(Configuration, AManagerWithoutEnvironmentsIsOneInfoLine) {
 
 TEST(Configuration, AMisspeltListOfPluginsProposesNoOtherEnvironment) {
   Lab lab;
-  lab.config("environments: [\"right\"]\nright: {plugin: [\"x\"]}\nthird: {plugins: [\"x\"]}\nx: {plugin: \"cx::ExecutivePlugin\"}");
+  lab.config(
+      "environments: [\"right\"]\nright: {plugin: [\"x\"]}\nthird: {plugins: [\"x\"]}\nx: {plugin: "
+      "\"cx::ExecutivePlugin\"}");
   lab.run_up();
-  EXPECT_EQ(lab.log.with("config.yaml:4: unknown parameter 'right.plugin' of environment 'right', did you mean 'plugins'?").size(), 1u);
+  EXPECT_EQ(
+      lab.log.with("config.yaml:4: unknown parameter 'right.plugin' of environment 'right', did you mean 'plugins'?")
+          .size(),
+      1u);
   EXPECT_EQ(lab.log.with("no parameter 'right.plugins'").size(), 1u);
   EXPECT_EQ(lab.log.with("third").size(), 0u);
 }

@@ -67,7 +67,10 @@ class Cycles : public ::testing::Test {
     for (const PluginType& type : builtin_plugins())
       if (!type.has && type.name != "cx::FileLoadPlugin") add(type.name.substr(4), type.name);
     for (const std::string& type : bindings) add(type.substr(4), type);
-    lab_.config("environments: []\nextra: {plugins: [" + names + "\"files\"]}\nfiles: {plugin: \"cx::FileLoadPlugin\", pkg_share_dirs: [\"agent\"], load: [\"rules.clp\"]}\n" + sections);
+    lab_.config(
+        "environments: []\nextra: {plugins: [" + names +
+        "\"files\"]}\nfiles: {plugin: \"cx::FileLoadPlugin\", pkg_share_dirs: [\"agent\"], load: [\"rules.clp\"]}\n" +
+        sections);
     lab_.write("agent/rules.clp", rules);
     lab_.run_up();
   }
@@ -95,19 +98,22 @@ class Cycles : public ::testing::Test {
 };
 
 TEST_F(Cycles, AThousandEnvironmentsWithAllPluginsLeaveTheMemoryFlat) {
-  configure({"cx::CXStdMsgsStringPlugin", "cx::CXStdSrvsSetBoolPlugin", "cx::CXExampleInterfacesFibonacciPlugin"}, kRules);
+  configure({"cx::CXStdMsgsStringPlugin", "cx::CXStdSrvsSetBoolPlugin", "cx::CXExampleInterfacesFibonacciPlugin"},
+            kRules);
   const double each = left_by_each(1000, [&] {
     lab_.ticks(26);
     ASSERT_GT(lab_.facts("thing", "extra").size(), 0u) << "it ran";
     ASSERT_THAT(lab_.facts("powered", "extra"), ::testing::SizeIs(1)) << "the service answered";
-    ASSERT_THAT(lab_.facts("counted", "extra"), ::testing::ElementsAre(::testing::HasSubstr("SUCCEEDED"))) << "the goal was reached";
+    ASSERT_THAT(lab_.facts("counted", "extra"), ::testing::ElementsAre(::testing::HasSubstr("SUCCEEDED")))
+        << "the goal was reached";
     ASSERT_THAT(lab_.log.with("TF lookup failed"), ::testing::Not(::testing::IsEmpty())) << "the tracker looked";
   });
   EXPECT_LT(each, 1024) << "a place on the bus keeps its name and number";
 }
 
 TEST_F(Cycles, TheBindingsOfEveryInterfaceLeaveTheMemoryFlat) {
-  configure(binding_classes(lab_.registry), "(deftemplate thing (slot a))\n(defrule count (time ?t) => (assert (thing (a ?t))))");
+  configure(binding_classes(lab_.registry),
+            "(deftemplate thing (slot a))\n(defrule count (time ?t) => (assert (thing (a ?t))))");
   const double each = left_by_each(200, [&] {
     lab_.ticks(6);
     ASSERT_GT(lab_.facts("thing", "extra").size(), 0u) << "it ran";

@@ -13,7 +13,8 @@ class FilesTest : public ::testing::Test {
  protected:
   Files make(bool trust = false) {
     Files::Options options;
-    options.packages = {{"agent", {lab_.folder / "agent", {}}}, {"moved", {lab_.folder / "copies", "/somewhere/share/moved"}}};
+    options.packages = {{"agent", {lab_.folder / "agent", {}}},
+                        {"moved", {lab_.folder / "copies", "/somewhere/share/moved"}}};
     options.run_folder = lab_.folder / "run";
     options.trust_rules = trust;
     return Files(std::move(options));
@@ -90,7 +91,9 @@ TEST_F(FilesTest, WithoutARunFolderWritingIsRefused) {
 
 TEST(FilesOfRules, AreToldToTheRun) {
   Lab lab;
-  lab.agent("(defrule go (time ?) => (config-load (str-cat (ament-index-get-package-share-directory \"agent\") \"/c.yaml\") \"/\"))");
+  lab.agent(
+      "(defrule go (time ?) => (config-load (str-cat (ament-index-get-package-share-directory \"agent\") \"/c.yaml\") "
+      "\"/\"))");
   lab.write("agent/c.yaml", "a: 1");
   std::vector<std::string> told;
   lab.options.on_read = [&](const std::string& name, const std::filesystem::path&) {

@@ -32,10 +32,12 @@ class KeptRecords final : public RecordSink {
     counts_.push_back(0);
     return static_cast<StreamId>(names_.size() - 1);
   }
-  RecordRef write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data, std::span<const RecordRef> causes) override {
+  RecordRef write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data,
+                  std::span<const RecordRef> causes) override {
     const auto i = static_cast<std::size_t>(stream);
     bytes_[i] += std::to_string(t.count()) + ' ' + std::string(to_string(kind)) + ' ' + std::string(data.bytes());
-    for (const RecordRef& c : causes) bytes_[i] += ' ' + names_[static_cast<std::size_t>(c.stream)] + ':' + std::to_string(c.n);
+    for (const RecordRef& c : causes)
+      bytes_[i] += ' ' + names_[static_cast<std::size_t>(c.stream)] + ':' + std::to_string(c.n);
     bytes_[i] += '\n';
     return {stream, counts_[i]++};
   }
@@ -58,7 +60,8 @@ class KeptRecords final : public RecordSink {
 class KeptLines final : public LogSink {
  public:
   void line(const LogLine& l) override {
-    lines.push_back(std::string(to_string(l.level)) + ' ' + std::string(l.logger) + ": " + std::string(l.colour) + std::string(l.text));
+    lines.push_back(std::string(to_string(l.level)) + ' ' + std::string(l.logger) + ": " + std::string(l.colour) +
+                    std::string(l.text));
   }
   /// Those that contain the text.
   std::vector<std::string> with(const std::string& text) const {
@@ -75,7 +78,8 @@ class Lab {
   Lab() {
     std::string pattern = (std::filesystem::temp_directory_path() / "cxlab-lab-XXXXXX").string();
     folder = mkdtemp(pattern.data());
-    const Status added = registry.add_packages_in(std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "cx" / "interfaces");
+    const Status added =
+        registry.add_packages_in(std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "cx" / "interfaces");
     EXPECT_TRUE(added.ok()) << added.error().text();
     options.packages["agent"] = {folder / "agent", {}};
     options.plugin_types = builtin_plugins();

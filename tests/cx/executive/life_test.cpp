@@ -38,13 +38,16 @@ TEST(Executive, AssertsTheTimeAtItsRateAndTakesItBack) {
   lab.run_up();
   EXPECT_THAT(lab.log.with("t="), IsEmpty()) << "activation runs without a time fact";
   lab.ticks(11);
-  EXPECT_THAT(lab.log.with("t="), ElementsAre("info main: t=0.0 now=0.0", "info main: t=0.1 now=0.1", "info main: t=0.2 now=0.2"));
+  EXPECT_THAT(lab.log.with("t="),
+              ElementsAre("info main: t=0.0 now=0.0", "info main: t=0.1 now=0.1", "info main: t=0.2 now=0.2"));
   EXPECT_THAT(lab.facts("time"), IsEmpty());
 }
 
 TEST(Executive, TheTimeIsTheNumberThatARuleWrites) {
   Lab lab;
-  lab.agent("(defrule at (time 0.3) => (println \"at\")) (defrule after (time ?t&:(> ?t 0.3)&:(< ?t 0.35)) => (println \"after\"))");
+  lab.agent(
+      "(defrule at (time 0.3) => (println \"at\")) (defrule after (time ?t&:(> ?t 0.3)&:(< ?t 0.35)) => (println "
+      "\"after\"))");
   lab.run_up();
   lab.ticks(20);
   EXPECT_THAT(lab.log.with("main: a"), ElementsAre("info main: at"));
@@ -59,7 +62,8 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.c
   lab.write("agent/rules.clp", "(defrule note (time ?t) => (println \"t=\" ?t))");
   lab.run_up();
   lab.ticks(6);  // due at 0, 33.3, 66.7, 100 ms; ticks are 20 ms
-  EXPECT_THAT(lab.log.with("t="), ElementsAre("info main: t=0.0", "info main: t=0.04", "info main: t=0.08", "info main: t=0.1"));
+  EXPECT_THAT(lab.log.with("t="),
+              ElementsAre("info main: t=0.0", "info main: t=0.04", "info main: t=0.08", "info main: t=0.1"));
   EXPECT_EQ(lab.manager->next_due(), SimTime{133'333'333});
 }
 
@@ -81,7 +85,8 @@ TEST(Executive, NowSystimeIsEpochAndSimulatedTime) {
   lab.agent("(defrule note (time ?) => (println \"systime=\" (now-systime) \" time=\" (time)))");
   lab.run_up();
   lab.ticks(6);
-  EXPECT_THAT(lab.log.with("systime="), ElementsAre("info main: systime=1000.0 time=1000.0", "info main: systime=1000.1 time=1000.1"));
+  EXPECT_THAT(lab.log.with("systime="),
+              ElementsAre("info main: systime=1000.0 time=1000.0", "info main: systime=1000.1 time=1000.1"));
 }
 
 TEST(Executive, WithoutTimeFactRulesStillRun) {
@@ -90,7 +95,8 @@ TEST(Executive, WithoutTimeFactRulesStillRun) {
 main: {plugins: ["executive", "files"]}
 executive: {plugin: "cx::ExecutivePlugin", assert_time: false}
 files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.clp"]})");
-  lab.write("agent/rules.clp", "(defrule note (time ?t) => (println \"time\")) (defrule late (go) => (println \"went\"))");
+  lab.write("agent/rules.clp",
+            "(defrule note (time ?t) => (println \"time\")) (defrule late (go) => (println \"went\"))");
   lab.run_up();
   ASSERT_TRUE(lab.engine().assert_string("(go)").ok());
   lab.ticks(1);
@@ -105,9 +111,12 @@ one: {plugins: ["executive"]}
 two: {plugins: ["executive"]}
 executive: {plugin: "cx::ExecutivePlugin", publish_on_refresh: true})");
   int heard = 0;
-  const auto listener = lab.bus.join(bus::ParticipantKind::kNode, {"listener", "/", {}}, lab.records.open_stream("node/listener"));
-  ASSERT_TRUE(lab.bus.subscribe(listener, "/clips_executive/refresh_agenda", **lab.registry.message("std_msgs/msg/Empty"),
-                                [&](const bus::Delivery&) { ++heard; }).ok());
+  const auto listener =
+      lab.bus.join(bus::ParticipantKind::kNode, {"listener", "/", {}}, lab.records.open_stream("node/listener"));
+  ASSERT_TRUE(lab.bus
+                  .subscribe(listener, "/clips_executive/refresh_agenda", **lab.registry.message("std_msgs/msg/Empty"),
+                             [&](const bus::Delivery&) { ++heard; })
+                  .ok());
   lab.run_up();
   lab.ticks(6);
   lab.bus.deliver(listener);
@@ -119,7 +128,8 @@ TEST(Executive, AnEnvironmentWithoutItRunsAtActivationAndAtTheEndOnly) {
   lab.config(R"(environments: ["main"]
 main: {plugins: ["files"]}
 files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.clp"]})");
-  lab.write("agent/rules.clp", "(defrule late (go) => (println \"went\")) (defrule end (executive-finalize) => (println \"end\"))");
+  lab.write("agent/rules.clp",
+            "(defrule late (go) => (println \"went\")) (defrule end (executive-finalize) => (println \"end\"))");
   lab.run_up();
   ASSERT_TRUE(lab.engine().assert_string("(go)").ok());
   lab.ticks(3);
@@ -138,9 +148,11 @@ TEST(Deactivation, FinalizesRulesThenTakesPluginsInReverseOrder) {
   std::vector<std::string> said;
   for (const auto& l : lab.log.lines)
     if (l.find("Deactivated!") != std::string::npos || l.find("finalized") != std::string::npos) said.push_back(l);
-  EXPECT_THAT(said, ElementsAre("info main: finalized", "info clips_manager: [files] Deactivated!", "info clips_manager: [ros_msgs] Deactivated!",
-                                "info clips_manager: [config] Deactivated!", "info clips_manager: [ament_index] Deactivated!",
-                                "info clips_manager: [executive] Deactivated!"));
+  EXPECT_THAT(
+      said,
+      ElementsAre("info main: finalized", "info clips_manager: [files] Deactivated!",
+                  "info clips_manager: [ros_msgs] Deactivated!", "info clips_manager: [config] Deactivated!",
+                  "info clips_manager: [ament_index] Deactivated!", "info clips_manager: [executive] Deactivated!"));
 }
 
 TEST(Deactivation, ARuleMayAskForIt) {
@@ -174,7 +186,8 @@ TEST(RuleErrors, StopTheRunWithRuleFileLineAndSide) {
 
 TEST(RuleErrors, OnALeftHandSideAreFoundWhenFactsEnter) {
   Lab lab;
-  lab.agent("(defrule bad\n  (amount ?n)\n  (test (> (/ 1 ?n) 0))\n  =>)\n(defrule put (time ?) => (assert (amount 0)))");
+  lab.agent(
+      "(defrule bad\n  (amount ?n)\n  (test (> (/ 1 ?n) 0))\n  =>)\n(defrule put (time ?) => (assert (amount 0)))");
   lab.run_up();
   const Status s = lab.tick();
   ASSERT_FALSE(s.ok());
@@ -187,7 +200,9 @@ TEST(RuleErrors, OnALeftHandSideAreFoundWhenFactsEnter) {
 TEST(RuleErrors, AreOnlyNotedWhenTheRunContinues) {
   Lab lab;
   lab.options.stop_on_rule_error = false;
-  lab.agent("(defrule bad (time ?t) => (println (/ 1 0)))\n(defrule good (declare (salience -1)) (time ?t) => (println \"good \" ?t))");
+  lab.agent(
+      "(defrule bad (time ?t) => (println (/ 1 0)))\n(defrule good (declare (salience -1)) (time ?t) => (println "
+      "\"good \" ?t))");
   lab.run_up();
   lab.ticks(6);
   EXPECT_EQ(lab.manager->rule_errors().size(), 2u);
@@ -198,7 +213,8 @@ TEST(RuleLoops, EndTheRunAndAreNamed) {
   Lab lab;
   lab.options.max_firings = 1000;
   lab.options.stop_on_rule_error = false;
-  lab.agent("(deffacts start (counter 0))\n(defrule spin ?f <- (counter ?n) => (retract ?f) (assert (counter (+ ?n 1))))");
+  lab.agent(
+      "(deffacts start (counter 0))\n(defrule spin ?f <- (counter ?n) => (retract ?f) (assert (counter (+ ?n 1))))");
   const Status s = lab.start();
   ASSERT_FALSE(s.ok());
   EXPECT_EQ(s.error().kind, ErrorKind::kRun);
@@ -250,7 +266,9 @@ TEST(Determinism, TheSameSeedGivesTheSameRecordsBesideOtherManagers) {
 
 TEST(Determinism, ManagersInOneProcessHaveTheirOwnNamesAndStreams) {
   Lab lab;
-  lab.agent("(defrule open (initial) => (ros-msgs-create-subscription \"chatter\" \"std_msgs/msg/String\")) (deffacts start (initial))");
+  lab.agent(
+      "(defrule open (initial) => (ros-msgs-create-subscription \"chatter\" \"std_msgs/msg/String\")) (deffacts start "
+      "(initial))");
   lab.options.name_space = "/cyan";
   lab.run_up();
   auto cyan = std::move(lab.manager);

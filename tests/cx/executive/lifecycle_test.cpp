@@ -11,8 +11,11 @@ using ::testing::IsEmpty;
 
 struct LifecycleTest : ::testing::Test {
   LifecycleTest() {
-    lab.agent("(deffacts start (begin))\n(deftemplate item (slot a))\n(defrule begin (begin) => (assert (item (a 1))) (println \"begins\"))\n"
-              "(defrule tick (time ?t) (item) => (println \"tick \" ?t))\n(defrule end (executive-finalize) => (println \"ends\"))");
+    lab.agent(
+        "(deffacts start (begin))\n(deftemplate item (slot a))\n(defrule begin (begin) => (assert (item (a 1))) "
+        "(println \"begins\"))\n"
+        "(defrule tick (time ?t) (item) => (println \"tick \" ?t))\n(defrule end (executive-finalize) => (println "
+        "\"ends\"))");
   }
   std::string state() { return caller.call("/clips_manager/get_state", "lifecycle_msgs/srv/GetState"); }
   Lab lab;
@@ -30,7 +33,8 @@ TEST_F(LifecycleTest, GoesThroughItsStatesOnRequest) {
   EXPECT_EQ(lab.log.with("begins").size(), 1u);
   EXPECT_EQ(caller.change("deactivate"), "{success: true}");
   EXPECT_EQ(lab.log.with("ends").size(), 1u);
-  EXPECT_EQ(caller.manager("list_envs", "ListClipsEnvs"), R"({success: true, envs: ["main"], error: ""})") << "environments stay until cleanup";
+  EXPECT_EQ(caller.manager("list_envs", "ListClipsEnvs"), R"({success: true, envs: ["main"], error: ""})")
+      << "environments stay until cleanup";
   EXPECT_EQ(caller.change("cleanup"), "{success: true}");
   EXPECT_EQ(lab.manager->size(), 0u);
   EXPECT_EQ(caller.change("shutdown"), "{success: true}");
@@ -41,7 +45,8 @@ TEST_F(LifecycleTest, LivesAgainAfterACleanup) {
   lab.run_up();
   lab.ticks(3);
   for (int life = 0; life < 3; ++life) {
-    for (const char* step : {"deactivate", "cleanup", "configure", "activate"}) EXPECT_EQ(caller.change(step), "{success: true}") << step;
+    for (const char* step : {"deactivate", "cleanup", "configure", "activate"})
+      EXPECT_EQ(caller.change(step), "{success: true}") << step;
     lab.ticks(6);
   }
   EXPECT_EQ(lab.log.with("begins").size(), 4u);
@@ -70,7 +75,8 @@ TEST_F(LifecycleTest, AnEnvironmentThatIsActivatedAgainIsTheSame) {
   }
   EXPECT_EQ(lab.log.with("Initialized new CLIPS environment").size(), 1u);
   EXPECT_EQ(lab.log.with("begins").size(), 4u);
-  EXPECT_THAT(lab.log.with("by hand "), ElementsAre("info main: by hand gen1", "info main: by hand gen2", "info main: by hand gen3"));
+  EXPECT_THAT(lab.log.with("by hand "),
+              ElementsAre("info main: by hand gen1", "info main: by hand gen2", "info main: by hand gen3"));
   EXPECT_THAT(lab.log.with("error"), IsEmpty());
   EXPECT_THAT(lab.log.with("warn"), IsEmpty());
 }
@@ -110,30 +116,42 @@ TEST_F(LifecycleTest, ATemplateThatWasChangedMeanwhileIsAnErrorAsInClips) {
 TEST_F(LifecycleTest, RefusesWhatTheStateDoesNotAllow) {
   lab.run_up();
   EXPECT_EQ(caller.change("configure"), "{success: false}");
-  EXPECT_EQ(caller.call("/clips_manager/change_state", "lifecycle_msgs/srv/ChangeState", "{transition: {id: 99}}"), "{success: false}");
+  EXPECT_EQ(caller.call("/clips_manager/change_state", "lifecycle_msgs/srv/ChangeState", "{transition: {id: 99}}"),
+            "{success: false}");
   EXPECT_EQ(lab.log.with("warn clips_manager: No transition matching").size(), 2u);
-  EXPECT_EQ(caller.call("/clips_manager/change_state", "lifecycle_msgs/srv/ChangeState", "{transition: {id: 4}}"), "{success: true}") << "by number";
+  EXPECT_EQ(caller.call("/clips_manager/change_state", "lifecycle_msgs/srv/ChangeState", "{transition: {id: 4}}"),
+            "{success: true}")
+      << "by number";
   EXPECT_FALSE(lab.manager->configure().ok());
 }
 
 TEST_F(LifecycleTest, TellsStatesAndTransitions) {
   lab.run_up();
-  EXPECT_THAT(caller.call("/clips_manager/get_available_transitions", "lifecycle_msgs/srv/GetAvailableTransitions"),
-              ::testing::AllOf(HasSubstr(R"(transition: {id: 4, label: "deactivate"}, start_state: {id: 3, label: "active"}, goal_state: {id: 14, label: "deactivating"})"),
-                               HasSubstr(R"(transition: {id: 7, label: "shutdown"})"), ::testing::Not(HasSubstr("configure"))));
-  EXPECT_THAT(caller.call("/clips_manager/get_available_states", "lifecycle_msgs/srv/GetAvailableStates"),
-              ::testing::AllOf(HasSubstr(R"({id: 0, label: "unknown"})"), HasSubstr(R"({id: 15, label: "errorprocessing"})")));
+  EXPECT_THAT(
+      caller.call("/clips_manager/get_available_transitions", "lifecycle_msgs/srv/GetAvailableTransitions"),
+      ::testing::AllOf(
+          HasSubstr(
+              R"(transition: {id: 4, label: "deactivate"}, start_state: {id: 3, label: "active"}, goal_state: {id: 14, label: "deactivating"})"),
+          HasSubstr(R"(transition: {id: 7, label: "shutdown"})"), ::testing::Not(HasSubstr("configure"))));
+  EXPECT_THAT(
+      caller.call("/clips_manager/get_available_states", "lifecycle_msgs/srv/GetAvailableStates"),
+      ::testing::AllOf(HasSubstr(R"({id: 0, label: "unknown"})"), HasSubstr(R"({id: 15, label: "errorprocessing"})")));
   EXPECT_THAT(caller.call("/clips_manager/get_transition_graph", "lifecycle_msgs/srv/GetAvailableTransitions"),
               ::testing::AllOf(HasSubstr("configure"), HasSubstr("cleanup"), HasSubstr("activate")));
 }
 
 TEST_F(LifecycleTest, PublishesItsTransitions) {
   std::vector<std::string> heard;
-  ASSERT_TRUE(lab.bus.subscribe(caller.node(), "/clips_manager/transition_event", **lab.registry.message("lifecycle_msgs/msg/TransitionEvent"),
-                                [&](const bus::Delivery& d) {
-                                  const auto m = d.message->view();
-                                  heard.push_back(m.nested("start_state").text("label") + " " + m.nested("transition").text("label") + " " + m.nested("goal_state").text("label"));
-                                }).ok());
+  ASSERT_TRUE(lab.bus
+                  .subscribe(caller.node(), "/clips_manager/transition_event",
+                             **lab.registry.message("lifecycle_msgs/msg/TransitionEvent"),
+                             [&](const bus::Delivery& d) {
+                               const auto m = d.message->view();
+                               heard.push_back(m.nested("start_state").text("label") + " " +
+                                               m.nested("transition").text("label") + " " +
+                                               m.nested("goal_state").text("label"));
+                             })
+                  .ok());
   ASSERT_TRUE(lab.create().ok());
   ASSERT_TRUE(lab.manager->configure().ok());
   caller.take();

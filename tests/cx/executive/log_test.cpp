@@ -11,7 +11,8 @@ using ::testing::Not;
 std::vector<std::string> lines_of(std::vector<std::pair<std::string, std::string>> writes, bool redirect = false) {
   std::vector<std::string> lines;
   LogRouter router(redirect, [&](LogLevel level, std::string_view colour, std::string_view text) {
-    lines.push_back(std::string(to_string(level)) + '|' + std::string(colour.empty() ? colour : colour.substr(1)) + '|' + std::string(text));
+    lines.push_back(std::string(to_string(level)) + '|' + std::string(colour.empty() ? colour : colour.substr(1)) +
+                    '|' + std::string(text));
   });
   for (const auto& [name, text] : writes) router.write(name, text);
   return lines;
@@ -20,12 +21,25 @@ std::vector<std::string> lines_of(std::vector<std::pair<std::string, std::string
 TEST(LogRouter, GivesEachLogicalNameItsLevelAndColour) {
   EXPECT_THAT(lines_of({{"l", "a\n"}, {"t", "a\n"}, {"info", "a\n"}, {"loginfo", "a\n"}, {"stdout", "a\n"}}),
               ElementsAre("info||a", "info||a", "info||a", "info||a", "info||a"));
-  EXPECT_THAT(lines_of({{"debug", "a\n"}, {"logdebug", "a\n"}, {"warn", "a\n"}, {"logwarn", "a\n"}, {"stdwrn", "a\n"}, {"error", "a\n"},
-                        {"logerror", "a\n"}, {"stderr", "a\n"}}),
+  EXPECT_THAT(lines_of({{"debug", "a\n"},
+                        {"logdebug", "a\n"},
+                        {"warn", "a\n"},
+                        {"logwarn", "a\n"},
+                        {"stdwrn", "a\n"},
+                        {"error", "a\n"},
+                        {"logerror", "a\n"},
+                        {"stderr", "a\n"}}),
               ElementsAre("debug||a", "debug||a", "warn||a", "warn||a", "warn||a", "error||a", "error||a", "error||a"));
-  EXPECT_THAT(lines_of({{"red", "a\n"}, {"green", "a\n"}, {"yellow", "a\n"}, {"blue", "a\n"}, {"magenta", "a\n"}, {"cyan", "a\n"},
-                        {"white", "a\n"}, {"bold", "a\n"}}),
-              ElementsAre("info|[31m|a", "info|[32m|a", "info|[33m|a", "info|[34m|a", "info|[35m|a", "info|[36m|a", "info|[37m|a", "info|[1m|a"));
+  EXPECT_THAT(lines_of({{"red", "a\n"},
+                        {"green", "a\n"},
+                        {"yellow", "a\n"},
+                        {"blue", "a\n"},
+                        {"magenta", "a\n"},
+                        {"cyan", "a\n"},
+                        {"white", "a\n"},
+                        {"bold", "a\n"}}),
+              ElementsAre("info|[31m|a", "info|[32m|a", "info|[33m|a", "info|[34m|a", "info|[35m|a", "info|[36m|a",
+                          "info|[37m|a", "info|[1m|a"));
 }
 
 TEST(LogRouter, SharesOneLineBetweenAllNames) {

@@ -25,7 +25,9 @@ two: {plugin: "test::Telling"}
 bad_init: {plugin: "test::Telling", fail: "init"}
 bad_start: {plugin: "test::Telling", fail: "initialize"}
 throws: {plugin: "test::Telling", fail: "throw-init"})");
-    lab.write("agent/rules.clp", "(deffacts start (from-deffacts)) (defrule go (from-deffacts) => (println \"rules ran\"))\n(defrule end (executive-finalize) => (println \"finalized\"))");
+    lab.write("agent/rules.clp",
+              "(deffacts start (from-deffacts)) (defrule go (from-deffacts) => (println \"rules ran\"))\n(defrule end "
+              "(executive-finalize) => (println \"finalized\"))");
     lab.write("agent/end.clp", "(println \"cleaned\")");
     lab.write("agent/more.clp", "(defrule more (time ?t) => (println \"more \" ?t))");
     lab.write("agent/broken.clp", "(defrule broken (time ?t)\n  => (no-such-function))");
@@ -34,7 +36,9 @@ throws: {plugin: "test::Telling", fail: "throw-init"})");
   std::vector<std::string> hooks() {
     std::vector<std::string> out;
     for (const auto& l : lab.log.lines)
-      if (l.starts_with("info one: ") || l.starts_with("info two: ") || l.starts_with("info bad") || l.starts_with("info throws")) out.push_back(l.substr(5));
+      if (l.starts_with("info one: ") || l.starts_with("info two: ") || l.starts_with("info bad") ||
+          l.starts_with("info throws"))
+        out.push_back(l.substr(5));
     return out;
   }
   Lab lab;
@@ -45,13 +49,16 @@ TEST_F(ManagerServices, ExistFromConfigureToDeactivate) {
   const auto offered = [&] {
     std::vector<std::string> names;
     for (const auto& info : lab.bus.services())
-      if (info.providers > 0 && (info.name.ends_with("_env") || info.name.ends_with("_envs") || info.name.ends_with("_plugin") || info.name.ends_with("_plugins"))) names.push_back(info.name.substr(15));
+      if (info.providers > 0 && (info.name.ends_with("_env") || info.name.ends_with("_envs") ||
+                                 info.name.ends_with("_plugin") || info.name.ends_with("_plugins")))
+        names.push_back(info.name.substr(15));
     return names;
   };
   ASSERT_TRUE(lab.create().ok());
   EXPECT_THAT(offered(), IsEmpty());
   ASSERT_TRUE(lab.manager->configure().ok());
-  EXPECT_THAT(offered(), ElementsAre("create_env", "destroy_env", "list_envs", "list_plugins", "load_plugin", "unload_plugin"));
+  EXPECT_THAT(offered(),
+              ElementsAre("create_env", "destroy_env", "list_envs", "list_plugins", "load_plugin", "unload_plugin"));
   ASSERT_TRUE(lab.manager->activate().ok());
   EXPECT_EQ(offered().size(), 6u);
   ASSERT_TRUE(lab.manager->deactivate().ok());
@@ -61,28 +68,34 @@ TEST_F(ManagerServices, ExistFromConfigureToDeactivate) {
 TEST_F(ManagerServices, ListWhatIsThere) {
   lab.run_up();
   EXPECT_EQ(caller.manager("list_envs", "ListClipsEnvs"), R"({success: true, envs: ["main"], error: ""})");
-  EXPECT_EQ(caller.manager("list_plugins", "ListClipsPlugins", "{env_name: main}"), R"({success: true, plugins: ["executive", "one"], error: ""})");
+  EXPECT_EQ(caller.manager("list_plugins", "ListClipsPlugins", "{env_name: main}"),
+            R"({success: true, plugins: ["executive", "one"], error: ""})");
   EXPECT_EQ(caller.manager("list_plugins", "ListClipsPlugins"), R"({success: true, plugins: [], error: ""})");
-  EXPECT_EQ(caller.manager("list_plugins", "ListClipsPlugins", "{env_name: moon}"), R"({success: false, plugins: [], error: "unknown environment"})");
+  EXPECT_EQ(caller.manager("list_plugins", "ListClipsPlugins", "{env_name: moon}"),
+            R"({success: false, plugins: [], error: "unknown environment"})");
 }
 
 TEST_F(ManagerServices, CreateEnvLoadsItsPluginsWithoutResetAndRun) {
   lab.run_up();
   EXPECT_EQ(caller.manager("create_env", "CreateClipsEnv", "{env_name: extra}"), R"({success: true, error: ""})");
   EXPECT_EQ(caller.manager("list_envs", "ListClipsEnvs"), R"({success: true, envs: ["main", "extra"], error: ""})");
-  EXPECT_EQ(caller.manager("list_plugins", "ListClipsPlugins", "{env_name: extra}"), R"({success: true, plugins: ["one", "files"], error: ""})");
+  EXPECT_EQ(caller.manager("list_plugins", "ListClipsPlugins", "{env_name: extra}"),
+            R"({success: true, plugins: ["one", "files"], error: ""})");
   EXPECT_THAT(lab.facts("from-deffacts", "extra"), IsEmpty()) << "no reset";
   EXPECT_THAT(lab.log.with("rules ran"), IsEmpty());
   lab.engine("extra").reset();
   EXPECT_EQ(lab.log.with("info extra: ==> f-1").size(), 1u) << "its watch items hold";
-  EXPECT_EQ(caller.manager("create_env", "CreateClipsEnv", "{env_name: extra}"), R"({success: false, error: "Enviroment extra already exists!"})");
-  EXPECT_EQ(caller.manager("create_env", "CreateClipsEnv", "{env_name: bare}"), R"({success: true, error: ""})") << "without parameters it has no plugins";
+  EXPECT_EQ(caller.manager("create_env", "CreateClipsEnv", "{env_name: extra}"),
+            R"({success: false, error: "Enviroment extra already exists!"})");
+  EXPECT_EQ(caller.manager("create_env", "CreateClipsEnv", "{env_name: bare}"), R"({success: true, error: ""})")
+      << "without parameters it has no plugins";
 }
 
 TEST_F(ManagerServices, AnEnvironmentWithWrongParametersIsNotMade) {
   lab.options.keep_going = true;
   lab.run_up();
-  EXPECT_EQ(caller.manager("create_env", "CreateClipsEnv", "{env_name: wrong}"), R"({success: false, error: "Unknown watch item: fcts"})");
+  EXPECT_EQ(caller.manager("create_env", "CreateClipsEnv", "{env_name: wrong}"),
+            R"({success: false, error: "Unknown watch item: fcts"})");
   EXPECT_EQ(lab.manager->environment_names().size(), 1u);
   ASSERT_EQ(lab.manager->load_errors().size(), 1u) << "so that the exit code tells";
   EXPECT_THAT(lab.manager->load_errors().front().text(), HasSubstr(": Unknown watch item: fcts"));
@@ -100,11 +113,15 @@ TEST_F(ManagerServices, DestroyEnvUnloadsInReverseWithoutExecutiveFinalize) {
   EXPECT_EQ(caller.manager("destroy_env", "DestroyClipsEnv", "{env_name: extra}"), R"({success: true, error: ""})");
   EXPECT_EQ(lab.manager->find("extra"), nullptr);
   EXPECT_THAT(lab.log.with("finalized"), IsEmpty());
-  EXPECT_THAT(lab.log.with("Deactivated!"), ElementsAre("info clips_manager: [files] Deactivated!", "info clips_manager: [one] Deactivated!"));
+  EXPECT_THAT(lab.log.with("Deactivated!"),
+              ElementsAre("info clips_manager: [files] Deactivated!", "info clips_manager: [one] Deactivated!"));
   EXPECT_EQ(lab.log.with("info extra: cleaned").size(), 1u);
-  EXPECT_THAT(hooks(), ElementsAre("one: initialize", "one: init main", "one: init extra", "one: destroyed extra")) << "main still has it: no finalize";
-  EXPECT_EQ(caller.manager("destroy_env", "DestroyClipsEnv", "{env_name: extra}"), R"({success: false, error: "unknown Environment name"})");
-  EXPECT_EQ(caller.manager("create_env", "CreateClipsEnv", "{env_name: extra}"), R"({success: true, error: ""})") << "a name may come again";
+  EXPECT_THAT(hooks(), ElementsAre("one: initialize", "one: init main", "one: init extra", "one: destroyed extra"))
+      << "main still has it: no finalize";
+  EXPECT_EQ(caller.manager("destroy_env", "DestroyClipsEnv", "{env_name: extra}"),
+            R"({success: false, error: "unknown Environment name"})");
+  EXPECT_EQ(caller.manager("create_env", "CreateClipsEnv", "{env_name: extra}"), R"({success: true, error: ""})")
+      << "a name may come again";
 }
 
 TEST_F(ManagerServices, LoadPluginHotLoadsRules) {
@@ -133,12 +150,15 @@ TEST_F(ManagerServices, APluginThatFailsIsNotRecordedAndNotDestroyed) {
   EXPECT_EQ(caller.load("main", "throws"), refused);
   EXPECT_EQ(caller.load("main", "one"), refused) << "it is there already";
   EXPECT_EQ(caller.load("main", "nowhere"), refused);
-  EXPECT_EQ(caller.manager("list_plugins", "ListClipsPlugins", "{env_name: main}"), R"({success: true, plugins: ["executive", "one"], error: ""})");
-  EXPECT_THAT(hooks(), ElementsAre("one: initialize", "one: init main", "bad_init: initialize", "bad_init: init main", "bad_init: finalize",
-                                   "bad_start: initialize", "throws: initialize", "throws: init main", "throws: finalize"));
+  EXPECT_EQ(caller.manager("list_plugins", "ListClipsPlugins", "{env_name: main}"),
+            R"({success: true, plugins: ["executive", "one"], error: ""})");
+  EXPECT_THAT(hooks(), ElementsAre("one: initialize", "one: init main", "bad_init: initialize", "bad_init: init main",
+                                   "bad_init: finalize", "bad_start: initialize", "throws: initialize",
+                                   "throws: init main", "throws: finalize"));
   EXPECT_EQ(lab.manager->load_errors().size(), 4u) << "of all but the one that is there";
   EXPECT_EQ(lab.log.with("clips_env_init threw: thrown in init").size(), 1u);
-  EXPECT_EQ(lab.log.with("plugin 'nowhere' of environment 'main': no parameter 'nowhere.plugin' says what it is").size(), 1u);
+  EXPECT_EQ(
+      lab.log.with("plugin 'nowhere' of environment 'main': no parameter 'nowhere.plugin' says what it is").size(), 1u);
 }
 
 TEST_F(ManagerServices, ABrokenRuleFileEndsTheRunUnlessItKeepsGoing) {
@@ -152,8 +172,9 @@ TEST_F(ManagerServices, ABrokenRuleFileEndsTheRunUnlessItKeepsGoing) {
 }
 
 TEST_F(ManagerServices, AnUnknownPluginOrClassEndsTheRunUnlessItKeepsGoing) {
-  const std::pair<const char*, const char*> mistakes[] = {{"nowhere", "no parameter 'nowhere.plugin' says what it is"},
-                                                          {"no_class", "unknown plugin type 'test::Teling', did you mean 'test::Telling'?"}};
+  const std::pair<const char*, const char*> mistakes[] = {
+      {"nowhere", "no parameter 'nowhere.plugin' says what it is"},
+      {"no_class", "unknown plugin type 'test::Teling', did you mean 'test::Telling'?"}};
   for (const auto& [plugin, message] : mistakes) {
     SCOPED_TRACE(plugin);
     Lab strict;
@@ -161,7 +182,8 @@ TEST_F(ManagerServices, AnUnknownPluginOrClassEndsTheRunUnlessItKeepsGoing) {
     strict.config("environments: [\"main\"]\nmain: {plugins: []}\nno_class: {plugin: \"test::Teling\"}");
     strict.run_up();
     Caller asks(strict);
-    asks.post("/clips_manager/load_plugin", "cx_msgs/srv/LoadClipsPlugin", "{env_name: main, plugin_name: " + std::string(plugin) + "}");
+    asks.post("/clips_manager/load_plugin", "cx_msgs/srv/LoadClipsPlugin",
+              "{env_name: main, plugin_name: " + std::string(plugin) + "}");
     const Status s = strict.tick();
     ASSERT_FALSE(s.ok());
     EXPECT_EQ(s.error().kind, ErrorKind::kInput);
@@ -174,7 +196,8 @@ TEST_F(ManagerServices, UnloadPluginTakesItBack) {
   lab.run_up();
   caller.load("main", "two");
   EXPECT_EQ(caller.unload("main", "two"), R"({success: true, error: ""})");
-  EXPECT_THAT(hooks(), ElementsAre("one: initialize", "one: init main", "two: initialize", "two: init main", "two: destroyed main", "two: finalize"));
+  EXPECT_THAT(hooks(), ElementsAre("one: initialize", "one: init main", "two: initialize", "two: init main",
+                                   "two: destroyed main", "two: finalize"));
   EXPECT_EQ(lab.log.with("[two] Deactivated!").size(), 1u);
   EXPECT_FALSE(lab.engine().callable("two-word"));
   EXPECT_EQ(caller.unload("main", "two"), R"({success: false, error: "unknown plugin"})");

@@ -39,7 +39,8 @@ main: {plugins: ["executive", "files", "worker"]}
 executive: {plugin: "cx::ExecutivePlugin"}
 files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.clp"]}
 worker: {plugin: "test::Worker"})");
-    lab.write("agent/rules.clp", "(deffunction double (?x) (* 2 ?x))\n(defrule scan (scan ?x) => (println \"scan \" ?x))");
+    lab.write("agent/rules.clp",
+              "(deffunction double (?x) (* 2 ?x))\n(defrule scan (scan ?x) => (println \"scan \" ?x))");
     lab.options.plugin_types.push_back({"test::Worker", {}, [this, job](PluginContext c) {
                                           return std::make_unique<Worker>(std::move(c), [this, job](ThreadGate& gate) {
                                             job(gate);
@@ -64,8 +65,10 @@ worker: {plugin: "test::Worker"})");
 
 TEST_F(ThreadGateTest, AThreadAssertsCallsRetractsAndPublishes) {
   std::string heard;
-  ASSERT_TRUE(lab.bus.subscribe(caller.node(), "/word", **lab.registry.message("std_msgs/msg/String"),
-                                [&](const bus::Delivery& d) { heard = d.message->view().text("data"); }).ok());
+  ASSERT_TRUE(lab.bus
+                  .subscribe(caller.node(), "/word", **lab.registry.message("std_msgs/msg/String"),
+                             [&](const bus::Delivery& d) { heard = d.message->view().text("data"); })
+                  .ok());
   std::vector<std::string> answers;
   start([&](ThreadGate& gate) {
     const auto index = gate.assert_fact("(scan 1.5)").get();
@@ -81,7 +84,8 @@ TEST_F(ThreadGateTest, AThreadAssertsCallsRetractsAndPublishes) {
   until_done();
   caller.take();
   EXPECT_EQ(answers.size(), 5u);
-  EXPECT_THAT(std::vector<std::string>(answers.begin() + 1, answers.end()), ElementsAre("42", "TRUE", "FALSE", "published"));
+  EXPECT_THAT(std::vector<std::string>(answers.begin() + 1, answers.end()),
+              ElementsAre("42", "TRUE", "FALSE", "published"));
   EXPECT_EQ(heard, "hello");
   EXPECT_EQ(lab.log.with("main: scan 1.5").size(), 1u);
   EXPECT_FALSE(lab.manager->deterministic());
@@ -167,7 +171,8 @@ TEST_F(ThreadGateTest, TheEpisodesThreadIsRefusedAndSoIsTheHandleOnOthers) {
   ASSERT_TRUE(gate.ok());
   EXPECT_FALSE((*gate)->assert_fact("(scan 1)").get().ok());
   until_done();
-  EXPECT_THAT(thrown, ElementsAre(HasSubstr("open_gate"), HasSubstr("open_gate"), HasSubstr("open_gate"), HasSubstr("open_gate")));
+  EXPECT_THAT(thrown, ElementsAre(HasSubstr("open_gate"), HasSubstr("open_gate"), HasSubstr("open_gate"),
+                                  HasSubstr("open_gate")));
 }
 
 }  // namespace

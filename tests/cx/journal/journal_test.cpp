@@ -107,13 +107,23 @@ std::string hash_with_package_in(const std::string& folder, const std::string& k
   journal.name_folder(folder, known_as);
   const StreamId env = journal.open_stream("env/a");
   RecordData data;
-  data.begin().field("state", "/opt/ros/share/other").name("slots").open_map(2).text_key("\"" + folder + "/clips/a.clp\"").value(2.5).text_key("list").open_list(2).value("see " + folder).value(std::int64_t{7});
+  data.begin()
+      .field("state", "/opt/ros/share/other")
+      .name("slots")
+      .open_map(2)
+      .text_key("\"" + folder + "/clips/a.clp\"")
+      .value(2.5)
+      .text_key("list")
+      .open_list(2)
+      .value("see " + folder)
+      .value(std::int64_t{7});
   journal.write(env, milliseconds(20), RecordKind::kAssert, data);
   return journal.journal_hash();
 }
 
 TEST(JournalHash, DoesNotDependOnWherePackagesLie) {
-  EXPECT_EQ(hash_with_package_in("/a/agent"), hash_with_package_in("/home/somebody/with/a/long/way/to/the/sources/of/agent"));
+  EXPECT_EQ(hash_with_package_in("/a/agent"),
+            hash_with_package_in("/home/somebody/with/a/long/way/to/the/sources/of/agent"));
   EXPECT_NE(hash_with_package_in("/a/agent"), hash_with_package_in("/a/agent", "package://other_agent"));
 }
 
@@ -122,12 +132,22 @@ TEST(JournalExport, FoldersHaveTheirNames) {
     journal.name_folder("/a/agent", "package://agent");
     journal.name_folder("/a/agent/inner", "package://inner");
     RecordData data;
-    data.begin().field("file", "/a/agent/clips/a.clp").field("inner", "\"/a/agent/inner\"").field("both", "/a/agent:/a/agent/inner/x")
-        .field("other", "/a/agent2").field("below", "/b/a/agent").field("topic", "/a").field("uri", "file:///a/agent/b").field("n", 3);
+    data.begin()
+        .field("file", "/a/agent/clips/a.clp")
+        .field("inner", "\"/a/agent/inner\"")
+        .field("both", "/a/agent:/a/agent/inner/x")
+        .field("other", "/a/agent2")
+        .field("below", "/b/a/agent")
+        .field("topic", "/a")
+        .field("uri", "file:///a/agent/b")
+        .field("n", 3);
     journal.write(journal.open_stream("env/a"), milliseconds(20), RecordKind::kInput, data);
   });
-  EXPECT_THAT(text, HasSubstr(R"({"file":"package://agent/clips/a.clp","inner":"\"package://inner\"","both":"package://agent:package://inner/x",)"
-                              R"("other":"/a/agent2","below":"/b/a/agent","topic":"/a","uri":"file://package://agent/b","n":3})"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          R"({"file":"package://agent/clips/a.clp","inner":"\"package://inner\"","both":"package://agent:package://inner/x",)"
+          R"("other":"/a/agent2","below":"/b/a/agent","topic":"/a","uri":"file://package://agent/b","n":3})"));
 }
 
 TEST(Journal, NumbersTheRecordsOfEachStreamFromZero) {
@@ -144,11 +164,14 @@ TEST(JournalExport, WritesOneLineOfJsonARecord) {
   const std::string text = exported(JournalLevel::kDecisions, [](Journal& journal) {
     tell(journal, journal.open_stream("env/a"), journal.open_stream("node/robot1"));
   });
-  EXPECT_EQ(text,
-            "{\"stream\":\"env/a\",\"n\":0,\"t\":20000000,\"kind\":\"input\",\"data\":{\"order\":1,\"state\":\"OPEN\"},\"cause\":[]}\n"
-            "{\"stream\":\"node/robot1\",\"n\":0,\"t\":40000000,\"kind\":\"skill\",\"data\":{\"order\":1,\"state\":\"DONE\"},\"cause\":[]}\n"
-            "{\"stream\":\"env/a\",\"n\":1,\"t\":40000000,\"kind\":\"decision\",\"data\":{\"order\":2,\"state\":\"OPEN\"},"
-            "\"cause\":[\"node/robot1:0\"]}\n");
+  EXPECT_EQ(
+      text,
+      "{\"stream\":\"env/"
+      "a\",\"n\":0,\"t\":20000000,\"kind\":\"input\",\"data\":{\"order\":1,\"state\":\"OPEN\"},\"cause\":[]}\n"
+      "{\"stream\":\"node/"
+      "robot1\",\"n\":0,\"t\":40000000,\"kind\":\"skill\",\"data\":{\"order\":1,\"state\":\"DONE\"},\"cause\":[]}\n"
+      "{\"stream\":\"env/a\",\"n\":1,\"t\":40000000,\"kind\":\"decision\",\"data\":{\"order\":2,\"state\":\"OPEN\"},"
+      "\"cause\":[\"node/robot1:0\"]}\n");
 }
 
 TEST(JournalExport, LevelsSelectKindsAndKeepTheNumbers) {
@@ -178,14 +201,23 @@ TEST(JournalExport, LevelsSelectKindsAndKeepTheNumbers) {
 
 TEST(JournalExport, NumbersAreTheShortestThatReadBackTheSame) {
   RecordData data;
-  data.begin().field("tenth", 0.1).field("one", 1.0).field("tiny", 5e-324).field("big", 1e300).field("third", 1.0 / 3.0);
-  data.field("least", std::numeric_limits<std::int64_t>::min()).field("minus", -5).field("list", std::vector<double>{0.5, -0.0});
+  data.begin()
+      .field("tenth", 0.1)
+      .field("one", 1.0)
+      .field("tiny", 5e-324)
+      .field("big", 1e300)
+      .field("third", 1.0 / 3.0);
+  data.field("least", std::numeric_limits<std::int64_t>::min())
+      .field("minus", -5)
+      .field("list", std::vector<double>{0.5, -0.0});
   data.field("unsigned", std::numeric_limits<std::uint64_t>::max());
   const std::string text = exported(JournalLevel::kFull, [&](Journal& journal) {
     journal.write(journal.open_stream("s"), {}, RecordKind::kControl, data);
   });
-  EXPECT_THAT(text, HasSubstr("{\"tenth\":0.1,\"one\":1.0,\"tiny\":5e-324,\"big\":1e+300,\"third\":0.3333333333333333,"
-                              "\"least\":-9223372036854775808,\"minus\":-5,\"list\":[0.5,-0.0],\"unsigned\":18446744073709551615}"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("{\"tenth\":0.1,\"one\":1.0,\"tiny\":5e-324,\"big\":1e+300,\"third\":0.3333333333333333,"
+                "\"least\":-9223372036854775808,\"minus\":-5,\"list\":[0.5,-0.0],\"unsigned\":18446744073709551615}"));
   const auto record = parse_journal_line(text);
   ASSERT_TRUE(record.ok());
   EXPECT_EQ(record->data, *decode_record_data(data.bytes()));
@@ -194,7 +226,9 @@ TEST(JournalExport, NumbersAreTheShortestThatReadBackTheSame) {
 
 TEST(JournalExport, NumbersThatJsonLacksBecomeWords) {
   RecordData data;
-  data.begin().field("a", std::numeric_limits<double>::quiet_NaN()).field("b", -std::numeric_limits<double>::infinity());
+  data.begin()
+      .field("a", std::numeric_limits<double>::quiet_NaN())
+      .field("b", -std::numeric_limits<double>::infinity());
   std::string text;
   ASSERT_TRUE(append_json(data.bytes(), text).ok());
   EXPECT_EQ(text, R"({"a":"nan","b":"-inf"})");
@@ -206,7 +240,8 @@ TEST(JournalExport, TextIsAlwaysValidUtf8) {
     append_json_string(text, out);
     return out;
   };
-  EXPECT_EQ(json("gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x98\x80"), "\"gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x98\x80\"");
+  EXPECT_EQ(json("gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x98\x80"),
+            "\"gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x98\x80\"");
   EXPECT_EQ(json("a\"b\\c\nd\x01"), R"("a\"b\\c\nd\u0001")");
   const std::string unknown = "\xef\xbf\xbd";
   EXPECT_EQ(json("x\xff\x79"), "\"x" + unknown + "y\"");
@@ -295,12 +330,14 @@ TEST(JournalReader, GivesBackWhatWasWritten) {
 TEST(JournalReader, LeavesOutKindsThatNobodyAskedFor) {
   TempFolder folder;
   // Another order of members, with a "kind" in the data, and one that is nobody's business.
-  const std::string by_hand =
-      R"({"data":{"kind":"fire"},"stream":"s","n":0,"t":0,"kind":"decision","cause":[]})" "\n"
-      R"({"data":{"kind":"decision"},"stream":"s","n":1,"t":0,"kind":"fire","cause":[]})" "\n";
+  const std::string by_hand = R"({"data":{"kind":"fire"},"stream":"s","n":0,"t":0,"kind":"decision","cause":[]})"
+                              "\n"
+                              R"({"data":{"kind":"decision"},"stream":"s","n":1,"t":0,"kind":"fire","cause":[]})"
+                              "\n";
   put_file(folder / "j", exported(JournalLevel::kDecisions, [](Journal& journal) {
-             tell(journal, journal.open_stream("env/{\"kind\":\"fire\""), journal.open_stream("node/robot1"));
-           }) + by_hand);
+                           tell(journal, journal.open_stream("env/{\"kind\":\"fire\""),
+                                journal.open_stream("node/robot1"));
+                         }) + by_hand);
   auto reader = JournalReader::open(folder / "j");
   ASSERT_TRUE(reader.ok());
   reader->only({RecordKind::kSkill, RecordKind::kDecision});
@@ -334,7 +371,8 @@ TEST(JournalReader, LeavesOutALastLineThatIsCutOff) {
 }
 
 TEST(JournalReader, NamesTheLineThatIsWrong) {
-  const std::string good = R"({"stream":"s","n":0,"t":0,"kind":"fire","data":{},"cause":[]})" "\n";
+  const std::string good = R"({"stream":"s","n":0,"t":0,"kind":"fire","data":{},"cause":[]})"
+                           "\n";
   const auto error_of = [&](const std::string& second_line) {
     TempFolder folder;
     put_file(folder / "j", good + second_line + "\n");

@@ -53,7 +53,9 @@ class Echo {
   void note(const Delivery& d) {
     RecordData data;
     data.begin().field("kind", static_cast<int>(d.kind)).field("number", d.request_id).field("accepted", d.accepted);
-    data.field("status", static_cast<int>(d.status)).field("stamp", d.stamp.count()).field("goal", bus::to_string(d.goal).c_str());
+    data.field("status", static_cast<int>(d.status))
+        .field("stamp", d.stamp.count())
+        .field("goal", bus::to_string(d.goal).c_str());
     data.field("goals", static_cast<std::uint64_t>(d.goals_canceling.size())).field("sequence", d.sequence);
     if (d.message) d.message->view().record(data.name("message"));
     last_ = journal_.write(stream_, bus_.now(), RecordKind::kInput, data, {&d.cause, 1});
@@ -80,11 +82,14 @@ class Server {
     service_ = *bus.serve(id, "switch", service, [this, &service](const Delivery& d) {
       bus_.respond(service_, d, std::make_shared<Message>(*service.response));
     });
-    action_ = *bus.serve_action(id, "count", action, {[this, &action](const Delivery& d) {
-      bus_.answer_goal(action_, d.goal, bus::GoalAnswer::kAccept);
-      bus_.publish_feedback(action_, d.goal, std::make_shared<Message>(*action.feedback));
-      bus_.finish(action_, d.goal, bus::GoalStatus::kSucceeded, std::make_shared<Message>(*action.result));
-    }, nullptr});
+    action_ = *bus.serve_action(id, "count", action,
+                                {[this, &action](const Delivery& d) {
+                                   bus_.answer_goal(action_, d.goal, bus::GoalAnswer::kAccept);
+                                   bus_.publish_feedback(action_, d.goal, std::make_shared<Message>(*action.feedback));
+                                   bus_.finish(action_, d.goal, bus::GoalStatus::kSucceeded,
+                                               std::make_shared<Message>(*action.result));
+                                 },
+                                 nullptr});
   }
 
   void say(const std::string& word) {
@@ -151,7 +156,9 @@ class Replay : public testing::Test {
     }
     return replayer.all_used();
   }
-  Replayer replayer_for(World& world) { return {*InputLogReader::open(temp_ / "inputs.bin"), world.bus, world.journal}; }
+  Replayer replayer_for(World& world) {
+    return {*InputLogReader::open(temp_ / "inputs.bin"), world.bus, world.journal};
+  }
 
   TempFolder temp_;
   std::string recorded_ = record_run(temp_ / "inputs.bin");

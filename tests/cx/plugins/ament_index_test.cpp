@@ -29,7 +29,8 @@ TEST(AmentIndex, AnUnknownPackageIsFalseAndAnErrorLine) {
   lab.agent("");
   lab.run_up();
   EXPECT_EQ(lab.engine().eval("(ament-index-get-package-share-directory agnt)")->print(), "FALSE");
-  EXPECT_THAT(lab.log.with("error "), ElementsAre("error ament_index: ament-index-get-package-share-directory: package 'agnt' not found, did you mean 'agent'?"));
+  EXPECT_THAT(lab.log.with("error "), ElementsAre("error ament_index: ament-index-get-package-share-directory: package "
+                                                  "'agnt' not found, did you mean 'agent'?"));
 }
 
 TEST(AmentIndex, ResourcesComeFromTheIndexOfThePrefix) {
@@ -43,7 +44,8 @@ TEST(AmentIndex, ResourcesComeFromTheIndexOfThePrefix) {
   const std::string prefix = (lab.folder / "install").string();
   EXPECT_EQ(eval("(ament-index-get-package-prefix robot)"), '"' + prefix + '"');
   EXPECT_EQ(eval("(ament-index-get-resource cx_plugins robot)"), "(\"plugins.xml\" \"" + prefix + "\")");
-  EXPECT_EQ(eval("(ament-index-get-resources cx_plugins)"), "(\"arm\" \"" + prefix + "\" \"robot\" \"" + prefix + "\")");
+  EXPECT_EQ(eval("(ament-index-get-resources cx_plugins)"),
+            "(\"arm\" \"" + prefix + "\" \"robot\" \"" + prefix + "\")");
   EXPECT_EQ(eval("(ament-index-has-resource cx_plugins leg)"), "FALSE");
 }
 
@@ -58,10 +60,14 @@ TEST(AmentIndex, NamesOfResourcesAreNoPaths) {
   EXPECT_EQ(eval("(ament-index-get-resources \"../..\")"), "FALSE");
   EXPECT_EQ(eval("(ament-index-get-resource packages \"\")"), "FALSE");
   EXPECT_THAT(lab.log.with("error "),
-              ElementsAre("error ament_index: ament-index-get-resource: ament_index_cpp::get_resource() resource type must be a word, found '../../../..'",
-                          "error ament_index: ament-index-has-resource: ament_index_cpp::has_resource() resource type must be a word, found '..'",
-                          "error ament_index: ament-index-get-resources: ament_index_cpp::get_resources() resource type must be a word, found '../..'",
-                          "error ament_index: ament-index-get-resource: ament_index_cpp::get_resource() resource name must not be empty"));
+              ElementsAre("error ament_index: ament-index-get-resource: ament_index_cpp::get_resource() resource type "
+                          "must be a word, found '../../../..'",
+                          "error ament_index: ament-index-has-resource: ament_index_cpp::has_resource() resource type "
+                          "must be a word, found '..'",
+                          "error ament_index: ament-index-get-resources: ament_index_cpp::get_resources() resource "
+                          "type must be a word, found '../..'",
+                          "error ament_index: ament-index-get-resource: ament_index_cpp::get_resource() resource name "
+                          "must not be empty"));
 }
 
 }  // namespace

@@ -28,15 +28,23 @@ class AnyArguments : public ::testing::Test {
     };
     for (const PluginType& type : builtin_plugins())
       if (!type.has && type.name != "cx::FileLoadPlugin") add(type.name);
-    for (const char* type : {"cx::CXStdMsgsStringPlugin", "cx::CXStdSrvsSetBoolPlugin", "cx::CXExampleInterfacesFibonacciPlugin"}) add(type);
-    lab_.config("environments: [\"main\"]\nmain: {plugins: [" + names + "\"files\"]}\nfiles: {plugin: \"cx::FileLoadPlugin\", pkg_share_dirs: [\"agent\"], load: [\"rules.clp\"]}\n" + sections);
+    for (const char* type :
+         {"cx::CXStdMsgsStringPlugin", "cx::CXStdSrvsSetBoolPlugin", "cx::CXExampleInterfacesFibonacciPlugin"})
+      add(type);
+    lab_.config(
+        "environments: [\"main\"]\nmain: {plugins: [" + names +
+        "\"files\"]}\nfiles: {plugin: \"cx::FileLoadPlugin\", pkg_share_dirs: [\"agent\"], load: [\"rules.clp\"]}\n" +
+        sections);
     lab_.write("agent/rules.clp", kRules);
     lab_.options.stop_on_rule_error = false;
     lab_.run_up();
   }
 
-  std::string one_of(std::initializer_list<const char*> choices) { return std::data(choices)[random_.below(choices.size())]; }
-  /// A value that the type's code allows; for the same names and handles again and again, so that calls meet each other.
+  std::string one_of(std::initializer_list<const char*> choices) {
+    return std::data(choices)[random_.below(choices.size())];
+  }
+  /// A value that the type's code allows; for the same names and handles again and again, so that calls meet each
+  /// other.
   std::string argument(char code) {
     switch (code) {
       case 'e': return one_of({"?*a*", "?*b*", "?*c*", "?*d*"});
@@ -44,19 +52,25 @@ class AnyArguments : public ::testing::Test {
       case 'd': return one_of({"0.5", "10.0", "-1.0", "1e300"});
       case 'm': return one_of({"(create$)", "(create$ 1 2 ?*a*)", "(create$ 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16)"});
       case 's':
-      case 'y': return one_of({"\"t\"", "\"/tf\"", "\"power\"", "\"count\"", "\"a b\"", "\"\"", "\"std_msgs/msg/String\"", "\"tf2_msgs/msg/TFMessage\"", "\"std_srvs/srv/SetBool\"",
-                               "\"example_interfaces/action/Fibonacci\"", "\"no/msg/Such\"", "\"data\"", "\"transforms\"", "\"order\"", "\"sequence\"", "\"header\""});
+      case 'y':
+        return one_of({"\"t\"", "\"/tf\"", "\"power\"", "\"count\"", "\"a b\"", "\"\"", "\"std_msgs/msg/String\"",
+                       "\"tf2_msgs/msg/TFMessage\"", "\"std_srvs/srv/SetBool\"",
+                       "\"example_interfaces/action/Fibonacci\"", "\"no/msg/Such\"", "\"data\"", "\"transforms\"",
+                       "\"order\"", "\"sequence\"", "\"header\""});
       default: return argument("eldmsy"[random_.below(6)]);
     }
   }
   std::string call(const FunctionSpec& function) {
     std::vector<std::string> codes;  // of each argument
     for (const char c : function.arg_types) {
-      if (c == ';') codes.emplace_back();
-      else if (!codes.empty()) codes.back() += c;
+      if (c == ';')
+        codes.emplace_back();
+      else if (!codes.empty())
+        codes.back() += c;
     }
     std::string text = '(' + function.name;
-    for (std::size_t i = 0; i < function.min_args; ++i) text += ' ' + argument(i < codes.size() && !codes[i].empty() ? codes[i][random_.below(codes[i].size())] : '*');
+    for (std::size_t i = 0; i < function.min_args; ++i)
+      text += ' ' + argument(i < codes.size() && !codes[i].empty() ? codes[i][random_.below(codes[i].size())] : '*');
     text += ')';
     return function.returns == "e" ? "(bind " + one_of({"?*a*", "?*b*", "?*c*", "?*d*"}) + ' ' + text + ')' : text;
   }
@@ -75,8 +89,10 @@ TEST_F(AnyArguments, AreAValueOrAnErrorAndTheEnvironmentGoesOn) {
     const std::string text = call(functions[random_.below(functions.size())]);
     const auto value = lab_.engine().eval(text);
     const auto errors = lab_.engine().take_errors();
-    if (value && errors.empty()) ++went_well;
-    else ++refused;
+    if (value && errors.empty())
+      ++went_well;
+    else
+      ++refused;
     for (const RuleError& error : errors) EXPECT_FALSE(error.message.empty()) << text;
     if (i % 20 == 19) lab_.ticks(1);
     if (i % 500 == 499) lab_.log.lines.clear();
@@ -85,11 +101,14 @@ TEST_F(AnyArguments, AreAValueOrAnErrorAndTheEnvironmentGoesOn) {
   EXPECT_GT(refused, 1500u);
 
   ASSERT_TRUE(lab_.engine().eval("(reset)").ok());
-  for (const char* step : {"(ros-msgs-create-publisher \"end\" \"std_msgs/msg/String\")", "(ros-msgs-create-subscription \"end\" \"std_msgs/msg/String\")",
-                           "(bind ?*a* (ros-msgs-create-message \"std_msgs/msg/String\"))", "(ros-msgs-publish ?*a* \"end\")"})
+  for (const char* step :
+       {"(ros-msgs-create-publisher \"end\" \"std_msgs/msg/String\")",
+        "(ros-msgs-create-subscription \"end\" \"std_msgs/msg/String\")",
+        "(bind ?*a* (ros-msgs-create-message \"std_msgs/msg/String\"))", "(ros-msgs-publish ?*a* \"end\")"})
     ASSERT_TRUE(lab_.engine().eval(step).ok()) << step;
   lab_.ticks(2);
-  EXPECT_THAT(lab_.facts("ros-msgs-message"), ::testing::Contains(::testing::HasSubstr("(topic \"end\")"))) << "it works as before";
+  EXPECT_THAT(lab_.facts("ros-msgs-message"), ::testing::Contains(::testing::HasSubstr("(topic \"end\")")))
+      << "it works as before";
   EXPECT_TRUE(lab_.manager->deactivate().ok());
 }
 

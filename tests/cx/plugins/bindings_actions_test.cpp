@@ -19,8 +19,12 @@ executive: {plugin: "cx::ExecutivePlugin"}
 fib: {plugin: "cx::CXExampleInterfacesFibonacciPlugin"}
 server_files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["server.clp"]}
 client_files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["client.clp"]})");
-    lab_.write("agent/server.clp", "(deffacts start (open)) (defrule open (open) => (example-interfaces-fibonacci-create-server \"/fib\"))\n" + server_rules);
-    lab_.write("agent/client.clp", R"((deffacts start (open)) (defrule open (open) => (example-interfaces-fibonacci-create-client "fib"))
+    lab_.write(
+        "agent/server.clp",
+        "(deffacts start (open)) (defrule open (open) => (example-interfaces-fibonacci-create-server \"/fib\"))\n" +
+            server_rules);
+    lab_.write("agent/client.clp",
+               R"((deffacts start (open)) (defrule open (open) => (example-interfaces-fibonacci-create-client "fib"))
 (defrule send ?f <- (send ?n) => (retract ?f)
   (bind ?g (example-interfaces-fibonacci-goal-create))
   (example-interfaces-fibonacci-goal-set-field ?g order ?n)
@@ -42,7 +46,9 @@ client_files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["
     lab_.options.stop_on_rule_error = stop_on_rule_error;
     lab_.run_up();
   }
-  void put(const std::string& environment, const std::string& fact) { ASSERT_TRUE(lab_.engine(environment).assert_string(fact).ok()); }
+  void put(const std::string& environment, const std::string& fact) {
+    ASSERT_TRUE(lab_.engine(environment).assert_string(fact).ok());
+  }
   void send(const std::string& fact = "(send 3)") {
     put("client", fact);
     lab_.ticks(15);
@@ -85,8 +91,8 @@ constexpr const char* kServer = R"(
 TEST_F(ActionBindings, AGoalGoesThroughToItsResult) {
   run(kServer);
   send();
-  EXPECT_THAT(said(), ElementsAre("info server: said asked /fib 3 32", "info server: said begun 3 TRUETRUEFALSE 32", "info client: said fib status 2",
-                                  "info client: said feedback (0 1)"));
+  EXPECT_THAT(said(), ElementsAre("info server: said asked /fib 3 32", "info server: said begun 3 TRUETRUEFALSE 32",
+                                  "info client: said fib status 2", "info client: said feedback (0 1)"));
   lab_.log.lines.clear();
   put("server", "(finish succeed)");
   lab_.ticks(10);
@@ -94,9 +100,14 @@ TEST_F(ActionBindings, AGoalGoesThroughToItsResult) {
 
   for (const char* e : {"server", "client"}) {
     put(e, "(close)");
-    ASSERT_TRUE(lab_.engine(e).build(e == std::string("server")
-      ? "(defrule close (close) (handle ?h) => (example-interfaces-fibonacci-server-goal-handle-destroy ?h) (example-interfaces-fibonacci-destroy-server /fib))"
-      : "(defrule close (close) => (example-interfaces-fibonacci-destroy-client \"fib\"))").ok());
+    ASSERT_TRUE(
+        lab_.engine(e)
+            .build(
+                e == std::string("server")
+                    ? "(defrule close (close) (handle ?h) => (example-interfaces-fibonacci-server-goal-handle-destroy "
+                      "?h) (example-interfaces-fibonacci-destroy-server /fib))"
+                    : "(defrule close (close) => (example-interfaces-fibonacci-destroy-client \"fib\"))")
+            .ok());
   }
   lab_.ticks(5);
   EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-server", "server"), IsEmpty());
@@ -116,16 +127,24 @@ TEST_F(ActionBindings, WithoutACallbackAGoalIsAcceptedAndRuns) {
 TEST_F(ActionBindings, ARejectedGoalGivesANullHandle) {
   run("(deffunction example-interfaces-fibonacci-handle-goal-callback (?s ?g ?u) 1)", false);
   send();
-  EXPECT_EQ(*lab_.engine("client").facts("example-interfaces-fibonacci-goal-response").at(0).slot("client-goal-handle-ptr"), Value::handle(Handle::kNone));
+  EXPECT_EQ(
+      *lab_.engine("client").facts("example-interfaces-fibonacci-goal-response").at(0).slot("client-goal-handle-ptr"),
+      Value::handle(Handle::kNone));
   EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-accepted-goal", "server"), IsEmpty());
-  EXPECT_THAT(lab_.log.with("error "), ElementsAre("error fib: Unknown client goal handle: map::at", HasSubstr("client.clp:9: rule answered, RHS: [CXLAB1] Function 'example-interfaces-fibonacci-client-goal-handle-get-status': the client goal handle is a null pointer, as of a goal that was rejected")));
+  EXPECT_THAT(lab_.log.with("error "),
+              ElementsAre("error fib: Unknown client goal handle: map::at",
+                          HasSubstr("client.clp:9: rule answered, RHS: [CXLAB1] Function "
+                                    "'example-interfaces-fibonacci-client-goal-handle-get-status': the client goal "
+                                    "handle is a null pointer, as of a goal that was rejected")));
   EXPECT_THAT(said(), ElementsAre("info client: said fib status 0")) << "the rule goes on, as in CX";
 }
 
 TEST_F(ActionBindings, TheRuleOfThePageKnowsARejectedGoal) {
   std::string rules = lab_.page_code("docs/plugins/bindings.md", "is-null");
   rules.replace(rules.find("P-"), 2, "example-interfaces-fibonacci-");
-  run("(deffunction example-interfaces-fibonacci-handle-goal-callback (?s ?g ?u) (if (= (example-interfaces-fibonacci-goal-get-field ?g order) 3) then 1 else 2))", false);
+  run("(deffunction example-interfaces-fibonacci-handle-goal-callback (?s ?g ?u) (if (= "
+      "(example-interfaces-fibonacci-goal-get-field ?g order) 3) then 1 else 2))",
+      false);
   ASSERT_TRUE(lab_.engine("client").load_text(rules, "page.clp", LoadMode::kConstructs).ok()) << rules;
   send("(send 4)");
   EXPECT_THAT(lab_.log.with("no: "), IsEmpty()) << "this one was accepted";
@@ -136,7 +155,9 @@ TEST_F(ActionBindings, TheRuleOfThePageKnowsARejectedGoal) {
 TEST_F(ActionBindings, AnotherAnswerIsAnErrorAndRejects) {
   run("(deffunction example-interfaces-fibonacci-handle-goal-callback (?s ?g ?u) TRUE)", false);
   send();
-  EXPECT_THAT(lab_.log.with("error fib: example"), ElementsAre("error fib: example-interfaces-fibonacci-handle-goal-callback returned TRUE, expected an INTEGER from 1 to 3: rejected"));
+  EXPECT_THAT(lab_.log.with("error fib: example"),
+              ElementsAre("error fib: example-interfaces-fibonacci-handle-goal-callback returned TRUE, expected an "
+                          "INTEGER from 1 to 3: rejected"));
   EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-accepted-goal", "server"), IsEmpty());
 }
 
@@ -144,17 +165,20 @@ TEST_F(ActionBindings, ADeferredGoalWaitsForItsExecution) {
   run("(deffunction example-interfaces-fibonacci-handle-goal-callback (?s ?g ?u) 3)");
   send();
   EXPECT_THAT(said(), ElementsAre("info client: said fib status 1"));
-  ASSERT_TRUE(lab_.engine("server").build(R"((defrule go (go) (example-interfaces-fibonacci-accepted-goal (server-goal-handle-ptr ?h)) =>
+  ASSERT_TRUE(lab_.engine("server")
+                  .build(R"((defrule go (go) (example-interfaces-fibonacci-accepted-goal (server-goal-handle-ptr ?h)) =>
     (println "said executing " (example-interfaces-fibonacci-server-goal-handle-is-executing ?h))
     (example-interfaces-fibonacci-server-goal-handle-execute ?h)
     (println "said executing " (example-interfaces-fibonacci-server-goal-handle-is-executing ?h))
-    (example-interfaces-fibonacci-server-goal-handle-execute ?h)))").ok());
+    (example-interfaces-fibonacci-server-goal-handle-execute ?h)))")
+                  .ok());
   put("server", "(go)");
   Status s;
   for (int i = 0; i < 6 && s.ok(); ++i) s = lab_.tick();
   ASSERT_FALSE(s.ok());
   EXPECT_THAT(s.error().message, HasSubstr("the goal is EXECUTING, expected ACCEPTED"));
-  EXPECT_THAT(lab_.log.with("said executing"), ElementsAre("info server: said executing FALSE", "info server: said executing TRUE"));
+  EXPECT_THAT(lab_.log.with("said executing"),
+              ElementsAre("info server: said executing FALSE", "info server: said executing TRUE"));
 }
 
 TEST_F(ActionBindings, ACancelIsAskedOfTheRulesWithThreeArguments) {
@@ -164,11 +188,15 @@ TEST_F(ActionBindings, ACancelIsAskedOfTheRulesWithThreeArguments) {
   lab_.log.lines.clear();
   send("(cancel)");
   EXPECT_THAT(said(), ElementsAre("info server: said cancel /fib 3 TRUE"));
-  const std::string id = eval("client", "(do-for-fact ((?g goal)) TRUE (example-interfaces-fibonacci-client-goal-handle-get-goal-id (nth$ 1 ?g:implied)))");
+  const std::string id = eval("client",
+                              "(do-for-fact ((?g goal)) TRUE "
+                              "(example-interfaces-fibonacci-client-goal-handle-get-goal-id (nth$ 1 ?g:implied)))");
   EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-cancel-goal-response", "client"),
-              ElementsAre("(example-interfaces-fibonacci-cancel-goal-response (server \"fib\") (return-code ERROR_NONE) (num-goals 1))"));
+              ElementsAre("(example-interfaces-fibonacci-cancel-goal-response (server \"fib\") (return-code "
+                          "ERROR_NONE) (num-goals 1))"));
   EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-cancel-goal-entry", "client"),
-              ElementsAre(HasSubstr("(example-interfaces-fibonacci-cancel-goal-entry (server \"fib\") (goal-id " + id + ") (stamp 0.")));
+              ElementsAre(HasSubstr("(example-interfaces-fibonacci-cancel-goal-entry (server \"fib\") (goal-id " + id +
+                                    ") (stamp 0.")));
   lab_.log.lines.clear();
   put("server", "(finish canceled)");
   lab_.ticks(10);
@@ -180,7 +208,8 @@ TEST_F(ActionBindings, ACancelMayBeRejected) {
   send();
   send("(cancel)");
   EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-cancel-goal-response", "client"),
-              ElementsAre("(example-interfaces-fibonacci-cancel-goal-response (server \"fib\") (return-code ERROR_REJECTED) (num-goals 0))"));
+              ElementsAre("(example-interfaces-fibonacci-cancel-goal-response (server \"fib\") (return-code "
+                          "ERROR_REJECTED) (num-goals 0))"));
   put("server", "(finish canceled)");
   Status s;
   for (int i = 0; i < 6 && s.ok(); ++i) s = lab_.tick();
@@ -194,10 +223,12 @@ TEST_F(ActionBindings, AllGoalsOrThoseBeforeAMomentAreCancelled) {
   send("(send 2)");
   EXPECT_EQ(eval("client", "(example-interfaces-fibonacci-client-cancel-goals-before fib 0.1)"), "");
   lab_.ticks(5);
-  EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-cancel-goal-entry", "client"), SizeIs(1)) << "the second was accepted later";
+  EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-cancel-goal-entry", "client"), SizeIs(1))
+      << "the second was accepted later";
   EXPECT_EQ(eval("client", "(example-interfaces-fibonacci-client-cancel-all-goals fib)"), "");
   lab_.ticks(5);
-  EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-cancel-goal-entry", "client"), SizeIs(2)) << "the first is being cancelled already";
+  EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-cancel-goal-entry", "client"), SizeIs(2))
+      << "the first is being cancelled already";
 }
 
 TEST_F(ActionBindings, AnAbortedGoalAndOneWhoseHandleIsDestroyedEnd) {
@@ -208,9 +239,13 @@ TEST_F(ActionBindings, AnAbortedGoalAndOneWhoseHandleIsDestroyedEnd) {
   EXPECT_THAT(lab_.log.with("ended"), ElementsAre("info client: said ended ABORTED (0 1 1) 6 TRUETRUE TRUETRUE"));
   send("(send 4)");
   EXPECT_THAT(lab_.log.with("warn "), IsEmpty());
-  ASSERT_TRUE(lab_.engine("server").eval("(do-for-all-facts ((?g handle)) TRUE (example-interfaces-fibonacci-server-goal-handle-destroy (nth$ 1 ?g:implied)))").ok());
+  ASSERT_TRUE(lab_.engine("server")
+                  .eval("(do-for-all-facts ((?g handle)) TRUE (example-interfaces-fibonacci-server-goal-handle-destroy "
+                        "(nth$ 1 ?g:implied)))")
+                  .ok());
   lab_.ticks(5);
-  EXPECT_THAT(lab_.log.with("warn "), ElementsAre(HasSubstr("of server /fib is aborted: its handle was destroyed before its end")));
+  EXPECT_THAT(lab_.log.with("warn "),
+              ElementsAre(HasSubstr("of server /fib is aborted: its handle was destroyed before its end")));
   EXPECT_THAT(lab_.log.with("ended ABORTED () 6"), SizeIs(1)) << "the client does not wait for ever";
 }
 
@@ -218,36 +253,48 @@ TEST_F(ActionBindings, AServerThatItsCallbackDestroysAnswersAndEndsItsGoals) {
   run(R"((deffunction example-interfaces-fibonacci-handle-goal-callback (?server ?goal ?uuid)
   (bind ?order (example-interfaces-fibonacci-goal-get-field ?goal order))
   (if (> ?order 1) then (example-interfaces-fibonacci-destroy-server ?server))
-  (if (= ?order 3) then 1 else 2)))", false);
+  (if (= ?order 3) then 1 else 2)))",
+      false);
   send("(send 1)");
   EXPECT_THAT(said(), ElementsAre("info client: said fib status 2"));
   lab_.log.lines.clear();
   send("(send 2)");
-  EXPECT_THAT(lab_.log.with("is aborted: its server was destroyed before its end"), SizeIs(2)) << "the goal that ran, and the one that was accepted meanwhile";
+  EXPECT_THAT(lab_.log.with("is aborted: its server was destroyed before its end"), SizeIs(2))
+      << "the goal that ran, and the one that was accepted meanwhile";
   EXPECT_THAT(lab_.log.with("said ended ABORTED () 6"), SizeIs(2)) << "their clients do not wait for ever";
-  EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-accepted-goal", "server"), SizeIs(1)) << "none for a goal that nobody can end";
+  EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-accepted-goal", "server"), SizeIs(1))
+      << "none for a goal that nobody can end";
 
   ASSERT_TRUE(lab_.engine("server").eval("(example-interfaces-fibonacci-create-server \"/fib\")").ok());
   send("(send 3)");
-  EXPECT_EQ(*lab_.engine("client").facts("example-interfaces-fibonacci-goal-response").back().slot("client-goal-handle-ptr"), Value::handle(Handle::kNone))
+  EXPECT_EQ(
+      *lab_.engine("client").facts("example-interfaces-fibonacci-goal-response").back().slot("client-goal-handle-ptr"),
+      Value::handle(Handle::kNone))
       << "it was rejected";
   EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-server", "server"), IsEmpty());
 }
 
 TEST_F(ActionBindings, AServerThatItsCancelCallbackDestroysAnswersTheCancel) {
-  run("(deffunction example-interfaces-fibonacci-cancel-goal-callback (?server ?goal ?handle) (example-interfaces-fibonacci-destroy-server ?server) 2)");
+  run("(deffunction example-interfaces-fibonacci-cancel-goal-callback (?server ?goal ?handle) "
+      "(example-interfaces-fibonacci-destroy-server ?server) 2)");
   send();
   send("(cancel)");
   EXPECT_THAT(lab_.log.with("said ended ABORTED () 6"), SizeIs(1));
-  EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-cancel-goal-response", "client"), ElementsAre(HasSubstr("ERROR_REJECTED")));
+  EXPECT_THAT(lab_.facts("example-interfaces-fibonacci-cancel-goal-response", "client"),
+              ElementsAre(HasSubstr("ERROR_REJECTED")));
 }
 
 TEST_F(ActionBindings, UnknownServerHandlesAreToldAndTheRuleGoesOn) {
   run("");
-  for (const auto& [what, gives] : std::vector<std::pair<std::string, std::string>>{
-           {"is-active", "FALSE"}, {"is-executing", "FALSE"}, {"is-canceling", "FALSE"}, {"get-goal-id", "\"\""}, {"execute", ""}}) {
+  for (const auto& [what, gives] : std::vector<std::pair<std::string, std::string>>{{"is-active", "FALSE"},
+                                                                                    {"is-executing", "FALSE"},
+                                                                                    {"is-canceling", "FALSE"},
+                                                                                    {"get-goal-id", "\"\""},
+                                                                                    {"execute", ""}}) {
     lab_.log.lines.clear();
-    EXPECT_EQ(eval("server", "(example-interfaces-fibonacci-server-goal-handle-" + what + " (example-interfaces-fibonacci-goal-create))"), gives);
+    EXPECT_EQ(eval("server", "(example-interfaces-fibonacci-server-goal-handle-" + what +
+                                 " (example-interfaces-fibonacci-goal-create))"),
+              gives);
     EXPECT_THAT(lab_.log.with("error "), ElementsAre("error fib: Unknown server goal handle: map::at")) << what;
     ASSERT_EQ(errors_.size(), 1U);
     EXPECT_THAT(errors_[0].message, HasSubstr(what + "': the server goal handle was destroyed"));
@@ -260,7 +307,8 @@ TEST_F(ActionBindings, UnloadingAServerWhileAGoalRunsLeavesItsRulesAnError) {
   ASSERT_THAT(lab_.log.with("said begun"), SizeIs(1));
   lab_.log.lines.clear();
   ASSERT_TRUE(lab_.manager->unload_plugin("server", "fib").ok());
-  EXPECT_THAT(lab_.log.with("warn fib: "), ElementsAre(HasSubstr("-server cant be undefined"), HasSubstr("-accepted-goal cant be undefined")))
+  EXPECT_THAT(lab_.log.with("warn fib: "),
+              ElementsAre(HasSubstr("-server cant be undefined"), HasSubstr("-accepted-goal cant be undefined")))
       << "a fact and a rule use these; what is left is told when the client's environment has lost the plugin, too";
   put("server", "(finish succeed)");
   put("client", "(cancel)");
@@ -280,10 +328,11 @@ TEST_F(ActionBindings, WhatIsLeftIsTold) {
   send();
   lab_.log.lines.clear();
   ASSERT_TRUE(lab_.manager->deactivate().ok());
-  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn fib: Environment server has open /fib action servers, cleaning up ...",
-                                                  "warn fib: Environment client has open fib action clients, cleaning up ...",
-                                                  "warn fib: Found 1 server goal handle(s), cleaning up ...",
-                                                  "warn fib: Found 1 client goal handle(s), cleaning up ..."));
+  EXPECT_THAT(lab_.log.with("warn "),
+              ElementsAre("warn fib: Environment server has open /fib action servers, cleaning up ...",
+                          "warn fib: Environment client has open fib action clients, cleaning up ...",
+                          "warn fib: Found 1 server goal handle(s), cleaning up ...",
+                          "warn fib: Found 1 client goal handle(s), cleaning up ..."));
 }
 
 }  // namespace

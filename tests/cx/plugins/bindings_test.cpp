@@ -47,8 +47,10 @@ class Bindings : public ::testing::Test {
       names += ", \"" + name + '"';
       sections += name + ": {plugin: \"cx::CX" + c + "Plugin\"}\n";
     }
-    lab_.config("environments: [\"main\"]\nmain: {plugins: [\"executive\"" + names + ", \"files\"]}\n"
-                "executive: {plugin: \"cx::ExecutivePlugin\"}\n" + sections +
+    lab_.config("environments: [\"main\"]\nmain: {plugins: [\"executive\"" + names +
+                ", \"files\"]}\n"
+                "executive: {plugin: \"cx::ExecutivePlugin\"}\n" +
+                sections +
                 "files: {plugin: \"cx::FileLoadPlugin\", pkg_share_dirs: [\"agent\"], load: [\"rules.clp\"]}");
     lab_.write("agent/rules.clp", rules);
     lab_.run_up();
@@ -57,7 +59,8 @@ class Bindings : public ::testing::Test {
   /// Runs this as the actions of a rule; what the rule's error says, empty without one.
   std::string act(const std::string& actions) {
     const std::string name = "act-" + std::to_string(++count_);
-    EXPECT_TRUE(lab_.engine().build("(defrule " + name + " ?f <- (" + name + ") => (retract ?f) " + actions + ")").ok()) << actions;
+    EXPECT_TRUE(lab_.engine().build("(defrule " + name + " ?f <- (" + name + ") => (retract ?f) " + actions + ")").ok())
+        << actions;
     EXPECT_TRUE(lab_.engine().assert_string("(" + name + ")").ok());
     for (int i = 0; i < 6; ++i)
       if (const Status s = lab_.tick(); !s) return s.error().message;
@@ -80,11 +83,13 @@ TEST_F(Bindings, AMessageGoesOutAndComesBackUnderItsOwnFacts) {
   (println "said " ?t " " (std-msgs-string-get-field ?m "data")) (std-msgs-string-destroy-message ?m) (retract ?f)))");
   EXPECT_EQ(act(R"((std-msgs-string-create-subscription "chatter") (std-msgs-string-create-publisher "/chatter")
     (bind ?m (std-msgs-string-create-message)) (std-msgs-string-set-field ?m "data" "hello")
-    (std-msgs-string-publish ?m "/chatter") (std-msgs-string-destroy-message ?m))"), "");
+    (std-msgs-string-publish ?m "/chatter") (std-msgs-string-destroy-message ?m))"),
+            "");
   lab_.ticks(5);
   EXPECT_THAT(said(), ElementsAre("info main: said chatter hello"));
   EXPECT_THAT(lab_.facts("std-msgs-string-publisher"), ElementsAre("(std-msgs-string-publisher (topic \"/chatter\"))"));
-  EXPECT_EQ(act(R"((std-msgs-string-destroy-publisher "/chatter") (std-msgs-string-destroy-subscription "chatter"))"), "");
+  EXPECT_EQ(act(R"((std-msgs-string-destroy-publisher "/chatter") (std-msgs-string-destroy-subscription "chatter"))"),
+            "");
   EXPECT_THAT(lab_.facts("std-msgs-string-publisher"), SizeIs(1)) << "as in CX the fact of a publisher stays";
   EXPECT_THAT(lab_.facts("std-msgs-string-subscription"), IsEmpty());
   ASSERT_TRUE(lab_.manager->deactivate().ok());
@@ -93,16 +98,21 @@ TEST_F(Bindings, AMessageGoesOutAndComesBackUnderItsOwnFacts) {
 
 TEST_F(Bindings, OpeningTwiceAndClosingTheUnknownWarns) {
   run({"StdMsgsString", "StdSrvsSetBool", "ExampleInterfacesFibonacci"});
-  EXPECT_EQ(act(R"((std-msgs-string-create-publisher a) (std-msgs-string-create-publisher a) (std-msgs-string-destroy-publisher b)
+  EXPECT_EQ(
+      act(R"((std-msgs-string-create-publisher a) (std-msgs-string-create-publisher a) (std-msgs-string-destroy-publisher b)
     (std-msgs-string-create-subscription "a") (std-msgs-string-create-subscription "a") (std-msgs-string-destroy-subscription "b")
     (std-srvs-set-bool-create-client "a") (std-srvs-set-bool-create-client "a") (std-srvs-set-bool-destroy-client "b")
     (std-srvs-set-bool-create-service a) (std-srvs-set-bool-create-service a) (std-srvs-set-bool-destroy-service b)
     (example-interfaces-fibonacci-create-client "a") (example-interfaces-fibonacci-create-client "a") (example-interfaces-fibonacci-destroy-client "b")
-    (example-interfaces-fibonacci-create-server a) (example-interfaces-fibonacci-create-server a) (example-interfaces-fibonacci-destroy-server b))"), "");
+    (example-interfaces-fibonacci-create-server a) (example-interfaces-fibonacci-create-server a) (example-interfaces-fibonacci-destroy-server b))"),
+      "");
   EXPECT_THAT(lab_.log.with("warn "),
-              ElementsAre("warn std-msgs-string: Already publishing to topic a", "warn std-msgs-string: No publisher for topic b",
-                          "warn std-msgs-string: Already subscribed to topic a", "warn std-msgs-string: No subscription to topic b",
-                          "warn std-srvs-set-bool: Already have a client for service a", "warn std-srvs-set-bool: No client for service b",
+              ElementsAre("warn std-msgs-string: Already publishing to topic a",
+                          "warn std-msgs-string: No publisher for topic b",
+                          "warn std-msgs-string: Already subscribed to topic a",
+                          "warn std-msgs-string: No subscription to topic b",
+                          "warn std-srvs-set-bool: Already have a client for service a",
+                          "warn std-srvs-set-bool: No client for service b",
                           "warn std-srvs-set-bool: Already providing service a", "warn std-srvs-set-bool: No service b",
                           "warn example-interfaces-fibonacci: Already have an action client for server a",
                           "warn example-interfaces-fibonacci: No action client for server b",
@@ -117,21 +127,29 @@ TEST_F(Bindings, AnUnknownSlotIsToldAndEndsTheRule) {
   run({"StdMsgsString"});
   EXPECT_THAT(act("(std-msgs-string-get-field (std-msgs-string-create-message) dta) (println \"said more\")"),
               HasSubstr("std_msgs/msg/String has no field 'dta', did you mean 'data'?"));
-  EXPECT_THAT(act("(std-msgs-string-set-field (std-msgs-string-create-message) dta x)"), HasSubstr("did you mean 'data'?"));
-  EXPECT_THAT(lab_.log.with("unknown slot"), ElementsAre("error std-msgs-string: std-msgs-string-get-field: cannot retrieve unknown slot name dta",
-                                                         "error std-msgs-string: std-msgs-string-set-field: cannot set unknown slot name dta"));
+  EXPECT_THAT(act("(std-msgs-string-set-field (std-msgs-string-create-message) dta x)"),
+              HasSubstr("did you mean 'data'?"));
+  EXPECT_THAT(lab_.log.with("unknown slot"),
+              ElementsAre("error std-msgs-string: std-msgs-string-get-field: cannot retrieve unknown slot name dta",
+                          "error std-msgs-string: std-msgs-string-set-field: cannot set unknown slot name dta"));
   EXPECT_THAT(said(), IsEmpty());
 }
 
 TEST_F(Bindings, WhatCxLeavesUndefinedIsAnError) {
   run({"StdMsgsString", "StdMsgsInt32", "StdSrvsSetBool", "ExampleInterfacesFibonacci"});
-  EXPECT_THAT(act("(std-msgs-string-get-field (std-msgs-int32-create-message) data)"), HasSubstr("found a message of type std_msgs/msg/Int32"));
-  EXPECT_THAT(act("(std-msgs-int32-set-field (std-msgs-int32-create-message) data 1.5)"), HasSubstr("found 1.5, expected a whole number"));
-  EXPECT_THAT(act("(bind ?m (std-msgs-string-create-message)) (std-msgs-string-destroy-message ?m) (std-msgs-string-get-field ?m data)"),
+  EXPECT_THAT(act("(std-msgs-string-get-field (std-msgs-int32-create-message) data)"),
+              HasSubstr("found a message of type std_msgs/msg/Int32"));
+  EXPECT_THAT(act("(std-msgs-int32-set-field (std-msgs-int32-create-message) data 1.5)"),
+              HasSubstr("found 1.5, expected a whole number"));
+  EXPECT_THAT(act("(bind ?m (std-msgs-string-create-message)) (std-msgs-string-destroy-message ?m) "
+                  "(std-msgs-string-get-field ?m data)"),
               HasSubstr("invalid message pointer"));
-  EXPECT_THAT(act("(std-msgs-string-publish (std-msgs-string-create-message) nowhere)"), HasSubstr("no publisher for topic nowhere"));
-  EXPECT_THAT(act("(std-srvs-set-bool-send-request (std-srvs-set-bool-request-create) nowhere)"), HasSubstr("no client for service nowhere"));
-  EXPECT_THAT(act("(example-interfaces-fibonacci-send-goal (example-interfaces-fibonacci-goal-create) nowhere)"), HasSubstr("no action client for server nowhere"));
+  EXPECT_THAT(act("(std-msgs-string-publish (std-msgs-string-create-message) nowhere)"),
+              HasSubstr("no publisher for topic nowhere"));
+  EXPECT_THAT(act("(std-srvs-set-bool-send-request (std-srvs-set-bool-request-create) nowhere)"),
+              HasSubstr("no client for service nowhere"));
+  EXPECT_THAT(act("(example-interfaces-fibonacci-send-goal (example-interfaces-fibonacci-goal-create) nowhere)"),
+              HasSubstr("no action client for server nowhere"));
   EXPECT_EQ(value("(std-msgs-int32-set-field (std-msgs-int32-create-message) data 2.0)"), "");
 }
 
@@ -142,7 +160,8 @@ TEST_F(Bindings, ANestedMessageIsReadByTheBindingsOfItsType) {
     (geometry-msgs-twist-set-field ?t angular ?w) (geometry-msgs-vector3-set-field ?w x 4)
     (println "said " (geometry-msgs-vector3-get-field (geometry-msgs-twist-get-field ?t "linear") "x") " "
       (geometry-msgs-vector3-get-field (geometry-msgs-twist-get-field ?t angular) x))
-    (geometry-msgs-vector3-destroy-message ?w) (geometry-msgs-twist-destroy-message ?t))"), "");
+    (geometry-msgs-vector3-destroy-message ?w) (geometry-msgs-twist-destroy-message ?t))"),
+            "");
   EXPECT_THAT(said(), ElementsAre("info main: said 2.5 3.0"));
   ASSERT_TRUE(lab_.manager->deactivate().ok());
   EXPECT_THAT(lab_.log.with("message(s)"), IsEmpty());
@@ -155,9 +174,12 @@ TEST_F(Bindings, AServiceCallsItsDeffunctionAndTheResponseHasNoNumber) {
 (defrule answered ?f <- (std-srvs-set-bool-response (service ?s) (msg-ptr ?m)) =>
   (println "said " ?s " " (std-srvs-set-bool-response-get-field ?m success) " " (std-srvs-set-bool-response-get-field ?m message))
   (std-srvs-set-bool-response-destroy ?m) (retract ?f)))");
-  EXPECT_EQ(act(R"((std-srvs-set-bool-create-client "/switch") (bind ?r (std-srvs-set-bool-request-create)) (std-srvs-set-bool-request-set-field ?r data TRUE)
-    (std-srvs-set-bool-send-request ?r "/switch") (std-srvs-set-bool-send-request ?r "/switch") (std-srvs-set-bool-request-destroy ?r))"), "");
-  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn std-srvs-set-bool: service /switch not available, the request waits for it"));
+  EXPECT_EQ(
+      act(R"((std-srvs-set-bool-create-client "/switch") (bind ?r (std-srvs-set-bool-request-create)) (std-srvs-set-bool-request-set-field ?r data TRUE)
+    (std-srvs-set-bool-send-request ?r "/switch") (std-srvs-set-bool-send-request ?r "/switch") (std-srvs-set-bool-request-destroy ?r))"),
+      "");
+  EXPECT_THAT(lab_.log.with("warn "),
+              ElementsAre("warn std-srvs-set-bool: service /switch not available, the request waits for it"));
   EXPECT_EQ(act("(std-srvs-set-bool-create-service \"switch\")"), "");
   lab_.ticks(10);
   EXPECT_THAT(lab_.log.with("finally"), ElementsAre("info std-srvs-set-bool: service /switch is finally reachable"));
@@ -173,47 +195,60 @@ TEST_F(Bindings, AServiceCallsItsDeffunctionAndTheResponseHasNoNumber) {
 
 TEST_F(Bindings, AServiceWithoutDeffunctionAnswersTheDefault) {
   run({"StdSrvsTrigger"});
-  EXPECT_EQ(act("(std-srvs-trigger-create-service go) (std-srvs-trigger-create-client \"go\") (std-srvs-trigger-send-request (std-srvs-trigger-request-create) go)"), "");
+  EXPECT_EQ(act("(std-srvs-trigger-create-service go) (std-srvs-trigger-create-client \"go\") "
+                "(std-srvs-trigger-send-request (std-srvs-trigger-request-create) go)"),
+            "");
   lab_.ticks(1);
   EXPECT_THAT(lab_.facts("std-srvs-trigger-response"), SizeIs(1));
-  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn std-srvs-trigger: std-srvs-trigger-service-callback not defined, skip callback"));
+  EXPECT_THAT(lab_.log.with("warn "),
+              ElementsAre("warn std-srvs-trigger: std-srvs-trigger-service-callback not defined, skip callback"));
 }
 
 TEST_F(Bindings, AnUnknownClassGivesTheNearest) {
   lab_.config("environments: [\"main\"]\nmain: {plugins: [\"s\"]}\ns: {plugin: \"cx::CXStdMsgsStrinPlugin\"}");
   const Status s = lab_.start();
   ASSERT_FALSE(s.ok());
-  EXPECT_THAT(s.error().message, HasSubstr("unknown plugin type 'cx::CXStdMsgsStrinPlugin', did you mean 'cx::CXStdMsgsStringPlugin'?"
-                                           " (a package of your own is named by --package NAME=DIR)"));
+  EXPECT_THAT(s.error().message,
+              HasSubstr("unknown plugin type 'cx::CXStdMsgsStrinPlugin', did you mean 'cx::CXStdMsgsStringPlugin'?"
+                        " (a package of your own is named by --package NAME=DIR)"));
   EXPECT_GT(s.error().line, 0);
 }
 
 TEST_F(Bindings, APackageOfAUsersOwnNeedsOnlyItsDefinitions) {
-  const auto file = lab_.write("my_robot_msgs/msg/GripperState.msg", "bool closed\nfloat32[] forces\nfloat64[2] limits\nbool[] pads\n");
+  const auto file = lab_.write("my_robot_msgs/msg/GripperState.msg",
+                               "bool closed\nfloat32[] forces\nfloat64[2] limits\nbool[] pads\n");
   ASSERT_TRUE(lab_.registry.add_package("my_robot_msgs", file.parent_path().parent_path()).ok());
   run({"MyRobotMsgsGripperState"});
-  EXPECT_EQ(act(R"((bind ?m (my-robot-msgs-gripper-state-create-message)) (my-robot-msgs-gripper-state-set-field ?m forces (create$ 0.5 1))
+  EXPECT_EQ(
+      act(R"((bind ?m (my-robot-msgs-gripper-state-create-message)) (my-robot-msgs-gripper-state-set-field ?m forces (create$ 0.5 1))
     (my-robot-msgs-gripper-state-set-field ?m limits (create$ 0 1)) (my-robot-msgs-gripper-state-set-field ?m pads (create$ TRUE FALSE))
     (println "said " (my-robot-msgs-gripper-state-get-field ?m forces) (my-robot-msgs-gripper-state-get-field ?m limits)
-      (my-robot-msgs-gripper-state-get-field ?m pads)))"), "");
-  EXPECT_THAT(said(), ElementsAre("info main: said (0.5 1.0)(0.0 1.0)(TRUE FALSE)")) << "CX cannot build or set any of these three";
+      (my-robot-msgs-gripper-state-get-field ?m pads)))"),
+      "");
+  EXPECT_THAT(said(), ElementsAre("info main: said (0.5 1.0)(0.0 1.0)(TRUE FALSE)"))
+      << "CX cannot build or set any of these three";
 }
 
 TEST_F(Bindings, MessagesThatAreLeftAreToldByTheirPlugin) {
   run({"StdMsgsString", "StdMsgsInt32"});
-  EXPECT_EQ(act("(std-msgs-string-create-message) (std-msgs-string-create-message) (std-msgs-int32-create-message)"), "");
+  EXPECT_EQ(act("(std-msgs-string-create-message) (std-msgs-string-create-message) (std-msgs-int32-create-message)"),
+            "");
   ASSERT_TRUE(lab_.manager->deactivate().ok());
-  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn std-msgs-int32: Found 1 message(s), cleaning up ...", "warn std-msgs-string: Found 2 message(s), cleaning up ..."));
+  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn std-msgs-int32: Found 1 message(s), cleaning up ...",
+                                                  "warn std-msgs-string: Found 2 message(s), cleaning up ..."));
 }
 
 TEST_F(Bindings, AMessageOfAnotherTypeIsNotDestroyed) {
   run({"StdMsgsString", "StdSrvsSetBool"});
-  EXPECT_EQ(act(R"((bind ?m (std-msgs-string-create-message)) (std-msgs-string-set-field ?m data kept) (std-srvs-set-bool-request-destroy ?m)
+  EXPECT_EQ(
+      act(R"((bind ?m (std-msgs-string-create-message)) (std-msgs-string-set-field ?m data kept) (std-srvs-set-bool-request-destroy ?m)
     (println "said " (std-msgs-string-get-field ?m data))
-    (bind ?r (std-srvs-set-bool-response-create)) (std-srvs-set-bool-request-destroy ?r) (std-msgs-string-destroy-message ?m))"), "");
+    (bind ?r (std-srvs-set-bool-response-create)) (std-srvs-set-bool-request-destroy ?r) (std-msgs-string-destroy-message ?m))"),
+      "");
   EXPECT_THAT(said(), ElementsAre("info main: said kept"));
   ASSERT_TRUE(lab_.manager->deactivate().ok());
-  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn std-srvs-set-bool: Found 1 message(s), cleaning up ...")) << "as in CX the response is left";
+  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn std-srvs-set-bool: Found 1 message(s), cleaning up ..."))
+      << "as in CX the response is left";
 }
 
 TEST_F(Bindings, AServiceThatItsCallbackClosesAnswersOnce) {
@@ -222,8 +257,10 @@ TEST_F(Bindings, AServiceThatItsCallbackClosesAnswersOnce) {
   (std-srvs-trigger-destroy-service ?service) (std-srvs-trigger-response-set-field ?response message "for the last time"))
 (defrule answered ?f <- (std-srvs-trigger-response (msg-ptr ?m)) =>
   (println "said " (std-srvs-trigger-response-get-field ?m message)) (std-srvs-trigger-response-destroy ?m) (retract ?f)))");
-  EXPECT_EQ(act(R"((std-srvs-trigger-create-service "once") (std-srvs-trigger-create-client "once") (bind ?r (std-srvs-trigger-request-create))
-    (std-srvs-trigger-send-request ?r "once") (std-srvs-trigger-send-request ?r "once") (std-srvs-trigger-request-destroy ?r))"), "");
+  EXPECT_EQ(
+      act(R"((std-srvs-trigger-create-service "once") (std-srvs-trigger-create-client "once") (bind ?r (std-srvs-trigger-request-create))
+    (std-srvs-trigger-send-request ?r "once") (std-srvs-trigger-send-request ?r "once") (std-srvs-trigger-request-destroy ?r))"),
+      "");
   EXPECT_THAT(said(), ElementsAre("info main: said for the last time"));
   EXPECT_EQ(act("(std-srvs-trigger-create-service \"once\")"), "");
   EXPECT_THAT(lab_.log.with("warn "), IsEmpty()) << "the first one has gone";
@@ -280,10 +317,12 @@ client_files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["
   ASSERT_TRUE(lab_.engine("client").assert_string("(ask)").ok());
   lab_.ticks(1);
   ASSERT_TRUE(lab_.manager->unload_plugin("client", "switch").ok());
-  EXPECT_THAT(lab_.log.with("warn switch: "), ElementsAre(HasSubstr("-client cant be undefined"), HasSubstr("-response cant be undefined")))
+  EXPECT_THAT(lab_.log.with("warn switch: "),
+              ElementsAre(HasSubstr("-client cant be undefined"), HasSubstr("-response cant be undefined")))
       << "a fact and a rule use these";
   put("client", "(ask)");
-  EXPECT_THAT(lab_.log.with("rule ask"), ElementsAre(HasSubstr("'std-srvs-set-bool-request-create': belongs to unloaded plugin switch")));
+  EXPECT_THAT(lab_.log.with("rule ask"),
+              ElementsAre(HasSubstr("'std-srvs-set-bool-request-create': belongs to unloaded plugin switch")));
   EXPECT_THAT(said(), IsEmpty());
   ASSERT_TRUE(lab_.manager->load_plugin("client", "switch").ok());
   put("client", "(open)");
@@ -291,7 +330,8 @@ client_files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["
   EXPECT_THAT(said(), ElementsAre("info client: said power by power"));
 
   ASSERT_TRUE(lab_.manager->deactivate().ok());
-  EXPECT_THAT(lab_.log.with("has open power services, cleaning up ..."), testing::Not(IsEmpty())) << "told when no environment has the plugin any more";
+  EXPECT_THAT(lab_.log.with("has open power services, cleaning up ..."), testing::Not(IsEmpty()))
+      << "told when no environment has the plugin any more";
   EXPECT_THAT(lab_.log.with("has open power clients, cleaning up ..."), testing::Not(IsEmpty()));
 }
 
@@ -302,8 +342,8 @@ TEST_F(Bindings, UnloadingWhileRulesUseItLeavesThemAnError) {
   EXPECT_EQ(act("(std-msgs-string-create-subscription \"a\") (std-msgs-string-create-message)"), "");
   ASSERT_TRUE(lab_.manager->unload_plugin("main", "std-msgs-string").ok());
   EXPECT_THAT(lab_.log.with("warn std-msgs-string: "),
-              ElementsAre(HasSubstr("-subscription cant be undefined"), HasSubstr("-message cant be undefined"), HasSubstr("Found 1 message(s)"),
-                          HasSubstr("has open a subscription")));
+              ElementsAre(HasSubstr("-subscription cant be undefined"), HasSubstr("-message cant be undefined"),
+                          HasSubstr("Found 1 message(s)"), HasSubstr("has open a subscription")));
   ASSERT_TRUE(lab_.engine().assert_string("(make)").ok());
   Status s;
   for (int i = 0; i < 6 && s.ok(); ++i) s = lab_.tick();
@@ -321,7 +361,9 @@ TEST_F(Bindings, EveryClassLoads) {
     for (const std::string& interface : lab_.registry.interfaces(package)) {
       const std::string name = binding_class_name(interface);
       classes.push_back(name.substr(6, name.size() - 12));
-      functions += interface.find("/msg/") != std::string::npos ? 9 : interface.find("/srv/") != std::string::npos ? 13 : 37;
+      functions += interface.find("/msg/") != std::string::npos   ? 9
+                   : interface.find("/srv/") != std::string::npos ? 13
+                                                                  : 37;
     }
   run(classes);
   std::size_t found = 0;

@@ -19,7 +19,8 @@ class Config : public ::testing::Test {
     std::vector<std::string> out;
     for (const FactCopy& f : lab_.engine().facts("confval")) {
       const bool is_list = f.slot("is-list")->text() == "TRUE";
-      out.push_back(f.slot("path")->text() + ' ' + f.slot("type")->text() + ' ' + f.slot(is_list ? "list-value" : "value")->print());
+      out.push_back(f.slot("path")->text() + ' ' + f.slot("type")->text() + ' ' +
+                    f.slot(is_list ? "list-value" : "value")->print());
     }
     return out;
   }
@@ -28,17 +29,19 @@ class Config : public ::testing::Test {
 
 TEST_F(Config, TypesScalarsAsCxDoes) {
   EXPECT_THAT(load("a: 1\nb: 2.5\nc: text\nd: true\ne: \"true\"\nf: yes\ng: \"7\"\nh: 99999999999\ni: a b\n"),
-              ElementsAre("/a INT 1", "/b FLOAT 2.5", "/c STRING \"text\"", "/d BOOL TRUE", "/e BOOL TRUE", "/f BOOL yes", "/g INT 7",
-                          "/h FLOAT 99999999999", "/i STRING \"a b\""));
+              ElementsAre("/a INT 1", "/b FLOAT 2.5", "/c STRING \"text\"", "/d BOOL TRUE", "/e BOOL TRUE",
+                          "/f BOOL yes", "/g INT 7", "/h FLOAT 99999999999", "/i STRING \"a b\""));
 }
 
 TEST_F(Config, ListsAreStrings) {
-  EXPECT_THAT(load("l: [1, two, 3.0]\nempty: []\n"), ElementsAre("/l STRING (\"1\" \"two\" \"3.0\")", "/empty STRING ()"));
+  EXPECT_THAT(load("l: [1, two, 3.0]\nempty: []\n"),
+              ElementsAre("/l STRING (\"1\" \"two\" \"3.0\")", "/empty STRING ()"));
 }
 
 TEST_F(Config, ListsOfMapsHaveTheirIndexAndQuotedValues) {
   EXPECT_THAT(load("robots: [{name: R1, id: 1}, {name: R2, skills: [a, b]}]"),
-              ElementsAre("/robots/0/name STRING \"R1\"", "/robots/0/id INT \"1\"", "/robots/1/name STRING \"R2\"", "/robots/1/skills STRING (\"a\" \"b\")"));
+              ElementsAre("/robots/0/name STRING \"R1\"", "/robots/0/id INT \"1\"", "/robots/1/name STRING \"R2\"",
+                          "/robots/1/skills STRING (\"a\" \"b\")"));
 }
 
 TEST_F(Config, APrefixChoosesASubtree) {
@@ -90,7 +93,8 @@ class Tape final : public LookOutside {
 };
 
 TEST(InputLog, WhatRulesFindOutsideReplaysWithoutIt) {
-  const std::string rules = R"((defrule go (time ?) => (config-load (str-cat (ament-index-get-package-share-directory "agent") "/c.yaml") "/")
+  const std::string rules =
+      R"((defrule go (time ?) => (config-load (str-cat (ament-index-get-package-share-directory "agent") "/c.yaml") "/")
     (ros-msgs-create-client "s" "std_srvs/srv/Empty")
     (println "ready " (neq FALSE (ros-msgs-async-send-request (ros-msgs-create-request "std_srvs/srv/Empty") "s")))))";
   Tape tape;
@@ -103,8 +107,10 @@ TEST(InputLog, WhatRulesFindOutsideReplaysWithoutIt) {
     lab.options.outside = &tape;
     lab.agent(rules);
     lab.write("agent/c.yaml", "a: 1");
-    const auto node = lab.bus.join(bus::ParticipantKind::kNode, {"peer", "/", {}}, lab.records.open_stream("node/peer"));
-    ASSERT_TRUE(lab.bus.serve(node, "/s", **lab.registry.service("std_srvs/srv/Empty"), [](const bus::Delivery&) {}).ok());
+    const auto node =
+        lab.bus.join(bus::ParticipantKind::kNode, {"peer", "/", {}}, lab.records.open_stream("node/peer"));
+    ASSERT_TRUE(
+        lab.bus.serve(node, "/s", **lab.registry.service("std_srvs/srv/Empty"), [](const bus::Delivery&) {}).ok());
     lab.run_up();
     lab.ticks(1);
     facts = lab.facts("confval");

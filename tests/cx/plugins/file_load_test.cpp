@@ -35,7 +35,8 @@ Error error_of(const std::string& rules) {
 }
 
 TEST(FileLoad, ErrorsHaveTheirLine) {
-  EXPECT_EQ(error_of("(defrule a =>)\n\n(defrule b\n  (x)\n  =>\n  (println \"y\")").line, 3) << "unbalanced: where its form begins";
+  EXPECT_EQ(error_of("(defrule a =>)\n\n(defrule b\n  (x)\n  =>\n  (println \"y\")").line, 3)
+      << "unbalanced: where its form begins";
   EXPECT_EQ(error_of("(deftemplate order (slot id))\n(defrule a\n  (order (name ?x))\n  =>)").line, 3);
   EXPECT_EQ(error_of("(defrule a\n  (x)\n  =>\n  (nothing-such 1))").line, 4);
 }
@@ -69,7 +70,9 @@ TEST(FileLoad, WhenItKeepsGoingAllErrorsAreReportedAndTheRestIsLoaded) {
   Lab lab;
   lab.options.keep_going = true;
   lab.options.stop_on_rule_error = false;
-  lab.agent("(defrule bad (x) => (nothing-such))\n(defrule good (time ?) => (println \"good\"))\n(defrule worse (x) => (nothing-such))");
+  lab.agent(
+      "(defrule bad (x) => (nothing-such))\n(defrule good (time ?) => (println \"good\"))\n(defrule worse (x) => "
+      "(nothing-such))");
   lab.run_up();
   EXPECT_THAT(lab.manager->load_errors(), SizeIs(2));
   ASSERT_THAT(lab.manager->rule_errors(), SizeIs(2));
@@ -100,7 +103,8 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent", "other", "nowher
   lab.write("other/a.clp", "(defrule a => (println \"a of other\"))");
   lab.write("other/b.clp", "(defrule b => (println \"b of other\"))");
   lab.run_up();
-  EXPECT_THAT(lab.log.with("info main: "), ::testing::UnorderedElementsAre("info main: a of agent", "info main: b of other"));
+  EXPECT_THAT(lab.log.with("info main: "),
+              ::testing::UnorderedElementsAre("info main: a of agent", "info main: b of other"));
 }
 
 TEST(FileLoad, AFileThatIsNowhereDropsAllThatFollowWhenItKeepsGoing) {
@@ -121,7 +125,9 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["a.clp",
 TEST(FileLoad, RulesOfAnAbsolutePathAreTakenAsTheyAre) {
   Lab lab;
   const auto file = lab.write("elsewhere/a.clp", "(defrule a => (println \"absolute\"))");
-  lab.config("environments: [\"main\"]\nmain: {plugins: [\"files\"]}\nfiles: {plugin: \"cx::FileLoadPlugin\", load: [\"" + file.string() + "\"]}");
+  lab.config(
+      "environments: [\"main\"]\nmain: {plugins: [\"files\"]}\nfiles: {plugin: \"cx::FileLoadPlugin\", load: [\"" +
+      file.string() + "\"]}");
   lab.run_up();
   EXPECT_THAT(lab.log.with("absolute"), SizeIs(1));
 }

@@ -121,8 +121,10 @@ TEST_F(ActionClients, ARejectedGoalGivesANullHandleWhoseUseIsAnError) {
   Status s;
   for (int i = 0; i < 6 && s.ok(); ++i) s = lab_.tick();
   ASSERT_FALSE(s.ok());
-  EXPECT_THAT(s.error().message, HasSubstr("unknown client goal handle: a null pointer, as of a goal that was rejected"));
-  EXPECT_EQ(*lab_.engine().facts("ros-msgs-goal-response").at(0).slot("client-goal-handle-ptr"), Value::handle(Handle::kNone));
+  EXPECT_THAT(s.error().message,
+              HasSubstr("unknown client goal handle: a null pointer, as of a goal that was rejected"));
+  EXPECT_EQ(*lab_.engine().facts("ros-msgs-goal-response").at(0).slot("client-goal-handle-ptr"),
+            Value::handle(Handle::kNone));
 }
 
 TEST_F(ActionClients, TheRuleOfThePageKnowsARejectedGoal) {
@@ -142,9 +144,10 @@ TEST_F(ActionClients, GoalHandlesThatAreLeftAreTold) {
   run();
   run();
   ASSERT_TRUE(lab_.manager->deactivate().ok());
-  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn ros_msgs: Found 1 message(s), cleaning up ...",
-                                                  "warn ros_msgs: Environment main has open fib action clients, cleaning up ...",
-                                                  "warn ros_msgs: Found 1 client goal handle(s), cleaning up ..."));
+  EXPECT_THAT(lab_.log.with("warn "),
+              ElementsAre("warn ros_msgs: Found 1 message(s), cleaning up ...",
+                          "warn ros_msgs: Environment main has open fib action clients, cleaning up ...",
+                          "warn ros_msgs: Found 1 client goal handle(s), cleaning up ..."));
 }
 
 TEST_F(ActionClients, UnloadingWhileAGoalRunsDropsWhatWouldCome) {
@@ -159,7 +162,8 @@ TEST_F(ActionClients, UnloadingWhileAGoalRunsDropsWhatWouldCome) {
   run();
   EXPECT_THAT(lab_.facts("ros-msgs-feedback"), IsEmpty());
   EXPECT_THAT(lab_.facts("ros-msgs-wrapped-result"), IsEmpty());
-  EXPECT_THAT(lab_.facts("ros-msgs-goal-response"), SizeIs(1)) << "facts that are there stay, and so do their templates";
+  EXPECT_THAT(lab_.facts("ros-msgs-goal-response"), SizeIs(1))
+      << "facts that are there stay, and so do their templates";
   ASSERT_TRUE(lab_.manager->load_plugin("main", "ros_msgs").ok());
   put("(cancel)");
   Status s;

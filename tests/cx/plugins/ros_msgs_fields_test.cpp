@@ -11,10 +11,14 @@ class Fields : public ::testing::Test {
  protected:
   void SetUp() override {
     lab_.agent("");
-    packages_ = lab_.write("test_msgs/msg/All.msg",
-                           "bool b\nbyte y\nchar c\nint8 i8\nuint8 u8\nint64 i64\nuint64 u64\nfloat32 f32\nfloat64 f64\nstring s\n"
-                           "geometry_msgs/Point p\nbool[] bs\nint32[] is\nfloat64[3] fixed\nint8[<=2] few\nstring[] ss\ngeometry_msgs/Point[] ps\nchar[] cs\n")
-                    .parent_path().parent_path();
+    packages_ =
+        lab_.write(
+                "test_msgs/msg/All.msg",
+                "bool b\nbyte y\nchar c\nint8 i8\nuint8 u8\nint64 i64\nuint64 u64\nfloat32 f32\nfloat64 f64\nstring s\n"
+                "geometry_msgs/Point p\nbool[] bs\nint32[] is\nfloat64[3] fixed\nint8[<=2] few\nstring[] "
+                "ss\ngeometry_msgs/Point[] ps\nchar[] cs\n")
+            .parent_path()
+            .parent_path();
     ASSERT_TRUE(lab_.registry.add_package("test_msgs", packages_).ok());
     lab_.options.stop_on_rule_error = false;
     lab_.run_up();
@@ -83,7 +87,9 @@ TEST_F(Fields, NumbersAreConvertedWhereExact) {
 }
 
 TEST_F(Fields, NumbersThatDoNotFitAreReported) {
-  EXPECT_THAT(set("i64", "3.5"), HasSubstr("Failed to set field i64: found 3.5, expected a whole number (int64 i64 of test_msgs/msg/All)"));
+  EXPECT_THAT(
+      set("i64", "3.5"),
+      HasSubstr("Failed to set field i64: found 3.5, expected a whole number (int64 i64 of test_msgs/msg/All)"));
   EXPECT_THAT(set("f32", "16777217"), HasSubstr("holds exactly"));
   EXPECT_THAT(set("f64", "9007199254740993"), HasSubstr("holds exactly"));
   EXPECT_THAT(set("f64", "9223372036854775807"), HasSubstr("holds exactly"));
@@ -99,14 +105,16 @@ TEST_F(Fields, OtherMismatchesAreReported) {
   EXPECT_THAT(set("c", "\"ab\""), HasSubstr("expected one character"));
   EXPECT_THAT(set("fixed", "(create$ 1.0 2.0)"), HasSubstr("found 2 values, expected exactly 3"));
   EXPECT_THAT(set("few", "(create$ 1 2 3)"), HasSubstr("Failed to set field few"));
-  EXPECT_THAT(set("p", "(ros-msgs-create-message \"std_msgs/msg/Empty\")"), HasSubstr("expected geometry_msgs/msg/Point"));
+  EXPECT_THAT(set("p", "(ros-msgs-create-message \"std_msgs/msg/Empty\")"),
+              HasSubstr("expected geometry_msgs/msg/Point"));
   EXPECT_THAT(get("(ros-msgs-create-message \"std_msgs/msg/Int32\")", "data"), "0");
 }
 
 TEST_F(Fields, WhereCxLogsAndGoesOnTheRuleGoesOn) {
   const auto errors = [this](const std::string& actions) {
     lab_.log.lines.clear();
-    EXPECT_TRUE(lab_.engine().build("(defrule goes-on (go) => " + actions + " (println \"went on\"))", "agent.clp", 7).ok());
+    EXPECT_TRUE(
+        lab_.engine().build("(defrule goes-on (go) => " + actions + " (println \"went on\"))", "agent.clp", 7).ok());
     EXPECT_TRUE(lab_.engine().assert_string("(go)").ok());
     lab_.ticks(6);
     EXPECT_TRUE(lab_.engine().eval("(undefrule goes-on)").ok());
@@ -124,12 +132,14 @@ TEST_F(Fields, WhereCxLogsAndGoesOnTheRuleGoesOn) {
   EXPECT_THAT(errors("(ros-msgs-set-field ?*m* i65 1)"),
               ElementsAre("error ros_msgs: Failed to set field i65",
                           told("ros-msgs-set-field", "test_msgs/msg/All has no field 'i65', did you mean 'i64'?")));
-  EXPECT_THAT(errors("(ros-msgs-set-field ?*m* is 1)"),
-              ElementsAre("error ros_msgs: expected multifield value!",
-                          told("ros-msgs-set-field", "found 1, expected a multifield (int32[] is of test_msgs/msg/All)")));
+  EXPECT_THAT(
+      errors("(ros-msgs-set-field ?*m* is 1)"),
+      ElementsAre("error ros_msgs: expected multifield value!",
+                  told("ros-msgs-set-field", "found 1, expected a multifield (int32[] is of test_msgs/msg/All)")));
   EXPECT_THAT(errors("(ros-msgs-set-field ?*m* p x)"),
               ElementsAre("error ros_msgs: Failed to set unknown message",
-                          told("ros-msgs-set-field", "found an unknown message pointer (geometry_msgs/msg/Point p of test_msgs/msg/All)")));
+                          told("ros-msgs-set-field",
+                               "found an unknown message pointer (geometry_msgs/msg/Point p of test_msgs/msg/All)")));
   EXPECT_EQ(errors("(ros-msgs-set-field ?*m* ps (create$ 1))").size(), 2U);
   EXPECT_EQ(get("?*m*", "ps"), "()") << "nothing is set by half";
 }
@@ -149,8 +159,12 @@ TEST_F(Fields, ANameIsLookedUpForEachTypeThatACallSiteMeets) {
 }
 
 TEST_F(Fields, ALongArrayOfMessagesGivesTheSameHandlesAgain) {
-  ASSERT_TRUE(lab_.engine().build("(deffunction many (?n) (bind ?l (create$)) (bind ?p (ros-msgs-create-message \"geometry_msgs/msg/Point\"))"
-                                  " (loop-for-count (?i ?n) (ros-msgs-set-field ?p x ?i) (bind ?l ?l ?p) ) (ros-msgs-set-field ?*m* ps ?l) (ros-msgs-destroy-message ?p))").ok());
+  ASSERT_TRUE(lab_.engine()
+                  .build("(deffunction many (?n) (bind ?l (create$)) (bind ?p (ros-msgs-create-message "
+                         "\"geometry_msgs/msg/Point\"))"
+                         " (loop-for-count (?i ?n) (ros-msgs-set-field ?p x ?i) (bind ?l ?l ?p) ) (ros-msgs-set-field "
+                         "?*m* ps ?l) (ros-msgs-destroy-message ?p))")
+                  .ok());
   ASSERT_TRUE(lab_.engine().eval("(many 500)").ok());
   const std::string first = get("?*m*", "ps");
   EXPECT_EQ(get("?*m*", "ps"), first);
@@ -179,7 +193,10 @@ TEST_F(Fields, MessagesAreCopiedIn) {
 }
 
 TEST_F(Fields, ElementsMayMoveWithinTheirOwnArray) {
-  ASSERT_TRUE(lab_.engine().build("(deffunction point (?x) (bind ?p (ros-msgs-create-message \"geometry_msgs/msg/Point\")) (ros-msgs-set-field ?p x ?x) ?p)").ok());
+  ASSERT_TRUE(lab_.engine()
+                  .build("(deffunction point (?x) (bind ?p (ros-msgs-create-message \"geometry_msgs/msg/Point\")) "
+                         "(ros-msgs-set-field ?p x ?x) ?p)")
+                  .ok());
   set("ps", "(create$ (point 1.0) (point 2.0) (point 3.0))");
   set("ps", "(rest$ (ros-msgs-get-field ?*m* ps))");
   EXPECT_EQ(get("(nth$ 1 (ros-msgs-get-field ?*m* ps))", "x"), "2.0");
@@ -193,7 +210,8 @@ TEST_F(Fields, AHandleBeyondAShorterArrayIsInvalid) {
   EXPECT_THAT(get("?*e*", "x"), HasSubstr("invalid message pointer"));
 }
 
-/// An expression for a value of the field, and how it prints when it comes back; empty for messages, whose fields follow.
+/// An expression for a value of the field, and how it prints when it comes back; empty for messages, whose fields
+/// follow.
 std::pair<std::string, std::string> sample(const bus::Field& field) {
   using T = bus::FieldType;
   switch (field.type) {
@@ -212,7 +230,8 @@ TEST_F(Fields, EachFieldOfEachInterfaceIsSetAndRead) {
   std::vector<std::string> types;
   for (const std::string& package : lab_.registry.packages())
     for (const std::string& interface : lab_.registry.interfaces(package)) {
-      const bool service = interface.find("/srv/") != std::string::npos, action = interface.find("/action/") != std::string::npos;
+      const bool service = interface.find("/srv/") != std::string::npos,
+                 action = interface.find("/action/") != std::string::npos;
       if (!service && !action) types.push_back(interface);
       for (const char* part : {"_Request", "_Response"})
         if (service) types.push_back(interface + part);
@@ -234,11 +253,14 @@ TEST_F(Fields, EachFieldOfEachInterfaceIsSetAndRead) {
         for (std::size_t i = 0; i < size; ++i) set += ' ' + value, expected += (i == 0 ? "" : " ") + printed;
         set += ')', expected += ')';
       }
-      ASSERT_TRUE(lab_.engine().eval("(ros-msgs-set-field ?*x* " + field.name + ' ' + set + ")").ok()) << name << ' ' << field.name;
+      ASSERT_TRUE(lab_.engine().eval("(ros-msgs-set-field ?*x* " + field.name + ' ' + set + ")").ok())
+          << name << ' ' << field.name;
       EXPECT_TRUE(lab_.engine().take_errors().empty()) << name << ' ' << field.name;
       const std::string found = get("?*x*", field.name);
-      if (field.is_message()) EXPECT_THAT(found, HasSubstr("<Pointer-C-")) << name << ' ' << field.name;
-      else EXPECT_EQ(found, expected) << name << ' ' << field.name;
+      if (field.is_message())
+        EXPECT_THAT(found, HasSubstr("<Pointer-C-")) << name << ' ' << field.name;
+      else
+        EXPECT_EQ(found, expected) << name << ' ' << field.name;
       ++fields;
     }
     ASSERT_TRUE(lab_.engine().eval("(ros-msgs-destroy-message ?*x*)").ok());

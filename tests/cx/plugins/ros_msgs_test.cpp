@@ -11,7 +11,9 @@ using ::testing::SizeIs;
 /// A node of the test beside the environments.
 class RosMsgs : public ::testing::Test {
  protected:
-  void SetUp() override { node_ = lab_.bus.join(bus::ParticipantKind::kNode, {"peer", "/", {}}, lab_.records.open_stream("node/peer")); }
+  void SetUp() override {
+    node_ = lab_.bus.join(bus::ParticipantKind::kNode, {"peer", "/", {}}, lab_.records.open_stream("node/peer"));
+  }
 
   const bus::MessageType& type(const std::string& name) { return **lab_.registry.message(name); }
   bus::SharedMessage text(const std::string& data) {
@@ -48,15 +50,18 @@ TEST_F(RosMsgs, PublishesWhatRulesMake) {
   lab_.agent("");
   lab_.run_up();
   std::vector<std::string> heard;
-  ASSERT_TRUE(lab_.bus.subscribe(node_, "/chatter", type("std_msgs/msg/String"),
-                                 [&](const bus::Delivery& d) { heard.push_back(d.message->view().text("data")); }).ok());
+  ASSERT_TRUE(lab_.bus
+                  .subscribe(node_, "/chatter", type("std_msgs/msg/String"),
+                             [&](const bus::Delivery& d) { heard.push_back(d.message->view().text("data")); })
+                  .ok());
   act(R"((ros-msgs-create-publisher "chatter" "std_msgs/msg/String")
          (bind ?m (ros-msgs-create-message "std_msgs/msg/String"))
          (ros-msgs-set-field ?m "data" "one") (ros-msgs-publish ?m "chatter")
          (ros-msgs-set-field ?m "data" two) (ros-msgs-publish ?m "chatter") (ros-msgs-destroy-message ?m))");
   lab_.bus.deliver(node_);
   EXPECT_THAT(heard, ElementsAre("one", "two")) << "a message on its way is not changed by what rules do to theirs";
-  EXPECT_THAT(lab_.facts("ros-msgs-publisher"), ElementsAre("(ros-msgs-publisher (topic \"chatter\") (type \"std_msgs/msg/String\"))"));
+  EXPECT_THAT(lab_.facts("ros-msgs-publisher"),
+              ElementsAre("(ros-msgs-publisher (topic \"chatter\") (type \"std_msgs/msg/String\"))"));
 }
 
 TEST_F(RosMsgs, AMessageBecomesAFactUnderTheNameAsWritten) {
@@ -92,8 +97,10 @@ ros_msgs: {plugin: "cx::RosMsgsPlugin"})");
 }
 
 TEST_F(RosMsgs, NumberOfSubscribersDoesNotMatterToAReceivedMessage) {
-  lab_.agent("(deffacts start (go)) (defrule open (go) => (ros-msgs-create-subscription \"a\" \"std_msgs/msg/String\"))\n"
-             "(defrule change (ros-msgs-message (msg-ptr ?m)) => (ros-msgs-set-field ?m \"data\" \"mine\") (println (ros-msgs-get-field ?m \"data\")))");
+  lab_.agent(
+      "(deffacts start (go)) (defrule open (go) => (ros-msgs-create-subscription \"a\" \"std_msgs/msg/String\"))\n"
+      "(defrule change (ros-msgs-message (msg-ptr ?m)) => (ros-msgs-set-field ?m \"data\" \"mine\") (println "
+      "(ros-msgs-get-field ?m \"data\")))");
   lab_.run_up();
   const bus::SharedMessage sent = text("theirs");
   lab_.bus.publish(*lab_.bus.advertise(node_, "a", type("std_msgs/msg/String")), sent);
@@ -118,11 +125,13 @@ TEST_F(RosMsgs, ClosingTakesTheFactsBack) {
   act(R"((ros-msgs-create-publisher "a" "std_msgs/msg/Empty") (ros-msgs-create-subscription "a" "std_msgs/msg/Empty")
          (ros-msgs-create-client "s" "std_srvs/srv/Empty") (ros-msgs-create-service "s" "std_srvs/srv/Empty")
          (ros-msgs-create-action-client "f" "example_interfaces/action/Fibonacci"))");
-  for (const char* name : {"ros-msgs-publisher", "ros-msgs-subscription", "ros-msgs-client", "ros-msgs-service", "ros-msgs-action-client"})
+  for (const char* name :
+       {"ros-msgs-publisher", "ros-msgs-subscription", "ros-msgs-client", "ros-msgs-service", "ros-msgs-action-client"})
     EXPECT_THAT(lab_.facts(name), SizeIs(1)) << name;
   act(R"((ros-msgs-destroy-publisher "a") (ros-msgs-destroy-subscription "a") (ros-msgs-destroy-client "s")
          (ros-msgs-destroy-service "s") (ros-msgs-destroy-action-client "f"))");
-  for (const char* name : {"ros-msgs-publisher", "ros-msgs-subscription", "ros-msgs-client", "ros-msgs-service", "ros-msgs-action-client"})
+  for (const char* name :
+       {"ros-msgs-publisher", "ros-msgs-subscription", "ros-msgs-client", "ros-msgs-service", "ros-msgs-action-client"})
     EXPECT_THAT(lab_.facts(name), IsEmpty()) << name;
 }
 
@@ -135,9 +144,8 @@ TEST_F(RosMsgs, AServiceCallsTheRulesDeffunction) {
   lab_.run_up();
   std::string answer;
   const auto service = *lab_.registry.service("std_srvs/srv/SetBool");
-  const auto client = *lab_.bus.create_client(node_, "/switch", *service, [&](const bus::Delivery& d) {
-    answer = d.message->view().to_string();
-  });
+  const auto client = *lab_.bus.create_client(node_, "/switch", *service,
+                                              [&](const bus::Delivery& d) { answer = d.message->view().to_string(); });
   bus::Message request(*service->request);
   request->set("data", true);
   lab_.bus.call(client, std::make_shared<bus::Message>(std::move(request)));
@@ -149,7 +157,8 @@ TEST_F(RosMsgs, AServiceCallsTheRulesDeffunction) {
 }
 
 TEST_F(RosMsgs, AServiceWithoutDeffunctionAnswersTheDefault) {
-  lab_.agent("(deffacts start (go)) (defrule open (go) => (ros-msgs-create-service \"switch\" \"std_srvs/srv/SetBool\"))");
+  lab_.agent(
+      "(deffacts start (go)) (defrule open (go) => (ros-msgs-create-service \"switch\" \"std_srvs/srv/SetBool\"))");
   lab_.run_up();
   int answers = 0;
   const auto service = *lab_.registry.service("std_srvs/srv/SetBool");
@@ -158,7 +167,8 @@ TEST_F(RosMsgs, AServiceWithoutDeffunctionAnswersTheDefault) {
   lab_.ticks(1);
   lab_.bus.deliver(node_);
   EXPECT_EQ(answers, 1);
-  EXPECT_THAT(lab_.log.with("not defined"), ElementsAre("warn ros_msgs: switch-service-callback not defined, skip callback"));
+  EXPECT_THAT(lab_.log.with("not defined"),
+              ElementsAre("warn ros_msgs: switch-service-callback not defined, skip callback"));
 }
 
 TEST_F(RosMsgs, AnErrorInACallbackHasItsPlace) {
@@ -199,7 +209,8 @@ TEST_F(RosMsgs, ARequestGetsItsNumberAndItsResponseAFact) {
   EXPECT_EQ(*responses[0].slot("service"), Value::string("go"));
   EXPECT_EQ(*responses[0].slot("request-id"), Value::integer(1));
   EXPECT_EQ(*responses[1].slot("request-id"), Value::integer(2));
-  act("(do-for-all-facts ((?f ros-msgs-response)) TRUE (println \"said \" (ros-msgs-get-field ?f:msg-ptr \"message\")))");
+  act("(do-for-all-facts ((?f ros-msgs-response)) TRUE (println \"said \" (ros-msgs-get-field ?f:msg-ptr "
+      "\"message\")))");
   EXPECT_THAT(lab_.log.with("said"), SizeIs(2));
 }
 
@@ -216,22 +227,30 @@ TEST_F(RosMsgs, WhatCxLeavesUndefinedIsAnErrorHere) {
   lab_.agent("");
   lab_.run_up();
   EXPECT_THAT(fail("(ros-msgs-create-message \"std_msgs/msg/Strin\")"), HasSubstr("std_msgs/msg/String"));
-  EXPECT_THAT(fail("(ros-msgs-publish (ros-msgs-create-message \"std_msgs/msg/Empty\") \"nowhere\")"), HasSubstr("no publisher for topic nowhere"));
-  EXPECT_THAT(fail("(ros-msgs-create-publisher \"t\" \"std_msgs/msg/String\") (ros-msgs-publish (ros-msgs-create-message \"std_msgs/msg/Empty\") \"t\")"),
+  EXPECT_THAT(fail("(ros-msgs-publish (ros-msgs-create-message \"std_msgs/msg/Empty\") \"nowhere\")"),
+              HasSubstr("no publisher for topic nowhere"));
+  EXPECT_THAT(fail("(ros-msgs-create-publisher \"t\" \"std_msgs/msg/String\") (ros-msgs-publish "
+                   "(ros-msgs-create-message \"std_msgs/msg/Empty\") \"t\")"),
               HasSubstr("topic t has std_msgs/msg/String"));
   EXPECT_THAT(fail("(ros-msgs-create-subscription \"t\" \"std_msgs/msg/Int32\")"), HasSubstr("std_msgs/msg/String"));
-  EXPECT_THAT(fail("(ros-msgs-async-send-request (ros-msgs-create-request \"std_srvs/srv/Empty\") \"none\")"), HasSubstr("no client for service none"));
+  EXPECT_THAT(fail("(ros-msgs-async-send-request (ros-msgs-create-request \"std_srvs/srv/Empty\") \"none\")"),
+              HasSubstr("no client for service none"));
   const std::string gone = "(bind ?m (ros-msgs-create-message \"std_msgs/msg/Empty\")) (ros-msgs-destroy-message ?m) ";
-  EXPECT_THAT(fail(gone + "(ros-msgs-async-send-request ?m \"none\")"), HasSubstr("Failed to send request: invalid message pointer"));
-  EXPECT_THAT(fail(gone + "(ros-msgs-async-send-goal ?m \"none\")"), HasSubstr("Failed to send goal: invalid message pointer"));
-  EXPECT_THAT(fail("(ros-msgs-async-send-goal (ros-msgs-create-goal-request \"example_interfaces/action/Fibonacci\") \"none\")"),
-              HasSubstr("no action client for server none"));
+  EXPECT_THAT(fail(gone + "(ros-msgs-async-send-request ?m \"none\")"),
+              HasSubstr("Failed to send request: invalid message pointer"));
+  EXPECT_THAT(fail(gone + "(ros-msgs-async-send-goal ?m \"none\")"),
+              HasSubstr("Failed to send goal: invalid message pointer"));
+  EXPECT_THAT(
+      fail(
+          "(ros-msgs-async-send-goal (ros-msgs-create-goal-request \"example_interfaces/action/Fibonacci\") \"none\")"),
+      HasSubstr("no action client for server none"));
 }
 
 TEST_F(RosMsgs, PublishingAnUnknownMessageIsAnErrorLineAsInCx) {
   lab_.agent("");
   lab_.run_up();
-  act("(ros-msgs-create-publisher \"t\" \"std_msgs/msg/Empty\") (bind ?m (ros-msgs-create-message \"std_msgs/msg/Empty\"))"
+  act("(ros-msgs-create-publisher \"t\" \"std_msgs/msg/Empty\") (bind ?m (ros-msgs-create-message "
+      "\"std_msgs/msg/Empty\"))"
       "(ros-msgs-destroy-message ?m) (ros-msgs-destroy-message ?m) (ros-msgs-publish ?m \"t\")");
   EXPECT_THAT(lab_.log.with("error "), ElementsAre("error ros_msgs: Failed to publish invalid msg pointer"));
 }
@@ -246,8 +265,10 @@ TEST_F(RosMsgs, WhatIsLeftOpenIsToldAtTheEnd) {
   ASSERT_TRUE(lab_.manager->deactivate().ok());
   EXPECT_THAT(lab_.log.with("warn "),
               ElementsAre("warn ros_msgs: Found 2 message(s), cleaning up ...",
-                          "warn ros_msgs: Environment main has open a publishers, cleaning up ...", "warn ros_msgs: Environment main has open b subscription, cleaning up ...",
-                          "warn ros_msgs: Environment main has open c clients, cleaning up ...", "warn ros_msgs: Environment main has open d services, cleaning up ...",
+                          "warn ros_msgs: Environment main has open a publishers, cleaning up ...",
+                          "warn ros_msgs: Environment main has open b subscription, cleaning up ...",
+                          "warn ros_msgs: Environment main has open c clients, cleaning up ...",
+                          "warn ros_msgs: Environment main has open d services, cleaning up ...",
                           "warn ros_msgs: Environment main has open e action clients, cleaning up ..."));
 }
 
@@ -257,7 +278,8 @@ TEST_F(RosMsgs, WhatIsLeftIsToldWhenThePluginIsFinalized) {
   act("(ros-msgs-create-message \"std_msgs/msg/Empty\")");
   ASSERT_TRUE(lab_.manager->deactivate().ok());
   ASSERT_FALSE(lab_.log.lines.empty());
-  EXPECT_EQ(lab_.log.lines.back(), "warn ros_msgs: Found 1 message(s), cleaning up ...") << "after every plugin was deactivated, as in CX";
+  EXPECT_EQ(lab_.log.lines.back(), "warn ros_msgs: Found 1 message(s), cleaning up ...")
+      << "after every plugin was deactivated, as in CX";
 }
 
 TEST_F(RosMsgs, UnloadingWhileRulesUseItLeavesThemAnError) {
@@ -270,7 +292,8 @@ TEST_F(RosMsgs, UnloadingWhileRulesUseItLeavesThemAnError) {
   lab_.bus.publish(publisher, text("on its way"));
   ASSERT_TRUE(lab_.manager->unload_plugin("main", "ros_msgs").ok());
   EXPECT_THAT(lab_.log.with("warn ros_msgs: Environment main has open"),
-              ElementsAre("warn ros_msgs: Environment main has open b publishers, cleaning up ...", "warn ros_msgs: Environment main has open a subscription, cleaning up ..."));
+              ElementsAre("warn ros_msgs: Environment main has open b publishers, cleaning up ...",
+                          "warn ros_msgs: Environment main has open a subscription, cleaning up ..."));
   EXPECT_THAT(lab_.log.with("ros-msgs-message cant be undefined"), SizeIs(1)) << "a rule uses it";
   EXPECT_TRUE(lab_.engine().has("deftemplate", "ros-msgs-message"));
   EXPECT_FALSE(lab_.engine().has("deftemplate", "ros-msgs-client")) << "nobody uses it";
@@ -287,7 +310,8 @@ TEST_F(RosMsgs, UnloadingWhileRulesUseItLeavesThemAnError) {
   act("(ros-msgs-create-subscription \"a\" \"std_msgs/msg/String\")");
   lab_.bus.publish(publisher, text("again"));
   lab_.ticks(6);
-  EXPECT_THAT(lab_.log.with("heard"), ElementsAre("info main: heard again")) << "old rules call the plugin that came back";
+  EXPECT_THAT(lab_.log.with("heard"), ElementsAre("info main: heard again"))
+      << "old rules call the plugin that came back";
 }
 
 TEST_F(RosMsgs, ActingFunctionsHaveNoPlaceOnALeftHandSide) {

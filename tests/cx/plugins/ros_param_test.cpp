@@ -68,13 +68,18 @@ TEST_F(RosParam, WhatIsMissingIsDeclaredWithTheDefault) {
 TEST_F(RosParam, NumbersAreConvertedWhereThatIsExact) {
   EXPECT_EQ(get("goal.x", "0.0"), "3.0");
   EXPECT_EQ(get("goal.precise", "0"), "1");
-  EXPECT_EQ(failure("goal.exact", "0"), "error main: [CXLAB1] Function 'ros-param-get-value': parameter 'goal.exact': found '1.5' (a double), the default wants an integer");
-  EXPECT_THAT(failure("goal.big", "0.0"), HasSubstr("found '9007199254740993' (an integer), the default wants a double"));
+  EXPECT_EQ(failure("goal.exact", "0"),
+            "error main: [CXLAB1] Function 'ros-param-get-value': parameter 'goal.exact': found '1.5' (a double), the "
+            "default wants an integer");
+  EXPECT_THAT(failure("goal.big", "0.0"),
+              HasSubstr("found '9007199254740993' (an integer), the default wants a double"));
 }
 
 TEST_F(RosParam, AnotherTypeIsAnErrorOfTheRule) {
-  EXPECT_THAT(failure("goal.name", "1"), HasSubstr("parameter 'goal.name': found 'home' (a string), the default wants an integer"));
-  EXPECT_THAT(failure("goal.x", "\"\""), HasSubstr("parameter 'goal.x': found '3' (an integer), the default wants a string"));
+  EXPECT_THAT(failure("goal.name", "1"),
+              HasSubstr("parameter 'goal.name': found 'home' (a string), the default wants an integer"));
+  EXPECT_THAT(failure("goal.x", "\"\""),
+              HasSubstr("parameter 'goal.x': found '3' (an integer), the default wants a string"));
   EXPECT_THAT(failure("quoted", "1"), HasSubstr("found '7' (a string)"));
   EXPECT_THAT(failure("goal.x", "(create$ 1)"), HasSubstr("found an integer, the default wants a list"));
   EXPECT_THAT(failure("lists.ids", "1"), HasSubstr("found a list, the default wants an integer"));

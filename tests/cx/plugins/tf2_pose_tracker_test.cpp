@@ -51,8 +51,10 @@ TEST_F(Tf2PoseTracker, LooksUpAfterEachPeriodAndModifiesOneFact) {
   for (int i = 0; i <= 4; ++i) tick(i * 0.5);  // 0 to 80 ms
   EXPECT_THAT(poses(), IsEmpty()) << "the first lookup is due after one period";
   tick(2.5);  // 100 ms
-  EXPECT_THAT(poses(), ElementsAre("(tf2-tracked-pose (parent \"map\") (child \"robot\") (stamp 0.1) (translation 2.5 0 0) (rotation 0 0 0 1) (timer <Pointer-C-0x1>))"));
-  EXPECT_THAT(lab_.log.with("at 0.1: (2.5 0 0)"), SizeIs(1)) << "before the rules of the same tick, whole numbers are INTEGERs";
+  EXPECT_THAT(poses(), ElementsAre("(tf2-tracked-pose (parent \"map\") (child \"robot\") (stamp 0.1) (translation 2.5 "
+                                   "0 0) (rotation 0 0 0 1) (timer <Pointer-C-0x1>))"));
+  EXPECT_THAT(lab_.log.with("at 0.1: (2.5 0 0)"), SizeIs(1))
+      << "before the rules of the same tick, whole numbers are INTEGERs";
   for (int i = 6; i <= 10; ++i) tick(i * 0.5);  // until 200 ms
   EXPECT_THAT(poses(), ElementsAre(HasSubstr("(stamp 0.2) (translation 5 0 0)")));
   EXPECT_THAT(lab_.log.with("info main: at "), SizeIs(2));
@@ -73,8 +75,11 @@ TEST_F(Tf2PoseTracker, AFailedLookupIsAWarningEachPeriodAndGoesOn) {
   run_up();
   ASSERT_EQ(eval("(tf2-start-periodic-lookup map robot 10.0)"), "TRUE");
   for (int i = 0; i <= 10; ++i) tick();
-  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn tracker: TF lookup failed: \"map\" passed to lookupTransform argument target_frame does not exist. ",
-                                                  "warn tracker: TF lookup failed: \"map\" passed to lookupTransform argument target_frame does not exist. "));
+  EXPECT_THAT(
+      lab_.log.with("warn "),
+      ElementsAre(
+          "warn tracker: TF lookup failed: \"map\" passed to lookupTransform argument target_frame does not exist. ",
+          "warn tracker: TF lookup failed: \"map\" passed to lookupTransform argument target_frame does not exist. "));
   for (int i = 0; i < 5; ++i) tick(1);
   EXPECT_THAT(poses(), SizeIs(1));
 }
@@ -86,7 +91,8 @@ TEST_F(Tf2PoseTracker, ARetractedFactComesAgainWithAWarning) {
   EXPECT_THAT(poses(), IsEmpty());
   for (int i = 8; i <= 10; ++i) tick(1);
   EXPECT_THAT(poses(), SizeIs(1));
-  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn tracker: the tf2-tracked-pose of robot in map was retracted, asserting a new one"));
+  EXPECT_THAT(lab_.log.with("warn "),
+              ElementsAre("warn tracker: the tf2-tracked-pose of robot in map was retracted, asserting a new one"));
 }
 
 TEST_F(Tf2PoseTracker, AResetTakesTheFactOnly) {
@@ -100,7 +106,9 @@ TEST_F(Tf2PoseTracker, AResetTakesTheFactOnly) {
 }
 
 TEST_F(Tf2PoseTracker, StoppingKeepsTheFactAndATimerStopsOnce) {
-  run_up("(defrule stop (time ?t&:(> ?t 0.15)) (tf2-tracked-pose (timer ?timer)) => (println \"stopped \" (tf2-stop-periodic-lookup ?timer)))");
+  run_up(
+      "(defrule stop (time ?t&:(> ?t 0.15)) (tf2-tracked-pose (timer ?timer)) => (println \"stopped \" "
+      "(tf2-stop-periodic-lookup ?timer)))");
   ASSERT_EQ(eval("(tf2-start-periodic-lookup map robot 10.0)"), "TRUE");
   for (int i = 0; i <= 20; ++i) tick(1.0 * i);
   EXPECT_THAT(poses(), ElementsAre(HasSubstr("(stamp 0.1)")));
@@ -114,7 +122,9 @@ TEST_F(Tf2PoseTracker, ARateHasToBeAFloatAboveZero) {
   EXPECT_EQ(eval("(tf2-start-periodic-lookup map robot -1.0)"), "FALSE");
   EXPECT_THAT(lab_.log.with("error tracker: Failed to create pose updater: "), SizeIs(2));
   EXPECT_FALSE(lab_.engine().eval("(tf2-start-periodic-lookup map robot 10)").ok());
-  EXPECT_THAT(lab_.log.with("[ARGACCES2] Function 'tf2-start-periodic-lookup' expected argument #3 to be of type float"), SizeIs(1));
+  EXPECT_THAT(
+      lab_.log.with("[ARGACCES2] Function 'tf2-start-periodic-lookup' expected argument #3 to be of type float"),
+      SizeIs(1));
 }
 
 TEST_F(Tf2PoseTracker, WhatTheBufferRefusesIsAnErrorLine) {
@@ -122,7 +132,10 @@ TEST_F(Tf2PoseTracker, WhatTheBufferRefusesIsAnErrorLine) {
   lab_.bus.begin_tick(lab_.now);
   server_->set("robot", "robot", {});
   tick();
-  EXPECT_THAT(lab_.log.with("error "), ElementsAre(HasSubstr("error tracker: Failure to set received transform from robot to robot with error: TF_SELF_TRANSFORM")));
+  EXPECT_THAT(
+      lab_.log.with("error "),
+      ElementsAre(HasSubstr(
+          "error tracker: Failure to set received transform from robot to robot with error: TF_SELF_TRANSFORM")));
 }
 
 TEST_F(Tf2PoseTracker, StaticTransformsFromBeforeAreThere) {
@@ -141,7 +154,8 @@ TEST_F(Tf2PoseTracker, IsTheSameTwice) {
     lab.config(R"(environments: ["main"]
 main: {plugins: ["tracker"]}
 tracker: {plugin: "cx::Tf2PoseTrackerPlugin"})");
-    const auto world = lab.bus.join(bus::ParticipantKind::kNode, {"world", "/", {}}, lab.records.open_stream("node/world"));
+    const auto world =
+        lab.bus.join(bus::ParticipantKind::kNode, {"world", "/", {}}, lab.records.open_stream("node/world"));
     auto server = bus::TransformBroadcaster::create(lab.bus, world);
     lab.run_up();
     EXPECT_TRUE(lab.engine().eval("(tf2-start-periodic-lookup map robot 7.0)").ok());

@@ -17,7 +17,8 @@ class Unload : public ::testing::Test {
   void run_up(const std::string& plugin, const std::string& type, const std::string& rules) {
     plugin_ = plugin;
     lab_.options.stop_on_rule_error = false;
-    lab_.config("environments: [\"main\"]\nmain: {plugins: [\"executive\", \"" + plugin + "\", \"files\"]}\n" + plugin + ": {plugin: \"" + type +
+    lab_.config("environments: [\"main\"]\nmain: {plugins: [\"executive\", \"" + plugin + "\", \"files\"]}\n" + plugin +
+                ": {plugin: \"" + type +
                 "\"}\nexecutive: {plugin: \"cx::ExecutivePlugin\", refresh_rate: 50}\n"
                 "files: {plugin: \"cx::FileLoadPlugin\", pkg_share_dirs: [\"agent\"], load: [\"rules.clp\"]}");
     lab_.write("agent/rules.clp", rules);
@@ -46,7 +47,8 @@ class Unload : public ::testing::Test {
 };
 
 TEST_F(Unload, AmentIndex) {
-  run_up("index", "cx::AmentIndexPlugin", "(defrule ask (time ?) => (println \"share \" (ament-index-get-package-share-directory agent)))");
+  run_up("index", "cx::AmentIndexPlugin",
+         "(defrule ask (time ?) => (println \"share \" (ament-index-get-package-share-directory agent)))");
   EXPECT_THAT(lab_.log.with("share /"), SizeIs(2));
   unload();
   expect_tombstone("ament-index-get-package-share-directory", "ask");
@@ -55,7 +57,8 @@ TEST_F(Unload, AmentIndex) {
 }
 
 TEST_F(Unload, RosParam) {
-  run_up("params", "cx::RosParamPlugin", "(defrule ask (time ?) => (println \"speed \" (ros-param-get-value speed 2)))");
+  run_up("params", "cx::RosParamPlugin",
+         "(defrule ask (time ?) => (println \"speed \" (ros-param-get-value speed 2)))");
   EXPECT_THAT(lab_.log.with("speed 2"), SizeIs(2));
   unload();
   expect_tombstone("ros-param-get-value", "ask");
@@ -66,7 +69,9 @@ TEST_F(Unload, RosParam) {
 TEST_F(Unload, ConfigLeavesItsTemplateAndFacts) {
   lab_.write("agent/c.yaml", "a: 1");
   const std::string file = (lab_.folder / "agent/c.yaml").string();
-  run_up("config", "cx::ConfigPlugin", "(defrule read (time ?) => (config-load \"" + file + "\" \"/\"))\n(defrule tell (confval (path ?p) (value ?v)) => (println ?p \" is \" ?v))");
+  run_up("config", "cx::ConfigPlugin",
+         "(defrule read (time ?) => (config-load \"" + file +
+             "\" \"/\"))\n(defrule tell (confval (path ?p) (value ?v)) => (println ?p \" is \" ?v))");
   EXPECT_THAT(lab_.log.with("/a is 1"), SizeIs(1));
   unload();
   expect_tombstone("config-load", "read");
@@ -78,18 +83,21 @@ TEST_F(Unload, ConfigLeavesItsTemplateAndFacts) {
 
 TEST_F(Unload, Tf2PoseTrackerEndsItsLookups) {
   run_up("tracker", "cx::Tf2PoseTrackerPlugin",
-         "(defrule start => (tf2-start-periodic-lookup map robot 50.0))\n(defrule seen (tf2-tracked-pose) => (println \"seen\"))\n"
+         "(defrule start => (tf2-start-periodic-lookup map robot 50.0))\n(defrule seen (tf2-tracked-pose) => (println "
+         "\"seen\"))\n"
          "(defrule again (time ?) (again) => (tf2-start-periodic-lookup map robot 50.0))");
   EXPECT_THAT(lab_.log.with("TF lookup failed"), SizeIs(1));
   lab_.log.lines.clear();
   ASSERT_TRUE(lab_.manager->unload_plugin("main", "tracker").ok());
-  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn tracker: tf2-tracked-pose cant be undefined")) << "a rule uses it";
+  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn tracker: tf2-tracked-pose cant be undefined"))
+      << "a rule uses it";
   ASSERT_TRUE(lab_.engine().assert_string("(again)").ok());
   lab_.ticks(2);
   EXPECT_THAT(lab_.log.with("TF lookup failed"), IsEmpty());
   expect_tombstone("tf2-start-periodic-lookup", "again");
   load();
-  EXPECT_THAT(lab_.log.with("TF lookup failed"), testing::Not(IsEmpty())) << "looked up again, with the template that was there";
+  EXPECT_THAT(lab_.log.with("TF lookup failed"), testing::Not(IsEmpty()))
+      << "looked up again, with the template that was there";
 }
 
 TEST_F(Unload, ExecutiveTakesItsRuleAndGlobal) {
@@ -135,7 +143,8 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.c
 TEST_F(Unload, Example) {
   run_up("example", "cx::ExamplePlugin", "");
   ASSERT_TRUE(lab_.manager->unload_plugin("main", "example").ok());
-  EXPECT_THAT(lab_.log.with("info example: "), ElementsAre("info example: Initializing plugin for environment main", "info example: Destroying plugin for environment main"));
+  EXPECT_THAT(lab_.log.with("info example: "), ElementsAre("info example: Initializing plugin for environment main",
+                                                           "info example: Destroying plugin for environment main"));
 }
 
 }  // namespace

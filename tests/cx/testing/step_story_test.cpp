@@ -23,7 +23,9 @@ StorySpec rcll_rules() {
 }
 StorySetup setup() { return {source() / "cx/interfaces"}; }
 
-void fail_here(const Story::Where& where, const std::string& what) { ADD_FAILURE_AT(where.file_name(), static_cast<int>(where.line())) << what; }
+void fail_here(const Story::Where& where, const std::string& what) {
+  ADD_FAILURE_AT(where.file_name(), static_cast<int>(where.line())) << what;
+}
 
 /// A robot that is to bring a carrier from the shelf to the belt.
 void tell_of_a_carrier(Story& story) {
@@ -31,7 +33,9 @@ void tell_of_a_carrier(Story& story) {
   story.skill("/R1/pick", "cxlab_skills/action/Pick");
   story.given("(machine (name \"C-CS1\") (kind CS) (state IDLE) (x 1.0) (y 1.0))");
   story.given("(robot (name \"R1\") (state BUSY))");
-  story.given("(job (id 1) (purpose BUFFER) (station \"C-CS1\") (from \"C-CS1-SHELF-LEFT\") (to \"C-CS1-INPUT\") (robot \"R1\") (step GO-FETCH))");
+  story.given(
+      "(job (id 1) (purpose BUFFER) (station \"C-CS1\") (from \"C-CS1-SHELF-LEFT\") (to \"C-CS1-INPUT\") (robot "
+      "\"R1\") (step GO-FETCH))");
 }
 
 TEST(StepStory, RobotWhosePickFailsTriesAgain) {
@@ -65,8 +69,10 @@ TEST(StepStory, SaysWhatCameInstead) {
   story.expect_no_fact("(jobs (id 1))");
   story.skill_fails("R1", "pick", 206);
   story.given("(job (id many))");
-  EXPECT_THAT(failures, ElementsAre(HasSubstr("there came /R1/drive_to {target: \"C-CS1-SHELF-LEFT\""), HasSubstr("step is GO-FETCH"),
-                                    HasSubstr("there is (job (id 1)"), HasSubstr("no deftemplate 'jobs'"), HasSubstr("taken no goal"), HasSubstr("(job (id many))")));
+  EXPECT_THAT(failures, ElementsAre(HasSubstr("there came /R1/drive_to {target: \"C-CS1-SHELF-LEFT\""),
+                                    HasSubstr("step is GO-FETCH"), HasSubstr("there is (job (id 1)"),
+                                    HasSubstr("no deftemplate 'jobs'"), HasSubstr("taken no goal"),
+                                    HasSubstr("(job (id many))")));
 }
 
 TEST(StepStory, RulesThatCannotBeUsedFailOnce) {

@@ -22,9 +22,10 @@ class Stories : public ::testing::Test {
   Stories() {
     std::string pattern = (std::filesystem::temp_directory_path() / "cxlab-stories-XXXXXX").string();
     folder_ = mkdtemp(pattern.data());
-    write("door.clp", "(deftemplate door (slot state) (slot by (default NOBODY)))\n"
-                      "(defrule open \"A bell.\" (bell) ?d <- (door (state CLOSED)) => (modify ?d (state OPEN) (by BELL)))\n"
-                      "(defrule slam (wind) ?d <- (door (state OPEN)) => (modify ?d (state CLOSED)))\n");
+    write("door.clp",
+          "(deftemplate door (slot state) (slot by (default NOBODY)))\n"
+          "(defrule open \"A bell.\" (bell) ?d <- (door (state CLOSED)) => (modify ?d (state OPEN) (by BELL)))\n"
+          "(defrule slam (wind) ?d <- (door (state OPEN)) => (modify ?d (state CLOSED)))\n");
   }
   ~Stories() override { std::filesystem::remove_all(folder_); }
 
@@ -35,7 +36,8 @@ class Stories : public ::testing::Test {
   }
   /// The one story of a bell and a door, with these expectations.
   StoryResult play(const std::string& expectation, const std::string& more = {}) {
-    auto stories = read("- story: s\n  rules: door.clp\n  given: [(door (state CLOSED))]\n" + more + "  expect:\n    - {" + expectation + "}\n");
+    auto stories = read("- story: s\n  rules: door.clp\n  given: [(door (state CLOSED))]\n" + more +
+                        "  expect:\n    - {" + expectation + "}\n");
     if (!stories) {
       StoryResult bad;
       bad.bad = stories.error();
@@ -51,14 +53,16 @@ const char* const kBell = "  steps: [{at: 1, assert: (bell)}]\n";
 TEST_F(Stories, FactIsSeenInItsTimeOnly) {
   EXPECT_THAT(play("fact: (door (state OPEN)), within_s: 1", kBell).failures, IsEmpty());
   EXPECT_THAT(play("fact: (door (state OPEN)), within_s: 0.9", kBell).failures,
-              ElementsAre(AllOf(HasSubstr("t.story.yaml:6: expected fact (door (state OPEN)) by 0.9 s"), HasSubstr("(by BELL)) at 1 s, at another time"))));
+              ElementsAre(AllOf(HasSubstr("t.story.yaml:6: expected fact (door (state OPEN)) by 0.9 s"),
+                                HasSubstr("(by BELL)) at 1 s, at another time"))));
   EXPECT_THAT(play("fact: (door (state CLOSED)), at: 2", kBell).failures.size(), 1u);
 }
 
 TEST_F(Stories, AFactThatLivesWithinOneRunIsSeen) {
   const auto both = "  steps: [{at: 1, assert: (bell)}, {at: 2, assert: (wind)}, {at: 2, retract: (bell)}]\n";
   EXPECT_THAT(play("fact: (door (state OPEN) (by BELL)), within_s: 3", both).failures, IsEmpty());
-  EXPECT_THAT(play("no_fact: (door (state OPEN)), within_s: 3", both).failures, ElementsAre(HasSubstr("there was (door (state OPEN) (by BELL)) from 1 s")));
+  EXPECT_THAT(play("no_fact: (door (state OPEN)), within_s: 3", both).failures,
+              ElementsAre(HasSubstr("there was (door (state OPEN) (by BELL)) from 1 s")));
   EXPECT_THAT(play("no_fact: (door (state OPEN)), at: 3", both).failures, IsEmpty());
 }
 
@@ -71,18 +75,24 @@ TEST_F(Stories, FiringIsCounted) {
 
 TEST_F(Stories, MistakesOfTheStoryAreNotPasses) {
   const auto text = [](const StoryResult& result) { return result.bad ? result.bad->text() : "no error"; };
-  EXPECT_THAT(text(play("not_fires: opne")), HasSubstr("t.story.yaml:5: there is no rule 'opne', did you mean 'open'?"));
-  EXPECT_THAT(text(play("not_fire: open")), HasSubstr("t.story.yaml:5: unknown key 'not_fire' in '[0].expect[0]', did you mean 'not_fires'?"));
+  EXPECT_THAT(text(play("not_fires: opne")),
+              HasSubstr("t.story.yaml:5: there is no rule 'opne', did you mean 'open'?"));
+  EXPECT_THAT(text(play("not_fire: open")),
+              HasSubstr("t.story.yaml:5: unknown key 'not_fire' in '[0].expect[0]', did you mean 'not_fires'?"));
   EXPECT_THAT(text(play("fact: (door (state OPEN)")), HasSubstr("t.story.yaml:5"));
   EXPECT_THAT(text(play("goal: /r/pick, within_s: 1")), HasSubstr("nobody serves /r/pick"));
-  EXPECT_THAT(play("no_fact: (dor (state OPEN)), within_s: 1").failures, ElementsAre(HasSubstr("did you mean 'door'?")));
-  EXPECT_THAT(play("no_fact: (door (stat OPEN)), within_s: 1").failures, ElementsAre(HasSubstr("there is no slot stat")));
+  EXPECT_THAT(play("no_fact: (dor (state OPEN)), within_s: 1").failures,
+              ElementsAre(HasSubstr("did you mean 'door'?")));
+  EXPECT_THAT(play("no_fact: (door (stat OPEN)), within_s: 1").failures,
+              ElementsAre(HasSubstr("there is no slot stat")));
 }
 
 TEST_F(Stories, ErrorOfARuleFailsTheStoryWithItsPlace) {
   write("door.clp", "(deftemplate door (slot state))\n(defrule bad\n  (door)\n  =>\n  (nth$ 1 7))\n");
-  EXPECT_THAT(play("fires: bad, within_s: 1").bad ? play("fires: bad, within_s: 1").bad->text() : "", HasSubstr("door.clp:"));
-  write("door.clp", "(deftemplate door (slot state))\n(defrule bad\n  (door (state ?s))\n  =>\n  (+ 1 (str-cat ?s)))\n");
+  EXPECT_THAT(play("fires: bad, within_s: 1").bad ? play("fires: bad, within_s: 1").bad->text() : "",
+              HasSubstr("door.clp:"));
+  write("door.clp",
+        "(deftemplate door (slot state))\n(defrule bad\n  (door (state ?s))\n  =>\n  (+ 1 (str-cat ?s)))\n");
   StoryResult result = play("fires: bad, within_s: 1");
   EXPECT_FALSE(result.passed());
 }

@@ -14,7 +14,10 @@ struct Settings {
 
 Status read(const Document& document, Settings& settings) {
   Map map = document.root().as_map();
-  map.read("name", settings.name).read("speed", settings.speed).read("count", settings.count).read_seconds("wait_s", settings.wait);
+  map.read("name", settings.name)
+      .read("speed", settings.speed)
+      .read("count", settings.count)
+      .read_seconds("wait_s", settings.wait);
   map.finish();
   return document.status();
 }
@@ -39,7 +42,8 @@ TEST(Yaml, ReadsWhatIsThereAndKeepsDefaults) {
 
 TEST(Yaml, ErrorsNameFileLineAndRemedy) {
   EXPECT_EQ(error_of("speed: 1\nspead: 2\n"), "s.yaml:2: unknown key 'spead', did you mean 'speed'?");
-  EXPECT_EQ(error_of("qqqqqqqqqqqq: 2\n"), "s.yaml:1: unknown key 'qqqqqqqqqqqq'; known are: name, speed, count, wait_s");
+  EXPECT_EQ(error_of("qqqqqqqqqqqq: 2\n"),
+            "s.yaml:1: unknown key 'qqqqqqqqqqqq'; known are: name, speed, count, wait_s");
   EXPECT_EQ(error_of("count: 1\ncount: 2\n"), "s.yaml:2: key 'count' stands here a second time");
   EXPECT_EQ(error_of("\ncount: many\n"), "s.yaml:2: count: found 'many', expected an integer");
   EXPECT_EQ(error_of("count: 99999999999\n"), "s.yaml:1: count: found 99999999999, which is out of range");
@@ -61,7 +65,8 @@ TEST(Yaml, AMisspeltRequiredKeyIsToldByItsName) {
   EXPECT_EQ(agent("confg: a.yaml\n"), "s.yaml:1: key 'config' is missing, did you mean it by 'confg'?");
   EXPECT_EQ(agent("namespace: /a\nconfg: a.yaml\n"), "s.yaml:2: key 'config' is missing, did you mean it by 'confg'?");
   EXPECT_EQ(agent("namespace: /a\n"), "s.yaml:1: key 'config' is missing");
-  EXPECT_EQ(agent("config: a.yaml\nqqqqqqqqqq: 1\nnamspace: /a\n"), "s.yaml:3: unknown key 'namspace', did you mean 'namespace'?")
+  EXPECT_EQ(agent("config: a.yaml\nqqqqqqqqqq: 1\nnamspace: /a\n"),
+            "s.yaml:3: unknown key 'namspace', did you mean 'namespace'?")
       << "the one with a remedy comes first";
 }
 
@@ -71,8 +76,10 @@ TEST(Yaml, SetWritesAtAPath) {
   EXPECT_TRUE(document->set("world.kind=none").ok());
   EXPECT_TRUE(document->set("agents[1].config=c").ok());
   EXPECT_TRUE(document->set("new.deep.key=[1, 2]").ok());
-  EXPECT_EQ(document->root().dump(), "world: {kind: none}\nagents: [{config: a}, {config: c}]\nnew:\n  deep:\n    key: [1, 2]");
-  EXPECT_EQ(document->set("agents[2].config=c").error().text(), "--set agents[2].config=c: index 2 is beyond the list's 2 items");
+  EXPECT_EQ(document->root().dump(),
+            "world: {kind: none}\nagents: [{config: a}, {config: c}]\nnew:\n  deep:\n    key: [1, 2]");
+  EXPECT_EQ(document->set("agents[2].config=c").error().text(),
+            "--set agents[2].config=c: index 2 is beyond the list's 2 items");
   EXPECT_EQ(document->set("world").error().text(), "--set world: expected PATH=VALUE");
   EXPECT_FALSE(document->set("world.kind.x=1").ok());
   EXPECT_FALSE(document->set("a..b=1").ok());

@@ -13,15 +13,21 @@ namespace {
 
 TEST(FindPlanWith, ExitCodesOfOursAreAnswers) {
   const Checker world("(:action light :effect (lit)) (:predicates (lit))", "(:init) (:goal (lit))");
-  const auto answer = [&](int code) { return find_plan_with({"echo why >&2; exit " + std::to_string(code), true}, world.task(), 10); };
-  for (const auto& [code, status] : {std::pair{10, PlanStatus::kUnsolvable}, {12, PlanStatus::kEnded}, {22, PlanStatus::kMemory}, {23, PlanStatus::kBudget}}) {
+  const auto answer = [&](int code) {
+    return find_plan_with({"echo why >&2; exit " + std::to_string(code), true}, world.task(), 10);
+  };
+  for (const auto& [code, status] : {std::pair{10, PlanStatus::kUnsolvable},
+                                     {12, PlanStatus::kEnded},
+                                     {22, PlanStatus::kMemory},
+                                     {23, PlanStatus::kBudget}}) {
     ASSERT_TRUE(answer(code)) << code;
     EXPECT_EQ(answer(code)->status, status) << code;
     EXPECT_EQ(answer(code)->reason, "why");
   }
   ASSERT_FALSE(answer(5));
   EXPECT_EQ(answer(5).error().message, "the planner ended with code 5 and wrote no plan: why");
-  EXPECT_EQ(find_plan_with({"echo why; exit 10", false}, world.task(), 10)->reason, "the planner ended with code 10 and wrote no plan: why");
+  EXPECT_EQ(find_plan_with({"echo why; exit 10", false}, world.task(), 10)->reason,
+            "the planner ended with code 10 and wrote no plan: why");
 }
 
 TEST(FindPlanWith, WhatTheShellCannotRunIsAnErrorAndNoAnswer) {
@@ -29,19 +35,27 @@ TEST(FindPlanWith, WhatTheShellCannotRunIsAnErrorAndNoAnswer) {
   for (const auto& [command, code] : {std::pair{"no-such-planner {domain}", "127"}, {"/dev/null {domain}", "126"}}) {
     const auto answer = find_plan_with({command, false}, world.task(), 10);
     ASSERT_FALSE(answer) << command;
-    EXPECT_EQ(answer.error().message.rfind("the planner's command cannot be run (code " + std::string(code) + "): ", 0), 0u) << answer.error().message;
+    EXPECT_EQ(answer.error().message.rfind("the planner's command cannot be run (code " + std::string(code) + "): ", 0),
+              0u)
+        << answer.error().message;
     EXPECT_NE(answer.error().message.find("parameter `command`"), std::string::npos) << answer.error().message;
   }
   const auto answer = find_plan_with(up_engine("up_engine.py", "nopython", "aries"), world.task(), 10);
   ASSERT_FALSE(answer);
-  EXPECT_NE(answer.error().message.find("; set the parameter `python` to a Python interpreter that has the Unified Planning Framework; found 'nopython'"), std::string::npos)
+  EXPECT_NE(answer.error().message.find("; set the parameter `python` to a Python interpreter that has the Unified "
+                                        "Planning Framework; found 'nopython'"),
+            std::string::npos)
       << answer.error().message;
 }
 
 TEST(FindPlanWith, PlansOfOthersNeedOnlyATenthOfAMillisecondBetweenSteps) {
-  const Checker world("(:predicates (lit) (seen)) (:action light :effect (lit)) (:action see :precondition (lit) :effect (seen))", "(:init) (:goal (seen))");
+  const Checker world(
+      "(:predicates (lit) (seen)) (:action light :effect (lit)) (:action see :precondition (lit) :effect (seen))",
+      "(:init) (:goal (seen))");
   const auto found = [&](const char* second) {
-    return find_plan_with({std::string("printf '0: (light)\\n") + second + ": (see)\\n' > {plan}", false}, world.task(), 10)->plan.has_value();
+    return find_plan_with({std::string("printf '0: (light)\\n") + second + ": (see)\\n' > {plan}", false}, world.task(),
+                          10)
+        ->plan.has_value();
   };
   EXPECT_TRUE(found("0.0002"));
   EXPECT_FALSE(found("0.00002"));

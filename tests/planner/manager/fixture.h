@@ -20,7 +20,8 @@ class QuietSink : public RecordSink {
  public:
   StreamId open_stream(std::string_view) override { return static_cast<StreamId>(count_++); }
   RecordRef write(StreamId stream, SimTime t, RecordKind, const RecordData& data, std::span<const RecordRef>) override {
-    all += std::to_string(static_cast<int>(stream)) + ' ' + std::to_string(t.count()) + ' ' + std::string(data.bytes()) + '\n';
+    all += std::to_string(static_cast<int>(stream)) + ' ' + std::to_string(t.count()) + ' ' +
+           std::string(data.bytes()) + '\n';
     return {stream, 0};
   }
   std::string all;
@@ -71,10 +72,12 @@ class ManagerTest : public ::testing::Test {
   }
 
   /// Asks and waits; `type` is below `package`, the request YAML.
-  bus::Message ask(const std::string& name, const std::string& type, const std::string& request, const std::string& package = "cx_pddl_interfaces") {
+  bus::Message ask(const std::string& name, const std::string& type, const std::string& request,
+                   const std::string& package = "cx_pddl_interfaces") {
     const bus::ServiceType& service = **registry_.service(package + "/srv/" + type);
     bus::Message answer(*service.response);
-    auto made = bus_.create_client(client_, "/pddl_manager/" + name, service, [&](const bus::Delivery& d) { answer = *d.message; });
+    auto made = bus_.create_client(client_, "/pddl_manager/" + name, service,
+                                   [&](const bus::Delivery& d) { answer = *d.message; });
     EXPECT_TRUE(made.ok()) << made.error().text();
     auto message = bus::Message::from_yaml(*service.request, request);
     EXPECT_TRUE(message.ok()) << message.error().text();
@@ -94,13 +97,15 @@ class ManagerTest : public ::testing::Test {
   }
 
   void load_blocks() {
-    tell("add_pddl_instance", "AddPddlInstance", "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}");
+    tell("add_pddl_instance", "AddPddlInstance",
+         "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}");
   }
   /// An instance `x` of a domain and a problem given as text.
   void load_text(const std::string& domain, const std::string& problem) {
     std::ofstream(folder_ / "d.pddl") << domain;
     std::ofstream(folder_ / "p.pddl") << problem;
-    tell("add_pddl_instance", "AddPddlInstance", "{name: x, directory: \"" + folder_.string() + "\", domain_file: d.pddl, problem_file: p.pddl}");
+    tell("add_pddl_instance", "AddPddlInstance",
+         "{name: x, directory: \"" + folder_.string() + "\", domain_file: d.pddl, problem_file: p.pddl}");
   }
 
   static std::vector<std::string> texts(const bus::MessageView& message, std::string_view field) {
@@ -121,7 +126,8 @@ class ManagerTest : public ::testing::Test {
     return out;
   }
   /// `sat`, or the conditions that do not hold.
-  std::vector<std::string> check(const std::string& action, const std::string& name = "check_action_condition", const std::string& type = "CheckActionCondition",
+  std::vector<std::string> check(const std::string& action, const std::string& name = "check_action_condition",
+                                 const std::string& type = "CheckActionCondition",
                                  const std::string& package = "cx_pddl_interfaces", const std::string& more = "") {
     const bus::Message answer = ask(name, type, "{action: " + action + more + "}", package);
     EXPECT_EQ(answer->integer("success"), 1) << answer->text("error");
@@ -140,7 +146,8 @@ class ManagerTest : public ::testing::Test {
       const bus::MessageView e = answer->nested("function_effects", i);
       char number[32];
       std::snprintf(number, sizeof number, "%g", e.real("value"));
-      out.push_back(e.text("time_point") + ' ' + called(e.nested("function")) + ' ' + e.text("operator_type") + ' ' + number);
+      out.push_back(e.text("time_point") + ' ' + called(e.nested("function")) + ' ' + e.text("operator_type") + ' ' +
+                    number);
     }
     return out;
   }
@@ -158,7 +165,8 @@ class ManagerTest : public ::testing::Test {
       for (std::size_t i = 0; i < result.size("actions"); ++i) {
         const bus::MessageView a = result.nested("actions", i);
         char text[96];
-        std::snprintf(text, sizeof text, " @%.2f+%g class %d", a.real("start_time"), a.real("duration"), static_cast<int>(a.integer("equiv_class")));
+        std::snprintf(text, sizeof text, " @%.2f+%g class %d", a.real("start_time"), a.real("duration"),
+                      static_cast<int>(a.integer("equiv_class")));
         answer->actions.push_back(called(a) + text);
       }
     };
@@ -174,7 +182,8 @@ class ManagerTest : public ::testing::Test {
   /// Texts of a topic from now on.
   std::shared_ptr<std::vector<std::string>> listen(const std::string& topic, const std::string& type) {
     auto heard = std::make_shared<std::vector<std::string>>();
-    auto made = bus_.subscribe(client_, topic, **registry_.message(type), [heard](const bus::Delivery& d) { heard->push_back(d.message->view().to_string()); });
+    auto made = bus_.subscribe(client_, topic, **registry_.message(type),
+                               [heard](const bus::Delivery& d) { heard->push_back(d.message->view().to_string()); });
     EXPECT_TRUE(made.ok());
     return heard;
   }

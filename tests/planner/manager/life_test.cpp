@@ -23,7 +23,8 @@ TEST_F(ManagerTest, ManagersInNamespacesKnowNothingOfEachOther) {
   options.name_space = "/magenta";
   auto magenta = PddlManager::create(options, bus_, sink_);
   ASSERT_TRUE(cyan.ok() && magenta.ok());
-  const auto cyan_beats = listen("/cyan/bond", "bond/msg/Status"), magenta_beats = listen("/magenta/bond", "bond/msg/Status");
+  const auto cyan_beats = listen("/cyan/bond", "bond/msg/Status"),
+             magenta_beats = listen("/magenta/bond", "bond/msg/Status");
   const auto cyan_updates = listen("/cyan/pddl_manager/instance_update", "std_msgs/msg/String");
   const auto magenta_updates = listen("/magenta/pddl_manager/instance_update", "std_msgs/msg/String");
   const auto ask_one = [&](const std::string& name, const std::string& type, const std::string& request) {
@@ -41,10 +42,16 @@ TEST_F(ManagerTest, ManagersInNamespacesKnowNothingOfEachOther) {
     }
     return std::pair(answer->integer("success") != 0, answer->text("error"));
   };
-  const std::string load = "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}";
+  const std::string load =
+      "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}";
   EXPECT_TRUE(ask_one("/cyan/pddl_manager/add_pddl_instance", "AddPddlInstance", load).first);
-  EXPECT_TRUE(ask_one("/cyan/pddl_manager/add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [a]}]}").first);
-  EXPECT_EQ(ask_one("/magenta/pddl_manager/get_fluents", "GetFluents", "{pddl_instance: bw}"), std::pair(false, std::string("unknown pddl instance 'bw': none is loaded, add it with the service add_pddl_instance")));
+  EXPECT_TRUE(ask_one("/cyan/pddl_manager/add_fluents", "AddFluents",
+                      "{fluents: [{pddl_instance: bw, name: clear, args: [a]}]}")
+                  .first);
+  EXPECT_EQ(
+      ask_one("/magenta/pddl_manager/get_fluents", "GetFluents", "{pddl_instance: bw}"),
+      std::pair(false,
+                std::string("unknown pddl instance 'bw': none is loaded, add it with the service add_pddl_instance")));
   EXPECT_THAT(*cyan_updates, ElementsAre(HasSubstr("bw")));
   EXPECT_THAT(*magenta_updates, IsEmpty());
   EXPECT_GE(cyan_beats->size(), 3u);
@@ -63,9 +70,11 @@ TEST_F(ManagerTest, EveryChangeIsToldOnceAndNothingElseIs) {
     heard->clear();
     return count;
   };
-  tell("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: d, type: block}, {pddl_instance: bw, name: e, type: block}]}");
+  tell("add_objects", "AddObjects",
+       "{objects: [{pddl_instance: bw, name: d, type: block}, {pddl_instance: bw, name: e, type: block}]}");
   EXPECT_EQ(told(), 1u);
-  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [d]}, {pddl_instance: bw, name: clear, args: [e]}]}");
+  tell("add_fluents", "AddFluents",
+       "{fluents: [{pddl_instance: bw, name: clear, args: [d]}, {pddl_instance: bw, name: clear, args: [e]}]}");
   EXPECT_EQ(told(), 1u);
   tell("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [e]}]}");
   EXPECT_EQ(told(), 1u);
@@ -141,7 +150,9 @@ TEST_F(ManagerTest, AFilterReplacesTheOneBeforeAndAnErrorLeavesItAlone) {
   };
   tell("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [STACK]}");
   EXPECT_FALSE(planned());
-  EXPECT_EQ(error_of("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [unstak]}"), "unknown action 'unstak', did you mean 'unstack'?");
+  EXPECT_EQ(
+      error_of("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [unstak]}"),
+      "unknown action 'unstak', did you mean 'unstack'?");
   EXPECT_FALSE(planned());
   tell("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [unstack]}");
   EXPECT_TRUE(planned());
@@ -160,7 +171,8 @@ TEST_F(ManagerTest, WhatWasUnderWayEndsWithTheNodeThatIsDeactivated) {
   tell("set_goals", "SetGoals", kHold);
   const auto reports = listen("/pddl_manager/plan_report", kReport);
   const auto change = [&](const std::string& label) {
-    return ask("change_state", "ChangeState", "{transition: {label: " + label + "}}", "lifecycle_msgs")->integer("success") != 0;
+    return ask("change_state", "ChangeState", "{transition: {label: " + label + "}}", "lifecycle_msgs")
+               ->integer("success") != 0;
   };
   const auto under_way = plan("{pddl_instance: bw, goal_instance: base}");
   ticks(5);
@@ -180,7 +192,8 @@ TEST_F(ManagerTest, WhatWasUnderWayEndsWithTheNodeThatIsDeactivated) {
   EXPECT_TRUE(change("deactivate"));
   EXPECT_TRUE(change("cleanup"));
   EXPECT_TRUE(change("configure"));
-  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: bw}"), "unknown pddl instance 'bw': none is loaded, add it with the service add_pddl_instance");
+  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: bw}"),
+            "unknown pddl instance 'bw': none is loaded, add it with the service add_pddl_instance");
 }
 
 TEST_F(ManagerTest, AnInstanceThatIsLoadedAgainIsNew) {
@@ -198,7 +211,8 @@ TEST_F(ManagerTest, AnInstanceThatIsLoadedAgainIsNew) {
 
 /// What is true in blocksworld as a set of texts, and how requests change it.
 struct Blocks {
-  std::set<std::string> objects = {"a", "b", "c"}, facts = {"on(c a)", "ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()"};
+  std::set<std::string> objects = {"a", "b", "c"},
+                        facts = {"on(c a)", "ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()"};
 
   void remove(const std::string& object) {
     objects.erase(object);
@@ -225,13 +239,17 @@ TEST_F(ManagerTest, RandomRequestsDoToTheInstanceWhatTheyDoToASet) {
     const bool known_x = blocks.objects.contains(x), known_y = blocks.objects.contains(y);
     switch (draw() % 6) {
       case 0: {
-        EXPECT_EQ(ask("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: " + x + ", type: block}]}")->integer("success"), 1);
+        EXPECT_EQ(ask("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: " + x + ", type: block}]}")
+                      ->integer("success"),
+                  1);
         blocks.objects.insert(x);
         break;
       }
       case 1: {
         if (draw() % 4 != 0) break;  // else few blocks are left
-        const bool done = ask("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: " + x + ", type: block}]}")->integer("success") != 0;
+        const bool done =
+            ask("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: " + x + ", type: block}]}")
+                ->integer("success") != 0;
         EXPECT_EQ(done, known_x);
         blocks.remove(x);
         break;
@@ -239,18 +257,23 @@ TEST_F(ManagerTest, RandomRequestsDoToTheInstanceWhatTheyDoToASet) {
       case 2:
       case 3: {
         const bool add = draw() % 3 != 0;
-        const std::string request = "{fluents: [{pddl_instance: bw, name: on, args: [" + x + ", " + y + "]}, {pddl_instance: bw, name: clear, args: [" + x + "]}]}";
-        const bus::Message answer = add ? ask("add_fluents", "AddFluents", request) : ask("rm_fluents", "RemoveFluents", request);
+        const std::string request = "{fluents: [{pddl_instance: bw, name: on, args: [" + x + ", " + y +
+                                    "]}, {pddl_instance: bw, name: clear, args: [" + x + "]}]}";
+        const bus::Message answer =
+            add ? ask("add_fluents", "AddFluents", request) : ask("rm_fluents", "RemoveFluents", request);
         EXPECT_EQ(answer->integer("success") != 0, known_x && known_y) << answer->text("error");
         EXPECT_EQ(answer->text("error").empty(), known_x && known_y);
         if (!known_x || !known_y) break;
-        for (const std::string& fact : {"on(" + x + " " + y + ")", "clear(" + x + ")"}) add ? (void)blocks.facts.insert(fact) : (void)blocks.facts.erase(fact);
+        for (const std::string& fact : {"on(" + x + " " + y + ")", "clear(" + x + ")"})
+          add ? (void)blocks.facts.insert(fact) : (void)blocks.facts.erase(fact);
         break;
       }
       case 4: {
         if (!known_x || !known_y) break;
         tell("create_goal_instance", "CreateGoalInstance", "{pddl_instance: bw, goal_instance: g}");
-        tell("set_goals", "SetGoals", "{goal_instance: g, fluents: [{pddl_instance: bw, name: clear, args: [" + x + "]}, {pddl_instance: bw, name: clear, args: [" + y + "]}]}");
+        tell("set_goals", "SetGoals",
+             "{goal_instance: g, fluents: [{pddl_instance: bw, name: clear, args: [" + x +
+                 "]}, {pddl_instance: bw, name: clear, args: [" + y + "]}]}");
         const auto answer = plan("{pddl_instance: bw, goal_instance: g}");
         ticks(3);
         EXPECT_GE(answer->time, 0);
@@ -262,7 +285,8 @@ TEST_F(ManagerTest, RandomRequestsDoToTheInstanceWhatTheyDoToASet) {
         std::vector<std::string> missing;
         for (const std::string& fact : {"clear(" + x + ")", "ontable(" + x + ")", std::string("handempty()")})
           if (!blocks.facts.contains(fact)) missing.push_back(fact == "handempty()" ? "handempty" : fact);
-        EXPECT_EQ(check("{pddl_instance: bw, name: pick-up, args: [" + x + "]}"), missing.empty() ? std::vector<std::string>{"sat"} : missing);
+        EXPECT_EQ(check("{pddl_instance: bw, name: pick-up, args: [" + x + "]}"),
+                  missing.empty() ? std::vector<std::string>{"sat"} : missing);
       }
     }
     const std::vector<std::string> now = fluents("bw");

@@ -29,8 +29,9 @@ TEST_F(ManagerTest, APlanIsAnsweredAfterItsSimulatedTime) {
   EXPECT_NEAR(answer->time, asked + 1.5, 0.05);
   EXPECT_EQ(answer->status, bus::GoalStatus::kSucceeded);
   EXPECT_TRUE(answer->success);
-  EXPECT_THAT(answer->actions, ElementsAre("unstack(c a) @0.00+3 class 0", HasSubstr("put-down(c) @3.00+2 class 1"), HasSubstr("pick-up(a) @5.00+2 class 2"),
-                                           HasSubstr("stack(a b) @7.00+3 class 3")));
+  EXPECT_THAT(answer->actions,
+              ElementsAre("unstack(c a) @0.00+3 class 0", HasSubstr("put-down(c) @3.00+2 class 1"),
+                          HasSubstr("pick-up(a) @5.00+2 class 2"), HasSubstr("stack(a b) @7.00+3 class 3")));
   ASSERT_EQ(heard->size(), 1u);
   EXPECT_THAT(heard->front(), HasSubstr("status: \"PLAN\""));
   EXPECT_EQ(manager_->plans(), 1);
@@ -52,11 +53,13 @@ TEST_F(ManagerTest, WhatIsNotChargedIsAnsweredAtOnce) {
 TEST_F(ManagerTest, GoalsArePlannedForSideBySideInSimulatedTime) {
   start(at_cost(1, 0));
   load_blocks();
-  for (const char* goal : {"g1", "g2"}) tell("create_goal_instance", "CreateGoalInstance", std::string("{pddl_instance: bw, goal_instance: ") + goal + "}");
+  for (const char* goal : {"g1", "g2"})
+    tell("create_goal_instance", "CreateGoalInstance", std::string("{pddl_instance: bw, goal_instance: ") + goal + "}");
   tell("set_goals", "SetGoals", "{goal_instance: g1, fluents: [{pddl_instance: bw, name: on, args: [b, c]}]}");
   tell("set_goals", "SetGoals", "{goal_instance: g2, fluents: [{pddl_instance: bw, name: holding, args: [c]}]}");
   const double asked = to_seconds(now_);
-  const auto first = plan("{pddl_instance: bw, goal_instance: g1}"), second = plan("{pddl_instance: bw, goal_instance: g2}", "expertino_msgs");
+  const auto first = plan("{pddl_instance: bw, goal_instance: g1}"),
+             second = plan("{pddl_instance: bw, goal_instance: g2}", "expertino_msgs");
   ticks(60);
   EXPECT_NEAR(first->time, asked + 1, 0.05);
   EXPECT_NEAR(second->time, asked + 1, 0.05);
@@ -76,9 +79,11 @@ TEST_F(ManagerTest, FiltersSayWhatThePlannerSees) {
   };
   EXPECT_EQ(answer_with("set_action_filter", "SetActionFilter", "actions: [pick-up, stack]"), "none");
   EXPECT_EQ(answer_with("set_action_filter", "SetActionFilter", "actions: []"), "4 actions");
-  EXPECT_EQ(answer_with("set_object_filter", "SetObjectFilter", "objects: [a, b]"), "none");  // nobody can take c from a
+  EXPECT_EQ(answer_with("set_object_filter", "SetObjectFilter", "objects: [a, b]"),
+            "none");  // nobody can take c from a
   EXPECT_EQ(answer_with("set_object_filter", "SetObjectFilter", "objects: [a, b, c]"), "4 actions");
-  EXPECT_EQ(answer_with("set_fluent_filter", "SetFluentFilter", "fluents: [on, ontable, clear]"), "none");  // no hand is empty
+  EXPECT_EQ(answer_with("set_fluent_filter", "SetFluentFilter", "fluents: [on, ontable, clear]"),
+            "none");  // no hand is empty
   EXPECT_EQ(answer_with("set_fluent_filter", "SetFluentFilter", "fluents: []"), "4 actions");
 }
 
@@ -100,7 +105,9 @@ TEST_F(ManagerTest, NoPlanTimeoutAndCancelAreToldApart) {
   EXPECT_THAT(*heard, ElementsAre(HasSubstr("status: \"TIMEOUT\"")));
   EXPECT_EQ(ended("{pddl_instance: bw, goal_instance: nope}"), bus::GoalStatus::kAborted);
   EXPECT_THAT(*heard, ElementsAre(HasSubstr("has no goal instance 'nope'")));
-  tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, a]}, {pddl_instance: bw, name: holding, args: [b]}]}");
+  tell("set_goals", "SetGoals",
+       "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, a]}, {pddl_instance: bw, name: "
+       "holding, args: [b]}]}");
 
   manager_.reset();
   start(at_cost(1, 0));
@@ -149,7 +156,8 @@ TEST_F(ManagerTest, AnotherPlannerMayMakeThePlans) {
     return answer;
   };
   const auto heard = listen("/pddl_manager/plan_report", kReport);
-  const auto answer = answer_of("grep -q holding {problem} && grep -q unstack {domain} && echo '0.0: (unstack c a) [3.0]' > {plan}");
+  const auto answer =
+      answer_of("grep -q holding {problem} && grep -q unstack {domain} && echo '0.0: (unstack c a) [3.0]' > {plan}");
   EXPECT_TRUE(answer->success);
   EXPECT_THAT(answer->actions, ElementsAre("unstack(c a) @0.00+3 class 0"));
   EXPECT_FALSE(answer_of("echo '0.0: (pick-up a) [2.0]' > {plan}")->success);
@@ -186,7 +194,8 @@ TEST_F(ManagerTest, ANodeHasALifeAndABond) {
   start(std::move(options));
   const auto beats = listen("/bond", "bond/msg/Status");
   const auto change = [&](const std::string& label) {
-    const bus::Message answer = ask("change_state", "ChangeState", "{transition: {label: " + label + "}}", "lifecycle_msgs");
+    const bus::Message answer =
+        ask("change_state", "ChangeState", "{transition: {label: " + label + "}}", "lifecycle_msgs");
     return answer->integer("success") != 0;
   };
   EXPECT_FALSE(change("activate"));
@@ -213,7 +222,8 @@ struct Replanned {
 
 constexpr const char* kSixBlocks = R"((define (problem six) (:domain blocksworld) (:objects a b c d e f - block)
   (:init (on a b) (on b c) (on c d) (ontable d) (ontable e) (on f e) (clear a) (clear f) (handempty) (= (moves) 0)) (:goal (and))))";
-constexpr const char* kSixGoal = R"({goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [d, c]}, {pddl_instance: bw, name: on, args: [c, b]},
+constexpr const char* kSixGoal =
+    R"({goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [d, c]}, {pddl_instance: bw, name: on, args: [c, b]},
   {pddl_instance: bw, name: on, args: [b, f]}, {pddl_instance: bw, name: on, args: [f, a]}, {pddl_instance: bw, name: on, args: [a, e]}]})";
 
 TEST_F(ManagerTest, PlanningAgainBeginsWithWhatIsLeftOfTheLastPlan) {
@@ -221,21 +231,26 @@ TEST_F(ManagerTest, PlanningAgainBeginsWithWhatIsLeftOfTheLastPlan) {
     manager_.reset();
     start(std::move(options));
     std::ofstream(folder_ / "six.pddl") << kSixBlocks;
-    std::filesystem::copy_file(blocks_folder() + "/domain.pddl", folder_ / "domain.pddl", std::filesystem::copy_options::overwrite_existing);
-    tell("add_pddl_instance", "AddPddlInstance", "{name: bw, directory: \"" + folder_.string() + "\", domain_file: domain.pddl, problem_file: six.pddl}");
+    std::filesystem::copy_file(blocks_folder() + "/domain.pddl", folder_ / "domain.pddl",
+                               std::filesystem::copy_options::overwrite_existing);
+    tell("add_pddl_instance", "AddPddlInstance",
+         "{name: bw, directory: \"" + folder_.string() + "\", domain_file: domain.pddl, problem_file: six.pddl}");
     tell("set_goals", "SetGoals", kSixGoal);
     std::vector<std::int64_t> units;
     std::vector<double> makespans;
-    auto made = bus_.subscribe(client_, "/pddl_manager/plan_report", **registry_.message(kReport), [&](const bus::Delivery& d) {
-      units.push_back(d.message->view().integer("units"));
-      makespans.push_back(d.message->view().real("makespan"));
-    });
+    auto made =
+        bus_.subscribe(client_, "/pddl_manager/plan_report", **registry_.message(kReport), [&](const bus::Delivery& d) {
+          units.push_back(d.message->view().integer("units"));
+          makespans.push_back(d.message->view().real("makespan"));
+        });
     const auto first = plan("{pddl_instance: bw, goal_instance: base}");
     ticks(3);
     // unstack a b, put-down a; meanwhile somebody else has taken f from e.
     EXPECT_THAT(first->actions.at(0), HasSubstr("unstack("));
-    tell("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: bw, name: on, args: [a, b]}, {pddl_instance: bw, name: on, args: [f, e]}]}");
-    tell("add_fluents", "AddFluents", R"({fluents: [{pddl_instance: bw, name: ontable, args: [a]}, {pddl_instance: bw, name: clear, args: [b]},
+    tell("rm_fluents", "RemoveFluents",
+         "{fluents: [{pddl_instance: bw, name: on, args: [a, b]}, {pddl_instance: bw, name: on, args: [f, e]}]}");
+    tell("add_fluents", "AddFluents",
+         R"({fluents: [{pddl_instance: bw, name: ontable, args: [a]}, {pddl_instance: bw, name: clear, args: [b]},
       {pddl_instance: bw, name: ontable, args: [f]}, {pddl_instance: bw, name: clear, args: [e]}]})");
     const auto second = plan("{pddl_instance: bw, goal_instance: base}");
     ticks(3);
@@ -269,7 +284,8 @@ TEST_F(ManagerTest, APlanForOtherGoalsBeginsAnew) {
     tell("clear_goals", "ClearGoals", "{pddl_instance: bw, goal_instance: base}");
     tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, c]}]}");
     std::int64_t units = 0;
-    auto made = bus_.subscribe(client_, "/pddl_manager/plan_report", **registry_.message(kReport), [&](const bus::Delivery& d) { units = d.message->view().integer("units"); });
+    auto made = bus_.subscribe(client_, "/pddl_manager/plan_report", **registry_.message(kReport),
+                               [&](const bus::Delivery& d) { units = d.message->view().integer("units"); });
     const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
     ticks(3);
     bus_.remove(*made);
@@ -291,11 +307,13 @@ TEST_F(ManagerTest, TwoRunsAreTheSameToTheLastByte) {
       auto made = bus.create_client(agent, "/pddl_manager/" + name, service, nullptr);
       bus.call(*made, std::make_shared<bus::Message>(*bus::Message::from_yaml(*service.request, request)));
     };
-    call("add_pddl_instance", "AddPddlInstance", "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}");
+    call("add_pddl_instance", "AddPddlInstance",
+         "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}");
     call("set_goals", "SetGoals", kTower);
     const bus::ActionType& type = **registry_.action("cx_pddl_interfaces/action/PlanTemporal");
     auto made = bus.create_action_client(agent, "/pddl_manager/temp_plan", type, {});
-    bus.send_goal(*made, std::make_shared<bus::Message>(*bus::Message::from_yaml(*type.goal, "{pddl_instance: bw, goal_instance: base}")));
+    bus.send_goal(*made, std::make_shared<bus::Message>(
+                             *bus::Message::from_yaml(*type.goal, "{pddl_instance: bw, goal_instance: base}")));
     for (int i = 1; i < 50; ++i) {
       bus.begin_tick(SimTime{i * 20'000'000});
       EXPECT_TRUE((*manager)->answer_due(bus.now()).ok());

@@ -13,17 +13,20 @@ TEST_F(ManagerTest, AnInstanceIsAskedAboutUnderTheNamesOfBothPackages) {
   load_blocks();
   EXPECT_THAT(texts(ask("get_action_names", "GetActionNames", "{pddl_instance: bw}").view(), "action_names"),
               ElementsAre("pick-up", "put-down", "stack", "unstack"));
-  EXPECT_THAT(texts(ask("get_action_names", "GetActionNames", "{pddl_instance: bw}", "expertino_msgs").view(), "action_names"),
-              ElementsAre("pick-up", "put-down", "stack", "unstack"));
+  EXPECT_THAT(
+      texts(ask("get_action_names", "GetActionNames", "{pddl_instance: bw}", "expertino_msgs").view(), "action_names"),
+      ElementsAre("pick-up", "put-down", "stack", "unstack"));
   EXPECT_THAT(fluents("bw"), ElementsAre("on(c a)", "ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()"));
-  EXPECT_THAT(texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: bw, type: block}").view(), "objects"), ElementsAre("a", "b", "c"));
+  EXPECT_THAT(texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: bw, type: block}").view(), "objects"),
+              ElementsAre("a", "b", "c"));
   const bus::Message predicates = ask("get_predicates", "GetPredicates", "{pddl_instance: bw}");
   ASSERT_EQ(predicates->size("predicates"), 5u);
   EXPECT_THAT(texts(predicates->nested("predicates", 0), "param_names"), ElementsAre("x", "y"));
   const bus::Message functions = ask("get_functions", "GetFunctions", "{pddl_instance: bw}");
   ASSERT_EQ(functions->size("functions"), 1u);
   EXPECT_EQ(functions->nested("functions", 0).text("name"), "moves");
-  EXPECT_THAT(check("{pddl_instance: bw, name: pick-up, args: [a]}", "check_action_precondition", "CheckActionPrecondition", "expertino_msgs"),
+  EXPECT_THAT(check("{pddl_instance: bw, name: pick-up, args: [a]}", "check_action_precondition",
+                    "CheckActionPrecondition", "expertino_msgs"),
               ElementsAre("clear(a)"));
 }
 
@@ -32,19 +35,23 @@ TEST_F(ManagerTest, WhatIsSetIsSoAndListenersHearOfIt) {
   load_blocks();
   const auto heard = listen("/pddl_manager/instance_update", "std_msgs/msg/String");
   tell("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: bw, name: on, args: [c, a]}]}");
-  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: on, args: [c, b]}, {pddl_instance: bw, name: clear, args: [a]}]}");
+  tell("add_fluents", "AddFluents",
+       "{fluents: [{pddl_instance: bw, name: on, args: [c, b]}, {pddl_instance: bw, name: clear, args: [a]}]}");
   tell("set_functions", "SetFunctions", "{functions: [{pddl_instance: bw, name: moves, args: [], value: 7}]}");
   tell("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: d, type: block}]}");
   tell("add_fluent", "AddFluent", "{fluent: {pddl_instance: bw, name: ontable, args: [d]}}");
   EXPECT_EQ(heard->size(), 5u);
-  EXPECT_THAT(fluents("bw"), ElementsAre("ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()", "on(c b)", "clear(a)", "ontable(d)"));
+  EXPECT_THAT(fluents("bw"), ElementsAre("ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()", "on(c b)",
+                                         "clear(a)", "ontable(d)"));
   EXPECT_EQ(ask("get_functions", "GetFunctions", "{pddl_instance: bw}")->nested("functions", 0).real("value"), 7);
 }
 
 TEST_F(ManagerTest, AnObjectTakesItsFactsAndGoalsWithIt) {
   start();
   load_blocks();
-  tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, c]}, {pddl_instance: bw, name: ontable, args: [c]}]}");
+  tell("set_goals", "SetGoals",
+       "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, c]}, {pddl_instance: bw, name: "
+       "ontable, args: [c]}]}");
   tell("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: b, type: block}]}");
   EXPECT_THAT(fluents("bw"), ElementsAre("on(c a)", "ontable(a)", "clear(c)", "handempty()"));
   const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
@@ -55,39 +62,61 @@ TEST_F(ManagerTest, AnObjectTakesItsFactsAndGoalsWithIt) {
 TEST_F(ManagerTest, ErrorsNameWhatWasFoundAndChangeNothing) {
   start();
   load_blocks();
-  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: bv}"), "unknown pddl instance 'bv', did you mean 'bw'?");
-  EXPECT_EQ(error_of("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [a]}, {pddl_instance: bw, name: klear, args: [a]}]}"),
-            "unknown fluent 'klear', did you mean 'clear'?");
-  EXPECT_EQ(error_of("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: on, args: [a]}]}"), "'on': found 1 arguments, expected 2");
+  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: bv}"),
+            "unknown pddl instance 'bv', did you mean 'bw'?");
+  EXPECT_EQ(
+      error_of("add_fluents", "AddFluents",
+               "{fluents: [{pddl_instance: bw, name: clear, args: [a]}, {pddl_instance: bw, name: klear, args: [a]}]}"),
+      "unknown fluent 'klear', did you mean 'clear'?");
+  EXPECT_EQ(error_of("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: on, args: [a]}]}"),
+            "'on': found 1 arguments, expected 2");
   EXPECT_THAT(fluents("bw"), ::testing::Not(::testing::Contains("clear(a)")));
-  EXPECT_THAT(error_of("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: other, actions: []}"), HasSubstr("create it first"));
-  EXPECT_THAT(error_of("add_pddl_instance", "AddPddlInstance", "{name: y, directory: /, domain_file: nowhere.pddl}"), HasSubstr("/nowhere.pddl: there is no such file"));
-  std::ofstream(folder_ / "d.pddl") << "(define (domain d)\n (:predicates (p))\n (:action a :precondition (q) :effect (p)))";
-  EXPECT_THAT(error_of("add_pddl_instance", "AddPddlInstance", "{name: y, directory: \"" + folder_.string() + "\", domain_file: d.pddl}"), HasSubstr("d.pddl:3:"));
+  EXPECT_THAT(
+      error_of("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: other, actions: []}"),
+      HasSubstr("create it first"));
+  EXPECT_THAT(error_of("add_pddl_instance", "AddPddlInstance", "{name: y, directory: /, domain_file: nowhere.pddl}"),
+              HasSubstr("/nowhere.pddl: there is no such file"));
+  std::ofstream(folder_ / "d.pddl")
+      << "(define (domain d)\n (:predicates (p))\n (:action a :precondition (q) :effect (p)))";
+  EXPECT_THAT(error_of("add_pddl_instance", "AddPddlInstance",
+                       "{name: y, directory: \"" + folder_.string() + "\", domain_file: d.pddl}"),
+              HasSubstr("d.pddl:3:"));
 }
 
 TEST_F(ManagerTest, AListOfObjectsIsTakenAsAWholeOrNotAtAll) {
   start();
   load_blocks();
-  tell("add_pddl_instance", "AddPddlInstance", "{name: other, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}");
+  tell("add_pddl_instance", "AddPddlInstance",
+       "{name: other, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}");
   const auto objects = [&](const std::string& instance) {
-    return texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: " + instance + ", type: object}").view(), "objects");
+    return texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: " + instance + ", type: object}").view(),
+                 "objects");
   };
   const std::vector<std::string> facts = fluents("bw");
   const auto heard = listen("/pddl_manager/instance_update", "std_msgs/msg/String");
-  EXPECT_EQ(error_of("add_objects", "AddObjects", "{objects: [{pddl_instance: other, name: d, type: block}, {pddl_instance: bw, name: d, type: block}, {pddl_instance: bw, name: e, type: blok}]}"),
+  EXPECT_EQ(error_of("add_objects", "AddObjects",
+                     "{objects: [{pddl_instance: other, name: d, type: block}, {pddl_instance: bw, name: d, type: "
+                     "block}, {pddl_instance: bw, name: e, type: blok}]}"),
             "unknown type 'blok', did you mean 'block'?");
-  EXPECT_EQ(error_of("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: d, type: object}, {pddl_instance: bw, name: D, type: block}]}"),
-            "object 'D' is there already: found the type object, expected block");
-  EXPECT_EQ(error_of("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: other, name: a}, {pddl_instance: bw, name: a}, {pddl_instance: bw, name: nobody}]}"),
+  EXPECT_EQ(
+      error_of("add_objects", "AddObjects",
+               "{objects: [{pddl_instance: bw, name: d, type: object}, {pddl_instance: bw, name: D, type: block}]}"),
+      "object 'D' is there already: found the type object, expected block");
+  EXPECT_EQ(error_of("rm_objects", "RemoveObjects",
+                     "{objects: [{pddl_instance: other, name: a}, {pddl_instance: bw, name: a}, {pddl_instance: bw, "
+                     "name: nobody}]}"),
             "unknown object 'nobody', known: a, b, c");
   EXPECT_THAT(*heard, IsEmpty());
   EXPECT_THAT(objects("bw"), ElementsAre("a", "b", "c"));
   EXPECT_THAT(objects("other"), ElementsAre("a", "b", "c"));
   EXPECT_EQ(fluents("bw"), facts);
 
-  tell("add_objects", "AddObjects", "{objects: [{pddl_instance: other, name: d, type: block}, {pddl_instance: bw, name: d, type: block}, {pddl_instance: bw, name: D, type: object}]}");
-  tell("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: a, type: block}, {pddl_instance: other, name: b}, {pddl_instance: bw, name: b}]}");
+  tell("add_objects", "AddObjects",
+       "{objects: [{pddl_instance: other, name: d, type: block}, {pddl_instance: bw, name: d, type: block}, "
+       "{pddl_instance: bw, name: D, type: object}]}");
+  tell("rm_objects", "RemoveObjects",
+       "{objects: [{pddl_instance: bw, name: a, type: block}, {pddl_instance: other, name: b}, {pddl_instance: bw, "
+       "name: b}]}");
   EXPECT_THAT(*heard, ::testing::SizeIs(4));
   EXPECT_THAT(objects("bw"), ElementsAre("c", "d"));
   EXPECT_THAT(objects("other"), ElementsAre("a", "c", "d"));
@@ -96,31 +125,43 @@ TEST_F(ManagerTest, AListOfObjectsIsTakenAsAWholeOrNotAtAll) {
 
 TEST_F(ManagerTest, ErrorsNameTheRemedy) {
   start();
-  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: bw}"), "unknown pddl instance 'bw': none is loaded, add it with the service add_pddl_instance");
+  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: bw}"),
+            "unknown pddl instance 'bw': none is loaded, add it with the service add_pddl_instance");
   load_text(R"((define (domain d) (:requirements :typing)
     (:types cup plate - dish place) (:predicates (on ?d - (either cup plate) ?p - place)) (:functions (price ?d - dish))
     (:action move :parameters (?d - dish) :effect (on ?d table)) (:constants table - place)))",
             "(define (problem p) (:domain d) (:objects red - cup deep - plate) (:init) (:goal (and)))");
-  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: household}"), "unknown pddl instance 'household', known: x");
+  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: household}"),
+            "unknown pddl instance 'household', known: x");
   EXPECT_EQ(error_of("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: on, args: [table, table]}]}"),
             "'on': 'table' has the wrong type for ?d: found place, expected (either cup plate)");
-  EXPECT_EQ(error_of("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: below, args: []}]}"), "unknown fluent 'below', known: on");
-  EXPECT_EQ(error_of("set_functions", "SetFunctions", "{functions: [{pddl_instance: x, name: weight, args: [red]}]}"), "unknown function 'weight', known: price");
-  EXPECT_EQ(error_of("get_type_objects", "GetTypeObjects", "{pddl_instance: x, type: table}"), "unknown type 'table', known: object, cup, plate, place, dish");
-  EXPECT_EQ(error_of("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: x, name: red, type: place}]}"), "object 'red': found the type cup, expected place");
-  EXPECT_THAT(error_of("clear_goals", "ClearGoals", "{pddl_instance: x, goal_instance: tidy}"), HasSubstr("create it first with the service create_goal_instance"));
+  EXPECT_EQ(error_of("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: below, args: []}]}"),
+            "unknown fluent 'below', known: on");
+  EXPECT_EQ(error_of("set_functions", "SetFunctions", "{functions: [{pddl_instance: x, name: weight, args: [red]}]}"),
+            "unknown function 'weight', known: price");
+  EXPECT_EQ(error_of("get_type_objects", "GetTypeObjects", "{pddl_instance: x, type: table}"),
+            "unknown type 'table', known: object, cup, plate, place, dish");
+  EXPECT_EQ(error_of("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: x, name: red, type: place}]}"),
+            "object 'red': found the type cup, expected place");
+  EXPECT_THAT(error_of("clear_goals", "ClearGoals", "{pddl_instance: x, goal_instance: tidy}"),
+              HasSubstr("create it first with the service create_goal_instance"));
   std::string many = "{objects: [";
-  for (int i = 0; i < 20; ++i) many += std::string(i ? ", " : "") + "{pddl_instance: x, name: cup-number-" + std::to_string(i) + ", type: cup}";
+  for (int i = 0; i < 20; ++i)
+    many += std::string(i ? ", " : "") + "{pddl_instance: x, name: cup-number-" + std::to_string(i) + ", type: cup}";
   tell("add_objects", "AddObjects", many + "]}");
-  EXPECT_THAT(error_of("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: x, name: w}]}"), ::testing::EndsWith("cup-number-6 and 13 more"));
+  EXPECT_THAT(error_of("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: x, name: w}]}"),
+              ::testing::EndsWith("cup-number-6 and 13 more"));
 }
 
 TEST_F(ManagerTest, ObjectsAreToldAsTheyWereAddedAndTakenInAnyCase) {
   start();
   load_blocks();
   tell("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: Cube-7, type: Block}]}");
-  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: ONTABLE, args: [cube-7]}, {pddl_instance: bw, name: clear, args: [CUBE-7]}]}");
-  EXPECT_THAT(texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: bw, type: block}").view(), "objects"), ElementsAre("a", "b", "c", "Cube-7"));
+  tell("add_fluents", "AddFluents",
+       "{fluents: [{pddl_instance: bw, name: ONTABLE, args: [cube-7]}, {pddl_instance: bw, name: clear, args: "
+       "[CUBE-7]}]}");
+  EXPECT_THAT(texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: bw, type: block}").view(), "objects"),
+              ElementsAre("a", "b", "c", "Cube-7"));
   EXPECT_THAT(fluents("bw"), ::testing::IsSupersetOf({"ontable(Cube-7)", "clear(Cube-7)"}));
   tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: holding, args: [Cube-7]}]}");
   tell("set_object_filter", "SetObjectFilter", "{pddl_instance: bw, goal_instance: base, objects: [cube-7]}");
@@ -128,24 +169,29 @@ TEST_F(ManagerTest, ObjectsAreToldAsTheyWereAddedAndTakenInAnyCase) {
   ticks(100);
   EXPECT_THAT(answer->actions, ElementsAre(HasSubstr("pick-up(Cube-7)")));
   tell("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: cube-7, type: block}]}");
-  EXPECT_THAT(texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: bw, type: block}").view(), "objects"), ElementsAre("a", "b", "c"));
+  EXPECT_THAT(texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: bw, type: block}").view(), "objects"),
+              ElementsAre("a", "b", "c"));
 }
 
 TEST_F(ManagerTest, FluentsOfTheProblemKeepTheirPlace) {
   start();
   load_blocks();
   for (const char* service : {"rm_fluents", "add_fluents"})
-    tell(service, service[0] == 'r' ? "RemoveFluents" : "AddFluents", "{fluents: [{pddl_instance: bw, name: ontable, args: [a]}]}");
+    tell(service, service[0] == 'r' ? "RemoveFluents" : "AddFluents",
+         "{fluents: [{pddl_instance: bw, name: ontable, args: [a]}]}");
   tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: holding, args: [a]}]}");
-  EXPECT_THAT(fluents("bw"), ElementsAre("on(c a)", "ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()", "holding(a)"));
+  EXPECT_THAT(fluents("bw"),
+              ElementsAre("on(c a)", "ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()", "holding(a)"));
 }
 
 TEST_F(ManagerTest, ADomainAloneMakesAnInstance) {
   start();
-  tell("add_pddl_instance", "AddPddlInstance", "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl}");
+  tell("add_pddl_instance", "AddPddlInstance",
+       "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl}");
   EXPECT_THAT(fluents("bw"), IsEmpty());
   tell("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: a, type: block}]}");
-  EXPECT_THAT(check("{pddl_instance: bw, name: pick-up, args: [a]}"), ElementsAre("clear(a)", "ontable(a)", "handempty"));
+  EXPECT_THAT(check("{pddl_instance: bw, name: pick-up, args: [a]}"),
+              ElementsAre("clear(a)", "ontable(a)", "handempty"));
 }
 
 // --- What the original gets wrong
@@ -174,10 +220,13 @@ constexpr const char* kTwoLamps = R"((define (problem p) (:domain switches)
 TEST_F(ManagerTest, EffectsAreThoseOfTheStateOfNow) {
   start();
   load_text(kSwitches, kTwoLamps);
-  EXPECT_THAT(effects("{pddl_instance: x, name: light-all, args: [r]}"), UnorderedElementsAre("START +lit(l1)", "END used() + 9"));
-  EXPECT_THAT(effects("{pddl_instance: x, name: smash, args: [l1]}"), UnorderedElementsAre("START +broken(l1)", "START used() + 5"));
+  EXPECT_THAT(effects("{pddl_instance: x, name: light-all, args: [r]}"),
+              UnorderedElementsAre("START +lit(l1)", "END used() + 9"));
+  EXPECT_THAT(effects("{pddl_instance: x, name: smash, args: [l1]}"),
+              UnorderedElementsAre("START +broken(l1)", "START used() + 5"));
   tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: lit, args: [l1]}]}");
-  EXPECT_THAT(effects("{pddl_instance: x, name: smash, args: [l1]}"), UnorderedElementsAre("START +broken(l1)", "START -lit(l1)", "START used() + 5"));
+  EXPECT_THAT(effects("{pddl_instance: x, name: smash, args: [l1]}"),
+              UnorderedElementsAre("START +broken(l1)", "START -lit(l1)", "START used() + 5"));
 }
 
 TEST_F(ManagerTest, ConditionsAreCheckedAtEveryTimeOfAnAction) {
@@ -185,13 +234,15 @@ TEST_F(ManagerTest, ConditionsAreCheckedAtEveryTimeOfAnAction) {
   load_text(kSwitches, kTwoLamps);
   const std::string action = "{pddl_instance: x, name: light-all, args: [r]}";
   const auto at = [&](const std::string& point) {
-    return check(action, "check_action_condition_at", "CheckActionConditionAt", "cxlab_pddl_interfaces", ", time_point: " + point);
+    return check(action, "check_action_condition_at", "CheckActionConditionAt", "cxlab_pddl_interfaces",
+                 ", time_point: " + point);
   };
   EXPECT_THAT(check(action), ElementsAre("guarded"));  // it would not last a moment
   EXPECT_THAT(at("START"), ElementsAre("sat"));
   EXPECT_THAT(at("OVER-ALL"), ElementsAre("guarded"));
   EXPECT_THAT(at("END"), ElementsAre("Forall (lamp l) (not broken(l))"));
-  EXPECT_THAT(check("{pddl_instance: x, name: smash, args: [l1]}"), ElementsAre("Forall (lamp m) lit(m)", "(price(l1) <= 3)"));
+  EXPECT_THAT(check("{pddl_instance: x, name: smash, args: [l1]}"),
+              ElementsAre("Forall (lamp m) lit(m)", "(price(l1) <= 3)"));
   tell("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: x, name: power}]}");
   EXPECT_THAT(check(action), ElementsAre("power", "guarded"));  // all that is missing, at once
 }
@@ -199,7 +250,8 @@ TEST_F(ManagerTest, ConditionsAreCheckedAtEveryTimeOfAnAction) {
 TEST_F(ManagerTest, ConditionsReadAsInTheUnifiedPlanningFramework) {
   start();
   // What its version 1.3.0 says of the same domain.
-  load_text(R"((define (domain zoo) (:requirements :adl :durative-actions :numeric-fluents)
+  load_text(
+      R"((define (domain zoo) (:requirements :adl :durative-actions :numeric-fluents)
     (:types animal place - object dog cat - animal) (:constants home - place)
     (:predicates (at ?a - animal ?p - place) (sun) (moon) (any ?o)) (:functions (f) (g) (w ?a - animal))
     (:durative-action a :parameters (?d - dog) :duration (= ?duration 1) :condition (and
@@ -209,32 +261,39 @@ TEST_F(ManagerTest, ConditionsReadAsInTheUnifiedPlanningFramework) {
       (at start (<= (/ (f) 3) -4)) (at start (not (= (f) (g)))) (at start (not (> (f) -10))) (at start (not (not (moon))))
       (at start (not (or (sun) (moon)))) (at start (= 1.25 (f))) (at start (>= 3 (w ?d))))
       :effect (at end (sun)))))",
-            R"((define (problem q) (:domain zoo) (:objects rex - dog tom - cat) (:init (sun) (at rex home) (= (f) 1) (= (g) 1) (= (w rex) 4)) (:goal (and))))");
+      R"((define (problem q) (:domain zoo) (:objects rex - dog tom - cat) (:init (sun) (at rex home) (= (f) 1) (= (g) 1) (= (w rex) 4)) (:goal (and))))");
   EXPECT_THAT(check("{pddl_instance: x, name: a, args: [rex]}"),
-              ElementsAre("Forall (animal - object x, place - object p) at(x, p)", "Exists (object o) any(o)", "(sun implies moon)",
-                          "((not moon) implies (moon and sun and any(rex)))", "(moon or (sun and moon) or (not sun))", "((f + g + 2) < -3/2)",
-                          "(1/1000 <= (-1 * f))", "((f * g * 3) == 7)", "(100 < (f - g))", "((f / 3) <= -4)", "(not (f == g))", "(not (-10 < f))", "moon",
-                          "(not (sun or moon))", "(5/4 == f)", "(w(rex) <= 3)"));
+              ElementsAre("Forall (animal - object x, place - object p) at(x, p)", "Exists (object o) any(o)",
+                          "(sun implies moon)", "((not moon) implies (moon and sun and any(rex)))",
+                          "(moon or (sun and moon) or (not sun))", "((f + g + 2) < -3/2)", "(1/1000 <= (-1 * f))",
+                          "((f * g * 3) == 7)", "(100 < (f - g))", "((f / 3) <= -4)", "(not (f == g))",
+                          "(not (-10 < f))", "moon", "(not (sun or moon))", "(5/4 == f)", "(w(rex) <= 3)"));
 }
 
 TEST_F(ManagerTest, AnEffectAtTheEndRemembersWhatItsConditionWasAtTheStart) {
   start();
-  load_text(R"((define (domain d) (:requirements :adl :durative-actions) (:types t) (:constants a - t) (:predicates (wet ?x - t) (dry) (rust ?x - t))
+  load_text(
+      R"((define (domain d) (:requirements :adl :durative-actions) (:types t) (:constants a - t) (:predicates (wet ?x - t) (dry) (rust ?x - t))
     (:durative-action wait :parameters () :duration (= ?duration 5) :condition (at start (dry))
       :effect (and (at start (not (dry))) (forall (?x - t) (when (at start (wet ?x)) (at end (rust ?x))))
                    (when (and (at start (dry)) (at end (wet a))) (at end (dry)))))))",
-            "(define (problem p) (:domain d) (:objects b - t) (:init (dry) (wet a)) (:goal (and)))");
+      "(define (problem p) (:domain d) (:objects b - t) (:init (dry) (wet a)) (:goal (and)))");
   const std::string action = "{pddl_instance: x, name: wait}";
-  EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)", "END +dry()")) << "nobody has begun: as it is now";
+  EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)", "END +dry()"))
+      << "nobody has begun: as it is now";
   EXPECT_THAT(check(action), ElementsAre("sat"));
-  tell("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: x, name: dry}, {pddl_instance: x, name: wet, args: [a]}]}");
+  tell("rm_fluents", "RemoveFluents",
+       "{fluents: [{pddl_instance: x, name: dry}, {pddl_instance: x, name: wet, args: [a]}]}");
   tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: wet, args: [b]}]}");
   EXPECT_THAT(check(action), ElementsAre("dry"));
-  EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)")) << "a was wet at the start; it is not at the end";
-  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: dry}, {pddl_instance: x, name: wet, args: [a]}]}");
+  EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)"))
+      << "a was wet at the start; it is not at the end";
+  tell("add_fluents", "AddFluents",
+       "{fluents: [{pddl_instance: x, name: dry}, {pddl_instance: x, name: wet, args: [a]}]}");
   EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)", "END +dry()"));
   EXPECT_THAT(check(action), ElementsAre("sat"));
-  EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)", "END +rust(b)", "END +dry()")) << "it began anew";
+  EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)", "END +rust(b)", "END +dry()"))
+      << "it began anew";
 }
 
 TEST_F(ManagerTest, TheOriginalIsReproducedWhereThatIsWanted) {
@@ -244,10 +303,18 @@ TEST_F(ManagerTest, TheOriginalIsReproducedWhereThatIsWanted) {
   load_text(kSwitches, kTwoLamps);
   EXPECT_THAT(check("{pddl_instance: x, name: light-all, args: [r]}"), ElementsAre("sat"));
   EXPECT_THAT(effects("{pddl_instance: x, name: light-all, args: [r]}"), ElementsAre("Unknown value type"));
-  EXPECT_FALSE(ask("get_action_effects", "GetActionEffects", "{action: {pddl_instance: x, name: smash, args: [l1]}}")->integer("success"));
-  EXPECT_EQ(ask("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: lit, args: [l1]}, {pddl_instance: x, name: lit, args: [l2]}]}")->text("error"), "  ");
-  EXPECT_FALSE(ask("set_goals", "SetGoals", "{goal_instance: base, functions: [{pddl_instance: x, name: used, value: 0}]}")->integer("success"));
-  EXPECT_FALSE(ask("add_pddl_instance", "AddPddlInstance", "{name: y, directory: \"" + folder_.string() + "\", domain_file: d.pddl}")->integer("success"));
+  EXPECT_FALSE(ask("get_action_effects", "GetActionEffects", "{action: {pddl_instance: x, name: smash, args: [l1]}}")
+                   ->integer("success"));
+  EXPECT_EQ(ask("add_fluents", "AddFluents",
+                "{fluents: [{pddl_instance: x, name: lit, args: [l1]}, {pddl_instance: x, name: lit, args: [l2]}]}")
+                ->text("error"),
+            "  ");
+  EXPECT_FALSE(
+      ask("set_goals", "SetGoals", "{goal_instance: base, functions: [{pddl_instance: x, name: used, value: 0}]}")
+          ->integer("success"));
+  EXPECT_FALSE(ask("add_pddl_instance", "AddPddlInstance",
+                   "{name: y, directory: \"" + folder_.string() + "\", domain_file: d.pddl}")
+                   ->integer("success"));
   load_text(R"((define (domain d) (:requirements :adl) (:types t) (:predicates (p ?x - t) (q ?x - t))
                 (:action a :parameters (?o - t) :effect (forall (?y - t) (when (q ?y) (p ?y))))))",
             "(define (problem p) (:domain d) (:objects o1 o2 - t) (:init) (:goal (and)))");
@@ -255,16 +322,20 @@ TEST_F(ManagerTest, TheOriginalIsReproducedWhereThatIsWanted) {
   tell("set_action_filter", "SetActionFilter", "{pddl_instance: x, goal_instance: base, actions: [nobody-knows]}");
   bool asked = false;
   const bus::ServiceType& clear = **registry_.service("cx_pddl_interfaces/srv/ClearGoals");
-  auto client = bus_.create_client(client_, "/pddl_manager/clear_goals", clear, [&](const bus::Delivery&) { asked = true; });
-  bus_.call(*client, std::make_shared<bus::Message>(*bus::Message::from_yaml(*clear.request, "{pddl_instance: x, goal_instance: nope}")));
+  auto client =
+      bus_.create_client(client_, "/pddl_manager/clear_goals", clear, [&](const bus::Delivery&) { asked = true; });
+  bus_.call(*client, std::make_shared<bus::Message>(
+                         *bus::Message::from_yaml(*clear.request, "{pddl_instance: x, goal_instance: nope}")));
   ticks(50);
   EXPECT_FALSE(asked) << "an unknown goal is never cleared, nor answered";
 }
 
 TEST_F(ManagerTest, EventsOfTheProblemComeInTheirTime) {
   start();
-  load_text("(define (domain d) (:requirements :timed-initial-literals) (:predicates (open)) (:action go :precondition (open) :effect (and)))",
-            "(define (problem p) (:domain d) (:init (at 1 (open)) (at 2 (not (open)))) (:goal (and)))");
+  load_text(
+      "(define (domain d) (:requirements :timed-initial-literals) (:predicates (open)) (:action go :precondition "
+      "(open) :effect (and)))",
+      "(define (problem p) (:domain d) (:init (at 1 (open)) (at 2 (not (open)))) (:goal (and)))");
   EXPECT_THAT(fluents("x"), IsEmpty());
   ticks(50);
   EXPECT_THAT(fluents("x"), ElementsAre("open()"));

@@ -18,10 +18,10 @@ std::string error_of(const std::string& sections) {
 }
 
 constexpr const char* kWorld =
-    "(:types robot place - object depot - place)\n"                                   // line 2
-    "(:constants base - depot)\n"                                                      // 3
-    "(:predicates (at ?r - robot ?p - place) (open ?p - place) (done))\n"              // 4
-    "(:functions (battery ?r - robot) (way ?a ?b - place) (total-cost))\n";            // 5
+    "(:types robot place - object depot - place)\n"                          // line 2
+    "(:constants base - depot)\n"                                            // 3
+    "(:predicates (at ?r - robot ?p - place) (open ?p - place) (done))\n"    // 4
+    "(:functions (battery ?r - robot) (way ?a ?b - place) (total-cost))\n";  // 5
 
 std::string with_world(const std::string& sections) { return kWorld + sections; }
 
@@ -40,7 +40,8 @@ TEST(DomainParser, SupertypeThatStandsNowhereElseIsAType) {
 }
 
 TEST(DomainParser, SectionsMayStandInAnyOrder) {
-  const Domain domain = parsed("(:action go :parameters (?r - robot) :effect (ready ?r)) (:predicates (ready ?r - robot)) (:types robot)");
+  const Domain domain = parsed(
+      "(:action go :parameters (?r - robot) :effect (ready ?r)) (:predicates (ready ?r - robot)) (:types robot)");
   EXPECT_EQ(domain.actions.at(0).effects.size(), 1u);
 }
 
@@ -72,11 +73,12 @@ TEST(DomainParser, NamesAreLowerCase) {
 }
 
 TEST(DomainParser, ConditionsOfADurativeActionAreSortedByTime) {
-  const Domain domain = parsed(with_world(
-      "(:durative-action go :parameters (?r - robot ?a ?b - place) :duration (= ?duration (way ?a ?b))"
-      " :condition (and (at start (at ?r ?a)) (over all (open ?b)) (at start (>= (battery ?r) ?duration)) (at end (not (done)))"
-      "   (forall (?p - place) (over all (imply (at ?r ?p) (open ?p)))))"
-      " :effect (and (at start (not (at ?r ?a))) (at end (at ?r ?b)) (decrease (battery ?r) (* #t 0.5))))"));
+  const Domain domain = parsed(
+      with_world("(:durative-action go :parameters (?r - robot ?a ?b - place) :duration (= ?duration (way ?a ?b))"
+                 " :condition (and (at start (at ?r ?a)) (over all (open ?b)) (at start (>= (battery ?r) ?duration)) "
+                 "(at end (not (done)))"
+                 "   (forall (?p - place) (over all (imply (at ?r ?p) (open ?p)))))"
+                 " :effect (and (at start (not (at ?r ?a))) (at end (at ?r ?b)) (decrease (battery ?r) (* #t 0.5))))"));
   const Action& go = domain.actions.at(0);
   EXPECT_TRUE(go.durative);
   EXPECT_EQ(go.slots, 4);
@@ -95,7 +97,8 @@ TEST(DomainParser, ConditionsOfADurativeActionAreSortedByTime) {
 TEST(DomainParser, EffectsAreFlattenedWithTheirQuantifiersAndConditions) {
   const Domain domain = parsed(with_world(
       "(:durative-action sweep :parameters (?r - robot) :duration (and (>= ?duration 1) (at end (<= 4 ?duration)))"
-      " :effect (and (forall (?p - place) (when (and (at start (at ?r ?p)) (at end (done))) (at end (and (open ?p) (not (done))))))"
+      " :effect (and (forall (?p - place) (when (and (at start (at ?r ?p)) (at end (done))) (at end (and (open ?p) "
+      "(not (done))))))"
       "   (at start (increase (battery ?r) 2))))"));
   const Action& sweep = domain.actions.at(0);
   ASSERT_EQ(sweep.effects.size(), 3u);
@@ -113,8 +116,9 @@ TEST(DomainParser, EffectsAreFlattenedWithTheirQuantifiersAndConditions) {
 }
 
 TEST(DomainParser, EqualityOfObjectsAndOfNumbersAreTold) {
-  const Domain domain = parsed(with_world(
-      "(:action a :parameters (?r - robot ?p - place) :precondition (and (= ?p base) (= (battery ?r) 1) (= total-cost 3)))"));
+  const Domain domain =
+      parsed(with_world("(:action a :parameters (?r - robot ?p - place) :precondition (and (= ?p base) (= (battery ?r) "
+                        "1) (= total-cost 3)))"));
   const auto& parts = domain.actions.at(0).condition.start.operands;
   EXPECT_EQ(parts.at(0).kind, Condition::Kind::kSame);
   EXPECT_EQ(parts.at(1).kind, Condition::Kind::kCompare);
@@ -123,8 +127,12 @@ TEST(DomainParser, EqualityOfObjectsAndOfNumbersAreTold) {
 
 TEST(DomainParser, RatesMayHoldHashTAnywhereButOnce) {
   const auto rate = [](const std::string& value) {
-    return parsed(with_world("(:durative-action a :parameters (?r - robot) :duration () :effect (increase (battery ?r) " + value + "))"))
-        .actions.at(0).effects.at(0).value;
+    return parsed(
+               with_world("(:durative-action a :parameters (?r - robot) :duration () :effect (increase (battery ?r) " +
+                          value + "))"))
+        .actions.at(0)
+        .effects.at(0)
+        .value;
   };
   EXPECT_EQ(rate("#t").value, 1);
   EXPECT_EQ(rate("(* 2 #t)").value, 2);
@@ -144,7 +152,8 @@ TEST(DomainParser, WhatIsNotSupportedIsNamed) {
   EXPECT_EQ(unsupported("(:process p)"), "d.pddl:6: found section :process: not supported");
   EXPECT_EQ(unsupported("(:functions (holds ?r - robot) - place)"),
             "d.pddl:6: found a function of type place: object fluents are not supported, only numbers");
-  EXPECT_EQ(unsupported("(:durative-action a :parameters (?r - robot) :duration () :effect (increase (battery ?r) (* #t #t)))"),
+  EXPECT_EQ(unsupported(
+                "(:durative-action a :parameters (?r - robot) :duration () :effect (increase (battery ?r) (* #t #t)))"),
             "d.pddl:6: found (* #t #t): only linear change is supported, #t must occur once in a product");
 }
 
@@ -152,7 +161,8 @@ TEST(DomainParser, ErrorsTellWhatWasDeclaredWhere) {
   EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robot)\n :effect (at ?r))")),
             "d.pddl:7: found 1 argument in (at ?r), expected 2; declared at d.pddl:4");
   EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robot) :effect (at base base))")),
-            "d.pddl:6: found base of type depot; declared at d.pddl:3; expected type robot for argument 1 of at; declared at d.pddl:4");
+            "d.pddl:6: found base of type depot; declared at d.pddl:3; expected type robot for argument 1 of at; "
+            "declared at d.pddl:4");
   EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robot) :effect (at ?p base))")),
             "d.pddl:6: found variable ?p, which is not declared here; did you mean '?r'?");
   EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robot) :effect (opn base))")),
@@ -170,11 +180,15 @@ TEST(DomainParser, ErrorsTellWhatWasDeclaredWhere) {
             "d.pddl:6: found :condition, expected :parameters, :precondition or :effect of an action");
   EXPECT_EQ(error_of(with_world("(:durative-action a :parameters ())")),
             "d.pddl:6: the durative action has no :duration, expected (= ?duration NUMBER)");
-  EXPECT_EQ(error_of(with_world("(:durative-action a :parameters () :duration (= ?duration 1)\n :condition (over all (at end (done))))")),
-            "d.pddl:7: found (at end (done)) where the time has been said, expected (PREDICATE ARGUMENT...)");
+  EXPECT_EQ(
+      error_of(with_world(
+          "(:durative-action a :parameters () :duration (= ?duration 1)\n :condition (over all (at end (done))))")),
+      "d.pddl:7: found (at end (done)) where the time has been said, expected (PREDICATE ARGUMENT...)");
   EXPECT_EQ(error_of(with_world("(:action a :effect (or (done) (done)))")),
-            "d.pddl:6: found (or (done) (done)), expected an effect: it cannot leave open what happens, and numbers are set by (assign F NUMBER)");
-  EXPECT_EQ(error_of("(:types a - b b - c c - a)"), "d.pddl:2: type 'a' is its own supertype, expected types without a cycle");
+            "d.pddl:6: found (or (done) (done)), expected an effect: it cannot leave open what happens, and numbers "
+            "are set by (assign F NUMBER)");
+  EXPECT_EQ(error_of("(:types a - b b - c c - a)"),
+            "d.pddl:2: type 'a' is its own supertype, expected types without a cycle");
 }
 
 TEST(DomainParser, ProblemInPlaceOfADomainIsSeen) {
@@ -183,18 +197,21 @@ TEST(DomainParser, ProblemInPlaceOfADomainIsSeen) {
 }
 
 TEST(DomainParser, DerivedPredicatesAreStratified) {
-  const Domain domain = parsed(with_world(
-      "(:predicates (reach ?a ?b - place) (alone ?a - place) (road ?a ?b - place))"
-      "(:derived (alone ?a - place) (not (exists (?b - place) (reach ?a ?b))))"
-      "(:derived (reach ?a ?b) (or (road ?a ?b) (exists (?c - place) (and (reach ?a ?c) (road ?c ?b)))))"));
+  const Domain domain = parsed(
+      with_world("(:predicates (reach ?a ?b - place) (alone ?a - place) (road ?a ?b - place))"
+                 "(:derived (alone ?a - place) (not (exists (?b - place) (reach ?a ?b))))"
+                 "(:derived (reach ?a ?b) (or (road ?a ?b) (exists (?c - place) (and (reach ?a ?c) (road ?c ?b)))))"));
   EXPECT_EQ(domain.predicates[find(domain.predicate_names, "reach")].stratum, 0);
   EXPECT_EQ(domain.predicates[find(domain.predicate_names, "alone")].stratum, 1);
   EXPECT_EQ(domain.derivations.at(1).slots, 3);
-  EXPECT_EQ(domain.derivations[1].parameters.at(0).types.at(0), find(domain.type_names, "place")) << "taken from the predicate";
+  EXPECT_EQ(domain.derivations[1].parameters.at(0).types.at(0), find(domain.type_names, "place"))
+      << "taken from the predicate";
   EXPECT_EQ(error_of(with_world("(:derived (done) (not (done)))")),
-            "d.pddl:6: derived predicate 'done' depends on its own negation, expected rules without such a cycle; declared at d.pddl:4");
+            "d.pddl:6: derived predicate 'done' depends on its own negation, expected rules without such a cycle; "
+            "declared at d.pddl:4");
   EXPECT_EQ(error_of(with_world("(:derived (done) (and))\n(:action a :effect (done))")),
-            "d.pddl:7: found an effect on 'done', which is derived by a rule; expected a predicate without one; declared at d.pddl:4");
+            "d.pddl:7: found an effect on 'done', which is derived by a rule; expected a predicate without one; "
+            "declared at d.pddl:4");
 }
 
 }  // namespace

@@ -21,15 +21,17 @@ const Domain& domain() {
 }
 
 Problem parsed(const std::string& sections) {
-  auto problem = parse_problem("(define (problem p) (:domain work_flow) (:objects r1 r2 - robot hall - place)\n" + sections + ")",
-                               "p.pddl", domain());
+  auto problem =
+      parse_problem("(define (problem p) (:domain work_flow) (:objects r1 r2 - robot hall - place)\n" + sections + ")",
+                    "p.pddl", domain());
   EXPECT_TRUE(problem) << problem.error().text();
   return problem ? std::move(*problem) : Problem{};
 }
 
 std::string error_of(const std::string& sections) {
-  const auto problem = parse_problem("(define (problem p) (:domain work_flow) (:objects r1 r2 - robot hall - place)\n" + sections + ")",
-                                     "p.pddl", domain());
+  const auto problem =
+      parse_problem("(define (problem p) (:domain work_flow) (:objects r1 r2 - robot hall - place)\n" + sections + ")",
+                    "p.pddl", domain());
   return problem ? "no error" : problem.error().text();
 }
 
@@ -44,7 +46,8 @@ TEST(ProblemParser, InitHoldsFactsValuesAndWhatHappensLater) {
   const Problem problem = parsed(
       "(:init (at r1 base) (at r1 base) (not (open hall)) (= (battery r1) 2.5)"
       " (at 9 (not (open hall))) (at 5 (open hall)) (at 7.5 (= (battery r1) 1)) (at 0 (open base)))"
-      " (:goal (and (open hall) (exists (?r - robot) (at ?r hall)))) (:metric minimize (+ (total-time) (* 2 (total-cost))))");
+      " (:goal (and (open hall) (exists (?r - robot) (at ?r hall)))) (:metric minimize (+ (total-time) (* 2 "
+      "(total-cost))))");
   EXPECT_EQ(problem.init.size(), 2u) << "one fact twice, one at time 0";
   ASSERT_EQ(problem.timed_facts.size(), 2u);
   EXPECT_EQ(problem.timed_facts[0].time, 5);
@@ -64,10 +67,14 @@ TEST(ProblemParser, ObjectDeclaredTwiceBelongsToBothTypes) {
 
 TEST(ProblemParser, ErrorsTellBothFiles) {
   EXPECT_EQ(error_of("(:init (at hall r1))"),
-            "p.pddl:2: found hall of type place; declared at p.pddl:1; expected type robot for argument 1 of at; declared at d.pddl:3");
-  EXPECT_EQ(error_of("(:init (at r3 base))"), "p.pddl:2: found 'r3', expected a variable or an object; did you mean 'r1'?");
-  EXPECT_EQ(error_of("(:init (= (battery r1) 1)\n (= (battery r1) 2))"), "p.pddl:3: found a second value for (battery r1), expected one");
-  EXPECT_EQ(error_of("(:init (= (battery r1) x))"), "p.pddl:2: found (= (battery r1) x), expected (= (FUNCTION OBJECT...) NUMBER)");
+            "p.pddl:2: found hall of type place; declared at p.pddl:1; expected type robot for argument 1 of at; "
+            "declared at d.pddl:3");
+  EXPECT_EQ(error_of("(:init (at r3 base))"),
+            "p.pddl:2: found 'r3', expected a variable or an object; did you mean 'r1'?");
+  EXPECT_EQ(error_of("(:init (= (battery r1) 1)\n (= (battery r1) 2))"),
+            "p.pddl:3: found a second value for (battery r1), expected one");
+  EXPECT_EQ(error_of("(:init (= (battery r1) x))"),
+            "p.pddl:2: found (= (battery r1) x), expected (= (FUNCTION OBJECT...) NUMBER)");
   EXPECT_EQ(error_of("(:init (at -1 (open hall)))"), "p.pddl:2: found time -1, expected a time that is not negative");
   EXPECT_EQ(error_of("(:goal (open hall) (open base))"),
             "p.pddl:2: found 2 conditions in :goal, expected one; several are joined by (and ...)");
@@ -82,7 +89,8 @@ TEST(ProblemParser, NamesOfDomainsMayDifferInDashesOnly) {
 }
 
 TEST(ProblemParser, PreferencesAreNotSupported) {
-  const auto problem = parse_problem("(define (problem p) (:domain work-flow) (:goal (preference x (open base))))", "p.pddl", domain());
+  const auto problem =
+      parse_problem("(define (problem p) (:domain work-flow) (:goal (preference x (open base))))", "p.pddl", domain());
   ASSERT_FALSE(problem);
   EXPECT_EQ(problem.error().code, kUnsupported);
 }
@@ -100,11 +108,14 @@ TEST(LoadTask, TemplatesAreRenderedFirst) {
   const auto folder = std::filesystem::temp_directory_path() / ("cxlab-load-" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "base") << "(define (domain d) (:predicates {% block p %}{% endblock %}))";
-  std::ofstream(folder / "d") << "{% extends 'base' %}{% block p %}{% for n in range(3) %}(p{{ n }}) {% endfor %}{% endblock %}";
+  std::ofstream(folder / "d")
+      << "{% extends 'base' %}{% block p %}{% for n in range(3) %}(p{{ n }}) {% endfor %}{% endblock %}";
   std::ofstream(folder / "p") << "(define (problem p) (:domain d)\n{# two #}\n(:init {{ '(p0)' }} (p9)))";
   const auto task = load_task(folder / "d", folder / "p");
   ASSERT_FALSE(task);
-  EXPECT_EQ(task.error().text(), (folder / "p").string() + " (rendered):3: found 'p9', expected a predicate of the domain; did you mean 'p0'?");
+  EXPECT_EQ(
+      task.error().text(),
+      (folder / "p").string() + " (rendered):3: found 'p9', expected a predicate of the domain; did you mean 'p0'?");
   std::ofstream(folder / "p") << "(define (problem p) (:domain d) (:init (p2)))";
   const auto right = load_task(folder / "d", folder / "p");
   ASSERT_TRUE(right) << right.error().text();
@@ -113,7 +124,8 @@ TEST(LoadTask, TemplatesAreRenderedFirst) {
 }
 
 TEST(LoadTask, MissingFileIsAnError) {
-  EXPECT_EQ(load_task("/nonexistent.pddl", "/nonexistent.pddl").error().text(), "/nonexistent.pddl: cannot be read; expected a file");
+  EXPECT_EQ(load_task("/nonexistent.pddl", "/nonexistent.pddl").error().text(),
+            "/nonexistent.pddl: cannot be read; expected a file");
 }
 
 }  // namespace

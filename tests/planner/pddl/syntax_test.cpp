@@ -20,9 +20,11 @@ std::string error_of(std::string_view text) {
 }
 
 TEST(Syntax, ListWithoutEndIsReportedWhereItBegins) {
-  EXPECT_EQ(error_of("(define\n  (domain\n  foo)\n"), "a.pddl:1: found the end of the file, expected a ')' for the list that begins here");
+  EXPECT_EQ(error_of("(define\n  (domain\n  foo)\n"),
+            "a.pddl:1: found the end of the file, expected a ')' for the list that begins here");
   EXPECT_EQ(error_of("(define)\n)"), "a.pddl:2: found a ')' that closes nothing; expected the end of the file");
-  EXPECT_EQ(error_of("(define)\n(define)"), "a.pddl:2: found more text behind the closing ')' of (define ...); expected the end of the file");
+  EXPECT_EQ(error_of("(define)\n(define)"),
+            "a.pddl:2: found more text behind the closing ')' of (define ...); expected the end of the file");
   EXPECT_EQ(error_of(" \n"), "a.pddl:2: the file is empty; expected (define ...)");
   EXPECT_EQ(error_of("domain"), "a.pddl:1: found 'domain', expected (define ...)");
 }
@@ -30,15 +32,19 @@ TEST(Syntax, ListWithoutEndIsReportedWhereItBegins) {
 TEST(Syntax, SectionInsideAnotherNamesTheOneThatWasNotClosed) {
   EXPECT_EQ(error_of("(define (domain d)\n(:action a\n :effect (x)\n\n(:action b))"),
             "a.pddl:2: found (:action in line 5, expected a ')' before it for the section :action that begins here");
-  EXPECT_EQ(error_of("(define (domain d\n(:types t)\n(:action b))"), "a.pddl:1: found (:types in line 2, expected a ')' before it for the list that begins here");
+  EXPECT_EQ(error_of("(define (domain d\n(:types t)\n(:action b))"),
+            "a.pddl:1: found (:types in line 2, expected a ')' before it for the list that begins here");
   EXPECT_EQ(error_of("(define (domain d)\n(:types t))\n(:action b))"),
-            "a.pddl:3: found more text behind the closing ')' of (define ...); expected the end of the file; the last section before it, :types, begins in line 2");
+            "a.pddl:3: found more text behind the closing ')' of (define ...); expected the end of the file; the last "
+            "section before it, :types, begins in line 2");
   EXPECT_EQ(error_of("(define (domain d)\n(:types t)\n"),
-            "a.pddl:1: found the end of the file, expected a ')' for the list that begins here; the last section before it, :types, begins in line 2");
+            "a.pddl:1: found the end of the file, expected a ')' for the list that begins here; the last section "
+            "before it, :types, begins in line 2");
 }
 
 TEST(Syntax, ControlCharactersAreNoNames) {
-  EXPECT_EQ(error_of(std::string_view("(define\n a\0b)", 13)), "a.pddl:2: found a control character (code 0) in a name, expected text");
+  EXPECT_EQ(error_of(std::string_view("(define\n a\0b)", 13)),
+            "a.pddl:2: found a control character (code 0) in a name, expected text");
 }
 
 TEST(Syntax, DeepNestingIsAnErrorNotAnOverflow) {
@@ -52,7 +58,8 @@ TEST(Syntax, NumbersAreFiniteAndWhole) {
   EXPECT_TRUE(to_number("+.5", number));
   EXPECT_EQ(number, 0.5);
   EXPECT_TRUE(to_number("1e3", number));
-  for (const char* word : {"", "-", "inf", "nan", "-inf", "1x", "0x10", ".", "1e999"}) EXPECT_FALSE(to_number(word, number)) << word;
+  for (const char* word : {"", "-", "inf", "nan", "-inf", "1x", "0x10", ".", "1e999"})
+    EXPECT_FALSE(to_number(word, number)) << word;
 }
 
 }  // namespace

@@ -10,9 +10,14 @@
 namespace cxlab::planner {
 
 inline Task parse(const std::string& domain_body, const std::string& problem_body) {
-  Expected<Domain> domain = parse_domain("(define (domain d) (:requirements :adl :durative-actions :fluents :timed-initial-literals :derived-predicates :continuous-effects :duration-inequalities)\n" + domain_body + ")", "domain.pddl");
+  Expected<Domain> domain = parse_domain(
+      "(define (domain d) (:requirements :adl :durative-actions :fluents :timed-initial-literals :derived-predicates "
+      ":continuous-effects :duration-inequalities)\n" +
+          domain_body + ")",
+      "domain.pddl");
   EXPECT_TRUE(domain) << domain.error().text();
-  Expected<Problem> problem = parse_problem("(define (problem p) (:domain d)\n" + problem_body + ")", "problem.pddl", *domain);
+  Expected<Problem> problem =
+      parse_problem("(define (problem p) (:domain d)\n" + problem_body + ")", "problem.pddl", *domain);
   EXPECT_TRUE(problem) << problem.error().text();
   return {std::move(*domain), std::move(*problem)};
 }

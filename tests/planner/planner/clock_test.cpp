@@ -14,7 +14,8 @@ TEST(Clock, ADurationIsChosenSoThatTheGoalIsMetExactly) {
   const PlanAnswer exact = answer(parse(domain, "(:init (idle) (= (level) 0)) (:goal (= (level) 7))"));
   ASSERT_TRUE(exact.plan);
   EXPECT_NEAR(exact.plan->makespan_s, 3.5, 1e-6);
-  const PlanAnswer band = answer(parse(domain, "(:init (idle) (= (level) 0)) (:goal (and (>= (level) 6.9) (<= (level) 7.1)))"));
+  const PlanAnswer band =
+      answer(parse(domain, "(:init (idle) (= (level) 0)) (:goal (and (>= (level) 6.9) (<= (level) 7.1)))"));
   ASSERT_TRUE(band.plan);
   EXPECT_NEAR(band.plan->makespan_s, 3.45, 1e-6);
 }
@@ -77,9 +78,11 @@ TEST(Clock, APlanWithFixedTimesSaysSo) {
 
 TEST(Clock, SameBudgetSamePlan) {
   const Task task = parse(kOven, "(:init (cold) (= (heat) 40)) (:goal (baked))");
-  const PlanAnswer once = answer(task, {.budget = 50'000, .anytime = true}), again = answer(task, {.budget = 50'000, .anytime = true});
+  const PlanAnswer once = answer(task, {.budget = 50'000, .anytime = true}),
+                   again = answer(task, {.budget = 50'000, .anytime = true});
   ASSERT_TRUE(once.plan && again.plan);
-  EXPECT_EQ(to_text(once.plan->steps, task.domain, task.problem), to_text(again.plan->steps, task.domain, task.problem));
+  EXPECT_EQ(to_text(once.plan->steps, task.domain, task.problem),
+            to_text(again.plan->steps, task.domain, task.problem));
   EXPECT_EQ(once.units, again.units);
 }
 

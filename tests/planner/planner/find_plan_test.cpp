@@ -15,24 +15,28 @@ constexpr const char* kLamp = R"((:predicates (dark) (light) (done ?i) (item ?i)
    :effect (and (at start (not (free))) (at end (free)) (at end (done ?i)))))";
 
 TEST(FindPlan, OverlapsActionsWhereOneNeedsTheOther) {
-  const PlanAnswer found = answer(parse(kLamp, "(:objects a b c) (:init (dark) (free) (item a) (item b) (item c)) (:goal (and (done a) (done b) (done c)))"));
+  const PlanAnswer found = answer(parse(
+      kLamp,
+      "(:objects a b c) (:init (dark) (free) (item a) (item b) (item c)) (:goal (and (done a) (done b) (done c)))"));
   ASSERT_TRUE(found.plan);
   EXPECT_EQ(found.plan->steps.size(), 5u);  // two matches: three items take six seconds
 }
 
 TEST(FindPlan, KeepsApartWhatValidatorsKeepApartThoughNothingDependsOnIt) {
   const auto starts = [](const char* condition, const char* init) {
-    const PlanAnswer found = answer(parse(std::string(R"((:predicates (known) (never) (fixed) (go) (seen) (done)) (:functions (count) (sum))
-      (:durative-action look :parameters () :duration (= ?duration 2) :condition (at start )") + condition + R"() :effect (at end (seen)))
+    const PlanAnswer found =
+        answer(parse(std::string(R"((:predicates (known) (never) (fixed) (go) (seen) (done)) (:functions (count) (sum))
+      (:durative-action look :parameters () :duration (= ?duration 2) :condition (at start )") +
+                         condition + R"() :effect (at end (seen)))
       (:durative-action work :parameters () :duration (= ?duration 2) :condition (at start (go))
        :effect (and (at start (known)) (at start (not (never))) (at start (assign (count) 1)) (at end (done)))))",
-                                          std::string("(:init (go) (= (count) 0) (= (sum) 0) ") + init + ") (:goal (and (seen) (done)))"));
+                     std::string("(:init (go) (= (count) 0) (= (sum) 0) ") + init + ") (:goal (and (seen) (done)))"));
     EXPECT_TRUE(found.plan) << condition;
     return found.plan ? found.plan->steps[1].start : -1;
   };
-  EXPECT_GE(starts("(known)", "(known)"), 0.001);                      // always true, made true again
-  EXPECT_GE(starts("(not (never))", ""), 0.001);                       // always false, made false again
-  EXPECT_GE(starts("(or (fixed) (known))", "(fixed) (known)"), 0.001); // decided by what never changes
+  EXPECT_GE(starts("(known)", "(known)"), 0.001);                       // always true, made true again
+  EXPECT_GE(starts("(not (never))", ""), 0.001);                        // always false, made false again
+  EXPECT_GE(starts("(or (fixed) (known))", "(fixed) (known)"), 0.001);  // decided by what never changes
   EXPECT_GE(starts("(imply (never) (fixed))", "(fixed)"), 0.001);
   EXPECT_GE(starts("(or (fixed) (> (count) 5))", "(fixed)"), 0.001);
   EXPECT_EQ(starts("(fixed)", "(fixed)"), 0);
@@ -41,8 +45,10 @@ TEST(FindPlan, KeepsApartWhatValidatorsKeepApartThoughNothingDependsOnIt) {
 TEST(FindPlan, ChangesThatNobodyNeedsAreKeptApartIfTheyInterfere) {
   const auto second_start = [](const char* first, const char* second) {
     const PlanAnswer found = answer(parse(std::string(R"((:predicates (a) (b) (lamp) (go)) (:functions (sum) (rate))
-      (:durative-action one :parameters () :duration (= ?duration 2) :condition (at start (go)) :effect (and (at start )") + first + R"() (at end (a))))
-      (:durative-action two :parameters () :duration (= ?duration 2) :condition (at start (go)) :effect (and (at start )" + second + ") (at end (b))))",
+      (:durative-action one :parameters () :duration (= ?duration 2) :condition (at start (go)) :effect (and (at start )") +
+                                              first + R"() (at end (a))))
+      (:durative-action two :parameters () :duration (= ?duration 2) :condition (at start (go)) :effect (and (at start )" +
+                                              second + ") (at end (b))))",
                                           "(:init (go) (= (sum) 0) (= (rate) 1)) (:goal (and (a) (b)))"));
     EXPECT_TRUE(found.plan) << first;
     return found.plan ? found.plan->steps[1].start : -1;
@@ -58,7 +64,8 @@ TEST(FindPlan, WhatLastsTooShortlyIsNoHelp) {
   std::string objects, init, goal;
   for (int i = 0; i < 40; ++i) {
     const std::string name = " b" + std::to_string(i);
-    objects += name, init += (i % 2 ? " (small" : " (big") + name + ")", goal += " (baked" + name + ") (glazed" + name + ")";
+    objects += name, init += (i % 2 ? " (small" : " (big") + name + ")",
+        goal += " (baked" + name + ") (glazed" + name + ")";
   }
   const PlanAnswer found = answer(parse(R"((:predicates (hot) (in ?b) (small ?b) (big ?b) (glazed ?b) (baked ?b))
     (:durative-action a-short-fire :parameters () :duration (= ?duration 8) :condition () :effect (and (at start (hot)) (at end (not (hot)))))
@@ -103,9 +110,10 @@ TEST(FindPlan, WhatAnEventUndoesAfterwardsIsNoGoal) {
 }
 
 TEST(FindPlan, AnEventAfterTheLastActionMayBringAboutTheGoal) {
-  const PlanAnswer found = answer(parse(R"((:predicates (lamp) (photo))
+  const PlanAnswer found =
+      answer(parse(R"((:predicates (lamp) (photo))
     (:durative-action expose :parameters () :duration (= ?duration 3) :condition (over all (lamp)) :effect (at end (photo))))",
-                                        "(:init (at 2 (lamp)) (at 6 (not (lamp)))) (:goal (and (photo) (not (lamp))))"));
+                   "(:init (at 2 (lamp)) (at 6 (not (lamp)))) (:goal (and (photo) (not (lamp))))"));
   ASSERT_TRUE(found.plan);
   EXPECT_LT(found.plan->makespan_s, 6.0);
 }
@@ -128,11 +136,12 @@ TEST(FindPlan, DurationsDependOnTheState) {
 }
 
 TEST(FindPlan, DerivedFactsAndTheirAbsence) {
-  const PlanAnswer found = answer(parse(R"((:predicates (on ?a ?b) (above ?a ?b) (taken))
+  const PlanAnswer found =
+      answer(parse(R"((:predicates (on ?a ?b) (above ?a ?b) (taken))
     (:derived (above ?a ?b) (or (on ?a ?b) (exists (?c) (and (on ?a ?c) (above ?c ?b)))))
     (:action lift :parameters (?a ?b) :precondition (on ?a ?b) :effect (not (on ?a ?b)))
     (:action take :parameters (?b) :precondition (forall (?a) (not (above ?a ?b))) :effect (taken)))",
-                                        "(:objects x y z) (:init (on x y) (on y z)) (:goal (and (taken) (not (above x z))))"));
+                   "(:objects x y z) (:init (on x y) (on y z)) (:goal (and (taken) (not (above x z))))"));
   ASSERT_TRUE(found.plan);
 }
 
@@ -145,11 +154,12 @@ TEST(FindPlan, AConditionOfTheBeginningDecidesAnEffectAtTheEnd) {
 }
 
 TEST(FindPlan, AnEffectThatMustNotComeAboutIsKeptFromIt) {
-  const PlanAnswer found = answer(parse(R"((:predicates (wet ?p) (rain) (roof ?p) (home ?p) (person ?p))
+  const PlanAnswer found = answer(parse(
+      R"((:predicates (wet ?p) (rain) (roof ?p) (home ?p) (person ?p))
     (:durative-action walk :parameters (?p) :duration (= ?duration 4) :condition (at start (person ?p))
      :effect (and (at end (home ?p)) (when (and (at start (rain)) (over all (not (roof ?p)))) (at end (wet ?p)))))
     (:action open-umbrella :parameters (?p) :precondition (person ?p) :effect (roof ?p)))",
-                                        "(:objects a b) (:init (rain) (person a) (person b)) (:goal (and (home a) (not (wet a)) (home b) (wet b)))"));
+      "(:objects a b) (:init (rain) (person a) (person b)) (:goal (and (home a) (not (wet a)) (home b) (wet b)))"));
   ASSERT_TRUE(found.plan);
   EXPECT_EQ(found.plan->steps.size(), 3u);
 }
@@ -164,7 +174,9 @@ TEST(FindPlan, ADurationIsBoundedWhenTheActionEnds) {
 }
 
 TEST(FindPlan, AnActionWithoutDurationIsOneHappening) {
-  const std::string start_and_end = "(:predicates (a) (b)) (:durative-action x :parameters () :duration (= ?duration 0) :effect (and (at start (a)) (at end (b))) :condition ";
+  const std::string start_and_end =
+      "(:predicates (a) (b)) (:durative-action x :parameters () :duration (= ?duration 0) :effect (and (at start (a)) "
+      "(at end (b))) :condition ";
   EXPECT_TRUE(answer(parse(start_and_end + "())", "(:init) (:goal (and (a) (b)))")).plan);
   EXPECT_EQ(answer(parse(start_and_end + "(at end (a)))", "(:init) (:goal (and (a) (b)))")).status, PlanStatus::kEnded);
 }
@@ -197,7 +209,8 @@ TEST(FindPlan, NumbersThatChangeAllAlong) {
 }
 
 TEST(FindPlan, ProvesThatNothingAddsTheGoal) {
-  const PlanAnswer found = answer(parse("(:predicates (a) (b)) (:action make :parameters () :precondition (b) :effect (a))", "(:init) (:goal (a))"));
+  const PlanAnswer found = answer(parse(
+      "(:predicates (a) (b)) (:action make :parameters () :precondition (b) :effect (a))", "(:init) (:goal (a))"));
   EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
 }
 
@@ -206,24 +219,40 @@ TEST(FindPlan, ANumberThatNeverGetsAValueIsNamed) {
     (:action fill :parameters (?c) :precondition (ready) :effect (and (increase (fuel ?c) 1) (full ?c)))
     (:action spill :parameters (?c) :precondition (ready) :effect (scale-down (spare ?c) 2)))";
   const auto reason = [&](const std::string& more, const std::string& init, const std::string& goal) {
-    const PlanAnswer found = answer(parse(refuel + more, "(:objects a b) (:init (ready) " + init + ") (:goal " + goal + ")"), {.budget = 200'000});
-    return found.status == PlanStatus::kUnsolvable ? found.reason : found.plan ? "a plan" : "another answer: " + found.reason;
+    const PlanAnswer found = answer(
+        parse(refuel + more, "(:objects a b) (:init (ready) " + init + ") (:goal " + goal + ")"), {.budget = 200'000});
+    return found.status == PlanStatus::kUnsolvable ? found.reason
+           : found.plan                            ? "a plan"
+                                                   : "another answer: " + found.reason;
   };
-  const std::string missing = "the goal is out of reach, judged by facts one by one and in pairs; without a value in :init, and nothing assigns one: ";
+  const std::string missing =
+      "the goal is out of reach, judged by facts one by one and in pairs; without a value in :init, and nothing "
+      "assigns one: ";
   EXPECT_EQ(reason("", "(= (fuel b) 0)", "(full a)"), missing + "(fuel a)");
   EXPECT_EQ(reason("", "", "(and (full a) (>= (spare b) 1))"), missing + "(fuel a), (spare b)");
   EXPECT_EQ(reason("", "(= (fuel a) 0)", "(full a)"), "a plan");
   EXPECT_EQ(reason("", "", "(>= (fuel a) 3)"), missing + "(fuel a)");
-  EXPECT_EQ(reason("(:durative-action measure :parameters (?c) :duration (= ?duration (+ 1 (spare ?c))) :condition () :effect (at end (full ?c)))", "", "(full b)"),
+  EXPECT_EQ(reason("(:durative-action measure :parameters (?c) :duration (= ?duration (+ 1 (spare ?c))) :condition () "
+                   ":effect (at end (full ?c)))",
+                   "", "(full b)"),
             missing + "(fuel b), (spare b)");
-  EXPECT_EQ(reason("(:action weigh :parameters (?c) :precondition (<= (weight ?c) 3) :effect (full ?c))", "(= (weight b) 9)", "(full a)"), missing + "(fuel a), (weight a)");
-  EXPECT_EQ(reason("(:action calibrate :parameters (?c) :effect (assign (fuel ?c) 2))", "", "(>= (fuel a) 4)"), "a plan");
-  EXPECT_EQ(reason("(:action pour :parameters (?c ?d) :precondition (not (= ?c ?d)) :effect (and (full ?c) (assign (fuel ?c) (fuel ?d))))", "", "(full a)"),
+  EXPECT_EQ(reason("(:action weigh :parameters (?c) :precondition (<= (weight ?c) 3) :effect (full ?c))",
+                   "(= (weight b) 9)", "(full a)"),
+            missing + "(fuel a), (weight a)");
+  EXPECT_EQ(reason("(:action calibrate :parameters (?c) :effect (assign (fuel ?c) 2))", "", "(>= (fuel a) 4)"),
+            "a plan");
+  EXPECT_EQ(reason("(:action pour :parameters (?c ?d) :precondition (not (= ?c ?d)) :effect (and (full ?c) (assign "
+                   "(fuel ?c) (fuel ?d))))",
+                   "", "(full a)"),
             missing + "(fuel a), (fuel b)");
   EXPECT_EQ(reason("(:action calibrate :parameters (?c) :effect (assign (fuel ?c) 2))", "", "(full a)"), "a plan");
-  EXPECT_EQ(reason("(:action copy :parameters (?c) :effect (and (full ?c) (assign (fuel ?c) (spare ?c)))) (:action repair :parameters (?c) :effect (assign (spare ?c) 2))", "", "(full a)"), "a plan");
+  EXPECT_EQ(reason("(:action copy :parameters (?c) :effect (and (full ?c) (assign (fuel ?c) (spare ?c)))) (:action "
+                   "repair :parameters (?c) :effect (assign (spare ?c) 2))",
+                   "", "(full a)"),
+            "a plan");
   EXPECT_EQ(reason("", "(at 5 (= (fuel a) 1))", "(>= (fuel a) 3)"), "a plan");
-  EXPECT_EQ(reason("", "", "(and (full a) (not (ready)))"), "the goal is out of reach, judged by facts one by one and in pairs");
+  EXPECT_EQ(reason("", "", "(and (full a) (not (ready)))"),
+            "the goal is out of reach, judged by facts one by one and in pairs");
 }
 
 TEST(FindPlan, ProvesThatNoOrderWorks) {
@@ -237,21 +266,24 @@ TEST(FindPlan, ProvesThatNoOrderWorks) {
 TEST(FindPlan, ProvesThatTwoFactsOfTheGoalAreNeverTrueTogetherWithoutTryingAllStates) {
   std::string objects = "(:objects", off;
   for (int i = 0; i < 40; ++i) objects += " s" + std::to_string(i), off += " (off s" + std::to_string(i) + ")";
-  const PlanAnswer found = answer(parse(R"((:predicates (key) (left) (right) (on ?s) (off ?s))
+  const PlanAnswer found =
+      answer(parse(R"((:predicates (key) (left) (right) (on ?s) (off ?s))
     (:durative-action open-left :parameters () :duration (= ?duration 2) :condition (at start (key))
      :effect (and (at start (not (key))) (at end (left))))
     (:durative-action open-right :parameters () :duration (= ?duration 2) :condition (at start (key))
      :effect (and (at start (not (key))) (at end (right))))
     (:action switch-on :parameters (?s) :precondition (off ?s) :effect (and (on ?s) (not (off ?s))))
     (:action switch-off :parameters (?s) :precondition (on ?s) :effect (and (off ?s) (not (on ?s)))))",
-                                        objects + ") (:init (key)" + off + ") (:goal (and (left) (right) (forall (?s) (on ?s))))"), {.budget = 20'000});
+                   objects + ") (:init (key)" + off + ") (:goal (and (left) (right) (forall (?s) (on ?s))))"),
+             {.budget = 20'000});
   EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
   EXPECT_LT(found.units, 5'000);
 }
 
 TEST(FindPlan, ProvesThatWhatEndsDoesNotEndAgain) {
   // If one lifting could end often, a block would be in the hand and on another one.
-  const PlanAnswer found = answer(parse(R"((:predicates (on ?x ?y) (table ?x) (clear ?x) (free) (held ?x))
+  const PlanAnswer found =
+      answer(parse(R"((:predicates (on ?x ?y) (table ?x) (clear ?x) (free) (held ?x))
     (:durative-action lift :parameters (?x) :duration (= ?duration 2)
      :condition (and (at start (clear ?x)) (at start (table ?x)) (at start (free)))
      :effect (and (at start (not (free))) (at start (not (clear ?x))) (at end (not (table ?x))) (at end (held ?x))))
@@ -261,19 +293,21 @@ TEST(FindPlan, ProvesThatWhatEndsDoesNotEndAgain) {
     (:durative-action unstack :parameters (?x ?y) :duration (= ?duration 3)
      :condition (and (at start (on ?x ?y)) (at start (clear ?x)) (at start (free)))
      :effect (and (at start (not (free))) (at start (not (clear ?x))) (at end (not (on ?x ?y))) (at end (held ?x)) (at end (clear ?y)))))",
-                                        R"((:objects a b c) (:init (table a) (table b) (table c) (clear a) (clear b) (clear c) (free))
+                   R"((:objects a b c) (:init (table a) (table b) (table c) (clear a) (clear b) (clear c) (free))
     (:goal (and (on a b) (on b a))))"));
   EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
 }
 
 TEST(FindPlan, CostsThatNothingReadsDoNotMakeTwoStatesOfOne) {
   // Three tiles on a ring of four places only go round: two of them never change their order.
-  const PlanAnswer found = answer(parse(R"((:predicates (at ?t ?p) (empty ?p) (next ?p ?q)) (:functions (total-cost))
+  const PlanAnswer found =
+      answer(parse(R"((:predicates (at ?t ?p) (empty ?p) (next ?p ?q)) (:functions (total-cost))
     (:action slide :parameters (?t ?p ?q) :precondition (and (at ?t ?p) (empty ?q) (next ?p ?q))
      :effect (and (at ?t ?q) (empty ?p) (not (at ?t ?p)) (not (empty ?q)) (increase (total-cost) 1))))",
-                                        R"((:objects a b c n e s w) (:init (at a n) (at b e) (at c s) (empty w) (= (total-cost) 0)
+                   R"((:objects a b c n e s w) (:init (at a n) (at b e) (at c s) (empty w) (= (total-cost) 0)
      (next n e) (next e s) (next s w) (next w n) (next e n) (next s e) (next w s) (next n w))
-    (:goal (and (at b n) (at a e) (at c s))) (:metric minimize (total-cost)))"), {.budget = 100'000});
+    (:goal (and (at b n) (at a e) (at c s))) (:metric minimize (total-cost)))"),
+             {.budget = 100'000});
   EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
   EXPECT_GT(found.units, 20);  // not by facts in pairs
 }
@@ -303,7 +337,8 @@ TEST(FindPlan, SaysThatTheBudgetEnded) {
   std::string objects = "(:objects";
   std::string init;
   for (int i = 0; i < 14; ++i) objects += " o" + std::to_string(i), init += " (item o" + std::to_string(i) + ")";
-  const PlanAnswer found = answer(parse(kLamp, objects + ") (:init (dark) (free)" + init + ") (:goal (forall (?i) (done ?i)))"), {.budget = 300});
+  const PlanAnswer found = answer(
+      parse(kLamp, objects + ") (:init (dark) (free)" + init + ") (:goal (forall (?i) (done ?i)))"), {.budget = 300});
   EXPECT_EQ(found.status, PlanStatus::kBudget);
   EXPECT_GE(found.units, 300);
 }
@@ -321,12 +356,18 @@ TEST(FindPlan, TheBudgetMayEndWhileTheProblemIsWrittenOut) {
     for (char b = 'a'; b < a; ++b) different += std::string(" (not (= ?") + a + " ?" + b + "))";
   const std::string five = "(?a ?b ?c ?d ?e)", all = "(p ?a) (p ?b) (p ?c) (p ?d) (p ?e)";
   const std::pair<std::string, int> actions[] = {
-      {"(:action a :parameters " + five + " :precondition (and " + all + ") :effect (and (g) (made ?a ?b ?c ?d ?e)))", 60},
-      {"(:action a :parameters (?a ?b ?c ?d ?e ?f ?g ?h ?i ?j ?k ?l) :precondition (and " + all + different + ") :effect (g)) (:action b :parameters () :effect (g))", 11},
+      {"(:action a :parameters " + five + " :precondition (and " + all + ") :effect (and (g) (made ?a ?b ?c ?d ?e)))",
+       60},
+      {"(:action a :parameters (?a ?b ?c ?d ?e ?f ?g ?h ?i ?j ?k ?l) :precondition (and " + all + different +
+           ") :effect (g)) (:action b :parameters () :effect (g))",
+       11},
       {"(:action a :parameters () :effect (and (g) (forall " + five + " (made ?a ?b ?c ?d ?e))))", 60},
-      {"(:action a :parameters (?x) :precondition (forall " + five + " (or (p ?a) (made ?a ?b ?c ?d ?e))) :effect (and (g) (made ?x ?x ?x ?x ?x) (not (p ?x))))", 60}};
+      {"(:action a :parameters (?x) :precondition (forall " + five +
+           " (or (p ?a) (made ?a ?b ?c ?d ?e))) :effect (and (g) (made ?x ?x ?x ?x ?x) (not (p ?x))))",
+       60}};
   for (const auto& [action, objects] : actions) {
-    const Task task = parse("(:predicates (p ?x) (next ?x ?y) (g) (made ?a ?b ?c ?d ?e))" + action, numbered(objects) + "(:goal (or (g) (made o1 o2 o3 o4 o5)))");
+    const Task task = parse("(:predicates (p ?x) (next ?x ?y) (g) (made ?a ?b ?c ?d ?e))" + action,
+                            numbered(objects) + "(:goal (or (g) (made o1 o2 o3 o4 o5)))");
     const PlanAnswer found = answer(task, {.budget = 5'000}), again = answer(task, {.budget = 5'000});
     EXPECT_EQ(found.status, PlanStatus::kBudget) << action;
     EXPECT_EQ(found.reason, "the budget ended while the problem was written out") << action;
@@ -337,19 +378,23 @@ TEST(FindPlan, TheBudgetMayEndWhileTheProblemIsWrittenOut) {
 
 TEST(FindPlan, WritingTheProblemOutCountsAsWork) {
   const auto units = [](int objects) {
-    return answer(parse("(:predicates (p ?x) (next ?x ?y) (g)) (:action a :parameters (?a ?b) :precondition (and (p ?a) (p ?b)) :effect (and (next ?a ?b) (g)))",
-                        numbered(objects) + "(:goal (g))")).units;
+    return answer(parse("(:predicates (p ?x) (next ?x ?y) (g)) (:action a :parameters (?a ?b) :precondition (and (p "
+                        "?a) (p ?b)) :effect (and (next ?a ?b) (g)))",
+                        numbered(objects) + "(:goal (g))"))
+        .units;
   };
   EXPECT_GT(units(60), 3 * units(30));
 }
 
 TEST(FindPlan, NoTimeIsOverAtOnce) {
-  const PlanAnswer found = answer(parse("(:predicates (g)) (:action a :parameters () :effect (g))", "(:init) (:goal (g))"), {.timeout_s = 0.0});
+  const PlanAnswer found = answer(
+      parse("(:predicates (g)) (:action a :parameters () :effect (g))", "(:init) (:goal (g))"), {.timeout_s = 0.0});
   EXPECT_EQ(found.status, PlanStatus::kBudget);
   EXPECT_FALSE(found.plan);
 }
 
-constexpr const char* kJobs = R"((:types job machine - object) (:predicates (waits ?j - job) (at ?j - job ?m - machine) (free ?m - machine) (done ?j - job))
+constexpr const char* kJobs =
+    R"((:types job machine - object) (:predicates (waits ?j - job) (at ?j - job ?m - machine) (free ?m - machine) (done ?j - job))
   (:durative-action load :parameters (?j - job ?m - machine) :duration (= ?duration 2) :condition (and (at start (waits ?j)) (at start (free ?m)))
    :effect (and (at start (not (waits ?j))) (at start (not (free ?m))) (at end (at ?j ?m))))
   (:durative-action work :parameters (?j - job ?m - machine) :duration (= ?duration 5) :condition (at start (at ?j ?m))
@@ -371,7 +416,8 @@ TEST(FindPlan, SameBudgetSamePlan) {
   const PlanOptions options{.budget = 200'000, .anytime = true};
   const PlanAnswer once = answer(task, options), again = answer(task, options);
   ASSERT_TRUE(once.plan && again.plan);
-  EXPECT_EQ(to_text(once.plan->steps, task.domain, task.problem), to_text(again.plan->steps, task.domain, task.problem));
+  EXPECT_EQ(to_text(once.plan->steps, task.domain, task.problem),
+            to_text(again.plan->steps, task.domain, task.problem));
   EXPECT_EQ(once.units, again.units);
 }
 
@@ -391,7 +437,8 @@ TEST(FindPlan, PlansShiftedWithinThePartialOrderAreRight) {
   const PlanAnswer found = answer(task, {.budget = 200'000, .anytime = true});
   ASSERT_TRUE(found.plan);
   Plan late = found.plan->steps;
-  for (std::size_t i = 0; i < late.size(); ++i) late[i].start = static_cast<double>(found.plan->latest[2 * i]) / kMicrosPerSecond;
+  for (std::size_t i = 0; i < late.size(); ++i)
+    late[i].start = static_cast<double>(found.plan->latest[2 * i]) / kMicrosPerSecond;
   const Expected<Verdict> verdict = Validator(task.domain, task.problem).check(late);
   EXPECT_TRUE(verdict && verdict->valid) << (verdict ? verdict->violation->message : verdict.error().text());
 }
@@ -424,10 +471,14 @@ TEST(FindPlan, OfAWarmStartOnlyWhatIsLeftIsKept) {
     for (const PlanStep& step : found.plan->steps) text += step_text(step, task.domain, task.problem);
     return text;
   };
-  const auto step = [](ActionId action, std::vector<ObjectId> arguments) { return PlanStep{0, action, std::move(arguments), 1}; };
+  const auto step = [](ActionId action, std::vector<ObjectId> arguments) {
+    return PlanStep{0, action, std::move(arguments), 1};
+  };
   const Plan plan = {step(0, {0, 1}), step(1, {1}), step(0, {1, 0}), step(0, {0, 2}), step(1, {2}), step(0, {2, 0})};
-  EXPECT_EQ(steps_of("(at home)", plan), "(go home s1)(buy s1)(go s1 home)(go home s2)(buy s2)(go s2 home)") << "the plan stays as it was";
-  EXPECT_EQ(steps_of("(at home) (bought s1)", plan), "(go home s2)(buy s2)(go s2 home)") << "what was done could be done again";
+  EXPECT_EQ(steps_of("(at home)", plan), "(go home s1)(buy s1)(go s1 home)(go home s2)(buy s2)(go s2 home)")
+      << "the plan stays as it was";
+  EXPECT_EQ(steps_of("(at home) (bought s1)", plan), "(go home s2)(buy s2)(go s2 home)")
+      << "what was done could be done again";
   EXPECT_EQ(steps_of("(at s1) (bought s2)", plan), "(buy s1)(go s1 home)") << "a step was done by somebody else";
   EXPECT_EQ(steps_of("(at home) (bought s1) (bought s2)", plan), "");
 }
@@ -440,7 +491,10 @@ constexpr const char* kParcels = R"((:predicates (waits ?p) (there ?p)) (:functi
    :effect (and (at start (not (waits ?p))) (at end (there ?p)) (at end (increase (total-cost) 2)) (at end (increase (fuel-used) 1)))))";
 
 PlanAnswer send_parcels(const std::string& metric) {
-  return answer(parse(kParcels, "(:objects a b c) (:init (waits a) (waits b) (waits c) (= (total-cost) 0) (= (fuel-used) 0)) (:goal (and (there a) (there b) (there c)))" + metric),
+  return answer(parse(kParcels,
+                      "(:objects a b c) (:init (waits a) (waits b) (waits c) (= (total-cost) 0) (= (fuel-used) 0)) "
+                      "(:goal (and (there a) (there b) (there c)))" +
+                          metric),
                 {.budget = 300'000, .anytime = true});
 }
 
@@ -486,7 +540,8 @@ TEST(Metric, WhatIsToBeLargeGrowsBeyondTheGoal) {
      :effect (and (at start (not (ripe ?t))) (at end (increase (apples) 3))))
     (:durative-action sell :parameters () :duration (= ?duration 1) :condition (at start (basket))
      :effect (and (at start (not (basket))) (at end (increase (apples) 4)))))",
-                          "(:objects x y z) (:init (ripe x) (ripe y) (ripe z) (basket) (home) (= (apples) 0)) (:goal (home)) (:metric maximize (apples))");
+                          "(:objects x y z) (:init (ripe x) (ripe y) (ripe z) (basket) (home) (= (apples) 0)) (:goal "
+                          "(home)) (:metric maximize (apples))");
   const PlanAnswer found = answer(task, {.budget = 300'000, .anytime = true});
   EXPECT_DOUBLE_EQ(found.plan->metric.value(), 13.0);  // three trees, then the basket is sold
   EXPECT_FALSE(found.metric_bound);

@@ -11,7 +11,10 @@ namespace cxlab::planner {
 namespace {
 
 Task parse(const std::string& domain_body, const std::string& problem_body) {
-  Expected<Domain> domain = parse_domain("(define (domain d) (:requirements :durative-actions :typing :negative-preconditions :conditional-effects)" + domain_body + ")", "d.pddl");
+  Expected<Domain> domain = parse_domain(
+      "(define (domain d) (:requirements :durative-actions :typing :negative-preconditions :conditional-effects)" +
+          domain_body + ")",
+      "d.pddl");
   EXPECT_TRUE(domain) << domain.error().text();
   Expected<Problem> problem = parse_problem("(define (problem p) (:domain d) " + problem_body + ")", "p.pddl", *domain);
   EXPECT_TRUE(problem) << problem.error().text();
@@ -28,18 +31,22 @@ LowerBound bound_of(const Task& task, std::int64_t slice = 1'000'000) {
 double seconds(const LowerBound& bound) { return static_cast<double>(bound.makespan) / kMicrosPerSecond; }
 
 // An oven is filled, works and must be emptied before the next piece.
-constexpr const char* kOven = R"((:types piece - object) (:predicates (raw ?p - piece) (in ?p - piece) (empty) (baked ?p - piece) (out ?p - piece))
+constexpr const char* kOven =
+    R"((:types piece - object) (:predicates (raw ?p - piece) (in ?p - piece) (empty) (baked ?p - piece) (out ?p - piece))
   (:durative-action fill :parameters (?p - piece) :duration (= ?duration 2) :condition (and (at start (raw ?p)) (over all (empty)))
    :effect (and (at start (not (raw ?p))) (at end (in ?p)) (at end (not (empty)))))
   (:durative-action bake :parameters (?p - piece) :duration (= ?duration 10) :condition (and (at start (in ?p)))
    :effect (and (at end (baked ?p))))
   (:durative-action take :parameters (?p - piece) :duration (= ?duration 3) :condition (and (at start (baked ?p)) (at start (in ?p)))
    :effect (and (at start (not (in ?p))) (at end (out ?p)) (at end (empty)))))";
-constexpr const char* kTwoPieces = "(:objects a b - piece) (:init (raw a) (raw b) (empty)) (:goal (and (out a) (out b)))";
+constexpr const char* kTwoPieces =
+    "(:objects a b - piece) (:init (raw a) (raw b) (empty)) (:goal (and (out a) (out b)))";
 
 }  // namespace
 
-TEST(LowerBound, PiecesThatShareAPlaceComeOneAfterTheOther) { EXPECT_EQ(seconds(bound_of(parse(kOven, kTwoPieces))), 30); }
+TEST(LowerBound, PiecesThatShareAPlaceComeOneAfterTheOther) {
+  EXPECT_EQ(seconds(bound_of(parse(kOven, kTwoPieces))), 30);
+}
 
 TEST(LowerBound, IsNotBegunWhereTheSliceIsTooShortForOneRound) {
   std::string pieces, raw, out;
@@ -47,7 +54,8 @@ TEST(LowerBound, IsNotBegunWhereTheSliceIsTooShortForOneRound) {
     const std::string piece = " p" + std::to_string(i);
     pieces += piece, raw += " (raw" + piece + ")", out += " (out" + piece + ")";
   }
-  const Expected<GroundTask> made = ground(parse(kOven, "(:objects" + pieces + " - piece) (:init (empty)" + raw + ") (:goal (and" + out + "))"));
+  const Expected<GroundTask> made =
+      ground(parse(kOven, "(:objects" + pieces + " - piece) (:init (empty)" + raw + ") (:goal (and" + out + "))"));
   ASSERT_TRUE(made);
   Budget budget;
   EXPECT_FALSE(lower_bound(*made, budget, 100).complete);
@@ -57,9 +65,12 @@ TEST(LowerBound, IsNotBegunWhereTheSliceIsTooShortForOneRound) {
 TEST(LowerBound, SaysWhereActionsThatEndTogetherWouldBeShorter) {
   const Task task = parse(kOven, kTwoPieces);
   EXPECT_TRUE(bound_of(task).assumes_order);
-  const auto step = [&](double start, ActionId action, ObjectId piece, double duration) { return PlanStep{start, action, {piece}, duration, 0}; };
+  const auto step = [&](double start, ActionId action, ObjectId piece, double duration) {
+    return PlanStep{start, action, {piece}, duration, 0};
+  };
   // PDDL 2.1 spares the instant of the end: both fill the oven at once.
-  const Plan plan = {step(0, 0, 0, 2), step(0, 0, 1, 2), step(2.01, 1, 0, 10), step(2.01, 1, 1, 10), step(12.02, 2, 0, 3), step(12.02, 2, 1, 3)};
+  const Plan plan = {step(0, 0, 0, 2),     step(0, 0, 1, 2),     step(2.01, 1, 0, 10),
+                     step(2.01, 1, 1, 10), step(12.02, 2, 0, 3), step(12.02, 2, 1, 3)};
   const Expected<Verdict> verdict = Validator(task.domain, task.problem).check(plan);
   ASSERT_TRUE(verdict);
   EXPECT_TRUE(verdict->valid);

@@ -19,7 +19,8 @@ GroundTask machine() {
     (:durative-action watch :parameters () :duration (and (>= ?duration 2) (<= ?duration 3)) :condition (over all (free)) :effect (at end (seen)))))",
                                          "domain");
   EXPECT_TRUE(domain);
-  Expected<Problem> problem = parse_problem("(define (problem p) (:domain d) (:init (free)) (:goal (and (used) (seen))))", "problem", *domain);
+  Expected<Problem> problem =
+      parse_problem("(define (problem p) (:domain d) (:init (free)) (:goal (and (used) (seen))))", "problem", *domain);
   EXPECT_TRUE(problem);
   Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
   EXPECT_TRUE(task);
@@ -50,7 +51,8 @@ TEST(Stn, AgreesWithTheTimeline) {
   const GroundTask task = machine();
   const Touches touches(task);
   Stn stn(touches);
-  for (const int action : {0, 1}) stn.finish(stn.begin(action, {(action == 0 ? 4 : 2) * kSecond, (action == 0 ? 4 : 3) * kSecond}));
+  for (const int action : {0, 1})
+    stn.finish(stn.begin(action, {(action == 0 ? 4 : 2) * kSecond, (action == 0 ? 4 : 3) * kSecond}));
   ASSERT_TRUE(stn.solve(kSeparation));
   EXPECT_EQ(stn.start(1), 4 * kSecond + kSeparation);
   EXPECT_EQ(stn.makespan(), 6 * kSecond + kSeparation);

@@ -29,7 +29,9 @@ Tally check_bounds(std::uint64_t seed, int count, RandomProblem (*draw)(RandomSt
     Budget budget;
     const LowerBound bound = lower_bound(*task, budget, 100'000);
     const auto bound_s = bound.makespan / kMicrosPerSecond;
-    const auto shortest = [&](bool may_coincide) { return shortest_plan_s(problem, {.seconds = 8, .most_situations = 6000, .may_coincide = may_coincide}); };
+    const auto shortest = [&](bool may_coincide) {
+      return shortest_plan_s(problem, {.seconds = 8, .most_situations = 6000, .may_coincide = may_coincide});
+    };
     if (const std::optional<int> ordered = shortest(!bound.assumes_order)) {
       ++tally.measured;
       EXPECT_LE(bound_s, *ordered);

@@ -59,7 +59,8 @@ inline Tally check_many(std::uint64_t seed, int count) {
     } else {
       ++tally.ended;
       tally.missed += oracle == OracleAnswer::kSolvable;
-      if (oracle == OracleAnswer::kSolvable && tally.missed <= 3) std::printf("missed (%s):\n%s%s", answer->reason.c_str(), problem.domain().c_str(), problem.problem().c_str());
+      if (oracle == OracleAnswer::kSolvable && tally.missed <= 3)
+        std::printf("missed (%s):\n%s%s", answer->reason.c_str(), problem.domain().c_str(), problem.problem().c_str());
     }
   }
   return tally;
@@ -67,9 +68,9 @@ inline Tally check_many(std::uint64_t seed, int count) {
 
 /// Plans that were found by the metric, beside the best that exist.
 struct MetricTally {
-  int compared = 0;       ///< both have a plan
-  int worse = 0;          ///< the planner's is not as good as the best within the horizon
-  int not_shortest = 0;   ///< the best is not the one that would be found without a metric
+  int compared = 0;      ///< both have a plan
+  int worse = 0;         ///< the planner's is not as good as the best within the horizon
+  int not_shortest = 0;  ///< the best is not the one that would be found without a metric
   int bounded = 0;
 };
 
@@ -79,7 +80,8 @@ inline MetricTally check_metrics(std::uint64_t seed, int count, std::int64_t bud
   for (int i = 0; i < count; ++i) {
     RandomProblem problem = RandomProblem::draw_with_metric(random);
     SCOPED_TRACE(problem.domain() + problem.problem());
-    const std::optional<int> best = ask_oracle_for_metric(problem, {.seconds = 7, .instants = 4, .most_situations = 20'000});
+    const std::optional<int> best =
+        ask_oracle_for_metric(problem, {.seconds = 7, .instants = 4, .most_situations = 20'000});
     const std::optional<Task> task = parse_task(problem);
     if (!best || !task) continue;
     const Expected<PlanAnswer> answer = find_plan(*task, {.budget = budget, .anytime = true});
@@ -90,7 +92,9 @@ inline MetricTally check_metrics(std::uint64_t seed, int count, std::int64_t bud
     ++tally.compared;
     const double separations = 0.05 * problem.time_weight;  // the oracle counts whole seconds
     if (*answer->plan->metric > *best + separations + 1e-6) {
-      if (++tally.worse <= 3) std::printf("metric %g, the best is %d:\n%s%s", *answer->plan->metric, *best, problem.domain().c_str(), problem.problem().c_str());
+      if (++tally.worse <= 3)
+        std::printf("metric %g, the best is %d:\n%s%s", *answer->plan->metric, *best, problem.domain().c_str(),
+                    problem.problem().c_str());
     }
     if (answer->metric_bound) {
       ++tally.bounded;
@@ -100,7 +104,10 @@ inline MetricTally check_metrics(std::uint64_t seed, int count, std::int64_t bud
     problem.time_weight = 1, problem.count_weight = 0;
     const std::optional<Task> shortest = parse_task(problem);
     const Expected<PlanAnswer> quick = find_plan(*shortest, {.budget = budget, .anytime = true});
-    if (quick && quick->plan && to_text(quick->plan->steps, shortest->domain, shortest->problem) != to_text(answer->plan->steps, task->domain, task->problem)) ++tally.not_shortest;
+    if (quick && quick->plan &&
+        to_text(quick->plan->steps, shortest->domain, shortest->problem) !=
+            to_text(answer->plan->steps, task->domain, task->problem))
+      ++tally.not_shortest;
   }
   return tally;
 }

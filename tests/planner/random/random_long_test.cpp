@@ -4,16 +4,19 @@ namespace cxlab::planner {
 
 TEST(RandomProblems, TenThousandOfThem) {
   const Tally tally = check_many(2, 10'000);
-  std::printf("plans %d, proved unsolvable %d, no answer %d, of which the oracle solves %d\n", tally.plans, tally.unsolvable, tally.ended, tally.missed);
+  std::printf("plans %d, proved unsolvable %d, no answer %d, of which the oracle solves %d\n", tally.plans,
+              tally.unsolvable, tally.ended, tally.missed);
   EXPECT_GT(tally.plans, 2000);
   EXPECT_LT(tally.missed, 10);
 }
 
 TEST(RandomProblems, TwoThousandMetrics) {
   const MetricTally tally = check_metrics(2, 2'000, 300'000);
-  std::printf("compared %d, worse %d, other than the shortest %d, bounded %d\n", tally.compared, tally.worse, tally.not_shortest, tally.bounded);
+  std::printf("compared %d, worse %d, other than the shortest %d, bounded %d\n", tally.compared, tally.worse,
+              tally.not_shortest, tally.bounded);
   EXPECT_GT(tally.compared, 400);
-  EXPECT_LT(50 * tally.worse, tally.compared);  // improvement proves nothing: 6 of 599 were not the best when this was written
+  EXPECT_LT(50 * tally.worse,
+            tally.compared);  // improvement proves nothing: 6 of 599 were not the best when this was written
 }
 
 }  // namespace cxlab::planner

@@ -16,7 +16,9 @@ std::vector<Literal> draw_literals(RandomStream& random, int facts, std::int64_t
 }
 
 std::string name(int fact) { return "(f" + std::to_string(fact) + ")"; }
-std::string text(const Literal& literal) { return literal.value ? name(literal.fact) : "(not " + name(literal.fact) + ")"; }
+std::string text(const Literal& literal) {
+  return literal.value ? name(literal.fact) : "(not " + name(literal.fact) + ")";
+}
 
 std::string timed(const std::vector<Literal>& literals, const char* when) {
   std::string out;
@@ -47,9 +49,13 @@ RandomProblem RandomProblem::draw(RandomStream& random) {
   }
   if (random.chance(0.3))
     for (std::int64_t left = random.between(1, 2); left > 0; --left)
-      made.events.push_back({static_cast<int>(random.between(1, 4)), {static_cast<int>(random.below(static_cast<std::uint64_t>(made.facts))), random.chance(0.5)}});
+      made.events.push_back(
+          {static_cast<int>(random.between(1, 4)),
+           {static_cast<int>(random.below(static_cast<std::uint64_t>(made.facts))), random.chance(0.5)}});
   std::ranges::sort(made.events, {}, &RandomEvent::time);
-  made.events.erase(std::unique(made.events.begin(), made.events.end(), [](const auto& a, const auto& b) { return a.time == b.time; }), made.events.end());
+  made.events.erase(std::unique(made.events.begin(), made.events.end(),
+                                [](const auto& a, const auto& b) { return a.time == b.time; }),
+                    made.events.end());
   do made.goal = draw_literals(random, made.facts, 3, 0.8);
   while (made.goal.empty());
   return made;
@@ -60,7 +66,8 @@ RandomProblem RandomProblem::draw_with_metric(RandomStream& random) {
   made.time_weight = static_cast<int>(random.between(0, 3));
   made.count_weight = static_cast<int>(random.between(-2, 4));
   if (made.count_weight == 0) made.count_weight = 1;
-  for (RandomAction& action : made.actions) action.change = static_cast<int>(random.between(0, 5) - random.between(0, 1));
+  for (RandomAction& action : made.actions)
+    action.change = static_cast<int>(random.between(0, 5) - random.between(0, 1));
   return made;
 }
 
@@ -88,8 +95,10 @@ RandomProblem RandomProblem::draw_shop(RandomStream& random) {
       add(action.end_effects, {place, random.chance(0.2)});
     }
     if (random.chance(0.3)) add(action.end_effects, {draw_place(), random.chance(0.5)});
-    if (job > 0 && random.chance(0.4)) add(action.start, {places + static_cast<int>(random.below(static_cast<std::uint64_t>(job))), true});
-    if (job > 0 && random.chance(0.2)) add(action.end_effects, {places + static_cast<int>(random.below(static_cast<std::uint64_t>(job))), false});
+    if (job > 0 && random.chance(0.4))
+      add(action.start, {places + static_cast<int>(random.below(static_cast<std::uint64_t>(job))), true});
+    if (job > 0 && random.chance(0.2))
+      add(action.end_effects, {places + static_cast<int>(random.below(static_cast<std::uint64_t>(job))), false});
     made.goal.push_back({places + job, true});
     made.actions.push_back(std::move(action));
   }
@@ -98,17 +107,21 @@ RandomProblem RandomProblem::draw_shop(RandomStream& random) {
   clear.end_effects = {{draw_place(), true}};
   if (random.chance(0.3)) clear.start = {{clear.end_effects[0].fact, false}};
   made.actions.push_back(std::move(clear));
-  if (random.chance(0.2)) made.events.push_back({static_cast<int>(random.between(1, 4)), {draw_place(), random.chance(0.5)}});
+  if (random.chance(0.2))
+    made.events.push_back({static_cast<int>(random.between(1, 4)), {draw_place(), random.chance(0.5)}});
   return made;
 }
 
 std::string RandomProblem::domain() const {
-  std::string out = "(define (domain d) (:requirements :durative-actions :negative-preconditions :fluents :timed-initial-literals)\n(:predicates";
+  std::string out =
+      "(define (domain d) (:requirements :durative-actions :negative-preconditions :fluents "
+      ":timed-initial-literals)\n(:predicates";
   for (int f = 0; f < facts; ++f) out += " " + name(f);
   out += ")\n(:functions (n))\n";
   for (std::size_t a = 0; a < actions.size(); ++a) {
     const RandomAction& action = actions[a];
-    out += "(:durative-action a" + std::to_string(a) + " :parameters () :duration (= ?duration " + std::to_string(action.duration) + ")\n :condition (and";
+    out += "(:durative-action a" + std::to_string(a) + " :parameters () :duration (= ?duration " +
+           std::to_string(action.duration) + ")\n :condition (and";
     out += timed(action.start, "at start") + timed(action.over_all, "over all") + timed(action.end, "at end");
     if (action.least_count >= 0) out += " (at start (>= (n) " + std::to_string(action.least_count) + "))";
     out += ")\n :effect (and" + timed(action.start_effects, "at start") + timed(action.end_effects, "at end");
@@ -127,7 +140,8 @@ std::string RandomProblem::problem() const {
   for (const Literal& literal : goal) out += " " + text(literal);
   out += "))";
   if (time_weight != 0 || count_weight != 0)
-    out += "\n(:metric minimize (+ (* " + std::to_string(time_weight) + " (total-time)) (* " + std::to_string(count_weight) + " (n))))";
+    out += "\n(:metric minimize (+ (* " + std::to_string(time_weight) + " (total-time)) (* " +
+           std::to_string(count_weight) + " (n))))";
   return out + ")\n";
 }
 

@@ -14,8 +14,8 @@ struct Literal {
 };
 
 struct RandomAction {
-  int duration = 1;  ///< s
-  std::vector<Literal> start, over_all, end;              ///< conditions
+  int duration = 1;                           ///< s
+  std::vector<Literal> start, over_all, end;  ///< conditions
   std::vector<Literal> start_effects, end_effects;
   int least_count = -1;  ///< the counter at the start; -1: not read
   int change = 0;        ///< of the counter at the end
@@ -39,8 +39,8 @@ struct RandomProblem {
   static RandomProblem draw(RandomStream& random);
   /// With a counter that most actions change, and a metric.
   static RandomProblem draw_with_metric(RandomStream& random);
-  /// Jobs that take turns: places that are kept from the start of an action to its end, or filled at its end and freed by
-  /// another action.
+  /// Jobs that take turns: places that are kept from the start of an action to its end, or filled at its end and freed
+  /// by another action.
   static RandomProblem draw_shop(RandomStream& random);
   std::string domain() const;
   std::string problem() const;

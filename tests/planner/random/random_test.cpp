@@ -21,7 +21,8 @@ TEST(RandomProblems, TheOracleKnowsThatOverlapSolvesWhatSequencesCannot) {
   RandomProblem problem;
   problem.facts = 2;
   problem.initial = {0, 0};
-  problem.actions = {{3, {}, {}, {}, {{0, true}}, {{0, false}}, -1, 0}, {1, {}, {{0, true}}, {}, {}, {{1, true}}, -1, 0}};
+  problem.actions = {{3, {}, {}, {}, {{0, true}}, {{0, false}}, -1, 0},
+                     {1, {}, {{0, true}}, {}, {}, {{1, true}}, -1, 0}};
   problem.goal = {{1, true}};
   EXPECT_EQ(ask_oracle(problem), OracleAnswer::kSolvable);
   problem.actions[0].duration = 1;

@@ -15,7 +15,9 @@ struct Situation {
 };
 
 bool holds(const std::vector<Literal>& literals, unsigned facts) {
-  return std::ranges::all_of(literals, [&](const Literal& literal) { return ((facts >> literal.fact) & 1) == static_cast<unsigned>(literal.value); });
+  return std::ranges::all_of(literals, [&](const Literal& literal) {
+    return ((facts >> literal.fact) & 1) == static_cast<unsigned>(literal.value);
+  });
 }
 
 /// What the happenings of one instant read and write.
@@ -24,8 +26,8 @@ struct Footprint {
   bool reads_count = false, changes_count = false;
 
   bool interferes(const Footprint& other) const {
-    return (read & (other.add | other.remove)) || (other.read & (add | remove)) || (add & other.remove) || (remove & other.add) ||
-           (reads_count && other.changes_count) || (other.reads_count && changes_count);
+    return (read & (other.add | other.remove)) || (other.read & (add | remove)) || (add & other.remove) ||
+           (remove & other.add) || (reads_count && other.changes_count) || (other.reads_count && changes_count);
   }
   bool coincides(const Footprint& other) const { return (add & other.add) || (remove & other.remove); }
 };
@@ -52,7 +54,8 @@ class Oracle {
   /// Visits everything, or up to the first plan.
   OracleAnswer visit(bool first_only) {
     Situation first;
-    for (int f = 0; f < problem_.facts; ++f) first.facts |= static_cast<unsigned>(problem_.initial[static_cast<std::size_t>(f)] != 0) << f;
+    for (int f = 0; f < problem_.facts; ++f)
+      first.facts |= static_cast<unsigned>(problem_.initial[static_cast<std::size_t>(f)] != 0) << f;
     first.count = problem_.count;
     first.left.assign(problem_.actions.size(), -1);
     if (is_lasting_goal(first.facts, -1)) note_plan(0, first);
@@ -93,14 +96,16 @@ class Oracle {
       if (event.time * limits_.instants > instant) later.push_back(&event);
     // At one time what is made true stays true.
     std::ranges::sort(later, {}, [](const RandomEvent* event) { return std::pair(event->time, event->effect.value); });
-    for (const RandomEvent* event : later) facts = event->effect.value ? facts | (1u << event->effect.fact) : facts & ~(1u << event->effect.fact);
+    for (const RandomEvent* event : later)
+      facts = event->effect.value ? facts | (1u << event->effect.fact) : facts & ~(1u << event->effect.fact);
     return holds(problem_.goal, facts);
   }
 
   /// The last action ends.
   bool is_plan(const Situation& situation, const Situation& before, int instant, unsigned starts) const {
     return starts == 0 && std::ranges::all_of(situation.left, [](int left) { return left < 0; }) &&
-           std::ranges::any_of(before.left, [](int left) { return left >= 0; }) && is_lasting_goal(situation.facts, instant);
+           std::ranges::any_of(before.left, [](int left) { return left >= 0; }) &&
+           is_lasting_goal(situation.facts, instant);
   }
 
   bool step(Situation& situation, int instant, unsigned starts) const {
@@ -119,7 +124,9 @@ class Oracle {
         change += action.change;
       }
       if (!((starts >> a) & 1)) continue;
-      if (left >= 0 || !holds(action.start, situation.facts) || (action.least_count >= 0 && situation.count < action.least_count)) return false;
+      if (left >= 0 || !holds(action.start, situation.facts) ||
+          (action.least_count >= 0 && situation.count < action.least_count))
+        return false;
       footprints.push_back(footprint(action.start, action.start_effects));
       footprints.back().reads_count = action.least_count >= 0;
       effects.push_back(&action.start_effects);
@@ -134,11 +141,14 @@ class Oracle {
     }
     for (std::size_t i = 0; i < footprints.size(); ++i)
       for (std::size_t j = i + 1; j < footprints.size(); ++j)
-        if (footprints[i].interferes(footprints[j]) || (!limits_.may_coincide && footprints[i].coincides(footprints[j]))) return false;
+        if (footprints[i].interferes(footprints[j]) ||
+            (!limits_.may_coincide && footprints[i].coincides(footprints[j])))
+          return false;
     for (const bool value : {false, true})
       for (const auto* list : effects)
         for (const Literal& literal : *list)
-          if (literal.value == value) situation.facts = value ? situation.facts | (1u << literal.fact) : situation.facts & ~(1u << literal.fact);
+          if (literal.value == value)
+            situation.facts = value ? situation.facts | (1u << literal.fact) : situation.facts & ~(1u << literal.fact);
     situation.count += change;
     for (std::size_t a = 0; a < problem_.actions.size(); ++a) {
       if (situation.left[a] == 0) situation.left[a] = -1;
@@ -155,9 +165,13 @@ class Oracle {
 
 }  // namespace
 
-OracleAnswer ask_oracle(const RandomProblem& problem, const OracleLimits& limits) { return Oracle(problem, limits).run(); }
+OracleAnswer ask_oracle(const RandomProblem& problem, const OracleLimits& limits) {
+  return Oracle(problem, limits).run();
+}
 
-std::optional<int> ask_oracle_for_metric(const RandomProblem& problem, const OracleLimits& limits) { return Oracle(problem, limits).least_metric(); }
+std::optional<int> ask_oracle_for_metric(const RandomProblem& problem, const OracleLimits& limits) {
+  return Oracle(problem, limits).least_metric();
+}
 
 std::optional<int> shortest_plan_s(const RandomProblem& problem, const OracleLimits& limits) {
   Oracle oracle(problem, limits);

@@ -21,11 +21,12 @@ struct OracleLimits {
 
 OracleAnswer ask_oracle(const RandomProblem& problem, const OracleLimits& limits = {});
 
-/// The least metric of all plans within the horizon, with time in whole seconds; none if there is no plan or too much to visit.
+/// The least metric of all plans within the horizon, with time in whole seconds; none if there is no plan or too much
+/// to visit.
 std::optional<int> ask_oracle_for_metric(const RandomProblem& problem, const OracleLimits& limits = {});
 
-/// Whole seconds of the shortest plan; what separates its happenings is taken for nothing as long as it is under a second
-/// in all. None if there is no plan in the horizon or too much to visit.
+/// Whole seconds of the shortest plan; what separates its happenings is taken for nothing as long as it is under a
+/// second in all. None if there is no plan in the horizon or too much to visit.
 std::optional<int> shortest_plan_s(const RandomProblem& problem, const OracleLimits& limits = {});
 
 }  // namespace cxlab::planner

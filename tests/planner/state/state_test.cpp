@@ -26,7 +26,9 @@ class StateTest : public ::testing::Test {
   Evaluator evaluator_{domain_, problem_};
   State state_{domain_, problem_};
 
-  bool holds(const char* predicate, std::vector<ObjectId> objects) { return state_.holds(find(domain_.predicate_names, predicate), objects); }
+  bool holds(const char* predicate, std::vector<ObjectId> objects) {
+    return state_.holds(find(domain_.predicate_names, predicate), objects);
+  }
   bool precondition(const char* action, Frame frame) {
     const Action& found = domain_.actions[find(domain_.action_names, action)];
     frame.resize(found.slots);
@@ -54,7 +56,9 @@ TEST_F(StateTest, QuantifiedConditionalEffectsAreExpandedInTheState) {
   Frame frame(mark.slots, 0);
   std::vector<Change> changes;
   for (const Effect& effect : mark.effects)
-    ASSERT_TRUE(evaluator_.collect(effect, frame, state_, 0, [&](Frame& bound) { return evaluator_.holds(effect.condition.start, bound, state_); }, changes));
+    ASSERT_TRUE(evaluator_.collect(
+        effect, frame, state_, 0, [&](Frame& bound) { return evaluator_.holds(effect.condition.start, bound, state_); },
+        changes));
   ASSERT_EQ(changes.size(), 3u) << "b and c are marked, the level grows";
   ASSERT_TRUE(apply_changes(changes, state_));
   EXPECT_TRUE(holds("marked", {1}));

@@ -1,4 +1,5 @@
-// Renders templates for random_templates.py: one JSON object of templates a line in, {"out": TEXT} or {"err": MESSAGE} out.
+// Renders templates for random_templates.py: one JSON object of templates a line in, {"out": TEXT} or {"err": MESSAGE}
+// out.
 
 #include <iostream>
 #include <map>

@@ -7,14 +7,16 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const char* kBattery = R"((:types robot) (:predicates (rested ?r - robot)) (:functions (battery ?r - robot) (work-time) (spent))
+const char* kBattery =
+    R"((:types robot) (:predicates (rested ?r - robot)) (:functions (battery ?r - robot) (work-time) (spent))
   (:durative-action work :parameters (?r - robot) :duration (= ?duration (work-time))
     :condition (and (at start (>= (battery ?r) (* 2 ?duration))) (over all (> (battery ?r) 0)))
     :effect (and (at end (decrease (battery ?r) (* 2 ?duration))) (at end (increase (spent) 1))))
   (:action charge :parameters (?r - robot) :effect (assign (battery ?r) 10))
   (:action dive :parameters (?r - robot) :effect (scale-down (battery ?r) 2))
   (:action burn :effect (increase (work-time) (spent))))";
-const char* kStart = R"((:objects r q - robot) (:init (= (battery r) 6) (= (work-time) 2) (= (spent) 0)) (:goal (>= (spent) 1))
+const char* kStart =
+    R"((:objects r q - robot) (:init (= (battery r) 6) (= (work-time) 2) (= (spent) 0)) (:goal (>= (spent) 1))
   (:metric minimize (+ (total-time) (* 10 (spent)))))";
 
 TEST(ValidatorNumbers, ConditionsEffectsAndMetric) {
@@ -26,7 +28,8 @@ TEST(ValidatorNumbers, ConditionsEffectsAndMetric) {
 
 TEST(ValidatorNumbers, FailingComparisonTellsBothSidesAndWhoChangesThem) {
   EXPECT_EQ(Checker(kBattery, kStart).verdict("0: (work r) [2]\n3: (work r) [2]"),
-            "3.000: (work r) (line 2): a condition at start does not hold at 3.000: (>= (battery r) (* 2 ?duration)); its sides are 2 and 4\n"
+            "3.000: (work r) (line 2): a condition at start does not hold at 3.000: (>= (battery r) (* 2 ?duration)); "
+            "its sides are 2 and 4\n"
             "  advice: the numbers are changed by work, charge, dive: move or add such a step");
   EXPECT_EQ(Checker(kBattery, kStart).verdict("0: (work r) [2]\n2.5: (charge r)\n3: (work r) [2]"), "valid");
 }
@@ -34,7 +37,8 @@ TEST(ValidatorNumbers, FailingComparisonTellsBothSidesAndWhoChangesThem) {
 TEST(ValidatorNumbers, ValueThatWasNeverGivenIsAViolation) {
   EXPECT_THAT(Checker(kBattery, kStart).verdict("0: (work q) [2]"), HasSubstr("its sides are without value and 4"));
   EXPECT_THAT(Checker(kBattery, kStart).verdict("0: (dive q)"),
-              HasSubstr("the effect (scale-down (battery q) 2) at 0.000 has no value: it reads or changes a number that is undefined"));
+              HasSubstr("the effect (scale-down (battery q) 2) at 0.000 has no value: it reads or changes a number "
+                        "that is undefined"));
 }
 
 TEST(ValidatorNumbers, DurationIsReadInTheStateAtStart) {
@@ -70,9 +74,10 @@ TEST(ValidatorContinuous, LinearChangeIsFollowedThroughHappenings) {
 
 TEST(ValidatorContinuous, OverAllIsCheckedAtTheCrossing) {
   const Checker checker(kTank, "(:init (= (level) 3) (= (flow) 1) (= (other) 0)) (:goal (checked))");
-  EXPECT_EQ(checker.verdict("0: (fill) [4]\n0: (guard) [4]"),
-            "0.000: (guard) (line 2): a condition over all does not hold at 3.500: (<= (level) 6); its sides are 6.5 and 6\n"
-            "  advice: the numbers are changed by fill, drain, swap: move or add such a step");
+  EXPECT_EQ(
+      checker.verdict("0: (fill) [4]\n0: (guard) [4]"),
+      "0.000: (guard) (line 2): a condition over all does not hold at 3.500: (<= (level) 6); its sides are 6.5 and 6\n"
+      "  advice: the numbers are changed by fill, drain, swap: move or add such a step");
   EXPECT_EQ(checker.verdict("0: (fill) [3]\n0: (guard) [4]"), "valid") << "6 is reached, not passed";
   const Checker low(kTank, "(:init (= (level) 3) (= (flow) 1) (= (other) 0)) (:goal (and))");
   EXPECT_EQ(low.verdict("0: (drain) [2]"), "valid");
@@ -84,7 +89,8 @@ TEST(ValidatorContinuous, ProductOfTwoChangingNumbersIsCheckedBetweenItsRoots) {
   const Checker touches(kTank, "(:init (= (level) 0) (= (flow) 1) (= (other) 4)) (:goal (checked))");
   EXPECT_EQ(touches.verdict("0: (swap) [4]\n0: (area) [4]"), "valid");
   const Checker passes(kTank, "(:init (= (level) 0) (= (flow) 1) (= (other) 4.01)) (:goal (checked))");
-  EXPECT_THAT(passes.verdict("0: (swap) [4]\n0: (area) [4]"), HasSubstr("a condition over all does not hold at 2.005")) << "above 4 only around t = 2";
+  EXPECT_THAT(passes.verdict("0: (swap) [4]\n0: (area) [4]"), HasSubstr("a condition over all does not hold at 2.005"))
+      << "above 4 only around t = 2";
 }
 
 TEST(ValidatorContinuous, RateThatChangesItselfIsNotSupported) {
@@ -93,11 +99,13 @@ TEST(ValidatorContinuous, RateThatChangesItselfIsNotSupported) {
   const auto verdict = checker.check("0: (wild) [4]\n1: (fill) [2]");
   ASSERT_FALSE(verdict);
   EXPECT_EQ(verdict.error().code, kUnsupported);
-  EXPECT_THAT(verdict.error().message, HasSubstr("the rate of 0.000: (wild) (line 1) reads a number that changes continuously itself"));
+  EXPECT_THAT(verdict.error().message,
+              HasSubstr("the rate of 0.000: (wild) (line 1) reads a number that changes continuously itself"));
 }
 
 TEST(ValidatorContinuous, TimedValuesInterfereWithConditions) {
-  const char* world = R"((:predicates (done)) (:functions (price)) (:action buy :precondition (<= (price) 5) :effect (done)))";
+  const char* world =
+      R"((:predicates (done)) (:functions (price)) (:action buy :precondition (<= (price) 5) :effect (done)))";
   const Checker checker(world, "(:init (= (price) 9) (at 4 (= (price) 3)) (at 8 (= (price) 9))) (:goal (done))");
   EXPECT_EQ(checker.verdict("5: (buy)"), "valid");
   EXPECT_THAT(checker.verdict("3: (buy)"), HasSubstr("its sides are 9 and 5"));

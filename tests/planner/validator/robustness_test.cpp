@@ -19,16 +19,15 @@ Robustness of(const std::string& text, double limit) {
 }
 
 TEST(Robustness, IsHalfOfTheSlackWhenBothStepsMove) {
-  const Robustness found = of("0: (burn) [10]\n3: (look) [4]", 8);  // the light goes out 3 s after the look, burn cannot begin earlier
+  const Robustness found =
+      of("0: (burn) [10]\n3: (look) [4]", 8);  // the light goes out 3 s after the look, burn cannot begin earlier
   EXPECT_NEAR(found.holds, 1.5, 0.01) << "look 1.5 later, burn 1.5 later";
   EXPECT_NEAR(found.breaks, found.holds, 0.01);
   ASSERT_TRUE(found.violation);
   EXPECT_EQ(found.violation->kind, Violation::Kind::kCondition);
 }
 
-TEST(Robustness, PlanWithoutSlackHasNone) {
-  EXPECT_LT(of("0: (burn) [10]\n0.001: (look) [4]", 8).breaks, 0.01);
-}
+TEST(Robustness, PlanWithoutSlackHasNone) { EXPECT_LT(of("0: (burn) [10]\n0.001: (look) [4]", 8).breaks, 0.01); }
 
 TEST(Robustness, LimitIsReachedWhenNothingBreaks) {
   const Robustness found = of("5: (burn) [10]\n8: (look) [4]", 0.5);

@@ -20,7 +20,8 @@ const char* kWorld = R"((:types robot place)
     :effect (and (at start (not (free ?r))) (at end (free ?r)) (at end (done ?p))))
   (:action sweep :parameters (?p - place) :precondition (dirty ?p) :effect (not (dirty ?p)))
   (:action soil :parameters (?p - place) :precondition (not (dirty ?p)) :effect (dirty ?p)))";
-const char* kStart = R"((:objects r - robot a b - place) (:init (at r a) (free r) (road a b) (open b)) (:goal (done b)))";
+const char* kStart =
+    R"((:objects r - robot a b - place) (:init (at r a) (free r) (road a b) (open b)) (:goal (done b)))";
 
 TEST(Validator, AcceptsAPlanThatIsRight) {
   const auto verdict = Checker(kWorld, kStart).check("0: (go r a b) [5]\n5.001: (work r b) [2.5]\n");
@@ -31,22 +32,29 @@ TEST(Validator, AcceptsAPlanThatIsRight) {
 
 TEST(Validator, ConditionAtStartIsReadBeforeTheHappening) {
   EXPECT_EQ(Checker(kWorld, kStart).verdict("0: (go r a b) [5]\n6: (go r a b) [5]\n"),
-            "6.000: (go r a b) (line 2): a condition at start does not hold at 6.000: (at r a); (at r a) was made false by the start of "
+            "6.000: (go r a b) (line 2): a condition at start does not hold at 6.000: (at r a); (at r a) was made "
+            "false by the start of "
             "0.000: (go r a b) (line 1)\n  advice: add a step before 6.000 that makes it true: go");
 }
 
 TEST(Validator, ConditionThatComesTrueLaterGetsAdvice) {
   EXPECT_EQ(Checker(kWorld, kStart).verdict("0: (go r a b) [5]\n4: (work r b) [2]\n"),
-            "4.000: (work r b) (line 2): a condition over all does not hold at 4.000: (at r b); (at r b) has been false from the beginning\n"
-            "  advice: let 4.000: (work r b) (line 2) begin at 5.001 or later: the end at 5.000 of 0.000: (go r a b) (line 1) makes (at r b) true");
+            "4.000: (work r b) (line 2): a condition over all does not hold at 4.000: (at r b); (at r b) has been "
+            "false from the beginning\n"
+            "  advice: let 4.000: (work r b) (line 2) begin at 5.001 or later: the end at 5.000 of 0.000: (go r a b) "
+            "(line 1) makes (at r b) true");
 }
 
 TEST(Validator, OverAllIsHeldAgainstDeleters) {
-  const char* start = R"((:objects r - robot a b - place) (:init (at r b) (free r) (road b a) (open b)) (:goal (done b)))";
+  const char* start =
+      R"((:objects r - robot a b - place) (:init (at r b) (free r) (road b a) (open b)) (:goal (done b)))";
   EXPECT_EQ(Checker(kWorld, start).verdict("0: (work r b) [3]\n2: (go r b a) [5]\n"),
-            "0.000: (work r b) (line 1): a condition over all does not hold at 2.000: (at r b); (at r b) was made false by the start of "
-            "2.000: (go r b a) (line 2)\n  advice: let the start of 2.000: (go r b a) (line 2) wait until 3.000, when 0.000: (work r b) (line 1) has ended");
-  EXPECT_EQ(Checker(kWorld, start).verdict("0: (work r b) [3]\n3: (go r b a) [5]\n"), "valid") << "the interval is open";
+            "0.000: (work r b) (line 1): a condition over all does not hold at 2.000: (at r b); (at r b) was made "
+            "false by the start of "
+            "2.000: (go r b a) (line 2)\n  advice: let the start of 2.000: (go r b a) (line 2) wait until 3.000, when "
+            "0.000: (work r b) (line 1) has ended");
+  EXPECT_EQ(Checker(kWorld, start).verdict("0: (work r b) [3]\n3: (go r b a) [5]\n"), "valid")
+      << "the interval is open";
 }
 
 TEST(Validator, ConditionAtEndIsReadBeforeTheEnd) {
@@ -54,7 +62,8 @@ TEST(Validator, ConditionAtEndIsReadBeforeTheEnd) {
   const Checker checker(kWorld, start);
   EXPECT_EQ(checker.verdict("0: (work r b) [3]\n1: (soil b)\n2: (sweep b)"), "valid");
   EXPECT_THAT(checker.verdict("0: (work r b) [3]\n1: (soil b)\n"),
-              HasSubstr("a condition at end does not hold at 3.000: (not (dirty b)); (dirty b) was made true by 1.000: (soil b) (line 2)\n"
+              HasSubstr("a condition at end does not hold at 3.000: (not (dirty b)); (dirty b) was made true by 1.000: "
+                        "(soil b) (line 2)\n"
                         "  advice: add a step before 3.000 that makes it false: sweep"));
 }
 
@@ -62,21 +71,26 @@ TEST(Validator, DurationMustBeWithinItsBounds) {
   const Checker checker(kWorld, kStart);
   EXPECT_EQ(checker.verdict("0: (go r a b) [6]"),
             "0.000: (go r a b) (line 1): the duration is 6.000, expected 5.000\n  advice: write [5.000]");
-  EXPECT_THAT(checker.verdict("0: (go r a b) [5]\n5.001: (work r b) [1]"), HasSubstr("the duration is 1.000, expected at least 2.000"));
-  EXPECT_THAT(checker.verdict("0: (go r a b) [5]\n5.001: (work r b) [5]"), HasSubstr("the duration is 5.000, expected at most 4.000"));
+  EXPECT_THAT(checker.verdict("0: (go r a b) [5]\n5.001: (work r b) [1]"),
+              HasSubstr("the duration is 1.000, expected at least 2.000"));
+  EXPECT_THAT(checker.verdict("0: (go r a b) [5]\n5.001: (work r b) [5]"),
+              HasSubstr("the duration is 5.000, expected at most 4.000"));
   EXPECT_EQ(checker.verdict("0: (go r a b) [5.001]\n5.002: (work r b) [3]"), "valid") << "within the tolerance";
 }
 
 TEST(Validator, InterferingHappeningsNeedEpsilon) {
   const Checker checker(kWorld, kStart);
-  EXPECT_EQ(checker.verdict("0: (go r a b) [5]\n5: (work r b) [3]\n"),
-            "valid") << "over all (at r b) counts in the open interval, and the start of work does not read it";
+  EXPECT_EQ(checker.verdict("0: (go r a b) [5]\n5: (work r b) [3]\n"), "valid")
+      << "over all (at r b) counts in the open interval, and the start of work does not read it";
   const char* both = R"((:objects r - robot a b - place) (:init (at r a) (road a b) (road b a)) (:goal (at r a)))";
   EXPECT_EQ(Checker(kWorld, both).verdict("0: (go r a b) [5]\n5: (go r b a) [5]\n"),
-            "5.000: (go r b a) (line 2): a condition at start does not hold at 5.000: (at r b); (at r b) has been false from the beginning\n"
-            "  advice: let 5.000: (go r b a) (line 2) begin at 5.001 or later: the end at 5.000 of 0.000: (go r a b) (line 1) makes (at r b) true");
+            "5.000: (go r b a) (line 2): a condition at start does not hold at 5.000: (at r b); (at r b) has been "
+            "false from the beginning\n"
+            "  advice: let 5.000: (go r b a) (line 2) begin at 5.001 or later: the end at 5.000 of 0.000: (go r a b) "
+            "(line 1) makes (at r b) true");
   EXPECT_EQ(Checker(kWorld, both).verdict("0: (go r a b) [5]\n5.0005: (go r b a) [5]\n"),
-            "the end at 5.000 of 0.000: (go r a b) (line 1) and the start of 5.0005: (go r b a) (line 2) both use (at r b) and one of them "
+            "the end at 5.000 of 0.000: (go r a b) (line 1) and the start of 5.0005: (go r b a) (line 2) both use (at "
+            "r b) and one of them "
             "changes it; they are 0.0005 s apart, expected at least 0.001 s\n  advice: move one of them by 0.0005 s");
   EXPECT_EQ(Checker(kWorld, both).verdict("0: (go r a b) [5]\n5.001: (go r b a) [5]\n"), "valid");
   EXPECT_EQ(Checker(kWorld, both).verdict("0: (go r a b) [5]\n5.0005: (go r b a) [5]\n", {0.0001, 0.001}), "valid");
@@ -86,42 +100,53 @@ TEST(Validator, TwoThatAddAndDeleteAtOnceInterfere) {
   const char* start = R"((:objects r - robot a - place) (:init (dirty a)) (:goal (and)))";
   const char* world = R"((:types place robot) (:predicates (dirty ?p - place))
     (:action sweep :parameters (?p - place) :effect (not (dirty ?p))) (:action soil :parameters (?p - place) :effect (dirty ?p)))";
-  EXPECT_THAT(Checker(world, start).verdict("1: (sweep a)\n1: (soil a)"), HasSubstr("at the same time, expected at least 0.001 s"));
+  EXPECT_THAT(Checker(world, start).verdict("1: (sweep a)\n1: (soil a)"),
+              HasSubstr("at the same time, expected at least 0.001 s"));
   EXPECT_EQ(Checker(world, start).verdict("1: (sweep a)\n1: (sweep a)"), "valid");
 }
 
 TEST(Validator, AConditionReadsAllThatItNamesAsVALHasIt) {
   const auto verdict = [](const std::string& condition) {
-    return Checker(R"((:types lamp) (:constants l m - lamp) (:predicates (on ?l - lamp) (fixed ?l - lamp) (loose ?l - lamp) (seen))
-      (:action look :precondition )" + condition + R"( :effect (seen)) (:action switch-off :parameters (?l - lamp) :precondition (fixed ?l) :effect (not (on ?l))))",
-                   "(:init (fixed l) (on l)) (:goal (seen))")
+    return Checker(
+               R"((:types lamp) (:constants l m - lamp) (:predicates (on ?l - lamp) (fixed ?l - lamp) (loose ?l - lamp) (seen))
+      (:action look :precondition )" +
+                   condition +
+                   R"( :effect (seen)) (:action switch-off :parameters (?l - lamp) :precondition (fixed ?l) :effect (not (on ?l))))",
+               "(:init (fixed l) (on l)) (:goal (seen))")
         .verdict("1: (look)\n1: (switch-off l)");
   };
-  for (const char* condition : {"(or (fixed l) (on l))", "(imply (loose l) (on l))", "(forall (?l - lamp) (imply (loose ?l) (on ?l)))",
-                                "(exists (?l - lamp) (or (fixed ?l) (on ?l)))", "(or (= l l) (on l))"})
+  for (const char* condition :
+       {"(or (fixed l) (on l))", "(imply (loose l) (on l))", "(forall (?l - lamp) (imply (loose ?l) (on ?l)))",
+        "(exists (?l - lamp) (or (fixed ?l) (on ?l)))", "(or (= l l) (on l))"})
     EXPECT_THAT(verdict(condition), HasSubstr("(on l)")) << condition;
   EXPECT_EQ(verdict("(not (on m))"), "valid");
 }
 
 TEST(Validator, AConditionOfAnEffectReadsOnlyWhatCanMatter) {
   const auto verdict = [](const std::string& condition) {
-    return Checker(R"((:predicates (on) (fixed) (loose) (seen) (noted)) (:action look :effect (and (seen) (when )" + condition + R"( (noted))))
-      (:action switch-off :precondition (fixed) :effect (not (on))))", "(:init (fixed) (on)) (:goal (seen))").verdict("1: (look)\n1: (switch-off)");
+    return Checker(R"((:predicates (on) (fixed) (loose) (seen) (noted)) (:action look :effect (and (seen) (when )" +
+                       condition + R"( (noted))))
+      (:action switch-off :precondition (fixed) :effect (not (on))))",
+                   "(:init (fixed) (on)) (:goal (seen))")
+        .verdict("1: (look)\n1: (switch-off)");
   };
   EXPECT_EQ(verdict("(and (loose) (on))"), "valid");
   EXPECT_THAT(verdict("(and (fixed) (on))"), HasSubstr("(on)"));
 }
 
 TEST(Validator, GoalMustHoldAtTheEnd) {
-  EXPECT_EQ(Checker(kWorld, kStart).verdict("0: (go r a b) [5]"),
-            "the goal does not hold at the end of the plan (5.000): (done b); (done b) has been false from the beginning\n"
-            "  advice: add a step before 5.000 that makes it true: work");
+  EXPECT_EQ(
+      Checker(kWorld, kStart).verdict("0: (go r a b) [5]"),
+      "the goal does not hold at the end of the plan (5.000): (done b); (done b) has been false from the beginning\n"
+      "  advice: add a step before 5.000 that makes it true: work");
   EXPECT_THAT(Checker(kWorld, kStart).verdict(""), HasSubstr("the goal does not hold"));
 }
 
 TEST(Validator, ConditionThatNoActionChangesNamesTheProblem) {
-  EXPECT_THAT(Checker(kWorld, R"((:objects r - robot a b - place) (:init (at r a)) (:goal (and)))").verdict("0: (go r a b) [5]"),
-              HasSubstr("(road a b) has been false from the beginning\n  advice: no action changes road: choose other arguments, or mend :init of p.pddl"));
+  EXPECT_THAT(Checker(kWorld, R"((:objects r - robot a b - place) (:init (at r a)) (:goal (and)))")
+                  .verdict("0: (go r a b) [5]"),
+              HasSubstr("(road a b) has been false from the beginning\n  advice: no action changes road: choose other "
+                        "arguments, or mend :init of p.pddl"));
 }
 
 TEST(Validator, StepsMayNotBeginBeforeZero) {
@@ -137,13 +162,16 @@ TEST(Validator, QuantifiersAndImplicationsNameTheObject) {
   const char* start = R"((:objects x y z - lamp) (:init (on x) (on y) (on z) (mine x) (mine y)) (:goal (lit)))";
   const Checker checker(world, start);
   EXPECT_EQ(checker.verdict("0: (off x)\n1: (leave)"),
-            "1.000: (leave) (line 2): a condition does not hold at 1.000: (not (on y)); (on y) has been true from the beginning\n"
+            "1.000: (leave) (line 2): a condition does not hold at 1.000: (not (on y)); (on y) has been true from the "
+            "beginning\n"
             "  advice: add a step before 1.000 that makes it false: off");
   EXPECT_EQ(checker.verdict("0: (off x)\n0: (off y)\n1: (leave)"), "valid");
   EXPECT_EQ(checker.verdict("0: (off x)\n0: (off y)\n0.0005: (off z)\n1: (leave)"), "valid");
   EXPECT_EQ(checker.verdict("0: (stay)"), "valid");
-  EXPECT_THAT(checker.verdict("0: (off x)\n0: (off y)\n1: (stay)"), HasSubstr("(exists (?l - lamp) (and (mine ?l) (on ?l)))"));
-  EXPECT_THAT(checker.verdict("0: (off z)\n0: (stay)"), HasSubstr("both use (on z)")) << "z is not mine, but its lamp is named";
+  EXPECT_THAT(checker.verdict("0: (off x)\n0: (off y)\n1: (stay)"),
+              HasSubstr("(exists (?l - lamp) (and (mine ?l) (on ?l)))"));
+  EXPECT_THAT(checker.verdict("0: (off z)\n0: (stay)"), HasSubstr("both use (on z)"))
+      << "z is not mine, but its lamp is named";
   EXPECT_THAT(checker.verdict("0: (off x)\n0: (stay)"), HasSubstr("both use (on x)"));
 }
 
@@ -161,7 +189,9 @@ TEST(Validator, EffectAtEndMayDependOnTheStartAndTheWay) {
     (:durative-action watch :parameters () :duration (= ?duration 10)
       :effect (and (when (at start (light)) (at end (seen))) (when (and (at start (light)) (over all (light))) (at end (ready)))))
     (:action dim :effect (not (light))) (:action shine :effect (light)))";
-  const auto with_goal = [&](const char* goal) { return Checker(world, std::string("(:init (light)) (:goal ") + goal + ")"); };
+  const auto with_goal = [&](const char* goal) {
+    return Checker(world, std::string("(:init (light)) (:goal ") + goal + ")");
+  };
   EXPECT_EQ(with_goal("(and (seen) (ready))").verdict("0: (watch) [10]"), "valid");
   EXPECT_EQ(with_goal("(and (seen) (not (ready)))").verdict("0: (watch) [10]\n5: (dim)\n6: (shine)"), "valid");
   EXPECT_EQ(with_goal("(not (seen))").verdict("0: (dim)\n1: (watch) [10]\n2: (shine)"), "valid");
@@ -179,14 +209,18 @@ TEST(Validator, DerivedFactsFollowTheState) {
 }
 
 TEST(Validator, EventsFromOutsideOpenAndCloseWindows) {
-  const char* start = R"((:objects r - robot b - place) (:init (at r b) (free r) (at 5 (open b)) (at 9 (not (open b)))) (:goal (done b)))";
+  const char* start =
+      R"((:objects r - robot b - place) (:init (at r b) (free r) (at 5 (open b)) (at 9 (not (open b)))) (:goal (done b)))";
   const Checker checker(kWorld, start);
   EXPECT_EQ(checker.verdict("5: (work r b) [4]"), "valid") << "over all counts inside the window";
   EXPECT_EQ(checker.verdict("4: (work r b) [4]"),
-            "4.000: (work r b) (line 1): a condition over all does not hold at 4.000: (open b); (open b) has been false from the beginning\n"
-            "  advice: let 4.000: (work r b) (line 1) begin at 5.001 or later: the initial state's event at 5.000 makes (open b) true");
+            "4.000: (work r b) (line 1): a condition over all does not hold at 4.000: (open b); (open b) has been "
+            "false from the beginning\n"
+            "  advice: let 4.000: (work r b) (line 1) begin at 5.001 or later: the initial state's event at 5.000 "
+            "makes (open b) true");
   EXPECT_EQ(checker.verdict("6: (work r b) [4]"),
-            "6.000: (work r b) (line 1): a condition over all does not hold at 9.000: (open b); (open b) was made false by the initial state's "
+            "6.000: (work r b) (line 1): a condition over all does not hold at 9.000: (open b); (open b) was made "
+            "false by the initial state's "
             "event at 9.000\n  advice: let 6.000: (work r b) (line 1) end at 9.000 or before");
 }
 
@@ -194,7 +228,8 @@ TEST(Validator, TheGoalIsJudgedAfterAllEvents) {
   const char* world = "(:predicates (lit) (day)) (:action light :effect (lit))";
   EXPECT_EQ(Checker(world, "(:init (at 9 (day))) (:goal (and (lit) (day)))").verdict("1: (light)"), "valid");
   EXPECT_EQ(Checker(world, "(:init (at 9 (not (lit)))) (:goal (lit))").verdict("1: (light)"),
-            "the goal does not hold after the last event from outside (9.000): (lit); (lit) was made false by the initial state's event at 9.000\n"
+            "the goal does not hold after the last event from outside (9.000): (lit); (lit) was made false by the "
+            "initial state's event at 9.000\n"
             "  advice: add a step after 9.000 that makes it true: light");
   EXPECT_EQ(Checker(world, "(:init (at 9 (not (lit)))) (:goal (lit))").verdict("9.5: (light)"), "valid");
   EXPECT_EQ(Checker(world, "(:init (at 8 (not (lit))) (at 9 (lit))) (:goal (lit))").verdict("1: (light)"), "valid");
@@ -207,7 +242,8 @@ TEST(Validator, RequiredConcurrencyIsUnderstood) {
     (:durative-action mend :parameters (?f - fuse) :duration (= ?duration 4) :condition (over all (light)) :effect (at end (mended ?f))))";
   const Checker checker(world, "(:objects m - match f - fuse) (:init (unused m)) (:goal (mended f))");
   EXPECT_EQ(checker.verdict("0: (burn m) [5]\n0.001: (mend f) [4]"), "valid");
-  EXPECT_THAT(checker.verdict("0: (burn m) [5]\n1.5: (mend f) [4]"), HasSubstr("(light) was made false by the end at 5.000 of 0.000: (burn m)"));
+  EXPECT_THAT(checker.verdict("0: (burn m) [5]\n1.5: (mend f) [4]"),
+              HasSubstr("(light) was made false by the end at 5.000 of 0.000: (burn m)"));
 }
 
 }  // namespace

@@ -45,16 +45,18 @@ class GameStory {
  public:
   explicit GameStory(WorldConfig config = quiet_game(), std::uint64_t seed = 1)
       : world_(*floor_plan_of(config, seed)), bus_(registry_, sink_) {
-    const std::filesystem::path interfaces = std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "cx" / "interfaces";
+    const std::filesystem::path interfaces =
+        std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "cx" / "interfaces";
     EXPECT_TRUE(registry_.add_packages_in(interfaces));
     factory_ = std::move(*Factory::make(config, seed, world_, bus_, sink_));
     bus::NodeName name;
     name.name = "agent";
     agent_ = bus_.join(bus::ParticipantKind::kEnvironment, name, sink_.open_stream("env/agent"));
     action_ = *registry_.action("rcll_interfaces/action/InstructMachine");
-    client_ = *bus_.create_action_client(agent_, "/factory/instruct_machine", *action_,
-                                         {nullptr, [this](const bus::Delivery& d) { feedback_.push_back(d.message->view().text("state")); },
-                                          [this](const bus::Delivery& d) { note_result(d); }, nullptr});
+    client_ = *bus_.create_action_client(
+        agent_, "/factory/instruct_machine", *action_,
+        {nullptr, [this](const bus::Delivery& d) { feedback_.push_back(d.message->view().text("state")); },
+         [this](const bus::Delivery& d) { note_result(d); }, nullptr});
     run_for(0);
   }
 
@@ -95,7 +97,8 @@ class GameStory {
 
   /// Index of the new goal.
   std::size_t instruct(const std::string& yaml) {
-    goals_.push_back(bus_.send_goal(client_, std::make_shared<bus::Message>(*bus::Message::from_yaml(*action_->goal, yaml))));
+    goals_.push_back(
+        bus_.send_goal(client_, std::make_shared<bus::Message>(*bus::Message::from_yaml(*action_->goal, yaml))));
     outcomes_.emplace_back();
     return goals_.size() - 1;
   }

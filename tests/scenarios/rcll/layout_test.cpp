@@ -37,7 +37,8 @@ Cells blocked_by(const Placement& p) {
   if (p.machine != "DS") sides.push_back((p.rotation + 180) % 360);
   for (const int side : sides) {
     const double a = side * 3.14159265358979 / 180;
-    const int dx = static_cast<int>(std::lround(std::cos(a) * 1.2)), dy = static_cast<int>(std::lround(std::sin(a) * 1.2));
+    const int dx = static_cast<int>(std::lround(std::cos(a) * 1.2)),
+              dy = static_cast<int>(std::lround(std::sin(a) * 1.2));
     cells.insert(neighbour(p.zone, dx, dy));
     if (dx != 0 && dy != 0) {
       cells.insert(neighbour(p.zone, dx, 0));
@@ -51,7 +52,8 @@ bool is_insertion(std::pair<int, int> cell) { return cell.second == 1 && std::ab
 
 std::string show(const Layout& layout) {
   std::string text;
-  for (const Placement& p : layout) text += p.name() + " " + to_string(p.zone) + " " + std::to_string(p.rotation) + "\n";
+  for (const Placement& p : layout)
+    text += p.name() + " " + to_string(p.zone) + " " + std::to_string(p.rotation) + "\n";
   return text;
 }
 
@@ -156,7 +158,8 @@ TEST(DrawnLayout, TheRefereeBoxTurnsCyansShelvesToTheOuterWall) {
   for_layouts(
       [&](const Layout& layout) {
         for (const Placement& p : layout)
-          if (p.zone.column == 7 && p.zone.half == Team::kCyan && (kind_of(p.machine) == "CS" || kind_of(p.machine) == "RS")) {
+          if (p.zone.column == 7 && p.zone.half == Team::kCyan &&
+              (kind_of(p.machine) == "CS" || kind_of(p.machine) == "RS")) {
             EXPECT_EQ(p.rotation, 270) << p.name();
             ++at_the_wall;
           }
@@ -294,7 +297,8 @@ TEST(ListedLayout, ErrorsNameTheEntryAndWhatWasExpected) {
     const auto layout = read_layout(listed);
     return layout ? std::string("accepted") : layout.error().message;
   };
-  EXPECT_THAT(error_of([](auto& l) { l[1].machine = "C-CS3"; }), HasSubstr("world.layout[1].machine: no machine 'C-CS3', did you mean 'C-CS1'?"));
+  EXPECT_THAT(error_of([](auto& l) { l[1].machine = "C-CS3"; }),
+              HasSubstr("world.layout[1].machine: no machine 'C-CS3', did you mean 'C-CS1'?"));
   EXPECT_THAT(error_of([](auto& l) { l[2].zone = "C_Z91"; }), HasSubstr("world.layout[2].zone: found 'C_Z91'"));
   EXPECT_THAT(error_of([](auto& l) { l[2].zone = "M_Z61"; }), HasSubstr("insertion area"));
   EXPECT_THAT(error_of([](auto& l) { l[3].zone = l[2].zone; }), HasSubstr("two machines in"));

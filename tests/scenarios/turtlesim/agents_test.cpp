@@ -1,4 +1,5 @@
-// The agents that come with turtlesim, whole: what they do, that they leave nothing behind, and that it is the same again.
+// The agents that come with turtlesim, whole: what they do, that they leave nothing behind, and that it is the same
+// again.
 
 #include "scenarios/turtlesim/stage.h"
 #include "tests/scenarios/stage.h"
@@ -54,7 +55,8 @@ TEST_F(TurtleAgentsTest, AllMeetTheirExpectationsAndLeaveNothingBehind) {
 
 TEST_F(TurtleAgentsTest, NothingIsLeftWhenFiguresEndInTheMidstOfIt) {
   for (const char* end : {"0.02", "0.05", "7"}) {
-    auto scenario = Scenario::load(source_dir() / "scenarios/turtlesim/figures.yaml", {std::string("duration_s=") + end});
+    auto scenario =
+        Scenario::load(source_dir() / "scenarios/turtlesim/figures.yaml", {std::string("duration_s=") + end});
     scenario->expect.clear();
     EpisodeOptions options;
     options.interfaces = source_dir() / "cx/interfaces";
@@ -79,7 +81,8 @@ TEST_F(TurtleAgentsTest, TheTurtleIsSentHomeAsSoonAsTurtlesimIsThere) {
 TEST_F(TurtleAgentsTest, TwoHypothesesAboutOneTurtle) {
   run("hypotheses");
   EXPECT_THAT(complaints_.lines.with("hypothesis '"),
-              ElementsAre(testing::HasSubstr("'straight': SUPPORTED"), testing::HasSubstr("'turning': SUPPORTED"), testing::HasSubstr("'straight': REFUTED")));
+              ElementsAre(testing::HasSubstr("'straight': SUPPORTED"), testing::HasSubstr("'turning': SUPPORTED"),
+                          testing::HasSubstr("'straight': REFUTED")));
 }
 
 TEST_F(TurtleAgentsTest, TheSameAgainToTheLastBit) {

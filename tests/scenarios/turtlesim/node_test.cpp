@@ -20,14 +20,17 @@ using testing::SizeIs;
 class TurtlesimTest : public EpisodeTest {
  protected:
   void open(const std::string& settings = {}, const std::string& more = {}) {
-    const std::string world = settings.empty() ? "world: {kind: turtlesim}\n" : "world: {kind: turtlesim, " + settings + "}\n";
+    const std::string world =
+        settings.empty() ? "world: {kind: turtlesim}\n" : "world: {kind: turtlesim, " + settings + "}\n";
     episode_ = load(write("canvas.yaml", "schema: 1\nduration_s: 1000\n" + world + more));
     ASSERT_TRUE(episode_);
     begin(*episode_);
     me_ = bus().join(bus::ParticipantKind::kNode, {"tester", "/", {}}, episode_->journal().open_stream("node/tester"));
   }
   bus::Bus& bus() { return episode_->bus(); }
-  const sim::TurtleWorld& world() { return dynamic_cast<const turtlesim::TurtleStage&>(episode_->stage()).node().world(); }
+  const sim::TurtleWorld& world() {
+    return dynamic_cast<const turtlesim::TurtleStage&>(episode_->stage()).node().world();
+  }
 
   void play_for(double seconds) { play(*episode_, to_seconds(episode_->now()) + seconds - 1e-6); }
   void ticks(int count) {
@@ -45,13 +48,16 @@ class TurtlesimTest : public EpisodeTest {
     if (!publishers_.contains(topic)) publishers_[topic] = *bus().advertise(me_, topic, known);
     bus().publish(publishers_[topic], message(known, yaml));
   }
-  void drive(const std::string& turtle, const std::string& twist) { publish("/" + turtle + "/cmd_vel", "geometry_msgs/msg/Twist", twist); }
+  void drive(const std::string& turtle, const std::string& twist) {
+    publish("/" + turtle + "/cmd_vel", "geometry_msgs/msg/Twist", twist);
+  }
 
   /// The response, or "none" where nobody serves.
   std::string call(const std::string& service, const std::string& type, const std::string& yaml = "{}") {
     const bus::ServiceType& known = **bus().registry().service(type);
     std::string answer = "none";
-    auto client = bus().create_client(me_, service, known, [&](const bus::Delivery& d) { answer = d.message->view().to_string(); });
+    auto client = bus().create_client(me_, service, known,
+                                      [&](const bus::Delivery& d) { answer = d.message->view().to_string(); });
     EXPECT_TRUE(client.ok()) << client.error().text();
     if (bus().service_ready(*client)) {
       bus().call(*client, message(*known.request, yaml));
@@ -63,7 +69,8 @@ class TurtlesimTest : public EpisodeTest {
   /// All messages of a topic from now on.
   std::vector<bus::Message>& hear(const std::string& topic, const std::string& type) {
     auto& heard = heard_[topic];
-    auto made = bus().subscribe(me_, topic, **bus().registry().message(type), [&heard](const bus::Delivery& d) { heard.push_back(*d.message); });
+    auto made = bus().subscribe(me_, topic, **bus().registry().message(type),
+                                [&heard](const bus::Delivery& d) { heard.push_back(*d.message); });
     EXPECT_TRUE(made.ok()) << made.error().text();
     return heard;
   }
@@ -85,7 +92,9 @@ TEST_F(TurtlesimTest, BeginsWithOneTurtleInTheMiddle) {
   EXPECT_NEAR(poses[0]->real("y"), 5.544445, 1e-6);
   EXPECT_EQ(poses[0]->real("theta"), 0);
   EXPECT_EQ(colours.back()->to_string(), "{r: 69, g: 86, b: 255}");
-  EXPECT_THAT(log_.with("Spawning"), ElementsAre("0.000 turtlesim: Spawning turtle [turtle1] at x=[5.544445], y=[5.544445], theta=[0.000000]"));
+  EXPECT_THAT(
+      log_.with("Spawning"),
+      ElementsAre("0.000 turtlesim: Spawning turtle [turtle1] at x=[5.544445], y=[5.544445], theta=[0.000000]"));
 }
 
 TEST_F(TurtlesimTest, ACommandHoldsForASecondAndTheWallWarnsEachTick) {
@@ -172,7 +181,9 @@ TEST_F(TurtlesimTest, TurnsToAnAngleAndTellsHowFar) {
   };
   handlers.goal_response = handlers.cancel_response = [](const bus::Delivery&) {};
   const bus::EndpointId client = *bus().create_action_client(me_, "/turtle1/rotate_absolute", type, handlers);
-  const auto turn_to = [&](double theta) { return bus().send_goal(client, message(*type.goal, "{theta: " + std::to_string(theta) + "}")); };
+  const auto turn_to = [&](double theta) {
+    return bus().send_goal(client, message(*type.goal, "{theta: " + std::to_string(theta) + "}"));
+  };
 
   turn_to(1);
   ticks(80);
@@ -207,12 +218,15 @@ TEST_F(TurtlesimTest, TheBackgroundIsAParameter) {
   ticks(1);
   EXPECT_EQ(colours.back()->to_string(), "{r: 10, g: 86, b: 255}");
   EXPECT_THAT(call("/turtlesim/set_parameters", "rcl_interfaces/srv/SetParameters",
-                   "{parameters: [{name: background_g, value: {type: 2, integer_value: 7}}, {name: background_b, value: {type: 2, integer_value: 256}},"
+                   "{parameters: [{name: background_g, value: {type: 2, integer_value: 7}}, {name: background_b, "
+                   "value: {type: 2, integer_value: 256}},"
                    " {name: pen, value: {type: 2}}]}"),
-              testing::AllOf(HasSubstr("successful: true"), HasSubstr("found 256, expected 0 to 255"), HasSubstr("'pen' cannot be set")));
+              testing::AllOf(HasSubstr("successful: true"), HasSubstr("found 256, expected 0 to 255"),
+                             HasSubstr("'pen' cannot be set")));
   ticks(1);
   EXPECT_EQ(colours.back()->to_string(), "{r: 10, g: 7, b: 255}");
-  EXPECT_THAT(call("/turtlesim/get_parameters", "rcl_interfaces/srv/GetParameters", "{names: [background_g]}"), HasSubstr("integer_value: 7"));
+  EXPECT_THAT(call("/turtlesim/get_parameters", "rcl_interfaces/srv/GetParameters", "{names: [background_g]}"),
+              HasSubstr("integer_value: 7"));
   EXPECT_THAT(call("/turtlesim/list_parameters", "rcl_interfaces/srv/ListParameters"), HasSubstr("background_b"));
 }
 
@@ -227,7 +241,9 @@ TEST_F(TurtlesimTest, NamesFollowNamespaceAndRemaps) {
 }
 
 TEST_F(TurtlesimTest, ANodeThatIsStoppedSaysAndDoesNothingAnyMore) {
-  episode_ = load(write("stopped.yaml", "schema: 1\nworld: {kind: turtlesim}\nduration_s: 60\nstimuli:\n  - {at: 8.5, stop_node: /turtlesim}\n"));
+  episode_ = load(
+      write("stopped.yaml",
+            "schema: 1\nworld: {kind: turtlesim}\nduration_s: 60\nstimuli:\n  - {at: 8.5, stop_node: /turtlesim}\n"));
   ASSERT_TRUE(episode_);
   begin(*episode_);
   me_ = bus().join(bus::ParticipantKind::kNode, {"tester", "/", {}}, episode_->journal().open_stream("node/tester"));
@@ -247,7 +263,8 @@ TEST_F(TurtlesimTest, ANodeThatIsStoppedSaysAndDoesNothingAnyMore) {
 
 TEST_F(TurtlesimTest, TurtlesThatCollidePushEachOther) {
   for (const bool collisions : {false, true}) {
-    open(std::string("collisions: ") + (collisions ? "true" : "false") + ", turtles: [{name: a, x: 4}, {name: b, x: 6}]");
+    open(std::string("collisions: ") + (collisions ? "true" : "false") +
+         ", turtles: [{name: a, x: 4}, {name: b, x: 6}]");
     for (int i = 0; i < 3; ++i) {
       drive("a", "{linear: {x: 1.0}}");
       play_for(0.9);
@@ -261,7 +278,8 @@ TEST_F(TurtlesimTest, TurtlesThatCollidePushEachOther) {
 }
 
 TEST_F(TurtlesimTest, StandsBesideAnotherWorldAndComesLate) {
-  episode_ = load(write("late.yaml", "schema: 1\nduration_s: 60\ntick_s: 0.02\nservers:\n  - {node: turtlesim, start_s: 5}\n"));
+  episode_ = load(
+      write("late.yaml", "schema: 1\nduration_s: 60\ntick_s: 0.02\nservers:\n  - {node: turtlesim, start_s: 5}\n"));
   ASSERT_TRUE(episode_);
   begin(*episode_);
   me_ = bus().join(bus::ParticipantKind::kNode, {"tester", "/", {}}, episode_->journal().open_stream("node/tester"));
@@ -274,7 +292,8 @@ TEST_F(TurtlesimTest, StandsBesideAnotherWorldAndComesLate) {
   EXPECT_EQ(call("/spawn", "turtlesim/srv/Spawn"), "{name: \"turtle2\"}");
   play(*episode_, 6);
   bus().deliver(me_);
-  EXPECT_NEAR(static_cast<double>(poses.size()), 51, 1) << "ticks of 20 ms, a step of 16 ms in most of them: one pose a tick";
+  EXPECT_NEAR(static_cast<double>(poses.size()), 51, 1)
+      << "ticks of 20 ms, a step of 16 ms in most of them: one pose a tick";
 }
 
 TEST_F(TurtlesimTest, AnyTickTakesTheStepsThatAreDue) {
@@ -291,9 +310,11 @@ TEST_F(TurtlesimTest, WrongSettingsAreToldWithTheirLine) {
     return scenario ? std::string("none") : scenario.error().text();
   };
   EXPECT_EQ(error("world: {kind: turtlesim}\n"), "none");
-  EXPECT_THAT(error("world:\n  kind: turtlesim\n  background_r: 300\n"), HasSubstr("x.yaml:4: world.background_r: found 300, expected 0 to 255"));
+  EXPECT_THAT(error("world:\n  kind: turtlesim\n  background_r: 300\n"),
+              HasSubstr("x.yaml:4: world.background_r: found 300, expected 0 to 255"));
   EXPECT_THAT(error("world: {kind: turtlesim, colisions: true}\n"), HasSubstr("did you mean 'collisions'"));
-  EXPECT_THAT(error("servers:\n  - turtlesin\n"), HasSubstr("x.yaml:3: servers[0]: found 'turtlesin', expected one of: "));
+  EXPECT_THAT(error("servers:\n  - turtlesin\n"),
+              HasSubstr("x.yaml:3: servers[0]: found 'turtlesin', expected one of: "));
   EXPECT_THAT(error("servers:\n  - {node: turtlesim, turtles: [{name: 1a}]}\n"), HasSubstr("'1a'"));
 }
 

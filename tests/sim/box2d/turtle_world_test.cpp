@@ -198,7 +198,8 @@ TEST_F(TurtleWorldTest, APictureShowsBackgroundInkAndTurtle) {
     ASSERT_EQ(picture.width, side);
     ASSERT_EQ(picture.rgb.size(), 3u * static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
     const auto at = [&](double x, double y) {
-      const auto px = static_cast<std::size_t>(x * 45 * side / 500), py = static_cast<std::size_t>(side - 1 - y * 45 * side / 500);
+      const auto px = static_cast<std::size_t>(x * 45 * side / 500),
+                 py = static_cast<std::size_t>(side - 1 - y * 45 * side / 500);
       const std::uint8_t* p = &picture.rgb[3 * (py * static_cast<std::size_t>(side) + px)];
       return Colour{p[0], p[1], p[2]};
     };

@@ -11,7 +11,8 @@ constexpr Stack kRed{1, {}, 0};
 
 FloorPlan three_stations() {
   FloorPlan plan;
-  plan.stations = {{"C-BS", "BS", {1.5, 2.5, 0}, true}, {"C-CS1", "CS", {3.5, 4.5, 1.5707963267948966}, true},
+  plan.stations = {{"C-BS", "BS", {1.5, 2.5, 0}, true},
+                   {"C-CS1", "CS", {3.5, 4.5, 1.5707963267948966}, true},
                    {"C-RS1", "RS", {5.5, 6.5, 0}, true}};
   for (std::size_t i = 0; i < plan.stations.size(); ++i)
     for (const Spot& spot : spots_of(plan.stations[i], static_cast<StationId>(i))) plan.spots.push_back(spot);

@@ -36,7 +36,8 @@ class Grasp : public testing::TestWithParam<double> {
   /// Off the place where a piece should lie at that spot: along and across the belt.
   Vec3 offset_at(PieceId piece, const char* name) {
     const Spot& s = world_->plan().spot(spot(name));
-    const Vec3 here = inverse_transform(world_->plan().station(s.station).pose_in_world, world_->find(piece)->position_in_world);
+    const Vec3 here =
+        inverse_transform(world_->plan().station(s.station).pose_in_world, world_->find(piece)->position_in_world);
     return {here.x - s.rest_in_station.x, here.y - s.rest_in_station.y, here.z - s.rest_in_station.z};
   }
 
@@ -59,8 +60,7 @@ TEST_P(Grasp, ProductIsCarriedFromBeltToBelt) {
     EXPECT_EQ(world_->at(spot("C-BS-OUTPUT")), nullptr);
 
     // Around the machine, at full speed and with turns.
-    for (const Pose2& via : {Pose2{0.5, 4, 1.57}, Pose2{3, 4, -1.57}, Pose2{6, 4, 0}})
-      rig_->drive_to(kR1, via);
+    for (const Pose2& via : {Pose2{0.5, 4, 1.57}, Pose2{3, 4, -1.57}, Pose2{6, 4, 0}}) rig_->drive_to(kR1, via);
     ASSERT_EQ(world_->robot(kR1).held, piece);
 
     rig_->put(kR1, spot("C-CS1-INPUT"));
@@ -110,9 +110,8 @@ TEST_P(Grasp, PieceGoesDownTheSlideAndCounts) {
   EXPECT_EQ(rig_->life(piece), "belt gripper slide");
 }
 
-INSTANTIATE_TEST_SUITE_P(Step, Grasp, testing::Values(0.005, 0.01), [](const auto& info) {
-  return std::to_string(static_cast<int>(info.param * 1000)) + "ms";
-});
+INSTANTIATE_TEST_SUITE_P(Step, Grasp, testing::Values(0.005, 0.01),
+                         [](const auto& info) { return std::to_string(static_cast<int>(info.param * 1000)) + "ms"; });
 
 }  // namespace
 }  // namespace cxlab::sim

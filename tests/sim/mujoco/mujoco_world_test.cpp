@@ -116,7 +116,8 @@ TEST(MujocoWorld, MountedPartsMakeAPieceHeavierAndHigher) {
   const PieceIds& ids = world->gate().factory().pieces[0];
   EXPECT_NEAR(m.body_mass[ids.body], 0.065, 1e-12);
   // Underside of the cap = top of the second ring.
-  EXPECT_NEAR(m.geom_pos[3 * ids.geoms[kSlotCap] + 2] - m.geom_size[3 * ids.geoms[kSlotCap] + 1], 0.0125 + 0.016, 1e-12);
+  EXPECT_NEAR(m.geom_pos[3 * ids.geoms[kSlotCap] + 2] - m.geom_size[3 * ids.geoms[kSlotCap] + 1], 0.0125 + 0.016,
+              1e-12);
   EXPECT_EQ(m.geom_contype[ids.geoms[kSlotRing3]], 0);
   world->unmount_cap(piece);
   EXPECT_EQ(world->find(piece)->stack.cap, 0);

@@ -22,6 +22,8 @@ inline FloorPlan small_floor() {
   return plan;
 }
 
-inline ModelOptions test_options() { return {std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "models", 0.01, 20}; }
+inline ModelOptions test_options() {
+  return {std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "models", 0.01, 20};
+}
 
 }  // namespace cxlab::sim

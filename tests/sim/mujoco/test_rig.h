@@ -38,13 +38,12 @@ class Rig {
     for (int n = 0; n < 500; ++n) {
       tick();
       const Vec3 g = world.robot(robot).gripper;
-      if (std::abs(g.x - forward + 0.139) < 0.0005 && std::abs(g.y - left) < 0.0005 && std::abs(g.z - up) < 0.0008) return;
+      if (std::abs(g.x - forward + 0.139) < 0.0005 && std::abs(g.y - left) < 0.0005 && std::abs(g.z - up) < 0.0008)
+        return;
     }
   }
 
-  Vec3 seen_by(RobotId robot, const Vec3& point) {
-    return inverse_transform(world.robot(robot).pose_in_world, point);
-  }
+  Vec3 seen_by(RobotId robot, const Vec3& point) { return inverse_transform(world.robot(robot).pose_in_world, point); }
   Vec3 rest(SpotId id) {
     const Spot& spot = world.plan().spot(id);
     return transform(world.plan().station(spot.station).pose_in_world, spot.rest_in_station);

@@ -34,9 +34,8 @@ class NoRecords final : public RecordSink {
 
 FloorPlan small_plan() {
   FloorPlan plan;
-  plan.stations = {{"C-BS", "BS", {1.5, 5.5, 0}, true},
-                   {"C-CS1", "CS", {4.5, 5.5, 0}, true},
-                   {"C-RS1", "RS", {4.5, 2.5, 0}, true}};
+  plan.stations = {
+      {"C-BS", "BS", {1.5, 5.5, 0}, true}, {"C-CS1", "CS", {4.5, 5.5, 0}, true}, {"C-RS1", "RS", {4.5, 2.5, 0}, true}};
   for (std::size_t i = 0; i < plan.stations.size(); ++i)
     for (Spot& spot : spots_of(plan.stations[i], static_cast<StationId>(i))) plan.spots.push_back(std::move(spot));
   plan.robots = {{"robot1", {0.3, 4, 0}}, {"robot2", {3, 1.2, 0}}};
@@ -83,7 +82,10 @@ class Skills : public ::testing::TestWithParam<Tier> {
     const char* types[] = {"cxlab_skills/action/DriveTo", "cxlab_skills/action/Pick", "cxlab_skills/action/Place"};
     return *bus.create_action_client(
         node, name, **registry.action(types[static_cast<int>(kind)]),
-        {[this](const bus::Delivery& d) { heard(d).answered = true; heard(d).accepted = d.accepted; },
+        {[this](const bus::Delivery& d) {
+           heard(d).answered = true;
+           heard(d).accepted = d.accepted;
+         },
          [this](const bus::Delivery& d) { heard(d).phases.push_back(d.message->view().text("phase")); },
          [this](const bus::Delivery& d) {
            Heard& h = heard(d);
@@ -103,7 +105,8 @@ class Skills : public ::testing::TestWithParam<Tier> {
     const char* types[] = {"cxlab_skills/action/DriveTo", "cxlab_skills/action/Pick", "cxlab_skills/action/Place"};
     auto message = std::make_shared<bus::Message>(*(*registry.action(types[static_cast<int>(kind)]))->goal);
     message->view().set("target", target);
-    if (kind == SkillKind::kDriveTo) message->view().nested("pose").set("x", pose.x).set("y", pose.y).set("theta", pose.yaw);
+    if (kind == SkillKind::kDriveTo)
+      message->view().nested("pose").set("x", pose.x).set("y", pose.y).set("theta", pose.yaw);
     const bus::GoalId goal = bus.send_goal(last_client, std::move(message));
     Heard& h = heard_by_goal[goal];
     h.goal = goal;
@@ -206,7 +209,8 @@ TEST_P(Skills, DriveToTakesSpotsPlacesAndPoses) {
   ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C_Z22").status, bus::GoalStatus::kSucceeded);
   EXPECT_NEAR(robot1().pose_in_world.x, 1.5, 0.03);
   EXPECT_NEAR(robot1().pose_in_world.yaw, 1, 0.05);
-  ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C_Z26").status, bus::GoalStatus::kSucceeded) << "beside the machine in it";
+  ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C_Z26").status, bus::GoalStatus::kSucceeded)
+      << "beside the machine in it";
   Heard& there = send("robot1", SkillKind::kDriveTo, "", {-3, 2, -2});
   finish(there);
   EXPECT_EQ(there.status, bus::GoalStatus::kSucceeded);
@@ -260,7 +264,9 @@ TEST_P(Skills, CancelledAtAnyMomentTheRobotIsSafeAndThePieceIsHeldOrLies) {
     if (world->pieces().empty()) base_at("C-BS-OUTPUT");
     const bool holds = robot1().held.has_value();
     const Heard& skill = send("robot1", holds ? SkillKind::kPlace : SkillKind::kPick, "C-BS-OUTPUT");
-    while (!skill.ended && (skill.phases.empty() || (skill.phases.back() != "align" && skill.phases.back() != "handle"))) tick();
+    while (!skill.ended &&
+           (skill.phases.empty() || (skill.phases.back() != "align" && skill.phases.back() != "handle")))
+      tick();
     wait(0.5 * step);
     if (!skill.ended) bus.cancel_goal(last_client, skill.goal);
     EXPECT_LT(finish(skill), 8);
@@ -300,8 +306,9 @@ TEST_P(Skills, AnIdleRobotMakesRoom) {
   EXPECT_EQ(robot1().robot_contacts, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Tiers, Skills, ::testing::Values(Tier::kPhysics, Tier::kTimed),
-                         [](const auto& info) { return std::string(info.param == Tier::kPhysics ? "physics" : "timed"); });
+INSTANTIATE_TEST_SUITE_P(Tiers, Skills, ::testing::Values(Tier::kPhysics, Tier::kTimed), [](const auto& info) {
+  return std::string(info.param == Tier::kPhysics ? "physics" : "timed");
+});
 
 }  // namespace
 }  // namespace cxlab::sim

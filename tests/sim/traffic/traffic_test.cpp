@@ -39,7 +39,8 @@ class Drivers {
       const auto id = static_cast<RobotId>(i);
       least_clearance = std::min(least_clearance, traffic.clearance(point_of(pose(id))));
       for (int k = 0; k < i; ++k)
-        least_distance = std::min(least_distance, distance(point_of(pose(id)), point_of(pose(static_cast<RobotId>(k)))));
+        least_distance =
+            std::min(least_distance, distance(point_of(pose(id)), point_of(pose(static_cast<RobotId>(k)))));
     }
   }
   /// Until the condition holds; the seconds it took, or more than `limit`.
@@ -71,7 +72,8 @@ TEST(Traffic, AFreeDriveIsStraightAndFast) {
 
 TEST(Traffic, MotionsStayWithinTheLimitsOfTheBase) {
   FloorPlan plan = open_floor({{-6, 1, 0}});
-  plan.stations = {{"A", "BS", {-3, 1.2, 0}, true}, {"B", "BS", {0, 3.5, 0.785}, true}, {"C", "BS", {3, 6, 1.57}, true}};
+  plan.stations = {
+      {"A", "BS", {-3, 1.2, 0}, true}, {"B", "BS", {0, 3.5, 0.785}, true}, {"C", "BS", {3, 6, 1.57}, true}};
   Drivers floor(plan);
   floor.traffic.request(kRobot1, {6, 7, -3}, {}, floor.now);
   const Trajectory* motion = nullptr;
@@ -134,7 +136,8 @@ TEST(Traffic, InADeadEndThoseInFrontMakeWay) {
   EXPECT_LT(floor.until([&] {
     return !floor.traffic.waiting(kRobot1, floor.now) && !floor.traffic.waiting(kRobot2, floor.now) &&
            floor.traffic.arrived(kRobot3);
-  }), 100);
+  }),
+            100);
   EXPECT_GE(floor.least_distance, 0.49);
 }
 
@@ -147,7 +150,8 @@ TEST(Traffic, ThreeThatChangePlacesAllArrive) {
   EXPECT_LT(floor.until([&] {
     for (int i = 0; i < 3; ++i) arrived[i] = arrived[i] || floor.traffic.arrived(static_cast<RobotId>(i));
     return arrived[0] && arrived[1] && arrived[2];
-  }), 60);
+  }),
+            60);
   EXPECT_GE(floor.least_distance, 0.49);
 }
 

@@ -16,7 +16,8 @@ void add_numbers(clips::Environment* env, clips::UDFContext* context, clips::UDF
 TEST(NamespacedClips, RuleFiresOnAnAssertedFactAndCallsOurFunction) {
   clips::Environment* env = clips::CreateEnvironment();
   ASSERT_NE(env, nullptr);
-  ASSERT_EQ(clips::AddUDF(env, "add-numbers", "l", 2, 2, "l", add_numbers, "add_numbers", nullptr), clips::AUE_NO_ERROR);
+  ASSERT_EQ(clips::AddUDF(env, "add-numbers", "l", 2, 2, "l", add_numbers, "add_numbers", nullptr),
+            clips::AUE_NO_ERROR);
   ASSERT_EQ(clips::Build(env, "(defrule add (pair ?a ?b) => (assert (sum (add-numbers ?a ?b))))"), clips::BE_NO_ERROR);
   ASSERT_NE(clips::AssertString(env, "(pair 20 22)"), nullptr);
 

@@ -19,10 +19,15 @@ class BridgePlugin final : public cx::Plugin {
 
   cxlab::Status clips_env_init(cx::EnvironmentGuard environment) override {
     ends_.push_back({&*environment, {}});
-    return environment.engine().add_function(
-        {.name = "bridge-send", .returns = "v", .min_args = 2, .max_args = 2, .arg_types = ";sy;s",
-         .kind = cxlab::FunctionKind::kActing, .owner = name(), .doc = "Asserts a fact in another environment, at the next tick."},
-        [this, &from = *environment](cxlab::Call& call) { send(from, call); });
+    return environment.engine().add_function({.name = "bridge-send",
+                                              .returns = "v",
+                                              .min_args = 2,
+                                              .max_args = 2,
+                                              .arg_types = ";sy;s",
+                                              .kind = cxlab::FunctionKind::kActing,
+                                              .owner = name(),
+                                              .doc = "Asserts a fact in another environment, at the next tick."},
+                                             [this, &from = *environment](cxlab::Call& call) { send(from, call); });
   }
 
   /// What waits for this environment goes with it; the other end may go on.
@@ -61,7 +66,8 @@ class BridgePlugin final : public cx::Plugin {
   };
 
   const End* find(const cx::Environment* environment) const {
-    const auto found = std::find_if(ends_.begin(), ends_.end(), [&](const End& end) { return end.environment == environment; });
+    const auto found =
+        std::find_if(ends_.begin(), ends_.end(), [&](const End& end) { return end.environment == environment; });
     return found == ends_.end() ? nullptr : &*found;
   }
   End* find(const cx::Environment* environment) { return const_cast<End*>(std::as_const(*this).find(environment)); }

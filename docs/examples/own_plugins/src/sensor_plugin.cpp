@@ -11,8 +11,8 @@ namespace own {
 
 namespace cx = cxlab::cx;
 
-/// Asserts (reading N), N = 1, 2, ... up to the parameter `readings`, each as soon as the last one is in. A real one would
-/// wait for a device here.
+/// Asserts (reading N), N = 1, 2, ... up to the parameter `readings`, each as soon as the last one is in. A real one
+/// would wait for a device here.
 class SensorPlugin final : public cx::Plugin {
  public:
   using Plugin::Plugin;

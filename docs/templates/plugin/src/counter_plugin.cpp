@@ -26,8 +26,14 @@ class MyPluginCounter final : public cx::Plugin {
     Counter& counter = counters_.add(*environment, Counter{start_, *publisher, *type});
     if (cxlab::Status s = environment.engine().build("(deftemplate counter (slot value (type INTEGER)))"); !s) return s;
     return environment.engine().add_function(
-        {.name = "counter-add", .returns = "l", .min_args = 1, .max_args = 1, .arg_types = ";l",
-         .kind = cxlab::FunctionKind::kActing, .owner = name(), .doc = "Adds to the environment's counter and gives the sum."},
+        {.name = "counter-add",
+         .returns = "l",
+         .min_args = 1,
+         .max_args = 1,
+         .arg_types = ";l",
+         .kind = cxlab::FunctionKind::kActing,
+         .owner = name(),
+         .doc = "Adds to the environment's counter and gives the sum."},
         [&counter, &e = *environment](cxlab::Call& call) { call.give_integer(add(e, counter, call.integer(0))); });
   }
 
