@@ -55,9 +55,7 @@ CLI::Validator seed_number() {
 }
 
 Expected<std::vector<double>> snapshot_times(const std::string& text, double end) {
-  const auto wrong = [](const std::string& message) {
-    return Error{ErrorKind::kUsage, "--snapshot: " + message, {}, 0, {}};
-  };
+  const auto wrong = [](const std::string& message) { return usage_error("--snapshot: " + message); };
   const auto bad = [&] { return wrong(expected(text, "every:SECONDS or SECONDS,SECONDS,...")); };
   std::vector<double> times;
   if (text.empty()) return times;
@@ -110,11 +108,7 @@ Status check_command(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
   if (std::find(names.begin(), names.end(), word) != names.end()) return {};
-  return Error{ErrorKind::kUsage,
-               "there is no command '" + word + "'" + did_you_mean(word, names) + "; cxlab --help lists them",
-               {},
-               0,
-               {}};
+  return usage_error("there is no command '" + word + "'" + did_you_mean(word, names) + "; cxlab --help lists them");
 }
 
 }  // namespace cxlab::app

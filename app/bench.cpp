@@ -147,7 +147,7 @@ Status write_row(Episode& episode, int wait_status) {
   out.close();
   std::error_code error;
   if (out) fs::rename(fresh, episode.row, error);
-  if (!out || error) return Error{ErrorKind::kResource, "cannot write this file", episode.row.string(), 0, {}};
+  if (!out || error) return resource_error("cannot write this file", episode.row.string());
   fs::remove(output, error);
   return {};
 }
@@ -161,7 +161,7 @@ Status play(std::vector<Episode>& episodes, int jobs) {
       Episode& episode = episodes[next++];
       if (!episode.found.is_null()) continue;
       const auto pid = start(episode);
-      if (!pid) return Error{ErrorKind::kResource, "cannot start a process", {}, 0, {}};
+      if (!pid) return resource_error("cannot start a process");
       running[*pid] = &episode;
     }
     if (running.empty()) return {};
@@ -289,7 +289,7 @@ int bench(const BenchOptions& options) {
                                               : fs::path(options.out);
   std::error_code error;
   fs::create_directories(folder / "rows", error);
-  if (error) return fail(Error{ErrorKind::kResource, error.message(), folder.string(), 0, {}});
+  if (error) return fail(resource_error(error.message(), folder.string()));
   std::vector<Episode> episodes;
   for (const fs::path& scenario : suite->scenarios)
     for (const auto& [strategy, overrides] : suite->strategies)
@@ -317,7 +317,7 @@ int bench(const BenchOptions& options) {
     csv << ',' << e.found.value("journal_hash", "") << '\n';
   }
   csv.close();
-  if (!csv) return fail(Error{ErrorKind::kResource, "cannot write this file", (folder / "rows.csv").string(), 0, {}});
+  if (!csv) return fail(resource_error("cannot write this file", (folder / "rows.csv").string()));
   std::string table;
   const ordered_json summary = summary_of(episodes, *suite, table);
   if (options.json)

@@ -34,7 +34,7 @@ struct Options {
   RunOptions run;
 };
 
-Error usage(std::string message) { return Error{ErrorKind::kUsage, std::move(message), {}, 0, {}}; }
+Error usage(std::string message) { return usage_error(std::move(message)); }
 
 /// "A=B" as (A, B).
 Expected<std::pair<std::string, std::string>> split(const std::string& option, const std::string& text,

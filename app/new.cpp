@@ -70,7 +70,7 @@ Status copy_file(const fs::path& from, const fs::path& to, const std::string& ki
   std::ofstream out(to, std::ios::binary);
   out << *text;
   out.close();
-  if (!out) return Error{ErrorKind::kResource, "cannot write this file", to.string(), 0, {}};
+  if (!out) return resource_error("cannot write this file", to.string());
   return {};
 }
 
@@ -78,15 +78,15 @@ int copy_template(const std::string& kind, const std::string& folder, const std:
   fs::path path = fs::absolute(folder).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();  // "DIR/"
   const std::string name = path.filename().string();
-  if (const std::string why = objection(name); !why.empty()) return fail(Error{ErrorKind::kUsage, why, folder, 0, {}});
+  if (const std::string why = objection(name); !why.empty()) return fail(usage_error(why, folder));
   std::error_code error;
   if (fs::exists(path, error) && !(fs::is_directory(path, error) && fs::is_empty(path, error)))
-    return fail(Error{ErrorKind::kUsage, "is there already and not an empty folder", folder, 0, {}});
+    return fail(usage_error("is there already and not an empty folder", folder));
   const fs::path origin = find_share().docs / "templates" / kind;
   if (!fs::is_directory(origin, error))
-    return fail(Error{ErrorKind::kResource, "the files to begin from are missing", origin.string(), 0, {}});
+    return fail(resource_error("the files to begin from are missing", origin.string()));
   fs::create_directories(path, error);
-  if (error) return fail(Error{ErrorKind::kResource, error.message(), folder, 0, {}});
+  if (error) return fail(resource_error(error.message(), folder));
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(origin)) {
     const fs::path to = path / entry.path().lexically_relative(origin);
     if (entry.is_directory())

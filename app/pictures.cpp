@@ -89,7 +89,7 @@ Status Pictures::frame() {
   if (!picture) return picture.error();
   const auto& rgb = (*picture)->rgb;
   if (std::fwrite(rgb.data(), 1, rgb.size(), film_) != rgb.size())
-    return Error{ErrorKind::kResource, "ffmpeg took no more pictures for " + video_, {}, 0, {}};
+    return resource_error("ffmpeg took no more pictures for " + video_);
   return {};
 }
 
@@ -97,7 +97,7 @@ Status Pictures::finish() {
   if (!film_) return {};
   const int code = pclose(film_);
   film_ = nullptr;
-  if (code != 0) return Error{ErrorKind::kResource, "ffmpeg could not write " + video_, {}, 0, {}};
+  if (code != 0) return resource_error("ffmpeg could not write " + video_);
   return {};
 }
 

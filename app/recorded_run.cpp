@@ -86,7 +86,7 @@ Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, Jou
   if (Status s = files->materialise(root / "copies"); !s) return s.error();
   std::error_code error;
   if (!fs::create_directory(root / "run", error))
-    return Error{ErrorKind::kResource, "cannot make a folder", (root / "run").string(), 0, {}};
+    return resource_error("cannot make a folder", (root / "run").string());
   EpisodeOptions options = shared_episode_options();
   options.run_folder = root / "run";
   options.journal = level;

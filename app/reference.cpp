@@ -36,8 +36,7 @@ Expected<std::string> write_configuration(const std::vector<std::string>& classe
   }
   std::string file = (fs::temp_directory_path() / "cxlab-doc-XXXXXX").string();
   const int descriptor = mkstemp(file.data());
-  if (descriptor < 0)
-    return Error{ErrorKind::kResource, "cannot write to " + fs::temp_directory_path().string(), {}, 0, {}};
+  if (descriptor < 0) return resource_error("cannot write to " + fs::temp_directory_path().string());
   close(descriptor);
   std::ofstream(file) << "/**:\n  ros__parameters:\n    environments: [" << environments << "]\n" << sections;
   return file;

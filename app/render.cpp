@@ -72,7 +72,7 @@ Status render_run(const Options& options) {
 }
 
 Status render_scenario(const Options& options) {
-  if (!options.at) return Error{ErrorKind::kUsage, "--at is missing: a scenario is played up to then", {}, 0, {}};
+  if (!options.at) return usage_error("--at is missing: a scenario is played up to then");
   const double at = *options.at;
   std::vector<std::string> overrides = options.overrides;
   if (options.seed) overrides.push_back("seed=" + std::to_string(*options.seed));

@@ -93,7 +93,7 @@ Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const 
       fs::create_directories(folder, error);
       if (const fs::path definitions = root / "interfaces" / name; !error && fs::is_directory(definitions))
         fs::copy(definitions, folder, fs::copy_options::recursive | fs::copy_options::skip_existing, error);
-      if (error) return Error{ErrorKind::kResource, error.message(), folder.string(), 0, {}};
+      if (error) return resource_error(error.message(), folder.string());
       agent.packages[name] = folder.string();
     }
   }

@@ -207,7 +207,7 @@ Played play_scenario(const RunOptions& options, Scenario scenario) {
   if (!installed) return failed(installed.error());
   run.scenario.packages.merge(*installed);
   const auto level = parse_journal_level(options.journal);
-  if (!level) return failed(Error{ErrorKind::kUsage, "--journal: " + level.error().message, {}, 0, {}});
+  if (!level) return failed(usage_error("--journal: " + level.error().message));
   auto snapshots = snapshot_times(options.snapshot, end_of(run));
   if (!snapshots) return failed(snapshots.error());
   run.snapshots = *std::move(snapshots);

@@ -51,7 +51,7 @@ Expected<std::vector<fs::path>> find_files(const std::vector<std::string>& paths
     for (fs::recursive_directory_iterator it(path, error), end; !error && it != end; it.increment(error))
       if (it->is_regular_file() && it->path().filename().string().ends_with(".story.yaml"))
         out.push_back(it->path().lexically_normal());
-    if (error) return Error{ErrorKind::kResource, error.message(), path, 0, {}};
+    if (error) return resource_error(error.message(), path);
   }
   std::sort(out.begin(), out.end());
   out.erase(std::unique(out.begin(), out.end()), out.end());
@@ -101,10 +101,10 @@ Status play_in_processes(std::vector<Played>& stories, const testing::StorySetup
   std::vector<Worker> workers;
   for (int job = 0; job < jobs; ++job) {
     int ends[2];
-    if (pipe(ends) != 0) return Error{ErrorKind::kResource, "cannot make a pipe", {}, 0, {}};
+    if (pipe(ends) != 0) return resource_error("cannot make a pipe");
     std::fflush(nullptr);
     const pid_t pid = fork();
-    if (pid < 0) return Error{ErrorKind::kResource, "cannot start a process", {}, 0, {}};
+    if (pid < 0) return resource_error("cannot start a process");
     if (pid == 0) {
       close(ends[0]);
       std::FILE* out = fdopen(ends[1], "w");
@@ -252,7 +252,7 @@ Status write(const std::string& file, const std::string& text) {
   std::ofstream out(file, std::ios::binary);
   out << text;
   out.close();
-  if (!out) return Error{ErrorKind::kResource, "cannot write this file", file, 0, {}};
+  if (!out) return resource_error("cannot write this file", file);
   return {};
 }
 

@@ -123,7 +123,7 @@ Result unfinished_result(const Scenario& scenario) {
   result.seed = scenario.seed;
   result.tier = scenario.tier;
   result.has_world = scenario.world_kind != Scenario::WorldKind::kNone;
-  result.reason = Error{ErrorKind::kRun, "the run has not ended", {}, 0, "unfinished"};
+  result.reason = run_error("the run has not ended").with_code("unfinished");
   return result;
 }
 
@@ -154,7 +154,7 @@ namespace {
 /// A result that has one of everything.
 Json sample_result() {
   Result sample;
-  sample.reason = Error{ErrorKind::kRun, "message", "file", 1, "code"};
+  sample.reason = run_error("message", "file", 1).with_code("code");
   for (const char* team : {"CYAN", "MAGENTA"}) {
     sample.teams.push_back({team, 0, {}});
     for (std::size_t kind = 0; kind < rcll::kPointKinds; ++kind)
@@ -227,8 +227,8 @@ Status check_expectations(const std::vector<Expectation>& expectations, const st
     else if (e.max && value.get<double>() > *e.max)
       wanted = "at most " + Json(*e.max).dump();
     if (wanted.empty()) continue;
-    return Error{ErrorKind::kNo, "expected " + e.path + " to be " + wanted + ", found " + found, file, e.line,
-                 "expectation"};
+    return negative("expected " + e.path + " to be " + wanted + ", found " + found, file, e.line)
+        .with_code("expectation");
   }
   return {};
 }

@@ -260,7 +260,7 @@ Status StimuliServer::State::post(const Prepared& item) {
     case Stimulus::Verb::kCancelGoal: {
       const auto it = last_goal.find(target);
       if (it == last_goal.end())
-        return Error{ErrorKind::kInput, target + ": no goal was sent there before", stimulus.file, stimulus.line, {}};
+        return input_error(target + ": no goal was sent there before", stimulus.file, stimulus.line);
       bus.cancel_goal(it->second.first, it->second.second);
       return {};
     }

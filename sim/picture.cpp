@@ -8,7 +8,7 @@
 namespace cxlab::sim {
 
 Status write_png(const Picture& picture, const std::filesystem::path& file) {
-  const auto failed = [&] { return Error{ErrorKind::kResource, "cannot write the picture", file.string(), 0, {}}; };
+  const auto failed = [&] { return resource_error("cannot write the picture", file.string()); };
   std::unique_ptr<FILE, int (*)(FILE*)> out(std::fopen(file.c_str(), "wb"), std::fclose);
   if (!out) return failed();
   png_image image{};

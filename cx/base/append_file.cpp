@@ -44,7 +44,7 @@ Expected<AppendFile> AppendFile::create(const std::filesystem::path& path) {
   file.path_ = path.string();
   file.descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (file.descriptor_ < 0) {
-    return Error{ErrorKind::kResource, std::string("cannot be written: ") + std::strerror(errno), path.string(), 0, {}};
+    return resource_error(std::string("cannot be written: ") + std::strerror(errno), path.string());
   }
   return file;
 }
@@ -81,9 +81,9 @@ Status AppendFile::close() {
 Status AppendFile::fail(int error_number, std::size_t buffered_bytes_written) {
   const auto first_lost = std::upper_bound(piece_ends_.begin(), piece_ends_.end(), buffered_bytes_written);
   if (first_lost != piece_ends_.begin()) written_ += *std::prev(first_lost);
-  status_ = Error{ErrorKind::kResource, std::string("writing stopped: ") + std::strerror(error_number), path_, 0, {}};
+  status_ = resource_error(std::string("writing stopped: ") + std::strerror(error_number), path_);
   if (is_open() && ::ftruncate(descriptor_, static_cast<off_t>(written_)) != 0) {
-    status_ = Error{ErrorKind::kResource, status_.error().message + "; the last line may be incomplete", path_, 0, {}};
+    status_ = resource_error(status_.error().message + "; the last line may be incomplete", path_);
   }
   buffer_.clear();
   piece_ends_.clear();

@@ -29,10 +29,34 @@ struct Error {
 
   /// `file:line: message`, without the parts that are missing.
   std::string text() const;
+  /// The same error with a machine word.
+  Error with_code(std::string word) && {
+    code = std::move(word);
+    return std::move(*this);
+  }
 };
 
+// One function for each kind: `return usage_error("expected FROM:=TO");`
+
+/// The answer is no: a test failed, a difference was found.
+inline Error negative(std::string message, std::string file = {}, int line = 0) {
+  return {ErrorKind::kNo, std::move(message), std::move(file), line, {}};
+}
+inline Error usage_error(std::string message, std::string file = {}, int line = 0) {
+  return {ErrorKind::kUsage, std::move(message), std::move(file), line, {}};
+}
 inline Error input_error(std::string message, std::string file = {}, int line = 0) {
-  return Error{ErrorKind::kInput, std::move(message), std::move(file), line, {}};
+  return {ErrorKind::kInput, std::move(message), std::move(file), line, {}};
+}
+inline Error run_error(std::string message, std::string file = {}, int line = 0) {
+  return {ErrorKind::kRun, std::move(message), std::move(file), line, {}};
+}
+inline Error resource_error(std::string message, std::string file = {}, int line = 0) {
+  return {ErrorKind::kResource, std::move(message), std::move(file), line, {}};
+}
+/// A mistake of ours.
+inline Error bug_error(std::string message, std::string file = {}, int line = 0) {
+  return {ErrorKind::kBug, std::move(message), std::move(file), line, {}};
 }
 
 /// A value or an error. `if (!x) return x.error();`

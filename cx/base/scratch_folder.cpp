@@ -11,8 +11,7 @@ namespace fs = std::filesystem;
 Expected<std::unique_ptr<ScratchFolder>> ScratchFolder::create() {
   std::error_code error;
   std::string name = (fs::temp_directory_path(error) / "cxlab-XXXXXX").string();
-  if (error || !mkdtemp(name.data()))
-    return Error{ErrorKind::kResource, "cannot make a temporary folder " + name, {}, 0, {}};
+  if (error || !mkdtemp(name.data())) return resource_error("cannot make a temporary folder " + name);
   return std::unique_ptr<ScratchFolder>(new ScratchFolder(name));
 }
 

@@ -106,7 +106,7 @@ void Bus::begin_tick(SimTime now) {
 Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::unique_ptr<Endpoint> made,
                               std::string_view type_name) {
   Participant& owner = state_->participant(p);
-  if (owner.gone) return Error{ErrorKind::kRun, "node '" + owner.name.full_name() + "' has left the bus", {}, 0, {}};
+  if (owner.gone) return run_error("node '" + owner.name.full_name() + "' has left the bus");
   const std::string noun(noun_of(made->kind));
   if (const std::string fault = name_fault(written); !fault.empty())
     return input_error("name of the " + noun + " '" + std::string(written) + "' " + fault);

@@ -52,7 +52,7 @@ Expected<std::unique_ptr<RuleEngine>> RuleEngine::create(EngineOptions options) 
   if (options.name.empty()) return input_error("an environment needs a name");
   std::unique_ptr<RuleEngine> engine(new RuleEngine(std::move(options)));
   Environment* env = CreateEnvironment();
-  if (env == nullptr) return Error{ErrorKind::kResource, "no memory for a CLIPS environment", {}, 0, {}};
+  if (env == nullptr) return resource_error("no memory for a CLIPS environment");
   engine->environment_ = env;
   engine->impl_->env = env;
   AllocateEnvironmentData(env, kOwnData, sizeof(OwnData), nullptr);
@@ -207,7 +207,7 @@ Expected<Value> RuleEngine::eval(const std::string& expression) {
   }
   if (value) return *value;
   if (errors_.size() > errors_before) return errors_.back().error();
-  return Error{ErrorKind::kRun, "error while evaluating " + expression, {}, 0, {}};
+  return run_error("error while evaluating " + expression);
 }
 
 Expected<Value> RuleEngine::call(const std::string& function, std::span<const Value> args) {
@@ -234,7 +234,7 @@ Expected<Value> RuleEngine::call(const std::string& function, std::span<const Va
                      : error == FCBE_ARGUMENT_COUNT_ERROR   ? "wrong number of arguments for '"
                      : error == FCBE_ARGUMENT_TYPE_ERROR    ? "wrong type of an argument for '"
                                                             : "error in '";
-  return Error{ErrorKind::kRun, what + function + "'", {}, 0, {}};
+  return run_error(what + function + "'");
 }
 
 bool RuleEngine::exit_requested() const { return impl_->exit_requested; }

@@ -115,8 +115,7 @@ std::optional<Error> RuleEngine::Impl::put_slot(Deftemplate& deftemplate, const 
 Expected<std::int64_t> RuleEngine::Impl::assert_made(Fact* fact) {
   const CLIPSLexeme& name = *fact->whichDeftemplate->header.name;
   Fact* asserted = Assert(fact);
-  if (asserted == nullptr)
-    return Error{ErrorKind::kRun, "CLIPS refused a fact of '" + std::string(name.contents) + "'", {}, 0, {}};
+  if (asserted == nullptr) return run_error("CLIPS refused a fact of '" + std::string(name.contents) + "'");
   return asserted->factIndex;
 }
 

@@ -214,7 +214,7 @@ void RuleEngine::Impl::show(FunctionRecord& record) {
 
 Status RuleEngine::add_function(FunctionSpec spec, Function function) {
   const auto refused = [&](const std::string& why) {
-    return Error{ErrorKind::kRun, "function '" + spec.name + "' of plugin '" + spec.owner + "' " + why, {}, 0, {}};
+    return run_error("function '" + spec.name + "' of plugin '" + spec.owner + "' " + why);
   };
   const auto known = impl_->functions.find(spec.name);
   if (known != impl_->functions.end() && known->second->function) {

@@ -309,7 +309,7 @@ Status RuleEngine::undefine(std::string_view kind, const std::string& name) {
   const bool deletable =
       construct->isConstructDeletableFunction == nullptr || construct->isConstructDeletableFunction(found);
   if (!deletable || construct->deleteFunction == nullptr || !construct->deleteFunction(found, environment_)) {
-    return Error{ErrorKind::kRun, std::string(kind) + " '" + name + "' is in use and stays", {}, 0, {}};
+    return run_error(std::string(kind) + " '" + name + "' is in use and stays");
   }
   const auto key = std::pair(std::string(kind), std::string(plain_name(name)));
   if (const auto place = impl_->construct_index.find(key); place != impl_->construct_index.end()) {

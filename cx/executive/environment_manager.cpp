@@ -258,11 +258,7 @@ Status EnvironmentManager::do_configure() {
     std::error_code error;
     std::filesystem::create_directories(options_.run_folder / "logs", error);
     if (error)
-      return Error{ErrorKind::kResource,
-                   "cannot make the folder: " + error.message(),
-                   (options_.run_folder / "logs").string(),
-                   0,
-                   {}};
+      return resource_error("cannot make the folder: " + error.message(), (options_.run_folder / "logs").string());
   }
   std::vector<std::string> names;
   if (Status s = parameters_.read("environments", names); !s) return s;

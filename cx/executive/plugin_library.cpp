@@ -75,11 +75,8 @@ std::string current_exception_text() {
 }
 
 Error thrown(const std::string& plugin, std::string_view hook) {
-  return Error{ErrorKind::kRun,
-               plugin + ": " + std::string(hook) + " threw: " + current_exception_text(),
-               {},
-               0,
-               "plugin_failed"};
+  return run_error(plugin + ": " + std::string(hook) + " threw: " + current_exception_text())
+      .with_code("plugin_failed");
 }
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace cxlab::cx {
 namespace {
 
 Error gone(const std::string& owner) {
-  return Error{ErrorKind::kRun, "plugin '" + owner + "' is not loaded in the environment any more", {}, 0, {}};
+  return run_error("plugin '" + owner + "' is not loaded in the environment any more");
 }
 
 }  // namespace
@@ -59,18 +59,10 @@ ThreadGate::Answer ThreadGate::ask(Request request) {
     promise.set_value(gone(owner_));
   } else if (environment_.on_its_thread()) {
     promise.set_value(
-        Error{ErrorKind::kRun,
-              "plugin '" + owner_ + "': a thread gate is for other threads; on the episode's use the environment",
-              {},
-              0,
-              {}});
+        run_error("plugin '" + owner_ + "': a thread gate is for other threads; on the episode's use the environment"));
   } else if (waiting_.size() == kMostWaiting) {
-    promise.set_value(Error{ErrorKind::kRun,
-                            "plugin '" + owner_ + "': " + std::to_string(kMostWaiting) +
-                                " requests of its threads wait for a tick: wait for answers",
-                            {},
-                            0,
-                            {}});
+    promise.set_value(run_error("plugin '" + owner_ + "': " + std::to_string(kMostWaiting) +
+                                " requests of its threads wait for a tick: wait for answers"));
   } else {
     request.id = ++last_id_;
     asked_.emplace(request.id, std::move(promise));

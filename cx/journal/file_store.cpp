@@ -39,7 +39,7 @@ Status make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (!error) return {};
-  return Error{ErrorKind::kResource, "cannot be made: " + error.message(), folder.string(), 0, {}};
+  return resource_error("cannot be made: " + error.message(), folder.string());
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ Status FileStore::add(const std::string& logical_name, const fs::path& source) {
 
 Status FileStore::add_content(const std::string& logical_name, std::string_view bytes) {
   if (!is_logical_name(logical_name)) {
-    return Error{ErrorKind::kBug, "'" + logical_name + "' is no relative name for a copy", {}, 0, {}};
+    return bug_error("'" + logical_name + "' is no relative name for a copy");
   }
   const std::string hash = content_hash(bytes);
   auto& hashes = hashes_[logical_name];

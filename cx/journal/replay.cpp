@@ -19,7 +19,7 @@ std::string in_seconds(SimTime t) {
 }
 
 Error differs(const std::string& environment, SimTime t, const std::string& what) {
-  return Error{ErrorKind::kNo, "the replay differs: " + environment + " at " + in_seconds(t) + ": " + what, {}, 0, {}};
+  return negative("the replay differs: " + environment + " at " + in_seconds(t) + ": " + what);
 }
 
 }  // namespace

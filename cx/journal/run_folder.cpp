@@ -18,7 +18,7 @@ constexpr const char* kFilesOfARun[] = {"manifest.json", "result.json", "inputs.
                                         "index.html",    "logs",        "snapshots",  "files"};
 
 Error resource_error(const fs::path& path, const std::string& why) {
-  return Error{ErrorKind::kResource, "cannot be made: " + why, path.string(), 0, {}};
+  return resource_error("cannot be made: " + why, path.string());
 }
 
 bool holds_a_run(const fs::path& folder) {
@@ -38,7 +38,7 @@ Status replace_file(const fs::path& path, std::string_view text) {
   if (status) {
     fs::rename(unfinished, path, error);
     if (!error) return {};
-    status = Error{ErrorKind::kResource, "cannot be written: " + error.message(), path.string(), 0, {}};
+    status = resource_error("cannot be written: " + error.message(), path.string());
   }
   fs::remove(unfinished, error);
   return status;
@@ -60,16 +60,12 @@ Expected<RunFolder> RunFolder::create_at(const fs::path& path, bool force) {
   const fs::file_status found = fs::status(path, error);
   if (fs::exists(found)) {
     if (!fs::is_directory(found)) {
-      return Error{ErrorKind::kUsage, "the output folder is a file", path.string(), 0, {}};
+      return usage_error("the output folder is a file", path.string());
     }
     const bool empty = fs::is_empty(path, error);
     if (error) return resource_error(path, error.message());
     if (!empty && !force) {
-      return Error{ErrorKind::kUsage,
-                   "the output folder is not empty; --force writes into it all the same",
-                   path.string(),
-                   0,
-                   {}};
+      return usage_error("the output folder is not empty; --force writes into it all the same", path.string());
     }
     if (!empty && holds_a_run(path)) {
       for (const char* name : kFilesOfARun) {

@@ -155,12 +155,8 @@ const Lifecycle::Row* Lifecycle::row_of(Transition transition) const {
 Status Lifecycle::change(Transition transition) {
   const Row* row = row_of(transition);
   if (row == nullptr)
-    return Error{ErrorKind::kUsage,
-                 "no transition '" + std::string(to_string(transition)) + "' from state '" +
-                     std::string(to_string(state_)) + "'",
-                 {},
-                 0,
-                 {}};
+    return usage_error("no transition '" + std::string(to_string(transition)) + "' from state '" +
+                       std::string(to_string(state_)) + "'");
   tell_event(*row, false, row->id, to_string(transition).data(), row->to);
   const Status done = act_(transition);
   state_ = !done && transition == T::kConfigure ? L::kUnconfigured : row->to;
@@ -202,13 +198,9 @@ void Lifecycle::on_change_state(const bus::Delivery& request) {
     success = done.ok();
     if (!success) failed_(done.error());
   } else {
-    failed_(Error{ErrorKind::kUsage,
-                  "No transition matching " +
-                      (label.empty() ? std::to_string(wanted.integer("id")) : '\'' + label + '\'') +
-                      " found for current state " + std::string(to_string(state_)),
-                  {},
-                  0,
-                  {}});
+    failed_(usage_error("No transition matching " +
+                        (label.empty() ? std::to_string(wanted.integer("id")) : '\'' + label + '\'') +
+                        " found for current state " + std::string(to_string(state_))));
   }
   auto response =
       std::make_shared<bus::Message>(*(*bus_.registry().service("lifecycle_msgs/srv/ChangeState"))->response);

@@ -104,7 +104,7 @@ class Play {
  protected:
   Status begin() {
     if (Status s = manager_->configure(); !s)
-      return Error{ErrorKind::kInput, s.error().message, s.error().file, s.error().line, s.error().code};
+      return input_error(s.error().message, s.error().file, s.error().line).with_code(s.error().code);
     if (Status s = find_environment(); !s) return s;
     return manager_->activate();
   }
@@ -242,12 +242,8 @@ class Play {
       if (pattern->matches(copy_of(copy))) any |= environment_->engine().retract(copy.index);
     }
     if (any) return {};
-    return Error{ErrorKind::kNo,
-                 spec_.file + ':' + std::to_string(step.line) + ": retract " + step.text + " at " + seconds(now_) +
-                     ": there is no such fact",
-                 {},
-                 0,
-                 {}};
+    return negative(spec_.file + ':' + std::to_string(step.line) + ": retract " + step.text + " at " + seconds(now_) +
+                    ": there is no such fact");
   }
 
   Status tick() {

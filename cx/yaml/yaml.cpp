@@ -327,8 +327,7 @@ bool split_path(const std::string& path, std::vector<Step>& steps) {
 Status Document::set(const std::string& assignment) {
   const auto fail = [&](const std::string& what) { return Status(input_error("--set " + assignment + ": " + what)); };
   const std::size_t equals = assignment.find('=');
-  if (equals == std::string::npos)
-    return Error{ErrorKind::kUsage, "--set " + assignment + ": expected PATH=VALUE", {}, 0, {}};
+  if (equals == std::string::npos) return usage_error("--set " + assignment + ": expected PATH=VALUE");
   std::vector<Step> steps;
   if (!split_path(assignment.substr(0, equals), steps)) return fail("expected a path like a.b[0].c");
   YAML::Node value;

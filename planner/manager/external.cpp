@@ -70,8 +70,7 @@ Expected<Ended> run(const std::string& command, const fs::path& log, double time
   const int refused = posix_spawn(&child, "/bin/sh", &files, &attributes, arguments, environ);
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
-  if (refused != 0)
-    return Error{ErrorKind::kResource, "the planner's command could not be started: " + command, {}, 0, {}};
+  if (refused != 0) return resource_error("the planner's command could not be started: " + command);
 
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
   Ended ended;
@@ -101,7 +100,7 @@ Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, const Ended& e
   if (ended.code == kNotExecutable || ended.code == kNotFound) {
     std::string message = "the planner's command cannot be run (code " + std::to_string(ended.code) + ")" +
                           (said.empty() ? "" : ": " + said);
-    return Error{ErrorKind::kResource, message + "; " + planner.remedy, {}, 0, {}};
+    return resource_error(message + "; " + planner.remedy);
   }
   answer.reason = "the planner ended with code " + std::to_string(ended.code) + " and wrote no plan" +
                   (said.empty() ? "" : ": " + said);
@@ -111,7 +110,7 @@ Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, const Ended& e
     case 12: break;
     case 22: answer.status = PlanStatus::kMemory; break;
     case 23: answer.status = PlanStatus::kBudget; break;
-    default: return Error{ErrorKind::kResource, answer.reason, {}, 0, {}};
+    default: return resource_error(answer.reason);
   }
   answer.reason = said;
   return answer;

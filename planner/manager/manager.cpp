@@ -53,7 +53,7 @@ Expected<std::unique_ptr<PddlManager>> PddlManager::create(PddlManagerOptions op
   for (const auto& [parameter, value] : parameters)
     if (Status s = manager->parameters_.set(parameter, value, "pddl_manager"); !s) return s.error();
   const auto fixed = [](const std::string& name, const cx::Parameter&) {
-    return Status(Error{ErrorKind::kUsage, "parameter '" + name + "' is set where the node is named", {}, 0, {}});
+    return Status(usage_error("parameter '" + name + "' is set where the node is named"));
   };
   if (Status s = cx::serve_parameters(bus, manager->node_, manager->parameters_, fixed); !s) return s.error();
   if (Status s = manager->lifecycle_.serve(); !s) return s.error();

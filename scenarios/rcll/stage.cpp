@@ -50,7 +50,7 @@ std::string hex(std::uint64_t value) {
 
 Expected<sim::ModelOptions> model_options(const Scenario& scenario, const std::filesystem::path& models) {
   if (!std::filesystem::is_directory(models))
-    return Error{ErrorKind::kResource, "there is no folder of models at " + models.string(), {}, 0, {}};
+    return resource_error("there is no folder of models at " + models.string());
   sim::ModelOptions options;
   options.models = models;
   options.step = to_seconds(scenario.physics_step);

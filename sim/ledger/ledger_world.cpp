@@ -214,7 +214,7 @@ Expected<PieceId> LedgerWorld::dispense(StationId station, double x, const Stack
   for (const Piece& piece : pieces_)
     if (piece.holder == Holder::kBelt && piece.holder_index == index_of(station) &&
         std::abs(x_on_belt(piece) - x) < kPieceDiameter)
-      return Error{ErrorKind::kNo, where.name + ": a piece lies where one should be dispensed", {}, 0, "place_taken"};
+      return negative(where.name + ": a piece lies where one should be dispensed").with_code("place_taken");
   const Vec3 position = transform(where.pose_in_world, {x, kBeltY, kBeltTop});
   auto id = add(stack, Holder::kBelt, index_of(station), position, index_of(station));
   plan_arrival(station);
@@ -223,8 +223,7 @@ Expected<PieceId> LedgerWorld::dispense(StationId station, double x, const Stack
 
 Expected<PieceId> LedgerWorld::dispense(SpotId shelf, const Stack& stack) {
   const Spot& spot = plan_.spot(shelf);
-  if (at(shelf))
-    return Error{ErrorKind::kNo, spot.name + ": a piece lies where one should be dispensed", {}, 0, "place_taken"};
+  if (at(shelf)) return negative(spot.name + ": a piece lies where one should be dispensed").with_code("place_taken");
   const Vec3 position = transform(plan_.station(spot.station).pose_in_world, spot.rest_in_station);
   return add(stack, Holder::kSlot, index_of(shelf), position, index_of(spot.station));
 }
@@ -299,9 +298,9 @@ void LedgerWorld::stop(RobotId robot) {
 Status LedgerWorld::grasp(RobotId robot, SpotId from) {
   const Spot& spot = plan_.spot(from);
   const std::string& name = plan_.robots[static_cast<std::size_t>(robot)].name;
-  if (held_by(robot)) return Error{ErrorKind::kNo, name + " holds a piece already", {}, 0, "gripper_full"};
+  if (held_by(robot)) return negative(name + " holds a piece already").with_code("gripper_full");
   const Piece* there = at(from);
-  if (!there) return Error{ErrorKind::kNo, spot.name + ": no piece to grasp", {}, 0, "no_piece"};
+  if (!there) return negative(spot.name + ": no piece to grasp").with_code("no_piece");
   pass(*find_piece(there->id), Holder::kGripper, index_of(robot), gripper_in_world(robot), booked_);
   if (spot.kind != SpotKind::kShelf) plan_arrival(spot.station);
   return {};
@@ -312,9 +311,9 @@ Status LedgerWorld::release(RobotId robot, SpotId to) {
   Piece* piece = held_by(robot);
   if (!piece) {
     const std::string& name = plan_.robots[static_cast<std::size_t>(robot)].name;
-    return Error{ErrorKind::kNo, name + " holds nothing", {}, 0, "gripper_empty"};
+    return negative(name + " holds nothing").with_code("gripper_empty");
   }
-  if (at(to)) return Error{ErrorKind::kNo, spot.name + ": a piece lies there already", {}, 0, "place_taken"};
+  if (at(to)) return negative(spot.name + ": a piece lies there already").with_code("place_taken");
   const Vec3 rest = transform(plan_.station(spot.station).pose_in_world, spot.rest_in_station);
   switch (spot.kind) {
     case SpotKind::kBeltInput:

@@ -116,16 +116,13 @@ Expected<std::unique_ptr<GlContext>> GlContext::create(int width, int height) {
   const char* asked = std::getenv("CXLAB_GL");
   const std::string_view only = asked ? asked : "";
   if (!only.empty() && only != "osmesa" && only != "egl")
-    return Error{ErrorKind::kUsage, "CXLAB_GL is '" + std::string(only) + "', expected osmesa or egl", {}, 0, {}};
+    return usage_error("CXLAB_GL is '" + std::string(only) + "', expected osmesa or egl");
   if (only != "egl")
     if (auto context = OsMesaContext::create(width, height)) return context;
   if (only != "osmesa")
     if (auto context = EglContext::create()) return context;
-  return Error{ErrorKind::kResource,
-               "pictures need OSMesa or EGL, neither can be opened: apt install libosmesa6",
-               {},
-               0,
-               "no_opengl"};
+  return resource_error("pictures need OSMesa or EGL, neither can be opened: apt install libosmesa6")
+      .with_code("no_opengl");
 }
 
 }  // namespace cxlab::sim

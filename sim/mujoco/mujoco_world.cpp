@@ -390,20 +390,14 @@ Expected<PieceId> MujocoWorld::put_in_play(const Vec3& underside, const Stack& s
   for (const Piece& piece : pieces_) {
     const Vec3& p = piece.position_in_world;
     if (std::hypot(p.x - underside.x, p.y - underside.y) < kPieceDiameter && std::abs(p.z - underside.z) < 0.06)
-      return Error{ErrorKind::kRun,
-                   plan_.station(from).name + ": the place of a new piece is taken by piece " +
-                       std::to_string(static_cast<int>(piece.id)),
-                   {},
-                   0,
-                   "place_taken"};
+      return run_error(plan_.station(from).name + ": the place of a new piece is taken by piece " +
+                       std::to_string(static_cast<int>(piece.id)))
+          .with_code("place_taken");
   }
   const auto spare = std::find_if(tracks_.begin(), tracks_.end(), [](const Track& t) { return !t.in_play; });
   if (spare == tracks_.end())
-    return Error{ErrorKind::kRun,
-                 plan_.station(from).name + ": all " + std::to_string(tracks_.size()) + " pieces are in play",
-                 {},
-                 0,
-                 "no_spare_piece"};
+    return run_error(plan_.station(from).name + ": all " + std::to_string(tracks_.size()) + " pieces are in play")
+        .with_code("no_spare_piece");
   const int body = static_cast<int>(spare - tracks_.begin());
   *spare = Track{};
   spare->in_play = true;

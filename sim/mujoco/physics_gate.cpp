@@ -64,7 +64,7 @@ Status PhysicsGate::step() {
     char text[160];
     std::snprintf(text, sizeof text, "world diverged at %.3f s: %s", data_->time,
                   mju_warningText(w, static_cast<size_t>(data_->warning[w].lastinfo)));
-    return Error{ErrorKind::kRun, text, {}, 0, "world_diverged"};
+    return run_error(text).with_code("world_diverged");
   }
   return {};
 }

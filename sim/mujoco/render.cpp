@@ -90,7 +90,7 @@ Expected<const Picture*> Renderer::draw(const PhysicsGate& world, std::string_vi
   if (camera < 0) {
     return input_error("no camera '" + std::string(name) + "'" + did_you_mean(std::string(name), cameras()));
   }
-  if (!context_->make_current()) return Error{ErrorKind::kResource, "OpenGL context was lost", {}, 0, "no_opengl"};
+  if (!context_->make_current()) return resource_error("OpenGL context was lost").with_code("no_opengl");
 
   mj_copyData(copy_.get(), m, &world.data());
   mj_kinematics(m, copy_.get());

@@ -28,7 +28,7 @@ class TellingPlugin final : public Plugin {
   Status tell(const std::string& what) {
     log(LogLevel::kInfo, what);
     const std::string word = what.substr(0, what.find(' '));
-    if (fail_ == word) return Error{ErrorKind::kRun, name() + " fails in " + word, {}, 0, {}};
+    if (fail_ == word) return run_error(name() + " fails in " + word);
     if (fail_ == "throw-" + word) throw std::runtime_error("thrown in " + word);
     return {};
   }
