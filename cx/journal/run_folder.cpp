@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr const char* kFilesOfARun[] = {"manifest.json", "result.json", "inputs.bin", "journal.jsonl",
                                         "index.html",    "logs",        "snapshots",  "files"};
 
-Error resource_error(const fs::path& path, const std::string& why) {
+Error cannot_be_made(const fs::path& path, const std::string& why) {
   return resource_error("cannot be made: " + why, path.string());
 }
 
@@ -47,11 +47,11 @@ Status replace_file(const fs::path& path, std::string_view text) {
 Expected<RunFolder> RunFolder::create_numbered(const fs::path& parent, const std::string& name) {
   std::error_code error;
   fs::create_directories(parent, error);
-  if (error) return resource_error(parent, error.message());
+  if (error) return cannot_be_made(parent, error.message());
   for (int number = 1;; ++number) {
     const fs::path path = parent / (number == 1 ? name : name + "-" + std::to_string(number));
     if (::mkdir(path.c_str(), 0777) == 0) return RunFolder(path);
-    if (errno != EEXIST) return resource_error(path, std::strerror(errno));
+    if (errno != EEXIST) return cannot_be_made(path, std::strerror(errno));
   }
 }
 
@@ -63,20 +63,20 @@ Expected<RunFolder> RunFolder::create_at(const fs::path& path, bool force) {
       return usage_error("the output folder is a file", path.string());
     }
     const bool empty = fs::is_empty(path, error);
-    if (error) return resource_error(path, error.message());
+    if (error) return cannot_be_made(path, error.message());
     if (!empty && !force) {
       return usage_error("the output folder is not empty; --force writes into it all the same", path.string());
     }
     if (!empty && holds_a_run(path)) {
       for (const char* name : kFilesOfARun) {
         fs::remove_all(path / name, error);
-        if (error) return resource_error(path / name, error.message());
+        if (error) return cannot_be_made(path / name, error.message());
       }
     }
     return RunFolder(path);
   }
   fs::create_directories(path, error);
-  if (error) return resource_error(path, error.message());
+  if (error) return cannot_be_made(path, error.message());
   return RunFolder(path);
 }
 
@@ -84,7 +84,7 @@ Expected<fs::path> RunFolder::subfolder(std::string_view name) const {
   const fs::path path = path_ / name;
   std::error_code error;
   fs::create_directories(path, error);
-  if (error) return resource_error(path, error.message());
+  if (error) return cannot_be_made(path, error.message());
   return path;
 }
 
