@@ -310,9 +310,8 @@ Expected<Scenario> make_scenario(const Options& options) {
   if (scenario)
     for (AgentSpec& agent : scenario->agents)
       for (cx::GivenParameter& param : agent.params) {
-        const Error place = blame_option(input_error({}, param.file, param.line), *text);
-        param.file = place.file;
-        param.line = place.line;
+        const Error place = blame_option(input_error({}, param.origin), *text);
+        param.origin = {place.file, place.line};
       }
   if (!scenario || options.stimuli.empty()) return scenario;
   auto stimuli = yaml::Document::load(options.stimuli);  // again, for the places of later errors

@@ -92,10 +92,8 @@ AgentSpec read_agent(const yaml::Value& value) {
   if (const yaml::Value packages = map.get("packages"))
     read_packages(packages.as_map(), agent.packages, agent.package_lines);
   if (const yaml::Value params = map.get("params"))
-    for (const auto& [name, param] : params.as_map().entries()) {
-      auto [file, line] = param.place();
-      agent.params.push_back({name, param.dump(), std::move(file), line});
-    }
+    for (const auto& [name, param] : params.as_map().entries())
+      agent.params.push_back({name, param.dump(), param.origin()});
   map.read("activate", agent.activate);
   map.finish();
   if (const std::string fault = bus::namespace_fault(agent.name_space); !fault.empty())

@@ -78,7 +78,7 @@ Expected<Stimulus> StimuliServer::State::as_call(const Stimulus& asked) const {
     call.target = asked.target.substr(0, dot) + "/set_parameters";
     call.type = "rcl_interfaces/srv/SetParameters";
     cx::Parameters values;
-    if (Status s = values.set(asked.target.substr(dot + 1), asked.content, asked.file); !s)
+    if (Status s = values.set(asked.target.substr(dot + 1), asked.content, {asked.file, asked.line}); !s)
       return at_stimulus(asked, s.error());
     auto service = bus.registry().service(call.type);
     if (!service) return at_stimulus(asked, service.error());

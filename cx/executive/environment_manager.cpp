@@ -90,7 +90,7 @@ Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(Manager
   for (const GivenParameter& given : options.params)
     for (const std::string& prefix : {options.node + '.', full_name + '.'})
       if (given.name.starts_with(prefix))
-        if (Status s = parameters->set(given.name.substr(prefix.size()), given.value, given.file, given.line); !s)
+        if (Status s = parameters->set(given.name.substr(prefix.size()), given.value, given.origin); !s)
           return s.error();
   auto manager = std::unique_ptr<EnvironmentManager>(
       new EnvironmentManager(std::move(options), std::move(*parameters), bus, journal));

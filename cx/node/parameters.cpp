@@ -200,16 +200,16 @@ const Parameter* Parameters::find(std::string_view name) const {
   return found == values_.end() ? nullptr : &found->second;
 }
 
-Status Parameters::set(const std::string& name, const std::string& yaml, const std::string& origin, int line) {
+Status Parameters::set(const std::string& name, const std::string& yaml, const Origin& origin) {
   Values values;
   try {
-    flatten(YAML::Load(yaml), name, origin, values);
+    flatten(YAML::Load(yaml), name, origin.source, values);
   } catch (const YAML::Exception& e) {
-    return input_error("parameter '" + name + "': the value is not YAML: " + e.msg, origin, line);
+    return input_error("parameter '" + name + "': the value is not YAML: " + e.msg, origin);
   }
   for (auto& [key, value] : values) {
-    value.line = line;  // not that in the value
-    for (Parameter& item : value.items) item.line = line;
+    value.line = origin.line;  // not that in the value
+    for (Parameter& item : value.items) item.line = origin.line;
     values_[key] = std::move(value);
   }
   return {};

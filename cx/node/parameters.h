@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/origin.h"
 
 namespace cxlab::cx {
 
@@ -28,10 +29,9 @@ std::string_view to_string(Parameter::Type type);
 
 /// A parameter that is given beside the file.
 struct GivenParameter {
-  std::string name;    ///< NODE.NAME
-  std::string value;   ///< as YAML
-  std::string file{};  ///< where it stands, for errors
-  int line = 0;
+  std::string name;   ///< NODE.NAME
+  std::string value;  ///< as YAML
+  Origin origin{};
 };
 
 class Parameters {
@@ -42,8 +42,8 @@ class Parameters {
 
   /// The parameter, or nullptr.
   const Parameter* find(std::string_view name) const;
-  /// Sets a parameter; `yaml` is its value as YAML. `origin` and `line` are named in errors.
-  Status set(const std::string& name, const std::string& yaml, const std::string& origin, int line = 0);
+  /// Sets a parameter; `yaml` is its value as YAML.
+  Status set(const std::string& name, const std::string& yaml, const Origin& origin);
   void put(const std::string& name, Parameter value) { values_[name] = std::move(value); }
   /// All names, sorted.
   std::vector<std::string> names() const;

@@ -15,25 +15,22 @@ namespace cxlab::yaml {
 struct Value::Shared {
   /// Something given by `Document::set`.
   struct Override {
-    std::string path, assignment;
+    std::string path, option;
   };
   std::string file;
   std::vector<Error> errors;
   std::vector<Override> overrides;
 
-  /// What was given for that path, or nullptr.
-  const Override* given(const std::string& path) const {
-    for (const Override& o : overrides)
-      if (path == o.path || (path.starts_with(o.path) && (path[o.path.size()] == '.' || path[o.path.size()] == '[')))
-        return &o;
-    return nullptr;
+  /// Where the value at that path comes from: the last option that set it or something around it, else the file.
+  Origin origin(const std::string& path, int line) const {
+    for (auto o = overrides.rbegin(); o != overrides.rend(); ++o)
+      if (path == o->path ||
+          (path.starts_with(o->path) && (path[o->path.size()] == '.' || path[o->path.size()] == '[')))
+        return {o->option, 0};
+    return {file, line};
   }
-  /// Notes what is wrong at that path: where the value comes from says where it is.
   void add(const std::string& path, std::string what, int line) {
-    if (const Override* o = given(path))
-      errors.push_back(input_error("--set " + o->assignment + ": " + what));
-    else
-      errors.push_back(input_error(std::move(what), file, line));
+    errors.push_back(input_error(std::move(what), origin(path, line)));
   }
 };
 
@@ -63,10 +60,7 @@ bool parse_number(const std::string& text, Number& out) {
 Value::operator bool() const { return node_ && node_->IsDefined() && !node_->IsNull(); }
 int Value::line() const { return node_ && node_->IsDefined() ? node_->Mark().line + 1 : 0; }
 const std::string& Value::file() const { return shared_->file; }
-std::pair<std::string, int> Value::place() const {
-  if (const Shared::Override* o = shared_->given(path_)) return {"--set " + o->assignment, 0};
-  return {file(), line()};
-}
+Origin Value::origin() const { return shared_->origin(path_, line()); }
 bool Value::is_map() const { return node_ && node_->IsMap(); }
 bool Value::is_list() const { return node_ && node_->IsSequence(); }
 bool Value::is_scalar() const { return node_ && node_->IsScalar(); }
@@ -254,7 +248,7 @@ void Map::finish() {
     if (missing != missing_.end()) {
       Error& error = value_.shared_->errors[missing->second];
       error.message += ", did you mean it by '" + key + "'?";
-      if (!error.file.empty()) error.line = item.first.Mark().line + 1;
+      if (error.line > 0) error.line = item.first.Mark().line + 1;
       missing_.erase(missing);
       continue;
     }
@@ -322,17 +316,33 @@ bool split_path(const std::string& path, std::vector<Step>& steps) {
   return !steps.empty();
 }
 
+/// The path as values have it: `a[0].b`, also where it was written `a[0]b`.
+std::string path_of(const std::vector<Step>& steps) {
+  std::string path;
+  for (const Step& step : steps)
+    if (step.index >= 0)
+      path += '[' + std::to_string(step.index) + ']';
+    else
+      path += (path.empty() ? "" : ".") + step.key;
+  return path;
+}
+
 }  // namespace
 
 Status Document::set(const std::string& assignment) {
-  const auto fail = [&](const std::string& what) { return Status(input_error("--set " + assignment + ": " + what)); };
   const std::size_t equals = assignment.find('=');
-  if (equals == std::string::npos) return usage_error("--set " + assignment + ": expected PATH=VALUE");
+  const std::string option = "--set " + assignment;
+  if (equals == std::string::npos) return usage_error(option + ": expected PATH=VALUE");
+  return set(assignment.substr(0, equals), assignment.substr(equals + 1), option);
+}
+
+Status Document::set(const std::string& path, const std::string& yaml, const std::string& option) {
+  const auto fail = [&](std::string what) { return Status(input_error(std::move(what), option)); };
   std::vector<Step> steps;
-  if (!split_path(assignment.substr(0, equals), steps)) return fail("expected a path like a.b[0].c");
+  if (!split_path(path, steps)) return fail("expected a path like a.b[0].c");
   YAML::Node value;
   try {
-    value = YAML::Load(assignment.substr(equals + 1));
+    value = YAML::Load(yaml);
   } catch (const YAML::Exception& e) {
     return fail("the value is not YAML: " + e.msg);
   }
@@ -361,7 +371,7 @@ Status Document::set(const std::string& assignment) {
       at[step.key] = YAML::Node(steps[i + 1].index >= 0 ? YAML::NodeType::Sequence : YAML::NodeType::Map);
     at.reset(at[step.key]);
   }
-  root_.shared_->overrides.push_back({assignment.substr(0, equals), assignment});
+  root_.shared_->overrides.push_back({path_of(steps), option});
   return {};
 }
 

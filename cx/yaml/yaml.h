@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/origin.h"
 #include "cx/base/time.h"
 
 namespace YAML {
@@ -27,8 +28,8 @@ class Value {
   int line() const;  ///< from 1
   const std::string& path() const { return path_; }
   const std::string& file() const;
-  /// For errors that are found later: file and line, or the argument of `Document::set` and 0.
-  std::pair<std::string, int> place() const;
+  /// The file and line, or the option that gave the value (`Document::set`).
+  Origin origin() const;
 
   bool is_map() const;
   bool is_list() const;
@@ -77,6 +78,21 @@ class Map {
   Map& read_seconds(std::string_view key, SimTime& field);
   /// One of the words; others are an error that lists them.
   Map& read_word(std::string_view key, std::string& field, const std::vector<std::string>& words);
+  /// A list of maps, which replaces the items; `fields(map, item)` reads one. An item's member `origin` is set.
+  template <class Item, class Fields>
+  Map& read_list(std::string_view key, std::vector<Item>& items, Fields fields) {
+    const Value list = get(key);
+    if (!list) return *this;
+    items.clear();
+    for (const Value& value : list.as_list()) {
+      Item& item = items.emplace_back();
+      if constexpr (requires { item.origin; }) item.origin = value.origin();
+      Map map = value.as_map();
+      fields(map, item);
+      map.finish();
+    }
+    return *this;
+  }
 
   std::vector<std::pair<std::string, Value>> entries();  ///< all, in order of the document
   void fail(std::string what) const { value_.fail(std::move(what)); }
@@ -96,8 +112,10 @@ class Document {
   static Expected<Document> load(const std::filesystem::path& file);
   static Expected<Document> parse(const std::string& text, const std::string& name);
 
-  /// `a.b[0].c=VALUE`; VALUE is YAML. Missing maps on the way are made, so that reading reports unknown keys. What
-  /// reading finds wrong in VALUE names the assignment instead of file and line. Without '=': kUsage.
+  /// Sets the value at a path like `a.b[0].c`. Missing maps on the way are made, so that reading reports unknown keys.
+  /// Errors in the value name `option` instead of file and line.
+  Status set(const std::string& path, const std::string& yaml, const std::string& option);
+  /// The same for `PATH=VALUE`; the option is `--set PATH=VALUE`. Without '=': kUsage.
   Status set(const std::string& assignment);
   /// The document's one value. Without one: an empty map.
   Value root() const;

@@ -51,7 +51,7 @@ Expected<std::unique_ptr<PddlManager>> PddlManager::create(PddlManagerOptions op
                                                             {"anytime", o.anytime ? "true" : "false"},
                                                             {"warm_start", o.warm_start ? "true" : "false"}};
   for (const auto& [parameter, value] : parameters)
-    if (Status s = manager->parameters_.set(parameter, value, "pddl_manager"); !s) return s.error();
+    if (Status s = manager->parameters_.set(parameter, value, {"pddl_manager"}); !s) return s.error();
   const auto fixed = [](const std::string& name, const cx::Parameter&) {
     return Status(usage_error("parameter '" + name + "' is set where the node is named"));
   };

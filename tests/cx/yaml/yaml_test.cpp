@@ -82,7 +82,41 @@ TEST(Yaml, SetWritesAtAPath) {
             "--set agents[2].config=c: index 2 is beyond the list's 2 items");
   EXPECT_EQ(document->set("world").error().text(), "--set world: expected PATH=VALUE");
   EXPECT_FALSE(document->set("world.kind.x=1").ok());
+  EXPECT_EQ(document->set("world.kind=[").error().text().find("--set world.kind=[: the value is not YAML"), 0u);
   EXPECT_FALSE(document->set("a..b=1").ok());
+}
+
+TEST(Yaml, EachValueKnowsWhereItComesFrom) {
+  auto document = Document::parse("world:\n  kind: rcll\n  robots: 3\nagents:\n  - {config: a}\n", "s.yaml");
+  ASSERT_TRUE(document->set("world.robots=7").ok());
+  ASSERT_TRUE(document->set("world.robots=8").ok());
+  ASSERT_TRUE(document->set("agents[0]config", "b", "--config b").ok());
+  Map root = document->root().as_map(), world = root.get("world").as_map();
+  EXPECT_EQ(world.get("kind").origin(), (Origin{"s.yaml", 2}));
+  EXPECT_EQ(world.get("robots").origin(), (Origin{"--set world.robots=8", 0})) << "the last one counts";
+  Map agent = root.get("agents").as_list().front().as_map();
+  EXPECT_EQ(agent.get("config").origin(), (Origin{"--config b", 0}));
+  world.get("robots").fail("too many");
+  EXPECT_EQ(document->status().error().text(), "--set world.robots=8: world.robots: too many");
+}
+
+struct Item {
+  std::string name;
+  Origin origin;
+};
+
+TEST(Yaml, AListOfMapsReplacesTheItems) {
+  auto document = Document::parse("items:\n  - {name: a}\n  - {nam: b}\n", "s.yaml");
+  std::vector<Item> items{{"before", {}}};
+  Map root = document->root().as_map();
+  const auto fields = [](Map& map, Item& item) { map.read("name", item.name); };
+  root.read_list("others", items, fields);
+  EXPECT_EQ(items.size(), 1u) << "a missing key leaves the items alone";
+  root.read_list("items", items, fields);
+  ASSERT_EQ(items.size(), 2u);
+  EXPECT_EQ(items[0].name, "a");
+  EXPECT_EQ(items[1].origin, (Origin{"s.yaml", 3}));
+  EXPECT_EQ(document->status().error().text(), "s.yaml:3: unknown key 'nam' in 'items[1]', did you mean 'name'?");
 }
 
 }  // namespace
