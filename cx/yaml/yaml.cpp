@@ -55,6 +55,46 @@ bool parse_number(const std::string& text, Number& out) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
+/// `a.b[0].c` as steps: keys and indices.
+struct Step {
+  std::string key;
+  int index = -1;
+};
+
+bool split_path(const std::string& path, std::vector<Step>& steps) {
+  std::size_t i = 0;
+  while (i < path.size()) {
+    if (path[i] == '[') {
+      const std::size_t end = path.find(']', i);
+      int index = 0;
+      if (end == std::string::npos || !parse_number(path.substr(i + 1, end - i - 1), index) || index < 0) return false;
+      steps.push_back({{}, index});
+      i = end + 1;
+      if (i < path.size() && path[i] == '.') ++i;
+      continue;
+    }
+    const std::size_t end = std::min(path.find('.', i), path.find('[', i));
+    const std::string key = path.substr(i, end == std::string::npos ? end : end - i);
+    if (key.empty()) return false;
+    steps.push_back({key, -1});
+    if (end == std::string::npos) break;
+    i = path[end] == '.' ? end + 1 : end;
+    if (i == path.size()) return false;
+  }
+  return !steps.empty();
+}
+
+/// The path as values have it: `a[0].b`, also where it was written `a[0]b`.
+std::string path_of(const std::vector<Step>& steps) {
+  std::string path;
+  for (const Step& step : steps)
+    if (step.index >= 0)
+      path += '[' + std::to_string(step.index) + ']';
+    else
+      path += (path.empty() ? "" : ".") + step.key;
+  return path;
+}
+
 }  // namespace
 
 Value::operator bool() const { return node_ && node_->IsDefined() && !node_->IsNull(); }
@@ -221,6 +261,35 @@ Map& Map::read_word(std::string_view key, std::string& field, const std::vector<
   return *this;
 }
 
+Map& Map::read(std::string_view key, std::vector<std::pair<std::string, std::string>>& field) {
+  if (const Value v = get(key)) {
+    field.clear();
+    for (const auto& [name, text] : v.as_map().entries()) field.emplace_back(name, text.as_string());
+  }
+  return *this;
+}
+
+void Map::fail(const Error& error) {
+  std::string what = error.message;
+  if (what.starts_with(value_.path_ + '.')) what.erase(0, value_.path_.size() + 1);
+  std::vector<Step> steps;
+  const std::size_t end = what.find(": ");
+  if (end == std::string::npos || !split_path(what.substr(0, end), steps) ||
+      std::find(asked_.begin(), asked_.end(), steps.front().key) == asked_.end())
+    return fail(std::move(what));
+  Value at = value_;
+  int line = value_.line();  // of the innermost value that is there
+  for (const Step& step : steps) {
+    const std::vector<Value> items = step.index >= 0 && at.is_list() ? at.as_list() : std::vector<Value>();
+    if (step.index >= 0 && static_cast<std::size_t>(step.index) >= items.size()) break;
+    at = step.index >= 0 ? items[static_cast<std::size_t>(step.index)] : at.as_map().get(step.key);
+    if (!at) break;
+    line = at.line();
+  }
+  const std::string path = (value_.path_.empty() ? "" : value_.path_ + '.') + what.substr(0, end);
+  value_.shared_->add(path, path + what.substr(end), line);
+}
+
 std::vector<std::pair<std::string, Value>> Map::entries() {
   std::vector<std::pair<std::string, Value>> out;
   if (!value_.is_map()) return out;
@@ -284,50 +353,6 @@ Expected<Document> Document::parse(const std::string& text, const std::string& n
   if (document.root_.node_->IsNull()) *document.root_.node_ = YAML::Node(YAML::NodeType::Map);
   return document;
 }
-
-namespace {
-
-/// `a.b[0].c` as steps: keys and indices.
-struct Step {
-  std::string key;
-  int index = -1;
-};
-
-bool split_path(const std::string& path, std::vector<Step>& steps) {
-  std::size_t i = 0;
-  while (i < path.size()) {
-    if (path[i] == '[') {
-      const std::size_t end = path.find(']', i);
-      int index = 0;
-      if (end == std::string::npos || !parse_number(path.substr(i + 1, end - i - 1), index) || index < 0) return false;
-      steps.push_back({{}, index});
-      i = end + 1;
-      if (i < path.size() && path[i] == '.') ++i;
-      continue;
-    }
-    const std::size_t end = std::min(path.find('.', i), path.find('[', i));
-    const std::string key = path.substr(i, end == std::string::npos ? end : end - i);
-    if (key.empty()) return false;
-    steps.push_back({key, -1});
-    if (end == std::string::npos) break;
-    i = path[end] == '.' ? end + 1 : end;
-    if (i == path.size()) return false;
-  }
-  return !steps.empty();
-}
-
-/// The path as values have it: `a[0].b`, also where it was written `a[0]b`.
-std::string path_of(const std::vector<Step>& steps) {
-  std::string path;
-  for (const Step& step : steps)
-    if (step.index >= 0)
-      path += '[' + std::to_string(step.index) + ']';
-    else
-      path += (path.empty() ? "" : ".") + step.key;
-  return path;
-}
-
-}  // namespace
 
 Status Document::set(const std::string& assignment) {
   const std::size_t equals = assignment.find('=');

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,6 +21,13 @@ class Node;
 namespace cxlab::yaml {
 
 class Map;
+class Reader;
+
+/// A struct that lists its keys, for reading and for writing:
+///
+///   template <class Keys> void fields(Keys& keys) { keys("speed", speed); keys.required("name", name); }
+template <class Struct>
+concept Keyed = requires(Struct& value, Reader& keys) { value.fields(keys); };
 
 /// One value of a document. A value that is not there is `!value`.
 class Value {
@@ -78,24 +86,27 @@ class Map {
   Map& read_seconds(std::string_view key, SimTime& field);
   /// One of the words; others are an error that lists them.
   Map& read_word(std::string_view key, std::string& field, const std::vector<std::string>& words);
-  /// A list of maps, which replaces the items; `fields(map, item)` reads one. An item's member `origin` is set.
-  template <class Item, class Fields>
-  Map& read_list(std::string_view key, std::vector<Item>& items, Fields fields) {
-    const Value list = get(key);
-    if (!list) return *this;
-    items.clear();
-    for (const Value& value : list.as_list()) {
-      Item& item = items.emplace_back();
-      if constexpr (requires { item.origin; }) item.origin = value.origin();
-      Map map = value.as_map();
-      fields(map, item);
-      map.finish();
-    }
+  /// A map of texts, in order of the document.
+  Map& read(std::string_view key, std::vector<std::pair<std::string, std::string>>& field);
+  Map& read(std::string_view key, SimTime& field) { return read_seconds(key, field); }
+  template <class Field>
+  Map& read(std::string_view key, std::optional<Field>& field) {
+    if (get(key)) read(key, field.emplace());
     return *this;
   }
+  template <Keyed Struct>
+  Map& read(std::string_view key, Struct& value);
+  /// A list of maps replaces the items. An item's member `origin` is set.
+  template <Keyed Item>
+  Map& read(std::string_view key, std::vector<Item>& items);
+  /// The keys that the struct lists. What its `validate` finds wrong is reported at the key that it names.
+  template <Keyed Struct>
+  void read(Struct& value);
 
   std::vector<std::pair<std::string, Value>> entries();  ///< all, in order of the document
   void fail(std::string what) const { value_.fail(std::move(what)); }
+  /// An error whose message begins with the path of a value below this map is reported at that value.
+  void fail(const Error& error);
   const Value& value() const { return value_; }
   void finish();
 
@@ -105,6 +116,69 @@ class Map {
   std::vector<std::string> asked_;
   std::vector<std::pair<std::string, std::size_t>> missing_;  // required keys, each with its error in the document
 };
+
+/// What `fields` of a struct is called with for reading: keys that are missing leave their field alone.
+class Reader {
+ public:
+  explicit Reader(Map& map) : map_(map) {}
+  template <class Field>
+  void operator()(std::string_view key, Field& field) {
+    map_.read(key, field);
+  }
+  template <class Field>
+  void required(std::string_view key, Field& field) {
+    if (map_.require(key)) map_.read(key, field);
+  }
+  void word(std::string_view key, std::string& field, const std::vector<std::string>& words) {
+    map_.read_word(key, field, words);
+  }
+  /// Fields of a map below that key.
+  template <class Fields>
+  void below(std::string_view key, Fields fields) {
+    const Value value = map_.get(key);
+    if (!value) return;
+    Map map = value.as_map();
+    Reader keys(map);
+    fields(keys);
+    map.finish();
+  }
+
+ private:
+  Map& map_;
+};
+
+template <Keyed Struct>
+void Map::read(Struct& value) {
+  Reader keys(*this);
+  value.fields(keys);
+  if constexpr (requires { validate(value); })
+    if (const Status s = validate(value); !s) fail(s.error());
+}
+
+template <Keyed Struct>
+Map& Map::read(std::string_view key, Struct& value) {
+  if (const Value there = get(key)) {
+    Map map = there.as_map();
+    map.read(value);
+    map.finish();
+  }
+  return *this;
+}
+
+template <Keyed Item>
+Map& Map::read(std::string_view key, std::vector<Item>& items) {
+  const Value list = get(key);
+  if (!list) return *this;
+  items.clear();
+  for (const Value& value : list.as_list()) {
+    Item& item = items.emplace_back();
+    if constexpr (requires { item.origin; }) item.origin = value.origin();
+    Map map = value.as_map();
+    map.read(item);
+    map.finish();
+  }
+  return *this;
+}
 
 /// A file or text.
 class Document {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "cx/yaml/writer.h"
+
 namespace cxlab::yaml {
 namespace {
 
@@ -100,23 +102,123 @@ TEST(Yaml, EachValueKnowsWhereItComesFrom) {
   EXPECT_EQ(document->status().error().text(), "--set world.robots=8: world.robots: too many");
 }
 
-struct Item {
+struct Wheel {
   std::string name;
+  double radius = 0.1;
   Origin origin;
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys.required("name", name);
+    keys("radius", radius);
+  }
 };
 
-TEST(Yaml, AListOfMapsReplacesTheItems) {
-  auto document = Document::parse("items:\n  - {name: a}\n  - {nam: b}\n", "s.yaml");
-  std::vector<Item> items{{"before", {}}};
-  Map root = document->root().as_map();
-  const auto fields = [](Map& map, Item& item) { map.read("name", item.name); };
-  root.read_list("others", items, fields);
-  EXPECT_EQ(items.size(), 1u) << "a missing key leaves the items alone";
-  root.read_list("items", items, fields);
-  ASSERT_EQ(items.size(), 2u);
-  EXPECT_EQ(items[0].name, "a");
-  EXPECT_EQ(items[1].origin, (Origin{"s.yaml", 3}));
-  EXPECT_EQ(document->status().error().text(), "s.yaml:3: unknown key 'nam' in 'items[1]', did you mean 'name'?");
+struct Car {
+  std::string paint = "red";
+  std::int64_t doors = 4;
+  bool roof = true;
+  SimTime start{};
+  std::optional<double> limit;
+  std::vector<std::string> tags;
+  std::vector<std::pair<std::string, std::string>> names;
+  std::vector<Wheel> wheels{{"spare", 0.1, {}}};
+  double length = 4, width = 1.8;
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys.word("paint", paint, {"red", "blue"});
+    keys("doors", doors);
+    keys("roof", roof);
+    keys("start_s", start);
+    keys("limit", limit);
+    keys("tags", tags);
+    keys("names", names);
+    keys("wheels", wheels);
+    keys.below("size", [&](auto& size) {
+      size("length", length);
+      size("width", width);
+    });
+  }
+};
+
+Status validate(const Car& car) {
+  for (std::size_t i = 0; i < car.wheels.size(); ++i)
+    if (car.wheels[i].radius <= 0) return input_error("wheels[" + std::to_string(i) + "].radius: expected more than 0");
+  return car.width < car.length ? Status() : Status(input_error("size.width: expected less than size.length"));
+}
+
+std::string read(const std::string& text, Car& car) {
+  auto document = Document::parse(text, "s.yaml");
+  Map map = document->root().as_map();
+  map.read(car);
+  map.finish();
+  return document->status() ? "" : document->status().error().text();
+}
+
+const std::string kCar = R"(paint: blue
+doors: 5
+roof: false
+start_s: 0.02
+limit: 1e+30
+tags: [a, "b: c", ""]
+names: {z: "1", a: null-like}
+wheels:
+  - {name: "null", radius: 0.30000000000000004}
+size: {width: 2}
+)";
+
+TEST(Yaml, AStructIsReadByTheKeysThatItLists) {
+  Car car;
+  EXPECT_EQ(read("{}\n", car), "");
+  EXPECT_EQ(car.wheels.size(), 1u) << "a missing key leaves its field alone";
+  EXPECT_EQ(car.limit, std::nullopt);
+  EXPECT_EQ(read(kCar, car), "");
+  EXPECT_EQ(car.paint, "blue");
+  EXPECT_EQ(car.start, from_seconds(0.02));
+  EXPECT_EQ(car.limit, 1e30);
+  EXPECT_EQ(car.names[0], (std::pair<std::string, std::string>("z", "1")));
+  ASSERT_EQ(car.wheels.size(), 1u);
+  EXPECT_EQ(car.wheels[0].origin, (Origin{"s.yaml", 9}));
+  EXPECT_EQ(car.length, 4);
+  EXPECT_EQ(car.width, 2);
+  EXPECT_EQ(read("paint: bleu\n", car), "s.yaml:1: paint: found 'bleu', expected one of: red, blue");
+  EXPECT_EQ(read("wheels:\n  - {nam: b}\n", car),
+            "s.yaml:2: wheels[0]: key 'name' is missing, did you mean it by 'nam'?");
+  EXPECT_EQ(read("size:\n  lenght: 1\n", car), "s.yaml:2: unknown key 'lenght' in 'size', did you mean 'length'?");
+}
+
+TEST(Yaml, WhatValidateFindsIsReportedAtItsKey) {
+  Car car;
+  EXPECT_EQ(read("doors: 2\nwheels:\n  - name: a\n  - name: b\n    radius: 0\n", car),
+            "s.yaml:5: wheels[1].radius: expected more than 0");
+  car = {};
+  EXPECT_EQ(read("doors: 2\nsize:\n  length: 1\n", car), "s.yaml:3: size.width: expected less than size.length")
+      << "a key that is not there: the line of what is around it";
+}
+
+TEST(Yaml, AStructIsWrittenAsItIsRead) {
+  Car car;
+  EXPECT_EQ(Writer::changed(car).text(), "{}\n");
+  EXPECT_TRUE(Writer::changed(car).empty());
+  ASSERT_EQ(read(kCar, car), "");
+  Car again;
+  ASSERT_EQ(read(Writer::of(car).text(), again), "") << Writer::of(car).text();
+  EXPECT_EQ(Writer::of(again).text(), Writer::of(car).text());
+  EXPECT_EQ(again.wheels[0].name, "null");
+  EXPECT_EQ(again.wheels[0].radius, 0.30000000000000004);
+  EXPECT_EQ(again.tags, car.tags);
+  Car repainted;
+  repainted.paint = "blue";
+  EXPECT_EQ(Writer::changed(repainted).text(), "paint: blue\n");
+}
+
+TEST(Yaml, TheWriterTakesTextThatIsYaml) {
+  Writer out;
+  out.put_yaml("data", "{x: 1}");
+  out.put_yaml("broken", "{x: 1");
+  Writer item;
+  item("at", 0.5);
+  out.append("list", item);
+  EXPECT_EQ(out.text(), "data: {x: 1}\nbroken: \"{x: 1\"\nlist:\n  - at: 0.5\n");
 }
 
 }  // namespace

@@ -1,0 +1,71 @@
+#include "cx/yaml/writer.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <charconv>
+
+namespace cxlab::yaml {
+
+namespace {
+
+/// The shortest text that reads back as the same number.
+template <class Number>
+std::string shortest(Number value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+std::string dump(const YAML::Node& node) {
+  YAML::Emitter out;
+  out << node;
+  return out.c_str();
+}
+
+}  // namespace
+
+Writer::Writer() : node_(std::make_shared<YAML::Node>(YAML::NodeType::Map)) {}
+
+void Writer::operator()(std::string_view key, const std::string& value) { (*node_)[std::string(key)] = value; }
+void Writer::operator()(std::string_view key, double value) { (*this)(key, shortest(value)); }
+void Writer::operator()(std::string_view key, std::int64_t value) { (*this)(key, shortest(value)); }
+void Writer::operator()(std::string_view key, std::uint64_t value) { (*this)(key, shortest(value)); }
+void Writer::operator()(std::string_view key, bool value) { (*this)(key, std::string(value ? "true" : "false")); }
+
+void Writer::operator()(std::string_view key, const std::vector<std::string>& values) {
+  YAML::Node list(YAML::NodeType::Sequence);
+  for (const std::string& value : values) list.push_back(value);
+  (*node_)[std::string(key)] = list;
+}
+
+void Writer::operator()(std::string_view key, const std::vector<std::pair<std::string, std::string>>& map) {
+  YAML::Node entries(YAML::NodeType::Map);
+  for (const auto& [name, text] : map) entries[name] = text;
+  (*node_)[std::string(key)] = entries;
+}
+
+void Writer::put_yaml(std::string_view key, const std::string& yaml) {
+  try {
+    (*node_)[std::string(key)] = YAML::Load(yaml);
+  } catch (const YAML::Exception&) {
+    (*this)(key, yaml);
+  }
+}
+
+void Writer::put(std::string_view key, const Writer& map) { (*node_)[std::string(key)] = *map.node_; }
+
+void Writer::append(std::string_view key, const Writer& item) { (*node_)[std::string(key)].push_back(*item.node_); }
+
+void Writer::remove_equal(const Writer& other) {
+  YAML::Node rest(YAML::NodeType::Map);
+  for (const auto& entry : *node_) {
+    const YAML::Node before = (*other.node_)[entry.first.Scalar()];
+    if (!before.IsDefined() || dump(before) != dump(entry.second)) rest[entry.first.Scalar()] = entry.second;
+  }
+  *node_ = rest;
+}
+
+bool Writer::empty() const { return node_->size() == 0; }
+
+std::string Writer::text() const { return dump(*node_) + '\n'; }
+
+}  // namespace cxlab::yaml
