@@ -99,7 +99,7 @@ class Lab {
   void cycle() {
     bus_.begin_tick(now_ += SimTime{20'000'000});
     bus_.publish(pose_, message_);
-    need(manager_->perceive(0));
+    need(manager_->perceive());
     need(manager_->environment(0).run());
     bus_.deliver(node_);
   }

@@ -11,6 +11,27 @@
 
 namespace cxlab {
 
+namespace {
+
+/// A world whose steps are measured.
+class MeasuredWorld final : public Simulation {
+ public:
+  MeasuredWorld(std::unique_ptr<Simulation> world, WallMeter& meter) : world_(std::move(world)), meter_(meter) {}
+  Status advance(SimTime duration) override {
+    meter_.begin();
+    Status moved = world_->advance(duration);
+    meter_.end();
+    return moved;
+  }
+  SimTime next_event() const override { return world_->next_event(); }
+
+ private:
+  std::unique_ptr<Simulation> world_;
+  WallMeter& meter_;
+};
+
+}  // namespace
+
 Episode::Episode(Scenario scenario, EpisodeOptions options)
     : scenario_(std::move(scenario)), options_(std::move(options)) {}
 
@@ -22,6 +43,7 @@ Expected<std::unique_ptr<Episode>> Episode::load(Scenario scenario, EpisodeOptio
   if (Status s = episode->build_bus(); !s) return s.error();
   if (Status s = episode->build_stage(); !s) return s.error();
   if (Status s = episode->build_agents(); !s) return s.error();
+  episode->build_loop();
   return episode;
 }
 
@@ -147,6 +169,9 @@ Status Episode::build_stage() {
       [this](const std::string& name, const std::filesystem::path& file) { return keep("nodes/" + name, file); }};
   for (const ServerSpec& spec : scenario_.servers)
     if (Status s = find_node(spec.node)->add(spec, setup, *stage_); !s) return s;
+  if (options_.physics_meter)
+    for (auto& world : stage_->worlds)
+      world = std::make_unique<MeasuredWorld>(std::move(world), *options_.physics_meter);
   if (scenario_.stimuli.empty()) return {};
   std::vector<std::string> managers;
   for (const AgentSpec& agent : scenario_.agents) {
@@ -216,6 +241,7 @@ Status Episode::build_agents() {
     manager.streams = streams;
     manager.plugin_types = cx::builtin_plugins();
     manager.outside = make_outside("agent/" + number);
+    if (replayer_) manager.feed = &*replayer_;
     manager.on_read = [this, index, config](const std::string&, const std::filesystem::path& file) {
       return file == config ? keep("agents/" + std::to_string(index) + "/config/" + file.filename().string(), file)
                             : keep_for_agent(index, file);
@@ -241,6 +267,15 @@ Status Episode::build_agents() {
   return {};
 }
 
+void Episode::build_loop() {
+  Parts parts{.referee = stage_->referee};
+  for (auto& world : stage_->worlds) parts.worlds.push_back(world.get());
+  for (auto& server : stage_->servers) parts.servers.push_back(server.get());
+  for (auto& agent : agents_) parts.agents.push_back(agent.get());
+  loop_.emplace(*bus_, scenario_.tick, std::move(parts));
+  loop_->set_end(scenario_.duration);
+}
+
 LookOutside* Episode::make_outside(const std::string& stream) {
   if (replayer_)
     outside_.push_back(std::make_unique<ReplayingOutside>(*replayer_, stream));
@@ -264,63 +299,8 @@ Status Episode::start() {
 }
 
 Status Episode::tick() {
-  const SimTime next = next_tick();
-  if (Status s = advance_world(next); !s) return s;
-  bus_->begin_tick(next);
-  now_ = next;
-  ++ticks_;
-  for (auto& server : stage_->servers)
-    if (Status s = server->sense(now_); !s) return s;
-  if (stage_->referee)
-    if (Status s = stage_->referee->judge(now_); !s) return s;
-  for (auto& agent : agents_)
-    for (std::size_t i = 0; i < agent->size(); ++i)
-      if (Status s = perceive(*agent, i); !s) return s;
-  for (auto& agent : agents_)
-    for (std::size_t i = 0; i < agent->size(); ++i)
-      if (Status s = agent->decide_if_due(i, now_); !s) return s;
-  for (auto& agent : agents_)
-    if (Status s = act(*agent); !s) return s;
-  for (auto& server : stage_->servers)
-    if (Status s = server->act(now_); !s) return s;
+  if (Status s = loop_->tick(); !s) return s;
   return write_out();
-}
-
-Status Episode::perceive(cx::EnvironmentManager& agent, std::size_t i) {
-  if (replayer_)
-    if (Status s = replayer_->deliver_due(agent.environment(i).participant()); !s) return s;
-  return agent.perceive(i);
-}
-
-Status Episode::act(cx::EnvironmentManager& agent) {
-  if (replayer_)
-    if (Status s = replayer_->deliver_due(agent.participant()); !s) return s;
-  return agent.act();
-}
-
-/// The first tick at which something is due; each one where a world steps.
-SimTime Episode::next_tick() const {
-  if (now_ < SimTime::zero()) return SimTime::zero();
-  const SimTime following = tick_not_before(now_ + SimTime{1}, scenario_.tick);
-  const SimTime last = tick_not_before(scenario_.duration, scenario_.tick);
-  if (bus_->any_waiting()) return following;
-  SimTime due = last;
-  if (replayer_) due = std::min(due, replayer_->next_due());
-  for (const auto& world : stage_->worlds) due = std::min(due, world->next_event());
-  for (const auto& server : stage_->servers) due = std::min(due, server->next_due());
-  if (stage_->referee) due = std::min(due, stage_->referee->next_due());
-  for (const auto& agent : agents_) due = std::min(due, agent->next_due());
-  return std::max(following, tick_not_before(due, scenario_.tick));
-}
-
-Status Episode::advance_world(SimTime next) {
-  if (stage_->worlds.empty() || next <= SimTime::zero()) return {};
-  if (options_.physics_meter) options_.physics_meter->begin();
-  Status moved;
-  for (auto& world : stage_->worlds)
-    if (moved) moved = world->advance(next - std::max(now_, SimTime::zero()));
-  if (options_.physics_meter) options_.physics_meter->end();
-  return moved;
 }
 
 Status Episode::check_replay() const {
@@ -346,7 +326,7 @@ Status Episode::write_out() {
   return journal_.status();
 }
 
-bool Episode::completed() const { return now_ >= scenario_.duration || (stage_->referee && stage_->referee->over()); }
+bool Episode::completed() const { return now() >= scenario_.duration || (stage_->referee && stage_->referee->over()); }
 
 bool Episode::over() const {
   return completed() ||
@@ -379,8 +359,8 @@ Result Episode::result() const {
   out.seed = scenario_.seed;
   out.tier = scenario_.tier;
   out.has_world = scenario_.world_kind != Scenario::WorldKind::kNone;
-  out.sim_time = std::max(now_, SimTime::zero());
-  out.ticks = ticks_;
+  out.sim_time = std::max(now(), SimTime::zero());
+  out.ticks = loop_->ticks();
   stage_->report(out);
   for (const auto& report : stage_->reports) report(out);
   for (const auto& agent : agents_) out.deterministic = out.deterministic && agent->deterministic();

@@ -19,6 +19,7 @@
 #include "cx/journal/input_log.h"
 #include "cx/journal/journal.h"
 #include "cx/journal/replay.h"
+#include "cx/run/loop.h"
 #include "scenarios/outside.h"
 #include "scenarios/result.h"
 #include "scenarios/scenario.h"
@@ -64,7 +65,7 @@ class Episode {
 
   /// Activation: plugins, reset, first run. Before tick 0.
   Status start();
-  /// One tick, in the order of docs/contracts.md 1.
+  /// One tick (cx/run/loop.h).
   Status tick();
   /// Whether the duration has passed, the referee has ended the game, or rules asked for the end.
   bool over() const;
@@ -73,8 +74,8 @@ class Episode {
   /// Deactivates the agents and ends the files. `failure` is what ended the run early, if anything did.
   Result close(RunStatus status, std::optional<Error> failure = {});
 
-  SimTime next_tick() const;            ///< when the next one comes
-  SimTime now() const { return now_; }  ///< of the last tick; before tick 0: 0
+  SimTime next_tick() const { return loop_->next_tick(); }  ///< time of the next tick
+  SimTime now() const { return loop_->now(); }              ///< time of the last tick; before the first: less than 0
   const Scenario& scenario() const { return scenario_; }
   Stage& stage() { return *stage_; }
   bus::Bus& bus() { return *bus_; }
@@ -94,16 +95,14 @@ class Episode {
   Status build_stage();
   Expected<std::unique_ptr<Stage>> make_stage();
   Status build_agents();
+  void build_loop();
   Status keep(const std::string& logical_name, const std::filesystem::path& file);
   Status keep_for_agent(std::size_t agent, const std::filesystem::path& file);
   Status keep_interfaces();
-  Status advance_world(SimTime next);
   LookOutside* make_outside(const std::string& stream);
   Status check_replay() const;
   Status all_replayed() const;
   cx::RunSettings run_settings() const;
-  Status perceive(cx::EnvironmentManager& agent, std::size_t i);
-  Status act(cx::EnvironmentManager& agent);
   Status write_out();
 
   Scenario scenario_;
@@ -119,8 +118,7 @@ class Episode {
   std::vector<std::unique_ptr<LookOutside>> outside_;  // one an agent
   std::unique_ptr<Stage> stage_;
   std::vector<std::unique_ptr<cx::EnvironmentManager>> agents_;
-  SimTime now_{-1};
-  std::int64_t ticks_ = 0;
+  std::optional<Loop> loop_;
 };
 
 }  // namespace cxlab

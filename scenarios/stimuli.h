@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "cx/bus/bus.h"
+#include "cx/run/parts.h"
 #include "scenarios/scenario.h"
-#include "sim/server.h"
 
 namespace cxlab {
 
-class StimuliServer : public sim::Server {
+class StimuliServer : public Server {
  public:
   using Log = std::function<void(const std::string& line)>;
   /// Joins the bus as node "stimuli". Types, names and contents are checked now; errors name the stimulus' file and

@@ -13,7 +13,7 @@
 #include "cx/base/expected.h"
 #include "cx/base/record_sink.h"
 #include "cx/base/time.h"
-#include "sim/simulation.h"
+#include "cx/run/parts.h"
 
 namespace cxlab::sim {
 

@@ -111,9 +111,19 @@ class InputTap {
   virtual void delivered(ParticipantId to, const std::vector<Delivery>& deliveries) = 0;
 };
 
+/// Where what participants take comes from: the bus, or in a replay the log of a recorded run.
+class Feed {
+ public:
+  virtual ~Feed() = default;
+  /// Calls the handlers of `to` with all that it takes now.
+  virtual Status feed(ParticipantId to) = 0;
+  /// The next time at which it has something for anybody; kNever: it waits for nothing but posts.
+  virtual SimTime next_due() const = 0;
+};
+
 struct Endpoint;
 
-class Bus {
+class Bus : private Feed {
  public:
   Bus(Registry& registry, RecordSink& sink);
   ~Bus();
@@ -214,6 +224,8 @@ class Bus {
   /// Takes all that `p` may take now, in order, and calls each endpoint's handler. Returns how many. Handlers may post
   /// and make or remove endpoints: what they post is for a later call, what waits for a removed endpoint is dropped.
   std::size_t deliver(ParticipantId p);
+  /// The bus as the feed of those who may also be fed from a log.
+  Feed& as_feed() { return *this; }
   /// Sees what each `deliver` takes, before the handlers; not called where there is nothing.
   void set_input_tap(InputTap* tap);
 
@@ -233,6 +245,11 @@ class Bus {
   std::vector<Info> actions() const;
 
  private:
+  Status feed(ParticipantId to) override {
+    deliver(to);
+    return {};
+  }
+  SimTime next_due() const override { return kNever; }
   struct State;
   Expected<EndpointId> add(ParticipantId p, std::string_view written, std::unique_ptr<Endpoint> made,
                            std::string_view type_name);

@@ -95,10 +95,10 @@ void Environment::begin_again() {
   engine_->keep_same_constructs(true);
 }
 
-Status Environment::perceive() {
+Status Environment::take_inputs() {
   thread_ = std::this_thread::get_id();
   for (const auto& gate : gates_) gate->hand_over();
-  bus_.deliver(participant_);
+  if (Status s = options_.run->feed->feed(participant_); !s) return s;
   engine_->clear_cause();
   return check_errors();
 }

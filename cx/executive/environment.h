@@ -56,8 +56,8 @@ class Environment {
   SimTime now() const { return bus_.now(); }
 
   // --- Running
-  /// Takes what waits on the bus: facts are asserted, callbacks called.
-  Status perceive();
+  /// Takes what waits for it: facts are asserted, callbacks called.
+  Status take_inputs();
   /// RefreshAllAgendas, then runs until no rule is left.
   Status run();
   /// What has gone wrong since the last call: each error is noted; with `stop_on_rule_error` the first is returned.

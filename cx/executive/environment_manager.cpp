@@ -62,6 +62,7 @@ EnvironmentManager::EnvironmentManager(ManagerOptions options, Parameters parame
             else
               fail(why);
           }) {
+  if (!options_.feed) options_.feed = &bus_.as_feed();
   if (options_.on_join) options_.on_join(node_);
 }
 
@@ -544,36 +545,42 @@ void EnvironmentManager::finalize_unused() {
 
 // --- A tick
 
-Status EnvironmentManager::perceive(std::size_t i) {
-  Entry& entry = environments_[i];
-  if (Status s = call_handlers(entry.environment->name(), [&] { return entry.environment->perceive(); }); !s) return s;
-  for (Plugin* plugin : entry.loaded)
-    if (Status s =
-            call_plugin(*plugin, "perceive", [&] { return plugin->perceive(EnvironmentGuard(*entry.environment)); });
-        !s)
+Status EnvironmentManager::perceive() {
+  for (Entry& entry : environments_) {
+    if (Status s = call_handlers(entry.environment->name(), [&] { return entry.environment->take_inputs(); }); !s)
       return s;
+    for (Plugin* plugin : entry.loaded)
+      if (Status s =
+              call_plugin(*plugin, "perceive", [&] { return plugin->perceive(EnvironmentGuard(*entry.environment)); });
+          !s)
+        return s;
+  }
   return {};
 }
 
-Status EnvironmentManager::decide_if_due(std::size_t i, SimTime now) {
-  Entry& entry = environments_[i];
-  for (Plugin* plugin : entry.loaded) {
-    if (plugin->next_due(*entry.environment) > now) continue;
-    if (Status s = call_plugin(*plugin, "on_due", [&] { return plugin->on_due(EnvironmentGuard(*entry.environment)); });
-        !s)
-      return s;
+Status EnvironmentManager::decide(SimTime now) {
+  for (Entry& entry : environments_) {
+    for (Plugin* plugin : entry.loaded) {
+      if (plugin->next_due(*entry.environment) > now) continue;
+      if (Status s =
+              call_plugin(*plugin, "on_due", [&] { return plugin->on_due(EnvironmentGuard(*entry.environment)); });
+          !s)
+        return s;
+    }
+    if (Status s = entry.environment->log_status(); !s) return s;
   }
-  return entry.environment->log_status();
+  return {};
 }
 
 Status EnvironmentManager::act() {
-  bus_.deliver(node_);
+  if (Status s = options_.feed->feed(node_); !s) return s;
   if (bond_) bond_->act();
   return std::exchange(failure_, Status());
 }
 
 SimTime EnvironmentManager::next_due() const {
-  SimTime first = bond_ ? bond_->next_due() : kNever;
+  SimTime first = options_.feed->next_due();
+  if (bond_) first = std::min(first, bond_->next_due());
   for (const Entry& entry : environments_)
     if (entry.environment->has_gates()) return bus_.now();
   for (const Entry& entry : environments_)

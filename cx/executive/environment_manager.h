@@ -22,6 +22,7 @@
 #include "cx/node/lifecycle.h"
 #include "cx/node/log.h"
 #include "cx/node/parameters.h"
+#include "cx/run/parts.h"
 
 namespace cxlab::cx {
 
@@ -41,12 +42,12 @@ struct ManagerOptions : RunSettings {
       streams;  ///< of all managers of the run, so that no two share one; may be none
 };
 
-class EnvironmentManager {
+class EnvironmentManager final : public Agent {
  public:
   /// Reads and checks the configuration; the node joins the bus with its parameters and lifecycle services.
   static Expected<std::unique_ptr<EnvironmentManager>> create(ManagerOptions options, bus::Bus& bus,
                                                               RecordSink& journal);
-  ~EnvironmentManager();
+  ~EnvironmentManager() override;
   EnvironmentManager(const EnvironmentManager&) = delete;
   EnvironmentManager& operator=(const EnvironmentManager&) = delete;
 
@@ -65,18 +66,13 @@ class EnvironmentManager {
   /// The environments go.
   Status cleanup() { return lifecycle_.change(Transition::kCleanup); }
 
-  // --- A tick: first every environment perceives, then every environment decides, at the end the node acts
-  std::size_t size() const { return environments_.size(); }
-  Environment& environment(std::size_t i) { return *environments_[i].environment; }
-  Environment* find(std::string_view name);
-  Status perceive(std::size_t i);
+  // --- A tick
+  Status perceive() override;
   /// Lets the plugins act that are due, the executive above all.
-  Status decide_if_due(std::size_t i, SimTime now);
-  /// Takes what was sent to the node and does it: transitions, environments, plugins, parameters. Fails if that must
-  /// end the run.
-  Status act();
-  /// The earliest time at which any environment has something to decide.
-  SimTime next_due() const;
+  Status decide(SimTime now) override;
+  /// Takes what was sent to the node and does it: transitions, environments, plugins, parameters.
+  Status act() override;
+  SimTime next_due() const override;
   /// Rules called (cx-shutdown) or (exit).
   bool shutdown_requested() const;
 
@@ -92,6 +88,10 @@ class EnvironmentManager {
   std::vector<std::string> environment_names() const;
   /// In order of loading; of an environment that there is.
   Expected<std::vector<std::string>> plugin_names(const std::string& environment) const;
+
+  std::size_t size() const { return environments_.size(); }
+  Environment& environment(std::size_t i) { return *environments_[i].environment; }
+  Environment* find(std::string_view name);
 
   // --- What has happened
   const std::string& node() const { return options_.node; }

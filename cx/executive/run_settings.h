@@ -7,6 +7,9 @@
 namespace cxlab {
 class LookOutside;
 }
+namespace cxlab::bus {
+class Feed;
+}
 
 namespace cxlab::cx {
 
@@ -15,6 +18,7 @@ class LogSink;
 struct RunSettings {
   LogSink* log = nullptr;             ///< may be none
   LookOutside* outside = nullptr;     ///< may be none
+  bus::Feed* feed = nullptr;          ///< where its deliveries come from; none: the bus
   std::filesystem::path run_folder;   ///< for `logs/<env>.log` and what rules write; empty = neither
   std::uint64_t seed = 0;             ///< each environment draws from a stream of its own
   double epoch = 0;                   ///< s since 1970 at simulated time 0

@@ -85,7 +85,7 @@ void Replayer::watch(bus::ParticipantId participant) {
   senders_[journal_.stream_name(bus_.stream_of(participant))] = participant;
 }
 
-Status Replayer::deliver_due(bus::ParticipantId environment) {
+Status Replayer::feed(bus::ParticipantId environment) {
   const std::string& name = journal_.stream_name(bus_.stream_of(environment));
   senders_[name] = environment;
   const auto inputs = inputs_.find(name);

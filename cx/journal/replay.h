@@ -35,9 +35,9 @@ class RecordingTap final : public bus::InputTap {
 };
 
 /// Plays a log to environments on a muted bus, without those who once sent. The episode joins and activates the
-/// environments as it did then, and calls `deliver_due` where it else calls `Bus::deliver`. What differs from the
-/// recorded run is an error (kNo).
-class Replayer {
+/// environments as it did then, and feeds them from here where it else feeds them from the bus. What differs
+/// from the recorded run is an error (kNo).
+class Replayer final : public bus::Feed {
  public:
   /// Reads the whole log.
   Replayer(InputLogReader log, bus::Bus& bus, Journal& journal);
@@ -50,9 +50,9 @@ class Replayer {
   /// Tells of an environment before anything is delivered: others may have heard of it first.
   void watch(bus::ParticipantId participant);
   /// Hands over what this environment took at `Bus::now`, if anything.
-  Status deliver_due(bus::ParticipantId environment);
+  Status feed(bus::ParticipantId environment) override;
   /// When an environment takes next; kNever after the last.
-  SimTime next_due() const;
+  SimTime next_due() const override;
   /// What `key` (a function that looked outside) gave next to the environment of that stream.
   Expected<std::string_view> next_result(std::string_view environment, std::string_view key);
   /// After the last tick: success, or what the environments did not take or ask for.

@@ -6,7 +6,7 @@ namespace cxlab::testing {
 
 using bus::Delivery;
 
-struct StandIns::Server {
+struct StandIns::Served {
   StandIn stand_in;
   std::vector<bus::SharedMessage> results;  // one an outcome
   bus::EndpointId endpoint{};
@@ -52,9 +52,9 @@ StandIns::StandIns(bus::Bus& bus, RecordSink& sink)
 StandIns::~StandIns() { bus_.leave(self_); }
 
 Status StandIns::add(const StandIn& given) {
-  auto server = std::make_unique<Server>();
+  auto server = std::make_unique<Served>();
   server->stand_in = given;
-  Server* raw = server.get();
+  Served* raw = server.get();
   const bus::ActionType* action = nullptr;
   const bus::ServiceType* service = nullptr;
   if (given.action) {
@@ -118,7 +118,7 @@ Status StandIns::publish(const std::string& topic, const std::string& type, cons
   return {};
 }
 
-void StandIns::on_goal(Server& server, const Delivery& goal) {
+void StandIns::on_goal(Served& server, const Delivery& goal) {
   heard_.push_back({Heard::Kind::kGoal, bus_.now(), server.stand_in.name, goal.message->view().to_string()});
   const std::size_t k = server.next();
   const Outcome& outcome = server.stand_in.outcomes[k];
@@ -133,7 +133,7 @@ void StandIns::on_goal(Server& server, const Delivery& goal) {
                       server.results[k]});
 }
 
-void StandIns::on_call(Server& server, const Delivery& request) {
+void StandIns::on_call(Served& server, const Delivery& request) {
   heard_.push_back({Heard::Kind::kCall, bus_.now(), server.stand_in.name, request.message->view().to_string()});
   const std::size_t k = server.next();
   const Outcome& outcome = server.stand_in.outcomes[k];
@@ -157,7 +157,7 @@ Expected<bool> StandIns::end_goal(const std::string& action, const Outcome& outc
   return true;
 }
 
-void StandIns::sense(SimTime now) {
+Status StandIns::sense(SimTime now) {
   std::vector<Ending> open;
   for (Ending& ending : endings_) {
     const bool canceling =
@@ -172,9 +172,13 @@ void StandIns::sense(SimTime now) {
     }
   }
   endings_ = std::move(open);
+  return {};
 }
 
-void StandIns::act() { bus_.deliver(self_); }
+Status StandIns::act(SimTime) {
+  bus_.deliver(self_);
+  return {};
+}
 
 SimTime StandIns::next_due() const {
   SimTime first = kNever;

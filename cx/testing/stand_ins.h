@@ -8,6 +8,7 @@
 
 #include "cx/base/expected.h"
 #include "cx/bus/bus.h"
+#include "cx/run/parts.h"
 
 namespace cxlab::testing {
 
@@ -38,10 +39,10 @@ struct Heard {
   std::string content;  ///< YAML
 };
 
-class StandIns {
+class StandIns final : public Server {
  public:
   StandIns(bus::Bus& bus, RecordSink& sink);
-  ~StandIns();
+  ~StandIns() override;
 
   /// Serves from now on; a stand-in of that name is replaced (goals that it has taken end as it said).
   Status add(const StandIn& stand_in);
@@ -54,23 +55,23 @@ class StandIns {
   Expected<bool> end_goal(const std::string& action, const Outcome& outcome);
 
   /// Ends what is due.
-  void sense(SimTime now);
+  Status sense(SimTime now) override;
   /// Takes what was sent.
-  void act();
-  SimTime next_due() const;
+  Status act(SimTime now) override;
+  SimTime next_due() const override;
   const std::vector<Heard>& heard() const { return heard_; }
   bool serves(const std::string& action) const;
   std::vector<std::string> names() const;
 
  private:
-  struct Server;
+  struct Served;
   struct Ending;
-  void on_goal(Server& server, const bus::Delivery& goal);
-  void on_call(Server& server, const bus::Delivery& request);
+  void on_goal(Served& server, const bus::Delivery& goal);
+  void on_call(Served& server, const bus::Delivery& request);
 
   bus::Bus& bus_;
   bus::ParticipantId self_;
-  std::map<std::string, std::unique_ptr<Server>> servers_;
+  std::map<std::string, std::unique_ptr<Served>> servers_;
   std::map<std::string, bus::EndpointId> publishers_, ears_;
   std::vector<Ending> endings_;  // in order of arrival
   std::vector<Heard> heard_;

@@ -10,6 +10,7 @@
 #include "cx/base/scratch_folder.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/plugins/builtin.h"
+#include "cx/run/loop.h"
 #include "cx/testing/step_story.h"
 #include "cx/testing/watch.h"
 #include "cx/yaml/yaml.h"
@@ -86,12 +87,11 @@ class Play {
     for (const Line& fact : spec_.given)
       if (Status s = assert_fact(fact.text, fact.line); !s) return bad(s.error());
     std::optional<Error> failure;
-    while (now_ <= end_ && !failure && !(now_ > SimTime::zero() && manager_->shutdown_requested())) {
-      Status s = tick();
+    while (loop_->next_tick() <= end_ && !failure && !(loop_->ticks() > 0 && manager_->shutdown_requested())) {
+      Status s = loop_->tick();
       if (!s && s.error().file == spec_.file) return bad(s.error());
       if (!s) failure = s.error();
-      result_.sim_time_s = to_seconds(now_);
-      now_ = next_tick();
+      result_.sim_time_s = to_seconds(loop_->now());
     }
     if (failure) result_.failures.push_back(failure->text());
     for (const Expectation& e : spec_.expect) judge(e);
@@ -154,6 +154,7 @@ class Play {
     for (const Expectation& e : spec_.expect)
       end_ = std::max({end_, e.after, e.until == kNever ? SimTime::zero() : e.until});
     end_ = tick_not_before(end_, kTick);
+    loop_.emplace(bus_, kTick, Parts{.servers = {&script_, &stand_ins_}, .agents = {manager_.get()}});
     for (const StandIn& stand_in : spec_.stand_ins)
       if (Status s = stand_ins_.add(stand_in); !s) return s;
     for (const Expectation& e : spec_.expect)
@@ -228,6 +229,27 @@ class Play {
     return {};
   }
 
+  /// The steps of the story in their place of a tick.
+  class Script final : public Server {
+   public:
+    explicit Script(Play& play) : play_(play) {}
+    Status sense(SimTime now) override {
+      for (; next_ < steps().size() && steps()[next_].at <= now; ++next_)
+        if (Status s = play_.do_step(steps()[next_]); !s) return s;
+      return {};
+    }
+    Status act(SimTime) override { return {}; }
+    SimTime next_due() const override {
+      if (play_.each_tick_) return SimTime::zero();
+      return next_ < steps().size() ? steps()[next_].at : kNever;
+    }
+
+   private:
+    const std::vector<Step>& steps() const { return play_.spec_.steps; }
+    Play& play_;
+    std::size_t next_ = 0;
+  };
+
   Status do_step(const Step& step) {
     switch (step.verb) {
       case Step::Verb::kAssert: return assert_fact(step.text, step.line);
@@ -242,30 +264,8 @@ class Play {
       if (pattern->matches(copy_of(copy))) any |= environment_->engine().retract(copy.index);
     }
     if (any) return {};
-    return negative(spec_.file + ':' + std::to_string(step.line) + ": retract " + step.text + " at " + seconds(now_) +
-                    ": there is no such fact");
-  }
-
-  Status tick() {
-    bus_.begin_tick(now_);
-    for (; next_step_ < spec_.steps.size() && spec_.steps[next_step_].at <= now_; ++next_step_)
-      if (Status s = do_step(spec_.steps[next_step_]); !s) return s;
-    stand_ins_.sense(now_);
-    for (std::size_t i = 0; i < manager_->size(); ++i)
-      if (Status s = manager_->perceive(i); !s) return s;
-    for (std::size_t i = 0; i < manager_->size(); ++i)
-      if (Status s = manager_->decide_if_due(i, now_); !s) return s;
-    if (Status s = manager_->act(); !s) return s;
-    stand_ins_.act();
-    return {};
-  }
-
-  SimTime next_tick() const {
-    const SimTime following = now_ + kTick;
-    if (bus_.any_waiting()) return following;
-    SimTime due = std::min({manager_->next_due(), stand_ins_.next_due(), end_ + kTick});
-    if (next_step_ < spec_.steps.size()) due = std::min(due, spec_.steps[next_step_].at);
-    return std::max(following, tick_not_before(due, kTick));
+    return negative(spec_.file + ':' + std::to_string(step.line) + ": retract " + step.text + " at " +
+                    seconds(bus_.now()) + ": there is no such fact");
   }
 
   void fail(const Expectation& e, const std::string& what) { result_.failures.push_back(at(e.line, what).text()); }
@@ -407,8 +407,10 @@ class Play {
   StandIns stand_ins_{bus_, watches_};
   std::unique_ptr<cx::EnvironmentManager> manager_;
   cx::Environment* environment_ = nullptr;
-  SimTime now_{}, end_{};
-  std::size_t next_step_ = 0;
+  Script script_{*this};
+  std::optional<Loop> loop_;
+  bool each_tick_ = false;  // also those at which nothing is due
+  SimTime end_{};
   StoryResult result_;
 };
 
@@ -426,7 +428,9 @@ struct StoryOwner {
 
 struct Story::Stage : StoryOwner, Play {
   Stage(StorySpec spec, StorySetup setup, Report told)
-      : StoryOwner{std::move(spec), std::move(setup)}, Play(owned_spec, owned_setup), report(std::move(told)) {}
+      : StoryOwner{std::move(spec), std::move(setup)}, Play(owned_spec, owned_setup), report(std::move(told)) {
+    each_tick_ = true;
+  }
 
   Report report;
   Where begun;
@@ -445,18 +449,18 @@ struct Story::Stage : StoryOwner, Play {
     check(s, where);
   }
   void step(const Where& where) {
-    end_ = now_ + patience;
-    Status s = tick();
+    Status s = loop_->tick();
     usable = static_cast<bool>(s);
     check(s, where);
-    now_ += kTick;
   }
+  /// Time of the tick that comes next.
+  SimTime now() const { return loop_ ? loop_->next_tick() : SimTime::zero(); }
   /// Time goes on until `done`, at most until `until`.
   template <typename Done>
   bool wait(SimTime until, const Where& where, const Done& done) {
     while (usable) {
       if (done()) return true;
-      if (now_ > until) return false;
+      if (now() > until) return false;
       step(where);
     }
     return true;  // what is wrong has been reported
@@ -480,7 +484,7 @@ struct Story::Stage : StoryOwner, Play {
   }
 
   std::vector<FactCopy> found_;
-  using Play::assert_fact, Play::copy_of, Play::environment_, Play::now_, Play::stand_ins_, Play::manager_;
+  using Play::assert_fact, Play::copy_of, Play::environment_, Play::stand_ins_, Play::manager_;
 };
 
 Story::Story(StorySpec spec, StorySetup setup, Report report, Where where)
@@ -507,13 +511,13 @@ void Story::given(const std::string& fact, Where where) {
 }
 
 void Story::pass(double seconds, Where where) {
-  stage_->wait(stage_->now_ + from_seconds(seconds) - kTick, where, [] { return false; });
+  stage_->wait(stage_->now() + from_seconds(seconds) - kTick, where, [] { return false; });
 }
 
 void Story::expect_command(const std::string& robot, const std::string& skill, const std::string& target, Where where) {
   const std::string action = '/' + robot + '/' + skill;
   std::string others;
-  const bool came = stage_->wait(stage_->now_ + stage_->patience, where, [&] {
+  const bool came = stage_->wait(stage_->now() + stage_->patience, where, [&] {
     const std::vector<Heard>& heard = stage_->stand_ins_.heard();
     stage_->met.resize(heard.size());
     others.clear();
@@ -526,15 +530,15 @@ void Story::expect_command(const std::string& robot, const std::string& skill, c
     return false;
   });
   if (!came)
-    stage_->report(where, "expected " + action + " for " + target + " by " + seconds(stage_->now_) + "; " +
+    stage_->report(where, "expected " + action + " for " + target + " by " + seconds(stage_->now()) + "; " +
                               (others.empty() ? "no other goal came" : "there came " + others));
 }
 
 void Story::expect_fact(const std::string& text, Where where) {
   const auto pattern = FactPattern::parse(text, where.file_name(), static_cast<int>(where.line()));
   if (!pattern) return stage_->report(where, pattern.error().text());
-  if (stage_->wait(stage_->now_ + stage_->patience, where, [&] { return stage_->find(*pattern) != nullptr; })) return;
-  std::string what = "expected fact " + text + " by " + seconds(stage_->now_);
+  if (stage_->wait(stage_->now() + stage_->patience, where, [&] { return stage_->find(*pattern) != nullptr; })) return;
+  std::string what = "expected fact " + text + " by " + seconds(stage_->now());
   for (const FactCopy& copy : stage_->found_)
     what += "\n  there is " + copy.print() + ": " + pattern->difference(stage_->copy_of(copy));
   stage_->report(where, what);
@@ -560,6 +564,6 @@ void Story::skill_fails(const std::string& robot, const std::string& skill, int 
 }
 
 void Story::set_patience(double seconds) { stage_->patience = from_seconds(seconds); }
-double Story::now_s() const { return to_seconds(stage_->now_); }
+double Story::now_s() const { return to_seconds(stage_->now()); }
 
 }  // namespace cxlab::testing

@@ -9,7 +9,7 @@ namespace cxlab::pddl {
 
 namespace {
 
-class ManagerServer final : public sim::Server {
+class ManagerServer final : public Server {
  public:
   explicit ManagerServer(std::unique_ptr<planner::PddlManager> manager) : manager_(std::move(manager)) {}
   Status sense(SimTime now) override { return manager_->answer_due(now); }

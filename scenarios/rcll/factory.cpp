@@ -145,7 +145,7 @@ Status Factory::sense(SimTime now) {
   return {};
 }
 
-void Factory::judge(SimTime now) {
+Status Factory::judge(SimTime now) {
   referee_.judge(now, world_.changes(), context_.events);
   context_.events.clear();
 
@@ -155,6 +155,7 @@ void Factory::judge(SimTime now) {
   if (due(game_state_, now, points != told_points_ || referee_.phase() != told_phase_)) publish_game_state(now);
   told_points_ = points;
   told_phase_ = referee_.phase();
+  return {};
 }
 
 Status Factory::act(SimTime now) {

@@ -15,22 +15,22 @@
 #include "cx/base/record_sink.h"
 #include "cx/bus/bus.h"
 #include "cx/bus/transforms.h"
+#include "cx/run/parts.h"
 #include "scenarios/rcll/config.h"
 #include "scenarios/rcll/machines.h"
 #include "scenarios/rcll/referee.h"
-#include "sim/server.h"
 #include "sim/world.h"
 
 namespace cxlab::rcll {
 
-class Factory final : public sim::Server {
+class Factory final : public Server, public Referee {
  public:
   /// World, bus and sink outlive it. Fails on a bad configuration or when the interface package is missing.
   static Expected<std::unique_ptr<Factory>> make(const WorldConfig& config, std::uint64_t seed, sim::World& world,
                                                  bus::Bus& bus, RecordSink& sink);
 
   Status sense(SimTime now) override;
-  void judge(SimTime now);
+  Status judge(SimTime now) override;
   Status act(SimTime now) override;
   SimTime next_due() const override;
 
@@ -38,8 +38,7 @@ class Factory final : public sim::Server {
   const std::vector<std::unique_ptr<Machine>>& machines() const { return machines_; }
   const GameClock& clock() const { return context_.clock; }
   Team team() const { return team_; }
-  /// Whether production has ended.
-  bool over(SimTime now) const { return context_.clock.phase(now) == Phase::kPostGame; }
+  bool over() const override { return referee_.phase() == Phase::kPostGame; }
 
  private:
   Factory(const WorldConfig& config, Schedule schedule, sim::World& world, bus::Bus& bus, RecordSink& sink);

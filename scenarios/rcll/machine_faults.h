@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "cx/base/record_sink.h"
+#include "cx/run/parts.h"
 #include "scenarios/rcll/machine.h"
 #include "sim/faults/fault.h"
-#include "sim/server.h"
 
 namespace cxlab::rcll {
 
-class MachineFaults final : public sim::Server {
+class MachineFaults final : public Server {
  public:
   /// Takes those of `faults` that are about machines. Strikes are written to the stream "faults". A machine that does
   /// not exist is an error. Machines, world and sink outlive it.

@@ -11,23 +11,6 @@ namespace cxlab::rcll {
 
 namespace {
 
-/// Lets the factory's referee judge in its place of the tick.
-class FactoryReferee final : public Referee {
- public:
-  explicit FactoryReferee(Factory& factory) : factory_(factory) {}
-  Status judge(SimTime now) override {
-    factory_.judge(now);
-    now_ = now;
-    return {};
-  }
-  SimTime next_due() const override { return factory_.referee().next_due(); }
-  bool over() const override { return factory_.over(now_); }
-
- private:
-  Factory& factory_;
-  SimTime now_{};
-};
-
 /// Every zone of the field by its name; a robot that stands there faces +y.
 sim::Fleet::Places zone_places() {
   sim::Fleet::Places places;
@@ -99,7 +82,7 @@ Status GameStage::build(const Scenario& scenario, const std::filesystem::path& m
   if (!faults) return faults.error();
   servers.push_back(*std::move(faults));
   servers.push_back(*std::move(factory));
-  referee = std::make_unique<FactoryReferee>(*factory_);
+  referee = factory_;
   return {};
 }
 

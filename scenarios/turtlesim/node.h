@@ -14,9 +14,9 @@
 #include "cx/bus/transforms.h"
 #include "cx/node/log.h"
 #include "cx/node/parameters.h"
+#include "cx/run/parts.h"
 #include "scenarios/turtlesim/config.h"
 #include "sim/box2d/turtle_world.h"
-#include "sim/server.h"
 
 namespace cxlab::turtlesim {
 
@@ -31,7 +31,7 @@ struct TurtleStory {
   int teleports = 0;
 };
 
-class TurtlesimNode final : public sim::Server {
+class TurtlesimNode final : public Server {
  public:
   /// Joins the bus now, or at the start that the configuration names. `log` may be none. All must outlive the node.
   static Expected<std::unique_ptr<TurtlesimNode>> create(const Config& config, sim::TurtleWorld& world, bus::Bus& bus,

@@ -12,9 +12,9 @@
 
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
+#include "cx/run/parts.h"
 #include "sim/box2d/canvas.h"
 #include "sim/box2d/turtle_log.h"
-#include "sim/simulation.h"
 
 namespace cxlab::sim {
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "cx/run/parts.h"
 #include "sim/faults/fault.h"
-#include "sim/server.h"
 #include "sim/skills/physics_skills.h"
 #include "sim/skills/skill_server.h"
 #include "sim/skills/timed_skills.h"

@@ -10,6 +10,7 @@
 #include "cx/executive/environment_manager.h"
 #include "cx/journal/journal.h"
 #include "cx/plugins/builtin.h"
+#include "cx/run/loop.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace {
@@ -47,15 +48,9 @@ bool told(const cxlab::Status& status) {
 }
 
 void two_ticks(cxlab::cx::EnvironmentManager& manager, cxlab::bus::Bus& bus) {
-  for (int tick = 0; tick < 2; ++tick) {
-    const cxlab::SimTime now{tick * 20'000'000};
-    bus.begin_tick(now);
-    for (std::size_t i = 0; i < manager.size(); ++i)
-      if (!told(manager.perceive(i))) return;
-    for (std::size_t i = 0; i < manager.size(); ++i)
-      if (!told(manager.decide_if_due(i, now))) return;
-    if (!told(manager.act())) return;
-  }
+  cxlab::Loop loop(bus, std::chrono::milliseconds(20), {.agents = {&manager}});
+  for (int tick = 0; tick < 2; ++tick)
+    if (!told(loop.tick_at(tick * std::chrono::milliseconds(20)))) return;
 }
 
 void live(cxlab::cx::ManagerOptions options) {

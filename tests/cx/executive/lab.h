@@ -16,6 +16,7 @@
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/plugins/builtin.h"
+#include "cx/run/loop.h"
 
 namespace cxlab::cx {
 
@@ -151,14 +152,10 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.c
 
   /// One tick of the manager; the clock moves after it.
   Status tick() {
-    bus.begin_tick(now);
-    for (std::size_t i = 0; i < manager->size(); ++i)
-      if (Status s = manager->perceive(i); !s) return s;
-    for (std::size_t i = 0; i < manager->size(); ++i)
-      if (Status s = manager->decide_if_due(i, now); !s) return s;
-    if (Status s = manager->act(); !s) return s;
-    now += kTick;
-    return {};
+    Loop loop(bus, kTick, {.agents = {manager.get()}});
+    Status played = loop.tick_at(now);
+    if (played) now += kTick;
+    return played;
   }
   void ticks(int n) {
     for (int i = 0; i < n; ++i) {

@@ -146,7 +146,7 @@ class Replay : public testing::Test {
     world.bus.mute(true);
     for (int i = 0; i < ticks; ++i) {
       world.bus.begin_tick(milliseconds(20) * i);
-      if (Status s = replayer.deliver_due(echo.id); !s) return s;
+      if (Status s = replayer.feed(echo.id); !s) return s;
       if (ask) {
         const auto line = replayer.next_result("env/echo", "read-line");
         if (!line) return line.error();
@@ -203,7 +203,7 @@ TEST_F(Replay, AnEnvironmentIsKnownAsSenderBeforeItTakesAnything) {
   now.bus.mute(true);
   replayer.watch(again.id);
   replayer.watch(late_again);
-  EXPECT_EQ(play(now, late_again, [&] { EXPECT_TRUE(replayer.deliver_due(again.id).ok()); }), recorded);
+  EXPECT_EQ(play(now, late_again, [&] { EXPECT_TRUE(replayer.feed(again.id).ok()); }), recorded);
 }
 
 TEST_F(Replay, AnEndpointThatIsNotMadeIsADifference) {
@@ -221,7 +221,7 @@ TEST_F(Replay, MessagesThatAreNotTakenAreADifference) {
   Echo echo(world.bus, world.journal);
   Replayer replayer = replayer_for(world);
   world.bus.begin_tick(milliseconds(20));
-  const Status status = replayer.deliver_due(echo.id);
+  const Status status = replayer.feed(echo.id);
   ASSERT_FALSE(status.ok());
   EXPECT_THAT(status.error().text(), HasSubstr("env/echo at 0 s: then it took messages"));
 }

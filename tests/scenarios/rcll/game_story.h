@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cx/bus/bus.h"
+#include "cx/run/loop.h"
 #include "scenarios/rcll/factory.h"
 #include "scenarios/rcll/floor_plan.h"
 #include "sim/ledger/ledger_world.h"
@@ -57,6 +58,7 @@ class GameStory {
         agent_, "/factory/instruct_machine", *action_,
         {nullptr, [this](const bus::Delivery& d) { feedback_.push_back(d.message->view().text("state")); },
          [this](const bus::Delivery& d) { note_result(d); }, nullptr});
+    loop_.emplace(bus_, kTick, Parts{{&world_}, {factory_.get()}, factory_.get(), {&client_of_factory_}});
     run_for(0);
   }
 
@@ -74,17 +76,10 @@ class GameStory {
   /// Ticks until `seconds` later; 0 = one tick.
   void run_for(double seconds) {
     const SimTime end = world_.now() + from_seconds(seconds);
+    loop_->set_end(end);
     do {
-      if (started_) {
-        EXPECT_TRUE(world_.advance(next_tick(end) - world_.now()));
-      }
-      ++ticks_;
-      started_ = true;
-      bus_.begin_tick(world_.now());
-      EXPECT_TRUE(factory_->sense(world_.now()));
-      factory_->judge(world_.now());
-      bus_.deliver(agent_);
-      EXPECT_TRUE(factory_->act(world_.now()));
+      const SimTime following = loop_->ticks() == 0 ? SimTime::zero() : loop_->now() + kTick;
+      EXPECT_TRUE(loop_->tick_at(jumping_ ? loop_->next_tick() : following));
     } while (world_.now() < end);
   }
   void run_until(double seconds) {
@@ -93,7 +88,7 @@ class GameStory {
   double now() const { return to_seconds(world_.now()); }
   /// From now on only the ticks at which something is due.
   void set_jumping(bool on) { jumping_ = on; }
-  int ticks() const { return ticks_; }
+  std::int64_t ticks() const { return loop_->ticks(); }
 
   /// Index of the new goal.
   std::size_t instruct(const std::string& yaml) {
@@ -165,12 +160,18 @@ class GameStory {
  private:
   static constexpr SimTime kTick = std::chrono::milliseconds(20);
 
-  SimTime next_tick(SimTime end) const {
-    const SimTime next = world_.now() + kTick;
-    if (!jumping_ || bus_.any_waiting()) return next;
-    const SimTime due = std::min({factory_->next_due(), world_.next_event(), end});
-    return std::max(next, tick_not_before(due, kTick));
-  }
+  /// The client of the factory: takes what waits for it, and never acts by itself.
+  struct Client final : Agent {
+    explicit Client(GameStory& story) : story_(story) {}
+    Status perceive() override {
+      story_.bus_.deliver(story_.agent_);
+      return {};
+    }
+    Status decide(SimTime) override { return {}; }
+    Status act() override { return {}; }
+    SimTime next_due() const override { return kNever; }
+    GameStory& story_;
+  };
   void go_to(const std::string& name) {
     const sim::Pose2 pose = world_.plan().spot(spot(name)).work_in_world;
     world_.move_along(sim::RobotId{0}, std::span(&pose, 1), world_.now(), world_.now() + kTick);
@@ -195,8 +196,9 @@ class GameStory {
   std::vector<bus::GoalId> goals_;
   std::vector<Outcome> outcomes_;
   std::vector<std::string> feedback_;
-  bool started_ = false, jumping_ = false;
-  int ticks_ = 0;
+  Client client_of_factory_{*this};
+  std::optional<Loop> loop_;
+  bool jumping_ = false;
 };
 
 }  // namespace cxlab::rcll

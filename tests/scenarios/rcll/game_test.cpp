@@ -370,10 +370,10 @@ TEST(Game, BeforeProductionMachinesTakeNoInstructionsAndAfterItIsOver) {
   EXPECT_EQ(story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}").code, 209);
   story.run_until(5.1);
   EXPECT_EQ(story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}").code, 0);
-  EXPECT_FALSE(story.factory().over(story.world().now()));
+  EXPECT_FALSE(story.factory().over());
   story.run_until(25.1);
   EXPECT_EQ(story.factory().referee().phase(), Phase::kPostGame);
-  EXPECT_TRUE(story.factory().over(story.world().now()));
+  EXPECT_TRUE(story.factory().over());
 }
 
 TEST(Game, TheSameSeedAndDeedsGiveTheSameRecords) {
