@@ -7,41 +7,35 @@
 namespace cxlab::sim {
 namespace {
 
-// docs/models.md: the machine and where a robot stands to reach into it.
-constexpr double kFace = 0.175;  ///< half of the machine's depth
-constexpr double kBeltRestX = 0.155;
-constexpr double kBeltY = -0.025;
-constexpr double kWorkingHeight = 0.898;  ///< belt, shelf and mouth of the slide
-constexpr double kShelfX = 0.105;
-constexpr double kSlideX = 0.145;
-constexpr double kSlideY = 0.25;
-constexpr double kAlignDistance = 0.50;  ///< robot's centre from the face
-constexpr double kBeltReach = 0.33;
-constexpr double kShelfReach = 0.30;
-
 struct SpotShape {
   const char* suffix;
   SpotKind kind;
-  Vec3 rest;
+  double x, y;   ///< of a piece that rests there, in the station's frame
   double side;   ///< +1 input side, -1 output side
   double reach;  ///< distance of the working pose from the face
 };
 
-constexpr SpotShape kInput{"-INPUT", SpotKind::kBeltInput, {kBeltRestX, kBeltY, kWorkingHeight}, 1, kBeltReach};
-constexpr SpotShape kOutput{"-OUTPUT", SpotKind::kBeltOutput, {-kBeltRestX, kBeltY, kWorkingHeight}, -1, kBeltReach};
+constexpr SpotShape kInput{"-INPUT", SpotKind::kBeltInput, kMachine.belt_rest_x, kMachine.belt_y, 1, kStanding.belt};
+constexpr SpotShape kOutput{"-OUTPUT", SpotKind::kBeltOutput, -kMachine.belt_rest_x, kMachine.belt_y,
+                            -1,        kStanding.belt};
 constexpr SpotShape kShelf[] = {
-    {"-SHELF-LEFT", SpotKind::kShelf, {kShelfX, 0.075, kWorkingHeight}, 1, kShelfReach},
-    {"-SHELF-MIDDLE", SpotKind::kShelf, {kShelfX, 0.175, kWorkingHeight}, 1, kShelfReach},
-    {"-SHELF-RIGHT", SpotKind::kShelf, {kShelfX, 0.275, kWorkingHeight}, 1, kShelfReach},
+    {"-SHELF-LEFT", SpotKind::kShelf, kMachine.shelf_x, kMachine.shelf_y[0], 1, kStanding.shelf},
+    {"-SHELF-MIDDLE", SpotKind::kShelf, kMachine.shelf_x, kMachine.shelf_y[1], 1, kStanding.shelf},
+    {"-SHELF-RIGHT", SpotKind::kShelf, kMachine.shelf_x, kMachine.shelf_y[2], 1, kStanding.shelf},
 };
-constexpr SpotShape kSlide{"-SLIDE", SpotKind::kSlide, {kSlideX, kSlideY, kWorkingHeight}, 1, kBeltReach};
+constexpr SpotShape kSlide{"-SLIDE", SpotKind::kSlide, kMachine.slide_rest_x, kMachine.slide_y, 1, kStanding.belt};
 
 Spot make_spot(const Station& station, StationId id, const SpotShape& shape) {
   const auto robot_at = [&](double distance) {
     const double yaw = shape.side > 0 ? std::numbers::pi : 0.0;
-    return compose(station.pose_in_world, {shape.side * (kFace + distance), shape.rest.y, yaw});
+    return compose(station.pose_in_world, {shape.side * (kMachine.half_depth + distance), shape.y, yaw});
   };
-  return {station.name + shape.suffix, id, shape.kind, shape.rest, robot_at(kAlignDistance), robot_at(shape.reach)};
+  return {station.name + shape.suffix,
+          id,
+          shape.kind,
+          {shape.x, shape.y, kMachine.working_height},
+          robot_at(kStanding.align),
+          robot_at(shape.reach)};
 }
 
 template <class Id, class Items>

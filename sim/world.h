@@ -14,6 +14,7 @@
 #include "cx/base/record_sink.h"
 #include "cx/base/time.h"
 #include "cx/run/parts.h"
+#include "sim/geometry.h"
 
 namespace cxlab::sim {
 
@@ -69,7 +70,7 @@ struct WallSegment {
 };
 /// What stands where, fixed for an episode.
 struct FloorPlan {
-  double min_x = -7, max_x = 7, min_y = 0, max_y = 8;
+  double min_x = -kField.half_length, max_x = kField.half_length, min_y = 0, max_y = kField.width;
   std::vector<WallSegment> walls;  ///< physical; the border closes the field to driving everywhere
   std::vector<Station> stations;
   std::vector<Spot> spots;

@@ -8,20 +8,19 @@
 namespace cxlab::rcll {
 namespace {
 
-constexpr double kHalfDepth = 0.175, kHalfWidth = 0.35;  ///< of a machine's body, m
-constexpr double kHalfWall = 0.025;                      ///< m, half a wall's thickness
-constexpr double kGrid = 0.05;                           ///< m
-constexpr double kRobotWithMargin = 0.27;                ///< m, radius that robots of the league plan with
+constexpr double kGrid = 0.05;             ///< m
+constexpr double kRobotWithMargin = 0.27;  ///< m, radius that robots of the league plan with
 
 double distance_to_box(const sim::Pose2& box, double x, double y) {
   const sim::Vec3 local = sim::inverse_transform(box, {x, y, 0});
-  return std::hypot(std::max(std::abs(local.x) - kHalfDepth, 0.0), std::max(std::abs(local.y) - kHalfWidth, 0.0));
+  return std::hypot(std::max(std::abs(local.x) - sim::kMachine.half_depth, 0.0),
+                    std::max(std::abs(local.y) - sim::kMachine.half_width, 0.0));
 }
 
 double distance_to_wall(const sim::WallSegment& w, double x, double y) {
   const double dx = w.x1 - w.x0, dy = w.y1 - w.y0;
   const double along = std::clamp(((x - w.x0) * dx + (y - w.y0) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-  return std::hypot(x - w.x0 - along * dx, y - w.y0 - along * dy) - kHalfWall;
+  return std::hypot(x - w.x0 - along * dx, y - w.y0 - along * dy) - sim::kWall.half_thickness;
 }
 
 bool disc_fits(const sim::FloorPlan& plan, double x, double y, double radius) {

@@ -165,11 +165,11 @@ void Machine::stop_belt(sim::World& world) {
 
 bool Machine::bring_to_middle(sim::World& world) {
   if (world.belt_running(id_)) return false;
-  if (world.on_belt(id_, 0) != nullptr) {
+  if (world.on_belt(id_, sim::kMachine.processing_x) != nullptr) {
     belt_.wanted = false;
     return true;
   }
-  run_belt(world, kInSpeed, 0);
+  run_belt(world, kInSpeed, sim::kMachine.processing_x);
   return false;
 }
 

@@ -83,13 +83,12 @@ struct DownPeriod {
   SimTime begin = kNever, end = kNever;
 };
 
-// Belts, seen in the machine's frame, which looks from output to input: 0.155 m in 1.538 s from the input to the
-// middle, in 2.656 s from the middle to the output.
+// Belts, seen in the machine's frame, which looks from output to input: from the input to the middle, and from the
+// middle to the output.
 inline constexpr SimTime kBeltInTime = std::chrono::milliseconds(1538);
 inline constexpr SimTime kBeltOutTime = std::chrono::milliseconds(2656);
-inline constexpr double kBeltEnd = 0.155;               ///< m from the middle
-inline constexpr double kInSpeed = -kBeltEnd / 1.538;   ///< m/s
-inline constexpr double kOutSpeed = -kBeltEnd / 2.656;  ///< m/s
+inline constexpr double kInSpeed = -sim::kMachine.belt_rest_x / 1.538;   ///< m/s
+inline constexpr double kOutSpeed = -sim::kMachine.belt_rest_x / 2.656;  ///< m/s
 
 /// What the machines of a game share; outlives them.
 struct MachineContext {

@@ -11,7 +11,6 @@ using std::chrono::milliseconds;
 constexpr SimTime kDispenseTime = milliseconds(1100);
 constexpr SimTime kCapTime = milliseconds(17500);
 constexpr SimTime kGateTimes[]{milliseconds(3746), milliseconds(4746), milliseconds(3983)};
-constexpr double kMiddle = 0;
 constexpr int kMaxPayments = 3;
 
 }  // namespace
@@ -35,8 +34,9 @@ void BaseStation::work(SimTime now, sim::World& world) {
   } else if (state() == MachineState::kProcessing && in_phase(now) >= kDispenseTime) {
     sim::Stack stack;
     stack.base = static_cast<std::uint8_t>(*base_named(instruction().base_color));
-    if (!world.dispense(id(), kMiddle, stack)) return;  // something lies there: try again until stuck
-    run_belt(world, direction * kOutSpeed, -direction * kBeltEnd);
+    if (!world.dispense(id(), sim::kMachine.processing_x, stack))
+      return;  // something lies there: try again until stuck
+    run_belt(world, direction * kOutSpeed, -direction * sim::kMachine.belt_rest_x);
     enter(MachineState::kProcessed, now);
   } else if (state() == MachineState::kProcessed && in_phase(now) >= kBeltOutTime && ready(world)) {
     enter(MachineState::kReadyAtOutput, now);
@@ -99,7 +99,7 @@ void CapStation::work(SimTime now, sim::World& world) {
 }
 
 void CapStation::retrieve_or_mount(SimTime now, sim::World& world) {
-  const sim::Piece* piece = world.on_belt(id(), kMiddle);
+  const sim::Piece* piece = world.on_belt(id(), sim::kMachine.processing_x);
   if (piece == nullptr) return;  // taken away: stuck
   const sim::PieceId id_of_piece = piece->id;
   if (instruction().operation == "RETRIEVE_CAP") {
@@ -114,7 +114,7 @@ void CapStation::retrieve_or_mount(SimTime now, sim::World& world) {
     world.mount(id_of_piece, sim::Part::kCap, buffered_cap_);
     buffered_cap_ = 0;
   }
-  run_belt(world, kOutSpeed, -kBeltEnd);
+  run_belt(world, kOutSpeed, -sim::kMachine.belt_rest_x);
   enter(MachineState::kProcessed, now);
 }
 
@@ -173,7 +173,7 @@ void DeliveryStation::work(SimTime now, sim::World& world) {
     }
     if (arrived_after_ == kNever) arrived_after_ = std::max(in_phase(now), kBeltInTime);
     if (in_phase(now) < arrived_after_ + gate_time - kBeltInTime) return;
-    const sim::Piece product = *world.on_belt(id(), kMiddle);
+    const sim::Piece product = *world.on_belt(id(), sim::kMachine.processing_x);
     MachineEvent& event = post(MachineEvent::Kind::kDelivery, now);
     event.order_id = instruction().order_id;
     event.piece = product.id;

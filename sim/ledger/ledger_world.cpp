@@ -10,13 +10,8 @@
 namespace cxlab::sim {
 namespace {
 
-constexpr double kAlong = 0.010;  ///< m: at a place of a belt (sim/world.h)
-constexpr double kPieceDiameter = 0.040;
-constexpr double kBeltEnd = 0.175;  ///< half of the belt's length
-constexpr double kBeltY = -0.025;
-constexpr double kBeltTop = 0.898;
-constexpr Vec3 kCarried{0.139, 0, 0.945};  ///< underside of a held piece, in the robot's frame, arm at home and lifted
-constexpr double kFingersOpen = 0.035;
+/// Underside of a held piece, in the robot's frame.
+constexpr Vec3 kCarried{kRobot.home_forward, 0, kRobot.carried_height};
 
 template <class Id>
 int index_of(Id id) {
@@ -83,7 +78,7 @@ RobotState LedgerWorld::robot(RobotId id) const {
   if (const Piece* piece = held_by(id))
     state.held = piece->id;
   else
-    state.finger_opening = kFingersOpen;
+    state.finger_opening = kRobot.fingers_open;
   return state;
 }
 
@@ -110,7 +105,7 @@ const Piece* LedgerWorld::at(SpotId id) const {
 
 const Piece* LedgerWorld::on_belt(StationId id, double x) const {
   const Piece* nearest = nullptr;
-  double best = kAlong;
+  double best = kSpotTolerance.along_belt;
   for (const Piece& piece : pieces_) {
     if (piece.holder != Holder::kBelt || piece.holder_index != index_of(id)) continue;
     const double distance = std::abs(x_on_belt(piece) - x);
@@ -155,7 +150,8 @@ void LedgerWorld::carry(StationId id, SimTime duration) {
   const Pose2& frame = plan_.station(id).pose_in_world;
   for (Piece& piece : pieces_)
     if (piece.holder == Holder::kBelt && piece.holder_index == index_of(id))
-      piece.position_in_world = transform(frame, {x_on_belt(piece) + b.speed * to_seconds(duration), kBeltY, kBeltTop});
+      piece.position_in_world = transform(
+          frame, {x_on_belt(piece) + b.speed * to_seconds(duration), kMachine.belt_y, kMachine.working_height});
 }
 
 void LedgerWorld::carry_held_pieces() {
@@ -175,8 +171,8 @@ void LedgerWorld::plan_arrival(StationId id) {
     if (piece.holder != Holder::kBelt || piece.holder_index != index_of(id)) continue;
     const double x = x_on_belt(piece) * forward;
     const double to_stop = b.stop_x * forward - x;
-    const bool stops = to_stop >= -kAlong && b.stop_x * forward <= kBeltEnd;
-    way = std::min(way, std::max(0.0, stops ? to_stop : kBeltEnd - x));
+    const bool stops = to_stop >= -kSpotTolerance.along_belt && b.stop_x * forward <= kMachine.belt_half_length;
+    way = std::min(way, std::max(0.0, stops ? to_stop : kMachine.belt_half_length - x));
   }
   if (std::isfinite(way)) b.arrival = now_ + from_seconds(way / std::abs(b.speed));
 }
@@ -189,9 +185,10 @@ void LedgerWorld::arrive(StationId id) {
   for (Piece& piece : pieces_) {
     if (piece.holder != Holder::kBelt || piece.holder_index != index_of(id)) continue;
     const double x = x_on_belt(piece);
-    if (std::abs(x - b.stop_x) <= kSame || ((x - b.stop_x) * forward > 0 && (x - b.stop_x) * forward <= kAlong)) {
+    if (std::abs(x - b.stop_x) <= kSame ||
+        ((x - b.stop_x) * forward > 0 && (x - b.stop_x) * forward <= kSpotTolerance.along_belt)) {
       stops = true;
-    } else if (x * forward >= kBeltEnd - kSame) {
+    } else if (x * forward >= kMachine.belt_half_length - kSame) {
       const Vec3 below{piece.position_in_world.x, piece.position_in_world.y, 0};
       pass(piece, Holder::kFloor, -1, below, changes_);
     }
@@ -213,9 +210,9 @@ Expected<PieceId> LedgerWorld::dispense(StationId station, double x, const Stack
   const Station& where = plan_.station(station);
   for (const Piece& piece : pieces_)
     if (piece.holder == Holder::kBelt && piece.holder_index == index_of(station) &&
-        std::abs(x_on_belt(piece) - x) < kPieceDiameter)
+        std::abs(x_on_belt(piece) - x) < 2 * kPiece.radius)
       return negative(where.name + ": a piece lies where one should be dispensed").with_code("place_taken");
-  const Vec3 position = transform(where.pose_in_world, {x, kBeltY, kBeltTop});
+  const Vec3 position = transform(where.pose_in_world, {x, kMachine.belt_y, kMachine.working_height});
   auto id = add(stack, Holder::kBelt, index_of(station), position, index_of(station));
   plan_arrival(station);
   return id;

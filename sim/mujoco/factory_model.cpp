@@ -6,10 +6,10 @@
 #include <map>
 #include <string_view>
 
+#include "sim/mujoco/geometry_check.h"
+
 namespace cxlab::sim {
 namespace {
-
-constexpr double kWallHalfHeight = 0.25, kWallHalfWidth = 0.025;  // docs/models.md: border
 
 struct SpecDeleter {
   void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
@@ -146,13 +146,13 @@ class Builder {
       geom->type = mjGEOM_BOX;
       geom->pos[0] = (wall.x0 + wall.x1) / 2;
       geom->pos[1] = (wall.y0 + wall.y1) / 2;
-      geom->pos[2] = kWallHalfHeight;
+      geom->pos[2] = kWall.half_height;
       const double yaw = std::atan2(dy, dx);
       geom->quat[0] = std::cos(yaw / 2);
       geom->quat[3] = std::sin(yaw / 2);
-      geom->size[0] = std::hypot(dx, dy) / 2 + kWallHalfWidth;
-      geom->size[1] = kWallHalfWidth;
-      geom->size[2] = kWallHalfHeight;
+      geom->size[0] = std::hypot(dx, dy) / 2 + kWall.half_thickness;
+      geom->size[1] = kWall.half_thickness;
+      geom->size[2] = kWall.half_height;
       mjs_setName(geom->element, ("wall-" + std::to_string(n++)).c_str());
     }
   }
@@ -198,6 +198,7 @@ class Builder {
     result_.ring_materials = materials("ring-");
     result_.cap_materials = materials("cap-");
     if (missing_) return *missing_;
+    if (Status s = check_geometry(*result_.model, plan_, options_.models); !s) return s.error();
     return std::move(result_);
   }
 

@@ -12,16 +12,6 @@ namespace {
 constexpr double kMaxSpeed = 0.7, kMaxAcceleration = 0.4, kMaxBraking = 1.5;         // m/s, m/s2
 constexpr double kMaxTurn = 1.4, kMaxTurnAcceleration = 1.6, kMaxTurnBraking = 3.2;  // rad/s, rad/s2
 constexpr double kAxisSpeed = 0.1;                                                   // m/s
-constexpr Vec3 kAxesLow{0, -0.0375, 0}, kAxesHigh{0.24, 0.0375, 0.057};
-constexpr double kFingerZero = 0.035;  ///< opening at the joint's zero
-constexpr double kOpeningLow = -0.010, kOpeningHigh = 0.045;
-
-// docs/models.md: machine.
-constexpr double kBeltTop = 0.898, kBeltY = -0.025, kBeltHalfLength = 0.175;
-constexpr double kSlideX = 0.10;
-constexpr double kAlongBelt = 0.010, kAcrossBelt = 0.015, kShelfRadius = 0.040;
-constexpr double kLying = 0.030;  ///< an underside this near to the working height lies there
-constexpr double kPieceDiameter = 0.040;
 constexpr double kReleaseHeight = 0.0002;  ///< a new piece appears this high above its place
 
 /// A new holder counts when it was seen in so many ticks on end: a piece that is gripped while it still stands on the
@@ -104,8 +94,8 @@ void MujocoWorld::drive(Motion& m, const RobotIds& ids, double dt) {
   gate_.control(ids.actuator[kAxisForward], m.axes.x);
   gate_.control(ids.actuator[kAxisLeft], m.axes.y);
   gate_.control(ids.actuator[kAxisUp], m.axes.z);
-  gate_.control(ids.actuator[kAxisFingerLeft], kFingerZero - m.opening);
-  gate_.control(ids.actuator[kAxisFingerRight], kFingerZero - m.opening);
+  gate_.control(ids.actuator[kAxisFingerLeft], kRobot.fingers_open - m.opening);
+  gate_.control(ids.actuator[kAxisFingerRight], kRobot.fingers_open - m.opening);
 }
 
 void MujocoWorld::count_robot_contacts() {
@@ -143,8 +133,10 @@ void MujocoWorld::stop_arrived_belts() {
       const int body = body_of(piece.id);
       Track& track = tracks_[at_index(body)];
       const Vec3 here = inverse_transform(plan_.station(station).pose_in_world, underside_of(body));
-      const bool on = std::abs(here.y - kBeltY) < kAcrossBelt && std::abs(here.x) < kBeltHalfLength &&
-                      std::abs(here.z - kBeltTop) < kLying && piece.holder != Holder::kGripper;
+      const bool on = std::abs(here.y - kMachine.belt_y) < kSpotTolerance.across_belt &&
+                      std::abs(here.x) < kMachine.belt_half_length &&
+                      std::abs(here.z - kMachine.working_height) < kSpotTolerance.height &&
+                      piece.holder != Holder::kGripper;
       if (on && track.belt == static_cast<int>(s) && sign * (belts_[s].stop_x - track.belt_x) > 0 &&
           sign * (belts_[s].stop_x - here.x) <= 0)
         arrived = true;
@@ -284,7 +276,7 @@ void MujocoWorld::update_holder(Piece& piece, Track& track) {
 bool MujocoWorld::slid_in(const Piece& piece, const Track& track) const {
   if (track.support != Holder::kSlide || (track.left & track.right)) return false;
   const Pose2& frame = plan_.stations[at_index(track.support_index)].pose_in_world;
-  return inverse_transform(frame, piece.position_in_world).x < kSlideX;
+  return inverse_transform(frame, piece.position_in_world).x < kMachine.slide_counted_x;
 }
 
 void MujocoWorld::change_holder(Piece& piece, Holder to, int to_index) {
@@ -323,7 +315,7 @@ RobotState MujocoWorld::robot(RobotId id) const {
   state.vy = v(kAxisY);
   state.omega = v(kAxisYaw);
   state.gripper = {q(kAxisForward), q(kAxisLeft), q(kAxisUp)};
-  state.finger_opening = kFingerZero - (q(kAxisFingerLeft) + q(kAxisFingerRight)) / 2;
+  state.finger_opening = kRobot.fingers_open - (q(kAxisFingerLeft) + q(kAxisFingerRight)) / 2;
   for (const Piece& piece : pieces_)
     if (body_of(piece.id) == motion.held_body) state.held = piece.id;
   state.robot_contacts = motion.robot_contacts;
@@ -339,9 +331,10 @@ const Piece* MujocoWorld::at(SpotId id) const {
     if (piece.holder == Holder::kGripper) continue;
     const Vec3 here = inverse_transform(frame, piece.position_in_world);
     const double dx = here.x - spot.rest_in_station.x, dy = here.y - spot.rest_in_station.y;
-    if (std::abs(here.z - spot.rest_in_station.z) > kLying) continue;
-    if (spot.kind == SpotKind::kShelf ? std::hypot(dx, dy) <= kShelfRadius
-                                      : std::abs(dx) <= kAlongBelt && std::abs(dy) <= kAcrossBelt)
+    if (std::abs(here.z - spot.rest_in_station.z) > kSpotTolerance.height) continue;
+    if (spot.kind == SpotKind::kShelf
+            ? std::hypot(dx, dy) <= kSpotTolerance.shelf
+            : std::abs(dx) <= kSpotTolerance.along_belt && std::abs(dy) <= kSpotTolerance.across_belt)
       return &piece;
   }
   return nullptr;
@@ -350,11 +343,13 @@ const Piece* MujocoWorld::at(SpotId id) const {
 const Piece* MujocoWorld::on_belt(StationId id, double x) const {
   const Pose2& frame = plan_.station(id).pose_in_world;
   const Piece* nearest = nullptr;
-  double least = kAlongBelt;
+  double least = kSpotTolerance.along_belt;
   for (const Piece& piece : pieces_) {
     if (piece.holder == Holder::kGripper) continue;
     const Vec3 here = inverse_transform(frame, piece.position_in_world);
-    if (std::abs(here.y - kBeltY) > kAcrossBelt || std::abs(here.z - kBeltTop) > kLying) continue;
+    if (std::abs(here.y - kMachine.belt_y) > kSpotTolerance.across_belt ||
+        std::abs(here.z - kMachine.working_height) > kSpotTolerance.height)
+      continue;
     if (const double distance = std::abs(here.x - x); distance <= least) {
       least = distance;
       nearest = &piece;
@@ -389,7 +384,7 @@ Expected<PieceId> MujocoWorld::put_in_play(const Vec3& underside, const Stack& s
                                            int to_index) {
   for (const Piece& piece : pieces_) {
     const Vec3& p = piece.position_in_world;
-    if (std::hypot(p.x - underside.x, p.y - underside.y) < kPieceDiameter && std::abs(p.z - underside.z) < 0.06)
+    if (std::hypot(p.x - underside.x, p.y - underside.y) < 2 * kPiece.radius && std::abs(p.z - underside.z) < 0.06)
       return run_error(plan_.station(from).name + ": the place of a new piece is taken by piece " +
                        std::to_string(static_cast<int>(piece.id)))
           .with_code("place_taken");
@@ -411,7 +406,8 @@ Expected<PieceId> MujocoWorld::put_in_play(const Vec3& underside, const Stack& s
 }
 
 Expected<PieceId> MujocoWorld::dispense(StationId station, double x_on_belt, const Stack& stack) {
-  const Vec3 place = transform(plan_.station(station).pose_in_world, {x_on_belt, kBeltY, kBeltTop});
+  const Vec3 place =
+      transform(plan_.station(station).pose_in_world, {x_on_belt, kMachine.belt_y, kMachine.working_height});
   return put_in_play(place, stack, station, Holder::kBelt, static_cast<int>(station));
 }
 
@@ -496,13 +492,13 @@ void MujocoWorld::command_base(RobotId robot, double vx, double vy, double omega
 }
 
 void MujocoWorld::command_gripper(RobotId robot, const Vec3& axes) {
-  motions_[at_index(robot)].want_axes = {std::clamp(axes.x, kAxesLow.x, kAxesHigh.x),
-                                         std::clamp(axes.y, kAxesLow.y, kAxesHigh.y),
-                                         std::clamp(axes.z, kAxesLow.z, kAxesHigh.z)};
+  motions_[at_index(robot)].want_axes = {std::clamp(axes.x, 0.0, kRobot.forward_stroke),
+                                         std::clamp(axes.y, -kRobot.left_stroke, kRobot.left_stroke),
+                                         std::clamp(axes.z, 0.0, kRobot.up_stroke)};
 }
 
 void MujocoWorld::command_fingers(RobotId robot, double opening) {
-  motions_[at_index(robot)].want_opening = std::clamp(opening, kOpeningLow, kOpeningHigh);
+  motions_[at_index(robot)].want_opening = std::clamp(opening, kRobot.fingers_squeeze, kRobot.fingers_widest);
 }
 
 }  // namespace cxlab::sim

@@ -59,7 +59,7 @@ class MujocoWorld final : public World, public RobotBodies {
     double want_vx = 0, want_vy = 0, want_omega = 0;
     double vx = 0, vy = 0, omega = 0;
     Vec3 want_axes, axes;
-    double want_opening = 0.035, opening = 0.035;
+    double want_opening = kRobot.fingers_open, opening = kRobot.fingers_open;
     std::uint32_t robot_contacts = 0, static_contacts = 0;
     std::uint64_t touching_robots = 0;  ///< by index, in the last step
     bool touching_static = false;

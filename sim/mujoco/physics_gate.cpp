@@ -7,9 +7,6 @@
 namespace cxlab::sim {
 namespace {
 
-// docs/models.md: pieces.
-constexpr double kBaseMass = 0.050, kPartMass = 0.005;
-constexpr double kPieceRadius = 0.020, kBaseHeight = 2 * kPieceOrigin, kRingHeight = 0.008, kCapHeight = 0.004;
 constexpr int kBaseContype = 4, kPartContype = 16, kPieceConaffinity = 101;
 /// Parked pieces wait here, one beside the other, without weight and without collisions.
 constexpr Vec3 kParking{0, -100, -10};
@@ -160,20 +157,21 @@ void PhysicsGate::apply_shape(const PieceIds& piece, const PhysicsWrite& write) 
   const int cap = piece.geoms[kSlotCap];
   const bool has_cap = colour(kSlotCap) > 0;
   apply_slot(cap, factory_.cap_materials, colour(kSlotCap), kPartContype);
-  m->geom_size[3 * cap + 1] = kCapHeight / 2;
-  m->geom_pos[3 * cap + 2] = kPieceOrigin + rings * kRingHeight + kCapHeight / 2;
+  m->geom_size[3 * cap + 1] = kPiece.cap_height / 2;
+  m->geom_pos[3 * cap + 2] = kPieceOrigin + rings * kPiece.ring_height + kPiece.cap_height / 2;
 
   const bool in_play = colour(kSlotBase) > 0;
   m->body_contype[piece.body] = in_play ? kBaseContype | kPartContype : 0;
   m->body_conaffinity[piece.body] = in_play ? kPieceConaffinity : 0;
 
-  const double mass = kBaseMass + kPartMass * (rings + (has_cap ? 1 : 0));
-  const double height = kBaseHeight + kRingHeight * rings + (has_cap ? kCapHeight : 0);
-  const double across = mass * (3 * kPieceRadius * kPieceRadius + height * height) / 12;
+  const double mass = kPiece.base_mass + kPiece.part_mass * (rings + (has_cap ? 1 : 0));
+  const double height = kPiece.base_height + kPiece.ring_height * rings + (has_cap ? kPiece.cap_height : 0);
+  const double across = mass * (3 * kPiece.radius * kPiece.radius + height * height) / 12;
   m->body_mass[piece.body] = m->body_subtreemass[piece.body] = mass;
   m->body_inertia[3 * piece.body] = m->body_inertia[3 * piece.body + 1] = across;
-  m->body_inertia[3 * piece.body + 2] = mass * kPieceRadius * kPieceRadius / 2;
-  for (int i = 0; i < 2; ++i) m->body_invweight0[2 * piece.body + i] = piece_inverse_weight_[i] * kBaseMass / mass;
+  m->body_inertia[3 * piece.body + 2] = mass * kPiece.radius * kPiece.radius / 2;
+  for (int i = 0; i < 2; ++i)
+    m->body_invweight0[2 * piece.body + i] = piece_inverse_weight_[i] * kPiece.base_mass / mass;
 }
 
 void PhysicsGate::move_piece(const PieceIds& piece, const Vec3& origin, double gravity_compensation) {

@@ -14,8 +14,8 @@
 
 namespace cxlab::sim {
 
-/// Half of a base's height: pieces are written as the place of their underside, bodies have their origin above it.
-inline constexpr double kPieceOrigin = 0.0125;
+/// Height of a piece's origin over its underside: the world counts in undersides, MuJoCo in origins.
+inline constexpr double kPieceOrigin = kPiece.base_height / 2;
 
 class PhysicsGate {
  public:

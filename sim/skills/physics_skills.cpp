@@ -6,10 +6,7 @@
 namespace cxlab::sim {
 namespace {
 
-// The arm, docs/models.md: the gripper's frame is the underside of a held piece.
-constexpr double kHomeForward = 0.139, kHomeHeight = 0.888;
-constexpr double kForwardStroke = 0.24, kLeftStroke = 0.0375, kUpStroke = 0.057;
-constexpr double kOpen = 0.035, kSqueeze = -0.010;
+constexpr double kOpen = kRobot.fingers_open, kSqueeze = kRobot.fingers_squeeze;
 constexpr double kOpenEnough = 0.028;
 constexpr double kLifted = 0.045;      ///< m up: clear of the guides
 constexpr double kWithinHull = 0.085;  ///< m forward: nothing sticks out over the robot's hull
@@ -104,8 +101,9 @@ bool PhysicsSkills::gripper_at(const Vec3& axes) const {
 
 Vec3 PhysicsSkills::axes_for(const Vec3& point, const Pose2& robot) const {
   const Vec3 local = inverse_transform(robot, point);
-  return {std::clamp(local.x - kHomeForward, 0.0, kForwardStroke), std::clamp(local.y, -kLeftStroke, kLeftStroke),
-          std::clamp(local.z - kHomeHeight, 0.0, kUpStroke)};
+  return {std::clamp(local.x - kRobot.home_forward, 0.0, kRobot.forward_stroke),
+          std::clamp(local.y, -kRobot.left_stroke, kRobot.left_stroke),
+          std::clamp(local.z - kRobot.home_height, 0.0, kRobot.up_stroke)};
 }
 
 Vec3 PhysicsSkills::reach_axes(const Pose2& robot, double above) const {
@@ -184,8 +182,8 @@ std::optional<SkillResult> PhysicsSkills::sense_drive(SimTime now) {
       } else {
         piece_ = state_.held;
         const Vec3 held = inverse_transform(state_.pose_in_world, world_.find(*piece_)->position_in_world);
-        carried_offset_ = {held.x - kHomeForward - state_.gripper.x, held.y - state_.gripper.y,
-                           held.z - kHomeHeight - state_.gripper.z};
+        carried_offset_ = {held.x - kRobot.home_forward - state_.gripper.x, held.y - state_.gripper.y,
+                           held.z - kRobot.home_height - state_.gripper.z};
       }
       enter(SkillPhase::kAlign, now);
       return std::nullopt;
@@ -218,9 +216,9 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
       return std::nullopt;
     case SkillPhase::kApproach:
       if (base_at(spot_->work_in_world, kAtWork, kAlignedYaw) && speed_of(state_) < kStill &&
-          gripper_at(
-              picks ? reach_axes(state_.pose_in_world, kAboveGrip)
-                    : Vec3{reach_axes(state_.pose_in_world, 0).x, reach_axes(state_.pose_in_world, 0).y, kUpStroke}))
+          gripper_at(picks ? reach_axes(state_.pose_in_world, kAboveGrip)
+                           : Vec3{reach_axes(state_.pose_in_world, 0).x, reach_axes(state_.pose_in_world, 0).y,
+                                  kRobot.up_stroke}))
         enter(SkillPhase::kLower, now);
       else if (late)
         return give_up(SkillCode::kUnableToMove, now);
@@ -318,7 +316,7 @@ void PhysicsSkills::act(SimTime now) {
   const bool at_work = active_ && traffic_.working(robot_);
   if (!at_work) {
     // On the way, for itself or for others, or idle: the arm is home, high enough for what it carries.
-    move_gripper({0, 0, kUpStroke});
+    move_gripper({0, 0, kRobot.up_stroke});
     if (traffic_.moving(robot_))
       steer_along(*traffic_.motion(robot_), now);
     else if (active_ && traffic_.arrived(robot_))
@@ -338,7 +336,7 @@ void PhysicsSkills::act(SimTime now) {
       // While the base still drives, the arm goes to where it will be needed.
       const bool close = aligned && base_at(spot_->work_in_world, kAtWork, kAlignedYaw);
       Vec3 axes = reach_axes(close ? state_.pose_in_world : spot_->work_in_world, picks ? kAboveGrip : 0);
-      if (!picks) axes.z = kUpStroke;
+      if (!picks) axes.z = kRobot.up_stroke;
       move_gripper(axes);
       break;
     }
@@ -357,13 +355,13 @@ void PhysicsSkills::act(SimTime now) {
     case SkillPhase::kLift:
       hold_still();
       if (!state_.held && tries_ + 1 < kTries && state_.gripper.z >= kLifted) move_fingers(kOpen);
-      move_gripper({gripper_goal_.x, gripper_goal_.y, kUpStroke});
+      move_gripper({gripper_goal_.x, gripper_goal_.y, kRobot.up_stroke});
       break;
     default: {  // back off, also after a cancel: up first, so that nothing is dragged along
       if (fingers_goal_ == kOpen) move_fingers(kOpen);
       const bool clear =
           state_.gripper.z >= kLifted || (fingers_goal_ == kOpen && state_.finger_opening >= kOpenEnough);
-      move_gripper({clear ? 0 : gripper_goal_.x, clear ? 0 : gripper_goal_.y, kUpStroke});
+      move_gripper({clear ? 0 : gripper_goal_.x, clear ? 0 : gripper_goal_.y, kRobot.up_stroke});
       if (clear)
         steer_to(spot_->align_in_world, kFineSpeed);
       else

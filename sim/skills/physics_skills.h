@@ -66,7 +66,7 @@ class PhysicsSkills final : public RobotSkills {
   std::optional<PieceId> piece_;  ///< in hand, or wanted
   Vec3 carried_offset_;           ///< of the held piece's underside from the gripper, in the robot's frame
   Vec3 gripper_goal_;
-  double fingers_goal_ = 0.035;
+  double fingers_goal_ = kRobot.fingers_open;
   bool commanded_ = false;  ///< the base has been told to move and not yet to stand
 };
 

@@ -8,11 +8,9 @@
 namespace cxlab::sim {
 namespace {
 
-constexpr double kGrid = 0.1;         ///< m between nodes
-constexpr double kRoomy = 0.34;       ///< m: closer to fixed things than this costs extra
-constexpr double kCrampedCost = 1.5;  ///< times the length, at kClearance
-constexpr double kWallHalf = 0.025;   ///< half of a wall's thickness
-constexpr double kMachineX = 0.175, kMachineY = 0.35;
+constexpr double kGrid = 0.1;             ///< m between nodes
+constexpr double kRoomy = 0.34;           ///< m: closer to fixed things than this costs extra
+constexpr double kCrampedCost = 1.5;      ///< times the length, at kClearance
 constexpr double kJoin = 0.35;            ///< m: how far a pose may lie from the nodes it joins
 constexpr double kJoinClearance = 0.235;  ///< beside a machine at work a robot is closer than on its ways
 constexpr double kStraightStep = 0.05;
@@ -22,8 +20,8 @@ constexpr int kNeighbours[8][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1
 
 double to_box(Point2 p, const Pose2& centre) {
   const Vec3 local = inverse_transform(centre, {p.x, p.y, 0});
-  const double dx = std::max(0.0, std::abs(local.x) - kMachineX);
-  const double dy = std::max(0.0, std::abs(local.y) - kMachineY);
+  const double dx = std::max(0.0, std::abs(local.x) - kMachine.half_depth);
+  const double dy = std::max(0.0, std::abs(local.y) - kMachine.half_width);
   return std::hypot(dx, dy);
 }
 
@@ -53,10 +51,11 @@ FloorMap::FloorMap(const FloorPlan& plan)
     const Point2 p = point(static_cast<Node>(i));
     double nearest =
         std::min(std::min(p.x - plan.min_x, plan.max_x - p.x), std::min(p.y - plan.min_y, plan.max_y - p.y));
-    nearest -= kWallHalf;
+    nearest -= kWall.half_thickness;
     for (const Station& station : plan.stations) nearest = std::min(nearest, to_box(p, station.pose_in_world));
     for (const WallSegment& wall : plan.walls)
-      nearest = std::min(nearest, distance(p, Footprint{{wall.x0, wall.y0}, {wall.x1, wall.y1}}) - kWallHalf);
+      nearest =
+          std::min(nearest, distance(p, Footprint{{wall.x0, wall.y0}, {wall.x1, wall.y1}}) - kWall.half_thickness);
     clearance_[i] = static_cast<float>(nearest);
   }
 }

@@ -51,6 +51,29 @@ TEST(Spots, DependOnTheKindOfMachine) {
   EXPECT_EQ(names("CS"), "M-INPUT M-OUTPUT M-SHELF-LEFT M-SHELF-MIDDLE M-SHELF-RIGHT ");
 }
 
+/// What the models do not have, so that no world compares it at its start.
+TEST(Geometry, HasTheMeasuresOfTheDocumentation) {
+  EXPECT_EQ(kField.half_length, 7);
+  EXPECT_EQ(kField.width, 8);
+  EXPECT_EQ(kWall.half_thickness, 0.025);
+  EXPECT_EQ(kWall.half_height, 0.25);
+  EXPECT_EQ(kMachine.belt_rest_x, 0.155);
+  EXPECT_EQ(kMachine.processing_x, 0);
+  EXPECT_EQ(kMachine.slide_rest_x, 0.145);
+  EXPECT_EQ(kMachine.slide_counted_x, 0.100);
+  EXPECT_EQ(kStanding.align, 0.50);
+  EXPECT_EQ(kStanding.belt, 0.33);
+  EXPECT_EQ(kStanding.shelf, 0.30);
+  EXPECT_EQ(kSpotTolerance.along_belt, 0.010);
+  EXPECT_EQ(kSpotTolerance.across_belt, 0.015);
+  EXPECT_EQ(kSpotTolerance.shelf, 0.040);
+  EXPECT_EQ(kSpotTolerance.height, 0.030);
+  EXPECT_EQ(kPiece.cap_height, 0.004);
+  EXPECT_EQ(kPiece.part_mass, 0.005);
+  EXPECT_NEAR(kRobot.carried_height, kRobot.home_height + kRobot.up_stroke, 1e-12);
+  EXPECT_EQ(kRobot.fingers_squeeze, -0.010);
+}
+
 TEST(FloorPlan, FindsByName) {
   FloorPlan plan;
   plan.stations = {{"C-BS", "BS", {}, true}, {"C-DS", "DS", {}, true}};

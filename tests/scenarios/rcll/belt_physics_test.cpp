@@ -59,21 +59,21 @@ TEST_F(BeltPhysics, ABaseRidesToTheSideThatWasAskedFor) {
 
 TEST_F(BeltPhysics, ACapIsRetrievedAndMountedOnTheNextBase) {
   Machine& cap_station = machine("C-CS1");
-  ASSERT_TRUE(world_->dispense(cap_station.id(), kBeltEnd, {4, {}, 2}));
+  ASSERT_TRUE(world_->dispense(cap_station.id(), sim::kMachine.belt_rest_x, {4, {}, 2}));
   EXPECT_NEAR(carry_out(cap_station, {"RETRIEVE_CAP", "", "", "", 0}), 21.7, 0.6);
   ASSERT_NE(at("C-CS1-OUTPUT"), nullptr);
   EXPECT_EQ(at("C-CS1-OUTPUT")->stack, (sim::Stack{4, {}, 0}));
   world_->retire(at("C-CS1-OUTPUT")->id, sim::Holder::kFloor);
   for (int i = 0; i < 260; ++i) tick();
 
-  ASSERT_TRUE(world_->dispense(cap_station.id(), kBeltEnd, {1, {}, 0}));
+  ASSERT_TRUE(world_->dispense(cap_station.id(), sim::kMachine.belt_rest_x, {1, {}, 0}));
   EXPECT_NEAR(carry_out(cap_station, {"MOUNT_CAP", "", "", "", 0}), 21.7, 0.6);
   ASSERT_NE(at("C-CS1-OUTPUT"), nullptr);
   EXPECT_EQ(at("C-CS1-OUTPUT")->stack, (sim::Stack{1, {}, 2}));
 }
 
 TEST_F(BeltPhysics, AProductGoesThroughTheGateAndLeavesPlay) {
-  const auto product = world_->dispense(machine("C-DS").id(), kBeltEnd, {1, {}, 2});
+  const auto product = world_->dispense(machine("C-DS").id(), sim::kMachine.belt_rest_x, {1, {}, 2});
   ASSERT_TRUE(product);
   EXPECT_NEAR(carry_out(machine("C-DS"), {"", "", "", "", 1}), 3.746, 0.4);
   EXPECT_EQ(world_->find(*product), nullptr);

@@ -139,7 +139,7 @@ class GameStory {
     sim::Stack stack;
     stack.base = static_cast<std::uint8_t>(*base_named(base));
     if (cap) stack.cap = static_cast<std::uint8_t>(*cap);
-    EXPECT_TRUE(world_.dispense(machine("C-DS").id(), kBeltEnd, stack));
+    EXPECT_TRUE(world_.dispense(machine("C-DS").id(), sim::kMachine.belt_rest_x, stack));
   }
 
   const Machine& machine(const std::string& name) const {

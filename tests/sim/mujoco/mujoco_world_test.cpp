@@ -272,6 +272,69 @@ TEST_F(BrokenModels, MissingPartIsReported) {
   EXPECT_EQ(std::filesystem::path(error().file).filename(), "slide.xml");
 }
 
+TEST_F(BrokenModels, MeasuresThatTheCodeDoesNotHaveAreReported) {
+  const struct {
+    const char *file, *from, *to, *message;
+  } kChanges[] = {
+      {"machine.xml", "size=\"0.175 0.35 0.415\"", "size=\"0.18 0.35 0.415\"",
+       "geom 'body': half size along x is 0.18, expected 0.175 as in sim/geometry.h"},
+      {"machine.xml", "size=\"0.175 0.35 0.415\"", "size=\"0.175 0.3 0.415\"",
+       "geom 'body': half size along y is 0.3, expected 0.35 as in sim/geometry.h"},
+      {"machine.xml", "pos=\"0 0 0.445\"", "pos=\"0.01 0 0.445\"", "geom 'body': x is 0.01, expected 0 "},
+      {"machine.xml", "pos=\"0 0 0.445\"", "pos=\"0 0.02 0.445\"", "geom 'body': y is 0.02, expected 0 "},
+      {"belt.xml", "size=\"0.175 0.0225", "size=\"0.155 0.0225", "half size along x is 0.155, expected 0.175 "},
+      {"belt.xml", "<frame name=\"belt\" pos=\"0 -0.025", "<frame name=\"belt\" pos=\"0 -0.02",
+       "geom 'belt': y is -0.02, expected -0.025 "},
+      {"belt.xml", "<frame name=\"belt\" pos=\"0 ", "<frame name=\"belt\" pos=\"0.1 ",
+       "geom 'belt': x is 0.1, expected 0 "},
+      {"belt.xml", "pos=\"0 0 -0.019\"", "pos=\"0 0 -0.018\"", "z of the top is 0.899, expected 0.898 "},
+      {"shelf.xml", "pos=\"0 0 -0.005\"", "pos=\"0 0 -0.004\"", "geom 'shelf': z of the top is 0.899, expected 0.898 "},
+      {"shelf.xml", "pos=\"0 -0.1 0\"", "pos=\"0 -0.11 0\"", "geom 'mark-left': y is 0.065, expected 0.075 "},
+      {"shelf.xml", "pos=\"0 0.1 0\"", "pos=\"0.01 0.1 0\"", "geom 'mark-right': x is 0.115, expected 0.105 "},
+      {"slide.xml", "pos=\"0.155 0.25 0.898\"", "pos=\"0.155 0.26 0.898\"", "geom 'slide': y is 0.26, expected 0.25 "},
+      {"slide.xml", "pos=\"0.155 0.25 0.898\"", "pos=\"0.165 0.25 0.898\"",
+       "geom 'slide': z of the floor at the mouth is "},
+      {"robot.xml", "size=\"0.225 0.4\"", "size=\"0.2 0.4\"", "geom 'hull': radius is 0.2, expected 0.225 "},
+      {"robot.xml", "pos=\"0.139 0 0.888\"", "pos=\"0.14 0 0.888\"", "body 'arm': x is 0.14, expected 0.139 "},
+      {"robot.xml", "pos=\"0.139 0 0.888\"", "pos=\"0.139 0.1 0.888\"", "body 'arm': y is 0.1, expected 0 "},
+      {"robot.xml", "pos=\"0.139 0 0.888\"", "pos=\"0.139 0 0.9\"", "body 'arm': z is 0.9, expected 0.888 "},
+      {"robot.xml", "range=\"0 0.24\"", "range=\"0 0.25\"",
+       "joint 'forward': upper end of the range is 0.25, expected 0.24 "},
+      {"robot.xml", "range=\"-0.0375 0.0375\"", "range=\"-0.03 0.0375\"",
+       "joint 'left': lower end of the range is -0.03, expected -0.0375 "},
+      {"robot.xml", "range=\"0 0.057\"", "range=\"0 0.06\"",
+       "joint 'up': upper end of the range is 0.06, expected 0.057 "},
+      {"robot.xml", "range=\"-0.010 0.035\"", "range=\"-0.020 0.035\"",
+       "joint 'finger-left': lower end of the range is -0.02, expected -0.01 "},
+      {"robot.xml", "pos=\"0 -0.035 0.044\"", "pos=\"0 -0.036 0.044\"",
+       "body 'finger-right': distance from the middle is 0.036, expected 0.035 "},
+      {"piece.xml", "mass=\"0.05\"", "mass=\"0.06\"", "body 'piece': mass is 0.06, expected 0.05 "},
+      {"piece.xml", "name=\"base\" size=\"0.020 0.0125\"", "name=\"base\" size=\"0.021 0.0125\"",
+       "geom 'base': radius is 0.021, expected 0.02 "},
+      {"piece.xml", "name=\"base\" size=\"0.020 0.0125\"", "name=\"base\" size=\"0.020 0.013\"",
+       "geom 'base': half height is 0.013, expected 0.0125 "},
+      {"piece.xml", "pos=\"0 0 0.0245\"", "pos=\"0 0 0.025\"", "geom 'ring-2': z is 0.025, expected 0.0245 "},
+      {"piece.xml", "name=\"ring-3\" size=\"0.020 0.004\"", "name=\"ring-3\" size=\"0.020 0.005\"",
+       "geom 'ring-3': half height is 0.005, expected 0.004 "},
+      {"piece.xml", "name=\"ring-1\" size=\"0.020", "name=\"ring-1\" size=\"0.019", "geom 'ring-1': radius is 0.019, "},
+      {"piece.xml", "name=\"cap\" size=\"0.020", "name=\"cap\" size=\"0.019",
+       "geom 'cap': radius is 0.019, expected 0.02 "},
+  };
+  for (const auto& change : kChanges) {
+    SetUp();
+    replace(change.file, change.from, change.to);
+    const Error e = error();
+    EXPECT_EQ(e.kind, ErrorKind::kInput);
+    EXPECT_EQ(e.file, (folder_ / change.file).string()) << change.to;
+    EXPECT_THAT(e.message, HasSubstr(change.message));
+  }
+}
+
+TEST_F(BrokenModels, AGeomThatIsOnlyCheckedMustBeThere) {
+  replace("machine.xml", "geom name=\"body\"", "geom name=\"box\"");
+  EXPECT_EQ(error().message, "geom 'body' is missing");
+}
+
 TEST_F(BrokenModels, WorldThatDivergesSaysWhen) {
   replace("factory.xml", "integrator=\"implicitfast\"", "integrator=\"Euler\" gravity=\"0 0 1e12\"");
   ModelOptions options = test_options();
