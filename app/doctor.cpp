@@ -110,7 +110,7 @@ std::vector<Finding> examine() {
   findings.push_back(disk());
   findings.push_back(writable());
   findings.push_back({"cores", Verdict::kGood, std::to_string(sysconf(_SC_NPROCESSORS_ONLN)), ""});
-  findings.push_back(tool("cargo", "CLIPS cannot be fetched again (a built tree goes on)", "cargo-web"));
+  findings.push_back(tool("cargo", "CLIPS and minijinja cannot be fetched again (a built tree goes on)", "cargo-web"));
   findings.push_back(administrator());
   return findings;
 }

@@ -64,6 +64,8 @@ get_target_property(mujoco mujoco::mujoco IMPORTED_LOCATION)
 get_filename_component(wheel "${mujoco}" DIRECTORY)
 file(GLOB files "${wheel}/../*.dist-info/licenses/*")
 install(FILES ${files} DESTINATION ${doc}/mujoco)
+get_target_property(licences minijinja::minijinja CXLAB_LICENCES)
+install(DIRECTORY "${licences}/" DESTINATION ${doc}/minijinja)
 # The licences of the Debian libraries that were copied.
 install(CODE "set(folder \"\${CMAKE_INSTALL_PREFIX}/${libraries}\")\nset(licences \"\${CMAKE_INSTALL_PREFIX}/${doc}\")")
 install(SCRIPT cmake/package/licences.cmake)

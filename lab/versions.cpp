@@ -1,6 +1,7 @@
 #include "lab/versions.h"
 
 #include "cx/engine/version.h"
+#include "cx/template/template.h"
 #include "sim/box2d/library.h"
 #include "sim/mujoco/library.h"
 
@@ -12,6 +13,7 @@ std::vector<std::pair<std::string, std::string>> versions() {
   return {{"cxlab", CXLAB_VERSION},
           {"CLIPS", clips_version()},
           {"MuJoCo", sim::mujoco_version()},
+          {"minijinja", templates::minijinja_version()},
           {"Box2D", sim::box2d_version()}};
 }
 

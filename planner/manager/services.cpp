@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "cx/template/template.h"
 #include "planner/manager/manager.h"
 #include "planner/pddl/parser.h"
-#include "planner/templates/template.h"
 
 namespace cxlab::planner {
 

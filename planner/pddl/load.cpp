@@ -3,8 +3,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "cx/template/template.h"
 #include "planner/pddl/parser.h"
-#include "planner/templates/template.h"
 
 namespace cxlab::planner {
 namespace {

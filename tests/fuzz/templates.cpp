@@ -2,11 +2,11 @@
 
 #include <map>
 
-#include "planner/templates/template.h"
+#include "cx/template/template.h"
 #include "tests/fuzz/fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace cxlab::planner::templates;
+  using namespace cxlab::templates;
   using cxlab::fuzz::promise;
   std::map<std::string, std::string> templates;
   std::string rest = "--- main\n" + cxlab::fuzz::text_of(data, size);
@@ -22,12 +22,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto found = templates.find(name);
     return found == templates.end() ? std::nullopt : std::optional(found->second);
   };
-  const Limits limits{1 << 20, 100000};
-  const auto text = render(loader, "main", {}, limits);
+  const Options options{.limits = {100000, 1 << 20, 16 << 20}};
+  const auto text = render(loader, "main", options);
   promise(text || !text.error().message.empty(), "an error says what was found");
   promise(text || !text.error().file.empty(), "an error has its template");
-  promise(!text || text->size() <= limits.output, "the limit of output holds");
-  const auto again = render(loader, "main", {}, limits);
+  promise(!text || text->size() <= options.limits.output, "the limit of output holds");
+  const auto again = render(loader, "main", options);
   promise(text.ok() == again.ok() && (!text || *text == *again), "a template gives the same text each time");
   return 0;
 }

@@ -104,6 +104,16 @@ TEST(ProblemParser, GivesUpWhenTheDeadlineHasPassed) {
   EXPECT_EQ(late.error().code, kTooLate);
 }
 
+TEST(LoadTask, ExampleOfTheDocsMakesADomain) {
+  const std::string folder = std::string(std::getenv("CXLAB_SOURCE_DIR")) + "/docs/examples/planning/";
+  const auto problem = testing::TempDir() + "stations-problem.pddl";
+  std::ofstream(problem) << "(define (problem p) (:domain delivery) (:init) (:goal (and)))";
+  const auto task = load_task(folder + "stations.pddl", problem);
+  ASSERT_TRUE(task) << task.error().text();
+  ASSERT_EQ(task->domain.actions.size(), 2u);
+  EXPECT_EQ(task->domain.actions[1].duration.at(0).bound.value, 10);
+}
+
 TEST(LoadTask, TemplatesAreRenderedFirst) {
   const auto folder = std::filesystem::temp_directory_path() / ("cxlab-load-" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);

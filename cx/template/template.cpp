@@ -1,0 +1,80 @@
+#include "cx/template/template.h"
+
+#include <minijinja.h>
+
+#include <fstream>
+#include <sstream>
+
+namespace cxlab::templates {
+
+namespace {
+
+/// One call of `render`.
+struct Rendering {
+  const Loader& loader;
+  std::string loaded;
+  Expected<std::string> result;
+
+  static minijinja_text text(const std::string& text) { return {text.data(), text.size()}; }
+  static std::string string(minijinja_text text) { return {text.data, text.size}; }
+
+  static int load(void* context, minijinja_text name, minijinja_text* text) {
+    auto& rendering = *static_cast<Rendering*>(context);
+    auto found = rendering.loader(string(name));
+    if (!found) return 0;
+    rendering.loaded = *std::move(found);
+    *text = Rendering::text(rendering.loaded);
+    return 1;
+  }
+  static void done(void* context, minijinja_text text) { static_cast<Rendering*>(context)->result = string(text); }
+  static void fail(void* context, minijinja_text file, size_t line, minijinja_text message) {
+    static_cast<Rendering*>(context)->result = input_error(string(message), string(file), static_cast<int>(line));
+  }
+};
+
+}  // namespace
+
+Loader folder_loader(const std::string& folder) {
+  return [folder](const std::string& name) -> std::optional<std::string> {
+    for (std::size_t at = 0; at <= name.size();) {  // as Jinja: no part of a name leads upwards
+      const std::size_t end = std::min(name.find('/', at), name.size());
+      if (name.substr(at, end - at) == "..") return std::nullopt;
+      at = end + 1;
+    }
+    std::ifstream in(folder + "/" + name, std::ios::binary);
+    if (!in) return std::nullopt;
+    if (in.peek() == std::ifstream::traits_type::eof()) return in.bad() ? std::nullopt : std::optional<std::string>("");
+    std::ostringstream text;
+    text << in.rdbuf();
+    if (!text || in.bad()) return std::nullopt;
+    return std::move(text).str();
+  };
+}
+
+Expected<std::string> render(const Loader& loader, const std::string& name, const Options& options) {
+  Rendering rendering{loader, {}, std::string()};
+  const minijinja_job job{Rendering::text(name),
+                          Rendering::text(options.variables),
+                          options.html,
+                          options.limits.steps,
+                          options.limits.output,
+                          options.limits.memory,
+                          &rendering,
+                          Rendering::load,
+                          Rendering::done,
+                          Rendering::fail};
+  minijinja_render(&job);
+  return std::move(rendering.result);
+}
+
+Expected<std::string> render_file(const std::string& folder, const std::string& file, const Options& options) {
+  auto text = render(folder_loader(folder), file, options);
+  if (text) return text;
+  Error error = text.error();
+  error.file = folder + "/" + error.file;
+  return error;
+}
+
+std::string minijinja_version() { return MINIJINJA_VERSION; }
+
+}  // namespace cxlab::templates
