@@ -76,13 +76,22 @@ function(cxlab_executable target)
 endfunction()
 
 # Compiles the big headers <header.h>... of a target once. What is made with them is not optimised: two thirds of the
-# time that GoogleTest and CLI11 cost would go there. With REUSE_FROM the compiled headers are those of another target.
+# time that GoogleTest and CLI11 cost would go there.
 function(cxlab_precompile target)
   target_compile_options(${target} PRIVATE -O0)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(${target} PRIVATE -fpch-preprocess)  # for ccache
   endif()
   target_precompile_headers(${target} PRIVATE ${ARGN})
+endfunction()
+
+# The target of a test in CXLAB_CORE_TESTS (tests/CMakeLists.txt) belongs to core_tests, and the test has the label core.
+add_custom_target(core_tests)
+function(cxlab_core_test name target)
+  if(name IN_LIST CXLAB_CORE_TESTS)
+    set_property(TEST ${name} APPEND PROPERTY LABELS core)
+    add_dependencies(core_tests ${target})
+  endif()
 endfunction()
 
 # One GoogleTest program, one entry of ctest, label short or long. It finds data under $CXLAB_SOURCE_DIR.
@@ -110,4 +119,5 @@ function(cxlab_test name)
   endif()
   set_tests_properties(${name} PROPERTIES
     LABELS ${label} TIMEOUT ${timeout} ENVIRONMENT "CXLAB_SOURCE_DIR=${CMAKE_SOURCE_DIR}")
+  cxlab_core_test(${name} ${name})
 endfunction()

@@ -11,7 +11,7 @@ ROOT = pathlib.Path(os.environ["CXLAB_SOURCE_DIR"])
 
 
 def dev(*arguments, root=ROOT, **environment):
-    return subprocess.run([root / "dev", *arguments], env={**os.environ, **environment}, text=True, timeout=20,
+    return subprocess.run([root / "dev", *arguments], env={**os.environ, **environment}, text=True, timeout=50,
                           stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
 
@@ -35,7 +35,7 @@ class Dev(unittest.TestCase):
         for arguments in ((), ("help",), ("--help",)):
             done = dev(*arguments)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
-            for command in ("run", "test", "cxlab", "fuzz", "path", "help", "--no-install", "--long"):
+            for command in ("run", "test", "cxlab", "sanitize", "format", "fuzz", "path", "help", "--no-install", "--long", "--check"):
                 self.assertIn(command, done.stdout)
 
     def test_path_is_where_the_program_is_built(self):
@@ -45,6 +45,26 @@ class Dev(unittest.TestCase):
         done = dev("fly")
         self.assertEqual((done.returncode, done.stdout), (2, ""))
         self.assertIn("unknown command 'fly'", done.stderr)
+
+    def test_format_lists_the_files_that_differ_and_formats_them(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            shutil.copy(ROOT / "dev", root)
+            shutil.copy(ROOT / ".clang-format", root)
+            for part in ("cmake", "third_party/clang_format"):
+                shutil.copytree(ROOT / part, root / part)
+            (root / "wrong.cpp").write_text("int  x ;\n")
+            (root / "right.h").write_text("int y;\n")
+            done = dev("format", "--check", root=root)
+            self.assertEqual((done.returncode, done.stdout), (1, "./wrong.cpp\n"), done.stderr)
+            self.assertIn("1 file is not formatted", done.stderr)
+            self.assertEqual(dev("format", root=root).returncode, 0)
+            self.assertEqual((root / "wrong.cpp").read_text(), "int x;\n")
+            self.assertEqual(dev("format", "--check", root=root).returncode, 0)
+
+    def test_format_refuses_other_options(self):
+        done = dev("format", "--chek")
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
 
     def test_fuzz_names_its_targets(self):
         for arguments in ((), ("rules",), ("rules", "soon"), ("ruels", "5")):
