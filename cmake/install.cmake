@@ -10,13 +10,20 @@ include_guard(GLOBAL)
 
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # installs what is built; tests need not be
 set(libraries lib/cxlab)
+file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/${libraries}")
 set(headers include/cxlab)
 set(share share/cxlab)
 set(doc share/doc/cxlab)
 
 # --- Program and libraries
-set_target_properties(cxlab PROPERTIES INSTALL_RPATH "$ORIGIN/../${libraries}")
-set_target_properties(cxlab_shared PROPERTIES INSTALL_RPATH "$ORIGIN")
+# The build folder has the layout of the prefix, and the same RUNPATH: CMake would end that of a build with an empty
+# element, which is the current directory.
+set_target_properties(cxlab PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN/../${libraries};$ORIGIN/${libraries}")
+set_target_properties(cxlab_shared PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN"
+  LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${libraries}")
+get_target_property(mujoco mujoco::mujoco IMPORTED_LOCATION)
+get_filename_component(name "${mujoco}" NAME)
+file(CREATE_LINK "${mujoco}" "${PROJECT_BINARY_DIR}/${libraries}/${name}" SYMBOLIC)
 install(TARGETS cxlab cxlab_shared RUNTIME_DEPENDENCY_SET needed
   RUNTIME DESTINATION bin LIBRARY DESTINATION ${libraries})
 # Those of the compiler are everywhere that a plugin can be built; zlib is part of every Debian.
@@ -24,20 +31,21 @@ install(RUNTIME_DEPENDENCY_SET needed
   PRE_EXCLUDE_REGEXES "^ld-linux" "^lib(c|m|dl|rt|pthread|stdc\\+\\+|gcc_s|z|[a-z]+san)\\.so"
   LIBRARY DESTINATION ${libraries})
 
-# --- Headers: all but those of the plugins that come with cxlab and of MuJoCo's room
+# --- Headers: all but those of the plugins that come with cxlab, and those that need MuJoCo's
+include(installed_headers)
 file(GLOB folders RELATIVE "${PROJECT_SOURCE_DIR}" cx/* sim sim/* scenarios scenarios/* lab)
 list(FILTER folders EXCLUDE REGEX "^(cx/plugins|sim/mujoco)$")
 foreach(folder IN LISTS folders)
   file(GLOB files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${folder}/*.h")
-  if(files)
-    install(FILES ${files} DESTINATION ${headers}/${folder})
-  endif()
+  list(FILTER files EXCLUDE REGEX "/scenarios/rcll/stage.h$")
+  cxlab_install_headers(${folder} ${files})
 endforeach()
-install(FILES planner/cost.h DESTINATION ${headers}/planner)
-install(FILES "${PROJECT_BINARY_DIR}/include/cx_abi/cx/executive/abi.h" DESTINATION ${headers}/cx/executive)
+cxlab_install_headers(planner "${PROJECT_SOURCE_DIR}/planner/cost.h")
+cxlab_install_headers(cx/executive "${PROJECT_BINARY_DIR}/include/cx_abi/cx/executive/abi.h")
 get_target_property(clips_core clips_c INTERFACE_INCLUDE_DIRECTORIES)
 get_target_property(clips_kind clips_c TYPE)
 if(clips_kind STREQUAL "SHARED_LIBRARY")  # else the system's
+  set_target_properties(clips_c PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${libraries}")
   install(TARGETS clips_c LIBRARY DESTINATION ${libraries})
   file(GLOB files "${clips_core}/*.h")
   install(FILES ${files} DESTINATION ${headers}/clips)
@@ -46,6 +54,7 @@ endif()
 set(installed "${PROJECT_BINARY_DIR}/installed")
 configure_file(third_party/clips/clips_ns.h.in "${installed}/clips_ns/clips.h" @ONLY)
 install(FILES "${installed}/clips_ns/clips.h" DESTINATION ${headers}/clips_ns)
+cxlab_check_installed_headers()
 
 # --- find_package(cxlab)
 include(CMakePackageConfigHelpers)
@@ -60,7 +69,6 @@ install(DIRECTORY scenarios DESTINATION ${share}
   FILES_MATCHING PATTERN "*.yaml" PATTERN "*.clp" PATTERN "*.pddl" PATTERN "package.xml")
 install(FILES README.md LICENSE DESTINATION ${doc})
 install(FILES docs/install.md DESTINATION ${doc} RENAME INSTALL.md)
-get_target_property(mujoco mujoco::mujoco IMPORTED_LOCATION)
 get_filename_component(wheel "${mujoco}" DIRECTORY)
 file(GLOB files "${wheel}/../*.dist-info/licenses/*")
 install(FILES ${files} DESTINATION ${doc}/mujoco)
