@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "lab/packages.h"
 
 namespace cxlab::app {
 
@@ -16,8 +17,8 @@ CLI::Validator positive();
 /// A whole number from 0 that 64 bits hold.
 CLI::Validator seed_number();
 
-/// The times (s) of `--snapshot`: `every:T` up to `end`, or `T,T,...`, none of which may be after `end`.
-Expected<std::vector<double>> snapshot_times(const std::string& text, double end);
+/// Declares `--package` and `--prefix`.
+void add_package_options(CLI::App& command, lab::PackageOptions& options);
 
 /// Exit code of a command line that cannot be used; 0 after `--help` and `--version`.
 int usage_exit(const CLI::App& app, const CLI::ParseError& error);

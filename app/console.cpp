@@ -1,19 +1,40 @@
 #include "app/console.h"
 
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 
 namespace cxlab::app {
 
-Progress::Progress(bool quiet)
+namespace {
+
+std::atomic<int> g_signal = 0;
+std::atomic<bool> g_stop = false;
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
+
+void remember_signal(int number) {
+  g_signal = number;
+  g_stop = true;
+}
+
+}  // namespace
+
+int signal_that_came() { return g_signal; }
+
+Console::Console(bool quiet)
     : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()), last_(start_) {}
 
-Progress::~Progress() { clear(); }
+Console::~Console() { clear(); }
 
-void Progress::show(double done, double total, std::string_view note) {
+lab::Host Console::host() {
+  std::signal(SIGINT, remember_signal);
+  std::signal(SIGTERM, remember_signal);
+  return {.log = this, .progress = this, .stop = &g_stop};
+}
+
+void Console::progress(double done, double total) {
   if (quiet_) return;
   const auto now = Clock::now();
   if (now - last_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10000))) return;
@@ -25,18 +46,32 @@ void Progress::show(double done, double total, std::string_view note) {
     constexpr int kWidth = 30;
     std::string bar(static_cast<std::size_t>(std::lround(share * kWidth)), '#');
     bar.resize(kWidth, '.');
-    std::fprintf(stderr, "\r\033[K[%s] %s of %s  %.0f x real time  %.0f s left  %.*s", bar.c_str(),
-                 clock_text(done).c_str(), clock_text(total).c_str(), done / wall, left, static_cast<int>(note.size()),
-                 note.data());
+    std::fprintf(stderr, "\r\033[K[%s] %s of %s  %.0f x real time  %.0f s left", bar.c_str(), clock_text(done).c_str(),
+                 clock_text(total).c_str(), done / wall, left);
     std::fflush(stderr);
     drawn_ = true;
   } else {
-    std::fprintf(stderr, "%s of %s, %.0f x real time, %.0f s left  %.*s\n", clock_text(done).c_str(),
-                 clock_text(total).c_str(), done / wall, left, static_cast<int>(note.size()), note.data());
+    std::fprintf(stderr, "%s of %s, %.0f x real time, %.0f s left\n", clock_text(done).c_str(),
+                 clock_text(total).c_str(), done / wall, left);
   }
 }
 
-void Progress::clear() {
+void Console::note(std::string_view text) {
+  if (quiet_) return;
+  clear();
+  std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data());
+}
+
+void Console::line(const cx::LogLine& line) {
+  if (quiet_ || line.level == cx::LogLevel::kDebug) return;
+  clear();
+  std::string text(line.text);
+  if (terminal_ && !line.colour.empty()) text = std::string(line.colour) + text + "\033[0m";
+  std::fprintf(stderr, "[%9.3f] [%s] [%.*s] %s\n", to_seconds(line.t), std::string(cx::to_string(line.level)).c_str(),
+               static_cast<int>(line.logger.size()), line.logger.data(), text.c_str());
+}
+
+void Console::clear() {
   if (!drawn_) return;
   std::fputs("\r\033[K", stderr);
   std::fflush(stderr);
@@ -48,12 +83,6 @@ std::string clock_text(double seconds) {
   char text[32];
   std::snprintf(text, sizeof text, "%ld:%02ld", whole / 60, whole % 60);
   return text;
-}
-
-double peak_rss_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
 }  // namespace cxlab::app

@@ -1,20 +1,27 @@
 #pragma once
-// What a person sees on stderr while a run goes on: log lines and one line of progress. stdout carries the answer only.
+// What a person sees on stderr while a command works: log lines and one line of progress. stdout carries the answer
+// only.
 
 #include <chrono>
 #include <string>
-#include <string_view>
+
+#include "lab/host.h"
 
 namespace cxlab::app {
 
-/// A progress line that is redrawn on a terminal, and printed every 10 s elsewhere.
-class Progress {
+/// Progress is a line that is redrawn on a terminal, and printed every 10 s elsewhere.
+class Console final : public lab::ProgressSink, public cx::LogSink {
  public:
-  explicit Progress(bool quiet);
-  ~Progress();
-  /// `done` of `total` simulated seconds; `note` is short, e.g. the score.
-  void show(double done, double total, std::string_view note);
-  /// Takes the line away, so that other output can be printed.
+  explicit Console(bool quiet);
+  ~Console() override;
+  /// Takes lines and progress here. From the first call on SIGINT and SIGTERM ask for a stop instead of ending the
+  /// process.
+  lab::Host host();
+
+  void progress(double done, double total) override;
+  void note(std::string_view text) override;
+  void line(const cx::LogLine& line) override;
+  /// Takes the line of progress away, so that other output can be printed.
   void clear();
 
  private:
@@ -23,9 +30,9 @@ class Progress {
   Clock::time_point start_, last_;
 };
 
+/// The number of the signal that asked for a stop, 0 if none.
+int signal_that_came();
 /// Simulated time as m:ss.
 std::string clock_text(double seconds);
-/// Largest resident size of this process so far, MB.
-double peak_rss_mb();
 
 }  // namespace cxlab::app

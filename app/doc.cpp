@@ -2,9 +2,9 @@
 
 #include <cstdio>
 
+#include "app/arguments.h"
 #include "app/command.h"
-#include "app/packages.h"
-#include "app/reference.h"
+#include "lab/reference.h"
 
 namespace cxlab::app {
 
@@ -12,11 +12,11 @@ namespace {
 
 struct Options {
   std::string name;
-  PackageOptions packages;
+  lab::PackageOptions packages;
   bool json = false, markdown = false;
 };
 
-void print(const PluginReference& plugin) {
+void print(const lab::PluginReference& plugin) {
   std::printf("%s", plugin.plugin.c_str());
   if (!plugin.package.empty())
     std::printf(" (package %s)%s%s", plugin.package.c_str(), plugin.description.empty() ? "" : ": ",
@@ -25,40 +25,41 @@ void print(const PluginReference& plugin) {
   if (!plugin.problem.empty()) std::printf("  cannot be loaded: %s\n", plugin.problem.c_str());
   for (const std::string& parameter : plugin.parameters) std::printf("  parameter %s\n", parameter.c_str());
   for (const FunctionSpec& f : plugin.functions) {
-    std::printf("  %s -> %s, %s\n", call_text(f).c_str(), type_text(f.returns).c_str(), kind_text(f).c_str());
+    std::printf("  %s -> %s, %s\n", lab::call_text(f).c_str(), lab::type_text(f.returns).c_str(),
+                lab::kind_text(f).c_str());
     std::printf("      %s\n", f.doc.c_str());
   }
-  for (const Documented& c : plugin.constructs) std::printf("  %s %s\n", c.kind.c_str(), c.name.c_str());
+  for (const lab::Documented& c : plugin.constructs) std::printf("  %s %s\n", c.kind.c_str(), c.name.c_str());
 }
 
-void print_whole(const PluginReference& plugin) {
+void print_whole(const lab::PluginReference& plugin) {
   print(plugin);
-  for (const Documented& c : plugin.constructs) std::printf("\n%s\n", c.text.c_str());
+  for (const lab::Documented& c : plugin.constructs) std::printf("\n%s\n", c.text.c_str());
 }
 
 /// The part of the reference that is about the name: a plugin whole, or one thing of it.
-std::vector<PluginReference> about(const std::vector<PluginReference>& reference, const std::string& name) {
-  std::vector<PluginReference> out;
-  for (const PluginReference& plugin : reference) {
+std::vector<lab::PluginReference> about(const std::vector<lab::PluginReference>& reference, const std::string& name) {
+  std::vector<lab::PluginReference> out;
+  for (const lab::PluginReference& plugin : reference) {
     if (plugin.plugin == name || plugin.plugin == "cx::" + name) return {plugin};
-    PluginReference part;
+    lab::PluginReference part;
     part.plugin = plugin.plugin;
     part.package = plugin.package;
     for (const FunctionSpec& f : plugin.functions)
       if (f.name == name) part.functions.push_back(f);
-    for (const Documented& c : plugin.constructs)
+    for (const lab::Documented& c : plugin.constructs)
       if (c.name == name) part.constructs.push_back(c);
     if (!part.functions.empty() || !part.constructs.empty()) out.push_back(std::move(part));
   }
   return out;
 }
 
-Error unknown(const std::vector<PluginReference>& reference, const std::string& name) {
+Error unknown(const std::vector<lab::PluginReference>& reference, const std::string& name) {
   std::vector<std::string> known;
-  for (const PluginReference& plugin : reference) {
+  for (const lab::PluginReference& plugin : reference) {
     known.push_back(plugin.plugin);
     for (const FunctionSpec& f : plugin.functions) known.push_back(f.name);
-    for (const Documented& c : plugin.constructs) known.push_back(c.name);
+    for (const lab::Documented& c : plugin.constructs) known.push_back(c.name);
   }
   const std::string near = nearest_word(name, known);
   return input_error("there is no function, template or plugin '" + name + "'" +
@@ -68,28 +69,28 @@ Error unknown(const std::vector<PluginReference>& reference, const std::string& 
 int doc(const Options& options) {
   // A class of a family (cx::CX<Pkg><Name>Plugin) is made from its name.
   const bool is_class = options.name.starts_with("cx::");
-  auto packages = find_packages(options.packages);
+  auto packages = lab::find_packages(options.packages);
   if (!packages) return fail(packages.error());
-  auto reference = read_reference(*packages);
+  auto reference = lab::read_reference(*packages);
   if (!reference) return fail(reference.error());
-  std::vector<PluginReference> shown = options.name.empty() ? *reference : about(*reference, options.name);
+  std::vector<lab::PluginReference> shown = options.name.empty() ? *reference : about(*reference, options.name);
   if (shown.empty() && is_class) {
-    auto made = read_reference(*packages, {options.name});
+    auto made = lab::read_reference(*packages, {options.name});
     if (!made) return fail(made.error());
     shown.push_back(std::move(made->back()));
   }
   if (shown.empty() && !is_class)
-    if (const auto classes = binding_classes_of(options.name, *packages); !classes.empty()) {
-      auto made = read_reference(*packages, classes);
+    if (const auto classes = lab::binding_classes_of(options.name, *packages); !classes.empty()) {
+      auto made = lab::read_reference(*packages, classes);
       if (!made) return fail(made.error());
       shown = about(*made, options.name);
       reference = std::move(made);  // what is near is among them
     }
   if (shown.empty()) return fail(unknown(*reference, options.name));
   if (options.json)
-    std::fputs(reference_json(shown).c_str(), stdout);
+    std::fputs(lab::reference_json(shown).c_str(), stdout);
   else if (options.markdown)
-    std::fputs(reference_page(shown).c_str(), stdout);
+    std::fputs(lab::reference_page(shown).c_str(), stdout);
   else
     for (std::size_t i = 0; i < shown.size(); ++i) {
       if (i > 0) std::puts("");

@@ -12,10 +12,8 @@
 #include <vector>
 
 #include "app/command.h"
-#include "cx/engine/version.h"
+#include "lab/versions.h"
 #include "scenarios/share.h"
-#include "sim/box2d/library.h"
-#include "sim/mujoco/library.h"
 
 namespace cxlab::app {
 
@@ -96,10 +94,7 @@ Finding administrator() {
 
 std::vector<Finding> examine() {
   std::vector<Finding> findings;
-  findings.push_back({"cxlab", Verdict::kGood, CXLAB_VERSION, ""});
-  findings.push_back({"CLIPS", Verdict::kGood, clips_version(), ""});
-  findings.push_back({"MuJoCo", Verdict::kGood, sim::mujoco_version(), ""});
-  findings.push_back({"Box2D", Verdict::kGood, sim::box2d_version(), ""});
+  for (const auto& [name, version] : lab::versions()) findings.push_back({name, Verdict::kGood, version, ""});
   const Share folders = find_share();
   findings.push_back(share("interfaces", folders.interfaces));
   findings.push_back(share("models", folders.models));

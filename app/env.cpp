@@ -8,8 +8,7 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
-#include "app/packages.h"
-#include "app/session.h"
+#include "app/play.h"
 #include "cx/bus/names.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/journal/file_store.h"
@@ -31,7 +30,8 @@ struct Options {
   std::vector<std::string> transitions;
   bool trust_rules = false, stop = false, activate = true;
   std::optional<std::int64_t> max_firings;
-  RunOptions run;
+  PlayCommand run;
+  std::optional<std::uint64_t> seed;
 };
 
 Error usage(std::string message) { return usage_error(std::move(message)); }
@@ -134,7 +134,7 @@ Expected<std::map<std::string, std::string>> packages_of(const Options& options)
     packages.emplace(package_name(own), own.string());
     for (const fs::path& neighbour : neighbours_of(own)) packages.emplace(package_name(neighbour), neighbour.string());
   }
-  auto named = named_packages(options.packages);
+  auto named = lab::named_packages(options.packages);
   if (named) named->merge(packages);
   return named;
 }
@@ -251,9 +251,9 @@ Expected<std::string> transition_items(const Options& options) {
 
 /// The scenario that these options stand for, as its file would read.
 Expected<std::string> scenario_text(const Options& options) {
-  std::string text = "schema: 1\nduration_s: " + std::to_string(options.run.until.value_or(kDefaultEnd)) +
+  std::string text = "schema: 1\nduration_s: " + std::to_string(options.run.play.until.value_or(kDefaultEnd)) +
                      "\non_rule_error: " + (options.stop ? "stop" : "continue") + '\n';
-  if (options.run.seed) text += "seed: " + std::to_string(*options.run.seed) + '\n';
+  if (options.seed) text += "seed: " + std::to_string(*options.seed) + '\n';
   if (options.trust_rules) text += "trust_rules: true\n";
   if (options.max_firings) text += "max_firings_per_tick: " + std::to_string(*options.max_firings) + '\n';
   auto packages = packages_of(options);
@@ -333,17 +333,20 @@ Expected<Scenario> make_scenario(const Options& options) {
 int env(const Options& options) {
   auto scenario = make_scenario(options);
   if (!scenario) return fail(scenario.error());
-  RunOptions run = options.run;
-  if (!run.until && !run.quiet)
+  PlayCommand run = options.run;
+  if (!run.play.until && !run.quiet)
     std::fprintf(stderr, "ends at %.0f s of simulated time; --until T for another\n", kDefaultEnd);
-  run.until.reset();  // it is the scenario's duration
-  run.silent = !run.json;
-  const Played played = play_scenario(run, *std::move(scenario));
-  if (played.result.journal_hash.empty() || run.json) return played.exit_code;
+  run.play.until.reset();  // it is the scenario's duration
+  const auto [code, played] = play(run, *std::move(scenario));
+  if (played.result.journal_hash.empty()) return code;
+  if (run.json) {
+    std::fputs(played.result.to_json().c_str(), stdout);
+    return code;
+  }
   std::printf("%s after %.3f s of simulated time, %zu rule errors\n", to_string(played.result.status),
               to_seconds(played.result.sim_time), played.result.rule_errors.size());
   if (!played.folder.empty()) std::printf("%s\n", played.folder.c_str());
-  return played.exit_code;
+  return code;
 }
 
 void declare(CLI::App& command, Options& options) {
@@ -362,7 +365,7 @@ void declare(CLI::App& command, Options& options) {
       ->expected(1)
       ->allow_extra_args(false);
   command
-      .add_option("--prefix,--plugin-path", options.run.prefixes,
+      .add_option("--prefix,--plugin-path", options.run.play.prefixes,
                   "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")
       ->take_all()
       ->expected(1)
@@ -386,8 +389,8 @@ void declare(CLI::App& command, Options& options) {
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
-  options.run.keep_going = true;
-  command.add_flag("--keep-going,!--no-keep-going", options.run.keep_going,
+  options.run.play.keep_going = true;
+  command.add_flag("--keep-going,!--no-keep-going", options.run.play.keep_going,
                    "Errors in rule files are reported and the run goes on (default); it then ends with exit code 3");
   command.add_flag("--stop-on-rule-error", options.stop,
                    "An error in a rule ends the run (exit code 4); without it the run goes on and the exit code does "
@@ -397,16 +400,17 @@ void declare(CLI::App& command, Options& options) {
                   "Rules that an environment may fire in a tick before the run ends as one without an end (default "
                   "100000, 0 = no limit)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 62));
-  command.add_flag("--strict-cx", options.run.strict, "Parameters that CX does not know are errors, not INFO lines");
+  command.add_flag("--strict-cx", options.run.play.strict,
+                   "Parameters that CX does not know are errors, not INFO lines");
   command.add_flag("--trust-rules", options.trust_rules, "Rules may read, write and run anything");
-  command.add_option("--until", options.run.until, "End, s of simulated time (default 60)")->check(not_negative());
-  command.add_option("--seed", options.run.seed, "Seed of all chance")->check(seed_number());
-  command.add_option("--out", options.run.out,
+  command.add_option("--until", options.run.play.until, "End, s of simulated time (default 60)")->check(not_negative());
+  command.add_option("--seed", options.seed, "Seed of all chance")->check(seed_number());
+  command.add_option("--out", options.run.play.out,
                      "Folder of the run; 'none' writes nothing (default runs/<config>-<seed>)");
-  command.add_flag("--force", options.run.force, "Overwrites a folder that is in use");
-  command.add_option("--journal", options.run.journal, "What journal.jsonl holds: none, decisions or full")
+  command.add_flag("--force", options.run.play.force, "Overwrites a folder that is in use");
+  command.add_option("--journal", options.run.play.journal, "What journal.jsonl holds: none, decisions or full")
       ->capture_default_str();
-  command.add_flag("--realtime", options.run.realtime, "Sleeps between ticks, to watch");
+  command.add_flag("--realtime", options.run.play.realtime, "Sleeps between ticks, to watch");
   command.add_flag("--json", options.run.json, "Prints result.json");
   command.add_flag("--quiet", options.run.quiet, "No progress and no log lines");
 }

@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/arguments.h"
 #include "app/command.h"
-#include "app/packages.h"
-#include "app/reference.h"
 #include "cx/bus/bus.h"
+#include "lab/reference.h"
 #include "scenarios/share.h"
 #include "sim/faults/fault.h"
 
@@ -56,7 +56,7 @@ int list_skills() {
 }
 
 /// A plugin class, where it comes from and what it is or reads.
-void print_plugin(const PluginReference& plugin) {
+void print_plugin(const lab::PluginReference& plugin) {
   if (plugin.plugin.find("::") == std::string::npos) return;  // the manager
   std::string text = plugin.problem.empty() ? plugin.description : "cannot be loaded: " + plugin.problem;
   if (text.empty())
@@ -65,23 +65,23 @@ void print_plugin(const PluginReference& plugin) {
               text.c_str());
 }
 
-int list_reference(const std::string& what, const PackageOptions& options) {
-  auto packages = find_packages(options);
+int list_reference(const std::string& what, const lab::PackageOptions& options) {
+  auto packages = lab::find_packages(options);
   if (!packages) return fail(packages.error());
-  auto reference = read_reference(*packages);
+  auto reference = lab::read_reference(*packages);
   if (!reference) return fail(reference.error());
   if (what == "plugins") {
-    for (const PluginReference& plugin : *reference) print_plugin(plugin);
+    for (const lab::PluginReference& plugin : *reference) print_plugin(plugin);
     std::printf("%-32s %-20s one for each message, service and action, e.g. cx::CXStdMsgsStringPlugin\n",
                 "cx::CX<Pkg><Name>Plugin", "cxlab");
     return 0;
   }
-  for (const PluginReference& plugin : *reference) {
+  for (const lab::PluginReference& plugin : *reference) {
     for (const FunctionSpec& f : plugin.functions)
       if (what == "functions")
-        std::printf("%-80s %-28s %-7s %s\n", call_text(f).c_str(), type_text(f.returns).c_str(), kind_text(f).c_str(),
-                    plugin.plugin.c_str());
-    for (const Documented& c : plugin.constructs)
+        std::printf("%-80s %-28s %-7s %s\n", lab::call_text(f).c_str(), lab::type_text(f.returns).c_str(),
+                    lab::kind_text(f).c_str(), plugin.plugin.c_str());
+    for (const lab::Documented& c : plugin.constructs)
       if (what == "templates" && c.kind == "deftemplate")
         std::printf("; %s\n%s\n", plugin.plugin.c_str(), c.text.c_str());
   }
@@ -108,7 +108,7 @@ void add_list(CLI::App& app, Action& action) {
   command->add_option("what", *what, "scenarios, skills, plugins, functions, templates or faults")
       ->required()
       ->check(CLI::IsMember({"scenarios", "skills", "plugins", "functions", "templates", "faults"}));
-  auto packages = std::make_shared<PackageOptions>();
+  auto packages = std::make_shared<lab::PackageOptions>();
   add_package_options(*command, *packages);
   command->callback([what, packages, &action] {
     action = [what, packages] {

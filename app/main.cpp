@@ -11,6 +11,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/stack_guard.h"
+#include "lab/versions.h"
 #include "sim/mujoco/library.h"
 
 namespace cxlab::app {
@@ -54,7 +55,7 @@ int main(int argc, char** argv) {
   app.name("cxlab");
   app.require_subcommand(1);
   app.footer(kExitCodes);
-  app.set_version_flag("--version", CXLAB_VERSION);
+  app.set_version_flag("--version", lab::cxlab_version());
   Action action;
   add_run(app, action);
   add_replay(app, action);

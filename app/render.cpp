@@ -7,9 +7,9 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
-#include "app/physics_replay.h"
-#include "app/recorded_run.h"
-#include "app/view.h"
+#include "lab/physics_replay.h"
+#include "lab/recorded_run.h"
+#include "lab/view.h"
 
 namespace cxlab::app {
 
@@ -44,7 +44,7 @@ template <class Make>
 Status draw(const Options& options, Make make) {
   auto size = read_size(options.size);
   if (!size) return size.error();
-  Expected<std::unique_ptr<View>> view = make(size->width, size->height);
+  Expected<std::unique_ptr<lab::View>> view = make(size->width, size->height);
   if (!view) return view.error();
   auto picture = (*view)->draw(options.camera.empty() ? (*view)->cameras().front() : options.camera);
   if (!picture) return picture.error();
@@ -52,7 +52,7 @@ Status draw(const Options& options, Make make) {
 }
 
 Status render_run(const Options& options) {
-  auto run = RecordedRun::open(options.what);
+  auto run = lab::RecordedRun::open(options.what);
   if (!run) return run.error();
   if (!run->physics_hash && run->finished && run->tier == Tier::kTimed)
     return input_error(
@@ -63,7 +63,7 @@ Status render_run(const Options& options) {
     std::snprintf(end, sizeof end, "%g s", to_seconds(run->sim_time));
     return input_error(std::string("the run ends at ") + end, options.what);
   }
-  auto replay = PhysicsOfRun::load(*run);
+  auto replay = lab::PhysicsOfRun::load(*run);
   if (!replay) return replay.error();
   const SimTime at = options.at ? from_seconds(*options.at) : run->finished ? run->sim_time : replay->log_end();
   if (!replay->log_status() && at > replay->log_end()) return replay->log_status().error();
@@ -84,25 +84,26 @@ Status render_scenario(const Options& options) {
     return input_error("the world is empty: there is nothing to look at", options.what);
   if (scenario->world_kind == Scenario::WorldKind::kRcll && scenario->tier == Tier::kTimed && !canvas)
     return input_error("the timed tier has no bodies to look at: --set tier=physics", options.what);
-  auto episode = Episode::load(*std::move(scenario), shared_episode_options());
+  auto episode = Episode::load(*std::move(scenario), lab::shared_episode_options());
   if (!episode) return episode.error();
   Episode& played = **episode;
-  Progress progress(false);
+  Console console(false);
+  const lab::Host host = console.host();
   if (Status s = played.start(); !s) return s;
-  while (to_seconds(played.now()) < at && !played.over() && !signal_that_came()) {
+  while (to_seconds(played.now()) < at && !played.over() && !host.stopped()) {
     if (Status s = played.tick(); !s) return s;
-    progress.show(to_seconds(played.now()), at, {});
+    host.show(to_seconds(played.now()), at);
   }
-  progress.clear();
+  console.clear();
   if (signal_that_came()) return {};
-  const Status drawn = draw(options, [&](int width, int height) { return view_of(played.stage(), width, height); });
+  const Status drawn =
+      draw(options, [&](int width, int height) { return lab::view_of(played.stage(), width, height); });
   const Result result = played.close(RunStatus::kStopped);
   return drawn && result.reason ? Status(*result.reason) : drawn;
 }
 
 int render(const Options& options) {
   if (auto size = read_size(options.size); !size) return fail(size.error());
-  watch_signals();
   const Status drawn = fs::is_directory(options.what) ? render_run(options) : render_scenario(options);
   if (signal_that_came()) return 128 + signal_that_came();
   if (!drawn) return fail(drawn.error());

@@ -6,10 +6,9 @@
 
 #include "app/command.h"
 #include "app/console.h"
-#include "app/log_printer.h"
-#include "app/physics_replay.h"
-#include "app/recorded_run.h"
 #include "cx/journal/input_log.h"
+#include "lab/physics_replay.h"
+#include "lab/recorded_run.h"
 
 namespace cxlab::app {
 
@@ -60,25 +59,25 @@ std::string first_difference(const std::string& stream, const fs::path& recorded
          " records that were exported agree; the difference is in records that the run did not export (--journal full)";
 }
 
-Status play_to_end(Episode& episode, const RecordedRun& run) {
+Status play_to_end(Episode& episode, const lab::RecordedRun& run, const lab::Host& host) {
   if (Status s = episode.start(); !s) return s;
-  while (run.ticks > 0 && !episode.over() && !signal_that_came())
+  while (run.ticks > 0 && !episode.over() && !host.stopped())
     if (Status s = episode.tick(); !s) return s;
   return {};
 }
 
-Expected<Outcome> replay_rules(const RecordedRun& run) {
+Expected<Outcome> replay_rules(const lab::RecordedRun& run, const lab::Host& host) {
   SimTime end = run.sim_time;
-  auto replay = RulesReplay::load(run, end, JournalLevel::kFull);
+  auto replay = lab::RulesReplay::load(run, end, JournalLevel::kFull);
   if (!replay) return replay.error();
   Outcome out;
   if (Status whole = replay->episode->replay_log_status(); !whole) {
     out.broken = whole.error();
     end = replay->episode->replay_end();
-    replay = RulesReplay::load(run, end, JournalLevel::kFull);
+    replay = lab::RulesReplay::load(run, end, JournalLevel::kFull);
     if (!replay) return replay.error();
   }
-  const Status played = play_to_end(*replay->episode, run);
+  const Status played = play_to_end(*replay->episode, run, host);
   const Result result =
       replay->episode->close(RunStatus::kStopped, played ? std::nullopt : std::optional<Error>(played.error()));
   out.end = result.sim_time;
@@ -95,8 +94,8 @@ Expected<Outcome> replay_rules(const RecordedRun& run) {
   return out;
 }
 
-Expected<Outcome> replay_physics(const RecordedRun& run) {
-  auto replay = PhysicsOfRun::load(run);
+Expected<Outcome> replay_physics(const lab::RecordedRun& run) {
+  auto replay = lab::PhysicsOfRun::load(run);
   if (!replay) return replay.error();
   Outcome out;
   if (!replay->log_status()) out.broken = replay->log_status().error();
@@ -136,14 +135,15 @@ void print(const char* half, const Outcome& outcome) {
 }
 
 int replay(const Options& options) {
-  auto run = RecordedRun::open(options.run);
+  auto run = lab::RecordedRun::open(options.run);
   if (!run) return fail(run.error());
   if (!run->finished)
     return fail(input_error("the run was cut off before its end: there are no hashes to compare with", options.run));
   if (options.physics && !run->physics_hash)
     return fail(
         input_error("the run has no physics: it was played in the timed tier or in an empty world", options.run));
-  watch_signals();
+  Console console(true);
+  const lab::Host host = console.host();
   Json json = Json::object();
   int code = 0;
   const auto half = [&](const char* name, Expected<Outcome> outcome) {
@@ -163,7 +163,7 @@ int replay(const Options& options) {
   };
   const bool both = options.rules == options.physics;
   if (both || options.rules)
-    if (!half("rules", replay_rules(*run))) return code;
+    if (!half("rules", replay_rules(*run, host))) return code;
   if (run->physics_hash && (both || options.physics))
     if (!half("physics", replay_physics(*run))) return code;
   if (options.json) std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());

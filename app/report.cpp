@@ -258,7 +258,7 @@ std::string to_html(const Report& report) {
   if (!report.skills.empty()) out += gantt(report, end);
   out += robot_table(r) + turtle_table(r) + rule_error_table(r) + links(report);
   if (!report.pictures.empty()) out += "<h2>Pictures</h2>";
-  for (const Picture& picture : report.pictures) {
+  for (const lab::Picture& picture : report.pictures) {
     std::ifstream in(picture.file, std::ios::binary);
     const std::string bytes((std::istreambuf_iterator<char>(in)), {});
     out += "<figure><img alt='" + escape(picture.caption) + "' src='data:image/png;base64," + base64(bytes) +

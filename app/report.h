@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "lab/pictures.h"
 #include "scenarios/result.h"
 
 namespace cxlab::app {
@@ -23,15 +24,11 @@ struct ScoreStep {
   double t = 0;  ///< s
   std::int64_t points = 0;
 };
-struct Picture {
-  std::string caption;
-  std::filesystem::path file;  ///< PNG, put into the page
-};
 struct Report {
   Result result;
   std::vector<SkillBar> skills;
   std::vector<ScoreStep> scores;
-  std::vector<Picture> pictures;
+  std::vector<lab::Picture> pictures;
   std::vector<std::string> files;  ///< of the run's folder, that the page links to
 };
 

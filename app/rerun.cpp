@@ -6,7 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/command.h"
-#include "app/recorded_run.h"
+#include "app/console.h"
+#include "app/play.h"
+#include "lab/recorded_run.h"
 
 namespace cxlab::app {
 
@@ -18,7 +20,7 @@ struct Options {
 };
 
 /// Streams (and "physics") whose hashes differ, in order of names.
-std::vector<std::string> differences(const RecordedRun& then, const Result& now) {
+std::vector<std::string> differences(const lab::RecordedRun& then, const Result& now) {
   std::map<std::string, std::string> hashes(now.stream_hashes.begin(), now.stream_hashes.end());
   std::vector<std::string> out;
   for (const auto& [stream, hash] : then.stream_hashes)
@@ -48,7 +50,7 @@ std::vector<std::string> changed_files(const std::filesystem::path& then, const 
 }
 
 /// The first file or folder of the scenario that is not there any more.
-Status still_there(const RecordedRun& run, const Scenario& scenario) {
+Status still_there(const lab::RecordedRun& run, const Scenario& scenario) {
   const auto missing = [&](const std::string& what, const std::filesystem::path& path) {
     return input_error(what + " is not there any more: " + path.string() +
                            "; bring it back to rerun, or play the rules alone "
@@ -75,7 +77,7 @@ bool read_outside(const StoredFiles& files) {
 
 /// Lets the scenario play from the run's copies, laid out below `root`: each agent's configuration, and its packages
 /// with what was read of them and their definitions.
-Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const std::filesystem::path& root,
+Status play_from_copies(const lab::RecordedRun& run, const StoredFiles& files, const std::filesystem::path& root,
                         Scenario& scenario) {
   namespace fs = std::filesystem;
   if (run.shares.size() != scenario.agents.size())
@@ -101,7 +103,7 @@ Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const 
 }
 
 int rerun(const Options& options) {
-  auto run = RecordedRun::open(options.run);
+  auto run = lab::RecordedRun::open(options.run);
   if (!run) return fail(run.error());
   if (!run->finished)
     return fail(input_error("the run was cut off before its end: there is nothing to compare with", options.run));
@@ -119,14 +121,12 @@ int rerun(const Options& options) {
     std::fprintf(stderr, "note: files of the scenario have gone; all are taken from the run's own copies: %s\n",
                  run->folder.c_str());
   }
-  RunOptions play = run->options;
-  play.out = options.out;
-  play.quiet = options.quiet;
-  play.silent = true;
-  if (run->status == "interrupted") play.until = to_seconds(run->sim_time);
-  const Played played = play_scenario(play, *std::move(scenario));
+  PlayCommand again{run->options, false, options.quiet};
+  again.play.out = options.out;
+  if (run->status == "interrupted") again.play.until = to_seconds(run->sim_time);
+  const auto [code, played] = play(again, *std::move(scenario));
   if (const int number = signal_that_came()) return 128 + number;
-  if (played.result.stream_hashes.empty()) return played.exit_code;
+  if (played.result.stream_hashes.empty()) return code;
   const std::vector<std::string> differ = differences(*run, played.result);
   const std::vector<std::string> changed = changed_files(run->folder, played.folder);
   if (options.json) {

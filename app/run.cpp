@@ -1,55 +1,72 @@
 // cxlab run: plays one episode.
 
+#include <cstdio>
+
 #include "app/arguments.h"
 #include "app/command.h"
-#include "app/session.h"
+#include "app/play.h"
+#include "app/report.h"
 
 namespace cxlab::app {
 
 namespace {
 
-Expected<Scenario> load_scenario(const RunOptions& options) {
+struct Options : PlayCommand {
+  std::string scenario, tier;
+  std::optional<std::uint64_t> seed;
+  std::vector<std::string> overrides;
+};
+
+int run(const Options& options) {
   std::vector<std::string> overrides = options.overrides;
   if (options.seed) overrides.push_back("seed=" + std::to_string(*options.seed));
   if (!options.tier.empty()) overrides.push_back("tier=" + options.tier);
-  return Scenario::load(options.scenario, overrides);
-}
-
-int run(const RunOptions& options) {
-  auto scenario = load_scenario(options);
+  auto scenario = Scenario::load(options.scenario, overrides);
   if (!scenario) return fail(scenario.error());
-  return play_scenario(options, *std::move(scenario)).exit_code;
+  const auto [code, played] = play(options, *std::move(scenario));
+  if (played.result.journal_hash.empty()) return code;
+  if (options.json) {
+    std::fputs(played.result.to_json().c_str(), stdout);
+  } else {
+    std::fputs(score_board(played.result).c_str(), stdout);
+    if (!played.folder.empty()) std::printf("%s\n", (played.folder / "index.html").c_str());
+  }
+  return code;
 }
 
-}  // namespace
-
-void declare(CLI::App& command, RunOptions& options) {
+void declare(CLI::App& command, Options& options) {
   command.add_option("scenario", options.scenario, "Scenario file (YAML)")->required();
   command.add_option("--seed", options.seed, "Seed of all chance, instead of the scenario's")->check(seed_number());
   command.add_option("--tier", options.tier, "physics: MuJoCo; timed: durations only")
       ->check(CLI::IsMember({"physics", "timed"}));
-  command.add_option("--set", options.overrides, "Changes a value: a.b[0].c=VALUE (may be given often)")->take_all();
-  command.add_option("--until", options.until, "Stops at this simulated time, s")->check(not_negative());
-  command.add_option("--out", options.out, "Folder of the run; 'none' writes nothing (default runs/<scenario>-<seed>)");
-  command.add_flag("--force", options.force, "Overwrites a folder that is in use");
-  command.add_option("--journal", options.journal, "What journal.jsonl holds: none, decisions or full")
+  command.add_option("--set", options.overrides, "Changes a value: a.b[0].c=VALUE (may be given often)")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  command.add_option("--until", options.play.until, "Stops at this simulated time, s")->check(not_negative());
+  command.add_option("--out", options.play.out,
+                     "Folder of the run; 'none' writes nothing (default runs/<scenario>-<seed>)");
+  command.add_flag("--force", options.play.force, "Overwrites a folder that is in use");
+  command.add_option("--journal", options.play.journal, "What journal.jsonl holds: none, decisions or full")
       ->capture_default_str();
-  command.add_flag("--strict-cx", options.strict, "Parameters that CX does not know are errors, not INFO lines");
+  command.add_flag("--strict-cx", options.play.strict, "Parameters that CX does not know are errors, not INFO lines");
   command
-      .add_option("--prefix,--plugin-path", options.prefixes,
+      .add_option("--prefix,--plugin-path", options.play.prefixes,
                   "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
-  command.add_flag("--realtime", options.realtime, "Sleeps between ticks, to watch");
-  command.add_option("--snapshot", options.snapshot, "Pictures: every:SECONDS or SECONDS,SECONDS,...");
-  command.add_option("--video", options.video, "Film of the game (needs ffmpeg)");
+  command.add_flag("--realtime", options.play.realtime, "Sleeps between ticks, to watch");
+  command.add_option("--snapshot", options.play.snapshot, "Pictures: every:SECONDS or SECONDS,SECONDS,...");
+  command.add_option("--video", options.play.video, "Film of the game (needs ffmpeg)");
   command.add_flag("--json", options.json, "Prints result.json instead of the score board");
   command.add_flag("--quiet", options.quiet, "No progress and no log lines");
 }
 
+}  // namespace
+
 void add_run(CLI::App& app, Action& action) {
-  auto options = std::make_shared<RunOptions>();
+  auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("run", "Plays a scenario");
   command->footer(
       "Examples:\n  cxlab run scenarios/rcll/game.yaml --seed 7\n  cxlab run scenarios/rcll/game.yaml --tier timed "

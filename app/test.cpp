@@ -10,9 +10,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "app/arguments.h"
 #include "app/command.h"
 #include "app/markup.h"
-#include "app/packages.h"
 #include "cx/testing/story_file.h"
 #include "scenarios/share.h"
 
@@ -27,7 +27,7 @@ using testing::StorySpec;
 struct TestOptions {
   std::vector<std::string> paths;
   std::string junit, coverage;
-  PackageOptions packages;
+  lab::PackageOptions packages;
   int jobs = 1;
   bool json = false;
 };
@@ -272,7 +272,7 @@ int test(const TestOptions& options) {
     if (!specs) return fail(specs.error());
     for (StorySpec& spec : *specs) stories.push_back({std::move(spec), {}, 0});
   }
-  auto packages = find_packages(options.packages);
+  auto packages = lab::find_packages(options.packages);
   if (!packages) return fail(packages.error());
   const testing::StorySetup setup{find_share().interfaces, !options.coverage.empty(), *std::move(packages)};
   if (options.jobs > 1) {

@@ -8,7 +8,8 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/conditions.h"
-#include "app/recorded_run.h"
+#include "app/console.h"
+#include "lab/recorded_run.h"
 
 namespace cxlab::app {
 
@@ -237,17 +238,18 @@ Error unknown_rule(Episode& episode, const std::string& rule) {
 }
 
 int why_not(const Options& options) {
-  auto run = RecordedRun::open(options.run);
+  auto run = lab::RecordedRun::open(options.run);
   if (!run) return fail(run.error());
-  SimTime end = run->finished ? run->sim_time : kLongestRun;
+  SimTime end = run->finished ? run->sim_time : lab::kLongestRun;
   if (options.at) end = std::min(end, from_seconds(*options.at));
-  auto replay = RulesReplay::load(*run, run->finished ? run->sim_time : kLongestRun, JournalLevel::kFull);
+  auto replay = lab::RulesReplay::load(*run, run->finished ? run->sim_time : lab::kLongestRun, JournalLevel::kFull);
   if (!replay) return fail(replay.error());
   Episode& episode = *replay->episode;
   if (!run->finished) end = std::min(end, episode.replay_end());
-  watch_signals();
+  Console console(true);
+  const lab::Host host = console.host();
   Status played = episode.start();
-  while (played && !episode.over() && !signal_that_came() && episode.next_tick() <= end) played = episode.tick();
+  while (played && !episode.over() && !host.stopped() && episode.next_tick() <= end) played = episode.tick();
   if (signal_that_came()) return 128 + signal_that_came();
   if (!played && run->status != "failed") return fail(played.error());
   if (Status s = episode.journal().flush(); !s) return fail(s.error());

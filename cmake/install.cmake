@@ -25,7 +25,7 @@ install(RUNTIME_DEPENDENCY_SET needed
   LIBRARY DESTINATION ${libraries})
 
 # --- Headers: all but those of the plugins that come with cxlab and of MuJoCo's room
-file(GLOB folders RELATIVE "${PROJECT_SOURCE_DIR}" cx/* sim sim/* scenarios scenarios/*)
+file(GLOB folders RELATIVE "${PROJECT_SOURCE_DIR}" cx/* sim sim/* scenarios scenarios/* lab)
 list(FILTER folders EXCLUDE REGEX "^(cx/plugins|sim/mujoco)$")
 foreach(folder IN LISTS folders)
   file(GLOB files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${folder}/*.h")

@@ -1,23 +1,20 @@
 #pragma once
-// Where packages of a user's own lie: the options of all commands that load plugins.
+// Where packages of a user's own lie.
 
-#include <CLI/CLI.hpp>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "cx/base/expected.h"
 
-namespace cxlab::app {
+namespace cxlab::lab {
 
 struct PackageOptions {
   std::vector<std::string> named;     ///< NAME=DIR
   std::vector<std::string> prefixes;  ///< packages below DIR/share
 };
-/// Declares `--package` and `--prefix`.
-void add_package_options(CLI::App& command, PackageOptions& options);
 
-/// Those of `--package`: name -> folder, absolute. kUsage for what is not NAME=DIR.
+/// From NAME=DIR: name -> folder, absolute. kUsage for what is not NAME=DIR.
 Expected<std::map<std::string, std::string>> named_packages(const std::vector<std::string>& named);
 /// Those below these prefixes, then those below $CXLAB_PREFIX_PATH and below cxlab's own, then those that come with it.
 /// The first of a name wins.
@@ -25,4 +22,4 @@ Expected<std::map<std::string, std::string>> installed_packages(const std::vecto
 /// Both.
 Expected<std::map<std::string, std::string>> find_packages(const PackageOptions& options);
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab

@@ -1,4 +1,4 @@
-#include "app/reference.h"
+#include "lab/reference.h"
 
 #include <unistd.h>
 
@@ -17,7 +17,7 @@
 #include "cx/plugins/builtin.h"
 #include "scenarios/share.h"
 
-namespace cxlab::app {
+namespace cxlab::lab {
 
 namespace {
 
@@ -257,4 +257,4 @@ std::string reference_json(const std::vector<PluginReference>& reference) {
   return out.dump(2) + '\n';
 }
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab

@@ -1,13 +1,22 @@
-#include "app/pictures.h"
+#include "lab/pictures.h"
 
-namespace cxlab::app {
+#include <algorithm>
+#include <sstream>
+
+#include "cx/base/parse_number.h"
+
+namespace cxlab::lab {
 
 namespace {
 
 constexpr double kFramesPerSecond = 10;  // of simulated time; the film plays 20 times as fast
 constexpr int kWidth = 640, kHeight = 480;
 
-void note(const std::string& text) { std::fprintf(stderr, "no pictures: %s\n", text.c_str()); }
+std::string seconds(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g s", value);
+  return text;
+}
 
 /// In single quotes for the shell.
 std::string quoted(const std::string& text) {
@@ -18,33 +27,54 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
+Expected<std::vector<double>> snapshot_times(const std::string& text, double end) {
+  const auto wrong = [](const std::string& message) { return usage_error("--snapshot: " + message); };
+  const auto bad = [&] { return wrong("found '" + text + "', expected every:SECONDS or SECONDS,SECONDS,..."); };
+  std::vector<double> times;
+  if (text.empty()) return times;
+  if (text.starts_with("every:")) {
+    const auto step = parse_number<double>(text.substr(6));
+    constexpr double kLeast = 1e-3;  // s; no tick in use is shorter, and every time is kept
+    if (!step || *step <= 0) return bad();
+    if (*step < kLeast) return wrong("found '" + text + "', expected at least " + seconds(kLeast));
+    for (int k = 0; k * *step <= end; ++k) times.push_back(k * *step);
+    return times;
+  }
+  std::stringstream words(text);
+  for (std::string word; std::getline(words, word, ',');) {
+    const auto time = parse_number<double>(word);
+    if (!time || *time < 0) return bad();
+    if (*time > end) return wrong("there is no picture at " + seconds(*time) + ": the run ends at " + seconds(end));
+    times.push_back(*time);
+  }
+  if (times.empty()) return bad();
+  std::sort(times.begin(), times.end());
+  return times;
+}
+
 Expected<std::unique_ptr<Pictures>> Pictures::create(Episode& episode, const RunFolder* folder,
                                                      std::vector<double> times, const std::string& video) {
   std::unique_ptr<Pictures> pictures(new Pictures);
   if (times.empty() && video.empty()) return pictures;
+  const auto none = [](const std::string& why) { return resource_error("no pictures: " + why); };
   auto view = view_of(episode.stage(), kWidth, kHeight);
-  if (!view) {
-    note(view.error().message);
-    return pictures;
-  }
-  if (folder) {
+  if (!view) return none(view.error().message);
+  if (!times.empty()) {
+    if (!folder) return none("--snapshot needs the folder of a run, which --out none does not make");
     auto below = folder->subfolder("snapshots");
     if (!below) return below.error();
     pictures->folder_ = *below;
     pictures->times_ = std::move(times);
-  } else if (!times.empty()) {
-    note("with --out none there is no folder for --snapshot");
   }
   if (!video.empty()) {
     auto first = (*view)->draw((*view)->cameras().front());
     if (!first) return first.error();
+    if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0)
+      return none("--video needs ffmpeg: apt-get install ffmpeg");
     const std::string size = std::to_string((*first)->width) + 'x' + std::to_string((*first)->height);
     const std::string command = "ffmpeg -loglevel error -y -f rawvideo -pix_fmt rgb24 -s " + size +
                                 " -r 200 -i - -r 25 -pix_fmt yuv420p " + quoted(video);
-    if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0)
-      note("--video needs ffmpeg: apt-get install ffmpeg");
-    else
-      pictures->film_ = popen(command.c_str(), "w");
+    pictures->film_ = popen(command.c_str(), "w");
     pictures->video_ = video;
   }
   pictures->view_ = *std::move(view);
@@ -101,4 +131,4 @@ Status Pictures::finish() {
   return {};
 }
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab

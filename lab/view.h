@@ -13,7 +13,7 @@
 #include "sim/picture.h"
 #include "sim/world.h"
 
-namespace cxlab::app {
+namespace cxlab::lab {
 
 class View {
  public:
@@ -31,4 +31,4 @@ std::unique_ptr<View> view_of_turtles(const sim::TurtleWorld& world, int width, 
 /// Of an episode's world. kInput where there is nothing to look at.
 Expected<std::unique_ptr<View>> view_of(const Stage& stage, int width, int height);
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab

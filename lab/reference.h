@@ -9,7 +9,7 @@
 #include "cx/base/expected.h"
 #include "cx/engine/function.h"
 
-namespace cxlab::app {
+namespace cxlab::lab {
 
 struct Documented {
   std::string kind;  ///< "deftemplate", "defglobal", "defrule", "deffunction"
@@ -48,4 +48,4 @@ std::string kind_text(const FunctionSpec& function);
 std::string reference_page(const std::vector<PluginReference>& reference);
 std::string reference_json(const std::vector<PluginReference>& reference);
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab

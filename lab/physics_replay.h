@@ -4,12 +4,12 @@
 #include <memory>
 #include <string>
 
-#include "app/recorded_run.h"
-#include "app/view.h"
+#include "lab/recorded_run.h"
+#include "lab/view.h"
 #include "sim/box2d/turtle_world.h"
 #include "sim/mujoco/physics_gate.h"
 
-namespace cxlab::app {
+namespace cxlab::lab {
 
 class PhysicsOfRun {
  public:
@@ -40,4 +40,4 @@ class PhysicsOfRun {
   std::unique_ptr<sim::TurtleReplay> turtles_;
 };
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab

@@ -2,22 +2,30 @@
 // Pictures of a run: snapshots at given times, and a film. Taken between ticks; they change nothing.
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "app/report.h"
-#include "app/view.h"
 #include "cx/base/expected.h"
 #include "cx/journal/run_folder.h"
+#include "lab/view.h"
 #include "scenarios/episode.h"
 
-namespace cxlab::app {
+namespace cxlab::lab {
+
+struct Picture {
+  std::string caption;
+  std::filesystem::path file;  ///< PNG
+};
+
+/// The times (s) that `text` asks for: `every:T` up to `end`, or `T,T,...`, none of which may be after `end`.
+Expected<std::vector<double>> snapshot_times(const std::string& text, double end);
 
 class Pictures {
  public:
-  /// `times` (s) in order. Where pictures cannot be had (no OpenGL, timed tier, no ffmpeg) says so on stderr once and
-  /// takes none: the run goes on.
+  /// `times` (s) in order. kResource where a picture is asked for that cannot be made: no OpenGL, a world without
+  /// bodies, no folder, no ffmpeg.
   static Expected<std::unique_ptr<Pictures>> create(Episode& episode, const RunFolder* folder,
                                                     std::vector<double> times, const std::string& video);
   ~Pictures();
@@ -42,4 +50,4 @@ class Pictures {
   std::vector<Picture> taken_;
 };
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab

@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "app/session.h"
 #include "cx/base/expected.h"
 #include "cx/base/scratch_folder.h"
 #include "cx/journal/file_store.h"
+#include "lab/session.h"
 #include "scenarios/episode.h"
 
-namespace cxlab::app {
+namespace cxlab::lab {
 
 /// No run is longer; the end of one that was killed, of which only its log knows how far it came.
 inline constexpr SimTime kLongestRun = std::chrono::seconds(1'000'000'000);
@@ -23,7 +23,7 @@ struct RecordedRun {
   std::filesystem::path folder;
   std::filesystem::path scenario_file;  ///< absolute; need not be there any more
   std::vector<std::string> overrides;
-  RunOptions options;                                      ///< until, journal, keep_going, strict
+  PlayOptions options;                                     ///< until, journal, keep_going, strict
   std::vector<std::map<std::string, std::string>> shares;  ///< by agent: package -> its share directory then
 
   // How it ended
@@ -52,4 +52,4 @@ struct RulesReplay {
                                     cx::LogSink* log = nullptr);
 };
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab

@@ -1,10 +1,10 @@
-#include "app/recorded_run.h"
+#include "lab/recorded_run.h"
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-namespace cxlab::app {
+namespace cxlab::lab {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -100,4 +100,4 @@ Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, Jou
   return replay;
 }
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab

@@ -1,4 +1,4 @@
-#include "app/view.h"
+#include "lab/view.h"
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@
 #include "sim/box2d/turtle_picture.h"
 #include "sim/mujoco/render.h"
 
-namespace cxlab::app {
+namespace cxlab::lab {
 
 namespace {
 
@@ -95,4 +95,4 @@ Expected<std::unique_ptr<View>> view_of(const Stage& stage, int width, int heigh
   return input_error("the world is empty: there is nothing to look at");
 }
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab

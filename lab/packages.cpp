@@ -1,25 +1,12 @@
-#include "app/packages.h"
+#include "lab/packages.h"
 
 #include <filesystem>
 
 #include "scenarios/share.h"
 
-namespace cxlab::app {
+namespace cxlab::lab {
 
 namespace fs = std::filesystem;
-
-void add_package_options(CLI::App& command, PackageOptions& options) {
-  command.add_option("--package", options.named, "NAME=DIR: where a package lies")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  command
-      .add_option("--prefix,--plugin-path", options.prefixes,
-                  "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-}
 
 Expected<std::map<std::string, std::string>> named_packages(const std::vector<std::string>& named) {
   std::map<std::string, std::string> packages;
@@ -51,4 +38,4 @@ Expected<std::map<std::string, std::string>> find_packages(const PackageOptions&
   return packages;
 }
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab

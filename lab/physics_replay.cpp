@@ -1,4 +1,4 @@
-#include "app/physics_replay.h"
+#include "lab/physics_replay.h"
 
 #include <cstdio>
 
@@ -7,7 +7,7 @@
 #include "scenarios/rcll/stage.h"
 #include "scenarios/turtlesim/stage.h"
 
-namespace cxlab::app {
+namespace cxlab::lab {
 
 Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
   const Error none =
@@ -71,4 +71,4 @@ std::string PhysicsOfRun::hash() const {
   return text;
 }
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab

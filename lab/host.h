@@ -1,0 +1,35 @@
+#pragma once
+// The program around a run: who sees its lines and its progress, and who may stop it.
+
+#include <atomic>
+#include <string_view>
+
+#include "cx/node/log.h"
+
+namespace cxlab::lab {
+
+class ProgressSink {
+ public:
+  virtual ~ProgressSink() = default;
+  /// `done` of `total` simulated seconds have been played.
+  virtual void progress(double done, double total) = 0;
+  /// One line for a person: the folder of the run, files that were taken from copies.
+  virtual void note(std::string_view text) = 0;
+};
+
+/// All may be none.
+struct Host {
+  cx::LogSink* log = nullptr;
+  ProgressSink* progress = nullptr;
+  const std::atomic<bool>* stop = nullptr;  ///< once set, what is going on ends at its next tick
+
+  bool stopped() const { return stop && stop->load(std::memory_order_relaxed); }
+  void show(double done, double total) const {
+    if (progress) progress->progress(done, total);
+  }
+  void note(std::string_view text) const {
+    if (progress) progress->note(text);
+  }
+};
+
+}  // namespace cxlab::lab

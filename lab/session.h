@@ -1,0 +1,51 @@
+#pragma once
+// Plays a scenario from beginning to end into the folder of a run: journal, logs, pictures, result.
+//
+//   auto scenario = Scenario::load("game.yaml");
+//   auto played = lab::play_scenario({.out = "runs/first"}, *std::move(scenario));
+//   if (played && !played->failure) ... played->result.teams ...
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "lab/host.h"
+#include "lab/pictures.h"
+#include "scenarios/episode.h"
+
+namespace cxlab::lab {
+
+struct PlayOptions {
+  std::optional<double> until;  ///< s
+  std::string out;              ///< empty = runs/<scenario>-<seed>, "none" = nothing is written
+  bool force = false;           ///< `out` may be a folder in use
+  std::string journal = "decisions";
+  bool realtime = false;              ///< sleeps between ticks
+  std::string snapshot;               ///< "every:T" or "T,T,..."
+  std::string video;                  ///< MP4; needs ffmpeg
+  std::vector<std::string> prefixes;  ///< whose packages are found, before the default ones
+  bool keep_going = false;            ///< errors in rule files are reported and the run goes on
+  bool strict = false;                ///< unknown parameters of the CX are errors
+  std::vector<std::string> command;   ///< for the manifest: the arguments of the program
+};
+
+struct Played {
+  Result result;
+  std::filesystem::path folder;  ///< empty = none
+  std::vector<Picture> pictures;
+  /// What ended the run early, or an expectation of the scenario that does not hold (kind kNo).
+  std::optional<Error> failure;
+  /// All that a person has to see: what could not be loaded, each once and in order, then `failure`.
+  std::vector<Error> errors;
+};
+
+/// Until the scenario's end, `until` or a stop by the host. An error is one before there was a folder; later ones are
+/// in `Played`, as in result.json.
+Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, const Host& host = {});
+
+/// Options of `Episode::load` that every episode has: the data that comes with cxlab.
+EpisodeOptions shared_episode_options();
+
+}  // namespace cxlab::lab
