@@ -5,7 +5,7 @@
 #include "cx/journal/journal_reader.h"
 #include "scenarios/rcll/stage.h"
 #include "sim/faults/fault.h"
-#include "tests/scenarios/stage.h"
+#include "tests/support/episode_test.h"
 
 namespace cxlab {
 namespace {

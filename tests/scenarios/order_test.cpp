@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tests/scenarios/stage.h"
+#include "tests/support/episode_test.h"
 
 namespace cxlab {
 namespace {

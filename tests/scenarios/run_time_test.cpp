@@ -1,7 +1,7 @@
 // What stimuli ask of nodes at run time, and that the rules replay alone with it.
 
 #include "cx/journal/file_store.h"
-#include "tests/scenarios/stage.h"
+#include "tests/support/episode_test.h"
 
 namespace cxlab {
 namespace {

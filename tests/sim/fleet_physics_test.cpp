@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "tests/sim/busy_floor.h"
+#include "tests/support/busy_floor.h"
 
 namespace cxlab::sim {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "tests/sim/busy_floor.h"
+#include "tests/support/busy_floor.h"
 
 namespace cxlab::sim {
 namespace {

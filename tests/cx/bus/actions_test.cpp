@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bus_fixture.h"
+#include "tests/support/bus_test.h"
 
 namespace cxlab::bus {
 namespace {
@@ -316,7 +316,7 @@ TEST_F(ActionTest, ResultsGoToTheClientThatSentTheGoal) {
 TEST_F(ActionTest, GoalIdsDependOnNodeActionAndCountOnly) {
   const GoalId first = send(), second = send();
   EXPECT_NE(first, second);
-  MemorySink sink;
+  KeptRecords sink;
   Bus other(registry_, sink);
   other.join(ParticipantKind::kNode, NodeName{"somebody", "/", {}}, sink.open_stream("somebody"));
   const auto env = other.join(ParticipantKind::kEnvironment, NodeName{"env", "/", {}}, sink.open_stream("env"));

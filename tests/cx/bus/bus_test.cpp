@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bus_fixture.h"
+#include "tests/support/bus_test.h"
 
 namespace cxlab::bus {
 namespace {
@@ -415,12 +415,12 @@ TEST_F(BusTest, PostsAreRecordedInTheSendersStreamWithTheirCauses) {
   const auto env = environment("env");
   const auto out = advertise(env, "t");
   const StreamId stream = bus_.stream_of(env);
-  const std::size_t before = sink_.records(stream).size();
+  const std::size_t before = sink_.of(stream).size();
   const RecordRef cause{stream, 0};
   tick();
   bus_.publish(out, text("x"), {&cause, 1});
-  ASSERT_EQ(sink_.records(stream).size(), before + 1);
-  const auto& record = sink_.records(stream).back();
+  ASSERT_EQ(sink_.of(stream).size(), before + 1);
+  const KeptRecords::Record record = sink_.of(stream).back();
   RecordData expected;
   expected.begin()
       .field("op", "publish")
@@ -444,7 +444,7 @@ TEST_F(BusTest, ADeliveryNamesTheRecordOfItsPost) {
   bus_.publish(out, text("x"));
   bus_.deliver(env);
   EXPECT_EQ(cause.stream, bus_.stream_of(server));
-  EXPECT_EQ(cause.n, sink_.records(bus_.stream_of(server)).size() - 1);
+  EXPECT_EQ(cause.n, sink_.of(bus_.stream_of(server)).size() - 1);
 }
 
 /// Writes down what each participant takes.
@@ -525,7 +525,7 @@ TEST_F(BusTest, AMutedBusFedFromTheLogWritesTheSameRecords) {
     ticks.emplace_back(now_, tap.log.size());
   }
 
-  MemorySink sink;
+  KeptRecords sink;
   sink.open_stream("server");
   Bus replay(registry_, sink);
   replay.mute(true);
@@ -538,13 +538,13 @@ TEST_F(BusTest, AMutedBusFedFromTheLogWritesTheSameRecords) {
     for (; next < end; ++next)
       if (tap.log[next].first == env) replay.inject(again, tap.log[next].second);
   }
-  EXPECT_EQ(sink.bytes(replay.stream_of(again)), sink_.bytes(bus_.stream_of(env)));
+  EXPECT_EQ(sink.text(replay.stream_of(again)), sink_.text(bus_.stream_of(env)));
   EXPECT_FALSE(replay.any_waiting());
 }
 
 TEST_F(BusTest, OthersDoNotMoveAParticipantsRecords) {
   const auto run = [&](bool with_others) {
-    MemorySink sink;
+    KeptRecords sink;
     Bus bus(registry_, sink);
     if (with_others) {
       const auto other = bus.join(ParticipantKind::kEnvironment, NodeName{"other", "/", {}}, sink.open_stream("other"));
@@ -561,13 +561,13 @@ TEST_F(BusTest, OthersDoNotMoveAParticipantsRecords) {
       bus.publish(out, text("x"));
       bus.send_goal(goals, blank(*fibonacci_->goal));
     }
-    return sink.bytes(stream);
+    return sink.text(stream);
   };
   EXPECT_EQ(run(false), run(true));
 }
 
 TEST_F(BusTest, TwoBusesInterleavedDoNotNoticeEachOther) {
-  const auto play = [&](Bus& bus, MemorySink& sink, int step, std::vector<EndpointId>& ends) {
+  const auto play = [&](Bus& bus, KeptRecords& sink, int step, std::vector<EndpointId>& ends) {
     if (step == 0) {
       const auto a = bus.join(ParticipantKind::kEnvironment, NodeName{"a", "/", {}}, sink.open_stream("a"));
       const auto b = bus.join(ParticipantKind::kNode, NodeName{"b", "/", {}}, sink.open_stream("b"));
@@ -579,7 +579,7 @@ TEST_F(BusTest, TwoBusesInterleavedDoNotNoticeEachOther) {
     bus.publish(ends[0], text(std::to_string(step)));
     bus.deliver(ParticipantId{1});
   };
-  MemorySink alone, first, second;
+  KeptRecords alone, first, second;
   Bus bus_alone(registry_, alone), bus_first(registry_, first), bus_second(registry_, second);
   std::vector<EndpointId> ends_alone, ends_first, ends_second;
   for (int step = 0; step < 5; ++step) play(bus_alone, alone, step, ends_alone);
@@ -588,8 +588,8 @@ TEST_F(BusTest, TwoBusesInterleavedDoNotNoticeEachOther) {
     play(bus_second, second, step, ends_second);
   }
   for (const StreamId stream : {StreamId{0}, StreamId{1}}) {
-    EXPECT_EQ(first.bytes(stream), alone.bytes(stream));
-    EXPECT_EQ(second.bytes(stream), alone.bytes(stream));
+    EXPECT_EQ(first.text(stream), alone.text(stream));
+    EXPECT_EQ(second.text(stream), alone.text(stream));
   }
 }
 

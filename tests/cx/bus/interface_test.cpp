@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "cx/bus/message.h"
-#include "fixture.h"
+#include "tests/support/bus_test.h"
 
 namespace cxlab::bus {
 namespace {

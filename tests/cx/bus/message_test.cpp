@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "fixture.h"
+#include "tests/support/bus_test.h"
 
 namespace cxlab::bus {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cx/base/random.h"
-#include "fixture.h"
+#include "tests/support/bus_test.h"
 
 namespace cxlab::bus {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "bus_fixture.h"
+#include "tests/support/bus_test.h"
 
 namespace cxlab::bus {
 namespace {

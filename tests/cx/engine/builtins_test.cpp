@@ -6,7 +6,7 @@
 #include <fstream>
 #include <set>
 
-#include "engine_fixture.h"
+#include "tests/support/engine_test.h"
 
 namespace cxlab {
 namespace {
@@ -196,7 +196,7 @@ TEST_F(Builtins, TrustedRulesMayAndTheAnswerIsOnTheTape) {
 
 TEST_F(Builtins, WhatDiffersBetweenMachinesIsAnsweredFromTheTape) {
   with_files();
-  RecordingSink sink;
+  KeptRecords sink;
   EngineOptions o = options();
   o.outside = &tape;
   o.journal = &sink;

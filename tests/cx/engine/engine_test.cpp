@@ -1,4 +1,4 @@
-#include "engine_fixture.h"
+#include "tests/support/engine_test.h"
 
 namespace cxlab {
 namespace {

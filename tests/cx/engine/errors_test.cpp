@@ -1,6 +1,6 @@
 // Every error of rules has rule, file, line and side.
 
-#include "engine_fixture.h"
+#include "tests/support/engine_test.h"
 
 namespace cxlab {
 namespace {

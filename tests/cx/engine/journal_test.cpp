@@ -1,6 +1,6 @@
 // What the engine writes into the journal, with causes.
 
-#include "engine_fixture.h"
+#include "tests/support/engine_test.h"
 
 namespace cxlab {
 namespace {
@@ -17,19 +17,19 @@ struct EngineJournal : EngineTest {
     o.journal = &sink;
     engine_ = make(std::move(o));
   }
-  std::vector<std::uint64_t> causes(const RecordingSink::Record& record) {
+  std::vector<std::uint64_t> causes(const KeptRecords::Record& record) {
     std::vector<std::uint64_t> list;
     for (const RecordRef& cause : record.causes) list.push_back(cause.n);
     return list;
   }
-  RecordingSink sink;
+  KeptRecords sink;
 };
 
 TEST_F(EngineJournal, ADeliveryCausesAFactThatCausesAFiringThatCausesAFact) {
   given(
       "(deftemplate order (slot id) (slot state (default OPEN)))\n"
       "(defrule take ?o <- (order (id ?id) (state OPEN)) (idle) => (modify ?o (state TAKEN)) (assert (took ?id)))");
-  EXPECT_THAT(sink.names, ElementsAre("env/main"));
+  EXPECT_THAT(sink.names(), ElementsAre("env/main"));
   now = from_seconds(2);
   engine().set_cause({StreamId{5}, 77});
   ASSERT_TRUE(engine().assert_fact("order", {{"id", Value::string("O1")}}).ok());  // record 0
@@ -37,20 +37,20 @@ TEST_F(EngineJournal, ADeliveryCausesAFactThatCausesAFiringThatCausesAFact) {
   ASSERT_TRUE(engine().assert_string("(idle)").ok());  // record 1
   engine().run();                                      // fire 2, modify 3, assert 4
 
-  ASSERT_THAT(sink.records, SizeIs(5));
-  EXPECT_EQ(sink.records[0].kind, RecordKind::kAssert);
-  EXPECT_EQ(sink.records[0].t, from_seconds(2));
-  EXPECT_THAT(causes(sink.records[0]), ElementsAre(77));
-  EXPECT_THAT(sink.records[0].data, HasSubstr("\"O1\"")) << "strings keep their quotes, symbols have none";
-  EXPECT_THAT(causes(sink.records[1]), IsEmpty());
-  EXPECT_EQ(sink.records[2].kind, RecordKind::kFire);
-  EXPECT_THAT(causes(sink.records[2]), ElementsAre(0, 1));
-  EXPECT_EQ(sink.records[3].kind, RecordKind::kModify);
-  EXPECT_THAT(causes(sink.records[3]), ElementsAre(2));
-  EXPECT_THAT(sink.records[3].data, HasSubstr("TAKEN"));
-  EXPECT_THAT(sink.records[3].data, Not(HasSubstr("O1"))) << "only what has changed";
-  EXPECT_EQ(sink.records[4].kind, RecordKind::kAssert);
-  EXPECT_THAT(causes(sink.records[4]), ElementsAre(2));
+  ASSERT_THAT(sink.all(), SizeIs(5));
+  EXPECT_EQ(sink.all()[0].kind, RecordKind::kAssert);
+  EXPECT_EQ(sink.all()[0].t, from_seconds(2));
+  EXPECT_THAT(causes(sink.all()[0]), ElementsAre(77));
+  EXPECT_THAT(sink.all()[0].data, HasSubstr("\"O1\"")) << "strings keep their quotes, symbols have none";
+  EXPECT_THAT(causes(sink.all()[1]), IsEmpty());
+  EXPECT_EQ(sink.all()[2].kind, RecordKind::kFire);
+  EXPECT_THAT(causes(sink.all()[2]), ElementsAre(0, 1));
+  EXPECT_EQ(sink.all()[3].kind, RecordKind::kModify);
+  EXPECT_THAT(causes(sink.all()[3]), ElementsAre(2));
+  EXPECT_THAT(sink.all()[3].data, HasSubstr("TAKEN"));
+  EXPECT_THAT(sink.all()[3].data, Not(HasSubstr("O1"))) << "only what has changed";
+  EXPECT_EQ(sink.all()[4].kind, RecordKind::kAssert);
+  EXPECT_THAT(causes(sink.all()[4]), ElementsAre(2));
 }
 
 TEST_F(EngineJournal, AFiringOnAChangedFactIsCausedByTheChange) {
@@ -107,13 +107,13 @@ TEST_F(EngineJournal, AFunctionSeesTheFiringAsItsCause) {
   engine().run();
   ASSERT_THAT(seen, SizeIs(1));
   EXPECT_EQ(seen[0].n, 1u);
-  EXPECT_EQ(sink.records[1].kind, RecordKind::kFire);
+  EXPECT_EQ(sink.all()[1].kind, RecordKind::kFire);
 }
 
 // The same rules in two environments of one process, with handles and gensyms: the same bytes.
 TEST_F(EngineJournal, TheRecordsHoldNothingOfTheProcess) {
   const auto play = [&] {
-    RecordingSink own;
+    KeptRecords own;
     EngineOptions o = options();
     o.journal = &own;
     auto played = make(std::move(o));
@@ -131,7 +131,7 @@ TEST_F(EngineJournal, TheRecordsHoldNothingOfTheProcess) {
     played->reset();
     played->run();
     std::string bytes;
-    for (const auto& record : own.records) bytes += record.data + "\n";
+    for (const auto& record : own.all()) bytes += record.data + "\n";
     return bytes;
   };
   const std::string first = play();

@@ -1,4 +1,4 @@
-#include "tests/cx/executive/caller.h"
+#include "tests/support/caller.h"
 
 namespace cxlab::cx {
 namespace {

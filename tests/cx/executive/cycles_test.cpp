@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "cx/plugins/bindings/names.h"
-#include "tests/cx/executive/caller.h"
+#include "tests/support/caller.h"
 
 namespace cxlab::cx {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "tests/cx/executive/lab.h"
+#include "tests/support/lab.h"
 
 namespace cxlab::cx {
 namespace {

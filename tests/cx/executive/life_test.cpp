@@ -1,4 +1,4 @@
-#include "tests/cx/executive/lab.h"
+#include "tests/support/lab.h"
 
 namespace cxlab::cx {
 namespace {
@@ -231,7 +231,7 @@ std::map<std::string, std::string> records_of(Lab& lab, int n) {
   lab.run_up();
   lab.ticks(n);
   EXPECT_TRUE(lab.manager->deactivate().ok());
-  return lab.records.all();
+  return lab.records.text_by_stream();
 }
 
 constexpr const char* kDrawing = R"(
@@ -260,8 +260,8 @@ TEST(Determinism, TheSameSeedGivesTheSameRecordsBesideOtherManagers) {
   }
   ASSERT_TRUE(right.manager->deactivate().ok());
   ASSERT_TRUE(left.manager->deactivate().ok());
-  EXPECT_EQ(left.records.all(), expected);
-  EXPECT_NE(right.records.all(), expected);
+  EXPECT_EQ(left.records.text_by_stream(), expected);
+  EXPECT_NE(right.records.text_by_stream(), expected);
 }
 
 TEST(Determinism, ManagersInOneProcessHaveTheirOwnNamesAndStreams) {
@@ -277,8 +277,8 @@ TEST(Determinism, ManagersInOneProcessHaveTheirOwnNamesAndStreams) {
   std::vector<std::string> topics;
   for (const auto& info : lab.bus.topics()) topics.push_back(info.name);
   EXPECT_THAT(topics, ::testing::IsSupersetOf({"/cyan/chatter", "/magenta/chatter"}));
-  EXPECT_EQ(lab.records.all().count("env/cyan/main"), 1u);
-  EXPECT_EQ(lab.records.all().count("env/magenta/main"), 1u);
+  EXPECT_EQ(lab.records.text_by_stream().count("env/cyan/main"), 1u);
+  EXPECT_EQ(lab.records.text_by_stream().count("env/magenta/main"), 1u);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // The manager as a lifecycle node.
 
-#include "tests/cx/executive/caller.h"
+#include "tests/support/caller.h"
 
 namespace cxlab::cx {
 namespace {

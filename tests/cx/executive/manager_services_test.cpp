@@ -1,6 +1,6 @@
 // Environments and plugins at run time, through the six services.
 
-#include "tests/cx/executive/caller.h"
+#include "tests/support/caller.h"
 
 namespace cxlab::cx {
 namespace {

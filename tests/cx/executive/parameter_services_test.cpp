@@ -1,6 +1,6 @@
 // The parameter services of the manager's node.
 
-#include "tests/cx/executive/caller.h"
+#include "tests/support/caller.h"
 
 namespace cxlab::cx {
 namespace {

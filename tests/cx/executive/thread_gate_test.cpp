@@ -3,7 +3,7 @@
 #include <atomic>
 
 #include "cx/executive/thread_gate.h"
-#include "tests/cx/executive/caller.h"
+#include "tests/support/caller.h"
 
 namespace cxlab::cx {
 namespace {

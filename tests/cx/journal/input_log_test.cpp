@@ -6,7 +6,7 @@
 #include <cstring>
 #include <random>
 
-#include "temp_folder.h"
+#include "tests/support/files.h"
 
 namespace cxlab {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "cx/journal/journal_reader.h"
-#include "temp_folder.h"
+#include "tests/support/files.h"
 
 namespace cxlab {
 namespace {

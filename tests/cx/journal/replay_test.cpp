@@ -6,7 +6,7 @@
 #include <functional>
 #include <utility>
 
-#include "temp_folder.h"
+#include "tests/support/files.h"
 
 namespace cxlab {
 namespace {
@@ -107,10 +107,7 @@ class Server {
 };
 
 struct World {
-  World() {
-    const auto folder = std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "cx/interfaces";
-    EXPECT_TRUE(registry.add_packages_in(folder).ok());
-  }
+  World() { EXPECT_TRUE(registry.add_packages_in(interfaces_dir()).ok()); }
   bus::Registry registry;
   Journal journal;
   bus::Bus bus{registry, journal};

@@ -5,7 +5,7 @@
 
 #include "cx/base/append_file.h"
 #include "cx/journal/file_store.h"
-#include "temp_folder.h"
+#include "tests/support/files.h"
 
 namespace cxlab {
 namespace {

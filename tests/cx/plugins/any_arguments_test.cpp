@@ -1,7 +1,7 @@
 // Every function of the plugins is called with all kinds of arguments, many that make no sense: errors, never worse.
 
 #include "cx/base/random.h"
-#include "tests/cx/executive/lab.h"
+#include "tests/support/lab.h"
 
 namespace cxlab::cx {
 namespace {

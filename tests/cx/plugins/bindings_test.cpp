@@ -1,5 +1,5 @@
 #include "cx/plugins/bindings/names.h"
-#include "tests/cx/executive/lab.h"
+#include "tests/support/lab.h"
 
 namespace cxlab::cx {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/cx/executive/lab.h"
+#include "tests/support/lab.h"
 
 namespace cxlab::cx {
 namespace {
@@ -114,7 +114,7 @@ TEST(InputLog, WhatRulesFindOutsideReplaysWithoutIt) {
     lab.run_up();
     lab.ticks(1);
     facts = lab.facts("confval");
-    records = lab.records.all().at("env/main");
+    records = lab.records.text_by_stream().at("env/main");
     EXPECT_THAT(lab.log.with("ready TRUE"), SizeIs(1));
   }
   tape.replay = true;
@@ -125,7 +125,7 @@ TEST(InputLog, WhatRulesFindOutsideReplaysWithoutIt) {
   again.run_up();
   again.ticks(1);
   EXPECT_EQ(again.facts("confval"), facts);
-  EXPECT_EQ(again.records.all().at("env/main"), records);
+  EXPECT_EQ(again.records.text_by_stream().at("env/main"), records);
   EXPECT_EQ(tape.next, tape.kept.size());
 }
 

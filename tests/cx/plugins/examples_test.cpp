@@ -1,6 +1,6 @@
 // The examples of docs/plugins run and say what they should.
 
-#include "tests/cx/executive/lab.h"
+#include "tests/support/lab.h"
 
 namespace cxlab::cx {
 namespace {
@@ -11,7 +11,7 @@ using ::testing::IsSupersetOf;
 /// All lines of an example that runs for `seconds` or until it ends itself.
 std::vector<std::string> lines_of(const std::string& name, double seconds) {
   Lab lab;
-  const auto folder = std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "docs" / "examples" / name;
+  const auto folder = source_dir() / "docs" / "examples" / name;
   lab.options.packages = {{"example", {folder, {}}}};
   lab.options.config = folder / "example.yaml";
   lab.options.strict = true;

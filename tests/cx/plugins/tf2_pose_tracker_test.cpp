@@ -1,5 +1,5 @@
 #include "cx/bus/transforms.h"
-#include "tests/cx/executive/lab.h"
+#include "tests/support/lab.h"
 
 namespace cxlab::cx {
 namespace {
@@ -165,7 +165,7 @@ tracker: {plugin: "cx::Tf2PoseTrackerPlugin"})");
       server->post();
       lab.ticks(1);
     }
-    return lab.records.all().at("env/main");
+    return lab.records.text_by_stream().at("env/main");
   };
   EXPECT_EQ(run(), run());
 }

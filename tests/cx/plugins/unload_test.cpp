@@ -1,6 +1,6 @@
 // Plugins go and come back while rules use them.
 
-#include "tests/cx/executive/lab.h"
+#include "tests/support/lab.h"
 
 namespace cxlab::cx {
 namespace {

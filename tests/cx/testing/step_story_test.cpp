@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
+#include "tests/support/files.h"
 
 namespace cxlab::testing {
 namespace {
@@ -13,15 +13,13 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-std::filesystem::path source() { return std::getenv("CXLAB_SOURCE_DIR"); }
-
 StorySpec rcll_rules() {
   StorySpec spec;
-  spec.config = source() / "scenarios/rcll/agent/params/agent.yaml";
-  spec.packages = {{"rcll_agent", source() / "scenarios/rcll/agent"}};
+  spec.config = source_dir() / "scenarios/rcll/agent/params/agent.yaml";
+  spec.packages = {{"rcll_agent", source_dir() / "scenarios/rcll/agent"}};
   return spec;
 }
-StorySetup setup() { return {source() / "cx/interfaces"}; }
+StorySetup setup() { return {interfaces_dir()}; }
 
 void fail_here(const Story::Where& where, const std::string& what) {
   ADD_FAILURE_AT(where.file_name(), static_cast<int>(where.line())) << what;
@@ -78,7 +76,7 @@ TEST(StepStory, SaysWhatCameInstead) {
 TEST(StepStory, RulesThatCannotBeUsedFailOnce) {
   std::vector<std::string> failures;
   StorySpec spec;
-  spec.rules = {source() / "no-such.clp"};
+  spec.rules = {source_dir() / "no-such.clp"};
   Story story(spec, setup(), [&](const Story::Where&, const std::string& what) { failures.push_back(what); });
   story.given("(a)");
   story.expect_command("R1", "pick", "X");

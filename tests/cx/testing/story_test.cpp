@@ -3,11 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <fstream>
 
 #include "cx/testing/pattern.h"
 #include "cx/testing/story_file.h"
+#include "tests/support/files.h"
 
 namespace cxlab::testing {
 namespace {
@@ -20,14 +20,11 @@ using ::testing::IsEmpty;
 class Stories : public ::testing::Test {
  protected:
   Stories() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "cxlab-stories-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
     write("door.clp",
           "(deftemplate door (slot state) (slot by (default NOBODY)))\n"
           "(defrule open \"A bell.\" (bell) ?d <- (door (state CLOSED)) => (modify ?d (state OPEN) (by BELL)))\n"
           "(defrule slam (wind) ?d <- (door (state OPEN)) => (modify ?d (state CLOSED)))\n");
   }
-  ~Stories() override { std::filesystem::remove_all(folder_); }
 
   void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
   Expected<std::vector<StorySpec>> read(const std::string& text) {
@@ -43,9 +40,10 @@ class Stories : public ::testing::Test {
       bad.bad = stories.error();
       return bad;
     }
-    return run_story(stories->front(), {std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "cx/interfaces"});
+    return run_story(stories->front(), {interfaces_dir()});
   }
-  std::filesystem::path folder_;
+  TempFolder temp_;
+  const std::filesystem::path folder_ = temp_.path();
 };
 
 const char* const kBell = "  steps: [{at: 1, assert: (bell)}]\n";

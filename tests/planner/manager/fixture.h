@@ -13,22 +13,10 @@
 #include <vector>
 
 #include "planner/manager/manager.h"
+#include "tests/support/files.h"
+#include "tests/support/records.h"
 
 namespace cxlab::planner {
-
-class QuietSink : public RecordSink {
- public:
-  StreamId open_stream(std::string_view) override { return static_cast<StreamId>(count_++); }
-  RecordRef write(StreamId stream, SimTime t, RecordKind, const RecordData& data, std::span<const RecordRef>) override {
-    all += std::to_string(static_cast<int>(stream)) + ' ' + std::to_string(t.count()) + ' ' +
-           std::string(data.bytes()) + '\n';
-    return {stream, 0};
-  }
-  std::string all;
-
- private:
-  int count_ = 0;
-};
 
 /// The end of a planning goal, as the client sees it.
 struct Answer {
@@ -41,16 +29,12 @@ struct Answer {
 class ManagerTest : public ::testing::Test {
  protected:
   ManagerTest() {
-    const Status added = registry_.add_packages_in(source() / "cx/interfaces");
+    const Status added = registry_.add_packages_in(interfaces_dir());
     EXPECT_TRUE(added.ok()) << added.error().text();
     client_ = bus_.join(bus::ParticipantKind::kEnvironment, {"agent", "/", {}}, sink_.open_stream("agent"));
-    std::string pattern = testing::TempDir() + "cxlab-pddl-XXXXXX";
-    folder_ = mkdtemp(pattern.data());
   }
-  ~ManagerTest() override { std::filesystem::remove_all(folder_); }
 
-  static std::filesystem::path source() { return std::getenv("CXLAB_SOURCE_DIR"); }
-  static std::string blocks_folder() { return (source() / "docs/examples/blocksworld/pddl").string(); }
+  static std::string blocks_folder() { return (source_dir() / "docs/examples/blocksworld/pddl").string(); }
 
   void start(PddlManagerOptions options = {}) {
     auto made = PddlManager::create(std::move(options), bus_, sink_);
@@ -189,11 +173,12 @@ class ManagerTest : public ::testing::Test {
   }
 
   bus::Registry registry_;
-  QuietSink sink_;
+  KeptRecords sink_;
   bus::Bus bus_{registry_, sink_};
   bus::ParticipantId client_{};
   std::unique_ptr<PddlManager> manager_;
-  std::filesystem::path folder_;
+  TempFolder temp_;
+  const std::filesystem::path folder_ = temp_.path();
   SimTime now_{};
   bus::EndpointId last_client_{};
   bus::GoalId last_goal_{};

@@ -1,11 +1,9 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-
 #include "scenarios/rcll/floor_plan.h"
 #include "scenarios/rcll/machines.h"
 #include "sim/mujoco/mujoco_world.h"
+#include "tests/support/files.h"
 
 namespace cxlab::rcll {
 namespace {
@@ -15,7 +13,7 @@ class BeltPhysics : public testing::Test {
  protected:
   void SetUp() override {
     sim::ModelOptions options;
-    options.models = std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "models";
+    options.models = models_dir();
     auto world = sim::MujocoWorld::create(*floor_plan_of(WorldConfig{}, 1), options);
     ASSERT_TRUE(world) << world.error().text();
     world_ = std::move(*world);

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "game_story.h"
+#include "tests/support/game_story.h"
 
 namespace cxlab::rcll {
 namespace {
@@ -22,7 +22,7 @@ TEST(Game, AC0IsMadeAndDeliveredAndEarnsItsPoints) {
   EXPECT_EQ(story.score().of(PointKind::kCap), 10);
   EXPECT_EQ(story.score().total(), 32);
   EXPECT_EQ(story.score(Team::kMagenta).total(), 0);
-  EXPECT_THAT(story.records(), HasSubstr("gate"));
+  EXPECT_THAT(story.records().text(), HasSubstr("gate"));
 }
 
 TEST(BaseStation, ABaseIsReadyAfterDispensingAndTheBelt) {
@@ -292,7 +292,7 @@ TEST(Referee, ATeamThatIsSecondWithACompetitiveOrderLosesTen) {
   WorldConfig config = GameStory::quiet_game();
   config.orders[0].competitive = true;
   const sim::FloorPlan plan = *floor_plan_of(config, 1);
-  ByteSink sink;
+  KeptRecords sink;
   GameReferee referee(GameClock{}, {}, *schedule_of(config, 1), plan, sink);
   referee.judge(SimTime{}, {}, {});
   const sim::Stack product{1, {}, 2};
@@ -305,7 +305,7 @@ TEST(Referee, ATeamThatIsSecondWithACompetitiveOrderLosesTen) {
 TEST(Referee, BeforeTheWindowCountsNothingAtItsStartItCounts) {
   const WorldConfig config = game_with_window(100, 200);
   const sim::FloorPlan plan = *floor_plan_of(config, 1);
-  ByteSink sink;
+  KeptRecords sink;
   GameReferee referee(GameClock{}, {}, *schedule_of(config, 1), plan, sink);
   referee.judge(SimTime{}, {}, {});
   const sim::Stack product{1, {}, 2};
@@ -380,7 +380,7 @@ TEST(Game, TheSameSeedAndDeedsGiveTheSameRecords) {
   const auto play = [] {
     GameStory story;
     story.make_product("BASE_RED", "CS1");
-    return story.records();
+    return story.records().text();
   };
   EXPECT_EQ(play(), play());
 }

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "game_story.h"
+#include "tests/support/game_story.h"
 
 namespace cxlab::rcll {
 namespace {

@@ -2,7 +2,7 @@
 // again.
 
 #include "scenarios/turtlesim/stage.h"
-#include "tests/scenarios/stage.h"
+#include "tests/support/episode_test.h"
 
 namespace cxlab {
 namespace {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "scenarios/turtlesim/stage.h"
-#include "tests/scenarios/stage.h"
+#include "tests/support/episode_test.h"
 
 namespace cxlab {
 namespace {

@@ -1,11 +1,11 @@
 #pragma once
 // A small factory for tests: a BS, a CS, an RS and a DS side by side, two robots before them.
 
-#include <cstdlib>
 #include <numbers>
 
 #include "sim/mujoco/factory_model.h"
 #include "sim/world.h"
+#include "tests/support/files.h"
 
 namespace cxlab::sim {
 
@@ -22,8 +22,6 @@ inline FloorPlan small_floor() {
   return plan;
 }
 
-inline ModelOptions test_options() {
-  return {std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "models", 0.01, 20};
-}
+inline ModelOptions test_options() { return {models_dir(), 0.01, 20}; }
 
 }  // namespace cxlab::sim

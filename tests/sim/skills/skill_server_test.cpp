@@ -1,8 +1,6 @@
 // What a client on the bus sees of a robot's skills, in both tiers.
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -13,24 +11,14 @@
 #include "sim/ledger/ledger_world.h"
 #include "sim/mujoco/mujoco_world.h"
 #include "sim/skills/fleet.h"
+#include "tests/support/files.h"
+#include "tests/support/records.h"
 
 namespace cxlab::sim {
 namespace {
 
 constexpr SimTime kTick{20'000'000};
 constexpr Stack kRed{1, {}, 0};
-
-class NoRecords final : public RecordSink {
- public:
-  StreamId open_stream(std::string_view) override { return StreamId{streams_++}; }
-  RecordRef write(StreamId stream, SimTime, RecordKind, const RecordData&, std::span<const RecordRef>) override {
-    return {stream, n_++};
-  }
-
- private:
-  std::uint16_t streams_ = 0;
-  std::uint64_t n_ = 0;
-};
 
 FloorPlan small_plan() {
   FloorPlan plan;
@@ -57,8 +45,7 @@ struct Heard {
 class Skills : public ::testing::TestWithParam<Tier> {
  protected:
   void SetUp() override {
-    const std::filesystem::path source = std::getenv("CXLAB_SOURCE_DIR");
-    ASSERT_TRUE(registry.add_packages_in(source / "cx/interfaces"));
+    ASSERT_TRUE(registry.add_packages_in(interfaces_dir()));
     const Fleet::Places places{{"C_Z22", {1.5, 1.5, 1}}, {"C_Z26", {1.5, 5.5, 0}}};
     if (GetParam() == Tier::kTimed) {
       auto ledger = std::make_unique<LedgerWorld>(small_plan());
@@ -67,7 +54,7 @@ class Skills : public ::testing::TestWithParam<Tier> {
       fleet = *std::move(made);
       world = std::move(ledger);
     } else {
-      auto physics = MujocoWorld::create(small_plan(), {source / "models", 0.01, 20});
+      auto physics = MujocoWorld::create(small_plan(), {models_dir(), 0.01, 20});
       ASSERT_TRUE(physics) << physics.error().text();
       auto made = Fleet::create(**physics, **physics, places, bus, sink);
       ASSERT_TRUE(made) << made.error().text();
@@ -140,7 +127,7 @@ class Skills : public ::testing::TestWithParam<Tier> {
   }
   RobotState robot1() const { return world->robot(RobotId{0}); }
 
-  NoRecords sink;
+  CountedRecords sink;
   bus::Registry registry;
   bus::Bus bus{registry, sink};
   std::unique_ptr<World> world;

@@ -1,9 +1,37 @@
 #pragma once
-// A bus with participants that write down what they take.
+// A bus with the project's own interfaces, and participants that write down what they take.
 
-#include "fixture.h"
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cx/bus/bus.h"
+#include "tests/support/files.h"
+#include "tests/support/records.h"
 
 namespace cxlab::bus {
+
+inline void add_interfaces(Registry& registry) {
+  const Status status = registry.add_packages_in(interfaces_dir());
+  ASSERT_TRUE(status.ok()) << status.error().text();
+}
+
+/// A folder of packages.
+class TempPackages {
+ public:
+  /// `name` as in "pkg/msg/T". Returns the file.
+  std::filesystem::path write(const std::string& name, const std::string& text) {
+    const std::string kind = name.substr(name.find('/') + 1, name.rfind('/') - name.find('/') - 1);
+    return folder_.write(name + '.' + kind, text);
+  }
+  const std::filesystem::path& folder() const { return folder_.path(); }
+
+ private:
+  TempFolder folder_;
+};
 
 class BusTest : public ::testing::Test {
  protected:
@@ -46,7 +74,7 @@ class BusTest : public ::testing::Test {
   }
 
   Registry registry_;
-  MemorySink sink_;
+  KeptRecords sink_;
   Bus bus_{registry_, sink_};
   SimTime now_{};
   const MessageType* string_ = nullptr;

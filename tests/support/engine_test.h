@@ -1,55 +1,16 @@
 #pragma once
+// An engine for a test.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <map>
 
 #include "cx/engine/engine.h"
 #include "cx/engine/form_reader.h"
+#include "tests/support/records.h"
 
 namespace cxlab {
-
-/// Keeps records as they come, of all streams.
-class RecordingSink : public RecordSink {
- public:
-  struct Record {
-    StreamId stream{};
-    SimTime t{};
-    RecordKind kind{};
-    std::string data;
-    std::vector<RecordRef> causes;
-  };
-
-  StreamId open_stream(std::string_view name) override {
-    names.emplace_back(name);
-    return StreamId{static_cast<std::uint16_t>(names.size() - 1)};
-  }
-  RecordRef write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data,
-                  std::span<const RecordRef> causes) override {
-    records.push_back({stream, t, kind, std::string(data.bytes()), {causes.begin(), causes.end()}});
-    return {stream, counts[stream]++};
-  }
-  std::vector<Record> of(RecordKind kind) const {
-    std::vector<Record> found;
-    for (const Record& record : records) {
-      if (record.kind == kind) found.push_back(record);
-    }
-    return found;
-  }
-  std::vector<Record> of(StreamId stream) const {
-    std::vector<Record> found;
-    for (const Record& record : records) {
-      if (record.stream == stream) found.push_back(record);
-    }
-    return found;
-  }
-
-  std::vector<std::string> names;
-  std::vector<Record> records;
-  std::map<StreamId, std::uint64_t> counts;
-};
 
 /// An engine whose output is kept; `now` is set by hand.
 struct EngineTest : testing::Test {

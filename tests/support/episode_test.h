@@ -3,17 +3,15 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "scenarios/episode.h"
+#include "tests/support/files.h"
 
 namespace cxlab {
 
@@ -35,8 +33,6 @@ class Lines final : public cx::LogSink {
   std::vector<std::string> all;
 };
 
-inline std::filesystem::path source_dir() { return std::getenv("CXLAB_SOURCE_DIR"); }
-
 /// An environment: its rules, and how often its executive runs.
 struct Env {
   std::string name, rules;
@@ -45,23 +41,12 @@ struct Env {
 
 class EpisodeTest : public testing::Test {
  protected:
-  EpisodeTest() {
-    std::string pattern = testing::TempDir() + "cxlab-episode-XXXXXX";
-    folder_ = mkdtemp(pattern.data());
-    write("words/msg/Word.msg", "string text\nint32 number\n");
-  }
-  ~EpisodeTest() override { std::filesystem::remove_all(folder_); }
+  EpisodeTest() { write("words/msg/Word.msg", "string text\nint32 number\n"); }
 
   std::filesystem::path write(const std::string& name, const std::string& text) {
-    const auto path = folder_ / name;
-    std::filesystem::create_directories(path.parent_path());
-    std::ofstream(path, std::ios::binary) << text;
-    return path;
+    return put_file(folder_ / name, text);
   }
-  static std::string read(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
+  static std::string read(const std::filesystem::path& path) { return content_of(path); }
 
   /// A scenario `name`.yaml with one agent; `more` are further lines of it.
   std::filesystem::path scenario(const std::string& name, const std::vector<Env>& envs, const std::string& more = {}) {
@@ -86,8 +71,8 @@ class EpisodeTest : public testing::Test {
     auto read_in = Scenario::load(file, set);
     EXPECT_TRUE(read_in.ok()) << read_in.error().text();
     EpisodeOptions options;
-    options.interfaces = source_dir() / "cx/interfaces";
-    options.models = source_dir() / "models";
+    options.interfaces = interfaces_dir();
+    options.models = models_dir();
     options.log = &log_;
     options.journal = JournalLevel::kFull;
     if (!run.empty()) {
@@ -120,7 +105,8 @@ class EpisodeTest : public testing::Test {
     return {result.stream_hashes.begin(), result.stream_hashes.end()};
   }
 
-  std::filesystem::path folder_;
+  TempFolder temp_;
+  const std::filesystem::path folder_ = temp_.path();
   Lines log_;
 };
 

@@ -4,9 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <sstream>
@@ -16,45 +14,12 @@
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/plugins/builtin.h"
+#include "tests/support/files.h"
+#include "tests/support/records.h"
 
 namespace cxlab::cx {
 
 inline constexpr SimTime kTick{20'000'000};
-
-/// Numbers records and keeps their bytes, by stream.
-class KeptRecords final : public RecordSink {
- public:
-  StreamId open_stream(std::string_view name) override {
-    for (std::size_t i = 0; i < names_.size(); ++i)
-      if (names_[i] == name) return static_cast<StreamId>(i);
-    names_.emplace_back(name);
-    bytes_.emplace_back();
-    counts_.push_back(0);
-    return static_cast<StreamId>(names_.size() - 1);
-  }
-  RecordRef write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data,
-                  std::span<const RecordRef> causes) override {
-    const auto i = static_cast<std::size_t>(stream);
-    bytes_[i] += std::to_string(t.count()) + ' ' + std::string(to_string(kind)) + ' ' + std::string(data.bytes());
-    for (const RecordRef& c : causes)
-      bytes_[i] += ' ' + names_[static_cast<std::size_t>(c.stream)] + ':' + std::to_string(c.n);
-    bytes_[i] += '\n';
-    return {stream, counts_[i]++};
-  }
-  /// Drops the bytes; numbers go on.
-  void forget() {
-    for (std::string& bytes : bytes_) std::string().swap(bytes);
-  }
-  std::map<std::string, std::string> all() const {
-    std::map<std::string, std::string> out;
-    for (std::size_t i = 0; i < names_.size(); ++i) out[names_[i]] = bytes_[i];
-    return out;
-  }
-
- private:
-  std::vector<std::string> names_, bytes_;
-  std::vector<std::uint64_t> counts_;
-};
 
 /// Keeps lines as "LEVEL logger: text", with the colour's sequence before the text.
 class KeptLines final : public LogSink {
@@ -76,37 +41,22 @@ class KeptLines final : public LogSink {
 class Lab {
  public:
   Lab() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "cxlab-lab-XXXXXX").string();
-    folder = mkdtemp(pattern.data());
-    const Status added =
-        registry.add_packages_in(std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "cx" / "interfaces");
+    const Status added = registry.add_packages_in(interfaces_dir());
     EXPECT_TRUE(added.ok()) << added.error().text();
     options.packages["agent"] = {folder / "agent", {}};
     options.plugin_types = builtin_plugins();
     options.log = &log;
   }
-  ~Lab() {
-    manager.reset();
-    std::filesystem::remove_all(folder);
-  }
 
   /// Writes a file below the folder.
   std::filesystem::path write(const std::string& name, const std::string& text) {
-    const auto path = folder / name;
-    std::filesystem::create_directories(path.parent_path());
-    std::ofstream(path, std::ios::binary) << text;
-    return path;
+    return put_file(folder / name, text);
   }
-  static std::string read(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    std::stringstream text;
-    text << in.rdbuf();
-    return text.str();
-  }
+  static std::string read(const std::filesystem::path& path) { return content_of(path); }
 
   /// The first block of code of a page of docs that contains the word.
   static std::string page_code(const std::string& page, const std::string& word) {
-    const std::string text = read(std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / page), fence = "\n```\n";
+    const std::string text = read(source_dir() / page), fence = "\n```\n";
     const std::size_t at = text.find(word, text.find(fence));
     const std::size_t begin = text.rfind(fence, at) + fence.size();
     return text.substr(begin, text.find(fence, begin) - begin);
@@ -174,7 +124,8 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.c
     return out;
   }
 
-  std::filesystem::path folder;
+  TempFolder temp;
+  const std::filesystem::path folder = temp.path();
   KeptLines log;
   KeptRecords records;
   bus::Registry registry;

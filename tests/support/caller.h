@@ -1,7 +1,7 @@
 #pragma once
 // A node that calls services of a manager, as `ros2 service call` would.
 
-#include "tests/cx/executive/lab.h"
+#include "tests/support/lab.h"
 
 namespace cxlab::cx {
 

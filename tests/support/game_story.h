@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -14,23 +13,10 @@
 #include "scenarios/rcll/factory.h"
 #include "scenarios/rcll/floor_plan.h"
 #include "sim/ledger/ledger_world.h"
+#include "tests/support/files.h"
+#include "tests/support/records.h"
 
 namespace cxlab::rcll {
-
-/// Keeps the bytes of all records.
-class ByteSink final : public RecordSink {
- public:
-  StreamId open_stream(std::string_view) override { return static_cast<StreamId>(streams_++); }
-  RecordRef write(StreamId stream, SimTime t, RecordKind, const RecordData& data, std::span<const RecordRef>) override {
-    bytes += std::to_string(t.count()) + ' ' + std::string(data.bytes()) + '\n';
-    return {stream, n_++};
-  }
-  std::string bytes;
-
- private:
-  std::uint16_t streams_ = 0;
-  std::uint64_t n_ = 0;
-};
 
 /// How a goal ended; `code` is the server's word for it.
 struct Outcome {
@@ -45,9 +31,7 @@ class GameStory {
  public:
   explicit GameStory(WorldConfig config = quiet_game(), std::uint64_t seed = 1)
       : world_(*floor_plan_of(config, seed)), bus_(registry_, sink_) {
-    const std::filesystem::path interfaces =
-        std::filesystem::path(std::getenv("CXLAB_SOURCE_DIR")) / "cx" / "interfaces";
-    EXPECT_TRUE(registry_.add_packages_in(interfaces));
+    EXPECT_TRUE(registry_.add_packages_in(interfaces_dir()));
     factory_ = std::move(*Factory::make(config, seed, world_, bus_, sink_));
     bus::NodeName name;
     name.name = "agent";
@@ -160,7 +144,7 @@ class GameStory {
   bus::Bus& bus() { return bus_; }
   bus::Registry& registry() { return registry_; }
   bus::ParticipantId agent() const { return agent_; }
-  const std::string& records() const { return sink_.bytes; }
+  const KeptRecords& records() const { return sink_; }
 
  private:
   static constexpr SimTime kTick = std::chrono::milliseconds(20);
@@ -185,7 +169,7 @@ class GameStory {
   }
 
   bus::Registry registry_;
-  ByteSink sink_;
+  KeptRecords sink_;
   sim::LedgerWorld world_;
   bus::Bus bus_;
   std::unique_ptr<Factory> factory_;

@@ -2,7 +2,6 @@
 // A drawn field on which every robot always has something to do: a client on the bus sends goals, cancels some, and
 // watches. Bases appear at the base stations as they are taken; what is placed leaves play.
 
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,25 +14,10 @@
 #include "sim/ledger/ledger_world.h"
 #include "sim/mujoco/mujoco_world.h"
 #include "sim/skills/fleet.h"
+#include "tests/support/files.h"
+#include "tests/support/records.h"
 
 namespace cxlab::sim {
-
-/// Numbers records and forgets them.
-class CountingSink final : public RecordSink {
- public:
-  StreamId open_stream(std::string_view) override { return StreamId{streams_++}; }
-  RecordRef write(StreamId stream, SimTime, RecordKind, const RecordData& data, std::span<const RecordRef>) override {
-    for (const char c : data.bytes()) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
-    return {stream, records++};
-  }
-  std::uint64_t records = 0;
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-
- private:
-  std::uint16_t streams_ = 0;
-};
-
-inline std::filesystem::path source_dir() { return std::getenv("CXLAB_SOURCE_DIR"); }
 
 inline FloorPlan drawn_floor(std::uint64_t seed, int robots = 3) {
   RandomStream random(seed, "layout");
@@ -54,7 +38,7 @@ class BusyFloor {
 
   BusyFloor(World& world, std::uint64_t seed, double cancel_chance)
       : world_(world), random_(seed, "test"), cancel_chance_(cancel_chance), bus(registry, sink) {
-    EXPECT_TRUE(registry.add_packages_in(source_dir() / "cx/interfaces"));
+    EXPECT_TRUE(registry.add_packages_in(interfaces_dir()));
   }
 
   /// After the fleet has joined.
@@ -244,7 +228,7 @@ class BusyFloor {
   SimTime now_{}, last_{};
 
  public:
-  CountingSink sink;
+  CountedRecords sink;
   bus::Registry registry;
   bus::Bus bus;
   Report report;
