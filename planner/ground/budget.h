@@ -51,7 +51,7 @@ class Budget {
     return thousandths / 1000;
   }
 
-  /// A part of this budget ends when `units()` reaches `until`; the whole still holds.
+  /// A slice of this budget ends when `units()` reaches `until`; the whole budget still holds. See BudgetSlice.
   void set_slice(std::int64_t until) { slice_ = until; }
   void clear_slice() { slice_ = kUnlimited; }
 
@@ -81,6 +81,20 @@ class Budget {
   std::int64_t limit_ = kUnlimited, slice_ = kUnlimited, next_look_ = 0;
   std::optional<std::chrono::steady_clock::time_point> deadline_;
   bool over_ = false, late_ = false;
+};
+
+/// While it lives, a slice of the budget ends after `units` more.
+class BudgetSlice {
+ public:
+  BudgetSlice(Budget& budget, std::int64_t units) : budget_(budget) { budget.set_slice(budget.units() + units); }
+  ~BudgetSlice() { budget_.clear_slice(); }
+  BudgetSlice(const BudgetSlice&) = delete;
+  BudgetSlice& operator=(const BudgetSlice&) = delete;
+  /// Ends the slice now.
+  void end() { budget_.set_slice(budget_.units()); }
+
+ private:
+  Budget& budget_;
 };
 
 inline Error out_of_budget(const char* what) {

@@ -20,6 +20,16 @@ bool mentions_duration(const GroundEffects& effects) {
                              [](const NumericEffect& effect) { return mentions_duration(effect.value); });
 }
 
+/// How long the action of a step may last.
+DurationRange range(const SplitTask& split, const GroundTask& original, const Simulator& simulator,
+                    const SequenceStep& step, const Word* state) {
+  const SplitTask::Origin origin = split.origins[step.action];
+  if (origin.part == SplitTask::Part::kBegin)
+    if (const std::optional<DurationRange> allowed = simulator.durations(step.action, state)) return *allowed;
+  const Micros duration = original.actions[origin.action].durative ? step.duration : 0;
+  return {duration, duration};
+}
+
 }  // namespace
 
 bool is_envelope(const GroundTask& task, const GroundAction& action) {
@@ -174,17 +184,40 @@ GroundTask loosened(const GroundTask& task, bool hold) {
   return out;
 }
 
-SplitCheck::SplitCheck(const SplitTask& split, const GroundTask& original, const Touches& touches)
-    : split_(split), original_(original), simulator_(split.task), stn_(touches) {
-  levels_.push_back({{}, simulator_.initial(), {}, 0});
+Concurrent to_plan(const SplitTask& split, const GroundTask& original, const Simulator& simulator,
+                   const Sequence& path) {
+  Concurrent plan;
+  std::vector<std::pair<int, int>> open;
+  PackedState now = simulator.initial();
+  for (const SequenceStep& step : path) {
+    if (is_event(step)) {
+      plan.order.push_back({SplitPoint::Kind::kEvent, -2 - step.action});
+      simulator.apply_event(-2 - step.action, now.data());
+      continue;
+    }
+    const SplitTask::Origin origin = split.origins[step.action];
+    if (origin.part == SplitTask::Part::kEnd) {
+      const auto known = std::ranges::find(open, origin.action, &std::pair<int, int>::first);
+      plan.order.push_back({SplitPoint::Kind::kEnd, known->second});
+      open.erase(known);
+    } else {
+      const int index = static_cast<int>(plan.steps.size());
+      plan.steps.push_back({origin.action, range(split, original, simulator, step, now.data())});
+      plan.order.push_back({SplitPoint::Kind::kBegin, index});
+      if (origin.part == SplitTask::Part::kWhole)
+        plan.order.push_back({SplitPoint::Kind::kEnd, index});
+      else
+        open.emplace_back(origin.action, index);
+    }
+    simulator.apply_with(step.action, now.data(), step.duration);
+  }
+  return plan;
 }
 
-DurationRange SplitCheck::range(const SequenceStep& step, const Word* state) const {
-  const SplitTask::Origin origin = split_.origins[step.action];
-  if (origin.part == SplitTask::Part::kBegin)
-    if (const std::optional<DurationRange> allowed = simulator_.durations(step.action, state)) return *allowed;
-  const Micros duration = original_.actions[origin.action].durative ? step.duration : 0;
-  return {duration, duration};
+SplitCheck::SplitCheck(const SplitTask& split, const GroundTask& original, const Simulator& simulator,
+                       const Touches& touches)
+    : split_(split), original_(original), simulator_(simulator), stn_(touches) {
+  levels_.push_back({{}, simulator_.initial(), {}, 0});
 }
 
 /// Adds a step to the network; false if it cannot be applied.
@@ -206,7 +239,7 @@ bool SplitCheck::append(const SequenceStep& step) {
       stn_.finish(known->second);
       after.open.erase(known);
     } else {
-      const int index = stn_.begin(origin.action, range(step, before.state.data()));
+      const int index = stn_.begin(origin.action, range(split_, original_, simulator_, step, before.state.data()));
       if (origin.part == SplitTask::Part::kWhole)
         stn_.finish(index);
       else
@@ -244,38 +277,9 @@ bool SplitCheck::accepts(const Sequence& path, const Word* state) {
 
 bool SplitCheck::accepts_goal(const Sequence& path) {
   if (original_.events.empty()) return true;
-  fill(stn_, translate(path));
+  fill(stn_, to_plan(split_, original_, simulator_, path));
   depth_ = 0;  // the network is not that of the levels any more
   return (path.empty() || stn_.steps() > 0) && stn_.solve_complete(0);
-}
-
-Concurrent SplitCheck::translate(const Sequence& path) const {
-  Concurrent plan;
-  std::vector<std::pair<int, int>> open;
-  PackedState now = simulator_.initial();
-  for (const SequenceStep& step : path) {
-    if (is_event(step)) {
-      plan.order.push_back({SplitPoint::Kind::kEvent, -2 - step.action});
-      simulator_.apply_event(-2 - step.action, now.data());
-      continue;
-    }
-    const SplitTask::Origin origin = split_.origins[step.action];
-    if (origin.part == SplitTask::Part::kEnd) {
-      const auto known = std::ranges::find(open, origin.action, &std::pair<int, int>::first);
-      plan.order.push_back({SplitPoint::Kind::kEnd, known->second});
-      open.erase(known);
-    } else {
-      const int index = static_cast<int>(plan.steps.size());
-      plan.steps.push_back({origin.action, range(step, now.data())});
-      plan.order.push_back({SplitPoint::Kind::kBegin, index});
-      if (origin.part == SplitTask::Part::kWhole)
-        plan.order.push_back({SplitPoint::Kind::kEnd, index});
-      else
-        open.emplace_back(origin.action, index);
-    }
-    simulator_.apply_with(step.action, now.data(), step.duration);
-  }
-  return plan;
 }
 
 Sequence to_parts(const SplitTask& split, const Sequence& whole) {

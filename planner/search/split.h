@@ -64,17 +64,20 @@ struct Concurrent {
   std::vector<SplitPoint> order;
 };
 
+/// The plan that a sequence of the split task stands for; `simulator` is of the split task.
+Concurrent to_plan(const SplitTask& split, const GroundTask& original, const Simulator& simulator,
+                   const Sequence& path);
+
 /// Accepts the sequences of a split task that can be given times.
 class SplitCheck : public PathCheck {
  public:
-  SplitCheck(const SplitTask& split, const GroundTask& original, const Touches& touches);
+  /// `simulator` is of the split task.
+  SplitCheck(const SplitTask& split, const GroundTask& original, const Simulator& simulator, const Touches& touches);
 
   bool accepts(const Sequence& path, const Word* state) override;
   /// How long each running action has run by the time of the last happening, roughly.
   Word signature() const override { return signature_; }
   bool accepts_goal(const Sequence& path) override;
-  /// The steps of a sequence of the split task.
-  Concurrent translate(const Sequence& path) const;
 
  private:
   /// After a step of the path: what the next one needs to know.
@@ -85,12 +88,11 @@ class SplitCheck : public PathCheck {
     int points = 0;                         ///< of the network
   };
 
-  DurationRange range(const SequenceStep& step, const Word* state) const;
   bool append(const SequenceStep& step);
 
   const SplitTask& split_;
   const GroundTask& original_;
-  Simulator simulator_;        ///< of the split task
+  const Simulator& simulator_;
   Stn stn_;                    ///< of the path looked at last
   std::vector<Level> levels_;  ///< of its steps; the first is the start
   std::size_t depth_ = 0;      ///< how many it has

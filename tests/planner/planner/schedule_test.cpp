@@ -92,17 +92,15 @@ TEST(KeptSearch, GoesOnWhereItsLastSliceEnded) {
   ASSERT_TRUE(problem);
   const Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
   ASSERT_TRUE(task && !task->proved_unsolvable);
-  const Simulator simulator(*task);
-  const RelaxedTask relaxed(simulator, true);
-  Budget whole, sliced;
-  const Landmarks landmarks(simulator, relaxed, 0, whole);
+  Budget making, whole, sliced;
+  const SearchSpace space(*task, making);
   Sequence found;
   KeptSearch at_once, in_slices;
-  ASSERT_EQ(at_once.go_on(simulator, relaxed, landmarks, nullptr, {}, whole, found), SearchEnd::kExhausted);
+  ASSERT_EQ(at_once.go_on(space, nullptr, {}, whole, found), SearchEnd::kExhausted);
   int slices = 0;
   for (SearchEnd end = SearchEnd::kBudget; end == SearchEnd::kBudget && slices < 20; ++slices) {
     sliced.set_slice(sliced.units() + whole.units() / 10);
-    end = in_slices.go_on(simulator, relaxed, landmarks, nullptr, {}, sliced, found);
+    end = in_slices.go_on(space, nullptr, {}, sliced, found);
   }
   EXPECT_GT(slices, 5);
   EXPECT_LT(slices, 20);
@@ -111,9 +109,9 @@ TEST(KeptSearch, GoesOnWhereItsLastSliceEnded) {
   LazyOptions late;
   late.late_goal = true;
   sliced.set_slice(sliced.units() + whole.units() / 2);
-  EXPECT_EQ(in_slices.go_on(simulator, relaxed, landmarks, nullptr, {}, sliced, found), SearchEnd::kBudget);
+  EXPECT_EQ(in_slices.go_on(space, nullptr, {}, sliced, found), SearchEnd::kBudget);
   sliced.set_slice(sliced.units() + whole.units() * 3 / 4);
-  EXPECT_EQ(in_slices.go_on(simulator, relaxed, landmarks, nullptr, late, sliced, found), SearchEnd::kBudget);
+  EXPECT_EQ(in_slices.go_on(space, nullptr, late, sliced, found), SearchEnd::kBudget);
 }
 
 TEST(Split, PartsOfAnActionRunOnce) {

@@ -1,0 +1,12 @@
+#pragma once
+// Strategy: for problems with events. A sequence of whole actions is found without regard to when events end what it
+// needs; then improvement moves its actions until it comes in time.
+
+#include "planner/strategies/sequence_search.h"
+
+namespace cxlab::planner {
+
+/// One turn to find a sequence, and up to two more to bring it in time. True if a plan exists afterwards.
+bool repair_late(PlanningContext& context, SequenceSearch& sequences, const Turn& turn);
+
+}  // namespace cxlab::planner

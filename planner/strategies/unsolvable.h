@@ -1,0 +1,17 @@
+#pragma once
+// Strategy: when every search has ended without a plan, prove that there is none, if that can be proved.
+
+#include "planner/strategies/context.h"
+
+namespace cxlab::planner {
+
+struct Conclusion {
+  PlanStatus status = PlanStatus::kEnded;
+  std::string reason;
+};
+
+/// Looks whether any order of happenings reaches the goal, whatever their times; takes all that is left of the budget.
+/// Without durations and events the searches were the proof.
+Conclusion prove_unsolvable(PlanningContext& context);
+
+}  // namespace cxlab::planner

@@ -1,0 +1,201 @@
+// The strategies that find a first plan, each alone; proofs that there is none.
+
+#include "planner/strategies/clock_strategy.h"
+#include "planner/strategies/cut_search.h"
+#include "planner/strategies/late_repair.h"
+#include "planner/strategies/unsolvable.h"
+#include "planner/strategies/warm_start.h"
+#include "prepared.h"
+
+namespace cxlab::planner {
+namespace {
+
+constexpr Turn kTurn{0, 20'000};
+/// Nothing but a short way back and forth.
+constexpr Turn kShortTurn{0, 2};
+
+TEST(SequenceSearch, FindsASequenceOfWholeActions) {
+  Prepared problem(kCups, kTwoCups);
+  SequenceSearch search(*problem);
+  EXPECT_TRUE(search.run(kTurn));
+  EXPECT_EQ(problem->best.plan().steps.size(), 2u);
+  EXPECT_EQ(problem->best_list().size(), 2u);
+  EXPECT_FALSE(problem->best_parts().cut);
+}
+
+TEST(SequenceSearch, IsExhaustedWhereOneActionNeedsAnotherToBeUnderWay) {
+  Prepared problem(kMatch, kOneMatch);
+  SequenceSearch search(*problem);
+  EXPECT_FALSE(search.run(kTurn));
+  EXPECT_TRUE(search.exhausted());
+  const std::int64_t units = problem->budget.units();
+  EXPECT_FALSE(search.run({1, 20'000}));
+  EXPECT_EQ(problem->budget.units(), units) << "nothing more to search";
+}
+
+TEST(SequenceSearch, WhatComesTooLateIsFoundOnlyWithoutRegardToEvents) {
+  // Work takes 4 s in the light, which is there for 3 s.
+  const std::string domain = R"((:predicates (light) (done))
+    (:durative-action work :parameters () :duration (= ?duration 4) :condition (over all (light)) :effect (at end (done))))";
+  Prepared problem(domain, "(:init (light) (at 3 (not (light)))) (:goal (done))");
+  SequenceSearch search(*problem);
+  EXPECT_FALSE(search.run(kTurn));
+  const std::optional<Sequence> late = search.find(kTurn);
+  ASSERT_TRUE(late);
+  EXPECT_EQ(late->size(), 1u);
+  EXPECT_FALSE(problem->best.exists()) << "nothing is offered";
+}
+
+TEST(SequenceSearch, TheFirstSearchContinuesInEveryFourthRound) {
+  std::string objects = "(:objects", init, goal;
+  for (int i = 0; i < 12; ++i) {
+    const std::string cup = " c" + std::to_string(i);
+    objects += cup, init += " (dirty" + cup + ")", goal += " (clean" + cup + ")";
+  }
+  Prepared problem(kCups, objects + ") (:init (sink-free)" + init + ") (:goal (and" + goal + "))");
+  SequenceSearch search(*problem);
+  std::uint64_t round = 0;
+  while (round < 400 && !search.run({round, kShortTurn.units})) round += 4;
+  EXPECT_TRUE(problem->best.exists());
+  EXPECT_GT(round, 4u) << "no single turn is enough";
+  SequenceSearch anew(*problem);
+  for (std::uint64_t other = 1; other < 40; other += 4) {
+    const std::int64_t before = problem->budget.units();
+    anew.run({other, kShortTurn.units});
+    EXPECT_GT(problem->budget.units(), before);
+    EXPECT_FALSE(anew.exhausted());
+  }
+}
+
+TEST(CutSearch, FindsPlansInWhichActionsOverlap) {
+  for (const CutSearch::Cut cut : {CutSearch::Cut::kEnvelopes, CutSearch::Cut::kEverything}) {
+    Prepared problem(kMatch, kOneMatch);
+    CutSearch search(*problem, cut);
+    EXPECT_TRUE(search.run(kTurn));
+    EXPECT_NEAR(problem->best.plan().makespan_s, 5, 0.002);
+    EXPECT_EQ(problem->best_parts().cut, search.space());
+    EXPECT_EQ(problem->best_parts().list.size(), cut == CutSearch::Cut::kEnvelopes ? 3u : 4u)
+        << "the match is struck and goes out; the mending is whole, or begins and ends";
+    EXPECT_TRUE(problem->best_list().empty());
+  }
+}
+
+TEST(CutSearch, CutsNothingWhereNoActionIsAnEnvelope) {
+  Prepared problem(R"((:predicates (a) (b))
+    (:durative-action make :parameters () :duration (= ?duration 2) :condition (at start (a)) :effect (at end (b))))",
+                   "(:init (a)) (:goal (b))");
+  CutSearch envelopes(*problem, CutSearch::Cut::kEnvelopes), everything(*problem, CutSearch::Cut::kEverything);
+  EXPECT_FALSE(envelopes.run(kTurn));
+  EXPECT_FALSE(envelopes.space());
+  EXPECT_TRUE(envelopes.exhausted());
+  EXPECT_TRUE(everything.run(kTurn));
+}
+
+TEST(CutSearch, LeavesWhatCannotBeCutWhole) {
+  Prepared problem(kTank, kSeven);
+  CutSearch everything(*problem, CutSearch::Cut::kEverything);
+  EXPECT_FALSE(everything.space());
+}
+
+TEST(ClockStrategy, ChoosesADurationAtWhichANumberIsRight) {
+  Prepared problem(kTank, kSeven);
+  ClockStrategy clock(*problem);
+  EXPECT_TRUE(clock.run(kTurn));
+  EXPECT_NEAR(problem->best.plan().makespan_s, 3.5, 1e-6);
+  EXPECT_FALSE(clock.exhausted());
+  EXPECT_FALSE(clock.run({1, 20'000})) << "no plan is shorter";
+}
+
+TEST(ClockStrategy, HasNothingToDoWhereAllActionsCanBeCut) {
+  Prepared problem(kMatch, kOneMatch);
+  ClockStrategy clock(*problem);
+  EXPECT_FALSE(clock.run(kTurn));
+  EXPECT_TRUE(clock.exhausted());
+}
+
+TEST(LateRepair, MovesActionsUntilTheyComeInTime) {
+  // Whoever is served first is served in time; only `a` has to go early.
+  const std::string domain = R"((:predicates (waits ?p) (served ?p) (free) (here ?p))
+    (:durative-action serve :parameters (?p) :duration (= ?duration 3)
+     :condition (and (at start (waits ?p)) (at start (free)) (over all (here ?p)))
+     :effect (and (at start (not (free))) (at end (free)) (at start (not (waits ?p))) (at end (served ?p)))))";
+  Prepared problem(domain, R"((:objects c b a) (:init (free) (waits a) (waits b) (waits c) (here a) (here b) (here c)
+    (at 4 (not (here a))) (at 8 (not (here b)))) (:goal (and (served c) (served b) (served a))))");
+  SequenceSearch sequences(*problem);
+  ASSERT_TRUE(repair_late(*problem, sequences, {1, 20'000}));
+  std::vector<std::string> order;
+  for (const PlanStep& step : problem->best.plan().steps)
+    order.push_back(problem.task().problem.objects[static_cast<std::size_t>(step.arguments[0])].name);
+  EXPECT_EQ(order, (std::vector<std::string>{"a", "b", "c"}));
+  EXPECT_FALSE(problem->best_list().empty());
+}
+
+TEST(LateRepair, GivesUpAfterItsTurns) {
+  const std::string domain = R"((:predicates (light) (done))
+    (:durative-action work :parameters () :duration (= ?duration 4) :condition (over all (light)) :effect (at end (done))))";
+  Prepared problem(domain, "(:init (light) (at 3 (not (light)))) (:goal (done))");
+  SequenceSearch sequences(*problem);
+  const std::int64_t before = problem->budget.units();
+  EXPECT_FALSE(repair_late(*problem, sequences, {0, 5'000}));
+  EXPECT_LT(problem->budget.units() - before, 3 * 5'000 + 1'000);
+  EXPECT_FALSE(problem->budget.slice_over()) << "its slice is gone";
+}
+
+TEST(WarmStart, TakesWhatIsLeftOfAPlan) {
+  Task task = parse(kCups, kTwoCups);
+  const Plan plan = {{0, 0, {1}, 3, 0}, {0, 1, {0}, 5, 0}};  // sink b, hand a
+  Prepared half(kCups, "(:objects a b) (:init (dirty a) (clean b) (sink-free)) (:goal (and (clean a) (clean b)))",
+                {.warm_start = plan});
+  EXPECT_TRUE(warm_start(*half, 10'000));
+  ASSERT_EQ(half->best.plan().steps.size(), 1u);
+  EXPECT_EQ(half->best.plan().steps[0].action, 1) << "by hand, as in the plan, though the sink is faster";
+}
+
+TEST(WarmStart, ASearchFillsInWhatIsMissing) {
+  const Plan plan = {{0, 1, {0}, 5, 0}};  // only a
+  Prepared problem(kCups, kTwoCups, {.warm_start = plan});
+  EXPECT_TRUE(warm_start(*problem, 10'000));
+  EXPECT_EQ(problem->best.plan().steps.size(), 2u);
+  Prepared without_units(kCups, kTwoCups, {.warm_start = plan});
+  EXPECT_FALSE(warm_start(*without_units, 0));
+}
+
+TEST(WarmStart, IsNotUsedWithEventsOrWithoutAPlan) {
+  Prepared none(kCups, kTwoCups);
+  EXPECT_FALSE(warm_start(*none, 10'000));
+  Prepared events(kCups, "(:objects a) (:init (dirty a) (sink-free) (at 20 (not (sink-free)))) (:goal (clean a))",
+                  {.warm_start = {{0, 1, {0}, 5, 0}}});
+  EXPECT_FALSE(warm_start(*events, 10'000));
+}
+
+TEST(ProveUnsolvable, NeedsNoSearchWithoutDurations) {
+  Prepared problem(
+      "(:predicates (key) (a) (b)) (:action a :parameters () :precondition (key) :effect (a)) (:action b "
+      ":parameters () :precondition (key) :effect (b))",
+      "(:init (key)) (:goal (and (a) (b)))");
+  EXPECT_EQ(prove_unsolvable(*problem).status, PlanStatus::kUnsolvable);
+}
+
+TEST(ProveUnsolvable, LooksForAnyOrderOfHappenings) {
+  // Each of two actions needs two of three tokens and keeps them.
+  const std::string domain = R"((:predicates (token ?t) (a) (b))
+    (:durative-action make-a :parameters (?s ?t) :duration (= ?duration 2)
+     :condition (and (at start (token ?s)) (at start (token ?t)) (at start (not (= ?s ?t))))
+     :effect (and (at start (not (token ?s))) (at start (not (token ?t))) (at end (a))))
+    (:durative-action make-b :parameters (?s ?t) :duration (= ?duration 3)
+     :condition (and (at start (token ?s)) (at start (token ?t)) (at start (not (= ?s ?t))))
+     :effect (and (at start (not (token ?s))) (at start (not (token ?t))) (at end (b)))))";
+  Prepared impossible(domain, "(:objects x y z) (:init (token x) (token y) (token z)) (:goal (and (a) (b)))");
+  const Conclusion proof = prove_unsolvable(*impossible);
+  EXPECT_EQ(proof.status, PlanStatus::kUnsolvable) << proof.reason;
+  Prepared possible(domain, "(:objects w x y z) (:init (token w) (token x) (token y) (token z)) (:goal (and (a) (b)))");
+  EXPECT_EQ(prove_unsolvable(*possible).status, PlanStatus::kEnded) << "an order exists: nothing is proved";
+}
+
+TEST(ProveUnsolvable, ProvesNothingWhereAnActionCannotBeCut) {
+  Prepared problem(kTank, kSeven);
+  EXPECT_EQ(prove_unsolvable(*problem).status, PlanStatus::kEnded);
+}
+
+}  // namespace
+}  // namespace cxlab::planner

@@ -1,0 +1,98 @@
+// The strategies that make a plan better, each alone.
+
+#include "planner/strategies/improvement.h"
+#include "planner/strategies/cut_search.h"
+#include "prepared.h"
+
+namespace cxlab::planner {
+namespace {
+
+TEST(Improvement, OfAListMovesAndExchangesItsActions) {
+  Prepared problem(kCups, kTwoCups);
+  const Sequence list = problem.list({"(sink a)", "(sink b)"});
+  ASSERT_TRUE(problem->offer(problem->whole, list));
+  Improvement improve(*problem);
+  EXPECT_TRUE(improve.of_list(list, 0, 200));
+  EXPECT_EQ(problem->best.makespan(), 5'000'000) << "one at the sink, one by hand";
+  EXPECT_EQ(problem->best_list().size(), 2u);
+}
+
+TEST(Improvement, OfWhatIsNoPlanFails) {
+  Prepared problem(kCups, kTwoCups);
+  Improvement improve(*problem);
+  EXPECT_FALSE(improve.of_list({}, 0, 200));
+  EXPECT_FALSE(improve.of_list(problem.list({"(sink a)"}), 0, 200));
+  EXPECT_FALSE(problem->best.exists());
+}
+
+constexpr const char* kMatches = R"((:functions (cost)) (:predicates (unused ?m) (light) (mended ?f) (fuse ?f))
+  (:durative-action strike :parameters (?m) :duration (= ?duration 5) :condition (at start (unused ?m))
+   :effect (and (at start (not (unused ?m))) (at start (light)) (at end (not (light))) (at end (increase (cost) 1))))
+  (:durative-action mend :parameters (?f) :duration (= ?duration 2) :condition (and (at start (fuse ?f)) (over all (light)))
+   :effect (at end (mended ?f))))";
+const std::string kTwoMatches =
+    "(:objects m n f g) (:init (unused m) (unused n) (fuse f) (fuse g) (= (cost) 0)) (:goal (and (mended f) (mended "
+    "g)))";
+
+/// Two matches one after the other, where one is enough.
+Sequence two_matches(const Prepared& problem, const SplitTask& split) {
+  const auto part = [&](const char* name, bool end) {
+    const auto [first, last] = split.parts[static_cast<std::size_t>(problem.action(name))];
+    return SequenceStep{end ? last : first, !end && last < 0 ? 2'000'000 : 0};
+  };
+  return {part("(strike m)", false), part("(mend f)", false), part("(strike m)", true),
+          part("(strike n)", false), part("(mend g)", false), part("(strike n)", true)};
+}
+
+TEST(Improvement, OfPartsStrikesOneMatchForBothFuses) {
+  Prepared problem(kMatches, kTwoMatches);
+  CutSearch cut(*problem, CutSearch::Cut::kEnvelopes);
+  ASSERT_TRUE(cut.space());
+  ASSERT_TRUE(problem->offer(*cut.space(), two_matches(problem, cut.space()->split)));
+  EXPECT_GT(problem->best.plan().makespan_s, 10);
+  Improvement(*problem).of_parts(*cut.space(), problem->best_parts().list, 0, 500);
+  EXPECT_LT(problem->best.plan().makespan_s, 5.01);
+  EXPECT_EQ(problem->best_parts().cut, cut.space());
+}
+
+TEST(BetterMetricSearch, FindsPartsWithABetterMetric) {
+  Prepared problem(kMatches, kTwoMatches + "(:metric minimize (cost))");
+  CutSearch cut(*problem, CutSearch::Cut::kEnvelopes);
+  ASSERT_TRUE(cut.space());
+  ASSERT_TRUE(problem->offer(*cut.space(), two_matches(problem, cut.space()->split)));
+  BetterMetricSearch search(*problem, *cut.space());
+  const std::optional<Sequence> found = search.run({1, 50'000});
+  ASSERT_TRUE(found);
+  ASSERT_TRUE(problem->offer(*cut.space(), *found));
+  EXPECT_EQ(problem->best.cost(), 1);
+}
+
+constexpr const char* kTrip = R"((:functions (fuel)) (:predicates (home) (there))
+  (:durative-action fly :parameters () :duration (= ?duration 1) :condition (at start (home)) :effect (and (at end (there)) (at end (increase (fuel) 9))))
+  (:durative-action drive :parameters () :duration (= ?duration 5) :condition (at start (home)) :effect (and (at end (there)) (at end (increase (fuel) 4))))
+  (:durative-action walk :parameters () :duration (= ?duration 60) :condition (at start (home)) :effect (at end (there))))";
+
+TEST(BetterMetricSearch, FindsListsWithABetterMetricUntilNoneIsLeft) {
+  Prepared problem(kTrip, "(:init (home) (= (fuel) 0)) (:goal (there)) (:metric minimize (fuel))");
+  ASSERT_TRUE(problem->offer(problem->whole, problem.list({"(fly)"})));
+  BetterMetricSearch search(*problem, problem->whole);
+  std::vector<double> costs;
+  for (std::uint64_t round = 0; round < 5 && !search.exhausted(); ++round) {
+    const std::optional<Sequence> found = search.run({round, 10'000});
+    if (found && problem->offer(problem->whole, *found)) costs.push_back(problem->best.cost());
+  }
+  EXPECT_TRUE(search.exhausted());
+  ASSERT_FALSE(costs.empty());
+  EXPECT_EQ(costs.back(), 0) << "walking takes no fuel";
+}
+
+TEST(BetterMetricSearch, HasNothingToDoWhereTimeAloneCounts) {
+  Prepared problem(kTrip, "(:init (home) (= (fuel) 0)) (:goal (there))");
+  ASSERT_TRUE(problem->offer(problem->whole, problem.list({"(drive)"})));
+  BetterMetricSearch search(*problem, problem->whole);
+  EXPECT_FALSE(search.run({0, 10'000}));
+  EXPECT_TRUE(search.exhausted());
+}
+
+}  // namespace
+}  // namespace cxlab::planner
