@@ -1,16 +1,20 @@
 #include "sim/mujoco/render.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
+
+#include "sim/mujoco/overlay.h"
 
 namespace cxlab::sim {
 namespace {
 
 constexpr int kMostGeoms = 2000;
-constexpr double kBlinkPeriod = 0.5;  ///< s; docs/models.md: lights blink at 2 Hz
+/// What an overview shows: the field, and machines that stand on its border, m.
+constexpr double kSeenX = 7.4;
+constexpr double kSeenY[2] = {-0.2, 8.6};
 
 }  // namespace
 
@@ -55,14 +59,12 @@ void Renderer::set_up(const PhysicsGate& world) {
   mjr_makeContext(&view, &gl_, mjFONTSCALE_50);
   mjr_setBuffer(mjFB_OFFSCREEN, &gl_);
 
-  label_of_.resize(static_cast<std::size_t>(m->ngeom));
-  light_of_.assign(static_cast<std::size_t>(m->ngeom), -1);
-  const auto label = [&](const std::string& name, const char* geom) {
-    const int id = mj_name2id(m, mjOBJ_GEOM, (name + "/" + geom).c_str());
-    if (id >= 0) label_of_[static_cast<std::size_t>(id)] = name;
+  const auto geom = [&](const std::string& owner, const char* name) {
+    return mj_name2id(m, mjOBJ_GEOM, (owner + "/" + name).c_str());
   };
-  for (const std::string& robot : robots_) label(robot, "colour-deck");
-  for (const std::string& station : stations_) label(station, "kind-portal");
+  for (const std::string& robot : robots_) robot_geoms_.push_back(geom(robot, "colour-deck"));
+  for (const std::string& station : stations_) station_geoms_.push_back(geom(station, "kind-portal"));
+  light_of_.assign(static_cast<std::size_t>(m->ngeom), -1);
   const auto& stations = world.factory().stations;
   for (std::size_t s = 0; s < stations.size(); ++s)
     for (std::size_t k = 0; k < 3; ++k)
@@ -100,10 +102,13 @@ Expected<const Picture*> Renderer::draw(const PhysicsGate& world, std::string_vi
   camera_.fixedcamid = camera;
   mjv_updateScene(m, copy_.get(), &option_, nullptr, &camera_, mjCAT_ALL, &scene_);
   shine(world);
-  if (overview) add_labels();
+  if (overview) fit();
 
   const mjrRect whole{0, 0, picture_.width, picture_.height};
   mjr_render(whole, &scene_, &gl_);
+  if (overview)
+    draw_overlay({world, *copy_, scene_, gl_, robot_geoms_, station_geoms_, robots_, stations_, world.time()},
+                 {0, 0, picture_.width, picture_.height});
   mjr_readPixels(upside_down_.data(), nullptr, whole, &gl_);
   const std::size_t row = 3 * static_cast<std::size_t>(picture_.width);
   const auto rows = static_cast<std::size_t>(picture_.height);
@@ -114,28 +119,34 @@ Expected<const Picture*> Renderer::draw(const PhysicsGate& world, std::string_vi
 
 // Lights are the machines' state, not the model's: they are put on in the picture only.
 void Renderer::shine(const PhysicsGate& world) {
-  const bool lit_phase = std::fmod(world.time(), kBlinkPeriod) < kBlinkPeriod / 2;
   for (int g = 0; g < scene_.ngeom; ++g) {
     mjvGeom& geom = scene_.geoms[g];
     if (geom.objtype != mjOBJ_GEOM || geom.objid < 0) continue;
     const int light = light_of_[static_cast<std::size_t>(geom.objid)];
     if (light < 0) continue;
-    const Lights& lights = world.lights(static_cast<StationId>(light / 3));
-    const Light state = light % 3 == 0 ? lights.red : light % 3 == 1 ? lights.yellow : lights.green;
-    const bool on = state == Light::kOn || (state == Light::kBlink && lit_phase);
+    const bool on =
+        shining(world.lights(static_cast<StationId>(light / 3)), world.time())[static_cast<std::size_t>(light % 3)];
     geom.emission = on ? 1.0f : 0.0f;
     if (!on)
       for (int i = 0; i < 3; ++i) geom.rgba[i] *= 0.3f;
   }
 }
 
-void Renderer::add_labels() {
-  for (int g = 0; g < scene_.ngeom; ++g) {
-    mjvGeom& geom = scene_.geoms[g];
-    if (geom.objtype != mjOBJ_GEOM || geom.objid < 0) continue;
-    const std::string& label = label_of_[static_cast<std::size_t>(geom.objid)];
-    if (!label.empty()) std::snprintf(geom.label, sizeof geom.label, "%s", label.c_str());
-  }
+// Widens the view until the whole floor, with what stands across its border, is in the picture.
+void Renderer::fit() {
+  mjvGLCamera& camera = scene_.camera[0];
+  const double aspect = static_cast<double>(picture_.width) / picture_.height;
+  double wanted = 0;  // half height of the view at distance 1
+  for (const double x : {-kSeenX, kSeenX})
+    for (const double y : {kSeenY[0], kSeenY[1]}) {
+      const double offset[3] = {x - camera.pos[0], y - camera.pos[1], -camera.pos[2]};
+      const double along =
+          mju_dot3(offset, std::array<double, 3>{camera.forward[0], camera.forward[1], camera.forward[2]}.data());
+      const double up = mju_dot3(offset, std::array<double, 3>{camera.up[0], camera.up[1], camera.up[2]}.data());
+      wanted = std::max({wanted, std::abs(offset[0]) / along / aspect, std::abs(up) / along});
+    }
+  camera.frustum_top = static_cast<float>(wanted) * camera.frustum_near;
+  camera.frustum_bottom = -camera.frustum_top;
 }
 
 }  // namespace cxlab::sim

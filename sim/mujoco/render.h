@@ -33,12 +33,12 @@ class Renderer {
   Renderer(const FloorPlan& plan, std::unique_ptr<GlContext> context, int width, int height);
   void set_up(const PhysicsGate& world);
   void shine(const PhysicsGate& world);
-  void add_labels();
+  void fit();
 
   std::unique_ptr<GlContext> context_;
   std::vector<std::string> robots_, stations_;
-  std::vector<std::string> label_of_;  ///< by geom; empty = none
-  std::vector<int> light_of_;          ///< by geom: 3 * station + colour; -1 = none
+  std::vector<int> robot_geoms_, station_geoms_;  ///< to which their tags point
+  std::vector<int> light_of_;                     ///< by geom: 3 * station + colour; -1 = none
   std::unique_ptr<mjData, MjDeleter> copy_;
   mjvScene scene_;
   mjvOption option_;

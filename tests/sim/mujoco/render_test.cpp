@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/mujoco/mujoco_world.h"
+#include "sim/mujoco/overlay.h"
 #include "test_floor.h"
 
 /// OSMesa keeps a few bytes of every buffer that was ever bound (LeakSanitizer's own hook).
@@ -78,6 +79,54 @@ TEST_F(Rendering, PieceIsSeenInItsColours) {
   const int before = pixels_of(draw("C-CS1"), 0);
   ASSERT_TRUE(world_->dispense(station("C-CS1"), 0.155, Stack{1, {}, 0}).ok());
   EXPECT_GT(pixels_of(draw("C-CS1"), 0), before + 20);
+}
+
+TEST_F(Rendering, OverviewShowsPiecesAndSignalLights) {
+  for (const char* camera : {"field", "top"}) {
+    const auto before = draw(camera);
+    ASSERT_TRUE(world_->dispense(station("C-BS"), 0.155, Stack{1, {}, 0}).ok());
+    EXPECT_GT(pixels_of(draw(camera), 0), pixels_of(before, 0) + 10) << camera;
+    world_->retire(PieceId{camera == std::string("field") ? 1 : 2}, Holder::kGate);
+
+    const int dark = pixels_of(draw(camera), 1);
+    world_->set_lights(station("C-CS1"), {Light::kOff, Light::kOff, Light::kOn});
+    EXPECT_GT(pixels_of(draw(camera), 1), dark + 10) << camera;
+    world_->set_lights(station("C-CS1"), {});
+  }
+}
+
+TEST(PlaceBoxes, CrowdedTagsStayApartAndInsideThePicture) {
+  const Box picture{0, 0, 320, 240};
+  const std::vector<Box> taken{{150, 110, 20, 20}};
+  std::vector<BoxWish> wishes;
+  for (int i = 0; i < 20; ++i) wishes.push_back({160 + i, 120, 60, 14});
+  wishes.push_back({319, 239, 60, 14});
+  const std::vector<Box> boxes = place_boxes(wishes, taken, picture);
+  ASSERT_EQ(boxes.size(), wishes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    EXPECT_EQ(boxes[i].width, 60);
+    EXPECT_GE(boxes[i].left, 0);
+    EXPECT_LE(boxes[i].left + boxes[i].width, 320);
+    EXPECT_GE(boxes[i].bottom, 0);
+    EXPECT_LE(boxes[i].bottom + boxes[i].height, 240);
+    EXPECT_FALSE(boxes[i].overlaps(taken.front()));
+    for (std::size_t j = 0; j < i; ++j) EXPECT_FALSE(boxes[i].overlaps(boxes[j])) << i << ' ' << j;
+  }
+}
+
+TEST(PlaceBoxes, BoxTakesTheNearestFreePlace) {
+  const std::vector<BoxWish> wish{{100, 100, 40, 10}};
+  const Box alone = place_boxes(wish, {}, {0, 0, 200, 200}).front();
+  EXPECT_EQ(alone.left, 80);
+  EXPECT_EQ(alone.bottom, 95);
+  const Box moved = place_boxes(wish, {{80, 95, 40, 10}}, {0, 0, 200, 200}).front();
+  EXPECT_EQ(moved.left, 80);
+  EXPECT_EQ(std::abs(moved.bottom - 95), 12);
+}
+
+TEST(PlaceBoxes, BoxWithoutAPlaceIsLeftOut) {
+  const std::vector<BoxWish> wish{{10, 10, 40, 10}};
+  EXPECT_EQ(place_boxes(wish, {}, {0, 0, 30, 30}).front().width, 0);
 }
 
 TEST_F(Rendering, DrawingMovesNothing) {
