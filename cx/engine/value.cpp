@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "cx/base/number_text.h"
 #include "internal/impl.h"
 
 namespace cxlab {
@@ -16,9 +17,7 @@ bool Value::is_text() const {
 }
 
 std::string print_float(double value) {
-  char buffer[40];
-  std::snprintf(buffer, sizeof buffer, "%.15g", value);
-  std::string text = buffer;
+  std::string text = general_text(value, 15);
   if (text.find_first_of(".eni") == std::string::npos) text += ".0";
   return text;
 }

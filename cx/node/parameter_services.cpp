@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cstdlib>
 #include <memory>
 
+#include "cx/base/number_text.h"
 #include "cx/node/lifecycle.h"
 
 namespace cxlab::cx {
@@ -31,8 +30,8 @@ constexpr std::array<const char*, 10> kTypeNames{"not set",      "bool",        
                                                  "string",       "byte_array",  "bool_array", "integer_array",
                                                  "double_array", "string_array"};
 
-std::int64_t integer_of(const Parameter& p) { return std::strtoll(p.text.c_str(), nullptr, 10); }
-double number_of(const Parameter& p) { return std::strtod(p.text.c_str(), nullptr); }
+std::int64_t integer_of(const Parameter& p) { return read_number<std::int64_t>(p.text).value_or(0); }
+double number_of(const Parameter& p) { return read_number<double>(p.text).value_or(0); }
 
 RosType type_of(const Parameter& p) {
   switch (p.type) {
@@ -60,12 +59,6 @@ Parameter scalar(Type type, std::string text) {
   p.type = type;
   p.text = std::move(text);
   return p;
-}
-
-std::string shortest(double number) {
-  std::array<char, 32> text{};
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), number);
-  return {text.data(), end};
 }
 
 template <class Item>
@@ -253,7 +246,7 @@ Expected<Parameter> take_parameter(const bus::MessageView& value) {
   switch (value.integer("type")) {
     case kBool: return scalar(Type::kBool, value.integer("bool_value") ? "true" : "false");
     case kInteger: return scalar(Type::kInteger, std::to_string(value.integer("integer_value")));
-    case kDouble: return scalar(Type::kDouble, shortest(value.real("double_value")));
+    case kDouble: return scalar(Type::kDouble, shortest_text(value.real("double_value")));
     case kString: return scalar(Type::kString, value.text("string_value"));
     case kByteArray:
       return list_of(value, "byte_array_value", [&](const bus::Field& f, std::size_t i) {
@@ -269,7 +262,7 @@ Expected<Parameter> take_parameter(const bus::MessageView& value) {
       });
     case kDoubleArray:
       return list_of(value, "double_array_value", [&](const bus::Field& f, std::size_t i) {
-        return scalar(Type::kDouble, shortest(value.real(f, i)));
+        return scalar(Type::kDouble, shortest_text(value.real(f, i)));
       });
     case kStringArray:
       return list_of(value, "string_array_value",

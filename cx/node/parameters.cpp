@@ -3,12 +3,12 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
+
+#include "cx/base/number_text.h"
 
 namespace cxlab::cx {
 
@@ -26,13 +26,6 @@ std::string_view to_string(Parameter::Type type) {
 
 namespace {
 
-template <class Number>
-bool is_number(std::string_view text, Number& out) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
-  return error == std::errc() && end == text.data() + text.size();
-}
-
 /// As ROS reads it, with C's prefixes: `0x10` is 16, `010` is 8 and `08` no integer.
 bool is_integer(const std::string& text, std::int64_t& out) {
   char* end = nullptr;
@@ -42,15 +35,10 @@ bool is_integer(const std::string& text, std::int64_t& out) {
 }
 
 /// `.inf`, `-.inf`, `.nan` are numbers as `inf` is.
-bool is_real(std::string text, double& out) {
+std::optional<double> read_real(std::string text) {
   for (const std::string_view word : {".inf", ".Inf", ".INF", ".nan", ".NaN", ".NAN"})
     if (text.ends_with(word) && text.size() <= word.size() + 1) text.erase(text.size() - word.size(), 1);
-  return is_number(text, out);
-}
-
-std::string shortest(double number) {
-  std::array<char, 32> text{};
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr};
+  return read_number<double>(text);
 }
 
 Parameter scalar(Parameter::Type type, std::string text, const char* file) {
@@ -76,13 +64,12 @@ Parameter to_parameter(const YAML::Node& node, const std::string& file) {
   p.text = node.Scalar();
   bool truth = false;
   std::int64_t integer = 0;
-  double number = 0;
   if (node.Tag() == "!")
     p.type = Parameter::Type::kString;  // quoted
   else if (is_integer(p.text, integer))
     p.type = Parameter::Type::kInteger, p.text = std::to_string(integer);
-  else if (is_real(p.text, number))
-    p.type = Parameter::Type::kDouble, p.text = shortest(number);
+  else if (const auto number = read_real(p.text))
+    p.type = Parameter::Type::kDouble, p.text = shortest_text(*number);
   else if (YAML::convert<bool>::decode(node, truth))
     p.type = Parameter::Type::kBool, p.text = truth ? "true" : "false";
   else
@@ -253,7 +240,7 @@ Status Parameters::read(std::string_view name, std::int64_t& field) const {
   const Parameter* p = find(name);
   if (!p) return {};
   if (p->type != Parameter::Type::kInteger) return wrong_type(*p, name, "an integer");
-  is_number(p->text, field);
+  field = read_number<std::int64_t>(p->text).value_or(field);
   return {};
 }
 
@@ -262,7 +249,7 @@ Status Parameters::read(std::string_view name, double& field) const {
   if (!p) return {};
   if (p->type != Parameter::Type::kDouble && p->type != Parameter::Type::kInteger)
     return wrong_type(*p, name, "a double");
-  is_number(p->text, field);
+  field = read_number<double>(p->text).value_or(field);
   return {};
 }
 
@@ -292,7 +279,9 @@ Parameter Parameters::default_of(bool value) {
 Parameter Parameters::default_of(std::int64_t value) {
   return scalar(Parameter::Type::kInteger, std::to_string(value), kDefault);
 }
-Parameter Parameters::default_of(double value) { return scalar(Parameter::Type::kDouble, shortest(value), kDefault); }
+Parameter Parameters::default_of(double value) {
+  return scalar(Parameter::Type::kDouble, shortest_text(value), kDefault);
+}
 Parameter Parameters::default_of(const std::string& value) { return scalar(Parameter::Type::kString, value, kDefault); }
 Parameter Parameters::default_of(const std::vector<std::string>& value) {
   Parameter p = scalar(Parameter::Type::kList, {}, kDefault);

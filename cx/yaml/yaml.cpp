@@ -3,12 +3,13 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <set>
 #include <sstream>
 #include <tuple>
+
+#include "cx/base/number_text.h"
 
 namespace cxlab::yaml {
 
@@ -47,14 +48,6 @@ const char* kind_of(const YAML::Node& node) {
   return "nothing";
 }
 
-template <class Number>
-bool parse_number(const std::string& text, Number& out) {
-  const char* begin = text.data();
-  if (*begin == '+') ++begin;
-  const auto [end, error] = std::from_chars(begin, text.data() + text.size(), out);
-  return error == std::errc() && end == text.data() + text.size();
-}
-
 /// `a.b[0].c` as steps: keys and indices.
 struct Step {
   std::string key;
@@ -66,9 +59,10 @@ bool split_path(const std::string& path, std::vector<Step>& steps) {
   while (i < path.size()) {
     if (path[i] == '[') {
       const std::size_t end = path.find(']', i);
-      int index = 0;
-      if (end == std::string::npos || !parse_number(path.substr(i + 1, end - i - 1), index) || index < 0) return false;
-      steps.push_back({{}, index});
+      if (end == std::string::npos) return false;
+      const auto index = read_number<int>(std::string_view(path).substr(i + 1, end - i - 1));
+      if (!index || *index < 0) return false;
+      steps.push_back({{}, *index});
       i = end + 1;
       if (i < path.size() && path[i] == '.') ++i;
       continue;
@@ -125,15 +119,14 @@ std::string Value::as_string(std::string fallback) const {
 }
 
 double Value::as_number(double fallback) const {
-  double number = 0;
-  if (is_scalar() && parse_number(node_->Scalar(), number) && std::isfinite(number)) return number;
+  const auto number = read_number<double>(text());
+  if (number && std::isfinite(*number)) return *number;
   fail("found '" + (is_scalar() ? text() : kind_of(*node_)) + "', expected a number");
   return fallback;
 }
 
 std::int64_t Value::as_integer(std::int64_t fallback) const {
-  std::int64_t number = 0;
-  if (is_scalar() && parse_number(node_->Scalar(), number)) return number;
+  if (const auto number = read_number<std::int64_t>(text())) return *number;
   fail("found '" + (is_scalar() ? text() : kind_of(*node_)) + "', expected an integer");
   return fallback;
 }
@@ -224,8 +217,10 @@ Map& Map::read(std::string_view key, int& field) {
 }
 Map& Map::read(std::string_view key, std::uint64_t& field) {
   if (const Value v = get(key)) {
-    if (v.is_scalar() && parse_number(v.text(), field)) return *this;
-    v.fail("found '" + v.text() + "', expected an integer of at least 0");
+    if (const auto number = read_number<std::uint64_t>(v.text()))
+      field = *number;
+    else
+      v.fail("found '" + v.text() + "', expected an integer of at least 0");
   }
   return *this;
 }

@@ -2,8 +2,9 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <charconv>
 #include <cmath>
+
+#include "cx/base/number_text.h"
 
 namespace cxlab::cx {
 
@@ -18,15 +19,8 @@ constexpr const char* kTemplate = R"((deftemplate confval
 
 /// A number as CLIPS reads the word; words that are none for CLIPS (`0x10`, `.inf`) are symbols.
 Value word(const std::string& text) {
-  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
-  const char* end = text.data() + text.size();
-  std::int64_t integer = 0;
-  if (const auto [at, error] = std::from_chars(begin, end, integer); error == std::errc() && at == end)
-    return Value::integer(integer);
-  double number = 0;
-  if (const auto [at, error] = std::from_chars(begin, end, number);
-      error == std::errc() && at == end && std::isfinite(number))
-    return Value::number(number);
+  if (const auto integer = read_number<std::int64_t>(text)) return Value::integer(*integer);
+  if (const auto number = read_number<double>(text); number && std::isfinite(*number)) return Value::number(*number);
   return Value::symbol(text);
 }
 

@@ -1,8 +1,8 @@
 #include "cx/plugins/ros_param/ros_param_plugin.h"
 
-#include <array>
-#include <charconv>
 #include <cmath>
+
+#include "cx/base/number_text.h"
 
 namespace cxlab::cx {
 
@@ -45,18 +45,13 @@ Expected<Wanted> wanted_by(const ValueRef& fallback) {
   return out;
 }
 
-std::string shortest(double number) {
-  std::array<char, 32> text{};
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr};
-}
-
 Parameter parameter_from(const ValueRef& value, Type type) {
   Parameter out;
   out.type = type;
   switch (type) {
     case Type::kBool: out.text = value.text() == "TRUE" ? "true" : "false"; break;
     case Type::kInteger: out.text = std::to_string(value.as_integer()); break;
-    case Type::kDouble: out.text = shortest(value.as_number()); break;
+    case Type::kDouble: out.text = shortest_text(value.as_number()); break;
     default: out.text = value.is_text() ? std::string(value.text()) : value.copy().print(); break;
   }
   return out;
@@ -64,16 +59,14 @@ Parameter parameter_from(const ValueRef& value, Type type) {
 
 /// The parameter as a value of that type. Numbers are converted where that is exact.
 Expected<Value> value_of(const Parameter& p, Type type) {
-  std::int64_t integer = 0;
-  double number = 0;
   if (p.type == Type::kInteger) {
-    std::from_chars(p.text.data() + (p.text.starts_with('+') ? 1 : 0), p.text.data() + p.text.size(), integer);
+    const auto integer = read_number<std::int64_t>(p.text).value_or(0);
     if (type == Type::kInteger) return Value::integer(integer);
-    number = static_cast<double>(integer);
+    const auto number = static_cast<double>(integer);
     if (type == Type::kDouble && std::abs(number) < 0x1p63 && static_cast<std::int64_t>(number) == integer)
       return Value::number(number);
   } else if (p.type == Type::kDouble) {
-    std::from_chars(p.text.data() + (p.text.starts_with('+') ? 1 : 0), p.text.data() + p.text.size(), number);
+    const double number = read_number<double>(p.text).value_or(0);
     if (type == Type::kDouble) return Value::number(number);
     if (type == Type::kInteger && std::abs(number) <= 0x1p53 && std::trunc(number) == number)
       return Value::integer(static_cast<std::int64_t>(number));

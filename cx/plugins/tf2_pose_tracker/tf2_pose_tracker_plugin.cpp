@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
+#include "cx/base/number_text.h"
 #include "cx/bus/transforms.h"
 
 namespace cxlab::cx {
@@ -21,11 +21,8 @@ constexpr const char* kTemplate = R"((deftemplate tf2-tracked-pose
 
 /// As CLIPS reads the shortest spelling of the number: a whole one has no point and is an INTEGER.
 Value component(double number) {
-  std::array<char, 32> text{};
-  const char* end = std::to_chars(text.data(), text.data() + text.size(), number).ptr;
-  std::int64_t integer = 0;
-  const auto [at, error] = std::from_chars(text.data(), end, integer);
-  return error == std::errc() && at == end ? Value::integer(integer) : Value::number(number);
+  const auto integer = read_number<std::int64_t>(shortest_text(number));
+  return integer ? Value::integer(*integer) : Value::number(number);
 }
 
 Value list(std::initializer_list<double> numbers) {
