@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "app/command.h"
+#include "cx/engine/version.h"
 #include "lab/versions.h"
 #include "scenarios/share.h"
 
@@ -95,6 +96,8 @@ Finding administrator() {
 std::vector<Finding> examine() {
   std::vector<Finding> findings;
   for (const auto& [name, version] : lab::versions()) findings.push_back({name, Verdict::kGood, version, ""});
+  if (const Status clips = check_clips_library(); !clips)
+    findings.push_back({"CLIPS library", Verdict::kMissing, "another version", clips.error().message});
   const Share folders = find_share();
   findings.push_back(share("interfaces", folders.interfaces));
   findings.push_back(share("models", folders.models));

@@ -88,8 +88,8 @@ struct Endpoint {
   bool provides() const {
     return kind == EndpointKind::kPublisher || kind == EndpointKind::kServer || kind == EndpointKind::kActionServer;
   }
-  ServedGoal& served_goal(const GoalId& id) {
-    const auto [at, added] = served.try_emplace(id);
+  ServedGoal& served_goal(const GoalId& goal) {
+    const auto [at, added] = served.try_emplace(goal);
     if (added) at->second.order = next_order++;
     return at->second;
   }

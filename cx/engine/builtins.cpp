@@ -39,15 +39,15 @@ void call_original(Environment* env, UDFContext* context, UDFValue* result, cons
     last = &(*last)->nextArg;
   }
   ExpressionInstall(env, &call);
-  Expression* outer = EvaluationData(env)->CurrentExpression;
-  EvaluationData(env)->CurrentExpression = &call;
+  Expression* outer = evaluation_data(env)->CurrentExpression;
+  evaluation_data(env)->CurrentExpression = &call;
   UDFContext inner = *context;
   inner.context = nullptr;
   inner.lastArg = call.argList;
   inner.lastPosition = 1;
   inner.returnValue = result;
   builtin_of(context).original(env, &inner, result);
-  EvaluationData(env)->CurrentExpression = outer;
+  evaluation_data(env)->CurrentExpression = outer;
   ExpressionDeinstall(env, &call);
   ReturnExpression(env, call.argList);
 }

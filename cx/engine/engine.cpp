@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 
+#include "cx/engine/version.h"
 #include "internal/impl.h"
 
 namespace cxlab {
@@ -50,13 +51,14 @@ RuleEngine::RuleEngine(EngineOptions options)
 
 Expected<std::unique_ptr<RuleEngine>> RuleEngine::create(EngineOptions options) {
   if (options.name.empty()) return input_error("an environment needs a name");
+  if (Status s = check_clips_library(); !s) return s.error();
   std::unique_ptr<RuleEngine> engine(new RuleEngine(std::move(options)));
   Environment* env = CreateEnvironment();
   if (env == nullptr) return resource_error("no memory for a CLIPS environment");
   engine->environment_ = env;
   engine->impl_->env = env;
   AllocateEnvironmentData(env, kOwnData, sizeof(OwnData), nullptr);
-  static_cast<OwnData*>(GetEnvironmentData(env, kOwnData))->engine = engine.get();
+  static_cast<OwnData*>(environment_data(env, kOwnData))->engine = engine.get();
   if (engine->options_.journal != nullptr) {
     engine->stream_ = engine->options_.journal->open_stream("env/" + engine->options_.name);
   }
@@ -84,7 +86,7 @@ RuleEngine::~RuleEngine() {
 }
 
 RuleEngine* RuleEngine::of(Environment* environment) {
-  const auto* found = static_cast<OwnData*>(GetEnvironmentData(environment, kOwnData));
+  const auto* found = static_cast<OwnData*>(environment_data(environment, kOwnData));
   return found == nullptr ? nullptr : found->engine;
 }
 
@@ -121,7 +123,7 @@ namespace {
 bool any_salience_computed(Environment* env) {
   for (Defmodule* module = GetNextDefmodule(env, nullptr); module != nullptr; module = GetNextDefmodule(env, module)) {
     const auto* rules =
-        reinterpret_cast<const defruleModule*>(module->itemsArray[DefruleData(env)->DefruleModuleIndex]);
+        reinterpret_cast<const defruleModule*>(module->itemsArray[defrule_data(env)->DefruleModuleIndex]);
     for (const Activation* activation = rules->agenda; activation != nullptr; activation = activation->next)
       if (activation->theRule->dynamicSalience != nullptr) return true;
   }
@@ -137,7 +139,7 @@ void RuleEngine::refresh_all_agendas() {
 }
 
 bool RuleEngine::Impl::anything_left() const {
-  for (const FocalModule* focus = EngineData(env)->CurrentFocus; focus != nullptr; focus = focus->next) {
+  for (const FocalModule* focus = engine_data(env)->CurrentFocus; focus != nullptr; focus = focus->next) {
     if (focus->theDefruleModule->agenda != nullptr) return true;
   }
   return false;

@@ -101,7 +101,7 @@ void RuleEngine::Impl::capture(const char* text) {
   if (text[0] == '[' && text[1] == '\0') {
     const bool parsing = !contexts.empty() && contexts.back().form != nullptr &&
                          (!rule_acting || contexts.size() > rule_depth) &&
-                         !CommandLineData(env)->EvaluatingTopLevelCommand;
+                         !command_line_data(env)->EvaluatingTopLevelCommand;
     starts.push_back({captured.size(), parsing ? static_cast<int>(GetLineCount(env)) : 0, rule_acting});
   } else if (starts.empty()) {
     return;
@@ -114,7 +114,7 @@ void RuleEngine::note_error(const std::string& text) {
   impl_->capture(text.c_str() + 1);
   // A test of these rules goes on all the same, and CLIPS will not name them.
   std::vector<std::string> rules;
-  if (const joinNode* join = EngineData(impl_->env)->GlobalJoin) add_rules_below(*join, rules);
+  if (const joinNode* join = engine_data(impl_->env)->GlobalJoin) add_rules_below(*join, rules);
   if (rules.empty()) return;
   std::string named = "DRIVE1] In the join network";
   for (const std::string& rule : rules) named += " in rule " + rule;
@@ -285,7 +285,7 @@ std::vector<RuleError> RuleEngine::take_errors() {
 }
 
 HostCall::HostCall(RuleEngine::Impl& impl, const RuleEngine::Impl::Context& context, Collect collect)
-    : impl_(impl), embedded_(EvaluationData(impl.env)->CurrentExpression == nullptr), collect_(collect) {
+    : impl_(impl), embedded_(evaluation_data(impl.env)->CurrentExpression == nullptr), collect_(collect) {
   impl.flush_errors();
   depth_ = impl.contexts.size();
   if (embedded_ || context.side == ErrorSide::kLoad) impl.contexts.push_back(context);

@@ -27,7 +27,7 @@ void* to_clips(Environment* env, const Value& value) {
       for (Fact* fact = GetNextFact(env, nullptr); fact != nullptr; fact = GetNextFact(env, fact)) {
         if (fact->factIndex == value.fact_index()) return fact;
       }
-      return &FactData(env)->DummyFact;
+      return &fact_data(env)->DummyFact;
     }
     case ValueType::kMultifield: {
       Multifield* list = CreateMultifield(env, value.items().size());
@@ -72,7 +72,7 @@ Deftemplate* RuleEngine::Impl::find_template(const std::string& name) {
 }
 
 Fact* RuleEngine::Impl::find_fact(std::int64_t index) const {
-  for (Fact* fact = FactData(env)->LastFact; fact != nullptr; fact = fact->previousFact) {
+  for (Fact* fact = fact_data(env)->LastFact; fact != nullptr; fact = fact->previousFact) {
     if (fact->factIndex == index) return fact;
   }
   return nullptr;
@@ -227,7 +227,7 @@ FactCopy RuleEngine::Impl::copy_fact(Fact& fact) {
 
 std::vector<FactCopy> RuleEngine::facts(std::string_view template_name) const {
   std::vector<FactCopy> copies;
-  for (Fact* fact = FactData(environment_)->FactList; fact != nullptr; fact = fact->nextFact) {
+  for (Fact* fact = fact_data(environment_)->FactList; fact != nullptr; fact = fact->nextFact) {
     if (template_name.empty() || template_name == fact->whichDeftemplate->header.name->contents) {
       copies.push_back(impl_->copy_fact(*fact));
     }

@@ -196,7 +196,7 @@ void Call::complain(std::string_view message) {
 
 void RuleEngine::Impl::hide(FunctionRecord& record) {
   FunctionHash** link =
-      &ExternalFunctionData(env)->FunctionHashtable[HashSymbol(record.spec.name.c_str(), SIZE_FUNCTION_HASH)];
+      &external_function_data(env)->FunctionHashtable[HashSymbol(record.spec.name.c_str(), SIZE_FUNCTION_HASH)];
   while (*link != nullptr && (*link)->fdPtr != record.definition) link = &(*link)->next;
   if (*link == nullptr) return;
   record.hidden = *link;
@@ -206,7 +206,7 @@ void RuleEngine::Impl::hide(FunctionRecord& record) {
 void RuleEngine::Impl::show(FunctionRecord& record) {
   if (record.hidden == nullptr) return;
   FunctionHash*& head =
-      ExternalFunctionData(env)->FunctionHashtable[HashSymbol(record.spec.name.c_str(), SIZE_FUNCTION_HASH)];
+      external_function_data(env)->FunctionHashtable[HashSymbol(record.spec.name.c_str(), SIZE_FUNCTION_HASH)];
   record.hidden->next = head;
   head = record.hidden;
   record.hidden = nullptr;

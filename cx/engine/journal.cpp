@@ -137,7 +137,7 @@ void RuleEngine::Impl::release_kept() {
   kept_values.clear();
   kept_facts.clear();
   // Else the facts would wait for other garbage.
-  UtilityData(env)->CurrentGarbageFrame->dirty = true;
+  utility_data(env)->CurrentGarbageFrame->dirty = true;
 }
 
 void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self) noexcept {
@@ -182,7 +182,7 @@ void RuleEngine::Impl::on_fired(Environment*, Activation* activation, void* self
   if (activation == nullptr) return;
   impl.rule_acting = false;
   // A deffunction may have called `run`.
-  if (EvaluationData(impl.env)->CurrentEvaluationDepth == 0) impl.release_kept();
+  if (evaluation_data(impl.env)->CurrentEvaluationDepth == 0) impl.release_kept();
   ++impl.fired;
   if (impl.limit > 0 && impl.fired >= impl.limit && impl.anything_left()) {
     impl.limit_reached = true;
@@ -241,6 +241,8 @@ void RuleEngine::Impl::on_clear(Environment*, void* self) noexcept {
   impl.construct_index.clear();
   impl.calls_of.clear();
   impl.lhs_calls_of.clear();
+  impl.rules_calling.clear();
+  impl.functions_calling.clear();
   impl.reported_lhs.clear();
 }
 
@@ -252,8 +254,8 @@ void RuleEngine::Impl::install_hooks() {
   AddAfterRuleFiresFunction(env, "cxlab", on_fired, 0, this);
   AddClearFunction(env, "cxlab", on_clear, 0, this);
   AddPeriodicFunction(env, "cxlab", on_turn, 0, this);
-  call_deffunction = std::exchange(EvaluationData(env)->PrimitivesArray[PCALL]->evaluateFunction, on_deffunction);
-  call_generic = std::exchange(EvaluationData(env)->PrimitivesArray[GCALL]->evaluateFunction, on_generic);
+  call_deffunction = std::exchange(evaluation_data(env)->PrimitivesArray[PCALL]->evaluateFunction, on_deffunction);
+  call_generic = std::exchange(evaluation_data(env)->PrimitivesArray[GCALL]->evaluateFunction, on_generic);
 }
 
 }  // namespace cxlab

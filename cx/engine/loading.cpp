@@ -72,15 +72,32 @@ void RuleEngine::Impl::remember(const Form& form, const std::string& file) {
 
   const std::vector<Token> tokens = tokens_of(form);
   if (form.head == "defrule") {
-    std::vector<CallPlace>& calls = lhs_calls_of[form.name];
-    calls.clear();
+    std::vector<CallPlace>& places = lhs_calls_of[form.name];
+    places.clear();
     for_each_call(tokens, 1, find_arrow(tokens), false,
-                  [&](std::string name, int line) { calls.push_back({std::move(name), line}); });
+                  [&](std::string name, int line) { places.push_back({std::move(name), line}); });
+    for (const CallPlace& call : places) rules_calling[call.function].insert(form.name);
   } else if (form.head == "deffunction" || form.head == "defmethod") {
-    std::set<std::string>& calls = calls_of[form.name];
-    if (form.head == "deffunction") calls.clear();
-    for_each_call(tokens, 1, tokens.size(), true, [&](std::string name, int) { calls.insert(std::move(name)); });
+    std::set<std::string>& names = calls_of[form.name];
+    if (form.head == "deffunction") names.clear();
+    for_each_call(tokens, 1, tokens.size(), true, [&](std::string name, int) { names.insert(std::move(name)); });
+    for (const std::string& name : names) functions_calling[name].insert(form.name);
   }
+}
+
+std::set<std::string> RuleEngine::Impl::rules_reaching(const std::string& function) const {
+  std::set<std::string> rules, seen{function};
+  std::vector<std::string> open{function};
+  while (!open.empty()) {
+    const std::string called = std::move(open.back());
+    open.pop_back();
+    if (const auto found = rules_calling.find(called); found != rules_calling.end())
+      rules.insert(found->second.begin(), found->second.end());
+    if (const auto found = functions_calling.find(called); found != functions_calling.end())
+      for (const std::string& caller : found->second)
+        if (seen.insert(caller).second) open.push_back(caller);
+  }
+  return rules;
 }
 
 bool RuleEngine::Impl::is_acting(const std::string& function, std::set<std::string>& seen) const {
@@ -91,27 +108,27 @@ bool RuleEngine::Impl::is_acting(const std::string& function, std::set<std::stri
   if (const auto ours = functions.find(function); ours != functions.end() && ours->second->function) {
     return ours->second->spec.kind == FunctionKind::kActing;
   }
-  const auto calls = calls_of.find(function);
-  if (calls == calls_of.end() || !seen.insert(function).second) return false;
-  return std::any_of(calls->second.begin(), calls->second.end(),
+  const auto body = calls_of.find(function);
+  if (body == calls_of.end() || !seen.insert(function).second) return false;
+  return std::any_of(body->second.begin(), body->second.end(),
                      [&](const std::string& inner) { return is_acting(inner, seen); });
 }
 
 std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) {
   std::vector<RuleError> errors;
-  const auto calls = lhs_calls_of.find(rule);
-  if (calls == lhs_calls_of.end()) return errors;
-  for (const CallPlace& call : calls->second) {
+  const auto places = lhs_calls_of.find(rule);
+  if (places == lhs_calls_of.end()) return errors;
+  for (const CallPlace& place : places->second) {
     std::set<std::string> seen;
-    if (!is_acting(call.function, seen)) continue;
-    if (!reported_lhs.insert(rule + '\n' + call.function + '\n' + std::to_string(call.line)).second) continue;
+    if (!is_acting(place.function, seen)) continue;
+    if (!reported_lhs.insert(rule + '\n' + place.function + '\n' + std::to_string(place.line)).second) continue;
     const ConstructInfo* info = engine.find_construct("defrule", rule);
     RuleError error;
     error.side = ErrorSide::kLoad;
     error.rule = rule;
     error.file = info == nullptr ? std::string() : info->file;
-    error.line = call.line;
-    error.message = "rule '" + rule + "' calls '" + call.function + "' on its left-hand side" +
+    error.line = place.line;
+    error.message = "rule '" + rule + "' calls '" + place.function + "' on its left-hand side" +
                     (seen.empty() ? "" : ", which calls an acting function") + "; expected a function without effects";
     error.detail = error.message;
     error.t = engine.now();
@@ -157,17 +174,17 @@ bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, Load
   }
   if (keep_same && is_there_already(form)) return true;
   const long old_line = SetLineCount(env, form.line);
-  const char* old_router = RouterData(env)->LineCountRouter;
-  const bool old_evaluating = CommandLineData(env)->EvaluatingTopLevelCommand;
-  expr* old_command = CommandLineData(env)->CurrentCommand;
-  CommandLineData(env)->EvaluatingTopLevelCommand = false;
+  const char* old_router = router_data(env)->LineCountRouter;
+  const bool old_evaluating = command_line_data(env)->EvaluatingTopLevelCommand;
+  expr* old_command = command_line_data(env)->CurrentCommand;
+  command_line_data(env)->EvaluatingTopLevelCommand = false;
   bool fine = true;
   if (form.list && is_construct(env, form.head)) {
-    RouterData(env)->LineCountRouter = "build";
+    router_data(env)->LineCountRouter = "build";
     fine = Build(env, form.text.c_str()) == BE_NO_ERROR;
     if (fine) remember(form, file);
   } else {
-    RouterData(env)->LineCountRouter = "command";
+    router_data(env)->LineCountRouter = "command";
     const bool counts = limit == 0;  // a rule that loads cannot `run`
     if (counts) count_firings(engine.options_.max_load_firings);
     fine = RouteCommand(env, form.text.c_str(), false) && !GetEvaluationError(env);
@@ -182,10 +199,10 @@ bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, Load
       add_error(std::move(error));
     }
   }
-  RouterData(env)->LineCountRouter = old_router;
+  router_data(env)->LineCountRouter = old_router;
   SetLineCount(env, old_line);
-  CommandLineData(env)->EvaluatingTopLevelCommand = old_evaluating;
-  CommandLineData(env)->CurrentCommand = old_command;
+  command_line_data(env)->EvaluatingTopLevelCommand = old_evaluating;
+  command_line_data(env)->CurrentCommand = old_command;
   if (!fine && starts.empty() && engine.errors_.empty()) {
     RuleError error;
     error.file = file;
@@ -235,7 +252,7 @@ LoadReport RuleEngine::load_text(std::string_view text, const std::string& file,
     std::vector<RuleError> acting;
     if (rule) acting = impl_->acting_on_lhs(form.name);
     if (form.head == "deffunction" || form.head == "defmethod") {
-      for (const auto& [name, calls] : impl_->lhs_calls_of) {
+      for (const std::string& name : impl_->rules_reaching(form.name)) {
         for (RuleError& error : impl_->acting_on_lhs(name)) acting.push_back(std::move(error));
       }
     }

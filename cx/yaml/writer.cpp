@@ -2,18 +2,11 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <charconv>
+#include "cx/base/number_text.h"
 
 namespace cxlab::yaml {
 
 namespace {
-
-/// The shortest text that reads back as the same number.
-template <class Number>
-std::string shortest(Number value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
-}
 
 std::string dump(const YAML::Node& node) {
   YAML::Emitter out;
@@ -26,9 +19,9 @@ std::string dump(const YAML::Node& node) {
 Writer::Writer() : node_(std::make_shared<YAML::Node>(YAML::NodeType::Map)) {}
 
 void Writer::operator()(std::string_view key, const std::string& value) { (*node_)[std::string(key)] = value; }
-void Writer::operator()(std::string_view key, double value) { (*this)(key, shortest(value)); }
-void Writer::operator()(std::string_view key, std::int64_t value) { (*this)(key, shortest(value)); }
-void Writer::operator()(std::string_view key, std::uint64_t value) { (*this)(key, shortest(value)); }
+void Writer::operator()(std::string_view key, double value) { (*this)(key, shortest_text(value)); }
+void Writer::operator()(std::string_view key, std::int64_t value) { (*this)(key, std::to_string(value)); }
+void Writer::operator()(std::string_view key, std::uint64_t value) { (*this)(key, std::to_string(value)); }
 void Writer::operator()(std::string_view key, bool value) { (*this)(key, std::string(value ? "true" : "false")); }
 
 void Writer::operator()(std::string_view key, const std::vector<std::string>& values) {

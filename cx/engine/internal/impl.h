@@ -97,6 +97,9 @@ struct RuleEngine::Impl {
   };
   std::map<std::string, std::set<std::string>> calls_of;       ///< deffunctions and generics
   std::map<std::string, std::vector<CallPlace>> lhs_calls_of;  ///< rules
+  // Who has ever called a function, on a left-hand side or in its body. Never too few: a definition that is replaced
+  // stays.
+  std::map<std::string, std::set<std::string>> rules_calling, functions_calling;
   std::set<std::string> reported_lhs;
   std::vector<Error> notes;
 
@@ -106,6 +109,7 @@ struct RuleEngine::Impl {
   bool is_there_already(const Form& form) const;
   bool load_form(const Form& form, const std::string& file, LoadMode mode);
   void remember(const Form& form, const std::string& file);
+  std::set<std::string> rules_reaching(const std::string& function) const;
   std::vector<RuleError> acting_on_lhs(const std::string& rule);
   bool is_acting(const std::string& function, std::set<std::string>& seen) const;
 

@@ -230,6 +230,20 @@ TEST_F(RuleErrors, ActingFunctionsOnALeftHandSideAreErrorsAtLoad) {
   EXPECT_THAT(notes[0].text(), AllOf(StartsWith("agent.clp:3: "), HasSubstr("'outer'")));
 }
 
+TEST_F(RuleErrors, AFunctionThatBecomesActingIsReportedForTheRulesThatReachIt) {
+  ASSERT_TRUE(engine().add_function({.name = "publish", .kind = FunctionKind::kActing}, [](Call&) {}).ok());
+  given(
+      "(deffunction inner (?x) ?x)\n(deffunction outer (?x) (inner ?x))\n(deffunction other (?x) ?x)\n"
+      "(defrule reaches (a ?x&:(outer ?x)) =>)\n(defrule does-not (a ?x&:(other ?x)) =>)\n");
+  EXPECT_THAT(engine().take_notes(), IsEmpty());
+  const LoadReport again = engine().load_text("(deffunction inner (?x) (publish ?x))", "again.clp",
+                                              LoadMode::kConstructs, OnLoadError::kKeepGoing);
+  EXPECT_TRUE(again.ok());
+  const std::vector<Error> notes = engine().take_notes();
+  ASSERT_THAT(notes, SizeIs(1));
+  EXPECT_THAT(notes[0].text(), AllOf(HasSubstr("rule 'reaches'"), HasSubstr("'outer'")));
+}
+
 TEST_F(RuleErrors, AnUnboundVariableAsArgumentIsAnErrorOnceAndTheFunctionIsNotCalled) {
   int calls = 0;
   const auto count = [&calls](Call&) { ++calls; };
