@@ -225,6 +225,7 @@ Status Episode::build_agents() {
   const auto streams = std::make_shared<std::set<std::string>>();
   for (const AgentSpec& spec : scenario_.agents) {
     cx::ManagerOptions manager;
+    manager.one_of_several = scenario_.agents.size() > 1;
     static_cast<cx::RunSettings&>(manager) = run_settings();
     const std::size_t index = agents_.size();
     const std::string number = std::to_string(index);

@@ -1,27 +1,11 @@
 #include "cx/executive/environment.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <cstdio>
 
 #include "cx/executive/thread_gate.h"
 
 namespace cxlab::cx {
-
-namespace {
-
-/// [12.340] [main] [info] text
-std::string file_line(const LogLine& line, LogLevel level) {
-  std::array<char, 40> stamp{};
-  std::snprintf(stamp.data(), stamp.size(), "[%.3f] [", to_seconds(line.t));
-  std::string out(stamp.data());
-  out.append(line.logger).append("] [").append(to_string(level)).append("] ").append(line.text);
-  out += '\n';
-  return out;
-}
-
-}  // namespace
 
 Environment::Environment(Options options, bus::Bus& bus, Files& files)
     : options_(std::move(options)),
@@ -29,8 +13,8 @@ Environment::Environment(Options options, bus::Bus& bus, Files& files)
       files_(files),
       router_(options_.redirect_stdout_to_debug,
               [this](LogLevel level, std::string_view colour, std::string_view text) {
-                // Every level is written with `info`, as in the files of CX.
-                write_line({now(), level, options_.name, text, colour}, LogLevel::kInfo);
+                // In the file every line has the level `info`, as in the files of CX.
+                write_line({now(), level, name_in_log(), text, colour}, LogLevel::kInfo);
               }) {}
 
 Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus::Bus& bus, RecordSink& journal,
@@ -110,7 +94,7 @@ Status Environment::run() {
     if (Status s = check_errors(std::move(report.errors)); !s) return s;
   if (report.loop) {
     Error error{ErrorKind::kRun,
-                "environment '" + name() + "': " + report.loop_report.text() +
+                "environment '" + name_in_log() + "': " + report.loop_report.text() +
                     "; if they are right, allow more with max_firings_per_tick (now " +
                     std::to_string(options_.run->max_firings) + ", 0 = no limit)",
                 {},
@@ -158,13 +142,13 @@ Value Environment::look(std::string_view function, const std::function<Value()>&
 }
 
 void Environment::log(LogLevel level, std::string_view logger, std::string_view text) {
-  write_line({now(), level, logger, text, {}}, level);
+  write_line({now(), level, options_.logger_names.in_log(logger), text, {}}, level);
 }
 
-void Environment::write_line(const LogLine& line, LogLevel level_in_file) {
+void Environment::write_line(LogLine line, LogLevel level_in_file) {
   if (options_.run->log) options_.run->log->line(line);
-  // A failed write stays in the file's status, which the manager asks for once a tick.
-  if (options_.log_file) (void)options_.log_file->append(file_line(line, level_in_file));
+  line.level = level_in_file;
+  if (options_.log_file) options_.log_file->line(line);
 }
 
 }  // namespace cxlab::cx

@@ -13,13 +13,13 @@
 #include <typeindex>
 #include <vector>
 
-#include "cx/base/append_file.h"
 #include "cx/base/expected.h"
 #include "cx/bus/bus.h"
 #include "cx/engine/engine.h"
 #include "cx/executive/files.h"
 #include "cx/executive/log_router.h"
 #include "cx/executive/run_settings.h"
+#include "cx/node/log_output.h"
 
 namespace cxlab::cx {
 
@@ -31,6 +31,18 @@ struct RuleErrorEntry {
 
 class ThreadGate;
 
+/// How the lines of a manager, its environments and plugins are called in the log.
+struct LoggerNames {
+  std::string node;     ///< the manager
+  std::string manager;  ///< its name in the run where the run has several managers, else empty
+
+  /// "main", or "clips_manager-2/main".
+  std::string in_log(std::string_view logger) const {
+    if (manager.empty()) return std::string(logger);
+    return logger == node ? manager : manager + '/' + std::string(logger);
+  }
+};
+
 class Environment {
  public:
   struct Options {
@@ -39,7 +51,8 @@ class Environment {
     bus::NodeName node;                ///< that its names are resolved against
     const RunSettings* run = nullptr;  ///< outlives the environment
     bool redirect_stdout_to_debug = false;
-    AppendFile* log_file = nullptr;                      ///< may be none
+    LoggerNames logger_names;
+    LogFile* log_file = nullptr;                         ///< may be none
     std::vector<RuleErrorEntry>* rule_errors = nullptr;  ///< all errors are added here
   };
   static Expected<std::unique_ptr<Environment>> create(Options options, bus::Bus& bus, RecordSink& journal,
@@ -49,6 +62,7 @@ class Environment {
   Environment& operator=(const Environment&) = delete;
 
   const std::string& name() const { return options_.name; }
+  std::string name_in_log() const { return options_.logger_names.in_log(options_.name); }
   RuleEngine& engine() const { return *engine_; }
   bus::Bus& bus() const { return bus_; }
   bus::ParticipantId participant() const { return participant_; }
@@ -105,7 +119,7 @@ class Environment {
 
  private:
   Environment(Options options, bus::Bus& bus, Files& files);
-  void write_line(const LogLine& line, LogLevel level_in_file);
+  void write_line(LogLine line, LogLevel level_in_file);
 
   Options options_;
   bus::Bus& bus_;

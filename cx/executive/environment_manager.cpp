@@ -52,8 +52,8 @@ EnvironmentManager::EnvironmentManager(ManagerOptions options, Parameters parame
       journal_(journal),
       files_({options_.packages, options_.run_folder, options_.trust_rules, options_.on_read, options_.outside_copies}),
       node_name_{options_.node, options_.name_space, options_.remaps},
-      node_(bus_.join(bus::ParticipantKind::kNode, node_name_,
-                      journal_.open_stream("node/" + claim(options_, "node/", options_.node)))),
+      unique_node_(claim(options_, "node/", options_.node)),
+      node_(bus_.join(bus::ParticipantKind::kNode, node_name_, journal_.open_stream("node/" + unique_node_))),
       lifecycle_(
           bus_, node_, [this](Transition t) { return change(t); },
           [this](const Error& why) {
@@ -353,16 +353,16 @@ const std::string& EnvironmentManager::unique_name(const std::string& environmen
              : unique_names_.emplace(environment, claim(options_, "env/", environment)).first->second;
 }
 
-Expected<AppendFile*> EnvironmentManager::log_file(const std::string& name) {
-  if (const auto known = log_files_.find(name); known != log_files_.end()) return &known->second;
+Expected<LogFile*> EnvironmentManager::log_file(const std::string& name) {
+  if (const auto known = log_files_.find(name); known != log_files_.end()) return known->second.get();
   std::string stem = unique_name(name);
   std::replace(stem.begin(), stem.end(), '/', '_');
   const std::filesystem::path folder = options_.run_folder / "logs";
-  auto file = AppendFile::create(folder / (stem + ".log"));
+  auto file = LogFile::create(folder / (stem + ".log"));
   if (!file) return file.error();
   std::error_code ignored;  // a file system without links has only the file itself
   std::filesystem::create_symlink(stem + ".log", folder / (stem + "_latest.log"), ignored);
-  return &log_files_.emplace(name, std::move(*file)).first->second;
+  return log_files_.emplace(name, std::move(*file)).first->second.get();
 }
 
 Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(const std::string& name) {
@@ -370,6 +370,7 @@ Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(cons
   o.name = name;
   o.unique_name = unique_name(name);
   o.node = node_name_;
+  o.logger_names = logger_names();
   o.run = &options_;
   o.rule_errors = &rule_errors_;
   bool to_file = true;
@@ -597,12 +598,12 @@ bool EnvironmentManager::shutdown_requested() const {
 
 Status EnvironmentManager::flush_logs() {
   Status first;
-  for (auto& [name, file] : log_files_) keep_first(first, file.flush());
+  for (auto& [name, file] : log_files_) keep_first(first, file->flush());
   return first;
 }
 
 void EnvironmentManager::log(LogLevel level, std::string_view logger, std::string_view text) {
-  if (options_.log) options_.log->line({bus_.now(), level, logger, text, {}});
+  if (options_.log) options_.log->line({bus_.now(), level, logger_names().in_log(logger), text, {}});
 }
 
 }  // namespace cxlab::cx

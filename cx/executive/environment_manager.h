@@ -38,6 +38,7 @@ struct ManagerOptions : RunSettings {
   std::function<void(bus::ParticipantId)>
       on_join;                           ///< told of the node and of each environment on the bus; may be none
   std::filesystem::path outside_copies;  ///< replay: `Files::Options::outside`
+  bool one_of_several = false;           ///< lines of the log name the manager, because the run has others
   std::shared_ptr<std::set<std::string>>
       streams;  ///< of all managers of the run, so that no two share one; may be none
 };
@@ -136,7 +137,7 @@ class EnvironmentManager final : public Agent {
   Expected<std::unique_ptr<Environment>> make_environment(const std::string& name);
   /// Of an environment of this manager, the same each time it is made.
   const std::string& unique_name(const std::string& environment);
-  Expected<AppendFile*> log_file(const std::string& name);
+  Expected<LogFile*> log_file(const std::string& name);
   Status load_all(Entry& entry);
   /// Loads one plugin and says whether it is there now. Fails if what went wrong must end the run: with `keep_going`
   /// a plugin that fails is only noted, and not recorded as loaded.
@@ -158,6 +159,7 @@ class EnvironmentManager final : public Agent {
   Status form_bond();
   Status serve_environments();
   Status serve_plugins();
+  LoggerNames logger_names() const { return {options_.node, options_.one_of_several ? unique_node_ : std::string()}; }
   void log(LogLevel level, std::string_view logger, std::string_view text);
 
   ManagerOptions options_;
@@ -166,11 +168,12 @@ class EnvironmentManager final : public Agent {
   RecordSink& journal_;
   Files files_;
   bus::NodeName node_name_;
+  std::string unique_node_;  // of the run: its name, with namespace, and number if need be
   bus::ParticipantId node_{};
   Lifecycle lifecycle_;
   std::vector<bus::EndpointId> environment_services_, plugin_services_;  // list_envs; the other five
-  std::map<std::string, std::string> unique_names_;  // of environments: with namespace, and number if need be
-  std::map<std::string, AppendFile> log_files_;      // by environment; outlive it, it may come again
+  std::map<std::string, std::string> unique_names_;            // of environments: with namespace, and number if need be
+  std::map<std::string, std::unique_ptr<LogFile>> log_files_;  // by environment; outlive it, it may come again
   std::vector<Entry> environments_;
   std::vector<Instance> instances_;  // in order of creation
   std::vector<RuleErrorEntry> rule_errors_;

@@ -77,6 +77,55 @@ TEST(Log, RulesAndWatchesPrintToTheEnvironmentsFile) {
   EXPECT_THAT(file, Not(HasSubstr("time-retract")));
 }
 
+TEST(LogFile, HasSimulatedTimeLoggerAndLevelInEachLine) {
+  Lab lab;
+  auto file = LogFile::create(lab.folder / "a.log");
+  ASSERT_TRUE(file.ok());
+  (*file)->line({SimTime{12'340'000'000}, LogLevel::kWarn, "main", "one", "\033[31m"});
+  (*file)->line({SimTime{999'999'999}, LogLevel::kDebug, "%v %n", "{} %t", {}});
+  (*file)->line({SimTime{100'000'000'500'000}, LogLevel::kError, "", "", {}});
+  (*file)->line({SimTime{1}, LogLevel::kInfo, "main", "last", {}});
+  ASSERT_TRUE((*file)->flush().ok());
+  EXPECT_EQ(Lab::read(lab.folder / "a.log"),
+            "[12.340] [main] [warn] one\n"
+            "[1.000] [%v %n] [debug] {} %t\n"
+            "[100000.001] [] [error] \n"
+            "[0.000] [main] [info] last\n");
+}
+
+TEST(LogFile, ThatCannotBeMadeIsAResourceError) {
+  const auto file = LogFile::create("/nowhere/a.log");
+  ASSERT_FALSE(file.ok());
+  EXPECT_EQ(file.error().kind, ErrorKind::kResource);
+}
+
+TEST(ConsoleLog, HasAlignedTimesAndColoursIfWanted) {
+  const LogLine line{SimTime{12'340'000'000}, LogLevel::kInfo, "main", "one", "\033[31m"};
+  testing::internal::CaptureStderr();
+  console_log(false)->line(line);
+  console_log(true)->line(line);
+  console_log(true)->line({SimTime{0}, LogLevel::kError, "nav", "two", {}});
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "[   12.340] [info] [main] one\n"
+            "[   12.340] [info] [main] \033[31mone\033[0m\n"
+            "[    0.000] [error] [nav] two\n");
+}
+
+TEST(Log, NamesTheManagerWhereARunHasSeveral) {
+  Lab lab;
+  lab.agent("(defrule say (time ?t) => (printout t \"hello\" crlf))");
+  lab.options.one_of_several = true;
+  lab.options.name_space = "/cyan";
+  lab.options.run_folder = lab.folder / "run";
+  lab.run_up();
+  lab.ticks(1);
+  EXPECT_THAT(lab.log.with("hello"), ElementsAre("info cyan/clips_manager/main: hello"));
+  EXPECT_EQ(lab.log.with("info cyan/clips_manager: Initialized new CLIPS environment: main").size(), 1u);
+  ASSERT_TRUE(lab.manager->deactivate().ok());
+  EXPECT_THAT(Lab::read(lab.folder / "run/logs/cyan_main.log"),
+              HasSubstr("[0.000] [cyan/clips_manager/main] [info] hello\n"));
+}
+
 TEST(Log, AnEnvironmentMayGoWithoutFile) {
   Lab lab;
   lab.agent("");
