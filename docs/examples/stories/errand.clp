@@ -15,7 +15,9 @@
   (time ?)
   ?errand <- (errand (state WANTED))
   =>
-  (ros-msgs-async-send-request (ros-msgs-create-request "std_srvs/srv/SetBool") "/may_i")
+  (bind ?request (ros-msgs-create-request "std_srvs/srv/SetBool"))
+  (ros-msgs-async-send-request ?request "/may_i")
+  (ros-msgs-destroy-message ?request)
   (modify ?errand (state ASKED)))
 
 (defrule hear-answer
@@ -31,7 +33,9 @@
   "Allowed: the robot picks."
   ?errand <- (errand (state ALLOWED))
   =>
-  (ros-msgs-async-send-goal (ros-msgs-create-goal-request "cxlab_skills/action/Pick") "/robot1/pick")
+  (bind ?goal (ros-msgs-create-goal-request "cxlab_skills/action/Pick"))
+  (ros-msgs-async-send-goal ?goal "/robot1/pick")
+  (ros-msgs-destroy-message ?goal)
   (modify ?errand (state SENT)))
 
 (deffunction is-null (?handle)
@@ -45,3 +49,10 @@
   =>
   (retract ?response)
   (modify ?errand (state REFUSED)))
+
+(defrule close-clients
+  "At the end: what was opened is closed."
+  (executive-finalize)
+  =>
+  (ros-msgs-destroy-client "/may_i")
+  (ros-msgs-destroy-action-client "/robot1/pick"))
