@@ -1,23 +1,15 @@
 #include "planner/manager/external.h"
 
-#include <fcntl.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 
+#include "cx/base/process.h"
 #include "cx/base/scratch_folder.h"
 #include "planner/pddl/parser.h"
 #include "planner/pddl/text.h"
 #include "planner/validator/validator.h"
-
-extern char** environ;
 
 namespace cxlab::planner {
 
@@ -53,40 +45,14 @@ struct Ended {
   int code = 0;
 };
 
-/// The command with all that it starts is a process group of its own, which ends with it. `log` is what it prints.
+/// `log` is what it prints.
 Expected<Ended> run(const std::string& command, const fs::path& log, double timeout_s) {
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
-  posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);
-  std::string shell = "sh", option = "-c", text = command;
-  char* arguments[] = {shell.data(), option.data(), text.data(), nullptr};
-  pid_t child = 0;
-  const int refused = posix_spawn(&child, "/bin/sh", &files, &attributes, arguments, environ);
-  posix_spawn_file_actions_destroy(&files);
-  posix_spawnattr_destroy(&attributes);
-  if (refused != 0) return resource_error("the planner's command could not be started: " + command);
-
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
-  Ended ended;
-  int status = 0;
-  while (waitpid(child, &status, WNOHANG) == 0) {
-    if (std::chrono::steady_clock::now() >= deadline) {
-      ended.in_time = false;
-      kill(-child, SIGKILL);
-      waitpid(child, &status, 0);
-      break;
-    }
-    usleep(2000);
-  }
-  kill(-child, SIGKILL);  // what it left running
-  ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return ended;
+  ProcessOptions shell{.argv = {"/bin/sh", "-c", command}};
+  shell.out = shell.err = Stream::file(log);
+  auto process = Process::start(shell);
+  if (!process) return process.error();
+  const std::optional<int> code = process->wait_for(timeout_s);
+  return code ? Ended{true, *code} : Ended{false, 0};
 }
 
 /// What it means that the planner wrote no plan; `said` is its last line.
