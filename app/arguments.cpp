@@ -5,11 +5,17 @@
 #include <cstdint>
 #include <cstdio>
 
-#include "cx/base/parse_number.h"
+#include "app/command.h"
+#include "cx/base/number_text.h"
 
 namespace cxlab::app {
 
 namespace {
+
+std::optional<double> finite_number(const std::string& text) {
+  const auto value = read_number<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
 
 std::string expected(const std::string& found, const char* what) { return "found '" + found + "', expected " + what; }
 
@@ -17,22 +23,22 @@ std::string expected(const std::string& found, const char* what) { return "found
 
 CLI::Validator not_negative() {
   return {[](std::string& text) {
-            return parse_number<double>(text).value_or(-1) >= 0 ? std::string() : expected(text, "a number, 0 or more");
+            return finite_number(text).value_or(-1) >= 0 ? std::string() : expected(text, "a number, 0 or more");
           },
           ""};
 }
 
 CLI::Validator positive() {
   return {[](std::string& text) {
-            return parse_number<double>(text).value_or(0) > 0 ? std::string() : expected(text, "a number above 0");
+            return finite_number(text).value_or(0) > 0 ? std::string() : expected(text, "a number above 0");
           },
           ""};
 }
 
 CLI::Validator seed_number() {
   return {[](std::string& text) {
-            return parse_number<std::uint64_t>(text) ? std::string()
-                                                     : expected(text, "a whole number from 0 to 18446744073709551615");
+            return read_number<std::uint64_t>(text) ? std::string()
+                                                    : expected(text, "a whole number from 0 to 18446744073709551615");
           },
           ""};
 }
@@ -50,27 +56,46 @@ void add_package_options(CLI::App& command, lab::PackageOptions& options) {
       ->allow_extra_args(false);
 }
 
-/// Of a number that CLI11 cannot read it says neither what it expected nor how to write it.
-static std::string told(const CLI::App& command, const CLI::ParseError& error) {
+namespace {
+
+/// What is not known on the command line, with the nearest option.
+std::string unknown(const CLI::App& command) {
+  const std::vector<std::string> rest = command.remaining();
+  const auto option = std::find_if(rest.begin(), rest.end(), [](const std::string& word) { return word[0] == '-'; });
+  if (option == rest.end())
+    return rest.empty() ? "one argument too many" : "one argument too many: '" + rest.front() + "'";
+  const std::string name = option->substr(0, option->find('='));
+  std::vector<std::string> known;
+  for (const CLI::Option* o : command.get_options())
+    for (const std::string& long_name : o->get_lnames()) known.push_back("--" + long_name);
+  return "there is no option '" + name + "'" + did_you_mean(name, known);
+}
+
+/// The message of CLI11, or a better one: it names no near option, and what kind of number it expected.
+std::string explained(const CLI::App& command, const CLI::ParseError& error) {
+  if (error.get_name() == "ExtrasError") return unknown(command);
   const std::string text = error.what(), begin = "Could not convert: ";
   const std::size_t equals = text.find(" = ");
   if (!text.starts_with(begin) || equals == std::string::npos) return text;
   const std::string name = text.substr(begin.size(), equals - begin.size()), found = text.substr(equals + 3);
   const CLI::Option* option = command.get_option_no_throw(name);
   const bool whole = option && option->get_type_name().find("INT") != std::string::npos;
-  const auto value = parse_number<double>(found);
+  const auto value = finite_number(found);
   const bool is_whole = whole && value && *value == std::floor(*value) && std::abs(*value) < 1e15;
   return name + ": " + expected(found, whole ? "a whole number" : "a number") +
          (is_whole ? ": " + std::to_string(static_cast<std::int64_t>(*value)) : "");
 }
+
+}  // namespace
 
 int usage_exit(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) return app.exit(error);
   std::string command = "cxlab";
   const CLI::App* at = &app;
   while (!at->get_subcommands().empty()) command += ' ' + (at = at->get_subcommands().front())->get_name();
-  std::fprintf(stderr, "error: %s\n%s --help tells more\n", told(*at, error).c_str(), command.c_str());
-  return static_cast<int>(ErrorKind::kUsage);
+  const int code = fail(usage_error(explained(*at, error)));
+  std::fprintf(stderr, "%s --help says more\n", command.c_str());
+  return code;
 }
 
 Status check_command(const CLI::App& app, int argc, char** argv) {

@@ -27,6 +27,9 @@ void add_bench(CLI::App& app, Action& action);
 void add_plan(CLI::App& app, Action& action);
 void add_new(CLI::App& app, Action& action);
 void add_doctor(CLI::App& app, Action& action);
+void add_help(CLI::App& app, Action& action);
+void add_completion(CLI::App& app, Action& action);
+void add_man(CLI::App& app, Action& action);
 
 /// Prints `error: file:line: message` on stderr and gives the exit code of its kind.
 int fail(const Error& error);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 
 namespace cxlab::app {
 
@@ -14,7 +15,9 @@ std::atomic<int> g_signal = 0;
 std::atomic<bool> g_stop = false;
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
+/// The first signal asks for an end in order; another one is obeyed at once.
 void remember_signal(int number) {
+  if (g_signal != 0) _exit(128 + number);
   g_signal = number;
   g_stop = true;
 }
@@ -22,6 +25,14 @@ void remember_signal(int number) {
 }  // namespace
 
 int signal_that_came() { return g_signal; }
+
+std::string coloured(std::string_view text, std::string_view colour) {
+  static const bool wanted = [] {
+    const char *no = std::getenv("NO_COLOR"), *terminal = std::getenv("TERM");
+    return isatty(STDERR_FILENO) && !(no && *no) && !(terminal && std::string_view(terminal) == "dumb");
+  }();
+  return wanted ? "\033[" + std::string(colour) + 'm' + std::string(text) + "\033[0m" : std::string(text);
+}
 
 Console::Console(bool quiet)
     : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()), last_(start_) {}
@@ -65,9 +76,12 @@ void Console::note(std::string_view text) {
 void Console::line(const cx::LogLine& line) {
   if (quiet_ || line.level == cx::LogLevel::kDebug) return;
   clear();
-  std::string text(line.text);
-  if (terminal_ && !line.colour.empty()) text = std::string(line.colour) + text + "\033[0m";
-  std::fprintf(stderr, "[%9.3f] [%s] [%.*s] %s\n", to_seconds(line.t), std::string(cx::to_string(line.level)).c_str(),
+  std::string level(cx::to_string(line.level)), text(line.text);
+  if (line.level == cx::LogLevel::kWarn) level = coloured(level, kYellow);
+  if (line.level == cx::LogLevel::kError) level = coloured(level, kRed);
+  if (line.colour.starts_with("\033[") && line.colour.ends_with('m'))
+    text = coloured(text, line.colour.substr(2, line.colour.size() - 3));
+  std::fprintf(stderr, "[%9.3f] [%s] [%.*s] %s\n", to_seconds(line.t), level.c_str(),
                static_cast<int>(line.logger.size()), line.logger.data(), text.c_str());
 }
 

@@ -4,10 +4,13 @@
 
 #include <chrono>
 #include <string>
+#include <string_view>
 
 #include "lab/host.h"
 
 namespace cxlab::app {
+
+inline constexpr std::string_view kRed = "1;31", kYellow = "33";
 
 /// Progress is a line that is redrawn on a terminal, and printed every 10 s elsewhere.
 class Console final : public lab::ProgressSink, public cx::LogSink {
@@ -30,6 +33,8 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
   Clock::time_point start_, last_;
 };
 
+/// The text for stderr in this colour ("31" is red); as it is where that is no terminal, or $NO_COLOR is set.
+std::string coloured(std::string_view text, std::string_view colour);
 /// The number of the signal that asked for a stop, 0 if none.
 int signal_that_came();
 /// Simulated time as m:ss.

@@ -4,6 +4,7 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
+#include "lab/interfaces.h"
 #include "lab/reference.h"
 
 namespace cxlab::app {
@@ -66,11 +67,21 @@ Error unknown(const std::vector<lab::PluginReference>& reference, const std::str
                      (near.empty() ? "; cxlab doc lists all" : ", did you mean '" + near + "'?"));
 }
 
+int show_interface(const std::string& name, const std::map<std::string, std::string>& packages) {
+  auto interfaces = lab::Interfaces::load(packages);
+  if (!interfaces) return fail(interfaces.error());
+  const auto text = interfaces->show(name);
+  if (!text) return fail(text.error());
+  std::fputs(text->c_str(), stdout);
+  return 0;
+}
+
 int doc(const Options& options) {
   // A class of a family (cx::CX<Pkg><Name>Plugin) is made from its name.
   const bool is_class = options.name.starts_with("cx::");
   auto packages = lab::find_packages(options.packages);
   if (!packages) return fail(packages.error());
+  if (options.name.find('/') != std::string::npos) return show_interface(options.name, *packages);
   auto reference = lab::read_reference(*packages);
   if (!reference) return fail(reference.error());
   std::vector<lab::PluginReference> shown = options.name.empty() ? *reference : about(*reference, options.name);
@@ -104,11 +115,12 @@ int doc(const Options& options) {
 void add_doc(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "doc", "Tells what rules can use: all plugins with their functions and templates, or one of them");
+      "doc", "Shows what rules can use: all plugins with their functions and templates, one of them, or an interface");
   command->footer(
       "Examples:\n  cxlab doc\n  cxlab doc config-load\n  cxlab doc tf2-tracked-pose\n  cxlab doc "
-      "cx::ExecutivePlugin\n  cxlab doc std-msgs-string-publish");
-  command->add_option("name", options->name, "A function, a template or other construct, or a plugin class");
+      "cx::ExecutivePlugin\n  cxlab doc std-msgs-string-publish\n  cxlab doc rcll_interfaces/msg/Order");
+  command->add_option("name", options->name,
+                      "A function, a template or other construct, a plugin class, or a message, service or action");
   add_package_options(*command, options->packages);
   CLI::Option* json = command->add_flag("--json", options->json, "As JSON");
   command->add_flag("--markdown", options->markdown, "As docs/reference.md")->excludes(json);

@@ -7,7 +7,7 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
-#include "cx/bus/bus.h"
+#include "lab/interfaces.h"
 #include "lab/reference.h"
 #include "scenarios/share.h"
 #include "sim/faults/fault.h"
@@ -40,9 +40,19 @@ int list_scenarios() {
   return 0;
 }
 
+int list_interfaces(const lab::PackageOptions& options) {
+  auto packages = lab::find_packages(options);
+  if (!packages) return fail(packages.error());
+  auto interfaces = lab::Interfaces::load(*packages);
+  if (!interfaces) return fail(interfaces.error());
+  for (const std::string& name : interfaces->names()) std::printf("%s\n", name.c_str());
+  return 0;
+}
+
 int list_skills() {
-  bus::Registry registry;
-  if (Status s = registry.add_packages_in(find_share().interfaces); !s) return fail(s.error());
+  auto interfaces = lab::Interfaces::load({});
+  if (!interfaces) return fail(interfaces.error());
+  bus::Registry& registry = interfaces->registry();
   for (const char* package : {"cxlab_skills", "rcll_interfaces"})
     for (const std::string& name : registry.interfaces(package)) {
       if (name.find("/action/") == std::string::npos) continue;
@@ -101,19 +111,21 @@ int list_faults() {
 }  // namespace
 
 void add_list(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("list",
-                                         "Lists what there is: scenarios, skills, plugin classes, functions that rules "
-                                         "can call, templates of the plugins, faults of a scenario");
+  CLI::App* command =
+      app.add_subcommand("list",
+                         "Lists what there is: scenarios, skills, interfaces, plugin classes, functions "
+                         "that rules can call, templates of the plugins, faults of a scenario");
   auto what = std::make_shared<std::string>();
-  command->add_option("what", *what, "scenarios, skills, plugins, functions, templates or faults")
+  command->add_option("what", *what, "What to list")
       ->required()
-      ->check(CLI::IsMember({"scenarios", "skills", "plugins", "functions", "templates", "faults"}));
+      ->check(CLI::IsMember({"scenarios", "skills", "interfaces", "plugins", "functions", "templates", "faults"}));
   auto packages = std::make_shared<lab::PackageOptions>();
   add_package_options(*command, *packages);
   command->callback([what, packages, &action] {
     action = [what, packages] {
       if (*what == "scenarios") return list_scenarios();
       if (*what == "faults") return list_faults();
+      if (*what == "interfaces") return list_interfaces(*packages);
       return *what == "skills" ? list_skills() : list_reference(*what, *packages);
     };
   });

@@ -10,6 +10,7 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
+#include "app/console.h"
 #include "app/stack_guard.h"
 #include "lab/versions.h"
 #include "sim/mujoco/library.h"
@@ -17,7 +18,7 @@
 namespace cxlab::app {
 
 int fail(const Error& error) {
-  std::fprintf(stderr, "error: %s\n", error.text().c_str());
+  std::fprintf(stderr, "%s %s\n", coloured("error:", kRed).c_str(), error.text().c_str());
   return static_cast<int>(error.kind);
 }
 
@@ -71,6 +72,9 @@ int main(int argc, char** argv) {
   add_plan(app, action);
   add_new(app, action);
   add_doctor(app, action);
+  add_help(app, action);
+  add_completion(app, action);
+  add_man(app, action);
   if (Status s = check_command(app, argc, argv); !s) return fail(s.error());
   try {
     app.parse(argc, argv);

@@ -42,14 +42,15 @@ Outcome play(const PlayCommand& command, Scenario scenario) {
   auto played = lab::play_scenario(options, std::move(scenario), console.host());
   console.clear();
   if (!played) return {fail(played.error()), {}};
-  const Status page = write_page(*played);
-  for (const Error& error : played->errors) (void)fail(error);
-  int code = signal_that_came() ? 128 + signal_that_came() : 0;
-  if (played->failure)
-    code = static_cast<int>(played->failure->kind);
-  else if (!page)
-    code = fail(page.error());
-  return {code, *std::move(played)};
+  return {conclude(*played), *std::move(played)};
+}
+
+int conclude(const lab::Played& played) {
+  const Status page = write_page(played);
+  for (const Error& error : played.errors) (void)fail(error);
+  if (played.failure) return static_cast<int>(played.failure->kind);
+  if (!page) return fail(page.error());
+  return signal_that_came() ? 128 + signal_that_came() : 0;
 }
 
 }  // namespace cxlab::app

@@ -16,7 +16,9 @@ struct Outcome {
   int exit_code = 0;
   lab::Played played;
 };
-/// Plays, writes the page of the run and prints the errors. `played` is empty if there is nothing to tell of.
+/// `played` is empty if the run could not begin.
 Outcome play(const PlayCommand& command, Scenario scenario);
+/// Writes the page of the run and prints its errors; the exit code.
+int conclude(const lab::Played& played);
 
 }  // namespace cxlab::app

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
-#include "lab/pictures.h"
+#include "lab/picture.h"
 #include "scenarios/result.h"
 
 namespace cxlab::app {

@@ -27,10 +27,12 @@ int run(const Options& options) {
   if (played.result.journal_hash.empty()) return code;
   if (options.json) {
     std::fputs(played.result.to_json().c_str(), stdout);
+  } else if (played.result.status == RunStatus::kFailed) {
+    std::printf("failed after %.3f s of simulated time\n", to_seconds(played.result.sim_time));
   } else {
     std::fputs(score_board(played.result).c_str(), stdout);
-    if (!played.folder.empty()) std::printf("%s\n", (played.folder / "index.html").c_str());
   }
+  if (!options.json && !played.folder.empty()) std::printf("%s\n", (played.folder / "index.html").c_str());
   return code;
 }
 

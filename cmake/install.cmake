@@ -33,11 +33,11 @@ install(RUNTIME_DEPENDENCY_SET needed
 
 # --- Headers: all but those of the plugins that come with cxlab, and those that need MuJoCo's
 include(installed_headers)
-file(GLOB folders RELATIVE "${PROJECT_SOURCE_DIR}" cx/* sim sim/* scenarios scenarios/* lab)
+file(GLOB folders RELATIVE "${PROJECT_SOURCE_DIR}" cx/* sim sim/* scenarios scenarios/* lab lab/*)
 list(FILTER folders EXCLUDE REGEX "^(cx/plugins|sim/mujoco)$")
 foreach(folder IN LISTS folders)
   file(GLOB files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${folder}/*.h")
-  list(FILTER files EXCLUDE REGEX "/scenarios/rcll/stage.h$")
+  list(FILTER files EXCLUDE REGEX "/(scenarios/rcll/stage|lab/(physics_replay|pictures|view))\\.h$")
   cxlab_install_headers(${folder} ${files})
 endforeach()
 cxlab_install_headers(planner "${PROJECT_SOURCE_DIR}/planner/cost.h")

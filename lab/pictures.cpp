@@ -1,9 +1,10 @@
 #include "lab/pictures.h"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
-#include "cx/base/parse_number.h"
+#include "cx/base/number_text.h"
 
 namespace cxlab::lab {
 
@@ -12,18 +13,7 @@ namespace {
 constexpr double kFramesPerSecond = 10;  // of simulated time; the film plays 20 times as fast
 constexpr int kWidth = 640, kHeight = 480;
 
-std::string seconds(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g s", value);
-  return text;
-}
-
-/// In single quotes for the shell.
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + '\'';
-}
+std::string seconds(double value) { return general_text(value, 6) + " s"; }
 
 }  // namespace
 
@@ -33,17 +23,17 @@ Expected<std::vector<double>> snapshot_times(const std::string& text, double end
   std::vector<double> times;
   if (text.empty()) return times;
   if (text.starts_with("every:")) {
-    const auto step = parse_number<double>(text.substr(6));
+    const auto step = read_number<double>(text.substr(6));
     constexpr double kLeast = 1e-3;  // s; no tick in use is shorter, and every time is kept
-    if (!step || *step <= 0) return bad();
+    if (!step || !(*step > 0) || std::isinf(*step)) return bad();
     if (*step < kLeast) return wrong("found '" + text + "', expected at least " + seconds(kLeast));
     for (int k = 0; k * *step <= end; ++k) times.push_back(k * *step);
     return times;
   }
   std::stringstream words(text);
   for (std::string word; std::getline(words, word, ',');) {
-    const auto time = parse_number<double>(word);
-    if (!time || *time < 0) return bad();
+    const auto time = read_number<double>(word);
+    if (!time || !(*time >= 0)) return bad();
     if (*time > end) return wrong("there is no picture at " + seconds(*time) + ": the run ends at " + seconds(end));
     times.push_back(*time);
   }
@@ -69,20 +59,18 @@ Expected<std::unique_ptr<Pictures>> Pictures::create(Episode& episode, const Run
   if (!video.empty()) {
     auto first = (*view)->draw((*view)->cameras().front());
     if (!first) return first.error();
-    if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0)
-      return none("--video needs ffmpeg: apt-get install ffmpeg");
+    if (!is_on_path("ffmpeg")) return none("--video needs ffmpeg: apt-get install ffmpeg");
     const std::string size = std::to_string((*first)->width) + 'x' + std::to_string((*first)->height);
-    const std::string command = "ffmpeg -loglevel error -y -f rawvideo -pix_fmt rgb24 -s " + size +
-                                " -r 200 -i - -r 25 -pix_fmt yuv420p " + quoted(video);
-    pictures->film_ = popen(command.c_str(), "w");
+    ProcessOptions ffmpeg{.argv = {"ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s",
+                                   size, "-r", "200", "-i", "-", "-r", "25", "-pix_fmt", "yuv420p", video}};
+    ffmpeg.in = Stream::pipe();
+    auto film = Process::start(ffmpeg);
+    if (!film) return film.error();
+    pictures->film_ = *std::move(film);
     pictures->video_ = video;
   }
   pictures->view_ = *std::move(view);
   return pictures;
-}
-
-Pictures::~Pictures() {
-  if (film_) pclose(film_);
 }
 
 Status Pictures::look(Episode& episode) {
@@ -118,15 +106,16 @@ Status Pictures::frame() {
   auto picture = view_->draw(view_->cameras().front());
   if (!picture) return picture.error();
   const auto& rgb = (*picture)->rgb;
-  if (std::fwrite(rgb.data(), 1, rgb.size(), film_) != rgb.size())
+  if (!film_->write({reinterpret_cast<const char*>(rgb.data()), rgb.size()}))
     return resource_error("ffmpeg took no more pictures for " + video_);
   return {};
 }
 
 Status Pictures::finish() {
   if (!film_) return {};
-  const int code = pclose(film_);
-  film_ = nullptr;
+  film_->close_input();
+  const int code = film_->wait();
+  film_.reset();
   if (code != 0) return resource_error("ffmpeg could not write " + video_);
   return {};
 }

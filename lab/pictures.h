@@ -1,23 +1,20 @@
 #pragma once
 // Pictures of a run: snapshots at given times, and a film. Taken between ticks; they change nothing.
 
-#include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/process.h"
 #include "cx/journal/run_folder.h"
+#include "lab/picture.h"
 #include "lab/view.h"
 #include "scenarios/episode.h"
 
 namespace cxlab::lab {
-
-struct Picture {
-  std::string caption;
-  std::filesystem::path file;  ///< PNG
-};
 
 /// The times (s) that `text` asks for: `every:T` up to `end`, or `T,T,...`, none of which may be after `end`.
 Expected<std::vector<double>> snapshot_times(const std::string& text, double end);
@@ -28,8 +25,6 @@ class Pictures {
   /// bodies, no folder, no ffmpeg.
   static Expected<std::unique_ptr<Pictures>> create(Episode& episode, const RunFolder* folder,
                                                     std::vector<double> times, const std::string& video);
-  ~Pictures();
-
   /// Takes what is due at the episode's time.
   Status look(Episode& episode);
   Status finish();
@@ -45,7 +40,7 @@ class Pictures {
   std::vector<double> times_;
   std::size_t next_ = 0;
   std::string video_;
-  std::FILE* film_ = nullptr;  // a pipe to ffmpeg
+  std::optional<Process> film_;  // ffmpeg
   double next_frame_ = 0;
   std::vector<Picture> taken_;
 };

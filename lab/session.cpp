@@ -9,6 +9,7 @@
 
 #include "cx/journal/run_folder.h"
 #include "lab/packages.h"
+#include "lab/pictures.h"
 #include "lab/versions.h"
 #include "scenarios/share.h"
 
@@ -205,6 +206,7 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   episode_options.physics_meter = &run.physics;
   episode_options.keep_going = options.keep_going;
   episode_options.strict = options.strict;
+  episode_options.file_read = options.file_read;
   auto episode = Episode::load(run.scenario, episode_options);
   if (!episode) return refused(run, episode.error());
   run.episode = *std::move(episode);

@@ -6,29 +6,31 @@
 //   if (played && !played->failure) ... played->result.teams ...
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "cx/base/expected.h"
 #include "lab/host.h"
-#include "lab/pictures.h"
+#include "lab/picture.h"
 #include "scenarios/episode.h"
 
 namespace cxlab::lab {
 
 struct PlayOptions {
-  std::optional<double> until;  ///< s
-  std::string out;              ///< empty = runs/<scenario>-<seed>, "none" = nothing is written
-  bool force = false;           ///< `out` may be a folder in use
+  std::optional<double> until = {};  ///< s
+  std::string out = {};              ///< empty = runs/<scenario>-<seed>, "none" = nothing is written
+  bool force = false;                ///< `out` may be a folder in use
   std::string journal = "decisions";
-  bool realtime = false;              ///< sleeps between ticks
-  std::string snapshot;               ///< "every:T" or "T,T,..."
-  std::string video;                  ///< MP4; needs ffmpeg
-  std::vector<std::string> prefixes;  ///< whose packages are found, before the default ones
-  bool keep_going = false;            ///< errors in rule files are reported and the run goes on
-  bool strict = false;                ///< unknown parameters of the CX are errors
-  std::vector<std::string> command;   ///< for the manifest: the arguments of the program
+  bool realtime = false;                   ///< sleeps between ticks
+  std::string snapshot = {};               ///< "every:T" or "T,T,..."
+  std::string video = {};                  ///< MP4; needs ffmpeg
+  std::vector<std::string> prefixes = {};  ///< whose packages are found, before the default ones
+  bool keep_going = false;                 ///< errors in rule files are reported and the run goes on
+  bool strict = false;                     ///< unknown parameters of the CX are errors
+  std::vector<std::string> command = {};   ///< for the manifest: the arguments of the program
+  std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that the run reads
 };
 
 struct Played {

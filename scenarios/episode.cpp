@@ -61,13 +61,14 @@ Status Episode::open_files() {
 }
 
 Status Episode::keep(const std::string& logical_name, const std::filesystem::path& file) {
+  if (options_.file_read) options_.file_read(file);
   return files_ ? files_->add(logical_name, file) : Status();
 }
 
 /// Copies have names that do not depend on where the files lay: what an agent reads has its number, because two agents
 /// may call different folders by one name.
 Status Episode::keep_for_agent(std::size_t agent, const std::filesystem::path& file) {
-  if (!files_) return {};
+  if (!files_ && !options_.file_read) return {};
   namespace fs = std::filesystem;
   const std::string prefix = "agents/" + std::to_string(agent) + '/';
   const auto inside = [&](const fs::path& folder) {
@@ -87,7 +88,7 @@ Status Episode::keep_for_agent(std::size_t agent, const std::filesystem::path& f
 }
 
 Status Episode::keep_interfaces() {
-  if (!files_) return {};
+  if (!files_ && !options_.file_read) return {};
   std::map<std::filesystem::path, std::string> packages;
   for (const auto& [name, folder] : scenario_.shares({})) packages[folder] = name;
   for (const auto& shares : shares_)
@@ -103,7 +104,7 @@ Status Episode::keep_interfaces() {
         !s)
       return s;
   }
-  return files_->write_index();
+  return files_ ? files_->write_index() : Status();
 }
 
 Status Episode::build_bus() {

@@ -7,6 +7,7 @@
 //   Result result = (*episode)->close(...);
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -53,6 +54,7 @@ struct EpisodeOptions {
   std::optional<ReplaySource> replay;
   bool strict = false;      ///< unknown CX parameters are errors
   bool keep_going = false;  ///< errors in rule files are reported and the run goes on, as CX does
+  std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that is read
 };
 
 class Episode {

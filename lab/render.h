@@ -1,0 +1,25 @@
+#pragma once
+// One picture of a world at a time.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "cx/base/expected.h"
+#include "lab/host.h"
+#include "lab/recorded_run.h"
+
+namespace cxlab::lab {
+
+struct RenderOptions {
+  std::filesystem::path out;  ///< PNG
+  std::string camera;         ///< empty = the view's first
+  int width = 960, height = 720;
+  std::optional<double> at;  ///< s; of a run: default its end, or how far its log goes
+};
+
+Status render_run(const RecordedRun& run, const RenderOptions& options);
+/// Plays the scenario up to `at`, which must be given. Draws nothing after a stop by the host.
+Status render_scenario(Scenario scenario, const RenderOptions& options, const Host& host = {});
+
+}  // namespace cxlab::lab

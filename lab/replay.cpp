@@ -1,0 +1,111 @@
+#include "lab/replay.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "lab/physics_replay.h"
+
+namespace cxlab::lab {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// The lines of one stream by number, from an exported journal.
+std::map<std::uint64_t, Json> records_of(const std::string& stream, const fs::path& journal) {
+  std::map<std::uint64_t, Json> records;
+  std::ifstream in(journal);
+  for (std::string line; std::getline(in, line);) {
+    Json record = Json::parse(line, nullptr, /*allow_exceptions=*/false);
+    if (record.is_object() && record.value("stream", "") == stream)
+      records.emplace(record.value("n", std::uint64_t{0}), std::move(record));
+  }
+  return records;
+}
+
+std::string shown(const Json& record) { return record["kind"].get<std::string>() + ' ' + record["data"].dump(); }
+
+/// Where two journals of a stream part, as far as the recorded one was exported.
+std::string first_difference(const std::string& stream, const fs::path& recorded, const fs::path& replayed) {
+  const auto then = records_of(stream, recorded), now = records_of(stream, replayed);
+  for (const auto& [n, record] : then) {
+    const auto again = now.find(n);
+    if (again != now.end() && again->second == record) continue;
+    char time[32];
+    std::snprintf(time, sizeof time, "%.3f", record.value("t", std::int64_t{0}) / 1e9);
+    return stream + ':' + std::to_string(n) + " at " + time + " s: then " + shown(record) + ", now " +
+           (again == now.end() ? "nothing like it" : shown(again->second));
+  }
+  return stream + ": all " + std::to_string(then.size()) +
+         " records that were exported agree; the difference is in records that the run did not export (--journal full)";
+}
+
+Status play_to_end(Episode& episode, const RecordedRun& run, SimTime end, const Host& host) {
+  if (Status s = episode.start(); !s) return s;
+  while (run.ticks > 0 && !episode.over() && !host.stopped()) {
+    if (Status s = episode.tick(); !s) return s;
+    host.show(to_seconds(episode.now()), to_seconds(end));
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<ReplayOutcome> replay_rules(const RecordedRun& run, const Host& host) {
+  SimTime end = run.sim_time;
+  auto replay = RulesReplay::load(run, end, JournalLevel::kFull);
+  if (!replay) return replay.error();
+  ReplayOutcome out;
+  if (Status whole = replay->episode->replay_log_status(); !whole) {
+    out.broken = whole.error();
+    end = replay->episode->replay_end();
+    replay = RulesReplay::load(run, end, JournalLevel::kFull);
+    if (!replay) return replay.error();
+  }
+  const Status played = play_to_end(*replay->episode, run, end, host);
+  const Result result =
+      replay->episode->close(RunStatus::kStopped, played ? std::nullopt : std::optional<Error>(played.error()));
+  out.end = result.sim_time;
+  if ((out.stopped = host.stopped())) return out;
+  if (result.reason && (result.reason->kind == ErrorKind::kNo || run.status != "failed"))
+    out.first_difference = result.reason->text();
+  const std::map<std::string, std::string> hashes(result.stream_hashes.begin(), result.stream_hashes.end());
+  for (const auto& [stream, hash] : run.stream_hashes) {
+    if (!stream.starts_with("env/")) continue;
+    const auto again = hashes.find(stream);
+    (again != hashes.end() && again->second == hash ? out.same : out.differ).push_back(stream);
+  }
+  if (!out.differ.empty() && !out.broken && out.first_difference.empty())
+    out.first_difference = first_difference(out.differ.front(), run.folder / "journal.jsonl", replay->journal());
+  return out;
+}
+
+Expected<ReplayOutcome> replay_physics(const RecordedRun& run, const Host& host) {
+  if (!run.physics_hash)
+    return input_error("the run has no physics: it was played in the timed tier or in an empty world",
+                       run.folder.string());
+  auto replay = PhysicsOfRun::load(run);
+  if (!replay) return replay.error();
+  ReplayOutcome out;
+  if (!replay->log_status()) out.broken = replay->log_status().error();
+  out.end = out.broken ? replay->log_end() : run.sim_time;
+  constexpr SimTime kStretch = std::chrono::seconds(1);  // between looks at the host
+  for (SimTime t{}; t < out.end;) {
+    t = std::min(t + kStretch, out.end);
+    if (Status s = replay->advance_to(t); !s) {
+      if (run.status != "failed") return s.error();
+      break;
+    }
+    host.show(to_seconds(t), to_seconds(out.end));
+    if ((out.stopped = host.stopped())) return out;
+  }
+  (replay->hash() == *run.physics_hash ? out.same : out.differ).push_back("physics");
+  if (!out.differ.empty() && !out.broken)
+    out.first_difference = "physics: then " + *run.physics_hash + ", now " + replay->hash();
+  return out;
+}
+
+}  // namespace cxlab::lab

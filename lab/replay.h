@@ -1,0 +1,30 @@
+#pragma once
+// One half of a recorded run again, rules or physics, without the other.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "lab/host.h"
+#include "lab/recorded_run.h"
+
+namespace cxlab::lab {
+
+/// The outcome of one half.
+struct ReplayOutcome {
+  std::vector<std::string> same, differ;  ///< streams of environments, or "physics"
+  std::string first_difference;           ///< empty if there is none
+  SimTime end{};                          ///< how far it was replayed
+  std::optional<Error> broken;            ///< what is wrong with the log itself, which was replayed up to there
+  bool stopped = false;                   ///< by the host; then nothing was compared
+
+  bool agrees() const { return differ.empty() && first_difference.empty() && !broken; }
+};
+
+/// The run must have been finished. Reads nothing but its folder.
+Expected<ReplayOutcome> replay_rules(const RecordedRun& run, const Host& host = {});
+/// kInput if the run has no physics.
+Expected<ReplayOutcome> replay_physics(const RecordedRun& run, const Host& host = {});
+
+}  // namespace cxlab::lab

@@ -1,0 +1,127 @@
+#include "lab/rerun.h"
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "cx/base/scratch_folder.h"
+
+namespace cxlab::lab {
+
+namespace {
+
+/// Streams (and "physics") whose hashes differ, in order of names.
+std::vector<std::string> differences(const RecordedRun& then, const Result& now) {
+  std::map<std::string, std::string> hashes(now.stream_hashes.begin(), now.stream_hashes.end());
+  std::vector<std::string> out;
+  for (const auto& [stream, hash] : then.stream_hashes)
+    if (!hashes.contains(stream) || hashes[stream] != hash) out.push_back(stream);
+  for (const auto& [stream, hash] : hashes)
+    if (!then.stream_hashes.contains(stream)) out.push_back(stream);
+  if (then.physics_hash.value_or("") != now.physics_hash) out.push_back("physics");
+  return out;
+}
+
+/// Files that the two runs read with another content, or that only one of them read; a build with other rules of its
+/// own explains a difference no less than a changed scenario.
+std::vector<std::string> changed_files(const std::filesystem::path& then, const std::filesystem::path& now) {
+  const auto index = [](const std::filesystem::path& run) {
+    std::ifstream in(run / "files/index.json");
+    const nlohmann::json read = nlohmann::json::parse(in, nullptr, /*allow_exceptions=*/false);
+    const bool usable = read.is_object() && read.contains("files") && read["files"].is_object();
+    return usable ? read["files"] : nlohmann::json::object();
+  };
+  const nlohmann::json before = index(then), after = index(now);
+  std::vector<std::string> out;
+  for (const auto& [name, hash] : before.items())
+    if (!after.contains(name) || after[name] != hash) out.push_back(name);
+  for (const auto& [name, hash] : after.items())
+    if (!before.contains(name)) out.push_back(name);
+  return out;
+}
+
+/// The first file or folder of the scenario that is not there any more.
+Status still_there(const RecordedRun& run, const Scenario& scenario) {
+  const auto missing = [&](const std::string& what, const std::filesystem::path& path) {
+    return input_error(what + " is not there any more: " + path.string() +
+                           "; bring it back to rerun, or play the rules alone "
+                           "from the run's own copies: cxlab replay " +
+                           run.folder.string(),
+                       run.folder.string());
+  };
+  for (const AgentSpec& agent : scenario.agents) {
+    if (const auto config = scenario.resolve(agent.config); !std::filesystem::exists(config))
+      return missing("the configuration", config);
+    for (const auto& [name, folder] : scenario.shares(agent))
+      if (!std::filesystem::is_directory(folder)) return missing("package " + name, folder);
+  }
+  return {};
+}
+
+/// Whether the run read files of no package: those are not laid out below a folder that it could be played from.
+bool read_outside(const StoredFiles& files) {
+  const auto names = files.names();
+  return std::any_of(names.begin(), names.end(), [](const std::string& name) {
+    return name.starts_with("agents/") && name.find("/outside/") != name.npos;
+  });
+}
+
+/// Lets the scenario play from the run's copies, laid out below `root`: each agent's configuration, and its packages
+/// with what was read of them and their definitions.
+Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const std::filesystem::path& root,
+                        Scenario& scenario) {
+  namespace fs = std::filesystem;
+  if (run.shares.size() != scenario.agents.size())
+    return input_error("the run's manifest has another number of agents", run.folder.string());
+  if (Status s = files.materialise(root); !s) return s;
+  scenario.packages.clear();
+  std::error_code error;
+  for (std::size_t i = 0; i < scenario.agents.size(); ++i) {
+    AgentSpec& agent = scenario.agents[i];
+    const fs::path copies = root / "agents" / std::to_string(i);
+    agent.config = (copies / "config" / scenario.resolve(agent.config).filename()).string();
+    agent.packages.clear();
+    for (const auto& [name, share] : run.shares[i]) {
+      const fs::path folder = copies / "packages" / name;
+      fs::create_directories(folder, error);
+      if (const fs::path definitions = root / "interfaces" / name; !error && fs::is_directory(definitions))
+        fs::copy(definitions, folder, fs::copy_options::recursive | fs::copy_options::skip_existing, error);
+      if (error) return resource_error(error.message(), folder.string());
+      agent.packages[name] = folder.string();
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<Rerun> rerun(const RecordedRun& run, const std::string& out, const std::vector<std::string>& command,
+                      const Host& host) {
+  auto scenario = run.scenario();
+  if (!scenario) return scenario.error();
+  std::unique_ptr<ScratchFolder> copies;
+  if (Status there = still_there(run, *scenario); !there) {
+    auto files = StoredFiles::open(run.folder);
+    if (!files) return files.error();
+    if (read_outside(*files)) return there.error();
+    auto scratch = ScratchFolder::create();
+    if (!scratch) return scratch.error();
+    copies = *std::move(scratch);
+    if (Status s = play_from_copies(run, *files, copies->path(), *scenario); !s) return s.error();
+    host.note("note: files of the scenario have gone; all are taken from the run's own copies: " + run.folder.string());
+  }
+  PlayOptions options = run.options;
+  options.out = out;
+  options.command = command;
+  if (run.status == "interrupted") options.until = to_seconds(run.sim_time);
+  auto played = play_scenario(options, *std::move(scenario), host);
+  if (!played) return played.error();
+  Rerun again;
+  again.played = *std::move(played);
+  if (again.played.result.stream_hashes.empty() || host.stopped()) return again;
+  again.differ = differences(run, again.played.result);
+  again.changed_files = changed_files(run.folder, again.played.folder);
+  return again;
+}
+
+}  // namespace cxlab::lab

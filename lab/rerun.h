@@ -1,0 +1,26 @@
+#pragma once
+// A recorded run, played again from its manifest into a new folder.
+
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "lab/host.h"
+#include "lab/recorded_run.h"
+#include "lab/session.h"
+
+namespace cxlab::lab {
+
+struct Rerun {
+  Played played;
+  std::vector<std::string> differ;         ///< streams (and "physics") whose hashes differ
+  std::vector<std::string> changed_files;  ///< that the two runs read with another content, or only one of them
+};
+
+/// Where files of the scenario have gone, all are taken from the run's own copies; the host gets a note. Compares
+/// nothing if the new run did not come to an end (`played.failure`, or a stop by the host). The run must have been
+/// finished. `out` and `command` as in `PlayOptions`.
+Expected<Rerun> rerun(const RecordedRun& run, const std::string& out, const std::vector<std::string>& command = {},
+                      const Host& host = {});
+
+}  // namespace cxlab::lab

@@ -1,0 +1,120 @@
+#include "lab/sweep/suite.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+#include "cx/yaml/yaml.h"
+#include "lab/session.h"
+
+namespace cxlab::lab {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void add_seed(std::uint64_t seed, const yaml::Value& place, std::vector<std::uint64_t>& seeds) {
+  if (std::find(seeds.begin(), seeds.end(), seed) != seeds.end())
+    place.fail("found seed " + std::to_string(seed) + " twice, expected each once: the same game is no second sample");
+  else
+    seeds.push_back(seed);
+}
+
+std::vector<std::uint64_t> read_seeds(const yaml::Value& value) {
+  std::vector<std::uint64_t> out;
+  if (value.is_list()) {
+    for (const yaml::Value& item : value.as_list())
+      if (const std::int64_t seed = item.as_integer(); seed < 0)
+        item.fail("expected a seed of at least 0");
+      else
+        add_seed(static_cast<std::uint64_t>(seed), item, out);
+    return out;
+  }
+  constexpr std::uint64_t kMost = 100000;
+  unsigned long first = 0, last = 0;
+  char rest = 0;
+  if (std::sscanf(value.text().c_str(), "%lu..%lu%c", &first, &last, &rest) != 2 || last < first ||
+      last - first >= kMost) {
+    value.fail("found '" + value.text() + "', expected a list of seeds or a range \"0..29\"");
+    return out;
+  }
+  for (std::uint64_t seed = first; seed <= last; ++seed) out.push_back(seed);
+  return out;
+}
+
+/// Each file's name without extension, and as many of its folders as keep it apart from the others.
+std::vector<SuiteScenario> named(const std::vector<fs::path>& files) {
+  std::vector<SuiteScenario> out;
+  for (const fs::path& file : files) {
+    fs::path folder = file.parent_path();
+    std::string name = file.stem().string();
+    const auto same = [&](const fs::path& other) {
+      return other != file && ('/' + fs::path(other).replace_extension().string()).ends_with('/' + name);
+    };
+    for (; std::any_of(files.begin(), files.end(), same) && folder.has_filename(); folder = folder.parent_path())
+      name = folder.filename().string() + '/' + name;
+    out.push_back({name, file});
+  }
+  return out;
+}
+
+}  // namespace
+
+Expected<Suite> Suite::load(const fs::path& file) {
+  auto document = yaml::Document::load(file);
+  if (!document) return document.error();
+  Suite suite;
+  yaml::Map map = document->root().as_map();
+  if (const yaml::Value scenarios = map.require("scenarios")) {
+    std::vector<fs::path> files;
+    for (const yaml::Value& item : scenarios.as_list()) {
+      const fs::path path = (file.parent_path() / item.as_string()).lexically_normal();
+      if (std::find(files.begin(), files.end(), path) != files.end())
+        item.fail("found the scenario '" + item.text() + "' twice, expected each once");
+      else
+        files.push_back(path);
+    }
+    suite.scenarios = named(files);
+  }
+  if (const yaml::Value strategies = map.require("strategies")) {
+    yaml::Map names = strategies.as_map();
+    for (const auto& [name, overrides] : names.entries())
+      suite.strategies.push_back({name, overrides ? overrides.as_strings() : std::vector<std::string>()});
+  }
+  if (const yaml::Value seeds = map.require("seeds")) suite.seeds = read_seeds(seeds);
+  map.read_word("tier", suite.tier, {"timed", "physics"});
+  map.finish();
+  if (suite.scenarios.empty() || suite.strategies.empty() || suite.seeds.empty())
+    map.fail("expected at least one scenario, strategy and seed");
+  if (Status s = document->status(); !s) return s.error();
+  return suite;
+}
+
+std::vector<Cell> Suite::cells() const {
+  std::vector<Cell> out;
+  for (const SuiteScenario& scenario : scenarios)
+    for (const Strategy& strategy : strategies)
+      for (const std::uint64_t seed : seeds) {
+        Cell& cell = out.emplace_back(Cell{scenario.name, strategy.name, seed, scenario.file, strategy.overrides});
+        if (!tier.empty()) cell.overrides.push_back("tier=" + tier);
+        cell.overrides.push_back("seed=" + std::to_string(seed));
+      }
+  return out;
+}
+
+Status Suite::check() const {
+  for (const Cell& cell : cells()) {
+    if (cell.seed != seeds.front()) continue;
+    const auto wrong = [&cell](Error error) {
+      error.message = "strategy '" + cell.strategy + "': " + error.message;
+      return error;
+    };
+    auto scenario = Scenario::load(cell.file, cell.overrides);
+    if (!scenario) return wrong(scenario.error());
+    auto episode = Episode::load(*std::move(scenario), shared_episode_options());
+    if (!episode) return wrong(episode.error());
+  }
+  return {};
+}
+
+}  // namespace cxlab::lab

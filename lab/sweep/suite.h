@@ -1,0 +1,45 @@
+#pragma once
+// What a sweep plays: scenarios x strategies x seeds (docs/bench.md).
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+
+namespace cxlab::lab {
+
+struct Strategy {
+  std::string name;
+  std::vector<std::string> overrides;  ///< as of `--set`
+};
+
+struct SuiteScenario {
+  std::string name;  ///< the file's name without extension; with the folders that tell it from another of that name
+  std::filesystem::path file;
+};
+
+/// One episode of a suite.
+struct Cell {
+  std::string scenario, strategy;
+  std::uint64_t seed = 0;
+  std::filesystem::path file;
+  std::vector<std::string> overrides;  ///< all: of the strategy, then tier and seed
+};
+
+struct Suite {
+  std::vector<SuiteScenario> scenarios;  ///< these three as in the file; nothing twice
+  std::vector<Strategy> strategies;
+  std::vector<std::uint64_t> seeds;
+  std::string tier;  ///< instead of the scenarios'; empty = theirs
+
+  static Expected<Suite> load(const std::filesystem::path& file);
+  /// By scenario, strategy and seed.
+  std::vector<Cell> cells() const;
+  /// Loads every scenario with every strategy, so that a misspelt override or a missing file does not cost a night of
+  /// failed episodes.
+  Status check() const;
+};
+
+}  // namespace cxlab::lab

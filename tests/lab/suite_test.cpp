@@ -1,0 +1,78 @@
+#include "lab/sweep/suite.h"
+
+#include <gmock/gmock.h>
+
+#include "folder.h"
+
+namespace cxlab::lab {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class SuiteTest : public FolderTest {
+ protected:
+  Expected<Suite> load(const std::string& text) const { return Suite::load(write("suite.yaml", text)); }
+  std::string error_of(const std::string& text) const {
+    const auto suite = load(text);
+    return suite ? "no error" : suite.error().text();
+  }
+};
+
+TEST_F(SuiteTest, HasACellForEachScenarioStrategyAndSeed) {
+  const auto suite =
+      load("scenarios: [a.yaml, b.yaml]\nseeds: \"3..4\"\nstrategies: {s: [], t: [world.robots=2]}\ntier: timed\n");
+  ASSERT_TRUE(suite) << suite.error().text();
+  const std::vector<Cell> cells = suite->cells();
+  ASSERT_EQ(cells.size(), 8u);
+  EXPECT_EQ(cells[0].scenario, "a");
+  EXPECT_EQ(cells[0].file, path("a.yaml"));
+  EXPECT_THAT(cells[0].overrides, ElementsAre("tier=timed", "seed=3"));
+  EXPECT_EQ(cells[3].strategy, "t");
+  EXPECT_EQ(cells[3].seed, 4u);
+  EXPECT_THAT(cells[3].overrides, ElementsAre("world.robots=2", "tier=timed", "seed=4"));
+  EXPECT_EQ(cells[4].scenario, "b");
+}
+
+TEST_F(SuiteTest, ScenariosOfOneFileNameAreKeptApartByTheirFolders) {
+  const auto suite =
+      load("scenarios: [x/game.yaml, y/game.yaml, z/y/game.yaml, other.yaml]\nseeds: [1]\nstrategies: {s: }\n");
+  ASSERT_TRUE(suite) << suite.error().text();
+  std::vector<std::string> names;
+  for (const SuiteScenario& s : suite->scenarios) names.push_back(s.name);
+  EXPECT_THAT(names, ElementsAre("x/game", HasSubstr("/y/game"), "z/y/game", "other"));
+  EXPECT_NE(names[1], names[2]);
+}
+
+TEST_F(SuiteTest, NothingMayComeTwice) {
+  EXPECT_THAT(error_of("scenarios: [a.yaml]\nseeds: [1, 2, 1]\nstrategies: {s: }\n"), HasSubstr("suite.yaml:2: "));
+  EXPECT_THAT(error_of("scenarios: [a.yaml]\nseeds: [1, 2, 1]\nstrategies: {s: }\n"), HasSubstr("found seed 1 twice"));
+  EXPECT_THAT(error_of("scenarios: [a.yaml, ./a.yaml]\nseeds: [1]\nstrategies: {s: }\n"),
+              HasSubstr("'./a.yaml' twice"));
+  EXPECT_THAT(error_of("scenarios: [a.yaml]\nseeds: [1]\nstrategies: {s: , s: }\n"), HasSubstr("'s'"));
+}
+
+TEST_F(SuiteTest, WrongSeedsAreErrors) {
+  for (const char* seeds : {"[-1]", "[x]", "\"9..3\"", "\"0..200000\"", "\"1..2..3\"", "[]"})
+    EXPECT_NE(error_of("scenarios: [a.yaml]\nseeds: " + std::string(seeds) + "\nstrategies: {s: }\n"), "no error")
+        << seeds;
+}
+
+TEST_F(SuiteTest, CheckFindsWhatCannotBePlayed) {
+  scenario("game", kQuietRules);
+  const auto suite = [&](const std::string& overrides) {
+    return *load("scenarios: [game.yaml]\nseeds: [1, 2]\nstrategies: {s: " + overrides + "}\n");
+  };
+  EXPECT_TRUE(suite("[]").check());
+  Status checked = suite("[world.robotz=2]").check();
+  ASSERT_FALSE(checked);
+  EXPECT_THAT(checked.error().message, HasSubstr("strategy 's': "));
+  std::filesystem::remove(path("agent.yaml"));
+  checked = suite("[]").check();
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().kind, ErrorKind::kInput);
+  EXPECT_THAT(checked.error().text(), HasSubstr("agent.yaml"));
+}
+
+}  // namespace
+}  // namespace cxlab::lab

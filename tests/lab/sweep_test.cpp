@@ -1,0 +1,182 @@
+#include "lab/sweep/sweep.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <set>
+#include <thread>
+
+#include "cx/base/process.h"
+#include "folder.h"
+
+namespace cxlab::lab {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+struct Notes final : ProgressSink {
+  std::vector<std::string> notes;
+  std::atomic<bool> stop = false;
+  std::size_t stop_after = 1000;
+
+  void progress(double, double) override {}
+  void note(std::string_view text) override {
+    notes.emplace_back(text);
+    if (notes.size() >= stop_after) stop = true;
+  }
+  Host host() { return {.progress = this, .stop = &stop}; }
+};
+
+class SweepTest : public FolderTest {
+ protected:
+  Suite suite(const std::string& seeds = "[1, 2, 3]") const {
+    return *Suite::load(write(
+        "suite.yaml", "scenarios: [game.yaml]\nseeds: " + seeds + "\nstrategies: {short: [duration_s=1], long: []}\n"));
+  }
+  Expected<std::vector<Row>> play(const Suite& suite, const Host& host = {}) const {
+    return sweep(suite, {path("out"), 2}, host);
+  }
+  /// What of the rows does not depend on the machine.
+  static std::vector<std::string> games(const std::vector<Row>& rows) {
+    std::vector<std::string> out;
+    for (const Row& row : rows)
+      out.push_back(row.cell.strategy + ' ' + std::to_string(row.cell.seed) + ' ' + row.status + ' ' +
+                    row.journal_hash);
+    return out;
+  }
+
+  const std::string kRules = "(defrule draw (time ?) => (assert (drawn (random))))\n";
+};
+
+TEST_F(SweepTest, HasARowForEachCell) {
+  scenario("game", kRules);
+  const auto rows = play(suite());
+  ASSERT_TRUE(rows) << rows.error().text();
+  ASSERT_EQ(rows->size(), 6u);
+  std::set<std::string> hashes;
+  for (const Row& row : *rows) {
+    EXPECT_TRUE(row.counts()) << row.to_json();
+    hashes.insert(row.journal_hash);
+  }
+  EXPECT_EQ(hashes.size(), 6u);
+  EXPECT_THAT(read("out/rows.csv"), HasSubstr("game,long,3,completed,0,"));
+}
+
+TEST_F(SweepTest, PlaysOnlyWhatIsNotThere) {
+  scenario("game", kRules);
+  const auto first = play(suite("[1]"));
+  Notes notes;
+  const auto more = play(suite("[1, 2]"), notes.host());
+  ASSERT_TRUE(more);
+  EXPECT_EQ(more->size(), 4u);
+  ASSERT_EQ(notes.notes.size(), 3u);
+  EXPECT_EQ(notes.notes[0], "2 rows are current and kept");
+  EXPECT_THAT(notes.notes[1], StartsWith("[3/4] game "));
+  Notes again;
+  EXPECT_EQ(games(*play(suite("[1, 2]"), again.host())), games(*more));
+  EXPECT_THAT(again.notes, ElementsAre("4 rows are current and kept"));
+}
+
+TEST_F(SweepTest, PlaysAgainAfterAChangeOfRulesConfigurationOrScenario) {
+  scenario("game", kRules);
+  const auto before = play(suite("[1]"));
+  const auto played = [&] {
+    Notes notes;
+    const auto rows = play(suite("[1]"), notes.host());
+    EXPECT_TRUE(rows);
+    return notes.notes.size();
+  };
+  EXPECT_EQ(played(), 1u) << "one line: all are kept";
+  write("rules/rules.clp", kRules + "(defrule more (time ?) => (assert (more (random))))\n");
+  EXPECT_EQ(played(), 2u);
+  EXPECT_EQ(played(), 1u);
+  write("agent.yaml", read("agent.yaml") + "    # changed\n");
+  EXPECT_EQ(played(), 2u);
+  write("game.yaml", read("game.yaml") + "epoch: 7\n");
+  EXPECT_EQ(played(), 2u);
+  EXPECT_EQ(played(), 1u);
+}
+
+TEST_F(SweepTest, ARowOfAnotherProgramIsPlayedAgain) {
+  scenario("game", kRules);
+  const auto rows = play(suite("[1]"));
+  ASSERT_TRUE(rows);
+  Row old = rows->front();
+  old.program = "another";
+  old.figures.points = 1000;
+  const std::string file = "out/rows/" + row_name(old.cell) + ".json";
+  ASSERT_TRUE(std::filesystem::exists(path(file)));
+  write(file, old.to_json());
+  EXPECT_EQ(play(suite("[1]"))->front().figures.points, 0);
+}
+
+TEST_F(SweepTest, ABrokenRowIsPlayedAgain) {
+  scenario("game", kRules);
+  const auto rows = play(suite("[1]"));
+  const std::string file = "out/rows/" + row_name(rows->front().cell) + ".json";
+  write(file, read(file).substr(0, 100));
+  EXPECT_EQ(games(*play(suite("[1]"))), games(*rows));
+}
+
+TEST_F(SweepTest, AFailedEpisodeHasARowWithItsError) {
+  scenario("game", "(defrule wrong (time ?) => (+ 1 one))\n");
+  const auto rows = play(suite("[1]"));
+  ASSERT_TRUE(rows);
+  EXPECT_EQ(rows->front().status, "failed");
+  EXPECT_EQ(rows->front().exit_code, 4);
+  EXPECT_FALSE(rows->front().counts());
+  ASSERT_FALSE(rows->front().errors.empty());
+  EXPECT_THAT(rows->front().errors.front(), HasSubstr("wrong"));
+}
+
+TEST_F(SweepTest, ASecondSweepInTheFolderIsRefused) {
+  scenario("game", kRules);
+  std::filesystem::create_directories(path("out"));
+  const int file = open(path("out/.lock").c_str(), O_CREAT | O_RDWR, 0644);
+  ASSERT_EQ(flock(file, LOCK_EX), 0);
+  const auto rows = play(suite("[1]"));
+  ASSERT_FALSE(rows);
+  EXPECT_THAT(rows.error().message, HasSubstr("another sweep works in this folder"));
+  close(file);
+  EXPECT_TRUE(play(suite("[1]")));
+}
+
+TEST_F(SweepTest, AStopKeepsTheRowsThatAreThere) {
+  scenario("game", kRules);
+  Notes notes;
+  notes.stop_after = 1;
+  const auto some = play(suite(), notes.host());
+  ASSERT_TRUE(some);
+  EXPECT_LT(some->size(), 6u);
+  EXPECT_GE(some->size(), 1u);
+  EXPECT_EQ(play(suite())->size(), 6u);
+}
+
+TEST_F(SweepTest, KillsAtAnyMomentLoseNothing) {
+  scenario("game", kRules);
+  const auto whole = sweep(suite(), {path("whole"), 2});
+  ASSERT_TRUE(whole);
+  const Suite games_of = suite();
+  for (int i = 0; i < 8; ++i) {
+    auto sweeper = Process::fork({}, [&] { return play(games_of) ? 0 : 1; });
+    ASSERT_TRUE(sweeper);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20 + 37 * i));
+    ::kill(sweeper->pid(), SIGKILL);  // not its group: its children must end by themselves
+    sweeper->wait();
+  }
+  Expected<std::vector<Row>> rows = play(games_of);
+  for (int i = 0; i < 100 && !rows; ++i) {  // until the last child has given up the folder
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    rows = play(games_of);
+  }
+  ASSERT_TRUE(rows) << rows.error().text();
+  EXPECT_EQ(games(*rows), games(*whole));
+}
+
+}  // namespace
+}  // namespace cxlab::lab

@@ -1,0 +1,95 @@
+#include "lab/sweep/table.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace cxlab::lab {
+namespace {
+
+using testing::DoubleNear;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+Row row(const std::string& strategy, std::uint64_t seed, double points, const std::string& status = "completed",
+        const std::string& scenario = "game") {
+  Row out;
+  out.cell.scenario = scenario;
+  out.cell.strategy = strategy;
+  out.cell.seed = seed;
+  out.status = status;
+  out.figures.points = points;
+  return out;
+}
+
+TEST(Summarize, GivesMeanAndStudentsInterval) {
+  const Summary s = summarize({10, 12, 14, 16});
+  EXPECT_EQ(s.n, 4u);
+  EXPECT_DOUBLE_EQ(s.mean, 13);
+  EXPECT_EQ(s.min, 10);
+  EXPECT_EQ(s.max, 16);
+  EXPECT_NEAR(s.half, 3.182 * std::sqrt(20.0 / 3 / 4), 1e-9);
+}
+
+TEST(Summarize, HasNoIntervalForFewerThanTwoValues) {
+  EXPECT_TRUE(std::isnan(summarize({7}).half));
+  EXPECT_TRUE(std::isnan(summarize({}).half));
+  EXPECT_EQ(summarize({}).n, 0u);
+}
+
+TEST(TQuantile, AgreesWithTheTablesOfStudentsDistribution) {
+  EXPECT_NEAR(t_quantile(1), 12.706, 1e-3);
+  EXPECT_NEAR(t_quantile(30), 2.042, 1e-3);
+  EXPECT_NEAR(t_quantile(31), 2.0395, 1e-3);
+  EXPECT_NEAR(t_quantile(60), 2.0003, 1e-3);
+  EXPECT_NEAR(t_quantile(100000), 1.95996, 1e-3);
+}
+
+TEST(TableOf, KeepsTheOrderOfScenariosAndStrategies) {
+  const auto table = table_of({row("b", 1, 0), row("b", 2, 0), row("a", 1, 0), row("b", 1, 0, "completed", "other")});
+  ASSERT_EQ(table.size(), 3u);
+  EXPECT_EQ(table[0].strategy, "b");
+  EXPECT_EQ(table[0].episodes, 2u);
+  EXPECT_EQ(table[1].strategy, "a");
+  EXPECT_EQ(table[2].scenario, "other");
+}
+
+TEST(TableOf, ComparesWithTheFirstStrategySeedBySeed) {
+  const auto table =
+      table_of({row("first", 1, 100), row("first", 2, 200), row("second", 1, 103), row("second", 2, 205)});
+  EXPECT_EQ(table[0].against_first.n, 0u);
+  EXPECT_EQ(table[1].against_first.n, 2u);
+  EXPECT_DOUBLE_EQ(table[1].against_first.mean, 4);
+  EXPECT_EQ(table[1].against_first.min, 3);
+}
+
+TEST(TableOf, ComparesWithinAScenario) {
+  const auto table = table_of({row("first", 1, 100), row("second", 1, 101), row("first", 1, 10, "completed", "other"),
+                               row("second", 1, 12, "completed", "other")});
+  EXPECT_EQ(table[3].against_first.mean, 2);
+}
+
+TEST(TableOf, LeavesOutEpisodesThatDidNotComplete) {
+  Row unexpected = row("first", 3, 1000);
+  unexpected.exit_code = 1;
+  const auto table = table_of(
+      {row("first", 1, 100, "failed"), row("first", 2, 200), unexpected, row("second", 1, 103), row("second", 2, 205)});
+  EXPECT_EQ(table[0].episodes, 3u);
+  EXPECT_EQ(table[0].points.n, 1u);
+  EXPECT_EQ(table[0].points.mean, 200);
+  EXPECT_EQ(table[1].against_first.n, 1u) << "seed 1 has no partner";
+}
+
+TEST(TableText, ShowsAStrategyOnALine) {
+  const std::string text = to_text(table_of({row("first", 1, 100), row("first", 2, 102), row("second", 1, 90)}));
+  EXPECT_THAT(text, HasSubstr("game                 first                  2/2    101.0 +- 12.7         100    102"));
+  EXPECT_THAT(text, HasSubstr("-10.0"));
+}
+
+TEST(TableJson, WritesAMissingIntervalAsNull) {
+  EXPECT_THAT(to_json(table_of({row("first", 1, 100)})), HasSubstr("\"interval_95\": null"));
+}
+
+}  // namespace
+}  // namespace cxlab::lab
