@@ -16,7 +16,7 @@ TEST(OtherClips, IsRefusedWithBothVersions) {
   EXPECT_EQ(engine.error().kind, ErrorKind::kResource);
   EXPECT_THAT(engine.error().message,
               testing::AllOf(testing::HasSubstr("found the CLIPS library 'CLIPS (6.41 1/1/23)'"),
-                             testing::HasSubstr("expected 'CLIPS (6.40")));
+                             testing::HasSubstr("expected 'CLIPS (")));
 }
 
 }  // namespace

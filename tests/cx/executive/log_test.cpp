@@ -83,7 +83,7 @@ TEST(LogFile, HasSimulatedTimeLoggerAndLevelInEachLine) {
   ASSERT_TRUE(file.ok());
   (*file)->line({SimTime{12'340'000'000}, LogLevel::kWarn, "main", "one", "\033[31m"});
   (*file)->line({SimTime{999'999'999}, LogLevel::kDebug, "%v %n", "{} %t", {}});
-  (*file)->line({SimTime{100'000'000'500'000}, LogLevel::kError, "", "", {}});
+  (*file)->line({SimTime{100'000'000'600'000}, LogLevel::kError, "", "", {}});
   (*file)->line({SimTime{1}, LogLevel::kInfo, "main", "last", {}});
   ASSERT_TRUE((*file)->flush().ok());
   EXPECT_EQ(Lab::read(lab.folder / "a.log"),
