@@ -25,4 +25,17 @@ std::string fixed_text(double value, int decimals);
 /// The shortest text that reads back as the same number.
 std::string shortest_text(double value);
 
+/// While one lives, the C library reads and prints numbers on this thread as in the C locale: for code that uses it, as
+/// CLIPS does.
+class CLocale {
+ public:
+  CLocale();
+  ~CLocale();
+  CLocale(const CLocale&) = delete;
+  CLocale& operator=(const CLocale&) = delete;
+
+ private:
+  void* before_;
+};
+
 }  // namespace cxlab

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <system_error>
 
+#include "cx/base/number_text.h"
 #include "cx/executive/plugin_library.h"
 #include "cx/node/parameter_services.h"
 
@@ -240,6 +241,7 @@ bool EnvironmentManager::autostart() const {
 }
 
 Status EnvironmentManager::change(Transition transition) {
+  const CLocale numbers;
   switch (transition) {
     case Transition::kConfigure: return do_configure();
     case Transition::kActivate: return do_activate();
@@ -547,6 +549,7 @@ void EnvironmentManager::finalize_unused() {
 // --- A tick
 
 Status EnvironmentManager::perceive() {
+  const CLocale numbers;
   for (Entry& entry : environments_) {
     if (Status s = call_handlers(entry.environment->name(), [&] { return entry.environment->take_inputs(); }); !s)
       return s;
@@ -560,6 +563,7 @@ Status EnvironmentManager::perceive() {
 }
 
 Status EnvironmentManager::decide(SimTime now) {
+  const CLocale numbers;
   for (Entry& entry : environments_) {
     for (Plugin* plugin : entry.loaded) {
       if (plugin->next_due(*entry.environment) > now) continue;
@@ -574,6 +578,7 @@ Status EnvironmentManager::decide(SimTime now) {
 }
 
 Status EnvironmentManager::act() {
+  const CLocale numbers;
   if (Status s = options_.feed->feed(node_); !s) return s;
   if (bond_) bond_->act();
   return std::exchange(failure_, Status());

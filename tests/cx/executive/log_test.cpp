@@ -1,3 +1,5 @@
+#include <locale.h>
+
 #include "tests/support/lab.h"
 
 namespace cxlab::cx {
@@ -124,6 +126,19 @@ TEST(Log, NamesTheManagerWhereARunHasSeveral) {
   ASSERT_TRUE(lab.manager->deactivate().ok());
   EXPECT_THAT(Lab::read(lab.folder / "run/logs/cyan_main.log"),
               HasSubstr("[0.000] [cyan/clips_manager/main] [info] hello\n"));
+}
+
+TEST(Numbers, AreThoseOfTheCLocaleWhileRulesRun) {
+  Lab lab;
+  lab.agent("(defrule ask (time ?t) => (look))");
+  locale_t seen = LC_GLOBAL_LOCALE;
+  ASSERT_TRUE(lab.create().ok());
+  ASSERT_TRUE(lab.manager->configure().ok());
+  ASSERT_TRUE(lab.engine().add_function({.name = "look"}, [&](Call&) { seen = uselocale(nullptr); }).ok());
+  ASSERT_TRUE(lab.manager->activate().ok());
+  lab.ticks(1);
+  EXPECT_NE(seen, LC_GLOBAL_LOCALE);
+  EXPECT_EQ(uselocale(nullptr), LC_GLOBAL_LOCALE);
 }
 
 TEST(Log, AnEnvironmentMayGoWithoutFile) {
