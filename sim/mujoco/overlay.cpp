@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kBlinkPeriod = 0.5;  ///< s; docs/models.md: lights blink at 2 Hz
 constexpr int kMargin = 3;            ///< px around a text
+constexpr double kBody = 0.9;         ///< m, of a machine or robot that its tag leaves free
 constexpr int kSearchStep = 4;        ///< px between two places that are tried
 constexpr float kLamps[3][3] = {{1.0f, 0.15f, 0.1f}, {1.0f, 0.85f, 0.0f}, {0.15f, 0.95f, 0.25f}};
 
@@ -16,6 +17,7 @@ mjrRect rect(const Box& box) { return {box.left, box.bottom, box.width, box.heig
 
 struct Pixel {
   int x = 0, y = 0;
+  double scale = 0;  ///< px per metre, there
 };
 
 /// Where a point of the world is in the picture; nothing behind the camera.
@@ -32,10 +34,11 @@ std::optional<Pixel> project(const mjvScene& scene, const Box& picture, const do
     right += offset * static_cast<double>(side[i]);
   }
   if (along <= 0) return std::nullopt;
-  const double pixels = picture.height * static_cast<double>(camera.frustum_near) /
-                        static_cast<double>(camera.frustum_top - camera.frustum_bottom) / along;
-  return Pixel{picture.left + picture.width / 2 + static_cast<int>(std::lround(right * pixels)),
-               picture.bottom + picture.height / 2 + static_cast<int>(std::lround(up * pixels))};
+  const double near = static_cast<double>(camera.frustum_near), bottom = static_cast<double>(camera.frustum_bottom);
+  const double pixels = picture.height / (static_cast<double>(camera.frustum_top) - bottom);  // per m at `near`
+  const double scale = pixels * near / along;
+  return Pixel{picture.left + picture.width / 2 + static_cast<int>(std::lround(right * scale)),
+               picture.bottom + static_cast<int>(std::lround(up * scale - bottom * pixels)), scale};
 }
 
 int text_width(const mjrContext& gl, const std::string& text) {
@@ -99,13 +102,13 @@ void draw_overlay(const OverlayInput& input, const Box& picture) {
   const int line = input.gl.charHeight;
   std::vector<Box> taken;
 
-  const int side = std::max(5, line / 2);
+  const int side = std::max(5, line / 2), layer = std::max(3, line / 4);
   for (const PieceIds& piece : input.world.factory().pieces) {
     const auto colours = colours_of(model, piece);
     if (colours.empty()) continue;
     const auto at = project(input.scene, picture, input.data.xpos + 3 * piece.body);
     if (!at) continue;
-    const Box column{at->x - side / 2, at->y, side + 2, 3 * static_cast<int>(colours.size()) + 2};
+    const Box column{at->x - side / 2, at->y, side + 2, layer * static_cast<int>(colours.size()) + 2};
     draw_piece(colours, column);
     taken.push_back(column);
   }
@@ -119,8 +122,8 @@ void draw_overlay(const OverlayInput& input, const Box& picture) {
   const auto add = [&](const std::string& text, int geom, std::optional<std::array<bool, 3>> lamps) {
     const auto at = project(input.scene, picture, input.data.geom_xpos + 3 * geom);
     if (!at) return;
-    // The thing itself stays visible.
-    taken.push_back({at->x - line / 2, at->y - line / 2, line, line});
+    const int size = static_cast<int>(kBody * at->scale);  // what is tagged stays visible
+    taken.push_back({at->x - size / 2, at->y - size / 2, size, size});
     tags.push_back({&text, lamps});
     wishes.push_back(
         {at->x, at->y + line, text_width(input.gl, text) + (lamps ? 3 * side + 5 : 0) + 2 * kMargin, line + kMargin});

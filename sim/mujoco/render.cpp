@@ -12,9 +12,9 @@ namespace cxlab::sim {
 namespace {
 
 constexpr int kMostGeoms = 2000;
-/// What an overview shows: the field, and machines that stand on its border, m.
-constexpr double kSeenX = 7.4;
-constexpr double kSeenY[2] = {-0.2, 8.6};
+/// What an overview shows: the field, machines on its border and their tags, m on the floor.
+constexpr double kSeenX = 7.6;
+constexpr double kSeenY[] = {-0.3, 9.6};
 
 }  // namespace
 
@@ -132,21 +132,23 @@ void Renderer::shine(const PhysicsGate& world) {
   }
 }
 
-// Widens the view until the whole floor, with what stands across its border, is in the picture.
+// Turns the view so that the whole floor, with what stands across its border, fills the picture.
 void Renderer::fit() {
   mjvGLCamera& camera = scene_.camera[0];
-  const double aspect = static_cast<double>(picture_.width) / picture_.height;
-  double wanted = 0;  // half height of the view at distance 1
-  for (const double x : {-kSeenX, kSeenX})
-    for (const double y : {kSeenY[0], kSeenY[1]}) {
-      const double offset[3] = {x - camera.pos[0], y - camera.pos[1], -camera.pos[2]};
-      const double along =
-          mju_dot3(offset, std::array<double, 3>{camera.forward[0], camera.forward[1], camera.forward[2]}.data());
-      const double up = mju_dot3(offset, std::array<double, 3>{camera.up[0], camera.up[1], camera.up[2]}.data());
-      wanted = std::max({wanted, std::abs(offset[0]) / along / aspect, std::abs(up) / along});
-    }
-  camera.frustum_top = static_cast<float>(wanted) * camera.frustum_near;
-  camera.frustum_bottom = -camera.frustum_top;
+  const std::array<double, 3> forward{camera.forward[0], camera.forward[1], camera.forward[2]};
+  const std::array<double, 3> upward{camera.up[0], camera.up[1], camera.up[2]};
+  double lowest = 0, highest = 0, widest = 0;  // at distance 1
+  for (const double y : kSeenY) {
+    const double offset[3] = {kSeenX, y - static_cast<double>(camera.pos[1]), -static_cast<double>(camera.pos[2])};
+    const double along = mju_dot3(offset, forward.data()), up = mju_dot3(offset, upward.data()) / along;
+    lowest = std::min(lowest, up);
+    highest = std::max(highest, up);
+    widest = std::max(widest, kSeenX / along);
+  }
+  const double height = std::max(highest - lowest, 2 * widest * picture_.height / picture_.width);
+  const double middle = (highest + lowest) / 2, near = static_cast<double>(camera.frustum_near);
+  camera.frustum_top = static_cast<float>((middle + height / 2) * near);
+  camera.frustum_bottom = static_cast<float>((middle - height / 2) * near);
 }
 
 }  // namespace cxlab::sim

@@ -22,6 +22,8 @@ MORE = (
     "cxlab env docs/examples/blocksworld/params/helpers.yaml --with pddl_manager",
     "cxlab env docs/templates/agent/agent.yaml --package my_agent=docs/templates/agent --until 5",
     "cxlab run docs/templates/agent/scenario.yaml",
+    "cxlab env docs/templates/agent_rcll/agent.yaml --package my_agent=docs/templates/agent_rcll --with rcll --until 60",
+    "cxlab run docs/templates/agent_rcll/scenario.yaml --tier timed",
 )
 # An example may be there to show a warning: its file, and what it warns of.
 SHOWN = {"scenarios/turtlesim/boundary_late.yaml": "service turtle1/teleport_absolute not available, abort request."}

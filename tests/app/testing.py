@@ -85,6 +85,15 @@ class Testing(unittest.TestCase):
         self.assertIn("strategy 'broken': --set duration=3: unknown key 'duration', did you mean 'duration_s'?", done.stderr)
         self.assertFalse((self.folder / "o").exists())
 
+    def test_a_new_agent_for_the_league_delivers(self):
+        self.assertEqual(cxlab("new", "agent", "carrier", "--rcll", cwd=self.folder).returncode, 0)
+        here = self.folder / "carrier"
+        self.assertEqual(cxlab("test", cwd=here).returncode, 0)
+        done = cxlab("run", "scenario.yaml", "--tier", "timed", "--out", "none", "--json", cwd=here)
+        result = json.loads(done.stdout)
+        self.assertEqual(result["status"], "completed")
+        self.assertGreaterEqual(sum(d["correct"] for d in result["deliveries"]), 3)
+
     def test_a_new_agent_runs_at_once(self):
         self.assertEqual(cxlab("new", "agent", "mine", cwd=self.folder).returncode, 0)
         mine = self.folder / "mine"
