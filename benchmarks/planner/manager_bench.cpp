@@ -1,4 +1,4 @@
-// How long the PDDL manager takes to check a step's condition, tell its effects and apply them: CPU time. Prints JSON.
+// How long the PDDL manager takes to check a step's condition, list its effects and apply them: CPU time. Prints JSON.
 //
 //   bench_pddl_manager DOMAIN PROBLEM STEPS ROUNDS     STEPS: one "action arg arg" a line, each applicable in its turn
 
@@ -33,7 +33,7 @@ std::vector<Named> read_steps(const char* file) {
   return steps;
 }
 
-/// Checks, tells and applies one step, all by names as a request has them. False if it may not begin.
+/// Checks, lists and applies one step, by names as in a request. False if it may not begin.
 bool carry_out(Instance& instance, const Named& named) {
   const auto call = instance.step(named.action, named.arguments);
   if (!call || !instance.unsatisfied(*call, Instance::When::kStart).empty()) return false;

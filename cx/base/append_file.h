@@ -12,12 +12,12 @@
 namespace cxlab {
 
 /// Buffers whole pieces and writes them through one descriptor. When a write fails, the file is cut back to its last
-/// whole piece, and that error (kResource) stays: every later call gives it again and writes nothing.
-/// The program has to ignore SIGXFSZ for a limited file size to be an error and not the end of the process.
+/// whole piece. The error (kResource) stays: every later call returns it and writes nothing.
+/// The program must ignore SIGXFSZ; else a limit of the file size ends the process.
 class AppendFile {
  public:
   AppendFile() = default;
-  ~AppendFile();  ///< closes; call `close` before to learn about errors
+  ~AppendFile();  ///< closes; call `close` before to see errors
   AppendFile(AppendFile&& other) noexcept;
   AppendFile& operator=(AppendFile&& other) noexcept;
 
@@ -25,7 +25,7 @@ class AppendFile {
   static Expected<AppendFile> create(const std::filesystem::path& path);
 
   bool is_open() const { return descriptor_ >= 0; }
-  /// Adds one piece; it is in the file at the latest after `flush` or when 64 KiB have come together.
+  /// Adds one piece. It is written by `flush`, or when 64 KiB are buffered.
   Status append(std::string_view piece);
   Status flush();
   Status close();

@@ -17,7 +17,7 @@ std::string Error::text() const {
 
 namespace {
 
-/// Letters put in, left out, exchanged, or two neighbours swapped, at least so many.
+/// The smallest number of letters to insert, delete, replace, or swap with their neighbour.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0u);

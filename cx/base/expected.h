@@ -16,7 +16,7 @@ enum class ErrorKind {
   kInput = 3,     ///< bad input file or value
   kRun = 4,       ///< the run failed: rule error, rule loop, world diverged, plugin failed
   kResource = 5,  ///< disk full, memory, library missing
-  kBug = 70,      ///< ours
+  kBug = 70,      ///< a mistake of cxlab
 };
 
 /// One error. `file` and `line` are empty and 0 where there is none.
@@ -54,7 +54,7 @@ inline Error run_error(std::string message, std::string file = {}, int line = 0)
 inline Error resource_error(std::string message, std::string file = {}, int line = 0) {
   return {ErrorKind::kResource, std::move(message), std::move(file), line, {}};
 }
-/// A mistake of ours.
+/// A mistake of cxlab.
 inline Error bug_error(std::string message, std::string file = {}, int line = 0) {
   return {ErrorKind::kBug, std::move(message), std::move(file), line, {}};
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Chance, in named streams of one seed: one more draw in one stream moves no other.
+// Random numbers, in named streams of one seed: one more draw in one stream changes no other stream.
 
 #include <cstdint>
 #include <random>

@@ -1,5 +1,5 @@
 #pragma once
-// Where everybody writes what happened. `cx/journal` implements it; an episode hands it in.
+// Every part writes here what happened. `cx/journal` implements the sink, and the episode passes it to the parts.
 
 #include <bit>
 #include <cstdint>
@@ -44,7 +44,7 @@ struct RecordRef {
 class RecordData {
  public:
   RecordData& begin();
-  /// Goes on from a record that was begun before.
+  /// Continues a record that was begun before.
   RecordData& begin(const RecordData& opening);
   RecordData& field(std::string_view key, std::int64_t value) { return name(key).value(value); }
   RecordData& field(std::string_view key, int value) { return name(key).value(static_cast<std::int64_t>(value)); }
@@ -101,11 +101,11 @@ class RecordSink {
 };
 
 // --- The encoding: https://github.com/msgpack/msgpack/blob/master/spec.md; the outer map is always a map 16. Inline,
-// because records are a good part of what a rule costs, and most keys are literals.
+// because records are a large part of the cost of a rule, and most keys are literals.
 
 namespace record_data {
 
-/// Written as MessagePack has it: big-endian.
+/// MessagePack is big-endian.
 inline void put(char* out, std::uint64_t value) {
   if constexpr (std::endian::native == std::endian::little) value = __builtin_bswap64(value);
   std::memcpy(out, &value, sizeof value);
@@ -118,7 +118,7 @@ inline void put(char* out, std::uint16_t value) {
   if constexpr (std::endian::native == std::endian::little) value = __builtin_bswap16(value);
   std::memcpy(out, &value, sizeof value);
 }
-/// Where the text ends. An empty one may have no memory.
+/// Returns the end of the text. The data of an empty text may be null.
 inline char* put(char* out, std::string_view text) {
   if (!text.empty()) std::memcpy(out, text.data(), text.size());
   return out + text.size();

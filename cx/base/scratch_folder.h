@@ -1,5 +1,5 @@
 #pragma once
-// A folder for files that nobody wants to keep.
+// A folder for temporary files.
 
 #include <filesystem>
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace cxlab {
 
-/// A folder under the system's temporary folder, taken away with its content at the end.
+/// A folder below the system's temporary folder. The destructor removes it with its content.
 class ScratchFolder {
  public:
   static Expected<std::unique_ptr<ScratchFolder>> create();

@@ -1,4 +1,4 @@
-// Goals: the life of one is that of ROS 2 (design article "Actions", goal states), told by deliveries.
+// Goals: their states are those of ROS 2 (design article "Actions"); deliveries report each change.
 
 #include <algorithm>
 #include <cassert>

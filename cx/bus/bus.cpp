@@ -145,11 +145,11 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
     for (const auto& [what, message] : channel->kept)
       state_->enqueue(endpoint, Delivery(message.delivery), message.tick);
   const bool serves = endpoint.provides() && endpoint.kind != EndpointKind::kPublisher;
-  if (serves && channel->providers.size() > 1 && state_->tell_rivals &&
+  if (serves && channel->providers.size() > 1 && state_->report_rivals &&
       !state_->is_twin_of(*channel->providers.front(), owner))
-    state_->tell_rivals(noun + " '" + name +
-                        "' has more than one server: " + state_->owner_of(*channel->providers.front()) + " answers, " +
-                        state_->owner_of(endpoint) + " only once that is gone");
+    state_->report_rivals(noun + " '" + name +
+                          "' has more than one server: " + state_->owner_of(*channel->providers.front()) +
+                          " answers, " + state_->owner_of(endpoint) + " only once that is gone");
   if (serves && channel->providers.size() == 1) {
     for (Waiting& request : channel->waiting) state_->hand_to_server(endpoint, std::move(request));
     channel->waiting.clear();
@@ -225,7 +225,7 @@ void Bus::allow_types(ParticipantId p, std::string_view name) {
   }
 }
 
-void Bus::on_rivals(std::function<void(const std::string&)> tell) { state_->tell_rivals = std::move(tell); }
+void Bus::on_rivals(std::function<void(const std::string&)> report) { state_->report_rivals = std::move(report); }
 
 void Bus::remove(EndpointId id) {
   Endpoint* endpoint = state_->find(id);

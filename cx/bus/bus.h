@@ -77,7 +77,7 @@ struct Delivery {
   RecordRef cause;                                          ///< the record of the post
 };
 
-/// Records that led to a post; the post's own record names them. Answers name what they answer without being told.
+/// Records that led to a post; the post's own record names them. Answers name what they answer without it.
 using Causes = std::span<const RecordRef>;
 
 using Handler = std::function<void(const Delivery&)>;
@@ -150,8 +150,8 @@ class Bus : private Feed {
 
   // --- Endpoints. Names are as written by the participant. They are registered at once. Types must agree on the bus:
   // a second type for the same name is an error. Nothing is ever lost to a full queue: all is kept until it is taken.
-  // Of several servers of one name the first that is still there answers, and `on_rivals` hears of it. Posts through a
-  // removed endpoint do nothing; a message of another type than the endpoint's is a bug of the caller (asserts).
+  // Where several servers have one name, the first that still exists answers, and `on_rivals` is called. Posts through
+  // a removed endpoint do nothing; a message of another type than the endpoint's is a bug of the caller (asserts).
   Expected<EndpointId> advertise(ParticipantId p, std::string_view topic, const MessageType& type);
   Expected<EndpointId> subscribe(ParticipantId p, std::string_view topic, const MessageType& type, Handler handler);
   Expected<EndpointId> serve(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_request);
@@ -170,9 +170,9 @@ class Bus : private Feed {
   /// Services and actions of several types live side by side under this name from now on: servers and clients of one
   /// type do not see those of another. For servers that speak several packages of interfaces.
   void allow_types(ParticipantId p, std::string_view name);
-  /// Told in one sentence of a second server of a service or action, which names both; not of nodes of one name, all of
-  /// whose services are double.
-  void on_rivals(std::function<void(const std::string& text)> tell);
+  /// `report` is called with one sentence when a second server takes a name of a service or action. It names both
+  /// servers. It is not called for two nodes with the same full name.
+  void on_rivals(std::function<void(const std::string& text)> report);
   /// Removes an endpoint. What is in flight to it is dropped; open requests and goals of a removed server stay
   /// unanswered.
   void remove(EndpointId endpoint);
@@ -203,14 +203,14 @@ class Bus : private Feed {
   void cancel_goals_before(EndpointId client, SimTime stamp, Causes causes = {});
   /// Status as far as the client has taken deliveries.
   GoalStatus goal_status(EndpointId client, const GoalId& goal) const;
-  /// The client will not ask for its status again. What still comes from the goal is delivered all the same.
+  /// The client will not ask for its status again. Feedback and result are still delivered.
   void forget_goal(EndpointId client, const GoalId& goal);
 
-  // --- Actions, server side. What the state of the goal does not allow is ignored and returns false: a goal is
+  // --- Actions, server side. A call that the goal's state does not allow is ignored and returns false: a goal is
   // answered once; accepted -> executing -> (canceling ->) succeeded, aborted; canceled only from canceling.
   bool answer_goal(EndpointId server, const GoalId& goal, GoalAnswer answer);
-  /// The cancel handler is called once a goal that could be canceled; the client hears of all of them together, when
-  /// the last is answered. A server without a cancel handler rejects.
+  /// The cancel handler is called once for each goal that could be canceled; the client gets one answer for all of them
+  /// when the last is answered. A server without a cancel handler rejects.
   bool answer_cancel(EndpointId server, const Delivery& cancel, bool accept);
   bool execute(EndpointId server, const GoalId& goal);  ///< of a deferred goal
   bool publish_feedback(EndpointId server, const GoalId& goal, SharedMessage feedback);

@@ -29,7 +29,7 @@ struct Waiting {
 struct Channel {
   std::string name;
   std::string type_name;
-  const MessageType* type = nullptr;  ///< the message, request or goal: tells types apart
+  const MessageType* type = nullptr;  ///< the message, request or goal: identifies the type
   std::vector<Endpoint*> providers;   ///< publishers, servers
   std::vector<Endpoint*> users;       ///< subscriptions, clients
   std::vector<Waiting> waiting;
@@ -60,7 +60,7 @@ struct OpenRequest {
   EndpointId client{};
   std::uint64_t number = 0;  ///< the client's
   bool taken = false;
-  // Cancels: the goals that the server still has to say something about, and those that it cancels.
+  // Cancels: the goals that the server has not answered yet, and those that it cancels.
   GoalId goal{};
   RecordRef cause;
   std::vector<GoalId> undecided;
@@ -120,7 +120,7 @@ struct Participant {
   std::vector<Delivery> next_inbox;                  ///< from environments to this one: after the next begin_tick
   std::vector<Delivery> taken;                       ///< what deliver() works on; keeps its memory
 
-  /// Gives the memory of one that left back: many environments may come and go.
+  /// Frees the memory of a participant that left: environments may be made and destroyed many times.
   void release() {
     std::vector<std::unique_ptr<Endpoint>>().swap(endpoints);
     for (auto* box : {&inbox, &next_inbox, &taken}) std::vector<Delivery>().swap(*box);
@@ -138,7 +138,7 @@ struct Bus::State {
   InputTap* tap = nullptr;
   bool muted = false;
   RecordData data;
-  std::function<void(const std::string&)> tell_rivals;
+  std::function<void(const std::string&)> report_rivals;
 
   explicit State(RecordSink& to) : sink(to) {}
 
@@ -166,14 +166,14 @@ struct Bus::State {
     return owner.name.full_name() + (owner.part.empty() ? "" : " (" + owner.part + ')');
   }
 
-  /// Whether it is of a node of the same name: whoever made both knows.
+  /// Whether it belongs to a node of the same full name, which is reported elsewhere.
   bool is_twin_of(const Endpoint& endpoint, const Participant& other) {
     const Participant& owner = participant(endpoint.owner);
     return &owner != &other && owner.kind == ParticipantKind::kNode && other.kind == ParticipantKind::kNode &&
            owner.name.full_name() == other.name.full_name();
   }
 
-  /// What stands for a service or action among `channels`: its name, with its type where several live side by side.
+  /// The key of a service or action in `channels`: its name, with its type where several types share the name.
   std::string key_of(EndpointKind kind, const std::string& name, std::string_view type) const {
     const bool many = kind > EndpointKind::kSubscription && (muted || many_typed.contains(name));
     return many ? name + ' ' + std::string(type) : name;

@@ -26,7 +26,7 @@ void construct_elements(const Field& field, std::byte* to, const std::byte* from
 void construct_default_elements(const Field& field, std::byte* to, std::size_t count);
 void destroy_elements(const Field& field, std::byte* memory, std::size_t count);
 
-/// Changes the number of elements; those that stay keep their value. No look at the field's bound.
+/// Changes the number of elements; those that stay keep their value. Does not check the field's bound.
 void resize_sequence(const Field& field, Sequence& sequence, std::size_t size);
 
 }  // namespace cxlab::bus

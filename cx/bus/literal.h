@@ -25,7 +25,7 @@ std::string range_text(FieldType type);
 Expected<std::int64_t> parse_integer(std::string_view text, FieldType type);
 Expected<bool> parse_bool(std::string_view text);  ///< true, false, in lower case or with a capital, 0, 1
 Expected<double> parse_real(std::string_view text);
-/// Takes one pair of equal quotes away, with their escapes (\n \t \\ \" \'); a text without quotes is itself.
+/// Removes one pair of equal quotes, with their escapes (\n \t \\ \" \'); a text without quotes is itself.
 Expected<std::string> parse_text(std::string_view text);
 /// The items of "[a, 'b, c', 3]", as written.
 Expected<std::vector<std::string>> parse_list(std::string_view text);

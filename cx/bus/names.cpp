@@ -13,7 +13,7 @@ void substitute(std::string& text, std::string_view word, const std::string& val
     text.replace(at, word.size(), value);
 }
 
-/// Takes "NODE:" off the front, if there is one; "rostopic://" is none. False if it is of another node.
+/// Removes "NODE:" from the front, if there is one; "rostopic://" is none. False if it is of another node.
 bool is_for(const std::string& node, std::string_view& from) {
   const std::size_t colon = from.find(':');
   if (colon == std::string_view::npos || from.substr(colon).starts_with("://")) return true;
@@ -22,7 +22,7 @@ bool is_for(const std::string& node, std::string_view& from) {
   return ours;
 }
 
-/// Takes the kind's prefix off the front. False if it is of another kind.
+/// Removes the kind's prefix from the front. False if it is of another kind.
 bool is_for(NameKind kind, std::string_view& from) {
   for (const auto& [prefix, wanted] : {std::pair<std::string_view, NameKind>{"rostopic://", NameKind::kTopic},
                                        {"rosservice://", NameKind::kService}}) {

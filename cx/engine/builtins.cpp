@@ -1,4 +1,4 @@
-// Functions of CLIPS that look outside, answered by the episode: time, chance, files, the operating system.
+// Functions of CLIPS that depend on the machine, with answers of the episode: time, chance, files, operating system.
 
 #include <ctime>
 
@@ -219,7 +219,7 @@ void chdir_function(Environment* env, UDFContext* context, UDFValue* result) {
   refuse(env, context, result, "refused: the working directory belongs to the whole process");
 }
 
-/// Ends the run of the rules; the process is not theirs.
+/// Ends the run of the rules, not the process.
 void exit_function(Environment* env, UDFContext* context, UDFValue*) {
   impl_of(context).exit_requested = true;
   SetHaltExecution(env, true);

@@ -1,4 +1,4 @@
-// From what CLIPS says on stderr to errors with rule, file and line.
+// Makes errors with rule, file and line from the messages that CLIPS prints on stderr.
 
 #include <cctype>
 
@@ -112,7 +112,7 @@ void RuleEngine::Impl::capture(const char* text) {
 void RuleEngine::note_error(const std::string& text) {
   impl_->capture("[");
   impl_->capture(text.c_str() + 1);
-  // A test of these rules goes on all the same, and CLIPS will not name them.
+  // The test of these rules continues, and CLIPS will not name them.
   std::vector<std::string> rules;
   if (const joinNode* join = engine_data(impl_->env)->GlobalJoin) add_rules_below(*join, rules);
   if (rules.empty()) return;

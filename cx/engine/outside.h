@@ -11,7 +11,7 @@
 namespace cxlab {
 
 /// Decides on every path that rules name (open, load, batch, load-facts, save-facts, bsave, dribble-on, remove, ...).
-/// Answers with the path to open really; an error is what the rule is told. A file that is missing is no error here.
+/// Answers with the path to open really; an error is reported to the rule. A file that is missing is no error here.
 class FileAccess {
  public:
   virtual ~FileAccess() = default;

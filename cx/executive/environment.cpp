@@ -118,7 +118,7 @@ Status Environment::check_errors(std::vector<RuleError> errors) {
   Status first;
   for (RuleError& e : errors) {
     if (options_.run->stop_on_rule_error && first) first = e.error();
-    // A run that stops ends with the error; one that goes on tells the place here.
+    // A run that stops ends with the error; a run that continues logs its place here.
     if (!options_.run->stop_on_rule_error) log(LogLevel::kError, name(), e.error().text());
     if (options_.rule_errors) options_.rule_errors->push_back({name(), std::move(e)});
   }

@@ -74,19 +74,19 @@ class Environment {
   Status take_inputs();
   /// RefreshAllAgendas, then runs until no rule is left.
   Status run();
-  /// What has gone wrong since the last call: each error is noted; with `stop_on_rule_error` the first is returned.
+  /// Notes all errors since the last call. With `stop_on_rule_error` it returns the first one.
   Status check_errors();
   Status check_errors(std::vector<RuleError> errors);
 
-  /// The environment goes as a whole, or rests until it is activated again: plugins need not take back constructs.
+  /// The environment is destroyed, or inactive until it is activated again: plugins need not remove constructs.
   bool ending() const { return ending_; }
   void end() { ending_ = true; }
-  /// It is activated again: what is loaded once more finds templates that are there word for word.
+  /// It is activated again: templates that exist and have the same text may be loaded once more.
   void begin_again();
   void has_begun() { engine_->keep_same_constructs(false); }
 
   /// What plugins of this environment share, e.g. the messages that its rules hold: one object a type, made from this
-  /// environment when first asked for; it goes with the environment.
+  /// environment when first asked for, destroyed with the environment.
   template <class T>
   T& common() {
     auto& shared = common_[std::type_index(typeid(T))];
@@ -98,7 +98,7 @@ class Environment {
   /// Records a delivery as an input of this environment and makes it the cause of what follows. `what` and `name` as
   /// the rules know it: "topic" "/chatter".
   void note_input(std::string_view what, std::string_view name, const bus::Delivery& delivery);
-  /// What a function found outside, through the input log.
+  /// The result of a function that looks outside, from `outside` or the input log.
   Value look(std::string_view function, const std::function<Value()>& outside);
 
   // --- Threads of plugins (cx/executive/thread_gate.h)

@@ -184,8 +184,7 @@ Status EnvironmentManager::tell_of_no_environments() {
 void EnvironmentManager::tell_of_no_plugins(const std::string& environment, const std::vector<std::string>& listed) {
   std::string text =
       "environment '" + environment + "': no parameter '" + environment + ".plugins', nothing is loaded into it";
-  const bool unknown_name =
-      parameters_.below(environment).empty();  // else a key in it may be misspelt, which check_unknown tells
+  const bool unknown_name = parameters_.below(environment).empty();  // else check_unknown reports a misspelt key in it
   for (const std::string& group : parameters_.below(""))
     if (unknown_name && parameters_.find(group + ".plugins") &&
         std::find(listed.begin(), listed.end(), group) == listed.end()) {
@@ -221,7 +220,7 @@ Status EnvironmentManager::check_configuration() {
       auto type = type_of(plugin, name);
       if (!type) {
         if (!options_.keep_going) return type.error();
-        continue;  // told at activation, as in CX
+        continue;  // reported at activation, as in CX
       }
       if ((*type)->any_parameter) continue;
       std::vector<std::string> known = (*type)->parameters;
@@ -249,7 +248,7 @@ Status EnvironmentManager::change(Transition transition) {
     case Transition::kCleanup: return do_cleanup();
     case Transition::kShutdown: break;
   }
-  // As the hook that CX runs before its process ends.
+  // Like the hook that CX runs before its process ends.
   Status first;
   if (state() == LifeState::kActive) first = do_deactivate();
   keep_first(first, do_cleanup());

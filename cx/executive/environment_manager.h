@@ -34,9 +34,9 @@ struct ManagerOptions : RunSettings {
   std::vector<GivenParameter> params;                       ///< those of other nodes are left alone
   std::map<std::string, Package> packages;
   std::vector<PluginType> plugin_types;  ///< e.g. `builtin_plugins()`
-  FileRead on_read;                      ///< told of each file that plugins and rules read; may be none
+  FileRead on_read;                      ///< called with each file that plugins and rules read; may be none
   std::function<void(bus::ParticipantId)>
-      on_join;                           ///< told of the node and of each environment on the bus; may be none
+      on_join;                           ///< called with the node and each environment on the bus; may be none
   std::filesystem::path outside_copies;  ///< replay: `Files::Options::outside`
   bool one_of_several = false;           ///< lines of the log name the manager, because the run has others
   std::shared_ptr<std::set<std::string>>

@@ -15,7 +15,7 @@ namespace cxlab::cx {
 
 using PluginMaker = std::unique_ptr<Plugin> (*)(PluginContext);
 
-/// What a library tells of itself. The first member says whether the others can be read.
+/// The description of a library. The first member shows whether the others can be read.
 struct PluginExports {
   const char* abi;          ///< `kPluginAbi` of the headers that it was built with
   const char* names;        ///< "my::Greeter, my::Bridge"

@@ -20,7 +20,7 @@ struct Package {
   std::string share;  ///< empty = `folder` as an absolute path
 };
 
-/// Told of every file that is read, before it is: `logical_name` is "<package>/clips/a.clp" or the file's name.
+/// Called with each file before it is read: `logical_name` is "<package>/clips/a.clp" or the file's name.
 using FileRead = std::function<Status(const std::string& logical_name, const std::filesystem::path& file)>;
 
 /// A file that was found.
@@ -47,15 +47,15 @@ class Files final : public FileAccess {
 
   /// Share directory of the package; an error names the nearest.
   Expected<std::string> share_directory(std::string_view package) const;
-  /// As ament has it: what stands before `/share/<package>`, else the folder itself.
+  /// As in ament: the path before `/share/<package>`, else the folder itself.
   Expected<std::string> prefix(std::string_view package) const;
   std::vector<std::string> packages() const;  ///< sorted
 
   /// Finds a file as CX does: absolute, else the first of the packages that has it, asked in order.
   Expected<FoundFile> resolve(const std::string& file, const std::vector<std::string>& packages) const;
-  /// The content, after `on_read` was told.
+  /// The content; calls `on_read` before it reads.
   Expected<std::string> read(const FoundFile& file) const;
-  /// The file that rules mean by `path`, if they may read it.
+  /// The file that `path` means to rules, if they may read it.
   Expected<FoundFile> find_for_rules(const std::string& path) const;
 
   Expected<std::string> for_reading(const std::string& path) override;

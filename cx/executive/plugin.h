@@ -41,10 +41,10 @@ class Plugin {
 
   /// Once, before its first environment.
   virtual Status initialize() { return {}; }
-  /// Once an environment: adds functions, templates and rules. After an error the plugin does not count as loaded
+  /// Once for each environment: adds functions, templates and rules. After an error the plugin does not count as loaded
   /// there.
   virtual Status clips_env_init(EnvironmentGuard environment) = 0;
-  /// Takes back what it added. Functions go by themselves (those whose `owner` is `name()`).
+  /// Removes what it added. Functions whose `owner` is `name()` are removed without it.
   virtual void clips_env_destroyed(EnvironmentGuard) {}
   /// Once, when it has left its last environment.
   virtual void finalize() {}

@@ -43,9 +43,9 @@ Expected<std::shared_ptr<Plugin>> make_plugin(const PluginType& type, PluginCont
 /// The library that the instance comes from, open as long as somebody holds this; none for one that is built in.
 std::shared_ptr<void> library_of(const std::shared_ptr<Plugin>& plugin);
 
-/// Calls a plugin. What it throws becomes an error of kind run, and what it returns is told with its name.
+/// Calls a plugin. An exception becomes an error of kind run; an error that it returns is reported with its name.
 Status call_plugin(const Plugin& plugin, std::string_view hook, const std::function<Status()>& call);
-/// The same where the bus calls what plugins have subscribed.
+/// The same for handlers of plugins that the bus calls.
 Status call_handlers(const std::string& environment, const std::function<Status()>& call);
 
 }  // namespace cxlab::cx

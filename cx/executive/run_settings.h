@@ -1,5 +1,5 @@
 #pragma once
-// What holds for every environment of a run. The episode fills it in once; managers, environments and plugins read it.
+// Settings of all environments of a run. The episode sets them once; managers, environments and plugins read them.
 
 #include <cstdint>
 #include <filesystem>

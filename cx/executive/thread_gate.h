@@ -2,9 +2,10 @@
 // The way into an environment for threads of a plugin. Their requests wait in a queue that the environment reads when
 // it perceives: each is then a delivery on the bus like any other, so that it is in the input log and replays.
 //
-//   gate_ = environment->open_gate(name());                       // in clips_env_init; the run is then not
-//   deterministic auto fact = gate_->assert_fact("(scan (range 1.5))").get();   // on the plugin's thread: waits for
-//   the tick
+//   gate_ = environment->open_gate(name());  // in clips_env_init
+//   auto fact = gate_->assert_fact("(scan)").get();  // on the plugin's thread: waits for the tick
+//
+// A run with a gate is not deterministic.
 
 #include <cstdint>
 #include <future>
@@ -26,9 +27,9 @@ class Environment;
 
 class ThreadGate {
  public:
-  /// What became of a request, after the tick. It may also be dropped without waiting.
+  /// The answer to a request, available after the tick. It may be dropped without waiting.
   using Answer = std::future<Expected<Value>>;
-  /// More requests than these do not wait for a tick: their answer is an error at once.
+  /// At most so many requests wait for a tick; more are answered with an error at once.
   static constexpr std::size_t kMostWaiting = 10'000;
 
   // --- For any thread but the episode's, where the answer is an error: use the environment itself there. Once the
@@ -45,9 +46,9 @@ class ThreadGate {
   ThreadGate& operator=(const ThreadGate&) = delete;
   Status open();
   const std::string& owner() const { return owner_; }
-  /// Puts what waits on the bus.
+  /// Posts the waiting requests on the bus.
   void hand_over();
-  /// Answers all that waits with an error, now and later.
+  /// Answers all requests with an error, those that wait and later ones.
   void close();
 
  private:

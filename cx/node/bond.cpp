@@ -42,7 +42,7 @@ Bond::~Bond() {
   bus_.remove(out_);
 }
 
-void Bond::tell(bool active) {
+void Bond::send(bool active) {
   auto message = std::make_shared<bus::Message>(*type_);
   const bus::MessageView status = message->view();
   const auto now = bus_.now().count();
@@ -65,7 +65,7 @@ void Bond::hear(const bus::MessageView& status) {
 
 void Bond::break_up(Loss loss) {
   state_ = State::kBroken;
-  tell(false);
+  send(false);
   if (const auto tell_owner = on_broken_) tell_owner(loss);  // a copy: the owner may drop this bond
 }
 
@@ -76,8 +76,8 @@ void Bond::act() {
     return;
   }
   if (start_ + sent_ * options_.period > bus_.now()) return;
-  while (start_ + sent_ * options_.period <= bus_.now()) ++sent_;  // beats that a long tick stepped over are one
-  tell(true);
+  while (start_ + sent_ * options_.period <= bus_.now()) ++sent_;  // heartbeats missed in a long tick
+  send(true);
 }
 
 SimTime Bond::next_due() const {
@@ -87,7 +87,7 @@ SimTime Bond::next_due() const {
 void Bond::end() {
   if (state_ == State::kBroken) return;
   state_ = State::kBroken;
-  tell(false);
+  send(false);
 }
 
 Status BondWatcher::watch(Bond::Options options) {

@@ -1,5 +1,5 @@
 #pragma once
-// A bond of ROS: two nodes tell each other on a topic that they live, and each notices when the other is lost.
+// A bond of ROS: two nodes send each other heartbeats on a topic, and each notices when the other is lost.
 
 #include <cstdint>
 #include <functional>
@@ -27,7 +27,7 @@ class Bond {
   enum class State : std::uint8_t { kWaiting, kFormed, kBroken };
   enum class Loss : std::uint8_t {
     kEnded,   ///< the peer said good-bye
-    kSilent,  ///< its heartbeat stayed away
+    kSilent,  ///< its heartbeat did not come
     kNeverCame
   };
   /// `on_broken` is called once, when the peer is lost; not by `end`.
@@ -47,7 +47,7 @@ class Bond {
  private:
   Bond(bus::Bus& bus, Options options, std::function<void(Loss)> on_broken);
   void hear(const bus::MessageView& status);
-  void tell(bool active);
+  void send(bool active);
   void break_up(Loss loss);
 
   bus::Bus& bus_;

@@ -28,12 +28,12 @@ class Lifecycle {
  public:
   using Act = std::function<Status(Transition)>;
   using Tell = std::function<void(const Error&)>;
-  /// `act` does what a transition means; `failed` is told what was wrong when one was asked for on the bus: kUsage when
+  /// `act` does what a transition means; `failed` gets the error of one that was requested on the bus: kUsage when
   /// the state does not allow it, else the error of `act`.
   Lifecycle(bus::Bus& bus, bus::ParticipantId node, Act act, Tell failed);
 
   /// Offers `~/change_state`, `~/get_state`, `~/get_available_states`, `~/get_available_transitions`,
-  /// `~/get_transition_graph` and tells of transitions on `~/transition_event`.
+  /// `~/get_transition_graph` and reports transitions on `~/transition_event`.
   Status serve();
 
   LifeState state() const { return state_; }

@@ -18,7 +18,7 @@ Expected<Parameter> take_parameter(const bus::MessageView& value);
 using ParameterCheck = std::function<Status(const std::string& name, const Parameter& value)>;
 
 /// Offers `~/list_parameters`, `~/get_parameters`, `~/get_parameter_types`, `~/describe_parameters`,
-/// `~/set_parameters`, `~/set_parameters_atomically`, and tells of changes on `/parameter_events`. A parameter keeps
+/// `~/set_parameters`, `~/set_parameters_atomically`, and reports changes on `/parameter_events`. A parameter keeps
 /// its type; one that is not there is not set, nor what `check` refuses. `parameters` outlives the node's place on the
 /// bus.
 Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters, ParameterCheck check = {});

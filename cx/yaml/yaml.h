@@ -68,7 +68,7 @@ class Value {
 };
 
 /// A mapping that is read key by key; `finish` reports the keys that nobody asked for: first those that are near a key
-/// that was asked for. One that is near a missing required key is told in that key's error.
+/// that was asked for. A near miss of a missing required key is reported in that key's error.
 class Map {
  public:
   Value get(std::string_view key);      ///< may be missing

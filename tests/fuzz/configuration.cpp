@@ -42,7 +42,7 @@ cxlab::bus::Registry& registry() {
 }
 
 /// Whether it went well.
-bool told(const cxlab::Status& status) {
+bool reported(const cxlab::Status& status) {
   cxlab::fuzz::promise(status.ok() || !status.error().message.empty(), "an error says what it is");
   return status.ok();
 }
@@ -50,7 +50,7 @@ bool told(const cxlab::Status& status) {
 void two_ticks(cxlab::cx::EnvironmentManager& manager, cxlab::bus::Bus& bus) {
   cxlab::Loop loop(bus, std::chrono::milliseconds(20), {.agents = {&manager}});
   for (int tick = 0; tick < 2; ++tick)
-    if (!told(loop.tick_at(tick * std::chrono::milliseconds(20)))) return;
+    if (!reported(loop.tick_at(tick * std::chrono::milliseconds(20)))) return;
 }
 
 void live(cxlab::cx::ManagerOptions options) {
@@ -58,14 +58,14 @@ void live(cxlab::cx::ManagerOptions options) {
   Journal journal;
   bus::Bus bus(registry(), journal);
   auto made = cx::EnvironmentManager::create(std::move(options), bus, journal);
-  if (!made) return (void)told(made.error());
+  if (!made) return (void)reported(made.error());
   cx::EnvironmentManager& manager = **made;
-  if (!told(manager.configure())) return;
-  // A node that was told to be active is, also when something in it failed: it must come down all the same.
-  if (told(manager.activate())) two_ticks(manager, bus);
-  told(manager.deactivate());
+  if (!reported(manager.configure())) return;
+  // A node whose activation failed is active all the same, so it must be deactivated, too.
+  if (reported(manager.activate())) two_ticks(manager, bus);
+  reported(manager.deactivate());
   fuzz::promise(manager.state() != cx::LifeState::kActive, "what was deactivated is not active");
-  told(manager.cleanup());
+  reported(manager.cleanup());
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto again = bus::Message::deserialize(**type, std::as_bytes(std::span(bytes)), position);
   fuzz::promise(again.ok() && position == bytes.size() && bytes_of(*again) == bytes,
                 "a message comes back from its bytes");
-  const auto told = bus::Message::from_yaml(**type, (*message)->to_string());
-  fuzz::promise(told.ok(), "the text of a message reads: " + (told ? std::string() : told.error().message));
+  const auto read = bus::Message::from_yaml(**type, (*message)->to_string());
+  fuzz::promise(read.ok(), "the text of a message reads: " + (read ? std::string() : read.error().message));
   return 0;
 }

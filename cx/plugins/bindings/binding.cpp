@@ -22,7 +22,7 @@ Status Binding::add_fields(const std::string& create, const std::string& destroy
                      [this, &type](Call& call) { call.give_handle(store_.create(type, owner_)); });
       !s)
     return s;
-  // As in CX, a message of another type is none of this function's: it stays, and is told at the end.
+  // As in CX, this function does not destroy a message of another type: it stays, and is reported at the end.
   if (Status s = add(destroy, "v", ";e", F::kActing, "Drops a message and what is nested in it.",
                      [this, &type](Call& call) {
                        const bus::MessageView view = store_.view(call.handle(0));
