@@ -38,7 +38,7 @@
   (example-interfaces-fibonacci-goal-destroy ?goal))
 
 (defrule feedback
-  "The robot tells how far it is."
+  "The robot reports how far it is."
   ?fact <- (example-interfaces-fibonacci-goal-feedback (feedback-ptr ?feedback))
   =>
   (println "so far " (example-interfaces-fibonacci-feedback-get-field ?feedback "sequence"))

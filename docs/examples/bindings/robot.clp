@@ -18,7 +18,7 @@
   (std-msgs-string-create-publisher "status"))
 
 (defrule switch
-  "The caller has asked for power: tell everybody that it is on."
+  "The caller has asked for power: publish that it is on."
   ?asked <- (power-is-to-be ?new)
   ?power <- (power ~?new)
   =>
@@ -30,7 +30,7 @@
   (std-msgs-string-destroy-message ?message))
 
 (defrule count
-  "A goal was accepted: count, tell how far it is, and end it."
+  "A goal was accepted: count, send feedback, and end it."
   ?accepted <- (example-interfaces-fibonacci-accepted-goal (server-goal-handle-ptr ?handle))
   =>
   (retract ?accepted)

@@ -1,4 +1,4 @@
-; Asks the manager for a second environment, and is told whether it came.
+; Asks the manager for a second environment and prints the answer.
 (deffacts start (want helper))
 
 (defrule call-for-help

@@ -25,7 +25,7 @@
           (pddl-create-goal-instance (instance blocks) (goal tower))))
 
 (defrule aim
-  "The goal instance is there: tell what is wanted."
+  "The goal instance exists: set its goal."
   (pddl-create-goal-instance (goal tower) (state DONE))
   (not (pddl-set-goals))
   =>

@@ -68,7 +68,7 @@
   (modify ?work (step LOAD)))
 
 (defrule loaded
-  "The problem is there: tell the goal, a on b and b on c."
+  "The problem exists: set the goal, a on b and b on c."
   ?work <- (work (step LOAD))
   ?response <- (ros-msgs-response (service "/pddl_manager/add_pddl_instance") (msg-ptr ?message))
   =>

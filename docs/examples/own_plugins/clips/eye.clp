@@ -1,4 +1,4 @@
-; Sees a cup after one second, and tells the hand.
+; Sees a cup after one second, and notifies the hand.
 
 (defrule see-a-cup
   "A second has passed and nothing was seen yet."

@@ -1,7 +1,7 @@
-; Grasps what the eye has seen, and says so.
+; Grasps what the eye has seen, and reports it.
 
 (defrule grasp
-  "The eye tells of something."
+  "The eye reports something."
   (seen ?what ?when)
   =>
   (printout info "grasping the " ?what ", seen at " ?when crlf)
