@@ -118,11 +118,13 @@ std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) 
   std::vector<RuleError> errors;
   const auto places = lhs_calls_of.find(rule);
   if (places == lhs_calls_of.end()) return errors;
+  const ConstructInfo* info = engine.find_construct("defrule", rule);
+  // Rules may have removed it themselves.
+  if (info != nullptr && !engine.has("defrule", info->module + "::" + rule)) return errors;
   for (const CallPlace& place : places->second) {
     std::set<std::string> seen;
     if (!is_acting(place.function, seen)) continue;
     if (!reported_lhs.insert(rule + '\n' + place.function + '\n' + std::to_string(place.line)).second) continue;
-    const ConstructInfo* info = engine.find_construct("defrule", rule);
     RuleError error;
     error.side = ErrorSide::kLoad;
     error.rule = rule;

@@ -219,6 +219,59 @@ TEST_F(Engine, ATemplateInUseCannotBeUndefined) {
   EXPECT_EQ(engine().find_construct("deftemplate", "order"), nullptr);
 }
 
+TEST_F(Engine, AComputedSalienceIsComputedAgainWhenTheAgendasAreRefreshed) {
+  given(
+      "(defglobal ?*first* = 1)\n"
+      "(defrule computed (declare (salience ?*first*)) (go) => (printout t computed))\n"
+      "(defrule plain (go) => (printout t plain))");
+  ASSERT_TRUE(engine().assert_string("(go)").ok());
+  ASSERT_TRUE(engine().eval("(bind ?*first* -1)").ok());
+  EXPECT_EQ(engine().agenda()[0].rule, "computed") << "as it was when the rule was activated";
+  engine().refresh_all_agendas();
+  EXPECT_EQ(engine().agenda()[0].rule, "plain");
+  EXPECT_EQ(engine().agenda()[1].salience, -1);
+  engine().run();
+  EXPECT_EQ(output["stdout"], "plaincomputed");
+}
+
+TEST_F(Engine, AComputedSalienceIsComputedAgainInEveryModule) {
+  given(
+      "(defmodule MAIN (export ?ALL))\n(defglobal ?*first* = 1)\n(defmodule OTHER (import MAIN defglobal ?ALL))\n"
+      "(defrule computed (declare (salience ?*first*)) (go) =>)\n(defrule plain (go) =>)\n"
+      "(deffacts start (go))");
+  engine().reset();
+  ASSERT_TRUE(engine().eval("(bind ?*first* -1)").ok());
+  engine().refresh_all_agendas();
+  ASSERT_THAT(engine().agenda(), SizeIs(2));
+  EXPECT_EQ(engine().agenda()[0].rule, "plain");
+}
+
+TEST_F(Engine, ARuleThatIsGoneIsNotNamedForTheFunctionsThatItCalled) {
+  given("(deffunction ready () TRUE)\n(defrule go (test (ready)) =>)\n(defrule went (test (ready)) =>)");
+  ASSERT_TRUE(engine().undefine("defrule", "go").ok());
+  ASSERT_TRUE(engine().eval("(undefrule went)").ok());
+  engine().load_text("(deffunction ready () (assert (a)))", "r.clp", LoadMode::kConstructs, OnLoadError::kKeepGoing);
+  EXPECT_THAT(engine().take_notes(), SizeIs(0));
+}
+
+TEST_F(Engine, ARuleThatStaysIsNamedWhenAFunctionThatItCallsBecomesActing) {
+  given("(deffunction ready () TRUE)\n(defrule go (test (ready)) =>)");
+  engine().load_text("(deffunction ready () (assert (a)))", "r.clp", LoadMode::kConstructs, OnLoadError::kKeepGoing);
+  const std::vector<Error> notes = engine().take_notes();
+  ASSERT_THAT(notes, SizeIs(1));
+  EXPECT_THAT(notes[0].message, HasSubstr("rule 'go' calls 'ready' on its left-hand side"));
+}
+
+TEST_F(Engine, MatchesCountTheActivationsOfTheRuleAlone) {
+  given("(defrule many (a ?) =>)\n(defrule one (a 1) =>)\n(defrule none (b) =>)");
+  for (const char* fact : {"(a 1)", "(a 2)", "(a 3)"}) ASSERT_TRUE(engine().assert_string(fact).ok());
+  EXPECT_EQ(engine().matches("many")->front().activations, 3);
+  EXPECT_EQ(engine().matches("one")->front().activations, 1);
+  EXPECT_EQ(engine().matches("none")->front().activations, 0);
+  engine().run(1);
+  EXPECT_EQ(engine().matches("many")->front().activations + engine().matches("one")->front().activations, 3);
+}
+
 TEST_F(Engine, TheAgendaShowsWhatWouldFireNext) {
   given("(defrule low (a ?x) =>)\n(defrule high (declare (salience 5)) (a 1) (not (b)) =>)");
   const auto index = engine().assert_string("(a 1)");
