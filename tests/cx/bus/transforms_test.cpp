@@ -179,6 +179,23 @@ TEST_F(TransformTopics, WhoListensLaterGetsTheStaticOnes) {
   EXPECT_THAT(refused_, IsEmpty());
 }
 
+TEST_F(TransformTopics, TheStaticOnesOfAPublisherThatIsGoneAreGone) {
+  const ParticipantId world = node("world");
+  auto server = TransformBroadcaster::create(bus_, world);
+  auto other = TransformBroadcaster::create(bus_, node("other"));
+  tick();
+  server->set_static("map", "dock", at(1, 0));
+  server->post();
+  other->set_static("map", "shelf", at(2, 0));
+  other->post();
+  bus_.leave(world);
+  tick();
+  const ParticipantId agent = environment("agent");
+  auto listener = listen(agent);
+  bus_.deliver(agent);
+  EXPECT_THAT(listener->buffer().frames(), ElementsAre("map", "shelf"));
+}
+
 TEST_F(TransformTopics, RemapsOfTheListenerHold) {
   auto server =
       TransformBroadcaster::create(bus_, join(ParticipantKind::kNode, "world", {"world", "/", {{"/tf", "/r1/tf"}}}));
