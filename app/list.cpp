@@ -10,6 +10,7 @@
 #include "lab/interfaces.h"
 #include "lab/reference.h"
 #include "scenarios/share.h"
+#include "scenarios/shipped/catalogue.h"
 #include "sim/faults/fault.h"
 
 namespace cxlab::app {
@@ -27,16 +28,15 @@ std::string headline(const fs::path& file) {
 }
 
 int list_scenarios() {
-  std::vector<fs::path> files;
-  std::error_code ignored;
-  for (const auto& entry : fs::recursive_directory_iterator(find_share().scenarios, ignored)) {
-    if (entry.path().extension() != ".yaml") continue;
-    std::ifstream in(entry.path());
-    for (std::string line; std::getline(in, line);)
-      if (line.starts_with("schema:")) files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  for (const fs::path& file : files) std::printf("%-40s %s\n", fs::proximate(file).c_str(), headline(file).c_str());
+  for (const auto& [name, file] : own_scenarios()) std::printf("%-28s %s\n", name.c_str(), headline(file).c_str());
+  return 0;
+}
+
+/// Rows of the catalogue.
+template <class Kind>
+int list_kinds(const std::vector<const Kind*>& kinds) {
+  for (const Kind* kind : kinds)
+    std::printf("%-15s %s\n", std::string(kind->name).c_str(), std::string(kind->what).c_str());
   return 0;
 }
 
@@ -111,19 +111,22 @@ int list_faults() {
 }  // namespace
 
 void add_list(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("list",
-                         "Lists what there is: scenarios, skills, interfaces, plugin classes, functions "
-                         "that rules can call, templates of the plugins, faults of a scenario");
+  CLI::App* command = app.add_subcommand(
+      "list",
+      "Lists what there is: scenarios, worlds, nodes beside a world, skills, interfaces, plugin classes, functions "
+      "that rules can call, templates of the plugins, faults of a scenario");
   auto what = std::make_shared<std::string>();
   command->add_option("what", *what, "What to list")
       ->required()
-      ->check(CLI::IsMember({"scenarios", "skills", "interfaces", "plugins", "functions", "templates", "faults"}));
+      ->check(CLI::IsMember(
+          {"scenarios", "worlds", "nodes", "skills", "interfaces", "plugins", "functions", "templates", "faults"}));
   auto packages = std::make_shared<lab::PackageOptions>();
   add_package_options(*command, *packages);
   command->callback([what, packages, &action] {
     action = [what, packages] {
       if (*what == "scenarios") return list_scenarios();
+      if (*what == "worlds") return list_kinds(shipped().worlds);
+      if (*what == "nodes") return list_kinds(shipped().nodes);
       if (*what == "faults") return list_faults();
       if (*what == "interfaces") return list_interfaces(*packages);
       return *what == "skills" ? list_skills() : list_reference(*what, *packages);

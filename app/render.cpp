@@ -7,6 +7,8 @@
 #include "app/command.h"
 #include "app/console.h"
 #include "lab/render.h"
+#include "scenarios/share.h"
+#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::app {
 
@@ -35,9 +37,11 @@ Status draw(const Options& options, const lab::Host& host) {
     auto run = lab::RecordedRun::open(options.what);
     return run ? lab::render_run(*run, options) : Status(run.error());
   }
-  std::vector<std::string> overrides = options.overrides;
-  if (options.seed) overrides.push_back("seed=" + std::to_string(*options.seed));
-  auto scenario = Scenario::load(options.what, overrides);
+  std::vector<Override> overrides(options.overrides.begin(), options.overrides.end());
+  if (options.seed) overrides.emplace_back("seed=" + std::to_string(*options.seed), "--seed");
+  const auto file = find_scenario(options.what);
+  if (!file) return file.error();
+  auto scenario = Scenario::load(*file, shipped(), overrides);
   return scenario ? lab::render_scenario(*std::move(scenario), options, host) : Status(scenario.error());
 }
 

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "app/console.h"
 #include "app/markup.h"
@@ -14,6 +15,11 @@
 namespace cxlab::app {
 
 namespace {
+
+/// result.json: its sections are those of the run's world.
+using Json = nlohmann::ordered_json;
+
+std::string text(const Json& value) { return value.get<std::string>(); }
 
 std::string number(double value, int digits = 1) {
   char text[48];
@@ -49,16 +55,16 @@ std::string time_axis(double end, double bottom) {
   return out;
 }
 
-std::string points_chart(const Report& report, double end) {
+std::string points_chart(const Report& report, const Json& result, double end) {
   constexpr double kHeight = 180;
   std::map<std::string, std::vector<std::pair<double, double>>> lines;
   double top = 10;
-  for (const TeamResult& team : report.result.teams) {
+  for (const auto& [team, score] : result["teams"].items()) {
     double sum = 0;
-    auto& line = lines[team.team];
+    auto& line = lines[team];
     line.emplace_back(0, 0);
     for (const ScoreStep& step : report.scores) {
-      if (step.team != team.team) continue;
+      if (step.team != team) continue;
       line.emplace_back(step.t, sum);
       sum += static_cast<double>(step.points);
       line.emplace_back(step.t, sum);
@@ -81,10 +87,10 @@ std::string points_chart(const Report& report, double end) {
   return out + "</svg>";
 }
 
-std::string gantt(const Report& report, double end) {
+std::string gantt(const Report& report, const Json& result, double end) {
   constexpr double kRow = 34;
   std::vector<std::string> robots;
-  for (const RobotResult& robot : report.result.robots) robots.push_back(robot.name);
+  for (const Json& robot : result["robots"]) robots.push_back(text(robot["name"]));
   const double height = kRow * static_cast<double>(robots.size());
   std::string out =
       "<h2>What the robots did</h2><p class=key><span class=drive_to>drive</span><span class=pick>pick</span><span "
@@ -109,36 +115,37 @@ std::string gantt(const Report& report, double end) {
   return out + "</svg>";
 }
 
-std::string order_table(const Result& result) {
-  if (result.orders.empty()) return {};
+std::string order_table(const Json& orders) {
+  if (orders.empty()) return {};
   std::string out = "<h2>Orders</h2><table><tr><th>order<th>product<th>known from<th>delivered<th>points</tr>";
-  for (const OrderResult& order : result.orders)
+  for (const Json& order : orders)
     out +=
-        "<tr><td>" + std::to_string(order.id) + "<td>" + escape(order.complexity) + "<td>" + clock_text(order.ordered) +
-        "<td>" +
-        (order.delivered_at ? clock_text(*order.delivered_at) + (order.correct ? "" : " (wrong)") : std::string("-")) +
-        "<td>" + std::to_string(order.points) + "</tr>";
+        "<tr><td>" + order["id"].dump() + "<td>" + escape(text(order["complexity"])) + "<td>" +
+        clock_text(order["ordered"]) + "<td>" +
+        (order["delivered_at"].is_null() ? std::string("-")
+                                         : clock_text(order["delivered_at"]) + (order["correct"] ? "" : " (wrong)")) +
+        "<td>" + order["points"].dump() + "</tr>";
   return out + "</table>";
 }
 
-std::string robot_table(const Result& result) {
-  if (result.robots.empty()) return {};
+std::string robot_table(const Json& robots, double end) {
+  if (robots.empty()) return {};
   std::string out = "<table><tr><th>robot<th>at work<th>driving<th>skills<th>failed<th>contacts</tr>";
-  const double end = std::max(1e-9, to_seconds(result.sim_time));
-  for (const RobotResult& robot : result.robots)
-    out += "<tr><td>" + escape(robot.name) + "<td>" + number(100 * robot.busy_s / end, 0) + " %<td>" +
-           number(100 * robot.drive_s / end, 0) + " %<td>" + std::to_string(robot.skills) + "<td>" +
-           std::to_string(robot.failures) + "<td>" + std::to_string(robot.contacts) + "</tr>";
+  const auto share = [&](const Json& seconds) { return number(100 * seconds.get<double>() / std::max(1e-9, end), 0); };
+  for (const Json& robot : robots)
+    out += "<tr><td>" + escape(text(robot["name"])) + "<td>" + share(robot["busy_s"]) + " %<td>" +
+           share(robot["drive_s"]) + " %<td>" + robot["skills"].dump() + "<td>" + robot["failures"].dump() + "<td>" +
+           robot["contacts"].dump() + "</tr>";
   return out + "</table>";
 }
 
-std::string turtle_table(const Result& result) {
-  if (result.turtles.empty()) return {};
+std::string turtle_table(const Json& turtles) {
+  if (turtles.empty()) return {};
   std::string out = "<h2>Turtles</h2><table><tr><th>turtle<th>x<th>y<th>driven<th>walls<th>touches<th>teleports</tr>";
-  for (const TurtleResult& turtle : result.turtles)
-    out += "<tr><td>" + escape(turtle.name) + (turtle.alive ? "" : " (killed)") + "<td>" + number(turtle.x, 2) +
-           "<td>" + number(turtle.y, 2) + "<td>" + number(turtle.driven_m) + " m<td>" + std::to_string(turtle.walls) +
-           "<td>" + std::to_string(turtle.touches) + "<td>" + std::to_string(turtle.teleports) + "</tr>";
+  for (const Json& turtle : turtles)
+    out += "<tr><td>" + escape(text(turtle["name"])) + (turtle["alive"] ? "" : " (killed)") + "<td>" +
+           number(turtle["x"], 2) + "<td>" + number(turtle["y"], 2) + "<td>" + number(turtle["driven_m"]) + " m<td>" +
+           turtle["walls"].dump() + "<td>" + turtle["touches"].dump() + "<td>" + turtle["teleports"].dump() + "</tr>";
   return out + "</table>";
 }
 
@@ -164,15 +171,14 @@ std::string links(const Report& report) {
   return out + "</p>";
 }
 
-std::string team_table(const Result& result) {
-  if (result.teams.empty()) return {};
+std::string team_table(const Json& teams) {
+  if (teams.empty()) return {};
   std::string out = "<table class=teams><tr><th>team<th>points";
-  for (const auto& [kind, points] : result.teams.front().by_kind) out += "<th>" + escape(kind);
+  for (const auto& [kind, points] : teams.front()["by_kind"].items()) out += "<th>" + escape(kind);
   out += "</tr>";
-  for (const TeamResult& team : result.teams) {
-    out += "<tr><td><b class='" + escape(team.team) + "'>" + escape(team.team) + "</b><td><b>" +
-           std::to_string(team.points) + "</b>";
-    for (const auto& [kind, points] : team.by_kind) out += "<td>" + std::to_string(points);
+  for (const auto& [team, score] : teams.items()) {
+    out += "<tr><td><b class='" + escape(team) + "'>" + escape(team) + "</b><td><b>" + score["points"].dump() + "</b>";
+    for (const auto& [kind, points] : score["by_kind"].items()) out += "<td>" + points.dump();
     out += "</tr>";
   }
   return out + "</table>";
@@ -241,22 +247,21 @@ Status read_story(const std::filesystem::path& journal, Report& report) {
 
 std::string to_html(const Report& report) {
   const Result& r = report.result;
+  const Json json = Json::parse(r.to_json());
   const double end = std::max(1.0, to_seconds(r.sim_time));
   std::string out =
       "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'><title>" +
       escape(r.scenario) + ", seed " + std::to_string(r.seed) + "</title><style>" + kStyle + "</style><h1>" +
       escape(r.scenario) + ", seed " + std::to_string(r.seed) + "</h1><p>" + to_string(r.status) + " after " +
-      clock_text(to_seconds(r.sim_time)) + " of simulated time, " +
-      (!r.has_world             ? ""
-       : r.tier == Tier::kTimed ? "timed tier, "
-                                : "physics tier, ") +
+      clock_text(to_seconds(r.sim_time)) + " of simulated time, " + (r.tier == "none" ? "" : r.tier + " tier, ") +
       number(r.real_time_factor, 0) + " x real time";
   if (r.reason) out += "<br><span class=bad>" + escape(r.reason->text()) + "</span>";
-  out += "</p>" + team_table(r);
-  if (!report.scores.empty()) out += points_chart(report, end);
-  out += order_table(r);
-  if (!report.skills.empty()) out += gantt(report, end);
-  out += robot_table(r) + turtle_table(r) + rule_error_table(r) + links(report);
+  out += "</p>" + team_table(json["teams"]);
+  if (!report.scores.empty()) out += points_chart(report, json, end);
+  out += order_table(json["orders"]);
+  if (!report.skills.empty()) out += gantt(report, json, end);
+  out += robot_table(json["robots"], to_seconds(r.sim_time)) + turtle_table(json.value("turtles", Json::array())) +
+         rule_error_table(r) + links(report);
   if (!report.pictures.empty()) out += "<h2>Pictures</h2>";
   for (const lab::Picture& picture : report.pictures) {
     std::ifstream in(picture.file, std::ios::binary);
@@ -265,33 +270,6 @@ std::string to_html(const Report& report) {
            "'><figcaption>" + escape(picture.caption) + "</figcaption></figure>";
   }
   return out + "</html>\n";
-}
-
-std::string score_board(const Result& result) {
-  std::string out;
-  char line[256];
-  for (const TeamResult& team : result.teams) {
-    std::snprintf(line, sizeof line, "%-8s %4lld points ", team.team.c_str(), static_cast<long long>(team.points));
-    out += line;
-    for (const auto& [kind, points] : team.by_kind)
-      if (points != 0) out += "  " + kind + ' ' + std::to_string(points);
-    out += '\n';
-  }
-  const auto delivered = std::count_if(result.deliveries.begin(), result.deliveries.end(),
-                                       [](const DeliveryResult& d) { return d.correct; });
-  if (!result.orders.empty()) {
-    std::snprintf(line, sizeof line, "%ld of %zu orders delivered\n", static_cast<long>(delivered),
-                  result.orders.size());
-    out += line;
-  }
-  const double end = std::max(1e-9, to_seconds(result.sim_time));
-  for (const RobotResult& robot : result.robots) {
-    std::snprintf(line, sizeof line, "%-8s at work %3.0f %%, driving %3.0f %%, %d skills, %d failed, %d contacts\n",
-                  robot.name.c_str(), 100 * robot.busy_s / end, 100 * robot.drive_s / end, robot.skills, robot.failures,
-                  robot.contacts);
-    out += line;
-  }
-  return out;
 }
 
 }  // namespace cxlab::app

@@ -35,7 +35,5 @@ struct Report {
 /// Skills and scores as `journal.jsonl` tells them.
 Status read_story(const std::filesystem::path& journal, Report& report);
 std::string to_html(const Report& report);
-/// The score board for a terminal.
-std::string score_board(const Result& result);
 
 }  // namespace cxlab::app

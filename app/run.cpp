@@ -5,7 +5,8 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/play.h"
-#include "app/report.h"
+#include "scenarios/share.h"
+#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::app {
 
@@ -18,10 +19,12 @@ struct Options : PlayCommand {
 };
 
 int run(const Options& options) {
-  std::vector<std::string> overrides = options.overrides;
-  if (options.seed) overrides.push_back("seed=" + std::to_string(*options.seed));
-  if (!options.tier.empty()) overrides.push_back("tier=" + options.tier);
-  auto scenario = Scenario::load(options.scenario, overrides);
+  std::vector<Override> overrides(options.overrides.begin(), options.overrides.end());
+  if (options.seed) overrides.emplace_back("seed=" + std::to_string(*options.seed), "--seed");
+  if (!options.tier.empty()) overrides.emplace_back("tier=" + options.tier, "--tier " + options.tier);
+  const auto file = find_scenario(options.scenario);
+  if (!file) return fail(file.error());
+  auto scenario = Scenario::load(*file, shipped(), overrides);
   if (!scenario) return fail(scenario.error());
   const auto [code, played] = play(options, *std::move(scenario));
   if (played.result.journal_hash.empty()) return code;
@@ -30,14 +33,17 @@ int run(const Options& options) {
   } else if (played.result.status == RunStatus::kFailed) {
     std::printf("failed after %.3f s of simulated time\n", to_seconds(played.result.sim_time));
   } else {
-    std::fputs(score_board(played.result).c_str(), stdout);
+    std::fputs(played.result.score_board.c_str(), stdout);
   }
   if (!options.json && !played.folder.empty()) std::printf("%s\n", (played.folder / "index.html").c_str());
   return code;
 }
 
 void declare(CLI::App& command, Options& options) {
-  command.add_option("scenario", options.scenario, "Scenario file (YAML)")->required();
+  command
+      .add_option("scenario", options.scenario,
+                  "Scenario: a file (YAML), or the name of one that comes with cxlab (cxlab list scenarios)")
+      ->required();
   command.add_option("--seed", options.seed, "Seed of all chance, instead of the scenario's")->check(seed_number());
   command.add_option("--tier", options.tier, "physics: MuJoCo; timed: durations only")
       ->check(CLI::IsMember({"physics", "timed"}));

@@ -5,9 +5,7 @@
 #include <string>
 
 #include "lab/recorded_run.h"
-#include "lab/view.h"
-#include "sim/box2d/turtle_world.h"
-#include "sim/mujoco/physics_gate.h"
+#include "scenarios/stage.h"
 
 namespace cxlab::lab {
 
@@ -20,24 +18,20 @@ class PhysicsOfRun {
   const Status& log_status() const { return log_status_; }
   SimTime log_end() const { return log_end_; }
 
-  /// To the first tick not before `t` (a canvas), or the last step before it (a factory).
-  Status advance_to(SimTime t);
+  /// As far as the physics had come at `t`.
+  Status advance_to(SimTime t) { return world_->advance_to(t); }
   /// As in result.json.
-  std::string hash() const;
-  Expected<std::unique_ptr<View>> view(int width, int height) const;
+  std::string hash() const { return world_->hash(); }
+  Expected<std::unique_ptr<View>> view(int width, int height) const { return world_->view(width, height); }
 
  private:
   PhysicsOfRun() = default;
-  Status load_factory(const Scenario& scenario, const StoredFiles& files);
 
   std::unique_ptr<ScratchFolder> scratch_;
   std::unique_ptr<std::string> log_;  // at a fixed place: the replay views it
   Status log_status_;
   SimTime log_end_{};
-  SimTime step_{}, tick_{};
-  sim::FloorPlan plan_;
-  std::optional<sim::PhysicsReplay> factory_;  // either of the two
-  std::unique_ptr<sim::TurtleReplay> turtles_;
+  std::unique_ptr<WorldReplay> world_;
 };
 
 }  // namespace cxlab::lab

@@ -11,8 +11,8 @@
 #include "cx/base/process.h"
 #include "cx/journal/run_folder.h"
 #include "lab/picture.h"
-#include "lab/view.h"
 #include "scenarios/episode.h"
+#include "scenarios/view.h"
 
 namespace cxlab::lab {
 

@@ -43,10 +43,11 @@ void read_result(const Json& json, RecordedRun& run) {
 
 }  // namespace
 
-Expected<RecordedRun> RecordedRun::open(const fs::path& folder) {
+Expected<RecordedRun> RecordedRun::open(const fs::path& folder, const Catalogue& catalogue) {
   if (!fs::is_directory(folder)) return input_error("there is no folder of a run", folder.string());
   RecordedRun run;
   run.folder = folder;
+  run.catalogue = &catalogue;
   auto manifest = read_json(folder / "manifest.json");
   if (!manifest) return manifest.error();
   auto result = read_json(folder / "result.json");
@@ -69,7 +70,7 @@ Expected<Scenario> RecordedRun::scenario() const {
   if (!files) return files.error();
   auto text = files->read("scenario.yaml");
   if (!text) return text.error();
-  return Scenario::parse(*text, scenario_file, overrides);
+  return Scenario::parse(*text, scenario_file, *catalogue, {overrides.begin(), overrides.end()});
 }
 
 Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, JournalLevel level, cx::LogSink* log) {

@@ -13,6 +13,7 @@
 #include "cx/journal/file_store.h"
 #include "lab/session.h"
 #include "scenarios/episode.h"
+#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 
@@ -21,10 +22,11 @@ inline constexpr SimTime kLongestRun = std::chrono::seconds(1'000'000'000);
 
 struct RecordedRun {
   std::filesystem::path folder;
+  const Catalogue* catalogue = nullptr;
   std::filesystem::path scenario_file;  ///< absolute; need not be there any more
   std::vector<std::string> overrides;
-  PlayOptions options;                                     ///< until, journal, keep_going, strict
-  std::vector<std::map<std::string, std::string>> shares;  ///< by agent: package -> its share directory then
+  PlayOptions options;         ///< until, journal, keep_going, strict
+  std::vector<Shares> shares;  ///< by agent: package -> its share directory then
 
   // How it ended
   bool finished = false;  ///< else it was killed, and what follows is not known
@@ -35,8 +37,8 @@ struct RecordedRun {
   std::map<std::string, std::string> stream_hashes;
   std::optional<std::string> physics_hash;
 
-  /// Reads manifest.json and result.json.
-  static Expected<RecordedRun> open(const std::filesystem::path& folder);
+  /// Reads manifest.json and result.json. The catalogue has the worlds and nodes of the scenario.
+  static Expected<RecordedRun> open(const std::filesystem::path& folder, const Catalogue& catalogue = shipped());
   /// As it was read then; from the run's copy.
   Expected<Scenario> scenario() const;
 };

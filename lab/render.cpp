@@ -3,7 +3,7 @@
 #include "cx/base/number_text.h"
 #include "lab/physics_replay.h"
 #include "lab/session.h"
-#include "lab/view.h"
+#include "scenarios/view.h"
 
 namespace cxlab::lab {
 

@@ -87,7 +87,7 @@ Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const 
       if (const fs::path definitions = root / "interfaces" / name; !error && fs::is_directory(definitions))
         fs::copy(definitions, folder, fs::copy_options::recursive | fs::copy_options::skip_existing, error);
       if (error) return resource_error(error.message(), folder.string());
-      agent.packages[name] = folder.string();
+      agent.packages[name] = {folder.string()};
     }
   }
   return {};

@@ -59,9 +59,7 @@ std::string manifest(const Run& run) {
   out["seed"] = run.scenario.seed;
   for (const auto& [name, version] : versions()) out["versions"][name] = version;
   out["versions"]["ROS 2 CX studied"] = "90f440b1 (2026-06-13)";
-  out["tier"] = run.scenario.world_kind == Scenario::WorldKind::kNone ? "none"
-                : run.scenario.tier == Tier::kTimed                   ? "timed"
-                                                                      : "physics";
+  out["tier"] = run.scenario.tier_name();
   out["command"] = run.options.command;
   out["folder"] = std::filesystem::current_path().string();
   out["until"] = run.options.until ? nlohmann::ordered_json(*run.options.until) : nlohmann::ordered_json(nullptr);
@@ -147,8 +145,7 @@ void finish(Run& run, const Status& played) {
   if (failure) {
     run.played.errors = errors_of(*run.episode, *failure);
   } else if (result.status != RunStatus::kInterrupted) {
-    if (Status s = check_expectations(run.scenario.expect, json, run.scenario.file.string()); !s)
-      run.played.errors = {*(failure = s.error())};
+    if (Status s = check_expectations(run.scenario.expect, json); !s) run.played.errors = {*(failure = s.error())};
   }
 }
 
@@ -182,7 +179,8 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
     run.named_prefixes.push_back(std::filesystem::absolute(prefix).lexically_normal().string());
   auto installed = installed_packages(run.named_prefixes);
   if (!installed) return installed.error();
-  run.scenario.packages.merge(*installed);
+  for (const auto& [name, package_folder] : *installed)
+    run.scenario.packages.try_emplace(name, PackageSpec{package_folder});
   const auto level = parse_journal_level(options.journal);
   if (!level) return usage_error("--journal: " + level.error().message);
   auto snapshots = snapshot_times(options.snapshot, end_of(run));

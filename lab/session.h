@@ -1,9 +1,9 @@
 #pragma once
 // Plays a scenario from beginning to end into the folder of a run: journal, logs, pictures, result.
 //
-//   auto scenario = Scenario::load("game.yaml");
+//   auto scenario = Scenario::load("game.yaml", shipped());
 //   auto played = lab::play_scenario({.out = "runs/first"}, *std::move(scenario));
-//   if (played && !played->failure) ... played->result.teams ...
+//   if (played && !played->failure) ... played->result.score_board ...
 
 #include <filesystem>
 #include <functional>

@@ -2,6 +2,9 @@
 // What planning costs in simulated time.
 
 #include <cstdint>
+#include <string>
+
+#include "cx/base/expected.h"
 
 namespace cxlab::planner {
 
@@ -11,6 +14,23 @@ struct PlanningCost {
   double latency_b = 1e-6;           ///< s a work unit; a unit is about a microsecond of one core
   std::int64_t budget = 60'000'000;  ///< work units that a plan may take
   bool charge = true;                ///< false: answers come at once
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys.below("latency", [this](auto& latency) {
+      latency("a", latency_a);
+      latency("b", latency_b);
+    });
+    keys("budget", budget);
+    keys("charge", charge);
+  }
 };
+
+inline Status validate(const PlanningCost& cost) {
+  if (cost.latency_a < 0 || cost.latency_b < 0) return input_error("latency: a and b must be 0 or more");
+  if (cost.budget <= 0)
+    return input_error("budget: found " + std::to_string(cost.budget) + ", expected work units above 0");
+  return {};
+}
 
 }  // namespace cxlab::planner

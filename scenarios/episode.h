@@ -8,7 +8,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -16,12 +15,10 @@
 #include "cx/base/expected.h"
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
-#include "cx/journal/file_store.h"
-#include "cx/journal/input_log.h"
 #include "cx/journal/journal.h"
-#include "cx/journal/replay.h"
 #include "cx/run/loop.h"
-#include "scenarios/outside.h"
+#include "scenarios/inputs.h"
+#include "scenarios/kept_files.h"
 #include "scenarios/result.h"
 #include "scenarios/scenario.h"
 #include "scenarios/stage.h"
@@ -38,9 +35,9 @@ class WallMeter {
 
 /// A former run, from which its environments alone are played again: without world, servers and stimuli.
 struct ReplaySource {
-  std::filesystem::path inputs;                            ///< its inputs.bin
-  std::filesystem::path copies;                            ///< its files, laid out by name (`StoredFiles::materialise`)
-  std::vector<std::map<std::string, std::string>> shares;  ///< by agent: what its packages' share directories were
+  std::filesystem::path inputs;  ///< its inputs.bin
+  std::filesystem::path copies;  ///< its files, laid out by name (`StoredFiles::materialise`)
+  std::vector<Shares> shares;    ///< by agent: what its packages' share directories were
 };
 
 struct EpisodeOptions {
@@ -84,40 +81,35 @@ class Episode {
   Journal& journal() { return journal_; }
   std::vector<std::unique_ptr<cx::EnvironmentManager>>& agents() { return agents_; }
   /// Of a replay: how far the log goes, and whether it is whole; success where nothing is replayed.
-  SimTime replay_end() const { return replayer_ ? replayer_->end() : SimTime{}; }
-  Status replay_log_status() const { return replayer_ ? replayer_->log_status() : Status(); }
+  SimTime replay_end() const { return inputs_->end(); }
+  Status replay_log_status() const { return inputs_->log_status(); }
   /// What has happened so far, without the measurements of the caller.
   Result result() const;
 
  private:
   Episode(Scenario scenario, EpisodeOptions options);
+
+  // Assembly (episode_assembly.cpp), in this order
   Status open_files();
   Status build_bus();
-  Status build_replay();
   Status build_stage();
-  Expected<std::unique_ptr<Stage>> make_stage();
+  Status build_stimuli();
   Status build_agents();
+  cx::ManagerOptions manager_options(std::size_t agent);
   void build_loop();
-  Status keep(const std::string& logical_name, const std::filesystem::path& file);
-  Status keep_for_agent(std::size_t agent, const std::filesystem::path& file);
-  Status keep_interfaces();
-  LookOutside* make_outside(const std::string& stream);
-  Status check_replay() const;
-  Status all_replayed() const;
-  cx::RunSettings run_settings() const;
+
+  /// What has entered goes to the log; whether all files could be written so far.
   Status write_out();
+  Status keep_interfaces() { return files_->keep_interfaces(registry_, scenario_.shares({})); }
 
   Scenario scenario_;
   EpisodeOptions options_;
+  std::vector<Shares> shares_;  // by agent
   Journal journal_;
-  std::optional<InputLogWriter> inputs_;
-  std::optional<FileStore> files_;
-  std::vector<std::map<std::string, std::string>> shares_;  // by agent: package -> folder
+  std::optional<KeptFiles> files_;
   bus::Registry registry_;
   std::unique_ptr<bus::Bus> bus_;
-  std::optional<RecordingTap> tap_;
-  std::optional<Replayer> replayer_;
-  std::vector<std::unique_ptr<LookOutside>> outside_;  // one an agent
+  std::unique_ptr<Inputs> inputs_;
   std::unique_ptr<Stage> stage_;
   std::vector<std::unique_ptr<cx::EnvironmentManager>> agents_;
   std::optional<Loop> loop_;

@@ -50,8 +50,7 @@ void read_error(yaml::Map& map, Fault& fault) {
 
 Fault read_fault(const yaml::Value& value) {
   Fault fault;
-  fault.file = value.file();
-  fault.line = value.line();
+  fault.origin = value.origin();
   yaml::Map map = value.as_map();
   std::vector<std::string> kinds;
   for (const FaultWord& word : sim::fault_words()) kinds.emplace_back(word.name);
@@ -91,6 +90,30 @@ std::vector<Fault> read_faults(const yaml::Value& list) {
     faults.back().number = faults.size() - 1;
   }
   return faults;
+}
+
+yaml::Writer write_fault(const Fault& fault) {
+  const FaultWord& word = *std::ranges::find(sim::fault_words(), fault.kind, &FaultWord::kind);
+  yaml::Writer out;
+  out("kind", std::string(word.name));
+  if (fault.at) {
+    out("at", *fault.at);
+  } else {
+    if (word.by_occasion)
+      out("probability", fault.probability);
+    else
+      out("mean_s", fault.mean);
+    out("from", fault.from);
+    if (fault.until != kNever) out("until", fault.until);
+    out("times", fault.times);
+  }
+  if (!fault.robot.empty()) out("robot", fault.robot);
+  if (!fault.machine.empty()) out("machine", fault.machine);
+  if (!fault.skill.empty()) out("skill", fault.skill);
+  if (fault.error != 0) out("error", fault.error);
+  if (takes(word, "after_s")) out("after_s", fault.after);
+  if (takes(word, "seconds")) out("seconds", fault.duration);
+  return out;
 }
 
 }  // namespace cxlab

@@ -1,8 +1,9 @@
 #include "scenarios/result.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "scenarios/rcll/referee.h"
+#include "scenarios/catalogue.h"
 
 namespace cxlab {
 
@@ -40,94 +41,42 @@ Json reason_json(const std::optional<Error>& reason) {
   return out;
 }
 
-}  // namespace
-
-std::string Result::to_json() const {
+Json result_json(const Result& r) {
   Json out;
   out["schema"] = 1;
-  out["scenario"] = scenario;
-  out["seed"] = seed;
-  out["tier"] = !has_world ? "none" : tier == Tier::kTimed ? "timed" : "physics";
-  out["status"] = to_string(status);
-  out["reason"] = reason_json(reason);
-  out["deterministic"] = deterministic;
-  out["sim_time_s"] = to_seconds(sim_time);
-  out["wall_time_s"] = wall_time_s;
-  out["physics_wall_s"] = physics_wall_s;
-  out["real_time_factor"] = real_time_factor;
-  out["ticks"] = ticks;
-  out["steps"] = steps;
-  out["peak_rss_mb"] = peak_rss_mb;
-  out["teams"] = Json::object();
-  for (const TeamResult& team : teams) {
-    Json kinds = Json::object();
-    for (const auto& [kind, points] : team.by_kind) kinds[kind] = points;
-    out["teams"][team.team] = {{"points", team.points}, {"by_kind", kinds}};
+  out["scenario"] = r.scenario;
+  out["seed"] = r.seed;
+  out["tier"] = r.tier;
+  out["status"] = to_string(r.status);
+  out["reason"] = reason_json(r.reason);
+  out["deterministic"] = r.deterministic;
+  out["sim_time_s"] = to_seconds(r.sim_time);
+  out["wall_time_s"] = r.wall_time_s;
+  out["physics_wall_s"] = r.physics_wall_s;
+  out["real_time_factor"] = r.real_time_factor;
+  out["ticks"] = r.ticks;
+  out["steps"] = r.steps;
+  out["peak_rss_mb"] = r.peak_rss_mb;
+  for (const Result::Section& section : r.sections) {
+    Json value = Json::parse(section.json, nullptr, /*allow_exceptions=*/false);
+    out[section.key] = value.is_discarded() ? Json(section.json) : std::move(value);
   }
-  out["orders"] = Json::array();
-  for (const OrderResult& o : orders)
-    out["orders"].push_back({{"id", o.id},
-                             {"complexity", o.complexity},
-                             {"ordered", o.ordered},
-                             {"delivered_at", o.delivered_at ? Json(*o.delivered_at) : Json(nullptr)},
-                             {"correct", o.correct},
-                             {"points", o.points}});
-  out["deliveries"] = Json::array();
-  for (const DeliveryResult& d : deliveries)
-    out["deliveries"].push_back({{"order", d.order},
-                                 {"team", d.team},
-                                 {"time", d.time},
-                                 {"correct", d.correct},
-                                 {"late_s", d.late_s},
-                                 {"points", d.points}});
-  out["robots"] = Json::array();
-  for (const RobotResult& r : robots)
-    out["robots"].push_back({{"name", r.name},
-                             {"busy_s", r.busy_s},
-                             {"drive_s", r.drive_s},
-                             {"wait_s", r.wait_s},
-                             {"skills", r.skills},
-                             {"failures", r.failures},
-                             {"contacts", r.contacts}});
-  if (!turtles.empty()) out["turtles"] = Json::array();
-  for (const TurtleResult& t : turtles)
-    out["turtles"].push_back({{"name", t.name},
-                              {"alive", t.alive},
-                              {"x", t.x},
-                              {"y", t.y},
-                              {"theta", t.theta},
-                              {"driven_m", t.driven_m},
-                              {"walls", t.walls},
-                              {"touches", t.touches},
-                              {"teleports", t.teleports}});
-  out["plans"] = plans;
-  out["replans"] = replans;
+  out["plans"] = r.plans;
+  out["replans"] = r.replans;
   out["rule_errors"] = Json::array();
-  for (const RuleErrorResult& e : rule_errors)
+  for (const RuleErrorResult& e : r.rule_errors)
     out["rule_errors"].push_back({{"rule", e.rule},
                                   {"file", e.file},
                                   {"line", e.line},
                                   {"side", e.side},
                                   {"tick", e.tick},
                                   {"message", e.message}});
-  out["journal_hash"] = journal_hash;
-  out["physics_hash"] = physics_hash.empty() ? Json(nullptr) : Json(physics_hash);
+  out["journal_hash"] = r.journal_hash;
+  out["physics_hash"] = r.physics_hash.empty() ? Json(nullptr) : Json(r.physics_hash);
   out["stream_hashes"] = Json::object();
-  for (const auto& [name, hash] : stream_hashes) out["stream_hashes"][name] = hash;
-  return out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  for (const auto& [name, hash] : r.stream_hashes) out["stream_hashes"][name] = hash;
+  return out;
 }
-
-Result unfinished_result(const Scenario& scenario) {
-  Result result;
-  result.scenario = scenario.name;
-  result.seed = scenario.seed;
-  result.tier = scenario.tier;
-  result.has_world = scenario.world_kind != Scenario::WorldKind::kNone;
-  result.reason = run_error("the run has not ended").with_code("unfinished");
-  return result;
-}
-
-namespace {
 
 /// The value at "teams.CYAN.points" or "orders[0].points"; null if there is none.
 Json value_at(const Json& root, const std::string& path) {
@@ -149,23 +98,42 @@ Json value_at(const Json& root, const std::string& path) {
 
 }  // namespace
 
+std::string Result::at(const std::string& path) const {
+  const Json value = value_at(result_json(*this), path);
+  return value.is_null() ? std::string() : value.dump();
+}
+
+void Result::set(const std::string& key, std::string json) {
+  if (const auto known = std::ranges::find(sections, key, &Section::key); known != sections.end())
+    known->json = std::move(json);
+  else
+    sections.push_back({key, std::move(json)});
+}
+
+std::string Result::to_json() const {
+  return result_json(*this).dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+Result unfinished_result(const Scenario& scenario) {
+  Result result;
+  result.scenario = scenario.name;
+  result.seed = scenario.seed;
+  result.tier = scenario.tier_name();
+  result.reason = run_error("the run has not ended").with_code("unfinished");
+  return result;
+}
+
 namespace {
 
-/// A result that has one of everything.
-Json sample_result() {
+/// A result with one of everything that the scenario's world and nodes can add.
+Json sample_result(const Scenario& scenario) {
   Result sample;
   sample.reason = run_error("message", "file", 1).with_code("code");
-  for (const char* team : {"CYAN", "MAGENTA"}) {
-    sample.teams.push_back({team, 0, {}});
-    for (std::size_t kind = 0; kind < rcll::kPointKinds; ++kind)
-      sample.teams.back().by_kind.emplace_back(to_string(static_cast<rcll::PointKind>(kind)), 0);
-  }
-  sample.orders.emplace_back();
-  sample.deliveries.emplace_back();
-  sample.robots.emplace_back();
-  sample.turtles.emplace_back();
   sample.rule_errors.emplace_back();
-  return Json::parse(sample.to_json());
+  if (scenario.world.kind->add_sample) scenario.world.kind->add_sample(sample);
+  for (const ServerSpec& server : scenario.servers)
+    if (server.kind->add_sample) server.kind->add_sample(sample);
+  return result_json(sample);
 }
 
 /// The next step of "a.b[0].c": "a", "b", "[0]", "c".
@@ -185,14 +153,17 @@ bool is_index(const std::string& step) {
 
 }  // namespace
 
-Status check_result_path(const std::string& path) {
-  Json at = sample_result();
+Status check_result_path(const std::string& path, const Scenario& scenario) {
+  Json at = sample_result(scenario);
   std::string rest = path, before;
   while (!rest.empty()) {
     if (before == "stream_hashes") return {};  // then the name of a stream
     const std::string step = take_step(rest);
     if (at.is_array()) {
       if (!is_index(step)) return input_error("found '" + path + "', expected an index like " + before + "[0]");
+      if (at.empty())
+        return input_error("in a world of kind " + std::string(scenario.world.kind->name) + ", '" + before +
+                           "' is empty");
       at = Json(at[0]);
     } else if (!at.contains(step)) {
       std::vector<std::string> known;
@@ -212,8 +183,7 @@ Status check_result_path(const std::string& path) {
                         : Status();
 }
 
-Status check_expectations(const std::vector<Expectation>& expectations, const std::string& result_json,
-                          const std::string& file) {
+Status check_expectations(const std::vector<Expectation>& expectations, const std::string& result_json) {
   const Json result = Json::parse(result_json);
   for (const Expectation& e : expectations) {
     const Json value = value_at(result, e.path);
@@ -227,7 +197,7 @@ Status check_expectations(const std::vector<Expectation>& expectations, const st
     else if (e.max && value.get<double>() > *e.max)
       wanted = "at most " + Json(*e.max).dump();
     if (wanted.empty()) continue;
-    return negative("expected " + e.path + " to be " + wanted + ", found " + found, file, e.line)
+    return at(e.origin, negative("expected " + e.path + " to be " + wanted + ", found " + found))
         .with_code("expectation");
   }
   return {};

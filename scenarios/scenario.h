@@ -1,47 +1,69 @@
 #pragma once
-// A scenario: everything that an episode is made of, read from one YAML file. The structs are the schema: each field
-// has its unit and default. Unknown keys are errors.
+// A scenario: everything that an episode is made of. The structs are the schema: each field has its unit and default.
+// A scenario is read from a YAML file, whose unknown keys are errors, or filled by code.
 
+#include <any>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/origin.h"
 #include "cx/base/time.h"
 #include "cx/node/parameters.h"
+#include "cx/yaml/writer.h"
 #include "cx/yaml/yaml.h"
 #include "planner/cost.h"
-#include "scenarios/pddl/config.h"
-#include "scenarios/rcll/read_config.h"
-#include "scenarios/turtlesim/config.h"
 #include "sim/faults/fault.h"
 #include "sim/skills/timed_skills.h"
 
 namespace cxlab {
 
+struct Catalogue;
+struct NodeKind;
+struct WorldKind;
+
 enum class Tier : std::uint8_t { kPhysics, kTimed };
+std::string_view to_string(Tier tier);  ///< "physics" "timed"
+
+/// The folder of a package, relative to the scenario's.
+struct PackageSpec {
+  std::string folder;
+  Origin origin{};
+};
 
 /// One environment manager with its environments.
 struct AgentSpec {
-  std::string config;  ///< YAML of the CX, relative to the scenario file
+  std::string config;  ///< YAML of the CX, relative to the scenario's folder
   std::string name_space = "/";
-  std::vector<std::pair<std::string, std::string>> remaps;  ///< FROM := TO
-  std::map<std::string, std::string> packages;              ///< package -> folder, relative to the scenario file
-  std::map<std::string, int> package_lines;                 ///< where they stand, for errors
-  std::vector<cx::GivenParameter> params;
+  std::vector<std::pair<std::string, std::string>> remaps{};  ///< FROM := TO
+  std::map<std::string, PackageSpec> packages{};
+  std::vector<cx::GivenParameter> params{};
   bool activate = true;  ///< configured and activated at the start; else only with its parameter `autostart_node`
 };
 
-/// A node beside world and agents: an item of `servers:` (scenarios/nodes.h).
-struct ServerSpec {
-  std::string node;             ///< which kind
-  turtlesim::Config turtlesim;  ///< of kind turtlesim
-  pddl::Config pddl;            ///< of kind pddl_manager
+/// A world or node of a kind (scenarios/catalogue.h) with its settings.
+template <class Kind>
+struct Chosen {
+  const Kind* kind = nullptr;
+  std::any config{};  ///< a struct of the kind's own; empty = its defaults
+  Origin origin{};
+
+  /// `config`, which is of that type or empty.
+  template <class Config>
+  const Config& get() const {
+    static const Config kDefaults{};
+    return config.has_value() ? std::any_cast<const Config&>(config) : kDefaults;
+  }
 };
+using WorldSpec = Chosen<WorldKind>;
+/// A node beside world and agents.
+using ServerSpec = Chosen<NodeKind>;
 
 /// Something that happens at a time whatever the rules do: exactly one of the verbs.
 struct Stimulus {
@@ -60,34 +82,49 @@ struct Stimulus {
   };
   SimTime at{};
   Verb verb{};
-  std::string target;   ///< topic, service, action, NODE.NAME of a parameter, environment or node
-  std::string type;     ///< interface
-  std::string content;  ///< data, request, response, goal or value as YAML
-  std::string plugin;   ///< to load or unload
-  std::string manager;  ///< of the environment; empty = the only one
-  std::string file;     ///< where it stands, for errors
-  int line = 0;
+  std::string target{};   ///< topic, service, action, NODE.NAME of a parameter, environment or node
+  std::string type{};     ///< interface
+  std::string content{};  ///< data, request, response, goal or value as YAML
+  std::string plugin{};   ///< to load or unload
+  std::string manager{};  ///< of the environment; empty = the only one
+  Origin origin{};
 };
 
 /// What must hold of the result; otherwise `cxlab run` ends with exit code 1.
 struct Expectation {
   std::string path;  ///< into result.json, e.g. "teams.CYAN.points"
-  std::optional<double> min, max;
-  std::optional<std::string> equals;
-  int line = 0;
+  std::optional<double> min{}, max{};
+  std::optional<std::string> equals{};
+  Origin origin{};
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys.required("path", path);
+    keys("min", min);
+    keys("max", max);
+    keys("equals", equals);
+  }
 };
 
-struct Scenario {
-  std::string name;  ///< the file's name without extension
-  std::filesystem::path file;
-  std::string text;                    ///< of the file
-  std::vector<std::string> overrides;  ///< as given by --set
+/// A value changed on the command line: PATH=VALUE, and the option that errors in it name.
+struct Override {
+  std::string assignment, option;
+  Override(std::string set) : assignment(std::move(set)), option("--set " + assignment) {}
+  Override(const char* set) : Override(std::string(set)) {}
+  Override(std::string set, std::string from) : assignment(std::move(set)), option(std::move(from)) {}
+};
 
-  enum class WorldKind { kNone, kRcll, kTurtlesim };
-  WorldKind world_kind = WorldKind::kNone;
-  rcll::WorldConfig rcll;           ///< of kind rcll
-  turtlesim::Config turtlesim;      ///< of kind turtlesim
-  std::vector<ServerSpec> servers;  ///< nodes beside the world
+/// The world that is nothing: agents and nodes on the bus alone.
+extern const WorldKind kEmptyWorld;
+
+struct Scenario {
+  std::string name = "scenario";       ///< the file's name without extension
+  std::filesystem::path file;          ///< paths are relative to its folder; it need not exist
+  std::string text;                    ///< of the file; empty = the scenario was built by code
+  std::vector<std::string> overrides;  ///< PATH=VALUE, as given beside the text
+
+  WorldSpec world{&kEmptyWorld};
+  std::vector<ServerSpec> servers;
 
   Tier tier = Tier::kPhysics;
   sim::TimedSkillsConfig timed;  ///< durations and failures of the timed tier
@@ -96,22 +133,30 @@ struct Scenario {
   SimTime duration = from_seconds(60);
   SimTime tick = from_seconds(0.02);
   SimTime physics_step = from_seconds(0.01);
-  std::map<std::string, std::string> packages;  ///< interface and share folders, for all agents
-  std::map<std::string, int> package_lines;     ///< where they stand, for errors
+  std::map<std::string, PackageSpec> packages;  ///< interface and share folders, for all agents
   std::vector<AgentSpec> agents;
-  planner::PlanningCost planner;  ///< what plans cost in simulated time
-  std::vector<Stimulus> stimuli;
+  planner::PlanningCost planner;               ///< what plans cost in simulated time
+  std::vector<Stimulus> stimuli;               ///< in order of time
   std::vector<sim::Fault> faults;              ///< what goes wrong with robots and machines
   bool stop_on_rule_error = true;              ///< on_rule_error: stop | continue
   std::int64_t max_firings_per_tick = 100000;  ///< 0 = no limit
   bool trust_rules = false;
   std::vector<Expectation> expect;
 
-  /// Reads the file, applies the overrides, checks everything that can be checked without loading more.
-  static Expected<Scenario> load(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+  /// Reads the file, applies the overrides, checks everything that can be checked without loading more. The catalogue
+  /// has the worlds and nodes that it may name, and outlives the scenario.
+  static Expected<Scenario> load(const std::filesystem::path& file, const Catalogue& catalogue,
+                                 const std::vector<Override>& overrides = {});
   /// The same from its text; `file` names it in errors, and paths are relative to its folder.
   static Expected<Scenario> parse(const std::string& text, const std::filesystem::path& file,
-                                  const std::vector<std::string>& overrides = {});
+                                  const Catalogue& catalogue, const std::vector<Override>& overrides = {});
+  /// The scenario as YAML, from which `parse` makes it again: for the copy that a run's folder keeps.
+  std::string to_yaml() const;
+
+  /// Sets the world, and duration, tick, step and tier to its defaults.
+  void set_world(WorldSpec spec);
+  /// "physics" or "timed"; "none" in a world that has neither.
+  std::string_view tier_name() const;
   /// `relative` as a path from the scenario's folder.
   std::filesystem::path resolve(const std::string& relative) const;
   /// The share directory of each package that an agent sees: an absolute path without '.' or '..'.
@@ -120,7 +165,11 @@ struct Scenario {
 
 /// A list of stimuli, from a scenario or from a file of its own.
 std::vector<Stimulus> read_stimuli(const yaml::Value& list);
+yaml::Writer write_stimulus(const Stimulus& stimulus);
+/// By time; those of one time keep their order.
+void sort_stimuli(std::vector<Stimulus>& stimuli);
 /// The list below `faults:`.
 std::vector<sim::Fault> read_faults(const yaml::Value& list);
+yaml::Writer write_fault(const sim::Fault& fault);
 
 }  // namespace cxlab

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 
 #include <cstdlib>
+#include <fstream>
 #include <sstream>
 
 namespace cxlab {
@@ -78,6 +79,36 @@ std::map<std::string, std::string> own_packages() {
     if (is_package(entry.path()))
       packages.emplace(entry.path().filename().string(), fs::absolute(entry.path()).lexically_normal().string());
   return packages;
+}
+
+std::map<std::string, fs::path> own_scenarios() {
+  std::map<std::string, fs::path> scenarios;
+  const fs::path root = find_share().scenarios;
+  std::error_code ignored;
+  for (const auto& entry : fs::recursive_directory_iterator(root, ignored)) {
+    if (entry.path().extension() != ".yaml") continue;
+    std::ifstream in(entry.path());
+    for (std::string line; std::getline(in, line);)
+      if (line.starts_with("schema:"))
+        scenarios[entry.path().lexically_relative(root).replace_extension().generic_string()] = entry.path();
+  }
+  return scenarios;
+}
+
+Expected<fs::path> find_scenario(const std::string& file_or_name) {
+  std::error_code ignored;
+  if (fs::is_regular_file(file_or_name, ignored)) return fs::path(file_or_name);
+  const std::map<std::string, fs::path> own = own_scenarios();
+  const std::string name = fs::path(file_or_name).extension() == ".yaml"
+                               ? fs::path(file_or_name).replace_extension().generic_string()
+                               : file_or_name;
+  if (const auto known = own.find(file_or_name); known != own.end()) return known->second;
+  std::vector<std::string> names;
+  for (const auto& [known, file] : own) names.push_back(known);
+  const std::string near = did_you_mean(name, names);
+  return input_error("there is no such file, and no scenario of that name" +
+                         (near.empty() ? "; cxlab list scenarios shows the names" : near),
+                     file_or_name);
 }
 
 std::vector<std::string> default_prefixes() {

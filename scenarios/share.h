@@ -32,6 +32,11 @@ Expected<std::map<std::string, std::string>> packages_below(const std::vector<st
 /// Those that come with cxlab: folders of `Share::packages`, by name.
 std::map<std::string, std::string> own_packages();
 
+/// The scenarios that come with cxlab: files by name, "rcll/game".
+std::map<std::string, std::filesystem::path> own_scenarios();
+/// The file of that path, else the scenario that comes with cxlab under that name.
+Expected<std::filesystem::path> find_scenario(const std::string& file_or_name);
+
 /// The prefixes that are looked through without being named: those in $CXLAB_PREFIX_PATH (separated by ':'), then the
 /// one that cxlab is installed below.
 std::vector<std::string> default_prefixes();

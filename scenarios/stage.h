@@ -1,6 +1,5 @@
 #pragma once
-// What stands and acts in an episode's world, beside the agents. Each kind of world makes one, in one explicit list
-// (`rcll::make_stage`).
+// What stands and acts in an episode's world, beside the agents. Each kind of world makes one; nodes add to it.
 
 #include <filesystem>
 #include <functional>
@@ -11,21 +10,36 @@
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
 #include "cx/run/parts.h"
-#include "scenarios/result.h"
+#include "scenarios/view.h"
 
 namespace cxlab {
 
+struct Result;
+
 struct Stage {
   virtual ~Stage() = default;
-  std::vector<std::unique_ptr<Simulation>> worlds;    ///< moved on in this order; none in an empty world
-  std::vector<std::unique_ptr<Server>> servers;       ///< called in this order
-  Referee* referee = nullptr;                         ///< one of the servers; may be none
-  std::vector<std::filesystem::path> files;           ///< models that were read
+  std::vector<std::unique_ptr<Simulation>> worlds;  ///< moved on in this order; none in an empty world
+  std::vector<std::unique_ptr<Server>> servers;     ///< called in this order
+  Referee* referee = nullptr;                       ///< one of the servers; may be none
+  std::vector<std::filesystem::path> files;         ///< models that were read
+  std::vector<ViewMaker> views;                     ///< of the world, then of nodes beside it
+  std::string without_views = "the world is empty: there is nothing to look at";  ///< the error where there are none
   std::vector<std::function<void(Result&)>> reports;  ///< of nodes beside the world: what they add to the result
   /// What has entered the physics since the last call, for the input log.
   virtual std::string take_inputs() { return {}; }
-  /// Writes teams, orders, deliveries, robots, steps and the physics hash.
+  /// Adds the world's sections, the lines of the score board, the steps and the physics hash.
   virtual void report(Result&) const {}
+};
+
+/// The physics of a recorded run, played again without rules and servers.
+class WorldReplay {
+ public:
+  virtual ~WorldReplay() = default;
+  /// As far as the run's physics had come at `t`.
+  virtual Status advance_to(SimTime t) = 0;
+  /// As `physics_hash` of result.json.
+  virtual std::string hash() const = 0;
+  virtual Expected<std::unique_ptr<View>> view(int width, int height) const = 0;
 };
 
 }  // namespace cxlab

@@ -53,7 +53,8 @@ struct StimuliServer::State {
 namespace {
 
 Error at_stimulus(const Stimulus& stimulus, const Error& error) {
-  return Error{error.kind, stimulus.target + ": " + error.message, stimulus.file, stimulus.line, error.code};
+  return Error{error.kind, stimulus.target + ": " + error.message, stimulus.origin.source, stimulus.origin.line,
+               error.code};
 }
 
 const char* word(bus::GoalStatus status) {
@@ -78,7 +79,7 @@ Expected<Stimulus> StimuliServer::State::as_call(const Stimulus& asked) const {
     call.target = asked.target.substr(0, dot) + "/set_parameters";
     call.type = "rcl_interfaces/srv/SetParameters";
     cx::Parameters values;
-    if (Status s = values.set(asked.target.substr(dot + 1), asked.content, {asked.file, asked.line}); !s)
+    if (Status s = values.set(asked.target.substr(dot + 1), asked.content, asked.origin); !s)
       return at_stimulus(asked, s.error());
     auto service = bus.registry().service(call.type);
     if (!service) return at_stimulus(asked, service.error());
@@ -259,8 +260,7 @@ Status StimuliServer::State::post(const Prepared& item) {
     }
     case Stimulus::Verb::kCancelGoal: {
       const auto it = last_goal.find(target);
-      if (it == last_goal.end())
-        return input_error(target + ": no goal was sent there before", stimulus.file, stimulus.line);
+      if (it == last_goal.end()) return input_error(target + ": no goal was sent there before", stimulus.origin);
       bus.cancel_goal(it->second.first, it->second.second);
       return {};
     }

@@ -140,4 +140,13 @@ std::string to_string(const GoalId& id) {
   return text;
 }
 
+Status check_node(const std::string& name_space, const std::vector<std::pair<std::string, std::string>>& remaps) {
+  if (const std::string fault = namespace_fault(name_space); !fault.empty())
+    return input_error("namespace: the name '" + name_space + "' " + fault);
+  for (const auto& remap : remaps)
+    if (const std::string fault = remap_fault(remap); !fault.empty())
+      return input_error("remap." + remap.first + ": " + fault);
+  return {};
+}
+
 }  // namespace cxlab::bus

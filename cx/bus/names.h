@@ -4,6 +4,9 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
+
+#include "cx/base/expected.h"
 
 namespace cxlab::bus {
 
@@ -13,5 +16,7 @@ std::string name_fault(std::string_view written);
 std::string namespace_fault(std::string_view name_space);
 /// What is wrong with a remap FROM := TO, with what was expected; empty if it is good.
 std::string remap_fault(const std::pair<std::string, std::string>& remap);
+/// Whether a node can have that namespace and these remaps; the error begins with its key, "namespace" or "remap.FROM".
+Status check_node(const std::string& name_space, const std::vector<std::pair<std::string, std::string>>& remaps);
 
 }  // namespace cxlab::bus

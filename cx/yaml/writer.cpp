@@ -8,13 +8,35 @@ namespace cxlab::yaml {
 
 namespace {
 
-std::string dump(const YAML::Node& node) {
-  YAML::Emitter out;
-  out << node;
-  return out.c_str();
+void emit(YAML::Emitter& out, const YAML::Node& node) {
+  const bool flow = node.Style() == YAML::EmitterStyle::Flow;
+  if (node.IsMap()) {
+    out << (flow ? YAML::Flow : YAML::Block) << YAML::BeginMap;
+    for (const auto& entry : node) {
+      out << YAML::Key;
+      emit(out, entry.first);
+      out << YAML::Value;
+      emit(out, entry.second);
+    }
+    out << YAML::EndMap;
+  } else if (node.IsSequence()) {
+    out << (flow ? YAML::Flow : YAML::Block) << YAML::BeginSeq;
+    for (const auto& item : node) emit(out, item);
+    out << YAML::EndSeq;
+  } else if (node.IsScalar() && node.Tag() == "!") {
+    out << YAML::DoubleQuoted << node.Scalar();
+  } else {
+    out << node;
+  }
 }
 
 }  // namespace
+
+std::string to_text(const YAML::Node& node) {
+  YAML::Emitter out;
+  emit(out, node);
+  return out.c_str();
+}
 
 Writer::Writer() : node_(std::make_shared<YAML::Node>(YAML::NodeType::Map)) {}
 
@@ -46,19 +68,23 @@ void Writer::put_yaml(std::string_view key, const std::string& yaml) {
 
 void Writer::put(std::string_view key, const Writer& map) { (*node_)[std::string(key)] = *map.node_; }
 
+void Writer::add(const Writer& other) {
+  for (const auto& entry : *other.node_) (*node_)[entry.first.Scalar()] = entry.second;
+}
+
 void Writer::append(std::string_view key, const Writer& item) { (*node_)[std::string(key)].push_back(*item.node_); }
 
 void Writer::remove_equal(const Writer& other) {
   YAML::Node rest(YAML::NodeType::Map);
   for (const auto& entry : *node_) {
     const YAML::Node before = (*other.node_)[entry.first.Scalar()];
-    if (!before.IsDefined() || dump(before) != dump(entry.second)) rest[entry.first.Scalar()] = entry.second;
+    if (!before.IsDefined() || to_text(before) != to_text(entry.second)) rest[entry.first.Scalar()] = entry.second;
   }
   *node_ = rest;
 }
 
 bool Writer::empty() const { return node_->size() == 0; }
 
-std::string Writer::text() const { return dump(*node_) + '\n'; }
+std::string Writer::text() const { return to_text(*node_) + '\n'; }
 
 }  // namespace cxlab::yaml

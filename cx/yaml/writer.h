@@ -17,12 +17,16 @@ class Node;
 
 namespace cxlab::yaml {
 
+/// A node as YAML. Scalars that were quoted, which makes them strings, stay so.
+std::string to_text(const YAML::Node& node);
+
 /// One mapping. Keys are written in the order of the calls.
 class Writer {
  public:
   Writer();
 
   void operator()(std::string_view key, const std::string& value);
+  void operator()(std::string_view key, const char* value) { (*this)(key, std::string(value)); }
   void operator()(std::string_view key, double value);
   void operator()(std::string_view key, int value) { (*this)(key, std::int64_t{value}); }
   void operator()(std::string_view key, std::int64_t value);
@@ -61,6 +65,8 @@ class Writer {
   /// A value that is YAML already; text that is not becomes a scalar.
   void put_yaml(std::string_view key, const std::string& yaml);
   void put(std::string_view key, const Writer& map);
+  /// Takes over all keys of another.
+  void add(const Writer& other);
   /// Adds an item to the list of that key.
   void append(std::string_view key, const Writer& item);
 

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "cx/base/number_text.h"
+#include "cx/yaml/writer.h"
 
 namespace cxlab::yaml {
 
@@ -100,12 +101,7 @@ bool Value::is_list() const { return node_ && node_->IsSequence(); }
 bool Value::is_scalar() const { return node_ && node_->IsScalar(); }
 std::string Value::text() const { return is_scalar() ? node_->Scalar() : std::string(); }
 
-std::string Value::dump() const {
-  if (!node_ || !node_->IsDefined()) return {};
-  YAML::Emitter out;
-  out << *node_;
-  return out.c_str();
-}
+std::string Value::dump() const { return node_ && node_->IsDefined() ? to_text(*node_) : std::string(); }
 
 void Value::fail(std::string what) const {
   if (!path_.empty()) what = path_ + ": " + what;
@@ -349,9 +345,9 @@ Expected<Document> Document::parse(const std::string& text, const std::string& n
   return document;
 }
 
-Status Document::set(const std::string& assignment) {
+Status Document::set(const std::string& assignment, std::string option) {
   const std::size_t equals = assignment.find('=');
-  const std::string option = "--set " + assignment;
+  if (option.empty()) option = "--set " + assignment;
   if (equals == std::string::npos) return usage_error(option + ": expected PATH=VALUE");
   return set(assignment.substr(0, equals), assignment.substr(equals + 1), option);
 }

@@ -189,8 +189,8 @@ class Document {
   /// Sets the value at a path like `a.b[0].c`. Missing maps on the way are made, so that reading reports unknown keys.
   /// Errors in the value name `option` instead of file and line.
   Status set(const std::string& path, const std::string& yaml, const std::string& option);
-  /// The same for `PATH=VALUE`; the option is `--set PATH=VALUE`. Without '=': kUsage.
-  Status set(const std::string& assignment);
+  /// The same for `PATH=VALUE`; without an option of its own it is `--set PATH=VALUE`. Without '=': kUsage.
+  Status set(const std::string& assignment, std::string option = {});
   /// The document's one value. Without one: an empty map.
   Value root() const;
   /// What reading reported, in order; the first one is what a caller returns.

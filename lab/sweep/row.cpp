@@ -81,7 +81,7 @@ Figures figures_of(const std::string& result_json) {
   for (const auto& [team, t] : result["teams"].items()) out.points += t["points"].get<double>();
   for (const Json& delivery : result["deliveries"]) out.deliveries += delivery["correct"].get<bool>() ? 1 : 0;
   double busy = 0;
-  for (const Json& robot : result["robots"]) busy += robot["busy_s"].get<double>();
+  for (const Json& robot : result["robots"]) busy += robot.value("busy_s", 0.0);
   const double robot_time = static_cast<double>(result["robots"].size()) * result["sim_time_s"].get<double>();
   out.busy = robot_time > 0 ? busy / robot_time : 0;
   out.real_time_factor = result["real_time_factor"].get<double>();

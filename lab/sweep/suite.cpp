@@ -6,6 +6,8 @@
 
 #include "cx/yaml/yaml.h"
 #include "lab/session.h"
+#include "scenarios/share.h"
+#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 
@@ -67,8 +69,10 @@ Expected<Suite> Suite::load(const fs::path& file) {
   yaml::Map map = document->root().as_map();
   if (const yaml::Value scenarios = map.require("scenarios")) {
     std::vector<fs::path> files;
+    const auto own = own_scenarios();
     for (const yaml::Value& item : scenarios.as_list()) {
-      const fs::path path = (file.parent_path() / item.as_string()).lexically_normal();
+      fs::path path = (file.parent_path() / item.as_string()).lexically_normal();
+      if (const auto known = own.find(item.text()); known != own.end() && !fs::exists(path)) path = known->second;
       if (std::find(files.begin(), files.end(), path) != files.end())
         item.fail("found the scenario '" + item.text() + "' twice, expected each once");
       else
@@ -109,7 +113,7 @@ Status Suite::check() const {
       error.message = "strategy '" + cell.strategy + "': " + error.message;
       return error;
     };
-    auto scenario = Scenario::load(cell.file, cell.overrides);
+    auto scenario = Scenario::load(cell.file, shipped(), {cell.overrides.begin(), cell.overrides.end()});
     if (!scenario) return wrong(scenario.error());
     auto episode = Episode::load(*std::move(scenario), shared_episode_options());
     if (!episode) return wrong(episode.error());

@@ -15,6 +15,7 @@
 #include "cx/journal/file_store.h"
 #include "cx/journal/run_folder.h"
 #include "lab/session.h"
+#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 
@@ -70,7 +71,7 @@ Row play(const Cell& cell, const std::string& program) {
     if (auto& hash = row.files[fs::absolute(file).lexically_normal().string()]; hash.empty()) hash = hash_of(file);
   };
   note(cell.file);
-  auto scenario = Scenario::load(cell.file, cell.overrides);
+  auto scenario = Scenario::load(cell.file, shipped(), {cell.overrides.begin(), cell.overrides.end()});
   if (!scenario) return refused(scenario.error());
   PlayOptions options;
   options.out = "none";

@@ -1,12 +1,13 @@
 #pragma once
 // What a scenario's `world:` says about a game of the Logistics League. The structs are their own schema: each field is
-// a key of that name, with unit, default and meaning. Reading YAML into them is the scenario reader's work.
+// a key of that name, with unit, default and meaning.
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/origin.h"
 #include "scenarios/rcll/types.h"
 
 namespace cxlab::rcll {
@@ -30,7 +31,14 @@ struct PlacedMachine {
   std::string machine;  ///< "C-BS", all fourteen of both teams
   std::string zone;     ///< "C_Z23": column 1..7 from the centre line, row 1..8
   int rotation = 0;     ///< degrees, a multiple of 45 in 0..315, counterclockwise: direction from output to input
-  int line = 0;         ///< of the scenario's file, for errors; 0 = unknown
+  Origin origin{};
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys.required("machine", machine);
+    keys.required("zone", zone);
+    keys("rotation", rotation);
+  }
 };
 
 /// One order of an explicit list. Times are seconds of the production phase.
@@ -45,6 +53,20 @@ struct OrderConfig {
   int delivery_gate = 1;       ///< 1..3
   int quantity = 1;            ///< products asked for
   bool competitive = false;    ///< +10 for the team that delivers it first
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys("complexity", complexity);
+    keys("base_color", base_color);
+    keys("ring_colors", ring_colors);
+    keys("cap_color", cap_color);
+    keys("activate_at", activate_at);
+    keys("delivery_begin", delivery_begin);
+    keys("delivery_end", delivery_end);
+    keys("delivery_gate", delivery_gate);
+    keys("quantity", quantity);
+    keys("competitive", competitive);
+  }
 };
 
 /// `world:` of a scenario whose kind is rcll.
@@ -61,6 +83,22 @@ struct WorldConfig {
   bool down = true;                       ///< one cap and one ring station are out of order once, for 30 to 60 s
   bool transforms = false;                ///< /tf has where robots are in "map", /tf_static where machines are
   double shelf_refill_s = 20;             ///< s after which a completely empty shelf is filled again
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys("team", team);
+    keys("robots", robots);
+    keys("rules", rules);
+    keys("layout", layout);
+    keys("orders", orders);
+    keys("complexities", complexities);
+    keys("exploration", exploration);
+    keys("setup_s", setup_s);
+    keys("production_s", production_s);
+    keys("down", down);
+    keys("transforms", transforms);
+    keys("shelf_refill_s", shelf_refill_s);
+  }
 };
 
 /// Every value in its range and every name known; errors name the key and what was expected.

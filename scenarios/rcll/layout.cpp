@@ -224,7 +224,7 @@ Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines) {
   for (std::size_t i = 0; i < machines.size(); ++i) {
     const PlacedMachine& given = machines[i];
     const auto fail = [&](const std::string& what) {
-      return input_error("world.layout[" + std::to_string(i) + "]." + what, {}, given.line);
+      return input_error("world.layout[" + std::to_string(i) + "]." + what, given.origin);
     };
     const auto at = std::ranges::find(names, given.machine);
     if (at == names.end()) {

@@ -15,8 +15,8 @@ Expected<std::unique_ptr<MachineFaults>> MachineFaults::make(std::span<const sim
     if (fault.machine.empty()) continue;
     const auto at = std::ranges::find(names, fault.machine);
     if (at == names.end()) {
-      return input_error("machine: no machine '" + fault.machine + "'" + did_you_mean(fault.machine, names), fault.file,
-                         fault.line);
+      return input_error("machine: no machine '" + fault.machine + "'" + did_you_mean(fault.machine, names),
+                         fault.origin);
     }
     made->entries_.push_back(
         {sim::FaultTimer(fault, seed, fault.machine), machines[static_cast<std::size_t>(at - names.begin())].get()});

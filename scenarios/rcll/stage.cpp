@@ -1,11 +1,13 @@
 #include "scenarios/rcll/stage.h"
 
-#include <cstdio>
-
+#include "cx/journal/hash_text.h"
 #include "scenarios/rcll/floor_plan.h"
 #include "scenarios/rcll/layout.h"
 #include "scenarios/rcll/machine_faults.h"
+#include "scenarios/rcll/result.h"
 #include "sim/ledger/ledger_world.h"
+#include "sim/mujoco/mujoco_world.h"
+#include "sim/mujoco/render.h"
 
 namespace cxlab::rcll {
 
@@ -23,13 +25,24 @@ sim::Fleet::Places zone_places() {
   return places;
 }
 
-std::string hex(std::uint64_t value) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-  return text;
-}
+class FloorView final : public View {
+ public:
+  FloorView(std::unique_ptr<sim::Renderer> renderer, const sim::PhysicsGate& floor)
+      : renderer_(std::move(renderer)), floor_(floor) {}
+  Expected<const sim::Picture*> draw(std::string_view camera) override { return renderer_->draw(floor_, camera); }
+  std::vector<std::string> cameras() const override { return {"field", "top"}; }
 
-}  // namespace
+ private:
+  std::unique_ptr<sim::Renderer> renderer_;
+  const sim::PhysicsGate& floor_;
+};
+
+Expected<std::unique_ptr<View>> view_of_floor(const sim::FloorPlan& plan, const sim::PhysicsGate& floor, int width,
+                                              int height) {
+  auto renderer = sim::Renderer::create(plan, floor, width, height);
+  if (!renderer) return renderer.error();
+  return std::unique_ptr<View>(std::make_unique<FloorView>(*std::move(renderer), floor));
+}
 
 Expected<sim::ModelOptions> model_options(const Scenario& scenario, const std::filesystem::path& models) {
   if (!std::filesystem::is_directory(models))
@@ -40,45 +53,45 @@ Expected<sim::ModelOptions> model_options(const Scenario& scenario, const std::f
   return options;
 }
 
-Expected<std::unique_ptr<GameStage>> GameStage::create(const Scenario& scenario, const std::filesystem::path& models,
-                                                       bus::Bus& bus, RecordSink& sink) {
-  auto stage = std::make_unique<GameStage>();
-  if (Status s = stage->build(scenario, models, bus, sink); !s) return s.error();
-  return stage;
+class FloorReplay final : public WorldReplay {
+ public:
+  FloorReplay(sim::FloorPlan plan, SimTime step, sim::PhysicsReplay physics)
+      : plan_(std::move(plan)), step_(step), physics_(std::move(physics)) {}
+  Status advance_to(SimTime t) override { return physics_.advance_to(t / step_); }
+  std::string hash() const override { return hash_text(physics_.hash()); }
+  Expected<std::unique_ptr<View>> view(int width, int height) const override {
+    return view_of_floor(plan_, physics_.gate(), width, height);
+  }
+
+ private:
+  sim::FloorPlan plan_;
+  SimTime step_;
+  sim::PhysicsReplay physics_;
+};
+
+}  // namespace
+
+GameStage::GameStage() : physics_log_(std::make_unique<sim::PhysicsLog>()) {}
+GameStage::~GameStage() = default;
+
+Expected<std::unique_ptr<Stage>> GameStage::create(const StageSetup& setup) {
+  std::unique_ptr<GameStage> stage(new GameStage);
+  if (Status s = stage->build(setup); !s) return s.error();
+  return std::unique_ptr<Stage>(std::move(stage));
 }
 
-Status GameStage::build(const Scenario& scenario, const std::filesystem::path& models, bus::Bus& bus,
-                        RecordSink& sink) {
-  step_ = scenario.physics_step;
-  auto plan = floor_plan_of(scenario.rcll, scenario.seed);
+Status GameStage::build(const StageSetup& setup) {
+  const Scenario& scenario = setup.scenario;
+  const WorldConfig& config = scenario.world.get<WorldConfig>();
+  auto plan = floor_plan_of(config, scenario.seed);
   if (!plan) return plan.error();
-  if (scenario.tier == Tier::kPhysics) {
-    auto options = model_options(scenario, models);
-    if (!options) return options.error();
-    auto made = sim::MujocoWorld::create(*plan, *options, &physics_log_);
-    if (!made) return made.error();
-    physics_ = made->get();
-    floor_ = physics_;
-    files = physics_->model_files();
-    worlds.push_back(*std::move(made));
-    auto fleet = sim::Fleet::create(*physics_, *physics_, zone_places(), bus, sink, {scenario.faults, scenario.seed});
-    if (!fleet) return fleet.error();
-    fleet_ = fleet->get();
-    servers.push_back(*std::move(fleet));
-  } else {
-    auto ledger = std::make_unique<sim::LedgerWorld>(*plan);
-    floor_ = ledger.get();
-    auto fleet = sim::Fleet::create(*ledger, *ledger, scenario.timed, scenario.seed, zone_places(), bus, sink,
-                                    {scenario.faults, scenario.seed});
-    if (!fleet) return fleet.error();
-    fleet_ = fleet->get();
-    worlds.push_back(std::move(ledger));
-    servers.push_back(*std::move(fleet));
-  }
-  auto factory = Factory::make(scenario.rcll, scenario.seed, *floor_, bus, sink);
+  const Status built =
+      scenario.tier == Tier::kPhysics ? build_physics(setup, *std::move(plan)) : build_ledger(setup, *std::move(plan));
+  if (!built) return built;
+  auto factory = Factory::make(config, scenario.seed, *floor_, setup.bus, setup.sink);
   if (!factory) return factory.error();
   factory_ = factory->get();
-  auto faults = MachineFaults::make(scenario.faults, scenario.seed, factory_->machines(), *floor_, sink);
+  auto faults = MachineFaults::make(scenario.faults, scenario.seed, factory_->machines(), *floor_, setup.sink);
   if (!faults) return faults.error();
   servers.push_back(*std::move(faults));
   servers.push_back(*std::move(factory));
@@ -86,45 +99,61 @@ Status GameStage::build(const Scenario& scenario, const std::filesystem::path& m
   return {};
 }
 
+Status GameStage::build_physics(const StageSetup& setup, sim::FloorPlan plan) {
+  const Scenario& scenario = setup.scenario;
+  auto options = model_options(scenario, setup.models);
+  if (!options) return options.error();
+  auto made = sim::MujocoWorld::create(std::move(plan), *options, physics_log_.get());
+  if (!made) return made.error();
+  physics_ = made->get();
+  floor_ = physics_;
+  files = physics_->model_files();
+  worlds.push_back(*std::move(made));
+  views.push_back(
+      [world = physics_](int width, int height) { return view_of_floor(world->plan(), world->gate(), width, height); });
+  return add_fleet(
+      sim::Fleet::create(*physics_, *physics_, zone_places(), setup.bus, setup.sink, {scenario.faults, scenario.seed}));
+}
+
+Status GameStage::build_ledger(const StageSetup& setup, sim::FloorPlan plan) {
+  const Scenario& scenario = setup.scenario;
+  auto made = std::make_unique<sim::LedgerWorld>(std::move(plan));
+  sim::LedgerWorld& ledger = *made;
+  floor_ = &ledger;
+  worlds.push_back(std::move(made));
+  without_views = "the timed tier has no bodies to look at: --tier physics (render: --set tier=physics)";
+  return add_fleet(sim::Fleet::create(ledger, ledger, scenario.timed, scenario.seed, zone_places(), setup.bus,
+                                      setup.sink, {scenario.faults, scenario.seed}));
+}
+
+Status GameStage::add_fleet(Expected<std::unique_ptr<sim::Fleet>> fleet) {
+  if (!fleet) return fleet.error();
+  fleet_ = fleet->get();
+  servers.push_back(*std::move(fleet));
+  return {};
+}
+
+std::string GameStage::take_inputs() { return physics_log_->take(); }
+
 void GameStage::report(Result& result) const {
-  const GameReferee& game = factory_->referee();
-  for (const Team team : kTeams) {
-    TeamResult out{std::string(to_string(team)), game.score(team).total(), {}};
-    for (std::size_t kind = 0; kind < kPointKinds; ++kind)
-      out.by_kind.emplace_back(to_string(static_cast<PointKind>(kind)), game.score(team).by_kind[kind]);
-    result.teams.push_back(std::move(out));
-  }
-  const auto team = static_cast<std::size_t>(factory_->team());
-  for (const OrderState& state : game.orders()) {
-    OrderResult out{state.order.id,
-                    std::string(to_string(state.order.complexity)),
-                    to_seconds(state.released.value_or(factory_->clock().at(state.order.activate_at))),
-                    {},
-                    false,
-                    state.points[team]};
-    if (state.delivered_at[team]) out.delivered_at = to_seconds(*state.delivered_at[team]);
-    out.correct = state.delivered[team] > 0;
-    result.orders.push_back(std::move(out));
-  }
-  for (const Delivery& d : game.deliveries())
-    result.deliveries.push_back(
-        {d.order, std::string(to_string(d.team)), to_seconds(d.at), d.correct, d.late_s, d.points});
-  int index = 0;
-  for (const sim::RobotStats& s : fleet_->stats()) {
-    const auto contacts = floor_->robot(sim::RobotId{index++}).robot_contacts;
-    result.robots.push_back({s.name, s.busy_s, s.drive_s, s.wait_s, s.skills, s.failures, static_cast<int>(contacts)});
-  }
+  report_game(*factory_, result);
+  report_robots(fleet_->stats(), *floor_, result);
   if (physics_) {
     result.steps = physics_->gate().steps();
-    result.physics_hash = hex(physics_->physics_hash());
+    result.physics_hash = hash_text(physics_->physics_hash());
   }
 }
 
-Expected<std::unique_ptr<Stage>> make_stage(const Scenario& scenario, const std::filesystem::path& models,
-                                            bus::Bus& bus, RecordSink& sink) {
-  auto stage = GameStage::create(scenario, models, bus, sink);
-  if (!stage) return stage.error();
-  return std::unique_ptr<Stage>(*std::move(stage));
+Expected<std::unique_ptr<WorldReplay>> replay(const Scenario& scenario, const std::filesystem::path& models,
+                                              const std::string& log) {
+  auto plan = floor_plan_of(scenario.world.get<WorldConfig>(), scenario.seed);
+  if (!plan) return plan.error();
+  auto options = model_options(scenario, models);
+  if (!options) return options.error();
+  auto physics = sim::PhysicsReplay::load(*plan, *options, log);
+  if (!physics) return physics.error();
+  return std::unique_ptr<WorldReplay>(
+      std::make_unique<FloorReplay>(*std::move(plan), scenario.physics_step, *std::move(physics)));
 }
 
 }  // namespace cxlab::rcll

@@ -24,10 +24,7 @@ Status validate(const Config& config) {
                                     {"background_b", config.background_b}})
     if (value < 0 || value > 255)
       return input_error(std::string(name) + ": found " + std::to_string(value) + ", expected 0 to 255");
-  if (const std::string fault = bus::namespace_fault(config.name_space); !fault.empty())
-    return input_error("namespace: the name '" + config.name_space + "' " + fault);
-  for (const auto& remap : config.remaps)
-    if (const std::string fault = bus::remap_fault(remap); !fault.empty()) return input_error("remap: " + fault);
+  if (Status s = bus::check_node(config.name_space, config.remaps); !s) return s;
   std::set<std::string> names;
   for (const StartTurtle& turtle : config.turtles) {
     if (!is_turtle_name(turtle.name))

@@ -15,6 +15,14 @@ namespace cxlab::turtlesim {
 struct StartTurtle {
   std::string name = "turtle1";
   double x = 5.544445, y = 5.544445, theta = 0;  ///< m, m, rad
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys.required("name", name);
+    keys("x", x);
+    keys("y", y);
+    keys("theta", theta);
+  }
 };
 
 struct Config {
@@ -25,6 +33,19 @@ struct Config {
   bool transforms = false;  ///< /tf has where each turtle is in "world"; in ROS another node's job
   int background_r = 69, background_g = 86, background_b = 255;
   std::vector<StartTurtle> turtles{{}};
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys("namespace", name_space);
+    keys("remap", remaps);
+    keys("start_s", start);
+    keys("collisions", collisions);
+    keys("transforms", transforms);
+    keys("background_r", background_r);
+    keys("background_g", background_g);
+    keys("background_b", background_b);
+    keys("turtles", turtles);
+  }
 };
 
 /// What is wrong with the values, if anything.

@@ -1,24 +1,53 @@
 #include "scenarios/turtlesim/stage.h"
 
-#include <cstdio>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "cx/journal/hash_text.h"
+#include "scenarios/result.h"
+#include "sim/box2d/turtle_picture.h"
 
 namespace cxlab::turtlesim {
 
 namespace {
 
-/// Puts world and node on the stage.
-Expected<const TurtlesimNode*> set_up(const Config& config, SimTime step, sim::TurtleTap* tap, Stage& stage,
-                                      bus::Bus& bus, RecordSink& sink, cx::LogSink* log) {
-  auto world = std::make_unique<sim::TurtleWorld>(world_options(config, step), tap);
-  auto node = TurtlesimNode::create(config, *world, bus, sink, log);
-  if (!node) return node.error();
-  const TurtlesimNode* made = node->get();
-  stage.worlds.push_back(std::move(world));
-  stage.servers.push_back(*std::move(node));
-  return made;
+using Json = nlohmann::ordered_json;
+
+class CanvasView final : public View {
+ public:
+  CanvasView(const sim::TurtleWorld& world, int side) : world_(world), side_(side) {}
+  Expected<const sim::Picture*> draw(std::string_view camera) override {
+    if (camera != "canvas") return input_error("found no camera '" + std::string(camera) + "', expected: canvas");
+    picture_ = sim::draw_turtles(world_, side_);
+    return &picture_;
+  }
+  std::vector<std::string> cameras() const override { return {"canvas"}; }
+
+ private:
+  const sim::TurtleWorld& world_;
+  int side_;
+  sim::Picture picture_;
+};
+
+/// The canvas as the largest square in the picture.
+std::unique_ptr<View> view_of_canvas(const sim::TurtleWorld& world, int width, int height) {
+  return std::make_unique<CanvasView>(world, std::min(width, height));
 }
 
-}  // namespace
+class CanvasReplay final : public WorldReplay {
+ public:
+  CanvasReplay(const sim::TurtleWorldOptions& options, SimTime tick, const std::string& log)
+      : turtles_(options, log), tick_(tick) {}
+  Status advance_to(SimTime t) override { return turtles_.advance_to(tick_not_before(t, tick_)); }
+  std::string hash() const override { return hash_text(turtles_.world().hash()); }
+  Expected<std::unique_ptr<View>> view(int width, int height) const override {
+    return view_of_canvas(turtles_.world(), width, height);
+  }
+
+ private:
+  sim::TurtleReplay turtles_;
+  SimTime tick_;
+};
 
 sim::TurtleWorldOptions world_options(const Config& config, SimTime step) {
   const auto byte = [](int value) { return static_cast<std::uint8_t>(value); };
@@ -26,28 +55,54 @@ sim::TurtleWorldOptions world_options(const Config& config, SimTime step) {
   return {.step = step, .start = config.start, .background = background, .collisions = config.collisions};
 }
 
-Expected<std::unique_ptr<TurtleStage>> TurtleStage::create(const Config& config, SimTime step, bus::Bus& bus,
-                                                           RecordSink& sink, cx::LogSink* log) {
+/// Puts world and node on the stage.
+Expected<const TurtlesimNode*> set_up(const Config& config, SimTime step, sim::TurtleTap* tap, const StageSetup& setup,
+                                      Stage& stage) {
+  auto world = std::make_unique<sim::TurtleWorld>(world_options(config, step), tap);
+  auto node = TurtlesimNode::create(config, *world, setup.bus, setup.sink, setup.log);
+  if (!node) return node.error();
+  const TurtlesimNode* made = node->get();
+  stage.views.push_back([made](int width, int height) { return view_of_canvas(made->world(), width, height); });
+  stage.worlds.push_back(std::move(world));
+  stage.servers.push_back(*std::move(node));
+  return made;
+}
+
+Json turtle_json(const TurtleStory& t) {
+  return {{"name", t.name},   {"alive", t.alive},     {"x", t.x},
+          {"y", t.y},         {"theta", t.theta},     {"driven_m", t.driven_m},
+          {"walls", t.walls}, {"touches", t.touches}, {"teleports", t.teleports}};
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Stage>> TurtleStage::create(const StageSetup& setup) {
   auto stage = std::make_unique<TurtleStage>();
-  auto node = set_up(config, step, &stage->writes_, *stage, bus, sink, log);
+  auto node = set_up(setup.scenario.world.get<Config>(), setup.scenario.physics_step, &stage->writes_, setup, *stage);
   if (!node) return node.error();
   stage->node_ = *node;
-  return stage;
+  return std::unique_ptr<Stage>(std::move(stage));
 }
 
 void TurtleStage::report(Result& result) const {
-  for (const TurtleStory& story : node_->stories())
-    result.turtles.push_back({story.name, story.alive, story.x, story.y, story.theta, story.driven_m, story.walls,
-                              story.touches, story.teleports});
+  Json turtles = Json::array();
+  for (const TurtleStory& story : node_->stories()) turtles.push_back(turtle_json(story));
+  if (!turtles.empty()) result.set("turtles", turtles.dump());
   result.steps = node_->world().steps();
-  char hash[17];
-  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(node_->world().hash()));
-  result.physics_hash = hash;
+  result.physics_hash = hash_text(node_->world().hash());
 }
 
-Status add_turtlesim(const Config& config, Stage& stage, bus::Bus& bus, RecordSink& sink, cx::LogSink* log) {
-  auto node = set_up(config, sim::TurtleWorldOptions().step, nullptr, stage, bus, sink, log);
+Status add_turtlesim(const ServerSpec& spec, const StageSetup& setup, Stage& stage) {
+  auto node = set_up(spec.get<Config>(), sim::TurtleWorldOptions().step, nullptr, setup, stage);
   return node ? Status() : Status(node.error());
 }
+
+Expected<std::unique_ptr<WorldReplay>> replay(const Scenario& scenario, const std::filesystem::path&,
+                                              const std::string& log) {
+  return std::unique_ptr<WorldReplay>(std::make_unique<CanvasReplay>(
+      world_options(scenario.world.get<Config>(), scenario.physics_step), scenario.tick, log));
+}
+
+void add_sample(Result& sample) { sample.set("turtles", Json::array({turtle_json({})}).dump()); }
 
 }  // namespace cxlab::turtlesim

@@ -2,23 +2,18 @@
 // The stage of a canvas of turtles.
 
 #include <memory>
+#include <string>
 
 #include "cx/base/expected.h"
-#include "cx/base/record_sink.h"
-#include "cx/bus/bus.h"
-#include "cx/node/log.h"
-#include "scenarios/stage.h"
+#include "scenarios/catalogue.h"
 #include "scenarios/turtlesim/node.h"
 
 namespace cxlab::turtlesim {
 
-sim::TurtleWorldOptions world_options(const Config& config, SimTime step);
-
-/// The world of a scenario of kind turtlesim: logged, and told in the result.
+/// The world of a scenario of kind turtlesim: its writes are logged, its turtles are in the result.
 class TurtleStage final : public Stage {
  public:
-  static Expected<std::unique_ptr<TurtleStage>> create(const Config& config, SimTime step, bus::Bus& bus,
-                                                       RecordSink& sink, cx::LogSink* log);
+  static Expected<std::unique_ptr<Stage>> create(const StageSetup& setup);
 
   std::string take_inputs() override { return writes_.take(); }
   void report(Result& result) const override;
@@ -30,7 +25,13 @@ class TurtleStage final : public Stage {
   const TurtlesimNode* node_ = nullptr;  // owned as server
 };
 
-/// A canvas beside another world: on the stage, but neither logged nor told.
-Status add_turtlesim(const Config& config, Stage& stage, bus::Bus& bus, RecordSink& sink, cx::LogSink* log);
+/// A canvas beside another world: on the stage, but neither logged nor in the result.
+Status add_turtlesim(const ServerSpec& spec, const StageSetup& setup, Stage& stage);
+
+/// The physics of a recorded run of kind turtlesim.
+Expected<std::unique_ptr<WorldReplay>> replay(const Scenario& scenario, const std::filesystem::path& models,
+                                              const std::string& log);
+/// A result with one turtle.
+void add_sample(Result& sample);
 
 }  // namespace cxlab::turtlesim

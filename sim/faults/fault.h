@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cx/base/origin.h"
 #include "cx/base/random.h"
 #include "cx/base/time.h"
 
@@ -32,9 +33,7 @@ struct Fault {
   int error = 0;    ///< code that the skill ends with; 0 = 201, 206 or 204, by skill
   SimTime after{};  ///< from the beginning of the skill
   SimTime duration{};
-  // For messages.
-  std::string file;
-  int line = 0;
+  Origin origin{};
   std::size_t number = 0;  ///< in the scenario's list, from 0
 };
 

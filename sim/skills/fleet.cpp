@@ -47,10 +47,8 @@ Status Fleet::open(bus::Bus& bus, RecordSink& sink, const FleetFaults& faults) {
   std::vector<std::string> names;
   for (const RobotStart& robot : world_.plan().robots) names.push_back(robot.name);
   for (const Fault& fault : faults.faults)
-    if (!fault.robot.empty() && std::ranges::find(names, fault.robot) == names.end()) {
-      return input_error("robot: no robot '" + fault.robot + "'" + did_you_mean(fault.robot, names), fault.file,
-                         fault.line);
-    }
+    if (!fault.robot.empty() && std::ranges::find(names, fault.robot) == names.end())
+      return input_error("robot: no robot '" + fault.robot + "'" + did_you_mean(fault.robot, names), fault.origin);
   if (!faults.faults.empty())
     for (std::size_t i = 0; i < skills_.size(); ++i)
       skills_[i] = std::make_unique<FaultySkills>(std::move(skills_[i]), static_cast<RobotId>(i), world_, faults.faults,

@@ -21,6 +21,18 @@ struct TimedSkillsConfig {
   double drive_failure = 0;  ///< probability a drive_to that it ends with 201, where it should have ended well
   double pick_failure = 0;   ///< a pick: 206, the piece stays
   double place_failure = 0;  ///< a place: 204, the piece stays in the gripper
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys("pick_mean_s", pick_mean_s);
+    keys("pick_sigma_s", pick_sigma_s);
+    keys("place_mean_s", place_mean_s);
+    keys("place_sigma_s", place_sigma_s);
+    keys("shortest_s", shortest_s);
+    keys("drive_failure", drive_failure);
+    keys("pick_failure", pick_failure);
+    keys("place_failure", place_failure);
+  }
 };
 /// Probabilities lie in 0..1, times are positive.
 Status validate(const TimedSkillsConfig& config);

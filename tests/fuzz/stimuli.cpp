@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!document->status()) return 0;
   for (std::size_t i = 0; i < stimuli.size(); ++i) {
     fuzz::promise(i == 0 || stimuli[i - 1].at <= stimuli[i].at, "stimuli come in order of time");
-    fuzz::promise(stimuli[i].line > 0, "a stimulus knows its line");
+    fuzz::promise(stimuli[i].origin.line > 0, "a stimulus knows its line");
   }
   return 0;
 }

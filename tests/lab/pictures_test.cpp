@@ -5,6 +5,7 @@
 #include "cx/base/process.h"
 #include "folder.h"
 #include "lab/session.h"
+#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 namespace {
@@ -32,7 +33,7 @@ using PicturesTest = FolderTest;
 
 TEST_F(PicturesTest, ThatCannotBeMadeAreAnErrorBeforeTheRun) {
   const auto file = scenario("game", kQuietRules);  // in an empty world
-  const auto played = play_scenario({.out = path("out").string(), .snapshot = "1"}, *Scenario::load(file));
+  const auto played = play_scenario({.out = path("out").string(), .snapshot = "1"}, *Scenario::load(file, shipped()));
   ASSERT_TRUE(played) << played.error().text();
   ASSERT_TRUE(played->failure);
   EXPECT_EQ(played->failure->kind, ErrorKind::kResource);

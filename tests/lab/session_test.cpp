@@ -7,6 +7,7 @@
 #include "folder.h"
 #include "lab/replay.h"
 #include "lab/rerun.h"
+#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 namespace {
@@ -18,7 +19,7 @@ using testing::IsEmpty;
 class SessionTest : public FolderTest {
  protected:
   Played play(const std::string& name, const PlayOptions& options = {}, const Host& host = {}) const {
-    auto scenario = Scenario::load(path(name + ".yaml"));
+    auto scenario = Scenario::load(path(name + ".yaml"), shipped());
     EXPECT_TRUE(scenario) << (scenario ? "" : scenario.error().text());
     PlayOptions all = options;
     if (all.out.empty()) all.out = path("out").string();
@@ -98,7 +99,7 @@ TEST_F(SessionTest, AFolderInUseIsWrongUsage) {
   scenario("game", kQuietRules);
   play("game");
   const PlayOptions options{.out = path("out").string()};
-  const auto again = play_scenario(options, *Scenario::load(path("game.yaml")));
+  const auto again = play_scenario(options, *Scenario::load(path("game.yaml"), shipped()));
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().kind, ErrorKind::kUsage);
 }
@@ -114,7 +115,7 @@ TEST_F(SessionTest, ReportsEachFileThatIsRead) {
 TEST_F(SessionTest, TwoEpisodesInterleavedGiveTheirOwnHashes) {
   const auto file = scenario("game", "(defrule draw (time ?) => (assert (drawn (random))))\n");
   const auto load = [&](std::uint64_t seed) {
-    auto scenario = Scenario::load(file, {"seed=" + std::to_string(seed)});
+    auto scenario = Scenario::load(file, shipped(), {"seed=" + std::to_string(seed)});
     return *Episode::load(*std::move(scenario), shared_episode_options());
   };
   const auto alone = [&](std::uint64_t seed) {

@@ -175,13 +175,13 @@ TEST_F(Faults, WrongFaultsAreBadInputWithTheirPlace) {
       {"{at: 1}", "key 'kind' is missing"},
       {"{at: 1, knd: skill_fails}", "key 'kind' is missing, did you mean it by 'knd'?"}};
   for (const auto& [text, what] : cases) {
-    const auto read =
-        Scenario::parse(std::string("schema: 1\nworld: {kind: rcll}\nfaults:\n  - ") + text + "\n", "s.yaml");
+    const auto read = Scenario::parse(std::string("schema: 1\nworld: {kind: rcll}\nfaults:\n  - ") + text + "\n",
+                                      "s.yaml", shipped());
     ASSERT_FALSE(read.ok()) << text;
     EXPECT_THAT(read.error().text(), HasSubstr("s.yaml:4: ")) << text;
     EXPECT_THAT(read.error().text(), HasSubstr(what)) << text;
   }
-  const auto empty = Scenario::parse("schema: 1\nfaults:\n  - {kind: skill_fails, at: 1}\n", "s.yaml");
+  const auto empty = Scenario::parse("schema: 1\nfaults:\n  - {kind: skill_fails, at: 1}\n", "s.yaml", shipped());
   ASSERT_FALSE(empty.ok());
   EXPECT_THAT(empty.error().text(), HasSubstr("this world has neither robots nor machines"));
   for (const char* text :
@@ -190,7 +190,7 @@ TEST_F(Faults, WrongFaultsAreBadInputWithTheirPlace) {
         write("names.yaml", std::string("schema: 1\nworld: {kind: rcll}\ntier: timed\nfaults:\n  - ") + text + "\n");
     EpisodeOptions options;
     options.interfaces = source_dir() / "cx/interfaces";
-    const auto episode = Episode::load(*Scenario::load(file), options);
+    const auto episode = Episode::load(*Scenario::load(file, shipped()), options);
     ASSERT_FALSE(episode.ok());
     EXPECT_THAT(episode.error().text(), testing::AllOf(HasSubstr("names.yaml:5: "), HasSubstr("did you mean")));
   }

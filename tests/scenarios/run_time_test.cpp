@@ -95,7 +95,7 @@ TEST_F(RunTime, TheRulesReplayAloneWithAllOfIt) {
   auto stored = StoredFiles::open(folder_ / "run");
   ASSERT_TRUE(stored.ok());
   ASSERT_TRUE(stored->materialise(copies).ok());
-  auto scenario = Scenario::load(file);
+  auto scenario = Scenario::load(file, shipped());
   ASSERT_TRUE(scenario.ok());
   EpisodeOptions options;
   options.journal = JournalLevel::kFull;
@@ -137,7 +137,7 @@ TEST_F(RunTime, WithSeveralManagersAStimulusNamesOne) {
   write("run.yaml",
         "schema: 1\npackages: {words: words}\nagents:\n  - {config: agent.yaml, namespace: /a}\n  - {config: "
         "agent.yaml, namespace: /b}\nstimuli:\n  - {at: 0.5, create_env: second}\n");
-  auto scenario = Scenario::load(folder_ / "run.yaml");
+  auto scenario = Scenario::load(folder_ / "run.yaml", shipped());
   ASSERT_TRUE(scenario.ok());
   EpisodeOptions options;
   options.interfaces = source_dir() / "cx/interfaces";

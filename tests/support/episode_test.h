@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "scenarios/episode.h"
+#include "scenarios/result.h"
+#include "scenarios/shipped/catalogue.h"
 #include "tests/support/files.h"
 
 namespace cxlab {
@@ -66,10 +68,13 @@ class EpisodeTest : public testing::Test {
                  "schema: 1\npackages: {words: words}\nagents: [{config: " + name + "_agent.yaml}]\n" + more);
   }
 
-  std::unique_ptr<Episode> load(const std::filesystem::path& file, const std::vector<std::string>& set = {},
+  std::unique_ptr<Episode> load(const std::filesystem::path& file, const std::vector<Override>& set = {},
                                 const std::string& run = {}) {
-    auto read_in = Scenario::load(file, set);
+    auto read_in = Scenario::load(file, shipped(), set);
     EXPECT_TRUE(read_in.ok()) << read_in.error().text();
+    return read_in ? load(*read_in, run) : nullptr;
+  }
+  std::unique_ptr<Episode> load(const Scenario& scenario, const std::string& run = {}) {
     EpisodeOptions options;
     options.interfaces = interfaces_dir();
     options.models = models_dir();
@@ -79,7 +84,7 @@ class EpisodeTest : public testing::Test {
       options.run_folder = folder_ / run;
       std::filesystem::create_directories(options.run_folder);
     }
-    auto episode = Episode::load(*read_in, options);
+    auto episode = Episode::load(scenario, options);
     EXPECT_TRUE(episode.ok()) << episode.error().text();
     return episode ? *std::move(episode) : nullptr;
   }
@@ -94,8 +99,7 @@ class EpisodeTest : public testing::Test {
     }
   }
   /// Plays it to the end; what it ended with.
-  Result whole(const std::filesystem::path& file, const std::vector<std::string>& set = {},
-               const std::string& run = {}) {
+  Result whole(const std::filesystem::path& file, const std::vector<Override>& set = {}, const std::string& run = {}) {
     auto episode = load(file, set, run);
     begin(*episode);
     play(*episode, 1e9);

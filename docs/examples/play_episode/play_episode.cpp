@@ -4,6 +4,7 @@
 
 #include <scenarios/episode.h>
 #include <scenarios/share.h>
+#include <scenarios/shipped/catalogue.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -32,7 +33,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: play_episode SCENARIO.yaml [SECONDS]\n");
     return 2;
   }
-  auto scenario = cxlab::Scenario::load(argv[1]);
+  auto scenario = cxlab::Scenario::load(argv[1], cxlab::shipped());
   if (!scenario) return fail(scenario.error());
   const double end = argc > 2 ? std::atof(argv[2]) : cxlab::to_seconds(scenario->duration);
 
@@ -55,8 +56,7 @@ int main(int argc, char** argv) {
   const cxlab::Result result =
       status ? episode.close(episode.completed() ? cxlab::RunStatus::kCompleted : cxlab::RunStatus::kStopped)
              : episode.close(cxlab::RunStatus::kFailed, status.error());
-  for (const cxlab::TeamResult& team : result.teams)
-    std::printf("%s: %lld points\n", team.team.c_str(), static_cast<long long>(team.points));
+  std::printf("%s", result.score_board.c_str());
   std::printf("journal %s\n", result.journal_hash.c_str());
   return result.reason ? fail(*result.reason) : 0;
 }

@@ -211,6 +211,12 @@ TEST(Yaml, AStructIsWrittenAsItIsRead) {
   EXPECT_EQ(Writer::changed(repainted).text(), "paint: blue\n");
 }
 
+TEST(Yaml, TextKeepsQuotesAndStyle) {
+  const std::string text = "a: \"5\"\nb: [1, \"x: y\", {c: \"~\", d: ~}]\n\"7\": ''\nlong:\n  - {}\n  - []";
+  EXPECT_EQ(Document::parse(text, "s.yaml")->root().dump(),
+            "a: \"5\"\nb: [1, \"x: y\", {c: \"~\", d: ~}]\n\"7\": \"\"\nlong:\n  - {}\n  - []");
+}
+
 TEST(Yaml, TheWriterTakesTextThatIsYaml) {
   Writer out;
   out.put_yaml("data", "{x: 1}");

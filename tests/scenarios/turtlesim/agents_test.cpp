@@ -1,7 +1,6 @@
 // The agents that come with turtlesim, whole: what they do, that they leave nothing behind, and that it is the same
 // again.
 
-#include "scenarios/turtlesim/stage.h"
 #include "tests/support/episode_test.h"
 
 namespace cxlab {
@@ -24,8 +23,8 @@ class Complaints final : public cx::LogSink {
 
 class TurtleAgentsTest : public EpisodeTest {
  protected:
-  Result run(const std::string& name, const std::vector<std::string>& set = {}, const std::string& folder = {}) {
-    auto scenario = Scenario::load(source_dir() / "scenarios/turtlesim" / (name + ".yaml"), set);
+  Result run(const std::string& name, const std::vector<Override>& set = {}, const std::string& folder = {}) {
+    auto scenario = Scenario::load(source_dir() / "scenarios/turtlesim" / (name + ".yaml"), shipped(), set);
     EXPECT_TRUE(scenario.ok()) << scenario.error().text();
     EpisodeOptions options;
     options.interfaces = source_dir() / "cx/interfaces";
@@ -41,7 +40,7 @@ class TurtleAgentsTest : public EpisodeTest {
     play(**episode, 1e9);
     const Result result = (*episode)->close(RunStatus::kCompleted);
     EXPECT_FALSE(result.reason) << result.reason->text();
-    const Status expected = check_expectations(scenario->expect, result.to_json(), name);
+    const Status expected = check_expectations(scenario->expect, result.to_json());
     EXPECT_TRUE(expected.ok()) << expected.error().text();
     return result;
   }
@@ -55,8 +54,8 @@ TEST_F(TurtleAgentsTest, AllMeetTheirExpectationsAndLeaveNothingBehind) {
 
 TEST_F(TurtleAgentsTest, NothingIsLeftWhenFiguresEndInTheMidstOfIt) {
   for (const char* end : {"0.02", "0.05", "7"}) {
-    auto scenario =
-        Scenario::load(source_dir() / "scenarios/turtlesim/figures.yaml", {std::string("duration_s=") + end});
+    auto scenario = Scenario::load(source_dir() / "scenarios/turtlesim/figures.yaml", shipped(),
+                                   {std::string("duration_s=") + end});
     scenario->expect.clear();
     EpisodeOptions options;
     options.interfaces = source_dir() / "cx/interfaces";

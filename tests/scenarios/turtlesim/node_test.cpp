@@ -114,7 +114,7 @@ TEST_F(TurtlesimTest, ACommandHoldsForASecondAndTheWallWarnsEachTick) {
   EXPECT_EQ(warnings.size(), 22u) << "40 steps to the wall, then one line each";
   ticks(5);
   EXPECT_EQ(log_.with("Oh no!").size(), warnings.size()) << "it stands";
-  EXPECT_EQ(episode_->result().turtles[0].walls, 1);
+  EXPECT_EQ(episode_->result().at("turtles[0].walls"), "1");
 }
 
 TEST_F(TurtlesimTest, TeleportsAnswerAndDraw) {
@@ -271,7 +271,7 @@ TEST_F(TurtlesimTest, TurtlesThatCollidePushEachOther) {
     }
     const double gap = world().turtles()[1].x - world().turtles()[0].x;
     EXPECT_EQ(gap > 0.85, collisions) << gap;
-    EXPECT_EQ(episode_->result().turtles[1].touches, collisions ? 1 : 0);
+    EXPECT_EQ(episode_->result().at("turtles[1].touches"), collisions ? "1" : "0");
     publishers_.clear();
   }
   EXPECT_THAT(log_.with("bumps into"), SizeIs(1));
@@ -306,7 +306,7 @@ TEST_F(TurtlesimTest, AnyTickTakesTheStepsThatAreDue) {
 
 TEST_F(TurtlesimTest, WrongSettingsAreToldWithTheirLine) {
   const auto error = [&](const std::string& text) {
-    auto scenario = Scenario::parse("schema: 1\n" + text, "x.yaml");
+    auto scenario = Scenario::parse("schema: 1\n" + text, "x.yaml", shipped());
     return scenario ? std::string("none") : scenario.error().text();
   };
   EXPECT_EQ(error("world: {kind: turtlesim}\n"), "none");

@@ -1,8 +1,10 @@
-#include "scenarios/pddl/stage.h"
+#include "scenarios/pddl/node.h"
 
 #include "cx/base/append_file.h"
 #include "cx/executive/files.h"
 #include "planner/manager/manager.h"
+#include "scenarios/pddl/config.h"
+#include "scenarios/result.h"
 #include "scenarios/share.h"
 
 namespace cxlab::pddl {
@@ -33,16 +35,15 @@ Status write_below(const std::filesystem::path& run_folder, const std::filesyste
   return out->close();
 }
 
-}  // namespace
-
-Status add_manager(const Config& config, const NodeSetup& setup, Stage& stage) {
+Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage) {
+  const Config& config = spec.get<Config>();
   planner::PddlManagerOptions options;
   options.node = config.name;
   options.name_space = config.name_space;
   options.remaps = config.remaps;
   options.autostart = config.autostart;
   options.bond_period = config.bond_period;
-  options.original = config.original;
+  options.original = config.compat == "original";
   options.anytime = config.anytime;
   options.warm_start = config.warm_start;
   options.other = config.engine.empty()
@@ -68,5 +69,12 @@ Status add_manager(const Config& config, const NodeSetup& setup, Stage& stage) {
   stage.servers.push_back(std::move(server));
   return {};
 }
+
+}  // namespace
+
+constinit const NodeKind kNode{.name = "pddl_manager",
+                               .what = "keeps PDDL instances and plans (docs/pddl-manager.md)",
+                               .settings = settings_of<Config>(),
+                               .add = add_manager};
 
 }  // namespace cxlab::pddl

@@ -1,0 +1,97 @@
+#pragma once
+// What a scenario can name: kinds of worlds, and kinds of nodes that stand beside one. Each is a row, a constant of its
+// folder; scenarios/shipped/catalogue.h lists those that come with cxlab. docs/adding-a-world.md shows how to add one.
+
+#include <any>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/record_sink.h"
+#include "cx/base/time.h"
+#include "cx/bus/bus.h"
+#include "cx/node/log.h"
+#include "cx/yaml/writer.h"
+#include "cx/yaml/yaml.h"
+#include "scenarios/result.h"
+#include "scenarios/scenario.h"
+#include "scenarios/stage.h"
+
+namespace cxlab {
+
+/// What worlds and nodes are made with; all of it outlives the stage.
+struct StageSetup {
+  const Scenario& scenario;
+  bus::Bus& bus;
+  RecordSink& sink;
+  cx::LogSink* log = nullptr;          ///< may be none
+  std::filesystem::path models{};      ///< MJCF parts
+  std::filesystem::path run_folder{};  ///< empty = nothing is written
+  /// Called with each file that a node reads, before it does, for the run's copy; may be empty.
+  std::function<Status(const std::string& logical_name, const std::filesystem::path& file)> keep{};
+};
+
+/// How the settings of a kind are read and written; `settings_of` makes one.
+struct Settings {
+  void (*read)(yaml::Map& keys, std::any& config) = nullptr;  ///< none: the kind has no keys
+  yaml::Writer (*write)(const std::any& config) = nullptr;    ///< the keys that are not the defaults
+};
+
+/// A kind of world: `world: {kind: NAME, ...}`.
+struct WorldKind {
+  std::string_view name;
+  std::string_view what;  ///< one line for people
+  Settings settings{};
+
+  SimTime duration = std::chrono::seconds(60);  ///< default, as tick and step
+  SimTime tick = std::chrono::milliseconds(20);
+  SimTime physics_step = std::chrono::milliseconds(10);
+  /// Sets those defaults of a scenario that depend on the world's settings; may be none.
+  void (*set_defaults)(Scenario& scenario) = nullptr;
+  std::span<const Tier> tiers{};  ///< the first is the default; none: neither physics nor timed
+  bool any_tick = false;          ///< tick_s need not be a whole multiple of physics_step_s
+  bool takes_faults = false;      ///< has robots and machines that `faults:` can name
+
+  Expected<std::unique_ptr<Stage>> (*make_stage)(const StageSetup& setup) = nullptr;
+  /// The physics of a recorded run at its start, from the models that it read and what `Stage::take_inputs` logged,
+  /// which outlive it; none: this world cannot be replayed.
+  Expected<std::unique_ptr<WorldReplay>> (*replay)(const Scenario& scenario, const std::filesystem::path& models,
+                                                   const std::string& log) = nullptr;
+  /// Sets the sections that the world can add to a result, with one of everything: what `expect:` may name.
+  void (*add_sample)(Result& sample) = nullptr;
+};
+
+/// A kind of node beside the world: an item of `servers:`, `cxlab env --with NAME`.
+struct NodeKind {
+  std::string_view name;
+  std::string_view what;  ///< one line for people
+  Settings settings{};
+  /// Puts the node on the stage.
+  Status (*add)(const ServerSpec& spec, const StageSetup& setup, Stage& stage) = nullptr;
+  void (*add_sample)(Result& sample) = nullptr;  ///< as that of a world
+};
+
+struct Catalogue {
+  std::vector<const WorldKind*> worlds;
+  std::vector<const NodeKind*> nodes;
+
+  /// nullptr if there is none of that name.
+  const WorldKind* find_world(std::string_view name) const;
+  const NodeKind* find_node(std::string_view name) const;
+};
+
+/// The settings are that struct, read and written by the keys that it lists (yaml::Keyed).
+template <yaml::Keyed Config>
+constexpr Settings settings_of() {
+  return {[](yaml::Map& keys, std::any& config) { keys.read(config.emplace<Config>()); },
+          [](const std::any& config) {
+            return config.has_value() ? yaml::Writer::changed(std::any_cast<const Config&>(config)) : yaml::Writer();
+          }};
+}
+
+}  // namespace cxlab

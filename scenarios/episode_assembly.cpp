@@ -1,0 +1,194 @@
+// Makes an episode's parts from its scenario.
+
+#include <set>
+
+#include "cx/plugins/builtin.h"
+#include "scenarios/catalogue.h"
+#include "scenarios/episode.h"
+#include "scenarios/stimuli.h"
+
+namespace cxlab {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A world whose steps are measured.
+class MeasuredWorld final : public Simulation {
+ public:
+  MeasuredWorld(std::unique_ptr<Simulation> world, WallMeter& meter) : world_(std::move(world)), meter_(meter) {}
+  Status advance(SimTime duration) override {
+    meter_.begin();
+    Status moved = world_->advance(duration);
+    meter_.end();
+    return moved;
+  }
+  SimTime next_event() const override { return world_->next_event(); }
+
+ private:
+  std::unique_ptr<Simulation> world_;
+  WallMeter& meter_;
+};
+
+}  // namespace
+
+Expected<std::unique_ptr<Episode>> Episode::load(Scenario scenario, EpisodeOptions options) {
+  std::unique_ptr<Episode> episode(new Episode(std::move(scenario), std::move(options)));
+  for (const auto build : {&Episode::open_files, &Episode::build_bus, &Episode::build_stage, &Episode::build_agents})
+    if (Status s = ((*episode).*build)(); !s) return s.error();
+  episode->build_loop();
+  return episode;
+}
+
+Status Episode::open_files() {
+  for (std::size_t i = 0; i < scenario_.faults.size(); ++i) scenario_.faults[i].number = i;
+  if (options_.replay)
+    shares_ = options_.replay->shares;
+  else
+    for (const AgentSpec& spec : scenario_.agents) shares_.push_back(scenario_.shares(spec));
+  if (shares_.size() != scenario_.agents.size())
+    return input_error("the recorded run has another number of agents", scenario_.file.string());
+  auto files = KeptFiles::create(options_.replay ? fs::path() : options_.run_folder, shares_, options_.file_read);
+  if (!files) return files.error();
+  files_.emplace(*std::move(files));
+  if (!options_.run_folder.empty())
+    if (Status s = journal_.export_to(options_.run_folder / "journal.jsonl", options_.journal); !s) return s;
+  return files_->keep_text("scenario.yaml", scenario_.text.empty() ? scenario_.to_yaml() : scenario_.text);
+}
+
+Status Episode::build_bus() {
+  const bool replays = options_.replay.has_value();
+  const fs::path interfaces = replays ? interfaces_below(options_.replay->copies) : options_.interfaces;
+  if (!replays || fs::is_directory(interfaces))
+    if (Status s = registry_.add_packages_in(interfaces); !s) return s;
+  std::map<std::string, PackageSpec> packages = scenario_.packages;
+  for (const AgentSpec& agent : scenario_.agents) packages.insert(agent.packages.begin(), agent.packages.end());
+  if (!replays)
+    for (const auto& [name, package] : packages) {
+      const fs::path folder = scenario_.resolve(package.folder);
+      if (!fs::is_directory(folder))
+        return input_error("package " + name + ": there is no folder " + folder.string(), package.origin);
+      if (!bus::holds_definitions(folder)) continue;
+      if (Status s = registry_.add_package(name, folder); !s) return s;
+    }
+  bus_ = std::make_unique<bus::Bus>(registry_, journal_);
+  bus_->mute(replays);
+  bus_->on_rivals([this, replays](const std::string& text) {
+    if (options_.log && !replays) options_.log->line({bus_->now(), cx::LogLevel::kWarn, "bus", text, {}});
+  });
+  inputs_ = std::make_unique<Inputs>();
+  if (!replays && options_.run_folder.empty()) return {};
+  auto inputs = replays ? replay_inputs(options_.replay->inputs, *bus_, journal_)
+                        : record_inputs(options_.run_folder / "inputs.bin", *bus_, journal_);
+  if (!inputs) return inputs.error();
+  inputs_ = *std::move(inputs);
+  return {};
+}
+
+Status Episode::build_stage() {
+  stage_ = std::make_unique<Stage>();
+  if (options_.replay) return {};
+  const StageSetup setup{
+      .scenario = scenario_,
+      .bus = *bus_,
+      .sink = journal_,
+      .log = options_.log,
+      .models = options_.models,
+      .run_folder = options_.run_folder,
+      .keep = [this](const std::string& name, const fs::path& file) { return files_->keep("nodes/" + name, file); }};
+  const WorldKind& world = *scenario_.world.kind;
+  if (world.make_stage) {
+    auto stage = world.make_stage(setup);
+    if (!stage)
+      return at(scenario_.world.origin ? scenario_.world.origin : Origin{scenario_.file.string()}, stage.error());
+    stage_ = *std::move(stage);
+  }
+  for (const fs::path& file : stage_->files)
+    if (Status s = files_->keep("models/" + file.filename().string(), file); !s) return s;
+  for (const ServerSpec& server : scenario_.servers)
+    if (Status s = server.kind->add(server, setup, *stage_); !s) return at(server.origin, s.error());
+  if (options_.physics_meter)
+    for (auto& moving : stage_->worlds)
+      moving = std::make_unique<MeasuredWorld>(std::move(moving), *options_.physics_meter);
+  return build_stimuli();
+}
+
+Status Episode::build_stimuli() {
+  if (scenario_.stimuli.empty()) return {};
+  std::vector<std::string> managers;
+  for (const AgentSpec& agent : scenario_.agents) {
+    bus::NodeName name{cx::ManagerOptions().node, agent.name_space, agent.remaps};
+    bus::rename_node(name);
+    managers.push_back(name.full_name());
+  }
+  auto stimuli = StimuliServer::create(scenario_.stimuli, managers, *bus_, journal_, [this](const std::string& line) {
+    if (options_.log) options_.log->line({bus_->now(), cx::LogLevel::kInfo, "stimuli", line, {}});
+  });
+  if (!stimuli) return stimuli.error();
+  stage_->servers.insert(stage_->servers.begin(), *std::move(stimuli));
+  return {};
+}
+
+cx::ManagerOptions Episode::manager_options(std::size_t agent) {
+  const AgentSpec& spec = scenario_.agents[agent];
+  cx::ManagerOptions manager;
+  manager.one_of_several = scenario_.agents.size() > 1;
+  manager.log = options_.log;
+  manager.run_folder = options_.run_folder;
+  manager.seed = scenario_.seed;
+  manager.epoch = scenario_.epoch;
+  manager.max_firings = scenario_.max_firings_per_tick;
+  manager.stop_on_rule_error = scenario_.stop_on_rule_error;
+  manager.keep_going = options_.keep_going;
+  manager.strict = options_.strict;
+  manager.trust_rules = scenario_.trust_rules;
+  manager.config = scenario_.resolve(spec.config);
+  manager.name_space = spec.name_space;
+  manager.remaps = spec.remaps;
+  manager.params = spec.params;
+  for (const auto& [name, share] : shares_[agent]) manager.packages[name] = {share, share};
+  manager.plugin_types = cx::builtin_plugins();
+  manager.outside = inputs_->outside("agent/" + std::to_string(agent));
+  manager.feed = inputs_->feed();
+  manager.on_read = [this, agent, config = manager.config](const std::string&, const fs::path& file) {
+    return files_->keep_for_agent(agent, config, file);
+  };
+  manager.on_join = [this](bus::ParticipantId participant) { inputs_->watch(participant); };
+  if (options_.replay) read_from_copies(options_.replay->copies, agent, manager);
+  return manager;
+}
+
+Status Episode::build_agents() {
+  for (const Shares& shares : shares_)
+    for (const auto& [package, folder] : shares) journal_.name_folder(folder, "package://" + package);
+  const auto streams = std::make_shared<std::set<std::string>>();
+  for (std::size_t i = 0; i < scenario_.agents.size(); ++i) {
+    cx::ManagerOptions manager = manager_options(i);
+    manager.streams = streams;
+    bus::NodeName name{manager.node, manager.name_space, manager.remaps};
+    bus::rename_node(name);
+    if (options_.log && bus_->find_node(name.full_name()))
+      options_.log->line({bus_->now(),
+                          cx::LogLevel::kInfo,
+                          name.name,
+                          "another node is called " + name.full_name() +
+                              " already: its services answer, those of this one do not; a namespace or the remap "
+                              "__node:=NAME keeps them apart",
+                          {}});
+    auto made = cx::EnvironmentManager::create(std::move(manager), *bus_, journal_);
+    if (!made) return made.error();
+    agents_.push_back(*std::move(made));
+  }
+  return {};
+}
+
+void Episode::build_loop() {
+  Parts parts{.referee = stage_->referee};
+  for (auto& world : stage_->worlds) parts.worlds.push_back(world.get());
+  for (auto& server : stage_->servers) parts.servers.push_back(server.get());
+  for (auto& agent : agents_) parts.agents.push_back(agent.get());
+  loop_.emplace(*bus_, scenario_.tick, std::move(parts));
+  loop_->set_end(scenario_.duration);
+}
+
+}  // namespace cxlab

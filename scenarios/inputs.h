@@ -1,0 +1,40 @@
+#pragma once
+// What enters the environments of an episode: logged while it plays, or taken from the log of a former run.
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "cx/base/expected.h"
+#include "cx/base/time.h"
+#include "cx/bus/bus.h"
+#include "cx/engine/outside.h"
+#include "cx/journal/journal.h"
+
+namespace cxlab {
+
+/// As it is, it logs nothing and replays nothing.
+class Inputs {
+ public:
+  virtual ~Inputs() = default;
+  /// Called with each environment and each manager before anything is delivered to it.
+  virtual void watch(bus::ParticipantId) {}
+  /// How the environments of that stream look at what lies outside of the run; none: directly.
+  virtual LookOutside* outside(const std::string& /*stream*/) { return nullptr; }
+  /// Where their deliveries come from; none: the bus.
+  virtual bus::Feed* feed() { return nullptr; }
+  /// After the start and after each tick; `world` is what has entered the physics.
+  virtual Status ticked(const std::string& /*world*/) { return {}; }
+  /// After the last tick.
+  virtual Status close() { return {}; }
+  /// Of a replay: how far the log goes, and whether it is whole.
+  virtual SimTime end() const { return {}; }
+  virtual Status log_status() const { return {}; }
+};
+
+/// Writes a new log. Bus and journal outlive it.
+Expected<std::unique_ptr<Inputs>> record_inputs(const std::filesystem::path& log, bus::Bus& bus, Journal& journal);
+/// Reads a whole log. Bus, which is muted, and journal outlive it.
+Expected<std::unique_ptr<Inputs>> replay_inputs(const std::filesystem::path& log, bus::Bus& bus, Journal& journal);
+
+}  // namespace cxlab

@@ -1,0 +1,83 @@
+#include "scenarios/kept_files.h"
+
+#include "cx/executive/files.h"
+
+namespace cxlab {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string folder_of_agent(std::size_t agent) { return "agents/" + std::to_string(agent) + '/'; }
+
+/// The file's path from that folder; empty where it lies elsewhere.
+std::string inside(const fs::path& file, const fs::path& folder) {
+  const fs::path relative = fs::absolute(file).lexically_normal().lexically_relative(folder);
+  return relative.empty() || *relative.begin() == ".." ? std::string() : relative.generic_string();
+}
+
+}  // namespace
+
+Expected<KeptFiles> KeptFiles::create(const fs::path& run_folder, std::vector<Shares> shares, FileRead file_read) {
+  KeptFiles files;
+  files.file_read_ = std::move(file_read);
+  files.shares_ = std::move(shares);
+  if (run_folder.empty()) return files;
+  files.run_folder_ = fs::absolute(run_folder).lexically_normal();
+  auto store = FileStore::create(run_folder);
+  if (!store) return store.error();
+  files.store_.emplace(*std::move(store));
+  return files;
+}
+
+Status KeptFiles::keep(const std::string& name, const fs::path& file) {
+  if (file_read_) file_read_(file);
+  return store_ ? store_->add(name, file) : Status();
+}
+
+Status KeptFiles::keep_text(const std::string& name, const std::string& text) {
+  return store_ ? store_->add_content(name, text) : Status();
+}
+
+Status KeptFiles::keep_for_agent(std::size_t agent, const fs::path& config, const fs::path& file) {
+  if (!store_ && !file_read_) return {};
+  const std::string folder = folder_of_agent(agent);
+  if (file == config) return keep(folder + "config/" + file.filename().string(), file);
+  if (store_ && !inside(file, run_folder_ / "written").empty()) return {};  // rules write it again
+  bool in_package = false;
+  for (const auto& [name, share] : shares_[agent]) {
+    const std::string relative = inside(file, share);
+    if (relative.empty()) continue;
+    in_package = true;
+    if (Status s = keep(folder + "packages/" + name + '/' + relative, file); !s) return s;
+  }
+  return in_package ? Status() : keep(folder + "outside/" + cx::outside_name(file).generic_string(), file);
+}
+
+Status KeptFiles::keep_interfaces(const bus::Registry& registry, const Shares& packages) {
+  if (!store_ && !file_read_) return {};
+  std::map<fs::path, std::string> names;
+  for (const auto& [name, folder] : packages) names[folder] = name;
+  for (const Shares& shares : shares_)
+    for (const auto& [name, folder] : shares) names[folder] = name;
+  for (const fs::path& file : registry.files_read()) {
+    fs::path folder = fs::absolute(file).parent_path().parent_path().lexically_normal();
+    if (!folder.has_filename()) folder = folder.parent_path();  // of a package "."
+    const auto known = names.find(folder);
+    const fs::path package = known != names.end() ? fs::path(known->second) : folder.filename();
+    const fs::path name = "interfaces" / package / file.parent_path().filename() / file.filename();
+    if (Status s = keep(name.generic_string(), file); !s) return s;
+  }
+  return store_ ? store_->write_index() : Status();
+}
+
+void read_from_copies(const fs::path& copies, std::size_t agent, cx::ManagerOptions& manager) {
+  const fs::path folder = copies / folder_of_agent(agent);
+  manager.config = folder / "config" / manager.config.filename();
+  for (auto& [name, share] : manager.packages) share.folder = folder / "packages" / name;
+  manager.outside_copies = folder / "outside";
+}
+
+fs::path interfaces_below(const fs::path& copies) { return copies / "interfaces"; }
+
+}  // namespace cxlab

@@ -1,0 +1,59 @@
+#pragma once
+// Copies of what a run reads, in its folder: the names that they have there, for keeping and for finding them again.
+// Names do not depend on where the files lay.
+//
+//   scenario.yaml                 the scenario
+//   models/FILE                   of the world
+//   nodes/NAME                    what a node beside the world read
+//   interfaces/PACKAGE/msg/FILE   definitions
+//   agents/N/config/FILE          the configuration of the agent of that number: two agents may call different folders
+//   agents/N/packages/PACKAGE/... by one name
+//   agents/N/outside/...          what lies in no package
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/bus/bus.h"
+#include "cx/executive/environment_manager.h"
+#include "cx/journal/file_store.h"
+
+namespace cxlab {
+
+/// Package -> folder, absolute.
+using Shares = std::map<std::string, std::string>;
+
+class KeptFiles {
+ public:
+  using FileRead = std::function<void(const std::filesystem::path&)>;
+
+  /// Keeps nothing where there is no folder. `shares` are those of the agents. `file_read`, if any, is called with
+  /// each file.
+  static Expected<KeptFiles> create(const std::filesystem::path& run_folder, std::vector<Shares> shares,
+                                    FileRead file_read = {});
+
+  Status keep(const std::string& name, const std::filesystem::path& file);
+  Status keep_text(const std::string& name, const std::string& text);
+  /// A file that an agent read; its configuration is `config`.
+  Status keep_for_agent(std::size_t agent, const std::filesystem::path& config, const std::filesystem::path& file);
+  /// Every definition that was read, and the index of all copies. `packages` are those of the whole scenario.
+  Status keep_interfaces(const bus::Registry& registry, const Shares& packages);
+
+ private:
+  std::filesystem::path run_folder_;
+  std::vector<Shares> shares_;
+  FileRead file_read_;
+  std::optional<FileStore> store_;
+};
+
+/// Lets the manager of the agent of that number read the copies below `copies` instead of the files.
+void read_from_copies(const std::filesystem::path& copies, std::size_t agent, cx::ManagerOptions& manager);
+/// The definitions among the copies.
+std::filesystem::path interfaces_below(const std::filesystem::path& copies);
+
+}  // namespace cxlab

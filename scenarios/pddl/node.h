@@ -1,0 +1,10 @@
+#pragma once
+// A PDDL manager beside the world: `servers: [pddl_manager]` (docs/pddl-manager.md).
+
+#include "scenarios/catalogue.h"
+
+namespace cxlab::pddl {
+
+extern const NodeKind kNode;
+
+}  // namespace cxlab::pddl

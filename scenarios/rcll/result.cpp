@@ -1,0 +1,100 @@
+#include "scenarios/rcll/result.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace cxlab::rcll {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json team_json(const Score& score) {
+  Json kinds = Json::object();
+  for (std::size_t kind = 0; kind < kPointKinds; ++kind)
+    kinds[std::string(to_string(static_cast<PointKind>(kind)))] = score.by_kind[kind];
+  return {{"points", score.total()}, {"by_kind", std::move(kinds)}};
+}
+
+Json order_json(const OrderState& state, SimTime ordered, Team team) {
+  const auto index = static_cast<std::size_t>(team);
+  const auto& delivered = state.delivered_at[index];
+  return {{"id", state.order.id},
+          {"complexity", to_string(state.order.complexity)},
+          {"ordered", to_seconds(ordered)},
+          {"delivered_at", delivered ? Json(to_seconds(*delivered)) : Json(nullptr)},
+          {"correct", state.delivered[index] > 0},
+          {"points", state.points[index]}};
+}
+
+Json delivery_json(const Delivery& d) {
+  return {{"order", d.order},     {"team", to_string(d.team)}, {"time", to_seconds(d.at)},
+          {"correct", d.correct}, {"late_s", d.late_s},        {"points", d.points}};
+}
+
+Json robot_json(const sim::RobotStats& s, int contacts) {
+  return {{"name", s.name},     {"busy_s", s.busy_s},     {"drive_s", s.drive_s}, {"wait_s", s.wait_s},
+          {"skills", s.skills}, {"failures", s.failures}, {"contacts", contacts}};
+}
+
+template <class... Values>
+std::string line(const char* format, Values... values) {
+  char text[256];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+}  // namespace
+
+void report_game(const Factory& factory, Result& result) {
+  const GameReferee& game = factory.referee();
+  Json teams = Json::object(), orders = Json::array(), deliveries = Json::array();
+  for (const Team team : kTeams) {
+    const Score& score = game.score(team);
+    teams[std::string(to_string(team))] = team_json(score);
+    result.score_board +=
+        line("%-8s %4lld points ", std::string(to_string(team)).c_str(), static_cast<long long>(score.total()));
+    for (std::size_t kind = 0; kind < kPointKinds; ++kind)
+      if (score.by_kind[kind] != 0)
+        result.score_board +=
+            "  " + std::string(to_string(static_cast<PointKind>(kind))) + ' ' + std::to_string(score.by_kind[kind]);
+    result.score_board += '\n';
+  }
+  for (const OrderState& state : game.orders())
+    orders.push_back(
+        order_json(state, state.released.value_or(factory.clock().at(state.order.activate_at)), factory.team()));
+  for (const Delivery& d : game.deliveries()) deliveries.push_back(delivery_json(d));
+  if (!orders.empty())
+    result.score_board +=
+        line("%ld of %zu orders delivered\n",
+             static_cast<long>(std::ranges::count(game.deliveries(), true, &Delivery::correct)), orders.size());
+  result.set("teams", teams.dump());
+  result.set("orders", orders.dump());
+  result.set("deliveries", deliveries.dump());
+}
+
+void report_robots(std::span<const sim::RobotStats> robots, const sim::World& floor, Result& result) {
+  Json list = Json::array();
+  const double end = std::max(1e-9, to_seconds(result.sim_time));
+  int index = 0;
+  for (const sim::RobotStats& s : robots) {
+    const int contacts = static_cast<int>(floor.robot(sim::RobotId{index++}).robot_contacts);
+    list.push_back(robot_json(s, contacts));
+    result.score_board +=
+        line("%-8s at work %3.0f %%, driving %3.0f %%, %d skills, %d failed, %d contacts\n", s.name.c_str(),
+             100 * s.busy_s / end, 100 * s.drive_s / end, s.skills, s.failures, contacts);
+  }
+  result.set("robots", list.dump());
+}
+
+void add_sample(Result& sample) {
+  Json teams = Json::object();
+  for (const Team team : kTeams) teams[std::string(to_string(team))] = team_json({});
+  sample.set("teams", teams.dump());
+  sample.set("orders", Json::array({order_json({}, {}, Team::kCyan)}).dump());
+  sample.set("deliveries", Json::array({delivery_json({})}).dump());
+  sample.set("robots", Json::array({robot_json({}, 0)}).dump());
+}
+
+}  // namespace cxlab::rcll

@@ -1,0 +1,182 @@
+#include "scenarios/scenario.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "cx/bus/names.h"
+#include "cx/journal/file_store.h"
+#include "scenarios/catalogue.h"
+#include "scenarios/result.h"
+
+namespace cxlab {
+
+namespace {
+
+void read_packages(const yaml::Value& value, std::map<std::string, PackageSpec>& out) {
+  if (!value) return;
+  for (const auto& [name, folder] : value.as_map().entries()) {
+    out[name] = {folder.as_string(), folder.origin()};
+    if (out[name].folder.empty()) folder.fail("expected a folder");
+  }
+}
+
+AgentSpec read_agent(const yaml::Value& value) {
+  AgentSpec agent;
+  yaml::Map map = value.as_map();
+  agent.config = map.require("config").as_string();
+  map.read("namespace", agent.name_space).read("remap", agent.remaps);
+  read_packages(map.get("packages"), agent.packages);
+  if (const yaml::Value params = map.get("params"))
+    for (const auto& [name, param] : params.as_map().entries())
+      agent.params.push_back({name, param.dump(), param.origin()});
+  map.read("activate", agent.activate);
+  map.finish();
+  if (const Status s = bus::check_node(agent.name_space, agent.remaps); !s) map.fail(s.error());
+  return agent;
+}
+
+template <class Kind>
+std::string names_of(const std::vector<const Kind*>& kinds) {
+  std::string names;
+  for (const Kind* kind : kinds) names += (names.empty() ? "" : ", ") + std::string(kind->name);
+  return names;
+}
+
+template <class Kind>
+void read_settings(yaml::Map& map, Chosen<Kind>& spec) {
+  if (spec.kind->settings.read) spec.kind->settings.read(map, spec.config);
+  map.finish();
+}
+
+void read_world(const yaml::Value& value, const Catalogue& catalogue, Scenario& scenario) {
+  WorldSpec spec{&kEmptyWorld, {}, value.origin()};
+  yaml::Map map = value.as_map();
+  if (const yaml::Value kind = map.get("kind")) {
+    const std::string name = kind.as_string();
+    spec.kind = catalogue.find_world(name);
+    if (!spec.kind) return kind.fail("found '" + name + "', expected one of: " + names_of(catalogue.worlds));
+  }
+  read_settings(map, spec);
+  scenario.set_world(std::move(spec));
+}
+
+/// A node by its name alone, or a map with its settings.
+void read_server(const yaml::Value& value, const Catalogue& catalogue, Scenario& scenario) {
+  ServerSpec spec{nullptr, {}, value.origin()};
+  const auto find = [&](const yaml::Value& node) {
+    const std::string name = node.as_string();
+    spec.kind = catalogue.find_node(name);
+    if (!spec.kind && !name.empty()) node.fail("found '" + name + "', expected one of: " + names_of(catalogue.nodes));
+  };
+  if (value.is_scalar()) {
+    find(value);
+  } else {
+    yaml::Map map = value.as_map();
+    const yaml::Value node = map.require("node");
+    if (node) find(node);
+    if (spec.kind)
+      read_settings(map, spec);
+    else if (!node)
+      map.finish();
+  }
+  if (spec.kind) scenario.servers.push_back(std::move(spec));
+}
+
+void read_tier(yaml::Map& map, Scenario& scenario) {
+  std::string tier(to_string(scenario.tier));
+  map.read_word("tier", tier, {"physics", "timed"});
+  scenario.tier = tier == "timed" ? Tier::kTimed : Tier::kPhysics;
+  const WorldKind& world = *scenario.world.kind;
+  if (world.tiers.empty() || std::ranges::find(world.tiers, scenario.tier) != world.tiers.end()) return;
+  map.get("tier").fail("found '" + tier + "', expected " + std::string(to_string(world.tiers.front())) + ": " +
+                       std::string(world.name) + " has no other tier");
+}
+
+void check_steps(yaml::Map& map, const Scenario& scenario) {
+  const yaml::Value tick = map.get("tick_s"), step = map.get("physics_step_s");
+  if (scenario.tick <= SimTime::zero()) return tick.fail("must be more than 0");
+  if (scenario.physics_step <= SimTime::zero()) return step.fail("must be more than 0");
+  if (scenario.world.kind->any_tick || scenario.tick % scenario.physics_step == SimTime::zero()) return;
+  const auto shown = [](SimTime t) {
+    std::ostringstream text;
+    text << to_seconds(t);
+    return text.str();
+  };
+  (step ? step : tick)
+      .fail("tick_s, " + shown(scenario.tick) + ", must be a whole multiple of physics_step_s, " +
+            shown(scenario.physics_step));
+}
+
+std::string worlds_with_faults(const Catalogue& catalogue) {
+  std::vector<const WorldKind*> kinds = catalogue.worlds;
+  std::erase_if(kinds, [](const WorldKind* kind) { return !kind->takes_faults; });
+  return names_of(kinds);
+}
+
+void read_expectations(const yaml::Value& list, Scenario& scenario) {
+  for (const yaml::Value& value : list.as_list()) {
+    Expectation& e = scenario.expect.emplace_back();
+    e.origin = value.origin();
+    yaml::Map map = value.as_map();
+    map.read(e);
+    map.finish();
+    if (const Status s = check_result_path(e.path, scenario); !s && map.has("path"))
+      map.get("path").fail(s.error().message);
+    if (!e.min && !e.max && !e.equals) value.fail("expected min, max or equals");
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(Tier tier) { return tier == Tier::kTimed ? "timed" : "physics"; }
+
+Expected<Scenario> Scenario::load(const std::filesystem::path& file, const Catalogue& catalogue,
+                                  const std::vector<Override>& overrides) {
+  auto text = read_file(file);
+  return text ? parse(*text, file, catalogue, overrides) : Expected<Scenario>(text.error());
+}
+
+Expected<Scenario> Scenario::parse(const std::string& text, const std::filesystem::path& file,
+                                   const Catalogue& catalogue, const std::vector<Override>& overrides) {
+  auto document = yaml::Document::parse(text, file.string());
+  if (!document) return document.error();
+  Scenario scenario;
+  scenario.file = file;
+  scenario.text = text;
+  scenario.name = file.stem().string();
+  for (const Override& change : overrides) {
+    if (Status s = document->set(change.assignment, change.option); !s) return s.error();
+    scenario.overrides.push_back(change.assignment);
+  }
+  yaml::Map map = document->root().as_map();
+  if (const yaml::Value schema = map.require("schema"); schema && schema.as_integer() != 1)
+    schema.fail("found " + schema.text() + ", expected 1");
+  if (const yaml::Value world = map.get("world")) read_world(world, catalogue, scenario);
+  read_tier(map, scenario);
+  map.read("timed", scenario.timed).read("seed", scenario.seed).read("epoch", scenario.epoch);
+  map.read("duration_s", scenario.duration).read("tick_s", scenario.tick).read("physics_step_s", scenario.physics_step);
+  read_packages(map.get("packages"), scenario.packages);
+  if (const yaml::Value agents = map.get("agents"))
+    for (const yaml::Value& agent : agents.as_list()) scenario.agents.push_back(read_agent(agent));
+  if (const yaml::Value servers = map.get("servers"))
+    for (const yaml::Value& server : servers.as_list()) read_server(server, catalogue, scenario);
+  if (const yaml::Value stimuli = map.get("stimuli")) scenario.stimuli = read_stimuli(stimuli);
+  if (const yaml::Value faults = map.get("faults")) {
+    scenario.faults = read_faults(faults);
+    if (!scenario.world.kind->takes_faults)
+      faults.fail("this world has neither robots nor machines: expected world.kind " + worlds_with_faults(catalogue));
+  }
+  map.read("planner", scenario.planner);
+  std::string on_rule_error = "stop";
+  map.read_word("on_rule_error", on_rule_error, {"stop", "continue"});
+  scenario.stop_on_rule_error = on_rule_error == "stop";
+  map.read("max_firings_per_tick", scenario.max_firings_per_tick).read("trust_rules", scenario.trust_rules);
+  if (const yaml::Value expect = map.get("expect")) read_expectations(expect, scenario);
+  map.finish();
+  check_steps(map, scenario);
+  if (scenario.max_firings_per_tick < 0) map.get("max_firings_per_tick").fail("must be 0 (no limit) or more");
+  if (Status s = document->status(); !s) return s.error();
+  return scenario;
+}
+
+}  // namespace cxlab

@@ -1,0 +1,15 @@
+#include "scenarios/shipped/catalogue.h"
+
+#include "scenarios/pddl/node.h"
+#include "scenarios/rcll/world.h"
+#include "scenarios/turtlesim/world.h"
+
+namespace cxlab {
+
+const Catalogue& shipped() {
+  static const Catalogue kCatalogue{.worlds = {&kEmptyWorld, &rcll::kWorld, &turtlesim::kWorld},
+                                    .nodes = {&turtlesim::kNode, &pddl::kNode}};
+  return kCatalogue;
+}
+
+}  // namespace cxlab
