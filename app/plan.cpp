@@ -2,11 +2,15 @@
 
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <fstream>
+#include <functional>
+#include <mutex>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
 
 #include "app/arguments.h"
 #include "app/command.h"
@@ -93,6 +97,55 @@ ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& tas
   return out;
 }
 
+/// While it lives, SIGINT and SIGTERM end the process at once, wherever the planner is, after a report of the best plan
+/// found so far.
+class Interruption {
+ public:
+  using Report = std::function<void(const planner::PlanAnswer& so_far)>;
+
+  explicit Interruption(Report report) : report_(std::move(report)) {
+    so_far_.status = PlanStatus::kBudget;
+    sigemptyset(&signals_);
+    sigaddset(&signals_, SIGINT);
+    sigaddset(&signals_, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);  // of all threads that begin from now on
+    watcher_ = std::thread([this] { watch(); });
+  }
+  ~Interruption() {
+    mutex_.lock();  // a report that has begun ends the process
+    over_ = true;
+    mutex_.unlock();
+    pthread_kill(watcher_.native_handle(), SIGTERM);
+    watcher_.join();
+    pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
+  }
+  void found(const planner::TimedPlan& plan, std::int64_t units) {
+    const std::lock_guard lock(mutex_);
+    so_far_.status = PlanStatus::kPlan;
+    so_far_.plan = plan;
+    so_far_.units = units;
+  }
+
+ private:
+  void watch() {
+    int number = 0;
+    sigwait(&signals_, &number);
+    const std::lock_guard lock(mutex_);
+    if (over_) return;
+    so_far_.reason = "interrupted";
+    report_(so_far_);
+    std::fflush(nullptr);
+    std::_Exit(128 + number);
+  }
+
+  Report report_;
+  sigset_t signals_{};
+  std::mutex mutex_;  // of the two below
+  planner::PlanAnswer so_far_;
+  bool over_ = false;
+  std::thread watcher_;
+};
+
 int write(const std::string& file, const std::string& text) {
   std::ofstream out(file);
   out << text;
@@ -103,7 +156,7 @@ int write(const std::string& file, const std::string& text) {
 }
 
 /// Prints and writes the answer as asked; the exit code.
-int tell(const planner::PlanAnswer& answer, const planner::Task& task, const PlanCommand& command) {
+int report(const planner::PlanAnswer& answer, const planner::Task& task, const PlanCommand& command) {
   std::fprintf(stderr, "%s: %s; %lld units\n", word(answer.status), answer.reason.c_str(),
                static_cast<long long>(answer.units));
   int code = exit_code(answer.status);
@@ -144,7 +197,7 @@ int run(const PlanCommand& command) {
     planner::PlanAnswer answer;
     answer.status = PlanStatus::kBudget;
     answer.reason = task.error().text();
-    return tell(answer, {}, command);
+    return report(answer, {}, command);
   }
   if (!task) {
     std::fprintf(stderr, "error: %s\n", task.error().text().c_str());
@@ -154,7 +207,10 @@ int run(const PlanCommand& command) {
   options.budget = command.budget;
   if (deadline) options.timeout_s = std::chrono::duration<double>(*deadline - Clock::now()).count();
   options.anytime = command.anytime;
-  options.on_plan = [](const planner::TimedPlan& plan, std::int64_t units) {
+  std::optional<Interruption> interruption(std::in_place,
+                                           [&](const planner::PlanAnswer& so_far) { report(so_far, *task, command); });
+  options.on_plan = [&](const planner::TimedPlan& plan, std::int64_t units) {
+    interruption->found(plan, units);
     const std::string metric = plan.metric && told_metric(*plan.metric) != told_metric(plan.makespan_s)
                                    ? ", metric " + metric_text(*plan.metric)
                                    : "";
@@ -162,13 +218,14 @@ int run(const PlanCommand& command) {
                  metric.c_str(), static_cast<long long>(units));
   };
   const Expected<planner::PlanAnswer> answer = planner::find_plan(*task, options);
+  interruption.reset();
   if (!answer) {
     std::fprintf(stderr, "error: %s\n", answer.error().text().c_str());
     return answer.error().code == "memory"                ? kMemory
            : answer.error().code == planner::kUnsupported ? kUnsupported
                                                           : fail(answer.error());
   }
-  return tell(*answer, *task, command);
+  return report(*answer, *task, command);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #   lib/cmake/cxlab/    find_package(cxlab): cmake/package
 #   include/cxlab/      headers for plugins and for programs that play episodes
 #   share/cxlab/        interfaces, models, scenarios, docs with examples and templates
+#   share/              man page, completion for bash and zsh
 
 include_guard(GLOBAL)
 
@@ -62,6 +63,18 @@ configure_file(cmake/package/cxlabConfig.cmake.in "${installed}/cxlabConfig.cmak
 write_basic_package_version_file("${installed}/cxlabConfigVersion.cmake" COMPATIBILITY ExactVersion)
 install(FILES "${installed}/cxlabConfig.cmake" "${installed}/cxlabConfigVersion.cmake" cmake/package/cxlabPackage.cmake
   DESTINATION lib/cmake/cxlab)
+
+# --- Man page and completion, made by the program
+install(CODE "
+  function(cxlab_write file)
+    set(path \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/share/\${file}\")
+    get_filename_component(folder \"\${path}\" DIRECTORY)
+    file(MAKE_DIRECTORY \"\${folder}\")
+    execute_process(COMMAND \"$<TARGET_FILE:cxlab>\" \${ARGN} OUTPUT_FILE \"\${path}\" COMMAND_ERROR_IS_FATAL ANY)
+  endfunction()
+  cxlab_write(man/man1/cxlab.1 man)
+  cxlab_write(bash-completion/completions/cxlab completion bash)
+  cxlab_write(zsh/site-functions/_cxlab completion zsh)")
 
 # --- Data
 install(DIRECTORY cx/interfaces cx/packages models docs planner/engines DESTINATION ${share} PATTERN __pycache__ EXCLUDE)

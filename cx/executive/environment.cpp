@@ -96,7 +96,7 @@ Status Environment::run() {
     Error error{ErrorKind::kRun,
                 "environment '" + name_in_log() + "': " + report.loop_report.text() +
                     "; if they are right, allow more with max_firings_per_tick (now " +
-                    std::to_string(options_.run->max_firings) + ", 0 = no limit)",
+                    std::to_string(options_.run->max_firings) + ", 0 = no limit), or with --max-firings of cxlab env",
                 {},
                 0,
                 "rule_loop"};

@@ -332,6 +332,15 @@ Expected<Document> Document::load(const std::filesystem::path& file) {
   return parse(text.str(), file.string());
 }
 
+/// The line at `place` or before it (from 0) that is indented with a tab, which YAML does not allow; -1 if neither is.
+static int line_with_tab(const std::string& text, int place) {
+  std::istringstream lines(text);
+  std::string line;
+  for (int i = 0; i <= place && std::getline(lines, line); ++i)
+    if (const std::size_t tab = line.find('\t'); i + 1 >= place && tab < line.find_first_not_of(" \t")) return i;
+  return -1;
+}
+
 Expected<Document> Document::parse(const std::string& text, const std::string& name) {
   Document document;
   document.root_.shared_ = std::make_shared<Value::Shared>();
@@ -339,6 +348,8 @@ Expected<Document> Document::parse(const std::string& text, const std::string& n
   try {
     document.root_.node_ = std::make_shared<YAML::Node>(YAML::Load(text));
   } catch (const YAML::Exception& e) {
+    if (const int line = line_with_tab(text, e.mark.line); line >= 0)
+      return input_error("found a tab in the indentation, expected spaces", name, line + 1);
     return input_error("not YAML: " + e.msg, name, e.mark.line + 1);
   }
   if (document.root_.node_->IsNull()) *document.root_.node_ = YAML::Node(YAML::NodeType::Map);

@@ -82,8 +82,12 @@ Expected<Suite> Suite::load(const fs::path& file) {
   }
   if (const yaml::Value strategies = map.require("strategies")) {
     yaml::Map names = strategies.as_map();
-    for (const auto& [name, overrides] : names.entries())
+    for (const auto& [name, overrides] : names.entries()) {
+      const auto same = [&name = name](const Strategy& other) { return other.name == name; };
+      if (std::any_of(suite.strategies.begin(), suite.strategies.end(), same))
+        strategies.fail("found strategy '" + name + "' twice, expected each once");
       suite.strategies.push_back({name, overrides ? overrides.as_strings() : std::vector<std::string>()});
+    }
   }
   if (const yaml::Value seeds = map.require("seeds")) suite.seeds = read_seeds(seeds);
   map.read_word("tier", suite.tier, {"timed", "physics"});

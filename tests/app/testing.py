@@ -9,6 +9,8 @@ import unittest
 import xml.etree.ElementTree
 from pathlib import Path
 
+from lab import CONFIG
+
 CXLAB = os.environ["CXLAB"]
 EXAMPLES = Path(os.environ["CXLAB_SOURCE_DIR"]) / "docs/examples/stories"
 
@@ -66,16 +68,28 @@ class Testing(unittest.TestCase):
 
     def test_bench_compares_and_goes_on(self):
         (self.folder / "empty.yaml").write_text("schema: 1\nduration_s: 1\n")
-        (self.folder / "suite.yaml").write_text('scenarios: [empty.yaml]\nseeds: "1..2"\nstrategies: {plain: [], long: [duration_s=2], broken: ["agents=[{config: none.yaml}]"]}\n')
+        (self.folder / "suite.yaml").write_text('scenarios: [empty.yaml]\nseeds: "1..2"\nstrategies: {plain: [], long: [duration_s=2], broken: ["packages={rules: rules}", "agents=[{config: agent.yaml}]"]}\n')
+        (self.folder / "agent.yaml").write_text(CONFIG)
+        (self.folder / "rules").mkdir()
+        (self.folder / "rules/rules.clp").write_text("(defrule wrong (time ?) => (+ 1 (nth$ 1 (create$ one))))\n")
         first = cxlab("bench", "suite.yaml", "-j", 2, "--out", "o", cwd=self.folder)
         self.assertEqual(first.returncode, 1, first.stderr)
         with open(self.folder / "o/rows.csv") as rows:
             self.assertEqual([(r["strategy"], r["seed"], r["exit"]) for r in csv.DictReader(rows)],
-                             [("plain", "1", "0"), ("plain", "2", "0"), ("long", "1", "0"), ("long", "2", "0"), ("broken", "1", "3"), ("broken", "2", "3")])
-        (self.folder / "o/rows/empty-long-2.json").unlink()
+                             [("plain", "1", "0"), ("plain", "2", "0"), ("long", "1", "0"), ("long", "2", "0"), ("broken", "1", "4"), ("broken", "2", "4")])
+        next((self.folder / "o/rows").glob("empty-long-2-*.json")).unlink()
         again = cxlab("bench", "suite.yaml", "--out", "o", "--json", cwd=self.folder)
-        self.assertEqual(len(again.stderr.splitlines()), 1, again.stderr)
+        self.assertEqual(len(again.stderr.splitlines()), 2, again.stderr)
+        self.assertTrue(again.stderr.startswith("5 rows are current and kept\n[6/6] empty long seed 2: completed, exit 0"))
         self.assertEqual([s["points"]["n"] for s in json.loads(again.stdout)], [2, 2, 0])
+
+    def test_bench_looks_for_all_files_first(self):
+        (self.folder / "empty.yaml").write_text("schema: 1\nduration_s: 1\nagents: [{config: none.yaml}]\n")
+        (self.folder / "suite.yaml").write_text("scenarios: [empty.yaml]\nseeds: [1]\nstrategies: {plain: []}\n")
+        done = cxlab("bench", "suite.yaml", "--out", "o", cwd=self.folder)
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("none.yaml", done.stderr)
+        self.assertFalse((self.folder / "o").exists())
 
     def test_bench_reads_all_overrides_first(self):
         (self.folder / "empty.yaml").write_text("schema: 1\nduration_s: 1\n")

@@ -78,7 +78,7 @@ TEST_F(SessionTest, EndsAtTheTickAfterAStop) {
 }
 
 TEST_F(SessionTest, AnErrorOfARuleIsTheFailureOfTheRun) {
-  scenario("game", "(defrule wrong (time ?) => (+ 1 one))\n");
+  scenario("game", "(defrule wrong (time ?) => (+ 1 (nth$ 1 (create$ one))))\n");
   const Played played = play("game");
   ASSERT_TRUE(played.failure);
   EXPECT_EQ(played.failure->kind, ErrorKind::kRun);

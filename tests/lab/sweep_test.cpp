@@ -124,7 +124,7 @@ TEST_F(SweepTest, ABrokenRowIsPlayedAgain) {
 }
 
 TEST_F(SweepTest, AFailedEpisodeHasARowWithItsError) {
-  scenario("game", "(defrule wrong (time ?) => (+ 1 one))\n");
+  scenario("game", "(defrule wrong (time ?) => (+ 1 (nth$ 1 (create$ one))))\n");
   const auto rows = play(suite("[1]"));
   ASSERT_TRUE(rows);
   EXPECT_EQ(rows->front().status, "failed");

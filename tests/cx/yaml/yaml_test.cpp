@@ -55,6 +55,13 @@ TEST(Yaml, ErrorsNameFileLineAndRemedy) {
   EXPECT_NE(error_of("a: [1\n").find("s.yaml:2: not YAML"), std::string::npos);
 }
 
+TEST(Yaml, ATabInTheIndentationIsReportedWithItsLine) {
+  EXPECT_EQ(error_of("schema: 1\nworld:\n\tkind: rcll\n"), "s.yaml:3: found a tab in the indentation, expected spaces");
+  EXPECT_EQ(error_of("world:\n  \tkind: rcll\n  team: CYAN\n"),
+            "s.yaml:2: found a tab in the indentation, expected spaces");
+  EXPECT_NE(error_of("a: |\n  \tb\nc: d\ne: [1\n").find("not YAML"), std::string::npos);
+}
+
 TEST(Yaml, AMisspeltRequiredKeyIsToldByItsName) {
   const auto agent = [](const std::string& text) {
     auto document = Document::parse(text, "s.yaml");

@@ -1,0 +1,253 @@
+"""What all commands share: help, options, colours, signals, completion, man page. python3 -m unittest command_line"""
+
+import json
+import os
+import pty
+import shutil
+import signal
+import subprocess
+import time
+
+from lab import CXLAB, SOURCE, Lab
+
+GAME = SOURCE / "scenarios/rcll/game.yaml"
+
+
+def cxlab(*arguments, **options):
+    return subprocess.run([CXLAB, *map(str, arguments)], capture_output=True, text=True, timeout=60, **options)
+
+
+class Help(Lab):
+    def test_help_is_a_command_too(self):
+        self.assertEqual(cxlab("help").stdout, cxlab("--help").stdout)
+        self.assertEqual(cxlab("help", "run").stdout, cxlab("run", "--help").stdout)
+        self.assertEqual(cxlab("help", "new", "agent").stdout, cxlab("new", "agent", "--help").stdout)
+        wrong = cxlab("help", "rnu")
+        self.assertEqual(wrong.returncode, 2)
+        self.assertIn("there is no command 'rnu', did you mean 'run'?", wrong.stderr)
+
+    def test_a_misspelt_option_gets_a_suggestion(self):
+        for arguments, message in [
+                (["run", GAME, "--sed", "7"], "there is no option '--sed', did you mean '--seed'?"),
+                (["run", GAME, "--untill=3"], "there is no option '--untill', did you mean '--until'?"),
+                (["plan", "d", "p", "--any-time"], "there is no option '--any-time', did you mean '--anytime'?"),
+                (["run", GAME, "--xyzzyx"], "there is no option '--xyzzyx'\n"),
+                (["run", GAME, "another.yaml"], "one argument too many: 'another.yaml'")]:
+            done = cxlab(*arguments)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(message, done.stderr)
+
+    def test_the_manual_page_has_every_command_and_option(self):
+        page = cxlab("man").stdout
+        names = [line.split()[0] for line in cxlab("--help").stdout.split("Subcommands:")[1].split("Exit codes")[0].splitlines() if line]
+        self.assertGreater(len(names), 15)
+        for name in names:
+            self.assertIn(f".SS cxlab {name}".replace("-", "\\-"), page)
+        for option in ["--seed", "--snapshot", "--anytime", "--with", "--coverage"]:
+            self.assertIn("\\fB" + option.replace("-", "\\-"), page)
+        self.assertNotRegex(page, r"(?m)^\.(?!TH|SH|SS|TP|PP|nf|fi)")
+        if shutil.which("groff"):
+            done = subprocess.run(["groff", "-man", "-Tutf8", "-ww"], input=page, capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertIn("EXIT STATUS", done.stdout)
+
+
+class Completion(Lab):
+    def complete(self, *words):
+        """What bash offers for the last word."""
+        script = """
+source <("$CXLAB" completion bash)
+COMP_WORDS=(cxlab "$@"); COMP_CWORD=$#
+_cxlab
+printf '%s\\n' "${COMPREPLY[@]}"
+"""
+        done = subprocess.run(["bash", "-c", script, "bash", *words], capture_output=True, text=True, cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return done.stdout.split()
+
+    def test_bash_offers_commands_options_values_and_files(self):
+        self.write("game.yaml", "")
+        self.assertEqual(self.complete("re"), ["replay", "rerun", "render"])
+        self.assertIn("--snapshot", self.complete("run", "--s"))
+        self.assertNotIn("--anytime", self.complete("run", "--"))
+        self.assertIn("--anytime", self.complete("plan", "--a"))
+        self.assertEqual(self.complete("run", "--tier", ""), ["physics", "timed"])
+        self.assertEqual(self.complete("list", "f"), ["functions", "faults"])
+        self.assertEqual(self.complete("new", "p"), ["plugin"])
+        self.assertEqual(self.complete("run", "ga"), ["game.yaml"])
+
+    def test_the_script_for_zsh_names_every_command(self):
+        script = cxlab("completion", "zsh").stdout
+        self.assertTrue(script.startswith("#compdef cxlab\n"))
+        for text in ["'run:Plays a scenario'", "'--tier[", ":value:(physics timed)'", "    why-not) _arguments"]:
+            self.assertIn(text, script)
+        if shutil.which("zsh"):
+            done = subprocess.run(["zsh", "-n"], input=script, capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+    def test_another_shell_is_wrong_usage(self):
+        self.assertEqual(cxlab("completion", "fish").returncode, 2)
+
+
+class Output(Lab):
+    def on_terminal(self, *arguments, **variables):
+        """What the command writes to stderr where that is a terminal."""
+        controller, terminal = pty.openpty()
+        environment = {k: v for k, v in os.environ.items() if k != "NO_COLOR"} | {"TERM": "xterm"} | variables
+        subprocess.run([CXLAB, *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=terminal, env=environment, cwd=self.folder)
+        os.close(terminal)
+        text = b""
+        try:
+            while chunk := os.read(controller, 4096):
+                text += chunk
+        except OSError:  # all was read
+            pass
+        os.close(controller)
+        return text.decode()
+
+    def test_colours_are_for_terminals_that_want_them(self):
+        wrong = ["run", "missing.yaml"]
+        self.assertIn("\x1b[1;31merror:\x1b[0m missing.yaml", self.on_terminal(*wrong))
+        self.assertTrue(self.on_terminal(*wrong, NO_COLOR="1").startswith("error: missing.yaml"))
+        self.assertTrue(self.on_terminal(*wrong, TERM="dumb").startswith("error: missing.yaml"))
+        self.assertIn("\x1b[", self.on_terminal(*wrong, NO_COLOR=""))
+        self.assertTrue(cxlab(*wrong).stderr.startswith("error: missing.yaml"))
+
+    def test_quiet_prints_nothing_on_stderr(self):
+        self.agent('(defrule once (initial-fact) => (printout t "hello" crlf))')
+        self.assertEqual(self.run_it().stderr, "")
+        loud = cxlab("run", "scenario.yaml", "--out", "again", cwd=self.folder)
+        self.assertIn("run: again\n", loud.stderr)
+        self.assertIn("hello", loud.stderr)
+
+    def test_set_takes_one_value(self):
+        self.agent("")
+        done = cxlab("run", "--out", "none", "--set", "seed=3", "scenario.yaml", "--set", "duration_s=1", "--json", "--quiet",
+                     cwd=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        result = json.loads(done.stdout)
+        self.assertEqual((result["seed"], result["sim_time_s"]), (3, 1))
+
+    def test_a_failed_run_has_no_score_board(self):
+        self.agent("(defrule wrong (time ?) => (+ 1 (nth$ 1 (create$ one))))", "schema: 1\nworld: {kind: rcll}\ntier: timed\n"
+                   "packages: {rules: rules}\nagents:\n  - config: agent.yaml\n")
+        done = self.run_it()
+        self.assertEqual(done.returncode, 4)
+        self.assertEqual(done.stdout.splitlines(), ["failed after 0.000 s of simulated time", f"{self.out}/index.html"])
+
+    def test_a_picture_that_cannot_be_made_is_code_5(self):
+        self.agent("")
+        self.fails(5, "no pictures: the world is empty", arguments=["--snapshot", "1"])
+        environment = os.environ | {"PATH": str(self.folder)}
+        done = cxlab("run", SOURCE / "scenarios/turtlesim/figures.yaml", "--video", "film.mp4", "--out", "none", "--quiet",
+                     "--until", 1, cwd=self.folder, env=environment)
+        self.assertEqual(done.returncode, 5)
+        self.assertEqual(done.stderr, "error: no pictures: --video needs ffmpeg: apt-get install ffmpeg\n")
+
+    def test_a_film_goes_through_ffmpeg(self):
+        program = self.write("ffmpeg", '#!/bin/sh\necho "$@" > arguments\ncat | wc -c > bytes\n')
+        program.chmod(0o755)
+        done = cxlab("run", SOURCE / "scenarios/turtlesim/figures.yaml", "--video", "a film's.mp4", "--out", "none", "--quiet",
+                     "--until", 1, cwd=self.folder, env=os.environ | {"PATH": f"{self.folder}:{os.environ['PATH']}"})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        arguments = (self.folder / "arguments").read_text()
+        self.assertIn("-s 480x480 ", arguments)
+        self.assertTrue(arguments.endswith("a film's.mp4\n"))
+        self.assertEqual(int((self.folder / "bytes").read_text()) % (480 * 480 * 3), 0)
+        program.write_text("#!/bin/sh\nexit 1\n")
+        done = cxlab("run", SOURCE / "scenarios/turtlesim/figures.yaml", "--video", "film.mp4", "--out", "none", "--quiet",
+                     cwd=self.folder, env=os.environ | {"PATH": f"{self.folder}:{os.environ['PATH']}"})
+        self.assertEqual(done.returncode, 5)
+        self.assertIn("ffmpeg", done.stderr)
+
+
+class Interfaces(Lab):
+    def test_an_interface_is_shown_with_its_nested_fields(self):
+        text = cxlab("doc", "rcll_interfaces/msg/OrderInfo").stdout
+        self.assertIn("Order[] orders", text)
+        self.assertIn("\n\tuint32 id\n", text)
+        self.assertEqual(cxlab("doc", "rcll_interfaces/msg/Order").stdout,
+                         (SOURCE / "cx/interfaces/rcll_interfaces/msg/Order.msg").read_text())
+
+    def test_interfaces_can_be_listed(self):
+        names = cxlab("list", "interfaces").stdout.split()
+        for name in ["rcll_interfaces/msg/Order", "std_srvs/srv/SetBool", "rcll_interfaces/action/InstructMachine"]:
+            self.assertIn(name, names)
+
+    def test_those_of_own_packages_are_there(self):
+        self.write("own/msg/Mine.msg", "int32 value\n")
+        self.assertEqual(cxlab("doc", "own/msg/Mine", "--package", f"own={self.folder}/own").stdout, "int32 value\n")
+        done = cxlab("doc", "own/msg/Mine")
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("there is no interface 'own/msg/Mine'", done.stderr)
+
+
+class Signals(Lab):
+    def interrupted(self, *arguments, after, number=signal.SIGINT):
+        """The command, ended by a signal when stderr has said `after`; it must end within a second."""
+        process = subprocess.Popen([CXLAB, *map(str, arguments)], cwd=self.folder, text=True, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE)
+        said = ""
+        if isinstance(after, str):
+            for line in process.stderr:
+                said += line
+                if after in line:
+                    break
+        else:
+            time.sleep(after)
+        self.assertIsNone(process.poll(), said)
+        process.send_signal(number)
+        start = time.monotonic()
+        out, err = process.communicate(timeout=20)
+        self.assertLess(time.monotonic() - start, 3, "a second, and what a busy machine needs")
+        self.assertEqual(process.returncode, 128 + number, said + err)
+        return out, said + err
+
+    def test_replay_ends(self):
+        self.agent("(defrule count ?n <- (n ?i) (time ?) => (retract ?n) (assert (n (+ ?i 1))))\n(deffacts n (n 0))",
+                   "schema: 1\nduration_s: 20000\npackages: {rules: rules}\nagents:\n  - config: agent.yaml\n")
+        self.run_it("--journal", "none")
+        for half in ["--rules"]:
+            out, _ = self.interrupted("replay", "out", half, after=0.5)
+            self.assertEqual(out, "")
+
+    def test_plan_prints_what_it_has_found(self):
+        places = [f"p{i}" for i in range(60)]
+        roads = " ".join(f"(road {a} {b})" for a in places for b in places if a != b)
+        self.write("d.pddl", """(define (domain d) (:types place)
+  (:predicates (at ?p - place) (road ?a ?b - place) (seen ?p - place))
+  (:functions (length ?a ?b - place))
+  (:durative-action go :parameters (?a ?b - place) :duration (= ?duration (length ?a ?b))
+    :condition (and (at start (at ?a)) (over all (road ?a ?b)))
+    :effect (and (at start (not (at ?a))) (at end (at ?b)) (at end (seen ?b)))))""")
+        lengths = " ".join(f"(= (length {a} {b}) {1 + (7 * i + 13 * k) % 29})" for i, a in enumerate(places) for k, b in enumerate(places))
+        self.write("p.pddl", f"(define (problem p) (:domain d) (:objects {' '.join(places)} - place) (:init (at p0) {roads} {lengths})"
+                             f" (:goal (and {' '.join(f'(seen {p})' for p in places[1:])})))")
+        for number in [signal.SIGINT, signal.SIGTERM]:
+            out, err = self.interrupted("plan", "d.pddl", "p.pddl", "--anytime", "--budget", 10**12, after="plan: ", number=number)
+            self.assertIn("plan: interrupted", err)
+            self.write("found.plan", out)
+            judged = cxlab("validate", "d.pddl", "p.pddl", "found.plan", cwd=self.folder)
+            self.assertEqual(judged.returncode, 0, judged.stdout)
+
+    def test_bench_takes_its_episodes_along(self):
+        self.agent("(defrule count ?n <- (n ?i) (time ?) => (retract ?n) (assert (n (+ ?i 1))))\n(deffacts n (n 0))",
+                   "schema: 1\nduration_s: 1000000\npackages: {rules: rules}\nagents:\n  - config: agent.yaml\n")
+        self.write("suite.yaml", "scenarios: [scenario.yaml]\nseeds: [1, 2, 3]\nstrategies: {s: }\n")
+        for number in [signal.SIGINT, signal.SIGKILL]:
+            process = subprocess.Popen([CXLAB, "bench", "suite.yaml", "-j", "2", "--out", "o"], cwd=self.folder)
+            children = []
+            for _ in range(500):
+                time.sleep(0.02)
+                children = subprocess.run(["ps", "-o", "pid=", "--ppid", str(process.pid)], capture_output=True, text=True).stdout.split()
+                if len(children) == 2:
+                    break
+            self.assertEqual(len(children), 2)
+            process.send_signal(number)
+            process.wait(timeout=10)
+            for child in children:
+                for _ in range(200):
+                    if not os.path.exists(f"/proc/{child}"):
+                        break
+                    time.sleep(0.02)
+                self.assertFalse(os.path.exists(f"/proc/{child}"), "an episode goes on without its bench")
