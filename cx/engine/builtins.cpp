@@ -193,7 +193,7 @@ void load_function(Environment* env, UDFContext* context, UDFValue* result) {
 
 // --- The machine ---------------------------------------------------------------------------------------------------
 
-/// What differs from machine to machine: its answer goes through the input log, and the journal marks the call.
+/// A function whose answer depends on the machine: it goes through the input log, and the journal marks the call.
 void machine_function(Environment* env, UDFContext* context, UDFValue* result) {
   const Value value = impl_of(context).look_outside(UDFContextFunctionName(context), [&] {
     std::vector<UDFValue> args;

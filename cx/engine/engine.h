@@ -1,5 +1,5 @@
 #pragma once
-// One CLIPS environment and all that rules need around it. The only part of cxlab that knows clips.h.
+// One CLIPS environment, with errors, facts and functions. Only cx/engine includes clips.h.
 
 #include <cstdint>
 #include <functional>
@@ -50,7 +50,7 @@ struct RuleError {
 
   /// `file:line: rule NAME, RHS: message`.
   std::string text() const;
-  /// Of kind input for side load, run for the others.
+  /// The kind is input for side load, run for the others.
   Error error() const;
 };
 
@@ -123,7 +123,7 @@ struct ActivationInfo {
   std::vector<std::int64_t> facts;  ///< indices; -1 for a condition without a fact (not, exists)
 };
 
-/// How far a rule has got, one entry a disjunct of its left-hand side.
+/// The matches of a rule, one entry for each disjunct of its left-hand side.
 struct RuleMatches {
   struct Pattern {
     int condition = 0;         ///< counted from 1
@@ -263,7 +263,7 @@ class RuleEngine {
   // --- Journal ---------------------------------------------------------------------------------------------------
 
   StreamId stream() const { return stream_; }
-  /// What asserts and retracts outside of rules are caused by, until the next call; empty = nothing.
+  /// The cause of asserts and retracts outside of rules, until the next call; empty = none.
   void set_cause(std::span<const RecordRef> causes);
   void set_cause(RecordRef cause) { set_cause(std::span<const RecordRef>(&cause, 1)); }
   void clear_cause() { set_cause(std::span<const RecordRef>{}); }

@@ -60,7 +60,7 @@ void add_rules_below(const joinNode& join, std::vector<std::string>& rules) {
   for (const joinLink* link = join.nextLinks; link != nullptr; link = link->next) add_rules_below(*link->join, rules);
 }
 
-/// What a message puts in single quotes.
+/// The texts of a message in single quotes.
 std::vector<std::string> quoted(const std::string& message) {
   std::vector<std::string> names;
   for (std::size_t at = message.find('\''); at != std::string::npos; at = message.find('\'', at + 1)) {

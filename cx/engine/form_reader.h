@@ -28,7 +28,7 @@ struct FormReading {
 /// at the next line that begins with `(def`. A stray `)` and a zero byte are errors and skipped.
 FormReading read_forms(std::string_view text, const std::string& file);
 
-/// What a form consists of, without comments.
+/// The parts of a form, without comments.
 struct Token {
   enum class Kind { kOpen, kClose, kWord, kString, kConnective };  ///< connectives: & | ~
   Kind kind = Kind::kWord;

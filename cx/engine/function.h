@@ -19,7 +19,7 @@ inline constexpr std::uint16_t kAnyNumberOfArguments = 0xFFFF;
 /// May a function be called on a left-hand side? An acting one changes facts or queues something for the bus.
 enum class FunctionKind : std::uint8_t { kPure, kActing };
 
-/// What CLIPS has to know of a function. Type codes: `s` string, `y` symbol, `l` integer, `d` float, `b` boolean,
+/// The declaration of a function for CLIPS. Type codes: `s` string, `y` symbol, `l` integer, `d` float, `b` boolean,
 /// `e` external address, `m` multifield, `f` fact address, `i` `n` instances, `v` void, `*` any.
 struct FunctionSpec {
   std::string name = {};

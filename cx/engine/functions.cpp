@@ -88,7 +88,7 @@ struct CallFrame {
     }
   }
 
-  /// What UDFNextArgument does, with a short way for variables of a rule.
+  /// As UDFNextArgument, but faster for variables of a rule.
   static bool next_argument(Environment* env, UDFContext* context, unsigned bits, UDFValue& value) {
     Expression& arg = *context->lastArg;
     const bool variable = arg.type == PROC_GET_BIND || (arg.type >= FACT_JN_VAR1 && arg.type <= FACT_JN_VAR3);

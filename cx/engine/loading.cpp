@@ -219,7 +219,7 @@ bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, Load
 LoadReport RuleEngine::load_text(std::string_view text, const std::string& file, LoadMode mode, OnLoadError on_error) {
   LoadReport report;
   impl_->flush_errors();
-  // What happened before this load stays for the next report.
+  // Errors of before this load stay for the next report.
   std::vector<RuleError> earlier = std::exchange(errors_, {});
   const auto collect = [&] {
     impl_->flush_errors();

@@ -1,5 +1,5 @@
 #pragma once
-// What rules may see and touch of the world outside, and how that gets into the input log.
+// Access of rules to the world outside, and how its results get into the input log.
 
 #include <functional>
 #include <string>

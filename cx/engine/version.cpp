@@ -11,7 +11,7 @@ std::string trimmed(const std::string& banner) {
   return begin == std::string::npos ? std::string() : banner.substr(begin, end + 1 - begin);
 }
 
-/// What the library in this process prints; BANNER_STRING is that of the headers.
+/// The banner of the library in this process; BANNER_STRING is that of the headers.
 std::string library_banner() {
   std::string banner;
   clips::Environment* env = clips::CreateEnvironment();

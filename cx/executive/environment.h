@@ -85,8 +85,8 @@ class Environment {
   void begin_again();
   void has_begun() { engine_->keep_same_constructs(false); }
 
-  /// What plugins of this environment share, e.g. the messages that its rules hold: one object a type, made from this
-  /// environment when first asked for, destroyed with the environment.
+  /// An object that plugins of this environment share, e.g. the messages that its rules hold: one a type, made from
+  /// this environment when first asked for, destroyed with the environment.
   template <class T>
   T& common() {
     auto& shared = common_[std::type_index(typeid(T))];

@@ -135,7 +135,7 @@ class EnvironmentManager final : public Agent {
   Status do_cleanup();
 
   Expected<std::unique_ptr<Environment>> make_environment(const std::string& name);
-  /// Of an environment of this manager, the same each time it is made.
+  /// The name of an environment in the run, the same each time that it is made.
   const std::string& unique_name(const std::string& environment);
   Expected<LogFile*> log_file(const std::string& name);
   Status load_all(Entry& entry);
@@ -149,7 +149,7 @@ class EnvironmentManager final : public Agent {
   /// `finalize` of those instances that no environment has any more, the last made first.
   void finalize_unused();
   void note(Error error);
-  /// What was asked for at run time went wrong: noted with `keep_going`, else the run ends.
+  /// A request at run time failed: noted with `keep_going`, else the run ends.
   void fail(Error error);
   /// A hook of a plugin has ended: an error of any kind is noted with `keep_going`, else the run ends.
   void end_hook(const Status& ended);

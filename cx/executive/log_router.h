@@ -1,5 +1,5 @@
 #pragma once
-// What rules print becomes lines of the log.
+// Makes lines of the log from the output of rules.
 
 #include <functional>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace cxlab::cx {
 
-/// Makes lines of what rules print. All logical names share one buffer, as in CX: a line has the level and colour of
+/// Makes lines from the output of rules. All logical names share one buffer, as in CX: a line has level and colour of
 /// the name that delivered its end.
 class LogRouter {
  public:

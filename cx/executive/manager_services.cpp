@@ -1,4 +1,4 @@
-// What others ask of the environment manager at run time, and its services for that: list, create and destroy
+// Requests to the environment manager at run time, and its services for them: list, create and destroy
 // environments; list, load and unload plugins.
 
 #include <utility>

@@ -1,5 +1,5 @@
 #pragma once
-// What a plugin is. A plugin is listed in YAML under an instance name; one instance may serve several environments.
+// The base class of plugins. YAML lists a plugin under an instance name; one instance may serve several environments.
 
 #include <functional>
 #include <memory>
@@ -18,7 +18,7 @@
 
 namespace cxlab::cx {
 
-/// What the manager gives to a plugin. Everything outlives it.
+/// The manager's arguments for a plugin. All of them outlive it.
 struct PluginContext {
   std::string name;        ///< of the instance
   std::string type;        ///< as in YAML, e.g. "cx::FileLoadPlugin"
@@ -86,14 +86,14 @@ struct PluginType {
   /// Families only: whether a class is one of them, and the names of all (asked for when a class was not found).
   std::function<bool(const std::string& type, bus::Registry& interfaces)> has = {};
   std::function<std::vector<std::string>(bus::Registry& interfaces)> classes = {};
-  // Of classes in libraries of a user's own:
+  // Only for classes in libraries of users:
   std::shared_ptr<PluginLibrary> library = {};
   int line = 0;  ///< in the manifest
   std::string description = {};
   bool any_parameter = false;  ///< the manifest does not list them
 };
 
-/// What a plugin keeps of each environment, in order of loading.
+/// A plugin's data of each environment, in order of loading.
 template <class State>
 class PerEnvironment {
  public:

@@ -63,7 +63,7 @@ std::string who(const std::string& name, const std::string& type, const std::str
   return "plugin '" + name + "' (" + type + (library.empty() ? "" : " of " + library) + ')';
 }
 
-/// What the exception that is being handled says.
+/// The text of the exception that is being handled.
 std::string current_exception_text() {
   try {
     throw;

@@ -1,5 +1,5 @@
 #pragma once
-// What people read while a run goes on: lines of environments, plugins and the manager, with simulated time.
+// Lines for people to read during a run, from environments, plugins and the manager, with simulated time.
 
 #include <cstdint>
 #include <string_view>

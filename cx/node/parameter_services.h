@@ -14,7 +14,7 @@ namespace cxlab::cx {
 void put_parameter(const Parameter& parameter, const bus::MessageView& value);
 Expected<Parameter> take_parameter(const bus::MessageView& value);
 
-/// What is wrong with a value that somebody wants to set, if anything.
+/// The error of a value that a client wants to set, if it has one.
 using ParameterCheck = std::function<Status(const std::string& name, const Parameter& value)>;
 
 /// Offers `~/list_parameters`, `~/get_parameters`, `~/get_parameter_types`, `~/describe_parameters`,

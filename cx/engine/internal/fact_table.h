@@ -1,5 +1,5 @@
 #pragma once
-// What the journal knows of each fact that exists.
+// The journal's data of each existing fact.
 
 #include <cstddef>
 #include <cstdint>

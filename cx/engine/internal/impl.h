@@ -1,5 +1,5 @@
 #pragma once
-// What the sources of the engine share.
+// Shared by the sources of the engine.
 
 #include <array>
 #include <map>
@@ -15,7 +15,7 @@ namespace cxlab {
 
 /// A function added from C++. Its address is the context of its definitions in CLIPS, so it stays when removed.
 struct FunctionRecord {
-  // What each call reads comes first, so that it lies together.
+  // Members that each call reads come first, so that they lie together.
   RuleEngine* engine = nullptr;
   Function function;  ///< empty once removed
   std::vector<unsigned> arg_bits;
@@ -40,7 +40,7 @@ struct RuleEngine::Impl {
 
   // --- Errors (errors.cpp) ---------------------------------------------------------------------------------------
 
-  /// What is being done on behalf of whom; the innermost is last. The texts are those of whoever does it.
+  /// The work under way, and for which construct or function; the innermost is last. Its caller owns the texts.
   struct Context {
     ErrorSide side = ErrorSide::kLoad;
     std::string_view name;  ///< of a construct or a called function
@@ -49,7 +49,7 @@ struct RuleEngine::Impl {
     const Form* form = nullptr;  ///< being loaded
   };
   std::vector<Context> contexts;
-  /// A rule fires, or has fired and CLIPS may still have a word on it; its context is above `rule_depth` contexts.
+  /// A rule fires, or has fired and CLIPS may still report on it; its context is above `rule_depth` contexts.
   bool rule_open = false;
   bool rule_acting = false;
   std::size_t rule_depth = 0;
@@ -58,14 +58,14 @@ struct RuleEngine::Impl {
   /// Calls of deffunctions and generic functions under way, and where on the stack the outermost began.
   int calls = 0;
   std::uintptr_t calls_begin = 0;
-  bool leaving_calls = false;  ///< they were nested too deep: what CLIPS says at each level is left out
+  bool leaving_calls = false;  ///< they were nested too deep: the messages of CLIPS at each level are dropped
   static constexpr std::uintptr_t kMostStack = 6 * 1024 * 1024;
   clips::EntityEvaluationFunction* call_deffunction = nullptr;  ///< of CLIPS
   clips::EntityEvaluationFunction* call_generic = nullptr;
   clips::CLIPSLexeme* rule_atom = nullptr;  ///< its name, retained
   std::string_view rule_name;               ///< the text of it
 
-  /// What CLIPS has said on stderr from the first "[CODE]" on, and where its messages begin with the line being parsed.
+  /// The output of CLIPS on stderr since the first "[CODE]"; where its messages begin, with the line being parsed.
   std::string captured;
   struct MessageStart {
     std::size_t at = 0;

@@ -1,4 +1,4 @@
-// What all bindings share, and those of messages and services.
+// The base of all bindings, and the bindings of messages and services.
 
 #include "cx/plugins/bindings/binding.h"
 

@@ -12,7 +12,7 @@
 
 namespace cxlab::cx {
 
-/// What the three kinds share: names with the prefix, and the functions of one message type.
+/// Base of the three kinds: names with the prefix, and the functions of one message type.
 class Binding : public BusConnection {
  public:
   Binding(Environment& environment, std::string logger, std::string prefix)
@@ -32,7 +32,7 @@ class Binding : public BusConnection {
   Status add_all(std::vector<Template> suffixes);
   /// The message behind an argument must be of that type; else the call has failed.
   bool is_a(Call& call, Handle message, const bus::MessageType& type);
-  /// What CX answers to an unknown handle: an ERROR line, and the rule goes on.
+  /// As CX for an unknown handle: an ERROR line, and the rule continues.
   void unknown_handle(Call& call, const std::string& what);
 
   std::string prefix_;
@@ -95,7 +95,7 @@ class ActionBinding final : public Binding {
   void destroy_server(Call& call);
   void take_goal(const std::string& server, const bus::Delivery& delivery);
   void take_cancel(const std::string& server, const bus::Delivery& delivery);
-  /// What the callback says: 1 .. `most`; `missing` without one, 1 (reject) after an error or another value.
+  /// The result of the callback: 1 .. `most`; `missing` without one, 1 (reject) after an error or another value.
   std::int64_t ask(const std::string& callback, std::initializer_list<Value> args, std::int64_t most,
                    std::int64_t missing);
   ServedGoal* served(Call& call);

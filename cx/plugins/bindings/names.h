@@ -26,8 +26,8 @@ std::string kebab_case(std::string_view camel);
 /// "std_msgs/msg/String" -> "cx::CXStdMsgsStringPlugin".
 std::string binding_class_name(std::string_view interface);
 
-/// What a class such as "cx::CXStdMsgsStringPlugin" binds; only looks into packages that fit. Where a package has a
-/// message, a service and an action of one name, the first of these.
+/// The interface that a class such as "cx::CXStdMsgsStringPlugin" binds; only looks into packages that fit. Where a
+/// package has a message, a service and an action of one name, the first of these.
 std::optional<BindingClass> find_binding(std::string_view class_name, const bus::Registry& interfaces);
 /// The classes of all interfaces, sorted by package.
 std::vector<std::string> binding_classes(const bus::Registry& interfaces);

@@ -1,5 +1,5 @@
 #pragma once
-// What the rules of one environment have opened on the bus through one plugin: publishers, subscriptions, clients,
+// The endpoints that rules of one environment have opened through one plugin: publishers, subscriptions, clients,
 // services, action clients, and the messages that came from them. The generic plugin and the bindings of interfaces are
 // two vocabularies over it: each has its functions, facts and templates.
 
@@ -22,7 +22,7 @@ const char* status_word(bus::GoalStatus status);
 /// How a goal ended: SUCCEEDED, CANCELED, ABORTED, else UNKNOWN.
 const char* result_word(bus::GoalStatus status);
 
-/// What rules left open or undestroyed, in all environments of a plugin instance.
+/// Endpoints and messages that rules did not close or destroy, in all environments of a plugin instance.
 struct Leftovers {
   std::size_t messages = 0, client_goals = 0, server_goals = 0;  ///< handles
   std::vector<std::string> open;                                 ///< "Environment E has open NAME publishers"
@@ -107,7 +107,7 @@ class BusConnection {
   ActionClient* action_client(Call& call, std::string_view server);
   void cancel_goal(Call& call, std::string_view server, Handle goal);
   const Goal* find_goal(Handle goal) const;
-  /// Of a handle that `find_goal` does not know.
+  /// The error for a handle that `find_goal` does not know.
   static std::string unknown_goal(Handle goal);
   /// Of a goal that was accepted and has not ended; none otherwise.
   Handle handle_of(const std::string& server, const bus::GoalId& id) const;

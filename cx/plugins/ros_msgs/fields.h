@@ -44,7 +44,7 @@ class Fields {
  private:
   const bus::Field* find(const bus::MessageType& type, const ValueRef& name);
 
-  /// What a name meant last. CLIPS keeps one atom a name: the same one at each call of a site.
+  /// The last meaning of a name. CLIPS has one atom for a name: the same one at each call of a site.
   struct Known {
     const void* atom = nullptr;
     const bus::MessageType* type = nullptr;

@@ -6,7 +6,7 @@ namespace cxlab::cx {
 
 namespace {
 
-/// Of ros_msgs.clp in CX.
+/// As in ros_msgs.clp of CX.
 const std::vector<BusConnection::Template>& templates() {
   static const std::vector<BusConnection::Template> all{
       {"ros-msgs-subscription", "(slot topic (type STRING)) (slot type (type STRING))"},

@@ -65,7 +65,7 @@ class RosInterface final : public BusConnection {
   /// The message type of that name; else the call has failed.
   const bus::MessageType* message_type(Call& call, const ValueRef& name);
 
-  /// What a name meant last, by its atom: looked up once a call site.
+  /// The last meaning of a name, by its atom: looked up once for each call site.
   struct Known {
     const void* atom = nullptr;
     const bus::MessageType* type = nullptr;

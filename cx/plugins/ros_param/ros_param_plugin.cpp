@@ -10,7 +10,7 @@ namespace {
 
 using Type = Parameter::Type;
 
-/// What a default says of its parameter.
+/// The type that a default gives to its parameter.
 struct Wanted {
   Type type = Type::kString;  ///< of the value, or of the elements
   bool is_list = false;
