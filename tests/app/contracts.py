@@ -15,6 +15,23 @@ FIELDS = ["schema", "scenario", "seed", "tier", "status", "reason", "determinist
           "rule_errors", "journal_hash", "physics_hash", "stream_hashes"]
 
 
+class LastTick(Lab):
+    """The tick at the end is played."""
+
+    def last_time(self, *arguments):
+        self.agent('(defrule say (time ?t) => (printout t "at " ?t crlf))')
+        self.assertEqual(self.run_it("--force", *arguments).returncode, 0)
+        lines = (self.out / "logs/main.log").read_text().splitlines()
+        return [line.split()[-1] for line in lines if " at " in line][-1]
+
+    def test_is_at_the_end(self):
+        self.assertEqual(self.last_time(), "2.0")
+        self.assertEqual(self.last_time("--until", "1"), "1.0")
+
+    def test_that_is_no_tick_is_the_first_after_it(self):
+        self.assertEqual(self.last_time("--until", "0.99"), "1.0")
+
+
 class Game(Lab):
     """The league's game, in the timed tier."""
 
