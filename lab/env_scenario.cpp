@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <set>
 
-#include "cx/base/parse_number.h"
+#include "cx/base/number_text.h"
 #include "cx/bus/names.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/journal/file_store.h"
@@ -210,8 +210,8 @@ Expected<Stimulus> transition(const EnvOptions& options, const std::string& text
   const char* form = "SECONDS:NAME or SECONDS:NAME@NODE";
   auto parts = split("--transition", text, ":", form);
   if (!parts) return parts.error();
-  const auto at = parse_number<double>(parts->first);
-  if (!at || *at < 0) return usage_error("--transition: found '" + text + "', expected " + form);
+  const auto at = read_number<double>(parts->first);
+  if (!at || !(*at >= 0 && *at < 1e9)) return usage_error("--transition: found '" + text + "', expected " + form);
   const std::size_t where = parts->second.find('@');
   const std::string name = parts->second.substr(0, where);
   const std::vector<std::string> known{"configure", "activate", "deactivate", "cleanup", "shutdown"};
