@@ -49,7 +49,7 @@ TEST_F(Apart, WhatHappensInOneEnvironmentMovesNothingInAnother) {
 }
 
 TEST_F(Apart, EpisodesSideBySideAreAsEachAlone) {
-  const std::vector<std::string> first{"tier=timed", "duration_s=120"},
+  const std::vector<Override> first{"tier=timed", "duration_s=120"},
       second{"tier=timed", "duration_s=120", "seed=2", "world.team=MAGENTA"};
   const Result alone_a = whole(game(), first), alone_b = whole(game(), second);
   auto a = load(game(), first), b = load(game(), second);
@@ -68,7 +68,7 @@ TEST_F(Apart, EpisodesSideBySideAreAsEachAlone) {
 }
 
 TEST_F(Apart, PhysicsSideBySideIsAsAlone) {
-  const std::vector<std::string> set{"duration_s=4"};
+  const std::vector<Override> set{"duration_s=4"};
   const Result alone = whole(game(), set);
   auto a = load(game(), set), b = load(game(), {"duration_s=4", "seed=2"});
   begin(*a);
