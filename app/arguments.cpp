@@ -43,17 +43,17 @@ CLI::Validator seed_number() {
           ""};
 }
 
+CLI::Option* once_each(CLI::Option* option) { return option->take_all()->expected(1)->allow_extra_args(false); }
+
+void add_prefix_option(CLI::App& command, std::vector<std::string>& prefixes) {
+  once_each(
+      command.add_option("--prefix,--plugin-path", prefixes,
+                         "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)"));
+}
+
 void add_package_options(CLI::App& command, lab::PackageOptions& options) {
-  command.add_option("--package", options.named, "NAME=DIR: where a package lies")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  command
-      .add_option("--prefix,--plugin-path", options.prefixes,
-                  "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
+  once_each(command.add_option("--package", options.named, "NAME=DIR: where a package lies"));
+  add_prefix_option(command, options.prefixes);
 }
 
 namespace {
@@ -73,7 +73,7 @@ std::string unknown(const CLI::App& command) {
 
 /// The message of CLI11, or a better one: it names no near option, and what kind of number it expected.
 std::string explained(const CLI::App& command, const CLI::ParseError& error) {
-  if (error.get_name() == "ExtrasError") return unknown(command);
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) return unknown(command);
   const std::string text = error.what(), begin = "Could not convert: ";
   const std::size_t equals = text.find(" = ");
   if (!text.starts_with(begin) || equals == std::string::npos) return text;

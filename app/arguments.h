@@ -17,6 +17,10 @@ CLI::Validator positive();
 /// A whole number from 0 that 64 bits hold.
 CLI::Validator seed_number();
 
+/// The option may come often, with one value each time; it takes no argument that follows.
+CLI::Option* once_each(CLI::Option* option);
+/// Declares `--prefix`.
+void add_prefix_option(CLI::App& command, std::vector<std::string>& prefixes);
 /// Declares `--package` and `--prefix`.
 void add_package_options(CLI::App& command, lab::PackageOptions& options);
 

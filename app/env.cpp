@@ -20,6 +20,7 @@ struct Options {
 int env(const Options& options) {
   lab::EnvOptions env = options.env;
   if (options.run.play.until) env.until = *options.run.play.until;
+  if (options.run.seed) env.seed = options.run.seed;
   auto scenario = lab::env_scenario(env, shipped());
   if (!scenario) return fail(scenario.error());
   PlayCommand run = options.run;
@@ -43,66 +44,33 @@ void declare(CLI::App& command, Options& options) {
       .add_option("config", options.env.configs,
                   "Configurations of the CLIPS-Executive (YAML), one environment manager each")
       ->required();
-  command
-      .add_option("--package", options.env.packages,
-                  "NAME=DIR: where a package lies (default: what lies around the configuration)")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  command
-      .add_option("--with", options.env.with, "Plays in a world, or starts a node: " + lab::known_companions(shipped()))
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  command
-      .add_option("--prefix,--plugin-path", options.run.play.prefixes,
-                  "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  command.add_option("--param", options.env.params, "NODE.NAME=VALUE: changes a parameter")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
+  once_each(command.add_option("--package", options.env.packages,
+                               "NAME=DIR: where a package lies (default: what lies around the configuration)"));
+  once_each(command.add_option("--with", options.env.with,
+                               "Plays in a world, or starts a node: " + lab::known_companions(shipped())));
+  once_each(command.add_option("--param", options.env.params, "NODE.NAME=VALUE: changes a parameter"));
   command.add_option("--namespace", options.env.name_space, "Of the nodes")->capture_default_str();
-  command.add_option("--remap", options.env.remaps, "FROM:=TO: renames a topic, service or action")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
+  once_each(command.add_option("--remap", options.env.remaps, "FROM:=TO: renames a topic, service or action"));
   command.add_option("--stimuli", options.env.stimuli, "What happens from outside (YAML list, docs/scenario.md)");
   command.add_flag("!--no-activate", options.env.activate,
                    "Managers without autostart_node stay unconfigured until somebody asks");
-  command
-      .add_option("--transition", options.env.transitions,
-                  "SECONDS:NAME[@NODE]: configure, activate, deactivate, cleanup or shutdown of a manager "
-                  "(docs/plugins/manager.md)")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
+  once_each(command.add_option("--transition", options.env.transitions,
+                               "SECONDS:NAME[@NODE]: configure, activate, deactivate, cleanup or shutdown of a manager "
+                               "(docs/plugins/manager.md)"));
   options.run.play.keep_going = true;
   command.add_flag("--keep-going,!--no-keep-going", options.run.play.keep_going,
                    "Errors in rule files are reported and the run goes on (default); it then ends with exit code 3");
   command.add_flag("--stop-on-rule-error", options.env.stop_on_rule_error,
                    "An error in a rule ends the run (exit code 4); without it the run goes on and the exit code does "
-                   "not tell of it");
+                   "not change");
   command
       .add_option("--max-firings", options.env.max_firings,
                   "Rules that an environment may fire in a tick before the run ends as one without an end (default "
                   "100000, 0 = no limit)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 62));
-  command.add_flag("--strict-cx", options.run.play.strict,
-                   "Parameters that CX does not know are errors, not INFO lines");
   command.add_flag("--trust-rules", options.env.trust_rules, "Rules may read, write and run anything");
-  command.add_option("--until", options.run.play.until, "End, s of simulated time (default 60)")->check(not_negative());
-  command.add_option("--seed", options.env.seed, "Seed of all chance")->check(seed_number());
-  command.add_option("--out", options.run.play.out,
-                     "Folder of the run; 'none' writes nothing (default runs/<config>-<seed>)");
-  command.add_flag("--force", options.run.play.force, "Overwrites a folder that is in use");
-  command.add_option("--journal", options.run.play.journal, "What journal.jsonl holds: none, decisions or full")
-      ->capture_default_str();
-  command.add_flag("--realtime", options.run.play.realtime, "Sleeps between ticks, to watch");
-  command.add_flag("--json", options.run.json, "Prints result.json");
-  command.add_flag("--quiet", options.run.quiet, "No progress and no log lines");
+  declare_play(command, options.run);
+  command.get_option("--until")->description("End, s of simulated time (default 60)");
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ void describe(const CLI::App& command, const std::string& name, std::string& out
            (takes_value(*option) && !option->get_positional() ? " \\fI" + roff(value) + "\\fR" : "") + '\n' +
            roff(option->get_description()) + '\n';
   }
-  if (const std::string footer = command.get_footer(); footer.find_first_not_of('\n') != std::string::npos)
+  if (const std::string footer = command.get_footer(); footer != command.get_parent()->get_footer())
     out += ".PP\n.nf\n" + roff(footer) + "\n.fi\n";
 }
 
@@ -213,7 +213,7 @@ void add_help(CLI::App& app, Action& action) {
         at = next;
         path += ' ' + name;
       }
-      std::fputs(at->help(path == "cxlab" ? "" : path).c_str(), stdout);
+      std::fputs(app.get_formatter()->make_help(at, path, CLI::AppFormatMode::Normal).c_str(), stdout);
       return 0;
     };
   });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
 #include "app/report.h"
@@ -34,6 +35,21 @@ Status write_page(const lab::Played& played) {
 }
 
 }  // namespace
+
+void declare_play(CLI::App& command, PlayCommand& options) {
+  lab::PlayOptions& play = options.play;
+  command.add_option("--seed", options.seed, "Seed of all chance, instead of the scenario's")->check(seed_number());
+  command.add_option("--until", play.until, "End, s of simulated time")->check(not_negative());
+  command.add_option("--out", play.out, "Folder of the run; 'none' writes nothing (default runs/<scenario>-<seed>)");
+  command.add_flag("--force", play.force, "Overwrites a folder that is in use");
+  command.add_option("--journal", play.journal, "What journal.jsonl holds: none, decisions or full")
+      ->capture_default_str();
+  command.add_flag("--strict-cx", play.strict, "Parameters that CX does not know are errors, not INFO lines");
+  add_prefix_option(command, play.prefixes);
+  command.add_flag("--realtime", play.realtime, "Sleeps between ticks, to watch");
+  command.add_flag("--json", options.json, "Prints result.json instead of a summary");
+  command.add_flag("--quiet", options.quiet, "Prints neither progress nor log lines");
+}
 
 Outcome play(const PlayCommand& command, Scenario scenario) {
   Console console(command.quiet);

@@ -9,8 +9,11 @@ namespace cxlab::app {
 
 struct PlayCommand {
   lab::PlayOptions play;
+  std::optional<std::uint64_t> seed = {};
   bool json = false, quiet = false;
 };
+/// Declares the options that all these commands have.
+void declare_play(CLI::App& command, PlayCommand& options);
 
 struct Outcome {
   int exit_code = 0;

@@ -14,7 +14,6 @@ namespace {
 
 struct Options : PlayCommand {
   std::string scenario, tier;
-  std::optional<std::uint64_t> seed;
   std::vector<std::string> overrides;
 };
 
@@ -44,31 +43,12 @@ void declare(CLI::App& command, Options& options) {
       .add_option("scenario", options.scenario,
                   "Scenario: a file (YAML), or the name of one that comes with cxlab (cxlab list scenarios)")
       ->required();
-  command.add_option("--seed", options.seed, "Seed of all chance, instead of the scenario's")->check(seed_number());
   command.add_option("--tier", options.tier, "physics: MuJoCo; timed: durations only")
       ->check(CLI::IsMember({"physics", "timed"}));
-  command.add_option("--set", options.overrides, "Changes a value: a.b[0].c=VALUE (may be given often)")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  command.add_option("--until", options.play.until, "Stops at this simulated time, s")->check(not_negative());
-  command.add_option("--out", options.play.out,
-                     "Folder of the run; 'none' writes nothing (default runs/<scenario>-<seed>)");
-  command.add_flag("--force", options.play.force, "Overwrites a folder that is in use");
-  command.add_option("--journal", options.play.journal, "What journal.jsonl holds: none, decisions or full")
-      ->capture_default_str();
-  command.add_flag("--strict-cx", options.play.strict, "Parameters that CX does not know are errors, not INFO lines");
-  command
-      .add_option("--prefix,--plugin-path", options.play.prefixes,
-                  "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  command.add_flag("--realtime", options.play.realtime, "Sleeps between ticks, to watch");
+  once_each(command.add_option("--set", options.overrides, "Changes a value: a.b[0].c=VALUE (may be given often)"));
   command.add_option("--snapshot", options.play.snapshot, "Pictures: every:SECONDS or SECONDS,SECONDS,...");
   command.add_option("--video", options.play.video, "Film of the game (needs ffmpeg)");
-  command.add_flag("--json", options.json, "Prints result.json instead of the score board");
-  command.add_flag("--quiet", options.quiet, "No progress and no log lines");
+  declare_play(command, options);
 }
 
 }  // namespace

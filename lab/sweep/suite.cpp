@@ -113,9 +113,8 @@ std::vector<Cell> Suite::cells() const {
 Status Suite::check() const {
   for (const Cell& cell : cells()) {
     if (cell.seed != seeds.front()) continue;
-    const auto wrong = [&cell](Error error) {
-      error.message = "strategy '" + cell.strategy + "': " + error.message;
-      return error;
+    const auto wrong = [&cell](const Error& error) {
+      return input_error("strategy '" + cell.strategy + "': " + error.text());
     };
     auto scenario = Scenario::load(cell.file, shipped(), {cell.overrides.begin(), cell.overrides.end()});
     if (!scenario) return wrong(scenario.error());

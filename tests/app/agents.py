@@ -24,9 +24,9 @@ class Agents(Env):
         log = self.env("""(defrule speak (time ?t&:(< ?t 0.05)) => (printout t "id " (ros-param-get-value id 0) crlf))""",
                        config=AGENT.replace('"ros_msgs", "files"]', '"ros_param", "files"]').replace("ros_msgs:", "ros_param:").replace("RosMsgs", "RosParam"),
                        configs=("agent.yaml", "agent.yaml"))
-        self.assertEqual(log.count("[main] id 0"), 2)
-        for name in ("main", "main-2"):
-            self.assertEqual((self.out / f"logs/{name}.log").read_text(), "[0.000] [main] [info] id 0\n")
+        for name, logger in ("main", "clips_manager/main"), ("main-2", "clips_manager-2/main"):
+            self.assertIn(f"[{logger}] id 0\n", log)
+            self.assertEqual((self.out / f"logs/{name}.log").read_text(), f"[0.000] [{logger}] [info] id 0\n")
         self.assertEqual({"env/main", "env/main-2"}, {r["stream"] for r in self.records() if r["stream"].startswith("env/")})
         replayed = subprocess.run([CXLAB, "replay", "out"], cwd=self.folder, text=True, timeout=60, stdout=subprocess.PIPE)
         self.assertEqual((replayed.returncode, replayed.stdout), (0, "rules: the same up to 1.000 s: env/main env/main-2\n"))

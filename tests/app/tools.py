@@ -329,7 +329,7 @@ clips_manager:
         self.cxlab("env", config, "--until", 1, "--quiet", "--out", self.folder / "run")
         shutil.rmtree(config.parent.parent)
         for number in range(2):   # the rerun of a rerun too
-            done = self.cxlab("rerun", self.folder / "run", "--quiet", "--out", self.folder / f"again{number}")
+            done = self.cxlab("rerun", self.folder / "run", "--out", self.folder / f"again{number}")
             self.assertIn("the same: ", done.stdout)
             self.assertIn("the run's own copies", done.stderr)
 

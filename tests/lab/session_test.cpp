@@ -46,7 +46,7 @@ struct Watch final : ProgressSink, cx::LogSink {
 };
 
 TEST_F(SessionTest, PlaysAScenarioIntoAFolder) {
-  scenario("game", "(defrule once (initial-fact) => (printout t \"hello\" crlf))\n");
+  scenario("game", "(defrule once => (printout t \"hello\" crlf))\n");
   Watch watch;
   const Played played = play("game", {}, watch.host());
   EXPECT_FALSE(played.failure);
