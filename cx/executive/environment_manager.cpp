@@ -548,7 +548,6 @@ void EnvironmentManager::finalize_unused() {
 // --- A tick
 
 Status EnvironmentManager::perceive() {
-  const CLocale numbers;
   for (Entry& entry : environments_) {
     if (Status s = call_handlers(entry.environment->name(), [&] { return entry.environment->take_inputs(); }); !s)
       return s;
@@ -562,7 +561,6 @@ Status EnvironmentManager::perceive() {
 }
 
 Status EnvironmentManager::decide(SimTime now) {
-  const CLocale numbers;
   for (Entry& entry : environments_) {
     for (Plugin* plugin : entry.loaded) {
       if (plugin->next_due(*entry.environment) > now) continue;
@@ -577,7 +575,6 @@ Status EnvironmentManager::decide(SimTime now) {
 }
 
 Status EnvironmentManager::act() {
-  const CLocale numbers;
   if (Status s = options_.feed->feed(node_); !s) return s;
   if (bond_) bond_->act();
   return std::exchange(failure_, Status());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cx/base/number_text.h"
 #include "cx/bus/bus.h"
 
 namespace cxlab {
@@ -19,6 +20,7 @@ Status each(const std::vector<Part*>& parts, Status (Part::*call)(Args...), Args
 }  // namespace
 
 Status Loop::tick_at(SimTime next) {
+  const CLocale numbers;  // CLIPS and worlds print them
   const SimTime passed = next - std::max(now_, SimTime::zero());
   if (passed > SimTime::zero())
     if (Status s = each(parts_.worlds, &Simulation::advance, passed); !s) return s;
