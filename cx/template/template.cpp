@@ -12,8 +12,9 @@ namespace {
 /// One call of `render`.
 struct Rendering {
   const Loader& loader;
-  std::string loaded;
-  Expected<std::string> result;
+  std::string loaded = {};
+  std::string made = {};
+  std::optional<Error> error = {};
 
   static minijinja_text text(const std::string& text) { return {text.data(), text.size()}; }
   static std::string string(minijinja_text text) { return {text.data, text.size}; }
@@ -26,9 +27,11 @@ struct Rendering {
     *text = Rendering::text(rendering.loaded);
     return 1;
   }
-  static void done(void* context, minijinja_text text) { static_cast<Rendering*>(context)->result = string(text); }
+  static void write(void* context, minijinja_text text) {
+    static_cast<Rendering*>(context)->made.append(text.data, text.size);
+  }
   static void fail(void* context, minijinja_text file, size_t line, minijinja_text message) {
-    static_cast<Rendering*>(context)->result = input_error(string(message), string(file), static_cast<int>(line));
+    static_cast<Rendering*>(context)->error = input_error(string(message), string(file), static_cast<int>(line));
   }
 };
 
@@ -52,7 +55,7 @@ Loader folder_loader(const std::string& folder) {
 }
 
 Expected<std::string> render(const Loader& loader, const std::string& name, const Options& options) {
-  Rendering rendering{loader, {}, std::string()};
+  Rendering rendering{loader};
   const minijinja_job job{Rendering::text(name),
                           Rendering::text(options.variables),
                           options.html,
@@ -61,10 +64,11 @@ Expected<std::string> render(const Loader& loader, const std::string& name, cons
                           options.limits.memory,
                           &rendering,
                           Rendering::load,
-                          Rendering::done,
+                          Rendering::write,
                           Rendering::fail};
   minijinja_render(&job);
-  return std::move(rendering.result);
+  if (rendering.error) return *std::move(rendering.error);
+  return std::move(rendering.made);
 }
 
 Expected<std::string> render_file(const std::string& folder, const std::string& file, const Options& options) {

@@ -21,12 +21,12 @@ Loader folder_loader(const std::string& folder);
 struct Limits {
   std::uint64_t steps = 20'000'000;     ///< instructions of minijinja
   std::uint64_t output = 64ull << 20;   ///< bytes of text
-  std::uint64_t memory = 256ull << 20;  ///< bytes of memory besides the text
+  std::uint64_t memory = 64ull << 20;  ///< bytes of memory besides the text
 };
 
 struct Options {
   std::string variables = "{}";  ///< a JSON object: what the template sees by name
-  bool html = false;             ///< values are escaped for HTML, XML and SVG, and undefined names are errors
+  bool html = false;             ///< values are escaped for HTML, XML and SVG; printing an undefined one is an error
   Limits limits = {};
 };
 

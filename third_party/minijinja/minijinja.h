@@ -17,16 +17,17 @@ typedef struct {
 typedef struct {
   minijinja_text name;      /* the template to render */
   minijinja_text variables; /* a JSON object */
-  int html;        /* 0: as Jinja's defaults; else values are escaped for HTML, and undefined names are errors */
+  int html;        /* 0: as Jinja's defaults; else values are escaped for HTML, and printing an undefined one fails */
   uint64_t fuel;   /* instructions that may run */
   uint64_t output; /* bytes of text that may be made */
   uint64_t memory; /* bytes that may be allocated at the same time, besides the text */
   void* context;   /* passed to the functions */
-  /* Sets `text` and returns 1, or returns 0 if there is no such template. Runs in another thread while the caller
-     waits; `text` stays valid until the next call or the end of minijinja_render. Must not throw. */
+  /* The functions must not throw. `load` and `write` run in another thread while the caller waits. */
+  /* Sets `text` and returns 1, or returns 0 if there is no such template. `text` stays valid until the next call. */
   int (*load)(void* context, minijinja_text name, minijinja_text* text);
-  /* One of these is called at the end, in the caller's thread. `line` is 0 if it is unknown. */
-  void (*done)(void* context, minijinja_text text);
+  /* Takes the next piece of the text. */
+  void (*write)(void* context, minijinja_text text);
+  /* Called at the end if rendering has failed. `line` is 0 if it is unknown. */
   void (*fail)(void* context, minijinja_text file, size_t line, minijinja_text message);
 } minijinja_job;
 

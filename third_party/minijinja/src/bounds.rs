@@ -12,14 +12,12 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Once};
 use std::thread::{self, Thread};
 
-/// Nested values are freed by a recursion over their depth: room for the deepest that fits in the memory. Only what is
-/// used takes memory.
-const STACK_BYTES: usize = 1 << 30;
+/// Nested values are freed by a recursion over their depth: room for the deepest that 64 MB can hold. Only what is used
+/// of a stack takes memory.
+const STACK_BYTES: usize = 256 << 20;
 /// What may be used of the stack where its use is checked. A text that is made meanwhile grows by doubling, so that the
 /// recursion that makes it gets at most twice as deep until the next check.
 const CHECKED_STACK_BYTES: usize = STACK_BYTES / 4;
-/// Smaller allocations never stop a thread: they may happen while it holds a lock.
-const STOPPING_BYTES: usize = 4096;
 
 pub enum Stop {
     Memory,
@@ -93,12 +91,10 @@ struct Counting;
 
 fn take(bytes: usize) {
     LEFT.set(LEFT.get().wrapping_sub(bytes as isize));
-    if bytes >= STOPPING_BYTES {
-        if LEFT.get() < 0 {
-            stop(NO_MEMORY);
-        }
-        check_stack();
+    if LEFT.get() < 0 {
+        stop(NO_MEMORY);
     }
+    check_stack();
 }
 
 /// An address near the end of the stack.

@@ -2,10 +2,9 @@
 
 mod bounds;
 
-use std::cell::Cell;
 use std::ffi::{c_int, c_void};
 use std::io;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, Once};
 
 use minijinja::{AutoEscape, Environment, Error, ErrorKind, UndefinedBehavior, Value};
 
@@ -41,7 +40,7 @@ pub struct Job {
     memory: u64,
     context: *mut c_void,
     load: extern "C" fn(*mut c_void, Text, *mut Text) -> c_int,
-    done: extern "C" fn(*mut c_void, Text),
+    write: extern "C" fn(*mut c_void, Text),
     fail: extern "C" fn(*mut c_void, Text, usize, Text),
 }
 
@@ -58,6 +57,9 @@ struct Failure {
 /// Safety: all pointers of the job are valid, as minijinja.h says.
 #[no_mangle]
 pub unsafe extern "C" fn minijinja_render(job: &Job) {
+    // What all renderings share is made here: a thread must not stop while it holds the lock of that.
+    static SHARED: Once = Once::new();
+    SHARED.call_once(|| drop(Environment::new().render_named_str("a.html", "{{ 1 }}", ())));
     let copy = *job;
     let failed = |message: String| Failure { file: String::new(), line: 0, message };
     let rendered = match bounds::run(job.memory as usize, move || render(&copy)) {
@@ -66,16 +68,13 @@ pub unsafe extern "C" fn minijinja_render(job: &Job) {
         Err(bounds::Stop::Stack) => Err(failed("a value is nested too deep".into())),
         Err(bounds::Stop::Panic(message)) => Err(failed(format!("minijinja failed: {message}"))),
     };
-    match rendered {
-        Ok(text) => (job.done)(job.context, Text::of(&text)),
-        Err(failure) => {
-            let file = if failure.file.is_empty() { job.name } else { Text::of(&failure.file) };
-            (job.fail)(job.context, file, failure.line, Text::of(&failure.message))
-        }
+    if let Err(failure) = rendered {
+        let file = if failure.file.is_empty() { job.name } else { Text::of(&failure.file) };
+        (job.fail)(job.context, file, failure.line, Text::of(&failure.message));
     }
 }
 
-fn render(job: &Job) -> Result<String, Failure> {
+fn render(job: &Job) -> Result<(), Failure> {
     let job = *job;
     let not_utf8 = Arc::new(Mutex::new(None));
     let found = not_utf8.clone();
@@ -87,7 +86,7 @@ fn render(job: &Job) -> Result<String, Failure> {
     environment.set_unknown_method_callback(minijinja_contrib::pycompat::unknown_method_callback);
     environment.set_fuel(Some(job.fuel));
     if job.html != 0 {
-        environment.set_undefined_behavior(UndefinedBehavior::Strict);
+        environment.set_undefined_behavior(UndefinedBehavior::SemiStrict);
     }
     environment.set_auto_escape_callback(move |_| if job.html != 0 { AutoEscape::Html } else { AutoEscape::None });
     environment.set_loader(move |name| {
@@ -108,16 +107,15 @@ fn render(job: &Job) -> Result<String, Failure> {
     });
 
     let text = |text: Text| std::str::from_utf8(unsafe { text.bytes() }).unwrap_or("\u{fffd}");
-    let room = Cell::new(job.output as usize);
-    let mut output = Output { text: Vec::new(), room: &room };
     let variables = variables(&environment, text(job.variables)).map_err(|error| Failure {
         file: String::new(),
         line: 0,
         message: format!("the variables cannot be read: {}", failure(&error, &job).message),
     })?;
     let template = environment.get_template(text(job.name));
-    match template.and_then(|template| template.render_captured_to(variables, &mut output).map(|_| ())) {
-        Ok(()) => Ok(String::from_utf8(output.text).expect("minijinja writes UTF-8")),
+    let output = Output { job: &job, room: job.output as usize };
+    match template.and_then(|template| template.render_captured_to(variables, output).map(|_| ())) {
+        Ok(()) => Ok(()),
         Err(_) if not_utf8.lock().unwrap().is_some() => {
             let (file, line) = not_utf8.lock().unwrap().take().unwrap();
             Err(Failure { file, line, message: "found bytes that are not UTF-8".into() })
@@ -131,20 +129,20 @@ fn variables(environment: &Environment, json: &str) -> Result<Value, Error> {
     environment.compile_expression(json)?.eval(minijinja::context! { null => () })
 }
 
-/// The text that was made so far.
+/// Hands the text over.
 struct Output<'a> {
-    text: Vec<u8>,
-    room: &'a Cell<usize>,
+    job: &'a Job,
+    room: usize,
 }
 
 impl io::Write for Output<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         bounds::check_stack();
-        if bytes.len() > self.room.get() {
+        if bytes.len() > self.room {
             return Err(io::ErrorKind::OutOfMemory.into());
         }
-        self.room.set(self.room.get() - bytes.len());
-        self.text.extend_from_slice(bytes);
+        self.room -= bytes.len();
+        (self.job.write)(self.job.context, Text { data: bytes.as_ptr(), size: bytes.len() });
         Ok(bytes.len())
     }
 
