@@ -14,8 +14,8 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
-#include "app/plan_picture.h"
 #include "app/planning.h"
+#include "lab/page.h"
 #include "planner/pddl/parser.h"
 #include "planner/planner.h"
 
@@ -76,10 +76,13 @@ ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& tas
     ordered_json arguments = ordered_json::array();
     for (const planner::ObjectId object : step.arguments)
       arguments.push_back(task.problem.objects[static_cast<std::size_t>(object)].name);
-    const double latest = static_cast<double>(answer.plan->latest[2 * i]) / planner::kMicrosPerSecond;
+    const auto latest = [&](std::size_t point) {
+      return static_cast<double>(answer.plan->latest[point]) / planner::kMicrosPerSecond;
+    };
     out["steps"].push_back({{"start", step.start},
                             {"duration", step.duration},
-                            {"latest_start", latest},
+                            {"latest_start", latest(2 * i)},
+                            {"latest_end", latest(2 * i + 1)},
                             {"action", task.domain.actions[static_cast<std::size_t>(step.action)].name},
                             {"arguments", std::move(arguments)}});
   }
@@ -179,7 +182,10 @@ int report(const planner::PlanAnswer& answer, const planner::Task& task, const P
       code = std::max(code, write(command.out, text));
     else if (!command.json)
       std::fputs(text.c_str(), stdout);
-    if (!command.svg.empty()) code = std::max(code, write(command.svg, plan_picture(*answer.plan, task)));
+    if (!command.svg.empty()) {
+      const auto picture = lab::render_page("plan.svg", to_json(answer, task, false).dump());
+      code = std::max(code, picture ? write(command.svg, *picture) : fail(picture.error()));
+    }
   }
   if (command.json) std::printf("%s\n", to_json(answer, task, command.timeout_s.has_value()).dump(1).c_str());
   return code;

@@ -1,40 +1,11 @@
 #include "app/play.h"
 
-#include <algorithm>
-
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
-#include "app/report.h"
-#include "cx/journal/run_folder.h"
+#include "lab/report.h"
 
 namespace cxlab::app {
-
-namespace {
-
-/// Those that a person reads, relative to the run's folder.
-std::vector<std::string> readable_files(const std::filesystem::path& folder) {
-  std::vector<std::string> out = {"result.json", "manifest.json", "journal.jsonl"};
-  std::error_code ignored;
-  std::vector<std::string> logs;
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "logs", ignored))
-    if (!entry.is_symlink()) logs.push_back("logs/" + entry.path().filename().string());
-  std::sort(logs.begin(), logs.end());
-  out.insert(out.end(), logs.begin(), logs.end());
-  return out;
-}
-
-Status write_page(const lab::Played& played) {
-  if (played.folder.empty() || played.result.journal_hash.empty()) return {};
-  Report report;
-  report.result = played.result;
-  report.pictures = played.pictures;
-  report.files = readable_files(played.folder);
-  if (Status s = read_story(played.folder / "journal.jsonl", report); !s) return s;
-  return replace_file(played.folder / "index.html", to_html(report));
-}
-
-}  // namespace
 
 void declare_play(CLI::App& command, PlayCommand& options) {
   lab::PlayOptions& play = options.play;
@@ -62,7 +33,7 @@ Outcome play(const PlayCommand& command, Scenario scenario) {
 }
 
 int conclude(const lab::Played& played) {
-  const Status page = write_page(played);
+  const Status page = lab::write_report(played);
   for (const Error& error : played.errors) (void)fail(error);
   if (played.failure) return static_cast<int>(played.failure->kind);
   if (!page) return fail(page.error());

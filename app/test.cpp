@@ -99,7 +99,11 @@ int test(const TestOptions& options) {
     std::printf("%s\n", report.dump(2).c_str());
   else
     std::printf("%zu passed, %zu failed\n", passed, stories->size() - passed);
-  if (Status s = write(options.junit, lab::to_junit(*stories)); !s) return fail(s.error());
+  if (!options.junit.empty()) {
+    const auto junit = lab::to_junit(*stories);
+    if (!junit) return fail(junit.error());
+    if (Status s = write(options.junit, *junit); !s) return fail(s.error());
+  }
   if (Status s = write(options.coverage, lab::to_lcov(coverage)); !s) return fail(s.error());
   if (bad) return static_cast<int>(ErrorKind::kInput);
   return passed == stories->size() ? 0 : static_cast<int>(ErrorKind::kNo);

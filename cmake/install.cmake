@@ -77,7 +77,7 @@ install(CODE "
   cxlab_write(zsh/site-functions/_cxlab completion zsh)")
 
 # --- Data
-install(DIRECTORY cx/interfaces cx/packages models docs planner/engines DESTINATION ${share} PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY cx/interfaces cx/packages models docs planner/engines lab/pages DESTINATION ${share} PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY scenarios DESTINATION ${share}
   FILES_MATCHING PATTERN "*.yaml" PATTERN "*.clp" PATTERN "*.pddl" PATTERN "package.xml")
 install(FILES README.md LICENSE DESTINATION ${doc})

@@ -84,6 +84,7 @@ std::vector<Finding> examine_machine() {
   findings.push_back(share("interfaces", folders.interfaces));
   findings.push_back(share("models", folders.models));
   findings.push_back(share("scenarios", folders.scenarios));
+  findings.push_back(share("pages", folders.pages));
   const bool osmesa = loads("libOSMesa.so.8") || loads("libOSMesa.so");
   const bool egl = loads("libEGL.so.1");
   findings.push_back({"OSMesa", osmesa ? Verdict::kGood : Verdict::kOptional, osmesa ? "found" : "not found",

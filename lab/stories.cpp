@@ -10,6 +10,7 @@
 #include "cx/base/process.h"
 #include "cx/base/scratch_folder.h"
 #include "cx/testing/story_file.h"
+#include "lab/page.h"
 
 namespace cxlab::lab {
 
@@ -113,21 +114,10 @@ Status play_in_processes(std::vector<PlayedStory>& stories, const testing::Story
 }
 
 /// XML has no way to write most control characters.
-std::string xml(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? '?' : c;
-  }
-  return out;
+std::string for_xml(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') c = '?';
+  return text;
 }
 
 }  // namespace
@@ -172,27 +162,24 @@ Coverage coverage_of(const std::vector<PlayedStory>& stories) {
   return files;
 }
 
-std::string to_junit(const std::vector<PlayedStory>& stories) {
-  std::string cases;
+Expected<std::string> to_junit(const std::vector<PlayedStory>& stories) {
+  nlohmann::json cases = nlohmann::json::array();
   int failures = 0, errors = 0;
   double total = 0;
-  char time[32];
   for (const PlayedStory& p : stories) {
     failures += !p.result.bad && !p.result.passed();
     errors += p.result.bad.has_value();
     total += p.wall_s;
-    std::snprintf(time, sizeof time, "%.3f", p.wall_s);
-    cases +=
-        "  <testcase classname=\"" + xml(p.spec.file) + "\" name=\"" + xml(p.spec.name) + "\" time=\"" + time + "\">";
-    const char* word = p.result.bad ? "error" : "failure";
-    for (const std::string& c : p.complaints())
-      cases += std::string("\n    <") + word + " message=\"" + xml(c) + "\"/>";
-    cases += "</testcase>\n";
+    nlohmann::json messages = nlohmann::json::array();
+    for (const std::string& c : p.complaints()) messages.push_back(for_xml(c));
+    cases.push_back({{"file", for_xml(p.spec.file)},
+                     {"name", for_xml(p.spec.name)},
+                     {"wall_s", p.wall_s},
+                     {"word", p.result.bad ? "error" : "failure"},
+                     {"messages", messages}});
   }
-  std::snprintf(time, sizeof time, "%.3f", total);
-  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"cxlab\" tests=\"" +
-         std::to_string(stories.size()) + "\" failures=\"" + std::to_string(failures) + "\" errors=\"" +
-         std::to_string(errors) + "\" time=\"" + time + "\">\n" + cases + "</testsuite>\n";
+  const nlohmann::json report = {{"stories", cases}, {"failures", failures}, {"errors", errors}, {"wall_s", total}};
+  return render_page("junit.xml", report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 std::string to_lcov(const Coverage& coverage) {

@@ -39,7 +39,7 @@ struct CoveredRule {
 using Coverage = std::map<std::string, std::map<std::pair<int, std::string>, CoveredRule>>;
 Coverage coverage_of(const std::vector<PlayedStory>& stories);
 
-std::string to_junit(const std::vector<PlayedStory>& stories);
+Expected<std::string> to_junit(const std::vector<PlayedStory>& stories);
 /// Rules as functions of lcov; its branches say whether each was activated and whether it fired.
 std::string to_lcov(const Coverage& coverage);
 

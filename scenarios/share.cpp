@@ -39,25 +39,15 @@ bool is_package(const fs::path& folder) {
 
 Share find_share() {
   const auto in = [](const fs::path& share, const fs::path& prefix) {
-    return Share{share / "interfaces",
-                 share / "models",
-                 share / "packages",
-                 share / "scenarios",
-                 share / "docs",
-                 share / "engines",
-                 prefix};
+    return Share{share / "interfaces", share / "models",  share / "packages", share / "scenarios",
+                 share / "docs",       share / "engines", share / "pages",    prefix};
   };
   const fs::path prefix = installed_prefix();
   if (const char* named = std::getenv("CXLAB_SHARE")) return in(named, prefix);
   if (!prefix.empty()) return in(prefix / "share/cxlab", prefix);
   const fs::path source = CXLAB_SOURCE_DIR;
-  return Share{source / "cx/interfaces",
-               source / "models",
-               source / "cx/packages",
-               source / "scenarios",
-               source / "docs",
-               source / "planner/engines",
-               {}};
+  return Share{source / "cx/interfaces", source / "models",          source / "cx/packages", source / "scenarios",
+               source / "docs",          source / "planner/engines", source / "lab/pages",   {}};
 }
 
 Expected<std::map<std::string, std::string>> packages_below(const std::vector<std::string>& prefixes) {

@@ -17,6 +17,7 @@ struct Share {
   std::filesystem::path scenarios;
   std::filesystem::path docs;
   std::filesystem::path engines;  ///< scripts that run other planners
+  std::filesystem::path pages;    ///< templates of reports
   std::filesystem::path prefix;   ///< that cxlab is installed below; empty in a source tree
 };
 

@@ -19,8 +19,8 @@ Loader folder_loader(const std::string& folder);
 
 /// What a template may use up before it is stopped with an error.
 struct Limits {
-  std::uint64_t steps = 20'000'000;     ///< instructions of minijinja
-  std::uint64_t output = 64ull << 20;   ///< bytes of text
+  std::uint64_t steps = 20'000'000;    ///< instructions of minijinja
+  std::uint64_t output = 64ull << 20;  ///< bytes of text
   std::uint64_t memory = 64ull << 20;  ///< bytes of memory besides the text
 };
 

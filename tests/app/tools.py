@@ -297,8 +297,21 @@ clips_manager:
         run = self.timed_game(50)
         page = (run / "index.html").read_text()
         self.assertIn("still at work", page)
-        self.assertNotIn("class='drive_to failed'", page)
-        self.assertIn("href='logs/agent.log'", page)
+        self.assertNotIn('<rect class="failed"', page)
+        self.assertIn('href="logs&#x2f;agent.log"', page)
+
+    def test_the_data_of_the_page_lie_beside_it(self):
+        run = self.timed_game(100)
+        data = json.loads((run / "report.json").read_text())
+        self.assertEqual(data["result"], json.loads((run / "result.json").read_text()))
+        self.assertEqual(sum(s["points"] for s in data["scores"]), sum(t["points"] for t in data["result"]["teams"].values()))
+        self.assertEqual({s["state"] for s in data["skills"]}, {"succeeded", "running"})
+        for what in data["skills"] + data["holds"]:
+            self.assertLessEqual(what["begin"], what["end"])
+        for hold in data["holds"]:  # a piece is picked at the beginning and placed at the end
+            work = {s["skill"] for s in data["skills"] if s["robot"] == hold["robot"] and s["begin"] < hold["begin"] <= s["end"]}
+            self.assertEqual(work, {"pick"})
+        self.assertIn("report.json", data["files"])
 
     # --- runs that were killed
 

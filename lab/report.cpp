@@ -1,0 +1,116 @@
+#include "lab/report.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "cx/journal/journal_reader.h"
+#include "cx/journal/run_folder.h"
+#include "lab/page.h"
+
+namespace cxlab::lab {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string base64(const std::filesystem::path& file) {
+  static constexpr char kAlphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned value = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      value = value << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kAlphabet[value >> (18 - 6 * k) & 63] : '=';
+  }
+  return out;
+}
+
+/// Files that a person reads, relative to the run's folder.
+Json readable_files(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::vector<std::string> logs;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "logs", ignored))
+    if (!entry.is_symlink()) logs.push_back("logs/" + entry.path().filename().string());
+  std::sort(logs.begin(), logs.end());
+  Json out = {"result.json", "report.json", "manifest.json", "journal.jsonl"};
+  for (std::string& log : logs) out.push_back(std::move(log));
+  return out;
+}
+
+/// What has begun and not ended yet, by robot.
+using Open = std::map<std::string, Json, std::less<>>;
+
+void end(Open& open, std::string_view robot, double t, const char* state, Json& out) {
+  const auto found = open.find(robot);
+  if (found == open.end()) return;
+  found->second["end"] = t;
+  if (state) found->second["state"] = state;
+  out.push_back(std::move(found->second));
+  open.erase(found);
+}
+
+/// Adds what the journal says: skills, pieces in grippers, points.
+Status read_story(const std::filesystem::path& journal, double last, Json& report) {
+  auto reader = JournalReader::open(journal);
+  if (!reader) return reader.error();
+  reader->only({RecordKind::kSkill, RecordKind::kReferee});
+  Json &skills = report["skills"] = Json::array(), &holds = report["holds"] = Json::array(),
+       &scores = report["scores"] = Json::array();
+  Open working, holding;
+  while (true) {
+    auto record = reader->next();
+    if (!record) return record.error();
+    if (!*record) break;
+    const auto& data = (*record)->data;
+    const std::string_view event = data.text("event");
+    const std::string robot(data.text("robot"));
+    const double t = to_seconds((*record)->t);
+    if ((*record)->kind == RecordKind::kSkill) {
+      if (event == "start")
+        working[robot] = {
+            {"robot", robot}, {"skill", data.text("skill")}, {"target", data.text("target")}, {"begin", t}};
+      else if (event == "end")
+        end(working, robot, t, data.integer("code") == 0 ? "succeeded" : "failed", skills);
+    } else if (event == "score") {
+      scores.push_back(
+          {{"team", data.text("team")}, {"kind", data.text("kind")}, {"t", t}, {"points", data.integer("points")}});
+    } else if (event == "piece") {
+      if (data.text("from") == "gripper") end(holding, data.text("from_name"), t, nullptr, holds);
+      const std::string to(data.text("to_name"));
+      if (data.text("to") == "gripper") holding[to] = {{"robot", to}, {"begin", t}};
+    }
+  }
+  while (!working.empty()) end(working, std::string(working.begin()->first), last, "running", skills);
+  while (!holding.empty()) end(holding, std::string(holding.begin()->first), last, nullptr, holds);
+  return {};
+}
+
+}  // namespace
+
+Status write_report(const Played& played) {
+  const std::filesystem::path& folder = played.folder;
+  if (folder.empty() || played.result.journal_hash.empty()) return {};
+  Json report;
+  report["result"] = Json::parse(played.result.to_json());
+  report["reason"] = played.result.reason ? played.result.reason->text() : "";
+  if (Status s = read_story(folder / "journal.jsonl", to_seconds(played.result.sim_time), report); !s) return s;
+  report["files"] = readable_files(folder);
+  report["pictures"] = Json::array();
+  for (const Picture& picture : played.pictures)
+    report["pictures"].push_back({{"caption", picture.caption}, {"file", picture.file.lexically_relative(folder)}});
+  const auto text = [&](int indent) { return report.dump(indent, ' ', false, Json::error_handler_t::replace); };
+  if (Status s = replace_file(folder / "report.json", text(1) + '\n'); !s) return s;
+  // The page is whole without its folder.
+  for (std::size_t i = 0; i < played.pictures.size(); ++i)
+    report["pictures"][i]["png"] = base64(played.pictures[i].file);
+  auto page = render_page("run.html", text(-1));
+  if (!page) return page.error();
+  return replace_file(folder / "index.html", *page);
+}
+
+}  // namespace cxlab::lab
