@@ -1,5 +1,7 @@
 #include "cx/engine/form_reader.h"
 
+#include <span>
+
 namespace cxlab {
 namespace {
 
@@ -168,6 +170,46 @@ std::vector<Token> tokens_of(const Form& form) {
   Token token;
   while (scanner.next(token)) tokens.push_back(token);
   return tokens;
+}
+
+namespace {
+
+Term take_term(std::span<const Token>& rest) {
+  const Token first = rest.front();
+  rest = rest.subspan(1);
+  Term term{first.kind, {}, {}, first.line};
+  if (!term.is_list()) {
+    term.text = first.text;
+    return term;
+  }
+  while (!rest.empty() && rest.front().kind != Token::Kind::kClose) term.items.push_back(take_term(rest));
+  if (!rest.empty()) rest = rest.subspan(1);
+  return term;
+}
+
+}  // namespace
+
+std::string_view Term::head() const {
+  return items.empty() || items.front().kind != Token::Kind::kWord ? std::string_view() : items.front().text;
+}
+
+std::string Term::print() const {
+  if (!is_list()) return text;
+  std::string out = "(";
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const bool connected =
+        i > 0 && (items[i].kind == Token::Kind::kConnective || items[i - 1].kind == Token::Kind::kConnective);
+    // The body of a test or call in a pattern: ?x&:(> ?x 3), =(+ 1 ?x).
+    const bool body = i > 1 && items[i].is_list() && (items[i - 1].is(":") || items[i - 1].is("="));
+    out += (i == 0 || connected || body ? "" : " ") + items[i].print();
+  }
+  return out + ')';
+}
+
+Term tree_of(const Form& form) {
+  const std::vector<Token> tokens = tokens_of(form);
+  std::span<const Token> rest(tokens);
+  return rest.empty() ? Term() : take_term(rest);
 }
 
 }  // namespace cxlab

@@ -38,4 +38,20 @@ struct Token {
 /// The tokens of a form; they borrow its text.
 std::vector<Token> tokens_of(const Form& form);
 
+/// A form as a tree: a list, or a word, string or connective.
+struct Term {
+  Token::Kind kind = Token::Kind::kWord;  ///< kOpen: a list
+  std::string text;                       ///< empty for a list; strings keep their quotes
+  std::vector<Term> items;                ///< of a list
+  int line = 0;                           ///< within the file
+
+  bool is_list() const { return kind == Token::Kind::kOpen; }
+  bool is(std::string_view word) const { return kind != Token::Kind::kString && text == word; }
+  /// The first word of a list, else empty.
+  std::string_view head() const;
+  /// In one line.
+  std::string print() const;
+};
+Term tree_of(const Form& form);
+
 }  // namespace cxlab

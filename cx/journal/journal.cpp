@@ -161,7 +161,18 @@ RecordRef Journal::write(StreamId id, SimTime t, RecordKind kind, const RecordDa
   stream.took(out + bytes.size());
 
   if (file_.is_open() && is_exported(kind, level_)) export_line(stream, t, kind, bytes, causes);
+  if (listener_ != nullptr && listener_->wants(stream.name, kind)) notify_listener(stream, t, kind, bytes, causes);
   return {id, stream.records++};
+}
+
+void Journal::notify_listener(const Stream& stream, SimTime t, RecordKind kind, std::string_view data,
+                              std::span<const RecordRef> causes) {
+  JournalRecord record{stream.name, stream.records, t, kind, {}, {}};
+  auto value = decode_record_data(data);
+  assert(value.ok() && "RecordData: a list or map without as many values as it announced");
+  record.data = *std::move(value);
+  for (const RecordRef& cause : causes) record.causes.push_back({stream_name(cause.stream), cause.n});
+  listener_->heard(record);
 }
 
 void Journal::export_line(const Stream& stream, SimTime t, RecordKind kind, std::string_view data,

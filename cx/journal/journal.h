@@ -14,6 +14,7 @@
 #include "cx/base/expected.h"
 #include "cx/base/record_sink.h"
 #include "cx/journal/folder_names.h"
+#include "cx/journal/journal_record.h"
 
 namespace cxlab {
 
@@ -38,6 +39,9 @@ class Journal final : public RecordSink {
   /// From now on writes the records of that level to `path` as lines of JSON. Lines reach the file when 64 KiB have
   /// come together, at least every 10 s of simulated time, and with `flush`.
   Status export_to(const std::filesystem::path& path, JournalLevel level);
+
+  /// From now on this one hears of records; nullptr: nobody. It outlives the journal or is taken out before.
+  void set_listener(JournalListener* listener) { listener_ = listener; }
 
   /// From now on texts in records that hold this folder hold the name instead, e.g. "package://agent".
   void name_folder(const std::string& folder, const std::string& name) { folders_.add(folder, name); }
@@ -68,6 +72,8 @@ class Journal final : public RecordSink {
 
  private:
   struct Stream;
+  void notify_listener(const Stream& stream, SimTime t, RecordKind kind, std::string_view data,
+                       std::span<const RecordRef> causes);
   void export_line(const Stream& stream, SimTime t, RecordKind kind, std::string_view data,
                    std::span<const RecordRef> causes);
 
@@ -76,6 +82,7 @@ class Journal final : public RecordSink {
   FolderNames folders_;
   std::string renamed_;  // data of a record with names of folders
   JournalLevel level_ = JournalLevel::kNone;
+  JournalListener* listener_ = nullptr;
   AppendFile file_;
   SimTime flush_due_{};
   std::string line_;

@@ -1,7 +1,6 @@
 #pragma once
 // Reads journal.jsonl back.
 
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -10,27 +9,9 @@
 #include <vector>
 
 #include "cx/base/expected.h"
-#include "cx/base/record_sink.h"
-#include "cx/base/time.h"
-#include "cx/journal/record_value.h"
+#include "cx/journal/journal_record.h"
 
 namespace cxlab {
-
-/// A record as it was exported.
-struct JournalRecord {
-  /// Names another record, which need not be exported itself.
-  struct Cause {
-    std::string stream;
-    std::uint64_t n = 0;
-    friend bool operator==(const Cause&, const Cause&) = default;
-  };
-  std::string stream;
-  std::uint64_t n = 0;
-  SimTime t{};
-  RecordKind kind{};
-  RecordValue data;
-  std::vector<Cause> causes;
-};
 
 /// One line of the export. Errors say what is missing or wrong, without a line number.
 Expected<JournalRecord> parse_journal_line(std::string_view line);

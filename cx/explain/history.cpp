@@ -1,0 +1,94 @@
+#include "cx/explain/history.h"
+
+#include <algorithm>
+
+namespace cxlab::explain {
+
+namespace {
+
+/// A value as `RuleEngine` writes it into a record.
+Value value_of(const RecordValue& record) {
+  if (const auto* integer = std::get_if<std::int64_t>(&record.value)) return Value::integer(*integer);
+  if (const auto* number = std::get_if<double>(&record.value)) return Value::number(*number);
+  if (const auto* text = std::get_if<std::string>(&record.value)) {
+    const auto between = [&](char first, char last) {
+      return text->size() > 1 && text->front() == first && text->back() == last;
+    };
+    const std::string inner = text->size() > 1 ? text->substr(1, text->size() - 2) : std::string();
+    return between('"', '"')   ? Value::string(inner)
+           : between('[', ']') ? Value::instance_name(inner)
+                               : Value::symbol(*text);
+  }
+  if (const auto* list = std::get_if<RecordValue::List>(&record.value)) {
+    std::vector<Value> items;
+    for (const RecordValue& item : *list) items.push_back(value_of(item));
+    return Value::multifield(std::move(items));
+  }
+  if (record.find("handle")) return Value::handle(static_cast<Handle>(record.integer("handle")));
+  if (record.find("fact")) return Value::fact(record.integer("fact"));
+  return {};
+}
+
+/// Sets the slots that the record names.
+void put_slots(const JournalRecord& record, FactCopy& fact) {
+  const RecordValue* slots = record.data.find("slots");
+  const auto* map = slots ? std::get_if<RecordValue::Map>(&slots->value) : nullptr;
+  if (!map) return;
+  for (const auto& [name, value] : *map) {
+    const auto known =
+        std::find_if(fact.slots.begin(), fact.slots.end(), [&](const auto& slot) { return slot.first == name; });
+    if (known == fact.slots.end())
+      fact.slots.emplace_back(name, value_of(value));
+    else
+      known->second = value_of(value);
+  }
+}
+
+}  // namespace
+
+void History::end_version(const Present& present, SimTime t) {
+  if (options_.past_facts) facts_[present.version].until = t;
+}
+
+void History::add(const JournalRecord& record) {
+  if (record.kind == RecordKind::kFire) {
+    firings_.push_back({record.t, std::string(record.data.text("rule"))});
+    if (firings_.back().rule != options_.rule) return;
+    last_facts_.clear();
+    const RecordValue* numbers = record.data.find("facts");
+    if (const auto* list = numbers ? std::get_if<RecordValue::List>(&numbers->value) : nullptr)
+      for (const RecordValue& number : *list)
+        if (const auto* known = std::get_if<std::int64_t>(&number.value); known && present_.contains(*known))
+          last_facts_.push_back(present_[*known].fact);
+    return;
+  }
+  const std::int64_t number = record.data.integer("fact");
+  const auto known = present_.find(number);
+  if (known != present_.end()) end_version(known->second, record.t);
+  if (record.kind == RecordKind::kRetract) {
+    present_.erase(number);
+    return;
+  }
+  Present& present = present_[number];
+  present.fact.number = static_cast<std::uint64_t>(number);
+  present.fact.template_name = record.data.text("template");
+  put_slots(record, present.fact);
+  present.version = facts_.size();
+  if (options_.past_facts) facts_.push_back({present.fact, record.t});
+}
+
+bool Histories::wants(std::string_view stream, RecordKind kind) const {
+  return (kind == RecordKind::kAssert || kind == RecordKind::kModify || kind == RecordKind::kRetract ||
+          kind == RecordKind::kFire) &&
+         stream.starts_with("env/");
+}
+
+void Histories::heard(const JournalRecord& record) {
+  by_stream_.try_emplace(record.stream, options_).first->second.add(record);
+}
+
+const History& Histories::of(const std::string& stream) {
+  return by_stream_.try_emplace(stream, options_).first->second;
+}
+
+}  // namespace cxlab::explain

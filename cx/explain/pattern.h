@@ -1,0 +1,95 @@
+#pragma once
+// A pattern of facts: of a rule's left-hand side, `(job (id ?i) (state OPEN|LATE) (size ?s&:(> ?s 3)))`, or of a story.
+
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/engine/engine.h"
+#include "cx/engine/form_reader.h"
+#include "cx/explain/bindings.h"
+#include "cx/explain/evaluator.h"
+
+namespace cxlab::explain {
+
+/// What one value of a slot, or with `$?` any number of them, must be.
+struct Constraint {
+  struct Single {
+    enum class Kind { kAny, kConstant, kVariable, kPredicate, kReturnValue };
+    Kind kind = Kind::kAny;
+    bool negated = false;
+    Value constant;
+    std::string variable;
+    Term expression;
+    std::vector<std::string> uses;  ///< variables of the expression
+  };
+  bool many = false;
+  std::string variable;                     ///< that the value is bound to, or equals; may be empty
+  std::vector<std::vector<Single>> any_of;  ///< alternatives of what must hold together; none = no more than that
+};
+
+/// How a fact fails a pattern.
+struct Mismatch {
+  std::string slot;  ///< "implied" for an ordered fact
+  std::string found, expected;
+  bool has_slot = true;
+  /// `state is OPEN, not DONE`
+  std::string print() const;
+};
+
+class Pattern {
+ public:
+  /// Of a term `(template ...)`; errors have its line.
+  static Expected<Pattern> parse(const Term& term, const std::string& file = {});
+  /// Of a story: constants, `?` and `$?` only; numbers are equal when their values are (1 and 1.0).
+  static Expected<Pattern> parse_plain(const std::string& text, const std::string& file, int line);
+
+  const std::string& template_name() const { return template_name_; }  ///< without its module
+  const std::string& module() const { return module_; }                ///< empty where none is written
+  /// Whether it stands for instances of classes instead of facts.
+  bool is_object() const { return template_name_ == "object" && !slots_.empty(); }
+  const std::string& text() const { return text_; }
+  /// Empty for an ordered fact.
+  std::vector<std::string> slot_names() const;
+  /// Of variables, in order, each once.
+  std::vector<std::string> variables() const;
+
+  /// Calls `found` for each way in which the fact matches, with the new bindings, until it returns true. Returns
+  /// whether it did. The bindings are as before afterwards. Expressions hold without an evaluator, or where one of
+  /// their variables has no value.
+  bool match(const FactCopy& fact, Bindings& bindings, Evaluator* evaluator, const std::function<bool()>& found) const;
+  bool matches(const FactCopy& fact) const;
+  /// The slots that do not match, each looked at on its own after those before it.
+  std::vector<Mismatch> mismatches(const FactCopy& fact, const Bindings& bindings = {},
+                                   Evaluator* evaluator = nullptr) const;
+
+ private:
+  struct Slot {
+    std::string name;
+    std::vector<Constraint> constraints;
+    std::string text;
+  };
+  class Matching;
+
+  std::string module_, template_name_, text_;
+  std::vector<Slot> slots_;
+  std::vector<Constraint> ordered_;  // of an ordered pattern, or one without slots
+  std::string ordered_text_;
+  bool loose_numbers_ = false;
+};
+
+/// The fact that fails in the fewest slots; the last of several.
+struct Nearest {
+  const FactCopy* fact = nullptr;  ///< null: there is none of the template
+  std::vector<Mismatch> mismatches;
+};
+Nearest nearest(const Pattern& pattern, std::span<const FactCopy* const> facts, const Bindings& bindings = {},
+                Evaluator* evaluator = nullptr);
+
+/// A word or string of CLIPS as a value: `3`, `1.5`, `OPEN`, `"text"`, `[name]`.
+Value constant_of(const Term& term);
+
+}  // namespace cxlab::explain
