@@ -2,33 +2,28 @@
 // message without fields is one zero byte, so that a count in broken bytes cannot ask for more memory than they
 // justify.
 
-#include <bit>
 #include <cstring>
 
+#include "cx/base/byte_codec.h"
 #include "cx/bus/message.h"
 
 namespace cxlab::bus {
 
-static_assert(std::endian::native == std::endian::little);
-
 namespace {
 
-void put_size(std::string& out, std::size_t size) {
-  const auto value = static_cast<std::uint32_t>(size);
-  out.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
+void put(const MessageView& message, ByteWriter& out);
 
-void put(const MessageView& message, std::string& out);
+void put_size(std::size_t size, ByteWriter& out) { out.fixed(static_cast<std::uint32_t>(size)); }
 
-void put_field(const MessageView& message, const Field& field, std::string& out) {
+void put_field(const MessageView& message, const Field& field, ByteWriter& out) {
   const std::size_t count = message.size(field);
-  if (field.is_sequence()) put_size(out, count);
+  if (field.is_sequence()) put_size(count, out);
   if (count == 0) return;
   if (field.is_text()) {
     for (std::size_t i = 0; i < count; ++i) {
       const std::string& text = message.text(field, i);
-      put_size(out, text.size());
-      out += text;
+      put_size(text.size(), out);
+      out.raw(text);
     }
   } else if (field.is_message()) {
     for (std::size_t i = 0; i < count; ++i) put(message.nested(field, i), out);
@@ -36,48 +31,40 @@ void put_field(const MessageView& message, const Field& field, std::string& out)
     const std::byte* data = field.is_sequence()
                                 ? reinterpret_cast<const Sequence*>(message.memory() + field.offset)->data
                                 : message.memory() + field.offset;
-    out.append(reinterpret_cast<const char*>(data), count * field.stride);
+    out.raw({reinterpret_cast<const char*>(data), count * field.stride});
   }
 }
 
-void put(const MessageView& message, std::string& out) {
-  if (message.type().fields().empty()) out += '\0';
+void put(const MessageView& message, ByteWriter& out) {
+  if (message.type().fields().empty()) out.fixed('\0');
   for (const Field& field : message.type().fields()) put_field(message, field, out);
 }
 
-class Reader {
+class MessageReader {
  public:
-  Reader(std::span<const std::byte> bytes, std::size_t& position) : bytes_(bytes), position_(position) {}
+  MessageReader(std::string_view bytes, std::size_t position) : in_(bytes), size_(bytes.size()) { in_.raw(position); }
+  std::size_t position() const { return in_.position(); }
 
   Status read(const MessageView& message) {
-    if (message.type().fields().empty()) return skip_empty(message);
+    if (message.type().fields().empty())
+      return in_.fixed<char>() == 0 && in_.ok() ? Status() : fail(message.type().name(), "no zero byte");
     for (const Field& field : message.type().fields())
       if (Status status = read_field(message, field); !status) return status;
     return {};
   }
 
  private:
-  std::size_t left() const { return bytes_.size() - position_; }
-
-  Error fail(const std::string& what, const std::string& found) const {
-    return input_error(what + ": found " + found + " at byte " + std::to_string(position_) + " of " +
-                       std::to_string(bytes_.size()));
+  Status fail(const std::string& what, const std::string& found) const {
+    return input_error(what + ": found " + found + " at byte " + std::to_string(in_.position()) + " of " +
+                       std::to_string(size_));
   }
 
-  Status skip_empty(const MessageView& message) {
-    if (left() < 1 || bytes_[position_] != std::byte{0}) return fail(message.type().name(), "no zero byte");
-    ++position_;
-    return {};
-  }
-
+  /// Of that many elements or characters at least so many bytes each are left.
   Status read_size(const Field& field, std::size_t element_min, std::size_t& size) {
-    std::uint32_t value = 0;
-    if (left() < sizeof value) return fail(field.name, "the end");
-    std::memcpy(&value, &bytes_[position_], sizeof value);
-    if ((left() - sizeof value) / element_min < value)
-      return fail(field.name, "the size " + std::to_string(value) + ", more than is left");
-    position_ += sizeof value;
-    size = value;
+    size = in_.fixed<std::uint32_t>();
+    if (!in_.ok()) return fail(field.name, "the end");
+    if (in_.left() / element_min < size)
+      return fail(field.name, "the size " + std::to_string(size) + ", more than is left");
     return {};
   }
 
@@ -104,40 +91,43 @@ class Reader {
     for (std::size_t i = 0; i < count; ++i) {
       std::size_t size = 0;
       if (Status status = read_size(field, 1, size); !status) return status;
-      const std::string_view text(reinterpret_cast<const char*>(bytes_.data()) + position_, size);
-      if (Status status = message.set_text(field, text, i); !status) return fail(field.name, status.error().message);
-      position_ += size;
+      if (Status status = message.set_text(field, in_.raw(size), i); !status)
+        return fail(field.name, status.error().message);
     }
     return {};
   }
 
   Status read_numbers(const MessageView& message, const Field& field, std::size_t count) {
-    const std::size_t size = count * field.stride;
-    if (left() < size) return fail(field.name, "the end");
-    if (field.type == FieldType::kBool)
-      for (std::size_t i = 0; i < count; ++i)
-        if (bytes_[position_ + i] > std::byte{1}) return fail(field.name, "neither 0 nor 1");
+    const std::string_view bytes = in_.raw(count * field.stride);
+    if (!in_.ok()) return fail(field.name, "the end");
+    if (field.type == FieldType::kBool && bytes.find_first_not_of(std::string_view("\0\1", 2)) != bytes.npos)
+      return fail(field.name, "neither 0 nor 1");
     std::byte* data = field.is_sequence() ? reinterpret_cast<Sequence*>(message.memory() + field.offset)->data
                                           : message.memory() + field.offset;
-    std::memcpy(data, bytes_.data() + position_, size);
-    position_ += size;
+    std::memcpy(data, bytes.data(), bytes.size());
     return {};
   }
 
-  std::span<const std::byte> bytes_;
-  std::size_t& position_;
+  ByteReader in_;
+  std::size_t size_;
 };
 
 }  // namespace
 
-void Message::serialize(std::string& out) const { put(view(), out); }
+void Message::serialize(std::string& out) const {
+  ByteWriter writer(out);
+  put(view(), writer);
+}
 
 Expected<Message> Message::deserialize(const MessageType& type, std::span<const std::byte> bytes,
                                        std::size_t& position) {
   Message message(type);
   if (position > bytes.size())
     return input_error("found position " + std::to_string(position) + " behind the end of the bytes");
-  if (Status status = Reader(bytes, position).read(message.view()); !status) return status.error();
+  MessageReader reader({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, position);
+  const Status status = reader.read(message.view());
+  position = reader.position();
+  if (!status) return status.error();
   return message;
 }
 

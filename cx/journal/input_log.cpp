@@ -2,18 +2,17 @@
 
 #include <xxhash.h>
 
-#include <bit>
+#include <algorithm>
 #include <cassert>
-#include <cstring>
 #include <limits>
 
+#include "cx/base/byte_codec.h"
 #include "cx/journal/file_store.h"
 
 namespace cxlab {
 namespace {
 
 constexpr std::string_view kMagic = "CXLABIN1";
-constexpr std::size_t kChunkHeader = 12;  // length (4), checksum (8), little-endian
 constexpr std::size_t kChunkBytes = 32 * 1024;
 constexpr SimTime kFlushInterval = std::chrono::seconds(10);
 
@@ -30,124 +29,67 @@ enum DeliveryField : std::uint8_t {
   kIsAccepted = 64
 };
 
-static_assert(std::endian::native == std::endian::little);
+using GoalId = std::array<std::uint8_t, 16>;
 
-// Integers: 7 bits a byte, lowest first, the high bit says that more follow; signed ones with the sign in bit 0.
-void put_unsigned(std::string& out, std::uint64_t value) {
-  for (; value >= 0x80; value >>= 7) out.push_back(static_cast<char>(value | 0x80));
-  out.push_back(static_cast<char>(value));
-}
+std::string_view bytes_of(const GoalId& goal) { return {reinterpret_cast<const char*>(goal.data()), goal.size()}; }
 
-void put_signed(std::string& out, std::int64_t value) {
-  const auto sign = static_cast<std::uint64_t>(value >> 63);
-  put_unsigned(out, (static_cast<std::uint64_t>(value) << 1) ^ sign);
-}
-
-void put_bytes(std::string& out, std::string_view bytes) {
-  put_unsigned(out, bytes.size());
-  out.append(bytes);
-}
-
-void put_goal(std::string& out, const std::array<std::uint8_t, 16>& goal) {
-  out.append(reinterpret_cast<const char*>(goal.data()), goal.size());
-}
-
-/// Takes values from the front of a chunk; after the first that is not whole, `ok` is false and all are zero.
-class EntryReader {
+/// Reads entries of a chunk; knows the names that were spelt before.
+class EntryReader : public ByteReader {
  public:
-  EntryReader(std::string_view& rest, std::deque<std::string>& names) : rest_(rest), names_(names) {}
-
-  bool ok() const { return ok_; }
-  void refuse() { ok_ = false; }
-
-  std::uint8_t byte() {
-    const std::string_view one = take(1);
-    return one.empty() ? 0 : static_cast<std::uint8_t>(one.front());
-  }
-
-  std::uint64_t unsigned_integer() {
-    std::uint64_t value = 0;
-    for (int shift = 0; shift < 64; shift += 7) {
-      const std::uint8_t next = byte();
-      value |= static_cast<std::uint64_t>(next & 0x7f) << shift;
-      if (next < 0x80) return ok_ ? value : 0;
-    }
-    ok_ = false;
-    return 0;
-  }
-
-  std::int64_t signed_integer() {
-    const std::uint64_t value = unsigned_integer();
-    return static_cast<std::int64_t>(value >> 1 ^ (0 - (value & 1)));
-  }
-
-  std::string_view bytes() { return take(unsigned_integer()); }
+  EntryReader(std::string_view bytes, std::deque<std::string>& names) : ByteReader(bytes), names_(names) {}
 
   std::string_view name() {
-    const std::uint64_t number = unsigned_integer();
-    if (number == 0 || !ok_) return {};
+    const std::uint64_t number = varint();
+    if (number == 0 || !ok()) return {};
     if (number <= names_.size()) return names_[number - 1];
     if (number != names_.size() + 1) {
-      ok_ = false;
+      refuse();
       return {};
     }
-    const std::string_view text = bytes();
-    return ok_ ? std::string_view(names_.emplace_back(text)) : std::string_view{};
+    const std::string_view spelt = text();
+    return ok() ? std::string_view(names_.emplace_back(spelt)) : std::string_view{};
   }
 
-  std::array<std::uint8_t, 16> goal() {
-    std::array<std::uint8_t, 16> id{};
-    const std::string_view text = take(id.size());
-    if (ok_) std::memcpy(id.data(), text.data(), id.size());
+  GoalId goal() {
+    GoalId id{};
+    std::ranges::copy(raw(id.size()), reinterpret_cast<char*>(id.data()));
     return id;
   }
 
  private:
-  std::string_view take(std::uint64_t size) {
-    if (!ok_ || size > rest_.size()) {
-      ok_ = false;
-      return {};
-    }
-    const std::string_view taken = rest_.substr(0, size);
-    rest_.remove_prefix(size);
-    return taken;
-  }
-
-  std::string_view& rest_;
   std::deque<std::string>& names_;
-  bool ok_ = true;
 };
 
 LoggedDelivery read_delivery(EntryReader& in) {
   LoggedDelivery d;
-  d.kind = in.byte();
-  const std::uint8_t fields = in.byte();
+  d.kind = in.fixed<std::uint8_t>();
+  const std::uint8_t fields = in.fixed<std::uint8_t>();
   d.from = in.name();
-  d.sequence = in.unsigned_integer();
-  const std::uint64_t endpoint = in.unsigned_integer();
+  d.sequence = in.varint();
+  const std::uint64_t endpoint = in.varint();
   if (endpoint > std::numeric_limits<std::uint32_t>::max()) in.refuse();
   d.endpoint = static_cast<std::uint32_t>(endpoint);
   d.accepted = fields & kIsAccepted;
   if (fields & kHasMessage) {
     d.type = in.name();
-    d.message = in.bytes();
+    d.message = in.text();
   }
-  if (fields & kHasRequest) d.request_id = in.unsigned_integer();
+  if (fields & kHasRequest) d.request_id = in.varint();
   if (fields & kHasGoal) d.goal = in.goal();
   if (fields & kHasOutcome) {
-    d.status = static_cast<std::int8_t>(in.byte());
-    d.return_code = static_cast<std::int8_t>(in.byte());
+    d.status = in.fixed<std::int8_t>();
+    d.return_code = in.fixed<std::int8_t>();
   }
-  if (fields & kHasStamp) d.stamp = SimTime{in.signed_integer()};
+  if (fields & kHasStamp) d.stamp = SimTime{in.zigzag()};
   if (fields & kHasGoalsCanceling) {
-    const std::uint64_t count = in.unsigned_integer();
+    const std::uint64_t count = in.varint();
     for (std::uint64_t i = 0; i < count && in.ok(); ++i) {
       const auto goal = in.goal();
-      d.goals_canceling.emplace_back(goal, SimTime{in.signed_integer()});
+      d.goals_canceling.emplace_back(goal, SimTime{in.zigzag()});
     }
   }
   d.cause_stream = in.name();
-  d.cause_n = in.unsigned_integer();
+  d.cause_n = in.varint();
   return d;
 }
 
@@ -166,17 +108,20 @@ Expected<InputLogWriter> InputLogWriter::create(const std::filesystem::path& pat
 }
 
 void InputLogWriter::put_name(std::string_view name) {
-  if (name.empty()) return put_unsigned(chunk_, 0);
-  if (const auto known = names_.find(name); known != names_.end()) return put_unsigned(chunk_, known->second);
-  const std::uint64_t number = names_.size() + 1;
-  names_.emplace(name, number);
-  put_unsigned(chunk_, number);
-  put_bytes(chunk_, name);
+  ByteWriter out(chunk_);
+  if (name.empty()) {
+    out.varint(0);
+  } else if (const auto known = names_.find(name); known != names_.end()) {
+    out.varint(known->second);
+  } else {
+    const std::uint64_t number = names_.size() + 1;
+    names_.emplace(name, number);
+    out.varint(number).text(name);
+  }
 }
 
 void InputLogWriter::begin(std::uint8_t entry, SimTime t) {
-  chunk_.push_back(static_cast<char>(entry));
-  put_signed(chunk_, (t - last_t_).count());
+  ByteWriter(chunk_).fixed(entry).zigzag((t - last_t_).count());
   last_t_ = t;
 }
 
@@ -193,41 +138,34 @@ void InputLogWriter::add(const LoggedTake& take) {
   if (!status()) return;
   begin(kTake, take.t);
   put_name(take.to);
-  put_unsigned(chunk_, take.deliveries.size());
+  ByteWriter out(chunk_);
+  out.varint(take.deliveries.size());
   for (const LoggedDelivery& d : take.deliveries) {
     std::uint8_t fields = 0;
     if (!d.type.empty()) fields |= kHasMessage;
     if (d.request_id != 0) fields |= kHasRequest;
-    if (d.goal != std::array<std::uint8_t, 16>{}) fields |= kHasGoal;
+    if (d.goal != GoalId{}) fields |= kHasGoal;
     if (d.status != 0 || d.return_code != 0) fields |= kHasOutcome;
     if (d.stamp != SimTime{}) fields |= kHasStamp;
     if (!d.goals_canceling.empty()) fields |= kHasGoalsCanceling;
     if (d.accepted) fields |= kIsAccepted;
-    chunk_.push_back(static_cast<char>(d.kind));
-    chunk_.push_back(static_cast<char>(fields));
+    out.fixed(d.kind).fixed(fields);
     put_name(d.from);
-    put_unsigned(chunk_, d.sequence);
-    put_unsigned(chunk_, d.endpoint);
+    out.varint(d.sequence).varint(d.endpoint);
     if (fields & kHasMessage) {
       put_name(d.type);
-      put_bytes(chunk_, d.message);
+      out.text(d.message);
     }
-    if (fields & kHasRequest) put_unsigned(chunk_, d.request_id);
-    if (fields & kHasGoal) put_goal(chunk_, d.goal);
-    if (fields & kHasOutcome) {
-      chunk_.push_back(static_cast<char>(d.status));
-      chunk_.push_back(static_cast<char>(d.return_code));
-    }
-    if (fields & kHasStamp) put_signed(chunk_, d.stamp.count());
+    if (fields & kHasRequest) out.varint(d.request_id);
+    if (fields & kHasGoal) out.raw(bytes_of(d.goal));
+    if (fields & kHasOutcome) out.fixed(d.status).fixed(d.return_code);
+    if (fields & kHasStamp) out.zigzag(d.stamp.count());
     if (fields & kHasGoalsCanceling) {
-      put_unsigned(chunk_, d.goals_canceling.size());
-      for (const auto& [goal, stamp] : d.goals_canceling) {
-        put_goal(chunk_, goal);
-        put_signed(chunk_, stamp.count());
-      }
+      out.varint(d.goals_canceling.size());
+      for (const auto& [goal, stamp] : d.goals_canceling) out.raw(bytes_of(goal)).zigzag(stamp.count());
     }
     put_name(d.cause_stream);
-    put_unsigned(chunk_, d.cause_n);
+    out.varint(d.cause_n);
   }
   finish(take.t);
 }
@@ -237,7 +175,7 @@ void InputLogWriter::add(const LoggedResult& result) {
   begin(kResult, result.t);
   put_name(result.environment);
   put_name(result.key);
-  put_bytes(chunk_, result.bytes);
+  ByteWriter(chunk_).text(result.bytes);
   finish(result.t);
 }
 
@@ -245,7 +183,7 @@ void InputLogWriter::add(const LoggedWorld& world) {
   if (!status()) return;
   begin(kWorld, world.t);
   put_name(world.world);
-  put_bytes(chunk_, world.bytes);
+  ByteWriter(chunk_).text(world.bytes);
   finish(world.t);
 }
 
@@ -260,10 +198,8 @@ void InputLogWriter::end_chunk() {
   const auto length = static_cast<std::uint32_t>(chunk_.size());
   const std::uint64_t checksum = XXH3_64bits(chunk_.data(), chunk_.size());
   assert(chunk_.size() == length);
-  framed_.resize(kChunkHeader);
-  std::memcpy(framed_.data(), &length, sizeof length);
-  std::memcpy(framed_.data() + sizeof length, &checksum, sizeof checksum);
-  framed_ += chunk_;
+  framed_.clear();
+  ByteWriter(framed_).fixed(length).fixed(checksum).raw(chunk_);
   (void)file_.append(framed_);
   chunk_.clear();
 }
@@ -309,22 +245,19 @@ bool InputLogReader::open_chunk() {
   chunk_start_ = position_;
   const std::string_view rest = std::string_view(*bytes_).substr(position_);
   if (rest.empty()) return false;
-  std::uint32_t length = 0;
-  std::uint64_t checksum = 0;
-  if (rest.size() >= kChunkHeader) {
-    std::memcpy(&length, rest.data(), sizeof length);
-    std::memcpy(&checksum, rest.data() + sizeof length, sizeof checksum);
-  }
-  if (rest.size() < kChunkHeader || rest.size() - kChunkHeader < length) {
+  ByteReader in(rest);
+  const auto length = in.fixed<std::uint32_t>();
+  const auto checksum = in.fixed<std::uint64_t>();
+  chunk_ = in.raw(length);
+  if (!in.ok()) {
     fail("the last chunk is cut off");
     return false;
   }
-  chunk_ = rest.substr(kChunkHeader, length);
   if (XXH3_64bits(chunk_.data(), chunk_.size()) != checksum) {
     fail("the chunk does not have its checksum");
     return false;
   }
-  position_ += kChunkHeader + length;
+  position_ += in.position();
   return true;
 }
 
@@ -334,15 +267,15 @@ std::optional<LoggedInput> InputLogReader::next() {
       if (!status_ || !open_chunk()) return std::nullopt;
     }
     EntryReader in(chunk_, *names_);
-    const std::uint8_t type = in.byte();
+    const std::uint8_t type = in.fixed<std::uint8_t>();
     // Sums of times wrap in unsigned numbers: those of a broken log may be anything.
     last_t_ = SimTime{static_cast<std::int64_t>(static_cast<std::uint64_t>(last_t_.count()) +
-                                                static_cast<std::uint64_t>(in.signed_integer()))};
+                                                static_cast<std::uint64_t>(in.zigzag()))};
     std::optional<LoggedInput> entry;
     switch (type) {
       case kTake: {
         LoggedTake take{last_t_, in.name(), {}};
-        const std::uint64_t count = in.unsigned_integer();
+        const std::uint64_t count = in.varint();
         for (std::uint64_t i = 0; i < count && in.ok(); ++i) take.deliveries.push_back(read_delivery(in));
         entry = std::move(take);
         break;
@@ -350,19 +283,20 @@ std::optional<LoggedInput> InputLogReader::next() {
       case kResult: {
         LoggedResult result{last_t_, in.name(), {}, {}};
         result.key = in.name();
-        result.bytes = in.bytes();
+        result.bytes = in.text();
         entry = result;
         break;
       }
       case kWorld: {
         LoggedWorld world{last_t_, in.name(), {}};
-        world.bytes = in.bytes();
+        world.bytes = in.text();
         entry = world;
         break;
       }
       case kReached: break;
       default: in.refuse();
     }
+    chunk_.remove_prefix(in.position());
     if (!in.ok()) {
       fail("an entry that no writer makes");
       return std::nullopt;

@@ -6,12 +6,12 @@
 #endif
 
 #include <array>
-#include <bit>
 #include <cassert>
 #include <charconv>
 #include <cstring>
 #include <limits>
 
+#include "cx/base/byte_codec.h"
 #include "cx/journal/hash_text.h"
 #include "cx/journal/record_value.h"
 
@@ -19,16 +19,6 @@ namespace cxlab {
 namespace {
 
 constexpr SimTime kFlushInterval = std::chrono::seconds(10);
-
-// Hashed integers are little-endian bytes.
-static_assert(std::endian::native == std::endian::little);
-
-template <class T>
-void put(std::string& out, T value) {
-  char bytes[sizeof value];
-  std::memcpy(bytes, &value, sizeof value);
-  out.append(bytes, sizeof value);
-}
 
 void append_integer(std::string& out, std::int64_t value) {
   char digits[24];
@@ -228,9 +218,7 @@ std::string Journal::stream_hash(std::string_view name) const {
 std::string Journal::journal_hash() const {
   std::string all;
   for (const StreamSummary& stream : streams()) {
-    put(all, static_cast<std::uint32_t>(stream.name.size()));
-    all += stream.name;
-    all += stream.hash;
+    ByteWriter(all).fixed(static_cast<std::uint32_t>(stream.name.size())).raw(stream.name).raw(stream.hash);
   }
   return hash_text(XXH3_128bits(all.data(), all.size()));
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "cx/base/byte_codec.h"
+
 namespace cxlab {
 namespace {
 
@@ -13,120 +15,85 @@ constexpr int kDeepest = 64;
 
 Error malformed(const char* what) { return input_error(std::string("malformed record data: ") + what); }
 
-enum class TokenType { kBad, kNil, kTruth, kInteger, kUnsigned, kReal, kText, kList, kMap };
+enum class ItemType { kBad, kNil, kTruth, kInteger, kUnsigned, kReal, kText, kList, kMap };
 
-struct Token {
-  TokenType type = TokenType::kBad;
+struct Item {
+  ItemType type = ItemType::kBad;
   std::int64_t integer = 0;  ///< also the truth, the bits of an unsigned, and the size of a list or map
   double real = 0;
   std::string_view text;
 };
 
 /// Reads the subset of MessagePack that `RecordData` writes.
-class TokenReader {
+class ItemReader {
  public:
-  explicit TokenReader(std::string_view bytes) : rest_(bytes) {}
+  explicit ItemReader(std::string_view bytes) : in_(bytes) {}
 
-  bool at_end() const { return rest_.empty(); }
+  bool at_end() const { return in_.left() == 0; }
 
-  Token next() {
-    if (rest_.empty()) return {};
-    const auto tag = static_cast<std::uint8_t>(rest_.front());
-    rest_.remove_prefix(1);
-    if (tag < 0x80) return {TokenType::kInteger, tag, 0, {}};
+  Item next() {
+    const auto tag = in_.fixed<std::uint8_t>();
+    if (!in_.ok()) return {};
+    if (tag < 0x80) return {ItemType::kInteger, tag, 0, {}};
     if (tag >= 0xa0 && tag < 0xc0) return text(tag & 0x1f);
     switch (tag) {
-      case 0xc0: return {TokenType::kNil, 0, 0, {}};
-      case 0xc2: return {TokenType::kTruth, 0, 0, {}};
-      case 0xc3: return {TokenType::kTruth, 1, 0, {}};
-      case 0xcb: {
-        const auto bits = number(8);
-        if (!bits) return {};
-        return {TokenType::kReal, 0, std::bit_cast<double>(*bits), {}};
-      }
-      case 0xcf: {
-        const auto bits = number(8);
-        if (!bits) return {};
-        return {TokenType::kUnsigned, static_cast<std::int64_t>(*bits), 0, {}};
-      }
-      case 0xd2: {
-        const auto bits = number(4);
-        if (!bits) return {};
-        return {TokenType::kInteger, static_cast<std::int32_t>(static_cast<std::uint32_t>(*bits)), 0, {}};
-      }
-      case 0xd3: {
-        const auto bits = number(8);
-        if (!bits) return {};
-        return {TokenType::kInteger, static_cast<std::int64_t>(*bits), 0, {}};
-      }
-      case 0xdb: {
-        const auto size = number(4);
-        return size ? text(*size) : Token{};
-      }
-      case 0xdd: return container(TokenType::kList, 4);
-      case 0xde: return container(TokenType::kMap, 2);
-      case 0xdf: return container(TokenType::kMap, 4);
+      case 0xc0: return {ItemType::kNil, 0, 0, {}};
+      case 0xc2: return {ItemType::kTruth, 0, 0, {}};
+      case 0xc3: return {ItemType::kTruth, 1, 0, {}};
+      case 0xcb: return whole({ItemType::kReal, 0, std::bit_cast<double>(number<std::uint64_t>()), {}});
+      case 0xcf: return whole({ItemType::kUnsigned, static_cast<std::int64_t>(number<std::uint64_t>()), 0, {}});
+      case 0xd2: return whole({ItemType::kInteger, static_cast<std::int32_t>(number<std::uint32_t>()), 0, {}});
+      case 0xd3: return whole({ItemType::kInteger, static_cast<std::int64_t>(number<std::uint64_t>()), 0, {}});
+      case 0xdb: return text(number<std::uint32_t>());
+      case 0xdd: return container(ItemType::kList, number<std::uint32_t>());
+      case 0xde: return container(ItemType::kMap, number<std::uint16_t>());
+      case 0xdf: return container(ItemType::kMap, number<std::uint32_t>());
       default: return {};
     }
   }
 
  private:
-  struct Maybe {
-    bool has = false;
+  /// MessagePack is big-endian.
+  template <class T>
+  T number() {
     std::uint64_t value = 0;
-    explicit operator bool() const { return has; }
-    std::uint64_t operator*() const { return value; }
-  };
-
-  Maybe number(std::size_t size) {
-    if (rest_.size() < size) return {};
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < size; ++i) value = value << 8 | static_cast<std::uint8_t>(rest_[i]);
-    rest_.remove_prefix(size);
-    return {true, value};
+    for (const char byte : in_.raw(sizeof(T))) value = value << 8 | static_cast<std::uint8_t>(byte);
+    return static_cast<T>(value);
   }
-
-  Token text(std::size_t size) {
-    if (rest_.size() < size) return {};
-    const Token token{TokenType::kText, 0, 0, rest_.substr(0, size)};
-    rest_.remove_prefix(size);
-    return token;
-  }
-
+  Item whole(const Item& item) const { return in_.ok() ? item : Item{}; }
+  Item text(std::size_t size) { return whole({ItemType::kText, 0, 0, in_.raw(size)}); }
   /// Each element takes a byte at least, so a size beyond the rest is malformed (and never allocated).
-  Token container(TokenType type, std::size_t size_bytes) {
-    const auto size = number(size_bytes);
-    if (!size || *size > rest_.size()) return {};
-    return {type, static_cast<std::int64_t>(*size), 0, {}};
+  Item container(ItemType type, std::size_t size) const {
+    return size > in_.left() ? Item{} : whole({type, static_cast<std::int64_t>(size), 0, {}});
   }
 
-  std::string_view rest_;
+  ByteReader in_;
 };
 
-Status decode(TokenReader& reader, RecordValue& out, int depth) {
-  const Token token = reader.next();
+Status decode(ItemReader& reader, RecordValue& out, int depth) {
+  const Item item = reader.next();
   if (depth > kDeepest) return malformed("nested too deep");
-  switch (token.type) {
-    case TokenType::kBad: return malformed("cut off, or a byte that starts no value");
-    case TokenType::kNil: out.value = std::monostate{}; break;
-    case TokenType::kTruth: out.value = token.integer != 0; break;
-    case TokenType::kInteger: out.value = token.integer; break;
-    case TokenType::kUnsigned: out.value = static_cast<std::uint64_t>(token.integer); break;
-    case TokenType::kReal: out.value = token.real; break;
-    case TokenType::kText: out.value = std::string(token.text); break;
-    case TokenType::kList: {
+  switch (item.type) {
+    case ItemType::kBad: return malformed("cut off, or a byte that starts no value");
+    case ItemType::kNil: out.value = std::monostate{}; break;
+    case ItemType::kTruth: out.value = item.integer != 0; break;
+    case ItemType::kInteger: out.value = item.integer; break;
+    case ItemType::kUnsigned: out.value = static_cast<std::uint64_t>(item.integer); break;
+    case ItemType::kReal: out.value = item.real; break;
+    case ItemType::kText: out.value = std::string(item.text); break;
+    case ItemType::kList: {
       RecordValue::List list;
-      for (std::int64_t i = 0; i < token.integer; ++i) {
+      for (std::int64_t i = 0; i < item.integer; ++i) {
         if (Status s = decode(reader, list.emplace_back(), depth + 1); !s) return s;
       }
       out.value = std::move(list);
       break;
     }
-    case TokenType::kMap: {
+    case ItemType::kMap: {
       RecordValue::Map map;
-      for (std::int64_t i = 0; i < token.integer; ++i) {
-        const Token key = reader.next();
-        if (key.type != TokenType::kText) return malformed("a key that is no text");
+      for (std::int64_t i = 0; i < item.integer; ++i) {
+        const Item key = reader.next();
+        if (key.type != ItemType::kText) return malformed("a key that is no text");
         map.emplace_back(std::string(key.text), RecordValue{});
         if (Status s = decode(reader, map.back().second, depth + 1); !s) return s;
       }
@@ -236,37 +203,37 @@ char* write_number(double value, char* out) {
 
 /// Writes one record; `end` is where it got.
 struct JsonWriter {
-  TokenReader reader;
+  ItemReader reader;
   char* end;
   const char* fault = nullptr;
 
   bool value(int depth) {
-    const Token token = reader.next();
+    const Item item = reader.next();
     if (depth > kDeepest) return fail("nested too deep");
-    switch (token.type) {
-      case TokenType::kBad: return fail("cut off, or a byte that starts no value");
-      case TokenType::kNil: return word("null");
-      case TokenType::kTruth: return word(token.integer != 0 ? "true" : "false");
-      case TokenType::kInteger: end = std::to_chars(end, end + 24, token.integer).ptr; return true;
-      case TokenType::kUnsigned:
-        end = std::to_chars(end, end + 24, static_cast<std::uint64_t>(token.integer)).ptr;
+    switch (item.type) {
+      case ItemType::kBad: return fail("cut off, or a byte that starts no value");
+      case ItemType::kNil: return word("null");
+      case ItemType::kTruth: return word(item.integer != 0 ? "true" : "false");
+      case ItemType::kInteger: end = std::to_chars(end, end + 24, item.integer).ptr; return true;
+      case ItemType::kUnsigned:
+        end = std::to_chars(end, end + 24, static_cast<std::uint64_t>(item.integer)).ptr;
         return true;
-      case TokenType::kReal: end = write_number(token.real, end); return true;
-      case TokenType::kText: end = write_text(token.text, end); return true;
-      case TokenType::kList:
+      case ItemType::kReal: end = write_number(item.real, end); return true;
+      case ItemType::kText: end = write_text(item.text, end); return true;
+      case ItemType::kList:
         *end++ = '[';
-        for (std::int64_t i = 0; i < token.integer; ++i) {
+        for (std::int64_t i = 0; i < item.integer; ++i) {
           if (i > 0) *end++ = ',';
           if (!value(depth + 1)) return false;
         }
         *end++ = ']';
         return true;
-      case TokenType::kMap:
+      case ItemType::kMap:
         *end++ = '{';
-        for (std::int64_t i = 0; i < token.integer; ++i) {
+        for (std::int64_t i = 0; i < item.integer; ++i) {
           if (i > 0) *end++ = ',';
-          const Token key = reader.next();
-          if (key.type != TokenType::kText) return fail("a key that is no text");
+          const Item key = reader.next();
+          if (key.type != ItemType::kText) return fail("a key that is no text");
           end = write_text(key.text, end);
           *end++ = ':';
           if (!value(depth + 1)) return false;
@@ -329,7 +296,7 @@ std::string_view RecordValue::text(std::string_view key, std::string_view otherw
 }
 
 Expected<RecordValue> decode_record_data(std::string_view bytes) {
-  TokenReader reader(bytes);
+  ItemReader reader(bytes);
   RecordValue value;
   if (Status s = decode(reader, value, 0); !s) return s.error();
   if (!reader.at_end()) return malformed("bytes after its end");
@@ -339,7 +306,7 @@ Expected<RecordValue> decode_record_data(std::string_view bytes) {
 Status append_json(std::string_view bytes, std::string& out) {
   const std::size_t before = out.size();
   out.resize(before + json_room(bytes.size()));
-  JsonWriter writer{TokenReader(bytes), out.data() + before};
+  JsonWriter writer{ItemReader(bytes), out.data() + before};
   if (writer.value(0) && !writer.reader.at_end()) writer.fault = "bytes after its end";
   out.resize(static_cast<std::size_t>(writer.end - out.data()));
   return writer.fault == nullptr ? Status{} : Status{malformed(writer.fault)};
