@@ -78,7 +78,10 @@ void Console::line(const cx::LogLine& line) {
   clear();
   std::string level(cx::to_string(line.level)), text(line.text);
   if (line.level == cx::LogLevel::kWarn) level = coloured(level, kYellow);
-  if (line.level == cx::LogLevel::kError) level = coloured(level, kRed);
+  if (line.level == cx::LogLevel::kError) {
+    level = coloured(level, kRed);
+    errors_.insert(text);
+  }
   if (line.colour.starts_with("\033[") && line.colour.ends_with('m'))
     text = coloured(text, line.colour.substr(2, line.colour.size() - 3));
   std::fprintf(stderr, "[%9.3f] [%s] [%.*s] %s\n", to_seconds(line.t), level.c_str(),

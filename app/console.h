@@ -3,6 +3,7 @@
 // only.
 
 #include <chrono>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -26,11 +27,14 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
   void line(const cx::LogLine& line) override;
   /// Takes the line of progress away, so that other output can be printed.
   void clear();
+  /// Whether a line of the log has shown this error.
+  bool has_shown(const std::string& error) const { return errors_.contains(error); }
 
  private:
   using Clock = std::chrono::steady_clock;
   bool quiet_, terminal_, drawn_ = false;
   Clock::time_point start_, last_;
+  std::set<std::string> errors_;  // of the log
 };
 
 /// The text for stderr in this colour ("31" is red); as it is where that is no terminal, or $NO_COLOR is set.

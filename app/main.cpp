@@ -45,7 +45,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "error: a bug of cxlab: MuJoCo: %s\n", message);
     std::_Exit(static_cast<int>(ErrorKind::kBug));
   });
-#ifndef __SANITIZE_ADDRESS__  // which tells of every fault itself
+#ifndef __SANITIZE_ADDRESS__  // which reports every fault itself
   install_stack_guard();
 #endif
   g_command_line.assign(argv, argv + argc);

@@ -68,8 +68,8 @@ ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& tas
   out["makespan_s"] = answer.plan->makespan_s;
   out["lower_bound_s"] = answer.lower_bound_s;
   out["lower_bound_assumes_order"] = answer.bound_assumes_order;
-  if (answer.plan->metric) out["metric"] = told_metric(*answer.plan->metric);
-  if (answer.metric_bound) out["metric_bound"] = told_metric(*answer.metric_bound);
+  if (answer.plan->metric) out["metric"] = rounded_metric(*answer.plan->metric);
+  if (answer.metric_bound) out["metric_bound"] = rounded_metric(*answer.metric_bound);
   if (timed) out["first_plan_wall_s"] = answer.first_plan_s;
   for (std::size_t i = 0; i < answer.plan->steps.size(); ++i) {
     const planner::PlanStep& step = answer.plan->steps[i];
@@ -217,7 +217,7 @@ int run(const PlanCommand& command) {
                                            [&](const planner::PlanAnswer& so_far) { report(so_far, *task, command); });
   options.on_plan = [&](const planner::TimedPlan& plan, std::int64_t units) {
     interruption->found(plan, units);
-    const std::string metric = plan.metric && told_metric(*plan.metric) != told_metric(plan.makespan_s)
+    const std::string metric = plan.metric && rounded_metric(*plan.metric) != rounded_metric(plan.makespan_s)
                                    ? ", metric " + metric_text(*plan.metric)
                                    : "";
     std::fprintf(stderr, "plan: %zu steps, makespan %.3f s%s, after %lld units\n", plan.steps.size(), plan.makespan_s,

@@ -1,8 +1,9 @@
 #include "app/play.h"
 
+#include <cstdio>
+
 #include "app/arguments.h"
 #include "app/command.h"
-#include "app/console.h"
 #include "lab/report.h"
 
 namespace cxlab::app {
@@ -29,12 +30,18 @@ Outcome play(const PlayCommand& command, Scenario scenario) {
   auto played = lab::play_scenario(options, std::move(scenario), console.host());
   console.clear();
   if (!played) return {fail(played.error()), {}};
-  return {conclude(*played), *std::move(played)};
+  return {conclude(*played, console), *std::move(played)};
 }
 
-int conclude(const lab::Played& played) {
+int conclude(const lab::Played& played, const Console& console) {
   const Status page = lab::write_report(played);
-  for (const Error& error : played.errors) (void)fail(error);
+  std::size_t shown = 0;  // of files that could not be loaded, while the run went on
+  for (const Error& error : played.errors)
+    if (error.kind == ErrorKind::kInput && console.has_shown(error.text()))
+      ++shown;
+    else
+      (void)fail(error);
+  if (shown > 0) std::fprintf(stderr, "%s %zu, reported in the log above\n", coloured("errors:", kRed).c_str(), shown);
   if (played.failure) return static_cast<int>(played.failure->kind);
   if (!page) return fail(page.error());
   return signal_that_came() ? 128 + signal_that_came() : 0;

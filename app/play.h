@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/console.h"
 #include "lab/session.h"
 
 namespace cxlab::app {
@@ -21,7 +22,8 @@ struct Outcome {
 };
 /// `played` is empty if the run could not begin.
 Outcome play(const PlayCommand& command, Scenario scenario);
-/// Writes the page of the run and prints its errors; the exit code.
-int conclude(const lab::Played& played);
+/// Writes the page of the run and prints its errors, but not again those of files that the log has shown; the exit
+/// code.
+int conclude(const lab::Played& played, const Console& console);
 
 }  // namespace cxlab::app

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "app/command.h"
-#include "app/console.h"
 #include "app/play.h"
 #include "lab/rerun.h"
 
@@ -27,7 +26,7 @@ int rerun(const Options& options) {
   console.clear();
   if (!again) return fail(again.error());
   const auto& [played, differ, changed] = *again;
-  const int code = conclude(played);
+  const int code = conclude(played, console);
   if (signal_that_came()) return 128 + signal_that_came();
   if (played.result.stream_hashes.empty()) return code;
   if (options.json) {

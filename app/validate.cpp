@@ -61,7 +61,7 @@ void print_text(const planner::Verdict& verdict, const std::optional<planner::Ro
 void print_json(const planner::Verdict& verdict, const std::optional<planner::Robustness>& robust,
                 const planner::Plan& plan, const planner::Task& task) {
   Json out = {{"valid", verdict.valid}, {"steps", plan.size()}, {"makespan", verdict.makespan}};
-  out["metric"] = verdict.metric ? Json(told_metric(*verdict.metric)) : Json();
+  out["metric"] = verdict.metric ? Json(rounded_metric(*verdict.metric)) : Json();
   out["violation"] = verdict.violation ? to_json(*verdict.violation, plan, task) : Json();
   if (robust) {
     out["robust"] = {{"holds_s", robust->holds}, {"breaks_s", robust->breaks}, {"plans", robust->samples}};
@@ -103,12 +103,12 @@ int fail_planning(const Error& error) {
   return error.code == planner::kUnsupported ? kExitUnsupported : kExitInput;
 }
 
-double told_metric(double metric) {
+double rounded_metric(double metric) {
   constexpr double kMillion = 1e6, kMost = 1e9;  // doubles beyond have no millionths to round to
   return std::abs(metric) < kMost ? std::round(metric * kMillion) / kMillion + 0.0 : metric;  // + 0.0: no -0
 }
 
-std::string metric_text(double metric) { return planner::number_text(told_metric(metric)); }
+std::string metric_text(double metric) { return planner::number_text(rounded_metric(metric)); }
 
 void add_validate(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();

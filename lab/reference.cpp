@@ -202,7 +202,7 @@ std::string reference_page(const std::vector<PluginReference>& reference) {
       "page is made from the\n"
       "code: `cxlab doc --markdown > docs/reference.md`. *Pure* functions may stand on a left-hand side, *acting* ones "
       "may not.\n"
-      "Classes that are made from their names (`cx::CX<Pkg><Name>Plugin`) are told one at a time: `cxlab doc "
+      "Classes that are made from their names (`cx::CX<Pkg><Name>Plugin`) are shown one at a time: `cxlab doc "
       "cx::CXStdMsgsStringPlugin`.\n";
   for (const PluginReference& plugin : reference) {
     out += "\n## " + plugin.plugin + "\n";

@@ -16,7 +16,7 @@ struct Strategy {
 };
 
 struct SuiteScenario {
-  std::string name;  ///< the file's name without extension; with the folders that tell it from another of that name
+  std::string name;  ///< the file's name without extension, after as many of its folders as make it the only one
   std::filesystem::path file;
 };
 

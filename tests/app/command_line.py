@@ -121,6 +121,16 @@ class Output(Lab):
         self.assertIn("run: again\n", loud.stderr)
         self.assertIn("hello", loud.stderr)
 
+    def test_an_error_of_a_file_is_shown_once(self):
+        self.agent("(defrule broken (time ?) => (no-such-function))")
+        loud = cxlab("env", "agent.yaml", "--package", "rules=rules", "--until", 1, "--out", "none", cwd=self.folder)
+        self.assertEqual(loud.returncode, 3)
+        self.assertEqual(loud.stderr.count("rules.clp:1: "), 1, loud.stderr)
+        self.assertTrue(loud.stderr.endswith("errors: 1, reported in the log above\n"), loud.stderr)
+        quiet = cxlab("env", "agent.yaml", "--package", "rules=rules", "--until", 1, "--out", "none", "--quiet", cwd=self.folder)
+        self.assertEqual(quiet.returncode, 3)
+        self.assertRegex(quiet.stderr, r"\Aerror: \S*rules.clp:1: .*\n\Z")
+
     def test_set_takes_one_value(self):
         self.agent("")
         done = cxlab("run", "--out", "none", "--set", "seed=3", "scenario.yaml", "--set", "duration_s=1", "--json", "--quiet",

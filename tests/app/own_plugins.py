@@ -98,6 +98,20 @@ class OwnPackages(Installed):
         result = json.loads(call(self.cxlab, "run", game, "--until", 130, "--out", "none", "--json").stdout)
         self.assertIn(f"journal {result['journal_hash']}", own)
 
+    def test_laboratory_of_ones_own_plays_replays_and_compares(self):
+        build(self.prefix / "share/cxlab/docs/examples/own_lab", self.folder / "own_lab", self.prefix)
+        done = call(self.folder / "own_lab/own_lab", self.prefix / "share/cxlab/scenarios/rcll/game.yaml", self.folder / "lab")
+        self.assertIn("the replay agrees\n", done.stdout)
+        self.assertRegex(done.stdout, r"(?m)^game +three +2/2 ")
+        self.assertRegex(done.stdout, r"(?m)^game +one +2/2 ")
+        self.assertIn("[4/4] game one seed 2: completed, exit 0", done.stderr)
+
+    def test_manual_page_and_completion_are_installed(self):
+        share = self.prefix / "share"
+        self.assertTrue((share / "man/man1/cxlab.1").read_text().startswith(".TH CXLAB 1"))
+        self.assertIn("complete -o filenames -F _cxlab cxlab", (share / "bash-completion/completions/cxlab").read_text())
+        self.assertTrue((share / "zsh/site-functions/_cxlab").read_text().startswith("#compdef cxlab"))
+
     @classmethod
     def examples(cls):
         """The configurations of the examples, which are built once."""
