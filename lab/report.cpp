@@ -59,8 +59,7 @@ Status read_story(const std::filesystem::path& journal, double last, Json& repor
   auto reader = JournalReader::open(journal);
   if (!reader) return reader.error();
   reader->only({RecordKind::kSkill, RecordKind::kReferee});
-  Json &skills = report["skills"] = Json::array(), &holds = report["holds"] = Json::array(),
-       &scores = report["scores"] = Json::array();
+  Json skills = Json::array(), holds = Json::array(), scores = Json::array();
   Open working, holding;
   while (true) {
     auto record = reader->next();
@@ -87,6 +86,9 @@ Status read_story(const std::filesystem::path& journal, double last, Json& repor
   }
   while (!working.empty()) end(working, std::string(working.begin()->first), last, "running", skills);
   while (!holding.empty()) end(holding, std::string(holding.begin()->first), last, nullptr, holds);
+  report["skills"] = std::move(skills);
+  report["holds"] = std::move(holds);
+  report["scores"] = std::move(scores);
   return {};
 }
 
