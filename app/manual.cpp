@@ -200,7 +200,7 @@ void add_help(CLI::App& app, Action& action) {
   command->callback([&app, names, &action] {
     action = [&app, names] {
       const CLI::App* at = &app;
-      std::string path = "cxlab";
+      std::string path;  // " new agent"
       for (const std::string& name : *names) {
         std::vector<std::string> known;
         const CLI::App* next = nullptr;
@@ -209,11 +209,12 @@ void add_help(CLI::App& app, Action& action) {
           if (sub->get_name() == name) next = sub;
         }
         if (!next)
-          return fail(usage_error("there is no command '" + path.substr(6) + name + "'" + did_you_mean(name, known)));
+          return fail(
+              usage_error("there is no command '" + (path + ' ' + name).substr(1) + "'" + did_you_mean(name, known)));
         at = next;
         path += ' ' + name;
       }
-      std::fputs(app.get_formatter()->make_help(at, path, CLI::AppFormatMode::Normal).c_str(), stdout);
+      std::fputs(app.get_formatter()->make_help(at, "cxlab" + path, CLI::AppFormatMode::Normal).c_str(), stdout);
       return 0;
     };
   });

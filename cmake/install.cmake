@@ -32,13 +32,13 @@ install(RUNTIME_DEPENDENCY_SET needed
   PRE_EXCLUDE_REGEXES "^ld-linux" "^lib(c|m|dl|rt|pthread|stdc\\+\\+|gcc_s|z|[a-z]+san)\\.so"
   LIBRARY DESTINATION ${libraries})
 
-# --- Headers: all but those of the plugins that come with cxlab, and those that need MuJoCo's
+# --- Headers: all but those of the plugins that come with cxlab, and those that need headers of MuJoCo or nlohmann-json
 include(installed_headers)
 file(GLOB folders RELATIVE "${PROJECT_SOURCE_DIR}" cx/* sim sim/* scenarios scenarios/* lab lab/*)
 list(FILTER folders EXCLUDE REGEX "^(cx/plugins|sim/mujoco)$")
 foreach(folder IN LISTS folders)
   file(GLOB files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${folder}/*.h")
-  list(FILTER files EXCLUDE REGEX "/(scenarios/rcll/stage|lab/(physics_replay|pictures|view))\\.h$")
+  list(FILTER files EXCLUDE REGEX "/(cx/explain/json|scenarios/rcll/stage|lab/(physics_replay|pictures|view))\\.h$")
   cxlab_install_headers(${folder} ${files})
 endforeach()
 cxlab_install_headers(planner "${PROJECT_SOURCE_DIR}/planner/cost.h")

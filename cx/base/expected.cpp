@@ -35,12 +35,21 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
+/// Whether `text` has all letters of `word` in their order: then letters were left out, the commonest slip.
+static bool is_shortened(const std::string& word, const std::string& text) {
+  std::size_t at = 0;
+  for (const char c : text)
+    if (at < word.size() && word[at] == c) ++at;
+  return at == word.size();
+}
+
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates) {
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const auto& candidate : candidates) {
     const std::size_t distance = edit_distance(word, candidate);
-    if (distance < best_distance) {
+    const bool as_near = distance == best_distance && !best.empty();
+    if (distance < best_distance || (as_near && is_shortened(word, candidate) && !is_shortened(word, best))) {
       best = candidate;
       best_distance = distance;
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "cx/explain/json.h"
 #include "cx/explain/matcher.h"
 
 namespace cxlab::explain {

@@ -1,7 +1,6 @@
 #pragma once
 // Why a rule has not fired: what holds of its left-hand side now, what is missing first, and what has fired so far.
 
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -53,7 +52,6 @@ struct WhyNot {
   SimTime last_fired{};
   std::vector<std::string> last_facts;
 };
-nlohmann::ordered_json to_json(const WhyNot& answer);
 
 /// About the present state of the engine. `rule` may have a module. `history`: of its environment from the start.
 /// Defines functions of its own in the engine for a while, but changes no fact.

@@ -62,6 +62,7 @@ TEST(NearestWord, FindsOneSlip) {
   EXPECT_EQ(nearest_word("evn", words), "env") << "a swap is one slip, 'run' is two away";
   EXPECT_EQ(nearest_word("benhc", words), "bench");
   EXPECT_EQ(nearest_word("reply", words), "replay") << "a letter left out";
+  EXPECT_EQ(nearest_word("sed", {"set", "seed"}), "seed") << "a letter left out is likelier than a wrong one";
   EXPECT_EQ(nearest_word("runn", words), "run") << "a letter too many";
   EXPECT_EQ(nearest_word("rup", {"rip", "run"}), "rip") << "of two as near, the first";
 }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "cx/explain/json.h"
 #include "cx/explain/matcher.h"
 #include "cx/journal/journal.h"
 
