@@ -54,8 +54,8 @@ class Story {
   double now_s() const;
 
  private:
-  struct Stage;
-  std::unique_ptr<Stage> stage_;
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace cxlab::testing

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "cx/testing/pattern.h"
 #include "cx/yaml/yaml.h"
 
 namespace cxlab::testing {

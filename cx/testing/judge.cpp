@@ -1,0 +1,182 @@
+#include "cx/testing/judge.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "cx/explain/pattern.h"
+#include "cx/explain/why_not.h"
+#include "cx/yaml/yaml.h"
+
+namespace cxlab::testing {
+
+namespace {
+
+using Kind = Expectation::Kind;
+
+bool contains_value(const yaml::Value& found, const yaml::Value& wanted) {
+  if (wanted.is_map()) {
+    if (!found.is_map()) return false;
+    yaml::Map map = found.as_map();
+    for (const auto& [key, value] : wanted.as_map().entries())
+      if (const yaml::Value there = map.get(key); !there || !contains_value(there, value)) return false;
+    return true;
+  }
+  if (wanted.is_list()) {
+    const auto a = found.is_list() ? found.as_list() : std::vector<yaml::Value>();
+    const auto b = wanted.as_list();
+    return a.size() == b.size() &&
+           std::equal(a.begin(), a.end(), b.begin(), [](const auto& x, const auto& y) { return contains_value(x, y); });
+  }
+  if (found.text() == wanted.text()) return true;
+  char *a_end = nullptr, *b_end = nullptr;
+  const std::string a = found.text(), b = wanted.text();
+  const double x = std::strtod(a.c_str(), &a_end), y = std::strtod(b.c_str(), &b_end);
+  return !a.empty() && !b.empty() && !*a_end && !*b_end && x == y;
+}
+
+std::vector<std::string> names_of(const RuleEngine& engine, std::string_view kind) {
+  std::vector<std::string> names;
+  for (const ConstructInfo& c : engine.constructs())
+    if (c.kind == kind) names.push_back(c.name);
+  return names;
+}
+
+std::string span(const Expectation& e) {
+  if (e.at) return " at " + seconds(e.until);
+  std::string out = e.after > SimTime::zero() ? " after " + seconds(e.after) : "";
+  if (e.until != kNever) out += " by " + seconds(e.until);
+  return out;
+}
+
+bool within(const Expectation& e, SimTime t) { return t >= e.after && t <= e.until; }
+
+/// Whether the fact was there at the time that is expected.
+bool within(const Expectation& e, const explain::FactVersion& version) {
+  if (e.at) return version.from <= e.until && version.until > e.until;
+  return version.from <= e.until && (version.until > e.after || version.from >= e.after);
+}
+
+/// What is wrong, or nothing.
+std::string judge_fact(const Expectation& e, const Play& play) {
+  const auto pattern = *explain::Pattern::parse_plain(e.text, play.spec().file, e.line);
+  const explain::FactVersion* found = nullptr;
+  std::vector<const FactCopy*> others;
+  for (const explain::FactVersion& version : play.history().facts()) {
+    if (version.fact.template_name != pattern.template_name()) continue;
+    if (!within(e, version) || !pattern.matches(version.fact))
+      others.push_back(&version.fact);
+    else if (!found)
+      found = &version;
+  }
+  const std::string no_template = "there is no deftemplate '" + pattern.template_name() + '\'';
+  const bool known = play.engine().has("deftemplate", pattern.template_name());
+  const auto guess = [&] { return did_you_mean(pattern.template_name(), names_of(play.engine(), "deftemplate")); };
+  if (e.kind == Kind::kNoFact) {
+    if (found)
+      return "expected no fact " + e.text + span(e) + "; there was " + found->fact.print() + " from " +
+             seconds(found->from);
+    if (others.empty()) return known ? "" : no_template + ", so this says nothing" + guess();
+    for (const std::string& slot : pattern.slot_names())
+      if (!others.back()->slot(slot)) return e.text + ": there is no slot " + slot;
+    return {};
+  }
+  if (found) return {};
+  const std::string expected = "expected fact " + e.text + span(e) + "; ";
+  if (others.empty()) return expected + (known ? "there was no fact of this template" : no_template + guess());
+  const explain::Nearest near = nearest(pattern, others);
+  const auto& version = *std::find_if(play.history().facts().begin(), play.history().facts().end(),
+                                      [&](const auto& v) { return &v.fact == near.fact; });
+  return expected + "nearest: " + near.fact->print() + " at " + seconds(version.from) +
+         (version.until == kNever ? "" : " until " + seconds(version.until)) +
+         (near.mismatches.empty() ? ", at another time" : ": " + near.mismatches.front().print());
+}
+
+std::string judge_rule(const Expectation& e, const Play& play) {
+  int inside = 0;
+  std::string times;
+  for (const explain::Firing& firing : play.history().firings()) {
+    if (firing.rule != e.text) continue;
+    inside += within(e, firing.t);
+    if (times.size() < 60) times += (times.empty() ? "" : ", ") + seconds(firing.t);
+  }
+  if (e.kind == Kind::kNotFires)
+    return inside == 0 ? "" : "expected that rule " + e.text + " does not fire" + span(e) + "; it fired at " + times;
+  if (inside >= e.count) return {};
+  const std::string expected =
+      "expected rule " + e.text + " to fire" + (e.count > 1 ? " " + std::to_string(e.count) + " times" : "") + span(e);
+  if (!times.empty()) return expected + "; it fired at " + times;
+  const ConstructInfo* rule = play.engine().find_construct("defrule", e.text);
+  const auto unmet = rule ? explain::unmet_condition(play.engine(), *rule) : std::nullopt;
+  return expected + "; it never fired" +
+         (unmet ? ": at the end its condition " + std::to_string(unmet->number) + " does not hold: " + unmet->print()
+                : "");
+}
+
+std::string judge_heard(const Expectation& e, const Play& play, Heard::Kind kind, const std::string& word) {
+  int inside = 0;
+  const Heard* last = nullptr;
+  for (const Heard& heard : play.stand_ins().heard()) {
+    if (heard.kind != kind || heard.name != e.text) continue;
+    if (within(e, heard.t) && contains(heard.content, e.fields))
+      ++inside;
+    else
+      last = &heard;
+  }
+  if (inside >= e.count) return {};
+  std::string what =
+      "expected " + (e.count > 1 ? std::to_string(e.count) + " times a " : std::string("a ")) + word + " for " + e.text;
+  if (!e.fields.empty()) what += " with " + e.fields;
+  what += span(e) + "; ";
+  if (e.count > 1) what += "there were " + std::to_string(inside) + "; ";
+  return what + (last ? "nearest: " + last->content + " at " + seconds(last->t) : "there was no other");
+}
+
+std::string judge(const Expectation& e, const Play& play) {
+  switch (e.kind) {
+    case Kind::kFact:
+    case Kind::kNoFact: return judge_fact(e, play);
+    case Kind::kFires:
+    case Kind::kNotFires: return judge_rule(e, play);
+    case Kind::kGoal: return judge_heard(e, play, Heard::Kind::kGoal, "goal");
+    case Kind::kPublished: return judge_heard(e, play, Heard::Kind::kTopic, "message");
+  }
+  return {};
+}
+
+}  // namespace
+
+bool contains(const std::string& found, const std::string& wanted) {
+  if (wanted.empty()) return true;
+  const auto a = yaml::Document::parse(found, "message"), b = yaml::Document::parse(wanted, "fields");
+  return a && b && contains_value(a->root(), b->root());
+}
+
+Status check_names(const Play& play) {
+  const StorySpec& spec = play.spec();
+  const std::vector<std::string> rules = names_of(play.engine(), "defrule");
+  for (const Expectation& e : spec.expect) {
+    if (e.kind == Kind::kFact || e.kind == Kind::kNoFact) {
+      auto pattern = explain::Pattern::parse_plain(e.text, spec.file, e.line);
+      if (!pattern) return pattern.error();
+    } else if (e.kind == Kind::kFires || e.kind == Kind::kNotFires) {
+      if (std::find(rules.begin(), rules.end(), e.text) == rules.end())
+        return play.at(e.line, "there is no rule '" + e.text + '\'' + did_you_mean(e.text, rules));
+    } else if (e.kind == Kind::kGoal) {
+      const bool later =
+          std::any_of(spec.steps.begin(), spec.steps.end(), [&](const Step& s) { return s.stand_in.name == e.text; });
+      if (!later && !play.stand_ins().serves(e.text))
+        return play.at(e.line, "nobody serves " + e.text + did_you_mean(e.text, play.stand_ins().names()) +
+                                   " (skills: of the story)");
+    }
+  }
+  return {};
+}
+
+std::vector<std::string> judge(const Play& play) {
+  std::vector<std::string> failures;
+  for (const Expectation& e : play.spec().expect)
+    if (const std::string what = judge(e, play); !what.empty()) failures.push_back(play.at(e.line, what).text());
+  return failures;
+}
+
+}  // namespace cxlab::testing

@@ -1,0 +1,21 @@
+#pragma once
+// Whether what a story expects has happened, and what there was instead.
+
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/testing/play.h"
+
+namespace cxlab::testing {
+
+/// Rules, actions and patterns that can never be met are mistakes of the story. Call it after activation.
+Status check_names(const Play& play);
+
+/// After the last tick: `file:line: what was expected, by when, what was there` for each expectation that was not met.
+std::vector<std::string> judge(const Play& play);
+
+/// Whether all that the YAML `wanted` names is in `found`; numbers are compared as numbers.
+bool contains(const std::string& found, const std::string& wanted);
+
+}  // namespace cxlab::testing

@@ -1,0 +1,143 @@
+#include "cx/testing/play.h"
+
+#include <cstdio>
+#include <fstream>
+
+#include "cx/explain/pattern.h"
+#include "cx/plugins/builtin.h"
+
+namespace cxlab::testing {
+
+namespace fs = std::filesystem;
+
+std::string seconds(SimTime t) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g s", to_seconds(t));
+  return text;
+}
+
+/// The steps of a story, in their place of a tick.
+class Play::Script final : public Server {
+ public:
+  Script(Play& play, bool each_tick) : play_(play), each_tick_(each_tick) {}
+  Status sense(SimTime now) override {
+    for (; next_ < steps().size() && steps()[next_].at <= now; ++next_)
+      if (Status s = play_.do_step(steps()[next_]); !s) return s;
+    return {};
+  }
+  Status act(SimTime) override { return {}; }
+  SimTime next_due() const override {
+    if (each_tick_) return SimTime::zero();
+    return next_ < steps().size() ? steps()[next_].at : kNever;
+  }
+
+ private:
+  const std::vector<Step>& steps() const { return play_.spec_.steps; }
+  Play& play_;
+  bool each_tick_;
+  std::size_t next_ = 0;
+};
+
+Play::Play(const StorySpec& spec, const StorySetup& setup, bool each_tick)
+    : spec_(spec), setup_(setup), script_(std::make_unique<Script>(*this, each_tick)) {
+  journal_.set_listener(&histories_);
+}
+
+Play::~Play() = default;
+
+Status Play::prepare() {
+  if (Status s = registry_.add_packages_in(setup_.interfaces); !s) return s;
+  cx::ManagerOptions options;
+  std::map<std::string, fs::path> packages = spec_.packages;
+  packages.insert(setup_.packages.begin(), setup_.packages.end());
+  for (const auto& [name, folder] : packages) {
+    if (!fs::is_directory(folder)) return at(spec_.line, "package " + name + ": there is no folder " + folder.string());
+    options.packages[name] = {folder, {}};
+    if (!bus::holds_definitions(folder)) continue;
+    if (Status s = registry_.add_package(name, folder); !s) return s;
+  }
+  auto config = config_file();
+  if (!config) return config.error();
+  options.config = *config;
+  options.plugin_types = cx::builtin_plugins();
+  options.log = &output_;
+  options.seed = spec_.seed;
+  auto manager = cx::EnvironmentManager::create(std::move(options), bus_, journal_);
+  if (!manager) return manager.error();
+  manager_ = *std::move(manager);
+  for (const StandIn& stand_in : spec_.stand_ins)
+    if (Status s = stand_ins_.add(stand_in); !s) return s;
+  for (const Expectation& e : spec_.expect)
+    if (e.kind == Expectation::Kind::kPublished)
+      if (Status s = stand_ins_.listen(e.text, e.type, spec_.file, e.line); !s) return s;
+  loop_.emplace(bus_, kTick, Parts{.servers = {script_.get(), &stand_ins_}, .agents = {manager_.get()}});
+  return {};
+}
+
+/// The configuration, or one made for the rule files alone.
+Expected<fs::path> Play::config_file() {
+  if (!spec_.config.empty()) return spec_.config;
+  std::string files;
+  for (const fs::path& file : spec_.rules) {
+    if (!fs::is_regular_file(file)) return at(spec_.line, "there is no rule file " + file.string());
+    files += (files.empty() ? "'" : ", '") + fs::absolute(file).lexically_normal().string() + '\'';
+  }
+  auto scratch = ScratchFolder::create();
+  if (!scratch) return scratch.error();
+  scratch_ = std::move(*scratch);
+  const fs::path made = scratch_->path() / "story.yaml";
+  std::ofstream(made)
+      << "/**:\n  ros__parameters:\n    environments: [main]\n    main: {plugins: [executive, ros_msgs, files]}\n"
+         "    executive: {plugin: 'cx::ExecutivePlugin'}\n    ros_msgs: {plugin: 'cx::RosMsgsPlugin'}\n"
+         "    files: {plugin: 'cx::FileLoadPlugin', load: ["
+      << files << "]}\n";
+  return made;
+}
+
+Status Play::begin() {
+  if (Status s = manager_->configure(); !s)
+    return input_error(s.error().message, s.error().file, s.error().line).with_code(s.error().code);
+  if (Status s = find_environment(); !s) return s;
+  return manager_->activate();
+}
+
+Status Play::find_environment() {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < manager_->size(); ++i) names.push_back(manager_->environment(i).name());
+  if (spec_.environment.empty() && !names.empty())
+    environment_ = &manager_->environment(0);
+  else
+    environment_ = manager_->find(spec_.environment);
+  if (!environment_)
+    return at(spec_.line, "environment '" + spec_.environment + "' is not in the configuration" +
+                              did_you_mean(spec_.environment, names));
+  history_ = &histories_.of(journal_.stream_name(engine().stream()));
+  if (setup_.coverage) engine().watch("activations");
+  return {};
+}
+
+Status Play::assert_fact(const std::string& text, int line) {
+  engine().clear_cause();
+  auto fact = engine().assert_string(text);
+  if (!fact) return at(line, text + ": " + fact.error().message);
+  return {};
+}
+
+Status Play::do_step(const Step& step) {
+  switch (step.verb) {
+    case Step::Verb::kAssert: return assert_fact(step.text, step.line);
+    case Step::Verb::kPublish: return stand_ins_.publish(step.text, step.type, step.data, spec_.file, step.line);
+    case Step::Verb::kStandIn: return stand_ins_.add(step.stand_in);
+    case Step::Verb::kRetract: break;
+  }
+  auto pattern = explain::Pattern::parse_plain(step.text, spec_.file, step.line);
+  if (!pattern) return pattern.error();
+  bool any = false;
+  for (const FactCopy& fact : engine().facts(pattern->template_name()))
+    if (pattern->matches(fact)) any |= engine().retract(fact.index);
+  if (any) return {};
+  return negative(spec_.file + ':' + std::to_string(step.line) + ": retract " + step.text + " at " +
+                  seconds(bus_.now()) + ": there is no such fact");
+}
+
+}  // namespace cxlab::testing

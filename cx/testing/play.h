@@ -1,0 +1,73 @@
+#pragma once
+// Plays the rules of a story: a manager on a bus of its own, stand-ins for what its agent uses, and the loop.
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cx/base/scratch_folder.h"
+#include "cx/executive/environment_manager.h"
+#include "cx/explain/history.h"
+#include "cx/journal/journal.h"
+#include "cx/run/loop.h"
+#include "cx/testing/output.h"
+#include "cx/testing/stand_ins.h"
+#include "cx/testing/story.h"
+
+namespace cxlab::testing {
+
+inline constexpr SimTime kTick = std::chrono::milliseconds(20);
+
+/// "1.5 s"
+std::string seconds(SimTime t);
+
+class Play {
+ public:
+  /// Both outlive this. `each_tick`: also those at which nothing is due.
+  Play(const StorySpec& spec, const StorySetup& setup, bool each_tick);
+  ~Play();
+  Play(const Play&) = delete;
+  Play& operator=(const Play&) = delete;
+
+  /// Packages, configuration and stand-ins: an error is a mistake of the story.
+  Status prepare();
+  /// Activation. Errors of kind kInput are mistakes in rule files or the configuration.
+  Status begin();
+  /// `line` is that of the story.
+  Status assert_fact(const std::string& text, int line);
+  /// An error at a line of the story.
+  Error at(int line, const std::string& what) const { return input_error(what, spec_.file, line); }
+
+  Loop& loop() { return *loop_; }
+  StandIns& stand_ins() { return stand_ins_; }
+  const StandIns& stand_ins() const { return stand_ins_; }
+  cx::EnvironmentManager& manager() { return *manager_; }
+  /// That of the environment that the story looks at.
+  RuleEngine& engine() const { return environment_->engine(); }
+  const explain::History& history() const { return *history_; }
+  const Output& output() const { return output_; }
+  const StorySpec& spec() const { return spec_; }
+
+ private:
+  class Script;
+  Expected<std::filesystem::path> config_file();
+  Status find_environment();
+  Status do_step(const Step& step);
+
+  const StorySpec& spec_;
+  const StorySetup& setup_;
+  std::unique_ptr<ScratchFolder> scratch_;
+  Output output_;
+  explain::Histories histories_;
+  const explain::History* history_ = nullptr;  // of `environment_`
+  Journal journal_;
+  bus::Registry registry_;
+  bus::Bus bus_{registry_, journal_};
+  StandIns stand_ins_{bus_, journal_};
+  std::unique_ptr<cx::EnvironmentManager> manager_;
+  cx::Environment* environment_ = nullptr;
+  std::unique_ptr<Script> script_;
+  std::optional<Loop> loop_;
+};
+
+}  // namespace cxlab::testing
