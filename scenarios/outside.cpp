@@ -1,102 +1,64 @@
 #include "scenarios/outside.h"
 
-#include <cstring>
+#include "cx/base/byte_codec.h"
 
 namespace cxlab {
 
 namespace {
 
-template <class T>
-void put(std::string& out, T value) {
-  out.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-template <class T>
-bool take(std::string_view& bytes, T& value) {
-  if (bytes.size() < sizeof value) return false;
-  std::memcpy(&value, bytes.data(), sizeof value);
-  bytes.remove_prefix(sizeof value);
-  return true;
-}
-
-void write(const Value& value, std::string& out) {
-  put(out, static_cast<std::uint8_t>(value.type()));
+void write(const Value& value, ByteWriter& out) {
   switch (value.type()) {
-    case ValueType::kInteger: put(out, value.as_integer()); break;
-    case ValueType::kFloat: put(out, value.as_number()); break;
-    case ValueType::kHandle: put(out, static_cast<std::uint64_t>(value.as_handle())); break;
+    case ValueType::kInteger: out.fixed(value.type()).fixed(value.as_integer()); return;
+    case ValueType::kFloat: out.fixed(value.type()).fixed(value.as_number()); return;
+    case ValueType::kHandle: out.fixed(value.type()).fixed(value.as_handle()); return;
     case ValueType::kSymbol:
     case ValueType::kString:
     case ValueType::kInstanceName:
-      put(out, static_cast<std::uint32_t>(value.text().size()));
-      out += value.text();
-      break;
+      out.fixed(value.type()).fixed(static_cast<std::uint32_t>(value.text().size())).raw(value.text());
+      return;
     case ValueType::kMultifield:
-      put(out, static_cast<std::uint32_t>(value.items().size()));
+      out.fixed(value.type()).fixed(static_cast<std::uint32_t>(value.items().size()));
       for (const Value& item : value.items()) write(item, out);
-      break;
-    default: out.back() = static_cast<char>(ValueType::kVoid);
+      return;
+    default: out.fixed(ValueType::kVoid);
   }
 }
 
-bool read(std::string_view& bytes, Value& value) {
-  std::uint8_t type = 0;
-  if (!take(bytes, type)) return false;
-  std::uint32_t size = 0;
-  switch (static_cast<ValueType>(type)) {
-    case ValueType::kVoid: value = Value(); return true;
-    case ValueType::kInteger: {
-      std::int64_t number = 0;
-      if (!take(bytes, number)) return false;
-      value = Value::integer(number);
-      return true;
-    }
-    case ValueType::kFloat: {
-      double number = 0;
-      if (!take(bytes, number)) return false;
-      value = Value::number(number);
-      return true;
-    }
-    case ValueType::kHandle: {
-      std::uint64_t number = 0;
-      if (!take(bytes, number)) return false;
-      value = Value::handle(Handle{number});
-      return true;
-    }
-    case ValueType::kSymbol:
-    case ValueType::kString:
-    case ValueType::kInstanceName: {
-      if (!take(bytes, size) || bytes.size() < size) return false;
-      std::string text(bytes.substr(0, size));
-      bytes.remove_prefix(size);
-      value = type == static_cast<std::uint8_t>(ValueType::kSymbol)   ? Value::symbol(std::move(text))
-              : type == static_cast<std::uint8_t>(ValueType::kString) ? Value::string(std::move(text))
-                                                                      : Value::instance_name(std::move(text));
-      return true;
-    }
+/// Multifields hold no multifields.
+Value read(ByteReader& in, bool inside = false) {
+  const auto text = [&in] { return std::string(in.raw(in.fixed<std::uint32_t>())); };
+  switch (in.fixed<ValueType>()) {
+    case ValueType::kVoid: return {};
+    case ValueType::kInteger: return Value::integer(in.fixed<std::int64_t>());
+    case ValueType::kFloat: return Value::number(in.fixed<double>());
+    case ValueType::kHandle: return Value::handle(in.fixed<Handle>());
+    case ValueType::kSymbol: return Value::symbol(text());
+    case ValueType::kString: return Value::string(text());
+    case ValueType::kInstanceName: return Value::instance_name(text());
     case ValueType::kMultifield: {
-      if (!take(bytes, size) || size > bytes.size()) return false;
-      std::vector<Value> items(size);
-      for (Value& item : items)
-        if (!read(bytes, item)) return false;
-      value = Value::multifield(std::move(items));
-      return true;
+      if (inside) in.refuse();
+      const auto size = in.fixed<std::uint32_t>();
+      std::vector<Value> items;
+      for (std::uint32_t i = 0; i < size && in.ok(); ++i) items.push_back(read(in, true));
+      return Value::multifield(std::move(items));
     }
-    default: return false;
+    default: in.refuse(); return {};
   }
 }
 
 }  // namespace
 
 std::string to_bytes(const Value& value) {
-  std::string out;
+  std::string bytes;
+  ByteWriter out(bytes);
   write(value, out);
-  return out;
+  return bytes;
 }
 
 Expected<Value> value_from_bytes(std::string_view bytes) {
-  Value value;
-  if (!read(bytes, value) || !bytes.empty()) return input_error("a value in the input log is damaged");
+  ByteReader in(bytes);
+  Value value = read(in);
+  if (!in.ok() || in.left() > 0) return input_error("a value in the input log is damaged");
   return value;
 }
 

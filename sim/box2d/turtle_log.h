@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cx/base/byte_codec.h"
 #include "cx/base/expected.h"
 
 namespace cxlab::sim {
@@ -52,13 +53,12 @@ class TurtleLog final : public TurtleTap {
 /// Reads what a TurtleLog wrote. `bytes` must outlive it.
 class TurtleLogReader {
  public:
-  explicit TurtleLogReader(std::string_view bytes) : bytes_(bytes) {}
+  explicit TurtleLogReader(std::string_view bytes) : in_(bytes) {}
   /// The next write, none at the end; an error when the bytes are damaged.
   Expected<std::optional<TurtleWrite>> next();
 
  private:
-  std::string_view bytes_;
-  std::size_t at_ = 0;
+  ByteReader in_;
 };
 
 }  // namespace cxlab::sim

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cx/base/byte_codec.h"
 #include "cx/base/expected.h"
 
 namespace cxlab::sim {
@@ -56,14 +57,12 @@ class PhysicsLog : public PhysicsTap {
 /// Reads what a PhysicsLog wrote. `bytes` must outlive it.
 class PhysicsLogReader {
  public:
-  explicit PhysicsLogReader(std::string_view bytes) : bytes_(bytes) {}
+  explicit PhysicsLogReader(std::string_view bytes) : in_(bytes) {}
   /// The next write, none at the end; an error when the bytes are damaged.
   Expected<std::optional<PhysicsWrite>> next();
 
  private:
-  bool read_varint(std::uint64_t& value);
-  std::string_view bytes_;
-  std::size_t at_ = 0;
+  ByteReader in_;
   std::int64_t step_ = 0;
 };
 
