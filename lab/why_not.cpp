@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "cx/explain/json.h"
+
 namespace cxlab::lab {
 
 namespace {

@@ -66,7 +66,8 @@ TEST_F(Stories, AFactThatLivesWithinOneRunIsSeen) {
 TEST_F(Stories, FiringIsCounted) {
   EXPECT_THAT(play("fires: open, within_s: 1", kBell).failures, IsEmpty());
   EXPECT_THAT(play("fires: open, count: 2, within_s: 2", kBell).failures, ElementsAre(HasSubstr("it fired at 1 s")));
-  EXPECT_THAT(play("fires: slam, within_s: 2", kBell).failures, ElementsAre(HasSubstr("condition 1 does not hold: (wind): there is no fact of wind")));
+  EXPECT_THAT(play("fires: slam, within_s: 2", kBell).failures,
+              ElementsAre(HasSubstr("condition 1 does not hold: (wind): there is no fact of wind")));
   EXPECT_THAT(play("not_fires: open, within_s: 2", kBell).failures, ElementsAre(HasSubstr("it fired at 1 s")));
 }
 
