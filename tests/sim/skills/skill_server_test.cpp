@@ -275,38 +275,45 @@ TEST_P(Skills, AGoalIsRejectedWhileTheLastOneIsStillBeingCancelled) {
 }
 
 TEST_P(Skills, CancelledInEachPhaseTheRobotIsSafeAndThePieceIsHeldOrLies) {
-  const std::vector<std::string> phases =
-      GetParam() == Tier::kTimed ? std::vector<std::string>{"drive", "handle"}
-                                 : std::vector<std::string>{"drive", "align",   "look", "approach", "lower",
-                                                            "grip",  "release", "lift", "back_off", "check"};
+  struct Moment {
+    SkillKind kind;
+    const char* phase;
+    bool held;            ///< at the end
+    double after = 0.06;  ///< s after the begin of the phase
+  };
+  constexpr SkillKind kPick = SkillKind::kPick, kPlace = SkillKind::kPlace;
+  const std::vector<Moment> timed{
+      {kPick, "drive", false}, {kPick, "handle", false}, {kPlace, "drive", true}, {kPlace, "handle", true}};
+  const std::vector<Moment> physics{{kPick, "drive", false},    {kPick, "align", false},     {kPick, "look", false},
+                                    {kPick, "approach", false}, {kPick, "lower", false},     {kPick, "grip", false},
+                                    {kPick, "grip", true, 0.3}, {kPick, "lift", true},       {kPick, "back_off", true},
+                                    {kPick, "check", true},     {kPlace, "drive", true},     {kPlace, "align", true},
+                                    {kPlace, "look", true},     {kPlace, "approach", true},  {kPlace, "lower", true},
+                                    {kPlace, "release", false}, {kPlace, "back_off", false}, {kPlace, "check", false}};
   base_at("C-BS-OUTPUT");
-  for (const SkillKind kind : {SkillKind::kPick, SkillKind::kPlace})
-    for (const std::string& phase : phases) {
-      SCOPED_TRACE(std::string(to_string(kind)) + " cancelled in " + phase);
-      const bool wants_piece = kind == SkillKind::kPlace;
-      if (robot1().held.has_value() != wants_piece) {
-        ASSERT_EQ(done("robot1", wants_piece ? SkillKind::kPick : SkillKind::kPlace, "C-BS-OUTPUT").code, 0);
-      }
-      if (phase == "drive") {
-        ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C_Z22").code, 0);
-      }
-      const Heard& skill = send("robot1", kind, "C-BS-OUTPUT");
-      if (!reach(skill, phase)) continue;  // grip and lift are phases of a pick, release of a place
-      wait(0.1);
-      bus.cancel_goal(last_client, skill.goal);
-      EXPECT_LT(finish(skill), 8);
-      EXPECT_EQ(skill.status, bus::GoalStatus::kCanceled) << skill.error;
-      EXPECT_EQ(skill.code, 0);
-      EXPECT_LT(robot1().gripper.x, 0.1);
-      EXPECT_LT(std::hypot(robot1().vx, robot1().vy), 0.05);
-      wait(1.5);
-      const Piece& piece = world->pieces()[0];
-      EXPECT_TRUE(piece.holder == Holder::kGripper || piece.holder == Holder::kBelt) << to_string(piece.holder);
-      EXPECT_EQ(robot1().held.has_value(), piece.holder == Holder::kGripper);
-      if (!robot1().held) {
-        EXPECT_GT(robot1().finger_opening, 0.028) << "open for the next pick";
-      }
+  for (const Moment& moment : GetParam() == Tier::kTimed ? timed : physics) {
+    SCOPED_TRACE(std::string(to_string(moment.kind)) + " cancelled in " + moment.phase);
+    if (robot1().held.has_value() != (moment.kind == kPlace)) {
+      ASSERT_EQ(done("robot1", robot1().held ? kPlace : kPick, "C-BS-OUTPUT").code, 0);
     }
+    ASSERT_EQ(done("robot1", SkillKind::kDriveTo, std::string(moment.phase) == "drive" ? "C_Z22" : "C-BS-OUTPUT").code,
+              0);
+    const Heard& skill = send("robot1", moment.kind, "C-BS-OUTPUT");
+    ASSERT_TRUE(reach(skill, moment.phase));
+    wait(moment.after);
+    bus.cancel_goal(last_client, skill.goal);
+    EXPECT_LT(finish(skill), 8);
+    EXPECT_EQ(skill.status, bus::GoalStatus::kCanceled) << skill.error;
+    EXPECT_EQ(skill.code, 0);
+    EXPECT_LT(robot1().gripper.x, 0.1);
+    EXPECT_LT(std::hypot(robot1().vx, robot1().vy), 0.05);
+    wait(1.5);
+    EXPECT_EQ(robot1().held.has_value(), moment.held);
+    EXPECT_EQ(world->pieces()[0].holder, moment.held ? Holder::kGripper : Holder::kBelt);
+    if (!moment.held) {
+      EXPECT_GT(robot1().finger_opening, 0.028) << "open for the next pick";
+    }
+  }
   EXPECT_EQ(robot1().static_contacts, 0u);
 }
 
