@@ -20,7 +20,7 @@
 #include "cx/yaml/yaml.h"
 #include "planner/cost.h"
 #include "sim/faults/fault.h"
-#include "sim/skills/timed_skills.h"
+#include "sim/skills/timed_config.h"
 
 namespace cxlab {
 

@@ -122,9 +122,8 @@ Expected<Stimulus> StimuliServer::State::as_call(const Stimulus& asked) const {
 /// A lifecycle node is asked to shut down; any other leaves the bus without a word.
 Status StimuliServer::State::stop_node(const Stimulus& stimulus) {
   const std::string node = bus.name_of(self).expand(stimulus.target);
-  const auto services = bus.services();
-  const bool lives = std::any_of(services.begin(), services.end(),
-                                 [&](const auto& s) { return s.name == node + "/change_state" && s.providers > 0; });
+  const bool lives = std::ranges::any_of(
+      bus.services(), [&](const auto& s) { return s.name == node + "/change_state" && s.providers > 0; });
   if (lives) {
     Stimulus call = stimulus;
     call.verb = Stimulus::Verb::kCall;

@@ -161,7 +161,7 @@ void TurtlesimNode::report_events() {
     Turtle* turtle = find(event.turtle);
     if (!turtle) continue;
     TurtleStory& story = stories_[turtle->story];
-    if (event.kind == sim::TurtleEvent::Kind::kWall) {
+    if (event.kind == sim::TurtleEvent::Kind::kHitWall) {
       say(cx::LogLevel::kWarn, formatted("Oh no! I hit the wall! (Clamping from [x=%f, y=%f])", event.x, event.y));
       if (!event.first) continue;
       ++story.walls;

@@ -107,7 +107,7 @@ void TurtleWorld::settle(Body& body, Turtle& turtle) {
   const double angle = body.body->GetAngle(), theta = wrapped(angle);
   const b2Vec2 inside(std::clamp(at.x, 0.0f, kSideF), std::clamp(at.y, 0.0f, kSideF));
   const bool outside = inside.x != at.x || inside.y != at.y;
-  if (outside) events_.push_back({TurtleEvent::Kind::kWall, turtle.id, {}, at.x, at.y, !body.at_wall});
+  if (outside) events_.push_back({TurtleEvent::Kind::kHitWall, turtle.id, {}, at.x, at.y, !body.at_wall});
   body.at_wall = outside;
   if (outside || theta != angle) body.body->SetTransform(inside, static_cast<float>(theta));
   const double from_x = turtle.x, from_y = turtle.y;

@@ -37,8 +37,8 @@ struct Turtle {
 /// Something that happened within an `advance`.
 struct TurtleEvent {
   enum class Kind : std::uint8_t {
-    kWall,   ///< clamped to the canvas; x, y are where it would have been
-    kTouch,  ///< began to touch `other`
+    kHitWall,  ///< clamped to the canvas; x, y are where it would have been
+    kTouch,    ///< began to touch `other`
   };
   Kind kind{};
   TurtleId turtle{}, other{};

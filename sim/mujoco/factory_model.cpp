@@ -219,14 +219,14 @@ class Builder {
     const mjModel* m = result_.model.get();
     use(need(mjOBJ_GEOM, "floor", "factory"), GeomRole::kFloor, -1);
     for (std::size_t i = 0; i < plan_.walls.size(); ++i)
-      use(mj_name2id(m, mjOBJ_GEOM, ("wall-" + std::to_string(i)).c_str()), GeomRole::kWall, static_cast<int>(i));
+      use(mj_name2id(m, mjOBJ_GEOM, ("wall-" + std::to_string(i)).c_str()), GeomRole::kFieldWall, static_cast<int>(i));
     for (std::size_t i = 0; i < plan_.stations.size(); ++i) {
       const Station& station = plan_.stations[i];
       const std::string prefix = station.name + "/";
       const int index = static_cast<int>(i);
       for (int g = 0; g < m->ngeom; ++g) {
         const char* name = mj_id2name(m, mjOBJ_GEOM, g);
-        if (name && std::strncmp(name, prefix.c_str(), prefix.size()) == 0) use(g, GeomRole::kMachine, index);
+        if (name && std::strncmp(name, prefix.c_str(), prefix.size()) == 0) use(g, GeomRole::kMachineBody, index);
       }
       StationIds ids;
       const char* colours[] = {"red", "yellow", "green"};

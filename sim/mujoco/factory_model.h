@@ -25,8 +25,8 @@ struct ModelOptions {
 enum class GeomRole : std::uint8_t {
   kNone,
   kFloor,
-  kWall,
-  kMachine,
+  kFieldWall,
+  kMachineBody,
   kBelt,
   kShelf,
   kSlide,

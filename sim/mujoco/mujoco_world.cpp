@@ -168,8 +168,8 @@ void MujocoWorld::note_support(Track& track, GeomUse other) {
       track.support_index = other.index;
       return;
     case GeomRole::kFloor:
-    case GeomRole::kWall:
-    case GeomRole::kMachine:
+    case GeomRole::kFieldWall:
+    case GeomRole::kMachineBody:
       // Guides and cheeks touch from the side: what carries it has the say.
       if (track.support == Holder::kDispenser) track.support = Holder::kFloor;
       return;

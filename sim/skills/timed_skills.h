@@ -4,38 +4,12 @@
 
 #include <optional>
 
-#include "cx/base/expected.h"
 #include "cx/base/random.h"
 #include "sim/skills/skill.h"
+#include "sim/skills/timed_config.h"
 #include "sim/traffic/traffic.h"
 
 namespace cxlab::sim {
-
-/// How long handling takes, and how often skills fail. Every duration is at least `shortest_s`.
-struct TimedSkillsConfig {
-  double pick_mean_s = 15.5;  ///< from standing before the spot to standing there again
-  double pick_sigma_s = 0.4;
-  double place_mean_s = 15.3;
-  double place_sigma_s = 0.6;
-  double shortest_s = 2.0;
-  double drive_failure = 0;  ///< probability a drive_to that it ends with 201, where it should have ended well
-  double pick_failure = 0;   ///< a pick: 206, the piece stays
-  double place_failure = 0;  ///< a place: 204, the piece stays in the gripper
-
-  template <class Keys>
-  void fields(Keys& keys) {
-    keys("pick_mean_s", pick_mean_s);
-    keys("pick_sigma_s", pick_sigma_s);
-    keys("place_mean_s", place_mean_s);
-    keys("place_sigma_s", place_sigma_s);
-    keys("shortest_s", shortest_s);
-    keys("drive_failure", drive_failure);
-    keys("pick_failure", pick_failure);
-    keys("place_failure", place_failure);
-  }
-};
-/// Probabilities lie in 0..1, times are positive.
-Status validate(const TimedSkillsConfig& config);
 
 class TimedSkills final : public RobotSkills {
  public:

@@ -45,7 +45,10 @@ class FloorMap {
   Point2 point(Node node) const;
   Node node_at(int column, int row) const { return row * columns_ + column; }
   void block(std::span<const Keepout> keepouts);
-  bool free(Node node) const { return clearance_[node] >= kClearance && blocked_[node] != query_; }
+  bool free(Node node) const {
+    const auto at = static_cast<std::size_t>(node);
+    return clearance_[at] >= kClearance && blocked_[at] != query_;
+  }
   /// Nodes from which one drives straight to the point.
   std::vector<Node> nodes_around(Point2 p, std::span<const Keepout> keepouts) const;
   bool straight(Point2 a, Point2 b, double clearance, std::span<const Keepout> keepouts) const;

@@ -72,7 +72,7 @@ TEST_F(TurtleWorldTest, AWallStopsATurtleAndSaysWhereItWouldHaveBeen) {
   EXPECT_THAT(world.events(), testing::IsEmpty());
   steps(world, 1);
   ASSERT_EQ(world.events().size(), 1u);
-  EXPECT_EQ(world.events()[0].kind, TurtleEvent::Kind::kWall);
+  EXPECT_EQ(world.events()[0].kind, TurtleEvent::Kind::kHitWall);
   EXPECT_NEAR(world.events()[0].x, TurtleWorld::kSide + 0.012, kNear);
   EXPECT_TRUE(world.events()[0].first);
   EXPECT_NEAR(world.find(id)->x, TurtleWorld::kSide, kNear);
