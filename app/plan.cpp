@@ -172,10 +172,10 @@ int report(const planner::PlanAnswer& answer, const planner::Task& task, const P
     else
       std::fprintf(stderr, "makespan %.3f s, no bound is known\n", makespan);
     if (answer.by_metric && answer.plan->metric) {
-      const std::string bound = answer.metric_bound
-                                    ? "no plan has a better one than " + metric_text(*answer.metric_bound)
-                                    : "what the best is is not known";
-      std::fprintf(stderr, "metric %s, %s\n", metric_text(*answer.plan->metric).c_str(), bound.c_str());
+      const std::string best = answer.metric_bound
+                                   ? "no plan has a better one than " + metric_text(*answer.metric_bound)
+                                   : "the best one is not known";
+      std::fprintf(stderr, "metric %s, %s\n", metric_text(*answer.plan->metric).c_str(), best.c_str());
     }
     const std::string text = planner::to_text(answer.plan->steps, task.domain, task.problem);
     if (!command.out.empty())

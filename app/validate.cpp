@@ -31,8 +31,9 @@ Json to_json(const planner::Violation& violation, const planner::Plan& plan, con
   Json out = {{"kind", to_word(violation.kind)}, {"time", violation.time}};
   if (violation.step >= 0) {
     out["step"] = violation.step;
-    out["action"] = step_text(plan[violation.step], task.domain, task.problem);
-    out["line"] = plan[violation.step].line;
+    const planner::PlanStep& step = plan[static_cast<std::size_t>(violation.step)];
+    out["action"] = step_text(step, task.domain, task.problem);
+    out["line"] = step.line;
   }
   if (violation.other_step >= 0) out["other_step"] = violation.other_step;
   out["when"] = violation.when;

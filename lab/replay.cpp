@@ -35,7 +35,7 @@ std::string first_difference(const std::string& stream, const fs::path& recorded
     const auto again = now.find(n);
     if (again != now.end() && again->second == record) continue;
     char time[32];
-    std::snprintf(time, sizeof time, "%.3f", record.value("t", std::int64_t{0}) / 1e9);
+    std::snprintf(time, sizeof time, "%.3f", to_seconds(SimTime(record.value("t", std::int64_t{0}))));
     return stream + ':' + std::to_string(n) + " at " + time + " s: then " + shown(record) + ", now " +
            (again == now.end() ? "nothing like it" : shown(again->second));
   }

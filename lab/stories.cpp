@@ -196,7 +196,8 @@ std::string to_lcov(const Coverage& coverage) {
     for (const auto& [rule, covered] : rules) {
       out += "BRDA:" + std::to_string(rule.first) + ",0,0," + std::to_string(covered.activated) + '\n';
       out += "BRDA:" + std::to_string(rule.first) + ",0,1," + std::to_string(covered.fired) + '\n';
-      branches += (covered.activated > 0) + (covered.fired > 0);
+      branches += covered.activated > 0 ? 1 : 0;
+      branches += covered.fired > 0 ? 1 : 0;
     }
     out += "BRF:" + std::to_string(2 * rules.size()) + "\nBRH:" + std::to_string(branches) + '\n';
     for (const auto& [rule, covered] : rules)
