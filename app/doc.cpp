@@ -98,15 +98,18 @@ int doc(const Options& options) {
       reference = std::move(made);  // what is near is among them
     }
   if (shown.empty()) return fail(unknown(*reference, options.name));
-  if (options.json)
+  if (options.json) {
     std::fputs(lab::reference_json(shown).c_str(), stdout);
-  else if (options.markdown)
-    std::fputs(lab::reference_page(shown).c_str(), stdout);
-  else
+  } else if (options.markdown) {
+    const auto page = lab::reference_page(shown);
+    if (!page) return fail(page.error());
+    std::fputs(page->c_str(), stdout);
+  } else {
     for (std::size_t i = 0; i < shown.size(); ++i) {
       if (i > 0) std::puts("");
       options.name.empty() ? print(shown[i]) : print_whole(shown[i]);
     }
+  }
   return 0;
 }
 

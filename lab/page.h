@@ -7,7 +7,8 @@
 
 namespace cxlab::lab {
 
-/// The template `name` of lab/pages, rendered with the fields of a JSON object. Values are escaped for HTML and XML.
+/// The template `name` of lab/pages, rendered with the fields of a JSON object. Values are escaped in pages whose name
+/// ends in .html, .svg or .xml.
 Expected<std::string> render_page(const std::string& name, const std::string& json);
 
 }  // namespace cxlab::lab

@@ -15,6 +15,7 @@
 #include "cx/journal/journal.h"
 #include "cx/plugins/bindings/names.h"
 #include "cx/plugins/builtin.h"
+#include "lab/page.h"
 #include "scenarios/share.h"
 
 namespace cxlab::lab {
@@ -98,11 +99,6 @@ std::vector<std::string> argument_codes(const FunctionSpec& function) {
       out.back() += c;
   }
   return out;
-}
-
-std::string escaped(std::string text) {
-  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, 1, '\\');
-  return text;
 }
 
 }  // namespace
@@ -196,39 +192,6 @@ Expected<std::vector<PluginReference>> read_reference(const std::map<std::string
   return out;
 }
 
-std::string reference_page(const std::vector<PluginReference>& reference) {
-  std::string out =
-      "# Reference\n\nAll that rules find in an environment, beside CLIPS itself, by the plugin that brings it. This "
-      "page is made from the\n"
-      "code: `cxlab doc --markdown > docs/reference.md`. *Pure* functions may stand on a left-hand side, *acting* ones "
-      "may not.\n"
-      "Classes that are made from their names (`cx::CX<Pkg><Name>Plugin`) are shown one at a time: `cxlab doc "
-      "cx::CXStdMsgsStringPlugin`.\n";
-  for (const PluginReference& plugin : reference) {
-    out += "\n## " + plugin.plugin + "\n";
-    if (!plugin.package.empty())
-      out += "\nOf package `" + plugin.package + "`." + (plugin.description.empty() ? "" : ' ' + plugin.description) +
-             '\n';
-    if (!plugin.parameters.empty()) {
-      out += "\nParameters:";
-      for (std::size_t i = 0; i < plugin.parameters.size(); ++i)
-        out += (i == 0 ? " `" : ", `") + plugin.parameters[i] + '`';
-      out += '\n';
-    }
-    if (!plugin.functions.empty()) out += "\n| Function | Gives | | |\n|---|---|---|---|\n";
-    for (const FunctionSpec& f : plugin.functions)
-      out += "| `" + escaped(call_text(f)) + "` | " + escaped(type_text(f.returns)) + " | " + kind_text(f) + " | " +
-             f.doc + " |\n";
-    if (!plugin.constructs.empty()) {
-      out += "\n```clips\n";
-      for (const Documented& c : plugin.constructs) out += c.text + '\n';
-      out += "```\n";
-    }
-    if (plugin.functions.empty() && plugin.constructs.empty()) out += "\nNothing that rules see.\n";
-  }
-  return out;
-}
-
 std::string reference_json(const std::vector<PluginReference>& reference) {
   using Json = nlohmann::ordered_json;
   Json out = Json::array();
@@ -255,6 +218,10 @@ std::string reference_json(const std::vector<PluginReference>& reference) {
     out.push_back(std::move(one));
   }
   return out.dump(2) + '\n';
+}
+
+Expected<std::string> reference_page(const std::vector<PluginReference>& reference) {
+  return render_page("reference.md", "{\"plugins\": " + reference_json(reference) + '}');
 }
 
 }  // namespace cxlab::lab

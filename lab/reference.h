@@ -45,7 +45,7 @@ std::string type_text(const std::string& codes);
 std::string kind_text(const FunctionSpec& function);
 
 /// docs/reference.md.
-std::string reference_page(const std::vector<PluginReference>& reference);
+Expected<std::string> reference_page(const std::vector<PluginReference>& reference);
 std::string reference_json(const std::vector<PluginReference>& reference);
 
 }  // namespace cxlab::lab
