@@ -38,21 +38,7 @@ void print(const Coverage& files) {
               counts["activated but never fired"], counts["never matched"]);
 }
 
-nlohmann::json to_json(const Coverage& files) {
-  nlohmann::json rows = nlohmann::json::array();
-  for (const auto& [file, rules] : files)
-    for (const auto& [rule, covered] : rules)
-      rows.push_back({{"file", file},
-                      {"line", rule.first},
-                      {"rule", rule.second},
-                      {"state", covered.state()},
-                      {"fired", covered.fired},
-                      {"activated", covered.activated}});
-  return rows;
-}
-
 Status write(const std::string& file, const std::string& text) {
-  if (file.empty()) return {};
   std::ofstream out(file, std::ios::binary);
   out << text;
   out.close();
@@ -93,7 +79,7 @@ int test(const TestOptions& options) {
   }
   const Coverage coverage = lab::coverage_of(*stories);
   nlohmann::json report{{"passed", passed}, {"failed", stories->size() - passed}, {"stories", rows}};
-  if (setup.coverage) report["rules"] = to_json(coverage);
+  if (setup.coverage) report["rules"] = nlohmann::json::parse(lab::to_json(coverage));
   if (setup.coverage && !options.json) print(coverage);
   if (options.json)
     std::printf("%s\n", report.dump(2).c_str());
@@ -104,7 +90,11 @@ int test(const TestOptions& options) {
     if (!junit) return fail(junit.error());
     if (Status s = write(options.junit, *junit); !s) return fail(s.error());
   }
-  if (Status s = write(options.coverage, lab::to_lcov(coverage)); !s) return fail(s.error());
+  if (!options.coverage.empty()) {
+    const auto lcov = lab::to_lcov(coverage);
+    if (!lcov) return fail(lcov.error());
+    if (Status s = write(options.coverage, *lcov); !s) return fail(s.error());
+  }
   if (bad) return static_cast<int>(ErrorKind::kInput);
   return passed == stories->size() ? 0 : static_cast<int>(ErrorKind::kNo);
 }

@@ -182,29 +182,21 @@ Expected<std::string> to_junit(const std::vector<PlayedStory>& stories) {
   return render_page("junit.xml", report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
-std::string to_lcov(const Coverage& coverage) {
-  std::string out;
-  for (const auto& [file, rules] : coverage) {
-    out += "TN:\nSF:" + file + '\n';
-    std::size_t hit = 0, branches = 0;
-    for (const auto& [rule, covered] : rules) out += "FN:" + std::to_string(rule.first) + ',' + rule.second + '\n';
-    for (const auto& [rule, covered] : rules) {
-      out += "FNDA:" + std::to_string(covered.fired) + ',' + rule.second + '\n';
-      hit += covered.fired > 0;
-    }
-    out += "FNF:" + std::to_string(rules.size()) + "\nFNH:" + std::to_string(hit) + '\n';
-    for (const auto& [rule, covered] : rules) {
-      out += "BRDA:" + std::to_string(rule.first) + ",0,0," + std::to_string(covered.activated) + '\n';
-      out += "BRDA:" + std::to_string(rule.first) + ",0,1," + std::to_string(covered.fired) + '\n';
-      branches += covered.activated > 0 ? 1 : 0;
-      branches += covered.fired > 0 ? 1 : 0;
-    }
-    out += "BRF:" + std::to_string(2 * rules.size()) + "\nBRH:" + std::to_string(branches) + '\n';
+std::string to_json(const Coverage& coverage) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const auto& [file, rules] : coverage)
     for (const auto& [rule, covered] : rules)
-      out += "DA:" + std::to_string(rule.first) + ',' + std::to_string(covered.fired) + '\n';
-    out += "LF:" + std::to_string(rules.size()) + "\nLH:" + std::to_string(hit) + "\nend_of_record\n";
-  }
-  return out;
+      rows.push_back({{"file", file},
+                      {"line", rule.first},
+                      {"rule", rule.second},
+                      {"state", covered.state()},
+                      {"fired", covered.fired},
+                      {"activated", covered.activated}});
+  return rows.dump();
+}
+
+Expected<std::string> to_lcov(const Coverage& coverage) {
+  return render_page("lcov.info", "{\"rules\": " + to_json(coverage) + '}');
 }
 
 }  // namespace cxlab::lab

@@ -39,8 +39,11 @@ struct CoveredRule {
 using Coverage = std::map<std::string, std::map<std::pair<int, std::string>, CoveredRule>>;
 Coverage coverage_of(const std::vector<PlayedStory>& stories);
 
+/// A JSON array of rules: file, line, rule, state, fired, activated.
+std::string to_json(const Coverage& coverage);
+
 Expected<std::string> to_junit(const std::vector<PlayedStory>& stories);
 /// Rules as functions of lcov; its branches say whether each was activated and whether it fired.
-std::string to_lcov(const Coverage& coverage);
+Expected<std::string> to_lcov(const Coverage& coverage);
 
 }  // namespace cxlab::lab

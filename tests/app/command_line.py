@@ -2,8 +2,10 @@
 
 import json
 import os
+import pathlib
 import pty
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -195,7 +197,7 @@ class Interfaces(Lab):
 
 class Signals(Lab):
     def interrupted(self, *arguments, after, number=signal.SIGINT):
-        """The command, ended by a signal when stderr has said `after`; it must end within a second."""
+        """The command, ended by a signal when stderr has said `after`, or after seconds; a second of CPU time is enough."""
         process = subprocess.Popen([CXLAB, *map(str, arguments)], cwd=self.folder, text=True, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE)
         said = ""
@@ -207,10 +209,13 @@ class Signals(Lab):
         else:
             time.sleep(after)
         self.assertIsNone(process.poll(), said)
+        cpu = lambda usage: usage.ru_utime + usage.ru_stime
+        fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        used = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        before = cpu(resource.getrusage(resource.RUSAGE_CHILDREN))
         process.send_signal(number)
-        start = time.monotonic()
-        out, err = process.communicate(timeout=20)
-        self.assertLess(time.monotonic() - start, 3, "a second, and what a busy machine needs")
+        out, err = process.communicate(timeout=60)
+        self.assertLess(cpu(resource.getrusage(resource.RUSAGE_CHILDREN)) - before - used, 1)
         self.assertEqual(process.returncode, 128 + number, said + err)
         return out, said + err
 
