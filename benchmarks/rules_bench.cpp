@@ -103,7 +103,7 @@ class Lab {
     need(manager_->environment(0).run());
     bus_.deliver(node_);
   }
-  /// Of the commands; w is 1 by default.
+  /// The sum of x over all commands that came back.
   double sum() const { return sum_; }
   std::string hash() const { return journal_.journal_hash(); }
 

@@ -28,8 +28,8 @@ struct PluginReference {
   std::vector<Documented> constructs;   ///< in order of definition
 };
 
-/// Of these classes, or of all that come with cxlab and of all plugins of these packages (name -> folder): each is
-/// loaded alone into an environment.
+/// The reference of these classes, or of all that come with cxlab and of all plugins of these packages (name ->
+/// folder): each is loaded alone into an environment.
 Expected<std::vector<PluginReference>> read_reference(const std::map<std::string, std::string>& packages,
                                                       const std::vector<std::string>& classes = {});
 

@@ -149,7 +149,7 @@ void finish(Run& run, const Status& played) {
   }
 }
 
-/// Of a run that could not begin, which has a folder all the same.
+/// The answer for a run that could not begin. It has a folder all the same.
 Expected<Played> refused(Run& run, const Error& error) {
   run.played.result = unfinished_result(run.scenario);
   run.played.result.reason = error;

@@ -70,7 +70,7 @@ class Packages(Env):
 
 
 class WrongInput(Env):
-    def test_sentences_of_clips_are_told_whole(self):
+    def test_messages_of_clips_are_reported_whole(self):
         log = self.env("(defrule a => (println ?*x*))\n(defrule b (n ?x&:(numberp ?x)) => (str-length (length$ ?x)))\n"
                        "(deftemplate t (slot e (type EXTERNAL-ADDRESS)))\n(defrule c (t (e ?e)) => (str-cat ?e))\n", code=3)
         self.assertIn("rules.clp:1: [GLOBLPSR1] Global variable ?*x* was referenced, but is not defined.", log)
@@ -92,7 +92,7 @@ class WrongInput(Env):
                       subprocess.run([CXLAB, "env", "agent.yaml", "--until", "soon"], cwd=self.folder, text=True, stderr=subprocess.PIPE).stderr)
         self.assertIn("error: rules: is a folder, expected a configuration", self.env("", configs=("rules",), code=3))
 
-    def test_environments_without_anything_in_them_are_told_of(self):
+    def test_empty_environments_are_reported(self):
         log = self.env("", config=AGENT.replace('["main"]', '["mian"]'))
         self.assertIn("agent.yaml:3: environment 'mian': no parameter 'mian.plugins', nothing is loaded into it, did you mean 'main'?", log)
         log = self.env("", config=AGENT.replace('environments: ["main"]', 'envs: ["main"]'))

@@ -109,9 +109,9 @@ class Scenarios(Lab):
         loose, strict = (subprocess.run(env + more, cwd=self.folder, text=True, timeout=60, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
                          for more in ([], ["--strict-cx"]))
         self.assertEqual((loose.returncode, strict.returncode), (0, 3))
-        told = [line for line in loose.stderr.splitlines() if place in line]
-        self.assertEqual(len(told), 1, "one line")
-        self.assertIn("[info]", told[0])
+        lines = [line for line in loose.stderr.splitlines() if place in line]
+        self.assertEqual(len(lines), 1, "one line")
+        self.assertIn("[info]", lines[0])
         self.assertIn(place, strict.stderr)
 
     def test_usage(self):
@@ -147,7 +147,7 @@ class Scenarios(Lab):
         self.assertEqual(done.returncode, 3)
         self.assertIn("--package a=nowhere: there is no folder nowhere", done.stderr)
 
-    def test_a_package_that_nobody_named_is_told_with_its_option(self):
+    def test_a_package_that_nobody_named_is_reported_with_its_option(self):
         self.agent("")
         remedy = "Cannot resolve file rules.clp: package 'rules' not found; say where it is: --package rules=DIR, or packages: {rules: DIR} in a scenario"
         self.scenario_fails(SCENARIO.replace("packages: {rules: rules}\n", ""), "agent.yaml:7: " + remedy)
@@ -202,7 +202,7 @@ class Rules(Lab):
 """, "rules.clp:6", "rule a, LHS", side="LHS", rule="a")
         self.assertEqual(error["tick"], 25, "0.5 s of ticks of 20 ms")
 
-    def test_in_a_deffunction_the_rule_is_told_and_its_call(self):
+    def test_in_a_deffunction_the_rule_and_its_call_are_reported(self):
         self.rule_fails(4, "(deffunction f (?x)\n  (/ 1 ?x))\n(deffunction g (?x) (f ?x))\n(defrule a\n (go)\n =>\n (g 0))\n",
                         "rules.clp:9", side="RHS", rule="a")
 
@@ -258,7 +258,7 @@ class Rules(Lab):
                    "(defrule fall (n ?x) => (send (make-instance a of A) f))\n")
         self.fails(4, "the stack is full")
 
-    def test_continue_goes_on_and_tells(self):
+    def test_continue_goes_on_and_reports(self):
         self.agent(HEAD + "(defrule a (go) => (/ 1 0))\n(defrule b (declare (salience -1)) (go) => (println goes on))\n",
                    SCENARIO + "on_rule_error: continue\n")
         done = self.run_it()

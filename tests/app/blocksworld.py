@@ -241,7 +241,7 @@ class Blocksworld(unittest.TestCase):
         self.cxlab("env", BLOCKS / "params/raw.yaml", "--with", "pddl_manager", "--param", f"pddl_manager.command={command}", "--until", 30, "--force", "--out", own)
         self.assertIs(self.result(own)["deterministic"], False)
 
-    def test_an_engine_that_is_not_there_is_told_with_the_command_that_installs_it(self):
+    def test_an_engine_that_is_not_there_is_reported_with_the_command_that_installs_it(self):
         done = self.run_with_engine("lpg", path=FRAMEWORK)
         self.assertRegex(done.stderr, r"ERROR, the planner ended with code 5 and wrote no plan: engine lpg: not installed: \S+ -m pip install up-lpg")
         self.assertIn("there is no plan: ABORTED", done.stderr)
@@ -336,7 +336,7 @@ class Blocksworld(unittest.TestCase):
         self.assertIn("(pddl-numeric-fluent (instance blocks) (name moves) (params) (value 42.0))", log)
         self.assertIn("(pddl-action-get-effect (instance blocks) (action 0) (plan nil) (effect-type ALL) (apply TRUE) (state DONE)", log)
 
-    def test_a_manager_that_lost_its_instances_is_told_and_may_load_them_again(self):
+    def test_a_manager_that_lost_its_instances_is_reported_and_may_load_them_again(self):
         life = Path(self.folder.name) / "life.yaml"
         life.write_text("\n".join(f"- {{at: {at}, call: /pddl_manager/change_state, type: lifecycle_msgs/srv/ChangeState, request: {{transition: {{label: {label}}}}}}}"
                                   for at, label in [(2, "deactivate"), (2.1, "cleanup"), (3, "configure"), (3.1, "activate")]))

@@ -59,10 +59,10 @@ class OwnPackages(Installed):
         self.assertIn("three counts make 6", said)
         self.assertNotRegex(said, r"\[(warn|error)\]")
         self.assertIn("three counts make 6", self.env(config, "--until", 3, CXLAB_PREFIX_PATH=str(own)).stderr)
-        for told in (call(self.cxlab, "list", "plugins", "--prefix", own), call(self.cxlab, "doc", "my::MyPluginCounter", "--prefix", own),
+        for answer in (call(self.cxlab, "list", "plugins", "--prefix", own), call(self.cxlab, "doc", "my::MyPluginCounter", "--prefix", own),
                      call(self.cxlab, "doc", CXLAB_PREFIX_PATH=str(own))):
-            self.assertIn("my::MyPluginCounter", told.stdout)
-            self.assertIn("my_plugin", told.stdout)
+            self.assertIn("my::MyPluginCounter", answer.stdout)
+            self.assertIn("my_plugin", answer.stdout)
         self.assertIn("(deftemplate counter", call(self.cxlab, "doc", "counter", "--package", f"my_plugin={own}/share/my_plugin").stdout)
         self.assertNotIn("my::MyPluginCounter", call(self.cxlab, "list", "plugins").stdout)
         story = self.folder / "own.story.yaml"
@@ -151,7 +151,7 @@ class HooksInOrder(Installed):
         build(SOURCE / "tests/app/own_plugins", cls.folder / "wrong", cls.prefix)
 
     def run_plugin(self, plugin, *arguments, expect=0, **parameters):
-        """One instance `talk` in two environments, and a rule that calls it. What the instance told, and all that was printed."""
+        """One instance `talk` in two environments, and a rule that calls it. The hooks that the instance logged, and all that was printed."""
         lines = "".join(f"      {name}: {value}\n" for name, value in parameters.items())
         (self.folder / "config.yaml").write_text(f"""
 /**:
@@ -182,26 +182,26 @@ class HooksInOrder(Installed):
         return self.broken(f"library: {self.folder}/wrong/lib/{name}\nplugins:\n  - class: test::Broken\n", 5 if "symbol" in name else 3)
 
     def test_each_hook_is_called_in_its_order(self):
-        told, said = self.chatty()
-        self.assertEqual(told, WHOLE_LIFE)
+        hooks, said = self.chatty()
+        self.assertEqual(hooks, WHOLE_LIFE)
         self.assertIn("[one] 7", said)
 
     def test_plugin_that_cannot_begin_is_not_finalized(self):
         for how, words in (("throw", "initialize threw: out of words"), ("fail", "initialize: does not want to")):
-            told, said = self.chatty(expect=4, **{how: "initialize"})
-            self.assertEqual(told, ["initialize", "gone"])
+            hooks, said = self.chatty(expect=4, **{how: "initialize"})
+            self.assertEqual(hooks, ["initialize", "gone"])
             self.assertIn(f"plugin 'talk' (test::Chatty of {self.folder}/wrong/lib/libchatty.so): {words}", said)
 
     def test_plugin_that_refuses_an_environment_is_finalized_and_not_destroyed_there(self):
         for how, words in (("throw", "clips_env_init threw: out of words"), ("fail", "clips_env_init: does not want to")):
-            told, said = self.chatty(expect=4, **{how: "clips_env_init"})
-            self.assertEqual(told, ["initialize", "clips_env_init one", "finalize", "gone"])
+            hooks, said = self.chatty(expect=4, **{how: "clips_env_init"})
+            self.assertEqual(hooks, ["initialize", "clips_env_init one", "finalize", "gone"])
             self.assertIn(f"libchatty.so): {words}", said)
 
     def test_plugin_that_throws_at_its_end_gets_all_calls_of_its_end(self):
         for hook in ("clips_env_destroyed", "finalize"):
-            told, said = self.chatty(expect=4, throw=hook)
-            self.assertEqual(told, WHOLE_LIFE)
+            hooks, said = self.chatty(expect=4, throw=hook)
+            self.assertEqual(hooks, WHOLE_LIFE)
             self.assertIn(f"libchatty.so): {hook} threw: out of words", said)
 
     def test_library_is_closed_after_the_last_environment_that_used_it(self):
@@ -210,10 +210,10 @@ class HooksInOrder(Installed):
         (self.folder / "stimuli.yaml").write_text("".join(
             f"- {{at: {0.2 * (i + 1):.1f}, call: /clips_manager/{name}, type: cx_msgs/srv/{kind}, request: {request}}}\n"
             for i, (name, kind, request) in enumerate(steps)))
-        told, said = self.chatty("--stimuli", self.folder / "stimuli.yaml")
+        hooks, said = self.chatty("--stimuli", self.folder / "stimuli.yaml")
         life = ["initialize", "clips_env_init one", "clips_env_init two", "clips_env_destroyed one", "clips_env_destroyed two", "finalize", "gone"]
         again = ["initialize", "clips_env_init two", "clips_env_destroyed two", "finalize", "gone"]
-        self.assertEqual(told, life + again)
+        self.assertEqual(hooks, life + again)
         # The plugin has left both environments after 0.4 s; `one`, which had used it, holds its code until 0.6 s.
         marks = [said.index("[talk] finalize"), said.index("the library is closed"), said.index("[talk] clips_env_init two", said.index("[talk] finalize"))]
         self.assertEqual(marks, sorted(marks))
@@ -221,8 +221,8 @@ class HooksInOrder(Installed):
         self.assertRegex(between, r"\[ +0.6\d*\]")
 
     def test_function_that_throws_is_an_error_of_the_rule(self):
-        told, said = self.chatty(expect=4, throw="chat")
-        self.assertEqual(told, WHOLE_LIFE)
+        hooks, said = self.chatty(expect=4, throw="chat")
+        self.assertEqual(hooks, WHOLE_LIFE)
         self.assertRegex(said, r"rules.clp:2: rule talk, RHS: .*no words")
 
     def test_what_is_wrong_with_a_library_is_said_with_the_place_in_its_manifest(self):

@@ -51,7 +51,7 @@ class Plan(Lab):
         self.assertAlmostEqual(width(31) - width(21), 300, delta=5)
         self.assertEqual(width(70), width(80))
 
-    def test_a_budget_that_is_no_whole_number_is_told_with_the_number_that_may_be_meant(self):
+    def test_a_budget_that_is_no_whole_number_is_reported_with_the_number_that_may_be_meant(self):
         for budget, message in [("1e6", "found '1e6', expected a whole number: 1000000"), ("1.5", "found '1.5', expected a whole number")]:
             done = self.plan("--budget", budget)
             self.assertEqual((done.returncode, done.stderr.splitlines()[0]), (2, "error: --budget: " + message))
@@ -67,20 +67,20 @@ class Plan(Lab):
         done = subprocess.run([CXLAB, "plan", *map(str, files)], capture_output=True, text=True, cwd=self.folder, preexec_fn=few)
         self.assertEqual((done.returncode, done.stderr), (22, "error: out of memory\n"))
 
-    def test_standard_output_that_takes_nothing_is_told(self):
+    def test_standard_output_that_takes_nothing_is_reported(self):
         self.plan()
         with open("/dev/full", "w") as full:
             done = subprocess.run([CXLAB, "plan", "d.pddl", "p.pddl"], stdout=full, stderr=subprocess.PIPE, text=True, cwd=self.folder)
         self.assertEqual((done.returncode, done.stderr.splitlines()[-1]), (5, "error: standard output cannot be written"))
 
-    def test_json_tells_order_and_bound(self):
+    def test_json_has_order_and_bound(self):
         answer = json.loads(self.plan("--json").stdout)
         self.assertEqual((answer["status"], len(answer["steps"])), ("plan", 2))
         self.assertLessEqual(answer["lower_bound_s"], answer["makespan_s"])
         self.assertEqual(answer["steps"][0]["arguments"], ["a", "b"])
         self.assertIn({"from": {"step": 0, "at": "end"}, "to": {"step": 1, "at": "start"}, "least_s": 0.001001}, answer["orderings"])
 
-    def test_metric_is_told_alike_by_all_commands(self):
+    def test_metric_is_printed_alike_by_all_commands(self):
         problem = PROBLEM.replace("(:goal (at c))", "(:goal (at c)) (:metric minimize (+ (* 0.1 (total-time)) (+ 0.1 0.2)))")
         done = self.plan("--json", "--out", "found.plan", problem=problem)
         answer = json.loads(done.stdout)

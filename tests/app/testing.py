@@ -37,7 +37,7 @@ class Testing(unittest.TestCase):
         self.assertEqual(suite.find("testcase").get("name"), "one <&")
         self.assertIn("FNDA:1,go\n", (self.folder / "c.info").read_text())
 
-    def test_coverage_tells_what_became_of_each_rule(self):
+    def test_coverage_has_a_state_for_each_rule(self):
         (self.folder / "b.clp").write_text("(defrule first (declare (salience 1)) ?s <- (start) => (retract ?s))\n"
                                            "(defrule late (start) => (assert (late)))\n(defrule deaf (nothing) => (assert (heard)))\n")
         (self.folder / "b.story.yaml").write_text("- story: b\n  rules: b.clp\n  given: [(start)]\n  expect: [{fires: first, within_s: 1}]\n")

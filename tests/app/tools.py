@@ -82,7 +82,7 @@ clips_manager:
     def test_a_configuration_below_params_finds_its_package(self):
         self.cxlab("env", self.package("(defrule go => (printout t there crlf))"), "--until", 1, "--out", "none")
 
-    def test_broken_rules_are_all_told_and_the_run_goes_on(self):
+    def test_broken_rules_are_all_reported_and_the_run_goes_on(self):
         config = self.package('(defrule a => (nosuch))\n(defrule b => (nosuch2))\n(defrule c => (printout info "still here" crlf))')
         done = self.cxlab("env", config, "--until", 1, "--out", "none", expect=3)
         self.assertIn("still here", done.stderr)
@@ -103,7 +103,7 @@ clips_manager:
         self.cxlab("env", config, "--until", 1, "--out", "none", "--max-firings", 1000, expect=4)
         self.cxlab("env", config, "--until", 1, "--out", "none", "--max-firings", 4000)
 
-    def test_two_servers_of_one_name_are_told_with_both_owners(self):
+    def test_two_servers_of_one_name_are_reported_with_both_owners(self):
         config = self.package('(deffacts go (go))\n(deffunction /door-service-callback (?s ?q ?a))\n'
                               '(defrule r (go) => (ros-msgs-create-service "/door" "std_srvs/srv/SetBool"))', plugins='"executive", "ros_msgs", "files"')
         config.write_text(config.read_text() + '    ros_msgs: {plugin: "cx::RosMsgsPlugin"}\n')
@@ -207,7 +207,7 @@ clips_manager:
         self.cxlab("env", config, "--quiet", "--out", self.folder / "run", "--stop-on-rule-error", expect=4)
         self.assertTrue(self.answer("replay", self.folder / "run")["rules"]["same"])
 
-    def test_a_damaged_log_is_told_with_its_place(self):
+    def test_a_damaged_log_is_reported_with_its_place(self):
         run = self.timed_game()
         log = bytearray((run / "inputs.bin").read_bytes())
         log[len(log) // 2] ^= 1

@@ -75,7 +75,7 @@ class Turtlesim(unittest.TestCase):
         self.assertIn("node/turtlesim", result["stream_hashes"])
         self.assertIn("node/factory", result["stream_hashes"])
 
-    def test_unknown_nodes_and_settings_are_told(self):
+    def test_unknown_nodes_and_settings_are_reported(self):
         done = self.cxlab("env", HELLO, "--with", "turtle", expect=2)
         for known in ("turtle'", "rcll", "turtlesim"):
             self.assertIn(known, done.stderr)

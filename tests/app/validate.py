@@ -40,7 +40,7 @@ class Validate(Lab):
         self.assertEqual(self.validate(plan).returncode, 1)
         self.assertEqual(self.validate(plan, "--epsilon", "0.0001").returncode, 0)
 
-    def test_robust_tells_the_slack(self):
+    def test_robust_reports_the_slack(self):
         done = self.validate("0: (go a b) [5]\n7: (go b c) [5]\n", "--robust", "--json")
         robust = json.loads(done.stdout)["robust"]
         self.assertAlmostEqual(robust["holds_s"], 1.0, delta=0.02)  # both move by up to 1 s, 2 s apart

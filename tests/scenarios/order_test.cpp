@@ -179,7 +179,7 @@ TEST_F(TimeAndOrder, AllNineKindsComeInTheirOrderThenBySenderThenByCount) {
   };
   const bus::ServiceType& door = **bus.registry().service("std_srvs/srv/SetBool");
   const bus::ActionType& count = **bus.registry().action("example_interfaces/action/Fibonacci");
-  // The environment's own endpoints, with callbacks that tell what the tick brings.
+  // The environment's own endpoints, with callbacks that log what the tick brings.
   bus::EndpointId own_count{};
   const auto take_goal = [&](const bus::Delivery& d) {
     note("goal")(d);

@@ -45,7 +45,7 @@ TEST_F(RunTime, PluginsAndEnvironmentsComeAndGo) {
   EXPECT_NE(log_of("second").find("more "), std::string::npos);
   EXPECT_EQ(log_of("second").find("[2.100]"), std::string::npos);
   EXPECT_TRUE(said("/clips_manager/unload_plugin: response {success: false, error: \"unknown plugin\"}"))
-      << "what came back is told";
+      << "what came back is reported";
   EXPECT_NE(read(folder_ / "run/journal.jsonl").find("unknown plugin"), std::string::npos) << "and journaled";
 }
 

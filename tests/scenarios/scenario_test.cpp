@@ -221,7 +221,7 @@ TEST(Scenario, PathsOfPackagesAreRelativeToItsFolder) {
 using BuiltByCode = EpisodeTest;
 
 TEST_F(BuiltByCode, AnAgentPlaysInAWorldAndItsCopyOfTheScenarioReplays) {
-  const auto file = scenario("told", {{"a", "(defrule tick (time ?t) => (println \"tick\"))\n", 10}});
+  const auto file = scenario("reported", {{"a", "(defrule tick (time ?t) => (println \"tick\"))\n", 10}});
   const auto read_in = Scenario::load(file, shipped());
   ASSERT_TRUE(read_in.ok());
 
@@ -229,7 +229,7 @@ TEST_F(BuiltByCode, AnAgentPlaysInAWorldAndItsCopyOfTheScenarioReplays) {
   built.name = "built";
   built.file = folder_ / "built.yaml";
   built.packages["words"] = {"words"};
-  built.agents.push_back({.config = "told_agent.yaml"});
+  built.agents.push_back({.config = "reported_agent.yaml"});
   turtlesim::Config config;
   config.turtles = {{"pond/first", 2, 3, 0}};
   built.set_world({&turtlesim::kWorld, config});

@@ -5,13 +5,13 @@
 
 namespace cxlab::cx {
 
-/// A plugin that tells each hook on the log, and fails or throws where its parameter `fail` says.
-class TellingPlugin final : public Plugin {
+/// A plugin that logs each hook, and fails or throws where its parameter `fail` says.
+class LoggingPlugin final : public Plugin {
  public:
   using Plugin::Plugin;
   Status initialize() override {
     if (Status s = parameter("fail", fail_); !s) return s;
-    return tell("initialize");
+    return report("initialize");
   }
   Status clips_env_init(EnvironmentGuard environment) override {
     if (Status s =
@@ -19,13 +19,13 @@ class TellingPlugin final : public Plugin {
                                               [this](Call& call) { call.give_string(name()); });
         !s)
       return s;
-    return tell("init " + environment->name());
+    return report("init " + environment->name());
   }
-  void clips_env_destroyed(EnvironmentGuard environment) override { (void)tell("destroyed " + environment->name()); }
-  void finalize() override { (void)tell("finalize"); }
+  void clips_env_destroyed(EnvironmentGuard environment) override { (void)report("destroyed " + environment->name()); }
+  void finalize() override { (void)report("finalize"); }
 
  private:
-  Status tell(const std::string& what) {
+  Status report(const std::string& what) {
     log(LogLevel::kInfo, what);
     const std::string word = what.substr(0, what.find(' '));
     if (fail_ == word) return run_error(name() + " fails in " + word);
@@ -35,8 +35,8 @@ class TellingPlugin final : public Plugin {
   std::string fail_;
 };
 
-inline PluginType telling_plugin() {
-  return {"test::Telling", {"fail"}, [](PluginContext c) { return std::make_unique<TellingPlugin>(std::move(c)); }};
+inline PluginType logging_plugin() {
+  return {"test::Logging", {"fail"}, [](PluginContext c) { return std::make_unique<LoggingPlugin>(std::move(c)); }};
 }
 
 class Caller {

@@ -1,4 +1,4 @@
-// Tells each call of a hook, and fails or throws where its parameters say so.
+// Logs each call of a hook, and fails or throws where its parameters say so.
 
 #include <cx/executive/export_plugins.h>
 
@@ -47,7 +47,7 @@ class Chatty final : public cx::Plugin {
   std::string fail_, throw_;
 };
 
-/// Tells when the library leaves the process.
+/// Logs when the library leaves the process.
 struct Library {
   ~Library() { std::fputs("the library is closed\n", stderr); }
 } library;

@@ -11,7 +11,7 @@ using ::testing::IsEmpty;
 
 struct ManagerServices : ::testing::Test {
   ManagerServices() {
-    lab.options.plugin_types.push_back(telling_plugin());
+    lab.options.plugin_types.push_back(logging_plugin());
     lab.config(R"(environments: ["main"]
 main: {plugins: ["executive", "one"]}
 extra: {plugins: ["one", "files"], watch: ["facts"]}
@@ -20,11 +20,11 @@ executive: {plugin: "cx::ExecutivePlugin"}
 files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.clp"], cleanup_batch: ["end.clp"]}
 more: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["more.clp"]}
 broken: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["broken.clp"]}
-one: {plugin: "test::Telling"}
-two: {plugin: "test::Telling"}
-bad_init: {plugin: "test::Telling", fail: "init"}
-bad_start: {plugin: "test::Telling", fail: "initialize"}
-throws: {plugin: "test::Telling", fail: "throw-init"})");
+one: {plugin: "test::Logging"}
+two: {plugin: "test::Logging"}
+bad_init: {plugin: "test::Logging", fail: "init"}
+bad_start: {plugin: "test::Logging", fail: "initialize"}
+throws: {plugin: "test::Logging", fail: "throw-init"})");
     lab.write("agent/rules.clp",
               "(deffacts start (from-deffacts)) (defrule go (from-deffacts) => (println \"rules ran\"))\n(defrule end "
               "(executive-finalize) => (println \"finalized\"))");
@@ -174,12 +174,12 @@ TEST_F(ManagerServices, ABrokenRuleFileEndsTheRunUnlessItKeepsGoing) {
 TEST_F(ManagerServices, AnUnknownPluginOrClassEndsTheRunUnlessItKeepsGoing) {
   const std::pair<const char*, const char*> mistakes[] = {
       {"nowhere", "no parameter 'nowhere.plugin' says what it is"},
-      {"no_class", "unknown plugin type 'test::Teling', did you mean 'test::Telling'?"}};
+      {"no_class", "unknown plugin type 'test::Loging', did you mean 'test::Logging'?"}};
   for (const auto& [plugin, message] : mistakes) {
     SCOPED_TRACE(plugin);
     Lab strict;
-    strict.options.plugin_types.push_back(telling_plugin());
-    strict.config("environments: [\"main\"]\nmain: {plugins: []}\nno_class: {plugin: \"test::Teling\"}");
+    strict.options.plugin_types.push_back(logging_plugin());
+    strict.config("environments: [\"main\"]\nmain: {plugins: []}\nno_class: {plugin: \"test::Loging\"}");
     strict.run_up();
     Caller asks(strict);
     asks.post("/clips_manager/load_plugin", "cx_msgs/srv/LoadClipsPlugin",

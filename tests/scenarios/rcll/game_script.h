@@ -1,6 +1,6 @@
 #pragma once
-// A game told in lines of text: deeds and what must be seen after them. Time is in seconds of simulated time, a product
-// is its parts from the base upwards. The first lines may set the game up:
+// A game written in lines of text: deeds and what must be seen after them. Time is in seconds of simulated time, a
+// product is its parts from the base upwards. The first lines may set the game up:
 //
 //   order C1 BASE_RED RING_BLUE CAP_GREY [window 0 1200] [known 0] [gate 1] [quantity 1] [competitive]
 //   setup 5 | production 1200 | team CYAN | refill 20

@@ -385,7 +385,7 @@ TEST(Game, TheSameSeedAndDeedsGiveTheSameRecords) {
   EXPECT_EQ(play(), play());
 }
 
-TEST(Topics, TellTheOrdersOnceTheyAreReleased) {
+TEST(Topics, PublishTheOrdersOnceTheyAreReleased) {
   GameStory story(game_with_window(60, 100, 30));
   std::size_t orders = 99;
   const bus::MessageType& type = **story.registry().message("rcll_interfaces/msg/OrderInfo");
@@ -397,7 +397,7 @@ TEST(Topics, TellTheOrdersOnceTheyAreReleased) {
   EXPECT_EQ(orders, 1u) << "at once, not with the next period";
 }
 
-TEST(Topics, TellMachinesOnChange) {
+TEST(Topics, PublishMachinesOnChange) {
   GameStory story;
   std::string state;
   const bus::MessageType& type = **story.registry().message("rcll_interfaces/msg/MachineInfo");

@@ -6,7 +6,7 @@ namespace cxlab::rcll {
 namespace {
 
 /// A base goes from the base station through the payment slide, a carrier through the cap station. Time moves by what
-/// `next` says; the records tell when everything happened.
+/// `next` says; the records show when everything happened.
 TEST(JumpingTime, FindsEverythingThatHappensAtTheTickAtWhichItIsDue) {
   const auto play = [](bool jump) {
     GameStory story;

@@ -167,7 +167,7 @@ TEST_F(TurtlesimTest, TurtlesComeAndGo) {
   EXPECT_EQ(call("/spawn", "turtlesim/srv/Spawn"), "{name: \"turtle2\"}") << "counting begins again";
 }
 
-TEST_F(TurtlesimTest, TurnsToAnAngleAndTellsHowFar) {
+TEST_F(TurtlesimTest, TurnsToAnAngleAndReportsHowFar) {
   open();
   const bus::ActionType& type = **bus().registry().action("turtlesim/action/RotateAbsolute");
   std::vector<double> remaining;
@@ -304,7 +304,7 @@ TEST_F(TurtlesimTest, AnyTickTakesTheStepsThatAreDue) {
   EXPECT_NEAR(world().turtles()[0].x, 1.992, 1e-4);
 }
 
-TEST_F(TurtlesimTest, WrongSettingsAreToldWithTheirLine) {
+TEST_F(TurtlesimTest, WrongSettingsAreReportedWithTheirLine) {
   const auto error = [&](const std::string& text) {
     auto scenario = Scenario::parse("schema: 1\n" + text, "x.yaml", shipped());
     return scenario ? std::string("none") : scenario.error().text();

@@ -19,7 +19,7 @@
   (assert (counter (value (counter-add ?n)))))
 
 (defrule hear
-  "A message has come: the last count is told, and the message goes."
+  "A message has come: report the last count, and destroy the message."
   ?fact <- (ros-msgs-message (topic "count") (msg-ptr ?message))
   =>
   (bind ?value (ros-msgs-get-field ?message "value"))
