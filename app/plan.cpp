@@ -26,7 +26,6 @@ namespace {
 using nlohmann::ordered_json;
 using planner::PlanStatus;
 
-constexpr int kNoSuchInput = 31, kUnsupported = 34, kUnsolvable = 10, kEnded = 12, kMemory = 22, kOutOfBudget = 23;
 constexpr double kLongestTimeout = 1e9;  ///< s; clocks end some time after it
 
 struct PlanCommand {
@@ -35,17 +34,6 @@ struct PlanCommand {
   std::int64_t budget = planner::PlanOptions{}.budget;
   bool anytime = false, json = false;
 };
-
-int exit_code(PlanStatus status) {
-  switch (status) {
-    case PlanStatus::kPlan: return 0;
-    case PlanStatus::kUnsolvable: return kUnsolvable;
-    case PlanStatus::kEnded: return kEnded;
-    case PlanStatus::kMemory: return kMemory;
-    case PlanStatus::kBudget: return kOutOfBudget;
-  }
-  return kEnded;
-}
 
 const char* word(PlanStatus status) {
   switch (status) {
@@ -162,7 +150,7 @@ int write(const std::string& file, const std::string& text) {
 int report(const planner::PlanAnswer& answer, const planner::Task& task, const PlanCommand& command) {
   std::fprintf(stderr, "%s: %s; %lld units\n", word(answer.status), answer.reason.c_str(),
                static_cast<long long>(answer.units));
-  int code = exit_code(answer.status);
+  int code = static_cast<int>(exit_code(answer.status));
   if (answer.plan) {
     const double makespan = answer.plan->makespan_s, bound = answer.lower_bound_s;
     if (const std::optional<double> gap = answer.gap())
@@ -199,16 +187,13 @@ int run(const PlanCommand& command) {
     deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                   std::chrono::duration<double>(std::min(*command.timeout_s, kLongestTimeout)));
   const Expected<planner::Task> task = planner::load_task(command.domain, command.problem, deadline);
-  if (!task && task.error().code == planner::kTooLate) {
+  if (!task && is(task.error(), planner::Failure::kLate)) {
     planner::PlanAnswer answer;
     answer.status = PlanStatus::kBudget;
     answer.reason = task.error().text();
     return report(answer, {}, command);
   }
-  if (!task) {
-    std::fprintf(stderr, "error: %s\n", task.error().text().c_str());
-    return task.error().code == planner::kUnsupported ? kUnsupported : kNoSuchInput;
-  }
+  if (!task) return fail_planning(task.error());
   planner::PlanOptions options;
   options.budget = command.budget;
   if (deadline) options.timeout_s = std::chrono::duration<double>(*deadline - Clock::now()).count();
@@ -225,12 +210,7 @@ int run(const PlanCommand& command) {
   };
   const Expected<planner::PlanAnswer> answer = planner::find_plan(*task, options);
   interruption.reset();
-  if (!answer) {
-    std::fprintf(stderr, "error: %s\n", answer.error().text().c_str());
-    return answer.error().code == "memory"                ? kMemory
-           : answer.error().code == planner::kUnsupported ? kUnsupported
-                                                          : fail(answer.error());
-  }
+  if (!answer) return fail_planning(answer.error());
   return report(*answer, *task, command);
 }
 
@@ -261,7 +241,7 @@ void add_plan(CLI::App& app, Action& action) {
         return run(*options);
       } catch (const std::bad_alloc&) {
         std::fputs("error: out of memory\n", stderr);
-        return kMemory;
+        return static_cast<int>(planner::ExitCode::kOutOfMemory);
       }
     };
   });

@@ -7,11 +7,7 @@
 
 namespace cxlab::app {
 
-/// Exit codes of `plan` and `validate` beside the common ones (docs/contracts.md).
-inline constexpr int kExitInput = 31;
-inline constexpr int kExitUnsupported = 34;
-
-/// Prints the error on stderr and gives its exit code: 31, or 34 for what is not supported.
+/// Prints the error on stderr and returns its exit code (planner/pddl/failure.h).
 int fail_planning(const Error& error);
 
 /// A metric as all commands print it: in whole millionths, below which sums of doubles are noise.

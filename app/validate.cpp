@@ -100,8 +100,7 @@ int validate(const Options& options) {
 
 int fail_planning(const Error& error) {
   fail(error);
-  if (error.kind != ErrorKind::kInput) return static_cast<int>(error.kind);
-  return error.code == planner::kUnsupported ? kExitUnsupported : kExitInput;
+  return planner::exit_code(error);
 }
 
 double rounded_metric(double metric) {

@@ -142,7 +142,9 @@ void Portfolio::improve_metric() {
 Conclusion Portfolio::run() {
   PlanningContext& context = context_;
   if (!context.budget.late() && !warm_start(context, kSearchTurn)) find_first();
-  sequences_.forget(), envelopes_.forget(), everything_.forget();
+  sequences_.forget();
+  envelopes_.forget();
+  everything_.forget();
   if (!context.best.exists()) return without_plan_;
   if (!context.options.anytime) context.bound.keep_first_slice_short();
   context.bound.raise();
@@ -173,7 +175,7 @@ Expected<PlanAnswer> find_plan(const Task& task, const PlanOptions& options) {
     return std::move(answer);
   };
   Expected<GroundTask> made = ground(task, budget);
-  if (!made && made.error().code == kOutOfBudget) return conclude({PlanStatus::kBudget, made.error().message});
+  if (!made && is(made.error(), Failure::kOutOfBudget)) return conclude({PlanStatus::kBudget, made.error().message});
   if (!made) return made.error();
   if (made->proved_unsolvable)
     return conclude({PlanStatus::kUnsolvable, "the goal is out of reach, judged by facts one by one and in pairs" +

@@ -6,12 +6,13 @@
 //   if (answer && answer->plan) puts(to_text(answer->plan->steps, task->domain, task->problem).c_str());
 //
 // One thread, one result: the same problem and the same budget of work units give the same answer. A timeout is wall
-// time and gives what was found by then. Every plan has been checked by the validator before it is handed out.
+// time and returns what was found by then. The validator checks every plan before it is returned.
 
 #include <functional>
 #include <optional>
 
 #include "cx/base/expected.h"
+#include "planner/pddl/failure.h"
 #include "planner/pddl/plan.h"
 #include "planner/schedule/stn.h"
 
@@ -31,7 +32,7 @@ struct PlanOptions {
   std::int64_t budget = 60'000'000;   ///< work units; a unit is about a microsecond
   std::optional<double> timeout_s{};  ///< wall time
   /// Better: a better metric if the problem has one, a shorter makespan among equals.
-  bool anytime = false;  ///< go on to better plans until the budget ends or a plan is proved best
+  bool anytime = false;  ///< look for better plans until the budget ends or a plan is proved best
   /// A plan under execution, its steps in their order; those at its beginning may have been done. What is left of it is
   /// tried first, repaired and improved from there. Not used where there are events.
   Plan warm_start{};
@@ -44,9 +45,20 @@ enum class PlanStatus {
   kPlan,
   kUnsolvable,  ///< proved
   kEnded,       ///< all that could be tried was tried, without a proof
-  kMemory,
-  kBudget,  ///< units or time
+  kMemory,      ///< reported by other planners only
+  kBudget,      ///< units or time
 };
+
+inline ExitCode exit_code(PlanStatus status) {
+  switch (status) {
+    case PlanStatus::kPlan: return ExitCode::kPlan;
+    case PlanStatus::kUnsolvable: return ExitCode::kUnsolvable;
+    case PlanStatus::kEnded: return ExitCode::kEnded;
+    case PlanStatus::kMemory: return ExitCode::kOutOfMemory;
+    case PlanStatus::kBudget: return ExitCode::kOutOfBudget;
+  }
+  return ExitCode::kEnded;
+}
 
 struct PlanAnswer {
   PlanStatus status = PlanStatus::kEnded;
@@ -55,7 +67,7 @@ struct PlanAnswer {
   double lower_bound_s = 0;  ///< no plan is shorter,
   bool bound_assumes_order =
       false;               ///< true: of those in which no two actions change the same fact at the same instant
-  bool by_metric = false;  ///< the problem's metric says which plan is better, and not the makespan alone
+  bool by_metric = false;  ///< the problem's metric decides which plan is better, not the makespan alone
   std::optional<double> metric_bound;  ///< no plan has a better metric; none: not known
   std::int64_t units = 0;              ///< spent
   int refused = 0;                     ///< plans that the validator did not accept: a fault of the planner's
@@ -69,7 +81,7 @@ struct PlanAnswer {
   }
 };
 
-/// Fails only where the problem cannot be written out (code "memory").
+/// Fails where the problem cannot be written out (Failure::kOutOfMemory) or judged (kUnsupported).
 Expected<PlanAnswer> find_plan(const Task& task, const PlanOptions& options = {});
 
 }  // namespace cxlab::planner

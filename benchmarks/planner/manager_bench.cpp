@@ -41,7 +41,7 @@ bool carry_out(Instance& instance, const Named& named) {
   if (!effects) return false;
   for (const bool at_end : {false, true})
     for (const bool value : {false, true})
-      for (const ToldEffect& effect : *effects) {
+      for (const ReportedEffect& effect : *effects) {
         if (effect.at_end != at_end || effect.numeric || effect.value != value) continue;
         const auto fact = instance.fact(effect.name, effect.arguments);
         if (!fact || !instance.set(*fact, effect.value)) return false;

@@ -24,11 +24,11 @@ bool carry_out(Instance& instance, const PlanStep& step) {
     const auto effects = instance.effects(call);
     if (!effects) return false;
     for (const bool value : {false, true})
-      for (const ToldEffect& effect : *effects) {
+      for (const ReportedEffect& effect : *effects) {
         if (effect.at_end != at_end || effect.numeric || effect.value != value) continue;
         if (!instance.set(*instance.fact(effect.name, effect.arguments), value)) return false;
       }
-    for (const ToldEffect& effect : *effects) {
+    for (const ReportedEffect& effect : *effects) {
       if (effect.at_end != at_end || !effect.numeric) continue;
       const Fact number = *instance.number(effect.name, effect.arguments);
       double now = 0;

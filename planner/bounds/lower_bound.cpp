@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "planner/bounds/sequencing.h"
+#include "planner/ground/sorted.h"
 #include "planner/search/landmarks.h"
 #include "planner/search/split.h"
 
@@ -27,7 +28,7 @@ class Bounds {
     find_earliest();
     LowerBound bound;
     if (budget_.late()) return {0, false, false};
-    const std::vector<Micros> released = comparison_;
+    const ById<Micros> released = comparison_;
     bound.makespan = earliest_goal();
     if (bound.makespan >= kNever)
       bound.makespan = 0;
@@ -81,7 +82,10 @@ class Bounds {
     }
     bool changed = true;
     const auto lower = [&changed](Micros& time, Micros to) {
-      if (to < time) time = to, changed = true;
+      if (to < time) {
+        time = to;
+        changed = true;
+      }
     };
     const auto apply = [&](const GroundEffects& effects, Micros time) {
       for (const int f : effects.add) lower(fact_[f], time);
@@ -119,21 +123,27 @@ class Bounds {
     for (bool changed = !task_.events.empty(); changed;) {
       changed = false;
       for (const Axiom& axiom : task_.axioms)
-        if (const Micros time = latest(axiom.body); time < fact_[axiom.head]) fact_[axiom.head] = time, changed = true;
+        if (const Micros time = latest(axiom.body); time < fact_[axiom.head]) {
+          fact_[axiom.head] = time;
+          changed = true;
+        }
     }
     return latest(task_.goal);
   }
 
   /// `released` by comparison: earliest time.
-  void raise_by_pairs(LowerBound& bound, const std::vector<Micros>& released, std::int64_t slice) {
+  void raise_by_pairs(LowerBound& bound, const ById<Micros>& released, std::int64_t slice) {
     goal_ = task_.goal.facts;
     for (const TimedEvent& event : task_.events)
-      std::erase_if(goal_, [&](int f) { return std::ranges::binary_search(event.effects.add, f); });
+      std::erase_if(goal_, [&](int f) { return contains(event.effects.add, f); });
     const std::int64_t began = budget_.units();
     budget_.set_slice(began + slice);
     const Micros unit = find_unit();
     const auto raise = [&](Micros to) {
-      if (to > bound.makespan) bound.makespan = to, bound.assumes_order = true;
+      if (to > bound.makespan) {
+        bound.makespan = to;
+        bound.assumes_order = true;
+      }
     };
     const HappeningTask happenings(task_, durations_, released, unit, budget_);
     budget_.spend(Work::kBound, static_cast<std::int64_t>(task_.actions.size()));
@@ -167,7 +177,7 @@ class Bounds {
     }
     std::ranges::stable_sort(ways, {}, &std::vector<int>::size);
     // By action: from its beginning to that of each other, last to the goal.
-    std::vector<std::vector<PairTime>> after(task_.actions.size());
+    ById<ById<PairTime>> after(task_.actions.size());
     PairTimes then(happenings);
     const auto look_after = [&](int a) {
       if (!after[a].empty()) return true;
@@ -182,7 +192,10 @@ class Bounds {
     Activities activities;
     for (const auto& first : ways) {
       PairTime head = PairTimes::kNever, tail = PairTimes::kNever;
-      for (const int a : first) head = std::min(head, all.beginning(a)), tail = std::min(tail, after[a].back());
+      for (const int a : first) {
+        head = std::min(head, all.beginning(a));
+        tail = std::min(tail, after[a].back());
+      }
       activities.heads.push_back(head);
       activities.tails.push_back(tail);
       activities.apart.emplace_back();
@@ -199,7 +212,10 @@ class Bounds {
   /// The longest unit of which all durations are multiples, unless that is too short to count with.
   Micros find_unit() const {
     Micros unit = 0, longest = 1;
-    for (const Micros duration : durations_) unit = std::gcd(unit, duration), longest = std::max(longest, duration);
+    for (const Micros duration : durations_) {
+      unit = std::gcd(unit, duration);
+      longest = std::max(longest, duration);
+    }
     return std::max<Micros>({unit, longest >> 17, 1});
   }
 
@@ -213,17 +229,11 @@ class Bounds {
     const RelaxedTask relaxed(simulator, true);
     const Landmarks landmarks(simulator, relaxed, slice * kLandmarkWork, budget_);
     budget_.spend(Work::kBound, landmarks.work());
-    std::vector<std::vector<int>> achievers(task_.facts.size());
-    const auto note = [&](const std::vector<int>& added, std::size_t a) {
-      for (const int f : added) achievers[f].push_back(static_cast<int>(a));
-    };
-    for (std::size_t a = 0; a < task_.actions.size(); ++a) {
-      const GroundAction& action = task_.actions[a];
-      note(action.at_start.add, a);
-      note(action.at_end.add, a);
-      for (const ConditionalEffects& conditional : action.conditional)
-        note(conditional.at_start.add, a), note(conditional.at_end.add, a);
-    }
+    ById<std::vector<int>> achievers(task_.facts.size());
+    for (std::size_t a = 0; a < task_.actions.size(); ++a)
+      for_each_effects(task_.actions[a], [&](const GroundEffects& effects) {
+        for (const int f : effects.add) achievers[f].push_back(static_cast<int>(a));
+      });
     for (const TimedEvent& event : task_.events)
       for (const int f : event.effects.add) achievers[f].clear();  // no action need do it
     for (const int atom : landmarks.atoms()) {
@@ -238,9 +248,9 @@ class Bounds {
   const Simulator& simulator_;
   const GroundTask& task_;
   Budget& budget_;
-  std::vector<Micros> durations_, fact_, comparison_;
-  std::vector<std::vector<int>> readers_;  ///< by number: comparisons
-  std::vector<int> goal_;                  ///< facts that no event brings about
+  ById<Micros> durations_, fact_, comparison_;
+  ById<std::vector<int>> readers_;  ///< by number: comparisons
+  std::vector<int> goal_;           ///< facts that no event brings about
 };
 
 }  // namespace

@@ -3,10 +3,10 @@
 //
 // Critical path: every fact has an earliest time, the latest of the conditions of its quickest achiever and the time
 // that this takes (temporal h-max, Haslum and Geffner 2001); the same for pairs of facts (pair_times.h). Then
-// activities, sets of actions of which every plan has one (all achievers of a landmark): what pairs say from right
-// after each of their actions is how far apart two of them must begin and how long the plan goes on, and no order of
-// them is shorter than sequencing.h says. Robots, machines and places that only one can have at a time need not be
-// known: they show as times between beginnings. Actions that need facts that are never true together are left out.
+// activities, sets of actions of which every plan has one (all achievers of a landmark): the times of pairs right after
+// each of their actions are how far apart two activities must begin and how long the plan then continues, and no order
+// of them is shorter than sequencing.h computes. Robots, machines and places that only one can have at a time need not
+// be known: they show as times between beginnings. Actions that need facts that are never true together are left out.
 
 #include "planner/ground/budget.h"
 #include "planner/schedule/timeline.h"

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <span>
 
+#include "planner/ground/sorted.h"
+
 namespace cxlab::planner {
 
 namespace {
@@ -15,8 +17,7 @@ bool share(std::span<const int> a, std::span<const int> b) {
 
 void unite(std::vector<int>& items, const std::vector<int>& more) {
   items.insert(items.end(), more.begin(), more.end());
-  std::ranges::sort(items);
-  items.erase(std::unique(items.begin(), items.end()), items.end());
+  sort_unique(items);
 }
 
 void raise(PairTime* __restrict to, const PairTime* __restrict from, std::size_t count) {
@@ -41,8 +42,8 @@ std::size_t padded(int count) { return (static_cast<std::size_t>(count) + 7) / 8
 
 }  // namespace
 
-HappeningTask::HappeningTask(const GroundTask& task, const std::vector<Micros>& durations,
-                             const std::vector<Micros>& released, Micros unit, Budget& budget)
+HappeningTask::HappeningTask(const GroundTask& task, const std::vector<Micros>& durations, const ById<Micros>& released,
+                             Micros unit, Budget& budget)
     : facts_(static_cast<int>(task.facts.size())), beginnings_(task.actions.size(), -1), initial_(task.initial_facts) {
   const auto units = [unit](Micros time) {
     return static_cast<PairTime>(std::min<Micros>(time / unit, PairTimes::kMost));
@@ -52,14 +53,14 @@ HappeningTask::HappeningTask(const GroundTask& task, const std::vector<Micros>& 
     for (const int c : comparisons) time = std::max(time, units(released[c]));
     return time;
   };
-  std::vector<char> begun(task.facts.size(), 0);  // a beginning adds it
+  ById<char> begun(task.facts.size(), 0);  // a beginning adds it
   for (const GroundAction& action : task.actions) {
     if (!action.durative) continue;
     for (const int f : action.at_start.add) begun[f] = 1;
     for (const ConditionalEffects& conditional : action.conditional)
       for (const int f : conditional.at_start.add) begun[f] = 1;
   }
-  std::vector<int> action_of_run, end_of_run;
+  ById<int> action_of_run, end_of_run;
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
     const GroundAction& action = task.actions[a];
     const int first = beginnings_[a] = static_cast<int>(happenings_.size());
@@ -130,9 +131,9 @@ void HappeningTask::add_conditional(const GroundAction& action, int begin, int e
 }
 
 /// Which happenings make false what actions under way need over all.
-void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& action_of_run,
-                                const std::vector<int>& end_of_run, Budget& budget) {
-  std::vector<std::vector<int>> holders(task.facts.size());  // by fact: runs
+void HappeningTask::find_breaks(const GroundTask& task, const ById<int>& action_of_run, const ById<int>& end_of_run,
+                                Budget& budget) {
+  ById<std::vector<int>> holders(task.facts.size());  // by fact: runs
   for (int run = 0; run < runs_; ++run)
     if (happenings_[static_cast<std::size_t>(beginnings_[action_of_run[run]])].lasts > 0)
       for (const int f : task.actions[action_of_run[run]].over_all.facts) holders[f].push_back(run);
@@ -168,7 +169,7 @@ void HappeningTask::find_breaks(const GroundTask& task, const std::vector<int>& 
         continue;
       }
       const PairHappening& second = happenings_[static_cast<std::size_t>(end_of_run[b])];
-      if (!std::ranges::binary_search(second.removes, facts_ + a)) continue;
+      if (!contains(second.removes, facts_ + a)) continue;
       const std::vector<int>& others = task.actions[action_of_run[b]].end.facts;
       const std::span<const int> other_removes = removed_facts(second);
       if (share(first.adds, other_removes) || share(removes, second.adds) || share(needs, other_removes) ||
@@ -226,7 +227,7 @@ bool PairTimes::solve(Budget& budget) {
 bool PairTimes::solve_after(int action, const PairTimes& all, Budget& budget) {
   const PairHappening& begin = task_.happenings()[task_.beginning(action)];
   const int atoms = task_.atoms();
-  std::vector<char> possible(static_cast<std::size_t>(atoms), 1);  // right after it
+  ById<char> possible(static_cast<std::size_t>(atoms), 1);  // right after it
   for (int p = 0; p < atoms; ++p) {
     possible[p] = all.single_[p] < kNever;
     for (const int need : begin.needs) possible[p] = possible[p] && all.time(need, p) < kNever;
@@ -324,7 +325,7 @@ void PairTimes::apply(int index) {
   work_ += static_cast<std::int64_t>(1 + happening.needs.size());
   if (now >= kNever) return;
 
-  // What can be true beside, right after; when the runs that go on can end.
+  // What can be true beside, right after; when the runs that continue can end.
   std::fill(beside_.begin(), beside_.end(), now);
   std::fill(end_beside_.begin(), end_beside_.end(), now);
   if (happening.needs.empty()) raise(beside_.data(), single_.data(), atoms);
@@ -355,7 +356,10 @@ void PairTimes::apply(int index) {
     bool lowered = false;
     if (any_below(beside_.data(), pairs(added), atoms)) {
       for (int q = 0; q < task_.atoms(); ++q)
-        if (beside_[q] < pairs(added)[q]) lower_pair(added, q, beside_[q]), lowered = true;
+        if (beside_[q] < pairs(added)[q]) {
+          lower_pair(added, q, beside_[q]);
+          lowered = true;
+        }
     }
     if (any_below(end_beside_.data(), ends_by_atom(added), runs)) {
       for (int run = 0; run < task_.runs(); ++run)

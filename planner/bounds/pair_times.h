@@ -46,32 +46,31 @@ class HappeningTask {
  public:
   /// `durations` by action, at least; `released` by comparison, earliest times. `unit` in microseconds; all is rounded
   /// down. Not to be used if the time runs out.
-  HappeningTask(const GroundTask& task, const std::vector<Micros>& durations, const std::vector<Micros>& released,
-                Micros unit, Budget& budget);
+  HappeningTask(const GroundTask& task, const std::vector<Micros>& durations, const ById<Micros>& released, Micros unit,
+                Budget& budget);
 
   int facts() const { return facts_; }
   int runs() const { return runs_; }
   int atoms() const { return facts_ + runs_; }
-  const std::vector<PairHappening>& happenings() const { return happenings_; }
+  const ById<PairHappening>& happenings() const { return happenings_; }
   const std::vector<int>& readers(int atom) const { return readers_[atom]; }  ///< happenings that need it
   const std::vector<int>& without_needs() const { return without_needs_; }
   const std::vector<int>& ends_of(int run) const { return ends_of_[run]; }  ///< happenings that end it
   int beginning(int action) const { return beginnings_[action]; }           ///< happening
   bool ends_itself(int run) const { return ends_itself_[run]; }  ///< no other run of the action outlives its end
-  const std::vector<char>& initial() const { return initial_; }
+  const ById<char>& initial() const { return initial_; }
   /// Runs that change the same fact as they end, where only together they could end at all.
   const std::vector<std::pair<int, int>>& left_out() const { return left_out_; }
 
  private:
   void add_conditional(const GroundAction& action, int begin, int end);
-  void find_breaks(const GroundTask& task, const std::vector<int>& action_of_run, const std::vector<int>& end_of_run,
-                   Budget& budget);
+  void find_breaks(const GroundTask& task, const ById<int>& action_of_run, const ById<int>& end_of_run, Budget& budget);
 
   int facts_ = 0, runs_ = 0;
-  std::vector<PairHappening> happenings_;
-  std::vector<int> beginnings_, without_needs_;
-  std::vector<std::vector<int>> readers_, ends_of_;
-  std::vector<char> initial_, ends_itself_;
+  ById<PairHappening> happenings_;
+  ById<int> beginnings_, without_needs_;
+  ById<std::vector<int>> readers_, ends_of_;
+  ById<char> initial_, ends_itself_;
   std::vector<std::pair<int, int>> left_out_;
 };
 
@@ -95,7 +94,7 @@ class PairTimes {
   PairTime time(int p, int q) const {
     return pairs_[static_cast<std::size_t>(p) * width_ + static_cast<std::size_t>(q)];
   }
-  /// When all of them can be true, as far as pairs tell.
+  /// When all of them can be true, judged by pairs.
   PairTime time(const std::vector<int>& atoms) const;
   /// When an action can begin.
   PairTime beginning(int action) const;
@@ -116,14 +115,14 @@ class PairTimes {
   const HappeningTask& task_;
   std::size_t width_, run_width_;
   std::vector<PairTime> pairs_;         ///< atom, atom
-  std::vector<PairTime> ends_;          ///< run, atom: earliest end of a run with the atom in it
+  ById<PairTime> ends_;                 ///< run, atom: earliest end of a run with the atom in it
   std::vector<PairTime> ends_by_atom_;  ///< the same by atom, run
-  std::vector<PairTime> single_;        ///< time(p, p)
-  std::vector<char> overlaps_itself_;
+  ById<PairTime> single_;               ///< time(p, p)
+  ById<char> overlaps_itself_;
   bool timed_ = true;  ///< releases count
-  std::vector<char> queued_;
+  ById<char> queued_;
   std::vector<int> queue_;
-  std::vector<PairTime> beside_, end_beside_;
+  ById<PairTime> beside_, end_beside_;
   std::int64_t work_ = 0;  ///< entries looked at
 };
 

@@ -10,9 +10,9 @@ namespace cxlab::planner {
 
 /// Times between beginnings; in whole units.
 struct Activities {
-  std::vector<PairTime> heads;               ///< not before
-  std::vector<PairTime> tails;               ///< from the beginning to the end of the plan
-  std::vector<std::vector<PairTime>> apart;  ///< [i][j]: j is at least this long after i if it is not before i
+  ById<PairTime> heads;        ///< not before
+  ById<PairTime> tails;        ///< from the beginning to the end of the plan
+  ById<ById<PairTime>> apart;  ///< [i][j]: j is at least this long after i if it is not before i
 
   int count() const { return static_cast<int>(heads.size()); }
 };

@@ -8,7 +8,7 @@
 #include <limits>
 #include <optional>
 
-#include "cx/base/expected.h"
+#include "planner/pddl/failure.h"
 
 namespace cxlab::planner {
 
@@ -27,9 +27,6 @@ inline constexpr std::array<std::int64_t, kWorkKinds> kWorkWeights = {100, 20, 2
 constexpr std::int64_t units_of(Work kind, std::int64_t pieces) {
   return pieces * kWorkWeights[static_cast<std::size_t>(kind)] / 1000;
 }
-
-/// `Error::code` of what the budget did not suffice for.
-inline constexpr const char* kOutOfBudget = "budget";
 
 class Budget {
  public:
@@ -97,8 +94,9 @@ class BudgetSlice {
   Budget& budget_;
 };
 
+/// Failure::kOutOfBudget.
 inline Error out_of_budget(const char* what) {
-  return {ErrorKind::kResource, std::string("the budget ended ") + what, {}, 0, kOutOfBudget};
+  return resource_error(std::string("the budget ended ") + what).with_code(word_of(Failure::kOutOfBudget));
 }
 
 }  // namespace cxlab::planner

@@ -5,8 +5,11 @@
 #include <limits>
 #include <map>
 
+#include "planner/ground/derived_reads.h"
+#include "planner/ground/formula.h"
 #include "planner/ground/idle.h"
 #include "planner/ground/reachable.h"
+#include "planner/ground/sorted.h"
 
 namespace cxlab::planner {
 
@@ -15,38 +18,6 @@ namespace {
 constexpr std::size_t kMostAlternatives = 32;  ///< actions that one is split into, before a derived fact is used
 constexpr std::int64_t kActionWork =
     10;  ///< of an action besides its conditions and effects, in pieces of Work::kGround
-
-/// A ground condition in negation normal form.
-struct Formula {
-  enum class Kind : std::uint8_t { kTrue, kFalse, kFact, kComparison, kAnd, kOr };
-  Kind kind = Kind::kTrue;
-  int index = -1;
-  std::vector<Formula> parts;
-};
-
-Formula truth(bool value) { return {value ? Formula::Kind::kTrue : Formula::Kind::kFalse, -1, {}}; }
-
-Formula join(Formula::Kind kind, std::vector<Formula> parts) {
-  const Formula::Kind absorbing = kind == Formula::Kind::kAnd ? Formula::Kind::kFalse : Formula::Kind::kTrue;
-  const Formula::Kind neutral = kind == Formula::Kind::kAnd ? Formula::Kind::kTrue : Formula::Kind::kFalse;
-  Formula joined{kind, -1, {}};
-  for (Formula& part : parts) {
-    if (part.kind == absorbing) return {absorbing, -1, {}};
-    if (part.kind == neutral) continue;
-    if (part.kind == kind)
-      std::ranges::move(part.parts, std::back_inserter(joined.parts));
-    else
-      joined.parts.push_back(std::move(part));
-  }
-  if (joined.parts.empty()) return {neutral, -1, {}};
-  if (joined.parts.size() == 1) return Formula(std::move(joined.parts[0]));
-  return joined;
-}
-
-void sort_unique(std::vector<int>& items) {
-  std::ranges::sort(items);
-  items.erase(std::unique(items.begin(), items.end()), items.end());
-}
 
 bool same(const GroundCondition& a, const GroundCondition& b) {
   return a.facts == b.facts && a.comparisons == b.comparisons;
@@ -65,7 +36,7 @@ class Grounder {
       add_actions(binding);
       if (budget_.over()) return std::move(out_);
     }
-    std::vector<ObjectId> frame(static_cast<std::size_t>(task_.problem.goal_slots), -1);
+    ById<ObjectId> frame(static_cast<std::size_t>(task_.problem.goal_slots), -1);
     if (std::optional<GroundCondition> goal = conjunction(formula(task_.problem.goal, frame, false)))
       out_.goal = std::move(*goal);
     else
@@ -80,7 +51,7 @@ class Grounder {
     if (budget_.late()) return std::move(out_);
     set_initial_state();
     order_axioms();
-    find_derived_reads();
+    out_.derived_reads = find_derived_reads(task_.domain);
     return std::move(out_);
   }
 
@@ -90,7 +61,7 @@ class Grounder {
   /// What is never true can be left out, but not where one action deletes it and another asks for its absence: the two
   /// must not share an instant.
   void find_absences() {
-    std::vector<char> asked(task_.domain.predicates.size(), 0), deleted(asked);
+    ById<char> asked(task_.domain.predicates.size(), 0), deleted(asked);
     const auto ask = [&](const TimedCondition& condition) {
       for (const Condition* part : {&condition.start, &condition.over_all, &condition.end})
         find_negations(*part, false, asked);
@@ -105,7 +76,7 @@ class Grounder {
     for (std::size_t p = 0; p < asked.size(); ++p) absence_matters_.push_back(asked[p] && deleted[p]);
   }
 
-  static void find_negations(const Condition& condition, bool negated, std::vector<char>& asked) {
+  static void find_negations(const Condition& condition, bool negated, ById<char>& asked) {
     using Kind = Condition::Kind;
     if (condition.kind == Kind::kAtom && negated) asked[condition.predicate] = 1;
     for (std::size_t i = 0; i < condition.operands.size(); ++i)
@@ -113,7 +84,7 @@ class Grounder {
                      negated != (condition.kind == Kind::kNot || (condition.kind == Kind::kImply && i == 0)), asked);
   }
 
-  std::vector<ObjectId> objects(const std::vector<Term>& terms, const std::vector<ObjectId>& frame) const {
+  std::vector<ObjectId> objects(const std::vector<Term>& terms, const ById<ObjectId>& frame) const {
     std::vector<ObjectId> found;
     for (const Term& term : terms) found.push_back(term.is_variable ? frame[term.index] : term.index);
     return found;
@@ -152,7 +123,7 @@ class Grounder {
     return found == values_.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
   }
 
-  GroundExpression expression(const Expression& from, const std::vector<ObjectId>& frame) {
+  GroundExpression expression(const Expression& from, const ById<ObjectId>& frame) {
     using Kind = Expression::Kind;
     GroundExpression out;
     const auto append = [&](const Expression& operand) {
@@ -202,15 +173,13 @@ class Grounder {
     if (made.linear.is_linear && made.linear.weights.empty() && made.linear.duration_weight == 0)
       return truth(made.holds(nullptr));
     std::string key(1, static_cast<char>(kind));
-    for (const auto& step : made.expression.steps)
-      key += std::to_string(static_cast<int>(step.kind)) + ',' + std::to_string(step.number) + ',' +
-             std::to_string(step.value) + ';';
+    made.expression.append_key(key);
     const auto [entry, fresh] = comparison_ids_.try_emplace(std::move(key), static_cast<int>(out_.comparisons.size()));
     if (fresh) out_.comparisons.push_back(std::move(made));
     return {Formula::Kind::kComparison, entry->second, {}};
   }
 
-  Formula compare(const Condition& condition, const std::vector<ObjectId>& frame, bool negated) {
+  Formula compare(const Condition& condition, const ById<ObjectId>& frame, bool negated) {
     using Kind = GroundComparison::Kind;
     GroundExpression left = expression(condition.sides[0], frame), right = expression(condition.sides[1], frame);
     switch (condition.comparison) {
@@ -227,7 +196,7 @@ class Grounder {
                 {comparison(Kind::kPositive, left, right), comparison(Kind::kPositive, right, left)});
   }
 
-  Formula formula(const Condition& condition, std::vector<ObjectId>& frame, bool negated) {
+  Formula formula(const Condition& condition, ById<ObjectId>& frame, bool negated) {
     using Kind = Condition::Kind;
     budget_.spend(Work::kGround, 1);
     switch (condition.kind) {
@@ -301,40 +270,15 @@ class Grounder {
 
   /// Conjunctions of which one holds exactly if the formula does.
   std::vector<GroundCondition> alternatives(const Formula& from) {
-    if (from.kind == Formula::Kind::kFalse) return {};
-    std::vector<std::vector<Formula>> found = {{}};
-    const std::vector<Formula> single = {from};
-    const std::vector<Formula> none;
-    const std::vector<Formula>& parts = from.kind == Formula::Kind::kAnd    ? from.parts
-                                        : from.kind == Formula::Kind::kTrue ? none
-                                                                            : single;
-    std::size_t count = 1;
-    for (const Formula& part : parts)
-      if (part.kind == Formula::Kind::kOr) count *= std::min(part.parts.size(), kMostAlternatives + 1);
-    const bool split = count <= kMostAlternatives;
-    for (const Formula& part : parts) {
-      if (part.kind != Formula::Kind::kOr || !split) {
-        for (auto& one : found) one.push_back(part);
-        continue;
-      }
-      std::vector<std::vector<Formula>> more;
-      for (const auto& one : found)
-        for (const Formula& choice : part.parts) {
-          more.push_back(one);
-          more.back().push_back(choice);
-        }
-      found = std::move(more);
-    }
     std::vector<GroundCondition> out;
-    for (auto& one : found)
-      if (std::optional<GroundCondition> made = conjunction(join(Formula::Kind::kAnd, std::move(one))))
-        out.push_back(std::move(*made));
+    for (const Formula& one : planner::alternatives(from, kMostAlternatives))
+      if (std::optional<GroundCondition> made = conjunction(one)) out.push_back(std::move(*made));
     return out;
   }
 
   void add_actions(const Binding& binding) {
     const Action& schema = task_.domain.actions[binding.action];
-    std::vector<ObjectId> frame(static_cast<std::size_t>(schema.slots), -1);
+    ById<ObjectId> frame(static_cast<std::size_t>(schema.slots), -1);
     std::ranges::copy(binding.arguments, frame.begin());
     const std::vector<GroundCondition> starts = alternatives(formula(schema.condition.start, frame, false));
     if (starts.empty()) return;
@@ -351,9 +295,7 @@ class Grounder {
     action.over_all = std::move(*over_all);
     for (const Effect& effect : schema.effects)
       for_each_assignment(task_, effect.variables, frame, budget_, [&] { add_effect(effect, frame, action); });
-    tidy(action.at_start);
-    tidy(action.at_end);
-    for (ConditionalEffects& conditional : action.conditional) tidy(conditional.at_start), tidy(conditional.at_end);
+    for_each_effects(action, tidy);
     for (const GroundCondition& start : starts)
       for (const GroundCondition& end : ends) {
         budget_.spend(Work::kGround, kActionWork);
@@ -363,7 +305,7 @@ class Grounder {
       }
   }
 
-  void add_effect(const Effect& effect, std::vector<ObjectId>& frame, GroundAction& action) {
+  void add_effect(const Effect& effect, ById<ObjectId>& frame, GroundAction& action) {
     using Kind = Effect::Kind;
     const std::vector<ObjectId> arguments = objects(effect.terms, frame);
     if (effect.time == Effect::Time::kContinuous) {
@@ -422,7 +364,7 @@ class Grounder {
   static void tidy(GroundEffects& effects) {
     sort_unique(effects.add);
     sort_unique(effects.remove);
-    std::erase_if(effects.remove, [&](int id) { return std::ranges::binary_search(effects.add, id); });
+    std::erase_if(effects.remove, [&](int id) { return contains(effects.add, id); });
   }
 
   /// Axioms of a derived fact that some condition asks for.
@@ -435,7 +377,7 @@ class Grounder {
       for (std::size_t i = 0; i < arguments.size(); ++i)
         typed = typed && fits(task_.domain, task_.problem.objects[arguments[i]], rule.parameters[i].types);
       if (!typed) continue;
-      std::vector<ObjectId> frame(static_cast<std::size_t>(rule.slots), -1);
+      ById<ObjectId> frame(static_cast<std::size_t>(rule.slots), -1);
       for (std::size_t i = 0; i < arguments.size(); ++i) frame[rule.parameters[i].slot] = arguments[i];
       for (GroundCondition& body : alternatives(formula(rule.condition, frame, false)))
         out_.axioms.push_back({id, std::move(body), 0});
@@ -473,12 +415,7 @@ class Grounder {
           effects.add.push_back(opposite);
       tidy(effects);
     };
-    for (GroundAction& action : out_.actions) {
-      mirror(action.at_start);
-      mirror(action.at_end);
-      for (ConditionalEffects& conditional : action.conditional)
-        mirror(conditional.at_start), mirror(conditional.at_end);
-    }
+    for (GroundAction& action : out_.actions) for_each_effects(action, mirror);
     for (TimedEvent& event : out_.events) mirror(event.effects);
   }
 
@@ -495,7 +432,7 @@ class Grounder {
 
   /// Negation in a body reaches lower strata only.
   void order_axioms() {
-    std::vector<int> stratum(out_.facts.size(), 0);
+    ById<int> stratum(out_.facts.size(), 0);
     for (bool changed = true; changed && !budget_.over();) {
       changed = false;
       budget_.spend(Work::kGround, static_cast<std::int64_t>(out_.axioms.size()));
@@ -504,53 +441,14 @@ class Grounder {
           const GroundFact& read = out_.facts[id];
           if (!read.derived) continue;
           const int least = read.is_complement ? stratum[read.complement] + 1 : stratum[id];
-          if (stratum[axiom.head] < least) stratum[axiom.head] = least, changed = true;
+          if (stratum[axiom.head] < least) {
+            stratum[axiom.head] = least;
+            changed = true;
+          }
         }
     }
     for (Axiom& axiom : out_.axioms) axiom.stratum = stratum[axiom.head];
     std::ranges::stable_sort(out_.axioms, {}, &Axiom::stratum);
-  }
-
-  void find_derived_reads() {
-    if (task_.domain.derivations.empty()) return;
-    for (const Action& action : task_.domain.actions) {
-      GroundTask::SchemaReads reads;
-      const auto add = [this](const TimedCondition& condition, GroundTask::SchemaReads& to) {
-        for (auto [from, target] :
-             {std::pair{&condition.start, &to.start}, {&condition.over_all, &to.over_all}, {&condition.end, &to.end}}) {
-          std::vector<char> seen(task_.domain.predicates.size(), 0);
-          read_derived(*from, false, seen, *target);
-        }
-      };
-      add(action.condition, reads);
-      for (const Effect& effect : action.effects) add(effect.condition, reads);
-      out_.derived_reads.push_back(std::move(reads));
-    }
-  }
-
-  /// `inside`: of a rule, where plain facts count, too.
-  void read_derived(const Condition& condition, bool inside, std::vector<char>& seen, DerivedReads& reads) const {
-    const auto prepare = [&] {
-      reads.predicates.resize(task_.domain.predicates.size(), 0);
-      reads.functions.resize(task_.domain.functions.size(), 0);
-    };
-    if (condition.kind == Condition::Kind::kAtom) {
-      const PredicateId predicate = condition.predicate;
-      if (inside && !task_.domain.predicates[predicate].derived) prepare(), reads.predicates[predicate] = 1;
-      if (task_.domain.predicates[predicate].derived && !seen[predicate]) {
-        seen[predicate] = 1;
-        for (const Derivation& rule : task_.domain.derivations)
-          if (rule.predicate == predicate) read_derived(rule.condition, true, seen, reads);
-      }
-    }
-    if (inside)
-      for (const Expression& side : condition.sides) prepare(), read_functions(side, reads);
-    for (const Condition& operand : condition.operands) read_derived(operand, inside, seen, reads);
-  }
-
-  static void read_functions(const Expression& expression, DerivedReads& reads) {
-    if (expression.kind == Expression::Kind::kFunction) reads.functions[expression.function] = 1;
-    for (const Expression& operand : expression.operands) read_functions(operand, reads);
   }
 
   const Task& task_;
@@ -559,15 +457,15 @@ class Grounder {
   GroundTask out_;
   std::map<Key, double> values_;
   AtomTable fact_atoms_, number_atoms_;  ///< the functions of numbers in place of predicates
-  std::vector<int> fact_ids_;            ///< by atom of fact_atoms_
+  ById<int> fact_ids_;                   ///< by atom of fact_atoms_
   std::map<std::string, int> comparison_ids_;
-  std::vector<char> absence_matters_;  ///< by predicate
-  std::vector<int> demanded_;          ///< derived facts that conditions ask for
+  ById<char> absence_matters_;  ///< by predicate
+  std::vector<int> demanded_;   ///< derived facts that conditions ask for
 };
 
 /// What reads or changes a number that has no value at first has to wait for one: its square is at least 0 once it has.
 void ask_for_values(GroundTask& task) {
-  std::vector<int> comparison(task.numbers.size(), -1);
+  ById<int> comparison(task.numbers.size(), -1);
   const auto ask = [&](GroundCondition& condition, int number) {
     if (!std::isnan(task.initial_numbers[number])) return;
     if (comparison[number] < 0) {
@@ -588,8 +486,10 @@ void ask_for_values(GroundTask& task) {
         if (effect.kind != NumericEffect::Kind::kAssign) ask(*condition, effect.number);
         ask_read(*condition, effect.value);
       }
-    for (const ContinuousEffect& effect : action.continuous)
-      ask(action.start, effect.number), ask_read(action.start, effect.rate);
+    for (const ContinuousEffect& effect : action.continuous) {
+      ask(action.start, effect.number);
+      ask_read(action.start, effect.rate);
+    }
     sort_unique(action.start.comparisons);
     sort_unique(action.end.comparisons);
   }

@@ -13,15 +13,15 @@ struct GroundOptions {
   std::size_t most_actions = 1'000'000;  ///< beyond it the problem does not fit into memory
 };
 
-/// Writes out all actions that can become applicable. Fails (kResource) if there are too many (code "memory") or the
-/// budget does not suffice (code kOutOfBudget).
+/// Writes out all actions that can become applicable. Fails if there are too many (Failure::kOutOfMemory) or the budget
+/// does not suffice (kOutOfBudget).
 Expected<GroundTask> ground(const Task& task, Budget& budget, const GroundOptions& options = {});
 inline Expected<GroundTask> ground(const Task& task) {
   Budget unlimited;
   return ground(task, unlimited);
 }
 
-/// Removes what cannot happen, what is always so and what nobody asks, and finds the goal out of reach if it is.
+/// Removes what cannot happen, what is always so and what nothing reads, and detects a goal out of reach.
 /// `ground` has done it. Not to be used further if the budget ended.
 void prune(GroundTask& task, Budget& budget);
 

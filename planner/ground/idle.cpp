@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "planner/ground/reachable.h"
+#include "planner/ground/sorted.h"
 
 namespace cxlab::planner {
 
@@ -47,7 +48,7 @@ class IdleFinder {
     bool harmful() const { return (read && (up || down)) || (up && down); }
   };
 
-  static void enter(AtomTable& table, std::vector<int>& ids, int id, const std::vector<ObjectId>& objects, int index) {
+  static void enter(AtomTable& table, ById<int>& ids, int id, const std::vector<ObjectId>& objects, int index) {
     if (table.insert(id, objects) == static_cast<int>(ids.size())) ids.push_back(index);
   }
 
@@ -117,7 +118,7 @@ class IdleFinder {
       return;
     }
     const int fact = fact_ids_[known], opposite = ground_.facts[fact].complement;
-    const auto needs = [&](int f) { return f >= 0 && std::ranges::binary_search(needed.facts, f); };
+    const auto needs = [&](int f) { return f >= 0 && contains(needed.facts, f); };
     if (!needs(fact) && !needs(opposite)) note({Of::kFact, fact, at_end_, true, false, false});
   }
 
@@ -154,7 +155,7 @@ class IdleFinder {
       note({Of::kOther, other(other_numbers_, other_number_ids_, function, arguments), at_end_, false, true, !by});
   }
 
-  int other(AtomTable& table, std::vector<int>& ids, int id, const std::vector<ObjectId>& arguments) {
+  int other(AtomTable& table, ById<int>& ids, int id, const std::vector<ObjectId>& arguments) {
     const int entry = table.insert(id, arguments);
     if (entry == static_cast<int>(ids.size())) {
       ids.push_back(static_cast<int>(others_.size()));
@@ -174,7 +175,7 @@ class IdleFinder {
   }
 
   void drop_harmless() {
-    std::vector<int> renamed(others_.size(), -1);
+    ById<int> renamed(others_.size(), -1);
     for (std::size_t i = 0; i < others_.size(); ++i)
       if (others_[i].harmful()) renamed[i] = ground_.others++;
     const auto rename = [&](std::vector<IdleTouch>& touches) {
@@ -190,11 +191,11 @@ class IdleFinder {
   const Task& task_;
   GroundTask& ground_;
   Budget& budget_;
-  std::vector<char> changing_predicates_, changing_functions_;
+  ById<char> changing_predicates_, changing_functions_;
   AtomTable facts_, numbers_, other_facts_, other_numbers_;  ///< functions in place of predicates for numbers
-  std::vector<int> fact_ids_, number_ids_, other_fact_ids_, other_number_ids_;  ///< by entry of the tables
-  std::vector<Other> others_;
-  std::vector<ObjectId> frame_, objects_;
+  ById<int> fact_ids_, number_ids_, other_fact_ids_, other_number_ids_;  ///< by entry of the tables
+  ById<Other> others_;
+  ById<ObjectId> frame_, objects_;
   std::vector<IdleTouch>* out_ = nullptr;
   bool at_end_ = false;
 };

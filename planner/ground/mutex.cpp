@@ -112,7 +112,7 @@ class Pairs {
 }  // namespace
 
 Possible possible_by_pairs(const GroundTask& task, Budget& budget, std::size_t most_facts) {
-  Possible possible{std::vector<char>(task.actions.size(), 1)};
+  Possible possible{ById<char>(task.actions.size(), 1)};
   if (!task.axioms.empty() || task.facts.size() > most_facts || task.actions.size() > 4 * most_facts) return possible;
   const Pairs pairs(task, budget);
   if (budget.over()) return possible;

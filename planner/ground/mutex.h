@@ -9,10 +9,10 @@
 
 namespace cxlab::planner {
 
-/// What can happen as far as pairs of facts tell.
+/// What can happen, judged by pairs of facts.
 struct Possible {
-  std::vector<char> actions;  ///< by action: its start and its end
-  bool goal = true;           ///< the goal can hold
+  ById<char> actions;  ///< by action: its start and its end
+  bool goal = true;    ///< the goal can hold
 };
 
 /// Beginnings and ends count one by one, so that overlapping plans are covered; numbers are taken to allow everything.

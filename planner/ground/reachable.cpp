@@ -7,9 +7,11 @@
 namespace cxlab::planner {
 
 std::size_t AtomTable::slot(PredicateId predicate, std::span<const ObjectId> objects) const {
-  std::uint64_t hash = 0x9e3779b97f4a7c15ull * static_cast<std::uint64_t>(predicate + 1);
-  for (const ObjectId object : objects)
-    hash = (hash ^ static_cast<std::uint64_t>(object + 1)) * 0xff51afd7ed558ccdull, hash ^= hash >> 32;
+  std::uint64_t hash = std::uint64_t{0x9e3779b97f4a7c15} * static_cast<std::uint64_t>(predicate + 1);
+  for (const ObjectId object : objects) {
+    hash = (hash ^ static_cast<std::uint64_t>(object + 1)) * std::uint64_t{0xff51afd7ed558ccd};
+    hash ^= hash >> 32;
+  }
   const std::size_t mask = slots_.size() - 1;
   for (std::size_t at = hash & mask;; at = (at + 1) & mask) {
     const int atom = slots_[at];
@@ -55,10 +57,10 @@ struct Equality {
 
 /// What the join looks at in one action.
 struct Pattern {
-  std::vector<Atom> atoms;
+  ById<Atom> atoms;
   std::vector<Equality> equalities;
   std::vector<std::vector<ObjectId>> candidates;  ///< by parameter
-  std::vector<std::vector<char>> allowed;         ///< by parameter, object
+  ById<ById<char>> allowed;                       ///< by parameter, object
 };
 
 class Join {
@@ -72,7 +74,7 @@ class Join {
     everything_.resize(predicates);
     for (std::size_t p = 0; p < predicates; ++p)
       by_argument_[p].assign(task_.domain.predicates[p].parameters.size(),
-                             std::vector<std::vector<int>>(task_.problem.objects.size()));
+                             ById<std::vector<int>>(task_.problem.objects.size()));
     relevant_ = relevant_actions(task_);
     for (std::size_t a = 0; a < task_.domain.actions.size(); ++a)
       patterns_.push_back(make_pattern(task_.domain.actions[a]));
@@ -98,10 +100,10 @@ class Join {
             begin(a, static_cast<int>(k), atom);
     }
     if (too_many_)
-      return Error{
-          ErrorKind::kResource,
-          "found more than " + std::to_string(most_) + " ground actions: the problem is too large to be written out",
-          task_.problem.file, 0, "memory"};
+      return resource_error("found more than " + std::to_string(most_) +
+                                " ground actions: the problem is too large to be written out",
+                            task_.problem.file)
+          .with_code(word_of(Failure::kOutOfMemory));
     if (budget_.over()) return out_of_budget("while the problem was written out");
     return std::move(result_);
   }
@@ -125,8 +127,8 @@ class Join {
     Pattern pattern;
     // What must hold later may be brought about by the action itself or by others that overlap it, so that only facts
     // that cannot change count at the end, and over all those that no action adds which begins in the same instant.
-    const std::vector<char>& later = result_.fluent;
-    std::vector<char> at_once(later.size(), 0);
+    const ById<char>& later = result_.fluent;
+    ById<char> at_once(later.size(), 0);
     for (const Effect& effect : action.effects)
       if (effect.kind == Effect::Kind::kAdd && effect.time == Effect::Time::kStart) at_once[effect.predicate] = 1;
     for (const Action& other : task_.domain.actions)
@@ -137,7 +139,7 @@ class Join {
     collect(action.condition.start, nullptr, pattern);
     collect(action.condition.over_all, &at_once, pattern);
     collect(action.condition.end, &later, pattern);
-    std::vector<char> used(static_cast<std::size_t>(action.slots), 0);
+    ById<char> used(static_cast<std::size_t>(action.slots), 0);
     for (const Condition* condition : {&action.condition.start, &action.condition.over_all, &action.condition.end})
       mark(*condition, used);
     for (const DurationConstraint& constraint : action.duration) mark(constraint.bound, used);
@@ -158,7 +160,7 @@ class Join {
   }
 
   /// `left_out`: by predicate, atoms that do not count.
-  void collect(const Condition& condition, const std::vector<char>* left_out, Pattern& pattern) const {
+  void collect(const Condition& condition, const ById<char>* left_out, Pattern& pattern) const {
     using Kind = Condition::Kind;
     if (condition.kind == Kind::kAnd) {
       for (const Condition& operand : condition.operands) collect(operand, left_out, pattern);
@@ -172,15 +174,15 @@ class Join {
     }
   }
 
-  static void mark(const std::vector<Term>& terms, std::vector<char>& used) {
+  static void mark(const std::vector<Term>& terms, ById<char>& used) {
     for (const Term& term : terms)
       if (term.is_variable) used[term.index] = 1;
   }
-  static void mark(const Expression& expression, std::vector<char>& used) {
+  static void mark(const Expression& expression, ById<char>& used) {
     mark(expression.terms, used);
     for (const Expression& operand : expression.operands) mark(operand, used);
   }
-  static void mark(const Condition& condition, std::vector<char>& used) {
+  static void mark(const Condition& condition, ById<char>& used) {
     mark(condition.terms, used);
     for (const Expression& side : condition.sides) mark(side, used);
     for (const Condition& operand : condition.operands) mark(operand, used);
@@ -196,7 +198,7 @@ class Join {
   void begin(std::size_t action, int first, int atom) {
     action_ = action;
     frame_.assign(static_cast<std::size_t>(task_.domain.actions[action].slots), -1);
-    std::vector<char> done(patterns_[action].atoms.size(), 0);
+    ById<char> done(patterns_[action].atoms.size(), 0);
     if (first >= 0) {
       std::vector<int> bound;
       if (!match(patterns_[action].atoms[first], atom, bound)) return;
@@ -234,7 +236,7 @@ class Join {
     });
   }
 
-  void extend(std::vector<char> done) {
+  void extend(ById<char> done) {
     const Pattern& pattern = patterns_[action_];
     int best = -1;
     const std::vector<int>* candidates = nullptr;
@@ -306,7 +308,7 @@ class Join {
     }
     budget_.spend(Work::kGround, kBindingWork);
     result_.bindings.push_back({static_cast<ActionId>(action_), arguments});
-    std::vector<ObjectId> frame = frame_, objects;
+    ById<ObjectId> frame = frame_, objects;
     for (const Effect& effect : action.effects) {
       if (effect.kind != Effect::Kind::kAdd) continue;
       for_each_assignment(task_, effect.variables, frame, budget_, [&] {
@@ -322,13 +324,13 @@ class Join {
   Budget& budget_;
   Reachable result_;
   std::vector<Pattern> patterns_;
-  std::vector<char> relevant_;                                           ///< by action
-  std::vector<std::vector<std::vector<std::vector<int>>>> by_argument_;  ///< predicate, position, object: visible atoms
-  std::vector<std::vector<int>> everything_;                             ///< predicate: visible atoms
-  AtomTable seen_;                                                       ///< bindings
+  std::vector<char> relevant_;                      ///< by action
+  ById<ById<ById<std::vector<int>>>> by_argument_;  ///< predicate, position, object: visible atoms
+  ById<std::vector<int>> everything_;               ///< predicate: visible atoms
+  AtomTable seen_;                                  ///< bindings
   int visible_ = 0;
   std::size_t action_ = 0;
-  std::vector<ObjectId> frame_, key_;
+  ById<ObjectId> frame_, key_;
   bool too_many_ = false;
 };
 

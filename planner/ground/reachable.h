@@ -31,8 +31,8 @@ class AtomTable {
   std::size_t slot(PredicateId predicate, std::span<const ObjectId> objects) const;
   void grow();
 
-  std::vector<PredicateId> predicates_;
-  std::vector<std::size_t> begin_ = {0};
+  ById<PredicateId> predicates_;
+  ById<std::size_t> begin_ = {0};
   std::vector<ObjectId> objects_;
   std::vector<int> slots_ = std::vector<int>(64, -1);  ///< open addressing; size is a power of two
 };
@@ -43,20 +43,20 @@ struct Binding {
 };
 
 struct Reachable {
-  AtomTable atoms;             ///< derived predicates are not in it
-  std::vector<char> fluent;    ///< by predicate: something changes it
-  std::vector<char> changing;  ///< by function: something changes it
+  AtomTable atoms;      ///< derived predicates are not in it
+  ById<char> fluent;    ///< by predicate: something changes it
+  ById<char> changing;  ///< by function: something changes it
   std::vector<Binding> bindings;
 };
 
-/// Fails (kResource) beyond `most_bindings` (code "memory") or the budget (code kOutOfBudget).
+/// Fails (kResource) beyond `most_bindings` (Failure::kOutOfMemory) or the budget (kOutOfBudget).
 Expected<Reachable> find_reachable(const Task& task, std::size_t most_bindings, Budget& budget);
 
 /// Calls `visit()` for every assignment of objects to `variables`, written to their slots of `frame`, until the budget
 /// ends.
 template <class Visit>
-void for_each_assignment(const Task& task, std::span<const Variable> variables, std::vector<ObjectId>& frame,
-                         Budget& budget, const Visit& visit) {
+void for_each_assignment(const Task& task, std::span<const Variable> variables, ById<ObjectId>& frame, Budget& budget,
+                         const Visit& visit) {
   if (variables.empty()) {
     budget.spend(Work::kGround, 1);
     visit();

@@ -16,7 +16,10 @@ class Relevance {
         action_(task.domain.actions.size(), 0) {
     find_late_values();
     ask(task.problem.goal, false);
-    while (changed_) changed_ = false, look_at_rules();
+    while (changed_) {
+      changed_ = false;
+      look_at_rules();
+    }
     // A plan ends with its last action: where events bring about the goal, any action may be needed to wait for them.
     if (events_help()) {
       action_.assign(action_.size(), 1);
@@ -36,7 +39,7 @@ class Relevance {
  private:
   /// Functions some of whose numbers have no value at first and get one from an action.
   void find_late_values() {
-    std::vector<std::size_t> values(number_.size(), 0);
+    ById<std::size_t> values(number_.size(), 0);
     for (const Assignment& value : task_.problem.values) ++values[value.function];
     late_.assign(number_.size(), 0);
     for (const Action& action : task_.domain.actions)
@@ -123,12 +126,15 @@ class Relevance {
   }
 
   void mark(char& flag) {
-    if (!flag) flag = 1, changed_ = true;
+    if (!flag) {
+      flag = 1;
+      changed_ = true;
+    }
   }
 
   const Task& task_;
-  std::vector<char> present_, absent_, number_, action_;
-  std::vector<char> late_;  ///< by function
+  ById<char> present_, absent_, number_, action_;
+  ById<char> late_;  ///< by function
   bool changed_ = true;
 };
 

@@ -32,7 +32,8 @@ LinearForm plus(const LinearForm& a, const LinearForm& b) {
       sum.weights.push_back(*right++);
     } else {
       if (left->second + right->second != 0) sum.weights.emplace_back(left->first, left->second + right->second);
-      ++left, ++right;
+      ++left;
+      ++right;
     }
   }
   return sum;
@@ -72,6 +73,15 @@ double GroundExpression::evaluate(const double* numbers, double duration_s, doub
     if (top == kDeepest) return std::numeric_limits<double>::quiet_NaN();
   }
   return top == 1 ? stack[0] : std::numeric_limits<double>::quiet_NaN();
+}
+
+void GroundExpression::append_key(std::string& key) const {
+  for (const Step& step : steps) {
+    key += static_cast<char>(step.kind);
+    key.append(reinterpret_cast<const char*>(&step.number), sizeof step.number);
+    key.append(reinterpret_cast<const char*>(&step.value), sizeof step.value);
+  }
+  key += '|';
 }
 
 LinearForm linear_form(const GroundExpression& expression) {
@@ -121,26 +131,24 @@ LinearForm linear_form(const GroundExpression& expression) {
   return stack.size() == 1 ? stack[0] : LinearForm{};
 }
 
-std::vector<char> telling_numbers(const GroundTask& task) {
-  std::vector<char> telling(task.numbers.size(), 0);
-  const auto read = [&telling](const GroundExpression& expression) {
-    expression.for_each_number([&telling](int n) { telling[n] = 1; });
+ById<char> significant_numbers(const GroundTask& task) {
+  ById<char> significant(task.numbers.size(), 0);
+  const auto read = [&significant](const GroundExpression& expression) {
+    expression.for_each_number([&significant](int n) { significant[n] = 1; });
   };
   const auto read_by = [&read](const GroundEffects& effects) {
     for (const NumericEffect& effect : effects.numbers) read(effect.value);
   };
-  for (std::size_t n = 0; n < telling.size(); ++n)
-    telling[n] = std::isnan(task.initial_numbers[n]);  // it cannot be changed before it has a value
+  for (std::size_t n = 0; n < significant.size(); ++n)
+    significant[n] = std::isnan(task.initial_numbers[n]);  // it cannot be changed before it has a value
   for (const GroundComparison& comparison : task.comparisons) read(comparison.expression);
   for (const TimedEvent& event : task.events) read_by(event.effects);
   for (const GroundAction& action : task.actions) {
     for (const GroundDuration& duration : action.duration) read(duration.bound);
     for (const ContinuousEffect& effect : action.continuous) read(effect.rate);
-    read_by(action.at_start), read_by(action.at_end);
-    for (const ConditionalEffects& conditional : action.conditional)
-      read_by(conditional.at_start), read_by(conditional.at_end);
+    for_each_effects(action, read_by);
   }
-  return telling;
+  return significant;
 }
 
 std::string action_name(const Task& task, const GroundAction& action) {

@@ -5,6 +5,7 @@
 // complement, a fact of its own that every effect keeps opposite. Disjunctions that cannot be split over several
 // actions are derived facts.
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -60,6 +61,11 @@ struct GroundExpression {
   void for_each_number(const Visit& visit) const {
     for (const Step& step : steps)
       if (step.kind == Kind::kNumber) visit(step.number);
+  }
+  /// Appends bytes that differ for different expressions.
+  void append_key(std::string& key) const;
+  bool mentions_duration() const {
+    return std::ranges::any_of(steps, [](const Step& step) { return step.kind == Kind::kDuration; });
   }
   bool is_constant() const { return steps.size() == 1 && steps[0].kind == Kind::kConstant; }
   bool operator==(const GroundExpression&) const = default;
@@ -144,7 +150,7 @@ struct ContinuousEffect {
 };
 
 /// What no plan depends on, but validators hold against happenings at one time: a condition names a fact that is always
-/// so, or that another part of the condition makes unimportant; an effect changes what nobody needs.
+/// so, or that another part of the condition makes unimportant; an effect changes what nothing needs.
 struct IdleTouch {
   enum class Of : std::uint8_t { kFact, kNumber, kOther };
   Of of = Of::kOther;
@@ -167,7 +173,30 @@ struct GroundAction {
   std::vector<IdleTouch> idle;
 };
 
-/// `head` is true if `body` holds; false if no axiom says otherwise.
+/// Calls `visit` for all conditions of an action, those of conditional effects included.
+template <class Action, class Visit>
+void for_each_condition(Action& action, const Visit& visit) {
+  visit(action.start);
+  visit(action.over_all);
+  visit(action.end);
+  for (auto& conditional : action.conditional) {
+    visit(conditional.start);
+    visit(conditional.over_all);
+    visit(conditional.end);
+  }
+}
+/// The same for all effects.
+template <class Action, class Visit>
+void for_each_effects(Action& action, const Visit& visit) {
+  visit(action.at_start);
+  visit(action.at_end);
+  for (auto& conditional : action.conditional) {
+    visit(conditional.at_start);
+    visit(conditional.at_end);
+  }
+}
+
+/// `head` is true if `body` holds; false unless an axiom derives it.
 struct Axiom {
   int head = -1;
   GroundCondition body;
@@ -197,23 +226,25 @@ struct GroundNumber {
 /// What a condition reads through derived predicates, as validators judge it: every fact of the predicates, and every
 /// number of the functions, that they are derived from.
 struct DerivedReads {
-  std::vector<char> predicates, functions;  ///< empty: none
+  ById<char> predicates, functions;  ///< empty: none
   bool any() const { return !predicates.empty(); }
 };
 
+/// The same for an action of the domain.
+struct SchemaReads {
+  DerivedReads start, over_all, end;
+};
+
 struct GroundTask {
-  std::vector<GroundFact> facts;
-  std::vector<GroundNumber> numbers;  ///< those that only the metric reads last
-  std::vector<GroundComparison> comparisons;
-  std::vector<GroundAction> actions;
-  std::vector<Axiom> axioms;       ///< by stratum
-  std::vector<TimedEvent> events;  ///< by time
-  struct SchemaReads {
-    DerivedReads start, over_all, end;
-  };
-  std::vector<SchemaReads> derived_reads;  ///< by action of the domain; empty without derived predicates
-  std::vector<char> initial_facts;         ///< without derived facts
-  std::vector<double> initial_numbers;     ///< not-a-number where undefined
+  ById<GroundFact> facts;
+  ById<GroundNumber> numbers;  ///< those that only the metric reads last
+  ById<GroundComparison> comparisons;
+  ById<GroundAction> actions;
+  std::vector<Axiom> axioms;        ///< by stratum
+  ById<TimedEvent> events;          ///< by time
+  ById<SchemaReads> derived_reads;  ///< by action of the domain; empty without derived predicates
+  ById<char> initial_facts;         ///< without derived facts
+  ById<double> initial_numbers;     ///< not-a-number where undefined
   GroundCondition goal;
   bool proved_unsolvable = false;  ///< the goal is out of reach even if nothing were ever deleted, or by pairs of facts
   std::vector<int> missing_values;  ///< numbers that keep the goal out of reach, for they have no value and get none
@@ -226,7 +257,7 @@ struct GroundTask {
 
 /// By number: whether it may matter to what can be done, so that states with different values differ: all but those
 /// that only the metric reads.
-std::vector<char> telling_numbers(const GroundTask& task);
+ById<char> significant_numbers(const GroundTask& task);
 
 /// "(name arg arg)" as plans write it.
 std::string action_name(const Task& task, const GroundAction& action);

@@ -66,7 +66,11 @@ bool Decoder::decode(const Sequence& list, double most_cost, DecodedPlan& plan) 
   for (;;) {
     if (simulator_.is_lasting_goal(scratch_.data(), next_event_)) {
       if (objective_.never_falls()) return running_.empty() && schedule(plan, most_cost);
-      if (running_.empty()) reached = true, end = plan.order.size(), end_ = scratch_;
+      if (running_.empty()) {
+        reached = true;
+        end = plan.order.size();
+        end_ = scratch_;
+      }
     }
     const Taken taken = take_next(list, step);
     if (taken == Taken::kNo && reached) break;

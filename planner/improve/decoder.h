@@ -3,9 +3,9 @@
 //
 // Decoding runs through the list again and again, always taking the first action that can be applied, until the goal is
 // reached, and schedules as it goes; what remains is dropped. So any order is a plan as long as the goal is reached,
-// and moving one action drags along those that wait for it. Where more actions can make a plan better, decoding goes on
-// to the last step after which the goal holds. Where actions are cut, the list has their beginnings and ends, so that
-// others can start or end in between.
+// and moving one action drags along those that wait for it. Where more actions can make a plan better, decoding
+// continues to the last step after which the goal holds. Where actions are cut, the list has their beginnings and ends,
+// so that others can start or end in between.
 
 #include <utility>
 #include <vector>
@@ -20,7 +20,7 @@ struct DecodedPlan {
   static constexpr Micros kLatenessWeight = 10;
   Sequence order;             ///< as executed
   std::vector<Micros> times;  ///< by step: of a beginning, of an end, of the start of a whole action
-  std::vector<int> causes;    ///< by step: the step that it waits for, or -1
+  ById<int> causes;           ///< by step: the step that it waits for, or -1
   Micros makespan = 0;
   double value = 0;     ///< of the objective
   Micros lateness = 0;  ///< by how much things come too late for events
@@ -77,9 +77,9 @@ class Decoder {
   const Objective& objective_;
   Timeline timeline_;
   PackedState scratch_, trial_, end_;
-  std::vector<int> next_;  ///< linked list of what is left; index 0 is the head
-  std::vector<Running> running_;
-  std::vector<std::pair<Micros, int>> releases_;  ///< by step: a beginning that must wait for its end, and the cause
+  ById<int> next_;  ///< linked list of what is left; index 0 is the head
+  ById<Running> running_;
+  ById<std::pair<Micros, int>> releases_;  ///< by step: a beginning that must wait for its end, and the cause
   int next_event_ = 0;
   bool shifted_ = false;  ///< a release has grown since the schedule began
   std::int64_t work_ = 0;

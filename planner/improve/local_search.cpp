@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "planner/ground/sorted.h"
+
 namespace cxlab::planner {
 
 namespace {
@@ -26,7 +28,7 @@ LocalSearch::LocalSearch(Decoder& decoder, std::uint64_t seed)
     for (const int f : whole_.whole_effects(static_cast<int>(a)).add) achievers_[f].push_back(static_cast<int>(a));
     for (const auto* effects : {&original.actions[a].at_start, &original.actions[a].at_end})
       for (const NumericEffect& effect : effects->numbers)
-        achievers_[original.facts.size() + effect.number].push_back(static_cast<int>(a));
+        achievers_[static_cast<int>(original.facts.size()) + effect.number].push_back(static_cast<int>(a));
     if (!decoder.objective().never_falls() && decoder.objective().change(static_cast<int>(a)) < 0)
       earners_.push_back(static_cast<int>(a));
   }
@@ -130,14 +132,14 @@ void LocalSearch::pull(Sequence& list, int step, int to) const {
       if (!task.comparisons[c].holds(simulator_.numbers(state))) comparisons.push_back(c);
   };
   need(list[step]);
-  std::vector<char> comes(static_cast<std::size_t>(step - to) + 1, 0);
+  ById<char> comes(static_cast<std::size_t>(step - to) + 1, 0);
   comes[step - to] = 1;
   for (int i = step - 1; i >= to; --i) {
     if (is_event(list[i])) continue;
     const GroundEffects& effects = simulator_.whole_effects(list[i].action);
     bool provides = false;
     std::erase_if(facts, [&](int f) {
-      const bool added = std::ranges::binary_search(effects.add, f);
+      const bool added = contains(effects.add, f);
       provides |= added;
       return added;
     });
@@ -168,7 +170,7 @@ std::vector<int> LocalSearch::alternatives(int original) const {
     found.insert(found.end(), achievers_[f].begin(), achievers_[f].end());
   for (const auto* effects : {&original_.actions[original].at_start, &original_.actions[original].at_end})
     for (const NumericEffect& effect : effects->numbers) {
-      const auto& more = achievers_[original_.facts.size() + effect.number];
+      const auto& more = achievers_[static_cast<int>(original_.facts.size()) + effect.number];
       found.insert(found.end(), more.begin(), more.end());
     }
   std::erase(found, original);

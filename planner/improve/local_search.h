@@ -16,11 +16,11 @@ class LocalSearch {
 
   LocalSearch(Decoder& decoder, std::uint64_t seed);
 
-  /// Takes a plan to go on from, as a sequence of parts; false if it is none. It may come too late for events: the
+  /// Takes a plan to begin with, as a sequence of parts; false if it is none. It may come too late for events: the
   /// search then brings that down first.
   bool start(const Sequence& plan);
   /// Tries moves until the slice of the budget is over, or `most_idle` moves in a row gave no new best plan. Plans that
-  /// keep clear of events are told.
+  /// keep clear of events are reported.
   void run(Budget& budget, std::int64_t most_idle, const OnBetter& on_better);
 
   const DecodedPlan& best() const { return best_; }
@@ -41,11 +41,11 @@ class LocalSearch {
   Simulator whole_;  ///< of the original
   RandomStream random_;
   DecodedPlan current_, best_;
-  std::vector<Word> states_;                 ///< before each step of the current plan
-  std::vector<int> critical_;                ///< steps that determine the makespan, the last one first
-  std::vector<std::vector<int>> achievers_;  ///< by fact, then number: original actions that add it or change it
-  std::vector<int> earners_;                 ///< original actions that make the objective better by themselves
-  std::vector<double> history_;              ///< costs accepted some moves ago
+  ById<Word> states_;                 ///< before each step of the current plan
+  std::vector<int> critical_;         ///< steps that determine the makespan, the last one first
+  ById<std::vector<int>> achievers_;  ///< by fact, then number: original actions that add it or change it
+  std::vector<int> earners_;          ///< original actions that make the objective better by themselves
+  std::vector<double> history_;       ///< costs accepted some moves ago
   std::int64_t moves_ = 0;
 };
 

@@ -29,9 +29,7 @@ Objective::Objective(const Simulator& simulator)
   const PackedState initial = simulator.initial();
   for (std::size_t a = 0; a < task_.actions.size(); ++a) {
     const GroundAction& action = task_.actions[a];
-    look_at(action.at_start), look_at(action.at_end);
-    for (const ConditionalEffects& conditional : action.conditional)
-      look_at(conditional.at_start), look_at(conditional.at_end);
+    for_each_effects(action, [this](const GroundEffects& effects) { look_at(effects); });
     for (const ContinuousEffect& effect : action.continuous)
       if (weight(effect.number) != 0) never_falls_ = false;
     const std::optional<DurationRange> range =

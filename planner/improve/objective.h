@@ -1,5 +1,5 @@
 #pragma once
-// What plans are compared by: the problem's metric, or the makespan where there is none or it says the same.
+// What plans are compared by: the problem's metric, or the makespan where there is none or it decides the same.
 
 #include <optional>
 #include <vector>
@@ -47,7 +47,7 @@ class Objective {
   LinearForm linear_;  ///< of the metric; the duration stands for total-time
   bool is_makespan_ = true, never_falls_ = true;
   double time_weight_ = 1;
-  std::vector<double> changes_, durations_s_;  ///< by action
+  ById<double> changes_, durations_s_;  ///< by action
 };
 
 }  // namespace cxlab::planner

@@ -101,7 +101,7 @@ std::vector<char> Rebuild::belongs_to_goal(int goal_fact) const {
   const Simulator& simulator = decoder_.simulator();
   const std::size_t size = current_.order.size();
   // needed[i]: whether the goal (1) or another one (2) needs what step i provides, by last providers.
-  std::vector<int> provider(simulator.task().facts.size(), -1);
+  ById<int> provider(simulator.task().facts.size(), -1);
   std::vector<std::vector<int>> needs(size);
   for (std::size_t i = 0; i < size; ++i) {
     if (is_event(current_.order[i])) continue;
@@ -110,11 +110,14 @@ std::vector<char> Rebuild::belongs_to_goal(int goal_fact) const {
       if (provider[f] >= 0) needs[i].push_back(provider[f]);
     for (const int f : simulator.whole_effects(action).add) provider[f] = static_cast<int>(i);
   }
-  std::vector<char> mine(size, 0), others(size, 0);
+  ById<char> mine(size, 0), others(size, 0);
   for (const int f : simulator.task().goal.facts)
     if (provider[f] >= 0) (f == goal_fact ? mine : others)[provider[f]] = 1;
   for (std::size_t i = size; i-- > 0;)
-    for (const int before : needs[i]) mine[before] |= mine[i], others[before] |= others[i];
+    for (const int before : needs[i]) {
+      mine[before] |= mine[i];
+      others[before] |= others[i];
+    }
   for (std::size_t i = 0; i < size; ++i) mine[i] = mine[i] && !others[i];
   return mine;
 }

@@ -12,9 +12,9 @@ class Rebuild {
   /// `relaxed` is of whole actions, with their durations as costs; the decoder cuts nothing.
   Rebuild(Decoder& decoder, const RelaxedTask& relaxed, std::uint64_t seed);
 
-  /// Takes a plan to go on from; false if it is none.
+  /// Takes a plan to begin with; false if it is none.
   bool start(const Sequence& plan);
-  /// Goes on until the slice of the budget is over, or `most_idle` tries in a row gave no new best plan.
+  /// Continues until the slice of the budget is over, or `most_idle` tries in a row gave no new best plan.
   void run(Budget& budget, std::int64_t most_idle, const LocalSearch::OnBetter& on_better);
 
   const DecodedPlan& best() const { return best_; }

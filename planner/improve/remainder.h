@@ -1,5 +1,5 @@
 #pragma once
-// What is left to do of a plan under execution, judged by the state alone: nobody has to say how far it has come.
+// What is left to do of a plan under execution, judged by the state alone: how far it has come need not be known.
 
 #include <span>
 #include <vector>

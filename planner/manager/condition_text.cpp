@@ -22,9 +22,9 @@ std::string fraction(double value) {
   return (value < 0 ? "-" : "") + std::to_string(above / common) + "/" + std::to_string(below / common);
 }
 
-class Teller {
+class ConditionWriter {
  public:
-  Teller(const Domain& domain, const std::vector<Object>& objects, std::span<const ObjectId> bound)
+  ConditionWriter(const Domain& domain, const std::vector<Object>& objects, std::span<const ObjectId> bound)
       : domain_(domain), objects_(objects) {
     for (const ObjectId object : bound) names_.push_back(objects[static_cast<std::size_t>(object)].name);
   }
@@ -114,15 +114,15 @@ class Teller {
   std::string type(const std::vector<TypeId>& types) const {
     if (types.size() == 1) {
       const Type& type = domain_.types[static_cast<std::size_t>(types[0])];
-      const bool told = !type.parents.empty() && (type.parents[0] != Domain::kObjectType || object_is_a_type());
-      return type.name + (told ? " - " + domain_.types[static_cast<std::size_t>(type.parents[0])].name : "");
+      const bool written = !type.parents.empty() && (type.parents[0] != Domain::kObjectType || object_is_a_type());
+      return type.name + (written ? " - " + domain_.types[static_cast<std::size_t>(type.parents[0])].name : "");
     }
     std::string text = "(either";
     for (const TypeId t : types) text += ' ' + domain_.types[static_cast<std::size_t>(t)].name;
     return text + ")";
   }
 
-  /// Whether something may be any object; only then `object` is told as a supertype.
+  /// Whether something may be any object; only then `object` is written as a supertype.
   bool object_is_a_type() const {
     const auto any = [](const auto& item) {
       return std::any_of(item.parameters.begin(), item.parameters.end(),
@@ -140,9 +140,9 @@ class Teller {
 
 }  // namespace
 
-std::string told_text(const Condition& condition, const Domain& domain, const std::vector<Object>& objects,
-                      std::span<const ObjectId> bound) {
-  return Teller(domain, objects, bound).text(condition);
+std::string framework_text(const Condition& condition, const Domain& domain, const std::vector<Object>& objects,
+                           std::span<const ObjectId> bound) {
+  return ConditionWriter(domain, objects, bound).text(condition);
 }
 
 }  // namespace cxlab::planner

@@ -10,7 +10,7 @@
 namespace cxlab::planner {
 
 /// `p(a, b)`, `(not p)`, `(x(a) <= 3)`, `Forall (block y) p(y)`. Slots below the size of `bound` are those objects.
-std::string told_text(const Condition& condition, const Domain& domain, const std::vector<Object>& objects,
-                      std::span<const ObjectId> bound);
+std::string framework_text(const Condition& condition, const Domain& domain, const std::vector<Object>& objects,
+                           std::span<const ObjectId> bound);
 
 }  // namespace cxlab::planner

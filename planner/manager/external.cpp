@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 /// s between happenings that interfere: planners keep them apart by different times.
 constexpr double kLeastSeparation = 0.0001;
-/// How a shell ends that cannot run what it is told to (POSIX, 2.8.2).
+/// Exit codes of a shell that cannot run a command (POSIX, 2.8.2).
 constexpr int kNotExecutable = 126, kNotFound = 127;
 
 std::string filled(std::string command, const std::string& placeholder, const std::string& value) {
@@ -31,7 +31,7 @@ std::string filled(std::string command, const std::string& placeholder, const st
 /// For the shell, as one word.
 std::string quoted(const std::string& word) { return "'" + filled(word, "'", "'\\''") + "'"; }
 
-/// The last line that says something.
+/// The last line that is not empty.
 std::string last_line(const std::string& text) {
   const std::size_t end = text.find_last_not_of(" \t\r\n");
   if (end == std::string::npos) return {};
@@ -55,8 +55,8 @@ Expected<Ended> run(const std::string& command, const fs::path& log, double time
   return code ? Ended{true, *code} : Ended{false, 0};
 }
 
-/// What it means that the planner wrote no plan; `said` is its last line.
-Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, const Ended& ended, const std::string& said) {
+/// What it means that the planner wrote no plan; `printed` is its last line.
+Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, const Ended& ended, const std::string& printed) {
   PlanAnswer answer;
   answer.status = ended.in_time ? PlanStatus::kEnded : PlanStatus::kBudget;
   if (!ended.in_time) {
@@ -65,20 +65,20 @@ Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, const Ended& e
   }
   if (ended.code == kNotExecutable || ended.code == kNotFound) {
     std::string message = "the planner's command cannot be run (code " + std::to_string(ended.code) + ")" +
-                          (said.empty() ? "" : ": " + said);
+                          (printed.empty() ? "" : ": " + printed);
     return resource_error(message + "; " + planner.remedy);
   }
   answer.reason = "the planner ended with code " + std::to_string(ended.code) + " and wrote no plan" +
-                  (said.empty() ? "" : ": " + said);
+                  (printed.empty() ? "" : ": " + printed);
   if (!planner.our_codes) return answer;
-  switch (ended.code) {
-    case 10: answer.status = PlanStatus::kUnsolvable; break;
-    case 12: break;
-    case 22: answer.status = PlanStatus::kMemory; break;
-    case 23: answer.status = PlanStatus::kBudget; break;
+  switch (static_cast<ExitCode>(ended.code)) {
+    case ExitCode::kUnsolvable: answer.status = PlanStatus::kUnsolvable; break;
+    case ExitCode::kEnded: break;
+    case ExitCode::kOutOfMemory: answer.status = PlanStatus::kMemory; break;
+    case ExitCode::kOutOfBudget: answer.status = PlanStatus::kBudget; break;
     default: return resource_error(answer.reason);
   }
-  answer.reason = said;
+  answer.reason = printed;
   return answer;
 }
 
@@ -110,10 +110,10 @@ Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& 
     command = filled(std::move(command), placeholder, value);
   auto ended = run(command, log, timeout_s);
   if (!ended) return ended.error();
-  const auto printed = read_text(log.string());
-  const std::string said = printed ? *printed : "";
-  std::fputs(said.c_str(), stderr);  // stdout carries answers only
-  if (!fs::is_regular_file(plan)) return without_plan(planner, *ended, last_line(said));
+  const auto output = read_text(log.string());
+  const std::string printed = output ? *output : "";
+  std::fputs(printed.c_str(), stderr);  // stdout carries answers only
+  if (!fs::is_regular_file(plan)) return without_plan(planner, *ended, last_line(printed));
 
   PlanAnswer answer;
   auto text = read_text(plan.string());

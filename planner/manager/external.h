@@ -11,7 +11,7 @@ namespace cxlab::planner {
 
 struct ExternalPlanner {
   std::string command;     ///< for /bin/sh; empty: none
-  bool our_codes = false;  ///< its exit codes are those of `cxlab plan`, its last line on stderr says why
+  bool our_codes = false;  ///< its exit codes are those of `cxlab plan`, its last line on stderr is the reason
   std::string remedy =
       "does the parameter `command` name a program that is installed and may be run?";  ///< where the shell cannot run
                                                                                         ///< it
@@ -24,7 +24,7 @@ ExternalPlanner up_engine(const std::filesystem::path& script, const std::string
 /// Runs the command: {domain} and {problem} are files that it reads, {plan} is the file that it writes, in the format
 /// of PDDL 2.1, {timeout} the wall time in seconds after which it is ended with all that it started. What it prints
 /// goes to stderr. A plan that our validator does not accept (with 0.1 ms between happenings) is none: the answer's
-/// reason says what is wrong with it. Its units are 0. Fails if the command cannot be run (the shell ends with 126 or
+/// reason names what is wrong with it. Its units are 0. Fails if the command cannot be run (the shell ends with 126 or
 /// 127; the error ends with the remedy), wrote a plan that cannot be read or, with `our_codes`, ended with a code that
 /// is no answer.
 Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& task, double timeout_s);

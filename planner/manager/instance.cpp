@@ -9,7 +9,7 @@
 namespace cxlab::planner {
 namespace {
 
-constexpr std::size_t kMostNames = 10;  ///< that an error tells
+constexpr std::size_t kMostNames = 10;  ///< that an error names
 
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -316,8 +316,9 @@ Instance::Names Instance::unsatisfied(const ActionCall& call, When when) const {
     if (condition.kind == Condition::Kind::kAnd) {
       for (const Condition& part : condition.operands) self(self, part, now);
     } else if (!evaluator_->holds(condition, bound, now, length)) {
-      std::string told = told_text(condition, domain(), problem().objects, call.arguments);
-      if (std::find(missing.begin(), missing.end(), told) == missing.end()) missing.push_back(std::move(told));
+      std::string condition_text = framework_text(condition, domain(), problem().objects, call.arguments);
+      if (std::find(missing.begin(), missing.end(), condition_text) == missing.end())
+        missing.push_back(std::move(condition_text));
     }
   };
   const State& now = state();
@@ -363,13 +364,13 @@ void Instance::remember_start(const ActionCall& call) {
   if (any) started_[{call.action, call.arguments}] = std::move(promised);
 }
 
-Expected<std::vector<ToldEffect>> Instance::effects(const ActionCall& call) const {
+Expected<std::vector<ReportedEffect>> Instance::effects(const ActionCall& call) const {
   const Action& action = domain().actions[static_cast<std::size_t>(call.action)];
   Frame bound = frame(call);
   const State& now = state();
   const double length = action.durative ? duration(call, bound) : 0;
   const auto started = started_.find({call.action, call.arguments});
-  std::vector<ToldEffect> told;
+  std::vector<ReportedEffect> effects;
   for (std::size_t i = 0; i < action.effects.size(); ++i) {
     const Effect& effect = action.effects[i];
     std::vector<Change> changes;
@@ -385,13 +386,13 @@ Expected<std::vector<ToldEffect>> Instance::effects(const ActionCall& call) cons
     if (!evaluator_->collect(effect, bound, now, length, holds, changes))
       return input_error("effect on '" + name + "' of '" + action.name + "': its right-hand side has no value now");
     for (const Change& change : changes) {
-      ToldEffect out{name,
-                     {},
-                     effect.time != Effect::Time::kStart,
-                     effect.is_numeric(),
-                     change.kind == Effect::Kind::kAdd,
-                     '=',
-                     change.value};
+      ReportedEffect out{name,
+                         {},
+                         effect.time != Effect::Time::kStart,
+                         effect.is_numeric(),
+                         change.kind == Effect::Kind::kAdd,
+                         '=',
+                         change.value};
       for (const ObjectId object : change.objects)
         out.arguments.push_back(problem().objects[static_cast<std::size_t>(object)].name);
       if (effect.time == Effect::Time::kContinuous) out.number *= length;
@@ -403,22 +404,22 @@ Expected<std::vector<ToldEffect>> Instance::effects(const ActionCall& call) cons
           return input_error("effect on '" + name + "' of '" + action.name + "': there is no value to scale");
         out.number = change.kind == Effect::Kind::kScaleUp ? *old * change.value : *old / change.value;
       }
-      told.push_back(std::move(out));
+      effects.push_back(std::move(out));
     }
   }
-  return told;
+  return effects;
 }
 
-Expected<std::vector<ToldEffect>> Instance::original_effects(const ActionCall& call) const {
+Expected<std::vector<ReportedEffect>> Instance::original_effects(const ActionCall& call) const {
   const Action& action = domain().actions[static_cast<std::size_t>(call.action)];
   const Frame bound = frame(call);
-  std::vector<ToldEffect> told;
+  std::vector<ReportedEffect> effects;
   for (const Effect& effect : action.effects) {
     if (effect.is_numeric() && !action.durative)
       return input_error("'InstantaneousAction' object has no attribute 'function_effects'");
     const auto& name = effect.is_numeric() ? domain().functions[static_cast<std::size_t>(effect.function)].name
                                            : domain().predicates[static_cast<std::size_t>(effect.predicate)].name;
-    ToldEffect out{
+    ReportedEffect out{
         name, {}, effect.time != Effect::Time::kStart, effect.is_numeric(), effect.kind == Effect::Kind::kAdd, '=', 0};
     for (const Term& term : effect.terms) {
       const auto variable = std::find_if(effect.variables.begin(), effect.variables.end(),
@@ -442,14 +443,14 @@ Expected<std::vector<ToldEffect>> Instance::original_effects(const ActionCall& c
       if (effect.kind == Effect::Kind::kIncrease) out.operation = '+';
       if (effect.kind == Effect::Kind::kDecrease) out.operation = '-';
     }
-    told.push_back(std::move(out));
+    effects.push_back(std::move(out));
   }
-  // It told one time point after the other, that of the first effect first.
-  std::stable_partition(told.begin(), told.end(),
-                        [end_first = !told.empty() && told.front().at_end](const ToldEffect& effect) {
+  // The original reports one time point after the other, that of the first effect first.
+  std::stable_partition(effects.begin(), effects.end(),
+                        [end_first = !effects.empty() && effects.front().at_end](const ReportedEffect& effect) {
                           return effect.at_end == end_first;
                         });
-  return told;
+  return effects;
 }
 
 }  // namespace cxlab::planner

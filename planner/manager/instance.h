@@ -6,8 +6,8 @@
 //   auto step = (*instance)->step("pick-up", {"a"});
 //   std::vector<std::string> missing = (*instance)->unsatisfied(*step, Instance::When::kStart);
 //
-// Names are taken in any case, and told as they were written: in lower case those of files, as they are those of
-// objects that were added. Errors name what was found and the nearest known name, or those known.
+// Names are accepted in any case and reported as they were written: names from files in lower case, names of added
+// objects unchanged. Errors name what was found and the nearest known name, or those known.
 
 #include <map>
 #include <memory>
@@ -43,8 +43,8 @@ struct ActionCall {
   std::vector<ObjectId> arguments;
 };
 
-/// One effect as it is told to agents.
-struct ToldEffect {
+/// One effect as it is reported to agents.
+struct ReportedEffect {
   std::string name;
   std::vector<std::string> arguments;
   bool at_end = false;
@@ -107,16 +107,16 @@ class Instance {
   };
   /// The conditions that do not hold, as `p(a)`, `(not p(a))`, `Forall (t y) p(y)`; none: the action can be done.
   Names unsatisfied(const ActionCall& call, When when) const;
-  /// The action may begin now: what its effects at the end ask of the state at the start is remembered until it is said
-  /// again.
+  /// The action may begin now: what its effects at the end ask of the state at the start is remembered until the
+  /// next call.
   void remember_start(const ActionCall& call);
   /// Conditional effects whose condition holds, universal ones with every object, numbers computed in the state of now.
   /// Conditions at the start of effects at the end are those that were remembered, or of now where none were. Changes
-  /// all along the action are told at its end.
-  Expected<std::vector<ToldEffect>> effects(const ActionCall& call) const;
-  /// As the first PDDL manager told them: conditions of effects are left out, universal effects are told once with the
+  /// all along the action are reported at its end.
+  Expected<std::vector<ReportedEffect>> effects(const ActionCall& call) const;
+  /// As the original PDDL manager reports them: conditions are left out, universal effects come once, with the
   /// names of their variables, right-hand sides are constants or single functions.
-  Expected<std::vector<ToldEffect>> original_effects(const ActionCall& call) const;
+  Expected<std::vector<ReportedEffect>> original_effects(const ActionCall& call) const;
 
   // --- Planning
   /// The problem of now for that goal, `seconds` after it was loaded.
@@ -147,7 +147,7 @@ class Instance {
 /// A copy of the problem without the objects for which `keep` is false; what names them goes, all else is renumbered.
 Problem without_objects(const Problem& problem, const std::vector<char>& keep);
 
-/// Says what was found, and the nearest of the known names or, where none is near, some of them.
+/// Names what was found, and the nearest of the known names or, where none is near, some of them.
 Error unknown_name(const std::string& what, const std::string& found, const std::vector<std::string>& known);
 
 }  // namespace cxlab::planner

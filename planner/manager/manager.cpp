@@ -8,7 +8,7 @@ namespace cxlab::planner {
 
 namespace {
 
-/// One package's way to say the same.
+/// The types of one package for the same services.
 constexpr const char* kUpstream = "cx_pddl_interfaces";
 constexpr const char* kExpertino = "expertino_msgs";
 constexpr const char* kOwn = "cxlab_pddl_interfaces";
@@ -52,8 +52,8 @@ Expected<std::unique_ptr<PddlManager>> PddlManager::create(PddlManagerOptions op
                                                             {"warm_start", o.warm_start ? "true" : "false"}};
   for (const auto& [parameter, value] : parameters)
     if (Status s = manager->parameters_.set(parameter, value, {"pddl_manager"}); !s) return s.error();
-  const auto fixed = [](const std::string& name, const cx::Parameter&) {
-    return Status(usage_error("parameter '" + name + "' is set where the node is named"));
+  const auto fixed = [](const std::string& changed, const cx::Parameter&) {
+    return Status(usage_error("parameter '" + changed + "' is set where the node is named"));
   };
   if (Status s = cx::serve_parameters(bus, manager->node_, manager->parameters_, fixed); !s) return s.error();
   if (Status s = manager->lifecycle_.serve(); !s) return s.error();

@@ -41,11 +41,11 @@ struct PddlManagerOptions {
   PlanningCost cost;
   ExternalPlanner other;       ///< another planner that makes the plans; without a command: ours
   cx::LogSink* log = nullptr;  ///< may be none
-  /// Told of each file that is read, before it is; may be none.
+  /// Called before each file is read; may be empty.
   std::function<Status(const std::string& logical_name, const std::filesystem::path& file)> on_read;
   /// What a relative directory of an instance means; may be none.
   std::function<std::filesystem::path(const std::string& directory)> resolve;
-  /// Writes a problem that somebody wants to see; without it nothing is written.
+  /// Writes a problem where a goal asks for it; may be empty.
   std::function<Status(const std::filesystem::path& file, const std::string& text)> write;
 };
 
@@ -73,7 +73,7 @@ class PddlManager {
   int replans() const { return replans_; }
 
  private:
-  /// What was told for a goal instance, and the goal that it was told for.
+  /// The last plan of a goal instance, and the goal that it was made for.
   struct LastPlan {
     std::string goal;
     bus::SharedMessage result;
@@ -89,7 +89,7 @@ class PddlManager {
     bus::EndpointId plan{};
     const bus::ActionType* plan_type = nullptr;
   };
-  /// A plan that was made and is told later.
+  /// A plan that was made and is answered later.
   struct Job {
     std::size_t dialect = 0;
     bus::GoalId goal{};

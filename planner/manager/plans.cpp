@@ -1,4 +1,4 @@
-// Goals of the PDDL manager: plans, and when they are told.
+// Goals of the PDDL manager: plans, and when they are answered.
 
 #include <algorithm>
 
@@ -15,7 +15,7 @@ using View = bus::MessageView;
 /// Starts that are not further apart than this belong to one class, s.
 constexpr double kSameClass = 0.1;
 
-/// By the name that it was told with; -1 if it is not there any more.
+/// By the name under which it was reported; -1 if it is gone.
 ObjectId object_of(const Problem& problem, const std::string& name) {
   const auto same = [&](const Object& object) { return object.name == name; };
   const auto found = std::find_if(problem.objects.begin(), problem.objects.end(), same);
@@ -42,9 +42,9 @@ Plan PddlManager::steps_left(const View& goal, const Task& task, const std::stri
   const auto last = plans.find(goal.text("goal_instance"));
   if (!options_.warm_start || options_.original || last == plans.end() || last->second.goal != wanted) return {};
   Plan steps;
-  const View told = last->second.result->view();
-  for (std::size_t i = 0; i < told.size("actions"); ++i) {
-    const View action = told.nested("actions", i);
+  const View last_plan = last->second.result->view();
+  for (std::size_t i = 0; i < last_plan.size("actions"); ++i) {
+    const View action = last_plan.nested("actions", i);
     PlanStep step{
         action.real("start_time"), find(task.domain.action_names, action.text("name")), {}, action.real("duration")};
     const bus::Field& args = *action.type().find("args");
@@ -70,7 +70,7 @@ PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   PlanOptions how;
   how.budget = options_.cost.budget;
   how.anytime = options_.anytime;
-  const std::string wanted_text = told_text(task->problem.goal, task->domain, task->problem.objects, {});
+  const std::string wanted_text = framework_text(task->problem.goal, task->domain, task->problem.objects, {});
   how.warm_start = steps_left(goal, *task, wanted_text);
   const double wall_s = static_cast<double>(how.budget) * 1e-6;  // a unit is about a microsecond
   const bool ours = options_.other.command.empty();
@@ -112,9 +112,9 @@ PddlManager::Job PddlManager::job_of(std::size_t dialect, const bus::GoalId& id,
   const std::string &instance = goal.text("pddl_instance"), &goal_instance = goal.text("goal_instance");
   auto result = std::make_shared<bus::Message>(*dialects_[dialect].plan_type->result);
   auto report = std::make_shared<bus::Message>(*report_type_);
-  const View told = report->view();
-  told.set("goal_id", bus::to_string(id)).set("pddl_instance", instance).set("goal_instance", goal_instance);
-  told.set("status", outcome.status)
+  const View reported = report->view();
+  reported.set("goal_id", bus::to_string(id)).set("pddl_instance", instance).set("goal_instance", goal_instance);
+  reported.set("status", outcome.status)
       .set("reason", outcome.reason)
       .set("units", outcome.answer.units)
       .set("lower_bound", outcome.answer.lower_bound_s);
@@ -135,13 +135,13 @@ PddlManager::Job PddlManager::job_of(std::size_t dialect, const bus::GoalId& id,
         out.append_text("args", outcome.task->problem.objects[static_cast<std::size_t>(object)].name);
       out.set("start_time", step.start).set("duration", step.duration).set("equiv_class", equiv_class);
     }
-    told.set("makespan", plan.makespan_s);
-    const bus::Field& latest = *told.type().find("latest_start");
-    if (told.resize(latest, plan.steps.size()))
+    reported.set("makespan", plan.makespan_s);
+    const bus::Field& latest = *reported.type().find("latest_start");
+    if (reported.resize(latest, plan.steps.size()))
       for (std::size_t i = 0; i < plan.steps.size() && 2 * i < plan.latest.size(); ++i)
-        told.set_real(latest, seconds_of(plan.latest[2 * i]), i);
+        reported.set_real(latest, seconds_of(plan.latest[2 * i]), i);
     for (const Ordering& ordering : plan.orderings) {
-      const View out = told.append("orderings");
+      const View out = reported.append("orderings");
       const bool origin = ordering.from == Ordering::kOrigin;
       out.set("from_action", origin ? -1 : ordering.from / 2).set("from_end", !origin && ordering.from % 2 == 1);
       out.set("to_action", ordering.to / 2).set("to_end", ordering.to % 2 == 1);
@@ -173,28 +173,29 @@ void PddlManager::on_goal(std::size_t dialect, const bus::Delivery& goal) {
 }
 
 void PddlManager::finish(const Job& job) {
-  const View told = job.report->view();
-  const bool found = told.text("status") == "PLAN";
+  const View reported = job.report->view();
+  const bool found = reported.text("status") == "PLAN";
   if (found) {
     ++plans_;
-    if (const auto entry = instances_.find(told.text("pddl_instance")); entry != instances_.end())
-      entry->second.plans[told.text("goal_instance")] = {job.wanted, job.result};
-    if (!planned_.emplace(told.text("pddl_instance"), told.text("goal_instance")).second) ++replans_;
+    if (const auto entry = instances_.find(reported.text("pddl_instance")); entry != instances_.end())
+      entry->second.plans[reported.text("goal_instance")] = {job.wanted, job.result};
+    if (!planned_.emplace(reported.text("pddl_instance"), reported.text("goal_instance")).second) ++replans_;
   }
   data_.begin()
       .field("op", "plan")
-      .field("instance", std::string_view(told.text("pddl_instance")))
-      .field("goal", std::string_view(told.text("goal_instance")));
-  data_.field("status", std::string_view(told.text("status")))
-      .field("units", told.integer("units"))
-      .field("makespan", told.real("makespan"));
+      .field("instance", std::string_view(reported.text("pddl_instance")))
+      .field("goal", std::string_view(reported.text("goal_instance")));
+  data_.field("status", std::string_view(reported.text("status")))
+      .field("units", reported.integer("units"))
+      .field("makespan", reported.real("makespan"));
   sink_.write(bus_.stream_of(node_), bus_.now(), RecordKind::kDecision, data_);
-  const std::string whose = "plan for '" + told.text("goal_instance") + "' of '" + told.text("pddl_instance") + "': ";
+  const std::string whose =
+      "plan for '" + reported.text("goal_instance") + "' of '" + reported.text("pddl_instance") + "': ";
   if (found)
-    log(cx::LogLevel::kInfo, whose + number_text(told.real("makespan")) + " s");
+    log(cx::LogLevel::kInfo, whose + number_text(reported.real("makespan")) + " s");
   else
-    log(told.text("status") == "CANCELED" ? cx::LogLevel::kInfo : cx::LogLevel::kWarn,
-        whose + told.text("status") + ", " + told.text("reason"));
+    log(reported.text("status") == "CANCELED" ? cx::LogLevel::kInfo : cx::LogLevel::kWarn,
+        whose + reported.text("status") + ", " + reported.text("reason"));
   bus_.publish(reports_, job.report);
   bus_.finish(dialects_[job.dialect].plan, job.goal, job.status, job.result);
 }

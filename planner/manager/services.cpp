@@ -413,7 +413,7 @@ Status PddlManager::get_action_effects(const View& q, const View& a) {
   auto effects = options_.original ? (*instance)->original_effects(*call) : (*instance)->effects(*call);
   if (!effects) return effects.error();
   if (const bus::Field* echo = a.type().find("action")) a.nested(*echo).copy_from(action);
-  for (const ToldEffect& effect : *effects) {
+  for (const ReportedEffect& effect : *effects) {
     const View out = a.append(effect.numeric ? "function_effects" : "fluent_effects");
     out.set("time_point", effect.at_end ? "END" : "START");
     if (effect.numeric) {

@@ -91,9 +91,9 @@ class DomainParser {
                              "or :durative-action");
   }
 
-  bool each(std::string_view head, Section parse) {
+  bool each(std::string_view head, Section read) {
     for (std::size_t i = 2; i < root_.items.size(); ++i)
-      if (root_.items[i].head() == head && !(this->*parse)(root_.items[i])) return false;
+      if (root_.items[i].head() == head && !(this->*read)(root_.items[i])) return false;
     return true;
   }
 

@@ -11,6 +11,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "planner/pddl/by_id.h"
+
 namespace cxlab::planner {
 
 using TypeId = int;       ///< index in Domain::types
@@ -188,18 +190,20 @@ struct Domain {
   std::string name;
   std::string file;
   std::vector<std::string> requirements;  ///< as declared, with the colon
-  std::vector<Type> types;                ///< [0] is object
-  std::vector<Object> constants;
-  std::vector<Predicate> predicates;
-  std::vector<Function> functions;
-  std::vector<Action> actions;
+  ById<Type> types;                       ///< [0] is object
+  ById<Object> constants;
+  ById<Predicate> predicates;
+  ById<Function> functions;
+  ById<Action> actions;
   std::vector<Derivation> derivations;
 
   NameTable type_names, predicate_names, function_names, action_names;  ///< kept by the parser
 
   /// Whether `type` is `ancestor` or below it.
-  bool is_a(TypeId type, TypeId ancestor) const { return ancestors[type * types.size() + ancestor] != 0; }
-  std::vector<char> ancestors;  ///< matrix of is_a, row = type
+  bool is_a(TypeId type, TypeId ancestor) const {
+    return ancestors[type * static_cast<int>(types.size()) + ancestor] != 0;
+  }
+  ById<char> ancestors;  ///< matrix of is_a, row = type
 };
 
 /// A ground atom or ground numeric fluent of the initial state.
@@ -235,8 +239,8 @@ struct Metric {
 struct Problem {
   std::string name;
   std::string file;
-  std::vector<Object> objects;  ///< constants of the domain, then objects of the problem
-  std::vector<Fact> init;       ///< what is true, in the order of the file, each once
+  ById<Object> objects;    ///< constants of the domain, then objects of the problem
+  std::vector<Fact> init;  ///< what is true, in the order of the file, each once
   std::vector<Assignment> values;
   std::vector<TimedFact> timed_facts;         ///< by time
   std::vector<TimedAssignment> timed_values;  ///< by time

@@ -1,22 +1,20 @@
 #pragma once
-// Reads PDDL files. Errors say file, line, what was found, what was expected, and where a symbol was declared.
+// Reads PDDL files. Errors name file, line, what was found, what was expected, and where a symbol was declared.
 
 #include <string>
 #include <string_view>
 
 #include "cx/base/expected.h"
+#include "planner/pddl/failure.h"
 #include "planner/pddl/model.h"
 #include "planner/pddl/syntax.h"
 
 namespace cxlab::planner {
 
-/// `Error::code` of what is right PDDL but not done here (exit code 34); all other errors are of the input (31).
-inline constexpr const char* kUnsupported = "unsupported";
-
 /// Parses the text of a domain; `file` is for messages.
 Expected<Domain> parse_domain(std::string_view text, const std::string& file);
 
-/// Parses the text of a problem of that domain. Fails with the code kTooLate when the deadline has passed.
+/// Parses the text of a problem of that domain. Fails with Failure::kLate when the deadline has passed.
 Expected<Problem> parse_problem(std::string_view text, const std::string& file, const Domain& domain,
                                 const Deadline& deadline = {});
 

@@ -19,7 +19,7 @@ struct PlanStep {
 };
 
 /// Steps in any order.
-using Plan = std::vector<PlanStep>;
+using Plan = ById<PlanStep>;
 
 /// Reads a plan. Accepted beside the format: comments, blank lines, `[D:5.0; C:1.0]` for the duration, no space where
 /// none is needed. Lines without a time are steps of a sequential plan, at 0, 1, 2 ... Errors: names that are not

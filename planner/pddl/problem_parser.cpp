@@ -71,9 +71,9 @@ class ProblemParser {
     return fail(section, "found " + excerpt(section) + ", expected :domain, :objects, :init, :goal or :metric");
   }
 
-  bool each(std::string_view head, Section parse) {
+  bool each(std::string_view head, Section read) {
     for (std::size_t i = 2; i < root_.items.size(); ++i)
-      if (root_.items[i].head() == head && !(this->*parse)(root_.items[i])) return false;
+      if (root_.items[i].head() == head && !(this->*read)(root_.items[i])) return false;
     return true;
   }
 

@@ -39,7 +39,7 @@ bool is_trajectory_operator(std::string_view word) {
 
 }  // namespace
 
-Resolver::Resolver(const Domain& domain, const std::vector<Object>& objects, const NameTable& object_names,
+Resolver::Resolver(const Domain& domain, const ById<Object>& objects, const NameTable& object_names,
                    const std::string& file, Source::File which)
     : domain_(domain), objects_(objects), object_names_(object_names), file_(file), which_(which) {}
 
@@ -49,10 +49,7 @@ bool Resolver::fail(const Node& at, std::string message) {
 }
 
 bool Resolver::fail_unsupported(const Node& at, std::string message) {
-  if (!error_) {
-    error_ = input_error(std::move(message), file_, at.line);
-    error_->code = kUnsupported;
-  }
+  if (!error_) error_ = input_error(std::move(message), file_, at.line).with_code(word_of(Failure::kUnsupported));
   return false;
 }
 
@@ -206,7 +203,7 @@ bool Resolver::atom(const Node& node, Words words, PredicateId& predicate, std::
   if (name.empty()) return fail(node, "found " + excerpt(node) + ", expected (PREDICATE ARGUMENT...)");
   if ((name == "at" || name == "over") && node.items.size() == 3 && node.items[2].is_list)
     return fail(node, "found " + excerpt(node) + " where " +
-                          (in_durative_ ? "the time has been said" : "there is no time to say") +
+                          (in_durative_ ? "the time is already given" : "no time can be given") +
                           ", expected (PREDICATE ARGUMENT...)");
   predicate = find(domain_.predicate_names, name);
   if (predicate < 0) {

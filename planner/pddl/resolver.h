@@ -17,8 +17,8 @@ namespace cxlab::planner {
 class Resolver {
  public:
   /// `objects` are the constants of the domain, or all objects of the problem. All arguments outlive this.
-  Resolver(const Domain& domain, const std::vector<Object>& objects, const NameTable& object_names,
-           const std::string& file, Source::File which);
+  Resolver(const Domain& domain, const ById<Object>& objects, const NameTable& object_names, const std::string& file,
+           Source::File which);
 
   // Frames: the variables of one action, rule or goal.
 
@@ -92,7 +92,7 @@ class Resolver {
   std::string type_names(const std::vector<TypeId>& types) const;
 
   const Domain& domain_;
-  const std::vector<Object>& objects_;
+  const ById<Object>& objects_;
   const NameTable& object_names_;
   const std::string& file_;
   Source::File which_;

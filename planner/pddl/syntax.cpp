@@ -3,6 +3,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "planner/pddl/failure.h"
+
 namespace cxlab::planner {
 namespace {
 
@@ -11,9 +13,9 @@ bool ends_word(char c) { return is_space(c) || c == '(' || c == ')' || c == ';';
 bool is_control(char c) { return (c >= 0 && c < 0x20) || c == 0x7f; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-class Reader {
+class FormReader {
  public:
-  Reader(std::string_view text, const std::string& file, const Deadline& deadline)
+  FormReader(std::string_view text, const std::string& file, const Deadline& deadline)
       : text_(text), file_(file), deadline_(deadline) {}
 
   Expected<Node> read_file() {
@@ -150,7 +152,7 @@ void append_excerpt(const Node& node, std::string& out) {
 bool is_over(const Deadline& deadline) { return deadline && std::chrono::steady_clock::now() >= *deadline; }
 
 Error too_late(const std::string& file) {
-  return {ErrorKind::kResource, "the time ended while the file was read", file, 0, kTooLate};
+  return resource_error("the time ended while the file was read", file).with_code(word_of(Failure::kLate));
 }
 
 Expected<Syntax> read_syntax(std::string_view text, const std::string& file, const Deadline& deadline) {
@@ -160,7 +162,7 @@ Expected<Syntax> read_syntax(std::string_view text, const std::string& file, con
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   std::string_view body = *syntax.text;
   if (body.starts_with("\xef\xbb\xbf")) body.remove_prefix(3);  // the mark of UTF-8 files
-  auto root = Reader(body, file, deadline).read_file();
+  auto root = FormReader(body, file, deadline).read_file();
   if (!root) return root.error();
   syntax.root = std::move(*root);
   return syntax;

@@ -42,8 +42,7 @@ inline constexpr std::size_t kReadBetweenLooks =
     1024;  ///< nodes and facts that are read between two looks at the clock
 
 bool is_over(const Deadline& deadline);
-/// `Error::code` of what took too long to be read.
-inline constexpr const char* kTooLate = "late";
+/// Failure::kLate.
 Error too_late(const std::string& file);
 
 /// Reads one form. Comments begin with `;`.

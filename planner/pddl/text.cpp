@@ -58,7 +58,7 @@ std::string time_text(double seconds) {
 
 void Printer::name_variables(const std::vector<Variable>& parameters) {
   for (const Variable& variable : parameters) {
-    if (static_cast<int>(names_.size()) <= variable.slot) names_.resize(variable.slot + 1);
+    if (static_cast<int>(names_.size()) <= variable.slot) names_.resize(static_cast<std::size_t>(variable.slot) + 1);
     // A variable may hide an outer one in the file; flattened, both stand side by side.
     std::string name = variable.name;
     for (int copy = 2; std::find(names_.begin(), names_.end(), name) != names_.end(); ++copy)

@@ -9,10 +9,10 @@
 
 namespace cxlab::planner {
 
-/// Writes parts of actions and problems. Slots are written as `names` says: variables, or the objects bound to them.
+/// Writes parts of actions and problems. Slots are written as in `names`: variables, or the objects bound to them.
 class Printer {
  public:
-  Printer(const Domain& domain, const std::vector<Object>& objects) : domain_(&domain), objects_(&objects) {}
+  Printer(const Domain& domain, const ById<Object>& objects) : domain_(&domain), objects_(&objects) {}
 
   /// Writes parameters as variables: `?x`.
   void name_variables(const std::vector<Variable>& parameters);
@@ -35,8 +35,8 @@ class Printer {
   Printer inside(const std::vector<Variable>& variables) const;
 
   const Domain* domain_;
-  const std::vector<Object>* objects_;
-  std::vector<std::string> names_;
+  const ById<Object>* objects_;
+  ById<std::string> names_;
 };
 
 /// `block`, `(either a b)`

@@ -9,7 +9,10 @@ void Stn::clear() {
   point_step_.clear();
   point_event_.clear();
   edges_.clear();
-  for (const int key : used_keys_) keys_[key].clear(), is_used_[key] = 0;
+  for (const int key : used_keys_) {
+    keys_[key].clear();
+    is_used_[key] = 0;
+  }
   used_keys_.clear();
   next_event_ = 0;
 }
@@ -36,7 +39,10 @@ void Stn::connect(int point, std::span<const Touch> touches, bool at_end) {
     for (; first < uses.size(); ++first)
       if (const Use& use = uses[first]; Touches::conflict(use.does, does) && !is_own(use))
         edges_.push_back({use.point, point, !Touches::conflict_at_instant(use.does, does)});
-    if (!is_used_[touched.key]) is_used_[touched.key] = 1, used_keys_.push_back(touched.key);
+    if (!is_used_[touched.key]) {
+      is_used_[touched.key] = 1;
+      used_keys_.push_back(touched.key);
+    }
     uses.push_back({point, does});
   }
 }
@@ -167,7 +173,10 @@ bool Stn::has_cycle() {
   marks_.assign(causes_.size(), 0);
   for (std::size_t p = 0; p < causes_.size(); ++p) {
     int at = static_cast<int>(p);
-    while (at >= 0 && marks_[at] == 0) marks_[at] = static_cast<int>(p) + 1, at = causes_[at];
+    while (at >= 0 && marks_[at] == 0) {
+      marks_[at] = static_cast<int>(p) + 1;
+      at = causes_[at];
+    }
     if (at >= 0 && marks_[at] == static_cast<int>(p) + 1) return true;
   }
   return false;
@@ -223,7 +232,10 @@ std::vector<Ordering> Stn::orderings() const {
     const auto follow = [&](int from) {
       for (std::size_t w = 0; w < words; ++w) own[w] |= before[static_cast<std::size_t>(from) * words + w];
     };
-    if (is_end) follow(steps_[step].start), set(own, steps_[step].start);
+    if (is_end) {
+      follow(steps_[step].start);
+      set(own, steps_[step].start);
+    }
     const auto weak = [&](int e) { return edges_[e].hold && hold_separation_ < kSeparation; };
     for (const int e : direct)
       if (!weak(e)) follow(edges_[e].from);

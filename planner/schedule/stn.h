@@ -81,14 +81,14 @@ class Stn {
   }
 
   const Touches& touches_;
-  std::vector<Step> steps_;
-  std::vector<int> point_step_, point_event_;  ///< by point; -1: none
-  std::vector<Edge> edges_;
-  std::vector<std::vector<Use>> keys_;
+  ById<Step> steps_;
+  ById<int> point_step_, point_event_;  ///< by point; -1: none
+  ById<Edge> edges_;
+  ById<std::vector<Use>> keys_;
   std::vector<int> used_keys_;
-  std::vector<char> is_used_;  ///< by key: in used_keys_
-  std::vector<Micros> times_;
-  std::vector<int> causes_, marks_;  ///< by point: what it waits for; scratch
+  ById<char> is_used_;  ///< by key: in used_keys_
+  ById<Micros> times_;
+  ById<int> causes_, marks_;  ///< by point: what it waits for; scratch
   int next_event_ = 0;
   Micros last_happening_ = 0;
   Micros hold_separation_ = 0;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "planner/ground/sorted.h"
+
 namespace cxlab::planner {
 
 namespace {
@@ -32,9 +34,11 @@ Touches::Touches(const GroundTask& task)
         for (const auto& step : task.comparisons[c].expression.steps)
           if (step.kind == GroundExpression::Kind::kNumber)
             bases.push_back(static_cast<int>(task.facts.size()) + step.number);
-      std::ranges::sort(bases);
-      bases.erase(std::unique(bases.begin(), bases.end()), bases.end());
-      if (bases.size() != bases_[axiom.head].size()) bases_[axiom.head] = std::move(bases), changed = true;
+      sort_unique(bases);
+      if (bases.size() != bases_[axiom.head].size()) {
+        bases_[axiom.head] = std::move(bases);
+        changed = true;
+      }
     }
   }
   for (std::size_t f = 0; f < task.facts.size(); ++f)
@@ -57,7 +61,7 @@ Touches::Touches(const GroundTask& task)
       read(touches, conditional.end, false, true);
     }
     if (!task.derived_reads.empty()) {
-      const GroundTask::SchemaReads& reads = task.derived_reads[action.schema];
+      const SchemaReads& reads = task.derived_reads[action.schema];
       read(touches, reads.start, Touch::kRead, true, false);
       read(touches, reads.over_all, Touch::kHoldTrue | Touch::kHoldFalse, true, true);
       read(touches, reads.end, Touch::kRead, false, true);
@@ -213,7 +217,10 @@ Micros Timeline::append(int action, Micros duration) {
   cause_ = -1;
   const auto wait = [&](const Latest& latest, Micros offset) {
     const Micros earliest = latest.time + kSeparation - offset;
-    if (earliest > start) start = earliest, cause_ = latest.by;
+    if (earliest > start) {
+      start = earliest;
+      cause_ = latest.by;
+    }
   };
   for (const Touch& touched : touches) {
     const Last& last = keys_[touched.key];
@@ -251,7 +258,10 @@ Micros Timeline::append_happening(int action, bool at_end, Micros earliest) {
     const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
     if (!does) continue;
     const Latest latest = after(keys_[touched.key], does);
-    if (latest.time + kSeparation > time) time = latest.time + kSeparation, cause_ = latest.by;
+    if (latest.time + kSeparation > time) {
+      time = latest.time + kSeparation;
+      cause_ = latest.by;
+    }
   }
   for (const Touch& touched : touches) {
     const std::uint8_t does = at_end ? touched.at_end : touched.at_start;

@@ -38,7 +38,7 @@ class Touches {
   std::span<const Touch> of_goal() const { return goal_; }
   /// Whether an event makes the goal false.
   bool breaks_goal(int event) const;
-  const std::vector<TimedEvent>& events() const { return task_.events; }
+  const ById<TimedEvent>& events() const { return task_.events; }
   /// Events that touch a key, ascending.
   std::span<const int> events_of(int key) const { return events_of_key_[key]; }
   /// Whether happenings that do this with a key do not commute.
@@ -80,10 +80,10 @@ class Touches {
 
   const GroundTask& task_;
   int keys_ = 0;
-  std::vector<std::vector<int>> bases_;  ///< by fact: keys that it depends on
-  std::vector<std::vector<Touch>> actions_, events_;
+  ById<std::vector<int>> bases_;  ///< by fact: keys that it depends on
+  ById<std::vector<Touch>> actions_, events_;
   std::vector<Touch> goal_;
-  std::vector<std::vector<int>> events_of_key_;
+  ById<std::vector<int>> events_of_key_;
 };
 
 /// Earliest starts of a growing sequence.
@@ -128,7 +128,7 @@ class Timeline {
   bool before_events(int key, std::uint8_t does, Micros time);
 
   const Touches& touches_;
-  std::vector<Last> keys_;
+  ById<Last> keys_;
   bool lenient_ = false;
   Micros lateness_ = 0;
   int next_event_ = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "planner/ground/sorted.h"
 #include "planner/search/split.h"
 
 namespace cxlab::planner {
@@ -70,7 +71,7 @@ Micros ClockSearch::clear_of_recent(const Moment& moment, int action, bool at_en
   return time;
 }
 
-/// When something happens that nobody decides.
+/// When something happens without a decision.
 Micros ClockSearch::forced(const Moment& moment) const {
   Micros time = kNever;
   for (const Running& running : moment.running) time = std::min(time, running.last_end());
@@ -79,8 +80,8 @@ Micros ClockSearch::forced(const Moment& moment) const {
   return time;
 }
 
-std::vector<double> ClockSearch::rates(const Moment& moment) const {
-  std::vector<double> rates(task_.numbers.size(), 0);
+ById<double> ClockSearch::rates(const Moment& moment) const {
+  ById<double> rates(task_.numbers.size(), 0);
   for (const Running& running : moment.running)
     for (const ContinuousEffect& effect : task_.actions[running.action].continuous)
       rates[effect.number] += effect.rate.evaluate(simulator_.numbers(moment.state.data()),
@@ -105,11 +106,14 @@ bool ClockSearch::holds_over_all(Moment& moment) const {
 bool ClockSearch::advance(Moment& moment, Micros to) const {
   if (to == moment.time) return true;
   if (!holds_over_all(moment)) return false;
-  const std::vector<double> rates = this->rates(moment);
+  const ById<double> rates = this->rates(moment);
   double* numbers = reinterpret_cast<double*>(moment.state.data() + task_.words());
   bool changed = false;
   for (std::size_t n = 0; n < rates.size(); ++n)
-    if (rates[n] != 0) numbers[n] += rates[n] * (static_cast<double>(to - moment.time) / kSecond), changed = true;
+    if (rates[n] != 0) {
+      numbers[n] += rates[n] * (static_cast<double>(to - moment.time) / kSecond);
+      changed = true;
+    }
   moment.time = to;
   std::erase_if(moment.recent, [&](const Recent& recent) { return recent.time + kSeparation <= to; });
   if (!changed) return true;
@@ -169,7 +173,7 @@ bool ClockSearch::finish(Moment& moment, std::size_t place) const {
   return true;
 }
 
-/// Ends a step that may go on.
+/// Ends a step that could continue.
 bool ClockSearch::end(Moment& moment, std::size_t place) const {
   const Micros time = clear_of_recent(moment, moment.running[place].action, true);
   if (time < moment.running[place].first_end() || (time > moment.time && time >= forced(moment))) return false;
@@ -186,7 +190,7 @@ bool ClockSearch::pass_event(Moment& moment) const {
 }
 
 /// The first time after now at which a comparison turns.
-Micros ClockSearch::next_turn(const Moment& moment, const std::vector<double>& rates) const {
+Micros ClockSearch::next_turn(const Moment& moment, const ById<double>& rates) const {
   Micros first = kNever;
   for (const GroundComparison& comparison : task_.comparisons) {
     if (!comparison.linear.is_linear || comparison.linear.duration_weight != 0) continue;
@@ -218,7 +222,7 @@ bool ClockSearch::wait(Moment& moment) const {
   return true;
 }
 
-int ClockSearch::estimate(RelaxedHeuristic& heuristic, const Moment& moment, std::vector<char>& preferred) const {
+int ClockSearch::estimate(RelaxedHeuristic& heuristic, const Moment& moment, ById<char>& preferred) const {
   PackedState state(static_cast<std::size_t>(loose_simulator_.words()), 0);
   const auto fact_words = static_cast<std::size_t>(task_.words());
   std::copy(moment.state.begin(), moment.state.begin() + static_cast<std::ptrdiff_t>(fact_words), state.begin());
@@ -242,8 +246,10 @@ int ClockSearch::estimate(RelaxedHeuristic& heuristic, const Moment& moment, std
     const GroundAction& action = task_.actions[running.action];
     const double left = static_cast<double>(running.last_end() - moment.time) / kSecond,
                  length = static_cast<double>(running.range.least) / kSecond;
-    for (const ContinuousEffect& effect : action.continuous)
-      numbers[effect.number] += effect.rate.evaluate(numbers, length) * left, projected = true;
+    for (const ContinuousEffect& effect : action.continuous) {
+      numbers[effect.number] += effect.rate.evaluate(numbers, length) * left;
+      projected = true;
+    }
     for (const NumericEffect& effect : action.at_end.numbers) {
       const double value = effect.value.evaluate(numbers, length);
       double& number = numbers[effect.number];
@@ -261,7 +267,7 @@ int ClockSearch::estimate(RelaxedHeuristic& heuristic, const Moment& moment, std
 }
 
 std::vector<Word> ClockSearch::key(const Moment& moment, bool with_time) const {
-  std::vector<Word> key(moment.state.begin(), moment.state.begin() + simulator_.telling_words());
+  std::vector<Word> key(moment.state.begin(), moment.state.begin() + simulator_.significant_words());
   key.push_back(static_cast<Word>(moment.next_event));
   if (with_time) key.push_back(static_cast<Word>(moment.time));
   for (const Running& running : moment.running) {
@@ -283,15 +289,15 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
   RandomStream random(options.seed, "planner clock search");
   RelaxedHeuristic heuristic(loose_simulator_, relaxed_);
   std::int64_t reported = 0;
-  std::vector<Moment> moments;
-  std::vector<std::vector<int>> preferred_of;  // by moment
+  ById<Moment> moments;
+  ById<std::vector<int>> preferred_of;  // by moment
   std::set<std::vector<Word>> known;
   std::size_t words = 0;
   // Queue: by estimate, first in first out.
   std::vector<std::vector<int>> buckets;
   std::vector<std::size_t> heads;
   std::size_t waiting = 0;
-  std::vector<char> preferred;
+  ById<char> preferred;
 
   const auto plan_of = [&](const Moment& last) {
     std::vector<ClockStep> steps = last.ended;
@@ -316,7 +322,10 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
     reported = heuristic.work();
     if (found == RelaxedHeuristic::kDeadEnd) return false;
     const auto bucket = static_cast<std::size_t>(std::min(2 * std::min(found, 1 << 15) + !wanted, 1 << 16));
-    if (bucket >= buckets.size()) buckets.resize(bucket + 1), heads.resize(bucket + 1, 0);
+    if (bucket >= buckets.size()) {
+      buckets.resize(bucket + 1);
+      heads.resize(bucket + 1, 0);
+    }
     buckets[bucket].push_back(static_cast<int>(moments.size()));
     ++waiting;
     std::vector<int> best;
@@ -369,8 +378,7 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
       const auto is_true = [&](int f) { return is_set(moments[node].state.data(), f); };
       if (!std::ranges::all_of(task_.actions[action].start.facts, is_true)) continue;
       Moment made = next();
-      if (begin(made, action) && add(std::move(made), std::ranges::binary_search(wanted, action)))
-        return SearchEnd::kFound;
+      if (begin(made, action) && add(std::move(made), contains(wanted, action))) return SearchEnd::kFound;
     }
     if (Moment made = next(); wait(made) && add(std::move(made), true)) return SearchEnd::kFound;
   }

@@ -24,7 +24,7 @@ class ClockSearch {
  public:
   ClockSearch(const GroundTask& task, const Simulator& simulator, const Touches& touches);
 
-  /// Hands each plan that ends before `before` to `accept`, until that says yes.
+  /// Calls `accept` with each plan that ends before `before`, until it returns true.
   SearchEnd run(const LazyOptions& options, Micros before, Budget& budget,
                 const std::function<bool(const std::vector<ClockStep>&)>& accept);
 
@@ -62,8 +62,8 @@ class ClockSearch {
   bool finish(Moment& moment, std::size_t running) const;
   bool pass_event(Moment& moment) const;
 
-  std::vector<double> rates(const Moment& moment) const;
-  Micros next_turn(const Moment& moment, const std::vector<double>& rates) const;
+  ById<double> rates(const Moment& moment) const;
+  Micros next_turn(const Moment& moment, const ById<double>& rates) const;
   Micros forced(const Moment& moment) const;
   bool holds_over_all(Moment& moment) const;
   Micros clear_of_recent(const Moment& moment, int action, bool at_end) const;
@@ -72,7 +72,7 @@ class ClockSearch {
     return action < 0 ? touches_.of_event(-2 - action) : touches_.of(action);
   }
 
-  int estimate(RelaxedHeuristic& heuristic, const Moment& moment, std::vector<char>& preferred) const;
+  int estimate(RelaxedHeuristic& heuristic, const Moment& moment, ById<char>& preferred) const;
   std::vector<Word> key(const Moment& moment, bool with_time) const;
   bool too_late(const Moment& moment, Micros before) const;
 
@@ -82,9 +82,9 @@ class ClockSearch {
   GroundTask loose_;
   Simulator loose_simulator_;
   RelaxedTask relaxed_;
-  std::vector<int> candidates_;     ///< actions that may begin
-  std::vector<int> loose_origin_;   ///< by action of the relaxed task: the action
-  std::vector<int> loose_running_;  ///< by action: the fact that it has begun; -1: it has no duration
+  std::vector<int> candidates_;  ///< actions that may begin
+  ById<int> loose_origin_;       ///< by action of the relaxed task: the action
+  ById<int> loose_running_;      ///< by action: the fact that it has begun; -1: it has no duration
 };
 
 }  // namespace cxlab::planner

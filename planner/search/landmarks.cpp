@@ -22,7 +22,7 @@ Landmarks::Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std
   if (3 * one_round > most_work) return;
 
   std::vector<Word> sets(atoms * words, 0);
-  std::vector<char> known(atoms, 0), initially(atoms, 0), queued(operators.size(), 0);
+  ById<char> known(atoms, 0), initially(atoms, 0), queued(operators.size(), 0);
   for (int f = 0; f < relaxed.facts(); ++f)
     initially[f] =
         is_set(initial.data(), f) || (simulator.task().facts[f].derived && simulator.task().facts[f].is_complement);
@@ -32,10 +32,13 @@ Landmarks::Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std
   for (std::size_t a = 0; a < atoms; ++a)
     if (initially[a]) known[a] = 1;
   std::deque<int> queue;
-  std::vector<int> missing(operators.size(), 0);
+  ById<int> missing(operators.size(), 0);
   for (std::size_t o = 0; o < operators.size(); ++o) {
     missing[o] = static_cast<int>(std::ranges::count_if(operators[o].conditions, [&](int c) { return !known[c]; }));
-    if (missing[o] == 0) queue.push_back(static_cast<int>(o)), queued[o] = 1;
+    if (missing[o] == 0) {
+      queue.push_back(static_cast<int>(o));
+      queued[o] = 1;
+    }
   }
   std::vector<Word> before(words);
   for (std::size_t looked = 0; !queue.empty(); ++looked) {
@@ -59,13 +62,19 @@ Landmarks::Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std
         for (std::size_t w = 0; w < words; ++w) {
           Word next = own[w] & before[w];
           if (static_cast<std::size_t>(atom >> 6) == w) next |= Word{1} << (atom & 63);
-          if (next != own[w]) own[w] = next, changed = true;
+          if (next != own[w]) {
+            own[w] = next;
+            changed = true;
+          }
         }
       }
       if (!changed) return;
       for (const int reader : relaxed.readers(atom)) {
         if (!known[atom]) --missing[reader];
-        if (missing[reader] == 0 && !queued[reader]) queue.push_back(reader), queued[reader] = 1;
+        if (missing[reader] == 0 && !queued[reader]) {
+          queue.push_back(reader);
+          queued[reader] = 1;
+        }
       }
       known[atom] = 1;
     };
@@ -78,7 +87,7 @@ Landmarks::Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std
     set(all.data(), atom);
     for (std::size_t w = 0; w < words; ++w) all[w] |= sets[static_cast<std::size_t>(atom) * words + w];
   }
-  std::vector<int> index(atoms, -1);
+  ById<int> index(atoms, -1);
   for (std::size_t a = 0; a < atoms; ++a) {
     if (!is_set(all.data(), static_cast<int>(a))) continue;
     index[a] = static_cast<int>(atoms_.size());
@@ -88,8 +97,8 @@ Landmarks::Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std
   for (const int atom : relaxed.goal()) goal_[index[atom]] = 1;
   // l is needed directly before m if every operator that can be first to reach m has l as a condition.
   needed_by_.resize(atoms_.size());
-  std::vector<std::vector<int>> common(atoms);
-  std::vector<char> seen(atoms, 0);
+  ById<std::vector<int>> common(atoms);
+  ById<char> seen(atoms, 0);
   for (const RelaxedOperator& op : operators) {
     const auto first = [&](int atom) {
       if (index[atom] < 0 || initially[atom]) return;

@@ -31,9 +31,9 @@ class Landmarks {
 
   const Simulator& simulator_;
   int facts_ = 0;
-  std::vector<int> atoms_;
-  std::vector<char> goal_;                   ///< by landmark
-  std::vector<std::vector<int>> needed_by_;  ///< by landmark: landmarks that it must directly precede
+  ById<int> atoms_;
+  ById<char> goal_;                   ///< by landmark
+  ById<std::vector<int>> needed_by_;  ///< by landmark: landmarks that it must directly precede
   std::int64_t work_ = 0;
 };
 

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <map>
 
+#include "planner/ground/sorted.h"
+
 namespace cxlab::planner {
 
 namespace {
-
-bool contains(const std::vector<int>& sorted, int item) { return std::ranges::binary_search(sorted, item); }
 
 /// The widest that constants allow.
 DurationRange duration_of(const GroundAction& action) {
@@ -28,8 +28,7 @@ DurationRange duration_of(const GroundAction& action) {
 GroundTask with_lasting_facts(const GroundTask& task) {
   std::vector<DurationRange> durations;
   for (const GroundAction& action : task.actions) durations.push_back(duration_of(action));
-  std::vector<std::vector<Micros>> held(
-      task.facts.size());  // by fact: durations of those that hold it for as long, ascending
+  ById<std::vector<Micros>> held(task.facts.size());  // by fact: durations of those that hold it for as long, ascending
   for (std::size_t a = 0; a < task.actions.size(); ++a)
     for (const int f : task.actions[a].at_start.add)
       if (contains(task.actions[a].at_end.remove, f)) held[f].push_back(durations[a].most);
@@ -71,8 +70,10 @@ GroundTask with_lasting_facts(const GroundTask& task) {
     GroundAction& action = out.actions[a];
     follow(action.at_start, &task.actions[a], durations[a].most);
     follow(action.at_end, nullptr, 0);
-    for (ConditionalEffects& conditional : action.conditional)
-      follow(conditional.at_start, nullptr, 0), follow(conditional.at_end, nullptr, 0);
+    for (ConditionalEffects& conditional : action.conditional) {
+      follow(conditional.at_start, nullptr, 0);
+      follow(conditional.at_end, nullptr, 0);
+    }
   }
   for (TimedEvent& event : out.events) follow(event.effects, nullptr, 0);
   return out;

@@ -11,9 +11,9 @@ namespace {
 constexpr int kBoost = 1000;  ///< turns that preferred queues get when an estimate has become better
 
 std::uint64_t hash_words(const Word* words, int count, Word last) {
-  std::uint64_t hash = 0x9e3779b97f4a7c15ull;
+  std::uint64_t hash = std::uint64_t{0x9e3779b97f4a7c15};
   const auto add = [&hash](Word word) {
-    hash = (hash ^ word) * 0xff51afd7ed558ccdull;
+    hash = (hash ^ word) * std::uint64_t{0xff51afd7ed558ccd};
     hash ^= hash >> 32;
   };
   for (int i = 0; i < count; ++i) add(words[i]);
@@ -31,13 +31,14 @@ class Nodes {
     int next_event = 0;
   };
 
-  Nodes(int state_words, int telling_words, int landmark_words)
-      : state_words_(state_words), telling_words_(telling_words), landmark_words_(landmark_words), slots_(1024, -1) {}
+  Nodes(int state_words, int significant_words, int landmark_words)
+      : state_words_(state_words),
+        significant_words_(significant_words),
+        landmark_words_(landmark_words),
+        slots_(1024, -1) {}
 
-  const Word* state(int node) const { return &states_[static_cast<std::size_t>(node) * state_words_]; }
-  Word* reached(int node) {
-    return landmark_words_ ? &reached_[static_cast<std::size_t>(node) * landmark_words_] : nullptr;
-  }
+  const Word* state(int node) const { return &states_[std::int64_t{node} * state_words_]; }
+  Word* reached(int node) { return landmark_words_ ? &reached_[std::int64_t{node} * landmark_words_] : nullptr; }
   const Node& operator[](int node) const { return nodes_[node]; }
   int size() const { return static_cast<int>(nodes_.size()); }
   std::size_t words() const { return states_.size() + reached_.size() + nodes_.size() * 4; }
@@ -56,13 +57,14 @@ class Nodes {
 
  private:
   bool is_same(const Word* a, const Word* b) const {
-    return a[state_words_ - 1] == b[state_words_ - 1] && std::equal(a, a + telling_words_, b);
+    return a[state_words_ - 1] == b[state_words_ - 1] && std::equal(a, a + significant_words_, b);
   }
   std::size_t slot(const Word* state, int next_event) const {
     const std::size_t mask = slots_.size() - 1;
     const Word last = state[state_words_ - 1];
-    for (std::size_t at =
-             (hash_words(state, telling_words_, last) + static_cast<std::uint64_t>(next_event) * 0x51ed27ull) & mask;
+    for (std::size_t at = (hash_words(state, significant_words_, last) +
+                           static_cast<std::uint64_t>(next_event) * std::uint64_t{0x51ed27}) &
+                          mask;
          ; at = (at + 1) & mask) {
       const int node = slots_[at];
       if (node < 0 || (nodes_[node].next_event == next_event && is_same(state, this->state(node)))) return at;
@@ -73,9 +75,9 @@ class Nodes {
     for (int node = 0; node < size(); ++node) slots_[slot(state(node), nodes_[node].next_event)] = node;
   }
 
-  int state_words_, telling_words_, landmark_words_;
-  std::vector<Word> states_, reached_;
-  std::vector<Node> nodes_;
+  int state_words_, significant_words_, landmark_words_;
+  ById<Word> states_, reached_;
+  ById<Node> nodes_;
   std::vector<int> slots_;
 };
 
@@ -122,7 +124,10 @@ class Queue {
   };
   Entry take(Bucket& bucket) {
     const Entry entry = bucket.entries[bucket.head++];
-    if (bucket.head == bucket.entries.size()) bucket.entries.clear(), bucket.head = 0;
+    if (bucket.head == bucket.entries.size()) {
+      bucket.entries.clear();
+      bucket.head = 0;
+    }
     --size_;
     return entry;
   }
@@ -180,7 +185,7 @@ SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, 
       options.most_units == Budget::kUnlimited ? Budget::kUnlimited : budget.units() + options.most_units;
   progress_.reset(new Progress{options, landmark_words, RandomStream(options.seed, "planner lazy search"),
                                RelaxedHeuristic(simulator_, relaxed_), last_unit,
-                               Nodes(simulator_.words() + 1, simulator_.telling_words(), landmark_words)});
+                               Nodes(simulator_.words() + 1, simulator_.significant_words(), landmark_words)});
   Progress& p = *progress_;
   if (options.cost_noise > 0) p.heuristic.scatter_costs(p.random, options.cost_noise);
   p.state = start;
@@ -217,10 +222,18 @@ SearchEnd LazySearch::go_on(Budget& budget, Sequence& found) {
       if (estimate != RelaxedHeuristic::kDeadEnd) {
         const int marks = landmark_words ? landmarks_.remaining(state.data(), nodes.reached(node)) : 0;
         bool better = false;
-        if (estimate < best_plain) best_plain = estimate, better = true;
-        if (landmark_words && marks < best_marks) best_marks = marks, better = true;
-        if (better)
-          queues[kPlainPreferred].priority -= kBoost, queues[kMarksPreferred].priority -= landmark_words ? kBoost : 0;
+        if (estimate < best_plain) {
+          best_plain = estimate;
+          better = true;
+        }
+        if (landmark_words && marks < best_marks) {
+          best_marks = marks;
+          better = true;
+        }
+        if (better) {
+          queues[kPlainPreferred].priority -= kBoost;
+          queues[kMarksPreferred].priority -= landmark_words ? kBoost : 0;
+        }
         order = heuristic.applicable();
         preferred = heuristic.preferred();
         if (next_event < events) {
@@ -228,7 +241,10 @@ SearchEnd LazySearch::go_on(Budget& budget, Sequence& found) {
           if (std::ranges::any_of(heuristic.relaxed_plan(), [](int a) { return a <= -2; }))
             preferred.push_back(-2 - next_event);
         }
-        if (options.seed != 0) random.shuffle(order), random.shuffle(preferred);
+        if (options.seed != 0) {
+          random.shuffle(order);
+          random.shuffle(preferred);
+        }
         for (const int action : order) {
           queues[kPlain].push(estimate, {node, action});
           if (landmark_words) queues[kMarks].push(marks, {node, action});

@@ -21,7 +21,7 @@ struct SequenceStep {
   Micros duration = 0;
   bool operator==(const SequenceStep&) const = default;
 };
-using Sequence = std::vector<SequenceStep>;
+using Sequence = ById<SequenceStep>;
 
 inline bool is_event(const SequenceStep& step) { return step.action <= -2; }
 
@@ -79,7 +79,7 @@ class LazySearch {
 
   /// Looks for a sequence from `start` to the goal.
   SearchEnd run(const PackedState& start, const LazyOptions& options, Budget& budget, Sequence& found);
-  /// The same search goes on after its slice of the budget ended.
+  /// Continues the same search after its slice of the budget ended.
   SearchEnd go_on(Budget& budget, Sequence& found);
 
  private:

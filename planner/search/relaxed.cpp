@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "planner/ground/sorted.h"
+
 namespace cxlab::planner {
 
 namespace {
@@ -11,11 +13,6 @@ namespace {
 constexpr int kInfinite = std::numeric_limits<int>::max() / 4;
 constexpr int kMostBuckets = 1 << 16;
 constexpr double kMostSteps = 1000;
-
-void sort_unique(std::vector<int>& items) {
-  std::ranges::sort(items);
-  items.erase(std::unique(items.begin(), items.end()), items.end());
-}
 
 /// Costs of actions by their durations: tenths of the mean one, and 1.
 std::vector<int> duration_costs(const Simulator& simulator) {
@@ -59,7 +56,7 @@ RelaxedTask::RelaxedTask(const Simulator& simulator, const std::vector<int>& cos
     operators_.push_back(std::move(made));
   }
   goal_ = atoms_of(task.goal);
-  std::vector<std::vector<int>> readers(static_cast<std::size_t>(atoms_));
+  ById<std::vector<int>> readers(static_cast<std::size_t>(atoms_));
   for (std::size_t o = 0; o < operators_.size(); ++o) {
     const RelaxedOperator& op = operators_[o];
     for (const int atom : op.conditions) readers[atom].push_back(static_cast<int>(o));
@@ -88,7 +85,7 @@ void RelaxedTask::add_operators(const Simulator& simulator, int action, int cost
     RelaxedOperator made{action, false, cost, base.conditions, {}, {}};
     for (const GroundCondition* more : {&conditional.start, &conditional.over_all, &conditional.end}) {
       for (const int f : more->facts)
-        if (!std::ranges::binary_search(a.at_start.add, f)) made.conditions.push_back(f);
+        if (!contains(a.at_start.add, f)) made.conditions.push_back(f);
       for (const int c : more->comparisons) made.conditions.push_back(facts_ + c);
     }
     sort_unique(made.conditions);
@@ -205,7 +202,7 @@ int RelaxedHeuristic::evaluate(const Word* state, int next_event) {
     total += prices_[o] * std::exchange(in_plan_[o], 0);
     if (op.action == -1) continue;
     plan_.push_back(op.action);
-    if (op.action >= 0 && std::ranges::binary_search(applicable_, op.action)) preferred_.push_back(op.action);
+    if (op.action >= 0 && contains(applicable_, op.action)) preferred_.push_back(op.action);
   }
   sort_unique(preferred_);
   return total;

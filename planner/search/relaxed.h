@@ -36,13 +36,13 @@ class RelaxedTask {
 
   int atoms() const { return atoms_; }
   int facts() const { return facts_; }
-  const std::vector<RelaxedOperator>& operators() const { return operators_; }
+  const ById<RelaxedOperator>& operators() const { return operators_; }
   const std::vector<int>& goal() const { return goal_; }
   std::span<const int> readers(int atom) const { return readers_.of(atom); }
   std::span<const int> adds(int op) const { return adds_.of(op); }
   /// By operator: how many conditions; the action of one that has exactly the condition of the action, else -1.
-  const std::vector<int>& conditions() const { return conditions_; }
-  const std::vector<int>& base_actions() const { return base_actions_; }
+  const ById<int>& conditions() const { return conditions_; }
+  const ById<int>& base_actions() const { return base_actions_; }
   /// Operators without conditions, and whether an operator has gains.
   const std::vector<int>& unconditional() const { return unconditional_; }
   bool has_gains(int op) const { return has_gains_[op] != 0; }
@@ -52,7 +52,7 @@ class RelaxedTask {
   void add_effects(const GroundTask& task, RelaxedOperator& made, const GroundEffects& effects, int action) const;
 
   int facts_ = 0, atoms_ = 0;
-  std::vector<RelaxedOperator> operators_;
+  ById<RelaxedOperator> operators_;
   std::vector<int> goal_;
   /// Lists in one array: what is read all the time lies together.
   class Lists {
@@ -64,13 +64,13 @@ class RelaxedTask {
     std::span<const int> of(int list) const { return {items_.data() + begin_[list], items_.data() + begin_[list + 1]}; }
 
    private:
-    std::vector<std::size_t> begin_ = {0};
+    ById<std::size_t> begin_ = {0};
     std::vector<int> items_;
   };
   Lists readers_;  ///< by atom: operators that have it as a condition
   Lists adds_;     ///< by operator
-  std::vector<int> conditions_, base_actions_, unconditional_;
-  std::vector<char> has_gains_;
+  ById<int> conditions_, base_actions_, unconditional_;
+  ById<char> has_gains_;
 };
 
 class RelaxedHeuristic {
@@ -99,16 +99,16 @@ class RelaxedHeuristic {
 
   const Simulator& simulator_;
   const RelaxedTask& relaxed_;
-  std::vector<int> prices_;  ///< by operator
-  std::vector<int> cost_, achiever_, missing_, sum_;
+  ById<int> prices_;  ///< by operator
+  ById<int> cost_, achiever_, missing_, sum_;
   std::vector<double> gap_;  ///< by comparison
-  std::vector<char> marked_, in_plan_;
+  ById<char> marked_, in_plan_;
   std::vector<std::vector<int>> buckets_;
   std::vector<int> used_;  ///< operators of the relaxed plan
-  std::vector<int> applicable_, preferred_, plan_;
+  ById<int> applicable_, preferred_, plan_;
   const Word* state_ = nullptr;
   int unreached_goals_ = 0;
-  std::vector<char> is_goal_;
+  ById<char> is_goal_;
   std::int64_t work_ = 0;
 };
 

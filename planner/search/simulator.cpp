@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/ground/sorted.h"
+
 namespace cxlab::planner {
 
 namespace {
@@ -20,20 +22,14 @@ void change(double& number, NumericEffect::Kind kind, double value) {
   number += 0.0;  // no negative zero: equal states have equal bits
 }
 
-bool contains(const std::vector<int>& sorted, int item) { return std::ranges::binary_search(sorted, item); }
-
-void sort_unique(std::vector<int>& items) {
-  std::ranges::sort(items);
-  items.erase(std::unique(items.begin(), items.end()), items.end());
-}
-
 }  // namespace
 
 Simulator::Simulator(const GroundTask& task)
     : task_(task), fact_words_(task.words()), words_(fact_words_ + static_cast<int>(task.numbers.size())) {
-  const std::vector<char> telling = telling_numbers(task);
-  telling_words_ =
-      fact_words_ + static_cast<int>(std::ranges::find(telling.rbegin(), telling.rend(), 1).base() - telling.begin());
+  const std::vector<char> significant = significant_numbers(task);
+  significant_words_ =
+      fact_words_ +
+      static_cast<int>(std::ranges::find(significant.rbegin(), significant.rend(), 1).base() - significant.begin());
   for (const GroundAction& action : task.actions) whole_.push_back(make_whole(action));
 }
 
@@ -180,7 +176,7 @@ std::optional<Micros> Simulator::aimed(const GroundAction& action, const Duratio
 
 /// What the action that does nothing but change numbers makes of the value of its aim.
 double Simulator::value_after(const GroundAction& action, const Word* state, double duration_s) const {
-  std::vector<double> after(numbers(state), numbers(state) + task_.numbers.size());
+  ById<double> after(numbers(state), numbers(state) + task_.numbers.size());
   const auto apply_numbers = [&](const std::vector<NumericEffect>& effects) {
     std::vector<double> values;
     for (const NumericEffect& effect : effects) values.push_back(effect.value.evaluate(after.data(), duration_s));

@@ -21,8 +21,8 @@ class Simulator {
 
   const GroundTask& task() const { return task_; }
   int words() const { return words_; }  ///< of a whole state
-  int telling_words() const {
-    return telling_words_;
+  int significant_words() const {
+    return significant_words_;
   }  ///< the first ones, by which states differ: without what only the metric reads
   PackedState initial() const;
   const double* numbers(const Word* state) const { return reinterpret_cast<const double*>(state + fact_words_); }
@@ -86,8 +86,8 @@ class Simulator {
 
   const GroundTask& task_;
   int fact_words_ = 0;
-  int words_ = 0, telling_words_ = 0;
-  std::vector<Whole> whole_;
+  int words_ = 0, significant_words_ = 0;
+  ById<Whole> whole_;
 };
 
 }  // namespace cxlab::planner

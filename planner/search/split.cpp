@@ -2,22 +2,17 @@
 
 #include <algorithm>
 
+#include "planner/ground/sorted.h"
+
 namespace cxlab::planner {
 
 namespace {
 
 constexpr Micros kSignatureGrain = 50 * kSeparation;  ///< separations add up differently in another order
 
-bool contains(const std::vector<int>& sorted, int item) { return std::ranges::binary_search(sorted, item); }
-
-bool mentions_duration(const GroundExpression& expression) {
-  return std::ranges::any_of(expression.steps,
-                             [](const auto& step) { return step.kind == GroundExpression::Kind::kDuration; });
-}
-
 bool mentions_duration(const GroundEffects& effects) {
   return std::ranges::any_of(effects.numbers,
-                             [](const NumericEffect& effect) { return mentions_duration(effect.value); });
+                             [](const NumericEffect& effect) { return effect.value.mentions_duration(); });
 }
 
 /// How long the action of a step may last.
@@ -58,7 +53,7 @@ bool reads_duration(const GroundAction& action) {
 bool can_be_cut(const GroundTask& task, const GroundAction& action) {
   for (const auto* condition : {&action.start, &action.over_all, &action.end})
     for (const int c : condition->comparisons)
-      if (mentions_duration(task.comparisons[c].expression)) return false;
+      if (task.comparisons[c].expression.mentions_duration()) return false;
   if (!action.durative || !action.continuous.empty() || reads_duration(action)) return false;
   for (const GroundDuration& duration : action.duration)
     if (duration.at_end) return false;
@@ -103,8 +98,7 @@ SplitTask split(const GroundTask& task, const std::vector<char>& cut) {
     end.start = action.end;
     end.start.facts.insert(end.start.facts.end(), action.over_all.facts.begin(), action.over_all.facts.end());
     end.start.facts.push_back(running);
-    std::ranges::sort(end.start.facts);
-    end.start.facts.erase(std::unique(end.start.facts.begin(), end.start.facts.end()), end.start.facts.end());
+    sort_unique(end.start.facts);
     end.at_start = action.at_end;
     end.at_start.add.push_back(idle);
     end.at_start.remove.push_back(running);
@@ -270,7 +264,7 @@ bool SplitCheck::accepts(const Sequence& path, const Word* state) {
   std::ranges::sort(open);
   for (const auto& [action, step] : open) {
     const Micros ran = (stn_.last_happening() - stn_.start(step)) / kSignatureGrain;
-    signature_ = (signature_ ^ static_cast<Word>(ran + 1)) * 0x9e3779b97f4a7c15ull;
+    signature_ = (signature_ ^ static_cast<Word>(ran + 1)) * std::uint64_t{0x9e3779b97f4a7c15};
   }
   return true;
 }

@@ -25,9 +25,9 @@ struct SplitTask {
     int action;
     Part part;
   };
-  GroundTask task;                         ///< facts of the original first, with the same numbers
-  std::vector<Origin> origins;             ///< by action of `task`
-  std::vector<std::pair<int, int>> parts;  ///< by action of the original: its beginning or the whole, and its end or -1
+  GroundTask task;                  ///< facts of the original first, with the same numbers
+  ById<Origin> origins;             ///< by action of `task`
+  ById<std::pair<int, int>> parts;  ///< by action of the original: its beginning or the whole, and its end or -1
 };
 
 /// Cuts the actions that are marked.
@@ -60,7 +60,7 @@ struct Concurrent {
     int action = -1;  ///< of the original task
     DurationRange range;
   };
-  std::vector<Step> steps;
+  ById<Step> steps;
   std::vector<SplitPoint> order;
 };
 

@@ -14,7 +14,7 @@
 namespace cxlab::planner {
 
 /// The objects bound to the slots of an action, rule or goal.
-using Frame = std::vector<ObjectId>;
+using Frame = ById<ObjectId>;
 
 /// Truth of ground atoms and values of ground functions. A value may change linearly with time.
 class State {
@@ -75,10 +75,10 @@ class State {
 
   const Number* number(FunctionId function, std::span<const ObjectId> objects) const;
 
-  std::vector<Table<std::uint64_t>> facts_;  // by predicate: when it became true
-  std::vector<Table<Number>> numbers_;       // by function
-  std::vector<Fact> changing_;               // functions with a rate, as `predicate`
-  std::uint64_t changes_ = 0;                // counted for the order of facts() and values()
+  ById<Table<std::uint64_t>> facts_;  // by predicate: when it became true
+  ById<Table<Number>> numbers_;       // by function
+  std::vector<Fact> changing_;        // functions with a rate, as `predicate`
+  std::uint64_t changes_ = 0;         // counted for the order of facts() and values()
   double ahead_ = 0;
 };
 
@@ -155,7 +155,6 @@ bool apply_changes(const std::vector<Change>& changes, State& state);
 class Objects {
  public:
   Objects(const std::vector<Term>& terms, const Frame& frame);
-  operator std::span<const ObjectId>() const { return {data(), size_}; }
   const ObjectId* begin() const { return data(); }
   const ObjectId* end() const { return data() + size_; }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "planner/pddl/parser.h"
+#include "planner/pddl/failure.h"
 
 namespace cxlab::planner {
 
@@ -15,7 +15,7 @@ double seconds(Micros time) { return static_cast<double>(time) / static_cast<dou
 
 /// By point: the latest time that keeps the makespan.
 std::vector<Micros> latest_times(const TimedPlan& plan, Micros makespan) {
-  std::vector<Micros> latest(2 * plan.steps.size(), makespan);
+  ById<Micros> latest(2 * plan.steps.size(), makespan);
   bool changed = true;
   const auto lower = [&](int point, Micros to) {
     if (point < 0 || to >= latest[point]) return;
@@ -58,7 +58,7 @@ bool Incumbent::offer(const Concurrent& plan) {
   std::iota(by_start.begin(), by_start.end(), 0);
   std::ranges::stable_sort(by_start, {}, [&](int step) { return stn.start(step); });
   TimedPlan timed;
-  std::vector<int> place(by_start.size());
+  ById<int> place(by_start.size());
   for (const int step : by_start) {
     place[step] = static_cast<int>(timed.steps.size());
     const GroundAction& action = ground_.actions[plan.steps[step].action];
@@ -95,7 +95,7 @@ bool Incumbent::offer(TimedPlan plan, Micros makespan) {
   plan.latest = latest_times(plan, makespan);
   const Expected<Verdict> verdict = validator_.check(plan.steps);
   budget_.spend(Work::kNode, kStatesOfStep * static_cast<std::int64_t>(plan.steps.size()));
-  if (!verdict && verdict.error().code == kUnsupported) unsupported_ = verdict.error();
+  if (!verdict && is(verdict.error(), Failure::kUnsupported)) unsupported_ = verdict.error();
   if (!verdict || !verdict->valid) {
     ++refused_;
     refusal_ = verdict ? verdict->violation->message : verdict.error().text();

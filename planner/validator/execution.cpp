@@ -86,7 +86,7 @@ bool Execution::lay_out() {
       return fail(violation);
     }
     end_ = std::max(end_, ends_.back());
-    running_[step].frame = planned.arguments;
+    running_[step].frame.assign(planned.arguments.begin(), planned.arguments.end());
     running_[step].frame.resize(static_cast<std::size_t>(action.slots));
     if (action.durative) {
       happenings_.push_back({starts_.back(), Happening::Kind::kStart, step});
@@ -310,8 +310,8 @@ bool Execution::set_rates() {
            unsupported_ =
                input_error("the rate of " + describe_step(step) +
                                " reads a number that changes continuously itself: only linear change is supported",
-                           domain_.file, effect.source.line);
-           unsupported_->code = kUnsupported;
+                           domain_.file, effect.source.line)
+                   .with_code(word_of(Failure::kUnsupported));
            return false;
          });
 }

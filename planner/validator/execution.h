@@ -99,10 +99,10 @@ class Execution {
   ValidateOptions options_;
   Nanos epsilon_;
   State state_;
-  std::vector<Nanos> starts_, ends_;
+  ById<Nanos> starts_, ends_;
   std::vector<Happening> happenings_;  ///< by time
   std::size_t current_ = 0;            ///< first happening of the group that is played
-  std::vector<Running> running_;       ///< by step
+  ById<Running> running_;              ///< by step
   std::vector<int> active_;            ///< steps that run now
   std::vector<Recent> recent_;         ///< less than epsilon ago
   std::vector<Record> records_;

@@ -57,7 +57,7 @@ class Validator {
  public:
   Validator(const Domain& domain, const Problem& problem);
 
-  /// An error (code kUnsupported) only if numbers change in a way that is not linear.
+  /// An error (Failure::kUnsupported) only if numbers change in a way that is not linear.
   Expected<Verdict> check(const Plan& plan, const ValidateOptions& options = {}) const;
 
   const Evaluator& evaluator() const { return evaluator_; }
@@ -77,10 +77,10 @@ class Validator {
   const Problem& problem_;
   Evaluator evaluator_;
   State initial_;
-  std::vector<bool> fluent_predicates_;
-  std::vector<bool> fluent_functions_;
-  std::vector<std::vector<PredicateId>> bases_;
-  std::vector<std::vector<FunctionId>> base_functions_;
+  ById<bool> fluent_predicates_;
+  ById<bool> fluent_functions_;
+  ById<std::vector<PredicateId>> bases_;
+  ById<std::vector<FunctionId>> base_functions_;
 };
 
 /// `error: ...` for people: one paragraph of message and advice.

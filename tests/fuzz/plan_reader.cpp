@@ -44,7 +44,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   const auto verdict = validator.check(*plan);
-  promise(verdict || verdict.error().code == kUnsupported, "a plan that was read is judged");
+  promise(verdict || is(verdict.error(), Failure::kUnsupported), "a plan that was read is judged");
   if (!verdict) return 0;
   promise(verdict->valid == !verdict->violation, "a plan is valid or has a violation");
   promise(verdict->valid || !verdict->violation->message.empty(), "a violation says what is wrong");

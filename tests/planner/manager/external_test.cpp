@@ -11,7 +11,7 @@
 namespace cxlab::planner {
 namespace {
 
-TEST(FindPlanWith, ExitCodesOfOursAreAnswers) {
+TEST(FindPlanWith, OurExitCodesAreAnswers) {
   const Checker world("(:action light :effect (lit)) (:predicates (lit))", "(:init) (:goal (lit))");
   const auto answer = [&](int code) {
     return find_plan_with({"echo why >&2; exit " + std::to_string(code), true}, world.task(), 10);
@@ -30,7 +30,7 @@ TEST(FindPlanWith, ExitCodesOfOursAreAnswers) {
             "the planner ended with code 10 and wrote no plan: why");
 }
 
-TEST(FindPlanWith, WhatTheShellCannotRunIsAnErrorAndNoAnswer) {
+TEST(FindPlanWith, ACommandThatTheShellCannotRunIsAnError) {
   const Checker world("(:predicates (lit))", "(:init) (:goal (lit))");
   for (const auto& [command, code] : {std::pair{"no-such-planner {domain}", "127"}, {"/dev/null {domain}", "126"}}) {
     const auto answer = find_plan_with({command, false}, world.task(), 10);
@@ -48,7 +48,7 @@ TEST(FindPlanWith, WhatTheShellCannotRunIsAnErrorAndNoAnswer) {
       << answer.error().message;
 }
 
-TEST(FindPlanWith, PlansOfOthersNeedOnlyATenthOfAMillisecondBetweenSteps) {
+TEST(FindPlanWith, OtherPlannersNeedOnlyATenthOfAMillisecondBetweenSteps) {
   const Checker world(
       "(:predicates (lit) (seen)) (:action light :effect (lit)) (:action see :precondition (lit) :effect (seen))",
       "(:init) (:goal (seen))");
@@ -61,7 +61,7 @@ TEST(FindPlanWith, PlansOfOthersNeedOnlyATenthOfAMillisecondBetweenSteps) {
   EXPECT_FALSE(found("0.00002"));
 }
 
-TEST(FindPlanWith, WhatThePlannerLeavesRunningEndsWithIt) {
+TEST(FindPlanWith, EndsProcessesThatThePlannerLeavesRunning) {
   const Checker world("(:predicates (lit))", "(:init) (:goal (lit))");
   const auto is_gone = [](pid_t process) {
     for (int tries = 0; tries < 200; ++tries, usleep(10'000)) {

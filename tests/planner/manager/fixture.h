@@ -70,7 +70,7 @@ class ManagerTest : public ::testing::Test {
     bus_.remove(*made);
     return answer;
   }
-  void tell(const std::string& name, const std::string& type, const std::string& request) {
+  void request(const std::string& name, const std::string& type, const std::string& request) {
     const bus::Message answer = ask(name, type, request);
     EXPECT_EQ(answer->integer("success"), 1) << name << ": " << answer->text("error");
   }
@@ -81,15 +81,15 @@ class ManagerTest : public ::testing::Test {
   }
 
   void load_blocks() {
-    tell("add_pddl_instance", "AddPddlInstance",
-         "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}");
+    request("add_pddl_instance", "AddPddlInstance",
+            "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}");
   }
   /// An instance `x` of a domain and a problem given as text.
   void load_text(const std::string& domain, const std::string& problem) {
     std::ofstream(folder_ / "d.pddl") << domain;
     std::ofstream(folder_ / "p.pddl") << problem;
-    tell("add_pddl_instance", "AddPddlInstance",
-         "{name: x, directory: \"" + folder_.string() + "\", domain_file: d.pddl, problem_file: p.pddl}");
+    request("add_pddl_instance", "AddPddlInstance",
+            "{name: x, directory: \"" + folder_.string() + "\", domain_file: d.pddl, problem_file: p.pddl}");
   }
 
   static std::vector<std::string> texts(const bus::MessageView& message, std::string_view field) {

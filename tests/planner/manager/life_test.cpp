@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 constexpr const char* kReport = "cxlab_pddl_interfaces/msg/PlanReport";
 constexpr const char* kHold = "{goal_instance: base, fluents: [{pddl_instance: bw, name: holding, args: [c]}]}";
 
-TEST_F(ManagerTest, ManagersInNamespacesKnowNothingOfEachOther) {
+TEST_F(ManagerTest, ManagersInNamespacesAreIndependent) {
   PddlManagerOptions options;
   options.bond_period = 0.5;
   options.name_space = "/cyan";
@@ -60,7 +60,7 @@ TEST_F(ManagerTest, ManagersInNamespacesKnowNothingOfEachOther) {
   EXPECT_THAT(*magenta_beats, Each(HasSubstr("/magenta/pddl_manager")));
 }
 
-TEST_F(ManagerTest, EveryChangeIsToldOnceAndNothingElseIs) {
+TEST_F(ManagerTest, ReportsEveryChangeOnceAndNothingElse) {
   start();
   load_blocks();
   const auto heard = listen("/pddl_manager/instance_update", "std_msgs/msg/String");
@@ -70,24 +70,24 @@ TEST_F(ManagerTest, EveryChangeIsToldOnceAndNothingElseIs) {
     heard->clear();
     return count;
   };
-  tell("add_objects", "AddObjects",
-       "{objects: [{pddl_instance: bw, name: d, type: block}, {pddl_instance: bw, name: e, type: block}]}");
+  request("add_objects", "AddObjects",
+          "{objects: [{pddl_instance: bw, name: d, type: block}, {pddl_instance: bw, name: e, type: block}]}");
   EXPECT_EQ(told(), 1u);
-  tell("add_fluents", "AddFluents",
-       "{fluents: [{pddl_instance: bw, name: clear, args: [d]}, {pddl_instance: bw, name: clear, args: [e]}]}");
+  request("add_fluents", "AddFluents",
+          "{fluents: [{pddl_instance: bw, name: clear, args: [d]}, {pddl_instance: bw, name: clear, args: [e]}]}");
   EXPECT_EQ(told(), 1u);
-  tell("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [e]}]}");
+  request("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [e]}]}");
   EXPECT_EQ(told(), 1u);
-  tell("set_functions", "SetFunctions", "{functions: [{pddl_instance: bw, name: moves, value: 2}]}");
+  request("set_functions", "SetFunctions", "{functions: [{pddl_instance: bw, name: moves, value: 2}]}");
   EXPECT_EQ(told(), 1u);
-  tell("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: d, type: block}]}");
+  request("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: d, type: block}]}");
   EXPECT_EQ(told(), 1u);
   (void)error_of("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [nobody]}]}");
   (void)error_of("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: d, type: nothing}]}");
   (void)fluents("bw");
   (void)check("{pddl_instance: bw, name: pick-up, args: [a]}");
   (void)effects("{pddl_instance: bw, name: pick-up, args: [a]}");
-  tell("set_goals", "SetGoals", kHold);
+  request("set_goals", "SetGoals", kHold);
   EXPECT_EQ(told(), 0u);
 }
 
@@ -98,7 +98,7 @@ TEST_F(ManagerTest, StepsThatBeginTogetherAreOneClass) {
     (:durative-action right :parameters () :duration (= ?duration 5) :condition (at start (a)) :effect (at end (c)))
     (:durative-action both :parameters () :duration (= ?duration 1) :condition (and (at start (b)) (at start (c))) :effect (at end (free)))))",
             "(define (problem p) (:domain d) (:init (a)) (:goal (and)))");
-  tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: x, name: free}]}");
+  request("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: x, name: free}]}");
   const auto answer = plan("{pddl_instance: x, goal_instance: base}");
   ticks(50);
   ASSERT_EQ(answer->actions.size(), 3u);
@@ -107,12 +107,12 @@ TEST_F(ManagerTest, StepsThatBeginTogetherAreOneClass) {
   EXPECT_THAT(answer->actions[2], HasSubstr("both() @5.00+1 class 1"));
 }
 
-TEST_F(ManagerTest, NumbersAreWantedEvenIfTheyAreZero) {
+TEST_F(ManagerTest, AGoalCanAskForTheNumberZero) {
   start();
   load_text(R"((define (domain d) (:requirements :numeric-fluents) (:functions (n)) (:predicates (ready))
     (:action less :precondition (> (n) 0) :effect (decrease (n) 1))))",
             "(define (problem p) (:domain d) (:init (= (n) 2)) (:goal (and)))");
-  tell("set_goals", "SetGoals", "{goal_instance: base, functions: [{pddl_instance: x, name: n, value: 0}]}");
+  request("set_goals", "SetGoals", "{goal_instance: base, functions: [{pddl_instance: x, name: n, value: 0}]}");
   const auto answer = plan("{pddl_instance: x, goal_instance: base}");
   ticks(50);
   EXPECT_EQ(answer->actions.size(), 2u);
@@ -129,46 +129,46 @@ TEST_F(ManagerTest, GoalsAreAddedUntilTheyAreCleared) {
     return answer->success ? answer->actions.size() : 99;
   };
   EXPECT_EQ(steps(), 0u) << "the goals of the problem are dropped, and base is there";
-  tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: ontable, args: [c]}]}");
+  request("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: ontable, args: [c]}]}");
   EXPECT_EQ(steps(), 2u);
-  tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, a]}]}");
+  request("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, a]}]}");
   EXPECT_EQ(steps(), 4u);
-  tell("clear_goals", "ClearGoals", "{pddl_instance: bw, goal_instance: base}");
+  request("clear_goals", "ClearGoals", "{pddl_instance: bw, goal_instance: base}");
   EXPECT_EQ(steps(), 0u);
 }
 
-TEST_F(ManagerTest, AFilterReplacesTheOneBeforeAndAnErrorLeavesItAlone) {
+TEST_F(ManagerTest, AFilterReplacesTheLastOneAndAnErrorLeavesItUnchanged) {
   PddlManagerOptions options;
   options.cost.charge = false;
   start(std::move(options));
   load_blocks();
-  tell("set_goals", "SetGoals", kHold);
+  request("set_goals", "SetGoals", kHold);
   const auto planned = [&] {
     const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
     ticks(3);
     return answer->success;
   };
-  tell("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [STACK]}");
+  request("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [STACK]}");
   EXPECT_FALSE(planned());
   EXPECT_EQ(
       error_of("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [unstak]}"),
       "unknown action 'unstak', did you mean 'unstack'?");
   EXPECT_FALSE(planned());
-  tell("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [unstack]}");
+  request("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [unstack]}");
   EXPECT_TRUE(planned());
-  tell("set_object_filter", "SetObjectFilter", "{pddl_instance: bw, goal_instance: base, objects: [a, b]}");
+  request("set_object_filter", "SetObjectFilter", "{pddl_instance: bw, goal_instance: base, objects: [a, b]}");
   EXPECT_FALSE(planned()) << "the goal names c";
-  tell("create_goal_instance", "CreateGoalInstance", "{pddl_instance: bw, goal_instance: base}");
-  tell("set_goals", "SetGoals", kHold);
+  request("create_goal_instance", "CreateGoalInstance", "{pddl_instance: bw, goal_instance: base}");
+  request("set_goals", "SetGoals", kHold);
   EXPECT_TRUE(planned()) << "a goal that is made anew has no filters";
 }
 
-TEST_F(ManagerTest, WhatWasUnderWayEndsWithTheNodeThatIsDeactivated) {
+TEST_F(ManagerTest, DeactivatingTheNodeEndsWhatIsUnderWay) {
   PddlManagerOptions options;
   options.cost.latency_a = 1;
   start(std::move(options));
   load_blocks();
-  tell("set_goals", "SetGoals", kHold);
+  request("set_goals", "SetGoals", kHold);
   const auto reports = listen("/pddl_manager/plan_report", kReport);
   const auto change = [&](const std::string& label) {
     return ask("change_state", "ChangeState", "{transition: {label: " + label + "}}", "lifecycle_msgs")
@@ -199,8 +199,8 @@ TEST_F(ManagerTest, WhatWasUnderWayEndsWithTheNodeThatIsDeactivated) {
 TEST_F(ManagerTest, AnInstanceThatIsLoadedAgainIsNew) {
   start();
   load_blocks();
-  tell("set_goals", "SetGoals", kHold);
-  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [a]}]}");
+  request("set_goals", "SetGoals", kHold);
+  request("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [a]}]}");
   load_blocks();
   EXPECT_THAT(fluents("bw"), ElementsAre("on(c a)", "ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()"));
   const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
@@ -223,7 +223,7 @@ struct Blocks {
   }
 };
 
-TEST_F(ManagerTest, RandomRequestsDoToTheInstanceWhatTheyDoToASet) {
+TEST_F(ManagerTest, AnInstanceAgreesWithASetUnderRandomRequests) {
   PddlManagerOptions options;
   options.cost.charge = false;
   options.cost.budget = 20'000;
@@ -270,10 +270,10 @@ TEST_F(ManagerTest, RandomRequestsDoToTheInstanceWhatTheyDoToASet) {
       }
       case 4: {
         if (!known_x || !known_y) break;
-        tell("create_goal_instance", "CreateGoalInstance", "{pddl_instance: bw, goal_instance: g}");
-        tell("set_goals", "SetGoals",
-             "{goal_instance: g, fluents: [{pddl_instance: bw, name: clear, args: [" + x +
-                 "]}, {pddl_instance: bw, name: clear, args: [" + y + "]}]}");
+        request("create_goal_instance", "CreateGoalInstance", "{pddl_instance: bw, goal_instance: g}");
+        request("set_goals", "SetGoals",
+                "{goal_instance: g, fluents: [{pddl_instance: bw, name: clear, args: [" + x +
+                    "]}, {pddl_instance: bw, name: clear, args: [" + y + "]}]}");
         const auto answer = plan("{pddl_instance: bw, goal_instance: g}");
         ticks(3);
         EXPECT_GE(answer->time, 0);

@@ -21,7 +21,7 @@ PddlManagerOptions at_cost(double a, double b) {
 TEST_F(ManagerTest, APlanIsAnsweredAfterItsSimulatedTime) {
   start(at_cost(1.5, 0));
   load_blocks();
-  tell("set_goals", "SetGoals", kTower);
+  request("set_goals", "SetGoals", kTower);
   const auto heard = listen("/pddl_manager/plan_report", kReport);
   const double asked = to_seconds(now_);
   const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
@@ -37,12 +37,12 @@ TEST_F(ManagerTest, APlanIsAnsweredAfterItsSimulatedTime) {
   EXPECT_EQ(manager_->plans(), 1);
 }
 
-TEST_F(ManagerTest, WhatIsNotChargedIsAnsweredAtOnce) {
+TEST_F(ManagerTest, AnswersAtOnceWithoutCharge) {
   PddlManagerOptions options = at_cost(1.5, 1);
   options.cost.charge = false;
   start(std::move(options));
   load_blocks();
-  tell("set_goals", "SetGoals", kTower);
+  request("set_goals", "SetGoals", kTower);
   const double asked = to_seconds(now_);
   const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
   ticks(2);
@@ -54,9 +54,10 @@ TEST_F(ManagerTest, GoalsArePlannedForSideBySideInSimulatedTime) {
   start(at_cost(1, 0));
   load_blocks();
   for (const char* goal : {"g1", "g2"})
-    tell("create_goal_instance", "CreateGoalInstance", std::string("{pddl_instance: bw, goal_instance: ") + goal + "}");
-  tell("set_goals", "SetGoals", "{goal_instance: g1, fluents: [{pddl_instance: bw, name: on, args: [b, c]}]}");
-  tell("set_goals", "SetGoals", "{goal_instance: g2, fluents: [{pddl_instance: bw, name: holding, args: [c]}]}");
+    request("create_goal_instance", "CreateGoalInstance",
+            std::string("{pddl_instance: bw, goal_instance: ") + goal + "}");
+  request("set_goals", "SetGoals", "{goal_instance: g1, fluents: [{pddl_instance: bw, name: on, args: [b, c]}]}");
+  request("set_goals", "SetGoals", "{goal_instance: g2, fluents: [{pddl_instance: bw, name: holding, args: [c]}]}");
   const double asked = to_seconds(now_);
   const auto first = plan("{pddl_instance: bw, goal_instance: g1}"),
              second = plan("{pddl_instance: bw, goal_instance: g2}", "expertino_msgs");
@@ -67,12 +68,12 @@ TEST_F(ManagerTest, GoalsArePlannedForSideBySideInSimulatedTime) {
   EXPECT_THAT(second->actions, ElementsAre("unstack(c a) @0.00+3 class 0"));
 }
 
-TEST_F(ManagerTest, FiltersSayWhatThePlannerSees) {
+TEST_F(ManagerTest, FiltersLimitWhatThePlannerSees) {
   start(at_cost(0, 0));
   load_blocks();
-  tell("set_goals", "SetGoals", kTower);
+  request("set_goals", "SetGoals", kTower);
   const auto answer_with = [&](const std::string& service, const std::string& type, const std::string& list) {
-    tell(service, type, "{pddl_instance: bw, goal_instance: base, " + list + "}");
+    request(service, type, "{pddl_instance: bw, goal_instance: base, " + list + "}");
     const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
     ticks(3);
     return answer->success ? std::to_string(answer->actions.size()) + " actions" : std::string("none");
@@ -87,7 +88,7 @@ TEST_F(ManagerTest, FiltersSayWhatThePlannerSees) {
   EXPECT_EQ(answer_with("set_fluent_filter", "SetFluentFilter", "fluents: []"), "4 actions");
 }
 
-TEST_F(ManagerTest, NoPlanTimeoutAndCancelAreToldApart) {
+TEST_F(ManagerTest, NoPlanTimeoutAndCancelHaveDifferentAnswers) {
   PddlManagerOptions options = at_cost(1, 0);
   options.cost.budget = 40;
   start(std::move(options));
@@ -100,20 +101,20 @@ TEST_F(ManagerTest, NoPlanTimeoutAndCancelAreToldApart) {
     EXPECT_FALSE(answer->success);
     return answer->status;
   };
-  tell("set_goals", "SetGoals", kTower);
+  request("set_goals", "SetGoals", kTower);
   EXPECT_EQ(ended("{pddl_instance: bw, goal_instance: base}"), bus::GoalStatus::kAborted);
   EXPECT_THAT(*heard, ElementsAre(HasSubstr("status: \"TIMEOUT\"")));
   EXPECT_EQ(ended("{pddl_instance: bw, goal_instance: nope}"), bus::GoalStatus::kAborted);
   EXPECT_THAT(*heard, ElementsAre(HasSubstr("has no goal instance 'nope'")));
-  tell("set_goals", "SetGoals",
-       "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, a]}, {pddl_instance: bw, name: "
-       "holding, args: [b]}]}");
+  request("set_goals", "SetGoals",
+          "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, a]}, {pddl_instance: bw, name: "
+          "holding, args: [b]}]}");
 
   manager_.reset();
   start(at_cost(1, 0));
   load_blocks();
-  tell("set_goals", "SetGoals", kTower);
-  tell("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [put-down]}");
+  request("set_goals", "SetGoals", kTower);
+  request("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [put-down]}");
   EXPECT_EQ(ended("{pddl_instance: bw, goal_instance: base}"), bus::GoalStatus::kSucceeded);
   EXPECT_THAT(*heard, ElementsAre(HasSubstr("status: \"UNSOLVABLE\"")));
 
@@ -128,13 +129,13 @@ TEST_F(ManagerTest, NoPlanTimeoutAndCancelAreToldApart) {
   EXPECT_EQ(heard->size(), 1u);
 }
 
-TEST_F(ManagerTest, TheOriginalRejectsToCancelAndSaysNoPlanWithSuccess) {
+TEST_F(ManagerTest, TheOriginalRejectsCancelsAndReportsNoPlanAsSuccess) {
   PddlManagerOptions options = at_cost(1, 0);
   options.original = true;
   start(std::move(options));
   load_blocks();
-  tell("set_goals", "SetGoals", kTower);
-  tell("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [put-down]}");
+  request("set_goals", "SetGoals", kTower);
+  request("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [put-down]}");
   const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
   ticks(10);
   bus_.cancel_goal(last_client_, last_goal_);
@@ -150,7 +151,7 @@ TEST_F(ManagerTest, AnotherPlannerMayMakeThePlans) {
     options.other.command = command;
     start(options);
     load_blocks();
-    tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: holding, args: [c]}]}");
+    request("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: holding, args: [c]}]}");
     const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
     ticks(40);
     return answer;
@@ -171,7 +172,7 @@ TEST_F(ManagerTest, AnotherPlannerMayMakeThePlans) {
   EXPECT_THAT(heard->back(), HasSubstr("TIMEOUT"));
 }
 
-TEST_F(ManagerTest, TheProblemIsWrittenWhereSomebodyAsksForIt) {
+TEST_F(ManagerTest, WritesTheProblemWhereAGoalAsksForIt) {
   PddlManagerOptions options = at_cost(0, 0);
   std::map<std::string, std::string> written;
   options.write = [&](const std::filesystem::path& file, const std::string& text) {
@@ -180,7 +181,7 @@ TEST_F(ManagerTest, TheProblemIsWrittenWhereSomebodyAsksForIt) {
   };
   start(std::move(options));
   load_blocks();
-  tell("set_goals", "SetGoals", kTower);
+  request("set_goals", "SetGoals", kTower);
   (void)plan("{pddl_instance: bw, goal_instance: base, output_dir: /out}");
   ticks(3);
   EXPECT_THAT(written["/out/bw_base_domain.pddl"], HasSubstr("(:durative-action pick-up"));
@@ -204,7 +205,7 @@ TEST_F(ManagerTest, ANodeHasALifeAndABond) {
   load_blocks();
   ticks(100);
   EXPECT_GE(beats->size(), 4u);
-  tell("set_goals", "SetGoals", kTower);
+  request("set_goals", "SetGoals", kTower);
   EXPECT_TRUE(change("deactivate"));
   EXPECT_THAT(beats->back(), HasSubstr("active: false"));
   EXPECT_TRUE(change("cleanup"));
@@ -233,9 +234,9 @@ TEST_F(ManagerTest, PlanningAgainBeginsWithWhatIsLeftOfTheLastPlan) {
     std::ofstream(folder_ / "six.pddl") << kSixBlocks;
     std::filesystem::copy_file(blocks_folder() + "/domain.pddl", folder_ / "domain.pddl",
                                std::filesystem::copy_options::overwrite_existing);
-    tell("add_pddl_instance", "AddPddlInstance",
-         "{name: bw, directory: \"" + folder_.string() + "\", domain_file: domain.pddl, problem_file: six.pddl}");
-    tell("set_goals", "SetGoals", kSixGoal);
+    request("add_pddl_instance", "AddPddlInstance",
+            "{name: bw, directory: \"" + folder_.string() + "\", domain_file: domain.pddl, problem_file: six.pddl}");
+    request("set_goals", "SetGoals", kSixGoal);
     std::vector<std::int64_t> units;
     std::vector<double> makespans;
     auto made =
@@ -247,10 +248,10 @@ TEST_F(ManagerTest, PlanningAgainBeginsWithWhatIsLeftOfTheLastPlan) {
     ticks(3);
     // unstack a b, put-down a; meanwhile somebody else has taken f from e.
     EXPECT_THAT(first->actions.at(0), HasSubstr("unstack("));
-    tell("rm_fluents", "RemoveFluents",
-         "{fluents: [{pddl_instance: bw, name: on, args: [a, b]}, {pddl_instance: bw, name: on, args: [f, e]}]}");
-    tell("add_fluents", "AddFluents",
-         R"({fluents: [{pddl_instance: bw, name: ontable, args: [a]}, {pddl_instance: bw, name: clear, args: [b]},
+    request("rm_fluents", "RemoveFluents",
+            "{fluents: [{pddl_instance: bw, name: on, args: [a, b]}, {pddl_instance: bw, name: on, args: [f, e]}]}");
+    request("add_fluents", "AddFluents",
+            R"({fluents: [{pddl_instance: bw, name: ontable, args: [a]}, {pddl_instance: bw, name: clear, args: [b]},
       {pddl_instance: bw, name: ontable, args: [f]}, {pddl_instance: bw, name: clear, args: [e]}]})");
     const auto second = plan("{pddl_instance: bw, goal_instance: base}");
     ticks(3);
@@ -278,11 +279,11 @@ TEST_F(ManagerTest, APlanForOtherGoalsBeginsAnew) {
     manager_.reset();
     start(std::move(options));
     load_blocks();
-    tell("set_goals", "SetGoals", kTower);
+    request("set_goals", "SetGoals", kTower);
     (void)plan("{pddl_instance: bw, goal_instance: base}");
     ticks(3);
-    tell("clear_goals", "ClearGoals", "{pddl_instance: bw, goal_instance: base}");
-    tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, c]}]}");
+    request("clear_goals", "ClearGoals", "{pddl_instance: bw, goal_instance: base}");
+    request("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, c]}]}");
     std::int64_t units = 0;
     auto made = bus_.subscribe(client_, "/pddl_manager/plan_report", **registry_.message(kReport),
                                [&](const bus::Delivery& d) { units = d.message->view().integer("units"); });

@@ -30,29 +30,29 @@ TEST_F(ManagerTest, AnInstanceIsAskedAboutUnderTheNamesOfBothPackages) {
               ElementsAre("clear(a)"));
 }
 
-TEST_F(ManagerTest, WhatIsSetIsSoAndListenersHearOfIt) {
+TEST_F(ManagerTest, AppliesChangesAndNotifiesListeners) {
   start();
   load_blocks();
   const auto heard = listen("/pddl_manager/instance_update", "std_msgs/msg/String");
-  tell("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: bw, name: on, args: [c, a]}]}");
-  tell("add_fluents", "AddFluents",
-       "{fluents: [{pddl_instance: bw, name: on, args: [c, b]}, {pddl_instance: bw, name: clear, args: [a]}]}");
-  tell("set_functions", "SetFunctions", "{functions: [{pddl_instance: bw, name: moves, args: [], value: 7}]}");
-  tell("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: d, type: block}]}");
-  tell("add_fluent", "AddFluent", "{fluent: {pddl_instance: bw, name: ontable, args: [d]}}");
+  request("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: bw, name: on, args: [c, a]}]}");
+  request("add_fluents", "AddFluents",
+          "{fluents: [{pddl_instance: bw, name: on, args: [c, b]}, {pddl_instance: bw, name: clear, args: [a]}]}");
+  request("set_functions", "SetFunctions", "{functions: [{pddl_instance: bw, name: moves, args: [], value: 7}]}");
+  request("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: d, type: block}]}");
+  request("add_fluent", "AddFluent", "{fluent: {pddl_instance: bw, name: ontable, args: [d]}}");
   EXPECT_EQ(heard->size(), 5u);
   EXPECT_THAT(fluents("bw"), ElementsAre("ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()", "on(c b)",
                                          "clear(a)", "ontable(d)"));
   EXPECT_EQ(ask("get_functions", "GetFunctions", "{pddl_instance: bw}")->nested("functions", 0).real("value"), 7);
 }
 
-TEST_F(ManagerTest, AnObjectTakesItsFactsAndGoalsWithIt) {
+TEST_F(ManagerTest, RemovingAnObjectRemovesItsFactsAndGoals) {
   start();
   load_blocks();
-  tell("set_goals", "SetGoals",
-       "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, c]}, {pddl_instance: bw, name: "
-       "ontable, args: [c]}]}");
-  tell("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: b, type: block}]}");
+  request("set_goals", "SetGoals",
+          "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, c]}, {pddl_instance: bw, name: "
+          "ontable, args: [c]}]}");
+  request("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: b, type: block}]}");
   EXPECT_THAT(fluents("bw"), ElementsAre("on(c a)", "ontable(a)", "clear(c)", "handempty()"));
   const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
   ticks(200);
@@ -83,11 +83,12 @@ TEST_F(ManagerTest, ErrorsNameWhatWasFoundAndChangeNothing) {
               HasSubstr("d.pddl:3:"));
 }
 
-TEST_F(ManagerTest, AListOfObjectsIsTakenAsAWholeOrNotAtAll) {
+TEST_F(ManagerTest, AListOfObjectsIsAcceptedAsAWholeOrNotAtAll) {
   start();
   load_blocks();
-  tell("add_pddl_instance", "AddPddlInstance",
-       "{name: other, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}");
+  request(
+      "add_pddl_instance", "AddPddlInstance",
+      "{name: other, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}");
   const auto objects = [&](const std::string& instance) {
     return texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: " + instance + ", type: object}").view(),
                  "objects");
@@ -111,19 +112,19 @@ TEST_F(ManagerTest, AListOfObjectsIsTakenAsAWholeOrNotAtAll) {
   EXPECT_THAT(objects("other"), ElementsAre("a", "b", "c"));
   EXPECT_EQ(fluents("bw"), facts);
 
-  tell("add_objects", "AddObjects",
-       "{objects: [{pddl_instance: other, name: d, type: block}, {pddl_instance: bw, name: d, type: block}, "
-       "{pddl_instance: bw, name: D, type: object}]}");
-  tell("rm_objects", "RemoveObjects",
-       "{objects: [{pddl_instance: bw, name: a, type: block}, {pddl_instance: other, name: b}, {pddl_instance: bw, "
-       "name: b}]}");
+  request("add_objects", "AddObjects",
+          "{objects: [{pddl_instance: other, name: d, type: block}, {pddl_instance: bw, name: d, type: block}, "
+          "{pddl_instance: bw, name: D, type: object}]}");
+  request("rm_objects", "RemoveObjects",
+          "{objects: [{pddl_instance: bw, name: a, type: block}, {pddl_instance: other, name: b}, {pddl_instance: bw, "
+          "name: b}]}");
   EXPECT_THAT(*heard, ::testing::SizeIs(4));
   EXPECT_THAT(objects("bw"), ElementsAre("c", "d"));
   EXPECT_THAT(objects("other"), ElementsAre("a", "c", "d"));
   EXPECT_THAT(fluents("bw"), ElementsAre("clear(c)", "handempty()"));
 }
 
-TEST_F(ManagerTest, ErrorsNameTheRemedy) {
+TEST_F(ManagerTest, ErrorsNameARemedy) {
   start();
   EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: bw}"),
             "unknown pddl instance 'bw': none is loaded, add it with the service add_pddl_instance");
@@ -148,27 +149,28 @@ TEST_F(ManagerTest, ErrorsNameTheRemedy) {
   std::string many = "{objects: [";
   for (int i = 0; i < 20; ++i)
     many += std::string(i ? ", " : "") + "{pddl_instance: x, name: cup-number-" + std::to_string(i) + ", type: cup}";
-  tell("add_objects", "AddObjects", many + "]}");
+  request("add_objects", "AddObjects", many + "]}");
   EXPECT_THAT(error_of("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: x, name: w}]}"),
               ::testing::EndsWith("cup-number-6 and 13 more"));
 }
 
-TEST_F(ManagerTest, ObjectsAreToldAsTheyWereAddedAndTakenInAnyCase) {
+TEST_F(ManagerTest, ObjectsAreReportedAsAddedAndAcceptedInAnyCase) {
   start();
   load_blocks();
-  tell("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: Cube-7, type: Block}]}");
-  tell("add_fluents", "AddFluents",
-       "{fluents: [{pddl_instance: bw, name: ONTABLE, args: [cube-7]}, {pddl_instance: bw, name: clear, args: "
-       "[CUBE-7]}]}");
+  request("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: Cube-7, type: Block}]}");
+  request("add_fluents", "AddFluents",
+          "{fluents: [{pddl_instance: bw, name: ONTABLE, args: [cube-7]}, {pddl_instance: bw, name: clear, args: "
+          "[CUBE-7]}]}");
   EXPECT_THAT(texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: bw, type: block}").view(), "objects"),
               ElementsAre("a", "b", "c", "Cube-7"));
   EXPECT_THAT(fluents("bw"), ::testing::IsSupersetOf({"ontable(Cube-7)", "clear(Cube-7)"}));
-  tell("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: holding, args: [Cube-7]}]}");
-  tell("set_object_filter", "SetObjectFilter", "{pddl_instance: bw, goal_instance: base, objects: [cube-7]}");
+  request("set_goals", "SetGoals",
+          "{goal_instance: base, fluents: [{pddl_instance: bw, name: holding, args: [Cube-7]}]}");
+  request("set_object_filter", "SetObjectFilter", "{pddl_instance: bw, goal_instance: base, objects: [cube-7]}");
   const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
   ticks(100);
   EXPECT_THAT(answer->actions, ElementsAre(HasSubstr("pick-up(Cube-7)")));
-  tell("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: cube-7, type: block}]}");
+  request("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: cube-7, type: block}]}");
   EXPECT_THAT(texts(ask("get_type_objects", "GetTypeObjects", "{pddl_instance: bw, type: block}").view(), "objects"),
               ElementsAre("a", "b", "c"));
 }
@@ -177,19 +179,19 @@ TEST_F(ManagerTest, FluentsOfTheProblemKeepTheirPlace) {
   start();
   load_blocks();
   for (const char* service : {"rm_fluents", "add_fluents"})
-    tell(service, service[0] == 'r' ? "RemoveFluents" : "AddFluents",
-         "{fluents: [{pddl_instance: bw, name: ontable, args: [a]}]}");
-  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: holding, args: [a]}]}");
+    request(service, service[0] == 'r' ? "RemoveFluents" : "AddFluents",
+            "{fluents: [{pddl_instance: bw, name: ontable, args: [a]}]}");
+  request("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: holding, args: [a]}]}");
   EXPECT_THAT(fluents("bw"),
               ElementsAre("on(c a)", "ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()", "holding(a)"));
 }
 
 TEST_F(ManagerTest, ADomainAloneMakesAnInstance) {
   start();
-  tell("add_pddl_instance", "AddPddlInstance",
-       "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl}");
+  request("add_pddl_instance", "AddPddlInstance",
+          "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl}");
   EXPECT_THAT(fluents("bw"), IsEmpty());
-  tell("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: a, type: block}]}");
+  request("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: a, type: block}]}");
   EXPECT_THAT(check("{pddl_instance: bw, name: pick-up, args: [a]}"),
               ElementsAre("clear(a)", "ontable(a)", "handempty"));
 }
@@ -217,14 +219,14 @@ constexpr const char* kTwoLamps = R"((define (problem p) (:domain switches)
   (:init (power) (broken l2) (= (used) 1) (= (price l1) 5) (= (price l2) 2))
   (:goal (and))))";
 
-TEST_F(ManagerTest, EffectsAreThoseOfTheStateOfNow) {
+TEST_F(ManagerTest, EffectsAreEvaluatedInTheCurrentState) {
   start();
   load_text(kSwitches, kTwoLamps);
   EXPECT_THAT(effects("{pddl_instance: x, name: light-all, args: [r]}"),
               UnorderedElementsAre("START +lit(l1)", "END used() + 9"));
   EXPECT_THAT(effects("{pddl_instance: x, name: smash, args: [l1]}"),
               UnorderedElementsAre("START +broken(l1)", "START used() + 5"));
-  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: lit, args: [l1]}]}");
+  request("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: lit, args: [l1]}]}");
   EXPECT_THAT(effects("{pddl_instance: x, name: smash, args: [l1]}"),
               UnorderedElementsAre("START +broken(l1)", "START -lit(l1)", "START used() + 5"));
 }
@@ -243,7 +245,7 @@ TEST_F(ManagerTest, ConditionsAreCheckedAtEveryTimeOfAnAction) {
   EXPECT_THAT(at("END"), ElementsAre("Forall (lamp l) (not broken(l))"));
   EXPECT_THAT(check("{pddl_instance: x, name: smash, args: [l1]}"),
               ElementsAre("Forall (lamp m) lit(m)", "(price(l1) <= 3)"));
-  tell("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: x, name: power}]}");
+  request("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: x, name: power}]}");
   EXPECT_THAT(check(action), ElementsAre("power", "guarded"));  // all that is missing, at once
 }
 
@@ -282,21 +284,21 @@ TEST_F(ManagerTest, AnEffectAtTheEndRemembersWhatItsConditionWasAtTheStart) {
   EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)", "END +dry()"))
       << "nobody has begun: as it is now";
   EXPECT_THAT(check(action), ElementsAre("sat"));
-  tell("rm_fluents", "RemoveFluents",
-       "{fluents: [{pddl_instance: x, name: dry}, {pddl_instance: x, name: wet, args: [a]}]}");
-  tell("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: wet, args: [b]}]}");
+  request("rm_fluents", "RemoveFluents",
+          "{fluents: [{pddl_instance: x, name: dry}, {pddl_instance: x, name: wet, args: [a]}]}");
+  request("add_fluents", "AddFluents", "{fluents: [{pddl_instance: x, name: wet, args: [b]}]}");
   EXPECT_THAT(check(action), ElementsAre("dry"));
   EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)"))
       << "a was wet at the start; it is not at the end";
-  tell("add_fluents", "AddFluents",
-       "{fluents: [{pddl_instance: x, name: dry}, {pddl_instance: x, name: wet, args: [a]}]}");
+  request("add_fluents", "AddFluents",
+          "{fluents: [{pddl_instance: x, name: dry}, {pddl_instance: x, name: wet, args: [a]}]}");
   EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)", "END +dry()"));
   EXPECT_THAT(check(action), ElementsAre("sat"));
   EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)", "END +rust(b)", "END +dry()"))
       << "it began anew";
 }
 
-TEST_F(ManagerTest, TheOriginalIsReproducedWhereThatIsWanted) {
+TEST_F(ManagerTest, ReproducesTheOriginalOnRequest) {
   PddlManagerOptions options;
   options.original = true;
   start(std::move(options));
@@ -319,7 +321,7 @@ TEST_F(ManagerTest, TheOriginalIsReproducedWhereThatIsWanted) {
                 (:action a :parameters (?o - t) :effect (forall (?y - t) (when (q ?y) (p ?y))))))",
             "(define (problem p) (:domain d) (:objects o1 o2 - t) (:init) (:goal (and)))");
   EXPECT_THAT(effects("{pddl_instance: x, name: a, args: [o1]}"), ElementsAre("START +p(y)"));
-  tell("set_action_filter", "SetActionFilter", "{pddl_instance: x, goal_instance: base, actions: [nobody-knows]}");
+  request("set_action_filter", "SetActionFilter", "{pddl_instance: x, goal_instance: base, actions: [nobody-knows]}");
   bool asked = false;
   const bus::ServiceType& clear = **registry_.service("cx_pddl_interfaces/srv/ClearGoals");
   auto client =

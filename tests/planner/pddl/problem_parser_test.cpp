@@ -42,7 +42,7 @@ TEST(ProblemParser, ConstantsComeBeforeObjects) {
   EXPECT_EQ(objects_of(domain(), problem, {find(domain().type_names, "place")}), (std::vector<ObjectId>{0, 3}));
 }
 
-TEST(ProblemParser, InitHoldsFactsValuesAndWhatHappensLater) {
+TEST(ProblemParser, InitHoldsFactsValuesAndLaterEvents) {
   const Problem problem = parsed(
       "(:init (at r1 base) (at r1 base) (not (open hall)) (= (battery r1) 2.5)"
       " (at 9 (not (open hall))) (at 5 (open hall)) (at 7.5 (= (battery r1) 1)) (at 0 (open base)))"
@@ -65,7 +65,7 @@ TEST(ProblemParser, ObjectDeclaredTwiceBelongsToBothTypes) {
   EXPECT_EQ(problem.objects[1].types.size(), 2u);
 }
 
-TEST(ProblemParser, ErrorsTellBothFiles) {
+TEST(ProblemParser, ErrorsNameBothFiles) {
   EXPECT_EQ(error_of("(:init (at hall r1))"),
             "p.pddl:2: found hall of type place; declared at p.pddl:1; expected type robot for argument 1 of at; "
             "declared at d.pddl:3");
@@ -92,16 +92,16 @@ TEST(ProblemParser, PreferencesAreNotSupported) {
   const auto problem =
       parse_problem("(define (problem p) (:domain work-flow) (:goal (preference x (open base))))", "p.pddl", domain());
   ASSERT_FALSE(problem);
-  EXPECT_EQ(problem.error().code, kUnsupported);
+  EXPECT_TRUE(is(problem.error(), Failure::kUnsupported));
 }
 
-TEST(ProblemParser, GivesUpWhenTheDeadlineHasPassed) {
+TEST(ProblemParser, StopsWhenTheDeadlineHasPassed) {
   const std::string text = "(define (problem p) (:domain work-flow) (:init) (:goal (and)))";
   const auto now = std::chrono::steady_clock::now();
   EXPECT_TRUE(parse_problem(text, "p.pddl", domain(), now + std::chrono::hours(1)));
   const auto late = parse_problem(text, "p.pddl", domain(), now);
   ASSERT_FALSE(late);
-  EXPECT_EQ(late.error().code, kTooLate);
+  EXPECT_TRUE(is(late.error(), Failure::kLate));
 }
 
 TEST(LoadTask, ExampleOfTheDocsMakesADomain) {

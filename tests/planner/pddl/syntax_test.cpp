@@ -19,7 +19,7 @@ std::string error_of(std::string_view text) {
   return syntax ? "no error" : syntax.error().text();
 }
 
-TEST(Syntax, ListWithoutEndIsReportedWhereItBegins) {
+TEST(Syntax, AListWithoutEndIsReportedWhereItBegins) {
   EXPECT_EQ(error_of("(define\n  (domain\n  foo)\n"),
             "a.pddl:1: found the end of the file, expected a ')' for the list that begins here");
   EXPECT_EQ(error_of("(define)\n)"), "a.pddl:2: found a ')' that closes nothing; expected the end of the file");
@@ -42,7 +42,7 @@ TEST(Syntax, SectionInsideAnotherNamesTheOneThatWasNotClosed) {
             "before it, :types, begins in line 2");
 }
 
-TEST(Syntax, ControlCharactersAreNoNames) {
+TEST(Syntax, RejectsControlCharactersInNames) {
   EXPECT_EQ(error_of(std::string_view("(define\n a\0b)", 13)),
             "a.pddl:2: found a control character (code 0) in a name, expected text");
 }

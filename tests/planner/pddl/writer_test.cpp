@@ -24,7 +24,7 @@ constexpr const char* kProblem = R"((define (problem p) (:domain d) (:objects r1
   (:init (at r1 base) (= (battery r1) 0.25) (at 4.5 (open hall)) (at 6 (not (open hall))) (at 7 (= (battery r1) 1)))
   (:goal (forall (?r - robot) (> (battery ?r) -1))) (:metric minimize (+ (total-time) (* 2 (total-cost))))))";
 
-TEST(Writer, WhatIsWrittenReadsBackTheSame) {
+TEST(Writer, WrittenTextReadsBackTheSame) {
   const auto domain = parse_domain(kDomain, "d");
   ASSERT_TRUE(domain) << domain.error().text();
   const auto problem = parse_problem(kProblem, "p", *domain);

@@ -70,7 +70,7 @@ TEST(Clock, ADurationIsChosenWhileAnotherActionNeedsIt) {
   ASSERT_TRUE(found.plan);
 }
 
-TEST(Clock, APlanWithFixedTimesSaysSo) {
+TEST(Clock, OrderingsOfAPlanWithFixedTimesFixThem) {
   const PlanAnswer found = answer(parse(kOven, "(:init (cold) (= (heat) 40)) (:goal (baked))"));
   ASSERT_TRUE(found.plan);
   EXPECT_NEAR(static_cast<double>(found.plan->latest[2]), found.plan->steps[1].start * kMicrosPerSecond, 0.5);

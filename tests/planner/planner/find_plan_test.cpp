@@ -22,7 +22,7 @@ TEST(FindPlan, OverlapsActionsWhereOneNeedsTheOther) {
   EXPECT_EQ(found.plan->steps.size(), 5u);  // two matches: three items take six seconds
 }
 
-TEST(FindPlan, KeepsApartWhatValidatorsKeepApartThoughNothingDependsOnIt) {
+TEST(FindPlan, SeparatesHappeningsThatValidatorsSeparateThoughNothingDependsOnIt) {
   const auto starts = [](const char* condition, const char* init) {
     const PlanAnswer found =
         answer(parse(std::string(R"((:predicates (known) (never) (fixed) (go) (seen) (done)) (:functions (count) (sum))
@@ -42,7 +42,7 @@ TEST(FindPlan, KeepsApartWhatValidatorsKeepApartThoughNothingDependsOnIt) {
   EXPECT_EQ(starts("(fixed)", "(fixed)"), 0);
 }
 
-TEST(FindPlan, ChangesThatNobodyNeedsAreKeptApartIfTheyInterfere) {
+TEST(FindPlan, SeparatesInterferingChangesThatNothingNeeds) {
   const auto second_start = [](const char* first, const char* second) {
     const PlanAnswer found = answer(parse(std::string(R"((:predicates (a) (b) (lamp) (go)) (:functions (sum) (rate))
       (:durative-action one :parameters () :duration (= ?duration 2) :condition (at start (go)) :effect (and (at start )") +
@@ -60,12 +60,13 @@ TEST(FindPlan, ChangesThatNobodyNeedsAreKeptApartIfTheyInterfere) {
   EXPECT_EQ(second_start("(lamp)", "(lamp)"), 0);
 }
 
-TEST(FindPlan, WhatLastsTooShortlyIsNoHelp) {
+TEST(FindPlan, IgnoresActionsThatLastTooShortly) {
   std::string objects, init, goal;
   for (int i = 0; i < 40; ++i) {
     const std::string name = " b" + std::to_string(i);
-    objects += name, init += (i % 2 ? " (small" : " (big") + name + ")",
-        goal += " (baked" + name + ") (glazed" + name + ")";
+    objects += name;
+    init += (i % 2 ? " (small" : " (big") + name + ")";
+    goal += " (baked" + name + ") (glazed" + name + ")";
   }
   const PlanAnswer found = answer(parse(R"((:predicates (hot) (in ?b) (small ?b) (big ?b) (glazed ?b) (baked ?b))
     (:durative-action a-short-fire :parameters () :duration (= ?duration 8) :condition () :effect (and (at start (hot)) (at end (not (hot)))))
@@ -81,7 +82,7 @@ TEST(FindPlan, WhatLastsTooShortlyIsNoHelp) {
   EXPECT_NEAR(found.plan->makespan_s, 20.0, 0.1);
 }
 
-TEST(FindPlan, WhatHappensTooLateIsNoPlan) {
+TEST(FindPlan, APlanThatComesTooLateIsNotReturned) {
   const std::string domain = R"((:predicates (open) (in))
     (:durative-action enter :parameters () :duration (= ?duration 4) :condition (over all (open)) :effect (at end (in))))";
   const PlanAnswer in_time = answer(parse(domain, "(:init (at 2 (open)) (at 7 (not (open)))) (:goal (in))"));
@@ -98,7 +99,7 @@ TEST(FindPlan, APlanThatWaitsForAnEventEndsAfterIt) {
   EXPECT_GT(found.plan->makespan_s, 6.0);
 }
 
-TEST(FindPlan, WhatAnEventUndoesAfterwardsIsNoGoal) {
+TEST(FindPlan, AGoalThatAnEventUndoesAfterwardsDoesNotCount) {
   const std::string domain = R"((:predicates (lit))
     (:durative-action light :parameters () :duration (= ?duration 1) :condition () :effect (at end (lit))))";
   for (const char* init : {"(:init (at 6 (not (lit))))", "(:init (lit) (at 6 (not (lit))))"}) {
@@ -109,7 +110,7 @@ TEST(FindPlan, WhatAnEventUndoesAfterwardsIsNoGoal) {
   EXPECT_EQ(answer(parse(domain, "(:init (at 6 (not (lit))) (at 7 (lit))) (:goal (lit))")).plan->makespan_s, 1.0);
 }
 
-TEST(FindPlan, AnEventAfterTheLastActionMayBringAboutTheGoal) {
+TEST(FindPlan, AnEventAfterTheLastActionCanMakeTheGoalTrue) {
   const PlanAnswer found =
       answer(parse(R"((:predicates (lamp) (photo))
     (:durative-action expose :parameters () :duration (= ?duration 3) :condition (over all (lamp)) :effect (at end (photo))))",
@@ -118,7 +119,7 @@ TEST(FindPlan, AnEventAfterTheLastActionMayBringAboutTheGoal) {
   EXPECT_LT(found.plan->makespan_s, 6.0);
 }
 
-TEST(FindPlan, CountsWhatItMustCollect) {
+TEST(FindPlan, CollectsAsMuchAsIsNeeded) {
   const PlanAnswer found = answer(parse(R"((:functions (coins)) (:predicates (bought))
     (:durative-action earn :parameters () :duration (= ?duration 2) :condition (at start (<= (coins) 5)) :effect (at end (increase (coins) 2)))
     (:durative-action buy :parameters () :duration (= ?duration 1) :condition (at start (>= (coins) 5)) :effect (and (at end (bought)) (at start (decrease (coins) 5)))))",
@@ -145,6 +146,52 @@ TEST(FindPlan, DerivedFactsAndTheirAbsence) {
   ASSERT_TRUE(found.plan);
 }
 
+TEST(FindPlan, ADerivedFactIsDecidedBeforeTheRulesThatNegateIt) {
+  // Without `broken`, no part is bad, so the machine is sound, so it needs no repair.
+  const std::string domain = R"((:predicates (broken) (bad) (sound) (needs-repair) (sold))
+    (:derived (needs-repair) (not (sound)))
+    (:derived (sound) (not (bad)))
+    (:derived (bad) (broken))
+    (:action sell :parameters () :precondition (not (needs-repair)) :effect (sold))
+    (:action drop :parameters () :precondition () :effect (broken))
+    (:action mend :parameters () :precondition (broken) :effect (not (broken))))";
+  const PlanAnswer sound = answer(parse(domain, "(:init) (:goal (sold))"));
+  ASSERT_TRUE(sound.plan);
+  EXPECT_EQ(sound.plan->steps.size(), 1u);
+  const PlanAnswer broken = answer(parse(domain, "(:init (broken)) (:goal (sold))"));
+  ASSERT_TRUE(broken.plan);
+  EXPECT_EQ(broken.plan->steps.size(), 2u) << "it is mended first";
+}
+
+TEST(FindPlan, ComparisonsWithNearlyEqualConstantsAreDifferent) {
+  const PlanAnswer found = answer(parse(R"((:functions (x)) (:predicates (done))
+    (:action strict :parameters () :precondition (>= (x) 0.0000004) :effect (done))
+    (:action lax :parameters () :precondition (>= (x) 0.0000001) :effect (done))
+    (:action spend :parameters () :precondition (done) :effect (decrease (x) 1)))",
+                                        "(:init (= (x) 0.0000002)) (:goal (done))"));
+  ASSERT_TRUE(found.plan) << found.reason;
+  EXPECT_EQ(found.plan->steps.size(), 1u);
+}
+
+TEST(FindPlan, ReportsABoundThatLeavesOutEndsAtOneInstant) {
+  // Two pieces can share the oven only if both are put in at the same instant.
+  const std::string domain = R"((:predicates (raw ?p) (in ?p) (empty) (baked ?p) (out ?p))
+    (:durative-action fill :parameters (?p) :duration (= ?duration 2) :condition (and (at start (raw ?p)) (over all (empty)))
+     :effect (and (at start (not (raw ?p))) (at end (in ?p)) (at end (not (empty)))))
+    (:durative-action bake :parameters (?p) :duration (= ?duration 10) :condition (at start (in ?p)) :effect (at end (baked ?p)))
+    (:durative-action take :parameters (?p) :duration (= ?duration 3) :condition (and (at start (baked ?p)) (at start (in ?p)))
+     :effect (and (at start (not (in ?p))) (at end (out ?p)) (at end (empty)))))";
+  const PlanAnswer two =
+      answer(parse(domain, "(:objects a b) (:init (raw a) (raw b) (empty)) (:goal (and (out a) (out b)))"),
+             {.budget = 200'000, .anytime = true});
+  ASSERT_TRUE(two.plan);
+  EXPECT_EQ(two.lower_bound_s, 30);
+  EXPECT_TRUE(two.bound_assumes_order);
+  EXPECT_EQ(two.reason, "no plan is shorter in which no two actions change one fact at one instant");
+  const PlanAnswer one = answer(parse(domain, "(:objects a) (:init (in a) (empty)) (:goal (baked a))"));
+  EXPECT_FALSE(one.bound_assumes_order);
+}
+
 TEST(FindPlan, AConditionOfTheBeginningDecidesAnEffectAtTheEnd) {
   const PlanAnswer found = answer(parse(R"((:predicates (wet) (rain) (home))
     (:durative-action walk :parameters () :duration (= ?duration 3) :condition () :effect (and (at end (home)) (when (at start (rain)) (at end (wet))))))",
@@ -153,7 +200,7 @@ TEST(FindPlan, AConditionOfTheBeginningDecidesAnEffectAtTheEnd) {
   EXPECT_GT(found.plan->steps[0].start, 1.0);
 }
 
-TEST(FindPlan, AnEffectThatMustNotComeAboutIsKeptFromIt) {
+TEST(FindPlan, PreventsAnEffectThatMustNotHappen) {
   const PlanAnswer found = answer(parse(
       R"((:predicates (wet ?p) (rain) (roof ?p) (home ?p) (person ?p))
     (:durative-action walk :parameters (?p) :duration (= ?duration 4) :condition (at start (person ?p))
@@ -181,7 +228,7 @@ TEST(FindPlan, AnActionWithoutDurationIsOneHappening) {
   EXPECT_EQ(answer(parse(start_and_end + "(at end (a)))", "(:init) (:goal (and (a) (b)))")).status, PlanStatus::kEnded);
 }
 
-TEST(FindPlan, SeveralInTurnKeepAnExistenceAlive) {
+TEST(FindPlan, SeveralActionsInTurnKeepAnExistentialConditionTrue) {
   const PlanAnswer found = answer(parse(R"((:predicates (on ?l) (fresh ?l) (done))
     (:durative-action light :parameters (?l) :duration (= ?duration 3) :condition (at start (fresh ?l))
      :effect (and (at start (not (fresh ?l))) (at start (on ?l)) (at end (not (on ?l)))))
@@ -199,7 +246,7 @@ TEST(FindPlan, AConditionOverAllMayEndWithItsAction) {
   EXPECT_EQ(found.plan->makespan_s, 5.0);
 }
 
-TEST(FindPlan, NumbersThatChangeAllAlong) {
+TEST(FindPlan, NumbersThatChangeContinuously) {
   const PlanAnswer found = answer(parse(R"((:functions (level)) (:predicates (idle))
     (:durative-action pump :parameters () :duration (= ?duration 3) :condition (and (at start (idle)) (over all (>= (level) 0)))
      :effect (and (at start (not (idle))) (at end (idle)) (increase (level) (* #t 2)))))",
@@ -265,7 +312,10 @@ TEST(FindPlan, ProvesThatNoOrderWorks) {
 
 TEST(FindPlan, ProvesThatTwoFactsOfTheGoalAreNeverTrueTogetherWithoutTryingAllStates) {
   std::string objects = "(:objects", off;
-  for (int i = 0; i < 40; ++i) objects += " s" + std::to_string(i), off += " (off s" + std::to_string(i) + ")";
+  for (int i = 0; i < 40; ++i) {
+    objects += " s" + std::to_string(i);
+    off += " (off s" + std::to_string(i) + ")";
+  }
   const PlanAnswer found =
       answer(parse(R"((:predicates (key) (left) (right) (on ?s) (off ?s))
     (:durative-action open-left :parameters () :duration (= ?duration 2) :condition (at start (key))
@@ -280,7 +330,7 @@ TEST(FindPlan, ProvesThatTwoFactsOfTheGoalAreNeverTrueTogetherWithoutTryingAllSt
   EXPECT_LT(found.units, 5'000);
 }
 
-TEST(FindPlan, ProvesThatWhatEndsDoesNotEndAgain) {
+TEST(FindPlan, ProvesUsingThatAnActionEndsOnce) {
   // If one lifting could end often, a block would be in the hand and on another one.
   const PlanAnswer found =
       answer(parse(R"((:predicates (on ?x ?y) (table ?x) (clear ?x) (free) (held ?x))
@@ -298,7 +348,7 @@ TEST(FindPlan, ProvesThatWhatEndsDoesNotEndAgain) {
   EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
 }
 
-TEST(FindPlan, CostsThatNothingReadsDoNotMakeTwoStatesOfOne) {
+TEST(FindPlan, StatesThatDifferOnlyInUnreadCostsAreOne) {
   // Three tiles on a ring of four places only go round: two of them never change their order.
   const PlanAnswer found =
       answer(parse(R"((:predicates (at ?t ?p) (empty ?p) (next ?p ?q)) (:functions (total-cost))
@@ -326,17 +376,20 @@ TEST(FindPlan, WithoutDurationsOneSearchThroughAllOrdersIsTheProof) {
   EXPECT_EQ(found.reason, "no order of actions reaches the goal");
 }
 
-TEST(FindPlan, EndsWithoutProofWhereOnlyTimeForbids) {
+TEST(FindPlan, EndsWithoutProofWhereOnlyTimesRuleOutPlans) {
   const std::string domain = R"((:predicates (lit) (done))
     (:durative-action flash :parameters () :duration (= ?duration 1) :condition () :effect (and (at start (lit)) (at end (not (lit)))))
     (:durative-action work :parameters () :duration (= ?duration 2) :condition (over all (lit)) :effect (at end (done))))";
   EXPECT_EQ(answer(parse(domain, "(:init) (:goal (done))")).status, PlanStatus::kEnded);
 }
 
-TEST(FindPlan, SaysThatTheBudgetEnded) {
+TEST(FindPlan, ReportsThatTheBudgetEnded) {
   std::string objects = "(:objects";
   std::string init;
-  for (int i = 0; i < 14; ++i) objects += " o" + std::to_string(i), init += " (item o" + std::to_string(i) + ")";
+  for (int i = 0; i < 14; ++i) {
+    objects += " o" + std::to_string(i);
+    init += " (item o" + std::to_string(i) + ")";
+  }
   const PlanAnswer found = answer(
       parse(kLamp, objects + ") (:init (dark) (free)" + init + ") (:goal (forall (?i) (done ?i)))"), {.budget = 300});
   EXPECT_EQ(found.status, PlanStatus::kBudget);
@@ -346,11 +399,14 @@ TEST(FindPlan, SaysThatTheBudgetEnded) {
 /// Objects o0 ... of which fact (p o) holds.
 std::string numbered(int count) {
   std::string objects = "(:objects", init;
-  for (int i = 0; i < count; ++i) objects += " o" + std::to_string(i), init += " (p o" + std::to_string(i) + ")";
+  for (int i = 0; i < count; ++i) {
+    objects += " o" + std::to_string(i);
+    init += " (p o" + std::to_string(i) + ")";
+  }
   return objects + ") (:init (next o0 o1)" + init + ")";
 }
 
-TEST(FindPlan, TheBudgetMayEndWhileTheProblemIsWrittenOut) {
+TEST(FindPlan, TheBudgetCanEndDuringGrounding) {
   std::string different;  // no choice of twelve of eleven objects is
   for (char a = 'a'; a <= 'l'; ++a)
     for (char b = 'a'; b < a; ++b) different += std::string(" (not (= ?") + a + " ?" + b + "))";
@@ -376,7 +432,7 @@ TEST(FindPlan, TheBudgetMayEndWhileTheProblemIsWrittenOut) {
   }
 }
 
-TEST(FindPlan, WritingTheProblemOutCountsAsWork) {
+TEST(FindPlan, GroundingCountsAsWork) {
   const auto units = [](int objects) {
     return answer(parse("(:predicates (p ?x) (next ?x ?y) (g)) (:action a :parameters (?a ?b) :precondition (and (p "
                         "?a) (p ?b)) :effect (and (next ?a ?b) (g)))",
@@ -386,7 +442,7 @@ TEST(FindPlan, WritingTheProblemOutCountsAsWork) {
   EXPECT_GT(units(60), 3 * units(30));
 }
 
-TEST(FindPlan, NoTimeIsOverAtOnce) {
+TEST(FindPlan, ATimeoutOfZeroEndsAtOnce) {
   const PlanAnswer found = answer(
       parse("(:predicates (g)) (:action a :parameters () :effect (g))", "(:init) (:goal (g))"), {.timeout_s = 0.0});
   EXPECT_EQ(found.status, PlanStatus::kBudget);
@@ -421,7 +477,7 @@ TEST(FindPlan, SameBudgetSamePlan) {
   EXPECT_EQ(once.units, again.units);
 }
 
-TEST(FindPlan, EveryPlanToldIsBetterThanTheLast) {
+TEST(FindPlan, EveryReportedPlanIsBetterThanTheLast) {
   const Task task = parse(kJobs, kSixJobs);
   std::vector<double> told;
   PlanOptions options{.budget = 300'000, .anytime = true};
@@ -432,7 +488,7 @@ TEST(FindPlan, EveryPlanToldIsBetterThanTheLast) {
   EXPECT_EQ(told.back(), found.plan->makespan_s);
 }
 
-TEST(FindPlan, PlansShiftedWithinThePartialOrderAreRight) {
+TEST(FindPlan, PlansShiftedWithinThePartialOrderAreValid) {
   const Task task = parse(kJobs, kSixJobs);
   const PlanAnswer found = answer(task, {.budget = 200'000, .anytime = true});
   ASSERT_TRUE(found.plan);
@@ -443,7 +499,7 @@ TEST(FindPlan, PlansShiftedWithinThePartialOrderAreRight) {
   EXPECT_TRUE(verdict && verdict->valid) << (verdict ? verdict->violation->message : verdict.error().text());
 }
 
-TEST(FindPlan, GoesOnFromAPlanUnderExecution) {
+TEST(FindPlan, ContinuesAPlanUnderExecution) {
   const Task before = parse(kJobs, kSixJobs);
   const PlanAnswer first = answer(before);
   ASSERT_TRUE(first.plan);
@@ -511,7 +567,7 @@ TEST(Metric, CostAloneTakesTheSlowWay) {
   EXPECT_NEAR(found.plan->makespan_s, 7.0, 0.01);  // the shortest of the cheapest
 }
 
-TEST(Metric, TimeAndFuelTogetherAreWeighed) {
+TEST(Metric, WeighsTimeAndFuelTogether) {
   // All by road: 2 * 7 + 3 = 17; all by air: 2 * 2 + 18 = 22; one by air changes fuel only.
   EXPECT_NEAR(send_parcels("(:metric minimize (+ (* 2 (total-time)) (fuel-used)))").plan->metric.value(), 17.0, 0.01);
   // All by air: 4 * 2 + 18 = 26; all by road: 4 * 7 + 3 = 31.
@@ -534,7 +590,7 @@ TEST(Metric, AMultipleOfTheMakespanIsTheMakespan) {
   EXPECT_NEAR(found.metric_bound.value(), 11.0, 1e-9);
 }
 
-TEST(Metric, WhatIsToBeLargeGrowsBeyondTheGoal) {
+TEST(Metric, AMaximizedNumberGrowsBeyondTheGoal) {
   const Task task = parse(R"((:predicates (ripe ?t) (home) (basket)) (:functions (apples))
     (:durative-action pick :parameters (?t) :duration (= ?duration 1) :condition (and (at start (ripe ?t)) (at start (basket)))
      :effect (and (at start (not (ripe ?t))) (at end (increase (apples) 3))))

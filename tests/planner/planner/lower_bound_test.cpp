@@ -48,11 +48,13 @@ TEST(LowerBound, PiecesThatShareAPlaceComeOneAfterTheOther) {
   EXPECT_EQ(seconds(bound_of(parse(kOven, kTwoPieces))), 30);
 }
 
-TEST(LowerBound, IsNotBegunWhereTheSliceIsTooShortForOneRound) {
+TEST(LowerBound, DoesNotBeginWhereTheSliceIsTooShortForOneRound) {
   std::string pieces, raw, out;
   for (int i = 0; i < 60; ++i) {
     const std::string piece = " p" + std::to_string(i);
-    pieces += piece, raw += " (raw" + piece + ")", out += " (out" + piece + ")";
+    pieces += piece;
+    raw += " (raw" + piece + ")";
+    out += " (out" + piece + ")";
   }
   const Expected<GroundTask> made =
       ground(parse(kOven, "(:objects" + pieces + " - piece) (:init (empty)" + raw + ") (:goal (and" + out + "))"));
@@ -62,7 +64,7 @@ TEST(LowerBound, IsNotBegunWhereTheSliceIsTooShortForOneRound) {
   EXPECT_LT(budget.units(), 100);
 }
 
-TEST(LowerBound, SaysWhereActionsThatEndTogetherWouldBeShorter) {
+TEST(LowerBound, ReportsThatActionsThatEndTogetherWouldBeShorter) {
   const Task task = parse(kOven, kTwoPieces);
   EXPECT_TRUE(bound_of(task).assumes_order);
   const auto step = [&](double start, ActionId action, ObjectId piece, double duration) {

@@ -29,7 +29,7 @@ GroundTask machine() {
 
 constexpr Micros kSecond = kMicrosPerSecond;
 
-TEST(Timeline, WhatNeedsAFactWaitsUntilItIsBack) {
+TEST(Timeline, AnActionWaitsUntilTheFactThatItNeedsIsTrueAgain) {
   const GroundTask task = machine();
   const Touches touches(task);
   Timeline timeline(touches);
@@ -76,7 +76,7 @@ TEST(Stn, ALongChainAgreesWithTheTimelineAndNeedsFewDistances) {
   EXPECT_LT(stn.distances(), 400u);  // of 5,576 pairs that conflict
 }
 
-TEST(KeptSearch, GoesOnWhereItsLastSliceEnded) {
+TEST(KeptSearch, ContinuesWhereItsLastSliceEnded) {
   // Five tiles on a board of two by three, two of them the wrong way round: all of 360 states are looked at.
   Expected<Domain> domain = parse_domain(R"((define (domain d) (:predicates (at ?t ?p) (empty ?p) (next ?p ?q))
     (:action slide :parameters (?t ?p ?q) :precondition (and (at ?t ?p) (empty ?q) (next ?p ?q))

@@ -101,7 +101,8 @@ inline MetricTally check_metrics(std::uint64_t seed, int count, std::int64_t bud
       EXPECT_LE(*answer->metric_bound, *best + 1e-6);
       EXPECT_LE(*answer->metric_bound, *answer->plan->metric + 1e-6);
     }
-    problem.time_weight = 1, problem.count_weight = 0;
+    problem.time_weight = 1;
+    problem.count_weight = 0;
     const std::optional<Task> shortest = parse_task(problem);
     const Expected<PlanAnswer> quick = find_plan(*shortest, {.budget = budget, .anytime = true});
     if (quick && quick->plan &&

@@ -2,7 +2,7 @@
 
 namespace cxlab::planner {
 
-TEST(RandomProblems, TenThousandOfThem) {
+TEST(RandomProblems, TenThousandProblems) {
   const Tally tally = check_many(2, 10'000);
   std::printf("plans %d, proved unsolvable %d, no answer %d, of which the oracle solves %d\n", tally.plans,
               tally.unsolvable, tally.ended, tally.missed);

@@ -2,14 +2,14 @@
 
 namespace cxlab::planner {
 
-TEST(RandomProblems, PlansAreValidAndWhatIsCalledUnsolvableHasNoPlan) {
+TEST(RandomProblems, PlansAreValidAndUnsolvableProblemsHaveNoPlan) {
   const Tally tally = check_many(1, 300);
   EXPECT_GT(tally.plans, 60);
   EXPECT_GT(tally.unsolvable, 30);
   EXPECT_EQ(tally.missed, 0) << "the oracle found plans where the planner ended without an answer";
 }
 
-TEST(RandomProblems, MetricsAreMadeAsGoodAsAnExhaustiveSearchKnows) {
+TEST(RandomProblems, MetricsAreAsGoodAsThoseOfAnExhaustiveSearch) {
   const MetricTally tally = check_metrics(1, 300, 100'000);
   EXPECT_GT(tally.compared, 30);
   EXPECT_GT(tally.not_shortest, 5);
@@ -17,7 +17,7 @@ TEST(RandomProblems, MetricsAreMadeAsGoodAsAnExhaustiveSearchKnows) {
   EXPECT_EQ(tally.worse, 0);
 }
 
-TEST(RandomProblems, TheOracleKnowsThatOverlapSolvesWhatSequencesCannot) {
+TEST(RandomProblems, TheOracleFindsPlansThatNeedOverlap) {
   RandomProblem problem;
   problem.facts = 2;
   problem.initial = {0, 0};

@@ -67,7 +67,7 @@ TEST_F(StateTest, QuantifiedConditionalEffectsAreExpandedInTheState) {
   EXPECT_FALSE(precondition("mark", {0}));
 }
 
-TEST_F(StateTest, WhatReadsAnUndefinedValueFails) {
+TEST_F(StateTest, ReadingAnUndefinedValueFails) {
   EXPECT_FALSE(precondition("mark", {1})) << "level of b is not known";
   std::vector<Change> changes;
   Frame frame;

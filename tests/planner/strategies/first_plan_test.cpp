@@ -50,7 +50,9 @@ TEST(SequenceSearch, TheFirstSearchContinuesInEveryFourthRound) {
   std::string objects = "(:objects", init, goal;
   for (int i = 0; i < 12; ++i) {
     const std::string cup = " c" + std::to_string(i);
-    objects += cup, init += " (dirty" + cup + ")", goal += " (clean" + cup + ")";
+    objects += cup;
+    init += " (dirty" + cup + ")";
+    goal += " (clean" + cup + ")";
   }
   Prepared problem(kCups, objects + ") (:init (sink-free)" + init + ") (:goal (and" + goal + "))");
   SequenceSearch search(*problem);

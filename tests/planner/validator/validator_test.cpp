@@ -23,7 +23,7 @@ const char* kWorld = R"((:types robot place)
 const char* kStart =
     R"((:objects r - robot a b - place) (:init (at r a) (free r) (road a b) (open b)) (:goal (done b)))";
 
-TEST(Validator, AcceptsAPlanThatIsRight) {
+TEST(Validator, AcceptsAValidPlan) {
   const auto verdict = Checker(kWorld, kStart).check("0: (go r a b) [5]\n5.001: (work r b) [2.5]\n");
   ASSERT_TRUE(verdict);
   EXPECT_TRUE(verdict->valid);
@@ -45,7 +45,7 @@ TEST(Validator, ConditionThatComesTrueLaterGetsAdvice) {
             "(line 1) makes (at r b) true");
 }
 
-TEST(Validator, OverAllIsHeldAgainstDeleters) {
+TEST(Validator, ConditionOverAllFailsWhereAnActionDeletesItsFact) {
   const char* start =
       R"((:objects r - robot a b - place) (:init (at r b) (free r) (road b a) (open b)) (:goal (done b)))";
   EXPECT_EQ(Checker(kWorld, start).verdict("0: (work r b) [3]\n2: (go r b a) [5]\n"),
@@ -55,6 +55,23 @@ TEST(Validator, OverAllIsHeldAgainstDeleters) {
             "0.000: (work r b) (line 1) has ended");
   EXPECT_EQ(Checker(kWorld, start).verdict("0: (work r b) [3]\n3: (go r b a) [5]\n"), "valid")
       << "the interval is open";
+}
+
+TEST(Validator, HappeningsThatInterfereAreEpsilonApart) {
+  const Checker checker(kWorld, kStart);
+  const auto valid = [&](const std::string& sweep, double epsilon) {
+    const auto verdict = checker.check("0: (soil a)\n" + sweep + ": (sweep a)\n1: (go r a b) [5]\n7: (work r b) [2]\n",
+                                       {.epsilon = epsilon});
+    EXPECT_TRUE(verdict);
+    EXPECT_TRUE(verdict->valid || verdict->violation->kind == Violation::Kind::kInterference);
+    return verdict->valid;
+  };
+  EXPECT_TRUE(valid("0.001", 0.001));
+  EXPECT_FALSE(valid("0.000999", 0.001));
+  EXPECT_FALSE(valid("0.0006", 0.001)) << "more than half of epsilon";
+  EXPECT_FALSE(valid("0.0001", 0.001));
+  EXPECT_TRUE(valid("0.0006", 0.0005));
+  EXPECT_FALSE(valid("0.009", 0.01));
 }
 
 TEST(Validator, ConditionAtEndIsReadBeforeTheEnd) {
@@ -105,7 +122,7 @@ TEST(Validator, TwoThatAddAndDeleteAtOnceInterfere) {
   EXPECT_EQ(Checker(world, start).verdict("1: (sweep a)\n1: (sweep a)"), "valid");
 }
 
-TEST(Validator, AConditionReadsAllThatItNamesAsVALHasIt) {
+TEST(Validator, AConditionReadsAllThatItNamesAsInVAL) {
   const auto verdict = [](const std::string& condition) {
     return Checker(
                R"((:types lamp) (:constants l m - lamp) (:predicates (on ?l - lamp) (fixed ?l - lamp) (loose ?l - lamp) (seen))
@@ -184,7 +201,7 @@ TEST(Validator, ConditionalAndUniversalEffectsAreEvaluatedInTheState) {
   EXPECT_THAT(Checker(world, start).verdict("0: (stop)\n1: (carry)"), HasSubstr("(wet x) has been false"));
 }
 
-TEST(Validator, EffectAtEndMayDependOnTheStartAndTheWay) {
+TEST(Validator, EffectAtEndMayDependOnStartAndOverAll) {
   const char* world = R"((:predicates (light) (seen) (ready))
     (:durative-action watch :parameters () :duration (= ?duration 10)
       :effect (and (when (at start (light)) (at end (seen))) (when (and (at start (light)) (over all (light))) (at end (ready)))))
@@ -235,7 +252,7 @@ TEST(Validator, TheGoalIsJudgedAfterAllEvents) {
   EXPECT_EQ(Checker(world, "(:init (at 8 (not (lit))) (at 9 (lit))) (:goal (lit))").verdict("1: (light)"), "valid");
 }
 
-TEST(Validator, RequiredConcurrencyIsUnderstood) {
+TEST(Validator, AcceptsRequiredConcurrency) {
   const char* world = R"((:types match fuse) (:predicates (light) (unused ?m - match) (mended ?f - fuse))
     (:durative-action burn :parameters (?m - match) :duration (= ?duration 5) :condition (at start (unused ?m))
       :effect (and (at start (light)) (at start (not (unused ?m))) (at end (not (light)))))
