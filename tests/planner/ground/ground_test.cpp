@@ -1,0 +1,190 @@
+// What is written out of a problem, and what is left out of it.
+
+#include "planner/ground/ground.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "planner/ground/relaxation.h"
+#include "planner/pddl/parser.h"
+
+namespace cxlab::planner {
+namespace {
+
+class Grounded {
+ public:
+  Grounded(const std::string& domain_body, const std::string& problem_body) {
+    Expected<Domain> domain = parse_domain(
+        "(define (domain d) (:requirements :adl :durative-actions :fluents :timed-initial-literals :derived-predicates "
+        ":continuous-effects :duration-inequalities)\n" +
+            domain_body + ")",
+        "domain.pddl");
+    EXPECT_TRUE(domain) << domain.error().text();
+    Expected<Problem> problem =
+        parse_problem("(define (problem p) (:domain d)\n" + problem_body + ")", "problem.pddl", *domain);
+    EXPECT_TRUE(problem) << problem.error().text();
+    task_ = {std::move(*domain), std::move(*problem)};
+    Expected<GroundTask> made = ground(task_);
+    EXPECT_TRUE(made);
+    ground_ = std::move(*made);
+  }
+
+  const GroundTask& operator*() const { return ground_; }
+  const GroundTask* operator->() const { return &ground_; }
+
+  std::vector<std::string> actions() const {
+    std::vector<std::string> names;
+    for (const GroundAction& action : ground_.actions) names.push_back(action_name(task_, action));
+    std::ranges::sort(names);
+    return names;
+  }
+  std::vector<std::string> facts() const {
+    std::vector<std::string> names;
+    for (const GroundFact& fact : ground_.facts) names.push_back(fact_name(task_, fact));
+    std::ranges::sort(names);
+    return names;
+  }
+
+ private:
+  Task task_;
+  GroundTask ground_;
+};
+
+using Names = std::vector<std::string>;
+
+TEST(Ground, WritesOutWhatCanHappenAndHelps) {
+  const Grounded task(R"((:predicates (at ?p) (road ?p ?q) (tired))
+    (:action go :parameters (?p ?q) :precondition (and (at ?p) (road ?p ?q)) :effect (and (at ?q) (not (at ?p))))
+    (:action yawn :parameters () :precondition () :effect (tired)))",
+                      "(:objects a b c x) (:init (at a) (road a b) (road b c) (road x a)) (:goal (at c))");
+  EXPECT_EQ(task.actions(), (Names{"(go a b)", "(go b c)"})) << "x cannot be reached, yawning helps nothing";
+  EXPECT_EQ(task.facts(), (Names{"(at a)", "(at b)", "(at c)"})) << "roads never change";
+}
+
+TEST(Ground, AParameterThatNothingReadsIsNotEnumerated) {
+  const Grounded task(R"((:predicates (done))
+    (:action work :parameters (?who) :precondition () :effect (done)))",
+                      "(:objects a b c) (:init) (:goal (done))");
+  EXPECT_EQ(task->actions.size(), 1u);
+}
+
+TEST(Ground, KeepsTheFirstOfEqualActions) {
+  const Grounded task(R"((:predicates (raw) (done))
+    (:durative-action by-hand :parameters () :duration (= ?duration 2) :condition (at start (raw)) :effect (at end (done)))
+    (:durative-action by-machine :parameters () :duration (= ?duration 2) :condition (at start (raw)) :effect (at end (done)))
+    (:durative-action slowly :parameters () :duration (= ?duration 3) :condition (at start (raw)) :effect (at end (done))))",
+                      "(:init (raw)) (:goal (done))");
+  EXPECT_EQ(task.actions(), (Names{"(by-hand)", "(slowly)"}));
+}
+
+TEST(Ground, AnAbsenceThatIsAskedForGetsAComplement) {
+  const Grounded task(R"((:predicates (wet) (dry-enough))
+    (:action wipe :parameters () :precondition (wet) :effect (not (wet)))
+    (:action check :parameters () :precondition (not (wet)) :effect (dry-enough)))",
+                      "(:init (wet)) (:goal (dry-enough))");
+  EXPECT_EQ(task.facts(), (Names{"(dry-enough)", "(not (wet))", "(wet)"}));
+  for (std::size_t f = 0; f < task->facts.size(); ++f) {
+    const int opposite = task->facts[f].complement;
+    if (opposite < 0) continue;
+    EXPECT_NE(task->initial_facts[f], task->initial_facts[opposite]);
+  }
+}
+
+TEST(Ground, EffectsKeepAComplementOpposite) {
+  const Grounded task(R"((:predicates (wet) (dry-enough))
+    (:action wipe :parameters () :precondition (wet) :effect (not (wet)))
+    (:action check :parameters () :precondition (not (wet)) :effect (dry-enough)))",
+                      "(:init (wet)) (:goal (dry-enough))");
+  const auto wipe =
+      std::ranges::find_if(task->actions, [](const GroundAction& a) { return !a.at_start.remove.empty(); });
+  ASSERT_NE(wipe, task->actions.end());
+  ASSERT_EQ(wipe->at_start.remove.size(), 1u);
+  EXPECT_EQ(wipe->at_start.add, std::vector<int>{task->facts[wipe->at_start.remove[0]].complement});
+}
+
+TEST(Ground, ActionsThatNeedTwoFactsThatAreNeverTrueTogetherAreLeftOut) {
+  const Grounded task(R"((:predicates (left) (right) (seen) (both))
+    (:action turn-left :parameters () :precondition (right) :effect (and (left) (not (right))))
+    (:action turn-right :parameters () :precondition (left) :effect (and (right) (not (left))))
+    (:action look :parameters () :precondition (right) :effect (seen))
+    (:action stare :parameters () :precondition (and (left) (right)) :effect (seen)))",
+                      "(:init (left)) (:goal (seen))");
+  EXPECT_EQ(task.actions(), (Names{"(look)", "(turn-left)", "(turn-right)"}));
+}
+
+TEST(Ground, TwoFactsOfTheGoalThatAreNeverTrueTogetherAreAProof) {
+  const Grounded task(R"((:predicates (left) (right))
+    (:action turn-left :parameters () :precondition (right) :effect (and (left) (not (right))))
+    (:action turn-right :parameters () :precondition (left) :effect (and (right) (not (left)))))",
+                      "(:init (left)) (:goal (and (left) (right)))");
+  EXPECT_TRUE(task->proved_unsolvable);
+}
+
+TEST(Ground, NumbersThatNothingReadsAreLeftOut) {
+  const Grounded task(R"((:functions (steps) (fuel) (cost)) (:predicates (there))
+    (:action go :parameters () :precondition (>= (fuel) 1)
+     :effect (and (there) (decrease (fuel) 1) (increase (steps) 1) (increase (cost) 2))))",
+                      "(:init (= (steps) 0) (= (fuel) 1) (= (cost) 0)) (:goal (there)) (:metric minimize (cost))");
+  EXPECT_EQ(task->numbers.size(), 2u) << "fuel and cost";
+  EXPECT_EQ(significant_numbers(*task), (std::vector<char>{1, 0})) << "cost decides no action and comes last";
+}
+
+TEST(Ground, ADurationThatEffectsReadIsOfferedSeveralTimes) {
+  const std::string domain = R"((:functions (level)) (:predicates (idle))
+    (:durative-action fill :parameters () :duration (and (>= ?duration 1) (<= ?duration 9)) :condition (at start (idle))
+     :effect (and (at start (not (idle))) (at end (idle)) (increase (level) (* #t 2)))))";
+  const Grounded task(domain, "(:init (idle) (= (level) 0)) (:goal (>= (level) 7))");
+  std::vector<double> stretches;
+  int aims = 0;
+  for (const GroundAction& action : task->actions) {
+    aims += action.aim >= 0;
+    if (action.aim < 0) stretches.push_back(action.stretch);
+  }
+  EXPECT_EQ(aims, 1) << "until the comparison of the goal turns";
+  EXPECT_EQ(stretches, (std::vector<double>{0, 0.125, 0.25, 0.5, 1}));
+}
+
+TEST(Ground, DerivedReadsNameWhatRulesRead) {
+  const Grounded task(R"((:predicates (on ?x) (lit) (shut) (plain) (done))
+    (:derived (lit) (and (exists (?x) (on ?x)) (not (shut))))
+    (:action read :parameters () :precondition (and (lit) (plain)) :effect (done))
+    (:action shut-it :parameters () :precondition () :effect (shut))
+    (:action open-it :parameters () :precondition () :effect (not (shut)))
+    (:action switch :parameters (?x) :precondition () :effect (on ?x)))",
+                      "(:objects a) (:init (plain)) (:goal (done))");
+  ASSERT_EQ(task->derived_reads.size(), 4u);
+  EXPECT_EQ(task->derived_reads[0].start.predicates, (std::vector<char>{1, 0, 1, 0, 0}))
+      << "on and shut through the rule; plain is read directly";
+  EXPECT_FALSE(task->derived_reads[1].start.any());
+}
+
+TEST(Relaxation, WhatCanBeginButNeverEndIsNotApplicable) {
+  const Grounded made(R"((:predicates (a) (b) (c) (goal))
+    (:durative-action half :parameters () :duration (= ?duration 1) :condition (and (at start (a)) (at end (c))) :effect (at start (b)))
+    (:action use :parameters () :precondition (b) :effect (goal))
+    (:action other :parameters () :precondition (a) :effect (goal))
+    (:action make-c :parameters () :precondition (c) :effect (c)))",
+                      "(:init (a)) (:goal (goal))");
+  EXPECT_EQ(made.actions(), Names{"(other)"});
+}
+
+TEST(Relaxation, NumbersMoveOnlyWhereActionsMoveThem) {
+  const std::string domain = R"((:functions (x)) (:predicates (done))
+    (:action up :parameters () :precondition () :effect (increase (x) 1))
+    (:action finish :parameters () :precondition (%) :effect (done)))";
+  const auto solvable = [&](const std::string& condition) {
+    std::string with = domain;
+    with.replace(with.find("(%)"), 3, condition);
+    return !Grounded(with, "(:init (= (x) 5)) (:goal (done))")->proved_unsolvable;
+  };
+  EXPECT_TRUE(solvable("(>= (x) 100)"));
+  EXPECT_TRUE(solvable("(= (x) 9)"));
+  EXPECT_FALSE(solvable("(<= (x) 4)")) << "it never falls";
+  EXPECT_FALSE(solvable("(< (* 2 (x)) 10)"));
+  EXPECT_TRUE(solvable("(> (- 6 (x)) 0)")) << "true from the start";
+  EXPECT_FALSE(solvable("(> (- 5 (x)) 0)"));
+}
+
+}  // namespace
+}  // namespace cxlab::planner
