@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "cx/base/number_text.h"
+#include "cx/yaml/yaml.h"
 
 namespace cxlab::cx {
 
@@ -177,7 +178,7 @@ Expected<Parameters> Parameters::load(const std::filesystem::path& file, const s
     for (const Section* s : applying)
       if (s->parameters.IsMap()) flatten(s->parameters, "", out.file_, out.values_);
   } catch (const YAML::Exception& e) {
-    return input_error("not YAML: " + e.msg, out.file_, e.mark.line + 1);
+    return yaml::syntax_error(e, text.str(), out.file_);
   }
   return out;
 }

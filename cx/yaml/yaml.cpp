@@ -332,13 +332,14 @@ Expected<Document> Document::load(const std::filesystem::path& file) {
   return parse(text.str(), file.string());
 }
 
-/// The line at `place` or before it (from 0) that is indented with a tab, which YAML does not allow; -1 if neither is.
-static int line_with_tab(const std::string& text, int place) {
+Error syntax_error(const YAML::Exception& thrown, const std::string& text, const std::string& file) {
+  // yaml-cpp names the line of the tab, or one of those after it.
   std::istringstream lines(text);
   std::string line;
-  for (int i = 0; i <= place && std::getline(lines, line); ++i)
-    if (const std::size_t tab = line.find('\t'); i + 1 >= place && tab < line.find_first_not_of(" \t")) return i;
-  return -1;
+  for (int i = 0; i <= thrown.mark.line && std::getline(lines, line); ++i)
+    if (const std::size_t tab = line.find('\t'); i + 1 >= thrown.mark.line && tab < line.find_first_not_of(" \t"))
+      return input_error("found a tab in the indentation, expected spaces", file, i + 1);
+  return input_error("not YAML: " + thrown.msg, file, thrown.mark.line + 1);
 }
 
 Expected<Document> Document::parse(const std::string& text, const std::string& name) {
@@ -348,9 +349,7 @@ Expected<Document> Document::parse(const std::string& text, const std::string& n
   try {
     document.root_.node_ = std::make_shared<YAML::Node>(YAML::Load(text));
   } catch (const YAML::Exception& e) {
-    if (const int line = line_with_tab(text, e.mark.line); line >= 0)
-      return input_error("found a tab in the indentation, expected spaces", name, line + 1);
-    return input_error("not YAML: " + e.msg, name, e.mark.line + 1);
+    return syntax_error(e, text, name);
   }
   if (document.root_.node_->IsNull()) *document.root_.node_ = YAML::Node(YAML::NodeType::Map);
   return document;

@@ -15,13 +15,17 @@
 #include "cx/base/time.h"
 
 namespace YAML {
+class Exception;
 class Node;
-}
+}  // namespace YAML
 
 namespace cxlab::yaml {
 
 class Map;
 class Reader;
+
+/// What is wrong with a text that yaml-cpp does not read, with the line; a tab in the indentation is named.
+Error syntax_error(const YAML::Exception& thrown, const std::string& text, const std::string& file);
 
 /// A struct that lists its keys, for reading and for writing:
 ///

@@ -35,6 +35,14 @@ TEST(Configuration, BrokenYamlHasItsLine) {
   EXPECT_GE(e.line, 3);
 }
 
+TEST(Configuration, ATabInTheIndentationIsReportedWithItsLine) {
+  Lab lab;
+  lab.options.config = lab.write("config.yaml", "/**:\n  ros__parameters:\n\tenvironments: [main]\n");
+  const Status s = lab.create();
+  ASSERT_FALSE(s.ok());
+  EXPECT_EQ(s.error().text(), lab.options.config.string() + ":3: found a tab in the indentation, expected spaces");
+}
+
 TEST(Configuration, ParametersOfAnotherNodeOnlyAreAnError) {
   Lab lab;
   lab.options.config = lab.write("config.yaml", "clips_mangaer:\n  ros__parameters:\n    environments: []\n");
