@@ -1,6 +1,6 @@
-#include "cx/plugins/ament_index/ament_index_plugin.h"
-
 #include <algorithm>
+
+#include "cx/plugins/builtin.h"
 
 namespace cxlab::cx {
 

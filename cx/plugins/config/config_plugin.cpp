@@ -1,10 +1,9 @@
-#include "cx/plugins/config/config_plugin.h"
-
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
 
 #include "cx/base/number_text.h"
+#include "cx/plugins/builtin.h"
 
 namespace cxlab::cx {
 
@@ -49,7 +48,7 @@ class Loader {
     return true;
   }
 
-  void put(const std::string& path, const char* type, const Value& value, bool is_list = false,
+  void put(const std::string& path, const std::string& type, const Value& value, bool is_list = false,
            std::vector<Value> values = {}) {
     const auto fact =
         environment_.engine().assert_fact("confval", {{"path", Value::string(path)},
@@ -61,18 +60,11 @@ class Loader {
   }
 
   void assert_scalar(const std::string& path, const YAML::Node& node) {
+    const std::string type = scalar_type(node);
     const std::string& text = node.Scalar();
-    bool truth = false;
-    int integer = 0;
-    double number = 0;
-    if (YAML::convert<bool>::decode(node, truth))
-      put(path, "BOOL", text == "true" || text == "false" ? Value::boolean(truth) : Value::symbol(text));
-    else if (YAML::convert<int>::decode(node, integer))
-      put(path, "INT", word(text));
-    else if (YAML::convert<double>::decode(node, number))
-      put(path, "FLOAT", word(text));
-    else
-      put(path, "STRING", Value::string(text));
+    if (type == "STRING") return put(path, "STRING", Value::string(text));
+    const bool truth = text == "true" || text == "false";
+    put(path, type, type != "BOOL" ? word(text) : truth ? Value::boolean(text == "true") : Value::symbol(text));
   }
 
   void assert_list(const std::string& path, const YAML::Node& node) {
@@ -106,7 +98,7 @@ class Loader {
     }
   }
 
-  static const char* scalar_type(const YAML::Node& node) {
+  static std::string scalar_type(const YAML::Node& node) {
     bool truth = false;
     int integer = 0;
     double number = 0;

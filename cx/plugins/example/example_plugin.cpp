@@ -1,4 +1,4 @@
-#include "cx/plugins/example/example_plugin.h"
+#include "cx/plugins/builtin.h"
 
 namespace cxlab::cx {
 

@@ -1,7 +1,7 @@
-#include "cx/plugins/executive/executive_plugin.h"
-
 #include <algorithm>
 #include <optional>
+
+#include "cx/plugins/builtin.h"
 
 namespace cxlab::cx {
 

@@ -1,6 +1,6 @@
-#include "cx/plugins/file_load/file_load_plugin.h"
-
 #include <array>
+
+#include "cx/plugins/builtin.h"
 
 namespace cxlab::cx {
 

@@ -1,5 +1,6 @@
 #include "cx/plugins/ros_msgs/connection.h"
 
+#include <algorithm>
 #include <array>
 
 namespace cxlab::cx {
@@ -16,24 +17,36 @@ std::vector<std::string> Leftovers::lines() const {
   return out;
 }
 
-BusConnection::BusConnection(Environment& environment, std::string logger)
+Status ConnectionPlugin::clips_env_init(EnvironmentGuard environment) {
+  const Status installed = connections_.add(*environment, connect(*environment))->install();
+  if (!installed) connections_.remove(*environment);
+  return installed;
+}
+
+void ConnectionPlugin::clips_env_destroyed(EnvironmentGuard environment) {
+  if (const auto* connection = connections_.find(*environment)) (*connection)->close(left_);
+  connections_.remove(*environment);
+}
+
+void ConnectionPlugin::finalize() {
+  for (const std::string& line : left_.lines()) log(LogLevel::kWarn, line);
+}
+
+BusConnection::BusConnection(Environment& environment, std::string logger, std::string prefix, bool bound)
     : environment_(environment),
       engine_(environment.engine()),
       bus_(environment.bus()),
       logger_(std::move(logger)),
+      prefix_(std::move(prefix)),
+      bound_(bound),
       store_(environment.common<MessageStore>()),
       owner_(store_.new_owner()),
       fields_(store_) {}
 
-BusConnection::~BusConnection() = default;
-
-void BusConnection::on_message(const std::string&, Handle) {}
-void BusConnection::on_response(const std::string&, std::uint64_t, Handle) {}
-void BusConnection::on_goal_response(const std::string&, Handle) {}
-void BusConnection::on_feedback(const std::string&, Handle, Handle) {}
-void BusConnection::on_result(const std::string&, const bus::Delivery&, Handle) {}
-void BusConnection::on_cancel_response(const std::string&, const bus::Delivery&) {}
-std::string BusConnection::callback_of(const std::string& service) const { return service; }
+Status BusConnection::install() {
+  add_all();
+  return installed_;
+}
 
 void BusConnection::close(Leftovers& left) {
   close_all(publishers_, "publishers", left);
@@ -45,157 +58,205 @@ void BusConnection::close(Leftovers& left) {
   store_.destroy_all(owner_);
   left.client_goals += goals_.size();
   goals_.clear();
-}
-
-// --- Templates, facts, log
-
-Status BusConnection::add_templates(std::span<const Template> templates) {
-  for (const Template& t : templates)
-    if (!engine_.has("deftemplate", t.name))
-      if (Status s = engine_.build("(deftemplate " + t.name + ' ' + t.slots + ')', logger_, 1); !s) return s;
-  return {};
-}
-
-void BusConnection::remove_templates(std::span<const Template> templates) {
   if (environment_.ending()) return;
-  for (const Template& t : templates)
-    if (Status s = engine_.undefine("deftemplate", t.name); !s) log(LogLevel::kWarn, t.name + " cant be undefined");
+  for (const std::string& name : templates_)
+    if (Status s = engine_.undefine("deftemplate", name); !s) log(LogLevel::kWarn, name + " cant be undefined");
 }
 
-void BusConnection::put(const std::string& deftemplate, std::initializer_list<RuleEngine::Slot> slots) {
+// --- Functions, templates, facts
+
+void BusConnection::add(std::string_view suffix, const char* returns, const char* arg_types, FunctionKind kind,
+                        const char* doc, Function function) {
+  if (!installed_) return;
+  const std::string_view types(arg_types);
+  const auto size = static_cast<std::uint16_t>(std::count(types.begin(), types.end(), ';'));
+  installed_ =
+      engine_.add_function({named(suffix), returns, size, size, arg_types, kind, logger_, doc}, std::move(function));
+}
+
+void BusConnection::define(std::string_view suffix, const std::string& slots) {
+  templates_.push_back(named(suffix));
+  if (installed_ && !engine_.has("deftemplate", templates_.back()))
+    installed_ = engine_.build("(deftemplate " + templates_.back() + ' ' + slots + ')', logger_, 1);
+}
+
+void BusConnection::put(const std::string& deftemplate, std::span<const RuleEngine::Slot> slots) {
   if (auto fact = engine_.assert_fact(deftemplate, slots); !fact) log(LogLevel::kError, fact.error().message);
 }
 
-void BusConnection::take_back(const std::string& deftemplate, std::string_view slot, std::string_view value) {
-  for (const FactCopy& fact : engine_.facts(deftemplate)) {
+void BusConnection::take_back(std::string_view suffix, std::string_view slot, std::string_view value) {
+  for (const FactCopy& fact : engine_.facts(named(suffix))) {
     const Value* found = fact.slot(slot);
     if (found && found->text() == value) engine_.retract(fact.index);
   }
 }
 
+const bus::MessageType* BusConnection::message_type(Call& call, const ValueRef& name) {
+  KnownType& last = known_types_[(reinterpret_cast<std::uintptr_t>(name.atom()) >> 5) % known_types_.size()];
+  if (last.atom == name.atom()) return last.type;
+  const auto* type = known(call, bus_.registry().message(std::string(name.text())));
+  if (!type) return nullptr;
+  engine_.keep(name);
+  last = {name.atom(), type};
+  return type;
+}
+
+void BusConnection::unknown_handle(Call& call, const std::string& what) {
+  log(LogLevel::kError, "Unknown " + what + ": map::at");
+  const bool null = call.handle(0) == Handle::kNone;
+  call.complain("the " + what +
+                (null ? " is a null pointer, as of a goal that was rejected" : " was destroyed, or is none"));
+}
+
+std::string BusConnection::wrong_type(const bus::MessageView& found, const std::string& of,
+                                      const bus::MessageType& expected) {
+  return "found a message of type " + found.type().name() + ", " + of + ' ' + expected.name();
+}
+
 // --- Topics
 
-bool BusConnection::open_publisher(Call& call, const std::string& topic, const bus::MessageType& type) {
-  if (publishers_.contains(topic)) {
-    log(LogLevel::kWarn, "Already publishing to topic " + topic);
-    return false;
-  }
-  auto endpoint = bus_.advertise(environment_.participant(), topic, type);
-  if (!endpoint) {
-    call.fail(endpoint.error().text());
-    return false;
-  }
-  publishers_[topic] = {*endpoint, &type};
-  return true;
+void BusConnection::add_topics(const bus::MessageType* bound) {
+  using F = FunctionKind;
+  define("publisher", opened_slots("topic"));
+  define("subscription", opened_slots("topic"));
+  define("message", "(slot topic (type STRING)) (slot msg-ptr (type EXTERNAL-ADDRESS))");
+  add("create-publisher", "v", bound ? ";sy" : ";sy;sy", F::kActing, "Opens a topic for publishing.",
+      [this, bound](Call& call) {
+        const auto* type = bound ? bound : message_type(call, call.arg(1));
+        if (!type) return;
+        if (Topic* made = open(
+                call, publishers_, "publisher", "topic", "Already publishing to topic ",
+                [&](const std::string& topic) { return bus_.advertise(environment_.participant(), topic, *type); }))
+          made->type = type;
+      });
+  // As in CX, the fact of a binding stays.
+  add("destroy-publisher", "v", ";sy", F::kActing,
+      bound ? "Closes a publisher; its fact stays." : "Closes a publisher.", [this](Call& call) {
+        const std::string topic(call.text(0));
+        if (close_one(publishers_, topic, "No publisher for topic ") && !bound_) take_back("publisher", "topic", topic);
+      });
+  add("create-subscription", "v", bound ? ";s" : ";sy;sy", F::kActing,
+      bound ? "Subscribes: each message becomes a fact." : "Subscribes: each message becomes a ros-msgs-message fact.",
+      [this, bound](Call& call) {
+        const auto* type = bound ? bound : message_type(call, call.arg(1));
+        if (!type) return;
+        open(call, subscriptions_, "subscription", "topic", "Already subscribed to topic ",
+             [&](const std::string& topic) {
+               return bus_.subscribe(environment_.participant(), topic, *type,
+                                     [this, topic, fact = named("message")](const bus::Delivery& delivery) {
+                                       environment_.note_input("topic", topic, delivery);
+                                       const Handle message = store_.receive(delivery.message, owner_);
+                                       put(fact,
+                                           {{"topic", Value::string(topic)}, {"msg-ptr", Value::handle(message)}});
+                                     });
+             });
+      });
+  add("destroy-subscription", "v", ";s", F::kActing, "Ends a subscription.", [this](Call& call) {
+    const std::string topic(call.text(0));
+    if (close_one(subscriptions_, topic, "No subscription to topic ")) take_back("subscription", "topic", topic);
+  });
+  add("publish", "v", ";e;sy", F::kActing, "Publishes a message on a topic.", [this](Call& call) { publish(call); });
 }
 
-bool BusConnection::close_publisher(const std::string& topic) {
-  return close_one(publishers_, topic, "No publisher for topic ");
-}
-
-void BusConnection::publish(Call& call, Handle message, std::string_view topic) {
-  const bus::MessageView view = store_.view(message);
+void BusConnection::publish(Call& call) {
+  const bus::MessageView view = store_.view(call.handle(0));
   if (!view) return log(LogLevel::kError, "Failed to publish invalid msg pointer");
+  const std::string_view topic = call.text(1);
   const auto found = publishers_.find(topic);
   if (found == publishers_.end())
     return call.fail("no publisher for topic " + std::string(topic) + ", it has to be created before");
   if (&view.type() != found->second.type)
-    return call.fail("found a message of type " + view.type().name() + ", topic " + std::string(topic) + " has " +
-                     found->second.type->name());
-  bus_.publish(found->second.endpoint, store_.share(message), engine_.cause());
-}
-
-bool BusConnection::open_subscription(Call& call, const std::string& topic, const bus::MessageType& type) {
-  if (subscriptions_.contains(topic)) {
-    log(LogLevel::kWarn, "Already subscribed to topic " + topic);
-    return false;
-  }
-  auto endpoint = bus_.subscribe(environment_.participant(), topic, type, [this, topic](const bus::Delivery& delivery) {
-    environment_.note_input("topic", topic, delivery);
-    on_message(topic, store_.receive(delivery.message, owner_));
-  });
-  if (!endpoint) {
-    call.fail(endpoint.error().text());
-    return false;
-  }
-  subscriptions_[topic] = {*endpoint, &type};
-  return true;
-}
-
-bool BusConnection::close_subscription(const std::string& topic) {
-  return close_one(subscriptions_, topic, "No subscription to topic ");
+    return call.fail(wrong_type(view, "topic " + std::string(topic) + " has", *found->second.type));
+  bus_.publish(found->second.endpoint, store_.share(call.handle(0)), engine_.cause());
 }
 
 // --- Services
 
-bool BusConnection::open_client(Call& call, const std::string& service, const bus::ServiceType& type) {
-  if (clients_.contains(service)) {
-    log(LogLevel::kWarn, "Already have a client for service " + service);
-    return false;
-  }
-  auto endpoint =
-      bus_.create_client(environment_.participant(), service, type, [this, service](const bus::Delivery& delivery) {
-        environment_.note_input("response", service, delivery);
-        Service& client = clients_.at(service);
-        if (client.waited) log(LogLevel::kInfo, "service " + service + " is finally reachable");
-        client.waited = false;
-        on_response(service, delivery.request_id, store_.receive(delivery.message, owner_));
+void BusConnection::add_services(const bus::ServiceType* bound) {
+  using F = FunctionKind;
+  const char* slot = bound ? "name" : "service";
+  define("client", opened_slots("service"));
+  define("response", std::string("(slot service (type STRING))") + (bound ? "" : " (slot request-id (type INTEGER))") +
+                         " (slot msg-ptr (type EXTERNAL-ADDRESS))");
+  define("service", opened_slots(slot));
+  const auto type_of = [this, bound](Call& call) {
+    return bound ? bound : known(call, bus_.registry().service(std::string(call.text(1))));
+  };
+  add("create-client", "v", bound ? ";s" : ";sy;sy", F::kActing, "Opens a client of a service.",
+      [this, type_of](Call& call) {
+        const bus::ServiceType* type = type_of(call);
+        if (!type) return;
+        const auto make = [&](const std::string& service) {
+          return bus_.create_client(
+              environment_.participant(), service, *type, [this, service](const bus::Delivery& delivery) {
+                environment_.note_input(named("response"), service, delivery);
+                Service& client = clients_.at(service);
+                if (client.waited) log(LogLevel::kInfo, "service " + service + " is finally reachable");
+                client.waited = false;
+                std::vector<RuleEngine::Slot> slots{
+                    {"service", Value::string(service)},
+                    {"msg-ptr", Value::handle(store_.receive(delivery.message, owner_))}};
+                if (!bound_)
+                  slots.push_back({"request-id", Value::integer(static_cast<std::int64_t>(delivery.request_id))});
+                put(named("response"), slots);
+              });
+        };
+        if (Service* made = open(call, clients_, "client", "service", "Already have a client for service ", make))
+          made->type = type;
       });
-  if (!endpoint) {
-    call.fail(endpoint.error().text());
-    return false;
-  }
-  clients_[service] = {*endpoint, &type, false};
-  return true;
+  add("destroy-client", "v", bound ? ";s" : ";sy", F::kActing, "Closes a client.", [this](Call& call) {
+    const std::string service(call.text(0));
+    if (close_one(clients_, service, "No client for service ")) take_back("client", "service", service);
+  });
+  if (bound)
+    add("send-request", "v", ";e;sy", F::kActing, "Sends a request; it waits until the service is there.",
+        [this](Call& call) { request(call); });
+  else
+    add("async-send-request", "bl", ";e;sy", F::kActing,
+        "Sends a request; its number, or FALSE if there is no such service.", [this](Call& call) { request(call); });
+  add("create-service", "v", bound ? ";sy" : ";sy;sy", F::kActing,
+      bound ? "Serves: requests call the deffunction <prefix>-service-callback."
+            : "Serves: requests call <service>-service-callback.",
+      [this, type_of, slot](Call& call) {
+        const bus::ServiceType* type = type_of(call);
+        if (!type) return;
+        const auto make = [&](const std::string& service) {
+          return bus_.serve(environment_.participant(), service, *type,
+                            [this, service](const bus::Delivery& request) { answer(service, request); });
+        };
+        if (Service* made = open(call, services_, "service", slot, "Already providing service ", make))
+          made->type = type;
+      });
+  // As in CX, the fact of a binding stays.
+  add("destroy-service", "v", ";sy", F::kActing, bound ? "Ends a service; its fact stays." : "Ends a service.",
+      [this](Call& call) {
+        const std::string service(call.text(0));
+        if (close_service(service) && !bound_) take_back("service", "service", service);
+      });
 }
 
-bool BusConnection::close_client(const std::string& service) {
-  return close_one(clients_, service, "No client for service ");
-}
-
-std::optional<std::uint64_t> BusConnection::request(Call& call, Handle request, const std::string& service, bool wait) {
-  const bus::MessageView view = store_.view(request);
-  if (!view) {
-    call.fail("Failed to send request: invalid message pointer");
-    return std::nullopt;
-  }
+/// A binding waits for the server; the generic plugin gives the request's number, or FALSE if there is no server.
+void BusConnection::request(Call& call) {
+  const std::string service(call.text(1));
+  const bus::MessageView view = store_.view(call.handle(0));
+  if (!view) return call.fail("Failed to send request: invalid message pointer");
   const auto found = clients_.find(service);
-  if (found == clients_.end()) {
-    call.fail("no client for service " + service + ", it has to be created before");
-    return std::nullopt;
-  }
+  if (found == clients_.end()) return call.fail("no client for service " + service + ", it has to be created before");
   Service& client = found->second;
-  if (&view.type() != client.type->request) {
-    call.fail("found a message of type " + view.type().name() + ", service " + service + " takes " +
-              client.type->request->name());
-    return std::nullopt;
-  }
+  if (&view.type() != client.type->request)
+    return call.fail(wrong_type(view, "service " + service + " takes", *client.type->request));
   const Value ready = environment_.look("service-ready " + service,
                                         [&] { return Value::boolean(bus_.service_ready(client.endpoint)); });
-  if (!ready.is_true() && !wait) {
+  if (!ready.is_true() && !bound_) {
     log(LogLevel::kWarn, "service " + service + " not available, abort request.");
-    return std::nullopt;
+    return call.give_boolean(false);
   }
   if (!ready.is_true() && !client.waited) {
     log(LogLevel::kWarn, "service " + service + " not available, the request waits for it");
     client.waited = true;
   }
-  return bus_.call(client.endpoint, store_.share(request), engine_.cause());
-}
-
-bool BusConnection::open_service(Call& call, const std::string& service, const bus::ServiceType& type) {
-  if (services_.contains(service)) {
-    log(LogLevel::kWarn, "Already providing service " + service);
-    return false;
-  }
-  auto endpoint = bus_.serve(environment_.participant(), service, type,
-                             [this, service](const bus::Delivery& request) { answer(service, request); });
-  if (!endpoint) {
-    call.fail(endpoint.error().text());
-    return false;
-  }
-  services_[service] = {*endpoint, &type, false};
-  return true;
+  const std::uint64_t number = bus_.call(client.endpoint, store_.share(call.handle(0)), engine_.cause());
+  if (!bound_) call.give_integer(static_cast<std::int64_t>(number));
 }
 
 bool BusConnection::close_service(const std::string& service) {
@@ -209,7 +270,7 @@ bool BusConnection::close_service(const std::string& service) {
 void BusConnection::answer(const std::string& service, const bus::Delivery& request) {
   environment_.note_input("request", service, request);
   const Service open = services_.at(service);
-  const std::string callback = callback_of(service);
+  const std::string callback = (bound_ ? prefix_ : service) + "-service-callback";
   const Handle asked = store_.receive(request.message, owner_);
   const Handle answered = store_.create(*open.type->response, owner_);
   answering_ = open.endpoint;

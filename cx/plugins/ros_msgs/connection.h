@@ -1,17 +1,20 @@
 #pragma once
 // The endpoints that rules of one environment have opened through one plugin: publishers, subscriptions, clients,
-// services, action clients, and the messages that came from them. The generic plugin and the bindings of interfaces are
-// two vocabularies over it: each has its functions, facts and templates.
+// services, action clients, the messages that came from them, and the functions and facts for all of these. The generic
+// plugin and the bindings of interfaces share them. They differ in names, and a binding has one type, where each call
+// of the generic plugin names its own.
 
+#include <array>
 #include <initializer_list>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "cx/executive/environment.h"
+#include "cx/executive/plugin.h"
 #include "cx/plugins/ros_msgs/fields.h"
 #include "cx/plugins/ros_msgs/message_store.h"
 
@@ -19,8 +22,6 @@ namespace cxlab::cx {
 
 /// UNKNOWN, ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED.
 const char* status_word(bus::GoalStatus status);
-/// How a goal ended: SUCCEEDED, CANCELED, ABORTED, else UNKNOWN.
-const char* result_word(bus::GoalStatus status);
 
 /// Endpoints and messages that rules did not close or destroy, in all environments of a plugin instance.
 struct Leftovers {
@@ -33,21 +34,17 @@ struct Leftovers {
 
 class BusConnection {
  public:
-  /// `logger` is the plugin instance, which owns functions and messages.
-  BusConnection(Environment& environment, std::string logger);
-  virtual ~BusConnection();
+  /// `logger` is the plugin instance, which owns functions and messages. Names of functions and templates begin with
+  /// `prefix`-. `bound`: to one interface.
+  BusConnection(Environment& environment, std::string logger, std::string prefix, bool bound);
+  virtual ~BusConnection() = default;
   BusConnection(const BusConnection&) = delete;
   BusConnection& operator=(const BusConnection&) = delete;
 
   /// Adds all templates and functions.
-  virtual Status install() = 0;
+  Status install();
   /// Closes what the rules have left open, adds it to `left`, and takes the templates away.
   virtual void close(Leftovers& left);
-
-  struct Template {
-    std::string name;
-    std::string slots;  ///< as in its deftemplate
-  };
 
  protected:
   struct Topic {
@@ -68,57 +65,52 @@ class BusConnection {
   /// A goal of an action client.
   struct Goal {
     bus::EndpointId client{};
-    std::string server;
     bus::GoalId id{};
     SimTime stamp{};
   };
   template <class Open>
   using ByName = std::map<std::string, Open, std::less<>>;
 
-  // --- What comes from the bus becomes facts: each vocabulary has its own. Handles are new.
-  virtual void on_message(const std::string& topic, Handle message);
-  virtual void on_response(const std::string& service, std::uint64_t request, Handle response);
-  virtual void on_goal_response(const std::string& server, Handle goal);  ///< none when it was rejected
-  virtual void on_feedback(const std::string& server, Handle goal, Handle feedback);
-  virtual void on_result(const std::string& server, const bus::Delivery& end, Handle result);
-  virtual void on_cancel_response(const std::string& server, const bus::Delivery& response);
-  /// The deffunction that answers requests to a service, with (service request response).
-  virtual std::string callback_of(const std::string& service) const;
+  // --- What `install` consists of. After an error the rest is left out.
+  virtual void add_all() = 0;
+  /// PREFIX-suffix; it takes as many arguments as `arg_types` names.
+  void add(std::string_view suffix, const char* returns, const char* arg_types, FunctionKind kind, const char* doc,
+           Function function);
+  /// The deftemplate PREFIX-suffix, which goes with the plugin.
+  void define(std::string_view suffix, const std::string& slots);
+  // Functions and facts for endpoints of that type; null: of the type that a call names.
+  void add_topics(const bus::MessageType* type);
+  void add_services(const bus::ServiceType* type);
+  void add_action_clients(const bus::ActionType* type);
 
-  // --- Verbs of functions. Names are as the rules write them. Opening fails the call when the bus refuses; opening
-  // what is open and closing what is not warns. True = done.
-  bool open_publisher(Call& call, const std::string& topic, const bus::MessageType& type);
-  bool close_publisher(const std::string& topic);
-  void publish(Call& call, Handle message, std::string_view topic);
-  bool open_subscription(Call& call, const std::string& topic, const bus::MessageType& type);
-  bool close_subscription(const std::string& topic);
+  /// A cancel was answered.
+  virtual void on_cancel_response(const std::string&, const bus::Delivery&) {}
 
-  bool open_client(Call& call, const std::string& service, const bus::ServiceType& type);
-  bool close_client(const std::string& service);
-  /// The request's number; none after a failure. `wait`: for a server, else none and a warning when there is none.
-  std::optional<std::uint64_t> request(Call& call, Handle request, const std::string& service, bool wait);
-  bool open_service(Call& call, const std::string& service, const bus::ServiceType& type);
-  bool close_service(const std::string& service);
-
-  bool open_action_client(Call& call, const std::string& server, const bus::ActionType& type);
-  bool close_action_client(const std::string& server);
-  void send_goal(Call& call, Handle goal, const std::string& server);
-  /// Null if there is none; then the call has failed.
+  // --- For functions. Each fails the call if there is no such thing.
+  const bus::MessageType* message_type(Call& call, const ValueRef& name);
+  template <class Type>
+  const Type* known(Call& call, const Expected<const Type*>& type) {
+    if (type) return *type;
+    call.fail(type.error().text());
+    return nullptr;
+  }
   ActionClient* action_client(Call& call, std::string_view server);
-  void cancel_goal(Call& call, std::string_view server, Handle goal);
-  const Goal* find_goal(Handle goal) const;
-  /// The error for a handle that `find_goal` does not know.
-  static std::string unknown_goal(Handle goal);
+  /// The goal whose handle is the first argument. A binding does not fail the call, see `unknown_handle`.
+  const Goal* goal_of(Call& call);
+  /// As CX for an unknown handle: an ERROR line, and the rule continues.
+  void unknown_handle(Call& call, const std::string& what);
   /// Of a goal that was accepted and has not ended; none otherwise.
   Handle handle_of(const std::string& server, const bus::GoalId& id) const;
-  void destroy_goal(Handle goal);
 
-  // --- Templates, functions, facts, log
-  Status add_templates(std::span<const Template> templates);
-  void remove_templates(std::span<const Template> templates);
-  void put(const std::string& deftemplate, std::initializer_list<RuleEngine::Slot> slots);
-  /// Retracts the facts of the template whose slot has that value.
-  void take_back(const std::string& deftemplate, std::string_view slot, std::string_view value);
+  // --- Facts and log
+  /// PREFIX-suffix.
+  std::string named(std::string_view suffix) const { return prefix_ + '-' + std::string(suffix); }
+  void put(const std::string& deftemplate, std::span<const RuleEngine::Slot> slots);
+  void put(const std::string& deftemplate, std::initializer_list<RuleEngine::Slot> slots) {
+    put(deftemplate, std::span(slots.begin(), slots.size()));
+  }
+  /// Retracts the facts of PREFIX-suffix whose slot has that value.
+  void take_back(std::string_view suffix, std::string_view slot, std::string_view value);
   void log(LogLevel level, const std::string& text) { environment_.log(level, logger_, text); }
   template <class Open>
   void close_all(ByName<Open>& open, const std::string& what, Leftovers& left) {
@@ -132,19 +124,37 @@ class BusConnection {
   Environment& environment_;
   RuleEngine& engine_;
   bus::Bus& bus_;
-  std::string logger_;
+  std::string logger_, prefix_;
+  bool bound_;
   MessageStore& store_;
   MessageStore::Owner owner_;
   Fields fields_;
-  ByName<Topic> publishers_, subscriptions_;
-  ByName<Service> clients_, services_;
-  ByName<ActionClient> action_clients_;
-  std::map<Handle, Goal> goals_;
   /// The service or action server whose callback runs: destroyed there, it answers all the same.
   std::optional<bus::EndpointId> answering_;
 
  private:
-  /// Warns with `missing` and the name where it is not open.
+  /// Opens what the first argument names, and asserts the fact that it is open. Null if it was open before, with the
+  /// warning `already`, and if the bus refuses, which fails the call.
+  template <class Open, class Make>
+  Open* open(Call& call, ByName<Open>& all, const char* fact, const char* slot, const char* already, Make make) {
+    const std::string name(call.text(0));
+    if (all.contains(name)) {
+      log(LogLevel::kWarn, already + name);
+      return nullptr;
+    }
+    const Expected<bus::EndpointId> endpoint = make(name);
+    if (!endpoint) {
+      call.fail(endpoint.error().text());
+      return nullptr;
+    }
+    Open& opened = all[name];
+    opened.endpoint = *endpoint;
+    std::vector<RuleEngine::Slot> slots{{slot, Value::string(name)}};
+    if (!bound_) slots.push_back({"type", Value::string(std::string(call.text(1)))});
+    put(named(fact), slots);
+    return &opened;
+  }
+  /// Closes it; warns with `missing` and the name where it is not open.
   template <class Open>
   bool close_one(ByName<Open>& open, const std::string& name, const char* missing) {
     const auto found = open.find(name);
@@ -156,8 +166,50 @@ class BusConnection {
     open.erase(found);
     return true;
   }
+  /// The slots of the fact of what is open.
+  std::string opened_slots(const std::string& slot) const {
+    return "(slot " + slot + " (type STRING))" + (bound_ ? "" : " (slot type (type STRING))");
+  }
+  /// The fault of a call that sends a message of another type.
+  static std::string wrong_type(const bus::MessageView& found, const std::string& of, const bus::MessageType& expected);
+
+  void publish(Call& call);
+  void request(Call& call);
+  bool close_service(const std::string& service);
   void answer(const std::string& service, const bus::Delivery& request);
+  void send_goal(Call& call);
+  void cancel_goal(Call& call);
   void take_goal_response(const std::string& server, const bus::Delivery& delivery);
+  void take_feedback(const std::string& server, const bus::Delivery& delivery);
+  void take_result(const std::string& server, const bus::Delivery& delivery);
+
+  Status installed_;
+  std::vector<std::string> templates_;
+  ByName<Topic> publishers_, subscriptions_;
+  ByName<Service> clients_, services_;
+  ByName<ActionClient> action_clients_;
+  std::map<Handle, Goal> goals_;
+
+  /// The last meaning of the name of a message type, by its atom: looked up once for each call site.
+  struct KnownType {
+    const void* atom = nullptr;
+    const bus::MessageType* type = nullptr;
+  };
+  std::array<KnownType, 16> known_types_{};
+};
+
+/// A plugin with a connection in each of its environments.
+class ConnectionPlugin : public Plugin {
+ public:
+  using Plugin::Plugin;
+  Status clips_env_init(EnvironmentGuard environment) override;
+  void clips_env_destroyed(EnvironmentGuard environment) override;
+  void finalize() override;
+
+ private:
+  virtual std::unique_ptr<BusConnection> connect(Environment& environment) = 0;
+  PerEnvironment<std::unique_ptr<BusConnection>> connections_;
+  Leftovers left_;
 };
 
 }  // namespace cxlab::cx

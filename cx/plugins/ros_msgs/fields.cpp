@@ -25,9 +25,6 @@ FieldFault wrong_type(const bus::MessageType& found, const bus::MessageType& exp
   return {FieldFault::Kind::kNoMessage, "found a message of type " + found.name() + ", expected " + expected.name()};
 }
 
-bool is_real(FieldType type) { return type == FieldType::kFloat32 || type == FieldType::kFloat64; }
-bool is_text(FieldType type) { return type == FieldType::kString || type == FieldType::kWstring; }
-
 std::string char_text(const MessageView& view, const Field& field, std::size_t index) {
   const char c = static_cast<char>(view.integer(field, index));
   return c == '\0' ? std::string() : std::string(1, c);
@@ -48,17 +45,17 @@ void give_single(Call& call, MessageStore& store, Handle message, const MessageV
 
 void give_array(Call& call, MessageStore& store, Handle message, const MessageView& view, const Field& field) {
   const std::size_t size = view.size(field);
-  if (is_real(field.type)) {
+  if (field.is_real()) {
     std::vector<double> values(size);
     for (std::size_t i = 0; i < size; ++i) values[i] = view.real(field, i);
     return call.give_numbers(values);
   }
-  if (field.type == FieldType::kMessage) {
+  if (field.is_message()) {
     std::vector<Handle> values(size);
     for (std::size_t i = 0; i < size; ++i) values[i] = store.nested(message, field, i);
     return call.give_handles(values);
   }
-  if (is_text(field.type) || field.type == FieldType::kChar) {
+  if (field.is_text() || field.type == FieldType::kChar) {
     std::vector<std::string> values(size);
     for (std::size_t i = 0; i < size; ++i)
       values[i] = field.type == FieldType::kChar ? char_text(view, field, i) : view.text(field, i);
@@ -125,12 +122,12 @@ Fault set_value(MessageStore& store, const MessageView& view, const Field& field
     if (!value.is_text()) return found_expected(value, "TRUE or FALSE");
     return fault_of(view.set_integer(field, value.text() == "TRUE" ? 1 : 0, index));
   }
-  if (is_real(field.type)) return set_real(view, field, value, index);
-  if (is_text(field.type)) {
+  if (field.is_real()) return set_real(view, field, value, index);
+  if (field.is_text()) {
     if (!value.is_text()) return found_expected(value, "a STRING or SYMBOL");
     return fault_of(view.set_text(field, value.text(), index));
   }
-  if (field.type != FieldType::kMessage) return set_integer(view, field, value, index);
+  if (!field.is_message()) return set_integer(view, field, value, index);
   const MessageView source = value.is(ValueType::kHandle) ? store.view(value.as_handle()) : MessageView();
   if (!source) return unknown_message();
   if (&source.type() != field.nested) return value_fault(wrong_type(source.type(), *field.nested).text);
@@ -147,7 +144,7 @@ Fault set_messages(MessageStore& store, const MessageView& view, const Field& fi
     if (&source.type() != field.nested) return value_fault(wrong_type(source.type(), *field.nested).text);
     sources.emplace_back(source);
   }
-  if (field.array != ArrayKind::kFixed)
+  if (field.is_sequence())
     if (Fault fault = fault_of(view.resize(field, sources.size()))) return fault;
   for (std::size_t i = 0; i < sources.size(); ++i) view.nested(field, i).copy_from(sources[i].view());
   return {};
@@ -159,8 +156,8 @@ Fault set_array(MessageStore& store, const MessageView& view, const Field& field
   if (field.array == ArrayKind::kFixed && values.size() != field.size_limit)
     return value_fault("found " + std::to_string(values.size()) + " values, expected exactly " +
                        std::to_string(field.size_limit));
-  if (field.type == FieldType::kMessage) return set_messages(store, view, field, values);
-  if (field.array != ArrayKind::kFixed)
+  if (field.is_message()) return set_messages(store, view, field, values);
+  if (field.is_sequence())
     if (Fault fault = fault_of(view.resize(field, values.size()))) return fault;
   for (std::size_t i = 0; i < values.size(); ++i)
     if (Fault fault = set_value(store, view, field, values[i], i)) return fault;

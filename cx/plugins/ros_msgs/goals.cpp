@@ -17,43 +17,85 @@ const char* status_word(bus::GoalStatus status) {
   return "UNKNOWN";
 }
 
-const char* result_word(bus::GoalStatus status) {
-  return status > bus::GoalStatus::kCanceling ? status_word(status) : "UNKNOWN";
-}
+void BusConnection::add_action_clients(const bus::ActionType* bound) {
+  using F = FunctionKind;
+  const char* client = bound ? "client" : "action-client";
+  const char* id_type = bound ? "STRING" : "SYMBOL";
+  const std::string server = "(slot server (type STRING)) ",
+                    handle = server + "(slot client-goal-handle-ptr (type EXTERNAL-ADDRESS))";
+  define(client, opened_slots("server"));
+  define("goal-response", handle);
+  define("wrapped-result", server + "(slot goal-id (type " + id_type +
+                               ")) (slot code (type SYMBOL) (allowed-values UNKNOWN SUCCEEDED CANCELED ABORTED)) "
+                               "(slot result-ptr (type EXTERNAL-ADDRESS))");
+  define(bound ? "goal-feedback" : "feedback", handle + " (slot feedback-ptr (type EXTERNAL-ADDRESS))");
 
-bool BusConnection::open_action_client(Call& call, const std::string& server, const bus::ActionType& type) {
-  if (action_clients_.contains(server)) {
-    log(LogLevel::kWarn, "Already have an action client for server " + server);
-    return false;
-  }
-  auto endpoint = bus_.create_action_client(
-      environment_.participant(), server, type,
-      {[this, server](const bus::Delivery& d) { take_goal_response(server, d); },
-       [this, server](const bus::Delivery& d) {
-         environment_.note_input("feedback", server, d);
-         on_feedback(server, handle_of(server, d.goal), store_.receive(d.message, owner_));
-       },
-       [this, server](const bus::Delivery& d) {
-         environment_.note_input("result", server, d);
-         on_result(server, d,
-                   d.message ? store_.receive(d.message, owner_)
-                             : store_.create(*action_clients_.at(server).type->result, owner_));
-         action_clients_.at(server).goals.erase(d.goal);
-       },
-       [this, server](const bus::Delivery& d) {
-         environment_.note_input("cancel-response", server, d);
-         on_cancel_response(server, d);
-       }});
-  if (!endpoint) {
-    call.fail(endpoint.error().text());
-    return false;
-  }
-  action_clients_[server] = {*endpoint, &type, false, {}};
-  return true;
-}
-
-bool BusConnection::close_action_client(const std::string& server) {
-  return close_one(action_clients_, server, "No action client for server ");
+  add(std::string("create-") + client, "v", bound ? ";s" : ";sy;sy", F::kActing, "Opens a client of an action server.",
+      [this, bound, client](Call& call) {
+        const auto* type = bound ? bound : known(call, bus_.registry().action(std::string(call.text(1))));
+        if (!type) return;
+        // Answers to cancels are messages, too: their type must be there before the first one comes.
+        if (!bound && !known(call, bus_.registry().message("action_msgs/srv/CancelGoal_Response"))) return;
+        const auto make = [&](const std::string& name) {
+          return bus_.create_action_client(environment_.participant(), name, *type,
+                                           {[this, name](const bus::Delivery& d) { take_goal_response(name, d); },
+                                            [this, name](const bus::Delivery& d) { take_feedback(name, d); },
+                                            [this, name](const bus::Delivery& d) { take_result(name, d); },
+                                            [this, name](const bus::Delivery& d) {
+                                              environment_.note_input(named("cancel-response"), name, d);
+                                              on_cancel_response(name, d);
+                                            }});
+        };
+        if (auto* made =
+                open(call, action_clients_, client, "server", "Already have an action client for server ", make))
+          made->type = type;
+      });
+  add(std::string("destroy-") + client, "v", bound ? ";s" : ";sy", F::kActing, "Closes an action client.",
+      [this, client](Call& call) {
+        const std::string name(call.text(0));
+        if (close_one(action_clients_, name, "No action client for server ")) take_back(client, "server", name);
+      });
+  add(bound ? "send-goal" : "async-send-goal", "v", ";e;sy", F::kActing,
+      "Sends a goal; it waits until the server is there.", [this](Call& call) { send_goal(call); });
+  add(bound ? "client-cancel-goal" : "async-cancel-goal", "v", ";sy;e", F::kActing, "Asks the server to cancel a goal.",
+      [this](Call& call) { cancel_goal(call); });
+  add("client-goal-handle-get-goal-id", bound ? "s" : "y", ";e", F::kPure, "The goal's id, 32 hex digits.",
+      [this](Call& call) {
+        const Goal* goal = goal_of(call);
+        if (bound_)
+          call.give_string(goal ? bus::to_string(goal->id) : std::string());
+        else if (goal)
+          call.give_symbol(bus::to_string(goal->id));
+      });
+  add("client-goal-handle-get-goal-stamp", "d", ";e", F::kPure, "When the goal was accepted, in seconds.",
+      [this](Call& call) {
+        const Goal* goal = goal_of(call);
+        if (goal || bound_) call.give_number(goal ? to_seconds(goal->stamp) : 0.0);
+      });
+  add("client-goal-handle-get-status", bound ? "l" : "y", ";e", F::kPure,
+      bound ? "0 unknown, 1 accepted, 2 executing, 3 canceling, 4 succeeded, 5 canceled, 6 aborted."
+            : "UNKNOWN, ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED or ABORTED.",
+      [this](Call& call) {
+        const Goal* goal = goal_of(call);
+        const auto status = goal ? bus_.goal_status(goal->client, goal->id) : bus::GoalStatus::kUnknown;
+        if (bound_)
+          call.give_integer(static_cast<std::int64_t>(status));
+        else if (goal)
+          call.give_symbol(status_word(status));
+      });
+  const auto aware = [this](Call& call) {
+    const Goal* goal = goal_of(call);
+    if (goal || bound_) call.give_boolean(goal != nullptr);
+  };
+  add("client-goal-handle-is-feedback-aware", "b", ";e", F::kPure, "Whether feedback becomes facts.", aware);
+  add("client-goal-handle-is-result-aware", "b", ";e", F::kPure, "Whether the result becomes a fact.", aware);
+  add(bound ? "client-goal-handle-destroy" : "destroy-client-goal-handle", bound ? "d" : "v", ";e", F::kActing,
+      "Drops a goal handle.", [this](Call& call) {
+        const auto found = goals_.find(call.handle(0));
+        if (found == goals_.end()) return;
+        bus_.forget_goal(found->second.client, found->second.id);
+        goals_.erase(found);
+      });
 }
 
 BusConnection::ActionClient* BusConnection::action_client(Call& call, std::string_view server) {
@@ -63,45 +105,47 @@ BusConnection::ActionClient* BusConnection::action_client(Call& call, std::strin
   return nullptr;
 }
 
-void BusConnection::send_goal(Call& call, Handle goal, const std::string& server) {
-  const bus::MessageView view = store_.view(goal);
+void BusConnection::send_goal(Call& call) {
+  const std::string server(call.text(1));
+  const bus::MessageView view = store_.view(call.handle(0));
   if (!view) return call.fail("Failed to send goal: invalid message pointer");
   ActionClient* client = action_client(call, server);
   if (!client) return;
   if (&view.type() != client->type->goal)
-    return call.fail("found a message of type " + view.type().name() + ", server " + server + " takes " +
-                     client->type->goal->name());
+    return call.fail(wrong_type(view, "server " + server + " takes", *client->type->goal));
   const Value ready =
       environment_.look("action-ready " + server, [&] { return Value::boolean(bus_.action_ready(client->endpoint)); });
   if (!ready.is_true() && !client->waited) {
     log(LogLevel::kWarn, "server " + server + " not available, the goal waits for it");
     client->waited = true;
   }
-  bus_.send_goal(client->endpoint, store_.share(goal), engine_.cause());
+  bus_.send_goal(client->endpoint, store_.share(call.handle(0)), engine_.cause());
 }
 
-const BusConnection::Goal* BusConnection::find_goal(Handle goal) const {
-  const auto found = goals_.find(goal);
-  return found == goals_.end() ? nullptr : &found->second;
-}
+namespace {
 
-std::string BusConnection::unknown_goal(Handle goal) {
+std::string unknown_goal(Handle goal) {
   return std::string("unknown client goal handle") +
          (goal == Handle::kNone ? ": a null pointer, as of a goal that was rejected" : "");
 }
 
-void BusConnection::destroy_goal(Handle goal) {
-  const auto found = goals_.find(goal);
-  if (found == goals_.end()) return;
-  bus_.forget_goal(found->second.client, found->second.id);
-  goals_.erase(found);
+}  // namespace
+
+void BusConnection::cancel_goal(Call& call) {
+  const auto goal = goals_.find(call.handle(1));
+  if (goal == goals_.end()) return call.fail(unknown_goal(call.handle(1)));
+  if (const ActionClient* client = action_client(call, call.text(0)))
+    bus_.cancel_goal(client->endpoint, goal->second.id, engine_.cause());
 }
 
-void BusConnection::cancel_goal(Call& call, std::string_view server, Handle handle) {
-  const Goal* goal = find_goal(handle);
-  if (!goal) return call.fail(unknown_goal(handle));
-  if (const ActionClient* client = action_client(call, server))
-    bus_.cancel_goal(client->endpoint, goal->id, engine_.cause());
+const BusConnection::Goal* BusConnection::goal_of(Call& call) {
+  const auto found = goals_.find(call.handle(0));
+  if (found != goals_.end()) return &found->second;
+  if (bound_)
+    unknown_handle(call, "client goal handle");
+  else
+    call.fail(unknown_goal(call.handle(0)));
+  return nullptr;
 }
 
 Handle BusConnection::handle_of(const std::string& server, const bus::GoalId& id) const {
@@ -111,7 +155,7 @@ Handle BusConnection::handle_of(const std::string& server, const bus::GoalId& id
 }
 
 void BusConnection::take_goal_response(const std::string& server, const bus::Delivery& delivery) {
-  environment_.note_input("goal-response", server, delivery);
+  environment_.note_input(named("goal-response"), server, delivery);
   ActionClient& client = action_clients_.at(server);
   if (client.waited) log(LogLevel::kInfo, "server " + server + " is finally reachable");
   client.waited = false;
@@ -119,9 +163,31 @@ void BusConnection::take_goal_response(const std::string& server, const bus::Del
   if (delivery.accepted) {
     handle = engine_.new_handle();
     client.goals[delivery.goal] = handle;
-    goals_[handle] = {client.endpoint, server, delivery.goal, delivery.stamp};
+    goals_[handle] = {client.endpoint, delivery.goal, delivery.stamp};
   }
-  on_goal_response(server, handle);
+  put(named("goal-response"), {{"server", Value::string(server)}, {"client-goal-handle-ptr", Value::handle(handle)}});
+}
+
+void BusConnection::take_feedback(const std::string& server, const bus::Delivery& delivery) {
+  environment_.note_input(named("feedback"), server, delivery);
+  put(named(bound_ ? "goal-feedback" : "feedback"),
+      {{"server", Value::string(server)},
+       {"client-goal-handle-ptr", Value::handle(handle_of(server, delivery.goal))},
+       {"feedback-ptr", Value::handle(store_.receive(delivery.message, owner_))}});
+}
+
+void BusConnection::take_result(const std::string& server, const bus::Delivery& delivery) {
+  environment_.note_input(named("result"), server, delivery);
+  ActionClient& client = action_clients_.at(server);
+  const std::string id = bus::to_string(delivery.goal);
+  const Handle result =
+      delivery.message ? store_.receive(delivery.message, owner_) : store_.create(*client.type->result, owner_);
+  const bool ended = delivery.status > bus::GoalStatus::kCanceling;
+  put(named("wrapped-result"), {{"server", Value::string(server)},
+                                {"goal-id", bound_ ? Value::string(id) : Value::symbol(id)},
+                                {"code", Value::symbol(ended ? status_word(delivery.status) : "UNKNOWN")},
+                                {"result-ptr", Value::handle(result)}});
+  client.goals.erase(delivery.goal);
 }
 
 }  // namespace cxlab::cx

@@ -1,8 +1,7 @@
-#include "cx/plugins/ros_param/ros_param_plugin.h"
-
 #include <cmath>
 
 #include "cx/base/number_text.h"
+#include "cx/plugins/builtin.h"
 
 namespace cxlab::cx {
 

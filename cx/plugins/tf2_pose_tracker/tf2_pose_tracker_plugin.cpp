@@ -1,11 +1,10 @@
-#include "cx/plugins/tf2_pose_tracker/tf2_pose_tracker_plugin.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "cx/base/number_text.h"
 #include "cx/bus/transforms.h"
+#include "cx/plugins/builtin.h"
 
 namespace cxlab::cx {
 

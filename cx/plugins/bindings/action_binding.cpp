@@ -1,4 +1,4 @@
-// Bindings of actions: the server, which the generic plugin does not have.
+// Bindings of actions. Their clients are those of the generic plugin, their servers are here.
 
 #include <vector>
 
@@ -10,34 +10,85 @@ namespace {
 
 constexpr std::int64_t kReject = 1, kAccept = 2;  // of both callbacks; a goal may also be deferred, 3
 
+const char* cancel_word(std::int8_t code) {
+  switch (code) {
+    case 0: return "ERROR_NONE";
+    case 1: return "ERROR_REJECTED";
+    case 2: return "ERROR_UNKNOWN_GOAL_ID";
+    case 3: return "ERROR_GOAL_TERMINATED";
+    default: return "ERROR_UNKNOWN";
+  }
+}
+
 }  // namespace
 
-Status ActionBinding::install_server() {
+void ActionBinding::add_all() {
+  using F = FunctionKind;
+  add_fields("goal-create", "goal-destroy", "goal-", *type_.goal);
+  add_fields("feedback-create", "feedback-destroy", "feedback-", *type_.feedback);
+  add_fields("result-create", "result-destroy", "result-", *type_.result);
+  add_action_clients(&type_);
+  define("cancel-goal-response",
+         "(slot server (type STRING)) (slot return-code (type SYMBOL) (allowed-values ERROR_NONE ERROR_REJECTED "
+         "ERROR_UNKNOWN_GOAL_ID ERROR_GOAL_TERMINATED ERROR_UNKNOWN)) (slot num-goals (type INTEGER))");
+  define("cancel-goal-entry", "(slot server (type STRING)) (slot goal-id (type STRING)) (slot stamp (type FLOAT))");
+  add("client-cancel-all-goals", "v", ";sy", F::kActing, "Asks the server to cancel all its goals.",
+      [this](Call& call) {
+        if (const ActionClient* client = action_client(call, call.text(0)))
+          bus_.cancel_all_goals(client->endpoint, engine_.cause());
+      });
+  add("client-cancel-goals-before", "v", ";sy;ld", F::kActing,
+      "Asks the server to cancel the goals accepted until then (s).", [this](Call& call) {
+        if (const ActionClient* client = action_client(call, call.text(0)))
+          bus_.cancel_goals_before(client->endpoint, from_seconds(call.number(1)), engine_.cause());
+      });
+  add_server();
+}
+
+void ActionBinding::close(Leftovers& left) {
+  close_all(servers_, "action servers", left);
+  left.server_goals += served_.size();
+  for (const auto& [handle, goal] : served_) store_.destroy(goal.goal);
+  served_.clear();
+  Binding::close(left);
+}
+
+void ActionBinding::on_cancel_response(const std::string& server, const bus::Delivery& response) {
+  put(named("cancel-goal-response"),
+      {{"server", Value::string(server)},
+       {"return-code", Value::symbol(cancel_word(response.return_code))},
+       {"num-goals", Value::integer(static_cast<std::int64_t>(response.goals_canceling.size()))}});
+  for (const auto& [id, stamp] : response.goals_canceling)
+    put(named("cancel-goal-entry"), {{"server", Value::string(server)},
+                                     {"goal-id", Value::string(bus::to_string(id))},
+                                     {"stamp", Value::number(to_seconds(stamp))}});
+}
+
+// --- The server
+
+void ActionBinding::add_server() {
   using F = FunctionKind;
   using S = bus::GoalStatus;
-  Status status;
-  const auto more = [&](const char* suffix, const char* returns, const char* types, F kind, const char* doc,
-                        Function f) {
-    if (status) status = add(suffix, returns, types, kind, doc, std::move(f));
-  };
-  more("create-server", "v", ";sy", F::kActing, "Serves the action.", [this](Call& call) { create_server(call); });
-  more("destroy-server", "v", ";sy", F::kActing, "Ends the server.", [this](Call& call) { destroy_server(call); });
-  more("server-goal-handle-succeed", "v", ";e;e", F::kActing, "Ends a goal with a result.",
-       [this](Call& call) { end_goal(call, S::kSucceeded); });
-  more("server-goal-handle-abort", "v", ";e;e", F::kActing, "Ends a goal that has failed.",
-       [this](Call& call) { end_goal(call, S::kAborted); });
-  more("server-goal-handle-canceled", "v", ";e;e", F::kActing, "Ends a goal that was to be cancelled.",
-       [this](Call& call) { end_goal(call, S::kCanceled); });
-  more("server-goal-handle-get-goal", "e", ";e", F::kActing, "The goal's message.", [this](Call& call) {
+  define("server", "(slot name (type STRING))");
+  define("accepted-goal", "(slot server (type STRING)) (slot server-goal-handle-ptr (type EXTERNAL-ADDRESS))");
+  add("create-server", "v", ";sy", F::kActing, "Serves the action.", [this](Call& call) { create_server(call); });
+  add("destroy-server", "v", ";sy", F::kActing, "Ends the server.", [this](Call& call) { destroy_server(call); });
+  add("server-goal-handle-succeed", "v", ";e;e", F::kActing, "Ends a goal with a result.",
+      [this](Call& call) { end_goal(call, S::kSucceeded); });
+  add("server-goal-handle-abort", "v", ";e;e", F::kActing, "Ends a goal that has failed.",
+      [this](Call& call) { end_goal(call, S::kAborted); });
+  add("server-goal-handle-canceled", "v", ";e;e", F::kActing, "Ends a goal that was to be cancelled.",
+      [this](Call& call) { end_goal(call, S::kCanceled); });
+  add("server-goal-handle-get-goal", "e", ";e", F::kActing, "The goal's message.", [this](Call& call) {
     ServedGoal* goal = served(call);
     call.give_handle(goal ? goal_message(*goal) : Handle::kNone);
   });
-  more("server-goal-handle-get-goal-id", "s", ";e", F::kPure, "The goal's id, 32 hex digits.", [this](Call& call) {
+  add("server-goal-handle-get-goal-id", "s", ";e", F::kPure, "The goal's id, 32 hex digits.", [this](Call& call) {
     const ServedGoal* goal = served(call);
     call.give_string(goal ? bus::to_string(goal->id) : std::string());
   });
   const auto asks = [&](const char* suffix, const char* doc, bool (*holds)(S)) {
-    more(suffix, "b", ";e", F::kPure, doc, [this, holds](Call& call) {
+    add(suffix, "b", ";e", F::kPure, doc, [this, holds](Call& call) {
       const ServedGoal* goal = served(call);
       call.give_boolean(goal && holds(bus_.server_goal_status(goal->endpoint, goal->id)));
     });
@@ -47,23 +98,32 @@ Status ActionBinding::install_server() {
   asks("server-goal-handle-is-executing", "Whether the goal is under way.", [](S s) { return s == S::kExecuting; });
   asks("server-goal-handle-is-active", "Whether the goal has not ended.",
        [](S s) { return s == S::kAccepted || s == S::kExecuting || s == S::kCanceling; });
-  more("server-goal-handle-execute", "v", ";e", F::kActing, "Begins a deferred goal.", [this](Call& call) {
+  add("server-goal-handle-execute", "v", ";e", F::kActing, "Begins a deferred goal.", [this](Call& call) {
     const ServedGoal* goal = served(call);
-    if (goal && !bus_.execute(goal->endpoint, goal->id))
-      call.fail(std::string("the goal is ") + status_word(bus_.server_goal_status(goal->endpoint, goal->id)) +
-                ", expected ACCEPTED");
+    if (goal && !bus_.execute(goal->endpoint, goal->id)) fail_state(call, *goal, "ACCEPTED");
   });
-  more("server-goal-handle-publish-feedback", "v", ";e;e", F::kActing, "Tells the client how far the goal is.",
-       [this](Call& call) {
-         const ServedGoal* goal = served(call);
-         if (!goal || !is_a(call, call.handle(1), *type_.feedback)) return;
-         if (!bus_.publish_feedback(goal->endpoint, goal->id, store_.share(call.handle(1))))
-           call.fail(std::string("the goal is ") + status_word(bus_.server_goal_status(goal->endpoint, goal->id)) +
-                     ", expected one that has not ended");
-       });
-  more("server-goal-handle-destroy", "d", ";e", F::kActing, "Drops a goal handle.",
-       [this](Call& call) { destroy_served(call); });
-  return status;
+  add("server-goal-handle-publish-feedback", "v", ";e;e", F::kActing, "Tells the client how far the goal is.",
+      [this](Call& call) {
+        const ServedGoal* goal = served(call);
+        if (!goal || !has_message(call, *type_.feedback)) return;
+        if (!bus_.publish_feedback(goal->endpoint, goal->id, store_.share(call.handle(1))))
+          fail_state(call, *goal, "one that has not ended");
+      });
+  add("server-goal-handle-destroy", "d", ";e", F::kActing, "Drops a goal handle.",
+      [this](Call& call) { destroy_served(call); });
+}
+
+void ActionBinding::fail_state(Call& call, const ServedGoal& goal, const char* expected) {
+  call.fail(std::string("the goal is ") + status_word(bus_.server_goal_status(goal.endpoint, goal.id)) + ", expected " +
+            expected);
+}
+
+bool ActionBinding::has_message(Call& call, const bus::MessageType& type) {
+  const bus::MessageView view = store_.view(call.handle(1));
+  if (view && &view.type() == &type) return true;
+  call.fail(view ? "found a message of type " + view.type().name() + ", expected " + type.name()
+                 : "invalid message pointer");
+  return false;
 }
 
 void ActionBinding::create_server(Call& call) {
@@ -83,7 +143,7 @@ void ActionBinding::destroy_server(Call& call) {
   if (found == servers_.end()) return log(LogLevel::kWarn, "No action server " + server);
   const bus::EndpointId endpoint = found->second.endpoint;
   servers_.erase(found);
-  take_back(named("server"), "name", server);
+  take_back("server", "name", server);
   for (const auto& [handle, goal] : served_)
     if (goal.endpoint == endpoint) abort_unended(goal, LogLevel::kInfo, "its server was destroyed");
   if (endpoint != answering_) bus_.remove(endpoint);  // else whoever asks the callback removes it, after the answer
@@ -101,11 +161,10 @@ void ActionBinding::abort_unended(const ServedGoal& goal, LogLevel level, const 
         "goal " + bus::to_string(goal.id) + " of server " + goal.server + " is aborted: " + why + " before its end");
 }
 
-std::int64_t ActionBinding::ask(const std::string& callback, std::initializer_list<Value> args, std::int64_t most,
-                                std::int64_t missing) {
+std::int64_t ActionBinding::ask(const std::string& callback, std::initializer_list<Value> args, std::int64_t most) {
   if (!engine_.callable(callback)) {
     log(LogLevel::kDebug, callback + " not defined, accept");
-    return missing;
+    return kAccept;
   }
   const std::vector<Value> list(args);
   const auto said = engine_.call(callback, list);
@@ -123,7 +182,7 @@ void ActionBinding::take_goal(const std::string& server, const bus::Delivery& de
   answering_ = delivery.endpoint;
   const std::int64_t answer =
       ask(named("handle-goal-callback"),
-          {Value::string(server), Value::handle(message), Value::string(bus::to_string(delivery.goal))}, 3, kAccept);
+          {Value::string(server), Value::handle(message), Value::string(bus::to_string(delivery.goal))}, 3);
   answering_.reset();
   bus_.answer_goal(delivery.endpoint, delivery.goal, static_cast<bus::GoalAnswer>(answer));
   const ServedGoal goal{server, delivery.endpoint, delivery.goal, delivery.message, message};
@@ -152,7 +211,7 @@ void ActionBinding::take_cancel(const std::string& server, const bus::Delivery& 
                                   : ask(named("cancel-goal-callback"),
                                         {Value::string(server), Value::handle(goal_message(served_.at(found->second))),
                                          Value::handle(found->second)},
-                                        2, kAccept);
+                                        2);
   answering_.reset();
   bus_.answer_cancel(delivery.endpoint, delivery, answer == kAccept);
   if (!is_open(server, delivery.endpoint)) bus_.remove(delivery.endpoint);
@@ -172,10 +231,9 @@ Handle ActionBinding::goal_message(ServedGoal& goal) {
 
 void ActionBinding::end_goal(Call& call, bus::GoalStatus status) {
   const ServedGoal* goal = served(call);
-  if (!goal || !is_a(call, call.handle(1), *type_.result)) return;
-  if (bus_.finish(goal->endpoint, goal->id, status, store_.share(call.handle(1)))) return;
-  call.fail(std::string("the goal is ") + status_word(bus_.server_goal_status(goal->endpoint, goal->id)) +
-            ", expected " + (status == bus::GoalStatus::kCanceled ? "CANCELING" : "EXECUTING or CANCELING"));
+  if (!goal || !has_message(call, *type_.result)) return;
+  if (!bus_.finish(goal->endpoint, goal->id, status, store_.share(call.handle(1))))
+    fail_state(call, *goal, status == bus::GoalStatus::kCanceled ? "CANCELING" : "EXECUTING or CANCELING");
 }
 
 void ActionBinding::destroy_served(Call& call) {
