@@ -6,13 +6,10 @@
 
 #include "cx/base/number_text.h"
 #include "cx/executive/plugin_library.h"
-#include "cx/node/parameter_services.h"
 
 namespace cxlab::cx {
 
 namespace {
-
-const std::vector<std::string> kEnvironmentKeys{"plugins", "log_clips_to_file", "redirect_stdout_to_debug", "watch"};
 
 std::string lower(std::string text) {
   for (char& c : text) c = c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -31,12 +28,6 @@ std::string claim(const ManagerOptions& options, const std::string& kind, const 
   for (int k = 2; options.streams && !options.streams->insert(kind + given).second; ++k)
     given = wanted + '-' + std::to_string(k);
   return given;
-}
-
-/// An error that does not say where it was is at `place`.
-Status at_place(const Status& status, const Error& place) {
-  if (status || !status.error().file.empty()) return status;
-  return Error{status.error().kind, status.error().message, place.file, place.line, status.error().code};
 }
 
 void keep_first(Status& first, Status next) {
@@ -74,162 +65,6 @@ EnvironmentManager::~EnvironmentManager() {
   finalize_unused();
   environments_.clear();
   bus_.leave(node_);
-}
-
-Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(ManagerOptions options, bus::Bus& bus,
-                                                                         RecordSink& journal) {
-  if (options.on_read)
-    if (Status s = options.on_read("config/" + options.config.filename().string(), options.config); !s)
-      return s.error();
-  bus::NodeName name{options.node, options.name_space, options.remaps};
-  bus::rename_node(name);
-  options.node = name.name;
-  options.name_space = name.name_space;
-  options.remaps = name.remaps;
-  auto parameters = Parameters::load(options.config, options.node, options.name_space);
-  if (!parameters) return parameters.error();
-  const std::string full_name = name.full_name();
-  for (const GivenParameter& given : options.params)
-    for (const std::string& prefix : {options.node + '.', full_name + '.'})
-      if (given.name.starts_with(prefix))
-        if (Status s = parameters->set(given.name.substr(prefix.size()), given.value, given.origin); !s)
-          return s.error();
-  auto manager = std::unique_ptr<EnvironmentManager>(
-      new EnvironmentManager(std::move(options), std::move(*parameters), bus, journal));
-  if (Status s = manager->add_packaged_plugins(); !s) return s.error();
-  if (Status s = manager->check_configuration(); !s) return s.error();
-  if (Status s = manager->lifecycle_.serve(); !s) return s.error();
-  if (Status s = serve_parameters(bus, manager->node_, manager->parameters_); !s) return s.error();
-  return manager;
-}
-
-Status EnvironmentManager::add_packaged_plugins() {
-  for (const std::string& package : files_.packages()) {
-    auto types = read_plugin_manifest(package, files_);
-    if (!types) return types.error();
-    for (PluginType& type : *types) {
-      for (const PluginType& other : options_.plugin_types)
-        if (other.name == type.name)
-          return manifest_error(type, "found the plugin class '" + type.name + "', which " + place_of(other) +
-                                          " has too; expected a name of its own");
-      options_.plugin_types.push_back(std::move(type));
-    }
-  }
-  return {};
-}
-
-Expected<const PluginType*> EnvironmentManager::type_of(const std::string& instance,
-                                                        const std::string& environment) const {
-  std::string type;
-  if (Status s = parameters_.read(instance + ".plugin", type); !s) return s.error();
-  if (type.empty()) {
-    std::vector<std::string> typed;
-    for (const auto& group : parameters_.below(""))
-      if (parameters_.find(group + ".plugin")) typed.push_back(group);
-    const std::string misspelt = nearest_word("plugin", parameters_.below(instance));
-    return parameters_.error_at(environment + ".plugins",
-                                "plugin '" + instance + "' of environment '" + environment + "': no parameter '" +
-                                    instance + ".plugin' says what it is" +
-                                    (misspelt.empty() ? did_you_mean(instance, typed)
-                                                      : ", did you mean it by '" + instance + '.' + misspelt + "'?"));
-  }
-  std::vector<std::string> known;
-  for (const PluginType& t : options_.plugin_types) {
-    if (t.has ? t.has(type, bus_.registry()) : t.name == type) return &t;
-    if (!t.has) known.push_back(t.name);
-  }
-  std::string remedy;
-  if (type.ends_with("ProtobufPlugin"))
-    remedy = "; nothing here talks protobuf, machines and referee are on the bus (docs/rcll.md)";
-  for (const PluginType& t : options_.plugin_types) {
-    if (!t.classes) continue;
-    for (std::string& name : t.classes(bus_.registry())) known.push_back(std::move(name));
-    if (type.starts_with(t.name.substr(0, t.name.find('<'))))
-      remedy = " (a package of your own is named by --package NAME=DIR)";
-  }
-  return parameters_.error_at(instance + ".plugin",
-                              "unknown plugin type '" + type + "'" + did_you_mean(type, known) + remedy);
-}
-
-Status EnvironmentManager::check_unknown(const std::string& group, std::vector<std::string> known,
-                                         const std::string& what) {
-  for (const std::string& key : parameters_.below(group)) {
-    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    const std::string message = "unknown parameter '" + group + '.' + key + "' of " + what + did_you_mean(key, known);
-    const Error error = parameters_.error_at(group + '.' + key, message);
-    if (options_.strict) return error;
-    log(LogLevel::kInfo, options_.node, error.text());
-  }
-  return {};
-}
-
-Status EnvironmentManager::tell_of_no_environments() {
-  std::vector<std::string> values;  // a group is not a misspelt list
-  for (const std::string& name : parameters_.below(""))
-    if (name != "environments" && parameters_.find(name)) values.push_back(name);
-  const std::string near = nearest_word("environments", values);
-  if (near.empty()) {
-    log(LogLevel::kInfo, options_.node,
-        parameters_.error_at("", "no parameter 'environments': nothing runs until create_env is called").text());
-    return {};
-  }
-  const Error error = parameters_.error_at(
-      near, "unknown parameter '" + near +
-                "' of the manager, did you mean 'environments'? Nothing runs until create_env is called");
-  if (options_.strict) return error;
-  log(LogLevel::kWarn, options_.node, error.text());
-  return {};
-}
-
-void EnvironmentManager::tell_of_no_plugins(const std::string& environment, const std::vector<std::string>& listed) {
-  std::string text =
-      "environment '" + environment + "': no parameter '" + environment + ".plugins', nothing is loaded into it";
-  const bool unknown_name = parameters_.below(environment).empty();  // else check_unknown reports a misspelt key in it
-  for (const std::string& group : parameters_.below(""))
-    if (unknown_name && parameters_.find(group + ".plugins") &&
-        std::find(listed.begin(), listed.end(), group) == listed.end()) {
-      text += ", did you mean '" + group + "'?";
-      break;
-    }
-  log(LogLevel::kInfo, options_.node, parameters_.error_at("environments", text).text());
-}
-
-Status EnvironmentManager::check_configuration() {
-  std::vector<std::string> names, checked;
-  bool autostart = false, use_sim_time = false;
-  double bond = 0;
-  if (Status s = parameters_.declare("use_sim_time", use_sim_time); !s) return s;  // as every node
-  if (Status s = parameters_.declare("autostart_node", autostart); !s) return s;
-  if (Status s = parameters_.declare("bond_heartbeat_period", bond); !s) return s;
-  const bool none = !parameters_.find("environments");
-  if (Status s = parameters_.declare("environments", names); !s) return s;
-  if (none)
-    if (Status s = tell_of_no_environments(); !s) return s;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const std::string& name = names[i];
-    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), name) !=
-        names.begin() + static_cast<std::ptrdiff_t>(i))
-      return parameters_.error_at("environments", "environment '" + name + "' is listed twice");
-    if (Status s = check_unknown(name, kEnvironmentKeys, "environment '" + name + "'"); !s) return s;
-    std::vector<std::string> plugins;
-    if (Status s = parameters_.read(name + ".plugins", plugins); !s) return s;
-    if (!parameters_.find(name + ".plugins")) tell_of_no_plugins(name, names);
-    for (const std::string& plugin : plugins) {
-      if (std::find(checked.begin(), checked.end(), plugin) != checked.end()) continue;
-      checked.push_back(plugin);
-      auto type = type_of(plugin, name);
-      if (!type) {
-        if (!options_.keep_going) return type.error();
-        continue;  // reported at activation, as in CX
-      }
-      if ((*type)->any_parameter) continue;
-      std::vector<std::string> known = (*type)->parameters;
-      known.push_back("plugin");
-      if (Status s = check_unknown(plugin, std::move(known), "plugin '" + plugin + "' (" + (*type)->name + ")"); !s)
-        return s;
-    }
-  }
-  return {};
 }
 
 // --- Life
@@ -436,113 +271,6 @@ void EnvironmentManager::end_hook(const Status& ended) {
     note(ended.error());
   else
     keep_first(failure_, ended);
-}
-
-// --- Plugins
-
-Status EnvironmentManager::load_all(Entry& entry) {
-  const std::string list = entry.environment->name() + ".plugins";
-  std::vector<std::string> names;
-  if (Status s = parameters_.declare(list, names); !s) return s;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto end = names.begin() + static_cast<std::ptrdiff_t>(i);
-    if (std::find(names.begin(), end, names[i]) != end)
-      log(LogLevel::kWarn, options_.node,
-          parameters_.error_at(list, "plugin '" + names[i] + "' is listed twice in '" + list + "': it is loaded once")
-              .text());
-    else if (!entry.find(names[i]))
-      if (auto loaded = load(entry, names[i]); !loaded) return loaded.error();
-  }
-  return {};
-}
-
-Expected<bool> EnvironmentManager::load(Entry& entry, const std::string& name) {
-  const Status loaded = at_place(load_unchecked(entry, name), parameters_.error_at(name + ".plugin", {}));
-  const Status rules = entry.environment->check_errors();
-  for (const Error& n : entry.environment->engine().take_notes())
-    entry.environment->log(LogLevel::kWarn, options_.node, n.text());
-  for (const Status* s : {&loaded, &rules}) {
-    if (*s) continue;
-    const bool may_go_on = s == &loaded || s->error().kind == ErrorKind::kInput;
-    if (!options_.keep_going || !may_go_on) return s->error();
-    log(LogLevel::kError, name, s->error().text());
-    load_errors_.push_back(s->error());
-  }
-  return loaded.ok();
-}
-
-Status EnvironmentManager::load_unchecked(Entry& entry, const std::string& name) {
-  auto found = std::find_if(instances_.begin(), instances_.end(), [&](const Instance& i) { return i.name == name; });
-  if (found == instances_.end()) {
-    auto type = type_of(name, entry.environment->name());
-    if (!type) return type.error();
-    std::string class_name;
-    if (Status s = parameters_.read(name + ".plugin", class_name); !s) return s;
-    auto plugin = make_plugin(
-        **type, {name,
-                 class_name,
-                 {},
-                 parameters_,
-                 bus_,
-                 node_,
-                 files_,
-                 options_,
-                 [this](Error e) { load_errors_.push_back(std::move(e)); },
-                 [this](LogLevel level, std::string_view logger, std::string_view text) { log(level, logger, text); }});
-    if (!plugin) return plugin.error();
-    if (Status s = call_plugin(**plugin, "initialize", [&] { return (*plugin)->initialize(); }); !s) return s;
-    log(LogLevel::kInfo, options_.node, "Created plugin: " + name + " of type " + class_name + " on activation");
-    instances_.push_back({name, *std::move(plugin), 0});
-    found = instances_.end() - 1;
-  }
-  Plugin& plugin = *found->plugin;
-  if (auto library = library_of(found->plugin);
-      library && std::find(entry.libraries.begin(), entry.libraries.end(), library) == entry.libraries.end())
-    entry.libraries.push_back(std::move(library));
-  if (Status s = call_plugin(plugin, "clips_env_init",
-                             [&] { return plugin.clips_env_init(EnvironmentGuard(*entry.environment)); });
-      !s) {
-    entry.environment->close_gates(name);
-    entry.environment->engine().remove_functions_of(name);
-    return s;
-  }
-  if (entry.environment->has_gates()) deterministic_ = false;
-  ++found->users;
-  entry.loaded.push_back(&plugin);
-  return {};
-}
-
-void EnvironmentManager::unload(Entry& entry, Plugin& plugin) {
-  const std::string name = plugin.name();
-  entry.environment->close_gates(name);
-  const Status gone = call_plugin(plugin, "clips_env_destroyed", [&]() -> Status {
-    plugin.clips_env_destroyed(EnvironmentGuard(*entry.environment));
-    return {};
-  });
-  end_hook(gone);
-  entry.environment->engine().remove_functions_of(name);
-  log(LogLevel::kInfo, options_.node, "[" + name + "] Deactivated!");
-  std::erase(entry.loaded, &plugin);
-  for (Instance& instance : instances_)
-    if (instance.plugin.get() == &plugin) --instance.users;
-}
-
-void EnvironmentManager::end(Entry& entry) {
-  entry.environment->end();
-  while (!entry.loaded.empty()) unload(entry, *entry.loaded.back());
-}
-
-void EnvironmentManager::finalize_unused() {
-  for (std::size_t i = instances_.size(); i-- > 0;) {
-    Instance& instance = instances_[i];
-    if (instance.users > 0) continue;
-    const Status ended = call_plugin(*instance.plugin, "finalize", [&]() -> Status {
-      instance.plugin->finalize();
-      return {};
-    });
-    end_hook(ended);
-    instances_.erase(instances_.begin() + static_cast<std::ptrdiff_t>(i));
-  }
 }
 
 // --- A tick

@@ -123,8 +123,8 @@ class EnvironmentManager final : public Agent {
   Status add_packaged_plugins();
   Status check_configuration();
   /// Nothing runs; with `strict` a parameter that is nearly called 'environments' is an error.
-  Status tell_of_no_environments();
-  void tell_of_no_plugins(const std::string& environment, const std::vector<std::string>& listed);
+  Status check_no_environments();
+  void log_no_plugins(const std::string& environment, const std::vector<std::string>& listed);
   Status check_unknown(const std::string& group, std::vector<std::string> known, const std::string& what);
   Expected<const PluginType*> type_of(const std::string& instance, const std::string& environment) const;
 
