@@ -33,7 +33,7 @@ NEEDS_MORE = r"pddl_manager\.(command|engine|python)"
 BUILT_FIRST = ("docs/examples/own_plugins/", "docs/templates/plugin/")
 
 
-def shown():
+def on_pages():
     """The commands in the pages that run a file of ours."""
     commands = set()
     for page in [SOURCE / "README.md", *sorted((SOURCE / "docs").rglob("*.md"))]:
@@ -65,7 +65,7 @@ def run(command):
 
 class Examples(unittest.TestCase):
     def test_each_ends_without_a_complaint(self):
-        commands = [c for c in sorted(shown() | set(MORE)) if not re.search("--snapshot|--set|game.yaml$", c)]
+        commands = [c for c in sorted(on_pages() | set(MORE)) if not re.search("--snapshot|--set|game.yaml$", c)]
         with ThreadPoolExecutor(max_workers=2) as pool:
             for command, done in pool.map(run, commands):
                 with self.subTest(command):
@@ -80,8 +80,8 @@ class Examples(unittest.TestCase):
                     self.assertIn(result["status"], ("completed", "stopped"))
 
     def test_none_is_left_out(self):
-        self.assertEqual(examples() - {shlex.split(command)[2] for command in shown() | set(MORE)}, set())
-        self.assertGreater(len(shown()), 15, "the pages are read")
+        self.assertEqual(examples() - {shlex.split(command)[2] for command in on_pages() | set(MORE)}, set())
+        self.assertGreater(len(on_pages()), 15, "the pages are read")
 
 
 if __name__ == "__main__":
