@@ -117,8 +117,8 @@ std::string BusConnection::wrong_type(const bus::MessageView& found, const std::
 
 void BusConnection::add_topics(const bus::MessageType* bound) {
   using F = FunctionKind;
-  define("publisher", opened_slots("topic"));
   define("subscription", opened_slots("topic"));
+  define("publisher", opened_slots("topic"));
   define("message", "(slot topic (type STRING)) (slot msg-ptr (type EXTERNAL-ADDRESS))");
   add("create-publisher", "v", bound ? ";sy" : ";sy;sy", F::kActing, "Opens a topic for publishing.",
       [this, bound](Call& call) {
@@ -189,7 +189,7 @@ void BusConnection::add_services(const bus::ServiceType* bound) {
         const auto make = [&](const std::string& service) {
           return bus_.create_client(
               environment_.participant(), service, *type, [this, service](const bus::Delivery& delivery) {
-                environment_.note_input(named("response"), service, delivery);
+                environment_.note_input("response", service, delivery);
                 Service& client = clients_.at(service);
                 if (client.waited) log(LogLevel::kInfo, "service " + service + " is finally reachable");
                 client.waited = false;

@@ -42,7 +42,7 @@ void BusConnection::add_action_clients(const bus::ActionType* bound) {
                                             [this, name](const bus::Delivery& d) { take_feedback(name, d); },
                                             [this, name](const bus::Delivery& d) { take_result(name, d); },
                                             [this, name](const bus::Delivery& d) {
-                                              environment_.note_input(named("cancel-response"), name, d);
+                                              environment_.note_input("cancel-response", name, d);
                                               on_cancel_response(name, d);
                                             }});
         };
@@ -155,7 +155,7 @@ Handle BusConnection::handle_of(const std::string& server, const bus::GoalId& id
 }
 
 void BusConnection::take_goal_response(const std::string& server, const bus::Delivery& delivery) {
-  environment_.note_input(named("goal-response"), server, delivery);
+  environment_.note_input("goal-response", server, delivery);
   ActionClient& client = action_clients_.at(server);
   if (client.waited) log(LogLevel::kInfo, "server " + server + " is finally reachable");
   client.waited = false;
@@ -169,7 +169,7 @@ void BusConnection::take_goal_response(const std::string& server, const bus::Del
 }
 
 void BusConnection::take_feedback(const std::string& server, const bus::Delivery& delivery) {
-  environment_.note_input(named("feedback"), server, delivery);
+  environment_.note_input("feedback", server, delivery);
   put(named(bound_ ? "goal-feedback" : "feedback"),
       {{"server", Value::string(server)},
        {"client-goal-handle-ptr", Value::handle(handle_of(server, delivery.goal))},
@@ -177,7 +177,7 @@ void BusConnection::take_feedback(const std::string& server, const bus::Delivery
 }
 
 void BusConnection::take_result(const std::string& server, const bus::Delivery& delivery) {
-  environment_.note_input(named("result"), server, delivery);
+  environment_.note_input("result", server, delivery);
   ActionClient& client = action_clients_.at(server);
   const std::string id = bus::to_string(delivery.goal);
   const Handle result =
