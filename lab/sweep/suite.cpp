@@ -7,7 +7,6 @@
 #include "cx/yaml/yaml.h"
 #include "lab/session.h"
 #include "scenarios/share.h"
-#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 
@@ -116,7 +115,7 @@ Status Suite::check() const {
     const auto wrong = [&cell](const Error& error) {
       return input_error("strategy '" + cell.strategy + "': " + error.text());
     };
-    auto scenario = Scenario::load(cell.file, shipped(), {cell.overrides.begin(), cell.overrides.end()});
+    auto scenario = Scenario::load(cell.file, *catalogue, {cell.overrides.begin(), cell.overrides.end()});
     if (!scenario) return wrong(scenario.error());
     auto episode = Episode::load(*std::move(scenario), shared_episode_options());
     if (!episode) return wrong(episode.error());

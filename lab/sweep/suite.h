@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 
@@ -32,7 +33,8 @@ struct Suite {
   std::vector<SuiteScenario> scenarios;  ///< these three as in the file; nothing twice
   std::vector<Strategy> strategies;
   std::vector<std::uint64_t> seeds;
-  std::string tier;  ///< instead of the scenarios'; empty = theirs
+  std::string tier;                         ///< instead of the scenarios'; empty = theirs
+  const Catalogue* catalogue = &shipped();  ///< has the worlds and nodes of the scenarios; outlives the sweep
 
   static Expected<Suite> load(const std::filesystem::path& file);
   /// By scenario, strategy and seed.

@@ -15,7 +15,6 @@
 #include "cx/journal/file_store.h"
 #include "cx/journal/run_folder.h"
 #include "lab/session.h"
-#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 
@@ -56,7 +55,7 @@ std::set<std::string> libraries() {
 }
 
 /// Plays one episode; in a process of its own.
-Row play(const Cell& cell, const std::string& program) {
+Row play(const Cell& cell, const Catalogue& catalogue, const std::string& program) {
   const std::set<std::string> before = libraries();
   Row row;
   row.cell = cell;
@@ -71,7 +70,7 @@ Row play(const Cell& cell, const std::string& program) {
     if (auto& hash = row.files[fs::absolute(file).lexically_normal().string()]; hash.empty()) hash = hash_of(file);
   };
   note(cell.file);
-  auto scenario = Scenario::load(cell.file, shipped(), {cell.overrides.begin(), cell.overrides.end()});
+  auto scenario = Scenario::load(cell.file, catalogue, {cell.overrides.begin(), cell.overrides.end()});
   if (!scenario) return refused(scenario.error());
   PlayOptions options;
   options.out = "none";
@@ -150,7 +149,7 @@ Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options
       process.out = process.err = Stream::file(fs::path(file).replace_extension(".log"));
       auto started = Process::fork(process, [&] {
         (*lock)->release();
-        const Row row = play(cells[i], program);
+        const Row row = play(cells[i], *suite.catalogue, program);
         return replace_file(file, row.to_json()) ? 0 : static_cast<int>(ErrorKind::kResource);
       });
       if (!started) return started.error();

@@ -10,6 +10,7 @@
 
 #include "cx/base/process.h"
 #include "folder.h"
+#include "scenarios/catalogue.h"
 
 namespace cxlab::lab {
 namespace {
@@ -65,6 +66,22 @@ TEST_F(SweepTest, HasARowForEachCell) {
   }
   EXPECT_EQ(hashes.size(), 6u);
   EXPECT_THAT(read("out/rows.csv"), HasSubstr("game,long,3,completed,0,"));
+}
+
+TEST_F(SweepTest, PlaysAWorldOfTheCallersCatalogue) {
+  static constexpr WorldKind kOwn{
+      .name = "own", .what = "nothing", .make_stage = [](const StageSetup&) -> Expected<std::unique_ptr<Stage>> {
+        return std::make_unique<Stage>();
+      }};
+  Catalogue catalogue = shipped();
+  catalogue.worlds.push_back(&kOwn);
+  scenario("game", kRules);
+  write("game.yaml", read("game.yaml") + "world: {kind: own}\n");
+  Suite suite = this->suite("[1]");
+  EXPECT_THAT(suite.check().error().message, HasSubstr("found 'own', expected one of: none, rcll, turtlesim"));
+  suite.catalogue = &catalogue;
+  EXPECT_TRUE(suite.check());
+  for (const Row& row : *play(suite)) EXPECT_TRUE(row.counts()) << row.to_json();
 }
 
 TEST_F(SweepTest, PlaysOnlyWhatIsNotThere) {
