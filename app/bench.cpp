@@ -23,6 +23,7 @@ struct Options {
 int bench(const Options& options) {
   auto suite = lab::Suite::load(options.suite);
   if (!suite) return fail(suite.error());
+  suite->catalogue = &catalogue();
   if (Status s = suite->check(); !s) return fail(s.error());
   const fs::path folder = options.out.empty() ? fs::path("runs") / ("bench-" + fs::path(options.suite).stem().string())
                                               : fs::path(options.out);

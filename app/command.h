@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "scenarios/catalogue.h"
 
 namespace cxlab::app {
 
@@ -33,6 +34,8 @@ void add_man(CLI::App& app, Action& action);
 
 /// Prints `error: file:line: message` on stderr and gives the exit code of its kind.
 int fail(const Error& error);
+/// The worlds and nodes that this program knows (app/program.h).
+const Catalogue& catalogue();
 /// The arguments of this process, for the manifest.
 const std::vector<std::string>& command_line();
 

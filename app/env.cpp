@@ -6,7 +6,6 @@
 #include "app/command.h"
 #include "app/play.h"
 #include "lab/env_scenario.h"
-#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::app {
 
@@ -21,7 +20,7 @@ int env(const Options& options) {
   lab::EnvOptions env = options.env;
   if (options.run.play.until) env.until = *options.run.play.until;
   if (options.run.seed) env.seed = options.run.seed;
-  auto scenario = lab::env_scenario(env, shipped());
+  auto scenario = lab::env_scenario(env, catalogue());
   if (!scenario) return fail(scenario.error());
   PlayCommand run = options.run;
   if (!run.play.until && !run.quiet)
@@ -47,7 +46,7 @@ void declare(CLI::App& command, Options& options) {
   once_each(command.add_option("--package", options.env.packages,
                                "NAME=DIR: where a package lies (default: what lies around the configuration)"));
   once_each(command.add_option("--with", options.env.with,
-                               "Plays in a world, or starts a node: " + lab::known_companions(shipped())));
+                               "Plays in a world, or starts a node: " + lab::known_companions(catalogue())));
   once_each(command.add_option("--param", options.env.params, "NODE.NAME=VALUE: changes a parameter"));
   command.add_option("--namespace", options.env.name_space, "Of the nodes")->capture_default_str();
   once_each(command.add_option("--remap", options.env.remaps, "FROM:=TO: renames a topic, service or action"));

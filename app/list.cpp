@@ -10,7 +10,6 @@
 #include "lab/interfaces.h"
 #include "lab/reference.h"
 #include "scenarios/share.h"
-#include "scenarios/shipped/catalogue.h"
 #include "sim/faults/fault.h"
 
 namespace cxlab::app {
@@ -125,8 +124,8 @@ void add_list(CLI::App& app, Action& action) {
   command->callback([what, packages, &action] {
     action = [what, packages] {
       if (*what == "scenarios") return list_scenarios();
-      if (*what == "worlds") return list_kinds(shipped().worlds);
-      if (*what == "nodes") return list_kinds(shipped().nodes);
+      if (*what == "worlds") return list_kinds(catalogue().worlds);
+      if (*what == "nodes") return list_kinds(catalogue().nodes);
       if (*what == "faults") return list_faults();
       if (*what == "interfaces") return list_interfaces(*packages);
       return *what == "skills" ? list_skills() : list_reference(*what, *packages);

@@ -8,7 +8,6 @@
 #include "app/console.h"
 #include "lab/render.h"
 #include "scenarios/share.h"
-#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::app {
 
@@ -34,14 +33,14 @@ Status read_size(const std::string& text, lab::RenderOptions& options) {
 
 Status draw(const Options& options, const lab::Host& host) {
   if (fs::is_directory(options.what)) {
-    auto run = lab::RecordedRun::open(options.what);
+    auto run = lab::RecordedRun::open(options.what, catalogue());
     return run ? lab::render_run(*run, options) : Status(run.error());
   }
   std::vector<Override> overrides(options.overrides.begin(), options.overrides.end());
   if (options.seed) overrides.emplace_back("seed=" + std::to_string(*options.seed), "--seed");
   const auto file = find_scenario(options.what);
   if (!file) return file.error();
-  auto scenario = Scenario::load(*file, shipped(), overrides);
+  auto scenario = Scenario::load(*file, catalogue(), overrides);
   return scenario ? lab::render_scenario(*std::move(scenario), options, host) : Status(scenario.error());
 }
 

@@ -46,7 +46,7 @@ void print(const char* half, const lab::ReplayOutcome& outcome) {
 }
 
 int replay(const Options& options) {
-  auto run = lab::RecordedRun::open(options.run);
+  auto run = lab::RecordedRun::open(options.run, catalogue());
   if (!run) return fail(run.error());
   if (!run->finished)
     return fail(input_error("the run was cut off before its end: there are no hashes to compare with", options.run));

@@ -17,7 +17,7 @@ struct Options {
 };
 
 int rerun(const Options& options) {
-  auto run = lab::RecordedRun::open(options.run);
+  auto run = lab::RecordedRun::open(options.run, catalogue());
   if (!run) return fail(run.error());
   if (!run->finished)
     return fail(input_error("the run was cut off before its end: there is nothing to compare with", options.run));

@@ -6,7 +6,6 @@
 #include "app/command.h"
 #include "app/play.h"
 #include "scenarios/share.h"
-#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::app {
 
@@ -23,7 +22,7 @@ int run(const Options& options) {
   if (!options.tier.empty()) overrides.emplace_back("tier=" + options.tier, "--tier " + options.tier);
   const auto file = find_scenario(options.scenario);
   if (!file) return fail(file.error());
-  auto scenario = Scenario::load(*file, shipped(), overrides);
+  auto scenario = Scenario::load(*file, catalogue(), overrides);
   if (!scenario) return fail(scenario.error());
   const auto [code, played] = play(options, *std::move(scenario));
   if (played.result.journal_hash.empty()) return code;

@@ -59,7 +59,7 @@ void print(const lab::WhyNotAnswer::InEnvironment& found) {
 }
 
 int why_not(const Options& options) {
-  auto run = lab::RecordedRun::open(options.run);
+  auto run = lab::RecordedRun::open(options.run, catalogue());
   if (!run) return fail(run.error());
   Console console(true);
   std::optional<SimTime> at;

@@ -1,7 +1,7 @@
 # The one shared library: all parts of cxlab in libcxlab.so, which the program, plugins and outside programs use, so that
 # there is one copy of the executive in a process. Tests of single parts link these statically.
 #
-#   cxlab_shared_library(<target> FROM <part>...)   all that the DEPS of the parts name, without the parts' own code
+#   cxlab_shared_library(<target> FROM <part>...)   the parts and all that their DEPS name
 
 include_guard(GLOBAL)
 
@@ -25,6 +25,7 @@ endfunction()
 function(cxlab_shared_library target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "FROM")
   _cxlab_closure(parts ${arg_FROM})
+  list(APPEND parts ${arg_FROM})
   add_library(${target} SHARED)
   foreach(part IN LISTS parts)
     get_target_property(type ${part} TYPE)

@@ -1,0 +1,106 @@
+#include "app/program.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+
+#include "app/arguments.h"
+#include "app/command.h"
+#include "app/console.h"
+#include "app/stack_guard.h"
+#include "lab/versions.h"
+#include "sim/mujoco/library.h"
+
+namespace cxlab::app {
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "%s %s\n", coloured("error:", kRed).c_str(), error.text().c_str());
+  return static_cast<int>(error.kind);
+}
+
+namespace {
+
+std::vector<std::string> g_command_line;
+const Catalogue* g_catalogue = nullptr;
+
+constexpr const char* kExitCodes =
+    "Exit codes: 0 done; 1 the answer is no; 2 usage; 3 bad input; 4 the run failed; 5 output or resource; 70 a bug of "
+    "cxlab; 130, 143 ended by a signal.";
+
+/// `code`; or that standard output did not take the answer, as on a full disk. A pipe whose reader has seen enough is
+/// no error.
+int with_all_said(int code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  struct stat out{};
+  if (fstat(STDOUT_FILENO, &out) == 0 && (S_ISFIFO(out.st_mode) || S_ISSOCK(out.st_mode))) return code;
+  std::fputs("error: standard output cannot be written\n", stderr);
+  return code == 0 ? static_cast<int>(ErrorKind::kResource) : code;
+}
+
+int run(int argc, char** argv) {
+  sim::on_mujoco_bug([](const char* message) {
+    std::fprintf(stderr, "error: a bug of cxlab: MuJoCo: %s\n", message);
+    std::_Exit(static_cast<int>(ErrorKind::kBug));
+  });
+#ifndef __SANITIZE_ADDRESS__  // which reports every fault itself
+  install_stack_guard();
+#endif
+  g_command_line.assign(argv, argv + argc);
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  CLI::App app{
+      "cxlab: rule-based robot agents (the CLIPS-Executive) in simulated worlds, one process, one clock, one seed."};
+  app.name("cxlab");
+  app.require_subcommand(1);
+  app.footer(kExitCodes);
+  app.set_version_flag("--version", lab::cxlab_version());
+  Action action;
+  add_run(app, action);
+  add_replay(app, action);
+  add_rerun(app, action);
+  add_env(app, action);
+  add_render(app, action);
+  add_why_not(app, action);
+  add_validate(app, action);
+  add_list(app, action);
+  add_doc(app, action);
+  add_test(app, action);
+  add_bench(app, action);
+  add_plan(app, action);
+  add_new(app, action);
+  add_doctor(app, action);
+  add_help(app, action);
+  add_completion(app, action);
+  add_man(app, action);
+  if (Status s = check_command(app, argc, argv); !s) return fail(s.error());
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return usage_exit(app, e);
+  }
+  return with_all_said(action());
+}
+
+}  // namespace
+
+const std::vector<std::string>& command_line() { return g_command_line; }
+const Catalogue& catalogue() { return *g_catalogue; }
+
+int run_program(int argc, char** argv, const Catalogue& catalogue) {
+  g_catalogue = &catalogue;
+  try {
+    return run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fputs("error: out of memory\n", stderr);
+    return 5;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "error: a bug of cxlab: %s\n", e.what());
+    return 70;
+  }
+}
+
+}  // namespace cxlab::app
