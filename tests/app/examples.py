@@ -29,8 +29,8 @@ MORE = (
 SHOWN = {"scenarios/turtlesim/boundary_late.yaml": "service turtle1/teleport_absolute not available, abort request."}
 # Another planner's program has to be installed.
 NEEDS_MORE = r"pddl_manager\.(command|engine|python)"
-# Needs a library that is built first: tests/app/own_plugins.py, tests of the template.
-BUILT_FIRST = ("docs/examples/own_plugins/", "docs/templates/plugin/")
+# Needs a library or a program that is built first: tests/app/own_plugins.py, tests of the template.
+BUILT_FIRST = ("docs/examples/own_plugins/", "docs/examples/own_world/", "docs/templates/plugin/")
 
 
 def on_pages():

@@ -106,6 +106,30 @@ class OwnPackages(Installed):
         self.assertRegex(done.stdout, r"(?m)^game +one +2/2 ")
         self.assertIn("[4/4] game one seed 2: completed, exit 0", done.stderr)
 
+    def test_world_of_ones_own_has_all_commands(self):
+        example = self.prefix / "share/cxlab/docs/examples/own_world"
+        build(example, self.folder / "own_world", self.prefix)
+
+        def own_world(*arguments, expect=0):
+            return call(self.folder / "own_world/own_world", *arguments, expect=expect, cwd=self.folder)
+
+        maze, run = example / "maze.yaml", self.folder / "grid"
+        self.assertRegex(own_world("run", maze, "--out", run, "--snapshot", "every:10").stdout, r"^at the goal after \d+ steps and \d+ bumps\n")
+        self.assertEqual((run / "index.html").read_text().count("alt=\"grid at "), 5)
+        result = json.loads((run / "result.json").read_text())
+        self.assertEqual((result["status"], result["grid"]["reached"]), ("completed", True))
+        for seed in (1, 2):
+            again = json.loads(own_world("run", maze, "--seed", seed, "--out", "none", "--json").stdout)
+            self.assertEqual(again["journal_hash"] == result["journal_hash"], seed == 1)
+        self.assertIn("rules: the same", own_world("replay", run).stdout)
+        own_world("rerun", run, "--out", self.folder / "rerun")
+        self.assertIn("turn-back", own_world("why-not", run, "turn-back", "--at", 10).stdout)
+        own_world("render", maze, "--at", 10, "--out", self.folder / "grid.png")
+        self.assertRegex(own_world("bench", example / "bench.yaml").stdout, r"(?m)^maze +no walls +4/4 +-")
+        self.assertRegex(own_world("list", "worlds").stdout, r"(?m)^grid +a robot")
+        self.assertIn("world.map[2]: found 2 cells, expected 12", own_world("run", maze, "--set", "world.map[2]=..", expect=3).stderr)
+        self.assertIn("found 'grid', expected one of: none, rcll, turtlesim", call(self.cxlab, "run", maze, expect=3).stderr)
+
     def test_manual_page_and_completion_are_installed(self):
         share = self.prefix / "share"
         self.assertTrue((share / "man/man1/cxlab.1").read_text().startswith(".TH CXLAB 1"))

@@ -1,0 +1,209 @@
+#include "grid.h"
+
+#include <cx/base/random.h>
+#include <scenarios/result.h>
+
+#include <algorithm>
+#include <array>
+#include <deque>
+
+namespace grid {
+namespace {
+
+using namespace cxlab;
+
+struct Cell {
+  int row = 0, column = 0;
+  bool operator==(const Cell&) const = default;
+};
+
+struct Config {
+  std::vector<std::string> map{"SG"};  ///< a text a row, a character a cell: # wall, G goal, S start, . free
+  double step_s = 0.5;                 ///< how long a step takes
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys.required("map", map);
+    keys("step_s", step_s);
+  }
+  int rows() const { return static_cast<int>(map.size()); }
+  int columns() const { return static_cast<int>(map.front().size()); }
+  /// Around the map are walls.
+  char at(Cell cell) const {
+    if (cell.row < 0 || cell.row >= rows() || cell.column < 0 || cell.column >= columns()) return '#';
+    return map[static_cast<std::size_t>(cell.row)][static_cast<std::size_t>(cell.column)];
+  }
+  std::vector<Cell> cells(char kind) const {
+    std::vector<Cell> out;
+    for (Cell cell; cell.row < rows(); ++cell.row)
+      for (cell.column = 0; cell.column < columns(); ++cell.column)
+        if (at(cell) == kind) out.push_back(cell);
+    return out;
+  }
+};
+
+Status validate(const Config& config) {
+  for (std::size_t row = 0; row < config.map.size(); ++row) {
+    const std::string& cells = config.map[row];
+    const std::string here = "map[" + std::to_string(row) + "]: found ";
+    if (cells.empty() || cells.size() != config.map.front().size())
+      return input_error(here + std::to_string(cells.size()) + " cells, expected " +
+                         (row == 0 ? "some" : std::to_string(config.columns()) + " as in the first row"));
+    if (const std::size_t wrong = cells.find_first_not_of("#.SG"); wrong != std::string::npos)
+      return input_error(here + "'" + cells[wrong] + "', expected # (wall), . (free), S (start) or G (goal)");
+  }
+  if (config.map.empty()) return input_error("map: expected at least one row");
+  const auto goals = config.cells('G').size(), starts = config.cells('S').size();
+  if (goals != 1) return input_error("map: found " + std::to_string(goals) + " goals (G), expected one");
+  if (starts > 1) return input_error("map: found " + std::to_string(starts) + " starts (S), expected at most one");
+  if (starts + config.cells('.').size() == 0) return input_error("map: expected a cell to start from, S or .");
+  return config.step_s > 0 ? Status() : Status(input_error("step_s: expected more than 0"));
+}
+
+struct Direction {
+  std::string_view name;
+  int rows, columns;
+};
+constexpr std::array kDirections{Direction{"north", -1, 0}, Direction{"east", 0, 1}, Direction{"south", 1, 0},
+                                 Direction{"west", 0, -1}, Direction{"stay", 0, 0}};
+
+/// Serves /grid/move, and is the referee: the game is over at the goal.
+class Robot final : public Server, public Referee {
+ public:
+  static Expected<std::unique_ptr<Robot>> make(const StageSetup& setup) {
+    const auto type = setup.bus.registry().service("grid/srv/Move");
+    if (!type) return type.error();
+    std::unique_ptr<Robot> robot(new Robot(setup, *(*type)->response));
+    const auto served = setup.bus.serve(robot->self_, "/grid/move", **type,
+                                        [to = robot.get()](const bus::Delivery& d) { to->requests_.push_back(d); });
+    if (!served) return served.error();
+    return robot;
+  }
+
+  /// Takes requests; the first of them begins.
+  Status act(SimTime now) override {
+    if (requests_.empty()) begun_ = now;
+    bus_.deliver(self_);
+    return {};
+  }
+  /// A step is done: answers its request, and begins the next.
+  Status sense(SimTime now) override {
+    if (now < next_due()) return {};
+    const bus::Delivery& request = requests_.front();
+    const std::string& wanted = request.message->view().text("direction");
+    bus::Message answer(response_);
+    if (const auto found = std::ranges::find(kDirections, wanted, &Direction::name); found != kDirections.end())
+      answer->set("moved", move(*found));
+    else
+      answer->set("error", "direction: found '" + wanted + "', expected north, east, south, west or stay");
+    answer->set("row", at_.row).set("column", at_.column).set("at_goal", over());
+    bus_.respond(request.endpoint, request, std::make_shared<const bus::Message>(std::move(answer)));
+    requests_.pop_front();
+    begun_ = now;
+    return {};
+  }
+  Status judge(SimTime) override { return {}; }
+  SimTime next_due() const override { return requests_.empty() ? kNever : begun_ + from_seconds(config_.step_s); }
+  bool over() const override { return config_.at(at_) == 'G'; }
+
+  const Config& config() const { return config_; }
+  const std::vector<Cell>& way() const { return way_; }
+  int bumps() const { return bumps_; }
+
+ private:
+  Robot(const StageSetup& setup, const bus::MessageType& response)
+      : config_(setup.scenario.world.get<Config>()), bus_(setup.bus), response_(response) {
+    auto starts = config_.cells('S');
+    if (starts.empty()) starts = config_.cells('.');
+    at_ = starts[RandomStream(setup.scenario.seed, "grid/start").below(starts.size())];
+    way_ = {at_};
+    self_ = bus_.join(bus::ParticipantKind::kNode, {"grid", "/", {}}, setup.sink.open_stream("node/grid"));
+  }
+  bool move(const Direction& direction) {
+    const Cell to{at_.row + direction.rows, at_.column + direction.columns};
+    if (config_.at(to) == '#') return ++bumps_, false;
+    if (to != at_) way_.push_back(at_ = to);
+    return true;
+  }
+
+  Config config_;
+  bus::Bus& bus_;
+  const bus::MessageType& response_;
+  bus::ParticipantId self_{};
+  std::deque<bus::Delivery> requests_;  ///< the first is carried out
+  SimTime begun_{};                     ///< when the first began
+  Cell at_;
+  std::vector<Cell> way_;  ///< all cells since the start
+  int bumps_ = 0;
+};
+
+class GridView final : public View {
+ public:
+  GridView(const Robot& robot, int width, int height)
+      : robot_(robot), side_(std::max(1, std::min(width / robot.config().columns(), height / robot.config().rows()))) {}
+  Expected<const sim::Picture*> draw(std::string_view camera) override {
+    if (camera != "grid") return input_error("found camera '" + std::string(camera) + "', expected grid");
+    picture_ = {robot_.config().columns() * side_, robot_.config().rows() * side_, {}};
+    for (int y = 0; y < picture_.height; ++y)
+      for (int x = 0; x < picture_.width; ++x)
+        std::ranges::copy(colour_of({y / side_, x / side_}), std::back_inserter(picture_.rgb));
+    return &picture_;
+  }
+  std::vector<std::string> cameras() const override { return {"grid"}; }
+
+ private:
+  std::array<std::uint8_t, 3> colour_of(Cell cell) const {
+    if (cell == robot_.way().back()) return {200, 60, 40};
+    if (robot_.config().at(cell) == 'G') return {60, 160, 80};
+    if (robot_.config().at(cell) == '#') return {70, 70, 80};
+    if (std::ranges::count(robot_.way(), cell) > 0) return {250, 215, 160};
+    return {240, 240, 235};
+  }
+  const Robot& robot_;
+  int side_;  ///< of a cell, in pixels
+  sim::Picture picture_;
+};
+
+/// Each step and each bump costs a point: `bench` compares the points of teams.
+void set_sections(Result& result, int steps, int bumps, bool reached) {
+  result.set("grid", R"({"steps": )" + std::to_string(steps) + R"(, "bumps": )" + std::to_string(bumps) +
+                         R"(, "reached": )" + (reached ? "true}" : "false}"));
+  result.set("teams", R"({"explorer": {"points": )" + std::to_string(-steps - bumps) + R"(, "by_kind": {}}})");
+}
+
+class GridStage final : public Stage {
+ public:
+  explicit GridStage(std::unique_ptr<Robot> robot) : robot_(*robot) {
+    referee = robot.get();
+    servers.push_back(std::move(robot));
+    views.push_back([this](int width, int height) -> Expected<std::unique_ptr<View>> {
+      return std::unique_ptr<View>(std::make_unique<GridView>(robot_, width, height));
+    });
+  }
+  void report(Result& result) const override {
+    const int steps = static_cast<int>(robot_.way().size()) - 1;
+    set_sections(result, steps, robot_.bumps(), robot_.over());
+    result.score_board += (robot_.over() ? "at the goal after " : "not at the goal after ") + std::to_string(steps) +
+                          " steps and " + std::to_string(robot_.bumps()) + " bumps\n";
+  }
+
+ private:
+  const Robot& robot_;
+};
+
+}  // namespace
+
+constinit const WorldKind kWorld{
+    .name = "grid",
+    .what = "a robot that looks for the goal in a grid",
+    .settings = settings_of<Config>(),
+    .duration = std::chrono::seconds(300),
+    .make_stage = [](const StageSetup& setup) -> Expected<std::unique_ptr<Stage>> {
+      auto robot = Robot::make(setup);
+      if (!robot) return robot.error();
+      return std::unique_ptr<Stage>(std::make_unique<GridStage>(*std::move(robot)));
+    },
+    .add_sample = [](Result& sample) { set_sections(sample, 0, 0, false); },
+};
+
+}  // namespace grid
