@@ -255,6 +255,29 @@ TEST(FindPlan, NumbersThatChangeContinuously) {
   EXPECT_EQ(found.plan->steps.size(), 2u);
 }
 
+TEST(FindPlan, SaysWhatAProofAssumes) {
+  // Only the end of filling takes the oven: plans in which both pieces are filled in at one instant are not counted.
+  const char* oven = R"((:predicates (raw ?p) (in ?p) (empty) (baked ?p) (out ?p))
+    (:durative-action fill :parameters (?p) :duration (= ?duration 2) :condition (and (at start (raw ?p)) (WHEN (empty)))
+     :effect (and (at start (not (raw ?p))) (at end (in ?p)) (WHEN (not (empty)))))
+    (:durative-action bake :parameters (?p) :duration (= ?duration 10) :condition (at start (in ?p)) :effect (at end (baked ?p)))
+    (:durative-action take :parameters (?p) :duration (= ?duration 3) :condition (and (at start (baked ?p)) (at start (in ?p)))
+     :effect (and (at start (not (in ?p))) (at end (out ?p)) (at end (empty)))))";
+  const auto found = [&](const std::string& condition, const std::string& effect) {
+    std::string domain = oven;
+    domain.replace(domain.find("WHEN"), 4, condition);
+    domain.replace(domain.find("WHEN"), 4, effect);
+    return answer(parse(domain, "(:objects a b) (:init (raw a) (raw b) (empty)) (:goal (and (out a) (out b)))"),
+                  {.budget = 1'000'000, .anytime = true});
+  };
+  const PlanAnswer assumes = found("over all", "at end");
+  EXPECT_EQ(assumes.reason, "no plan is shorter in which no two actions change one fact at one instant");
+  EXPECT_TRUE(assumes.bound_assumes_order);
+  const PlanAnswer plain = found("at start", "at start");
+  EXPECT_EQ(plain.reason, "no plan is shorter");
+  EXPECT_FALSE(plain.bound_assumes_order);
+}
+
 TEST(FindPlan, ProvesThatNothingAddsTheGoal) {
   const PlanAnswer found = answer(parse(
       "(:predicates (a) (b)) (:action make :parameters () :precondition (b) :effect (a))", "(:init) (:goal (a))"));

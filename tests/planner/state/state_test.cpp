@@ -110,6 +110,9 @@ TEST_F(StateTest, ComparisonForgivesRounding) {
   EXPECT_FALSE(compare(0.1 + 0.2, Comparison::kGreater, 0.3));
   EXPECT_TRUE(compare(0.3, Comparison::kGreaterEqual, 0.1 + 0.2));
   EXPECT_TRUE(compare(1.001, Comparison::kGreater, 1));
+  EXPECT_FALSE(compare(0.3, Comparison::kLess, 0.1 + 0.2));
+  EXPECT_TRUE(compare(0.1 + 0.2, Comparison::kLessEqual, 0.3));
+  EXPECT_TRUE(compare(1, Comparison::kLess, 1.001));
 }
 
 }  // namespace

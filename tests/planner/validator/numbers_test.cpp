@@ -47,6 +47,23 @@ TEST(ValidatorNumbers, DurationIsReadInTheStateAtStart) {
               HasSubstr("the duration is 2.000, expected 3.000"));
 }
 
+TEST(ValidatorNumbers, ANumberThatGrowsBeyondAllNumbersHasNoValue) {
+  const Checker checker("(:functions (x)) (:action square :effect (scale-up (x) (x)))",
+                        "(:init (= (x) 10)) (:goal (> (x) 20))");
+  std::string plan;
+  for (int i = 1; i <= 8; ++i) plan += std::to_string(i) + ": (square)\n";
+  EXPECT_EQ(checker.verdict(plan), "valid") << "1e256";
+  EXPECT_THAT(checker.verdict(plan + "9: (square)"), HasSubstr("the effect (scale-up (x) (x)) at 9.000 has no value"));
+}
+
+TEST(ValidatorNumbers, TheMetricCountsTheTimeOfThePlanNotOfLaterEvents) {
+  const Checker checker("(:predicates (lit) (day)) (:action light :effect (lit))",
+                        "(:init (at 9 (day))) (:goal (lit)) (:metric minimize (total-time))");
+  const auto verdict = checker.check("2: (light)");
+  ASSERT_TRUE(verdict && verdict->valid);
+  EXPECT_EQ(verdict->metric, 2);
+}
+
 TEST(ValidatorNumbers, IncreasesCommuteAssignmentsDoNot) {
   const char* world = R"((:functions (x)) (:action up :effect (increase (x) 2)) (:action down :effect (decrease (x) 1))
     (:action set :effect (assign (x) 7)))";

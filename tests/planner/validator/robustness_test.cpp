@@ -36,6 +36,15 @@ TEST(Robustness, LimitIsReachedWhenNothingBreaks) {
   EXPECT_FALSE(found.violation);
 }
 
+TEST(Robustness, EachStepMovesForwardsAndBackwards) {
+  const Checker checker(kWorld, "(:init (at 5 (light)) (at 10 (not (light)))) (:goal (seen))");
+  const Validator validator(checker.task().domain, checker.task().problem);
+  for (const char* text : {"5.1: (look) [4]", "5.9: (look) [4]"}) {
+    const auto plan = parse_plan(text, "plan", checker.task().domain, checker.task().problem);
+    EXPECT_NEAR(robustness(validator, *plan, {}, 3, 1, 0)->breaks, 0.1, 0.001) << text << ", without random draws";
+  }
+}
+
 TEST(Robustness, IsTheSameEachTime) {
   EXPECT_EQ(of("0: (burn) [10]\n3: (look) [4]", 8).holds, of("0: (burn) [10]\n3: (look) [4]", 8).holds);
 }

@@ -93,6 +93,9 @@ TEST(Validator, DurationMustBeWithinItsBounds) {
   EXPECT_THAT(checker.verdict("0: (go r a b) [5]\n5.001: (work r b) [5]"),
               HasSubstr("the duration is 5.000, expected at most 4.000"));
   EXPECT_EQ(checker.verdict("0: (go r a b) [5.001]\n5.002: (work r b) [3]"), "valid") << "within the tolerance";
+  EXPECT_EQ(checker.verdict("0: (go r a b) [4.999]\n5.002: (work r b) [3]"), "valid") << "within the tolerance";
+  EXPECT_THAT(checker.verdict("0: (go r a b) [4.998]"), HasSubstr("the duration is 4.998, expected 5.000"));
+  EXPECT_THAT(checker.verdict("0: (go r a b) [5.002]"), HasSubstr("the duration is 5.002, expected 5.000"));
 }
 
 TEST(Validator, InterferingHappeningsNeedEpsilon) {
@@ -169,6 +172,7 @@ TEST(Validator, ConditionThatNoActionChangesNamesTheProblem) {
 TEST(Validator, StepsMayNotBeginBeforeZero) {
   EXPECT_EQ(Checker(kWorld, kStart).verdict("-1440: (go r a b) [5]"),
             "-1440.000: (go r a b) (line 1) begins before 0\n  advice: let all steps begin 1440.000 s later");
+  EXPECT_THAT(Checker(kWorld, kStart).verdict("-0.5: (go r a b) [5]"), HasSubstr("begins before 0"));
 }
 
 TEST(Validator, QuantifiersAndImplicationsNameTheObject) {
@@ -202,15 +206,18 @@ TEST(Validator, ConditionalAndUniversalEffectsAreEvaluatedInTheState) {
 }
 
 TEST(Validator, EffectAtEndMayDependOnStartAndOverAll) {
-  const char* world = R"((:predicates (light) (seen) (ready))
+  const char* world = R"((:predicates (light) (seen) (ready) (found))
     (:durative-action watch :parameters () :duration (= ?duration 10)
-      :effect (and (when (at start (light)) (at end (seen))) (when (and (at start (light)) (over all (light))) (at end (ready)))))
+      :effect (and (when (at start (light)) (at end (seen))) (when (and (at start (light)) (over all (light))) (at end (ready)))
+        (when (and (at start (light)) (at end (light))) (at end (found)))))
     (:action dim :effect (not (light))) (:action shine :effect (light)))";
   const auto with_goal = [&](const char* goal) {
     return Checker(world, std::string("(:init (light)) (:goal ") + goal + ")");
   };
   EXPECT_EQ(with_goal("(and (seen) (ready))").verdict("0: (watch) [10]"), "valid");
   EXPECT_EQ(with_goal("(and (seen) (not (ready)))").verdict("0: (watch) [10]\n5: (dim)\n6: (shine)"), "valid");
+  EXPECT_EQ(with_goal("(and (found) (not (ready)))").verdict("0: (watch) [10]\n5: (dim)\n6: (shine)"), "valid");
+  EXPECT_EQ(with_goal("(and (seen) (not (found)))").verdict("0: (watch) [10]\n5: (dim)"), "valid");
   EXPECT_EQ(with_goal("(not (seen))").verdict("0: (dim)\n1: (watch) [10]\n2: (shine)"), "valid");
 }
 
@@ -223,6 +230,36 @@ TEST(Validator, DerivedFactsFollowTheState) {
   EXPECT_EQ(checker.verdict("0: (build b c)\n1: (travel a c)"), "valid");
   EXPECT_THAT(checker.verdict("1: (travel a c)"), HasSubstr("(reach a c); reach is derived by a rule"));
   EXPECT_THAT(checker.verdict("0: (build b c)\n0.0001: (travel a c)"), HasSubstr("both use (road b c)"));
+}
+
+TEST(Validator, WhatADerivedFactRestsOnInterferesThroughOtherDerivedFacts) {
+  const char* world = R"((:predicates (road) (open) (way) (arrived)) (:functions (water))
+    (:derived (way) (open)) (:derived (open) (and (road) (<= (water) 2)))
+    (:action mend :effect (road)) (:action pump :effect (decrease (water) 1))
+    (:action travel :precondition (way) :effect (arrived)))";
+  const Checker checker(world, "(:init (road) (= (water) 1)) (:goal (arrived))");
+  EXPECT_EQ(checker.verdict("0: (mend)\n0.001: (pump)\n0.002: (travel)"), "valid");
+  EXPECT_THAT(checker.verdict("0: (mend)\n0.0001: (travel)"), HasSubstr("both use (road)"));
+  EXPECT_THAT(checker.verdict("0: (pump)\n0.0001: (travel)"), HasSubstr("both use (water)"));
+}
+
+TEST(Validator, ADerivedFactThatReadsTheAbsenceOfAnotherComesAfterIt) {
+  const auto verdict = [](const std::string& condition) {
+    return Checker("(:predicates (road) (quiet) (reach) (calm) (left)) (:derived (calm) " + condition +
+                       ") (:derived (reach) (road)) (:action leave :precondition (calm) :effect (left))",
+                   "(:init (road)) (:goal (left))")
+        .verdict("0: (leave)");
+  };
+  for (const char* condition : {"(not (reach))", "(imply (reach) (quiet))", "(not (and (road) (reach)))"})
+    EXPECT_THAT(verdict(condition), HasSubstr("(calm)")) << condition << ": there is a road";
+  EXPECT_EQ(verdict("(not (and (quiet) (reach)))"), "valid");
+}
+
+TEST(Validator, AFactThatOneActionDeletesAndAddsIsTrueAfterwards) {
+  EXPECT_EQ(
+      Checker("(:predicates (lit)) (:action flicker :effect (and (lit) (not (lit))))", "(:init (lit)) (:goal (lit))")
+          .verdict("1: (flicker)"),
+      "valid");
 }
 
 TEST(Validator, EventsFromOutsideOpenAndCloseWindows) {
