@@ -173,6 +173,22 @@ TEST_F(ActionTest, AGoalThatEndsWhileACancelIsOpenStaysEnded) {
   EXPECT_THAT(deliver(env_), ElementsAre("cancel 1 of 0", "result 4"));
 }
 
+TEST_F(ActionTest, AGoalThatHasEndedStaysEndedWhenTheCancelOfAllIsAnswered) {
+  const auto server = make_server();
+  const GoalId first = executing(server), second = executing(server);
+  bus_.cancel_all_goals(client_);
+  bus_.deliver(robot_);
+  ASSERT_EQ(cancels_.size(), 2u);
+  EXPECT_TRUE(bus_.answer_cancel(server, cancels_[0], true));
+  EXPECT_TRUE(finish(server, first, GoalStatus::kCanceled));
+  bus_.deliver(env_);
+  EXPECT_EQ(bus_.goal_status(client_, first), GoalStatus::kCanceled);
+  EXPECT_TRUE(bus_.answer_cancel(server, cancels_[1], true));
+  bus_.deliver(env_);
+  EXPECT_EQ(bus_.goal_status(client_, first), GoalStatus::kCanceled);
+  EXPECT_EQ(bus_.goal_status(client_, second), GoalStatus::kCanceling);
+}
+
 TEST_F(ActionTest, AGoalThatEndedLongAgoIsForgotten) {
   const auto server = make_server();
   const GoalId first = executing(server);
@@ -324,7 +340,14 @@ TEST_F(ActionTest, GoalIdsDependOnNodeActionAndCountOnly) {
   EXPECT_EQ(other.send_goal(client, blank(*fibonacci_->goal)), first);
   const auto twin = other.join(ParticipantKind::kEnvironment, NodeName{"env", "/", {}}, sink.open_stream("twin"));
   const auto of_twin = *other.create_action_client(twin, "fib", *fibonacci_, {});
-  EXPECT_NE(other.send_goal(of_twin, blank(*fibonacci_->goal)), first) << "two environments of one node";
+  const GoalId second_of_name = other.send_goal(of_twin, blank(*fibonacci_->goal));
+  EXPECT_NE(second_of_name, first) << "two environments of one node";
+  other.leave(env);
+  const auto third = other.join(ParticipantKind::kEnvironment, NodeName{"env", "/", {}}, sink.open_stream("third"));
+  const GoalId third_of_name =
+      other.send_goal(*other.create_action_client(third, "fib", *fibonacci_, {}), blank(*fibonacci_->goal));
+  EXPECT_NE(third_of_name, first) << "one that was made again";
+  EXPECT_NE(third_of_name, second_of_name);
 }
 
 }  // namespace

@@ -76,6 +76,32 @@ TEST_F(BusTest, TwoSubscriptionsOfOneTopicTakeInTheOrderOfTheirCreation) {
   EXPECT_THAT(deliver(env), ElementsAre("x", "first", "x", "second"));
 }
 
+TEST_F(BusTest, TheKindDecidesBeforeTheSender) {
+  const auto first = node("first"), second = node("second"), env = environment("env");
+  const auto out = advertise(first, "t");
+  subscribe(env, "t");
+  const auto service =
+      *bus_.serve(env, "s", *set_bool_, [this](const Delivery&) { log_.push_back("request of the second"); });
+  const auto client = *bus_.create_client(second, "s", *set_bool_, nullptr);
+  static_cast<void>(service);
+  tick();
+  bus_.publish(out, text("topic of the first"));
+  bus_.call(client, blank(*set_bool_->request));
+  EXPECT_THAT(deliver(env), ElementsAre("request of the second", "topic of the first"));
+}
+
+TEST_F(BusTest, WhatAMutedBusTakesReachesNobody) {
+  const auto server = node("server"), env = environment("env");
+  const auto out = advertise(server, "t");
+  subscribe(env, "t");
+  bus_.mute(true);
+  bus_.publish(out, text("unheard"));
+  EXPECT_FALSE(bus_.any_waiting());
+  bus_.mute(false);
+  bus_.publish(out, text("heard"));
+  EXPECT_THAT(deliver(env), ElementsAre("heard"));
+}
+
 TEST_F(BusTest, KindsComeInTheOrderOfDeliveryKind) {
   const auto env = environment("env"), peer = node("peer");
   const auto note = [this](const char* what) { return [this, what](const Delivery&) { log_.push_back(what); }; };
@@ -180,8 +206,10 @@ TEST_F(BusTest, AParticipantThatLeavesTakesItsEndpointsButNotItsPosts) {
   subscribe(env, "t");
   bus_.publish(out, text("last words"));
   EXPECT_TRUE(bus_.is_there(server));
+  EXPECT_EQ(bus_.find_node("/server"), server);
   bus_.leave(server);
   EXPECT_FALSE(bus_.is_there(server));
+  EXPECT_EQ(bus_.find_node("/server"), std::nullopt);
   EXPECT_THAT(deliver(env), ElementsAre("last words"));
   ASSERT_EQ(bus_.topics().size(), 1u);
   EXPECT_EQ(bus_.topics()[0].name, "/t");
@@ -331,6 +359,34 @@ TEST_F(ServiceTest, ACallWithoutServerWaitsForOne) {
   ASSERT_EQ(requests_.size(), 1u);
   bus_.respond(service, requests_[0], answer("at last"));
   EXPECT_THAT(deliver(a), ElementsAre("1 at last"));
+  bus_.remove(service);
+  ASSERT_TRUE(bus_.serve(server, "s", *set_bool_, keep_requests()).ok());
+  bus_.deliver(server);
+  EXPECT_EQ(requests_.size(), 1u) << "another server does not get it again";
+}
+
+TEST_F(ServiceTest, ACallThatWaitsIsForgottenWhenTheNameGetsAnotherType) {
+  const auto a = environment("a"), server = node("server");
+  const auto client = *bus_.create_client(a, "s", *set_bool_, nullptr);
+  bus_.call(client, blank(*set_bool_->request));
+  bus_.remove(client);
+  ASSERT_TRUE(bus_.serve(server, "s", **registry_.service("std_srvs/srv/Empty"), keep_requests()).ok());
+  bus_.deliver(server);
+  EXPECT_THAT(requests_, IsEmpty());
+}
+
+TEST_F(ServiceTest, ARequestIsAnsweredOnlyAfterItWasTaken) {
+  const auto a = environment("a"), server = node("server");
+  const auto service = *bus_.serve(server, "s", *set_bool_, keep_requests());
+  bus_.call(*bus_.create_client(a, "s", *set_bool_, note_responses()), blank(*set_bool_->request));
+  Delivery guessed;
+  guessed.request_id = 1;
+  EXPECT_FALSE(bus_.respond(service, guessed, answer("too early")));
+  bus_.deliver(server);
+  ASSERT_EQ(requests_.size(), 1u);
+  EXPECT_EQ(requests_[0].request_id, guessed.request_id);
+  EXPECT_TRUE(bus_.respond(service, requests_[0], answer("now")));
+  EXPECT_THAT(deliver(a), ElementsAre("1 now"));
 }
 
 TEST_F(ServiceTest, AnEnvironmentAnswersAnotherTwoTicksAfterTheCall) {

@@ -56,6 +56,38 @@ TEST(Transforms, BetweenTwoTimesPosesAreInterpolatedOnTheShorterArc) {
   EXPECT_NEAR(p.qx * p.qx + p.qy * p.qy + p.qz * p.qz + p.qw * p.qw, 1, 1e-12);
 }
 
+TEST(Transforms, TurnsInSpaceAreInvertedAndChained) {
+  TransformBuffer tf;
+  const double half = std::sqrt(0.5);
+  ASSERT_TRUE(tf.set("map", "arm", s(1), {1, 2, 3, half, 0, 0, half}).ok());  // a quarter about x: y becomes z
+  ASSERT_TRUE(tf.set("arm", "tool", s(1), {0, 0, 1, 0, 0, 0, 1}).ok());
+  const Transform tool = tf.lookup("map", "tool")->pose, map = tf.lookup("arm", "map")->pose;
+  EXPECT_NEAR(tool.x, 1, 1e-12);
+  EXPECT_NEAR(tool.y, 1, 1e-12);
+  EXPECT_NEAR(tool.z, 3, 1e-12);
+  EXPECT_NEAR(map.x, -1, 1e-12);
+  EXPECT_NEAR(map.y, -3, 1e-12);
+  EXPECT_NEAR(map.z, 2, 1e-12);
+}
+
+TEST(Transforms, OfTwoWithOneStampTheLaterCounts) {
+  TransformBuffer tf;
+  ASSERT_TRUE(tf.set("map", "robot", s(1), at(0, 0)).ok());
+  ASSERT_TRUE(tf.set("map", "robot", s(1), at(2, 0)).ok());
+  ASSERT_TRUE(tf.set("map", "robot", s(2), at(4, 0)).ok());
+  EXPECT_DOUBLE_EQ(tf.lookup("map", "robot", s(1))->pose.x, 2);
+  EXPECT_DOUBLE_EQ(tf.lookup("map", "robot", s(1.5))->pose.x, 3);
+}
+
+TEST(Transforms, AStaticFrameStaysStatic) {
+  TransformBuffer tf;
+  ASSERT_TRUE(tf.set("map", "dock", s(1), at(1, 0), true).ok());
+  ASSERT_TRUE(tf.set("map", "dock", s(5), at(9, 0)).ok());
+  const auto later = tf.lookup("map", "dock", s(7));
+  ASSERT_TRUE(later.ok());
+  EXPECT_DOUBLE_EQ(later->pose.x, 9);
+}
+
 TEST(Transforms, TheLatestCommonTimeIsThatOfTheSlowestFrame) {
   TransformBuffer tf;
   for (const double t : {0.0, 1.0, 2.0}) ASSERT_TRUE(tf.set("map", "a", s(t), at(t, 0)).ok());
@@ -112,6 +144,8 @@ TEST(Transforms, WhatMakesNoTreeIsRefused) {
   EXPECT_THAT(refusal("a", "/", at(1, 0)), HasSubstr("TF_NO_CHILD_FRAME_ID"));
   EXPECT_THAT(refusal("a", "d", at(std::numeric_limits<double>::quiet_NaN(), 0)), HasSubstr("TF_NAN_INPUT"));
   EXPECT_THAT(refusal("a", "d", {0, 0, 0, 0, 0, 0, 0}), HasSubstr("TF_DENORMALIZED_QUATERNION"));
+  EXPECT_THAT(refusal("a", "d", {0, 0, 0, 0, 0, 0, 1.02}), HasSubstr("TF_DENORMALIZED_QUATERNION"));
+  EXPECT_TRUE(tf.set("a", "e", s(1), {0, 0, 0, 0, 0, 0, 1.004}).ok()) << "rounded";
   EXPECT_DOUBLE_EQ(tf.lookup("a", "c")->pose.x, 2) << "what was refused left nothing behind";
 }
 
