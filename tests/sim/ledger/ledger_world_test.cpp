@@ -56,6 +56,23 @@ TEST_F(Ledger, APieceFallsOverTheEndOfABeltThatDoesNotStop) {
   EXPECT_EQ(world.find(*piece)->position_in_world.z, 0);
 }
 
+TEST_F(Ledger, ABeltThatRunsStopsForWhatIsPutOnItAndNotForWhatIsTakenAway) {
+  const auto first = world.dispense(kBase, 0.155, kRed);
+  ASSERT_TRUE(world.grasp(kRobot1, spot("C-BS-INPUT")));
+  world.run_belt(kBase, -0.05, 0);
+  EXPECT_EQ(world.next_event(), kNever) << "nothing lies on it";
+  ASSERT_TRUE(world.release(kRobot1, spot("C-BS-INPUT")));
+  EXPECT_EQ(world.next_event(), from_seconds(3.1));
+  ASSERT_TRUE(world.grasp(kRobot1, spot("C-BS-INPUT")));
+  EXPECT_EQ(world.next_event(), kNever) << "it was taken away";
+  pass(5);
+  EXPECT_TRUE(world.belt_running(kBase));
+  ASSERT_TRUE(world.release(kRobot1, spot("C-BS-INPUT")));
+  EXPECT_EQ(world.next_event(), from_seconds(5 + 3.1));
+  world.retire(*first, Holder::kGate);
+  EXPECT_EQ(world.next_event(), kNever) << "it has left play";
+}
+
 TEST_F(Ledger, AStoppedBeltKeepsThePieceWhereItIs) {
   const auto piece = world.dispense(kBase, 0, kRed);
   world.run_belt(kBase, 0.1, 0.155);
@@ -139,6 +156,20 @@ TEST_F(Ledger, AMachineMountsRingsAndCap) {
   EXPECT_EQ(world.find(*piece)->stack, (Stack{2, {3, 4, 0}, 1}));
   world.unmount_cap(*piece);
   EXPECT_EQ(world.find(*piece)->stack.cap, 0);
+}
+
+TEST_F(Ledger, ARobotTurnsAllAlongItsWayAndStandsBeforeItDeparts) {
+  const std::vector<Pose2> path{{4.5, 0.5, 1}, {4.5, 2.5, 0}, {4.5, 4.5, 2}};
+  world.move_along(kRobot1, path, from_seconds(2), from_seconds(6));
+  pass(1);
+  EXPECT_NEAR(world.robot(kRobot1).pose_in_world.y, 0.5, 1e-9);
+  EXPECT_EQ(world.robot(kRobot1).vy, 0);
+  pass(2);
+  EXPECT_NEAR(world.robot(kRobot1).pose_in_world.y, 1.5, 1e-9);
+  EXPECT_NEAR(world.robot(kRobot1).pose_in_world.yaw, 1.25, 1e-9);
+  EXPECT_NEAR(world.robot(kRobot1).omega, 0.25, 1e-6);
+  pass(4);
+  EXPECT_NEAR(world.robot(kRobot1).pose_in_world.yaw, 2, 1e-9);
 }
 
 TEST_F(Ledger, ARobotThatStopsStaysWhereItIs) {

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -92,6 +95,105 @@ TEST(Traffic, MotionsStayWithinTheLimitsOfTheBase) {
   EXPECT_GE(floor.least_clearance, FloorMap::kClearance - 0.02);
 }
 
+TEST(Traffic, TurningTakesItsTimeByTheShorterSide) {
+  for (const auto& [from, to, least, most] : {std::tuple{0.0, 3.1, 3.1 / 1.4, 5.0}, std::tuple{3.0, -3.0, 0.1, 1.5}}) {
+    Drivers floor(open_floor({{0, 4, from}}));
+    floor.traffic.request(kRobot1, {0, 4, to}, {}, floor.now);
+    const double took = floor.until([&] { return floor.traffic.arrived(kRobot1); });
+    EXPECT_GT(took, least) << from << " to " << to;
+    EXPECT_LT(took, most) << from << " to " << to;
+    EXPECT_NEAR(floor.pose(kRobot1).yaw, to, 1e-9);
+  }
+}
+
+TEST(Traffic, CurvesAreDrivenSlowly) {
+  std::vector<Point2> way;
+  for (int i = 0; i <= 60; ++i) way.push_back({-3 + 0.05 * i, 0});
+  for (int i = 1; i <= 30; ++i) way.push_back({0.4 * std::sin(i * 0.05), 0.4 - 0.4 * std::cos(i * 0.05)});
+  for (int i = 1; i <= 60; ++i)
+    way.push_back({way[90].x + i * 0.05 * std::cos(1.5), way[90].y + i * 0.05 * std::sin(1.5)});
+  const DriveLimits limits;
+  const Trajectory motion(way, 0, 0, limits);
+  double fastest_straight = 0, fastest_in_curve = 0;
+  for (SimTime t{}; t < motion.end(); t += Trajectory::kStep) {
+    const Point2 p = motion.point_at(t);
+    double& fastest = p.x > 0.05 && p.y < 0.35 ? fastest_in_curve : fastest_straight;
+    fastest = std::max(fastest, motion.speed_at(t));
+  }
+  EXPECT_NEAR(fastest_straight, limits.speed, 0.01);
+  for (SimTime t = motion.end() - from_seconds(1); t < motion.end(); t += Trajectory::kStep) {
+    const double left = distance(motion.point_at(t), way.back()), speed = motion.speed_at(t);
+    EXPECT_LE(speed * speed, 2 * limits.slow_down * left + 0.02) << left << " m before the end";
+  }
+  EXPECT_NEAR(fastest_in_curve, std::sqrt(limits.sideways * 0.4), 0.02);
+}
+
+TEST(Traffic, WhatRemainsIsTheWayStillToDrive) {
+  Drivers floor(open_floor({{-3, 4, 0}}));
+  EXPECT_EQ(floor.traffic.remaining(kRobot1, floor.now), 0);
+  floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
+  for (const double x : {-2.0, 0.0, 2.9}) {
+    floor.until([&] { return floor.pose(kRobot1).x > x; });
+    EXPECT_NEAR(floor.traffic.remaining(kRobot1, floor.now), 3 - floor.pose(kRobot1).x, 0.05);
+  }
+  floor.until([&] { return floor.traffic.arrived(kRobot1); });
+  EXPECT_EQ(floor.traffic.remaining(kRobot1, floor.now), 0);
+}
+
+TEST(Traffic, ThoseThatCrossKeepTheirDistanceAlsoWhenOneIsEarlyOrLate) {
+  Drivers floor(open_floor({{-3, 4, 0}, {0, 1, 0}}));
+  floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
+  floor.traffic.request(kRobot2, {0, 7, 0}, {}, floor.now);
+  floor.tick();
+  ASSERT_TRUE(floor.traffic.motion(kRobot1) && floor.traffic.motion(kRobot2));
+  const Trajectory first = *floor.traffic.motion(kRobot1), second = *floor.traffic.motion(kRobot2);
+  double least = 100;
+  for (SimTime t{}; t < std::max(first.end(), second.end()); t += kTick)
+    for (const double late : {-0.3, 0.0, 0.3})
+      least = std::min(least, distance(first.point_at(t), second.point_at(t + from_seconds(late))));
+  EXPECT_GT(least, 0.48);
+}
+
+TEST(Traffic, WhoIsAtWorkKeepsItsDistanceFromThoseWhoPass) {
+  Drivers floor(open_floor({{0, 3, 0}, {-4, 4.62, 0}}));
+  floor.traffic.request(kRobot2, {4, 4.62, 0}, {}, floor.now);
+  floor.until([&] { return floor.pose(kRobot2).x > -2.5; });
+  floor.traffic.request(kRobot1, {0, 4, 0}, Footprint{{0, 4}, {0, 4.17}}, floor.now);
+  double least = 100;
+  floor.until([&] {
+    if (floor.traffic.working(kRobot1))
+      least = std::min(least, distance(point_of(floor.pose(kRobot2)), Point2{0, 4.17}));
+    return floor.traffic.working(kRobot1) && floor.traffic.arrived(kRobot2);
+  });
+  EXPECT_TRUE(floor.traffic.working(kRobot1) && floor.traffic.arrived(kRobot2));
+  EXPECT_GE(least, 0.49);
+}
+
+TEST(Traffic, OfTwoThatWantOnePlaceTheFirstThatAskedGetsIt) {
+  for (const auto& [first, second] : {std::pair{kRobot1, kRobot2}, std::pair{kRobot2, kRobot1}}) {
+    Drivers floor(open_floor({{-3, 4, 0}, {3, 4, 0}}));
+    const Footprint work{{0, 4}, {0, 4.17}};
+    floor.traffic.request(first, {0, 4, 0}, work, floor.now);
+    floor.traffic.request(second, {0, 4, 0}, work, floor.now);
+    floor.until([&] { return floor.traffic.working(kRobot1) || floor.traffic.working(kRobot2); });
+    EXPECT_TRUE(floor.traffic.working(first));
+  }
+}
+
+TEST(Traffic, OneThatHasEndedItsWorkIsSentAwayAfterASecond) {
+  for (const double offset : {0.0, 0.5, 1.0, 1.5}) {
+    Drivers floor(open_floor({{-5, 4, 0}, {0.5, 4, 0}}));
+    const Footprint work{{0, 4}, {0.17, 4}};
+    floor.traffic.request(kRobot2, {0, 4, 0}, work, floor.now);
+    floor.until([&] { return floor.traffic.working(kRobot2); });
+    floor.traffic.request(kRobot1, {0, 4, 0}, work, floor.now);
+    const SimTime begin = floor.now + from_seconds(15 + offset);
+    floor.until([&] { return floor.now >= begin; });
+    floor.traffic.finish_work(kRobot2, floor.now);
+    EXPECT_NEAR(floor.until([&] { return floor.traffic.moving(kRobot2); }), 1.0, 0.1) << offset;
+  }
+}
+
 TEST(Traffic, TwoThatMeetPassEachOther) {
   Drivers floor(open_floor({{-3, 4, 0}, {3, 4, 0}}));
   floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
@@ -174,6 +276,21 @@ TEST(Traffic, AGoalInsideAMachineIsUnreachable) {
   floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
   floor.tick();
   EXPECT_TRUE(floor.traffic.unreachable(kRobot1));
+  floor.traffic.request(kRobot1, {0, 4, 0}, {}, floor.now);
+  EXPECT_FALSE(floor.traffic.unreachable(kRobot1));
+  EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1); }), 20);
+}
+
+TEST(Traffic, AGoalTooNearToAWallIsUnreachable) {
+  FloorPlan plan = open_floor({{0, 1, 0}});
+  plan.walls = {{3, 0, 3, 8}};
+  for (const auto& [x, reached] : {std::pair{2.85, false}, std::pair{2.6, true}}) {
+    Drivers floor(plan);
+    floor.traffic.request(kRobot1, {x, 4, 0}, {}, floor.now);
+    floor.until([&] { return floor.traffic.arrived(kRobot1) || floor.traffic.unreachable(kRobot1); }, 20);
+    EXPECT_EQ(floor.traffic.arrived(kRobot1), reached) << x;
+    EXPECT_EQ(floor.traffic.unreachable(kRobot1), !reached) << x;
+  }
 }
 
 TEST(Traffic, AGoalBehindClosedWallsIsUnreachable) {
