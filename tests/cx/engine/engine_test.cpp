@@ -260,6 +260,7 @@ TEST_F(Engine, ARuleThatStaysIsNamedWhenAFunctionThatItCallsBecomesActing) {
   const std::vector<Error> notes = engine().take_notes();
   ASSERT_THAT(notes, SizeIs(1));
   EXPECT_THAT(notes[0].message, HasSubstr("rule 'go' calls 'ready' on its left-hand side"));
+  EXPECT_THAT(engine().take_notes(), SizeIs(0)) << "each is taken once";
 }
 
 TEST_F(Engine, MatchesCountTheActivationsOfTheRuleAlone) {
@@ -281,6 +282,23 @@ TEST_F(Engine, TheAgendaShowsWhatWouldFireNext) {
   EXPECT_EQ(agenda[0].salience, 5);
   EXPECT_THAT(agenda[0].facts, ElementsAre(*index, -1));
   EXPECT_EQ(agenda[1].rule, "low");
+}
+
+TEST_F(Engine, LookingAtTheAgendaLeavesTheCurrentModule) {
+  given("(defmodule A (export ?ALL))\n(defrule A::one (a) =>)\n(defmodule B)\n(defrule B::two (b) =>)");
+  ASSERT_TRUE(engine().eval("(set-current-module A)").ok());
+  ASSERT_TRUE(engine().assert_string("(a)").ok());
+  EXPECT_THAT(engine().agenda(), SizeIs(1));
+  EXPECT_EQ(engine().eval("(get-current-module)")->text(), "A");
+}
+
+TEST_F(Engine, AClearedEnvironmentHasNoConstructs) {
+  given("(defrule go (a) =>)");
+  ASSERT_NE(engine().find_construct("defrule", "go"), nullptr);
+  ASSERT_TRUE(engine().eval("(clear)").ok());
+  EXPECT_EQ(engine().find_construct("defrule", "go"), nullptr);
+  given("(deffunction acting () (assert (b)))\n(defrule go (a) =>)");
+  EXPECT_THAT(engine().constructs(), SizeIs(2));
 }
 
 TEST_F(Engine, MatchesTellHowFarARuleHasCome) {

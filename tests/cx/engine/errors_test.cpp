@@ -26,6 +26,21 @@ TEST_F(RuleErrors, ALoopWithoutEndInsideARuleIsStopped) {
   EXPECT_THAT(texts(engine().run().errors), ElementsAre(AllOf(HasSubstr("rule go, RHS"), HasSubstr("Still looping"))));
 }
 
+TEST_F(RuleErrors, TurnsOfLoopsAreCountedByAction) {
+  given("(deffacts f (a 1) (a 2))\n(defrule go (a ?) => (loop-for-count 6000000 do (bind ?x 1)))\n");
+  engine().reset();
+  EXPECT_THAT(texts(engine().run().errors), IsEmpty()) << "two actions of six million turns each";
+}
+
+TEST_F(RuleErrors, EachCallWithoutEndIsReported) {
+  given("(deffunction fall (?x) (+ 1 (fall (+ ?x 1))))\n(defrule go (a) =>\n  (fall 1))\n");
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(engine().assert_string("(a)").ok());
+    EXPECT_THAT(texts(engine().run().errors), ElementsAre(HasSubstr("'fall'"))) << i;
+    engine().reset();
+  }
+}
+
 TEST_F(RuleErrors, ADeffunctionThatCallsItselfWithoutEndIsStopped) {
   given(
       "(deffunction fall (?x) (+ 1 (fall (+ ?x 1))))\n"
@@ -273,6 +288,24 @@ TEST_F(RuleErrors, ALoopIsStoppedAndExplained) {
   EXPECT_THAT(
       report.loop_report.text(),
       AllOf(HasSubstr("after 1000 firings"), HasSubstr("endless (1000 x, rules.clp:2)"), HasSubstr("count (2000 x)")));
+}
+
+TEST_F(RuleErrors, ALoopIsReportedByItsOwnFiringsTheMostFrequentFirst) {
+  given(
+      "(deffacts f (count 0))\n"
+      "(defrule often ?c <- (count ?n&~500) => (retract ?c) (assert (count (mod (+ ?n 1) 501))))\n"
+      "(defrule seldom ?c <- (count 500) => (retract ?c) (assert (count 0)))");
+  engine().reset();
+  for (int i = 0; i < 2; ++i) {
+    const RunReport report = engine().run(1002);
+    ASSERT_TRUE(report.loop);
+    ASSERT_EQ(report.loop_report.rules.size(), 2u);
+    EXPECT_EQ(report.loop_report.rules[0].name, "often");
+    EXPECT_EQ(report.loop_report.rules[0].count, 1000) << "of this run";
+    EXPECT_EQ(report.loop_report.rules[1].count, 2);
+  }
+  ASSERT_TRUE(engine().eval("(undefrule often)").ok());
+  EXPECT_FALSE(engine().run(1000).loop) << "the report of the last run is over";
 }
 
 TEST_F(RuleErrors, ARunInAFileThatNeverEndsIsStoppedAtItsLine) {
