@@ -18,24 +18,16 @@ constexpr std::size_t kBufferBytes = 64 * 1024;
 
 AppendFile::~AppendFile() { (void)close(); }
 
-AppendFile::AppendFile(AppendFile&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)),
-      path_(std::move(other.path_)),
-      buffer_(std::exchange(other.buffer_, {})),
-      piece_ends_(std::exchange(other.piece_ends_, {})),
-      written_(other.written_),
-      status_(std::move(other.status_)) {}
+AppendFile::AppendFile(AppendFile&& other) noexcept { *this = std::move(other); }
 
 AppendFile& AppendFile::operator=(AppendFile&& other) noexcept {
-  if (this != &other) {
-    (void)close();
-    descriptor_ = std::exchange(other.descriptor_, -1);
-    path_ = std::move(other.path_);
-    buffer_ = std::exchange(other.buffer_, {});
-    piece_ends_ = std::exchange(other.piece_ends_, {});
-    written_ = other.written_;
-    status_ = std::move(other.status_);
-  }
+  if (this != &other) (void)close();
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(path_, other.path_);
+  std::swap(buffer_, other.buffer_);
+  std::swap(piece_ends_, other.piece_ends_);
+  std::swap(written_, other.written_);
+  std::swap(status_, other.status_);
   return *this;
 }
 

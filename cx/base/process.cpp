@@ -80,14 +80,11 @@ bool set_up(const ProcessOptions& options, pid_t parent, int in, int out) {
   return shared ? dup2(STDOUT_FILENO, STDERR_FILENO) >= 0 : connect(options.err, -1, STDERR_FILENO);
 }
 
-struct Child {
-  pid_t pid = -1;
-  int in = -1, out = -1;
-};
+}  // namespace
 
 /// Forks; `work` runs in the child after its set-up and ends with an errno if it returns.
 template <class Work>
-Expected<Child> fork_child(const ProcessOptions& options, const std::string& name, Work work) {
+Expected<Process> Process::fork_child(const ProcessOptions& options, const std::string& name, Work work) {
   const auto refused = [&](int number) {
     return resource_error("cannot start " + name + ": " + std::strerror(number));
   };
@@ -112,46 +109,38 @@ Expected<Child> fork_child(const ProcessOptions& options, const std::string& nam
   int reported = 0;
   if (pid > 0 && ::read(trouble->read, &reported, sizeof reported) != sizeof reported) reported = 0;
   close_fd(trouble->read);
-  if (pid > 0 && reported == 0) return Child{pid, in->write, out->read};
+  if (pid > 0 && reported == 0) {
+    Process process;
+    process.pid_ = pid;
+    process.in_ = in->write;
+    process.out_ = out->read;
+    return process;
+  }
   if (pid > 0) waitpid(pid, nullptr, 0);
   close_fd(in->write);
   close_fd(out->read);
   return refused(pid > 0 ? reported : number);
 }
 
-}  // namespace
-
 Expected<Process> Process::start(const ProcessOptions& options) {
   std::vector<std::string> words = options.argv, variables = environment_with(options.environment);
   const std::vector<char*> argv = pointers(words), envp = pointers(variables);
-  auto child = fork_child(options, options.argv.front(), [&](int) {
+  return fork_child(options, options.argv.front(), [&](int) {
     std::signal(SIGPIPE, SIG_DFL);
     std::signal(SIGXFSZ, SIG_DFL);
     close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
     execvpe(argv.front(), argv.data(), envp.data());
     return errno;
   });
-  if (!child) return child.error();
-  Process process;
-  process.pid_ = child->pid;
-  process.in_ = child->in;
-  process.out_ = child->out;
-  return process;
 }
 
 Expected<Process> Process::fork(const ProcessOptions& options, const std::function<int()>& work) {
-  auto child = fork_child(options, "a copy of this process", [&](int ready) -> int {
+  return fork_child(options, "a copy of this process", [&](int ready) -> int {
     close(ready);
     const int code = work();
     std::fflush(nullptr);
     _exit(code);
   });
-  if (!child) return child.error();
-  Process process;
-  process.pid_ = child->pid;
-  process.in_ = child->in;
-  process.out_ = child->out;
-  return process;
 }
 
 Process& Process::operator=(Process&& other) noexcept {

@@ -63,6 +63,8 @@ class Process {
 
  private:
   Process() = default;
+  template <class Work>
+  static Expected<Process> fork_child(const ProcessOptions& options, const std::string& name, Work work);
   bool reap(bool block);
 
   pid_t pid_ = -1;  // -1: none, or it has been waited for

@@ -72,16 +72,55 @@ std::vector<std::string> quoted(const std::string& message) {
   return names;
 }
 
+/// What was captured, cut into messages.
+std::vector<Message> take_messages(RuleEngine::Impl& impl) {
+  std::vector<Message> messages;
+  for (std::size_t i = 0; i < impl.starts.size(); ++i) {
+    const auto& start = impl.starts[i];
+    const std::size_t end = i + 1 < impl.starts.size() ? impl.starts[i + 1].at : impl.captured.size();
+    Message message;
+    message.text = impl.captured.substr(start.at, end - start.at);
+    message.head = head_of(message.text);
+    message.line = start.line;
+    message.acting = start.acting;
+    message.code = code_of(message.head);
+    if (!message.code.empty())
+      messages.push_back(std::move(message));
+    else if (!messages.empty())
+      messages.back().text += message.text;
+  }
+  impl.captured.clear();
+  impl.starts.clear();
+  return messages;
+}
+
+/// A message about the network explains the one before it: a test of these rules failed, whoever changed the facts.
+void add_network_errors(const RuleEngine::Impl& impl, const Message& message, std::vector<RuleError>& found) {
+  RuleError failed;
+  if (!found.empty() && found.back().side != ErrorSide::kLhs) {
+    failed = std::move(found.back());
+    found.pop_back();
+  } else {
+    failed.message = found.empty() ? message.head : found.back().message;
+  }
+  failed.detail += message.text;
+  failed.side = ErrorSide::kLhs;
+  std::vector<std::string> rules = rules_named(message.text);
+  if (rules.empty()) rules.emplace_back();
+  for (const std::string& rule : rules) {
+    failed.rule = rule;
+    failed.file.clear();
+    failed.line = 0;
+    impl.set_place(failed, impl.engine.find_construct("defrule", rule));
+    found.push_back(failed);
+  }
+}
+
 }  // namespace
 
 std::string_view to_string(ErrorSide side) {
-  switch (side) {
-    case ErrorSide::kLoad: return "load";
-    case ErrorSide::kLhs: return "LHS";
-    case ErrorSide::kRhs: return "RHS";
-    case ErrorSide::kCallback: return "callback";
-  }
-  return {};
+  static constexpr std::string_view kWords[] = {"load", "LHS", "RHS", "callback"};
+  return kWords[static_cast<std::size_t>(side)];
 }
 
 Error RuleError::error() const {
@@ -123,54 +162,16 @@ void RuleEngine::note_error(const std::string& text) {
 }
 
 void RuleEngine::Impl::make_errors() {
-  std::vector<Message> messages;
-  for (std::size_t i = 0; i < starts.size(); ++i) {
-    const std::size_t end = i + 1 < starts.size() ? starts[i + 1].at : captured.size();
-    Message message;
-    message.text = captured.substr(starts[i].at, end - starts[i].at);
-    message.head = head_of(message.text);
-    message.line = starts[i].line;
-    message.acting = starts[i].acting;
-    message.code = code_of(message.head);
-    if (!message.code.empty()) {
-      messages.push_back(std::move(message));
-    } else if (!messages.empty()) {
-      messages.back().text += message.text;
-    }
-  }
-  captured.clear();
-  starts.clear();
-
+  const std::vector<Message> messages = take_messages(*this);
   const Context* context = contexts.empty() ? nullptr : &contexts.back();
   std::vector<RuleError> found;
   for (const Message& message : messages) {
-    const bool halted = message.code == "PRCCODE4";
-    const bool in_rule = rule_open && contexts.size() == rule_depth && (message.acting || halted);
     if (is_network_message(message.code)) {
-      // It explains the message before it: a test of these rules failed, whoever changed the facts.
-      RuleError failed;
-      if (!found.empty() && found.back().side != ErrorSide::kLhs) {
-        failed = std::move(found.back());
-        found.pop_back();
-      } else {
-        failed.message = found.empty() ? message.head : found.back().message;
-      }
-      failed.detail += message.text;
-      failed.side = ErrorSide::kLhs;
-      std::vector<std::string> rules = rules_named(message.text);
-      if (rules.empty()) rules.emplace_back();
-      for (const std::string& rule : rules) {
-        failed.rule = rule;
-        failed.file.clear();
-        failed.line = 0;
-        if (const ConstructInfo* info = engine.find_construct("defrule", rule)) {
-          failed.file = info->file;
-          failed.line = line_of_error(*info, ErrorSide::kLhs, failed.message);
-        }
-        found.push_back(failed);
-      }
+      add_network_errors(*this, message, found);
       continue;
     }
+    const bool halted = message.code == "PRCCODE4";
+    const bool in_rule = rule_open && contexts.size() == rule_depth && (message.acting || halted);
     const bool same_form = !in_rule && context != nullptr && context->form != nullptr && !found.empty() &&
                            found.back().side == ErrorSide::kLoad;
     if ((halted || same_form) && !found.empty()) {
@@ -185,33 +186,29 @@ void RuleEngine::Impl::make_errors() {
     RuleError error;
     error.message = message.head;
     error.detail = message.text;
+    error.side = in_rule ? ErrorSide::kRhs : context != nullptr ? context->side : ErrorSide::kCallback;
     if (in_rule) {
-      error.side = ErrorSide::kRhs;
       error.rule = rule_name;
-      if (const ConstructInfo* info = engine.find_construct("defrule", rule_name)) {
-        error.file = info->file;
-        error.line = line_of_error(*info, ErrorSide::kRhs, message.head);
-      }
+      set_place(error, engine.find_construct("defrule", rule_name));
     } else if (context != nullptr) {
-      error.side = context->side;
       error.rule = context->name;
       error.file = context->file;
       error.line = context->line;
       if (context->form != nullptr && message.line >= context->line) error.line = message.line;
       if (context->side == ErrorSide::kCallback && error.file.empty()) {
         const ConstructInfo* info = engine.find_construct("deffunction", error.rule);
-        if (info == nullptr) info = engine.find_construct("defmethod", error.rule);
-        if (info != nullptr) {
-          error.file = info->file;
-          error.line = line_of_error(*info, ErrorSide::kCallback, message.head);
-        }
+        set_place(error, info != nullptr ? info : engine.find_construct("defmethod", error.rule));
       }
-    } else {
-      error.side = ErrorSide::kCallback;
     }
     found.push_back(std::move(error));
   }
   for (RuleError& error : found) add_error(std::move(error));
+}
+
+void RuleEngine::Impl::set_place(RuleError& error, const ConstructInfo* info) const {
+  if (info == nullptr) return;
+  error.file = info->file;
+  error.line = line_of_error(*info, error.side, error.message);
 }
 
 void RuleEngine::Impl::add_error(RuleError error) {

@@ -211,7 +211,7 @@ std::size_t RuleEngine::fact_count() const { return GetNumberOfFacts(environment
 FactCopy RuleEngine::Impl::copy_fact(Fact& fact) {
   FactCopy copy;
   copy.index = fact.factIndex;
-  if (const FactTable::Entry* entry = known_facts.find(&fact)) copy.number = entry->number;
+  if (const KnownFact* entry = known_facts.find(&fact)) copy.number = entry->number;
   copy.module = fact.whichDeftemplate->header.whichModule->theModule->header.name->contents;
   copy.template_name = fact.whichDeftemplate->header.name->contents;
   if (fact.whichDeftemplate->implied) {

@@ -88,11 +88,6 @@ int count_lines(std::string_view text) {
   return lines;
 }
 
-std::string_view without_module(std::string_view name) {
-  const std::size_t colons = name.find("::");
-  return colons == std::string_view::npos ? name : name.substr(colons + 2);
-}
-
 }  // namespace
 
 FormReading read_forms(std::string_view text, const std::string& file) {

@@ -28,6 +28,12 @@ struct FormReading {
 /// at the next line that begins with `(def`. A stray `)` and a zero byte are errors and skipped.
 FormReading read_forms(std::string_view text, const std::string& file);
 
+/// `go` of `MAIN::go`.
+inline std::string_view without_module(std::string_view name) {
+  const std::size_t colons = name.find("::");
+  return colons == std::string_view::npos ? name : name.substr(colons + 2);
+}
+
 /// The parts of a form, without comments.
 struct Token {
   enum class Kind { kOpen, kClose, kWord, kString, kConnective };  ///< connectives: & | ~

@@ -39,7 +39,7 @@ void RuleEngine::Impl::put_value(const CLIPSValue& value) {
           static_cast<std::int64_t>(reinterpret_cast<std::uintptr_t>(value.externalAddressValue->contents)));
       break;
     case FACT_ADDRESS_TYPE: {
-      const FactTable::Entry* entry = known_facts.find(value.factValue);
+      const KnownFact* entry = known_facts.find(value.factValue);
       data.open_map(1).text_key("fact").value(static_cast<std::int64_t>(entry == nullptr ? 0 : entry->number));
       break;
     }
@@ -78,7 +78,7 @@ void RuleEngine::Impl::on_assert(Environment*, void* asserted, void* self) noexc
   Impl& impl = *static_cast<Impl*>(self);
   const Fact& fact = *static_cast<Fact*>(asserted);
   const bool again = &fact == impl.modified;
-  FactTable::Entry& entry = again ? *impl.known_facts.find(&fact) : impl.known_facts.insert(&fact);
+  KnownFact& entry = again ? *impl.known_facts.find(&fact) : impl.known_facts.insert(&fact);
   if (again) {
     impl.modified_again = true;
   } else {
@@ -101,7 +101,7 @@ void RuleEngine::Impl::on_retract(Environment*, void* retracted, void* self) noe
   if (&fact == impl.modified) return;
   RetainFact(static_cast<Fact*>(retracted));
   impl.kept_facts.push_back(static_cast<Fact*>(retracted));
-  const FactTable::Entry* entry = impl.known_facts.find(&fact);
+  const KnownFact* entry = impl.known_facts.find(&fact);
   if (entry == nullptr) return;
   if (impl.engine.options_.journal != nullptr) {
     impl.data.begin().field("fact", entry->number).field("template", fact.whichDeftemplate->header.name->contents);
@@ -164,7 +164,7 @@ void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self)
   impl.data.name("facts").open_list(basis.bcount);
   for (unsigned short i = 0; i < basis.bcount; ++i) {
     const AlphaMatch* match = basis.binds[i].gm.theMatch;
-    const FactTable::Entry* entry = match == nullptr ? nullptr : impl.known_facts.find(match->matchingItem);
+    const KnownFact* entry = match == nullptr ? nullptr : impl.known_facts.find(match->matchingItem);
     if (entry == nullptr) {
       impl.data.nil();
       continue;

@@ -47,9 +47,13 @@ std::size_t find_arrow(const std::vector<Token>& tokens) {
   return i;
 }
 
-std::string_view plain_name(std::string_view name) {
-  const std::size_t colons = name.find("::");
-  return colons == std::string_view::npos ? name : name.substr(colons + 2);
+/// An error of the load itself, which CLIPS has not worded.
+RuleError load_error(const std::string& file, int line, std::string message) {
+  RuleError error;
+  error.file = file;
+  error.line = line;
+  error.message = error.detail = std::move(message);
+  return error;
 }
 
 }  // namespace
@@ -125,14 +129,11 @@ std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) 
     std::set<std::string> seen;
     if (!is_acting(place.function, seen)) continue;
     if (!reported_lhs.insert(rule + '\n' + place.function + '\n' + std::to_string(place.line)).second) continue;
-    RuleError error;
-    error.side = ErrorSide::kLoad;
+    RuleError error = load_error(info == nullptr ? std::string() : info->file, place.line,
+                                 "rule '" + rule + "' calls '" + place.function + "' on its left-hand side" +
+                                     (seen.empty() ? "" : ", which calls an acting function") +
+                                     "; expected a function without effects");
     error.rule = rule;
-    error.file = info == nullptr ? std::string() : info->file;
-    error.line = place.line;
-    error.message = "rule '" + rule + "' calls '" + place.function + "' on its left-hand side" +
-                    (seen.empty() ? "" : ", which calls an acting function") + "; expected a function without effects";
-    error.detail = error.message;
     error.t = engine.now();
     errors.push_back(std::move(error));
   }
@@ -165,13 +166,9 @@ void RuleEngine::keep_same_constructs(bool keep) {
 bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, LoadMode mode) {
   HostCall call(*this, {ErrorSide::kLoad, form.name, file, form.line, &form});
   if (mode == LoadMode::kConstructs && !(form.list && is_construct(env, form.head))) {
-    RuleError error;
-    error.file = file;
-    error.line = form.line;
-    error.message = "[CSTRCPSR1] Expected the beginning of a construct, found " +
-                    (form.list ? "(" + form.head + " ...)" : form.head);
-    error.detail = error.message;
-    add_error(std::move(error));
+    add_error(load_error(file, form.line,
+                         "[CSTRCPSR1] Expected the beginning of a construct, found " +
+                             (form.list ? "(" + form.head + " ...)" : form.head)));
     return false;
   }
   if (keep_same && is_there_already(form)) return true;
@@ -193,26 +190,15 @@ bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, Load
     if (counts) limit = 0;
     if (counts && limit_reached) {
       fine = false;
-      RuleError error;
-      error.file = file;
-      error.line = form.line;
-      error.message = "(" + form.head + " ...): " + loop_report().text();
-      error.detail = error.message;
-      add_error(std::move(error));
+      add_error(load_error(file, form.line, "(" + form.head + " ...): " + loop_report().text()));
     }
   }
   router_data(env)->LineCountRouter = old_router;
   SetLineCount(env, old_line);
   command_line_data(env)->EvaluatingTopLevelCommand = old_evaluating;
   command_line_data(env)->CurrentCommand = old_command;
-  if (!fine && starts.empty() && engine.errors_.empty()) {
-    RuleError error;
-    error.file = file;
-    error.line = form.line;
-    error.message = "CLIPS does not accept (" + form.head + " ...)";
-    error.detail = error.message;
-    add_error(std::move(error));
-  }
+  if (!fine && starts.empty() && engine.errors_.empty())
+    add_error(load_error(file, form.line, "CLIPS does not accept (" + form.head + " ...)"));
   return fine;
 }
 
@@ -235,12 +221,7 @@ LoadReport RuleEngine::load_text(std::string_view text, const std::string& file,
   const auto add_reading_errors = [&](int before_line) {
     for (; next_error < reading.errors.size() && reading.errors[next_error].line < before_line; ++next_error) {
       const Error& found = reading.errors[next_error];
-      RuleError error;
-      error.file = file;
-      error.line = found.line;
-      error.message = found.message;
-      error.detail = found.message;
-      impl_->add_error(std::move(error));
+      impl_->add_error(load_error(file, found.line, found.message));
     }
   };
 
@@ -280,20 +261,12 @@ LoadReport RuleEngine::load_text(std::string_view text, const std::string& file,
 LoadReport RuleEngine::load_file(const std::string& path, LoadMode mode, OnLoadError on_error) {
   const auto refused = [&](const std::string& what) {
     LoadReport report;
-    RuleError error;
-    error.file = path;
-    error.message = what;
-    error.detail = what;
-    report.errors.push_back(std::move(error));
+    report.errors.push_back(load_error(path, 0, what));
     return report;
   };
-  std::string real_path = path;
-  if (options_.files != nullptr) {
-    Expected<std::string> allowed = options_.files->for_reading(path);
-    if (!allowed) return refused(allowed.error().message);
-    real_path = *allowed;
-  }
-  std::ifstream in(real_path, std::ios::binary);
+  Expected<std::string> real_path = options_.files == nullptr ? path : options_.files->for_reading(path);
+  if (!real_path) return refused(real_path.error().message);
+  std::ifstream in(*real_path, std::ios::binary);
   std::ostringstream text;
   if (!in || !(text << in.rdbuf()).good()) {
     // An empty file sets the fail bit and is fine.
@@ -330,12 +303,12 @@ Status RuleEngine::undefine(std::string_view kind, const std::string& name) {
   if (!deletable || construct->deleteFunction == nullptr || !construct->deleteFunction(found, environment_)) {
     return run_error(std::string(kind) + " '" + name + "' is in use and stays");
   }
-  const auto key = std::pair(std::string(kind), std::string(plain_name(name)));
+  const auto key = std::pair(std::string(kind), std::string(without_module(name)));
   if (const auto place = impl_->construct_index.find(key); place != impl_->construct_index.end()) {
     impl_->constructs[place->second].reset();
     impl_->construct_index.erase(place);
   }
-  if (kind == "defrule") impl_->lhs_calls_of.erase(std::string(plain_name(name)));
+  if (kind == "defrule") impl_->lhs_calls_of.erase(std::string(without_module(name)));
   return {};
 }
 
@@ -354,7 +327,7 @@ std::vector<ConstructInfo> RuleEngine::constructs() const {
 }
 
 const ConstructInfo* RuleEngine::find_construct(std::string_view kind, std::string_view name) const {
-  const auto place = impl_->construct_index.find(std::pair(std::string(kind), std::string(plain_name(name))));
+  const auto place = impl_->construct_index.find(std::pair(std::string(kind), std::string(without_module(name))));
   return place == impl_->construct_index.end() ? nullptr : &*impl_->constructs[place->second];
 }
 

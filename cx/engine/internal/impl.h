@@ -7,11 +7,18 @@
 #include <set>
 
 #include "clips_api.h"
+#include "cx/base/flat_table.h"
 #include "cx/engine/engine.h"
 #include "cx/engine/form_reader.h"
-#include "fact_table.h"
 
 namespace cxlab {
+
+/// The journal's data of a fact that exists.
+struct KnownFact {
+  const void* key = nullptr;  ///< its address
+  std::uint64_t number = 0;   ///< counted over the life of the environment
+  std::uint64_t record = 0;   ///< of its assert or last modify, in the stream of the environment
+};
 
 /// A function added from C++. Its address is the context of its definitions in CLIPS, so it stays when removed.
 struct FunctionRecord {
@@ -81,6 +88,8 @@ struct RuleEngine::Impl {
     if (!starts.empty()) make_errors();
   }
   void make_errors();
+  /// File and line of an error of that construct; nothing without one.
+  void set_place(RuleError& error, const ConstructInfo* info) const;
   void add_error(RuleError error);
   /// The line of the only call that the message names in that side of the construct, else where the construct begins.
   int line_of_error(const ConstructInfo& info, ErrorSide side, const std::string& message) const;
@@ -115,7 +124,7 @@ struct RuleEngine::Impl {
 
   // --- Facts and journal (facts.cpp, journal.cpp) ----------------------------------------------------------------
 
-  FactTable known_facts;
+  FlatTable<KnownFact> known_facts;
   std::uint64_t last_fact_number = 0;
   RecordData data;
   std::vector<RecordRef> host_causes;
