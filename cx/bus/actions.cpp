@@ -78,7 +78,7 @@ GoalStatus Bus::goal_status(EndpointId client, const GoalId& goal) const {
   const Endpoint* from = state_->find(client, EndpointKind::kActionClient);
   if (from == nullptr) return GoalStatus::kUnknown;
   const auto known = from->sent.find(goal);
-  return known == from->sent.end() ? GoalStatus::kUnknown : known->second.status;
+  return known == from->sent.end() ? GoalStatus::kUnknown : known->second;
 }
 
 // --- Server side

@@ -159,58 +159,55 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
 
 namespace {
 
-std::unique_ptr<Endpoint> make_endpoint(EndpointKind kind, const MessageType* message,
-                                        const MessageType* answer = nullptr, const MessageType* feedback = nullptr) {
+/// `types`: message, answer, feedback; `handlers` by handler_index.
+std::unique_ptr<Endpoint> make_endpoint(EndpointKind kind, std::array<const MessageType*, 3> types,
+                                        std::array<Handler, 4> handlers = {}) {
   auto endpoint = std::make_unique<Endpoint>();
   endpoint->kind = kind;
-  endpoint->message = message;
-  endpoint->answer = answer;
-  endpoint->feedback = feedback;
+  endpoint->message = types[0];
+  endpoint->answer = types[1];
+  endpoint->feedback = types[2];
+  endpoint->handlers = std::move(handlers);
   return endpoint;
 }
 
 }  // namespace
 
 Expected<EndpointId> Bus::advertise(ParticipantId p, std::string_view topic, const MessageType& type) {
-  return add(p, topic, make_endpoint(EndpointKind::kPublisher, &type), type.name());
+  return add(p, topic, make_endpoint(EndpointKind::kPublisher, {&type}), type.name());
 }
 
 Expected<EndpointId> Bus::subscribe(ParticipantId p, std::string_view topic, const MessageType& type, Handler handler) {
-  auto endpoint = make_endpoint(EndpointKind::kSubscription, &type);
-  endpoint->handlers[0] = std::move(handler);
-  return add(p, topic, std::move(endpoint), type.name());
+  return add(p, topic, make_endpoint(EndpointKind::kSubscription, {&type}, {std::move(handler)}), type.name());
 }
 
 Expected<EndpointId> Bus::serve(ParticipantId p, std::string_view service, const ServiceType& type,
                                 Handler on_request) {
-  auto endpoint = make_endpoint(EndpointKind::kServer, type.request, type.response);
-  endpoint->handlers[0] = std::move(on_request);
-  return add(p, service, std::move(endpoint), type.name);
+  return add(p, service, make_endpoint(EndpointKind::kServer, {type.request, type.response}, {std::move(on_request)}),
+             type.name);
 }
 
 Expected<EndpointId> Bus::create_client(ParticipantId p, std::string_view service, const ServiceType& type,
                                         Handler on_response) {
-  auto endpoint = make_endpoint(EndpointKind::kClient, type.request, type.response);
-  endpoint->handlers[0] = std::move(on_response);
-  return add(p, service, std::move(endpoint), type.name);
+  return add(p, service, make_endpoint(EndpointKind::kClient, {type.request, type.response}, {std::move(on_response)}),
+             type.name);
 }
 
 Expected<EndpointId> Bus::serve_action(ParticipantId p, std::string_view action, const ActionType& type,
-                                       ActionServerHandlers handlers) {
-  auto endpoint = make_endpoint(EndpointKind::kActionServer, type.goal, type.result, type.feedback);
-  endpoint->handlers[handler_index(DeliveryKind::kGoal)] = std::move(handlers.goal);
-  endpoint->handlers[handler_index(DeliveryKind::kCancel)] = std::move(handlers.cancel);
-  return add(p, action, std::move(endpoint), type.name);
+                                       ActionServerHandlers h) {
+  return add(p, action,
+             make_endpoint(EndpointKind::kActionServer, {type.goal, type.result, type.feedback},
+                           {std::move(h.goal), std::move(h.cancel)}),
+             type.name);
 }
 
 Expected<EndpointId> Bus::create_action_client(ParticipantId p, std::string_view action, const ActionType& type,
-                                               ActionClientHandlers handlers) {
-  auto endpoint = make_endpoint(EndpointKind::kActionClient, type.goal, type.result, type.feedback);
-  endpoint->handlers[handler_index(DeliveryKind::kGoalResponse)] = std::move(handlers.goal_response);
-  endpoint->handlers[handler_index(DeliveryKind::kFeedback)] = std::move(handlers.feedback);
-  endpoint->handlers[handler_index(DeliveryKind::kResult)] = std::move(handlers.result);
-  endpoint->handlers[handler_index(DeliveryKind::kCancelResponse)] = std::move(handlers.cancel_response);
-  return add(p, action, std::move(endpoint), type.name);
+                                               ActionClientHandlers h) {
+  return add(p, action,
+             make_endpoint(EndpointKind::kActionClient, {type.goal, type.result, type.feedback},
+                           {std::move(h.goal_response), std::move(h.feedback), std::move(h.result),
+                            std::move(h.cancel_response)}),
+             type.name);
 }
 
 void Bus::allow_types(ParticipantId p, std::string_view name) {
@@ -337,15 +334,15 @@ void Bus::State::handle(SimTime now, const Delivery& delivery) {
     case DeliveryKind::kFeedback:
     case DeliveryKind::kResult:
       if (const auto known = endpoint->sent.find(delivery.goal); known != endpoint->sent.end()) {
-        known->second.status = delivery.status;
+        known->second = delivery.status;
         if (delivery.kind == DeliveryKind::kGoalResponse && !delivery.accepted) endpoint->sent.erase(known);
       }
       break;
     case DeliveryKind::kCancelResponse:
       for (const auto& [goal, accepted_at] : delivery.goals_canceling)
         if (const auto known = endpoint->sent.find(goal);
-            known != endpoint->sent.end() && known->second.status <= GoalStatus::kExecuting)
-          known->second.status = GoalStatus::kCanceling;
+            known != endpoint->sent.end() && known->second <= GoalStatus::kExecuting)
+          known->second = GoalStatus::kCanceling;
       break;
     case DeliveryKind::kServiceResponse:
     case DeliveryKind::kTopic: break;

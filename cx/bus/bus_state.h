@@ -37,11 +37,6 @@ struct Channel {
 };
 using Channels = std::map<std::string, std::unique_ptr<Channel>, std::less<>>;
 
-/// The client's view of a goal that it sent.
-struct SentGoal {
-  GoalStatus status = GoalStatus::kUnknown;
-};
-
 /// The server's view of a goal that reached it.
 struct ServedGoal {
   EndpointId client{};
@@ -80,7 +75,7 @@ struct Endpoint {
   std::array<Handler, 4> handlers;  ///< by handler_index
   std::uint64_t next_number = 1;    ///< of a client's calls, or of the requests to a server
   std::map<std::uint64_t, OpenRequest> requests;
-  std::map<GoalId, SentGoal> sent;
+  std::map<GoalId, GoalStatus> sent;  ///< the client's view of its goals
   std::map<GoalId, ServedGoal> served;
   std::deque<std::pair<SimTime, GoalId>> ended;  ///< of `served`, with their ends
   std::size_t next_order = 0;

@@ -88,23 +88,9 @@ Status set_default(const MessageView& message, const Field& field) {
       if (Status status = message.resize(field, items.size()); !status) return status;
   }
   for (std::size_t i = 0; i < items.size(); ++i) {
-    Status status;
-    if (field.is_text()) {
-      const auto text = parse_text(items[i]);
-      status = text ? message.set_text(field, *text, i) : Status(text.error());
-    } else if (field.is_real()) {
-      const auto real = parse_real(items[i]);
-      if (real)
-        message.set_real(field, *real, i);
-      else
-        status = real.error();
-    } else if (field.type == FieldType::kBool) {
-      const auto flag = parse_bool(items[i]);
-      status = flag ? message.set_integer(field, *flag, i) : Status(flag.error());
-    } else {
-      const auto integer = parse_integer(items[i], field.type);
-      status = integer ? message.set_integer(field, *integer, i) : Status(integer.error());
-    }
+    const auto text = field.is_text() ? parse_text(items[i]) : Expected<std::string>(items[i]);
+    if (!text) return text.error();
+    const Status status = field.is_text() ? message.set_text(field, *text, i) : set_from_text(message, field, *text, i);
     if (!status) return status;
   }
   return {};
@@ -163,12 +149,6 @@ struct Registry::State {
   ~State() {
     while (!owned.empty()) owned.pop_back();
   }
-
-  std::vector<std::string> package_names() const {
-    std::vector<std::string> names;
-    for (const auto& [name, package] : packages) names.push_back(name);
-    return names;
-  }
 };
 
 Registry::Registry() : state_(std::make_unique<State>()) {}
@@ -209,7 +189,11 @@ Status Registry::add_packages_in(const fs::path& folder) {
   return {};
 }
 
-std::vector<std::string> Registry::packages() const { return state_->package_names(); }
+std::vector<std::string> Registry::packages() const {
+  std::vector<std::string> names;
+  for (const auto& [name, package] : state_->packages) names.push_back(name);
+  return names;
+}
 
 std::vector<std::string> Registry::interfaces(const std::string& package) const {
   std::vector<std::string> names;

@@ -82,6 +82,21 @@ Expected<double> parse_real(std::string_view text) {
   return value;
 }
 
+Status set_from_text(const MessageView& message, const Field& field, std::string_view text, std::size_t index) {
+  if (field.is_real()) {
+    const auto real = parse_real(text);
+    if (!real) return real.error();
+    message.set_real(field, *real, index);
+    return {};
+  }
+  if (field.type == FieldType::kBool) {
+    const auto flag = parse_bool(text);
+    return flag ? message.set_integer(field, *flag, index) : Status(flag.error());
+  }
+  const auto integer = parse_integer(text, field.type);
+  return integer ? message.set_integer(field, *integer, index) : Status(integer.error());
+}
+
 Expected<std::string> parse_text(std::string_view text) {
   if (text.empty() || (text.front() != '"' && text.front() != '\'')) return std::string(text);
   const char quote = text.front();

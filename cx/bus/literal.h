@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
-#include "cx/bus/interface.h"
+#include "cx/bus/message.h"
 
 namespace cxlab::bus {
 
@@ -25,6 +25,8 @@ std::string range_text(FieldType type);
 Expected<std::int64_t> parse_integer(std::string_view text, FieldType type);
 Expected<bool> parse_bool(std::string_view text);  ///< true, false, in lower case or with a capital, 0, 1
 Expected<double> parse_real(std::string_view text);
+/// Reads the text as a value of the field's type, other than a text or a message, and sets it.
+Status set_from_text(const MessageView& message, const Field& field, std::string_view text, std::size_t index);
 /// Removes one pair of equal quotes, with their escapes (\n \t \\ \" \'); a text without quotes is itself.
 Expected<std::string> parse_text(std::string_view text);
 /// The items of "[a, 'b, c', 3]", as written.

@@ -47,12 +47,7 @@ Status read_scalar(const YAML::Node& node, const MessageView& message, const Fie
     message.set_real(field, *real, index);
     return {};
   }
-  if (field.type == FieldType::kBool) {
-    const auto flag = parse_bool(text);
-    return flag ? message.set_integer(field, *flag, index) : Status(flag.error());
-  }
-  const auto integer = parse_integer(text, field.type);
-  return integer ? message.set_integer(field, *integer, index) : Status(integer.error());
+  return set_from_text(message, field, text, index);
 }
 
 Status read_element(const YAML::Node& node, const MessageView& message, const Field& field, std::size_t index,

@@ -1,9 +1,9 @@
 #include "cx/bus/transforms.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "cx/base/number_text.h"
 
 namespace cxlab::bus {
 
@@ -24,11 +24,7 @@ Vector rotate(const Transform& q, const Vector& v) {
 }
 
 /// Seconds with six digits, as tf2 prints times.
-std::string seconds(SimTime t) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.6f", to_seconds(t));
-  return text.data();
-}
+std::string seconds(SimTime t) { return fixed_text(to_seconds(t), 6); }
 
 std::string_view without_slash(std::string_view frame) { return frame.starts_with('/') ? frame.substr(1) : frame; }
 
