@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cx/base/record_sink.h"
+#include "cx/journal/record_items.h"
 
 namespace cxlab {
 
@@ -10,33 +11,6 @@ namespace {
 
 bool is_part_of_a_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
-}
-
-/// Of one value of `RecordData`'s MessagePack: bytes of its head, and of the text that follows.
-struct Extent {
-  std::size_t head = 1;
-  std::size_t text = 0;
-  bool is_text = false;
-};
-
-Extent extent(std::string_view rest) {
-  const auto tag = static_cast<std::uint8_t>(rest.front());
-  if (tag >= 0xa0 && tag < 0xc0) return {1, static_cast<std::size_t>(tag & 0x1f), true};
-  switch (tag) {
-    case 0xdb: {
-      std::size_t size = 0;
-      for (std::size_t i = 1; i <= 4 && i < rest.size(); ++i) size = size << 8 | static_cast<std::uint8_t>(rest[i]);
-      return {5, size, true};
-    }
-    case 0xd2:
-    case 0xdd:
-    case 0xdf: return {5, 0, false};
-    case 0xde: return {3, 0, false};
-    case 0xcb:
-    case 0xcf:
-    case 0xd3: return {9, 0, false};
-    default: return {};
-  }
 }
 
 }  // namespace
@@ -91,17 +65,17 @@ bool FolderNames::rewrite(std::string_view bytes, std::string& out) const {
   std::string renamed;
   bool any = false;
   out.clear();
-  for (std::string_view rest = bytes; !rest.empty();) {
-    const Extent e = extent(rest);
-    const std::size_t size = std::min(e.head + e.text, rest.size());
-    if (e.is_text && e.head < size && in_text(rest.substr(e.head, size - e.head), renamed)) {
+  for (ItemReader in(bytes); !in.at_end();) {
+    const std::size_t begin = in.position();
+    const Item item = in.next();
+    if (item.type == ItemType::kText && in_text(item.text, renamed)) {
       any = true;
       text.begin().value(std::string_view(renamed));
       out.append(text.bytes().substr(3));  // without the map around it
     } else {
-      out.append(rest.substr(0, size));
+      out.append(bytes.substr(begin, in.position() - begin));
     }
-    rest.remove_prefix(size);
+    if (item.type == ItemType::kBad) return false;  // no record is
   }
   return any;
 }

@@ -43,7 +43,7 @@ struct Journal::Stream {
     append_json_string(name, json_name);
   }
 
-  /// Where the next bytes to be hashed go: room for that many. `took` tells where they end.
+  /// Where the next bytes to be hashed go: room for that many. `took` says where they end.
   char* room(std::size_t bytes) {
     if (unhashed.size() - size < bytes) {
       hash_waiting();
@@ -78,30 +78,13 @@ Expected<JournalLevel> parse_journal_level(std::string_view word) {
   if (word == "none") return JournalLevel::kNone;
   if (word == "decisions") return JournalLevel::kDecisions;
   if (word == "full") return JournalLevel::kFull;
-  return Error{
-      ErrorKind::kUsage, "'" + std::string(word) + "' is no journal level: none, decisions or full", {}, 0, {}};
+  return usage_error("'" + std::string(word) + "' is no journal level: none, decisions or full");
 }
 
 bool is_exported(RecordKind kind, JournalLevel level) {
-  switch (level) {
-    case JournalLevel::kNone: return false;
-    case JournalLevel::kFull: return true;
-    case JournalLevel::kDecisions: break;
-  }
-  switch (kind) {
-    case RecordKind::kInput:
-    case RecordKind::kSkill:
-    case RecordKind::kReferee:
-    case RecordKind::kDecision:
-    case RecordKind::kControl:
-    case RecordKind::kError: return true;
-    case RecordKind::kAssert:
-    case RecordKind::kRetract:
-    case RecordKind::kModify:
-    case RecordKind::kFire:
-    case RecordKind::kBus: return false;
-  }
-  return false;
+  const bool detail = kind == RecordKind::kAssert || kind == RecordKind::kRetract || kind == RecordKind::kModify ||
+                      kind == RecordKind::kFire || kind == RecordKind::kBus;
+  return level == JournalLevel::kFull || (level == JournalLevel::kDecisions && !detail);
 }
 
 Journal::Journal() = default;

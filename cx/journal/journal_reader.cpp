@@ -1,8 +1,9 @@
 #include "cx/journal/journal_reader.h"
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
+
+#include "cx/base/number_text.h"
 
 namespace cxlab {
 namespace {
@@ -56,16 +57,9 @@ std::optional<RecordKind> kind_of(std::string_view word) {
 std::optional<JournalRecord::Cause> parse_cause(const std::string& text) {
   const auto colon = text.rfind(':');
   if (colon == std::string::npos) return std::nullopt;
-  JournalRecord::Cause cause{text.substr(0, colon), 0};
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, cause.n);
-  if (error != std::errc{} || stop != end) return std::nullopt;
-  return cause;
+  const auto n = read_number<std::uint64_t>(std::string_view(text).substr(colon + 1));
+  return n ? std::optional(JournalRecord::Cause{text.substr(0, colon), *n}) : std::nullopt;
 }
-
-}  // namespace
-
-namespace {
 
 /// The kind of a line as the journal writes it, with nothing nested before it; none if it looks otherwise.
 std::optional<RecordKind> kind_in_head(std::string_view line) {
