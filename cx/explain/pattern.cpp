@@ -1,23 +1,15 @@
 #include "cx/explain/pattern.h"
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
+
+#include "cx/base/number_text.h"
 
 namespace cxlab::explain {
 
 namespace {
 
 using Single = Constraint::Single;
-
-template <class T>
-std::optional<T> number_of(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 std::string unquoted(std::string_view text) {
   text = text.substr(1, text.size() - (text.size() > 1 && text.ends_with('"') ? 2 : 1));
@@ -153,8 +145,8 @@ Value constant_of(const Term& term) {
   if (term.kind == Token::Kind::kString) return Value::string(unquoted(text));
   if (text.starts_with('[') && text.ends_with(']')) return Value::instance_name(text.substr(1, text.size() - 2));
   if (text.find_first_not_of("0123456789+-.eE") != text.npos) return Value::symbol(text);
-  if (const auto whole = number_of<std::int64_t>(text)) return Value::integer(*whole);
-  if (const auto real = number_of<double>(text)) return Value::number(*real);
+  if (const auto whole = read_number<std::int64_t>(text)) return Value::integer(*whole);
+  if (const auto real = read_number<double>(text)) return Value::number(*real);
   return Value::symbol(text);
 }
 

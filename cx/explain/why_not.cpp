@@ -177,13 +177,8 @@ std::string UnmetCondition::print() const {
 }
 
 std::string_view to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kWaiting: return "waiting";
-    case Verdict::kFired: return "fired";
-    case Verdict::kTaken: return "taken";
-    case Verdict::kCondition: return "condition";
-  }
-  return {};
+  static constexpr std::string_view kWords[] = {"waiting", "fired", "taken", "condition"};
+  return kWords[static_cast<std::size_t>(verdict)];
 }
 
 std::optional<UnmetCondition> unmet_condition(RuleEngine& engine, const ConstructInfo& rule) {
