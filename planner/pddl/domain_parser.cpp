@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include "planner/pddl/parser.h"
 #include "planner/pddl/resolver.h"
-#include "planner/pddl/stratify.h"
 
 namespace cxlab::planner {
 namespace {
@@ -35,6 +35,20 @@ constexpr std::array kReserved = {"and",      "or",         "not",      "imply",
                                   ">=",       "+",          "-",        "*",         "/",      "assign",
                                   "increase", "decrease",   "scale-up", "scale-down"};
 
+/// The lowest stratum in which a rule with this condition can stand.
+int needed_stratum(const Domain& domain, const Condition& condition, bool negated) {
+  int stratum = 0;
+  if (condition.kind == Condition::Kind::kAtom) {
+    const Predicate& predicate = domain.predicates[condition.predicate];
+    return predicate.derived ? predicate.stratum + (negated ? 1 : 0) : 0;
+  }
+  for (std::size_t i = 0; i < condition.operands.size(); ++i) {
+    const bool flips = condition.kind == Condition::Kind::kNot || (condition.kind == Condition::Kind::kImply && i == 0);
+    stratum = std::max(stratum, needed_stratum(domain, condition.operands[i], negated != flips));
+  }
+  return stratum;
+}
+
 class DomainParser {
  public:
   DomainParser(const Node& root, const std::string& file)
@@ -42,92 +56,55 @@ class DomainParser {
     domain_.file = file;
   }
 
-  Expected<Domain> parse() {
-    if (!define() || !each(":requirements", &DomainParser::requirements) || !types() ||
-        !each(":constants", &DomainParser::constants) || !each(":predicates", &DomainParser::predicates) ||
-        !each(":functions", &DomainParser::functions) || !each(":derived", &DomainParser::derived_name) ||
-        !each(":derived", &DomainParser::derived_rule) || !actions())
-      return resolver_.error();
-    if (const auto rule = stratify(domain_)) {
-      const Predicate& predicate = domain_.predicates[domain_.derivations[*rule].predicate];
-      return input_error("derived predicate '" + predicate.name +
-                             "' depends on its own negation, expected rules without such a cycle" +
-                             resolver_.declared(predicate.source),
-                         domain_.file, domain_.derivations[*rule].source.line);
-    }
+  Domain parse() {
+    domain_.name = resolver_.define(
+        root_, {"domain",
+                "problem",
+                {":requirements", ":types", ":constants", ":predicates", ":functions", ":derived", ":action",
+                 ":durative-action"},
+                {},
+                {":constraints", ":process", ":event", ":task", ":method", ":axiom"},
+                ":requirements, :types, :constants, :predicates, :functions, :derived, :action or :durative-action"});
+    for (const Node& section : sections(root_, ":requirements")) requirements(section);
+    types();
+    for (const Node& section : sections(root_, ":constants")) resolver_.declare_objects(section, "a constant");
+    for (const Node& section : sections(root_, ":predicates")) predicates(section);
+    for (const Node& section : sections(root_, ":functions")) functions(section);
+    // A rule may read predicates that later rules derive, so heads come first.
+    for (const Node& section : sections(root_, ":derived")) derived_name(section);
+    for (const Node& section : sections(root_, ":derived")) derived_rule(section);
+    for (const Node& section : root_.items)
+      if (section.head() == ":action" || section.head() == ":durative-action") action(section);
+    stratify();
     return std::move(domain_);
   }
 
  private:
-  using Section = bool (DomainParser::*)(const Node&);
-
-  bool fail(const Node& at, std::string message) { return resolver_.fail(at, std::move(message)); }
-
-  bool define() {
-    if (root_.head() != "define")
-      return fail(root_, "found " + excerpt(root_) + ", expected (define (domain NAME) ...)");
-    if (root_.items.size() < 2 || root_.items[1].head() != "domain")
-      return fail(root_, root_.items.size() > 1 && root_.items[1].head() == "problem"
-                             ? "found a problem, expected a domain: (define (domain NAME) ...); are the files swapped?"
-                             : "expected (domain NAME) behind 'define'");
-    const Node& name = root_.items[1];
-    if (name.items.size() != 2 || name.items[1].is_list)
-      return fail(name, "found " + excerpt(name) + ", expected (domain NAME)");
-    domain_.name = name.items[1].word;
-    for (std::size_t i = 2; i < root_.items.size(); ++i)
-      if (!known_section(root_.items[i])) return false;
-    return true;
-  }
-
-  bool known_section(const Node& section) {
-    const std::string head(section.head());
-    for (const char* name : {":requirements", ":types", ":constants", ":predicates", ":functions", ":derived",
-                             ":action", ":durative-action"})
-      if (head == name) return true;
-    for (const char* name : {":constraints", ":process", ":event", ":task", ":method", ":axiom"})
-      if (head == name) return resolver_.fail_unsupported(section, "found section " + head + ": not supported");
-    return fail(section, "found " + excerpt(section) +
-                             ", expected :requirements, :types, :constants, :predicates, :functions, :derived, :action "
-                             "or :durative-action");
-  }
-
-  bool each(std::string_view head, Section read) {
-    for (std::size_t i = 2; i < root_.items.size(); ++i)
-      if (root_.items[i].head() == head && !(this->*read)(root_.items[i])) return false;
-    return true;
-  }
-
-  bool requirements(const Node& section) {
-    for (std::size_t i = 1; i < section.items.size(); ++i) {
-      const Node& item = section.items[i];
+  void requirements(const Node& section) {
+    for (const Node& item : section.rest()) {
       if (item.is_list || !item.word.starts_with(':'))
-        return fail(item, "found " + excerpt(item) + ", expected a requirement such as :typing");
-      if (std::find(kSupported.begin(), kSupported.end(), item.word) == kSupported.end())
-        return resolver_.fail_unsupported(
-            item, "found requirement " + std::string(item.word) + ": not supported" +
-                      did_you_mean(std::string(item.word), {kSupported.begin(), kSupported.end()}));
+        resolver_.fail(item, "found ", item, ", expected a requirement such as :typing");
+      if (std::ranges::find(kSupported, item.word) == kSupported.end())
+        resolver_.fail_unsupported(item, "found requirement ", item.word, ": not supported",
+                                   did_you_mean(std::string(item.word), {kSupported.begin(), kSupported.end()}));
       domain_.requirements.emplace_back(item.word);
     }
-    return true;
   }
 
   // Types may be used before they are declared, so names come first.
-  bool types() {
+  void types() {
     domain_.types.push_back({"object", {}, {}});
     domain_.type_names["object"] = Domain::kObjectType;
-    std::vector<const Node*> sections;
-    for (std::size_t i = 2; i < root_.items.size(); ++i)
-      if (root_.items[i].head() == ":types") sections.push_back(&root_.items[i]);
-    for (const Node* section : sections)
-      if (!type_names(*section)) return false;
-    for (const Node* section : sections)
-      if (!type_parents(*section)) return false;
-    for (std::size_t i = 1; i < domain_.types.size(); ++i)
-      if (domain_.types[i].parents.empty()) domain_.types[i].parents = {Domain::kObjectType};
-    return closure();
+    for (const Node& section : sections(root_, ":types")) type_names(section);
+    for (const Node& section : sections(root_, ":types")) type_parents(section);
+    for (Type& type : domain_.types | std::views::drop(1))
+      if (type.parents.empty()) type.parents = {Domain::kObjectType};
+    const std::size_t n = domain_.types.size();
+    domain_.ancestors.assign(n * n, 0);
+    for (std::size_t i = 0; i < n; ++i) find_ancestors(static_cast<TypeId>(i), domain_.ancestors.data() + i * n);
   }
 
-  bool type_names(const Node& section) {
+  void type_names(const Node& section) {
     const auto add = [&](const Node& node) {
       const int fresh = static_cast<int>(domain_.types.size());
       if (domain_.type_names.emplace(node.word, fresh).second)
@@ -138,241 +115,183 @@ class DomainParser {
       const Node& item = section.items[i];
       const bool is_parent = section.items[i - 1].is_word("-");
       if (item.is_list && (!is_parent || item.head() != "either"))
-        return fail(item, "found " + excerpt(item) + ", expected a type");
-      if (item.is_list) {
-        for (std::size_t k = 1; k < item.items.size(); ++k) parents.push_back(&item.items[k]);
-      } else if (is_parent) {
+        resolver_.fail(item, "found ", item, ", expected a type");
+      for (const Node& parent : item.rest()) parents.push_back(&parent);
+      if (item.is_list) continue;
+      if (is_parent)
         parents.push_back(&item);
-      } else if (item.word != "-") {
+      else if (item.word != "-")
         add(item);
-      }
     }
     for (const Node* parent : parents) {
-      if (parent->is_list || parent->is_word("-"))
-        return fail(*parent, "found " + excerpt(*parent) + ", expected a type");
+      if (parent->is_list || parent->is_word("-")) resolver_.fail(*parent, "found ", *parent, ", expected a type");
       if (parent->word.starts_with('?'))
-        return fail(*parent, "found the variable " + std::string(parent->word) + ", expected a type");
+        resolver_.fail(*parent, "found the variable ", parent->word, ", expected a type");
       add(*parent);
     }
-    return true;
   }
 
-  bool type_parents(const Node& section) {
-    std::vector<Resolver::TypedName> names;
-    if (!resolver_.typed_list(section.items, 1, "a type", names)) return false;
-    for (const auto& entry : names) {
+  void type_parents(const Node& section) {
+    for (const Resolver::TypedName& entry : resolver_.typed_list(section.rest(), "a type")) {
       const TypeId id = find(domain_.type_names, entry.name->word);
       if (id == Domain::kObjectType) {
         if (entry.types != std::vector<TypeId>{Domain::kObjectType})
-          return fail(*entry.name, "found a supertype of object, expected none: object is the root of all types");
+          resolver_.fail(*entry.name, "found a supertype of object, expected none: object is the root of all types");
         continue;
       }
       auto& parents = domain_.types[id].parents;
       for (const TypeId parent : entry.types)
-        if (std::find(parents.begin(), parents.end(), parent) == parents.end()) parents.push_back(parent);
+        if (std::ranges::find(parents, parent) == parents.end()) parents.push_back(parent);
     }
-    return true;
   }
 
-  bool closure() {
-    const std::size_t n = domain_.types.size();
-    domain_.ancestors.assign(n * n, 0);
-    for (std::size_t i = 0; i < n; ++i) {
-      char* row = domain_.ancestors.data() + i * n;
-      std::vector<TypeId> open = {static_cast<TypeId>(i)};
-      row[i] = 1;
-      while (!open.empty()) {
-        const TypeId type = open.back();
-        open.pop_back();
-        for (const TypeId parent : domain_.types[type].parents) {
-          if (parent == static_cast<TypeId>(i)) {
-            Node at;
-            at.line = domain_.types[i].source.line;
-            return fail(at,
-                        "type '" + domain_.types[i].name + "' is its own supertype, expected types without a cycle");
-          }
-          if (row[parent] == 0) {
-            row[parent] = 1;
-            open.push_back(parent);
-          }
+  /// `row` is that of the type in Domain::ancestors.
+  void find_ancestors(TypeId type, char* row) {
+    std::vector<TypeId> open = {type};
+    row[type] = 1;
+    while (!open.empty()) {
+      const TypeId next = open.back();
+      open.pop_back();
+      for (const TypeId parent : domain_.types[next].parents) {
+        if (parent == type) {
+          Node at;
+          at.line = domain_.types[type].source.line;
+          resolver_.fail(at, "type '", domain_.types[type].name,
+                         "' is its own supertype, expected types without a cycle");
         }
+        if (std::exchange(row[parent], 1) == 0) open.push_back(parent);
       }
     }
-    return true;
   }
 
-  bool constants(const Node& section) {
-    std::vector<Resolver::TypedName> names;
-    if (!resolver_.typed_list(section.items, 1, "a constant", names)) return false;
-    for (auto& entry : names) {
-      const auto [known, fresh] = constant_names_.emplace(entry.name->word, static_cast<int>(domain_.constants.size()));
-      if (fresh) {
-        domain_.constants.push_back(
-            {std::string(entry.name->word), std::move(entry.types), resolver_.source(*entry.name)});
-      } else {  // declared twice: it belongs to both types
-        auto& types = domain_.constants[known->second].types;
-        for (const TypeId type : entry.types)
-          if (std::find(types.begin(), types.end(), type) == types.end()) types.push_back(type);
-      }
-    }
-    return true;
+  /// A new predicate, function or action.
+  template <class Item>
+  Item& declare(const Node& node, const char* kind, std::string_view name, ById<Item>& items, NameTable& names) {
+    const auto [known, fresh] = names.emplace(name, static_cast<int>(items.size()));
+    if (!fresh)
+      resolver_.fail(node, "found ", kind, " '", name, "' a second time",
+                     resolver_.declared(items[known->second].source));
+    Item& item = items.emplace_back();
+    item.name = name;
+    item.source = resolver_.source(node);
+    return item;
   }
 
-  /// `(name ?x - t ...)`, the head of a predicate or function.
-  bool signature(const Node& node, const char* what, std::string& name, std::vector<Variable>& parameters) {
-    if (node.head().empty())
-      return fail(node, "found " + excerpt(node) + ", expected " + what + " such as (name ?x - TYPE)");
-    name = node.head();
-    if (name.starts_with('?')) return fail(node, "found the variable " + name + ", expected the name of " + what);
-    if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end())
-      return fail(node, "found '" + name + "' as the name of " + what + ", which is a word of the language");
-    Node list;
-    list.is_list = true;
-    list.line = node.line;
-    list.items.assign(node.items.begin() + 1, node.items.end());
+  /// The parameters of `(name ?x - t ...)`, the head of a predicate or function.
+  std::vector<Variable> signature(const Node& node, const char* what) {
+    const std::string_view name = node.head();
+    if (name.empty()) resolver_.fail(node, "found ", node, ", expected ", what, " such as (name ?x - TYPE)");
+    if (name.starts_with('?')) resolver_.fail(node, "found the variable ", name, ", expected the name of ", what);
+    if (std::ranges::find(kReserved, name) != kReserved.end())
+      resolver_.fail(node, "found '", name, "' as the name of ", what, ", which is a word of the language");
     resolver_.begin_frame(false);
-    return resolver_.declare_variables(list, parameters);
+    return resolver_.variables(node.rest());
   }
 
-  bool predicates(const Node& section) {
-    for (std::size_t i = 1; i < section.items.size(); ++i) {
-      const Node& node = section.items[i];
-      Predicate predicate;
-      predicate.source = resolver_.source(node);
-      if (!signature(node, "a predicate", predicate.name, predicate.parameters)) return false;
-      const auto [known, fresh] =
-          domain_.predicate_names.emplace(predicate.name, static_cast<int>(domain_.predicates.size()));
-      if (!fresh)
-        return fail(node, "found predicate '" + predicate.name + "' a second time" +
-                              resolver_.declared(domain_.predicates[known->second].source));
-      domain_.predicates.push_back(std::move(predicate));
+  void predicates(const Node& section) {
+    for (const Node& node : section.rest()) {
+      std::vector<Variable> parameters = signature(node, "a predicate");
+      declare(node, "predicate", node.head(), domain_.predicates, domain_.predicate_names).parameters =
+          std::move(parameters);
     }
-    return true;
   }
 
-  bool functions(const Node& section) {
+  void functions(const Node& section) {
     for (std::size_t i = 1; i < section.items.size(); ++i) {
       const Node& node = section.items[i];
       if (node.is_word("-") && i + 1 < section.items.size()) {
         const Node& type = section.items[++i];
         if (!type.is_word("number"))
-          return resolver_.fail_unsupported(
-              type, "found a function of type " + excerpt(type) + ": object fluents are not supported, only numbers");
+          resolver_.fail_unsupported(type, "found a function of type ", type,
+                                     ": object fluents are not supported, only numbers");
         continue;
       }
-      Function function;
-      function.source = resolver_.source(node);
-      if (!signature(node, "a function", function.name, function.parameters)) return false;
-      const auto [known, fresh] =
-          domain_.function_names.emplace(function.name, static_cast<int>(domain_.functions.size()));
-      if (!fresh)
-        return fail(node, "found function '" + function.name + "' a second time" +
-                              resolver_.declared(domain_.functions[known->second].source));
-      domain_.functions.push_back(std::move(function));
+      std::vector<Variable> parameters = signature(node, "a function");
+      declare(node, "function", node.head(), domain_.functions, domain_.function_names).parameters =
+          std::move(parameters);
     }
-    return true;
   }
 
-  // A rule may read predicates that later rules derive, so heads come first.
-  bool derived_name(const Node& section) {
+  void derived_name(const Node& section) {
     if (section.items.size() != 3 || section.items[1].head().empty())
-      return fail(section, "found " + excerpt(section) + ", expected (:derived (PREDICATE ?x - TYPE ...) CONDITION)");
-    const std::string name(section.items[1].head());
-    const int id = find(domain_.predicate_names, name);
+      resolver_.fail(section, "found ", section, ", expected (:derived (PREDICATE ?x - TYPE ...) CONDITION)");
+    const int id = find(domain_.predicate_names, section.items[1].head());
     if (id < 0)
-      return fail(section.items[1], "found '" + name + "', expected a predicate that is declared in :predicates");
+      resolver_.fail(section.items[1], "found '", section.items[1].head(),
+                     "', expected a predicate that is declared in :predicates");
     domain_.predicates[id].derived = true;
-    return true;
   }
 
-  bool derived_rule(const Node& section) {
+  void derived_rule(const Node& section) {
+    const Node& head = section.items[1];
     Derivation rule;
     rule.source = resolver_.source(section);
-    std::string name;
-    if (!signature(section.items[1], "a predicate", name, rule.parameters)) return false;
-    rule.predicate = find(domain_.predicate_names, name);
+    rule.parameters = signature(head, "a predicate");
+    rule.predicate = find(domain_.predicate_names, head.head());
     const Predicate& predicate = domain_.predicates[rule.predicate];
     if (rule.parameters.size() != predicate.parameters.size())
-      return fail(section.items[1], "found " + std::to_string(rule.parameters.size()) + " parameters of '" + name +
-                                        "', expected " + std::to_string(predicate.parameters.size()) +
-                                        resolver_.declared(predicate.source));
+      resolver_.fail(head, "found ", rule.parameters.size(), " parameters of '", predicate.name, "', expected ",
+                     predicate.parameters.size(), resolver_.declared(predicate.source));
     for (std::size_t i = 0; i < rule.parameters.size(); ++i)  // a rule need not repeat the types
       if (rule.parameters[i].types == std::vector<TypeId>{Domain::kObjectType})
         rule.parameters[i].types = predicate.parameters[i].types;
-    if (!resolver_.condition(section.items[2], rule.condition)) return false;
+    rule.condition = resolver_.condition(section.items[2]);
     rule.slots = resolver_.slots();
     domain_.derivations.push_back(std::move(rule));
-    return true;
   }
 
-  bool actions() {
-    for (std::size_t i = 2; i < root_.items.size(); ++i) {
-      const std::string_view head = root_.items[i].head();
-      if ((head == ":action" || head == ":durative-action") && !action(root_.items[i])) return false;
-    }
-    return true;
-  }
-
-  struct Parts {
-    const Node* parameters = nullptr;
-    const Node* duration = nullptr;
-    const Node* condition = nullptr;
-    const Node* effect = nullptr;
-  };
-
-  bool split(const Node& section, bool durative, Parts& parts) {
+  void action(const Node& section) {
+    const bool durative = section.head() == ":durative-action";
+    if (section.items.size() < 2 || section.items[1].is_list)
+      resolver_.fail(section, "found ", section, ", expected the name of the action");
+    const std::string_view name = section.items[1].word;
+    if (name.starts_with('?'))
+      resolver_.fail(section.items[1], "found the variable ", name, ", expected the name of the action");
+    Action& action = declare(section, "action", name, domain_.actions, domain_.action_names);
+    action.durative = durative;
+    const std::string_view condition = durative ? ":condition" : ":precondition";
+    std::map<std::string_view, const Node*> parts = {
+        {":parameters", nullptr}, {condition, nullptr}, {":effect", nullptr}};
+    if (durative) parts[":duration"] = nullptr;
     for (std::size_t i = 2; i < section.items.size(); i += 2) {
       const Node& key = section.items[i];
-      const Node** part = nullptr;
-      if (key.is_word(":parameters")) part = &parts.parameters;
-      if (key.is_word(":effect")) part = &parts.effect;
-      if (key.is_word(durative ? ":condition" : ":precondition")) part = &parts.condition;
-      if (durative && key.is_word(":duration")) part = &parts.duration;
-      if (part == nullptr)
-        return fail(key, "found " + excerpt(key) + ", expected :parameters, " +
-                             (durative ? ":duration, :condition or :effect of a durative action"
-                                       : ":precondition or :effect of an action"));
-      if (*part != nullptr) return fail(key, "found " + std::string(key.word) + " a second time");
-      if (i + 1 == section.items.size())
-        return fail(key, "found nothing behind " + std::string(key.word) + ", expected a list");
-      *part = &section.items[i + 1];
+      const auto part = parts.find(key.word);
+      if (part == parts.end())
+        resolver_.fail(key, "found ", key, ", expected :parameters, ",
+                       durative ? ":duration, :condition or :effect of a durative action"
+                                : ":precondition or :effect of an action");
+      if (part->second) resolver_.fail(key, "found ", key.word, " a second time");
+      if (i + 1 == section.items.size()) resolver_.fail(key, "found nothing behind ", key.word, ", expected a list");
+      part->second = &section.items[i + 1];
     }
-    if (durative && parts.duration == nullptr)
-      return fail(section, "the durative action has no :duration, expected (= ?duration NUMBER)");
-    return true;
+    if (durative && !parts[":duration"])
+      resolver_.fail(section, "the durative action has no :duration, expected (= ?duration NUMBER)");
+    resolver_.begin_frame(durative);
+    if (const Node* part = parts[":parameters"]) action.parameters = resolver_.variables(*part);
+    if (const Node* part = parts[":duration"]) action.duration = resolver_.duration(*part);
+    if (const Node* part = parts[condition]) action.condition = resolver_.conditions(*part);
+    if (const Node* part = parts[":effect"]) action.effects = resolver_.effects(*part);
+    action.slots = resolver_.slots();
   }
 
-  bool action(const Node& section) {
-    Action action;
-    action.durative = section.head() == ":durative-action";
-    action.source = resolver_.source(section);
-    if (section.items.size() < 2 || section.items[1].is_list)
-      return fail(section, "found " + excerpt(section) + ", expected the name of the action");
-    action.name = section.items[1].word;
-    if (action.name.starts_with('?'))
-      return fail(section.items[1], "found the variable " + action.name + ", expected the name of the action");
-    const auto [known, fresh] = domain_.action_names.emplace(action.name, static_cast<int>(domain_.actions.size()));
-    if (!fresh)
-      return fail(section, "found action '" + action.name + "' a second time" +
-                               resolver_.declared(domain_.actions[known->second].source));
-    Parts parts;
-    if (!split(section, action.durative, parts)) return false;
-    resolver_.begin_frame(action.durative);
-    if (parts.parameters != nullptr && !resolver_.declare_variables(*parts.parameters, action.parameters)) return false;
-    if (parts.duration != nullptr && !resolver_.duration(*parts.duration, action.duration)) return false;
-    if (parts.condition != nullptr) {
-      if (action.durative ? !resolver_.timed_condition(*parts.condition, action.condition)
-                          : !resolver_.condition(*parts.condition, action.condition.start))
-        return false;
-    }
-    if (parts.effect != nullptr) {
-      if (action.durative ? !resolver_.timed_effects(*parts.effect, action.effects)
-                          : !resolver_.effects(*parts.effect, action.effects))
-        return false;
-    }
-    action.slots = resolver_.slots();
-    domain_.actions.push_back(std::move(action));
-    return true;
+  /// Sets the strata of derived predicates.
+  void stratify() {
+    const int highest = static_cast<int>(domain_.derivations.size());
+    for (bool changed = true; std::exchange(changed, false);)
+      for (const Derivation& rule : domain_.derivations) {
+        Predicate& predicate = domain_.predicates[rule.predicate];
+        const int needed = needed_stratum(domain_, rule.condition, false);
+        if (needed <= predicate.stratum) continue;
+        if (needed > highest) {
+          Node at;
+          at.line = rule.source.line;
+          resolver_.fail(at, "derived predicate '", predicate.name,
+                         "' depends on its own negation, expected rules without such a cycle",
+                         resolver_.declared(predicate.source));
+        }
+        predicate.stratum = needed;
+        changed = true;
+      }
   }
 
   const Node& root_;
@@ -384,9 +303,9 @@ class DomainParser {
 }  // namespace
 
 Expected<Domain> parse_domain(std::string_view text, const std::string& file) {
-  auto syntax = read_syntax(text, file);
+  const auto syntax = read_syntax(text, file);
   if (!syntax) return syntax.error();
-  return DomainParser(syntax->root, file).parse();
+  return accepted([&] { return DomainParser(syntax->root, file).parse(); });
 }
 
 }  // namespace cxlab::planner

@@ -1,7 +1,9 @@
 // Files to tasks.
 
+#include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include "cx/template/template.h"
 #include "planner/pddl/parser.h"
@@ -9,25 +11,16 @@
 namespace cxlab::planner {
 namespace {
 
-struct SourceText {
-  std::string text;
-  std::string name;  ///< for messages
-};
-
-bool is_template(const std::string& text) {
-  return text.find("{{") != std::string::npos || text.find("{%") != std::string::npos ||
-         text.find("{#") != std::string::npos;
-}
-
-Expected<SourceText> read_source(const std::string& file) {
+/// The text of a file, rendered where it is a template, and its name for messages.
+Expected<std::pair<std::string, std::string>> read_source(const std::string& file) {
   auto text = read_text(file);
   if (!text) return text.error();
-  if (!is_template(*text)) return SourceText{std::move(*text), file};
-  const std::size_t slash = file.rfind('/');
-  const std::string folder = slash == std::string::npos ? "." : file.substr(0, slash);
-  auto rendered = templates::render_file(folder, file.substr(slash == std::string::npos ? 0 : slash + 1));
+  const auto has = [&](const char* mark) { return text->find(mark) != std::string::npos; };
+  if (!has("{{") && !has("{%") && !has("{#")) return std::pair(*std::move(text), file);
+  const std::filesystem::path path = file;
+  auto rendered = templates::render_file(path.has_parent_path() ? path.parent_path().string() : ".", path.filename());
   if (!rendered) return rendered.error();
-  return SourceText{std::move(*rendered), file + " (rendered)"};
+  return std::pair(*std::move(rendered), file + " (rendered)");
 }
 
 }  // namespace
@@ -47,9 +40,9 @@ Expected<Task> load_task(const std::string& domain_file, const std::string& prob
   if (!domain_text) return domain_text.error();
   const auto problem_text = read_source(problem_file);
   if (!problem_text) return problem_text.error();
-  auto domain = parse_domain(domain_text->text, domain_text->name);
+  auto domain = parse_domain(domain_text->first, domain_text->second);
   if (!domain) return domain.error();
-  auto problem = parse_problem(problem_text->text, problem_text->name, *domain, deadline);
+  auto problem = parse_problem(problem_text->first, problem_text->second, *domain, deadline);
   if (!problem) return problem.error();
   return Task{std::move(*domain), std::move(*problem)};
 }

@@ -1,236 +1,166 @@
 // Effects and durations of actions.
 
 #include <algorithm>
+#include <tuple>
 
 #include "planner/pddl/resolver.h"
+#include "planner/pddl/text.h"
 
 namespace cxlab::planner {
 namespace {
 
-std::optional<Effect::Kind> to_numeric_kind(std::string_view word) {
-  if (word == "assign") return Effect::Kind::kAssign;
-  if (word == "increase") return Effect::Kind::kIncrease;
-  if (word == "decrease") return Effect::Kind::kDecrease;
-  if (word == "scale-up") return Effect::Kind::kScaleUp;
-  if (word == "scale-down") return Effect::Kind::kScaleDown;
-  return std::nullopt;
-}
-
 bool mentions_elapsed(const Node& node) {
   if (!node.is_list) return node.word == "#t";
-  return std::any_of(node.items.begin(), node.items.end(), mentions_elapsed);
+  return std::ranges::any_of(node.items, mentions_elapsed);
 }
 
 }  // namespace
 
-bool Resolver::duration(const Node& node, std::vector<DurationConstraint>& out) {
-  if (!node.is_list) return fail(node, "found '" + std::string(node.word) + "', expected (= ?duration NUMBER)");
-  if (node.items.empty()) return true;
+std::vector<DurationConstraint> Resolver::duration(const Node& node) {
+  if (!node.is_list) fail(node, "found '", node.word, "', expected (= ?duration NUMBER)");
+  std::vector<DurationConstraint> out;
+  if (node.items.empty()) return out;
   const std::string_view head = node.head();
   if (head == "and") {
-    for (std::size_t i = 1; i < node.items.size(); ++i)
-      if (!duration(node.items[i], out)) return false;
-    return true;
+    for (const Node& part : node.rest()) std::ranges::move(duration(part), std::back_inserter(out));
+    return out;
   }
   if (head == "at" && node.items.size() == 3 && (node.items[1].is_word("start") || node.items[1].is_word("end"))) {
-    const std::size_t first = out.size();
-    if (!duration(node.items[2], out)) return false;
-    for (std::size_t i = first; i < out.size(); ++i) out[i].at_end = node.items[1].is_word("end");
-    return true;
+    out = duration(node.items[2]);
+    for (DurationConstraint& constraint : out) constraint.at_end = node.items[1].is_word("end");
+    return out;
   }
-  if (node.items.size() != 3 || (head != "=" && head != "<=" && head != ">="))
-    return fail(node, "found " + excerpt(node) +
-                          ", expected (= ?duration NUMBER), (<= ?duration NUMBER) or (>= ?duration NUMBER)");
-  DurationConstraint constraint;
-  if (head == "<=") constraint.comparison = Comparison::kLessEqual;
-  if (head == ">=") constraint.comparison = Comparison::kGreaterEqual;
+  auto comparison = kind_of<Comparison>(kComparisonWords, head);
+  if (node.items.size() != 3 || !comparison || head == "<" || head == ">")
+    fail(node, "found ", node, ", expected (= ?duration NUMBER), (<= ?duration NUMBER) or (>= ?duration NUMBER)");
   const bool left = node.items[1].is_word("?duration");
-  if (!left && !node.items[2].is_word("?duration"))
-    return fail(node, "found " + excerpt(node) + ", expected ?duration on one side");
-  if (!left && head == "<=") constraint.comparison = Comparison::kGreaterEqual;
-  if (!left && head == ">=") constraint.comparison = Comparison::kLessEqual;
-  if (!expression(node.items[left ? 2 : 1], Place::kDuration, constraint.bound)) return false;
-  out.push_back(std::move(constraint));
-  return true;
+  if (!left && !node.items[2].is_word("?duration")) fail(node, "found ", node, ", expected ?duration on one side");
+  if (!left && head == "<=") comparison = Comparison::kGreaterEqual;
+  if (!left && head == ">=") comparison = Comparison::kLessEqual;
+  out.push_back({*comparison, expression(node.items[left ? 2 : 1], Place::kDuration)});
+  return out;
 }
 
-bool Resolver::effects(const Node& node, std::vector<Effect>& out) {
-  EffectContext context;
-  context.time = Effect::Time::kStart;
-  return effect(node, context, out);
+std::vector<Effect> Resolver::effects(const Node& node) {
+  std::vector<Effect> out;
+  effect(node, {}, !in_durative_, out);
+  return out;
 }
 
-bool Resolver::timed_effects(const Node& node, std::vector<Effect>& out) {
-  EffectContext context;
-  context.durative = true;
-  return effect(node, context, out);
-}
-
-bool Resolver::effect(const Node& node, const EffectContext& context, std::vector<Effect>& out) {
-  if (!node.is_list) return fail(node, "found '" + std::string(node.word) + "', expected an effect in parentheses");
-  if (node.items.empty()) return true;
+void Resolver::effect(const Node& node, Effect pattern, bool timed, std::vector<Effect>& out) {
+  if (!node.is_list) fail(node, "found '", node.word, "', expected an effect in parentheses");
+  if (node.items.empty()) return;
   const std::string_view head = node.head();
   if (head == "and") {
-    for (std::size_t i = 1; i < node.items.size(); ++i)
-      if (!effect(node.items[i], context, out)) return false;
-    return true;
+    for (const Node& part : node.rest()) effect(part, pattern, timed, out);
+    return;
   }
   if (head == "forall") {
-    if (node.items.size() != 3)
-      return fail(node, "found " + excerpt(node) + ", expected (forall (?x - TYPE ...) EFFECT)");
+    if (node.items.size() != 3) fail(node, "found ", node, ", expected (forall (?x - TYPE ...) EFFECT)");
     const std::size_t outer = scope_.size();
-    EffectContext inner = context;
-    std::vector<Variable> variables;
-    if (!declare_variables(node.items[1], variables)) return false;
-    inner.variables.insert(inner.variables.end(), variables.begin(), variables.end());
-    if (!effect(node.items[2], inner, out)) return false;
+    std::ranges::move(variables(node.items[1]), std::back_inserter(pattern.variables));
+    effect(node.items[2], std::move(pattern), timed, out);
     scope_.resize(outer);
-    return true;
+    return;
   }
-  if (head == "when") return conditional_effect(node, context, out);
-  const std::string_view when =
-      node.items.size() == 3 && !node.items[1].is_list ? node.items[1].word : std::string_view{};
-  if (context.durative && !context.time) {
+  if (head == "when") return conditional_effect(node, std::move(pattern), timed, out);
+  if (!timed) {
+    const std::string_view when = node.items.size() == 3 ? node.items[1].word : std::string_view();
     if (head == "at" && (when == "start" || when == "end")) {
-      EffectContext inner = context;
-      inner.time = when == "start" ? Effect::Time::kStart : Effect::Time::kEnd;
-      return effect(node.items[2], inner, out);
+      pattern.time = when == "start" ? Effect::Time::kStart : Effect::Time::kEnd;
+      return effect(node.items[2], std::move(pattern), true, out);
     }
-    if ((head == "increase" || head == "decrease") && mentions_elapsed(node)) {
-      EffectContext inner = context;
-      inner.time = Effect::Time::kContinuous;
-      return numeric_effect(node, inner, out);
-    }
-    return fail(node, "found " + excerpt(node) +
-                          ", expected (at start ...), (at end ...) or a continuous (increase F (* #t RATE))");
+    if ((head != "increase" && head != "decrease") || !mentions_elapsed(node))
+      fail(node, "found ", node, ", expected (at start ...), (at end ...) or a continuous (increase F (* #t RATE))");
+    pattern.time = Effect::Time::kContinuous;
   }
-  if (to_numeric_kind(head)) return numeric_effect(node, context, out);
+  if (kind_of<Effect::Kind>(kEffectWords, head)) {
+    out.push_back(numeric_effect(node, std::move(pattern)));
+    return;
+  }
   for (const std::string_view word : {"or", "imply", "exists", "=", "<", "<=", ">", ">="})
     if (head == word && find(domain_.predicate_names, head) < 0)
-      return fail(
-          node,
-          "found " + excerpt(node) +
-              ", expected an effect: it cannot leave open what happens, and numbers are set by (assign F NUMBER)");
-  return literal_effect(node, context, out);
+      fail(node, "found ", node,
+           ", expected an effect: it cannot leave open what happens, and numbers are set by (assign F NUMBER)");
+  out.push_back(literal_effect(node, std::move(pattern)));
 }
 
-bool Resolver::conditional_effect(const Node& node, const EffectContext& context, std::vector<Effect>& out) {
-  if (node.items.size() != 3) return fail(node, "found " + excerpt(node) + ", expected (when CONDITION EFFECT)");
-  EffectContext inner = context;
-  const std::size_t outer = scope_.size();
-  if (context.durative && !context.time) {
-    if (!timed_condition(node.items[1], inner.condition)) return false;
-  } else {
-    Condition parsed;
-    if (!condition(node.items[1], parsed)) return false;
-    conjoin(context.time == Effect::Time::kEnd ? inner.condition.end : inner.condition.start, std::move(parsed));
-  }
-  scope_.resize(outer);
+void Resolver::conditional_effect(const Node& node, Effect pattern, bool timed, std::vector<Effect>& out) {
+  if (node.items.size() != 3) fail(node, "found ", node, ", expected (when CONDITION EFFECT)");
+  TimedCondition& condition = pattern.condition;
+  if (!timed)
+    timed_condition(node.items[1], condition);
+  else
+    conjoin(pattern.time == Effect::Time::kEnd ? condition.end : condition.start, this->condition(node.items[1]));
   const std::size_t first = out.size();
-  if (!effect(node.items[2], inner, out)) return false;
-  for (std::size_t i = first; i < out.size(); ++i) {
-    const TimedCondition& when = out[i].condition;
-    if (out[i].time == Effect::Time::kStart && (!when.over_all.is_true() || !when.end.is_true()))
-      return fail(node,
-                  "found an effect at start with a condition that is known only later, expected a condition at start");
-    if (out[i].time == Effect::Time::kContinuous)
-      return fail_unsupported(node, "found a conditional continuous effect: not supported");
+  effect(node.items[2], pattern, timed, out);
+  for (const Effect& effect : out | std::views::drop(first)) {
+    const TimedCondition& when = effect.condition;
+    if (effect.time == Effect::Time::kStart && (!when.over_all.is_true() || !when.end.is_true()))
+      fail(node, "found an effect at start with a condition that is known only later, expected a condition at start");
+    if (effect.time == Effect::Time::kContinuous)
+      fail_unsupported(node, "found a conditional continuous effect: not supported");
   }
-  return true;
 }
 
-bool Resolver::rate(const Node& node, Expression& out) {
-  if (node.is_word("#t")) {
-    out = Expression::constant(1);
-    return true;
-  }
+Expression Resolver::rate(const Node& node) {
+  if (node.is_word("#t")) return Expression::constant(1);
   using Kind = Expression::Kind;
+  Expression out;
   const std::string_view head = node.head();
-  const std::size_t operands = node.is_list && !node.items.empty() ? node.items.size() - 1 : 0;
+  const std::size_t operands = node.rest().size();
   if (head == "*" && operands >= 2) {
     out.kind = Kind::kMultiply;
     bool found = false;
-    for (std::size_t i = 1; i <= operands; ++i) {
-      const Node& item = node.items[i];
-      Expression factor;
-      if (mentions_elapsed(item)) {
-        if (found)
-          return fail_unsupported(
-              node, "found " + excerpt(node) + ": only linear change is supported, #t must occur once in a product");
-        found = true;
-        if (!rate(item, factor)) return false;
-      } else if (!expression(item, Place::kEffect, factor)) {
-        return false;
-      }
-      if (!item.is_word("#t")) out.operands.push_back(std::move(factor));
+    for (const Node& item : node.rest()) {
+      const bool elapsed = mentions_elapsed(item);
+      if (elapsed && std::exchange(found, true))
+        fail_unsupported(node, "found ", node, ": only linear change is supported, #t must occur once in a product");
+      if (!item.is_word("#t")) out.operands.push_back(elapsed ? rate(item) : expression(item, Place::kEffect));
     }
-    if (out.operands.size() == 1) {
-      Expression only = std::move(out.operands.front());
-      out = std::move(only);
-    }
-    return true;
+    return out.operands.size() == 1 ? Expression(out.operands.front()) : out;
   }
   if (head == "/" && operands == 2 && mentions_elapsed(node.items[1]) && !mentions_elapsed(node.items[2])) {
     out.kind = Kind::kDivide;
-    out.operands.resize(2);
-    return rate(node.items[1], out.operands[0]) && expression(node.items[2], Place::kEffect, out.operands[1]);
+    out.operands = {rate(node.items[1]), expression(node.items[2], Place::kEffect)};
+    return out;
   }
-  if ((head == "+" || head == "-") && operands >= 1) {
-    out.kind = head == "+" ? Kind::kAdd : operands == 1 ? Kind::kNegate : Kind::kSubtract;
-    if ((head == "+" && operands < 2) || (head == "-" && operands > 2))
-      return fail(node, "found " + excerpt(node) + ", expected 2 operands");
-    out.operands.resize(operands);
-    for (std::size_t i = 0; i < operands; ++i) {
-      if (!mentions_elapsed(node.items[i + 1]))
-        return fail_unsupported(
-            node, "found " + excerpt(node) + ": only linear change is supported, each summand must have its #t");
-      if (!rate(node.items[i + 1], out.operands[i])) return false;
-    }
-    return true;
+  if ((head != "+" && head != "-") || operands == 0)
+    fail_unsupported(node, "found the rate ", node, ": only linear change (* #t RATE) is supported");
+  out.kind = head == "+" ? Kind::kAdd : operands == 1 ? Kind::kNegate : Kind::kSubtract;
+  if (head == "+" ? operands < 2 : operands > 2) fail(node, "found ", node, ", expected 2 operands");
+  for (const Node& item : node.rest()) {
+    if (!mentions_elapsed(item))
+      fail_unsupported(node, "found ", node, ": only linear change is supported, each summand must have its #t");
+    out.operands.push_back(rate(item));
   }
-  return fail_unsupported(node, "found the rate " + excerpt(node) + ": only linear change (* #t RATE) is supported");
+  return out;
 }
 
-bool Resolver::numeric_effect(const Node& node, const EffectContext& context, std::vector<Effect>& out) {
-  if (node.items.size() != 3)
-    return fail(
-        node, "found " + excerpt(node) + ", expected (" + std::string(node.head()) + " (FUNCTION ARGUMENT...) VALUE)");
-  Effect effect;
-  effect.kind = *to_numeric_kind(node.head());
-  effect.time = *context.time;
-  effect.variables = context.variables;
-  effect.condition = context.condition;
+Effect Resolver::numeric_effect(const Node& node, Effect effect) {
+  if (node.items.size() != 3) fail(node, "found ", node, ", expected (", node.head(), " (FUNCTION ARGUMENT...) VALUE)");
+  effect.kind = *kind_of<Effect::Kind>(kEffectWords, node.head());
   effect.source = source(node);
-  if (!function_term(node.items[1], {}, effect.function, effect.terms)) return false;
-  const bool right = effect.time == Effect::Time::kContinuous ? rate(node.items[2], effect.value)
-                                                              : expression(node.items[2], Place::kEffect, effect.value);
-  if (right) out.push_back(std::move(effect));
-  return right;
+  std::tie(effect.function, effect.terms) = function_term(node.items[1], {});
+  effect.value =
+      effect.time == Effect::Time::kContinuous ? rate(node.items[2]) : expression(node.items[2], Place::kEffect);
+  return effect;
 }
 
-bool Resolver::literal_effect(const Node& node, const EffectContext& context, std::vector<Effect>& out) {
-  Effect effect;
+Effect Resolver::literal_effect(const Node& node, Effect effect) {
   const bool negative = node.head() == "not";
-  if (negative && node.items.size() != 2)
-    return fail(node, "found " + excerpt(node) + ", expected (not (PREDICATE ARGUMENT...))");
+  if (negative && node.items.size() != 2) fail(node, "found ", node, ", expected (not (PREDICATE ARGUMENT...))");
   const Node& literal = negative ? node.items[1] : node;
-  if (!literal.is_list)
-    return fail(literal, "found '" + std::string(literal.word) + "', expected (PREDICATE ARGUMENT...)");
+  if (!literal.is_list) fail(literal, "found '", literal.word, "', expected (PREDICATE ARGUMENT...)");
   effect.kind = negative ? Effect::Kind::kDelete : Effect::Kind::kAdd;
-  effect.time = *context.time;
-  effect.variables = context.variables;
-  effect.condition = context.condition;
   effect.source = source(node);
-  static constexpr const char* kWords[] = {"and",      "not",      "when",     "forall",    "assign",
-                                           "increase", "decrease", "scale-up", "scale-down"};
-  if (!atom(literal, negative ? Words{} : Words(kWords), effect.predicate, effect.terms)) return false;
-  const Predicate& predicate = domain_.predicates[effect.predicate];
-  if (predicate.derived)
-    return fail(literal, "found an effect on '" + predicate.name +
-                             "', which is derived by a rule; expected a predicate without one" +
-                             declared(predicate.source));
-  out.push_back(std::move(effect));
-  return true;
+  static constexpr std::string_view kWords[] = {"and",      "not",      "when",     "forall",    "assign",
+                                                "increase", "decrease", "scale-up", "scale-down"};
+  std::tie(effect.predicate, effect.terms) = atom(literal, negative ? Words() : Words(kWords));
+  if (const Predicate& predicate = domain_.predicates[effect.predicate]; predicate.derived)
+    fail(literal, "found an effect on '", predicate.name,
+         "', which is derived by a rule; expected a predicate without one", declared(predicate.source));
+  return effect;
 }
 
 }  // namespace cxlab::planner

@@ -1,8 +1,9 @@
 #include "planner/pddl/syntax.h"
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 
+#include "cx/base/number_text.h"
 #include "planner/pddl/failure.h"
 
 namespace cxlab::planner {
@@ -11,27 +12,24 @@ namespace {
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
 bool ends_word(char c) { return is_space(c) || c == '(' || c == ')' || c == ';'; }
 bool is_control(char c) { return (c >= 0 && c < 0x20) || c == 0x7f; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 class FormReader {
  public:
   FormReader(std::string_view text, const std::string& file, const Deadline& deadline)
       : text_(text), file_(file), deadline_(deadline) {}
 
-  Expected<Node> read_file() {
+  Node read_file() {
     skip_space();
-    if (at_end()) return error("the file is empty; expected (define ...)", line_);
-    if (text_[position_] != '(')
-      return error("found '" + std::string(take_word_for_message()) + "', expected (define ...)", line_);
-    auto node = read_list(0);
-    if (!node) return node;
+    if (at_end()) fail(line_, "the file is empty; expected (define ...)");
+    if (text_[position_] != '(') fail(line_, "found '", word_at(position_).substr(0, 60), "', expected (define ...)");
+    Node node = read_list(0);
     skip_space();
     if (!at_end())
-      return error((text_[position_] == ')'
-                        ? "found a ')' that closes nothing; expected the end of the file"
-                        : "found more text behind the closing ')' of (define ...); expected the end of the file") +
-                       last_section(),
-                   line_);
+      fail(line_,
+           text_[position_] == ')'
+               ? "found a ')' that closes nothing; expected the end of the file"
+               : "found more text behind the closing ')' of (define ...); expected the end of the file",
+           last_section());
     return node;
   }
 
@@ -49,75 +47,61 @@ class FormReader {
     }
   }
 
-  std::string_view take_word() {
-    const std::size_t begin = position_;
-    while (!at_end() && !ends_word(text_[position_])) ++position_;
-    return text_.substr(begin, position_ - begin);
+  std::string_view word_at(std::size_t begin) const {
+    std::size_t end = begin;
+    while (end < text_.size() && !ends_word(text_[end])) ++end;
+    return text_.substr(begin, end - begin);
   }
   /// Where to look for the parenthesis: sections before the last were closed in order.
   std::string last_section() const {
-    return section_line_ == 0 ? ""
-                              : "; the last section before it, " + std::string(section_) + ", begins in line " +
-                                    std::to_string(section_line_);
+    if (section_line_ == 0) return {};
+    return message("; the last section before it, ", section_, ", begins in line ", section_line_);
   }
-
-  std::string_view take_word_for_message() { return take_word().substr(0, 60); }
 
   /// `(:action` and its like stand directly in (define ...): inside another section, that one was not closed.
-  Status begin_section(const Node& outer, int depth) {
-    const std::size_t begin = position_;
-    ++position_;
-    const std::string_view name = take_word_for_message();
-    position_ = begin;
+  void begin_section(const Node& outer, int depth) {
+    const std::string_view name = word_at(position_ + 1).substr(0, 60);
     if (depth > 0)
-      return error("found (" + std::string(name) + " in line " + std::to_string(line_) +
-                       ", expected a ')' before it for " +
-                       (section_line_ > 0 ? "the section " + std::string(section_) : "the list") + " that begins here",
-                   section_line_ > 0 ? section_line_ : outer.line);
+      fail(section_line_ > 0 ? section_line_ : outer.line, "found (", name, " in line ", line_,
+           ", expected a ')' before it for ", section_line_ > 0 ? message("the section ", section_) : "the list",
+           " that begins here");
     section_ = name;
     section_line_ = line_;
-    return {};
   }
 
-  Expected<Node> read_list(int depth) {
+  Node read_list(int depth) {
     Node list;
     list.is_list = true;
     list.line = line_;
-    if (depth >= kDeepestNesting)
-      return error("lists are nested more than " + std::to_string(kDeepestNesting) + " deep", line_);
+    if (depth >= kDeepestNesting) fail(line_, "lists are nested more than ", kDeepestNesting, " deep");
     ++position_;
     while (true) {
-      if (nodes_++ % kReadBetweenLooks == 0 && is_over(deadline_)) return too_late(file_);
+      if (nodes_++ % kReadBetweenLooks == 0 && is_over(deadline_)) throw Rejected{too_late(file_)};
       skip_space();
       if (at_end())
-        return error("found the end of the file, expected a ')' for the list that begins here" + last_section(),
-                     list.line);
+        fail(list.line, "found the end of the file, expected a ')' for the list that begins here", last_section());
       if (text_[position_] == ')') {
         ++position_;
         return list;
       }
       if (text_[position_] == '(') {
-        if (text_.substr(position_ + 1).starts_with(':')) {
-          if (Status s = begin_section(list, depth); !s) return s.error();
-        }
-        auto item = read_list(depth + 1);
-        if (!item) return item;
-        list.items.push_back(std::move(*item));
+        if (text_.substr(position_ + 1).starts_with(':')) begin_section(list, depth);
+        list.items.push_back(read_list(depth + 1));
       } else {
-        Node word;
+        Node& word = list.items.emplace_back();
         word.line = line_;
-        word.word = take_word();
-        for (const char c : word.word)
-          if (is_control(c))
-            return error(
-                "found a control character (code " + std::to_string(static_cast<int>(c)) + ") in a name, expected text",
-                line_);
-        list.items.push_back(std::move(word));
+        word.word = word_at(position_);
+        position_ += word.word.size();
+        if (const auto control = std::ranges::find_if(word.word, is_control); control != word.word.end())
+          fail(line_, "found a control character (code ", static_cast<int>(*control), ") in a name, expected text");
       }
     }
   }
 
-  Error error(std::string message, int line) const { return input_error(std::move(message), file_, line); }
+  template <class... Parts>
+  [[noreturn]] void fail(int line, const Parts&... parts) const {
+    throw Rejected{input_error(message(parts...), file_, line)};
+  }
 
   std::string_view text_;
   const std::string& file_;
@@ -157,15 +141,20 @@ Error too_late(const std::string& file) {
 
 Expected<Syntax> read_syntax(std::string_view text, const std::string& file, const Deadline& deadline) {
   Syntax syntax;
-  syntax.text = std::make_unique<std::string>(text);
-  for (char& c : *syntax.text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  syntax.text = std::make_unique<std::string>(lower_case(text));
   std::string_view body = *syntax.text;
   if (body.starts_with("\xef\xbb\xbf")) body.remove_prefix(3);  // the mark of UTF-8 files
-  auto root = FormReader(body, file, deadline).read_file();
-  if (!root) return root.error();
-  syntax.root = std::move(*root);
-  return syntax;
+  return accepted([&] {
+    syntax.root = FormReader(body, file, deadline).read_file();
+    return std::move(syntax);
+  });
+}
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return lower;
 }
 
 std::string excerpt(const Node& node) {
@@ -175,12 +164,10 @@ std::string excerpt(const Node& node) {
 }
 
 bool to_number(std::string_view word, double& number) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  const std::string_view digits = word.starts_with('-') ? word.substr(1) : word;
-  if (digits.empty() || !(is_digit(digits[0]) || (digits[0] == '.' && digits.size() > 1 && is_digit(digits[1]))))
-    return false;
-  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), number);
-  return code == std::errc{} && end == word.data() + word.size() && std::isfinite(number);
+  const auto read = read_number<double>(word);
+  if (!read || !std::isfinite(*read)) return false;
+  number = *read;
+  return true;
 }
 
 }  // namespace cxlab::planner

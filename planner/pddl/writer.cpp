@@ -8,27 +8,11 @@
 namespace cxlab::planner {
 namespace {
 
-std::string type_text(const Domain& domain, const std::vector<TypeId>& types) {
-  if (types.size() == 1) return domain.types[types[0]].name;
-  std::string text = "(either";
-  for (const TypeId type : types) text += " " + domain.types[type].name;
-  return text + ")";
-}
-
-std::string objects_text(const Domain& domain, const std::vector<Object>& objects, std::size_t from) {
+/// Objects with the types that `known` does not give them. One of several types is declared with each.
+std::string objects_text(const Domain& domain, const ById<Object>& objects, const ById<Object>& known) {
   std::string text;
-  for (std::size_t i = from; i < objects.size(); ++i) {
-    // A single object of several types is declared once with each: it belongs to all of them.
-    for (const TypeId type : objects[i].types) text += "\n    " + objects[i].name + " - " + domain.types[type].name;
-  }
-  return text;
-}
-
-/// What the problem adds to the types of the domain's constants.
-std::string more_types_text(const Domain& domain, const std::vector<Object>& objects) {
-  std::string text;
-  for (std::size_t i = 0; i < domain.constants.size(); ++i)
-    for (std::size_t k = domain.constants[i].types.size(); k < objects[i].types.size(); ++k)
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    for (std::size_t k = i < known.size() ? known[i].types.size() : 0; k < objects[i].types.size(); ++k)
       text += "\n    " + objects[i].name + " - " + domain.types[objects[i].types[k]].name;
   return text;
 }
@@ -63,16 +47,12 @@ std::string effect_text(const Printer& action_printer, const Effect& effect, boo
 }
 
 std::string duration_text(const Printer& printer, const std::vector<DurationConstraint>& duration) {
-  std::string text;
-  for (const DurationConstraint& constraint : duration) {
-    const char* verb = constraint.comparison == Comparison::kLessEqual      ? "<="
-                       : constraint.comparison == Comparison::kGreaterEqual ? ">="
-                                                                            : "=";
-    std::string one = std::string("(") + verb + " ?duration " + printer.expression(constraint.bound) + ")";
-    if (constraint.at_end) one = "(at end " + one + ")";
-    text += (text.empty() ? "" : " ") + one;
-  }
-  return duration.size() == 1 ? text : "(and " + text + ")";
+  const auto one = [&](const DurationConstraint& constraint) {
+    const std::string text = "(" + text_of(kComparisonWords, constraint.comparison) + " ?duration " +
+                             printer.expression(constraint.bound) + ")";
+    return constraint.at_end ? "(at end " + text + ")" : text;
+  };
+  return duration.size() == 1 ? one(duration[0]) : list_text("and", duration, one);
 }
 
 std::string action_text(const Domain& domain, const Action& action) {
@@ -86,40 +66,29 @@ std::string action_text(const Domain& domain, const Action& action) {
   } else {
     text += "    :precondition " + printer.condition(action.condition.start) + "\n";
   }
-  text += "    :effect (and";
-  for (const Effect& effect : action.effects) text += "\n      " + effect_text(printer, effect, action.durative);
-  return text + "))\n";
+  const auto effect = [&](const Effect& each) { return effect_text(printer, each, action.durative); };
+  return text + "    :effect " + list_text("and", action.effects, effect, "\n      ") + ")\n";
 }
 
 }  // namespace
 
 std::string to_pddl(const Domain& domain) {
   const Printer printer(domain, domain.constants);
+  const auto name = [](const std::string& requirement) { return requirement; };
+  const auto type = [&](const Type& each) { return each.name + " - " + types_text(domain, each.parents); };
+  const auto predicate = [&](const Predicate& each) { return signature(printer, each.name, each.parameters); };
+  const auto function = [&](const Function& each) {
+    return signature(printer, each.name, each.parameters) + " - number";
+  };
   std::string text = "(define (domain " + domain.name + ")\n";
-  if (!domain.requirements.empty()) {
-    text += "  (:requirements";
-    for (const std::string& requirement : domain.requirements) text += " " + requirement;
-    text += ")\n";
-  }
-  if (domain.types.size() > 1) {
-    text += "  (:types";
-    for (std::size_t i = 1; i < domain.types.size(); ++i) {
-      const Type& type = domain.types[i];
-      text += "\n    " + type.name + " - " + type_text(domain, type.parents);
-    }
-    text += ")\n";
-  }
-  if (!domain.constants.empty()) text += "  (:constants" + objects_text(domain, domain.constants, 0) + ")\n";
-  text += "  (:predicates";
-  for (const Predicate& predicate : domain.predicates)
-    text += "\n    " + signature(printer, predicate.name, predicate.parameters);
-  text += ")\n";
-  if (!domain.functions.empty()) {
-    text += "  (:functions";
-    for (const Function& function : domain.functions)
-      text += "\n    " + signature(printer, function.name, function.parameters) + " - number";
-    text += ")\n";
-  }
+  const auto add = [&](const char* head, const auto& items, auto text_of, const char* before = "\n    ") {
+    if (!items.empty()) text += "  " + list_text(head, items, text_of, before) + "\n";
+  };
+  add(":requirements", domain.requirements, name, " ");
+  add(":types", std::span(domain.types).subspan(1), type);
+  if (!domain.constants.empty()) text += "  (:constants" + objects_text(domain, domain.constants, {}) + ")\n";
+  text += "  " + list_text(":predicates", domain.predicates, predicate, "\n    ") + "\n";
+  add(":functions", domain.functions, function);
   for (const Derivation& rule : domain.derivations) {
     Printer names = printer;
     names.name_variables(rule.parameters);
@@ -133,15 +102,18 @@ std::string to_pddl(const Domain& domain) {
 std::string to_pddl(const Domain& domain, const Problem& problem) {
   const Printer printer(domain, problem.objects);
   std::string text = "(define (problem " + problem.name + ")\n  (:domain " + domain.name + ")\n  (:objects" +
-                     more_types_text(domain, problem.objects) +
-                     objects_text(domain, problem.objects, domain.constants.size()) + ")\n  (:init";
-  for (const Fact& fact : problem.init) text += "\n    " + printer.fact(fact.predicate, fact.objects);
+                     objects_text(domain, problem.objects, domain.constants) + ")\n  (:init";
+  const auto fact_text = [&](const Fact& fact) {
+    return ground_text(domain.predicates[fact.predicate].name, fact.objects, problem.objects);
+  };
+  for (const Fact& fact : problem.init) text += "\n    " + fact_text(fact);
   const auto value_text = [&](const Assignment& value) {
-    return "(= " + printer.function(value.function, value.objects) + " " + number_text(value.value) + ")";
+    return "(= " + ground_text(domain.functions[value.function].name, value.objects, problem.objects) + " " +
+           number_text(value.value) + ")";
   };
   for (const Assignment& value : problem.values) text += "\n    " + value_text(value);
   for (const TimedFact& later : problem.timed_facts) {
-    const std::string fact = printer.fact(later.fact.predicate, later.fact.objects);
+    const std::string fact = fact_text(later.fact);
     text += "\n    (at " + number_text(later.time) + " " + (later.value ? fact : "(not " + fact + ")") + ")";
   }
   for (const TimedAssignment& later : problem.timed_values)

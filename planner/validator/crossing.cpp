@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace cxlab::planner {
 namespace {
@@ -26,7 +27,7 @@ Polynomial product(const Polynomial& a, const Polynomial& b) {
   return result;
 }
 
-Ratio difference(const Ratio& a, const Ratio& b, double sign) {
+Ratio sum(const Ratio& a, const Ratio& b, double sign) {
   return {sum(product(a.above, b.below), product(b.above, a.below), sign), product(a.below, b.below)};
 }
 
@@ -43,11 +44,11 @@ class Sampler {
 
   void visit(const Condition& condition, Frame& frame) {
     if (condition.kind == Condition::Kind::kCompare) {
-      Ratio left, right;
-      if (!ratio(condition.sides[0], frame, left) || !ratio(condition.sides[1], frame, right)) return;
-      const Ratio gap = difference(left, right, -1);
+      const auto left = ratio(condition.sides[0], frame), right = ratio(condition.sides[1], frame);
+      if (!left || !right) return;
+      const Ratio gap = sum(*left, *right, -1);
       for (const Polynomial* part : {&gap.above, &gap.below})
-        for (const double root : roots(*part, length_)) crossings_.push_back(root);
+        std::ranges::copy(roots(*part, length_), std::back_inserter(crossings_));
       return;
     }
     for (const Condition& operand : condition.operands)
@@ -58,12 +59,11 @@ class Sampler {
   }
 
   std::vector<double> points() {
-    std::sort(crossings_.begin(), crossings_.end());
+    std::ranges::sort(crossings_);
     std::vector<double> points;
     double before = 0;
     for (const double crossing : crossings_) {
-      points.push_back((before + crossing) / 2);
-      points.push_back(crossing);
+      points.insert(points.end(), {(before + crossing) / 2, crossing});
       before = crossing;
     }
     points.push_back((before + length_) / 2);
@@ -71,38 +71,31 @@ class Sampler {
   }
 
  private:
-  /// False if a value is undefined.
-  bool ratio(const Expression& expression, const Frame& frame, Ratio& out) const {
+  /// None if a value is undefined.
+  std::optional<Ratio> ratio(const Expression& expression, const Frame& frame) const {
     using Kind = Expression::Kind;
-    switch (expression.kind) {
-      case Kind::kConstant: out.above = {expression.value}; return true;
-      case Kind::kDuration:
-      case Kind::kTotalTime: out.above = {duration_}; return true;
-      case Kind::kFunction: {
-        const Objects objects(expression.terms, frame);
-        const auto value = state_.value(expression.function, objects);
-        const double rate = state_.rate(expression.function, objects);
-        if (!value) return false;
-        out.above = {*value};
-        if (rate != 0) out.above.push_back(rate);
-        return true;
-      }
-      default: break;
+    if (expression.kind == Kind::kConstant) return Ratio{{expression.value}};
+    if (expression.kind == Kind::kDuration || expression.kind == Kind::kTotalTime) return Ratio{{duration_}};
+    if (expression.kind == Kind::kFunction) {
+      const Objects objects(expression.terms, frame);
+      const auto value = state_.value(expression.function, objects);
+      const double rate = state_.rate(expression.function, objects);
+      if (!value) return std::nullopt;
+      return rate == 0 ? Ratio{{*value}} : Ratio{{*value, rate}};
     }
-    if (!ratio(expression.operands[0], frame, out)) return false;
-    if (expression.kind == Kind::kNegate) {
-      for (double& coefficient : out.above) coefficient = -coefficient;
-      return true;
+    std::optional<Ratio> out = ratio(expression.operands[0], frame);
+    if (out && expression.kind == Kind::kNegate)
+      for (double& coefficient : out->above) coefficient = -coefficient;
+    for (std::size_t i = 1; out && i < expression.operands.size(); ++i) {
+      const auto next = ratio(expression.operands[i], frame);
+      if (!next) return std::nullopt;
+      const auto& [above, below] = *next;
+      if (expression.kind == Kind::kAdd) out = sum(*out, *next, 1);
+      if (expression.kind == Kind::kSubtract) out = sum(*out, *next, -1);
+      if (expression.kind == Kind::kMultiply) out = Ratio{product(out->above, above), product(out->below, below)};
+      if (expression.kind == Kind::kDivide) out = Ratio{product(out->above, below), product(out->below, above)};
     }
-    for (std::size_t i = 1; i < expression.operands.size(); ++i) {
-      Ratio next;
-      if (!ratio(expression.operands[i], frame, next)) return false;
-      if (expression.kind == Kind::kAdd) out = difference(out, next, 1);
-      if (expression.kind == Kind::kSubtract) out = difference(out, next, -1);
-      if (expression.kind == Kind::kMultiply) out = {product(out.above, next.above), product(out.below, next.below)};
-      if (expression.kind == Kind::kDivide) out = {product(out.above, next.below), product(out.below, next.above)};
-    }
-    return true;
+    return out;
   }
 
   const Evaluator& evaluator_;
@@ -150,7 +143,7 @@ std::vector<double> roots(Polynomial polynomial, double length) {
       keep(low);
     }
   }
-  std::sort(found.begin(), found.end());
+  std::ranges::sort(found);
   return found;
 }
 

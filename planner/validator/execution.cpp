@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "planner/pddl/parser.h"
 #include "planner/pddl/text.h"
@@ -52,9 +53,8 @@ Expected<Verdict> Execution::run() {
   right = right && check_goal();
   if (unsupported_) return *unsupported_;
   verdict_.valid = right;
-  if (right && problem_.metric) {
+  if (right && problem_.metric)
     verdict_.metric = evaluator_.number(problem_.metric->value, Frame{}, state_, verdict_.makespan);
-  }
   return std::move(verdict_);
 }
 
@@ -65,26 +65,18 @@ bool Execution::lay_out() {
     const PlanStep& planned = plan_[step];
     const Action& action = action_of(step);
     const double end = planned.start + planned.duration;
-    Violation violation;
-    violation.kind = Violation::Kind::kTime;
-    violation.time = planned.start;
-    violation.step = step;
-    if (!(std::abs(planned.start) < kLatest) || !(std::abs(end) < kLatest)) {
-      violation.message = describe_step(step) + ": found a time that is not below " + number_text(kLatest) + " s";
-      return fail(violation);
-    }
+    const auto fail_at_start = [&](Violation::Kind kind, const std::string& what, std::string advice) {
+      return fail({kind, planned.start, step, -1, {}, {}, describe_step(step) + what, std::move(advice)});
+    };
+    if (!(std::abs(planned.start) < kLatest) || !(std::abs(end) < kLatest))
+      return fail_at_start(Violation::Kind::kTime, ": found a time that is not below " + number_text(kLatest) + " s",
+                           {});
     starts_.push_back(to_nanos(planned.start));
     ends_.push_back(action.durative ? to_nanos(end) : starts_.back());
-    if (starts_.back() < 0) {
-      violation.message = describe_step(step) + " begins before 0";
-      violation.advice = "let all steps begin " + time_text(-planned.start) + " s later";
-      return fail(violation);
-    }
-    if (ends_.back() < starts_.back()) {
-      violation.kind = Violation::Kind::kDuration;
-      violation.message = describe_step(step) + " has a negative duration";
-      return fail(violation);
-    }
+    if (starts_.back() < 0)
+      return fail_at_start(Violation::Kind::kTime, " begins before 0",
+                           "let all steps begin " + time_text(-planned.start) + " s later");
+    if (ends_.back() < starts_.back()) return fail_at_start(Violation::Kind::kDuration, " has a negative duration", {});
     end_ = std::max(end_, ends_.back());
     running_[step].frame.assign(planned.arguments.begin(), planned.arguments.end());
     running_[step].frame.resize(static_cast<std::size_t>(action.slots));
@@ -95,15 +87,11 @@ bool Execution::lay_out() {
       happenings_.push_back({starts_.back(), Happening::Kind::kInstant, step});
     }
   }
-  std::vector<Nanos> outside;
-  for (const TimedFact& later : problem_.timed_facts) outside.push_back(to_nanos(later.time));
-  for (const TimedAssignment& later : problem_.timed_values) outside.push_back(to_nanos(later.time));
-  std::sort(outside.begin(), outside.end());
-  outside.erase(std::unique(outside.begin(), outside.end()), outside.end());
+  std::set<Nanos> outside;
+  for (const TimedFact& later : problem_.timed_facts) outside.insert(to_nanos(later.time));
+  for (const TimedAssignment& later : problem_.timed_values) outside.insert(to_nanos(later.time));
   for (const Nanos time : outside) happenings_.push_back({time, Happening::Kind::kOutside, -1});
-  std::stable_sort(happenings_.begin(), happenings_.end(), [](const Happening& a, const Happening& b) {
-    return a.time != b.time ? a.time < b.time : a.kind < b.kind;
-  });
+  std::ranges::stable_sort(happenings_, {}, [](const Happening& each) { return std::pair(each.time, each.kind); });
   return true;
 }
 
@@ -111,9 +99,7 @@ bool Execution::lay_out() {
 bool Execution::pass(Nanos from, Nanos to) {
   if (from == to) return true;
   const double length = to_seconds(to - from);
-  std::vector<int> by_number = active_;
-  std::sort(by_number.begin(), by_number.end());
-  for (const int step : by_number) {
+  for (const int step : std::set(active_.begin(), active_.end())) {
     if (!hold_over_all(step, length)) return false;
     drop_pending(step, length);
   }
@@ -121,18 +107,22 @@ bool Execution::pass(Nanos from, Nanos to) {
   return true;
 }
 
+/// Looks ahead to where a condition over all is first broken; none if it holds until then.
+std::optional<double> Execution::look_to_break(const Condition& condition, Frame& frame, int step, double length) {
+  for (const double ahead : sample_points(evaluator_, condition, frame, state_, duration_of_step(step), length)) {
+    state_.look_ahead(ahead);
+    if (!evaluator_.holds(condition, frame, state_, duration_of_step(step))) return ahead;
+  }
+  state_.look_ahead(0);
+  return std::nullopt;
+}
+
 bool Execution::hold_over_all(int step, double length) {
   const Condition& condition = action_of(step).condition.over_all;
   if (condition.is_true()) return true;
   const double began = to_seconds(happenings_[current_].time) - length;
-  for (const double ahead :
-       sample_points(evaluator_, condition, running_[step].frame, state_, duration_of_step(step), length)) {
-    state_.look_ahead(ahead);
-    if (!holds(condition, step))
-      return fail_condition(step, condition, "over all", state_.has_rates() ? began + ahead : began);
-  }
-  state_.look_ahead(0);
-  return true;
+  const auto broken = look_to_break(condition, running_[step].frame, step, length);
+  return !broken || fail_condition(step, condition, "over all", state_.has_rates() ? began + *broken : began);
 }
 
 /// Forgets conditional effects whose condition over all was broken.
@@ -141,13 +131,9 @@ void Execution::drop_pending(int step, double length) {
     const Condition& condition = pending.effect->condition.over_all;
     if (condition.is_true()) continue;
     std::erase_if(pending.frames, [&](Frame& frame) {
-      const auto points = sample_points(evaluator_, condition, frame, state_, duration_of_step(step), length);
-      const bool held = std::all_of(points.begin(), points.end(), [&](double ahead) {
-        state_.look_ahead(ahead);
-        return evaluator_.holds(condition, frame, state_, duration_of_step(step));
-      });
+      const bool broken = look_to_break(condition, frame, step, length).has_value();
       state_.look_ahead(0);
-      return !held;
+      return broken;
     });
   }
 }
@@ -172,11 +158,11 @@ bool Execution::happen(std::size_t first, std::size_t last) {
         if (change.effect != nullptr && change.effect->is_numeric())
           return fail_effect(happening.step, *change.effect, to_seconds(happening.time));
     }
-    if (happening.kind == Happening::Kind::kStart) active_.push_back(happening.step);
     if (happening.kind == Happening::Kind::kEnd) std::erase(active_, happening.step);
-    if (happening.kind == Happening::Kind::kStart)
-      for (const Effect& effect : action_of(happening.step).effects)
-        rates_change = rates_change || effect.time == Effect::Time::kContinuous;
+    if (happening.kind != Happening::Kind::kStart) continue;
+    active_.push_back(happening.step);
+    for (const Effect& effect : action_of(happening.step).effects)
+      rates_change = rates_change || effect.time == Effect::Time::kContinuous;
   }
   evaluator_.derive(state_);
   return !rates_change || set_rates();
@@ -194,10 +180,7 @@ bool Execution::duration_of(const Happening& happening) {
     const bool high =
         bound && constraint.comparison != Comparison::kGreaterEqual && gap > options_.duration_tolerance + 1e-9;
     if (bound && !low && !high) continue;
-    Violation violation;
-    violation.kind = Violation::Kind::kDuration;
-    violation.time = to_seconds(happening.time);
-    violation.step = happening.step;
+    Violation violation{Violation::Kind::kDuration, to_seconds(happening.time), happening.step};
     violation.when = constraint.at_end ? "at end" : "at start";
     Printer printer(domain_, problem_.objects);
     printer.name_objects(plan_[happening.step].arguments);
@@ -217,9 +200,9 @@ bool Execution::duration_of(const Happening& happening) {
 
 bool Execution::conditions_of(const Happening& happening) {
   if (happening.kind == Happening::Kind::kOutside) return true;
+  if (!duration_of(happening)) return false;
   const TimedCondition& condition = action_of(happening.step).condition;
   const bool at_end = happening.kind == Happening::Kind::kEnd;
-  if (!duration_of(happening)) return false;
   const Condition& now = at_end ? condition.end : condition.start;
   if (!holds(now, happening.step)) {
     const char* when = happening.kind == Happening::Kind::kInstant ? "" : at_end ? "at end" : "at start";
@@ -232,55 +215,41 @@ bool Execution::conditions_of(const Happening& happening) {
 void Execution::enable_pending(int step) {
   Running& running = running_[step];
   for (const Effect& effect : action_of(step).effects) {
-    if (effect.time != Effect::Time::kEnd || (effect.condition.start.is_true() && effect.condition.over_all.is_true()))
-      continue;
-    Pending pending{&effect, {}};
+    if (effect.time != Effect::Time::kEnd) continue;
+    Pending& pending = running.pending.emplace_back(Pending{&effect, {}});
     evaluator_.each_binding(effect.variables, running.frame, [&] {
       if (holds(effect.condition.start, step)) pending.frames.push_back(running.frame);
       return true;
     });
-    running.pending.push_back(std::move(pending));
   }
 }
 
 bool Execution::collect(const Happening& happening, std::vector<Change>& changes) {
-  if (happening.kind != Happening::Kind::kOutside) return collect_step(happening, changes);
-  for (const TimedFact& later : problem_.timed_facts)
-    if (to_nanos(later.time) == happening.time)
-      changes.push_back({later.value ? Effect::Kind::kAdd : Effect::Kind::kDelete, later.fact.predicate,
-                         later.fact.objects, 0, nullptr});
-  for (const TimedAssignment& later : problem_.timed_values)
-    if (to_nanos(later.time) == happening.time)
-      changes.push_back({Effect::Kind::kAssign, later.assignment.function, later.assignment.objects,
-                         later.assignment.value, nullptr});
-  return true;
-}
-
-bool Execution::collect_step(const Happening& happening, std::vector<Change>& changes) {
-  const int step = happening.step;
-  const bool at_end = happening.kind == Happening::Kind::kEnd;
-  for (const Effect& effect : action_of(step).effects) {
-    if (effect.time != (at_end ? Effect::Time::kEnd : Effect::Time::kStart)) continue;
-    const bool right = at_end ? collect_end(step, effect, changes)
-                              : evaluator_.collect(
-                                    effect, running_[step].frame, state_, duration_of_step(step),
-                                    [&](Frame&) { return holds(effect.condition.start, step); }, changes);
-    if (!right) return fail_effect(step, effect, to_seconds(happening.time));
+  if (happening.kind == Happening::Kind::kOutside) {
+    for (const auto& [time, fact, value, _] : problem_.timed_facts)
+      if (to_nanos(time) == happening.time)
+        changes.push_back(
+            {value ? Effect::Kind::kAdd : Effect::Kind::kDelete, fact.predicate, fact.objects, 0, nullptr});
+    for (const auto& [time, set, _] : problem_.timed_values)
+      if (to_nanos(time) == happening.time)
+        changes.push_back({Effect::Kind::kAssign, set.function, set.objects, set.value, nullptr});
+    return true;
   }
-  return true;
-}
-
-bool Execution::collect_end(int step, const Effect& effect, std::vector<Change>& changes) {
-  Running& running = running_[step];
-  const double duration = duration_of_step(step);
-  const auto pending = std::find_if(running.pending.begin(), running.pending.end(),
-                                    [&](const Pending& each) { return each.effect == &effect; });
-  if (pending == running.pending.end())
-    return evaluator_.collect(
-        effect, running.frame, state_, duration, [&](Frame&) { return holds(effect.condition.end, step); }, changes);
-  for (Frame& frame : pending->frames) {
-    if (!evaluator_.holds(effect.condition.end, frame, state_, duration)) continue;
-    if (!evaluator_.ground(effect, frame, state_, duration, changes)) return false;
+  const int step = happening.step;
+  const double duration = duration_of_step(step), now = to_seconds(happening.time);
+  if (happening.kind == Happening::Kind::kEnd) {
+    for (auto& [effect, frames] : running_[step].pending)
+      for (Frame& frame : frames)
+        if (evaluator_.holds(effect->condition.end, frame, state_, duration) &&
+            !evaluator_.ground(*effect, frame, state_, duration, changes))
+          return fail_effect(step, *effect, now);
+    return true;
+  }
+  for (const Effect& effect : action_of(step).effects) {
+    const auto enabled = [&](Frame&) { return holds(effect.condition.start, step); };
+    if (effect.time == Effect::Time::kStart &&
+        !evaluator_.collect(effect, running_[step].frame, state_, duration, enabled, changes))
+      return fail_effect(step, effect, now);
   }
   return true;
 }
@@ -330,8 +299,8 @@ Footprint Execution::footprint_of(const Happening& happening, const std::vector<
     if (effect.time == Effect::Time::kContinuous) continue;
     const bool now = (effect.time == Effect::Time::kEnd) == at_end;
     evaluator_.each_binding(effect.variables, frame, [&] {
-      if (!at_end) footprint.read_guard(effect.condition.start, frame);  // also decides about effects at the end
-      if (at_end) footprint.read_guard(effect.condition.end, frame);
+      // The condition at the start also decides about effects at the end.
+      footprint.read_guard(at_end ? effect.condition.end : effect.condition.start, frame);
       if (now) footprint.read(effect.value, frame);
       return true;
     });
@@ -358,10 +327,8 @@ bool Execution::check_interference(std::size_t first, std::size_t last) {
 bool Execution::check_goal() {
   Frame frame(static_cast<std::size_t>(problem_.goal_slots), 0);
   if (evaluator_.holds(problem_.goal, frame, state_)) return true;
-  Violation violation;
-  violation.kind = Violation::Kind::kGoal;
   const Nanos last = happenings_.empty() ? 0 : happenings_.back().time;
-  violation.time = to_seconds(last);
+  Violation violation{Violation::Kind::kGoal, to_seconds(last)};
   violation.when = "at end";
   const Condition& part = failing_part(problem_.goal, frame, 0);
   violation.message = std::string("the goal does not hold ") +

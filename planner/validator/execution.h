@@ -31,7 +31,7 @@ class Execution {
   Expected<Verdict> run();
 
  private:
-  /// A conditional effect at the end of a running step that was enabled at its start: the objects of its variables.
+  /// An effect at the end of a running step: the frames for which it was enabled at the start.
   struct Pending {
     const Effect* effect;
     std::vector<Frame> frames;
@@ -52,14 +52,13 @@ class Execution {
 
   bool lay_out();
   bool pass(Nanos from, Nanos to);
+  std::optional<double> look_to_break(const Condition& condition, Frame& frame, int step, double length);
   bool hold_over_all(int step, double length);
   void drop_pending(int step, double length);
   bool happen(std::size_t first, std::size_t last);
   bool conditions_of(const Happening& happening);
   bool duration_of(const Happening& happening);
   bool collect(const Happening& happening, std::vector<Change>& changes);
-  bool collect_step(const Happening& happening, std::vector<Change>& changes);
-  bool collect_end(int step, const Effect& effect, std::vector<Change>& changes);
   void enable_pending(int step);
   bool set_rates();
   bool check_interference(std::size_t first, std::size_t last);
@@ -73,7 +72,6 @@ class Execution {
   }
 
   // Explanations (explanation.cpp).
-
   bool fail(Violation violation);
   bool fail_condition(int step, const Condition& condition, const char* when, double time);
   bool fail_effect(int step, const Effect& effect, double time);
@@ -82,12 +80,9 @@ class Execution {
   void explain(const Condition& part, const Frame& frame, Violation& violation, double duration) const;
   void explain_fact(const Condition& atom, const Frame& frame, bool wanted, Violation& violation) const;
   void explain_numbers(const Condition& part, const Frame& frame, Violation& violation, double duration) const;
-  std::optional<Happening> next_change(PredicateId predicate, std::span<const ObjectId> objects, bool value) const;
-  bool step_changes(int step, PredicateId predicate, std::span<const ObjectId> objects, bool value,
-                    Effect::Time time) const;
-  std::string advice_for_fact(const std::string& fact, bool wanted, const Happening* spoiler,
-                              const std::optional<Happening>& later, const Violation& violation) const;
-  std::string actions_that(PredicateId predicate, bool value) const;
+  std::optional<Happening> next_change(const Fact& fact, Effect::Kind makes) const;
+  std::string advice_for_fact(const Fact& fact, const std::string& text, bool wanted, const Happening* spoiler,
+                              const Violation& violation) const;
   std::string describe(const Happening& happening) const;
   std::string describe_step(int step) const;
 

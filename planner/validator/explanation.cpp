@@ -1,6 +1,7 @@
 // Why a plan is wrong, and what would mend it.
 
 #include <algorithm>
+#include <ranges>
 
 #include "planner/pddl/text.h"
 #include "planner/validator/execution.h"
@@ -15,6 +16,15 @@ const Condition* literal_atom(const Condition& condition, bool& wanted) {
   wanted = condition.kind != Condition::Kind::kNot;
   const Condition& inner = wanted ? condition : condition.operands[0];
   return inner.kind == Condition::Kind::kAtom ? &inner : nullptr;
+}
+
+/// The names of the actions with such an effect.
+template <class Wanted>
+std::string actions_with(const Domain& domain, Wanted wanted) {
+  std::string names;
+  for (const Action& action : domain.actions)
+    if (std::ranges::any_of(action.effects, wanted)) names += (names.empty() ? "" : ", ") + action.name;
+  return names;
 }
 
 }  // namespace
@@ -44,30 +54,22 @@ std::string Execution::describe(const Happening& happening) const {
 /// The smallest part of a condition that does not hold and explains why; `frame` is then bound to its objects.
 const Condition& Execution::failing_part(const Condition& condition, Frame& frame, double duration) const {
   using Kind = Condition::Kind;
-  switch (condition.kind) {
-    case Kind::kAnd:
-      for (const Condition& operand : condition.operands)
-        if (!evaluator_.holds(operand, frame, state_, duration)) return failing_part(operand, frame, duration);
-      return condition;
-    case Kind::kImply: return failing_part(condition.operands[1], frame, duration);
-    case Kind::kForall: {
-      Frame broken;
-      evaluator_.each_binding(condition.variables, frame, [&] {
-        broken = frame;
-        return evaluator_.holds(condition.operands[0], frame, state_, duration);
-      });
-      frame = broken;
-      return failing_part(condition.operands[0], frame, duration);
-    }
-    default: return condition;
-  }
+  if (condition.kind == Kind::kAnd)
+    for (const Condition& operand : condition.operands)
+      if (!evaluator_.holds(operand, frame, state_, duration)) return failing_part(operand, frame, duration);
+  if (condition.kind == Kind::kImply) return failing_part(condition.operands[1], frame, duration);
+  if (condition.kind != Kind::kForall) return condition;
+  Frame broken;
+  evaluator_.each_binding(condition.variables, frame, [&] {
+    broken = frame;
+    return evaluator_.holds(condition.operands[0], frame, state_, duration);
+  });
+  frame = broken;
+  return failing_part(condition.operands[0], frame, duration);
 }
 
 bool Execution::fail_condition(int step, const Condition& condition, const char* when, double time) {
-  Violation violation;
-  violation.kind = Violation::Kind::kCondition;
-  violation.time = time;
-  violation.step = step;
+  Violation violation{Violation::Kind::kCondition, time, step};
   violation.when = when;
   Frame frame = running_[step].frame;
   const double duration = duration_of_step(step);
@@ -80,10 +82,7 @@ bool Execution::fail_condition(int step, const Condition& condition, const char*
 }
 
 bool Execution::fail_effect(int step, const Effect& effect, double time) {
-  Violation violation;
-  violation.kind = Violation::Kind::kEffect;
-  violation.time = time;
-  violation.step = step;
+  Violation violation{Violation::Kind::kEffect, time, step};
   Printer printer(domain_, problem_.objects);
   printer.name_objects(plan_[step].arguments);
   printer.name_variables(effect.variables);
@@ -95,9 +94,7 @@ bool Execution::fail_effect(int step, const Effect& effect, double time) {
 }
 
 bool Execution::fail_interference(const Happening& earlier, const Happening& later, const std::string& what) {
-  Violation violation;
-  violation.kind = Violation::Kind::kInterference;
-  violation.time = to_seconds(later.time);
+  Violation violation{Violation::Kind::kInterference, to_seconds(later.time)};
   violation.step = later.step >= 0 ? later.step : earlier.step;
   violation.other_step = later.step >= 0 ? earlier.step : -1;
   violation.condition = what;
@@ -139,102 +136,63 @@ void Execution::explain_numbers(const Condition& part, const Frame& frame, Viola
     const Expression& next = *open.back();
     open.pop_back();
     for (const Expression& operand : next.operands) open.push_back(&operand);
-    if (next.kind != Expression::Kind::kFunction || std::find(seen.begin(), seen.end(), next.function) != seen.end())
-      continue;
+    if (next.kind != Expression::Kind::kFunction || std::ranges::find(seen, next.function) != seen.end()) continue;
     seen.push_back(next.function);
-    for (const Action& action : domain_.actions)
-      for (const Effect& effect : action.effects)
-        if (effect.is_numeric() && effect.function == next.function) {
-          changers += (changers.empty() ? "" : ", ") + action.name;
-          break;
-        }
+    const std::string names = actions_with(
+        domain_, [&](const Effect& effect) { return effect.is_numeric() && effect.function == next.function; });
+    changers += (changers.empty() || names.empty() ? "" : ", ") + names;
   }
   violation.advice = changers.empty() ? "no action changes these numbers: see :init of " + problem_.file
                                       : "the numbers are changed by " + changers + ": move or add such a step";
 }
 
-bool Execution::step_changes(int step, PredicateId predicate, std::span<const ObjectId> objects, bool value,
-                             Effect::Time time) const {
-  Frame frame = running_[step].frame;
-  for (const Effect& effect : action_of(step).effects) {
-    if (effect.time != time || effect.predicate != predicate ||
-        effect.kind != (value ? Effect::Kind::kAdd : Effect::Kind::kDelete))
-      continue;
-    const bool none = evaluator_.each_binding(effect.variables, frame, [&] {
-      const Objects changed(effect.terms, frame);
-      return !std::equal(changed.begin(), changed.end(), objects.begin(), objects.end());
-    });
-    if (!none) return true;
-  }
-  return false;
-}
-
 /// The next happening that gives a fact this value.
-std::optional<Happening> Execution::next_change(PredicateId predicate, std::span<const ObjectId> objects,
-                                                bool value) const {
-  for (std::size_t i = current_; i < happenings_.size(); ++i) {
-    const Happening& happening = happenings_[i];
+std::optional<Happening> Execution::next_change(const Fact& fact, Effect::Kind makes) const {
+  for (const Happening& happening : happenings_ | std::views::drop(current_)) {
     if (happening.kind == Happening::Kind::kOutside) continue;
     const auto time = happening.kind == Happening::Kind::kEnd ? Effect::Time::kEnd : Effect::Time::kStart;
-    if (step_changes(happening.step, predicate, objects, value, time)) return happening;
+    Frame frame = running_[happening.step].frame;
+    for (const Effect& effect : action_of(happening.step).effects) {
+      if (effect.time != time || effect.predicate != fact.predicate || effect.kind != makes) continue;
+      const bool none = evaluator_.each_binding(
+          effect.variables, frame, [&] { return !std::ranges::equal(Objects(effect.terms, frame), fact.objects); });
+      if (!none) return happening;
+    }
   }
   for (const TimedFact& later : problem_.timed_facts)
-    if (later.value == value && later.fact.predicate == predicate &&
-        std::equal(objects.begin(), objects.end(), later.fact.objects.begin(), later.fact.objects.end()) &&
+    if (later.value == (makes == Effect::Kind::kAdd) && later.fact == fact &&
         (current_ >= happenings_.size() || later.time >= to_seconds(happenings_[current_].time)))
       return Happening{static_cast<Nanos>(later.time * 1e9), Happening::Kind::kOutside, -1};
   return std::nullopt;
 }
 
-std::string Execution::actions_that(PredicateId predicate, bool value) const {
-  std::string names;
-  for (const Action& action : domain_.actions)
-    for (const Effect& effect : action.effects)
-      if (effect.predicate == predicate && effect.kind == (value ? Effect::Kind::kAdd : Effect::Kind::kDelete)) {
-        names += (names.empty() ? "" : ", ") + action.name;
-        break;
-      }
-  return names;
-}
-
 void Execution::explain_fact(const Condition& atom, const Frame& frame, bool wanted, Violation& violation) const {
   const Objects objects(atom.terms, frame);
-  const std::string fact = Printer(domain_, problem_.objects).fact(atom.predicate, objects);
-  if (domain_.predicates[atom.predicate].derived) {
-    violation.message += "; " + domain_.predicates[atom.predicate].name + " is derived by a rule";
+  const Fact fact{atom.predicate, {objects.begin(), objects.end()}};
+  const Predicate& predicate = domain_.predicates[fact.predicate];
+  if (predicate.derived) {
+    violation.message += "; " + predicate.name + " is derived by a rule";
     return;
   }
   const Happening* spoiler = nullptr;
   for (const Record& record : records_)
     for (const Change& change : record.changes)
-      if (change.kind == (wanted ? Effect::Kind::kDelete : Effect::Kind::kAdd) && change.id == atom.predicate &&
-          std::equal(objects.begin(), objects.end(), change.objects.begin(), change.objects.end()))
+      if (change.kind == (wanted ? Effect::Kind::kDelete : Effect::Kind::kAdd) && change.id == fact.predicate &&
+          change.objects == fact.objects)
         spoiler = &record.happening;
-  const char* value = wanted ? "false" : "true";
-  violation.message += spoiler == nullptr ? std::string("; ") + fact + " has been " + value + " from the beginning"
-                                          : "; " + fact + " was made " + value + " by " + describe(*spoiler);
-  if (!validator_.is_fluent_predicate(atom.predicate)) {
-    violation.advice = "no action changes " + domain_.predicates[atom.predicate].name +
-                       ": choose other arguments, or mend :init of " + problem_.file;
-    return;
-  }
-  violation.advice = advice_for_fact(fact, wanted, spoiler, next_change(atom.predicate, objects, wanted), violation);
-  if (violation.advice.empty()) {
-    const std::string names = actions_that(atom.predicate, wanted);
-    const bool undone =
-        violation.kind == Violation::Kind::kGoal && spoiler != nullptr && spoiler->kind == Happening::Kind::kOutside;
-    violation.advice = names.empty() ? "no action makes it " + std::string(wanted ? "true" : "false")
-                                     : "add a step " +
-                                           (undone ? "after " + time_text(to_seconds(spoiler->time))
-                                                   : "before " + time_text(violation.time)) +
-                                           " that makes it " + (wanted ? "true" : "false") + ": " + names;
-  }
+  const std::string text = ground_text(predicate.name, fact.objects, problem_.objects);
+  const std::string other = wanted ? "false" : "true";
+  violation.message += spoiler == nullptr ? "; " + text + " has been " + other + " from the beginning"
+                                          : "; " + text + " was made " + other + " by " + describe(*spoiler);
+  violation.advice =
+      validator_.is_fluent_predicate(fact.predicate)
+          ? advice_for_fact(fact, text, wanted, spoiler, violation)
+          : "no action changes " + predicate.name + ": choose other arguments, or mend :init of " + problem_.file;
 }
 
-std::string Execution::advice_for_fact(const std::string& fact, bool wanted, const Happening* spoiler,
-                                       const std::optional<Happening>& later, const Violation& violation) const {
-  const std::string value = wanted ? " true" : " false";
-  const bool over_all = violation.when == "over all";
+std::string Execution::advice_for_fact(const Fact& fact, const std::string& text, bool wanted, const Happening* spoiler,
+                                       const Violation& violation) const {
+  const bool over_all = violation.when == "over all", goal = violation.kind == Violation::Kind::kGoal;
   // Broken on the way by another: that one may wait.
   const bool on_the_way = over_all && spoiler != nullptr && spoiler->step != violation.step &&
                           to_seconds(spoiler->time) > plan_[violation.step].start;
@@ -243,12 +201,22 @@ std::string Execution::advice_for_fact(const std::string& fact, bool wanted, con
   if (on_the_way)
     return "let " + describe(*spoiler) + " wait until " + time_text(to_seconds(ends_[violation.step])) + ", when " +
            describe_step(violation.step) + " has ended";
-  if (!later || later->step == violation.step) return {};
-  const double from = to_seconds(later->time) + options_.epsilon;
-  const std::string cause = describe(*later) + " makes " + fact + value;
-  if (violation.kind == Violation::Kind::kGoal) return "wait for it: " + cause;
-  const char* verb = violation.when == "at end" ? " end at " : " begin at ";
-  return "let " + describe_step(violation.step) + verb + time_text(from) + " or later: " + cause;
+  const Effect::Kind makes = wanted ? Effect::Kind::kAdd : Effect::Kind::kDelete;
+  const std::string value = wanted ? "true" : "false";
+  if (const auto later = next_change(fact, makes); later && later->step != violation.step) {
+    const std::string cause = describe(*later) + " makes " + text + " " + value;
+    if (goal) return "wait for it: " + cause;
+    const char* verb = violation.when == "at end" ? " end at " : " begin at ";
+    return "let " + describe_step(violation.step) + verb + time_text(to_seconds(later->time) + options_.epsilon) +
+           " or later: " + cause;
+  }
+  const std::string names = actions_with(
+      domain_, [&](const Effect& effect) { return effect.predicate == fact.predicate && effect.kind == makes; });
+  if (names.empty()) return "no action makes it " + value;
+  const bool undone = goal && spoiler != nullptr && spoiler->kind == Happening::Kind::kOutside;
+  return "add a step " +
+         (undone ? "after " + time_text(to_seconds(spoiler->time)) : "before " + time_text(violation.time)) +
+         " that makes it " + value + ": " + names;
 }
 
 }  // namespace cxlab::planner

@@ -9,13 +9,13 @@ namespace {
 
 const Fact* common(const std::vector<Fact>& a, const std::vector<Fact>& b) {
   for (const Fact& fact : a)
-    if (std::find(b.begin(), b.end(), fact) != b.end()) return &fact;
+    if (std::ranges::find(b, fact) != b.end()) return &fact;
   return nullptr;
 }
 
 const Fact* touched(const std::vector<int>& ids, const std::vector<Fact>& facts) {
   for (const Fact& fact : facts)
-    if (std::find(ids.begin(), ids.end(), fact.predicate) != ids.end()) return &fact;
+    if (std::ranges::find(ids, fact.predicate) != ids.end()) return &fact;
   return nullptr;
 }
 
@@ -30,8 +30,6 @@ void Footprint::read(const Condition& condition, Frame& frame) {
   });
 }
 
-void Footprint::read_guard(const Condition& condition, Frame& frame) { gather(condition, frame); }
-
 void Footprint::read(const Expression& expression, const Frame& frame) {
   if (expression.kind == Expression::Kind::kFunction && validator_->is_fluent_function(expression.function)) {
     const Objects objects(expression.terms, frame);
@@ -44,60 +42,53 @@ Footprint::Known Footprint::gather_atom(const Condition& condition, Frame& frame
   const Predicate& predicate = validator_->evaluator().domain().predicates[condition.predicate];
   const Objects objects(condition.terms, frame);
   if (predicate.derived) {
-    const auto& predicates = validator_->bases(condition.predicate);
-    const auto& functions = validator_->base_functions(condition.predicate);
+    const auto& [predicates, functions] = validator_->bases(condition.predicate);
     read_predicates_.insert(read_predicates_.end(), predicates.begin(), predicates.end());
     read_functions_.insert(read_functions_.end(), functions.begin(), functions.end());
-    return Known::kNo;
+    return {};
   }
   if (!validator_->is_fluent_predicate(condition.predicate))
-    return validator_->initial().holds(condition.predicate, objects) ? Known::kTrue : Known::kFalse;
+    return validator_->initial().holds(condition.predicate, objects);
   reads_.push_back({condition.predicate, {objects.begin(), objects.end()}});
-  return Known::kNo;
+  return {};
 }
 
 /// Conditions that one known operand decides: all of the operands, with each binding, count alike.
 Footprint::Known Footprint::gather_many(const Condition& condition, Frame& frame) {
   using Kind = Condition::Kind;
   const bool any = condition.kind == Kind::kOr || condition.kind == Kind::kExists || condition.kind == Kind::kImply;
-  const Known decides = any ? Known::kTrue : Known::kFalse;
   bool open = false;
   const bool undecided = validator_->evaluator().each_binding(condition.variables, frame, [&] {
     for (std::size_t i = 0; i < condition.operands.size(); ++i) {
       Known known = gather(condition.operands[i], frame);
-      if (condition.kind == Kind::kImply && i == 0 && known != Known::kNo)
-        known = known == Known::kTrue ? Known::kFalse : Known::kTrue;
-      if (known == decides) return false;
-      open = open || known == Known::kNo;
+      if (known && condition.kind == Kind::kImply && i == 0) known = !*known;
+      if (known == any) return false;
+      open = open || !known;
     }
     return true;
   });
-  if (!undecided) return decides;
-  if (open) return Known::kNo;
-  return any ? Known::kFalse : Known::kTrue;
+  if (!undecided) return any;
+  return open ? Known() : !any;
 }
 
 Footprint::Known Footprint::gather(const Condition& condition, Frame& frame) {
   using Kind = Condition::Kind;
-  switch (condition.kind) {
-    case Kind::kAtom: return gather_atom(condition, frame);
-    case Kind::kSame: {
-      const Objects both(condition.terms, frame);
-      return both.begin()[0] == both.begin()[1] ? Known::kTrue : Known::kFalse;
-    }
-    case Kind::kCompare:
-      read(condition.sides[0], frame);
-      read(condition.sides[1], frame);
-      return Known::kNo;
-    case Kind::kNot: {
-      const Known known = gather(condition.operands[0], frame);
-      return known == Known::kNo ? known : known == Known::kTrue ? Known::kFalse : Known::kTrue;
-    }
-    default: break;
+  if (condition.kind == Kind::kAtom) return gather_atom(condition, frame);
+  if (condition.kind == Kind::kSame) {
+    const Objects both(condition.terms, frame);
+    return both.begin()[0] == both.begin()[1];
+  }
+  if (condition.kind == Kind::kCompare) {
+    for (const Expression& side : condition.sides) read(side, frame);
+    return {};
+  }
+  if (condition.kind == Kind::kNot) {
+    const Known known = gather(condition.operands[0], frame);
+    return known ? Known(!*known) : known;
   }
   const std::size_t marks[] = {reads_.size(), number_reads_.size(), read_predicates_.size(), read_functions_.size()};
   const Known known = gather_many(condition, frame);
-  if (known != Known::kNo) {
+  if (known) {
     reads_.resize(marks[0]);
     number_reads_.resize(marks[1]);
     read_predicates_.resize(marks[2]);
@@ -119,21 +110,21 @@ void Footprint::write(const std::vector<Change>& changes) {
   }
 }
 
-std::string Footprint::name(const Fact& fact, bool number) const {
-  const Printer printer(validator_->evaluator().domain(), validator_->evaluator().problem().objects);
-  return number ? printer.function(fact.predicate, fact.objects) : printer.fact(fact.predicate, fact.objects);
-}
-
 std::string Footprint::one_way(const Footprint& reader, const Footprint& writer) {
+  const Domain& domain = reader.validator_->evaluator().domain();
+  const auto text = [&](const Fact& fact, const auto& declarations) {
+    return ground_text(declarations[fact.predicate].name, fact.objects,
+                       reader.validator_->evaluator().problem().objects);
+  };
   for (const auto* written : {&writer.adds_, &writer.deletes_}) {
-    if (const Fact* fact = common(reader.reads_, *written)) return reader.name(*fact, false);
-    if (const Fact* fact = touched(reader.read_predicates_, *written)) return reader.name(*fact, false);
+    if (const Fact* fact = common(reader.reads_, *written)) return text(*fact, domain.predicates);
+    if (const Fact* fact = touched(reader.read_predicates_, *written)) return text(*fact, domain.predicates);
   }
-  if (const Fact* fact = common(reader.adds_, writer.deletes_)) return reader.name(*fact, false);
+  if (const Fact* fact = common(reader.adds_, writer.deletes_)) return text(*fact, domain.predicates);
   for (const auto* written : {&writer.assigned_, &writer.increased_}) {
-    if (const Fact* fact = common(reader.number_reads_, *written)) return reader.name(*fact, true);
-    if (const Fact* fact = touched(reader.read_functions_, *written)) return reader.name(*fact, true);
-    if (const Fact* fact = common(reader.assigned_, *written)) return reader.name(*fact, true);
+    if (const Fact* fact = common(reader.number_reads_, *written)) return text(*fact, domain.functions);
+    if (const Fact* fact = touched(reader.read_functions_, *written)) return text(*fact, domain.functions);
+    if (const Fact* fact = common(reader.assigned_, *written)) return text(*fact, domain.functions);
   }
   return {};
 }

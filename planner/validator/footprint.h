@@ -1,6 +1,7 @@
 #pragma once
 // What a happening reads and writes, to see whether two interfere.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ class Footprint {
   void read(const Condition& condition, Frame& frame);
   /// Adds what the condition of an effect reads. What can never change is evaluated first, and parts that are then
   /// known read nothing.
-  void read_guard(const Condition& condition, Frame& frame);
+  void read_guard(const Condition& condition, Frame& frame) { gather(condition, frame); }
   void read(const Expression& expression, const Frame& frame);
   void write(const std::vector<Change>& changes);
 
@@ -24,11 +25,11 @@ class Footprint {
   static std::string interference(const Footprint& a, const Footprint& b);
 
  private:
-  enum class Known { kNo, kTrue, kFalse };
-  Known gather(const Condition& condition, Frame& frame);
+  /// What can never change is known.
+  using Known = std::optional<bool>;
   Known gather_atom(const Condition& condition, Frame& frame);
+  Known gather(const Condition& condition, Frame& frame);
   Known gather_many(const Condition& condition, Frame& frame);
-  std::string name(const Fact& fact, bool number) const;
   static std::string one_way(const Footprint& reader, const Footprint& writer);
 
   const Validator* validator_;

@@ -12,24 +12,21 @@ void functions_of(const Expression& expression, std::set<FunctionId>& out) {
   for (const Expression& operand : expression.operands) functions_of(operand, out);
 }
 
-void read_by(const Condition& condition, std::set<PredicateId>& predicates, std::set<FunctionId>& functions) {
-  if (condition.kind == Condition::Kind::kAtom) predicates.insert(condition.predicate);
+/// Adds what a condition reads, through derived predicates, too.
+void read_by(const Domain& domain, const Condition& condition, std::set<PredicateId>& predicates,
+             std::set<FunctionId>& functions) {
+  if (condition.kind == Condition::Kind::kAtom && predicates.insert(condition.predicate).second)
+    for (const Derivation& rule : domain.derivations)
+      if (rule.predicate == condition.predicate) read_by(domain, rule.condition, predicates, functions);
   for (const Expression& side : condition.sides) functions_of(side, functions);
-  for (const Condition& operand : condition.operands) read_by(operand, predicates, functions);
+  for (const Condition& operand : condition.operands) read_by(domain, operand, predicates, functions);
 }
 
 }  // namespace
 
 const char* to_word(Violation::Kind kind) {
-  switch (kind) {
-    case Violation::Kind::kTime: return "time";
-    case Violation::Kind::kDuration: return "duration";
-    case Violation::Kind::kCondition: return "condition";
-    case Violation::Kind::kEffect: return "effect";
-    case Violation::Kind::kInterference: return "interference";
-    case Violation::Kind::kGoal: return "goal";
-  }
-  return "condition";
+  constexpr const char* kWords[] = {"time", "duration", "condition", "effect", "interference", "goal"};
+  return kWords[static_cast<std::size_t>(kind)];
 }
 
 Validator::Validator(const Domain& domain, const Problem& problem)
@@ -44,11 +41,10 @@ void Validator::find_fluents() {
   fluent_functions_.resize(domain_.functions.size());
   for (const Action& action : domain_.actions)
     for (const Effect& effect : action.effects) {
-      if (effect.is_numeric()) {
+      if (effect.is_numeric())
         fluent_functions_[effect.function] = true;
-      } else {
+      else
         fluent_predicates_[effect.predicate] = true;
-      }
     }
   for (const TimedFact& later : problem_.timed_facts) fluent_predicates_[later.fact.predicate] = true;
   for (const TimedAssignment& later : problem_.timed_values) fluent_functions_[later.assignment.function] = true;
@@ -56,25 +52,15 @@ void Validator::find_fluents() {
 
 void Validator::find_bases() {
   bases_.resize(domain_.predicates.size());
-  base_functions_.resize(domain_.predicates.size());
-  for (PredicateId derived = 0; derived < static_cast<PredicateId>(domain_.predicates.size()); ++derived) {
-    if (!domain_.predicates[derived].derived) continue;
-    std::set<PredicateId> seen = {derived};
+  for (const Derivation& rule : domain_.derivations) {
+    std::set<PredicateId> predicates;
     std::set<FunctionId> functions;
-    std::vector<PredicateId> open = {derived};
-    while (!open.empty()) {
-      const PredicateId next = open.back();
-      open.pop_back();
-      std::set<PredicateId> read;
-      for (const Derivation& rule : domain_.derivations)
-        if (rule.predicate == next) read_by(rule.condition, read, functions);
-      for (const PredicateId predicate : read)
-        if (seen.insert(predicate).second) open.push_back(predicate);
-    }
-    for (const PredicateId predicate : seen)
-      if (!domain_.predicates[predicate].derived && fluent_predicates_[predicate]) bases_[derived].push_back(predicate);
+    read_by(domain_, rule.condition, predicates, functions);
+    for (const PredicateId predicate : predicates)
+      if (!domain_.predicates[predicate].derived && fluent_predicates_[predicate])
+        bases_[rule.predicate].predicates.push_back(predicate);
     for (const FunctionId function : functions)
-      if (fluent_functions_[function]) base_functions_[derived].push_back(function);
+      if (fluent_functions_[function]) bases_[rule.predicate].functions.push_back(function);
   }
 }
 

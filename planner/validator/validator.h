@@ -34,13 +34,13 @@ struct Violation {
     kGoal,          ///< the goal does not hold at the end
   };
   Kind kind = Kind::kCondition;
-  double time = 0;        ///< s
-  int step = -1;          ///< index in the plan; -1 = the goal or an event from outside
-  int other_step = -1;    ///< the one it interferes with
-  std::string when;       ///< at start, over all, at end; empty where that says nothing
-  std::string condition;  ///< the smallest part that does not hold, as PDDL
-  std::string message;    ///< what is wrong, with numbers and who made it so
-  std::string advice;     ///< what would mend it
+  double time = 0;          ///< s
+  int step = -1;            ///< index in the plan; -1 = the goal or an event from outside
+  int other_step = -1;      ///< the one it interferes with
+  std::string when{};       ///< at start, over all, at end; empty where that says nothing
+  std::string condition{};  ///< the smallest part that does not hold, as PDDL
+  std::string message{};    ///< what is wrong, with numbers and who made it so
+  std::string advice{};     ///< what would mend it
 };
 
 const char* to_word(Violation::Kind kind);
@@ -65,9 +65,12 @@ class Validator {
   /// Whether an action or event can change it.
   bool is_fluent_predicate(PredicateId id) const { return fluent_predicates_[id]; }
   bool is_fluent_function(FunctionId id) const { return fluent_functions_[id]; }
-  /// Predicates that are not derived and that this derived one depends on, directly or not, and can change.
-  const std::vector<PredicateId>& bases(PredicateId derived) const { return bases_[derived]; }
-  const std::vector<FunctionId>& base_functions(PredicateId derived) const { return base_functions_[derived]; }
+  /// What a derived predicate depends on, directly or not, and what can change.
+  struct Bases {
+    std::vector<PredicateId> predicates;  ///< that are not derived
+    std::vector<FunctionId> functions;
+  };
+  const Bases& bases(PredicateId derived) const { return bases_[derived]; }
 
  private:
   void find_fluents();
@@ -79,8 +82,7 @@ class Validator {
   State initial_;
   ById<bool> fluent_predicates_;
   ById<bool> fluent_functions_;
-  ById<std::vector<PredicateId>> bases_;
-  ById<std::vector<FunctionId>> base_functions_;
+  ById<Bases> bases_;
 };
 
 /// `error: ...` for people: one paragraph of message and advice.
