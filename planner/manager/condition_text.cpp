@@ -1,9 +1,10 @@
-#include "planner/manager/condition_text.h"
+// Conditions as agents of the PDDL manager read them.
 
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
 
+#include "planner/manager/instance.h"
 #include "planner/pddl/text.h"
 
 namespace cxlab::planner {
@@ -22,24 +23,34 @@ std::string fraction(double value) {
   return (value < 0 ? "-" : "") + std::to_string(above / common) + "/" + std::to_string(below / common);
 }
 
+template <class Items, class Text>
+std::string joined(const Items& items, const std::string& between, Text text) {
+  std::string all;
+  for (const auto& item : items) all += (&item == &items.front() ? "" : between) + text(item);
+  return all;
+}
+
 class ConditionWriter {
  public:
-  ConditionWriter(const Domain& domain, const std::vector<Object>& objects, std::span<const ObjectId> bound)
+  ConditionWriter(const Domain& domain, const ById<Object>& objects, std::span<const ObjectId> bound)
       : domain_(domain), objects_(objects) {
-    for (const ObjectId object : bound) names_.push_back(objects[static_cast<std::size_t>(object)].name);
+    for (const ObjectId object : bound) names_.push_back(objects[object].name);
   }
 
   std::string text(const Condition& c) {
     using Kind = Condition::Kind;
+    const auto operands = [&](const char* word) {
+      return "(" + joined(c.operands, word, [&](const Condition& each) { return text(each); }) + ")";
+    };
     switch (c.kind) {
-      case Kind::kAtom: return call(domain_.predicates[static_cast<std::size_t>(c.predicate)].name, c.terms);
+      case Kind::kAtom: return call(domain_.predicates[c.predicate].name, c.terms);
       case Kind::kSame: return "(" + term(c.terms[0]) + " == " + term(c.terms[1]) + ")";
       case Kind::kCompare: return comparison(c);
       case Kind::kNot:
         return c.operands[0].kind == Kind::kNot ? text(c.operands[0].operands[0]) : "(not " + text(c.operands[0]) + ")";
-      case Kind::kAnd: return joined(c, " and ", "true");
-      case Kind::kOr: return joined(c, " or ", "false");
-      case Kind::kImply: return "(" + text(c.operands[0]) + " implies " + text(c.operands[1]) + ")";
+      case Kind::kAnd: return c.operands.empty() ? "true" : operands(" and ");
+      case Kind::kOr: return c.operands.empty() ? "false" : operands(" or ");
+      case Kind::kImply: return operands(" implies ");
       case Kind::kForall:
       case Kind::kExists: {
         const std::string variables = declared(c.variables);  // before they are read
@@ -50,97 +61,65 @@ class ConditionWriter {
   }
 
  private:
-  std::string term(const Term& t) const {
-    return t.is_variable ? names_[static_cast<std::size_t>(t.index)] : objects_[static_cast<std::size_t>(t.index)].name;
-  }
+  const std::string& term(const Term& t) const { return t.is_variable ? names_[t.index] : objects_[t.index].name; }
 
   std::string call(const std::string& name, const std::vector<Term>& terms) const {
     if (terms.empty()) return name;
-    std::string text = name + "(";
-    for (std::size_t i = 0; i < terms.size(); ++i) text += (i > 0 ? ", " : "") + term(terms[i]);
-    return text + ")";
-  }
-
-  std::string joined(const Condition& c, const char* word, const char* none) {
-    if (c.operands.empty()) return none;
-    std::string text = "(";
-    for (std::size_t i = 0; i < c.operands.size(); ++i) text += (i > 0 ? word : "") + this->text(c.operands[i]);
-    return text + ")";
+    return name + "(" + joined(terms, ", ", [&](const Term& each) { return term(each); }) + ")";
   }
 
   /// Greater is written as less, sides exchanged.
   std::string comparison(const Condition& c) const {
-    const std::string left = expression(c.sides[0]), right = expression(c.sides[1]);
-    switch (c.comparison) {
-      case Comparison::kLess: return "(" + left + " < " + right + ")";
-      case Comparison::kLessEqual: return "(" + left + " <= " + right + ")";
-      case Comparison::kEqual: return "(" + left + " == " + right + ")";
-      case Comparison::kGreaterEqual: return "(" + right + " <= " + left + ")";
-      case Comparison::kGreater: return "(" + right + " < " + left + ")";
-    }
-    return {};
+    const bool exchanged = c.comparison == Comparison::kGreaterEqual || c.comparison == Comparison::kGreater;
+    const std::string left = expression(c.sides[exchanged ? 1 : 0]), right = expression(c.sides[exchanged ? 0 : 1]);
+    const bool less = c.comparison == Comparison::kLess || c.comparison == Comparison::kGreater;
+    return "(" + left + (c.comparison == Comparison::kEqual ? " == " : less ? " < " : " <= ") + right + ")";
   }
 
   std::string expression(const Expression& e) const {
     using Kind = Expression::Kind;
-    const char* sign = "";
-    switch (e.kind) {
-      case Kind::kConstant: return fraction(e.value);
-      case Kind::kFunction: return call(domain_.functions[static_cast<std::size_t>(e.function)].name, e.terms);
-      case Kind::kDuration: return "duration";
-      case Kind::kTotalTime: return "total-time";
-      case Kind::kNegate: return "(-1 * " + expression(e.operands[0]) + ")";
-      case Kind::kAdd: sign = " + "; break;
-      case Kind::kSubtract: sign = " - "; break;
-      case Kind::kMultiply: sign = " * "; break;
-      case Kind::kDivide: sign = " / "; break;
-    }
-    std::string text = "(";
-    for (std::size_t i = 0; i < e.operands.size(); ++i) text += (i > 0 ? sign : "") + expression(e.operands[i]);
-    return text + ")";
+    if (e.kind == Kind::kConstant) return fraction(e.value);
+    if (e.kind == Kind::kFunction) return call(domain_.functions[e.function].name, e.terms);
+    if (e.kind == Kind::kDuration) return "duration";
+    if (e.kind == Kind::kTotalTime) return "total-time";
+    if (e.kind == Kind::kNegate) return "(-1 * " + expression(e.operands[0]) + ")";
+    const auto operand = [&](const Expression& each) { return expression(each); };
+    return "(" + joined(e.operands, " " + text_of(kExpressionWords, e.kind) + " ", operand) + ")";
   }
 
   std::string declared(const std::vector<Variable>& variables) {
-    std::string text;
-    for (const Variable& variable : variables) {
-      const auto slot = static_cast<std::size_t>(variable.slot);
-      if (names_.size() <= slot) names_.resize(slot + 1);
-      names_[slot] = variable.name.substr(1);
-      text += (text.empty() ? "" : ", ") + type(variable.types) + ' ' + names_[slot];
-    }
-    return text;
+    return joined(variables, ", ", [&](const Variable& variable) {
+      if (static_cast<int>(names_.size()) <= variable.slot) names_.resize(static_cast<std::size_t>(variable.slot) + 1);
+      names_[variable.slot] = variable.name.substr(1);
+      return type(variable.types) + ' ' + names_[variable.slot];
+    });
   }
 
   std::string type(const std::vector<TypeId>& types) const {
-    if (types.size() == 1) {
-      const Type& type = domain_.types[static_cast<std::size_t>(types[0])];
-      const bool written = !type.parents.empty() && (type.parents[0] != Domain::kObjectType || object_is_a_type());
-      return type.name + (written ? " - " + domain_.types[static_cast<std::size_t>(type.parents[0])].name : "");
-    }
-    std::string text = "(either";
-    for (const TypeId t : types) text += ' ' + domain_.types[static_cast<std::size_t>(t)].name;
-    return text + ")";
+    if (types.size() > 1) return types_text(domain_, types);
+    const Type& type = domain_.types[types[0]];
+    const bool written = !type.parents.empty() && (type.parents[0] != Domain::kObjectType || object_is_a_type());
+    return type.name + (written ? " - " + domain_.types[type.parents[0]].name : "");
   }
 
   /// Whether something may be any object; only then `object` is written as a supertype.
   bool object_is_a_type() const {
     const auto any = [](const auto& item) {
-      return std::any_of(item.parameters.begin(), item.parameters.end(),
-                         [](const Variable& v) { return v.types == std::vector{Domain::kObjectType}; });
+      return std::ranges::find(item.parameters, std::vector{Domain::kObjectType}, &Variable::types) !=
+             item.parameters.end();
     };
-    return std::any_of(domain_.predicates.begin(), domain_.predicates.end(), any) ||
-           std::any_of(domain_.functions.begin(), domain_.functions.end(), any) ||
-           std::any_of(domain_.actions.begin(), domain_.actions.end(), any);
+    return std::ranges::any_of(domain_.predicates, any) || std::ranges::any_of(domain_.functions, any) ||
+           std::ranges::any_of(domain_.actions, any);
   }
 
   const Domain& domain_;
-  const std::vector<Object>& objects_;
-  std::vector<std::string> names_;  // by slot
+  const ById<Object>& objects_;
+  ById<std::string> names_;  // by slot
 };
 
 }  // namespace
 
-std::string framework_text(const Condition& condition, const Domain& domain, const std::vector<Object>& objects,
+std::string framework_text(const Condition& condition, const Domain& domain, const ById<Object>& objects,
                            std::span<const ObjectId> bound) {
   return ConditionWriter(domain, objects, bound).text(condition);
 }

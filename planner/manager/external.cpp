@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "cx/base/number_text.h"
 #include "cx/base/process.h"
 #include "cx/base/scratch_folder.h"
 #include "planner/pddl/parser.h"
@@ -33,45 +34,35 @@ std::string quoted(const std::string& word) { return "'" + filled(word, "'", "'\
 
 /// The last line that is not empty.
 std::string last_line(const std::string& text) {
-  const std::size_t end = text.find_last_not_of(" \t\r\n");
-  if (end == std::string::npos) return {};
-  const std::size_t begin = text.find_last_of('\n', end);
-  return text.substr(begin == std::string::npos ? 0 : begin + 1,
-                     end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+  const std::string body = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
+  return body.substr(body.find_last_of('\n') + 1);
 }
 
-struct Ended {
-  bool in_time = true;
-  int code = 0;
-};
-
-/// `log` is what it prints.
-Expected<Ended> run(const std::string& command, const fs::path& log, double timeout_s) {
+/// Its exit code; none if it was ended after its time. `log` is what it prints.
+Expected<std::optional<int>> run(const std::string& command, const fs::path& log, double timeout_s) {
   ProcessOptions shell{.argv = {"/bin/sh", "-c", command}};
   shell.out = shell.err = Stream::file(log);
   auto process = Process::start(shell);
   if (!process) return process.error();
-  const std::optional<int> code = process->wait_for(timeout_s);
-  return code ? Ended{true, *code} : Ended{false, 0};
+  return process->wait_for(timeout_s);
 }
 
-/// What it means that the planner wrote no plan; `printed` is its last line.
-Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, const Ended& ended, const std::string& printed) {
+/// What it means that the planner wrote no plan; without a code it was ended after its time. `printed` is its last
+/// line.
+Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, std::optional<int> code, const std::string& printed) {
   PlanAnswer answer;
-  answer.status = ended.in_time ? PlanStatus::kEnded : PlanStatus::kBudget;
-  if (!ended.in_time) {
+  answer.status = code ? PlanStatus::kEnded : PlanStatus::kBudget;
+  if (!code) {
     answer.reason = "the planner was ended after its time";
     return answer;
   }
-  if (ended.code == kNotExecutable || ended.code == kNotFound) {
-    std::string message = "the planner's command cannot be run (code " + std::to_string(ended.code) + ")" +
-                          (printed.empty() ? "" : ": " + printed);
-    return resource_error(message + "; " + planner.remedy);
-  }
-  answer.reason = "the planner ended with code " + std::to_string(ended.code) + " and wrote no plan" +
-                  (printed.empty() ? "" : ": " + printed);
+  const std::string said = printed.empty() ? "" : ": " + printed;
+  if (*code == kNotExecutable || *code == kNotFound)
+    return resource_error("the planner's command cannot be run (code " + std::to_string(*code) + ")" + said + "; " +
+                          planner.remedy);
+  answer.reason = "the planner ended with code " + std::to_string(*code) + " and wrote no plan" + said;
   if (!planner.our_codes) return answer;
-  switch (static_cast<ExitCode>(ended.code)) {
+  switch (static_cast<ExitCode>(*code)) {
     case ExitCode::kUnsolvable: answer.status = PlanStatus::kUnsolvable; break;
     case ExitCode::kEnded: break;
     case ExitCode::kOutOfMemory: answer.status = PlanStatus::kMemory; break;
@@ -100,20 +91,18 @@ Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& 
                  log = folder / "log.txt";
   std::ofstream(domain) << to_pddl(task.domain);
   std::ofstream(problem) << to_pddl(task.domain, task.problem);
-  char seconds[32];
-  std::snprintf(seconds, sizeof seconds, "%.3f", timeout_s);
   std::string command = planner.command;
   for (const auto& [placeholder, value] : {std::pair<std::string, std::string>{"{domain}", domain},
                                            {"{problem}", problem},
                                            {"{plan}", plan},
-                                           {"{timeout}", seconds}})
+                                           {"{timeout}", fixed_text(timeout_s, 3)}})
     command = filled(std::move(command), placeholder, value);
-  auto ended = run(command, log, timeout_s);
-  if (!ended) return ended.error();
+  const auto code = run(command, log, timeout_s);
+  if (!code) return code.error();
   const auto output = read_text(log.string());
   const std::string printed = output ? *output : "";
   std::fputs(printed.c_str(), stderr);  // stdout carries answers only
-  if (!fs::is_regular_file(plan)) return without_plan(planner, *ended, last_line(printed));
+  if (!fs::is_regular_file(plan)) return without_plan(planner, *code, last_line(printed));
 
   PlanAnswer answer;
   auto text = read_text(plan.string());
@@ -127,8 +116,7 @@ Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& 
     answer.reason = answer.refusal = "the planner's plan is wrong: " + to_text(*verdict->violation);
     return answer;
   }
-  std::stable_sort(steps->begin(), steps->end(),
-                   [](const PlanStep& a, const PlanStep& b) { return a.start < b.start; });
+  std::ranges::stable_sort(*steps, {}, &PlanStep::start);
   answer.status = PlanStatus::kPlan;
   answer.reason = "a plan of another planner";
   answer.plan.emplace();

@@ -1,20 +1,15 @@
 #include "planner/manager/instance.h"
 
 #include <algorithm>
-#include <cctype>
+#include <tuple>
 
-#include "planner/manager/condition_text.h"
+#include "planner/pddl/syntax.h"
 #include "planner/pddl/text.h"
 
 namespace cxlab::planner {
 namespace {
 
 constexpr std::size_t kMostNames = 10;  ///< that an error names
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 template <class Items>
 std::vector<std::string> names_of(const Items& items) {
@@ -28,9 +23,31 @@ bool asks_before(const Effect& effect) {
   return effect.time != Effect::Time::kStart && !effect.condition.start.is_true();
 }
 
+std::string changed_name(const Domain& domain, const Effect& effect) {
+  return effect.is_numeric() ? domain.functions[effect.function].name : domain.predicates[effect.predicate].name;
+}
+
+/// Without its arguments and number.
+ReportedEffect reported(const Domain& domain, const Effect& effect) {
+  const char operation = effect.kind == Effect::Kind::kIncrease   ? '+'
+                         : effect.kind == Effect::Kind::kDecrease ? '-'
+                                                                  : '=';
+  return {changed_name(domain, effect),
+          {},
+          effect.time != Effect::Time::kStart,
+          effect.is_numeric(),
+          effect.kind == Effect::Kind::kAdd,
+          operation,
+          0};
+}
+
+bool scales(const Effect& effect) {
+  return effect.kind == Effect::Kind::kScaleUp || effect.kind == Effect::Kind::kScaleDown;
+}
+
 std::vector<ObjectId> binding(const Effect& effect, const Frame& frame) {
   std::vector<ObjectId> objects;
-  for (const Variable& variable : effect.variables) objects.push_back(frame[static_cast<std::size_t>(variable.slot)]);
+  for (const Variable& variable : effect.variables) objects.push_back(frame[variable.slot]);
   return objects;
 }
 
@@ -63,49 +80,42 @@ const State& Instance::state() const {
 
 // --- Names
 
-Expected<std::vector<ObjectId>> Instance::objects(const Names& names, const std::vector<Variable>& parameters,
-                                                  const std::string& of) const {
-  if (names.size() != parameters.size())
-    return input_error("'" + of + "': found " + std::to_string(names.size()) + " arguments, expected " +
-                       std::to_string(parameters.size()));
-  std::vector<ObjectId> ids(names.size());
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    ids[i] = find(problem().object_names, lower(names[i]));
-    if (ids[i] < 0) return unknown_name("object", names[i], names_of(problem().objects));
-    if (!fits(domain(), problem().objects[static_cast<std::size_t>(ids[i])], parameters[i].types))
-      return input_error("'" + of + "': '" + names[i] + "' has the wrong type for " + parameters[i].name + ": found " +
-                         types_text(domain(), problem().objects[static_cast<std::size_t>(ids[i])].types) +
-                         ", expected " + types_text(domain(), parameters[i].types));
+template <class Found, class Item>
+Expected<Found> Instance::look_up(const char* what, const ById<Item>& items, const NameTable& table,
+                                  const std::string& name, const Names& arguments) const {
+  const int id = find(table, lower_case(name));
+  if (id < 0) return unknown_name(what, name, names_of(items));
+  const std::vector<Variable>& parameters = items[id].parameters;
+  if (arguments.size() != parameters.size())
+    return input_error(message("'", name, "': found ", arguments.size(), " arguments, expected ", parameters.size()));
+  Found found{id, {}};
+  auto& [_, objects] = found;
+  for (const Variable& parameter : parameters) {
+    const std::string& argument = arguments[objects.size()];
+    const ObjectId object = objects.emplace_back(find(problem().object_names, lower_case(argument)));
+    if (object < 0) return unknown_name("object", argument, names_of(problem().objects));
+    if (!fits(domain(), problem().objects[object], parameter.types))
+      return input_error("'" + name + "': '" + argument + "' has the wrong type for " + parameter.name + ": found " +
+                         types_text(domain(), problem().objects[object].types) + ", expected " +
+                         types_text(domain(), parameter.types));
   }
-  return ids;
+  return found;
 }
 
 Expected<Fact> Instance::fact(const std::string& predicate, const Names& arguments) const {
-  const PredicateId id = find(domain().predicate_names, lower(predicate));
-  if (id < 0) return unknown_name("fluent", predicate, names_of(domain().predicates));
-  auto ids = objects(arguments, domain().predicates[static_cast<std::size_t>(id)].parameters, predicate);
-  if (!ids) return ids.error();
-  return Fact{id, *std::move(ids)};
+  return look_up<Fact>("fluent", domain().predicates, domain().predicate_names, predicate, arguments);
 }
 
 Expected<Fact> Instance::number(const std::string& function, const Names& arguments) const {
-  const FunctionId id = find(domain().function_names, lower(function));
-  if (id < 0) return unknown_name("function", function, names_of(domain().functions));
-  auto ids = objects(arguments, domain().functions[static_cast<std::size_t>(id)].parameters, function);
-  if (!ids) return ids.error();
-  return Fact{id, *std::move(ids)};
+  return look_up<Fact>("function", domain().functions, domain().function_names, function, arguments);
 }
 
 Expected<ActionCall> Instance::step(const std::string& action, const Names& arguments) const {
-  const ActionId id = find(domain().action_names, lower(action));
-  if (id < 0) return unknown_name("action", action, names_of(domain().actions));
-  auto ids = objects(arguments, domain().actions[static_cast<std::size_t>(id)].parameters, action);
-  if (!ids) return ids.error();
-  return ActionCall{id, *std::move(ids)};
+  return look_up<ActionCall>("action", domain().actions, domain().action_names, action, arguments);
 }
 
 Expected<TypeId> Instance::type(const std::string& name) const {
-  const TypeId id = find(domain().type_names, lower(name));
+  const TypeId id = find(domain().type_names, lower_case(name));
   if (id < 0) return unknown_name("type", name, names_of(domain().types));
   return id;
 }
@@ -121,22 +131,13 @@ std::vector<Fact> Instance::facts() const {
     others.set(fact.predicate, fact.objects, false);
   }
   std::vector<Fact> later = others.facts();
-  std::stable_partition(later.begin(), later.end(), [&](const Fact& f) {
-    return !domain().predicates[static_cast<std::size_t>(f.predicate)].derived;
-  });
+  std::ranges::stable_partition(later, [&](const Fact& f) { return !domain().predicates[f.predicate].derived; });
   all.insert(all.end(), later.begin(), later.end());
   return all;
 }
 
-Instance::Names Instance::objects_of_type(TypeId type) const {
-  Names names;
-  for (const ObjectId id : objects_of(domain(), problem(), {type}))
-    names.push_back(problem().objects[static_cast<std::size_t>(id)].name);
-  return names;
-}
-
 Status Instance::set(const Fact& fact, bool value) {
-  const Predicate& predicate = domain().predicates[static_cast<std::size_t>(fact.predicate)];
+  const Predicate& predicate = domain().predicates[fact.predicate];
   if (predicate.derived) return input_error("'" + predicate.name + "' is derived from other fluents and cannot be set");
   state_.set(fact.predicate, fact.objects, value);
   touch();
@@ -155,10 +156,10 @@ Expected<std::vector<Object>> Instance::new_objects(const std::vector<ObjectName
     if (!type_id) return type_id.error();
     if (object.name.empty()) return input_error("found an object without a name");
     const Object* there = nullptr;
-    if (const ObjectId known = find(problem().object_names, lower(object.name)); known >= 0)
-      there = &problem().objects[static_cast<std::size_t>(known)];
+    if (const ObjectId known = find(problem().object_names, lower_case(object.name)); known >= 0)
+      there = &problem().objects[known];
     for (const Object& before : made)
-      if (lower(before.name) == lower(object.name)) there = &before;
+      if (lower_case(before.name) == lower_case(object.name)) there = &before;
     if (!there)
       made.push_back({object.name, {*type_id}, {Source::File::kProblem, 0}});
     else if (!fits(domain(), *there, {*type_id}))
@@ -168,11 +169,11 @@ Expected<std::vector<Object>> Instance::new_objects(const std::vector<ObjectName
   return made;
 }
 
-void Instance::add_objects(std::vector<Object> objects) {
+void Instance::add_objects(const std::vector<Object>& objects) {
   Problem& problem = task_.problem;
-  for (Object& object : objects) {
-    problem.object_names[lower(object.name)] = static_cast<int>(problem.objects.size());
-    problem.objects.push_back(std::move(object));
+  for (const Object& object : objects) {
+    problem.object_names[lower_case(object.name)] = static_cast<int>(problem.objects.size());
+    problem.objects.push_back(object);
   }
   renew_evaluator();
 }
@@ -180,9 +181,9 @@ void Instance::add_objects(std::vector<Object> objects) {
 Expected<std::vector<char>> Instance::others_than(const std::vector<ObjectName>& gone) const {
   std::vector<char> keep(problem().objects.size(), 1);
   for (const ObjectName& object : gone) {
-    const ObjectId id = find(problem().object_names, lower(object.name));
+    const ObjectId id = find(problem().object_names, lower_case(object.name));
     if (id < 0) return unknown_name("object", object.name, names_of(problem().objects));
-    const Object& there = problem().objects[static_cast<std::size_t>(id)];
+    const Object& there = problem().objects[id];
     if (!object.type.empty()) {
       auto type_id = type(object.type);
       if (!type_id) return type_id.error();
@@ -203,16 +204,10 @@ void Instance::keep_objects(const std::vector<char>& keep) {
   started_.clear();
   now.init.clear();
   for (Fact& fact : facts())
-    if (!domain().predicates[static_cast<std::size_t>(fact.predicate)].derived) now.init.push_back(std::move(fact));
+    if (!domain().predicates[fact.predicate].derived) now.init.push_back(std::move(fact));
   now.values = state_.values();
   for (auto& [_, goal] : goals_) {
-    Problem carrier;
-    carrier.objects = now.objects;
-    carrier.init = std::move(goal.facts);
-    carrier.values = std::move(goal.values);
-    carrier = without_objects(carrier, keep);
-    goal.facts = std::move(carrier.init);
-    goal.values = std::move(carrier.values);
+    std::tie(goal.facts, goal.values) = goals_without(now, goal, keep);
     for (std::size_t i = 0; i < keep.size(); ++i)
       if (!keep[i]) std::erase(goal.objects, now.objects[i].name);
   }
@@ -256,50 +251,34 @@ GoalInstance* Instance::goal(const std::string& name) {
   return known == goals_.end() ? nullptr : &known->second;
 }
 
-Status Instance::set_actions(GoalInstance& goal, const Names& names) const {
-  Names wanted;
+Expected<Instance::Names> Instance::known_names(Names GoalInstance::* filter, const Names& names) const {
+  const bool of_actions = filter == &GoalInstance::actions, of_objects = filter == &GoalInstance::objects;
+  const char* what = of_actions ? "action" : of_objects ? "object" : "fluent";
+  Names known = of_actions   ? names_of(domain().actions)
+                : of_objects ? names_of(problem().objects)
+                             : names_of(domain().predicates);
+  if (!of_actions && !of_objects) std::ranges::move(names_of(domain().functions), std::back_inserter(known));
+  Names out;
   for (const std::string& name : names) {
-    if (find(domain().action_names, lower(name)) < 0) return unknown_name("action", name, names_of(domain().actions));
-    wanted.push_back(lower(name));
+    const auto found = std::ranges::find(known, lower_case(name), [](const auto& each) { return lower_case(each); });
+    if (found == known.end()) return unknown_name(what, name, known);
+    out.push_back(*found);
   }
-  goal.actions = std::move(wanted);
-  return {};
-}
-
-Status Instance::set_fluents(GoalInstance& goal, const Names& names) const {
-  Names wanted, known = names_of(domain().predicates);
-  for (const Function& function : domain().functions) known.push_back(function.name);
-  for (const std::string& name : names) {
-    if (std::find(known.begin(), known.end(), lower(name)) == known.end()) return unknown_name("fluent", name, known);
-    wanted.push_back(lower(name));
-  }
-  goal.fluents = std::move(wanted);
-  return {};
-}
-
-Status Instance::set_objects(GoalInstance& goal, const Names& names) const {
-  Names wanted;
-  for (const std::string& name : names) {
-    const ObjectId id = find(problem().object_names, lower(name));
-    if (id < 0) return unknown_name("object", name, names_of(problem().objects));
-    wanted.push_back(problem().objects[static_cast<std::size_t>(id)].name);
-  }
-  goal.objects = std::move(wanted);
-  return {};
+  return out;
 }
 
 // --- Actions
 
 Frame Instance::frame(const ActionCall& call) const {
-  Frame frame(static_cast<std::size_t>(domain().actions[static_cast<std::size_t>(call.action)].slots), 0);
-  std::copy(call.arguments.begin(), call.arguments.end(), frame.begin());
+  Frame frame(call.arguments);
+  frame.resize(static_cast<std::size_t>(domain().actions[call.action].slots));
   return frame;
 }
 
 /// The shortest that the action may take, s.
 double Instance::duration(const ActionCall& call, const Frame& frame) const {
   double shortest = 0;
-  for (const DurationConstraint& constraint : domain().actions[static_cast<std::size_t>(call.action)].duration) {
+  for (const DurationConstraint& constraint : domain().actions[call.action].duration) {
     const auto bound = evaluator_->number(constraint.bound, frame, state_);
     if (bound && (constraint.comparison == Comparison::kEqual || constraint.comparison == Comparison::kGreaterEqual))
       shortest = std::max(shortest, *bound);
@@ -308,7 +287,7 @@ double Instance::duration(const ActionCall& call, const Frame& frame) const {
 }
 
 Instance::Names Instance::unsatisfied(const ActionCall& call, When when) const {
-  const Action& action = domain().actions[static_cast<std::size_t>(call.action)];
+  const Action& action = domain().actions[call.action];
   Frame bound = frame(call);
   const double length = action.durative ? duration(call, bound) : 0;
   Names missing;
@@ -317,8 +296,7 @@ Instance::Names Instance::unsatisfied(const ActionCall& call, When when) const {
       for (const Condition& part : condition.operands) self(self, part, now);
     } else if (!evaluator_->holds(condition, bound, now, length)) {
       std::string condition_text = framework_text(condition, domain(), problem().objects, call.arguments);
-      if (std::find(missing.begin(), missing.end(), condition_text) == missing.end())
-        missing.push_back(std::move(condition_text));
+      if (std::ranges::find(missing, condition_text) == missing.end()) missing.push_back(std::move(condition_text));
     }
   };
   const State& now = state();
@@ -346,26 +324,25 @@ Instance::Names Instance::unsatisfied(const ActionCall& call, When when) const {
 }
 
 void Instance::remember_start(const ActionCall& call) {
-  const Action& action = domain().actions[static_cast<std::size_t>(call.action)];
+  const Action& action = domain().actions[call.action];
+  if (std::ranges::none_of(action.effects, asks_before)) return;
   EffectSet promised;
-  bool any = false;
+  Frame bound = frame(call);
+  const State& now = state();
+  const double length = duration(call, bound);
   for (std::size_t i = 0; i < action.effects.size(); ++i) {
     const Effect& effect = action.effects[i];
     if (!asks_before(effect)) continue;
-    any = true;
-    Frame bound = frame(call);
-    const State& now = state();
-    const double length = duration(call, bound);
     evaluator_->each_binding(effect.variables, bound, [&] {
       if (evaluator_->holds(effect.condition.start, bound, now, length)) promised.emplace(i, binding(effect, bound));
       return true;
     });
   }
-  if (any) started_[{call.action, call.arguments}] = std::move(promised);
+  started_[{call.action, call.arguments}] = std::move(promised);
 }
 
 Expected<std::vector<ReportedEffect>> Instance::effects(const ActionCall& call) const {
-  const Action& action = domain().actions[static_cast<std::size_t>(call.action)];
+  const Action& action = domain().actions[call.action];
   Frame bound = frame(call);
   const State& now = state();
   const double length = action.durative ? duration(call, bound) : 0;
@@ -381,75 +358,48 @@ Expected<std::vector<ReportedEffect>> Instance::effects(const ActionCall& call) 
                                    : evaluator_->holds(when.start, f, now, length);
       return held && evaluator_->holds(when.over_all, f, now, length) && evaluator_->holds(when.end, f, now, length);
     };
-    const auto& name = effect.is_numeric() ? domain().functions[static_cast<std::size_t>(effect.function)].name
-                                           : domain().predicates[static_cast<std::size_t>(effect.predicate)].name;
+    const std::string where = "effect on '" + changed_name(domain(), effect) + "' of '" + action.name + "': ";
     if (!evaluator_->collect(effect, bound, now, length, holds, changes))
-      return input_error("effect on '" + name + "' of '" + action.name + "': its right-hand side has no value now");
+      return input_error(where + "its right-hand side has no value now");
     for (const Change& change : changes) {
-      ReportedEffect out{name,
-                         {},
-                         effect.time != Effect::Time::kStart,
-                         effect.is_numeric(),
-                         change.kind == Effect::Kind::kAdd,
-                         '=',
-                         change.value};
-      for (const ObjectId object : change.objects)
-        out.arguments.push_back(problem().objects[static_cast<std::size_t>(object)].name);
-      if (effect.time == Effect::Time::kContinuous) out.number *= length;
-      if (change.kind == Effect::Kind::kIncrease) out.operation = '+';
-      if (change.kind == Effect::Kind::kDecrease) out.operation = '-';
-      if (change.kind == Effect::Kind::kScaleUp || change.kind == Effect::Kind::kScaleDown) {
-        const auto old = now.value(change.id, change.objects);
-        if (!old || (change.kind == Effect::Kind::kScaleDown && change.value == 0))
-          return input_error("effect on '" + name + "' of '" + action.name + "': there is no value to scale");
-        out.number = change.kind == Effect::Kind::kScaleUp ? *old * change.value : *old / change.value;
-      }
-      effects.push_back(std::move(out));
+      ReportedEffect& out = effects.emplace_back(reported(domain(), effect));
+      for (const ObjectId object : change.objects) out.arguments.push_back(problem().objects[object].name);
+      out.number = effect.time == Effect::Time::kContinuous ? change.value * length : change.value;
+      if (!scales(effect)) continue;
+      const bool up = effect.kind == Effect::Kind::kScaleUp;
+      const auto old = now.value(change.id, change.objects);
+      if (!old || (!up && change.value == 0)) return input_error(where + "there is no value to scale");
+      out.number = up ? *old * change.value : *old / change.value;
     }
   }
   return effects;
 }
 
 Expected<std::vector<ReportedEffect>> Instance::original_effects(const ActionCall& call) const {
-  const Action& action = domain().actions[static_cast<std::size_t>(call.action)];
+  const Action& action = domain().actions[call.action];
   const Frame bound = frame(call);
   std::vector<ReportedEffect> effects;
   for (const Effect& effect : action.effects) {
     if (effect.is_numeric() && !action.durative)
       return input_error("'InstantaneousAction' object has no attribute 'function_effects'");
-    const auto& name = effect.is_numeric() ? domain().functions[static_cast<std::size_t>(effect.function)].name
-                                           : domain().predicates[static_cast<std::size_t>(effect.predicate)].name;
-    ReportedEffect out{
-        name, {}, effect.time != Effect::Time::kStart, effect.is_numeric(), effect.kind == Effect::Kind::kAdd, '=', 0};
+    ReportedEffect& out = effects.emplace_back(reported(domain(), effect));
     for (const Term& term : effect.terms) {
-      const auto variable = std::find_if(effect.variables.begin(), effect.variables.end(),
-                                         [&](const Variable& v) { return term.is_variable && v.slot == term.index; });
-      if (variable != effect.variables.end())
+      const auto variable = std::ranges::find(effect.variables, term.index, &Variable::slot);
+      if (term.is_variable && variable != effect.variables.end())
         out.arguments.push_back(variable->name.substr(1));
       else
-        out.arguments.push_back(problem()
-                                    .objects[static_cast<std::size_t>(
-                                        term.is_variable ? bound[static_cast<std::size_t>(term.index)] : term.index)]
-                                    .name);
+        out.arguments.push_back(problem().objects[term.is_variable ? bound[term.index] : term.index].name);
     }
-    if (effect.is_numeric()) {
-      const bool plain =
-          effect.value.kind == Expression::Kind::kConstant || effect.value.kind == Expression::Kind::kFunction;
-      const auto value = plain ? evaluator_->number(effect.value, bound, state_) : std::nullopt;
-      if (!value || effect.kind == Effect::Kind::kScaleUp || effect.kind == Effect::Kind::kScaleDown ||
-          effect.time == Effect::Time::kContinuous)
-        return input_error("Unknown value type");
-      out.number = *value;
-      if (effect.kind == Effect::Kind::kIncrease) out.operation = '+';
-      if (effect.kind == Effect::Kind::kDecrease) out.operation = '-';
-    }
-    effects.push_back(std::move(out));
+    if (!effect.is_numeric()) continue;
+    const bool plain =
+        effect.value.kind == Expression::Kind::kConstant || effect.value.kind == Expression::Kind::kFunction;
+    const auto value = plain ? evaluator_->number(effect.value, bound, state_) : std::nullopt;
+    if (!value || scales(effect) || effect.time == Effect::Time::kContinuous) return input_error("Unknown value type");
+    out.number = *value;
   }
   // The original reports one time point after the other, that of the first effect first.
-  std::stable_partition(effects.begin(), effects.end(),
-                        [end_first = !effects.empty() && effects.front().at_end](const ReportedEffect& effect) {
-                          return effect.at_end == end_first;
-                        });
+  const bool end_first = !effects.empty() && effects.front().at_end;
+  std::ranges::stable_partition(effects, [&](const ReportedEffect& effect) { return effect.at_end == end_first; });
   return effects;
 }
 

@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -77,13 +78,12 @@ class Instance {
   /// last.
   std::vector<Fact> facts() const;
   std::vector<Assignment> values() const { return state_.values(); }
-  Names objects_of_type(TypeId type) const;
   /// kInput where the predicate is derived.
   Status set(const Fact& fact, bool value);
   void set_value(const Fact& number, double value);
   /// Those of `wanted` that are not there yet; an error if one of them cannot be.
   Expected<std::vector<Object>> new_objects(const std::vector<ObjectName>& wanted) const;
-  void add_objects(std::vector<Object> objects);
+  void add_objects(const std::vector<Object>& objects);
   /// 1 for each object of the problem that stays without `gone`; an error if one of these cannot go.
   Expected<std::vector<char>> others_than(const std::vector<ObjectName>& gone) const;
   /// With the others go the facts, numbers and goals that name them.
@@ -94,9 +94,8 @@ class Instance {
   // --- Goals, by name
   Status create_goal(const std::string& name);  ///< anew if it is there
   GoalInstance* goal(const std::string& name);
-  Status set_actions(GoalInstance& goal, const Names& names) const;
-  Status set_fluents(GoalInstance& goal, const Names& names) const;
-  Status set_objects(GoalInstance& goal, const Names& names) const;
+  /// The names for a filter as they were written first; an error if one is not known.
+  Expected<Names> known_names(Names GoalInstance::* filter, const Names& names) const;
 
   // --- Actions in the state of now
   enum class When {
@@ -123,8 +122,9 @@ class Instance {
   Expected<Task> planning_task(const GoalInstance& goal, double seconds) const;
 
  private:
-  Expected<std::vector<ObjectId>> objects(const Names& names, const std::vector<Variable>& parameters,
-                                          const std::string& of) const;
+  template <class Found, class Item>
+  Expected<Found> look_up(const char* what, const ById<Item>& items, const NameTable& table, const std::string& name,
+                          const Names& arguments) const;
   Frame frame(const ActionCall& call) const;
   double duration(const ActionCall& call, const Frame& frame) const;
   void renew_evaluator();
@@ -146,6 +146,14 @@ class Instance {
 
 /// A copy of the problem without the objects for which `keep` is false; what names them goes, all else is renumbered.
 Problem without_objects(const Problem& problem, const std::vector<char>& keep);
+/// The facts and numbers of a goal that are left then.
+std::pair<std::vector<Fact>, std::vector<Assignment>> goals_without(const Problem& problem, const GoalInstance& goal,
+                                                                    const std::vector<char>& keep);
+
+/// A condition in the notation of the Unified Planning Framework: `p(a, b)`, `(not p)`, `(x(a) <= 3)`,
+/// `Forall (block y) p(y)`. Slots below the size of `bound` are those objects.
+std::string framework_text(const Condition& condition, const Domain& domain, const ById<Object>& objects,
+                           std::span<const ObjectId> bound);
 
 /// Names what was found, and the nearest of the known names or, where none is near, some of them.
 Error unknown_name(const std::string& what, const std::string& found, const std::vector<std::string>& known);

@@ -6,27 +6,12 @@
 
 namespace cxlab::planner {
 
-namespace {
-
-/// The types of one package for the same services.
-constexpr const char* kUpstream = "cx_pddl_interfaces";
-constexpr const char* kExpertino = "expertino_msgs";
-constexpr const char* kOwn = "cxlab_pddl_interfaces";
-
-}  // namespace
-
-struct PddlManager::ServiceRow {
-  const char *name, *type;
-  Handler handler;
-  bool upstream, expertino;  ///< which packages have it
-};
-
 PddlManager::PddlManager(PddlManagerOptions options, bus::Bus& bus, RecordSink& sink)
     : options_(std::move(options)),
       bus_(bus),
       sink_(sink),
-      node_(bus_.join(bus::ParticipantKind::kNode, {options_.node, options_.name_space, options_.remaps},
-                      sink_.open_stream("node" + bus::NodeName{options_.node, options_.name_space, {}}.full_name()))),
+      node_(
+          bus_.join(bus::ParticipantKind::kNode, options_.node, sink_.open_stream("node" + options_.node.full_name()))),
       lifecycle_(
           bus_, node_, [this](cx::Transition t) { return act_on(t); },
           [this](const Error& why) { log(cx::LogLevel::kWarn, why.message); }) {}
@@ -38,11 +23,7 @@ PddlManager::~PddlManager() {
 
 Expected<std::unique_ptr<PddlManager>> PddlManager::create(PddlManagerOptions options, bus::Bus& bus,
                                                            RecordSink& sink) {
-  bus::NodeName name{options.node, options.name_space, options.remaps};
-  bus::rename_node(name);
-  options.node = name.name;
-  options.name_space = name.name_space;
-  options.remaps = name.remaps;
+  bus::rename_node(options.node);
   std::unique_ptr<PddlManager> manager(new PddlManager(std::move(options), bus, sink));
   const PddlManagerOptions& o = manager->options_;
   const std::pair<const char*, std::string> parameters[] = {{"autostart_node", o.autostart ? "true" : "false"},
@@ -85,57 +66,18 @@ Status PddlManager::act_on(cx::Transition transition) {
 }
 
 Status PddlManager::configure() {
-  const auto advertise = [&](const char* topic, const char* name,
-                             const bus::MessageType*& type) -> Expected<bus::EndpointId> {
-    auto found = bus_.registry().message(name);
+  const auto advertise = [&](Topic& topic, const char* name, const char* type) -> Status {
+    auto found = bus_.registry().message(type);
     if (!found) return found.error();
-    type = *found;
-    auto made = bus_.advertise(node_, topic, *type);
-    if (made) endpoints_.push_back(*made);
-    return made;
+    auto made = bus_.advertise(node_, name, **found);
+    if (!made) return made.error();
+    endpoints_.push_back(*made);
+    topic = {*made, *found};
+    return {};
   };
-  auto updates = advertise("~/instance_update", "std_msgs/msg/String", update_type_);
-  if (!updates) return updates.error();
-  updates_ = *updates;
-  auto reports = advertise("~/plan_report", "cxlab_pddl_interfaces/msg/PlanReport", report_type_);
-  if (!reports) return reports.error();
-  reports_ = *reports;
-
-  using M = PddlManager;
-  static constexpr ServiceRow kServices[] = {
-      {"add_pddl_instance", "AddPddlInstance", &M::add_pddl_instance, true, true},
-      {"get_action_names", "GetActionNames", &M::get_action_names, true, true},
-      {"get_fluents", "GetFluents", &M::get_fluents, true, true},
-      {"get_functions", "GetFunctions", &M::get_functions, true, true},
-      {"get_predicates", "GetPredicates", &M::get_predicates, true, false},
-      {"get_type_objects", "GetTypeObjects", &M::get_type_objects, true, false},
-      {"add_fluent", "AddFluent", &M::add_fluent, true, true},
-      {"add_fluents", "AddFluents", &M::add_fluents, true, true},
-      {"rm_fluents", "RemoveFluents", &M::rm_fluents, true, true},
-      {"set_functions", "SetFunctions", &M::set_functions, true, true},
-      {"add_objects", "AddObjects", &M::add_objects, true, true},
-      {"rm_objects", "RemoveObjects", &M::rm_objects, true, true},
-      {"set_goals", "SetGoals", &M::set_goals, true, true},
-      {"clear_goals", "ClearGoals", &M::clear_goals, true, true},
-      {"create_goal_instance", "CreateGoalInstance", &M::create_goal_instance, true, true},
-      {"set_action_filter", "SetActionFilter", &M::set_action_filter, true, true},
-      {"set_fluent_filter", "SetFluentFilter", &M::set_fluent_filter, true, true},
-      {"set_object_filter", "SetObjectFilter", &M::set_object_filter, true, true},
-      {"check_action_condition", "CheckActionCondition", &M::check_action_condition, true, false},
-      {"check_action_precondition", "CheckActionPrecondition", &M::check_action_condition, false, true},
-      {"get_action_effects", "GetActionEffects", &M::get_action_effects, true, true},
-  };
-  for (const ServiceRow& row : kServices) {
-    if (row.upstream)
-      if (Status s = serve(kUpstream, row); !s) return s;
-    if (row.expertino)
-      if (Status s = serve(kExpertino, row); !s) return s;
-  }
-  if (Status s = serve(
-          kOwn, {"check_action_condition_at", "CheckActionConditionAt", &M::check_action_condition_at, false, false});
-      !s)
-    return s;
-
+  if (Status s = advertise(updates_, "~/instance_update", "std_msgs/msg/String"); !s) return s;
+  if (Status s = advertise(reports_, "~/plan_report", "cxlab_pddl_interfaces/msg/PlanReport"); !s) return s;
+  if (Status s = serve_questions(); !s) return s;
   bus_.allow_types(node_, "~/temp_plan");
   dialects_ = {{kUpstream}, {kExpertino}};
   for (std::size_t i = 0; i < dialects_.size(); ++i) {
@@ -152,28 +94,6 @@ Status PddlManager::configure() {
   return {};
 }
 
-Status PddlManager::serve(const std::string& package, const ServiceRow& row) {
-  auto found = bus_.registry().service(package + "/srv/" + row.type);
-  if (!found) return found.error();
-  const bus::ServiceType* type = *found;
-  const std::string name = std::string("~/") + row.name;
-  bus_.allow_types(node_, name);
-  const auto endpoint = std::make_shared<bus::EndpointId>();
-  auto made = bus_.serve(node_, name, *type, [this, type, endpoint, handler = row.handler](const bus::Delivery& d) {
-    auto response = std::make_shared<bus::Message>(*type->response);
-    answer_ = true;
-    const Status done = (this->*handler)(d.message->view(), response->view());
-    if (!answer_) return;
-    response->view().set("success", done.ok());
-    if (!done) response->view().set("error", done.error().text());
-    bus_.respond(*endpoint, d, std::move(response));
-  });
-  if (!made) return made.error();
-  *endpoint = *made;
-  endpoints_.push_back(*made);
-  return {};
-}
-
 void PddlManager::clean_up() {
   for (const bus::EndpointId endpoint : endpoints_) bus_.remove(endpoint);
   endpoints_.clear();
@@ -184,7 +104,7 @@ void PddlManager::clean_up() {
 Status PddlManager::form_bond() {
   if (options_.bond_period <= 0) return {};
   cx::Bond::Options options;
-  options.id = options_.node;
+  options.id = options_.node.name;
   options.instance = bus_.name_of(node_).full_name();
   options.period = from_seconds(options_.bond_period);
   options.connect_timeout = kNever;  // nobody has to watch it
@@ -205,11 +125,10 @@ SimTime PddlManager::next_due() const {
 }
 
 Status PddlManager::answer_due(SimTime now) {
-  std::vector<Job> due;
-  for (const Job& job : jobs_)
-    if (job.due <= now) due.push_back(job);
-  std::erase_if(jobs_, [&](const Job& job) { return job.due <= now; });
-  std::stable_sort(due.begin(), due.end(), [](const Job& a, const Job& b) { return a.due < b.due; });
+  const auto rest = std::ranges::stable_partition(jobs_, [&](const Job& job) { return job.due > now; });
+  std::vector<Job> due(rest.begin(), rest.end());
+  jobs_.erase(rest.begin(), rest.end());
+  std::ranges::stable_sort(due, {}, &Job::due);
   for (const Job& job : due) finish(job);
   return {};
 }
@@ -221,7 +140,7 @@ Status PddlManager::act() {
 }
 
 void PddlManager::log(cx::LogLevel level, const std::string& text) {
-  if (options_.log) options_.log->line({bus_.now(), level, options_.node, text, {}});
+  if (options_.log) options_.log->line({bus_.now(), level, options_.node.name, text, {}});
 }
 
 }  // namespace cxlab::planner

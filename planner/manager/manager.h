@@ -30,10 +30,8 @@
 namespace cxlab::planner {
 
 struct PddlManagerOptions {
-  std::string node = "pddl_manager";
-  std::string name_space = "/";
-  std::vector<std::pair<std::string, std::string>> remaps;  ///< FROM := TO
-  bool autostart = true;                                    ///< configured and activated when it is made
+  bus::NodeName node{"pddl_manager", "/", {}};
+  bool autostart = true;   ///< configured and activated when it is made
   double bond_period = 0;  ///< s between heartbeats on `bond` while active, as an environment manager; 0 = none
   bool original = false;   ///< answers as the first PDDL manager does, errors included
   bool anytime = false;    ///< plans are improved until the budget ends
@@ -83,6 +81,8 @@ class PddlManager {
     SimTime loaded{};
     std::map<std::string, LastPlan> plans;  // by goal instance
   };
+  // The packages that have types for the same services.
+  static constexpr const char *kUpstream = "cx_pddl_interfaces", *kExpertino = "expertino_msgs";
   /// A package of interfaces, and the endpoint of its planning action.
   struct Dialect {
     std::string package;
@@ -99,54 +99,22 @@ class PddlManager {
     std::string wanted;  ///< the goal as a text
   };
   using View = bus::MessageView;
-  using Handler = Status (PddlManager::*)(const View& request, const View& response);
-  struct ServiceRow;
+  struct Services;
 
   PddlManager(PddlManagerOptions options, bus::Bus& bus, RecordSink& sink);
 
   // Life
   Status act_on(cx::Transition transition);
   Status configure();
-  Status serve(const std::string& package, const ServiceRow& row);
   void clean_up();
   void stop_jobs(const std::string& reason);
   Status form_bond();
 
-  // Questions (services.cpp). The error becomes the answer.
-  Status add_pddl_instance(const View& q, const View& a);
-  Status get_action_names(const View& q, const View& a);
-  Status get_fluents(const View& q, const View& a);
-  Status get_functions(const View& q, const View& a);
-  Status get_predicates(const View& q, const View& a);
-  Status get_type_objects(const View& q, const View& a);
-  Status add_fluent(const View& q, const View& a);
-  Status add_fluents(const View& q, const View& a);
-  Status rm_fluents(const View& q, const View& a);
-  Status set_functions(const View& q, const View& a);
-  Status add_objects(const View& q, const View& a);
-  Status rm_objects(const View& q, const View& a);
-  Status set_goals(const View& q, const View& a);
-  Status clear_goals(const View& q, const View& a);
-  Status create_goal_instance(const View& q, const View& a);
-  Status set_action_filter(const View& q, const View& a);
-  Status set_fluent_filter(const View& q, const View& a);
-  Status set_object_filter(const View& q, const View& a);
-  Status check_action_condition(const View& q, const View& a);
-  Status check_action_condition_at(const View& q, const View& a);
-  Status get_action_effects(const View& q, const View& a);
-
+  // Questions (services.cpp)
+  Status serve_questions();
   Expected<Instance*> find_instance(const std::string& name);
   Expected<std::pair<Instance*, GoalInstance*>> find_goal(const std::string& instance, const std::string& goal);
-  Expected<std::unique_ptr<Instance>> load(const View& q);
-  Expected<std::string> read(const std::string& directory, const std::string& file);
-  Status set_fluents(const std::vector<View>& fluents, bool value, const View& a);
-  struct ObjectsOf;
-  Expected<std::vector<ObjectsOf>> objects_by_instance(const View& q);
-  void tell_update(const std::string& instance);
-  Status check(const View& action, Instance::When when, const View& a);
-  using Names = Instance::Names;
-  Status set_filter(const View& q, const char* field, Names GoalInstance::* filter,
-                    Status (Instance::*set)(GoalInstance&, const Names&) const);
+  void publish_update(const std::string& instance);
 
   // Plans (plans.cpp)
   void on_goal(std::size_t dialect, const bus::Delivery& goal);
@@ -156,6 +124,7 @@ class PddlManager {
   Plan steps_left(const View& goal, const Task& task, const std::string& wanted) const;
   Job job_of(std::size_t dialect, const bus::GoalId& id, const View& goal, const Outcome& outcome) const;
   void dump(const View& goal, const Task& task);
+  void give_up(Job job, const char* status, const std::string& reason, bus::GoalStatus ends);
   void finish(const Job& job);
 
   void log(cx::LogLevel level, const std::string& text);
@@ -168,13 +137,15 @@ class PddlManager {
   cx::Lifecycle lifecycle_;
   std::vector<bus::EndpointId> endpoints_;  // what there is from configure to cleanup
   std::vector<Dialect> dialects_;
-  bus::EndpointId updates_{}, reports_{};
+  struct Topic {
+    bus::EndpointId endpoint{};
+    const bus::MessageType* type = nullptr;
+  };
+  Topic updates_, reports_;
   std::unique_ptr<cx::Bond> bond_;  // may be none
-  const bus::MessageType *update_type_ = nullptr, *report_type_ = nullptr;
   std::map<std::string, Entry> instances_;
   std::vector<Job> jobs_;  // in the order in which they were asked for
   Status failure_;         // ends the run
-  bool answer_ = true;     // false: the request stays without an answer, as in the original
   int plans_ = 0, replans_ = 0;
   std::set<std::pair<std::string, std::string>> planned_;  // instances with their goals
   RecordData data_;

@@ -1,6 +1,7 @@
 // The problem that a planner gets: what is so now, as far as the filters of a goal let it through.
 
 #include <algorithm>
+#include <functional>
 
 #include "planner/manager/instance.h"
 
@@ -8,7 +9,7 @@ namespace cxlab::planner {
 namespace {
 
 bool listed(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::ranges::find(names, name) != names.end();
 }
 
 void keep_actions(Domain& domain, const std::vector<std::string>& names) {
@@ -19,41 +20,35 @@ void keep_actions(Domain& domain, const std::vector<std::string>& names) {
     domain.action_names[domain.actions[i].name] = static_cast<int>(i);
 }
 
-Condition goal_condition(const GoalInstance& goal) {
+Condition goal_condition(const std::vector<Fact>& facts, const std::vector<Assignment>& values) {
   const auto terms = [](const std::vector<ObjectId>& objects) {
     std::vector<Term> out;
     for (const ObjectId object : objects) out.push_back(Term::object(object));
     return out;
   };
   Condition all;
-  for (const Fact& fact : goal.facts) {
-    Condition atom;
+  for (const Fact& fact : facts) {
+    Condition& atom = all.operands.emplace_back();
     atom.kind = Condition::Kind::kAtom;
     atom.predicate = fact.predicate;
     atom.terms = terms(fact.objects);
-    all.operands.push_back(std::move(atom));
   }
-  for (const Assignment& value : goal.values) {
-    Expression number;
-    number.kind = Expression::Kind::kFunction;
-    number.function = value.function;
-    number.terms = terms(value.objects);
-    Condition equal;
+  for (const Assignment& value : values) {
+    Condition& equal = all.operands.emplace_back();
     equal.kind = Condition::Kind::kCompare;
-    equal.sides = {std::move(number), Expression::constant(value.value)};
-    all.operands.push_back(std::move(equal));
+    equal.sides = {{Expression::Kind::kFunction, 0, value.function, terms(value.objects), {}},
+                   Expression::constant(value.value)};
   }
   return all;
 }
 
 /// The metric may read numbers of objects that the planner does not see.
-bool renumber(Expression& expression, const std::vector<ObjectId>& to) {
+bool renumber(Expression& expression, const ById<ObjectId>& to) {
   for (Term& term : expression.terms) {
-    if (!term.is_variable) term.index = to[static_cast<std::size_t>(term.index)];
+    if (!term.is_variable) term.index = to[term.index];
     if (term.index < 0) return false;
   }
-  return std::all_of(expression.operands.begin(), expression.operands.end(),
-                     [&](Expression& part) { return renumber(part, to); });
+  return std::ranges::all_of(expression.operands, [&](Expression& part) { return renumber(part, to); });
 }
 
 }  // namespace
@@ -62,32 +57,38 @@ Problem without_objects(const Problem& problem, const std::vector<char>& keep) {
   Problem out;
   out.name = problem.name;
   out.file = problem.file;
-  std::vector<ObjectId> to(problem.objects.size(), -1);
+  ById<ObjectId> to(problem.objects.size(), -1);
   for (std::size_t i = 0; i < problem.objects.size(); ++i) {
     if (!keep[i]) continue;
     to[i] = static_cast<ObjectId>(out.objects.size());
     out.objects.push_back(problem.objects[i]);
   }
   for (const auto& [name, id] : problem.object_names)
-    if (keep[static_cast<std::size_t>(id)]) out.object_names[name] = to[static_cast<std::size_t>(id)];
-  const auto moved = [&](std::vector<ObjectId> objects, auto add) {
-    for (ObjectId& object : objects)
-      if ((object = to[static_cast<std::size_t>(object)]) < 0) return;
-    add(std::move(objects));
+    if (to[id] >= 0) out.object_names[name] = to[id];
+  const auto copy = [&](const auto& from, auto& into, auto objects_of) {
+    for (auto item : from) {
+      std::vector<ObjectId>& objects = std::invoke(objects_of, item);
+      for (ObjectId& object : objects) object = to[object];
+      if (std::ranges::find(objects, -1) == objects.end()) into.push_back(std::move(item));
+    }
   };
-  for (const Fact& f : problem.init) moved(f.objects, [&](auto o) { out.init.push_back({f.predicate, std::move(o)}); });
-  for (const Assignment& v : problem.values)
-    moved(v.objects, [&](auto o) { out.values.push_back({v.function, std::move(o), v.value}); });
-  for (const TimedFact& f : problem.timed_facts)
-    moved(f.fact.objects,
-          [&](auto o) { out.timed_facts.push_back({f.time, {f.fact.predicate, std::move(o)}, f.value, f.source}); });
-  for (const TimedAssignment& v : problem.timed_values)
-    moved(v.assignment.objects, [&](auto o) {
-      out.timed_values.push_back({v.time, {v.assignment.function, std::move(o), v.assignment.value}, v.source});
-    });
+  copy(problem.init, out.init, &Fact::objects);
+  copy(problem.values, out.values, &Assignment::objects);
+  copy(problem.timed_facts, out.timed_facts, [](TimedFact& f) -> auto& { return f.fact.objects; });
+  copy(problem.timed_values, out.timed_values, [](TimedAssignment& v) -> auto& { return v.assignment.objects; });
   out.metric = problem.metric;
   if (out.metric && !renumber(out.metric->value, to)) out.metric.reset();
   return out;
+}
+
+std::pair<std::vector<Fact>, std::vector<Assignment>> goals_without(const Problem& problem, const GoalInstance& goal,
+                                                                    const std::vector<char>& keep) {
+  Problem carrier;  // its numbers of objects move as those of the problem do
+  carrier.objects = problem.objects;
+  carrier.init = goal.facts;
+  carrier.values = goal.values;
+  carrier = without_objects(carrier, keep);
+  return {std::move(carrier.init), std::move(carrier.values)};
 }
 
 Expected<Task> Instance::planning_task(const GoalInstance& goal, double seconds) const {
@@ -97,12 +98,12 @@ Expected<Task> Instance::planning_task(const GoalInstance& goal, double seconds)
   const auto seen = [&](const std::string& name) { return goal.fluents.empty() || listed(goal.fluents, name); };
   p.init.clear();
   for (Fact& fact : state_.facts()) {
-    const Predicate& predicate = domain().predicates[static_cast<std::size_t>(fact.predicate)];
+    const Predicate& predicate = domain().predicates[fact.predicate];
     if (!predicate.derived && seen(predicate.name)) p.init.push_back(std::move(fact));
   }
   p.values.clear();
   for (Assignment& value : state_.values())
-    if (seen(domain().functions[static_cast<std::size_t>(value.function)].name)) p.values.push_back(std::move(value));
+    if (seen(domain().functions[value.function].name)) p.values.push_back(std::move(value));
   // Events are counted from now on; those that came are part of the state.
   std::erase_if(p.timed_facts, [&](const TimedFact& f) { return f.time <= seconds; });
   std::erase_if(p.timed_values, [&](const TimedAssignment& v) { return v.time <= seconds; });
@@ -113,20 +114,13 @@ Expected<Task> Instance::planning_task(const GoalInstance& goal, double seconds)
     std::vector<char> keep(p.objects.size(), 1);
     for (std::size_t i = domain().constants.size(); i < keep.size(); ++i)
       keep[i] = listed(goal.objects, p.objects[i].name);
-    Problem carrier;  // the goal's numbers of objects move as those of the problem do
-    carrier.objects = p.objects;
-    carrier.init = goal.facts;
-    carrier.values = goal.values;
-    carrier = without_objects(carrier, keep);
-    if (carrier.init.size() + carrier.values.size() != goal.facts.size() + goal.values.size())
+    const auto [facts, values] = goals_without(p, goal, keep);
+    if (facts.size() + values.size() != goal.facts.size() + goal.values.size())
       return input_error("the goal names an object that the object filter leaves out");
     p = without_objects(p, keep);
-    GoalInstance moved;
-    moved.facts = std::move(carrier.init);
-    moved.values = std::move(carrier.values);
-    p.goal = goal_condition(moved);
+    p.goal = goal_condition(facts, values);
   } else {
-    p.goal = goal_condition(goal);
+    p.goal = goal_condition(goal.facts, goal.values);
   }
   return task;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "planner/manager/condition_text.h"
 #include "planner/manager/manager.h"
 #include "planner/pddl/text.h"
 
@@ -15,13 +14,6 @@ using View = bus::MessageView;
 /// Starts that are not further apart than this belong to one class, s.
 constexpr double kSameClass = 0.1;
 
-/// By the name under which it was reported; -1 if it is gone.
-ObjectId object_of(const Problem& problem, const std::string& name) {
-  const auto same = [&](const Object& object) { return object.name == name; };
-  const auto found = std::find_if(problem.objects.begin(), problem.objects.end(), same);
-  return found == problem.objects.end() ? -1 : static_cast<ObjectId>(found - problem.objects.begin());
-}
-
 double seconds_of(Micros time) { return static_cast<double>(time) / kMicrosPerSecond; }
 
 }  // namespace
@@ -30,9 +22,9 @@ double seconds_of(Micros time) { return static_cast<double>(time) / kMicrosPerSe
 struct PddlManager::Outcome {
   std::string status;  ///< of PlanReport
   std::string reason;
-  std::optional<Task> task;  ///< whose actions and objects the plan counts
-  PlanAnswer answer;
   bus::GoalStatus ends = bus::GoalStatus::kAborted;
+  std::optional<Task> task{};  ///< whose actions and objects the plan counts
+  PlanAnswer answer{};
   std::string wanted{};  ///< the goal as a text
 };
 
@@ -48,24 +40,26 @@ Plan PddlManager::steps_left(const View& goal, const Task& task, const std::stri
     PlanStep step{
         action.real("start_time"), find(task.domain.action_names, action.text("name")), {}, action.real("duration")};
     const bus::Field& args = *action.type().find("args");
-    for (std::size_t k = 0; k < action.size(args); ++k)
-      step.arguments.push_back(object_of(task.problem, action.text(args, k)));
-    const bool known =
-        step.action >= 0 && std::find(step.arguments.begin(), step.arguments.end(), -1) == step.arguments.end();
-    if (known) steps.push_back(std::move(step));
+    const ById<Object>& objects = task.problem.objects;
+    for (std::size_t k = 0; k < action.size(args); ++k) {
+      const auto named = std::ranges::find(objects, action.text(args, k), &Object::name);
+      step.arguments.push_back(named == objects.end() ? -1 : static_cast<ObjectId>(named - objects.begin()));
+    }
+    if (step.action >= 0 && std::ranges::find(step.arguments, -1) == step.arguments.end())
+      steps.push_back(std::move(step));
   }
   return steps;
 }
 
 PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   auto found = find_goal(goal.text("pddl_instance"), goal.text("goal_instance"));
-  if (!found) return {"ERROR", found.error().message, {}, {}, bus::GoalStatus::kAborted};
+  if (!found) return {"ERROR", found.error().message};
   const auto& [instance, wanted] = *found;
   if (options_.original && !wanted->objects.empty())
-    return {"ERROR", "as in the original, an object filter breaks planning", {}, {}, bus::GoalStatus::kAborted};
+    return {"ERROR", "as in the original, an object filter breaks planning"};
   const SimTime loaded = instances_.at(goal.text("pddl_instance")).loaded;
   auto task = instance->planning_task(*wanted, options_.original ? 0 : to_seconds(bus_.now() - loaded));
-  if (!task) return {"ERROR", task.error().message, {}, {}, bus::GoalStatus::kAborted};
+  if (!task) return {"ERROR", task.error().message};
   if (goal.type().find("output_dir")) dump(goal, *task);
   PlanOptions how;
   how.budget = options_.cost.budget;
@@ -75,23 +69,17 @@ PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   const double wall_s = static_cast<double>(how.budget) * 1e-6;  // a unit is about a microsecond
   const bool ours = options_.other.command.empty();
   auto answer = ours ? find_plan(*task, how) : find_plan_with(options_.other, *task, wall_s);
-  if (!answer && !ours) return {"ERROR", answer.error().text(), {}, {}, bus::GoalStatus::kAborted};
-  if (!answer) return {"MEMORY", answer.error().message, {}, {}, bus::GoalStatus::kAborted};
-  Outcome outcome{"PLAN",     answer->reason, *std::move(task), *std::move(answer), bus::GoalStatus::kSucceeded,
-                  wanted_text};
+  if (!answer && !ours) return {"ERROR", answer.error().text()};
+  if (!answer) return {"MEMORY", answer.error().message};
+  Outcome outcome{"PLAN",           answer->reason,     bus::GoalStatus::kSucceeded,
+                  *std::move(task), *std::move(answer), wanted_text};
   if (outcome.answer.plan) return outcome;
-  switch (outcome.answer.status) {
-    case PlanStatus::kUnsolvable: outcome.status = "UNSOLVABLE"; break;
-    case PlanStatus::kBudget:
-      outcome.status = "TIMEOUT";
-      outcome.ends = bus::GoalStatus::kAborted;
-      break;
-    case PlanStatus::kMemory:
-      outcome.status = "MEMORY";
-      outcome.ends = bus::GoalStatus::kAborted;
-      break;
-    default: outcome.status = "NO-PLAN"; break;
-  }
+  const PlanStatus status = outcome.answer.status;
+  if (status == PlanStatus::kBudget || status == PlanStatus::kMemory) outcome.ends = bus::GoalStatus::kAborted;
+  outcome.status = status == PlanStatus::kUnsolvable ? "UNSOLVABLE"
+                   : status == PlanStatus::kBudget   ? "TIMEOUT"
+                   : status == PlanStatus::kMemory   ? "MEMORY"
+                                                     : "NO-PLAN";
   if (options_.original) outcome.ends = bus::GoalStatus::kSucceeded;
   return outcome;
 }
@@ -111,7 +99,7 @@ PddlManager::Job PddlManager::job_of(std::size_t dialect, const bus::GoalId& id,
   Job job{dialect, id, {}, outcome.ends, {}, {}, outcome.wanted};
   const std::string &instance = goal.text("pddl_instance"), &goal_instance = goal.text("goal_instance");
   auto result = std::make_shared<bus::Message>(*dialects_[dialect].plan_type->result);
-  auto report = std::make_shared<bus::Message>(*report_type_);
+  auto report = std::make_shared<bus::Message>(*reports_.type);
   const View reported = report->view();
   reported.set("goal_id", bus::to_string(id)).set("pddl_instance", instance).set("goal_instance", goal_instance);
   reported.set("status", outcome.status)
@@ -130,9 +118,8 @@ PddlManager::Job PddlManager::job_of(std::size_t dialect, const bus::GoalId& id,
       }
       const View out = result->view().append("actions");
       out.set("pddl_instance", instance).set("goal_instance", goal_instance);
-      out.set("name", outcome.task->domain.actions[static_cast<std::size_t>(step.action)].name);
-      for (const ObjectId object : step.arguments)
-        out.append_text("args", outcome.task->problem.objects[static_cast<std::size_t>(object)].name);
+      out.set("name", outcome.task->domain.actions[step.action].name);
+      for (const ObjectId object : step.arguments) out.append_text("args", outcome.task->problem.objects[object].name);
       out.set("start_time", step.start).set("duration", step.duration).set("equiv_class", equiv_class);
     }
     reported.set("makespan", plan.makespan_s);
@@ -196,40 +183,36 @@ void PddlManager::finish(const Job& job) {
   else
     log(reported.text("status") == "CANCELED" ? cx::LogLevel::kInfo : cx::LogLevel::kWarn,
         whose + reported.text("status") + ", " + reported.text("reason"));
-  bus_.publish(reports_, job.report);
+  bus_.publish(reports_.endpoint, job.report);
   bus_.finish(dialects_[job.dialect].plan, job.goal, job.status, job.result);
 }
 
 void PddlManager::on_cancel(std::size_t dialect, const bus::Delivery& cancel) {
   const bus::EndpointId server = dialects_[dialect].plan;
-  const auto job = std::find_if(jobs_.begin(), jobs_.end(),
-                                [&](const Job& j) { return j.dialect == dialect && j.goal == cancel.goal; });
+  const auto job =
+      std::ranges::find_if(jobs_, [&](const Job& j) { return j.dialect == dialect && j.goal == cancel.goal; });
   const bool accept = !options_.original && job != jobs_.end();
   bus_.answer_cancel(server, cancel, accept);
   if (!accept) return;
   Job canceled = std::move(*job);
   jobs_.erase(job);
-  auto report = std::make_shared<bus::Message>(*report_type_);
-  for (const char* field : {"goal_id", "pddl_instance", "goal_instance"})
-    report->view().set(field, canceled.report->view().text(field));
-  report->view().set("status", "CANCELED").set("reason", "the goal was canceled");
-  canceled.report = std::move(report);
-  canceled.result = std::make_shared<bus::Message>(*dialects_[dialect].plan_type->result);
-  canceled.status = bus::GoalStatus::kCanceled;
-  finish(canceled);
+  give_up(std::move(canceled), "CANCELED", "the goal was canceled", bus::GoalStatus::kCanceled);
 }
 
 void PddlManager::stop_jobs(const std::string& reason) {
-  for (Job& job : std::exchange(jobs_, {})) {
-    auto report = std::make_shared<bus::Message>(*report_type_);
-    for (const char* field : {"goal_id", "pddl_instance", "goal_instance"})
-      report->view().set(field, job.report->view().text(field));
-    report->view().set("status", "ERROR").set("reason", reason);
-    job.report = std::move(report);
-    job.result = std::make_shared<bus::Message>(*dialects_[job.dialect].plan_type->result);
-    job.status = bus::GoalStatus::kAborted;
-    finish(job);
-  }
+  for (Job& job : std::exchange(jobs_, {})) give_up(std::move(job), "ERROR", reason, bus::GoalStatus::kAborted);
+}
+
+/// Answers without the plan that was made.
+void PddlManager::give_up(Job job, const char* status, const std::string& reason, bus::GoalStatus ends) {
+  auto report = std::make_shared<bus::Message>(*reports_.type);
+  for (const char* field : {"goal_id", "pddl_instance", "goal_instance"})
+    report->view().set(field, job.report->view().text(field));
+  report->view().set("status", status).set("reason", reason);
+  job.report = std::move(report);
+  job.result = std::make_shared<bus::Message>(*dialects_[job.dialect].plan_type->result);
+  job.status = ends;
+  finish(job);
 }
 
 }  // namespace cxlab::planner

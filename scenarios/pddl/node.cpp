@@ -1,15 +1,53 @@
 #include "scenarios/pddl/node.h"
 
 #include "cx/base/append_file.h"
+#include "cx/bus/names.h"
 #include "cx/executive/files.h"
 #include "planner/manager/manager.h"
-#include "scenarios/pddl/config.h"
 #include "scenarios/result.h"
 #include "scenarios/share.h"
 
 namespace cxlab::pddl {
 
 namespace {
+
+/// `{node: pddl_manager, ...}` under `servers:`.
+struct Config {
+  planner::PddlManagerOptions options;
+  std::string compat = "none";                ///< or "original"
+  std::string engine;                         ///< of the Unified Planning Framework, instead of a command; empty = none
+  std::string python = "python3";             ///< the interpreter that has the engine
+  std::optional<planner::PlanningCost> cost;  ///< none: that of the scenario
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys("name", options.node.name);
+    keys("namespace", options.node.name_space);
+    keys("remap", options.node.remaps);
+    keys("autostart_node", options.autostart);
+    keys("bond_heartbeat_period", options.bond_period);
+    keys("anytime", options.anytime);
+    keys("warm_start", options.warm_start);
+    keys("command", options.other.command);
+    keys("engine", engine);
+    keys("python", python);
+    keys.word("compat", compat, {"none", "original"});
+    keys("planner", cost);
+  }
+};
+
+Status validate(const Config& config) {
+  const std::string& command = config.options.other.command;
+  if (Status s = bus::check_node(config.options.node.name_space, config.options.node.remaps); !s) return s;
+  if (config.options.bond_period < 0) return input_error("bond_heartbeat_period: must be 0 (no heartbeats) or more");
+  if (!command.empty() && command.find("{plan}") == std::string::npos)
+    return input_error("command: found no {plan} in it, expected a command that writes its plan to {plan}");
+  if (!command.empty() && !config.engine.empty())
+    return input_error("engine: found beside command, expected one of the two");
+  if (config.engine.empty() && config.python != Config().python)
+    return input_error("python: says which interpreter has the engine, but there is no engine");
+  return {};
+}
 
 class ManagerServer final : public Server {
  public:
@@ -37,18 +75,11 @@ Status write_below(const std::filesystem::path& run_folder, const std::filesyste
 
 Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage) {
   const Config& config = spec.get<Config>();
-  planner::PddlManagerOptions options;
-  options.node = config.name;
-  options.name_space = config.name_space;
-  options.remaps = config.remaps;
-  options.autostart = config.autostart;
-  options.bond_period = config.bond_period;
+  planner::PddlManagerOptions options = config.options;
   options.original = config.compat == "original";
-  options.anytime = config.anytime;
-  options.warm_start = config.warm_start;
-  options.other = config.engine.empty()
-                      ? planner::ExternalPlanner{config.command, false}
-                      : planner::up_engine(find_share().engines / "up_engine.py", config.python, config.engine);
+  if (!config.engine.empty())
+    options.other = planner::up_engine(find_share().engines / "up_engine.py", config.python, config.engine);
+  const bool outside = !options.other.command.empty();
   options.cost = config.cost.value_or(setup.scenario.planner);
   options.log = setup.log;
   options.on_read = setup.keep;
@@ -60,12 +91,11 @@ Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage
   auto manager = planner::PddlManager::create(std::move(options), setup.bus, setup.sink);
   if (!manager) return manager.error();
   auto server = std::make_unique<ManagerServer>(*std::move(manager));
-  stage.reports.push_back(
-      [&node = server->manager(), outside = !config.command.empty() || !config.engine.empty()](Result& result) {
-        if (outside) result.deterministic = false;
-        result.plans += node.plans();
-        result.replans += node.replans();
-      });
+  stage.reports.push_back([&node = server->manager(), outside](Result& result) {
+    if (outside) result.deterministic = false;
+    result.plans += node.plans();
+    result.replans += node.replans();
+  });
   stage.servers.push_back(std::move(server));
   return {};
 }

@@ -18,9 +18,9 @@ constexpr const char* kHold = "{goal_instance: base, fluents: [{pddl_instance: b
 TEST_F(ManagerTest, ManagersInNamespacesAreIndependent) {
   PddlManagerOptions options;
   options.bond_period = 0.5;
-  options.name_space = "/cyan";
+  options.node.name_space = "/cyan";
   auto cyan = PddlManager::create(options, bus_, sink_);
-  options.name_space = "/magenta";
+  options.node.name_space = "/magenta";
   auto magenta = PddlManager::create(options, bus_, sink_);
   ASSERT_TRUE(cyan.ok() && magenta.ok());
   const auto cyan_beats = listen("/cyan/bond", "bond/msg/Status"),
