@@ -5,12 +5,8 @@
 namespace cxlab::cx {
 
 std::string_view to_string(Bond::Loss loss) {
-  switch (loss) {
-    case Bond::Loss::kEnded: return "said good-bye";
-    case Bond::Loss::kSilent: return "is silent";
-    case Bond::Loss::kNeverCame: break;
-  }
-  return "never came";
+  static constexpr std::string_view kWords[] = {"said good-bye", "is silent", "never came"};
+  return kWords[static_cast<std::size_t>(loss)];
 }
 
 Bond::Bond(bus::Bus& bus, Options options, std::function<void(Loss)> on_broken)
@@ -66,7 +62,7 @@ void Bond::hear(const bus::MessageView& status) {
 void Bond::break_up(Loss loss) {
   state_ = State::kBroken;
   send(false);
-  if (const auto tell_owner = on_broken_) tell_owner(loss);  // a copy: the owner may drop this bond
+  if (const auto report = on_broken_) report(loss);  // a copy: the owner may drop this bond
 }
 
 void Bond::act() {

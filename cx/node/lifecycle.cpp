@@ -1,45 +1,17 @@
 #include "cx/node/lifecycle.h"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 
 namespace cxlab::cx {
 
-std::string_view to_string(LifeState state) {
-  switch (state) {
-    case LifeState::kUnconfigured: return "unconfigured";
-    case LifeState::kInactive: return "inactive";
-    case LifeState::kActive: return "active";
-    case LifeState::kFinalized: break;
-  }
-  return "finalized";
-}
-
-std::string_view to_string(Transition transition) {
-  switch (transition) {
-    case Transition::kConfigure: return "configure";
-    case Transition::kCleanup: return "cleanup";
-    case Transition::kActivate: return "activate";
-    case Transition::kDeactivate: return "deactivate";
-    case Transition::kShutdown: break;
-  }
-  return "shutdown";
-}
-
-/// One transition out of one state; `via` is the state in between.
-struct Lifecycle::Row {
-  Transition transition;
-  std::uint8_t id;
-  LifeState from, to;
-  std::uint8_t via;
-  const char* via_label;
-};
-
 namespace {
 
+/// A state of lifecycle_msgs: the primary ones, and those between them.
 struct NamedState {
   std::uint8_t id;
-  const char* label;
+  std::string_view label;
 };
 constexpr std::array<NamedState, 11> kStates{{{0, "unknown"},
                                               {1, "unconfigured"},
@@ -53,58 +25,76 @@ constexpr std::array<NamedState, 11> kStates{{{0, "unknown"},
                                               {14, "deactivating"},
                                               {15, "errorprocessing"}}};
 
-void put_state(const bus::MessageView& state, std::uint8_t id, std::string_view label) {
-  state.set("id", static_cast<std::int64_t>(id)).set("label", label);
+std::string_view label_of(std::uint8_t state) {
+  return std::find_if(kStates.begin(), kStates.end(), [&](const NamedState& s) { return s.id == state; })->label;
 }
-void put_state(const bus::MessageView& out, LifeState state) {
-  put_state(out, static_cast<std::uint8_t>(state), to_string(state));
+
+void put_state(const bus::MessageView& out, std::uint8_t state) {
+  out.set("id", static_cast<std::int64_t>(state)).set("label", label_of(state));
 }
+void put_state(const bus::MessageView& out, LifeState state) { put_state(out, static_cast<std::uint8_t>(state)); }
 
 }  // namespace
 
+std::string_view to_string(LifeState state) { return label_of(static_cast<std::uint8_t>(state)); }
+
+std::string_view to_string(Transition transition) {
+  static constexpr std::string_view kWords[] = {"", "configure", "cleanup", "activate", "deactivate", "shutdown"};
+  return kWords[static_cast<std::size_t>(transition)];
+}
+
+/// One transition out of one state; `via` is the state in between.
+struct Lifecycle::Row {
+  Transition transition;
+  std::uint8_t id;
+  LifeState from, to;
+  std::uint8_t via;
+};
+
 using L = LifeState;
 using T = Transition;
-static constexpr std::uint8_t kConfiguring = 10, kCleaningUp = 11, kShuttingDown = 12, kActivating = 13,
-                              kDeactivating = 14;
 
 // In the order in which ROS 2 registers them, which is that of get_available_transitions.
 static const auto& rows() {
   static constexpr std::array<Lifecycle::Row, 7> kRows{{
-      {T::kConfigure, 1, L::kUnconfigured, L::kInactive, kConfiguring, "configuring"},
-      {T::kCleanup, 2, L::kInactive, L::kUnconfigured, kCleaningUp, "cleaningup"},
-      {T::kActivate, 3, L::kInactive, L::kActive, kActivating, "activating"},
-      {T::kDeactivate, 4, L::kActive, L::kInactive, kDeactivating, "deactivating"},
-      {T::kShutdown, 5, L::kUnconfigured, L::kFinalized, kShuttingDown, "shuttingdown"},
-      {T::kShutdown, 6, L::kInactive, L::kFinalized, kShuttingDown, "shuttingdown"},
-      {T::kShutdown, 7, L::kActive, L::kFinalized, kShuttingDown, "shuttingdown"},
+      {T::kConfigure, 1, L::kUnconfigured, L::kInactive, 10},
+      {T::kCleanup, 2, L::kInactive, L::kUnconfigured, 11},
+      {T::kActivate, 3, L::kInactive, L::kActive, 13},
+      {T::kDeactivate, 4, L::kActive, L::kInactive, 14},
+      {T::kShutdown, 5, L::kUnconfigured, L::kFinalized, 12},
+      {T::kShutdown, 6, L::kInactive, L::kFinalized, 12},
+      {T::kShutdown, 7, L::kActive, L::kFinalized, 12},
   }};
   return kRows;
 }
 
-Expected<bus::EndpointId> serve(bus::Bus& bus, bus::ParticipantId node, const std::string& name,
-                                const std::string& type,
-                                std::function<void(const bus::MessageView&, const bus::MessageView&)> answer) {
-  auto service = bus.registry().service(type);
-  if (!service) return service.error();
-  const auto endpoint = std::make_shared<bus::EndpointId>();
-  auto made = bus.serve(node, name, **service,
-                        [&bus, endpoint, service = *service, answer = std::move(answer)](const bus::Delivery& d) {
-                          auto response = std::make_shared<bus::Message>(*service->response);
-                          answer(d.message->view(), response->view());
-                          bus.respond(*endpoint, d, std::move(response));
-                        });
-  if (made) *endpoint = *made;
-  return made;
+Expected<std::vector<bus::EndpointId>> serve(bus::Bus& bus, bus::ParticipantId node,
+                                             std::vector<ServiceOfNode> services) {
+  std::vector<bus::EndpointId> endpoints;
+  for (ServiceOfNode& service : services) {
+    auto type = bus.registry().service(service.type);
+    if (!type) return type.error();
+    const auto endpoint = std::make_shared<bus::EndpointId>();
+    auto made = bus.serve(node, service.name, **type,
+                          [&bus, endpoint, type = *type, answer = std::move(service.answer)](const bus::Delivery& d) {
+                            auto response = std::make_shared<bus::Message>(*type->response);
+                            answer(d.message->view(), response->view());
+                            bus.respond(*endpoint, d, std::move(response));
+                          });
+    if (!made) return made.error();
+    endpoints.push_back(*endpoint = *made);
+  }
+  return endpoints;
 }
 
-Lifecycle::Lifecycle(bus::Bus& bus, bus::ParticipantId node, Act act, Tell failed)
+Lifecycle::Lifecycle(bus::Bus& bus, bus::ParticipantId node, Act act, Report failed)
     : bus_(bus), node_(node), act_(std::move(act)), failed_(std::move(failed)) {}
 
 Status Lifecycle::serve() {
   const auto fill = [](const Row& row, const bus::MessageView& out) {
     out.nested("transition").set("id", static_cast<std::int64_t>(row.id)).set("label", to_string(row.transition));
     put_state(out.nested("start_state"), row.from);
-    put_state(out.nested("goal_state"), row.via, row.via_label);
+    put_state(out.nested("goal_state"), row.via);
   };
   auto event = bus_.registry().message("lifecycle_msgs/msg/TransitionEvent");
   if (!event) return event.error();
@@ -112,38 +102,28 @@ Status Lifecycle::serve() {
   auto events = bus_.advertise(node_, "~/transition_event", *event_);
   if (!events) return events.error();
   events_ = *events;
-
-  auto change_type = bus_.registry().service("lifecycle_msgs/srv/ChangeState");
-  if (!change_type) return change_type.error();
-  auto made =
-      bus_.serve(node_, "~/change_state", **change_type, [this](const bus::Delivery& d) { on_change_state(d); });
-  if (!made) return made.error();
-  change_state_ = *made;
-
-  struct Query {
-    const char *name, *type;
-    std::function<void(const bus::MessageView&, const bus::MessageView&)> answer;
-  };
-  const std::array<Query, 4> queries{{
-      {"~/get_state", "lifecycle_msgs/srv/GetState",
-       [this](const auto&, const auto& response) { put_state(response.nested("current_state"), state_); }},
-      {"~/get_available_states", "lifecycle_msgs/srv/GetAvailableStates",
-       [](const auto&, const auto& response) {
-         for (const NamedState& s : kStates) put_state(response.append("available_states"), s.id, s.label);
-       }},
-      {"~/get_available_transitions", "lifecycle_msgs/srv/GetAvailableTransitions",
-       [this, fill](const auto&, const auto& response) {
-         for (const Row& row : rows())
-           if (row.from == state_) fill(row, response.append("available_transitions"));
-       }},
-      {"~/get_transition_graph", "lifecycle_msgs/srv/GetAvailableTransitions",
-       [fill](const auto&, const auto& response) {
-         for (const Row& row : rows()) fill(row, response.append("available_transitions"));
-       }},
-  }};
-  for (const Query& q : queries)
-    if (auto s = cx::serve(bus_, node_, q.name, q.type, q.answer); !s) return s.error();
-  return {};
+  auto services =
+      cx::serve(bus_, node_,
+                {{"~/change_state", "lifecycle_msgs/srv/ChangeState",
+                  [this](const auto& request, const auto& response) {
+                    response.set("success", change_as_wanted(request.nested("transition")));
+                  }},
+                 {"~/get_state", "lifecycle_msgs/srv/GetState",
+                  [this](const auto&, const auto& response) { put_state(response.nested("current_state"), state_); }},
+                 {"~/get_available_states", "lifecycle_msgs/srv/GetAvailableStates",
+                  [](const auto&, const auto& response) {
+                    for (const NamedState& s : kStates) put_state(response.append("available_states"), s.id);
+                  }},
+                 {"~/get_available_transitions", "lifecycle_msgs/srv/GetAvailableTransitions",
+                  [this, fill](const auto&, const auto& response) {
+                    for (const Row& row : rows())
+                      if (row.from == state_) fill(row, response.append("available_transitions"));
+                  }},
+                 {"~/get_transition_graph", "lifecycle_msgs/srv/GetAvailableTransitions",
+                  [fill](const auto&, const auto& response) {
+                    for (const Row& row : rows()) fill(row, response.append("available_transitions"));
+                  }}});
+  return services ? Status() : services.error();
 }
 
 const Lifecycle::Row* Lifecycle::row_of(Transition transition) const {
@@ -157,55 +137,47 @@ Status Lifecycle::change(Transition transition) {
   if (row == nullptr)
     return usage_error("no transition '" + std::string(to_string(transition)) + "' from state '" +
                        std::string(to_string(state_)) + "'");
-  tell_event(*row, false, row->id, to_string(transition).data(), row->to);
+  report_event(*row, false, row->id, to_string(transition), row->to);
   const Status done = act_(transition);
   state_ = !done && transition == T::kConfigure ? L::kUnconfigured : row->to;
   const auto base =
       static_cast<std::uint8_t>(static_cast<std::uint8_t>(transition) * 10);  // as the TRANSITION_ON_.. constants
   if (done)
-    tell_event(*row, true, base, "transition_success", state_);
+    report_event(*row, true, base, "transition_success", state_);
   else
-    tell_event(*row, true, static_cast<std::uint8_t>(base + 1), "transition_failure", state_);
+    report_event(*row, true, static_cast<std::uint8_t>(base + 1), "transition_failure", state_);
   return done;
 }
 
-void Lifecycle::tell_event(const Row& row, bool ended, std::uint8_t id, const char* label, LifeState goal) {
+void Lifecycle::report_event(const Row& row, bool ended, std::uint8_t id, std::string_view label, LifeState goal) {
   if (!events_) return;
   auto message = std::make_shared<bus::Message>(*event_);
   const bus::MessageView event = message->view();
   event.set("timestamp", bus_.now().count());
   event.nested("transition").set("id", static_cast<std::int64_t>(id)).set("label", label);
   if (ended) {
-    put_state(event.nested("start_state"), row.via, row.via_label);
+    put_state(event.nested("start_state"), row.via);
     put_state(event.nested("goal_state"), goal);
   } else {
     put_state(event.nested("start_state"), row.from);
-    put_state(event.nested("goal_state"), row.via, row.via_label);
+    put_state(event.nested("goal_state"), row.via);
   }
   bus_.publish(*events_, std::move(message));
 }
 
-void Lifecycle::on_change_state(const bus::Delivery& request) {
-  const bus::MessageView wanted = request.message->view().nested("transition");
+bool Lifecycle::change_as_wanted(const bus::MessageView& wanted) {
   const std::string label = wanted.text("label");
-  const Row* found = nullptr;
-  for (const Row& row : rows())
-    if (row.from == state_ && (label.empty() ? row.id == wanted.integer("id") : to_string(row.transition) == label))
-      found = &row;
-  bool success = false;
-  if (found) {
-    const Status done = change(found->transition);
-    success = done.ok();
-    if (!success) failed_(done.error());
-  } else {
-    failed_(usage_error("No transition matching " +
-                        (label.empty() ? std::to_string(wanted.integer("id")) : '\'' + label + '\'') +
-                        " found for current state " + std::string(to_string(state_))));
+  for (const Row& row : rows()) {
+    if (row.from != state_ || (label.empty() ? row.id != wanted.integer("id") : to_string(row.transition) != label))
+      continue;
+    const Status done = change(row.transition);
+    if (!done) failed_(done.error());
+    return done.ok();
   }
-  auto response =
-      std::make_shared<bus::Message>(*(*bus_.registry().service("lifecycle_msgs/srv/ChangeState"))->response);
-  response->view().set("success", success);
-  bus_.respond(change_state_, request, std::move(response));
+  failed_(usage_error("No transition matching " +
+                      (label.empty() ? std::to_string(wanted.integer("id")) : '\'' + label + '\'') +
+                      " found for current state " + std::string(to_string(state_))));
+  return false;
 }
 
 }  // namespace cxlab::cx

@@ -27,10 +27,10 @@ std::string_view to_string(Transition transition);
 class Lifecycle {
  public:
   using Act = std::function<Status(Transition)>;
-  using Tell = std::function<void(const Error&)>;
+  using Report = std::function<void(const Error&)>;
   /// `act` does what a transition means; `failed` gets the error of one that was requested on the bus: kUsage when
   /// the state does not allow it, else the error of `act`.
-  Lifecycle(bus::Bus& bus, bus::ParticipantId node, Act act, Tell failed);
+  Lifecycle(bus::Bus& bus, bus::ParticipantId node, Act act, Report failed);
 
   /// Offers `~/change_state`, `~/get_state`, `~/get_available_states`, `~/get_available_transitions`,
   /// `~/get_transition_graph` and reports transitions on `~/transition_event`.
@@ -46,22 +46,26 @@ class Lifecycle {
 
  private:
   const Row* row_of(Transition transition) const;
-  void on_change_state(const bus::Delivery& request);
-  void tell_event(const Row& row, bool ended, std::uint8_t id, const char* label, LifeState goal);
+  /// Carries out what a request asks for; whether that went well.
+  bool change_as_wanted(const bus::MessageView& wanted);
+  void report_event(const Row& row, bool ended, std::uint8_t id, std::string_view label, LifeState goal);
 
   bus::Bus& bus_;
   bus::ParticipantId node_;
   Act act_;
-  Tell failed_;
+  Report failed_;
   LifeState state_ = LifeState::kUnconfigured;
-  bus::EndpointId change_state_{};
   std::optional<bus::EndpointId> events_;
   const bus::MessageType* event_ = nullptr;
 };
 
-/// Serves `name` for the node; `answer` fills the response. Of package types that come with cxlab.
-Expected<bus::EndpointId> serve(
-    bus::Bus& bus, bus::ParticipantId node, const std::string& name, const std::string& type,
-    std::function<void(const bus::MessageView& request, const bus::MessageView& response)> answer);
+/// A service of a node; `answer` fills the response.
+struct ServiceOfNode {
+  const char *name, *type;
+  std::function<void(const bus::MessageView& request, const bus::MessageView& response)> answer;
+};
+/// Serves them in this order.
+Expected<std::vector<bus::EndpointId>> serve(bus::Bus& bus, bus::ParticipantId node,
+                                             std::vector<ServiceOfNode> services);
 
 }  // namespace cxlab::cx

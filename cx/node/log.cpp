@@ -3,13 +3,8 @@
 namespace cxlab::cx {
 
 std::string_view to_string(LogLevel level) {
-  switch (level) {
-    case LogLevel::kDebug: return "debug";
-    case LogLevel::kInfo: return "info";
-    case LogLevel::kWarn: return "warn";
-    case LogLevel::kError: break;
-  }
-  return "error";
+  static constexpr std::string_view kWords[] = {"debug", "info", "warn", "error"};
+  return kWords[static_cast<std::size_t>(level)];
 }
 
 }  // namespace cxlab::cx

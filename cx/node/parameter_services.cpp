@@ -274,28 +274,20 @@ Expected<Parameter> take_parameter(const bus::MessageView& value) {
 Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters, ParameterCheck check) {
   const auto server = std::make_shared<Server>(bus, parameters, std::move(check), bus.name_of(node).full_name());
   if (Status s = server->open(node); !s) return s;
-  using Answer = std::function<void(const bus::MessageView&, const bus::MessageView&)>;
-  struct Service {
-    const char *name, *type;
-    Answer answer;
-  };
-  const std::array<Service, 6> services{{
-      {"~/list_parameters", "rcl_interfaces/srv/ListParameters",
-       [server](const auto& q, const auto& a) { server->list(q, a); }},
-      {"~/get_parameters", "rcl_interfaces/srv/GetParameters",
-       [server](const auto& q, const auto& a) { server->get(q, a); }},
-      {"~/get_parameter_types", "rcl_interfaces/srv/GetParameterTypes",
-       [server](const auto& q, const auto& a) { server->types(q, a); }},
-      {"~/describe_parameters", "rcl_interfaces/srv/DescribeParameters",
-       [server](const auto& q, const auto& a) { server->describe(q, a); }},
-      {"~/set_parameters", "rcl_interfaces/srv/SetParameters",
-       [server](const auto& q, const auto& a) { server->set(q, a); }},
-      {"~/set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically",
-       [server](const auto& q, const auto& a) { server->set_atomically(q, a); }},
-  }};
-  for (const Service& s : services)
-    if (auto made = cx::serve(bus, node, s.name, s.type, s.answer); !made) return made.error();
-  return {};
+  auto services = cx::serve(bus, node,
+                            {{"~/list_parameters", "rcl_interfaces/srv/ListParameters",
+                              [server](const auto& q, const auto& a) { server->list(q, a); }},
+                             {"~/get_parameters", "rcl_interfaces/srv/GetParameters",
+                              [server](const auto& q, const auto& a) { server->get(q, a); }},
+                             {"~/get_parameter_types", "rcl_interfaces/srv/GetParameterTypes",
+                              [server](const auto& q, const auto& a) { server->types(q, a); }},
+                             {"~/describe_parameters", "rcl_interfaces/srv/DescribeParameters",
+                              [server](const auto& q, const auto& a) { server->describe(q, a); }},
+                             {"~/set_parameters", "rcl_interfaces/srv/SetParameters",
+                              [server](const auto& q, const auto& a) { server->set(q, a); }},
+                             {"~/set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically",
+                              [server](const auto& q, const auto& a) { server->set_atomically(q, a); }}});
+  return services ? Status() : services.error();
 }
 
 }  // namespace cxlab::cx

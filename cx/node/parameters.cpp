@@ -14,15 +14,8 @@
 namespace cxlab::cx {
 
 std::string_view to_string(Parameter::Type type) {
-  switch (type) {
-    case Parameter::Type::kNone: return "nothing";
-    case Parameter::Type::kBool: return "a bool";
-    case Parameter::Type::kInteger: return "an integer";
-    case Parameter::Type::kDouble: return "a double";
-    case Parameter::Type::kString: return "a string";
-    case Parameter::Type::kList: break;
-  }
-  return "a list";
+  static constexpr std::string_view kWords[] = {"nothing", "a bool", "an integer", "a double", "a string", "a list"};
+  return kWords[static_cast<std::size_t>(type)];
 }
 
 namespace {
