@@ -124,7 +124,7 @@ SimTime PddlManager::next_due() const {
   return first;
 }
 
-Status PddlManager::answer_due(SimTime now) {
+Status PddlManager::sense(SimTime now) {
   const auto rest = std::ranges::stable_partition(jobs_, [&](const Job& job) { return job.due > now; });
   std::vector<Job> due(rest.begin(), rest.end());
   jobs_.erase(rest.begin(), rest.end());
@@ -133,7 +133,7 @@ Status PddlManager::answer_due(SimTime now) {
   return {};
 }
 
-Status PddlManager::act() {
+Status PddlManager::act(SimTime) {
   bus_.deliver(node_);
   if (bond_) bond_->act();
   return std::exchange(failure_, Status());

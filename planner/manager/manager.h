@@ -22,6 +22,7 @@
 #include "cx/node/lifecycle.h"
 #include "cx/node/log.h"
 #include "cx/node/parameters.h"
+#include "cx/run/parts.h"
 #include "planner/cost.h"
 #include "planner/manager/external.h"
 #include "planner/manager/instance.h"
@@ -47,11 +48,11 @@ struct PddlManagerOptions {
   std::function<Status(const std::filesystem::path& file, const std::string& text)> write;
 };
 
-class PddlManager {
+class PddlManager : public Server {
  public:
   /// Joins the bus; with `autostart` it is active when this returns.
   static Expected<std::unique_ptr<PddlManager>> create(PddlManagerOptions options, bus::Bus& bus, RecordSink& sink);
-  ~PddlManager();
+  ~PddlManager() override;
   PddlManager(const PddlManager&) = delete;
   PddlManager& operator=(const PddlManager&) = delete;
 
@@ -61,10 +62,10 @@ class PddlManager {
 
   // --- A tick
   /// Posts the answers whose time has come.
-  Status answer_due(SimTime now);
+  Status sense(SimTime now) override;
   /// Takes what was sent to the node and answers it; plans that were asked for are made here. Sends heartbeats.
-  Status act();
-  SimTime next_due() const;
+  Status act(SimTime now) override;
+  SimTime next_due() const override;
 
   /// Plans that were found; of these, those for a goal instance that had had one before.
   int plans() const { return plans_; }

@@ -371,11 +371,10 @@ void conjoin(Condition& into, Condition&& more) {
     both.operands.push_back(std::move(into));
     into = std::move(both);
   }
-  if (more.kind == Condition::Kind::kAnd) {
-    for (Condition& operand : more.operands) into.operands.push_back(std::move(operand));
-  } else {
+  if (more.kind == Condition::Kind::kAnd)
+    std::ranges::move(more.operands, std::back_inserter(into.operands));
+  else
     into.operands.push_back(std::move(more));
-  }
 }
 
 }  // namespace cxlab::planner

@@ -49,18 +49,6 @@ Status validate(const Config& config) {
   return {};
 }
 
-class ManagerServer final : public Server {
- public:
-  explicit ManagerServer(std::unique_ptr<planner::PddlManager> manager) : manager_(std::move(manager)) {}
-  Status sense(SimTime now) override { return manager_->answer_due(now); }
-  Status act(SimTime) override { return manager_->act(); }
-  SimTime next_due() const override { return manager_->next_due(); }
-  const planner::PddlManager& manager() const { return *manager_; }
-
- private:
-  std::unique_ptr<planner::PddlManager> manager_;
-};
-
 /// Below the run's folder, whatever path an agent named.
 Status write_below(const std::filesystem::path& run_folder, const std::filesystem::path& file,
                    const std::string& text) {
@@ -90,13 +78,12 @@ Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage
     };
   auto manager = planner::PddlManager::create(std::move(options), setup.bus, setup.sink);
   if (!manager) return manager.error();
-  auto server = std::make_unique<ManagerServer>(*std::move(manager));
-  stage.reports.push_back([&node = server->manager(), outside](Result& result) {
+  stage.reports.push_back([&node = **manager, outside](Result& result) {
     if (outside) result.deterministic = false;
     result.plans += node.plans();
     result.replans += node.replans();
   });
-  stage.servers.push_back(std::move(server));
+  stage.servers.push_back(*std::move(manager));
   return {};
 }
 

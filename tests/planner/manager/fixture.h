@@ -45,9 +45,9 @@ class ManagerTest : public ::testing::Test {
   void tick() {
     now_ += SimTime{20'000'000};
     bus_.begin_tick(now_);
-    const Status told = manager_->answer_due(now_), done = [&] {
+    const Status told = manager_->sense(now_), done = [&] {
       bus_.deliver(client_);
-      return manager_->act();
+      return manager_->act(now_);
     }();
     ASSERT_TRUE(told.ok() && done.ok());
   }

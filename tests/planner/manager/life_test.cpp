@@ -36,9 +36,9 @@ TEST_F(ManagerTest, ManagersInNamespacesAreIndependent) {
     for (int i = 0; i < 2; ++i) {
       now_ += SimTime{500'000'000};
       bus_.begin_tick(now_);
-      EXPECT_TRUE((*cyan)->answer_due(now_).ok() && (*magenta)->answer_due(now_).ok());
+      EXPECT_TRUE((*cyan)->sense(now_).ok() && (*magenta)->sense(now_).ok());
       bus_.deliver(client_);
-      EXPECT_TRUE((*cyan)->act().ok() && (*magenta)->act().ok());
+      EXPECT_TRUE((*cyan)->act(now_).ok() && (*magenta)->act(now_).ok());
     }
     return std::pair(answer->integer("success") != 0, answer->text("error"));
   };

@@ -317,9 +317,9 @@ TEST_F(ManagerTest, TwoRunsAreTheSameToTheLastByte) {
                              *bus::Message::from_yaml(*type.goal, "{pddl_instance: bw, goal_instance: base}")));
     for (int i = 1; i < 50; ++i) {
       bus.begin_tick(SimTime{i * 20'000'000});
-      EXPECT_TRUE((*manager)->answer_due(bus.now()).ok());
+      EXPECT_TRUE((*manager)->sense(bus.now()).ok());
       bus.deliver(agent);
-      EXPECT_TRUE((*manager)->act().ok());
+      EXPECT_TRUE((*manager)->act(bus.now()).ok());
     }
     return sink.text();
   };
