@@ -5,16 +5,9 @@
 namespace cxlab::cx {
 
 const char* status_word(bus::GoalStatus status) {
-  switch (status) {
-    case bus::GoalStatus::kUnknown: break;
-    case bus::GoalStatus::kAccepted: return "ACCEPTED";
-    case bus::GoalStatus::kExecuting: return "EXECUTING";
-    case bus::GoalStatus::kCanceling: return "CANCELING";
-    case bus::GoalStatus::kSucceeded: return "SUCCEEDED";
-    case bus::GoalStatus::kCanceled: return "CANCELED";
-    case bus::GoalStatus::kAborted: return "ABORTED";
-  }
-  return "UNKNOWN";
+  static constexpr const char* kWords[] = {"UNKNOWN",   "ACCEPTED", "EXECUTING", "CANCELING",
+                                           "SUCCEEDED", "CANCELED", "ABORTED"};
+  return kWords[static_cast<std::size_t>(status)];
 }
 
 void BusConnection::add_action_clients(const bus::ActionType* bound) {

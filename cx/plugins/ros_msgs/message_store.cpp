@@ -9,42 +9,9 @@ MessageStore::Owner MessageStore::new_owner() {
   return static_cast<Owner>(sizes_.size() - 1);
 }
 
-// --- The table of handles
-
 std::uint32_t MessageStore::find(Handle handle) const {
-  if (handle == Handle::kNone) return kNone;
-  for (std::size_t i = home(handle); table_[i].handle != Handle::kNone; i = (i + 1) & (table_.size() - 1))
-    if (table_[i].handle == handle) return table_[i].entry;
-  return kNone;
-}
-
-void MessageStore::put(Handle handle, std::uint32_t entry) {
-  if (2 * ++used_ > table_.size()) {
-    std::vector<Place> old(2 * table_.size());
-    old.swap(table_);
-    used_ = 1;
-    for (const Place& place : old)
-      if (place.handle != Handle::kNone) put(place.handle, place.entry);
-  }
-  std::size_t i = home(handle);
-  while (table_[i].handle != Handle::kNone) i = (i + 1) & (table_.size() - 1);
-  table_[i] = {handle, entry};
-}
-
-void MessageStore::take_out(Handle handle) {
-  std::size_t hole = home(handle);
-  while (table_[hole].handle != handle) hole = (hole + 1) & (table_.size() - 1);
-  --used_;
-  // Shift back what a search would no longer reach over the hole.
-  for (std::size_t i = (hole + 1) & (table_.size() - 1); table_[i].handle != Handle::kNone;
-       i = (i + 1) & (table_.size() - 1)) {
-    const std::size_t wanted = home(table_[i].handle);
-    const bool stays = hole <= i ? (hole < wanted && wanted <= i) : (hole < wanted || wanted <= i);
-    if (stays) continue;
-    table_[hole] = table_[i];
-    hole = i;
-  }
-  table_[hole] = {};
+  const Place* place = places_.find(handle);
+  return place == nullptr ? kNone : place->entry;
 }
 
 // --- Entries
@@ -59,7 +26,7 @@ std::uint32_t MessageStore::add() {
     entries_[at].next = kNone;
   }
   entries_[at].handle = engine_.new_handle();
-  put(entries_[at].handle, at);
+  places_.insert(entries_[at].handle).entry = at;
   return at;
 }
 
@@ -87,7 +54,7 @@ void MessageStore::erase(std::uint32_t at) {
     child = next;
   }
   Entry& entry = entries_[at];
-  take_out(entry.handle);
+  places_.erase(entry.handle);
   if (entry.parent == kNone) --sizes_[static_cast<std::size_t>(entry.owner)];
   entry = {};
   entry.next = free_;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "cx/base/flat_table.h"
 #include "cx/bus/message.h"
 #include "cx/executive/environment.h"
 
@@ -19,7 +20,7 @@ class MessageStore {
  public:
   enum class Owner : std::uint32_t {};
 
-  explicit MessageStore(Environment& environment) : engine_(environment.engine()), table_(64) {}
+  explicit MessageStore(Environment& environment) : engine_(environment.engine()) {}
 
   RuleEngine& engine() const { return engine_; }
   Owner new_owner();
@@ -58,9 +59,8 @@ class MessageStore {
     std::size_t beyond = 0;                     // one more than the largest index of a child
     std::uint32_t next = kNone;
   };
-  /// Open addressing; handles are counted, so their low bits spread them.
   struct Place {
-    Handle handle = Handle::kNone;
+    Handle key = Handle::kNone;
     std::uint32_t entry = 0;
   };
 
@@ -70,15 +70,11 @@ class MessageStore {
   std::uint32_t find(Handle handle) const;
   std::uint32_t find_child(std::uint32_t from, std::uint32_t end, const bus::Field& field, std::size_t index) const;
   bus::MessageView view_of(const Entry& entry) const;
-  std::size_t home(Handle handle) const { return static_cast<std::size_t>(handle) & (table_.size() - 1); }
-  void put(Handle handle, std::uint32_t entry);
-  void take_out(Handle handle);
 
   RuleEngine& engine_;
   std::vector<Entry> entries_;
   std::uint32_t free_ = kNone;
-  std::vector<Place> table_;
-  std::size_t used_ = 0;
+  FlatTable<Place> places_;
   std::vector<std::size_t> sizes_;  // by owner
 };
 
