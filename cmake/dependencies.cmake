@@ -10,6 +10,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(PNG REQUIRED)
 find_package(box2d REQUIRED)
+find_package(Eigen3 REQUIRED NO_MODULE)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 
 if(NOT TARGET yaml-cpp::yaml-cpp)

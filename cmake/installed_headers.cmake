@@ -18,9 +18,11 @@ function(cxlab_install_headers folder)
   endforeach()
 endfunction()
 
-# A file for each header, compiled without making code. A header of a Debian package that plugins would need is an error.
+# A file for each header, compiled without making code. Beside the installed headers it may include Eigen's, which
+# find_package(cxlab) finds; a header of another Debian package is an error.
 function(cxlab_check_installed_headers)
   get_property(installed_headers GLOBAL PROPERTY CXLAB_INSTALLED_HEADERS)
+  get_target_property(eigen Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
   set(stamps "")
   foreach(pair IN LISTS installed_headers)
     string(REGEX MATCH "^([^>]+)>(.+)$" _ "${pair}")
@@ -31,7 +33,7 @@ function(cxlab_check_installed_headers)
     file(CONFIGURE OUTPUT "${stem}.cpp" CONTENT "#include \"${header}\"\n")
     add_custom_command(OUTPUT "${stem}.stamp"
       COMMAND ${CMAKE_CXX_COMPILER} -std=c++20 ${CXLAB_WARNINGS} -fsyntax-only -MD -MF "${stem}.d" -MT "${stem}.stamp"
-              "-I${CXLAB_INSTALLED_INCLUDE}" "${stem}.cpp"
+              "-I${CXLAB_INSTALLED_INCLUDE}" -isystem "${eigen}" "${stem}.cpp"
       COMMAND ${CMAKE_COMMAND} -D "dependencies=${stem}.d" -D "header=${header}" -P "${PROJECT_SOURCE_DIR}/cmake/package/check_header.cmake"
       COMMAND ${CMAKE_COMMAND} -E touch "${stem}.stamp"
       DEPENDS "${file}" "${stem}.cpp" "${PROJECT_BINARY_DIR}/include/cx_abi/cx/executive/abi.h" "${PROJECT_SOURCE_DIR}/cmake/package/check_header.cmake"

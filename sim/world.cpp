@@ -1,42 +1,14 @@
 #include "sim/world.h"
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 
 namespace cxlab::sim {
 namespace {
-
-struct SpotShape {
-  const char* suffix;
-  SpotKind kind;
-  double x, y;   ///< of a piece that rests there, in the station's frame
-  double side;   ///< +1 input side, -1 output side
-  double reach;  ///< distance of the working pose from the face
-};
-
-constexpr SpotShape kInput{"-INPUT", SpotKind::kBeltInput, kMachine.belt_rest_x, kMachine.belt_y, 1, kStanding.belt};
-constexpr SpotShape kOutput{"-OUTPUT", SpotKind::kBeltOutput, -kMachine.belt_rest_x, kMachine.belt_y,
-                            -1,        kStanding.belt};
-constexpr SpotShape kShelf[] = {
-    {"-SHELF-LEFT", SpotKind::kShelf, kMachine.shelf_x, kMachine.shelf_y[0], 1, kStanding.shelf},
-    {"-SHELF-MIDDLE", SpotKind::kShelf, kMachine.shelf_x, kMachine.shelf_y[1], 1, kStanding.shelf},
-    {"-SHELF-RIGHT", SpotKind::kShelf, kMachine.shelf_x, kMachine.shelf_y[2], 1, kStanding.shelf},
-};
-constexpr SpotShape kSlide{"-SLIDE", SpotKind::kSlide, kMachine.slide_rest_x, kMachine.slide_y, 1, kStanding.belt};
-
-Spot make_spot(const Station& station, StationId id, const SpotShape& shape) {
-  const auto robot_at = [&](double distance) {
-    const double yaw = shape.side > 0 ? std::numbers::pi : 0.0;
-    return compose(station.pose_in_world, {shape.side * (kMachine.half_depth + distance), shape.y, yaw});
-  };
-  return {station.name + shape.suffix,
-          id,
-          shape.kind,
-          {shape.x, shape.y, kMachine.working_height},
-          robot_at(kStanding.align),
-          robot_at(shape.reach)};
-}
 
 template <class Id, class Items>
 std::optional<Id> find_by_name(const Items& items, std::string_view name) {
@@ -47,25 +19,25 @@ std::optional<Id> find_by_name(const Items& items, std::string_view name) {
 
 }  // namespace
 
-double wrap_angle(double a) {
-  const double wrapped = std::remainder(a, 2 * std::numbers::pi);
-  return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
+void Stack::mount(Part part, std::uint8_t colour) {
+  if (part == Part::kCap) {
+    cap = colour;
+    return;
+  }
+  const auto free = std::ranges::find(rings, std::uint8_t{0});
+  assert(free != rings.end() && "a piece has three rings at most");
+  *free = colour;
 }
 
-Pose2 compose(const Pose2& frame, const Pose2& local) {
-  const double c = std::cos(frame.yaw), s = std::sin(frame.yaw);
-  return {frame.x + c * local.x - s * local.y, frame.y + s * local.x + c * local.y, wrap_angle(frame.yaw + local.yaw)};
-}
-
-Vec3 transform(const Pose2& frame, const Vec3& local) {
-  const double c = std::cos(frame.yaw), s = std::sin(frame.yaw);
-  return {frame.x + c * local.x - s * local.y, frame.y + s * local.x + c * local.y, local.z};
-}
-
-Vec3 inverse_transform(const Pose2& frame, const Vec3& point) {
-  const double c = std::cos(frame.yaw), s = std::sin(frame.yaw);
-  const double dx = point.x - frame.x, dy = point.y - frame.y;
-  return {c * dx + s * dy, -s * dx + c * dy, point.z};
+double FloorPlan::clearance(const Vec2& p) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Station& station : stations) {
+    const Vec3 local = inverse_transform(station.pose_in_world, {p.x(), p.y(), 0});
+    nearest = std::min(nearest, std::hypot(std::max(0.0, std::abs(local.x()) - kMachine.half_depth),
+                                           std::max(0.0, std::abs(local.y()) - kMachine.half_width)));
+  }
+  for (const Segment& wall : walls) nearest = std::min(nearest, distance(p, wall) - kWall.half_thickness);
+  return nearest;
 }
 
 std::optional<SpotId> FloorPlan::find_spot(std::string_view name) const { return find_by_name<SpotId>(spots, name); }
@@ -80,14 +52,32 @@ std::optional<RobotId> FloorPlan::find_robot(std::string_view name) const {
 
 std::vector<Spot> spots_of(const Station& station, StationId id) {
   std::vector<Spot> spots;
+  const auto add = [&](const char* suffix, SpotKind kind, double x, double y, double reach) {
+    const Vec3 rest(x, y, kMachine.working_height);
+    const double side = x > 0 ? 1 : -1, yaw = x > 0 ? std::numbers::pi : 0;
+    const auto robot_at = [&](double distance) {
+      return compose(station.pose_in_world, {side * (kMachine.half_depth + distance), y, yaw});
+    };
+    spots.push_back({station.name + suffix, id, kind, rest, transform(station.pose_in_world, rest),
+                     robot_at(kStanding.align), robot_at(reach)});
+  };
   if (station.has_belt) {
-    spots.push_back(make_spot(station, id, kInput));
-    if (station.kind != "DS") spots.push_back(make_spot(station, id, kOutput));
+    add("-INPUT", SpotKind::kBeltInput, kMachine.belt_rest_x, kMachine.belt_y, kStanding.belt);
+    if (station.kind != "DS")
+      add("-OUTPUT", SpotKind::kBeltOutput, -kMachine.belt_rest_x, kMachine.belt_y, kStanding.belt);
   }
-  if (station.kind == "CS")
-    for (const SpotShape& slot : kShelf) spots.push_back(make_spot(station, id, slot));
-  if (station.kind == "RS") spots.push_back(make_spot(station, id, kSlide));
+  if (station.kind == "CS") {
+    const char* slots[] = {"-SHELF-LEFT", "-SHELF-MIDDLE", "-SHELF-RIGHT"};
+    for (std::size_t i = 0; i < kMachine.shelf_y.size(); ++i)
+      add(slots[i], SpotKind::kShelf, kMachine.shelf_x, kMachine.shelf_y[i], kStanding.shelf);
+  }
+  if (station.kind == "RS") add("-SLIDE", SpotKind::kSlide, kMachine.slide_rest_x, kMachine.slide_y, kStanding.belt);
   return spots;
+}
+
+Vec3 within_strokes(const Vec3& axes) {
+  return axes.cwiseMax(Vec3(0, -kRobot.left_stroke, 0))
+      .cwiseMin(Vec3(kRobot.forward_stroke, kRobot.left_stroke, kRobot.up_stroke));
 }
 
 std::string_view to_string(Holder holder) {

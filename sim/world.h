@@ -15,6 +15,7 @@
 #include "cx/base/time.h"
 #include "cx/run/parts.h"
 #include "sim/geometry.h"
+#include "sim/pose.h"
 
 namespace cxlab::sim {
 
@@ -22,27 +23,22 @@ enum class PieceId : std::int32_t {};    ///< counted from 1 in order of dispens
 enum class RobotId : std::int32_t {};    ///< index into FloorPlan::robots
 enum class StationId : std::int32_t {};  ///< index into FloorPlan::stations
 enum class SpotId : std::int32_t {};     ///< index into FloorPlan::spots
+/// An id as the index of a vector that has one element for each.
+template <class Id>
+constexpr std::size_t index_of(Id id) {
+  return static_cast<std::size_t>(id);
+}
 
-struct Vec3 {
-  double x = 0, y = 0, z = 0;
-};
-struct Pose2 {
-  double x = 0, y = 0, yaw = 0;
-};  ///< m, m, rad (-pi, pi]
-/// `local` seen from the frame that `frame` is given in.
-Pose2 compose(const Pose2& frame, const Pose2& local);
-Vec3 transform(const Pose2& frame, const Vec3& local);
-Vec3 inverse_transform(const Pose2& frame, const Vec3& point);
-double wrap_angle(double a);
-
+enum class Part : std::uint8_t { kRing, kCap };
 /// A product: one body with five slots. Colours are the numbers of the scenario's enums; 0 = slot empty.
 struct Stack {
   std::uint8_t base = 0;
   std::array<std::uint8_t, 3> rings{};
   std::uint8_t cap = 0;
+  /// Adds a ring, in the next free slot, or the cap. A fourth ring is a bug of the caller.
+  void mount(Part part, std::uint8_t colour);
   friend bool operator==(const Stack&, const Stack&) = default;
 };
-enum class Part : std::uint8_t { kRing, kCap };
 
 /// Where a piece can be taken or put by a robot.
 enum class SpotKind : std::uint8_t { kBeltInput, kBeltOutput, kShelf, kSlide };
@@ -50,9 +46,12 @@ struct Spot {
   std::string name;  ///< "C-CS1-INPUT", "C-CS1-OUTPUT", "C-CS1-SHELF-LEFT" (MIDDLE, RIGHT), "C-RS1-SLIDE"
   StationId station{};
   SpotKind kind{};
-  Vec3 rest_in_station;  ///< underside of a piece that rests there
-  Pose2 align_in_world;  ///< robot's centre, 0.5 m from the face, facing the machine, in line with the spot
-  Pose2 work_in_world;   ///< robot's centre when it reaches (docs/models.md)
+  Vec3 rest_in_station;  ///< centre of the underside of a piece that rests there
+  Vec3 rest_in_world;
+  Pose2 align_in_world;  ///< of a robot before and after it uses the spot: facing the machine, in line with the spot
+  Pose2 work_in_world;   ///< of a robot that uses the spot
+  /// The ground that a robot covers with its centre while it works there.
+  Segment footprint() const { return {align_in_world.position(), work_in_world.position()}; }
 };
 /// A machine. Frame: x from output to input, y left of it, z up, origin on the floor under its centre.
 struct Station {
@@ -65,22 +64,22 @@ struct RobotStart {
   std::string name;
   Pose2 pose_in_world;
 };
-struct WallSegment {
-  double x0, y0, x1, y1;
-};
 /// What stands where, fixed for an episode.
 struct FloorPlan {
   double min_x = -kField.half_length, max_x = kField.half_length, min_y = 0, max_y = kField.width;
-  std::vector<WallSegment> walls;  ///< physical; the border closes the field to driving everywhere
+  std::vector<Segment> walls;  ///< physical; the border closes the field to driving everywhere
   std::vector<Station> stations;
   std::vector<Spot> spots;
   std::vector<RobotStart> robots;
 
+  /// From a point to the nearest machine or wall, in m; the border does not count.
+  double clearance(const Vec2& p) const;
   std::optional<SpotId> find_spot(std::string_view name) const;
   std::optional<StationId> find_station(std::string_view name) const;
   std::optional<RobotId> find_robot(std::string_view name) const;
-  const Spot& spot(SpotId id) const { return spots[static_cast<std::size_t>(id)]; }
-  const Station& station(StationId id) const { return stations[static_cast<std::size_t>(id)]; }
+  const Spot& spot(SpotId id) const { return spots[index_of(id)]; }
+  const Station& station(StationId id) const { return stations[index_of(id)]; }
+  const RobotStart& robot(RobotId id) const { return robots[index_of(id)]; }
 };
 /// The spots that a station of that kind has, with the poses of docs/models.md. `pose` is the station's.
 std::vector<Spot> spots_of(const Station& station, StationId id);
@@ -93,22 +92,26 @@ struct Piece {
   PieceId id{};
   Stack stack;
   Holder holder{};
-  int holder_index = -1;   ///< robot, station or spot (slot, slide) by kind of holder
-  Vec3 position_in_world;  ///< underside's centre
+  int holder_index = -1;                  ///< robot, station or spot (slot, slide) by kind of holder
+  Vec3 position_in_world = Vec3::Zero();  ///< of the underside's centre
+  template <class Id>
+  bool is_with(Holder kind, Id which) const {
+    return holder == kind && holder_index == static_cast<int>(which);
+  }
 };
 /// One piece passed from one holder to another; the referee writes it down.
 struct HolderChange {
   PieceId piece{};
   Holder from{}, to{};
   int from_index = -1, to_index = -1;
-  Vec3 position_in_world;
+  Vec3 position_in_world = Vec3::Zero();
   SimTime at{};
 };
 
 struct RobotState {
   Pose2 pose_in_world;
   double vx = 0, vy = 0, omega = 0;  ///< in the world, m/s, rad/s
-  Vec3 gripper;                      ///< axes: forward 0..0.24, left +-0.0375, up 0..0.057 from home
+  Vec3 gripper = Vec3::Zero();       ///< axes forward, left, up: distances from home (RobotGeometry)
   double finger_opening = 0;
   std::optional<PieceId> held;        ///< touched by both fingers and off every other support (or so booked)
   std::uint32_t robot_contacts = 0;   ///< new contacts with other robots since the start
@@ -161,6 +164,9 @@ class World : public WorldView, public Simulation {
   virtual void set_lights(StationId station, const Lights& lights) = 0;
   virtual Lights lights(StationId station) const = 0;
 };
+
+/// The nearest axes of a gripper that its strokes allow.
+Vec3 within_strokes(const Vec3& axes);
 
 /// Robots as bodies with motors: what a physics skill commands. Limits of speed and acceleration apply inside.
 class RobotBodies {

@@ -12,17 +12,6 @@ namespace {
 constexpr const char* kMessageType = "tf2_msgs/msg/TFMessage";
 constexpr double kQuaternionTolerance = 1e-2;  // of the squared norm, as in tf2
 
-struct Vector {
-  double x = 0, y = 0, z = 0;
-};
-
-/// q * v * q^-1 of a unit quaternion, by two cross products.
-Vector rotate(const Transform& q, const Vector& v) {
-  const Vector t{2 * (q.qy * v.z - q.qz * v.y), 2 * (q.qz * v.x - q.qx * v.z), 2 * (q.qx * v.y - q.qy * v.x)};
-  return {v.x + q.qw * t.x + q.qy * t.z - q.qz * t.y, v.y + q.qw * t.y + q.qz * t.x - q.qx * t.z,
-          v.z + q.qw * t.z + q.qx * t.y - q.qy * t.x};
-}
-
 /// Seconds with six digits, as tf2 prints times.
 std::string seconds(SimTime t) { return fixed_text(to_seconds(t), 6); }
 
@@ -33,53 +22,23 @@ Error refused(std::string_view code, std::string_view child, const std::string& 
                      "\" because " + why);
 }
 
-bool finite(const Transform& t) {
-  for (const double v : {t.x, t.y, t.z, t.qx, t.qy, t.qz, t.qw})
-    if (!std::isfinite(v)) return false;
-  return true;
-}
-
 }  // namespace
 
-Transform planar(double x, double y, double yaw) { return {x, y, 0, 0, 0, std::sin(yaw / 2), std::cos(yaw / 2)}; }
+Transform planar(double x, double y, double yaw) {
+  return {{x, y, 0}, Eigen::Quaterniond(std::cos(yaw / 2), 0, 0, std::sin(yaw / 2))};
+}
 
-Transform operator*(const Transform& a, const Transform& b) {
-  const Vector moved = rotate(a, {b.x, b.y, b.z});
-  return {moved.x + a.x,
-          moved.y + a.y,
-          moved.z + a.z,
-          a.qw * b.qx + a.qx * b.qw + a.qy * b.qz - a.qz * b.qy,
-          a.qw * b.qy - a.qx * b.qz + a.qy * b.qw + a.qz * b.qx,
-          a.qw * b.qz + a.qx * b.qy - a.qy * b.qx + a.qz * b.qw,
-          a.qw * b.qw - a.qx * b.qx - a.qy * b.qy - a.qz * b.qz};
+Transform operator*(const Transform& outer, const Transform& inner) {
+  return {outer.rotation * inner.translation + outer.translation, outer.rotation * inner.rotation};
 }
 
 Transform inverse(const Transform& t) {
-  Transform out{0, 0, 0, -t.qx, -t.qy, -t.qz, t.qw};
-  const Vector moved = rotate(out, {t.x, t.y, t.z});
-  out.x = -moved.x;
-  out.y = -moved.y;
-  out.z = -moved.z;
-  return out;
+  const Eigen::Quaterniond back = t.rotation.conjugate();
+  return {-(back * t.translation), back};
 }
 
 Transform interpolate(const Transform& from, const Transform& to, double part) {
-  const auto line = [part](double a, double b) { return a + (b - a) * part; };
-  const double dot = from.qx * to.qx + from.qy * to.qy + from.qz * to.qz + from.qw * to.qw;
-  const double angle = std::acos(std::min(std::abs(dot), 1.0));
-  double first = 1 - part, second = part;  // a straight line where the arc has no length
-  if (angle > 1e-9) {
-    first = std::sin((1 - part) * angle) / std::sin(angle);
-    second = std::sin(part * angle) / std::sin(angle);
-  }
-  if (dot < 0) second = -second;
-  return {line(from.x, to.x),
-          line(from.y, to.y),
-          line(from.z, to.z),
-          first * from.qx + second * to.qx,
-          first * from.qy + second * to.qy,
-          first * from.qz + second * to.qz,
-          first * from.qw + second * to.qw};
+  return {from.translation + part * (to.translation - from.translation), from.rotation.slerp(part, to.rotation)};
 }
 
 // --- The buffer
@@ -100,9 +59,9 @@ Status TransformBuffer::set(std::string_view parent, std::string_view child, Sim
   if (child.empty()) return refused("TF_NO_CHILD_FRAME_ID", child, "child_frame_id not set");
   if (parent.empty()) return refused("TF_NO_FRAME_ID", child, "frame_id not set");
   if (child == parent) return refused("TF_SELF_TRANSFORM", child, "frame_id is the same");
-  if (!finite(pose)) return refused("TF_NAN_INPUT", child, "of a nan value in the transform");
-  const double norm = pose.qx * pose.qx + pose.qy * pose.qy + pose.qz * pose.qz + pose.qw * pose.qw;
-  if (std::abs(norm - 1) > kQuaternionTolerance)
+  if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite())
+    return refused("TF_NAN_INPUT", child, "of a nan value in the transform");
+  if (std::abs(pose.rotation.squaredNorm() - 1) > kQuaternionTolerance)
     return refused("TF_DENORMALIZED_QUATERNION", child, "of an invalid quaternion in the transform");
 
   const auto parent_at = frames_.try_emplace(std::string(parent)).first;
@@ -264,8 +223,8 @@ void TransformListener::take(const Delivery& delivery, bool is_static) {
     const MessageView header = stamped.nested("header"), stamp = header.nested("stamp");
     const MessageView position = stamped.nested("transform").nested("translation"),
                       turn = stamped.nested("transform").nested("rotation");
-    const Transform pose{position.real("x"), position.real("y"), position.real("z"), turn.real("x"),
-                         turn.real("y"),     turn.real("z"),     turn.real("w")};
+    const Transform pose{{position.real("x"), position.real("y"), position.real("z")},
+                         {turn.real("w"), turn.real("x"), turn.real("y"), turn.real("z")}};
     const std::string &parent = header.text("frame_id"), &child = stamped.text("child_frame_id");
     const SimTime t = std::chrono::seconds(stamp.integer("sec")) + SimTime{stamp.integer("nanosec")};
     if (Status s = buffer_.set(parent, child, t, pose, is_static); !s && on_refused_)
@@ -305,12 +264,9 @@ void TransformBroadcaster::post(EndpointId publisher, Poses& poses) {
         .set("sec", now / 1'000'000'000)
         .set("nanosec", now % 1'000'000'000);
     const MessageView transform = stamped.nested("transform");
-    transform.nested("translation").set("x", placed.pose.x).set("y", placed.pose.y).set("z", placed.pose.z);
-    transform.nested("rotation")
-        .set("x", placed.pose.qx)
-        .set("y", placed.pose.qy)
-        .set("z", placed.pose.qz)
-        .set("w", placed.pose.qw);
+    const auto& [position, turn] = placed.pose;
+    transform.nested("translation").set("x", position.x()).set("y", position.y()).set("z", position.z());
+    transform.nested("rotation").set("x", turn.x()).set("y", turn.y()).set("z", turn.z()).set("w", turn.w());
   }
   poses.clear();
   bus_->publish(publisher, std::make_shared<const Message>(std::move(message)));

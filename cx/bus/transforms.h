@@ -10,16 +10,18 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
 #include "cx/bus/bus.h"
 
 namespace cxlab::bus {
 
-/// Where a child frame lies in its parent: a point of the child is `rotation * p + translation` in the parent.
+/// Where a child frame lies in its parent: a point p of the child is `rotation * p + translation` in the parent.
 struct Transform {
-  double x = 0, y = 0, z = 0;             ///< m
-  double qx = 0, qy = 0, qz = 0, qw = 1;  ///< unit quaternion
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();         ///< m
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< of norm 1
 };
 /// On the floor, turned by `yaw` (rad).
 Transform planar(double x, double y, double yaw);

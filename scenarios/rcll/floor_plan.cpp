@@ -11,25 +11,9 @@ namespace {
 constexpr double kGrid = 0.05;             ///< m
 constexpr double kRobotWithMargin = 0.27;  ///< m, radius that robots of the league plan with
 
-double distance_to_box(const sim::Pose2& box, double x, double y) {
-  const sim::Vec3 local = sim::inverse_transform(box, {x, y, 0});
-  return std::hypot(std::max(std::abs(local.x) - sim::kMachine.half_depth, 0.0),
-                    std::max(std::abs(local.y) - sim::kMachine.half_width, 0.0));
-}
-
-double distance_to_wall(const sim::WallSegment& w, double x, double y) {
-  const double dx = w.x1 - w.x0, dy = w.y1 - w.y0;
-  const double along = std::clamp(((x - w.x0) * dx + (y - w.y0) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-  return std::hypot(x - w.x0 - along * dx, y - w.y0 - along * dy) - sim::kWall.half_thickness;
-}
-
-bool disc_fits(const sim::FloorPlan& plan, double x, double y, double radius) {
-  if (x - radius < plan.min_x || x + radius > plan.max_x || y - radius < plan.min_y || y + radius > plan.max_y)
-    return false;
-  return std::ranges::all_of(plan.stations,
-                             [&](const sim::Station& s) { return distance_to_box(s.pose_in_world, x, y) >= radius; }) &&
-         std::ranges::all_of(plan.walls,
-                             [&](const sim::WallSegment& w) { return distance_to_wall(w, x, y) >= radius; });
+bool disc_fits(const sim::FloorPlan& plan, const sim::Vec2& p, double radius) {
+  return p.x() - radius >= plan.min_x && p.x() + radius <= plan.max_x && p.y() - radius >= plan.min_y &&
+         p.y() + radius <= plan.max_y && plan.clearance(p) >= radius;
 }
 
 /// Which points of a grid over the field a disc can get to.
@@ -42,11 +26,11 @@ class ReachGrid {
         free_(static_cast<std::size_t>(columns_ * rows_)),
         reached_(free_.size()) {
     for (int r = 0; r < rows_; ++r)
-      for (int c = 0; c < columns_; ++c) free_[index(c, r)] = disc_fits(plan, x_of(c), y_of(r), radius);
+      for (int c = 0; c < columns_; ++c) free_[index(c, r)] = disc_fits(plan, point(c, r), radius);
   }
 
-  void flood_from(double x, double y) {
-    std::vector<std::pair<int, int>> open{cell_of(x, y)};
+  void flood_from(const sim::Vec2& p) {
+    std::vector<std::pair<int, int>> open{cell_of(p)};
     while (!open.empty()) {
       const auto [c, r] = open.back();
       open.pop_back();
@@ -57,8 +41,8 @@ class ReachGrid {
   }
 
   /// A reached point within a cell's diagonal.
-  bool reached_near(double x, double y) const {
-    const auto [c0, r0] = cell_of(x, y);
+  bool reached_near(const sim::Vec2& p) const {
+    const auto [c0, r0] = cell_of(p);
     for (int c = std::max(c0 - 1, 0); c <= std::min(c0 + 1, columns_ - 1); ++c)
       for (int r = std::max(r0 - 1, 0); r <= std::min(r0 + 1, rows_ - 1); ++r)
         if (reached_[index(c, r)]) return true;
@@ -67,11 +51,10 @@ class ReachGrid {
 
  private:
   std::size_t index(int column, int row) const { return static_cast<std::size_t>(row * columns_ + column); }
-  double x_of(int column) const { return plan_.min_x + column * kGrid; }
-  double y_of(int row) const { return plan_.min_y + row * kGrid; }
-  std::pair<int, int> cell_of(double x, double y) const {
-    return {static_cast<int>(std::lround((x - plan_.min_x) / kGrid)),
-            static_cast<int>(std::lround((y - plan_.min_y) / kGrid))};
+  sim::Vec2 point(int column, int row) const { return {plan_.min_x + column * kGrid, plan_.min_y + row * kGrid}; }
+  std::pair<int, int> cell_of(const sim::Vec2& p) const {
+    return {static_cast<int>(std::lround((p.x() - plan_.min_x) / kGrid)),
+            static_cast<int>(std::lround((p.y() - plan_.min_y) / kGrid))};
   }
 
   const sim::FloorPlan& plan_;
@@ -89,13 +72,12 @@ sim::Pose2 start_pose(Team team, int index) {
 sim::FloorPlan make_floor_plan(const Layout& layout, Team team, int robots) {
   sim::FloorPlan plan;
   for (const double s : {1.0, -1.0}) {
-    const std::vector<std::vector<std::pair<double, double>>> lines{{{4 * s, 1}, {4 * s, 0}, {7 * s, 0}},
-                                                                    {{5 * s, 1}, {7 * s, 1}, {7 * s, 2}},
-                                                                    {{7 * s, 6.5}, {7 * s, 8}, {0, 8}},
-                                                                    {{2 * s, 0}, {0, 0}}};
+    const std::vector<std::vector<sim::Vec2>> lines{{{4 * s, 1}, {4 * s, 0}, {7 * s, 0}},
+                                                    {{5 * s, 1}, {7 * s, 1}, {7 * s, 2}},
+                                                    {{7 * s, 6.5}, {7 * s, 8}, {0, 8}},
+                                                    {{2 * s, 0}, {0, 0}}};
     for (const auto& line : lines)
-      for (std::size_t i = 1; i < line.size(); ++i)
-        plan.walls.push_back({line[i - 1].first, line[i - 1].second, line[i].first, line[i].second});
+      for (std::size_t i = 1; i < line.size(); ++i) plan.walls.push_back({line[i - 1], line[i]});
   }
   for (const Placement& placement : layout) {
     const auto id = static_cast<sim::StationId>(plan.stations.size());
@@ -109,13 +91,11 @@ sim::FloorPlan make_floor_plan(const Layout& layout, Team team, int robots) {
 
 std::vector<sim::SpotId> unreachable_spots(const sim::FloorPlan& plan, double radius) {
   ReachGrid grid(plan, radius);
-  for (const sim::RobotStart& robot : plan.robots) grid.flood_from(robot.pose_in_world.x, robot.pose_in_world.y);
+  for (const sim::RobotStart& robot : plan.robots) grid.flood_from(robot.pose_in_world.position());
   std::vector<sim::SpotId> unreachable;
   for (std::size_t i = 0; i < plan.spots.size(); ++i) {
-    const sim::Pose2& align = plan.spots[i].align_in_world;
-    const sim::Pose2& work = plan.spots[i].work_in_world;
-    if (!grid.reached_near(align.x, align.y) || !disc_fits(plan, align.x, align.y, radius) ||
-        !disc_fits(plan, work.x, work.y, radius))
+    const auto [align, work] = plan.spots[i].footprint();
+    if (!grid.reached_near(align) || !disc_fits(plan, align, radius) || !disc_fits(plan, work, radius))
       unreachable.push_back(static_cast<sim::SpotId>(i));
   }
   return unreachable;

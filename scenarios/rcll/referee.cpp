@@ -114,9 +114,7 @@ void GameReferee::write_piece(const sim::HolderChange& change) {
   data_.begin().field("event", "piece").field("piece", static_cast<std::int64_t>(change.piece));
   put_holder("from", change.from, change.from_index);
   put_holder("to", change.to, change.to_index);
-  const std::array<double, 3> position{change.position_in_world.x, change.position_in_world.y,
-                                       change.position_in_world.z};
-  data_.field("position", std::span<const double>(position));
+  data_.field("position", std::span<const double>(change.position_in_world.data(), 3));
   write(change.at);
 }
 

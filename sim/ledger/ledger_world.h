@@ -3,11 +3,11 @@
 // itself (a piece arrives at the end of a belt) has a time that is known in advance, so that an episode can jump to it.
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "sim/piece_book.h"
 #include "sim/world.h"
 
 namespace cxlab::sim {
@@ -20,14 +20,14 @@ class LedgerWorld final : public World, public RobotBook {
   // WorldView
   SimTime now() const override { return now_; }
   const FloorPlan& plan() const override { return plan_; }
-  std::span<const Piece> pieces() const override { return pieces_; }
-  const Piece* find(PieceId id) const override;
+  std::span<const Piece> pieces() const override { return book_.pieces(); }
+  const Piece* find(PieceId id) const override { return book_.find(id); }
   RobotState robot(RobotId id) const override;
-  bool belt_running(StationId id) const override { return belt(id).speed != 0; }
+  bool belt_running(StationId id) const override { return belts_[index_of(id)].speed != 0; }
   const Piece* at(SpotId spot) const override;
   const Piece* on_belt(StationId id, double x) const override;
-  int slide_count(StationId id) const override { return slide_counts_[static_cast<std::size_t>(id)]; }
-  std::span<const HolderChange> changes() const override { return changes_; }
+  int slide_count(StationId id) const override { return slide_counts_[index_of(id)]; }
+  std::span<const HolderChange> changes() const override { return book_.changes(); }
 
   // World
   /// Any length of time; what happens within it happens at its own time.
@@ -36,12 +36,12 @@ class LedgerWorld final : public World, public RobotBook {
   Expected<PieceId> dispense(StationId station, double x_on_belt, const Stack& stack) override;
   Expected<PieceId> dispense(SpotId shelf, const Stack& stack) override;
   void run_belt(StationId station, double speed, double stop_x) override;
-  void stop_belt(StationId station) override;
-  void mount(PieceId piece, Part part, std::uint8_t colour) override;
-  void unmount_cap(PieceId piece) override;
+  void stop_belt(StationId station) override { belts_[index_of(station)] = {}; }
+  void mount(PieceId piece, Part part, std::uint8_t colour) override { book_.at(piece).stack.mount(part, colour); }
+  void unmount_cap(PieceId piece) override { book_.at(piece).stack.cap = 0; }
   void retire(PieceId piece, Holder to) override;
-  void set_lights(StationId station, const Lights& lights) override;
-  Lights lights(StationId station) const override { return lights_[static_cast<std::size_t>(station)]; }
+  void set_lights(StationId station, const Lights& lights) override { lights_[index_of(station)] = lights; }
+  Lights lights(StationId station) const override { return lights_[index_of(station)]; }
 
   // RobotBook
   void move_along(RobotId robot, std::span<const Pose2> path, SimTime departure, SimTime arrival) override;
@@ -54,7 +54,7 @@ class LedgerWorld final : public World, public RobotBook {
   struct Belt {
     double speed = 0;  ///< m/s, + = towards the input; 0 = stands
     double stop_x = 0;
-    SimTime arrival = kNever;  ///< of the first piece at stop_x or over the end
+    SimTime arrival = kNever;  ///< of the first piece at stop_x or at the belt's end
   };
   struct Motion {
     std::vector<Pose2> path;      ///< its first point is where the robot was at departure
@@ -62,17 +62,13 @@ class LedgerWorld final : public World, public RobotBook {
     SimTime departure{}, arrival{};
   };
 
-  const Belt& belt(StationId id) const { return belts_[static_cast<std::size_t>(id)]; }
-  Belt& belt(StationId id) { return belts_[static_cast<std::size_t>(id)]; }
-  Piece* find_piece(PieceId id);
+  const Piece* held_by(RobotId robot) const;
   Piece* held_by(RobotId robot);
-  const Piece* held_by(RobotId robot) const { return const_cast<LedgerWorld*>(this)->held_by(robot); }
   Pose2 pose_at(RobotId robot, SimTime t) const;
   Vec3 gripper_in_world(RobotId robot) const;
   double x_on_belt(const Piece& piece) const;
-  Expected<PieceId> add(const Stack& stack, Holder holder, int index, const Vec3& position, int from_index);
-  void pass(Piece& piece, Holder to, int index, const Vec3& position, std::vector<HolderChange>& changes);
-  void remove(PieceId id);
+  PieceId add(const Stack& stack, const Vec3& position, StationId from, Holder to, int to_index);
+  void pass(Piece& piece, Holder to, int to_index, const Vec3& position);
   void plan_arrival(StationId id);
   void carry(StationId id, SimTime duration);
   void arrive(StationId id);
@@ -80,14 +76,11 @@ class LedgerWorld final : public World, public RobotBook {
 
   FloorPlan plan_;
   SimTime now_{};
-  std::vector<Piece> pieces_;
-  std::int32_t last_id_ = 0;
-  std::vector<Belt> belts_;
-  std::vector<Lights> lights_;
-  std::vector<int> slide_counts_;
-  std::vector<Motion> motions_;
-  std::vector<HolderChange> changes_;  ///< what a reader sees: verbs before the last advance, then that advance
-  std::vector<HolderChange> booked_;   ///< of verbs since
+  PieceBook book_;
+  std::vector<Belt> belts_;        ///< by station
+  std::vector<Lights> lights_;     ///< by station
+  std::vector<int> slide_counts_;  ///< by station
+  std::vector<Motion> motions_;    ///< by robot
 };
 
 }  // namespace cxlab::sim

@@ -140,17 +140,17 @@ class Builder {
     mjsBody* walls = mjs_addBody(mjs_findBody(root_.get(), "world"), nullptr);
     const mjsDefault* style = mjs_findDefault(root_.get(), "wall");
     int n = 0;
-    for (const WallSegment& wall : plan_.walls) {
-      const double dx = wall.x1 - wall.x0, dy = wall.y1 - wall.y0;
+    for (const Segment& wall : plan_.walls) {
+      const Vec2 along = wall.b - wall.a, middle = (wall.a + wall.b) / 2;
       mjsGeom* geom = mjs_addGeom(walls, style);
       geom->type = mjGEOM_BOX;
-      geom->pos[0] = (wall.x0 + wall.x1) / 2;
-      geom->pos[1] = (wall.y0 + wall.y1) / 2;
+      geom->pos[0] = middle.x();
+      geom->pos[1] = middle.y();
       geom->pos[2] = kWall.half_height;
-      const double yaw = std::atan2(dy, dx);
+      const double yaw = std::atan2(along.y(), along.x());
       geom->quat[0] = std::cos(yaw / 2);
       geom->quat[3] = std::sin(yaw / 2);
-      geom->size[0] = std::hypot(dx, dy) / 2 + kWall.half_thickness;
+      geom->size[0] = along.norm() / 2 + kWall.half_thickness;
       geom->size[1] = kWall.half_thickness;
       geom->size[2] = kWall.half_height;
       mjs_setName(geom->element, ("wall-" + std::to_string(n++)).c_str());

@@ -3,28 +3,34 @@
 // are driven by their motors within their limits.
 
 #include <memory>
+#include <optional>
+#include <vector>
 
+#include "sim/mujoco/contacts.h"
 #include "sim/mujoco/physics_gate.h"
+#include "sim/mujoco/robot_motors.h"
+#include "sim/piece_book.h"
 #include "sim/world.h"
 
 namespace cxlab::sim {
 
 class MujocoWorld final : public World, public RobotBodies {
  public:
-  /// Fails for wrong MJCF, with file and line. `tap` (may be null) is told of every write from the first on.
+  /// Fails for wrong MJCF, with file and line, and for measures that differ from sim/geometry.h. `tap` (may be null)
+  /// records every write from the first on.
   static Expected<std::unique_ptr<MujocoWorld>> create(FloorPlan plan, const ModelOptions& options,
                                                        PhysicsTap* tap = nullptr);
 
   SimTime now() const override { return now_; }
   const FloorPlan& plan() const override { return plan_; }
-  std::span<const Piece> pieces() const override { return pieces_; }
-  const Piece* find(PieceId id) const override;
+  std::span<const Piece> pieces() const override { return book_.pieces(); }
+  const Piece* find(PieceId id) const override { return book_.find(id); }
   RobotState robot(RobotId id) const override;
-  bool belt_running(StationId id) const override { return belts_[at_index(id)].speed != 0; }
+  bool belt_running(StationId id) const override { return belts_[index_of(id)].speed != 0; }
   const Piece* at(SpotId spot) const override;
   const Piece* on_belt(StationId id, double x) const override;
-  int slide_count(StationId id) const override { return slide_counts_[at_index(id)]; }
-  std::span<const HolderChange> changes() const override { return {changes_.data(), told_changes_}; }
+  int slide_count(StationId id) const override { return slide_counts_[index_of(id)]; }
+  std::span<const HolderChange> changes() const override { return book_.changes(); }
 
   /// `tick` is a whole number of physics steps.
   Status advance(SimTime tick) override;
@@ -39,9 +45,11 @@ class MujocoWorld final : public World, public RobotBodies {
   void set_lights(StationId station, const Lights& lights) override;
   Lights lights(StationId station) const override { return gate_.lights(station); }
 
-  void command_base(RobotId robot, double vx, double vy, double omega) override;
-  void command_gripper(RobotId robot, const Vec3& axes) override;
-  void command_fingers(RobotId robot, double opening) override;
+  void command_base(RobotId robot, double vx, double vy, double omega) override {
+    motors_.command_base(robot, {vx, vy}, omega);
+  }
+  void command_gripper(RobotId robot, const Vec3& axes) override { motors_.command_gripper(robot, axes); }
+  void command_fingers(RobotId robot, double opening) override { motors_.command_fingers(robot, opening); }
 
   /// Hash of all physics up to the last tick; a replay of the tap's log ends in the same.
   std::uint64_t physics_hash() const { return gate_.hash(); }
@@ -54,68 +62,47 @@ class MujocoWorld final : public World, public RobotBodies {
     double speed = 0;
     double stop_x = 0;
   };
-  /// What a robot is told, and how far its ramps have come.
-  struct Motion {
-    double want_vx = 0, want_vy = 0, want_omega = 0;
-    double vx = 0, vy = 0, omega = 0;
-    Vec3 want_axes, axes;
-    double want_opening = kRobot.fingers_open, opening = kRobot.fingers_open;
-    std::uint32_t robot_contacts = 0, static_contacts = 0;
-    std::uint64_t touching_robots = 0;  ///< by index, in the last step
-    bool touching_static = false;
-    int held_body = -1;
+  /// A holder and which one: `Piece::holder` and `holder_index`.
+  struct Place {
+    Holder holder = Holder::kDispenser;
+    int index = -1;
+    friend bool operator==(const Place&, const Place&) = default;
   };
-  /// What is known of the piece in a body of the pool beyond `Piece`.
-  struct Track {
+  /// A body of the pool, beyond what `Piece` knows of it.
+  struct Body {
     bool in_play = false;
-    std::int64_t read_at = -1;            ///< step whose contacts the next five tell
-    std::uint32_t left = 0, right = 0;    ///< robots whose finger touches it, as bits
-    Holder support = Holder::kDispenser;  ///< kDispenser = touches no support
-    int support_index = -1;
-    bool touches_other = false;  ///< another piece
-    Holder candidate = Holder::kDispenser;
-    int candidate_index = -1, candidate_ticks = 0;
-    double belt_x = 0;  ///< along the belt that runs below it, before the last step
-    int belt = -1;
+    Place seen;  ///< where it has been for the last `seen_ticks`, when that is not what its piece says
+    int seen_ticks = 0;
+    int belt = -1;      ///< station whose running belt it is on
+    double belt_x = 0;  ///< along that belt, before the last step
   };
 
   MujocoWorld(FloorPlan plan, FactoryModel factory, PhysicsTap* tap);
 
-  template <class Id>
-  static std::size_t at_index(Id id) {
-    return static_cast<std::size_t>(id);
-  }
-
-  void drive(Motion& motion, const RobotIds& ids, double dt);
-  void count_robot_contacts();
   void stop_arrived_belts();
-  void read_piece_contacts();
-  void note_support(Track& track, GeomUse other);
   void update_pieces();
-  void update_holder(Piece& piece, Track& track);
-  bool slid_in(const Piece& piece, const Track& track) const;
-  void change_holder(Piece& piece, Holder to, int to_index);
+  void update_holder(Piece& piece);
+  Place place_of(const Piece& piece) const;
+  bool slid_in(const Piece& piece) const;
   void take_out(PieceId id);
-  Expected<PieceId> put_in_play(const Vec3& underside, const Stack& stack, StationId from, Holder to, int to_index);
-  Piece* find_mutable(PieceId id);
-  int body_of(PieceId id) const { return bodies_[static_cast<std::size_t>(id) - 1]; }
-  Vec3 underside_of(int body) const;
-  int nearest_shelf_spot(StationId station, const Vec3& in_station) const;
-  int slide_spot(StationId station) const;
+  Expected<PieceId> put_in_play(const Vec3& underside, const Stack& stack, StationId from, Place to);
+  std::size_t body_of(PieceId id) const { return bodies_of_pieces_[index_of(id) - 1]; }
+  Vec3 underside_of(std::size_t body) const;
+  Vec3 in_station(StationId station, const Vec3& point) const;
+  SpotId nearest_spot(StationId station, SpotKind kind, const Vec3& point) const;
 
   FloorPlan plan_;
   PhysicsGate gate_;
+  Contacts contacts_;
+  RobotMotors motors_;
   double step_;
   SimTime now_{};
-  std::vector<Piece> pieces_;      ///< by id
-  std::vector<int> bodies_;        ///< body of the pool by piece id - 1; -1 = out of play
-  std::vector<Track> tracks_;      ///< by body of the pool
-  std::vector<Motion> motions_;    ///< by robot
-  std::vector<Belt> belts_;        ///< by station
-  std::vector<int> slide_counts_;  ///< by station
-  std::vector<HolderChange> changes_;
-  std::size_t told_changes_ = 0;  ///< of them; the rest came by verbs and is told after the next `advance`
-  std::vector<PieceId> slid_;     ///< of this tick
+  PieceBook book_;
+  std::vector<std::size_t> bodies_of_pieces_;  ///< in the pool, by piece id - 1; also those out of play
+  std::vector<Body> bodies_;                   ///< of the pool
+  std::vector<std::optional<PieceId>> held_;   ///< by robot
+  std::vector<Belt> belts_;                    ///< by station
+  std::vector<int> slide_counts_;              ///< by station
 };
 
 }  // namespace cxlab::sim

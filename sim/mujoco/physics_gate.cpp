@@ -9,11 +9,8 @@ namespace {
 
 constexpr int kBaseContype = 4, kPartContype = 16, kPieceConaffinity = 101;
 /// Parked pieces wait here, one beside the other, without weight and without collisions.
-constexpr Vec3 kParking{0, -100, -10};
-constexpr double kParkingPitch = 0.1;
+const Vec3 kParking(0, -100, -10), kParkingPitch(0.1, 0, 0);
 constexpr std::int64_t kStepsPerHash = 2;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
@@ -21,7 +18,7 @@ PhysicsGate::PhysicsGate(FactoryModel factory, const FloorPlan& plan)
     : factory_(std::move(factory)),
       data_(mj_makeData(factory_.model.get())),
       hash_(XXH3_createState()),
-      controls_(index(factory_.model->nu)),
+      controls_(index_of(factory_.model->nu)),
       lights_(factory_.stations.size()) {
   XXH3_64bits_reset(hash_.get());
   mjModel* m = factory_.model.get();
@@ -31,10 +28,8 @@ PhysicsGate::PhysicsGate(FactoryModel factory, const FloorPlan& plan)
   piece_inverse_weight_[0] = m->body_invweight0[2 * body];
   piece_inverse_weight_[1] = m->body_invweight0[2 * body + 1];
   for (std::size_t i = 0; i < factory_.pieces.size(); ++i) {
-    mjtNum* q = m->qpos0 + factory_.pieces[i].qpos;
-    q[0] = kParking.x + kParkingPitch * static_cast<double>(i);
-    q[1] = kParking.y;
-    q[2] = kParking.z;
+    Eigen::Map<Vec3> parked(m->qpos0 + factory_.pieces[i].qpos);
+    parked = kParking + static_cast<double>(i) * kParkingPitch;
   }
   mj_resetData(m, data_.get());
   for (std::size_t i = 0; i < factory_.robots.size(); ++i) {
@@ -53,8 +48,8 @@ Status PhysicsGate::step() {
     for (int i = 0; i < 6; ++i) data_->xfrc_applied[6 * body + i] = 0;
   woken_.clear();
   if (steps_ % kStepsPerHash == 0) {
-    XXH3_64bits_update(hash_.get(), data_->qpos, sizeof(mjtNum) * index(factory_.model->nq));
-    XXH3_64bits_update(hash_.get(), data_->qvel, sizeof(mjtNum) * index(factory_.model->nv));
+    XXH3_64bits_update(hash_.get(), data_->qpos, sizeof(mjtNum) * index_of(factory_.model->nq));
+    XXH3_64bits_update(hash_.get(), data_->qvel, sizeof(mjtNum) * index_of(factory_.model->nv));
   }
   for (int w = 0; w < mjNWARNING; ++w) {
     if (data_->warning[w].number == 0) continue;
@@ -73,36 +68,36 @@ void PhysicsGate::write(const PhysicsWrite& write) {
   const auto& v = write.values;
   switch (write.kind) {
     case WriteKind::kControl:
-      controls_[index(write.index)] = static_cast<std::int64_t>(v[0]);
+      controls_[index_of(write.index)] = static_cast<std::int64_t>(v[0]);
       d->ctrl[write.index] = v[0] * kControlUnit;
       return;
-    case WriteKind::kBeltSpeed: m->geom_surfacevel[6 * factory_.stations[index(write.index)].belt] = v[0]; return;
-    case WriteKind::kShape: apply_shape(factory_.pieces[index(write.index)], write); return;
+    case WriteKind::kBeltSpeed: m->geom_surfacevel[6 * factory_.stations[index_of(write.index)].belt] = v[0]; return;
+    case WriteKind::kShape: apply_shape(factory_.pieces[index_of(write.index)], write); return;
     case WriteKind::kPlace:
-      move_piece(factory_.pieces[index(write.index)], {v[0], v[1], v[2] + kPieceOrigin}, 0);
+      move_piece(factory_.pieces[index_of(write.index)], {v[0], v[1], v[2] + kPieceOrigin}, 0);
       return;
     case WriteKind::kPark: {
-      const PieceIds& piece = factory_.pieces[index(write.index)];
+      const PieceIds& piece = factory_.pieces[index_of(write.index)];
       apply_shape(piece, {});
-      move_piece(piece, {kParking.x + kParkingPitch * write.index, kParking.y, kParking.z}, 1);
+      move_piece(piece, kParking + write.index * kParkingPitch, 1);
       return;
     }
     case WriteKind::kWake: {
       // A negative zero wakes a sleeping body and changes nothing else (MuJoCo: Sleeping islands, Waking).
-      const int body = factory_.pieces[index(write.index)].body;
+      const int body = factory_.pieces[index_of(write.index)].body;
       d->xfrc_applied[6 * body] = -0.0;
       woken_.push_back(body);
       return;
     }
     case WriteKind::kLights:
-      lights_[index(write.index)] = {static_cast<Light>(v[0]), static_cast<Light>(v[1]), static_cast<Light>(v[2])};
+      lights_[index_of(write.index)] = {static_cast<Light>(v[0]), static_cast<Light>(v[1]), static_cast<Light>(v[2])};
       return;
   }
 }
 
 void PhysicsGate::control(int actuator, double value) {
   const std::int64_t units = std::llround(value / kControlUnit);
-  if (units == controls_[index(actuator)]) return;
+  if (units == controls_[index_of(actuator)]) return;
   write({steps_, WriteKind::kControl, actuator, {static_cast<double>(units)}});
 }
 
@@ -110,21 +105,21 @@ void PhysicsGate::belt_speed(StationId station, double speed) {
   write({steps_, WriteKind::kBeltSpeed, static_cast<int>(station), {speed}});
 }
 
-void PhysicsGate::shape(int body, const Stack& stack) {
+void PhysicsGate::shape(std::size_t body, const Stack& stack) {
   write({steps_,
          WriteKind::kShape,
-         body,
+         static_cast<int>(body),
          {static_cast<double>(stack.base), static_cast<double>(stack.rings[0]), static_cast<double>(stack.rings[1]),
           static_cast<double>(stack.rings[2]), static_cast<double>(stack.cap)}});
 }
 
-void PhysicsGate::place(int body, const Vec3& underside) {
-  write({steps_, WriteKind::kPlace, body, {underside.x, underside.y, underside.z}});
+void PhysicsGate::place(std::size_t body, const Vec3& underside) {
+  write({steps_, WriteKind::kPlace, static_cast<int>(body), {underside.x(), underside.y(), underside.z()}});
 }
 
-void PhysicsGate::park(int body) { write({steps_, WriteKind::kPark, body, {}}); }
+void PhysicsGate::park(std::size_t body) { write({steps_, WriteKind::kPark, static_cast<int>(body), {}}); }
 
-void PhysicsGate::wake(int body) { write({steps_, WriteKind::kWake, body, {}}); }
+void PhysicsGate::wake(std::size_t body) { write({steps_, WriteKind::kWake, static_cast<int>(body), {}}); }
 
 void PhysicsGate::lights(StationId station, const Lights& lights) {
   write({steps_,
@@ -135,7 +130,7 @@ void PhysicsGate::lights(StationId station, const Lights& lights) {
 
 void PhysicsGate::apply_slot(int geom, const std::vector<int>& materials, int colour, int contype) {
   mjModel* m = factory_.model.get();
-  const int material = colour > 0 && index(colour) < materials.size() ? materials[index(colour)] : -1;
+  const int material = colour > 0 && index_of(colour) < materials.size() ? materials[index_of(colour)] : -1;
   m->geom_contype[geom] = colour > 0 ? contype : 0;
   m->geom_conaffinity[geom] = colour > 0 ? kPieceConaffinity : 0;
   m->geom_matid[geom] = material;
@@ -147,11 +142,11 @@ void PhysicsGate::apply_slot(int geom, const std::vector<int>& materials, int co
 // when it compiles a model.
 void PhysicsGate::apply_shape(const PieceIds& piece, const PhysicsWrite& write) {
   mjModel* m = factory_.model.get();
-  const auto colour = [&](int slot) { return static_cast<int>(write.values[index(slot)]); };
+  const auto colour = [&](int slot) { return static_cast<int>(write.values[index_of(slot)]); };
   int rings = 0;
   apply_slot(piece.geoms[kSlotBase], factory_.base_materials, colour(kSlotBase), kBaseContype);
   for (int slot = kSlotRing1; slot <= kSlotRing3; ++slot) {
-    apply_slot(piece.geoms[index(slot)], factory_.ring_materials, colour(slot), kPartContype);
+    apply_slot(piece.geoms[index_of(slot)], factory_.ring_materials, colour(slot), kPartContype);
     if (colour(slot) > 0) ++rings;
   }
   const int cap = piece.geoms[kSlotCap];
@@ -176,7 +171,7 @@ void PhysicsGate::apply_shape(const PieceIds& piece, const PhysicsWrite& write) 
 
 void PhysicsGate::move_piece(const PieceIds& piece, const Vec3& origin, double gravity_compensation) {
   mjData* d = data_.get();
-  const double pose[7] = {origin.x, origin.y, origin.z, 1, 0, 0, 0};
+  const double pose[7] = {origin.x(), origin.y(), origin.z(), 1, 0, 0, 0};
   for (int i = 0; i < 7; ++i) d->qpos[piece.qpos + i] = pose[i];
   for (int i = 0; i < 6; ++i) d->qvel[piece.dof + i] = d->qacc_warmstart[piece.dof + i] = 0;
   factory_.model->body_gravcomp[piece.body] = gravity_compensation;
@@ -198,15 +193,15 @@ Status PhysicsReplay::read_next() {
   const FactoryModel& factory = gate_->factory();
   const auto limit = [&]() -> std::size_t {
     switch (next_->kind) {
-      case WriteKind::kControl: return index(factory.model->nu);
+      case WriteKind::kControl: return index_of(factory.model->nu);
       case WriteKind::kBeltSpeed:
       case WriteKind::kLights: return factory.stations.size();
       default: return factory.pieces.size();
     }
   }();
-  const bool no_belt = next_->kind == WriteKind::kBeltSpeed && index(next_->index) < limit &&
-                       factory.stations[index(next_->index)].belt < 0;
-  if (index(next_->index) >= limit || no_belt) return input_error("physics log: it does not belong to this model");
+  const bool no_belt = next_->kind == WriteKind::kBeltSpeed && index_of(next_->index) < limit &&
+                       factory.stations[index_of(next_->index)].belt < 0;
+  if (index_of(next_->index) >= limit || no_belt) return input_error("physics log: it does not belong to this model");
   return {};
 }
 

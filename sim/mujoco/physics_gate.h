@@ -35,16 +35,17 @@ class PhysicsGate {
   /// Target of an actuator, rounded to kControlUnit; written when it changes.
   void control(int actuator, double value);
   void belt_speed(StationId station, double speed);
-  void shape(int body, const Stack& stack);
-  void place(int body, const Vec3& underside_in_world);
-  void park(int body);
-  void wake(int body);
+  // `body`: of the pool of pieces.
+  void shape(std::size_t body, const Stack& stack);
+  void place(std::size_t body, const Vec3& underside_in_world);
+  void park(std::size_t body);
+  void wake(std::size_t body);
   void lights(StationId station, const Lights& lights);
 
   const FactoryModel& factory() const { return factory_; }
   const mjModel& model() const { return *factory_.model; }
   const mjData& data() const { return *data_; }
-  const Lights& lights(StationId station) const { return lights_[static_cast<std::size_t>(station)]; }
+  const Lights& lights(StationId station) const { return lights_[index_of(station)]; }
 
  private:
   struct HashDeleter {

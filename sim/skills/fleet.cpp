@@ -16,10 +16,8 @@ constexpr double kPlaceRadius = 0.75;  ///< m: a zone's machine leaves room with
 Fleet::Fleet(const WorldView& world, Places places)
     : world_(world), traffic_(world.plan()), places_(std::move(places)) {
   for (auto& [name, pose] : places_)
-    if (const auto free = traffic_.standing_place(point_of(pose), kPlaceRadius)) {
-      pose.x = free->x;
-      pose.y = free->y;
-    }
+    if (const auto free = traffic_.standing_place(pose.position(), kPlaceRadius))
+      pose = {free->x(), free->y(), pose.yaw};
 }
 
 Expected<std::unique_ptr<Fleet>> Fleet::create(const WorldView& world, RobotBodies& bodies, Places places,

@@ -6,6 +6,7 @@
 namespace cxlab::sim {
 namespace {
 
+const Vec3 kHome(kRobot.home_forward, 0, kRobot.home_height);  ///< of the gripper, in the robot's frame
 constexpr double kOpen = kRobot.fingers_open, kSqueeze = kRobot.fingers_squeeze;
 constexpr double kOpenEnough = 0.028;
 constexpr double kLifted = 0.045;      ///< m up: clear of the guides
@@ -61,8 +62,8 @@ void PhysicsSkills::start(const SkillGoal& goal, SimTime now) {
   tries_ = 0;
   piece_.reset();
   spot_ = goal.kind == SkillKind::kDriveTo ? nullptr : &world_.plan().spot(*goal.spot);
-  std::optional<Footprint> work;
-  if (spot_) work = Footprint{point_of(spot_->align_in_world), point_of(spot_->work_in_world)};
+  std::optional<Segment> work;
+  if (spot_) work = spot_->footprint();
   traffic_.request(robot_, goal.pose, work, now);
   enter(SkillPhase::kDrive, now);
 }
@@ -90,33 +91,34 @@ SkillResult PhysicsSkills::end(SkillCode code, SimTime now) {
 // --- Looking
 
 bool PhysicsSkills::base_at(const Pose2& pose, double along, double yaw) const {
-  return distance(point_of(state_.pose_in_world), point_of(pose)) <= along &&
+  return distance(state_.pose_in_world.position(), pose.position()) <= along &&
          std::abs(wrap_angle(state_.pose_in_world.yaw - pose.yaw)) <= yaw;
 }
 
 bool PhysicsSkills::gripper_at(const Vec3& axes) const {
-  return std::abs(state_.gripper.x - axes.x) <= kAxisExact && std::abs(state_.gripper.y - axes.y) <= kAxisExact &&
-         std::abs(state_.gripper.z - axes.z) <= kAxisExact;
+  return (state_.gripper - axes).cwiseAbs().maxCoeff() <= kAxisExact;
 }
 
 Vec3 PhysicsSkills::axes_for(const Vec3& point, const Pose2& robot) const {
-  const Vec3 local = inverse_transform(robot, point);
-  return {std::clamp(local.x - kRobot.home_forward, 0.0, kRobot.forward_stroke),
-          std::clamp(local.y, -kRobot.left_stroke, kRobot.left_stroke),
-          std::clamp(local.z - kRobot.home_height, 0.0, kRobot.up_stroke)};
+  return within_strokes(inverse_transform(robot, point) - kHome);
 }
 
 Vec3 PhysicsSkills::reach_axes(const Pose2& robot, double above) const {
   if (goal_.kind == SkillKind::kPick) {
     const Piece* piece = piece_ ? world_.find(*piece_) : nullptr;
-    const Vec3 rest = transform(world_.plan().station(spot_->station).pose_in_world, spot_->rest_in_station);
-    Vec3 at = piece ? piece->position_in_world : rest;
-    at.z = rest.z + above;
+    Vec3 at = piece ? piece->position_in_world : spot_->rest_in_world;
+    at.z() = spot_->rest_in_world.z() + above;
     return axes_for(at, robot);
   }
-  const Vec3 rest = transform(world_.plan().station(spot_->station).pose_in_world, spot_->rest_in_station);
   const Vec3 offset = transform({0, 0, robot.yaw}, carried_offset_);
-  return axes_for({rest.x - offset.x, rest.y - offset.y, rest.z - offset.z + above}, robot);
+  return axes_for(spot_->rest_in_world - offset + above * Vec3::UnitZ(), robot);
+}
+
+Vec3 PhysicsSkills::approach_axes(const Pose2& robot) const {
+  if (goal_.kind == SkillKind::kPick) return reach_axes(robot, kAboveGrip);
+  Vec3 axes = reach_axes(robot, 0);
+  axes.z() = kRobot.up_stroke;
+  return axes;
 }
 
 double PhysicsSkills::lowest() const {
@@ -138,11 +140,9 @@ std::optional<SkillCode> PhysicsSkills::obstacle() const {
 
 /// Whether something lies where the held piece would come down, also when it lies askew.
 bool PhysicsSkills::occupied() const {
-  const Vec3 rest = transform(world_.plan().station(spot_->station).pose_in_world, spot_->rest_in_station);
   return std::ranges::any_of(world_.pieces(), [&](const Piece& piece) {
-    const Vec3& at = piece.position_in_world;
-    return piece.id != state_.held && std::abs(at.z - rest.z) < kPieceSize &&
-           std::hypot(at.x - rest.x, at.y - rest.y) < kPieceSize;
+    const Vec3 off = piece.position_in_world - spot_->rest_in_world;
+    return piece.id != state_.held && std::abs(off.z()) < kPieceSize && off.head<2>().norm() < kPieceSize;
   });
 }
 
@@ -164,7 +164,7 @@ std::optional<SkillResult> PhysicsSkills::sense(SimTime now) {
     case SkillPhase::kDrive: return sense_drive(now);
     case SkillPhase::kStop: {
       const bool stands = !traffic_.moving(robot_) && speed_of(state_) < kStill;
-      const bool home = state_.gripper.x < kWithinHull;
+      const bool home = state_.gripper.x() < kWithinHull;
       const bool off = !traffic_.working(robot_) || base_at(goal_.pose, kBackedOff, kArrivedYaw);
       if ((stands && home && off) || now - entered_ > kPhaseTimeout) return end(SkillCode::kNone, now);
       return std::nullopt;
@@ -182,8 +182,7 @@ std::optional<SkillResult> PhysicsSkills::sense_drive(SimTime now) {
       } else {
         piece_ = state_.held;
         const Vec3 held = inverse_transform(state_.pose_in_world, world_.find(*piece_)->position_in_world);
-        carried_offset_ = {held.x - kRobot.home_forward - state_.gripper.x, held.y - state_.gripper.y,
-                           held.z - kRobot.home_height - state_.gripper.z};
+        carried_offset_ = held - kHome - state_.gripper;
       }
       enter(SkillPhase::kAlign, now);
       return std::nullopt;
@@ -216,9 +215,7 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
       return std::nullopt;
     case SkillPhase::kApproach:
       if (base_at(spot_->work_in_world, kAtWork, kAlignedYaw) && speed_of(state_) < kStill &&
-          gripper_at(picks ? reach_axes(state_.pose_in_world, kAboveGrip)
-                           : Vec3{reach_axes(state_.pose_in_world, 0).x, reach_axes(state_.pose_in_world, 0).y,
-                                  kRobot.up_stroke}))
+          gripper_at(approach_axes(state_.pose_in_world)))
         enter(SkillPhase::kLower, now);
       else if (late)
         return give_up(SkillCode::kUnableToMove, now);
@@ -233,7 +230,7 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
       if (now - entered_ >= kGripTime) enter(SkillPhase::kLift, now);
       return std::nullopt;
     case SkillPhase::kLift:
-      if (state_.gripper.z < kLifted && !late) return std::nullopt;
+      if (state_.gripper.z() < kLifted && !late) return std::nullopt;
       if (state_.held) {
         enter(SkillPhase::kBackOff, now);
       } else if (++tries_ < kTries && world_.at(*goal_.spot)) {
@@ -248,7 +245,7 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
         enter(SkillPhase::kBackOff, now);
       return std::nullopt;
     case SkillPhase::kBackOff:
-      if (base_at(spot_->align_in_world, kBackedOff, kArrivedYaw) && state_.gripper.x < kWithinHull) {
+      if (base_at(spot_->align_in_world, kBackedOff, kArrivedYaw) && state_.gripper.x() < kWithinHull) {
         if (failure_ != SkillCode::kNone) return end(failure_, now);
         enter(SkillPhase::kCheck, now);
       } else if (late) {
@@ -300,7 +297,7 @@ void PhysicsSkills::steer_to(const Pose2& pose, double speed) {
 }
 
 void PhysicsSkills::move_gripper(const Vec3& axes) {
-  if (axes.x == gripper_goal_.x && axes.y == gripper_goal_.y && axes.z == gripper_goal_.z) return;
+  if (axes == gripper_goal_) return;
   gripper_goal_ = axes;
   bodies_.command_gripper(robot_, axes);
 }
@@ -335,9 +332,7 @@ void PhysicsSkills::act(SimTime now) {
       steer_to(aligned ? spot_->work_in_world : spot_->align_in_world, kFineSpeed);
       // While the base still drives, the arm goes to where it will be needed.
       const bool close = aligned && base_at(spot_->work_in_world, kAtWork, kAlignedYaw);
-      Vec3 axes = reach_axes(close ? state_.pose_in_world : spot_->work_in_world, picks ? kAboveGrip : 0);
-      if (!picks) axes.z = kRobot.up_stroke;
-      move_gripper(axes);
+      move_gripper(approach_axes(close ? state_.pose_in_world : spot_->work_in_world));
       break;
     }
     case SkillPhase::kLower:
@@ -354,14 +349,14 @@ void PhysicsSkills::act(SimTime now) {
       break;
     case SkillPhase::kLift:
       hold_still();
-      if (!state_.held && tries_ + 1 < kTries && state_.gripper.z >= kLifted) move_fingers(kOpen);
-      move_gripper({gripper_goal_.x, gripper_goal_.y, kRobot.up_stroke});
+      if (!state_.held && tries_ + 1 < kTries && state_.gripper.z() >= kLifted) move_fingers(kOpen);
+      move_gripper({gripper_goal_.x(), gripper_goal_.y(), kRobot.up_stroke});
       break;
     default: {  // back off, also after a cancel: up first, so that nothing is dragged along
       if (fingers_goal_ == kOpen) move_fingers(kOpen);
       const bool clear =
-          state_.gripper.z >= kLifted || (fingers_goal_ == kOpen && state_.finger_opening >= kOpenEnough);
-      move_gripper({clear ? 0 : gripper_goal_.x, clear ? 0 : gripper_goal_.y, kRobot.up_stroke});
+          state_.gripper.z() >= kLifted || (fingers_goal_ == kOpen && state_.finger_opening >= kOpenEnough);
+      move_gripper({clear ? 0 : gripper_goal_.x(), clear ? 0 : gripper_goal_.y(), kRobot.up_stroke});
       if (clear)
         steer_to(spot_->align_in_world, kFineSpeed);
       else

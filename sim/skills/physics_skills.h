@@ -40,6 +40,8 @@ class PhysicsSkills final : public RobotSkills {
   Vec3 axes_for(const Vec3& point_in_world, const Pose2& robot_in_world) const;
   /// Where the piece is to be gripped, or put so that it comes to rest on the spot.
   Vec3 reach_axes(const Pose2& robot_in_world, double above) const;
+  /// The same while the base and the arm come in.
+  Vec3 approach_axes(const Pose2& robot_in_world) const;
   /// Height over the rest at which the fingers close or open.
   double lowest() const;
   void steer_along(const Trajectory& motion, SimTime now);
@@ -63,9 +65,9 @@ class PhysicsSkills final : public RobotSkills {
   SkillPhase phase_ = SkillPhase::kDrive;
   SimTime started_{}, entered_{};
   int tries_ = 0;
-  std::optional<PieceId> piece_;  ///< in hand, or wanted
-  Vec3 carried_offset_;           ///< of the held piece's underside from the gripper, in the robot's frame
-  Vec3 gripper_goal_;
+  std::optional<PieceId> piece_;        ///< in hand, or wanted
+  Vec3 carried_offset_ = Vec3::Zero();  ///< of the held piece's underside from the gripper, in the robot's frame
+  Vec3 gripper_goal_ = Vec3::Zero();
   double fingers_goal_ = kRobot.fingers_open;
   bool commanded_ = false;  ///< the base has been told to move and not yet to stand
 };

@@ -33,19 +33,16 @@ TimedSkills::TimedSkills(RobotId robot, const WorldView& world, RobotBook& book,
       book_(book),
       traffic_(traffic),
       config_(config),
-      durations_(seed, "durations/" + world.plan().robots[static_cast<std::size_t>(robot)].name),
-      failures_(seed, "failures/" + world.plan().robots[static_cast<std::size_t>(robot)].name) {}
+      durations_(seed, "durations/" + world.plan().robot(robot).name),
+      failures_(seed, "failures/" + world.plan().robot(robot).name) {}
 
 void TimedSkills::start(const SkillGoal& goal, SimTime now) {
   goal_ = goal;
   active_ = true;
   phase_ = SkillPhase::kDrive;
   due_ = now + kDriveTimeout;
-  std::optional<Footprint> work;
-  if (goal.kind != SkillKind::kDriveTo) {
-    const Spot& spot = world_.plan().spot(*goal.spot);
-    work = Footprint{point_of(spot.align_in_world), point_of(spot.work_in_world)};
-  }
+  std::optional<Segment> work;
+  if (goal.kind != SkillKind::kDriveTo) work = world_.plan().spot(*goal.spot).footprint();
   traffic_.request(robot_, goal.pose, work, now);
 }
 

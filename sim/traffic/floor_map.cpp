@@ -18,26 +18,25 @@ constexpr double kRoundStep = 0.1;
 constexpr int kRoundings = 50;
 constexpr int kNeighbours[8][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
 
-double to_box(Point2 p, const Pose2& centre) {
-  const Vec3 local = inverse_transform(centre, {p.x, p.y, 0});
-  const double dx = std::max(0.0, std::abs(local.x) - kMachine.half_depth);
-  const double dy = std::max(0.0, std::abs(local.y) - kMachine.half_width);
-  return std::hypot(dx, dy);
-}
-
 double step_length(int k) { return k < 4 ? kGrid : kGrid * 1.4142135623730951; }
 
 /// Least cost between two points on the grid without obstacles.
-double octile(Point2 a, Point2 b) {
-  const double dx = std::abs(a.x - b.x), dy = std::abs(a.y - b.y);
-  return std::max(dx, dy) + 0.4142135623730951 * std::min(dx, dy);
+double octile(const Vec2& a, const Vec2& b) {
+  const Vec2 way = (a - b).cwiseAbs();
+  return way.maxCoeff() + 0.4142135623730951 * way.minCoeff();
+}
+
+/// Those in which the point lies shrink until it is outside.
+std::vector<Keepout> shrunk(std::span<const Keepout> keepouts, const Vec2& p) {
+  std::vector<Keepout> outside(keepouts.begin(), keepouts.end());
+  for (Keepout& k : outside) k.radius = std::min(k.radius, distance(p, k.around) - 0.002);
+  return outside;
 }
 
 }  // namespace
 
 FloorMap::FloorMap(const FloorPlan& plan)
-    : min_x_(plan.min_x),
-      min_y_(plan.min_y),
+    : origin_(plan.min_x, plan.min_y),
       columns_(static_cast<int>(std::lround((plan.max_x - plan.min_x) / kGrid)) + 1),
       rows_(static_cast<int>(std::lround((plan.max_y - plan.min_y) / kGrid)) + 1) {
   const auto n = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
@@ -46,70 +45,66 @@ FloorMap::FloorMap(const FloorPlan& plan)
   reached_.assign(n, 0);
   closed_.assign(n, 0);
   cost_.assign(n, 0);
-  parent_.assign(n, -1);
-  for (std::size_t i = 0; i < n; ++i) {
-    const Point2 p = point(static_cast<Node>(i));
-    double nearest =
-        std::min(std::min(p.x - plan.min_x, plan.max_x - p.x), std::min(p.y - plan.min_y, plan.max_y - p.y));
-    nearest -= kWall.half_thickness;
-    for (const Station& station : plan.stations) nearest = std::min(nearest, to_box(p, station.pose_in_world));
-    for (const WallSegment& wall : plan.walls)
-      nearest =
-          std::min(nearest, distance(p, Footprint{{wall.x0, wall.y0}, {wall.x1, wall.y1}}) - kWall.half_thickness);
-    clearance_[i] = static_cast<float>(nearest);
+  parent_.assign(n, kNone);
+  for (Node node = 0; node < n; ++node) {
+    const Vec2 p = point(node);
+    const double to_border = std::min({p.x() - plan.min_x, plan.max_x - p.x(), p.y() - plan.min_y, plan.max_y - p.y()});
+    clearance_[node] = static_cast<float>(std::min(to_border - kWall.half_thickness, plan.clearance(p)));
   }
 }
 
-Point2 FloorMap::point(Node node) const {
-  return {min_x_ + kGrid * (node % columns_), min_y_ + kGrid * (node / columns_)};
+Vec2 FloorMap::point(Node node) const {
+  const int n = static_cast<int>(node);
+  return origin_ + kGrid * Vec2(n % columns_, n / columns_);
 }
 
-double FloorMap::clearance(Point2 p) const {
-  const double gx = (p.x - min_x_) / kGrid, gy = (p.y - min_y_) / kGrid;
-  if (gx < 0 || gy < 0 || gx > columns_ - 1 || gy > rows_ - 1) return 0;
-  const int cx = std::min(static_cast<int>(gx), columns_ - 2), cy = std::min(static_cast<int>(gy), rows_ - 2);
-  const double fx = gx - cx, fy = gy - cy;
-  const float* row = &clearance_[static_cast<std::size_t>(node_at(cx, cy))];
-  const double low = row[0] + fx * (row[1] - row[0]);
-  const double high = row[columns_] + fx * (row[columns_ + 1] - row[columns_]);
+int FloorMap::column_of(double x) const { return static_cast<int>(std::lround((x - origin_.x()) / kGrid)); }
+int FloorMap::row_of(double y) const { return static_cast<int>(std::lround((y - origin_.y()) / kGrid)); }
+
+double FloorMap::clearance(const Vec2& p) const {
+  const Vec2 at = (p - origin_) / kGrid;
+  if (at.x() < 0 || at.y() < 0 || at.x() > columns_ - 1 || at.y() > rows_ - 1) return 0;
+  const int column = std::min(static_cast<int>(at.x()), columns_ - 2),
+            row = std::min(static_cast<int>(at.y()), rows_ - 2);
+  const double fx = at.x() - column, fy = at.y() - row;
+  const float* below = &clearance_[node_at(column, row)];
+  const float* above = &clearance_[node_at(column, row + 1)];
+  const double low = below[0] + fx * (below[1] - below[0]);
+  const double high = above[0] + fx * (above[1] - above[0]);
   return low + fy * (high - low);
 }
 
+/// Marks the nodes within the keepouts. Begins a query.
 void FloorMap::block(std::span<const Keepout> keepouts) {
   ++query_;
   for (const Keepout& k : keepouts) {
-    const Footprint& f = k.around;
-    const auto column = [&](double x) {
-      return std::clamp(static_cast<int>(std::floor((x - min_x_) / kGrid)), 0, columns_ - 1);
+    const Vec2 reach = Vec2::Constant(k.radius);
+    const Vec2 low = k.around.a.cwiseMin(k.around.b) - reach - origin_;
+    const Vec2 high = k.around.a.cwiseMax(k.around.b) + reach - origin_;
+    const auto cell = [](double at, int count) {
+      return std::clamp(static_cast<int>(std::floor(at / kGrid)), 0, count - 1);
     };
-    const auto row = [&](double y) {
-      return std::clamp(static_cast<int>(std::floor((y - min_y_) / kGrid)), 0, rows_ - 1);
-    };
-    const int c0 = column(std::min(f.a.x, f.b.x) - k.radius), c1 = column(std::max(f.a.x, f.b.x) + k.radius);
-    const int r0 = row(std::min(f.a.y, f.b.y) - k.radius), r1 = row(std::max(f.a.y, f.b.y) + k.radius);
-    for (int r = r0; r <= r1; ++r)
-      for (int c = c0; c <= c1; ++c) {
+    for (int r = cell(low.y(), rows_); r <= cell(high.y(), rows_); ++r)
+      for (int c = cell(low.x(), columns_); c <= cell(high.x(), columns_); ++c) {
         const Node node = node_at(c, r);
-        if (distance(point(node), f) < k.radius) blocked_[node] = query_;
+        if (k.covers(point(node))) blocked_[node] = query_;
       }
   }
 }
 
-bool FloorMap::straight(Point2 a, Point2 b, double clearance_needed, std::span<const Keepout> keepouts) const {
+bool FloorMap::straight(const Vec2& a, const Vec2& b, double needed, std::span<const Keepout> keepouts) const {
   const int steps = std::max(1, static_cast<int>(std::ceil(distance(a, b) / kStraightStep)));
   for (int i = 0; i <= steps; ++i) {
-    const Point2 p = between(a, b, static_cast<double>(i) / steps);
-    if (clearance(p) < clearance_needed) return false;
-    for (const Keepout& k : keepouts)
-      if (distance(p, k.around) < k.radius) return false;
+    const Vec2 p = between(a, b, static_cast<double>(i) / steps);
+    if (clearance(p) < needed) return false;
+    if (std::ranges::any_of(keepouts, [&](const Keepout& k) { return k.covers(p); })) return false;
   }
   return true;
 }
 
-std::vector<FloorMap::Node> FloorMap::nodes_around(Point2 p, std::span<const Keepout> keepouts) const {
+std::vector<FloorMap::Node> FloorMap::nodes_around(const Vec2& p, std::span<const Keepout> keepouts) const {
   std::vector<Node> nodes;
-  const int column = static_cast<int>(std::lround((p.x - min_x_) / kGrid));
-  const int row = static_cast<int>(std::lround((p.y - min_y_) / kGrid));
+  const int column = column_of(p.x()), row = row_of(p.y());
   const double needed = std::min(kJoinClearance, clearance(p) - 1e-6);
   constexpr int kReach = static_cast<int>(kJoin / kGrid);
   for (int ring = 1; ring <= kReach && nodes.empty(); ++ring)
@@ -121,55 +116,61 @@ std::vector<FloorMap::Node> FloorMap::nodes_around(Point2 p, std::span<const Kee
   return nodes;
 }
 
-bool FloorMap::search(std::span<const Node> starts, std::span<const Node> goals, Point2 from, Point2 to) {
+template <class Factor, class Estimate, class Found>
+FloorMap::Node FloorMap::explore(std::span<const Node> starts, const Vec2& from, Factor factor, Estimate estimate,
+                                 Found found) {
   open_.clear();
   const auto push = [&](Node node, double cost, Node parent) {
     if (reached_[node] == query_ && cost_[node] <= cost) return;
     reached_[node] = query_;
     cost_[node] = cost;
     parent_[node] = parent;
-    open_.push_back({cost + octile(point(node), to), node});
+    open_.push_back({cost + estimate(point(node)), node});
     std::push_heap(open_.begin(), open_.end(), std::greater<>());
   };
-  for (const Node node : starts) push(node, distance(from, point(node)), -1);
+  for (const Node node : starts) push(node, distance(from, point(node)), kNone);
   while (!open_.empty()) {
     std::pop_heap(open_.begin(), open_.end(), std::greater<>());
     const Node node = open_.back().node;
     open_.pop_back();
     if (closed_[node] == query_) continue;
     closed_[node] = query_;
-    if (std::ranges::find(goals, node) != goals.end()) {
-      open_.assign(1, {cost_[node], node});
-      return true;
-    }
-    const int column = node % columns_, row = node / columns_;
+    if (found(node)) return node;
+    const int column = static_cast<int>(node) % columns_, row = static_cast<int>(node) / columns_;
     for (int k = 0; k < 8; ++k) {
       const int c = column + kNeighbours[k][0], r = row + kNeighbours[k][1];
-      if (c < 0 || r < 0 || c >= columns_ || r >= rows_) continue;
+      if (!on_grid(c, r)) continue;
       const Node next = node_at(c, r);
-      if (!free(next) || closed_[next] == query_) continue;
-      const double cramped = std::max(0.0, (kRoomy - clearance_[next]) / (kRoomy - kClearance));
-      push(next, cost_[node] + step_length(k) * (1 + kCrampedCost * cramped), node);
+      if (free(next) && closed_[next] != query_) push(next, cost_[node] + step_length(k) * factor(next), node);
     }
   }
-  return false;
+  return kNone;
 }
 
-std::optional<std::vector<Point2>> FloorMap::route(Point2 from, Point2 to, std::span<const Keepout> keepouts) {
-  std::vector<Keepout> outside(keepouts.begin(), keepouts.end());
-  for (Keepout& k : outside) k.radius = std::min(k.radius, distance(from, k.around) - 0.002);
-  for (const Keepout& k : outside)
-    if (distance(to, k.around) < k.radius) return std::nullopt;
+FloorMap::Node FloorMap::search(std::span<const Node> starts, std::span<const Node> goals, const Vec2& from,
+                                const Vec2& to) {
+  if (goals.empty()) return kNone;
+  const auto cramped = [this](Node node) {
+    return 1 + kCrampedCost * std::max(0.0, (kRoomy - clearance_[node]) / (kRoomy - kClearance));
+  };
+  return explore(
+      starts, from, cramped, [&](const Vec2& p) { return octile(p, to); },
+      [&](Node node) { return std::ranges::find(goals, node) != goals.end(); });
+}
+
+std::optional<std::vector<Vec2>> FloorMap::route(const Vec2& from, const Vec2& to, std::span<const Keepout> keepouts) {
+  const std::vector<Keepout> outside = shrunk(keepouts, from);
+  if (std::ranges::any_of(outside, [&](const Keepout& k) { return k.covers(to); })) return std::nullopt;
   block(outside);
-  std::vector<Point2> way;
+  std::vector<Vec2> way;
   if (distance(from, to) < 1.0 &&
       straight(from, to, std::min(kClearance, std::min(clearance(from), clearance(to)) - 1e-6), outside)) {
     way = {from, to};
   } else {
-    const std::vector<Node> starts = nodes_around(from, outside), goals = nodes_around(to, outside);
-    if (starts.empty() || goals.empty() || !search(starts, goals, from, to)) return std::nullopt;
+    const Node end = search(nodes_around(from, outside), nodes_around(to, outside), from, to);
+    if (end == kNone) return std::nullopt;
     way.push_back(to);
-    for (Node node = open_.front().node; node >= 0; node = parent_[node]) way.push_back(point(node));
+    for (Node node = end; node != kNone; node = parent_[node]) way.push_back(point(node));
     way.push_back(from);
     std::ranges::reverse(way);
     shorten(way, outside);
@@ -179,8 +180,8 @@ std::optional<std::vector<Point2>> FloorMap::route(Point2 from, Point2 to, std::
 }
 
 /// Replaces detours of the grid by straight lines, where these are no closer to fixed things.
-void FloorMap::shorten(std::vector<Point2>& way, std::span<const Keepout> keepouts) const {
-  std::vector<Point2> kept{way.front()};
+void FloorMap::shorten(std::vector<Vec2>& way, std::span<const Keepout> keepouts) const {
+  std::vector<Vec2> kept{way.front()};
   std::size_t i = 0;
   while (i + 1 < way.size()) {
     std::size_t best = i + 1;
@@ -203,8 +204,8 @@ void FloorMap::shorten(std::vector<Point2>& way, std::span<const Keepout> keepou
 }
 
 /// Pulls the corners inwards like a rubber band, as far as the clearance allows: wide curves can be driven fast.
-void FloorMap::round_off(std::vector<Point2>& way, std::span<const Keepout> keepouts) const {
-  std::vector<Point2> fine{way.front()};
+void FloorMap::round_off(std::vector<Vec2>& way, std::span<const Keepout> keepouts) const {
+  std::vector<Vec2> fine{way.front()};
   for (std::size_t i = 1; i < way.size(); ++i) {
     const int steps = std::max(1, static_cast<int>(std::ceil(distance(way[i - 1], way[i]) / kRoundStep)));
     for (int k = 1; k <= steps; ++k) fine.push_back(between(way[i - 1], way[i], static_cast<double>(k) / steps));
@@ -214,12 +215,11 @@ void FloorMap::round_off(std::vector<Point2>& way, std::span<const Keepout> keep
     for (std::size_t i = 0; i < fine.size(); ++i) room[i] = clearance(fine[i]);
     for (int pass = 0; pass < kRoundings; ++pass)
       for (std::size_t i = 1; i + 1 < fine.size(); ++i) {
-        const Point2 middle = between(fine[i - 1], fine[i + 1], 0.5);
-        if (distance_squared(middle, fine[i]) < 1e-10) continue;
+        const Vec2 middle = between(fine[i - 1], fine[i + 1], 0.5);
+        if ((middle - fine[i]).squaredNorm() < 1e-10) continue;
         const double there = clearance(middle);
         if (there < std::min(room[i], kRoomy - 0.02)) continue;
-        if (std::ranges::any_of(keepouts, [&](const Keepout& k) { return distance(middle, k.around) < k.radius; }))
-          continue;
+        if (std::ranges::any_of(keepouts, [&](const Keepout& k) { return k.covers(middle); })) continue;
         fine[i] = middle;
         room[i] = there;
       }
@@ -227,74 +227,46 @@ void FloorMap::round_off(std::vector<Point2>& way, std::span<const Keepout> keep
   way = std::move(fine);
 }
 
-std::optional<Point2> FloorMap::nearest(Point2 from, std::span<const Keepout> keepouts, double limit,
-                                        const std::function<bool(Point2)>& accept) {
-  std::vector<Keepout> outside(keepouts.begin(), keepouts.end());
-  for (Keepout& k : outside) k.radius = std::min(k.radius, distance(from, k.around) - 0.002);
+std::optional<Vec2> FloorMap::nearest(const Vec2& from, std::span<const Keepout> keepouts, double limit,
+                                      const std::function<bool(const Vec2&)>& accept) {
+  const std::vector<Keepout> outside = shrunk(keepouts, from);
   block(outside);
-  const std::uint32_t query = query_;
-  std::vector<Open> open;
-  const auto push = [&](Node node, double cost) {
-    if (reached_[node] == query && cost_[node] <= cost) return;
-    reached_[node] = query;
-    cost_[node] = cost;
-    open.push_back({cost, node});
-    std::push_heap(open.begin(), open.end(), std::greater<>());
-  };
-  for (const Node node : nodes_around(from, outside)) push(node, distance(from, point(node)));
-  while (!open.empty()) {
-    std::pop_heap(open.begin(), open.end(), std::greater<>());
-    const auto [cost, node] = open.back();
-    open.pop_back();
-    if (closed_[node] == query) continue;
-    if (cost > limit) return std::nullopt;
-    closed_[node] = query;
-    if (accept(point(node))) return point(node);
-    const int column = node % columns_, row = node / columns_;
-    for (int k = 0; k < 8; ++k) {
-      const int c = column + kNeighbours[k][0], r = row + kNeighbours[k][1];
-      if (c < 0 || r < 0 || c >= columns_ || r >= rows_) continue;
-      const Node next = node_at(c, r);
-      if (free(next) && closed_[next] != query) push(next, cost + step_length(k));
-    }
-  }
-  return std::nullopt;
+  const Node end = explore(
+      nodes_around(from, outside), from, [](Node) { return 1.0; }, [](const Vec2&) { return 0.0; },
+      [&](Node node) { return cost_[node] > limit || accept(point(node)); });
+  if (end == kNone || cost_[end] > limit) return std::nullopt;
+  return point(end);
 }
 
-bool FloorMap::passable_around(Point2 place) {
+bool FloorMap::passable_around(const Vec2& place) const {
   constexpr double kTaken = 0.5, kRing = 0.65, kWindow = 1.6;
-  const int column = static_cast<int>(std::lround((place.x - min_x_) / kGrid));
-  const int row = static_cast<int>(std::lround((place.y - min_y_) / kGrid));
+  const int column = column_of(place.x()), row = row_of(place.y());
   constexpr int kHalf = static_cast<int>(kWindow / kGrid);
   constexpr int kSide = 2 * kHalf + 1;
   std::array<bool, static_cast<std::size_t>(kSide) * kSide> open{};
-  std::vector<int> ring, stack;
+  const auto cell = [](int c, int r) { return static_cast<std::size_t>((r + kHalf) * kSide + c + kHalf); };
+  std::vector<std::size_t> ring;
   for (int r = -kHalf; r <= kHalf; ++r)
     for (int c = -kHalf; c <= kHalf; ++c) {
-      if (column + c < 0 || row + r < 0 || column + c >= columns_ || row + r >= rows_) continue;
+      if (!on_grid(column + c, row + r)) continue;
       const Node node = node_at(column + c, row + r);
       const double d = distance(point(node), place);
-      const int cell = (r + kHalf) * kSide + c + kHalf;
-      open[static_cast<std::size_t>(cell)] = clearance_[node] >= kClearance && d >= kTaken;
-      if (open[static_cast<std::size_t>(cell)] && d < kRing) ring.push_back(cell);
+      open[cell(c, r)] = clearance_[node] >= kClearance && d >= kTaken;
+      if (open[cell(c, r)] && d < kRing) ring.push_back(cell(c, r));
     }
   if (ring.empty()) return false;
-  stack.push_back(ring.front());
-  open[static_cast<std::size_t>(ring.front())] = false;
+  std::vector<std::size_t> stack{ring.front()};
+  open[ring.front()] = false;
   while (!stack.empty()) {
-    const int cell = stack.back();
+    const int r = static_cast<int>(stack.back()) / kSide - kHalf, c = static_cast<int>(stack.back()) % kSide - kHalf;
     stack.pop_back();
-    const int r = cell / kSide, c = cell % kSide;
-    for (int k = 0; k < 8; ++k) {
-      const int nr = r + kNeighbours[k][1], nc = c + kNeighbours[k][0];
-      if (nr < 0 || nc < 0 || nr >= kSide || nc >= kSide) continue;
-      const auto next = static_cast<std::size_t>(nr * kSide + nc);
-      if (!open[next]) continue;
-      open[next] = false;
-      stack.push_back(static_cast<int>(next));
+    for (const auto& [dc, dr] : kNeighbours) {
+      if (std::abs(c + dc) > kHalf || std::abs(r + dr) > kHalf || !open[cell(c + dc, r + dr)]) continue;
+      open[cell(c + dc, r + dr)] = false;
+      stack.push_back(cell(c + dc, r + dr));
     }
   }
-  return std::ranges::none_of(ring, [&](int cell) { return open[static_cast<std::size_t>(cell)]; });
+  return std::ranges::none_of(ring, [&](std::size_t at) { return open[at]; });
 }
 
 }  // namespace cxlab::sim

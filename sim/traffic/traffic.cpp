@@ -24,9 +24,12 @@ constexpr double kWorthQueueing = 1.0;    ///< m that driving nearer must save
 constexpr double kQueueRange = 2.5;       ///< m around a goal for places to wait
 constexpr double kGoalClearance = 0.23;   ///< m: a robot's radius; nobody is sent nearer to fixed things
 
-double distance_to_way(Point2 p, std::span<const Point2> way) {
+/// Of a robot that stands.
+Segment footprint_at(const Pose2& pose) { return {pose.position(), pose.position()}; }
+
+double distance_to_way(const Vec2& p, std::span<const Vec2> way) {
   double nearest = distance(p, way.front());
-  for (std::size_t i = 1; i < way.size(); ++i) nearest = std::min(nearest, distance(p, Footprint{way[i - 1], way[i]}));
+  for (std::size_t i = 1; i < way.size(); ++i) nearest = std::min(nearest, distance(p, Segment{way[i - 1], way[i]}));
   return nearest;
 }
 
@@ -38,15 +41,14 @@ Traffic::Traffic(const FloorPlan& plan, const DriveLimits& limits)
     robots_[i].pose = plan.robots[i].pose_in_world;
     robots_[i].rest = footprint_at(robots_[i].pose);
   }
-  for (const Spot& spot : plan.spots)
-    workplaces_.push_back({point_of(spot.align_in_world), point_of(spot.work_in_world)});
+  for (const Spot& spot : plan.spots) workplaces_.push_back(spot.footprint());
 }
 
 // --- Wishes
 
-void Traffic::request(RobotId id, const Pose2& goal, std::optional<Footprint> work, SimTime now) {
+void Traffic::request(RobotId id, const Pose2& goal, std::optional<Segment> work, SimTime now) {
   Robot& robot = at(id);
-  if (robot.moving && robot.purpose != Purpose::kYield) brake(static_cast<int>(id), now);
+  if (robot.moving && robot.purpose != Purpose::kYield) brake(index_of(id), now);
   robot.wants = true;
   robot.arrived = robot.unreachable = false;
   robot.goal = goal;
@@ -59,8 +61,7 @@ void Traffic::withdraw(RobotId id, SimTime now) {
   Robot& robot = at(id);
   robot.wants = robot.arrived = robot.unreachable = false;
   robot.idle_since = now;
-  if (robot.moving && (robot.purpose == Purpose::kGoal || robot.purpose == Purpose::kQueue))
-    brake(static_cast<int>(id), now);
+  if (robot.moving && (robot.purpose == Purpose::kGoal || robot.purpose == Purpose::kQueue)) brake(index_of(id), now);
   changed_ = true;
 }
 
@@ -77,8 +78,8 @@ void Traffic::observe(RobotId id, const Pose2& pose, SimTime now) {
   robot.pose = pose;
   if (!robot.moving) {
     if (!robot.working) robot.rest = footprint_at(pose);
-  } else if (robot.purpose != Purpose::kBrake && distance(point_of(pose), robot.motion.point_at(now)) > kOffTrack) {
-    brake(static_cast<int>(id), now);
+  } else if (robot.purpose != Purpose::kBrake && distance(pose.position(), robot.motion.point_at(now)) > kOffTrack) {
+    brake(index_of(id), now);
   }
 }
 
@@ -87,24 +88,24 @@ double Traffic::remaining(RobotId id, SimTime now) const {
   if (!robot.wants) return 0;
   if (robot.moving && robot.purpose == Purpose::kGoal) {
     double length = 0;
-    Point2 last = robot.motion.point_at(now);
+    Vec2 last = robot.motion.point_at(now);
     for (SimTime t = now; t < robot.motion.end(); t += kSample) {
-      const Point2 next = robot.motion.point_at(t + kSample);
+      const Vec2 next = robot.motion.point_at(t + kSample);
       length += distance(last, next);
       last = next;
     }
     return length;
   }
-  return distance(point_of(robot.pose), point_of(robot.goal));
+  return distance(robot.pose.position(), robot.goal.position());
 }
 
-std::optional<Point2> Traffic::standing_place(Point2 centre, double radius) const {
+std::optional<Vec2> Traffic::standing_place(const Vec2& centre, double radius) const {
   constexpr double kStep = 0.05;
-  std::optional<Point2> best;
+  std::optional<Vec2> best;
   const int n = static_cast<int>(radius / kStep);
   for (int r = -n; r <= n; ++r)
     for (int c = -n; c <= n; ++c) {
-      const Point2 p{centre.x + c * kStep, centre.y + r * kStep};
+      const Vec2 p = centre + kStep * Vec2(c, r);
       if (distance(p, centre) > radius || map_.clearance(p) < FloorMap::kClearance) continue;
       if (!best || distance(p, centre) < distance(*best, centre) - 1e-9) best = p;
     }
@@ -113,7 +114,7 @@ std::optional<Point2> Traffic::standing_place(Point2 centre, double radius) cons
 
 // --- Planning
 
-Footprint Traffic::footprint_at_goal(const Robot& robot) const {
+Segment Traffic::footprint_at_goal(const Robot& robot) const {
   return robot.work ? *robot.work : footprint_at(robot.goal);
 }
 
@@ -122,19 +123,19 @@ bool Traffic::movable(const Robot& robot, SimTime now) const {
 }
 
 template <class Only>
-std::vector<Keepout> Traffic::rests(int except, Only only) const {
+std::vector<Keepout> Traffic::rests(std::size_t except, Only only) const {
   std::vector<Keepout> keepouts;
-  for (int i = 0; i < count(); ++i)
-    if (i != except && only(i)) keepouts.push_back({robots_[static_cast<std::size_t>(i)].rest, kGap});
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    if (i != except && only(i)) keepouts.push_back({robots_[i].rest, kGap});
   return keepouts;
 }
 
-std::vector<Keepout> Traffic::rests(int except) const {
-  return rests(except, [](int) { return true; });
+std::vector<Keepout> Traffic::rests(std::size_t except) const {
+  return rests(except, [](std::size_t) { return true; });
 }
 
-void Traffic::stand(int index, SimTime now) {
-  Robot& robot = robots_[static_cast<std::size_t>(index)];
+void Traffic::stand(std::size_t index, SimTime now) {
+  Robot& robot = robots_[index];
   robot.moving = false;
   changed_ = true;
   if (robot.purpose == Purpose::kGoal && robot.wants) {
@@ -158,114 +159,114 @@ SimTime Traffic::next_due() const {
 }
 
 void Traffic::settle(SimTime now) {
-  for (int i = 0; i < count(); ++i) {
-    const Robot& robot = robots_[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    const Robot& robot = robots_[i];
     if (robot.moving && robot.motion.end() <= now) stand(i, now);
   }
 }
 
 void Traffic::plan(SimTime now) {
   if (!changed_ && now < retry_at_) return;
-  std::vector<int> wanting;
-  for (int i = 0; i < count(); ++i)
-    if (robots_[static_cast<std::size_t>(i)].wants) wanting.push_back(i);
-  std::ranges::sort(wanting, {}, [&](int i) { return robots_[static_cast<std::size_t>(i)].order; });
+  std::vector<std::size_t> wanting;
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    if (robots_[i].wants) wanting.push_back(i);
+  std::ranges::sort(wanting, {}, [&](std::size_t i) { return robots_[i].order; });
   changed_ = false;
   retry_at_ = now + kRetry;
   for (const Robot& robot : robots_)
     if (!robot.moving && !robot.working && !robot.wants && robot.idle_since + kGrace > now)
       retry_at_ = std::min(retry_at_, robot.idle_since + kGrace);
-  for (const int i : wanting) attempt(i, now);
+  for (const std::size_t i : wanting) attempt(i, now);
 }
 
-void Traffic::attempt(int index, SimTime now) {
-  Robot& robot = robots_[static_cast<std::size_t>(index)];
+void Traffic::attempt(std::size_t index, SimTime now) {
+  Robot& robot = robots_[index];
   if (!robot.wants || robot.unreachable) return;
-  const auto conflicts = [&](int other) {
-    return other != index && distance(robots_[static_cast<std::size_t>(other)].rest, footprint_at_goal(robot)) < kGap;
+  const auto conflicts = [&](std::size_t other) {
+    return other != index && distance(robots_[other].rest, footprint_at_goal(robot)) < kGap;
   };
   if (robot.moving) {
     if (robot.purpose != Purpose::kQueue || robot.motion.end() - now < SimTime{1'500'000'000}) return;
-    for (int i = 0; i < count(); ++i)
+    for (std::size_t i = 0; i < robots_.size(); ++i)
       if (conflicts(i)) return;
     brake(index, now);  // the goal became free on the way to the place to wait
     return;
   }
-  if (robot.yields_to >= 0) {
-    const Robot& other = robots_[static_cast<std::size_t>(robot.yields_to)];
+  if (robot.yields_to) {
+    const Robot& other = robots_[*robot.yields_to];
     const bool still_here = other.wants && !(other.moving && other.purpose == Purpose::kGoal);
     if (still_here && other.order < robot.order && now < robot.yields_until) return;
-    robot.yields_to = -1;
+    robot.yields_to.reset();
   }
-  if (map_.clearance(point_of(robot.goal)) < kGoalClearance) {
+  if (map_.clearance(robot.goal.position()) < kGoalClearance) {
     robot.unreachable = true;
     return;
   }
   bool occupied = false, waits = false;
-  for (int i = 0; i < count(); ++i)
+  for (std::size_t i = 0; i < robots_.size(); ++i)
     if (conflicts(i)) {
       occupied = true;
-      waits = waits || !movable(robots_[static_cast<std::size_t>(i)], now);
+      waits = waits || !movable(robots_[i], now);
     }
   if (waits) return queue(index, now);
   if (!occupied && drive_to_goal(index, now)) return;
 
-  const auto fixed = rests(index, [&](int i) { return !movable(robots_[static_cast<std::size_t>(i)], now); });
-  const auto way = map_.route(point_of(robot.pose), point_of(robot.goal), fixed);
+  const auto fixed = rests(index, [&](std::size_t i) { return !movable(robots_[i], now); });
+  const auto way = map_.route(robot.pose.position(), robot.goal.position(), fixed);
   if (!way) {
-    if (fixed.empty() || !map_.route(point_of(robot.pose), point_of(robot.goal), {}))
+    if (fixed.empty() || !map_.route(robot.pose.position(), robot.goal.position(), {}))
       robot.unreachable = true;
     else
       queue(index, now);
     return;
   }
-  const Footprint end = footprint_at_goal(robot);
-  for (int i = 0; i < count(); ++i) {
+  const Segment end = footprint_at_goal(robot);
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (i == index) continue;
-    const Robot& other = robots_[static_cast<std::size_t>(i)];
+    const Robot& other = robots_[i];
     if (!movable(other, now)) continue;
     const double to_way = std::min(distance_to_way(other.rest.a, *way), distance(other.rest, end));
-    if (to_way < kGap && !displace(i, *way, end, index, count(), now)) return;
+    if (to_way < kGap && !displace(i, *way, end, index, robots_.size(), now)) return;
   }
   if (!robot.moving) drive_to_goal(index, now);
 }
 
-bool Traffic::drive_to_goal(int index, SimTime now) {
-  Robot& robot = robots_[static_cast<std::size_t>(index)];
+bool Traffic::drive_to_goal(std::size_t index, SimTime now) {
+  Robot& robot = robots_[index];
   std::vector<Keepout> keepouts = rests(index);
-  const Footprint end = footprint_at_goal(robot);
-  const auto way = map_.route(point_of(robot.pose), point_of(robot.goal), keepouts);
+  const Segment end = footprint_at_goal(robot);
+  const auto way = map_.route(robot.pose.position(), robot.goal.position(), keepouts);
   if (!way) return false;
   Trajectory motion(*way, robot.pose.yaw, robot.goal.yaw, limits_);
   const auto delay = delay_of(index, motion, end, now);
   if (!delay) return false;
   if (*delay > kWorthADetour) {
     // Others come across: perhaps there is a way around all of their ways.
-    for (int i = 0; i < count(); ++i) {
-      const Robot& other = robots_[static_cast<std::size_t>(i)];
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      const Robot& other = robots_[i];
       if (i == index || !other.moving) continue;
-      Point2 last = other.motion.point_at(now);
+      Vec2 last = other.motion.point_at(now);
       for (SimTime t = now; t < other.motion.end();) {
         t = std::min(other.motion.end(), t + 5 * kSample);
-        const Point2 next = other.motion.point_at(t);
+        const Vec2 next = other.motion.point_at(t);
         keepouts.push_back({{last, next}, kGap});
         last = next;
       }
     }
-    if (const auto around = map_.route(point_of(robot.pose), point_of(robot.goal), keepouts)) {
+    if (const auto around = map_.route(robot.pose.position(), robot.goal.position(), keepouts)) {
       Trajectory detour(*around, robot.pose.yaw, robot.goal.yaw, limits_);
       const auto detour_delay = delay_of(index, detour, end, now);
       if (detour_delay && *detour_delay + detour.duration() < *delay + motion.duration())
-        return commit(index, *around, robot.goal, end, Purpose::kGoal, now);
+        return commit(index, *around, robot.goal.yaw, end, Purpose::kGoal, now);
     }
   }
-  return commit(index, *way, robot.goal, end, Purpose::kGoal, now);
+  return commit(index, *way, robot.goal.yaw, end, Purpose::kGoal, now);
 }
 
-bool Traffic::commit(int index, std::span<const Point2> way, const Pose2& goal, const Footprint& rest, Purpose purpose,
+bool Traffic::commit(std::size_t index, std::span<const Vec2> way, double yaw, const Segment& rest, Purpose purpose,
                      SimTime now) {
-  Robot& robot = robots_[static_cast<std::size_t>(index)];
-  Trajectory motion(way, robot.pose.yaw, goal.yaw, limits_);
+  Robot& robot = robots_[index];
+  Trajectory motion(way, robot.pose.yaw, yaw, limits_);
   const auto delay = delay_of(index, motion, rest, now);
   if (!delay) return false;
   motion.begin_at(now + *delay);
@@ -277,10 +278,11 @@ bool Traffic::commit(int index, std::span<const Point2> way, const Pose2& goal, 
   return true;
 }
 
-std::optional<SimTime> Traffic::delay_of(int index, Trajectory& motion, const Footprint& rest, SimTime now) const {
+std::optional<SimTime> Traffic::delay_of(std::size_t index, Trajectory& motion, const Segment& rest,
+                                         SimTime now) const {
   SimTime last = now;
-  for (int i = 0; i < count(); ++i) {
-    const Robot& other = robots_[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    const Robot& other = robots_[i];
     if (i != index && other.moving) last = std::max(last, other.motion.end());
   }
   for (SimTime delay{};; delay += kDelayStep) {
@@ -290,14 +292,14 @@ std::optional<SimTime> Traffic::delay_of(int index, Trajectory& motion, const Fo
   }
 }
 
-bool Traffic::meets_nobody(int index, const Trajectory& motion, const Footprint& rest, SimTime now) const {
-  for (int i = 0; i < count(); ++i) {
-    const Robot& other = robots_[static_cast<std::size_t>(i)];
+bool Traffic::meets_nobody(std::size_t index, const Trajectory& motion, const Segment& rest, SimTime now) const {
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    const Robot& other = robots_[i];
     if (i == index || !other.moving) continue;
     const double gap = std::min(kMovingGap, distance(motion.point_at(now), other.rest) - 0.005);
     const SimTime end = std::max(motion.end(), other.motion.end()) + kTimeMargin;
     for (SimTime t = now; t <= end; t += kSample) {
-      const Point2 mine = motion.point_at(t);
+      const Vec2 mine = motion.point_at(t);
       const double apart = distance(mine, other.motion.point_at(t));
       if (apart < gap) return false;
       if (apart < kMovingGap + kReachOfASample)
@@ -311,89 +313,87 @@ bool Traffic::meets_nobody(int index, const Trajectory& motion, const Footprint&
 
 // --- Making room
 
-void Traffic::queue(int index, SimTime now) {
-  Robot& robot = robots_[static_cast<std::size_t>(index)];
-  const Point2 goal = point_of(robot.goal), here = point_of(robot.pose);
-  const Footprint end = footprint_at_goal(robot);
+void Traffic::queue(std::size_t index, SimTime now) {
+  Robot& robot = robots_[index];
+  const Vec2 goal = robot.goal.position(), here = robot.pose.position();
+  const Segment end = footprint_at_goal(robot);
   if (distance(here, goal) < kWorthQueueing) return;
   std::vector<Keepout> keepouts = rests(index);
-  const auto place = map_.nearest(goal, {}, kQueueRange, [&](Point2 p) {
+  const auto place = map_.nearest(goal, {}, kQueueRange, [&](const Vec2& p) {
     if (distance(p, goal) > distance(here, goal) - kWorthQueueing || distance(p, end) < kPlaceGap + 0.1) return false;
     for (const Keepout& k : keepouts)
       if (distance(p, k.around) < kPlaceGap) return false;
-    for (int i = 0; i < count(); ++i) {
-      const Robot& other = robots_[static_cast<std::size_t>(i)];
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      const Robot& other = robots_[i];
       if (i != index && other.wants && distance(p, footprint_at_goal(other)) < kPlaceGap) return false;
     }
-    for (const Footprint& workplace : workplaces_)
+    for (const Segment& workplace : workplaces_)
       if (distance(p, workplace) < kPlaceGap) return false;
     return map_.passable_around(p);
   });
   if (!place) return;
   if (const auto way = map_.route(here, *place, keepouts)) {
-    const Pose2 there{place->x, place->y, robot.goal.yaw};
-    commit(index, *way, there, footprint_at(there), Purpose::kQueue, now);
+    commit(index, *way, robot.goal.yaw, {*place, *place}, Purpose::kQueue, now);
   }
 }
 
-std::optional<std::vector<Point2>> Traffic::way_aside(int index, std::span<const Keepout> keepouts,
-                                                      std::span<const Point2> way, const Footprint& end) {
-  const Robot& robot = robots_[static_cast<std::size_t>(index)];
+std::optional<std::vector<Vec2>> Traffic::way_aside(std::size_t index, std::span<const Keepout> keepouts,
+                                                    std::span<const Vec2> way, const Segment& end) {
+  const Robot& robot = robots_[index];
   for (const bool well_chosen : {true, false}) {
-    const auto place = map_.nearest(point_of(robot.pose), keepouts, well_chosen ? 4.0 : 30.0, [&](Point2 p) {
+    const auto place = map_.nearest(robot.pose.position(), keepouts, well_chosen ? 4.0 : 30.0, [&](const Vec2& p) {
       if (distance(p, end) < kPlaceGap || distance_to_way(p, way) < kPlaceGap) return false;
-      for (int i = 0; i < count(); ++i) {
-        const Robot& other = robots_[static_cast<std::size_t>(i)];
+      for (std::size_t i = 0; i < robots_.size(); ++i) {
+        const Robot& other = robots_[i];
         if (i == index) continue;
         if (distance(p, other.rest) < kPlaceGap) return false;
         if (well_chosen && other.wants && distance(p, footprint_at_goal(other)) < kPlaceGap) return false;
       }
       if (!well_chosen) return true;
-      for (const Footprint& workplace : workplaces_)
+      for (const Segment& workplace : workplaces_)
         if (distance(p, workplace) < kPlaceGap) return false;
       return map_.passable_around(p);
     });
     if (!place) continue;
-    if (auto aside = map_.route(point_of(robot.pose), *place, keepouts)) return aside;
+    if (auto aside = map_.route(robot.pose.position(), *place, keepouts)) return aside;
   }
   return std::nullopt;
 }
 
-bool Traffic::displace(int index, std::span<const Point2> way, const Footprint& end, int for_robot, int depth,
-                       SimTime now) {
+bool Traffic::displace(std::size_t index, std::span<const Vec2> way, const Segment& end, std::size_t for_robot,
+                       std::size_t depth, SimTime now) {
   if (depth == 0) return false;
-  Robot& robot = robots_[static_cast<std::size_t>(index)];
+  Robot& robot = robots_[index];
   if (robot.moving || robot.working) return false;
-  const auto go = [&](std::span<const Point2> aside) {
-    const Pose2 there{aside.back().x, aside.back().y, robot.pose.yaw};
-    if (!commit(index, aside, there, footprint_at(there), Purpose::kYield, now)) return false;
+  const auto go = [&](std::span<const Vec2> aside) {
+    if (!commit(index, aside, robot.pose.yaw, {aside.back(), aside.back()}, Purpose::kYield, now)) return false;
     robot.yields_to = for_robot;
     robot.yields_until = now + kYieldFor;
     return true;
   };
   if (const auto aside = way_aside(index, rests(index), way, end)) return go(*aside);
-  for (int i = 0; i < count(); ++i) {
-    if (i == index || !movable(robots_[static_cast<std::size_t>(i)], now)) continue;
-    const auto others = rests(index, [&](int k) { return k != i; });
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    if (i == index || !movable(robots_[i], now)) continue;
+    const auto others = rests(index, [&](std::size_t k) { return k != i; });
     const auto aside = way_aside(index, others, way, end);
     if (!aside) continue;
-    const Footprint place{aside->back(), aside->back()};
+    const Segment place{aside->back(), aside->back()};
     if (!displace(i, *aside, place, index, depth - 1, now)) continue;
-    const auto free = map_.route(point_of(robot.pose), aside->back(), rests(index));
+    const auto free = map_.route(robot.pose.position(), aside->back(), rests(index));
     return free && go(*free);
   }
   return false;
 }
 
-void Traffic::brake(int index, SimTime now) {
-  Robot& robot = robots_[static_cast<std::size_t>(index)];
+void Traffic::brake(std::size_t index, SimTime now) {
+  Robot& robot = robots_[index];
   robot.motion = robot.motion.braked(now, limits_);
   ++robot.motions;
   robot.purpose = Purpose::kBrake;
   robot.rest = footprint_at(robot.motion.last());
   changed_ = true;
-  for (int i = 0; i < count(); ++i) {
-    Robot& other = robots_[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    Robot& other = robots_[i];
     if (i == index || !other.moving || other.purpose == Purpose::kBrake) continue;
     for (SimTime t = now; t <= other.motion.end(); t += kSample)
       if (distance(other.motion.point_at(t), robot.motion.point_at(t)) < kStopGap ||

@@ -23,7 +23,7 @@ class Traffic {
   // --- Wishes of a robot. It has one request at a time; a new one replaces the old.
   /// The robot wants to stand at `goal`. With `work`, it then works within that footprint until `finish_work`, and
   /// nobody comes near.
-  void request(RobotId robot, const Pose2& goal, std::optional<Footprint> work, SimTime now);
+  void request(RobotId robot, const Pose2& goal, std::optional<Segment> work, SimTime now);
   /// The request is off; a robot that drives for it brakes.
   void withdraw(RobotId robot, SimTime now);
   void finish_work(RobotId robot, SimTime now);
@@ -55,14 +55,14 @@ class Traffic {
   /// Metres to go: along the motion to the goal, else as the crow flies.
   double remaining(RobotId robot, SimTime now) const;
   /// A free standing place nearest to `centre` and at most `radius` m from it.
-  std::optional<Point2> standing_place(Point2 centre, double radius) const;
-  double clearance(Point2 p) const { return map_.clearance(p); }
+  std::optional<Vec2> standing_place(const Vec2& centre, double radius) const;
+  double clearance(const Vec2& p) const { return map_.clearance(p); }
 
  private:
   enum class Purpose : std::uint8_t { kGoal, kQueue, kYield, kBrake };
   struct Robot {
-    Pose2 pose;      ///< observed, or the end of its last motion
-    Footprint rest;  ///< where it is, or will be when its motion is over
+    Pose2 pose;    ///< observed, or the end of its last motion
+    Segment rest;  ///< where it is, or will be when its motion is over
     bool working = false;
     bool moving = false;
     Trajectory motion;
@@ -73,41 +73,42 @@ class Traffic {
     bool arrived = false;
     bool unreachable = false;
     Pose2 goal;
-    std::optional<Footprint> work;
+    std::optional<Segment> work;
     std::uint64_t order = 0;  ///< of the request
-    int yields_to = -1;       ///< the robot whose way it left; it does not drive back before that one has gone
+    std::optional<std::size_t>
+        yields_to;  ///< the robot whose way it left; it does not drive back before that one has gone
     SimTime yields_until{};
   };
 
-  const Robot& at(RobotId id) const { return robots_[static_cast<std::size_t>(id)]; }
-  Robot& at(RobotId id) { return robots_[static_cast<std::size_t>(id)]; }
-  int count() const { return static_cast<int>(robots_.size()); }
+  const Robot& at(RobotId id) const { return robots_[index_of(id)]; }
+  Robot& at(RobotId id) { return robots_[index_of(id)]; }
 
-  Footprint footprint_at_goal(const Robot& robot) const;
+  Segment footprint_at_goal(const Robot& robot) const;
   bool movable(const Robot& robot, SimTime now) const;
   /// Rests of all robots but `except`; of those for which `only` holds.
   template <class Only>
-  std::vector<Keepout> rests(int except, Only only) const;
-  std::vector<Keepout> rests(int except) const;
+  std::vector<Keepout> rests(std::size_t except, Only only) const;
+  std::vector<Keepout> rests(std::size_t except) const;
 
-  void attempt(int robot, SimTime now);
-  bool commit(int robot, std::span<const Point2> way, const Pose2& goal, const Footprint& rest, Purpose purpose,
+  void attempt(std::size_t robot, SimTime now);
+  bool commit(std::size_t robot, std::span<const Vec2> way, double yaw, const Segment& rest, Purpose purpose,
               SimTime now);
   /// The shortest delay after which the motion meets nobody, or nothing.
-  std::optional<SimTime> delay_of(int robot, Trajectory& motion, const Footprint& rest, SimTime now) const;
-  bool meets_nobody(int robot, const Trajectory& motion, const Footprint& rest, SimTime now) const;
-  bool drive_to_goal(int robot, SimTime now);
-  void queue(int robot, SimTime now);
+  std::optional<SimTime> delay_of(std::size_t robot, Trajectory& motion, const Segment& rest, SimTime now) const;
+  bool meets_nobody(std::size_t robot, const Trajectory& motion, const Segment& rest, SimTime now) const;
+  bool drive_to_goal(std::size_t robot, SimTime now);
+  void queue(std::size_t robot, SimTime now);
   /// Sends a robot to a place off the way; if others enclose it, these first.
-  bool displace(int robot, std::span<const Point2> way, const Footprint& end, int for_robot, int depth, SimTime now);
-  std::optional<std::vector<Point2>> way_aside(int robot, std::span<const Keepout> keepouts,
-                                               std::span<const Point2> way, const Footprint& end);
-  void brake(int robot, SimTime now);
-  void stand(int robot, SimTime now);
+  bool displace(std::size_t robot, std::span<const Vec2> way, const Segment& end, std::size_t for_robot,
+                std::size_t depth, SimTime now);
+  std::optional<std::vector<Vec2>> way_aside(std::size_t robot, std::span<const Keepout> keepouts,
+                                             std::span<const Vec2> way, const Segment& end);
+  void brake(std::size_t robot, SimTime now);
+  void stand(std::size_t robot, SimTime now);
 
   FloorMap map_;
   DriveLimits limits_;
-  std::vector<Footprint> workplaces_;  ///< of all spots: no place to wait
+  std::vector<Segment> workplaces_;  ///< of all spots: no place to wait
   std::vector<Robot> robots_;
   std::uint64_t last_order_ = 0;
   bool changed_ = true;

@@ -27,16 +27,16 @@ double turn_time(double angle, const DriveLimits& limits) {
 }
 
 /// 1 / radius of the circle through three points.
-double curvature(Point2 a, Point2 b, Point2 c) {
-  const double ab = distance(a, b), bc = distance(b, c), ca = distance(c, a);
-  const double product = ab * bc * ca;
+double curvature(const Vec2& a, const Vec2& b, const Vec2& c) {
+  const double product = distance(a, b) * distance(b, c) * distance(c, a);
   if (product < 1e-12) return 0;
-  return 2 * std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / product;
+  const Vec2 ab = b - a, ac = c - a;
+  return 2 * std::abs(ab.x() * ac.y() - ab.y() * ac.x()) / product;
 }
 
 }  // namespace
 
-Trajectory::Trajectory(std::span<const Point2> way, double yaw_from, double yaw_to, const DriveLimits& limits) {
+Trajectory::Trajectory(std::span<const Vec2> way, double yaw_from, double yaw_to, const DriveLimits& limits) {
   const std::size_t n = way.size();
   std::vector<double> reached(n, 0), speed(n, limits.speed), when(n, 0);
   for (std::size_t i = 1; i < n; ++i) reached[i] = reached[i - 1] + distance(way[i - 1], way[i]);
@@ -72,7 +72,7 @@ Trajectory::Trajectory(std::span<const Point2> way, double yaw_from, double yaw_
   for (std::size_t k = 0; k <= steps; ++k) {
     const double t = static_cast<double>(k) * kStepSeconds;
     while (i < n && when[i] <= t) ++i;
-    Point2 p = way.back();
+    Vec2 p = way.back();
     if (i < n) {
       const double span = when[i] - when[i - 1], u = t - when[i - 1];
       const double gained = (speed[i] - speed[i - 1]) / span;
@@ -82,32 +82,33 @@ Trajectory::Trajectory(std::span<const Point2> way, double yaw_from, double yaw_
       p = between(way[i - 1], way[i], std::clamp(driven / ds, 0.0, 1.0));
     }
     const double yaw = yaw_from + std::copysign(turned(t, std::abs(turn), limits), turn);
-    poses_.push_back({p.x, p.y, wrap_angle(yaw)});
+    poses_.push_back({p.x(), p.y(), wrap_angle(yaw)});
   }
-  poses_.back() = {way.back().x, way.back().y, wrap_angle(yaw_to)};
+  poses_.back() = {way.back().x(), way.back().y(), wrap_angle(yaw_to)};
+}
+
+Trajectory::Place Trajectory::place_at(SimTime t) const {
+  if (t < start_) return {poses_.front(), poses_.front(), 0};
+  if (t >= end()) return {poses_.back(), poses_.back(), 0};
+  const auto i = static_cast<std::size_t>((t - start_) / kStep);
+  const double part = static_cast<double>(((t - start_) % kStep).count()) / static_cast<double>(kStep.count());
+  return {poses_[i], poses_[i + 1], part};
 }
 
 Pose2 Trajectory::at(SimTime t) const {
-  if (t <= start_) return poses_.front();
-  if (t >= end()) return poses_.back();
-  const auto i = static_cast<std::size_t>((t - start_) / kStep);
-  const double f = static_cast<double>(((t - start_) % kStep).count()) / static_cast<double>(kStep.count());
-  const Pose2 &a = poses_[i], &b = poses_[i + 1];
-  return {a.x + f * (b.x - a.x), a.y + f * (b.y - a.y), wrap_angle(a.yaw + f * wrap_angle(b.yaw - a.yaw))};
+  const auto& [before, after, part] = place_at(t);
+  const Vec2 p = between(before.position(), after.position(), part);
+  return {p.x(), p.y(), wrap_angle(before.yaw + part * wrap_angle(after.yaw - before.yaw))};
 }
 
-Point2 Trajectory::point_at(SimTime t) const {
-  if (t <= start_) return point_of(poses_.front());
-  if (t >= end()) return point_of(poses_.back());
-  const auto i = static_cast<std::size_t>((t - start_) / kStep);
-  const double f = static_cast<double>(((t - start_) % kStep).count()) / static_cast<double>(kStep.count());
-  return between(point_of(poses_[i]), point_of(poses_[i + 1]), f);
+Vec2 Trajectory::point_at(SimTime t) const {
+  const auto& [before, after, part] = place_at(t);
+  return between(before.position(), after.position(), part);
 }
 
 double Trajectory::speed_at(SimTime t) const {
-  if (t < start_ || t >= end()) return 0;
-  const auto i = static_cast<std::size_t>((t - start_) / kStep);
-  return distance(point_of(poses_[i]), point_of(poses_[i + 1])) / kStepSeconds;
+  const auto& [before, after, part] = place_at(t);
+  return distance(before.position(), after.position()) / kStepSeconds;
 }
 
 Trajectory Trajectory::braked(SimTime now, const DriveLimits& limits) const {
@@ -119,7 +120,7 @@ Trajectory Trajectory::braked(SimTime now, const DriveLimits& limits) const {
   for (std::size_t k = 0; k <= steps; ++k) {
     const double t = std::min(duration, static_cast<double>(k) * kStepSeconds);
     rest.poses_.push_back(at(now + from_seconds(t - 0.5 * t * t / duration)));
-    if (k > 0) rest.length_ += distance(point_of(rest.poses_[k - 1]), point_of(rest.poses_[k]));
+    if (k > 0) rest.length_ += distance(rest.poses_[k - 1].position(), rest.poses_[k].position());
   }
   return rest;
 }

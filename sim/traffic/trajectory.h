@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cx/base/time.h"
-#include "sim/traffic/geometry.h"
+#include "sim/pose.h"
 
 namespace cxlab::sim {
 
@@ -26,7 +26,7 @@ class Trajectory {
 
   Trajectory() = default;
   /// Along the way, turning from one yaw to the other by the shorter side from the start on.
-  Trajectory(std::span<const Point2> way, double yaw_from, double yaw_to, const DriveLimits& limits);
+  Trajectory(std::span<const Vec2> way, double yaw_from, double yaw_to, const DriveLimits& limits);
 
   /// The same motion, begun at that time.
   void begin_at(SimTime start) { start_ = start; }
@@ -38,13 +38,20 @@ class Trajectory {
   SimTime duration() const { return end() - start_; }
   bool empty() const { return poses_.empty(); }
   Pose2 at(SimTime t) const;
-  Point2 point_at(SimTime t) const;
+  Vec2 point_at(SimTime t) const;
   double speed_at(SimTime t) const;
   const Pose2& last() const { return poses_.back(); }
   std::span<const Pose2> poses() const { return poses_; }
   double length() const { return length_; }
 
  private:
+  /// Between two poses, or twice the same one where the robot stands.
+  struct Place {
+    const Pose2 &before, &after;
+    double part;
+  };
+  Place place_at(SimTime t) const;
+
   SimTime start_{};
   std::vector<Pose2> poses_;
   double length_ = 0;

@@ -21,9 +21,9 @@ TEST(Frames, TransformAndItsInverseCancel) {
   const Pose2 frame{1, 2, 0.7};
   const Vec3 there = transform(frame, {0.3, -0.4, 0.9});
   const Vec3 back = inverse_transform(frame, there);
-  EXPECT_NEAR(back.x, 0.3, 1e-12);
-  EXPECT_NEAR(back.y, -0.4, 1e-12);
-  EXPECT_DOUBLE_EQ(back.z, 0.9);
+  EXPECT_NEAR(back.x(), 0.3, 1e-12);
+  EXPECT_NEAR(back.y(), -0.4, 1e-12);
+  EXPECT_DOUBLE_EQ(back.z(), 0.9);
 }
 
 TEST(Spots, RobotAtTheInputFacesTheMachineInLineWithTheBelt) {

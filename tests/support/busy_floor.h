@@ -70,7 +70,7 @@ class BusyFloor {
       const Station& station = plan.station(spot.station);
       if (station.kind == "BS" && spot.kind == SpotKind::kBeltOutput && !world_.at(static_cast<SpotId>(i)) &&
           !wanted(static_cast<SpotId>(i)))
-        static_cast<void>(world_.dispense(spot.station, spot.rest_in_station.x, any_product()));
+        static_cast<void>(world_.dispense(spot.station, spot.rest_in_station.x(), any_product()));
       if (spot.kind == SpotKind::kShelf && world_.now() == SimTime{})
         static_cast<void>(world_.dispense(static_cast<SpotId>(i), Stack{4, {}, 1}));
     }

@@ -148,10 +148,10 @@ class Tf2PoseTrackerPlugin final : public Plugin {
       log(environment, LogLevel::kWarn, "TF lookup failed: " + found.error().message);
       return {};
     }
-    const bus::Transform& t = found->pose;
+    const auto& [position, turn] = found->pose;
     const std::array<RuleEngine::Slot, 3> changing{{{"stamp", Value::number(to_seconds(found->stamp))},
-                                                    {"translation", list({t.x, t.y, t.z})},
-                                                    {"rotation", list({t.qx, t.qy, t.qz, t.qw})}}};
+                                                    {"translation", list({position.x(), position.y(), position.z()})},
+                                                    {"rotation", list({turn.x(), turn.y(), turn.z(), turn.w()})}}};
     RuleEngine& engine = environment.engine();
     engine.clear_cause();
     if (timer.fact && is_of(timer, engine.fact(*timer.fact))) return engine.modify_fact(*timer.fact, changing);

@@ -16,8 +16,8 @@ using ::testing::IsEmpty;
 
 constexpr double kPi = 3.14159265358979323846;
 
-Transform at(double x, double y, double yaw = 0) { return {x, y, 0, 0, 0, std::sin(yaw / 2), std::cos(yaw / 2)}; }
-double yaw_of(const Transform& t) { return 2 * std::atan2(t.qz, t.qw); }
+Transform at(double x, double y, double yaw = 0) { return planar(x, y, yaw); }
+double yaw_of(const Transform& t) { return 2 * std::atan2(t.rotation.z(), t.rotation.w()); }
 SimTime s(double seconds) { return from_seconds(seconds); }
 
 /// The message of a lookup that must fail.
@@ -33,13 +33,13 @@ TEST(Transforms, AChainGoesThroughTheCommonAncestor) {
   ASSERT_TRUE(tf.set("robot1", "gripper1", {}, at(0.5, 0), true).ok());
   auto gripper = tf.lookup("map", "gripper1");
   ASSERT_TRUE(gripper.ok());
-  EXPECT_NEAR(gripper->pose.x, 2, 1e-12);
-  EXPECT_NEAR(gripper->pose.y, 0.5, 1e-12);
+  EXPECT_NEAR(gripper->pose.translation.x(), 2, 1e-12);
+  EXPECT_NEAR(gripper->pose.translation.y(), 0.5, 1e-12);
   EXPECT_EQ(gripper->stamp, s(1));
   auto other = tf.lookup("gripper1", "robot2");
   ASSERT_TRUE(other.ok());
-  EXPECT_NEAR(other->pose.x, 2.5, 1e-12);
-  EXPECT_NEAR(other->pose.y, 0, 1e-12);
+  EXPECT_NEAR(other->pose.translation.x(), 2.5, 1e-12);
+  EXPECT_NEAR(other->pose.translation.y(), 0, 1e-12);
   EXPECT_NEAR(yaw_of(other->pose), -kPi / 2, 1e-12);
 }
 
@@ -49,25 +49,24 @@ TEST(Transforms, BetweenTwoTimesPosesAreInterpolatedOnTheShorterArc) {
   ASSERT_TRUE(tf.set("map", "robot", s(2), at(4, 2, -0.9 * kPi)).ok());
   auto quarter = tf.lookup("map", "robot", s(1.25));
   ASSERT_TRUE(quarter.ok());
-  EXPECT_NEAR(quarter->pose.x, 1, 1e-12);
-  EXPECT_NEAR(quarter->pose.y, 0.5, 1e-12);
+  EXPECT_NEAR(quarter->pose.translation.x(), 1, 1e-12);
+  EXPECT_NEAR(quarter->pose.translation.y(), 0.5, 1e-12);
   EXPECT_NEAR(yaw_of(quarter->pose), 0.95 * kPi, 1e-12);
-  const Transform& p = quarter->pose;
-  EXPECT_NEAR(p.qx * p.qx + p.qy * p.qy + p.qz * p.qz + p.qw * p.qw, 1, 1e-12);
+  EXPECT_NEAR(quarter->pose.rotation.norm(), 1, 1e-12);
 }
 
 TEST(Transforms, TurnsInSpaceAreInvertedAndChained) {
   TransformBuffer tf;
   const double half = std::sqrt(0.5);
-  ASSERT_TRUE(tf.set("map", "arm", s(1), {1, 2, 3, half, 0, 0, half}).ok());  // a quarter about x: y becomes z
-  ASSERT_TRUE(tf.set("arm", "tool", s(1), {0, 0, 1, 0, 0, 0, 1}).ok());
+  ASSERT_TRUE(tf.set("map", "arm", s(1), {{1, 2, 3}, {half, half, 0, 0}}).ok());  // a quarter about x: y becomes z
+  ASSERT_TRUE(tf.set("arm", "tool", s(1), {{0, 0, 1}, {1, 0, 0, 0}}).ok());
   const Transform tool = tf.lookup("map", "tool")->pose, map = tf.lookup("arm", "map")->pose;
-  EXPECT_NEAR(tool.x, 1, 1e-12);
-  EXPECT_NEAR(tool.y, 1, 1e-12);
-  EXPECT_NEAR(tool.z, 3, 1e-12);
-  EXPECT_NEAR(map.x, -1, 1e-12);
-  EXPECT_NEAR(map.y, -3, 1e-12);
-  EXPECT_NEAR(map.z, 2, 1e-12);
+  EXPECT_NEAR(tool.translation.x(), 1, 1e-12);
+  EXPECT_NEAR(tool.translation.y(), 1, 1e-12);
+  EXPECT_NEAR(tool.translation.z(), 3, 1e-12);
+  EXPECT_NEAR(map.translation.x(), -1, 1e-12);
+  EXPECT_NEAR(map.translation.y(), -3, 1e-12);
+  EXPECT_NEAR(map.translation.z(), 2, 1e-12);
 }
 
 TEST(Transforms, OfTwoWithOneStampTheLaterCounts) {
@@ -75,8 +74,8 @@ TEST(Transforms, OfTwoWithOneStampTheLaterCounts) {
   ASSERT_TRUE(tf.set("map", "robot", s(1), at(0, 0)).ok());
   ASSERT_TRUE(tf.set("map", "robot", s(1), at(2, 0)).ok());
   ASSERT_TRUE(tf.set("map", "robot", s(2), at(4, 0)).ok());
-  EXPECT_DOUBLE_EQ(tf.lookup("map", "robot", s(1))->pose.x, 2);
-  EXPECT_DOUBLE_EQ(tf.lookup("map", "robot", s(1.5))->pose.x, 3);
+  EXPECT_DOUBLE_EQ(tf.lookup("map", "robot", s(1))->pose.translation.x(), 2);
+  EXPECT_DOUBLE_EQ(tf.lookup("map", "robot", s(1.5))->pose.translation.x(), 3);
 }
 
 TEST(Transforms, AStaticFrameStaysStatic) {
@@ -85,7 +84,7 @@ TEST(Transforms, AStaticFrameStaysStatic) {
   ASSERT_TRUE(tf.set("map", "dock", s(5), at(9, 0)).ok());
   const auto later = tf.lookup("map", "dock", s(7));
   ASSERT_TRUE(later.ok());
-  EXPECT_DOUBLE_EQ(later->pose.x, 9);
+  EXPECT_DOUBLE_EQ(later->pose.translation.x(), 9);
 }
 
 TEST(Transforms, TheLatestCommonTimeIsThatOfTheSlowestFrame) {
@@ -95,8 +94,8 @@ TEST(Transforms, TheLatestCommonTimeIsThatOfTheSlowestFrame) {
   auto found = tf.lookup("map", "b");
   ASSERT_TRUE(found.ok());
   EXPECT_EQ(found->stamp, s(1.5));
-  EXPECT_DOUBLE_EQ(found->pose.x, 1.5);
-  EXPECT_DOUBLE_EQ(found->pose.y, 1.5);
+  EXPECT_DOUBLE_EQ(found->pose.translation.x(), 1.5);
+  EXPECT_DOUBLE_EQ(found->pose.translation.y(), 1.5);
 }
 
 TEST(Transforms, ErrorsAreThoseOfTf2) {
@@ -143,10 +142,10 @@ TEST(Transforms, WhatMakesNoTreeIsRefused) {
   EXPECT_THAT(refusal("", "d", at(1, 0)), HasSubstr("TF_NO_FRAME_ID"));
   EXPECT_THAT(refusal("a", "/", at(1, 0)), HasSubstr("TF_NO_CHILD_FRAME_ID"));
   EXPECT_THAT(refusal("a", "d", at(std::numeric_limits<double>::quiet_NaN(), 0)), HasSubstr("TF_NAN_INPUT"));
-  EXPECT_THAT(refusal("a", "d", {0, 0, 0, 0, 0, 0, 0}), HasSubstr("TF_DENORMALIZED_QUATERNION"));
-  EXPECT_THAT(refusal("a", "d", {0, 0, 0, 0, 0, 0, 1.02}), HasSubstr("TF_DENORMALIZED_QUATERNION"));
-  EXPECT_TRUE(tf.set("a", "e", s(1), {0, 0, 0, 0, 0, 0, 1.004}).ok()) << "rounded";
-  EXPECT_DOUBLE_EQ(tf.lookup("a", "c")->pose.x, 2) << "what was refused left nothing behind";
+  EXPECT_THAT(refusal("a", "d", {{0, 0, 0}, {0, 0, 0, 0}}), HasSubstr("TF_DENORMALIZED_QUATERNION"));
+  EXPECT_THAT(refusal("a", "d", {{0, 0, 0}, {1.02, 0, 0, 0}}), HasSubstr("TF_DENORMALIZED_QUATERNION"));
+  EXPECT_TRUE(tf.set("a", "e", s(1), {{0, 0, 0}, {1.004, 0, 0, 0}}).ok()) << "rounded";
+  EXPECT_DOUBLE_EQ(tf.lookup("a", "c")->pose.translation.x(), 2) << "what was refused left nothing behind";
 }
 
 TEST(Transforms, OldOnesAreForgotten) {
@@ -162,7 +161,7 @@ TEST(Transforms, AFrameMayMoveToAnotherParent) {
   TransformBuffer tf;
   ASSERT_TRUE(tf.set("shelf", "piece", s(1), at(1, 0)).ok());
   ASSERT_TRUE(tf.set("gripper", "piece", s(2), at(0, 0)).ok());
-  EXPECT_DOUBLE_EQ(tf.lookup("shelf", "piece", s(1.5))->pose.x, 1);
+  EXPECT_DOUBLE_EQ(tf.lookup("shelf", "piece", s(1.5))->pose.translation.x(), 1);
   EXPECT_TRUE(tf.lookup("gripper", "piece").ok());
   EXPECT_FALSE(tf.lookup("shelf", "piece").ok());
 }
@@ -189,7 +188,7 @@ TEST_F(TransformTopics, WhatAServerPostsIsThereInTheSameTick) {
   bus_.deliver(agent);
   auto found = listener->buffer().lookup("map", "gripper");
   ASSERT_TRUE(found.ok());
-  EXPECT_DOUBLE_EQ(found->pose.x, 1.5);
+  EXPECT_DOUBLE_EQ(found->pose.translation.x(), 1.5);
   EXPECT_EQ(found->stamp, now_);
   server->post();
   EXPECT_FALSE(bus_.has_waiting(agent)) << "nothing new, no message";
@@ -209,7 +208,7 @@ TEST_F(TransformTopics, WhoListensLaterGetsTheStaticOnes) {
   auto listener = listen(agent);
   bus_.deliver(agent);
   EXPECT_THAT(listener->buffer().frames(), ElementsAre("dock", "map", "shelf"));
-  EXPECT_DOUBLE_EQ(listener->buffer().lookup("map", "dock")->pose.x, 3);
+  EXPECT_DOUBLE_EQ(listener->buffer().lookup("map", "dock")->pose.translation.x(), 3);
   EXPECT_THAT(refused_, IsEmpty());
 }
 

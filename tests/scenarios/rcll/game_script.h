@@ -223,14 +223,14 @@ class GameScript {
   void lay() {
     const std::string& where = words_.back();
     const bool at_a_spot = words_[words_.size() - 2] == "at";
-    const double x = at_a_spot ? story_->world().plan().spot(story_->spot(where)).rest_in_station.x : 0;
+    const double x = at_a_spot ? story_->world().plan().spot(story_->spot(where)).rest_in_station.x() : 0;
     const auto station = *story_->world().plan().find_station(where.substr(0, where.find('-', 2)));
     EXPECT_TRUE(story_->world().dispense(station, x, product(words_, 1)));
   }
   void hold() {
     const sim::SpotId spot = story_->spot(std::string(1, letter(team_)) + "-SS-OUTPUT");
     EXPECT_TRUE(story_->world().dispense(story_->world().plan().spot(spot).station,
-                                         story_->world().plan().spot(spot).rest_in_station.x, product(words_, 1)));
+                                         story_->world().plan().spot(spot).rest_in_station.x(), product(words_, 1)));
     story_->take(std::string(1, letter(team_)) + "-SS-OUTPUT");
   }
   std::vector<const sim::Piece*> pieces_on(const std::string& name) const {

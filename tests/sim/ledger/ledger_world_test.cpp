@@ -25,7 +25,7 @@ class Ledger : public ::testing::Test {
   SpotId spot(std::string_view name) const { return *world.plan().find_spot(name); }
   void pass(double seconds) { ASSERT_TRUE(world.advance(from_seconds(seconds))); }
   double belt_x(PieceId id, StationId station) const {
-    return inverse_transform(world.plan().station(station).pose_in_world, world.find(id)->position_in_world).x;
+    return inverse_transform(world.plan().station(station).pose_in_world, world.find(id)->position_in_world).x();
   }
   LedgerWorld world{three_stations()};
 };
@@ -53,7 +53,7 @@ TEST_F(Ledger, APieceFallsOverTheEndOfABeltThatDoesNotStop) {
   EXPECT_EQ(world.find(*piece)->holder, Holder::kBelt);
   pass(1.0);
   EXPECT_EQ(world.find(*piece)->holder, Holder::kFloor);
-  EXPECT_EQ(world.find(*piece)->position_in_world.z, 0);
+  EXPECT_EQ(world.find(*piece)->position_in_world.z(), 0);
 }
 
 TEST_F(Ledger, ABeltThatRunsStopsForWhatIsPutOnItAndNotForWhatIsTakenAway) {
@@ -100,7 +100,7 @@ TEST_F(Ledger, AGraspedPieceGoesWithTheRobotAndLiesWhereItIsReleased) {
   pass(3);
   EXPECT_NEAR(world.robot(kRobot1).pose_in_world.y, 2.0, 1e-9);
   EXPECT_NEAR(world.robot(kRobot1).vy, 0.5, 1e-6);
-  EXPECT_NEAR(world.find(*piece)->position_in_world.y, 2.0, 0.2);
+  EXPECT_NEAR(world.find(*piece)->position_in_world.y(), 2.0, 0.2);
   pass(3);
   EXPECT_EQ(world.robot(kRobot1).vy, 0);
   ASSERT_TRUE(world.release(kRobot1, spot("C-CS1-INPUT")));
@@ -179,6 +179,62 @@ TEST_F(Ledger, ARobotThatStopsStaysWhereItIs) {
   world.stop(kRobot1);
   pass(10);
   EXPECT_NEAR(world.robot(kRobot1).pose_in_world.y, 1.5, 1e-9);
+}
+
+TEST_F(Ledger, ABeltStopsForTheFirstPieceThatArrivesAndIsStillThere) {
+  ASSERT_TRUE(world.dispense(kBase, 0, kRed));
+  const auto second = world.dispense(kBase, 0.155, kRed);
+  ASSERT_TRUE(second);
+  world.run_belt(kBase, -0.1, -0.155);
+  EXPECT_EQ(world.next_event(), from_seconds(1.55));
+  ASSERT_TRUE(world.grasp(kRobot1, spot("C-BS-INPUT")));
+  world.stop_belt(kBase);
+  EXPECT_EQ(world.next_event(), kNever);
+  world.run_belt(kBase, -0.1, -0.155);
+  pass(1.55);
+  ASSERT_TRUE(world.grasp(kRobot2, spot("C-BS-OUTPUT")));
+  EXPECT_FALSE(world.belt_running(kBase));
+}
+
+TEST_F(Ledger, APieceThatIsTakenOffARunningBeltDoesNotStopIt) {
+  ASSERT_TRUE(world.dispense(kBase, 0.155, kRed));
+  world.run_belt(kBase, -0.05, -0.155);
+  ASSERT_TRUE(world.grasp(kRobot1, spot("C-BS-INPUT")));
+  EXPECT_EQ(world.next_event(), kNever);
+  pass(10);
+  EXPECT_TRUE(world.belt_running(kBase));
+}
+
+TEST_F(Ledger, APieceIsAtASpotWithinTenMillimetres) {
+  const auto near = world.dispense(kBase, -0.155 + 0.0095, kRed);
+  ASSERT_TRUE(near);
+  EXPECT_NE(world.at(spot("C-BS-OUTPUT")), nullptr);
+  world.retire(*near, Holder::kGate);
+  ASSERT_TRUE(world.dispense(kBase, -0.155 + 0.0105, kRed));
+  EXPECT_EQ(world.at(spot("C-BS-OUTPUT")), nullptr);
+}
+
+TEST_F(Ledger, ARobotTurnsByTheShorterSideAsItDrives) {
+  const std::vector<Pose2> path{{4.5, 0.5, 3}, {4.5, 4.5, -3}};
+  world.move_along(kRobot1, path, from_seconds(1), from_seconds(5));
+  pass(0.5);
+  EXPECT_NEAR(world.robot(kRobot1).pose_in_world.y, 0.5, 1e-9) << "not yet";
+  pass(2.5);
+  EXPECT_NEAR(std::abs(world.robot(kRobot1).pose_in_world.yaw), 3.14159, 1e-4);
+  EXPECT_NEAR(world.robot(kRobot1).omega, (2 * 3.14159265 - 6) / 4, 1e-4);
+  EXPECT_EQ(world.robot(kRobot1).finger_opening, 0.035);
+}
+
+TEST_F(Ledger, AHeldPieceIsCarriedBeforeTheRobotAndDroppedBelow) {
+  const auto piece = world.dispense(kBase, -0.155, kRed);
+  ASSERT_TRUE(world.grasp(kRobot1, spot("C-BS-OUTPUT")));
+  pass(0.02);
+  EXPECT_NEAR(world.find(*piece)->position_in_world.x(), 4.5 + 0.139, 1e-9);
+  EXPECT_NEAR(world.find(*piece)->position_in_world.z(), 0.945, 1e-9);
+  world.drop(kRobot1);
+  EXPECT_EQ(world.find(*piece)->position_in_world.z(), 0);
+  EXPECT_EQ(world.find(*piece)->holder, Holder::kFloor);
+  EXPECT_FALSE(world.robot(kRobot1).held);
 }
 
 }  // namespace

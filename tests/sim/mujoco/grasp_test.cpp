@@ -38,7 +38,7 @@ class Grasp : public testing::TestWithParam<double> {
     const Spot& s = world_->plan().spot(spot(name));
     const Vec3 here =
         inverse_transform(world_->plan().station(s.station).pose_in_world, world_->find(piece)->position_in_world);
-    return {here.x - s.rest_in_station.x, here.y - s.rest_in_station.y, here.z - s.rest_in_station.z};
+    return here - s.rest_in_station;
   }
 
   std::unique_ptr<MujocoWorld> world_;
@@ -52,7 +52,7 @@ TEST_P(Grasp, ProductIsCarriedFromBeltToBelt) {
     world_->run_belt(station("C-BS"), -0.155 / 2.656, -0.155);
     rig_->wait(4);
     ASSERT_FALSE(world_->belt_running(station("C-BS")));
-    ASSERT_TRUE(world_->at(spot("C-BS-OUTPUT"))) << world_->find(piece)->position_in_world.x;
+    ASSERT_TRUE(world_->at(spot("C-BS-OUTPUT"))) << world_->find(piece)->position_in_world.x();
 
     rig_->pick(kR1, spot("C-BS-OUTPUT"));
     ASSERT_EQ(world_->robot(kR1).held, piece);
@@ -67,9 +67,9 @@ TEST_P(Grasp, ProductIsCarriedFromBeltToBelt) {
     EXPECT_EQ(world_->robot(kR1).held, std::nullopt);
     ASSERT_EQ(id_at("C-CS1-INPUT"), piece);
     const Vec3 off = offset_at(piece, "C-CS1-INPUT");
-    EXPECT_LT(std::abs(off.y), 0.003);
-    EXPECT_LT(std::abs(off.x), 0.005);
-    EXPECT_LT(std::abs(off.z), 0.002);
+    EXPECT_LT(std::abs(off.y()), 0.003);
+    EXPECT_LT(std::abs(off.x()), 0.005);
+    EXPECT_LT(std::abs(off.z()), 0.002);
     EXPECT_EQ(rig_->life(piece), "belt gripper belt");
     world_->retire(piece, Holder::kGate);
     rig_->drive_to(kR1, {6, 4, 0});
@@ -89,7 +89,7 @@ TEST_P(Grasp, CarrierIsTakenOffTheShelfBesideItsNeighbours) {
   EXPECT_EQ(id_at("C-CS1-SHELF-RIGHT"), carriers[2]);
 
   rig_->put(kR1, spot("C-CS1-INPUT"));
-  EXPECT_LT(std::abs(offset_at(carriers[1], "C-CS1-INPUT").y), 0.003);
+  EXPECT_LT(std::abs(offset_at(carriers[1], "C-CS1-INPUT").y()), 0.003);
   EXPECT_EQ(rig_->life(carriers[1]), "slot gripper belt");
 
   rig_->pick(kR1, spot("C-CS1-INPUT"));

@@ -66,8 +66,8 @@ TEST(MujocoWorld, BeltCarriesAPieceToItsStop) {
   EXPECT_FALSE(world->belt_running(bs));
   rig.wait(0.3);
   const Vec3 rest = inverse_transform(world->plan().station(bs).pose_in_world, world->find(piece)->position_in_world);
-  EXPECT_NEAR(rest.x, -0.155, 0.003);
-  EXPECT_NEAR(rest.y, -0.025, 0.001);
+  EXPECT_NEAR(rest.x(), -0.155, 0.003);
+  EXPECT_NEAR(rest.y(), -0.025, 0.001);
   EXPECT_EQ(world->at(spot(*world, "C-BS-OUTPUT"))->id, piece);
 }
 
@@ -174,7 +174,90 @@ TEST(MujocoWorld, DroppedPieceComesToTheFloor) {
   rig.wait(3);
   EXPECT_EQ(world->robot(kR1).held, std::nullopt);
   EXPECT_EQ(rig.life(piece), "belt gripper floor");
-  EXPECT_LT(world->find(piece)->position_in_world.z, 0.05);
+  EXPECT_LT(world->find(piece)->position_in_world.z(), 0.05);
+}
+
+TEST(MujocoWorld, MotorsRampTheirSpeeds) {
+  auto world = make_world();
+  Rig rig(*world);
+  world->command_base(kR1, 0.5, 0, 1.0);
+  world->command_gripper(kR1, {0.24, 0.0375, 0.057});
+  world->command_fingers(kR1, -0.010);
+  rig.wait(0.3);
+  EXPECT_NEAR(world->robot(kR1).finger_opening, 0.035 - 0.3 * 0.1, 0.004);
+  rig.wait(0.7);
+  EXPECT_NEAR(world->robot(kR1).gripper.x(), 0.1, 0.02);
+  rig.wait(1);
+  const RobotState fast = world->robot(kR1);
+  EXPECT_NEAR(fast.vx, 0.5, 0.02);
+  EXPECT_NEAR(fast.omega, 1.0, 0.05);
+  world->command_base(kR1, 0, 0, 0);
+  rig.wait(0.2);
+  EXPECT_NEAR(world->robot(kR1).vx, 0.5 - 0.1 * 1.5, 0.05) << "the base follows 0.1 s later";
+  EXPECT_NEAR(world->robot(kR1).omega, 1.0 - 0.2 * 3.2, 0.15);
+}
+
+TEST(MujocoWorld, CommandsAreClippedToTheStrokes) {
+  auto world = make_world();
+  Rig rig(*world);
+  world->command_gripper(kR1, {1, -1, 1});
+  world->command_fingers(kR1, 1);
+  rig.wait(3.5);
+  const RobotState state = world->robot(kR1);
+  EXPECT_NEAR(state.gripper.x(), 0.24, 0.002);
+  EXPECT_NEAR(state.gripper.y(), -0.0375, 0.002);
+  EXPECT_NEAR(state.gripper.z(), 0.057, 0.002);
+  EXPECT_NEAR(state.finger_opening, 0.045, 0.002);
+}
+
+TEST(MujocoWorld, APieceIsAtASpotWithinItsTolerance) {
+  auto world = make_world();
+  const StationId bs = station(*world, "C-BS");
+  const auto found_at = [&](double x) {
+    const auto piece = world->dispense(bs, x, kBase);
+    EXPECT_TRUE(world->advance(kTick).ok());
+    const bool at_spot = world->at(spot(*world, "C-BS-INPUT")) != nullptr;
+    EXPECT_EQ(world->on_belt(bs, 0.155) != nullptr, at_spot);
+    world->retire(*piece, Holder::kGate);
+    return at_spot;
+  };
+  EXPECT_TRUE(found_at(0.155 - 0.0095));
+  EXPECT_FALSE(found_at(0.155 - 0.0105));
+}
+
+TEST(MujocoWorld, NewPiecesNeedAPiecesWidth) {
+  auto world = make_world();
+  const StationId bs = station(*world, "C-BS");
+  ASSERT_TRUE(world->dispense(bs, 0, kBase).ok());
+  EXPECT_FALSE(world->dispense(bs, 0.039, kBase).ok());
+  EXPECT_TRUE(world->dispense(bs, 0.041, kBase).ok());
+}
+
+TEST(MujocoWorld, ANewHolderCountsWhenItIsSeenForThreeTicks) {
+  auto world = make_world();
+  const PieceId piece = *world->dispense(station(*world, "C-BS"), 0.6, kBase);  // in the air before the machine
+  int on_floor = 0;
+  while (world->find(piece)->holder == Holder::kBelt) {
+    ASSERT_TRUE(world->advance(kTick).ok());
+    ASSERT_LT(world->now(), from_seconds(5));
+    if (world->find(piece)->position_in_world.z() < 0.001) ++on_floor;
+  }
+  EXPECT_EQ(world->find(piece)->holder, Holder::kFloor);
+  EXPECT_GE(on_floor, 3);
+}
+
+TEST(MujocoWorld, ChangesShowWhatVerbsDidBeforeTheTickOnce) {
+  auto world = make_world();
+  const PieceId piece = *world->dispense(station(*world, "C-BS"), 0, kBase);
+  EXPECT_TRUE(world->changes().empty()) << "not before the next tick";
+  ASSERT_TRUE(world->advance(kTick).ok());
+  EXPECT_EQ(world->changes().size(), 1u);
+  ASSERT_TRUE(world->advance(kTick).ok());
+  EXPECT_TRUE(world->changes().empty());
+  world->retire(piece, Holder::kGate);
+  ASSERT_TRUE(world->advance(kTick).ok());
+  ASSERT_EQ(world->changes().size(), 1u);
+  EXPECT_EQ(world->changes()[0].from_index, static_cast<int>(station(*world, "C-BS")));
 }
 
 TEST(MujocoPhysics, SameCommandsGiveTheSameHashAloneOrBesideAnother) {

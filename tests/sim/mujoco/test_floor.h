@@ -18,7 +18,7 @@ inline FloorPlan small_floor() {
   for (std::size_t i = 0; i < plan.stations.size(); ++i)
     for (Spot& spot : spots_of(plan.stations[i], static_cast<StationId>(i))) plan.spots.push_back(std::move(spot));
   plan.robots = {{"R1", {0.5, 4, 0}}, {"R2", {3, 1.2, 0}}};
-  plan.walls = {{4, 0, 7, 0}, {7, 0, 7, 2}};
+  plan.walls = {{{4, 0}, {7, 0}}, {{7, 0}, {7, 2}}};
   return plan;
 }
 

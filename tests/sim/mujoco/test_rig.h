@@ -38,16 +38,14 @@ class Rig {
     for (int n = 0; n < 500; ++n) {
       tick();
       const Vec3 g = world.robot(robot).gripper;
-      if (std::abs(g.x - forward + 0.139) < 0.0005 && std::abs(g.y - left) < 0.0005 && std::abs(g.z - up) < 0.0008)
+      if (std::abs(g.x() - forward + 0.139) < 0.0005 && std::abs(g.y() - left) < 0.0005 &&
+          std::abs(g.z() - up) < 0.0008)
         return;
     }
   }
 
   Vec3 seen_by(RobotId robot, const Vec3& point) { return inverse_transform(world.robot(robot).pose_in_world, point); }
-  Vec3 rest(SpotId id) {
-    const Spot& spot = world.plan().spot(id);
-    return transform(world.plan().station(spot.station).pose_in_world, spot.rest_in_station);
-  }
+  Vec3 rest(SpotId id) { return world.plan().spot(id).rest_in_world; }
 
   void pick(RobotId robot, SpotId from) {
     const Spot& spot = world.plan().spot(from);
@@ -56,11 +54,11 @@ class Rig {
     world.command_gripper(robot, {0, 0, kUp});
     drive_to(robot, spot.work_in_world);
     const Vec3 there = seen_by(robot, rest(from));
-    reach(robot, there.x, there.y, kUp);
-    reach(robot, there.x, there.y, 0.010);
+    reach(robot, there.x(), there.y(), kUp);
+    reach(robot, there.x(), there.y(), 0.010);
     world.command_fingers(robot, -0.010);
     wait(0.8);
-    reach(robot, there.x, there.y, kUp);
+    reach(robot, there.x(), there.y(), kUp);
     world.command_gripper(robot, {0, 0, kUp});
     drive_to(robot, spot.align_in_world);
     wait(1.0);
@@ -71,11 +69,11 @@ class Rig {
     drive_to(robot, spot.align_in_world);
     drive_to(robot, spot.work_in_world);
     const Vec3 there = seen_by(robot, rest(to));
-    reach(robot, there.x, there.y, kUp);
-    reach(robot, there.x, there.y, spot.kind == SpotKind::kSlide ? 0.022 : 0.0115);
+    reach(robot, there.x(), there.y(), kUp);
+    reach(robot, there.x(), there.y(), spot.kind == SpotKind::kSlide ? 0.022 : 0.0115);
     world.command_fingers(robot, 0.035);
     wait(0.8);
-    reach(robot, there.x, there.y, kUp);
+    reach(robot, there.x(), there.y(), kUp);
     world.command_gripper(robot, {0, 0, kUp});
     drive_to(robot, spot.align_in_world);
   }

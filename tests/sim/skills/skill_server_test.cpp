@@ -129,7 +129,7 @@ class Skills : public ::testing::TestWithParam<Tier> {
   SpotId spot(const char* name) const { return *world->plan().find_spot(name); }
   void base_at(const char* name) {
     const Spot& s = world->plan().spot(spot(name));
-    ASSERT_TRUE(world->dispense(s.station, s.rest_in_station.x, kRed));
+    ASSERT_TRUE(world->dispense(s.station, s.rest_in_station.x(), kRed));
   }
   RobotState robot1() const { return world->robot(RobotId{0}); }
 
@@ -305,7 +305,7 @@ TEST_P(Skills, CancelledInEachPhaseTheRobotIsSafeAndThePieceIsHeldOrLies) {
     EXPECT_LT(finish(skill), 8);
     EXPECT_EQ(skill.status, bus::GoalStatus::kCanceled) << skill.error;
     EXPECT_EQ(skill.code, 0);
-    EXPECT_LT(robot1().gripper.x, 0.1);
+    EXPECT_LT(robot1().gripper.x(), 0.1);
     EXPECT_LT(std::hypot(robot1().vx, robot1().vy), 0.05);
     wait(1.5);
     EXPECT_EQ(robot1().held.has_value(), moment.held);

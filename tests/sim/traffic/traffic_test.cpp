@@ -40,10 +40,10 @@ class Drivers {
     traffic.plan(now);
     for (int i = 0; i < size_; ++i) {
       const auto id = static_cast<RobotId>(i);
-      least_clearance = std::min(least_clearance, traffic.clearance(point_of(pose(id))));
+      least_clearance = std::min(least_clearance, traffic.clearance(pose(id).position()));
       for (int k = 0; k < i; ++k)
         least_distance =
-            std::min(least_distance, distance(point_of(pose(id)), point_of(pose(static_cast<RobotId>(k)))));
+            std::min(least_distance, distance(pose(id).position(), pose(static_cast<RobotId>(k)).position()));
     }
   }
   /// Until the condition holds; the seconds it took, or more than `limit`.
@@ -84,7 +84,7 @@ TEST(Traffic, MotionsStayWithinTheLimitsOfTheBase) {
   const auto poses = motion->poses();
   double previous = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    const double v = distance(point_of(poses[i - 1]), point_of(poses[i])) / 0.05;
+    const double v = distance(poses[i - 1].position(), poses[i].position()) / 0.05;
     EXPECT_LE(v, 0.7);
     EXPECT_LE(v - previous, 0.4 * 0.05 + 0.02);
     EXPECT_GE(v - previous, -1.5 * 0.05 - 0.02);
@@ -107,17 +107,17 @@ TEST(Traffic, TurningTakesItsTimeByTheShorterSide) {
 }
 
 TEST(Traffic, CurvesAreDrivenSlowly) {
-  std::vector<Point2> way;
+  std::vector<Vec2> way;
   for (int i = 0; i <= 60; ++i) way.push_back({-3 + 0.05 * i, 0});
   for (int i = 1; i <= 30; ++i) way.push_back({0.4 * std::sin(i * 0.05), 0.4 - 0.4 * std::cos(i * 0.05)});
   for (int i = 1; i <= 60; ++i)
-    way.push_back({way[90].x + i * 0.05 * std::cos(1.5), way[90].y + i * 0.05 * std::sin(1.5)});
+    way.push_back({way[90].x() + i * 0.05 * std::cos(1.5), way[90].y() + i * 0.05 * std::sin(1.5)});
   const DriveLimits limits;
   const Trajectory motion(way, 0, 0, limits);
   double fastest_straight = 0, fastest_in_curve = 0;
   for (SimTime t{}; t < motion.end(); t += Trajectory::kStep) {
-    const Point2 p = motion.point_at(t);
-    double& fastest = p.x > 0.05 && p.y < 0.35 ? fastest_in_curve : fastest_straight;
+    const Vec2 p = motion.point_at(t);
+    double& fastest = p.x() > 0.05 && p.y() < 0.35 ? fastest_in_curve : fastest_straight;
     fastest = std::max(fastest, motion.speed_at(t));
   }
   EXPECT_NEAR(fastest_straight, limits.speed, 0.01);
@@ -158,11 +158,11 @@ TEST(Traffic, WhoIsAtWorkKeepsItsDistanceFromThoseWhoPass) {
   Drivers floor(open_floor({{0, 3, 0}, {-4, 4.62, 0}}));
   floor.traffic.request(kRobot2, {4, 4.62, 0}, {}, floor.now);
   floor.until([&] { return floor.pose(kRobot2).x > -2.5; });
-  floor.traffic.request(kRobot1, {0, 4, 0}, Footprint{{0, 4}, {0, 4.17}}, floor.now);
+  floor.traffic.request(kRobot1, {0, 4, 0}, Segment{{0, 4}, {0, 4.17}}, floor.now);
   double least = 100;
   floor.until([&] {
     if (floor.traffic.working(kRobot1))
-      least = std::min(least, distance(point_of(floor.pose(kRobot2)), Point2{0, 4.17}));
+      least = std::min(least, distance(floor.pose(kRobot2).position(), Vec2{0, 4.17}));
     return floor.traffic.working(kRobot1) && floor.traffic.arrived(kRobot2);
   });
   EXPECT_TRUE(floor.traffic.working(kRobot1) && floor.traffic.arrived(kRobot2));
@@ -172,7 +172,7 @@ TEST(Traffic, WhoIsAtWorkKeepsItsDistanceFromThoseWhoPass) {
 TEST(Traffic, OfTwoThatWantOnePlaceTheFirstThatAskedGetsIt) {
   for (const auto& [first, second] : {std::pair{kRobot1, kRobot2}, std::pair{kRobot2, kRobot1}}) {
     Drivers floor(open_floor({{-3, 4, 0}, {3, 4, 0}}));
-    const Footprint work{{0, 4}, {0, 4.17}};
+    const Segment work{{0, 4}, {0, 4.17}};
     floor.traffic.request(first, {0, 4, 0}, work, floor.now);
     floor.traffic.request(second, {0, 4, 0}, work, floor.now);
     floor.until([&] { return floor.traffic.working(kRobot1) || floor.traffic.working(kRobot2); });
@@ -183,7 +183,7 @@ TEST(Traffic, OfTwoThatWantOnePlaceTheFirstThatAskedGetsIt) {
 TEST(Traffic, OneThatHasEndedItsWorkIsSentAwayAfterASecond) {
   for (const double offset : {0.0, 0.5, 1.0, 1.5}) {
     Drivers floor(open_floor({{-5, 4, 0}, {0.5, 4, 0}}));
-    const Footprint work{{0, 4}, {0.17, 4}};
+    const Segment work{{0, 4}, {0.17, 4}};
     floor.traffic.request(kRobot2, {0, 4, 0}, work, floor.now);
     floor.until([&] { return floor.traffic.working(kRobot2); });
     floor.traffic.request(kRobot1, {0, 4, 0}, work, floor.now);
@@ -206,20 +206,20 @@ TEST(Traffic, OneThatStandsIdleStepsAside) {
   Drivers floor(open_floor({{-3, 4, 0}, {0, 4, 0}}));
   floor.traffic.request(kRobot1, {0, 4, 0}, {}, floor.now);
   EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1); }), 20);
-  EXPECT_GT(distance(point_of(floor.pose(kRobot2)), Point2{0, 4}), 0.5);
+  EXPECT_GT(distance(floor.pose(kRobot2).position(), Vec2{0, 4}), 0.5);
   EXPECT_GE(floor.least_distance, 0.49);
 }
 
 TEST(Traffic, OneAtWorkIsWaitedForNearby) {
   Drivers floor(open_floor({{-5, 4, 0}, {0.5, 4, 0}}));
-  const Footprint work{{0, 4}, {0.17, 4}};
+  const Segment work{{0, 4}, {0.17, 4}};
   floor.traffic.request(kRobot2, {0, 4, 0}, work, floor.now);
   floor.until([&] { return floor.traffic.working(kRobot2); });
   floor.traffic.request(kRobot1, {0, 4, 0}, work, floor.now);
   for (int i = 0; i < 1000; ++i) floor.tick();
   EXPECT_FALSE(floor.traffic.arrived(kRobot1));
   EXPECT_NEAR(floor.pose(kRobot2).x, 0, 1e-9);
-  EXPECT_LT(distance(point_of(floor.pose(kRobot1)), Point2{0, 4}), 1.5);
+  EXPECT_LT(distance(floor.pose(kRobot1).position(), Vec2{0, 4}), 1.5);
   floor.traffic.finish_work(kRobot2, floor.now);
   EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1); }), 15);
   EXPECT_GE(floor.least_distance, 0.49);
@@ -228,7 +228,7 @@ TEST(Traffic, OneAtWorkIsWaitedForNearby) {
 TEST(Traffic, InADeadEndThoseInFrontMakeWay) {
   // A corridor as wide as one robot and a bit: 3 behind 2 behind 1.
   FloorPlan plan = open_floor({{4.5, 0.5, 0}, {5.5, 0.5, 0}, {6.5, 0.5, 0}});
-  plan.walls = {{5, 1, 7, 1}, {4, 0, 4, 1}};
+  plan.walls = {{{5, 1}, {7, 1}}, {{4, 0}, {4, 1}}};
   Drivers floor(plan);
   floor.traffic.request(kRobot3, {4.5, 4, 0}, {}, floor.now);
   EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot3); }), 40);
@@ -283,7 +283,7 @@ TEST(Traffic, AGoalInsideAMachineIsUnreachable) {
 
 TEST(Traffic, AGoalTooNearToAWallIsUnreachable) {
   FloorPlan plan = open_floor({{0, 1, 0}});
-  plan.walls = {{3, 0, 3, 8}};
+  plan.walls = {{{3, 0}, {3, 8}}};
   for (const auto& [x, reached] : {std::pair{2.85, false}, std::pair{2.6, true}}) {
     Drivers floor(plan);
     floor.traffic.request(kRobot1, {x, 4, 0}, {}, floor.now);
@@ -295,7 +295,7 @@ TEST(Traffic, AGoalTooNearToAWallIsUnreachable) {
 
 TEST(Traffic, AGoalBehindClosedWallsIsUnreachable) {
   FloorPlan plan = open_floor({{0, 1, 0}});
-  plan.walls = {{2, 3, 4, 3}, {4, 3, 4, 5}, {4, 5, 2, 5}, {2, 5, 2, 3}};
+  plan.walls = {{{2, 3}, {4, 3}}, {{4, 3}, {4, 5}}, {{4, 5}, {2, 5}}, {{2, 5}, {2, 3}}};
   Drivers floor(plan);
   floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
   floor.tick();
@@ -312,6 +312,72 @@ TEST(Traffic, ARobotThatIsPushedOffItsMotionIsPlannedAnew) {
   floor.traffic.observe(kRobot1, pushed, floor.now);
   EXPECT_GT(floor.traffic.motion_number(kRobot1), before);
   EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1); }), 20);
+}
+
+TEST(Traffic, TheOlderRequestGoesFirst) {
+  Drivers floor(open_floor({{-3, 4, 0}, {-3, 6, 0}}));
+  const Segment work{{0, 5}, {0.17, 5}};
+  floor.traffic.request(kRobot2, {0, 5, 0}, work, floor.now);
+  floor.traffic.request(kRobot1, {0, 5, 0}, work, floor.now);
+  floor.until([&] { return floor.traffic.working(kRobot1) || floor.traffic.working(kRobot2); });
+  EXPECT_TRUE(floor.traffic.working(kRobot2));
+}
+
+TEST(Traffic, ARobotThatHasJustFinishedIsNotSentAwayAtOnce) {
+  Drivers floor(open_floor({{-0.9, 4, 0}, {0, 4, 0}}));  // so near that waiting nearby is not worth a drive
+  floor.traffic.request(kRobot2, {0, 4, 0}, Segment{{0, 4}, {0.17, 4}}, floor.now);
+  floor.until([&] { return floor.traffic.working(kRobot2); });
+  floor.traffic.request(kRobot1, {0, 4, 0}, {}, floor.now);
+  floor.traffic.finish_work(kRobot2, floor.now);
+  for (int i = 0; i < 45; ++i) floor.tick();
+  EXPECT_FALSE(floor.traffic.moving(kRobot2)) << "0.9 s later";
+  EXPECT_LT(floor.until([&] { return floor.traffic.moving(kRobot2); }), 2.5);
+}
+
+TEST(Traffic, OneThatSteppedAsideDoesNotReturnBeforeTheOtherHasGone) {
+  Drivers floor(open_floor({{-3, 4, 0}, {0, 4, 0}}));
+  floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
+  floor.until([&] { return floor.traffic.moving(kRobot1); });
+  floor.traffic.request(kRobot2, {0, 4, 0}, {}, floor.now);
+  EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1) && floor.traffic.arrived(kRobot2); }), 40);
+  EXPECT_GE(floor.least_distance, 0.49);
+}
+
+TEST(Traffic, RemainingIsTheWayThatIsLeft) {
+  FloorPlan plan = open_floor({{-1, 4, 0}});
+  plan.stations = {{"A", "BS", {0, 4, 0}, true}};
+  Drivers floor(plan);
+  floor.traffic.request(kRobot1, {1, 4, 0}, {}, floor.now);
+  floor.until([&] { return floor.traffic.moving(kRobot1); });
+  const double whole = floor.traffic.remaining(kRobot1, floor.now);
+  EXPECT_NEAR(whole, floor.traffic.motion(kRobot1)->length(), 0.05);
+  EXPECT_GT(whole, 2.3) << "around the machine";
+  floor.until([&] { return floor.pose(kRobot1).x > 0; });
+  EXPECT_NEAR(floor.traffic.remaining(kRobot1, floor.now), whole / 2, 0.3);
+  floor.until([&] { return floor.traffic.arrived(kRobot1); });
+  EXPECT_EQ(floor.traffic.remaining(kRobot1, floor.now), 0);
+}
+
+TEST(Traffic, AStandingPlaceIsFreeAndNear) {
+  FloorPlan plan = open_floor({});
+  plan.stations = {{"A", "BS", {0, 4, 0}, true}};
+  const Traffic traffic(plan);
+  const auto place = traffic.standing_place(Vec2(0, 4), 0.75);
+  ASSERT_TRUE(place);
+  EXPECT_GE(plan.clearance(*place), 0.25);
+  EXPECT_LE(distance(*place, Vec2(0, 4)), 0.5);
+  EXPECT_FALSE(traffic.standing_place(Vec2(0, 4), 0.4));
+  EXPECT_EQ(*traffic.standing_place(Vec2(3, 4), 0.75), Vec2(3, 4));
+}
+
+TEST(Traffic, NobodyWaitsCloserThanHalfAMetreToAWorkingRobot) {
+  Drivers floor(open_floor({{-2, 4, 0}, {0.5, 4, 0}}));
+  floor.traffic.request(kRobot2, {0, 4, 0}, Segment{{0, 4}, {0.17, 4}}, floor.now);
+  floor.until([&] { return floor.traffic.working(kRobot2); });
+  floor.traffic.request(kRobot1, {-0.45, 4, 0}, {}, floor.now);
+  for (int i = 0; i < 500; ++i) floor.tick();
+  EXPECT_FALSE(floor.traffic.arrived(kRobot1));
+  EXPECT_GE(floor.least_distance, 0.5);
 }
 
 }  // namespace
