@@ -254,7 +254,7 @@ Status LedgerWorld::release(RobotId robot, SpotId to) {
       break;
     case SpotKind::kShelf: pass(*piece, Holder::kSlot, static_cast<int>(to), spot.rest_in_world); break;
     case SpotKind::kSlide:
-      pass(*piece, Holder::kSlide, static_cast<int>(spot.station), spot.rest_in_world);
+      pass(*piece, Holder::kSlide, static_cast<int>(to), spot.rest_in_world);
       ++slide_counts_[index_of(spot.station)];
       book_.remove(piece->id);
       break;

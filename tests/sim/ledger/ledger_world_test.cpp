@@ -181,6 +181,15 @@ TEST_F(Ledger, ARobotThatStopsStaysWhereItIs) {
   EXPECT_NEAR(world.robot(kRobot1).pose_in_world.y, 1.5, 1e-9);
 }
 
+TEST_F(Ledger, APaymentIsNotedWithTheSlideAsItsPlace) {
+  ASSERT_TRUE(world.dispense(kBase, -0.155, kRed));
+  ASSERT_TRUE(world.grasp(kRobot2, spot("C-BS-OUTPUT")));
+  ASSERT_TRUE(world.release(kRobot2, spot("C-RS1-SLIDE")));
+  pass(0.02);
+  EXPECT_EQ(world.changes().back().to, Holder::kSlide);
+  EXPECT_EQ(world.changes().back().to_index, static_cast<int>(spot("C-RS1-SLIDE")));
+}
+
 TEST_F(Ledger, ABeltStopsForTheFirstPieceThatArrivesAndIsStillThere) {
   ASSERT_TRUE(world.dispense(kBase, 0, kRed));
   const auto second = world.dispense(kBase, 0.155, kRed);
