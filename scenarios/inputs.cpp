@@ -2,13 +2,100 @@
 
 #include <deque>
 
+#include "cx/base/byte_codec.h"
 #include "cx/journal/input_log.h"
 #include "cx/journal/replay.h"
-#include "scenarios/outside.h"
 
 namespace cxlab {
 
 namespace {
+
+// A value as bytes, and back. Facts and instances are no values of the outside: they become void.
+
+void write(const Value& value, ByteWriter& out) {
+  switch (value.type()) {
+    case ValueType::kInteger: out.fixed(value.type()).fixed(value.as_integer()); return;
+    case ValueType::kFloat: out.fixed(value.type()).fixed(value.as_number()); return;
+    case ValueType::kHandle: out.fixed(value.type()).fixed(value.as_handle()); return;
+    case ValueType::kSymbol:
+    case ValueType::kString:
+    case ValueType::kInstanceName:
+      out.fixed(value.type()).fixed(static_cast<std::uint32_t>(value.text().size())).raw(value.text());
+      return;
+    case ValueType::kMultifield:
+      out.fixed(value.type()).fixed(static_cast<std::uint32_t>(value.items().size()));
+      for (const Value& item : value.items()) write(item, out);
+      return;
+    default: out.fixed(ValueType::kVoid);
+  }
+}
+
+/// Multifields hold no multifields.
+Value read(ByteReader& in, bool inside = false) {
+  const auto text = [&in] { return std::string(in.raw(in.fixed<std::uint32_t>())); };
+  switch (in.fixed<ValueType>()) {
+    case ValueType::kVoid: return {};
+    case ValueType::kInteger: return Value::integer(in.fixed<std::int64_t>());
+    case ValueType::kFloat: return Value::number(in.fixed<double>());
+    case ValueType::kHandle: return Value::handle(in.fixed<Handle>());
+    case ValueType::kSymbol: return Value::symbol(text());
+    case ValueType::kString: return Value::string(text());
+    case ValueType::kInstanceName: return Value::instance_name(text());
+    case ValueType::kMultifield: {
+      if (inside) in.refuse();
+      const auto size = in.fixed<std::uint32_t>();
+      std::vector<Value> items;
+      for (std::uint32_t i = 0; i < size && in.ok(); ++i) items.push_back(read(in, true));
+      return Value::multifield(std::move(items));
+    }
+    default: in.refuse(); return {};
+  }
+}
+
+/// Calls a function of rules that looks outside, and logs what it returned.
+class RecordingOutside final : public LookOutside {
+ public:
+  RecordingOutside(const bus::Bus& bus, InputLogWriter& log, std::string stream)
+      : bus_(bus), log_(log), stream_(std::move(stream)) {}
+  Value look(std::string_view function, const std::function<Value()>& outside) override {
+    Value value = outside();
+    std::string bytes;
+    ByteWriter out(bytes);
+    write(value, out);
+    log_.add(LoggedResult{bus_.now(), stream_, function, bytes});
+    return value;
+  }
+
+ private:
+  const bus::Bus& bus_;
+  InputLogWriter& log_;
+  std::string stream_;
+};
+
+/// Answers from the log; the first result that is missing there is its error.
+class ReplayingOutside final : public LookOutside {
+ public:
+  ReplayingOutside(Replayer& replayer, std::string stream) : replayer_(replayer), stream_(std::move(stream)) {}
+  Value look(std::string_view function, const std::function<Value()>&) override {
+    if (error_) return {};
+    const auto bytes = replayer_.next_result(stream_, function);
+    if (!bytes) {
+      error_ = bytes.error();
+      return {};
+    }
+    ByteReader in(*bytes);
+    Value value = read(in);
+    if (in.ok() && in.left() == 0) return value;
+    error_ = input_error("a value in the input log is damaged");
+    return {};
+  }
+  const std::optional<Error>& error() const { return error_; }
+
+ private:
+  Replayer& replayer_;
+  std::string stream_;
+  std::optional<Error> error_;
+};
 
 class RecordedInputs final : public Inputs {
  public:

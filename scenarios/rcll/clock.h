@@ -3,17 +3,15 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <string_view>
 
 #include "cx/base/time.h"
+#include "scenarios/rcll/types.h"
 
 namespace cxlab::rcll {
 
 enum class Phase : std::uint8_t { kSetup, kProduction, kPostGame };
-constexpr std::string_view to_string(Phase phase) {
-  constexpr std::string_view kNames[]{"SETUP", "PRODUCTION", "POST_GAME"};
-  return kNames[static_cast<std::size_t>(phase)];
-}
+template <>
+inline constexpr std::array<std::string_view, 3> kNames<Phase>{"SETUP", "PRODUCTION", "POST_GAME"};
 
 /// Set-up, then production; each starts the game's time anew. Production ends before `production_end`.
 struct GameClock {

@@ -1,11 +1,7 @@
 #include "scenarios/rcll/config.h"
 
-#include <span>
-
 namespace cxlab::rcll {
 namespace {
-
-constexpr std::string_view kRuleNames[]{"league", "refbox", "rulebook"};
 
 Error bad_value(const std::string& key, const std::string& found, const std::string& expected) {
   return input_error("world." + key + ": found " + found + ", expected " + expected);
@@ -17,6 +13,14 @@ Error bad_word(const std::string& key, const std::string& found, const std::vect
   const std::string near = nearest_word(found, words);
   return bad_value(key, "'" + found + "'",
                    "one of " + expected + (near.empty() ? "" : " (did you mean " + near + "?)"));
+}
+
+template <class Enum>
+Status check_word(const std::string& key, const std::string& found) {
+  if (named<Enum>(found)) return {};
+  std::vector<std::string> words(kNames<Enum>.begin(), kNames<Enum>.end());
+  std::erase(words, "");
+  return bad_word(key, found, words);
 }
 
 Status check_range(const std::string& key, double value, double low, double high) {
@@ -31,16 +35,14 @@ Status check_range(const std::string& key, double value, double low, double high
 }
 
 Status check_order(const std::string& key, const OrderConfig& order) {
-  if (!complexity_named(order.complexity))
-    return bad_word(key + ".complexity", order.complexity, {"C0", "C1", "C2", "C3"});
-  const auto base = base_named(order.base_color);
+  if (Status s = check_word<Complexity>(key + ".complexity", order.complexity); !s) return s;
+  const auto base = named<BaseColor>(order.base_color);
   if (!base || *base == BaseColor::kClear)
     return bad_word(key + ".base_color", order.base_color, {"BASE_RED", "BASE_BLACK", "BASE_SILVER"});
   for (const std::string& ring : order.ring_colors)
-    if (!ring_named(ring))
-      return bad_word(key + ".ring_colors", ring, {"RING_BLUE", "RING_GREEN", "RING_ORANGE", "RING_YELLOW"});
-  if (!cap_named(order.cap_color)) return bad_word(key + ".cap_color", order.cap_color, {"CAP_BLACK", "CAP_GREY"});
-  const auto rings = static_cast<std::size_t>(*complexity_named(order.complexity));
+    if (Status s = check_word<RingColor>(key + ".ring_colors", ring); !s) return s;
+  if (Status s = check_word<CapColor>(key + ".cap_color", order.cap_color); !s) return s;
+  const auto rings = static_cast<std::size_t>(*named<Complexity>(order.complexity));
   if (order.ring_colors.size() != rings)
     return bad_value(key + ".ring_colors", std::to_string(order.ring_colors.size()) + " rings",
                      std::to_string(rings) + " for a " + order.complexity);
@@ -55,27 +57,21 @@ Status check_order(const std::string& key, const OrderConfig& order) {
 
 }  // namespace
 
-std::optional<Rules> rules_named(std::string_view name) {
-  for (std::size_t i = 0; i < std::size(kRuleNames); ++i)
-    if (kRuleNames[i] == name) return static_cast<Rules>(i);
-  return std::nullopt;
-}
-
 RuleChoices choices_of(Rules rules) {
   const bool rulebook = rules == Rules::kRulebook;
   return {rules == Rules::kRefbox, rulebook, rulebook, rulebook};
 }
 
 Status validate(const WorldConfig& config) {
-  if (!team_named(config.team)) return bad_word("team", config.team, {"CYAN", "MAGENTA"});
-  if (!rules_named(config.rules)) return bad_word("rules", config.rules, {"league", "refbox", "rulebook"});
+  if (Status s = check_word<Team>("team", config.team); !s) return s;
+  if (Status s = check_word<Rules>("rules", config.rules); !s) return s;
   if (Status s = check_range("robots", config.robots, 0, 3); !s) return s;
   if (Status s = check_range("setup_s", config.setup_s, 0, 1e6); !s) return s;
   if (Status s = check_range("production_s", config.production_s, 1, 1e6); !s) return s;
   if (Status s = check_range("shelf_refill_s", config.shelf_refill_s, 0, 1e6); !s) return s;
   if (config.exploration) return bad_value("exploration", "true", "false: not supported in this release");
   for (const std::string& complexity : config.complexities)
-    if (!complexity_named(complexity)) return bad_word("complexities", complexity, {"C0", "C1", "C2", "C3"});
+    if (Status s = check_word<Complexity>("complexities", complexity); !s) return s;
   if (!config.orders.empty() && !config.complexities.empty())
     return bad_value("complexities", "a list beside world.orders", "only one of the two");
   for (std::size_t i = 0; i < config.orders.size(); ++i)

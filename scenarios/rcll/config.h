@@ -15,7 +15,8 @@ namespace cxlab::rcll {
 /// Where the rulebook and the referee box differ. `league`: scores and breaks as the referee box, machines turned as
 /// the rulebook has them. `refbox` and `rulebook`: all as the one or the other.
 enum class Rules : std::uint8_t { kLeague, kRefbox, kRulebook };
-std::optional<Rules> rules_named(std::string_view name);  ///< "league" "refbox" "rulebook"
+template <>
+inline constexpr std::array<std::string_view, 3> kNames<Rules>{"league", "refbox", "rulebook"};
 
 /// The differences one by one.
 struct RuleChoices {

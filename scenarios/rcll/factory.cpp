@@ -8,21 +8,16 @@
 #include "scenarios/rcll/layout.h"
 
 namespace cxlab::rcll {
+
+template <>
+inline constexpr std::array<std::string_view, 3> kNames<sim::Light>{"OFF", "ON", "BLINK"};
+
 namespace {
 
 constexpr std::string_view kPackage = "rcll_interfaces/";
 constexpr SimTime kGameStatePeriod = std::chrono::seconds(1);
 constexpr SimTime kInfoPeriod = std::chrono::seconds(2);
 constexpr SimTime kRobotInfoPeriod = std::chrono::milliseconds(2500);
-
-std::string_view name_of(sim::Light light) {
-  switch (light) {
-    case sim::Light::kOff: return "OFF";
-    case sim::Light::kOn: return "ON";
-    case sim::Light::kBlink: return "BLINK";
-  }
-  return {};
-}
 
 Zone zone_at(const sim::Pose2& pose) {
   return {pose.x > 0 ? Team::kCyan : Team::kMagenta, static_cast<int>(std::abs(pose.x)) + 1,
@@ -42,7 +37,7 @@ void put_texts(const bus::MessageView& message, std::string_view field, const st
 }
 
 void put_light(const bus::MessageView& machine, std::string_view color, sim::Light light) {
-  machine.append("lights").set("color", color).set("state", name_of(light));
+  machine.append("lights").set("color", color).set("state", to_string(light));
 }
 
 bus::SharedMessage shared(bus::Message message) { return std::make_shared<const bus::Message>(std::move(message)); }
@@ -50,7 +45,7 @@ bus::SharedMessage shared(bus::Message message) { return std::make_shared<const 
 }  // namespace
 
 Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, std::uint64_t seed, sim::World& world,
-                                                 bus::Bus& bus, RecordSink& sink) {
+                                                 bus::Bus& bus, RecordSink& sink, std::span<const sim::Fault> faults) {
   auto schedule = schedule_of(config, seed);
   if (!schedule) return schedule.error();
   std::unique_ptr<Factory> factory(new Factory(config, std::move(*schedule), world, bus, sink));
@@ -58,6 +53,7 @@ Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, std:
     RandomStream random(seed, "machines");
     draw_down_periods(random, factory->context_.clock, factory->machines_);
   }
+  if (Status s = factory->take_faults(faults, seed); !s) return s.error();
   if (Status s = factory->join(); !s) return s.error();
   if (config.transforms)
     if (Status s = factory->broadcast_transforms(); !s) return s.error();
@@ -65,12 +61,12 @@ Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, std:
 }
 
 Factory::Factory(const WorldConfig& config, Schedule schedule, sim::World& world, bus::Bus& bus, RecordSink& sink)
-    : team_(*team_named(config.team)),
+    : team_(*named<Team>(config.team)),
       world_(world),
       bus_(bus),
       sink_(sink),
       context_{GameClock::of(config.setup_s, config.production_s),
-               choices_of(*rules_named(config.rules)),
+               choices_of(*named<Rules>(config.rules)),
                from_seconds(config.shelf_refill_s),
                nullptr,
                {}},
@@ -159,6 +155,7 @@ Status Factory::judge(SimTime now) {
 }
 
 Status Factory::act(SimTime now) {
+  strike_faults(now);
   bus_.deliver(node_);
   for (auto& machine : machines_) machine->step(now, world_);
   return {};
@@ -170,7 +167,38 @@ SimTime Factory::next_due() const {
   for (const Topic* topic : {&game_state_, &order_info_, &machine_info_, &ring_info_, &robot_info_})
     due = std::min(due, topic->next);
   for (const auto& machine : machines_) due = std::min(due, machine->next_due());
+  for (const auto& [timer, machine] : faults_) due = std::min(due, timer.due());
   return due;
+}
+
+// --- Faults
+
+Status Factory::take_faults(std::span<const sim::Fault> faults, std::uint64_t seed) {
+  for (const sim::Fault& fault : faults) {
+    if (fault.machine.empty()) continue;
+    Machine* machine = find(fault.machine);
+    if (machine == nullptr) return input_error("machine: " + unknown(fault.machine), fault.origin);
+    faults_.emplace_back(sim::FaultTimer(fault, seed, fault.machine), machine);
+  }
+  return {};
+}
+
+void Factory::strike_faults(SimTime now) {
+  for (auto& [timer, machine] : faults_) {
+    if (now < timer.due()) continue;
+    const sim::Fault& fault = timer.fault();
+    timer.struck(now);
+    const bool down = fault.kind == sim::FaultKind::kMachineDown;
+    if (down) machine->add_down({now, now + fault.duration});
+    const bool acted = down || machine->fail(now, world_, "a fault of the scenario");
+    RecordData data;
+    data.begin()
+        .field("fault", sim::to_string(fault.kind))
+        .field("number", static_cast<std::int64_t>(fault.number))
+        .field("machine", fault.machine)
+        .field("acted", acted);
+    sink_.write(sink_.open_stream("faults"), now, RecordKind::kControl, data);
+  }
 }
 
 // --- Goals
@@ -180,17 +208,18 @@ Machine* Factory::find(std::string_view name) const {
   return at == machines_.end() ? nullptr : at->get();
 }
 
+std::string Factory::unknown(const std::string& name) const {
+  std::vector<std::string> names;
+  for (const auto& machine : machines_) names.push_back(machine->name());
+  return "no machine '" + name + "'" + did_you_mean(name, names);
+}
+
 void Factory::start(const bus::Delivery& delivery) {
   bus_.answer_goal(server_, delivery.goal, bus::GoalAnswer::kAccept);
   const bus::MessageView goal = delivery.message->view();
   const std::string& name = goal.text("machine");
   Machine* machine = find(name);
-  if (machine == nullptr) {
-    std::vector<std::string> names;
-    for (const auto& m : machines_) names.push_back(m->name());
-    return finish(delivery.goal, InstructError::kNoMachine, "no machine '" + name + "'" + did_you_mean(name, names),
-                  name);
-  }
+  if (machine == nullptr) return finish(delivery.goal, InstructError::kNoMachine, unknown(name), name);
   if (machine->team() != team_)
     return finish(delivery.goal, InstructError::kWrongTeam,
                   name + " belongs to " + std::string(to_string(machine->team())), name);

@@ -3,13 +3,16 @@
 // (rcll_interfaces/action/InstructMachine); game, orders, machines, rings and robots are told on `/game_state`,
 // `/order_info`, `/machine_info`, `/ring_info` and `/robot_info`, on change and periodically.
 //
-// In a tick: `sense` tells what the machines did, `judge` gives points and releases orders, `act` takes goals and lets
-// the machines work. It acts after the skills of the robots, so that it sees what they did in the same tick.
+// In a tick: `sense` reports what the machines did, `judge` gives points and releases orders, `act` strikes faults,
+// takes goals and lets the machines work. It acts after the skills of the robots, so that it sees what they did in that
+// tick.
 
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cx/base/record_sink.h"
@@ -19,15 +22,18 @@
 #include "scenarios/rcll/config.h"
 #include "scenarios/rcll/machines.h"
 #include "scenarios/rcll/referee.h"
+#include "sim/faults/fault.h"
 #include "sim/world.h"
 
 namespace cxlab::rcll {
 
 class Factory final : public Server, public Referee {
  public:
-  /// World, bus and sink outlive it. Fails on a bad configuration or when the interface package is missing.
+  /// World, bus and sink outlive it. Takes those of `faults` that are about machines; strikes are written to the stream
+  /// "faults". Fails on a bad configuration, a fault of an unknown machine, or when the interface package is missing.
   static Expected<std::unique_ptr<Factory>> make(const WorldConfig& config, std::uint64_t seed, sim::World& world,
-                                                 bus::Bus& bus, RecordSink& sink);
+                                                 bus::Bus& bus, RecordSink& sink,
+                                                 std::span<const sim::Fault> faults = {});
 
   Status sense(SimTime now) override;
   Status judge(SimTime now) override;
@@ -43,6 +49,8 @@ class Factory final : public Server, public Referee {
  private:
   Factory(const WorldConfig& config, Schedule schedule, sim::World& world, bus::Bus& bus, RecordSink& sink);
   Status join();
+  Status take_faults(std::span<const sim::Fault> faults, std::uint64_t seed);
+  void strike_faults(SimTime now);
   Status broadcast_transforms();
 
   /// One topic with its period.
@@ -71,6 +79,7 @@ class Factory final : public Server, public Referee {
   void tell(Goal& goal);
   void finish(const bus::GoalId& goal, InstructError error, const std::string& text, const std::string& machine);
   Machine* find(std::string_view name) const;
+  std::string unknown(const std::string& machine) const;  ///< the error that there is no such machine
 
   Team team_;
   sim::World& world_;
@@ -79,6 +88,7 @@ class Factory final : public Server, public Referee {
   MachineContext context_;
   GameReferee referee_;
   std::vector<std::unique_ptr<Machine>> machines_;
+  std::vector<std::pair<sim::FaultTimer, Machine*>> faults_;
 
   bus::ParticipantId node_{};
   const bus::ActionType* action_ = nullptr;

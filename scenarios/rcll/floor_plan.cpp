@@ -103,7 +103,7 @@ std::vector<sim::SpotId> unreachable_spots(const sim::FloorPlan& plan, double ra
 
 Expected<sim::FloorPlan> floor_plan_of(const WorldConfig& config, std::uint64_t seed) {
   if (Status s = validate(config); !s) return s.error();
-  const Team team = *team_named(config.team);
+  const Team team = *named<Team>(config.team);
   if (!config.layout.empty()) {
     auto layout = read_layout(config.layout);
     if (!layout) return layout.error();
@@ -111,7 +111,7 @@ Expected<sim::FloorPlan> floor_plan_of(const WorldConfig& config, std::uint64_t 
   }
   // At (4, 2) the end of the insertion area's wall can stand in the way of a shelf's or slide's last slot: 3 % of
   // draws.
-  const bool as_refbox = choices_of(*rules_named(config.rules)).shelf_faces_wall;
+  const bool as_refbox = choices_of(*named<Rules>(config.rules)).shelf_faces_wall;
   RandomStream random(seed, "layout");
   sim::FloorPlan plan = make_floor_plan(draw_layout(random, as_refbox), team, config.robots);
   while (!as_refbox && config.robots > 0 && !unreachable_spots(plan, kRobotWithMargin).empty())

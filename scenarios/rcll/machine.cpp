@@ -16,12 +16,6 @@ bool working(MachineState state) {
 
 }  // namespace
 
-std::string_view to_string(MachineState state) {
-  constexpr std::string_view kNames[]{"IDLE",      "PREPARED", "PROCESSING", "PROCESSED", "READY-AT-OUTPUT",
-                                      "WAIT-IDLE", "BROKEN",   "DOWN"};
-  return kNames[static_cast<std::size_t>(state)];
-}
-
 sim::Lights lights_of(MachineState state) {
   using sim::Light;
   switch (state) {

@@ -31,7 +31,9 @@ enum class MachineState : std::uint8_t {
   kBroken,
   kDown
 };
-std::string_view to_string(MachineState state);  ///< "IDLE" ... "READY-AT-OUTPUT"
+template <>
+inline constexpr std::array<std::string_view, 8> kNames<MachineState>{
+    "IDLE", "PREPARED", "PROCESSING", "PROCESSED", "READY-AT-OUTPUT", "WAIT-IDLE", "BROKEN", "DOWN"};
 /// What the signal lights show in that state.
 sim::Lights lights_of(MachineState state);
 

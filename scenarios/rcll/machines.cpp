@@ -20,7 +20,7 @@ constexpr int kMaxPayments = 3;
 Machine::Refusal BaseStation::check(const Instruction& instruction) const {
   if (instruction.side != "INPUT" && instruction.side != "OUTPUT")
     return {InstructError::kInvalid, "side: found '" + instruction.side + "', expected INPUT or OUTPUT", true};
-  const auto base = base_named(instruction.base_color);
+  const auto base = named<BaseColor>(instruction.base_color);
   if (!base || *base == BaseColor::kClear)
     return {InstructError::kInvalid,
             "base_color: found '" + instruction.base_color + "', expected BASE_RED, BASE_BLACK or BASE_SILVER", true};
@@ -33,7 +33,7 @@ void BaseStation::work(SimTime now, sim::World& world) {
     enter(MachineState::kProcessing, now);
   } else if (state() == MachineState::kProcessing && in_phase(now) >= kDispenseTime) {
     sim::Stack stack;
-    stack.base = static_cast<std::uint8_t>(*base_named(instruction().base_color));
+    stack.base = static_cast<std::uint8_t>(*named<BaseColor>(instruction().base_color));
     if (!world.dispense(id(), sim::kMachine.processing_x, stack))
       return;  // something lies there: try again until stuck
     run_belt(world, direction * kOutSpeed, -direction * sim::kMachine.belt_rest_x);

@@ -107,10 +107,10 @@ void repair(RandomStream& random, Schedule& schedule) {
 Order read_order(const OrderConfig& config, int id) {
   Order order;
   order.id = id;
-  order.complexity = *complexity_named(config.complexity);
-  order.product.base = *base_named(config.base_color);
-  for (const std::string& ring : config.ring_colors) order.product.rings.push_back(*ring_named(ring));
-  order.product.cap = *cap_named(config.cap_color);
+  order.complexity = *named<Complexity>(config.complexity);
+  order.product.base = *named<BaseColor>(config.base_color);
+  for (const std::string& ring : config.ring_colors) order.product.rings.push_back(*named<RingColor>(ring));
+  order.product.cap = *named<CapColor>(config.cap_color);
   order.activate_at = config.activate_at;
   order.delivery_begin = config.delivery_begin;
   order.delivery_end = config.delivery_end;
@@ -146,7 +146,7 @@ Schedule draw_schedule(RandomStream& random, const std::vector<Complexity>& allo
 Expected<Schedule> schedule_of(const WorldConfig& config, std::uint64_t seed) {
   if (Status s = validate(config); !s) return s.error();
   std::vector<Complexity> allowed;
-  for (const std::string& name : config.complexities) allowed.push_back(*complexity_named(name));
+  for (const std::string& name : config.complexities) allowed.push_back(*named<Complexity>(name));
   RandomStream random(seed, "orders");
   Schedule schedule = draw_schedule(random, allowed);
   if (config.orders.empty()) return schedule;

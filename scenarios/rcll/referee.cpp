@@ -21,12 +21,6 @@ Team team_of(const sim::FloorPlan& plan, sim::StationId id) {
 
 }  // namespace
 
-std::string_view to_string(PointKind kind) {
-  constexpr std::string_view kNames[kPointKinds]{"delivery", "ring",        "cap",         "buffer", "payment",
-                                                 "late",     "competitive", "exploration", "penalty"};
-  return kNames[static_cast<std::size_t>(kind)];
-}
-
 std::int64_t Score::total() const { return std::accumulate(by_kind.begin(), by_kind.end(), std::int64_t{0}); }
 
 std::int64_t late_deduction(std::int64_t points, double late_s, double window_s, bool in_fifths) {

@@ -28,7 +28,9 @@ enum class PointKind : std::uint8_t {
   kPenalty
 };
 inline constexpr std::size_t kPointKinds = 9;
-std::string_view to_string(PointKind kind);  ///< "delivery" ...
+template <>
+inline constexpr std::array<std::string_view, kPointKinds> kNames<PointKind>{
+    "delivery", "ring", "cap", "buffer", "payment", "late", "competitive", "exploration", "penalty"};
 
 /// Points of a team by kind.
 struct Score {

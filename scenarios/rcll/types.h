@@ -2,6 +2,7 @@
 // Words of the RoboCup Logistics League: colours, teams, complexities. The numbers are those of the league's protocol
 // (llsf_msgs) and fill the slots of a `sim::Stack`; the names are what agents read on the bus.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -24,16 +25,34 @@ inline constexpr std::array<Team, 2> kTeams{Team::kCyan, Team::kMagenta};
 inline constexpr std::array<RingColor, 4> kRingColors{RingColor::kBlue, RingColor::kGreen, RingColor::kOrange,
                                                       RingColor::kYellow};
 
-std::string_view to_string(Team team);              ///< "CYAN" "MAGENTA"
-std::string_view to_string(BaseColor color);        ///< "BASE_RED" ...
-std::string_view to_string(RingColor color);        ///< "RING_BLUE" ...
-std::string_view to_string(CapColor color);         ///< "CAP_BLACK" "CAP_GREY"
-std::string_view to_string(Complexity complexity);  ///< "C0" ...
-std::optional<Team> team_named(std::string_view name);
-std::optional<BaseColor> base_named(std::string_view name);
-std::optional<RingColor> ring_named(std::string_view name);
-std::optional<CapColor> cap_named(std::string_view name);
-std::optional<Complexity> complexity_named(std::string_view name);
+/// The names of an enumeration by number, as agents read them on the bus; empty = no such number.
+template <class Enum>
+inline constexpr std::array<std::string_view, 0> kNames{};
+template <>
+inline constexpr std::array<std::string_view, 2> kNames<Team>{"CYAN", "MAGENTA"};
+template <>
+inline constexpr std::array<std::string_view, 5> kNames<BaseColor>{"", "BASE_RED", "BASE_BLACK", "BASE_SILVER",
+                                                                   "BASE_CLEAR"};
+template <>
+inline constexpr std::array<std::string_view, 5> kNames<RingColor>{"", "RING_BLUE", "RING_GREEN", "RING_ORANGE",
+                                                                   "RING_YELLOW"};
+template <>
+inline constexpr std::array<std::string_view, 3> kNames<CapColor>{"", "CAP_BLACK", "CAP_GREY"};
+template <>
+inline constexpr std::array<std::string_view, 4> kNames<Complexity>{"C0", "C1", "C2", "C3"};
+
+template <class Enum>
+  requires(!kNames<Enum>.empty())
+constexpr std::string_view to_string(Enum value) {
+  return kNames<Enum>[static_cast<std::size_t>(value)];
+}
+/// The value of that name, if there is one.
+template <class Enum>
+std::optional<Enum> named(std::string_view name) {
+  const auto at = std::ranges::find(kNames<Enum>, name);
+  if (name.empty() || at == kNames<Enum>.end()) return std::nullopt;
+  return static_cast<Enum>(at - kNames<Enum>.begin());
+}
 
 inline Team other(Team team) { return team == Team::kCyan ? Team::kMagenta : Team::kCyan; }
 /// 'C' or 'M', the first letter of a machine's name.

@@ -1,11 +1,171 @@
 #include "scenarios/rcll/world.h"
 
+#include "cx/journal/hash_text.h"
+#include "scenarios/rcll/factory.h"
+#include "scenarios/rcll/floor_plan.h"
+#include "scenarios/rcll/layout.h"
 #include "scenarios/rcll/result.h"
-#include "scenarios/rcll/stage.h"
+#include "sim/ledger/ledger_world.h"
+#include "sim/mujoco/mujoco_world.h"
+#include "sim/mujoco/render.h"
+#include "sim/skills/fleet.h"
 
 namespace cxlab::rcll {
 
 namespace {
+
+/// Every zone of the field by its name; a robot that stands there faces +y.
+sim::Fleet::Places zone_places() {
+  sim::Fleet::Places places;
+  for (const Team half : kTeams)
+    for (int column = 1; column <= kColumns; ++column)
+      for (int row = 1; row <= kRows; ++row) {
+        const Zone zone{half, column, row};
+        places[to_string(zone)] = centre_of(zone, 90);
+      }
+  return places;
+}
+
+class FloorView final : public View {
+ public:
+  FloorView(std::unique_ptr<sim::Renderer> renderer, const sim::PhysicsGate& floor)
+      : renderer_(std::move(renderer)), floor_(floor) {}
+  Expected<const sim::Picture*> draw(std::string_view camera) override { return renderer_->draw(floor_, camera); }
+  std::vector<std::string> cameras() const override { return {"field", "top"}; }
+
+ private:
+  std::unique_ptr<sim::Renderer> renderer_;
+  const sim::PhysicsGate& floor_;
+};
+
+Expected<std::unique_ptr<View>> view_of_floor(const sim::FloorPlan& plan, const sim::PhysicsGate& floor, int width,
+                                              int height) {
+  auto renderer = sim::Renderer::create(plan, floor, width, height);
+  if (!renderer) return renderer.error();
+  return std::unique_ptr<View>(std::make_unique<FloorView>(*std::move(renderer), floor));
+}
+
+Expected<sim::ModelOptions> model_options(const Scenario& scenario, const std::filesystem::path& models) {
+  if (!std::filesystem::is_directory(models))
+    return resource_error("there is no folder of models at " + models.string());
+  sim::ModelOptions options;
+  options.models = models;
+  options.step = to_seconds(scenario.physics_step);
+  return options;
+}
+
+class FloorReplay final : public WorldReplay {
+ public:
+  FloorReplay(sim::FloorPlan plan, SimTime step, sim::PhysicsReplay physics)
+      : plan_(std::move(plan)), step_(step), physics_(std::move(physics)) {}
+  Status advance_to(SimTime t) override { return physics_.advance_to(t / step_); }
+  std::string hash() const override { return hash_text(physics_.hash()); }
+  Expected<std::unique_ptr<View>> view(int width, int height) const override {
+    return view_of_floor(plan_, physics_.gate(), width, height);
+  }
+
+ private:
+  sim::FloorPlan plan_;
+  SimTime step_;
+  sim::PhysicsReplay physics_;
+};
+
+/// A game: field, robots with their skills, machines, referee.
+class GameStage final : public Stage {
+ public:
+  Status build(const StageSetup& setup);
+  std::string take_inputs() override { return physics_log_.take(); }
+  void report(Result& result) const override;
+
+ private:
+  Status build_physics(const StageSetup& setup, sim::FloorPlan plan);
+  Status build_ledger(const StageSetup& setup, sim::FloorPlan plan);
+  Status add_fleet(Expected<std::unique_ptr<sim::Fleet>> fleet);
+
+  sim::PhysicsLog physics_log_;
+  sim::World* floor_ = nullptr;          // owned as world
+  sim::MujocoWorld* physics_ = nullptr;  // the same, in the physics tier
+  sim::Fleet* fleet_ = nullptr;          // owned as server, as the factory
+  Factory* factory_ = nullptr;
+};
+
+/// Servers in the order robots, factory.
+Status GameStage::build(const StageSetup& setup) {
+  const Scenario& scenario = setup.scenario;
+  const WorldConfig& config = scenario.world.get<WorldConfig>();
+  auto plan = floor_plan_of(config, scenario.seed);
+  if (!plan) return plan.error();
+  const Status built =
+      scenario.tier == Tier::kPhysics ? build_physics(setup, *std::move(plan)) : build_ledger(setup, *std::move(plan));
+  if (!built) return built;
+  auto factory = Factory::make(config, scenario.seed, *floor_, setup.bus, setup.sink, scenario.faults);
+  if (!factory) return factory.error();
+  factory_ = factory->get();
+  servers.push_back(*std::move(factory));
+  referee = factory_;
+  return {};
+}
+
+Status GameStage::build_physics(const StageSetup& setup, sim::FloorPlan plan) {
+  const Scenario& scenario = setup.scenario;
+  auto options = model_options(scenario, setup.models);
+  if (!options) return options.error();
+  auto made = sim::MujocoWorld::create(std::move(plan), *options, &physics_log_);
+  if (!made) return made.error();
+  physics_ = made->get();
+  floor_ = physics_;
+  files = physics_->model_files();
+  worlds.push_back(*std::move(made));
+  views.push_back(
+      [world = physics_](int width, int height) { return view_of_floor(world->plan(), world->gate(), width, height); });
+  return add_fleet(
+      sim::Fleet::create(*physics_, *physics_, zone_places(), setup.bus, setup.sink, {scenario.faults, scenario.seed}));
+}
+
+Status GameStage::build_ledger(const StageSetup& setup, sim::FloorPlan plan) {
+  const Scenario& scenario = setup.scenario;
+  auto made = std::make_unique<sim::LedgerWorld>(std::move(plan));
+  sim::LedgerWorld& ledger = *made;
+  floor_ = &ledger;
+  worlds.push_back(std::move(made));
+  without_views = "the timed tier has no bodies to look at: --tier physics (render: --set tier=physics)";
+  return add_fleet(sim::Fleet::create(ledger, ledger, scenario.timed, scenario.seed, zone_places(), setup.bus,
+                                      setup.sink, {scenario.faults, scenario.seed}));
+}
+
+Status GameStage::add_fleet(Expected<std::unique_ptr<sim::Fleet>> fleet) {
+  if (!fleet) return fleet.error();
+  fleet_ = fleet->get();
+  servers.push_back(*std::move(fleet));
+  return {};
+}
+
+void GameStage::report(Result& result) const {
+  report_game(*factory_, result);
+  report_robots(fleet_->stats(), *floor_, result);
+  if (physics_) {
+    result.steps = physics_->gate().steps();
+    result.physics_hash = hash_text(physics_->physics_hash());
+  }
+}
+
+Expected<std::unique_ptr<Stage>> make_stage(const StageSetup& setup) {
+  auto stage = std::make_unique<GameStage>();
+  if (Status s = stage->build(setup); !s) return s.error();
+  return std::unique_ptr<Stage>(std::move(stage));
+}
+
+Expected<std::unique_ptr<WorldReplay>> replay(const Scenario& scenario, const std::filesystem::path& models,
+                                              const std::string& log) {
+  auto plan = floor_plan_of(scenario.world.get<WorldConfig>(), scenario.seed);
+  if (!plan) return plan.error();
+  auto options = model_options(scenario, models);
+  if (!options) return options.error();
+  auto physics = sim::PhysicsReplay::load(*plan, *options, log);
+  if (!physics) return physics.error();
+  return std::unique_ptr<WorldReplay>(
+      std::make_unique<FloorReplay>(*std::move(plan), scenario.physics_step, *std::move(physics)));
+}
 
 constexpr Tier kTiers[]{Tier::kPhysics, Tier::kTimed};
 
@@ -22,7 +182,7 @@ constinit const WorldKind kWorld{
         },
     .tiers = kTiers,
     .takes_faults = true,
-    .make_stage = GameStage::create,
+    .make_stage = make_stage,
     .replay = replay,
     .add_sample = add_sample,
 };

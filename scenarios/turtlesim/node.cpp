@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <numbers>
 
-#include "scenarios/turtlesim/node_parts.h"
+#include "cx/node/parameter_services.h"
 
 namespace cxlab::turtlesim {
 
 namespace {
+
+constexpr std::array<const char*, 3> kBackground{"background_r", "background_g", "background_b"};
 
 std::string formatted(const char* format, auto... values) {
   char text[256];
@@ -51,7 +54,7 @@ Status TurtlesimNode::Types::find(bus::Registry& registry) {
 
 TurtlesimNode::TurtlesimNode(const Config& config, sim::TurtleWorld& world, bus::Bus& bus, RecordSink& sink,
                              cx::LogSink* log)
-    : config_(config), world_(world), bus_(bus), sink_(sink), log_(log), types_(std::make_unique<Types>()) {}
+    : config_(config), world_(world), bus_(bus), sink_(sink), log_(log) {}
 
 TurtlesimNode::~TurtlesimNode() {
   if (self_) bus_.leave(*self_);
@@ -60,7 +63,7 @@ TurtlesimNode::~TurtlesimNode() {
 Expected<std::unique_ptr<TurtlesimNode>> TurtlesimNode::create(const Config& config, sim::TurtleWorld& world,
                                                                bus::Bus& bus, RecordSink& sink, cx::LogSink* log) {
   std::unique_ptr<TurtlesimNode> node(new TurtlesimNode(config, world, bus, sink, log));
-  if (Status s = node->types_->find(bus.registry()); !s) return s.error();
+  if (Status s = node->types_.find(bus.registry()); !s) return s.error();
   if (config.start <= SimTime::zero())
     if (Status s = node->start(); !s) return s.error();
   return node;
@@ -92,6 +95,33 @@ Status TurtlesimNode::serve(std::string_view service, const std::string& type, H
   auto made = bus_.serve(*self_, service, **found,
                          [this, handler](const bus::Delivery& request) { (this->*handler)(request); });
   return made ? Status() : Status(made.error());
+}
+
+// --- Parameters: the colour of the background
+
+Status TurtlesimNode::serve_parameters() {
+  const sim::Colour now = world_.background();
+  std::array<std::int64_t, 3> values{now.r, now.g, now.b};
+  for (std::size_t i = 0; i < kBackground.size(); ++i)
+    if (Status s = parameters_.declare(kBackground[i], values[i]); !s) return s;
+  return cx::serve_parameters(bus_, *self_, parameters_,
+                              [](const std::string& name, const cx::Parameter& value) -> Status {
+                                const long number = std::strtol(value.text.c_str(), nullptr, 10);
+                                if (number < 0 || number > 255)
+                                  return input_error(name + ": found " + value.text + ", expected 0 to 255");
+                                return {};
+                              });
+}
+
+/// Somebody may have set them.
+void TurtlesimNode::apply_parameters() {
+  std::array<std::int64_t, 3> values{};
+  for (std::size_t i = 0; i < kBackground.size(); ++i) (void)parameters_.read(kBackground[i], values[i]);
+  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(values[i]); };
+  const sim::Colour wanted{byte(0), byte(1), byte(2)};
+  if (wanted == world_.background()) return;
+  world_.set_background(wanted);
+  note(RecordKind::kControl, "background", "", {{"r", wanted.r}, {"g", wanted.g}, {"b", wanted.b}}, nullptr);
 }
 
 // --- The tick
@@ -129,7 +159,7 @@ Status TurtlesimNode::act(SimTime) {
 
 void TurtlesimNode::publish(Turtle& turtle) {
   const sim::Turtle& seen = *world_.find(turtle.id);
-  const Types& t = *types_;
+  const Types& t = types_;
   bus::Message pose(*t.pose);
   const bus::MessageView p = pose.view();
   const double speed = std::hypot(seen.vx, seen.vy);
@@ -179,7 +209,7 @@ void TurtlesimNode::report_rotation(Turtle& turtle) {
   constexpr double kClose = 0.02;  // rad: at 1 rad/s one step turns by 0.016
   Rotation& rotation = *turtle.rotation;
   const double remaining = std::remainder(rotation.theta - world_.find(turtle.id)->theta, 2 * std::numbers::pi);
-  bus::Message feedback(*types_->rotate->feedback);
+  bus::Message feedback(*types_.rotate->feedback);
   feedback.view().set("remaining", remaining);
   bus_.publish_feedback(turtle.rotate, rotation.goal, shared(std::move(feedback)));
   if (std::abs(remaining) >= kClose) return;
@@ -189,7 +219,7 @@ void TurtlesimNode::report_rotation(Turtle& turtle) {
 
 void TurtlesimNode::end_rotation(Turtle& turtle, bus::GoalStatus status) {
   const Rotation& rotation = *turtle.rotation;
-  bus::Message result(*types_->rotate->result);
+  bus::Message result(*types_.rotate->result);
   result.view().set("delta", std::remainder(rotation.from - world_.find(turtle.id)->theta, 2 * std::numbers::pi));
   bus_.finish(turtle.rotate, rotation.goal, status, shared(std::move(result)));
 }

@@ -1,6 +1,7 @@
 #pragma once
 // The node `turtlesim`: names, topics, services and the action of ROS 2's turtlesim, on a world of turtles.
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -31,6 +32,10 @@ struct TurtleStory {
   int teleports = 0;
 };
 
+inline bus::SharedMessage shared(bus::Message message) {
+  return std::make_shared<const bus::Message>(std::move(message));
+}
+
 class TurtlesimNode final : public Server {
  public:
   /// Joins the bus now, or at the start that the configuration names. `log` may be none. All must outlive the node.
@@ -48,9 +53,35 @@ class TurtlesimNode final : public Server {
   const std::vector<TurtleStory>& stories() const { return stories_; }
 
  private:
-  struct Types;
-  struct Rotation;
-  struct Turtle;
+  /// Message types and the fields that are written each step.
+  struct Types {
+    const bus::MessageType *pose = nullptr, *colour = nullptr, *twist = nullptr;
+    const bus::ActionType* rotate = nullptr;
+    const bus::Field *x = nullptr, *y = nullptr, *theta = nullptr, *linear_velocity = nullptr,
+                     *angular_velocity = nullptr;
+    const bus::Field *r = nullptr, *g = nullptr, *b = nullptr;
+    const bus::Field *linear = nullptr, *angular = nullptr, *vector_x = nullptr, *vector_y = nullptr,
+                     *vector_z = nullptr;
+
+    Status find(bus::Registry& registry);
+  };
+
+  /// A goal of rotate_absolute that is being carried out.
+  struct Rotation {
+    bus::GoalId goal{};
+    double theta = 0, from = 0;  ///< rad
+    bool arrived = false;
+  };
+
+  struct Turtle {
+    sim::TurtleId id{};
+    std::string name;
+    std::size_t story = 0;  // index
+    bus::EndpointId pose{}, colour{}, rotate{};
+    std::vector<bus::EndpointId> endpoints;  // all
+    std::optional<Rotation> rotation;
+    std::array<double, 3> commanded{};  // vx, vy, omega of the last message
+  };
   using Handler = void (TurtlesimNode::*)(const bus::Delivery&);
   using TurtleHandler = void (TurtlesimNode::*)(Turtle&, const bus::Delivery&);
 
@@ -75,6 +106,8 @@ class TurtlesimNode final : public Server {
   void on_command(Turtle& turtle, const bus::Delivery& message);
   void on_teleport(Turtle& turtle, const bus::Delivery& request);
   void on_teleport_relative(Turtle& turtle, const bus::Delivery& request);
+  bool may_go(const Turtle& turtle, std::initializer_list<double> place);
+  void count_teleport(const Turtle& turtle);
   void on_pen(Turtle& turtle, const bus::Delivery& request);
   void on_rotate(Turtle& turtle, const bus::Delivery& goal);
   void on_cancel(Turtle& turtle, const bus::Delivery& cancel);
@@ -101,7 +134,7 @@ class TurtlesimNode final : public Server {
   RecordData data_;
   std::string logger_ = "turtlesim";
   std::optional<bus::ParticipantId> self_;  // since the start
-  std::unique_ptr<Types> types_;
+  Types types_;
   std::vector<std::unique_ptr<Turtle>> turtles_;
   std::vector<TurtleStory> stories_;
   std::optional<bus::TransformBroadcaster> transforms_;  // where they are wanted

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "scenarios/turtlesim/node_parts.h"
+#include "scenarios/turtlesim/node.h"
 
 namespace cxlab::turtlesim {
 
@@ -37,10 +37,10 @@ Status TurtlesimNode::open(Turtle& turtle) {
     if (place) *place = *made;
     return Status();
   };
-  if (Status s = keep(bus_.advertise(*self_, below + "pose", *types_->pose), &turtle.pose); !s) return s;
-  if (Status s = keep(bus_.advertise(*self_, below + "color_sensor", *types_->colour), &turtle.colour); !s) return s;
+  if (Status s = keep(bus_.advertise(*self_, below + "pose", *types_.pose), &turtle.pose); !s) return s;
+  if (Status s = keep(bus_.advertise(*self_, below + "color_sensor", *types_.colour), &turtle.colour); !s) return s;
   const auto command = [this, &turtle](const bus::Delivery& message) { on_command(turtle, message); };
-  if (Status s = keep(bus_.subscribe(*self_, below + "cmd_vel", *types_->twist, command), nullptr); !s) return s;
+  if (Status s = keep(bus_.subscribe(*self_, below + "cmd_vel", *types_.twist, command), nullptr); !s) return s;
   if (Status s = serve(turtle, below + "set_pen", "turtlesim/srv/SetPen", &TurtlesimNode::on_pen); !s) return s;
   if (Status s =
           serve(turtle, below + "teleport_absolute", "turtlesim/srv/TeleportAbsolute", &TurtlesimNode::on_teleport);
@@ -53,7 +53,7 @@ Status TurtlesimNode::open(Turtle& turtle) {
   bus::Bus::ActionServerHandlers handlers;
   handlers.goal = [this, &turtle](const bus::Delivery& goal) { on_rotate(turtle, goal); };
   handlers.cancel = [this, &turtle](const bus::Delivery& cancel) { on_cancel(turtle, cancel); };
-  return keep(bus_.serve_action(*self_, below + "rotate_absolute", *types_->rotate, std::move(handlers)),
+  return keep(bus_.serve_action(*self_, below + "rotate_absolute", *types_.rotate, std::move(handlers)),
               &turtle.rotate);
 }
 
@@ -161,9 +161,9 @@ void TurtlesimNode::on_reset(const bus::Delivery& request) {
 
 void TurtlesimNode::on_command(Turtle& turtle, const bus::Delivery& message) {
   const bus::MessageView twist = message.message->view();
-  const bus::MessageView linear = twist.nested(*types_->linear), angular = twist.nested(*types_->angular);
-  const std::array<double, 3> wanted{linear.real(*types_->vector_x), linear.real(*types_->vector_y),
-                                     angular.real(*types_->vector_z)};
+  const bus::MessageView linear = twist.nested(*types_.linear), angular = twist.nested(*types_.angular);
+  const std::array<double, 3> wanted{linear.real(*types_.vector_x), linear.real(*types_.vector_y),
+                                     angular.real(*types_.vector_z)};
   if (!all_finite({wanted[0], wanted[1], wanted[2]})) {
     say(cx::LogLevel::kError, "Turtle [" + turtle.name + "] cannot move with a velocity that is no number");
     return;
@@ -182,18 +182,26 @@ void TurtlesimNode::on_command(Turtle& turtle, const bus::Delivery& message) {
   world_.drive(turtle.id, wanted[0], wanted[1], wanted[2]);
 }
 
+bool TurtlesimNode::may_go(const Turtle& turtle, std::initializer_list<double> place) {
+  if (all_finite(place)) return true;
+  say(cx::LogLevel::kError, "Turtle [" + turtle.name + "] cannot go to a place that is no number");
+  return false;
+}
+
+void TurtlesimNode::count_teleport(const Turtle& turtle) {
+  TurtleStory& story = stories_[turtle.story];
+  ++story.teleports;
+  story.x = world_.find(turtle.id)->x;
+  story.y = world_.find(turtle.id)->y;
+}
+
 void TurtlesimNode::on_teleport(Turtle& turtle, const bus::Delivery& request) {
   const bus::MessageView view = request.message->view();
   const double x = view.real("x"), y = view.real("y"), theta = view.real("theta");
-  if (all_finite({x, y, theta})) {
+  if (may_go(turtle, {x, y, theta})) {
     world_.teleport(turtle.id, x, y, theta);
-    TurtleStory& story = stories_[turtle.story];
-    ++story.teleports;
-    story.x = world_.find(turtle.id)->x;
-    story.y = world_.find(turtle.id)->y;
+    count_teleport(turtle);
     note(RecordKind::kControl, "teleport", turtle.name, {{"x", x}, {"y", y}, {"theta", theta}}, &request);
-  } else {
-    say(cx::LogLevel::kError, "Turtle [" + turtle.name + "] cannot go to a place that is no number");
   }
   answer(request);
 }
@@ -201,15 +209,10 @@ void TurtlesimNode::on_teleport(Turtle& turtle, const bus::Delivery& request) {
 void TurtlesimNode::on_teleport_relative(Turtle& turtle, const bus::Delivery& request) {
   const bus::MessageView view = request.message->view();
   const double linear = view.real("linear"), angular = view.real("angular");
-  if (all_finite({linear, angular})) {
+  if (may_go(turtle, {linear, angular})) {
     world_.teleport_relative(turtle.id, linear, angular);
-    TurtleStory& story = stories_[turtle.story];
-    ++story.teleports;
-    story.x = world_.find(turtle.id)->x;
-    story.y = world_.find(turtle.id)->y;
+    count_teleport(turtle);
     note(RecordKind::kControl, "teleport_relative", turtle.name, {{"linear", linear}, {"angular", angular}}, &request);
-  } else {
-    say(cx::LogLevel::kError, "Turtle [" + turtle.name + "] cannot go to a place that is no number");
   }
   answer(request);
 }

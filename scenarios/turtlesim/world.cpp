@@ -1,10 +1,122 @@
 #include "scenarios/turtlesim/world.h"
 
-#include "scenarios/turtlesim/stage.h"
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "cx/journal/hash_text.h"
+#include "scenarios/result.h"
+#include "scenarios/turtlesim/node.h"
+#include "sim/box2d/turtle_picture.h"
 
 namespace cxlab::turtlesim {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+class CanvasView final : public View {
+ public:
+  CanvasView(const sim::TurtleWorld& world, int side) : world_(world), side_(side) {}
+  Expected<const sim::Picture*> draw(std::string_view camera) override {
+    if (camera != "canvas") return input_error("found no camera '" + std::string(camera) + "', expected: canvas");
+    picture_ = sim::draw_turtles(world_, side_);
+    return &picture_;
+  }
+  std::vector<std::string> cameras() const override { return {"canvas"}; }
+
+ private:
+  const sim::TurtleWorld& world_;
+  int side_;
+  sim::Picture picture_;
+};
+
+/// The canvas as the largest square in the picture.
+std::unique_ptr<View> view_of_canvas(const sim::TurtleWorld& world, int width, int height) {
+  return std::make_unique<CanvasView>(world, std::min(width, height));
+}
+
+class CanvasReplay final : public WorldReplay {
+ public:
+  CanvasReplay(const sim::TurtleWorldOptions& options, SimTime tick, const std::string& log)
+      : turtles_(options, log), tick_(tick) {}
+  Status advance_to(SimTime t) override { return turtles_.advance_to(tick_not_before(t, tick_)); }
+  std::string hash() const override { return hash_text(turtles_.world().hash()); }
+  Expected<std::unique_ptr<View>> view(int width, int height) const override {
+    return view_of_canvas(turtles_.world(), width, height);
+  }
+
+ private:
+  sim::TurtleReplay turtles_;
+  SimTime tick_;
+};
+
+sim::TurtleWorldOptions world_options(const Config& config, SimTime step) {
+  const auto byte = [](int value) { return static_cast<std::uint8_t>(value); };
+  const sim::Colour background{byte(config.background_r), byte(config.background_g), byte(config.background_b)};
+  return {.step = step, .start = config.start, .background = background, .collisions = config.collisions};
+}
+
+/// Puts world and node on the stage.
+Expected<const TurtlesimNode*> set_up(const Config& config, SimTime step, sim::TurtleTap* log, const StageSetup& setup,
+                                      Stage& stage) {
+  auto world = std::make_unique<sim::TurtleWorld>(world_options(config, step), log);
+  auto node = TurtlesimNode::create(config, *world, setup.bus, setup.sink, setup.log);
+  if (!node) return node.error();
+  const TurtlesimNode* made = node->get();
+  stage.views.push_back([made](int width, int height) { return view_of_canvas(made->world(), width, height); });
+  stage.worlds.push_back(std::move(world));
+  stage.servers.push_back(*std::move(node));
+  return made;
+}
+
+Json turtle_json(const TurtleStory& t) {
+  return {{"name", t.name},   {"alive", t.alive},     {"x", t.x},
+          {"y", t.y},         {"theta", t.theta},     {"driven_m", t.driven_m},
+          {"walls", t.walls}, {"touches", t.touches}, {"teleports", t.teleports}};
+}
+
+/// The world of a scenario of kind turtlesim: its writes are logged, its turtles are in the result.
+class TurtleStage final : public Stage {
+ public:
+  Status build(const StageSetup& setup) {
+    auto node = set_up(setup.scenario.world.get<Config>(), setup.scenario.physics_step, &writes_, setup, *this);
+    if (!node) return node.error();
+    node_ = *node;
+    return {};
+  }
+  std::string take_inputs() override { return writes_.take(); }
+  void report(Result& result) const override {
+    Json turtles = Json::array();
+    for (const TurtleStory& story : node_->stories()) turtles.push_back(turtle_json(story));
+    if (!turtles.empty()) result.set("turtles", turtles.dump());
+    result.steps = node_->world().steps();
+    result.physics_hash = hash_text(node_->world().hash());
+  }
+
+ private:
+  sim::TurtleLog writes_;
+  const TurtlesimNode* node_ = nullptr;  // owned as server
+};
+
+Expected<std::unique_ptr<Stage>> make_stage(const StageSetup& setup) {
+  auto stage = std::make_unique<TurtleStage>();
+  if (Status s = stage->build(setup); !s) return s.error();
+  return std::unique_ptr<Stage>(std::move(stage));
+}
+
+/// A canvas beside another world: on the stage, but neither logged nor in the result.
+Status add_node(const ServerSpec& spec, const StageSetup& setup, Stage& stage) {
+  auto node = set_up(spec.get<Config>(), sim::TurtleWorldOptions().step, nullptr, setup, stage);
+  return node ? Status() : Status(node.error());
+}
+
+Expected<std::unique_ptr<WorldReplay>> replay(const Scenario& scenario, const std::filesystem::path&,
+                                              const std::string& log) {
+  return std::unique_ptr<WorldReplay>(std::make_unique<CanvasReplay>(
+      world_options(scenario.world.get<Config>(), scenario.physics_step), scenario.tick, log));
+}
+
+void add_sample(Result& sample) { sample.set("turtles", Json::array({turtle_json({})}).dump()); }
 
 constexpr Tier kTiers[]{Tier::kPhysics};
 constexpr std::string_view kName = "turtlesim", kWhat = "turtles on a canvas (docs/turtlesim.md)";
@@ -19,11 +131,11 @@ constinit const WorldKind kWorld{
     .physics_step = sim::TurtleWorldOptions().step,
     .tiers = kTiers,
     .any_tick = true,
-    .make_stage = TurtleStage::create,
+    .make_stage = make_stage,
     .replay = replay,
     .add_sample = add_sample,
 };
 
-constinit const NodeKind kNode{.name = kName, .what = kWhat, .settings = settings_of<Config>(), .add = add_turtlesim};
+constinit const NodeKind kNode{.name = kName, .what = kWhat, .settings = settings_of<Config>(), .add = add_node};
 
 }  // namespace cxlab::turtlesim

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "cx/journal/journal_reader.h"
-#include "scenarios/rcll/stage.h"
+#include "scenarios/rcll/factory.h"
 #include "sim/faults/fault.h"
 #include "tests/support/episode_test.h"
 
@@ -52,7 +52,7 @@ class Faults : public EpisodeTest, public testing::WithParamInterface<const char
     return out;
   }
   static std::string state(Episode& episode, const std::string& machine) {
-    for (const auto& m : dynamic_cast<rcll::GameStage&>(episode.stage()).factory().machines())
+    for (const auto& m : dynamic_cast<rcll::Factory&>(*episode.stage().servers.back()).machines())
       if (m->name() == machine) return std::string(to_string(m->state()));
     return "no such machine";
   }
@@ -101,10 +101,9 @@ TEST_P(Faults, ADroppedPieceLiesOnTheFloor) {
       load(floor("drop", goals, "  - {kind: piece_dropped, at: 85, robot: robot1}\n", GetParam()), {}, "run");
   begin(*episode);
   play(*episode, 200);
-  const auto& stage = dynamic_cast<rcll::GameStage&>(episode->stage());
-  EXPECT_FALSE(stage.floor().robot(sim::RobotId{0}).held);
-  EXPECT_TRUE(
-      std::ranges::any_of(stage.floor().pieces(), [](const sim::Piece& p) { return p.holder == sim::Holder::kFloor; }));
+  const auto& floor = dynamic_cast<const sim::World&>(*episode->stage().worlds.front());
+  EXPECT_FALSE(floor.robot(sim::RobotId{0}).held);
+  EXPECT_GT(std::ranges::count(floor.pieces(), sim::Holder::kFloor, &sim::Piece::holder), 0);
   (void)episode->close(RunStatus::kCompleted);
   const auto struck = strikes("run", 0);
   EXPECT_THAT(struck, ElementsAre(85));

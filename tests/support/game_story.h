@@ -121,7 +121,7 @@ class GameStory {
   /// A product of those colours lies at cyan's delivery input as if a robot had put it there.
   void lay_before_delivery(const std::string& base, std::optional<CapColor> cap) {
     sim::Stack stack;
-    stack.base = static_cast<std::uint8_t>(*base_named(base));
+    stack.base = static_cast<std::uint8_t>(*named<BaseColor>(base));
     if (cap) stack.cap = static_cast<std::uint8_t>(*cap);
     EXPECT_TRUE(world_.dispense(machine("C-DS").id(), sim::kMachine.belt_rest_x, stack));
   }

@@ -55,7 +55,7 @@ class GameScript {
     std::size_t next = 0;
     while (next < lines.size() && sets_up(lines[next], config)) ++next;
     if (config.orders.empty()) config.orders = GameStory::quiet_game().orders;
-    team_ = *team_named(config.team);
+    team_ = *named<Team>(config.team);
     story_ = std::make_unique<GameStory>(config);
     listen();
     for (; next < lines.size(); ++next) {
@@ -136,9 +136,9 @@ class GameScript {
     sim::Stack stack;
     std::size_t rings = 0;
     for (std::size_t i = from; i < words.size() && words[i] != "at" && words[i] != "in"; ++i) {
-      if (const auto base = base_named(words[i])) stack.base = static_cast<std::uint8_t>(*base);
-      if (const auto ring = ring_named(words[i])) stack.rings.at(rings++) = static_cast<std::uint8_t>(*ring);
-      if (const auto cap = cap_named(words[i])) stack.cap = static_cast<std::uint8_t>(*cap);
+      if (const auto base = named<BaseColor>(words[i])) stack.base = static_cast<std::uint8_t>(*base);
+      if (const auto ring = named<RingColor>(words[i])) stack.rings.at(rings++) = static_cast<std::uint8_t>(*ring);
+      if (const auto cap = named<CapColor>(words[i])) stack.cap = static_cast<std::uint8_t>(*cap);
     }
     return stack;
   }

@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "scenarios/turtlesim/stage.h"
+#include "scenarios/stage.h"
 #include "tests/support/episode_test.h"
 
 namespace cxlab {
@@ -28,9 +28,7 @@ class TurtlesimTest : public EpisodeTest {
     me_ = bus().join(bus::ParticipantKind::kNode, {"tester", "/", {}}, episode_->journal().open_stream("node/tester"));
   }
   bus::Bus& bus() { return episode_->bus(); }
-  const sim::TurtleWorld& world() {
-    return dynamic_cast<const turtlesim::TurtleStage&>(episode_->stage()).node().world();
-  }
+  const sim::TurtleWorld& world() { return dynamic_cast<const sim::TurtleWorld&>(*episode_->stage().worlds.front()); }
 
   void play_for(double seconds) { play(*episode_, to_seconds(episode_->now()) + seconds - 1e-6); }
   void ticks(int count) {
