@@ -46,10 +46,6 @@ std::optional<StationId> FloorPlan::find_station(std::string_view name) const {
   return find_by_name<StationId>(stations, name);
 }
 
-std::optional<RobotId> FloorPlan::find_robot(std::string_view name) const {
-  return find_by_name<RobotId>(robots, name);
-}
-
 std::vector<Spot> spots_of(const Station& station, StationId id) {
   std::vector<Spot> spots;
   const auto add = [&](const char* suffix, SpotKind kind, double x, double y, double reach) {
@@ -81,16 +77,41 @@ Vec3 within_strokes(const Vec3& axes) {
 }
 
 std::string_view to_string(Holder holder) {
-  switch (holder) {
-    case Holder::kDispenser: return "dispenser";
-    case Holder::kGripper: return "gripper";
-    case Holder::kBelt: return "belt";
-    case Holder::kSlot: return "slot";
-    case Holder::kSlide: return "slide";
-    case Holder::kFloor: return "floor";
-    case Holder::kGate: return "gate";
-  }
-  return "unknown";
+  constexpr std::string_view kNames[]{"dispenser", "gripper", "belt", "slot", "slide", "floor", "gate"};
+  return kNames[static_cast<std::size_t>(holder)];
+}
+
+const Piece* WorldView::find(PieceId id) const {
+  const auto found = std::ranges::lower_bound(pieces_, id, {}, &Piece::id);
+  return found != pieces_.end() && found->id == id ? &*found : nullptr;
+}
+
+Piece& WorldView::piece(PieceId id) {
+  const Piece* found = find(id);
+  assert(found && "the piece is in play");
+  return pieces_[static_cast<std::size_t>(found - pieces_.data())];
+}
+
+Piece& WorldView::add_piece(const Stack& stack, StationId from, const Vec3& position, Holder to, int to_index) {
+  Piece& piece =
+      pieces_.emplace_back(Piece{PieceId{++last_id_}, stack, Holder::kDispenser, static_cast<int>(from), position});
+  pass(piece, to, to_index);
+  return piece;
+}
+
+void WorldView::pass(Piece& piece, Holder to, int to_index) {
+  changes_.push_back({piece.id, piece.holder, to, piece.holder_index, to_index, piece.position_in_world, now_});
+  piece.holder = to;
+  piece.holder_index = to_index;
+}
+
+void WorldView::remove(PieceId id) {
+  std::erase_if(pieces_, [id](const Piece& piece) { return piece.id == id; });
+}
+
+void WorldView::begin_changes() {
+  changes_.erase(changes_.begin(), changes_.begin() + static_cast<std::ptrdiff_t>(visible_changes_));
+  visible_changes_ = 0;
 }
 
 }  // namespace cxlab::sim

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -76,7 +77,6 @@ struct FloorPlan {
   double clearance(const Vec2& p) const;
   std::optional<SpotId> find_spot(std::string_view name) const;
   std::optional<StationId> find_station(std::string_view name) const;
-  std::optional<RobotId> find_robot(std::string_view name) const;
   const Spot& spot(SpotId id) const { return spots[index_of(id)]; }
   const Station& station(StationId id) const { return stations[index_of(id)]; }
   const RobotStart& robot(RobotId id) const { return robots[index_of(id)]; }
@@ -128,10 +128,10 @@ struct Lights {
 class WorldView {
  public:
   virtual ~WorldView() = default;
-  virtual SimTime now() const = 0;
-  virtual const FloorPlan& plan() const = 0;
-  virtual std::span<const Piece> pieces() const = 0;  ///< in play, by id
-  virtual const Piece* find(PieceId id) const = 0;    ///< nullptr when out of play
+  SimTime now() const { return now_; }
+  const FloorPlan& plan() const { return plan_; }
+  std::span<const Piece> pieces() const { return pieces_; }  ///< in play, by id
+  const Piece* find(PieceId id) const;                       ///< nullptr when out of play
   virtual RobotState robot(RobotId id) const = 0;
   virtual bool belt_running(StationId id) const = 0;
   /// The piece that lies at that spot (within 10 mm along and 15 mm across on a belt, 40 mm on a shelf), not held.
@@ -139,15 +139,41 @@ class WorldView {
   /// The piece on the station's belt nearest to `x` (station frame), within 10 mm, not held; nullptr if none.
   virtual const Piece* on_belt(StationId id, double x) const = 0;
   /// Payments: pieces that went past the mouth of this station's slide since the start; each is then out of play.
-  virtual int slide_count(StationId id) const = 0;
-  /// Holder changes of the verbs called before the last `advance` (the act phase before it, or the set-up), then those
-  /// of that `advance`: who looks once after each `advance` sees every change once, in order of time.
-  virtual std::span<const HolderChange> changes() const = 0;
+  int slide_count(StationId id) const { return slide_counts_[index_of(id)]; }
+  /// Holder changes by verbs called since the `advance` before the last one, then those within the last `advance`. A
+  /// reader that looks once after each `advance` sees every change once, in order of time.
+  std::span<const HolderChange> changes() const { return {changes_.data(), visible_changes_}; }
+
+ protected:
+  explicit WorldView(FloorPlan plan) : plan_(std::move(plan)), slide_counts_(plan_.stations.size()) {}
+
+  Piece& piece(PieceId id);  ///< which is in play
+  /// A new piece that comes out of the station's dispenser to a holder. The reference holds until the next `add_piece`
+  /// or `remove`.
+  Piece& add_piece(const Stack& stack, StationId from, const Vec3& position, Holder to, int to_index);
+  /// Gives the piece a new holder and notes the change with the piece's position.
+  void pass(Piece& piece, Holder to, int to_index);
+  void remove(PieceId id);
+  // Around an `advance`.
+  void begin_changes();
+  void end_changes() { visible_changes_ = changes_.size(); }
+
+  FloorPlan plan_;
+  SimTime now_{};
+  std::vector<Piece> pieces_;
+  std::vector<int> slide_counts_;  ///< by station
+
+ private:
+  std::int32_t last_id_ = 0;
+  std::vector<HolderChange> changes_;
+  std::size_t visible_changes_ = 0;
 };
 
 /// The verbs of machines: what the factory's own hardware does to matter. Called in the act phase of a tick.
 class World : public WorldView, public Simulation {
  public:
+  using WorldView::WorldView;
+
   /// A new piece appears at the belt's processing point x (station frame), or on a shelf spot. Fails if the place is
   /// taken or no spare body is left.
   virtual Expected<PieceId> dispense(StationId station, double x_on_belt, const Stack& stack) = 0;
@@ -188,9 +214,9 @@ class RobotBook {
   virtual void move_along(RobotId robot, std::span<const Pose2> path, SimTime departure, SimTime arrival) = 0;
   virtual void stop(RobotId robot) = 0;                  ///< where it is now
   virtual Status grasp(RobotId robot, SpotId from) = 0;  ///< the piece there is now held
-  virtual Status release(RobotId robot,
-                         SpotId to) = 0;  ///< the held piece now lies there (slide: counted, out of play)
-  virtual void drop(RobotId robot) = 0;   ///< to the floor
+  /// The held piece now lies there (slide: counted, out of play).
+  virtual Status release(RobotId robot, SpotId to) = 0;
+  virtual void drop(RobotId robot) = 0;  ///< to the floor
 };
 
 }  // namespace cxlab::sim

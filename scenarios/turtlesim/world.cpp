@@ -57,7 +57,7 @@ sim::TurtleWorldOptions world_options(const Config& config, SimTime step) {
 }
 
 /// Puts world and node on the stage.
-Expected<const TurtlesimNode*> set_up(const Config& config, SimTime step, sim::TurtleTap* log, const StageSetup& setup,
+Expected<const TurtlesimNode*> set_up(const Config& config, SimTime step, sim::TurtleLog* log, const StageSetup& setup,
                                       Stage& stage) {
   auto world = std::make_unique<sim::TurtleWorld>(world_options(config, step), log);
   auto node = TurtlesimNode::create(config, *world, setup.bus, setup.sink, setup.log);

@@ -33,17 +33,10 @@ struct TurtleWrite {
   std::array<double, 5> values{};
 };
 
-/// Where the writes of a world go.
-class TurtleTap {
- public:
-  virtual ~TurtleTap() = default;
-  virtual void record(const TurtleWrite& write) = 0;
-};
-
 /// Writes as bytes: step and id as 8 and 4 bytes, verb, then as many values of 8 bytes as the verb has, little endian.
-class TurtleLog final : public TurtleTap {
+class TurtleLog {
  public:
-  void record(const TurtleWrite& write) override;
+  void record(const TurtleWrite& write);
   std::string take() { return std::exchange(bytes_, {}); }
 
  private:

@@ -56,8 +56,8 @@ struct TurtleWorld::Physics final : b2ContactListener {
   std::vector<std::pair<TurtleId, TurtleId>> touches;
 };
 
-TurtleWorld::TurtleWorld(const TurtleWorldOptions& options, TurtleTap* tap)
-    : options_(options), tap_(tap), physics_(std::make_unique<Physics>()) {
+TurtleWorld::TurtleWorld(const TurtleWorldOptions& options, TurtleLog* log)
+    : options_(options), log_(log), physics_(std::make_unique<Physics>()) {
   assert(options.step > SimTime::zero());
 }
 
@@ -126,7 +126,7 @@ void TurtleWorld::draw(const Turtle& turtle, double from_x, double from_y) {
 // --- Verbs
 
 void TurtleWorld::note(TurtleVerb verb, TurtleId id, const std::array<double, 5>& values) {
-  if (tap_) tap_->record({steps_, verb, id, values});
+  if (log_) log_->record({steps_, verb, id, values});
 }
 
 TurtleWorld::Body* TurtleWorld::body(TurtleId id) {

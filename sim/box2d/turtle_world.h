@@ -52,8 +52,8 @@ class TurtleWorld final : public Simulation {
   static constexpr double kSide = (Canvas::kSize - 1) / kPixelsPerMetre;  ///< m: x and y reach from 0 to this
   static constexpr SimTime kHold = std::chrono::seconds(1);               ///< so long a command of velocity holds
 
-  /// `tap`, if any, hears every write; it must outlive the world.
-  explicit TurtleWorld(const TurtleWorldOptions& options, TurtleTap* tap = nullptr);
+  /// `log`, if any, takes every write; it must outlive the world.
+  explicit TurtleWorld(const TurtleWorldOptions& options, TurtleLog* log = nullptr);
   ~TurtleWorld() override;
 
   // --- Time
@@ -104,7 +104,7 @@ class TurtleWorld final : public Simulation {
   void note(TurtleVerb verb, TurtleId id, const std::array<double, 5>& values = {});
 
   TurtleWorldOptions options_;
-  TurtleTap* tap_;
+  TurtleLog* log_;
   SimTime now_{};
   std::int64_t steps_ = 0;
   std::int32_t last_id_ = 0;
@@ -114,7 +114,7 @@ class TurtleWorld final : public Simulation {
   std::vector<TurtleEvent> events_;
 };
 
-/// Plays a world again from what its tap heard.
+/// Plays a world again from its log.
 class TurtleReplay {
  public:
   /// `log` must outlive it.

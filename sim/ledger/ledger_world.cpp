@@ -9,22 +9,16 @@
 namespace cxlab::sim {
 
 LedgerWorld::LedgerWorld(FloorPlan plan)
-    : plan_(std::move(plan)),
-      belts_(plan_.stations.size()),
-      lights_(plan_.stations.size()),
-      slide_counts_(plan_.stations.size(), 0) {
+    : World(std::move(plan)), belts_(plan_.stations.size()), lights_(plan_.stations.size()) {
   for (const RobotStart& robot : plan_.robots) motions_.push_back({{robot.pose_in_world}, {0}, {}, {}});
 }
 
 // --- What one can see
 
 const Piece* LedgerWorld::held_by(RobotId robot) const {
-  const auto it =
-      std::ranges::find_if(book_.pieces(), [&](const Piece& p) { return p.is_with(Holder::kGripper, robot); });
-  return it != book_.pieces().end() ? &*it : nullptr;
+  const auto it = std::ranges::find_if(pieces_, [&](const Piece& p) { return p.is_with(Holder::kGripper, robot); });
+  return it != pieces_.end() ? &*it : nullptr;
 }
-
-Piece* LedgerWorld::held_by(RobotId robot) { return const_cast<Piece*>(std::as_const(*this).held_by(robot)); }
 
 Pose2 LedgerWorld::pose_at(RobotId robot, SimTime t) const {
   const Motion& motion = motions_[index_of(robot)];
@@ -75,9 +69,8 @@ const Piece* LedgerWorld::at(SpotId id) const {
     case SpotKind::kBeltInput:
     case SpotKind::kBeltOutput: return on_belt(spot.station, spot.rest_in_station.x());
     case SpotKind::kShelf: {
-      const auto it =
-          std::ranges::find_if(book_.pieces(), [&](const Piece& p) { return p.is_with(Holder::kSlot, id); });
-      return it != book_.pieces().end() ? &*it : nullptr;
+      const auto it = std::ranges::find_if(pieces_, [&](const Piece& p) { return p.is_with(Holder::kSlot, id); });
+      return it != pieces_.end() ? &*it : nullptr;
     }
     case SpotKind::kSlide: return nullptr;  // a piece that is put there slides in at once
   }
@@ -87,7 +80,7 @@ const Piece* LedgerWorld::at(SpotId id) const {
 const Piece* LedgerWorld::on_belt(StationId id, double x) const {
   const Piece* nearest = nullptr;
   double best = kSpotTolerance.along_belt;
-  for (const Piece& piece : book_.pieces()) {
+  for (const Piece& piece : pieces_) {
     if (!piece.is_with(Holder::kBelt, id)) continue;
     const double distance = std::abs(x_on_belt(piece) - x);
     if (distance <= best) {
@@ -105,7 +98,7 @@ SimTime LedgerWorld::next_event() const {
 }
 
 Status LedgerWorld::advance(SimTime tick) {
-  book_.begin_advance();
+  begin_changes();
   const SimTime end = now_ + tick;
   for (bool arrived = true; arrived || now_ < end;) {
     const SimTime step = std::max(SimTime{}, std::min(end, next_event()) - now_);
@@ -119,21 +112,21 @@ Status LedgerWorld::advance(SimTime tick) {
         arrived = true;
       }
   }
-  book_.end_advance();
+  end_changes();
   return {};
 }
 
 void LedgerWorld::carry(StationId id, SimTime duration) {
   const double way = belts_[index_of(id)].speed * to_seconds(duration);
   if (way == 0) return;
-  for (Piece& piece : book_.pieces())
+  for (Piece& piece : pieces_)
     if (piece.is_with(Holder::kBelt, id))
       piece.position_in_world = transform(plan_.station(id).pose_in_world,
                                           {x_on_belt(piece) + way, kMachine.belt_y, kMachine.working_height});
 }
 
 void LedgerWorld::carry_held_pieces() {
-  for (Piece& piece : book_.pieces())
+  for (Piece& piece : pieces_)
     if (piece.holder == Holder::kGripper)
       piece.position_in_world = gripper_in_world(static_cast<RobotId>(piece.holder_index));
 }
@@ -145,7 +138,7 @@ void LedgerWorld::plan_arrival(StationId id) {
   if (belt.speed == 0) return;
   const double forward = belt.speed > 0 ? 1 : -1;
   double way = std::numeric_limits<double>::infinity();
-  for (const Piece& piece : book_.pieces()) {
+  for (const Piece& piece : pieces_) {
     if (!piece.is_with(Holder::kBelt, id)) continue;
     const double x = x_on_belt(piece) * forward;
     const double to_stop = belt.stop_x * forward - x;
@@ -160,13 +153,13 @@ void LedgerWorld::arrive(StationId id) {
   const double forward = belt.speed > 0 ? 1 : -1;
   constexpr double kSame = 1e-6;  // m: rounding of times to ns
   bool stops = false;
-  for (Piece& piece : book_.pieces()) {
+  for (Piece& piece : pieces_) {
     if (!piece.is_with(Holder::kBelt, id)) continue;
     const double x = x_on_belt(piece), beyond = (x - belt.stop_x) * forward;
     if (beyond >= -kSame && beyond <= kSpotTolerance.along_belt) {
       stops = true;
     } else if (x * forward >= kMachine.belt_half_length - kSame) {
-      pass(piece, Holder::kFloor, -1, {piece.position_in_world.x(), piece.position_in_world.y(), 0});
+      put(piece, Holder::kFloor, -1, {piece.position_in_world.x(), piece.position_in_world.y(), 0});
     }
   }
   if (stops) belt.speed = 0;
@@ -175,19 +168,13 @@ void LedgerWorld::arrive(StationId id) {
 
 // --- Machines
 
-PieceId LedgerWorld::add(const Stack& stack, const Vec3& position, StationId from, Holder to, int to_index) {
-  Piece& piece = book_.add(stack, from, position);
-  book_.pass(piece, to, to_index, now_);
-  return piece.id;
-}
-
 Expected<PieceId> LedgerWorld::dispense(StationId station, double x, const Stack& stack) {
   const Station& where = plan_.station(station);
-  for (const Piece& piece : book_.pieces())
+  for (const Piece& piece : pieces_)
     if (piece.is_with(Holder::kBelt, station) && std::abs(x_on_belt(piece) - x) < 2 * kPiece.radius)
       return negative(where.name + ": a piece lies where one should be dispensed").with_code("place_taken");
   const Vec3 position = transform(where.pose_in_world, {x, kMachine.belt_y, kMachine.working_height});
-  const PieceId id = add(stack, position, station, Holder::kBelt, static_cast<int>(station));
+  const PieceId id = add_piece(stack, station, position, Holder::kBelt, static_cast<int>(station)).id;
   plan_arrival(station);
   return id;
 }
@@ -195,7 +182,7 @@ Expected<PieceId> LedgerWorld::dispense(StationId station, double x, const Stack
 Expected<PieceId> LedgerWorld::dispense(SpotId shelf, const Stack& stack) {
   const Spot& spot = plan_.spot(shelf);
   if (at(shelf)) return negative(spot.name + ": a piece lies where one should be dispensed").with_code("place_taken");
-  return add(stack, spot.rest_in_world, spot.station, Holder::kSlot, static_cast<int>(shelf));
+  return add_piece(stack, spot.station, spot.rest_in_world, Holder::kSlot, static_cast<int>(shelf)).id;
 }
 
 void LedgerWorld::run_belt(StationId station, double speed, double stop_x) {
@@ -204,16 +191,16 @@ void LedgerWorld::run_belt(StationId station, double speed, double stop_x) {
 }
 
 void LedgerWorld::retire(PieceId id, Holder to) {
-  Piece& piece = book_.at(id);
-  const int station = piece.holder == Holder::kBelt ? piece.holder_index : -1;
-  book_.pass(piece, to, station, now_);
-  book_.remove(id);
+  Piece& gone = piece(id);
+  const int station = gone.holder == Holder::kBelt ? gone.holder_index : -1;
+  pass(gone, to, station);
+  remove(id);
   if (station >= 0) plan_arrival(static_cast<StationId>(station));
 }
 
-void LedgerWorld::pass(Piece& piece, Holder to, int to_index, const Vec3& position) {
-  piece.position_in_world = position;
-  book_.pass(piece, to, to_index, now_);
+void LedgerWorld::put(Piece& moved, Holder to, int to_index, const Vec3& position) {
+  moved.position_in_world = position;
+  pass(moved, to, to_index);
 }
 
 // --- Robots
@@ -236,37 +223,38 @@ Status LedgerWorld::grasp(RobotId robot, SpotId from) {
   if (held_by(robot)) return negative(plan_.robot(robot).name + " holds a piece already").with_code("gripper_full");
   const Piece* there = at(from);
   if (!there) return negative(spot.name + ": no piece to grasp").with_code("no_piece");
-  pass(book_.at(there->id), Holder::kGripper, static_cast<int>(robot), gripper_in_world(robot));
+  put(piece(there->id), Holder::kGripper, static_cast<int>(robot), gripper_in_world(robot));
   if (spot.kind != SpotKind::kShelf) plan_arrival(spot.station);
   return {};
 }
 
 Status LedgerWorld::release(RobotId robot, SpotId to) {
   const Spot& spot = plan_.spot(to);
-  Piece* piece = held_by(robot);
-  if (!piece) return negative(plan_.robot(robot).name + " holds nothing").with_code("gripper_empty");
+  const Piece* held = held_by(robot);
+  if (!held) return negative(plan_.robot(robot).name + " holds nothing").with_code("gripper_empty");
   if (at(to)) return negative(spot.name + ": a piece lies there already").with_code("place_taken");
+  Piece& put_down = piece(held->id);
   switch (spot.kind) {
     case SpotKind::kBeltInput:
     case SpotKind::kBeltOutput:
-      pass(*piece, Holder::kBelt, static_cast<int>(spot.station), spot.rest_in_world);
+      put(put_down, Holder::kBelt, static_cast<int>(spot.station), spot.rest_in_world);
       plan_arrival(spot.station);
       break;
-    case SpotKind::kShelf: pass(*piece, Holder::kSlot, static_cast<int>(to), spot.rest_in_world); break;
+    case SpotKind::kShelf: put(put_down, Holder::kSlot, static_cast<int>(to), spot.rest_in_world); break;
     case SpotKind::kSlide:
-      pass(*piece, Holder::kSlide, static_cast<int>(to), spot.rest_in_world);
+      put(put_down, Holder::kSlide, static_cast<int>(to), spot.rest_in_world);
       ++slide_counts_[index_of(spot.station)];
-      book_.remove(piece->id);
+      remove(put_down.id);
       break;
   }
   return {};
 }
 
 void LedgerWorld::drop(RobotId robot) {
-  Piece* piece = held_by(robot);
-  if (!piece) return;
+  const Piece* held = held_by(robot);
+  if (!held) return;
   const Vec3 at = gripper_in_world(robot);
-  pass(*piece, Holder::kFloor, -1, {at.x(), at.y(), 0});
+  put(piece(held->id), Holder::kFloor, -1, {at.x(), at.y(), 0});
 }
 
 }  // namespace cxlab::sim

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "sim/piece_book.h"
 #include "sim/world.h"
 
 namespace cxlab::sim {
@@ -18,16 +17,10 @@ class LedgerWorld final : public World, public RobotBook {
   explicit LedgerWorld(FloorPlan plan);
 
   // WorldView
-  SimTime now() const override { return now_; }
-  const FloorPlan& plan() const override { return plan_; }
-  std::span<const Piece> pieces() const override { return book_.pieces(); }
-  const Piece* find(PieceId id) const override { return book_.find(id); }
   RobotState robot(RobotId id) const override;
   bool belt_running(StationId id) const override { return belts_[index_of(id)].speed != 0; }
   const Piece* at(SpotId spot) const override;
   const Piece* on_belt(StationId id, double x) const override;
-  int slide_count(StationId id) const override { return slide_counts_[index_of(id)]; }
-  std::span<const HolderChange> changes() const override { return book_.changes(); }
 
   // World
   /// Any length of time; what happens within it happens at its own time.
@@ -37,8 +30,8 @@ class LedgerWorld final : public World, public RobotBook {
   Expected<PieceId> dispense(SpotId shelf, const Stack& stack) override;
   void run_belt(StationId station, double speed, double stop_x) override;
   void stop_belt(StationId station) override { belts_[index_of(station)] = {}; }
-  void mount(PieceId piece, Part part, std::uint8_t colour) override { book_.at(piece).stack.mount(part, colour); }
-  void unmount_cap(PieceId piece) override { book_.at(piece).stack.cap = 0; }
+  void mount(PieceId id, Part part, std::uint8_t colour) override { piece(id).stack.mount(part, colour); }
+  void unmount_cap(PieceId id) override { piece(id).stack.cap = 0; }
   void retire(PieceId piece, Holder to) override;
   void set_lights(StationId station, const Lights& lights) override { lights_[index_of(station)] = lights; }
   Lights lights(StationId station) const override { return lights_[index_of(station)]; }
@@ -63,24 +56,18 @@ class LedgerWorld final : public World, public RobotBook {
   };
 
   const Piece* held_by(RobotId robot) const;
-  Piece* held_by(RobotId robot);
   Pose2 pose_at(RobotId robot, SimTime t) const;
   Vec3 gripper_in_world(RobotId robot) const;
   double x_on_belt(const Piece& piece) const;
-  PieceId add(const Stack& stack, const Vec3& position, StationId from, Holder to, int to_index);
-  void pass(Piece& piece, Holder to, int to_index, const Vec3& position);
+  void put(Piece& piece, Holder to, int to_index, const Vec3& position);
   void plan_arrival(StationId id);
   void carry(StationId id, SimTime duration);
   void arrive(StationId id);
   void carry_held_pieces();
 
-  FloorPlan plan_;
-  SimTime now_{};
-  PieceBook book_;
-  std::vector<Belt> belts_;        ///< by station
-  std::vector<Lights> lights_;     ///< by station
-  std::vector<int> slide_counts_;  ///< by station
-  std::vector<Motion> motions_;    ///< by robot
+  std::vector<Belt> belts_;      ///< by station
+  std::vector<Lights> lights_;   ///< by station
+  std::vector<Motion> motions_;  ///< by robot
 };
 
 }  // namespace cxlab::sim

@@ -25,26 +25,23 @@ bool on_belt_at(const Vec3& here) {
 }  // namespace
 
 Expected<std::unique_ptr<MujocoWorld>> MujocoWorld::create(FloorPlan plan, const ModelOptions& options,
-                                                           PhysicsTap* tap) {
+                                                           PhysicsLog* log) {
   if (plan.robots.size() > Contacts::kMaxRobots)
     return input_error(std::to_string(plan.robots.size()) + " robots: at most " + std::to_string(Contacts::kMaxRobots));
   auto factory = build_factory(plan, options);
   if (!factory) return factory.error();
-  return std::unique_ptr<MujocoWorld>(new MujocoWorld(std::move(plan), std::move(*factory), tap));
+  return std::unique_ptr<MujocoWorld>(new MujocoWorld(std::move(plan), std::move(*factory), log));
 }
 
-MujocoWorld::MujocoWorld(FloorPlan plan, FactoryModel factory, PhysicsTap* tap)
-    : plan_(std::move(plan)),
-      gate_(std::move(factory), plan_),
+MujocoWorld::MujocoWorld(FloorPlan plan, FactoryModel factory, PhysicsLog* log)
+    : World(std::move(plan)),
+      gate_(std::move(factory), plan_, log),
       contacts_(gate_.factory()),
       motors_(plan_.robots.size()),
       step_(gate_.model().opt.timestep),
       bodies_(gate_.factory().pieces.size()),
       held_(plan_.robots.size()),
-      belts_(plan_.stations.size()),
-      slide_counts_(plan_.stations.size()) {
-  gate_.set_tap(tap);
-}
+      belts_(plan_.stations.size()) {}
 
 // --- Time
 
@@ -53,7 +50,7 @@ Status MujocoWorld::advance(SimTime tick) {
   if (tick.count() <= 0 || tick % step != SimTime{})
     return input_error("tick " + std::to_string(to_seconds(tick)) + " s is not a whole number of physics steps of " +
                        std::to_string(step_) + " s");
-  book_.begin_advance();
+  begin_changes();
   motors_.drive(gate_, to_seconds(tick));
   for (auto n = tick / step; n > 0; --n) {
     if (Status s = gate_.step(); !s) return s;
@@ -62,7 +59,7 @@ Status MujocoWorld::advance(SimTime tick) {
     stop_arrived_belts();
   }
   update_pieces();
-  book_.end_advance();
+  end_changes();
   return {};
 }
 
@@ -74,7 +71,7 @@ void MujocoWorld::stop_arrived_belts() {
     const int number = static_cast<int>(s);
     const double sign = speed > 0 ? 1 : -1;
     bool arrived = false;
-    for (const Piece& piece : book_.pieces()) {
+    for (const Piece& piece : pieces_) {
       Body& body = bodies_[body_of(piece.id)];
       const Vec3 here = in_station(station, underside_of(body_of(piece.id)));
       if (piece.holder != Holder::kGripper && on_belt_at(here) && std::abs(here.x()) < kMachine.belt_half_length) {
@@ -95,19 +92,19 @@ void MujocoWorld::stop_arrived_belts() {
 void MujocoWorld::update_pieces() {
   held_.assign(held_.size(), std::nullopt);
   std::vector<PieceId> slid;
-  for (Piece& piece : book_.pieces()) {
+  for (Piece& piece : pieces_) {
     piece.position_in_world = underside_of(body_of(piece.id));
     update_holder(piece);
     if (const auto robot = contacts_.of_piece(body_of(piece.id)).holder()) held_[index_of(*robot)] = piece.id;
     if (slid_in(piece)) slid.push_back(piece.id);
   }
   for (const PieceId id : slid) {
-    Piece& piece = book_.at(id);
+    Piece& paid = piece(id);
     const auto station = static_cast<StationId>(contacts_.of_piece(body_of(id)).station);
     ++slide_counts_[index_of(station)];
-    if (piece.holder != Holder::kSlide) {
-      const SpotId spot = nearest_spot(station, SpotKind::kSlide, piece.position_in_world);
-      book_.pass(piece, Holder::kSlide, static_cast<int>(spot), now_);
+    if (paid.holder != Holder::kSlide) {
+      const SpotId spot = nearest_spot(station, SpotKind::kSlide, paid.position_in_world);
+      pass(paid, Holder::kSlide, static_cast<int>(spot));
     }
     take_out(id);
   }
@@ -124,7 +121,7 @@ void MujocoWorld::update_holder(Piece& piece) {
   body.seen = place;
   if (++body.seen_ticks < kHolderTicks) return;
   body.seen_ticks = 0;
-  book_.pass(piece, place.holder, place.index, now_);
+  pass(piece, place.holder, place.index);
 }
 
 /// Where its contacts say that it is. One that is gripped and still stands on something stays where it was.
@@ -180,7 +177,7 @@ RobotState MujocoWorld::robot(RobotId id) const {
 const Piece* MujocoWorld::at(SpotId id) const {
   const Spot& spot = plan_.spot(id);
   if (spot.kind == SpotKind::kSlide) return nullptr;
-  for (const Piece& piece : book_.pieces()) {
+  for (const Piece& piece : pieces_) {
     if (piece.holder == Holder::kGripper) continue;
     const Vec3 off = in_station(spot.station, piece.position_in_world) - spot.rest_in_station;
     if (std::abs(off.z()) > kSpotTolerance.height) continue;
@@ -195,7 +192,7 @@ const Piece* MujocoWorld::at(SpotId id) const {
 const Piece* MujocoWorld::on_belt(StationId id, double x) const {
   const Piece* nearest = nullptr;
   double least = kSpotTolerance.along_belt;
-  for (const Piece& piece : book_.pieces()) {
+  for (const Piece& piece : pieces_) {
     if (piece.holder == Holder::kGripper) continue;
     const Vec3 here = in_station(id, piece.position_in_world);
     if (!on_belt_at(here)) continue;
@@ -221,7 +218,7 @@ SpotId MujocoWorld::nearest_spot(StationId station, SpotKind kind, const Vec3& p
 // --- Verbs of machines
 
 Expected<PieceId> MujocoWorld::put_in_play(const Vec3& underside, const Stack& stack, StationId from, Place to) {
-  for (const Piece& piece : book_.pieces()) {
+  for (const Piece& piece : pieces_) {
     const Vec3 off = piece.position_in_world - underside;
     if (off.head<2>().norm() < 2 * kPiece.radius && std::abs(off.z()) < kPlaceHeight)
       return run_error(plan_.station(from).name + ": the place of a new piece is taken by piece " +
@@ -239,9 +236,7 @@ Expected<PieceId> MujocoWorld::put_in_play(const Vec3& underside, const Stack& s
   contacts_.forget_piece(body);
   gate_.shape(body, stack);
   gate_.place(body, underside + kReleaseHeight * Vec3::UnitZ());
-  Piece& piece = book_.add(stack, from, underside);
-  book_.pass(piece, to.holder, to.index, now_);
-  return piece.id;
+  return add_piece(stack, from, underside, to.holder, to.index).id;
 }
 
 Expected<PieceId> MujocoWorld::dispense(StationId station, double x_on_belt, const Stack& stack) {
@@ -260,7 +255,7 @@ void MujocoWorld::run_belt(StationId station, double speed, double stop_x) {
   if (speed == 0) return stop_belt(station);
   belts_[index_of(station)] = {speed, stop_x};
   gate_.belt_speed(station, speed);
-  for (const Piece& piece : book_.pieces()) {
+  for (const Piece& piece : pieces_) {
     Body& body = bodies_[body_of(piece.id)];
     if (body.belt == static_cast<int>(station)) body.belt = -1;
     if (!piece.is_with(Holder::kBelt, station)) continue;
@@ -278,20 +273,18 @@ void MujocoWorld::stop_belt(StationId station) {
 }
 
 void MujocoWorld::mount(PieceId id, Part part, std::uint8_t colour) {
-  Piece& piece = book_.at(id);
-  piece.stack.mount(part, colour);
-  gate_.shape(body_of(id), piece.stack);
+  piece(id).stack.mount(part, colour);
+  gate_.shape(body_of(id), piece(id).stack);
 }
 
 void MujocoWorld::unmount_cap(PieceId id) {
-  Piece& piece = book_.at(id);
-  piece.stack.cap = 0;
-  gate_.shape(body_of(id), piece.stack);
+  piece(id).stack.cap = 0;
+  gate_.shape(body_of(id), piece(id).stack);
 }
 
 void MujocoWorld::retire(PieceId id, Holder to) {
-  Piece& piece = book_.at(id);
-  book_.pass(piece, to, piece.holder == Holder::kBelt ? piece.holder_index : -1, now_);
+  Piece& gone = piece(id);
+  pass(gone, to, gone.holder == Holder::kBelt ? gone.holder_index : -1);
   take_out(id);
 }
 
@@ -299,7 +292,7 @@ void MujocoWorld::take_out(PieceId id) {
   gate_.park(body_of(id));
   bodies_[body_of(id)] = {};
   std::ranges::replace(held_, std::optional(id), std::optional<PieceId>());
-  book_.remove(id);
+  remove(id);
 }
 
 void MujocoWorld::set_lights(StationId station, const Lights& lights) {

@@ -9,28 +9,21 @@
 #include "sim/mujoco/contacts.h"
 #include "sim/mujoco/physics_gate.h"
 #include "sim/mujoco/robot_motors.h"
-#include "sim/piece_book.h"
 #include "sim/world.h"
 
 namespace cxlab::sim {
 
 class MujocoWorld final : public World, public RobotBodies {
  public:
-  /// Fails for wrong MJCF, with file and line, and for measures that differ from sim/geometry.h. `tap` (may be null)
-  /// records every write from the first on.
+  /// Fails for wrong MJCF, with file and line, and for measures that differ from sim/geometry.h. `log` (may be null)
+  /// takes every write from the first on.
   static Expected<std::unique_ptr<MujocoWorld>> create(FloorPlan plan, const ModelOptions& options,
-                                                       PhysicsTap* tap = nullptr);
+                                                       PhysicsLog* log = nullptr);
 
-  SimTime now() const override { return now_; }
-  const FloorPlan& plan() const override { return plan_; }
-  std::span<const Piece> pieces() const override { return book_.pieces(); }
-  const Piece* find(PieceId id) const override { return book_.find(id); }
   RobotState robot(RobotId id) const override;
   bool belt_running(StationId id) const override { return belts_[index_of(id)].speed != 0; }
   const Piece* at(SpotId spot) const override;
   const Piece* on_belt(StationId id, double x) const override;
-  int slide_count(StationId id) const override { return slide_counts_[index_of(id)]; }
-  std::span<const HolderChange> changes() const override { return book_.changes(); }
 
   /// `tick` is a whole number of physics steps.
   Status advance(SimTime tick) override;
@@ -51,7 +44,7 @@ class MujocoWorld final : public World, public RobotBodies {
   void command_gripper(RobotId robot, const Vec3& axes) override { motors_.command_gripper(robot, axes); }
   void command_fingers(RobotId robot, double opening) override { motors_.command_fingers(robot, opening); }
 
-  /// Hash of all physics up to the last tick; a replay of the tap's log ends in the same.
+  /// Hash of all physics up to the last tick; a replay of the log ends in the same.
   std::uint64_t physics_hash() const { return gate_.hash(); }
   const PhysicsGate& gate() const { return gate_; }
   /// Every model file that was read.
@@ -77,7 +70,7 @@ class MujocoWorld final : public World, public RobotBodies {
     double belt_x = 0;  ///< along that belt, before the last step
   };
 
-  MujocoWorld(FloorPlan plan, FactoryModel factory, PhysicsTap* tap);
+  MujocoWorld(FloorPlan plan, FactoryModel factory, PhysicsLog* log);
 
   void stop_arrived_belts();
   void update_pieces();
@@ -91,18 +84,14 @@ class MujocoWorld final : public World, public RobotBodies {
   Vec3 in_station(StationId station, const Vec3& point) const;
   SpotId nearest_spot(StationId station, SpotKind kind, const Vec3& point) const;
 
-  FloorPlan plan_;
   PhysicsGate gate_;
   Contacts contacts_;
   RobotMotors motors_;
   double step_;
-  SimTime now_{};
-  PieceBook book_;
   std::vector<std::size_t> bodies_of_pieces_;  ///< in the pool, by piece id - 1; also those out of play
   std::vector<Body> bodies_;                   ///< of the pool
   std::vector<std::optional<PieceId>> held_;   ///< by robot
   std::vector<Belt> belts_;                    ///< by station
-  std::vector<int> slide_counts_;              ///< by station
 };
 
 }  // namespace cxlab::sim

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include <Eigen/Geometry>
+
 namespace cxlab::sim {
 namespace {
 
@@ -23,16 +25,10 @@ struct Pixel {
 /// Where a point of the world is in the picture; nothing behind the camera.
 std::optional<Pixel> project(const mjvScene& scene, const Box& picture, const double* point) {
   const mjvGLCamera& camera = scene.camera[0];
-  double along = 0, up = 0, right = 0;
-  const float* f = camera.forward;
-  const float* u = camera.up;
-  const float side[3] = {f[1] * u[2] - f[2] * u[1], f[2] * u[0] - f[0] * u[2], f[0] * u[1] - f[1] * u[0]};
-  for (int i = 0; i < 3; ++i) {
-    const double offset = point[i] - static_cast<double>(camera.pos[i]);
-    along += offset * static_cast<double>(f[i]);
-    up += offset * static_cast<double>(u[i]);
-    right += offset * static_cast<double>(side[i]);
-  }
+  const auto vector = [](const float* v) -> Vec3 { return Eigen::Map<const Eigen::Vector3f>(v).cast<double>(); };
+  const Vec3 forward = vector(camera.forward), upward = vector(camera.up);
+  const Vec3 offset = Eigen::Map<const Vec3>(point) - vector(camera.pos);
+  const double along = offset.dot(forward), up = offset.dot(upward), right = offset.dot(forward.cross(upward));
   if (along <= 0) return std::nullopt;
   const double near = static_cast<double>(camera.frustum_near), bottom = static_cast<double>(camera.frustum_bottom);
   const double pixels = picture.height / (static_cast<double>(camera.frustum_top) - bottom);  // per m at `near`

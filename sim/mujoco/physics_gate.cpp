@@ -14,10 +14,11 @@ constexpr std::int64_t kStepsPerHash = 2;
 
 }  // namespace
 
-PhysicsGate::PhysicsGate(FactoryModel factory, const FloorPlan& plan)
+PhysicsGate::PhysicsGate(FactoryModel factory, const FloorPlan& plan, PhysicsLog* log)
     : factory_(std::move(factory)),
       data_(mj_makeData(factory_.model.get())),
       hash_(XXH3_createState()),
+      log_(log),
       controls_(index_of(factory_.model->nu)),
       lights_(factory_.stations.size()) {
   XXH3_64bits_reset(hash_.get());
@@ -62,7 +63,7 @@ Status PhysicsGate::step() {
 }
 
 void PhysicsGate::write(const PhysicsWrite& write) {
-  if (tap_) tap_->record(write);
+  if (log_) log_->record(write);
   mjModel* m = factory_.model.get();
   mjData* d = data_.get();
   const auto& v = write.values;

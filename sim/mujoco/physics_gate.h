@@ -1,6 +1,6 @@
 #pragma once
 // The one way into a running physics world. Controls, fields of the model and the state are written here and nowhere
-// else; each write goes to the tap first, so that the same writes on the same model give the same physics.
+// else; each write goes to the log first, so that the same writes on the same model give the same physics.
 
 #include <cstdint>
 #include <memory>
@@ -19,8 +19,8 @@ inline constexpr double kPieceOrigin = kPiece.base_height / 2;
 
 class PhysicsGate {
  public:
-  /// All pieces parked, all belts still, robots at their starts.
-  PhysicsGate(FactoryModel factory, const FloorPlan& plan);
+  /// All pieces parked, all belts still, robots at their starts. `log`, if any, takes every write.
+  PhysicsGate(FactoryModel factory, const FloorPlan& plan, PhysicsLog* log = nullptr);
 
   /// Takes one step. Fails when the world diverges.
   Status step();
@@ -29,7 +29,6 @@ class PhysicsGate {
   /// Running hash of positions and velocities after every second step.
   std::uint64_t hash() const { return XXH3_64bits_digest(hash_.get()); }
 
-  void set_tap(PhysicsTap* tap) { tap_ = tap; }
   /// Does what `write` says, whoever made it.
   void write(const PhysicsWrite& write);
   /// Target of an actuator, rounded to kControlUnit; written when it changes.
@@ -58,7 +57,7 @@ class PhysicsGate {
   FactoryModel factory_;
   std::unique_ptr<mjData, MjDeleter> data_;
   std::unique_ptr<XXH3_state_t, HashDeleter> hash_;
-  PhysicsTap* tap_ = nullptr;
+  PhysicsLog* log_;
   std::int64_t steps_ = 0;
   std::vector<std::int64_t> controls_;  ///< last written, in units
   std::vector<Lights> lights_;

@@ -34,18 +34,11 @@ struct PhysicsWrite {
   std::array<double, 5> values{};
 };
 
-/// Where the writes of a world go.
-class PhysicsTap {
- public:
-  virtual ~PhysicsTap() = default;
-  virtual void record(const PhysicsWrite& write) = 0;
-};
-
 /// Writes as bytes: varint(steps since the last write), kind, varint(index), then whole numbers as zigzag varints
 /// and others as 8 bytes, little endian. Append what `take` gives to a file as the run goes.
-class PhysicsLog : public PhysicsTap {
+class PhysicsLog {
  public:
-  void record(const PhysicsWrite& write) override;
+  void record(const PhysicsWrite& write);
   std::string_view bytes() const { return bytes_; }
   std::string take() { return std::exchange(bytes_, {}); }
 

@@ -1,7 +1,6 @@
 #include "sim/mujoco/render.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstring>
@@ -135,12 +134,12 @@ void Renderer::shine(const PhysicsGate& world) {
 // Turns the view so that the whole floor, with what stands across its border, fills the picture.
 void Renderer::fit() {
   mjvGLCamera& camera = scene_.camera[0];
-  const std::array<double, 3> forward{camera.forward[0], camera.forward[1], camera.forward[2]};
-  const std::array<double, 3> upward{camera.up[0], camera.up[1], camera.up[2]};
+  const auto vector = [](const float* v) -> Vec3 { return Eigen::Map<const Eigen::Vector3f>(v).cast<double>(); };
+  const Vec3 forward = vector(camera.forward), upward = vector(camera.up), from = vector(camera.pos);
   double lowest = 0, highest = 0, widest = 0;  // at distance 1
   for (const double y : kSeenY) {
-    const double offset[3] = {kSeenX, y - static_cast<double>(camera.pos[1]), -static_cast<double>(camera.pos[2])};
-    const double along = mju_dot3(offset, forward.data()), up = mju_dot3(offset, upward.data()) / along;
+    const Vec3 offset(kSeenX, y - from.y(), -from.z());
+    const double along = offset.dot(forward), up = offset.dot(upward) / along;
     lowest = std::min(lowest, up);
     highest = std::max(highest, up);
     widest = std::max(widest, kSeenX / along);

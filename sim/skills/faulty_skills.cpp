@@ -71,7 +71,7 @@ std::optional<SkillResult> FaultySkills::sense(SimTime now) {
   if (stalled() && cancelled_) {
     begins_at_ = fails_at_ = kNever;
     (void)skills_->sense(now);
-    return SkillResult{SkillCode::kNone, true, "cancelled"};
+    return SkillResult::cancel();
   }
   if (now >= fails_at_ && !cancelled_) {
     record(*failing_, now);
@@ -79,8 +79,7 @@ std::optional<SkillResult> FaultySkills::sense(SimTime now) {
     if (stalled()) {
       begins_at_ = kNever;
       (void)skills_->sense(now);
-      const SkillCode code = code_of(*failing_, goal_.kind);
-      return SkillResult{code, false, std::string(to_string(code))};
+      return SkillResult::of(code_of(*failing_, goal_.kind));
     }
     broken_off_ = true;
     skills_->cancel(now);
@@ -94,10 +93,7 @@ std::optional<SkillResult> FaultySkills::sense(SimTime now) {
   drop_due(now);  // of what has just been taken
   if (!result) return result;
   fails_at_ = kNever;
-  if (broken_off_ && result->cancelled) {
-    const SkillCode code = code_of(*failing_, goal_.kind);
-    result = SkillResult{code, false, std::string(to_string(code))};
-  }
+  if (broken_off_ && result->cancelled) result = SkillResult::of(code_of(*failing_, goal_.kind));
   return result;
 }
 

@@ -80,12 +80,8 @@ void PhysicsSkills::cancel(SimTime now) {
 
 SkillResult PhysicsSkills::end(SkillCode code, SimTime now) {
   active_ = false;
-  if (traffic_.working(robot_))
-    traffic_.finish_work(robot_, now);
-  else
-    traffic_.withdraw(robot_, now);
-  if (cancelled_) return {SkillCode::kNone, true, "cancelled"};
-  return {code, false, std::string(to_string(code))};
+  traffic_.withdraw(robot_, now);
+  return cancelled_ ? SkillResult::cancel() : SkillResult::of(code);
 }
 
 // --- Looking

@@ -3,12 +3,8 @@
 namespace cxlab::sim {
 
 std::string_view to_string(SkillKind kind) {
-  switch (kind) {
-    case SkillKind::kDriveTo: return "drive_to";
-    case SkillKind::kPick: return "pick";
-    case SkillKind::kPlace: return "place";
-  }
-  return "unknown";
+  constexpr std::string_view kNames[]{"drive_to", "pick", "place"};
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 std::string_view to_string(SkillCode code) {
@@ -29,22 +25,9 @@ std::string_view to_string(SkillCode code) {
 }
 
 std::string_view to_string(SkillPhase phase) {
-  switch (phase) {
-    case SkillPhase::kWait: return "wait";
-    case SkillPhase::kDrive: return "drive";
-    case SkillPhase::kAlign: return "align";
-    case SkillPhase::kLook: return "look";
-    case SkillPhase::kCheck: return "check";
-    case SkillPhase::kApproach: return "approach";
-    case SkillPhase::kLower: return "lower";
-    case SkillPhase::kGrip: return "grip";
-    case SkillPhase::kRelease: return "release";
-    case SkillPhase::kLift: return "lift";
-    case SkillPhase::kBackOff: return "back_off";
-    case SkillPhase::kHandle: return "handle";
-    case SkillPhase::kStop: return "stop";
-  }
-  return "unknown";
+  constexpr std::string_view kNames[]{"wait",    "drive", "align",    "look",  "approach", "lower", "grip",
+                                      "release", "lift",  "back_off", "check", "handle",   "stop"};
+  return kNames[static_cast<std::size_t>(phase)];
 }
 
 }  // namespace cxlab::sim

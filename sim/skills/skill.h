@@ -59,7 +59,10 @@ struct SkillGoal {
 struct SkillResult {
   SkillCode code = SkillCode::kNone;
   bool cancelled = false;  ///< ended because of `cancel`
-  std::string text;        ///< what happened, empty when all went well
+  std::string text{};      ///< what happened, empty when all went well
+
+  static SkillResult of(SkillCode code) { return {code, false, std::string(to_string(code))}; }
+  static SkillResult cancel() { return {SkillCode::kNone, true, "cancelled"}; }
 };
 
 /// Longest time that a skill drives and waits, and that it takes in all; then it ends with 201.

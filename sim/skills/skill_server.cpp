@@ -125,16 +125,16 @@ void SkillServer::take(SimTime now) {
 
 // --- Feedback and result
 
-void SkillServer::count_phase(SimTime now) {
+void SkillServer::count_phase(SimTime now, RobotStats& stats) const {
   const double duration = to_seconds(now - active_->phase_since);
-  active_->phase_since = now;
-  if (active_->phase == SkillPhase::kDrive) stats_.drive_s += duration;
-  if (active_->phase == SkillPhase::kWait) stats_.wait_s += duration;
+  if (active_->phase == SkillPhase::kDrive) stats.drive_s += duration;
+  if (active_->phase == SkillPhase::kWait) stats.wait_s += duration;
 }
 
 void SkillServer::report_phase(SimTime now) {
   if (!active_ || active_->phase == skills_.phase()) return;
-  count_phase(now);
+  count_phase(now, stats_);
+  active_->phase_since = now;
   active_->phase = skills_.phase();
   const Action& action = *active_->action;
   record(action, active_->skill.target, "phase");
@@ -155,7 +155,7 @@ void SkillServer::sense(SimTime now) {
 }
 
 void SkillServer::finish(const SkillResult& result) {
-  count_phase(now_);
+  count_phase(now_, stats_);
   const Active ended = *std::exchange(active_, std::nullopt);
   const Action& action = *ended.action;
   const double duration = to_seconds(now_ - ended.since);
@@ -184,9 +184,7 @@ RobotStats SkillServer::stats(SimTime now) const {
   RobotStats stats = stats_;
   if (active_) {
     stats.busy_s += to_seconds(now - active_->since);
-    const double duration = to_seconds(now - active_->phase_since);
-    if (active_->phase == SkillPhase::kDrive) stats.drive_s += duration;
-    if (active_->phase == SkillPhase::kWait) stats.wait_s += duration;
+    count_phase(now, stats);
   }
   return stats;
 }

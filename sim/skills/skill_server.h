@@ -72,7 +72,7 @@ class SkillServer {
   /// Where the goal says to go, or why that cannot be.
   Expected<SkillGoal> read_goal(const Action& action, const bus::MessageView& message) const;
   void finish(const SkillResult& result);
-  void count_phase(SimTime now);
+  void count_phase(SimTime now, RobotStats& stats) const;
   void record(const Action& action, const std::string& target, std::string_view event);
 
   std::string name_;

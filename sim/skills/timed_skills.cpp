@@ -1,28 +1,29 @@
 #include "sim/skills/timed_skills.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace cxlab::sim {
 
 Status validate(const TimedSkillsConfig& config) {
-  const std::pair<const char*, double> times[] = {
-      {"pick_mean_s", config.pick_mean_s}, {"place_mean_s", config.place_mean_s}, {"shortest_s", config.shortest_s}};
-  for (const auto& [name, value] : times)
-    if (!(value > 0))
-      return input_error(std::string(name) + ": found " + std::to_string(value) + ", expected a time > 0 s");
-  const std::pair<const char*, double> sigmas[] = {{"pick_sigma_s", config.pick_sigma_s},
-                                                   {"place_sigma_s", config.place_sigma_s}};
-  for (const auto& [name, value] : sigmas)
-    if (!(value >= 0)) return input_error(std::string(name) + ": found " + std::to_string(value) + ", expected >= 0 s");
-  const std::pair<const char*, double> chances[] = {{"drive_failure", config.drive_failure},
-                                                    {"pick_failure", config.pick_failure},
-                                                    {"place_failure", config.place_failure}};
-  for (const auto& [name, value] : chances)
-    if (!(value >= 0 && value <= 1))
-      return input_error(std::string(name) + ": found " + std::to_string(value) + ", expected a probability, 0 .. 1");
+  constexpr double kAny = std::numeric_limits<double>::infinity(), kPositive = std::numeric_limits<double>::min();
+  struct Value {
+    const char* name;
+    double value, least, most;
+    const char* expected;
+  };
+  for (const Value& v : {Value{"pick_mean_s", config.pick_mean_s, kPositive, kAny, "a time > 0 s"},
+                         {"place_mean_s", config.place_mean_s, kPositive, kAny, "a time > 0 s"},
+                         {"shortest_s", config.shortest_s, kPositive, kAny, "a time > 0 s"},
+                         {"pick_sigma_s", config.pick_sigma_s, 0, kAny, ">= 0 s"},
+                         {"place_sigma_s", config.place_sigma_s, 0, kAny, ">= 0 s"},
+                         {"drive_failure", config.drive_failure, 0, 1, "a probability, 0 .. 1"},
+                         {"pick_failure", config.pick_failure, 0, 1, "a probability, 0 .. 1"},
+                         {"place_failure", config.place_failure, 0, 1, "a probability, 0 .. 1"}})
+    if (!(v.value >= v.least && v.value <= v.most))
+      return input_error(std::string(v.name) + ": found " + std::to_string(v.value) + ", expected " + v.expected);
   return {};
 }
 
@@ -50,19 +51,13 @@ void TimedSkills::cancel(SimTime now) {
   if (!active_) return;
   phase_ = SkillPhase::kStop;
   due_ = now;
-  if (traffic_.working(robot_))
-    traffic_.finish_work(robot_, now);
-  else
-    traffic_.withdraw(robot_, now);
+  traffic_.withdraw(robot_, now);
 }
 
 SkillResult TimedSkills::end(SkillCode code, SimTime now) {
   active_ = false;
-  if (traffic_.working(robot_))
-    traffic_.finish_work(robot_, now);
-  else
-    traffic_.withdraw(robot_, now);
-  return {code, false, std::string(to_string(code))};
+  traffic_.withdraw(robot_, now);
+  return SkillResult::of(code);
 }
 
 /// Why pick or place cannot begin.
@@ -103,7 +98,7 @@ std::optional<SkillResult> TimedSkills::sense(SimTime now) {
       return std::nullopt;
     }
     active_ = false;
-    return SkillResult{SkillCode::kNone, true, "cancelled"};
+    return SkillResult::cancel();
   }
   if (phase_ == SkillPhase::kHandle) {
     if (now < due_) return std::nullopt;

@@ -59,17 +59,10 @@ void Traffic::request(RobotId id, const Pose2& goal, std::optional<Segment> work
 
 void Traffic::withdraw(RobotId id, SimTime now) {
   Robot& robot = at(id);
-  robot.wants = robot.arrived = robot.unreachable = false;
+  if (robot.working) robot.rest = footprint_at(robot.pose);
+  robot.wants = robot.working = robot.arrived = robot.unreachable = false;
   robot.idle_since = now;
   if (robot.moving && (robot.purpose == Purpose::kGoal || robot.purpose == Purpose::kQueue)) brake(index_of(id), now);
-  changed_ = true;
-}
-
-void Traffic::finish_work(RobotId id, SimTime now) {
-  Robot& robot = at(id);
-  robot.working = robot.arrived = false;
-  robot.rest = footprint_at(robot.pose);
-  robot.idle_since = now;
   changed_ = true;
 }
 

@@ -21,12 +21,11 @@ class Traffic {
   explicit Traffic(const FloorPlan& plan, const DriveLimits& limits = {});
 
   // --- Wishes of a robot. It has one request at a time; a new one replaces the old.
-  /// The robot wants to stand at `goal`. With `work`, it then works within that footprint until `finish_work`, and
-  /// nobody comes near.
+  /// The robot wants to stand at `goal`. With `work`, it then works within that footprint until `withdraw`, and nobody
+  /// comes near.
   void request(RobotId robot, const Pose2& goal, std::optional<Segment> work, SimTime now);
-  /// The request is off; a robot that drives for it brakes.
+  /// Ends the request, or the work at its goal; a robot that drives for it brakes.
   void withdraw(RobotId robot, SimTime now);
-  void finish_work(RobotId robot, SimTime now);
   /// Where the robot really is. One that is far off its planned motion stops and is planned anew.
   void observe(RobotId robot, const Pose2& pose, SimTime now);
 

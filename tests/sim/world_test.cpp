@@ -80,7 +80,6 @@ TEST(FloorPlan, FindsByName) {
   plan.robots = {{"R1", {}}};
   plan.spots = spots_of(plan.stations[1], StationId{1});
   EXPECT_EQ(plan.find_station("C-DS"), StationId{1});
-  EXPECT_EQ(plan.find_robot("R1"), RobotId{0});
   EXPECT_EQ(plan.find_spot("C-DS-INPUT"), SpotId{0});
   EXPECT_EQ(plan.find_spot("C-DS-OUTPUT"), std::nullopt);
 }

@@ -18,7 +18,7 @@ constexpr SimTime kTick = std::chrono::milliseconds(20);
 constexpr RobotId kR1{0}, kR2{1};
 constexpr Stack kBase{1, {}, 0};
 
-std::unique_ptr<MujocoWorld> make_world(PhysicsTap* tap = nullptr, FloorPlan plan = small_floor()) {
+std::unique_ptr<MujocoWorld> make_world(PhysicsLog* tap = nullptr, FloorPlan plan = small_floor()) {
   auto made = MujocoWorld::create(std::move(plan), test_options(), tap);
   EXPECT_TRUE(made.ok()) << made.error().text();
   return std::move(*made);

@@ -189,7 +189,7 @@ TEST(Traffic, OneThatHasEndedItsWorkIsSentAwayAfterASecond) {
     floor.traffic.request(kRobot1, {0, 4, 0}, work, floor.now);
     const SimTime begin = floor.now + from_seconds(15 + offset);
     floor.until([&] { return floor.now >= begin; });
-    floor.traffic.finish_work(kRobot2, floor.now);
+    floor.traffic.withdraw(kRobot2, floor.now);
     EXPECT_NEAR(floor.until([&] { return floor.traffic.moving(kRobot2); }), 1.0, 0.1) << offset;
   }
 }
@@ -220,7 +220,7 @@ TEST(Traffic, OneAtWorkIsWaitedForNearby) {
   EXPECT_FALSE(floor.traffic.arrived(kRobot1));
   EXPECT_NEAR(floor.pose(kRobot2).x, 0, 1e-9);
   EXPECT_LT(distance(floor.pose(kRobot1).position(), Vec2{0, 4}), 1.5);
-  floor.traffic.finish_work(kRobot2, floor.now);
+  floor.traffic.withdraw(kRobot2, floor.now);
   EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1); }), 15);
   EXPECT_GE(floor.least_distance, 0.49);
 }
@@ -328,7 +328,7 @@ TEST(Traffic, ARobotThatHasJustFinishedIsNotSentAwayAtOnce) {
   floor.traffic.request(kRobot2, {0, 4, 0}, Segment{{0, 4}, {0.17, 4}}, floor.now);
   floor.until([&] { return floor.traffic.working(kRobot2); });
   floor.traffic.request(kRobot1, {0, 4, 0}, {}, floor.now);
-  floor.traffic.finish_work(kRobot2, floor.now);
+  floor.traffic.withdraw(kRobot2, floor.now);
   for (int i = 0; i < 45; ++i) floor.tick();
   EXPECT_FALSE(floor.traffic.moving(kRobot2)) << "0.9 s later";
   EXPECT_LT(floor.until([&] { return floor.traffic.moving(kRobot2); }), 2.5);
