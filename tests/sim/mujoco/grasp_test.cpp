@@ -111,7 +111,7 @@ TEST_P(Grasp, PieceGoesDownTheSlideAndCounts) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Step, Grasp, testing::Values(0.005, 0.01),
-                         [](const auto& info) { return std::to_string(static_cast<int>(info.param * 1000)) + "ms"; });
+                         [](const auto& test) { return std::to_string(static_cast<int>(test.param * 1000)) + "ms"; });
 
 }  // namespace
 }  // namespace cxlab::sim

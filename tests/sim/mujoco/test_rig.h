@@ -12,7 +12,7 @@ namespace cxlab::sim {
 
 class Rig {
  public:
-  explicit Rig(MujocoWorld& world) : world(world) {}
+  explicit Rig(MujocoWorld& driven) : world(driven) {}
 
   void wait(double seconds) {
     for (int n = static_cast<int>(std::lround(seconds / 0.02)); n > 0; --n) tick();
