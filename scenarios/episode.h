@@ -80,7 +80,7 @@ class Episode {
   bus::Bus& bus() { return *bus_; }
   Journal& journal() { return journal_; }
   std::vector<std::unique_ptr<cx::EnvironmentManager>>& agents() { return agents_; }
-  /// Of a replay: how far the log goes, and whether it is whole; success where nothing is replayed.
+  /// In a replay: how far the log goes, and whether it is whole; success where nothing is replayed.
   SimTime replay_end() const { return inputs_->end(); }
   Status replay_log_status() const { return inputs_->log_status(); }
   /// What has happened so far, without the measurements of the caller.

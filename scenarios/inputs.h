@@ -13,13 +13,13 @@
 
 namespace cxlab {
 
-/// As it is, it logs nothing and replays nothing.
+/// This base class logs nothing and replays nothing.
 class Inputs {
  public:
   virtual ~Inputs() = default;
   /// Called with each environment and each manager before anything is delivered to it.
   virtual void watch(bus::ParticipantId) {}
-  /// How the environments of that stream look at what lies outside of the run; none: directly.
+  /// How the environments of that stream look outside the run; none: directly.
   virtual LookOutside* outside(const std::string& /*stream*/) { return nullptr; }
   /// Where their deliveries come from; none: the bus.
   virtual bus::Feed* feed() { return nullptr; }
@@ -27,7 +27,7 @@ class Inputs {
   virtual Status ticked(const std::string& /*world*/) { return {}; }
   /// After the last tick.
   virtual Status close() { return {}; }
-  /// Of a replay: how far the log goes, and whether it is whole.
+  /// In a replay: how far the log goes, and whether it is whole.
   virtual SimTime end() const { return {}; }
   virtual Status log_status() const { return {}; }
 };

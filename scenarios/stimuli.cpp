@@ -79,7 +79,7 @@ Expected<Stimulus> StimuliServer::as_call(const Stimulus& asked) const {
   return call;
 }
 
-/// A lifecycle node is asked to shut down; any other leaves the bus at once.
+/// A lifecycle node receives the request to shut down; any other node leaves the bus at once.
 Status StimuliServer::stop_node(const Stimulus& stimulus) {
   const std::string node = bus_.name_of(self_).expand(stimulus.target);
   const bool lives = std::ranges::any_of(

@@ -1,5 +1,5 @@
 #pragma once
-// The node that carries out a scenario's stimuli: whatever the rules do, at its time each is posted to the bus.
+// The node that carries out a scenario's stimuli: it posts each to the bus at its time, whatever the rules do.
 
 #include <functional>
 #include <map>
@@ -18,7 +18,7 @@ class StimuliServer : public Server {
  public:
   using Log = std::function<void(const std::string& line)>;
   /// Joins the bus as node "stimuli". Types, names and contents are checked now; errors name the stimulus' file and
-  /// line. `managers` are the nodes of the environment managers: a stimulus that names none means the only one.
+  /// line. `managers` are the nodes of the environment managers: a stimulus without one is for the only one.
   static Expected<std::unique_ptr<StimuliServer>> create(const std::vector<Stimulus>& stimuli,
                                                          const std::vector<std::string>& managers, bus::Bus& bus,
                                                          RecordSink& sink, Log log);
@@ -39,7 +39,7 @@ class StimuliServer : public Server {
 
   StimuliServer(const std::vector<std::string>& managers, bus::Bus& bus, RecordSink& sink, Log log);
   Status prepare(const Stimulus& stimulus);
-  /// What is asked of a node at run time, as the call of its service that it is.
+  /// A request to a node (a parameter, an environment, a plugin) as a call of its service.
   Expected<Stimulus> as_call(const Stimulus& stimulus) const;
   Status post(const Prepared& item);
   Expected<bus::EndpointId> open(const Prepared& item);

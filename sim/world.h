@@ -1,6 +1,6 @@
 #pragma once
-// A factory floor as everybody sees it: stations with spots, belts, pieces, robots. `sim/mujoco` simulates one,
-// `sim/ledger` keeps one as a book of who holds what. Nothing here knows the rules of a game.
+// A factory floor as everybody sees it: stations with spots, belts, pieces, robots. `sim/mujoco` simulates it,
+// `sim/ledger` keeps a book of which holder has which piece. Nothing here knows the rules of a game.
 
 #include <array>
 #include <cstdint>
@@ -185,7 +185,7 @@ class World : public WorldView, public Simulation {
   virtual void mount(PieceId piece, Part part, std::uint8_t colour) = 0;
   /// Takes the cap off.
   virtual void unmount_cap(PieceId piece) = 0;
-  /// Takes the piece out of play (through a gate, by the referee); `to` says where it went.
+  /// Takes the piece out of play (through a gate, by the referee); `to` is where it went.
   virtual void retire(PieceId piece, Holder to) = 0;
   virtual void set_lights(StationId station, const Lights& lights) = 0;
   virtual Lights lights(StationId station) const = 0;

@@ -34,11 +34,11 @@ Transform interpolate(const Transform& from, const Transform& to, double part);
 /// The transforms of the last seconds. Looks up through common ancestors; the messages of its errors are those of tf2.
 class TransformBuffer {
  public:
-  /// Older transforms than `keep` before a frame's latest are forgotten (10 s, as in tf2).
+  /// Forgets transforms that are more than `keep` older than the frame's latest (10 s, as in tf2).
   explicit TransformBuffer(SimTime keep = SimTime{10'000'000'000}) : keep_(keep) {}
 
-  /// Refused, with the reason: no names, child and parent the same, NaN, a quaternion that is none, older than the
-  /// buffer reaches back, and what would close a loop. Of two transforms of one time the later given holds.
+  /// Rejects, with the reason: empty names, a child that is its parent, NaN, a quaternion without norm 1, a stamp older
+  /// than the buffer keeps, and a loop. Where two transforms have one stamp, the one given last holds.
   Status set(std::string_view parent, std::string_view child, SimTime stamp, const Transform& pose,
              bool is_static = false);
 
@@ -80,7 +80,7 @@ class TransformBuffer {
 /// Keeps a buffer that is filled by what its participant takes from /tf and /tf_static. Remaps of the participant hold.
 class TransformListener {
  public:
-  /// `on_refused` is told of transforms that the buffer does not take.
+  /// `on_refused` is called with the reason for each transform that the buffer rejects.
   static Expected<std::unique_ptr<TransformListener>> create(Bus& bus, ParticipantId participant,
                                                              std::function<void(const std::string&)> on_refused);
   ~TransformListener();
@@ -106,11 +106,11 @@ class TransformBroadcaster {
  public:
   static Expected<TransformBroadcaster> create(Bus& bus, ParticipantId participant);
 
-  /// Of now. Kept until `post`; of one child the last holds.
+  /// A pose as of now. Kept until `post`; the last one given for a child holds.
   void set(const std::string& parent, const std::string& child, const Transform& pose) {
     moving_[child] = {parent, pose};
   }
-  /// Holds for all times. Who begins to listen later gets it, too.
+  /// A pose that holds at all times. Later subscribers receive it, too.
   void set_static(const std::string& parent, const std::string& child, const Transform& pose) {
     fixed_[child] = {parent, pose};
   }

@@ -1,6 +1,6 @@
 #pragma once
-// What a scenario's `world:` says about a game of the Logistics League. The structs are their own schema: each field is
-// a key of that name, with unit, default and meaning.
+// The settings of a game of the Logistics League, a scenario's `world:`. The structs are their own schema: each field
+// is a key of that name, with unit, default and meaning.
 
 #include <cstdint>
 #include <string>
@@ -48,7 +48,7 @@ struct OrderConfig {
   std::string base_color = "BASE_RED";
   std::vector<std::string> ring_colors;  ///< from the base upwards
   std::string cap_color = "CAP_BLACK";
-  double activate_at = 0;      ///< s, when agents hear of it
+  double activate_at = 0;      ///< s, when it is published
   double delivery_begin = 0;   ///< s, start of the window
   double delivery_end = 1200;  ///< s, end of the window; later is late
   int delivery_gate = 1;       ///< 1..3

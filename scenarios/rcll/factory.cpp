@@ -126,7 +126,7 @@ bool Factory::due(Topic& topic, SimTime now, bool changed) {
 // --- The tick
 
 Status Factory::sense(SimTime now) {
-  for (Goal& goal : goals_) tell(goal);
+  for (Goal& goal : goals_) report(goal);
   std::erase_if(goals_, [](const Goal& goal) { return goal.machine == nullptr; });
   if (due(machine_info_, now, !context_.events.empty())) publish_machines();
   if (due(ring_info_, now, false)) publish_rings();
@@ -145,12 +145,13 @@ Status Factory::judge(SimTime now) {
   referee_.judge(now, world_.changes(), context_.events);
   context_.events.clear();
 
-  if (due(order_info_, now, referee_.order_changes() != told_order_changes_)) publish_orders();
-  told_order_changes_ = referee_.order_changes();
+  if (due(order_info_, now, referee_.order_changes() != published_order_changes_)) publish_orders();
+  published_order_changes_ = referee_.order_changes();
   const std::array points{referee_.score(Team::kCyan).total(), referee_.score(Team::kMagenta).total()};
-  if (due(game_state_, now, points != told_points_ || referee_.phase() != told_phase_)) publish_game_state(now);
-  told_points_ = points;
-  told_phase_ = referee_.phase();
+  if (due(game_state_, now, points != published_points_ || referee_.phase() != published_phase_))
+    publish_game_state(now);
+  published_points_ = points;
+  published_phase_ = referee_.phase();
   return {};
 }
 
@@ -241,11 +242,11 @@ void Factory::cancel(const bus::Delivery& delivery) {
   std::erase_if(goals_, [&](const Goal& goal) { return goal.id == delivery.goal; });
 }
 
-void Factory::tell(Goal& goal) {
-  if (goal.machine->state() != goal.told) {
-    goal.told = goal.machine->state();
+void Factory::report(Goal& goal) {
+  if (goal.machine->state() != goal.reported) {
+    goal.reported = goal.machine->state();
     bus::Message feedback(*action_->feedback);
-    feedback->set("state", to_string(goal.told));
+    feedback->set("state", to_string(goal.reported));
     bus_.publish_feedback(server_, goal.id, shared(std::move(feedback)));
   }
   const Job& job = goal.machine->job();

@@ -1,6 +1,6 @@
 #pragma once
 // The factory on the bus, node "factory": machines take instructions as goals of `/factory/instruct_machine`
-// (rcll_interfaces/action/InstructMachine); game, orders, machines, rings and robots are told on `/game_state`,
+// (rcll_interfaces/action/InstructMachine); game, orders, machines, rings and robots are published on `/game_state`,
 // `/order_info`, `/machine_info`, `/ring_info` and `/robot_info`, on change and periodically.
 //
 // In a tick: `sense` reports what the machines did, `judge` gives points and releases orders, `act` strikes faults,
@@ -72,11 +72,11 @@ class Factory final : public Server, public Referee {
     bus::GoalId id{};
     Machine* machine = nullptr;
     std::uint32_t job = 0;
-    MachineState told{};
+    MachineState reported{};
   };
   void start(const bus::Delivery& delivery);
   void cancel(const bus::Delivery& delivery);
-  void tell(Goal& goal);
+  void report(Goal& goal);
   void finish(const bus::GoalId& goal, InstructError error, const std::string& text, const std::string& machine);
   Machine* find(std::string_view name) const;
   std::string unknown(const std::string& machine) const;  ///< the error that there is no such machine
@@ -96,9 +96,9 @@ class Factory final : public Server, public Referee {
   Topic game_state_, order_info_, machine_info_, ring_info_, robot_info_;
   std::optional<bus::TransformBroadcaster> transforms_;  ///< where they are wanted
   std::vector<Goal> goals_;                              ///< running, in order of arrival
-  std::uint64_t told_order_changes_ = 0;
-  std::array<std::int64_t, 2> told_points_{-1, -1};
-  Phase told_phase_ = Phase::kSetup;
+  std::uint64_t published_order_changes_ = 0;
+  std::array<std::int64_t, 2> published_points_{-1, -1};
+  Phase published_phase_ = Phase::kSetup;
 };
 
 }  // namespace cxlab::rcll

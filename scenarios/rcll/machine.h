@@ -42,7 +42,8 @@ enum class InstructError : std::uint16_t {
   kNone = 0,
   kBroken = 1,  ///< the machine broke for a reason outside of the instruction (reset, payments)
   kWrongTeam = 101,
-  kInvalid = 103,  ///< something missing, unknown or impossible; where the league says so the machine is now BROKEN
+  kInvalid =
+      103,  ///< something is missing, unknown or impossible; where the league demands it the machine is now BROKEN
   kNotSupported = 104,
   kNoWorkpiece = 202,  ///< no workpiece came, or it got stuck: the machine is now BROKEN
   kNoMachine = 203,
@@ -111,8 +112,8 @@ class Machine {
   /// production.
   bool fail(SimTime now, sim::World& world, const std::string& reason);
 
-  /// Accepts an instruction (error kNone: see `job`; RESET is done at once), or says why not. A refusal may leave the
-  /// machine BROKEN.
+  /// Accepts an instruction (error kNone: see `job`; RESET is done at once), or rejects it with the reason. A rejection
+  /// may leave the machine BROKEN.
   struct Answer {
     InstructError error = InstructError::kNone;
     std::string text;

@@ -16,7 +16,7 @@ struct Order {
   int id = 0;  ///< from 1
   Complexity complexity{};
   Product product;
-  double activate_at = 0;     ///< s, when agents hear of it
+  double activate_at = 0;     ///< s, when it is published
   double delivery_begin = 0;  ///< s
   double delivery_end = 0;    ///< s
   int delivery_gate = 1;      ///< 1..3

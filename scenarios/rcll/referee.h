@@ -55,7 +55,7 @@ struct Delivery {
 /// How an order stands. Index of arrays: team.
 struct OrderState {
   Order order;
-  std::optional<SimTime> released;                       ///< when agents heard of it
+  std::optional<SimTime> released;                       ///< when it was published
   std::array<int, 2> delivered{};                        ///< accepted products
   std::array<std::optional<SimTime>, 2> delivered_at{};  ///< the first of them
   std::array<std::int64_t, 2> points{};

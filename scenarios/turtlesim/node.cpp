@@ -224,7 +224,7 @@ void TurtlesimNode::end_rotation(Turtle& turtle, bus::GoalStatus status) {
   bus_.finish(turtle.rotate, rotation.goal, status, shared(std::move(result)));
 }
 
-// --- What people and the journal are told
+// --- Log and journal
 
 void TurtlesimNode::say(cx::LogLevel level, const std::string& text) {
   if (log_) log_->line({bus_.now(), level, logger_, text, {}});

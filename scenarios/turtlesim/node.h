@@ -21,7 +21,7 @@
 
 namespace cxlab::turtlesim {
 
-/// How a turtle has fared so far; those that were killed, too.
+/// What has happened to a turtle so far; killed turtles are included.
 struct TurtleStory {
   std::string name;
   bool alive = true;

@@ -1,4 +1,4 @@
-// TurtlesimNode: turtles that come and go, and what they are told.
+// TurtlesimNode: spawning and killing turtles, and the services, topics and action of each turtle.
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ bool all_finite(std::initializer_list<double> values) {
 
 }  // namespace
 
-// --- Come and go
+// --- Spawn and kill
 
 Status TurtlesimNode::serve(Turtle& turtle, std::string_view service, const std::string& type, TurtleHandler handler) {
   auto found = bus_.registry().service(type);
@@ -157,7 +157,7 @@ void TurtlesimNode::on_reset(const bus::Delivery& request) {
   answer(request);
 }
 
-// --- What they are told
+// --- Commands to a turtle
 
 void TurtlesimNode::on_command(Turtle& turtle, const bus::Delivery& message) {
   const bus::MessageView twist = message.message->view();

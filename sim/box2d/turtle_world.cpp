@@ -38,7 +38,7 @@ struct TurtleWorld::Body {
   bool at_wall = false;
 };
 
-/// Box2D's world, and who began to touch whom in the last step.
+/// Box2D's world, and which turtles began to touch in the last step.
 struct TurtleWorld::Physics final : b2ContactListener {
   Physics() : world(b2Vec2(0, 0)) {
     world.SetAllowSleeping(false);
@@ -52,7 +52,7 @@ struct TurtleWorld::Physics final : b2ContactListener {
   }
 
   b2World world;
-  std::vector<Body> bodies;  // beside TurtleWorld::turtles_
+  std::vector<Body> bodies;  // in the order of TurtleWorld::turtles_
   std::vector<std::pair<TurtleId, TurtleId>> touches;
 };
 

@@ -25,7 +25,7 @@ struct TurtleWorldOptions {
   bool collisions = false;  ///< turtles are round, 0.9 m wide and push each other; else they pass through, as in ROS
 };
 
-/// A turtle as its pose message tells it.
+/// A turtle as its pose message reports it.
 struct Turtle {
   TurtleId id{};
   double x = 0, y = 0, theta = 0;  ///< m, m, rad (-pi, pi]
@@ -50,7 +50,7 @@ class TurtleWorld final : public Simulation {
  public:
   static constexpr double kPixelsPerMetre = 45;
   static constexpr double kSide = (Canvas::kSize - 1) / kPixelsPerMetre;  ///< m: x and y reach from 0 to this
-  static constexpr SimTime kHold = std::chrono::seconds(1);               ///< so long a command of velocity holds
+  static constexpr SimTime kHold = std::chrono::seconds(1);               ///< how long a command of velocity holds
 
   /// `log`, if any, takes every write; it must outlive the world.
   explicit TurtleWorld(const TurtleWorldOptions& options, TurtleLog* log = nullptr);
@@ -82,11 +82,11 @@ class TurtleWorld final : public Simulation {
   const Turtle* find(TurtleId id) const;
   const Canvas& canvas() const { return canvas_; }
   Colour background() const { return options_.background; }
-  /// Of the canvas under the turtle: ink, else background.
+  /// The canvas under the turtle: ink, else background.
   Colour colour_under(const Turtle& turtle) const;
-  /// Of the last `advance`, in order of time.
+  /// Events of the last `advance`, in order of time.
   std::span<const TurtleEvent> events() const { return events_; }
-  /// Of everything that later steps and pictures depend on.
+  /// Covers everything that later steps and pictures depend on.
   std::uint64_t hash() const;
 
   /// Carries out a write of a log, as the verbs do. kInput if it fits no turtle.

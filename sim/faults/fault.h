@@ -41,7 +41,7 @@ struct Fault {
 struct FaultWord {
   std::string_view name;
   FaultKind kind{};
-  std::string_view arguments;  ///< keys beside when, required ones first and marked with *
+  std::string_view arguments;  ///< keys in addition to `when`: required ones first, marked with *
   std::string_view what;
   bool by_occasion = false;  ///< chance is `probability` and not `mean_s`
 };

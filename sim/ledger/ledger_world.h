@@ -1,6 +1,7 @@
 #pragma once
-// A factory floor as a book: who holds which piece, where each belt and robot is at a time. No physics; what happens by
-// itself (a piece arrives at the end of a belt) has a time that is known in advance, so that an episode can jump to it.
+// A factory floor as a book: which holder has which piece, where each belt and robot is at a time. There is no physics.
+// The time of what happens by itself (a piece arrives at the end of a belt) is known in advance: an episode jumps to
+// it.
 
 #include <cstdint>
 #include <optional>

@@ -64,7 +64,7 @@ class MujocoWorld final : public World, public RobotBodies {
   /// A body of the pool, beyond what `Piece` knows of it.
   struct Body {
     bool in_play = false;
-    Place seen;  ///< where it has been for the last `seen_ticks`, when that is not what its piece says
+    Place seen;  ///< where contacts put it for the last `seen_ticks`, where that differs from its Piece
     int seen_ticks = 0;
     int belt = -1;      ///< station whose running belt it is on
     double belt_x = 0;  ///< along that belt, before the last step

@@ -29,7 +29,7 @@ class PhysicsGate {
   /// Running hash of positions and velocities after every second step.
   std::uint64_t hash() const { return XXH3_64bits_digest(hash_.get()); }
 
-  /// Does what `write` says, whoever made it.
+  /// Carries out a write, one of a log as well.
   void write(const PhysicsWrite& write);
   /// Target of an actuator, rounded to kControlUnit; written when it changes.
   void control(int actuator, double value);

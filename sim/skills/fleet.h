@@ -24,7 +24,7 @@ class Fleet final : public Server {
  public:
   using Places = SkillServer::Places;
 
-  /// Physics tier. World, bodies, bus and sink outlive it. `places`: names that drive_to takes beside spots; a robot
+  /// Physics tier. World, bodies, bus and sink outlive it. `places`: names that drive_to accepts besides spots; a robot
   /// goes to the free standing place nearest to that pose, at most 0.75 m from it. Fails when the bus lacks
   /// cxlab_skills.
   static Expected<std::unique_ptr<Fleet>> create(const WorldView& world, RobotBodies& bodies, Places places,

@@ -61,7 +61,7 @@ class PhysicsSkills final : public RobotSkills {
   const Spot* spot_ = nullptr;
   bool active_ = false;
   bool cancelled_ = false;
-  SkillCode failure_ = SkillCode::kNone;  ///< of which the skill ends when the robot has backed off
+  SkillCode failure_ = SkillCode::kNone;  ///< the result, once the robot has backed off
   SkillPhase phase_ = SkillPhase::kDrive;
   SimTime started_{}, entered_{};
   int tries_ = 0;
@@ -69,7 +69,7 @@ class PhysicsSkills final : public RobotSkills {
   Vec3 carried_offset_ = Vec3::Zero();  ///< of the held piece's underside from the gripper, in the robot's frame
   Vec3 gripper_goal_ = Vec3::Zero();
   double fingers_goal_ = kRobot.fingers_open;
-  bool commanded_ = false;  ///< the base has been told to move and not yet to stand
+  bool commanded_ = false;  ///< the base was commanded to move, and not yet to stand
 };
 
 }  // namespace cxlab::sim

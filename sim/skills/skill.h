@@ -1,5 +1,5 @@
 #pragma once
-// What a robot can be asked to do, how it can end, and the one interface behind which both tiers do it.
+// The skills of a robot, their results, and the interface that both tiers implement.
 
 #include <cstdint>
 #include <optional>

@@ -1,8 +1,8 @@
 #pragma once
 // The skills of one robot on the bus: node "robot1" with the actions /robot1/drive_to, /robot1/pick, /robot1/place.
 //
-// One skill at a time: a goal while another one is active, or still ends after a cancel, is rejected. A goal that
-// cannot be meant (an unknown target) is accepted and aborted at once, so that its result can say why.
+// One skill at a time: a goal is rejected while another one is active or still ends after a cancel. A goal with an
+// unknown target is accepted and aborted at once, so that its result can report why.
 
 #include <array>
 #include <map>
@@ -29,7 +29,7 @@ struct RobotStats {
 
 class SkillServer {
  public:
-  /// Names that drive_to takes beside spots.
+  /// Names that drive_to accepts in addition to spots.
   using Places = std::map<std::string, Pose2, std::less<>>;
 
   /// Joins the bus under the robot's name. All outlive it. Fails when the bus does not know the package cxlab_skills.
@@ -69,7 +69,7 @@ class SkillServer {
   Status open(Action& action, SkillKind kind, const std::string& type);
   void take_goal(const Action& action, const bus::Delivery& delivery);
   void take_cancel(const Action& action, const bus::Delivery& delivery);
-  /// Where the goal says to go, or why that cannot be.
+  /// The goal as a skill, or why it cannot be carried out.
   Expected<SkillGoal> read_goal(const Action& action, const bus::MessageView& message) const;
   void finish(const SkillResult& result);
   void count_phase(SimTime now, RobotStats& stats) const;

@@ -24,7 +24,7 @@ constexpr double kWorthQueueing = 1.0;    ///< m that driving nearer must save
 constexpr double kQueueRange = 2.5;       ///< m around a goal for places to wait
 constexpr double kGoalClearance = 0.23;   ///< m: a robot's radius; nobody is sent nearer to fixed things
 
-/// Of a robot that stands.
+/// Where a standing robot is.
 Segment footprint_at(const Pose2& pose) { return {pose.position(), pose.position()}; }
 
 double distance_to_way(const Vec2& p, std::span<const Vec2> way) {

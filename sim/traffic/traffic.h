@@ -1,10 +1,10 @@
 #pragma once
-// Who drives where and when. Every motion is planned in space and time against all motions that are already decided, up
-// to where each of those ends, so that robots neither touch nor block each other. One object for all robots of a floor.
+// Plans the motions of all robots of a floor. Each motion is planned in space and time against all motions that are
+// already decided, up to where those end, so that robots neither touch nor block each other.
 //
-// Rules: a robot that stands without work, or waits for its way, steps aside when another one needs the place; a robot
-// at work or on its way is waited for, at a place nearby that leaves the others a way around. The oldest request goes
-// first.
+// Rules: the oldest request is planned first. A robot that stands without work, or waits for its way, steps aside when
+// another one needs its place. Others wait for a robot that works or drives, at a place nearby that leaves a way
+// around.
 
 #include <cstdint>
 #include <optional>
@@ -26,7 +26,7 @@ class Traffic {
   void request(RobotId robot, const Pose2& goal, std::optional<Segment> work, SimTime now);
   /// Ends the request, or the work at its goal; a robot that drives for it brakes.
   void withdraw(RobotId robot, SimTime now);
-  /// Where the robot really is. One that is far off its planned motion stops and is planned anew.
+  /// Where the robot really is. If that is far off its motion, the robot brakes and is planned anew.
   void observe(RobotId robot, const Pose2& pose, SimTime now);
 
   /// Once a tick, before anybody asks: ends the motions that are over.
@@ -37,13 +37,13 @@ class Traffic {
   SimTime next_due() const;
 
   // --- Queries
-  /// The request is fulfilled (and the robot is at work, if it said so).
+  /// The request is fulfilled (and the robot works there, if the request had `work`).
   bool arrived(RobotId robot) const { return at(robot).arrived; }
   /// There is no way to the request's goal, wherever the other robots stand.
   bool unreachable(RobotId robot) const { return at(robot).unreachable; }
   bool working(RobotId robot) const { return at(robot).working; }
   bool moving(RobotId robot) const { return at(robot).moving; }
-  /// It has a request and stands, because others are in the way.
+  /// The robot has a request and stands, because others are in the way.
   bool waiting(RobotId robot, SimTime now) const {
     return at(robot).wants && (!at(robot).moving || now < at(robot).motion.start());
   }
@@ -53,7 +53,7 @@ class Traffic {
   std::uint32_t motion_number(RobotId robot) const { return at(robot).motions; }
   /// Metres to go: along the motion to the goal, else as the crow flies.
   double remaining(RobotId robot, SimTime now) const;
-  /// A free standing place nearest to `centre` and at most `radius` m from it.
+  /// The place nearest to `centre`, at most `radius` m from it, that keeps clear of fixed things.
   std::optional<Vec2> standing_place(const Vec2& centre, double radius) const;
   double clearance(const Vec2& p) const { return map_.clearance(p); }
 
@@ -84,7 +84,7 @@ class Traffic {
 
   Segment footprint_at_goal(const Robot& robot) const;
   bool movable(const Robot& robot, SimTime now) const;
-  /// Rests of all robots but `except`; of those for which `only` holds.
+  /// Rests of the robots other than `except` for which `only` holds.
   template <class Only>
   std::vector<Keepout> rests(std::size_t except, Only only) const;
   std::vector<Keepout> rests(std::size_t except) const;
