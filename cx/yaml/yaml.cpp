@@ -39,14 +39,9 @@ struct Value::Shared {
 namespace {
 
 const char* kind_of(const YAML::Node& node) {
-  switch (node.Type()) {
-    case YAML::NodeType::Null: return "nothing";
-    case YAML::NodeType::Scalar: return "a scalar";
-    case YAML::NodeType::Sequence: return "a list";
-    case YAML::NodeType::Map: return "a map";
-    case YAML::NodeType::Undefined: break;
-  }
-  return "nothing";
+  static constexpr const char* kWords[] = {"nothing", "nothing", "a scalar", "a list",
+                                           "a map"};  // undefined, null, ...
+  return kWords[node.Type()];
 }
 
 /// `a.b[0].c` as steps: keys and indices.
@@ -147,12 +142,11 @@ std::vector<Value> Value::as_list() const {
     fail(std::string("found ") + kind_of(*node_) + ", expected a list");
     return out;
   }
-  std::size_t index = 0;
   for (const auto& item : *node_) {
     Value value;
     value.shared_ = shared_;
     value.node_ = std::make_shared<YAML::Node>(item);
-    value.path_ = path_ + '[' + std::to_string(index++) + ']';
+    value.path_ = path_ + '[' + std::to_string(out.size()) + ']';
     out.push_back(std::move(value));
   }
   return out;
@@ -245,9 +239,7 @@ Map& Map::read_word(std::string_view key, std::string& field, const std::vector<
       field = word;
       return *this;
     }
-    std::string list;
-    for (const auto& w : words) list += (list.empty() ? "" : ", ") + w;
-    v.fail("found '" + word + "', expected one of: " + list);
+    v.fail("found '" + word + "', expected one of: " + some_of(words, words.size()));
   }
   return *this;
 }
@@ -312,9 +304,7 @@ void Map::finish() {
       missing_.erase(missing);
       continue;
     }
-    std::string list;
-    for (const auto& a : asked_) list += (list.empty() ? "" : ", ") + a;
-    what += near.empty() ? "; known are: " + list : ", did you mean '" + near + "'?";
+    what += near.empty() ? "; known are: " + some_of(asked_, asked_.size()) : ", did you mean '" + near + "'?";
     (near.empty() ? far_off : close_by)
         .emplace_back(value_.path_.empty() ? key : value_.path_ + '.' + key, std::move(what),
                       item.first.Mark().line + 1);
@@ -403,9 +393,6 @@ Status Document::set(const std::string& path, const std::string& yaml, const std
 
 Value Document::root() const { return root_; }
 const std::vector<Error>& Document::errors() const { return root_.shared_->errors; }
-Status Document::status() const {
-  if (errors().empty()) return {};
-  return errors().front();
-}
+Status Document::status() const { return errors().empty() ? Status() : errors().front(); }
 
 }  // namespace cxlab::yaml
