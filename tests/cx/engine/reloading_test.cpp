@@ -1,0 +1,89 @@
+// What a load remembers of the constructs before it, and where errors are said to be.
+
+#include "tests/support/engine_test.h"
+
+namespace cxlab {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class Reloading : public EngineTest {
+ protected:
+  std::vector<std::string> errors_of(std::string_view rules) {
+    return load_errors(rules, LoadMode::kConstructs, OnLoadError::kStop);
+  }
+};
+
+TEST_F(Reloading, AChangedTemplateReplacesTheFormerOneAlsoWhereTheSameAreKept) {
+  given("(deftemplate a (slot x))");
+  engine().keep_same_constructs(true);
+  given("(deftemplate a (slot y))");
+  engine().keep_same_constructs(false);
+  EXPECT_TRUE(engine().assert_fact("a", {{"y", Value::integer(1)}}).ok());
+}
+
+TEST_F(Reloading, ALocalVariableIsNoEffect) {
+  EXPECT_THAT(errors_of("(deffunction two () (bind ?x 2) ?x)\n(defrule go (test (> (two) 1)) =>)"), IsEmpty());
+}
+
+TEST_F(Reloading, AnActingFunctionIsFoundAfterAnEqualsSign) {
+  EXPECT_THAT(errors_of("(deffunction make () (assert (b)) 1)\n(defrule go (a =(make)) =>)"),
+              ElementsAre(HasSubstr("rule 'go' calls 'make' on its left-hand side")));
+}
+
+TEST_F(Reloading, AFunctionThatActsNoMoreMayBeCalled) {
+  EXPECT_THAT(errors_of("(deffunction ready () (assert (a)))\n(deffunction ready () TRUE)\n"
+                        "(defrule go (test (ready)) =>)"),
+              IsEmpty());
+}
+
+TEST_F(Reloading, AConstructOfALineHasTheErrorsOfThatLine) {
+  const Status built = engine().build("(defrule go (a) =>\n (no-such-function))", "rules.clp", 5);
+  ASSERT_FALSE(built.ok());
+  EXPECT_EQ(built.error().file, "rules.clp");
+  EXPECT_EQ(built.error().line, 6);
+}
+
+TEST_F(Reloading, AnErrorIsReportedAgainByTheNextRun) {
+  given("(deffacts f (a))\n(defrule go (a) =>\n  (/ 1 0))");
+  for (int i = 0; i < 2; ++i) {
+    engine().reset();
+    const RunReport report = engine().run();
+    ASSERT_THAT(report.errors, SizeIs(1)) << i;
+    EXPECT_EQ(report.errors[0].line, 3);
+  }
+}
+
+TEST_F(Reloading, AnErrorOfAFunctionHasItsLineOnTheSideWhereItFailed) {
+  given("(deffacts f (a 1))\n(defrule go (a ?x&:(> (/ 2 1) 1)) =>\n  (/ 1 0))");
+  engine().reset();
+  const RunReport report = engine().run();
+  ASSERT_THAT(report.errors, SizeIs(1));
+  EXPECT_EQ(report.errors[0].line, 3);
+}
+
+TEST_F(Reloading, AnErrorThatMayBeInTwoPlacesHasTheLineOfTheRule) {
+  given("(deffacts f (a))\n\n(defrule go (a) =>\n  (/ 1 1)\n  (/ 1 0))");
+  engine().reset();
+  const RunReport report = engine().run();
+  ASSERT_THAT(report.errors, SizeIs(1));
+  EXPECT_EQ(report.errors[0].line, 3);
+}
+
+TEST_F(Reloading, FactsFromOutsideKeepTheirKindAndTheCurrentModule) {
+  given("(deftemplate list (multislot items))\n(defmodule A)\n(deftemplate A::t (slot x))\n(defmodule B)");
+  ASSERT_TRUE(engine().eval("(set-current-module B)").ok());
+  ASSERT_TRUE(engine().assert_fact("t", {{"x", Value::integer(1)}}).ok());
+  EXPECT_EQ(engine().eval("(get-current-module)")->text(), "B");
+  ASSERT_TRUE(engine().assert_fact("list", {{"items", Value::integer(3)}}).ok());
+  EXPECT_THAT(fact_texts("list"), ElementsAre("(list (items 3))"));
+  EXPECT_FALSE(engine().assert_ordered("list", std::vector<Value>{Value::integer(3)}).ok());
+}
+
+TEST_F(Reloading, EqualBoundsLeaveNoChance) { EXPECT_EQ(engine().eval("(random 3 3)")->as_integer(), 3); }
+
+}  // namespace
+}  // namespace cxlab
