@@ -221,6 +221,8 @@ TEST(FaultTimer, StrikesAsOftenAsItIsAskedFor) {
   int times = 0;
   for (; now_and_then.due() != kNever; ++times) now_and_then.struck(now_and_then.due());
   EXPECT_NEAR(times, 1000, 100);
+  machine.from = from_seconds(10000);
+  EXPECT_GE(sim::FaultTimer(machine, 1, "C-BS").due(), machine.from);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // What a client on the bus sees of a robot's skills, in both tiers.
 
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -241,6 +242,7 @@ TEST_P(Skills, ADriveThatIsCancelledStopsAtOnce) {
   bus.cancel_goal(last_client, drive.goal);
   EXPECT_LT(finish(drive), 2);
   EXPECT_EQ(drive.status, bus::GoalStatus::kCanceled);
+  EXPECT_EQ(fleet->stats()[0].failures, 0) << "a cancel is none";
   const Pose2 after = robot1().pose_in_world;
   EXPECT_LT(std::hypot(after.x - before.x, after.y - before.y), 0.5);
   wait(1);
@@ -395,6 +397,59 @@ class FailingDrives : public Skills {
 
 TEST_P(FailingDrives, EndWith201) { EXPECT_EQ(done("robot1", SkillKind::kDriveTo, "C_Z22").code, 201); }
 
+class DrawnTimes : public Skills {
+ protected:
+  DrawnTimes() {
+    config.pick_mean_s = 20;
+    config.place_mean_s = 1;
+    config.shortest_s = 5;
+    config.pick_sigma_s = config.place_sigma_s = 0;
+  }
+};
+
+TEST_P(DrawnTimes, ArePickedBySkillAndNotBelowTheShortest) {
+  base_at("C-BS-OUTPUT");
+  ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C-BS-OUTPUT").code, 0);
+  EXPECT_NEAR(finish(send("robot1", SkillKind::kPick, "C-BS-OUTPUT")), 20, 1);
+  EXPECT_NEAR(finish(send("robot1", SkillKind::kPlace, "C-BS-OUTPUT")), 5, 1) << "the mean is shorter";
+}
+
+class LongPicks : public Skills {
+ protected:
+  LongPicks() {
+    config.pick_mean_s = 200;
+    config.pick_sigma_s = 0;
+  }
+};
+
+TEST_P(LongPicks, AreNotWaitedForWithoutEnd) {
+  base_at("C-BS-OUTPUT");
+  (void)send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  wait(20);
+  const Heard& second = send("robot2", SkillKind::kPick, "C-BS-OUTPUT");
+  wait(50);
+  EXPECT_GT(fleet->stats()[1].wait_s, 20) << "an active skill counts up to now";
+  EXPECT_NEAR(50 + finish(second), 95, 0.1);
+  EXPECT_EQ(second.code, 201);
+}
+
+TEST_P(Skills, WhatCannotBeDoneEndsOnArrival) {
+  ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C-BS-OUTPUT").code, 0);
+  const Heard& pick = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  EXPECT_LT(finish(pick), 3);
+  EXPECT_EQ(pick.code, 202);
+}
+
+TEST_P(Skills, APoseMustBeFinite) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  for (const Pose2& pose : {Pose2{kInfinite, 2, 0}, Pose2{1, kInfinite, 0}, Pose2{1, 2, kInfinite}}) {
+    const Heard& drive = send("robot1", SkillKind::kDriveTo, "", pose);
+    finish(drive);
+    EXPECT_EQ(drive.code, 103);
+    EXPECT_EQ(drive.error, "the pose is not finite");
+  }
+}
+
 TEST_P(Skills, TwoRobotsTakeTurnsAtOneSpot) {
   base_at("C-BS-OUTPUT");
   const Heard& first = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
@@ -428,6 +483,8 @@ INSTANTIATE_TEST_SUITE_P(Tiers, Skills, ::testing::Values(Tier::kPhysics, Tier::
 INSTANTIATE_TEST_SUITE_P(Tiers, FailingPicks, ::testing::Values(Tier::kPhysics, Tier::kTimed), tier_name);
 INSTANTIATE_TEST_SUITE_P(Tiers, FailingPlaces, ::testing::Values(Tier::kPhysics, Tier::kTimed), tier_name);
 INSTANTIATE_TEST_SUITE_P(Tiers, FailingDrives, ::testing::Values(Tier::kTimed), tier_name);
+INSTANTIATE_TEST_SUITE_P(Tiers, DrawnTimes, ::testing::Values(Tier::kTimed), tier_name);
+INSTANTIATE_TEST_SUITE_P(Tiers, LongPicks, ::testing::Values(Tier::kTimed), tier_name);
 
 }  // namespace
 }  // namespace cxlab::sim
