@@ -33,7 +33,7 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.c
   /// A tick in which the world posts the robot at `x`, if it is given.
   void tick(std::optional<double> x = {}) {
     lab_.bus.begin_tick(lab_.now);
-    if (x) server_->set("map", "robot", {*x, 0, 0, 0, 0, 0, 1});
+    if (x) server_->set("map", "robot", bus::planar(*x, 0, 0));
     server_->post();
     lab_.ticks(1);
   }
@@ -140,7 +140,7 @@ TEST_F(Tf2PoseTracker, WhatTheBufferRefusesIsAnErrorLine) {
 
 TEST_F(Tf2PoseTracker, StaticTransformsFromBeforeAreThere) {
   lab_.bus.begin_tick(lab_.now);
-  server_->set_static("map", "dock", {1.25, 2, 0, 0, 0, 0, 1});
+  server_->set_static("map", "dock", bus::planar(1.25, 2, 0));
   server_->post();
   run_up();
   ASSERT_EQ(eval("(tf2-start-periodic-lookup \"map\" \"dock\" 50.0)"), "TRUE");
@@ -161,7 +161,7 @@ tracker: {plugin: "cx::Tf2PoseTrackerPlugin"})");
     EXPECT_TRUE(lab.engine().eval("(tf2-start-periodic-lookup map robot 7.0)").ok());
     for (int i = 0; i < 50; ++i) {
       lab.bus.begin_tick(lab.now);
-      server->set("map", "robot", {0.1 * i, 0, 0, 0, 0, 0, 1});
+      server->set("map", "robot", bus::planar(0.1 * i, 0, 0));
       server->post();
       lab.ticks(1);
     }

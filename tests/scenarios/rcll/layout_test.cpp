@@ -268,7 +268,7 @@ TEST(GeneratedFloor, WithTheRefereeBoxsAnglesASlotAtTheWallIsOutOfReachAndKnown)
 TEST(GeneratedFloor, ARobotThatIsWalledInReachesNothing) {
   auto plan = floor_plan_of(WorldConfig{}, 1);
   ASSERT_TRUE(plan);
-  plan->walls.push_back({4, 1, 5, 1});
+  plan->walls.push_back({{4, 1}, {5, 1}});
   EXPECT_EQ(unreachable_spots(*plan, kRobotRadius).size(), plan->spots.size());
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "scenarios/stage.h"
+#include "sim/box2d/turtle_world.h"
 #include "tests/support/episode_test.h"
 
 namespace cxlab {
