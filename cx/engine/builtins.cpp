@@ -125,46 +125,26 @@ void seed_function(Environment*, UDFContext* context, UDFValue*) {
 
 // --- Files ---------------------------------------------------------------------------------------------------------
 
-enum class Access { kRead, kWrite };
+enum class Access { kRead, kWrite, kByMode };
 
-/// The file that the i-th argument names, or nothing after a refusal.
-std::optional<std::string> allowed_path(Environment* env, UDFContext* context, UDFValue* result, const UDFValue& path,
-                                        Access access) {
-  FileAccess* files = engine_of(context).options().files;
-  const std::string named = path.lexemeValue->contents;
-  if (files == nullptr) {
-    refuse(env, context, result, "rules may not use files here: " + named);
-    return std::nullopt;
-  }
-  Expected<std::string> allowed = access == Access::kRead ? files->for_reading(named) : files->for_writing(named);
-  if (!allowed) {
-    refuse(env, context, result, allowed.error().message);
-    return std::nullopt;
-  }
-  return *allowed;
-}
-
-/// Calls the original with the paths that its first `paths` arguments may really use.
+/// Calls the original with the paths that its first `paths` arguments may really use. `kByMode`: as the third argument
+/// of `open` says.
 template <Access access, std::size_t paths = 1>
 void file_function(Environment* env, UDFContext* context, UDFValue* result) {
   std::vector<UDFValue> args;
   if (!arguments(context, args)) return;
+  FileAccess* files = engine_of(context).options().files;
+  std::string mode = access == Access::kWrite ? "w" : "r";
+  if (access == Access::kByMode && args.size() > 2 && args[2].header->type == STRING_TYPE)
+    mode = args[2].lexemeValue->contents;
   for (std::size_t i = 0; i < paths; ++i) {
-    const std::optional<std::string> path = allowed_path(env, context, result, args[i], access);
-    if (!path) return;
-    args[i].lexemeValue = CreateString(env, path->c_str());
+    const std::string named = args[i].lexemeValue->contents;
+    if (files == nullptr) return refuse(env, context, result, "rules may not use files here: " + named);
+    const bool reads = mode == "r" || mode == "rb";
+    const Expected<std::string> allowed = reads ? files->for_reading(named) : files->for_writing(named);
+    if (!allowed) return refuse(env, context, result, allowed.error().message);
+    args[i].lexemeValue = CreateString(env, allowed->c_str());
   }
-  call_original(env, context, result, args);
-}
-
-void open_function(Environment* env, UDFContext* context, UDFValue* result) {
-  std::vector<UDFValue> args;
-  if (!arguments(context, args)) return;
-  const std::string mode = args.size() > 2 && args[2].header->type == STRING_TYPE ? args[2].lexemeValue->contents : "r";
-  const Access access = mode == "r" || mode == "rb" ? Access::kRead : Access::kWrite;
-  const std::optional<std::string> path = allowed_path(env, context, result, args[0], access);
-  if (!path) return;
-  args[0].lexemeValue = CreateString(env, path->c_str());
   call_original(env, context, result, args);
 }
 
@@ -232,7 +212,7 @@ constexpr std::pair<const char*, UserDefinedFunction*> kReplaced[] = {
     {"timer", timer_function},
     {"random", random_function},
     {"seed", seed_function},
-    {"open", open_function},
+    {"open", file_function<Access::kByMode>},
     {"load", load_function<LoadMode::kConstructs>},
     {"load*", load_function<LoadMode::kConstructs>},
     {"batch", load_function<LoadMode::kBatch>},
