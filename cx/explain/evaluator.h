@@ -1,16 +1,36 @@
 #pragma once
-// Evaluates the expressions of a left-hand side, `(> ?x ?y)`, in the environment of its rule.
+// The variables of a left-hand side and its expressions, `(> ?x ?y)`, evaluated in the environment of its rule.
 
 #include <map>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
 #include "cx/engine/engine.h"
 #include "cx/engine/form_reader.h"
-#include "cx/explain/bindings.h"
 
 namespace cxlab::explain {
+
+/// Values of variables. In the order in which they were bound; names are without `?` and `$`.
+class Bindings {
+ public:
+  const Value* find(std::string_view name) const {
+    for (const auto& [known, value] : values_)
+      if (known == name) return &value;
+    return nullptr;
+  }
+  void bind(std::string name, Value value) { values_.emplace_back(std::move(name), std::move(value)); }
+  std::size_t size() const { return values_.size(); }
+  /// Forgets those that were bound since there were so many.
+  void forget_beyond(std::size_t size) { values_.resize(size); }
+  auto begin() const { return values_.begin(); }
+  auto end() const { return values_.end(); }
+
+ private:
+  std::vector<std::pair<std::string, Value>> values_;
+};
 
 class Evaluator {
  public:

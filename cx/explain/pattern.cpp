@@ -21,6 +21,17 @@ std::string unquoted(std::string_view text) {
   return out;
 }
 
+/// A word or string of CLIPS as a value: `3`, `1.5`, `OPEN`, `"text"`, `[name]`.
+Value constant_of(const Term& term) {
+  const std::string& text = term.text;
+  if (term.kind == Token::Kind::kString) return Value::string(unquoted(text));
+  if (text.starts_with('[') && text.ends_with(']')) return Value::instance_name(text.substr(1, text.size() - 2));
+  if (text.find_first_not_of("0123456789+-.eE") != text.npos) return Value::symbol(text);
+  if (const auto whole = read_number<std::int64_t>(text)) return Value::integer(*whole);
+  if (const auto real = read_number<double>(text)) return Value::number(*real);
+  return Value::symbol(text);
+}
+
 /// Items of a pattern or slot that are constraints, read from the front.
 class ConstraintReader {
  public:
@@ -99,18 +110,18 @@ std::string print_items(std::span<const Term> items) {
   return text.size() < 4 ? std::string() : text.substr(3, text.size() - 4);
 }
 
-bool has_expression(const Constraint& constraint) {
-  for (const auto& together : constraint.any_of)
-    for (const Single& single : together)
-      if (single.kind == Single::Kind::kPredicate || single.kind == Single::Kind::kReturnValue) return true;
-  return false;
+template <class Test>
+bool any_single(const Constraint& constraint, const Test& test) {
+  return std::ranges::any_of(constraint.any_of,
+                             [&](const auto& together) { return std::ranges::any_of(together, test); });
 }
-
+bool has_expression(const Constraint& constraint) {
+  return any_single(constraint, [](const Single& single) {
+    return single.kind == Single::Kind::kPredicate || single.kind == Single::Kind::kReturnValue;
+  });
+}
 bool only_constants(const Constraint& constraint) {
-  for (const auto& together : constraint.any_of)
-    for (const Single& single : together)
-      if (single.kind != Single::Kind::kConstant) return false;
-  return true;
+  return !any_single(constraint, [](const Single& single) { return single.kind != Single::Kind::kConstant; });
 }
 
 /// Variables that constraints name, each once.
@@ -140,23 +151,12 @@ std::string print_values(const Value& slot) {
 
 }  // namespace
 
-Value constant_of(const Term& term) {
-  const std::string& text = term.text;
-  if (term.kind == Token::Kind::kString) return Value::string(unquoted(text));
-  if (text.starts_with('[') && text.ends_with(']')) return Value::instance_name(text.substr(1, text.size() - 2));
-  if (text.find_first_not_of("0123456789+-.eE") != text.npos) return Value::symbol(text);
-  if (const auto whole = read_number<std::int64_t>(text)) return Value::integer(*whole);
-  if (const auto real = read_number<double>(text)) return Value::number(*real);
-  return Value::symbol(text);
-}
-
 // --- Parsing
 
 Expected<Pattern> Pattern::parse(const Term& term, const std::string& file) {
   const auto bad = [&](const std::string& what) { return input_error(what, file, term.line); };
   if (!term.is_list() || term.head().empty()) return bad("expected the name of a deftemplate first");
   Pattern pattern;
-  pattern.text_ = term.print();
   pattern.template_name_ = term.head();
   if (const auto colons = pattern.template_name_.find("::"); colons != std::string::npos) {
     pattern.module_ = pattern.template_name_.substr(0, colons);
@@ -199,7 +199,6 @@ Expected<Pattern> Pattern::parse_plain(const std::string& text, const std::strin
   if (term.items.size() < 2 && term.head().empty()) return bad("expected the name of a deftemplate first");
   auto pattern = parse(term, file);
   if (!pattern) return bad(pattern.error().message);
-  pattern->text_ = text;
   pattern->loose_numbers_ = true;
   return pattern;
 }
@@ -207,13 +206,6 @@ Expected<Pattern> Pattern::parse_plain(const std::string& text, const std::strin
 std::vector<std::string> Pattern::slot_names() const {
   std::vector<std::string> names;
   for (const Slot& slot : slots_) names.push_back(slot.name);
-  return names;
-}
-
-std::vector<std::string> Pattern::variables() const {
-  std::vector<std::string> names;
-  for (const Slot& slot : slots_) add_variables(slot.constraints, names);
-  add_variables(ordered_, names);
   return names;
 }
 

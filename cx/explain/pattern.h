@@ -10,7 +10,6 @@
 #include "cx/base/expected.h"
 #include "cx/engine/engine.h"
 #include "cx/engine/form_reader.h"
-#include "cx/explain/bindings.h"
 #include "cx/explain/evaluator.h"
 
 namespace cxlab::explain {
@@ -42,20 +41,17 @@ struct Mismatch {
 
 class Pattern {
  public:
-  /// Of a term `(template ...)`; errors have its line.
+  /// Reads a term `(template ...)`; errors have its line.
   static Expected<Pattern> parse(const Term& term, const std::string& file = {});
-  /// Of a story: constants, `?` and `$?` only; numbers are equal when their values are (1 and 1.0).
+  /// Reads a pattern of a story: constants, `?` and `$?` only; numbers are equal when their values are (1 and 1.0).
   static Expected<Pattern> parse_plain(const std::string& text, const std::string& file, int line);
 
   const std::string& template_name() const { return template_name_; }  ///< without its module
   const std::string& module() const { return module_; }                ///< empty where none is written
   /// Whether it stands for instances of classes instead of facts.
   bool is_object() const { return template_name_ == "object" && !slots_.empty(); }
-  const std::string& text() const { return text_; }
   /// Empty for an ordered fact.
   std::vector<std::string> slot_names() const;
-  /// Of variables, in order, each once.
-  std::vector<std::string> variables() const;
 
   /// Calls `found` for each way in which the fact matches, with the new bindings, until it returns true. Returns
   /// whether it did. The bindings are as before afterwards. Expressions hold without an evaluator, or where one of
@@ -74,7 +70,7 @@ class Pattern {
   };
   class Matching;
 
-  std::string module_, template_name_, text_;
+  std::string module_, template_name_;
   std::vector<Slot> slots_;
   std::vector<Constraint> ordered_;  // of an ordered pattern, or one without slots
   std::string ordered_text_;
@@ -88,8 +84,5 @@ struct Nearest {
 };
 Nearest nearest(const Pattern& pattern, std::span<const FactCopy* const> facts, const Bindings& bindings = {},
                 Evaluator* evaluator = nullptr);
-
-/// A word or string of CLIPS as a value: `3`, `1.5`, `OPEN`, `"text"`, `[name]`.
-Value constant_of(const Term& term);
 
 }  // namespace cxlab::explain

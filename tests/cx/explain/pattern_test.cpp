@@ -180,7 +180,7 @@ TEST(LeftHandSide, IsATreeOfConditions) {
   EXPECT_THAT(texts, ElementsAre("?f <- (t (a ?x&:(> ?x 3)) (b \"s;)\"))", "(not (and (u ?x) (test (eq ?x 1))))",
                                  "(logical (or (v) (exists (w))))", "(forall (m ?y) (n ?y))", "(test (> ?x 4))"));
   EXPECT_EQ((*read)[0].fact_variable, "f");
-  EXPECT_THAT((*read)[0].pattern.variables(), ElementsAre("x"));
+  EXPECT_EQ((*read)[0].pattern.template_name(), "t");
   EXPECT_EQ((*read)[1].parts[0].parts[1].kind, Condition::Kind::kTest);
   EXPECT_EQ((*read)[2].parts[0].kind, Condition::Kind::kOr);
   EXPECT_EQ((*read)[4].expression.print(), "(> ?x 4)");
