@@ -9,7 +9,7 @@
 
 #include "cx/base/process.h"
 #include "cx/base/scratch_folder.h"
-#include "cx/testing/story_file.h"
+#include "cx/testing/story.h"
 #include "lab/page.h"
 
 namespace cxlab::lab {

@@ -162,11 +162,10 @@ Status check_names(const Play& play) {
       if (std::find(rules.begin(), rules.end(), e.text) == rules.end())
         return play.at(e.line, "there is no rule '" + e.text + '\'' + did_you_mean(e.text, rules));
     } else if (e.kind == Kind::kGoal) {
-      const bool later =
-          std::any_of(spec.steps.begin(), spec.steps.end(), [&](const Step& s) { return s.stand_in.name == e.text; });
-      if (!later && !play.stand_ins().serves(e.text))
-        return play.at(e.line, "nobody serves " + e.text + did_you_mean(e.text, play.stand_ins().names()) +
-                                   " (skills: of the story)");
+      const std::vector<std::string> served = play.stand_ins().names();
+      const bool later = std::ranges::count(spec.steps, e.text, [](const Step& s) { return s.stand_in.name; }) > 0;
+      if (!later && std::ranges::count(served, e.text) == 0)
+        return play.at(e.line, "nobody serves " + e.text + did_you_mean(e.text, served) + " (skills: of the story)");
     }
   }
   return {};

@@ -16,34 +16,34 @@ std::string seconds(SimTime t) {
   return text;
 }
 
-/// The steps of a story, in their place of a tick.
-class Play::Script final : public Server {
- public:
-  Script(Play& play, bool each_tick) : play_(play), each_tick_(each_tick) {}
-  Status sense(SimTime now) override {
-    for (; next_ < steps().size() && steps()[next_].at <= now; ++next_)
-      if (Status s = play_.do_step(steps()[next_]); !s) return s;
-    return {};
-  }
-  Status act(SimTime) override { return {}; }
-  SimTime next_due() const override {
-    if (each_tick_) return SimTime::zero();
-    return next_ < steps().size() ? steps()[next_].at : kNever;
-  }
-
- private:
-  const std::vector<Step>& steps() const { return play_.spec_.steps; }
-  Play& play_;
-  bool each_tick_;
-  std::size_t next_ = 0;
-};
-
 Play::Play(const StorySpec& spec, const StorySetup& setup, bool each_tick)
-    : spec_(spec), setup_(setup), script_(std::make_unique<Script>(*this, each_tick)) {
+    : spec_(spec), setup_(setup), each_tick_(each_tick) {
   journal_.set_listener(&histories_);
 }
 
-Play::~Play() = default;
+Status Play::sense(SimTime now) {
+  for (; next_step_ < spec_.steps.size() && spec_.steps[next_step_].at <= now; ++next_step_)
+    if (Status s = do_step(spec_.steps[next_step_]); !s) return s;
+  return {};
+}
+
+SimTime Play::next_due() const {
+  if (each_tick_) return SimTime::zero();
+  return next_step_ < spec_.steps.size() ? spec_.steps[next_step_].at : kNever;
+}
+
+void Play::line(const cx::LogLine& line) {
+  // CLIPS reports activations in no other way: "==> Activation 0      open: f-1,f-2".
+  constexpr std::string_view kActivation = "==> Activation ";
+  if (line.text.starts_with(kActivation)) {
+    const std::string_view salience_and_rule = line.text.substr(kActivation.size());
+    const auto name = salience_and_rule.find_first_not_of(' ', salience_and_rule.find(' '));
+    if (name == std::string_view::npos) return;
+    ++activations_[std::string(salience_and_rule.substr(name, salience_and_rule.find(':', name) - name))];
+  } else if (line.level == cx::LogLevel::kWarn && line.text.find("cleaning up") != std::string_view::npos) {
+    left_open_.emplace_back(line.text);
+  }
+}
 
 Status Play::prepare() {
   if (Status s = registry_.add_packages_in(setup_.interfaces); !s) return s;
@@ -60,7 +60,7 @@ Status Play::prepare() {
   if (!config) return config.error();
   options.config = *config;
   options.plugin_types = cx::builtin_plugins();
-  options.log = &output_;
+  options.log = this;
   options.seed = spec_.seed;
   auto manager = cx::EnvironmentManager::create(std::move(options), bus_, journal_);
   if (!manager) return manager.error();
@@ -70,7 +70,7 @@ Status Play::prepare() {
   for (const Expectation& e : spec_.expect)
     if (e.kind == Expectation::Kind::kPublished)
       if (Status s = stand_ins_.listen(e.text, e.type, spec_.file, e.line); !s) return s;
-  loop_.emplace(bus_, kTick, Parts{.servers = {script_.get(), &stand_ins_}, .agents = {manager_.get()}});
+  loop_.emplace(bus_, kTick, Parts{.servers = {this, &stand_ins_}, .agents = {manager_.get()}});
   return {};
 }
 

@@ -1,16 +1,18 @@
 #pragma once
 // Plays the rules of a story: a manager on a bus of its own, stand-ins for what its agent uses, and the loop.
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cx/base/scratch_folder.h"
 #include "cx/executive/environment_manager.h"
+#include "cx/executive/log_router.h"
 #include "cx/explain/history.h"
 #include "cx/journal/journal.h"
 #include "cx/run/loop.h"
-#include "cx/testing/output.h"
 #include "cx/testing/stand_ins.h"
 #include "cx/testing/story.h"
 
@@ -21,11 +23,11 @@ inline constexpr SimTime kTick = std::chrono::milliseconds(20);
 /// "1.5 s"
 std::string seconds(SimTime t);
 
-class Play {
+/// As a server of its loop it does the steps of the story.
+class Play final : private Server, private cx::LogSink {
  public:
   /// Both outlive this. `each_tick`: also those at which nothing is due.
   Play(const StorySpec& spec, const StorySetup& setup, bool each_tick);
-  ~Play();
   Play(const Play&) = delete;
   Play& operator=(const Play&) = delete;
 
@@ -45,19 +47,28 @@ class Play {
   /// That of the environment that the story looks at.
   RuleEngine& engine() const { return environment_->engine(); }
   const explain::History& history() const { return *history_; }
-  const Output& output() const { return output_; }
+  /// What plugins cleaned up at the end: it was left open.
+  const std::vector<std::string>& left_open() const { return left_open_; }
+  /// How often each rule was put on the agenda; needs `StorySetup::coverage`.
+  const std::map<std::string, long>& activations() const { return activations_; }
   const StorySpec& spec() const { return spec_; }
 
  private:
-  class Script;
+  Status sense(SimTime now) override;
+  Status act(SimTime) override { return {}; }
+  SimTime next_due() const override;
+  void line(const cx::LogLine& line) override;
   Expected<std::filesystem::path> config_file();
   Status find_environment();
   Status do_step(const Step& step);
 
   const StorySpec& spec_;
   const StorySetup& setup_;
+  const bool each_tick_;
+  std::size_t next_step_ = 0;
+  std::vector<std::string> left_open_;
+  std::map<std::string, long> activations_;
   std::unique_ptr<ScratchFolder> scratch_;
-  Output output_;
   explain::Histories histories_;
   const explain::History* history_ = nullptr;  // of `environment_`
   Journal journal_;
@@ -66,7 +77,6 @@ class Play {
   StandIns stand_ins_{bus_, journal_};
   std::unique_ptr<cx::EnvironmentManager> manager_;
   cx::Environment* environment_ = nullptr;
-  std::unique_ptr<Script> script_;
   std::optional<Loop> loop_;
 };
 

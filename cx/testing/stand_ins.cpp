@@ -17,6 +17,9 @@ struct StandIns::Served {
 
 /// What has been taken and is answered later.
 struct StandIns::Ending {
+  bool is_canceling(const bus::Bus& bus) const {
+    return action && bus.server_goal_status(endpoint, taken.goal) == bus::GoalStatus::kCanceling;
+  }
   bool action = true;
   SimTime due{};
   bus::EndpointId endpoint{};
@@ -36,8 +39,8 @@ Expected<bus::SharedMessage> result_of(const bus::MessageType& type, const Outco
   auto read = bus::Message::from_yaml(type, outcome.result.empty() ? "{}" : outcome.result);
   if (!read) return read.error();
   bus::Message message(*std::move(read));
-  const bool told = outcome.result.find("success:") != std::string::npos;
-  if (!told && outcome.kind == Outcome::Kind::kSucceed &&
+  const bool given = outcome.result.find("success:") != std::string::npos;
+  if (!given && outcome.kind == Outcome::Kind::kSucceed &&
       std::any_of(type.fields().begin(), type.fields().end(), [](const bus::Field& f) { return f.name == "success"; }))
     message.view().set("success", true);
   return std::make_shared<const bus::Message>(std::move(message));
@@ -160,8 +163,7 @@ Expected<bool> StandIns::end_goal(const std::string& action, const Outcome& outc
 Status StandIns::sense(SimTime now) {
   std::vector<Ending> open;
   for (Ending& ending : endings_) {
-    const bool canceling =
-        ending.action && bus_.server_goal_status(ending.endpoint, ending.taken.goal) == bus::GoalStatus::kCanceling;
+    const bool canceling = ending.is_canceling(bus_);
     if (ending.due > now && !canceling) {
       open.push_back(std::move(ending));
     } else if (ending.action) {
@@ -182,15 +184,10 @@ Status StandIns::act(SimTime) {
 
 SimTime StandIns::next_due() const {
   SimTime first = kNever;
-  for (const Ending& ending : endings_) {
-    const bool canceling =
-        ending.action && bus_.server_goal_status(ending.endpoint, ending.taken.goal) == bus::GoalStatus::kCanceling;
-    first = std::min(first, canceling ? SimTime::zero() : ending.due);
-  }
+  for (const Ending& ending : endings_)
+    first = std::min(first, ending.is_canceling(bus_) ? SimTime::zero() : ending.due);
   return first;
 }
-
-bool StandIns::serves(const std::string& action) const { return servers_.contains(action); }
 
 std::vector<std::string> StandIns::names() const {
   std::vector<std::string> out;

@@ -60,7 +60,7 @@ class StandIns final : public Server {
   Status act(SimTime now) override;
   SimTime next_due() const override;
   const std::vector<Heard>& heard() const { return heard_; }
-  bool serves(const std::string& action) const;
+  /// Actions and services that are served.
   std::vector<std::string> names() const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-// A story told step by step in C++: the rules run while an expectation waits for them, and each skill ends when the
-// test says so (docs/testing.md).
+// A story that is played step by step in C++: the rules run while an expectation waits for them, and each skill ends
+// when the test says so (docs/testing.md).
 //
 //   Story story({.config = "params/agent.yaml", .packages = {{"my_agent", "."}}}, setup, report);
 //   story.skill("/R1/fetch", "my_msgs/action/Fetch");
@@ -21,10 +21,10 @@ namespace cxlab::testing {
 class Story {
  public:
   using Where = std::source_location;
-  /// Told of each failure at once; with GoogleTest: `ADD_FAILURE_AT(where.file_name(), where.line()) << what;`
+  /// Called with each failure at once; with GoogleTest: `ADD_FAILURE_AT(where.file_name(), where.line()) << what;`
   using Report = std::function<void(const Where& where, const std::string& what)>;
 
-  /// Of the spec: config or rules, packages, environment, seed. A rule file that cannot be used is a failure.
+  /// Uses of the spec: config or rules, packages, environment, seed. A rule file that cannot be used is a failure.
   Story(StorySpec spec, StorySetup setup, Report report, Where where = Where::current());
   /// Errors in rules that nobody has seen yet are failures.
   ~Story();

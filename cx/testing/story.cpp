@@ -31,7 +31,8 @@ void count(std::vector<RuleCount>& rules, const Play& play) {
   const auto& firings = play.history().firings();
   for (RuleCount& rule : rules) {
     rule.fired = std::count_if(firings.begin(), firings.end(), [&](const auto& f) { return f.rule == rule.rule; });
-    rule.activated = play.output().activations(rule.rule);
+    const auto activated = play.activations().find(rule.rule);
+    rule.activated = activated == play.activations().end() ? 0 : activated->second;
   }
 }
 
@@ -53,7 +54,7 @@ Status run(Play& play, StoryResult& result) {
   result.rules = rules_of(play.engine());
   if (Status s = manager.deactivate(); !s && !failure) result.failures.push_back(s.error().text());
   count(result.rules, play);
-  result.notes = play.output().left_open();
+  result.notes = play.left_open();
   return {};
 }
 

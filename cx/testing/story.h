@@ -83,6 +83,8 @@ struct StoryResult {
   bool passed() const { return failures.empty() && !bad; }
 };
 
+/// Reads the stories of a file (docs/testing.md); paths in it are relative to it.
+Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file);
 /// Plays the story in a manager of its own.
 StoryResult run_story(const StorySpec& spec, const StorySetup& setup);
 

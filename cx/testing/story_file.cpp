@@ -1,7 +1,8 @@
-#include "cx/testing/story_file.h"
-
 #include <algorithm>
+#include <array>
+#include <span>
 
+#include "cx/testing/story.h"
 #include "cx/yaml/yaml.h"
 
 namespace cxlab::testing {
@@ -13,14 +14,33 @@ std::string dumped(yaml::Map& map, const char* key) {
   return value ? value.dump() : std::string();
 }
 
+/// The one key of several that a map has. `given` counts them.
+struct Choice {
+  std::string keys;  ///< all of them
+  std::string text;  ///< the value
+  std::size_t index = 0;
+  int given = 0;
+};
+
+Choice choose(yaml::Map& map, std::span<const char* const> keys) {
+  Choice choice;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    choice.keys += (i == 0 ? "" : ", ") + std::string(keys[i]);
+    const yaml::Value value = map.get(keys[i]);
+    if (!value) continue;
+    ++choice.given;
+    choice.index = i;
+    choice.text = value.as_string();
+  }
+  return choice;
+}
+
 Outcome read_outcome(yaml::Map& map) {
-  std::string word = "succeed";
-  map.read_word("outcome", word, {"succeed", "fail", "reject", "never"});
+  static const std::vector<std::string> kWords = {"succeed", "fail", "reject", "never"};  // as in Outcome::Kind
+  std::string word = kWords.front();
+  map.read_word("outcome", word, kWords);
   Outcome outcome;
-  outcome.kind = word == "succeed"  ? Outcome::Kind::kSucceed
-                 : word == "fail"   ? Outcome::Kind::kFail
-                 : word == "reject" ? Outcome::Kind::kReject
-                                    : Outcome::Kind::kNever;
+  outcome.kind = static_cast<Outcome::Kind>(std::ranges::find(kWords, word) - kWords.begin());
   outcome.line = map.value().line();
   map.read_seconds("takes_s", outcome.takes);
   outcome.result = dumped(map, "result");
@@ -31,22 +51,13 @@ Outcome read_outcome(yaml::Map& map) {
   return outcome;
 }
 
-StandIn read_stand_in(const yaml::Value& value, bool with_at = false) {
+StandIn read_stand_in(const yaml::Value& value, bool step = false) {
   yaml::Map map = value.as_map();
-  StandIn out;
-  out.file = value.file();
-  out.line = value.line();
-  if (with_at) map.get("at");
-  const yaml::Value action = map.get(with_at ? "skill" : "action"), service = map.get(with_at ? "serve" : "service");
-  if (static_cast<bool>(action) == static_cast<bool>(service))
-    map.fail(with_at ? "expected one of skill, serve" : "expected one of action, service");
-  out.action = static_cast<bool>(action);
-  if (action)
-    out.name = action.as_string();
-  else if (service)
-    out.name = service.as_string();
-  if (const yaml::Value type = map.require("type")) out.type = type.as_string();
-  out.outcomes.push_back(read_outcome(map));
+  if (step) map.get("at");
+  const Choice kind = choose(map, step ? std::array{"skill", "serve"} : std::array{"action", "service"});
+  if (kind.given != 1) map.fail("expected one of " + kind.keys);
+  StandIn out{kind.index == 0,     kind.text,    map.require("type").as_string(),
+              {read_outcome(map)}, value.file(), value.line()};
   if (const yaml::Value then = map.get("then"))
     for (const yaml::Value& item : then.as_list()) {
       yaml::Map next = item.as_map();
@@ -59,66 +70,53 @@ StandIn read_stand_in(const yaml::Value& value, bool with_at = false) {
   return out;
 }
 
-void read_steps(const yaml::Value& list, std::vector<Step>& steps) {
-  for (const yaml::Value& item : list.as_list()) {
-    yaml::Map map = item.as_map();
-    Step step;
-    step.line = item.line();
-    map.require("at");
-    map.read_seconds("at", step.at);
-    if (map.has("skill") || map.has("serve")) {
-      step.verb = Step::Verb::kStandIn;
-      step.stand_in = read_stand_in(item, true);
-      steps.push_back(step);
-      continue;
-    }
-    int verbs = 0;
-    if (const yaml::Value v = map.get("assert")) step.verb = Step::Verb::kAssert, step.text = v.as_string(), ++verbs;
-    if (const yaml::Value v = map.get("retract")) step.verb = Step::Verb::kRetract, step.text = v.as_string(), ++verbs;
-    if (const yaml::Value v = map.get("publish")) {
-      step.verb = Step::Verb::kPublish;
-      step.text = v.as_string();
-      ++verbs;
-      if (const yaml::Value type = map.require("type")) step.type = type.as_string();
-      step.data = dumped(map, "data");
-    }
-    map.finish();
-    if (verbs != 1) map.fail("expected one of assert, retract, publish, skill, serve");
-    steps.push_back(std::move(step));
+Step read_step(const yaml::Value& item) {
+  yaml::Map map = item.as_map();
+  Step step;
+  step.line = item.line();
+  map.require("at");
+  map.read_seconds("at", step.at);
+  if (map.has("skill") || map.has("serve")) {
+    step.verb = Step::Verb::kStandIn;
+    step.stand_in = read_stand_in(item, true);
+    return step;
   }
-  std::stable_sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) { return a.at < b.at; });
+  const Choice verb = choose(map, std::array{"assert", "retract", "publish", "skill", "serve"});  // as in Step::Verb
+  step.verb = static_cast<Step::Verb>(verb.index);
+  step.text = verb.text;
+  if (step.verb == Step::Verb::kPublish) {
+    step.type = map.require("type").as_string();
+    step.data = dumped(map, "data");
+  }
+  map.finish();
+  if (verb.given != 1) map.fail("expected one of " + verb.keys);
+  return step;
 }
 
 Expectation read_expectation(const yaml::Value& item) {
   using Kind = Expectation::Kind;
   yaml::Map map = item.as_map();
+  const Choice kind =
+      choose(map, std::array{"fact", "no_fact", "fires", "not_fires", "goal", "published"});  // as in Expectation::Kind
   Expectation e;
   e.line = item.line();
-  int kinds = 0;
-  const auto take = [&](const char* key, Kind kind) {
-    const yaml::Value v = map.get(key);
-    if (v) e.kind = kind, e.text = v.as_string(), ++kinds;
-    return static_cast<bool>(v);
-  };
-  const bool fact = take("fact", Kind::kFact) | take("no_fact", Kind::kNoFact);
-  const bool goal = take("goal", Kind::kGoal), published = take("published", Kind::kPublished);
-  const bool fires = take("fires", Kind::kFires);
-  take("not_fires", Kind::kNotFires);
-  if (goal || published) e.fields = dumped(map, "fields");
-  if (published)
-    if (const yaml::Value type = map.require("type")) e.type = type.as_string();
-  if (goal || published || fires) map.read("count", e.count);
+  e.kind = static_cast<Kind>(kind.index);
+  e.text = kind.text;
+  const bool message = e.kind == Kind::kGoal || e.kind == Kind::kPublished;
+  if (message) e.fields = dumped(map, "fields");
+  if (e.kind == Kind::kPublished) e.type = map.require("type").as_string();
+  if (message || e.kind == Kind::kFires) map.read("count", e.count);
   if (e.count < 1) map.fail("count: expected at least 1");
   map.read_seconds("after", e.after).read_seconds("within_s", e.until);
-  if (fact && map.has("at")) {
+  if ((e.kind == Kind::kFact || e.kind == Kind::kNoFact) && map.has("at")) {
     if (map.has("within_s") || map.has("after")) map.fail("`at` stands alone");
     map.read_seconds("at", e.until);
     e.at = true;
   }
   map.finish();
-  if (kinds != 1) map.fail("expected one of fact, no_fact, fires, not_fires, goal, published");
+  if (kind.given != 1) map.fail("expected one of " + kind.keys);
   if (e.until < e.after) map.fail("within_s is before after");
-  if (!e.at && e.until == kNever && (e.kind == Kind::kFact || fires || goal || published))
+  if (!e.at && e.until == kNever && e.kind != Kind::kNoFact && e.kind != Kind::kNotFires)
     map.fail("key 'within_s' is missing (or 'at')");
   return e;
 }
@@ -140,7 +138,9 @@ void read_story(yaml::Map& map, StorySpec& spec) {
   for (const char* key : {"skills", "serve"})
     if (const yaml::Value list = map.get(key))
       for (const yaml::Value& item : list.as_list()) spec.stand_ins.push_back(read_stand_in(item));
-  if (const yaml::Value steps = map.get("steps")) read_steps(steps, spec.steps);
+  if (const yaml::Value steps = map.get("steps"))
+    for (const yaml::Value& item : steps.as_list()) spec.steps.push_back(read_step(item));
+  std::ranges::stable_sort(spec.steps, {}, &Step::at);
   if (const yaml::Value expect = map.get("expect"))
     for (const yaml::Value& item : expect.as_list()) spec.expect.push_back(read_expectation(item));
 }
@@ -169,7 +169,7 @@ Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file)
     yaml::Map map = item.as_map();
     StorySpec spec = common;
     spec.line = item.line();
-    if (const yaml::Value name = map.require("story")) spec.name = name.as_string();
+    spec.name = map.require("story").as_string();
     read_story(map, spec);
     map.finish();
     if (spec.config.empty() == spec.rules.empty()) map.fail("expected one of config, rules");

@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "cx/testing/story_file.h"
+#include "cx/testing/story.h"
 #include "tests/support/files.h"
 
 namespace cxlab::testing {
