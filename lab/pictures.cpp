@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "cx/base/number_text.h"
+#include "cx/journal/run_folder.h"
 
 namespace cxlab::lab {
 
@@ -42,7 +43,7 @@ Expected<std::vector<double>> snapshot_times(const std::string& text, double end
   return times;
 }
 
-Expected<std::unique_ptr<Pictures>> Pictures::create(Episode& episode, const RunFolder* folder,
+Expected<std::unique_ptr<Pictures>> Pictures::create(Episode& episode, const std::filesystem::path& run_folder,
                                                      std::vector<double> times, const std::string& video) {
   std::unique_ptr<Pictures> pictures(new Pictures);
   if (times.empty() && video.empty()) return pictures;
@@ -50,10 +51,9 @@ Expected<std::unique_ptr<Pictures>> Pictures::create(Episode& episode, const Run
   auto view = view_of(episode.stage(), kWidth, kHeight);
   if (!view) return none(view.error().message);
   if (!times.empty()) {
-    if (!folder) return none("--snapshot needs the folder of a run, which --out none does not make");
-    auto below = folder->subfolder("snapshots");
-    if (!below) return below.error();
-    pictures->folder_ = *below;
+    if (run_folder.empty()) return none("--snapshot needs the folder of a run, which --out none does not make");
+    pictures->folder_ = run_folder / "snapshots";
+    if (Status s = make_folder(pictures->folder_); !s) return s.error();
     pictures->times_ = std::move(times);
   }
   if (!video.empty()) {

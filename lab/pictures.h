@@ -9,7 +9,6 @@
 
 #include "cx/base/expected.h"
 #include "cx/base/process.h"
-#include "cx/journal/run_folder.h"
 #include "lab/picture.h"
 #include "scenarios/episode.h"
 #include "scenarios/view.h"
@@ -23,7 +22,7 @@ class Pictures {
  public:
   /// `times` (s) in order. kResource where a picture is asked for that cannot be made: no OpenGL, a world without
   /// bodies, no folder, no ffmpeg.
-  static Expected<std::unique_ptr<Pictures>> create(Episode& episode, const RunFolder* folder,
+  static Expected<std::unique_ptr<Pictures>> create(Episode& episode, const std::filesystem::path& run_folder,
                                                     std::vector<double> times, const std::string& video);
   /// Takes what is due at the episode's time.
   Status look(Episode& episode);

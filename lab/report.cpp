@@ -56,32 +56,31 @@ void end(Open& open, std::string_view robot, double t, const char* state, Json& 
 
 /// Adds what the journal says: skills, pieces in grippers, points.
 Status read_story(const std::filesystem::path& journal, double last, Json& report) {
-  auto reader = JournalReader::open(journal);
-  if (!reader) return reader.error();
-  reader->only({RecordKind::kSkill, RecordKind::kReferee});
+  const auto records = read_journal(journal, {RecordKind::kSkill, RecordKind::kReferee});
+  if (!records) return records.error();
   Json skills = Json::array(), holds = Json::array(), scores = Json::array();
   Open working, holding;
-  while (true) {
-    auto record = reader->next();
-    if (!record) return record.error();
-    if (!*record) break;
-    const auto& data = (*record)->data;
-    const std::string_view event = data.text("event");
-    const std::string robot(data.text("robot"));
-    const double t = to_seconds((*record)->t);
-    if ((*record)->kind == RecordKind::kSkill) {
+  for (const JournalRecord& record : *records) {
+    const std::string_view event = record.data.text("event");
+    const std::string robot(record.data.text("robot"));
+    const double t = to_seconds(record.t);
+    if (record.kind == RecordKind::kSkill) {
       if (event == "start")
-        working[robot] = {
-            {"robot", robot}, {"skill", data.text("skill")}, {"target", data.text("target")}, {"begin", t}};
+        working[robot] = {{"robot", robot},
+                          {"skill", record.data.text("skill")},
+                          {"target", record.data.text("target")},
+                          {"begin", t}};
       else if (event == "end")
-        end(working, robot, t, data.integer("code") == 0 ? "succeeded" : "failed", skills);
+        end(working, robot, t, record.data.integer("code") == 0 ? "succeeded" : "failed", skills);
     } else if (event == "score") {
-      scores.push_back(
-          {{"team", data.text("team")}, {"kind", data.text("kind")}, {"t", t}, {"points", data.integer("points")}});
+      scores.push_back({{"team", record.data.text("team")},
+                        {"kind", record.data.text("kind")},
+                        {"t", t},
+                        {"points", record.data.integer("points")}});
     } else if (event == "piece") {
-      if (data.text("from") == "gripper") end(holding, data.text("from_name"), t, nullptr, holds);
-      const std::string to(data.text("to_name"));
-      if (data.text("to") == "gripper") holding[to] = {{"robot", to}, {"begin", t}};
+      if (record.data.text("from") == "gripper") end(holding, record.data.text("from_name"), t, nullptr, holds);
+      const std::string to(record.data.text("to_name"));
+      if (record.data.text("to") == "gripper") holding[to] = {{"robot", to}, {"begin", t}};
     }
   }
   while (!working.empty()) end(working, std::string(working.begin()->first), last, "running", skills);

@@ -36,19 +36,17 @@ struct Run {
   Host host;
   std::vector<std::string> named_prefixes;  // absolute
   std::vector<double> snapshots;            // when, s
-  std::optional<RunFolder> folder;
+  std::filesystem::path folder;             // empty: nothing is written
   std::unique_ptr<Episode> episode;
   Meter game, physics;
   Played played;
 };
 
-Expected<std::optional<RunFolder>> make_folder(const PlayOptions& options, const Scenario& scenario) {
-  if (options.out == "none") return std::optional<RunFolder>();
-  auto folder = options.out.empty()
-                    ? RunFolder::create_numbered("runs", scenario.name + '-' + std::to_string(scenario.seed))
-                    : RunFolder::create_at(options.out, options.force);
-  if (!folder) return folder.error();
-  return std::optional<RunFolder>(*std::move(folder));
+Expected<std::filesystem::path> folder_of(const PlayOptions& options, const Scenario& scenario) {
+  if (options.out == "none") return std::filesystem::path();
+  if (options.out.empty()) return make_numbered_folder("runs", scenario.name + '-' + std::to_string(scenario.seed));
+  if (Status s = make_output_folder(options.out, options.force); !s) return s.error();
+  return std::filesystem::path(options.out);
 }
 
 std::string manifest(const Run& run) {
@@ -70,7 +68,7 @@ std::string manifest(const Run& run) {
   out["agents"] = nlohmann::ordered_json::array();
   for (const AgentSpec& agent : run.scenario.agents)
     out["agents"].push_back({{"config", agent.config}, {"packages", run.scenario.shares(agent)}});
-  out["repeat"] = "cxlab rerun " + run.folder->path().string();
+  out["repeat"] = "cxlab rerun " + run.folder.string();
   return out.dump(2) + '\n';
 }
 
@@ -83,7 +81,7 @@ double end_of(const Run& run) {
 Status play(Run& run) {
   Episode& episode = *run.episode;
   const double end = end_of(run);
-  auto pictures = Pictures::create(episode, run.folder ? &*run.folder : nullptr, run.snapshots, run.options.video);
+  auto pictures = Pictures::create(episode, run.folder, run.snapshots, run.options.video);
   if (!pictures) return pictures.error();
 
   if (Status s = episode.start(); !s) return s;
@@ -140,8 +138,9 @@ void finish(Run& run, const Status& played) {
   result.peak_rss_mb = peak_rss_mb();
   const std::string json = result.to_json();
   failure = result.reason;
-  if (run.folder)
-    if (Status written = run.folder->write("result.json", json); !written && !failure) failure = written.error();
+  if (!run.folder.empty())
+    if (Status written = replace_file(run.folder / "result.json", json); !written && !failure)
+      failure = written.error();
   if (failure) {
     run.played.errors = errors_of(*run.episode, *failure);
   } else if (result.status != RunStatus::kInterrupted) {
@@ -153,8 +152,8 @@ void finish(Run& run, const Status& played) {
 Expected<Played> refused(Run& run, const Error& error) {
   run.played.result = unfinished_result(run.scenario);
   run.played.result.reason = error;
-  if (run.folder)
-    if (Status s = run.folder->write("result.json", run.played.result.to_json()); !s) return s.error();
+  if (!run.folder.empty())
+    if (Status s = replace_file(run.folder / "result.json", run.played.result.to_json()); !s) return s.error();
   run.played.failure = error;
   run.played.errors = {error};
   return std::move(run.played);
@@ -186,19 +185,19 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   auto snapshots = snapshot_times(options.snapshot, end_of(run));
   if (!snapshots) return snapshots.error();
   run.snapshots = *std::move(snapshots);
-  auto folder = make_folder(options, run.scenario);
+  auto folder = folder_of(options, run.scenario);
   if (!folder) return folder.error();
   run.folder = *std::move(folder);
-  if (run.folder) {
-    Status written = run.folder->write("result.json", unfinished_result(run.scenario).to_json());
-    if (written) written = run.folder->write("manifest.json", manifest(run));
+  if (!run.folder.empty()) {
+    Status written = replace_file(run.folder / "result.json", unfinished_result(run.scenario).to_json());
+    if (written) written = replace_file(run.folder / "manifest.json", manifest(run));
     if (!written) return written.error();
-    run.played.folder = run.folder->path();
-    host.note("run: " + run.folder->path().string());
+    run.played.folder = run.folder;
+    host.note("run: " + run.folder.string());
   }
 
   EpisodeOptions episode_options = shared_episode_options();
-  if (run.folder) episode_options.run_folder = run.folder->path();
+  episode_options.run_folder = run.folder;
   episode_options.journal = *level;
   episode_options.log = host.log;
   episode_options.physics_meter = &run.physics;

@@ -20,33 +20,20 @@ constexpr int kSchema = 1;
 
 /// A name stays inside the folder under which it is laid out.
 bool is_logical_name(const std::string& name) {
-  if (name.empty() || name.front() == '/' || name.find('\0') != std::string::npos) return false;
-  std::size_t start = 0;
-  while (start <= name.size()) {
-    const std::size_t end = std::min(name.find('/', start), name.size());
-    const std::string part = name.substr(start, end - start);
-    if (part.empty() || part == "." || part == "..") return false;
-    start = end + 1;
-  }
-  return true;
+  const fs::path path(name);
+  return path.has_filename() && path.is_relative() && path.lexically_normal().string() == name && name != "." &&
+         *path.begin() != ".." && name.find('\0') == std::string::npos;
 }
 
 bool is_hash(const std::string& text) {
   return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
-Status make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!error) return {};
-  return resource_error("cannot be made: " + error.message(), folder.string());
-}
-
 }  // namespace
 
 std::string content_hash(std::string_view bytes) {
   const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  return hash_text(hash.high64, hash.low64);
+  return hash_text(hash.high64) + hash_text(hash.low64);
 }
 
 Expected<std::string> read_file(const fs::path& path) {

@@ -5,9 +5,11 @@
 
 namespace cxlab {
 
-/// A hash of 128 bits as 32 lower-case hex digits, most significant first.
-std::string hash_text(std::uint64_t high, std::uint64_t low);
-/// One of 64 bits as 16 digits.
-std::string hash_text(std::uint64_t hash);
+/// A hash as 16 lower-case hex digits, most significant first.
+inline std::string hash_text(std::uint64_t hash) {
+  std::string text;
+  for (int shift = 60; shift >= 0; shift -= 4) text += "0123456789abcdef"[hash >> shift & 15];
+  return text;
+}
 
 }  // namespace cxlab

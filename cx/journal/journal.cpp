@@ -13,7 +13,7 @@
 
 #include "cx/base/byte_codec.h"
 #include "cx/journal/hash_text.h"
-#include "cx/journal/record_value.h"
+#include "cx/journal/journal_record.h"
 
 namespace cxlab {
 namespace {
@@ -25,7 +25,13 @@ void append_integer(std::string& out, std::int64_t value) {
   out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
 }
 
-std::string hash_text(XXH128_hash_t hash) { return cxlab::hash_text(hash.high64, hash.low64); }
+std::string hash_text(XXH128_hash_t hash) { return cxlab::hash_text(hash.high64) + cxlab::hash_text(hash.low64); }
+
+bool is_exported(RecordKind kind, JournalLevel level) {
+  const bool detail = kind == RecordKind::kAssert || kind == RecordKind::kRetract || kind == RecordKind::kModify ||
+                      kind == RecordKind::kFire || kind == RecordKind::kBus;
+  return level == JournalLevel::kFull || (level == JournalLevel::kDecisions && !detail);
+}
 
 struct FreeState {
   void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
@@ -43,7 +49,7 @@ struct Journal::Stream {
     append_json_string(name, json_name);
   }
 
-  /// Where the next bytes to be hashed go: room for that many. `took` says where they end.
+  /// Where the next bytes to be hashed go: room for that many. `took` is called with their end.
   char* room(std::size_t bytes) {
     if (unhashed.size() - size < bytes) {
       hash_waiting();
@@ -56,7 +62,7 @@ struct Journal::Stream {
     XXH3_128bits_update(state.get(), unhashed.data(), size);
     size = 0;
   }
-  /// Of all records so far.
+  /// The hash of all records so far.
   std::string hash() {
     hash_waiting();
     return hash_text(XXH3_128bits_digest(state.get()));
@@ -79,12 +85,6 @@ Expected<JournalLevel> parse_journal_level(std::string_view word) {
   if (word == "decisions") return JournalLevel::kDecisions;
   if (word == "full") return JournalLevel::kFull;
   return usage_error("'" + std::string(word) + "' is no journal level: none, decisions or full");
-}
-
-bool is_exported(RecordKind kind, JournalLevel level) {
-  const bool detail = kind == RecordKind::kAssert || kind == RecordKind::kRetract || kind == RecordKind::kModify ||
-                      kind == RecordKind::kFire || kind == RecordKind::kBus;
-  return level == JournalLevel::kFull || (level == JournalLevel::kDecisions && !detail);
 }
 
 Journal::Journal() = default;

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -13,8 +12,7 @@
 #include "cx/base/append_file.h"
 #include "cx/base/expected.h"
 #include "cx/base/record_sink.h"
-#include "cx/journal/folder_names.h"
-#include "cx/journal/journal_record.h"
+#include "cx/journal/record_bytes.h"
 
 namespace cxlab {
 
@@ -24,8 +22,7 @@ enum class JournalLevel : std::uint8_t { kNone, kDecisions, kFull };
 
 /// "none", "decisions" or "full".
 Expected<JournalLevel> parse_journal_level(std::string_view word);
-/// Whether records of that kind are exported at that level.
-bool is_exported(RecordKind kind, JournalLevel level);
+class JournalListener;
 
 /// The records of one episode. A stream's hash covers number, time, kind, causes (name of the stream and number) and
 /// data of each of its records, and depends on nothing else: not on other streams nor on the order of opening.

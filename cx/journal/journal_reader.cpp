@@ -1,7 +1,9 @@
 #include "cx/journal/journal_reader.h"
 
 #include <algorithm>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cx/base/number_text.h"
 
@@ -73,34 +75,51 @@ std::optional<RecordKind> kind_in_head(std::string_view line) {
 
 }  // namespace
 
+bool operator==(const RecordValue& a, const RecordValue& b) { return a.value == b.value; }
+
+const RecordValue* RecordValue::find(std::string_view key) const {
+  const auto* map = std::get_if<Map>(&value);
+  if (!map) return nullptr;
+  const auto found = std::ranges::find(*map, key, &Map::value_type::first);
+  return found == map->end() ? nullptr : &found->second;
+}
+
+std::int64_t RecordValue::integer(std::string_view key) const {
+  const RecordValue* found = find(key);
+  const auto* integer = found ? std::get_if<std::int64_t>(&found->value) : nullptr;
+  return integer ? *integer : 0;
+}
+
+std::string_view RecordValue::text(std::string_view key) const {
+  const RecordValue* found = find(key);
+  const auto* text = found ? std::get_if<std::string>(&found->value) : nullptr;
+  return text ? std::string_view(*text) : std::string_view();
+}
+
+Expected<RecordValue> decode_record_data(std::string_view bytes) {
+  RecordValue value;
+  const Json data = Json::from_msgpack(bytes, /*strict=*/true, /*allow_exceptions=*/false);
+  if (data.is_discarded() || !convert(data, value, 0)) return input_error("malformed record data");
+  return value;
+}
+
 Expected<JournalRecord> parse_journal_line(std::string_view line) {
   const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) return input_error("expected a record, a JSON object");
   const Json missing;
-  const auto member = [&](const char* key) -> const Json& {
-    const auto found = json.find(key);
-    return found == json.end() ? missing : *found;
-  };
-  const Json& stream = member("stream");
-  const Json& n = member("n");
-  const Json& t = member("t");
-  const Json& kind = member("kind");
-  const Json& data = member("data");
-  const Json& causes = member("cause");
+  const auto member = [&](const char* key) -> const Json& { return json.contains(key) ? json[key] : missing; };
+  const Json &stream = member("stream"), &n = member("n"), &t = member("t"), &kind = member("kind"),
+             &data = member("data"), &causes = member("cause");
   if (!stream.is_string()) return input_error("expected \"stream\", a text");
   if (!n.is_number_unsigned()) return input_error("expected \"n\", a number from 0");
   if (!t.is_number_integer()) return input_error("expected \"t\", a number of ns");
   if (!kind.is_string()) return input_error("expected \"kind\", a text");
   if (!data.is_object()) return input_error("expected \"data\", an object");
   if (!causes.is_array()) return input_error("expected \"cause\", a list of stream:n");
-
-  JournalRecord record;
-  record.stream = stream.get<std::string>();
-  record.n = n.get<std::uint64_t>();
-  record.t = SimTime{t.get<std::int64_t>()};
   const auto known = kind_of(kind.get<std::string>());
   if (!known) return input_error("'" + kind.get<std::string>() + "' is no kind of record");
-  record.kind = *known;
+
+  JournalRecord record{stream, n, SimTime{t.get<std::int64_t>()}, *known, {}, {}};
   if (!convert(data, record.data, 0)) return input_error("\"data\" is nested too deep");
   for (const Json& text : causes) {
     auto cause = text.is_string() ? parse_cause(text.get<std::string>()) : std::nullopt;
@@ -110,43 +129,21 @@ Expected<JournalRecord> parse_journal_line(std::string_view line) {
   return record;
 }
 
-Expected<JournalReader> JournalReader::open(const std::filesystem::path& path) {
-  JournalReader reader;
-  reader.path_ = path.string();
-  reader.file_.open(path);
-  if (!reader.file_ || std::filesystem::is_directory(path)) return input_error("cannot be read", path.string());
-  return reader;
-}
-
-Expected<std::optional<JournalRecord>> JournalReader::next() {
-  const auto wanted = [this](RecordKind kind) {
-    return kinds_.empty() || std::find(kinds_.begin(), kinds_.end(), kind) != kinds_.end();
-  };
-  while (std::getline(file_, text_)) {
-    ++line_;
-    if (file_.eof()) {
-      cut_off_ = true;
-      break;
-    }
-    const auto kind = kinds_.empty() ? std::nullopt : kind_in_head(text_);
-    if (kind && !wanted(*kind)) continue;
-    auto record = parse_journal_line(text_);
-    if (!record) return input_error(record.error().message, path_, line_);
-    if (wanted(record->kind)) return std::optional<JournalRecord>(std::move(*record));
-  }
-  return std::optional<JournalRecord>{};
-}
-
-Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& path) {
-  auto reader = JournalReader::open(path);
-  if (!reader) return reader.error();
+Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& path,
+                                                  const std::vector<RecordKind>& kinds) {
+  std::ifstream file(path);
+  if (!file || std::filesystem::is_directory(path)) return input_error("cannot be read", path.string());
+  const auto wanted = [&](RecordKind kind) { return kinds.empty() || std::ranges::find(kinds, kind) != kinds.end(); };
   std::vector<JournalRecord> records;
-  while (true) {
-    auto record = reader->next();
-    if (!record) return record.error();
-    if (!*record) return records;
-    records.push_back(std::move(**record));
+  int number = 0;
+  for (std::string line; std::getline(file, line) && !file.eof();) {
+    ++number;
+    if (const auto kind = kind_in_head(line); kind && !wanted(*kind)) continue;
+    auto record = parse_journal_line(line);
+    if (!record) return input_error(record.error().message, path.string(), number);
+    if (wanted(record->kind)) records.push_back(*std::move(record));
   }
+  return records;
 }
 
 }  // namespace cxlab

@@ -1,16 +1,37 @@
 #pragma once
-// A record of the journal, read back; and who hears of records while they are written.
+// A record of the journal, for reading (pages, why-not, tests), and who hears of records while they are written.
 
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
+#include "cx/base/expected.h"
 #include "cx/base/record_sink.h"
 #include "cx/base/time.h"
-#include "cx/journal/record_value.h"
 
 namespace cxlab {
+
+/// The data of a record as a small tree of values.
+struct RecordValue {
+  using List = std::vector<RecordValue>;
+  using Map = std::vector<std::pair<std::string, RecordValue>>;  ///< in the order of writing
+
+  /// Unsigned only where an int64 is too small.
+  std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, List, Map> value;
+
+  /// The value under `key`, or nullptr if this is no map or has no such key.
+  const RecordValue* find(std::string_view key) const;
+  /// The integer or text under `key`; 0 or empty if there is none of that type.
+  std::int64_t integer(std::string_view key) const;
+  std::string_view text(std::string_view key) const;
+
+  friend bool operator==(const RecordValue& a, const RecordValue& b);
+};
+/// Reads the bytes of a `RecordData`.
+Expected<RecordValue> decode_record_data(std::string_view bytes);
 
 struct JournalRecord {
   /// Names another record, which need not be exported itself.

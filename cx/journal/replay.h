@@ -47,7 +47,7 @@ class Replayer final : public bus::Feed {
   /// Time of the last entry of an environment.
   SimTime end() const { return end_; }
 
-  /// Tells of an environment before anything is delivered: others may have heard of it first.
+  /// Names an environment before anything is delivered: a delivery of another one may come from it first.
   void watch(bus::ParticipantId participant);
   /// Hands over what this environment took at `Bus::now`, if anything.
   Status feed(bus::ParticipantId environment) override;

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr const char* kFilesOfARun[] = {"manifest.json", "result.json", "inputs.bin", "journal.jsonl", "index.html",
                                         "report.json",   "logs",        "snapshots",  "files"};
 
-Error cannot_be_made(const fs::path& path, const std::string& why) {
+Status cannot_be_made(const fs::path& path, const std::string& why) {
   return resource_error("cannot be made: " + why, path.string());
 }
 
@@ -44,50 +44,36 @@ Status replace_file(const fs::path& path, std::string_view text) {
   return status;
 }
 
-Expected<RunFolder> RunFolder::create_numbered(const fs::path& parent, const std::string& name) {
+Status make_folder(const fs::path& folder) {
   std::error_code error;
-  fs::create_directories(parent, error);
-  if (error) return cannot_be_made(parent, error.message());
+  fs::create_directories(folder, error);
+  return error ? cannot_be_made(folder, error.message()) : Status();
+}
+
+Expected<fs::path> make_numbered_folder(const fs::path& parent, const std::string& name) {
+  if (Status s = make_folder(parent); !s) return s.error();
   for (int number = 1;; ++number) {
     const fs::path path = parent / (number == 1 ? name : name + "-" + std::to_string(number));
-    if (::mkdir(path.c_str(), 0777) == 0) return RunFolder(path);
-    if (errno != EEXIST) return cannot_be_made(path, std::strerror(errno));
+    if (::mkdir(path.c_str(), 0777) == 0) return path;
+    if (errno != EEXIST) return cannot_be_made(path, std::strerror(errno)).error();
   }
 }
 
-Expected<RunFolder> RunFolder::create_at(const fs::path& path, bool force) {
+Status make_output_folder(const fs::path& path, bool force) {
   std::error_code error;
   const fs::file_status found = fs::status(path, error);
-  if (fs::exists(found)) {
-    if (!fs::is_directory(found)) {
-      return usage_error("the output folder is a file", path.string());
-    }
-    const bool empty = fs::is_empty(path, error);
-    if (error) return cannot_be_made(path, error.message());
-    if (!empty && !force) {
-      return usage_error("the output folder is not empty; --force writes into it all the same", path.string());
-    }
-    if (!empty && holds_a_run(path)) {
-      for (const char* name : kFilesOfARun) {
-        fs::remove_all(path / name, error);
-        if (error) return cannot_be_made(path / name, error.message());
-      }
-    }
-    return RunFolder(path);
+  if (!fs::exists(found)) return make_folder(path);
+  if (!fs::is_directory(found)) return usage_error("the output folder is a file", path.string());
+  const bool empty = fs::is_empty(path, error);
+  if (error) return cannot_be_made(path, error.message());
+  if (!empty && !force)
+    return usage_error("the output folder is not empty; --force writes into it all the same", path.string());
+  if (empty || !holds_a_run(path)) return {};
+  for (const char* name : kFilesOfARun) {
+    fs::remove_all(path / name, error);
+    if (error) return cannot_be_made(path / name, error.message());
   }
-  fs::create_directories(path, error);
-  if (error) return cannot_be_made(path, error.message());
-  return RunFolder(path);
+  return {};
 }
-
-Expected<fs::path> RunFolder::subfolder(std::string_view name) const {
-  const fs::path path = path_ / name;
-  std::error_code error;
-  fs::create_directories(path, error);
-  if (error) return cannot_be_made(path, error.message());
-  return path;
-}
-
-Status RunFolder::write(std::string_view name, std::string_view text) const { return replace_file(path_ / name, text); }
 
 }  // namespace cxlab

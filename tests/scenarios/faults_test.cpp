@@ -33,7 +33,7 @@ class Faults : public EpisodeTest, public testing::WithParamInterface<const char
     std::vector<std::pair<int, double>> out;
     for (const JournalRecord& r : records(run, "node/" + robot))
       if (r.kind == RecordKind::kSkill && r.data.text("event") == "end")
-        out.emplace_back(static_cast<int>(r.data.integer("code")), r.data.number("duration_s"));
+        out.emplace_back(static_cast<int>(r.data.integer("code")), std::get<double>(r.data.find("duration_s")->value));
     return out;
   }
   /// Times (s) at which that fault of the list struck.

@@ -16,30 +16,30 @@ using testing::HasSubstr;
 
 TEST(RunFolder, ANameThatIsThereGetsANumber) {
   TempFolder temp;
-  EXPECT_EQ(RunFolder::create_numbered(temp / "runs", "game-1")->path(), temp / "runs/game-1");
-  EXPECT_EQ(RunFolder::create_numbered(temp / "runs", "game-1")->path(), temp / "runs/game-1-2");
-  EXPECT_EQ(RunFolder::create_numbered(temp / "runs", "game-1")->path(), temp / "runs/game-1-3");
-  EXPECT_EQ(RunFolder::create_numbered(temp / "runs", "game-2")->path(), temp / "runs/game-2");
+  EXPECT_EQ(*make_numbered_folder(temp / "runs", "game-1"), temp / "runs/game-1");
+  EXPECT_EQ(*make_numbered_folder(temp / "runs", "game-1"), temp / "runs/game-1-2");
+  EXPECT_EQ(*make_numbered_folder(temp / "runs", "game-1"), temp / "runs/game-1-3");
+  EXPECT_EQ(*make_numbered_folder(temp / "runs", "game-2"), temp / "runs/game-2");
 }
 
 TEST(RunFolder, AFolderOfTheUserIsMadeOrUsedIfEmpty) {
   TempFolder temp;
-  EXPECT_TRUE(RunFolder::create_at(temp / "a/b", false).ok());
+  EXPECT_TRUE(make_output_folder(temp / "a/b", false).ok());
   EXPECT_TRUE(fs::is_directory(temp / "a/b"));
-  EXPECT_TRUE(RunFolder::create_at(temp / "a/b", false).ok());
+  EXPECT_TRUE(make_output_folder(temp / "a/b", false).ok());
 }
 
 TEST(RunFolder, AFolderInUseIsAUsageErrorAndStaysAsItWas) {
   TempFolder temp;
   put_file(temp / "out/result.json", "old");
-  const auto folder = RunFolder::create_at(temp / "out", false);
+  const auto folder = make_output_folder(temp / "out", false);
   ASSERT_FALSE(folder.ok());
   EXPECT_EQ(folder.error().kind, ErrorKind::kUsage);
   EXPECT_THAT(folder.error().text(), HasSubstr("--force"));
   EXPECT_EQ(content_of(temp / "out/result.json"), "old");
 
   put_file(temp / "file", "");
-  EXPECT_EQ(RunFolder::create_at(temp / "file", true).error().kind, ErrorKind::kUsage);
+  EXPECT_EQ(make_output_folder(temp / "file", true).error().kind, ErrorKind::kUsage);
 }
 
 TEST(RunFolder, ForceTakesAwayAFormerRunAndNothingElse) {
@@ -47,40 +47,40 @@ TEST(RunFolder, ForceTakesAwayAFormerRunAndNothingElse) {
   put_file(temp / "out/result.json", "old");
   put_file(temp / "out/snapshots/10.png", "old");
   put_file(temp / "out/notes.txt", "mine");
-  ASSERT_TRUE(RunFolder::create_at(temp / "out", true).ok());
+  ASSERT_TRUE(make_output_folder(temp / "out", true).ok());
   EXPECT_FALSE(fs::exists(temp / "out/result.json"));
   EXPECT_FALSE(fs::exists(temp / "out/snapshots"));
   EXPECT_EQ(content_of(temp / "out/notes.txt"), "mine");
 
   put_file(temp / "home/files/letter.txt", "mine");
-  ASSERT_TRUE(RunFolder::create_at(temp / "home", true).ok());
+  ASSERT_TRUE(make_output_folder(temp / "home", true).ok());
   EXPECT_EQ(content_of(temp / "home/files/letter.txt"), "mine") << "there was no run in this folder";
 }
 
 TEST(RunFolder, AFolderThatCannotBeMadeIsAResourceError) {
   TempFolder temp;
   put_file(temp / "file", "");
-  EXPECT_EQ(RunFolder::create_at(temp / "file/run", false).error().kind, ErrorKind::kResource);
-  EXPECT_EQ(RunFolder::create_numbered(temp / "file", "game-1").error().kind, ErrorKind::kResource);
+  EXPECT_EQ(make_output_folder(temp / "file/run", false).error().kind, ErrorKind::kResource);
+  EXPECT_EQ(make_numbered_folder(temp / "file", "game-1").error().kind, ErrorKind::kResource);
 }
 
 TEST(RunFolder, AFileIsReplacedWhole) {
   TempFolder temp;
-  const auto folder = RunFolder::create_at(temp / "run", false);
-  ASSERT_TRUE(folder->write("result.json", "{\"status\": \"failed\"}").ok());
-  ASSERT_TRUE(folder->write("result.json", "{\"status\": \"completed\"}").ok());
+  ASSERT_TRUE(make_output_folder(temp / "run", false).ok());
+  ASSERT_TRUE(replace_file(temp / "run/result.json", "{\"status\": \"failed\"}").ok());
+  ASSERT_TRUE(replace_file(temp / "run/result.json", "{\"status\": \"completed\"}").ok());
   EXPECT_EQ(content_of(temp / "run/result.json"), "{\"status\": \"completed\"}");
   EXPECT_EQ(std::distance(fs::directory_iterator(temp / "run"), {}), 1) << "nothing unfinished stays";
 }
 
 TEST(RunFolder, AFullDiskLeavesTheOldFile) {
   TempFolder temp;
-  const auto folder = RunFolder::create_at(temp / "run", false);
-  ASSERT_TRUE(folder->write("result.json", "old").ok());
+  ASSERT_TRUE(make_output_folder(temp / "run", false).ok());
+  ASSERT_TRUE(replace_file(temp / "run/result.json", "old").ok());
   Status status;
   {
     FileSizeLimit limit(1000);
-    status = folder->write("result.json", std::string(5000, 'x'));
+    status = replace_file(temp / "run/result.json", std::string(5000, 'x'));
   }
   ASSERT_FALSE(status.ok());
   EXPECT_EQ(status.error().kind, ErrorKind::kResource);

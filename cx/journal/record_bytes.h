@@ -1,13 +1,22 @@
 #pragma once
-// Folders that records call by what they are, so that a run has the same hash wherever its files lie.
+// The bytes of a `RecordData`: as JSON, and with names instead of folders.
 
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "cx/base/expected.h"
+
 namespace cxlab {
 
+/// Appends the bytes of a `RecordData` as JSON: shortest numbers that read back the same (a real keeps a point or an
+/// exponent; what JSON has no number for becomes "nan", "inf" or "-inf"), always valid UTF-8 (U+FFFD for each invalid
+/// byte). Fails on malformed bytes; `out` then ends with what was read before. Never reads beyond the bytes.
+Status append_json(std::string_view bytes, std::string& out);
+void append_json_string(std::string_view text, std::string& out);
+
+/// Folders that records call by what they are, so that a run has the same hash wherever its files lie.
 class FolderNames {
  public:
   /// `folder` is absolute. A folder that is known keeps its first name.
