@@ -26,16 +26,24 @@ void remember_signal(int number) {
 
 int signal_that_came() { return g_signal; }
 
-std::string coloured(std::string_view text, std::string_view colour) {
+static bool colours_wanted() {
   static const bool wanted = [] {
     const char *no = std::getenv("NO_COLOR"), *terminal = std::getenv("TERM");
     return isatty(STDERR_FILENO) && !(no && *no) && !(terminal && std::string_view(terminal) == "dumb");
   }();
-  return wanted ? "\033[" + std::string(colour) + 'm' + std::string(text) + "\033[0m" : std::string(text);
+  return wanted;
+}
+
+std::string coloured(std::string_view text, std::string_view colour) {
+  return colours_wanted() ? "\033[" + std::string(colour) + 'm' + std::string(text) + "\033[0m" : std::string(text);
 }
 
 Console::Console(bool quiet)
-    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()), last_(start_) {}
+    : quiet_(quiet),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      start_(Clock::now()),
+      last_(start_),
+      log_(cx::console_log(colours_wanted())) {}
 
 Console::~Console() { clear(); }
 
@@ -76,16 +84,8 @@ void Console::note(std::string_view text) {
 void Console::line(const cx::LogLine& line) {
   if (quiet_ || line.level == cx::LogLevel::kDebug) return;
   clear();
-  std::string level(cx::to_string(line.level)), text(line.text);
-  if (line.level == cx::LogLevel::kWarn) level = coloured(level, kYellow);
-  if (line.level == cx::LogLevel::kError) {
-    level = coloured(level, kRed);
-    errors_.insert(text);
-  }
-  if (line.colour.starts_with("\033[") && line.colour.ends_with('m'))
-    text = coloured(text, line.colour.substr(2, line.colour.size() - 3));
-  std::fprintf(stderr, "[%9.3f] [%s] [%.*s] %s\n", to_seconds(line.t), level.c_str(),
-               static_cast<int>(line.logger.size()), line.logger.data(), text.c_str());
+  if (line.level == cx::LogLevel::kError) errors_.emplace(line.text);
+  log_->line(line);
 }
 
 void Console::clear() {

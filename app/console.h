@@ -3,15 +3,17 @@
 // only.
 
 #include <chrono>
+#include <memory>
 #include <set>
 #include <string>
 #include <string_view>
 
+#include "cx/node/log_output.h"
 #include "lab/host.h"
 
 namespace cxlab::app {
 
-inline constexpr std::string_view kRed = "1;31", kYellow = "33";
+inline constexpr std::string_view kRed = "1;31";
 
 /// Progress is a line that is redrawn on a terminal, and printed every 10 s elsewhere.
 class Console final : public lab::ProgressSink, public cx::LogSink {
@@ -34,7 +36,8 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
   using Clock = std::chrono::steady_clock;
   bool quiet_, terminal_, drawn_ = false;
   Clock::time_point start_, last_;
-  std::set<std::string> errors_;  // of the log
+  std::unique_ptr<cx::LogSink> log_;  // where lines are printed
+  std::set<std::string> errors_;      // of the log
 };
 
 /// The text for stderr in this colour ("31" is red); as it is where that is no terminal, or $NO_COLOR is set.

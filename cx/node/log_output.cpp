@@ -31,22 +31,34 @@ class SimulatedTime final : public spdlog::custom_flag_formatter {
   std::size_t width_;
 };
 
-/// Our names of the levels.
+std::string in_colour(std::string_view text, std::string_view colour) {
+  return std::string(colour) + std::string(text) + "\033[0m";
+}
+
+/// Our names of the levels; if `coloured`, warnings are yellow and errors red.
 class Level final : public spdlog::custom_flag_formatter {
  public:
+  explicit Level(bool coloured) : coloured_(coloured) {}
   void format(const log_msg& message, const std::tm&, spdlog::memory_buf_t& out) override {
-    out.append(to_string(message.level <= spdlog::level::debug  ? LogLevel::kDebug
-                         : message.level == spdlog::level::info ? LogLevel::kInfo
-                         : message.level == spdlog::level::warn ? LogLevel::kWarn
-                                                                : LogLevel::kError));
+    const LogLevel level = message.level <= spdlog::level::debug  ? LogLevel::kDebug
+                           : message.level == spdlog::level::info ? LogLevel::kInfo
+                           : message.level == spdlog::level::warn ? LogLevel::kWarn
+                                                                  : LogLevel::kError;
+    if (coloured_ && level >= LogLevel::kWarn)
+      out.append(in_colour(to_string(level), level == LogLevel::kWarn ? "\033[33m" : "\033[1;31m"));
+    else
+      out.append(to_string(level));
   }
-  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<Level>(); }
+  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<Level>(coloured_); }
+
+ private:
+  bool coloured_;
 };
 
 /// In a pattern `%*` is the simulated time and `%k` the level.
-std::unique_ptr<spdlog::formatter> formatter(std::string pattern, std::size_t time_width) {
+std::unique_ptr<spdlog::formatter> formatter(std::string pattern, std::size_t time_width, bool coloured) {
   auto made = std::make_unique<spdlog::pattern_formatter>(spdlog::pattern_time_type::utc, "\n");
-  made->add_flag<SimulatedTime>('*', time_width).add_flag<Level>('k').set_pattern(std::move(pattern));
+  made->add_flag<SimulatedTime>('*', time_width).add_flag<Level>('k', coloured).set_pattern(std::move(pattern));
   return made;
 }
 
@@ -59,10 +71,12 @@ log_msg message_of(const LogLine& line, std::string_view text) {
 
 class Console final : public LogSink {
  public:
-  explicit Console(bool coloured) : coloured_(coloured) { sink_.set_formatter(formatter("[%*] [%k] [%n] %v", 9)); }
+  explicit Console(bool coloured) : coloured_(coloured) {
+    sink_.set_formatter(formatter("[%*] [%k] [%n] %v", 9, coloured));
+  }
   void line(const LogLine& line) override {
     if (!coloured_ || line.colour.empty()) return sink_.log(message_of(line, line.text));
-    sink_.log(message_of(line, std::string(line.colour) + std::string(line.text) + "\033[0m"));
+    sink_.log(message_of(line, in_colour(line.text, line.colour)));
   }
 
  private:
@@ -74,7 +88,7 @@ class Console final : public LogSink {
 
 class LogFile::Sink final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
  public:
-  explicit Sink(AppendFile file) : file_(std::move(file)) { set_formatter(formatter("[%*] [%n] [%k] %v", 0)); }
+  explicit Sink(AppendFile file) : file_(std::move(file)) { set_formatter(formatter("[%*] [%n] [%k] %v", 0, false)); }
   const Status& status() const { return file_.status(); }
 
  protected:

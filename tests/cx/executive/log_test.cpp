@@ -110,7 +110,7 @@ TEST(ConsoleLog, HasAlignedTimesAndColoursIfWanted) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
             "[   12.340] [info] [main] one\n"
             "[   12.340] [info] [main] \033[31mone\033[0m\n"
-            "[    0.000] [error] [nav] two\n");
+            "[    0.000] [\033[1;31merror\033[0m] [nav] two\n");
 }
 
 TEST(Log, NamesTheManagerWhereARunHasSeveral) {
