@@ -10,8 +10,7 @@
 
 include_guard(GLOBAL)
 
-set(CXLAB_WARNINGS -Wall -Wextra -Werror)
-set(CXLAB_STRICT ${CXLAB_WARNINGS} -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast)
+set(CXLAB_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Werror)
 
 # Fills build/include/<target> with links to the headers of the folders.
 function(_cxlab_publish_headers target out)

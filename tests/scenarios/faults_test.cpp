@@ -133,7 +133,7 @@ TEST_P(Faults, MachinesBreakAndGoDown) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Tiers, Faults, testing::Values("physics", "timed"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& tier) { return std::string(tier.param); });
 
 using FaultsAlone = Faults;
 
@@ -158,7 +158,7 @@ TEST_P(FaultsAlone, AFaultMovesNoOtherDraw) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Tiers, FaultsAlone, testing::Values("timed"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& tier) { return std::string(tier.param); });
 
 TEST_F(Faults, WrongFaultsAreBadInputWithTheirPlace) {
   const std::pair<const char*, const char*> cases[] = {

@@ -361,9 +361,9 @@ TEST_F(Bindings, EveryClassLoads) {
     for (const std::string& interface : lab_.registry.interfaces(package)) {
       const std::string name = binding_class_name(interface);
       classes.push_back(name.substr(6, name.size() - 12));
-      functions += interface.find("/msg/") != std::string::npos   ? 9
-                   : interface.find("/srv/") != std::string::npos ? 13
-                                                                  : 37;
+      functions += interface.find("/msg/") != std::string::npos   ? 9u
+                   : interface.find("/srv/") != std::string::npos ? 13u
+                                                                  : 37u;
     }
   run(classes);
   std::size_t found = 0;

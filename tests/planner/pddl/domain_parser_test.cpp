@@ -102,7 +102,7 @@ TEST(DomainParser, EffectsAreFlattenedWithTheirQuantifiersAndConditions) {
       "   (at start (increase (battery ?r) 2))))"));
   const Action& sweep = domain.actions.at(0);
   ASSERT_EQ(sweep.effects.size(), 3u);
-  for (int i : {0, 1}) {
+  for (const std::size_t i : {0u, 1u}) {
     EXPECT_EQ(sweep.effects[i].variables.at(0).slot, 1);
     EXPECT_EQ(sweep.effects[i].condition.start.kind, Condition::Kind::kAtom);
     EXPECT_EQ(sweep.effects[i].condition.end.kind, Condition::Kind::kAtom);

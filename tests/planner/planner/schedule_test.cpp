@@ -72,7 +72,7 @@ TEST(Stn, ALongChainAgreesWithTheTimelineAndNeedsFewDistances) {
     starts.push_back(timeline.append(action, duration));
   }
   ASSERT_TRUE(stn.solve(kSeparation));
-  for (int i = 0; i < 60; ++i) EXPECT_EQ(stn.start(i), starts[i]) << i;
+  for (int i = 0; i < 60; ++i) EXPECT_EQ(stn.start(i), starts.at(static_cast<std::size_t>(i))) << i;
   EXPECT_LT(stn.distances(), 400u);  // of 5,576 pairs that conflict
 }
 

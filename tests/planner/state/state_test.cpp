@@ -31,7 +31,7 @@ class StateTest : public ::testing::Test {
   }
   bool precondition(const char* action, Frame frame) {
     const Action& found = domain_.actions[find(domain_.action_names, action)];
-    frame.resize(found.slots);
+    frame.resize(static_cast<std::size_t>(found.slots));
     return evaluator_.holds(found.condition.start, frame, state_);
   }
 };
@@ -53,7 +53,7 @@ TEST_F(StateTest, QuantifiedConditionalEffectsAreExpandedInTheState) {
   evaluator_.derive(state_);
   EXPECT_TRUE(precondition("mark", {0}));
   const Action& mark = domain_.actions[0];
-  Frame frame(mark.slots, 0);
+  Frame frame(static_cast<std::size_t>(mark.slots), 0);
   std::vector<Change> changes;
   for (const Effect& effect : mark.effects)
     ASSERT_TRUE(evaluator_.collect(

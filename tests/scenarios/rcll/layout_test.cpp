@@ -247,7 +247,7 @@ TEST(DrawnLayout, DependsOnTheSeedAlone) {
 
 TEST(GeneratedFloor, EverySpotCanBeServedByARobot) {
   // Seeds 188 and 199: the first draw has a shelf slot behind the end of the insertion area's wall.
-  for (const std::uint64_t seed : {0, 1, 2, 3, 4, 5, 6, 7, 16, 83, 188, 199}) {
+  for (const std::uint64_t seed : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 16u, 83u, 188u, 199u}) {
     const auto plan = floor_plan_of(WorldConfig{}, seed);
     ASSERT_TRUE(plan);
     for (const sim::SpotId spot : unreachable_spots(*plan, kRobotRadius))

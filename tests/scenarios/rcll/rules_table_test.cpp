@@ -984,8 +984,8 @@ TEST_P(Rules, Hold) {
   GameScript().play(GetParam().row->script, config);
 }
 
-INSTANTIATE_TEST_SUITE_P(Table, Rules, testing::ValuesIn(cases()), [](const auto& info) {
-  std::string name = std::string(info.param.row->rule) + " " + info.param.rules;
+INSTANTIATE_TEST_SUITE_P(Table, Rules, testing::ValuesIn(cases()), [](const auto& row) {
+  std::string name = std::string(row.param.row->rule) + " " + row.param.rules;
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
   return name;
