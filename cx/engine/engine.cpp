@@ -282,6 +282,13 @@ std::vector<ActivationInfo> RuleEngine::agenda() const {
   return list;
 }
 
+std::vector<std::string> RuleEngine::focus() const {
+  std::vector<std::string> modules;
+  for (const FocalModule* focus = engine_data(environment_)->CurrentFocus; focus != nullptr; focus = focus->next)
+    modules.emplace_back(focus->theModule->header.name->contents);
+  return modules;
+}
+
 Expected<std::vector<RuleMatches>> RuleEngine::matches(const std::string& rule) const {
   Defrule* first = FindDefrule(environment_, rule.c_str());
   if (first == nullptr) return input_error("there is no rule '" + rule + "'");
@@ -314,7 +321,8 @@ Expected<std::vector<RuleMatches>> RuleEngine::matches(const std::string& rule) 
       matches.patterns.push_back(pattern);
     }
     for (const ActivationInfo& activation : agenda()) {
-      if (activation.rule == first->header.name->contents) ++matches.activations;
+      if (activation.rule == first->header.name->contents && activation.module == DefruleModule(first))
+        ++matches.activations;
     }
     disjuncts.push_back(std::move(matches));
   }

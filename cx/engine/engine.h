@@ -104,15 +104,17 @@ struct ConstructInfo {
   std::string text;  ///< as written
 };
 
-/// A copy of a fact. An ordered fact has the one slot "implied".
+/// A copy of a fact, or of an instance of a class. An ordered fact has the one slot "implied"; an instance has the
+/// template "object" and, before its own slots, `is-a` and `name`.
 struct FactCopy {
   std::int64_t index = 0;    ///< as in f-3
   std::uint64_t number = 0;  ///< counted over the life of the environment, as in the journal
   std::string module;
   std::string template_name;
   std::vector<std::pair<std::string, Value>> slots;
+  std::vector<std::string> classes{};  ///< of an instance: its class and those that it inherits from
   const Value* slot(std::string_view name) const;
-  /// `(order (id O1) (state OPEN))`.
+  /// `(order (id O1) (state OPEN))`, `[r1] of ROBOT (speed 3)`.
   std::string print() const;
 };
 
@@ -252,8 +254,17 @@ class RuleEngine {
 
   /// All constructs with their places, in order of definition.
   std::vector<ConstructInfo> constructs() const;
-  /// Null if there is none, or it was not read by this engine. `name` may have a module (`MAIN::go`).
+  /// Null if there is none, or it was not read by this engine. `name` may have a module (`MAIN::go`); without one, and
+  /// with several modules that have it, the last that was defined.
   const ConstructInfo* find_construct(std::string_view kind, std::string_view name) const;
+  /// All that the name stands for: one, or without a module one for each module that has it.
+  std::vector<ConstructInfo> find_constructs(std::string_view kind, std::string_view name) const;
+  /// The module whose deftemplate that name stands for in rules of `module`; empty if there is none.
+  std::string template_module(const std::string& module, const std::string& name) const;
+  /// Instances of the classes that patterns of rules in `module` can match, in order of their making.
+  std::vector<FactCopy> instances(const std::string& module) const;
+  /// The modules whose rules the next run fires, the first on top. Empty means MAIN.
+  std::vector<std::string> focus() const;
   std::vector<ActivationInfo> agenda() const;
   Expected<std::vector<RuleMatches>> matches(const std::string& rule) const;
   /// The rule whose actions run now, or empty.

@@ -1,5 +1,6 @@
 // Makes errors with rule, file and line from the messages that CLIPS prints on stderr.
 
+#include <algorithm>
 #include <cctype>
 
 #include "internal/impl.h"
@@ -31,6 +32,7 @@ struct Message {
   std::string text;
   int line = 0;  ///< being parsed when it began
   bool acting = false;
+  std::vector<std::string> rules;
 };
 
 /// Its first line; a sentence of CLIPS that goes on in the next line is taken whole.
@@ -43,20 +45,25 @@ std::string head_of(const std::string& text) {
   return next.empty() ? head : head + ' ' + next;
 }
 
-/// The rules named by "Of pattern #2 in rule go".
+void add_once(std::vector<std::string>& names, std::string name) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
+}
+
+/// The rules named by "Of pattern #2 in rule go", each once.
 std::vector<std::string> rules_named(const std::string& text) {
   static constexpr std::string_view kBefore = " in rule ";
   std::vector<std::string> names;
   for (std::size_t at = text.find(kBefore); at != std::string::npos; at = text.find(kBefore, at)) {
     at += kBefore.size();
-    names.push_back(text.substr(at, text.find_first_of(" \n", at) - at));
+    add_once(names, text.substr(at, text.find_first_of(" \n", at) - at));
   }
   return names;
 }
 
-/// The rules that are activated at this join or behind it.
+/// The rules that are activated at this join or behind it, with their modules.
 void add_rules_below(const joinNode& join, std::vector<std::string>& rules) {
-  if (join.ruleToActivate != nullptr) rules.emplace_back(DefruleName(join.ruleToActivate));
+  if (join.ruleToActivate != nullptr)
+    add_once(rules, DefruleModule(join.ruleToActivate) + ("::" + std::string(DefruleName(join.ruleToActivate))));
   for (const joinLink* link = join.nextLinks; link != nullptr; link = link->next) add_rules_below(*link->join, rules);
 }
 
@@ -83,6 +90,7 @@ std::vector<Message> take_messages(RuleEngine::Impl& impl) {
     message.head = head_of(message.text);
     message.line = start.line;
     message.acting = start.acting;
+    message.rules = start.rules;
     message.code = code_of(message.head);
     if (!message.code.empty())
       messages.push_back(std::move(message));
@@ -105,14 +113,19 @@ void add_network_errors(const RuleEngine::Impl& impl, const Message& message, st
   }
   failed.detail += message.text;
   failed.side = ErrorSide::kLhs;
-  std::vector<std::string> rules = rules_named(message.text);
+  // The network of patterns knows no join: there a name may stand for rules of several modules.
+  std::vector<std::string> rules = message.rules.empty() ? rules_named(message.text) : message.rules;
   if (rules.empty()) rules.emplace_back();
   for (const std::string& rule : rules) {
-    failed.rule = rule;
+    failed.rule = without_module(rule);
     failed.file.clear();
     failed.line = 0;
-    impl.set_place(failed, impl.engine.find_construct("defrule", rule));
-    found.push_back(failed);
+    std::vector<const ConstructInfo*> places = impl.named("defrule", rule);
+    if (places.empty()) places.push_back(nullptr);
+    for (const ConstructInfo* place : places) {
+      impl.set_place(failed, place);
+      found.push_back(failed);
+    }
   }
 }
 
@@ -141,7 +154,9 @@ void RuleEngine::Impl::capture(const char* text) {
     const bool parsing = !contexts.empty() && contexts.back().form != nullptr &&
                          (!rule_acting || contexts.size() > rule_depth) &&
                          !command_line_data(env)->EvaluatingTopLevelCommand;
-    starts.push_back({captured.size(), parsing ? static_cast<int>(GetLineCount(env)) : 0, rule_acting});
+    MessageStart& start = starts.emplace_back();
+    start = {captured.size(), parsing ? static_cast<int>(GetLineCount(env)) : 0, rule_acting, {}};
+    if (const joinNode* join = engine_data(env)->GlobalJoin) add_rules_below(*join, start.rules);
   } else if (starts.empty()) {
     return;
   }
@@ -151,19 +166,16 @@ void RuleEngine::Impl::capture(const char* text) {
 void RuleEngine::note_error(const std::string& text) {
   impl_->capture("[");
   impl_->capture(text.c_str() + 1);
-  // The test of these rules continues, and CLIPS will not name them.
-  std::vector<std::string> rules;
-  if (const joinNode* join = engine_data(impl_->env)->GlobalJoin) add_rules_below(*join, rules);
-  if (rules.empty()) return;
-  std::string named = "DRIVE1] In the join network";
-  for (const std::string& rule : rules) named += " in rule " + rule;
+  // The test continues, and CLIPS will not say so.
+  if (impl_->starts.back().rules.empty()) return;
   impl_->capture("[");
-  impl_->capture((named + '\n').c_str());
+  impl_->capture("DRIVE1] In the join network\n");
 }
 
 void RuleEngine::Impl::make_errors() {
   const std::vector<Message> messages = take_messages(*this);
   const Context* context = contexts.empty() ? nullptr : &contexts.back();
+  const std::string open_rule = std::string(rule_module) + "::" + std::string(rule_name);
   std::vector<RuleError> found;
   for (const Message& message : messages) {
     if (is_network_message(message.code)) {
@@ -179,7 +191,7 @@ void RuleEngine::Impl::make_errors() {
       last.detail += message.text;
       // The function that failed was called by a deffunction, which the rule called.
       const ConstructInfo* info =
-          in_rule && halted && last.side == ErrorSide::kRhs ? engine.find_construct("defrule", last.rule) : nullptr;
+          in_rule && halted && last.side == ErrorSide::kRhs ? engine.find_construct("defrule", open_rule) : nullptr;
       if (info != nullptr && last.line == info->line) last.line = line_of_error(*info, ErrorSide::kRhs, message.head);
       continue;
     }
@@ -189,7 +201,7 @@ void RuleEngine::Impl::make_errors() {
     error.side = in_rule ? ErrorSide::kRhs : context != nullptr ? context->side : ErrorSide::kCallback;
     if (in_rule) {
       error.rule = rule_name;
-      set_place(error, engine.find_construct("defrule", rule_name));
+      set_place(error, engine.find_construct("defrule", open_rule));
     } else if (context != nullptr) {
       error.rule = context->name;
       error.file = context->file;

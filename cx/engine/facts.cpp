@@ -1,6 +1,7 @@
 // Facts in and out, without a detour over text.
 
 #include <cstring>
+#include <span>
 
 #include "internal/impl.h"
 
@@ -241,6 +242,44 @@ Expected<FactCopy> RuleEngine::fact(std::int64_t index) const {
   return impl_->copy_fact(*fact);
 }
 
+std::string RuleEngine::template_module(const std::string& module, const std::string& name) const {
+  Defmodule* const current = GetCurrentModule(environment_);
+  SetCurrentModule(environment_, FindDefmodule(environment_, module.c_str()));
+  const Deftemplate* found = FindDeftemplate(environment_, name.c_str());
+  SetCurrentModule(environment_, current);
+  return found == nullptr ? std::string() : found->header.whichModule->theModule->header.name->contents;
+}
+
+FactCopy RuleEngine::Impl::copy_instance(Instance& instance) {
+  FactCopy copy;
+  const Defclass& own_class = *instance.cls;
+  copy.module = own_class.header.whichModule->theModule->header.name->contents;
+  copy.template_name = "object";
+  const auto& parents = own_class.allSuperclasses;
+  for (std::size_t i = 0; i < parents.classCount; ++i)
+    copy.classes.emplace_back(parents.classArray[i]->header.name->contents);
+  copy.slots.emplace_back("is-a", Value::symbol(own_class.header.name->contents));
+  copy.slots.emplace_back("name", Value::instance_name(instance.name->contents));
+  for (std::size_t i = 0; i < own_class.instanceSlotCount; ++i) {
+    const InstanceSlot& slot = *instance.slotAddresses[i];
+    CLIPSValue value;
+    value.value = slot.value;
+    copy.slots.emplace_back(slot.desc->slotName->name->contents, to_value(value));
+  }
+  return copy;
+}
+
+std::vector<FactCopy> RuleEngine::instances(const std::string& module) const {
+  std::vector<FactCopy> copies;
+  Defmodule* const rules = FindDefmodule(environment_, module.c_str());
+  for (Instance* instance = GetNextInstance(environment_, nullptr); instance != nullptr;
+       instance = GetNextInstance(environment_, instance)) {
+    if (instance->cls->reactive && DefclassInScope(environment_, instance->cls, rules))
+      copies.push_back(Impl::copy_instance(*instance));
+  }
+  return copies;
+}
+
 const Value* FactCopy::slot(std::string_view name) const {
   for (const auto& [slot_name, value] : slots) {
     if (slot_name == name) return &value;
@@ -249,7 +288,8 @@ const Value* FactCopy::slot(std::string_view name) const {
 }
 
 std::string FactCopy::print() const {
-  std::string text = "(" + template_name;
+  const bool instance = !classes.empty();
+  std::string text = instance ? slots[1].second.print() + " of " + slots[0].second.text() : "(" + template_name;
   const auto append_items = [&text](const Value& list) {
     for (const Value& item : list.items()) text += " " + item.print();
   };
@@ -257,7 +297,7 @@ std::string FactCopy::print() const {
     append_items(slots[0].second);
     return text + ")";
   }
-  for (const auto& [name, value] : slots) {
+  for (const auto& [name, value] : std::span(slots).subspan(instance ? 2 : 0)) {
     text += " (" + name;
     if (value.is(ValueType::kMultifield)) {
       append_items(value);
@@ -266,7 +306,7 @@ std::string FactCopy::print() const {
     }
     text += ")";
   }
-  return text + ")";
+  return instance ? text : text + ")";
 }
 
 }  // namespace cxlab

@@ -143,17 +143,21 @@ void RuleEngine::Impl::release_kept() {
 void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self) noexcept {
   Impl& impl = *static_cast<Impl*>(self);
   if (impl.rule_open) impl.flush_errors();
-  if (CLIPSLexeme* name = activation->theRule->header.name; name != impl.rule_atom) {
-    if (impl.rule_atom != nullptr) ReleaseLexeme(impl.env, impl.rule_atom);
-    impl.rule_atom = name;
+  const auto keep = [&impl](CLIPSLexeme*& kept, CLIPSLexeme* name, std::string_view& text) {
+    if (name == kept) return;
+    if (kept != nullptr) ReleaseLexeme(impl.env, kept);
+    kept = name;
     RetainLexeme(impl.env, name);
-    impl.rule_name = name->contents;
-  }
+    text = name->contents;
+  };
+  const ConstructHeader& rule = activation->theRule->header;
+  keep(impl.rule_atom, rule.name, impl.rule_name);
+  keep(impl.module_atom, rule.whichModule->theModule->header.name, impl.rule_module);
   impl.rule_open = true;
   impl.rule_acting = true;
   impl.turns = 0;
   impl.rule_depth = impl.contexts.size();
-  if (impl.counting()) ++impl.fired_rules[std::string(impl.rule_name)];
+  if (impl.counting()) ++impl.fired_rules[qualified_name(rule)];
   impl.fire_recorded = false;
   RecordSink* journal = impl.engine.options_.journal;
   if (journal == nullptr) return;
@@ -161,6 +165,7 @@ void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self)
   const partialMatch& basis = *activation->basis;
   impl.fire_causes.clear();
   impl.data.begin().field("rule", impl.rule_name);
+  if (impl.rule_module != "MAIN") impl.data.field("module", impl.rule_module);
   impl.data.name("facts").open_list(basis.bcount);
   for (unsigned short i = 0; i < basis.bcount; ++i) {
     const AlphaMatch* match = basis.binds[i].gm.theMatch;

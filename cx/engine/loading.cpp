@@ -65,28 +65,48 @@ Status LoadReport::status() const {
 
 void RuleEngine::Impl::remember(const Form& form, const std::string& file) {
   if (!is_construct(env, form.head)) return;
-  const auto key = std::pair(form.head, form.name);
-  const auto [place, fresh] = construct_index.try_emplace(key, constructs.size());
-  if (!fresh) {
-    constructs[place->second].reset();
-    place->second = constructs.size();
-  }
-  ConstructInfo info{form.head, GetCurrentModule(env)->header.name->contents, form.name, file, form.line, form.text};
-  constructs.push_back(std::move(info));
+  const std::string module = GetCurrentModule(env)->header.name->contents;
+  forget(form.head, module, form.name);
+  std::vector<std::size_t>& known = construct_index[std::pair(form.head, form.name)];
+  known.push_back(constructs.size());
+  constructs.push_back(ConstructInfo{form.head, module, form.name, file, form.line, form.text});
 
   const std::vector<Token> tokens = tokens_of(form);
   if (form.head == "defrule") {
-    std::vector<CallPlace>& places = lhs_calls_of[form.name];
+    const std::string rule = module + "::" + form.name;
+    std::vector<CallPlace>& places = lhs_calls_of[rule];
     places.clear();
     for_each_call(tokens, 1, find_arrow(tokens), false,
                   [&](std::string name, int line) { places.push_back({std::move(name), line}); });
-    for (const CallPlace& call : places) rules_calling[call.function].insert(form.name);
+    for (const CallPlace& call : places) rules_calling[call.function].insert(rule);
   } else if (form.head == "deffunction" || form.head == "defmethod") {
     std::set<std::string>& names = calls_of[form.name];
-    if (form.head == "deffunction") names.clear();
+    if (form.head == "deffunction" && known.size() == 1) names.clear();
     for_each_call(tokens, 1, tokens.size(), true, [&](std::string name, int) { names.insert(std::move(name)); });
     for (const std::string& name : names) functions_calling[name].insert(form.name);
   }
+}
+
+std::vector<const ConstructInfo*> RuleEngine::Impl::named(std::string_view kind, std::string_view name) const {
+  std::vector<const ConstructInfo*> found;
+  const std::string_view bare = without_module(name);
+  const auto known = construct_index.find(std::pair(std::string(kind), std::string(bare)));
+  if (known == construct_index.end()) return found;
+  const std::string_view module = name.substr(0, bare.size() == name.size() ? 0 : name.size() - bare.size() - 2);
+  for (const std::size_t place : known->second)
+    if (module.empty() || constructs[place]->module == module) found.push_back(&*constructs[place]);
+  return found;
+}
+
+void RuleEngine::Impl::forget(const std::string& kind, const std::string& module, const std::string& name) {
+  const auto known = construct_index.find(std::pair(kind, name));
+  if (known == construct_index.end()) return;
+  std::erase_if(known->second, [&](std::size_t place) {
+    const bool here = constructs[place]->module == module;
+    if (here) constructs[place].reset();
+    return here;
+  });
+  if (known->second.empty()) construct_index.erase(known);
 }
 
 std::set<std::string> RuleEngine::Impl::rules_reaching(const std::string& function) const {
@@ -123,17 +143,18 @@ std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) 
   const auto places = lhs_calls_of.find(rule);
   if (places == lhs_calls_of.end()) return errors;
   const ConstructInfo* info = engine.find_construct("defrule", rule);
+  const std::string name(without_module(rule));
   // Rules may have removed it themselves.
-  if (info != nullptr && !engine.has("defrule", info->module + "::" + rule)) return errors;
+  if (info != nullptr && !engine.has("defrule", rule)) return errors;
   for (const CallPlace& place : places->second) {
     std::set<std::string> seen;
     if (!is_acting(place.function, seen)) continue;
     if (!reported_lhs.insert(rule + '\n' + place.function + '\n' + std::to_string(place.line)).second) continue;
     RuleError error = load_error(info == nullptr ? std::string() : info->file, place.line,
-                                 "rule '" + rule + "' calls '" + place.function + "' on its left-hand side" +
+                                 "rule '" + name + "' calls '" + place.function + "' on its left-hand side" +
                                      (seen.empty() ? "" : ", which calls an acting function") +
                                      "; expected a function without effects");
-    error.rule = rule;
+    error.rule = name;
     error.t = engine.now();
     errors.push_back(std::move(error));
   }
@@ -143,12 +164,13 @@ std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) 
 bool RuleEngine::Impl::is_there_already(const Form& form) const {
   const bool module = form.head == "defmodule";
   if (form.head != "deftemplate" && form.head != "defclass" && !module) return false;
-  const ConstructInfo* known = engine.find_construct(form.head, form.name);
-  if (known == nullptr || known->text != form.text ||
-      !engine.has(form.head, module ? known->name : known->module + "::" + known->name))
-    return false;
-  if (module) SetCurrentModule(env, FindDefmodule(env, known->name.c_str()));  // what follows it belongs there
-  return true;
+  for (const ConstructInfo& known : engine.find_constructs(form.head, form.name)) {
+    if (known.text != form.text || !engine.has(form.head, module ? known.name : known.module + "::" + known.name))
+      continue;
+    if (module) SetCurrentModule(env, FindDefmodule(env, known.name.c_str()));  // what follows it belongs there
+    return true;
+  }
+  return false;
 }
 
 void RuleEngine::keep_same_constructs(bool keep) {
@@ -159,8 +181,9 @@ void RuleEngine::keep_same_constructs(bool keep) {
   }
   // Places of constructs that were replaced are given back: files may be loaded again any number of times.
   std::erase_if(impl_->constructs, [](const auto& info) { return !info; });
+  impl_->construct_index.clear();
   for (std::size_t i = 0; i < impl_->constructs.size(); ++i)
-    impl_->construct_index[std::pair(impl_->constructs[i]->kind, impl_->constructs[i]->name)] = i;
+    impl_->construct_index[std::pair(impl_->constructs[i]->kind, impl_->constructs[i]->name)].push_back(i);
 }
 
 bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, LoadMode mode) {
@@ -233,7 +256,7 @@ LoadReport RuleEngine::load_text(std::string_view text, const std::string& file,
     ++report.forms;
     const bool rule = form.head == "defrule";
     std::vector<RuleError> acting;
-    if (rule) acting = impl_->acting_on_lhs(form.name);
+    if (rule) acting = impl_->acting_on_lhs(GetCurrentModule(environment_)->header.name->contents + ("::" + form.name));
     if (form.head == "deffunction" || form.head == "defmethod") {
       for (const std::string& name : impl_->rules_reaching(form.name)) {
         for (RuleError& error : impl_->acting_on_lhs(name)) acting.push_back(std::move(error));
@@ -298,17 +321,15 @@ Status RuleEngine::undefine(std::string_view kind, const std::string& name) {
   ConstructHeader* found =
       construct->findFunction == nullptr ? nullptr : construct->findFunction(environment_, name.c_str());
   if (found == nullptr) return input_error("there is no " + std::string(kind) + " '" + name + "'");
+  const std::string module = found->whichModule == nullptr ? "" : found->whichModule->theModule->header.name->contents;
   const bool deletable =
       construct->isConstructDeletableFunction == nullptr || construct->isConstructDeletableFunction(found);
   if (!deletable || construct->deleteFunction == nullptr || !construct->deleteFunction(found, environment_)) {
     return run_error(std::string(kind) + " '" + name + "' is in use and stays");
   }
-  const auto key = std::pair(std::string(kind), std::string(without_module(name)));
-  if (const auto place = impl_->construct_index.find(key); place != impl_->construct_index.end()) {
-    impl_->constructs[place->second].reset();
-    impl_->construct_index.erase(place);
-  }
-  if (kind == "defrule") impl_->lhs_calls_of.erase(std::string(without_module(name)));
+  const std::string bare(without_module(name));
+  impl_->forget(std::string(kind), module, bare);
+  if (kind == "defrule") impl_->lhs_calls_of.erase(module + "::" + bare);
   return {};
 }
 
@@ -327,8 +348,14 @@ std::vector<ConstructInfo> RuleEngine::constructs() const {
 }
 
 const ConstructInfo* RuleEngine::find_construct(std::string_view kind, std::string_view name) const {
-  const auto place = impl_->construct_index.find(std::pair(std::string(kind), std::string(without_module(name))));
-  return place == impl_->construct_index.end() ? nullptr : &*impl_->constructs[place->second];
+  const std::vector<const ConstructInfo*> found = impl_->named(kind, name);
+  return found.empty() ? nullptr : found.back();
+}
+
+std::vector<ConstructInfo> RuleEngine::find_constructs(std::string_view kind, std::string_view name) const {
+  std::vector<ConstructInfo> found;
+  for (const ConstructInfo* info : impl_->named(kind, name)) found.push_back(*info);
+  return found;
 }
 
 }  // namespace cxlab

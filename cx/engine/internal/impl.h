@@ -69,15 +69,17 @@ struct RuleEngine::Impl {
   static constexpr std::uintptr_t kMostStack = 6 * 1024 * 1024;
   clips::EntityEvaluationFunction* call_deffunction = nullptr;  ///< of CLIPS
   clips::EntityEvaluationFunction* call_generic = nullptr;
-  clips::CLIPSLexeme* rule_atom = nullptr;  ///< its name, retained
-  std::string_view rule_name;               ///< the text of it
+  clips::CLIPSLexeme* rule_atom = nullptr;    ///< its name, retained
+  clips::CLIPSLexeme* module_atom = nullptr;  ///< that of its module, retained
+  std::string_view rule_name, rule_module;    ///< the texts of them
 
   /// The output of CLIPS on stderr since the first "[CODE]"; where its messages begin, with the line being parsed.
   std::string captured;
   struct MessageStart {
     std::size_t at = 0;
     int line = 0;
-    bool acting = false;  ///< said while the actions of a rule ran
+    bool acting = false;             ///< said while the actions of a rule ran
+    std::vector<std::string> rules;  ///< those behind the join that was evaluated, with their modules
   };
   std::vector<MessageStart> starts;
   std::set<std::string> known_errors;  ///< keys of engine.errors_
@@ -97,15 +99,18 @@ struct RuleEngine::Impl {
 
   // --- Loading (loading.cpp) -------------------------------------------------------------------------------------
 
-  std::map<std::pair<std::string, std::string>, std::size_t>
-      construct_index;  ///< (kind, name) -> place in `constructs`
+  /// (kind, name) -> places in `constructs`: one for each module, in order of definition.
+  std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> construct_index;
   std::vector<std::optional<ConstructInfo>> constructs;
+  /// Those that a name stands for, with or without its module.
+  std::vector<const ConstructInfo*> named(std::string_view kind, std::string_view name) const;
+  void forget(const std::string& kind, const std::string& module, const std::string& name);
   struct CallPlace {
     std::string function;
     int line = 0;
   };
   std::map<std::string, std::set<std::string>> calls_of;       ///< deffunctions and generics
-  std::map<std::string, std::vector<CallPlace>> lhs_calls_of;  ///< rules
+  std::map<std::string, std::vector<CallPlace>> lhs_calls_of;  ///< rules, with their modules
   // Who has ever called a function, on a left-hand side or in its body. Never too few: a definition that is replaced
   // stays.
   std::map<std::string, std::set<std::string>> rules_calling, functions_calling;
@@ -157,6 +162,7 @@ struct RuleEngine::Impl {
   Expected<std::int64_t> assert_made(clips::Fact* fact);
   clips::Multifield* make_multifield(const std::vector<Value>& items);
   FactCopy copy_fact(clips::Fact& fact);
+  static FactCopy copy_instance(clips::Instance& instance);
   void put_value(const clips::CLIPSValue& value);
   void put_slots(const clips::Fact& fact, bool changed_only);
   void write(RecordKind kind);

@@ -210,6 +210,50 @@ TEST_F(Engine, ConstructsAreFoundWithTheirPlaces) {
   EXPECT_EQ(engine().find_construct("defrule", "went"), nullptr);
 }
 
+TEST_F(Engine, ConstructsOfOneNameInTwoModulesAreTwo) {
+  given("(defmodule A (export ?ALL))\n(defrule A::go =>)\n(defmodule B (import A ?ALL))\n(defrule B::go (a) =>)\n");
+  EXPECT_EQ(engine().find_construct("defrule", "A::go")->line, 2);
+  EXPECT_EQ(engine().find_construct("defrule", "B::go")->line, 4);
+  EXPECT_EQ(engine().find_construct("defrule", "C::go"), nullptr);
+  EXPECT_THAT(engine().find_constructs("defrule", "go"), SizeIs(2));
+  given("(defrule A::go (b) =>)");
+  EXPECT_THAT(engine().find_constructs("defrule", "go"), SizeIs(2)) << "defined again";
+  EXPECT_TRUE(engine().undefine("defrule", "A::go").ok());
+  EXPECT_EQ(engine().find_construct("defrule", "A::go"), nullptr);
+  EXPECT_EQ(engine().find_construct("defrule", "go")->module, "B");
+}
+
+TEST_F(Engine, TemplatesAreThoseThatTheModuleSees) {
+  given(
+      "(defmodule A (export ?ALL))\n(deftemplate A::part (slot id))\n(defmodule B (import A ?ALL))\n"
+      "(defmodule C)\n(deftemplate C::part (slot id))\n");
+  EXPECT_EQ(engine().template_module("B", "part"), "A");
+  EXPECT_EQ(engine().template_module("C", "part"), "C");
+  EXPECT_EQ(engine().template_module("MAIN", "part"), "");
+}
+
+TEST_F(Engine, InstancesHaveTheirClassesAndSlots) {
+  given(
+      "(defclass PART (is-a USER) (slot id))\n(defclass RING (is-a PART) (multislot colours))\n"
+      "(defclass DEAF (is-a USER) (pattern-match non-reactive))\n"
+      "(definstances i (r of RING (id 3) (colours RED BLUE)) (d of DEAF))\n");
+  engine().reset();
+  const std::vector<FactCopy> instances = engine().instances("MAIN");
+  ASSERT_THAT(instances, SizeIs(1)) << "no pattern matches the other class";
+  EXPECT_EQ(instances[0].print(), "[r] of RING (id 3) (colours RED BLUE)");
+  EXPECT_THAT(instances[0].classes, testing::IsSupersetOf({"RING", "PART", "USER"}));
+  EXPECT_EQ(*instances[0].slot("name"), Value::instance_name("r"));
+}
+
+TEST_F(Engine, FocusIsTheStackOfModules) {
+  given("(defmodule A)\n(defmodule B)\n");
+  engine().reset();
+  ASSERT_TRUE(engine().eval("(focus A B)").ok());
+  EXPECT_THAT(engine().focus(), testing::ElementsAre("A", "B", "MAIN"));
+  engine().run();
+  EXPECT_THAT(engine().focus(), testing::IsEmpty());
+}
+
 TEST_F(Engine, ATemplateInUseCannotBeUndefined) {
   given("(deftemplate order (slot id))\n(defrule go (order) =>)");
   EXPECT_THAT(engine().undefine("deftemplate", "order").error().message, HasSubstr("is in use"));

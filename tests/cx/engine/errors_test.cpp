@@ -163,6 +163,26 @@ TEST_F(RuleErrors, ATestThatFailsBecauseOfAnotherRulesAssertNamesTheRuleOfTheTes
   EXPECT_THAT(texts(engine().run().errors), ElementsAre(StartsWith("rules.clp:6: rule tests, LHS: [PRNTUTIL7]")));
 }
 
+TEST_F(RuleErrors, RulesOfOneNameInTwoModulesHaveTheirOwnPlaces) {
+  given(
+      "(defmodule MAIN (export ?ALL))\n(deftemplate n (slot v))\n"
+      "(defmodule A (import MAIN ?ALL))\n(defmodule B (import MAIN ?ALL))\n"
+      "(defrule A::go (n (v ?x)) =>\n  (/ 1 ?x))\n"
+      "(defrule B::go (n (v ?x)) =>\n\n  (mod 1 ?x))\n"
+      "(defrule A::ask (n (v ?x)) (n (v ?y&:(> (/ 1 ?x) ?y))) => )\n"
+      "(defrule B::ask (n (v ?x))\n  (n (v ?y&:(> (mod 1 ?x) ?y))) => )\n");
+  for (const auto& [module, line] : {std::pair{"A", ":6"}, std::pair{"B", ":9"}}) {
+    engine().reset();
+    ASSERT_TRUE(engine().assert_string("(n (v 0))").ok());
+    EXPECT_THAT(texts(engine().take_errors()),
+                testing::UnorderedElementsAre(StartsWith("rules.clp:10: rule ask, LHS"),
+                                              StartsWith("rules.clp:12: rule ask, LHS")));
+    ASSERT_TRUE(engine().eval(std::string("(focus ") + module + ")").ok());
+    EXPECT_THAT(texts(engine().run().errors),
+                ElementsAre(StartsWith(std::string("rules.clp") + line + ": rule go, RHS")));
+  }
+}
+
 TEST_F(RuleErrors, TheSameErrorOverAndOverIsCounted) {
   given("(deftemplate order (slot amount) (slot id))\n(defrule ratio (order (amount ?x&:(> (/ 1 ?x) 0))) =>)");
   for (int i = 0; i < 3; ++i) {
