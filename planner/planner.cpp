@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "planner/ground/ground.h"
+#include "planner/pddl/text.h"
 #include "planner/strategies/clock_strategy.h"
-#include "planner/strategies/cut_search.h"
 #include "planner/strategies/improvement.h"
 #include "planner/strategies/late_repair.h"
 #include "planner/strategies/sequence_search.h"
@@ -39,8 +39,8 @@ class Portfolio {
   bool is_improving(std::uint64_t round);
 
   PlanningContext& context_;
-  SequenceSearch sequences_{context_};
-  CutSearch envelopes_{context_, CutSearch::Cut::kEnvelopes}, everything_{context_, CutSearch::Cut::kEverything};
+  SequenceSearch sequences_{context_, Cut::kNothing}, envelopes_{context_, Cut::kEnvelopes},
+      everything_{context_, Cut::kEverything};
   ClockStrategy clock_{context_};
   std::int64_t units_of_rounds_ = -1;  ///< when the last rounds of all kinds began
   Conclusion without_plan_{PlanStatus::kBudget, "the budget ended before a plan was found"};
@@ -158,7 +158,10 @@ Conclusion Portfolio::run() {
 /// What the reason of an unsolvable problem adds about numbers without a value.
 std::string missing_values(const Task& task, const GroundTask& ground) {
   std::vector<std::string> names;
-  for (const int n : ground.missing_values) names.push_back(number_name(task, ground.numbers[n]));
+  for (const int n : ground.missing_values) {
+    const auto& [function, objects] = ground.numbers[n];
+    names.push_back(ground_text(task.domain.functions[function].name, objects, task.problem.objects));
+  }
   return names.empty() ? "" : "; without a value in :init, and nothing assigns one: " + some_of(names, kMostMissing);
 }
 

@@ -1,7 +1,6 @@
 #include "planner/bounds/lower_bound.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "planner/bounds/sequencing.h"
@@ -24,7 +23,7 @@ class Bounds {
       : simulator_(simulator), task_(simulator.task()), budget_(budget) {}
 
   LowerBound run(std::int64_t slice) {
-    find_durations();
+    for (const GroundAction& action : task_.actions) durations_.push_back(constant_durations(action).least);
     find_earliest();
     LowerBound bound;
     if (budget_.late()) return {0, false, false};
@@ -38,18 +37,6 @@ class Bounds {
   }
 
  private:
-  /// Shortest duration of each action in any state; 0 where that depends.
-  void find_durations() {
-    for (std::size_t a = 0; a < task_.actions.size(); ++a) {
-      const GroundAction& action = task_.actions[a];
-      Micros least = 0;
-      for (const GroundDuration& duration : action.duration)
-        if (duration.bound.is_constant() && duration.comparison != Comparison::kLessEqual)
-          least = std::max(least, static_cast<Micros>(std::llround(duration.bound.steps[0].value * kMicrosPerSecond)));
-      durations_.push_back(action.durative ? least : 0);
-    }
-  }
-
   Micros latest(const GroundCondition& condition) const {
     Micros time = 0;
     for (const int f : condition.facts) time = std::max(time, fact_[f]);
@@ -77,8 +64,7 @@ class Bounds {
       if (task_.comparisons[c].holds(simulator_.numbers(initial.data())) ||
           task_.comparisons[c].linear.duration_weight != 0)
         comparison_[c] = 0;
-      for (const auto& step : task_.comparisons[c].expression.steps)
-        if (step.kind == GroundExpression::Kind::kNumber) readers_[step.number].push_back(static_cast<int>(c));
+      task_.comparisons[c].expression.for_each_number([&](int n) { readers_[n].push_back(static_cast<int>(c)); });
     }
     bool changed = true;
     const auto lower = [&changed](Micros& time, Micros to) {
@@ -137,7 +123,7 @@ class Bounds {
     for (const TimedEvent& event : task_.events)
       std::erase_if(goal_, [&](int f) { return contains(event.effects.add, f); });
     const std::int64_t began = budget_.units();
-    budget_.set_slice(began + slice);
+    const BudgetSlice all_of_it(budget_, slice);
     const Micros unit = find_unit();
     const auto raise = [&](Micros to) {
       if (to > bound.makespan) {
@@ -149,23 +135,20 @@ class Bounds {
     budget_.spend(Work::kBound, static_cast<std::int64_t>(task_.actions.size()));
     const bool fits = 2 * PairTimes::bytes(happenings) <= kMostBytes;
     bound.complete = !fits;
-    if (budget_.late() || !fits || units_of(Work::kBound, PairTimes::round_work(happenings)) > slice) {
-      budget_.clear_slice();
-      return;
-    }
+    if (budget_.late() || !fits || units_of(Work::kBound, PairTimes::round_work(happenings)) > slice) return;
     PairTimes all(happenings);
     if (all.solve(budget_)) {
       raise(unit * all.time(goal_));
-      // The last fifth is for the orders.
-      budget_.set_slice(began + slice - slice / 5);
-      const Activities activities = find_activities(happenings, all, unit, slice);
-      bound.complete = !budget_.slice_over();
-      budget_.set_slice(began + slice);
+      Activities activities;
+      {
+        const BudgetSlice without_orders(budget_, began + slice - slice / 5 - budget_.units());
+        activities = find_activities(happenings, all, unit, slice);
+        bound.complete = !budget_.slice_over();
+      }
       raise(unit * shortest_sequence(activities, budget_));
       bound.assumes_order = bound.assumes_order && all.assumes_order();
     }
     bound.complete = bound.complete && !budget_.slice_over();
-    budget_.clear_slice();
   }
 
   Activities find_activities(const HappeningTask& happenings, const PairTimes& all, Micros unit, std::int64_t slice) {

@@ -2,6 +2,7 @@
 // How much the planner may still do. Work is counted by kind, each with a fixed weight, so that the same budget always
 // gives the same answer; a wall clock only cuts a run short when a timeout was asked for.
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -48,10 +49,6 @@ class Budget {
     return thousandths / 1000;
   }
 
-  /// A slice of this budget ends when `units()` reaches `until`; the whole budget still holds. See BudgetSlice.
-  void set_slice(std::int64_t until) { slice_ = until; }
-  void clear_slice() { slice_ = kUnlimited; }
-
   bool slice_over() { return units() >= slice_ || over(); }
   bool over() {
     if (over_) return true;
@@ -70,28 +67,31 @@ class Budget {
     over_ |= late_;
     return late_;
   }
-  std::int64_t limit() const { return limit_; }
-  bool has_deadline() const { return deadline_.has_value(); }
 
  private:
+  friend class BudgetSlice;
+
   std::array<std::int64_t, kWorkKinds> counts_{};
   std::int64_t limit_ = kUnlimited, slice_ = kUnlimited, next_look_ = 0;
   std::optional<std::chrono::steady_clock::time_point> deadline_;
   bool over_ = false, late_ = false;
 };
 
-/// While it lives, a slice of the budget ends after `units` more.
+/// While it lives, a slice of the budget ends after `units` more, or with the slice that it is a part of.
 class BudgetSlice {
  public:
-  BudgetSlice(Budget& budget, std::int64_t units) : budget_(budget) { budget.set_slice(budget.units() + units); }
-  ~BudgetSlice() { budget_.clear_slice(); }
+  BudgetSlice(Budget& budget, std::int64_t units) : budget_(budget), outer_(budget.slice_) {
+    budget.slice_ = std::min(outer_, budget.units() + units);
+  }
+  ~BudgetSlice() { budget_.slice_ = outer_; }
   BudgetSlice(const BudgetSlice&) = delete;
   BudgetSlice& operator=(const BudgetSlice&) = delete;
   /// Ends the slice now.
-  void end() { budget_.set_slice(budget_.units()); }
+  void end() { budget_.slice_ = budget_.units(); }
 
  private:
   Budget& budget_;
+  const std::int64_t outer_;
 };
 
 /// Failure::kOutOfBudget.

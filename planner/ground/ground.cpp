@@ -15,7 +15,8 @@ namespace cxlab::planner {
 
 namespace {
 
-constexpr std::size_t kMostAlternatives = 32;  ///< actions that one is split into, before a derived fact is used
+constexpr std::size_t kMostActions = 1'000'000;  ///< beyond it the problem does not fit into memory
+constexpr std::size_t kMostAlternatives = 32;    ///< actions that one is split into, before a derived fact is used
 constexpr std::int64_t kActionWork =
     10;  ///< of an action besides its conditions and effects, in pieces of Work::kGround
 
@@ -63,8 +64,10 @@ class Grounder {
   void find_absences() {
     ById<char> asked(task_.domain.predicates.size(), 0), deleted(asked);
     const auto ask = [&](const TimedCondition& condition) {
-      for (const Condition* part : {&condition.start, &condition.over_all, &condition.end})
-        find_negations(*part, false, asked);
+      for (const Condition* part : condition.parts())
+        for_each_part(*part, [&](const Condition& each, bool negated) {
+          if (each.kind == Condition::Kind::kAtom && negated) asked[each.predicate] = 1;
+        });
     };
     for (const Action& action : task_.domain.actions) {
       ask(action.condition);
@@ -74,20 +77,6 @@ class Grounder {
       }
     }
     for (std::size_t p = 0; p < asked.size(); ++p) absence_matters_.push_back(asked[p] && deleted[p]);
-  }
-
-  static void find_negations(const Condition& condition, bool negated, ById<char>& asked) {
-    using Kind = Condition::Kind;
-    if (condition.kind == Kind::kAtom && negated) asked[condition.predicate] = 1;
-    for (std::size_t i = 0; i < condition.operands.size(); ++i)
-      find_negations(condition.operands[i],
-                     negated != (condition.kind == Kind::kNot || (condition.kind == Kind::kImply && i == 0)), asked);
-  }
-
-  std::vector<ObjectId> objects(const std::vector<Term>& terms, const ById<ObjectId>& frame) const {
-    std::vector<ObjectId> found;
-    for (const Term& term : terms) found.push_back(term.is_variable ? frame[term.index] : term.index);
-    return found;
   }
 
   int fact(PredicateId predicate, const std::vector<ObjectId>& arguments) {
@@ -125,41 +114,22 @@ class Grounder {
 
   GroundExpression expression(const Expression& from, const ById<ObjectId>& frame) {
     using Kind = Expression::Kind;
-    GroundExpression out;
-    const auto append = [&](const Expression& operand) {
-      const GroundExpression part = expression(operand, frame);
-      out.steps.insert(out.steps.end(), part.steps.begin(), part.steps.end());
-    };
-    const auto operation = [&](GroundExpression::Kind kind) {
-      append(from.operands[0]);
-      for (std::size_t i = 1; i < from.operands.size(); ++i) {
-        append(from.operands[i]);
-        out.steps.push_back({kind, -1, 0});
-      }
-    };
-    switch (from.kind) {
-      case Kind::kConstant: return GroundExpression::constant(from.value);
-      case Kind::kFunction: {
-        const std::vector<ObjectId> arguments = objects(from.terms, frame);
-        const double value = initial_value(from.function, arguments);
-        if (!reachable_.changing[from.function] && !std::isnan(value)) return GroundExpression::constant(value);
-        out.steps.push_back({GroundExpression::Kind::kNumber, number(from.function, arguments), 0});
-        return out;
-      }
-      case Kind::kAdd: operation(GroundExpression::Kind::kAdd); break;
-      case Kind::kSubtract: operation(GroundExpression::Kind::kSubtract); break;
-      case Kind::kMultiply: operation(GroundExpression::Kind::kMultiply); break;
-      case Kind::kDivide: operation(GroundExpression::Kind::kDivide); break;
-      case Kind::kNegate:
-        append(from.operands[0]);
-        out.steps.push_back({GroundExpression::Kind::kNegate, -1, 0});
-        break;
-      case Kind::kDuration: out.steps.push_back({GroundExpression::Kind::kDuration, -1, 0}); return out;
-      case Kind::kTotalTime: out.steps.push_back({GroundExpression::Kind::kTotalTime, -1, 0}); return out;
+    if (from.kind == Kind::kConstant) return GroundExpression::constant(from.value);
+    if (from.kind == Kind::kFunction) {
+      const std::vector<ObjectId> arguments = bound_objects(from.terms, frame);
+      const double value = initial_value(from.function, arguments);
+      if (!reachable_.changing[from.function] && !std::isnan(value)) return GroundExpression::constant(value);
+      return {{{Kind::kFunction, number(from.function, arguments), 0}}};
     }
+    GroundExpression out;
+    for (std::size_t i = 0; i < from.operands.size(); ++i) {
+      const GroundExpression part = expression(from.operands[i], frame);
+      out.steps.insert(out.steps.end(), part.steps.begin(), part.steps.end());
+      if (i > 0) out.steps.push_back({from.kind, -1, 0});
+    }
+    if (from.operands.size() < 2) out.steps.push_back({from.kind, -1, 0});  // a negation, or a leaf
     const auto is_constant = [](const GroundExpression::Step& step) {  // zero times an undefined number is undefined
-      return step.kind != GroundExpression::Kind::kNumber && step.kind != GroundExpression::Kind::kDuration &&
-             step.kind != GroundExpression::Kind::kTotalTime;
+      return step.kind != Kind::kFunction && step.kind != Kind::kDuration && step.kind != Kind::kTotalTime;
     };
     if (std::ranges::all_of(out.steps, is_constant)) return GroundExpression::constant(out.evaluate(nullptr));
     return out;
@@ -201,7 +171,7 @@ class Grounder {
     budget_.spend(Work::kGround, 1);
     switch (condition.kind) {
       case Kind::kAtom: {
-        const std::vector<ObjectId> arguments = objects(condition.terms, frame);
+        const std::vector<ObjectId> arguments = bound_objects(condition.terms, frame);
         if (!task_.domain.predicates[condition.predicate].derived) {
           const bool can_be_true = reachable_.atoms.find(condition.predicate, arguments) >= 0;
           if (!can_be_true && !(negated && absence_matters_[condition.predicate])) return truth(negated);
@@ -211,34 +181,24 @@ class Grounder {
         return {Formula::Kind::kFact, negated ? complement(id) : id, {}};
       }
       case Kind::kSame: {
-        const std::vector<ObjectId> pair = objects(condition.terms, frame);
+        const std::vector<ObjectId> pair = bound_objects(condition.terms, frame);
         return truth((pair[0] == pair[1]) != negated);
       }
       case Kind::kCompare: return compare(condition, frame, negated);
       case Kind::kNot: return formula(condition.operands[0], frame, !negated);
-      case Kind::kAnd:
-      case Kind::kOr: {
-        std::vector<Formula> parts;
-        for (const Condition& operand : condition.operands) parts.push_back(formula(operand, frame, negated));
-        return join((condition.kind == Kind::kAnd) != negated ? Formula::Kind::kAnd : Formula::Kind::kOr,
-                    std::move(parts));
-      }
-      case Kind::kImply: {
-        std::vector<Formula> parts;
-        parts.push_back(formula(condition.operands[0], frame, !negated));
-        parts.push_back(formula(condition.operands[1], frame, negated));
-        return join(negated ? Formula::Kind::kAnd : Formula::Kind::kOr, std::move(parts));
-      }
-      case Kind::kForall:
-      case Kind::kExists: {
-        std::vector<Formula> parts;
-        for_each_assignment(task_, condition.variables, frame, budget_,
-                            [&] { parts.push_back(formula(condition.operands[0], frame, negated)); });
-        return join((condition.kind == Kind::kForall) != negated ? Formula::Kind::kAnd : Formula::Kind::kOr,
-                    std::move(parts));
-      }
+      default: break;
     }
-    return truth(false);
+    std::vector<Formula> parts;
+    const auto add_parts = [&] {
+      for (std::size_t i = 0; i < condition.operands.size(); ++i)
+        parts.push_back(formula(condition.operands[i], frame, negated != (condition.kind == Kind::kImply && i == 0)));
+    };
+    if (condition.kind == Kind::kForall || condition.kind == Kind::kExists)
+      for_each_assignment(task_, condition.variables, frame, budget_, add_parts);
+    else
+      add_parts();
+    const bool all = condition.kind == Kind::kAnd || condition.kind == Kind::kForall;
+    return join(all != negated ? Formula::Kind::kAnd : Formula::Kind::kOr, std::move(parts));
   }
 
   /// The conjunction that says the same, with derived facts for disjunctions; none if it is false.
@@ -307,7 +267,7 @@ class Grounder {
 
   void add_effect(const Effect& effect, ById<ObjectId>& frame, GroundAction& action) {
     using Kind = Effect::Kind;
-    const std::vector<ObjectId> arguments = objects(effect.terms, frame);
+    const std::vector<ObjectId> arguments = bound_objects(effect.terms, frame);
     if (effect.time == Effect::Time::kContinuous) {
       GroundExpression rate = expression(effect.value, frame);
       if (effect.kind == Kind::kDecrease) negate(rate);
@@ -386,18 +346,17 @@ class Grounder {
 
   void add_events() {
     std::map<Micros, GroundEffects> events;
-    const auto micros = [](double seconds) { return static_cast<Micros>(std::llround(seconds * kMicrosPerSecond)); };
     for (const TimedFact& timed : task_.problem.timed_facts) {
-      GroundEffects& effects = events[micros(timed.time)];
+      GroundEffects& effects = events[in_micros(timed.time)];
       if (timed.value)
         effects.add.push_back(fact(timed.fact.predicate, timed.fact.objects));
       else if (reachable_.atoms.find(timed.fact.predicate, timed.fact.objects) >= 0)
         effects.remove.push_back(fact(timed.fact.predicate, timed.fact.objects));
     }
     for (const TimedAssignment& timed : task_.problem.timed_values)
-      events[micros(timed.time)].numbers.push_back({NumericEffect::Kind::kAssign,
-                                                    number(timed.assignment.function, timed.assignment.objects),
-                                                    GroundExpression::constant(timed.assignment.value)});
+      events[in_micros(timed.time)].numbers.push_back({NumericEffect::Kind::kAssign,
+                                                       number(timed.assignment.function, timed.assignment.objects),
+                                                       GroundExpression::constant(timed.assignment.value)});
     for (auto& [time, effects] : events) {
       tidy(effects);
       out_.events.push_back({time, std::move(effects), {}});
@@ -471,7 +430,7 @@ void ask_for_values(GroundTask& task) {
     if (comparison[number] < 0) {
       using Kind = GroundExpression::Kind;
       comparison[number] = static_cast<int>(task.comparisons.size());
-      GroundExpression square{{{Kind::kNumber, number, 0}, {Kind::kNumber, number, 0}, {Kind::kMultiply, -1, 0}}};
+      GroundExpression square{{{Kind::kFunction, number, 0}, {Kind::kFunction, number, 0}, {Kind::kMultiply, -1, 0}}};
       LinearForm form = linear_form(square);
       task.comparisons.push_back({GroundComparison::Kind::kNotNegative, std::move(square), std::move(form)});
     }
@@ -497,8 +456,8 @@ void ask_for_values(GroundTask& task) {
 
 }  // namespace
 
-Expected<GroundTask> ground(const Task& task, Budget& budget, const GroundOptions& options) {
-  Expected<Reachable> reachable = find_reachable(task, options.most_actions, budget);
+Expected<GroundTask> ground(const Task& task, Budget& budget) {
+  Expected<Reachable> reachable = find_reachable(task, kMostActions, budget);
   if (!reachable) return reachable.error();
   GroundTask out = Grounder(task, std::move(*reachable), budget).run();
   if (!budget.over()) ask_for_values(out);

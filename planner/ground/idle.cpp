@@ -1,7 +1,6 @@
 #include "planner/ground/idle.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "planner/ground/reachable.h"
 #include "planner/ground/sorted.h"
@@ -10,20 +9,23 @@ namespace cxlab::planner {
 
 namespace {
 
-using Of = IdleTouch::Of;
-
 class IdleFinder {
  public:
-  IdleFinder(const Task& task, GroundTask& ground, Budget& budget) : task_(task), ground_(ground), budget_(budget) {
-    find_changing();
+  IdleFinder(const Task& task, GroundTask& ground, Budget& budget)
+      : task_(task),
+        ground_(ground),
+        budget_(budget),
+        changing_(changing(task.domain, task.problem)),
+        first_number_(static_cast<int>(ground.facts.size())),
+        first_other_(first_number_ + static_cast<int>(ground.numbers.size())) {
     for (const bool complements : {false, true})
       for (std::size_t f = 0; f < ground.facts.size(); ++f) {
         const GroundFact& fact = ground.facts[f];
         if (fact.predicate >= 0 && !fact.derived && fact.is_complement == complements)
-          enter(facts_, fact_ids_, fact.predicate, fact.objects, static_cast<int>(f));
+          enter(fact.predicate, fact.objects, static_cast<int>(f));
       }
     for (std::size_t n = 0; n < ground.numbers.size(); ++n)
-      enter(numbers_, number_ids_, ground.numbers[n].function, ground.numbers[n].objects, static_cast<int>(n));
+      enter(symbol(ground.numbers[n]), ground.numbers[n].objects, first_number_ + static_cast<int>(n));
   }
 
   void run() {
@@ -42,24 +44,30 @@ class IdleFinder {
   }
 
  private:
+  using Objects = std::vector<ObjectId>;
+
   /// How the whole task uses a fact or number that is not in it.
   struct Other {
     bool read = false, up = false, down = false;
     bool harmful() const { return (read && (up || down)) || (up && down); }
   };
 
-  static void enter(AtomTable& table, ById<int>& ids, int id, const std::vector<ObjectId>& objects, int index) {
-    if (table.insert(id, objects) == static_cast<int>(ids.size())) ids.push_back(index);
+  /// Functions are numbered behind the predicates.
+  template <class OfFunction>
+  int symbol(const OfFunction& item) const {
+    return static_cast<int>(task_.domain.predicates.size()) + item.function;
   }
 
-  void find_changing() {
-    changing_predicates_.assign(task_.domain.predicates.size(), 0);
-    changing_functions_.assign(task_.domain.functions.size(), 0);
-    for (const Action& action : task_.domain.actions)
-      for (const Effect& effect : action.effects)
-        (effect.is_numeric() ? changing_functions_[effect.function] : changing_predicates_[effect.predicate]) = 1;
-    for (const TimedFact& timed : task_.problem.timed_facts) changing_predicates_[timed.fact.predicate] = 1;
-    for (const TimedAssignment& timed : task_.problem.timed_values) changing_functions_[timed.assignment.function] = 1;
+  void enter(int symbol, const Objects& objects, int key) {
+    if (atoms_.insert(symbol, objects) == static_cast<int>(keys_.size())) keys_.push_back(key);
+  }
+
+  /// The key of a fact or number; one that is not in the task becomes another.
+  int key_of(int symbol, const Objects& objects) {
+    enter(symbol, objects, first_other_ + static_cast<int>(others_.size()));
+    const int key = keys_[atoms_.find(symbol, objects)];
+    if (key == first_other_ + static_cast<int>(others_.size())) others_.emplace_back();
+    return key;
   }
 
   void look_at(GroundAction& action) {
@@ -81,25 +89,17 @@ class IdleFinder {
   void look_at(TimedEvent& event) {
     out_ = &event.idle;
     at_end_ = false;
-    const auto now = [&](double time) {
-      return static_cast<Micros>(std::llround(time * kMicrosPerSecond)) == event.time;
-    };
     for (const TimedFact& timed : task_.problem.timed_facts)
-      if (now(timed.time)) write_fact(timed.fact.predicate, timed.fact.objects, timed.value);
-    for (const TimedAssignment& timed : task_.problem.timed_values)
-      if (now(timed.time)) write_number(timed.assignment.function, timed.assignment.objects, false);
-  }
-
-  const std::vector<ObjectId>& objects(const std::vector<Term>& terms) {
-    objects_.clear();
-    for (const Term& term : terms) objects_.push_back(term.is_variable ? frame_[term.index] : term.index);
-    return objects_;
+      if (in_micros(timed.time) == event.time)
+        write(timed.fact.predicate, timed.fact.objects, timed.value, !timed.value);
+    for (const auto& [time, assignment, _] : task_.problem.timed_values)
+      if (in_micros(time) == event.time) write(symbol(assignment), assignment.objects, true, true);
   }
 
   /// `needed` is what the ground action reads already.
   void read(const Condition& condition, const GroundCondition& needed) {
     if (condition.kind == Condition::Kind::kAtom) {
-      if (changing_predicates_[condition.predicate] && !task_.domain.predicates[condition.predicate].derived)
+      if (changing_.predicates[condition.predicate] && !task_.domain.predicates[condition.predicate].derived)
         read_fact(condition, needed);
       return;
     }
@@ -111,62 +111,38 @@ class IdleFinder {
   }
 
   void read_fact(const Condition& atom, const GroundCondition& needed) {
-    const std::vector<ObjectId>& arguments = objects(atom.terms);
-    const int known = facts_.find(atom.predicate, arguments);
-    if (known < 0) {
-      note({Of::kOther, other(other_facts_, other_fact_ids_, atom.predicate, arguments), at_end_, true, false, false});
-      return;
-    }
-    const int fact = fact_ids_[known], opposite = ground_.facts[fact].complement;
-    const auto needs = [&](int f) { return f >= 0 && contains(needed.facts, f); };
-    if (!needs(fact) && !needs(opposite)) note({Of::kFact, fact, at_end_, true, false, false});
+    const int key = key_of(atom.predicate, bound_objects(atom.terms, frame_));
+    if (key < first_number_)
+      for (const int fact : {key, ground_.facts[key].complement})
+        if (fact >= 0 && contains(needed.facts, fact)) return;
+    note({key, at_end_, true, false, false});
   }
 
   void read(const Expression& expression) {
-    if (expression.kind == Expression::Kind::kFunction && changing_functions_[expression.function]) {
-      const std::vector<ObjectId>& arguments = objects(expression.terms);
-      const int known = numbers_.find(expression.function, arguments);
-      if (known >= 0)
-        note({Of::kNumber, number_ids_[known], at_end_, true, false, false});
-      else
-        note({Of::kOther, other(other_numbers_, other_number_ids_, expression.function, arguments), at_end_, true,
-              false, false});
-    }
-    for (const Expression& operand : expression.operands) read(operand);
+    for_each_part(expression, [this](const Expression& part) {
+      if (part.kind == Expression::Kind::kFunction && changing_.functions[part.function])
+        note({key_of(symbol(part), bound_objects(part.terms, frame_)), at_end_, true, false, false});
+    });
   }
 
   void write(const Effect& effect) {
+    const Objects objects = bound_objects(effect.terms, frame_);
     if (!effect.is_numeric()) {
-      write_fact(effect.predicate, objects(effect.terms), effect.kind == Effect::Kind::kAdd);
+      write(effect.predicate, objects, effect.kind == Effect::Kind::kAdd, effect.kind == Effect::Kind::kDelete);
       return;
     }
-    write_number(effect.function, objects(effect.terms),
-                 effect.kind == Effect::Kind::kIncrease || effect.kind == Effect::Kind::kDecrease);
+    const bool by = effect.kind == Effect::Kind::kIncrease || effect.kind == Effect::Kind::kDecrease;
+    write(symbol(effect), objects, true, !by);
     read(effect.value);
   }
 
-  void write_fact(PredicateId predicate, const std::vector<ObjectId>& arguments, bool add) {
-    if (facts_.find(predicate, arguments) < 0)
-      note({Of::kOther, other(other_facts_, other_fact_ids_, predicate, arguments), at_end_, false, add, !add});
-  }
-
-  void write_number(FunctionId function, const std::vector<ObjectId>& arguments, bool by) {
-    if (numbers_.find(function, arguments) < 0)
-      note({Of::kOther, other(other_numbers_, other_number_ids_, function, arguments), at_end_, false, true, !by});
-  }
-
-  int other(AtomTable& table, ById<int>& ids, int id, const std::vector<ObjectId>& arguments) {
-    const int entry = table.insert(id, arguments);
-    if (entry == static_cast<int>(ids.size())) {
-      ids.push_back(static_cast<int>(others_.size()));
-      others_.emplace_back();
-    }
-    return ids[entry];
+  void write(int symbol, const Objects& objects, bool up, bool down) {
+    if (const int key = key_of(symbol, objects); key >= first_other_) note({key, at_end_, false, up, down});
   }
 
   void note(const IdleTouch& touch) {
-    if (touch.of == Of::kOther) {
-      Other& other = others_[touch.index];
+    if (touch.key >= first_other_) {
+      Other& other = others_[touch.key - first_other_];
       other.read |= touch.read;
       other.up |= touch.up;
       other.down |= touch.down;
@@ -177,11 +153,11 @@ class IdleFinder {
   void drop_harmless() {
     ById<int> renamed(others_.size(), -1);
     for (std::size_t i = 0; i < others_.size(); ++i)
-      if (others_[i].harmful()) renamed[i] = ground_.others++;
+      if (others_[i].harmful()) renamed[i] = first_other_ + ground_.others++;
     const auto rename = [&](std::vector<IdleTouch>& touches) {
       for (IdleTouch& touch : touches)
-        if (touch.of == Of::kOther) touch.index = renamed[touch.index];
-      std::erase_if(touches, [](const IdleTouch& touch) { return touch.index < 0; });
+        if (touch.key >= first_other_) touch.key = renamed[touch.key - first_other_];
+      std::erase_if(touches, [](const IdleTouch& touch) { return touch.key < 0; });
       touches.shrink_to_fit();
     };
     for (GroundAction& action : ground_.actions) rename(action.idle);
@@ -191,11 +167,12 @@ class IdleFinder {
   const Task& task_;
   GroundTask& ground_;
   Budget& budget_;
-  ById<char> changing_predicates_, changing_functions_;
-  AtomTable facts_, numbers_, other_facts_, other_numbers_;  ///< functions in place of predicates for numbers
-  ById<int> fact_ids_, number_ids_, other_fact_ids_, other_number_ids_;  ///< by entry of the tables
+  const Symbols changing_;
+  const int first_number_, first_other_;  ///< keys, as of IdleTouch
+  AtomTable atoms_;                       ///< facts and numbers
+  ById<int> keys_;                        ///< by entry of the table
   ById<Other> others_;
-  ById<ObjectId> frame_, objects_;
+  ById<ObjectId> frame_;
   std::vector<IdleTouch>* out_ = nullptr;
   bool at_end_ = false;
 };

@@ -8,6 +8,7 @@ namespace cxlab::planner {
 
 namespace {
 
+constexpr std::size_t kMostFacts = 1500;
 constexpr std::size_t kWordsOfWork = 200;  ///< words of rows that take as long as one piece of Work::kGround
 
 /// What one happening needs, adds and surely removes.
@@ -111,9 +112,9 @@ class Pairs {
 
 }  // namespace
 
-Possible possible_by_pairs(const GroundTask& task, Budget& budget, std::size_t most_facts) {
+Possible possible_by_pairs(const GroundTask& task, Budget& budget) {
   Possible possible{ById<char>(task.actions.size(), 1)};
-  if (!task.axioms.empty() || task.facts.size() > most_facts || task.actions.size() > 4 * most_facts) return possible;
+  if (!task.axioms.empty() || task.facts.size() > kMostFacts || task.actions.size() > 4 * kMostFacts) return possible;
   const Pairs pairs(task, budget);
   if (budget.over()) return possible;
   for (std::size_t a = 0; a < task.actions.size(); ++a) {

@@ -1,7 +1,6 @@
 #pragma once
 // Facts that are never true together, and actions that therefore cannot happen (h2, Haslum and Geffner 2000).
 
-#include <cstddef>
 #include <vector>
 
 #include "planner/ground/budget.h"
@@ -16,7 +15,7 @@ struct Possible {
 };
 
 /// Beginnings and ends count one by one, so that overlapping plans are covered; numbers are taken to allow everything.
-/// All is possible if there are derived facts or more than `most_facts`, or the budget ends.
-Possible possible_by_pairs(const GroundTask& task, Budget& budget, std::size_t most_facts = 1500);
+/// All is possible if there are derived facts or more than 1,500, or the budget ends.
+Possible possible_by_pairs(const GroundTask& task, Budget& budget);
 
 }  // namespace cxlab::planner

@@ -19,10 +19,8 @@ bool events_help_goal(const GroundTask& task) {
   if (task.events.empty()) return false;
   if (std::ranges::any_of(task.goal.facts, [&](int f) { return task.facts[f].derived; })) return true;
   const auto reads = [&](int number) {
-    return std::ranges::any_of(task.goal.comparisons, [&](int c) {
-      return std::ranges::any_of(task.comparisons[c].expression.steps,
-                                 [&](const auto& step) { return step.number == number; });
-    });
+    return std::ranges::any_of(task.goal.comparisons,
+                               [&](int c) { return task.comparisons[c].expression.mentions(number); });
   };
   return std::ranges::any_of(task.events, [&](const TimedEvent& event) {
     return std::ranges::any_of(event.effects.add, [&](int f) { return contains(task.goal.facts, f); }) ||

@@ -112,15 +112,11 @@ class Join {
   bool stopped() { return too_many_ || budget_.over(); }
 
   void find_changing() {
-    result_.fluent.assign(task_.domain.predicates.size(), 0);
-    result_.changing.assign(task_.domain.functions.size(), 0);
+    Symbols found = changing(task_.domain, task_.problem);
+    result_.fluent = std::move(found.predicates);
+    result_.changing = std::move(found.functions);
     for (std::size_t p = 0; p < task_.domain.predicates.size(); ++p)
-      result_.fluent[p] = task_.domain.predicates[p].derived;
-    for (const Action& action : task_.domain.actions)
-      for (const Effect& effect : action.effects)
-        (effect.is_numeric() ? result_.changing[effect.function] : result_.fluent[effect.predicate]) = 1;
-    for (const TimedFact& timed : task_.problem.timed_facts) result_.fluent[timed.fact.predicate] = 1;
-    for (const TimedAssignment& timed : task_.problem.timed_values) result_.changing[timed.assignment.function] = 1;
+      result_.fluent[p] |= static_cast<char>(task_.domain.predicates[p].derived);
   }
 
   Pattern make_pattern(const Action& action) const {
@@ -140,14 +136,20 @@ class Join {
     collect(action.condition.over_all, &at_once, pattern);
     collect(action.condition.end, &later, pattern);
     ById<char> used(static_cast<std::size_t>(action.slots), 0);
-    for (const Condition* condition : {&action.condition.start, &action.condition.over_all, &action.condition.end})
-      mark(*condition, used);
-    for (const DurationConstraint& constraint : action.duration) mark(constraint.bound, used);
+    const auto use = [&used](const auto& part) {
+      for (const Term& term : part.terms)
+        if (term.is_variable) used[term.index] = 1;
+    };
+    const auto use_condition = [&](const Condition& part, bool) {
+      use(part);
+      for (const Expression& side : part.sides) for_each_part(side, use);
+    };
+    for (const Condition* condition : action.condition.parts()) for_each_part(*condition, use_condition);
+    for (const DurationConstraint& constraint : action.duration) for_each_part(constraint.bound, use);
     for (const Effect& effect : action.effects) {
-      mark(effect.terms, used);
-      mark(effect.value, used);
-      for (const Condition* condition : {&effect.condition.start, &effect.condition.over_all, &effect.condition.end})
-        mark(*condition, used);
+      use(effect);
+      for_each_part(effect.value, use);
+      for (const Condition* condition : effect.condition.parts()) for_each_part(*condition, use_condition);
     }
     for (const Variable& parameter : action.parameters) {
       pattern.candidates.push_back(objects_of(task_.domain, task_.problem, parameter.types));
@@ -174,20 +176,6 @@ class Join {
     }
   }
 
-  static void mark(const std::vector<Term>& terms, ById<char>& used) {
-    for (const Term& term : terms)
-      if (term.is_variable) used[term.index] = 1;
-  }
-  static void mark(const Expression& expression, ById<char>& used) {
-    mark(expression.terms, used);
-    for (const Expression& operand : expression.operands) mark(operand, used);
-  }
-  static void mark(const Condition& condition, ById<char>& used) {
-    mark(condition.terms, used);
-    for (const Expression& side : condition.sides) mark(side, used);
-    for (const Condition& operand : condition.operands) mark(operand, used);
-  }
-
   void show(int atom) {
     const PredicateId predicate = result_.atoms.predicate(atom);
     everything_[predicate].push_back(atom);
@@ -207,14 +195,12 @@ class Join {
     extend(done);
   }
 
-  ObjectId value(const Term& term) const { return term.is_variable ? frame_[term.index] : term.index; }
-
   /// Binds the variables of `pattern` to the objects of `atom`; the slots bound are added to `bound`.
   bool match(const Atom& pattern, int atom, std::vector<int>& bound) {
     const std::span<const ObjectId> objects = result_.atoms.objects(atom);
     for (std::size_t i = 0; i < objects.size(); ++i) {
       const Term& term = pattern.terms[i];
-      const ObjectId now = value(term);
+      const ObjectId now = term.in(frame_);
       if (now == objects[i]) continue;
       if (now >= 0 || !patterns_[action_].allowed[term.index][objects[i]]) return release(bound);
       frame_[term.index] = objects[i];
@@ -231,7 +217,7 @@ class Join {
 
   bool equalities_hold() const {
     return std::ranges::all_of(patterns_[action_].equalities, [this](const Equality& equality) {
-      const ObjectId left = value(equality.left), right = value(equality.right);
+      const ObjectId left = equality.left.in(frame_), right = equality.right.in(frame_);
       return left < 0 || right < 0 || (left == right) == equality.same;
     });
   }
@@ -247,7 +233,7 @@ class Join {
       const std::vector<int>* fewest = &everything_[atom.predicate];
       key_.clear();
       for (std::size_t i = 0; i < atom.terms.size(); ++i) {
-        const ObjectId object = value(atom.terms[i]);
+        const ObjectId object = atom.terms[i].in(frame_);
         key_.push_back(object);
         if (object < 0)
           ground = false;
@@ -308,14 +294,11 @@ class Join {
     }
     budget_.spend(Work::kGround, kBindingWork);
     result_.bindings.push_back({static_cast<ActionId>(action_), arguments});
-    ById<ObjectId> frame = frame_, objects;
+    ById<ObjectId> frame = frame_;
     for (const Effect& effect : action.effects) {
       if (effect.kind != Effect::Kind::kAdd) continue;
-      for_each_assignment(task_, effect.variables, frame, budget_, [&] {
-        objects.clear();
-        for (const Term& term : effect.terms) objects.push_back(term.is_variable ? frame[term.index] : term.index);
-        result_.atoms.insert(effect.predicate, objects);
-      });
+      for_each_assignment(task_, effect.variables, frame, budget_,
+                          [&] { result_.atoms.insert(effect.predicate, bound_objects(effect.terms, frame)); });
     }
   }
 

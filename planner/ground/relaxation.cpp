@@ -31,7 +31,7 @@ bool Relaxation::reaches(const GroundCondition& condition) const {
 
 bool Relaxation::has_value(const GroundExpression& expression) const {
   return any_value_ || std::ranges::all_of(expression.steps, [this](const GroundExpression::Step& step) {
-           return step.kind == GroundExpression::Kind::kNumber ? defined_[step.number] != 0 : !std::isnan(step.value);
+           return step.kind == GroundExpression::Kind::kFunction ? defined_[step.number] != 0 : !std::isnan(step.value);
          });
 }
 

@@ -83,21 +83,16 @@ class Relevance {
     changed_ = true;
     ask(action.condition);
     for (const Effect& effect : action.effects)  // one that must not come about may have to be kept from it
-      for (const Condition* part : {&effect.condition.start, &effect.condition.over_all, &effect.condition.end})
-        ask(*part, true);
+      for (const Condition* part : effect.condition.parts()) ask(*part, true);
     for (const DurationConstraint& constraint : action.duration) ask(constraint.bound);
     for (const Effect& effect :
          action.effects) {  // it cannot be done before the numbers that it reads and changes have values
       if (!effect.is_numeric()) continue;
       if (effect.kind != Effect::Kind::kAssign && late_[effect.function]) mark(number_[effect.function]);
-      ask_late(effect.value);
+      for_each_part(effect.value, [this](const Expression& part) {
+        if (part.kind == Expression::Kind::kFunction && late_[part.function]) mark(number_[part.function]);
+      });
     }
-  }
-
-  void ask_late(const Expression& expression) {
-    if (expression.kind == Expression::Kind::kFunction && late_[expression.function])
-      mark(number_[expression.function]);
-    for (const Expression& operand : expression.operands) ask_late(operand);
   }
 
   bool helps(const Effect& effect) const {
@@ -107,22 +102,23 @@ class Relevance {
   }
 
   void ask(const TimedCondition& condition) {
-    for (const Condition* part : {&condition.start, &condition.over_all, &condition.end}) ask(*part, false);
+    for (const Condition* part : condition.parts()) ask(*part, false);
   }
 
   void ask(const Condition& condition, bool negated) {
-    using Kind = Condition::Kind;
-    if (condition.kind == Kind::kAtom) mark((negated ? absent_ : present_)[condition.predicate]);
-    for (const Expression& side : condition.sides) ask(side);
-    for (std::size_t i = 0; i < condition.operands.size(); ++i) {
-      const bool turns = condition.kind == Kind::kNot || (condition.kind == Kind::kImply && i == 0);
-      ask(condition.operands[i], negated != turns);
-    }
+    for_each_part(
+        condition,
+        [this](const Condition& part, bool absent) {
+          if (part.kind == Condition::Kind::kAtom) mark((absent ? absent_ : present_)[part.predicate]);
+          for (const Expression& side : part.sides) ask(side);
+        },
+        negated);
   }
 
   void ask(const Expression& expression) {
-    if (expression.kind == Expression::Kind::kFunction) mark(number_[expression.function]);
-    for (const Expression& operand : expression.operands) ask(operand);
+    for_each_part(expression, [this](const Expression& part) {
+      if (part.kind == Expression::Kind::kFunction) mark(number_[part.function]);
+    });
   }
 
   void mark(char& flag) {

@@ -27,7 +27,7 @@ void rename(std::vector<int>& ids, const ById<int>& renamed) {
 
 void rename(GroundExpression& expression, const ById<int>& renamed) {
   for (auto& step : expression.steps)
-    if (step.kind == GroundExpression::Kind::kNumber) step.number = renamed[step.number];
+    if (step.kind == GroundExpression::Kind::kFunction) step.number = renamed[step.number];
 }
 
 void rename_numbers(GroundTask& task, const ById<int>& renamed) {

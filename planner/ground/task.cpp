@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 
 namespace cxlab::planner {
 
@@ -20,22 +22,10 @@ LinearForm times(LinearForm form, double factor) {
 }
 
 LinearForm plus(const LinearForm& a, const LinearForm& b) {
-  LinearForm sum;
-  sum.is_linear = a.is_linear && b.is_linear;
-  sum.constant = a.constant + b.constant;
-  sum.duration_weight = a.duration_weight + b.duration_weight;
-  auto left = a.weights.begin(), right = b.weights.begin();
-  while (left != a.weights.end() || right != b.weights.end()) {
-    if (right == b.weights.end() || (left != a.weights.end() && left->first < right->first)) {
-      sum.weights.push_back(*left++);
-    } else if (left == a.weights.end() || right->first < left->first) {
-      sum.weights.push_back(*right++);
-    } else {
-      if (left->second + right->second != 0) sum.weights.emplace_back(left->first, left->second + right->second);
-      ++left;
-      ++right;
-    }
-  }
+  LinearForm sum{a.is_linear && b.is_linear, {}, a.constant + b.constant, a.duration_weight + b.duration_weight};
+  std::map<int, double> weights(a.weights.begin(), a.weights.end());
+  for (const auto& [number, weight] : b.weights) weights[number] += weight;
+  std::ranges::copy_if(weights, std::back_inserter(sum.weights), [](const auto& entry) { return entry.second != 0; });
   return sum;
 }
 
@@ -49,26 +39,18 @@ double GroundExpression::evaluate(const double* numbers, double duration_s, doub
   for (const Step& step : steps) {
     switch (step.kind) {
       case Kind::kConstant: stack[top++] = step.value; break;
-      case Kind::kNumber: stack[top++] = numbers[step.number]; break;
+      case Kind::kFunction: stack[top++] = numbers[step.number]; break;
       case Kind::kDuration: stack[top++] = duration_s; break;
       case Kind::kTotalTime: stack[top++] = total_time_s; break;
       case Kind::kNegate: stack[top - 1] = -stack[top - 1]; break;
-      case Kind::kAdd:
-        --top;
-        stack[top - 1] += stack[top];
-        break;
-      case Kind::kSubtract:
-        --top;
-        stack[top - 1] -= stack[top];
-        break;
-      case Kind::kMultiply:
-        --top;
-        stack[top - 1] *= stack[top];
-        break;
-      case Kind::kDivide:
-        --top;
-        stack[top - 1] = stack[top] == 0 ? std::numeric_limits<double>::quiet_NaN() : stack[top - 1] / stack[top];
-        break;
+      default: {
+        const double right = stack[--top];
+        double& left = stack[top - 1];
+        if (step.kind == Kind::kAdd) left += right;
+        if (step.kind == Kind::kSubtract) left -= right;
+        if (step.kind == Kind::kMultiply) left *= right;
+        if (step.kind == Kind::kDivide) left = right == 0 ? std::numeric_limits<double>::quiet_NaN() : left / right;
+      }
     }
     if (top == kDeepest) return std::numeric_limits<double>::quiet_NaN();
   }
@@ -97,7 +79,7 @@ LinearForm linear_form(const GroundExpression& expression) {
     form.is_linear = true;
     switch (step.kind) {
       case Kind::kConstant: form.constant = step.value; break;
-      case Kind::kNumber: form.weights.emplace_back(step.number, 1.0); break;
+      case Kind::kFunction: form.weights.emplace_back(step.number, 1.0); break;
       case Kind::kDuration: form.duration_weight = 1; break;
       case Kind::kTotalTime: form.is_linear = false; break;
       case Kind::kNegate: form = times(take(), -1); break;
@@ -151,24 +133,15 @@ ById<char> significant_numbers(const GroundTask& task) {
   return significant;
 }
 
-std::string action_name(const Task& task, const GroundAction& action) {
-  std::string name = "(" + task.domain.actions[action.schema].name;
-  for (const ObjectId object : action.arguments) name += " " + task.problem.objects[object].name;
-  return name + ")";
-}
-
-std::string number_name(const Task& task, const GroundNumber& number) {
-  std::string name = "(" + task.domain.functions[number.function].name;
-  for (const ObjectId object : number.objects) name += " " + task.problem.objects[object].name;
-  return name + ")";
-}
-
-std::string fact_name(const Task& task, const GroundFact& fact) {
-  if (fact.predicate < 0) return "(disjunction)";
-  std::string name = "(" + task.domain.predicates[fact.predicate].name;
-  for (const ObjectId object : fact.objects) name += " " + task.problem.objects[object].name;
-  name += ")";
-  return fact.is_complement ? "(not " + name + ")" : name;
+DurationRange constant_durations(const GroundAction& action) {
+  DurationRange range{0, action.durative ? DurationRange::kForever : 0};
+  for (const GroundDuration& duration : action.duration) {
+    if (!duration.bound.is_constant()) continue;
+    const Micros bound = in_micros(duration.bound.steps[0].value);
+    if (duration.comparison != Comparison::kLessEqual) range.least = std::max(range.least, bound);
+    if (duration.comparison != Comparison::kGreaterEqual) range.most = std::min(range.most, bound);
+  }
+  return range;
 }
 
 }  // namespace cxlab::planner

@@ -6,6 +6,7 @@
 // actions are derived facts.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -23,6 +24,10 @@ using Micros = std::int64_t;
 inline constexpr Micros kSeparation = 1001;
 
 inline constexpr Micros kMicrosPerSecond = 1'000'000;
+inline double in_seconds(Micros time) { return static_cast<double>(time) / static_cast<double>(kMicrosPerSecond); }
+inline Micros in_micros(double seconds) {
+  return static_cast<Micros>(std::llround(seconds * static_cast<double>(kMicrosPerSecond)));
+}
 
 using Word = std::uint64_t;
 
@@ -38,20 +43,10 @@ struct DurationRange {
 
 /// A number computed from numeric fluents: operations in postfix order.
 struct GroundExpression {
-  enum class Kind : std::uint8_t {
-    kConstant,
-    kNumber,
-    kDuration,
-    kTotalTime,
-    kAdd,
-    kSubtract,
-    kMultiply,
-    kDivide,
-    kNegate
-  };
+  using Kind = Expression::Kind;
   struct Step {
     Kind kind = Kind::kConstant;
-    int number = -1;   ///< of kNumber
+    int number = -1;   ///< of kFunction
     double value = 0;  ///< of kConstant
     bool operator==(const Step&) const = default;
   };
@@ -60,8 +55,9 @@ struct GroundExpression {
   template <class Visit>
   void for_each_number(const Visit& visit) const {
     for (const Step& step : steps)
-      if (step.kind == Kind::kNumber) visit(step.number);
+      if (step.kind == Kind::kFunction) visit(step.number);
   }
+  bool mentions(int number) const { return std::ranges::find(steps, number, &Step::number) != steps.end(); }
   /// Appends bytes that differ for different expressions.
   void append_key(std::string& key) const;
   bool mentions_duration() const {
@@ -152,9 +148,7 @@ struct ContinuousEffect {
 /// What no plan depends on, but validators hold against happenings at one time: a condition names a fact that is always
 /// so, or that another part of the condition makes unimportant; an effect changes what nothing needs.
 struct IdleTouch {
-  enum class Of : std::uint8_t { kFact, kNumber, kOther };
-  Of of = Of::kOther;
-  int index = -1;  ///< of kOther: 0 ... GroundTask::others - 1
+  int key = -1;  ///< a fact, or behind all facts a number, or behind all numbers one of GroundTask::others
   bool at_end = false;
   bool read = false, up = false, down = false;  ///< up: added or increased; down: deleted; both: assigned
 };
@@ -223,16 +217,10 @@ struct GroundNumber {
   std::vector<ObjectId> objects;
 };
 
-/// What a condition reads through derived predicates, as validators judge it: every fact of the predicates, and every
-/// number of the functions, that they are derived from.
-struct DerivedReads {
-  ById<char> predicates, functions;  ///< empty: none
-  bool any() const { return !predicates.empty(); }
-};
-
-/// The same for an action of the domain.
+/// What conditions of an action of the domain read through derived predicates, as validators judge it: every fact of
+/// the predicates, and every number of the functions, that they are derived from. Empty lists: nothing.
 struct SchemaReads {
-  DerivedReads start, over_all, end;
+  Symbols start, over_all, end;
 };
 
 struct GroundTask {
@@ -259,9 +247,7 @@ struct GroundTask {
 /// that only the metric reads.
 ById<char> significant_numbers(const GroundTask& task);
 
-/// "(name arg arg)" as plans write it.
-std::string action_name(const Task& task, const GroundAction& action);
-std::string number_name(const Task& task, const GroundNumber& number);
-std::string fact_name(const Task& task, const GroundFact& fact);
+/// The durations that those constraints allow that are constants.
+DurationRange constant_durations(const GroundAction& action);
 
 }  // namespace cxlab::planner

@@ -34,7 +34,7 @@ Objective::Objective(const Simulator& simulator)
       if (weight(effect.number) != 0) never_falls_ = false;
     const std::optional<DurationRange> range =
         action.durative ? simulator.durations(static_cast<int>(a), initial.data()) : DurationRange{};
-    const double duration_s = range ? seconds(range->least) : 0;
+    const double duration_s = range ? in_seconds(range->least) : 0;
     durations_s_.push_back(duration_s);
     changes_[a] = change_of(action.at_start, duration_s) + change_of(action.at_end, duration_s);
   }
@@ -69,14 +69,14 @@ double Objective::change_of(const GroundEffects& effects, double duration_s) con
 
 double Objective::value_of(double metric, Micros makespan) {
   if (!std::isfinite(metric)) return std::numeric_limits<double>::infinity();
-  return std::round(metric * kMillion) + seconds(makespan) / (1 + seconds(makespan));
+  return std::round(metric * kMillion) + in_seconds(makespan) / (1 + in_seconds(makespan));
 }
 
 std::optional<double> Objective::bound(Micros least_makespan) const {
   if (is_makespan_)
-    return task_.metric.steps.empty() ? seconds(least_makespan)
-                                      : linear_.constant + linear_.duration_weight * seconds(least_makespan);
-  const double least = task_.metric.evaluate(initial_.data(), 0, seconds(least_makespan));
+    return task_.metric.steps.empty() ? in_seconds(least_makespan)
+                                      : linear_.constant + linear_.duration_weight * in_seconds(least_makespan);
+  const double least = task_.metric.evaluate(initial_.data(), 0, in_seconds(least_makespan));
   if (!never_falls_ || !std::isfinite(least)) return std::nullopt;
   return least;
 }
@@ -87,7 +87,7 @@ std::optional<GroundComparison> Objective::better_than(double metric, Micros lea
   GroundExpression room = GroundExpression::constant(metric - 1 / kMillion);
   for (const auto& step : task_.metric.steps) {
     if (step.kind == GroundExpression::Kind::kTotalTime)
-      room.steps.push_back({GroundExpression::Kind::kConstant, -1, seconds(least_makespan)});
+      room.steps.push_back({GroundExpression::Kind::kConstant, -1, in_seconds(least_makespan)});
     else
       room.steps.push_back(step);
   }

@@ -18,7 +18,7 @@ class Objective {
   /// Infinite where the metric is undefined.
   double value(const double* numbers, Micros makespan) const {
     return is_makespan_ ? static_cast<double>(makespan)
-                        : value_of(task_.metric.evaluate(numbers, 0, seconds(makespan)), makespan);
+                        : value_of(task_.metric.evaluate(numbers, 0, in_seconds(makespan)), makespan);
   }
   /// The same of a metric that has been computed (negated where it is to be made large).
   static double value_of(double metric, Micros makespan);
@@ -37,7 +37,6 @@ class Objective {
   std::vector<int> prices() const;
 
  private:
-  static double seconds(Micros time) { return static_cast<double>(time) / static_cast<double>(kMicrosPerSecond); }
   double weight(int number) const;
   void look_at(const GroundEffects& effects);
   double change_of(const GroundEffects& effects, double duration_s) const;

@@ -25,7 +25,6 @@ bool Rebuild::start(const Sequence& plan) {
 void Rebuild::run(Budget& budget, std::int64_t most_idle, const LocalSearch::OnBetter& on_better) {
   const Simulator& simulator = decoder_.simulator();
   const Landmarks none(simulator, relaxed_, 0, budget);
-  LazySearch search(simulator, relaxed_, none);
   DecodedPlan tried;
   Sequence kept, filled;
   PackedState state;
@@ -38,9 +37,12 @@ void Rebuild::run(Budget& budget, std::int64_t most_idle, const LocalSearch::OnB
     LazyOptions options;
     options.seed = random_.next() | 1;
     options.cost_noise = random_.chance(0.7) ? 3.0 : 0.5;
-    options.landmarks = false;
-    options.most_units = kSearchUnits;
-    if (search.run(state, options, budget, filled) != SearchEnd::kFound) {
+    SearchEnd end = SearchEnd::kBudget;
+    {
+      const BudgetSlice slice(budget, kSearchUnits);
+      end = LazySearch(simulator, relaxed_, none, state, options).run(budget, filled);
+    }
+    if (end != SearchEnd::kFound) {
       if (budget.slice_over()) return;
       continue;
     }

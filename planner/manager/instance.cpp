@@ -388,7 +388,7 @@ Expected<std::vector<ReportedEffect>> Instance::original_effects(const ActionCal
       if (term.is_variable && variable != effect.variables.end())
         out.arguments.push_back(variable->name.substr(1));
       else
-        out.arguments.push_back(problem().objects[term.is_variable ? bound[term.index] : term.index].name);
+        out.arguments.push_back(problem().objects[term.in(bound)].name);
     }
     if (!effect.is_numeric()) continue;
     const bool plain =

@@ -14,8 +14,6 @@ using View = bus::MessageView;
 /// Starts that are not further apart than this belong to one class, s.
 constexpr double kSameClass = 0.1;
 
-double seconds_of(Micros time) { return static_cast<double>(time) / kMicrosPerSecond; }
-
 }  // namespace
 
 /// What planning came to.
@@ -126,14 +124,14 @@ PddlManager::Job PddlManager::job_of(std::size_t dialect, const bus::GoalId& id,
     const bus::Field& latest = *reported.type().find("latest_start");
     if (reported.resize(latest, plan.steps.size()))
       for (std::size_t i = 0; i < plan.steps.size() && 2 * i < plan.latest.size(); ++i)
-        reported.set_real(latest, seconds_of(plan.latest[2 * i]), i);
+        reported.set_real(latest, in_seconds(plan.latest[2 * i]), i);
     for (const Ordering& ordering : plan.orderings) {
       const View out = reported.append("orderings");
       const bool origin = ordering.from == Ordering::kOrigin;
       out.set("from_action", origin ? -1 : ordering.from / 2).set("from_end", !origin && ordering.from % 2 == 1);
       out.set("to_action", ordering.to / 2).set("to_end", ordering.to % 2 == 1);
-      out.set("at_least", seconds_of(ordering.least))
-          .set("at_most", ordering.most == DurationRange::kForever ? -1.0 : seconds_of(ordering.most));
+      out.set("at_least", in_seconds(ordering.least))
+          .set("at_most", ordering.most == DurationRange::kForever ? -1.0 : in_seconds(ordering.most));
     }
   }
   const double wait = options_.cost.latency_a + options_.cost.latency_b * static_cast<double>(outcome.answer.units);

@@ -263,10 +263,8 @@ struct PddlManager::Services {
   }
 
   /// All or nothing: `prepare` gives what changes in one instance, or why that cannot be.
-  template <class Change>
-  Status change_objects(const View& q, const View& a,
-                        Expected<Change> (Instance::*prepare)(const std::vector<ObjectName>&) const,
-                        void (Instance::*apply)(const Change&)) {
+  template <auto prepare, auto apply>
+  Status change_objects(const View& q, const View& a) {
     const std::vector<View> parts = messages(q, "objects");
     std::vector<std::pair<Instance*, std::vector<ObjectName>>> all;
     for (const View& part : parts) {
@@ -276,22 +274,15 @@ struct PddlManager::Services {
       if (known == all.end()) known = all.insert(all.end(), {*instance, {}});
       known->second.push_back({part.text("name"), part.text("type")});
     }
-    std::vector<Change> changes;
+    std::vector<std::function<void()>> changes;
     for (const auto& [instance, objects] : all) {
       auto change = (instance->*prepare)(objects);
       if (!change) return change.error();
-      changes.push_back(*std::move(change));
+      changes.push_back([target = instance, made = *std::move(change)] { (target->*apply)(made); });
     }
-    for (std::size_t i = 0; i < all.size(); ++i) (all[i].first->*apply)(changes[i]);
+    for (const auto& change : changes) change();
     notify(parts, a);
     return {};
-  }
-
-  Status add_objects(const View& q, const View& a) {
-    return change_objects(q, a, &Instance::new_objects, &Instance::add_objects);
-  }
-  Status rm_objects(const View& q, const View& a) {
-    return change_objects(q, a, &Instance::others_than, &Instance::keep_objects);
   }
 
   // --- Goals and filters
@@ -414,8 +405,8 @@ Status PddlManager::serve_questions() {
       {"add_fluents", "AddFluents", &S::add_fluents, true, true},
       {"rm_fluents", "RemoveFluents", &S::rm_fluents, true, true},
       {"set_functions", "SetFunctions", &S::set_functions, true, true},
-      {"add_objects", "AddObjects", &S::add_objects, true, true},
-      {"rm_objects", "RemoveObjects", &S::rm_objects, true, true},
+      {"add_objects", "AddObjects", &S::change_objects<&Instance::new_objects, &Instance::add_objects>, true, true},
+      {"rm_objects", "RemoveObjects", &S::change_objects<&Instance::others_than, &Instance::keep_objects>, true, true},
       {"set_goals", "SetGoals", &S::set_goals, true, true},
       {"clear_goals", "ClearGoals", &S::clear_goals, true, true},
       {"create_goal_instance", "CreateGoalInstance", &S::of_instance<S::create_goal_instance>, true, true},

@@ -36,16 +36,12 @@ constexpr std::array kReserved = {"and",      "or",         "not",      "imply",
                                   "increase", "decrease",   "scale-up", "scale-down"};
 
 /// The lowest stratum in which a rule with this condition can stand.
-int needed_stratum(const Domain& domain, const Condition& condition, bool negated) {
+int needed_stratum(const Domain& domain, const Condition& condition) {
   int stratum = 0;
-  if (condition.kind == Condition::Kind::kAtom) {
-    const Predicate& predicate = domain.predicates[condition.predicate];
-    return predicate.derived ? predicate.stratum + (negated ? 1 : 0) : 0;
-  }
-  for (std::size_t i = 0; i < condition.operands.size(); ++i) {
-    const bool flips = condition.kind == Condition::Kind::kNot || (condition.kind == Condition::Kind::kImply && i == 0);
-    stratum = std::max(stratum, needed_stratum(domain, condition.operands[i], negated != flips));
-  }
+  for_each_part(condition, [&](const Condition& part, bool negated) {
+    if (part.kind != Condition::Kind::kAtom || !domain.predicates[part.predicate].derived) return;
+    stratum = std::max(stratum, domain.predicates[part.predicate].stratum + (negated ? 1 : 0));
+  });
   return stratum;
 }
 
@@ -280,7 +276,7 @@ class DomainParser {
     for (bool changed = true; std::exchange(changed, false);)
       for (const Derivation& rule : domain_.derivations) {
         Predicate& predicate = domain_.predicates[rule.predicate];
-        const int needed = needed_stratum(domain_, rule.condition, false);
+        const int needed = needed_stratum(domain_, rule.condition);
         if (needed <= predicate.stratum) continue;
         if (needed > highest) {
           Node at;

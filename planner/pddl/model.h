@@ -4,6 +4,7 @@
 // Language: PDDL 2.1 level 4 restricted to linear change, with derived predicates and timed initial literals of 2.2
 // and timed numeric values. See docs/planning.md. Names are lower case.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -35,6 +36,8 @@ struct Term {
 
   static Term variable(int slot) { return {true, slot}; }
   static Term object(ObjectId id) { return {false, id}; }
+  /// The object that it is in a frame.
+  ObjectId in(const ById<ObjectId>& frame) const { return is_variable ? frame[index] : index; }
   bool operator==(const Term&) const = default;
 };
 
@@ -95,6 +98,25 @@ struct Condition {
   bool is_true() const { return kind == Kind::kAnd && operands.empty(); }
 };
 
+/// Calls `visit(part)` for an expression and all expressions in it.
+template <class Visit>
+void for_each_part(const Expression& expression, const Visit& visit) {
+  visit(expression);
+  for (const Expression& operand : expression.operands) for_each_part(operand, visit);
+}
+
+/// Calls `visit(part, negated)` for a condition and all conditions in it; `negated`: an odd number of negations are
+/// around it.
+template <class Visit>
+void for_each_part(const Condition& condition, const Visit& visit, bool negated = false) {
+  using Kind = Condition::Kind;
+  visit(condition, negated);
+  for (const Condition& operand : condition.operands) {
+    const bool is_premise = condition.kind == Kind::kImply && &operand == &condition.operands.front();
+    for_each_part(operand, visit, negated != (is_premise || condition.kind == Kind::kNot));
+  }
+}
+
 /// Conditions of a durative action by the time at which they count. An instantaneous action uses `start` alone.
 struct TimedCondition {
   Condition start;
@@ -102,6 +124,7 @@ struct TimedCondition {
   Condition end;
 
   bool is_true() const { return start.is_true() && over_all.is_true() && end.is_true(); }
+  std::array<const Condition*, 3> parts() const { return {&start, &over_all, &end}; }
 };
 
 /// One elementary effect: for all `variables`, when `condition`, at `time`, do it. Nested and, forall and when are
@@ -263,7 +286,21 @@ bool fits(const Domain& domain, const Object& object, const std::vector<TypeId>&
 /// All objects that may be the value of a variable with these types, ascending.
 std::vector<ObjectId> objects_of(const Domain& domain, const Problem& problem, const std::vector<TypeId>& types);
 
+/// The objects that terms are in a frame.
+std::vector<ObjectId> bound_objects(const std::vector<Term>& terms, const ById<ObjectId>& frame);
+
 /// The index of a name, or -1.
 int find(const NameTable& table, std::string_view name);
+
+/// Which predicates and which functions.
+struct Symbols {
+  ById<char> predicates, functions;
+};
+
+/// What actions and events can change; derived predicates are not among it.
+Symbols changing(const Domain& domain, const Problem& problem);
+
+/// By predicate: what a derived one is computed from, directly or through other derived ones, which are not among it.
+ById<Symbols> bases_of_derived(const Domain& domain);
 
 }  // namespace cxlab::planner

@@ -182,25 +182,26 @@ bool Stn::has_cycle() {
   return false;
 }
 
+/// Calls `visit` with the latest times that events to come leave to a happening of a step.
+template <class Visit>
+void Stn::for_each_limit(int step, bool at_end, const Visit& visit) const {
+  for (const Touch& touched : touches_.of(steps_[step].action))
+    for (const int event : touches_.events_of(touched.key)) {
+      if (event < next_event_) continue;
+      const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
+      for (const Touch& other : touches_.of_event(event))
+        if (other.key == touched.key && Touches::conflict(other.at_start, does))
+          visit(touches_.events()[event].time - separation(other.at_start, does));
+    }
+}
+
 bool Stn::keeps_clear_of_events() const {
   if (next_event_ == static_cast<int>(touches_.events().size())) return true;
-  for (std::size_t p = 0; p < point_step_.size(); ++p) {
-    const int step = point_step_[p];
-    if (step < 0) continue;
-    const bool at_end = steps_[step].end == static_cast<int>(p);
-    for (const Touch& touched : touches_.of(steps_[step].action)) {
-      const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
-      if (!does) continue;
-      for (const int event : touches_.events_of(touched.key)) {
-        if (event < next_event_) continue;
-        for (const Touch& other : touches_.of_event(event))
-          if (other.key == touched.key && Touches::conflict(other.at_start, does) &&
-              times_[p] + separation(other.at_start, does) > touches_.events()[event].time)
-            return false;
-      }
-    }
-  }
-  return true;
+  bool clear = true;
+  for (int p = 0; p < points(); ++p)
+    if (const int step = point_step_[p]; step >= 0)
+      for_each_limit(step, steps_[step].end == p, [&](Micros latest) { clear = clear && times_[p] <= latest; });
+  return clear;
 }
 
 Micros Stn::makespan() const {
@@ -264,15 +265,9 @@ std::vector<Ordering> Stn::orderings() const {
   }
   for (const Step& step : steps_)  // events that have not happened bound what they would break
     for (const bool at_end : {false, true})
-      for (const Touch& touched : touches_.of(step.action))
-        for (const int event : touches_.events_of(touched.key)) {
-          if (event < next_event_) continue;
-          const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
-          for (const Touch& other : touches_.of_event(event))
-            if (other.key == touched.key && Touches::conflict(other.at_start, does))
-              found.push_back({Ordering::kOrigin, name(at_end ? step.end : step.start), 0,
-                               touches_.events()[event].time - separation(other.at_start, does)});
-        }
+      for_each_limit(point_step_[step.start], at_end, [&](Micros latest) {
+        found.push_back({Ordering::kOrigin, name(at_end ? step.end : step.start), 0, latest});
+      });
   return found;
 }
 

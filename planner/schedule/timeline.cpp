@@ -31,9 +31,8 @@ Touches::Touches(const GroundTask& task)
         bases.insert(bases.end(), bases_[positive].begin(), bases_[positive].end());
       }
       for (const int c : axiom.body.comparisons)
-        for (const auto& step : task.comparisons[c].expression.steps)
-          if (step.kind == GroundExpression::Kind::kNumber)
-            bases.push_back(static_cast<int>(task.facts.size()) + step.number);
+        task.comparisons[c].expression.for_each_number(
+            [&](int n) { bases.push_back(static_cast<int>(task.facts.size()) + n); });
       sort_unique(bases);
       if (bases.size() != bases_[axiom.head].size()) {
         bases_[axiom.head] = std::move(bases);
@@ -117,9 +116,9 @@ void Touches::hold(std::vector<Touch>& touches, const GroundCondition& condition
         [&](int n) { touch(touches, static_cast<int>(task_.facts.size()) + n, kBoth, true, true); });
 }
 
-void Touches::read(std::vector<Touch>& touches, const DerivedReads& reads, std::uint8_t does, bool at_start,
+void Touches::read(std::vector<Touch>& touches, const Symbols& reads, std::uint8_t does, bool at_start,
                    bool at_end) const {
-  if (!reads.any()) return;
+  if (reads.predicates.empty()) return;
   for (std::size_t f = 0; f < task_.facts.size(); ++f)
     if (const GroundFact& fact = task_.facts[f];
         !fact.derived && fact.predicate >= 0 && reads.predicates[fact.predicate])
@@ -149,11 +148,8 @@ void Touches::write(std::vector<Touch>& touches, const GroundEffects& effects, b
 }
 
 void Touches::idle(std::vector<Touch>& touches, const std::vector<IdleTouch>& from) const {
-  const int numbers = static_cast<int>(task_.facts.size()), others = numbers + static_cast<int>(task_.numbers.size());
   for (const IdleTouch& each : from) {
-    const int key = each.of == IdleTouch::Of::kFact
-                        ? key_of_fact(each.index)
-                        : each.index + (each.of == IdleTouch::Of::kNumber ? numbers : others);
+    const int key = each.key < static_cast<int>(task_.facts.size()) ? key_of_fact(each.key) : each.key;
     const int does = (each.read ? Touch::kRead : 0) | (each.up ? Touch::kUp : 0) | (each.down ? Touch::kDown : 0);
     touch(touches, key, static_cast<std::uint8_t>(does), !each.at_end, each.at_end);
   }
@@ -211,65 +207,39 @@ bool Timeline::before_events(int key, std::uint8_t does, Micros time) {
   return true;
 }
 
-Micros Timeline::append(int action, Micros duration) {
-  const std::span<const Touch> touches = touches_.of(action);
-  Micros start = 0;
-  cause_ = -1;
-  const auto wait = [&](const Latest& latest, Micros offset) {
-    const Micros earliest = latest.time + kSeparation - offset;
-    if (earliest > start) {
-      start = earliest;
-      cause_ = latest.by;
+Micros Timeline::append(int action, Micros duration) { return append(action, Part::kWhole, 0, duration); }
+
+Micros Timeline::append_start(int action, Micros release) { return append(action, Part::kStart, release, 0); }
+
+Micros Timeline::append_end(int action, Micros earliest) { return append(action, Part::kEnd, earliest, 0); }
+
+Micros Timeline::append(int action, Part part, Micros earliest, Micros duration) {
+  // Calls `visit` with each key, what is done with it, and how much later than the time that is returned.
+  const auto all = [touches = touches_.of(action), part, duration](const auto& visit) {
+    for (const Touch& touched : touches) {
+      if (part != Part::kEnd && touched.at_start && !visit(touched.key, touched.at_start, Micros{0})) return false;
+      if (part != Part::kStart && touched.at_end && !visit(touched.key, touched.at_end, duration)) return false;
     }
+    return true;
   };
-  for (const Touch& touched : touches) {
-    const Last& last = keys_[touched.key];
-    if (touched.at_start) wait(after(last, touched.at_start), 0);
-    if (touched.at_end) wait(after(last, touched.at_end), duration);
-  }
-  if (next_event_ < static_cast<int>(touches_.events().size()))
-    for (const Touch& touched : touches)
-      if ((touched.at_start && !before_events(touched.key, touched.at_start, start)) ||
-          (touched.at_end && !before_events(touched.key, touched.at_end, start + duration)))
-        return kNever;
-  for (const Touch& touched : touches) {
-    Last& last = keys_[touched.key];
-    if (touched.at_start) note(last, touched.at_start, start);
-    if (touched.at_end) note(last, touched.at_end, start + duration);
-  }
-  makespan_ = std::max(makespan_, start + duration);
-  ++appended_;
-  return start;
-}
-
-Micros Timeline::append_start(int action, Micros release) { return append_happening(action, false, release); }
-
-Micros Timeline::append_end(int action, Micros earliest) {
-  const Micros time = append_happening(action, true, earliest);
-  makespan_ = std::max(makespan_, time);
-  return time;
-}
-
-Micros Timeline::append_happening(int action, bool at_end, Micros earliest) {
-  const std::span<const Touch> touches = touches_.of(action);
   Micros time = earliest;
   cause_ = -1;
-  for (const Touch& touched : touches) {
-    const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
-    if (!does) continue;
-    const Latest latest = after(keys_[touched.key], does);
-    if (latest.time + kSeparation > time) {
-      time = latest.time + kSeparation;
+  all([&](int key, std::uint8_t does, Micros later) {
+    const Latest latest = after(keys_[key], does);
+    if (latest.time + kSeparation - later > time) {
+      time = latest.time + kSeparation - later;
       cause_ = latest.by;
     }
-  }
-  for (const Touch& touched : touches) {
-    const std::uint8_t does = at_end ? touched.at_end : touched.at_start;
-    if (does && next_event_ < static_cast<int>(touches_.events().size()) && !before_events(touched.key, does, time))
-      return kNever;
-  }
-  for (const Touch& touched : touches)
-    if (const std::uint8_t does = at_end ? touched.at_end : touched.at_start) note(keys_[touched.key], does, time);
+    return true;
+  });
+  if (next_event_ < static_cast<int>(touches_.events().size()) &&
+      !all([&](int key, std::uint8_t does, Micros later) { return before_events(key, does, time + later); }))
+    return kNever;
+  all([&](int key, std::uint8_t does, Micros later) {
+    note(keys_[key], does, time + later);
+    return true;
+  });
+  if (part != Part::kStart) makespan_ = std::max(makespan_, time + duration);
   ++appended_;
   return time;
 }

@@ -34,8 +34,6 @@ class Touches {
   int keys() const { return keys_; }
   std::span<const Touch> of(int action) const { return actions_[action]; }
   std::span<const Touch> of_event(int event) const { return events_[event]; }
-  /// What the goal needs.
-  std::span<const Touch> of_goal() const { return goal_; }
   /// Whether an event makes the goal false.
   bool breaks_goal(int event) const;
   const ById<TimedEvent>& events() const { return task_.events; }
@@ -70,8 +68,7 @@ class Touches {
 
  private:
   void read(std::vector<Touch>& touches, const GroundCondition& condition, bool at_start, bool at_end) const;
-  void read(std::vector<Touch>& touches, const DerivedReads& reads, std::uint8_t does, bool at_start,
-            bool at_end) const;
+  void read(std::vector<Touch>& touches, const Symbols& reads, std::uint8_t does, bool at_start, bool at_end) const;
   void hold(std::vector<Touch>& touches, const GroundCondition& condition) const;
   void read(std::vector<Touch>& touches, const GroundExpression& expression, bool at_start, bool at_end) const;
   void write(std::vector<Touch>& touches, const GroundEffects& effects, bool at_start) const;
@@ -124,7 +121,8 @@ class Timeline {
 
   static Latest after(const Last& last, std::uint8_t does);
   void note(Last& last, std::uint8_t does, Micros time) const;
-  Micros append_happening(int action, bool at_end, Micros earliest);
+  enum class Part { kWhole, kStart, kEnd };
+  Micros append(int action, Part part, Micros earliest, Micros duration);
   bool before_events(int key, std::uint8_t does, Micros time);
 
   const Touches& touches_;

@@ -5,13 +5,13 @@
 #include <set>
 
 #include "planner/ground/sorted.h"
+#include "planner/search/bucket_queue.h"
 #include "planner/search/split.h"
 
 namespace cxlab::planner {
 
 namespace {
 
-constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
 constexpr Micros kNever = DurationRange::kForever;
 
 bool same_action(const GroundAction& a, const GroundAction& b) {
@@ -22,7 +22,7 @@ bool same_action(const GroundAction& a, const GroundAction& b) {
 /// not.
 Micros turn(const GroundComparison& comparison, double value, double rate) {
   if (rate == 0 || std::isnan(value) || (value > 0) == (rate > 0)) return kNever;
-  const double exact = -value / rate * kSecond;
+  const double exact = -value / rate * static_cast<double>(kMicrosPerSecond);
   if (!(exact < static_cast<double>(kNever))) return kNever;
   double rounded = std::round(exact);
   if (comparison.kind == GroundComparison::Kind::kNotNegative)
@@ -84,8 +84,8 @@ ById<double> ClockSearch::rates(const Moment& moment) const {
   ById<double> rates(task_.numbers.size(), 0);
   for (const Running& running : moment.running)
     for (const ContinuousEffect& effect : task_.actions[running.action].continuous)
-      rates[effect.number] += effect.rate.evaluate(simulator_.numbers(moment.state.data()),
-                                                   static_cast<double>(running.range.least) / kSecond);
+      rates[effect.number] +=
+          effect.rate.evaluate(simulator_.numbers(moment.state.data()), in_seconds(running.range.least));
   return rates;
 }
 
@@ -95,8 +95,7 @@ bool ClockSearch::holds_over_all(Moment& moment) const {
     if (!simulator_.over_all_holds(running.action, moment.state.data(), ran)) return false;
     for (std::size_t i = 0; i < running.remembered.size(); ++i) {
       const ConditionalEffects& conditional = task_.actions[running.action].conditional[i];
-      if (!simulator_.holds(conditional.over_all, moment.state.data(), static_cast<double>(ran) / kSecond))
-        running.remembered[i] = 0;
+      if (!simulator_.holds(conditional.over_all, moment.state.data(), in_seconds(ran))) running.remembered[i] = 0;
     }
   }
   return true;
@@ -111,7 +110,7 @@ bool ClockSearch::advance(Moment& moment, Micros to) const {
   bool changed = false;
   for (std::size_t n = 0; n < rates.size(); ++n)
     if (rates[n] != 0) {
-      numbers[n] += rates[n] * (static_cast<double>(to - moment.time) / kSecond);
+      numbers[n] += rates[n] * in_seconds(to - moment.time);
       changed = true;
     }
   moment.time = to;
@@ -244,21 +243,13 @@ int ClockSearch::estimate(RelaxedHeuristic& heuristic, const Moment& moment, ByI
   for (const Running& running : moment.running) {
     if (!running.is_fixed()) continue;
     const GroundAction& action = task_.actions[running.action];
-    const double left = static_cast<double>(running.last_end() - moment.time) / kSecond,
-                 length = static_cast<double>(running.range.least) / kSecond;
+    const double left = in_seconds(running.last_end() - moment.time), length = in_seconds(running.range.least);
     for (const ContinuousEffect& effect : action.continuous) {
       numbers[effect.number] += effect.rate.evaluate(numbers, length) * left;
       projected = true;
     }
     for (const NumericEffect& effect : action.at_end.numbers) {
-      const double value = effect.value.evaluate(numbers, length);
-      double& number = numbers[effect.number];
-      if (effect.kind == NumericEffect::Kind::kAssign)
-        number = value;
-      else if (effect.kind == NumericEffect::Kind::kIncrease)
-        number += value;
-      else
-        number *= value;
+      change(numbers[effect.number], effect.kind, effect.value.evaluate(numbers, length));
       projected = true;
     }
   }
@@ -293,10 +284,7 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
   ById<std::vector<int>> preferred_of;  // by moment
   std::set<std::vector<Word>> known;
   std::size_t words = 0;
-  // Queue: by estimate, first in first out.
-  std::vector<std::vector<int>> buckets;
-  std::vector<std::size_t> heads;
-  std::size_t waiting = 0;
+  BucketQueue<int> queue;  // of moments
   ById<char> preferred;
 
   const auto plan_of = [&](const Moment& last) {
@@ -321,13 +309,7 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
     budget.spend(Work::kReach, heuristic.work() - reported);
     reported = heuristic.work();
     if (found == RelaxedHeuristic::kDeadEnd) return false;
-    const auto bucket = static_cast<std::size_t>(std::min(2 * std::min(found, 1 << 15) + !wanted, 1 << 16));
-    if (bucket >= buckets.size()) {
-      buckets.resize(bucket + 1);
-      heads.resize(bucket + 1, 0);
-    }
-    buckets[bucket].push_back(static_cast<int>(moments.size()));
-    ++waiting;
+    queue.push(2 * std::min(found, 1 << 15) + !wanted, static_cast<int>(moments.size()));
     std::vector<int> best;
     for (std::size_t a = 0; a < preferred.size(); ++a)
       if (preferred[a]) best.push_back(static_cast<int>(a));
@@ -336,29 +318,15 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
     moments.push_back(std::move(made));
     return false;
   };
-  const auto take = [&] {
-    const bool any = options.random_choice > 0 && random.chance(options.random_choice);
-    std::size_t skip = any ? random.below(waiting) : 0;
-    --waiting;
-    for (std::size_t b = 0;; ++b) {
-      const std::size_t here = buckets[b].size() - heads[b];
-      if (skip >= here) {
-        skip -= here;
-        continue;
-      }
-      std::swap(buckets[b][heads[b]], buckets[b][heads[b] + skip]);
-      return buckets[b][heads[b]++];
-    }
-  };
-
   Moment start;
   start.state = simulator_.initial();
   if (add(std::move(start), true)) return SearchEnd::kFound;
   std::vector<int> order = candidates_;
-  while (waiting > 0) {
+  while (!queue.empty()) {
     if (budget.slice_over()) return SearchEnd::kBudget;
     if (words > options.most_words / 4) return SearchEnd::kMemory;
-    const int node = take();
+    const bool any = options.random_choice > 0 && random.chance(options.random_choice);
+    const int node = any ? queue.pop_any(random) : queue.pop();
     const std::vector<int> wanted = preferred_of[node];
     const auto next = [&] {
       Moment moment = moments[node];

@@ -1,33 +1,15 @@
 #include "planner/search/lasting.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "planner/ground/sorted.h"
 
 namespace cxlab::planner {
 
-namespace {
-
-/// The widest that constants allow.
-DurationRange duration_of(const GroundAction& action) {
-  DurationRange range{0, action.durative ? DurationRange::kForever : 0};
-  for (const GroundDuration& duration : action.duration) {
-    if (!duration.bound.is_constant()) continue;
-    const Micros bound =
-        static_cast<Micros>(std::llround(duration.bound.steps[0].value * static_cast<double>(kMicrosPerSecond)));
-    if (duration.comparison != Comparison::kLessEqual) range.least = std::max(range.least, bound);
-    if (duration.comparison != Comparison::kGreaterEqual) range.most = std::min(range.most, bound);
-  }
-  return range;
-}
-
-}  // namespace
-
 GroundTask with_lasting_facts(const GroundTask& task) {
   std::vector<DurationRange> durations;
-  for (const GroundAction& action : task.actions) durations.push_back(duration_of(action));
+  for (const GroundAction& action : task.actions) durations.push_back(constant_durations(action));
   ById<std::vector<Micros>> held(task.facts.size());  // by fact: durations of those that hold it for as long, ascending
   for (std::size_t a = 0; a < task.actions.size(); ++a)
     for (const int f : task.actions[a].at_start.add)

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "cx/base/random.h"
+#include "planner/search/bucket_queue.h"
 
 namespace cxlab::planner {
 
@@ -81,60 +81,16 @@ class Nodes {
   std::vector<int> slots_;
 };
 
-/// Steps to try, those with the smallest estimate first, first in first out among equals.
-class Queue {
- public:
-  struct Entry {
-    int parent;
-    int action;
-  };
-
-  bool empty() const { return size_ == 0; }
-  std::size_t size() const { return size_; }
-  void push(int estimate, Entry entry) {
-    const std::size_t bucket = static_cast<std::size_t>(std::min(estimate, 1 << 16));
-    if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
-    buckets_[bucket].entries.push_back(entry);
-    least_ = std::min(least_, bucket);
-    ++size_;
-  }
-  Entry pop() {
-    while (buckets_[least_].entries.size() == buckets_[least_].head) ++least_;
-    return take(buckets_[least_]);
-  }
-  Entry pop_any(RandomStream& random) {
-    std::size_t skip = random.below(size_);
-    for (Bucket& bucket : buckets_) {
-      const std::size_t here = bucket.entries.size() - bucket.head;
-      if (skip < here) {
-        std::swap(bucket.entries[bucket.head], bucket.entries[bucket.head + skip]);
-        return take(bucket);
-      }
-      skip -= here;
-    }
-    return pop();
-  }
-
-  int priority = 0;  ///< queues take turns: the smallest is next
-
- private:
-  struct Bucket {
-    std::vector<Entry> entries;
-    std::size_t head = 0;
-  };
-  Entry take(Bucket& bucket) {
-    const Entry entry = bucket.entries[bucket.head++];
-    if (bucket.head == bucket.entries.size()) {
-      bucket.entries.clear();
-      bucket.head = 0;
-    }
-    --size_;
-    return entry;
-  }
-
-  std::vector<Bucket> buckets_;
-  std::size_t least_ = std::numeric_limits<std::size_t>::max(), size_ = 0;
+/// Steps to try.
+struct Entry {
+  int parent;
+  int action;
 };
+struct Queue : BucketQueue<Entry> {
+  int priority = 0;  ///< queues take turns: the smallest is next
+};
+
+enum { kPlain, kPlainPreferred, kMarks, kMarksPreferred, kQueues };
 
 }  // namespace
 
@@ -151,54 +107,48 @@ bool EventCheck::accepts_goal(const Sequence& path) {
   return accepts(path, nullptr) && (acts_ || path.empty()) && timeline_.finish();
 }
 
-namespace {
-
-enum { kPlain, kPlainPreferred, kMarks, kMarksPreferred, kQueues };
-
-}  // namespace
-
 /// What a search has done so far.
 struct LazySearch::Progress {
+  Progress(const Simulator& simulator, const RelaxedTask& relaxed, const Landmarks& landmarks, const LazyOptions& how)
+      : options(how),
+        landmark_words(landmarks.words()),
+        random(how.seed, "planner lazy search"),
+        heuristic(simulator, relaxed),
+        nodes(simulator.words() + 1, simulator.significant_words(), landmark_words) {}
+
   LazyOptions options;
   int landmark_words;
   RandomStream random;
   RelaxedHeuristic heuristic;
-  std::int64_t last_unit;
   Nodes nodes;  // the last word is the signature
   std::vector<Queue> queues = std::vector<Queue>(kQueues);
   int best_plain = std::numeric_limits<int>::max(), best_marks = best_plain;
   std::int64_t reported = 0;
-  PackedState state{};
-  std::vector<Word> reached{};
+  PackedState state;
+  std::vector<Word> reached;
   int node = -1;  ///< made and not yet looked at
 };
 
 LazySearch::LazySearch(const Simulator& simulator, const RelaxedTask& relaxed, const Landmarks& landmarks,
-                       PathCheck* check)
-    : simulator_(simulator), relaxed_(relaxed), landmarks_(landmarks), check_(check) {}
-
-LazySearch::~LazySearch() = default;
-
-SearchEnd LazySearch::run(const PackedState& start, const LazyOptions& options, Budget& budget, Sequence& found) {
-  const int landmark_words = options.landmarks ? landmarks_.words() : 0;
-  const std::int64_t last_unit =
-      options.most_units == Budget::kUnlimited ? Budget::kUnlimited : budget.units() + options.most_units;
-  progress_.reset(new Progress{options, landmark_words, RandomStream(options.seed, "planner lazy search"),
-                               RelaxedHeuristic(simulator_, relaxed_), last_unit,
-                               Nodes(simulator_.words() + 1, simulator_.significant_words(), landmark_words)});
+                       const PackedState& start, const LazyOptions& options, PathCheck* check)
+    : simulator_(simulator),
+      landmarks_(landmarks),
+      check_(check),
+      progress_(std::make_unique<Progress>(simulator, relaxed, landmarks, options)) {
   Progress& p = *progress_;
   if (options.cost_noise > 0) p.heuristic.scatter_costs(p.random, options.cost_noise);
   p.state = start;
   p.state.push_back(0);
-  p.reached.resize(static_cast<std::size_t>(landmark_words), 0);
-  if (landmark_words) landmarks_.mark(p.state.data(), p.reached.data());
+  p.reached.resize(static_cast<std::size_t>(p.landmark_words), 0);
+  if (p.landmark_words) landmarks_.mark(p.state.data(), p.reached.data());
   p.node = p.nodes.add(p.state.data(), p.reached.data(), {});
-  return go_on(budget, found);
 }
 
-SearchEnd LazySearch::go_on(Budget& budget, Sequence& found) {
-  auto& [options, landmark_words, random, heuristic, last_unit, nodes, queues, best_plain, best_marks, reported, state,
-         reached, node] = *progress_;
+LazySearch::~LazySearch() = default;
+
+SearchEnd LazySearch::run(Budget& budget, Sequence& found) {
+  auto& [options, landmark_words, random, heuristic, nodes, queues, best_plain, best_marks, reported, state, reached,
+         node] = *progress_;
   const int words = simulator_.words();
   const int events = static_cast<int>(simulator_.task().events.size());
   const auto path = [&nodes = nodes](int to) {
@@ -256,7 +206,7 @@ SearchEnd LazySearch::go_on(Budget& budget, Sequence& found) {
       }
     }
     node = -1;
-    if (budget.slice_over() || budget.units() >= last_unit) return SearchEnd::kBudget;
+    if (budget.slice_over()) return SearchEnd::kBudget;
     std::size_t waiting = 0;
     for (const Queue& queue : queues) waiting += queue.size();
     if (nodes.words() + waiting > options.most_words) return SearchEnd::kMemory;
@@ -265,7 +215,7 @@ SearchEnd LazySearch::go_on(Budget& budget, Sequence& found) {
       if (!queue.empty() && (!next || queue.priority < next->priority)) next = &queue;
     if (!next) return SearchEnd::kExhausted;
     ++next->priority;
-    const Queue::Entry entry =
+    const Entry entry =
         options.random_choice > 0 && random.chance(options.random_choice) ? next->pop_any(random) : next->pop();
     state.assign(nodes.state(entry.parent), nodes.state(entry.parent) + words + 1);
     budget.spend(Work::kNode, 1);

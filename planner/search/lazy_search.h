@@ -33,12 +33,10 @@ enum class SearchEnd : std::uint8_t {
 };
 
 struct LazyOptions {
-  std::uint64_t seed = 0;    ///< 0: actions in their order; else shuffled
-  double random_choice = 0;  ///< probability of taking any state of the queue instead of the first
-  double cost_noise = 0;     ///< actions cost up to this much more, as a share, each by chance
-  bool landmarks = true;
-  bool late_goal = false;  ///< the goal may come about by events after the last action
-  std::int64_t most_units = Budget::kUnlimited;
+  std::uint64_t seed = 0;                         ///< 0: actions in their order; else shuffled
+  double random_choice = 0;                       ///< probability of taking any state of the queue instead of the first
+  double cost_noise = 0;                          ///< actions cost up to this much more, as a share, each by chance
+  bool late_goal = false;                         ///< the goal may come about by events after the last action
   std::size_t most_words = std::size_t{1} << 27;  ///< memory of states, in words of 8 bytes
 };
 
@@ -70,22 +68,19 @@ class EventCheck : public PathCheck {
 
 class LazySearch {
  public:
-  /// `check`: none, or asked for every step.
+  /// Looks for a sequence from `start` to the goal. `check`: none, or asked for every step.
   LazySearch(const Simulator& simulator, const RelaxedTask& relaxed, const Landmarks& landmarks,
-             PathCheck* check = nullptr);
+             const PackedState& start, const LazyOptions& options, PathCheck* check = nullptr);
   ~LazySearch();
   LazySearch(const LazySearch&) = delete;
   LazySearch& operator=(const LazySearch&) = delete;
 
-  /// Looks for a sequence from `start` to the goal.
-  SearchEnd run(const PackedState& start, const LazyOptions& options, Budget& budget, Sequence& found);
-  /// Continues the same search after its slice of the budget ended.
-  SearchEnd go_on(Budget& budget, Sequence& found);
+  /// Searches until a slice of the budget ends; the next call continues there.
+  SearchEnd run(Budget& budget, Sequence& found);
 
  private:
   struct Progress;
   const Simulator& simulator_;
-  const RelaxedTask& relaxed_;
   const Landmarks& landmarks_;
   PathCheck* check_;
   std::unique_ptr<Progress> progress_;

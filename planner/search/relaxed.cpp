@@ -121,8 +121,7 @@ void RelaxedTask::add_effects(const GroundTask& task, RelaxedOperator& made, con
     double change = 0;
     for (const auto& [number, by] : changes) {
       if (!linear.is_linear) {
-        for (const auto& step : task.comparisons[c].expression.steps)
-          if (step.kind == GroundExpression::Kind::kNumber && step.number == number) change = kAny;
+        if (task.comparisons[c].expression.mentions(number)) change = kAny;
         continue;
       }
       const auto weight = std::ranges::find(linear.weights, number, &std::pair<int, double>::first);

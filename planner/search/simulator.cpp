@@ -13,6 +13,27 @@ constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
 constexpr Micros kLongStretch = 1000;  ///< times the shortest duration, where none is the longest
 constexpr double kLongest = 1e12;      ///< seconds; beyond it a duration is not taken for one
 
+void append(const GroundEffects& more, GroundEffects& to) {
+  to.add.insert(to.add.end(), more.add.begin(), more.add.end());
+  to.remove.insert(to.remove.end(), more.remove.begin(), more.remove.end());
+  to.numbers.insert(to.numbers.end(), more.numbers.begin(), more.numbers.end());
+}
+
+void apply_numbers(const std::vector<NumericEffect>& effects, double* numbers, double duration_s) {
+  std::vector<double> values;  // all are read before one is changed
+  for (const NumericEffect& effect : effects) values.push_back(effect.value.evaluate(numbers, duration_s));
+  for (std::size_t i = 0; i < values.size(); ++i) change(numbers[effects[i].number], effects[i].kind, values[i]);
+}
+
+void apply_continuous(const std::vector<ContinuousEffect>& effects, double* numbers, double duration_s) {
+  std::vector<double> changes;
+  for (const ContinuousEffect& effect : effects)
+    changes.push_back(effect.rate.evaluate(numbers, duration_s) * duration_s);
+  for (std::size_t i = 0; i < changes.size(); ++i) numbers[effects[i].number] += changes[i];
+}
+
+}  // namespace
+
 void change(double& number, NumericEffect::Kind kind, double value) {
   switch (kind) {
     case NumericEffect::Kind::kAssign: number = value; break;
@@ -21,8 +42,6 @@ void change(double& number, NumericEffect::Kind kind, double value) {
   }
   number += 0.0;  // no negative zero: equal states have equal bits
 }
-
-}  // namespace
 
 Simulator::Simulator(const GroundTask& task)
     : task_(task), fact_words_(task.words()), words_(fact_words_ + static_cast<int>(task.numbers.size())) {
@@ -88,10 +107,8 @@ bool Simulator::interferes(const GroundAction& action) const {
     return std::ranges::any_of(a, [&b](int item) { return contains(b, item); });
   };
   const auto reads = [this](const GroundCondition& condition, const NumericEffect& effect) {
-    return std::ranges::any_of(condition.comparisons, [&](int c) {
-      return std::ranges::any_of(task_.comparisons[c].expression.steps,
-                                 [&](const auto& step) { return step.number == effect.number; });
-    });
+    return std::ranges::any_of(condition.comparisons,
+                               [&](int c) { return task_.comparisons[c].expression.mentions(effect.number); });
   };
   const auto disturbs = [&](const GroundEffects& effects, const GroundCondition& condition) {
     return meet(effects.add, condition.facts) || meet(effects.remove, condition.facts) ||
@@ -129,7 +146,7 @@ std::optional<DurationRange> Simulator::durations(int action, const Word* state)
     if (constraint.at_end) continue;  // looked at when the action ends
     const double bound = constraint.bound.evaluate(numbers(state));
     if (!(std::abs(bound) < kLongest)) return std::nullopt;
-    const Micros micros = static_cast<Micros>(std::llround(bound * kSecond));
+    const Micros micros = in_micros(bound);
     if (micros < 0 && constraint.comparison != Comparison::kGreaterEqual) return std::nullopt;
     if (constraint.comparison == Comparison::kEqual)
       range.least = range.least == kSeparation ? micros : std::max(range.least, micros);
@@ -161,7 +178,7 @@ std::optional<Micros> Simulator::chosen(int action, const DurationRange& range, 
 /// The duration at whose end the comparison turns, on the side where it holds if there is one.
 std::optional<Micros> Simulator::aimed(const GroundAction& action, const DurationRange& range,
                                        const Word* state) const {
-  const double first = static_cast<double>(range.least) / kSecond;
+  const double first = in_seconds(range.least);
   const double at_first = value_after(action, state, first), slope = value_after(action, state, first + 1) - at_first;
   const double exact = (first - at_first / slope) * kSecond;
   if (!(std::abs(exact) < kLongest * kSecond)) return std::nullopt;
@@ -177,17 +194,9 @@ std::optional<Micros> Simulator::aimed(const GroundAction& action, const Duratio
 /// What the action that does nothing but change numbers makes of the value of its aim.
 double Simulator::value_after(const GroundAction& action, const Word* state, double duration_s) const {
   ById<double> after(numbers(state), numbers(state) + task_.numbers.size());
-  const auto apply_numbers = [&](const std::vector<NumericEffect>& effects) {
-    std::vector<double> values;
-    for (const NumericEffect& effect : effects) values.push_back(effect.value.evaluate(after.data(), duration_s));
-    for (std::size_t i = 0; i < values.size(); ++i) change(after[effects[i].number], effects[i].kind, values[i]);
-  };
-  apply_numbers(action.at_start.numbers);
-  std::vector<double> changes;
-  for (const ContinuousEffect& effect : action.continuous)
-    changes.push_back(effect.rate.evaluate(after.data(), duration_s) * duration_s);
-  for (std::size_t i = 0; i < changes.size(); ++i) after[action.continuous[i].number] += changes[i];
-  apply_numbers(action.at_end.numbers);
+  apply_numbers(action.at_start.numbers, after.data(), duration_s);
+  apply_continuous(action.continuous, after.data(), duration_s);
+  apply_numbers(action.at_end.numbers, after.data(), duration_s);
   return task_.comparisons[action.aim].expression.evaluate(after.data(), duration_s);
 }
 
@@ -206,7 +215,7 @@ bool Simulator::apply(int action, Word* state, Micros& duration) const {
 
 bool Simulator::apply_with(int action, Word* state, Micros duration) const {
   const Whole& whole = whole_[action];
-  if (whole.impossible || !holds(whole.condition, state, static_cast<double>(duration) / kSecond)) return false;
+  if (whole.impossible || !holds(whole.condition, state, in_seconds(duration))) return false;
   if (whole.plain) {
     for (const int f : whole.effects.remove) reset(state, f);
     for (const int f : whole.effects.add) set(state, f);
@@ -216,8 +225,7 @@ bool Simulator::apply_with(int action, Word* state, Micros duration) const {
   }
   Remembered remembered;
   if (task_.actions[action].durative && duration < kSeparation) {  // its beginning and its end are one happening
-    if (whole.interferes || !holds(task_.actions[action].end, state, static_cast<double>(duration) / kSecond))
-      return false;
+    if (whole.interferes || !holds(task_.actions[action].end, state, in_seconds(duration))) return false;
   }
   if (!begin(action, state, duration, remembered)) return false;
   if (!task_.actions[action].durative) return true;
@@ -226,25 +234,19 @@ bool Simulator::apply_with(int action, Word* state, Micros duration) const {
 
 bool Simulator::begin(int action, Word* state, Micros duration, Remembered& remembered) const {
   const GroundAction& a = task_.actions[action];
-  const double seconds = static_cast<double>(duration) / kSecond;
+  const double seconds = in_seconds(duration);
   if (!holds(a.start, state, seconds)) return false;
   remembered.clear();
   GroundEffects fired;
   for (const ConditionalEffects& conditional : a.conditional) {
-    const bool held = holds(conditional.start, state, seconds);
-    remembered.push_back(static_cast<char>(held));
-    if (!held) continue;
-    fired.add.insert(fired.add.end(), conditional.at_start.add.begin(), conditional.at_start.add.end());
-    fired.remove.insert(fired.remove.end(), conditional.at_start.remove.begin(), conditional.at_start.remove.end());
-    fired.numbers.insert(fired.numbers.end(), conditional.at_start.numbers.begin(), conditional.at_start.numbers.end());
+    remembered.push_back(static_cast<char>(holds(conditional.start, state, seconds)));
+    if (remembered.back()) append(conditional.at_start, fired);
   }
   if (fired.empty()) {
     apply_effects(a.at_start, state, seconds);
   } else {
     GroundEffects all = a.at_start;
-    all.add.insert(all.add.end(), fired.add.begin(), fired.add.end());
-    all.remove.insert(all.remove.end(), fired.remove.begin(), fired.remove.end());
-    all.numbers.insert(all.numbers.end(), fired.numbers.begin(), fired.numbers.end());
+    append(fired, all);
     apply_effects(all, state, seconds);
   }
   return true;
@@ -252,13 +254,9 @@ bool Simulator::begin(int action, Word* state, Micros duration, Remembered& reme
 
 bool Simulator::end(int action, Word* state, Micros duration, const Remembered& remembered) const {
   const GroundAction& a = task_.actions[action];
-  const double seconds = static_cast<double>(duration) / kSecond;
+  const double seconds = in_seconds(duration);
   if (!a.continuous.empty()) {
-    std::vector<double> changes;
-    for (const ContinuousEffect& effect : a.continuous)
-      changes.push_back(effect.rate.evaluate(numbers(state), seconds) * seconds);
-    double* numbers = mutable_numbers(state);
-    for (std::size_t i = 0; i < changes.size(); ++i) numbers[a.continuous[i].number] += changes[i];
+    apply_continuous(a.continuous, mutable_numbers(state), seconds);
     derive(state);
     if (!over_all_holds(action, state, duration)) return false;  // linear in time: both ends decide
   }
@@ -267,7 +265,7 @@ bool Simulator::end(int action, Word* state, Micros duration, const Remembered& 
 
 bool Simulator::finish(int action, Word* state, Micros duration, const Remembered& remembered) const {
   const GroundAction& a = task_.actions[action];
-  const double seconds = static_cast<double>(duration) / kSecond;
+  const double seconds = in_seconds(duration);
   if (!holds(a.end, state, seconds)) return false;
   for (const GroundDuration& constraint : a.duration) {
     if (!constraint.at_end) continue;
@@ -282,18 +280,15 @@ bool Simulator::finish(int action, Word* state, Micros duration, const Remembere
   GroundEffects all = a.at_end;
   for (std::size_t i = 0; i < a.conditional.size(); ++i) {
     const ConditionalEffects& conditional = a.conditional[i];
-    if (!remembered[i] || !holds(conditional.over_all, state, seconds) || !holds(conditional.end, state, seconds))
-      continue;
-    all.add.insert(all.add.end(), conditional.at_end.add.begin(), conditional.at_end.add.end());
-    all.remove.insert(all.remove.end(), conditional.at_end.remove.begin(), conditional.at_end.remove.end());
-    all.numbers.insert(all.numbers.end(), conditional.at_end.numbers.begin(), conditional.at_end.numbers.end());
+    if (remembered[i] && holds(conditional.over_all, state, seconds) && holds(conditional.end, state, seconds))
+      append(conditional.at_end, all);
   }
   apply_effects(all, state, seconds);
   return true;
 }
 
 bool Simulator::over_all_holds(int action, const Word* state, Micros duration) const {
-  return holds(task_.actions[action].over_all, state, static_cast<double>(duration) / kSecond);
+  return holds(task_.actions[action].over_all, state, in_seconds(duration));
 }
 
 bool Simulator::is_lasting_goal(const Word* state, int next_event, bool late) const {
@@ -308,15 +303,10 @@ bool Simulator::is_lasting_goal(const Word* state, int next_event, bool late) co
 void Simulator::apply_event(int event, Word* state) const { apply_effects(task_.events[event].effects, state, 0); }
 
 void Simulator::apply_effects(const GroundEffects& effects, Word* state, double duration_s) const {
-  std::vector<double> values;
-  for (const NumericEffect& effect : effects.numbers)
-    values.push_back(effect.value.evaluate(numbers(state), duration_s));
-  double* numbers = mutable_numbers(state);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    change(numbers[effects.numbers[i].number], effects.numbers[i].kind, values[i]);
+  apply_numbers(effects.numbers, mutable_numbers(state), duration_s);
   for (const int f : effects.remove) reset(state, f);
   for (const int f : effects.add) set(state, f);
-  if (!task_.axioms.empty()) derive(state);
+  derive(state);
 }
 
 void Simulator::derive(Word* state) const {

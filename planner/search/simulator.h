@@ -15,6 +15,9 @@ using PackedState = std::vector<Word>;
 /// Values that conditional effects read when their action began.
 using Remembered = std::vector<char>;
 
+/// Does to a number what an effect with this right-hand side does.
+void change(double& number, NumericEffect::Kind kind, double value);
+
 class Simulator {
  public:
   explicit Simulator(const GroundTask& task);

@@ -15,6 +15,28 @@ bool mentions_duration(const GroundEffects& effects) {
                              [](const NumericEffect& effect) { return effect.value.mentions_duration(); });
 }
 
+/// The beginning and the end of an action as two without duration; `running`: a fact between them. What the action
+/// needs over all is left out.
+struct Halves {
+  GroundAction begin, end;
+
+  Halves(const GroundAction& action, int running) {
+    begin.schema = end.schema = action.schema;
+    begin.arguments = end.arguments = action.arguments;
+    begin.start = action.start;
+    begin.at_start = action.at_start;
+    begin.at_start.add.push_back(running);
+    end.start = action.end;
+    end.start.facts.push_back(running);
+    end.at_start = action.at_end;
+    for (const ConditionalEffects& conditional : action.conditional) {
+      if (!conditional.at_start.empty())
+        begin.conditional.push_back({conditional.start, {}, {}, conditional.at_start, {}});
+      if (!conditional.at_end.empty()) end.conditional.push_back({conditional.end, {}, {}, conditional.at_end, {}});
+    }
+  }
+};
+
 /// How long the action of a step may last.
 DurationRange range(const SplitTask& split, const GroundTask& original, const Simulator& simulator,
                     const SequenceStep& step, const Word* state) {
@@ -81,32 +103,19 @@ SplitTask split(const GroundTask& task, const std::vector<char>& cut) {
     out.task.initial_facts.push_back(0);
     out.task.initial_facts.push_back(1);
     out.task.goal.facts.push_back(idle);
-    GroundAction begin, end;
-    begin.schema = end.schema = action.schema;
-    begin.arguments = end.arguments = action.arguments;
+    auto [begin, end] = Halves(action, running);
     begin.duration = action.duration;  // what the beginning allows; it takes no time itself
-    begin.start = action.start;
     begin.start.facts.push_back(idle);
     for (const int f : action.over_all.facts)
       if (!contains(action.at_start.add, f) && !contains(begin.start.facts, f) && action.conditional.empty() &&
           !task.facts[f].derived)
         begin.start.facts.push_back(f);
     std::ranges::sort(begin.start.facts);
-    begin.at_start = action.at_start;
-    begin.at_start.add.push_back(running);
     begin.at_start.remove.push_back(idle);
-    end.start = action.end;
     end.start.facts.insert(end.start.facts.end(), action.over_all.facts.begin(), action.over_all.facts.end());
-    end.start.facts.push_back(running);
     sort_unique(end.start.facts);
-    end.at_start = action.at_end;
     end.at_start.add.push_back(idle);
     end.at_start.remove.push_back(running);
-    for (const ConditionalEffects& conditional : action.conditional) {
-      if (!conditional.at_start.empty())
-        begin.conditional.push_back({conditional.start, {}, {}, conditional.at_start, {}});
-      if (!conditional.at_end.empty()) end.conditional.push_back({conditional.end, {}, {}, conditional.at_end, {}});
-    }
     out.task.actions.push_back(std::move(begin));
     out.origins.push_back({static_cast<int>(a), SplitTask::Part::kBegin});
     out.task.actions.push_back(std::move(end));
@@ -151,27 +160,14 @@ GroundTask loosened(const GroundTask& task, bool hold) {
     const int begun = static_cast<int>(out.facts.size());
     out.facts.push_back({-1, {}, -1, false, false});
     out.initial_facts.push_back(0);
-    GroundAction begin, end;
-    begin.schema = end.schema = action.schema;
-    begin.arguments = end.arguments = action.arguments;
-    begin.start = action.start;
-    begin.at_start = action.at_start;
-    begin.at_start.add.push_back(begun);
-    end.start = action.end;
-    end.start.facts.push_back(begun);
+    auto [begin, end] = Halves(action, begun);
     if (hold) {
       end.start.facts.insert(end.start.facts.end(), action.over_all.facts.begin(), action.over_all.facts.end());
       end.start.comparisons.insert(end.start.comparisons.end(), action.over_all.comparisons.begin(),
                                    action.over_all.comparisons.end());
       std::ranges::sort(end.start.facts);
     }
-    end.at_start = action.at_end;
     begin.continuous = end.continuous = action.continuous;
-    for (const ConditionalEffects& conditional : action.conditional) {
-      if (!conditional.at_start.empty())
-        begin.conditional.push_back({conditional.start, {}, {}, conditional.at_start, {}});
-      if (!conditional.at_end.empty()) end.conditional.push_back({conditional.end, {}, {}, conditional.at_end, {}});
-    }
     out.actions.push_back(std::move(begin));
     out.actions.push_back(std::move(end));
   }

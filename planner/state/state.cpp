@@ -48,12 +48,6 @@ void State::set_value(FunctionId function, std::span<const ObjectId> objects, do
   }
 }
 
-void State::clear_value(FunctionId function, std::span<const ObjectId> objects) {
-  auto& table = numbers_[function];
-  const auto found = table.find(objects);
-  if (found != table.end()) table.erase(found);
-}
-
 double State::rate(FunctionId function, std::span<const ObjectId> objects) const {
   const Number* found = number(function, objects);
   return found == nullptr ? 0 : found->rate;
@@ -86,28 +80,33 @@ void State::advance(double seconds) {
   }
 }
 
+namespace {
+
+template <class Item>
+std::vector<Item> in_order(std::vector<std::pair<std::uint64_t, Item>> items) {
+  std::ranges::sort(items, {}, [](const auto& item) { return item.first; });
+  std::vector<Item> ordered;
+  ordered.reserve(items.size());
+  for (auto& [_, item] : items) ordered.push_back(std::move(item));
+  return ordered;
+}
+
+}  // namespace
+
 std::vector<Fact> State::facts() const {
-  std::vector<std::pair<std::uint64_t, Fact>> ordered;
+  std::vector<std::pair<std::uint64_t, Fact>> all;
   for (std::size_t predicate = 0; predicate < facts_.size(); ++predicate)
     for (const auto& [objects, order] : facts_[predicate])
-      ordered.push_back({order, {static_cast<PredicateId>(predicate), objects}});
-  std::sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<Fact> facts;
-  facts.reserve(ordered.size());
-  for (auto& entry : ordered) facts.push_back(std::move(entry.second));
-  return facts;
+      all.push_back({order, {static_cast<PredicateId>(predicate), objects}});
+  return in_order(std::move(all));
 }
 
 std::vector<Assignment> State::values() const {
-  std::vector<std::pair<std::uint64_t, Assignment>> ordered;
+  std::vector<std::pair<std::uint64_t, Assignment>> all;
   for (std::size_t function = 0; function < numbers_.size(); ++function)
     for (const auto& [objects, entry] : numbers_[function])
-      ordered.push_back({entry.order, {static_cast<FunctionId>(function), objects, entry.value + entry.rate * ahead_}});
-  std::sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<Assignment> values;
-  values.reserve(ordered.size());
-  for (auto& entry : ordered) values.push_back(std::move(entry.second));
-  return values;
+      all.push_back({entry.order, {static_cast<FunctionId>(function), objects, entry.value + entry.rate * ahead_}});
+  return in_order(std::move(all));
 }
 
 bool apply_changes(const std::vector<Change>& changes, State& state) {
@@ -135,7 +134,7 @@ bool apply_changes(const std::vector<Change>& changes, State& state) {
 Objects::Objects(const std::vector<Term>& terms, const Frame& frame) : size_(terms.size()) {
   if (size_ > kFew) many_.resize(size_);
   ObjectId* out = size_ > kFew ? many_.data() : few_;
-  for (const Term& term : terms) *out++ = term.is_variable ? frame[term.index] : term.index;
+  for (const Term& term : terms) *out++ = term.in(frame);
 }
 
 }  // namespace cxlab::planner

@@ -32,8 +32,6 @@ class State {
   /// The value now; none where it is undefined.
   std::optional<double> value(FunctionId function, std::span<const ObjectId> objects) const;
   void set_value(FunctionId function, std::span<const ObjectId> objects, double value);
-  /// Forgets a value.
-  void clear_value(FunctionId function, std::span<const ObjectId> objects);
 
   /// Change a second of a defined value; 0 for others.
   double rate(FunctionId function, std::span<const ObjectId> objects) const;

@@ -11,7 +11,6 @@ namespace {
 constexpr std::int64_t kLeastSlice = 2'000;
 constexpr std::int64_t kGrowth = 6;      ///< how much longer the next slice is,
 constexpr std::int64_t kShareOfAll = 5;  ///< and how many times as much has then been spent in all
-constexpr double kSecond = static_cast<double>(kMicrosPerSecond);
 
 }  // namespace
 
@@ -33,12 +32,12 @@ bool BestPossible::proves(const Incumbent& best) const {
   if (!best.exists()) return false;
   const Micros separations = kSeparation * static_cast<Micros>(2 * best.plan().steps.size());
   if (!best.by_metric()) return best.makespan() <= makespan_ + separations;
-  const double slack = objective_.time_weight() * static_cast<double>(separations) / kSecond;
+  const double slack = objective_.time_weight() * in_seconds(separations);
   return cost_ && best.cost() <= *cost_ + slack + 1e-9;
 }
 
 void BestPossible::report(const Incumbent& best, PlanAnswer& answer) const {
-  answer.lower_bound_s = static_cast<double>(makespan_) / kSecond;
+  answer.lower_bound_s = in_seconds(makespan_);
   answer.bound_assumes_order = assumes_order_;
   if (cost_ && best.exists() && best.plan().metric) answer.metric_bound = best.signed_metric(*cost_);
 }

@@ -68,12 +68,11 @@ std::optional<Sequence> BetterMetricSearch::run(const Turn& turn) {
   if (context_.budget.late()) return std::nullopt;
   const RelaxedTask relaxed(simulator, Objective(simulator).prices());
   const Landmarks none(simulator, relaxed, 0, context_.budget);
-  LazySearch search(simulator, relaxed, none, check_ ? &*check_ : nullptr);
-  LazyOptions how = context_.search_options(turn.round);
-  how.landmarks = false;
+  LazySearch search(simulator, relaxed, none, simulator.initial(), context_.search_options(turn.round),
+                    check_ ? &*check_ : nullptr);
   Sequence found;
   const BudgetSlice slice(context_.budget, turn.units);
-  const SearchEnd end = search.run(simulator.initial(), how, context_.budget, found);
+  const SearchEnd end = search.run(context_.budget, found);
   exhausted_ = end == SearchEnd::kExhausted;
   return end == SearchEnd::kFound ? std::optional(std::move(found)) : std::nullopt;
 }

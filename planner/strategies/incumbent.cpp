@@ -11,8 +11,6 @@ namespace {
 
 constexpr std::int64_t kStatesOfStep = 10;  ///< work of judging a step of a plan, in pieces of Work::kNode
 
-double seconds(Micros time) { return static_cast<double>(time) / static_cast<double>(kMicrosPerSecond); }
-
 /// By point: the latest time that keeps the makespan.
 std::vector<Micros> latest_times(const TimedPlan& plan, Micros makespan) {
   ById<Micros> latest(2 * plan.steps.size(), makespan);
@@ -63,7 +61,7 @@ bool Incumbent::offer(const Concurrent& plan) {
     place[step] = static_cast<int>(timed.steps.size());
     const GroundAction& action = ground_.actions[plan.steps[step].action];
     timed.steps.push_back(
-        {seconds(stn.start(step)), action.schema, action.arguments, seconds(stn.end(step) - stn.start(step)), 0});
+        {in_seconds(stn.start(step)), action.schema, action.arguments, in_seconds(stn.end(step) - stn.start(step)), 0});
   }
   const auto placed = [&](int point) { return 2 * place[point / 2] + point % 2; };
   for (Ordering ordering : stn.orderings()) {
@@ -81,7 +79,7 @@ bool Incumbent::offer(const std::vector<ClockStep>& steps) {
     const GroundAction& action = ground_.actions[step.action];
     const int point = static_cast<int>(2 * timed.steps.size());
     const Micros length = step.end - step.start;
-    timed.steps.push_back({seconds(step.start), action.schema, action.arguments, seconds(length), 0});
+    timed.steps.push_back({in_seconds(step.start), action.schema, action.arguments, in_seconds(length), 0});
     timed.orderings.push_back({Ordering::kOrigin, point, step.start, step.start});
     timed.orderings.push_back({point, point + 1, length, length});
     makespan = std::max(makespan, step.end);
@@ -91,7 +89,7 @@ bool Incumbent::offer(const std::vector<ClockStep>& steps) {
 
 bool Incumbent::offer(TimedPlan plan, Micros makespan) {
   if (plan_ && !by_metric() && makespan >= makespan_) return false;
-  plan.makespan_s = seconds(makespan);
+  plan.makespan_s = in_seconds(makespan);
   plan.latest = latest_times(plan, makespan);
   const Expected<Verdict> verdict = validator_.check(plan.steps);
   budget_.spend(Work::kNode, kStatesOfStep * static_cast<std::int64_t>(plan.steps.size()));

@@ -1,29 +1,43 @@
 #pragma once
-// Strategy: search for a sequence of whole actions. Which of them overlap is decided afterwards, by the timeline.
+// Strategy: search for a sequence of whole actions, or of the beginnings and ends of actions that are cut.
 
-#include "planner/search/kept_search.h"
 #include "planner/strategies/context.h"
 
 namespace cxlab::planner {
 
+/// Which actions are cut, so that others can happen between their beginning and their end.
+enum class Cut {
+  kNothing,     ///< the timeline decides afterwards which actions overlap
+  kEnvelopes,   ///< actions that others can need to be under way
+  kEverything,  ///< all that can be cut
+};
+
 class SequenceSearch {
  public:
-  explicit SequenceSearch(PlanningContext& context) : context_(context), in_time_(context.touches) {}
+  SequenceSearch(PlanningContext& context, Cut cut) : context_(context), cut_(cut) {}
 
-  /// Looks for a sequence that comes in time for all events and offers it. True if a plan exists afterwards.
+  /// Looks for a sequence that comes in time for all events and offers it. True if it found one and a plan exists.
   bool run(const Turn& turn);
-  /// No sequence is left that `run` could find.
+  /// Nothing is left that `run` could find: also where an action should be cut and none can be.
   bool exhausted() const { return exhausted_; }
-  /// Looks for any sequence, whether it comes in time or not. Offers nothing.
+  /// Looks for a sequence of whole actions, whether it comes in time or not. Offers nothing.
   std::optional<Sequence> find(const Turn& turn);
+  /// The task that is searched, made on the first call of this or of `run`; null where an action should be cut and none
+  /// can be, or the time has run out.
+  const SplitSpace* space();
   /// Frees the memory of the search that would continue.
-  void forget() { first_.forget(); }
+  void forget() { first_.reset(); }
 
  private:
+  std::vector<char> marked() const;
+
   PlanningContext& context_;
-  EventCheck in_time_;
-  KeptSearch first_;
-  bool exhausted_ = false;
+  const Cut cut_;
+  bool made_ = false, exhausted_ = false;
+  std::unique_ptr<SplitSpace> cut_space_;
+  std::unique_ptr<PathCheck> check_;   ///< none where every sequence has times
+  std::unique_ptr<LazySearch> first_;  ///< continues as long as it looks for the same
+  bool late_goal_ = false;             ///< of `first_`
 };
 
 }  // namespace cxlab::planner

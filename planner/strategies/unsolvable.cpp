@@ -9,9 +9,10 @@ Conclusion prove_unsolvable(PlanningContext& context) {
   const std::optional<GroundTask> untimed_task = untimed(context.ground, Ends::kAsBegun);
   if (!untimed_task) return open;
   const SearchSpace space(*untimed_task, context.budget);
-  LazySearch search(space.simulator, space.relaxed, space.landmarks);
+  const PackedState start = space.simulator.initial();
+  LazySearch search(space.simulator, space.relaxed, space.landmarks, start, context.search_options(0));
   Sequence found;
-  switch (search.run(space.simulator.initial(), context.search_options(0), context.budget, found)) {
+  switch (search.run(context.budget, found)) {
     case SearchEnd::kExhausted:
       return {PlanStatus::kUnsolvable, "no order of happenings reaches the goal, whatever their times"};
     case SearchEnd::kBudget: return {PlanStatus::kBudget, "the budget ended before a plan was found"};

@@ -12,9 +12,9 @@ bool warm_start(PlanningContext& context, std::int64_t most_units) {
   Remainder::Done done = remainder.of(plan);
   if (!remainder.is_goal(done)) {
     const BudgetSlice slice(context.budget, most_units);
-    LazySearch search(space.simulator, space.relaxed, space.landmarks);
+    LazySearch search(space.simulator, space.relaxed, space.landmarks, done.state, context.search_options(0));
     Sequence rest;
-    if (search.run(done.state, context.search_options(0), context.budget, rest) != SearchEnd::kFound) return false;
+    if (search.run(context.budget, rest) != SearchEnd::kFound) return false;
     done.steps.insert(done.steps.end(), rest.begin(), rest.end());
   }
   context.offer_found(remainder.without_needless(std::move(done.steps)));

@@ -185,7 +185,7 @@ void Execution::explain_fact(const Condition& atom, const Frame& frame, bool wan
   violation.message += spoiler == nullptr ? "; " + text + " has been " + other + " from the beginning"
                                           : "; " + text + " was made " + other + " by " + describe(*spoiler);
   violation.advice =
-      validator_.is_fluent_predicate(fact.predicate)
+      validator_.fluents().predicates[fact.predicate]
           ? advice_for_fact(fact, text, wanted, spoiler, violation)
           : "no action changes " + predicate.name + ": choose other arguments, or mend :init of " + problem_.file;
 }

@@ -13,13 +13,14 @@ const Fact* common(const std::vector<Fact>& a, const std::vector<Fact>& b) {
   return nullptr;
 }
 
-const Fact* touched(const std::vector<int>& ids, const std::vector<Fact>& facts) {
+}  // namespace
+
+const Fact* Footprint::derived_from(ById<char> Symbols::* kind, const std::vector<Fact>& facts) const {
   for (const Fact& fact : facts)
-    if (std::ranges::find(ids, fact.predicate) != ids.end()) return &fact;
+    for (const PredicateId derived : derived_reads_)
+      if ((validator_->bases(derived).*kind)[fact.predicate]) return &fact;
   return nullptr;
 }
-
-}  // namespace
 
 void Footprint::read(const Condition& condition, Frame& frame) {
   if (condition.kind == Condition::Kind::kAtom) gather_atom(condition, frame);
@@ -31,7 +32,7 @@ void Footprint::read(const Condition& condition, Frame& frame) {
 }
 
 void Footprint::read(const Expression& expression, const Frame& frame) {
-  if (expression.kind == Expression::Kind::kFunction && validator_->is_fluent_function(expression.function)) {
+  if (expression.kind == Expression::Kind::kFunction && validator_->fluents().functions[expression.function]) {
     const Objects objects(expression.terms, frame);
     number_reads_.push_back({expression.function, {objects.begin(), objects.end()}});
   }
@@ -42,12 +43,10 @@ Footprint::Known Footprint::gather_atom(const Condition& condition, Frame& frame
   const Predicate& predicate = validator_->evaluator().domain().predicates[condition.predicate];
   const Objects objects(condition.terms, frame);
   if (predicate.derived) {
-    const auto& [predicates, functions] = validator_->bases(condition.predicate);
-    read_predicates_.insert(read_predicates_.end(), predicates.begin(), predicates.end());
-    read_functions_.insert(read_functions_.end(), functions.begin(), functions.end());
+    derived_reads_.push_back(condition.predicate);
     return {};
   }
-  if (!validator_->is_fluent_predicate(condition.predicate))
+  if (!validator_->fluents().predicates[condition.predicate])
     return validator_->initial().holds(condition.predicate, objects);
   reads_.push_back({condition.predicate, {objects.begin(), objects.end()}});
   return {};
@@ -86,13 +85,12 @@ Footprint::Known Footprint::gather(const Condition& condition, Frame& frame) {
     const Known known = gather(condition.operands[0], frame);
     return known ? Known(!*known) : known;
   }
-  const std::size_t marks[] = {reads_.size(), number_reads_.size(), read_predicates_.size(), read_functions_.size()};
+  const std::size_t reads = reads_.size(), number_reads = number_reads_.size(), derived_reads = derived_reads_.size();
   const Known known = gather_many(condition, frame);
   if (known) {
-    reads_.resize(marks[0]);
-    number_reads_.resize(marks[1]);
-    read_predicates_.resize(marks[2]);
-    read_functions_.resize(marks[3]);
+    reads_.resize(reads);
+    number_reads_.resize(number_reads);
+    derived_reads_.resize(derived_reads);
   }
   return known;
 }
@@ -118,12 +116,12 @@ std::string Footprint::one_way(const Footprint& reader, const Footprint& writer)
   };
   for (const auto* written : {&writer.adds_, &writer.deletes_}) {
     if (const Fact* fact = common(reader.reads_, *written)) return text(*fact, domain.predicates);
-    if (const Fact* fact = touched(reader.read_predicates_, *written)) return text(*fact, domain.predicates);
+    if (const Fact* fact = reader.derived_from(&Symbols::predicates, *written)) return text(*fact, domain.predicates);
   }
   if (const Fact* fact = common(reader.adds_, writer.deletes_)) return text(*fact, domain.predicates);
   for (const auto* written : {&writer.assigned_, &writer.increased_}) {
     if (const Fact* fact = common(reader.number_reads_, *written)) return text(*fact, domain.functions);
-    if (const Fact* fact = touched(reader.read_functions_, *written)) return text(*fact, domain.functions);
+    if (const Fact* fact = reader.derived_from(&Symbols::functions, *written)) return text(*fact, domain.functions);
     if (const Fact* fact = common(reader.assigned_, *written)) return text(*fact, domain.functions);
   }
   return {};

@@ -30,14 +30,15 @@ class Footprint {
   Known gather_atom(const Condition& condition, Frame& frame);
   Known gather(const Condition& condition, Frame& frame);
   Known gather_many(const Condition& condition, Frame& frame);
+  /// One of the facts, or numbers, from which a derived fact that is read is computed; null: there is none.
+  const Fact* derived_from(ById<char> Symbols::* kind, const std::vector<Fact>& facts) const;
   static std::string one_way(const Footprint& reader, const Footprint& writer);
 
   const Validator* validator_;
   // Functions are kept as Fact, too, with their id as `predicate`.
   std::vector<Fact> reads_, adds_, deletes_;
   std::vector<Fact> number_reads_, assigned_, increased_;
-  std::vector<PredicateId> read_predicates_;  ///< every fact of these, through derived predicates
-  std::vector<FunctionId> read_functions_;
+  std::vector<PredicateId> derived_reads_;
 };
 
 }  // namespace cxlab::planner

@@ -62,27 +62,16 @@ class Validator {
 
   const Evaluator& evaluator() const { return evaluator_; }
   const State& initial() const { return initial_; }
-  /// Whether an action or event can change it.
-  bool is_fluent_predicate(PredicateId id) const { return fluent_predicates_[id]; }
-  bool is_fluent_function(FunctionId id) const { return fluent_functions_[id]; }
-  /// What a derived predicate depends on, directly or not, and what can change.
-  struct Bases {
-    std::vector<PredicateId> predicates;  ///< that are not derived
-    std::vector<FunctionId> functions;
-  };
-  const Bases& bases(PredicateId derived) const { return bases_[derived]; }
+  /// What actions and events can change.
+  const Symbols& fluents() const { return fluents_; }
+  /// What a derived predicate depends on, directly or not.
+  const Symbols& bases(PredicateId derived) const { return bases_[derived]; }
 
  private:
-  void find_fluents();
-  void find_bases();
-
-  const Domain& domain_;
-  const Problem& problem_;
   Evaluator evaluator_;
   State initial_;
-  ById<bool> fluent_predicates_;
-  ById<bool> fluent_functions_;
-  ById<Bases> bases_;
+  Symbols fluents_;
+  ById<Symbols> bases_;
 };
 
 /// `error: ...` for people: one paragraph of message and advice.

@@ -8,6 +8,7 @@
 
 #include "planner/ground/relaxation.h"
 #include "planner/pddl/parser.h"
+#include "planner/pddl/text.h"
 
 namespace cxlab::planner {
 namespace {
@@ -35,18 +36,26 @@ class Grounded {
 
   std::vector<std::string> actions() const {
     std::vector<std::string> names;
-    for (const GroundAction& action : ground_.actions) names.push_back(action_name(task_, action));
+    for (const GroundAction& action : ground_.actions)
+      names.push_back(text(task_.domain.actions[action.schema].name, action.arguments));
     std::ranges::sort(names);
     return names;
   }
   std::vector<std::string> facts() const {
     std::vector<std::string> names;
-    for (const GroundFact& fact : ground_.facts) names.push_back(fact_name(task_, fact));
+    for (const GroundFact& fact : ground_.facts) {
+      const std::string name = text(task_.domain.predicates[fact.predicate].name, fact.objects);
+      names.push_back(fact.is_complement ? "(not " + name + ")" : name);
+    }
     std::ranges::sort(names);
     return names;
   }
 
  private:
+  std::string text(const std::string& name, const std::vector<ObjectId>& arguments) const {
+    return ground_text(name, arguments, task_.problem.objects);
+  }
+
   Task task_;
   GroundTask ground_;
 };
@@ -156,7 +165,7 @@ TEST(Ground, DerivedReadsNameWhatRulesRead) {
   ASSERT_EQ(task->derived_reads.size(), 4u);
   EXPECT_EQ(task->derived_reads[0].start.predicates, (std::vector<char>{1, 0, 1, 0, 0}))
       << "on and shut through the rule; plain is read directly";
-  EXPECT_FALSE(task->derived_reads[1].start.any());
+  EXPECT_TRUE(task->derived_reads[1].start.predicates.empty());
 }
 
 TEST(Relaxation, WhatCanBeginButNeverEndIsNotApplicable) {

@@ -4,7 +4,7 @@
 
 #include "planner/ground/ground.h"
 #include "planner/pddl/parser.h"
-#include "planner/search/kept_search.h"
+#include "planner/search/search_space.h"
 #include "planner/search/split.h"
 
 namespace cxlab::planner {
@@ -76,7 +76,7 @@ TEST(Stn, ALongChainAgreesWithTheTimelineAndNeedsFewDistances) {
   EXPECT_LT(stn.distances(), 400u);  // of 5,576 pairs that conflict
 }
 
-TEST(KeptSearch, ContinuesWhereItsLastSliceEnded) {
+TEST(LazySearch, ContinuesWhereItsLastSliceEnded) {
   // Five tiles on a board of two by three, two of them the wrong way round: all of 360 states are looked at.
   Expected<Domain> domain = parse_domain(R"((define (domain d) (:predicates (at ?t ?p) (empty ?p) (next ?p ?q))
     (:action slide :parameters (?t ?p ?q) :precondition (and (at ?t ?p) (empty ?q) (next ?p ?q))
@@ -95,23 +95,19 @@ TEST(KeptSearch, ContinuesWhereItsLastSliceEnded) {
   Budget making, whole, sliced;
   const SearchSpace space(*task, making);
   Sequence found;
-  KeptSearch at_once, in_slices;
-  ASSERT_EQ(at_once.go_on(space, nullptr, {}, whole, found), SearchEnd::kExhausted);
+  const auto make = [&] {
+    return LazySearch(space.simulator, space.relaxed, space.landmarks, space.simulator.initial(), {});
+  };
+  LazySearch at_once = make(), in_slices = make();
+  ASSERT_EQ(at_once.run(whole, found), SearchEnd::kExhausted);
   int slices = 0;
   for (SearchEnd end = SearchEnd::kBudget; end == SearchEnd::kBudget && slices < 20; ++slices) {
-    sliced.set_slice(sliced.units() + whole.units() / 10);
-    end = in_slices.go_on(space, nullptr, {}, sliced, found);
+    const BudgetSlice slice(sliced, whole.units() / 10);
+    end = in_slices.run(sliced, found);
   }
   EXPECT_GT(slices, 5);
   EXPECT_LT(slices, 20);
   EXPECT_EQ(sliced.units(), whole.units());
-  // One with another aim begins anew: what is left for the first is too little for it.
-  LazyOptions late;
-  late.late_goal = true;
-  sliced.set_slice(sliced.units() + whole.units() / 2);
-  EXPECT_EQ(in_slices.go_on(space, nullptr, {}, sliced, found), SearchEnd::kBudget);
-  sliced.set_slice(sliced.units() + whole.units() * 3 / 4);
-  EXPECT_EQ(in_slices.go_on(space, nullptr, late, sliced, found), SearchEnd::kBudget);
 }
 
 TEST(Split, PartsOfAnActionRunOnce) {

@@ -1,7 +1,6 @@
 // The strategies that find a first plan, each alone; proofs that there is none.
 
 #include "planner/strategies/clock_strategy.h"
-#include "planner/strategies/cut_search.h"
 #include "planner/strategies/late_repair.h"
 #include "planner/strategies/unsolvable.h"
 #include "planner/strategies/warm_start.h"
@@ -16,7 +15,7 @@ constexpr Turn kShortTurn{0, 2};
 
 TEST(SequenceSearch, FindsASequenceOfWholeActions) {
   Prepared problem(kCups, kTwoCups);
-  SequenceSearch search(*problem);
+  SequenceSearch search(*problem, Cut::kNothing);
   EXPECT_TRUE(search.run(kTurn));
   EXPECT_EQ(problem->best.plan().steps.size(), 2u);
   EXPECT_EQ(problem->best_list().size(), 2u);
@@ -25,7 +24,7 @@ TEST(SequenceSearch, FindsASequenceOfWholeActions) {
 
 TEST(SequenceSearch, IsExhaustedWhereOneActionNeedsAnotherToBeUnderWay) {
   Prepared problem(kMatch, kOneMatch);
-  SequenceSearch search(*problem);
+  SequenceSearch search(*problem, Cut::kNothing);
   EXPECT_FALSE(search.run(kTurn));
   EXPECT_TRUE(search.exhausted());
   const std::int64_t units = problem->budget.units();
@@ -38,7 +37,7 @@ TEST(SequenceSearch, WhatComesTooLateIsFoundOnlyWithoutRegardToEvents) {
   const std::string domain = R"((:predicates (light) (done))
     (:durative-action work :parameters () :duration (= ?duration 4) :condition (over all (light)) :effect (at end (done))))";
   Prepared problem(domain, "(:init (light) (at 3 (not (light)))) (:goal (done))");
-  SequenceSearch search(*problem);
+  SequenceSearch search(*problem, Cut::kNothing);
   EXPECT_FALSE(search.run(kTurn));
   const std::optional<Sequence> late = search.find(kTurn);
   ASSERT_TRUE(late);
@@ -55,12 +54,12 @@ TEST(SequenceSearch, TheFirstSearchContinuesInEveryFourthRound) {
     goal += " (clean" + cup + ")";
   }
   Prepared problem(kCups, objects + ") (:init (sink-free)" + init + ") (:goal (and" + goal + "))");
-  SequenceSearch search(*problem);
+  SequenceSearch search(*problem, Cut::kNothing);
   std::uint64_t round = 0;
   while (round < 400 && !search.run({round, kShortTurn.units})) round += 4;
   EXPECT_TRUE(problem->best.exists());
   EXPECT_GT(round, 4u) << "no single turn is enough";
-  SequenceSearch anew(*problem);
+  SequenceSearch anew(*problem, Cut::kNothing);
   for (std::uint64_t other = 1; other < 40; other += 4) {
     const std::int64_t before = problem->budget.units();
     anew.run({other, kShortTurn.units});
@@ -69,33 +68,33 @@ TEST(SequenceSearch, TheFirstSearchContinuesInEveryFourthRound) {
   }
 }
 
-TEST(CutSearch, FindsPlansInWhichActionsOverlap) {
-  for (const CutSearch::Cut cut : {CutSearch::Cut::kEnvelopes, CutSearch::Cut::kEverything}) {
+TEST(SequenceSearch, FindsPlansInWhichActionsOverlap) {
+  for (const Cut cut : {Cut::kEnvelopes, Cut::kEverything}) {
     Prepared problem(kMatch, kOneMatch);
-    CutSearch search(*problem, cut);
+    SequenceSearch search(*problem, cut);
     EXPECT_TRUE(search.run(kTurn));
     EXPECT_NEAR(problem->best.plan().makespan_s, 5, 0.002);
     EXPECT_EQ(problem->best_parts().cut, search.space());
-    EXPECT_EQ(problem->best_parts().list.size(), cut == CutSearch::Cut::kEnvelopes ? 3u : 4u)
+    EXPECT_EQ(problem->best_parts().list.size(), cut == Cut::kEnvelopes ? 3u : 4u)
         << "the match is struck and goes out; the mending is whole, or begins and ends";
     EXPECT_TRUE(problem->best_list().empty());
   }
 }
 
-TEST(CutSearch, CutsNothingWhereNoActionIsAnEnvelope) {
+TEST(SequenceSearch, CutsNothingWhereNoActionIsAnEnvelope) {
   Prepared problem(R"((:predicates (a) (b))
     (:durative-action make :parameters () :duration (= ?duration 2) :condition (at start (a)) :effect (at end (b))))",
                    "(:init (a)) (:goal (b))");
-  CutSearch envelopes(*problem, CutSearch::Cut::kEnvelopes), everything(*problem, CutSearch::Cut::kEverything);
+  SequenceSearch envelopes(*problem, Cut::kEnvelopes), everything(*problem, Cut::kEverything);
   EXPECT_FALSE(envelopes.run(kTurn));
   EXPECT_FALSE(envelopes.space());
   EXPECT_TRUE(envelopes.exhausted());
   EXPECT_TRUE(everything.run(kTurn));
 }
 
-TEST(CutSearch, LeavesWhatCannotBeCutWhole) {
+TEST(SequenceSearch, LeavesWhatCannotBeCutWhole) {
   Prepared problem(kTank, kSeven);
-  CutSearch everything(*problem, CutSearch::Cut::kEverything);
+  SequenceSearch everything(*problem, Cut::kEverything);
   EXPECT_FALSE(everything.space());
 }
 
@@ -123,7 +122,7 @@ TEST(LateRepair, MovesActionsUntilTheyComeInTime) {
      :effect (and (at start (not (free))) (at end (free)) (at start (not (waits ?p))) (at end (served ?p)))))";
   Prepared problem(domain, R"((:objects c b a) (:init (free) (waits a) (waits b) (waits c) (here a) (here b) (here c)
     (at 4 (not (here a))) (at 8 (not (here b)))) (:goal (and (served c) (served b) (served a))))");
-  SequenceSearch sequences(*problem);
+  SequenceSearch sequences(*problem, Cut::kNothing);
   ASSERT_TRUE(repair_late(*problem, sequences, {1, 20'000}));
   std::vector<std::string> order;
   for (const PlanStep& step : problem->best.plan().steps)
@@ -136,7 +135,7 @@ TEST(LateRepair, GivesUpAfterItsTurns) {
   const std::string domain = R"((:predicates (light) (done))
     (:durative-action work :parameters () :duration (= ?duration 4) :condition (over all (light)) :effect (at end (done))))";
   Prepared problem(domain, "(:init (light) (at 3 (not (light)))) (:goal (done))");
-  SequenceSearch sequences(*problem);
+  SequenceSearch sequences(*problem, Cut::kNothing);
   const std::int64_t before = problem->budget.units();
   EXPECT_FALSE(repair_late(*problem, sequences, {0, 5'000}));
   EXPECT_LT(problem->budget.units() - before, 3 * 5'000 + 1'000);

@@ -1,7 +1,7 @@
 // The strategies that make a plan better, each alone.
 
 #include "planner/strategies/improvement.h"
-#include "planner/strategies/cut_search.h"
+#include "planner/strategies/sequence_search.h"
 #include "prepared.h"
 
 namespace cxlab::planner {
@@ -46,7 +46,7 @@ Sequence two_matches(const Prepared& problem, const SplitTask& split) {
 
 TEST(Improvement, OfPartsStrikesOneMatchForBothFuses) {
   Prepared problem(kMatches, kTwoMatches);
-  CutSearch cut(*problem, CutSearch::Cut::kEnvelopes);
+  SequenceSearch cut(*problem, Cut::kEnvelopes);
   ASSERT_TRUE(cut.space());
   ASSERT_TRUE(problem->offer(*cut.space(), two_matches(problem, cut.space()->split)));
   EXPECT_GT(problem->best.plan().makespan_s, 10);
@@ -57,7 +57,7 @@ TEST(Improvement, OfPartsStrikesOneMatchForBothFuses) {
 
 TEST(BetterMetricSearch, FindsPartsWithABetterMetric) {
   Prepared problem(kMatches, kTwoMatches + "(:metric minimize (cost))");
-  CutSearch cut(*problem, CutSearch::Cut::kEnvelopes);
+  SequenceSearch cut(*problem, Cut::kEnvelopes);
   ASSERT_TRUE(cut.space());
   ASSERT_TRUE(problem->offer(*cut.space(), two_matches(problem, cut.space()->split)));
   BetterMetricSearch search(*problem, *cut.space());

@@ -3,6 +3,7 @@
 
 #include "../planner/answers.h"
 #include "planner/ground/ground.h"
+#include "planner/pddl/text.h"
 #include "planner/strategies/context.h"
 
 namespace cxlab::planner {
@@ -24,7 +25,9 @@ class Prepared {
   /// The ground action of this name, as plans write it: "(move a b)".
   int action(const std::string& name) const {
     for (std::size_t a = 0; a < context_->ground.actions.size(); ++a)
-      if (action_name(task_, context_->ground.actions[a]) == name) return static_cast<int>(a);
+      if (const GroundAction& action = context_->ground.actions[a];
+          ground_text(task_.domain.actions[action.schema].name, action.arguments, task_.problem.objects) == name)
+        return static_cast<int>(a);
     ADD_FAILURE() << "no action " << name;
     return -1;
   }
