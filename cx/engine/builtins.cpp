@@ -2,34 +2,38 @@
 
 #include <ctime>
 
-#include "internal/impl.h"
+#include "internal/builtins.h"
 
 namespace cxlab {
 
 using namespace clips;
 
-namespace {
-
-Builtin& builtin_of(UDFContext* context) { return *static_cast<Builtin*>(context->context); }
-RuleEngine::Impl& impl_of(UDFContext* context) { return *builtin_of(context).impl; }
-RuleEngine& engine_of(UDFContext* context) { return impl_of(context).engine; }
-
-void complain(Environment* env, UDFContext* context, const std::string& why) {
+void complain(UDFContext* context, const std::string& why) {
   std::string text = std::string("Function '") + UDFContextFunctionName(context) + "': " + why;
   if (const std::string rule = engine_of(context).current_rule(); !rule.empty()) text += " (rule '" + rule + "')";
   text += "\n";
-  PrintErrorID(env, "CXLAB", 2, false);
-  WriteString(env, STDERR, text.c_str());
+  PrintErrorID(context->environment, "CXLAB", 2, false);
+  WriteString(context->environment, STDERR, text.c_str());
 }
 
-void refuse(Environment* env, UDFContext* context, UDFValue* result, const std::string& why) {
-  complain(env, context, why);
+void refuse(UDFContext* context, UDFValue* result, const std::string& why) {
+  complain(context, why);
   UDFThrowError(context);
-  result->lexemeValue = FalseSymbol(env);
+  result->lexemeValue = FalseSymbol(context->environment);
 }
 
-/// Calls the original function with these values as its arguments.
-void call_original(Environment* env, UDFContext* context, UDFValue* result, const std::vector<UDFValue>& args) {
+bool arguments(UDFContext* context, std::vector<UDFValue>& args) {
+  for (unsigned i = 1; UDFHasNextArgument(context); ++i) {
+    UDFValue value;
+    if (!UDFNextArgument(context, GetNthRestriction(context->environment, context->theFunction, i), &value))
+      return false;
+    args.push_back(value);
+  }
+  return true;
+}
+
+void call_original(UDFContext* context, UDFValue* result, const std::vector<UDFValue>& args) {
+  Environment* env = context->environment;
   Expression call{};
   call.type = FCALL;
   call.functionValue = context->theFunction;
@@ -52,16 +56,7 @@ void call_original(Environment* env, UDFContext* context, UDFValue* result, cons
   ReturnExpression(env, call.argList);
 }
 
-/// All arguments; false after an error, which CLIPS has reported.
-bool arguments(UDFContext* context, std::vector<UDFValue>& args) {
-  for (unsigned i = 1; UDFHasNextArgument(context); ++i) {
-    UDFValue value;
-    if (!UDFNextArgument(context, GetNthRestriction(context->environment, context->theFunction, i), &value))
-      return false;
-    args.push_back(value);
-  }
-  return true;
-}
+namespace {
 
 // --- Time ----------------------------------------------------------------------------------------------------------
 
@@ -108,7 +103,7 @@ void random_function(Environment* env, UDFContext* context, UDFValue* result) {
     return;
   }
   if (args.size() != 2 || args[0].integerValue->contents > args[1].integerValue->contents) {
-    refuse(env, context, result,
+    refuse(context, result,
            args.size() == 1 ? "expected no or two bounds, found one" : "the first bound is above the second");
     return;
   }
@@ -123,54 +118,6 @@ void seed_function(Environment*, UDFContext* context, UDFValue*) {
   engine.random() = RandomStream(static_cast<std::uint64_t>(args[0].integerValue->contents), "env/" + engine.name());
 }
 
-// --- Files ---------------------------------------------------------------------------------------------------------
-
-enum class Access { kRead, kWrite, kByMode };
-
-/// Calls the original with the paths that its first `paths` arguments may really use. `kByMode`: as the third argument
-/// of `open` says.
-template <Access access, std::size_t paths = 1>
-void file_function(Environment* env, UDFContext* context, UDFValue* result) {
-  std::vector<UDFValue> args;
-  if (!arguments(context, args)) return;
-  FileAccess* files = engine_of(context).options().files;
-  std::string mode = access == Access::kWrite ? "w" : "r";
-  if (access == Access::kByMode && args.size() > 2 && args[2].header->type == STRING_TYPE)
-    mode = args[2].lexemeValue->contents;
-  for (std::size_t i = 0; i < paths; ++i) {
-    const std::string named = args[i].lexemeValue->contents;
-    if (files == nullptr) return refuse(env, context, result, "rules may not use files here: " + named);
-    const bool reads = mode == "r" || mode == "rb";
-    const Expected<std::string> allowed = reads ? files->for_reading(named) : files->for_writing(named);
-    if (!allowed) return refuse(env, context, result, allowed.error().message);
-    args[i].lexemeValue = CreateString(env, allowed->c_str());
-  }
-  call_original(env, context, result, args);
-}
-
-/// `load`, `load*`, `batch`, `batch*`: form by form, as files loaded by the host. TRUE unless a construct was refused
-/// (load) or the file could not be read.
-template <LoadMode mode>
-void load_function(Environment* env, UDFContext* context, UDFValue* result) {
-  std::vector<UDFValue> args;
-  if (!arguments(context, args)) return;
-  const std::string path = args[0].lexemeValue->contents;
-  RuleEngine& engine = engine_of(context);
-  if (engine.options().files == nullptr) {
-    refuse(env, context, result, "rules may not use files here: " + path);
-    return;
-  }
-  LoadReport report = engine.load_file(path, mode, impl_of(context).on_load_error);
-  const bool readable = report.errors.empty() || report.errors.front().line != 0;
-  result->lexemeValue = CreateBoolean(env, mode == LoadMode::kBatch ? readable : report.ok());
-  if (!readable) {
-    // As in CLIPS an error of the call, after which the rule goes on.
-    complain(env, context, report.errors.front().message);
-    return;
-  }
-  for (RuleError& error : report.errors) impl_of(context).add_error(std::move(error));
-}
-
 // --- The machine ---------------------------------------------------------------------------------------------------
 
 /// A function whose answer depends on the machine: it goes through the input log, and the journal marks the call.
@@ -180,7 +127,7 @@ void machine_function(Environment* env, UDFContext* context, UDFValue* result) {
     if (!arguments(context, args)) return Value();
     UDFValue answer;
     answer.voidValue = VoidConstant(env);
-    call_original(env, context, &answer, args);
+    call_original(context, &answer, args);
     return ValueRef(answer.value, value_type(*answer.header), 0, 0).copy();
   });
   result->value = value.is(ValueType::kVoid) ? static_cast<void*>(VoidConstant(env)) : to_clips(env, value);
@@ -188,15 +135,42 @@ void machine_function(Environment* env, UDFContext* context, UDFValue* result) {
 
 void trusted_function(Environment* env, UDFContext* context, UDFValue* result) {
   if (!engine_of(context).options().trust_rules) {
-    refuse(env, context, result,
+    refuse(context, result,
            "refused to rules that are not trusted (--trust-rules lifts this, or trust_rules: true in the scenario)");
     return;
   }
   machine_function(env, context, result);
 }
 
-void chdir_function(Environment* env, UDFContext* context, UDFValue* result) {
-  refuse(env, context, result, "refused: the working directory belongs to the whole process");
+void chdir_function(Environment*, UDFContext* context, UDFValue* result) {
+  refuse(context, result, "refused: the working directory belongs to the whole process");
+}
+
+void watch_function(Environment* env, UDFContext* context, UDFValue* result) {
+  std::vector<UDFValue> args;
+  if (!arguments(context, args)) return;
+  if (args[0].lexemeValue->contents == std::string_view(kStatistics))
+    return complain(context, "statistics are not watched: they have the machine's time");
+  call_original(context, result, args);
+  SetWatchItem(env, kStatistics, false, nullptr);  // "all" has them
+}
+
+/// Profiles have the machine's time.
+void profile_function(Environment*, UDFContext* context, UDFValue* result) {
+  std::vector<UDFValue> args;
+  if (!arguments(context, args)) return;
+  if (args[0].lexemeValue->contents == std::string_view("off")) return;
+  refuse(context, result, "refused: a profile has the machine's time");
+}
+
+void strategy_function(Environment*, UDFContext* context, UDFValue* result) {
+  std::vector<UDFValue> args;
+  if (!arguments(context, args)) return;
+  if (args[0].lexemeValue->contents == std::string_view("random"))
+    return refuse(context, result,
+                  "the strategy 'random' draws from the chance of the whole process; (random) has the "
+                  "environment's own");
+  call_original(context, result, args);
 }
 
 /// Ends the run of the rules, not the process.
@@ -212,27 +186,34 @@ constexpr std::pair<const char*, UserDefinedFunction*> kReplaced[] = {
     {"timer", timer_function},
     {"random", random_function},
     {"seed", seed_function},
-    {"open", file_function<Access::kByMode>},
-    {"load", load_function<LoadMode::kConstructs>},
-    {"load*", load_function<LoadMode::kConstructs>},
-    {"batch", load_function<LoadMode::kBatch>},
-    {"batch*", load_function<LoadMode::kBatch>},
-    {"load-facts", file_function<Access::kRead>},
-    {"bload-facts", file_function<Access::kRead>},
-    {"load-instances", file_function<Access::kRead>},
-    {"restore-instances", file_function<Access::kRead>},
-    {"bload-instances", file_function<Access::kRead>},
-    {"bload", file_function<Access::kRead>},
-    {"fetch", file_function<Access::kRead>},
-    {"save-facts", file_function<Access::kWrite>},
-    {"bsave-facts", file_function<Access::kWrite>},
-    {"save-instances", file_function<Access::kWrite>},
-    {"bsave-instances", file_function<Access::kWrite>},
-    {"save", file_function<Access::kWrite>},
-    {"bsave", file_function<Access::kWrite>},
-    {"dribble-on", file_function<Access::kWrite>},
-    {"remove", file_function<Access::kWrite>},
-    {"rename", file_function<Access::kWrite, 2>},
+    {"open", open_function},
+    {"load", load_function},
+    {"load*", load_function},
+    {"batch", batch_function},
+    {"batch*", batch_function},
+    {"load-facts", read_file_function},
+    {"load-instances", read_file_function},
+    {"restore-instances", read_file_function},
+    {"fetch", read_file_function},
+    {"bload-facts", read_binary_function},
+    {"bload-instances", read_binary_function},
+    {"bload", read_binary_function},
+    {"save-facts", write_file_function},
+    {"save-instances", write_file_function},
+    {"save", write_file_function},
+    {"dribble-on", write_file_function},
+    {"remove", write_file_function},
+    {"bsave-facts", write_binary_function},
+    {"bsave-instances", write_binary_function},
+    {"bsave", write_binary_function},
+    {"rename", rename_function},
+    {"format", format_function},
+    {"eval", nested_function},
+    {"build", nested_function},
+    {"assert-string", nested_function},
+    {"watch", watch_function},
+    {"profile", profile_function},
+    {"set-strategy", strategy_function},
     {"constructs-to-c", trusted_function},
     {"system", trusted_function},
     {"chdir", chdir_function},

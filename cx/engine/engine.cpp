@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <new>
 
 #include "cx/engine/version.h"
-#include "internal/impl.h"
+#include "internal/builtins.h"
 
 namespace cxlab {
 
@@ -42,6 +43,14 @@ struct OwnData {
   RuleEngine* engine = nullptr;
 };
 
+/// CLIPS asks again for the memory after this, as `new` does after a new-handler.
+bool on_out_of_memory(Environment*, std::size_t) noexcept {
+  const std::new_handler handler = std::get_new_handler();
+  if (handler == nullptr) std::terminate();
+  handler();
+  return false;
+}
+
 }  // namespace
 
 RuleEngine::RuleEngine(EngineOptions options)
@@ -63,6 +72,7 @@ Expected<std::unique_ptr<RuleEngine>> RuleEngine::create(EngineOptions options) 
     engine->stream_ = engine->options_.journal->open_stream("env/" + engine->options_.name);
   }
   engine->impl_->install_router();
+  SetOutOfMemoryFunction(env, on_out_of_memory);
   engine->impl_->install_builtins();
   engine->impl_->install_hooks();
   return engine;
@@ -84,6 +94,8 @@ RuleEngine::~RuleEngine() {
   }
   DestroyEnvironment(environment_);
 }
+
+RuleEngine* RuleEngine::at_work() { return g_at_work; }
 
 RuleEngine* RuleEngine::of(Environment* environment) {
   const auto* found = static_cast<OwnData*>(environment_data(environment, kOwnData));
@@ -108,6 +120,7 @@ int RuleEngine::Impl::read_terminal() {
     return character;
   }
   const auto read = [] { return Value::integer(std::getchar()); };
+  if (!engine.options_.trust_rules) return EOF;
   LookOutside* outside = engine.options_.outside;
   return static_cast<int>((outside != nullptr ? outside->look("terminal", read) : read()).as_integer());
 }
@@ -213,6 +226,7 @@ Expected<Value> RuleEngine::eval(const std::string& expression) {
 }
 
 Expected<Value> RuleEngine::call(const std::string& function, std::span<const Value> args) {
+  ++calls_;
   std::optional<Value> value;
   FunctionCallBuilderError error = FCBE_NO_ERROR;
   const std::size_t errors_before = (impl_->flush_errors(), errors_.size());
@@ -246,7 +260,11 @@ bool RuleEngine::callable(const std::string& function) const {
          has("defgeneric", function);
 }
 
-bool RuleEngine::watch(const std::string& item) { return SetWatchItem(environment_, item.c_str(), true, nullptr); }
+bool RuleEngine::watch(const std::string& item) {
+  const bool known = SetWatchItem(environment_, item.c_str(), true, nullptr);
+  SetWatchItem(environment_, kStatistics, false, nullptr);  // they have the machine's time
+  return known;
+}
 bool RuleEngine::unwatch(const std::string& item) { return SetWatchItem(environment_, item.c_str(), false, nullptr); }
 
 std::string RuleEngine::current_rule() const {

@@ -15,6 +15,7 @@
 #include "cx/base/record_sink.h"
 #include "cx/base/time.h"
 #include "cx/engine/function.h"
+#include "cx/engine/limits.h"
 #include "cx/engine/outside.h"
 #include "cx/engine/value.h"
 
@@ -146,7 +147,8 @@ struct EngineOptions {
   FileAccess* files = nullptr;        ///< none: every path is refused to rules, `load_file` opens what it is given
   LookOutside* outside = nullptr;     ///< may be none
   std::int64_t max_load_firings = 0;  ///< of a `(run)` in a file that is loaded; more are an error there; 0 = no limit
-  bool trust_rules = false;           ///< `system`, `remove`, `rename` act
+  bool trust_rules = false;           ///< `system`, `remove`, `rename` act; `read` reads the terminal
+  Limits* limits = nullptr;           ///< may be none
   std::function<void(std::string_view logical_name, std::string_view text)> on_output;  ///< all that rules print
 };
 
@@ -158,6 +160,8 @@ class RuleEngine {
   RuleEngine(const RuleEngine&) = delete;
   RuleEngine& operator=(const RuleEngine&) = delete;
 
+  /// The engine whose rules or constructs CLIPS is busy with on this thread, or null.
+  static RuleEngine* at_work();
   /// The engine that owns this environment, or null.
   static RuleEngine* of(clips::Environment* environment);
   /// For plugins that use the C API. What they do with it is journaled like the rest.
@@ -220,6 +224,10 @@ class RuleEngine {
   /// Calls a function, deffunction or generic by name. An error inside is also in the next report, side callback.
   Expected<Value> call(const std::string& function, std::span<const Value> args);
   bool callable(const std::string& function) const;
+  /// How often `call` was called since this was asked last.
+  std::int64_t take_call_count() { return std::exchange(calls_, 0); }
+  /// Sets `Limits::exceeded` to this, with the rule or form at work and its place, and ends what rules do.
+  void exceed_limits(Error error);
   /// Errors since the last report or call of this.
   std::vector<RuleError> take_errors();
   /// An error where rules are just now, as CLIPS would word it (`[CODE1] ...\n`); nothing is printed, nothing halts.
@@ -228,7 +236,7 @@ class RuleEngine {
   /// `(exit)` was called by a rule; it ends the run and nothing else.
   bool exit_requested() const;
 
-  /// "facts", "rules", "activations", ... or "all"; false if there is no such item.
+  /// "facts", "rules", "activations", ... or "all"; false if there is no such item. "statistics" shows nothing.
   bool watch(const std::string& item);
   bool unwatch(const std::string& item);
 
@@ -291,6 +299,7 @@ class RuleEngine {
   RandomStream random_;
   StreamId stream_{};
   std::uint64_t last_handle_ = 0;
+  std::int64_t calls_ = 0;
   std::vector<RuleError> errors_;
   std::unique_ptr<Impl> impl_;
 };

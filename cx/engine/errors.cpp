@@ -6,6 +6,9 @@
 #include "internal/impl.h"
 
 namespace cxlab {
+
+constinit thread_local RuleEngine* g_at_work = nullptr;
+
 namespace {
 
 using namespace clips;
@@ -294,7 +297,10 @@ std::vector<RuleError> RuleEngine::take_errors() {
 }
 
 HostCall::HostCall(RuleEngine::Impl& impl, const RuleEngine::Impl::Context& context, Collect collect)
-    : impl_(impl), embedded_(evaluation_data(impl.env)->CurrentExpression == nullptr), collect_(collect) {
+    : impl_(impl),
+      embedded_(evaluation_data(impl.env)->CurrentExpression == nullptr),
+      collect_(collect),
+      outer_(std::exchange(g_at_work, &impl.engine)) {
   impl.flush_errors();
   depth_ = impl.contexts.size();
   if (embedded_ || context.side == ErrorSide::kLoad) impl.contexts.push_back(context);
@@ -307,6 +313,7 @@ HostCall::HostCall(RuleEngine::Impl& impl, const RuleEngine::Impl::Context& cont
 }
 
 HostCall::~HostCall() {
+  g_at_work = outer_;
   Environment* env = impl_.env;
   if (impl_.rule_open && impl_.rule_depth > depth_) impl_.close_rule();
   impl_.flush_errors();

@@ -1,5 +1,6 @@
 #include "cx/engine/form_reader.h"
 
+#include <algorithm>
 #include <span>
 
 namespace cxlab {
@@ -90,6 +91,16 @@ int count_lines(std::string_view text) {
 
 }  // namespace
 
+int depth_of(std::string_view text) {
+  Scanner scanner(text, 0, 1);
+  int depth = 0, deepest = 0;
+  for (Token token; scanner.next(token);) {
+    if (token.kind == Token::Kind::kOpen) deepest = std::max(deepest, ++depth);
+    if (token.kind == Token::Kind::kClose) --depth;
+  }
+  return deepest;
+}
+
 FormReading read_forms(std::string_view text, const std::string& file) {
   FormReading reading;
   const std::size_t start = text.starts_with("\xef\xbb\xbf") ? 3 : 0;
@@ -112,6 +123,7 @@ FormReading read_forms(std::string_view text, const std::string& file) {
     Form form;
     form.line = token.line;
     form.list = token.kind == Token::Kind::kOpen;
+    int too_deep = 0;  // the line where it gets so
     bool closed = token.kind != Token::Kind::kString || scanner.last_string_closed();
     int open_string = closed ? 0 : token.line;
     if (!form.list) {
@@ -120,7 +132,7 @@ FormReading read_forms(std::string_view text, const std::string& file) {
       int depth = 1;
       std::size_t words = 0;
       while (depth > 0 && scanner.next(token)) {
-        if (token.kind == Token::Kind::kOpen) ++depth;
+        if (token.kind == Token::Kind::kOpen && ++depth == kDeepestForm + 1) too_deep = token.line;
         if (token.kind == Token::Kind::kClose) --depth;
         if (token.kind == Token::Kind::kString && !scanner.last_string_closed()) open_string = token.line;
         if (token.kind == Token::Kind::kWord && depth == 1 && words < 2) {
@@ -133,6 +145,11 @@ FormReading read_forms(std::string_view text, const std::string& file) {
       closed = depth == 0;
     }
 
+    if (closed && too_deep > 0) {
+      reading.errors.push_back(
+          input_error("found parentheses nested more than " + std::to_string(kDeepestForm) + " deep", file, too_deep));
+      continue;
+    }
     if (closed) {
       form.text = text.substr(begin, scanner.at() - begin);
       // CLIPS would take a zero byte for the end of the form.

@@ -25,8 +25,14 @@ struct FormReading {
 
 /// Reads forms as the scanner of CLIPS would: `;` comments, strings with `\` escapes, words that end at
 /// `( ) " & | ~ ;` and blanks. A form that is never closed is an error at the line where it begins; reading goes on
-/// at the next line that begins with `(def`. A stray `)` and a zero byte are errors and skipped.
+/// at the next line that begins with `(def`. A stray `)`, a zero byte and a form deeper than `kDeepestForm` are errors
+/// and skipped.
 FormReading read_forms(std::string_view text, const std::string& file);
+
+/// CLIPS and our own readers use the stack for each level of parentheses.
+inline constexpr int kDeepestForm = 1000;
+/// How deep parentheses are nested in a text, strings and comments apart.
+int depth_of(std::string_view text);
 
 /// `go` of `MAIN::go`.
 inline std::string_view without_module(std::string_view name) {

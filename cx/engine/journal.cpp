@@ -85,6 +85,7 @@ void RuleEngine::Impl::on_assert(Environment*, void* asserted, void* self) noexc
     entry.number = ++impl.last_fact_number;
   }
   if (impl.counting()) ++impl.changed_templates[fact.whichDeftemplate->header.name->contents];
+  impl.look_at_limits();
   RecordSink* journal = impl.engine.options_.journal;
   if (journal == nullptr) return;
   impl.data.begin().field("fact", entry.number).field("template", fact.whichDeftemplate->header.name->contents);
@@ -158,6 +159,7 @@ void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self)
   impl.turns = 0;
   impl.rule_depth = impl.contexts.size();
   if (impl.counting()) ++impl.fired_rules[qualified_name(rule)];
+  impl.look_at_limits();
   impl.fire_recorded = false;
   RecordSink* journal = impl.engine.options_.journal;
   if (journal == nullptr) return;
@@ -195,8 +197,46 @@ void RuleEngine::Impl::on_fired(Environment*, Activation* activation, void* self
   }
 }
 
+void RuleEngine::Impl::look_at_limits() {
+  Limits* limits = engine.options_.limits;
+  if (limits == nullptr) return;
+  const std::int64_t now = MemUsed(env);
+  limits->held += now - std::exchange(counted_memory, now);
+  if (limits->exceeded) {
+    SetHaltExecution(env, true);
+    SetHaltRules(env, true);
+  } else if (limits->memory > 0 && limits->held > limits->memory) {
+    engine.exceed_limits(resource_error("rules hold more than " + std::to_string(limits->memory / 1'000'000) +
+                                        " MB of memory; if they are right, allow more with --memory"));
+  } else if (limits->stop != nullptr && limits->stop->load(std::memory_order_relaxed)) {
+    engine.exceed_limits(Error{ErrorKind::kRun, "stopped by a signal in the middle of a tick", {}, 0, kStoppedCode});
+  }
+}
+
+void RuleEngine::exceed_limits(Error error) {
+  Limits* limits = options_.limits;
+  if (limits == nullptr || limits->exceeded) return;
+  const ConstructInfo* rule = impl_->rule_acting ? find_construct("defrule", impl_->rule_name) : nullptr;
+  std::string where;
+  if (rule != nullptr) {
+    where = "rule " + rule->name + ": ";
+    error.file = rule->file;
+    error.line = rule->line;
+  } else if (!impl_->contexts.empty()) {
+    const Impl::Context& context = impl_->contexts.back();
+    if (!context.name.empty()) where = std::string(context.name) + ": ";
+    error.file = context.file;
+    error.line = context.line;
+  }
+  error.message = "environment '" + name() + "': " + where + error.message;
+  limits->exceeded = std::move(error);
+  SetHaltExecution(environment_, true);
+  SetHaltRules(environment_, true);
+}
+
 void RuleEngine::Impl::on_turn(Environment* env, void* self) noexcept {
   Impl& impl = *static_cast<Impl*>(self);
+  impl.look_at_limits();
   if (++impl.turns != kMostTurns) return;
   PrintErrorID(env, "CXLAB", 2, false);
   const std::string text = "Still looping after " + std::to_string(kMostTurns) +

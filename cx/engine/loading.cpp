@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <fstream>
+#include <span>
 #include <sstream>
 
+#include "cx/base/number_text.h"
 #include "internal/impl.h"
 
 namespace cxlab {
@@ -186,6 +188,28 @@ void RuleEngine::keep_same_constructs(bool keep) {
     impl_->construct_index[std::pair(impl_->constructs[i]->kind, impl_->constructs[i]->name)].push_back(i);
 }
 
+namespace {
+
+/// CLIPS makes a rule of each; the time for that grows with their square.
+constexpr double kMostAlternatives = 10'000;
+
+/// The choices among the conditions of a left-hand side, up to the arrow: `or` adds them, all else multiplies.
+double alternatives(std::span<const Term> conditions, bool any) {
+  double sum = 0, product = 1;
+  for (const Term& condition : conditions) {
+    if (condition.is("=>")) break;
+    double inner = 1;
+    const std::string_view head = condition.head();
+    if (head == "or" || head == "and" || head == "not" || head == "exists" || head == "forall" || head == "logical")
+      inner = alternatives(std::span(condition.items).subspan(1), head == "or");
+    sum += inner;
+    product *= inner;
+  }
+  return any ? sum : product;
+}
+
+}  // namespace
+
 bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, LoadMode mode) {
   HostCall call(*this, {ErrorSide::kLoad, form.name, file, form.line, &form});
   if (mode == LoadMode::kConstructs && !(form.list && is_construct(env, form.head))) {
@@ -195,6 +219,14 @@ bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, Load
     return false;
   }
   if (keep_same && is_there_already(form)) return true;
+  if (form.head == "defrule" && form.text.find("(or") != std::string::npos) {
+    if (const double rules = alternatives(tree_of(form).items, false); rules > kMostAlternatives) {
+      add_error(load_error(file, form.line,
+                           "rule '" + form.name + "': its 'or' conditions have " + general_text(rules, 9) +
+                               " combinations, each of which would be a rule; expected at most 10000"));
+      return false;
+    }
+  }
   const long old_line = SetLineCount(env, form.line);
   const char* old_router = router_data(env)->LineCountRouter;
   const bool old_evaluating = command_line_data(env)->EvaluatingTopLevelCommand;

@@ -1,14 +1,20 @@
 #pragma once
 // Access of rules to the world outside, and how its results get into the input log.
 
+#include <cstdint>
 #include <functional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "cx/base/expected.h"
 #include "cx/engine/value.h"
 
 namespace cxlab {
+
+/// Of the content of a file that rules made with a bsave function.
+using BinaryHash = std::pair<std::uint64_t, std::uint64_t>;
 
 /// Decides on every path that rules name (open, load, batch, load-facts, save-facts, bsave, dribble-on, remove, ...).
 /// Answers with the path to open really; an error is reported to the rule. A file that is missing is no error here.
@@ -20,6 +26,8 @@ class FileAccess {
   virtual Expected<std::string> for_writing(const std::string& path) = 0;
   /// How the journal names a file: the same on every machine, e.g. relative to its package.
   virtual std::string journal_name(const std::string& path) const { return path; }
+
+  std::set<BinaryHash> binaries;  ///< written by rules of this run; no others are read
 };
 
 /// Every result of a function that looks outside passes here: a recording one calls `outside` and keeps the value, a

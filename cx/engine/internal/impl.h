@@ -39,6 +39,9 @@ struct Builtin {
   clips::UserDefinedFunction* original = nullptr;
 };
 
+/// Of the innermost HostCall.
+extern constinit thread_local RuleEngine* g_at_work;
+
 struct RuleEngine::Impl {
   explicit Impl(RuleEngine& owner) : engine(owner) {}
 
@@ -62,6 +65,9 @@ struct RuleEngine::Impl {
   std::size_t rule_depth = 0;
   std::uint64_t turns = 0;  ///< of loops since the rule fired or the host called
   static constexpr std::uint64_t kMostTurns = 10'000'000;
+  std::int64_t counted_memory = 0;  ///< its share of `Limits::held`
+  /// Ends what rules do where a limit is exceeded.
+  void look_at_limits();
   /// Calls of deffunctions and generic functions under way, and where on the stack the outermost began.
   int calls = 0;
   std::uintptr_t calls_begin = 0;
@@ -229,6 +235,7 @@ class HostCall {
   std::size_t depth_;
   bool embedded_;  ///< else a function of rules called C++, and what it leaves is collected here
   Collect collect_;
+  RuleEngine* outer_;  ///< that was at work before
   clips::GCBlock block_;
 };
 

@@ -15,6 +15,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::SizeIs;
 
 namespace fs = std::filesystem;
@@ -143,6 +144,85 @@ TEST_F(Builtins, FactsAreSavedAndLoaded) {
   engine().reset();
   ASSERT_TRUE(engine().eval("(bload-facts \"facts.bin\")").ok());
   EXPECT_THAT(fact_texts(), ElementsAre("(a 1)", "(b \"x\")"));
+}
+
+TEST_F(Builtins, ABinaryFileThatRulesWroteInAnotherWayIsRefused) {
+  with_files();
+  ASSERT_TRUE(engine().assert_string("(a 1)").ok());
+  ASSERT_TRUE(engine().eval("(bsave-facts \"facts.bin\")").ok());
+  fs::copy_file(folder / "facts.bin", folder / "copy.bin");
+  EXPECT_TRUE(engine().eval("(bload-facts \"copy.bin\")").ok()) << "the same content";
+  write("text.bin", "no binary file");
+  fs::copy_file(folder / "facts.bin", folder / "longer.bin");
+  std::ofstream(folder / "longer.bin", std::ios::app) << 'x';
+  for (const char* function : {"bload-facts", "bload-instances", "bload"})
+    for (const char* file : {"text.bin", "longer.bin"})
+      EXPECT_THAT(engine().eval('(' + std::string(function) + " \"" + file + "\")").error().message,
+                  HasSubstr('\'' + std::string(file) + "' is not as a bsave function of this run wrote it"))
+          << function;
+  ASSERT_TRUE(engine().eval("(bsave-instances \"facts.bin\")").ok()) << "another function, the same path";
+  EXPECT_TRUE(engine().eval("(bload-instances \"facts.bin\")").ok());
+}
+
+TEST_F(Builtins, TrustedRulesReadABinaryFileOfAnotherRun) {
+  with_files();
+  ASSERT_TRUE(engine().assert_string("(a 1)").ok());
+  ASSERT_TRUE(engine().eval("(bsave-facts \"facts.bin\")").ok());
+  for (const bool trusted : {false, true}) {
+    OneFolder same_folder(folder);
+    EngineOptions o = options();
+    o.files = &same_folder;
+    o.trust_rules = trusted;
+    const auto other = make(std::move(o));
+    EXPECT_EQ(other->eval("(bload-facts \"facts.bin\")").ok(), trusted);
+    EXPECT_EQ(other->fact_count(), trusted ? 1U : 0U);
+  }
+}
+
+TEST_F(Builtins, TheTerminalIsReadByTrustedRulesAlone) {
+  EXPECT_EQ(engine().eval("(read)")->text(), "EOF");
+  EXPECT_EQ(engine().eval("(readline)")->text(), "EOF");
+  EXPECT_EQ(engine().eval("(get-char)")->as_integer(), -1);
+  EngineOptions o = options();
+  o.trust_rules = true;
+  tape.replay = true;
+  tape.kept = Value::integer('7');
+  o.outside = &tape;
+  EXPECT_EQ(make(std::move(o))->eval("(get-char)")->as_integer(), '7');
+  EXPECT_THAT(tape.looked, ElementsAre("terminal"));
+}
+
+TEST_F(Builtins, TheClockOfTheMachineIsNotSeen) {
+  EXPECT_THAT(engine().eval("(profile constructs)").error().message, HasSubstr("a profile has the machine's time"));
+  EXPECT_TRUE(engine().eval("(profile off)").ok());
+  given("(defrule go (a) =>)");
+  EXPECT_TRUE(engine().eval("(watch statistics)").ok());
+  EXPECT_THAT(output["stderr"], HasSubstr("statistics are not watched"));
+  EXPECT_TRUE(engine().eval("(watch all)").ok());
+  EXPECT_TRUE(engine().watch("statistics"));
+  ASSERT_TRUE(engine().assert_string("(a)").ok());
+  EXPECT_EQ(engine().run().fired, 1);
+  EXPECT_THAT(output["stdout"], AllOf(HasSubstr("FIRE"), Not(HasSubstr("Run time"))));
+}
+
+TEST_F(Builtins, TheStrategyRandomIsRefused) {
+  EXPECT_THAT(engine().eval("(set-strategy random)").error().message, HasSubstr("the strategy 'random' draws from"));
+  EXPECT_EQ(engine().eval("(set-strategy breadth)")->text(), "depth") << "the former one";
+  EXPECT_EQ(engine().eval("(get-strategy)")->text(), "breadth");
+}
+
+TEST_F(Builtins, TextThatIsNestedTooDeepIsNotRead) {
+  const auto nested = [](int depth) {
+    std::string text;
+    for (int i = 1; i < depth; ++i) text += "(+ 1 ";
+    return text + "(+ 0 1)" + std::string(static_cast<std::size_t>(depth) - 1, ')');
+  };
+  given("(deffunction text (?t) ?t) (deftemplate a (slot x))");
+  EXPECT_EQ(engine().eval("(eval \"" + nested(kDeepestForm) + "\")")->as_integer(), kDeepestForm);
+  for (const std::string& call :
+       {"(eval \"" + nested(kDeepestForm + 1) + "\")", "(build \"(deffunction deep () " + nested(kDeepestForm) + ")\")",
+        "(assert-string \"(a (x =" + nested(kDeepestForm) + "))\")"})
+    EXPECT_THAT(engine().eval(call).error().message, HasSubstr("nested more than 1000 deep")) << call.substr(0, 20);
 }
 
 TEST_F(Builtins, FilesLoadedByRulesAreReadFormByForm) {

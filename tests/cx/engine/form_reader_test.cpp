@@ -76,6 +76,26 @@ TEST(FormReader, AZeroByteIsAnError) {
   EXPECT_THAT(errors(reading), ElementsAre("f.clp:2: found a zero byte, expected text"));
 }
 
+TEST(FormReader, AFormThatIsNestedTooDeepIsAnErrorAndSkipped) {
+  const auto nested = [](int depth) {
+    return "(a\n" + std::string(static_cast<std::size_t>(depth) - 1, '(') + "x" +
+           std::string(static_cast<std::size_t>(depth), ')') + "\n(b)";
+  };
+  EXPECT_EQ(read_forms(nested(kDeepestForm), "f.clp").forms.size(), 2U);
+  const FormReading deep = read_forms(nested(kDeepestForm + 1), "f.clp");
+  ASSERT_EQ(deep.forms.size(), 1U);
+  EXPECT_EQ(deep.forms.front().head, "b");
+  ASSERT_EQ(deep.errors.size(), 1U);
+  EXPECT_EQ(deep.errors.front().text(), "f.clp:2: found parentheses nested more than 1000 deep");
+}
+
+TEST(FormReader, DepthIsThatOfParenthesesOutsideOfStringsAndComments) {
+  EXPECT_EQ(depth_of("a b"), 0);
+  EXPECT_EQ(depth_of("(a (b) (c (d)))"), 3);
+  EXPECT_EQ(depth_of("(a \"(((\" ; (((\n (b))"), 2);
+  EXPECT_EQ(depth_of("))) (a)"), 0);
+}
+
 TEST(FormReader, TokensHaveTheirLineInTheFile) {
   const FormReading reading = read_forms("\n(a ; no\n  ?x&:(f \"s\"))", "f.clp");
   std::vector<std::string> list;

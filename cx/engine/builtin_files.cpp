@@ -1,0 +1,131 @@
+// Functions of CLIPS that use files: the paths that they may really use, and binary files.
+
+#include <xxhash.h>
+
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include "internal/builtins.h"
+
+namespace cxlab {
+
+using namespace clips;
+
+namespace {
+
+constexpr const char* kNoFiles = "rules may not use files here: ";
+
+/// Replaces a path that rules name by the one to use; false after an error.
+bool take_path(UDFContext* context, UDFValue& arg, UDFValue* result, bool reads) {
+  const std::string named = arg.lexemeValue->contents;
+  FileAccess* files = engine_of(context).options().files;
+  if (files == nullptr) {
+    refuse(context, result, kNoFiles + named);
+    return false;
+  }
+  const Expected<std::string> allowed = reads ? files->for_reading(named) : files->for_writing(named);
+  if (!allowed) {
+    refuse(context, result, allowed.error().message);
+    return false;
+  }
+  arg.lexemeValue = CreateString(context->environment, allowed->c_str());
+  return true;
+}
+
+/// The hash of a file's content with a key that rules cannot know, so that they cannot forge it; nothing if the file
+/// cannot be read.
+std::optional<BinaryHash> hash_of(const char* path) {
+  static const std::uint64_t key = [] {
+    std::random_device chance;
+    return (std::uint64_t{chance()} << 32) | chance();
+  }();
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return std::nullopt;
+  const std::string content((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const XXH128_hash_t hash = XXH3_128bits_withSeed(content.data(), content.size(), key);
+  return BinaryHash{hash.high64, hash.low64};
+}
+
+}  // namespace
+
+void open_function(Environment*, UDFContext* context, UDFValue* result) {
+  std::vector<UDFValue> args;
+  if (!arguments(context, args)) return;
+  std::string mode = "r";
+  if (args.size() > 2 && args[2].header->type == STRING_TYPE) mode = args[2].lexemeValue->contents;
+  if (take_path(context, args[0], result, mode == "r" || mode == "rb")) call_original(context, result, args);
+}
+
+void read_file_function(Environment*, UDFContext* context, UDFValue* result) {
+  std::vector<UDFValue> args;
+  if (arguments(context, args) && take_path(context, args[0], result, true)) call_original(context, result, args);
+}
+
+void write_file_function(Environment*, UDFContext* context, UDFValue* result) {
+  std::vector<UDFValue> args;
+  if (arguments(context, args) && take_path(context, args[0], result, false)) call_original(context, result, args);
+}
+
+void rename_function(Environment*, UDFContext* context, UDFValue* result) {
+  std::vector<UDFValue> args;
+  if (arguments(context, args) && take_path(context, args[0], result, false) &&
+      take_path(context, args[1], result, false))
+    call_original(context, result, args);
+}
+
+void write_binary_function(Environment*, UDFContext* context, UDFValue* result) {
+  std::vector<UDFValue> args;
+  if (!arguments(context, args) || !take_path(context, args[0], result, false)) return;
+  call_original(context, result, args);
+  if (const auto hash = hash_of(args[0].lexemeValue->contents))
+    engine_of(context).options().files->binaries.insert(*hash);
+}
+
+void read_binary_function(Environment*, UDFContext* context, UDFValue* result) {
+  std::vector<UDFValue> args;
+  if (!arguments(context, args)) return;
+  const std::string named = args[0].lexemeValue->contents;
+  if (!take_path(context, args[0], result, true)) return;
+  const EngineOptions& options = engine_of(context).options();
+  const auto hash = hash_of(args[0].lexemeValue->contents);
+  if (hash && !options.files->binaries.contains(*hash) && !options.trust_rules)
+    return refuse(context, result,
+                  "'" + named +
+                      "' is not as a bsave function of this run wrote it, and CLIPS reads binary files without a check "
+                      "(--trust-rules lifts this)");
+  call_original(context, result, args);
+}
+
+namespace {
+
+/// `load`, `load*`, `batch`, `batch*`: form by form, as files loaded by the host. TRUE unless a construct was refused
+/// (load) or the file could not be read.
+void load_forms(UDFContext* context, UDFValue* result, LoadMode mode) {
+  std::vector<UDFValue> args;
+  if (!arguments(context, args)) return;
+  const std::string path = args[0].lexemeValue->contents;
+  RuleEngine& engine = engine_of(context);
+  if (engine.options().files == nullptr) return refuse(context, result, kNoFiles + path);
+  LoadReport report = engine.load_file(path, mode, impl_of(context).on_load_error);
+  const bool readable = report.errors.empty() || report.errors.front().line != 0;
+  result->lexemeValue = CreateBoolean(context->environment, mode == LoadMode::kBatch ? readable : report.ok());
+  if (!readable) {
+    // As in CLIPS an error of the call, after which the rule goes on.
+    complain(context, report.errors.front().message);
+    return;
+  }
+  for (RuleError& error : report.errors) impl_of(context).add_error(std::move(error));
+}
+
+}  // namespace
+
+void load_function(Environment*, UDFContext* context, UDFValue* result) {
+  load_forms(context, result, LoadMode::kConstructs);
+}
+
+void batch_function(Environment*, UDFContext* context, UDFValue* result) {
+  load_forms(context, result, LoadMode::kBatch);
+}
+
+}  // namespace cxlab

@@ -1,0 +1,32 @@
+#pragma once
+// What the functions share that take the place of CLIPS's own.
+
+#include <string>
+#include <vector>
+
+#include "impl.h"
+
+namespace cxlab {
+
+inline Builtin& builtin_of(clips::UDFContext* context) { return *static_cast<Builtin*>(context->context); }
+inline RuleEngine::Impl& impl_of(clips::UDFContext* context) { return *builtin_of(context).impl; }
+inline RuleEngine& engine_of(clips::UDFContext* context) { return impl_of(context).engine; }
+
+/// Reports an error of the function, with the rule; the rule goes on.
+void complain(clips::UDFContext* context, const std::string& why);
+/// The same; the rule ends, and the function returns FALSE.
+void refuse(clips::UDFContext* context, clips::UDFValue* result, const std::string& why);
+/// All arguments; false after an error, which CLIPS has reported.
+bool arguments(clips::UDFContext* context, std::vector<clips::UDFValue>& args);
+/// Calls the function of CLIPS with these values as its arguments.
+void call_original(clips::UDFContext* context, clips::UDFValue* result, const std::vector<clips::UDFValue>& args);
+
+inline constexpr const char* kStatistics = "statistics";
+
+// builtin_files.cpp
+clips::UserDefinedFunction open_function, load_function, batch_function, read_file_function, read_binary_function,
+    write_file_function, write_binary_function, rename_function;
+// builtin_text.cpp
+clips::UserDefinedFunction format_function, nested_function;
+
+}  // namespace cxlab
