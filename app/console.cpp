@@ -1,28 +1,98 @@
 #include "app/console.h"
 
+#include <sys/resource.h>
+#include <sys/time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <new>
+
+#include "app/command.h"
+#include "cx/engine/engine.h"
 
 namespace cxlab::app {
 
 namespace {
 
 std::atomic<int> g_signal = 0;
-std::atomic<bool> g_stop = false;
+std::atomic<bool> g_stop = false, g_stop_now = false;
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
+std::int64_t g_memory = Limits().memory;
+
+constexpr suseconds_t kToEndOfTick = 400'000, kToEndOfRules = 500'000;  // us
+constexpr rlim_t kBesideRules = 1'000'000'000;                          // bytes
+
+void ring_in(suseconds_t microseconds) {
+  itimerval timer{};
+  timer.it_value.tv_usec = microseconds;
+  setitimer(ITIMER_REAL, &timer, nullptr);
+}
 
 /// The first signal asks for an end in order; another one is obeyed at once.
-void remember_signal(int number) {
+void on_signal(int number) {
   if (g_signal != 0) _exit(128 + number);
   g_signal = number;
   g_stop = true;
+  ring_in(kToEndOfTick);
+}
+
+void on_alarm(int) {
+  if (!g_stop_now.exchange(true)) return ring_in(kToEndOfRules);
+  constexpr char kMessage[] = "\nerror: stopped by a signal, in the middle of something that takes long\n";
+  if (write(STDERR_FILENO, kMessage, sizeof kMessage - 1) < 0) _exit(static_cast<int>(ErrorKind::kResource));
+  _exit(128 + g_signal);
+}
+
+void handle(int number, void (*handler)(int)) {
+  struct sigaction action{};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(number, &action, nullptr);
+}
+
+/// That this process uses now, bytes.
+rlim_t address_space() {
+  std::ifstream in("/proc/self/statm");
+  rlim_t pages = 0;
+  in >> pages;
+  return pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+}
+
+void set_address_space(rlim_t bytes) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0) return;
+  limit.rlim_cur = std::min(bytes, limit.rlim_max);
+  setrlimit(RLIMIT_AS, &limit);
+}
+
+/// Called where no memory is left. The first time the rules at work end, with memory enough for an end in order.
+void on_no_memory() {
+  static bool before = false;
+  set_address_space(RLIM_INFINITY);
+  RuleEngine* engine = RuleEngine::at_work();
+  const Error error = resource_error("no memory is left: " + std::to_string(g_memory / 1'000'000) +
+                                     " MB for rules and 1000 MB for all else are full; --memory allows more");
+  if (engine) engine->exceed_limits(error);
+  if (engine && !std::exchange(before, true)) return set_address_space(address_space() + kBesideRules);
+  const Limits* limits = engine ? engine->options().limits : nullptr;
+  (void)fail(limits && limits->exceeded ? *limits->exceeded : error);
+  _exit(static_cast<int>(ErrorKind::kResource));
 }
 
 }  // namespace
+
+void add_memory_option(CLI::App& command) {
+  command
+      .add_option("--memory", g_memory, "What rules may hold of the machine's memory, as 500MB or 4GB; 0 = no limit")
+      ->transform(CLI::AsSizeValue(true))
+      ->default_str("2GB");
+}
 
 int signal_that_came() { return g_signal; }
 
@@ -48,9 +118,16 @@ Console::Console(bool quiet)
 Console::~Console() { clear(); }
 
 lab::Host Console::host() {
-  std::signal(SIGINT, remember_signal);
-  std::signal(SIGTERM, remember_signal);
-  return {.log = this, .progress = this, .stop = &g_stop};
+  handle(SIGINT, on_signal);
+  handle(SIGTERM, on_signal);
+  handle(SIGALRM, on_alarm);
+#ifndef __SANITIZE_ADDRESS__  // which takes more address space than there is memory
+  if (g_memory > 0) {
+    std::set_new_handler(on_no_memory);
+    set_address_space(address_space() + static_cast<rlim_t>(g_memory) + kBesideRules);
+  }
+#endif
+  return {.log = this, .progress = this, .stop = &g_stop, .stop_now = &g_stop_now, .max_memory = g_memory};
 }
 
 void Console::progress(double done, double total) {

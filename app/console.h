@@ -2,6 +2,7 @@
 // What a person sees on stderr while a command works: log lines and one line of progress. stdout carries the answer
 // only.
 
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <memory>
 #include <set>
@@ -21,7 +22,9 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
   explicit Console(bool quiet);
   ~Console() override;
   /// Takes lines and progress here. From the first call on SIGINT and SIGTERM ask for a stop instead of ending the
-  /// process.
+  /// process: at the end of the tick; after 0.4 s in the middle of what rules do; after 0.9 s, or with a second signal,
+  /// the process ends wherever it is. And memory is limited: to `--memory` for rules, which end with their name; to 1
+  /// GB more for all else.
   lab::Host host();
 
   void progress(double done, double total) override;
@@ -42,6 +45,8 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
 
 /// The text for stderr in this colour ("31" is red); as it is where that is no terminal, or $NO_COLOR is set.
 std::string coloured(std::string_view text, std::string_view colour);
+/// Declares `--memory`, which holds for the whole process.
+void add_memory_option(CLI::App& command);
 /// The number of the signal that asked for a stop, 0 if none.
 int signal_that_came();
 /// Simulated time as m:ss.

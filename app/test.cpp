@@ -58,9 +58,11 @@ int test(const TestOptions& options) {
   if (!stories) return fail(stories.error());
   auto packages = lab::find_packages(options.packages);
   if (!packages) return fail(packages.error());
-  const testing::StorySetup setup{find_share().interfaces, !options.coverage.empty(), *std::move(packages)};
   Console console(true);
-  if (Status s = lab::play_stories(*stories, setup, options.jobs, console.host()); !s) return fail(s.error());
+  const lab::Host host = console.host();
+  const testing::StorySetup setup{find_share().interfaces, !options.coverage.empty(), *std::move(packages),
+                                  host.limits()};
+  if (Status s = lab::play_stories(*stories, setup, options.jobs, host); !s) return fail(s.error());
   if (signal_that_came()) return 128 + signal_that_came();
   std::size_t passed = 0;
   bool bad = false;
@@ -105,6 +107,7 @@ void add_test(CLI::App& app, Action& action) {
   auto options = std::make_shared<TestOptions>();
   CLI::App* command = app.add_subcommand("test", "Plays stories: regression tests of rules (docs/testing.md)");
   command->footer("Example:\n  cxlab test scenarios/rcll/agent/stories --junit report.xml");
+  add_memory_option(*command);
   command->add_option("paths", options->paths, "Story files, or folders with *.story.yaml (default: this folder)");
   add_package_options(*command, options->packages);
   command->add_option("--junit", options->junit, "Writes a JUnit report");

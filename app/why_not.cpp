@@ -81,6 +81,7 @@ int why_not(const Options& options) {
 void add_why_not(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("why-not", "Says why a rule of a recorded run has not fired");
+  add_memory_option(*command);
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_option("rule", options->rule, "Name of the rule")->required();
   command->add_option("--at", options->at, "When, s of simulated time (default: the end)")->check(not_negative());

@@ -2,8 +2,10 @@
 // The program around a run: who sees its lines and its progress, and who may stop it.
 
 #include <atomic>
+#include <cstdint>
 #include <string_view>
 
+#include "cx/engine/limits.h"
 #include "cx/node/log.h"
 
 namespace cxlab::lab {
@@ -21,7 +23,11 @@ class ProgressSink {
 struct Host {
   cx::LogSink* log = nullptr;
   ProgressSink* progress = nullptr;
-  const std::atomic<bool>* stop = nullptr;  ///< once set, what is going on ends at its next tick
+  const std::atomic<bool>* stop = nullptr;      ///< once set, what is going on ends at its next tick
+  const std::atomic<bool>* stop_now = nullptr;  ///< set later: rules that still act end in the middle of the tick
+  std::int64_t max_memory = Limits().memory;    ///< of the rules of an episode, bytes; 0 = no limit
+
+  Limits limits() const { return {.memory = max_memory, .stop = stop_now, .held = 0, .exceeded = {}}; }
 
   bool stopped() const { return stop && stop->load(std::memory_order_relaxed); }
   void show(double done, double total) const {

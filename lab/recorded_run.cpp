@@ -73,7 +73,8 @@ Expected<Scenario> RecordedRun::scenario() const {
   return Scenario::parse(*text, scenario_file, *catalogue, {overrides.begin(), overrides.end()});
 }
 
-Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, JournalLevel level, cx::LogSink* log) {
+Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, JournalLevel level, const Host& host,
+                                        cx::LogSink* log) {
   RulesReplay replay;
   auto scenario = run.scenario();
   if (!scenario) return scenario.error();
@@ -88,7 +89,7 @@ Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, Jou
   std::error_code error;
   if (!fs::create_directory(root / "run", error))
     return resource_error("cannot make a folder", (root / "run").string());
-  EpisodeOptions options = shared_episode_options();
+  EpisodeOptions options = shared_episode_options(host);
   options.run_folder = root / "run";
   options.journal = level;
   options.log = log;

@@ -50,7 +50,7 @@ struct RulesReplay {
   std::filesystem::path journal() const { return scratch->path() / "run" / "journal.jsonl"; }
 
   /// Ends at `end`.
-  static Expected<RulesReplay> load(const RecordedRun& run, SimTime end, JournalLevel level,
+  static Expected<RulesReplay> load(const RecordedRun& run, SimTime end, JournalLevel level, const Host& host,
                                     cx::LogSink* log = nullptr);
 };
 

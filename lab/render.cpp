@@ -38,7 +38,7 @@ Status render_scenario(Scenario scenario, const RenderOptions& options, const Ho
   if (!options.at) return usage_error("--at is missing: a scenario is played up to then");
   const double at = *options.at;
   const std::string file = scenario.file.string();
-  auto episode = Episode::load(std::move(scenario), shared_episode_options());
+  auto episode = Episode::load(std::move(scenario), shared_episode_options(host));
   if (!episode) return episode.error();
   Episode& played = **episode;
   auto view = view_of(played.stage(), options.width, options.height);

@@ -56,13 +56,13 @@ Status play_to_end(Episode& episode, const RecordedRun& run, SimTime end, const 
 
 Expected<ReplayOutcome> replay_rules(const RecordedRun& run, const Host& host) {
   SimTime end = run.sim_time;
-  auto replay = RulesReplay::load(run, end, JournalLevel::kFull);
+  auto replay = RulesReplay::load(run, end, JournalLevel::kFull, host);
   if (!replay) return replay.error();
   ReplayOutcome out;
   if (Status whole = replay->episode->replay_log_status(); !whole) {
     out.broken = whole.error();
     end = replay->episode->replay_end();
-    replay = RulesReplay::load(run, end, JournalLevel::kFull);
+    replay = RulesReplay::load(run, end, JournalLevel::kFull, host);
     if (!replay) return replay.error();
   }
   const Status played = play_to_end(*replay->episode, run, end, host);

@@ -138,12 +138,14 @@ void finish(Run& run, const Status& played) {
   result.peak_rss_mb = peak_rss_mb();
   const std::string json = result.to_json();
   failure = result.reason;
+  const bool interrupted = result.status == RunStatus::kInterrupted;
   if (!run.folder.empty())
     if (Status written = replace_file(run.folder / "result.json", json); !written && !failure)
       failure = written.error();
   if (failure) {
     run.played.errors = errors_of(*run.episode, *failure);
-  } else if (result.status != RunStatus::kInterrupted) {
+    if (interrupted) failure.reset();
+  } else if (!interrupted) {
     if (Status s = check_expectations(run.scenario.expect, json); !s) run.played.errors = {*(failure = s.error())};
   }
 }
@@ -161,9 +163,10 @@ Expected<Played> refused(Run& run, const Error& error) {
 
 }  // namespace
 
-EpisodeOptions shared_episode_options() {
+EpisodeOptions shared_episode_options(const Host& host) {
   const Share share = find_share();
   EpisodeOptions options;
+  options.limits = host.limits();
   options.interfaces = share.interfaces;
   options.models = share.models;
   return options;
@@ -196,7 +199,7 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
     host.note("run: " + run.folder.string());
   }
 
-  EpisodeOptions episode_options = shared_episode_options();
+  EpisodeOptions episode_options = shared_episode_options(host);
   episode_options.run_folder = run.folder;
   episode_options.journal = *level;
   episode_options.log = host.log;

@@ -37,7 +37,7 @@ struct Played {
   Result result;
   std::filesystem::path folder;  ///< empty = none
   std::vector<Picture> pictures;
-  /// What ended the run early, or an expectation of the scenario that does not hold (kind kNo).
+  /// What ended the run early, or an expectation of the scenario that does not hold (kind kNo); none after a stop.
   std::optional<Error> failure;
   /// All that a person has to see: what could not be loaded, each once and in order, then `failure`.
   std::vector<Error> errors;
@@ -47,7 +47,7 @@ struct Played {
 /// in `Played`, as in result.json.
 Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, const Host& host = {});
 
-/// Options of `Episode::load` that every episode has: the data that comes with cxlab.
-EpisodeOptions shared_episode_options();
+/// Options of `Episode::load` that every episode has: the data that comes with cxlab, and the limits of the host.
+EpisodeOptions shared_episode_options(const Host& host = {});
 
 }  // namespace cxlab::lab

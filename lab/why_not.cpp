@@ -37,7 +37,7 @@ void assert_time(cx::Environment& environment) {
 Expected<WhyNotAnswer> why_not(const RecordedRun& run, const std::string& rule, std::optional<SimTime> at,
                                const Host& host) {
   const SimTime longest = run.finished ? run.sim_time : kLongestRun;
-  auto replay = RulesReplay::load(run, longest, JournalLevel::kNone, host.log);
+  auto replay = RulesReplay::load(run, longest, JournalLevel::kNone, host, host.log);
   if (!replay) return replay.error();
   Episode& episode = *replay->episode;
   SimTime end = std::min(longest, at.value_or(kNever));

@@ -54,6 +54,11 @@ Result Episode::close(RunStatus status, std::optional<Error> failure) {
   Result out = result();
   out.status = failure ? RunStatus::kFailed : status;
   out.reason = failure;
+  if (failure && failure->code == kStoppedCode) {
+    out.status = RunStatus::kInterrupted;
+    out.journal_hash.clear();
+    out.stream_hashes.clear();
+  }
   return out;
 }
 

@@ -49,6 +49,7 @@ struct EpisodeOptions {
   std::filesystem::path interfaces;    ///< folder of the packages that come with cxlab
   std::filesystem::path models;        ///< MJCF parts
   std::optional<ReplaySource> replay;
+  Limits limits;            ///< of all its environments together
   bool strict = false;      ///< unknown CX parameters are errors
   bool keep_going = false;  ///< errors in rule files are reported and the run goes on, as CX does
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that is read
@@ -70,7 +71,8 @@ class Episode {
   bool over() const;
   /// Whether it has ended by itself: duration or game.
   bool completed() const;
-  /// Deactivates the agents and ends the files. `failure` is what ended the run early, if anything did.
+  /// Deactivates the agents and ends the files. `failure` is what ended the run early, if anything did. A run that was
+  /// stopped in the middle of a tick has no hashes: it cannot be played again to the same place.
   Result close(RunStatus status, std::optional<Error> failure = {});
 
   SimTime next_tick() const { return loop_->next_tick(); }  ///< time of the next tick

@@ -33,6 +33,7 @@ Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus:
   engine.outside = given.run->outside;
   engine.max_load_firings = given.run->max_firings;
   engine.trust_rules = given.run->trust_rules;
+  engine.limits = given.run->limits;
   engine.on_output = [&self](std::string_view name, std::string_view text) { self.router_.write(name, text); };
   auto made = RuleEngine::create(std::move(engine));
   if (!made) return made.error();
@@ -84,22 +85,28 @@ Status Environment::take_inputs() {
   for (const auto& gate : gates_) gate->hand_over();
   if (Status s = options_.run->feed->feed(participant_); !s) return s;
   engine_->clear_cause();
-  return check_errors();
+  if (Status s = check_errors(); !s) return s;
+  const std::int64_t called = engine_->take_call_count(), most = options_.run->max_firings;
+  if (most == 0 || called <= most) return {};
+  return loop_error(std::to_string(called) + " callbacks were called in one tick");
+}
+
+Error Environment::loop_error(const std::string& what) const {
+  return Error{ErrorKind::kRun,
+               "environment '" + name_in_log() + "': " + what +
+                   "; if they are right, allow more with max_firings_per_tick (now " +
+                   std::to_string(options_.run->max_firings) + ", 0 = no limit), or with --max-firings of cxlab env",
+               {},
+               0,
+               "rule_loop"};
 }
 
 Status Environment::run() {
   engine_->refresh_all_agendas();
   RunReport report = engine_->run(options_.run->max_firings);
-  if (!report.errors.empty())
-    if (Status s = check_errors(std::move(report.errors)); !s) return s;
+  if (Status s = check_errors(std::move(report.errors)); !s) return s;
   if (report.loop) {
-    Error error{ErrorKind::kRun,
-                "environment '" + name_in_log() + "': " + report.loop_report.text() +
-                    "; if they are right, allow more with max_firings_per_tick (now " +
-                    std::to_string(options_.run->max_firings) + ", 0 = no limit), or with --max-firings of cxlab env",
-                {},
-                0,
-                "rule_loop"};
+    Error error = loop_error(report.loop_report.text());
     if (!report.loop_report.rules.empty()) {
       error.file = report.loop_report.rules.front().file;
       error.line = report.loop_report.rules.front().line;
@@ -110,8 +117,7 @@ Status Environment::run() {
 }
 
 Status Environment::check_errors() {
-  if (!engine_->has_errors()) return {};
-  return check_errors(engine_->take_errors());
+  return check_errors(engine_->has_errors() ? engine_->take_errors() : std::vector<RuleError>());
 }
 
 Status Environment::check_errors(std::vector<RuleError> errors) {
@@ -122,6 +128,7 @@ Status Environment::check_errors(std::vector<RuleError> errors) {
     if (!options_.run->stop_on_rule_error) log(LogLevel::kError, name(), e.error().text());
     if (options_.rule_errors) options_.rule_errors->push_back({name(), std::move(e)});
   }
+  if (const Limits* limits = options_.run->limits; limits != nullptr && limits->exceeded) return *limits->exceeded;
   return first;
 }
 

@@ -120,6 +120,7 @@ class Environment {
  private:
   Environment(Options options, bus::Bus& bus, Files& files);
   void write_line(LogLine line, LogLevel level_in_file);
+  Error loop_error(const std::string& what) const;
 
   Options options_;
   bus::Bus& bus_;

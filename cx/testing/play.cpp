@@ -17,7 +17,7 @@ std::string seconds(SimTime t) {
 }
 
 Play::Play(const StorySpec& spec, const StorySetup& setup, bool each_tick)
-    : spec_(spec), setup_(setup), each_tick_(each_tick) {
+    : spec_(spec), setup_(setup), each_tick_(each_tick), limits_(setup.limits) {
   journal_.set_listener(&histories_);
 }
 
@@ -61,6 +61,7 @@ Status Play::prepare() {
   options.config = *config;
   options.plugin_types = cx::builtin_plugins();
   options.log = this;
+  options.limits = &limits_;
   options.seed = spec_.seed;
   auto manager = cx::EnvironmentManager::create(std::move(options), bus_, journal_);
   if (!manager) return manager.error();

@@ -11,6 +11,7 @@
 
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
+#include "cx/engine/limits.h"
 #include "cx/testing/stand_ins.h"
 
 namespace cxlab::testing {
@@ -65,6 +66,7 @@ struct StorySetup {
   std::filesystem::path interfaces;                  ///< folder of packages of definitions
   bool coverage = false;                             ///< count activations too; costs a line of text for each
   std::map<std::string, std::string> packages = {};  ///< beside those that a story names, which win
+  Limits limits = {};                                ///< of the rules of each story
 };
 
 /// How often a rule has fired, and been put on the agenda (0 without `StorySetup::coverage`).

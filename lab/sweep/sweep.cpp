@@ -55,7 +55,7 @@ std::set<std::string> libraries() {
 }
 
 /// Plays one episode; in a process of its own.
-Row play(const Cell& cell, const Catalogue& catalogue, const std::string& program) {
+Row play(const Cell& cell, const Catalogue& catalogue, const std::string& program, const Host& host) {
   const std::set<std::string> before = libraries();
   Row row;
   row.cell = cell;
@@ -75,7 +75,7 @@ Row play(const Cell& cell, const Catalogue& catalogue, const std::string& progra
   PlayOptions options;
   options.out = "none";
   options.file_read = note;
-  auto played = play_scenario(options, *std::move(scenario));
+  auto played = play_scenario(options, *std::move(scenario), {.max_memory = host.max_memory});
   for (const std::string& library : libraries())
     if (!before.contains(library)) note(library);  // of plugins
   if (!played) return refused(played.error());
@@ -149,7 +149,7 @@ Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options
       process.out = process.err = Stream::file(fs::path(file).replace_extension(".log"));
       auto started = Process::fork(process, [&] {
         (*lock)->release();
-        const Row row = play(cells[i], *suite.catalogue, program);
+        const Row row = play(cells[i], *suite.catalogue, program, host);
         return replace_file(file, row.to_json()) ? 0 : static_cast<int>(ErrorKind::kResource);
       });
       if (!started) return started.error();

@@ -1,0 +1,131 @@
+"""A rule file from a stranger: what it cannot do, and how it ends. python3 -m unittest containment"""
+
+import json
+import signal
+import subprocess
+import time
+import unittest
+
+from lab import CXLAB, SCENARIO, Lab
+
+LOOPS = {
+    "while": "(while TRUE (bind ?x 1))",
+    "asserts": "(bind ?i 0) (while TRUE (bind ?i (+ ?i 1)) (assert (x ?i)) (retract *))",
+    "query": "(assert (x 0)) (do-for-all-facts ((?f x)) TRUE (assert (x (+ (nth$ 1 ?f:implied) 1))))",
+    "text": '(bind ?s "") (while TRUE (bind ?s (str-cat ?s "abcdefgh")))',
+    "evaluated": '(while TRUE (eval "(+ 1 2)"))',
+    "built": '(bind ?i 0) (while TRUE (bind ?i (+ ?i 1)) (build (str-cat "(defrule r" ?i " (a " ?i ") => )")))',
+    "printed": '(while TRUE (printout t "again and again" crlf))',
+}
+
+
+class Memory(Lab):
+    def ends(self, actions, *arguments, head="(defrule stranger\n  =>\n  {})\n"):
+        self.agent(head.format(actions))
+        return self.run_it("--memory", "100MB", *arguments)
+
+    def test_rules_that_take_memory_without_end(self):
+        for actions in ("(bind ?i 0) (while TRUE (bind ?i (+ ?i 1)) (assert (x ?i)))", LOOPS["query"],
+                        "(bind ?s (create$ a b c d)) (while TRUE (bind ?s (create$ ?s ?s)))",
+                        '(bind ?s "abcdefgh") (while TRUE (bind ?s (str-cat ?s ?s)))'):
+            done = self.ends(actions, "--force", "--journal", "full")
+            self.assertEqual(done.returncode, 5, actions)
+            self.assertRegex(done.stderr, r"rules.clp:1: environment 'main': rule stranger: (rules hold more than 100 MB of "
+                                          r"memory|no memory is left)")
+            result = json.loads((self.out / "result.json").read_text())
+            self.assertEqual((result["status"], result["reason"]["code"]), ("failed", "resource"))
+            self.assertEqual((self.out / "journal.jsonl").read_text().splitlines(keepends=True)[-1][-1], "\n")
+
+    def test_rules_may_go_on_after_errors_but_not_beyond_the_limit(self):
+        self.agent("(defrule stranger (go ?n) => (bind ?i 0) (while (< ?i 100000) (bind ?i (+ ?i 1)) (assert (x ?n ?i)))"
+                   " (assert (go (+ ?n 1))))\n(deffacts start (go 0))\n", SCENARIO + "on_rule_error: continue\n")
+        done = self.run_it("--memory", "100MB")
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertIn("rule stranger: rules hold more than 100 MB", done.stderr)
+
+    def test_alternatives_that_fill_memory_while_they_are_loaded(self):
+        self.agent("(deffacts fine (a))\n(defrule stranger\n  " + "(or (a) (b)) " * 24 + "=>)\n")
+        done = self.run_it("--memory", "50MB")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("rules.clp:2: ", done.stderr)
+        self.assertIn("16777216", done.stderr)
+
+    def test_a_limit_is_a_size(self):
+        self.agent("")
+        self.fails(2, "--memory", arguments=["--memory", "much"])
+        self.assertEqual(self.run_it("--memory", "0").returncode, 0)
+
+
+class Signals(Lab):
+    def stop(self, number, *arguments, wait_for=b""):
+        """The exit code, and the seconds from the signal to the end."""
+        process = subprocess.Popen([CXLAB, *map(str, arguments)], cwd=self.folder, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.stderr.close)
+        time.sleep(1)
+        self.assertIsNone(process.poll(), "it has ended by itself")
+        begin = time.monotonic()
+        process.send_signal(number)
+        code = process.wait(30)
+        self.errors = process.stderr.read().decode()
+        return code, time.monotonic() - begin
+
+    def test_each_loop_ends_within_a_second_of_a_signal(self):
+        for i, (name, actions) in enumerate(LOOPS.items()):
+            self.agent("(deffacts known (before))\n(defrule stranger\n  =>\n  " + actions + ")\n")
+            number = (signal.SIGINT, signal.SIGTERM)[i % 2]
+            code, seconds = self.stop(number, "run", "scenario.yaml", "--quiet", "--out", self.out, "--force")
+            self.assertEqual(code, 128 + number, name + self.errors)
+            self.assertLess(seconds, 3, name)  # 1 s where nothing else uses the machine
+            self.assertIn("rules.clp:2: environment 'main': rule stranger: stopped by a signal", self.errors, name)
+            result = json.loads((self.out / "result.json").read_text())
+            self.assertEqual((result["status"], result["stream_hashes"]), ("interrupted", {}), name)
+
+    def test_a_stopped_run_has_no_hashes_to_compare(self):
+        self.agent("(defrule stranger => " + LOOPS["while"] + ")\n")
+        self.stop(signal.SIGINT, "run", "scenario.yaml", "--quiet", "--out", self.out)
+        done = subprocess.run([CXLAB, "replay", self.out], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("the run was cut off before its end", done.stderr)
+
+    def test_replay_why_not_and_stories_end_too(self):
+        self.agent("(defrule stranger => " + LOOPS["printed"] + ")\n")
+        self.stop(signal.SIGINT, "run", "scenario.yaml", "--quiet", "--out", self.out)
+        self.write("loop.story.yaml", "common:\n  rules: rules/rules.clp\nstories:\n  - story: endless\n    expect: [{no_fact: (b), within_s: 1}]\n")
+        for arguments in (("why-not", self.out, "stranger"), ("test", "loop.story.yaml"),
+                          ("test", "loop.story.yaml", "-j", "2")):
+            code, seconds = self.stop(signal.SIGTERM, *arguments)
+            self.assertEqual(code, 143, self.errors)
+            self.assertLess(seconds, 3, arguments)
+
+
+class Functions(Lab):
+    def test_a_callback_that_calls_its_own_service_is_a_loop(self):
+        self.agent("""(deffunction call-twice ()
+  (bind ?request (ros-msgs-create-request "std_srvs/srv/Trigger"))
+  (ros-msgs-async-send-request ?request "echo")
+  (ros-msgs-async-send-request ?request "echo")
+  (ros-msgs-destroy-message ?request))
+(deffunction echo-service-callback (?service ?request ?response) (call-twice))
+(defrule start => (ros-msgs-create-service "echo" "std_srvs/srv/Trigger")
+  (ros-msgs-create-client "echo" "std_srvs/srv/Trigger"))
+(defrule first (ros-msgs-client (service "echo")) => (call-twice))
+(defrule answered ?answer <- (ros-msgs-response (msg-ptr ?message)) => (ros-msgs-destroy-message ?message)
+  (retract ?answer))
+""", SCENARIO + "max_firings_per_tick: 1000\n")
+        done = self.run_it()
+        self.assertEqual(done.returncode, 4, done.stderr)
+        self.assertIn("environment 'main': 1024 callbacks were called in one tick; if they are right, allow more with "
+                      "max_firings_per_tick (now 1000, 0 = no limit)", done.stderr)
+
+    def test_nothing_of_the_machine_is_seen(self):
+        self.agent('(defrule stranger => (printout t (read) (readline) crlf) (watch statistics) (profile constructs))')
+        done = subprocess.run([CXLAB, "run", "scenario.yaml", "--out", self.out, "--set", "on_rule_error=continue"],
+                              cwd=self.folder, input="secret\nsecret\n", capture_output=True, text=True)
+        self.assertNotIn("secret", done.stderr)
+        self.assertIn("EOFEOF", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
