@@ -9,7 +9,7 @@ import unittest
 from lab import CXLAB, SCENARIO, Lab
 
 LOOPS = {
-    "while": "(while TRUE (bind ?x 1))",
+    "while": '(while TRUE (format nil "%9999d" 1))',
     "asserts": "(bind ?i 0) (while TRUE (bind ?i (+ ?i 1)) (assert (x ?i)) (retract *))",
     "query": "(assert (x 0)) (do-for-all-facts ((?f x)) TRUE (assert (x (+ (nth$ 1 ?f:implied) 1))))",
     "text": '(bind ?s "") (while TRUE (bind ?s (str-cat ?s "abcdefgh")))',
