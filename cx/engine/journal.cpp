@@ -216,7 +216,10 @@ void RuleEngine::Impl::look_at_limits() {
 void RuleEngine::exceed_limits(Error error) {
   Limits* limits = options_.limits;
   if (limits == nullptr || limits->exceeded) return;
-  const ConstructInfo* rule = impl_->rule_acting ? find_construct("defrule", impl_->rule_name) : nullptr;
+  const ConstructInfo* rule =
+      impl_->rule_acting
+          ? find_construct("defrule", std::string(impl_->rule_module) + "::" + std::string(impl_->rule_name))
+          : nullptr;
   std::string where;
   if (rule != nullptr) {
     where = "rule " + rule->name + ": ";
