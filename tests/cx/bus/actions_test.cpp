@@ -95,6 +95,17 @@ TEST_F(ActionTest, AllInOneTickArrivesInOrder) {
   EXPECT_THAT(deliver(env_), ElementsAre("accepted", "feedback of 0", "result 6"));
 }
 
+TEST_F(ActionTest, AClientThatWasRemovedSendsNothing) {
+  const auto server = make_server();
+  const GoalId goal = executing(server);
+  bus_.remove(client_);
+  EXPECT_EQ(send(), GoalId{});
+  bus_.cancel_goal(client_, goal);
+  EXPECT_FALSE(bus_.action_ready(client_));
+  EXPECT_EQ(bus_.goal_status(client_, goal), GoalStatus::kUnknown);
+  EXPECT_THAT(deliver(robot_), IsEmpty());
+}
+
 TEST_F(ActionTest, ARejectedGoalIsOver) {
   const auto server = make_server();
   const GoalId goal = send();

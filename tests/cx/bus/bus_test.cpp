@@ -346,6 +346,26 @@ TEST_F(ServiceTest, AnswersGoToTheCallerUnderItsOwnNumber) {
   EXPECT_THAT(deliver(a), ElementsAre("2 late"));
 }
 
+TEST_F(ServiceTest, AnAnswerIsRecordedWithItsMessageAndNamesItsRequest) {
+  const auto server = node("server"), a = environment("a");
+  const auto service = *bus_.serve(server, "s", *set_bool_, keep_requests());
+  const auto client = *bus_.create_client(a, "s", *set_bool_, note_responses());
+  tick();
+  bus_.call(client, blank(*set_bool_->request));
+  const std::uint64_t asked = sink_.of(bus_.stream_of(a)).size() - 1;
+  bus_.deliver(server);
+  ASSERT_TRUE(bus_.respond(service, requests_[0], answer("done")));
+  const KeptRecords::Record record = sink_.of(bus_.stream_of(server)).back();
+  RecordData expected;
+  expected.begin().field("op", "respond").field("name", "/s").field("seq", 1).field("id", requests_[0].request_id);
+  expected.name("response").open_map(2).text_key("success").value(false).text_key("message").value(
+      std::string_view("done"));
+  EXPECT_EQ(record.data, expected.bytes());
+  ASSERT_EQ(record.causes.size(), 1u);
+  EXPECT_EQ(record.causes[0].stream, bus_.stream_of(a));
+  EXPECT_EQ(record.causes[0].n, asked);
+}
+
 TEST_F(ServiceTest, ACallWithoutServerWaitsForOne) {
   const auto a = environment("a"), server = node("server");
   const auto client = *bus_.create_client(a, "s", *set_bool_, note_responses());

@@ -156,10 +156,24 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"string[] a [\"b]\n", 1, "no closing \""},
         BadFile{"Inner a 3\n", 1, "only primitive types have defaults"},
         BadFile{"int8[0] a\n", 1, "expected a number from 1"}, BadFile{"int8[-1] a\n", 1, "expected a number from 1"},
-        BadFile{"int8[<=] a\n", 1, "expected a number from 1"}, BadFile{"int8[3 a\n", 1, "expected an array"},
+        BadFile{"int8[<=] a\n", 1, "expected a number from 1"},
+        BadFile{"string<=16777217 a\n", 1, "expected a number from 1 to 16777216"},
+        BadFile{"int8[<=16777217] a\n", 1, "expected a number from 1 to 16777216"}, BadFile{"int8[3 a\n", 1, "expected an array"},
         BadFile{"int8<=3 a\n", 1, "only string and wstring"}, BadFile{"float64[16777216] a\n", 1, "larger than"},
         BadFile{"int8 a\n---\nint8 b\n", 2, "one '---' more"},
         BadFile{"Bad a\n", 1, "contains itself: pkg/msg/Bad -> pkg/msg/Bad"}));
+
+TEST(Interfaces, BoundsGoUpTo16777216AndATabSeparatesWords) {
+  TempPackages packages;
+  packages.write("pkg/msg/Wide", "string<=16777216\ttext\nint8[<=16777216] list\nint8\tLEAST=-128\n");
+  Registry registry;
+  ASSERT_TRUE(registry.add_packages_in(packages.folder()).ok());
+  const auto type = registry.message("pkg/msg/Wide");
+  ASSERT_TRUE(type.ok()) << type.error().text();
+  EXPECT_THAT((*type)->field_names(), ElementsAre("text", "list"));
+  EXPECT_EQ((*type)->find("text")->string_limit, 16777216u);
+  EXPECT_EQ((*type)->find("list")->size_limit, 16777216u);
+}
 
 TEST(Interfaces, RecursionThroughOtherMessagesIsNamed) {
   TempPackages packages;

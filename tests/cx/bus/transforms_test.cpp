@@ -194,6 +194,21 @@ TEST_F(TransformTopics, WhatAServerPostsIsThereInTheSameTick) {
   EXPECT_FALSE(bus_.has_waiting(agent)) << "nothing new, no message";
 }
 
+TEST_F(TransformTopics, AStampHasSecondsAndNanoseconds) {
+  const MessageType& type = **registry_.message("tf2_msgs/msg/TFMessage");
+  auto server = TransformBroadcaster::create(bus_, node("world"));
+  const ParticipantId agent = environment("agent");
+  std::string header;
+  ASSERT_TRUE(bus_.subscribe(agent, "/tf", type, [&](const Delivery& d) {
+    header = d.message->view().nested("transforms", 0).nested("header").to_string();
+  }));
+  bus_.begin_tick(SimTime{12'345'678'901});
+  server->set("map", "robot", at(1, 2));
+  server->post();
+  bus_.deliver(agent);
+  EXPECT_EQ(header, "{stamp: {sec: 12, nanosec: 345678901}, frame_id: \"map\"}");
+}
+
 TEST_F(TransformTopics, WhoListensLaterGetsTheStaticOnes) {
   auto server = TransformBroadcaster::create(bus_, node("world"));
   tick();

@@ -378,6 +378,24 @@ TEST_F(Engine, WatchOutputGoesToStdoutInTheWordsOfClips) {
   EXPECT_EQ(output["stdout"], "FIRE    1 hello-world: *\n==> f-1     (hello)\n");
 }
 
+TEST_F(Engine, AFunctionThatGivesNoValueReturnsVoid) {
+  ASSERT_TRUE(engine()
+                  .add_function({.name = "nothing", .max_args = 0, .kind = FunctionKind::kPure},
+                                [](Call& call) { call.give(Value()); })
+                  .ok());
+  EXPECT_TRUE(engine().eval("(nothing)")->is(ValueType::kVoid));
+}
+
+TEST_F(Engine, WhatIsNoLongerWatchedIsNotPrinted) {
+  engine().watch("facts");
+  engine().watch("rules");
+  EXPECT_TRUE(engine().unwatch("facts"));
+  EXPECT_FALSE(engine().unwatch("weather"));
+  given("(defrule hello-world => (assert (hello)))");
+  engine().run();
+  EXPECT_EQ(output["stdout"], "FIRE    1 hello-world: *\n");
+}
+
 TEST_F(Engine, TheEngineIsFoundFromTheRawEnvironment) { EXPECT_EQ(RuleEngine::of(engine().raw()), &engine()); }
 
 // CLIPS alone frees the former values of the slots when `change` returns, while `?text` and `?list` still show them.

@@ -40,6 +40,12 @@ TEST(FormReader, ParenthesesInStringsAndCommentsDoNotCount) {
   EXPECT_THAT(reading.errors, IsEmpty());
 }
 
+TEST(FormReader, AByteOrderMarkBeforeTheFirstFormIsNoWord) {
+  const FormReading reading = read_forms("\xef\xbb\xbfgo (a)\n(b)", "f.clp");
+  EXPECT_THAT(heads(reading), ElementsAre("go/@1", "a/@1", "b/@2"));
+  EXPECT_THAT(reading.errors, IsEmpty());
+}
+
 TEST(FormReader, BareWordsAreFormsOfTheirOwn) {
   const FormReading reading = read_forms("TRUE 12\n\"text\" (a)", "f.clp");
   EXPECT_THAT(heads(reading), ElementsAre("TRUE/@1", "12/@1", "\"text\"/@2", "a/@2"));

@@ -120,6 +120,13 @@ TEST_F(ThreadGateTest, ABadRequestIsTheAnswerAndInTheLog) {
   EXPECT_EQ(lab.log.with("error worker: from a thread: ").size(), 1u);
 }
 
+TEST_F(ThreadGateTest, ThreadsHaveANodeBesideThatOfTheirEnvironment) {
+  start([](ThreadGate&) {});
+  until_done();
+  const std::string node = lab.bus.name_of(lab.manager->find("main")->participant()).full_name();
+  EXPECT_THAT(lab.bus.nodes(), testing::IsSupersetOf({node, node + "_threads"}));
+}
+
 TEST_F(ThreadGateTest, ATopicThatThreadsPublishKeepsItsType) {
   std::string answer;
   start([&](ThreadGate& gate) {

@@ -129,6 +129,22 @@ TEST(InputLog, SpellsANameOnce) {
   EXPECT_LT(bytes.size(), 100 * 130u);
 }
 
+TEST(InputLog, EntriesReachTheFileEveryTenSeconds) {
+  TempFolder temp;
+  auto log = InputLogWriter::create(temp / "inputs.bin");
+  std::uintmax_t size = std::filesystem::file_size(temp / "inputs.bin");
+  const auto grows_with_an_entry_at = [&](SimTime t) {
+    log->add(LoggedWorld{t, "world", "more"});
+    const auto before = std::exchange(size, std::filesystem::file_size(temp / "inputs.bin"));
+    return size > before;
+  };
+  EXPECT_FALSE(grows_with_an_entry_at(milliseconds(9'980)));
+  EXPECT_TRUE(grows_with_an_entry_at(milliseconds(10'000)));
+  EXPECT_FALSE(grows_with_an_entry_at(milliseconds(10'020)));
+  EXPECT_FALSE(grows_with_an_entry_at(milliseconds(19'980)));
+  EXPECT_TRUE(grows_with_an_entry_at(milliseconds(20'000)));
+}
+
 TEST(InputLog, AnEndThatIsCutOffLosesOnlyItsChunk) {
   TempFolder temp;
   auto log = InputLogWriter::create(temp / "inputs.bin");

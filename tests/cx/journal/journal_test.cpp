@@ -174,6 +174,19 @@ TEST(JournalExport, WritesOneLineOfJsonARecord) {
       "\"cause\":[\"node/robot1:0\"]}\n");
 }
 
+TEST(JournalExport, CausesAreAListOfStreamAndNumber) {
+  const std::string text = exported(JournalLevel::kDecisions, [](Journal& journal) {
+    const StreamId env = journal.open_stream("env/a"), node = journal.open_stream("node/b");
+    RecordData data;
+    data.begin().field("rule", "go");
+    const RecordRef causes[] = {journal.write(node, {}, RecordKind::kBus, data), {node, 7}, {env, 12}};
+    journal.write(env, {}, RecordKind::kDecision, data, causes);
+  });
+  EXPECT_EQ(text,
+            "{\"stream\":\"env/a\",\"n\":0,\"t\":0,\"kind\":\"decision\",\"data\":{\"rule\":\"go\"},"
+            "\"cause\":[\"node/b:0\",\"node/b:7\",\"env/a:12\"]}\n");
+}
+
 TEST(JournalExport, LevelsSelectKindsAndKeepTheNumbers) {
   const auto write_all_kinds = [](Journal& journal) {
     const StreamId stream = journal.open_stream("env/a");

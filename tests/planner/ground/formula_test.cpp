@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "planner/ground/task.h"
+
 namespace cxlab::planner {
 namespace {
 
@@ -43,6 +47,32 @@ TEST(Formula, JoiningLeavesOutWhatDecidesNothing) {
   EXPECT_EQ(text(all({})), "true");
   EXPECT_EQ(text(any({})), "false");
   EXPECT_EQ(text(any({fact(7), truth(false)})), "7") << "one part stands for itself";
+}
+
+/// Of the numbers 3 and 5, the duration 7 and the total time 11.
+double value_of(std::vector<GroundExpression::Step> steps) {
+  const double numbers[] = {3, 5};
+  GroundExpression expression;
+  expression.steps = std::move(steps);
+  return expression.evaluate(numbers, 7, 11);
+}
+
+TEST(GroundExpression, EvaluatesItsStepsOnAStack) {
+  using Step = GroundExpression::Kind;
+  const GroundExpression::Step a{Step::kNumber, 0, 0}, b{Step::kNumber, 1, 0}, two{Step::kConstant, -1, 2},
+      duration{Step::kDuration, -1, 0}, total{Step::kTotalTime, -1, 0};
+  EXPECT_EQ(value_of({a}), 3);
+  EXPECT_EQ(value_of({two}), 2);
+  EXPECT_EQ(value_of({duration}), 7);
+  EXPECT_EQ(value_of({total}), 11);
+  EXPECT_EQ(value_of({b, {Step::kNegate, -1, 0}}), -5);
+  EXPECT_EQ(value_of({a, b, {Step::kAdd, -1, 0}}), 8);
+  EXPECT_EQ(value_of({a, b, {Step::kSubtract, -1, 0}}), -2);
+  EXPECT_EQ(value_of({a, b, {Step::kMultiply, -1, 0}}), 15);
+  EXPECT_EQ(value_of({b, two, {Step::kDivide, -1, 0}}), 2.5);
+  EXPECT_EQ(value_of({total, a, b, {Step::kAdd, -1, 0}, {Step::kSubtract, -1, 0}, two, {Step::kMultiply, -1, 0}}), 6);
+  EXPECT_TRUE(std::isnan(value_of({a, {Step::kConstant, -1, 0}, {Step::kDivide, -1, 0}})));
+  EXPECT_TRUE(std::isnan(value_of({a, b}))) << "two values are no value";
 }
 
 TEST(Formula, JoiningIsFlat) {

@@ -195,5 +195,19 @@ TEST(Relaxation, NumbersMoveOnlyWhereActionsMoveThem) {
   EXPECT_FALSE(solvable("(> (- 5 (x)) 0)"));
 }
 
+TEST(Ground, ListsTheNumbersWithoutAValueOnlyWhereTheyKeepTheGoalOutOfReach) {
+  const std::string domain = R"((:functions (fuel ?c) (height)) (:predicates (there ?c))
+    (:action drive :parameters (?c) :precondition (>= (fuel ?c) 1) :effect (there ?c))
+    (:action sink :parameters () :effect (decrease (height) 1)))";
+  const auto missing = [&](const std::string& fuel, const std::string& goal) {
+    return Grounded(domain, "(:objects a) (:init (= (height) 0) " + fuel + ") (:goal " + goal + ")")
+        ->missing_values.size();
+  };
+  EXPECT_EQ(missing("", "(there a)"), 1u);
+  EXPECT_EQ(missing("(= (fuel a) 2)", "(there a)"), 0u);
+  EXPECT_EQ(missing("", "(and (there a) (<= (height) -2))"), 1u);
+  EXPECT_EQ(missing("", "(and (there a) (>= (height) 2))"), 0u) << "no value would help";
+}
+
 }  // namespace
 }  // namespace cxlab::planner

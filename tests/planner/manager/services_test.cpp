@@ -298,6 +298,21 @@ TEST_F(ManagerTest, AnEffectAtTheEndRemembersWhatItsConditionWasAtTheStart) {
       << "it began anew";
 }
 
+TEST_F(ManagerTest, EachEffectOfAnActionRemembersItsOwnStart) {
+  start();
+  load_text(
+      R"((define (domain d) (:requirements :adl :durative-actions) (:predicates (p) (q) (r) (s) (dry))
+    (:durative-action wait :parameters () :duration (= ?duration 5) :condition (at start (dry))
+      :effect (and (when (at start (p)) (at end (r))) (at start (not (dry))) (when (at start (q)) (at end (s)))))))",
+      "(define (problem p) (:domain d) (:init (dry) (p) (q)) (:goal (and)))");
+  const std::string action = "{pddl_instance: x, name: wait}";
+  EXPECT_THAT(check(action), ElementsAre("sat"));
+  request("rm_fluents", "RemoveFluents",
+          "{fluents: [{pddl_instance: x, name: dry}, {pddl_instance: x, name: p}, {pddl_instance: x, name: q}]}");
+  EXPECT_THAT(check(action), ElementsAre("dry"));
+  EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +r()", "END +s()"));
+}
+
 TEST_F(ManagerTest, ReproducesTheOriginalOnRequest) {
   PddlManagerOptions options;
   options.original = true;

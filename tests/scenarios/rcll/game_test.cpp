@@ -168,6 +168,16 @@ TEST(Instructions, CancellingEndsTheWaitingNotTheWork) {
   EXPECT_EQ(story.state("C-BS"), "READY-AT-OUTPUT");
 }
 
+TEST(Instructions, AMachineThatBreaksIsRecordedWithItsReason) {
+  GameStory story;
+  EXPECT_EQ(story.carry_out("{machine: C-BS, operation: RESET}").code, 0);
+  story.run_for(0.1);
+  RecordData expected;
+  expected.begin().field("event", "broken").field("machine", "C-BS").field("reason", "reset by its team");
+  const std::string wanted(expected.bytes());
+  EXPECT_EQ(std::ranges::count(story.records().all(), wanted, &KeptRecords::Record::data), 1);
+}
+
 TEST(Instructions, AResetBreaksTheMachineAndWhatItDid) {
   GameStory story;
   const std::size_t goal = story.instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
@@ -224,6 +234,17 @@ TEST(Delivery, WaitsForItsWindow) {
   ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
   EXPECT_NEAR(story.now(), 15 + 3.746, 0.1);
   EXPECT_TRUE(story.deliveries()[0].correct);
+}
+
+TEST(Delivery, TimeJumpsToTheBeginOfItsWindow) {
+  GameStory story(game_with_window(15.5, 100));
+  story.run_until(3.3);
+  story.set_jumping(true);
+  story.lay_before_delivery("BASE_RED", CapColor::kGrey);
+  const std::size_t goal = story.instruct("{machine: C-DS, order_id: 1}");
+  story.run_until(40);
+  ASSERT_EQ(story.outcome(goal).code, 0);
+  EXPECT_NEAR(story.outcome(goal).at, 15.5 + 3.746, 0.06);
 }
 
 TEST(Delivery, MoreThan20SecondsBeforeTheWindowBreaksTheStationExceptByTheRulebook) {

@@ -438,6 +438,12 @@ TEST_P(Skills, WhatCannotBeDoneEndsOnArrival) {
   const Heard& pick = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
   EXPECT_LT(finish(pick), 3);
   EXPECT_EQ(pick.code, 202);
+  base_at("C-BS-OUTPUT");
+  ASSERT_EQ(done("robot1", SkillKind::kPick, "C-BS-OUTPUT").code, 0);
+  base_at("C-BS-OUTPUT");
+  const Heard& place = send("robot1", SkillKind::kPlace, "C-BS-OUTPUT");
+  EXPECT_LT(finish(place), 3);
+  EXPECT_EQ(place.code, 209);
 }
 
 TEST_P(Skills, APoseMustBeFinite) {

@@ -210,6 +210,22 @@ TEST(Traffic, OneThatStandsIdleStepsAside) {
   EXPECT_GE(floor.least_distance, 0.49);
 }
 
+TEST(Traffic, OneThatStepsAsideKeepsItsDistanceFromThoseThatStand) {
+  const auto place = [](const Vec2& standing) {
+    Drivers floor(open_floor({{standing.x(), standing.y(), 0}, {-3, 1, 0}, {0, 4, 0}}));
+    floor.traffic.request(kRobot2, {0, 4, 0}, {}, floor.now);
+    EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot2); }), 30);
+    return floor.pose(kRobot3).position();
+  };
+  const Vec2 alone = place({5, 7});
+  for (int k = 0; k < 12; ++k) {
+    const double angle = k * std::numbers::pi / 6;
+    const Vec2 beside = alone + 0.54 * Vec2(std::cos(angle), std::sin(angle));
+    if (distance(beside, Vec2(0, 4)) < 1) continue;
+    EXPECT_GE(distance(place(beside), beside), 0.58 - 1e-6) << k;
+  }
+}
+
 TEST(Traffic, OneAtWorkIsWaitedForNearby) {
   Drivers floor(open_floor({{-5, 4, 0}, {0.5, 4, 0}}));
   const Segment work{{0, 4}, {0.17, 4}};

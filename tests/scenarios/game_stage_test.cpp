@@ -1,0 +1,122 @@
+// A game as an episode has it: the places that robots know, and what the result says of each robot.
+
+#include <numbers>
+
+#include "cx/bus/bus.h"
+#include "scenarios/rcll/floor_plan.h"
+#include "scenarios/rcll/result.h"
+#include "tests/support/episode_test.h"
+
+namespace cxlab::rcll {
+namespace {
+
+class GameStage : public EpisodeTest {
+ protected:
+  GameStage() {
+    const auto scenario = Scenario::parse("schema: 1\nworld: {kind: rcll, robots: 1, down: false}\ntier: timed\n",
+                                          folder_ / "game.yaml", shipped());
+    EXPECT_TRUE(scenario.ok()) << scenario.error().text();
+    episode_ = load(*scenario);
+    begin(*episode_);
+    bus::Bus& bus = episode_->bus();
+    driver_ =
+        bus.join(bus::ParticipantKind::kNode, {"driver", "/", {}}, episode_->journal().open_stream("node/driver"));
+    drive_ = *bus.registry().action("cxlab_skills/action/DriveTo");
+    client_ = *bus.create_action_client(
+        driver_, "/robot1/drive_to", *drive_,
+        {nullptr, nullptr, [this](const bus::Delivery& d) { code_ = d.message->view().integer("error_code"); },
+         nullptr});
+  }
+
+  bus::GoalId drive_to(const std::string& target) {
+    code_ = -1;
+    return episode_->bus().send_goal(
+        client_, std::make_shared<bus::Message>(*bus::Message::from_yaml(*drive_->goal, "{target: " + target + "}")));
+  }
+  void tick() {
+    const Status ticked = episode_->tick();
+    ASSERT_TRUE(ticked.ok()) << ticked.error().text();
+    episode_->bus().deliver(driver_);
+  }
+  /// The code of the goal, once it has ended.
+  std::int64_t code() {
+    for (int i = 0; i < 5000 && code_ < 0; ++i) tick();
+    return code_;
+  }
+
+  std::unique_ptr<Episode> episode_;
+  bus::ParticipantId driver_{};
+  const bus::ActionType* drive_ = nullptr;
+  bus::EndpointId client_{};
+  std::int64_t code_ = -1;
+};
+
+TEST_F(GameStage, ARobotKnowsEveryZoneOfTheField) {
+  constexpr int kInvalidTarget = 103;
+  for (const std::string half : {"C", "M"})
+    for (int column = 1; column <= 7; ++column)
+      for (int row = 1; row <= 8; ++row) {
+        const std::string zone = half + "_Z" + std::to_string(column) + std::to_string(row);
+        const bus::GoalId goal = drive_to(zone);
+        tick();
+        episode_->bus().cancel_goal(client_, goal);
+        EXPECT_NE(code(), kInvalidTarget) << zone;
+      }
+  drive_to("C_Z81");
+  EXPECT_EQ(code(), kInvalidTarget);
+  drive_to("C_Z19");
+  EXPECT_EQ(code(), kInvalidTarget);
+}
+
+TEST_F(GameStage, ARobotInAZoneStandsInItsMiddleAndFacesTheOppositeWall) {
+  drive_to("C_Z52");
+  EXPECT_EQ(code(), 0);
+  const auto& floor = dynamic_cast<const sim::World&>(*episode_->stage().worlds.front());
+  const sim::Pose2 pose = floor.robot(sim::RobotId{0}).pose_in_world;
+  EXPECT_NEAR(pose.x, 4.5, 1e-6);
+  EXPECT_NEAR(pose.y, 1.5, 1e-6);
+  EXPECT_NEAR(pose.yaw, std::numbers::pi / 2, 1e-6);
+}
+
+/// A floor on which robot n has had n contacts.
+class Bumps final : public sim::World {
+ public:
+  Bumps() : World(*floor_plan_of(WorldConfig{}, 1)) {}
+  sim::RobotState robot(sim::RobotId id) const override {
+    sim::RobotState state;
+    state.robot_contacts = static_cast<std::uint32_t>(id) + 1;
+    return state;
+  }
+  bool belt_running(sim::StationId) const override { return false; }
+  const sim::Piece* at(sim::SpotId) const override { return nullptr; }
+  const sim::Piece* on_belt(sim::StationId, double) const override { return nullptr; }
+  Status advance(SimTime) override { return {}; }
+  SimTime next_event() const override { return kNever; }
+  Expected<sim::PieceId> dispense(sim::StationId, double, const sim::Stack&) override { return negative("full"); }
+  Expected<sim::PieceId> dispense(sim::SpotId, const sim::Stack&) override { return negative("full"); }
+  void run_belt(sim::StationId, double, double) override {}
+  void stop_belt(sim::StationId) override {}
+  void mount(sim::PieceId, sim::Part, std::uint8_t) override {}
+  void unmount_cap(sim::PieceId) override {}
+  void retire(sim::PieceId, sim::Holder) override {}
+  void set_lights(sim::StationId, const sim::Lights&) override {}
+  sim::Lights lights(sim::StationId) const override { return {}; }
+};
+
+TEST(GameResult, CountsWhatEachRobotDid) {
+  std::vector<sim::RobotStats> robots(2);
+  robots[0] = {.name = "robot1", .busy_s = 30, .drive_s = 15, .wait_s = 5, .skills = 4, .failures = 1};
+  robots[1] = {.name = "robot2", .busy_s = 60, .drive_s = 6, .wait_s = 0, .skills = 2, .failures = 0};
+  Result result;
+  result.sim_time = from_seconds(120);
+  report_robots(robots, Bumps(), result);
+  EXPECT_EQ(result.at("robots"),
+            R"([{"name":"robot1","busy_s":30.0,"drive_s":15.0,"wait_s":5.0,"skills":4,"failures":1,"contacts":1},)"
+            R"({"name":"robot2","busy_s":60.0,"drive_s":6.0,"wait_s":0.0,"skills":2,"failures":0,"contacts":2}])");
+  EXPECT_EQ(result.score_board,
+            "robot1   at work  25 %, driving  12 %, 4 skills, 1 failed, 1 contacts\n"
+            "robot2   at work  50 %, driving   5 %, 2 skills, 0 failed, 2 contacts\n");
+}
+
+}  // namespace
+}  // namespace cxlab::rcll
