@@ -358,8 +358,12 @@ TEST_F(ServiceTest, AnAnswerIsRecordedWithItsMessageAndNamesItsRequest) {
   const KeptRecords::Record record = sink_.of(bus_.stream_of(server)).back();
   RecordData expected;
   expected.begin().field("op", "respond").field("name", "/s").field("seq", 1).field("id", requests_[0].request_id);
-  expected.name("response").open_map(2).text_key("success").value(false).text_key("message").value(
-      std::string_view("done"));
+  expected.name("response")
+      .open_map(2)
+      .text_key("success")
+      .value(false)
+      .text_key("message")
+      .value(std::string_view("done"));
   EXPECT_EQ(record.data, expected.bytes());
   ASSERT_EQ(record.causes.size(), 1u);
   EXPECT_EQ(record.causes[0].stream, bus_.stream_of(a));

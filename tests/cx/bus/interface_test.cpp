@@ -158,9 +158,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"int8[0] a\n", 1, "expected a number from 1"}, BadFile{"int8[-1] a\n", 1, "expected a number from 1"},
         BadFile{"int8[<=] a\n", 1, "expected a number from 1"},
         BadFile{"string<=16777217 a\n", 1, "expected a number from 1 to 16777216"},
-        BadFile{"int8[<=16777217] a\n", 1, "expected a number from 1 to 16777216"}, BadFile{"int8[3 a\n", 1, "expected an array"},
-        BadFile{"int8<=3 a\n", 1, "only string and wstring"}, BadFile{"float64[16777216] a\n", 1, "larger than"},
-        BadFile{"int8 a\n---\nint8 b\n", 2, "one '---' more"},
+        BadFile{"int8[<=16777217] a\n", 1, "expected a number from 1 to 16777216"},
+        BadFile{"int8[3 a\n", 1, "expected an array"}, BadFile{"int8<=3 a\n", 1, "only string and wstring"},
+        BadFile{"float64[16777216] a\n", 1, "larger than"}, BadFile{"int8 a\n---\nint8 b\n", 2, "one '---' more"},
         BadFile{"Bad a\n", 1, "contains itself: pkg/msg/Bad -> pkg/msg/Bad"}));
 
 TEST(Interfaces, BoundsGoUpTo16777216AndATabSeparatesWords) {
