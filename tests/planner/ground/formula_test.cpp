@@ -59,7 +59,7 @@ double value_of(std::vector<GroundExpression::Step> steps) {
 
 TEST(GroundExpression, EvaluatesItsStepsOnAStack) {
   using Step = GroundExpression::Kind;
-  const GroundExpression::Step a{Step::kNumber, 0, 0}, b{Step::kNumber, 1, 0}, two{Step::kConstant, -1, 2},
+  const GroundExpression::Step a{Step::kFunction, 0, 0}, b{Step::kFunction, 1, 0}, two{Step::kConstant, -1, 2},
       duration{Step::kDuration, -1, 0}, total{Step::kTotalTime, -1, 0};
   EXPECT_EQ(value_of({a}), 3);
   EXPECT_EQ(value_of({two}), 2);
