@@ -59,6 +59,7 @@ ParticipantId Bus::join(ParticipantKind kind, NodeName name, StreamId stream, st
 
 const NodeName& Bus::name_of(ParticipantId p) const { return state_->participant(p).name; }
 bool Bus::is_there(ParticipantId p) const { return !state_->participant(p).gone; }
+bool Bus::is_environment(ParticipantId p) const { return state_->participant(p).kind == ParticipantKind::kEnvironment; }
 
 std::optional<ParticipantId> Bus::find_node(std::string_view full_name) const {
   for (std::size_t i = 0; i < state_->participants.size(); ++i) {

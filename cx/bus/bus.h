@@ -136,6 +136,8 @@ class Bus : private Feed {
   const NodeName& name_of(ParticipantId p) const;
   /// False once it has left.
   bool is_there(ParticipantId p) const;
+  /// Whether it is an environment, where rules act; else a node.
+  bool is_environment(ParticipantId p) const;
   /// The node of that full name that is there; none after it left.
   std::optional<ParticipantId> find_node(std::string_view full_name) const;
   /// Full names of all nodes that are there, sorted.

@@ -24,7 +24,8 @@ bool below(const fs::path& path, const fs::path& folder, fs::path& relative) {
   return !relative.empty() && !leaves(relative);
 }
 
-/// Whether the file, its links followed, lies in the folder or in what the folder itself links to.
+}  // namespace
+
 bool really_below(const fs::path& file, const fs::path& folder) {
   std::error_code error;
   const fs::path real = fs::weakly_canonical(file, error);
@@ -33,8 +34,6 @@ bool really_below(const fs::path& file, const fs::path& folder) {
   fs::path relative;
   return !error && below(real, real_folder, relative);
 }
-
-}  // namespace
 
 fs::path outside_name(const fs::path& path) {
   fs::path name;
@@ -175,7 +174,7 @@ Expected<std::string> Files::for_reading(const std::string& path) {
 }
 
 Expected<std::string> Files::for_writing(const std::string& path) {
-  if (options_.trust_rules) return path;
+  if (options_.trust_rules && options_.outside.empty()) return path;
   const fs::path asked = fs::path(path).lexically_normal();
   if (options_.run_folder.empty())
     return input_error("writing '" + path + "' is refused: the run has no folder to write to");

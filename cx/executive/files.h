@@ -32,8 +32,12 @@ struct FoundFile {
 /// A relative name for the copy of a file that lies in no package: its path, without a leading '/' and "..".
 std::filesystem::path outside_name(const std::filesystem::path& path);
 
+/// Whether the file, its links followed, lies in the folder or in what the folder itself links to.
+bool really_below(const std::filesystem::path& file, const std::filesystem::path& folder);
+
 /// One environment manager's view of the disk. For rules (`FileAccess`): they read packages and what they wrote
-/// themselves; what they write goes below `<run>/written`. With `trust_rules` they read and write anything.
+/// themselves; what they write goes below `<run>/written`. With `trust_rules` they read and write anything, but for a
+/// replay, which writes below the run's folder all the same.
 class Files final : public FileAccess {
  public:
   struct Options {

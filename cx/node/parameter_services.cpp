@@ -181,6 +181,7 @@ class Server {
       if (check_)
         if (Status s = check_(name, *value); !s) return s;
       value->file = "parameter " + node_ + '.' + name;
+      value->at_run_time = true;
       changes.emplace_back(name, *std::move(value));
     }
     auto message = std::make_shared<bus::Message>(*event_);

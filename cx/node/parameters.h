@@ -23,6 +23,7 @@ struct Parameter {
   std::vector<Parameter> items;  ///< of a list
   std::string file;
   int line = 0;
+  bool at_run_time = false;  ///< set by a service or by rules
 };
 /// "a bool", "an integer", ...
 std::string_view to_string(Parameter::Type type);

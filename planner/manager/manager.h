@@ -44,6 +44,8 @@ struct PddlManagerOptions {
   std::function<Status(const std::string& logical_name, const std::filesystem::path& file)> on_read;
   /// What a relative directory of an instance means; may be none.
   std::function<std::filesystem::path(const std::string& directory)> resolve;
+  /// Whether rules may have the manager read this file; none: any.
+  std::function<bool(const std::filesystem::path& file)> may_read;
   /// Writes a problem where a goal asks for it; may be empty.
   std::function<Status(const std::filesystem::path& file, const std::string& text)> write;
 };

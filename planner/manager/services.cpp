@@ -88,6 +88,7 @@ struct PddlManager::Services {
   };
 
   PddlManager& manager;
+  bus::ParticipantId caller{};
   const bool original = manager.options_.original;
   bool silent = false;  ///< the request stays without an answer, as in the original
 
@@ -125,12 +126,21 @@ struct PddlManager::Services {
       name = name.filename();
     }
     const templates::Loader below = templates::folder_loader(folder.string());
+    const auto refused = [&](const fs::path& wanted) {
+      return manager.options_.may_read && manager.bus_.is_environment(caller) && !manager.options_.may_read(wanted);
+    };
     const templates::Loader loader = [&](const std::string& wanted) -> std::optional<std::string> {
+      if (refused(folder / wanted)) return std::nullopt;
       auto text = below(wanted);
       if (text && manager.options_.on_read && manager.failure_)
         manager.failure_ = manager.options_.on_read("pddl/" + wanted, folder / wanted);
       return text;
     };
+    if (refused(folder / name))
+      return input_error(
+          "reading '" + (folder / name).string() +
+          "' is refused: for rules the manager reads packages, the run's folder and PDDL files beside the "
+          "scenario only (--trust-rules lifts this, or trust_rules: true in the scenario)");
     if (!fs::is_regular_file(folder / name)) return input_error("there is no such file", (folder / name).string());
     auto text = templates::render(loader, name.string());
     if (text) return text;
@@ -427,7 +437,7 @@ Status PddlManager::serve_questions() {
     auto made = bus_.serve(node_, name, **found,
                            [this, type = *found, endpoint, handler = row.handler](const bus::Delivery& d) {
                              auto response = std::make_shared<bus::Message>(*type->response);
-                             S services{*this};
+                             S services{*this, d.from};
                              const Status done = (services.*handler)(d.message->view(), response->view());
                              if (services.silent) return;
                              response->view().set("success", done.ok());

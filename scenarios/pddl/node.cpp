@@ -72,6 +72,14 @@ Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage
   options.log = setup.log;
   options.on_read = setup.keep;
   options.resolve = [&scenario = setup.scenario](const std::string& directory) { return scenario.resolve(directory); };
+  options.may_read = [&scenario = setup.scenario, run_folder = setup.run_folder](const std::filesystem::path& file) {
+    if (scenario.trust_rules) return true;
+    for (const AgentSpec& agent : scenario.agents)
+      for (const auto& [name, share] : scenario.shares(agent))
+        if (cx::really_below(file, share)) return true;
+    if (!run_folder.empty() && cx::really_below(file, run_folder)) return true;
+    return file.extension() == ".pddl" && cx::really_below(file, scenario.resolve("."));
+  };
   if (!setup.run_folder.empty())
     options.write = [folder = setup.run_folder](const std::filesystem::path& file, const std::string& text) {
       return write_below(folder, file, text);

@@ -1,12 +1,16 @@
 """A rule file from a stranger: what it cannot do, and how it ends. python3 -m unittest containment"""
 
 import json
+import os
+import pathlib
+import shutil
 import signal
 import subprocess
+import tempfile
 import time
 import unittest
 
-from lab import CXLAB, SCENARIO, Lab
+from lab import CONFIG, CXLAB, SCENARIO, Lab
 
 LOOPS = {
     "while": '(while TRUE (format nil "%9999d" 1))',
@@ -98,6 +102,84 @@ class Signals(Lab):
             code, seconds = self.stop(signal.SIGTERM, *arguments)
             self.assertEqual(code, 143, self.errors)
             self.assertLess(seconds, 3, arguments)
+
+
+class Escapes(Lab):
+    """Files outside of packages and the run's folder."""
+
+    def setUp(self):
+        super().setUp()
+        self.elsewhere = pathlib.Path(tempfile.mkdtemp(prefix="cxlab-elsewhere-"))
+        self.addCleanup(shutil.rmtree, self.elsewhere)
+
+    def file(self, name, text=""):
+        (self.elsewhere / name).write_text(text)
+        return self.elsewhere / name
+
+    def env(self, rules, *arguments, plugins=""):
+        self.agent(rules)
+        config = self.write("agent.yaml", CONFIG.replace('"ros_msgs", "files"]', '"ros_msgs", "params", "files"]').replace(
+            'pkg_share_dirs: ["rules"], load: ["rules.clp"]', f'load: ["{self.folder}/rules/rules.clp"]') +
+            '    params: {plugin: "cx::RosParamPlugin"}\n' + plugins)
+        return subprocess.run([CXLAB, "env", config, "--until", "2", "--out", self.out, "--force", *map(str, arguments)],
+                              cwd=self.folder, capture_output=True, text=True, timeout=60)
+
+    def everything(self, done):
+        return done.stdout + done.stderr + "".join(
+            p.read_text(errors="replace") for p in self.out.rglob("*") if p.is_file() and p.name != "rules.clp")
+
+    def test_a_plugin_that_rules_load_reads_what_rules_may_read(self):
+        rules = """(deffacts names (name (ros-param-get-value "stolen.plugin" "cx::FileLoadPlugin"))
+  (name (ros-param-get-value "stolen.load" (create$ "%s"))))
+(defrule start => (ros-msgs-create-client "/clips_manager/load_plugin" "cx_msgs/srv/LoadClipsPlugin"))
+(defrule load (ros-msgs-client (service ?s))
+  => (bind ?q (ros-msgs-create-request "cx_msgs/srv/LoadClipsPlugin"))
+  (ros-msgs-set-field ?q "env_name" "main") (ros-msgs-set-field ?q "plugin_name" "stolen")
+  (ros-msgs-async-send-request ?q ?s) (ros-msgs-destroy-message ?q))
+(defrule loaded (ros-msgs-response (msg-ptr ?r))
+  => (printout t "loaded: " (ros-msgs-get-field ?r "success") " " (ros-msgs-get-field ?r "error") crlf))
+""" % self.file("secret.clp", "SECRET")
+        done = self.env(rules)
+        self.assertIn("is refused: rules read from packages and the run's folder only", done.stderr)
+        self.assertNotIn("SECRET", self.everything(done))
+        self.assertIn("SECRET", self.everything(self.env(rules, "--trust-rules")))
+
+    def test_the_pddl_manager_reads_for_rules_what_rules_may_read(self):
+        rules = """(defrule start => (ros-msgs-create-client "/pddl_manager/add_pddl_instance" "cx_pddl_interfaces/srv/AddPddlInstance"))
+(defrule add (ros-msgs-client (service ?s))
+  => (bind ?q (ros-msgs-create-request "cx_pddl_interfaces/srv/AddPddlInstance"))
+  (ros-msgs-set-field ?q "name" "x") (ros-msgs-set-field ?q "directory" "%s") (ros-msgs-set-field ?q "domain_file" "%s")
+  (ros-msgs-async-send-request ?q ?s) (ros-msgs-destroy-message ?q))
+(defrule added (ros-msgs-response (msg-ptr ?r))
+  => (printout t "answer: " (ros-msgs-get-field ?r "success") " " (ros-msgs-get-field ?r "error") crlf))
+"""
+        outside = self.file("secret.txt", "SECRET")
+        self.write("rules/domain.pddl", '{% include "' + str(outside).lstrip("/") + '" %}')
+        os.symlink(outside, self.folder / "rules" / "link.pddl")
+        for directory, file in ((outside.parent, "secret.txt"), ("/", str(outside).lstrip("/")), ("", outside),
+                                (self.folder / "rules", "link.pddl")):
+            done = self.env(rules % (directory, file), "--with", "pddl_manager", "--package", f"rules={self.folder}/rules")
+            self.assertIn("is refused: for rules the manager reads", done.stderr, (directory, file))
+            self.assertNotIn("SECRET", self.everything(done), (directory, file))
+
+    def test_a_replay_of_trusted_rules_touches_nothing_outside(self):
+        victim = self.file("victim.txt")
+        gone = self.file("gone.txt")
+        rules = f"""(defrule act =>
+  (open "{victim}" f "w") (printout f "by rules" crlf) (close f)
+  (open "{victim}" f "r") (printout t "read: " (readline f) crlf) (close f)
+  (printout t "removed: " (remove "{gone}") " renamed: " (rename "{gone}" "{gone}2") crlf))
+"""
+        done = self.env(rules, "--trust-rules")
+        self.assertIn("read: by rules", done.stderr)
+        self.assertIn("removed: TRUE renamed: FALSE", done.stderr)
+        self.assertEqual(victim.read_text(), "by rules\n")
+        victim.write_text("mine")
+        gone.write_text("mine")
+        for command in (["replay", self.out], ["why-not", self.out, "act"]):
+            again = subprocess.run([CXLAB, *map(str, command)], capture_output=True, text=True)
+            self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
+            self.assertEqual((victim.read_text(), gone.read_text()), ("mine", "mine"), command)
 
 
 class Functions(Lab):

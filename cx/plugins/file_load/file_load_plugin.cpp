@@ -23,7 +23,7 @@ class FileLoadPlugin final : public Plugin {
       std::vector<std::string> names;
       if (Status s = parameter(list.key, names); !s) return s;
       for (const std::string& file : names) {
-        auto found = context().files.resolve(file, packages);
+        auto found = find(list.key, file, packages);
         if (found) {
           list.files->push_back(std::move(*found));
           continue;
@@ -55,6 +55,14 @@ class FileLoadPlugin final : public Plugin {
   }
 
  private:
+  /// What rules may have set names files that rules may read.
+  Expected<FoundFile> find(std::string_view key, const std::string& file, const std::vector<std::string>& packages) {
+    const Parameter* list = context().parameters.find(name() + '.' + std::string(key));
+    const bool set_by_rules = list && list->at_run_time;
+    if (set_by_rules && std::filesystem::path(file).is_absolute()) return context().files.find_for_rules(file);
+    return context().files.resolve(file, packages);
+  }
+
   Status load(Environment& environment, const FoundFile& file, LoadMode mode) {
     auto text = context().files.read(file);
     if (!text) {

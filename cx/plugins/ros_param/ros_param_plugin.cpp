@@ -150,6 +150,7 @@ class RosParamPlugin final : public Plugin {
       declared = parameter_from(fallback, wanted.type);
     }
     declared.file = "ros-param-get-value " + parameter;
+    declared.at_run_time = true;
     context().parameters.put(parameter, std::move(declared));
   }
 };
