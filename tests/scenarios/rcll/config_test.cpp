@@ -31,6 +31,41 @@ TEST(WorldConfig, ValuesOutOfRangeAreNamedWithTheirKey) {
   EXPECT_THAT(validate(config).error().message, HasSubstr("not supported in this release"));
 }
 
+TEST(WorldConfig, EachSettingHasItsLimits) {
+  struct Case {
+    const char* key;
+    void (*change)(WorldConfig&);
+  };
+  for (const auto& [key, change] : {
+           Case{"team", [](WorldConfig& c) { c.team = "GREEN"; }},
+           {"rules", [](WorldConfig& c) { c.rules = "none"; }},
+           {"robots", [](WorldConfig& c) { c.robots = -1; }},
+           {"setup_s", [](WorldConfig& c) { c.setup_s = -1; }},
+           {"production_s", [](WorldConfig& c) { c.production_s = 0.5; }},
+           {"production_s", [](WorldConfig& c) { c.production_s = 1.1e6; }},
+           {"shelf_refill_s", [](WorldConfig& c) { c.shelf_refill_s = -0.1; }},
+           {"complexities", [](WorldConfig& c) { c.complexities = {"C4"}; }},
+           {"exploration", [](WorldConfig& c) { c.exploration = true; }},
+           {"orders[0].complexity", [](WorldConfig& c) { c.orders[0].complexity = "C4"; }},
+           {"orders[0].base_color", [](WorldConfig& c) { c.orders[0].base_color = "RED"; }},
+           {"orders[1].cap_color", [](WorldConfig& c) { c.orders[1].cap_color = "CAP_RED"; }},
+           {"orders[0].activate_at", [](WorldConfig& c) { c.orders[0].activate_at = -1; }},
+           {"orders[0].delivery_begin", [](WorldConfig& c) { c.orders[0].delivery_begin = -1; }},
+           {"orders[0].delivery_gate", [](WorldConfig& c) { c.orders[0].delivery_gate = 0; }},
+           {"orders[0].delivery_gate", [](WorldConfig& c) { c.orders[0].delivery_gate = 4; }},
+           {"orders[0].quantity", [](WorldConfig& c) { c.orders[0].quantity = 0; }},
+           {"orders[0].delivery_end", [](WorldConfig& c) { c.orders[0].delivery_end = c.orders[0].delivery_begin; }},
+       }) {
+    WorldConfig config;
+    config.orders.resize(2);
+    ASSERT_TRUE(validate(config));
+    change(config);
+    const Status status = validate(config);
+    ASSERT_FALSE(status) << key;
+    EXPECT_THAT(status.error().message, testing::StartsWith("world." + std::string(key) + ": found ")) << key;
+  }
+}
+
 TEST(WorldConfig, AnOrderMustHaveTheRingsOfItsComplexity) {
   WorldConfig config;
   config.orders.push_back({});

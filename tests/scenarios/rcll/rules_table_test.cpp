@@ -300,6 +300,16 @@ const Row kRows[] = {
         wait 10
         lay BASE_RED CAP_GREY at C-DS-INPUT
         ends 0 after 13.76)"},
+    {"durations: a delivery takes its time, however long the product before was waited for",
+     R"(order C0 BASE_RED CAP_GREY quantity 2
+        C-DS {order_id: 1}
+        wait 10
+        lay BASE_RED CAP_GREY at C-DS-INPUT
+        ends 0 after 13.76
+        wait 6
+        C-DS is IDLE
+        lay BASE_RED CAP_GREY in C-DS
+        C-DS {order_id: 1} -> 0 after 3.746)"},
 
     // --- Down
     {"down: an idle machine is idle again afterwards",
