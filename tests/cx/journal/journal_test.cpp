@@ -360,6 +360,17 @@ TEST(JournalReader, LeavesOutKindsThatNobodyAskedFor) {
   EXPECT_THAT(found, ElementsAre("node/robot1 skill", "env/{\"kind\":\"fire\" decision", "s decision"));
 }
 
+TEST(JournalReader, ReportsACauseThatIsNone) {
+  TempFolder folder;
+  const auto error = [&](const std::string& cause) {
+    put_file(folder / "j", R"({"stream":"s","n":0,"t":0,"kind":"decision","data":{},"cause":[)" + cause + "]}\n{}\n");
+    return read_journal(folder / "j").error().message;
+  };
+  EXPECT_EQ(error("7"), R"(expected "cause", a list of stream:n, found 7)");
+  EXPECT_EQ(error("\"s\""), R"(expected "cause", a list of stream:n, found "s")");
+  EXPECT_EQ(error("\"caf\u00e9\""), R"(expected "cause", a list of stream:n, found "caf\u00e9")");
+}
+
 TEST(JournalReader, LeavesOutALastLineThatIsCutOff) {
   TempFolder folder;
   const std::string text = exported(JournalLevel::kDecisions, [](Journal& journal) {
