@@ -433,6 +433,20 @@ TEST_P(LongPicks, AreNotWaitedForWithoutEnd) {
   EXPECT_EQ(second.code, 201);
 }
 
+TEST_P(Skills, ARobotAtASpotMovesNoFasterThan10CentimetresASecond) {
+  base_at("C-BS-OUTPUT");
+  const Heard& pick = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  double fastest = 0;
+  bool at_spot = false;
+  while (!pick.ended) {
+    tick();
+    at_spot = at_spot || (!pick.phases.empty() && pick.phases.back() != "wait" && pick.phases.back() != "drive");
+    if (at_spot) fastest = std::max(fastest, std::hypot(robot1().vx, robot1().vy));
+  }
+  EXPECT_EQ(pick.code, 0);
+  EXPECT_LT(fastest, 0.11);
+}
+
 TEST_P(Skills, WhatCannotBeDoneEndsOnArrival) {
   ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C-BS-OUTPUT").code, 0);
   const Heard& pick = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
