@@ -186,6 +186,17 @@ TEST_F(ManagerTest, FluentsOfTheProblemKeepTheirPlace) {
               ElementsAre("on(c a)", "ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()", "holding(a)"));
 }
 
+TEST_F(ManagerTest, ARelativeDirectoryIsResolvedByTheHost) {
+  PddlManagerOptions options;
+  options.resolve = [](const std::string& directory) {
+    return directory == "here" ? std::filesystem::path(blocks_folder()) : std::filesystem::path("nowhere");
+  };
+  start(std::move(options));
+  request("add_pddl_instance", "AddPddlInstance", "{name: bw, directory: here, domain_file: domain.pddl}");
+  EXPECT_THAT(error_of("add_pddl_instance", "AddPddlInstance", "{name: x, directory: there, domain_file: domain.pddl}"),
+              HasSubstr("nowhere/domain.pddl"));
+}
+
 TEST_F(ManagerTest, ADomainAloneMakesAnInstance) {
   start();
   request("add_pddl_instance", "AddPddlInstance",

@@ -29,6 +29,12 @@ TEST(Syntax, AListWithoutEndIsReportedWhereItBegins) {
   EXPECT_EQ(error_of("domain"), "a.pddl:1: found 'domain', expected (define ...)");
 }
 
+TEST(Syntax, LongNamesOfSectionsAreCutAfter60Characters) {
+  const std::string error = error_of("(define (domain d\n(:" + std::string(70, 'x') + " t)");
+  EXPECT_EQ(error, "a.pddl:1: found (:" + std::string(59, 'x') +
+                       " in line 2, expected a ')' before it for the list that begins here");
+}
+
 TEST(Syntax, SectionInsideAnotherNamesTheOneThatWasNotClosed) {
   EXPECT_EQ(error_of("(define (domain d)\n(:action a\n :effect (x)\n\n(:action b))"),
             "a.pddl:2: found (:action in line 5, expected a ')' before it for the section :action that begins here");
