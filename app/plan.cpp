@@ -150,7 +150,7 @@ int write(const std::string& file, const std::string& text) {
 int report(const planner::PlanAnswer& answer, const planner::Task& task, const PlanCommand& command) {
   std::fprintf(stderr, "%s: %s; %lld units\n", word(answer.status), answer.reason.c_str(),
                static_cast<long long>(answer.units));
-  int code = static_cast<int>(exit_code(answer.status));
+  int code = static_cast<int>(answer.status);
   if (answer.plan) {
     const double makespan = answer.plan->makespan_s, bound = answer.lower_bound_s;
     if (const std::optional<double> gap = answer.gap())
@@ -241,7 +241,7 @@ void add_plan(CLI::App& app, Action& action) {
         return run(*options);
       } catch (const std::bad_alloc&) {
         std::fputs("error: out of memory\n", stderr);
-        return static_cast<int>(planner::ExitCode::kOutOfMemory);
+        return static_cast<int>(PlanStatus::kMemory);
       }
     };
   });

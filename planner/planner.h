@@ -33,45 +33,26 @@ struct PlanOptions {
   std::optional<double> timeout_s{};  ///< wall time
   /// Better: a better metric if the problem has one, a shorter makespan among equals.
   bool anytime = false;  ///< look for better plans until the budget ends or a plan is proved best
-  /// A plan under execution, its steps in their order; those at its beginning may have been done. What is left of it is
-  /// tried first, repaired and improved from there. Not used where there are events.
+  /// A plan under execution, its steps in their order; the first ones may have been done. The planner tries what is
+  /// left of it first, repairs it and improves it. Not used where there are events.
   Plan warm_start{};
   /// Called with every plan that is better than all before it.
   std::function<void(const TimedPlan&, std::int64_t units)> on_plan{};
   std::size_t most_memory_mb = 2048;
 };
 
-enum class PlanStatus {
-  kPlan,
-  kUnsolvable,  ///< proved
-  kEnded,       ///< all that could be tried was tried, without a proof
-  kMemory,      ///< reported by other planners only
-  kBudget,      ///< units or time
-};
-
-inline ExitCode exit_code(PlanStatus status) {
-  switch (status) {
-    case PlanStatus::kPlan: return ExitCode::kPlan;
-    case PlanStatus::kUnsolvable: return ExitCode::kUnsolvable;
-    case PlanStatus::kEnded: return ExitCode::kEnded;
-    case PlanStatus::kMemory: return ExitCode::kOutOfMemory;
-    case PlanStatus::kBudget: return ExitCode::kOutOfBudget;
-  }
-  return ExitCode::kEnded;
-}
-
 struct PlanAnswer {
   PlanStatus status = PlanStatus::kEnded;
   std::string reason;  ///< one sentence
   std::optional<TimedPlan> plan;
-  double lower_bound_s = 0;  ///< no plan is shorter,
-  bool bound_assumes_order =
-      false;               ///< true: of those in which no two actions change the same fact at the same instant
-  bool by_metric = false;  ///< the problem's metric decides which plan is better, not the makespan alone
+  double lower_bound_s = 0;  ///< no plan is shorter
+  /// The bound holds only for plans in which no two actions change the same fact at the same instant.
+  bool bound_assumes_order = false;
+  bool by_metric = false;              ///< the problem's metric decides which plan is better, not the makespan alone
   std::optional<double> metric_bound;  ///< no plan has a better metric; none: not known
   std::int64_t units = 0;              ///< spent
-  int refused = 0;                     ///< plans that the validator did not accept: a fault of the planner's
-  std::string refusal;                 ///< why the last of them
+  int refused = 0;                     ///< plans that the validator rejected, which is a fault of the planner
+  std::string refusal;                 ///< why it rejected the last of them
   double first_plan_s = 0;             ///< wall time to the first plan; for people, not for decisions
 
   /// How far the plan can be from the shortest one, as a share of it: 0.05 = at most 5 %; none without plan or bound.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "planner/bounds/sequencing.h"
 #include "planner/ground/sorted.h"
@@ -66,37 +67,38 @@ class Bounds {
         comparison_[c] = 0;
       task_.comparisons[c].expression.for_each_number([&](int n) { readers_[n].push_back(static_cast<int>(c)); });
     }
-    bool changed = true;
-    const auto lower = [&changed](Micros& time, Micros to) {
-      if (to < time) {
-        time = to;
-        changed = true;
-      }
-    };
     const auto apply = [&](const GroundEffects& effects, Micros time) {
       for (const int f : effects.add) lower(fact_[f], time);
       for (const NumericEffect& effect : effects.numbers)
         for (const int c : readers_[effect.number]) lower(comparison_[c], time);
     };
     for (const TimedEvent& event : task_.events) apply(event.effects, event.time);
-    while (changed && !budget_.late()) {
-      changed = false;
+    for (changed_ = true; changed_ && !budget_.late();) {
+      changed_ = false;
       budget_.spend(Work::kBound, static_cast<std::int64_t>(task_.actions.size()));
       for (std::size_t a = 0; a < task_.actions.size(); ++a) {
         const GroundAction& action = task_.actions[a];
         const Micros start = earliest_start(a);
         if (start >= kNever) continue;
-        apply(action.at_start, start);
-        for (const ConditionalEffects& conditional : action.conditional) apply(conditional.at_start, start);
+        for_each_share(action, [&](const ConditionalEffects& share) { apply(share.at_start, start); });
         for (const ContinuousEffect& effect : action.continuous)
           for (const int c : readers_[effect.number]) lower(comparison_[c], start);
         const Micros end = earliest_end(a);
         if (end >= kNever) continue;
-        apply(action.at_end, end);
-        for (const ConditionalEffects& conditional : action.conditional) apply(conditional.at_end, end);
+        for_each_share(action, [&](const ConditionalEffects& share) { apply(share.at_end, end); });
       }
-      for (const Axiom& axiom : task_.axioms) lower(fact_[axiom.head], latest(axiom.body));
+      apply_axioms();
     }
+  }
+
+  void lower(Micros& time, Micros to) {
+    if (to >= time) return;
+    time = to;
+    changed_ = true;
+  }
+
+  void apply_axioms() {
+    for (const Axiom& axiom : task_.axioms) lower(fact_[axiom.head], latest(axiom.body));
   }
 
   /// What events bring about of the goal may come after the end of the plan.
@@ -106,14 +108,7 @@ class Bounds {
       for (const NumericEffect& effect : event.effects.numbers)
         for (const int c : readers_[effect.number]) comparison_[c] = 0;
     }
-    for (bool changed = !task_.events.empty(); changed;) {
-      changed = false;
-      for (const Axiom& axiom : task_.axioms)
-        if (const Micros time = latest(axiom.body); time < fact_[axiom.head]) {
-          fact_[axiom.head] = time;
-          changed = true;
-        }
-    }
+    for (changed_ = !task_.events.empty(); std::exchange(changed_, false);) apply_axioms();
     return latest(task_.goal);
   }
 
@@ -234,6 +229,7 @@ class Bounds {
   ById<Micros> durations_, fact_, comparison_;
   ById<std::vector<int>> readers_;  ///< by number: comparisons
   std::vector<int> goal_;           ///< facts that no event brings about
+  bool changed_ = false;            ///< a time was lowered
 };
 
 }  // namespace

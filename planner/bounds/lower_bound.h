@@ -15,9 +15,8 @@ namespace cxlab::planner {
 
 struct LowerBound {
   Micros makespan = 0;
-  /// It holds only for plans in which no two actions change the same fact at the same instant. Elsewhere some
-  /// validators let actions share what is for one: both end at the very same time, and neither ended the other's
-  /// condition.
+  /// It holds only for plans in which no two actions change the same fact at the same instant. Some validators accept
+  /// that two actions end at one instant where each of them would break a condition over all of the other.
   bool assumes_order = false;
   bool complete = true;  ///< false: more than `slice` units might raise it
 };

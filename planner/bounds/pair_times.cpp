@@ -56,9 +56,9 @@ HappeningTask::HappeningTask(const GroundTask& task, const std::vector<Micros>& 
   ById<char> begun(task.facts.size(), 0);  // a beginning adds it
   for (const GroundAction& action : task.actions) {
     if (!action.durative) continue;
-    for (const int f : action.at_start.add) begun[f] = 1;
-    for (const ConditionalEffects& conditional : action.conditional)
-      for (const int f : conditional.at_start.add) begun[f] = 1;
+    for_each_share(action, [&](const ConditionalEffects& share) {
+      for (const int f : share.at_start.add) begun[f] = 1;
+    });
   }
   ById<int> action_of_run, end_of_run;
   for (std::size_t a = 0; a < task.actions.size(); ++a) {

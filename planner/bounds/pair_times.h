@@ -5,9 +5,10 @@
 // Atoms are the facts and, for each durative action, that it is running. No plan has atoms p and q together before
 // `time(p, q)`. A happening at time t (a beginning, an end, an instantaneous action, an event) that adds p leaves q
 // beside it only if q was true before t together with all that the happening needs, and is not removed by it; it
-// removes that b is running if it makes false what b needs over all. A beginning needs, too, what must hold from then
-// on, unless a beginning can add that: two may give it to each other at one instant. For a run of an action and an atom
-// there is a second time: the earliest end of a run during which the atom was true at some time.
+// removes that b is running if it makes false what b needs over all. A beginning also needs what must hold from then
+// on, unless some beginning can add it: two actions that begin at one instant may each add what the other needs. For a
+// run of an action and an atom there is a second time: the earliest end of a run during which the atom was true at some
+// time.
 //
 // Why no plan is quicker, by induction over the instants of a plan. Let p and q be true right after instant t. If
 // nothing changed them at t they were true before. If x added p and q was true before, q was true with all that x

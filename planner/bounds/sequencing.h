@@ -1,5 +1,5 @@
 #pragma once
-// Activities of which every plan has each, and times that must lie between their beginnings: how short can a plan be?
+// A lower bound from activities that every plan has, and the least times between their beginnings.
 
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "planner/ground/derived_reads.h"
+#include "planner/ground/passes.h"
 
 #include <tuple>
 

@@ -1,4 +1,4 @@
-#include "planner/ground/durations.h"
+#include "planner/ground/passes.h"
 
 #include <algorithm>
 

@@ -5,9 +5,8 @@
 #include <limits>
 #include <map>
 
-#include "planner/ground/derived_reads.h"
 #include "planner/ground/formula.h"
-#include "planner/ground/idle.h"
+#include "planner/ground/passes.h"
 #include "planner/ground/reachable.h"
 #include "planner/ground/sorted.h"
 
@@ -201,7 +200,7 @@ class Grounder {
     return join(all != negated ? Formula::Kind::kAnd : Formula::Kind::kOr, std::move(parts));
   }
 
-  /// The conjunction that says the same, with derived facts for disjunctions; none if it is false.
+  /// The formula as a conjunction, with derived facts for disjunctions; none if it is false.
   std::optional<GroundCondition> conjunction(const Formula& from) {
     GroundCondition out;
     if (from.kind == Formula::Kind::kFalse) return std::nullopt;

@@ -1,4 +1,4 @@
-#include "planner/ground/idle.h"
+#include "planner/ground/passes.h"
 
 #include <algorithm>
 

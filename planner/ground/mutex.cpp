@@ -1,4 +1,4 @@
-#include "planner/ground/mutex.h"
+#include "planner/ground/passes.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,8 +1,7 @@
 #include <algorithm>
 
-#include "planner/ground/durations.h"
 #include "planner/ground/ground.h"
-#include "planner/ground/mutex.h"
+#include "planner/ground/passes.h"
 #include "planner/ground/relaxation.h"
 #include "planner/ground/renumber.h"
 #include "planner/ground/sorted.h"

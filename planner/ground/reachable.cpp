@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "planner/ground/relevant.h"
+#include "planner/ground/passes.h"
 
 namespace cxlab::planner {
 

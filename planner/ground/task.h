@@ -126,8 +126,8 @@ struct GroundEffects {
   bool empty() const { return add.empty() && remove.empty() && numbers.empty(); }
 };
 
-/// Effects under a condition. `start` is read when the action begins, the others at their time; effects at the start
-/// have a condition at the start only.
+/// Conditions and effects by time. Of effects under a condition, `start` is read when the action begins, the others at
+/// their time; effects at the start have a condition at the start only.
 struct ConditionalEffects {
   GroundCondition start, over_all, end;
   GroundEffects at_start, at_end;
@@ -153,41 +153,36 @@ struct IdleTouch {
   bool read = false, up = false, down = false;  ///< up: added or increased; down: deleted; both: assigned
 };
 
-struct GroundAction {
+/// Its own conditions and effects, which it always has, and more under conditions.
+struct GroundAction : ConditionalEffects {
   ActionId schema = -1;
   std::vector<ObjectId> arguments;
   bool durative = false;
   std::vector<GroundDuration> duration;
   double stretch = 0;  ///< as a whole action it lasts this share of the way from the shortest to the longest duration
   int aim = -1;        ///< as a whole action it lasts until this comparison turns
-  GroundCondition start, over_all, end;
-  GroundEffects at_start, at_end;
   std::vector<ConditionalEffects> conditional;
   std::vector<ContinuousEffect> continuous;
   std::vector<IdleTouch> idle;
 };
 
-/// Calls `visit` for all conditions of an action, those of conditional effects included.
+/// Calls `visit` for the conditions and effects of an action: its own, then each under a condition.
+template <class Action, class Visit>
+void for_each_share(Action& action, const Visit& visit) {
+  visit(action);
+  for (auto& conditional : action.conditional) visit(conditional);
+}
 template <class Action, class Visit>
 void for_each_condition(Action& action, const Visit& visit) {
-  visit(action.start);
-  visit(action.over_all);
-  visit(action.end);
-  for (auto& conditional : action.conditional) {
-    visit(conditional.start);
-    visit(conditional.over_all);
-    visit(conditional.end);
-  }
+  for_each_share(action, [&](auto& share) {
+    for (auto* condition : {&share.start, &share.over_all, &share.end}) visit(*condition);
+  });
 }
-/// The same for all effects.
 template <class Action, class Visit>
 void for_each_effects(Action& action, const Visit& visit) {
-  visit(action.at_start);
-  visit(action.at_end);
-  for (auto& conditional : action.conditional) {
-    visit(conditional.at_start);
-    visit(conditional.at_end);
-  }
+  for_each_share(action, [&](auto& share) {
+    for (auto* effects : {&share.at_start, &share.at_end}) visit(*effects);
+  });
 }
 
 /// `head` is true if `body` holds; false unless an axiom derives it.
@@ -235,9 +230,9 @@ struct GroundTask {
   ById<double> initial_numbers;     ///< not-a-number where undefined
   GroundCondition goal;
   bool proved_unsolvable = false;  ///< the goal is out of reach even if nothing were ever deleted, or by pairs of facts
-  std::vector<int> missing_values;  ///< numbers that keep the goal out of reach, for they have no value and get none
+  std::vector<int> missing_values;  ///< numbers without a value, which nothing assigns, that keep the goal out of reach
   GroundExpression metric;          ///< to be made small; empty = makespan
-  int others = 0;                   ///< facts and numbers that only IdleTouch knows
+  int others = 0;                   ///< facts and numbers that only IdleTouch names
 
   /// Words of bits of a state.
   int words() const { return static_cast<int>((facts.size() + 63) / 64); }

@@ -30,9 +30,9 @@ Decoder::Taken Decoder::take_next(const Sequence& list, SequenceStep& step) {
     ++work_;
     step = list[item - 1];
     if (is_event(step)) {
-      if (-2 - step.action != next_event_) continue;
+      if (event_of(step) != next_event_) continue;
       ++next_event_;
-      simulator_.apply_event(-2 - step.action, scratch_.data());
+      simulator_.apply_event(event_of(step), scratch_.data());
       if (!keeps_running(scratch_.data(), -1)) return Taken::kFailed;
       next_[before] = next_[item];
       return Taken::kYes;
@@ -122,7 +122,7 @@ bool Decoder::place(DecodedPlan& plan, std::size_t index) {
   int cause = -1;
   if (is_event(step)) {
     if (!timeline_.append_event()) return false;
-    time = touches_.events()[-2 - step.action].time;
+    time = touches_.events()[event_of(step)].time;
   } else {
     const SplitTask::Origin origin = split_.origins[step.action];
     if (origin.part == SplitTask::Part::kWhole) {

@@ -52,7 +52,7 @@ void LocalSearch::set_current(DecodedPlan plan) {
     std::ranges::copy(state, &states_[i * words]);
     const SequenceStep& step = current_.order[i];
     if (is_event(step))
-      simulator_.apply_event(-2 - step.action, state.data());
+      simulator_.apply_event(event_of(step), state.data());
     else
       simulator_.apply_with(step.action, state.data(), step.duration);
   }

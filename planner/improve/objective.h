@@ -8,8 +8,8 @@
 
 namespace cxlab::planner {
 
-/// Values are to be made small, in millionths of a second or of the metric (negated where it is to be made large), and
-/// whole but for a share that the makespan decides among equals: rounding of sums is no progress.
+/// Less is better. A value counts whole millionths of a second or of the metric (negated where it is to be maximized),
+/// so that rounding of sums is no progress; a fraction below 1 lets the makespan decide among equal metrics.
 class Objective {
  public:
   explicit Objective(const Simulator& simulator);

@@ -22,8 +22,7 @@ class Remainder {
 
   Remainder(const Simulator& simulator, Budget& budget) : simulator_(simulator), budget_(budget) {}
 
-  /// The shortest end of the plan that leads to the goal, for its beginning has been done. If none does, the one of
-  /// which most can be done.
+  /// The shortest final part of the plan that leads to the goal. If none does, the part of which most can be done.
   Done of(const Plan& plan);
   /// Leaves out steps without which the others lead to the goal, with what cannot be done without them.
   Sequence without_needless(Sequence steps);

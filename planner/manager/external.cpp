@@ -1,6 +1,7 @@
 #include "planner/manager/external.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -47,8 +48,7 @@ Expected<std::optional<int>> run(const std::string& command, const fs::path& log
   return process->wait_for(timeout_s);
 }
 
-/// What it means that the planner wrote no plan; without a code it was ended after its time. `printed` is its last
-/// line.
+/// The answer of a planner that wrote no plan; without a code it was ended after its time. `printed` is its last line.
 Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, std::optional<int> code, const std::string& printed) {
   PlanAnswer answer;
   answer.status = code ? PlanStatus::kEnded : PlanStatus::kBudget;
@@ -62,13 +62,10 @@ Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, std::optional<
                           planner.remedy);
   answer.reason = "the planner ended with code " + std::to_string(*code) + " and wrote no plan" + said;
   if (!planner.our_codes) return answer;
-  switch (static_cast<ExitCode>(*code)) {
-    case ExitCode::kUnsolvable: answer.status = PlanStatus::kUnsolvable; break;
-    case ExitCode::kEnded: break;
-    case ExitCode::kOutOfMemory: answer.status = PlanStatus::kMemory; break;
-    case ExitCode::kOutOfBudget: answer.status = PlanStatus::kBudget; break;
-    default: return resource_error(answer.reason);
-  }
+  answer.status = static_cast<PlanStatus>(*code);
+  constexpr std::array kAnswers = {PlanStatus::kUnsolvable, PlanStatus::kEnded, PlanStatus::kMemory,
+                                   PlanStatus::kBudget};
+  if (std::ranges::find(kAnswers, answer.status) == kAnswers.end()) return resource_error(answer.reason);
   answer.reason = printed;
   return answer;
 }

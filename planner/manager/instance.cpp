@@ -120,7 +120,7 @@ Expected<TypeId> Instance::type(const std::string& name) const {
   return id;
 }
 
-// --- What is so now
+// --- The state of now
 
 std::vector<Fact> Instance::facts() const {
   State others = state();
@@ -198,7 +198,7 @@ Expected<std::vector<char>> Instance::others_than(const std::vector<ObjectName>&
   return keep;
 }
 
-/// The state goes through the problem, which knows how to be without objects. Goals go the same way.
+/// The state is written to the problem, from which objects can be removed, and read again. So are the goals.
 void Instance::keep_objects(const std::vector<char>& keep) {
   Problem now = problem();
   started_.clear();

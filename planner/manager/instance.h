@@ -33,7 +33,7 @@ struct GoalInstance {
   std::vector<std::string> objects;  ///< beside the constants of the domain
 };
 
-/// An object as agents name it; one that is to go needs no type.
+/// An object as agents name it; one that is to be removed needs no type.
 struct ObjectName {
   std::string name, type;
 };
@@ -73,7 +73,7 @@ class Instance {
   Expected<ActionCall> step(const std::string& action, const Names& arguments) const;
   Expected<TypeId> type(const std::string& name) const;
 
-  // --- What is so now
+  // --- The state of now
   /// First those of the problem's :init, in its order; then in the order in which they became true; derived ones are
   /// last.
   std::vector<Fact> facts() const;
@@ -84,11 +84,11 @@ class Instance {
   /// Those of `wanted` that are not there yet; an error if one of them cannot be.
   Expected<std::vector<Object>> new_objects(const std::vector<ObjectName>& wanted) const;
   void add_objects(const std::vector<Object>& objects);
-  /// 1 for each object of the problem that stays without `gone`; an error if one of these cannot go.
+  /// By object of the problem, 1 if it stays when `gone` are removed; an error if one of them cannot be removed.
   Expected<std::vector<char>> others_than(const std::vector<ObjectName>& gone) const;
-  /// With the others go the facts, numbers and goals that name them.
+  /// Removes the other objects, and the facts, numbers and goals that name them.
   void keep_objects(const std::vector<char>& keep);
-  /// Lets the events of the problem come that are due `seconds` after it was loaded. Whether there were any.
+  /// Applies the events that are due `seconds` after the problem was loaded. Returns whether there were any.
   bool advance(double seconds);
 
   // --- Goals, by name
@@ -144,7 +144,7 @@ class Instance {
   std::size_t next_fact_ = 0, next_value_ = 0;                 // events of the problem that have not come yet
 };
 
-/// A copy of the problem without the objects for which `keep` is false; what names them goes, all else is renumbered.
+/// A copy of the problem without the objects for which `keep` is false, and without what names them.
 Problem without_objects(const Problem& problem, const std::vector<char>& keep);
 /// The facts and numbers of a goal that are left then.
 std::pair<std::vector<Fact>, std::vector<Assignment>> goals_without(const Problem& problem, const GoalInstance& goal,

@@ -1,4 +1,4 @@
-// The problem that a planner gets: what is so now, as far as the filters of a goal let it through.
+// The problem that a planner receives: the present state, reduced by the filters of a goal.
 
 #include <algorithm>
 #include <functional>

@@ -1,6 +1,7 @@
 // Questions to the PDDL manager, and what they change.
 
 #include <algorithm>
+#include <functional>
 
 #include "cx/template/template.h"
 #include "planner/manager/manager.h"
@@ -77,7 +78,7 @@ void PddlManager::publish_update(const std::string& instance) {
   bus_.publish(updates_.endpoint, std::move(message));
 }
 
-/// Answers one request. The error of a handler becomes the answer.
+/// Answers one request. The error that a handler returns is the answer.
 struct PddlManager::Services {
   using Names = Instance::Names;
   using Handler = Status (Services::*)(const View& request, const View& answer);
@@ -235,7 +236,7 @@ struct PddlManager::Services {
     return instance.create_goal(q.text("goal_instance"));
   }
 
-  // --- What is so
+  // --- Facts, numbers and objects
 
   /// All or nothing.
   Status set_fluents(const std::vector<View>& fluents, bool value, const View& a) {
@@ -272,7 +273,7 @@ struct PddlManager::Services {
     return {};
   }
 
-  /// All or nothing: `prepare` gives what changes in one instance, or why that cannot be.
+  /// All or nothing: `prepare` returns what changes in one instance, or an error.
   template <auto prepare, auto apply>
   Status change_objects(const View& q, const View& a) {
     const std::vector<View> parts = messages(q, "objects");
@@ -337,7 +338,7 @@ struct PddlManager::Services {
     return {};
   }
 
-  /// The original takes any names.
+  /// The original accepts any names.
   Status set_filter(const View& q, const char* field, Names GoalInstance::* filter) {
     auto goal = manager.find_goal(q.text("pddl_instance"), q.text("goal_instance"));
     if (!goal) return goal.error();

@@ -7,7 +7,7 @@
 
 namespace cxlab::planner {
 
-/// A vector whose index may have a sign. An id that is negative or too large is a mistake of the caller's, as ever.
+/// A vector whose index may be signed. As with every vector, the caller ensures that the index is valid.
 template <class T>
 class ById : public std::vector<T> {
   using List = std::vector<T>;

@@ -26,23 +26,23 @@ inline const char* word_of(Failure failure) {
 
 inline bool is(const Error& error, Failure failure) { return error.code == word_of(failure); }
 
-/// Exit codes of `cxlab plan` and `cxlab validate`, beside those of ErrorKind; the scripts for other planners use them
-/// too.
-enum class ExitCode : int {
+/// How planning ended. The numbers are the exit codes of `cxlab plan`; the scripts for other planners use them, too.
+enum class PlanStatus : int {
   kPlan = 0,
-  kUnsolvable = 10,
-  kEnded = 12,  ///< everything was tried, without a plan or a proof
-  kOutOfMemory = 22,
-  kOutOfBudget = 23,  ///< time or work units
-  kBadInput = 31,
-  kUnsupported = 34,
+  kUnsolvable = 10,  ///< proved
+  kEnded = 12,       ///< everything was tried, without a plan or a proof
+  kMemory = 22,      ///< reported by other planners only
+  kBudget = 23,      ///< units or time
 };
 
+/// Exit codes of `cxlab plan` and `cxlab validate` beside those of PlanStatus and ErrorKind.
+inline constexpr int kBadInputCode = 31, kUnsupportedCode = 34;
+
 inline int exit_code(const Error& error) {
-  if (is(error, Failure::kUnsupported)) return static_cast<int>(ExitCode::kUnsupported);
-  if (is(error, Failure::kOutOfMemory)) return static_cast<int>(ExitCode::kOutOfMemory);
-  if (is(error, Failure::kOutOfBudget) || is(error, Failure::kLate)) return static_cast<int>(ExitCode::kOutOfBudget);
-  if (error.kind == ErrorKind::kInput) return static_cast<int>(ExitCode::kBadInput);
+  if (is(error, Failure::kUnsupported)) return kUnsupportedCode;
+  if (is(error, Failure::kOutOfMemory)) return static_cast<int>(PlanStatus::kMemory);
+  if (is(error, Failure::kOutOfBudget) || is(error, Failure::kLate)) return static_cast<int>(PlanStatus::kBudget);
+  if (error.kind == ErrorKind::kInput) return kBadInputCode;
   return static_cast<int>(error.kind);
 }
 

@@ -33,7 +33,7 @@ struct Node {
 struct Rejected {
   Error error;
 };
-/// What `read` gives, or the error with which it rejected the file.
+/// What `read` returns, or the error with which it rejected the file.
 template <class Read>
 auto accepted(Read read) -> Expected<decltype(read())> {
   try {
@@ -55,8 +55,8 @@ inline constexpr int kDeepestNesting = 200;
 /// When reading is to be given up; none: never.
 using Deadline = std::optional<std::chrono::steady_clock::time_point>;
 
-inline constexpr std::size_t kReadBetweenLooks =
-    1024;  ///< nodes and facts that are read between two looks at the clock
+/// Nodes and facts that are read between two looks at the clock.
+inline constexpr std::size_t kReadBetweenLooks = 1024;
 
 bool is_over(const Deadline& deadline);
 /// Failure::kLate.

@@ -45,20 +45,15 @@ Touches::Touches(const GroundTask& task)
 
   for (const GroundAction& action : task.actions) {
     std::vector<Touch> touches;
-    write(touches, action.at_start, true);
-    write(touches, action.at_end, false);
-    for (const ConditionalEffects& conditional : action.conditional) {
-      write(touches, conditional.at_start, true);
-      write(touches, conditional.at_end, false);
-    }
-    read(touches, action.start, true, false);
-    hold(touches, action.over_all);
-    read(touches, action.end, false, true);
-    for (const ConditionalEffects& conditional : action.conditional) {
-      read(touches, conditional.start, true, false);
-      hold(touches, conditional.over_all);
-      read(touches, conditional.end, false, true);
-    }
+    for_each_share(action, [&](const ConditionalEffects& share) {
+      write(touches, share.at_start, true);
+      write(touches, share.at_end, false);
+    });
+    for_each_share(action, [&](const ConditionalEffects& share) {
+      read(touches, share.start, true, false);
+      hold(touches, share.over_all);
+      read(touches, share.end, false, true);
+    });
     if (!task.derived_reads.empty()) {
       const SchemaReads& reads = task.derived_reads[action.schema];
       read(touches, reads.start, Touch::kRead, true, false);

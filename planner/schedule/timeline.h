@@ -5,7 +5,7 @@
 // derived fact stands for all that it is derived from). Two happenings that touch a key keep the order of the sequence
 // and kSeparation if one changes what the other reads, or both change it in ways that do not commute. So each reads the
 // same values as in the sequence, and a plan that is right one action after the other is right as scheduled. What only
-// validators care about (IdleTouch) is kept apart in the same way.
+// validators keep apart (IdleTouch) is kept apart in the same way.
 
 #include <span>
 #include <vector>
@@ -103,7 +103,7 @@ class Timeline {
   int cause() const { return cause_; }
   /// Lets the next event happen after all that has been appended. False if that is too late.
   bool append_event();
-  /// Says that the plan is complete. False if an event that has not been appended breaks the goal before its end.
+  /// Completes the plan. False if an event that has not been appended breaks the goal before the plan's end.
   bool finish();
   Micros makespan() const { return makespan_; }
   /// By how much happenings came too late, summed; 0 unless lenient.

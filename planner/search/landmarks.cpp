@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <deque>
+#include <iterator>
+#include <utility>
 
 namespace cxlab::planner {
 
@@ -9,115 +11,154 @@ namespace {
 
 constexpr std::size_t kLookEvery = 256;  ///< operators between two looks at the clock
 
+std::size_t words_of(const RelaxedTask& relaxed) { return (static_cast<std::size_t>(relaxed.atoms()) + 63) / 64; }
+
+/// Work of looking once at each operator.
+std::int64_t one_round(const RelaxedTask& relaxed) {
+  std::size_t lists = 0;
+  for (const RelaxedOperator& op : relaxed.operators())
+    lists += op.conditions.size() + op.adds.size() + op.gains.size();
+  return static_cast<std::int64_t>(lists * words_of(relaxed));
+}
+
+/// By atom, the atoms that are true before it in every relaxed plan, and itself; computed by propagation.
+class Propagation {
+ public:
+  Propagation(const Simulator& simulator, const RelaxedTask& relaxed)
+      : relaxed_(relaxed),
+        atoms_(static_cast<std::size_t>(relaxed.atoms())),
+        words_(words_of(relaxed)),
+        sets_(atoms_ * words_, 0),
+        initially_(atoms_, 0),
+        missing_(relaxed.operators().size(), 0),
+        queued_(relaxed.operators().size(), 0),
+        before_(words_) {
+    const GroundTask& task = simulator.task();
+    const PackedState initial = simulator.initial();
+    for (int f = 0; f < relaxed.facts(); ++f)
+      initially_[f] = is_set(initial.data(), f) || (task.facts[f].derived && task.facts[f].is_complement);
+    for (std::size_t c = 0; c < task.comparisons.size(); ++c)
+      initially_[static_cast<std::size_t>(relaxed.facts()) + c] =
+          task.comparisons[c].holds(simulator.numbers(initial.data()));
+    known_ = initially_;
+  }
+
+  /// False if it takes more than `most_work` or the time runs out.
+  bool run(std::int64_t most_work, Budget& budget, std::int64_t& work) {
+    const auto& operators = relaxed_.operators();
+    for (std::size_t o = 0; o < operators.size(); ++o) {
+      missing_[o] = static_cast<int>(std::ranges::count_if(operators[o].conditions, [&](int c) { return !known_[c]; }));
+      if (missing_[o] == 0) queue(static_cast<int>(o));
+    }
+    for (std::size_t looked = 0; !queue_.empty(); ++looked) {
+      if (looked % kLookEvery == 0 && budget.late()) return false;
+      const RelaxedOperator& op = operators[queue_.front()];
+      queued_[queue_.front()] = 0;
+      queue_.pop_front();
+      if (work > most_work) return false;
+      std::ranges::fill(before_, 0);
+      for (const int condition : op.conditions) unite(condition, before_);
+      work += static_cast<std::int64_t>((op.conditions.size() + op.adds.size() + 1) * words_);
+      for_each_reached(op, [this](int atom) { reach(atom); });
+    }
+    return true;
+  }
+
+  /// Those of all parts of the goal, ascending.
+  std::vector<int> of_goal() const {
+    std::vector<Word> all(words_, 0);
+    for (const int atom : relaxed_.goal()) {
+      set(all.data(), atom);
+      unite(atom, all);
+    }
+    std::vector<int> found;
+    for (int atom = 0; atom < relaxed_.atoms(); ++atom)
+      if (is_set(all.data(), atom)) found.push_back(atom);
+    return found;
+  }
+
+  /// By atom: those of `landmarks` that every operator which can be first to reach it has as a condition.
+  ById<std::vector<int>> needed_directly(const std::vector<int>& landmarks) const {
+    ById<char> is_landmark(atoms_, 0), seen(atoms_, 0);
+    for (const int atom : landmarks) is_landmark[atom] = 1;
+    ById<std::vector<int>> common(atoms_);
+    for (const RelaxedOperator& op : relaxed_.operators())
+      for_each_reached(op, [&](int atom) {
+        if (!is_landmark[atom] || initially_[atom]) return;
+        for (const int condition : op.conditions)
+          if (!known_[condition] || is_set(of(condition), atom)) return;
+        if (std::exchange(seen[atom], 1) == 0)
+          std::ranges::copy_if(op.conditions, std::back_inserter(common[atom]), [&](int c) { return is_landmark[c]; });
+        else
+          std::erase_if(common[atom],
+                        [&](int c) { return std::ranges::find(op.conditions, c) == op.conditions.end(); });
+      });
+    return common;
+  }
+
+ private:
+  template <class Visit>
+  static void for_each_reached(const RelaxedOperator& op, const Visit& visit) {
+    for (const int fact : op.adds) visit(fact);
+    for (const RelaxedOperator::Gain& gain : op.gains) visit(gain.atom);
+  }
+
+  const Word* of(int atom) const { return &sets_[static_cast<std::size_t>(atom) * words_]; }
+
+  void unite(int atom, std::vector<Word>& into) const {
+    for (std::size_t w = 0; w < words_; ++w) into[w] |= of(atom)[w];
+  }
+
+  void queue(int op) {
+    if (std::exchange(queued_[op], 1) == 0) queue_.push_back(op);
+  }
+
+  /// An operator reaches an atom after `before_`.
+  void reach(int atom) {
+    if (initially_[atom]) return;
+    Word* own = &sets_[static_cast<std::size_t>(atom) * words_];
+    bool changed = !known_[atom];
+    for (std::size_t w = 0; w < words_; ++w) {
+      Word next = known_[atom] ? own[w] & before_[w] : before_[w];
+      if (static_cast<std::size_t>(atom >> 6) == w) next |= Word{1} << (atom & 63);
+      changed = changed || next != own[w];
+      own[w] = next;
+    }
+    if (!changed) return;
+    for (const int reader : relaxed_.readers(atom)) {
+      if (!known_[atom]) --missing_[reader];
+      if (missing_[reader] == 0) queue(reader);
+    }
+    known_[atom] = 1;
+  }
+
+  const RelaxedTask& relaxed_;
+  const std::size_t atoms_, words_;
+  ById<Word> sets_;
+  ById<char> initially_, known_;
+  ById<int> missing_;  ///< by operator: conditions that are not known
+  ById<char> queued_;
+  std::deque<int> queue_;
+  std::vector<Word> before_;
+};
+
 }  // namespace
 
 Landmarks::Landmarks(const Simulator& simulator, const RelaxedTask& relaxed, std::int64_t most_work, Budget& budget)
     : simulator_(simulator), facts_(relaxed.facts()) {
-  const PackedState initial = simulator.initial();
-  const std::size_t atoms = static_cast<std::size_t>(relaxed.atoms()), words = (atoms + 63) / 64;
-  const auto& operators = relaxed.operators();
-  std::int64_t one_round = 0;
-  for (const RelaxedOperator& op : operators)
-    one_round += static_cast<std::int64_t>((op.conditions.size() + op.adds.size() + op.gains.size()) * words);
-  if (3 * one_round > most_work) return;
-
-  std::vector<Word> sets(atoms * words, 0);
-  ById<char> known(atoms, 0), initially(atoms, 0), queued(operators.size(), 0);
-  for (int f = 0; f < relaxed.facts(); ++f)
-    initially[f] =
-        is_set(initial.data(), f) || (simulator.task().facts[f].derived && simulator.task().facts[f].is_complement);
-  for (std::size_t c = 0; c < simulator.task().comparisons.size(); ++c)
-    initially[static_cast<std::size_t>(relaxed.facts()) + c] =
-        simulator.task().comparisons[c].holds(simulator.numbers(initial.data()));
-  for (std::size_t a = 0; a < atoms; ++a)
-    if (initially[a]) known[a] = 1;
-  std::deque<int> queue;
-  ById<int> missing(operators.size(), 0);
-  for (std::size_t o = 0; o < operators.size(); ++o) {
-    missing[o] = static_cast<int>(std::ranges::count_if(operators[o].conditions, [&](int c) { return !known[c]; }));
-    if (missing[o] == 0) {
-      queue.push_back(static_cast<int>(o));
-      queued[o] = 1;
-    }
-  }
-  std::vector<Word> before(words);
-  for (std::size_t looked = 0; !queue.empty(); ++looked) {
-    if (looked % kLookEvery == 0 && budget.late()) return;
-    const int o = queue.front();
-    queue.pop_front();
-    queued[o] = 0;
-    if (work_ > most_work) return;
-    std::ranges::fill(before, 0);
-    for (const int condition : operators[o].conditions)
-      for (std::size_t w = 0; w < words; ++w) before[w] |= sets[static_cast<std::size_t>(condition) * words + w];
-    work_ += static_cast<std::int64_t>((operators[o].conditions.size() + operators[o].adds.size() + 1) * words);
-    const auto reach = [&](int atom) {
-      if (initially[atom]) return;
-      Word* own = &sets[static_cast<std::size_t>(atom) * words];
-      bool changed = !known[atom];
-      if (!known[atom]) {
-        std::copy(before.begin(), before.end(), own);
-        set(own, atom);
-      } else {
-        for (std::size_t w = 0; w < words; ++w) {
-          Word next = own[w] & before[w];
-          if (static_cast<std::size_t>(atom >> 6) == w) next |= Word{1} << (atom & 63);
-          if (next != own[w]) {
-            own[w] = next;
-            changed = true;
-          }
-        }
-      }
-      if (!changed) return;
-      for (const int reader : relaxed.readers(atom)) {
-        if (!known[atom]) --missing[reader];
-        if (missing[reader] == 0 && !queued[reader]) {
-          queue.push_back(reader);
-          queued[reader] = 1;
-        }
-      }
-      known[atom] = 1;
-    };
-    for (const int fact : operators[o].adds) reach(fact);
-    for (const RelaxedOperator::Gain& gain : operators[o].gains) reach(gain.atom);
-  }
-
-  std::vector<Word> all(words, 0);
-  for (const int atom : relaxed.goal()) {
-    set(all.data(), atom);
-    for (std::size_t w = 0; w < words; ++w) all[w] |= sets[static_cast<std::size_t>(atom) * words + w];
-  }
-  ById<int> index(atoms, -1);
-  for (std::size_t a = 0; a < atoms; ++a) {
-    if (!is_set(all.data(), static_cast<int>(a))) continue;
-    index[a] = static_cast<int>(atoms_.size());
-    atoms_.push_back(static_cast<int>(a));
-  }
+  if (3 * one_round(relaxed) > most_work) return;
+  Propagation propagation(simulator, relaxed);
+  if (!propagation.run(most_work, budget, work_)) return;
+  atoms_ = ById<int>(propagation.of_goal());
+  ById<int> index(static_cast<std::size_t>(relaxed.atoms()), -1);
+  for (std::size_t l = 0; l < atoms_.size(); ++l) index[atoms_[l]] = static_cast<int>(l);
   goal_.assign(atoms_.size(), 0);
   for (const int atom : relaxed.goal()) goal_[index[atom]] = 1;
-  // l is needed directly before m if every operator that can be first to reach m has l as a condition.
   needed_by_.resize(atoms_.size());
-  ById<std::vector<int>> common(atoms);
-  ById<char> seen(atoms, 0);
-  for (const RelaxedOperator& op : operators) {
-    const auto first = [&](int atom) {
-      if (index[atom] < 0 || initially[atom]) return;
-      for (const int condition : op.conditions)
-        if (!known[condition] || is_set(&sets[static_cast<std::size_t>(condition) * words], atom)) return;
-      if (!seen[atom]) {
-        seen[atom] = 1;
-        for (const int condition : op.conditions)
-          if (index[condition] >= 0) common[atom].push_back(condition);
-      } else {
-        std::erase_if(common[atom], [&](int c) { return std::ranges::find(op.conditions, c) == op.conditions.end(); });
-      }
-    };
-    for (const int fact : op.adds) first(fact);
-    for (const RelaxedOperator::Gain& gain : op.gains) first(gain.atom);
-  }
+  const ById<std::vector<int>> needed = propagation.needed_directly(atoms_);
   for (const int atom : atoms_)
-    for (const int before_it : common[atom])
-      if (before_it != atom) needed_by_[index[before_it]].push_back(index[atom]);
+    for (const int before : needed[atom])
+      if (before != atom) needed_by_[index[before]].push_back(index[atom]);
 }
 
 bool Landmarks::holds(int landmark, const Word* state) const {

@@ -1,15 +1,15 @@
 #pragma once
-// Conditions over all that only some of those who make a fact true last long enough for.
+// Conditions over all that only some achievers of a fact can keep.
 //
-// Where an action makes a fact true for its own duration only, what needs the fact for longer must look for another: an
-// oven that is hot for 8 s is of no use to what bakes for 15. The relaxed task would not know that.
+// An action may make a fact true for its own duration only. Then it does not help an action that needs the fact for
+// longer: an oven that is hot for 8 s cannot bake for 15 s. The relaxed task alone does not show that.
 
 #include "planner/ground/task.h"
 
 namespace cxlab::planner {
 
-/// The task with a fact more for each such condition: that its fact is true and was made true by what lasts long
-/// enough. It has the same plans and the same actions; the facts of `task` come first.
+/// The task with one more fact for each such condition: its fact is true, and an achiever that lasts long enough made
+/// it true. The task has the same plans and the same actions; the facts of `task` come first.
 GroundTask with_lasting_facts(const GroundTask& task);
 
 }  // namespace cxlab::planner

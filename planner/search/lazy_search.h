@@ -24,6 +24,7 @@ struct SequenceStep {
 using Sequence = ById<SequenceStep>;
 
 inline bool is_event(const SequenceStep& step) { return step.action <= -2; }
+inline int event_of(const SequenceStep& step) { return -2 - step.action; }
 
 enum class SearchEnd : std::uint8_t {
   kFound,

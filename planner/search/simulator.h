@@ -48,8 +48,8 @@ class Simulator {
   /// The same for copies of an action that choose: the one that they choose.
   std::optional<DurationRange> durations_of_copy(int action, const Word* state) const;
 
-  /// Runs the whole action; `duration` is the shortest one allowed, or longer by its stretch. False, and the state is
-  /// spoilt, if it cannot run.
+  /// Runs the whole action; `duration` is the shortest one allowed, or longer by its stretch. False if it cannot run:
+  /// the state is then not to be used.
   bool apply(int action, Word* state, Micros& duration) const;
   /// The same with a duration given.
   bool apply_with(int action, Word* state, Micros duration) const;

@@ -181,8 +181,8 @@ Concurrent to_plan(const SplitTask& split, const GroundTask& original, const Sim
   PackedState now = simulator.initial();
   for (const SequenceStep& step : path) {
     if (is_event(step)) {
-      plan.order.push_back({SplitPoint::Kind::kEvent, -2 - step.action});
-      simulator.apply_event(-2 - step.action, now.data());
+      plan.order.push_back({SplitPoint::Kind::kEvent, event_of(step)});
+      simulator.apply_event(event_of(step), now.data());
       continue;
     }
     const SplitTask::Origin origin = split.origins[step.action];
@@ -221,7 +221,7 @@ bool SplitCheck::append(const SequenceStep& step) {
   bool applied = true;
   if (is_event(step)) {
     stn_.event();
-    simulator_.apply_event(-2 - step.action, after.state.data());
+    simulator_.apply_event(event_of(step), after.state.data());
   } else {
     const SplitTask::Origin origin = split_.origins[step.action];
     if (origin.part == SplitTask::Part::kEnd) {

@@ -38,7 +38,7 @@ class State {
   void add_rate(FunctionId function, std::span<const ObjectId> objects, double rate);
   void clear_rates();
   bool has_rates() const { return !changing_.empty(); }
-  /// Looks `seconds` ahead along the rates; 0 = now. Values that are set meanwhile are set for now.
+  /// Reads numbers as they will be in `seconds` by their rates; 0 = now. Writing still changes the numbers of now.
   void look_ahead(double seconds) { ahead_ = seconds; }
   /// Moves all changing values on.
   void advance(double seconds);

@@ -56,7 +56,7 @@ class PlanningContext {
   /// accepted in every other round, and in all once no other plan is left.
   void begin_round(std::uint64_t round);
   LazyOptions search_options(std::uint64_t seed) const;
-  /// Whether a search that ended like that has nothing more to give, however the goal may come about.
+  /// Whether a search that ended like that can find nothing more, whether or not events may bring about the goal.
   bool is_exhausted(SearchEnd end);
 
  private:

@@ -33,7 +33,7 @@ class Incumbent {
   Micros makespan() const { return makespan_; }
   /// The problem's metric with the sign that makes less better; not a number where it is undefined.
   double cost() const;
-  /// From the metric as the problem states it to the one of which less is better, and back.
+  /// Converts between the metric as the problem states it and the one of which less is better.
   double signed_metric(double metric) const { return task_.problem.metric->maximize ? -metric : metric; }
   /// The metric decides which plan is better, not the makespan alone.
   bool by_metric() const { return !objective_.is_makespan(); }

@@ -1,11 +1,11 @@
 #pragma once
-// Strategy: what is left of a plan under execution. A search fills in what is missing behind it.
+// Strategy: continue a plan under execution. A search adds the steps that are missing after it.
 
 #include "planner/strategies/context.h"
 
 namespace cxlab::planner {
 
-/// Takes `PlanOptions::warm_start` for problems without events and offers what it gives; a search behind it may take
+/// For problems without events, offers what is left of `PlanOptions::warm_start`; the search for missing steps may take
 /// `most_units`. True if a plan exists afterwards.
 bool warm_start(PlanningContext& context, std::int64_t most_units);
 

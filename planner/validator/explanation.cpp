@@ -1,4 +1,4 @@
-// Why a plan is wrong, and what would mend it.
+// Why a plan is wrong, and how to correct it.
 
 #include <algorithm>
 #include <ranges>

@@ -1,5 +1,5 @@
 #pragma once
-// Is this plan right? The meaning of plans is that of PDDL 2.1 (Fox and Long, 2003), as the validator VAL reads it.
+// Checks plans. Their meaning is that of PDDL 2.1 (Fox and Long, 2003), as the validator VAL implements it.
 //
 // Starts, ends, instantaneous actions and events from outside are happenings. A condition at start or end is read just
 // before its happening, `over all` in the open interval between. Happenings closer than epsilon must not interfere:
@@ -37,10 +37,10 @@ struct Violation {
   double time = 0;          ///< s
   int step = -1;            ///< index in the plan; -1 = the goal or an event from outside
   int other_step = -1;      ///< the one it interferes with
-  std::string when{};       ///< at start, over all, at end; empty where that says nothing
+  std::string when{};       ///< at start, over all, at end; empty where no time applies
   std::string condition{};  ///< the smallest part that does not hold, as PDDL
-  std::string message{};    ///< what is wrong, with numbers and who made it so
-  std::string advice{};     ///< what would mend it
+  std::string message{};    ///< what is wrong, with numbers and the cause
+  std::string advice{};     ///< how to correct it
 };
 
 const char* to_word(Violation::Kind kind);

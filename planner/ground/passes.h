@@ -1,0 +1,38 @@
+#pragma once
+// What `ground` does one after the other, beside the join (reachable.h) and the removal of what is needless
+// (renumber.h).
+
+#include <vector>
+
+#include "planner/ground/budget.h"
+#include "planner/ground/task.h"
+
+namespace cxlab::planner {
+
+/// Which actions can help towards the goal at all, judged by predicates alone. By action: whether it adds a predicate
+/// that is needed, deletes one whose absence is needed, or changes a number that is read or must have a value first.
+/// The goal and the relevant actions determine what is needed.
+std::vector<char> relevant_actions(const Task& task);
+
+/// What conditions read through derived predicates, by action of the domain; empty without derived predicates.
+ById<SchemaReads> find_derived_reads(const Domain& domain);
+
+/// What can happen, judged by pairs of facts.
+struct Possible {
+  ById<char> actions;  ///< by action: its start and its end
+  bool goal = true;    ///< the goal can hold
+};
+/// Finds facts that are never true together, and actions that therefore cannot happen (h2, Haslum and Geffner 2000).
+/// Beginnings and ends count one by one, so that overlapping plans are covered; numbers are assumed to allow
+/// everything. All is possible if there are derived facts or more than 1,500 facts, or the budget ends.
+Possible possible_by_pairs(const GroundTask& task, Budget& budget);
+
+/// Copies each action whose effects depend on a duration that may be chosen, once for each of several durations.
+/// Incomplete if the budget ends.
+void offer_durations(GroundTask& task, Budget& budget);
+
+/// Finds what validators keep apart although no plan depends on it: fills in GroundAction::idle and TimedEvent::idle of
+/// a pruned task. Incomplete if the budget ends.
+void find_idle(const Task& task, GroundTask& ground, Budget& budget);
+
+}  // namespace cxlab::planner
