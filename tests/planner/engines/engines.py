@@ -26,10 +26,10 @@ class UpEngine(unittest.TestCase):
         return subprocess.run([sys.executable, SCRIPT, engine, "d.pddl", "p.pddl", "plan", *arguments], cwd=self.folder, env=environment,
                               capture_output=True, text=True, timeout=60)
 
-    def ends(self, code, says, engine, **options):
+    def ends(self, code, message, engine, **options):
         done = self.plan(engine, **options)
         self.assertEqual(done.returncode, code, done.stderr)
-        self.assertEqual(done.stderr.splitlines()[-1].replace(sys.executable, "PYTHON"), says)
+        self.assertEqual(done.stderr.splitlines()[-1].replace(sys.executable, "PYTHON"), message)
         self.assertFalse((self.folder / "plan").exists())
 
     def test_a_plan_is_written_as_pddl_writes_plans(self):
@@ -50,9 +50,9 @@ class UpEngine(unittest.TestCase):
         self.assertEqual(self.plan("aries", domain="(define (domain d) (:functions (f)))").returncode, 0)
 
     def test_other_answers_have_the_codes_of_cxlab_plan(self):
-        for status, code, says in [("UNSOLVABLE_PROVEN", 10, "unsolvable"), ("UNSOLVABLE_INCOMPLETELY", 12, "ended without a plan"), ("MEMOUT", 22, "out of memory"),
-                                   ("TIMEOUT", 23, "time ended"), ("UNSUPPORTED_PROBLEM", 34, "does not support the problem"), ("INTERNAL_ERROR", 4, "failed: it said why")]:
-            self.ends(code, f"engine unified_planning.engines:Status: {says}", "unified_planning.engines:Status", STATUS=status)
+        for status, code, message in [("UNSOLVABLE_PROVEN", 10, "unsolvable"), ("UNSOLVABLE_INCOMPLETELY", 12, "ended without a plan"), ("MEMOUT", 22, "out of memory"),
+                                   ("TIMEOUT", 23, "time ended"), ("UNSUPPORTED_PROBLEM", 34, "does not support the problem"), ("INTERNAL_ERROR", 4, "failed: the reason")]:
+            self.ends(code, f"engine unified_planning.engines:Status: {message}", "unified_planning.engines:Status", STATUS=status)
 
     def test_a_failure_is_told_in_one_line(self):
         self.ends(4, "engine unified_planning.engines:Broken failed: RuntimeError: something broke", "unified_planning.engines:Broken")

@@ -1,4 +1,4 @@
-// What is written out of a problem, and what is left out of it.
+// Grounding: which actions, facts and numbers a ground task has, and which are left out.
 
 #include "planner/ground/ground.h"
 
@@ -62,7 +62,7 @@ class Grounded {
 
 using Names = std::vector<std::string>;
 
-TEST(Ground, WritesOutWhatCanHappenAndHelps) {
+TEST(Ground, KeepsActionsThatCanHappenAndHelp) {
   const Grounded task(R"((:predicates (at ?p) (road ?p ?q) (tired))
     (:action go :parameters (?p ?q) :precondition (and (at ?p) (road ?p ?q)) :effect (and (at ?q) (not (at ?p))))
     (:action yawn :parameters () :precondition () :effect (tired)))",

@@ -1,5 +1,5 @@
 #pragma once
-// A PDDL manager on a bus, and a client that asks it.
+// A PDDL manager on a bus, and a client of its services.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -45,11 +45,11 @@ class ManagerTest : public ::testing::Test {
   void tick() {
     now_ += SimTime{20'000'000};
     bus_.begin_tick(now_);
-    const Status told = manager_->sense(now_), done = [&] {
+    const Status sensed = manager_->sense(now_), done = [&] {
       bus_.deliver(client_);
       return manager_->act(now_);
     }();
-    ASSERT_TRUE(told.ok() && done.ok());
+    ASSERT_TRUE(sensed.ok() && done.ok());
   }
   void ticks(int count) {
     for (int i = 0; i < count; ++i) tick();
@@ -163,13 +163,14 @@ class ManagerTest : public ::testing::Test {
     return answer;
   }
 
-  /// Texts of a topic from now on.
+  /// The messages of a topic from now on, as text.
   std::shared_ptr<std::vector<std::string>> listen(const std::string& topic, const std::string& type) {
-    auto heard = std::make_shared<std::vector<std::string>>();
-    auto made = bus_.subscribe(client_, topic, **registry_.message(type),
-                               [heard](const bus::Delivery& d) { heard->push_back(d.message->view().to_string()); });
+    auto received = std::make_shared<std::vector<std::string>>();
+    auto made = bus_.subscribe(client_, topic, **registry_.message(type), [received](const bus::Delivery& d) {
+      received->push_back(d.message->view().to_string());
+    });
     EXPECT_TRUE(made.ok());
-    return heard;
+    return received;
   }
 
   bus::Registry registry_;

@@ -63,32 +63,32 @@ TEST_F(ManagerTest, ManagersInNamespacesAreIndependent) {
 TEST_F(ManagerTest, ReportsEveryChangeOnceAndNothingElse) {
   start();
   load_blocks();
-  const auto heard = listen("/pddl_manager/instance_update", "std_msgs/msg/String");
-  const auto told = [&] {
-    const std::size_t count = heard->size();
-    EXPECT_THAT(*heard, Each(HasSubstr("data: \"bw\"")));
-    heard->clear();
+  const auto received = listen("/pddl_manager/instance_update", "std_msgs/msg/String");
+  const auto notifications = [&] {
+    const std::size_t count = received->size();
+    EXPECT_THAT(*received, Each(HasSubstr("data: \"bw\"")));
+    received->clear();
     return count;
   };
   request("add_objects", "AddObjects",
           "{objects: [{pddl_instance: bw, name: d, type: block}, {pddl_instance: bw, name: e, type: block}]}");
-  EXPECT_EQ(told(), 1u);
+  EXPECT_EQ(notifications(), 1u);
   request("add_fluents", "AddFluents",
           "{fluents: [{pddl_instance: bw, name: clear, args: [d]}, {pddl_instance: bw, name: clear, args: [e]}]}");
-  EXPECT_EQ(told(), 1u);
+  EXPECT_EQ(notifications(), 1u);
   request("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [e]}]}");
-  EXPECT_EQ(told(), 1u);
+  EXPECT_EQ(notifications(), 1u);
   request("set_functions", "SetFunctions", "{functions: [{pddl_instance: bw, name: moves, value: 2}]}");
-  EXPECT_EQ(told(), 1u);
+  EXPECT_EQ(notifications(), 1u);
   request("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: bw, name: d, type: block}]}");
-  EXPECT_EQ(told(), 1u);
+  EXPECT_EQ(notifications(), 1u);
   (void)error_of("add_fluents", "AddFluents", "{fluents: [{pddl_instance: bw, name: clear, args: [nobody]}]}");
   (void)error_of("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: d, type: nothing}]}");
   (void)fluents("bw");
   (void)check("{pddl_instance: bw, name: pick-up, args: [a]}");
   (void)effects("{pddl_instance: bw, name: pick-up, args: [a]}");
   request("set_goals", "SetGoals", kHold);
-  EXPECT_EQ(told(), 0u);
+  EXPECT_EQ(notifications(), 0u);
 }
 
 TEST_F(ManagerTest, StepsThatBeginTogetherAreOneClass) {
@@ -107,7 +107,7 @@ TEST_F(ManagerTest, StepsThatBeginTogetherAreOneClass) {
   EXPECT_THAT(answer->actions[2], HasSubstr("both() @5.00+1 class 1"));
 }
 
-TEST_F(ManagerTest, AGoalCanAskForTheNumberZero) {
+TEST_F(ManagerTest, AGoalCanRequireTheNumberZero) {
   start();
   load_text(R"((define (domain d) (:requirements :numeric-fluents) (:functions (n)) (:predicates (ready))
     (:action less :precondition (> (n) 0) :effect (decrease (n) 1))))",
@@ -160,7 +160,7 @@ TEST_F(ManagerTest, AFilterReplacesTheLastOneAndAnErrorLeavesItUnchanged) {
   EXPECT_FALSE(planned()) << "the goal names c";
   request("create_goal_instance", "CreateGoalInstance", "{pddl_instance: bw, goal_instance: base}");
   request("set_goals", "SetGoals", kHold);
-  EXPECT_TRUE(planned()) << "a goal that is made anew has no filters";
+  EXPECT_TRUE(planned()) << "a goal instance that is created again has no filters";
 }
 
 TEST_F(ManagerTest, DeactivatingTheNodeEndsWhatIsUnderWay) {

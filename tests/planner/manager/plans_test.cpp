@@ -22,7 +22,7 @@ TEST_F(ManagerTest, APlanIsAnsweredAfterItsSimulatedTime) {
   start(at_cost(1.5, 0));
   load_blocks();
   request("set_goals", "SetGoals", kTower);
-  const auto heard = listen("/pddl_manager/plan_report", kReport);
+  const auto received = listen("/pddl_manager/plan_report", kReport);
   const double asked = to_seconds(now_);
   const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
   ticks(100);
@@ -32,8 +32,8 @@ TEST_F(ManagerTest, APlanIsAnsweredAfterItsSimulatedTime) {
   EXPECT_THAT(answer->actions,
               ElementsAre("unstack(c a) @0.00+3 class 0", HasSubstr("put-down(c) @3.00+2 class 1"),
                           HasSubstr("pick-up(a) @5.00+2 class 2"), HasSubstr("stack(a b) @7.00+3 class 3")));
-  ASSERT_EQ(heard->size(), 1u);
-  EXPECT_THAT(heard->front(), HasSubstr("status: \"PLAN\""));
+  ASSERT_EQ(received->size(), 1u);
+  EXPECT_THAT(received->front(), HasSubstr("status: \"PLAN\""));
   EXPECT_EQ(manager_->plans(), 1);
 }
 
@@ -93,9 +93,9 @@ TEST_F(ManagerTest, NoPlanTimeoutAndCancelHaveDifferentAnswers) {
   options.cost.budget = 40;
   start(std::move(options));
   load_blocks();
-  const auto heard = listen("/pddl_manager/plan_report", kReport);
+  const auto received = listen("/pddl_manager/plan_report", kReport);
   const auto ended = [&](const std::string& goal) {
-    heard->clear();
+    received->clear();
     const auto answer = plan(goal);
     ticks(100);
     EXPECT_FALSE(answer->success);
@@ -103,9 +103,9 @@ TEST_F(ManagerTest, NoPlanTimeoutAndCancelHaveDifferentAnswers) {
   };
   request("set_goals", "SetGoals", kTower);
   EXPECT_EQ(ended("{pddl_instance: bw, goal_instance: base}"), bus::GoalStatus::kAborted);
-  EXPECT_THAT(*heard, ElementsAre(HasSubstr("status: \"TIMEOUT\"")));
+  EXPECT_THAT(*received, ElementsAre(HasSubstr("status: \"TIMEOUT\"")));
   EXPECT_EQ(ended("{pddl_instance: bw, goal_instance: nope}"), bus::GoalStatus::kAborted);
-  EXPECT_THAT(*heard, ElementsAre(HasSubstr("has no goal instance 'nope'")));
+  EXPECT_THAT(*received, ElementsAre(HasSubstr("has no goal instance 'nope'")));
   request("set_goals", "SetGoals",
           "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [b, a]}, {pddl_instance: bw, name: "
           "holding, args: [b]}]}");
@@ -116,17 +116,17 @@ TEST_F(ManagerTest, NoPlanTimeoutAndCancelHaveDifferentAnswers) {
   request("set_goals", "SetGoals", kTower);
   request("set_action_filter", "SetActionFilter", "{pddl_instance: bw, goal_instance: base, actions: [put-down]}");
   EXPECT_EQ(ended("{pddl_instance: bw, goal_instance: base}"), bus::GoalStatus::kSucceeded);
-  EXPECT_THAT(*heard, ElementsAre(HasSubstr("status: \"UNSOLVABLE\"")));
+  EXPECT_THAT(*received, ElementsAre(HasSubstr("status: \"UNSOLVABLE\"")));
 
-  heard->clear();
+  received->clear();
   const auto answer = plan("{pddl_instance: bw, goal_instance: base}");
   ticks(10);
   bus_.cancel_goal(last_client_, last_goal_);
   ticks(3);
   EXPECT_EQ(answer->status, bus::GoalStatus::kCanceled);
-  EXPECT_THAT(*heard, ElementsAre(HasSubstr("status: \"CANCELED\"")));
+  EXPECT_THAT(*received, ElementsAre(HasSubstr("status: \"CANCELED\"")));
   ticks(100);
-  EXPECT_EQ(heard->size(), 1u);
+  EXPECT_EQ(received->size(), 1u);
 }
 
 TEST_F(ManagerTest, TheOriginalRejectsCancelsAndReportsNoPlanAsSuccess) {
@@ -144,7 +144,7 @@ TEST_F(ManagerTest, TheOriginalRejectsCancelsAndReportsNoPlanAsSuccess) {
   EXPECT_FALSE(answer->success);
 }
 
-TEST_F(ManagerTest, AnotherPlannerMayMakeThePlans) {
+TEST_F(ManagerTest, AnotherPlannerCanMakeThePlans) {
   PddlManagerOptions options = at_cost(0.5, 1);
   const auto answer_of = [&](const std::string& command) {
     manager_.reset();
@@ -156,23 +156,23 @@ TEST_F(ManagerTest, AnotherPlannerMayMakeThePlans) {
     ticks(40);
     return answer;
   };
-  const auto heard = listen("/pddl_manager/plan_report", kReport);
+  const auto received = listen("/pddl_manager/plan_report", kReport);
   const auto answer =
       answer_of("grep -q holding {problem} && grep -q unstack {domain} && echo '0.0: (unstack c a) [3.0]' > {plan}");
   EXPECT_TRUE(answer->success);
   EXPECT_THAT(answer->actions, ElementsAre("unstack(c a) @0.00+3 class 0"));
   EXPECT_FALSE(answer_of("echo '0.0: (pick-up a) [2.0]' > {plan}")->success);
-  EXPECT_THAT(heard->back(), HasSubstr("the planner's plan is wrong"));
+  EXPECT_THAT(received->back(), HasSubstr("the planner's plan is wrong"));
   EXPECT_EQ(answer_of("exit 7")->status, bus::GoalStatus::kSucceeded);
-  EXPECT_THAT(heard->back(), HasSubstr("ended with code 7 and wrote no plan"));
+  EXPECT_THAT(received->back(), HasSubstr("ended with code 7 and wrote no plan"));
   EXPECT_EQ(answer_of("no-such-planner > {plan}.log")->status, bus::GoalStatus::kAborted);
-  EXPECT_THAT(heard->back(), testing::AllOf(HasSubstr("ERROR"), HasSubstr("cannot be run (code 127)")));
+  EXPECT_THAT(received->back(), testing::AllOf(HasSubstr("ERROR"), HasSubstr("cannot be run (code 127)")));
   options.cost.budget = 50'000;
   EXPECT_EQ(answer_of("sleep 10")->status, bus::GoalStatus::kAborted);
-  EXPECT_THAT(heard->back(), HasSubstr("TIMEOUT"));
+  EXPECT_THAT(received->back(), HasSubstr("TIMEOUT"));
 }
 
-TEST_F(ManagerTest, WritesTheProblemWhereAGoalAsksForIt) {
+TEST_F(ManagerTest, WritesTheProblemIfTheGoalNamesAFolder) {
   PddlManagerOptions options = at_cost(0, 0);
   std::map<std::string, std::string> written;
   options.write = [&](const std::filesystem::path& file, const std::string& text) {
@@ -188,7 +188,7 @@ TEST_F(ManagerTest, WritesTheProblemWhereAGoalAsksForIt) {
   EXPECT_THAT(written["/out/bw_base_problem.pddl"], HasSubstr("(:goal (and (on a b)))"));
 }
 
-TEST_F(ManagerTest, ANodeHasALifeAndABond) {
+TEST_F(ManagerTest, ANodeHasALifecycleAndABond) {
   PddlManagerOptions options;
   options.autostart = false;
   options.bond_period = 0.5;

@@ -8,7 +8,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 
-TEST_F(ManagerTest, AnInstanceIsAskedAboutUnderTheNamesOfBothPackages) {
+TEST_F(ManagerTest, ServicesAnswerUnderTheNamesOfBothPackages) {
   start();
   load_blocks();
   EXPECT_THAT(texts(ask("get_action_names", "GetActionNames", "{pddl_instance: bw}").view(), "action_names"),
@@ -33,14 +33,14 @@ TEST_F(ManagerTest, AnInstanceIsAskedAboutUnderTheNamesOfBothPackages) {
 TEST_F(ManagerTest, AppliesChangesAndNotifiesListeners) {
   start();
   load_blocks();
-  const auto heard = listen("/pddl_manager/instance_update", "std_msgs/msg/String");
+  const auto received = listen("/pddl_manager/instance_update", "std_msgs/msg/String");
   request("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: bw, name: on, args: [c, a]}]}");
   request("add_fluents", "AddFluents",
           "{fluents: [{pddl_instance: bw, name: on, args: [c, b]}, {pddl_instance: bw, name: clear, args: [a]}]}");
   request("set_functions", "SetFunctions", "{functions: [{pddl_instance: bw, name: moves, args: [], value: 7}]}");
   request("add_objects", "AddObjects", "{objects: [{pddl_instance: bw, name: d, type: block}]}");
   request("add_fluent", "AddFluent", "{fluent: {pddl_instance: bw, name: ontable, args: [d]}}");
-  EXPECT_EQ(heard->size(), 5u);
+  EXPECT_EQ(received->size(), 5u);
   EXPECT_THAT(fluents("bw"), ElementsAre("ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()", "on(c b)",
                                          "clear(a)", "ontable(d)"));
   EXPECT_EQ(ask("get_functions", "GetFunctions", "{pddl_instance: bw}")->nested("functions", 0).real("value"), 7);
@@ -94,7 +94,7 @@ TEST_F(ManagerTest, AListOfObjectsIsAcceptedAsAWholeOrNotAtAll) {
                  "objects");
   };
   const std::vector<std::string> facts = fluents("bw");
-  const auto heard = listen("/pddl_manager/instance_update", "std_msgs/msg/String");
+  const auto received = listen("/pddl_manager/instance_update", "std_msgs/msg/String");
   EXPECT_EQ(error_of("add_objects", "AddObjects",
                      "{objects: [{pddl_instance: other, name: d, type: block}, {pddl_instance: bw, name: d, type: "
                      "block}, {pddl_instance: bw, name: e, type: blok}]}"),
@@ -107,7 +107,7 @@ TEST_F(ManagerTest, AListOfObjectsIsAcceptedAsAWholeOrNotAtAll) {
                      "{objects: [{pddl_instance: other, name: a}, {pddl_instance: bw, name: a}, {pddl_instance: bw, "
                      "name: nobody}]}"),
             "unknown object 'nobody', known: a, b, c");
-  EXPECT_THAT(*heard, IsEmpty());
+  EXPECT_THAT(*received, IsEmpty());
   EXPECT_THAT(objects("bw"), ElementsAre("a", "b", "c"));
   EXPECT_THAT(objects("other"), ElementsAre("a", "b", "c"));
   EXPECT_EQ(fluents("bw"), facts);
@@ -118,7 +118,7 @@ TEST_F(ManagerTest, AListOfObjectsIsAcceptedAsAWholeOrNotAtAll) {
   request("rm_objects", "RemoveObjects",
           "{objects: [{pddl_instance: bw, name: a, type: block}, {pddl_instance: other, name: b}, {pddl_instance: bw, "
           "name: b}]}");
-  EXPECT_THAT(*heard, ::testing::SizeIs(4));
+  EXPECT_THAT(*received, ::testing::SizeIs(4));
   EXPECT_THAT(objects("bw"), ElementsAre("c", "d"));
   EXPECT_THAT(objects("other"), ElementsAre("a", "c", "d"));
   EXPECT_THAT(fluents("bw"), ElementsAre("clear(c)", "handempty()"));
@@ -207,7 +207,7 @@ TEST_F(ManagerTest, ADomainAloneMakesAnInstance) {
               ElementsAre("clear(a)", "ontable(a)", "handempty"));
 }
 
-// --- What the original gets wrong
+// --- Where the original differs
 
 constexpr const char* kSwitches = R"((define (domain switches)
   (:requirements :adl :durative-actions :numeric-fluents)
@@ -250,19 +250,19 @@ TEST_F(ManagerTest, ConditionsAreCheckedAtEveryTimeOfAnAction) {
     return check(action, "check_action_condition_at", "CheckActionConditionAt", "cxlab_pddl_interfaces",
                  ", time_point: " + point);
   };
-  EXPECT_THAT(check(action), ElementsAre("guarded"));  // it would not last a moment
+  EXPECT_THAT(check(action), ElementsAre("guarded"));  // the effect at the start breaks it at once
   EXPECT_THAT(at("START"), ElementsAre("sat"));
   EXPECT_THAT(at("OVER-ALL"), ElementsAre("guarded"));
   EXPECT_THAT(at("END"), ElementsAre("Forall (lamp l) (not broken(l))"));
   EXPECT_THAT(check("{pddl_instance: x, name: smash, args: [l1]}"),
               ElementsAre("Forall (lamp m) lit(m)", "(price(l1) <= 3)"));
   request("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: x, name: power}]}");
-  EXPECT_THAT(check(action), ElementsAre("power", "guarded"));  // all that is missing, at once
+  EXPECT_THAT(check(action), ElementsAre("power", "guarded"));  // all conditions that do not hold
 }
 
 TEST_F(ManagerTest, ConditionsReadAsInTheUnifiedPlanningFramework) {
   start();
-  // What its version 1.3.0 says of the same domain.
+  // What its version 1.3.0 answers for the same domain.
   load_text(
       R"((define (domain zoo) (:requirements :adl :durative-actions :numeric-fluents)
     (:types animal place - object dog cat - animal) (:constants home - place)
@@ -283,7 +283,7 @@ TEST_F(ManagerTest, ConditionsReadAsInTheUnifiedPlanningFramework) {
                           "(not (-10 < f))", "moon", "(not (sun or moon))", "(5/4 == f)", "(w(rex) <= 3)"));
 }
 
-TEST_F(ManagerTest, AnEffectAtTheEndRemembersWhatItsConditionWasAtTheStart) {
+TEST_F(ManagerTest, AnEffectAtTheEndRemembersItsConditionAtTheStart) {
   start();
   load_text(
       R"((define (domain d) (:requirements :adl :durative-actions) (:types t) (:constants a - t) (:predicates (wet ?x - t) (dry) (rust ?x - t))
@@ -293,7 +293,7 @@ TEST_F(ManagerTest, AnEffectAtTheEndRemembersWhatItsConditionWasAtTheStart) {
       "(define (problem p) (:domain d) (:objects b - t) (:init (dry) (wet a)) (:goal (and)))");
   const std::string action = "{pddl_instance: x, name: wait}";
   EXPECT_THAT(effects(action), UnorderedElementsAre("START -dry()", "END +rust(a)", "END +dry()"))
-      << "nobody has begun: as it is now";
+      << "no action has begun: the state of now counts";
   EXPECT_THAT(check(action), ElementsAre("sat"));
   request("rm_fluents", "RemoveFluents",
           "{fluents: [{pddl_instance: x, name: dry}, {pddl_instance: x, name: wet, args: [a]}]}");
@@ -347,7 +347,7 @@ TEST_F(ManagerTest, ReproducesTheOriginalOnRequest) {
                 (:action a :parameters (?o - t) :effect (forall (?y - t) (when (q ?y) (p ?y))))))",
             "(define (problem p) (:domain d) (:objects o1 o2 - t) (:init) (:goal (and)))");
   EXPECT_THAT(effects("{pddl_instance: x, name: a, args: [o1]}"), ElementsAre("START +p(y)"));
-  request("set_action_filter", "SetActionFilter", "{pddl_instance: x, goal_instance: base, actions: [nobody-knows]}");
+  request("set_action_filter", "SetActionFilter", "{pddl_instance: x, goal_instance: base, actions: [unknown-name]}");
   bool asked = false;
   const bus::ServiceType& clear = **registry_.service("cx_pddl_interfaces/srv/ClearGoals");
   auto client =
@@ -355,10 +355,10 @@ TEST_F(ManagerTest, ReproducesTheOriginalOnRequest) {
   bus_.call(*client, std::make_shared<bus::Message>(
                          *bus::Message::from_yaml(*clear.request, "{pddl_instance: x, goal_instance: nope}")));
   ticks(50);
-  EXPECT_FALSE(asked) << "an unknown goal is never cleared, nor answered";
+  EXPECT_FALSE(asked) << "the request for an unknown goal is not answered";
 }
 
-TEST_F(ManagerTest, EventsOfTheProblemComeInTheirTime) {
+TEST_F(ManagerTest, EventsOfTheProblemHappenAtTheirTimes) {
   start();
   load_text(
       "(define (domain d) (:requirements :timed-initial-literals) (:predicates (open)) (:action go :precondition "

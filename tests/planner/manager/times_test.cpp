@@ -1,4 +1,4 @@
-// When plans and events come, and what the planner sees of what has been.
+// When plans are answered and events happen, and which state the planner receives.
 
 #include "fixture.h"
 
@@ -51,7 +51,7 @@ class ManagerTimes : public ManagerTest {
   SimTime loaded_{};
 };
 
-TEST_F(ManagerTimes, EventsAreAsFarAwayFromAPlanAsFromNow) {
+TEST_F(ManagerTimes, APlanCountsTheTimesOfEventsFromNow) {
   begin();
   load_gate();
   for (const double later : {0.5, 3.0}) {
@@ -66,7 +66,7 @@ TEST_F(ManagerTimes, EventsAreAsFarAwayFromAPlanAsFromNow) {
   until(5);
   EXPECT_THAT(answered(kPlanThrough)->actions, ElementsAre("pass() @0.00+1 class 0"));
   request("rm_fluents", "RemoveFluents", "{fluents: [{pddl_instance: x, name: open}]}");
-  EXPECT_FALSE(answered(kPlanThrough)->success) << "an event that has come does not come again";
+  EXPECT_FALSE(answered(kPlanThrough)->success) << "an event happens only once";
 }
 
 TEST_F(ManagerTimes, AnEventComesAtItsTickAndDerivedFactsFollow) {
@@ -80,7 +80,7 @@ TEST_F(ManagerTimes, AnEventComesAtItsTickAndDerivedFactsFollow) {
   EXPECT_THAT(fluents("x"), ElementsAre("near(door)", "open()", "ready()"));
 }
 
-TEST_F(ManagerTimes, AnEventIsThereAtItsVeryTime) {
+TEST_F(ManagerTimes, AnEventHappensAtItsExactTime) {
   begin();
   load_gate();
   until(3.98);
@@ -88,7 +88,7 @@ TEST_F(ManagerTimes, AnEventIsThereAtItsVeryTime) {
   EXPECT_THAT(fluents("x"), Contains("open()")) << "asked at 4 s";
 }
 
-TEST_F(ManagerTimes, LaterEventsComeThoughObjectsHaveGone) {
+TEST_F(ManagerTimes, EventsStillHappenAfterObjectsAreRemoved) {
   begin();
   load_gate();
   until(5);
@@ -99,7 +99,7 @@ TEST_F(ManagerTimes, LaterEventsComeThoughObjectsHaveGone) {
   EXPECT_THAT(fluents("x"), Not(Contains("open()")));
 }
 
-TEST_F(ManagerTimes, AMetricOfWhatAFilterLeavesOutIsLeftOut) {
+TEST_F(ManagerTimes, AMetricThatReadsFilteredObjectsIsLeftOut) {
   begin();
   load_gate();
   until(5);
@@ -107,17 +107,17 @@ TEST_F(ManagerTimes, AMetricOfWhatAFilterLeavesOutIsLeftOut) {
   EXPECT_TRUE(answered(kPlanThrough)->success);
 }
 
-TEST_F(ManagerTimes, WhatHasGoneIsNoMoreInAFilter) {
+TEST_F(ManagerTimes, ARemovedObjectLeavesTheFilters) {
   begin();
   load_gate();
-  const auto heard = listen("/pddl_manager/plan_report", kReport);
+  const auto received = listen("/pddl_manager/plan_report", kReport);
   request("set_object_filter", "SetObjectFilter", "{pddl_instance: x, goal_instance: base, objects: [bell, lamp]}");
   request("rm_objects", "RemoveObjects", "{objects: [{pddl_instance: x, name: lamp, type: thing}]}");
   request("add_objects", "AddObjects", "{objects: [{pddl_instance: x, name: lamp, type: thing}]}");
   request("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: x, name: near, args: [lamp]}]}");
   EXPECT_FALSE(answered(kPlanThrough)->success);
-  ASSERT_EQ(heard->size(), 1u);
-  EXPECT_THAT(heard->front(), HasSubstr("names an object that the object filter leaves out"));
+  ASSERT_EQ(received->size(), 1u);
+  EXPECT_THAT(received->front(), HasSubstr("names an object that the object filter leaves out"));
 }
 
 TEST_F(ManagerTimes, DerivedFactsAndConstantsStay) {
@@ -191,15 +191,15 @@ TEST_F(ManagerTimes, UnitsTakeSimulatedTimeAndTheShorterAnswerComesFirst) {
   EXPECT_EQ(manager_->replans(), 1);
 }
 
-TEST_F(ManagerTimes, AnOrderingWithoutALatestTimeSaysSo) {
+TEST_F(ManagerTimes, AnOrderingWithoutALatestTimeHasMinusOne) {
   begin();
   load_blocks();
   request("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [a, b]}]}");
-  const auto heard = listen("/pddl_manager/plan_report", kReport);
+  const auto received = listen("/pddl_manager/plan_report", kReport);
   (void)answered("{pddl_instance: bw, goal_instance: base}");
-  ASSERT_EQ(heard->size(), 1u);
-  EXPECT_THAT(heard->front(), HasSubstr("at_most: -1"));
-  EXPECT_THAT(heard->front(), HasSubstr("at_most: 3")) << "of a duration";
+  ASSERT_EQ(received->size(), 1u);
+  EXPECT_THAT(received->front(), HasSubstr("at_most: -1"));
+  EXPECT_THAT(received->front(), HasSubstr("at_most: 3")) << "of a duration";
 }
 
 }  // namespace

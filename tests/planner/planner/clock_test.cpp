@@ -1,4 +1,5 @@
-// What happens along the clock: numbers that change all along, ends that remember, durations that decide effects.
+// The search along the clock: numbers that change continuously, ends that depend on their beginning, durations that
+// decide effects.
 
 #include <gtest/gtest.h>
 

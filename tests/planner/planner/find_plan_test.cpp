@@ -255,7 +255,7 @@ TEST(FindPlan, NumbersThatChangeContinuously) {
   EXPECT_EQ(found.plan->steps.size(), 2u);
 }
 
-TEST(FindPlan, SaysWhatAProofAssumes) {
+TEST(FindPlan, ReportsWhatAProofAssumes) {
   // Only the end of filling takes the oven: plans in which both pieces are filled in at one instant are not counted.
   const char* oven = R"((:predicates (raw ?p) (in ?p) (empty) (baked ?p) (out ?p))
     (:durative-action fill :parameters (?p) :duration (= ?duration 2) :condition (and (at start (raw ?p)) (WHEN (empty)))
@@ -430,7 +430,7 @@ std::string numbered(int count) {
 }
 
 TEST(FindPlan, TheBudgetCanEndDuringGrounding) {
-  std::string different;  // no choice of twelve of eleven objects is
+  std::string different;  // twelve of eleven objects are never all different
   for (char a = 'a'; a <= 'l'; ++a)
     for (char b = 'a'; b < a; ++b) different += std::string(" (not (= ?") + a + " ?" + b + "))";
   const std::string five = "(?a ?b ?c ?d ?e)", all = "(p ?a) (p ?b) (p ?c) (p ?d) (p ?e)";
@@ -502,13 +502,13 @@ TEST(FindPlan, SameBudgetSamePlan) {
 
 TEST(FindPlan, EveryReportedPlanIsBetterThanTheLast) {
   const Task task = parse(kJobs, kSixJobs);
-  std::vector<double> told;
+  std::vector<double> reported;
   PlanOptions options{.budget = 300'000, .anytime = true};
-  options.on_plan = [&](const TimedPlan& plan, std::int64_t) { told.push_back(plan.makespan_s); };
+  options.on_plan = [&](const TimedPlan& plan, std::int64_t) { reported.push_back(plan.makespan_s); };
   const PlanAnswer found = answer(task, options);
-  ASSERT_FALSE(told.empty());
-  EXPECT_TRUE(std::ranges::is_sorted(told, std::greater_equal<>{}));
-  EXPECT_EQ(told.back(), found.plan->makespan_s);
+  ASSERT_FALSE(reported.empty());
+  EXPECT_TRUE(std::ranges::is_sorted(reported, std::greater_equal<>{}));
+  EXPECT_EQ(reported.back(), found.plan->makespan_s);
 }
 
 TEST(FindPlan, PlansShiftedWithinThePartialOrderAreValid) {

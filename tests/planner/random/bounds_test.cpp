@@ -56,7 +56,7 @@ TEST(BoundsOfRandomProblems, NoPlanOfAShopIsShorter) {
   const Tally tally = check_bounds(2, 200, RandomProblem::draw_shop);
   EXPECT_GT(tally.measured, 50);
   EXPECT_GT(tally.tight, tally.measured * 3 / 4);
-  EXPECT_GT(tally.shorter, 0) << "of " << tally.assumed << " bounds that say that they assume an order";
+  EXPECT_GT(tally.shorter, 0) << "of " << tally.assumed << " bounds that assume an order";
 }
 
 }  // namespace cxlab::planner

@@ -33,7 +33,7 @@ struct RandomProblem {
   std::vector<RandomAction> actions;
   std::vector<RandomEvent> events;
   std::vector<Literal> goal;
-  /// The metric to be made small: time_weight * total-time + count_weight * counter; none if both are 0.
+  /// The metric to be minimized: time_weight * total-time + count_weight * counter; none if both are 0.
   int time_weight = 0, count_weight = 0;
 
   static RandomProblem draw(RandomStream& random);

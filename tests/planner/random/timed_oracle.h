@@ -1,5 +1,6 @@
 #pragma once
-// Whether a random problem has a plan, by trying everything: an own simulation that shares nothing with the planner.
+// An oracle that tries everything to see whether a random problem has a plan; its simulation shares nothing with the
+// planner.
 //
 // Time is counted in whole seconds and, within a second, in instants that are one epsilon apart. At every instant any
 // set of actions may start; what is due ends, and events happen. All reachable situations up to a horizon are visited.

@@ -10,7 +10,7 @@ namespace cxlab::planner {
 namespace {
 
 constexpr Turn kTurn{0, 20'000};
-/// Nothing but a short way back and forth.
+/// Too short for most searches to end.
 constexpr Turn kShortTurn{0, 2};
 
 TEST(SequenceSearch, FindsASequenceOfWholeActions) {
@@ -32,7 +32,7 @@ TEST(SequenceSearch, IsExhaustedWhereOneActionNeedsAnotherToBeUnderWay) {
   EXPECT_EQ(problem->budget.units(), units) << "nothing more to search";
 }
 
-TEST(SequenceSearch, WhatComesTooLateIsFoundOnlyWithoutRegardToEvents) {
+TEST(SequenceSearch, ASequenceThatComesTooLateIsFoundOnlyWhereEventsDoNotCount) {
   // Work takes 4 s in the light, which is there for 3 s.
   const std::string domain = R"((:predicates (light) (done))
     (:durative-action work :parameters () :duration (= ?duration 4) :condition (over all (light)) :effect (at end (done))))";
@@ -115,7 +115,7 @@ TEST(ClockStrategy, HasNothingToDoWhereAllActionsCanBeCut) {
 }
 
 TEST(LateRepair, MovesActionsUntilTheyComeInTime) {
-  // Whoever is served first is served in time; only `a` has to go early.
+  // `a` is served in time only as the first, `b` only as the first or the second.
   const std::string domain = R"((:predicates (waits ?p) (served ?p) (free) (here ?p))
     (:durative-action serve :parameters (?p) :duration (= ?duration 3)
      :condition (and (at start (waits ?p)) (at start (free)) (over all (here ?p)))

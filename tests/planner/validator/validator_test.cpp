@@ -37,7 +37,7 @@ TEST(Validator, ConditionAtStartIsReadBeforeTheHappening) {
             "0.000: (go r a b) (line 1)\n  advice: add a step before 6.000 that makes it true: go");
 }
 
-TEST(Validator, ConditionThatComesTrueLaterGetsAdvice) {
+TEST(Validator, AConditionThatBecomesTrueLaterGetsAdvice) {
   EXPECT_EQ(Checker(kWorld, kStart).verdict("0: (go r a b) [5]\n4: (work r b) [2]\n"),
             "4.000: (work r b) (line 2): a condition over all does not hold at 4.000: (at r b); (at r b) has been "
             "false from the beginning\n"
@@ -116,7 +116,7 @@ TEST(Validator, InterferingHappeningsNeedEpsilon) {
   EXPECT_EQ(Checker(kWorld, both).verdict("0: (go r a b) [5]\n5.0005: (go r b a) [5]\n", {0.0001, 0.001}), "valid");
 }
 
-TEST(Validator, TwoThatAddAndDeleteAtOnceInterfere) {
+TEST(Validator, AddingAndDeletingAFactAtOneTimeInterfere) {
   const char* start = R"((:objects r - robot a - place) (:init (dirty a)) (:goal (and)))";
   const char* world = R"((:types place robot) (:predicates (dirty ?p - place))
     (:action sweep :parameters (?p - place) :effect (not (dirty ?p))) (:action soil :parameters (?p - place) :effect (dirty ?p)))";
@@ -192,7 +192,7 @@ TEST(Validator, QuantifiersAndImplicationsNameTheObject) {
   EXPECT_THAT(checker.verdict("0: (off x)\n0: (off y)\n1: (stay)"),
               HasSubstr("(exists (?l - lamp) (and (mine ?l) (on ?l)))"));
   EXPECT_THAT(checker.verdict("0: (off z)\n0: (stay)"), HasSubstr("both use (on z)"))
-      << "z is not mine, but its lamp is named";
+      << "z does not belong to the owner, but the message names its lamp";
   EXPECT_THAT(checker.verdict("0: (off x)\n0: (stay)"), HasSubstr("both use (on x)"));
 }
 
@@ -232,7 +232,7 @@ TEST(Validator, DerivedFactsFollowTheState) {
   EXPECT_THAT(checker.verdict("0: (build b c)\n0.0001: (travel a c)"), HasSubstr("both use (road b c)"));
 }
 
-TEST(Validator, WhatADerivedFactRestsOnInterferesThroughOtherDerivedFacts) {
+TEST(Validator, BasesOfADerivedFactInterfereThroughOtherDerivedFacts) {
   const char* world = R"((:predicates (road) (open) (way) (arrived)) (:functions (water))
     (:derived (way) (open)) (:derived (open) (and (road) (<= (water) 2)))
     (:action mend :effect (road)) (:action pump :effect (decrease (water) 1))

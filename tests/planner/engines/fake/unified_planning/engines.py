@@ -98,4 +98,4 @@ class Sleepy(Engine):
 
 class Status(Engine):
     def answer(self, task):
-        return Result(PlanGenerationResultStatus[os.environ["STATUS"]], None, ["it said why"])
+        return Result(PlanGenerationResultStatus[os.environ["STATUS"]], None, ["the reason"])
