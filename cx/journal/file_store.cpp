@@ -55,7 +55,13 @@ Expected<FileStore> FileStore::create(const fs::path& run) {
 Status FileStore::add(const std::string& logical_name, const fs::path& source) {
   auto bytes = read_file(source);
   if (!bytes) return bytes.error();
-  return add_content(logical_name, *bytes);
+  if (Status s = add_content(logical_name, *bytes); !s) return s;
+  // Whom the source is closed to, the copy is closed to.
+  std::error_code ignored;
+  const fs::perms closed =
+      (fs::perms::group_read | fs::perms::others_read) & ~fs::status(source, ignored).permissions();
+  fs::permissions(folder_ / content_hash(*bytes), closed, fs::perm_options::remove, ignored);
+  return {};
 }
 
 Status FileStore::add_content(const std::string& logical_name, std::string_view bytes) {
