@@ -337,7 +337,10 @@ Expected<Document> Document::parse(const std::string& text, const std::string& n
   document.root_.shared_ = std::make_shared<Value::Shared>();
   document.root_.shared_->file = name;
   try {
-    document.root_.node_ = std::make_shared<YAML::Node>(YAML::Load(text));
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1)
+      return input_error("found a second document, expected one", name, documents[1].Mark().line + 1);
+    document.root_.node_ = std::make_shared<YAML::Node>(documents.empty() ? YAML::Node() : documents.front());
   } catch (const YAML::Exception& e) {
     return syntax_error(e, text, name);
   }

@@ -55,6 +55,12 @@ TEST(Yaml, ErrorsNameFileLineAndRemedy) {
   EXPECT_NE(error_of("a: [1\n").find("s.yaml:2: not YAML"), std::string::npos);
 }
 
+TEST(Yaml, ASecondDocumentIsAnError) {
+  EXPECT_EQ(error_of("---\na: 1\n---\nb: 2\n"), "s.yaml:4: found a second document, expected one");
+  EXPECT_TRUE(Document::parse("---\na: 1\n", "s.yaml").ok());
+  EXPECT_TRUE(Document::parse("", "s.yaml").ok());
+}
+
 TEST(Yaml, ATabInTheIndentationIsReportedWithItsLine) {
   EXPECT_EQ(error_of("schema: 1\nworld:\n\tkind: rcll\n"), "s.yaml:3: found a tab in the indentation, expected spaces");
   EXPECT_EQ(error_of("world:\n  \tkind: rcll\n  team: CYAN\n"),
