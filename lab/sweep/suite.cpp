@@ -1,9 +1,10 @@
 #include "lab/sweep/suite.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
+#include <numeric>
 
+#include "cx/base/number_text.h"
 #include "cx/yaml/yaml.h"
 #include "lab/session.h"
 #include "scenarios/share.h"
@@ -32,14 +33,16 @@ std::vector<std::uint64_t> read_seeds(const yaml::Value& value) {
     return out;
   }
   constexpr std::uint64_t kMost = 100000;
-  unsigned long first = 0, last = 0;
-  char rest = 0;
-  if (std::sscanf(value.text().c_str(), "%lu..%lu%c", &first, &last, &rest) != 2 || last < first ||
-      last - first >= kMost) {
-    value.fail("found '" + value.text() + "', expected a list of seeds or a range \"0..29\"");
+  const std::string text = value.text();
+  const std::size_t dots = text.find("..");
+  const auto first = read_number<std::uint64_t>(text.substr(0, dots));
+  const auto last = read_number<std::uint64_t>(dots == text.npos ? "" : text.substr(dots + 2));
+  if (!first || !last || *last < *first || *last - *first >= kMost) {
+    value.fail("found '" + text + "', expected a list of seeds or a range \"0..29\"");
     return out;
   }
-  for (std::uint64_t seed = first; seed <= last; ++seed) out.push_back(seed);
+  out.resize(*last - *first + 1);
+  std::iota(out.begin(), out.end(), *first);
   return out;
 }
 
