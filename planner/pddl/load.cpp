@@ -2,8 +2,8 @@
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <utility>
+#include <vector>
 
 #include "cx/template/template.h"
 #include "planner/pddl/parser.h"
@@ -28,11 +28,15 @@ Expected<std::pair<std::string, std::string>> read_source(const std::string& fil
 Expected<std::string> read_text(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in) return input_error("cannot be read; expected a file", file);
-  if (in.peek() == std::ifstream::traits_type::eof() && !in.bad()) return std::string{};
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (in.bad() || !text) return input_error("cannot be read; expected a file", file);
-  return std::move(text).str();
+  constexpr std::size_t kMost = 500'000'000;  // of a device there is no end
+  std::string text;
+  std::vector<char> piece(1 << 16);
+  while (in.read(piece.data(), static_cast<std::streamsize>(piece.size())) || in.gcount() > 0) {
+    text.append(piece.data(), static_cast<std::size_t>(in.gcount()));
+    if (text.size() > kMost) return input_error("found more than 500 MB, expected a file of PDDL", file);
+  }
+  if (in.bad()) return input_error("cannot be read; expected a file", file);
+  return text;
 }
 
 Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file, const Deadline& deadline) {
