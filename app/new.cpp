@@ -27,7 +27,8 @@ CLI::App* add_kind(CLI::App& command, Action& action, const Kind& kind, std::sha
   CLI::App* sub = command.add_subcommand(kind.word, kind.what);
   sub->footer(std::string("Example:\n  cxlab new ") + kind.word + " my_" + kind.word);
   sub->add_option("folder", *folder, "Where; must be new or empty. Its last part is the name of the package")
-      ->required();
+      ->required()
+      ->check([](const std::string& text) { return text.empty() ? "found '', expected a folder" : ""; });
   sub->callback([=, &action] { action = [=] { return make(kind.word, *league ? "rcll" : "", *folder, kind.next); }; });
   return sub;
 }

@@ -1,5 +1,6 @@
 #include "app/program.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -41,6 +42,12 @@ int with_all_said(int code) {
   return code == 0 ? static_cast<int>(ErrorKind::kResource) : code;
 }
 
+/// A file that is opened must not take the place of a stream that the caller has closed.
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", O_RDWR) < 0) std::_Exit(static_cast<int>(ErrorKind::kResource));
+}
+
 int run(int argc, char** argv) {
   sim::on_mujoco_bug([](const char* message) {
     std::fprintf(stderr, "error: a bug of cxlab: MuJoCo: %s\n", message);
@@ -50,6 +57,7 @@ int run(int argc, char** argv) {
   install_stack_guard();
 #endif
   g_command_line.assign(argv, argv + argc);
+  open_standard_streams();
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app{

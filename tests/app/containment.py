@@ -1,5 +1,6 @@
 """A rule file from a stranger: what it cannot do, and how it ends. python3 -m unittest containment"""
 
+import html.parser
 import json
 import os
 import pathlib
@@ -162,6 +163,16 @@ class Escapes(Lab):
             self.assertIn("is refused: for rules the manager reads", done.stderr, (directory, file))
             self.assertNotIn("SECRET", self.everything(done), (directory, file))
 
+    def test_copies_are_as_private_as_the_files(self):
+        self.agent("(deffacts secret (x))")
+        os.chmod(self.folder / "rules" / "rules.clp", 0o600)
+        os.chmod(self.folder / "agent.yaml", 0o644)
+        self.assertEqual(self.run_it().returncode, 0)
+        files = json.loads((self.out / "files" / "index.json").read_text())["files"]
+        modes = {name.rsplit("/", 1)[1]: (self.out / "files" / file).stat().st_mode & 0o777 for name, file in files.items()
+                 if "/" in name}
+        self.assertEqual((modes["rules.clp"], modes["agent.yaml"]), (0o600, 0o644))
+
     def test_a_replay_of_trusted_rules_touches_nothing_outside(self):
         victim = self.file("victim.txt")
         gone = self.file("gone.txt")
@@ -200,6 +211,40 @@ class Functions(Lab):
         self.assertEqual(done.returncode, 4, done.stderr)
         self.assertIn("environment 'main': 1024 callbacks were called in one tick; if they are right, allow more with "
                       "max_firings_per_tick (now 1000, 0 = no limit)", done.stderr)
+
+    def test_names_and_texts_are_text_in_the_page(self):
+        hostile = "<img src=x onerror=alert(1)>'\""
+        self.write("rules.clp", f"""(defrule stranger => (printout t "{hostile[:-1]}" crlf) (assert-string "(a")
+  (printout error "<script>alert(2)</script>" crlf))""")
+        quoted = json.dumps(hostile)
+        self.write("agent.yaml", f"""/**:
+  ros__parameters:
+    environments: [{quoted}]
+    {quoted}: {{plugins: ["files"]}}
+    files: {{plugin: "cx::FileLoadPlugin", load: ["{self.folder}/rules.clp"]}}
+""")
+        self.write("<b>scenario'.yaml", "schema: 1\nduration_s: 1\nagents: [{config: agent.yaml}]\n")
+        done = subprocess.run([CXLAB, "run", "<b>scenario'.yaml", "--quiet", "--out", self.out], cwd=self.folder,
+                              capture_output=True, text=True)
+        self.assertIn(done.returncode, (0, 4), done.stderr)
+        tags = []
+        parser = html.parser.HTMLParser()
+        parser.handle_starttag = lambda tag, attributes: tags.append((tag, dict(attributes)))
+        page = (self.out / "index.html").read_text()
+        parser.feed(page)
+        self.assertIn("onerror", page)
+        self.assertFalse([tag for tag in tags if tag[0] in ("b", "script") or "onerror" in tag[1]
+                          or tag[1].get("src") == "x"])
+
+    def test_a_stream_that_is_closed_is_no_file_of_the_run(self):
+        self.agent('(defrule hello => (printout error "hello" crlf))')
+        for streams in ("2>&-", ">&- 2>&-", "<&- >&- 2>&-"):
+            code = subprocess.run(["sh", "-c", f'"$0" run scenario.yaml --out out --force {streams}', CXLAB],
+                                  cwd=self.folder, timeout=60, stdout=subprocess.DEVNULL).returncode
+            self.assertIn(code, (0, 5), streams)
+            for file in self.out.rglob("*"):
+                if file.is_file() and file.suffix != ".log":
+                    self.assertNotIn("[error]", file.read_text(errors="replace"), file)
 
     def test_nothing_of_the_machine_is_seen(self):
         self.agent('(defrule stranger => (printout t (read) (readline) crlf) (watch statistics) (profile constructs))')
