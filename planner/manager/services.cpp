@@ -138,10 +138,9 @@ struct PddlManager::Services {
       return text;
     };
     if (refused(folder / name))
-      return input_error(
-          "reading '" + (folder / name).string() +
-          "' is refused: for rules the manager reads packages, the run's folder and PDDL files beside the "
-          "scenario only (--trust-rules lifts this, or trust_rules: true in the scenario)");
+      return input_error("reading '" + (folder / name).string() +
+                         "' is refused: for rules the manager reads packages, the run's folder and files *.pddl only "
+                         "(--trust-rules lifts this, or trust_rules: true in the scenario)");
     if (!fs::is_regular_file(folder / name)) return input_error("there is no such file", (folder / name).string());
     auto text = templates::render(loader, name.string());
     if (text) return text;

@@ -78,7 +78,8 @@ Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage
       for (const auto& [name, share] : scenario.shares(agent))
         if (cx::really_below(file, share)) return true;
     if (!run_folder.empty() && cx::really_below(file, run_folder)) return true;
-    return file.extension() == ".pddl" && cx::really_below(file, scenario.resolve("."));
+    std::error_code error;
+    return std::filesystem::weakly_canonical(file, error).extension() == ".pddl" && !error;
   };
   if (!setup.run_folder.empty())
     options.write = [folder = setup.run_folder](const std::filesystem::path& file, const std::string& text) {
