@@ -188,7 +188,10 @@ void nested_function(Environment*, UDFContext* context, UDFValue* result) {
   if (!arguments(context, args)) return;
   if (depth_of(args[0].lexemeValue->contents) > kDeepestForm)
     return refuse(context, result, "parentheses are nested more than " + std::to_string(kDeepestForm) + " deep");
+  const bool asserts = UDFContextFunctionName(context) == std::string_view("assert-string");
+  if (asserts) impl_of(context).asserted_text = args[0].lexemeValue->contents;
   call_original(context, result, args);
+  impl_of(context).asserted_text = {};
 }
 
 }  // namespace cxlab

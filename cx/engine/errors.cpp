@@ -36,6 +36,7 @@ struct Message {
   int line = 0;  ///< being parsed when it began
   bool acting = false;
   std::vector<std::string> rules;
+  std::string asserted;  ///< the fact that `assert-string` was reading
 };
 
 /// Its first line; a sentence of CLIPS that goes on in the next line is taken whole.
@@ -93,6 +94,7 @@ std::vector<Message> take_messages(RuleEngine::Impl& impl) {
     message.head = head_of(message.text);
     message.line = start.line;
     message.acting = start.acting;
+    message.asserted = start.asserted;
     message.rules = start.rules;
     message.code = code_of(message.head);
     if (!message.code.empty())
@@ -103,6 +105,60 @@ std::vector<Message> take_messages(RuleEngine::Impl& impl) {
   impl.captured.clear();
   impl.starts.clear();
   return messages;
+}
+
+/// The names of all deftemplates that were defined.
+std::vector<std::string> known_templates(Environment* env) {
+  std::vector<std::string> names;
+  for (Defmodule* module = GetNextDefmodule(env, nullptr); module != nullptr; module = GetNextDefmodule(env, module)) {
+    SetCurrentModule(env, module);
+    for (Deftemplate* t = GetNextDeftemplate(env, nullptr); t != nullptr; t = GetNextDeftemplate(env, t))
+      if (!t->implied) names.emplace_back(t->header.name->contents);
+  }
+  return names;
+}
+
+std::vector<std::string> known_functions(Environment* env) {
+  std::vector<std::string> names;
+  for (const FunctionDefinition* f = GetFunctionList(env); f != nullptr; f = f->next)
+    names.emplace_back(f->callFunctionName->contents);
+  for (Defmodule* module = GetNextDefmodule(env, nullptr); module != nullptr; module = GetNextDefmodule(env, module)) {
+    SetCurrentModule(env, module);
+    for (Deffunction* f = GetNextDeffunction(env, nullptr); f != nullptr; f = GetNextDeffunction(env, f))
+      names.emplace_back(f->header.name->contents);
+    for (Defgeneric* f = GetNextDefgeneric(env, nullptr); f != nullptr; f = GetNextDefgeneric(env, f))
+      names.emplace_back(f->header.name->contents);
+  }
+  return names;
+}
+
+/// The head of a fact whose first part is a list of that head: of a deftemplate that is not known, whose slot CLIPS
+/// takes for a call. Searched in `(assert ...)`.
+std::string unknown_template(const Term& term, std::string_view part, const std::vector<std::string>& known) {
+  if (!term.is_list()) return {};
+  for (std::size_t i = 1; i < term.items.size(); ++i) {
+    const Term& fact = term.items[i];
+    const std::string head(fact.head());
+    if (term.head() == "assert" && fact.items.size() > 1 && fact.items[1].head() == part &&
+        std::find(known.begin(), known.end(), head) == known.end())
+      return head;
+    if (std::string inner = unknown_template(fact, part, known); !inner.empty()) return inner;
+  }
+  return {};
+}
+
+/// The message, with what a function that is missing should be: the nearest one, or the slot of a deftemplate that is
+/// missing.
+std::string with_remedy(Environment* env, const std::string& message, const Term& form) {
+  const std::vector<std::string> names = quoted(message);
+  if (!message.starts_with("[EXPRNPSR3]") || names.empty()) return message;
+  Defmodule* module = GetCurrentModule(env);
+  const std::vector<std::string> templates = known_templates(env);
+  const std::string fact = unknown_template(form, names.front(), templates);
+  const std::string near = did_you_mean(names.front(), known_functions(env));
+  SetCurrentModule(env, module);
+  if (!fact.empty()) return message + " There is no deftemplate '" + fact + "'" + did_you_mean(fact, templates);
+  return near.empty() ? message : message.substr(0, message.find_last_not_of('.') + 1) + near;
 }
 
 /// A message about the network explains the one before it: a test of these rules failed, whoever changed the facts.
@@ -158,7 +214,11 @@ void RuleEngine::Impl::capture(const char* text) {
                          (!rule_acting || contexts.size() > rule_depth) &&
                          !command_line_data(env)->EvaluatingTopLevelCommand;
     MessageStart& start = starts.emplace_back();
-    start = {captured.size(), parsing ? static_cast<int>(GetLineCount(env)) : 0, rule_acting, {}};
+    start = {captured.size(),
+             parsing ? static_cast<int>(GetLineCount(env)) : 0,
+             rule_acting,
+             {},
+             std::string(asserted_text)};
     if (const joinNode* join = engine_data(env)->GlobalJoin) add_rules_below(*join, start.rules);
   } else if (starts.empty()) {
     return;
@@ -214,6 +274,13 @@ void RuleEngine::Impl::make_errors() {
         const ConstructInfo* info = engine.find_construct("deffunction", error.rule);
         set_place(error, info != nullptr ? info : engine.find_construct("defmethod", error.rule));
       }
+    }
+    if (!message.asserted.empty()) {
+      Form form;
+      form.text = "(assert " + message.asserted + ')';
+      error.message = with_remedy(env, message.head, tree_of(form));
+    } else if (context != nullptr && context->form != nullptr) {
+      error.message = with_remedy(env, message.head, tree_of(*context->form));
     }
     found.push_back(std::move(error));
   }

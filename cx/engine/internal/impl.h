@@ -86,8 +86,10 @@ struct RuleEngine::Impl {
     int line = 0;
     bool acting = false;             ///< said while the actions of a rule ran
     std::vector<std::string> rules;  ///< those behind the join that was evaluated, with their modules
+    std::string asserted;            ///< the fact that `assert-string` was reading
   };
   std::vector<MessageStart> starts;
+  std::string_view asserted_text;      ///< being read by `assert-string`
   std::set<std::string> known_errors;  ///< keys of engine.errors_
 
   void capture(const char* text);

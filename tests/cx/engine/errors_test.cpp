@@ -352,5 +352,30 @@ TEST_F(RuleErrors, ARunThatEndsAtItsLimitIsNoLoop) {
   EXPECT_EQ(output["stdout"], "");
 }
 
+TEST_F(RuleErrors, AnUnknownDeftemplateOrFunctionGetsTheNearestName) {
+  given("(deftemplate robot (slot name))\n(deffunction drive-to (?x) ?x)");
+  const auto error_of = [&](const std::string& actions) {
+    const std::vector<std::string> errors = load_errors("(defrule r => " + actions + ")");
+    return errors.empty() ? "" : errors.front();
+  };
+  const std::string at = "rules.clp:1: [EXPRNPSR3] Missing function declaration for ";
+  EXPECT_EQ(error_of("(assert (robto (name x)))"),
+            at + "'name'. There is no deftemplate 'robto', did you mean 'robot'?");
+  EXPECT_EQ(error_of("(if TRUE then (assert (robot (name a)) (robt (name x))))"),
+            at + "'name'. There is no deftemplate 'robt', did you mean 'robot'?");
+  EXPECT_EQ(error_of("(assert (quite-another (name x)))"), at + "'name'. There is no deftemplate 'quite-another'");
+  EXPECT_EQ(error_of("(pritnout t x)"), at + "'pritnout', did you mean 'printout'?");
+  EXPECT_EQ(error_of("(drive-ot 1)"), at + "'drive-ot', did you mean 'drive-to'?");
+  EXPECT_EQ(error_of("(assert (robot (name (zzzzzzzz))))"), at + "'zzzzzzzz'.");
+
+  given("(defrule later => (assert-string \"(robto (name x))\"))");
+  const RunReport report = engine().run();
+  ASSERT_EQ(report.errors.size(), 1U);
+  EXPECT_EQ(
+      report.errors.front().text(),
+      "rules.clp:1: rule later, RHS: [EXPRNPSR3] Missing function declaration for 'name'. There is no deftemplate "
+      "'robto', did you mean 'robot'?");
+}
+
 }  // namespace
 }  // namespace cxlab
