@@ -151,13 +151,46 @@ bool contains(const std::string& found, const std::string& wanted) {
   return a && b && contains_value(a->root(), b->root());
 }
 
+namespace {
+
+/// What CLIPS says against a pattern that no fact of its template can match: a value of another type, one that is not
+/// allowed, a template with slots as an ordered fact. Asked in an engine of its own that has the templates alone.
+class ImpossiblePatterns {
+ public:
+  explicit ImpossiblePatterns(const RuleEngine& rules) {
+    EngineOptions options;
+    options.name = "patterns";
+    auto made = RuleEngine::create(std::move(options));
+    if (!made) return;
+    engine_ = *std::move(made);
+    for (const ConstructInfo& c : rules.constructs())
+      if (c.kind == "deftemplate" || c.kind == "defmodule") (void)engine_->build(c.text);
+  }
+  /// Empty if there is nothing.
+  std::string against(const std::string& pattern) {
+    if (!engine_) return {};
+    const Status built = engine_->build("(defrule pattern " + pattern + " =>)");
+    const std::string what = built ? "" : built.error().message;
+    return what.starts_with("[CSTRNCHK1]") || what.starts_with("[PRNTUTIL2]") ? what : "";
+  }
+
+ private:
+  std::unique_ptr<RuleEngine> engine_;
+};
+
+}  // namespace
+
 Status check_names(const Play& play) {
   const StorySpec& spec = play.spec();
+  std::unique_ptr<ImpossiblePatterns> impossible;
   const std::vector<std::string> rules = names_of(play.engine(), "defrule");
   for (const Expectation& e : spec.expect) {
     if (e.kind == Kind::kFact || e.kind == Kind::kNoFact) {
       auto pattern = explain::Pattern::parse_plain(e.text, spec.file, e.line);
       if (!pattern) return pattern.error();
+      if (!impossible) impossible = std::make_unique<ImpossiblePatterns>(play.engine());
+      if (const std::string why = impossible->against(e.text); !why.empty())
+        return play.at(e.line, e.text + " can match no fact: " + why);
     } else if (e.kind == Kind::kFires || e.kind == Kind::kNotFires) {
       if (std::find(rules.begin(), rules.end(), e.text) == rules.end())
         return play.at(e.line, "there is no rule '" + e.text + '\'' + did_you_mean(e.text, rules));

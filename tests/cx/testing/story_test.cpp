@@ -85,6 +85,18 @@ TEST_F(Stories, MistakesOfTheStoryAreNotPasses) {
               ElementsAre(HasSubstr("there is no slot stat")));
 }
 
+TEST_F(Stories, APatternThatNoFactCanMatchIsAMistake) {
+  write("door.clp", "(deftemplate door (slot state (allowed-symbols OPEN SHUT)) (slot width (type INTEGER)))\n");
+  const auto text = [&](const std::string& pattern) {
+    const StoryResult result = play("no_fact: '" + pattern + "', within_s: 1");
+    return result.bad ? result.bad->text() : "no error";
+  };
+  for (const char* pattern : {"(door (state OPNE))", "(door (state \"OPEN\"))", "(door (width 1.5))", "(door 7)"})
+    EXPECT_THAT(text(pattern), HasSubstr("t.story.yaml:5: " + std::string(pattern) + " can match no fact: ["));
+  for (const char* pattern : {"(door (state OPEN))", "(door (width 7))", "(door (state ?))", "(anything 7)"})
+    EXPECT_EQ(text(pattern), "no error") << pattern;
+}
+
 TEST_F(Stories, ErrorOfARuleFailsTheStoryWithItsPlace) {
   write("door.clp", "(deftemplate door (slot state))\n(defrule bad\n  (door)\n  =>\n  (nth$ 1 7))\n");
   EXPECT_THAT(play("fires: bad, within_s: 1").bad ? play("fires: bad, within_s: 1").bad->text() : "",
