@@ -70,11 +70,11 @@ std::vector<std::string> environment_with(const std::vector<std::pair<std::strin
 }
 
 /// What a new process has to do before its own work; false with errno set if it cannot.
-bool set_up(const ProcessOptions& options, pid_t parent, int in, int out) {
+bool set_up(const ProcessOptions& options, pid_t parent, int in) {
   if (setpgid(0, 0) != 0 || prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) return false;
   if (getppid() != parent) _exit(kNotStarted);  // the parent ended before the line above
   if (!options.folder.empty() && chdir(options.folder.c_str()) != 0) return false;
-  if (!connect(options.in, in, STDIN_FILENO) || !connect(options.out, out, STDOUT_FILENO)) return false;
+  if (!connect(options.in, in, STDIN_FILENO) || !connect(options.out, -1, STDOUT_FILENO)) return false;
   const bool shared = options.err.kind == Stream::Kind::kFile && options.out.kind == Stream::Kind::kFile &&
                       options.err.path == options.out.path;
   return shared ? dup2(STDOUT_FILENO, STDERR_FILENO) >= 0 : connect(options.err, -1, STDERR_FILENO);
@@ -88,23 +88,20 @@ Expected<Process> Process::fork_child(const ProcessOptions& options, const std::
   const auto refused = [&](int number) {
     return resource_error("cannot start " + name + ": " + std::strerror(number));
   };
-  std::optional<Pipe> in = Pipe{}, out = Pipe{};
+  std::optional<Pipe> in = Pipe{};
   if (options.in.kind == Stream::Kind::kPipe) in = make_pipe();
-  if (options.out.kind == Stream::Kind::kPipe) out = make_pipe();
   std::optional<Pipe> trouble = make_pipe();  // closed by exec, or carries errno
-  if (!in || !out || !trouble) return refused(errno);
+  if (!in || !trouble) return refused(errno);
   std::fflush(nullptr);
   const pid_t parent = getpid(), pid = ::fork();
   if (pid == 0) {
     close_fd(in->write);
-    close_fd(out->read);
-    const int number = set_up(options, parent, in->read, out->write) ? work(trouble->write) : errno;
+    const int number = set_up(options, parent, in->read) ? work(trouble->write) : errno;
     [[maybe_unused]] const auto sent = ::write(trouble->write, &number, sizeof number);
     _exit(kNotStarted);
   }
   const int number = errno;
   close_fd(in->read);
-  close_fd(out->write);
   close_fd(trouble->write);
   int reported = 0;
   if (pid > 0 && ::read(trouble->read, &reported, sizeof reported) != sizeof reported) reported = 0;
@@ -113,12 +110,10 @@ Expected<Process> Process::fork_child(const ProcessOptions& options, const std::
     Process process;
     process.pid_ = pid;
     process.in_ = in->write;
-    process.out_ = out->read;
     return process;
   }
   if (pid > 0) waitpid(pid, nullptr, 0);
   close_fd(in->write);
-  close_fd(out->read);
   return refused(pid > 0 ? reported : number);
 }
 
@@ -147,7 +142,6 @@ Process& Process::operator=(Process&& other) noexcept {
   std::swap(pid_, other.pid_);
   std::swap(code_, other.code_);
   std::swap(in_, other.in_);
-  std::swap(out_, other.out_);
   return *this;
 }
 
@@ -155,7 +149,6 @@ Process::~Process() {
   kill();
   wait();
   close_fd(in_);
-  close_fd(out_);
 }
 
 bool Process::reap(bool block) {
@@ -213,17 +206,6 @@ Status Process::write(std::string_view bytes) {
 }
 
 void Process::close_input() { close_fd(in_); }
-
-std::string Process::read_output() {
-  std::string out;
-  char buffer[4096];
-  for (;;) {
-    const ssize_t n = ::read(out_, buffer, sizeof buffer);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return out;
-    out.append(buffer, static_cast<std::size_t>(n));
-  }
-}
 
 bool is_on_path(const std::string& program) {
   const char* path = std::getenv("PATH");

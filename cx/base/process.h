@@ -30,7 +30,7 @@ struct ProcessOptions {
   /// Variables beside or instead of those of this process.
   std::vector<std::pair<std::string, std::string>> environment = {};
   std::filesystem::path folder = {};               ///< to work in; empty = that of this process
-  Stream in = Stream::null(), out = {}, err = {};  ///< `out` and `err` may be one file; `err` is no pipe
+  Stream in = Stream::null(), out = {}, err = {};  ///< only `in` may be a pipe; `out` and `err` may be one file
 };
 
 /// The process and all that it starts are a process group, which is killed when the process ends, when the object is
@@ -56,8 +56,6 @@ class Process {
   /// Into its standard input, a pipe.
   Status write(std::string_view bytes);
   void close_input();
-  /// All that comes from its standard output, a pipe, until it closes it.
-  std::string read_output();
 
   pid_t pid() const { return pid_; }
 
@@ -68,7 +66,7 @@ class Process {
   bool reap(bool block);
 
   pid_t pid_ = -1;  // -1: none, or it has been waited for
-  int code_ = 0, in_ = -1, out_ = -1;
+  int code_ = 0, in_ = -1;
 };
 
 /// Whether a program of this name is found in $PATH.

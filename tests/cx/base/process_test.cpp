@@ -77,10 +77,10 @@ TEST_F(ProcessTest, IsAnErrorIfAFileOrFolderIsMissing) {
 
 TEST_F(ProcessTest, PassesArgumentsAsTheyAre) {
   ProcessOptions options{.argv = {"printf", "%s|", "a b", "$HOME", "'\"", ""}};
-  options.out = Stream::pipe();
+  options.out = Stream::file(path("out"));
   Process process = started(options);
-  EXPECT_EQ(process.read_output(), "a b|$HOME|'\"||");
   EXPECT_EQ(process.wait(), 0);
+  EXPECT_EQ(text_of(path("out")), "a b|$HOME|'\"||");
 }
 
 TEST_F(ProcessTest, ChangesVariablesAndFolder) {
@@ -89,18 +89,21 @@ TEST_F(ProcessTest, ChangesVariablesAndFolder) {
   ProcessOptions options = shell("echo $CXLAB_KEPT $CXLAB_CHANGED $CXLAB_NEW; pwd");
   options.environment = {{"CXLAB_CHANGED", "changed"}, {"CXLAB_NEW", "new"}};
   options.folder = scratch_->path();
-  options.out = Stream::pipe();
-  EXPECT_EQ(started(options).read_output(), "kept changed new\n" + fs::canonical(scratch_->path()).string() + "\n");
+  options.out = Stream::file(path("out"));
+  started(options).wait();
+  EXPECT_EQ(text_of(path("out")), "kept changed new\n" + fs::canonical(scratch_->path()).string() + "\n");
 }
 
 TEST_F(ProcessTest, GivesWhatIsWrittenToTheProgram) {
   ProcessOptions options{.argv = {"tr", "a-z", "A-Z"}};
-  options.in = options.out = Stream::pipe();
+  options.in = Stream::pipe();
+  options.out = Stream::file(path("out"));
   Process process = started(options);
   ASSERT_TRUE(process.write("over and "));
   ASSERT_TRUE(process.write("out"));
   process.close_input();
-  EXPECT_EQ(process.read_output(), "OVER AND OUT");
+  process.wait();
+  EXPECT_EQ(text_of(path("out")), "OVER AND OUT");
 }
 
 TEST_F(ProcessTest, InputForAProgramThatHasEndedIsAnError) {
@@ -123,8 +126,9 @@ TEST_F(ProcessTest, ReadsAFile) {
   std::ofstream(path("in")) << "line\n";
   ProcessOptions options{.argv = {"cat"}};
   options.in = Stream::file(path("in"));
-  options.out = Stream::pipe();
-  EXPECT_EQ(started(options).read_output(), "line\n");
+  options.out = Stream::file(path("out"));
+  started(options).wait();
+  EXPECT_EQ(text_of(path("out")), "line\n");
 }
 
 TEST_F(ProcessTest, WaitsNoLongerThanAsked) {
@@ -148,16 +152,16 @@ TEST_F(ProcessTest, EndsWithTheObject) {
 
 TEST_F(ProcessTest, EndsWhatTheProgramLeftRunning) {
   ProcessOptions options = shell("sleep 60 >/dev/null & echo $!");
-  options.out = Stream::pipe();
+  options.out = Stream::file(path("out"));
   Process process = started(options);
-  const pid_t left = static_cast<pid_t>(std::stol(process.read_output()));
   EXPECT_EQ(process.wait(), 0);
+  const pid_t left = static_cast<pid_t>(std::stol(text_of(path("out"))));
   EXPECT_TRUE(ends_soon(left));
 }
 
 TEST_F(ProcessTest, EndsWithTheProcessThatStartedIt) {
   ProcessOptions options;
-  options.out = Stream::pipe();
+  options.out = Stream::file(path("out"));
   auto parent = Process::fork(options, [&] {
     const Process child = started(shell("exec sleep 60"));
     const std::string text = std::to_string(child.pid()) + "\n";
@@ -166,8 +170,8 @@ TEST_F(ProcessTest, EndsWithTheProcessThatStartedIt) {
     return 0;
   });
   ASSERT_TRUE(parent);
-  const pid_t child = static_cast<pid_t>(std::stol(parent->read_output()));
   EXPECT_EQ(parent->wait(), 128 + 9);
+  const pid_t child = static_cast<pid_t>(std::stol(text_of(path("out"))));
   EXPECT_TRUE(ends_soon(child));
 }
 
