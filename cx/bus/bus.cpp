@@ -23,8 +23,8 @@ std::string_view op_of(EndpointKind kind) {
 }
 
 std::string_view noun_of(EndpointKind kind) {
-  if (kind <= EndpointKind::kSubscription) return "topic";
-  return kind <= EndpointKind::kClient ? "service" : "action";
+  static constexpr std::array<std::string_view, 3> kNouns{"topic", "service", "action"};
+  return kNouns[static_cast<std::size_t>(name_kind(kind))];
 }
 
 std::vector<Bus::Info> info_of(const Channels& channels) {
@@ -74,7 +74,7 @@ std::vector<std::string> Bus::nodes() const {
   std::vector<std::string> names;
   for (const auto& p : state_->participants)
     if (p->kind == ParticipantKind::kNode && !p->gone) names.push_back(p->name.full_name());
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 
@@ -111,11 +111,9 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
   const std::string noun(noun_of(made->kind));
   if (const std::string fault = name_fault(written); !fault.empty())
     return input_error("name of the " + noun + " '" + std::string(written) + "' " + fault);
-  const NameKind kind = made->kind <= EndpointKind::kSubscription ? NameKind::kTopic
-                        : made->kind <= EndpointKind::kClient     ? NameKind::kService
-                                                                  : NameKind::kAction;
+  const NameKind kind = name_kind(made->kind);
   const std::string name = owner.name.resolve(written, kind);
-  auto& channel = state_->channels(made->kind)[state_->key_of(made->kind, name, type_name)];
+  auto& channel = state_->channels_of(kind)[state_->key_of(made->kind, name, type_name)];
   if (!channel) {
     channel = std::make_unique<Channel>();
     channel->name = name;
@@ -215,11 +213,11 @@ void Bus::allow_types(ParticipantId p, std::string_view name) {
   for (const NameKind kind : {NameKind::kService, NameKind::kAction}) {
     const std::string resolved = state_->participant(p).name.resolve(name, kind);
     state_->many_typed.insert(resolved);
-    Channels* channels = kind == NameKind::kService ? &state_->services : &state_->actions;
-    auto known = channels->extract(resolved);
+    Channels& channels = state_->channels_of(kind);
+    auto known = channels.extract(resolved);
     if (known.empty()) continue;
     known.key() += ' ' + known.mapped()->type_name;
-    channels->insert(std::move(known));
+    channels.insert(std::move(known));
   }
 }
 
@@ -302,8 +300,8 @@ bool Bus::respond(EndpointId service, const Delivery& request, SharedMessage res
 bool Bus::has_waiting(ParticipantId p) const { return !state_->participant(p).inbox.empty(); }
 
 bool Bus::any_waiting() const {
-  return std::any_of(state_->participants.begin(), state_->participants.end(),
-                     [](const auto& p) { return !p->inbox.empty() || !p->next_inbox.empty(); });
+  return std::ranges::any_of(state_->participants,
+                             [](const auto& p) { return !p->inbox.empty() || !p->next_inbox.empty(); });
 }
 
 void Bus::State::call_handler(Endpoint& endpoint, const Delivery& delivery) {
@@ -358,7 +356,7 @@ std::size_t Bus::deliver(ParticipantId p) {
   participant.delivering = true;
   auto& taken = participant.taken;
   taken.swap(participant.inbox);
-  if (!std::is_sorted(taken.begin(), taken.end(), comes_before)) std::sort(taken.begin(), taken.end(), comes_before);
+  if (!std::is_sorted(taken.begin(), taken.end(), comes_before)) std::ranges::sort(taken, comes_before);
   if (state_->tap != nullptr) state_->tap->delivered(p, taken);
   for (const Delivery& delivery : taken) state_->handle(now_, delivery);
   const std::size_t count = taken.size();
@@ -388,8 +386,8 @@ void Bus::inject(ParticipantId to, const std::vector<Delivery>& deliveries) {
   }
 }
 
-std::vector<Bus::Info> Bus::topics() const { return info_of(state_->topics); }
-std::vector<Bus::Info> Bus::services() const { return info_of(state_->services); }
-std::vector<Bus::Info> Bus::actions() const { return info_of(state_->actions); }
+std::vector<Bus::Info> Bus::topics() const { return info_of(state_->channels_of(NameKind::kTopic)); }
+std::vector<Bus::Info> Bus::services() const { return info_of(state_->channels_of(NameKind::kService)); }
+std::vector<Bus::Info> Bus::actions() const { return info_of(state_->channels_of(NameKind::kAction)); }
 
 }  // namespace cxlab::bus

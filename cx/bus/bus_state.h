@@ -16,6 +16,9 @@ namespace cxlab::bus {
 
 enum class EndpointKind : std::uint8_t { kPublisher, kSubscription, kServer, kClient, kActionServer, kActionClient };
 
+/// Two kinds of endpoints each.
+inline NameKind name_kind(EndpointKind kind) { return static_cast<NameKind>(static_cast<int>(kind) / 2); }
+
 struct Endpoint;
 
 /// A call, goal or cancel that waits for a server.
@@ -125,7 +128,7 @@ struct Participant {
 struct Bus::State {
   RecordSink& sink;
   std::vector<std::unique_ptr<Participant>> participants;
-  Channels topics, services, actions;
+  std::array<Channels, 3> channels;               // by NameKind
   std::set<std::string, std::less<>> many_typed;  ///< names of services and actions under which types live side by side
   std::vector<std::unique_ptr<Endpoint>> removed;  ///< whose handler may be running
   int running = 0;                                 ///< handlers, nested
@@ -150,10 +153,7 @@ struct Bus::State {
     assert(endpoint == nullptr || endpoint->kind == kind);
     return endpoint;
   }
-  Channels& channels(EndpointKind kind) {
-    if (kind <= EndpointKind::kSubscription) return topics;
-    return kind <= EndpointKind::kClient ? services : actions;
-  }
+  Channels& channels_of(NameKind kind) { return channels[static_cast<std::size_t>(kind)]; }
 
   /// "/clips_manager (environment main)".
   std::string owner_of(const Endpoint& endpoint) {
@@ -170,7 +170,7 @@ struct Bus::State {
 
   /// The key of a service or action in `channels`: its name, with its type where several types share the name.
   std::string key_of(EndpointKind kind, const std::string& name, std::string_view type) const {
-    const bool many = kind > EndpointKind::kSubscription && (muted || many_typed.contains(name));
+    const bool many = name_kind(kind) != NameKind::kTopic && (muted || many_typed.contains(name));
     return many ? name + ' ' + std::string(type) : name;
   }
 

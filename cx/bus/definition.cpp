@@ -11,25 +11,16 @@ namespace {
 
 constexpr std::size_t kMaxElements = std::size_t{1} << 24;
 
-struct Primitive {
-  std::string_view word;
-  FieldType type;
-};
-constexpr std::array<Primitive, 15> kPrimitives{{{"bool", FieldType::kBool},
-                                                 {"byte", FieldType::kByte},
-                                                 {"char", FieldType::kChar},
-                                                 {"int8", FieldType::kInt8},
-                                                 {"uint8", FieldType::kUint8},
-                                                 {"int16", FieldType::kInt16},
-                                                 {"uint16", FieldType::kUint16},
-                                                 {"int32", FieldType::kInt32},
-                                                 {"uint32", FieldType::kUint32},
-                                                 {"int64", FieldType::kInt64},
-                                                 {"uint64", FieldType::kUint64},
-                                                 {"float32", FieldType::kFloat32},
-                                                 {"float64", FieldType::kFloat64},
-                                                 {"string", FieldType::kString},
-                                                 {"wstring", FieldType::kWstring}}};
+/// "bool" to "wstring", in the order of FieldType.
+const std::vector<std::string>& primitives() {
+  static const std::vector<std::string> words = [] {
+    std::vector<std::string> all;
+    for (int type = 0; type < static_cast<int>(FieldType::kMessage); ++type)
+      all.emplace_back(to_string(static_cast<FieldType>(type)));
+    return all;
+  }();
+  return words;
+}
 
 bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
 bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
@@ -44,8 +35,6 @@ bool is_word(std::string_view text, IsLetter is_letter) {
   }
   return true;
 }
-
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 /// Cuts the first characters up to one of `stops` or white space off `rest`.
 std::string_view take_word(std::string_view& rest, std::string_view stops) {
@@ -119,10 +108,9 @@ class LineParser {
       if (Status status = parse_limit(base.substr(bound + 2), word, field.string_limit); !status) return status;
       base = base.substr(0, bound);
     }
-    const auto primitive =
-        std::find_if(kPrimitives.begin(), kPrimitives.end(), [&](const Primitive& p) { return p.word == base; });
-    if (primitive != kPrimitives.end()) {
-      field.type = primitive->type;
+    const auto primitive = std::ranges::find(primitives(), base);
+    if (primitive != primitives().end()) {
+      field.type = static_cast<FieldType>(primitive - primitives().begin());
       return {};
     }
     return parse_nested(base, word, spec);
@@ -143,14 +131,10 @@ class LineParser {
     const bool good_package = count == 1 || is_word(parts[0], is_lower);
     const bool good_kind = count < 3 || parts[1] == "msg";
     if (type.empty() || !is_upper(type.front()) ||
-        !std::all_of(type.begin(), type.end(), [&](char c) { return letter(c) || is_digit(c); }) || !good_package ||
-        !good_kind) {
-      std::vector<std::string> words;
-      for (const Primitive& p : kPrimitives) words.emplace_back(p.word);
-      const std::string nearest = nearest_word(std::string(base), words);
+        !std::ranges::all_of(type, [&](char c) { return letter(c) || is_digit(c); }) || !good_package || !good_kind) {
       return fail("found type " + in_quotes(word) +
                   ", expected a primitive type, Name, package/Name or package/msg/Name" +
-                  (nearest.empty() ? "" : "; nearest is " + in_quotes(nearest)));
+                  nearest_is(std::string(base), primitives()));
     }
     spec.field.type = FieldType::kMessage;
     spec.nested_name = base;
@@ -210,8 +194,7 @@ class LineParser {
   }
 
   static bool find_constant(const Section& section, const std::string& name) {
-    return std::any_of(section.constants.begin(), section.constants.end(),
-                       [&](const Constant& c) { return c.name == name; });
+    return std::ranges::any_of(section.constants, [&](const Constant& c) { return c.name == name; });
   }
 
   const std::string& file_;

@@ -30,7 +30,7 @@ constexpr std::array<Form, 3> kForms{
     {{"msg", {""}, 1}, {"srv", {"_Request", "_Response"}, 2}, {"action", {"_Goal", "_Result", "_Feedback"}, 3}}};
 
 bool is_identifier(std::string_view text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+  return !text.empty() && std::ranges::all_of(text, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
   });
 }
@@ -43,11 +43,6 @@ std::vector<std::string> split(std::string_view text) {
     if (slash == std::string_view::npos) return parts;
     text.remove_prefix(slash + 1);
   }
-}
-
-std::string nearest_is(const std::string& word, const std::vector<std::string>& candidates) {
-  const std::string nearest = nearest_word(word, candidates);
-  return nearest.empty() ? "" : "; nearest is '" + nearest + "'";
 }
 
 Expected<std::string> read_file(const fs::path& path) {
@@ -70,7 +65,7 @@ std::vector<std::string> files_in(const fs::path& folder, const std::string& ext
   std::error_code failure;
   for (const auto& entry : fs::directory_iterator(folder, failure))
     if (entry.path().extension() == extension) names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 
@@ -157,8 +152,7 @@ Registry::Registry(Registry&&) noexcept = default;
 Registry& Registry::operator=(Registry&&) noexcept = default;
 
 bool holds_definitions(const fs::path& package) {
-  return std::any_of(kForms.begin(), kForms.end(),
-                     [&](const Form& form) { return fs::is_directory(package / form.folder); });
+  return std::ranges::any_of(kForms, [&](const Form& form) { return fs::is_directory(package / form.folder); });
 }
 
 Status Registry::add_package(const std::string& package, const fs::path& folder) {
@@ -183,7 +177,7 @@ Status Registry::add_packages_in(const fs::path& folder) {
     if (entry.is_directory() && is_identifier(entry.path().filename().string()) && holds_definitions(entry.path()))
       folders.push_back(entry.path());
   if (failure) return input_error("cannot read the folder: " + failure.message(), folder.string());
-  std::sort(folders.begin(), folders.end());
+  std::ranges::sort(folders);
   for (const fs::path& package : folders)
     if (Status status = add_package(package.filename().string(), package); !status) return status;
   return {};
@@ -204,7 +198,7 @@ std::vector<std::string> Registry::interfaces(const std::string& package) const 
     for (const std::string& name : files_in(known->second.folder / folder, "." + folder))
       names.push_back(package + '/' + folder + '/' + name);
   }
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 
@@ -222,7 +216,7 @@ Status Registry::read(const std::string& package, const std::string& folder, con
                        nearest_is(full, interfaces(package)));
 
   auto& reading = state_->reading;
-  if (const auto outer = std::find(reading.begin(), reading.end(), full); outer != reading.end()) {
+  if (const auto outer = std::ranges::find(reading, full); outer != reading.end()) {
     std::string cycle;
     for (auto i = outer; i != reading.end(); ++i) cycle += *i + " -> ";
     return input_error("'" + full + "' contains itself: " + cycle + full);
@@ -234,7 +228,7 @@ Status Registry::read(const std::string& package, const std::string& folder, con
   if (!text) return text.error();
   known->second.read = true;
   state_->files.insert(path);
-  const Form& form = *std::find_if(kForms.begin(), kForms.end(), [&](const Form& f) { return f.folder == folder; });
+  const Form& form = *std::ranges::find_if(kForms, [&](const Form& f) { return f.folder == folder; });
   const auto sections = parse_definition(*text, path.string(), form.sections);
   if (!sections) return sections.error();
 

@@ -12,9 +12,14 @@ IntegerRange range_of() {
   return {std::numeric_limits<T>::min(), static_cast<std::uint64_t>(std::numeric_limits<T>::max())};
 }
 
+}  // namespace
+
 std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
-}  // namespace
+std::string nearest_is(const std::string& word, const std::vector<std::string>& candidates) {
+  const std::string nearest = nearest_word(word, candidates);
+  return nearest.empty() ? nearest : "; nearest is " + in_quotes(nearest);
+}
 
 IntegerRange integer_range(FieldType type) {
   switch (type) {

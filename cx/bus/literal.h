@@ -33,5 +33,8 @@ Expected<std::string> parse_text(std::string_view text);
 Expected<std::vector<std::string>> parse_list(std::string_view text);
 
 std::string_view trim(std::string_view text);
+std::string in_quotes(std::string_view text);
+/// "; nearest is 'float64'", or nothing: the end of an error.
+std::string nearest_is(const std::string& word, const std::vector<std::string>& candidates);
 
 }  // namespace cxlab::bus

@@ -89,11 +89,8 @@ Status read_message(const YAML::Node& node, const MessageView& message, const st
   for (const auto& entry : node) {
     const std::string name = entry.first.IsScalar() ? entry.first.Scalar() : kind_of(entry.first);
     const Field* field = type.find(name);
-    if (field == nullptr) {
-      const std::string nearest = nearest_word(name, type.field_names());
-      return error_at(entry.first, type.name() + " has no field '" + name + "'" +
-                                       (nearest.empty() ? "" : "; nearest is '" + nearest + "'"));
-    }
+    if (field == nullptr)
+      return error_at(entry.first, type.name() + " has no field '" + name + "'" + nearest_is(name, type.field_names()));
     for (const std::string& other : seen)
       if (other == name) return error_at(entry.first, "field '" + name + "' is given twice");
     seen.push_back(name);
