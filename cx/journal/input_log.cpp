@@ -29,9 +29,7 @@ enum DeliveryField : std::uint8_t {
   kIsAccepted = 64
 };
 
-using GoalId = std::array<std::uint8_t, 16>;
-
-std::string_view bytes_of(const GoalId& goal) { return {reinterpret_cast<const char*>(goal.data()), goal.size()}; }
+std::string_view bytes_of(const bus::GoalId& goal) { return {reinterpret_cast<const char*>(goal.data()), goal.size()}; }
 
 /// Reads entries of a chunk; knows the names that were spelt before.
 class EntryReader : public ByteReader {
@@ -50,8 +48,8 @@ class EntryReader : public ByteReader {
     return ok() ? std::string_view(names_.emplace_back(spelt)) : std::string_view{};
   }
 
-  GoalId goal() {
-    GoalId id{};
+  bus::GoalId goal() {
+    bus::GoalId id{};
     std::ranges::copy(raw(id.size()), reinterpret_cast<char*>(id.data()));
     return id;
   }
@@ -61,23 +59,24 @@ class EntryReader : public ByteReader {
 };
 
 LoggedDelivery read_delivery(EntryReader& in) {
-  LoggedDelivery d;
-  d.kind = in.fixed<std::uint8_t>();
+  LoggedDelivery logged;
+  bus::Delivery& d = logged.delivery;
+  d.kind = in.fixed<bus::DeliveryKind>();
   const std::uint8_t fields = in.fixed<std::uint8_t>();
-  d.from = in.name();
+  logged.from = in.name();
   d.sequence = in.varint();
   const std::uint64_t endpoint = in.varint();
   if (endpoint > std::numeric_limits<std::uint32_t>::max()) in.refuse();
-  d.endpoint = static_cast<std::uint32_t>(endpoint);
+  logged.endpoint = static_cast<std::uint32_t>(endpoint);
   d.accepted = fields & kIsAccepted;
   if (fields & kHasMessage) {
-    d.type = in.name();
-    d.message = in.text();
+    logged.type = in.name();
+    logged.message = in.text();
   }
   if (fields & kHasRequest) d.request_id = in.varint();
   if (fields & kHasGoal) d.goal = in.goal();
   if (fields & kHasOutcome) {
-    d.status = in.fixed<std::int8_t>();
+    d.status = in.fixed<bus::GoalStatus>();
     d.return_code = in.fixed<std::int8_t>();
   }
   if (fields & kHasStamp) d.stamp = SimTime{in.zigzag()};
@@ -88,9 +87,9 @@ LoggedDelivery read_delivery(EntryReader& in) {
       d.goals_canceling.emplace_back(goal, SimTime{in.zigzag()});
     }
   }
-  d.cause_stream = in.name();
-  d.cause_n = in.varint();
-  return d;
+  logged.cause_stream = in.name();
+  d.cause.n = in.varint();
+  return logged;
 }
 
 }  // namespace
@@ -140,21 +139,22 @@ void InputLogWriter::add(const LoggedTake& take) {
   put_name(take.to);
   ByteWriter out(chunk_);
   out.varint(take.deliveries.size());
-  for (const LoggedDelivery& d : take.deliveries) {
+  for (const LoggedDelivery& logged : take.deliveries) {
+    const bus::Delivery& d = logged.delivery;
     std::uint8_t fields = 0;
-    if (!d.type.empty()) fields |= kHasMessage;
+    if (!logged.type.empty()) fields |= kHasMessage;
     if (d.request_id != 0) fields |= kHasRequest;
-    if (d.goal != GoalId{}) fields |= kHasGoal;
-    if (d.status != 0 || d.return_code != 0) fields |= kHasOutcome;
+    if (d.goal != bus::GoalId{}) fields |= kHasGoal;
+    if (d.status != bus::GoalStatus{} || d.return_code != 0) fields |= kHasOutcome;
     if (d.stamp != SimTime{}) fields |= kHasStamp;
     if (!d.goals_canceling.empty()) fields |= kHasGoalsCanceling;
     if (d.accepted) fields |= kIsAccepted;
     out.fixed(d.kind).fixed(fields);
-    put_name(d.from);
-    out.varint(d.sequence).varint(d.endpoint);
+    put_name(logged.from);
+    out.varint(d.sequence).varint(logged.endpoint);
     if (fields & kHasMessage) {
-      put_name(d.type);
-      out.text(d.message);
+      put_name(logged.type);
+      out.text(logged.message);
     }
     if (fields & kHasRequest) out.varint(d.request_id);
     if (fields & kHasGoal) out.raw(bytes_of(d.goal));
@@ -164,8 +164,8 @@ void InputLogWriter::add(const LoggedTake& take) {
       out.varint(d.goals_canceling.size());
       for (const auto& [goal, stamp] : d.goals_canceling) out.raw(bytes_of(goal)).zigzag(stamp.count());
     }
-    put_name(d.cause_stream);
-    out.varint(d.cause_n);
+    put_name(logged.cause_stream);
+    out.varint(d.cause.n);
   }
   finish(take.t);
 }

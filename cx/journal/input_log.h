@@ -4,7 +4,6 @@
 // The file: 8 bytes of magic, then chunks of (length, checksum, payload). A payload is a run of whole entries; a name
 // is spelt once and then a number. A chunk that is cut off or changed ends the reading there.
 
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
@@ -13,34 +12,25 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <variant>
 #include <vector>
 
 #include "cx/base/append_file.h"
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
+#include "cx/bus/bus.h"
 
 namespace cxlab {
 
 /// One thing that an environment took. Participants and causes are known by the name of their stream, endpoints by
 /// their number in the order in which their participant made them: both are the same when the rules run again.
 struct LoggedDelivery {
-  std::uint8_t kind = 0;  ///< bus::DeliveryKind
-  std::string_view from;  ///< stream of the sender
-  std::uint64_t sequence = 0;
+  bus::Delivery delivery;      ///< without sender, receiver, message and stream of its cause, which are named here
+  std::string_view from;       ///< stream of the sender
   std::uint32_t endpoint = 0;  ///< the k-th that the receiver made, from 0
   std::string_view type;       ///< of the message; empty = there is none
   std::string_view message;    ///< as `bus::Message::serialize` writes it
-  std::uint64_t request_id = 0;
-  std::array<std::uint8_t, 16> goal{};
-  bool accepted = false;
-  std::int8_t status = 0;
-  std::int8_t return_code = 0;
-  SimTime stamp{};
-  std::vector<std::pair<std::array<std::uint8_t, 16>, SimTime>> goals_canceling;
   std::string_view cause_stream;
-  std::uint64_t cause_n = 0;
 };
 
 /// What one environment took at one tick.

@@ -5,18 +5,12 @@
 #include <memory>
 #include <span>
 
+#include "cx/base/number_text.h"
+
 namespace cxlab {
 namespace {
 
-/// "12.34 s"
-std::string in_seconds(SimTime t) {
-  std::string digits = std::to_string(t.count());
-  if (digits.size() < 10) digits.insert(0, 10 - digits.size(), '0');
-  digits.insert(digits.size() - 9, ".");
-  digits.resize(digits.find_last_not_of('0') + 1);
-  if (digits.back() == '.') digits.pop_back();
-  return digits + " s";
-}
+std::string in_seconds(SimTime t) { return general_text(to_seconds(t), 15) + " s"; }
 
 Error differs(const std::string& environment, SimTime t, const std::string& what) {
   return negative("the replay differs: " + environment + " at " + in_seconds(t) + ": " + what);
@@ -38,24 +32,15 @@ void RecordingTap::delivered(bus::ParticipantId to, const std::vector<bus::Deliv
   take.deliveries.reserve(deliveries.size());
   for (const bus::Delivery& delivery : deliveries) {
     LoggedDelivery& logged = take.deliveries.emplace_back();
-    logged.kind = static_cast<std::uint8_t>(delivery.kind);
+    logged.delivery = delivery;
     logged.from = journal_.stream_name(bus_.stream_of(delivery.from));
-    logged.sequence = delivery.sequence;
     logged.endpoint = bus_.number_of(delivery.endpoint);
     if (delivery.message) {
       logged.type = delivery.message->view().type().name();
       delivery.message->serialize(messages_.emplace_back());
       logged.message = messages_.back();
     }
-    logged.request_id = delivery.request_id;
-    logged.goal = delivery.goal;
-    logged.accepted = delivery.accepted;
-    logged.status = static_cast<std::int8_t>(delivery.status);
-    logged.return_code = delivery.return_code;
-    logged.stamp = delivery.stamp;
-    logged.goals_canceling = delivery.goals_canceling;
     logged.cause_stream = journal_.stream_name(delivery.cause.stream);
-    logged.cause_n = delivery.cause.n;
   }
   log_.add(take);
 }
@@ -110,8 +95,9 @@ Status Replayer::feed(bus::ParticipantId environment) {
 
 Expected<bus::Delivery> Replayer::to_delivery(const LoggedDelivery& logged, bus::ParticipantId to,
                                               const std::string& name) {
-  if (logged.kind > static_cast<std::uint8_t>(bus::DeliveryKind::kTopic)) {
-    return input_error("the input log holds a delivery of unknown kind " + std::to_string(logged.kind));
+  if (logged.delivery.kind > bus::DeliveryKind::kTopic) {
+    return input_error("the input log holds a delivery of unknown kind " +
+                       std::to_string(static_cast<int>(logged.delivery.kind)));
   }
   const auto endpoint = bus_.endpoint_of(to, logged.endpoint);
   if (!endpoint) {
@@ -120,10 +106,8 @@ Expected<bus::Delivery> Replayer::to_delivery(const LoggedDelivery& logged, bus:
                        (logged.type.empty() ? "an answer" : std::string(logged.type)) + " from " +
                        std::string(logged.from) + " went");
   }
-  bus::Delivery delivery;
-  delivery.kind = static_cast<bus::DeliveryKind>(logged.kind);
+  bus::Delivery delivery = logged.delivery;
   delivery.from = sender(logged.from);
-  delivery.sequence = logged.sequence;
   delivery.endpoint = *endpoint;
   if (!logged.type.empty()) {
     const auto type = bus_.registry().message(std::string(logged.type));
@@ -133,14 +117,7 @@ Expected<bus::Delivery> Replayer::to_delivery(const LoggedDelivery& logged, bus:
     if (!message) return message.error();
     delivery.message = std::make_shared<const bus::Message>(std::move(*message));
   }
-  delivery.request_id = logged.request_id;
-  delivery.goal = logged.goal;
-  delivery.accepted = logged.accepted;
-  delivery.status = static_cast<bus::GoalStatus>(logged.status);
-  delivery.return_code = logged.return_code;
-  delivery.stamp = logged.stamp;
-  delivery.goals_canceling = logged.goals_canceling;
-  delivery.cause = {journal_.open_stream(logged.cause_stream), logged.cause_n};
+  delivery.cause.stream = journal_.open_stream(logged.cause_stream);
   return delivery;
 }
 

@@ -17,29 +17,29 @@ using testing::HasSubstr;
 
 LoggedDelivery topic(std::string_view message) {
   LoggedDelivery d;
-  d.kind = 8;
+  d.delivery.kind = bus::DeliveryKind::kTopic;
   d.from = "node/referee";
-  d.sequence = 300;
+  d.delivery.sequence = 300;
   d.endpoint = 2;
   d.type = "llsf_msgs/msg/GameState";
   d.message = message;
   d.cause_stream = "node/referee";
-  d.cause_n = 1'000'000;
+  d.delivery.cause.n = 1'000'000;
   return d;
 }
 
 LoggedDelivery goal_result() {
   LoggedDelivery d;
-  d.kind = 7;
+  d.delivery.kind = bus::DeliveryKind::kResult;
   d.from = "node/robot1";
   d.endpoint = 70'000;
-  d.goal = {1, 2, 3};
-  d.accepted = true;
-  d.status = 6;
-  d.return_code = -1;
-  d.stamp = seconds(3);
-  d.request_id = 9;
-  d.goals_canceling = {{{9}, seconds(1)}, {{8}, seconds(-2)}};
+  d.delivery.goal = {1, 2, 3};
+  d.delivery.accepted = true;
+  d.delivery.status = bus::GoalStatus::kAborted;
+  d.delivery.return_code = -1;
+  d.delivery.stamp = seconds(3);
+  d.delivery.request_id = 9;
+  d.delivery.goals_canceling = {{{9}, seconds(1)}, {{8}, seconds(-2)}};
   d.cause_stream = "node/robot1";
   return d;
 }
@@ -86,28 +86,28 @@ TEST(InputLog, GivesBackEveryFieldOfEveryEntry) {
     ASSERT_EQ(take.deliveries.size(), 2u);
 
     const LoggedDelivery& message = take.deliveries[0];
-    EXPECT_EQ(message.kind, 8);
+    EXPECT_EQ(message.delivery.kind, bus::DeliveryKind::kTopic);
     EXPECT_EQ(message.from, "node/referee");
-    EXPECT_EQ(message.sequence, 300u);
+    EXPECT_EQ(message.delivery.sequence, 300u);
     EXPECT_EQ(message.endpoint, 2u);
     EXPECT_EQ(message.type, "llsf_msgs/msg/GameState");
     EXPECT_EQ(message.message, "hello");
-    EXPECT_FALSE(message.accepted);
-    EXPECT_TRUE(message.goals_canceling.empty());
+    EXPECT_FALSE(message.delivery.accepted);
+    EXPECT_TRUE(message.delivery.goals_canceling.empty());
     EXPECT_EQ(message.cause_stream, "node/referee");
-    EXPECT_EQ(message.cause_n, 1'000'000u);
+    EXPECT_EQ(message.delivery.cause.n, 1'000'000u);
 
     const LoggedDelivery& result = take.deliveries[1];
     const LoggedDelivery expected = goal_result();
     EXPECT_EQ(result.type, "");
     EXPECT_EQ(result.endpoint, expected.endpoint);
-    EXPECT_EQ(result.goal, expected.goal);
-    EXPECT_TRUE(result.accepted);
-    EXPECT_EQ(result.status, expected.status);
-    EXPECT_EQ(result.return_code, expected.return_code);
-    EXPECT_EQ(result.stamp, expected.stamp);
-    EXPECT_EQ(result.request_id, expected.request_id);
-    EXPECT_EQ(result.goals_canceling, expected.goals_canceling);
+    EXPECT_EQ(result.delivery.goal, expected.delivery.goal);
+    EXPECT_TRUE(result.delivery.accepted);
+    EXPECT_EQ(result.delivery.status, expected.delivery.status);
+    EXPECT_EQ(result.delivery.return_code, expected.delivery.return_code);
+    EXPECT_EQ(result.delivery.stamp, expected.delivery.stamp);
+    EXPECT_EQ(result.delivery.request_id, expected.delivery.request_id);
+    EXPECT_EQ(result.delivery.goals_canceling, expected.delivery.goals_canceling);
 
     EXPECT_EQ(std::get<LoggedTake>(*reader->next()).to, "env/b");
     const auto typed = std::get<LoggedResult>(*reader->next());
