@@ -26,9 +26,14 @@ enum RosType : std::uint8_t {
   kDoubleArray = 8,
   kStringArray = 9
 };
+/// The field of a ParameterValue that has the value is named after them: "integer_array_value".
 constexpr std::array<const char*, 10> kTypeNames{"not set",      "bool",        "integer",    "double",
                                                  "string",       "byte_array",  "bool_array", "integer_array",
                                                  "double_array", "string_array"};
+
+const bus::Field& field_of(const bus::MessageView& value, RosType type) {
+  return *value.type().find(kTypeNames[type] + std::string("_value"));
+}
 
 std::int64_t integer_of(const Parameter& p) { return read_number<std::int64_t>(p.text).value_or(0); }
 double number_of(const Parameter& p) { return read_number<double>(p.text).value_or(0); }
@@ -43,12 +48,11 @@ RosType type_of(const Parameter& p) {
     case Type::kList: break;
   }
   const auto all = [&](Type t) {
-    return !p.items.empty() &&
-           std::all_of(p.items.begin(), p.items.end(), [t](const Parameter& i) { return i.type == t; });
+    return !p.items.empty() && std::ranges::all_of(p.items, [t](const Parameter& i) { return i.type == t; });
   };
   if (all(Type::kBool)) return kBoolArray;
   if (all(Type::kInteger)) return kIntegerArray;
-  const bool numbers = !p.items.empty() && std::all_of(p.items.begin(), p.items.end(), [](const Parameter& i) {
+  const bool numbers = !p.items.empty() && std::ranges::all_of(p.items, [](const Parameter& i) {
     return i.type == Type::kInteger || i.type == Type::kDouble;
   });
   return numbers ? kDoubleArray : kStringArray;
@@ -61,13 +65,21 @@ Parameter scalar(Type type, std::string text) {
   return p;
 }
 
-template <class Item>
-Parameter list_of(const bus::MessageView& value, const char* field, Item item) {
-  Parameter p;
-  p.type = Type::kList;
-  const bus::Field& f = *value.type().find(field);
-  for (std::size_t i = 0; i < value.size(f); ++i) p.items.push_back(item(f, i));
-  return p;
+void put_scalar(const Parameter& p, const bus::MessageView& value, const bus::Field& field, std::size_t index) {
+  if (field.is_text())
+    (void)value.set_text(field, p.text, index);
+  else if (field.is_real())
+    value.set_real(field, number_of(p), index);
+  else
+    (void)value.set_integer(field, field.type == bus::FieldType::kBool ? p.text == "true" : integer_of(p), index);
+}
+
+Parameter take_scalar(const bus::MessageView& value, const bus::Field& field, std::size_t index) {
+  if (field.is_text()) return scalar(Type::kString, value.text(field, index));
+  if (field.is_real()) return scalar(Type::kDouble, shortest_text(value.real(field, index)));
+  const std::int64_t integer = value.integer(field, index);
+  if (field.type == bus::FieldType::kBool) return scalar(Type::kBool, integer ? "true" : "false");
+  return scalar(Type::kInteger, std::to_string(integer));
 }
 
 /// The services of one node.
@@ -148,7 +160,7 @@ class Server {
 
  private:
   static bool deep_enough(const std::string& name, std::int64_t depth) {
-    return depth == 0 || std::count(name.begin(), name.end(), '.') < depth;
+    return depth == 0 || std::ranges::count(name, '.') < depth;
   }
 
   template <class Do>
@@ -212,64 +224,22 @@ class Server {
 void put_parameter(const Parameter& p, const bus::MessageView& value) {
   const RosType type = type_of(p);
   value.set("type", static_cast<std::int64_t>(type));
-  const auto fill = [&](const char* field, auto put) {
-    const bus::Field& f = *value.type().find(field);
-    (void)value.resize(f, p.items.size());
-    for (std::size_t i = 0; i < p.items.size(); ++i) put(f, p.items[i], i);
-  };
-  switch (type) {
-    case kBool: value.set("bool_value", p.text == "true"); break;
-    case kInteger: value.set("integer_value", integer_of(p)); break;
-    case kDouble: value.set("double_value", number_of(p)); break;
-    case kString: value.set("string_value", p.text); break;
-    case kBoolArray:
-      fill("bool_array_value",
-           [&](const auto& f, const Parameter& i, std::size_t n) { (void)value.set_integer(f, i.text == "true", n); });
-      break;
-    case kIntegerArray:
-      fill("integer_array_value",
-           [&](const auto& f, const Parameter& i, std::size_t n) { (void)value.set_integer(f, integer_of(i), n); });
-      break;
-    case kDoubleArray:
-      fill("double_array_value",
-           [&](const auto& f, const Parameter& i, std::size_t n) { value.set_real(f, number_of(i), n); });
-      break;
-    case kStringArray:
-      fill("string_array_value",
-           [&](const auto& f, const Parameter& i, std::size_t n) { (void)value.set_text(f, i.text, n); });
-      break;
-    case kNotSet:
-    case kByteArray: break;
-  }
+  if (type == kNotSet) return;
+  const bus::Field& field = field_of(value, type);
+  if (p.type != Type::kList) return put_scalar(p, value, field, 0);
+  (void)value.resize(field, p.items.size());
+  for (std::size_t i = 0; i < p.items.size(); ++i) put_scalar(p.items[i], value, field, i);
 }
 
 Expected<Parameter> take_parameter(const bus::MessageView& value) {
-  switch (value.integer("type")) {
-    case kBool: return scalar(Type::kBool, value.integer("bool_value") ? "true" : "false");
-    case kInteger: return scalar(Type::kInteger, std::to_string(value.integer("integer_value")));
-    case kDouble: return scalar(Type::kDouble, shortest_text(value.real("double_value")));
-    case kString: return scalar(Type::kString, value.text("string_value"));
-    case kByteArray:
-      return list_of(value, "byte_array_value", [&](const bus::Field& f, std::size_t i) {
-        return scalar(Type::kInteger, std::to_string(value.integer(f, i)));
-      });
-    case kBoolArray:
-      return list_of(value, "bool_array_value", [&](const bus::Field& f, std::size_t i) {
-        return scalar(Type::kBool, value.integer(f, i) ? "true" : "false");
-      });
-    case kIntegerArray:
-      return list_of(value, "integer_array_value", [&](const bus::Field& f, std::size_t i) {
-        return scalar(Type::kInteger, std::to_string(value.integer(f, i)));
-      });
-    case kDoubleArray:
-      return list_of(value, "double_array_value", [&](const bus::Field& f, std::size_t i) {
-        return scalar(Type::kDouble, shortest_text(value.real(f, i)));
-      });
-    case kStringArray:
-      return list_of(value, "string_array_value",
-                     [&](const bus::Field& f, std::size_t i) { return scalar(Type::kString, value.text(f, i)); });
-    default: return input_error("a parameter cannot be set to nothing");
-  }
+  const std::int64_t type = value.integer("type");
+  if (type < kBool || type > kStringArray) return input_error("a parameter cannot be set to nothing");
+  const bus::Field& field = field_of(value, static_cast<RosType>(type));
+  if (type <= kString) return take_scalar(value, field, 0);
+  Parameter list;
+  list.type = Type::kList;
+  for (std::size_t i = 0; i < value.size(field); ++i) list.items.push_back(take_scalar(value, field, i));
+  return list;
 }
 
 Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters, ParameterCheck check) {
