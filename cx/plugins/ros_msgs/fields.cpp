@@ -43,32 +43,28 @@ void give_single(Call& call, MessageStore& store, Handle message, const MessageV
   }
 }
 
+/// The results of `item(0)`, `item(1)`, ... up to `size`.
+template <class Item>
+auto list_of(std::size_t size, Item item) {
+  std::vector<decltype(item(size))> items(size);
+  for (std::size_t i = 0; i < size; ++i) items[i] = item(i);
+  return items;
+}
+
 void give_array(Call& call, MessageStore& store, Handle message, const MessageView& view, const Field& field) {
   const std::size_t size = view.size(field);
-  if (field.is_real()) {
-    std::vector<double> values(size);
-    for (std::size_t i = 0; i < size; ++i) values[i] = view.real(field, i);
-    return call.give_numbers(values);
+  switch (field.type) {
+    case FieldType::kBool:
+      return call.give_list(list_of(size, [&](auto i) { return Value::boolean(view.integer(field, i) != 0); }));
+    case FieldType::kChar: return call.give_strings(list_of(size, [&](auto i) { return char_text(view, field, i); }));
+    case FieldType::kFloat32:
+    case FieldType::kFloat64: return call.give_numbers(list_of(size, [&](auto i) { return view.real(field, i); }));
+    case FieldType::kString:
+    case FieldType::kWstring: return call.give_strings(list_of(size, [&](auto i) { return view.text(field, i); }));
+    case FieldType::kMessage:
+      return call.give_handles(list_of(size, [&](auto i) { return store.nested(message, field, i); }));
+    default: return call.give_integers(list_of(size, [&](auto i) { return view.integer(field, i); }));
   }
-  if (field.is_message()) {
-    std::vector<Handle> values(size);
-    for (std::size_t i = 0; i < size; ++i) values[i] = store.nested(message, field, i);
-    return call.give_handles(values);
-  }
-  if (field.is_text() || field.type == FieldType::kChar) {
-    std::vector<std::string> values(size);
-    for (std::size_t i = 0; i < size; ++i)
-      values[i] = field.type == FieldType::kChar ? char_text(view, field, i) : view.text(field, i);
-    return call.give_strings(values);
-  }
-  if (field.type == FieldType::kBool) {
-    std::vector<Value> values(size);
-    for (std::size_t i = 0; i < size; ++i) values[i] = Value::boolean(view.integer(field, i) != 0);
-    return call.give_list(values);
-  }
-  std::vector<std::int64_t> values(size);
-  for (std::size_t i = 0; i < size; ++i) values[i] = view.integer(field, i);
-  call.give_integers(values);
 }
 
 using Fault = std::optional<FieldFault>;
