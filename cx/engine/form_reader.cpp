@@ -57,7 +57,8 @@ class Scanner {
       ++at_;
     } else {
       token.kind = Token::Kind::kWord;
-      while (!done() && !ends_word(text_[at_])) ++at_;
+      ++at_;
+      while (!done() && !ends_word(text_[at_]) && text_[at_] != '<') ++at_;  // ?f<-(a)
     }
     token.text = text_.substr(begin, at_ - begin);
     return true;
@@ -209,8 +210,8 @@ std::string Term::print() const {
   if (!is_list()) return text;
   std::string out = "(";
   for (std::size_t i = 0; i < items.size(); ++i) {
-    const bool connected =
-        i > 0 && (items[i].kind == Token::Kind::kConnective || items[i - 1].kind == Token::Kind::kConnective);
+    const bool connected = i > 0 && ((items[i].kind == Token::Kind::kConnective && !items[i].is("~")) ||
+                                     items[i - 1].kind == Token::Kind::kConnective);
     // The body of a test or call in a pattern: ?x&:(> ?x 3), =(+ 1 ?x).
     const bool body = i > 1 && items[i].is_list() && (items[i - 1].is(":") || items[i - 1].is("="));
     out += (i == 0 || connected || body ? "" : " ") + items[i].print();
