@@ -18,6 +18,7 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string run, rule;
   std::optional<double> at;
+  std::vector<std::string> where;
   bool json = false;
 };
 
@@ -27,51 +28,104 @@ std::string seconds(SimTime t) {
   return text;
 }
 
+void print(const char* before, const explain::Values& values) {
+  if (values.empty()) return;
+  std::printf("    %s", before);
+  for (const auto& [name, value] : values) std::printf(" ?%s = %s", name.c_str(), value.c_str());
+  std::printf("\n");
+}
+
+void print(const std::vector<std::string>& facts) {
+  for (const std::string& fact : facts) std::printf("    %s\n", fact.c_str());
+}
+
+void print_agenda(const explain::WhyNot& answer) {
+  std::string stack;
+  for (const std::string& module : answer.focus) stack += (stack.empty() ? "" : ", ") + module;
+  if (answer.verdict == explain::Verdict::kFocus)
+    std::printf(
+        "  all its conditions hold, with salience %d, but its module %s is not in focus: the next run looks at %s "
+        "only; "
+        "(focus %s) or auto-focus brings it there\n",
+        answer.salience, answer.module.c_str(), stack.c_str(), answer.module.c_str());
+  else
+    std::printf("  all its conditions hold: the next run fires it, with salience %d; %zu activations stand above it\n",
+                answer.salience, answer.above);
+  for (const auto& [rule, salience] : answer.first_above) std::printf("    %s, salience %d\n", rule.c_str(), salience);
+}
+
+void print(const explain::UnmetCondition& unmet) {
+  std::printf("  condition %d does not hold%s%s\n  %s\n", unmet.number, unmet.text.empty() ? "" : ": ",
+              unmet.text.c_str(), unmet.because.c_str());
+  if (unmet.fact) std::printf("    %s\n", unmet.fact->c_str());
+  print("with", unmet.values);
+}
+
 void print(const lab::WhyNotAnswer::InEnvironment& found) {
   const explain::WhyNot& answer = found.answer;
-  std::printf("%s (%s:%d) in %s\n", answer.rule.c_str(), answer.file.c_str(), answer.line, found.environment.c_str());
+  const std::string module = answer.module == "MAIN" ? "" : answer.module + "::";
+  std::printf("%s%s (%s:%d) in %s\n", module.c_str(), answer.rule.c_str(), answer.file.c_str(), answer.line,
+              found.environment.c_str());
   switch (answer.verdict) {
     case explain::Verdict::kWaiting:
+    case explain::Verdict::kFocus: print_agenda(answer); break;
+    case explain::Verdict::kFired:
       std::printf(
-          "  all its conditions hold: the next run fires it, with salience %d; %zu activations stand above it\n",
-          answer.salience, answer.above);
-      for (const auto& [rule, salience] : answer.first_above)
-        std::printf("    %s, salience %d\n", rule.c_str(), salience);
+          "  all its conditions hold, and it has fired for what holds, the last time at %s; it fires again when "
+          "one of these facts has changed\n",
+          seconds(*answer.fired_for_it).c_str());
       break;
-    case explain::Verdict::kFired: std::printf("  all its conditions hold, and it has fired for what holds\n"); break;
     case explain::Verdict::kTaken:
-      std::printf("  all its conditions hold, but it is not on the agenda and has never fired\n");
+      std::printf(
+          "  all its conditions hold now, but it is not on the agenda and has not fired for these facts: CLIPS "
+          "evaluates a test when a fact of it changes, not when what it calls gives another value\n");
       break;
-    case explain::Verdict::kCondition:
-      std::printf("  condition %d does not hold%s%s\n  %s\n", answer.unmet->number,
-                  answer.unmet->text.empty() ? "" : ": ", answer.unmet->text.c_str(), answer.unmet->because.c_str());
-      if (answer.unmet->fact) std::printf("    %s\n", answer.unmet->fact->c_str());
-      if (!answer.unmet->values.empty()) {
-        std::printf("    with");
-        for (const auto& [name, value] : answer.unmet->values) std::printf(" ?%s = %s", name.c_str(), value.c_str());
-        std::printf("\n");
-      }
+    case explain::Verdict::kCondition: print(*answer.unmet); break;
+  }
+  if (!answer.unmet) {
+    print(answer.facts);
+    print("with", answer.values);
+    if (answer.combinations > 1) std::printf("    and %zu other combinations\n", answer.combinations - 1);
   }
   std::printf("  fired %zu times so far", answer.fired);
   if (answer.fired > 0) std::printf(", the last time at %s with", seconds(answer.last_fired).c_str());
   std::printf("\n");
-  for (const std::string& fact : answer.last_facts) std::printf("    %s\n", fact.c_str());
+  print(answer.last_facts);
+}
+
+/// `id=5`; the variable may be written with its mark.
+Expected<explain::Wanted> wanted_of(const std::vector<std::string>& where) {
+  explain::Wanted wanted;
+  for (const std::string& text : where) {
+    const std::size_t equals = text.find('=');
+    std::string name = text.substr(0, equals);
+    name.erase(0, name.starts_with("$?") ? 2 : name.starts_with('?') ? 1 : 0);
+    if (equals == text.npos || name.empty())
+      return usage_error("--where: found '" + text + "', expected VARIABLE=VALUE, as in id=5");
+    const auto [known, fresh] = wanted.emplace(name, text.substr(equals + 1));
+    if (!fresh && known->second != text.substr(equals + 1))
+      return usage_error("--where: ?" + name + " cannot have two values");
+  }
+  return wanted;
 }
 
 int why_not(const Options& options) {
+  auto wanted = wanted_of(options.where);
+  if (!wanted) return fail(wanted.error());
   auto run = lab::RecordedRun::open(options.run, catalogue());
   if (!run) return fail(run.error());
   Console console(true);
-  std::optional<SimTime> at;
-  if (options.at) at = from_seconds(*options.at);
-  const auto answer = lab::why_not(*run, options.rule, at, console.host());
+  lab::WhyNotQuestion question{options.rule, {}, *std::move(wanted)};
+  if (options.at) question.at = from_seconds(*options.at);
+  const auto answer = lab::why_not(*run, question, console.host());
   if (signal_that_came()) return 128 + signal_that_came();
   if (!answer) return fail(answer.error());
   if (options.json) {
     std::printf("%s\n", lab::to_json(*answer).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
     return 0;
   }
-  std::printf("after the tick at %s:\n", seconds(answer->at).c_str());
+  std::printf("after the tick at %s%s:\n", seconds(answer->at).c_str(),
+              answer->cut_off ? ", where the log of the run ends, which was killed" : "");
   for (const auto& found : answer->environments) print(found);
   return 0;
 }
@@ -83,8 +137,10 @@ void add_why_not(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("why-not", "Says why a rule of a recorded run has not fired");
   add_memory_option(*command);
   command->add_option("run", options->run, "Folder of the run")->required();
-  command->add_option("rule", options->rule, "Name of the rule")->required();
+  command->add_option("rule", options->rule, "Name of the rule, with or without its module: nav, NAV::nav")->required();
   command->add_option("--at", options->at, "When, s of simulated time (default: the end)")->check(not_negative());
+  once_each(command->add_option("--where", options->where,
+                                "VARIABLE=VALUE: only combinations in which the variable has this value (repeatable)"));
   command->add_flag("--json", options->json, "The answer as JSON");
   command->callback([options, &action] { action = [options] { return why_not(*options); }; });
 }

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "cx/engine/form_reader.h"
 #include "cx/explain/json.h"
 
 namespace cxlab::lab {
@@ -20,50 +22,63 @@ Error unknown_rule(Episode& episode, const std::string& rule) {
   std::vector<std::string> names;
   for (const cx::Environment* environment : environments_of(episode))
     for (const ConstructInfo& info : environment->engine().constructs())
-      if (info.kind == "defrule") names.push_back(info.name);
+      if (info.kind == "defrule")
+        names.push_back(without_module(rule) == rule ? info.name : info.module + "::" + info.name);
   return input_error("no environment has a rule '" + rule + "'" + did_you_mean(rule, names));
 }
 
 /// The executive takes its time fact back after each run: here is what the next run would find.
-void assert_time(cx::Environment& environment) {
+void assert_time(cx::Environment& environment, const explain::History& history) {
   RuleEngine& engine = environment.engine();
-  if (!engine.find_construct("defrule", "time-retract") || !engine.facts("time").empty()) return;
+  if (!engine.find_construct("defrule", "time-retract") || !history.ever("time") || !engine.facts("time").empty())
+    return;
   const Value time = Value::number(to_seconds(environment.now()));
   if (engine.assert_ordered("time", {&time, 1})) engine.refresh_all_agendas();
 }
 
+/// Whether the recorded run failed just so.
+bool failed_then(const RecordedRun& run, const Error& error, SimTime now) {
+  return run.finished && run.status == "failed" && error.kind != ErrorKind::kNo && now >= run.sim_time;
+}
+
 }  // namespace
 
-Expected<WhyNotAnswer> why_not(const RecordedRun& run, const std::string& rule, std::optional<SimTime> at,
-                               const Host& host) {
+Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& question, const Host& host) {
   const SimTime longest = run.finished ? run.sim_time : kLongestRun;
   auto replay = RulesReplay::load(run, longest, JournalLevel::kNone, host, host.log);
   if (!replay) return replay.error();
   Episode& episode = *replay->episode;
-  SimTime end = std::min(longest, at.value_or(kNever));
-  if (!run.finished) end = std::min(end, episode.replay_end());
-  explain::Histories histories({.past_facts = false, .rule = rule.substr(rule.rfind(':') + 1)});
+  WhyNotAnswer answer;
+  SimTime end = std::min(longest, question.at.value_or(kNever));
+  if (!run.finished) {
+    answer.cut_off = question.at && *question.at > episode.replay_end();
+    end = std::min(end, episode.replay_end());
+    if (end < SimTime::zero())
+      return input_error("the run was killed before the log of its inputs had the first tick", run.folder.string());
+  }
+  explain::Histories histories({.past_facts = false, .rule = std::string(without_module(question.rule))});
   episode.journal().set_listener(&histories);
   Status played = episode.start();
   while (played && !episode.over() && !host.stopped() && episode.next_tick() <= end) played = episode.tick();
-  WhyNotAnswer answer;
   answer.at = std::max(SimTime::zero(), episode.now());
   answer.stopped = host.stopped();
   if (answer.stopped) return answer;
-  // A run that failed fails here again, where it did.
-  if (!played && run.status != "failed") return played.error();
+  if (!played && !failed_then(run, played.error(), answer.at)) return played.error();
   for (cx::Environment* environment : environments_of(episode)) {
     RuleEngine& engine = environment->engine();
-    if (!engine.find_construct("defrule", rule)) continue;
     const explain::History& history = histories.of(episode.journal().stream_name(engine.stream()));
-    assert_time(*environment);
-    auto found = explain::why_not(engine, rule, history);
-    if (!found) return found.error();
-    found->file = environment->files().journal_name(found->file);
-    answer.environments.push_back({environment->name(), *std::move(found)});
+    bool first = true;
+    for (const ConstructInfo& rule : engine.find_constructs("defrule", question.rule)) {
+      if (!engine.has("defrule", rule.module + "::" + rule.name)) continue;  // rules removed it
+      if (std::exchange(first, false)) assert_time(*environment, history);
+      auto found = explain::why_not(engine, rule, history, question.wanted);
+      if (!found) return found.error();
+      found->file = environment->files().journal_name(found->file);
+      answer.environments.push_back({environment->name(), *std::move(found)});
+    }
   }
   episode.journal().set_listener(nullptr);
-  if (answer.environments.empty()) return unknown_rule(episode, rule);
+  if (answer.environments.empty()) return unknown_rule(episode, question.rule);
   return answer;
 }
 
@@ -75,7 +90,10 @@ nlohmann::ordered_json to_json(const WhyNotAnswer& answer) {
     json.update(explain::to_json(found));
     explanations.push_back(std::move(json));
   }
-  return {{"at_s", to_seconds(answer.at)}, {"explanations", std::move(explanations)}};
+  Json json{{"at_s", to_seconds(answer.at)}};
+  if (answer.cut_off) json["cut_off"] = true;
+  json["explanations"] = std::move(explanations);
+  return json;
 }
 
 }  // namespace cxlab::lab

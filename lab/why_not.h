@@ -13,19 +13,24 @@
 
 namespace cxlab::lab {
 
+struct WhyNotQuestion {
+  std::string rule;           ///< may have a module; without one, rules of this name in all modules
+  std::optional<SimTime> at;  ///< none: the end of the run, or of what was recorded
+  explain::Wanted wanted{};   ///< of which combinations; all by default
+};
+
 struct WhyNotAnswer {
   struct InEnvironment {
     std::string environment;
     explain::WhyNot answer;
   };
   SimTime at{};                             ///< of the last tick that was played
-  std::vector<InEnvironment> environments;  ///< that have the rule
+  bool cut_off = false;                     ///< the run was killed, and its log ends before the time that was asked for
+  std::vector<InEnvironment> environments;  ///< that have the rule; one of several modules comes more than once
   bool stopped = false;                     ///< by the host; then there is no answer
 };
 nlohmann::ordered_json to_json(const WhyNotAnswer& answer);
 
-/// `rule` may have a module. Without `at`: at the end of the run, or of what was recorded.
-Expected<WhyNotAnswer> why_not(const RecordedRun& run, const std::string& rule, std::optional<SimTime> at,
-                               const Host& host = {});
+Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& question, const Host& host = {});
 
 }  // namespace cxlab::lab

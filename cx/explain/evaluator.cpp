@@ -2,25 +2,74 @@
 
 #include <algorithm>
 
+#include "cx/base/number_text.h"
+
 namespace cxlab::explain {
 
 namespace {
 
-void collect(const Term& term, std::vector<std::string>& names) {
-  for (const Term& item : term.items) collect(item, names);
-  if (term.kind != Token::Kind::kWord) return;
-  const std::size_t mark = term.text.find('?');
-  if (mark > 1 || (mark == 1 && term.text[0] != '$')) return;
-  const std::string name = term.text.substr(mark + 1);
-  if (name.empty() || name[0] == '*') return;
+/// `x` of `?x` and `$?x`; empty for anything else and for globals.
+std::string variable_of(const Term& term) {
+  if (term.kind != Token::Kind::kWord) return {};
+  const std::size_t mark = term.text.starts_with("$?") ? 2 : term.text.starts_with('?') ? 1 : 0;
+  return mark == 0 || term.text.substr(mark).starts_with('*') ? std::string() : term.text.substr(mark);
+}
+
+using Names = std::vector<std::string>;
+
+/// The variables that a call binds itself: `(any-factp ((?f part)) ...)`, `(progn$ (?x ...) ...)`, `(foreach ?x ...)`,
+/// `(bind ?x ...)`.
+void add_own(const Term& call, Names& names) {
+  if (call.items.size() < 2) return;
+  const Term& first = call.items[1];
+  if (call.head() == "foreach" || call.head() == "bind") names.push_back(variable_of(first));
+  if (!first.is_list() || first.items.empty()) return;
+  if (!first.items[0].is_list()) names.push_back(variable_of(first.items[0]));
+  for (const Term& member : first.items)
+    if (member.is_list() && !member.items.empty()) names.push_back(variable_of(member.items[0]));
+}
+
+void collect(const Term& term, Names own, Names& names) {
+  if (term.is_list()) {
+    add_own(term, own);
+    for (const Term& item : term.items) collect(item, own, names);
+    return;
+  }
+  const std::string name = variable_of(term);
+  const auto is_own = [&](const std::string& bound) {
+    return !bound.empty() && (name == bound || name == bound + "-index" || name.starts_with(bound + ':'));
+  };
+  if (name.empty() || std::any_of(own.begin(), own.end(), is_own)) return;
   if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
 }
 
 }  // namespace
 
+bool is_wanted(const Value& value, const std::string& text) {
+  if (value.print() == text || (value.is_text() && value.text() == text)) return true;
+  if (value.is(ValueType::kFact)) return text == "f-" + std::to_string(value.fact_index());
+  const auto number = read_number<double>(text);
+  return number && value.is_number() && value.as_number() == *number;
+}
+
+bool Bindings::bind(const std::string& name, Value value) {
+  if (wanted_)
+    if (const auto wanted = wanted_->find(name); wanted != wanted_->end() && !is_wanted(value, wanted->second))
+      return false;
+  values_.emplace_back(name, std::move(value));
+  return true;
+}
+
+std::string Bindings::print(const std::string& name) const {
+  if (const Value* value = find(name)) return value->print();
+  if (!wanted_) return {};
+  const auto wanted = wanted_->find(name);
+  return wanted == wanted_->end() ? std::string() : wanted->second;
+}
+
 std::vector<std::string> variables_of(const Term& expression) {
-  std::vector<std::string> names;
-  collect(expression, names);
+  Names names;
+  collect(expression, {}, names);
   return names;
 }
 

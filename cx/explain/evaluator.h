@@ -13,15 +13,29 @@
 
 namespace cxlab::explain {
 
+/// Values that a person wants variables to have: `5` is the number, `R1` the symbol, string or instance `R1`, `f-3` the
+/// fact. By name, without `?` and `$`.
+using Wanted = std::map<std::string, std::string, std::less<>>;
+bool is_wanted(const Value& value, const std::string& text);
+
 /// Values of variables. In the order in which they were bound; names are without `?` and `$`.
 class Bindings {
  public:
+  Bindings() = default;
+  /// Takes no other values than those that are wanted, which outlive this.
+  explicit Bindings(const Wanted* wanted) : wanted_(wanted) {}
+
   const Value* find(std::string_view name) const {
     for (const auto& [known, value] : values_)
       if (known == name) return &value;
     return nullptr;
   }
-  void bind(std::string name, Value value) { values_.emplace_back(std::move(name), std::move(value)); }
+  /// False, and nothing is bound, if another value is wanted.
+  bool bind(const std::string& name, Value value);
+  /// The value that the variable has or is to have, for a person; empty if it may have any.
+  std::string print(const std::string& name) const;
+  /// What a `not` binds inside is its own.
+  void want_nothing() { wanted_ = nullptr; }
   std::size_t size() const { return values_.size(); }
   /// Forgets those that were bound since there were so many.
   void forget_beyond(std::size_t size) { values_.resize(size); }
@@ -30,6 +44,7 @@ class Bindings {
 
  private:
   std::vector<std::pair<std::string, Value>> values_;
+  const Wanted* wanted_ = nullptr;
 };
 
 class Evaluator {
@@ -57,7 +72,8 @@ class Evaluator {
   std::map<std::string, Function> functions_;  // by the expression's text
 };
 
-/// Names of the variables of an expression, each once, without `?` and `$`; globals are none.
+/// Names of the variables that an expression takes from patterns, each once, without `?` and `$`: no globals, none that
+/// a query or a loop inside binds.
 std::vector<std::string> variables_of(const Term& expression);
 
 }  // namespace cxlab::explain

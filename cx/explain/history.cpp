@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cx/engine/form_reader.h"
+
 namespace cxlab::explain {
 
 namespace {
@@ -46,20 +48,47 @@ void put_slots(const JournalRecord& record, FactCopy& fact) {
 
 }  // namespace
 
+bool Firing::is_of(std::string_view name) const {
+  const std::string_view bare = without_module(name);
+  return rule == bare && (bare.size() == name.size() || module == name.substr(0, name.size() - bare.size() - 2));
+}
+
+const std::vector<FactCopy>& History::last_facts(const std::string& module) const {
+  static const std::vector<FactCopy> kNone;
+  const auto known = last_facts_.find(module);
+  return known == last_facts_.end() ? kNone : known->second;
+}
+
+const Firing* History::fired_for(const std::string& module, const std::vector<std::int64_t>& facts) const {
+  std::uint64_t changed = 0;
+  for (const std::int64_t number : facts)
+    if (const auto known = present_.find(number); known != present_.end()) changed = std::max(changed, known->second.n);
+  const auto fired = std::find_if(firings_.rbegin(), firings_.rend(), [&](const Firing& firing) {
+    return firing.rule == options_.rule && firing.module == module && firing.facts == facts;
+  });
+  return fired != firings_.rend() && fired->n >= changed ? &*fired : nullptr;
+}
+
 void History::end_version(const Present& present, SimTime t) {
   if (options_.past_facts) facts_[present.version].until = t;
 }
 
 void History::add(const JournalRecord& record) {
   if (record.kind == RecordKind::kFire) {
-    firings_.push_back({record.t, std::string(record.data.text("rule"))});
-    if (firings_.back().rule != options_.rule) return;
-    last_facts_.clear();
+    const std::string module(record.data.find("module") ? record.data.text("module") : "MAIN");
+    Firing& firing = firings_.emplace_back(Firing{record.t, std::string(record.data.text("rule")), module});
+    if (firing.rule != options_.rule) return;
+    firing.n = record.n;
+    std::vector<FactCopy>& last_facts = last_facts_[module];
+    last_facts.clear();
     const RecordValue* numbers = record.data.find("facts");
     if (const auto* list = numbers ? std::get_if<RecordValue::List>(&numbers->value) : nullptr)
-      for (const RecordValue& number : *list)
-        if (const auto* known = std::get_if<std::int64_t>(&number.value); known && present_.contains(*known))
-          last_facts_.push_back(present_[*known].fact);
+      for (const RecordValue& number : *list) {
+        const auto* known = std::get_if<std::int64_t>(&number.value);
+        if (!known || !present_.contains(*known)) continue;
+        firing.facts.push_back(*known);
+        last_facts.push_back(present_[*known].fact);
+      }
     return;
   }
   const std::int64_t number = record.data.integer("fact");
@@ -74,6 +103,8 @@ void History::add(const JournalRecord& record) {
   present.fact.template_name = record.data.text("template");
   put_slots(record, present.fact);
   present.version = facts_.size();
+  present.n = record.n;
+  templates_.insert(present.fact.template_name);
   if (options_.past_facts) facts_.push_back({present.fact, record.t});
 }
 

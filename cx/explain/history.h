@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cx/base/time.h"
@@ -22,14 +24,18 @@ struct FactVersion {
 
 struct Firing {
   SimTime t{};
-  std::string rule;
+  std::string rule, module;
+  std::vector<std::int64_t> facts{};  ///< numbers of its facts; only of the rule that was asked for
+  std::uint64_t n = 0;                ///< of its record
+  /// Whether `name`, with or without a module, stands for its rule.
+  bool is_of(std::string_view name) const;
 };
 
 class History {
  public:
   struct Options {
     bool past_facts = true;  ///< else only firings are kept
-    std::string rule;        ///< whose last firing is kept with its facts; may be empty
+    std::string rule;        ///< without a module: whose firings are kept with their facts; may be empty
   };
   explicit History(Options options) : options_(std::move(options)) {}
 
@@ -39,13 +45,18 @@ class History {
   /// In order of their beginning.
   const std::vector<FactVersion>& facts() const { return facts_; }
   const std::vector<Firing>& firings() const { return firings_; }
-  /// Those of the last firing of the rule that was asked for, as they were then.
-  const std::vector<FactCopy>& last_facts() const { return last_facts_; }
+  /// Those of the last firing of the rule that was asked for in that module, as they were then.
+  const std::vector<FactCopy>& last_facts(const std::string& module) const;
+  /// The last firing of that rule for facts of these numbers since the last of them changed; null if there is none.
+  const Firing* fired_for(const std::string& module, const std::vector<std::int64_t>& facts) const;
+  /// Whether there ever was a fact of that template.
+  bool ever(const std::string& template_name) const { return templates_.contains(template_name); }
 
  private:
   struct Present {
     FactCopy fact;
     std::size_t version = 0;  // index in `facts_`
+    std::uint64_t n = 0;      // of the record of its last change
   };
   void end_version(const Present& present, SimTime t);
 
@@ -53,7 +64,8 @@ class History {
   std::vector<FactVersion> facts_;
   std::map<std::int64_t, Present> present_;  // by number
   std::vector<Firing> firings_;
-  std::vector<FactCopy> last_facts_;
+  std::map<std::string, std::vector<FactCopy>> last_facts_;  // by module
+  std::set<std::string> templates_;
 };
 
 /// Those of all environments of a run.

@@ -1,20 +1,26 @@
 #include "cx/explain/matcher.h"
 
+#include <algorithm>
+
 namespace cxlab::explain {
 
 using Kind = Condition::Kind;
 
-Facts::Facts(const RuleEngine& engine) : facts_(engine.facts()) {
-  for (const FactCopy& fact : facts_) by_template_[fact.template_name].push_back(&fact);
-}
+Facts::Facts(const RuleEngine& engine, std::string module)
+    : engine_(engine), module_(std::move(module)), facts_(engine.facts()), instances_(engine.instances(module_)) {}
 
-std::vector<const FactCopy*> Facts::of(const Pattern& pattern) const {
-  std::vector<const FactCopy*> out;
-  const auto known = by_template_.find(pattern.template_name());
-  if (known == by_template_.end()) return out;
-  for (const FactCopy* fact : known->second)
-    if (pattern.module().empty() || pattern.module() == fact->module) out.push_back(fact);
-  return out;
+const std::vector<const FactCopy*>& Facts::of(const Pattern& pattern) const {
+  const auto [known, fresh] = by_template_.try_emplace(pattern.template_name());
+  std::vector<const FactCopy*>& found = known->second;
+  if (!fresh) return found;
+  if (pattern.is_object()) {
+    for (const FactCopy& instance : instances_) found.push_back(&instance);
+    return found;
+  }
+  const std::string module = engine_.template_module(module_, pattern.template_name());
+  for (const FactCopy& fact : facts_)
+    if (fact.template_name == pattern.template_name() && fact.module == module) found.push_back(&fact);
+  return found;
 }
 
 namespace {
@@ -27,6 +33,11 @@ Matcher::Conditions pointers(const std::vector<Condition>& conditions) {
 
 }  // namespace
 
+Combination inside(Combination combination) {
+  combination.bindings.want_nothing();
+  return combination;
+}
+
 bool Matcher::satisfy_one(const Condition& condition, Combination& now, const std::function<bool()>& then) {
   switch (condition.kind) {
     case Kind::kPattern:
@@ -35,7 +46,11 @@ bool Matcher::satisfy_one(const Condition& condition, Combination& now, const st
         const std::size_t bound = now.bindings.size();
         const bool done = condition.pattern.match(*fact, now.bindings, &evaluator_, [&] {
           const std::size_t inner = now.bindings.size();
-          if (!condition.fact_variable.empty()) now.bindings.bind(condition.fact_variable, Value::fact(fact->index));
+          if (!condition.fact_variable.empty()) {
+            const bool instance = !fact->classes.empty();
+            if (!now.bindings.bind(condition.fact_variable, instance ? *fact->slot("name") : Value::fact(fact->index)))
+              return false;
+          }
           now.facts.push_back(fact);
           const bool ended = then();
           now.facts.pop_back();
@@ -58,13 +73,13 @@ bool Matcher::satisfy_one(const Condition& condition, Combination& now, const st
       for (const Condition& part : condition.parts)
         if (satisfy_one(part, now, then)) return true;
       return false;
-    case Kind::kNot: return !satisfiable(pointers(condition.parts), now) && then();
-    case Kind::kExists: return satisfiable(pointers(condition.parts), now) && then();
+    case Kind::kNot: return !satisfiable(pointers(condition.parts), inside(now)) && then();
+    case Kind::kExists: return satisfiable(pointers(condition.parts), inside(now)) && then();
     case Kind::kForall: {
       const Conditions parts = pointers(condition.parts);
       const Conditions rest(parts.begin() + 1, parts.end());
       const bool exception =
-          satisfy({parts.front()}, now, [&](const Combination& each) { return !satisfiable(rest, each); });
+          satisfy({parts.front()}, inside(now), [&](const Combination& each) { return !satisfiable(rest, each); });
       return !exception && then();
     }
   }
@@ -128,6 +143,18 @@ void add(std::vector<Alternative>& alternatives, const Condition& condition, int
 }
 
 }  // namespace
+
+std::vector<std::string> Alternative::binds() const {
+  std::vector<std::string> names;
+  for (const Condition* condition : conditions) {
+    if (condition->kind != Kind::kPattern) continue;
+    std::vector<std::string> bound = condition->pattern.binds();
+    if (!condition->fact_variable.empty()) bound.push_back(condition->fact_variable);
+    for (std::string& name : bound)
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
+  }
+  return names;
+}
 
 std::vector<Alternative> alternatives_of(const std::vector<Condition>& conditions) {
   std::vector<Alternative> alternatives(1);

@@ -12,23 +12,30 @@
 
 namespace cxlab::explain {
 
-/// The facts of an environment, as they are when this is made.
+/// The facts and instances of an environment, as they are when this is made and as rules of one module see them.
 class Facts {
  public:
-  explicit Facts(const RuleEngine& engine);
+  Facts(const RuleEngine& engine, std::string module);
+  Facts(const Facts&) = delete;
+  Facts& operator=(const Facts&) = delete;
   /// Those that the pattern may stand for, in order of assertion.
-  std::vector<const FactCopy*> of(const Pattern& pattern) const;
+  const std::vector<const FactCopy*>& of(const Pattern& pattern) const;
 
  private:
-  std::vector<FactCopy> facts_;
-  std::map<std::string, std::vector<const FactCopy*>, std::less<>> by_template_;
+  const RuleEngine& engine_;
+  std::string module_;
+  std::vector<FactCopy> facts_, instances_;
+  mutable std::map<std::string, std::vector<const FactCopy*>, std::less<>> by_template_;  // as a pattern names it
 };
 
 /// A combination that satisfies conditions.
 struct Combination {
   Bindings bindings;
-  std::vector<const FactCopy*> facts;  ///< of the patterns, in order
+  std::vector<const FactCopy*> facts{};  ///< of the patterns, in order
 };
+
+/// As conditions within a `not`, `exists` or `forall` see it: what they bind is their own, and may have any value.
+Combination inside(Combination combination);
 
 class Matcher {
  public:
@@ -69,6 +76,8 @@ class Matcher {
 struct Alternative {
   Matcher::Conditions conditions;
   std::vector<int> numbers;  ///< of the conditions of the rule that they are or are part of, from 1
+  /// Variables that its patterns bind, each once.
+  std::vector<std::string> binds() const;
 };
 std::vector<Alternative> alternatives_of(const std::vector<Condition>& conditions);
 

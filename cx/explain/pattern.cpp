@@ -209,6 +209,18 @@ std::vector<std::string> Pattern::slot_names() const {
   return names;
 }
 
+std::vector<std::string> Pattern::binds() const {
+  std::vector<std::string> names;
+  const auto add = [&](const std::vector<Constraint>& constraints) {
+    for (const Constraint& constraint : constraints)
+      if (!constraint.variable.empty() && std::ranges::count(names, constraint.variable) == 0)
+        names.push_back(constraint.variable);
+  };
+  add(ordered_);
+  for (const Slot& slot : slots_) add(slot.constraints);
+  return names;
+}
+
 std::string Mismatch::print() const {
   if (!has_slot) return "there is no slot " + slot;
   return (slot == "implied" ? "it" : slot) + " is " + found + ", not " + expected;
@@ -230,6 +242,8 @@ class Pattern::Matching {
   }
   bool one_slot(const FactCopy& fact, const Slot& slot, const std::function<bool()>& then) {
     const Value* value = fact.slot(slot.name);
+    if (!fact.classes.empty() && slot.name == "is-a")
+      return slot.constraints.size() == 1 && one(slot.constraints.front(), *value, then, fact.classes);
     return value && fields(slot.constraints, values_of(*value), then);
   }
   bool fields(std::span<const Constraint> constraints, std::span<const Value> values,
@@ -247,42 +261,55 @@ class Pattern::Matching {
   }
   /// What was left for later, then the caller.
   bool end() {
-    for (const auto& [constraint, value] : later_)
-      if (!holds(*constraint, value)) return false;
+    for (const Later& later : later_)
+      if (!holds(*later.constraint, later.value, *later.classes)) return false;
     return found_();
   }
 
  private:
-  bool one(const Constraint& constraint, const Value& value, const std::function<bool()>& then) {
+  using Classes = std::vector<std::string>;
+  inline static const Classes kNoClasses;
+  struct Later {
+    const Constraint* constraint;
+    Value value;
+    const Classes* classes;
+  };
+
+  /// `classes`: where the value is a class, that one and those that it inherits from.
+  bool one(const Constraint& constraint, const Value& value, const std::function<bool()>& then,
+           const Classes& classes = kNoClasses) {
     const std::size_t bound = bindings_.size();
     if (!constraint.variable.empty()) {
       if (const Value* known = bindings_.find(constraint.variable)) {
         if (!(*known == value)) return false;
-      } else {
-        bindings_.bind(constraint.variable, value);
+      } else if (!bindings_.bind(constraint.variable, value)) {
+        return false;
       }
     }
     bool done = false;
     if (only_constants(constraint)) {
-      done = holds(constraint, value) && then();
+      done = holds(constraint, value, classes) && then();
     } else {
-      later_.emplace_back(&constraint, value);
+      later_.push_back({&constraint, value, &classes});
       done = then();
       later_.pop_back();
     }
     bindings_.forget_beyond(bound);
     return done;
   }
-  bool holds(const Constraint& constraint, const Value& value) {
+  bool holds(const Constraint& constraint, const Value& value, const Classes& classes) {
     const auto& any = constraint.any_of;
     return any.empty() || std::any_of(any.begin(), any.end(), [&](const auto& together) {
-             return std::all_of(together.begin(), together.end(), [&](const Single& s) { return holds(s, value); });
+             return std::all_of(together.begin(), together.end(),
+                                [&](const Single& s) { return holds(s, value, classes); });
            });
   }
-  bool holds(const Single& single, const Value& value) {
+  bool holds(const Single& single, const Value& value, const Classes& classes) {
     switch (single.kind) {
       case Single::Kind::kAny: return true;
-      case Single::Kind::kConstant: return same(single.constant, value) != single.negated;
+      case Single::Kind::kConstant:
+        if (!classes.empty()) return (std::ranges::count(classes, single.constant.text()) > 0) != single.negated;
+        return same(single.constant, value) != single.negated;
       case Single::Kind::kVariable: {
         const Value* known = bindings_.find(single.variable);
         return !known || (*known == value) != single.negated;
@@ -307,7 +334,7 @@ class Pattern::Matching {
   Bindings& bindings_;
   Evaluator* evaluator_;
   const std::function<bool()>& found_;
-  std::vector<std::pair<const Constraint*, Value>> later_;
+  std::vector<Later> later_;
 };
 
 bool Pattern::match(const FactCopy& fact, Bindings& bindings, Evaluator* evaluator,
@@ -329,8 +356,8 @@ std::vector<Mismatch> Pattern::mismatches(const FactCopy& fact, const Bindings& 
     add_variables(constraints, names);
     const char* before = " with ";
     for (const std::string& name : names)
-      if (const Value* value = bindings.find(name)) {
-        out += before + ('?' + name) + " = " + value->print();
+      if (const std::string value = bindings.print(name); !value.empty()) {
+        out += before + ('?' + name) + " = " + value;
         before = ", ";
       }
     return out;

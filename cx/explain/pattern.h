@@ -49,7 +49,9 @@ class Pattern {
   const std::string& template_name() const { return template_name_; }  ///< without its module
   const std::string& module() const { return module_; }                ///< empty where none is written
   /// Whether it stands for instances of classes instead of facts.
-  bool is_object() const { return template_name_ == "object" && !slots_.empty(); }
+  bool is_object() const { return template_name_ == "object"; }
+  /// Variables that a match binds, each once.
+  std::vector<std::string> binds() const;
   /// Empty for an ordered fact.
   std::vector<std::string> slot_names() const;
 

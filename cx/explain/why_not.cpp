@@ -19,9 +19,10 @@ std::string print(const Combination& combination, std::size_t from) {
   return out;
 }
 
-void put_values(const Bindings& bindings, UnmetCondition& unmet) {
-  unmet.values.clear();
-  for (const auto& [name, value] : bindings) unmet.values.emplace_back(name, value.print());
+Values values_of(const Bindings& bindings) {
+  Values values;
+  for (const auto& [name, value] : bindings) values.emplace_back(name, value.print());
+  return values;
 }
 
 /// Finds the first condition of a list that nothing gets past, and what is wrong with it.
@@ -34,11 +35,15 @@ class Explainer {
                                             const std::vector<Combination>& begun) {
     const Alternative* best = nullptr;
     Matcher::Reach furthest;
+    // An alternative gets further if it satisfies more conditions of the rule, then if it satisfies more parts of one.
+    const auto place = [](const Alternative& alternative, std::size_t depth) {
+      return std::pair(alternative.numbers[depth], depth);
+    };
     for (const Alternative& alternative : alternatives)
       for (const Combination& start : begun) {
         Matcher::Reach reach = matcher_.reach(alternative.conditions, start);
         if (reach.depth == alternative.conditions.size()) return std::nullopt;
-        if (best && reach.depth <= furthest.depth) continue;
+        if (best && place(alternative, reach.depth) <= place(*best, furthest.depth)) continue;
         best = &alternative;
         furthest = std::move(reach);
       }
@@ -60,7 +65,13 @@ class Explainer {
       case Kind::kOr:
       case Kind::kExists: break;
     }
-    return first_unmet(alternatives_of(condition.parts), reach.combinations).value_or(UnmetCondition{});
+    return first_unmet_inside(condition.parts, reach.combinations).value_or(UnmetCondition{});
+  }
+
+  std::optional<UnmetCondition> first_unmet_inside(const std::vector<Condition>& parts,
+                                                   std::vector<Combination> begun) {
+    for (Combination& combination : begun) combination = inside(std::move(combination));
+    return first_unmet(alternatives_of(parts), begun);
   }
 
   UnmetCondition describe_pattern(const Pattern& pattern, const Matcher::Reach& reach) {
@@ -79,19 +90,22 @@ class Explainer {
       best = std::move(found);
       with = &combination;
     }
-    put_values(with->bindings, unmet);
+    unmet.values = values_of(with->bindings);
+    const std::string noun = pattern.is_object() ? "instance" : "fact";
     if (!best.fact) {
-      unmet.because = "there is no fact of " + pattern.template_name();
+      unmet.because = "there is no " + noun + (pattern.is_object() ? "" : " of " + pattern.template_name());
       return unmet;
     }
     unmet.fact = best.fact->print();
-    if (*unmet.matches_alone > 0)
-      unmet.because = std::to_string(*unmet.matches_alone) +
-                      " facts match it alone, none of them together with the conditions before; in the nearest ";
-    else
-      unmet.because = "in the nearest fact ";
+    const std::size_t alone = *unmet.matches_alone;
+    if (alone > 0) {
+      unmet.because = alone == 1 ? "one " + noun + " matches it alone, but not "
+                                 : std::to_string(alone) + ' ' + noun + "s match it alone, none of them ";
+      unmet.because += with->bindings.size() > 0 ? "together with the conditions before; " : "with what is asked for; ";
+    }
+    unmet.because += "in the nearest " + noun + ' ';
     if (best.mismatches.empty()) {
-      unmet.because = "a test of the pattern fails for every fact";
+      unmet.because = "no " + noun + " matches it as a whole";
       return unmet;
     }
     unmet.because += best.mismatches.front().print();
@@ -102,7 +116,7 @@ class Explainer {
   UnmetCondition describe_test(const Term& expression, const Matcher::Reach& reach) {
     UnmetCondition unmet;
     const Combination& combination = reach.combinations.back();
-    put_values(combination.bindings, unmet);
+    unmet.values = values_of(combination.bindings);
     const auto value = matcher_.evaluator().value(expression, combination.bindings);
     unmet.because = reach.count == 1 ? "the test fails for what the conditions before it match"
                                      : "the test fails for each of the " + std::to_string(reach.count) +
@@ -112,13 +126,14 @@ class Explainer {
   }
 
   UnmetCondition describe_not(const Condition& condition, const Matcher::Reach& reach) {
+    // A not of a not is an exists.
+    if (condition.parts.size() == 1 && condition.parts.front().kind == Kind::kNot)
+      return first_unmet_inside(condition.parts.front().parts, reach.combinations).value_or(UnmetCondition{});
     UnmetCondition unmet;
-    const Combination& begun = reach.combinations.back();
-    put_values(begun.bindings, unmet);
+    const Combination begun = inside(reach.combinations.back());
+    unmet.values = values_of(begun.bindings);
     unmet.because = "what it forbids holds";
-    Matcher::Conditions parts;
-    for (const Condition& part : condition.parts) parts.push_back(&part);
-    matcher_.satisfy(parts, begun, [&](const Combination& forbidden) {
+    matcher_.satisfy(with_facts(condition.parts), begun, [&](const Combination& forbidden) {
       const std::size_t facts = forbidden.facts.size() - begun.facts.size();
       if (facts > 0) unmet.fact = print(forbidden, begun.facts.size());
       if (facts > 0) unmet.because = facts == 1 ? "a fact forbids it" : "facts that hold together forbid it";
@@ -129,29 +144,35 @@ class Explainer {
 
   UnmetCondition describe_forall(const Condition& condition, const Matcher::Reach& reach) {
     UnmetCondition unmet;
-    Matcher::Conditions rest;
-    for (const Condition& part : condition.parts) rest.push_back(&part);
-    rest.erase(rest.begin());
-    const Combination& begun = reach.combinations.back();
+    const std::vector<Condition> rest(condition.parts.begin() + 1, condition.parts.end());
+    const Combination begun = inside(reach.combinations.back());
     matcher_.satisfy({&condition.parts.front()}, begun, [&](const Combination& each) {
-      if (matcher_.satisfiable(rest, each)) return false;
-      put_values(each.bindings, unmet);
-      unmet.fact = print(each, begun.facts.size());
-      const auto missing = first_unmet(alternatives_of({condition.parts.begin() + 1, condition.parts.end()}), {each});
-      unmet.because = "not for this fact: " + (missing ? missing->text + ", " + missing->because : std::string());
+      const auto missing = first_unmet(alternatives_of(rest), {each});
+      if (!missing) return false;
+      unmet.values = values_of(each.bindings);
+      if (each.facts.size() > begun.facts.size()) unmet.fact = print(each, begun.facts.size());
+      unmet.because = "not for this fact: " + missing->text + ", " + missing->because;
       return true;
     });
     return unmet;
   }
 
+  /// The conditions that hold when these do, with those of each `exists` among them: to have its facts, too.
+  static Matcher::Conditions with_facts(const std::vector<Condition>& conditions) {
+    Matcher::Conditions out;
+    for (const Condition& condition : conditions) {
+      if (condition.kind != Kind::kExists) {
+        out.push_back(&condition);
+        continue;
+      }
+      const Matcher::Conditions parts = with_facts(condition.parts);
+      out.insert(out.end(), parts.begin(), parts.end());
+    }
+    return out;
+  }
+
   Matcher& matcher_;
 };
-
-bool has_objects(const std::vector<Condition>& conditions) {
-  return std::any_of(conditions.begin(), conditions.end(), [](const Condition& condition) {
-    return condition.kind == Kind::kPattern ? condition.pattern.is_object() : has_objects(condition.parts);
-  });
-}
 
 /// What the counts of CLIPS say, where the conditions cannot be looked at one by one.
 std::optional<UnmetCondition> from_counts(const RuleEngine& engine, const ConstructInfo& rule, std::string because) {
@@ -177,73 +198,196 @@ std::string UnmetCondition::print() const {
 }
 
 std::string_view to_string(Verdict verdict) {
-  static constexpr std::string_view kWords[] = {"waiting", "fired", "taken", "condition"};
+  static constexpr std::string_view kWords[] = {"waiting", "focus", "fired", "taken", "condition"};
   return kWords[static_cast<std::size_t>(verdict)];
 }
 
-std::optional<UnmetCondition> unmet_condition(RuleEngine& engine, const ConstructInfo& rule) {
-  const auto conditions = conditions_of(rule.text, rule.file, rule.line);
-  if (!conditions) return from_counts(engine, rule, conditions.error().message);
-  if (has_objects(*conditions)) return from_counts(engine, rule, "no instance or fact is left for it");
-  const Facts facts(engine);
-  Evaluator evaluator(engine, rule.module);
-  Matcher matcher(facts, evaluator);
-  auto unmet = Explainer(matcher).first_unmet(alternatives_of(*conditions), {Combination{}});
-  if (matcher.exhausted()) return from_counts(engine, rule, "there are too many combinations to look at each");
-  return unmet;
+namespace {
+
+/// What the facts make of a left-hand side.
+struct Look {
+  std::optional<UnmetCondition> unmet;
+  std::vector<FactCopy> facts;
+  struct Satisfying {
+    Values values;
+    std::vector<std::string> facts;
+    std::vector<std::int64_t> indices, numbers;  // of the facts; instances have none
+  };
+  std::vector<Satisfying> combinations;  // at most Matcher::kKept for each alternative
+  std::size_t count = 0;
+};
+
+Look::Satisfying satisfying(const Combination& combination) {
+  Look::Satisfying out;
+  out.values = values_of(combination.bindings);
+  for (const FactCopy* fact : combination.facts) {
+    out.facts.push_back(fact->print());
+    if (!fact->classes.empty()) continue;
+    out.indices.push_back(fact->index);
+    out.numbers.push_back(static_cast<std::int64_t>(fact->number));
+  }
+  return out;
 }
 
-Expected<WhyNot> why_not(RuleEngine& engine, const std::string& rule, const History& history) {
-  const ConstructInfo* found = engine.find_construct("defrule", rule);
-  const std::size_t colons = rule.find("::");
-  if (!found || (colons != rule.npos && found->module != rule.substr(0, colons)))
-    return input_error("there is no rule '" + rule + "'");
-  const ConstructInfo info = *found;
+/// Leaves the alternatives that bind all that is wanted.
+Status keep_those_that_bind(const Wanted& wanted, const ConstructInfo& rule, std::vector<Alternative>& alternatives) {
+  std::vector<std::string> all;
+  for (const auto& [name, text] : wanted) {
+    std::erase_if(alternatives, [&, &name = name](const Alternative& alternative) {
+      const std::vector<std::string> bound = alternative.binds();
+      all.insert(all.end(), bound.begin(), bound.end());
+      return std::find(bound.begin(), bound.end(), name) == bound.end();
+    });
+    if (alternatives.empty())
+      return input_error("no pattern of rule '" + rule.name + "' outside of not, exists and forall binds ?" + name +
+                         did_you_mean(name, all));
+  }
+  return {};
+}
+
+Expected<Look> look(RuleEngine& engine, const ConstructInfo& rule, const Wanted& wanted) {
+  Look out;
+  const auto conditions = conditions_of(rule.text, rule.file, rule.line);
+  if (!conditions) {
+    out.unmet = from_counts(engine, rule, conditions.error().message);
+    return out;
+  }
+  std::vector<Alternative> alternatives = alternatives_of(*conditions);
+  if (Status s = keep_those_that_bind(wanted, rule, alternatives); !s) return s.error();
+  const Facts facts(engine, rule.module);
+  Evaluator evaluator(engine, rule.module);
+  Matcher matcher(facts, evaluator);
+  const Combination begun{Bindings(&wanted)};
+  for (const Alternative& alternative : alternatives) {
+    const Matcher::Reach reach = matcher.reach(alternative.conditions, begun);
+    if (reach.depth < alternative.conditions.size()) continue;
+    out.count += reach.count;
+    for (const Combination& combination : reach.combinations) out.combinations.push_back(satisfying(combination));
+  }
+  if (out.count == 0) out.unmet = Explainer(matcher).first_unmet(alternatives, {begun});
+  if (matcher.exhausted()) out.unmet = from_counts(engine, rule, "there are too many combinations to look at each");
+  return out;
+}
+
+/// Those of modules above the rule's, and those of its own module before `own`.
+void put_agenda(const RuleEngine& engine, const std::vector<ActivationInfo>& agenda, const ActivationInfo& own,
+                WhyNot& answer) {
+  constexpr std::size_t kShown = 5;
+  answer.salience = own.salience;
+  answer.focus = engine.focus();
+  if (answer.focus.empty()) answer.focus = {"MAIN"};
+  const auto focus = std::find(answer.focus.begin(), answer.focus.end(), own.module);
+  answer.verdict = focus == answer.focus.end() ? Verdict::kFocus : Verdict::kWaiting;
+  const auto add = [&](const ActivationInfo& activation) {
+    if (++answer.above > kShown) return;
+    const std::string module = activation.module == "MAIN" ? "" : activation.module + "::";
+    answer.first_above.emplace_back(module + activation.rule, activation.salience);
+  };
+  for (auto module = answer.focus.begin(); module != focus; ++module)
+    for (const ActivationInfo& activation : agenda)
+      if (activation.module == *module) add(activation);
+  if (focus == answer.focus.end()) return;
+  for (const ActivationInfo& activation : agenda) {
+    if (&activation == &own) break;
+    if (activation.module == own.module) add(activation);
+  }
+}
+
+void put_combination(const Look::Satisfying& combination, WhyNot& answer) {
+  answer.facts = combination.facts;
+  answer.values = combination.values;
+}
+
+/// Whether the rule has fired for a combination that holds; the last such.
+bool put_fired(const Look& found, const ConstructInfo& rule, const History& history, WhyNot& answer) {
+  const Firing* last = nullptr;
+  for (const Look::Satisfying& combination : found.combinations) {
+    const Firing* fired = history.fired_for(rule.module, combination.numbers);
+    if (!fired || (last && fired->n <= last->n)) continue;
+    last = fired;
+    put_combination(combination, answer);
+  }
+  if (last) answer.fired_for_it = last->t;
+  return last != nullptr;
+}
+
+}  // namespace
+
+std::optional<UnmetCondition> unmet_condition(RuleEngine& engine, ConstructInfo rule) {
+  const Expected<Look> found = look(engine, rule, {});
+  return found ? found->unmet : std::nullopt;
+}
+
+Expected<WhyNot> why_not(RuleEngine& engine, ConstructInfo rule, const History& history, const Wanted& wanted) {
   WhyNot answer;
-  answer.rule = info.name;
-  answer.module = info.module;
-  answer.file = info.file;
-  answer.line = info.line;
+  answer.rule = rule.name;
+  answer.module = rule.module;
+  answer.file = rule.file;
+  answer.line = rule.line;
   for (const Firing& firing : history.firings()) {
-    if (firing.rule != info.name) continue;
+    if (!firing.is_of(rule.module + "::" + rule.name)) continue;
     ++answer.fired;
     answer.last_fired = firing.t;
   }
-  for (const FactCopy& fact : history.last_facts()) answer.last_facts.push_back(fact.print());
+  for (const FactCopy& fact : history.last_facts(rule.module)) answer.last_facts.push_back(fact.print());
 
+  Expected<Look> found = look(engine, rule, wanted);
+  if (!found) return found.error();
+  answer.combinations = found->count;
   const std::vector<ActivationInfo> agenda = engine.agenda();
-  const auto own = std::find_if(agenda.begin(), agenda.end(), [&](const ActivationInfo& a) {
-    return a.rule == info.name && a.module == info.module;
-  });
-  if (own != agenda.end()) {
-    constexpr std::ptrdiff_t kShown = 5;
-    answer.verdict = Verdict::kWaiting;
-    answer.salience = own->salience;
-    answer.above = static_cast<std::size_t>(own - agenda.begin());
-    for (auto it = agenda.begin(); it != own && it - agenda.begin() < kShown; ++it)
-      answer.first_above.emplace_back(it->rule, it->salience);
+  for (const ActivationInfo& activation : agenda) {
+    if (activation.rule != rule.name || activation.module != rule.module) continue;
+    std::vector<std::int64_t> indices = activation.facts;
+    std::erase(indices, -1);
+    const auto combination = std::find_if(found->combinations.begin(), found->combinations.end(),
+                                          [&](const Look::Satisfying& c) { return c.indices == indices; });
+    if (combination == found->combinations.end() && !wanted.empty()) continue;
+    if (combination != found->combinations.end()) put_combination(*combination, answer);
+    put_agenda(engine, agenda, activation, answer);
     return answer;
   }
-  answer.unmet = unmet_condition(engine, info);
-  answer.verdict = answer.unmet ? Verdict::kCondition : answer.fired > 0 ? Verdict::kFired : Verdict::kTaken;
+  answer.unmet = std::move(found->unmet);
+  if (answer.unmet) {
+    answer.verdict = Verdict::kCondition;
+  } else if (put_fired(*found, rule, history, answer)) {
+    answer.verdict = Verdict::kFired;
+  } else {
+    answer.verdict = Verdict::kTaken;
+    if (!found->combinations.empty()) put_combination(found->combinations.front(), answer);
+  }
   return answer;
 }
 
 nlohmann::ordered_json to_json(const WhyNot& answer) {
   using Json = nlohmann::ordered_json;
-  Json out{{"rule", answer.rule}, {"file", answer.file}, {"line", answer.line}, {"fired", answer.fired}};
+  const auto object = [](const Values& values) {
+    Json out = Json::object();
+    for (const auto& [name, value] : values) out[name] = value;
+    return out;
+  };
+  Json out{{"rule", answer.rule},
+           {"module", answer.module},
+           {"file", answer.file},
+           {"line", answer.line},
+           {"fired", answer.fired}};
   if (answer.fired > 0) {
     out["last_fired_s"] = to_seconds(answer.last_fired);
     out["last_facts"] = answer.last_facts;
   }
   out["verdict"] = to_string(answer.verdict);
-  if (answer.verdict == Verdict::kWaiting) {
+  if (answer.verdict == Verdict::kWaiting || answer.verdict == Verdict::kFocus) {
     Json& agenda = out["agenda"] = {{"above", answer.above}, {"first_above", Json::array()}};
     for (const auto& [rule, salience] : answer.first_above)
       agenda["first_above"].push_back({{"rule", rule}, {"salience", salience}});
     agenda["salience"] = answer.salience;
+    agenda["focus"] = answer.focus;
   }
-  if (!answer.unmet) return out;
+  if (!answer.unmet) {
+    Json& holds = out["holds"] = {{"combinations", answer.combinations}, {"facts", answer.facts}};
+    if (!answer.values.empty()) holds["values"] = object(answer.values);
+    if (answer.fired_for_it) holds["fired_s"] = to_seconds(*answer.fired_for_it);
+    return out;
+  }
   const UnmetCondition& unmet = *answer.unmet;
   Json& json = out["first_unmet"] = {{"condition", unmet.number}};
   if (unmet.matches_alone) json["matches_alone"] = *unmet.matches_alone;
@@ -251,10 +395,7 @@ nlohmann::ordered_json to_json(const WhyNot& answer) {
   json["because"] = unmet.because;
   if (unmet.fact) json["fact"] = *unmet.fact;
   if (!unmet.slot.empty()) json["slot"] = unmet.slot;
-  if (!unmet.values.empty()) {
-    Json& values = json["values"] = Json::object();
-    for (const auto& [name, value] : unmet.values) values[name] = value;
-  }
+  if (!unmet.values.empty()) json["values"] = object(unmet.values);
   return out;
 }
 

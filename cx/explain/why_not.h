@@ -9,9 +9,13 @@
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
 #include "cx/engine/engine.h"
+#include "cx/explain/evaluator.h"
 #include "cx/explain/history.h"
 
 namespace cxlab::explain {
+
+/// Names of variables with their values, in the order in which they are bound.
+using Values = std::vector<std::pair<std::string, std::string>>;
 
 /// The first condition that no combination of facts gets past.
 struct UnmetCondition {
@@ -21,7 +25,7 @@ struct UnmetCondition {
   std::optional<std::string> fact;  ///< the nearest one, the one that forbids, or the one without a partner
   std::string slot;                 ///< the first that differs in it; "implied" for an ordered fact, may be empty
   std::optional<std::size_t> matches_alone;  ///< of a pattern: facts that match it without the conditions before
-  std::vector<std::pair<std::string, std::string>> values;  ///< of variables, in the combination that got furthest
+  Values values;                             ///< in the combination that got furthest
 
   /// Text, reason and fact in one line.
   std::string print() const;
@@ -29,11 +33,12 @@ struct UnmetCondition {
 
 enum class Verdict {
   kWaiting,    ///< on the agenda
+  kFocus,      ///< on the agenda of a module that is not in focus
   kFired,      ///< all conditions hold, and it has fired for what holds
-  kTaken,      ///< all conditions hold, but it is not on the agenda and has not fired
+  kTaken,      ///< all conditions hold, but it is not on the agenda and has not fired for what holds
   kCondition,  ///< a condition does not hold
 };
-/// "waiting", "fired", "taken", "condition".
+/// "waiting", "focus", "fired", "taken", "condition".
 std::string_view to_string(Verdict verdict);
 
 struct WhyNot {
@@ -42,10 +47,17 @@ struct WhyNot {
   Verdict verdict{};
   std::optional<UnmetCondition> unmet;  ///< with kCondition
 
-  // With kWaiting
+  // Where all conditions hold
+  std::size_t combinations = 0;    ///< of facts that satisfy them
+  std::vector<std::string> facts;  ///< of the one that fires first, or fired last
+  Values values;                   ///< in it
+  std::optional<SimTime> fired_for_it;
+
+  // With kWaiting and kFocus
   int salience = 0;
   std::size_t above = 0;                                 ///< activations that fire before it
   std::vector<std::pair<std::string, int>> first_above;  ///< the first of them, with their salience
+  std::vector<std::string> focus;                        ///< the stack of modules, the first on top
 
   // What has happened
   std::size_t fired = 0;
@@ -53,10 +65,11 @@ struct WhyNot {
   std::vector<std::string> last_facts;
 };
 
-/// About the present state of the engine. `rule` may have a module. `history`: of its environment from the start.
-/// Defines functions of its own in the engine for a while, but changes no fact.
-Expected<WhyNot> why_not(RuleEngine& engine, const std::string& rule, const History& history);
+/// About the present state of the engine. `history`: of its environment from the start, with the firings of the rule.
+/// `wanted` asks about combinations with these values only; it is an error if the conditions do not bind them.
+/// Defines functions of its own in the engine for a while, but changes no fact; `rule` is a copy for that reason.
+Expected<WhyNot> why_not(RuleEngine& engine, ConstructInfo rule, const History& history, const Wanted& wanted = {});
 /// The same without the history, for a rule that has not fired: what it lacks. None if it lacks nothing.
-std::optional<UnmetCondition> unmet_condition(RuleEngine& engine, const ConstructInfo& rule);
+std::optional<UnmetCondition> unmet_condition(RuleEngine& engine, ConstructInfo rule);
 
 }  // namespace cxlab::explain

@@ -95,7 +95,7 @@ std::string judge_rule(const Expectation& e, const Play& play) {
   int inside = 0;
   std::string times;
   for (const explain::Firing& firing : play.history().firings()) {
-    if (firing.rule != e.text) continue;
+    if (!firing.is_of(e.text)) continue;
     inside += within(e, firing.t);
     if (times.size() < 60) times += (times.empty() ? "" : ", ") + seconds(firing.t);
   }
@@ -192,7 +192,7 @@ Status check_names(const Play& play) {
       if (const std::string why = impossible->against(e.text); !why.empty())
         return play.at(e.line, e.text + " can match no fact: " + why);
     } else if (e.kind == Kind::kFires || e.kind == Kind::kNotFires) {
-      if (std::find(rules.begin(), rules.end(), e.text) == rules.end())
+      if (!play.engine().find_construct("defrule", e.text))
         return play.at(e.line, "there is no rule '" + e.text + '\'' + did_you_mean(e.text, rules));
     } else if (e.kind == Kind::kGoal) {
       const std::vector<std::string> served = play.stand_ins().names();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cx/engine/form_reader.h"
 #include "cx/testing/judge.h"
 #include "cx/testing/play.h"
 
@@ -18,20 +19,22 @@ SimTime end_of(const StorySpec& spec) {
   return tick_not_before(end, kTick);
 }
 
-/// The rules of the user's own files.
+/// The rules of the user's own files. Those outside of MAIN are named with their modules.
 std::vector<RuleCount> rules_of(const RuleEngine& engine) {
   std::vector<RuleCount> rules;
   for (const ConstructInfo& c : engine.constructs())
     if (c.kind == "defrule" && c.line > 0 && std::filesystem::path(c.file).is_absolute())
-      rules.push_back({c.file, c.name, c.line});
+      rules.push_back({c.file, (c.module == "MAIN" ? "" : c.module + "::") + c.name, c.line});
   return rules;
 }
 
 void count(std::vector<RuleCount>& rules, const Play& play) {
   const auto& firings = play.history().firings();
   for (RuleCount& rule : rules) {
-    rule.fired = std::count_if(firings.begin(), firings.end(), [&](const auto& f) { return f.rule == rule.rule; });
-    const auto activated = play.activations().find(rule.rule);
+    const std::string_view bare = without_module(rule.rule);
+    const std::string name = bare == rule.rule ? "MAIN::" + rule.rule : rule.rule;
+    rule.fired = std::count_if(firings.begin(), firings.end(), [&](const auto& f) { return f.is_of(name); });
+    const auto activated = play.activations().find(std::string(bare));
     rule.activated = activated == play.activations().end() ? 0 : activated->second;
   }
 }
