@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "cx/journal/input_log.h"
+
 namespace cxlab::lab {
 
 namespace fs = std::filesystem;
@@ -41,6 +43,14 @@ void read_result(const Json& json, RecordedRun& run) {
   run.finished = !run.stream_hashes.empty();
 }
 
+bool has_first_tick(const fs::path& inputs) {
+  auto log = InputLogReader::open(inputs);
+  if (!log) return false;
+  while (log->reached() < SimTime::zero())
+    if (!log->next()) break;
+  return log->reached() >= SimTime::zero();
+}
+
 }  // namespace
 
 Expected<RecordedRun> RecordedRun::open(const fs::path& folder, const Catalogue& catalogue) {
@@ -76,6 +86,8 @@ Expected<Scenario> RecordedRun::scenario() const {
 Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, JournalLevel level, const Host& host,
                                         cx::LogSink* log) {
   RulesReplay replay;
+  if (!run.finished && !has_first_tick(run.folder / "inputs.bin"))
+    return input_error("the run ended before the log of its inputs had the first tick", run.folder.string());
   auto scenario = run.scenario();
   if (!scenario) return scenario.error();
   scenario->duration = end;

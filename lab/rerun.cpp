@@ -25,17 +25,15 @@ std::vector<std::string> differences(const RecordedRun& then, const Result& now)
 /// Files that the two runs read with another content, or that only one of them read; a build with other rules of its
 /// own explains a difference no less than a changed scenario.
 std::vector<std::string> changed_files(const std::filesystem::path& then, const std::filesystem::path& now) {
-  const auto index = [](const std::filesystem::path& run) {
-    std::ifstream in(run / "files/index.json");
-    const nlohmann::json read = nlohmann::json::parse(in, nullptr, /*allow_exceptions=*/false);
-    const bool usable = read.is_object() && read.contains("files") && read["files"].is_object();
-    return usable ? read["files"] : nlohmann::json::object();
+  const auto hashes = [](const std::filesystem::path& run) {
+    const auto files = StoredFiles::open(run);
+    return files ? files->hashes() : std::map<std::string, std::string>();
   };
-  const nlohmann::json before = index(then), after = index(now);
+  const auto before = hashes(then), after = hashes(now);
   std::vector<std::string> out;
-  for (const auto& [name, hash] : before.items())
-    if (!after.contains(name) || after[name] != hash) out.push_back(name);
-  for (const auto& [name, hash] : after.items())
+  for (const auto& [name, hash] : before)
+    if (const auto again = after.find(name); again == after.end() || again->second != hash) out.push_back(name);
+  for (const auto& [name, hash] : after)
     if (!before.contains(name)) out.push_back(name);
   return out;
 }

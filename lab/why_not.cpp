@@ -53,8 +53,6 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
   if (!run.finished) {
     answer.cut_off = question.at && *question.at > episode.replay_end();
     end = std::min(end, episode.replay_end());
-    if (end < SimTime::zero())
-      return input_error("the run was killed before the log of its inputs had the first tick", run.folder.string());
   }
   explain::Histories histories({.past_facts = false, .rule = std::string(without_module(question.rule))});
   episode.journal().set_listener(&histories);
@@ -64,6 +62,7 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
   answer.stopped = host.stopped();
   if (answer.stopped) return answer;
   if (!played && !failed_then(run, played.error(), answer.at)) return played.error();
+  std::optional<Error> refused;  // what is wanted of a rule that has no such variable
   for (cx::Environment* environment : environments_of(episode)) {
     RuleEngine& engine = environment->engine();
     const explain::History& history = histories.of(episode.journal().stream_name(engine.stream()));
@@ -72,13 +71,16 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
       if (!engine.has("defrule", rule.module + "::" + rule.name)) continue;  // rules removed it
       if (std::exchange(first, false)) assert_time(*environment, history);
       auto found = explain::why_not(engine, rule, history, question.wanted);
-      if (!found) return found.error();
+      if (!found) {
+        refused = found.error();
+        continue;
+      }
       found->file = environment->files().journal_name(found->file);
       answer.environments.push_back({environment->name(), *std::move(found)});
     }
   }
   episode.journal().set_listener(nullptr);
-  if (answer.environments.empty()) return unknown_rule(episode, question.rule);
+  if (answer.environments.empty()) return refused ? *refused : unknown_rule(episode, question.rule);
   return answer;
 }
 

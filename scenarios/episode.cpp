@@ -17,7 +17,6 @@ Status Episode::start() {
   for (std::size_t i = 0; i < agents_.size(); ++i)
     if (starts(i))
       if (Status s = agents_[i]->activate(); !s) return s;
-  if (Status s = keep_interfaces(); !s) return s;
   return write_out();
 }
 
@@ -27,7 +26,10 @@ Status Episode::tick() {
 }
 
 Status Episode::write_out() {
-  if (Status s = inputs_->ticked(stage_->take_inputs()); !s) return s;
+  // A log that names a tick has all definitions that the tick read.
+  if (inputs_->writes_at(now()))
+    if (Status s = files_->keep_interfaces(registry_); !s) return s;
+  if (Status s = inputs_->ticked(now(), stage_->take_inputs()); !s) return s;
   return journal_.status();
 }
 
@@ -48,9 +50,9 @@ Result Episode::close(RunStatus status, std::optional<Error> failure) {
     note(agent->flush_logs());
     if (!agent->load_errors().empty()) note(agent->load_errors().front());
   }
+  note(files_->keep_interfaces(registry_));
   note(inputs_->close());
   note(journal_.close());
-  note(keep_interfaces());
   Result out = result();
   out.status = failure ? RunStatus::kFailed : status;
   out.reason = failure;

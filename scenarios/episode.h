@@ -102,7 +102,6 @@ class Episode {
 
   /// What has entered goes to the log; whether all files could be written so far.
   Status write_out();
-  Status keep_interfaces() { return files_->keep_interfaces(registry_, scenario_.shares({})); }
 
   Scenario scenario_;
   EpisodeOptions options_;

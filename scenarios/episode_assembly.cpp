@@ -48,7 +48,8 @@ Status Episode::open_files() {
     for (const AgentSpec& spec : scenario_.agents) shares_.push_back(scenario_.shares(spec));
   if (shares_.size() != scenario_.agents.size())
     return input_error("the recorded run has another number of agents", scenario_.file.string());
-  auto files = KeptFiles::create(options_.replay ? fs::path() : options_.run_folder, shares_, options_.file_read);
+  auto files = KeptFiles::create(options_.replay ? fs::path() : options_.run_folder, shares_, scenario_.shares({}),
+                                 options_.file_read);
   if (!files) return files.error();
   files_.emplace(*std::move(files));
   if (!options_.run_folder.empty())

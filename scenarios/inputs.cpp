@@ -106,9 +106,10 @@ class RecordedInputs final : public Inputs {
   ~RecordedInputs() override { bus_.set_input_tap(nullptr); }
   void watch(bus::ParticipantId participant) override { tap_.watch(participant); }
   LookOutside* outside(const std::string& stream) override { return &outside_.emplace_back(bus_, log_, stream); }
-  Status ticked(const std::string& world) override {
+  bool writes_at(SimTime t) const override { return log_.writes_at(t); }
+  Status ticked(SimTime t, const std::string& world) override {
     if (!world.empty()) log_.add(LoggedWorld{bus_.now(), "world", world});
-    log_.reach(bus_.now());
+    log_.reach(t);
     return log_.status();
   }
   Status close() override { return log_.close(); }
@@ -126,7 +127,7 @@ class ReplayedInputs final : public Inputs {
   void watch(bus::ParticipantId participant) override { replayer_.watch(participant); }
   LookOutside* outside(const std::string& stream) override { return &outside_.emplace_back(replayer_, stream); }
   bus::Feed* feed() override { return &replayer_; }
-  Status ticked(const std::string&) override {
+  Status ticked(SimTime, const std::string&) override {
     for (const ReplayingOutside& outside : outside_)
       if (outside.error()) return *outside.error();
     return {};

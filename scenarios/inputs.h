@@ -23,8 +23,10 @@ class Inputs {
   virtual LookOutside* outside(const std::string& /*stream*/) { return nullptr; }
   /// Where their deliveries come from; none: the bus.
   virtual bus::Feed* feed() { return nullptr; }
-  /// After the start and after each tick; `world` is what has entered the physics.
-  virtual Status ticked(const std::string& /*world*/) { return {}; }
+  /// Whether `ticked` writes into the log's file at that time.
+  virtual bool writes_at(SimTime /*t*/) const { return false; }
+  /// After the start (`t` is `kStarted`) and after each tick; `world` is what has entered the physics.
+  virtual Status ticked(SimTime /*t*/, const std::string& /*world*/) { return {}; }
   /// After the last tick.
   virtual Status close() { return {}; }
   /// In a replay: how far the log goes, and whether it is whole.

@@ -18,9 +18,13 @@ std::string inside(const fs::path& file, const fs::path& folder) {
 
 }  // namespace
 
-Expected<KeptFiles> KeptFiles::create(const fs::path& run_folder, std::vector<Shares> shares, FileRead file_read) {
+Expected<KeptFiles> KeptFiles::create(const fs::path& run_folder, std::vector<Shares> shares, const Shares& packages,
+                                      FileRead file_read) {
   KeptFiles files;
   files.file_read_ = std::move(file_read);
+  for (const auto& [name, folder] : packages) files.packages_[folder] = name;
+  for (const Shares& of_agent : shares)
+    for (const auto& [name, folder] : of_agent) files.packages_[folder] = name;
   files.shares_ = std::move(shares);
   if (run_folder.empty()) return files;
   files.run_folder_ = fs::absolute(run_folder).lexically_normal();
@@ -54,21 +58,20 @@ Status KeptFiles::keep_for_agent(std::size_t agent, const fs::path& config, cons
   return in_package ? Status() : keep(folder + "outside/" + cx::outside_name(file).generic_string(), file);
 }
 
-Status KeptFiles::keep_interfaces(const bus::Registry& registry, const Shares& packages) {
+Status KeptFiles::keep_interfaces(const bus::Registry& registry) {
   if (!store_ && !file_read_) return {};
-  std::map<fs::path, std::string> names;
-  for (const auto& [name, folder] : packages) names[folder] = name;
-  for (const Shares& shares : shares_)
-    for (const auto& [name, folder] : shares) names[folder] = name;
-  for (const fs::path& file : registry.files_read()) {
+  const std::vector<fs::path> files = registry.files_read();
+  if (files.size() == interfaces_.size()) return {};
+  for (const fs::path& file : files) {
+    if (!interfaces_.insert(file).second) continue;
     fs::path folder = fs::absolute(file).parent_path().parent_path().lexically_normal();
     if (!folder.has_filename()) folder = folder.parent_path();  // of a package "."
-    const auto known = names.find(folder);
-    const fs::path package = known != names.end() ? fs::path(known->second) : folder.filename();
+    const auto known = packages_.find(folder);
+    const fs::path package = known != packages_.end() ? fs::path(known->second) : folder.filename();
     const fs::path name = "interfaces" / package / file.parent_path().filename() / file.filename();
     if (Status s = keep(name.generic_string(), file); !s) return s;
   }
-  return store_ ? store_->write_index() : Status();
+  return {};
 }
 
 void read_from_copies(const fs::path& copies, std::size_t agent, cx::ManagerOptions& manager) {

@@ -15,6 +15,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,21 +33,23 @@ class KeptFiles {
  public:
   using FileRead = std::function<void(const std::filesystem::path&)>;
 
-  /// Keeps nothing where there is no folder. `shares` are those of the agents. `file_read`, if any, is called with
-  /// each file.
+  /// Keeps nothing where there is no folder. `shares` are those of the agents, `packages` those of the whole scenario.
+  /// `file_read`, if any, is called with each file.
   static Expected<KeptFiles> create(const std::filesystem::path& run_folder, std::vector<Shares> shares,
-                                    FileRead file_read = {});
+                                    const Shares& packages, FileRead file_read = {});
 
   Status keep(const std::string& name, const std::filesystem::path& file);
   Status keep_text(const std::string& name, const std::string& text);
   /// A file that an agent read; its configuration is `config`.
   Status keep_for_agent(std::size_t agent, const std::filesystem::path& config, const std::filesystem::path& file);
-  /// Every definition that was read, and the index of all copies. `packages` are those of the whole scenario.
-  Status keep_interfaces(const bus::Registry& registry, const Shares& packages);
+  /// Every definition that was read since the last call.
+  Status keep_interfaces(const bus::Registry& registry);
 
  private:
   std::filesystem::path run_folder_;
   std::vector<Shares> shares_;
+  std::map<std::filesystem::path, std::string> packages_;  // by folder
+  std::set<std::filesystem::path> interfaces_;             // that were kept
   FileRead file_read_;
   std::optional<FileStore> store_;
 };

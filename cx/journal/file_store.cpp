@@ -16,8 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kSchema = 1;
-
 /// A name stays inside the folder under which it is laid out.
 bool is_logical_name(const std::string& name) {
   const fs::path path(name);
@@ -47,9 +45,11 @@ Expected<std::string> read_file(const fs::path& path) {
 }
 
 Expected<FileStore> FileStore::create(const fs::path& run) {
-  FileStore store(run / "files");
-  if (Status s = make_folder(store.folder_); !s) return s.error();
-  return store;
+  const fs::path folder = run / "files";
+  if (Status s = make_folder(folder); !s) return s.error();
+  auto index = AppendFile::create(folder / "index.jsonl");
+  if (!index) return index.error();
+  return FileStore(folder, *std::move(index));
 }
 
 Status FileStore::add(const std::string& logical_name, const fs::path& source) {
@@ -76,36 +76,31 @@ Status FileStore::add_content(const std::string& logical_name, std::string_view 
     if (Status s = replace_file(folder_ / hash, bytes); !s) return s;
   }
   hashes.push_back(hash);
-  return {};
-}
-
-Status FileStore::write_index() const {
-  Json files = Json::object();
-  Json changed = Json::object();
-  for (const auto& [name, hashes] : hashes_) {
-    files[name] = hashes.front();
-    if (hashes.size() > 1) changed[name] = std::vector<std::string>(hashes.begin() + 1, hashes.end());
-  }
-  const Json index = {{"schema", kSchema}, {"files", files}, {"changed", changed}};
-  return replace_file(folder_ / "index.json", index.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  const Json line = {{"name", logical_name}, {"hash", hash}};
+  if (Status s = index_.append(line.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n'); !s) return s;
+  return index_.flush();
 }
 
 Expected<StoredFiles> StoredFiles::open(const fs::path& run) {
   StoredFiles store(run / "files");
-  const std::string index_path = (store.folder_ / "index.json").string();
+  const std::string index_path = (store.folder_ / "index.jsonl").string();
   auto text = read_file(index_path);
   if (!text) return text.error();
-  const Json index = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
-  if (!index.is_object() || index.value("schema", Json()) != kSchema || !index.contains("files") ||
-      !index["files"].is_object()) {
-    return input_error("expected an index of copied files, schema " + std::to_string(kSchema), index_path);
-  }
-  for (const auto& [name, hash] : index["files"].items()) {
-    if (!is_logical_name(name)) return input_error("'" + name + "' leaves the folder of the run", index_path);
-    if (!hash.is_string() || !is_hash(hash.get<std::string>())) {
-      return input_error("expected a hash of 32 hex digits for '" + name + "'", index_path);
-    }
-    store.hashes_[name] = hash.get<std::string>();
+  std::size_t begin = 0;
+  int number = 1;
+  // A last line without its end is that of a process that was killed.
+  for (std::size_t end = text->find('\n'); end != text->npos; end = text->find('\n', begin = end + 1), ++number) {
+    const Json line = Json::parse(text->substr(begin, end - begin), nullptr, /*allow_exceptions=*/false);
+    const auto word = [&line](const char* key) {
+      const auto known = line.is_object() ? line.find(key) : line.end();
+      return known != line.end() && known->is_string() ? known->get<std::string>() : std::string();
+    };
+    const std::string name = word("name"), hash = word("hash");
+    if (!is_logical_name(name))
+      return input_error("found '" + name + "', expected the name of a copy in the folder of the run", index_path,
+                         number);
+    if (!is_hash(hash)) return input_error("expected a hash of 32 hex digits for '" + name + "'", index_path, number);
+    store.hashes_.emplace(name, hash);
   }
   return store;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Copies of the files that a run read, by content, so that it replays elsewhere: RUN/files/<hash> and index.json.
+// Copies of the files that a run read, by content, so that it replays elsewhere: RUN/files/<hash> and index.jsonl.
 
 #include <filesystem>
 #include <map>
@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cx/base/append_file.h"
 #include "cx/base/expected.h"
 
 namespace cxlab {
@@ -18,7 +19,8 @@ std::string content_hash(std::string_view bytes);
 Expected<std::string> read_file(const std::filesystem::path& path);
 
 /// Takes the copies while the run reads. Logical names are relative ("<package>/rules/dispatch.clp",
-/// "scenario/game.yaml"): no drive, no "..", forward slashes.
+/// "scenario/game.yaml"): no drive, no "..", forward slashes. Each copy is in the index before its file is used, so
+/// that the index is whole whenever the process ends.
 class FileStore {
  public:
   /// Makes `run/files`.
@@ -27,12 +29,11 @@ class FileStore {
   /// Copies the file as it is now. A name that comes again with other content keeps its first, later ones are listed.
   Status add(const std::string& logical_name, const std::filesystem::path& source);
   Status add_content(const std::string& logical_name, std::string_view bytes);
-  /// Writes `index.json`; call after the files of the start were read and again at the end.
-  Status write_index() const;
 
  private:
-  explicit FileStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  FileStore(std::filesystem::path folder, AppendFile index) : folder_(std::move(folder)), index_(std::move(index)) {}
   std::filesystem::path folder_;
+  AppendFile index_;
   std::map<std::string, std::vector<std::string>> hashes_;  // by name: each content in order of coming
 };
 
@@ -40,6 +41,8 @@ class FileStore {
 class StoredFiles {
  public:
   static Expected<StoredFiles> open(const std::filesystem::path& run);
+  /// The hash of each name: of its first content.
+  const std::map<std::string, std::string>& hashes() const { return hashes_; }
 
   /// In order of names.
   std::vector<std::string> names() const;

@@ -13,7 +13,7 @@ namespace cxlab {
 namespace {
 
 constexpr std::string_view kMagic = "CXLABIN1";
-constexpr std::size_t kChunkBytes = 32 * 1024;
+constexpr std::size_t kChunkBytes = 32 * 1024, kMostWaiting = 512;  // chunks
 constexpr SimTime kFlushInterval = std::chrono::seconds(10);
 
 enum EntryType : std::uint8_t { kTake = 1, kResult = 2, kWorld = 3, kReached = 4 };
@@ -101,7 +101,6 @@ Expected<InputLogWriter> InputLogWriter::create(const std::filesystem::path& pat
   if (!file) return file.error();
   if (Status s = file->append(kMagic); !s) return s.error();
   InputLogWriter log(std::move(*file));
-  log.flush_due_ = kFlushInterval;
   if (Status s = log.flush(); !s) return s.error();
   return log;
 }
@@ -124,13 +123,9 @@ void InputLogWriter::begin(std::uint8_t entry, SimTime t) {
   last_t_ = t;
 }
 
-void InputLogWriter::finish(SimTime t) {
-  if (t >= flush_due_) {
-    (void)flush();
-    flush_due_ = t + kFlushInterval;
-  } else if (chunk_.size() >= kChunkBytes) {
-    end_chunk();
-  }
+void InputLogWriter::finish() {
+  if (chunk_.size() >= kChunkBytes) end_chunk();
+  if (framed_.size() == kMostWaiting) (void)flush();
 }
 
 void InputLogWriter::add(const LoggedTake& take) {
@@ -167,7 +162,7 @@ void InputLogWriter::add(const LoggedTake& take) {
     put_name(logged.cause_stream);
     out.varint(d.cause.n);
   }
-  finish(take.t);
+  finish();
 }
 
 void InputLogWriter::add(const LoggedResult& result) {
@@ -176,7 +171,7 @@ void InputLogWriter::add(const LoggedResult& result) {
   put_name(result.environment);
   put_name(result.key);
   ByteWriter(chunk_).text(result.bytes);
-  finish(result.t);
+  finish();
 }
 
 void InputLogWriter::add(const LoggedWorld& world) {
@@ -184,13 +179,14 @@ void InputLogWriter::add(const LoggedWorld& world) {
   begin(kWorld, world.t);
   put_name(world.world);
   ByteWriter(chunk_).text(world.bytes);
-  finish(world.t);
+  finish();
 }
 
 void InputLogWriter::reach(SimTime t) {
-  if (!status() || t < flush_due_) return;
+  if (!status() || !writes_at(t)) return;
   begin(kReached, t);
-  finish(t);
+  (void)flush();
+  flush_due_ = t + std::clamp(t, SimTime{1}, kFlushInterval);
 }
 
 void InputLogWriter::end_chunk() {
@@ -198,19 +194,19 @@ void InputLogWriter::end_chunk() {
   const auto length = static_cast<std::uint32_t>(chunk_.size());
   const std::uint64_t checksum = XXH3_64bits(chunk_.data(), chunk_.size());
   assert(chunk_.size() == length);
-  framed_.clear();
-  ByteWriter(framed_).fixed(length).fixed(checksum).raw(chunk_);
-  (void)file_.append(framed_);
+  ByteWriter(framed_.emplace_back()).fixed(length).fixed(checksum).raw(chunk_);
   chunk_.clear();
 }
 
 Status InputLogWriter::flush() {
   end_chunk();
+  for (const std::string& chunk : framed_) (void)file_.append(chunk);
+  framed_.clear();
   return file_.flush();
 }
 
 Status InputLogWriter::close() {
-  end_chunk();
+  (void)flush();
   return file_.close();
 }
 
@@ -301,7 +297,9 @@ std::optional<LoggedInput> InputLogReader::next() {
       fail("an entry that no writer makes");
       return std::nullopt;
     }
-    reached_ = last_t_;
+    // The tick of an entry may have had more, and so may the start, whose time is that of the first tick.
+    if (type == kReached || last_t_ > SimTime::zero())
+      reached_ = std::max(reached_, type == kReached ? last_t_ : last_t_ - SimTime{1});
     if (entry) return entry;
   }
 }

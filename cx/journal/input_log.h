@@ -55,6 +55,9 @@ struct LoggedWorld {
   std::string_view bytes;
 };
 
+/// The time of a log that has all inputs of the start, and none of the first tick.
+inline constexpr SimTime kStarted{-1};
+
 using LoggedInput = std::variant<LoggedTake, LoggedResult, LoggedWorld>;
 
 /// Writes entries in the order in which they come.
@@ -62,13 +65,15 @@ class InputLogWriter {
  public:
   static Expected<InputLogWriter> create(const std::filesystem::path& path);
 
-  /// Entries reach the file when 32 KiB have come together, at least every 10 s of simulated time, and with `flush`.
+  /// Entries reach the file with `reach` and `flush`, or when 16 MiB have come together.
   void add(const LoggedTake& take);
   void add(const LoggedResult& result);
   void add(const LoggedWorld& world);
-  /// The run has come to `t`, with or without inputs: noted now and then, so that the log of one that is killed says
-  /// how far it goes.
+  /// All that entered up to `t` has been added (`kStarted`: until the first tick). Noted the first time, when the time
+  /// has doubled, and every 10 s of simulated time; what was added then reaches the file.
   void reach(SimTime t);
+  /// Whether `reach` writes at that time.
+  bool writes_at(SimTime t) const { return t >= flush_due_; }
 
   /// Whether writing went well so far (kResource if not); ask once a tick.
   const Status& status() const { return file_.status(); }
@@ -78,16 +83,16 @@ class InputLogWriter {
  private:
   explicit InputLogWriter(AppendFile file) : file_(std::move(file)) {}
   void begin(std::uint8_t entry, SimTime t);
-  void finish(SimTime t);
+  void finish();
   void put_name(std::string_view name);
   void end_chunk();
 
   AppendFile file_;
-  std::string chunk_;   // entries that come together
-  std::string framed_;  // a chunk with its length and checksum
+  std::string chunk_;                // entries that come together
+  std::vector<std::string> framed_;  // whole chunks with their lengths and checksums, which wait for `flush`
   std::map<std::string, std::uint64_t, std::less<>> names_;
   SimTime last_t_{};
-  SimTime flush_due_{};
+  SimTime flush_due_ = kStarted;
 };
 
 /// Reads them back. Views of an entry live as long as the reader.
@@ -99,7 +104,7 @@ class InputLogReader {
 
   /// The next entry; nothing at the end, or where the log is broken.
   std::optional<LoggedInput> next();
-  /// How far the entries go that were read.
+  /// The last time up to which all inputs have been read; `kStarted` if that is only the start, less if not even that.
   SimTime reached() const { return reached_; }
   /// After the last entry: where and how the log is broken (cut off, changed), or success.
   const Status& status() const { return status_; }
@@ -115,7 +120,7 @@ class InputLogReader {
   std::size_t chunk_start_ = 0;  // of the current one
   std::string_view chunk_;       // what is left of the current one
   std::shared_ptr<std::deque<std::string>> names_;
-  SimTime last_t_{}, reached_{};
+  SimTime last_t_{}, reached_ = kStarted - SimTime{1};
   Status status_;
 };
 

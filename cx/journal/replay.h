@@ -44,7 +44,7 @@ class Replayer final : public bus::Feed {
 
   /// How reading ended: a log that is cut off replays up to there.
   const Status& log_status() const { return log_.status(); }
-  /// Time of the last entry of an environment.
+  /// As `InputLogReader::reached`.
   SimTime end() const { return end_; }
 
   /// Names an environment before anything is delivered: a delivery of another one may come from it first.

@@ -299,7 +299,7 @@ class Output(Lab):
 
     def test_full_disk(self):
         self.agent('(defrule t (time ?t) => (println "time " ?t))', SCENARIO.replace(": 2", ": 2000"))
-        for limit in [3000, 100000]:
+        for limit in [6000, 100000]:
             with self.subTest(limit=limit):
                 shutil.rmtree(self.out, ignore_errors=True)
                 self.fails(5, "File too large", arguments=["--journal", "full"],

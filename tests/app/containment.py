@@ -94,12 +94,20 @@ class Signals(Lab):
         self.assertEqual(done.returncode, 3)
         self.assertIn("the run was cut off before its end", done.stderr)
 
-    def test_replay_why_not_and_stories_end_too(self):
+    def test_why_not_looks_at_the_tick_before_a_loop(self):
         self.agent("(defrule stranger => " + LOOPS["printed"] + ")\n")
         self.stop(signal.SIGINT, "run", "scenario.yaml", "--quiet", "--out", self.out)
+        done = subprocess.run([CXLAB, "why-not", self.out, "stranger"], capture_output=True, text=True, timeout=30)
+        self.assertIn("ended before the log of its inputs had the first tick", done.stderr)
+        self.agent("(defrule stranger (time ?t&:(> ?t 0.5)) => " + LOOPS["printed"] + ")\n")
+        self.stop(signal.SIGINT, "run", "scenario.yaml", "--quiet", "--out", self.out, "--force")
+        done = subprocess.run([CXLAB, "why-not", self.out, "stranger"], capture_output=True, text=True, timeout=30)
+        self.assertIn("condition 1 does not hold", done.stdout)
+
+    def test_stories_end_too(self):
+        self.agent("(defrule stranger => " + LOOPS["printed"] + ")\n")
         self.write("loop.story.yaml", "common:\n  rules: rules/rules.clp\nstories:\n  - story: endless\n    expect: [{no_fact: (b), within_s: 1}]\n")
-        for arguments in (("why-not", self.out, "stranger"), ("test", "loop.story.yaml"),
-                          ("test", "loop.story.yaml", "-j", "2")):
+        for arguments in (("test", "loop.story.yaml"), ("test", "loop.story.yaml", "-j", "2")):
             code, seconds = self.stop(signal.SIGTERM, *arguments)
             self.assertEqual(code, 143, self.errors)
             self.assertLess(seconds, 3, arguments)
@@ -170,7 +178,8 @@ class Escapes(Lab):
         os.chmod(self.folder / "rules" / "rules.clp", 0o600)
         os.chmod(self.folder / "agent.yaml", 0o644)
         self.assertEqual(self.run_it().returncode, 0)
-        files = json.loads((self.out / "files" / "index.json").read_text())["files"]
+        lines = (self.out / "files" / "index.jsonl").read_text().splitlines()
+        files = {line["name"]: line["hash"] for line in map(json.loads, lines)}
         modes = {name.rsplit("/", 1)[1]: (self.out / "files" / file).stat().st_mode & 0o777 for name, file in files.items()
                  if "/" in name}
         self.assertEqual((modes["rules.clp"], modes["agent.yaml"]), (0o600, 0o644))

@@ -70,7 +70,7 @@ class Game(Lab):
             self.assertGreater(record["n"], last.get(record["stream"], -1))
             last[record["stream"]] = record["n"]
         self.assertIn("referee", last)
-        for name in ["journal.jsonl", "inputs.bin", "result.json", "logs/agent.log", "files/index.json"]:
+        for name in ["journal.jsonl", "inputs.bin", "result.json", "logs/agent.log", "files/index.jsonl"]:
             content = (self.out / name).read_bytes()
             self.assertNotIn(str(SOURCE).encode(), content, name)
             self.assertNotIn(str(self.folder).encode(), content, name)

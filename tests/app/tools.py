@@ -2,11 +2,13 @@
 
 import json
 import os
+import random
 import re
 import shutil
 import signal
 import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -273,6 +275,31 @@ clips_manager:
         self.assertIn("did you mean 'take'", self.cxlab("why-not", run, "tak", expect=3).stderr)
         self.assertIn("condition 2 does not hold", self.cxlab("why-not", run, "take").stdout)
 
+    def test_why_not_of_rules_of_modules_and_for_one_binding(self):
+        config = self.package("""
+(defmodule MAIN (export ?ALL))
+(deftemplate job (slot id) (slot state))
+(deffacts jobs (job (id 1) (state OPEN)) (job (id 2) (state DONE)))
+(defrule both (time ?) (job (id ?id)) (job (id ?other&~?id) (state ?state)) (test (eq ?state OPEN)) => (assert (done ?id)))
+(defmodule A (import MAIN ?ALL))
+(defrule A::go (job (id ?id) (state OPEN)) => (assert (a ?id)))
+(defmodule B (import MAIN ?ALL))
+(defrule B::go (job (id ?id) (state LOST)) => (assert (b ?id)))
+(defrule B::first ?f <- (time ?) => (focus A))
+""")
+        run = self.folder / "run"
+        self.cxlab("env", config, "--until", 2, "--quiet", "--out", run)
+        found = self.answer("why-not", run, "go")["explanations"]
+        self.assertEqual([(e["module"], e["line"], e["verdict"], e["fired"]) for e in found], [("A", 7, "focus", 0), ("B", 9, "condition", 0)])
+        self.assertEqual([e["module"] for e in self.answer("why-not", run, "B::go")["explanations"]], ["B"])
+        self.assertIn("its module A is not in focus: the next run looks at MAIN only", self.cxlab("why-not", run, "A::go").stdout)
+        self.assertIn("did you mean 'A::go'", self.cxlab("why-not", run, "C::go", expect=3).stderr)
+        self.assertEqual(self.answer("why-not", run, "both", "--where", "id=2")["explanations"][0]["verdict"], "waiting")
+        unmet = self.answer("why-not", run, "both", "--where", "?id=1", "--where", "other=2")["explanations"][0]["first_unmet"]
+        self.assertEqual((unmet["condition"], unmet["pattern"], unmet["values"]["state"]), (4, "(test (eq ?state OPEN))", "DONE"))
+        self.assertIn("did you mean 'id'", self.cxlab("why-not", run, "both", "--where", "ids=1", expect=3).stderr)
+        self.assertIn("expected VARIABLE=VALUE", self.cxlab("why-not", run, "both", "--where", "id", expect=2).stderr)
+
     def test_why_not_counts_what_fired_below_a_namespace(self):
         config = self.package("(defrule go => (assert (gone)))")
         run = self.folder / "run"
@@ -315,27 +342,83 @@ clips_manager:
 
     # --- runs that were killed
 
-    def kill(self, run):
-        """What a killed run leaves: a result of a run that has not ended, and a log that ends anywhere."""
-        result = json.loads((run / "result.json").read_text())
-        result.update(status="failed", reason={"code": "unfinished", "message": "", "file": None, "line": None}, sim_time_s=0, ticks=0,
-                      stream_hashes={}, physics_hash=None)
-        (run / "result.json").write_text(json.dumps(result))
+    def killed(self, *arguments, log_bytes):
+        """A run whose process was killed when the log of its inputs had so many bytes, if it had not ended before."""
+        run = self.folder / f"killed-{log_bytes}"
+        process = subprocess.Popen([CXLAB, *map(str, arguments), "--quiet", "--out", run], cwd=self.folder, stderr=subprocess.DEVNULL)
+        log = run / "inputs.bin"
+        while process.poll() is None and not (log.exists() and log.stat().st_size >= log_bytes):
+            time.sleep(0.0005)
+        process.kill()
+        process.wait()
         return run
 
-    def test_why_not_looks_at_the_last_time_that_was_recorded(self):
-        game = self.kill(self.timed_game(50))
+    def test_why_not_of_a_killed_run_is_that_of_the_whole_run(self):
+        whole = self.timed_game(1200)
+        size = (whole / "inputs.bin").stat().st_size
         rules = sorted((SOURCE / "scenarios/rcll/agent").rglob("*.clp"))
         rule = next(line.split()[1] for file in rules for line in file.read_text().splitlines() if line.startswith("(defrule "))
-        self.assertGreater(self.answer("why-not", game, rule)["at_s"], 40)
+        chance = random.Random(7)
+        times = []
+        for log_bytes in [0, 9, *(chance.randrange(9, size * 3 // 4) for _ in range(4))]:
+            killed = self.killed("run", GAME, "--tier", "timed", log_bytes=log_bytes)
+            self.assertEqual(json.loads((killed / "result.json").read_text())["reason"]["code"], "unfinished")
+            done = subprocess.run([CXLAB, "why-not", killed, rule, "--json"], capture_output=True, text=True, timeout=60)
+            if done.returncode == 3:
+                self.assertIn("ended before the log of its inputs had the first tick", done.stderr)
+                continue
+            self.assertEqual(done.returncode, 0, done.stderr)
+            answer = json.loads(done.stdout)
+            times.append(answer["at_s"])
+            self.assertEqual(answer, self.answer("why-not", whole, rule, "--at", times[-1]))
+            early = self.answer("why-not", killed, rule, "--at", times[-1] / 2)
+            self.assertLessEqual(early["at_s"], times[-1] / 2)
+            self.assertEqual(early, self.answer("why-not", whole, rule, "--at", times[-1] / 2))
+            late = self.answer("why-not", killed, rule, "--at", 1200)
+            self.assertEqual((late["at_s"], late["cut_off"]), (times[-1], True))
+        self.assertGreater(len(times), 3)
+        self.assertGreater(max(times), 100)
 
     def test_why_not_of_a_killed_run_without_any_inputs(self):
         config = self.package("(defrule go => (assert (here)))\n(defrule never (there) => (println \"there\"))")
-        self.cxlab("env", config, "--until", 45, "--quiet", "--out", self.folder / "run")
-        killed = self.kill(self.folder / "run")
-        self.assertEqual(self.answer("why-not", killed, "never")["at_s"], 40)
+        killed = self.killed("env", config, "--until", 1e8, log_bytes=100)
+        answer = self.answer("why-not", killed, "never")
+        self.assertGreater(answer["at_s"], 1)
+        self.assertEqual(answer["explanations"][0]["first_unmet"]["because"], "there is no fact of there")
+        self.assertEqual(self.answer("why-not", killed, "never", "--at", 1)["at_s"], 1)
         (killed / "inputs.bin").write_bytes((killed / "inputs.bin").read_bytes()[:8])   # killed at once
-        self.assertEqual(self.answer("why-not", killed, "never")["at_s"], 0)
+        self.assertIn("ended before the log of its inputs had the first tick", self.cxlab("why-not", killed, "never", expect=3).stderr)
+        (killed / "inputs.bin").unlink()
+        self.assertIn("ended before", self.cxlab("why-not", killed, "never", expect=3).stderr)
+
+    def test_a_definition_that_is_read_late_is_among_the_copies_of_a_killed_run(self):
+        config = self.package("""(defrule late (time ?t&:(> ?t 30)) (not (sent)) => (assert (sent))
+            (bind ?m (ros-msgs-create-message "geometry_msgs/msg/Pose")) (ros-msgs-destroy-message ?m))
+            (defrule never (there) => (println "there"))""", plugins='"executive", "messages", "files"')
+        config.write_text(config.read_text() + '    messages: {plugin: "cx::RosMsgsPlugin"}\n')
+        killed = self.killed("env", config, "--until", 1e8, log_bytes=400)
+        answer = self.answer("why-not", killed, "late")
+        self.assertGreater(answer["at_s"], 40)
+        self.assertEqual(answer["explanations"][0]["fired"], 1)
+
+    def test_an_error_of_the_replay_is_reported(self):
+        config = self.package('(defrule go (time ?t) => (assert (there (ament-index-get-package-share-directory "mine"))))')
+        run = self.folder / "run"
+        self.cxlab("env", config, "--until", 2, "--quiet", "--out", run)
+        copy = next((run / "files").glob("[0-9a-f]*"))
+        for copy in (run / "files").glob("[0-9a-f]*"):
+            if "share-directory" in copy.read_text():
+                copy.write_text(copy.read_text().replace("mine", "none"))
+        self.assertIn("was changed", self.cxlab("why-not", run, "go", expect=3).stderr)
+
+    def test_why_not_of_a_run_that_failed_looks_at_its_end(self):
+        config = self.package("(defrule bad (time ?t&:(> ?t 1)) => (/ 1 0))\n(defrule never (there) => (println \"there\"))")
+        run = self.folder / "run"
+        scenario = self.folder / "scenario.yaml"
+        scenario.write_text(f"schema: 1\nduration_s: 5\npackages: {{mine: {config.parent.parent}}}\nagents:\n  - config: {config}\n")
+        self.cxlab("run", scenario, "--quiet", "--out", run, expect=4)
+        self.assertEqual(self.answer("why-not", run, "never")["at_s"], 1.5)
+        self.assertEqual(self.answer("why-not", run, "bad", "--at", 1)["explanations"][0]["fired"], 0)
 
     def test_a_rerun_without_its_files_plays_the_runs_copies(self):
         config = self.package('(defrule a => (assert (one) (share (ament-index-get-package-share-directory "mine"))))')
@@ -374,7 +457,8 @@ clips_manager:
         self.assertEqual((self.folder / "run.png").read_bytes(), (self.folder / "scenario.png").read_bytes())
         self.cxlab("render", run, "--at", 100, "--out", self.folder / "late.png", expect=3)
         self.cxlab("render", run, "--camera", "top", "--size", "320x240", "--out", self.folder / "end.png")
-        self.cxlab("render", self.kill(run), "--camera", "top", "--size", "320x240", "--out", self.folder / "killed.png")
+        killed = self.killed("run", GAME, log_bytes=(run / "inputs.bin").stat().st_size // 2)
+        self.cxlab("render", killed, "--camera", "top", "--size", "320x240", "--out", self.folder / "killed.png")
         self.assertNotEqual((self.folder / "end.png").read_bytes(), (self.folder / "run.png").read_bytes())
         start = self.folder / "start.png"
         self.cxlab("render", run, "--at", 0, "--camera", "top", "--size", "320x240", "--out", start)

