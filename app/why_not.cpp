@@ -87,9 +87,11 @@ void print(const lab::WhyNotAnswer::InEnvironment& found) {
     print("with", answer.values);
     if (answer.combinations > 1) std::printf("    and %zu other combinations\n", answer.combinations - 1);
   }
-  std::printf("  fired %zu times so far", answer.fired);
-  if (answer.fired > 0) std::printf(", the last time at %s with", seconds(answer.last_fired).c_str());
-  std::printf("\n");
+  if (answer.fired == 0)
+    std::printf("  has not fired so far\n");
+  else
+    std::printf("  fired %zu time%s so far, the last time at %s with\n", answer.fired, answer.fired == 1 ? "" : "s",
+                seconds(answer.last_fired).c_str());
   print(answer.last_facts);
 }
 
