@@ -145,5 +145,11 @@ TEST(FormReader, SurvivesTenThousandMutations) {
   }
 }
 
+TEST(FormReader, ATermIsPrintedAsClipsReadsIt) {
+  const std::string rule = "(defrule r ?f<-(a (x ~1&?v | 2)   (y ?v&:(<= ?v 3)&=(+ ?v 1))) =>)";
+  const Term term = tree_of(read_forms(rule, "f.clp").forms.front());
+  EXPECT_EQ(term.print(), "(defrule r ?f <- (a (x ~1&?v|2) (y ?v&:(<= ?v 3)&=(+ ?v 1))) =>)");
+}
+
 }  // namespace
 }  // namespace cxlab
