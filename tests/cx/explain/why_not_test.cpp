@@ -254,6 +254,12 @@ TEST_F(WhyNotTest, WhatHasFiredHasItsTimesAndFacts) {
   EXPECT_EQ(json["first_unmet"]["fact"], "(t (a 3))");
 }
 
+TEST_F(WhyNotTest, WhatANotBindsInsideIsItsOwn) {
+  load("(deffacts d (a 1) (b 5))(defrule r (not (a ?x)) (b ?x) =>)(defrule s (exists (a ?x)) (b ?x) =>)");
+  EXPECT_EQ(unmet("r", {{"x", "5"}}).number, 1) << "(a 1) forbids it, whatever ?x is outside";
+  EXPECT_EQ(why("s", {{"x", "5"}}).verdict, Verdict::kWaiting);
+}
+
 TEST_F(WhyNotTest, WhatHoldsAndHasFiredIsDone) {
   load(
       "(deftemplate t (slot id) (slot v)) (deffacts d (t (id 1) (v 1)) (t (id 2) (v 1))) (defrule fires (t (id ?id) (v "
