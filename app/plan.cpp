@@ -4,7 +4,6 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <mutex>
 #include <new>
@@ -15,6 +14,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/planning.h"
+#include "cx/base/file.h"
 #include "lab/page.h"
 #include "planner/pddl/parser.h"
 #include "planner/planner.h"
@@ -138,12 +138,8 @@ class Interruption {
 };
 
 int write(const std::string& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text;
-  out.flush();
-  if (out) return 0;
-  std::fprintf(stderr, "error: %s: cannot be written\n", file.c_str());
-  return static_cast<int>(ErrorKind::kResource);
+  const Status written = write_file(file, text);
+  return written ? 0 : fail(written.error());
 }
 
 /// Prints and writes the answer as asked; the exit code.

@@ -1,13 +1,13 @@
 // cxlab test: plays stories, regression tests of rules.
 
 #include <cstdio>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
+#include "cx/base/file.h"
 #include "lab/stories.h"
 #include "scenarios/share.h"
 
@@ -36,14 +36,6 @@ void print(const Coverage& files) {
     }
   std::printf("rules: %d fired, %d activated but never fired, %d never matched\n", counts["fired"],
               counts["activated but never fired"], counts["never matched"]);
-}
-
-Status write(const std::string& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) return resource_error("cannot write this file", file);
-  return {};
 }
 
 void print(const PlayedStory& p) {
@@ -90,12 +82,12 @@ int test(const TestOptions& options) {
   if (!options.junit.empty()) {
     const auto junit = lab::to_junit(*stories);
     if (!junit) return fail(junit.error());
-    if (Status s = write(options.junit, *junit); !s) return fail(s.error());
+    if (Status s = write_file(options.junit, *junit); !s) return fail(s.error());
   }
   if (!options.coverage.empty()) {
     const auto lcov = lab::to_lcov(coverage);
     if (!lcov) return fail(lcov.error());
-    if (Status s = write(options.coverage, *lcov); !s) return fail(s.error());
+    if (Status s = write_file(options.coverage, *lcov); !s) return fail(s.error());
   }
   if (bad) return static_cast<int>(ErrorKind::kInput);
   return passed == stories->size() ? 0 : static_cast<int>(ErrorKind::kNo);

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <set>
 
+#include "cx/base/file.h"
 #include "cx/base/number_text.h"
 #include "cx/bus/names.h"
 #include "cx/executive/environment_manager.h"
-#include "cx/journal/file_store.h"
 #include "cx/yaml/yaml.h"
 #include "lab/packages.h"
 #include "scenarios/share.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "cx/journal/file_store.h"
+#include "cx/base/file.h"
 #include "scenarios/share.h"
 
 namespace cxlab::lab {
@@ -35,7 +35,7 @@ Expected<std::string> Interfaces::show(const std::string& name) {
   if (const std::size_t slash = full.find('/'); slash != full.npos && full.find('/', slash + 1) == full.npos)
     full.insert(slash, "/msg");
   const std::vector<std::string> known = names();
-  if (std::find(known.begin(), known.end(), full) == known.end())
+  if (std::ranges::find(known, full) == known.end())
     return input_error("there is no interface '" + name + "'" + did_you_mean(full, known));
   if (Status s = append(full, "", out); !s) return s.error();
   return out;

@@ -1,9 +1,9 @@
 #include "lab/new_package.h"
 
 #include <filesystem>
-#include <fstream>
 
-#include "cx/journal/file_store.h"
+#include "cx/base/file.h"
+#include "cx/plugins/bindings/names.h"
 #include "scenarios/share.h"
 
 namespace cxlab::lab {
@@ -44,17 +44,6 @@ std::string objection(const std::string& name) {
   return {};
 }
 
-/// "my_plugin": "MyPlugin".
-std::string camel_case(std::string_view name) {
-  std::string camel;
-  bool first = true;
-  for (const char c : name) {
-    if (c != '_') camel += first && is_letter(c) ? static_cast<char>(c - 'a' + 'A') : c;
-    first = c == '_';
-  }
-  return camel;
-}
-
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
     text.replace(at, from.size(), to);
@@ -65,12 +54,8 @@ Status copy_file(const fs::path& from, const fs::path& to, const std::string& ki
   auto text = read_file(from);
   if (!text) return text.error();
   replace_all(*text, "my_" + kind, name);
-  replace_all(*text, camel_case("my_" + kind), camel_case(name));
-  std::ofstream out(to, std::ios::binary);
-  out << *text;
-  out.close();
-  if (!out) return resource_error("cannot write this file", to.string());
-  return {};
+  replace_all(*text, cx::camel_case("my_" + kind), cx::camel_case(name));
+  return write_file(to, *text);
 }
 
 }  // namespace

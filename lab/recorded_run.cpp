@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "cx/base/file.h"
 #include "cx/journal/input_log.h"
 
 namespace cxlab::lab {

@@ -1,14 +1,12 @@
 #include "lab/reference.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "cx/base/file.h"
+#include "cx/base/scratch_folder.h"
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/executive/plugin_library.h"
@@ -27,7 +25,7 @@ namespace fs = std::filesystem;
 constexpr const char* kManager = "environment manager";
 
 /// A configuration with an environment for each class, and one without plugins.
-Expected<std::string> write_configuration(const std::vector<std::string>& classes) {
+Status write_configuration(const fs::path& file, const std::vector<std::string>& classes) {
   std::string environments = "none", sections = "    none: {log_clips_to_file: false}\n";
   for (std::size_t i = 0; i < classes.size(); ++i) {
     const std::string number = std::to_string(i);
@@ -35,12 +33,7 @@ Expected<std::string> write_configuration(const std::vector<std::string>& classe
     sections += "    e" + number + ": {plugins: [p" + number + "], log_clips_to_file: false}\n    p" + number +
                 ": {plugin: \"" + classes[i] + "\"}\n";
   }
-  std::string file = (fs::temp_directory_path() / "cxlab-doc-XXXXXX").string();
-  const int descriptor = mkstemp(file.data());
-  if (descriptor < 0) return resource_error("cannot write to " + fs::temp_directory_path().string());
-  close(descriptor);
-  std::ofstream(file) << "/**:\n  ros__parameters:\n    environments: [" << environments << "]\n" << sections;
-  return file;
+  return write_file(file, "/**:\n  ros__parameters:\n    environments: [" + environments + "]\n" + sections);
 }
 
 struct KnownClass {
@@ -150,16 +143,15 @@ Expected<std::vector<PluginReference>> read_reference(const std::map<std::string
   if (Status s = add_interfaces(registry, packages); !s) return s.error();
   Journal journal;
   bus::Bus bus(registry, journal);
-  auto config = write_configuration(classes);
-  if (!config) return config.error();
+  auto scratch = ScratchFolder::create();
+  if (!scratch) return scratch.error();
   cx::ManagerOptions options;
-  options.config = *config;
+  options.config = (*scratch)->path() / "doc.yaml";
+  if (Status s = write_configuration(options.config, classes); !s) return s.error();
   options.plugin_types = cx::builtin_plugins();
   for (const auto& [name, folder] : packages) options.packages[name] = {folder, {}};
   options.keep_going = named.empty();  // one that cannot be loaded does not hide the others
   auto manager = cx::EnvironmentManager::create(std::move(options), bus, journal);
-  std::error_code ignored;
-  fs::remove(*config, ignored);
   if (!manager) {
     Error error = manager.error();
     error.file.clear();  // ours, and gone

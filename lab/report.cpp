@@ -1,11 +1,10 @@
 #include "lab/report.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "cx/base/file.h"
 #include "cx/journal/journal_reader.h"
 #include "cx/journal/run_folder.h"
 #include "lab/page.h"
@@ -18,8 +17,8 @@ using Json = nlohmann::ordered_json;
 
 std::string base64(const std::filesystem::path& file) {
   static constexpr char kAlphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::ifstream in(file, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  const auto read = read_file(file);
+  const std::string bytes = read ? *read : std::string();
   std::string out;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     unsigned value = 0;
@@ -36,7 +35,7 @@ Json readable_files(const std::filesystem::path& folder) {
   std::vector<std::string> logs;
   for (const auto& entry : std::filesystem::directory_iterator(folder / "logs", ignored))
     if (!entry.is_symlink()) logs.push_back("logs/" + entry.path().filename().string());
-  std::sort(logs.begin(), logs.end());
+  std::ranges::sort(logs);
   Json out = {"result.json", "report.json", "manifest.json", "journal.jsonl"};
   for (std::string& log : logs) out.push_back(std::move(log));
   return out;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "cx/base/file.h"
 #include "cx/bus/names.h"
-#include "cx/journal/file_store.h"
 #include "scenarios/catalogue.h"
 #include "scenarios/result.h"
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <new>
 #include <set>
 
+#include "cx/base/file.h"
 #include "cx/bus/definition.h"
 #include "cx/bus/layout.h"
 #include "cx/bus/literal.h"
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kMaxMessageBytes = std::size_t{1} << 26;
 constexpr std::size_t kMaxNesting = 64;
-constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 22;
+constexpr std::size_t kMaxFileBytes = std::size_t{1} << 22;
 
 /// The folders of a package, and what the sections of their files are called.
 struct Form {
@@ -45,18 +45,12 @@ std::vector<std::string> split(std::string_view text) {
   }
 }
 
-Expected<std::string> read_file(const fs::path& path) {
-  std::error_code failure;
-  const auto size = fs::file_size(path, failure);
-  if (failure) return input_error("cannot read: " + failure.message(), path.string());
-  if (size > kMaxFileBytes)
-    return input_error(
-        "found " + std::to_string(size) + " bytes, expected a definition of at most " + std::to_string(kMaxFileBytes),
-        path.string());
-  std::ifstream stream(path, std::ios::binary);
-  std::string text(static_cast<std::size_t>(size), '\0');
-  if (!stream.read(text.data(), static_cast<std::streamsize>(size)))
-    return input_error("cannot read the file", path.string());
+Expected<std::string> read_definition(const fs::path& path) {
+  auto text = read_file(path);
+  if (text && text->size() > kMaxFileBytes)
+    return input_error("found " + std::to_string(text->size()) + " bytes, expected a definition of at most " +
+                           std::to_string(kMaxFileBytes),
+                       path.string());
   return text;
 }
 
@@ -224,7 +218,7 @@ Status Registry::read(const std::string& package, const std::string& folder, con
   if (reading.size() == kMaxNesting)
     return input_error("'" + full + "' is nested in " + std::to_string(kMaxNesting) + " messages, which is the most");
 
-  const auto text = read_file(path);
+  const auto text = read_definition(path);
   if (!text) return text.error();
   known->second.read = true;
   state_->files.insert(path);

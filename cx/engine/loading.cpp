@@ -1,10 +1,9 @@
 // Files of rules, form by form.
 
 #include <algorithm>
-#include <fstream>
 #include <span>
-#include <sstream>
 
+#include "cx/base/file.h"
 #include "cx/base/number_text.h"
 #include "internal/impl.h"
 
@@ -136,8 +135,7 @@ bool RuleEngine::Impl::is_acting(const std::string& function, std::set<std::stri
   }
   const auto body = calls_of.find(function);
   if (body == calls_of.end() || !seen.insert(function).second) return false;
-  return std::any_of(body->second.begin(), body->second.end(),
-                     [&](const std::string& inner) { return is_acting(inner, seen); });
+  return std::ranges::any_of(body->second, [&](const std::string& inner) { return is_acting(inner, seen); });
 }
 
 std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) {
@@ -321,13 +319,9 @@ LoadReport RuleEngine::load_file(const std::string& path, LoadMode mode, OnLoadE
   };
   Expected<std::string> real_path = options_.files == nullptr ? path : options_.files->for_reading(path);
   if (!real_path) return refused(real_path.error().message);
-  std::ifstream in(*real_path, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf()).good()) {
-    // An empty file sets the fail bit and is fine.
-    if (!in || in.peek() != std::ifstream::traits_type::eof()) return refused("cannot read '" + path + "'");
-  }
-  return load_text(text.str(), path, mode, on_error);
+  const auto text = read_file(*real_path);
+  if (!text) return refused("cannot read '" + path + "'");
+  return load_text(*text, path, mode, on_error);
 }
 
 Status RuleEngine::build(std::string_view construct, const std::string& file, int line) {

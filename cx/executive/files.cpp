@@ -1,7 +1,6 @@
 #include "cx/executive/files.h"
 
-#include <fstream>
-#include <sstream>
+#include "cx/base/file.h"
 
 namespace cxlab::cx {
 
@@ -114,11 +113,8 @@ Expected<FoundFile> Files::resolve(const std::string& file, const std::vector<st
 Expected<std::string> Files::read(const FoundFile& file) const {
   if (options_.on_read)
     if (Status s = options_.on_read(file.logical_name, file.path); !s) return s.error();
-  std::ifstream in(file.path, std::ios::binary);
-  std::stringstream text;
-  if (!in || !is_file(file.path)) return input_error("cannot read this file", file.path.string());
-  text << in.rdbuf();
-  return text.str();
+  if (!is_file(file.path)) return input_error("cannot be read", file.path.string());
+  return read_file(file.path);
 }
 
 fs::path Files::outside(const fs::path& path) const {

@@ -3,10 +3,10 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "cx/base/file.h"
 #include "cx/journal/hash_text.h"
 #include "cx/journal/run_folder.h"
 
@@ -32,16 +32,6 @@ bool is_hash(const std::string& text) {
 std::string content_hash(std::string_view bytes) {
   const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
   return hash_text(hash.high64) + hash_text(hash.low64);
-}
-
-Expected<std::string> read_file(const fs::path& path) {
-  std::error_code error;
-  if (fs::is_directory(path, error)) return input_error("is a folder, expected a file", path.string());
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return input_error("cannot be read", path.string());
-  std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  if (file.bad()) return input_error("cannot be read", path.string());
-  return bytes;
 }
 
 Expected<FileStore> FileStore::create(const fs::path& run) {
@@ -70,7 +60,7 @@ Status FileStore::add_content(const std::string& logical_name, std::string_view 
   }
   const std::string hash = content_hash(bytes);
   auto& hashes = hashes_[logical_name];
-  if (std::find(hashes.begin(), hashes.end(), hash) != hashes.end()) return {};
+  if (std::ranges::find(hashes, hash) != hashes.end()) return {};
   std::error_code ignored;
   if (!fs::exists(folder_ / hash, ignored)) {
     if (Status s = replace_file(folder_ / hash, bytes); !s) return s;

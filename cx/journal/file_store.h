@@ -15,9 +15,6 @@ namespace cxlab {
 /// 32 hex digits (XXH3, 128 bit).
 std::string content_hash(std::string_view bytes);
 
-/// The whole file; kInput if it cannot be read.
-Expected<std::string> read_file(const std::filesystem::path& path);
-
 /// Takes the copies while the run reads. Logical names are relative ("<package>/rules/dispatch.clp",
 /// "scenario/game.yaml"): no drive, no "..", forward slashes. Each copy is in the index before its file is used, so
 /// that the index is whole whenever the process ends.

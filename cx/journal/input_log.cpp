@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "cx/base/byte_codec.h"
-#include "cx/journal/file_store.h"
+#include "cx/base/file.h"
 
 namespace cxlab {
 namespace {

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 
+#include "cx/base/file.h"
 #include "cx/base/number_text.h"
 #include "cx/yaml/yaml.h"
 
@@ -141,14 +140,11 @@ Expected<Parameters> Parameters::load(const std::filesystem::path& file, const s
                                       const std::string& name_space) {
   Parameters out;
   out.file_ = file.string();
-  std::ifstream in(file, std::ios::binary);
-  std::error_code ignored;
-  if (!in || std::filesystem::is_directory(file, ignored)) return input_error("cannot read this file", out.file_);
-  std::stringstream text;
-  text << in.rdbuf();
+  auto text = read_file(file);
+  if (!text) return text.error();
   try {
     std::vector<Section> sections;
-    find_sections(YAML::Load(text.str()), "", sections);
+    find_sections(YAML::Load(*text), "", sections);
     std::vector<std::string> full = segments(name_space);
     full.push_back(node);
     std::vector<const Section*> applying;
@@ -165,13 +161,13 @@ Expected<Parameters> Parameters::load(const std::filesystem::path& file, const s
       if (!sections.empty()) message += ", found '" + sections.front().name + "'";
       return input_error(std::move(message), out.file_, sections.empty() ? 1 : sections.front().line);
     }
-    std::stable_sort(applying.begin(), applying.end(), [](const Section* a, const Section* b) {
+    std::ranges::stable_sort(applying, [](const Section* a, const Section* b) {
       return (a->name.find('*') != std::string::npos) > (b->name.find('*') != std::string::npos);
     });
     for (const Section* s : applying)
       if (s->parameters.IsMap()) flatten(s->parameters, "", out.file_, out.values_);
   } catch (const YAML::Exception& e) {
-    return yaml::syntax_error(e, text.str(), out.file_);
+    return yaml::syntax_error(e, *text, out.file_);
   }
   return out;
 }

@@ -2,8 +2,7 @@
 
 #include <minijinja.h>
 
-#include <fstream>
-#include <sstream>
+#include "cx/base/file.h"
 
 namespace cxlab::templates {
 
@@ -44,13 +43,8 @@ Loader folder_loader(const std::string& folder) {
       if (name.substr(at, end - at) == "..") return std::nullopt;
       at = end + 1;
     }
-    std::ifstream in(folder + "/" + name, std::ios::binary);
-    if (!in) return std::nullopt;
-    if (in.peek() == std::ifstream::traits_type::eof()) return in.bad() ? std::nullopt : std::optional<std::string>("");
-    std::ostringstream text;
-    text << in.rdbuf();
-    if (!text || in.bad()) return std::nullopt;
-    return std::move(text).str();
+    auto text = read_file(folder + "/" + name);
+    return text ? std::optional(*std::move(text)) : std::nullopt;
   };
 }
 

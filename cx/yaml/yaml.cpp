@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <set>
 #include <sstream>
 #include <tuple>
 
+#include "cx/base/file.h"
 #include "cx/base/number_text.h"
 #include "cx/yaml/writer.h"
 
@@ -314,12 +314,9 @@ void Map::finish() {
 }
 
 Expected<Document> Document::load(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::error_code ignored;
-  if (!in || std::filesystem::is_directory(file, ignored)) return input_error("cannot read this file", file.string());
-  std::stringstream text;
-  text << in.rdbuf();
-  return parse(text.str(), file.string());
+  auto text = read_file(file);
+  if (!text) return text.error();
+  return parse(*text, file.string());
 }
 
 Error syntax_error(const YAML::Exception& thrown, const std::string& text, const std::string& file) {

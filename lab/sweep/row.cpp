@@ -3,6 +3,7 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 
+#include "cx/base/file.h"
 #include "cx/journal/file_store.h"
 
 namespace cxlab::lab {

@@ -10,6 +10,7 @@
 #include <set>
 #include <thread>
 
+#include "cx/base/file.h"
 #include "cx/base/number_text.h"
 #include "cx/base/process.h"
 #include "cx/journal/file_store.h"

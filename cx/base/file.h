@@ -1,0 +1,17 @@
+#pragma once
+// Whole files.
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "cx/base/expected.h"
+
+namespace cxlab {
+
+/// The content; kInput if it cannot be read.
+Expected<std::string> read_file(const std::filesystem::path& path);
+/// Replaces the content; kResource if that fails.
+Status write_file(const std::filesystem::path& path, std::string_view text);
+
+}  // namespace cxlab
