@@ -188,6 +188,7 @@ Status check_names(const Play& play) {
     if (e.kind == Kind::kFact || e.kind == Kind::kNoFact) {
       auto pattern = explain::Pattern::parse_plain(e.text, spec.file, e.line);
       if (!pattern) return pattern.error();
+      if (!play.engine().has("deftemplate", pattern->template_name())) continue;
       if (!impossible) impossible = std::make_unique<ImpossiblePatterns>(play.engine());
       if (const std::string why = impossible->against(e.text); !why.empty())
         return play.at(e.line, e.text + " can match no fact: " + why);

@@ -86,12 +86,12 @@ TEST_F(Stories, MistakesOfTheStoryAreNotPasses) {
 }
 
 TEST_F(Stories, APatternThatNoFactCanMatchIsAMistake) {
-  write("door.clp", "(deftemplate door (slot state (allowed-symbols OPEN SHUT)) (slot width (type INTEGER)))\n");
+  write("door.clp", "(deftemplate door (slot state (allowed-symbols OPEN CLOSED)) (slot width (type INTEGER)))\n");
   const auto text = [&](const std::string& pattern) {
     const StoryResult result = play("no_fact: '" + pattern + "', within_s: 1");
     return result.bad ? result.bad->text() : "no error";
   };
-  for (const char* pattern : {"(door (state OPNE))", "(door (state \"OPEN\"))", "(door (width 1.5))", "(door 7)"})
+  for (const char* pattern : {"(door (state OPNE))", "(door (width 1.5))", "(door 7)"})
     EXPECT_THAT(text(pattern), HasSubstr("t.story.yaml:5: " + std::string(pattern) + " can match no fact: ["));
   for (const char* pattern : {"(door (state OPEN))", "(door (width 7))", "(door (state ?))", "(anything 7)"})
     EXPECT_EQ(text(pattern), "no error") << pattern;
