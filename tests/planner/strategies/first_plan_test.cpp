@@ -68,6 +68,30 @@ TEST(SequenceSearch, TheFirstSearchContinuesInEveryFourthRound) {
   }
 }
 
+TEST(SequenceSearch, ASearchForAnotherGoalBeginsAnew) {
+  // All work needs the lamp and the goal needs it out: no plan ends after the event that puts it out.
+  std::string objects = "(:objects", init, goal;
+  for (int i = 0; i < 6; ++i) {
+    const std::string cup = " c" + std::to_string(i);
+    objects += cup;
+    init += " (dirty" + cup + ")";
+    goal += " (clean" + cup + ")";
+  }
+  Prepared problem(
+      R"((:predicates (lamp) (dirty ?c) (clean ?c))
+    (:durative-action wash :parameters (?c) :duration (= ?duration 0.1) :condition (and (at start (dirty ?c)) (over all (lamp)))
+     :effect (and (at start (not (dirty ?c))) (at end (clean ?c)))))",
+      objects + ") (:init (at 2 (lamp)) (at 6 (not (lamp)))" + init + ") (:goal (and (not (lamp))" + goal + "))");
+  SequenceSearch search(*problem, Cut::kNothing);
+  problem->begin_round(0);
+  EXPECT_FALSE(search.run(kShortTurn));
+  EXPECT_FALSE(search.exhausted());
+  EXPECT_FALSE(problem->is_exhausted(SearchEnd::kExhausted)) << "of another search: from now on events may help";
+  problem->begin_round(4);
+  EXPECT_TRUE(search.run({4, kTurn.units}));
+  EXPECT_EQ(problem->best.plan().steps.size(), 6u);
+}
+
 TEST(SequenceSearch, FindsPlansInWhichActionsOverlap) {
   for (const Cut cut : {Cut::kEnvelopes, Cut::kEverything}) {
     Prepared problem(kMatch, kOneMatch);
