@@ -124,6 +124,36 @@ TEST_F(ManagerServices, DestroyEnvUnloadsInReverseWithoutExecutiveFinalize) {
       << "a name may come again";
 }
 
+/// Asserts a fact when it is taken from its environment.
+class FarewellPlugin final : public Plugin {
+ public:
+  using Plugin::Plugin;
+  Status clips_env_init(EnvironmentGuard) override { return {}; }
+  void clips_env_destroyed(EnvironmentGuard environment) override {
+    (void)environment.engine().assert_string("(bye 0)");
+  }
+};
+
+TEST_F(ManagerServices, DestroyEnvReportsRuleErrorsOfItsEnd) {
+  lab.options.plugin_types.push_back(
+      {"test::Farewell", {}, [](PluginContext c) { return std::make_unique<FarewellPlugin>(std::move(c)); }});
+  lab.config(R"(environments: ["main"]
+main: {plugins: []}
+extra: {plugins: ["files", "farewell"]}
+files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["bye.clp"]}
+farewell: {plugin: "test::Farewell"})");
+  lab.write("agent/bye.clp", "(defrule bad (bye ?n)\n  (test (> (/ 1 ?n) 0)) =>)");
+  lab.run_up();
+  ASSERT_TRUE(lab.manager->create_environment("extra").ok());
+  ASSERT_TRUE(lab.manager->act().ok());
+  EXPECT_TRUE(lab.manager->destroy_environment("extra").ok());
+  const Status s = lab.manager->act();
+  ASSERT_FALSE(s.ok());
+  EXPECT_EQ(s.error().code, "rule_error");
+  EXPECT_THAT(s.error().file, HasSubstr("bye.clp"));
+  EXPECT_TRUE(lab.manager->act().ok()) << "reported once";
+}
+
 TEST_F(ManagerServices, LoadPluginHotLoadsRules) {
   lab.run_up();
   EXPECT_EQ(caller.load("main", "more"), R"({success: true, error: ""})");
