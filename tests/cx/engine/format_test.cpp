@@ -32,6 +32,7 @@ TEST_F(Format, PrintsAsPrintfDoes) {
       {R"("%s and %s" abc "a string")", "abc and a string"},
       {R"("%10s|%-10s|%.2s" abc abc abc)", "       abc|abc       |ab"},
       {R"("%c%c%c" abc "xyz" 65)", "axA"},
+      {R"("a%cb" "")", "ab"},
       {R"("a%nb%rc%td%ve%%")", "a\nb\rc\td\ve%"},
       {R"("")", ""},
       {R"("no flag")", "no flag"},
@@ -55,6 +56,10 @@ TEST_F(Format, WhatIsTooLongIsAnError) {
     EXPECT_THAT(format('"' + std::string(flag) + "\" " + (flag[8] == 's' ? "a" : "1")),
                 HasSubstr("gives more than a million characters"))
         << flag;
+  EXPECT_THAT(format(R"("%.1000000s" a)"), HasSubstr("gives more than a million characters"));
+  EXPECT_EQ(format(R"("%s" (str-cat (format nil "%999999s" "") x))").size(), 1'000'000U);
+  EXPECT_THAT(format(R"("%s" (str-cat (format nil "%999999s" "") xx))"),
+              HasSubstr("gives more than a million characters"));
 }
 
 TEST_F(Format, WrongArgumentsAreErrors) {

@@ -6,6 +6,7 @@ namespace cxlab {
 namespace {
 
 using testing::ElementsAre;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -83,6 +84,15 @@ TEST_F(EngineJournal, AModifyIntoADuplicateIsARetract) {
   EXPECT_THAT(fact_texts(), ElementsAre("(order (id 2))"));
   EXPECT_THAT(sink.of(RecordKind::kModify), IsEmpty());
   EXPECT_THAT(sink.of(RecordKind::kRetract), SizeIs(1));
+}
+
+TEST_F(EngineJournal, AnAddressOfAFactThatHasGoneIsWrittenAsFactZero) {
+  given("(deffunction keep (?f) (assert (there ?f)) (retract ?f) (assert (gone ?f)))");
+  ASSERT_TRUE(engine().eval("(keep (assert (a)))").ok());
+  const auto asserted = sink.of(RecordKind::kAssert);
+  ASSERT_THAT(asserted, SizeIs(3));
+  EXPECT_THAT(asserted[1].data, EndsWith(std::string("fact\1", 5)));
+  EXPECT_THAT(asserted[2].data, EndsWith(std::string("fact\0", 5)));
 }
 
 TEST_F(EngineJournal, ErrorsAreRecordsCausedByTheFiring) {
