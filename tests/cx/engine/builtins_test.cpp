@@ -121,6 +121,9 @@ TEST_F(Builtins, ReadingAndWritingGoWhereTheAccessSays) {
   EXPECT_EQ(*engine().eval("(read in)"), Value::integer(12));
   EXPECT_EQ(engine().eval("(progn (readline in) (readline in))")->text(), "second line");
   EXPECT_TRUE(files->read.contains("in.txt"));
+  write("in.bin", "7");
+  EXPECT_EQ(engine().eval("(open \"in.bin\" bytes \"rb\")")->text(), "TRUE");
+  EXPECT_TRUE(files->read.contains("in.bin"));
 
   ASSERT_TRUE(engine().eval("(progn (open \"/out.txt\" out \"w\") (printout out \"hello\" crlf) (close out))").ok());
   std::string line;

@@ -99,6 +99,13 @@ TEST_F(LimitsTest, AStopEndsALoopInTheMiddle) {
   EXPECT_THAT(fact_texts("after"), IsEmpty());
 }
 
+TEST_F(LimitsTest, TheFirstReasonStays) {
+  engine().exceed_limits(resource_error("first"));
+  engine().exceed_limits(resource_error("second"));
+  ASSERT_TRUE(limits.exceeded);
+  EXPECT_EQ(limits.exceeded->message, "environment 'main': first");
+}
+
 TEST_F(LimitsTest, CallsOfTheHostAreCounted) {
   given("(deffunction f () 1)");
   EXPECT_EQ(engine().take_call_count(), 0);
