@@ -226,6 +226,23 @@ TEST(RuleLoops, EndTheRunAndAreNamed) {
   EXPECT_THAT(s.error().message, HasSubstr("max_firings_per_tick (now 1000, 0 = no limit)"));
 }
 
+TEST(RuleLoops, AsManyCallbacksAsFiringsMayBeInATick) {
+  Lab lab;
+  lab.options.max_firings = 100;
+  lab.agent("(deffunction heard () (return 1))");
+  lab.run_up();
+  const auto tick_after = [&](int calls) {
+    for (int i = 0; i < calls; ++i) EXPECT_TRUE(lab.engine().call("heard", {}).ok());
+    return lab.tick();
+  };
+  EXPECT_TRUE(tick_after(100).ok());
+  EXPECT_TRUE(tick_after(100).ok()) << "of each tick";
+  const Status s = tick_after(101);
+  ASSERT_FALSE(s.ok());
+  EXPECT_EQ(s.error().code, "rule_loop");
+  EXPECT_THAT(s.error().message, HasSubstr("101 callbacks were called in one tick"));
+}
+
 /// What a run with these rules writes to all streams.
 std::map<std::string, std::string> records_of(Lab& lab, int n) {
   lab.run_up();
