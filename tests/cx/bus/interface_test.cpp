@@ -143,7 +143,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"pgk/Inner a\n", 1, "nearest is 'pkg'"}, BadFile{"pkg/srv/Inner a\n", 1, "expected a primitive type"},
         BadFile{"int8\n", 1, "no name after the type 'int8'"},
         BadFile{"int8 Big\n", 1, "expected a name in lower case"},
-        BadFile{"int8 a__b\n", 1, "expected a name in lower case"}, BadFile{"int8 LIMIT\n", 1, "a constant needs '='"},
+        BadFile{"int8 a__b\n", 1, "expected a name in lower case"},
+        BadFile{"int8 a_\n", 1, "expected a name in lower case"}, BadFile{"int8 LIMIT\n", 1, "a constant needs '='"},
         BadFile{"int8 limit=3\n", 1, "expected a name in capitals"}, BadFile{"int8 LIMIT=\n", 1, "has no value"},
         BadFile{"int8 LIMIT=200\n", 1, "expected int8 from -128 to 127"}, BadFile{"int8 LIMIT=1.5\n", 1, "found '1.5'"},
         BadFile{"bool ON=yes\n", 1, "expected true or false"}, BadFile{"string S=\"open\n", 1, "no closing \""},
@@ -204,6 +205,7 @@ TEST(Interfaces, AnUnknownNameGivesTheNearest) {
   EXPECT_THAT(registry.message("std_msgs/msg/Sting").error().text(), HasSubstr("nearest is 'std_msgs/msg/String'"));
   EXPECT_THAT(registry.message("stdmsgs/msg/String").error().text(), HasSubstr("nearest is 'std_msgs'"));
   EXPECT_THAT(registry.service("std_srvs/msg/SetBool").error().text(), HasSubstr("expected a service type"));
+  EXPECT_THAT(registry.action("cxlab_skills/action/Pick/Fast").error().text(), HasSubstr("expected an action type"));
   EXPECT_THAT(registry.action("example_interfaces/action/Fibonaci").error().text(), HasSubstr("Fibonacci"));
   EXPECT_FALSE(registry.message("String").ok());
   EXPECT_FALSE(registry.message("").ok());
