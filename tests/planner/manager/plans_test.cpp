@@ -272,6 +272,40 @@ TEST_F(ManagerTest, PlanningAgainBeginsWithWhatIsLeftOfTheLastPlan) {
   EXPECT_EQ(replan(options).units, anew.units) << "the original begins anew";
 }
 
+TEST_F(ManagerTest, PlanningAgainBeginsWithStepsOfTheFirstActionOfTheDomainToo) {
+  const auto units_of_second = [&](bool warm_start) {
+    PddlManagerOptions options = at_cost(0, 0);
+    options.warm_start = warm_start;
+    manager_.reset();
+    start(std::move(options));
+    load_text(R"((define (domain hanoi) (:requirements :strips :typing :durative-actions)
+      (:predicates (clear ?x) (on ?x ?y) (smaller ?x ?y))
+      (:durative-action move :parameters (?disc ?from ?to) :duration (= ?duration 1)
+        :condition (and (at start (smaller ?disc ?to)) (at start (on ?disc ?from)) (at start (clear ?disc)) (at start (clear ?to)))
+        :effect (and (at end (clear ?from)) (at end (on ?disc ?to)) (at start (not (on ?disc ?from))) (at start (not (clear ?to)))))))",
+              R"((define (problem four) (:domain hanoi) (:objects p1 p2 p3 d1 d2 d3 d4)
+      (:init (smaller d1 p1) (smaller d1 p2) (smaller d1 p3) (smaller d2 p1) (smaller d2 p2) (smaller d2 p3) (smaller d3 p1)
+        (smaller d3 p2) (smaller d3 p3) (smaller d4 p1) (smaller d4 p2) (smaller d4 p3) (smaller d1 d2) (smaller d1 d3)
+        (smaller d1 d4) (smaller d2 d3) (smaller d2 d4) (smaller d3 d4) (clear p2) (clear p3) (clear d1) (on d4 p1) (on d3 d4)
+        (on d2 d3) (on d1 d2)) (:goal (and))))");
+    request(
+        "set_goals", "SetGoals",
+        R"({goal_instance: base, fluents: [{pddl_instance: x, name: on, args: [d4, p3]}, {pddl_instance: x, name: on, args: [d3, d4]},
+  {pddl_instance: x, name: on, args: [d2, d3]}, {pddl_instance: x, name: on, args: [d1, d2]}]})");
+    std::int64_t units = 0;
+    auto made = bus_.subscribe(client_, "/pddl_manager/plan_report", **registry_.message(kReport),
+                               [&](const bus::Delivery& d) { units = d.message->view().integer("units"); });
+    for (int i = 0; i < 2; ++i) {
+      const auto answer = plan("{pddl_instance: x, goal_instance: base}");
+      ticks(3);
+      EXPECT_TRUE(answer->success);
+    }
+    bus_.remove(*made);
+    return units;
+  };
+  EXPECT_LT(units_of_second(true), units_of_second(false));
+}
+
 TEST_F(ManagerTest, APlanForOtherGoalsBeginsAnew) {
   const auto units_of_second = [&](bool warm_start) {
     PddlManagerOptions options = at_cost(0, 0);

@@ -110,6 +110,14 @@ TEST(ValidatorContinuous, ProductOfTwoChangingNumbersIsCheckedBetweenItsRoots) {
       << "above 4 only around t = 2";
 }
 
+TEST(ValidatorContinuous, AnEffectThatIsDroppedInTheMiddleLeavesTheNumbersOfTheEnd) {
+  const Checker checker(R"((:predicates (low)) (:functions (level))
+    (:durative-action fill :parameters () :duration (= ?duration 4) :condition (at end (<= (level) 4))
+      :effect (and (increase (level) (* #t 1)) (when (over all (< (level) 1)) (at end (low))))))",
+                        "(:init (= (level) 0)) (:goal (and (= (level) 4) (not (low))))");
+  EXPECT_EQ(checker.verdict("0: (fill) [4]"), "valid");
+}
+
 TEST(ValidatorContinuous, RateThatChangesItselfIsNotSupported) {
   const Checker checker(kTank, "(:init (= (level) 0) (= (flow) 1) (= (other) 0)) (:goal (and))");
   EXPECT_EQ(checker.verdict("0: (wild) [4]"), "valid");

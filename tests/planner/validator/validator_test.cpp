@@ -72,6 +72,10 @@ TEST(Validator, HappeningsThatInterfereAreEpsilonApart) {
   EXPECT_FALSE(valid("0.0001", 0.001));
   EXPECT_TRUE(valid("0.0006", 0.0005));
   EXPECT_FALSE(valid("0.009", 0.01));
+  const char* between =
+      "0: (soil a)\n0.0005: (soil b)\n0.001: (sweep a)\n0.5: (sweep b)\n1: (go r a b) [5]\n7: (work r b) [2]";
+  EXPECT_EQ(checker.verdict(between, {.epsilon = 0.001}), "valid") << "also where something happens in between";
+  EXPECT_THAT(checker.verdict(between, {.epsilon = 0.0011}), HasSubstr("(dirty a)"));
 }
 
 TEST(Validator, ConditionAtEndIsReadBeforeTheEnd) {
