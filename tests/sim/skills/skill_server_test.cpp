@@ -231,6 +231,7 @@ TEST_P(Skills, ASecondGoalIsRejectedWhileOneIsActive) {
   wait(0.1);
   EXPECT_TRUE(second.answered);
   EXPECT_FALSE(second.accepted);
+  EXPECT_NE(sink.text().find("busy with drive_to C_Z22"), std::string::npos) << "the record gives the reason";
   finish(first);
   EXPECT_EQ(first.status, bus::GoalStatus::kSucceeded);
 }
