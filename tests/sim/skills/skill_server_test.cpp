@@ -143,7 +143,7 @@ class Skills : public ::testing::TestWithParam<Tier> {
   TimedSkillsConfig config;              ///< of the timed tier
   std::optional<double> jammed_fingers;  ///< physics: robot1's fingers stay there whatever the skill commands
   RobotBodies* bodies = nullptr;         ///< physics
-  CountedRecords sink;
+  KeptRecords sink;
   bus::Registry registry;
   bus::Bus bus{registry, sink};
   std::unique_ptr<World> world;
