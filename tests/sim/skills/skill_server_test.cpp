@@ -391,6 +391,19 @@ TEST_P(FailingPlaces, EndWith204AndThePieceStaysInTheGripper) {
   EXPECT_EQ(world->at(spot("C-CS1-INPUT")), nullptr);
 }
 
+TEST_P(Skills, APieceThatFellToTheFloorIsNotPlaced) {
+  if (GetParam() != Tier::kPhysics) return;
+  base_at("C-BS-OUTPUT");
+  ASSERT_EQ(done("robot1", SkillKind::kPick, "C-BS-OUTPUT").code, 0);
+  const Heard& place = send("robot1", SkillKind::kPlace, "C-CS1-INPUT");
+  ASSERT_TRUE(reach(place, "align"));
+  jammed_fingers = 0.035;
+  finish(place);
+  EXPECT_EQ(place.code, 204);
+  EXPECT_FALSE(robot1().held);
+  EXPECT_EQ(world->at(spot("C-CS1-INPUT")), nullptr);
+}
+
 class FailingDrives : public Skills {
  protected:
   FailingDrives() { config.drive_failure = 1; }
