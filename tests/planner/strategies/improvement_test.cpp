@@ -7,6 +7,22 @@
 namespace cxlab::planner {
 namespace {
 
+TEST(Decoder, LooksAtEachEventOfAListOnce) {
+  Prepared problem(R"((:predicates (day) (up) (fed))
+    (:durative-action rise :parameters () :duration (= ?duration 1) :condition (at start (day)) :effect (at end (up)))
+    (:durative-action eat :parameters () :duration (= ?duration 1) :condition (at start (up)) :effect (at end (fed))))",
+                   "(:init (at 6 (day))) (:goal (fed))");
+  Decoder decoder(problem->whole.split, problem->ground, problem->whole.space.simulator, problem->touches,
+                  problem->objective);
+  const SequenceStep dawn{-2, 0};
+  ASSERT_TRUE(is_event(dawn));
+  DecodedPlan plan;
+  const Sequence list{dawn, {problem.action("(rise)"), 1'000'000}, {problem.action("(eat)"), 1'000'000}};
+  ASSERT_TRUE(decoder.decode(list, 1e18, plan));
+  EXPECT_EQ(plan.order.size(), 3u);
+  EXPECT_EQ(decoder.take_work(), 3);
+}
+
 TEST(Improvement, OfAListMovesAndExchangesItsActions) {
   Prepared problem(kCups, kTwoCups);
   const Sequence list = problem.list({"(sink a)", "(sink b)"});
