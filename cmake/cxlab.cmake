@@ -74,10 +74,9 @@ function(cxlab_executable target)
   target_compile_options(${target} PRIVATE ${CXLAB_WARNINGS})
 endfunction()
 
-# Compiles the big headers <header.h>... of a target once. What is made with them is not optimised: two thirds of the
-# time that GoogleTest and CLI11 cost would go there.
-function(cxlab_precompile target)
-  target_compile_options(${target} PRIVATE -O0)
+# Compiles the big headers <header.h>... of a target once, with this level of optimisation.
+function(cxlab_precompile target level)
+  target_compile_options(${target} PRIVATE ${level})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(${target} PRIVATE -fpch-preprocess)  # for ccache
   endif()
@@ -106,7 +105,7 @@ function(cxlab_test name)
     add_executable(precompiled_for_tests EXCLUDE_FROM_ALL "${CMAKE_BINARY_DIR}/precompiled_for_tests.cpp")
     target_link_libraries(precompiled_for_tests PRIVATE GTest::gmock GTest::gtest GTest::gtest_main)
     target_compile_options(precompiled_for_tests PRIVATE ${CXLAB_WARNINGS})
-    cxlab_precompile(precompiled_for_tests <gmock/gmock.h> <gtest/gtest.h> <filesystem> <functional> <map>)
+    cxlab_precompile(precompiled_for_tests -O0 <gmock/gmock.h> <gtest/gtest.h> <filesystem> <functional> <map>)
   endif()
   target_compile_options(${name} PRIVATE -O0)
   target_precompile_headers(${name} REUSE_FROM precompiled_for_tests)

@@ -42,7 +42,7 @@ Share find_share() {
     return Share{share / "interfaces", share / "models",  share / "packages", share / "scenarios",
                  share / "docs",       share / "engines", share / "pages",    prefix};
   };
-  const fs::path prefix = installed_prefix();
+  static const fs::path prefix = installed_prefix();
   if (const char* named = std::getenv("CXLAB_SHARE")) return in(named, prefix);
   if (!prefix.empty()) return in(prefix / "share/cxlab", prefix);
   const fs::path source = CXLAB_SOURCE_DIR;

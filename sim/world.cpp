@@ -32,6 +32,8 @@ void Stack::mount(Part part, std::uint8_t colour) {
 double FloorPlan::clearance(const Vec2& p) const {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Station& station : stations) {
+    constexpr double kReach = kMachine.half_depth + kMachine.half_width;  // more than to a corner
+    if ((station.pose_in_world.position() - p).squaredNorm() > (nearest + kReach) * (nearest + kReach)) continue;
     const Vec3 local = inverse_transform(station.pose_in_world, {p.x(), p.y(), 0});
     nearest = std::min(nearest, std::hypot(std::max(0.0, std::abs(local.x()) - kMachine.half_depth),
                                            std::max(0.0, std::abs(local.y()) - kMachine.half_width)));

@@ -85,7 +85,7 @@ void RuleEngine::Impl::on_assert(Environment*, void* asserted, void* self) noexc
     entry.number = ++impl.last_fact_number;
   }
   if (impl.counting()) ++impl.changed_templates[fact.whichDeftemplate->header.name->contents];
-  impl.look_at_limits();
+  impl.glance_at_limits();
   RecordSink* journal = impl.engine.options_.journal;
   if (journal == nullptr) return;
   impl.data.begin().field("fact", entry.number).field("template", fact.whichDeftemplate->header.name->contents);
@@ -159,7 +159,7 @@ void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self)
   impl.turns = 0;
   impl.rule_depth = impl.contexts.size();
   if (impl.counting()) ++impl.fired_rules[qualified_name(rule)];
-  impl.look_at_limits();
+  impl.glance_at_limits();
   impl.fire_recorded = false;
   RecordSink* journal = impl.engine.options_.journal;
   if (journal == nullptr) return;

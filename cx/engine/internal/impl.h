@@ -68,6 +68,12 @@ struct RuleEngine::Impl {
   std::int64_t counted_memory = 0;  ///< its share of `Limits::held`
   /// Ends what rules do where a limit is exceeded.
   void look_at_limits();
+  /// The same for what happens often: the memory is counted at each 64th call.
+  void glance_at_limits() {
+    const Limits* limits = engine.options_.limits;
+    if (limits != nullptr && (limits->exceeded || (++glances & 63) == 0)) look_at_limits();
+  }
+  std::uint32_t glances = 0;
   /// Calls of deffunctions and generic functions under way, and where on the stack the outermost began.
   int calls = 0;
   std::uintptr_t calls_begin = 0;
