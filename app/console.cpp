@@ -24,6 +24,12 @@ std::atomic<bool> g_stop = false, g_stop_now = false;
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 std::int64_t g_memory = Limits().memory;
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;  // takes more address space than there is memory
+#else
+constexpr bool kSanitized = false;
+#endif
+
 constexpr suseconds_t kToEndOfTick = 400'000, kToEndOfRules = 500'000;  // us
 constexpr rlim_t kBesideRules = 1'000'000'000;                          // bytes
 
@@ -121,12 +127,10 @@ lab::Host Console::host() {
   handle(SIGINT, on_signal);
   handle(SIGTERM, on_signal);
   handle(SIGALRM, on_alarm);
-#ifndef __SANITIZE_ADDRESS__  // which takes more address space than there is memory
-  if (g_memory > 0) {
+  if (g_memory > 0 && !kSanitized) {
     std::set_new_handler(on_no_memory);
     set_address_space(address_space() + static_cast<rlim_t>(g_memory) + kBesideRules);
   }
-#endif
   return {.log = this, .progress = this, .stop = &g_stop, .stop_now = &g_stop_now, .max_memory = g_memory};
 }
 
