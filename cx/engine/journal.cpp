@@ -200,7 +200,8 @@ void RuleEngine::Impl::on_fired(Environment*, Activation* activation, void* self
 void RuleEngine::Impl::look_at_limits() {
   Limits* limits = engine.options_.limits;
   if (limits == nullptr) return;
-  const std::int64_t now = MemUsed(env);
+  const std::int64_t now = memory_data(env)->MemoryAmount;
+  look_again_at = now + 1'000'000;
   limits->held += now - std::exchange(counted_memory, now);
   if (limits->exceeded) {
     SetHaltExecution(env, true);
@@ -239,7 +240,7 @@ void RuleEngine::exceed_limits(Error error) {
 
 void RuleEngine::Impl::on_turn(Environment* env, void* self) noexcept {
   Impl& impl = *static_cast<Impl*>(self);
-  impl.look_at_limits();
+  impl.glance_at_limits();
   if (++impl.turns != kMostTurns) return;
   PrintErrorID(env, "CXLAB", 2, false);
   const std::string text = "Still looping after " + std::to_string(kMostTurns) +
@@ -265,6 +266,7 @@ bool RuleEngine::Impl::call(EntityEvaluationFunction* evaluate, void* construct,
     leaving_calls = true;
     return false;
   }
+  glance_at_limits();
   ++calls;
   const bool given = evaluate(env, construct, result);
   --calls;

@@ -68,12 +68,15 @@ struct RuleEngine::Impl {
   std::int64_t counted_memory = 0;  ///< its share of `Limits::held`
   /// Ends what rules do where a limit is exceeded.
   void look_at_limits();
-  /// The same for what happens often: the memory is counted at each 64th call.
+  /// The same for what happens often: memory counts where it has grown by a megabyte since it was last looked at.
   void glance_at_limits() {
     const Limits* limits = engine.options_.limits;
-    if (limits != nullptr && (limits->exceeded || (++glances & 63) == 0)) look_at_limits();
+    if (limits == nullptr) return;
+    if (limits->exceeded || clips::memory_data(env)->MemoryAmount > look_again_at ||
+        (limits->stop != nullptr && limits->stop->load(std::memory_order_relaxed)))
+      look_at_limits();
   }
-  std::uint32_t glances = 0;
+  long long look_again_at = 0;
   /// Calls of deffunctions and generic functions under way, and where on the stack the outermost began.
   int calls = 0;
   std::uintptr_t calls_begin = 0;

@@ -56,6 +56,14 @@ TEST_F(LimitsTest, FactsOfManyFiringsCountToo) {
   EXPECT_LT(limits.held, limits.memory + 1'000'000);
 }
 
+TEST_F(LimitsTest, AFactThatDoublesWithEachFiringEndsInTime) {
+  given("(defrule double ?f <- (list $?all) => (retract ?f) (assert (list ?all ?all)))");
+  ASSERT_TRUE(engine().assert_string("(list a b c)").ok());
+  EXPECT_LT(engine().run().fired, 25);
+  ASSERT_TRUE(limits.exceeded);
+  EXPECT_LT(limits.held, 4 * limits.memory);
+}
+
 TEST_F(LimitsTest, AllEnvironmentsShareThem) {
   EngineOptions o = options();
   o.name = "second";
