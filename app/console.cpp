@@ -13,6 +13,7 @@
 #include <new>
 
 #include "app/command.h"
+#include "cx/base/number_text.h"
 #include "cx/engine/engine.h"
 
 namespace cxlab::app {
@@ -97,6 +98,11 @@ void add_memory_option(CLI::App& command) {
   command
       .add_option("--memory", g_memory, "What rules may hold of the machine's memory, as 500MB or 4GB; 0 = no limit")
       ->transform(CLI::AsSizeValue(true))
+      ->check([](const std::string& text) {
+        const auto bytes = read_number<std::int64_t>(text);
+        return bytes && (*bytes == 0 || *bytes >= 1'000'000) ? "" : "found " + text + ", expected 0 or at least 1MB";
+      })
+      ->type_name("SIZE")
       ->default_str("2GB");
 }
 
