@@ -2,10 +2,9 @@
 
 #include <xxhash.h>
 
-#include <fstream>
-#include <iterator>
 #include <random>
 
+#include "cx/base/file.h"
 #include "internal/builtins.h"
 
 namespace cxlab {
@@ -40,10 +39,9 @@ std::optional<BinaryHash> hash_of(const char* path) {
     std::random_device chance;
     return (std::uint64_t{chance()} << 32) | chance();
   }();
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return std::nullopt;
-  const std::string content((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  const XXH128_hash_t hash = XXH3_128bits_withSeed(content.data(), content.size(), key);
+  const auto content = read_file(path);
+  if (!content) return std::nullopt;
+  const XXH128_hash_t hash = XXH3_128bits_withSeed(content->data(), content->size(), key);
   return BinaryHash{hash.high64, hash.low64};
 }
 
