@@ -8,6 +8,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/planning.h"
+#include "cx/base/file.h"
 #include "planner/pddl/parser.h"
 #include "planner/pddl/text.h"
 #include "planner/validator/robustness.h"
@@ -74,7 +75,7 @@ void print_json(const planner::Verdict& verdict, const std::optional<planner::Ro
 int validate(const Options& options) {
   const auto task = planner::load_task(options.domain, options.problem);
   if (!task) return fail_planning(task.error());
-  const auto text = planner::read_text(options.plan);
+  const auto text = read_file(options.plan);
   if (!text) return fail_planning(text.error());
   const auto plan = planner::parse_plan(*text, options.plan, task->domain, task->problem);
   if (!plan) return fail_planning(plan.error());

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "cx/base/file.h"
 #include "cx/base/number_text.h"
 #include "cx/base/process.h"
 #include "cx/base/scratch_folder.h"
@@ -96,13 +97,13 @@ Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& 
     command = filled(std::move(command), placeholder, value);
   const auto code = run(command, log, timeout_s);
   if (!code) return code.error();
-  const auto output = read_text(log.string());
+  const auto output = read_file(log.string());
   const std::string printed = output ? *output : "";
   std::fputs(printed.c_str(), stderr);  // stdout carries answers only
   if (!fs::is_regular_file(plan)) return without_plan(planner, *code, last_line(printed));
 
   PlanAnswer answer;
-  auto text = read_text(plan.string());
+  auto text = read_file(plan.string());
   if (!text) return text.error();
   auto steps = parse_plan(*text, "plan.txt", task.domain, task.problem);
   if (!steps) return steps.error();

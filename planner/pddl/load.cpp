@@ -1,10 +1,9 @@
 // Files to tasks.
 
 #include <filesystem>
-#include <fstream>
 #include <utility>
-#include <vector>
 
+#include "cx/base/file.h"
 #include "cx/template/template.h"
 #include "planner/pddl/parser.h"
 
@@ -13,7 +12,7 @@ namespace {
 
 /// The text of a file, rendered where it is a template, and its name for messages.
 Expected<std::pair<std::string, std::string>> read_source(const std::string& file) {
-  auto text = read_text(file);
+  auto text = read_file(file);
   if (!text) return text.error();
   const auto has = [&](const char* mark) { return text->find(mark) != std::string::npos; };
   if (!has("{{") && !has("{%") && !has("{#")) return std::pair(*std::move(text), file);
@@ -24,20 +23,6 @@ Expected<std::pair<std::string, std::string>> read_source(const std::string& fil
 }
 
 }  // namespace
-
-Expected<std::string> read_text(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return input_error("cannot be read; expected a file", file);
-  constexpr std::size_t kMost = 500'000'000;  // of a device there is no end
-  std::string text;
-  std::vector<char> piece(1 << 16);
-  while (in.read(piece.data(), static_cast<std::streamsize>(piece.size())) || in.gcount() > 0) {
-    text.append(piece.data(), static_cast<std::size_t>(in.gcount()));
-    if (text.size() > kMost) return input_error("found more than 500 MB, expected a file of PDDL", file);
-  }
-  if (in.bad()) return input_error("cannot be read; expected a file", file);
-  return text;
-}
 
 Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file, const Deadline& deadline) {
   const auto domain_text = read_source(domain_file);

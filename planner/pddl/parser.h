@@ -23,7 +23,4 @@ Expected<Problem> parse_problem(std::string_view text, const std::string& file, 
 Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file,
                          const Deadline& deadline = {});
 
-/// The content of a file.
-Expected<std::string> read_text(const std::string& file);
-
 }  // namespace cxlab::planner

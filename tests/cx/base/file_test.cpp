@@ -1,0 +1,28 @@
+#include "cx/base/file.h"
+
+#include <gtest/gtest.h>
+
+#include "cx/base/scratch_folder.h"
+
+namespace cxlab {
+namespace {
+
+TEST(File, WhatWasWrittenIsRead) {
+  const auto folder = *ScratchFolder::create();
+  const std::string text = std::string("a\0b\n", 4) + std::string(200'000, 'x');
+  ASSERT_TRUE(write_file(folder->path() / "f", text));
+  EXPECT_EQ(*read_file(folder->path() / "f"), text);
+  ASSERT_TRUE(write_file(folder->path() / "f", ""));
+  EXPECT_EQ(*read_file(folder->path() / "f"), "");
+}
+
+TEST(File, AnErrorNamesWhatIsThereInstead) {
+  EXPECT_EQ(read_file("/no/such/file").error().text(), "/no/such/file: cannot be read");
+  EXPECT_EQ(read_file("/tmp").error().text(), "/tmp: is a folder, expected a file");
+  EXPECT_EQ(read_file("/dev/zero").error().text(), "/dev/zero: found more than 16 MB, expected a file");
+  EXPECT_EQ(*read_file("/dev/null"), "");
+  EXPECT_EQ(write_file("/dev/full", "x").error().kind, ErrorKind::kResource);
+}
+
+}  // namespace
+}  // namespace cxlab
