@@ -244,6 +244,39 @@ TEST(InputLog, ContentThatNoWriterMakesIsAnErrorEvenWithARightChecksum) {
   EXPECT_GT(refused, 10'000);
 }
 
+/// A log of one chunk with these entries and the right checksum.
+std::string log_of(std::string_view entries) {
+  const auto length = static_cast<std::uint32_t>(entries.size());
+  const std::uint64_t checksum = XXH3_64bits(entries.data(), entries.size());
+  std::string log = "CXLABIN1";
+  log.append(reinterpret_cast<const char*>(&length), sizeof length);
+  log.append(reinterpret_cast<const char*>(&checksum), sizeof checksum);
+  return log.append(entries);
+}
+
+TEST(InputLog, EntriesThatNoWriterMakesAreErrors) {
+  // type, time, names by number (a new one is spelt), texts with their length: a result of "env/a" for "key"
+  const auto log = [](std::string_view entries) { return read_all(log_of(entries)); };
+  using std::string_view_literals::operator""sv;
+  EXPECT_EQ(log("\2\0\1\5env/a\2\3key\5typed"sv).entries, 1u);
+  EXPECT_TRUE(log("\2\0\1\5env/a\2\3key\5typed"sv).status.ok());
+  for (const std::string_view wrong : {
+           "\0\0\1\5env/a\2\3key\5typed"sv,                      // no type
+           "\5\0\1\5env/a\2\3key\5typed"sv,                      // another type
+           "\2\0\2\5env/a\3\3key\5typed"sv,                      // names that do not begin with 1
+           "\2\0\1\5env/a\3\3key\5typed"sv,                      // a name whose number comes too early
+           "\2\0\1\5env/a\2\3key\6typed"sv,                      // longer than the rest
+           "\1\0\1\5env/a\2"sv,                                  // two deliveries announced
+           "\1\0\1\5env/a\1\7\0\0\1\xff\xff\xff\xff\x1f\0\0"sv,  // number of an endpoint beyond 32 bits
+       }) {
+    const Read read = log(wrong);
+    EXPECT_EQ(read.entries, 0u);
+    ASSERT_FALSE(read.status.ok());
+    EXPECT_EQ(read.status.error().kind, ErrorKind::kInput);
+    EXPECT_THAT(read.status.error().text(), HasSubstr("an entry that no writer makes"));
+  }
+}
+
 TEST(InputLog, AnotherFileIsRefused) {
   EXPECT_FALSE(InputLogReader::from_bytes("", "x").ok());
   EXPECT_THAT(InputLogReader::from_bytes("{\"stream\"", "x").error().text(), HasSubstr("x: expected an input log"));

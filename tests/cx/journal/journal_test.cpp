@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 
@@ -93,6 +94,8 @@ TEST(JournalHash, IgnoresStreamsWithoutRecordsAndTheExport) {
   std::string hash;
   exported(JournalLevel::kFull, [&](Journal& journal) {
     journal.open_stream("env/idle");
+    EXPECT_EQ(journal.stream_hash("env/idle"), "");
+    EXPECT_EQ(journal.stream_hash("env/unknown"), "");
     tell(journal, journal.open_stream("env/a"), journal.open_stream("node/robot1"));
     hash = journal.journal_hash();
     ASSERT_EQ(journal.streams().size(), 2u);
@@ -148,6 +151,63 @@ TEST(JournalExport, FoldersHaveTheirNames) {
       HasSubstr(
           R"({"file":"package://agent/clips/a.clp","inner":"\"package://inner\"","both":"package://agent:package://inner/x",)"
           R"("other":"/a/agent2","below":"/b/a/agent","topic":"/a","uri":"file://package://agent/b","n":3})"));
+}
+
+TEST(JournalExport, AFolderIsKnownInATextOfAnyLength) {
+  FolderNames folders;
+  folders.add("/a/agent", "package://agent");
+  for (std::size_t length = 8; length < 300; ++length) {
+    std::string path = "/a/agent", renamed, json;
+    path.resize(length, '/');
+    RecordData data;
+    data.begin().field("file", path);
+    ASSERT_TRUE(folders.rewrite(data.bytes(), renamed)) << length;
+    ASSERT_TRUE(append_json(renamed, json).ok());
+    EXPECT_EQ(json, "{\"file\":\"package://agent" + path.substr(8) + "\"}") << length;
+  }
+}
+
+TEST(JournalExport, AFolderThatIsKnownKeepsItsFirstName) {
+  FolderNames folders;
+  folders.add("/a/agent", "first");
+  folders.add("/a/agent", "second");
+  folders.add("/", "root");
+  folders.add("relative", "relative");
+  RecordData data;
+  data.begin().field("file", "/a/agent /b relative");
+  std::string renamed, json;
+  ASSERT_TRUE(folders.rewrite(data.bytes(), renamed));
+  ASSERT_TRUE(append_json(renamed, json).ok());
+  EXPECT_EQ(json, R"({"file":"first /b relative"})");
+}
+
+/// Keeps what it hears of one stream.
+class Listener final : public JournalListener {
+ public:
+  bool wants(std::string_view stream, RecordKind kind) const override {
+    return stream == "env/a" && kind == RecordKind::kDecision;
+  }
+  void heard(const JournalRecord& record) override { records.push_back(record); }
+  std::vector<JournalRecord> records;
+};
+
+TEST(Journal, AListenerHearsOfWhatItWantsWhateverIsExported) {
+  Journal journal;
+  Listener listener;
+  journal.set_listener(&listener);
+  const StreamId env = journal.open_stream("env/a"), robot = journal.open_stream("node/robot1");
+  tell(journal, env, robot);
+  journal.set_listener(nullptr);
+  tell(journal, env, robot);
+  ASSERT_EQ(listener.records.size(), 1u);
+  const JournalRecord& record = listener.records.front();
+  EXPECT_EQ(record.stream, "env/a");
+  EXPECT_EQ(record.n, 1u);
+  EXPECT_EQ(record.t, milliseconds(40));
+  EXPECT_EQ(record.kind, RecordKind::kDecision);
+  EXPECT_EQ(record.data.integer("order"), 2);
+  EXPECT_EQ(record.data.text("state"), "OPEN");
+  EXPECT_THAT(record.causes, ElementsAre(JournalRecord::Cause{"node/robot1", 0}));
 }
 
 TEST(Journal, NumbersTheRecordsOfEachStreamFromZero) {
@@ -274,6 +334,42 @@ TEST(JournalExport, TextIsAlwaysValidUtf8) {
   EXPECT_EQ(json("\xed\xa0\x80"), "\"" + unknown + unknown + unknown + "\"") << "half a surrogate pair";
   EXPECT_EQ(json("\xf4\x90\x80\x80"), "\"" + unknown + unknown + unknown + unknown + "\"") << "beyond U+10FFFF";
   EXPECT_EQ(json("\xe2\x82q"), "\"" + unknown + unknown + "q\"");
+}
+
+/// The characters of RFC 3629 at the front of `text`: how many bytes the first one has, 0 if it is none.
+std::size_t character(std::string_view text) {
+  for (std::size_t size = 1; size <= std::min<std::size_t>(4, text.size()); ++size) {
+    constexpr unsigned kMark[] = {0, 0, 0xc0, 0xe0, 0xf0}, kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(text[i])); };
+    unsigned code = byte(0) - kMark[size];
+    if (byte(0) < kMark[size] || code > (size == 1 ? 0x7fU : 0xffU >> (size + 1))) continue;
+    bool whole = true;
+    for (std::size_t i = 1; i < size; ++i) {
+      whole = whole && byte(i) >= 0x80 && byte(i) <= 0xbf;
+      code = code * 64 + byte(i) % 64;
+    }
+    if (whole && code >= kLeast[size] && code <= 0x10ffff && (code < 0xd800 || code > 0xdfff)) return size;
+  }
+  return 0;
+}
+
+TEST(JournalExport, EveryInvalidByteBecomesTheReplacementCharacter) {
+  // Bytes at the borders of RFC 3629's table, in all orders.
+  constexpr std::string_view kBytes =
+      "A\x7e\x80\x8f\x90\x9f\xa0\xbf\xc0\xc1\xc2\xdf\xe0\xe1\xec\xed\xee\xef\xf0\xf1\xf3\xf4\xf5\xff";
+  std::string text(4, 'A');
+  const std::size_t n = kBytes.size();
+  for (std::size_t i = 0; i < n * n * n * n; ++i) {
+    text = {kBytes[i % n], kBytes[i / n % n], kBytes[i / n / n % n], kBytes[i / n / n / n]};
+    std::string expected = "\"", found;
+    for (std::string_view rest = text; !rest.empty();) {
+      const std::size_t size = character(rest);
+      expected += size == 0 ? "\xef\xbf\xbd" : rest.substr(0, size);
+      rest.remove_prefix(std::max<std::size_t>(size, 1));
+    }
+    append_json_string(text, found);
+    ASSERT_EQ(found, expected + '"') << i;
+  }
 }
 
 TEST(JournalExport, LinesReachTheFileWithinTenSimulatedSeconds) {

@@ -57,6 +57,7 @@ class Echo {
         .field("stamp", d.stamp.count())
         .field("goal", bus::to_string(d.goal).c_str());
     data.field("goals", static_cast<std::uint64_t>(d.goals_canceling.size())).field("sequence", d.sequence);
+    data.field("from", std::string_view(journal_.stream_name(bus_.stream_of(d.from))));
     if (d.message) d.message->view().record(data.name("message"));
     last_ = journal_.write(stream_, bus_.now(), RecordKind::kInput, data, {&d.cause, 1});
   }

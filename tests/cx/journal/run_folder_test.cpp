@@ -161,12 +161,18 @@ TEST(FileStore, ACopyThatWasChangedIsAnError) {
   const auto stored = StoredFiles::open(temp.path());
   EXPECT_THAT(stored->read("a").error().text(), HasSubstr("was changed"));
   EXPECT_THAT(stored->read("b").error().text(), HasSubstr("no copy of 'b'"));
+  const Status laid_out = stored->materialise(temp / "work");
+  ASSERT_FALSE(laid_out.ok());
+  EXPECT_EQ(laid_out.error().kind, ErrorKind::kInput);
+  EXPECT_FALSE(fs::exists(temp / "work/a"));
 }
 
 TEST(FileStore, NoNameLeavesTheFolder) {
   TempFolder temp;
   auto store = FileStore::create(temp.path());
-  for (const char* name : {"", "/etc/a", "../a", "a/../../b", "a//b", "a/.", "a/"}) {
+  for (const std::string& name :
+       {std::string("a\0b", 3), std::string(), std::string("/etc/a"), std::string("../a"), std::string("a/../../b"),
+        std::string("a//b"), std::string("a/."), std::string("a/"), std::string("."), std::string("..")}) {
     EXPECT_FALSE(store->add_content(name, "x").ok()) << name;
   }
   const auto error_of = [&](const std::string& index) {
@@ -200,6 +206,9 @@ TEST(FileStore, AFileThatIsMissingIsAnError) {
   auto store = FileStore::create(temp.path());
   EXPECT_EQ(store->add("a", temp / "none").error().kind, ErrorKind::kInput);
   EXPECT_THAT(store->add("a", temp.path()).error().text(), HasSubstr("is a folder"));
+  const auto no_index = StoredFiles::open(temp / "none");
+  ASSERT_FALSE(no_index.ok());
+  EXPECT_EQ(no_index.error().kind, ErrorKind::kInput);
 }
 
 TEST(ContentHash, IsXxh3Of128Bits) {
