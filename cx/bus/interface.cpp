@@ -168,7 +168,7 @@ Status Registry::add_packages_in(const fs::path& folder) {
   std::error_code failure;
   std::vector<fs::path> folders;
   for (const auto& entry : fs::directory_iterator(folder, failure))
-    if (entry.is_directory() && is_identifier(entry.path().filename().string()) && holds_definitions(entry.path()))
+    if (is_identifier(entry.path().filename().string()) && holds_definitions(entry.path()))
       folders.push_back(entry.path());
   if (failure) return input_error("cannot read the folder: " + failure.message(), folder.string());
   std::ranges::sort(folders);

@@ -13,7 +13,7 @@ namespace cxlab::bus {
 namespace {
 
 Error error_at(const YAML::Node& node, std::string message) {
-  return input_error(std::move(message), {}, node.Mark().is_null() ? 0 : node.Mark().line + 1);
+  return input_error(std::move(message), {}, node.Mark().line + 1);
 }
 
 std::string kind_of(const YAML::Node& node) {

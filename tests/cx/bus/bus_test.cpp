@@ -217,6 +217,21 @@ TEST_F(BusTest, AParticipantThatLeavesTakesItsEndpointsButNotItsPosts) {
   EXPECT_EQ(bus_.topics()[0].users, 1);
 }
 
+TEST_F(BusTest, EndpointsAreNumberedInTheOrderOfMaking) {
+  const auto a = node("a"), b = node("b");
+  const auto first = advertise(a, "t"), second = subscribe(a, "t"), other = advertise(b, "t");
+  EXPECT_EQ(bus_.number_of(first), 0u);
+  EXPECT_EQ(bus_.number_of(second), 1u);
+  EXPECT_EQ(bus_.number_of(other), 0u);
+  bus_.remove(first);
+  EXPECT_EQ(bus_.number_of(advertise(a, "u")), 2u);
+  EXPECT_EQ(bus_.endpoint_of(a, 0), first);
+  EXPECT_EQ(bus_.endpoint_of(a, 1), second);
+  EXPECT_EQ(bus_.endpoint_of(b, 0), other);
+  EXPECT_EQ(bus_.endpoint_of(a, 3), std::nullopt);
+  EXPECT_EQ(bus_.endpoint_of(b, 1), std::nullopt);
+}
+
 TEST_F(BusTest, MessagesAreSharedNotCopied) {
   const auto server = node("server"), a = environment("a"), b = environment("b");
   const auto out = advertise(server, "t");

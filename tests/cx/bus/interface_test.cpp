@@ -141,12 +141,26 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"\nint23 a\n", 2, "found type 'int23'"}, BadFile{"flaot64 a\n", 1, "nearest is 'float64'"},
         BadFile{"Iner a\n", 1, "nearest is 'pkg/msg/Inner'"}, BadFile{"pgk/Inner a\n", 1, "package 'pgk'"},
         BadFile{"pgk/Inner a\n", 1, "nearest is 'pkg'"}, BadFile{"pkg/srv/Inner a\n", 1, "expected a primitive type"},
-        BadFile{"int8\n", 1, "no name after the type 'int8'"},
+        BadFile{"pkg/msg/inner a\n", 1, "expected a primitive type"},
+        BadFile{"pkg/msg/In_ner a\n", 1, "expected a primitive type"},
+        BadFile{"pkg/ a\n", 1, "expected a primitive type"}, BadFile{"Pkg/Inner a\n", 1, "expected a primitive type"},
+        BadFile{"pkg/msg/x/Inner a\n", 1, "expected a primitive type"},
+        BadFile{"/Inner a\n", 1, "expected a primitive type"}, BadFile{"int8\n", 1, "no name after the type 'int8'"},
         BadFile{"int8 Big\n", 1, "expected a name in lower case"},
         BadFile{"int8 a__b\n", 1, "expected a name in lower case"},
         BadFile{"int8 a_\n", 1, "expected a name in lower case"}, BadFile{"int8 LIMIT\n", 1, "a constant needs '='"},
         BadFile{"int8 limit=3\n", 1, "expected a name in capitals"}, BadFile{"int8 LIMIT=\n", 1, "has no value"},
         BadFile{"int8 LIMIT=200\n", 1, "expected int8 from -128 to 127"}, BadFile{"int8 LIMIT=1.5\n", 1, "found '1.5'"},
+        BadFile{"int8 LIMIT=-129\n", 1, "expected int8 from -128 to 127"},
+        BadFile{"uint8 LIMIT=-1\n", 1, "expected uint8 from 0 to 255"},
+        BadFile{"int16 LIMIT=32768\n", 1, "expected int16 from -32768 to 32767"},
+        BadFile{"int8 LIMIT=0x\n", 1, "found '0x'"}, BadFile{"int8 LIMIT=0b2\n", 1, "found '0b2'"},
+        BadFile{"int8 LIMIT=0o8\n", 1, "found '0o8'"}, BadFile{"int8 LIMIT=+-1\n", 1, "found '+-1'"},
+        BadFile{"int8 LIMIT=1 2\n", 1, "found '1 2'"}, BadFile{"float32 LIMIT=1 2\n", 1, "found '1 2'"},
+        BadFile{"float64 LIMIT=1e400\n", 1, "a number that a float64 can hold"},
+        BadFile{"string S=\"a\" b\n", 1, "after the closing quote"}, BadFile{"string[] a [x,,y]\n", 1, "an empty item"},
+        BadFile{"string[] a [x,]\n", 1, "an empty item"}, BadFile{"string[] a [\n", 1, "expected a list"},
+        BadFile{"string[] a ]\n", 1, "expected a list"}, BadFile{"string S=\"a\\\n", 1, "no closing \""},
         BadFile{"bool ON=yes\n", 1, "expected true or false"}, BadFile{"string S=\"open\n", 1, "no closing \""},
         BadFile{"Inner I=3\n", 1, "expected a primitive type, not an array"},
         BadFile{"int8[] L=3\n", 1, "not an array"}, BadFile{"int8 A=1\nint8 A=2\n", 2, "defined twice"},
@@ -174,6 +188,69 @@ TEST(Interfaces, BoundsGoUpTo16777216AndATabSeparatesWords) {
   EXPECT_THAT((*type)->field_names(), ElementsAre("text", "list"));
   EXPECT_EQ((*type)->find("text")->string_limit, 16777216u);
   EXPECT_EQ((*type)->find("list")->size_limit, 16777216u);
+}
+
+TEST(Interfaces, ValuesAreReadAsTheyAreWritten) {
+  TempPackages packages;
+  packages.write("pkg/msg/Values",
+                 "int32 a 0x1F\nint32 b 0X1f\nint32 c -0x10\nint32 d 0o17\nint32 e 0b101\nint32 f 010\nint32 g +7\n"
+                 "int32 h 0\nint32 i -0\nint32 j 00\nuint64 k 0xffffffffffffffff\n"
+                 "bool l True\nbool m 1\nbool n False\nbool o 0\nbool p false\nbool q true\n"
+                 "float64 r +1.5\nfloat64 s -2\nfloat64 t 1e3\n"
+                 "string u 'it\\'s'\nstring v \"a\\tb\\nc\\\\d\\\"e\\q\"\nstring w \"\"\nstring x a\\n\n"
+                 "string[] y [\"a\\\"]b\", 'c, d' , e f]\nint32[] z []\n"
+                 "string za \"#\" # a comment\nstring zb it's # a comment\nstring zc \"\\\"#\" # a comment\n");
+  Registry registry;
+  ASSERT_TRUE(registry.add_packages_in(packages.folder()).ok());
+  const auto type = registry.message("pkg/msg/Values");
+  ASSERT_TRUE(type.ok()) << type.error().text();
+  EXPECT_EQ(Message(**type)->to_string(),
+            "{a: 31, b: 31, c: -16, d: 15, e: 5, f: 10, g: 7, h: 0, i: 0, j: 0, k: 18446744073709551615, "
+            "l: true, m: true, n: false, o: false, p: false, q: true, r: 1.5, s: -2.0, t: 1000.0, "
+            "u: \"it's\", v: \"a\\tb\\nc\\\\d\\\"e\\\\q\", w: \"\", x: \"a\\\\n\", "
+            "y: [\"a\\\"]b\", \"c, d\", \"e f\"], z: [], za: \"#\", zb: \"it's\", zc: \"\\\"#\"}");
+}
+
+TEST(Interfaces, OnlyFoldersWithTheNameOfAPackageAreSome) {
+  TempPackages packages;
+  for (const char* name : {"good_1/msg/T", "b-d/msg/T", "b.d/msg/T", "\xc3\xa4/msg/T"})
+    packages.write(name, "int8 a\n");
+  put_file(packages.folder() / "file", "text");
+  Registry registry;
+  ASSERT_TRUE(registry.add_packages_in(packages.folder()).ok());
+  EXPECT_THAT(registry.packages(), ElementsAre("good_1"));
+  for (const char* name : {"", "b-d", "b.d", "a/b", "\xc3\xa4", "a b", "a@", "a[", "a`", "a{"})
+    EXPECT_THAT(registry.add_package(name, packages.folder() / "good_1").error().message,
+                HasSubstr("expected letters, digits and underscores"))
+        << name;
+  for (const char* name : {"azAZ09_", "Z", "0"})
+    EXPECT_TRUE(registry.add_package(name, packages.folder() / "good_1").ok());
+}
+
+TEST(Interfaces, MessagesNestUpTo64Deep) {
+  TempPackages packages;
+  packages.write("pkg/msg/M1", "int8 a\n");
+  for (int i = 2; i <= 65; ++i)
+    packages.write("pkg/msg/M" + std::to_string(i), "M" + std::to_string(i - 1) + " inner\n");
+  Registry registry, other;
+  ASSERT_TRUE(registry.add_packages_in(packages.folder()).ok());
+  ASSERT_TRUE(other.add_packages_in(packages.folder()).ok());
+  EXPECT_TRUE(registry.message("pkg/msg/M64").ok());
+  EXPECT_TRUE(registry.message("pkg/msg/M65").ok()) << "M64 is known";
+  EXPECT_THAT(other.message("pkg/msg/M65").error().message, HasSubstr("nested in 64 messages, which is the most"));
+}
+
+TEST(Interfaces, ADefinitionHasAtMost4MiB) {
+  TempPackages packages;
+  std::string text = "int8 a\n#";
+  text.resize(std::size_t{1} << 22, '#');
+  packages.write("pkg/msg/Long", text);
+  packages.write("pkg/msg/Longer", text + '#');
+  Registry registry;
+  ASSERT_TRUE(registry.add_packages_in(packages.folder()).ok());
+  EXPECT_TRUE(registry.message("pkg/msg/Long").ok());
+  EXPECT_THAT(registry.message("pkg/msg/Longer").error().message,
+              HasSubstr("found 4194305 bytes, expected a definition of at most 4194304"));
 }
 
 TEST(Interfaces, RecursionThroughOtherMessagesIsNamed) {

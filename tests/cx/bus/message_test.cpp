@@ -124,6 +124,31 @@ TEST_F(Messages, CopiesAreDeep) {
   EXPECT_FALSE(Message());
 }
 
+TEST_F(Messages, AreEqualIfAllFieldsAre) {
+  packages_.write("pkg/msg/Named", "string name\nint32[] numbers\n");
+  packages_.write("pkg/msg/Nest", "Named one\nNamed[2] two\nNamed[] many\nfloat32 f\nfloat64 d\nint8[3] bytes\n");
+  const MessageType& type = **registry_.message("pkg/msg/Nest");
+  const auto made = [&type](const char* yaml) { return *Message::from_yaml(type, yaml); };
+  const char* texts[] = {"{}",
+                         "{one: {name: a}}",
+                         "{one: {name: b}}",
+                         "{one: {numbers: [1]}}",
+                         "{two: [{name: a}, {}]}",
+                         "{two: [{}, {name: a}]}",
+                         "{many: [{}]}",
+                         "{many: [{name: a, numbers: [1, 2]}]}",
+                         "{many: [{name: a, numbers: [1, 3]}]}",
+                         "{f: 0.5}",
+                         "{d: 0.5}",
+                         "{bytes: [0, 0, 1]}",
+                         "{bytes: [1, 0, 0]}"};
+  for (const char* a : texts)
+    for (const char* b : texts) EXPECT_EQ(made(a)->equals(made(b)), a == b) << a << ' ' << b;
+  EXPECT_TRUE(made("{f: -0.0, d: -0.0}")->equals(made("{}")));
+  EXPECT_FALSE(made("{f: .nan}")->equals(made("{f: .nan}")));
+  EXPECT_FALSE(Message(type)->equals(Message(*type_))) << "of another type";
+}
+
 TEST_F(Messages, ElementsSurviveGrowthAndShrinking) {
   Message message(*type_);
   for (int i = 0; i < 100; ++i)
@@ -160,6 +185,27 @@ TEST_F(Messages, CutBytesAreAnError) {
     std::size_t position = 0;
     EXPECT_FALSE(Message::deserialize(*type_, std::as_bytes(std::span(bytes.data(), size)), position).ok()) << size;
   }
+}
+
+TEST_F(Messages, BytesOfAFlagAreZeroOrOne) {
+  packages_.write("pkg/msg/Flags", "bool one\nbool[2] two\nbool[] many\n");
+  const MessageType& type = **registry_.message("pkg/msg/Flags");
+  std::string bytes;
+  (*Message::from_yaml(type, "{one: true, two: [false, true], many: [true, false, true]}")).serialize(bytes);
+  int flags = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    std::string changed = bytes;
+    changed[i] = 2;
+    std::size_t position = 0;
+    const auto message = Message::deserialize(type, std::as_bytes(std::span(changed)), position);
+    if (message.ok() || message.error().message.find("neither 0 nor 1") == std::string::npos) continue;
+    ++flags;
+    EXPECT_EQ(message.error().kind, ErrorKind::kInput);
+  }
+  EXPECT_EQ(flags, 6);
+  std::size_t behind = bytes.size() + 1;
+  EXPECT_THAT(Message::deserialize(type, std::as_bytes(std::span(bytes)), behind).error().message,
+              HasSubstr("behind the end of the bytes"));
 }
 
 TEST_F(Messages, YamlAndJsonGiveTheSame) {

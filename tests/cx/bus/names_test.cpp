@@ -65,10 +65,11 @@ TEST(Names, ANodeMayBeRenamed) {
 }
 
 TEST(Names, WhatRosRefusesIsAFault) {
-  for (const char* good : {"a", "/a", "~/a", "~", "a/b_2", "_hidden", "/a/_b", "{node}/a", "/{ns}/b"})
+  for (const char* good :
+       {"a", "/a", "~/a", "~", "a/b_2", "_hidden", "/a/_b", "{node}/a", "/{ns}/b", "azAZ09_", "Z9/A0"})
     EXPECT_EQ(name_fault(good), "") << good;
-  for (const char* bad :
-       {"", "/", "a//b", "//a", "a/", "2a", "a/2b", "a b", "a-b", "~a", "a~", "{foo}", "\xc3\xa4", "a\n"})
+  for (const char* bad : {"",      "/",        "a//b", "//a", "a/", "2a", "a/2b", "a b", "a-b",  "~a",   "a~",
+                          "{foo}", "\xc3\xa4", "a\n",  "a@",  "a[", "a`", "a{",   "a:",  "a/0b", "a/9b", "~~"})
     EXPECT_NE(name_fault(bad), "") << bad;
 }
 
@@ -95,12 +96,24 @@ TEST(Names, ARemapNeedsGoodNames) {
                                  {"a", ""},
                                  {"a", "b//c"},
                                  {"x y:a", "b"},
+                                 {"x/y:a", "b"},
+                                 {"/x:a", "b"},
+                                 {"~/x:a", "b"},
+                                 {"{node}:a", "b"},
+                                 {":a", "b"},
                                  {"__node", "/a"},
                                  {"__node", "a/b"},
                                  {"__ns", "cyan"},
                                  {"__ns", "/a b"},
                                  {"rostopic://a b", "c"}})
     EXPECT_NE(remap_fault({from, to}), "") << from << ' ' << to;
+  EXPECT_TRUE(check_node("/cyan", {{"a", "b"}, {"__node", "other"}}).ok());
+  EXPECT_EQ(check_node("cyan", {}).error().message,
+            "namespace: the name 'cyan' does not begin with '/'; expected an absolute name like /cyan");
+  const Status wrong = check_node("/", {{"a", "b"}, {"a", "c d"}});
+  ASSERT_FALSE(wrong.ok());
+  EXPECT_EQ(wrong.error().kind, ErrorKind::kInput);
+  EXPECT_EQ(wrong.error().message, "remap.a: the name 'c d' has a ' '; expected letters, digits, '_' and '/'");
   EXPECT_EQ(remap_fault({"a b", "c"}), "the name 'a b' has a ' '; expected letters, digits, '_' and '/'");
 }
 

@@ -148,6 +148,14 @@ TEST(Transforms, WhatMakesNoTreeIsRefused) {
   EXPECT_DOUBLE_EQ(tf.lookup("a", "c")->pose.translation.x(), 2) << "what was refused left nothing behind";
 }
 
+TEST(Transforms, ALoopInThePastIsAnError) {
+  TransformBuffer tf;
+  ASSERT_TRUE(tf.set("b", "a", s(1), at(0, 0)).ok());
+  ASSERT_TRUE(tf.set("c", "a", s(2), at(0, 0)).ok());
+  ASSERT_TRUE(tf.set("a", "b", s(1), at(0, 0)).ok()) << "now the tree has no loop";
+  EXPECT_EQ(error_of(tf.lookup("c", "a", s(1))), "The tf tree is invalid because it contains a loop.");
+}
+
 TEST(Transforms, OldOnesAreForgotten) {
   TransformBuffer tf;
   for (const double t : {0.0, 5.0, 12.0}) ASSERT_TRUE(tf.set("map", "robot", s(t), at(t, 0)).ok());

@@ -316,7 +316,7 @@ TEST(JournalExport, TextIsAlwaysValidUtf8) {
   EXPECT_EQ(json("gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x98\x80"),
             "\"gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x98\x80\"");
   EXPECT_EQ(json("\xe0\xa4\x95"), "\"\xe0\xa4\x95\"") << "the smallest first byte of three";
-  EXPECT_EQ(json("a\"b\\c\nd\x01"), R"("a\"b\\c\nd\u0001")");
+  EXPECT_EQ(json("a\"b\\c\nd\x01\x1f\x20\x7f"), R"("a\"b\\c\nd\u0001\u001f \u007f")");
   const std::string unknown = "\xef\xbf\xbd";
   EXPECT_EQ(json("x\xff\x79"), "\"x" + unknown + "y\"");
   for (int c = 0; c < 128; ++c) {
