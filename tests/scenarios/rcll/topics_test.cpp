@@ -1,0 +1,151 @@
+// What the topics of the factory say, field by field, and the frames of the field.
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "cx/bus/transforms.h"
+#include "tests/support/game_story.h"
+
+namespace cxlab::rcll {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Place {
+  const char* machine;
+  const char* zone;
+  int rotation;
+};
+// All eight angles, on both halves.
+constexpr Place kPlaces[]{{"C-BS", "C_Z13", 0},    {"C-CS1", "M_Z24", 45},  {"C-CS2", "C_Z35", 90},
+                          {"C-RS1", "C_Z72", 135}, {"C-RS2", "M_Z63", 180}, {"C-SS", "C_Z77", 225},
+                          {"C-DS", "C_Z48", 270},  {"M-BS", "M_Z13", 315},  {"M-CS1", "C_Z24", 0},
+                          {"M-CS2", "M_Z35", 180}, {"M-RS1", "M_Z72", 45},  {"M-RS2", "C_Z63", 315},
+                          {"M-SS", "M_Z77", 225},  {"M-DS", "M_Z48", 135}};
+
+WorldConfig placed_game() {
+  WorldConfig config = GameStory::quiet_game();
+  for (const Place& place : kPlaces) config.layout.push_back({place.machine, place.zone, place.rotation});
+  return config;
+}
+
+/// The last message of the topic, after a tick more than `seconds`.
+Json last_message(GameStory& story, const std::string& topic, const std::string& type, double seconds = 3) {
+  bus::SharedMessage last;
+  EXPECT_TRUE(story.bus().subscribe(story.agent(), topic, **story.registry().message("rcll_interfaces/msg/" + type),
+                                    [&](const bus::Delivery& d) { last = d.message; }));
+  story.run_for(seconds);
+  if (!last) return {};
+  RecordData data;
+  data.begin().name("message");
+  last->view().record(data);
+  return Json::from_msgpack(data.bytes()).at("message");
+}
+
+TEST(Topics, PublishWhereEachMachineStands) {
+  GameStory story(placed_game());
+  const Json info = last_message(story, "/machine_info", "MachineInfo");
+  EXPECT_EQ(info.at("team_color"), "CYAN");
+  ASSERT_EQ(info.at("machines").size(), 14u);
+  for (const Json& machine : info.at("machines")) {
+    const std::string name = machine.at("name");
+    const auto place = std::ranges::find(kPlaces, name, &Place::machine);
+    ASSERT_NE(place, std::end(kPlaces)) << name;
+    EXPECT_EQ(machine.at("zone"), place->zone) << name;
+    EXPECT_EQ(machine.at("rotation"), place->rotation) << name;
+    EXPECT_EQ(machine.at("type"), name.substr(2, 2));
+    EXPECT_EQ(machine.at("team_color"), name[0] == 'C' ? "CYAN" : "MAGENTA");
+    EXPECT_EQ(machine.at("state"), "IDLE");
+    EXPECT_EQ(machine.at("correctly_reported"), true) << "there is no exploration";
+    EXPECT_EQ(machine.at("loaded_with"), 0);
+    EXPECT_EQ(machine.at("lights"),
+              Json::parse(R"([{"color": "RED", "state": "OFF"}, {"color": "YELLOW", "state": "OFF"},
+                                                    {"color": "GREEN", "state": "ON"}])"));
+    const double side = place->zone[0] == 'C' ? 1 : -1;
+    EXPECT_EQ(machine.at("pose").at("x"), side * (place->zone[3] - '0' - 0.5)) << name;
+    EXPECT_EQ(machine.at("pose").at("y"), place->zone[4] - '0' - 0.5) << name;
+    EXPECT_NEAR(machine.at("pose").at("theta"), sim::wrap_angle(place->rotation * std::numbers::pi / 180), 1e-12);
+    EXPECT_EQ(machine.at("cap_color"), name.ends_with("CS1") ? "CAP_GREY" : name.ends_with("CS2") ? "CAP_BLACK" : "");
+    EXPECT_EQ(machine.at("ring_colors"), name.ends_with("RS1")   ? Json({"RING_ORANGE", "RING_GREEN"})
+                                         : name.ends_with("RS2") ? Json({"RING_BLUE", "RING_YELLOW"})
+                                                                 : Json::array());
+  }
+}
+
+TEST(Topics, PublishTheRobotsOfTheTeam) {
+  for (const std::string team : {"CYAN", "MAGENTA"}) {
+    WorldConfig config = placed_game();
+    config.team = team;
+    GameStory story(config);
+    const Json robots = last_message(story, "/robot_info", "RobotInfo").at("robots");
+    ASSERT_EQ(robots.size(), 3u);
+    for (int i = 0; i < 3; ++i) {
+      const Json& robot = robots[static_cast<std::size_t>(i)];
+      EXPECT_EQ(robot.at("name"), "robot" + std::to_string(i + 1));
+      EXPECT_EQ(robot.at("number"), i + 1);
+      EXPECT_EQ(robot.at("team_color"), team);
+      EXPECT_EQ(robot.at("state"), "ACTIVE");
+      EXPECT_EQ(robot.at("pose").at("x"), (team == "CYAN" ? 1 : -1) * (4.5 + i));
+      EXPECT_EQ(robot.at("pose").at("y"), 0.5);
+      EXPECT_EQ(robot.at("pose").at("theta"), std::numbers::pi / 2) << "faces the field";
+    }
+  }
+}
+
+TEST(Topics, PublishTheStateOfTheGame) {
+  for (const std::string team : {"CYAN", "MAGENTA"}) {
+    WorldConfig config = placed_game();
+    config.team = team;
+    GameStory story(config);
+    Json wanted = Json::parse(R"({"game_time": 3.0, "state": "RUNNING", "phase": "PRODUCTION", "points_cyan": 0,
+      "points_magenta": 0, "team_cyan": "", "team_magenta": "", "field_height": 8, "field_width": 7, "field_mirrored": true})");
+    wanted[team == "CYAN" ? "team_cyan" : "team_magenta"] = team;
+    EXPECT_EQ(last_message(story, "/game_state", "GameState"), wanted);
+  }
+}
+
+TEST(Topics, ComeWithTheirPeriods) {
+  const std::tuple<const char*, const char*, int> topics[]{{"/game_state", "GameState", 20},
+                                                           {"/order_info", "OrderInfo", 10},
+                                                           {"/machine_info", "MachineInfo", 10},
+                                                           {"/ring_info", "RingInfo", 10},
+                                                           {"/robot_info", "RobotInfo", 8}};
+  GameStory story;
+  story.run_until(10.01);
+  std::map<std::string, int> heard;
+  for (const auto& [topic, type, count] : topics)
+    ASSERT_TRUE(story.bus().subscribe(story.agent(), topic,
+                                      **story.registry().message("rcll_interfaces/msg/" + std::string(type)),
+                                      [&heard, name = std::string(topic)](const bus::Delivery&) { ++heard[name]; }));
+  story.run_until(30.01);
+  for (const auto& [topic, type, count] : topics) EXPECT_EQ(heard[topic], count) << topic;
+}
+
+TEST(Transforms, PlaceMachinesAndRobotsInTheMap) {
+  WorldConfig config = placed_game();
+  config.transforms = true;
+  GameStory story(config);
+  auto listener =
+      bus::TransformListener::create(story.bus(), story.agent(), [](const std::string& why) { FAIL() << why; });
+  ASSERT_TRUE(listener);
+  story.run_for(1);
+  const auto expect_at = [&](const std::string& frame, const sim::Pose2& pose) {
+    const auto found = (*listener)->buffer().lookup("map", frame, story.world().now());
+    ASSERT_TRUE(found) << frame << ": " << found.error().text();
+    EXPECT_NEAR(found->pose.translation.x(), pose.x, 1e-9) << frame;
+    EXPECT_NEAR(found->pose.translation.y(), pose.y, 1e-9) << frame;
+    EXPECT_NEAR(found->pose.rotation.z(), std::sin(pose.yaw / 2), 1e-9) << frame;
+  };
+  for (const sim::Station& station : story.world().plan().stations) expect_at(station.name, station.pose_in_world);
+  for (int i = 0; i < 3; ++i)
+    expect_at("robot" + std::to_string(i + 1), story.world().robot(sim::RobotId{i}).pose_in_world);
+  const sim::Pose2 moved{1, 2, 0.5};
+  story.world().move_along(sim::RobotId{0}, std::span(&moved, 1), story.world().now(), story.world().now());
+  story.run_for(0.1);
+  expect_at("robot1", moved);
+}
+
+}  // namespace
+}  // namespace cxlab::rcll
