@@ -5,6 +5,7 @@
 #include "cx/bus/bus.h"
 #include "scenarios/rcll/floor_plan.h"
 #include "scenarios/rcll/result.h"
+#include "scenarios/view.h"
 #include "tests/support/episode_test.h"
 
 namespace cxlab::rcll {
@@ -116,6 +117,24 @@ TEST(GameResult, CountsWhatEachRobotDid) {
   EXPECT_EQ(result.score_board,
             "robot1   at work  25 %, driving  12 %, 4 skills, 1 failed, 1 contacts\n"
             "robot2   at work  50 %, driving   5 %, 2 skills, 0 failed, 2 contacts\n");
+}
+
+TEST_F(GameStage, TheTimedTierHasNoViewAndTellsWhereOneIs) {
+  const auto view = view_of(episode_->stage(), 64, 64);
+  ASSERT_FALSE(view.ok());
+  EXPECT_THAT(view.error().text(), testing::HasSubstr("no bodies to look at: --tier physics"));
+}
+
+TEST_F(GameStage, PhysicsWithoutItsModelsIsAnErrorThatNamesTheFolder) {
+  const auto scenario = Scenario::parse("schema: 1\nworld: {kind: rcll}\n", folder_ / "game.yaml", shipped());
+  ASSERT_TRUE(scenario.ok());
+  EpisodeOptions options;
+  options.interfaces = interfaces_dir();
+  options.models = folder_ / "nowhere";
+  const auto episode = Episode::load(*scenario, options);
+  ASSERT_FALSE(episode.ok());
+  EXPECT_EQ(episode.error().kind, ErrorKind::kResource);
+  EXPECT_THAT(episode.error().text(), testing::HasSubstr("there is no folder of models at " + options.models.string()));
 }
 
 }  // namespace

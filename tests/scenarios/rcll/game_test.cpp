@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "scenarios/rcll/result.h"
 #include "tests/support/game_story.h"
 
 namespace cxlab::rcll {
@@ -297,6 +298,41 @@ TEST(Delivery, TheFirstOfACompetitiveOrderEarnsTenMore) {
   EXPECT_EQ(story.score().total(), 40);
 }
 
+// --- The result
+
+TEST(Result, SaysWhatWasOrderedDeliveredAndEarned) {
+  WorldConfig config = game_with_window(5, 20);
+  OrderConfig late = config.orders[0], never = config.orders[0];
+  late.complexity = "C1";
+  late.ring_colors = {"RING_ORANGE"};
+  late.activate_at = 10;
+  never.activate_at = 500;
+  config.orders.insert(config.orders.end(), {late, never});
+  GameStory story(config);
+  story.run_until(20);
+  story.lay_before_delivery("BASE_RED", CapColor::kGrey);
+  ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
+  story.run_for(6);
+  story.lay_before_delivery("BASE_RED", CapColor::kGrey);
+  ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 2}").code, 0);
+  Result result;
+  report_game(story.factory(), result);
+  EXPECT_EQ(result.at("teams"),
+            R"({"CYAN":{"points":23,"by_kind":{"delivery":20,"ring":0,"cap":10,"buffer":0,"payment":0,"late":-7,)"
+            R"("competitive":0,"exploration":0,"penalty":0}},)"
+            R"("MAGENTA":{"points":0,"by_kind":{"delivery":0,"ring":0,"cap":0,"buffer":0,"payment":0,"late":0,)"
+            R"("competitive":0,"exploration":0,"penalty":0}}})");
+  EXPECT_EQ(result.at("orders"),
+            R"([{"id":1,"complexity":"C0","ordered":0.0,"delivered_at":23.78,"correct":true,"points":23},)"
+            R"({"id":2,"complexity":"C1","ordered":10.0,"delivered_at":null,"correct":false,"points":0},)"
+            R"({"id":3,"complexity":"C0","ordered":500.0,"delivered_at":null,"correct":false,"points":0}])");
+  EXPECT_EQ(result.at("deliveries"),
+            R"([{"order":1,"team":"CYAN","time":23.78,"correct":true,"late_s":3.78,"points":23},)"
+            R"({"order":2,"team":"CYAN","time":33.58,"correct":false,"late_s":0.0,"points":0}])");
+  EXPECT_EQ(result.score_board,
+            "CYAN       23 points   delivery 20  cap 10  late -7\nMAGENTA     0 points \n1 of 3 orders delivered\n");
+}
+
 // --- The referee alone
 
 MachineEvent delivered(const sim::FloorPlan& plan, const std::string& machine, double at, const sim::Stack& stack) {
@@ -334,6 +370,22 @@ TEST(Referee, BeforeTheWindowCountsNothingAtItsStartItCounts) {
   EXPECT_EQ(referee.deliveries()[0].reason, "early");
   referee.judge(from_seconds(100), {}, std::vector{delivered(plan, "C-DS", 100, product)});
   EXPECT_TRUE(referee.deliveries()[1].correct) << "the early one has used nothing up";
+}
+
+TEST(Referee, IsNextDueAtTheNextPhaseOrOrder) {
+  WorldConfig config = game_with_window(100, 200, 30);
+  config.orders.push_back(config.orders[0]);
+  config.orders[1].activate_at = 70;
+  const sim::FloorPlan plan = *floor_plan_of(config, 1);
+  KeptRecords sink;
+  GameReferee referee(GameClock::of(10, 300), {}, *schedule_of(config, 1), plan, sink);
+  EXPECT_EQ(referee.next_due(), SimTime{});
+  for (const auto& [at, next] : {std::pair{0.0, 10.0}, {10.0, 40.0}, {39.99, 40.0}, {40.0, 80.0}, {80.0, 310.0}}) {
+    referee.judge(from_seconds(at), {}, {});
+    EXPECT_EQ(referee.next_due(), from_seconds(next)) << at;
+  }
+  referee.judge(from_seconds(310), {}, {});
+  EXPECT_EQ(referee.next_due(), kNever);
 }
 
 TEST(Referee, DeductsForLatenessAsTheRefereeBoxAndAsTheRulebook) {
