@@ -1,5 +1,6 @@
 // What a client on the bus sees of a robot's skills, in both tiers.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -25,6 +26,8 @@ FloorPlan small_plan() {
   FloorPlan plan;
   plan.stations = {
       {"C-BS", "BS", {1.5, 5.5, 0}, true}, {"C-CS1", "CS", {4.5, 5.5, 0}, true}, {"C-RS1", "RS", {4.5, 2.5, 0}, true}};
+  // Walls in the middle of a zone: the nearest place to stand is further away there.
+  for (const double x : {-6.2, -5.85, -5.5, -5.15, -4.8}) plan.walls.push_back({{x, 5.1}, {x, 5.9}});
   for (std::size_t i = 0; i < plan.stations.size(); ++i)
     for (Spot& spot : spots_of(plan.stations[i], static_cast<StationId>(i))) plan.spots.push_back(std::move(spot));
   plan.robots = {{"robot1", {0.3, 4, 0}}, {"robot2", {3, 1.2, 0}}};
@@ -48,7 +51,7 @@ class Skills : public ::testing::TestWithParam<Tier> {
  protected:
   void SetUp() override {
     ASSERT_TRUE(registry.add_packages_in(interfaces_dir()));
-    const Fleet::Places places{{"C_Z22", {1.5, 1.5, 1}}, {"C_Z26", {1.5, 5.5, 0}}};
+    const Fleet::Places places{{"C_Z22", {1.5, 1.5, 1}}, {"C_Z26", {1.5, 5.5, 0}}, {"M_Z66", {-5.5, 5.5, 0}}};
     if (GetParam() == Tier::kTimed) {
       auto ledger = std::make_unique<LedgerWorld>(small_plan());
       auto made = Fleet::create(*ledger, *ledger, config, 1, places, bus, sink);
@@ -112,6 +115,7 @@ class Skills : public ::testing::TestWithParam<Tier> {
     bus.deliver(node);
     ASSERT_TRUE(fleet->act(world->now()));
     if (bodies && jammed_fingers) bodies->command_fingers(RobotId{0}, *jammed_fingers);
+    if (bodies && jammed_arm) bodies->command_gripper(RobotId{0}, *jammed_arm);
   }
   /// Ticks until it ended; the seconds it took.
   double finish(const Heard& h, double limit = 120) {
@@ -142,6 +146,7 @@ class Skills : public ::testing::TestWithParam<Tier> {
 
   TimedSkillsConfig config;              ///< of the timed tier
   std::optional<double> jammed_fingers;  ///< physics: robot1's fingers stay there whatever the skill commands
+  std::optional<Vec3> jammed_arm;        ///< physics: so does its gripper
   RobotBodies* bodies = nullptr;         ///< physics
   KeptRecords sink;
   bus::Registry registry;
@@ -222,6 +227,73 @@ TEST_P(Skills, DriveToTakesSpotsPlacesAndPoses) {
   Heard& inside = send("robot1", SkillKind::kDriveTo, "", {1.5, 5.5, 0});
   finish(inside);
   EXPECT_EQ(inside.code, 300);
+}
+
+TEST_P(Skills, APlaceInANarrowZoneIsTheNearestFreeOne) {
+  const Heard& drive = done("robot1", SkillKind::kDriveTo, "M_Z66");
+  ASSERT_EQ(drive.status, bus::GoalStatus::kSucceeded) << drive.error;
+  EXPECT_NEAR(distance(robot1().pose_in_world.position(), Vec2(-5.5, 5.5)), 0.65, 0.06);
+}
+
+TEST_P(Skills, NothingIsDueOfRobotsThatRest) {
+  if (GetParam() != Tier::kTimed) return;
+  ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C_Z22").code, 0);
+  wait(1);
+  EXPECT_EQ(fleet->next_due(), kNever);
+}
+
+TEST_P(Skills, EachPhaseLastsItsTime) {
+  if (GetParam() != Tier::kPhysics) return;
+  base_at("C-BS-OUTPUT");
+  ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C-BS-OUTPUT").code, 0);
+  using Phases = std::vector<std::pair<std::string, double>>;
+  const auto phases = [&](SkillKind kind) {
+    const Heard& skill = send("robot1", kind, "C-BS-OUTPUT");
+    const double begin = to_seconds(world->now()), end = begin + finish(skill);
+    EXPECT_EQ(skill.code, 0) << skill.error;
+    Phases lasted;
+    for (std::size_t i = 0; i < skill.phases.size(); ++i)
+      lasted.emplace_back(skill.phases[i],
+                          (i + 1 < skill.phases.size() ? skill.phases_at[i + 1] : end) - skill.phases_at[i]);
+    return lasted;
+  };
+  const auto compare = [](const Phases& found, const Phases& wanted) {
+    ASSERT_EQ(found.size(), wanted.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      EXPECT_EQ(found[i].first, wanted[i].first);
+      EXPECT_NEAR(found[i].second, wanted[i].second, 0.05) << found[i].first;
+    }
+  };
+  compare(phases(SkillKind::kPick), {{"drive", 0.24},
+                                     {"align", 0.02},
+                                     {"look", 8.00},
+                                     {"approach", 2.14},
+                                     {"lower", 0.28},
+                                     {"grip", 0.40},
+                                     {"lift", 0.50},
+                                     {"back_off", 1.74},
+                                     {"check", 2.00}});
+  compare(phases(SkillKind::kPlace), {{"drive", 0.04},
+                                      {"align", 0.02},
+                                      {"look", 8.00},
+                                      {"approach", 2.14},
+                                      {"lower", 0.62},
+                                      {"release", 0.42},
+                                      {"back_off", 1.74},
+                                      {"check", 2.00}});
+}
+
+TEST_P(Skills, APieceIsPutWhereItShallLie) {
+  if (GetParam() != Tier::kPhysics) return;
+  for (const char* from : {"C-BS-OUTPUT", "C-CS1-OUTPUT"}) base_at(from);
+  for (const auto& [from, to] : {std::pair{"C-BS-OUTPUT", "C-CS1-INPUT"}, std::pair{"C-CS1-OUTPUT", "C-BS-INPUT"}}) {
+    ASSERT_EQ(done("robot1", SkillKind::kPick, from).code, 0);
+    ASSERT_EQ(done("robot1", SkillKind::kPlace, to).code, 0);
+    const Spot& rest = world->plan().spot(spot(to));
+    const Piece* piece = world->at(spot(to));
+    ASSERT_NE(piece, nullptr);
+    EXPECT_LT((piece->position_in_world - rest.rest_in_world).norm(), 0.004) << to;
+  }
 }
 
 TEST_P(Skills, ASecondGoalIsRejectedWhileOneIsActive) {
@@ -370,6 +442,9 @@ TEST_P(FailingPicks, EndWith206AndThePieceStays) {
   const Heard& pick = done("robot1", SkillKind::kPick, "C-BS-OUTPUT");
   EXPECT_EQ(pick.status, bus::GoalStatus::kAborted);
   EXPECT_EQ(pick.code, 206);
+  if (GetParam() == Tier::kPhysics) {
+    EXPECT_EQ(std::ranges::count(pick.phases, "grip"), 2) << "it is tried once more";
+  }
   EXPECT_FALSE(robot1().held);
   EXPECT_NE(world->at(spot("C-BS-OUTPUT")), nullptr);
   EXPECT_EQ(fleet->stats()[0].failures, 1);
@@ -402,6 +477,26 @@ TEST_P(Skills, APieceThatFellToTheFloorIsNotPlaced) {
   EXPECT_EQ(place.code, 204);
   EXPECT_FALSE(robot1().held);
   EXPECT_EQ(world->at(spot("C-CS1-INPUT")), nullptr);
+}
+
+TEST_P(Skills, AnArmThatDoesNotMoveEndsThePick) {
+  if (GetParam() != Tier::kPhysics) return;
+  struct Case {
+    const char* phase;
+    int code;
+    double ends_within;
+  };
+  base_at("C-BS-OUTPUT");
+  for (const auto& [phase, code, ends_within] : {Case{"approach", 201, 18}, Case{"lift", 201, 26}}) {
+    SCOPED_TRACE(phase);
+    ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C-BS-OUTPUT").code, 0);
+    const Heard& pick = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+    ASSERT_TRUE(reach(pick, phase));
+    jammed_arm = std::string(phase) == "lift" ? robot1().gripper : Vec3(0, 0, 0.05);
+    EXPECT_LT(finish(pick), ends_within);
+    EXPECT_EQ(pick.code, code) << pick.error;
+    jammed_arm.reset();
+  }
 }
 
 class FailingDrives : public Skills {

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "cx/base/random.h"
+
 namespace cxlab::sim {
 namespace {
 
@@ -72,6 +74,26 @@ TEST(FloorMap, AWayStaysOutOfKeepouts) {
   for (const Vec2& p : *way) EXPECT_GE(distance(p, robot.around), 0.5);
   const Keepout at_goal{{{2.1, 4}, {2.1, 4}}, 0.5};
   EXPECT_FALSE(map.route({-2, 4}, {2, 4}, {&at_goal, 1}));
+}
+
+TEST(FloorMap, WaysKeepTheirDistanceFromKeepoutsOnAllSides) {
+  RandomStream random(1, "keepouts");
+  FloorMap map{FloorPlan{}};
+  int ways = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Vec2 middle(random.uniform(-4, 4), random.uniform(2.5, 5.5));
+    const Keepout robot{{middle, middle + Vec2(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3))},
+                        random.uniform(0.3, 0.9)};
+    const double angle = random.uniform(-3.14, 3.14), turn = random.uniform(2, 4);
+    const auto beside = [&](double a) -> Vec2 { return middle + 1.6 * Vec2(std::cos(a), std::sin(a)); };
+    const auto way = map.route(beside(angle), beside(angle + turn), {&robot, 1});
+    if (!way) continue;
+    ++ways;
+    for (std::size_t k = 1; k < way->size(); ++k)
+      for (const double part : {0.0, 0.25, 0.5, 0.75})
+        ASSERT_GE(distance(between((*way)[k - 1], (*way)[k], part), robot.around), robot.radius - 0.012) << i;
+  }
+  EXPECT_EQ(ways, 100);
 }
 
 TEST(FloorMap, AKeepoutInWhichAWayBeginsShrinks) {

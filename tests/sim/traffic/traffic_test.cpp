@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include "cx/base/random.h"
+
 namespace cxlab::sim {
 namespace {
 
@@ -394,6 +396,106 @@ TEST(Traffic, NobodyWaitsCloserThanHalfAMetreToAWorkingRobot) {
   for (int i = 0; i < 500; ++i) floor.tick();
   EXPECT_FALSE(floor.traffic.arrived(kRobot1));
   EXPECT_GE(floor.least_distance, 0.5);
+}
+
+TEST(Traffic, OneThatDrivesToWaitTurnsToItsGoalWhenThatIsFree) {
+  Drivers floor(open_floor({{-6, 4, 0}, {0.5, 4, 0}}));
+  const Segment work{{0, 4}, {0.17, 4}};
+  floor.traffic.request(kRobot2, {0, 4, 0}, work, floor.now);
+  floor.until([&] { return floor.traffic.working(kRobot2); });
+  floor.traffic.request(kRobot1, {0, 4, 0}, work, floor.now);
+  floor.until([&] { return floor.pose(kRobot1).x > -4.5; });
+  ASSERT_TRUE(floor.traffic.moving(kRobot1)) << "to a place to wait";
+  const auto motions = floor.traffic.motion_number(kRobot1);
+  floor.traffic.withdraw(kRobot2, floor.now);
+  floor.traffic.request(kRobot2, {0, 7, 0}, {}, floor.now);
+  EXPECT_LT(floor.until([&] { return floor.traffic.motion_number(kRobot1) > motions; }), 2.1)
+      << "it looks every two seconds";
+  EXPECT_LT(floor.until([&] { return floor.traffic.working(kRobot1); }), 12);
+}
+
+TEST(Traffic, NobodyWaitsLongerThanItMust) {
+  for (const double ahead : {0.0, 0.5, 1.0, 1.3}) {
+    Drivers floor(open_floor({{-3, 4, 0}, {0, 1 + ahead, 0}}));
+    floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
+    floor.traffic.request(kRobot2, {0, 7, 0}, {}, floor.now);
+    floor.tick();
+    const Trajectory first = *floor.traffic.motion(kRobot1), second = *floor.traffic.motion(kRobot2);
+    const SimTime waits = second.start() - floor.now;
+    if (waits == SimTime{}) continue;
+    double least = 100;
+    for (SimTime t{}; t < first.end(); t += kTick)
+      for (const double late : {-0.3, -0.15, 0.0, 0.15, 0.3})
+        least = std::min(least, distance(first.point_at(t), second.point_at(t + from_seconds(late + 0.2))));
+    EXPECT_LT(least, 0.5) << "0.2 s earlier it would have come too near; ahead " << ahead;
+  }
+}
+
+/// Three robots on a floor with machines, who each get one job after another: half of them work at a spot for a while.
+std::string busy_floor(std::uint64_t seed) {
+  RandomStream random(seed, "traffic test");
+  FloorPlan plan = open_floor({{4.5, 0.5, 1.57}, {5.5, 0.5, 1.57}, {6.5, 0.5, 1.57}});
+  plan.walls = {{{5, 1}, {7, 1}}, {{4, 0}, {4, 1}}};
+  for (int i = 0; i < 6; ++i)
+    plan.stations.push_back({"M" + std::to_string(i),
+                             i % 2 ? "CS" : "BS",
+                             {-2.4 + 1.6 * i + random.uniform(-0.3, 0.3),
+                              i % 3 == 0   ? 2.5
+                              : i % 3 == 1 ? 5.5
+                                           : 6.5,
+                              wrap_angle(static_cast<double>(random.between(0, 7)) * std::numbers::pi / 4)},
+                             true});
+  for (std::size_t i = 0; i < plan.stations.size(); ++i)
+    for (Spot& spot : spots_of(plan.stations[i], static_cast<StationId>(i))) plan.spots.push_back(std::move(spot));
+  Drivers floor(plan);
+  constexpr int kJobs = 5;
+  int done[3] = {}, impossible = 0;
+  bool busy[3] = {};
+  SimTime works_until[3] = {};
+  double waited = 0;
+  floor.until(
+      [&] {
+        for (int i = 0; i < 3; ++i) {
+          const auto id = static_cast<RobotId>(i);
+          Traffic& traffic = floor.traffic;
+          waited += traffic.waiting(id, floor.now) ? to_seconds(kTick) : 0;
+          if (busy[i] && traffic.arrived(id) && works_until[i] == SimTime{})
+            works_until[i] = floor.now + from_seconds(traffic.working(id) ? 4 : 0);
+          const bool failed = busy[i] && traffic.unreachable(id);
+          if (failed || (busy[i] && traffic.arrived(id) && floor.now >= works_until[i])) {
+            impossible += failed;
+            ++done[i];
+            busy[i] = false;
+            traffic.withdraw(id, floor.now);
+          }
+          if (busy[i] || done[i] == kJobs) continue;
+          busy[i] = true;
+          works_until[i] = SimTime{};
+          if (random.chance(0.8)) {
+            const Spot& spot = plan.spots[random.below(plan.spots.size())];
+            traffic.request(id, spot.align_in_world, spot.footprint(), floor.now);
+          } else {
+            traffic.request(id, {random.uniform(-3, 3), random.uniform(2, 6), random.uniform(-3, 3)}, {}, floor.now);
+          }
+        }
+        return done[0] + done[1] + done[2] == 3 * kJobs;
+      },
+      600);
+  EXPECT_GE(floor.least_distance, 0.46) << seed;
+  char text[200];
+  std::snprintf(text, sizeof text, "%.1f s, %u %u %u motions, waited %.1f s, %d impossible", to_seconds(floor.now),
+                floor.traffic.motion_number(kRobot1), floor.traffic.motion_number(kRobot2),
+                floor.traffic.motion_number(kRobot3), waited, impossible);
+  return text;
+}
+
+// Times are counted in ticks of 20 ms, so that the last bits of a square root do not show.
+TEST(Traffic, FiveJobsForEachOfThreeTakeAsLongAsTheyDid) {
+  const char* wanted[]{
+      "92.6 s, 5 7 9 motions, waited 0.0 s, 0 impossible",  "79.4 s, 7 6 5 motions, waited 0.0 s, 0 impossible",
+      "79.9 s, 5 5 5 motions, waited 0.4 s, 0 impossible",  "104.7 s, 8 8 8 motions, waited 57.7 s, 0 impossible",
+      "92.3 s, 8 8 8 motions, waited 13.6 s, 0 impossible", "80.5 s, 5 6 6 motions, waited 0.6 s, 0 impossible"};
+  for (std::uint64_t seed = 0; seed < std::size(wanted); ++seed) EXPECT_EQ(busy_floor(seed + 1), wanted[seed]);
 }
 
 }  // namespace
