@@ -50,7 +50,12 @@ class Portfolio {
 void Portfolio::find_first() {
   std::int64_t units = kTurnOfOperator * static_cast<std::int64_t>(context_.whole.space.relaxed.operators().size());
   units = std::max(kFirstTurn, units);
+  std::int64_t spent = -1;
   for (std::uint64_t round = 0; !context_.is_over(); ++round, units = std::min(units + units / 2, kLongestTurn)) {
+    if (round > 1 && std::exchange(spent, context_.budget.units()) == context_.budget.units()) {
+      without_plan_.reason = "the searches find nothing but plans that the validator refuses";
+      return;
+    }
     const Turn turn{round, units};
     context_.begin_round(round);
     if (sequences_.run(turn)) return;

@@ -135,10 +135,7 @@ class Grounder {
   }
 
   Formula comparison(GroundComparison::Kind kind, GroundExpression left, const GroundExpression& right) {
-    left.steps.insert(left.steps.end(), right.steps.begin(), right.steps.end());
-    left.steps.push_back({GroundExpression::Kind::kSubtract, -1, 0});
-    GroundComparison made{kind, std::move(left), {}};
-    made.linear = linear_form(made.expression);
+    GroundComparison made = GroundComparison::of(kind, std::move(left), right);
     if (made.linear.is_linear && made.linear.weights.empty() && made.linear.duration_weight == 0)
       return truth(made.holds(nullptr));
     std::string key(1, static_cast<char>(kind));

@@ -6,6 +6,9 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <span>
+
+#include "planner/state/state.h"
 
 namespace cxlab::planner {
 
@@ -33,10 +36,16 @@ bool is_number(const LinearForm& form) { return form.is_linear && form.weights.e
 
 }  // namespace
 
-double GroundExpression::evaluate(const double* numbers, double duration_s, double total_time_s) const {
-  std::array<double, kDeepest> stack;
+namespace {
+
+using Stack = std::array<double, kDeepest>;
+
+/// How many operands are left on the stack; 0 if it is too small.
+std::size_t evaluate_steps(std::span<const GroundExpression::Step> steps, const double* numbers, double duration_s,
+                           double total_time_s, Stack& stack) {
+  using Kind = GroundExpression::Kind;
   std::size_t top = 0;
-  for (const Step& step : steps) {
+  for (const GroundExpression::Step& step : steps) {
     switch (step.kind) {
       case Kind::kConstant: stack[top++] = step.value; break;
       case Kind::kFunction: stack[top++] = numbers[step.number]; break;
@@ -52,9 +61,54 @@ double GroundExpression::evaluate(const double* numbers, double duration_s, doub
         if (step.kind == Kind::kDivide) left = right == 0 ? std::numeric_limits<double>::quiet_NaN() : left / right;
       }
     }
-    if (top == kDeepest) return std::numeric_limits<double>::quiet_NaN();
+    if (top == kDeepest) return 0;
   }
-  return top == 1 ? stack[0] : std::numeric_limits<double>::quiet_NaN();
+  return top;
+}
+
+}  // namespace
+
+double GroundExpression::evaluate(const double* numbers, double duration_s, double total_time_s) const {
+  Stack stack;
+  const bool whole = evaluate_steps(steps, numbers, duration_s, total_time_s, stack) == 1;
+  return whole ? stack[0] : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::pair<double, double> GroundExpression::sides(const double* numbers, double duration_s) const {
+  Stack stack;
+  const std::span most(steps.data(), steps.size() - 1);
+  if (evaluate_steps(most, numbers, duration_s, 0, stack) == 2) return {stack[0], stack[1]};
+  return {std::numeric_limits<double>::quiet_NaN(), 0};
+}
+
+GroundComparison GroundComparison::of(Kind kind, GroundExpression left, const GroundExpression& right) {
+  const LinearForm one = linear_form(left), other = linear_form(right);
+  const bool separate =
+      (one.constant == 0 || other.constant == 0) && (one.duration_weight == 0 || other.duration_weight == 0) &&
+      std::ranges::none_of(one.weights, [&](const auto& entry) {
+        return std::ranges::find(other.weights, entry.first, &std::pair<int, double>::first) != other.weights.end();
+      });
+  left.steps.insert(left.steps.end(), right.steps.begin(), right.steps.end());
+  left.steps.push_back({GroundExpression::Kind::kSubtract, -1, 0});
+  LinearForm difference = linear_form(left);
+  return {kind, std::move(left), std::move(difference), separate};
+}
+
+double GroundComparison::gap(const double* numbers, double duration_s) const {
+  if (linear.is_linear && separate) {
+    double value = linear.constant + linear.duration_weight * duration_s;
+    double largest = std::max({1.0, std::abs(linear.constant), std::abs(linear.duration_weight * duration_s)});
+    for (const auto& [number, weight] : linear.weights) {
+      const double term = weight * numbers[number];
+      value += term;
+      largest = std::max(largest, std::abs(term));
+    }
+    if (std::abs(value) <= 1e-9) return 0;
+    // No side is larger than all terms together: what is far above the tolerance needs no look at the sides.
+    if (std::abs(value) > 1e-6 * largest * static_cast<double>(linear.weights.size() + 2)) return value;
+  }
+  const auto [left, right] = expression.sides(numbers, duration_s);
+  return compare(left, Comparison::kEqual, right) ? 0 : left - right;
 }
 
 void GroundExpression::append_key(std::string& key) const {

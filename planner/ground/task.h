@@ -70,6 +70,8 @@ struct GroundExpression {
 
   /// Value with these numbers; a division by zero or an undefined number gives not-a-number.
   double evaluate(const double* numbers, double duration_s = 0, double total_time_s = 0) const;
+  /// What the last step, a subtraction, subtracts from what.
+  std::pair<double, double> sides(const double* numbers, double duration_s) const;
 };
 
 /// sum of weight * number + constant + duration_weight * ?duration
@@ -83,27 +85,24 @@ struct LinearForm {
 /// The linear form of an expression, or is_linear = false.
 LinearForm linear_form(const GroundExpression& expression);
 
-/// `expression` > 0, >= 0 or = 0. False where the expression is not a number.
+/// `expression`, a difference of two sides, > 0, >= 0 or = 0. False where the expression is not a number.
 struct GroundComparison {
   enum class Kind : std::uint8_t { kPositive, kNotNegative, kZero };
   Kind kind = Kind::kNotNegative;
   GroundExpression expression;
   LinearForm linear;
+  bool separate = false;  ///< no term of `linear` stems from both sides
 
-  /// Sums of floating-point numbers are compared with this tolerance.
-  static constexpr double kTolerance = 1e-9;
+  static GroundComparison of(Kind kind, GroundExpression left, const GroundExpression& right);
 
-  bool accepts(double value) const {
-    if (kind == Kind::kPositive) return value > kTolerance;
-    if (kind == Kind::kNotNegative) return value >= -kTolerance;
-    return value >= -kTolerance && value <= kTolerance;
+  /// Value of the expression; 0 if its two sides count as equal, which is as the validator compares them. Not-a-number
+  /// where a side is none.
+  double gap(const double* numbers, double duration_s = 0) const;
+  bool accepts(double a_gap) const {
+    if (kind == Kind::kPositive) return a_gap > 0;
+    return kind == Kind::kNotNegative ? a_gap >= 0 : a_gap == 0;
   }
-  bool holds(const double* numbers, double duration_s = 0) const {
-    if (!linear.is_linear) return accepts(expression.evaluate(numbers, duration_s));
-    double value = linear.constant + linear.duration_weight * duration_s;
-    for (const auto& [number, weight] : linear.weights) value += weight * numbers[number];
-    return accepts(value);
-  }
+  bool holds(const double* numbers, double duration_s = 0) const { return accepts(gap(numbers, duration_s)); }
 };
 
 struct GroundCondition {

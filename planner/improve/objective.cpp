@@ -84,15 +84,15 @@ std::optional<double> Objective::bound(Micros least_makespan) const {
 std::optional<GroundComparison> Objective::better_than(double metric, Micros least_makespan) const {
   if (is_makespan_ || !linear_.is_linear || linear_.weights.empty() || time_weight_ < 0 || !std::isfinite(metric))
     return std::nullopt;
-  GroundExpression room = GroundExpression::constant(metric - 1 / kMillion);
+  const auto bound = GroundExpression::constant(metric - std::max(1 / kMillion, 2e-9 * std::abs(metric)));
+  GroundExpression best;
   for (const auto& step : task_.metric.steps) {
     if (step.kind == GroundExpression::Kind::kTotalTime)
-      room.steps.push_back({GroundExpression::Kind::kConstant, -1, in_seconds(least_makespan)});
+      best.steps.push_back({GroundExpression::Kind::kConstant, -1, in_seconds(least_makespan)});
     else
-      room.steps.push_back(step);
+      best.steps.push_back(step);
   }
-  room.steps.push_back({GroundExpression::Kind::kSubtract, -1, 0});
-  return GroundComparison{GroundComparison::Kind::kNotNegative, room, linear_form(room)};
+  return GroundComparison::of(GroundComparison::Kind::kNotNegative, bound, best);
 }
 
 std::vector<int> Objective::prices() const {

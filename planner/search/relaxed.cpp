@@ -173,9 +173,8 @@ int RelaxedHeuristic::evaluate(const Word* state, int next_event) {
     if (is_set(state, f) || (task.facts[f].derived && task.facts[f].is_complement)) reach(f, 0, -1);
   for (std::size_t c = 0; c < task.comparisons.size(); ++c) {
     const GroundComparison& comparison = task.comparisons[c];
-    const double value = comparison.expression.evaluate(simulator_.numbers(state));
-    gap_[c] = value;
-    if (comparison.accepts(value) || comparison.linear.duration_weight != 0)
+    gap_[c] = comparison.gap(simulator_.numbers(state));
+    if (comparison.accepts(gap_[c]) || comparison.linear.duration_weight != 0)
       reach(relaxed_.facts() + static_cast<int>(c), 0, -1);
   }
   unreached_goals_ = static_cast<int>(relaxed_.goal().size());

@@ -197,7 +197,7 @@ double Simulator::value_after(const GroundAction& action, const Word* state, dou
   apply_numbers(action.at_start.numbers, after.data(), duration_s);
   apply_continuous(action.continuous, after.data(), duration_s);
   apply_numbers(action.at_end.numbers, after.data(), duration_s);
-  return task_.comparisons[action.aim].expression.evaluate(after.data(), duration_s);
+  return task_.comparisons[action.aim].gap(after.data(), duration_s);
 }
 
 bool Simulator::apply(int action, Word* state, Micros& duration) const {

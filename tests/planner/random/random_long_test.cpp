@@ -1,4 +1,5 @@
 #include "tests/planner/random/check_many.h"
+#include "tests/planner/random/check_planted.h"
 
 namespace cxlab::planner {
 
@@ -8,6 +9,13 @@ TEST(RandomProblems, TenThousandProblems) {
               tally.unsolvable, tally.ended, tally.missed);
   EXPECT_GT(tally.plans, 2000);
   EXPECT_LT(tally.missed, 10);
+}
+
+TEST(RandomProblems, TwentyThousandWithTinyAndHugeConstants) {
+  const PlantedTally tally = check_planted(2, 20'000, 5'000);
+  std::printf("with an accepted plan %d, solved %d\n", tally.accepted, tally.solved);
+  EXPECT_GT(tally.accepted, 14'000);
+  EXPECT_GT(tally.solved, tally.accepted * 9 / 10);
 }
 
 TEST(RandomProblems, TwoThousandMetrics) {

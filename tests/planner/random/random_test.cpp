@@ -1,4 +1,5 @@
 #include "tests/planner/random/check_many.h"
+#include "tests/planner/random/check_planted.h"
 
 namespace cxlab::planner {
 
@@ -15,6 +16,12 @@ TEST(RandomProblems, MetricsAreAsGoodAsThoseOfAnExhaustiveSearch) {
   EXPECT_GT(tally.not_shortest, 5);
   EXPECT_GT(tally.bounded, 10);
   EXPECT_EQ(tally.worse, 0);
+}
+
+TEST(RandomProblems, NoneWithAPlanOfTinyAndHugeConstantsIsCalledUnsolvable) {
+  const PlantedTally tally = check_planted(1, 1'000, 5'000);
+  EXPECT_GT(tally.accepted, 700);
+  EXPECT_GT(tally.solved, tally.accepted * 9 / 10);
 }
 
 TEST(RandomProblems, TheOracleFindsPlansThatNeedOverlap) {
