@@ -130,15 +130,10 @@ void format_function(Environment* env, UDFContext* context, UDFValue* result) {
   result->lexemeValue = CreateString(env, "");
   std::vector<UDFValue> args;
   if (!arguments(context, args)) return;
-  const auto fail = [&] {
-    UDFThrowError(context);
-    result->lexemeValue = CreateString(env, "");
-  };
   const std::string name = logical_name(args[0]);
   if (name.empty()) {
     IllegalLogicalNameMessage(env, "format");
-    SetHaltExecution(env, true);
-    return fail();
+    return UDFThrowError(context);
   }
   if (name != "nil" && !QueryRouters(env, name.c_str())) return UnrecognizedRouterMessage(env, name.c_str());
 
@@ -148,13 +143,13 @@ void format_function(Environment* env, UDFContext* context, UDFValue* result) {
     if (piece.kind == Piece::Kind::kInvalid) {
       PrintErrorID(env, "IOFUN", 3, false);
       WriteString(env, STDERR, ("Invalid format flag \"" + piece.text + "\" specified in format function.\n").c_str());
-      return fail();
+      return UDFThrowError(context);
     }
     flags += piece.kind == Piece::Kind::kFlag;
   }
   if (flags + 2 != args.size()) {
     ExpectedCountError(env, "format", EXACTLY, flags + 2);
-    return fail();
+    return UDFThrowError(context);
   }
   std::string out;
   unsigned argument = 3;
@@ -171,11 +166,11 @@ void format_function(Environment* env, UDFContext* context, UDFValue* result) {
                            kind == 's'   ? "symbol or string"
                            : kind == 'c' ? "symbol, string, or integer"
                                          : "integer or float");
-        return fail();
+        return UDFThrowError(context);
       }
       case Added::kTooLong:
         complain(context, "'" + piece.text + "' gives more than a million characters");
-        return fail();
+        return UDFThrowError(context);
     }
     ++argument;
   }

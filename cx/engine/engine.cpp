@@ -247,8 +247,6 @@ Expected<Value> RuleEngine::call(const std::string& function, std::span<const Va
   if (errors_.size() > errors_before) return errors_.back().error();
   const char* what = error == FCBE_FUNCTION_NOT_FOUND_ERROR ? "there is no function '"
                      : error == FCBE_INVALID_FUNCTION_ERROR ? "from C++ one cannot call '"
-                     : error == FCBE_ARGUMENT_COUNT_ERROR   ? "wrong number of arguments for '"
-                     : error == FCBE_ARGUMENT_TYPE_ERROR    ? "wrong type of an argument for '"
                                                             : "error in '";
   return run_error(what + function + "'");
 }

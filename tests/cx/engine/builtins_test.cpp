@@ -83,6 +83,10 @@ TEST_F(Builtins, TimeIsSimulated) {
   EXPECT_EQ(engine().eval("(gm-time)")->print(), "(2020 1 1 12 1 30 Wednesday 0 FALSE)");
   EXPECT_EQ(engine().eval("(local-time)")->print(), "(2020 1 1 12 1 30 Wednesday 0 FALSE)");
   EXPECT_EQ(*engine().eval("(timer (loop-for-count 1000 (+ 1 1)))"), Value::number(0.0));
+  EXPECT_EQ(*engine().eval("(timer)"), Value::number(0.0));
+  EXPECT_EQ(*engine().eval("(timer (assert (first)) (assert (second)))"), Value::number(0.0));
+  EXPECT_FALSE(engine().eval("(timer (div 1 0) (assert (third)))").ok());
+  EXPECT_THAT(fact_texts(), ElementsAre("(first)", "(second)")) << "its arguments, up to the first that fails";
 }
 
 TEST_F(Builtins, RandomComesFromTheStreamOfTheEnvironment) {
@@ -104,7 +108,8 @@ TEST_F(Builtins, RandomComesFromTheStreamOfTheEnvironment) {
   const auto seeded = draws(engine());
   ASSERT_TRUE(engine().eval("(seed 1)").ok());
   EXPECT_EQ(draws(engine()), seeded);
-  EXPECT_FALSE(engine().eval("(random 5 3)").ok());
+  EXPECT_THAT(engine().eval("(random 5 3)").error().message, HasSubstr("the first bound is above the second"));
+  EXPECT_THAT(engine().eval("(random 5)").error().message, HasSubstr("expected no or two bounds, found one"));
 }
 
 TEST_F(Builtins, WithoutFileAccessRulesMayNotTouchFiles) {
@@ -180,6 +185,42 @@ TEST_F(Builtins, TrustedRulesReadABinaryFileOfAnotherRun) {
     EXPECT_EQ(other->eval("(bload-facts \"facts.bin\")").ok(), trusted);
     EXPECT_EQ(other->fact_count(), trusted ? 1U : 0U);
   }
+}
+
+TEST_F(Builtins, TrustedRulesRemoveAndRenameOnTheTape) {
+  for (const bool trusted : {false, true}) {
+    tape.looked.clear();
+    EngineOptions o = options();
+    o.files = files.get();
+    o.outside = &tape;
+    o.trust_rules = trusted;
+    engine_ = make(std::move(o));
+    write("a.txt", "a");
+    EXPECT_EQ(engine().eval("(rename \"a.txt\" \"b.txt\")")->text(), "TRUE");
+    EXPECT_FALSE(fs::exists(folder / "a.txt"));
+    EXPECT_TRUE(fs::exists(folder / "b.txt"));
+    EXPECT_EQ(engine().eval("(remove \"b.txt\")")->text(), "TRUE");
+    EXPECT_FALSE(fs::exists(folder / "b.txt"));
+    EXPECT_EQ(engine().eval("(remove \"b.txt\")")->text(), "FALSE");
+    EXPECT_THAT(engine().eval("(remove \"/secret/key\")").error().message, HasSubstr("may not write /secret/key"));
+    EXPECT_THAT(engine().eval("(rename \"b.txt\" \"/secret/key\")").error().message, HasSubstr("may not write"));
+    if (trusted)
+      EXPECT_THAT(tape.looked, ElementsAre("rename", "remove", "remove"));
+    else
+      EXPECT_THAT(tape.looked, IsEmpty());
+  }
+}
+
+TEST_F(Builtins, AFileWithAnErrorInItsFirstLineIsReadAllTheSame) {
+  with_files();
+  write("wrong.clp", "(defrule go (a) => (no-such-function))\n(deffacts f (a))\n");
+  EXPECT_EQ(engine().eval("(batch* \"wrong.clp\")")->text(), "TRUE");
+  ASSERT_THAT(engine().take_errors(), SizeIs(1));
+  EXPECT_EQ(engine().eval("(load* \"wrong.clp\")")->text(), "FALSE");
+  const std::vector<RuleError> errors = engine().take_errors();
+  ASSERT_THAT(errors, SizeIs(1));
+  EXPECT_EQ(errors[0].line, 1);
+  EXPECT_EQ(errors[0].file, "wrong.clp");
 }
 
 TEST_F(Builtins, TheTerminalIsReadByTrustedRulesAlone) {
@@ -276,6 +317,8 @@ TEST_F(Builtins, TrustedRulesMayAndTheAnswerIsOnTheTape) {
   EXPECT_EQ(engine().eval("(system \"exit 0\")")->as_integer(), 0);
   EXPECT_THAT(tape.looked, ElementsAre("system"));
 }
+
+TEST_F(Builtins, WithoutATapeTheMachineAnswers) { EXPECT_GT(engine().eval("(mem-used)")->as_integer(), 0); }
 
 TEST_F(Builtins, WhatDiffersBetweenMachinesIsAnsweredFromTheTape) {
   with_files();

@@ -102,6 +102,12 @@ TEST_F(Engine, EvalAndCallGiveValues) {
   EXPECT_TRUE(engine().callable("+"));
   EXPECT_FALSE(engine().callable("subtract"));
   EXPECT_THAT(engine().call("subtract", args).error().message, HasSubstr("no function 'subtract'"));
+  EXPECT_EQ(engine().call("if", args).error().message, "from C++ one cannot call 'if'");
+  EXPECT_EQ(engine().call("sqrt", args).error().message,
+            "sqrt, callback: [ARGACCES1] Function 'sqrt' expected exactly 1 argument.");
+  const Value word[] = {Value::symbol("four")};
+  EXPECT_EQ(engine().call("sqrt", word).error().message,
+            "sqrt, callback: [ARGACCES2] Function 'sqrt' expected argument #1 to be of type integer or float.");
   EXPECT_FALSE(engine().eval("(+ 1").ok());
 }
 
@@ -132,6 +138,76 @@ TEST_F(Engine, FunctionsTakeAndGiveEveryType) {
                                 })
                   .ok());
   EXPECT_EQ(engine().eval("(numbers)")->print(), "(1.5 2.0)");
+}
+
+TEST_F(Engine, AFunctionMayReturnEveryType) {
+  const Value values[] = {
+      Value::integer(-3),        Value::number(2.5),
+      Value::symbol("word"),     Value::string("a \"text\" with \\"),
+      Value::instance_name("i"), Value::multifield({Value::integer(1), Value::string("b"), Value::symbol("c")}),
+      Value::multifield({})};
+  std::size_t next = 0;
+  ASSERT_TRUE(
+      engine()
+          .add_function({.name = "next", .min_args = 0, .max_args = 0}, [&](Call& call) { call.give(values[next]); })
+          .ok());
+  for (next = 0; next < std::size(values); ++next) EXPECT_EQ(*engine().eval("(next)"), values[next]);
+  EXPECT_EQ(values[3].print(), R"("a \"text\" with \\")");
+}
+
+TEST_F(Engine, EachArgumentHasItsOwnTypes) {
+  std::vector<std::string> calls;
+  ASSERT_TRUE(engine()
+                  .add_function({.name = "take", .min_args = 1, .max_args = 4, .arg_types = "d;l;y;s"},
+                                [&](Call& call) {
+                                  std::string text;
+                                  for (std::size_t i = 0; i < call.size(); ++i)
+                                    text += call.arg(i).copy().print() + ' ';
+                                  calls.push_back(text);
+                                })
+                  .ok());
+  const auto errors = [&](const std::string& arguments) -> std::size_t {
+    EXPECT_TRUE(engine().eval("(clear)").ok());
+    given("(defrule go => (bind ?n 1) (bind ?w word) (bind ?t \"text\") (bind ?f 2.5) (take " + arguments + "))");
+    calls.clear();
+    return engine().run().errors.size();
+  };
+  for (const char* good :
+       {"1 word \"text\" 2.5", "?n ?w ?t ?f", "1 ?w ?t ?f", "?n word ?t 2.5", "1", "?n ?w", "1 word \"t\""}) {
+    EXPECT_EQ(errors(good), 0u) << good;
+    EXPECT_THAT(calls, SizeIs(1)) << good;
+  }
+  for (const char* bad : {"word", "1 2", "1 \"text\"", "1 word 3", "1 word word", "1 word \"t\" 2", "1 word \"t\" word",
+                          "?w", "?n ?n", "?n ?t", "?n ?w ?n", "?n ?w ?w", "?n ?w ?t ?n", "?n ?w ?t ?t", "2.5"}) {
+    ASSERT_TRUE(engine().eval("(clear)").ok());
+    const auto refused =
+        load_errors("(defrule go => (bind ?n 1) (bind ?w word) (bind ?t \"text\") (take " + std::string(bad) + "))");
+    calls.clear();
+    EXPECT_TRUE(!refused.empty() || engine().run().errors.size() == 1) << bad;
+    EXPECT_THAT(calls, IsEmpty()) << bad;
+  }
+}
+
+TEST_F(Engine, AFactOfATemplateWithoutSlotsIsItsName) {
+  given("(deftemplate bare)");
+  ASSERT_TRUE(engine().assert_fact("bare", {}).ok());
+  ASSERT_TRUE(engine().assert_string("(ordered)").ok());
+  EXPECT_THAT(fact_texts(), ElementsAre("(bare)", "(ordered)"));
+}
+
+TEST_F(Engine, WhatIsRefusedLeavesNoMemoryBehind) {
+  given("(deftemplate order (multislot items) (slot id))");
+  const Value list = Value::multifield(std::vector<Value>(1000, Value::integer(1)));
+  const RuleEngine::Slot twice[] = {{"items", list}, {"items", list}, {"id", list}};
+  const auto index = engine().assert_fact("order", {});
+  const auto used = [&] { return engine().eval("(mem-used)")->as_integer(); };
+  std::int64_t before = 0;
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_FALSE(engine().assert_fact("order", twice).ok());
+    EXPECT_FALSE(engine().modify_fact(*index, twice).ok());
+    if (i == 9) before = used();
+  }
+  EXPECT_LT(used() - before, 100'000);
 }
 
 TEST_F(Engine, AFunctionMayAssertWhileARuleFires) {
@@ -196,6 +272,26 @@ TEST_F(Engine, AnUnloadedFunctionLeavesATombstoneUntilItComesBack) {
   }
 }
 
+TEST_F(Engine, AFunctionThatComesBackWithOtherArgumentsHasThem) {
+  std::vector<std::string> calls;
+  const auto add = [&](const std::string& types, std::uint16_t most) {
+    ASSERT_TRUE(engine()
+                    .add_function({.name = "take", .max_args = most, .arg_types = types, .owner = "plugin"},
+                                  [&](Call& call) { calls.push_back(call.arg(0).copy().print()); })
+                    .ok());
+  };
+  add("l", 1);
+  given("(defrule number (go) => (take 1))");
+  engine().remove_functions_of("plugin");
+  add("y", 2);
+  ASSERT_TRUE(engine().assert_string("(go)").ok());
+  EXPECT_THAT(engine().run().errors, SizeIs(1)) << "1 is no symbol";
+  EXPECT_THAT(calls, IsEmpty());
+  given("(defrule words (go) => (take one two))");
+  EXPECT_THAT(engine().run().errors, IsEmpty());
+  EXPECT_THAT(calls, ElementsAre("one"));
+}
+
 // --- Looking in ----------------------------------------------------------------------------------------------------
 
 TEST_F(Engine, ConstructsAreFoundWithTheirPlaces) {
@@ -241,6 +337,7 @@ TEST_F(Engine, InstancesHaveTheirClassesAndSlots) {
   const std::vector<FactCopy> instances = engine().instances("MAIN");
   ASSERT_THAT(instances, SizeIs(1)) << "no pattern matches the other class";
   EXPECT_EQ(instances[0].print(), "[r] of RING (id 3) (colours RED BLUE)");
+  EXPECT_EQ(instances[0].template_name, "object");
   EXPECT_THAT(instances[0].classes, testing::IsSupersetOf({"RING", "PART", "USER"}));
   EXPECT_EQ(*instances[0].slot("name"), Value::instance_name("r"));
 }

@@ -265,6 +265,35 @@ TEST_F(RuleErrors, ActingFunctionsOnALeftHandSideAreErrorsAtLoad) {
   EXPECT_THAT(notes[0].text(), AllOf(StartsWith("agent.clp:3: "), HasSubstr("'outer'")));
 }
 
+TEST_F(RuleErrors, ActingFunctionsAreFoundInEveryConditionalElement) {
+  ASSERT_TRUE(engine().add_function({.name = "publish", .kind = FunctionKind::kActing}, [](Call&) {}).ok());
+  int number = 0;
+  for (const char* left :
+       {"(a)\n (test (publish 1))", "(or (a)\n (and (b) (test (publish 1))))", "(and (a)\n (test (publish 1)))",
+        "(a)\n (not (and (b) (test (publish 1))))", "(a)\n (exists (b ?x) (test (publish ?x)))",
+        "(forall (a ?x)\n (b ?y&:(publish ?y)))", "(logical (a)\n (test (publish 1)))", "(a)\n (b =(publish 1))",
+        "(a)\n (b ~=(publish 1))", "(a)\n (b ?x&~:(publish ?x))", "(a)\n (order (id ?x&:(publish ?x)))"})
+    EXPECT_THAT(
+        load_errors("(deftemplate order (slot id)) (defrule go" + std::to_string(++number) + ' ' + left + " =>)",
+                    LoadMode::kConstructs, OnLoadError::kStop),
+        ElementsAre(AllOf(StartsWith("rules.clp:2: "), HasSubstr("'publish' on its left-hand side"))))
+        << left;
+  EXPECT_THAT(load_errors("(deftemplate publish (multislot assert)) (deftemplate retract (slot publish))\n"
+                          "(defrule fine (publish (assert publish ?))\n (retract (publish publish)) (a publish)\n"
+                          " (not (publish (assert))) =>)",
+                          LoadMode::kConstructs, OnLoadError::kStop),
+              IsEmpty())
+      << "names of templates and slots";
+}
+
+TEST_F(RuleErrors, TheLineIsThatOfTheCallNotOfAWord) {
+  given("(deffacts f (a))\n(defrule go (a) =>\n  (printout nil div)\n  (bind ?div div)\n  (bind ?x (div 1 0)))");
+  engine().reset();
+  const RunReport report = engine().run();
+  ASSERT_THAT(report.errors, SizeIs(1));
+  EXPECT_EQ(report.errors[0].line, 5);
+}
+
 TEST_F(RuleErrors, AFunctionThatBecomesActingIsReportedForTheRulesThatReachIt) {
   ASSERT_TRUE(engine().add_function({.name = "publish", .kind = FunctionKind::kActing}, [](Call&) {}).ok());
   given(

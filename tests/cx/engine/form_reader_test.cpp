@@ -149,6 +149,8 @@ TEST(FormReader, ATermIsPrintedAsClipsReadsIt) {
   const std::string rule = "(defrule r ?f<-(a (x ~1&?v | 2)   (y ?v&:(<= ?v 3)&=(+ ?v 1))) =>)";
   const Term term = tree_of(read_forms(rule, "f.clp").forms.front());
   EXPECT_EQ(term.print(), "(defrule r ?f <- (a (x ~1&?v|2) (y ?v&:(<= ?v 3)&=(+ ?v 1))) =>)");
+  for (const char* same : {"(a =(+ 1 2))", "(a :(> 1 2) b)", "(a ~=(+ 1 2) (b))", "(a (b) ~c)", "((a))", "()"})
+    EXPECT_EQ(tree_of(read_forms(same, "f.clp").forms.front()).print(), same);
 }
 
 }  // namespace

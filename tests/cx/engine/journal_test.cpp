@@ -54,6 +54,23 @@ TEST_F(EngineJournal, ADeliveryCausesAFactThatCausesAFiringThatCausesAFact) {
   EXPECT_THAT(causes(sink.all()[4]), ElementsAre(2));
 }
 
+TEST_F(EngineJournal, OfSeveralCausesEachIsNamed) {
+  const RecordRef both[] = {{StreamId{5}, 1}, {StreamId{5}, 2}};
+  engine().set_cause({StreamId{5}, 3});
+  ASSERT_TRUE(engine().assert_string("(a)").ok());
+  engine().set_cause(both);
+  ASSERT_TRUE(engine().assert_string("(b)").ok());
+  engine().set_cause({StreamId{5}, 4});
+  ASSERT_TRUE(engine().assert_string("(c)").ok());
+  engine().clear_cause();
+  ASSERT_TRUE(engine().assert_string("(d)").ok());
+  ASSERT_THAT(sink.all(), SizeIs(4));
+  EXPECT_THAT(causes(sink.all()[0]), ElementsAre(3));
+  EXPECT_THAT(causes(sink.all()[1]), ElementsAre(1, 2));
+  EXPECT_THAT(causes(sink.all()[2]), ElementsAre(4));
+  EXPECT_THAT(causes(sink.all()[3]), IsEmpty());
+}
+
 TEST_F(EngineJournal, AFiringOnAChangedFactIsCausedByTheChange) {
   given("(deftemplate order (slot state))\n(defrule done (order (state DONE)) =>)");
   const auto index = engine().assert_fact("order", {{"state", Value::symbol("OPEN")}});

@@ -107,6 +107,24 @@ TEST_F(LimitsTest, AStopEndsALoopInTheMiddle) {
   EXPECT_THAT(fact_texts("after"), IsEmpty());
 }
 
+TEST_F(LimitsTest, AFunctionThatTheHostCallsIsNamed) {
+  given("\n(deffunction grow (?to) (loop-for-count (?i 1 ?to) (assert (x ?i))))");
+  const Value many[] = {Value::integer(1'000'000)};
+  (void)engine().call("grow", many);
+  ASSERT_TRUE(limits.exceeded);
+  EXPECT_EQ(limits.exceeded->message,
+            "environment 'main': grow: rules hold more than 20 MB of memory; if they are right, allow more with "
+            "--memory");
+}
+
+TEST_F(LimitsTest, WhereThereAreNoneNothingIsExceeded) {
+  engine_ = make(options());
+  engine().exceed_limits(resource_error("first"));
+  ASSERT_TRUE(engine().assert_string("(a)").ok());
+  given("(defrule go (a) => (assert (b)))");
+  EXPECT_EQ(engine().run().fired, 1);
+}
+
 TEST_F(LimitsTest, TheFirstReasonStays) {
   engine().exceed_limits(resource_error("first"));
   engine().exceed_limits(resource_error("second"));

@@ -25,6 +25,24 @@ TEST_F(Reloading, AChangedTemplateReplacesTheFormerOneAlsoWhereTheSameAreKept) {
   EXPECT_TRUE(engine().assert_fact("a", {{"y", Value::integer(1)}}).ok());
 }
 
+TEST_F(Reloading, TheSameConstructsOfAModuleAreKeptInTheirModule) {
+  const char* rules =
+      "(defmodule A (export ?ALL))\n(deftemplate t (slot x))\n(defclass C (is-a USER))\n(defrule r (t) =>)\n"
+      "(defmodule B (import A ?ALL))\n(defrule s (t) =>)\n";
+  given(rules);
+  ASSERT_TRUE(engine().assert_fact("A::t", {{"x", Value::integer(1)}}).ok());
+  engine().keep_same_constructs(true);
+  given(rules);
+  engine().keep_same_constructs(false);
+  EXPECT_THAT(fact_texts(), ElementsAre("(t (x 1))")) << "the template was not undefined";
+  EXPECT_TRUE(engine().has("defrule", "A::r"));
+  EXPECT_TRUE(engine().has("defrule", "B::s"));
+  EXPECT_FALSE(engine().has("defrule", "B::r"));
+  EXPECT_FALSE(engine().has("defrule", "MAIN::r"));
+  EXPECT_THAT(engine().find_constructs("deftemplate", "t"), SizeIs(1));
+  EXPECT_THAT(engine().find_constructs("defrule", "r"), SizeIs(1));
+}
+
 TEST_F(Reloading, ALocalVariableIsNoEffect) {
   EXPECT_THAT(errors_of("(deffunction two () (bind ?x 2) ?x)\n(defrule go (test (> (two) 1)) =>)"), IsEmpty());
 }

@@ -253,6 +253,80 @@ TEST(Configuration, AMisspeltListOfPluginsProposesNoOtherEnvironment) {
   EXPECT_EQ(lab.log.with("third").size(), 0u);
 }
 
+TEST(Configuration, AnEnvironmentWithoutParametersHasTheNearestGroupThatHasPlugins) {
+  const auto line = [](const std::string& parameters) {
+    Lab lab;
+    lab.config(parameters + "\nx: {plugin: \"cx::ExecutivePlugin\"}");
+    lab.run_up();
+    const auto lines = lab.log.with("nothing is loaded into it");
+    EXPECT_EQ(lines.size(), 1u);
+    return lines.empty() ? std::string() : lines[0].substr(lines[0].find("environment '"));
+  };
+  const std::string none = "environment 'mian': no parameter 'mian.plugins', nothing is loaded into it";
+  EXPECT_EQ(line("environments: [\"mian\"]\nmain: {plugins: [\"x\"]}"), none + ", did you mean 'main'?");
+  EXPECT_EQ(line("environments: [\"mian\"]"), none);
+  EXPECT_EQ(line("environments: [\"mian\", \"main\"]\nmain: {plugins: [\"x\"]}"), none) << "it is listed itself";
+}
+
+TEST(Configuration, EveryParameterOfTheManagerHasItsType) {
+  for (const char* wrong :
+       {"use_sim_time: 5", "autostart_node: 5", "bond_heartbeat_period: soon", "environments: 5", "main: {plugins: 5}",
+        "main: {watch: 5}", "main: {log_clips_to_file: 5}", "main: {redirect_stdout_to_debug: 5}"}) {
+    const bool list = std::string_view(wrong).starts_with("environments");
+    EXPECT_EQ(error_of((list ? "" : "environments: [\"main\"]\n") + std::string(wrong)).line, list ? 3 : 4) << wrong;
+  }
+}
+
+TEST(Configuration, APluginOfTwoEnvironmentsIsCheckedOnce) {
+  Lab lab;
+  lab.config(
+      "environments: [\"a\", \"b\"]\na: {plugins: [\"x\"]}\nb: {plugins: [\"x\"]}\nx: {plugin: "
+      "\"cx::ExecutivePlugin\", rate: 5}");
+  lab.run_up();
+  EXPECT_EQ(lab.log.with("unknown parameter 'x.rate'").size(), 1u);
+}
+
+TEST(Configuration, TheNodeMayBeRenamed) {
+  Lab lab;
+  lab.options.remaps = {{"__node", "other"}, {"__ns", "/team"}};
+  lab.options.config = lab.write("config.yaml", "team: {other: {ros__parameters: {environments: [\"a\"]}}}\n");
+  lab.run_up();
+  ASSERT_EQ(lab.manager->size(), 1u);
+  EXPECT_EQ(lab.bus.name_of(lab.manager->environment(0).participant()).full_name(), "/team/other");
+}
+
+TEST(Configuration, WhoJoinsTheBusIsReported) {
+  Lab lab;
+  std::vector<std::string> streams;
+  lab.options.on_join = [&](bus::ParticipantId p) {
+    streams.push_back(lab.records.names()[static_cast<std::size_t>(lab.bus.stream_of(p))]);
+  };
+  lab.config("environments: [\"a\", \"b\"]");
+  lab.run_up();
+  EXPECT_THAT(streams, ElementsAre("node/clips_manager", "env/a", "env/b"));
+}
+
+TEST(Configuration, RulesAreTrustedWhereTheRunSaysSo) {
+  for (const bool trusted : {false, true}) {
+    Lab lab;
+    lab.options.trust_rules = trusted;
+    lab.config("environments: [\"main\"]");
+    lab.run_up();
+    EXPECT_EQ(lab.engine().eval("(system \"exit 0\")").ok(), trusted);
+  }
+}
+
+TEST(Configuration, NotesOfALoadAreWarnings) {
+  Lab lab;
+  lab.options.keep_going = true;
+  lab.agent("(deffunction make (?x) (assert (made ?x)))\n(defrule bad (a ?x&:(make ?x)) =>)");
+  lab.run_up();
+  const auto lines = lab.log.with("'make' on its left-hand side");
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_THAT(lines[0], ::testing::StartsWith("warn "));
+  EXPECT_THAT(lines[0], HasSubstr("rules.clp:2: rule 'bad'"));
+}
+
 TEST(Configuration, WhenItKeepsGoingPluginsThatFailAreLeftOut) {
   Lab lab;
   lab.options.keep_going = true;

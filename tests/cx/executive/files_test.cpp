@@ -38,6 +38,9 @@ TEST_F(FilesTest, APackageThatIsNotReachedMayBeMissing) {
   auto missing = make().resolve("x.clp", {"agnt"});
   ASSERT_FALSE(missing.ok());
   EXPECT_EQ(missing.error().message, "Cannot resolve file x.clp: package 'agnt' not found, did you mean 'agent'?");
+  EXPECT_EQ(make().resolve("y.clp", {"agent", "moved"}).error().message,
+            "Cannot resolve file y.clp: not in " + (lab_.folder / "agent").string() + ", /somewhere/share/moved");
+  EXPECT_EQ(make().resolve("y.clp", {}).error().message, "Cannot resolve file y.clp: no pkg_share_dirs to look in");
 }
 
 TEST_F(FilesTest, ASourceTreeIsSeenAsInstalled) {
@@ -78,6 +81,7 @@ TEST_F(FilesTest, WritingEndsUpInTheRunAndIsReadBackFromThere) {
   EXPECT_FALSE(files.for_reading("/tmp/state/save.dat").ok());
   std::ofstream(*path) << "kept";
   EXPECT_EQ(*files.for_reading("/tmp/state/save.dat"), *path);
+  EXPECT_EQ(*files.for_writing(*path), *path) << "the place itself stands for itself";
   EXPECT_FALSE(files.for_writing("../../outside").ok());
   EXPECT_EQ(files.journal_name(*path), "run/written/tmp/state/save.dat");
 }

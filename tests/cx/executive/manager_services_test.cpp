@@ -107,6 +107,13 @@ TEST_F(ManagerServices, AnEnvironmentWithWrongParametersEndsTheRunUnlessItKeepsG
   EXPECT_EQ(lab.manager->act().error().message, "Unknown watch item: fcts");
 }
 
+TEST_F(ManagerServices, AnEnvironmentWhosePluginsFailEndsTheRun) {
+  lab.config("environments: [\"main\"]\nmain: {plugins: []}\nextra: {plugins: [\"nope\"]}");
+  lab.run_up();
+  EXPECT_FALSE(lab.manager->create_environment("extra").ok());
+  EXPECT_FALSE(lab.manager->act().ok());
+}
+
 TEST_F(ManagerServices, DestroyEnvUnloadsInReverseWithoutExecutiveFinalize) {
   lab.run_up();
   caller.manager("create_env", "CreateClipsEnv", "{env_name: extra}");

@@ -8,6 +8,7 @@
 namespace cxlab::cx {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -31,6 +32,19 @@ class Worker final : public Plugin {
   std::shared_ptr<ThreadGate> gate_;
   std::thread thread_;
 };
+
+/// The data of the records that caused facts of this template.
+std::vector<std::string> causes_of(const KeptRecords& records, const std::string& name) {
+  std::vector<std::string> found;
+  for (const KeptRecords::Record& record : records.of(RecordKind::kAssert)) {
+    if (record.data.find(name) == std::string::npos) continue;
+    for (const RecordRef& cause : record.causes) {
+      const KeptRecords::Record by = records.of(cause.stream).at(cause.n);
+      found.push_back(std::string(to_string(by.kind)) + ' ' + by.data);
+    }
+  }
+  return found;
+}
 
 struct ThreadGateTest : ::testing::Test {
   void start(Worker::Job job) {
@@ -89,6 +103,8 @@ TEST_F(ThreadGateTest, AThreadAssertsCallsRetractsAndPublishes) {
   EXPECT_EQ(heard, "hello");
   EXPECT_EQ(lab.log.with("main: scan 1.5").size(), 1u);
   EXPECT_FALSE(lab.manager->deterministic());
+  EXPECT_THAT(causes_of(lab.records, "scan"), ElementsAre(AllOf(HasSubstr("input "), HasSubstr("thread"),
+                                                                HasSubstr("worker"), HasSubstr("(scan 1.5)"))));
   ASSERT_TRUE(lab.manager->deactivate().ok());
 }
 

@@ -44,6 +44,12 @@ TEST_F(Config, ListsOfMapsHaveTheirIndexAndQuotedValues) {
                           "/robots/1/skills STRING (\"a\" \"b\")"));
 }
 
+TEST_F(Config, WhatListsHoldIsBelowThem) {
+  EXPECT_THAT(load("l: [{a: {b: 1, c: [x]}}, [1, 2], 7, {d: [[3], 4]}]"),
+              ElementsAre("/l/a/b INT 1", "/l/a/c STRING (\"x\")", "/l/1 STRING (\"1\" \"2\")", "/l/2 INT 7",
+                          "/l/d/0 STRING (\"3\")", "/l/d/1 INT 4"));
+}
+
 TEST_F(Config, APrefixChoosesASubtree) {
   EXPECT_THAT(load("a: {b: {c: 1}, d: 2}\ne: 3", "a/b/"), ElementsAre("/a/b/c INT 1"));
 }

@@ -122,6 +122,19 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["a.clp",
   EXPECT_THAT(lab.log.with("error "), ElementsAre(HasSubstr("Cannot resolve file none.clp")));
 }
 
+TEST(FileLoad, APathThatRulesSetIsOneThatRulesMayRead) {
+  Lab lab;
+  const auto file = lab.write("elsewhere/a.clp", "(defrule a => (println \"absolute\"))");
+  lab.config(R"(environments: ["main"]
+main: {plugins: ["params"]}
+params: {plugin: "cx::RosParamPlugin"}
+files: {plugin: "cx::FileLoadPlugin"})");
+  lab.run_up();
+  ASSERT_TRUE(lab.engine().eval("(ros-param-get-value files.load (create$ \"" + file.string() + "\"))").ok());
+  EXPECT_FALSE(lab.manager->load_plugin("main", "files").ok());
+  EXPECT_THAT(lab.log.with("absolute"), SizeIs(0));
+}
+
 TEST(FileLoad, RulesOfAnAbsolutePathAreTakenAsTheyAre) {
   Lab lab;
   const auto file = lab.write("elsewhere/a.clp", "(defrule a => (println \"absolute\"))");

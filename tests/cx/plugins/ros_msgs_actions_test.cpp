@@ -3,10 +3,12 @@
 namespace cxlab::cx {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
+using ::testing::StartsWith;
 
 /// Rules with a Fibonacci client "fib" that print what comes, and a server that the test moves.
 class ActionClients : public ::testing::Test {
@@ -72,6 +74,19 @@ class ActionClients : public ::testing::Test {
   std::int64_t order_ = 0;
 };
 
+/// The data of the records that caused facts of this template.
+std::vector<std::string> causes_of(const KeptRecords& records, const std::string& name) {
+  std::vector<std::string> found;
+  for (const KeptRecords::Record& record : records.of(RecordKind::kAssert)) {
+    if (record.data.find(name) == std::string::npos) continue;
+    for (const RecordRef& cause : record.causes) {
+      const KeptRecords::Record by = records.of(cause.stream).at(cause.n);
+      found.push_back(std::string(to_string(by.kind)) + ' ' + by.data);
+    }
+  }
+  return found;
+}
+
 TEST_F(ActionClients, AGoalGoesThroughToItsResult) {
   serve();
   put("(send 3)");
@@ -86,6 +101,12 @@ TEST_F(ActionClients, AGoalGoesThroughToItsResult) {
   run();
   EXPECT_THAT(lab_.log.with("ended"), ElementsAre("info main: ended fib SUCCEEDED (0 1 1) SUCCEEDED TRUE"));
   EXPECT_THAT(lab_.log.with("warn "), IsEmpty());
+  for (const char* what : {"goal-response", "feedback", "wrapped-result"}) {
+    const std::string word = what == std::string("wrapped-result") ? "result" : what;
+    EXPECT_THAT(causes_of(lab_.records, "ros-msgs-" + std::string(what)),
+                ElementsAre(AllOf(StartsWith("input "), HasSubstr("what"), HasSubstr(word), HasSubstr("fib"))))
+        << what;
+  }
 }
 
 TEST_F(ActionClients, AGoalWaitsForItsServer) {

@@ -108,6 +108,8 @@ TEST_F(Fields, OtherMismatchesAreReported) {
   EXPECT_THAT(set("p", "(ros-msgs-create-message \"std_msgs/msg/Empty\")"),
               HasSubstr("expected geometry_msgs/msg/Point"));
   EXPECT_THAT(get("(ros-msgs-create-message \"std_msgs/msg/Int32\")", "data"), "0");
+  EXPECT_THAT(get("(ros-msgs-create-message \"geometry_msgs/msg/Point\")", "position"),
+              HasSubstr("geometry_msgs/msg/Point has no field 'position'; it has x, y, z"));
 }
 
 TEST_F(Fields, WhereCxLogsAndGoesOnTheRuleGoesOn) {

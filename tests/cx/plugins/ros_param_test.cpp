@@ -17,7 +17,9 @@ executive: {plugin: "cx::ExecutivePlugin"}
 params: {plugin: "cx::RosParamPlugin", gain: 2.5}
 goal: {x: 3, name: "home", active: true, precise: 1.0, exact: 1.5, big: 9007199254740993}
 lists: {ids: [1, 2], names: ["a", "b"], gains: [1.5, 2.0], flags: [true, false], none: []}
-quoted: "7")");
+quoted: "7"
+empty: ""
+most: [9007199254740992.0, 9007199254740994.0, -9007199254740992.0])");
     lab_.run_up();
   }
   std::string get(const std::string& name, const std::string& fallback) {
@@ -81,6 +83,8 @@ TEST_F(RosParam, AnotherTypeIsAnErrorOfTheRule) {
   EXPECT_THAT(failure("goal.x", "\"\""),
               HasSubstr("parameter 'goal.x': found '3' (an integer), the default wants a string"));
   EXPECT_THAT(failure("quoted", "1"), HasSubstr("found '7' (a string)"));
+  EXPECT_THAT(failure("empty", "1"), HasSubstr("parameter 'empty': found a string, the default wants an integer"));
+  EXPECT_THAT(failure("most", "(create$ 1)"), HasSubstr("found '9007199254740994' (a double), the default wants an"));
   EXPECT_THAT(failure("goal.x", "(create$ 1)"), HasSubstr("found an integer, the default wants a list"));
   EXPECT_THAT(failure("lists.ids", "1"), HasSubstr("found a list, the default wants an integer"));
   EXPECT_THAT(failure("fresh", "(create$ 1 up)"), HasSubstr("found 'up' (a string), the default wants an integer"));
