@@ -62,6 +62,8 @@ int replay(const Options& options) {
       json[name] = to_json(*outcome);
     else
       print(name, *outcome);
+    if (!options.json && !outcome->agrees())
+      for (const std::string& what : run->changed_surroundings()) std::printf("  not as then: %s\n", what.c_str());
     if (outcome->broken)
       code = fail(*outcome->broken);
     else if (code == 0 && !outcome->agrees())
@@ -75,6 +77,8 @@ int replay(const Options& options) {
     go_on = half("physics", lab::replay_physics(*run, host));
   if (signal_that_came()) return 128 + signal_that_came();
   if (!go_on) return code;
+  if (options.json && code == static_cast<int>(ErrorKind::kNo))
+    json["changed_surroundings"] = run->changed_surroundings();
   if (options.json) std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
   return code;
 }

@@ -30,11 +30,9 @@ int rerun(const Options& options) {
   if (signal_that_came()) return 128 + signal_that_came();
   if (played.result.stream_hashes.empty()) return code;
   if (options.json) {
-    const nlohmann::ordered_json out{{"same", differ.empty()},
-                                     {"run", options.run},
-                                     {"again", played.folder.string()},
-                                     {"differ", differ},
-                                     {"changed_files", changed}};
+    const nlohmann::ordered_json out{
+        {"same", differ.empty()}, {"run", options.run},       {"again", played.folder.string()},
+        {"differ", differ},       {"changed_files", changed}, {"changed_surroundings", run->changed_surroundings()}};
     std::printf("%s\n", out.dump(2).c_str());
   } else if (differ.empty()) {
     std::printf("the same: %zu streams%s; %s\n", run->stream_hashes.size(), run->physics_hash ? " and the physics" : "",
@@ -44,6 +42,7 @@ int rerun(const Options& options) {
     for (const std::string& name : differ) list += (list.empty() ? "" : ", ") + name;
     std::printf("different: %s; %s\n", list.c_str(), played.folder.c_str());
     for (const std::string& name : changed) std::printf("  not the file of then: %s\n", name.c_str());
+    for (const std::string& what : run->changed_surroundings()) std::printf("  not as then: %s\n", what.c_str());
   }
   return differ.empty() ? 0 : static_cast<int>(ErrorKind::kNo);
 }

@@ -6,6 +6,7 @@
 
 #include "cx/base/file.h"
 #include "cx/journal/input_log.h"
+#include "lab/versions.h"
 
 namespace cxlab::lab {
 
@@ -30,6 +31,8 @@ void read_manifest(const Json& json, RecordedRun& run) {
   run.options.keep_going = json.at("keep_going").get<bool>();
   run.options.strict = json.at("strict_cx").get<bool>();
   run.options.prefixes = json.at("prefixes").get<std::vector<std::string>>();
+  run.versions = json.at("versions").get<std::map<std::string, std::string>>();
+  run.machine = json.value("machine", std::map<std::string, std::string>());
   for (const Json& agent : json.at("agents"))
     run.shares.push_back(agent.at("packages").get<std::map<std::string, std::string>>());
 }
@@ -74,6 +77,18 @@ Expected<RecordedRun> RecordedRun::open(const fs::path& folder, const Catalogue&
     return input_error(std::string("not the result of a run: ") + e.what(), (folder / "result.json").string());
   }
   return run;
+}
+
+std::vector<std::string> RecordedRun::changed_surroundings() const {
+  std::vector<std::string> out;
+  const auto compare = [&out](const std::map<std::string, std::string>& then, const auto& now) {
+    for (const auto& [name, value] : now)
+      if (const auto old = then.find(name); old == then.end() || old->second != value)
+        out.push_back(name + ": " + (old == then.end() ? "not known" : old->second) + ", now " + value);
+  };
+  compare(versions, lab::versions());
+  compare(machine, lab::machine());
+  return out;
 }
 
 Expected<Scenario> RecordedRun::scenario() const {

@@ -27,6 +27,8 @@ struct RecordedRun {
   std::vector<std::string> overrides;
   PlayOptions options;         ///< until, journal, keep_going, strict
   std::vector<Shares> shares;  ///< by agent: package -> its share directory then
+  /// Of lab/versions.h, then.
+  std::map<std::string, std::string> versions, machine;
 
   // How it ended
   bool finished = false;  ///< else it was killed, and what follows is not known
@@ -39,6 +41,8 @@ struct RecordedRun {
 
   /// Reads manifest.json and result.json. The catalogue has the worlds and nodes of the scenario.
   static Expected<RecordedRun> open(const std::filesystem::path& folder, const Catalogue& catalogue = shipped());
+  /// What of versions and machine is another now, which explains other hashes: "C library: glibc 2.36, now glibc 2.41".
+  std::vector<std::string> changed_surroundings() const;
   /// As it was read then; from the run's copy.
   Expected<Scenario> scenario() const;
 };

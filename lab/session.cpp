@@ -57,6 +57,7 @@ std::string manifest(const Run& run) {
   out["seed"] = run.scenario.seed;
   for (const auto& [name, version] : versions()) out["versions"][name] = version;
   out["versions"]["ROS 2 CX studied"] = "90f440b1 (2026-06-13)";
+  for (const auto& [name, value] : machine()) out["machine"][name] = value;
   out["tier"] = run.scenario.tier_name();
   out["command"] = run.options.command;
   out["folder"] = std::filesystem::current_path().string();

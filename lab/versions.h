@@ -1,5 +1,5 @@
 #pragma once
-// The versions of cxlab and of what it is built on.
+// The versions of cxlab and of what it is built on, and the machine.
 
 #include <string>
 #include <utility>
@@ -11,5 +11,8 @@ namespace cxlab::lab {
 const char* cxlab_version();
 /// Name and version: cxlab first, then the libraries that results depend on.
 std::vector<std::pair<std::string, std::string>> versions();
+/// What of this machine the bytes of a run depend on: architecture, C library, and a digest of what the C library's
+/// sin, cos, tan, atan2, exp, log and pow return, whose last bits differ between kinds of processors.
+std::vector<std::pair<std::string, std::string>> machine();
 
 }  // namespace cxlab::lab

@@ -7,7 +7,7 @@
 
 namespace cxlab {
 
-/// A stream of random numbers that depends on (seed, name) only. All draws are the same on every platform.
+/// A stream of random numbers that depends on (seed, name) only: the same on every platform, but for normal (log).
 class RandomStream {
  public:
   RandomStream(std::uint64_t seed, std::string_view name);

@@ -244,6 +244,26 @@ clips_manager:
         again = self.answer("rerun", self.folder / "run", "--quiet", "--out", self.folder / "again", expect=1)
         self.assertEqual(again["differ"], ["env/main"])
         self.assertEqual([name.rsplit("/", 1)[1] for name in again["changed_files"]], ["mine.clp"])
+        self.assertEqual(again["changed_surroundings"], [])
+
+    def test_where_hashes_differ_the_machine_of_then_is_named(self):
+        run = self.timed_game(20)
+        for name, change in {"result.json": lambda json: json["stream_hashes"].update({"env/agent": "0"}),
+                             "manifest.json": lambda json: json["machine"].update({"C library": "glibc 0.1"})}.items():
+            content = json.loads((run / name).read_text())
+            change(content)
+            (run / name).write_text(json.dumps(content))
+        for command in [["rerun", run, "--out", self.folder / "again"], ["replay", run]]:
+            printed = self.cxlab(*command, expect=1).stdout
+            self.assertRegex(printed, r"\n  not as then: C library: glibc 0.1, now glibc [0-9.]+\n")
+            self.assertNotIn("digest", printed)
+
+    def test_the_machine_is_known_by_what_its_functions_return(self):
+        run = self.timed_game(20)
+        known = json.loads((run / "manifest.json").read_text())["machine"]
+        self.assertEqual(list(known), ["architecture", "C library", "digest of sin, cos, pow"])
+        self.assertEqual(known["architecture"], os.uname().machine)
+        self.assertRegex(known["digest of sin, cos, pow"], "^[0-9a-f]{32}$")
 
     # --- why-not
 
