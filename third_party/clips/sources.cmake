@@ -1,5 +1,8 @@
 # Where the sources of CLIPS come from.
 
+set(CLIPS_MENDS "${CMAKE_CURRENT_LIST_DIR}/mends.patch")
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${CLIPS_MENDS}")
+
 # One digest over the names and contents of all files of a folder.
 function(clips_digest folder out)
   file(GLOB_RECURSE files RELATIVE "${folder}" "${folder}/*")
@@ -13,17 +16,18 @@ function(clips_digest folder out)
   set(${out} "${digest}" PARENT_SCOPE)
 endfunction()
 
-# Mends what CLIPS 6.40 does wrong. In a pattern like (a ?x&=(f ?y)) it reads the type of what f gives as if f were a
-# function of C, past the end of a deffunction: whether the rule then loads is chance.
+# Mends what CLIPS 6.40 does wrong: mends.patch says what.
 function(mend_clips folder)
-  file(READ "${folder}/core/pattern.c" text)
-  set(wrong "else if (tempRestriction->pnType == RETURN_VALUE_CONSTRAINT_NODE)\n")
-  string(REPLACE "${wrong}" "else if (tempRestriction->pnType == RETURN_VALUE_CONSTRAINT_NODE && tempRestriction->expression->pnType == FCALL_NODE)\n"
-         mended "${text}")
-  if(mended STREQUAL text)
-    message(FATAL_ERROR "CLIPS: ${folder}/core/pattern.c is not the file that is to be mended")
+  find_program(GIT git REQUIRED)
+  # Not as part of the repository around the build folder, where git would look for the files elsewhere.
+  get_filename_component(parent "${folder}" DIRECTORY)
+  execute_process(
+    COMMAND "${CMAKE_COMMAND}" -E env --unset=GIT_DIR --unset=GIT_WORK_TREE "GIT_CEILING_DIRECTORIES=${parent}"
+            "${GIT}" apply --whitespace=nowarn "${CLIPS_MENDS}"
+    WORKING_DIRECTORY "${folder}" RESULT_VARIABLE result ERROR_VARIABLE error)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "CLIPS: ${folder} cannot be mended.\n${error}")
   endif()
-  file(WRITE "${folder}/core/pattern.c" "${mended}")
 endfunction()
 
 # Sets out to a folder with core/, test_suite/ and examples/ of the crate that Cargo.lock pins, downloaded
@@ -32,12 +36,13 @@ function(fetch_clips out)
   set(name clips-sys-0.4.0)
   set(digest 880547a6c9bfc9edadafd373e0d649da47297ad958b559c9e2e54e55f592627e)
   set(cached "${CXLAB_DOWNLOADS}/${name}")
+  file(SHA256 "${CLIPS_MENDS}" mends)
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/source")
   set(${out} "${folder}" PARENT_SCOPE)
 
   if(EXISTS "${folder}/digest")
     file(READ "${folder}/digest" found)
-    if(found STREQUAL "${digest} mended")
+    if(found STREQUAL "${digest} ${mends}")
       return()
     endif()
   endif()
@@ -69,5 +74,5 @@ function(fetch_clips out)
   file(REMOVE_RECURSE "${folder}")
   file(COPY "${cached}/" DESTINATION "${folder}")
   mend_clips("${folder}")
-  file(WRITE "${folder}/digest" "${digest} mended")
+  file(WRITE "${folder}/digest" "${digest} ${mends}")
 endfunction()

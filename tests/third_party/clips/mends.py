@@ -1,0 +1,120 @@
+"""What third_party/clips/mends.patch mends: CLIPS=program python3 -m unittest mends"""
+
+import unittest
+
+from command_line import run
+
+
+def printed(program):
+    """The lines of a program that its rules print, each with "= " before it. CLIPS must not crash on the way."""
+    done = run(program)
+    if done.returncode != 0:
+        raise AssertionError(f"ended with {done.returncode}: {done.stdout[-500:]}{done.stderr[-500:]}")
+    return sorted(line.split("= ")[1] for line in done.stdout.splitlines() if "= " in line)
+
+
+class Mends(unittest.TestCase):
+    def test_return_value_after_a_multifield_is_that_of_its_field(self):
+        self.assertEqual(printed("""
+(deftemplate b (multislot z))
+(defrule last (b (z $?m =(+ 1 1))) => (printout t "= " ?m crlf))
+(deffacts f (b (z 2)) (b (z)) (b (z 1 2)) (b (z 1 2 3 2)) (b (z 2 1)))
+(reset)
+(run)
+"""), ["()", "(1 2 3)", "(1)"])
+
+    def test_return_value_of_a_multifield_is_that_of_all_its_fields(self):
+        self.assertEqual(printed("""
+(deftemplate b (multislot z))
+(defrule all (b (z $?m&=(create$))) => (printout t "= " ?m crlf))
+(defrule some (b (z $?m&=(create$ 1 2) 3)) => (printout t "= " ?m crlf))
+(deffacts f (b (z 2)) (b (z)) (b (z 1 2 3)) (b (z 1 3)))
+(reset)
+(run)
+"""), ["()", "(1 2)"])
+
+    def test_constant_beside_a_variable_of_another_pattern_is_that_of_its_field(self):
+        self.assertEqual(printed("""
+(deftemplate a (slot x))
+(deftemplate b (multislot z))
+(defrule last (a (x ?v)) (b (z $?m 1|?v)) => (printout t "= " ?m crlf))
+(deffacts f (a (x 2)) (b (z 2)) (b (z 1 2)) (b (z 1)) (b (z 3 1)) (b (z 1 3)))
+(reset)
+(run)
+"""), ["()", "()", "(1)", "(3)"])
+
+    def test_variable_equals_itself_beside_a_test_of_another_pattern(self):
+        self.assertEqual(printed("""
+(deftemplate a (slot x))
+(deftemplate t (slot n))
+(defrule any (a (x ?v)) (t (n ?n&?n|:(neq ?v ?n))) => (printout t "= " ?v " " ?n crlf))
+(defrule none (a (x ?v)) (t (n ?n&~?n|=(+ ?v 7))) => (printout t "= never" crlf))
+(defrule few (a (x ?v)) (t (n ?n&?n&0|~1&=(+ ?v 1))) => (printout t "= few " ?v " " ?n crlf))
+(deffacts f (a (x 1)) (a (x 2)) (t (n 1)) (t (n 2)))
+(reset)
+(run)
+"""), ["1 1", "1 2", "2 1", "2 2", "few 1 2"])
+
+    def test_variable_of_an_object_equals_itself_within_not(self):
+        self.assertEqual(printed("""
+(defclass Q (is-a USER) (role concrete) (pattern-match reactive) (slot x))
+(deftemplate a (slot y))
+(defrule none (a (y ?y)) (not (object (x ?x&=(+ ?y 1)|?x))) => (printout t "= none" crlf))
+(assert (a (y 1)))
+(run)
+(make-instance of Q)
+(assert (a (y 2)))
+(run)
+"""), ["none"])
+
+    def test_salience_of_a_rule_with_a_wrong_disjunct_goes_once(self):
+        self.assertEqual(printed("""
+(deftemplate t (slot n (type INTEGER)))
+(defglobal ?*salience* = 1)
+(defrule wrong (declare (salience ?*salience*)) (or (not (b)) (exists (t (n x)))) =>)
+(defrule wrong (declare (salience (+ ?*salience* 1))) (or (not (b)) (exists (t (n x)))) =>)
+(defrule right (declare (salience ?*salience*)) (c) => (printout t "= right" crlf))
+(assert (c))
+(run)
+(undefrule *)
+"""), ["right"])
+
+    # These fail under AddressSanitizer alone.
+    def test_error_of_a_slot_that_is_there_twice_names_it(self):
+        self.assertIn("The 'x' slot for class 'Q' is already specified.", run("""
+(defclass Q (is-a USER) (role concrete) (slot x) (slot x))
+""").stderr)
+
+    def test_rule_goes_whose_matches_block_each_other(self):
+        self.assertEqual(printed("""
+(defclass Q (is-a USER) (role concrete) (pattern-match reactive))
+(defrule all (forall (not (and (c))) (not (object))) => (printout t "= all" crlf))
+(make-instance of Q)
+(undefrule all)
+(defrule all (forall (not (and (c))) (not (object))) => (printout t "= all" crlf))
+(assert (c))
+(run)
+(undefrule all)
+"""), ["all"])
+
+    def test_query_goes_on_from_what_it_deletes(self):
+        self.assertEqual(printed("""
+(defclass Q (is-a USER) (role concrete))
+(make-instance a of Q)
+(make-instance b of Q)
+(make-instance c of Q)
+(printout t "= " (any-instancep ((?a Q)) (progn (unmake-instance ?a) FALSE)) crlf)
+(make-instance a of Q)
+(make-instance b of Q)
+(printout t "= " (find-instance ((?a Q) (?b Q)) (progn (unmake-instance *) FALSE)) crlf)
+(deftemplate a (slot x))
+(deffunction away () (do-for-all-facts ((?f a)) TRUE (retract ?f)))
+(assert (a (x 1)) (a (x 2)) (a (x 3)))
+(do-for-all-facts ((?f a)) TRUE (away) (gensym*) (printout t "= once" crlf))
+(assert (a (x 1)) (a (x 2)) (a (x 3)))
+(printout t "= " (any-factp ((?f a)) (progn (away) (gensym*) FALSE)) crlf)
+"""), ["()", "FALSE", "FALSE", "once"])
+
+
+if __name__ == "__main__":
+    unittest.main()
