@@ -266,6 +266,19 @@ TEST(Interfaces, RecursionThroughOtherMessagesIsNamed) {
   EXPECT_THAT(type.error().message, HasSubstr("pkg/msg/A -> pkg/msg/B -> pkg/msg/C -> pkg/msg/A"));
 }
 
+TEST(Interfaces, ATypeIsReadOnce) {
+  Registry registry;
+  add_interfaces(registry);
+  const MessageType* message = *registry.message("std_msgs/msg/String");
+  const MessageType* request = (*registry.service("std_srvs/srv/SetBool"))->request;
+  const MessageType* goal = (*registry.action("example_interfaces/action/Fibonacci"))->goal;
+  EXPECT_EQ(*registry.message("std_msgs/msg/String"), message);
+  EXPECT_EQ((*registry.service("std_srvs/srv/SetBool"))->request, request);
+  EXPECT_EQ((*registry.action("example_interfaces/action/Fibonacci"))->goal, goal);
+  EXPECT_EQ(*registry.message("std_srvs/srv/SetBool_Request"), request);
+  EXPECT_EQ(*registry.message("example_interfaces/action/Fibonacci_Goal"), goal);
+}
+
 TEST(Interfaces, AServiceNeedsItsLineOfDashes) {
   TempPackages packages;
   packages.write("pkg/srv/S", "int8 a\n");

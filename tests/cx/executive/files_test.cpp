@@ -93,6 +93,35 @@ TEST_F(FilesTest, WithoutARunFolderWritingIsRefused) {
   EXPECT_THAT(path.error().message, HasSubstr("no folder"));
 }
 
+TEST_F(FilesTest, RulesReadBackNothingOutsideOfTheirFolder) {
+  lab_.write("run/secret.txt", "");
+  lab_.write("secret.txt", "");
+  Files files = make();
+  EXPECT_TRUE(files.for_reading((lab_.folder / "run/secret.txt").string()).ok()) << "of this run";
+  EXPECT_FALSE(files.for_reading("../secret.txt").ok());
+  EXPECT_FALSE(files.for_reading("../../secret.txt").ok());
+  EXPECT_FALSE(files.for_reading("a/../../../secret.txt").ok());
+}
+
+TEST(FilesOfRules, AFileThatTheRunCannotKeepIsNotRead) {
+  for (const char* refused : {"config/config.yaml", "agent/rules.clp", "agent/c.yaml"}) {
+    Lab lab;
+    lab.agent(
+        "(defrule go (time ?) => (config-load (str-cat (ament-index-get-package-share-directory \"agent\") "
+        "\"/c.yaml\") \"/\"))");
+    lab.write("agent/c.yaml", "a: 1");
+    lab.options.on_read = [&](const std::string& name, const std::filesystem::path&) {
+      return name == refused ? Status(resource_error("the disk is full")) : Status();
+    };
+    Status played = lab.start();
+    if (played) played = lab.tick();
+    EXPECT_TRUE(!played || !lab.log.with("the disk is full").empty()) << refused;
+    if (played) {
+      EXPECT_THAT(lab.facts("confval"), ::testing::IsEmpty()) << refused;
+    }
+  }
+}
+
 TEST(FilesOfRules, AreToldToTheRun) {
   Lab lab;
   lab.agent(

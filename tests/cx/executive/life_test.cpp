@@ -281,6 +281,19 @@ TEST(Determinism, TheSameSeedGivesTheSameRecordsBesideOtherManagers) {
   EXPECT_NE(right.records.text_by_stream(), expected);
 }
 
+TEST(Determinism, ManagersOfOneNameAreNumberedInTheirOrder) {
+  Lab lab;
+  lab.options.streams = std::make_shared<std::set<std::string>>();
+  lab.config("environments: [\"main\"]");
+  std::vector<std::unique_ptr<EnvironmentManager>> managers;
+  for (int i = 0; i < 3; ++i) {
+    lab.run_up();
+    managers.push_back(std::move(lab.manager));
+  }
+  for (const char* stream : {"env/main", "env/main-2", "env/main-3"})
+    EXPECT_EQ(lab.records.text_by_stream().count(stream), 1u) << stream;
+}
+
 TEST(Determinism, ManagersInOneProcessHaveTheirOwnNamesAndStreams) {
   Lab lab;
   lab.agent(

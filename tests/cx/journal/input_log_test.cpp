@@ -123,6 +123,30 @@ TEST(InputLog, GivesBackEveryFieldOfEveryEntry) {
   EXPECT_TRUE(reader->status().ok());
 }
 
+TEST(InputLog, NamesMayBeEmpty) {
+  TempFolder temp;
+  auto log = InputLogWriter::create(temp / "inputs.bin");
+  LoggedDelivery nobody;
+  nobody.delivery.return_code = 1;
+  log->add(LoggedTake{seconds(1), "", {nobody}});
+  log->add(LoggedResult{seconds(1), "env/a", "", ""});
+  ASSERT_TRUE(log->close().ok());
+  auto reader = InputLogReader::open(temp / "inputs.bin");
+  ASSERT_TRUE(reader.ok());
+  const auto take = reader->next();
+  ASSERT_TRUE(take && std::holds_alternative<LoggedTake>(*take));
+  EXPECT_EQ(std::get<LoggedTake>(*take).to, "");
+  ASSERT_EQ(std::get<LoggedTake>(*take).deliveries.size(), 1u);
+  EXPECT_EQ(std::get<LoggedTake>(*take).deliveries[0].from, "");
+  EXPECT_EQ(std::get<LoggedTake>(*take).deliveries[0].delivery.return_code, 1);
+  const auto result = reader->next();
+  ASSERT_TRUE(result && std::holds_alternative<LoggedResult>(*result));
+  EXPECT_EQ(std::get<LoggedResult>(*result).environment, "env/a");
+  EXPECT_EQ(std::get<LoggedResult>(*result).key, "");
+  EXPECT_FALSE(reader->next());
+  EXPECT_TRUE(reader->status().ok());
+}
+
 TEST(InputLog, SpellsANameOnce) {
   const std::string bytes = bytes_of(100);
   EXPECT_EQ(bytes.find("llsf_msgs", bytes.find("llsf_msgs") + 1), std::string::npos);

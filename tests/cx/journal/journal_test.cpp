@@ -438,6 +438,39 @@ TEST(JournalReader, GivesBackWhatWasWritten) {
   EXPECT_THAT(last.causes, ElementsAre(JournalRecord::Cause{"node/robot1", 0}));
 }
 
+TEST(JournalReader, ValuesHaveTheirTypes) {
+  const auto record = parse_journal_line(
+      R"({"stream":"s","n":0,"t":-5,"kind":"fire","data":{"minus":-5,"zero":0,"most":9223372036854775807,)"
+      R"("more":9223372036854775808,"real":-2.5,"true":true,"false":false,"nothing":null,"text":"t","list":[1,[2]],)"
+      R"("map":{"a":1}},"cause":["a:b:7"]})");
+  ASSERT_TRUE(record.ok()) << record.error().text();
+  const RecordValue& data = record->data;
+  EXPECT_EQ(record->t, SimTime{-5});
+  EXPECT_EQ(std::get<std::int64_t>(data.find("minus")->value), -5);
+  EXPECT_EQ(std::get<std::int64_t>(data.find("zero")->value), 0);
+  EXPECT_EQ(std::get<std::int64_t>(data.find("most")->value), std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(std::get<std::uint64_t>(data.find("more")->value), std::uint64_t{1} << 63);
+  EXPECT_EQ(std::get<double>(data.find("real")->value), -2.5);
+  EXPECT_TRUE(std::get<bool>(data.find("true")->value));
+  EXPECT_FALSE(std::get<bool>(data.find("false")->value));
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(data.find("nothing")->value));
+  EXPECT_EQ(std::get<std::string>(data.find("text")->value), "t");
+  EXPECT_EQ(std::get<RecordValue::List>(data.find("list")->value).size(), 2u);
+  EXPECT_EQ(data.find("map")->integer("a"), 1);
+  EXPECT_THAT(record->causes, ElementsAre(JournalRecord::Cause{"a:b", 7}));
+}
+
+TEST(JournalReader, ValuesNestUpTo64Deep) {
+  const auto readable = [](int lists) {
+    const auto deep = static_cast<std::size_t>(lists);
+    return parse_journal_line(R"({"stream":"s","n":0,"t":0,"kind":"fire","data":{"a":)" + std::string(deep, '[') +
+                              std::string(deep, ']') + R"(},"cause":[]})")
+        .ok();
+  };
+  EXPECT_TRUE(readable(64));
+  EXPECT_FALSE(readable(65));
+}
+
 TEST(JournalReader, LeavesOutKindsThatNobodyAskedFor) {
   TempFolder folder;
   // Another order of members, with a "kind" in the data, and one that is nobody's business.

@@ -182,7 +182,10 @@ TEST(FileStore, NoNameLeavesTheFolder) {
   const std::string good = R"({"name":"a","hash":")" + content_hash("x") + "\"}\n";
   EXPECT_THAT(error_of(good + R"({"name":"../a","hash":")" + content_hash("x") + "\"}\n"),
               HasSubstr("index.jsonl:2: found '../a'"));
-  EXPECT_THAT(error_of("{\"name\":\"a\",\"hash\":\"../../b\"}\n"), HasSubstr("hash of 32"));
+  for (const std::string& hash : {std::string("../../b"), std::string(31, 'a'), std::string(33, 'a'),
+                                  std::string(32, 'g'), std::string(32, 'A'), std::string(31, '0') + '/'})
+    EXPECT_THAT(error_of("{\"name\":\"a\",\"hash\":\"" + hash + "\"}\n"), HasSubstr("hash of 32")) << hash;
+  EXPECT_THAT(error_of("{\"name\":\"a\",\"hash\":\"" + std::string(32, '/') + "\"}\n"), HasSubstr("hash of 32"));
   EXPECT_THAT(error_of("{\n"), HasSubstr("expected the name of a copy"));
 }
 

@@ -3,10 +3,24 @@
 namespace cxlab::cx {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
+
+/// The data of the records that caused facts of this template.
+std::vector<std::string> causes_of(const KeptRecords& records, const std::string& name) {
+  std::vector<std::string> found;
+  for (const KeptRecords::Record& record : records.of(RecordKind::kAssert)) {
+    if (record.data.find(name) == std::string::npos) continue;
+    for (const RecordRef& cause : record.causes) {
+      const KeptRecords::Record by = records.of(cause.stream).at(cause.n);
+      found.push_back(std::string(to_string(by.kind)) + ' ' + by.data);
+    }
+  }
+  return found;
+}
 
 /// A node of the test beside the environments.
 class RosMsgs : public ::testing::Test {
@@ -79,6 +93,8 @@ TEST_F(RosMsgs, AMessageBecomesAFactUnderTheNameAsWritten) {
   lab_.ticks(4);
   EXPECT_THAT(lab_.log.with("heard"), ElementsAre("info main: heard chatter hello"));
   EXPECT_THAT(lab_.facts("ros-msgs-message"), IsEmpty());
+  EXPECT_THAT(causes_of(lab_.records, "ros-msgs-message"),
+              ElementsAre(AllOf(HasSubstr("input "), HasSubstr("topic"), HasSubstr("chatter"), HasSubstr("hello"))));
 }
 
 TEST_F(RosMsgs, OneEnvironmentHearsAnotherAtTheNextTick) {
@@ -212,6 +228,8 @@ TEST_F(RosMsgs, ARequestGetsItsNumberAndItsResponseAFact) {
   act("(do-for-all-facts ((?f ros-msgs-response)) TRUE (println \"said \" (ros-msgs-get-field ?f:msg-ptr "
       "\"message\")))");
   EXPECT_THAT(lab_.log.with("said"), SizeIs(2));
+  const auto input = AllOf(HasSubstr("input "), HasSubstr("response"), HasSubstr("go"), HasSubstr("done"));
+  EXPECT_THAT(causes_of(lab_.records, "ros-msgs-response"), ElementsAre(input, input));
 }
 
 TEST_F(RosMsgs, AMissingServiceIsFalseAtOnce) {
