@@ -118,7 +118,14 @@ bool Simulator::interferes(const GroundAction& action) const {
     return std::ranges::any_of(action.at_end.numbers,
                                [&](const NumericEffect& other) { return other.number == effect.number; });
   };
-  return !action.conditional.empty() || disturbs(action.at_start, action.end) ||
+  const auto idles_conflict = [](const IdleTouch& a, const IdleTouch& b) {
+    return a.key == b.key && a.at_end != b.at_end &&
+           ((a.read && (b.up || b.down)) || (b.read && (a.up || a.down)) || (a.up && b.down) || (a.down && b.up));
+  };
+  const bool idle = std::ranges::any_of(action.idle, [&](const IdleTouch& a) {
+    return std::ranges::any_of(action.idle, [&](const IdleTouch& b) { return idles_conflict(a, b); });
+  });
+  return idle || !action.conditional.empty() || disturbs(action.at_start, action.end) ||
          disturbs(action.at_end, action.start) || meet(action.at_start.add, action.at_end.remove) ||
          meet(action.at_start.remove, action.at_end.add) || std::ranges::any_of(action.at_start.numbers, both_change);
 }

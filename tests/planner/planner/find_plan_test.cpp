@@ -60,6 +60,42 @@ TEST(FindPlan, SeparatesInterferingChangesThatNothingNeeds) {
   EXPECT_EQ(second_start("(lamp)", "(lamp)"), 0);
 }
 
+TEST(FindPlan, AnActionWithoutDurationMustNotDisturbItself) {
+  struct Case {
+    const char *condition, *effect;
+    bool possible;
+  };
+  for (const auto& [condition, effect, possible] : {Case{"(at start (f))", "", true},
+                                                    {"(at end (f))", "(at start (g))", true},
+                                                    {"(at end (f))", "(at start (not (f)))", false},
+                                                    {"(at start (f))", "(at end (not (f)))", false},
+                                                    {"(at end (g))", "(at start (g))", false},
+                                                    {"", "(at start (g)) (at end (not (g)))", false},
+                                                    {"", "(at start (not (f))) (at end (f))", false},
+                                                    {"", "(at start (g)) (at end (not (f)))", true},
+                                                    {"", "(at start (assign (n) 1)) (at end (increase (n) 1))", false},
+                                                    {"(at end (> (n) 0))", "(at start (increase (n) 1))", false},
+                                                    {"(at start (= (n) 0))", "(at end (increase (n) 1))", false},
+                                                    {"(at end (= (n) 0))", "(at start (increase (m) 1))", true}}) {
+    const PlanAnswer found = answer(parse(std::string(R"((:predicates (f) (g) (done)) (:functions (n) (m))
+      (:durative-action a :parameters () :duration (= ?duration 0) :condition (and )") +
+                                              condition + ") :effect (and (at end (done)) " + effect + "))",
+                                          "(:init (f) (= (n) 0) (= (m) 0)) (:goal (done))"),
+                                    {.budget = 50'000});
+    EXPECT_EQ(found.plan.has_value(), possible) << condition << " " << effect;
+  }
+}
+
+TEST(FindPlan, ABoundOfADurationCanBeReadAtTheEnd) {
+  const PlanAnswer found = answer(parse(R"((:predicates (done)) (:functions (n))
+      (:durative-action a :parameters () :duration (and (at start (>= ?duration 2)) (at end (<= ?duration (n))))
+       :condition () :effect (and (at start (assign (n) 5)) (at end (done)))))",
+                                        "(:init (= (n) 0)) (:goal (done))"),
+                                  {.budget = 50'000});
+  ASSERT_TRUE(found.plan);
+  EXPECT_GE(found.plan->steps[0].duration, 2);
+}
+
 TEST(FindPlan, IgnoresActionsThatLastTooShortly) {
   std::string objects, init, goal;
   for (int i = 0; i < 40; ++i) {
