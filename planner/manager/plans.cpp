@@ -151,7 +151,7 @@ void PddlManager::on_goal(std::size_t dialect, const bus::Delivery& goal) {
   bus_.answer_goal(server, goal.goal, bus::GoalAnswer::kAccept);
   const View wanted = goal.message->view();
   Job job = job_of(dialect, goal.goal, wanted, make_plan(wanted));
-  if (options_.cost.charge && job.due > bus_.now())
+  if (job.due > bus_.now())
     jobs_.push_back(std::move(job));
   else
     finish(job);

@@ -22,7 +22,6 @@ struct Halves {
 
   Halves(const GroundAction& action, int running) {
     begin.schema = end.schema = action.schema;
-    begin.arguments = end.arguments = action.arguments;
     begin.start = action.start;
     begin.at_start = action.at_start;
     begin.at_start.add.push_back(running);
