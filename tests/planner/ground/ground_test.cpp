@@ -87,6 +87,55 @@ TEST(Ground, KeepsTheFirstOfEqualActions) {
   EXPECT_EQ(task.actions(), (Names{"(by-hand)", "(slowly)"}));
 }
 
+TEST(Ground, KeepsActionsThatDifferInAnyPart) {
+  struct Pair {
+    const char* part;  ///< where they differ: "duration", "condition" or "effect"
+    const char *first, *second;
+  };
+  const auto kept = [](const Pair& pair) {
+    const std::string part = pair.part;
+    const auto action = [&](const char* name, const char* differs) {
+      const std::string own = std::string(" ") + differs;
+      return std::string("(:durative-action ") + name + " :parameters () :duration" +
+             (part == "duration" ? own : " (= ?duration 2)") + " :condition (and (at start (p))" +
+             (part == "condition" ? own : "") + ") :effect (and (at end (done))" + (part == "effect" ? own : "") +
+             "))\n";
+    };
+    return Grounded(R"((:predicates (p) (q) (r) (s) (done)) (:functions (x) (y))
+      (:action turn :precondition (and (r) (s)) :effect (and (not (p)) (not (q))))
+      (:action grow :effect (and (increase (x) 3) (increase (y) 3) (p) (q) (r) (s)))
+      )" + action("one", pair.first) +
+                        action("other", pair.second),
+                    "(:init (p) (q) (= (x) 0) (= (y) 0)) (:goal (and (done) (not (p)) (not (q)) (> (x) 5) (> (y) 5)))")
+        .actions();
+  };
+  EXPECT_EQ(kept({"condition", "(at end (q))", "(at end (q))"}), (Names{"(grow)", "(one)", "(turn)"}));
+  for (const Pair& pair :
+       {Pair{"condition", "(at start (q))", "(at start (r))"},
+        {"condition", "(over all (q))", "(over all (r))"},
+        {"condition", "(at end (q))", "(at end (r))"},
+        {"condition", "(at start (q))", "(over all (q))"},
+        {"condition", "(over all (q))", "(at end (q))"},
+        {"condition", "(at start (> (x) 1))", "(at start (> (y) 1))"},
+        {"condition", "(at start (> (x) 1))", "(at start (> (x) 2))"},
+        {"condition", "(at start (> (x) 1))", "(at end (> (x) 1))"},
+        {"effect", "(at start (r))", "(at end (r))"},
+        {"effect", "(at end (r))", "(at end (s))"},
+        {"effect", "(at start (not (p)))", "(at end (not (p)))"},
+        {"effect", "(at end (not (p)))", "(at end (not (q)))"},
+        {"effect", "(at end (increase (x) 1))", "(at end (increase (y) 1))"},
+        {"effect", "(at end (increase (x) 1))", "(at end (increase (x) 2))"},
+        {"effect", "(at end (increase (x) 7))", "(at end (assign (x) 7))"},
+        {"effect", "(at end (increase (x) 1))", "(at end (decrease (x) 1))"},
+        {"effect", "(at end (increase (x) (y)))", "(at end (increase (x) (x)))"},
+        {"effect", "(at start (increase (x) 1))", "(at end (increase (x) 1))"},
+        {"duration", "(= ?duration 2)", "(= ?duration 3)"},
+        {"duration", "(and (>= ?duration 1) (<= ?duration 3))", "(and (>= ?duration 2) (<= ?duration 3))"},
+        {"duration", "(and (>= ?duration 1) (<= ?duration 3))", "(and (>= ?duration 1) (<= ?duration 4))"},
+        {"duration", "(= ?duration (x))", "(= ?duration (y))"}})
+    EXPECT_EQ(kept(pair), (Names{"(grow)", "(one)", "(other)", "(turn)"})) << pair.first << " and " << pair.second;
+}
+
 TEST(Ground, AnAbsenceThatIsAskedForGetsAComplement) {
   const Grounded task(R"((:predicates (wet) (dry-enough))
     (:action wipe :parameters () :precondition (wet) :effect (not (wet)))

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "planner/pddl/parser.h"
@@ -167,8 +168,11 @@ TEST(DomainParser, ErrorsNameWhereSymbolsWereDeclared) {
             "d.pddl:6: found variable ?p, which is not declared here; did you mean '?r'?");
   EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robot) :effect (opn base))")),
             "d.pddl:6: found 'opn', expected a predicate of the domain; did you mean 'open'?");
+  EXPECT_EQ(error_of(with_world("(:action a :precondition (> (batery base) 1))")),
+            "d.pddl:6: found 'batery', expected a number or a function of the domain; did you mean 'battery'?");
   EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robt))")),
             "d.pddl:6: found type 'robt', expected a type of the domain; did you mean 'robot'?");
+  EXPECT_THAT(error_of("(:types - robot)"), testing::HasSubstr("d.pddl:2: found '-', expected"));
   EXPECT_EQ(error_of("(:types robot - -)"), "d.pddl:2: found -, expected a type");
   EXPECT_EQ(error_of(with_world("(:action a :precondition (battery base))")),
             "d.pddl:6: found the numeric fluent 'battery', expected a predicate; declared at d.pddl:5");

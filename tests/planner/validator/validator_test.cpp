@@ -158,6 +158,34 @@ TEST(Validator, AConditionOfAnEffectReadsOnlyWhatCanMatter) {
   EXPECT_THAT(verdict("(and (fixed) (on))"), HasSubstr("(on)"));
 }
 
+TEST(Validator, AConditionOfAnEffectThatIsDecidedReadsNothing) {
+  const auto verdict = [](const std::string& condition) {
+    return Checker(R"((:types lamp) (:constants l m - lamp)
+      (:predicates (on ?l - lamp) (fixed ?l - lamp) (seen) (noted)) (:functions (left))
+      (:action look :effect (and (seen) (when )" +
+                       condition + R"( (noted))))
+      (:action switch-off :effect (and (not (on l)) (not (on m)) (decrease (left) 1))))",
+                   "(:init (fixed l) (on l) (on m) (= (left) 5)) (:goal (seen))")
+        .verdict("1: (look)\n1: (switch-off)");
+  };
+  for (const char* decided :
+       {"(or (fixed l) (on l))", "(and (fixed m) (on l))", "(imply (fixed m) (on l))", "(imply (on l) (fixed l))",
+        "(exists (?l - lamp) (or (fixed ?l) (on ?l)))", "(forall (?l - lamp) (and (fixed ?l) (on ?l)))",
+        "(not (or (fixed l) (on l)))", "(or (fixed l) (> (left) 2))", "(and (not (fixed l)) (> (left) 2))",
+        "(or (= l l) (on l))", "(and (= l m) (on l))"})
+    EXPECT_EQ(verdict(decided), "valid") << decided;
+  for (const auto& [open, read] : {std::pair{"(or (fixed m) (on l))", "(on l)"},
+                                   {"(and (fixed l) (on l))", "(on l)"},
+                                   {"(imply (fixed l) (on m))", "(on m)"},
+                                   {"(imply (on l) (fixed m))", "(on l)"},
+                                   {"(exists (?l - lamp) (and (fixed ?l) (on ?l)))", "(on l)"},
+                                   {"(forall (?l - lamp) (or (fixed ?l) (on ?l)))", "(on "},
+                                   {"(not (on m))", "(on m)"},
+                                   {"(and (fixed l) (> (left) 2))", "(left)"},
+                                   {"(or (= l m) (on m))", "(on m)"}})
+    EXPECT_THAT(verdict(open), HasSubstr(read)) << open;
+}
+
 TEST(Validator, GoalMustHoldAtTheEnd) {
   EXPECT_EQ(
       Checker(kWorld, kStart).verdict("0: (go r a b) [5]"),
