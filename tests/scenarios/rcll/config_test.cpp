@@ -44,7 +44,11 @@ TEST(WorldConfig, EachSettingHasItsLimits) {
            {"production_s", [](WorldConfig& c) { c.production_s = 0.5; }},
            {"production_s", [](WorldConfig& c) { c.production_s = 1.1e6; }},
            {"shelf_refill_s", [](WorldConfig& c) { c.shelf_refill_s = -0.1; }},
-           {"complexities", [](WorldConfig& c) { c.complexities = {"C4"}; }},
+           {"complexities",
+            [](WorldConfig& c) {
+              c.orders.clear();
+              c.complexities = {"C0", "C4"};
+            }},
            {"exploration", [](WorldConfig& c) { c.exploration = true; }},
            {"orders[0].complexity", [](WorldConfig& c) { c.orders[0].complexity = "C4"; }},
            {"orders[0].base_color", [](WorldConfig& c) { c.orders[0].base_color = "RED"; }},

@@ -333,6 +333,21 @@ TEST(Result, SaysWhatWasOrderedDeliveredAndEarned) {
             "CYAN       23 points   delivery 20  cap 10  late -7\nMAGENTA     0 points \n1 of 3 orders delivered\n");
 }
 
+TEST(Result, AnOrderIsDeliveredWhenItsFirstProductIs) {
+  WorldConfig config = GameStory::quiet_game();
+  config.orders[0].quantity = 2;
+  GameStory story(config);
+  for (int i = 0; i < 2; ++i) {
+    story.lay_before_delivery("BASE_RED", CapColor::kGrey);
+    ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
+    story.run_for(6);
+  }
+  Result result;
+  report_game(story.factory(), result);
+  EXPECT_EQ(result.at("orders"),
+            R"([{"id":1,"complexity":"C0","ordered":0.0,"delivered_at":3.78,"correct":true,"points":60}])");
+}
+
 // --- The referee alone
 
 MachineEvent delivered(const sim::FloorPlan& plan, const std::string& machine, double at, const sim::Stack& stack) {

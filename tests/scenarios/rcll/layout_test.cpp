@@ -328,5 +328,21 @@ TEST(FloorPlan, HasTheFieldsWallsMachinesAndRobots) {
   EXPECT_DOUBLE_EQ(other->robots[0].pose_in_world.x, -4.5);
 }
 
+TEST(Floor, HasTheWallsOfTheRulebookOnBothSides) {
+  using Wall = std::array<double, 4>;  // from x, y to x, y
+  std::set<Wall> found, wanted;
+  for (const sim::Segment& wall : make_floor_plan(drawn_layouts(true)[0], Team::kCyan, 0).walls)
+    found.insert({wall.a.x(), wall.a.y(), wall.b.x(), wall.b.y()});
+  for (const double s : {1.0, -1.0})
+    wanted.insert({{4 * s, 1, 4 * s, 0},
+                   {4 * s, 0, 7 * s, 0},
+                   {5 * s, 1, 7 * s, 1},
+                   {7 * s, 1, 7 * s, 2},
+                   {7 * s, 6.5, 7 * s, 8},
+                   {7 * s, 8, 0, 8},
+                   {2 * s, 0, 0, 0}});
+  EXPECT_EQ(found, wanted);
+}
+
 }  // namespace
 }  // namespace cxlab::rcll
