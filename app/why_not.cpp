@@ -54,7 +54,10 @@ void print_agenda(const explain::WhyNot& answer) {
   for (const auto& [rule, salience] : answer.first_above) std::printf("    %s, salience %d\n", rule.c_str(), salience);
 }
 
-void print(const explain::UnmetCondition& unmet) {
+void print(const explain::UnmetCondition& unmet, std::size_t alternatives) {
+  if (alternatives > 1)
+    std::printf("  none of the %zu alternatives of its or conditions holds; the one that gets furthest:\n",
+                alternatives);
   std::printf("  condition %d does not hold%s%s\n  %s\n", unmet.number, unmet.text.empty() ? "" : ": ",
               unmet.text.c_str(), unmet.because.c_str());
   if (unmet.fact) std::printf("    %s\n", unmet.fact->c_str());
@@ -80,12 +83,18 @@ void print(const lab::WhyNotAnswer::InEnvironment& found) {
           "  all its conditions hold now, but it is not on the agenda and has not fired for these facts: CLIPS "
           "evaluates a test when a fact of it changes, not when what it calls gives another value\n");
       break;
-    case explain::Verdict::kCondition: print(*answer.unmet); break;
+    case explain::Verdict::kCondition: print(*answer.unmet, answer.alternatives); break;
   }
   if (!answer.unmet) {
     print(answer.facts);
     print("with", answer.values);
     if (answer.combinations > 1) std::printf("    and %zu other combinations\n", answer.combinations - 1);
+  }
+  if (answer.lost) {
+    std::printf("  was on the agenda up to %s, until %s took it off%s\n", seconds(answer.lost->t).c_str(),
+                answer.lost->by.empty() ? "something from outside of rules" : ("rule " + answer.lost->by).c_str(),
+                answer.lost->facts.empty() ? "" : ", with");
+    print(answer.lost->facts);
   }
   if (answer.fired == 0)
     std::printf("  has not fired so far\n");
@@ -127,7 +136,9 @@ int why_not(const Options& options) {
     return 0;
   }
   std::printf("after the tick at %s%s:\n", seconds(answer->at).c_str(),
-              answer->cut_off ? ", where the log of the run ends, which was killed" : "");
+              !answer->cut_off ? ""
+              : answer->killed ? ", where the log of the run ends, which was killed"
+                               : ", where the run ends");
   for (const auto& found : answer->environments) print(found);
   return 0;
 }

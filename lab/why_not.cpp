@@ -1,6 +1,7 @@
 #include "lab/why_not.h"
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -17,6 +18,50 @@ std::vector<cx::Environment*> environments_of(Episode& episode) {
     for (std::size_t i = 0; i < agent->size(); ++i) out.push_back(&agent->environment(i));
   return out;
 }
+
+/// Hears of all firings: the facts of the run, and what waits on the agendas.
+class Witness final : public JournalListener {
+ public:
+  Witness(Episode& episode, const std::string& rule)
+      : episode_(episode), rule_(without_module(rule)), histories_({.past_facts = false, .rule = rule_}) {}
+
+  bool wants(std::string_view stream, RecordKind kind) const override { return histories_.wants(stream, kind); }
+  void heard(const JournalRecord& record) override {
+    if (record.kind == RecordKind::kFire) {
+      const RecordValue* module = record.data.find("module");
+      for (const cx::Environment* environment : environments_of(episode_))
+        if (stream_of(*environment) == record.stream)
+          watch(record.stream)
+              .look(environment->engine(), record.t, module ? std::string(record.data.text("module")) : "MAIN",
+                    std::string(record.data.text("rule")));
+    }
+    histories_.heard(record);
+  }
+  void tick_is_over() {
+    for (const cx::Environment* environment : environments_of(episode_))
+      watch(stream_of(*environment)).look(environment->engine(), episode_.now());
+  }
+  const explain::History& history(const cx::Environment& environment) { return histories_.of(stream_of(environment)); }
+  /// Since its last firing.
+  std::optional<explain::LostActivation> lost(const cx::Environment& environment, const explain::WhyNot& answer) {
+    const explain::LostActivation* last = watch(stream_of(environment)).last(answer.module);
+    if (!last || (answer.fired > 0 && last->t < answer.last_fired)) return std::nullopt;
+    return *last;
+  }
+
+ private:
+  std::string stream_of(const cx::Environment& environment) const {
+    return episode_.journal().stream_name(environment.engine().stream());
+  }
+  explain::AgendaWatch& watch(const std::string& stream) {
+    return watches_.try_emplace(stream, explain::AgendaWatch(rule_)).first->second;
+  }
+
+  Episode& episode_;
+  std::string rule_;
+  explain::Histories histories_;
+  std::map<std::string, explain::AgendaWatch> watches_;
+};
 
 Error unknown_rule(Episode& episode, const std::string& rule) {
   std::vector<std::string> names;
@@ -50,14 +95,16 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
   Episode& episode = *replay->episode;
   WhyNotAnswer answer;
   SimTime end = std::min(longest, question.at.value_or(kNever));
-  if (!run.finished) {
-    answer.cut_off = question.at && *question.at > episode.replay_end();
-    end = std::min(end, episode.replay_end());
-  }
-  explain::Histories histories({.past_facts = false, .rule = std::string(without_module(question.rule))});
-  episode.journal().set_listener(&histories);
+  answer.killed = !run.finished;
+  answer.cut_off = question.at && *question.at > (answer.killed ? episode.replay_end() : run.sim_time);
+  if (answer.killed) end = std::min(end, episode.replay_end());
+  Witness witness(episode, question.rule);
+  episode.journal().set_listener(&witness);
   Status played = episode.start();
-  while (played && !episode.over() && !host.stopped() && episode.next_tick() <= end) played = episode.tick();
+  while (played && !episode.over() && !host.stopped() && episode.next_tick() <= end) {
+    played = episode.tick();
+    witness.tick_is_over();
+  }
   answer.at = std::max(SimTime::zero(), episode.now());
   answer.stopped = host.stopped();
   if (answer.stopped) return answer;
@@ -65,7 +112,7 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
   std::optional<Error> refused;  // what is wanted of a rule that has no such variable
   for (cx::Environment* environment : environments_of(episode)) {
     RuleEngine& engine = environment->engine();
-    const explain::History& history = histories.of(episode.journal().stream_name(engine.stream()));
+    const explain::History& history = witness.history(*environment);
     bool first = true;
     for (const ConstructInfo& rule : engine.find_constructs("defrule", question.rule)) {
       if (!engine.has("defrule", rule.module + "::" + rule.name)) continue;  // rules removed it
@@ -75,6 +122,7 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
         refused = found.error();
         continue;
       }
+      found->lost = witness.lost(*environment, *found);
       found->file = environment->files().journal_name(found->file);
       answer.environments.push_back({environment->name(), *std::move(found)});
     }

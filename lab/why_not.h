@@ -25,7 +25,8 @@ struct WhyNotAnswer {
     explain::WhyNot answer;
   };
   SimTime at{};                             ///< of the last tick that was played
-  bool cut_off = false;                     ///< the run was killed, and its log ends before the time that was asked for
+  bool cut_off = false;                     ///< the run, or the log of a killed one, ends before the time asked for
+  bool killed = false;                      ///< the run was
   std::vector<InEnvironment> environments;  ///< that have the rule; one of several modules comes more than once
   bool stopped = false;                     ///< by the host; then there is no answer
 };

@@ -207,6 +207,7 @@ namespace {
 /// What the facts make of a left-hand side.
 struct Look {
   std::optional<UnmetCondition> unmet;
+  std::size_t alternatives = 1;
   std::vector<FactCopy> facts;
   struct Satisfying {
     Values values;
@@ -254,6 +255,7 @@ Expected<Look> look(RuleEngine& engine, const ConstructInfo& rule, const Wanted&
   }
   std::vector<Alternative> alternatives = alternatives_of(*conditions);
   if (Status s = keep_those_that_bind(wanted, rule, alternatives); !s) return s.error();
+  out.alternatives = alternatives.size();
   const Facts facts(engine, rule.module);
   Evaluator evaluator(engine, rule.module);
   Matcher matcher(facts, evaluator);
@@ -334,6 +336,7 @@ Expected<WhyNot> why_not(RuleEngine& engine, ConstructInfo rule, const History& 
   Expected<Look> found = look(engine, rule, wanted);
   if (!found) return found.error();
   answer.combinations = found->count;
+  answer.alternatives = found->alternatives;
   const std::vector<ActivationInfo> agenda = engine.agenda();
   for (const ActivationInfo& activation : agenda) {
     if (activation.rule != rule.name || activation.module != rule.module) continue;
@@ -374,6 +377,8 @@ nlohmann::ordered_json to_json(const WhyNot& answer) {
     out["last_fired_s"] = to_seconds(answer.last_fired);
     out["last_facts"] = answer.last_facts;
   }
+  if (answer.lost)
+    out["lost"] = {{"t_s", to_seconds(answer.lost->t)}, {"facts", answer.lost->facts}, {"by", answer.lost->by}};
   out["verdict"] = to_string(answer.verdict);
   if (answer.verdict == Verdict::kWaiting || answer.verdict == Verdict::kFocus) {
     Json& agenda = out["agenda"] = {{"above", answer.above}, {"first_above", Json::array()}};
@@ -390,6 +395,7 @@ nlohmann::ordered_json to_json(const WhyNot& answer) {
   }
   const UnmetCondition& unmet = *answer.unmet;
   Json& json = out["first_unmet"] = {{"condition", unmet.number}};
+  if (answer.alternatives > 1) json["alternatives"] = answer.alternatives;
   if (unmet.matches_alone) json["matches_alone"] = *unmet.matches_alone;
   if (!unmet.text.empty()) json["pattern"] = unmet.text;
   json["because"] = unmet.because;

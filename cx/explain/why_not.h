@@ -9,6 +9,7 @@
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
 #include "cx/engine/engine.h"
+#include "cx/explain/agenda_watch.h"
 #include "cx/explain/evaluator.h"
 #include "cx/explain/history.h"
 
@@ -46,6 +47,7 @@ struct WhyNot {
   int line = 0;
   Verdict verdict{};
   std::optional<UnmetCondition> unmet;  ///< with kCondition
+  std::size_t alternatives = 1;         ///< that its `or` conditions make; of these, `unmet` is about one
 
   // Where all conditions hold
   std::size_t combinations = 0;    ///< of facts that satisfy them
@@ -63,6 +65,7 @@ struct WhyNot {
   std::size_t fired = 0;
   SimTime last_fired{};
   std::vector<std::string> last_facts;
+  std::optional<LostActivation> lost;  ///< since the last firing; set by who watched the agenda
 };
 
 /// About the present state of the engine. `history`: of its environment from the start, with the firings of the rule.

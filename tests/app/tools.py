@@ -267,6 +267,35 @@ clips_manager:
 
     # --- why-not
 
+    def test_why_not_names_who_took_an_activation_off_the_agenda(self):
+        config = self.package("""
+(deffacts jobs (job 1) (job 2) (job 3))
+(defrule work (job ?n) (not (closed)) => (assert (done ?n)))
+(defrule thief (declare (salience 5)) ?j <- (job 2) => (retract ?j))
+(defrule close (declare (salience -1)) (done 3) => (assert (closed)))
+(defrule lazy (declare (salience -2)) (job ?n) (not (closed)) => (assert (late ?n)))
+(defrule free (declare (salience 9)) (job 1) => )
+""")
+        run = self.folder / "run"
+        self.cxlab("env", config, "--until", 1, "--quiet", "--out", run)
+        lazy = self.answer("why-not", run, "lazy")["explanations"][0]
+        self.assertEqual(lazy["lost"], {"t_s": 0.0, "facts": ["(job 1)"], "by": "close"})
+        self.assertIn("  was on the agenda up to 0.000 s, until rule close took it off, with\n    (job 1)\n",
+                      self.cxlab("why-not", run, "lazy").stdout)
+        work = self.answer("why-not", run, "work", "--where", "n=2")["explanations"][0]
+        self.assertEqual(work["fired"], 2)
+        for fired in ["free", "thief", "close"]:
+            self.assertNotIn("lost", self.answer("why-not", run, fired)["explanations"][0], fired)
+
+    def test_why_not_says_where_the_run_ends_and_which_alternative_it_shows(self):
+        config = self.package("(deffacts d (b 1))(defrule either (or (a) (and (b ?x) (c ?x)) (d)) => )")
+        run = self.folder / "run"
+        self.cxlab("env", config, "--until", 1, "--quiet", "--out", run)
+        self.assertIn("after the tick at 1.000 s, where the run ends:\n", self.cxlab("why-not", run, "either", "--at", 9).stdout)
+        self.assertIn("after the tick at 1.000 s:\n", self.cxlab("why-not", run, "either", "--at", 1).stdout)
+        self.assertIn("none of the 3 alternatives of its or conditions holds; the one that gets furthest:\n  condition 1",
+                      self.cxlab("why-not", run, "either").stdout)
+
     def test_why_not_names_the_condition_the_nearest_fact_and_its_slot(self):
         config = self.package("""
 (deftemplate job (slot name) (slot state) (slot size))
