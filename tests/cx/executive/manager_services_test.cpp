@@ -259,6 +259,25 @@ TEST_F(ManagerServices, AFunctionOfAnUnloadedPluginThatRulesUseSaysWhoseItWas) {
   EXPECT_THAT(lab.manager->rule_errors().back().error.file, HasSubstr("more.clp"));
 }
 
+TEST_F(ManagerServices, APluginThatFailsWhenItIsUnloadedEndsTheRunUnlessItKeepsGoing) {
+  for (const bool keep_going : {false, true}) {
+    Lab other;
+    other.options.keep_going = keep_going;
+    other.options.plugin_types.push_back(logging_plugin());
+    other.config(
+        "environments: [\"main\"]\nmain: {plugins: [\"one\"]}\none: {plugin: \"test::Logging\", fail: "
+        "\"throw-destroyed\"}");
+    other.run_up();
+    (void)other.manager->unload_plugin("main", "one");
+    const Status s = other.manager->act();
+    EXPECT_EQ(s.ok(), keep_going);
+    if (!s) {
+      EXPECT_THAT(s.error().message, HasSubstr("thrown in destroyed"));
+    }
+    EXPECT_EQ(other.manager->load_errors().size(), keep_going ? 1U : 0U);
+  }
+}
+
 TEST_F(ManagerServices, ATemplateThatRulesUseStaysWithAWarning) {
   lab.config(R"(environments: ["main"]
 main: {plugins: ["config", "files"]}
