@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "cx/base/file.h"
+#include "cx/engine/form_reader.h"
 #include "cx/journal/input_log.h"
 #include "lab/versions.h"
 
@@ -45,6 +46,10 @@ void read_result(const Json& json, RecordedRun& run) {
   run.stream_hashes = json.at("stream_hashes").get<std::map<std::string, std::string>>();
   if (!json.at("physics_hash").is_null()) run.physics_hash = json.at("physics_hash").get<std::string>();
   run.finished = !run.stream_hashes.empty();
+  for (const Json& error : json.at("rule_errors"))
+    if (error.at("side") == "load")
+      run.not_loaded.try_emplace(std::string(without_module(error.at("rule").get_ref<const std::string&>())),
+                                 input_error(error.at("message"), error.value("file", ""), error.value("line", 0)));
 }
 
 bool has_first_tick(const fs::path& inputs) {

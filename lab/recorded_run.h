@@ -38,6 +38,7 @@ struct RecordedRun {
   std::string status;
   std::map<std::string, std::string> stream_hashes;
   std::optional<std::string> physics_hash;
+  std::map<std::string, Error> not_loaded;  ///< by name of the rule, without module: why
 
   /// Reads manifest.json and result.json. The catalogue has the worlds and nodes of the scenario.
   static Expected<RecordedRun> open(const std::filesystem::path& folder, const Catalogue& catalogue = shipped());

@@ -63,7 +63,10 @@ class Witness final : public JournalListener {
   std::map<std::string, explain::AgendaWatch> watches_;
 };
 
-Error unknown_rule(Episode& episode, const std::string& rule) {
+Error unknown_rule(const RecordedRun& run, Episode& episode, const std::string& rule) {
+  if (const auto known = run.not_loaded.find(std::string(without_module(rule))); known != run.not_loaded.end())
+    return input_error("rule '" + rule + "' was not loaded: " + known->second.message, known->second.file,
+                       known->second.line);
   std::vector<std::string> names;
   for (const cx::Environment* environment : environments_of(episode))
     for (const ConstructInfo& info : environment->engine().constructs())
@@ -128,7 +131,7 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
     }
   }
   episode.journal().set_listener(nullptr);
-  if (answer.environments.empty()) return refused ? *refused : unknown_rule(episode, question.rule);
+  if (answer.environments.empty()) return refused ? *refused : unknown_rule(run, episode, question.rule);
   return answer;
 }
 

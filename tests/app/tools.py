@@ -287,6 +287,14 @@ clips_manager:
         for fired in ["free", "thief", "close"]:
             self.assertNotIn("lost", self.answer("why-not", run, fired)["explanations"][0], fired)
 
+    def test_why_not_says_why_a_rule_was_not_loaded(self):
+        config = self.package("(defrule fine => )\n(defrule bad (job (x ?y)) => (prin ?z))")
+        run = self.folder / "run"
+        self.cxlab("env", config, "--until", 1, "--quiet", "--out", run, expect=3)
+        self.assertRegex(self.cxlab("why-not", run, "bad", expect=3).stderr,
+                         r"^error: .*mine.clp:2: rule 'bad' was not loaded: .*Syntax Error")
+        self.assertIn("did you mean 'fine'?", self.cxlab("why-not", run, "fin", expect=3).stderr)
+
     def test_why_not_says_where_the_run_ends_and_which_alternative_it_shows(self):
         config = self.package("(deffacts d (b 1))(defrule either (or (a) (and (b ?x) (c ?x)) (d)) => )")
         run = self.folder / "run"
