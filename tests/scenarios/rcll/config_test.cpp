@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <utility>
+
 namespace cxlab::rcll {
 namespace {
 
@@ -68,6 +70,31 @@ TEST(WorldConfig, EachSettingHasItsLimits) {
     ASSERT_FALSE(status) << key;
     EXPECT_THAT(status.error().message, testing::StartsWith("world." + std::string(key) + ": found ")) << key;
   }
+}
+
+TEST(WorldConfig, LimitsThemselvesAreAccepted) {
+  WorldConfig config;
+  config.orders.resize(1);
+  OrderConfig& order = config.orders[0];
+  for (const bool most : {false, true}) {
+    config.robots = most ? 3 : 0;
+    config.setup_s = config.shelf_refill_s = most ? 1e6 : 0;
+    config.production_s = most ? 1e6 : 1;
+    order.activate_at = order.delivery_begin = most ? 1e6 : 0;
+    order.delivery_end = order.delivery_begin + 1;
+    order.delivery_gate = most ? 3 : 1;
+    order.quantity = most ? 1000 : 1;
+    const Status status = validate(config);
+    EXPECT_TRUE(status) << status.error().message;
+  }
+  for (double* value :
+       {&config.setup_s, &config.shelf_refill_s, &config.production_s, &order.activate_at, &order.delivery_begin}) {
+    const double kept = std::exchange(*value, 1e6 + 1);
+    EXPECT_FALSE(validate(config));
+    *value = kept;
+  }
+  order.quantity = 1001;
+  EXPECT_FALSE(validate(config));
 }
 
 TEST(WorldConfig, AnOrderMustHaveTheRingsOfItsComplexity) {

@@ -205,6 +205,7 @@ class GameScript {
     ASSERT_TRUE(outcome.ended) << "still open after two minutes";
     if (word(code_at) == "cancelled") {
       EXPECT_EQ(outcome.status, bus::GoalStatus::kCanceled);
+      EXPECT_EQ(outcome.error, "canceled");
     } else {
       EXPECT_EQ(std::to_string(outcome.code), word(code_at)) << outcome.error;
       EXPECT_EQ(outcome.status, outcome.code == 0 ? bus::GoalStatus::kSucceeded : bus::GoalStatus::kAborted);

@@ -190,6 +190,19 @@ TEST(Instructions, AResetBreaksTheMachineAndWhatItDid) {
   EXPECT_EQ(story.world().on_belt(story.machine("C-BS").id(), 0), nullptr) << "the base was removed";
 }
 
+TEST(Records, OfAPieceSayWhereItIs) {
+  GameStory story;
+  story.move("C-CS1-SHELF-LEFT", "C-CS1-INPUT");
+  story.run_for(0.1);
+  const sim::Piece& piece = *story.world().at(story.spot("C-CS1-INPUT"));
+  RecordData expected;
+  expected.begin().field("event", "piece").field("piece", static_cast<std::int64_t>(piece.id));
+  expected.field("from", "gripper").field("from_name", "robot1").field("to", "belt").field("to_name", "C-CS1");
+  expected.field("position", std::span<const double>(piece.position_in_world.data(), 3));
+  const std::string wanted(expected.bytes());
+  EXPECT_EQ(std::ranges::count(story.records().all(), wanted, &KeptRecords::Record::data), 1);
+}
+
 // --- Deliveries
 
 WorldConfig game_with_window(double begin, double end, double activate = 0) {
