@@ -527,6 +527,22 @@ TEST_P(DrawnTimes, ArePickedBySkillAndNotBelowTheShortest) {
   EXPECT_NEAR(finish(send("robot1", SkillKind::kPlace, "C-BS-OUTPUT")), 5, 1) << "the mean is shorter";
 }
 
+TEST_P(DrawnTimes, ASpotThatChangesWhileTheRobotHandlesEndsTheSkillWithItsCode) {
+  base_at("C-BS-OUTPUT");
+  const Heard& late = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  ASSERT_TRUE(reach(late, "handle"));
+  world->retire(world->pieces()[0].id, Holder::kFloor);
+  finish(late);
+  EXPECT_EQ(late.code, 202);
+  base_at("C-BS-OUTPUT");
+  ASSERT_EQ(done("robot1", SkillKind::kPick, "C-BS-OUTPUT").code, 0);
+  const Heard& place = send("robot1", SkillKind::kPlace, "C-CS1-INPUT");
+  ASSERT_TRUE(reach(place, "handle"));
+  base_at("C-CS1-INPUT");
+  finish(place);
+  EXPECT_EQ(place.code, 209);
+}
+
 class LongPicks : public Skills {
  protected:
   LongPicks() {
