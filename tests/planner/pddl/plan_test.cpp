@@ -50,6 +50,7 @@ TEST_F(PlanFormat, ErrorsNameLineAndDeclaration) {
   EXPECT_EQ(error_of("0: (go r1 hall)"),
             "plan:1: found no duration of the durative action go, expected TIME: (ACTION OBJECT...) [DURATION]");
   EXPECT_EQ(error_of("x: (jump r1)"), "plan:1: found 'x:' for the time, expected TIME: (ACTION OBJECT...) [DURATION]");
+  EXPECT_EQ(error_of("10 (jump r1)"), "plan:1: found '10' for the time, expected TIME: (ACTION OBJECT...) [DURATION]");
   EXPECT_EQ(error_of("nothing"), "plan:1: found 'nothing', expected TIME: (ACTION OBJECT...) [DURATION]");
   EXPECT_EQ(error_of("0: ()"), "plan:1: found an empty action, expected TIME: (ACTION OBJECT...) [DURATION]");
   EXPECT_EQ(error_of("0: (go r1 hall) [x]"), "plan:1: found '[x]', expected a duration such as [5.000]");
