@@ -9,7 +9,8 @@
 
 namespace cxlab {
 
-/// A folder below the system's temporary folder. The destructor removes it with its content.
+/// A folder below the system's temporary folder. The destructor removes it with its content; where a process was killed
+/// before that, the next one that makes such a folder removes it.
 class ScratchFolder {
  public:
   static Expected<std::unique_ptr<ScratchFolder>> create();
@@ -19,8 +20,9 @@ class ScratchFolder {
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  ScratchFolder(std::filesystem::path path, int lock) : path_(std::move(path)), lock_(lock) {}
   std::filesystem::path path_;
+  int lock_;  // the folder's descriptor, locked as long as this object lives
 };
 
 }  // namespace cxlab
