@@ -290,6 +290,12 @@ TEST(Interfaces, AServiceNeedsItsLineOfDashes) {
 }
 
 TEST(Interfaces, AnUnknownNameGivesTheNearest) {
+  TempPackages packages;
+  packages.write("pkg/msg/T", "zzzzzzzzzz a\n");
+  Registry strange;
+  ASSERT_TRUE(strange.add_packages_in(packages.folder()).ok());
+  EXPECT_EQ(strange.message("pkg/msg/T").error().message,
+            "found type 'zzzzzzzzzz', expected a primitive type, Name, package/Name or package/msg/Name");
   Registry registry;
   add_interfaces(registry);
   EXPECT_THAT(registry.message("std_msgs/msg/Sting").error().text(), HasSubstr("nearest is 'std_msgs/msg/String'"));

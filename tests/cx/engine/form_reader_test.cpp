@@ -145,6 +145,16 @@ TEST(FormReader, SurvivesTenThousandMutations) {
   }
 }
 
+TEST(FormReader, EachOfTheseEndsAWord) {
+  for (const char* end : {" ", "\t", "\n", "\r", "\f", "\v", "(", ")", "\"", "&", "|", "~", ";", "<"}) {
+    Form form;
+    form.text = "(word" + std::string(end) + "x)";
+    const std::vector<Token> tokens = tokens_of(form);
+    ASSERT_GE(tokens.size(), 2u);
+    EXPECT_EQ(tokens[1].text, "word") << end;
+  }
+}
+
 TEST(FormReader, ATermIsPrintedAsClipsReadsIt) {
   const std::string rule = "(defrule r ?f<-(a (x ~1&?v | 2)   (y ?v&:(<= ?v 3)&=(+ ?v 1))) =>)";
   const Term term = tree_of(read_forms(rule, "f.clp").forms.front());

@@ -71,6 +71,18 @@ TEST_F(EngineJournal, OfSeveralCausesEachIsNamed) {
   EXPECT_THAT(causes(sink.all()[3]), IsEmpty());
 }
 
+TEST_F(EngineJournal, ValuesAreWrittenByTheirTypes) {
+  given("(deftemplate all (slot a) (slot b) (slot c) (slot d) (multislot e))");
+  ASSERT_TRUE(engine().assert_string("(all (a [i]) (b \"te\\\"xt\") (c word) (d -2) (e 1.5 [j] \"s\"))").ok());
+  using std::string_view_literals::operator""sv;
+  RecordData expected;
+  expected.begin().field("fact", 1).field("template", "all").name("slots").open_map(5);
+  expected.text_key("a").value("[i]"sv).text_key("b").value("\"te\"xt\""sv).text_key("c").value("word"sv);
+  expected.text_key("d").value(std::int64_t{-2}).text_key("e").open_list(3).value(1.5).value("[j]"sv).value("\"s\""sv);
+  ASSERT_THAT(sink.all(), SizeIs(1));
+  EXPECT_EQ(sink.all()[0].data, expected.bytes());
+}
+
 TEST_F(EngineJournal, AFiringOnAChangedFactIsCausedByTheChange) {
   given("(deftemplate order (slot state))\n(defrule done (order (state DONE)) =>)");
   const auto index = engine().assert_fact("order", {{"state", Value::symbol("OPEN")}});

@@ -40,7 +40,22 @@ TEST_F(Reloading, TheSameConstructsOfAModuleAreKeptInTheirModule) {
   EXPECT_FALSE(engine().has("defrule", "B::r"));
   EXPECT_FALSE(engine().has("defrule", "MAIN::r"));
   EXPECT_THAT(engine().find_constructs("deftemplate", "t"), SizeIs(1));
+  EXPECT_THAT(engine().find_constructs("defclass", "C"), SizeIs(1));
   EXPECT_THAT(engine().find_constructs("defrule", "r"), SizeIs(1));
+}
+
+TEST_F(Reloading, ARuleOfTooManyAlternativesIsRefused) {
+  std::string many = "(or";
+  for (int i = 0; i < 11; ++i) many += " (a " + std::to_string(i) + ")";
+  many += ") ";
+  const std::string rule = "(defrule many " + many + many + many + many + "=>)";
+  EXPECT_THAT(errors_of(rule + "(defrule after =>)"),
+              ElementsAre(HasSubstr("'or' conditions have 14641 combinations, each of which would be a rule")));
+  EXPECT_FALSE(engine().has("defrule", "many"));
+  EXPECT_FALSE(engine().has("defrule", "after")) << "the first error stops the load";
+  EXPECT_THAT(load_errors("(defrule deep (logical (and " + many + many + many + many + ")) =>)"), SizeIs(1));
+  EXPECT_THAT(load_errors("(defrule sum (or (and (b) " + many + many + ") (not (and (c) " + many + "))) =>)"),
+              IsEmpty());
 }
 
 TEST_F(Reloading, ALocalVariableIsNoEffect) {

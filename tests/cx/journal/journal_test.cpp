@@ -498,6 +498,8 @@ TEST(JournalReader, ReportsACauseThatIsNone) {
   };
   EXPECT_EQ(error("7"), R"(expected "cause", a list of stream:n, found 7)");
   EXPECT_EQ(error("\"s\""), R"(expected "cause", a list of stream:n, found "s")");
+  for (const char* none : {"\"s:\"", "\"s:x\"", "\"s:-1\"", "\"s:1x\"", "\"s: 1\"", "\"s:18446744073709551616\""})
+    EXPECT_EQ(error(none), R"(expected "cause", a list of stream:n, found )" + std::string(none));
   EXPECT_EQ(error("\"caf\u00e9\""), R"(expected "cause", a list of stream:n, found "caf\u00e9")");
 }
 
