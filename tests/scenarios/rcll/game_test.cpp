@@ -203,6 +203,27 @@ TEST(Records, OfAPieceSayWhereItIs) {
   EXPECT_EQ(std::ranges::count(story.records().all(), wanted, &KeptRecords::Record::data), 1);
 }
 
+TEST(Records, OfAnOrderSayAllAboutIt) {
+  WorldConfig config = GameStory::quiet_game();
+  OrderConfig& order = config.orders[0];
+  order.complexity = "C2";
+  order.ring_colors = {"RING_BLUE", "RING_GREEN"};
+  order.activate_at = 1;
+  order.delivery_begin = 5;
+  order.delivery_end = 25;
+  order.delivery_gate = 3;
+  order.quantity = 2;
+  order.competitive = true;
+  GameStory story(config);
+  story.run_for(2);
+  RecordData expected;
+  expected.begin().field("event", "order").field("order", 1).field("complexity", "C2");
+  expected.field("product", "BASE_RED RING_BLUE RING_GREEN CAP_GREY").field("begin", 5.0).field("end", 25.0);
+  expected.field("gate", 3).field("quantity", 2).field("competitive", true);
+  const std::string wanted(expected.bytes());
+  EXPECT_EQ(std::ranges::count(story.records().all(), wanted, &KeptRecords::Record::data), 1);
+}
+
 // --- Deliveries
 
 WorldConfig game_with_window(double begin, double end, double activate = 0) {
