@@ -359,7 +359,7 @@ TEST_F(RuleErrors, ALoopIsReportedByItsOwnFiringsTheMostFrequentFirst) {
 
 TEST_F(RuleErrors, TheReportOfALoopHasItsFiveMostFrequent) {
   std::string rules = "(deffacts f (count 0))\n";
-  for (int i = 0; i < 7; ++i)
+  for (int i = 0; i < 6; ++i)
     rules += "(deftemplate t" + std::to_string(i) + ")\n(defrule r" + std::to_string(i) + " (declare (salience " +
              std::to_string(i) + ")) ?c <- (count ?n&:(= 0 (mod ?n " + std::to_string(1 << i) +
              "))) => (retract ?c) (assert (count (+ ?n 1))) (retract (assert (t" + std::to_string(i) + "))))\n";
@@ -369,7 +369,7 @@ TEST_F(RuleErrors, TheReportOfALoopHasItsFiveMostFrequent) {
   ASSERT_THAT(report.rules, SizeIs(5));
   ASSERT_THAT(report.templates, SizeIs(5));
   EXPECT_EQ(report.rules[0].name, "r0");
-  EXPECT_EQ(report.rules[4].name, "r4");
+  EXPECT_EQ(report.rules[4].name, "r5") << "32 times; r4 31 times";
   EXPECT_EQ(report.templates[0].name, "count");
   for (std::size_t i = 1; i < 5; ++i) {
     EXPECT_GE(report.rules[i - 1].count, report.rules[i].count);
