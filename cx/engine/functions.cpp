@@ -223,6 +223,7 @@ Status RuleEngine::add_function(FunctionSpec spec, Function function) {
   if (FindFunction(environment_, spec.name.c_str()) != nullptr) return refused("is a function of CLIPS");
   if (has("deffunction", spec.name) || has("defgeneric", spec.name)) return refused("is defined by rules");
 
+  impl_->known_acting.clear();
   if (known != impl_->functions.end()) {
     FunctionRecord& old = *known->second;
     if (old.spec.returns == spec.returns && old.spec.arg_types == spec.arg_types &&
@@ -275,6 +276,7 @@ bool RuleEngine::remove_function(const std::string& name) {
   const auto known = impl_->functions.find(name);
   if (known == impl_->functions.end() || !known->second->function) return false;
   known->second->function = nullptr;
+  impl_->known_acting.clear();
   impl_->hide(*known->second);
   return true;
 }

@@ -290,6 +290,7 @@ void RuleEngine::Impl::on_clear(Environment*, void* self) noexcept {
   impl.constructs.clear();
   impl.construct_index.clear();
   impl.calls_of.clear();
+  impl.known_acting.clear();
   impl.lhs_calls_of.clear();
   impl.rules_calling.clear();
   impl.functions_calling.clear();

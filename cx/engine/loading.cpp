@@ -85,6 +85,11 @@ void RuleEngine::Impl::remember(const Form& form, const std::string& file) {
     if (form.head == "deffunction" && known.size() == 1) names.clear();
     for_each_call(tokens, 1, tokens.size(), true, [&](std::string name, int) { names.insert(std::move(name)); });
     for (const std::string& name : names) functions_calling[name].insert(form.name);
+    // One that nothing calls yet changes no other.
+    if (functions_calling.contains(form.name))
+      known_acting.clear();
+    else
+      known_acting.erase(form.name);
   }
 }
 
@@ -125,7 +130,7 @@ std::set<std::string> RuleEngine::Impl::rules_reaching(const std::string& functi
   return rules;
 }
 
-bool RuleEngine::Impl::is_acting(const std::string& function, std::set<std::string>& seen) const {
+std::optional<bool> RuleEngine::Impl::acts_itself(const std::string& function) const {
   if (std::find(std::begin(kActingBuiltins), std::end(kActingBuiltins), function) != std::end(kActingBuiltins)) {
     // A local variable may be bound anywhere.
     return function != "bind";
@@ -133,9 +138,37 @@ bool RuleEngine::Impl::is_acting(const std::string& function, std::set<std::stri
   if (const auto ours = functions.find(function); ours != functions.end() && ours->second->function) {
     return ours->second->spec.kind == FunctionKind::kActing;
   }
-  const auto body = calls_of.find(function);
-  if (body == calls_of.end() || !seen.insert(function).second) return false;
-  return std::ranges::any_of(body->second, [&](const std::string& inner) { return is_acting(inner, seen); });
+  if (!calls_of.contains(function)) return false;
+  return std::nullopt;
+}
+
+bool RuleEngine::Impl::is_acting(const std::string& function) {
+  if (const auto itself = acts_itself(function)) return *itself;
+  struct Reached {
+    std::string name;
+    std::size_t caller;
+  };
+  std::vector<Reached> reached{{function, 0}};
+  std::set<std::string> seen{function};
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    bool acts = false;
+    if (const auto known = known_acting.find(reached[i].name); known != known_acting.end()) {
+      acts = known->second;
+    } else {
+      for (const std::string& inner : calls_of[reached[i].name]) {
+        const auto itself = acts_itself(inner);
+        acts = acts || itself.value_or(false);
+        if (!itself && seen.insert(inner).second) reached.push_back({inner, i});
+      }
+    }
+    if (!acts) continue;
+    for (std::size_t on_the_way = i;; on_the_way = reached[on_the_way].caller) {
+      known_acting[reached[on_the_way].name] = true;
+      if (on_the_way == 0) return true;
+    }
+  }
+  for (const Reached& harmless : reached) known_acting.emplace(harmless.name, false);
+  return false;
 }
 
 std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) {
@@ -147,12 +180,11 @@ std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) 
   // Rules may have removed it themselves.
   if (info != nullptr && !engine.has("defrule", rule)) return errors;
   for (const CallPlace& place : places->second) {
-    std::set<std::string> seen;
-    if (!is_acting(place.function, seen)) continue;
+    if (!is_acting(place.function)) continue;
     if (!reported_lhs.insert(rule + '\n' + place.function + '\n' + std::to_string(place.line)).second) continue;
     RuleError error = load_error(info == nullptr ? std::string() : info->file, place.line,
                                  "rule '" + name + "' calls '" + place.function + "' on its left-hand side" +
-                                     (seen.empty() ? "" : ", which calls an acting function") +
+                                     (acts_itself(place.function) ? "" : ", which calls an acting function") +
                                      "; expected a function without effects");
     error.rule = name;
     error.t = engine.now();

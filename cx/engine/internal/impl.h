@@ -142,7 +142,10 @@ struct RuleEngine::Impl {
   void remember(const Form& form, const std::string& file);
   std::set<std::string> rules_reaching(const std::string& function) const;
   std::vector<RuleError> acting_on_lhs(const std::string& rule);
-  bool is_acting(const std::string& function, std::set<std::string>& seen) const;
+  /// Whether a function acts itself, or nothing where that is for its body to say.
+  std::optional<bool> acts_itself(const std::string& function) const;
+  bool is_acting(const std::string& function);
+  std::map<std::string, bool, std::less<>> known_acting;  ///< deffunctions and generics, until one of them changes
 
   // --- Facts and journal (facts.cpp, journal.cpp) ----------------------------------------------------------------
 
