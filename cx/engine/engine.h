@@ -45,9 +45,10 @@ struct RuleError {
   int line = 0;
   ErrorSide side = ErrorSide::kLoad;
   SimTime t{};
-  std::string message;  ///< first line that CLIPS said, with its [CODE]
-  std::string detail;   ///< all that CLIPS said
-  int count = 1;        ///< the same error again before it was taken is counted here
+  std::string message;               ///< first line that CLIPS said, with its [CODE], and the calls below
+  std::string detail;                ///< all that CLIPS said
+  int count = 1;                     ///< the same error again before it was taken is counted here
+  std::vector<std::string> calls{};  ///< deffunctions and methods that were running, the innermost first
 
   /// `file:line: rule NAME, RHS: message`.
   std::string text() const;

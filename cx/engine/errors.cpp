@@ -188,6 +188,42 @@ void add_network_errors(const RuleEngine::Impl& impl, const Message& message, st
   }
 }
 
+/// Notes what CLIPS was busy with, of "[PRCCODE4] Execution halted during the actions of deffunction 'f'."
+void add_call(const RuleEngine::Impl& impl, const std::string& head, RuleError& error) {
+  static constexpr std::string_view kBefore = "the actions of ";
+  const std::size_t at = head.find(kBefore);
+  if (at == std::string::npos) return;
+  std::string call = head.substr(at + kBefore.size());
+  if (call.ends_with('.')) call.pop_back();
+  const std::vector<std::string> names = quoted(call);
+  if (names.empty() || call.starts_with("defrule") ||
+      (error.side == ErrorSide::kCallback && names.front() == error.rule))
+    return;
+  if (call.starts_with("deffunction")) {
+    call = "deffunction " + names.front();
+    if (const ConstructInfo* info = impl.engine.find_construct("deffunction", names.front());
+        info != nullptr && info->line > 0)
+      call += " (" + info->file + ':' + std::to_string(info->line) + ')';
+  }
+  error.calls.push_back(std::move(call));
+}
+
+/// " (rule go -> deffunction f (a.clp:3) -> deffunction g (a.clp:1))", or nothing.
+std::string chain_of(const RuleError& error) {
+  if (error.calls.empty()) return {};
+  std::string chain;
+  if (!error.rule.empty()) chain = (error.side == ErrorSide::kCallback ? "" : "rule ") + error.rule;
+  constexpr std::size_t kShown = 5;  // at either end of a long one
+  for (std::size_t i = error.calls.size(); i > 0; --i) {
+    if (i > kShown && i + kShown <= error.calls.size()) {
+      if (i == kShown + 1) chain += " -> " + std::to_string(error.calls.size() - 2 * kShown) + " more";
+      continue;
+    }
+    chain += (chain.empty() ? "" : " -> ") + error.calls[i - 1];
+  }
+  return " (" + chain + ')';
+}
+
 }  // namespace
 
 std::string_view to_string(ErrorSide side) {
@@ -252,6 +288,7 @@ void RuleEngine::Impl::make_errors() {
     if ((halted || same_form) && !found.empty()) {
       RuleError& last = found.back();
       last.detail += message.text;
+      if (halted) add_call(*this, message.head, last);
       // The function that failed was called by a deffunction, which the rule called.
       const ConstructInfo* info =
           in_rule && halted && last.side == ErrorSide::kRhs ? engine.find_construct("defrule", open_rule) : nullptr;
@@ -284,7 +321,10 @@ void RuleEngine::Impl::make_errors() {
     }
     found.push_back(std::move(error));
   }
-  for (RuleError& error : found) add_error(std::move(error));
+  for (RuleError& error : found) {
+    error.message += chain_of(error);
+    add_error(std::move(error));
+  }
 }
 
 void RuleEngine::Impl::set_place(RuleError& error, const ConstructInfo* info) const {

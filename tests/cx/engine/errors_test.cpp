@@ -7,6 +7,7 @@ namespace {
 
 using testing::AllOf;
 using testing::ElementsAre;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -202,6 +203,32 @@ TEST_F(RuleErrors, ACallbackHasTheNameAndThePlaceOfItsDeffunction) {
   EXPECT_THAT(texts(engine().take_errors()), ElementsAre(result.error().text()));
 }
 
+TEST_F(RuleErrors, AnErrorNamesTheCallsThatLedToIt) {
+  given(
+      "(deffunction inner (?x) (/ 1 ?x))\n(defmethod middle ((?x INTEGER)) (inner ?x))\n"
+      "(deffunction outer (?x)\n  (middle ?x))\n"
+      "(defrule act (a) => (outer 0))\n(defrule test (b ?x&:(outer ?x)) =>)");
+  ASSERT_TRUE(engine().assert_string("(a)").ok());
+  EXPECT_THAT(texts(engine().run().errors),
+              ElementsAre(AllOf(StartsWith("rules.clp:5: rule act, RHS: [PRNTUTIL7]"),
+                                EndsWith(" (rule act -> deffunction outer (rules.clp:3) -> generic function 'middle' "
+                                         "method #1 -> deffunction inner (rules.clp:1))"))));
+  ASSERT_TRUE(engine().assert_string("(b 0)").ok());
+  EXPECT_THAT(texts(engine().take_errors()),
+              ElementsAre(AllOf(StartsWith("rules.clp:6: rule test, LHS: [PRNTUTIL7]"),
+                                HasSubstr("deffunction outer (rules.clp:3) -> generic"))));
+  const Value zero = Value::integer(0);
+  const Expected<Value> result = engine().call("outer", {&zero, 1});
+  ASSERT_FALSE(result.ok());
+  EXPECT_THAT(result.error().text(), HasSubstr(" (outer -> generic function 'middle' method #1"));
+}
+
+TEST_F(RuleErrors, ALongChainOfCallsIsShownAtItsEnds) {
+  given("(deffunction deep (?x) (if (> ?x 0) then (deep (- ?x 1)) else (/ 1 ?x)))\n(defrule go (a) => (deep 29))");
+  ASSERT_TRUE(engine().assert_string("(a)").ok());
+  EXPECT_THAT(texts(engine().run().errors), ElementsAre(HasSubstr("deffunction deep (rules.clp:1) -> 20 more -> ")));
+}
+
 TEST_F(RuleErrors, AFunctionThatFailsIsAnErrorOfTheRuleThatCalledIt) {
   ASSERT_TRUE(engine()
                   .add_function({.name = "send-it", .max_args = 0, .owner = "test"},
@@ -263,6 +290,25 @@ TEST_F(RuleErrors, ActingFunctionsOnALeftHandSideAreErrorsAtLoad) {
   const std::vector<Error> notes = engine().take_notes();
   ASSERT_THAT(notes, SizeIs(1));
   EXPECT_THAT(notes[0].text(), AllOf(StartsWith("agent.clp:3: "), HasSubstr("'outer'")));
+}
+
+TEST_F(RuleErrors, AnActingFunctionIsFoundBehindCallsInACircle) {
+  ASSERT_TRUE(engine().add_function({.name = "publish", .kind = FunctionKind::kActing}, [](Call&) {}).ok());
+  given(
+      "(defgeneric there)\n(defmethod back ((?x INTEGER)) (there ?x))\n"
+      "(defmethod there ((?x INTEGER)) (back ?x))\n(deffunction start (?x) (back ?x))\n"
+      "(defrule first (a ?x&:(start ?x)) =>)\n");
+  EXPECT_THAT(engine().take_notes(), IsEmpty());
+  ASSERT_TRUE(engine()
+                  .load_text("(defmethod there ((?x SYMBOL)) (publish ?x))", "more.clp", LoadMode::kConstructs,
+                             OnLoadError::kKeepGoing)
+                  .ok());
+  EXPECT_THAT(engine().take_notes(), SizeIs(1));
+  ASSERT_TRUE(engine()
+                  .load_text("(defrule second (a ?x&:(back ?x)) =>)", "more.clp", LoadMode::kConstructs,
+                             OnLoadError::kKeepGoing)
+                  .ok());
+  EXPECT_THAT(engine().take_notes(), SizeIs(1));
 }
 
 TEST_F(RuleErrors, ActingFunctionsAreFoundInEveryConditionalElement) {
