@@ -28,7 +28,10 @@ std::uint64_t RandomStream::below(std::uint64_t n) {
 }
 
 std::int64_t RandomStream::between(std::int64_t low, std::int64_t high) {
-  return low + static_cast<std::int64_t>(below(static_cast<std::uint64_t>(high - low) + 1));
+  // Unsigned, as the distance may be larger than the largest signed number.
+  const std::uint64_t values = static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) + 1;
+  const std::uint64_t step = values == 0 ? next() : below(values);  // 0: all numbers
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(low) + step);
 }
 
 double RandomStream::uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
