@@ -179,6 +179,20 @@ void exit_function(Environment* env, UDFContext* context, UDFValue*) {
   SetHaltExecution(env, true);
 }
 
+/// A function through which message-handlers are called: they may call themselves without end.
+void message_function(Environment* env, UDFContext* context, UDFValue* result) {
+  RuleEngine::Impl& impl = impl_of(context);
+  if (impl.stack_is_full()) {
+    impl.leave_calls(UDFContextFunctionName(context));
+    result->lexemeValue = FalseSymbol(env);
+    return;
+  }
+  ++impl.calls;
+  builtin_of(context).original(env, context, result);
+  --impl.calls;
+  if (impl.calls == 0) impl.leaving_calls = false;
+}
+
 constexpr std::pair<const char*, UserDefinedFunction*> kReplaced[] = {
     {"time", time_function},
     {"local-time", calendar_function},
@@ -222,6 +236,16 @@ constexpr std::pair<const char*, UserDefinedFunction*> kReplaced[] = {
     {"release-mem", machine_function},
     {"operating-system", machine_function},
     {"exit", exit_function},
+    {"send", message_function},
+    {"make-instance", message_function},
+    {"active-make-instance", message_function},
+    {"initialize-instance", message_function},
+    {"active-initialize-instance", message_function},
+    {"message-modify-instance", message_function},
+    {"active-message-modify-instance", message_function},
+    {"message-duplicate-instance", message_function},
+    {"active-message-duplicate-instance", message_function},
+    {"unmake-instance", message_function},
 };
 
 }  // namespace

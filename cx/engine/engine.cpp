@@ -51,6 +51,14 @@ bool on_out_of_memory(Environment*, std::size_t) noexcept {
   return false;
 }
 
+/// Calls the new-handler where memory is too short for another environment: until `on_out_of_memory` is installed CLIPS
+/// ends the process in its own way.
+void ask_for_memory() {
+  constexpr std::size_t kEnvironment = 4'000'000;
+  const std::unique_ptr<char[]> room(new char[kEnvironment]);
+  *static_cast<volatile char*>(room.get()) = 0;  // keeps the compiler from removing it
+}
+
 }  // namespace
 
 RuleEngine::RuleEngine(EngineOptions options)
@@ -61,7 +69,9 @@ RuleEngine::RuleEngine(EngineOptions options)
 Expected<std::unique_ptr<RuleEngine>> RuleEngine::create(EngineOptions options) {
   if (options.name.empty()) return input_error("an environment needs a name");
   if (Status s = check_clips_library(); !s) return s.error();
+  if (options.limits && options.limits->exceeded) return *options.limits->exceeded;
   std::unique_ptr<RuleEngine> engine(new RuleEngine(std::move(options)));
+  ask_for_memory();
   Environment* env = CreateEnvironment();
   if (env == nullptr) return resource_error("no memory for a CLIPS environment");
   engine->environment_ = env;
@@ -75,6 +85,8 @@ Expected<std::unique_ptr<RuleEngine>> RuleEngine::create(EngineOptions options) 
   SetOutOfMemoryFunction(env, on_out_of_memory);
   engine->impl_->install_builtins();
   engine->impl_->install_hooks();
+  engine->impl_->look_at_limits();
+  if (engine->options_.limits && engine->options_.limits->exceeded) return *engine->options_.limits->exceeded;
   return engine;
 }
 
@@ -92,6 +104,7 @@ RuleEngine::~RuleEngine() {
     options_.on_output = nullptr;
     Clear(environment_);
   }
+  if (options_.limits) options_.limits->held -= impl_->counted_memory;
   DestroyEnvironment(environment_);
 }
 
@@ -161,7 +174,7 @@ bool RuleEngine::Impl::anything_left() const {
 RunReport RuleEngine::run(std::int64_t limit) {
   RunReport report;
   {
-    HostCall call(*impl_, {ErrorSide::kCallback, "run", {}, 0, nullptr}, Collect::kLater);
+    HostCall call(*impl_, {ErrorSide::kCallback, kRun, {}, 0, nullptr}, Collect::kLater);
     impl_->count_firings(limit);
     // The limit of Run itself would print a message whenever half of it has fired.
     report.fired = Run(environment_, -1);

@@ -168,6 +168,9 @@ void add_network_errors(const RuleEngine::Impl& impl, const Message& message, st
     failed = std::move(found.back());
     found.pop_back();
   } else {
+    // The network complains where the rules were stopped in the middle of a test: that is reported as what it is.
+    const Limits* limits = impl.engine.options().limits;
+    if (found.empty() && limits != nullptr && limits->exceeded) return;
     failed.message = found.empty() ? message.head : found.back().message;
   }
   failed.detail += message.text;
@@ -260,6 +263,12 @@ void RuleEngine::Impl::capture(const char* text) {
     return;
   }
   captured += text;
+}
+
+std::string RuleEngine::Impl::rule_under_test() const {
+  std::vector<std::string> rules;
+  if (const joinNode* join = engine_data(env)->GlobalJoin) add_rules_below(*join, rules);
+  return rules.empty() ? std::string() : rules.front();
 }
 
 void RuleEngine::note_error(const std::string& text) {

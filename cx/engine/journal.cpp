@@ -217,20 +217,22 @@ void RuleEngine::Impl::look_at_limits() {
 void RuleEngine::exceed_limits(Error error) {
   Limits* limits = options_.limits;
   if (limits == nullptr || limits->exceeded) return;
-  const ConstructInfo* rule =
-      impl_->rule_acting
-          ? find_construct("defrule", std::string(impl_->rule_module) + "::" + std::string(impl_->rule_name))
-          : nullptr;
-  std::string where;
+  const Impl::Context context = impl_->contexts.empty() ? Impl::Context() : impl_->contexts.back();
+  // An action, else the test of a join, else what fired before the network got to work.
+  const std::string tested = impl_->rule_acting ? std::string() : impl_->rule_under_test();
+  const std::string last = std::string(impl_->rule_module) + "::" + std::string(impl_->rule_name);
+  const ConstructInfo* rule = nullptr;
+  if (!tested.empty())
+    rule = find_construct("defrule", tested);
+  else if (impl_->rule_acting || context.name == kRun)
+    rule = find_construct("defrule", last);
+  std::string where = context.name.empty() ? std::string() : std::string(context.name) + ": ";
+  error.file = context.file;
+  error.line = context.line;
   if (rule != nullptr) {
-    where = "rule " + rule->name + ": ";
+    where = (impl_->rule_acting || !tested.empty() ? "rule " : "after rule ") + rule->name + ": ";
     error.file = rule->file;
     error.line = rule->line;
-  } else if (!impl_->contexts.empty()) {
-    const Impl::Context& context = impl_->contexts.back();
-    if (!context.name.empty()) where = std::string(context.name) + ": ";
-    error.file = context.file;
-    error.line = context.line;
   }
   error.message = "environment '" + name() + "': " + where + error.message;
   limits->exceeded = std::move(error);
@@ -250,20 +252,28 @@ void RuleEngine::Impl::on_turn(Environment* env, void* self) noexcept {
   SetEvaluationError(env, true);
 }
 
-bool RuleEngine::Impl::call(EntityEvaluationFunction* evaluate, void* construct, UDFValue* result) {
+bool RuleEngine::Impl::stack_is_full() {
   const auto here = reinterpret_cast<std::uintptr_t>(__builtin_frame_address(0));
   if (calls == 0) calls_begin = here;
-  if (calls_begin - here > kMostStack) {
+  return calls_begin - here > kMostStack;
+}
+
+void RuleEngine::Impl::leave_calls(const std::string& function) {
+  if (leaving_calls) return;
+  PrintErrorID(env, "CXLAB", 2, false);
+  const std::string text =
+      "Function '" + function +
+      "' is called again and again from within itself, until 6 MB of the stack are full: stopped.\n";
+  WriteString(env, STDERR, text.c_str());
+  SetHaltExecution(env, true);
+  SetEvaluationError(env, true);
+  leaving_calls = true;
+}
+
+bool RuleEngine::Impl::call(EntityEvaluationFunction* evaluate, void* construct, UDFValue* result) {
+  if (stack_is_full()) {
+    leave_calls(qualified_name(*static_cast<ConstructHeader*>(construct)));
     result->value = FalseSymbol(env);
-    if (leaving_calls) return false;
-    PrintErrorID(env, "CXLAB", 2, false);
-    const std::string text =
-        "Function '" + qualified_name(*static_cast<ConstructHeader*>(construct)) +
-        "' is called again and again from within itself, until 6 MB of the stack are full: stopped.\n";
-    WriteString(env, STDERR, text.c_str());
-    SetHaltExecution(env, true);
-    SetEvaluationError(env, true);
-    leaving_calls = true;
     return false;
   }
   glance_at_limits();
@@ -297,7 +307,66 @@ void RuleEngine::Impl::on_clear(Environment*, void* self) noexcept {
   impl.reported_lhs.clear();
 }
 
+namespace {
+
+/// Evaluates expressions of a construct, with it as the context of what goes wrong.
+template <class Evaluate>
+void reset_construct(RuleEngine::Impl& impl, const char* kind, ConstructHeader& header, Evaluate evaluate) {
+  const std::string name = std::string(kind) + ' ' + header.name->contents;
+  const ConstructInfo* info = impl.engine.find_construct(kind, qualified_name(header));
+  impl.flush_errors();
+  impl.contexts.push_back({ErrorSide::kCallback, name, info ? std::string_view(info->file) : std::string_view(),
+                           info ? info->line : 0, nullptr});
+  evaluate();
+  impl.flush_errors();
+  impl.contexts.pop_back();
+}
+
+/// Calls `visit` for the constructs of each module, while that is the current one.
+template <class Construct, class Visit>
+void for_each_module(Environment* env, Construct* (*next)(Environment*, Construct*), Visit visit) {
+  Defmodule* current = GetCurrentModule(env);
+  for (Defmodule* module = GetNextDefmodule(env, nullptr); module != nullptr; module = GetNextDefmodule(env, module)) {
+    SetCurrentModule(env, module);
+    for (Construct* one = next(env, nullptr); one != nullptr; one = next(env, one)) visit(*one);
+  }
+  SetCurrentModule(env, current);
+}
+
+}  // namespace
+
+void RuleEngine::Impl::on_reset_deffacts(Environment* env, void* self) {
+  for_each_module<Deffacts>(env, GetNextDeffacts, [&](Deffacts& deffacts) {
+    if (deffacts.assertList == nullptr) return;
+    reset_construct(*static_cast<Impl*>(self), "deffacts", deffacts.header, [&] {
+      UDFValue ignored;
+      SetEvaluationError(env, false);
+      EvaluateExpression(env, deffacts.assertList, &ignored);
+    });
+  });
+}
+
+void RuleEngine::Impl::on_reset_definstances(Environment* env, void* self) {
+  for_each_module<Definstances>(env, GetNextDefinstances, [&](Definstances& definstances) {
+    reset_construct(*static_cast<Impl*>(self), "definstances", definstances.header, [&] {
+      ++definstances.busy;
+      UDFValue made;
+      for (Expression* make = definstances.mkinstance; make != nullptr; make = make->nextArg) {
+        EvaluateExpression(env, make, &made);
+        if (GetHaltExecution(env) || made.value == FalseSymbol(env)) break;
+      }
+      --definstances.busy;
+    });
+  });
+}
+
 void RuleEngine::Impl::install_hooks() {
+  for (voidCallFunctionItem* item = construct_data(env)->ListOfResetFunctions; item != nullptr; item = item->next) {
+    const std::string_view name = item->name;
+    if (name != "deffacts" && name != "definstances") continue;
+    item->func = name == "deffacts" ? on_reset_deffacts : on_reset_definstances;
+    item->context = this;
+  }
   AddAssertFunction(env, "cxlab", on_assert, 0, this);
   AddRetractFunction(env, "cxlab", on_retract, 0, this);
   AddModifyFunction(env, "cxlab", on_modify, 0, this);

@@ -14,6 +14,7 @@ Deftemplate* CreateImpliedDeftemplate(Environment*, CLIPSLexeme*, bool);
 #pragma GCC diagnostic ignored "-Wold-style-cast"
 inline void* environment_data(Environment* env, unsigned position) { return GetEnvironmentData(env, position); }
 inline commandLineData* command_line_data(Environment* env) { return CommandLineData(env); }
+inline constructData* construct_data(Environment* env) { return ConstructData(env); }
 inline defruleData* defrule_data(Environment* env) { return DefruleData(env); }
 inline engineData* engine_data(Environment* env) { return EngineData(env); }
 inline evaluationData* evaluation_data(Environment* env) { return EvaluationData(env); }

@@ -39,6 +39,9 @@ struct Builtin {
   clips::UserDefinedFunction* original = nullptr;
 };
 
+/// The name of the context in which rules fire.
+inline constexpr std::string_view kRun = "run";
+
 /// Of the innermost HostCall.
 extern constinit thread_local RuleEngine* g_at_work;
 
@@ -66,6 +69,8 @@ struct RuleEngine::Impl {
   std::uint64_t turns = 0;  ///< of loops since the rule fired or the host called
   static constexpr std::uint64_t kMostTurns = 10'000'000;
   std::int64_t counted_memory = 0;  ///< its share of `Limits::held`
+  /// The rule, with its module, behind the join that is being evaluated; of several the first; empty without one.
+  std::string rule_under_test() const;
   /// Ends what rules do where a limit is exceeded.
   void look_at_limits();
   /// The same for what happens often: memory counts where it has grown by a megabyte since it was last looked at.
@@ -198,7 +203,13 @@ struct RuleEngine::Impl {
   /// CLIPS calls them for each call of a deffunction or generic function in an expression; end a recursion without end.
   static bool on_deffunction(clips::Environment*, void* deffunction, clips::UDFValue* result) noexcept;
   static bool on_generic(clips::Environment*, void* generic, clips::UDFValue* result) noexcept;
+  /// Take the place of what CLIPS does at a reset: each construct is the context of its errors.
+  static void on_reset_deffacts(clips::Environment*, void* self);
+  static void on_reset_definstances(clips::Environment*, void* self);
   bool call(clips::EntityEvaluationFunction* evaluate, void* construct, clips::UDFValue* result);
+  bool stack_is_full();  ///< nearly: calls are nested too deep
+  /// Ends all calls, with an error that names the innermost function.
+  void leave_calls(const std::string& function);
 
   // --- Running (engine.cpp) --------------------------------------------------------------------------------------
 

@@ -15,6 +15,7 @@ struct LimitsTest : EngineTest {
     o.limits = &limits;
     engine_ = make(std::move(o));
   }
+  void TearDown() override { engine_.reset(); }
   Limits limits;
 };
 
