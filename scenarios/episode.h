@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/scratch_folder.h"
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/journal/journal.h"
@@ -112,6 +113,7 @@ class Episode {
   std::unique_ptr<bus::Bus> bus_;
   std::unique_ptr<Inputs> inputs_;
   std::unique_ptr<Stage> stage_;
+  std::unique_ptr<ScratchFolder> rules_folder_;  ///< what rules write where the run has no folder
   std::vector<std::unique_ptr<cx::EnvironmentManager>> agents_;
   std::optional<Loop> loop_;
 };

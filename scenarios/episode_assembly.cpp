@@ -136,6 +136,7 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
   manager.one_of_several = scenario_.agents.size() > 1;
   manager.log = options_.log;
   manager.run_folder = options_.run_folder;
+  if (rules_folder_) manager.rules_folder = rules_folder_->path();
   manager.seed = scenario_.seed;
   manager.epoch = scenario_.epoch;
   manager.max_firings = scenario_.max_firings_per_tick;
@@ -161,6 +162,11 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
 }
 
 Status Episode::build_agents() {
+  if (options_.run_folder.empty()) {
+    auto folder = ScratchFolder::create();
+    if (!folder) return folder.error();
+    rules_folder_ = *std::move(folder);
+  }
   for (const Shares& shares : shares_)
     for (const auto& [package, folder] : shares) journal_.name_folder(folder, "package://" + package);
   const auto streams = std::make_shared<std::set<std::string>>();
@@ -177,8 +183,13 @@ Status Episode::build_agents() {
                               " already: its services answer, those of this one do not; a namespace or the remap "
                               "__node:=NAME keeps them apart",
                           {}});
+    const std::string config = manager.config.string();
     auto made = cx::EnvironmentManager::create(std::move(manager), *bus_, journal_);
-    if (!made) return made.error();
+    if (!made) {
+      const Origin& named = scenario_.agents[i].config_origin;
+      if (made.error().file != config || made.error().line > 0 || named.source.empty()) return made.error();
+      return input_error("agents[" + std::to_string(i) + "].config: " + made.error().text(), named);
+    }
     agents_.push_back(*std::move(made));
   }
   return {};

@@ -23,7 +23,10 @@ void read_packages(const yaml::Value& value, std::map<std::string, PackageSpec>&
 AgentSpec read_agent(const yaml::Value& value) {
   AgentSpec agent;
   yaml::Map map = value.as_map();
-  agent.config = map.require("config").as_string();
+  if (const yaml::Value config = map.require("config")) {
+    agent.config = config.as_string();
+    agent.config_origin = config.origin();
+  }
   map.read("namespace", agent.name_space).read("remap", agent.remaps);
   read_packages(map.get("packages"), agent.packages);
   if (const yaml::Value params = map.get("params"))

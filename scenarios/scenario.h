@@ -40,6 +40,7 @@ struct PackageSpec {
 /// One environment manager with its environments.
 struct AgentSpec {
   std::string config;  ///< YAML of the CX, relative to the scenario's folder
+  Origin config_origin{};
   std::string name_space = "/";
   std::vector<std::pair<std::string, std::string>> remaps{};  ///< FROM := TO
   std::map<std::string, PackageSpec> packages{};

@@ -42,7 +42,8 @@ EnvironmentManager::EnvironmentManager(ManagerOptions options, Parameters parame
       parameters_(std::move(parameters)),
       bus_(bus),
       journal_(journal),
-      files_({options_.packages, options_.run_folder, options_.trust_rules, options_.on_read, options_.outside_copies}),
+      files_({options_.packages, options_.run_folder.empty() ? options_.rules_folder : options_.run_folder,
+              options_.trust_rules, options_.on_read, options_.outside_copies}),
       node_name_{options_.node, options_.name_space, options_.remaps},
       unique_node_(claim(options_, "node/", options_.node)),
       node_(bus_.join(bus::ParticipantKind::kNode, node_name_, journal_.open_stream("node/" + unique_node_))),
@@ -90,6 +91,15 @@ Status EnvironmentManager::change(Transition transition) {
   return first;
 }
 
+Status EnvironmentManager::check_environment_name(const std::string& name) {
+  constexpr std::size_t kLongest = 200;  // its log is a file of that name
+  if (name.empty()) return input_error("an environment needs a name");
+  if (name.size() > kLongest)
+    return input_error("found a name of " + std::to_string(name.size()) +
+                       " characters for an environment, expected at most " + std::to_string(kLongest));
+  return {};
+}
+
 Status EnvironmentManager::do_configure() {
   if (!options_.run_folder.empty()) {
     std::error_code error;
@@ -100,6 +110,7 @@ Status EnvironmentManager::do_configure() {
   std::vector<std::string> names;
   if (Status s = parameters_.read("environments", names); !s) return s;
   for (const std::string& name : names) {
+    if (Status s = check_environment_name(name); !s) return parameters_.error_at("environments", s.error().message);
     auto environment = make_environment(name);
     if (!environment) {
       environments_.clear();

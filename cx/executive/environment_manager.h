@@ -134,6 +134,7 @@ class EnvironmentManager final : public Agent {
   Status do_deactivate();
   Status do_cleanup();
 
+  static Status check_environment_name(const std::string& name);
   Expected<std::unique_ptr<Environment>> make_environment(const std::string& name);
   /// The name of an environment in the run, the same each time that it is made.
   const std::string& unique_name(const std::string& environment);

@@ -13,6 +13,13 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
+/// A folder, a pipe or a device, whatever links lead to it.
+bool is_special(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
 bool leaves(const fs::path& relative) {
   return relative.is_absolute() || (!relative.empty() && *relative.begin() == "..");
 }
@@ -126,6 +133,13 @@ fs::path Files::written(const fs::path& path) const {
 }
 
 Expected<FoundFile> Files::find_for_rules(const std::string& path) const {
+  auto found = find_where_rules_read(path);
+  if (found && !options_.trust_rules && is_special(found->path))
+    return input_error("reading '" + path + "' is refused: it is not a regular file");
+  return found;
+}
+
+Expected<FoundFile> Files::find_where_rules_read(const std::string& path) const {
   const fs::path asked = fs::path(path).lexically_normal();
   FoundFile found;
   if (!options_.run_folder.empty() && !leaves(asked.relative_path())) {

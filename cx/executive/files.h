@@ -67,6 +67,7 @@ class Files final : public FileAccess {
   std::string journal_name(const std::string& path) const override;
 
  private:
+  Expected<FoundFile> find_where_rules_read(const std::string& path) const;
   /// The file in the package; also where `share/<p>/clips/<p>/x` comes from a source tree's `clips/x`.
   bool find_in(const std::string& package, const std::filesystem::path& relative, FoundFile& out) const;
   /// The file itself, or its copy.

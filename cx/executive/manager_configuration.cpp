@@ -54,6 +54,9 @@ Expected<const PluginType*> EnvironmentManager::type_of(const std::string& insta
                                                         const std::string& environment) const {
   std::string type;
   if (Status s = parameters_.read(instance + ".plugin", type); !s) return s.error();
+  if (type.empty() && parameters_.find(instance + ".plugin"))
+    return parameters_.error_at(instance + ".plugin",
+                                "parameter '" + instance + ".plugin': found '', expected the class of a plugin");
   if (type.empty()) {
     std::vector<std::string> typed;
     for (const auto& group : parameters_.below(""))

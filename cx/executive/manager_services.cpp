@@ -25,7 +25,7 @@ Expected<std::vector<std::string>> EnvironmentManager::plugin_names(const std::s
 
 Status EnvironmentManager::create_environment(const std::string& name) {
   if (find(name)) return input_error("Enviroment " + name + " already exists!");
-  if (name.empty()) return input_error("an environment needs a name");
+  if (Status s = check_environment_name(name); !s) return s;
   auto environment = make_environment(name);
   if (!environment) {
     fail(environment.error());

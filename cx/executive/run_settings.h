@@ -17,18 +17,19 @@ namespace cxlab::cx {
 class LogSink;
 
 struct RunSettings {
-  LogSink* log = nullptr;             ///< may be none
-  LookOutside* outside = nullptr;     ///< may be none
-  bus::Feed* feed = nullptr;          ///< where its deliveries come from; none: the bus
-  std::filesystem::path run_folder;   ///< for `logs/<env>.log` and what rules write; empty = neither
-  std::uint64_t seed = 0;             ///< each environment draws from a stream of its own
-  double epoch = 0;                   ///< s since 1970 at simulated time 0
-  std::int64_t max_firings = 100000;  ///< a run of an environment, or callbacks in a tick; 0 = no limit
-  Limits* limits = nullptr;           ///< of all environments; may be none
-  bool stop_on_rule_error = true;     ///< else errors are only noted, as CX does
-  bool keep_going = false;            ///< errors in rule files and plugins are noted and loading goes on
-  bool strict = false;                ///< unknown parameters are errors
-  bool trust_rules = false;           ///< rules read and write any file and call `system`
+  LogSink* log = nullptr;              ///< may be none
+  LookOutside* outside = nullptr;      ///< may be none
+  bus::Feed* feed = nullptr;           ///< where its deliveries come from; none: the bus
+  std::filesystem::path run_folder;    ///< for `logs/<env>.log` and what rules write; empty = no logs
+  std::filesystem::path rules_folder;  ///< for what rules write where `run_folder` is empty; empty = they cannot
+  std::uint64_t seed = 0;              ///< each environment draws from a stream of its own
+  double epoch = 0;                    ///< s since 1970 at simulated time 0
+  std::int64_t max_firings = 100000;   ///< a run of an environment, or callbacks in a tick; 0 = no limit
+  Limits* limits = nullptr;            ///< of all environments; may be none
+  bool stop_on_rule_error = true;      ///< else errors are only noted, as CX does
+  bool keep_going = false;             ///< errors in rule files and plugins are noted and loading goes on
+  bool strict = false;                 ///< unknown parameters are errors
+  bool trust_rules = false;            ///< rules read and write any file and call `system`
 };
 
 }  // namespace cxlab::cx

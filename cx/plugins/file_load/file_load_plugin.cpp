@@ -59,8 +59,14 @@ class FileLoadPlugin final : public Plugin {
   Expected<FoundFile> find(std::string_view key, const std::string& file, const std::vector<std::string>& packages) {
     const Parameter* list = context().parameters.find(name() + '.' + std::string(key));
     const bool set_by_rules = list && list->at_run_time;
-    if (set_by_rules && std::filesystem::path(file).is_absolute()) return context().files.find_for_rules(file);
-    return context().files.resolve(file, packages);
+    const Files& files = context().files;
+    if (set_by_rules && std::filesystem::path(file).is_absolute()) return files.find_for_rules(file);
+    auto found = files.resolve(file, packages);
+    if (!found || !set_by_rules) return found;
+    for (const std::string& package : packages)  // a link may lead out of it
+      if (found->logical_name.starts_with(package + '/'))
+        return files.find_for_rules(*files.share_directory(package) + found->logical_name.substr(package.size()));
+    return found;
   }
 
   Status load(Environment& environment, const FoundFile& file, LoadMode mode) {
