@@ -36,6 +36,8 @@ void read_when(yaml::Map& map, const FaultWord& word, Fault& fault) {
       map.get("mean_s").fail("found " + map.get("mean_s").text() + ", expected at least 0.001 s");
   }
   map.read_seconds("from", fault.from).read_seconds("until", fault.until).read("times", fault.times);
+  if (fault.until <= fault.from)
+    map.get("until").fail("found " + map.get("until").text() + ", expected a time after from");
   if (fault.times < 0) map.get("times").fail("must be 0 (no limit) or more");
 }
 

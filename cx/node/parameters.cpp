@@ -144,7 +144,7 @@ Expected<Parameters> Parameters::load(const std::filesystem::path& file, const s
   if (!text) return text.error();
   try {
     std::vector<Section> sections;
-    find_sections(YAML::Load(*text), "", sections);
+    find_sections(yaml::load(*text), "", sections);
     std::vector<std::string> full = segments(name_space);
     full.push_back(node);
     std::vector<const Section*> applying;
@@ -180,7 +180,7 @@ const Parameter* Parameters::find(std::string_view name) const {
 Status Parameters::set(const std::string& name, const std::string& yaml, const Origin& origin) {
   Values values;
   try {
-    flatten(YAML::Load(yaml), name, origin.source, values);
+    flatten(yaml::load(yaml), name, origin.source, values);
   } catch (const YAML::Exception& e) {
     return input_error("parameter '" + name + "': the value is not YAML: " + e.msg, origin);
   }

@@ -165,6 +165,7 @@ Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file)
   }
   if (Status s = document->status(); !s) return s.error();
   std::vector<StorySpec> stories;
+  if (list.is_list() && list.as_list().empty()) list.fail("expected at least one story");
   for (const yaml::Value& item : list.as_list()) {
     yaml::Map map = item.as_map();
     StorySpec spec = common;

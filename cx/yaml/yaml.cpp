@@ -38,6 +38,35 @@ struct Value::Shared {
 
 namespace {
 
+/// Counts the values of a tree, each alias as often as it stands there, and throws where it has no end.
+class Walk {
+ public:
+  explicit Walk(std::size_t most) : most_(most) {}
+
+  void through(const YAML::Node& node) {
+    if (++count_ > most_) throw YAML::RepresentationException(node.Mark(), "aliases give too many values");
+    if (!node.IsMap() && !node.IsSequence()) return;
+    for (const YAML::Node& outer : open_)
+      if (outer.is(node)) throw YAML::RepresentationException(node.Mark(), "found an alias within what it stands for");
+    open_.push_back(node);
+    for (const auto& item : node) {
+      if (node.IsMap()) through(item.first);
+      through(node.IsMap() ? item.second : YAML::Node(item));
+    }
+    open_.pop_back();
+  }
+
+ private:
+  std::size_t most_, count_ = 0;
+  std::vector<YAML::Node> open_;
+};
+
+/// A text without aliases has no more values than characters.
+void check_end(const YAML::Node& root, const std::string& text) {
+  constexpr std::size_t kMostValues = 1'000'000;
+  Walk(std::max(kMostValues, text.size())).through(root);
+}
+
 const char* kind_of(const YAML::Node& node) {
   static constexpr const char* kWords[] = {"nothing", "nothing", "a scalar", "a list",
                                            "a map"};  // undefined, null, ...
@@ -96,6 +125,8 @@ bool Value::is_list() const { return node_ && node_->IsSequence(); }
 bool Value::is_scalar() const { return node_ && node_->IsScalar(); }
 std::string Value::text() const { return is_scalar() ? node_->Scalar() : std::string(); }
 
+std::string Value::found() const { return is_scalar() ? "'" + text() + "'" : kind_of(*node_); }
+
 std::string Value::dump() const { return node_ && node_->IsDefined() ? to_text(*node_) : std::string(); }
 
 void Value::fail(std::string what) const {
@@ -112,20 +143,20 @@ std::string Value::as_string(std::string fallback) const {
 double Value::as_number(double fallback) const {
   const auto number = read_number<double>(text());
   if (number && std::isfinite(*number)) return *number;
-  fail("found '" + (is_scalar() ? text() : kind_of(*node_)) + "', expected a number");
+  fail("found " + found() + ", expected a number");
   return fallback;
 }
 
 std::int64_t Value::as_integer(std::int64_t fallback) const {
   if (const auto number = read_number<std::int64_t>(text())) return *number;
-  fail("found '" + (is_scalar() ? text() : kind_of(*node_)) + "', expected an integer");
+  fail("found " + found() + ", expected an integer");
   return fallback;
 }
 
 bool Value::as_bool(bool fallback) const {
   bool value = fallback;
   if (is_scalar() && YAML::convert<bool>::decode(*node_, value)) return value;
-  fail("found '" + (is_scalar() ? text() : kind_of(*node_)) + "', expected true or false");
+  fail("found " + found() + ", expected true or false");
   return fallback;
 }
 
@@ -210,7 +241,7 @@ Map& Map::read(std::string_view key, std::uint64_t& field) {
     if (const auto number = read_number<std::uint64_t>(v.text()))
       field = *number;
     else
-      v.fail("found '" + v.text() + "', expected an integer of at least 0");
+      v.fail("found " + v.found() + ", expected an integer of at least 0");
   }
   return *this;
 }
@@ -239,7 +270,8 @@ Map& Map::read_word(std::string_view key, std::string& field, const std::vector<
       field = word;
       return *this;
     }
-    v.fail("found '" + word + "', expected one of: " + some_of(words, words.size()));
+    if (!v.is_scalar()) return *this;  // reported already
+    v.fail("found '" + word + "', expected one of: " + some_of(words, words.size()) + did_you_mean(word, words));
   }
   return *this;
 }
@@ -319,6 +351,12 @@ Expected<Document> Document::load(const std::filesystem::path& file) {
   return parse(*text, file.string());
 }
 
+YAML::Node load(const std::string& text) {
+  YAML::Node root = YAML::Load(text);
+  check_end(root, text);
+  return root;
+}
+
 Error syntax_error(const YAML::Exception& thrown, const std::string& text, const std::string& file) {
   // yaml-cpp names the line of the tab, or one of those after it.
   std::istringstream lines(text);
@@ -326,7 +364,8 @@ Error syntax_error(const YAML::Exception& thrown, const std::string& text, const
   for (int i = 0; i <= thrown.mark.line && std::getline(lines, line); ++i)
     if (const std::size_t tab = line.find('\t'); i + 1 >= thrown.mark.line && tab < line.find_first_not_of(" \t"))
       return input_error("found a tab in the indentation, expected spaces", file, i + 1);
-  return input_error("not YAML: " + thrown.msg, file, thrown.mark.line + 1);
+  const bool is_yaml = dynamic_cast<const YAML::RepresentationException*>(&thrown) != nullptr;
+  return input_error((is_yaml ? "" : "not YAML: ") + thrown.msg, file, thrown.mark.line + 1);
 }
 
 Expected<Document> Document::parse(const std::string& text, const std::string& name) {
@@ -338,6 +377,7 @@ Expected<Document> Document::parse(const std::string& text, const std::string& n
     if (documents.size() > 1)
       return input_error("found a second document, expected one", name, documents[1].Mark().line + 1);
     document.root_.node_ = std::make_shared<YAML::Node>(documents.empty() ? YAML::Node() : documents.front());
+    check_end(*document.root_.node_, text);
   } catch (const YAML::Exception& e) {
     return syntax_error(e, text, name);
   }
@@ -358,11 +398,12 @@ Status Document::set(const std::string& path, const std::string& yaml, const std
   if (!split_path(path, steps)) return fail("expected a path like a.b[0].c");
   YAML::Node value;
   try {
-    value = YAML::Load(yaml);
+    value = cxlab::yaml::load(yaml);
   } catch (const YAML::Exception& e) {
     return fail("the value is not YAML: " + e.msg);
   }
   YAML::Node at = *root_.node_;
+  if (at.IsDefined() && !at.IsMap()) return {};  // reported when it is read
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const Step& step = steps[i];
     const bool last = i + 1 == steps.size();
@@ -378,7 +419,7 @@ Status Document::set(const std::string& path, const std::string& yaml, const std
       continue;
     }
     if (at.IsDefined() && !at.IsNull() && !at.IsMap())
-      return fail("'" + step.key + "' is below something that is not a map");
+      return fail("'" + step.key + "' is below " + kind_of(at) + ", expected a map");
     if (last) {
       at[step.key] = value;
       break;

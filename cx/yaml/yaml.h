@@ -24,6 +24,10 @@ namespace cxlab::yaml {
 class Map;
 class Reader;
 
+/// The tree of a YAML text. Throws `YAML::Exception`, also where aliases make the tree endless or give more than a
+/// million values: whoever walks through it must come to an end.
+YAML::Node load(const std::string& text);
+
 /// What is wrong with a text that yaml-cpp does not read, with the line; a tab in the indentation is named.
 Error syntax_error(const YAML::Exception& thrown, const std::string& text, const std::string& file);
 
@@ -48,6 +52,8 @@ class Value {
   bool is_scalar() const;
   /// The scalar's text as written, without quotes.
   std::string text() const;
+  /// The text in quotes, or what else stands there: "a list".
+  std::string found() const;
   /// The value as YAML text, e.g. for a bus message.
   std::string dump() const;
 

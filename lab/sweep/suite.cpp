@@ -71,16 +71,20 @@ Expected<Suite> Suite::load(const fs::path& file) {
   yaml::Map map = document->root().as_map();
   if (const yaml::Value scenarios = map.require("scenarios")) {
     std::vector<fs::path> files;
+    std::vector<Origin> origins;
     const auto own = own_scenarios();
     for (const yaml::Value& item : scenarios.as_list()) {
       fs::path path = (file.parent_path() / item.as_string()).lexically_normal();
       if (const auto known = own.find(item.text()); known != own.end() && !fs::exists(path)) path = known->second;
-      if (std::find(files.begin(), files.end(), path) != files.end())
+      if (std::find(files.begin(), files.end(), path) != files.end()) {
         item.fail("found the scenario '" + item.text() + "' twice, expected each once");
-      else
+      } else {
         files.push_back(path);
+        origins.push_back(item.origin());
+      }
     }
     suite.scenarios = named(files);
+    for (std::size_t i = 0; i < files.size(); ++i) suite.scenarios[i].origin = origins[i];
   }
   if (const yaml::Value strategies = map.require("strategies")) {
     yaml::Map names = strategies.as_map();
@@ -88,6 +92,8 @@ Expected<Suite> Suite::load(const fs::path& file) {
       const auto same = [&name = name](const Strategy& other) { return other.name == name; };
       if (std::any_of(suite.strategies.begin(), suite.strategies.end(), same))
         strategies.fail("found strategy '" + name + "' twice, expected each once");
+      if (name.empty() || name.find('/') != name.npos)
+        strategies.fail("found '" + name + "', expected a name for the strategy, without '/'");
       suite.strategies.push_back({name, overrides ? overrides.as_strings() : std::vector<std::string>()});
     }
   }
@@ -113,6 +119,9 @@ std::vector<Cell> Suite::cells() const {
 }
 
 Status Suite::check() const {
+  for (const SuiteScenario& scenario : scenarios)
+    if (!fs::is_regular_file(scenario.file))
+      return input_error(scenario.file.string() + ": there is no such file", scenario.origin);
   for (const Cell& cell : cells()) {
     if (cell.seed != seeds.front()) continue;
     const auto wrong = [&cell](const Error& error) {

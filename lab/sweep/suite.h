@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/origin.h"
 #include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
@@ -19,6 +20,7 @@ struct Strategy {
 struct SuiteScenario {
   std::string name;  ///< the file's name without extension, after as many of its folders as make it the only one
   std::filesystem::path file;
+  Origin origin{};
 };
 
 /// One episode of a suite.

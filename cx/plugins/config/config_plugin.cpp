@@ -4,6 +4,7 @@
 
 #include "cx/base/number_text.h"
 #include "cx/plugins/builtin.h"
+#include "cx/yaml/yaml.h"
 
 namespace cxlab::cx {
 
@@ -151,7 +152,7 @@ class ConfigPlugin final : public Plugin {
     if (!prefix.starts_with('/')) prefix.insert(0, 1, '/');
     if (prefix.ends_with('/')) prefix.pop_back();
     try {
-      YAML::Node node = YAML::Load(content.text());
+      YAML::Node node = yaml::load(content.text());
       for (std::size_t at = 0; at < prefix.size();) {
         const std::size_t end = std::min(prefix.find('/', at + 1), prefix.size());
         const std::string segment = prefix.substr(at + 1, end - at - 1);
@@ -164,7 +165,7 @@ class ConfigPlugin final : public Plugin {
       }
       Loader(environment, name()).assert_below(prefix, node);
     } catch (const YAML::Exception& e) {
-      abort(file + ": " + e.what());
+      abort(yaml::syntax_error(e, content.text(), file).text());
     }
   }
 };
