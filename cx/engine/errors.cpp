@@ -133,16 +133,34 @@ std::vector<std::string> known_functions(Environment* env) {
 }
 
 /// The head of a fact whose first part is a list of that head: of a deftemplate that is not known, whose slot CLIPS
-/// takes for a call. Searched in `(assert ...)`.
+/// takes for a call. Searched in `(assert ...)` and `(deffacts ...)`.
 std::string unknown_template(const Term& term, std::string_view part, const std::vector<std::string>& known) {
   if (!term.is_list()) return {};
   for (std::size_t i = 1; i < term.items.size(); ++i) {
     const Term& fact = term.items[i];
     const std::string head(fact.head());
-    if (term.head() == "assert" && fact.items.size() > 1 && fact.items[1].head() == part &&
-        std::find(known.begin(), known.end(), head) == known.end())
+    if ((term.head() == "assert" || term.head() == "deffacts") && fact.items.size() > 1 &&
+        fact.items[1].head() == part && std::find(known.begin(), known.end(), head) == known.end())
       return head;
     if (std::string inner = unknown_template(fact, part, known); !inner.empty()) return inner;
+  }
+  return {};
+}
+
+/// The head of the first pattern with slots whose deftemplate is not known; conditions are searched up to "=>".
+std::string unknown_pattern(const Term& term, const std::vector<std::string>& known) {
+  static constexpr std::string_view kConditions[] = {"and", "or", "not", "exists", "forall", "logical"};
+  static constexpr std::string_view kOthers[] = {"test", "declare", "object"};
+  for (const Term& item : term.items) {
+    if (item.is("=>")) break;
+    const std::string head(item.head());
+    if (head.empty() || std::ranges::find(kOthers, head) != std::end(kOthers)) continue;
+    if (std::ranges::find(kConditions, head) != std::end(kConditions)) {
+      if (std::string inner = unknown_pattern(item, known); !inner.empty()) return inner;
+      continue;
+    }
+    const bool slots = item.items.size() > 1 && item.items[1].is_list();
+    if (slots && std::find(known.begin(), known.end(), head) == known.end()) return head;
   }
   return {};
 }
@@ -151,6 +169,14 @@ std::string unknown_template(const Term& term, std::string_view part, const std:
 /// missing.
 std::string with_remedy(Environment* env, const std::string& message, const Term& form) {
   const std::vector<std::string> names = quoted(message);
+  if (message.starts_with("[PRNTUTIL2]") && form.head() == "defrule") {
+    Defmodule* current = GetCurrentModule(env);
+    const std::vector<std::string> defined = known_templates(env);
+    SetCurrentModule(env, current);
+    const std::string pattern = unknown_pattern(form, defined);
+    return pattern.empty() ? message
+                           : message + " There is no deftemplate '" + pattern + "'" + did_you_mean(pattern, defined);
+  }
   if (!message.starts_with("[EXPRNPSR3]") || names.empty()) return message;
   Defmodule* module = GetCurrentModule(env);
   const std::vector<std::string> templates = known_templates(env);
