@@ -43,6 +43,26 @@ CLI::Validator seed_number() {
           ""};
 }
 
+CLI::Validator whole_number(std::int64_t low, std::int64_t high) {
+  const std::string bounds = std::to_string(low) + " to " + std::to_string(high);
+  return {[low, high, bounds](std::string& text) {
+            const auto value = read_number<std::int64_t>(text);
+            return value && *value >= low && *value <= high ? std::string()
+                                                            : expected(text, ("a whole number from " + bounds).c_str());
+          },
+          "from " + bounds};
+}
+
+CLI::Validator one_of(std::vector<std::string> words) {
+  std::string list;
+  for (const std::string& word : words) list += (list.empty() ? "" : ",") + word;
+  return {[words = std::move(words)](std::string& text) {
+            if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+            return "found '" + text + "', expected one of: " + some_of(words, words.size()) + did_you_mean(text, words);
+          },
+          '{' + list + '}'};
+}
+
 CLI::Option* once_each(CLI::Option* option) { return option->take_all()->expected(1)->allow_extra_args(false); }
 
 void add_prefix_option(CLI::App& command, std::vector<std::string>& prefixes) {
@@ -71,14 +91,35 @@ std::string unknown(const CLI::App& command) {
   return "there is no option '" + name + "'" + did_you_mean(name, known);
 }
 
+/// A subcommand that is missing, or the nearest to the word that stands in its place.
+std::string missing_command(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : command.get_subcommands(nullptr)) names.push_back(sub->get_name());
+  const std::vector<std::string> rest = command.remaining();
+  if (rest.empty()) return "a command is missing" + (command.get_parent() ? ": " + some_of(names, names.size()) : "");
+  return "found '" + rest.front() + "', expected one of: " + some_of(names, names.size()) +
+         did_you_mean(rest.front(), names);
+}
+
 /// The message of CLI11, or a better one: it names no near option, and what kind of number it expected.
 std::string explained(const CLI::App& command, const CLI::ParseError& error) {
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) return unknown(command);
   const std::string text = error.what(), begin = "Could not convert: ";
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError)) {
+    if (command.get_require_subcommand_min() > 0) return missing_command(command);
+    // What is missing may be what was misspelt.
+    for (const std::string& word : command.remaining())
+      if (word.starts_with('-')) return unknown(command);
+  }
+  if (const std::size_t times = text.find(": At Most 1 required but received "); times != std::string::npos)
+    return text.substr(0, times) + ": given " + text.substr(text.rfind(' ') + 1) + " times, expected once";
+  if (text.find(": 1 required ") != std::string::npos && text.ends_with(" missing"))
+    return text.substr(0, text.find(": ")) + ": its value is missing";
   const std::size_t equals = text.find(" = ");
   if (!text.starts_with(begin) || equals == std::string::npos) return text;
   const std::string name = text.substr(begin.size(), equals - begin.size()), found = text.substr(equals + 3);
   const CLI::Option* option = command.get_option_no_throw(name);
+  if (option && option->get_expected_max() == 0) return name + ": takes no value";
   const bool whole = option && option->get_type_name().find("INT") != std::string::npos;
   const auto value = finite_number(found);
   const bool is_whole = whole && value && *value == std::floor(*value) && std::abs(*value) < 1e15;
@@ -98,13 +139,25 @@ int usage_exit(const CLI::App& app, const CLI::ParseError& error) {
   return code;
 }
 
+Status check_values(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands()) {
+    if (Status s = check_values(*command); !s) return s;
+    for (const CLI::Option* option : command->get_options())
+      if (option->get_expected_max() > 0)
+        for (const std::string& value : option->results())
+          if (value.empty()) return usage_error(option->get_name() + ": found '', expected a value");
+  }
+  return {};
+}
+
 Status check_command(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return {};
   const std::string word = argv[1];
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
   if (std::find(names.begin(), names.end(), word) != names.end()) return {};
-  return usage_error("there is no command '" + word + "'" + did_you_mean(word, names) + "; cxlab --help lists them");
+  const std::string near = did_you_mean(word, names);
+  return usage_error("there is no command '" + word + "'" + (near.empty() ? "; cxlab --help lists them" : near));
 }
 
 }  // namespace cxlab::app

@@ -17,6 +17,11 @@ CLI::Validator positive();
 /// A whole number from 0 that 64 bits hold.
 CLI::Validator seed_number();
 
+/// A whole number within these bounds.
+CLI::Validator whole_number(std::int64_t low, std::int64_t high);
+/// One of these words.
+CLI::Validator one_of(std::vector<std::string> words);
+
 /// The option may come often, with one value each time; it takes no argument that follows.
 CLI::Option* once_each(CLI::Option* option);
 /// Declares `--prefix`.
@@ -26,6 +31,8 @@ void add_package_options(CLI::App& command, lab::PackageOptions& options);
 
 /// Exit code of a command line that cannot be used; 0 after `--help` and `--version`.
 int usage_exit(const CLI::App& app, const CLI::ParseError& error);
+/// Fails where an argument is empty, which nothing takes.
+Status check_values(const CLI::App& app);
 /// Fails if the first argument is no command: CLI11 would only say that one is missing.
 Status check_command(const CLI::App& app, int argc, char** argv);
 

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -94,14 +95,34 @@ void on_no_memory() {
 
 }  // namespace
 
+/// Bytes: a whole number and its unit, if any.
+static std::optional<std::int64_t> size_of(const std::string& text) {
+  static constexpr std::pair<std::string_view, std::int64_t> kUnits[] = {
+      {"", 1},          {"b", 1},         {"kb", 1'000},    {"mb", 1'000'000},         {"gb", 1'000'000'000},
+      {"kib", 1 << 10}, {"mib", 1 << 20}, {"gib", 1 << 30}, {"tb", 1'000'000'000'000}, {"tib", std::int64_t{1} << 40}};
+  const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+  const auto number = read_number<std::int64_t>(text.substr(0, digits));
+  std::string unit = text.substr(std::min(text.find_first_not_of(' ', digits), text.size()));
+  std::transform(unit.begin(), unit.end(), unit.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const auto& [name, bytes] : kUnits) {
+    if (!number || unit != name || *number > INT64_MAX / bytes) continue;
+    const std::int64_t size = *number * bytes;
+    if (size == 0 || size >= 1'000'000) return size;
+  }
+  return std::nullopt;
+}
+
 void add_memory_option(CLI::App& command) {
   command
       .add_option("--memory", g_memory, "What rules may hold of the machine's memory, as 500MB or 4GB; 0 = no limit")
-      ->transform(CLI::AsSizeValue(true))
-      ->check([](const std::string& text) {
-        const auto bytes = read_number<std::int64_t>(text);
-        return bytes && (*bytes == 0 || *bytes >= 1'000'000) ? "" : "found " + text + ", expected 0 or at least 1MB";
-      })
+      ->transform(CLI::Validator(
+          [](std::string& text) {
+            const auto bytes = size_of(text);
+            if (!bytes) return "found '" + text + "', expected a size of at least 1MB as 500MB or 4GB, or 0";
+            text = std::to_string(*bytes);
+            return std::string();
+          },
+          ""))
       ->type_name("SIZE")
       ->default_str("2GB");
 }
@@ -118,6 +139,21 @@ static bool colours_wanted() {
 
 std::string coloured(std::string_view text, std::string_view colour) {
   return colours_wanted() ? "\033[" + std::string(colour) + 'm' + std::string(text) + "\033[0m" : std::string(text);
+}
+
+std::string printable(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if ((code >= 0x20 && code != 0x7f) || c == '\n' || c == '\t') {
+      out += c;
+      continue;
+    }
+    char escaped[5];
+    std::snprintf(escaped, sizeof escaped, "\\x%02x", code);
+    out += escaped;
+  }
+  return out;
 }
 
 Console::Console(bool quiet)
@@ -165,14 +201,18 @@ void Console::progress(double done, double total) {
 void Console::note(std::string_view text) {
   if (quiet_) return;
   clear();
-  std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data());
+  std::fprintf(stderr, "%s\n", printable(text).c_str());
 }
 
 void Console::line(const cx::LogLine& line) {
   if (quiet_ || line.level == cx::LogLevel::kDebug) return;
   clear();
   if (line.level == cx::LogLevel::kError) errors_.emplace(line.text);
-  log_->line(line);
+  const std::string text = printable(line.text), logger = printable(line.logger);
+  cx::LogLine shown = line;
+  shown.text = text;
+  shown.logger = logger;
+  log_->line(shown);
 }
 
 void Console::clear() {

@@ -32,6 +32,7 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
   void line(const cx::LogLine& line) override;
   /// Takes the line of progress away, so that other output can be printed.
   void clear();
+  bool quiet() const { return quiet_; }
   /// Whether a line of the log has shown this error.
   bool has_shown(const std::string& error) const { return errors_.contains(error); }
 
@@ -45,6 +46,8 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
 
 /// The text for stderr in this colour ("31" is red); as it is where that is no terminal, or $NO_COLOR is set.
 std::string coloured(std::string_view text, std::string_view colour);
+/// The text with control characters as \x1b: texts of others may not move the cursor, nor rename the terminal.
+std::string printable(std::string_view text);
 /// Declares `--memory`, which holds for the whole process.
 void add_memory_option(CLI::App& command);
 /// The number of the signal that asked for a stop, 0 if none.

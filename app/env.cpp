@@ -66,7 +66,7 @@ void declare(CLI::App& command, Options& options) {
       .add_option("--max-firings", options.env.max_firings,
                   "Rules that an environment may fire in a tick before the run ends as one without an end (default "
                   "100000, 0 = no limit)")
-      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 62));
+      ->check(whole_number(0, std::int64_t{1} << 62));
   command.add_flag("--trust-rules", options.env.trust_rules, "Rules may read, write and run anything");
   declare_play(command, options.run);
   command.get_option("--until")->description("End, s of simulated time (default 60)");

@@ -117,7 +117,7 @@ void add_list(CLI::App& app, Action& action) {
   auto what = std::make_shared<std::string>();
   command->add_option("what", *what, "What to list")
       ->required()
-      ->check(CLI::IsMember(
+      ->check(one_of(
           {"scenarios", "worlds", "nodes", "skills", "interfaces", "plugins", "functions", "templates", "faults"}));
   auto packages = std::make_shared<lab::PackageOptions>();
   add_package_options(*command, *packages);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "app/arguments.h"
 #include "app/command.h"
 #include "lab/page.h"
 #include "lab/versions.h"
@@ -108,7 +109,7 @@ void add_completion(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("completion", "Prints a script that completes commands and options");
   command->footer("Examples:\n  source <(cxlab completion bash)\n  cxlab completion zsh > ~/.zfunc/_cxlab");
   auto shell = std::make_shared<std::string>();
-  command->add_option("shell", *shell, "bash or zsh")->required()->check(CLI::IsMember({"bash", "zsh"}));
+  command->add_option("shell", *shell, "bash or zsh")->required()->check(one_of({"bash", "zsh"}));
   command->callback(
       [&app, shell, &action] { action = [&app, shell] { return print_page(app, "completion." + *shell); }; });
 }

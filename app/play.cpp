@@ -15,13 +15,14 @@ void declare_play(CLI::App& command, PlayCommand& options) {
   command.add_option("--out", play.out, "Folder of the run; 'none' writes nothing (default runs/<scenario>-<seed>)");
   command.add_flag("--force", play.force, "Overwrites a folder that is in use");
   command.add_option("--journal", play.journal, "What journal.jsonl holds: none, decisions or full")
+      ->check(one_of({"none", "decisions", "full"}))
       ->capture_default_str();
   command.add_flag("--strict-cx", play.strict, "Parameters that CX does not know are errors, not INFO lines");
   add_prefix_option(command, play.prefixes);
   add_memory_option(command);
   command.add_flag("--realtime", play.realtime, "Sleeps between ticks, to watch");
   command.add_flag("--json", options.json, "Prints result.json instead of a summary");
-  command.add_flag("--quiet", options.quiet, "Prints neither progress nor log lines");
+  command.add_flag("--quiet", options.quiet, "Prints neither progress nor log lines, only errors");
 }
 
 Outcome play(const PlayCommand& command, Scenario scenario) {
@@ -34,8 +35,28 @@ Outcome play(const PlayCommand& command, Scenario scenario) {
   return {conclude(*played, console), *std::move(played)};
 }
 
+namespace {
+
+/// The errors of rules that only the log has, of a run that went on.
+void print_rule_errors(const lab::Played& played) {
+  constexpr std::size_t kMost = 20;
+  std::size_t printed = 0;
+  for (const RuleErrorResult& e : played.result.rule_errors) {
+    if (e.side == "load") continue;
+    if (++printed > kMost) continue;
+    const std::string what = (e.side == "callback" ? "" : "rule ") + e.rule + ", " + e.side + ": " + e.message;
+    const Error error = Error{ErrorKind::kRun, what, e.file, e.line, "rule_error"};
+    if (!played.failure || played.failure->text() != error.text()) (void)fail(error);
+  }
+  if (printed > kMost)
+    std::fprintf(stderr, "%s %zu more, in result.json\n", coloured("errors:", kRed).c_str(), printed - kMost);
+}
+
+}  // namespace
+
 int conclude(const lab::Played& played, const Console& console) {
   const Status page = lab::write_report(played);
+  if (console.quiet()) print_rule_errors(played);
   std::size_t shown = 0;  // of files that could not be loaded, while the run went on
   for (const Error& error : played.errors)
     if (error.kind == ErrorKind::kInput && console.has_shown(error.text()))

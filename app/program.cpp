@@ -19,7 +19,7 @@
 namespace cxlab::app {
 
 int fail(const Error& error) {
-  std::fprintf(stderr, "%s %s\n", coloured("error:", kRed).c_str(), error.text().c_str());
+  std::fprintf(stderr, "%s %s\n", coloured("error:", kRed).c_str(), printable(error.text()).c_str());
   return static_cast<int>(error.kind);
 }
 
@@ -90,6 +90,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return usage_exit(app, e);
   }
+  if (Status s = check_values(app); !s) return fail(s.error());
   return with_all_said(action());
 }
 

@@ -43,7 +43,7 @@ void declare(CLI::App& command, Options& options) {
                   "Scenario: a file (YAML), or the name of one that comes with cxlab (cxlab list scenarios)")
       ->required();
   command.add_option("--tier", options.tier, "physics: MuJoCo; timed: durations only")
-      ->check(CLI::IsMember({"physics", "timed"}));
+      ->check(one_of({"physics", "timed"}));
   once_each(command.add_option("--set", options.overrides, "Changes a value: a.b[0].c=VALUE (may be given often)"));
   command.add_option("--snapshot", options.play.snapshot, "Pictures: every:SECONDS or SECONDS,SECONDS,...");
   command.add_option("--video", options.play.video, "Film of the game (needs ffmpeg)");

@@ -110,7 +110,11 @@ Status check_companions(const EnvOptions& options, const Catalogue& catalogue, c
     if (find_world(catalogue, name))
       return usage_error("--with: found the worlds '" + std::string(world->name) + "' and '" + name +
                          "', expected one");
-    return usage_error("--with: found '" + name + "', expected one of: " + known_companions(catalogue));
+    std::vector<std::string> known;
+    for (const WorldKind* kind : catalogue.worlds) known.emplace_back(kind->name);
+    for (const NodeKind* kind : catalogue.nodes) known.emplace_back(kind->name);
+    return usage_error("--with: found '" + name + "', expected one of: " + known_companions(catalogue) +
+                       did_you_mean(name, known));
   }
   return {};
 }
@@ -196,7 +200,10 @@ Status add_agents(const EnvOptions& options, Scenario& scenario) {
   auto params = manager_params(options, agent);
   if (!params) return params.error();
   agent.params = *std::move(params);
+  bus::NodeName manager{cx::ManagerOptions().node, agent.name_space, agent.remaps};
+  bus::rename_node(manager);
   for (const std::string& config : options.configs) {
+    if (auto read = cx::Parameters::load(config, manager.name, manager.name_space); !read) return read.error();
     agent.config = fs::absolute(config).lexically_normal().string();
     scenario.agents.push_back(agent);
   }
@@ -217,7 +224,8 @@ Expected<Stimulus> transition(const EnvOptions& options, const std::string& text
   const std::vector<std::string> known{"configure", "activate", "deactivate", "cleanup", "shutdown"};
   if (std::ranges::find(known, name) == known.end())
     return usage_error("--transition: found '" + name +
-                       "', expected configure, activate, deactivate, cleanup or shutdown");
+                       "', expected configure, activate, deactivate, cleanup or shutdown" + did_you_mean(name, known));
+  if (where + 1 == parts->second.size()) return usage_error("--transition: found '" + text + "', expected " + form);
   const std::string node = where == std::string::npos
                                ? bus::NodeName{cx::ManagerOptions().node, options.name_space, {}}.full_name()
                                : parts->second.substr(where + 1);

@@ -12,7 +12,8 @@ Expected<std::map<std::string, std::string>> named_packages(const std::vector<st
   std::map<std::string, std::string> packages;
   for (const std::string& text : named) {
     const std::size_t at = text.find('=');
-    if (at == std::string::npos || at == 0) return usage_error("--package: found '" + text + "', expected NAME=DIR");
+    if (at == std::string::npos || at == 0 || at + 1 == text.size())
+      return usage_error("--package: found '" + text + "', expected NAME=DIR");
     const std::string folder = text.substr(at + 1);
     if (!fs::is_directory(folder)) return input_error("--package " + text + ": there is no folder " + folder);
     packages[text.substr(0, at)] = fs::absolute(folder).lexically_normal().string();

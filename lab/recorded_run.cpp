@@ -24,6 +24,13 @@ Expected<Json> read_json(const fs::path& file) {
   return json;
 }
 
+/// What the library says, without its code.
+std::string without_code(const Json::exception& e) {
+  const std::string text = e.what();
+  const std::size_t end = text.find("] ");
+  return end == text.npos ? text : text.substr(end + 2);
+}
+
 void read_manifest(const Json& json, RecordedRun& run) {
   run.scenario_file = fs::path(json.at("folder").get<std::string>()) / json.at("scenario").get<std::string>();
   run.overrides = json.at("overrides").get<std::vector<std::string>>();
@@ -64,6 +71,8 @@ bool has_first_tick(const fs::path& inputs) {
 
 Expected<RecordedRun> RecordedRun::open(const fs::path& folder, const Catalogue& catalogue) {
   if (!fs::is_directory(folder)) return input_error("there is no folder of a run", folder.string());
+  if (!fs::exists(folder / "manifest.json"))
+    return input_error("is not the folder of a run: there is no manifest.json in it", folder.string());
   RecordedRun run;
   run.folder = folder;
   run.catalogue = &catalogue;
@@ -74,12 +83,13 @@ Expected<RecordedRun> RecordedRun::open(const fs::path& folder, const Catalogue&
   try {
     read_manifest(*manifest, run);
   } catch (const Json::exception& e) {
-    return input_error(std::string("not the manifest of a run: ") + e.what(), (folder / "manifest.json").string());
+    return input_error(std::string("not the manifest of a run: ") + without_code(e),
+                       (folder / "manifest.json").string());
   }
   try {
     read_result(*result, run);
   } catch (const Json::exception& e) {
-    return input_error(std::string("not the result of a run: ") + e.what(), (folder / "result.json").string());
+    return input_error(std::string("not the result of a run: ") + without_code(e), (folder / "result.json").string());
   }
   return run;
 }

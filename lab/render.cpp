@@ -37,6 +37,9 @@ Status render_run(const RecordedRun& run, const RenderOptions& options) {
 Status render_scenario(Scenario scenario, const RenderOptions& options, const Host& host) {
   if (!options.at) return usage_error("--at is missing: a scenario is played up to then");
   const double at = *options.at;
+  if (from_seconds(at) > scenario.duration)
+    return usage_error("--at: there is no picture at " + general_text(at, 6) + " s: the run ends at " +
+                       general_text(to_seconds(scenario.duration), 6) + " s");
   const std::string file = scenario.file.string();
   auto episode = Episode::load(std::move(scenario), shared_episode_options(host));
   if (!episode) return episode.error();

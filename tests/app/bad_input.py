@@ -117,7 +117,7 @@ class Scenarios(Lab):
     def test_usage(self):
         self.agent("")
         self.fails(2, "--frob", arguments=["--frob"])
-        self.fails(2, "'some' is no journal level: none, decisions or full", arguments=["--journal", "some"])
+        self.fails(2, "--journal: found 'some', expected one of: none, decisions, full", arguments=["--journal", "some"])
         self.fails(2, "error: --seed: found '-1', expected a whole number from 0", "cxlab run --help", arguments=["--seed", "-1"])
         self.fails(2, "error: --until: found '-3', expected a number, 0 or more", arguments=["--until", "-3"])
         for swapped, meant in (("rnu", "run"), ("evn", "env")):

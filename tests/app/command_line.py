@@ -133,6 +133,20 @@ class Output(Lab):
         self.assertEqual(quiet.returncode, 3)
         self.assertRegex(quiet.stderr, r"\Aerror: \S*rules.clp:1: .*\n\Z")
 
+    def test_quiet_leaves_errors_of_rules(self):
+        self.agent("(defrule broken (time ?) => (/ 1 0))\n(defrule other (time ?) => (nth$ 1 (create$)) (mod 1 0))")
+        quiet = cxlab("env", "agent.yaml", "--package", "rules=rules", "--until", 1, "--out", "none", "--quiet", cwd=self.folder)
+        self.assertEqual(quiet.returncode, 0)
+        lines = {line.split("rules.clp:")[1] for line in quiet.stderr.splitlines()}
+        self.assertEqual(lines, {"1: rule broken, RHS: [PRNTUTIL7] Attempt to divide by zero in '/' function.",
+                                 "2: rule other, RHS: [PRNTUTIL7] Attempt to divide by zero in 'mod' function."})
+
+    def test_rules_get_the_same_answers_without_a_folder(self):
+        self.agent("""(defrule files => (printout t (open "a.txt" f "w") (close f) (open "a.txt" f "r") (readline f) (remove "b.txt")
+  (rename "a.txt" "c.txt") (save-facts "d.txt") crlf))""")
+        hashes = {json.loads(self.run_it("--json", "--out", out, out=False).stdout)["journal_hash"] for out in ("none", "out")}
+        self.assertEqual(len(hashes), 1)
+
     def test_set_takes_one_value(self):
         self.agent("")
         done = cxlab("run", "--out", "none", "--set", "seed=3", "scenario.yaml", "--set", "duration_s=1", "--json", "--quiet",
