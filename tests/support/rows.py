@@ -1,0 +1,149 @@
+"""Tests as rows: files, a command line, the exit code, and what stderr must say. Two rows at a time.
+
+What a row must say stands in a list beside the rows, NAME.said.txt: its error lines, or without one its log lines.
+`python3 NAME.py update` writes the list anew after a message was changed on purpose; the commit says which and why."""
+
+import concurrent.futures
+import dataclasses
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+CXLAB = os.environ.get("CXLAB", "")
+LIMIT_S = 60
+LONGEST = 400  # characters of a line that count
+
+
+@dataclasses.dataclass
+class Row:
+    name: str
+    command: list  # arguments; {here} is the row's folder
+    code: int
+    files: dict = dataclasses.field(default_factory=dict)  # name: text, bytes, or function that is called with the path
+    never: list = dataclasses.field(default_factory=list)  # texts that stand neither in the answer nor in a file of the run
+    kept: dict = dataclasses.field(default_factory=dict)  # name of a file that there must be afterwards: a part of it
+    leaves: tuple = ("out",)  # folders and files that the command may make or change
+    stdin: str = ""
+    long: bool = False  # takes a second or more
+
+
+def write(folder, files):
+    for name, content in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if callable(content):
+            content(path)
+        elif isinstance(content, bytes):
+            path.write_bytes(content)
+        else:
+            path.write_text(content.replace("{here}", str(folder)))
+
+
+def state(folder, without):
+    """Each file below the folder, with its content or what it is."""
+    found = {}
+    for path in sorted(folder.rglob("*")):
+        name = path.relative_to(folder)
+        if name.parts[0] not in without:
+            found[str(name)] = path.read_bytes() if path.is_file() else ("link" if path.is_symlink() else "folder")
+    return found
+
+
+def said(out, err, folder):
+    """What a person is told, on one line: errors, else the log of the rules, else the end of the answer."""
+    out, err = (re.sub(r"\d+ ms", "N ms", text.replace(str(folder), "{here}")) for text in (out, err))
+    lines = [line for line in err.splitlines() if line.startswith(("error", "errors:"))]
+    lines = lines or [line for line in err.splitlines() if re.search(r"\] \[(error|warn)\] |\] \[main\]", line)]
+    lines = lines or out.splitlines()[-3:] or err.splitlines()[-3:]
+    return " / ".join(line.strip()[:LONGEST] for line in lines[-6:]).encode("unicode_escape").decode()
+
+
+def play_row(row, fixed):
+    """What it said, and what is wrong beside that."""
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="cxlab-row-")).resolve()
+    try:
+        write(folder, {**fixed, **row.files})
+        before = state(folder, row.leaves)
+        command = [CXLAB, *(argument.replace("{here}", str(folder)) for argument in row.command)]
+        environment = {**os.environ, "HOME": str(folder / "home")}
+        try:
+            done = subprocess.run(command, cwd=folder, input=row.stdin.encode(), capture_output=True, timeout=LIMIT_S, env=environment)
+        except subprocess.TimeoutExpired:
+            return "", [f"it has not ended after {LIMIT_S} s"]
+        out, err = done.stdout.decode(errors="backslashreplace"), done.stderr.decode(errors="backslashreplace")
+        wrong = [] if done.returncode == row.code else [f"exit code {done.returncode}, expected {row.code}"]
+        if row.never:
+            files = [p for name in row.leaves for p in (folder / name).rglob("*") if p.is_file() and not p.is_symlink()]
+            everything = out + err + "".join(p.read_bytes().decode(errors="replace") for p in files)
+            wrong += [f"{text!r} came out" for text in row.never if text in everything]
+        for name, part in row.kept.items():
+            path = folder / name.replace("{here}", str(folder))
+            if not path.is_file() or part not in path.read_text(errors="replace"):
+                wrong.append(f"{name} has no {part!r}")
+        after = state(folder, row.leaves)
+        wrong += [f"{name} was changed" for name in sorted(before.keys() | after.keys()) if before.get(name) != after.get(name)]
+        return said(out, err, folder), wrong
+    finally:
+        shutil.rmtree(folder)
+
+
+def play(rows, fixed):
+    """(row, what it said, what is wrong) of each."""
+    only = re.compile(os.environ.get("CXLAB_ROWS", ""))
+    rows = [row for row in rows if only.search(row.name)]
+    with concurrent.futures.ThreadPoolExecutor(2) as workers:
+        yield from ((row, *result) for row, result in zip(rows, workers.map(lambda row: play_row(row, fixed), rows)))
+
+
+def read_list(file):
+    """kind: {name of a row: text}"""
+    kinds = {}
+    for line in file.read_text().splitlines() if file.exists() else []:
+        if line.startswith("# "):
+            kinds[line[2:]] = {}
+        elif line:
+            name, text = line.split("\t")
+            kinds[list(kinds)[-1]][name] = text
+    return kinds
+
+
+def tests_of(module, kinds, fixed, file):
+    """A test case with a test for each kind of rows, and one for those of it that take long; `fixed` are files that all rows have."""
+    file = pathlib.Path(file).with_suffix(".said.txt")
+    expected = read_list(file)
+
+    def test(self, kind, rows):
+        names = [row.name for row in kinds[kind]]
+        self.assertEqual(len(set(names)), len(names), "two rows have one name")
+        self.assertEqual(set(names), set(expected.get(kind, ())), "the list has other rows; update writes it anew")
+        for row, text, wrong in play(rows, fixed):
+            with self.subTest(row.name):
+                self.assertFalse(wrong, f"{wrong}; it said: {text}")
+                self.assertEqual(text, expected[kind][row.name])
+
+    def update():
+        lines = []
+        for kind, rows in kinds.items():
+            lines.append(f"# {kind}")
+            for row, text, wrong in play(rows, fixed):
+                lines.append(f"{row.name}\t{text}")
+                if wrong:
+                    print(f"{kind}: {row.name}: {wrong}: {text}", file=sys.stderr)
+        file.write_text("\n".join(lines) + "\n")
+
+    tests = {}
+    for kind, rows in kinds.items():
+        for length in ("short", "long"):
+            if some := [row for row in rows if row.long == (length == "long")]:
+                tests[f"test_{length}_{kind.replace(' ', '_')}"] = lambda self, kind=kind, some=some: test(self, kind, some)
+    case = type("Rows", (unittest.TestCase,), {"__module__": module, **tests})
+    return case, update
+
+
+def main(update):
+    update() if sys.argv[1:] == ["update"] else unittest.main(module="__main__")
