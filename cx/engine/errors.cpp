@@ -241,7 +241,8 @@ void add_call(const RuleEngine::Impl& impl, const std::string& head, RuleError& 
 std::string chain_of(const RuleError& error) {
   if (error.calls.empty()) return {};
   std::string chain;
-  if (!error.rule.empty()) chain = (error.side == ErrorSide::kCallback ? "" : "rule ") + error.rule;
+  if (error.side != ErrorSide::kLoad && !error.rule.empty())  // else the name of the construct that is read
+    chain = (error.side == ErrorSide::kCallback ? "" : "rule ") + error.rule;
   constexpr std::size_t kShown = 5;  // at either end of a long one
   for (std::size_t i = error.calls.size(); i > 0; --i) {
     if (i > kShown && i + kShown <= error.calls.size()) {
