@@ -1,0 +1,401 @@
+// What faults do to a skill: each call that reaches the skill below, each result and each record, with its time.
+
+#include "sim/skills/faulty_skills.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace cxlab::sim {
+namespace {
+
+constexpr SimTime kTick{500'000'000};
+
+std::string seconds(SimTime t) {
+  if (t == kNever) return "never";
+  const auto tenths = std::lround(to_seconds(t) * 10);
+  return std::to_string(tenths / 10) + (tenths % 10 != 0 ? "." + std::to_string(tenths % 10) : "");
+}
+
+using Log = std::vector<std::string>;
+
+FloorPlan two_robots() {
+  FloorPlan plan;
+  plan.robots = {{"robot1", {}}, {"robot2", {}}};
+  return plan;
+}
+
+class Hand final : public WorldView {
+ public:
+  Hand() : WorldView(two_robots()) {}
+  RobotState robot(RobotId id) const override {
+    RobotState state;
+    if (id == RobotId{0} && holds) state.held = PieceId{1};
+    return state;
+  }
+  bool belt_running(StationId) const override { return false; }
+  const Piece* at(SpotId) const override { return nullptr; }
+  const Piece* on_belt(StationId, double) const override { return nullptr; }
+  bool holds = false;
+};
+
+/// A skill that takes `lasts` and half a second to stop, and grasps as it ends if it is a pick.
+class Plain final : public RobotSkills {
+ public:
+  Plain(Log& log, Hand& hand, SimTime lasts) : log_(log), hand_(hand), lasts_(lasts) {}
+  void start(const SkillGoal& goal, SimTime now) override {
+    log_.push_back("start " + goal.target);
+    kind_ = goal.kind;
+    ends_at_ = now + lasts_;
+    cancelled_ = false;
+  }
+  void cancel(SimTime now) override {
+    log_.push_back("cancel");
+    if (ends_at_ > now + kTick) {
+      ends_at_ = now + kTick;
+      cancelled_ = true;
+    }
+  }
+  std::optional<SkillResult> sense(SimTime now) override {
+    if (ends_at_ == kNever) log_.push_back("idle");
+    if (now < ends_at_) return std::nullopt;
+    ends_at_ = kNever;
+    if (cancelled_) return SkillResult::cancel();
+    if (kind_ == SkillKind::kPick) hand_.holds = true;
+    return SkillResult::of(SkillCode::kNone);
+  }
+  void act(SimTime) override { log_.push_back("act"); }
+  void drop(SimTime) override {
+    log_.push_back("drop");
+    hand_.holds = false;
+  }
+  SkillPhase phase() const override { return SkillPhase::kHandle; }
+  double remaining(SimTime) const override { return 3; }
+  SimTime next_due() const override { return ends_at_; }
+
+ private:
+  Log& log_;
+  Hand& hand_;
+  SimTime lasts_;
+  SkillKind kind_{};
+  SimTime ends_at_ = kNever;
+  bool cancelled_ = false;
+};
+
+/// Logs the fault that a record is about; "?" if the record is not exactly the expected one.
+class FaultLog final : public RecordSink {
+ public:
+  FaultLog(Log& log, const std::vector<Fault>& faults) : log_(log), faults_(faults) {}
+  StreamId open_stream(std::string_view name) override { return name == "faults" ? StreamId{1} : StreamId{}; }
+  RecordRef write(StreamId stream, SimTime t, RecordKind kind, const RecordData& data,
+                  std::span<const RecordRef> causes) override {
+    std::string what = "?";
+    for (const Fault& fault : faults_) {
+      RecordData wanted;
+      wanted.begin()
+          .field("fault", to_string(fault.kind))
+          .field("number", static_cast<std::int64_t>(fault.number))
+          .field("robot", "robot1");
+      if (wanted.bytes() == data.bytes() && stream == StreamId{1} && kind == RecordKind::kControl && causes.empty())
+        what = std::to_string(fault.number);
+    }
+    log_.push_back("fault " + what + (t == now ? "" : " at another time"));
+    return {};
+  }
+  SimTime now{};
+
+ private:
+  Log& log_;
+  const std::vector<Fault>& faults_;
+};
+
+struct Case {
+  const char* name;
+  std::vector<Fault> faults;
+  std::vector<std::pair<double, SkillGoal>> goals;
+  std::vector<double> cancels;
+  double lasts, until;
+  Log wanted;
+};
+
+/// All that happens; per tick also what is due, when that or the phase changes.
+Log play(const Case& c) {
+  Log calls, log;
+  Hand hand;
+  FaultLog sink(calls, c.faults);
+  FaultySkills skills(std::make_unique<Plain>(calls, hand, from_seconds(c.lasts)), RobotId{0}, hand, c.faults, 1, sink);
+  std::string last;
+  bool active = false;
+  for (SimTime now{}; now <= from_seconds(c.until); now += kTick) {
+    sink.now = now;
+    if (active) {
+      if (const auto result = skills.sense(now)) {
+        active = false;
+        calls.push_back("end " + std::to_string(static_cast<int>(result->code)) +
+                        (result->cancelled ? " cancelled" : "") + " '" + result->text + "'");
+      }
+    }
+    for (const auto& [at, goal] : c.goals)
+      if (from_seconds(at) == now) {
+        skills.start(goal, now);
+        active = true;
+      }
+    for (const double at : c.cancels)
+      if (from_seconds(at) == now) skills.cancel(now);
+    for (const std::string& call : calls) log.push_back(seconds(now) + " " + call);
+    calls.clear();
+    const std::string state = std::string(to_string(skills.phase())) + " " +
+                              std::to_string(std::lround(skills.remaining(now))) + " m, due " +
+                              seconds(skills.next_due());
+    if (state != last) log.push_back(seconds(now) + " " + state);
+    last = state;
+  }
+  return log;
+}
+
+Fault fails(double at, double after, int error = 0) {
+  Fault fault;
+  fault.kind = FaultKind::kSkillFails;
+  fault.at = from_seconds(at);
+  fault.after = from_seconds(after);
+  fault.error = error;
+  fault.number = 3;
+  return fault;
+}
+Fault stalls(double at, double duration) {
+  Fault fault;
+  fault.kind = FaultKind::kSkillStalls;
+  fault.at = from_seconds(at);
+  fault.duration = from_seconds(duration);
+  fault.number = 4;
+  return fault;
+}
+Fault drops(double at) {
+  Fault fault;
+  fault.kind = FaultKind::kPieceDropped;
+  fault.at = from_seconds(at);
+  fault.number = 5;
+  return fault;
+}
+Fault of_robot(Fault fault, const char* robot) {
+  fault.robot = robot;
+  return fault;
+}
+Fault of_skill(Fault fault, const char* skill) {
+  fault.skill = skill;
+  return fault;
+}
+Fault machine(double at) {
+  Fault fault = fails(at, 0);
+  fault.kind = FaultKind::kMachineBreaks;
+  fault.machine = "C-BS";
+  return fault;
+}
+
+const SkillGoal kDrive{SkillKind::kDriveTo, "A", std::nullopt, {}}, kPick{SkillKind::kPick, "B", std::nullopt, {}},
+    kPlace{SkillKind::kPlace, "C", std::nullopt, {}};
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> all{
+      {"None",
+       {},
+       {{0, kDrive}},
+       {},
+       2,
+       3,
+       {"0 start A", "0 handle 3 m, due 2", "2 end 0 ''", "2 handle 3 m, due never"}},
+      {"OfAnotherRobot",
+       {of_robot(fails(0, 1), "robot2")},
+       {{0, kDrive}},
+       {},
+       2,
+       3,
+       {"0 start A", "0 handle 3 m, due 2", "2 end 0 ''", "2 handle 3 m, due never"}},
+      {"OfThisRobot",
+       {of_robot(fails(0, 1), "robot1")},
+       {{0, kDrive}},
+       {},
+       2,
+       3,
+       {"0 start A", "0 handle 3 m, due 1", "1 fault 3", "1 cancel", "1 handle 3 m, due 1.5",
+        "1.5 end 201 'unable to move'", "1.5 handle 3 m, due never"}},
+      {"OfAMachine",
+       {machine(0)},
+       {{0, kDrive}},
+       {},
+       2,
+       3,
+       {"0 start A", "0 handle 3 m, due 2", "2 end 0 ''", "2 handle 3 m, due never"}},
+      {"ADriveFails",
+       {fails(0, 1)},
+       {{0, kDrive}, {3, kDrive}},
+       {},
+       4,
+       8,
+       {"0 start A", "0 handle 3 m, due 1", "1 fault 3", "1 cancel", "1 handle 3 m, due 1.5",
+        "1.5 end 201 'unable to move'", "1.5 handle 3 m, due never", "3 start A", "3 handle 3 m, due 7", "7 end 0 ''",
+        "7 handle 3 m, due never"}},
+      {"APickFails",
+       {fails(0, 1)},
+       {{0, kPick}},
+       {},
+       4,
+       3,
+       {"0 start B", "0 handle 3 m, due 1", "1 fault 3", "1 cancel", "1 handle 3 m, due 1.5",
+        "1.5 end 206 'grasping failed'", "1.5 handle 3 m, due never"}},
+      {"APlaceFails",
+       {fails(0, 1)},
+       {{0, kPlace}},
+       {},
+       4,
+       3,
+       {"0 start C", "0 handle 3 m, due 1", "1 fault 3", "1 cancel", "1 handle 3 m, due 1.5",
+        "1.5 end 204 'sensor disagreement'", "1.5 handle 3 m, due never"}},
+      {"WithACode",
+       {fails(0, 1, 300)},
+       {{0, kPlace}},
+       {},
+       4,
+       3,
+       {"0 start C", "0 handle 3 m, due 1", "1 fault 3", "1 cancel", "1 handle 3 m, due 1.5", "1.5 end 300 'no path'",
+        "1.5 handle 3 m, due never"}},
+      {"OfOneSkill",
+       {of_skill(fails(0, 1), "pick")},
+       {{0, kDrive}, {3, kPick}},
+       {},
+       2,
+       6,
+       {"0 start A", "0 handle 3 m, due 2", "2 end 0 ''", "2 handle 3 m, due never", "3 start B", "3 handle 3 m, due 4",
+        "4 fault 3", "4 cancel", "4 handle 3 m, due 4.5", "4.5 end 206 'grasping failed'",
+        "4.5 handle 3 m, due never"}},
+      {"FailsAtOnce",
+       {fails(0, 0)},
+       {{0, kPick}},
+       {},
+       4,
+       3,
+       {"0 start B", "0 handle 3 m, due 0", "0.5 fault 3", "0.5 cancel", "0.5 handle 3 m, due 1",
+        "1 end 206 'grasping failed'", "1 handle 3 m, due never"}},
+      {"FailsAfterItsEnd",
+       {fails(0, 3)},
+       {{0, kDrive}, {2.5, kDrive}},
+       {},
+       2,
+       6,
+       {"0 start A", "0 handle 3 m, due 2", "2 end 0 ''", "2 handle 3 m, due never", "2.5 start A",
+        "2.5 handle 3 m, due 4.5", "4.5 end 0 ''", "4.5 handle 3 m, due never"}},
+      {"FailsTooLateToBreakOff",
+       {fails(0, 1.5)},
+       {{0, kPick}},
+       {},
+       2,
+       4,
+       {"0 start B", "0 handle 3 m, due 1.5", "1.5 fault 3", "1.5 cancel", "1.5 handle 3 m, due 2", "2 end 0 ''",
+        "2 handle 3 m, due never"}},
+      {"CancelledBeforeItFails",
+       {fails(0, 2)},
+       {{0, kDrive}, {4, kDrive}},
+       {1.5},
+       6,
+       8,
+       {"0 start A", "0 handle 3 m, due 2", "1.5 cancel", "2 end 0 cancelled 'cancelled'", "2 handle 3 m, due never",
+        "4 start A", "4 handle 3 m, due 10"}},
+      {"CancelledWhileItIsBrokenOff",
+       {fails(0, 1)},
+       {{0, kDrive}},
+       {1},
+       6,
+       4,
+       {"0 start A", "0 handle 3 m, due 1", "1 fault 3", "1 cancel", "1 handle 3 m, due 1.5",
+        "1.5 end 201 'unable to move'", "1.5 handle 3 m, due never"}},
+      {"Stalls",
+       {stalls(0, 2)},
+       {{0, kDrive}, {5, kDrive}},
+       {},
+       2,
+       8,
+       {"0 fault 4", "0 wait 0 m, due 2", "0.5 idle", "1 idle", "1.5 idle", "2 start A", "2 handle 3 m, due 4",
+        "4 end 0 ''", "4 handle 3 m, due never", "5 start A", "5 handle 3 m, due 7", "7 end 0 ''",
+        "7 handle 3 m, due never"}},
+      {"CancelledWhileItStalls",
+       {stalls(0, 3)},
+       {{0, kDrive}, {3, kDrive}},
+       {1},
+       2,
+       6,
+       {"0 fault 4", "0 wait 0 m, due 3", "0.5 idle", "1 idle", "1.5 idle", "1.5 end 0 cancelled 'cancelled'",
+        "1.5 handle 3 m, due never", "3 start A", "3 handle 3 m, due 5", "5 end 0 ''", "5 handle 3 m, due never"}},
+      {"CancelledAfterItStalled",
+       {stalls(0, 1)},
+       {{0, kDrive}},
+       {2},
+       4,
+       5,
+       {"0 fault 4", "0 wait 0 m, due 1", "0.5 idle", "1 start A", "1 handle 3 m, due 5", "2 cancel",
+        "2 handle 3 m, due 2.5", "2.5 end 0 cancelled 'cancelled'", "2.5 handle 3 m, due never"}},
+      {"FailsWhileItStalls",
+       {fails(0, 1), stalls(0, 3)},
+       {{0, kPick}, {4, kPick}},
+       {},
+       2,
+       8,
+       {"0 fault 4", "0 wait 0 m, due 1", "0.5 idle", "1 fault 3", "1 idle", "1 end 206 'grasping failed'",
+        "1 handle 3 m, due never", "4 start B", "4 handle 3 m, due 6", "6 end 0 ''", "6 handle 3 m, due never"}},
+      {"FailsAfterItStalled",
+       {fails(0, 2), stalls(0, 1)},
+       {{0, kPick}},
+       {},
+       4,
+       5,
+       {"0 fault 4", "0 wait 0 m, due 1", "0.5 idle", "1 start B", "1 handle 3 m, due 2", "2 fault 3", "2 cancel",
+        "2 handle 3 m, due 2.5", "2.5 end 206 'grasping failed'", "2.5 handle 3 m, due never"}},
+      {"CancelledWhileItStallsAndWouldFail",
+       {fails(0, 2), stalls(0, 3)},
+       {{0, kPick}, {4, kPick}},
+       {1},
+       2,
+       8,
+       {"0 fault 4", "0 wait 0 m, due 2", "0.5 idle", "1 idle", "1 wait 0 m, due 3", "1.5 idle",
+        "1.5 end 0 cancelled 'cancelled'", "1.5 handle 3 m, due never", "4 start B", "4 handle 3 m, due 6",
+        "6 end 0 ''", "6 handle 3 m, due never"}},
+      {"DropsWhatIsHeld",
+       {drops(3)},
+       {{0, kPick}, {2.5, kDrive}},
+       {},
+       2,
+       6,
+       {"0 start B", "0 handle 3 m, due 2", "2 end 0 ''", "2 handle 3 m, due 3", "2.5 start A", "3 fault 5", "3 drop",
+        "3 handle 3 m, due 4.5", "4.5 end 0 ''", "4.5 handle 3 m, due never"}},
+      {"DropsWhatIsTakenLater",
+       {drops(1)},
+       {{0, kPick}, {3, kPick}},
+       {},
+       2,
+       6,
+       {"0 start B", "0 handle 3 m, due 2", "2 fault 5", "2 drop", "2 end 0 ''", "2 handle 3 m, due never", "3 start B",
+        "3 handle 3 m, due 5", "5 end 0 ''", "5 handle 3 m, due never"}},
+      {"DropsWhenASkillEnds",
+       {drops(2)},
+       {{0, kPick}},
+       {},
+       2,
+       4,
+       {"0 start B", "0 handle 3 m, due 2", "2 fault 5", "2 drop", "2 end 0 ''", "2 handle 3 m, due never"}},
+  };
+  return all;
+}
+
+class FaultsOfSkills : public testing::TestWithParam<Case> {};
+
+TEST_P(FaultsOfSkills, HaveTheseEffects) { EXPECT_EQ(play(GetParam()), GetParam().wanted); }
+
+INSTANTIATE_TEST_SUITE_P(Table, FaultsOfSkills, testing::ValuesIn(cases()),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+}  // namespace
+}  // namespace cxlab::sim
