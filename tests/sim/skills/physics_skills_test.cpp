@@ -249,6 +249,10 @@ const std::vector<Case>& cases() {
       {"PlaceOfAPieceThatIsHeldAskew", kPlace, [](Floor& f) { f.bodies.grasped_at = {0.004, 0.006, 0.002}; },
        "drive 0.00 align 0.02 look 0.04 approach 8.04 lower 9.88 release 10.34 back_off 10.64 check 11.98 0 13.98 "
        "empty opening 0.035 gripper 0.000 0.000 0.057 base off 0.000 piece off 0.000 0.000 0.001"},
+      {"PlaceOfAPieceThatIsHeldAskewAtTheInput", kPlace, [](Floor& f) { f.bodies.grasped_at = {0.004, 0.006, 0.002}; },
+       "drive 0.00 align 0.02 look 0.04 approach 8.04 lower 9.88 release 10.34 back_off 10.64 check 11.98 0 13.98 "
+       "empty opening 0.035 gripper 0.000 0.000 0.057 base off 0.000 piece off 0.000 0.000 0.001",
+       "C-BS-INPUT"},
       {"PlaceOnASlide", kPlace, [](Floor&) {},
        "drive 0.00 align 0.02 look 0.04 approach 8.04 lower 9.88 release 10.22 back_off 10.52 check 11.96 0 13.96 "
        "empty opening 0.035 gripper 0.000 0.000 0.057 base off 0.000 piece off 0.000 0.000 0.012",

@@ -1,0 +1,299 @@
+// The skills of the timed tier: each phase with what is due next, each entry in the book, and how each skill ends.
+
+#include "sim/skills/timed_skills.h"
+
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/ledger/ledger_world.h"
+
+namespace cxlab::sim {
+namespace {
+
+constexpr SimTime kTick{20'000'000};
+constexpr RobotId kRobot1{0}, kRobot2{1};
+using Log = std::vector<std::string>;
+
+FloorPlan small_floor() {
+  FloorPlan plan;
+  plan.stations = {{"C-BS", "BS", {1.5, 4, 0}, true}, {"C-RS1", "RS", {4.5, 4, 0}, true}};
+  for (std::size_t i = 0; i < plan.stations.size(); ++i)
+    for (Spot& spot : spots_of(plan.stations[i], static_cast<StationId>(i))) plan.spots.push_back(std::move(spot));
+  plan.robots = {{"robot1", {-2, 4, 0}}, {"robot2", {-0.5, 2, 0}}};
+  return plan;
+}
+
+std::string seconds(SimTime t) {
+  if (t == kNever) return "never";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", to_seconds(t));
+  return text;
+}
+
+/// Passes entries on to the ledger and logs them.
+class LoggedBook final : public RobotBook {
+ public:
+  LoggedBook(LedgerWorld& ledger, Log& log) : ledger_(ledger), log_(log) {}
+  void move_along(RobotId robot, std::span<const Pose2> path, SimTime departure, SimTime arrival) override {
+    char text[160];
+    std::snprintf(text, sizeof text, "move %zu points (%.3f %.3f) to (%.3f %.3f %.2f), ", path.size(), path.front().x,
+                  path.front().y, path.back().x, path.back().y, path.back().yaw);
+    log_.push_back(text + seconds(departure) + " to " + seconds(arrival));
+    ledger_.move_along(robot, path, departure, arrival);
+  }
+  void stop(RobotId robot) override {
+    log_.push_back("stop");
+    ledger_.stop(robot);
+  }
+  Status grasp(RobotId robot, SpotId from) override {
+    log_.push_back("grasp " + ledger_.plan().spot(from).name);
+    return ledger_.grasp(robot, from);
+  }
+  Status release(RobotId robot, SpotId to) override {
+    log_.push_back("release " + ledger_.plan().spot(to).name);
+    return ledger_.release(robot, to);
+  }
+  void drop(RobotId robot) override {
+    log_.push_back("drop");
+    ledger_.drop(robot);
+  }
+
+ private:
+  LedgerWorld& ledger_;
+  Log& log_;
+};
+
+/// robot1 with its skills; robot2 is known to the traffic only.
+class Floor {
+ public:
+  Floor() : traffic(world.plan()), book(world, calls), skills(kRobot1, world, book, traffic, config(), 1) {}
+  static TimedSkillsConfig config() {
+    TimedSkillsConfig config;
+    config.pick_mean_s = 3;
+    config.place_mean_s = 1;
+    config.pick_sigma_s = config.place_sigma_s = 0;
+    return config;
+  }
+  void start(SkillKind kind, const char* target) {
+    const SpotId spot = *world.plan().find_spot(target);
+    calls.push_back(std::string(to_string(kind)) + " " + target);
+    skills.start({kind, target, spot, world.plan().spot(spot).align_in_world}, world.now());
+  }
+  void put(const char* at) {
+    const Spot& spot = world.plan().spot(*world.plan().find_spot(at));
+    (void)world.dispense(spot.station, spot.rest_in_station.x(), Stack{1, {}, 0});
+  }
+  void note() {
+    for (const std::string& call : std::exchange(calls, {})) log.push_back(seconds(world.now()) + " " + call);
+    const std::string state = std::string(to_string(skills.phase())) + ", due " + seconds(skills.next_due());
+    if (std::exchange(last, state) != state) log.push_back(seconds(world.now()) + " " + state);
+  }
+  void tick(const std::function<void(double)>& act) {
+    ASSERT_TRUE(world.advance(kTick));
+    const SimTime now = world.now();
+    traffic.settle(now);
+    if (const auto result = skills.sense(now))
+      calls.push_back("end " + std::to_string(static_cast<int>(result->code)) +
+                      (result->cancelled ? " cancelled" : "") + (result->text.empty() ? "" : " " + result->text));
+    note();
+    act(to_seconds(now));
+    traffic.plan(now);
+    skills.act(now);
+    note();
+  }
+
+  LedgerWorld world{small_floor()};
+  Traffic traffic;
+  Log calls, log;
+  LoggedBook book;
+  TimedSkills skills;
+  std::string last;
+};
+
+struct Case {
+  const char* name;
+  double until;
+  std::function<void(Floor&, double)> act;  ///< at each tick
+  const char* wanted;
+};
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+bool is(double now, double at) { return std::abs(now - at) < 1e-6; }
+
+constexpr SkillKind kPick = SkillKind::kPick, kPlace = SkillKind::kPlace, kDriveTo = SkillKind::kDriveTo;
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> all{
+      {"Drive", 12,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.start(kDriveTo, "C-BS-OUTPUT");
+       },
+       "0.02 drive, due never; 0.10 drive_to C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), "
+       "0.10 to 6.75; 0.10 drive, due 95.10; 6.76 end 0; 6.76 drive, due never; "},
+      {"DriveThatIsCancelled", 6,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.start(kDriveTo, "C-BS-OUTPUT");
+         if (is(now, 3)) f.skills.cancel(f.world.now());
+       },
+       "0.02 drive, due never; 0.10 drive_to C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), "
+       "0.10 to 6.75; 0.10 drive, due 95.10; 3.00 move 3 points (-0.768 3.989) to (-0.774 3.989 0.00), 3.00 to 3.50; "
+       "3.00 stop, due 3.00; 3.02 stop, due 3.50; 3.50 end 0 cancelled cancelled; 3.50 stop, due never; "},
+      {"DriveThatIsReplaced", 14,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.start(kDriveTo, "C-BS-OUTPUT");
+         if (is(now, 3)) f.skills.cancel(f.world.now());
+         if (is(now, 5)) f.start(kDriveTo, "C-BS-OUTPUT");
+       },
+       "0.02 drive, due never; 0.10 drive_to C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), "
+       "0.10 to 6.75; 0.10 drive, due 95.10; 3.00 move 3 points (-0.768 3.989) to (-0.774 3.989 0.00), 3.00 to 3.50; "
+       "3.00 stop, due 3.00; 3.02 stop, due 3.50; 3.50 end 0 cancelled cancelled; 3.50 stop, due never; 5.00 drive_to "
+       "C-BS-OUTPUT; 5.00 move 12 points (-0.774 3.989) to (0.825 3.975 0.00), 5.00 to 9.20; 5.00 drive, due 100.00; "
+       "9.20 end 0; 9.20 drive, due never; "},
+      {"DriveThatIsPlannedToBeginLater", 16,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.traffic.request(kRobot2, {-0.5, 7, 0}, {}, f.world.now());
+         if (is(now, 1)) f.start(kDriveTo, "C-BS-OUTPUT");
+       },
+       "0.02 drive, due never; 1.00 drive_to C-BS-OUTPUT; 1.00 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), "
+       "2.80 to 9.45; 1.00 wait, due 2.80; 2.80 drive, due 96.00; 9.46 end 0; 9.46 drive, due never; "},
+      {"DriveAcrossAnother", 16,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.traffic.request(kRobot2, {-0.5, 7, 0}, {}, f.world.now());
+         if (is(now, 0.1)) f.start(kDriveTo, "C-BS-OUTPUT");
+       },
+       "0.02 drive, due never; 0.10 drive_to C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), "
+       "2.90 to 9.55; 0.10 wait, due 2.90; 2.90 drive, due 95.10; 9.56 end 0; 9.56 drive, due never; "},
+      {"CancelOfNothing", 2,
+       [](Floor& f, double now) {
+         if (is(now, 1)) f.skills.cancel(f.world.now());
+       },
+       "0.02 drive, due never; "},
+      {"PickAndPlace", 20,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.put("C-BS-OUTPUT");
+         if (is(now, 0.1)) f.start(kPick, "C-BS-OUTPUT");
+         if (is(now, 12)) f.start(kPlace, "C-BS-OUTPUT");
+       },
+       "0.02 drive, due never; 0.10 pick C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), 0.10 "
+       "to 6.75; 0.10 drive, due 95.10; 6.76 handle, due 9.76; 9.76 grasp C-BS-OUTPUT; 9.76 end 0; 9.76 handle, due "
+       "never; 12.00 place C-BS-OUTPUT; 12.00 move 2 points (0.825 3.975) to (0.825 3.975 0.00), 12.00 to 12.05; 12.00 "
+       "drive, due 107.00; 12.06 handle, due 14.06; 14.06 release C-BS-OUTPUT; 14.06 end 0; 14.06 handle, due never; "},
+      {"PickThatIsCancelled", 14,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.put("C-BS-OUTPUT");
+         if (is(now, 0.1)) f.start(kPick, "C-BS-OUTPUT");
+         if (is(now, 8)) f.skills.cancel(f.world.now());
+       },
+       "0.02 drive, due never; 0.10 pick C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), 0.10 "
+       "to 6.75; 0.10 drive, due 95.10; 6.76 handle, due 9.76; 8.00 stop, due 8.00; 8.02 end 0 cancelled cancelled; "
+       "8.02 stop, due never; "},
+      {"PickThatFindsNothing", 10,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.start(kPick, "C-BS-OUTPUT");
+       },
+       "0.02 drive, due never; 0.10 pick C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), 0.10 "
+       "to 6.75; 0.10 drive, due 95.10; 6.76 end 202 no workpiece found; 6.76 drive, due never; "},
+      {"PickOfAPieceThatGoes", 12,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.put("C-BS-OUTPUT");
+         if (is(now, 0.1)) f.start(kPick, "C-BS-OUTPUT");
+         if (is(now, 8)) f.world.retire(PieceId{1}, Holder::kFloor);
+       },
+       "0.02 drive, due never; 0.10 pick C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), 0.10 "
+       "to 6.75; 0.10 drive, due 95.10; 6.76 handle, due 9.76; 9.76 end 202 no workpiece found; 9.76 handle, due "
+       "never; "},
+      {"Payment", 24,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.put("C-BS-OUTPUT");
+         if (is(now, 0.1)) f.start(kPick, "C-BS-OUTPUT");
+         if (is(now, 12)) f.start(kPlace, "C-RS1-SLIDE");
+       },
+       "0.02 drive, due never; 0.10 pick C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), 0.10 "
+       "to 6.75; 0.10 drive, due 95.10; 6.76 handle, due 9.76; 9.76 grasp C-BS-OUTPUT; 9.76 end 0; 9.76 handle, due "
+       "never; 12.00 place C-RS1-SLIDE; 12.00 move 30 points (0.825 3.975) to (5.175 4.250 3.14), 12.00 to 23.55; "
+       "12.00 drive, due 107.00; 23.56 handle, due 25.56; "},
+      {"PlaceOfNothing", 10,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.start(kPlace, "C-BS-OUTPUT");
+       },
+       "0.02 drive, due never; 0.10 place C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), 0.10 "
+       "to 6.75; 0.10 drive, due 95.10; 6.76 end 208 no workpiece in gripper; 6.76 drive, due never; "},
+      {"PickWithAFullGripperAndPlaceOntoAnother", 24,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.put("C-BS-OUTPUT");
+         if (is(now, 0.1)) f.start(kPick, "C-BS-OUTPUT");
+         if (is(now, 12)) {
+           f.put("C-BS-OUTPUT");
+           f.start(kPick, "C-BS-OUTPUT");
+         }
+         if (is(now, 13)) f.start(kPlace, "C-BS-OUTPUT");
+       },
+       "0.02 drive, due never; 0.10 pick C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), 0.10 "
+       "to 6.75; 0.10 drive, due 95.10; 6.76 handle, due 9.76; 9.76 grasp C-BS-OUTPUT; 9.76 end 0; 9.76 handle, due "
+       "never; 12.00 pick C-BS-OUTPUT; 12.00 move 2 points (0.825 3.975) to (0.825 3.975 0.00), 12.00 to 12.05; 12.00 "
+       "drive, due 107.00; 12.06 end 207 workpiece already in gripper; 12.06 drive, due never; 13.00 place "
+       "C-BS-OUTPUT; 13.00 move 2 points (0.825 3.975) to (0.825 3.975 0.00), 13.00 to 13.00; 13.00 drive, due 108.00; "
+       "13.02 end 209 machine point occupied; 13.02 drive, due never; "},
+      {"DriveThatIsBlocked", 97,
+       [](Floor& f, double now) {
+         if (is(now, 0.02))
+           f.traffic.request(kRobot2, f.world.plan().spots[1].align_in_world, f.world.plan().spots[1].footprint(),
+                             f.world.now());
+         if (is(now, 0.04)) f.start(kDriveTo, f.world.plan().spots[1].name.c_str());
+       },
+       "0.02 drive, due never; 0.04 drive_to C-BS-OUTPUT; 0.04 move 16 points (-2.000 4.000) to (0.300 3.500 0.00), "
+       "0.04 to 5.74; 0.04 drive, due 95.04; 5.74 wait, due 95.04; 95.04 end 201 unable to move; 95.04 wait, due "
+       "never; "},
+      {"DriveInto", 3,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.skills.start({kDriveTo, "", std::nullopt, {1.5, 4, 0}}, f.world.now());
+       },
+       "0.02 drive, due never; 0.10 drive, due 95.10; 0.12 end 300 no path; 0.12 drive, due never; "},
+      {"Drop", 12,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.put("C-BS-OUTPUT");
+         if (is(now, 0.1)) f.start(kPick, "C-BS-OUTPUT");
+         if (is(now, 11)) f.skills.drop(f.world.now());
+       },
+       "0.02 drive, due never; 0.10 pick C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), 0.10 "
+       "to 6.75; 0.10 drive, due 95.10; 6.76 handle, due 9.76; 9.76 grasp C-BS-OUTPUT; 9.76 end 0; 9.76 handle, due "
+       "never; 11.00 drop; "},
+      {"DriveHeadOn", 24,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.traffic.request(kRobot2, {-2, 4, 0}, {}, f.world.now());
+         if (is(now, 1)) f.start(kDriveTo, "C-BS-OUTPUT");
+       },
+       "0.02 drive, due never; 1.00 drive_to C-BS-OUTPUT; 1.00 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), "
+       "1.00 to 7.65; 1.00 drive, due 96.00; 7.66 end 0; 7.66 drive, due never; "},
+      {"DriveCloseBehindAnother", 14,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.traffic.request(kRobot2, {-0.5, 5.5, 0}, {}, f.world.now());
+         if (is(now, 2.5)) f.start(kDriveTo, "C-BS-OUTPUT");
+       },
+       "0.02 drive, due never; 2.50 drive_to C-BS-OUTPUT; 2.50 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), "
+       "2.90 to 9.55; 2.50 wait, due 2.90; 2.90 drive, due 97.50; 9.56 end 0; 9.56 drive, due never; "},
+  };
+  return all;
+}
+
+class TimedSkill : public testing::TestWithParam<Case> {};
+
+TEST_P(TimedSkill, WritesTheBookAndEndsInTime) {
+  Floor f;
+  while (to_seconds(f.world.now()) < GetParam().until) f.tick([&](double now) { GetParam().act(f, now); });
+  std::string log;
+  for (const std::string& line : f.log) log += line + "; ";
+  EXPECT_EQ(log, GetParam().wanted);
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, TimedSkill, testing::ValuesIn(cases()),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+}  // namespace
+}  // namespace cxlab::sim
