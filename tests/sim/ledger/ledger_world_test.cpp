@@ -246,5 +246,43 @@ TEST_F(Ledger, AHeldPieceIsCarriedBeforeTheRobotAndDroppedBelow) {
   EXPECT_FALSE(world.robot(kRobot1).held);
 }
 
+TEST_F(Ledger, ARobotMovesBetweenDepartureAndArrivalOnly) {
+  const std::vector<Pose2> path{{4.5, 0.5, 0}, {4.5, 4.5, 1}};
+  world.move_along(kRobot1, path, from_seconds(2), from_seconds(6));
+  struct Row {
+    SimTime until;
+    double y, vy, omega;
+  };
+  for (const Row& row : {Row{from_seconds(1.9995), 0.5, 0, 0}, Row{from_seconds(2), 0.5, 1, 0.25},
+                         Row{from_seconds(5.9995), 4.4995, 1, 0.25}, Row{from_seconds(6), 4.5, 0, 0}}) {
+    ASSERT_TRUE(world.advance(row.until - world.now()));
+    const RobotState robot = world.robot(kRobot1);
+    EXPECT_NEAR(robot.pose_in_world.y, row.y, 1e-9) << to_seconds(row.until);
+    EXPECT_NEAR(robot.vy, row.vy, 1e-6) << to_seconds(row.until);
+    EXPECT_NEAR(robot.omega, row.omega, 1e-6) << to_seconds(row.until);
+  }
+}
+
+TEST_F(Ledger, APieceAlreadyAtTheStopStopsTheBeltAtOnceAndOneBeyondDoesNot) {
+  struct Row {
+    double x;
+    bool stops;
+    double ends_at;
+  };
+  for (const Row& row :
+       {Row{-0.155, true, -0.155}, Row{-0.164, true, -0.164}, Row{-0.166, false, 0}, Row{-0.146, true, -0.155}}) {
+    LedgerWorld fresh(three_stations());
+    const auto piece = fresh.dispense(kBase, row.x, kRed);
+    ASSERT_TRUE(piece);
+    fresh.run_belt(kBase, -0.05, -0.155);
+    ASSERT_TRUE(fresh.advance(from_seconds(0.5)));
+    EXPECT_EQ(fresh.belt_running(kBase), !row.stops) << row.x;
+    if (!row.stops) continue;
+    EXPECT_NEAR(inverse_transform(fresh.plan().station(kBase).pose_in_world, fresh.find(*piece)->position_in_world).x(),
+                row.ends_at, 1e-6)
+        << row.x;
+  }
+}
+
 }  // namespace
 }  // namespace cxlab::sim

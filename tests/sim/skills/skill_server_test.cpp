@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <map>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "sim/ledger/ledger_world.h"
 #include "sim/mujoco/mujoco_world.h"
@@ -44,6 +46,8 @@ struct Heard {
   std::string error;
   std::vector<std::string> phases;
   std::vector<double> phases_at;  ///< s
+  std::vector<double> remaining;  ///< m, by phase
+  std::string target;             ///< of the result
   bus::GoalId goal{};
 };
 
@@ -51,7 +55,11 @@ class Skills : public ::testing::TestWithParam<Tier> {
  protected:
   void SetUp() override {
     ASSERT_TRUE(registry.add_packages_in(interfaces_dir()));
-    const Fleet::Places places{{"C_Z22", {1.5, 1.5, 1}}, {"C_Z26", {1.5, 5.5, 0}}, {"M_Z66", {-5.5, 5.5, 0}}};
+    const Fleet::Places places{{"C_Z22", {1.5, 1.5, 1}},
+                               {"C_Z26", {1.5, 5.5, 0}},
+                               {"M_Z66", {-5.5, 5.5, 0}},
+                               {"NEAR_OUTSIDE", {-7.45, 4, 0}},
+                               {"FAR_OUTSIDE", {-7.55, 4, 0}}};
     if (GetParam() == Tier::kTimed) {
       auto ledger = std::make_unique<LedgerWorld>(small_plan());
       auto made = Fleet::create(*ledger, *ledger, config, 1, places, bus, sink);
@@ -81,6 +89,7 @@ class Skills : public ::testing::TestWithParam<Tier> {
                                       [this](const bus::Delivery& d) {
                                         heard(d).phases.push_back(d.message->view().text("phase"));
                                         heard(d).phases_at.push_back(to_seconds(world->now()));
+                                        heard(d).remaining.push_back(d.message->view().real("remaining_m"));
                                       },
                                       [this](const bus::Delivery& d) {
                                         Heard& h = heard(d);
@@ -88,6 +97,7 @@ class Skills : public ::testing::TestWithParam<Tier> {
                                         h.status = d.status;
                                         h.code = static_cast<int>(d.message->view().integer("error_code"));
                                         h.error = d.message->view().text("error");
+                                        h.target = d.message->view().text("target");
                                         EXPECT_EQ(d.message->view().integer("success") != 0,
                                                   d.status == bus::GoalStatus::kSucceeded);
                                       },
@@ -233,6 +243,83 @@ TEST_P(Skills, APlaceInANarrowZoneIsTheNearestFreeOne) {
   const Heard& drive = done("robot1", SkillKind::kDriveTo, "M_Z66");
   ASSERT_EQ(drive.status, bus::GoalStatus::kSucceeded) << drive.error;
   EXPECT_NEAR(distance(robot1().pose_in_world.position(), Vec2(-5.5, 5.5)), 0.65, 0.06);
+}
+
+TEST_P(Skills, APlaceIsLookedForWithinThreeQuartersOfAMetre) {
+  EXPECT_EQ(done("robot1", SkillKind::kDriveTo, "FAR_OUTSIDE").code, 300);
+  if (GetParam() == Tier::kPhysics) return;
+  EXPECT_EQ(done("robot1", SkillKind::kDriveTo, "NEAR_OUTSIDE").code, 0);
+}
+
+TEST_P(Skills, APickTakesSpotsOnlyAndSuggestsSpotsOnly) {
+  EXPECT_EQ(done("robot1", SkillKind::kPick, "C_Z2").error, "'C_Z2' is not a spot of a machine");
+  EXPECT_EQ(done("robot1", SkillKind::kDriveTo, "C_Z2").error,
+            "'C_Z2' is not a spot of a machine or a place; did you mean 'C_Z22'?");
+}
+
+TEST_P(Skills, ACancelOfAnotherGoalChangesNothing) {
+  const Heard& first = done("robot1", SkillKind::kDriveTo, "C_Z22");
+  const Heard& second = send("robot1", SkillKind::kDriveTo, "C-CS1-INPUT");
+  wait(1);
+  bus.cancel_goal(last_client, first.goal);
+  wait(1);
+  EXPECT_FALSE(second.ended);
+  finish(second);
+  EXPECT_EQ(second.status, bus::GoalStatus::kSucceeded);
+}
+
+TEST_P(Skills, FeedbackSaysHowFarItIs) {
+  const Heard& drive = done("robot1", SkillKind::kDriveTo, "C_Z22");
+  ASSERT_FALSE(drive.remaining.empty());
+  EXPECT_NEAR(drive.remaining.front(), std::hypot(1.2, 2.5), 0.1);
+  EXPECT_EQ(drive.target, "C_Z22");
+  EXPECT_EQ(done("robot1", SkillKind::kPick, "C-BS-OUTPT").target, "C-BS-OUTPT");
+}
+
+TEST_P(Skills, WhatARobotDoesIsRecorded) {
+  if (GetParam() != Tier::kTimed) return;
+  const Heard& drive = send("robot1", SkillKind::kDriveTo, "C_Z22");
+  wait(0.5);
+  (void)send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  finish(drive);
+  const Heard& cancelled = send("robot1", SkillKind::kDriveTo, "C-CS1-INPUT");
+  wait(2);
+  bus.cancel_goal(last_client, cancelled.goal);
+  finish(cancelled);
+  (void)done("robot1", SkillKind::kPick, "C-BS-OUTPT");
+  (void)done("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  std::string found;
+  for (const KeptRecords::Record& record : sink.of(RecordKind::kSkill)) {
+    char time[32];
+    std::snprintf(time, sizeof time, "%.2f ", to_seconds(record.t));
+    found += time + nlohmann::ordered_json::from_msgpack(record.data).dump() + ' ' +
+             std::to_string(record.causes.size()) + '\n';
+  }
+  EXPECT_EQ(found, R"(0.02 {"robot":"robot1","skill":"drive_to","target":"C_Z22","event":"start"} 1
+0.02 {"robot":"robot1","skill":"drive_to","target":"C_Z22","event":"phase","phase":"drive"} 0
+0.52 {"robot":"robot1","skill":"pick","target":"C-BS-OUTPUT","event":"refused","reason":"busy with drive_to C_Z22"} 1
+6.58 {"robot":"robot1","skill":"drive_to","target":"C_Z22","event":"end","code":0,"error":"","cancelled":false,"duration_s":6.56} 0
+6.60 {"robot":"robot1","skill":"drive_to","target":"C-CS1-INPUT","event":"start"} 1
+6.60 {"robot":"robot1","skill":"drive_to","target":"C-CS1-INPUT","event":"phase","phase":"drive"} 0
+8.60 {"robot":"robot1","skill":"drive_to","target":"C-CS1-INPUT","event":"phase","phase":"stop"} 0
+9.10 {"robot":"robot1","skill":"drive_to","target":"C-CS1-INPUT","event":"end","code":0,"error":"cancelled","cancelled":true,"duration_s":2.5} 0
+9.12 {"robot":"robot1","skill":"pick","target":"C-BS-OUTPT","event":"start"} 1
+9.12 {"robot":"robot1","skill":"pick","target":"C-BS-OUTPT","event":"end","code":103,"error":"'C-BS-OUTPT' is not a spot of a machine; did you mean 'C-BS-OUTPUT'?","cancelled":false,"duration_s":0.0} 0
+9.16 {"robot":"robot1","skill":"pick","target":"C-BS-OUTPUT","event":"start"} 1
+9.16 {"robot":"robot1","skill":"pick","target":"C-BS-OUTPUT","event":"phase","phase":"drive"} 0
+17.42 {"robot":"robot1","skill":"pick","target":"C-BS-OUTPUT","event":"end","code":202,"error":"no workpiece found","cancelled":false,"duration_s":8.26} 0
+)");
+}
+
+TEST_P(Skills, AFleetIsDueWhenTheHandlingOfARobotEnds) {
+  if (GetParam() != Tier::kTimed) return;
+  base_at("C-BS-OUTPUT");
+  const Heard& pick = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  ASSERT_TRUE(reach(pick, "handle"));
+  const SimTime due = fleet->next_due();
+  finish(pick);
+  EXPECT_LE(due, world->now());
+  EXPECT_GT(due, world->now() - kTick);
 }
 
 TEST_P(Skills, NothingIsDueOfRobotsThatRest) {
