@@ -201,6 +201,12 @@ TEST(Records, OfAPieceSayWhereItIs) {
   expected.field("position", std::span<const double>(piece.position_in_world.data(), 3));
   const std::string wanted(expected.bytes());
   EXPECT_EQ(std::ranges::count(story.records().all(), wanted, &KeptRecords::Record::data), 1);
+  RecordData shelf;
+  shelf.begin().field("from_name", "C-CS1-SHELF-LEFT");
+  const std::string from_shelf(shelf.bytes().substr(shelf.bytes().find("from_name")));
+  EXPECT_TRUE(std::ranges::any_of(story.records().all(), [&](const KeptRecords::Record& record) {
+    return record.data.find(from_shelf) != std::string::npos;
+  }));
 }
 
 TEST(Records, OfAnOrderSayAllAboutIt) {
@@ -466,6 +472,63 @@ TEST(Game, OneRingAndOneCapStationOfBothTeamsAreDownOnce) {
     EXPECT_THAT(name, testing::AnyOf(HasSubstr("-RS"), HasSubstr("-CS")));
     EXPECT_GE(seconds, 29);
     EXPECT_LE(seconds, 61);
+  }
+}
+
+TEST(Game, AMachineFailsInProductionOnlyAndOnce) {
+  WorldConfig config = GameStory::quiet_game();
+  config.setup_s = 5;
+  config.production_s = 20;
+  GameStory story(config);
+  Machine& machine = *story.factory().machines().front();
+  struct Row {
+    double at;
+    bool fails;
+    MachineState state;
+  };
+  for (const Row& row : {Row{4, false, MachineState::kIdle}, Row{6, true, MachineState::kBroken},
+                         Row{7, false, MachineState::kBroken}, Row{26, false, MachineState::kBroken}}) {
+    story.run_until(row.at);
+    EXPECT_EQ(machine.fail(story.world().now(), story.world(), "a test"), row.fails) << row.at;
+    EXPECT_EQ(machine.state(), row.state) << row.at;
+  }
+}
+
+TEST(Game, AMachineIsDownFromTheFirstTickOfItsTimeToTheLastBeforeItsEnd) {
+  GameStory story;
+  Machine& machine = *story.factory().machines().front();
+  constexpr SimTime kTick = std::chrono::milliseconds(20);
+  const SimTime begin = story.world().now();
+  machine.add_down({begin + 2 * kTick, begin + 4 * kTick});
+  std::vector<MachineState> states;
+  for (int tick = 1; tick <= 5; ++tick) {
+    story.run_for(0);
+    EXPECT_EQ(story.world().now(), begin + tick * kTick);
+    states.push_back(machine.state());
+  }
+  using enum MachineState;
+  EXPECT_THAT(states, testing::ElementsAre(kIdle, kDown, kDown, kIdle, kIdle));
+}
+
+TEST(Game, MachinesAreDownAsAWholeWithinProductionOrNotAtAll) {
+  const auto seconds_down = [](double production_s, std::uint64_t seed) {
+    WorldConfig config = GameStory::quiet_game();
+    config.down = true;
+    config.production_s = production_s;
+    GameStory story(config, seed);
+    std::map<std::string, int> down;
+    for (int second = 0; second < 240; ++second) {
+      story.run_for(1);
+      for (const auto& machine : story.factory().machines())
+        if (machine->state() == MachineState::kDown) ++down[machine->name()];
+    }
+    return down;
+  };
+  EXPECT_THAT(seconds_down(239, 1), testing::IsEmpty());
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const auto down = seconds_down(240, seed);
+    EXPECT_EQ(down.size(), 4u);
+    for (const auto& [name, seconds] : down) EXPECT_GE(seconds, 29) << name << ", seed " << seed;
   }
 }
 

@@ -272,6 +272,43 @@ TEST(GeneratedFloor, ARobotThatIsWalledInReachesNothing) {
   EXPECT_EQ(unreachable_spots(*plan, kRobotRadius).size(), plan->spots.size());
 }
 
+TEST(Reach, ARobotMustFitWhereItLinesUpAndWhereItWorks) {
+  constexpr double kRadius = 0.3;
+  sim::FloorPlan plan;
+  plan.stations = {{"A", "BS", {0, 4, 0}, true}};
+  for (sim::Spot& spot : sim::spots_of(plan.stations[0], sim::StationId{0})) plan.spots.push_back(std::move(spot));
+  plan.spots.resize(1);
+  plan.robots = {{"robot1", {-5, 4, 0}}};
+  const auto [align, work] = plan.spots[0].footprint();
+  plan.stations.clear();
+  const sim::Vec2 outwards = (align - work).normalized();
+  const auto reached = [&](const sim::Vec2& end_of_wall) {
+    sim::FloorPlan with_wall = plan;
+    with_wall.walls = {{end_of_wall, end_of_wall}};
+    return unreachable_spots(with_wall, kRadius).empty();
+  };
+  const double room = kRadius + 0.025;  // of a wall from its middle
+  EXPECT_TRUE(reached(align + (room + 0.001) * outwards));
+  EXPECT_FALSE(reached(align + (room - 0.001) * outwards));
+  EXPECT_TRUE(reached(work - (room + 0.001) * outwards));
+  EXPECT_FALSE(reached(work - (room - 0.001) * outwards));
+}
+
+TEST(Reach, AGapAtATwentiethOfAMetreIsFound) {
+  sim::FloorPlan plan;
+  plan.stations = {{"A", "BS", {2, 4, 0}, true}};
+  for (sim::Spot& spot : sim::spots_of(plan.stations[0], sim::StationId{0})) plan.spots.push_back(std::move(spot));
+  plan.robots = {{"robot1", {-5, 4, 0}}};
+  const auto reached = [&](double middle, double width) {
+    sim::FloorPlan divided = plan;
+    divided.walls = {{{-1, 0}, {-1, middle - width / 2 - 0.025}}, {{-1, middle + width / 2 + 0.025}, {-1, 8}}};
+    return unreachable_spots(divided, 0.25).empty();
+  };
+  EXPECT_TRUE(reached(4.05, 0.52));
+  EXPECT_TRUE(reached(4.1, 0.52));
+  EXPECT_FALSE(reached(4.05, 0.48));
+}
+
 std::vector<PlacedMachine> as_listed(const Layout& layout) {
   std::vector<PlacedMachine> listed;
   for (const Placement& p : layout) listed.push_back({p.name(), to_string(p.zone), p.rotation});

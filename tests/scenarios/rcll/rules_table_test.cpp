@@ -529,6 +529,52 @@ const Row kRows[] = {
         put C-CS1-SHELF-RIGHT
         wait 20
         at C-CS1-SHELF-LEFT nothing)"},
+    {"caps: the 20 s begin anew when a carrier lay on the shelf meanwhile",
+     R"(refill 5
+        take C-CS1-SHELF-LEFT
+        drop
+        take C-CS1-SHELF-MIDDLE
+        drop
+        take C-CS1-SHELF-RIGHT
+        wait 3
+        put C-CS1-SHELF-RIGHT
+        wait 1
+        take C-CS1-SHELF-RIGHT
+        wait 4.8
+        at C-CS1-SHELF-LEFT nothing
+        wait 0.4
+        at C-CS1-SHELF-LEFT BASE_CLEAR CAP_GREY)"},
+    {"durations: a base takes as long when one lies at the output already",
+     R"(lay BASE_BLACK at C-BS-OUTPUT
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 0 in 3.76)"},
+    {"durations: a cap takes as long when its workpiece lies in the middle and another at the output",
+     R"(lay BASE_BLACK at C-CS1-OUTPUT
+        lay BASE_RED CAP_GREY in C-CS1
+        C-CS1 {operation: RETRIEVE_CAP} -> 0 in 21.7)"},
+    {"durations: the gate takes its time from the arrival of the product that is there",
+     R"(lay BASE_RED at C-DS-INPUT
+        C-DS {order_id: 0}
+        wait 3
+        remove C-DS
+        wait 2
+        lay BASE_RED at C-DS-INPUT
+        ends 0 in 8.8)"},
+    {"down: a machine that is BROKEN stays so",
+     R"(C-BS {operation: RESET} -> 0
+        wait 1
+        down C-BS 10
+        wait 1
+        C-BS is BROKEN
+        wait 27.5
+        C-BS is BROKEN
+        wait 1
+        C-BS is IDLE)"},
+    {"breaking: what lies on other machines stays there",
+     R"(lay BASE_RED at C-CS1-INPUT
+        lay BASE_BLACK at C-BS-OUTPUT
+        C-BS {operation: RESET} -> 0
+        at C-CS1-INPUT BASE_RED
+        at C-BS-OUTPUT nothing)"},
 
     // --- What breaks a machine
     {"breaking: its own team resets it",
