@@ -117,9 +117,10 @@ TEST_P(Faults, MachinesBreakAndGoDown) {
   for (const char* t : {"9.9", "10.1", "20.1", "36", "42"})
     ticks += std::string("  - {at: ") + t + ", publish: /tick, type: std_msgs/msg/Empty}\n";
   auto episode = load(floor("machines", ticks,
-                            "  - {kind: machine_breaks, at: 10, machine: C-CS1}\n  - {kind: machine_down, at: 20, "
-                            "machine: C-BS, seconds: 15}\n",
-                            GetParam()));
+                            "  - {kind: machine_breaks, at: 10.04, machine: C-CS1}\n  - {kind: machine_down, at: 20, "
+                            "machine: C-BS, seconds: 15}\n  - {kind: machine_breaks, at: 12, machine: C-CS1}\n",
+                            GetParam()),
+                      {}, "run");
   begin(*episode);
   const auto at = [&](double t) {
     play(*episode, t);
@@ -130,6 +131,12 @@ TEST_P(Faults, MachinesBreakAndGoDown) {
   EXPECT_EQ(at(20.1), "BROKEN DOWN");
   EXPECT_EQ(at(36), "BROKEN IDLE");
   EXPECT_EQ(at(42), "IDLE IDLE");
+  (void)episode->close(RunStatus::kCompleted);
+  EXPECT_THAT(strikes("run", 0), ElementsAre(10.04));
+  std::vector<std::pair<std::int64_t, bool>> struck;
+  for (const JournalRecord& r : records("run", "faults"))
+    struck.emplace_back(r.data.integer("number"), std::get<bool>(r.data.find("acted")->value));
+  EXPECT_THAT(struck, ElementsAre(std::pair{0, true}, std::pair{2, false}, std::pair{1, true}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Tiers, Faults, testing::Values("physics", "timed"),
