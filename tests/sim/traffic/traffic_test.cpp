@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <string>
 #include <tuple>
@@ -431,8 +432,33 @@ TEST(Traffic, NobodyWaitsLongerThanItMust) {
   }
 }
 
+TEST(Traffic, AStandingPlaceLiesWithinTheRadiusAlsoByTheDiagonal) {
+  FloorPlan plan = open_floor({});
+  const Traffic traffic(plan);
+  // The field ends at x = 7: the nearest place keeps 0.25 m from it.
+  for (const double x : {7.3, 7.45}) {
+    const auto place = traffic.standing_place(Vec2(x, 8.4), 0.9);
+    if (place) {
+      EXPECT_LE(distance(*place, Vec2(x, 8.4)), 0.9) << x;
+    }
+  }
+  EXPECT_FALSE(traffic.standing_place(Vec2(7.45, 8.45), 0.9)) << "0.7 m off on either axis";
+}
+
+TEST(Traffic, ANewWishOfOneThatStepsAsideDoesNotBrakeIt) {
+  Drivers floor(open_floor({{-3, 4, 0}, {0, 4, 0}}));
+  floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
+  floor.until([&] { return floor.traffic.moving(kRobot2); });
+  const auto motions = floor.traffic.motion_number(kRobot2);
+  floor.traffic.request(kRobot2, {0, 6, 0}, {}, floor.now);
+  EXPECT_EQ(floor.traffic.motion_number(kRobot2), motions);
+  floor.traffic.withdraw(kRobot2, floor.now);
+  EXPECT_EQ(floor.traffic.motion_number(kRobot2), motions);
+}
+
 /// Three robots on a floor with machines, who each get one job after another: half of them work at a spot for a while.
-std::string busy_floor(std::uint64_t seed) {
+/// `restless`: now and then a job is given up or replaced on the way.
+std::string busy_floor(std::uint64_t seed, bool restless = false) {
   RandomStream random(seed, "traffic test");
   FloorPlan plan = open_floor({{4.5, 0.5, 1.57}, {5.5, 0.5, 1.57}, {6.5, 0.5, 1.57}});
   plan.walls = {{{5, 1}, {7, 1}}, {{4, 0}, {4, 1}}};
@@ -459,6 +485,10 @@ std::string busy_floor(std::uint64_t seed) {
           const auto id = static_cast<RobotId>(i);
           Traffic& traffic = floor.traffic;
           waited += traffic.waiting(id, floor.now) ? to_seconds(kTick) : 0;
+          if (restless && busy[i] && random.chance(0.001)) {
+            if (random.chance(0.5)) traffic.withdraw(id, floor.now);
+            busy[i] = false;
+          }
           if (busy[i] && traffic.arrived(id) && works_until[i] == SimTime{})
             works_until[i] = floor.now + from_seconds(traffic.working(id) ? 4 : 0);
           const bool failed = busy[i] && traffic.unreachable(id);
@@ -481,7 +511,7 @@ std::string busy_floor(std::uint64_t seed) {
         return done[0] + done[1] + done[2] == 3 * kJobs;
       },
       600);
-  EXPECT_GE(floor.least_distance, 0.46) << seed;
+  EXPECT_GE(floor.least_distance, restless ? 0.45 : 0.46) << seed;
   char text[200];
   std::snprintf(text, sizeof text, "%.1f s, %u %u %u motions, waited %.1f s, %d impossible", to_seconds(floor.now),
                 floor.traffic.motion_number(kRobot1), floor.traffic.motion_number(kRobot2),
@@ -496,6 +526,13 @@ TEST(Traffic, FiveJobsForEachOfThreeTakeAsLongAsTheyDid) {
       "79.9 s, 5 5 5 motions, waited 0.4 s, 0 impossible",  "104.7 s, 8 8 8 motions, waited 57.7 s, 0 impossible",
       "92.3 s, 8 8 8 motions, waited 13.6 s, 0 impossible", "80.5 s, 5 6 6 motions, waited 0.6 s, 0 impossible"};
   for (std::uint64_t seed = 0; seed < std::size(wanted); ++seed) EXPECT_EQ(busy_floor(seed + 1), wanted[seed]);
+}
+
+TEST(Traffic, JobsThatAreGivenUpOrReplacedTakeAsLongAsTheyDid) {
+  for (const auto& [seed, wanted] : {std::pair{2, "111.6 s, 19 23 29 motions, waited 28.9 s, 1 impossible"},
+                                     std::pair{3, "99.6 s, 13 25 21 motions, waited 11.7 s, 1 impossible"},
+                                     std::pair{5, "100.3 s, 17 11 12 motions, waited 19.9 s, 2 impossible"}})
+    EXPECT_EQ(busy_floor(static_cast<std::uint64_t>(seed), true), wanted);
 }
 
 }  // namespace
