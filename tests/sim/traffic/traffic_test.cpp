@@ -445,6 +445,21 @@ TEST(Traffic, AStandingPlaceLiesWithinTheRadiusAlsoByTheDiagonal) {
   EXPECT_FALSE(traffic.standing_place(Vec2(7.45, 8.45), 0.9)) << "0.7 m off on either axis";
 }
 
+TEST(Traffic, OneThatSteppedAsideWaitsForTheOtherTwentySecondsAtMost) {
+  Drivers floor(open_floor({{-3, 4, 0}, {0, 4, 0}, {6, 6, 0}}));
+  floor.traffic.request(kRobot3, {6, 6, 0}, Segment{{6, 6}, {6, 6}}, floor.now);
+  floor.until([&] { return floor.traffic.working(kRobot3); });
+  floor.traffic.request(kRobot1, {0, 4, 0}, {}, floor.now);
+  floor.until([&] { return floor.traffic.moving(kRobot2); });
+  const SimTime stepped_aside = floor.now;
+  floor.until([&] { return !floor.traffic.moving(kRobot2); });
+  floor.traffic.request(kRobot1, {6, 6, 0}, {}, floor.now);  // which stays occupied
+  floor.traffic.request(kRobot2, {-3, 6, 0}, {}, floor.now);
+  floor.until([&] { return floor.traffic.moving(kRobot2); });
+  EXPECT_GE(floor.now - stepped_aside, from_seconds(20));
+  EXPECT_LE(floor.now - stepped_aside, from_seconds(22)) << "it looks every two seconds";
+}
+
 TEST(Traffic, ANewWishOfOneThatStepsAsideDoesNotBrakeIt) {
   Drivers floor(open_floor({{-3, 4, 0}, {0, 4, 0}}));
   floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
