@@ -1,8 +1,6 @@
 // Configurations of the environment manager: the first byte says how strict, the rest is the YAML. What is read lives
 // for two ticks, with all plugins of cxlab and the rules of an example, and ends.
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 
@@ -11,35 +9,11 @@
 #include "cx/journal/journal.h"
 #include "cx/plugins/builtin.h"
 #include "cx/run/loop.h"
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/surroundings.h"
 
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder of this process, which goes with it.
-const fs::path& folder() {
-  static const fs::path made = [] {
-    fs::path path = fs::temp_directory_path() / ("cxlab-fuzz-" + std::to_string(getpid()));
-    fs::create_directories(path);
-    std::atexit([] {
-      std::error_code ignored;
-      fs::remove_all(folder(), ignored);
-    });
-    return path;
-  }();
-  return made;
-}
-
-cxlab::bus::Registry& registry() {
-  static cxlab::bus::Registry packages = [] {
-    cxlab::bus::Registry made;
-    cxlab::fuzz::promise(made.add_packages_in(fs::path(CXLAB_SOURCE_DIR) / "cx/interfaces").ok(),
-                         "the packages of cxlab are there");
-    return made;
-  }();
-  return packages;
-}
 
 /// Whether it went well.
 bool reported(const cxlab::Status& status) {
@@ -56,7 +30,7 @@ void two_ticks(cxlab::cx::EnvironmentManager& manager, cxlab::bus::Bus& bus) {
 void live(cxlab::cx::ManagerOptions options) {
   using namespace cxlab;
   Journal journal;
-  bus::Bus bus(registry(), journal);
+  bus::Bus bus(fuzz::registry(), journal);
   auto made = cx::EnvironmentManager::create(std::move(options), bus, journal);
   if (!made) return (void)reported(made.error());
   cx::EnvironmentManager& manager = **made;
@@ -73,19 +47,19 @@ void live(cxlab::cx::ManagerOptions options) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cxlab;
   if (size == 0) return 0;
-  const fs::path config = folder() / "config.yaml";
+  const fs::path config = fuzz::folder() / "config.yaml";
   std::ofstream(config, std::ios::binary) << fuzz::text_of(data + 1, size - 1);
   cx::ManagerOptions options;
   options.config = config;
   options.plugin_types = cx::builtin_plugins();
   options.packages["example"] = {fs::path(CXLAB_SOURCE_DIR) / "docs/examples/file_load", {}};
-  options.run_folder = folder() / "run";
+  options.run_folder = fuzz::folder() / "run";
   options.max_firings = 100;
   options.strict = (data[0] & 1U) != 0;
   options.keep_going = (data[0] & 2U) != 0;
   options.stop_on_rule_error = (data[0] & 4U) != 0;
   live(std::move(options));
   std::error_code ignored;
-  fs::remove_all(folder() / "run", ignored);
+  fs::remove_all(fuzz::folder() / "run", ignored);
   return 0;
 }

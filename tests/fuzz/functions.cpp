@@ -2,19 +2,18 @@
 // whether a rule calls them or the host, then function, arguments and their values, one after the other.
 
 #include <clips_ns/clips.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <set>
 
+#include "cx/base/file.h"
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/journal/journal.h"
 #include "cx/plugins/builtin.h"
 #include "cx/run/loop.h"
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/surroundings.h"
 
 /// CLIPS forgets small blocks on errors of many functions.
 extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
@@ -23,12 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of this process, which goes with it.
-const fs::path& folder() {
-  static const fs::path made = [] {
-    fs::path path = fs::temp_directory_path() / ("cxlab-fuzz-" + std::to_string(getpid()));
-    fs::create_directories(path);
-    std::ofstream(path / "config.yaml") << R"(clips_manager:
+constexpr const char* kConfiguration = R"(clips_manager:
   ros__parameters:
     environments: ["main"]
     main: {plugins: [executive, ament_index, config, ros_msgs, ros_param, tf, string, files]}
@@ -41,24 +35,6 @@ const fs::path& folder() {
     string: {plugin: "cx::CXStdMsgsStringPlugin"}
     files: {plugin: "cx::FileLoadPlugin"}
 )";
-    std::atexit([] {
-      std::error_code ignored;
-      fs::remove_all(folder(), ignored);
-    });
-    return path;
-  }();
-  return made;
-}
-
-cxlab::bus::Registry& registry() {
-  static cxlab::bus::Registry packages = [] {
-    cxlab::bus::Registry made;
-    cxlab::fuzz::promise(made.add_packages_in(fs::path(CXLAB_SOURCE_DIR) / "cx/interfaces").ok(),
-                         "the packages of cxlab are there");
-    return made;
-  }();
-  return packages;
-}
 
 /// What calls may have as arguments beside constants: facts, instances and messages, of which some go.
 constexpr const char* kWorld = R"(
@@ -228,15 +204,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace cxlab;
   if (size == 0) return 0;
   cx::ManagerOptions options;
-  options.config = folder() / "config.yaml";
+  options.config = fuzz::folder() / "config.yaml";
+  static const bool written = write_file(options.config, kConfiguration).ok();
+  fuzz::promise(written, "the configuration is written");
   options.plugin_types = cx::builtin_plugins();
   options.packages["example"] = {fs::path(CXLAB_SOURCE_DIR) / "docs/examples/file_load", {}};
-  options.run_folder = folder() / "run";
+  options.run_folder = fuzz::folder() / "run";
   options.max_firings = 100;
   options.keep_going = true;
   {
     Journal journal;
-    bus::Bus bus(registry(), journal);
+    bus::Bus bus(fuzz::registry(), journal);
     auto manager = cx::EnvironmentManager::create(std::move(options), bus, journal);
     fuzz::promise(manager.ok() && (*manager)->configure().ok() && (*manager)->activate().ok(), "the plugins load");
     RuleEngine& engine = (*manager)->environment(0).engine();
@@ -250,6 +228,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     (void)(*manager)->cleanup();
   }
   std::error_code ignored;
-  fs::remove_all(folder() / "run", ignored);
+  fs::remove_all(fuzz::folder() / "run", ignored);
   return 0;
 }

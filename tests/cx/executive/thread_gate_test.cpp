@@ -4,6 +4,7 @@
 
 #include "cx/executive/thread_gate.h"
 #include "tests/support/caller.h"
+#include "tests/support/causes.h"
 
 namespace cxlab::cx {
 namespace {
@@ -32,19 +33,6 @@ class Worker final : public Plugin {
   std::shared_ptr<ThreadGate> gate_;
   std::thread thread_;
 };
-
-/// The data of the records that caused facts of this template.
-std::vector<std::string> causes_of(const KeptRecords& records, const std::string& name) {
-  std::vector<std::string> found;
-  for (const KeptRecords::Record& record : records.of(RecordKind::kAssert)) {
-    if (record.data.find(name) == std::string::npos) continue;
-    for (const RecordRef& cause : record.causes) {
-      const KeptRecords::Record by = records.of(cause.stream).at(cause.n);
-      found.push_back(std::string(to_string(by.kind)) + ' ' + by.data);
-    }
-  }
-  return found;
-}
 
 struct ThreadGateTest : ::testing::Test {
   void start(Worker::Job job) {

@@ -1,3 +1,4 @@
+#include "tests/support/causes.h"
 #include "tests/support/lab.h"
 
 namespace cxlab::cx {
@@ -73,19 +74,6 @@ class ActionClients : public ::testing::Test {
   bus::GoalId goal_{};
   std::int64_t order_ = 0;
 };
-
-/// The data of the records that caused facts of this template.
-std::vector<std::string> causes_of(const KeptRecords& records, const std::string& name) {
-  std::vector<std::string> found;
-  for (const KeptRecords::Record& record : records.of(RecordKind::kAssert)) {
-    if (record.data.find(name) == std::string::npos) continue;
-    for (const RecordRef& cause : record.causes) {
-      const KeptRecords::Record by = records.of(cause.stream).at(cause.n);
-      found.push_back(std::string(to_string(by.kind)) + ' ' + by.data);
-    }
-  }
-  return found;
-}
 
 TEST_F(ActionClients, AGoalGoesThroughToItsResult) {
   serve();

@@ -1,3 +1,4 @@
+#include "tests/support/causes.h"
 #include "tests/support/lab.h"
 
 namespace cxlab::cx {
@@ -8,19 +9,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-
-/// The data of the records that caused facts of this template.
-std::vector<std::string> causes_of(const KeptRecords& records, const std::string& name) {
-  std::vector<std::string> found;
-  for (const KeptRecords::Record& record : records.of(RecordKind::kAssert)) {
-    if (record.data.find(name) == std::string::npos) continue;
-    for (const RecordRef& cause : record.causes) {
-      const KeptRecords::Record by = records.of(cause.stream).at(cause.n);
-      found.push_back(std::string(to_string(by.kind)) + ' ' + by.data);
-    }
-  }
-  return found;
-}
 
 /// A node of the test beside the environments.
 class RosMsgs : public ::testing::Test {
