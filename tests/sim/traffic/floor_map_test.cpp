@@ -104,6 +104,30 @@ TEST(FloorMap, AKeepoutInWhichAWayBeginsShrinks) {
   for (const Vec2& p : *way) EXPECT_GE(distance(p, robot.around), 0.44);
 }
 
+TEST(FloorMap, AWayOutOfAKeepoutComesNoNearer) {
+  FloorMap map{FloorPlan{}};
+  const Keepout robot{{{0, 4}, {0, 4}}, 0.5};
+  const auto way = map.route({0.45, 4}, {-0.6, 4}, {&robot, 1});
+  ASSERT_TRUE(way);
+  for (std::size_t i = 1; i < way->size(); ++i)
+    for (const double part : {0.0, 0.5}) EXPECT_GE(distance(between((*way)[i - 1], (*way)[i], part), Vec2(0, 4)), 0.44);
+}
+
+TEST(FloorMap, LessThanAMetreIsDrivenStraightAlsoPastTheEndOfAWall) {
+  FloorPlan plan;
+  plan.walls = {{{0, 0}, {0, 4 - 0.025 - 0.27}}};
+  FloorMap map(plan);
+  const auto furthest = [&](double length) {
+    const auto way = map.route({-length / 2, 4}, {length / 2, 4}, {});
+    EXPECT_TRUE(way);
+    double most = 0;
+    for (const Vec2& p : *way) most = std::max(most, p.y() - 4);
+    return most;
+  };
+  EXPECT_NEAR(furthest(0.98), 0, 1e-9);
+  EXPECT_GT(furthest(1.02), 0.02) << "more room costs less";
+}
+
 TEST(FloorMap, NearestStopsAtItsLimit) {
   FloorMap map{FloorPlan{}};
   const auto beyond = [](double x) { return [x](const Vec2& p) { return p.x() > x; }; };

@@ -57,6 +57,7 @@ class Drivers {
     return to_seconds(now - begin);
   }
   const Pose2& pose(RobotId id) const { return poses_[static_cast<std::size_t>(id)]; }
+  void push(RobotId id, const Pose2& to) { poses_[static_cast<std::size_t>(id)] = to; }
 
   Traffic traffic;
   SimTime now{};
@@ -389,6 +390,14 @@ TEST(Traffic, AStandingPlaceIsFreeAndNear) {
   EXPECT_EQ(*traffic.standing_place(Vec2(3, 4), 0.75), Vec2(3, 4));
 }
 
+TEST(Traffic, OfStandingPlacesThatAreEquallyNearTheFirstIsTaken) {
+  FloorPlan plan = open_floor({});
+  plan.stations = {{"A", "BS", {0, 4, 0}, true}};
+  const Vec2 place = *Traffic(plan).standing_place(Vec2(0, 4), 0.75);
+  EXPECT_NEAR(place.x(), -0.45, 1e-9);
+  EXPECT_NEAR(place.y(), 4, 1e-9);
+}
+
 TEST(Traffic, NobodyWaitsCloserThanHalfAMetreToAWorkingRobot) {
   Drivers floor(open_floor({{-2, 4, 0}, {0.5, 4, 0}}));
   floor.traffic.request(kRobot2, {0, 4, 0}, Segment{{0, 4}, {0.17, 4}}, floor.now);
@@ -469,6 +478,76 @@ TEST(Traffic, ANewWishOfOneThatStepsAsideDoesNotBrakeIt) {
   EXPECT_EQ(floor.traffic.motion_number(kRobot2), motions);
   floor.traffic.withdraw(kRobot2, floor.now);
   EXPECT_EQ(floor.traffic.motion_number(kRobot2), motions);
+}
+
+TEST(Traffic, WhereWaysCrossHalfAMetreIsKeptAtEachInstant) {
+  for (int k = 0; k < 40; ++k) {
+    Drivers floor(open_floor({{-3, 4, 0}, {0, 0.5 + 0.05 * k, 0}}));
+    floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
+    floor.traffic.request(kRobot2, {0, 7, 0}, {}, floor.now);
+    floor.tick();
+    const Trajectory first = *floor.traffic.motion(kRobot1), second = *floor.traffic.motion(kRobot2);
+    double least = 100;
+    for (SimTime t{}; t < std::max(first.end(), second.end()); t += kTick)
+      for (const double late : {-0.3, -0.15, 0.0, 0.15, 0.3})
+        least = std::min(least, distance(first.point_at(t), second.point_at(t + from_seconds(late))));
+    EXPECT_GT(least, 0.497) << k;
+  }
+}
+
+TEST(Traffic, OneThatStandsCloseToTheGoalOfAnotherMayLeaveAtOnce) {
+  Drivers floor(open_floor({{0, 3, 0}, {4, 4, 0}}));
+  floor.traffic.request(kRobot2, {0.48, 4, 0}, {}, floor.now);
+  floor.until([&] { return floor.pose(kRobot2).x < 0.55; });
+  ASSERT_TRUE(floor.traffic.moving(kRobot2));
+  floor.push(kRobot1, {0, 4, 0});
+  floor.tick();
+  floor.traffic.request(kRobot1, {-3, 4, 0}, {}, floor.now);
+  floor.tick();
+  ASSERT_TRUE(floor.traffic.moving(kRobot1) && floor.traffic.moving(kRobot2));
+  EXPECT_EQ(floor.traffic.motion(kRobot1)->start(), floor.now);
+}
+
+TEST(Traffic, OneThatStepsAsideLeavesTheGoalsOfOthersFree) {
+  const auto place = [](const Vec2& wanted) {
+    Drivers floor(open_floor({{-3, 1, 0}, {6, 7, 0}, {0, 4, 0}}));
+    floor.traffic.request(kRobot1, {0, 4, 0}, {}, floor.now);
+    floor.traffic.request(kRobot2, {wanted.x(), wanted.y(), 0}, {}, floor.now);
+    floor.until([&] { return floor.traffic.moving(kRobot3); });
+    return floor.traffic.motion(kRobot3)->last().position();
+  };
+  const Vec2 alone = place({5, 1});
+  for (int k = 0; k < 12; ++k) {
+    const double angle = k * std::numbers::pi / 6;
+    const Vec2 goal = alone + 0.3 * Vec2(std::cos(angle), std::sin(angle));
+    EXPECT_GE(distance(place(goal), goal), 0.58 - 1e-6) << k;
+  }
+}
+
+TEST(Traffic, OneThatBrakesWhereAnotherIsAboutToWorkStopsThatOneToo) {
+  for (const auto& [y, stops] : {std::pair{3.55, true}, std::pair{3.4, false}}) {
+    Drivers floor(open_floor({{-3, 4, 0}, {0, 0.5, 0}}));
+    floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
+    floor.tick();
+    floor.traffic.request(kRobot2, {0, 3.3, 0}, Segment{{0, 3.3}, {0, y}}, floor.now);
+    floor.until([&] { return floor.pose(kRobot1).x > -0.15; });
+    ASSERT_TRUE(floor.traffic.moving(kRobot2));
+    const auto motions = floor.traffic.motion_number(kRobot2);
+    floor.traffic.withdraw(kRobot1, floor.now);
+    EXPECT_EQ(floor.traffic.motion_number(kRobot2) > motions, stops) << y;
+  }
+}
+
+TEST(Traffic, OneThatGivesUpItsWorkTakesTheRoomOfARobotOnly) {
+  // At work it takes the room up to (0, 4.5), which the other wants to pass.
+  Drivers floor(open_floor({{0, 3, 0}, {-3, 4.6, 0}}));
+  floor.traffic.request(kRobot1, {0, 4, 0}, Segment{{0, 4}, {0, 4.5}}, floor.now);
+  floor.until([&] { return floor.traffic.working(kRobot1); });
+  floor.traffic.withdraw(kRobot1, floor.now);
+  floor.traffic.request(kRobot2, {3, 4.6, 0}, {}, floor.now);
+  floor.tick();
+  ASSERT_TRUE(floor.traffic.moving(kRobot2));
+  EXPECT_NEAR(floor.traffic.motion(kRobot2)->length(), 6, 0.01);
 }
 
 /// Three robots on a floor with machines, who each get one job after another: half of them work at a spot for a while.

@@ -35,6 +35,11 @@ TEST(Trajectory, CurvesAreDrivenSlowly) {
   EXPECT_NEAR(motion.speed_at(motion.duration() / 2), std::sqrt(0.35 * radius), 0.01);
 }
 
+TEST(Trajectory, ACornerIsDrivenAtATenthOfAMetrePerSecond) {
+  const Trajectory corner(std::vector<Vec2>{{-0.02, 0}, {0, 0}, {0, 0.02}}, 0, 0, {});
+  EXPECT_NEAR(to_seconds(corner.duration()), 2 * 0.02 / (0.5 * 0.1), 1e-9);
+}
+
 TEST(Trajectory, TurnsByTheShorterSideWithinItsLimits) {
   const Trajectory motion(line(4), 0.75 * kPi, -0.75 * kPi, {});
   double fastest = 0;
