@@ -1,6 +1,6 @@
 #pragma once
 // A game on the ledger world: a test gives instructions on the bus and moves pieces as a robot would, and looks at what
-// machines and referee make of it. One tick is 20 ms.
+// machines and referee make of it. One tick is 20 ms, if the test wants no other.
 
 #include <gtest/gtest.h>
 
@@ -30,8 +30,9 @@ struct Outcome {
 
 class GameStory {
  public:
-  explicit GameStory(WorldConfig config = quiet_game(), std::uint64_t seed = 1)
-      : world_(*floor_plan_of(config, seed)), bus_(registry_, sink_) {
+  explicit GameStory(WorldConfig config = quiet_game(), std::uint64_t seed = 1,
+                     SimTime tick = std::chrono::milliseconds(20))
+      : tick_(tick), world_(*floor_plan_of(config, seed)), bus_(registry_, sink_) {
     EXPECT_TRUE(registry_.add_packages_in(interfaces_dir()));
     factory_ = std::move(*Factory::make(config, seed, world_, bus_, sink_));
     bus::NodeName name;
@@ -42,7 +43,7 @@ class GameStory {
         agent_, "/factory/instruct_machine", *action_,
         {nullptr, [this](const bus::Delivery& d) { feedback_.push_back(d.message->view().text("state")); },
          [this](const bus::Delivery& d) { note_result(d); }, nullptr});
-    loop_.emplace(bus_, kTick, Parts{{&world_}, {factory_.get()}, factory_.get(), {&client_of_factory_}});
+    loop_.emplace(bus_, tick_, Parts{{&world_}, {factory_.get()}, factory_.get(), {&client_of_factory_}});
     run_for(0);
   }
 
@@ -62,7 +63,7 @@ class GameStory {
     const SimTime end = world_.now() + from_seconds(seconds);
     loop_->set_end(end);
     do {
-      const SimTime following = loop_->ticks() == 0 ? SimTime::zero() : loop_->now() + kTick;
+      const SimTime following = loop_->ticks() == 0 ? SimTime::zero() : loop_->now() + tick_;
       EXPECT_TRUE(loop_->tick_at(jumping_ ? loop_->next_tick() : following));
     } while (world_.now() < end);
   }
@@ -142,8 +143,6 @@ class GameStory {
   const KeptRecords& records() const { return sink_; }
 
  private:
-  static constexpr SimTime kTick = std::chrono::milliseconds(20);
-
   /// The client of the factory: takes what waits for it, and never acts by itself.
   struct Client final : Agent {
     explicit Client(GameStory& story) : story_(story) {}
@@ -158,7 +157,7 @@ class GameStory {
   };
   void go_to(const std::string& name) {
     const sim::Pose2 pose = world_.plan().spot(spot(name)).work_in_world;
-    world_.move_along(sim::RobotId{0}, std::span(&pose, 1), world_.now(), world_.now() + kTick);
+    world_.move_along(sim::RobotId{0}, std::span(&pose, 1), world_.now(), world_.now() + tick_);
     run_for(0.04);
   }
   void note_result(const bus::Delivery& delivery) {
@@ -169,6 +168,7 @@ class GameStory {
     }
   }
 
+  SimTime tick_;
   bus::Registry registry_;
   KeptRecords sink_;
   sim::LedgerWorld world_;

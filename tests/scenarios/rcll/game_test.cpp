@@ -510,6 +510,46 @@ TEST(Game, AMachineIsDownFromTheFirstTickOfItsTimeToTheLastBeforeItsEnd) {
   EXPECT_THAT(states, testing::ElementsAre(kIdle, kDown, kDown, kIdle, kIdle));
 }
 
+TEST(Game, MachinesChangeTheirStatesAtTheMillisecond) {
+  struct Row {
+    const char *machine, *instruction;
+    bool with_piece;
+    int gate;
+    double until;
+    const char* wanted;  ///< states, with the milliseconds since the one before
+  };
+  const Row rows[] = {
+      {"C-BS", "side: OUTPUT, base_color: BASE_RED", false, 1, 4, "PROCESSING 1100 PROCESSED 2656 READY-AT-OUTPUT"},
+      {"C-CS1", "operation: RETRIEVE_CAP", true, 1, 22,
+       "PREPARED 1538 PROCESSING 17500 PROCESSED 2656 READY-AT-OUTPUT"},
+      {"C-CS1", "operation: RETRIEVE_CAP", false, 1, 51, "PREPARED 20001 BROKEN 30000 IDLE"},
+      {"C-DS", "order_id: 1", true, 1, 9, "PROCESSING 3746 PROCESSED 1 WAIT-IDLE 5000 IDLE"},
+      {"C-DS", "order_id: 1", true, 2, 5, "PROCESSING 4746 PROCESSED 1 WAIT-IDLE"},
+      {"C-DS", "order_id: 1", true, 3, 5, "PROCESSING 3983 PROCESSED 1 WAIT-IDLE"},
+  };
+  for (const Row& row : rows) {
+    WorldConfig config = GameStory::quiet_game();
+    config.orders[0].delivery_gate = row.gate;
+    GameStory story(config, 1, std::chrono::milliseconds(1));
+    const Machine& machine = story.machine(row.machine);
+    if (row.with_piece) {
+      ASSERT_TRUE(story.world().dispense(machine.id(), 0, {1, {}, 2}));
+    }
+    story.instruct("{machine: " + std::string(row.machine) + ", " + row.instruction + "}");
+    std::string states;
+    MachineState last = machine.state();
+    for (double since = story.now(); story.now() < row.until;) {
+      story.run_for(0);
+      if (machine.state() == last) continue;
+      last = machine.state();
+      states += (states.empty() ? "" : " " + std::to_string(std::lround(1000 * (story.now() - since))) + " ") +
+                std::string(to_string(last));
+      since = story.now();
+    }
+    EXPECT_EQ(states, row.wanted) << row.machine << ' ' << row.instruction << ", gate " << row.gate;
+  }
+}
+
 TEST(Game, MachinesAreDownAsAWholeWithinProductionOrNotAtAll) {
   const auto seconds_down = [](double production_s, std::uint64_t seed) {
     WorldConfig config = GameStory::quiet_game();

@@ -294,6 +294,32 @@ TEST(Reach, ARobotMustFitWhereItLinesUpAndWhereItWorks) {
   EXPECT_FALSE(reached(work - (room - 0.001) * outwards));
 }
 
+TEST(Reach, ARobotMustFitWithinTheField) {
+  constexpr double kRadius = 0.3;
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const double yaw = quarter * std::numbers::pi / 2;
+    sim::FloorPlan plan;
+    plan.stations = {{"A", "BS", {0, 4, yaw}, true}};
+    for (sim::Spot& spot : sim::spots_of(plan.stations[0], sim::StationId{0})) plan.spots.push_back(std::move(spot));
+    plan.spots.resize(1);
+    const auto [align, work] = plan.spots[0].footprint();
+    plan.stations.clear();
+    const sim::Vec2 outwards = (align - work).normalized(), inside = align - 3 * outwards;
+    plan.robots = {{"robot1", {inside.x(), inside.y(), 0}}};
+    const auto reached = [&](double room) {
+      sim::FloorPlan narrow = plan;
+      const sim::Vec2 end = align + room * outwards;
+      if (outwards.x() > 0.5) narrow.max_x = end.x();
+      if (outwards.x() < -0.5) narrow.min_x = end.x();
+      if (outwards.y() > 0.5) narrow.max_y = end.y();
+      if (outwards.y() < -0.5) narrow.min_y = end.y();
+      return unreachable_spots(narrow, kRadius).empty();
+    };
+    EXPECT_TRUE(reached(kRadius + 0.001)) << quarter;
+    EXPECT_FALSE(reached(kRadius - 0.001)) << quarter;
+  }
+}
+
 TEST(Reach, AGapAtATwentiethOfAMetreIsFound) {
   sim::FloorPlan plan;
   plan.stations = {{"A", "BS", {2, 4, 0}, true}};
