@@ -180,6 +180,10 @@ TEST(DomainParser, ErrorsNameWhereSymbolsWereDeclared) {
             "d.pddl:7: found action 'a' a second time; declared at d.pddl:6");
   EXPECT_EQ(error_of(with_world("(:durative-action a :parameters () :duration (= ?duration 1)\n :condition (done))")),
             "d.pddl:7: found (done), expected (at start ...), (over all ...) or (at end ...)");
+  for (const char* timed : {"(at end (done) (done))", "(at end)", "(over end (done))", "(at all (done))"})
+    EXPECT_EQ(error_of(with_world("(:durative-action a :parameters () :duration (= ?duration 1)\n :condition " +
+                                  std::string(timed) + ")")),
+              "d.pddl:7: found " + std::string(timed) + ", expected (at start ...), (over all ...) or (at end ...)");
   EXPECT_EQ(error_of(with_world("(:action a :parameters () :condition (done))")),
             "d.pddl:6: found :condition, expected :parameters, :precondition or :effect of an action");
   EXPECT_EQ(error_of(with_world("(:durative-action a :parameters ())")),
