@@ -545,6 +545,9 @@ TEST(JournalExport, BytesThatAreNoRecordAreAnError) {
   }
   EXPECT_FALSE(accepted(whole + "x"));
   EXPECT_FALSE(accepted("\xdd\xff\xff\xff\xff")) << "a list longer than the bytes";
+  std::string json = "before ";
+  EXPECT_FALSE(append_json(std::string("\xdd\0\0\0\2\xc0\xdf\0\0\0\1", 11), json).ok());
+  EXPECT_EQ(json, "before [null,") << "the map has no room for its value";
   std::string nested;
   for (int i = 0; i < 100'000; ++i) nested += std::string("\xdd\x00\x00\x00\x01", 5);
   EXPECT_FALSE(accepted(nested + "\xc0"));
