@@ -61,6 +61,32 @@ TEST_F(FilesTest, AShareDirectoryMayStandForAnotherFolder) {
   EXPECT_EQ(files.journal_name("/somewhere/share/moved/a.yaml"), "moved/a.yaml");
 }
 
+TEST_F(FilesTest, PathsHaveTheirNamesInTheJournal) {
+  const Files files = make();
+  const std::string folder = lab_.folder.string();
+  for (const auto& [path, name] : {std::pair<std::string, std::string>{"x/y.clp", "x/y.clp"},
+                                   {"./y.clp", "./y.clp"},
+                                   {folder + "/agent/clips/a.clp", "agent/clips/a.clp"},
+                                   {folder + "/agent/../agent/a.clp", "agent/a.clp"},
+                                   {folder + "/copies/a.clp", "moved/a.clp"},
+                                   {"/somewhere/share/moved/a.clp", "moved/a.clp"},
+                                   {folder + "/run/a.log", "run/a.log"},
+                                   {folder + "/agents/a.clp", "a.clp"},
+                                   {"/etc/a.clp", "a.clp"}})
+    EXPECT_EQ(files.journal_name(path), name) << path;
+}
+
+TEST_F(FilesTest, WhatIsNoFileCannotBeRead) {
+  lab_.write("agent/a.clp", "(a)");
+  const Files files = make();
+  EXPECT_EQ(*files.read({lab_.folder / "agent/a.clp", "a.clp"}), "(a)");
+  for (const char* path : {"agent", "agent/b.clp"}) {
+    const auto read = files.read({lab_.folder / path, "x"});
+    ASSERT_FALSE(read.ok()) << path;
+    EXPECT_EQ(read.error().text(), (lab_.folder / path).string() + ": cannot be read");
+  }
+}
+
 TEST_F(FilesTest, RulesReadPackagesOnly) {
   lab_.write("agent/a.txt", "");
   lab_.write("secret.txt", "");
