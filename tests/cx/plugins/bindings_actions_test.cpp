@@ -167,6 +167,7 @@ TEST_F(ActionBindings, ADeferredGoalWaitsForItsExecution) {
   EXPECT_THAT(said(), ElementsAre("info client: said fib status 1"));
   ASSERT_TRUE(lab_.engine("server")
                   .build(R"((defrule go (go) (example-interfaces-fibonacci-accepted-goal (server-goal-handle-ptr ?h)) =>
+    (println "said active " (example-interfaces-fibonacci-server-goal-handle-is-active ?h))
     (println "said executing " (example-interfaces-fibonacci-server-goal-handle-is-executing ?h))
     (example-interfaces-fibonacci-server-goal-handle-execute ?h)
     (println "said executing " (example-interfaces-fibonacci-server-goal-handle-is-executing ?h))
@@ -179,6 +180,32 @@ TEST_F(ActionBindings, ADeferredGoalWaitsForItsExecution) {
   EXPECT_THAT(s.error().message, HasSubstr("the goal is EXECUTING, expected ACCEPTED"));
   EXPECT_THAT(lab_.log.with("said executing"),
               ElementsAre("info server: said executing FALSE", "info server: said executing TRUE"));
+  EXPECT_THAT(lab_.log.with("said active"), ElementsAre("info server: said active TRUE"));
+}
+
+TEST_F(ActionBindings, AMessageOfAnotherTypeEndsNoGoal) {
+  run(kServer, false);
+  send();
+  const std::string prefix = "example-interfaces-fibonacci-", type = "example_interfaces/action/Fibonacci_";
+  for (const auto& [function, wrong, expected] :
+       {std::tuple{"succeed", "feedback", "Result"}, std::tuple{"abort", "goal", "Result"},
+        std::tuple{"canceled", "feedback", "Result"}, std::tuple{"publish-feedback", "result", "Feedback"}}) {
+    const std::string name = type + static_cast<char>(std::toupper(wrong[0])) + std::string(wrong + 1);
+    for (const auto& [message, found] : {std::pair{"(" + prefix + wrong + "-create)",
+                                                   "found a message of type " + name + ", expected " + type + expected},
+                                         std::pair{std::string("?h"), std::string("invalid message pointer")}}) {
+      ASSERT_TRUE(lab_.engine("server")
+                      .build("(defrule wrong (handle ?h) => (" + prefix + "server-goal-handle-" + function + " ?h " +
+                             message + "))")
+                      .ok());
+      lab_.log.lines.clear();
+      lab_.ticks(10);
+      EXPECT_THAT(lab_.log.with("rule wrong, RHS: "), ElementsAre(HasSubstr(found))) << function;
+    }
+  }
+  put("server", "(finish succeed)");
+  lab_.ticks(10);
+  EXPECT_THAT(lab_.log.with("said ended SUCCEEDED"), SizeIs(1)) << "it was under way";
 }
 
 TEST_F(ActionBindings, ACancelIsAskedOfTheRulesWithThreeArguments) {

@@ -33,6 +33,12 @@ TEST_F(Config, TypesScalarsAsCxDoes) {
                           "/f BOOL yes", "/g INT 7", "/h FLOAT 99999999999", "/i STRING \"a b\""));
 }
 
+TEST_F(Config, NumbersThatAreNoneForClipsKeepTheirWord) {
+  EXPECT_THAT(load("a: .inf\nb: -.inf\nc: .nan\nd: 0x10\ne: inf\nf: nan\ng: 1e999\nh: 1e3\ni: +7\n"),
+              ElementsAre("/a FLOAT .inf", "/b FLOAT -.inf", "/c FLOAT .nan", "/d INT 0x10", "/e STRING \"inf\"",
+                          "/f STRING \"nan\"", "/g STRING \"1e999\"", "/h FLOAT 1000.0", "/i INT 7"));
+}
+
 TEST_F(Config, ListsAreStrings) {
   EXPECT_THAT(load("l: [1, two, 3.0]\nempty: []\n"),
               ElementsAre("/l STRING (\"1\" \"two\" \"3.0\")", "/empty STRING ()"));
