@@ -17,7 +17,7 @@ using testing::IsEmpty;
 using Cells = std::multiset<std::pair<int, int>>;
 
 constexpr int kLayouts = 2000;
-constexpr double kRobotRadius = 0.225;
+constexpr double kRobotRadius = 0.225, kPlanningRadius = 0.27;
 
 /// Cells as whole numbers over the field: column -7..-1 and 1..7.
 std::pair<int, int> cell_of(const Zone& zone) {
@@ -245,13 +245,40 @@ TEST(DrawnLayout, DependsOnTheSeedAlone) {
   EXPECT_NE(first, show(draw_layout(c, false)));
 }
 
+/// FNV-1a, 64 bits.
+std::uint64_t fingerprint(const std::vector<Layout>& layouts) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const Layout& layout : layouts)
+    for (const char c : show(layout)) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return hash;
+}
+
+TEST(DrawnLayout, OfASeedStaysTheSame) {
+  EXPECT_EQ(fingerprint(drawn_layouts(false)), 2617038763505612521U);
+  EXPECT_EQ(fingerprint(drawn_layouts(true)), 18008963781703733439U);
+}
+
 TEST(GeneratedFloor, EverySpotCanBeServedByARobot) {
   // Seeds 188 and 199: the first draw has a shelf slot behind the end of the insertion area's wall.
   for (const std::uint64_t seed : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 16u, 83u, 188u, 199u}) {
     const auto plan = floor_plan_of(WorldConfig{}, seed);
     ASSERT_TRUE(plan);
-    for (const sim::SpotId spot : unreachable_spots(*plan, kRobotRadius))
+    for (const sim::SpotId spot : unreachable_spots(*plan, kPlanningRadius))
       ADD_FAILURE() << "seed " << seed << ": " << plan->spot(spot).name;
+  }
+}
+
+TEST(GeneratedFloor, IsTheFirstDrawWhereRobotsOfTheLeagueReachEverySpot) {
+  for (const auto& [seed, first] : {std::pair{1U, true}, {3U, true}, {40U, true}, {16U, false}, {83U, false}}) {
+    RandomStream random(seed, "layout");
+    const sim::FloorPlan drawn = make_floor_plan(draw_layout(random, false), Team::kCyan, 3);
+    EXPECT_EQ(unreachable_spots(drawn, kPlanningRadius).empty(), first) << seed;
+    const auto plan = floor_plan_of(WorldConfig{}, seed);
+    ASSERT_TRUE(plan);
+    bool same = true;
+    for (std::size_t i = 0; i < drawn.stations.size(); ++i)
+      same = same && plan->stations[i].pose_in_world.position() == drawn.stations[i].pose_in_world.position();
+    EXPECT_EQ(same, first) << seed;
   }
 }
 

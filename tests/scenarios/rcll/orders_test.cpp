@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace cxlab::rcll {
@@ -142,6 +143,32 @@ TEST(DrawnOrders, HaveTheMeansOfRecordedSchedulesOfTheRefereeBox) {
   EXPECT_NEAR(window / n, 157.6, 3);
   EXPECT_NEAR(begin / n, 640.9, 10);
   EXPECT_NEAR(lead / n, 250.0, 12);
+}
+
+/// FNV-1a, 64 bits, of all that orders and prices say.
+std::uint64_t fingerprint(const std::vector<Schedule>& schedules) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  const auto add = [&hash](std::int64_t value) {
+    for (int byte = 0; byte < 8; ++byte)
+      hash = (hash ^ (static_cast<std::uint64_t>(value) >> 8 * byte & 0xff)) * 0x100000001b3;
+  };
+  for (const Schedule& schedule : schedules) {
+    for (const int price : schedule.ring_prices) add(price);
+    for (const Order& order : schedule.orders) {
+      add(order.id), add(static_cast<int>(order.complexity)), add(static_cast<int>(order.product.base));
+      for (const RingColor ring : order.product.rings) add(static_cast<int>(ring));
+      add(static_cast<int>(order.product.cap)), add(order.delivery_gate), add(order.quantity), add(order.competitive);
+      for (const double time : {order.activate_at, order.delivery_begin, order.delivery_end}) add(std::llround(time));
+    }
+  }
+  return hash;
+}
+
+TEST(DrawnOrders, OfASeedStayTheSame) {
+  using enum Complexity;
+  EXPECT_EQ(fingerprint(many_schedules()), 11413375325294933174U);
+  EXPECT_EQ(fingerprint(many_schedules({kC0})), 16927381528882455230U);
+  EXPECT_EQ(fingerprint(many_schedules({kC2, kC3})), 2457102585041913408U);
 }
 
 TEST(DrawnOrders, CanBeLimitedToC0AndKeepTheTimesOfC0) {

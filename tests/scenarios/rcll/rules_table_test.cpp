@@ -900,6 +900,7 @@ const Row kRows[] = {
     {"points: C0 20, cap 10",
      R"(lay BASE_RED CAP_GREY at C-DS-INPUT
         C-DS {order_id: 1} -> 0
+        late 0
         points delivery 20 cap 10
         message /game_state /points_cyan 30
         message /game_state /points_magenta 0)"},
