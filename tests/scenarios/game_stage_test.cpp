@@ -125,6 +125,21 @@ TEST_F(GameStage, TheTimedTierHasNoViewAndTellsWhereOneIs) {
   EXPECT_THAT(view.error().text(), testing::HasSubstr("no bodies to look at: --tier physics"));
 }
 
+TEST_F(GameStage, PhysicsTakesTheStepsOfTheScenario) {
+  for (const auto& [step, steps] : {std::pair{"0.005", 400}, std::pair{"0.02", 100}}) {
+    const auto scenario =
+        Scenario::parse("schema: 1\nworld: {kind: rcll, robots: 1}\nphysics_step_s: " + std::string(step) + "\n",
+                        folder_ / "game.yaml", shipped());
+    ASSERT_TRUE(scenario.ok()) << scenario.error().text();
+    const auto episode = load(*scenario);
+    begin(*episode);
+    play(*episode, 2);
+    Result result;
+    episode->stage().report(result);
+    EXPECT_NEAR(static_cast<double>(result.steps), steps, 4) << step;
+  }
+}
+
 TEST_F(GameStage, PhysicsWithoutItsModelsIsAnErrorThatNamesTheFolder) {
   const auto scenario = Scenario::parse("schema: 1\nworld: {kind: rcll}\n", folder_ / "game.yaml", shipped());
   ASSERT_TRUE(scenario.ok());
