@@ -113,6 +113,26 @@ TEST(FloorMap, AWayOutOfAKeepoutComesNoNearer) {
     for (const double part : {0.0, 0.5}) EXPECT_GE(distance(between((*way)[i - 1], (*way)[i], part), Vec2(0, 4)), 0.44);
 }
 
+TEST(FloorMap, WaysOutOfWorkplacesAreAsLongAsTheyWere) {
+  struct Row {
+    Pose2 machine;
+    Vec2 from;  ///< of the machine's face
+    double length;
+  };
+  for (const auto& [machine, from, wanted] :
+       {Row{{0.0339, 4.0221, 2.3654}, {0.2259, -0.0643}, 2.318}, Row{{0.0717, 4.0224, 0.6145}, {0.2065, 0.0281}, 2.286},
+        Row{{0.0702, 4.0553, -2.5670}, {0.1951, 0.3711}, 1.682}}) {
+    FloorPlan plan;
+    plan.stations = {{"A", "BS", machine, true}};
+    FloorMap map(plan);
+    const Vec3 begin = transform(machine, Vec3(0.175 + from.x(), from.y(), 0));
+    const Vec3 behind = transform(machine, Vec3(-1, from.y(), 0));
+    const auto way = map.route({begin.x(), begin.y()}, {behind.x(), behind.y()}, {});
+    ASSERT_TRUE(way);
+    EXPECT_NEAR(length(*way), wanted, 0.01) << machine.yaw;
+  }
+}
+
 TEST(FloorMap, LessThanAMetreIsDrivenStraightAlsoPastTheEndOfAWall) {
   FloorPlan plan;
   plan.walls = {{{0, 0}, {0, 4 - 0.025 - 0.27}}};

@@ -230,6 +230,18 @@ TEST(Traffic, OneThatStepsAsideKeepsItsDistanceFromThoseThatStand) {
   }
 }
 
+TEST(Traffic, OneThatStepsAsideKeepsItsDistanceFromTheWholeWay) {
+  for (int k = 0; k < 10; ++k) {
+    const Vec2 from(-3 - 0.01 * k, 4.0205), goal(-0.01 * k, 4.0205);
+    Drivers floor(open_floor({{from.x(), from.y(), 0}, {goal.x() - 0.25, 4.02, 0}}));
+    floor.until([&] { return floor.now > from_seconds(1); });
+    floor.traffic.request(kRobot1, {goal.x(), goal.y(), 0}, {}, floor.now);
+    floor.tick();
+    ASSERT_TRUE(floor.traffic.moving(kRobot2));
+    EXPECT_GE(distance(floor.traffic.motion(kRobot2)->last().position(), Segment{from, goal}), 0.58 - 1e-6) << k;
+  }
+}
+
 TEST(Traffic, OneAtWorkIsWaitedForNearby) {
   Drivers floor(open_floor({{-5, 4, 0}, {0.5, 4, 0}}));
   const Segment work{{0, 4}, {0.17, 4}};
@@ -549,7 +561,7 @@ TEST(Traffic, OneThatGivesUpItsWorkTakesTheRoomOfARobotOnly) {
   floor.until([&] { return floor.traffic.working(kRobot1); });
   floor.traffic.withdraw(kRobot1, floor.now);
   floor.traffic.request(kRobot2, {3, 4.6, 0}, {}, floor.now);
-  floor.tick();
+  floor.traffic.plan(floor.now);  // in the same tick
   ASSERT_TRUE(floor.traffic.moving(kRobot2));
   EXPECT_NEAR(floor.traffic.motion(kRobot2)->length(), 6, 0.01);
 }
