@@ -320,6 +320,59 @@ TEST(FindPlan, ProvesThatNothingAddsTheGoal) {
   EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
 }
 
+TEST(FindPlan, TakesActionsThatOnlyServeOthers) {
+  struct Row {
+    const char *what, *domain, *problem;
+  };
+  for (const auto& [what, domain, problem] :
+       {Row{"a number in the value of an effect",
+            "(:functions (rate) (total)) (:action raise :effect (increase (rate) 2))"
+            "(:action collect :effect (increase (total) (rate)))",
+            "(:init (= (rate) 0) (= (total) 0)) (:goal (>= (total) 5))"},
+        Row{"the condition of an effect",
+            "(:predicates (lit) (seen)) (:action light :effect (lit)) (:action look :effect (when (lit) (seen)))",
+            "(:init) (:goal (seen))"},
+        Row{"a number in the condition of an effect",
+            "(:predicates (seen)) (:functions (light)) (:action light :effect (increase (light) 1))"
+            "(:action look :effect (when (>= (light) 2) (seen)))",
+            "(:init (= (light) 0)) (:goal (seen))"},
+        Row{"an effect that must not come about",
+            "(:predicates (covered) (clean) (painted)) (:action cover :effect (covered))"
+            "(:action paint :effect (and (painted) (when (not (covered)) (not (clean)))))",
+            "(:init (clean)) (:goal (and (painted) (clean)))"},
+        Row{"a bound of a duration",
+            "(:predicates (done)) (:functions (pace)) (:action hurry :effect (decrease (pace) 8))"
+            "(:durative-action go :parameters () :duration (and (>= ?duration (pace)) (<= ?duration 5)) :condition ()"
+            " :effect (at end (done)))",
+            "(:init (= (pace) 10)) (:goal (done))"},
+        Row{"a fact that must be gone",
+            "(:predicates (blocked) (done)) (:action clear :effect (not (blocked)))"
+            "(:action pass :precondition (not (blocked)) :effect (done))",
+            "(:init (blocked)) (:goal (done))"},
+        Row{"a number in a condition",
+            "(:predicates (done)) (:functions (fuel)) (:action fill :effect (increase (fuel) 1))"
+            "(:action go :precondition (> (fuel) 2) :effect (done))",
+            "(:init (= (fuel) 0)) (:goal (done))"},
+        Row{"a condition over all and one at the end",
+            "(:predicates (calm) (ready) (done)) (:action soothe :effect (calm)) (:action prepare :effect (ready))"
+            "(:durative-action work :parameters () :duration (= ?duration 2)"
+            " :condition (and (over all (calm)) (at end (ready))) :effect (at end (done)))",
+            "(:init) (:goal (done))"},
+        Row{"conditions of rules, present and absent",
+            "(:predicates (open) (barred) (locked) (done)) (:derived (open) (not (or (barred) (locked))))"
+            "(:action unbar :effect (not (barred))) (:action unlock :effect (not (locked)))"
+            "(:action enter :precondition (open) :effect (done))",
+            "(:init (barred) (locked)) (:goal (done))"},
+        Row{"a rule that must not hold",
+            "(:predicates (alarm) (smoke) (heat) (done)) (:derived (alarm) (or (smoke) (heat)))"
+            "(:action air :effect (not (smoke))) (:action cool :effect (not (heat)))"
+            "(:action leave :precondition (not (alarm)) :effect (done))",
+            "(:init (smoke) (heat)) (:goal (done))"}}) {
+    const PlanAnswer found = answer(parse(domain, problem), {.budget = 200'000});
+    EXPECT_TRUE(found.plan) << what << ": " << found.reason;
+  }
+}
+
 TEST(FindPlan, ANumberThatNeverGetsAValueIsNamed) {
   const char* refuel = R"((:predicates (full ?c) (ready)) (:functions (fuel ?c) (spare ?c) (weight ?c))
     (:action fill :parameters (?c) :precondition (ready) :effect (and (increase (fuel ?c) 1) (full ?c)))
