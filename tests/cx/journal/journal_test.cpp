@@ -525,6 +525,15 @@ TEST(JournalReader, NamesTheLineThatIsWrong) {
   };
   EXPECT_THAT(error_of("{"), HasSubstr("j:2: expected a record"));
   EXPECT_THAT(error_of(R"({"stream":"s","n":-1,"t":0,"kind":"fire","data":{},"cause":[]})"), HasSubstr("\"n\""));
+  for (const char* t : {"1.5", "\"0\"", "null"})
+    EXPECT_THAT(error_of(R"({"stream":"s","n":0,"t":)" + std::string(t) + R"(,"kind":"fire","data":{},"cause":[]})"),
+                HasSubstr("\"t\""))
+        << t;
+  EXPECT_THAT(error_of(R"({"stream":1,"n":0,"t":0,"kind":"fire","data":{},"cause":[]})"), HasSubstr("\"stream\""));
+  EXPECT_THAT(error_of(R"({"stream":"s","n":0.5,"t":0,"kind":"fire","data":{},"cause":[]})"), HasSubstr("\"n\""));
+  EXPECT_THAT(error_of(R"({"stream":"s","n":0,"t":0,"kind":7,"data":{},"cause":[]})"), HasSubstr("\"kind\""));
+  EXPECT_THAT(error_of(R"({"stream":"s","n":0,"t":0,"kind":"fire","data":[],"cause":[]})"), HasSubstr("\"data\""));
+  EXPECT_THAT(error_of(R"({"stream":"s","n":0,"t":0,"kind":"fire","data":{},"cause":{}})"), HasSubstr("\"cause\""));
   EXPECT_THAT(error_of(R"({"stream":"s","n":0,"t":0,"kind":"fired","data":{},"cause":[]})"),
               HasSubstr("j:2: 'fired' is no kind of record"));
   EXPECT_THAT(error_of(R"({"stream":"s","n":0,"t":0,"kind":"fire","data":{},"cause":["s"]})"), HasSubstr("stream:n"));

@@ -140,6 +140,24 @@ TEST(FileStore, ARunGivesBackTheFilesThatItRead) {
   EXPECT_EQ(content_of(temp / "work/pkg/copy.clp"), "(defrule a => )");
 }
 
+TEST(FileStore, ACopyIsReadByThoseWhoReadItsFile) {
+  using fs::perms;
+  const TempFolder temp;
+  const fs::path source = temp / "a.clp", run = temp / "run";
+  constexpr perms kOthers = perms::group_read | perms::others_read;
+  put_file(temp / "usual", "");
+  const perms usual = fs::status(temp / "usual").permissions();
+  for (const perms open : {perms::none, perms::group_read, kOthers}) {
+    const std::string text = "(a " + std::to_string(static_cast<unsigned>(open)) + ")";
+    put_file(source, text);
+    fs::permissions(source, perms::owner_read | perms::owner_write | open);
+    auto store = FileStore::create(run);
+    ASSERT_TRUE(store.ok());
+    ASSERT_TRUE(store->add("agent/a.clp", source).ok());
+    EXPECT_EQ(fs::status(run / "files" / content_hash(text)).permissions() & kOthers, open & usual);
+  }
+}
+
 TEST(FileStore, AFileThatChangesKeepsItsFirstContent) {
   TempFolder temp;
   auto store = FileStore::create(temp.path());
