@@ -132,5 +132,41 @@ TEST(Functions, HaveTheirArguments) {
             "example-interfaces-fibonacci-server-goal-handle-succeed v 2-2 ;e;e acts\n");
 }
 
+constexpr const char* kPlugins[] = {
+    "AmentIndexPlugin",      "ConfigPlugin",          "ExamplePlugin",  "ExecutivePlugin",
+    "RosMsgsPlugin",         "Tf2PoseTrackerPlugin",  "RosParamPlugin", "CXExampleInterfacesFibonacciPlugin",
+    "CXStdMsgsStringPlugin", "CXStdSrvsSetBoolPlugin"};
+
+/// Starts the plugin "p" after these constructs.
+Status start_after(Lab& lab, const std::string& plugin, const std::string& constructs) {
+  lab.config(
+      "environments: [\"main\"]\nmain: {plugins: [\"files\", \"p\"]}\nfiles: {plugin: \"cx::FileLoadPlugin\", "
+      "pkg_share_dirs: [\"agent\"], load: [\"rules.clp\"]}\np: {plugin: \"cx::" +
+      plugin + "\"}");
+  lab.write("agent/rules.clp", constructs);
+  return lab.start();
+}
+
+TEST(Functions, WhoseNamesAreTakenStopTheStart) {
+  for (const std::string plugin : kPlugins) {
+    Lab alone;
+    ASSERT_TRUE(start_after(alone, plugin, "").ok()) << plugin;
+    for (const FunctionSpec& f : alone.engine().functions()) {
+      if (f.owner != "p") continue;
+      Lab lab;
+      const Status started = start_after(lab, plugin, "(deffunction " + f.name + " () 1)");
+      ASSERT_FALSE(started.ok()) << plugin << ": " << f.name;
+      EXPECT_THAT(started.error().text(), ::testing::HasSubstr(f.name)) << plugin;
+    }
+  }
+}
+
+TEST(Constructs, ThatDoNotFitThoseOfRulesStopTheStart) {
+  Lab lab;
+  const Status started = start_after(lab, "ExecutivePlugin", "(deftemplate time (slot seconds))");
+  ASSERT_FALSE(started.ok());
+  EXPECT_THAT(started.error().text(), ::testing::HasSubstr("cx_executive_plugin/time.clp"));
+}
+
 }  // namespace
 }  // namespace cxlab::cx
