@@ -316,6 +316,23 @@ TEST(Configuration, RulesAreTrustedWhereTheRunSaysSo) {
   }
 }
 
+TEST(Configuration, ARunInAFileStopsAfterTheFiringsOfTheRun) {
+  for (const auto& [most, stops] : {std::pair{9, true}, std::pair{11, false}}) {
+    Lab lab;
+    lab.options.max_firings = most;
+    lab.config(R"(environments: ["main"]
+main: {plugins: ["files"]}
+files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], batch: ["run.clp"]})");
+    lab.write("agent/run.clp",
+              "(defrule count ?f <- (n ?x&:(< ?x 10)) => (retract ?f) (assert (n (+ ?x 1))))\n(assert (n 0))\n(run)\n");
+    const Status started = lab.start();
+    EXPECT_EQ(started.ok(), !stops) << most;
+    if (!started) {
+      EXPECT_THAT(started.error().text(), HasSubstr("run.clp:3: (run ...): rules still fire after 9 firings"));
+    }
+  }
+}
+
 TEST(Configuration, NotesOfALoadAreWarnings) {
   Lab lab;
   lab.options.keep_going = true;
