@@ -38,8 +38,8 @@ bool convert(const Json& json, RecordValue& out, int depth) {
     case Json::value_t::object: {
       RecordValue::Map map;
       for (const auto& [key, item] : json.items()) {
-        map.emplace_back(key, RecordValue{});
-        if (!convert(item, map.back().second, depth + 1)) return false;
+        map.push_back({key, {}});
+        if (!convert(item, map.back().value, depth + 1)) return false;
       }
       out.value = std::move(map);
       break;
@@ -80,8 +80,8 @@ bool operator==(const RecordValue& a, const RecordValue& b) { return a.value == 
 const RecordValue* RecordValue::find(std::string_view key) const {
   const auto* map = std::get_if<Map>(&value);
   if (!map) return nullptr;
-  const auto found = std::ranges::find(*map, key, &Map::value_type::first);
-  return found == map->end() ? nullptr : &found->second;
+  const auto found = std::ranges::find(*map, key, &Entry::key);
+  return found == map->end() ? nullptr : &found->value;
 }
 
 std::int64_t RecordValue::integer(std::string_view key) const {

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -16,8 +15,9 @@ namespace cxlab {
 
 /// The data of a record as a small tree of values.
 struct RecordValue {
+  struct Entry;
   using List = std::vector<RecordValue>;
-  using Map = std::vector<std::pair<std::string, RecordValue>>;  ///< in the order of writing
+  using Map = std::vector<Entry>;  ///< in the order of writing
 
   /// Unsigned only where an int64 is too small.
   std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, List, Map> value;
@@ -29,6 +29,11 @@ struct RecordValue {
   std::string_view text(std::string_view key) const;
 
   friend bool operator==(const RecordValue& a, const RecordValue& b);
+};
+struct RecordValue::Entry {
+  std::string key;
+  RecordValue value;
+  friend bool operator==(const Entry&, const Entry&) = default;
 };
 /// Reads the bytes of a `RecordData`.
 Expected<RecordValue> decode_record_data(std::string_view bytes);

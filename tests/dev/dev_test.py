@@ -78,7 +78,7 @@ class Dev(unittest.TestCase):
                 (pathlib.Path(folder) / name).symlink_to(shutil.which(name))
             done = dev("fuzz", "rules", "5", PATH=folder)
         self.assertEqual(done.returncode, 5)
-        self.assertIn("apt-get install clang", done.stderr)
+        self.assertIn("apt-get install clang-16", done.stderr)
 
     def test_no_install_prints_the_command_that_installs(self):
         done = dev_on_a_bare_machine("test", "--no-install")
