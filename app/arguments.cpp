@@ -35,22 +35,33 @@ CLI::Validator positive() {
           ""};
 }
 
-CLI::Validator seed_number() {
-  return {[](std::string& text) {
-            return read_number<std::uint64_t>(text) ? std::string()
-                                                    : expected(text, "a whole number from 0 to 18446744073709551615");
-          },
-          ""};
+namespace {
+
+/// CLI11 gets the number in plain digits: it would read 010 as octal, and what is too large as the largest.
+template <class Number>
+std::string check_whole(std::string& text, Number low, Number high) {
+  const auto value = read_number<Number>(text);
+  if (value && *value >= low && *value <= high) {
+    text = std::to_string(*value);
+    return {};
+  }
+  const double written = finite_number(text).value_or(0.5), least = static_cast<double>(low);
+  if (!value && written == std::floor(written) && written >= least && written <= static_cast<double>(high) &&
+      written < 1e15)
+    return expected(text, "a whole number: ") + std::to_string(static_cast<std::int64_t>(written));
+  return expected(text, "a whole number from ") + std::to_string(low) + " to " + std::to_string(high);
 }
 
-CLI::Validator whole_number(std::int64_t low, std::int64_t high) {
-  const std::string bounds = std::to_string(low) + " to " + std::to_string(high);
-  return {[low, high, bounds](std::string& text) {
-            const auto value = read_number<std::int64_t>(text);
-            return value && *value >= low && *value <= high ? std::string()
-                                                            : expected(text, ("a whole number from " + bounds).c_str());
-          },
-          "from " + bounds};
+}  // namespace
+
+CLI::Option* seed_number(CLI::Option* option) {
+  return option->transform({[](std::string& text) { return check_whole<std::uint64_t>(text, 0, UINT64_MAX); }, ""});
+}
+
+CLI::Option* whole_number(CLI::Option* option, std::int64_t low, std::int64_t high) {
+  const std::string from = "from " + std::to_string(low);
+  return option->transform({[low, high](std::string& text) { return check_whole(text, low, high); },
+                            high == INT64_MAX ? from : from + " to " + std::to_string(high)});
 }
 
 CLI::Validator one_of(std::vector<std::string> words) {
@@ -101,7 +112,7 @@ std::string missing_command(const CLI::App& command) {
          did_you_mean(rest.front(), names);
 }
 
-/// The message of CLI11, or a better one: it names no near option, and what kind of number it expected.
+/// The message of CLI11, or a better one: it names no near option.
 std::string explained(const CLI::App& command, const CLI::ParseError& error) {
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) return unknown(command);
   const std::string text = error.what(), begin = "Could not convert: ";
@@ -120,11 +131,7 @@ std::string explained(const CLI::App& command, const CLI::ParseError& error) {
   const std::string name = text.substr(begin.size(), equals - begin.size()), found = text.substr(equals + 3);
   const CLI::Option* option = command.get_option_no_throw(name);
   if (option && option->get_expected_max() == 0) return name + ": takes no value";
-  const bool whole = option && option->get_type_name().find("INT") != std::string::npos;
-  const auto value = finite_number(found);
-  const bool is_whole = whole && value && *value == std::floor(*value) && std::abs(*value) < 1e15;
-  return name + ": " + expected(found, whole ? "a whole number" : "a number") +
-         (is_whole ? ": " + std::to_string(static_cast<std::int64_t>(*value)) : "");
+  return name + ": " + expected(found, "a number");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // What options take, checked with messages that say what was found and what was expected.
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,14 +15,14 @@ namespace cxlab::app {
 CLI::Validator not_negative();
 /// A number above 0.
 CLI::Validator positive();
-/// A whole number from 0 that 64 bits hold.
-CLI::Validator seed_number();
-
-/// A whole number within these bounds.
-CLI::Validator whole_number(std::int64_t low, std::int64_t high);
 /// One of these words.
 CLI::Validator one_of(std::vector<std::string> words);
 
+/// The option takes a whole number in decimal digits, within these bounds. Every option that holds an integer has this
+/// check or the next one.
+CLI::Option* whole_number(CLI::Option* option, std::int64_t low, std::int64_t high = INT64_MAX);
+/// The option takes a whole number from 0 that 64 bits hold.
+CLI::Option* seed_number(CLI::Option* option);
 /// The option may come often, with one value each time; it takes no argument that follows.
 CLI::Option* once_each(CLI::Option* option);
 /// Declares `--prefix`.

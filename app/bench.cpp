@@ -49,7 +49,7 @@ void add_bench(CLI::App& app, Action& action) {
   command->footer("Example:\n  cxlab bench benchmarks/rcll.yaml -j 2");
   add_memory_option(*command);
   command->add_option("suite", options->suite, "Suite file (YAML)")->required();
-  command->add_option("-j", options->jobs, "Episodes at once")->check(whole_number(1, 256));
+  whole_number(command->add_option("-j", options->jobs, "Episodes at once"), 1, 256);
   command->add_option("--out", options->out,
                       "Folder of the rows (default runs/bench-<suite>); rows that would come out the same are kept");
   command->add_flag("--json", options->json, "Prints JSON instead of the table");

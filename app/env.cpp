@@ -62,11 +62,10 @@ void declare(CLI::App& command, Options& options) {
   command.add_flag("--stop-on-rule-error", options.env.stop_on_rule_error,
                    "An error in a rule ends the run (exit code 4); without it the run goes on and the exit code does "
                    "not change");
-  command
-      .add_option("--max-firings", options.env.max_firings,
-                  "Rules that an environment may fire in a tick before the run ends as one without an end (default "
-                  "100000, 0 = no limit)")
-      ->check(whole_number(0, std::int64_t{1} << 62));
+  whole_number(command.add_option("--max-firings", options.env.max_firings,
+                                  "Rules that an environment may fire in a tick before the run ends as one without "
+                                  "an end (default 100000, 0 = no limit)"),
+               0, std::int64_t{1} << 62);
   command.add_flag("--trust-rules", options.env.trust_rules, "Rules may read, write and run anything");
   declare_play(command, options.run);
   command.get_option("--until")->description("End, s of simulated time (default 60)");

@@ -218,9 +218,9 @@ void add_plan(CLI::App& app, Action& action) {
   plan->add_option("domain", options->domain, "PDDL domain")->required();
   plan->add_option("problem", options->problem, "PDDL problem")->required();
   plan->add_option("--timeout", options->timeout_s, "wall time in seconds")->check(positive());
-  plan->add_option("--budget", options->budget,
-                   "work units; one is about a microsecond. The same budget gives the same plan")
-      ->check(positive())
+  whole_number(plan->add_option("--budget", options->budget,
+                                "work units; one is about a microsecond. The same budget gives the same plan"),
+               1)
       ->capture_default_str();
   plan->add_flag("--anytime", options->anytime,
                  "go on to better plans until time or budget end: by the metric, or shorter ones");

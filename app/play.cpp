@@ -10,7 +10,7 @@ namespace cxlab::app {
 
 void declare_play(CLI::App& command, PlayCommand& options) {
   lab::PlayOptions& play = options.play;
-  command.add_option("--seed", options.seed, "Seed of all chance, instead of the scenario's")->check(seed_number());
+  seed_number(command.add_option("--seed", options.seed, "Seed of all chance, instead of the scenario's"));
   command.add_option("--until", play.until, "End, s of simulated time")->check(not_negative());
   command.add_option("--out", play.out, "Folder of the run; 'none' writes nothing (default runs/<scenario>-<seed>)");
   command.add_flag("--force", play.force, "Overwrites a folder that is in use");

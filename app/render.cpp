@@ -71,7 +71,7 @@ void add_render(CLI::App& app, Action& action) {
                       "Of a factory: field (default), top, a robot (robot1) or a machine (C-CS1); of turtles: canvas");
   command->add_option("--size", options->size, "WIDTHxHEIGHT; a canvas of turtles is the largest square in it")
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "Of a scenario: seed of all chance")->check(seed_number());
+  seed_number(command->add_option("--seed", options->seed, "Of a scenario: seed of all chance"));
   once_each(command->add_option("--set", options->overrides, "Of a scenario: changes a value, a.b[0].c=VALUE"));
   command->footer(
       "Example:\n  cxlab render scenarios/rcll/game.yaml --at 60 --out field.png --camera top\n  cxlab render "

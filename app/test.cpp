@@ -105,7 +105,7 @@ void add_test(CLI::App& app, Action& action) {
   command->add_option("--junit", options->junit, "Writes a JUnit report");
   command->add_option("--coverage", options->coverage,
                       "Says which rules fired, were only activated, or never matched; writes the counts as lcov");
-  command->add_option("-j", options->jobs, "Processes")->check(whole_number(1, 256));
+  whole_number(command->add_option("-j", options->jobs, "Processes"), 1, 256);
   command->add_flag("--json", options->json, "Prints JSON");
   command->callback([options, &action] { action = [options] { return test(*options); }; });
 }

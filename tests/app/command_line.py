@@ -155,6 +155,12 @@ class Output(Lab):
         result = json.loads(done.stdout)
         self.assertEqual((result["seed"], result["sim_time_s"]), (3, 1))
 
+    def test_whole_numbers_are_decimal(self):
+        self.agent("")
+        for text in ("010", "+10", "10"):
+            done = cxlab("run", "--out", "none", "scenario.yaml", "--seed", text, "--json", "--quiet", cwd=self.folder)
+            self.assertEqual(json.loads(done.stdout)["seed"], 10, text)
+
     def test_a_failed_run_has_no_score_board(self):
         self.agent("(defrule wrong (time ?) => (+ 1 (nth$ 1 (create$ one))))", "schema: 1\nworld: {kind: rcll}\ntier: timed\n"
                    "packages: {rules: rules}\nagents:\n  - config: agent.yaml\n")

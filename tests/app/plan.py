@@ -52,7 +52,7 @@ class Plan(Lab):
         self.assertEqual(width(70), width(80))
 
     def test_a_budget_that_is_no_whole_number_is_reported_with_the_number_that_may_be_meant(self):
-        for budget, message in [("1e6", "found '1e6', expected a whole number: 1000000"), ("1.5", "found '1.5', expected a whole number")]:
+        for budget, message in [("1e6", "found '1e6', expected a whole number: 1000000"), ("1.5", "found '1.5', expected a whole number from 1 to 9223372036854775807")]:
             done = self.plan("--budget", budget)
             self.assertEqual((done.returncode, done.stderr.splitlines()[0]), (2, "error: --budget: " + message))
 

@@ -116,7 +116,7 @@ ROWS["options"] = [
     # test
     *[wrong(f"test of '{value}'", ["test", value], 3 if value else 2) for value in ("missing", "", "missing.story.yaml", "garbage", "rules.clp", "agent.yaml")],
     wrong("test of an empty folder", ["test", "empty"], 3),
-    *[wrong(f"test -j '{value}'", ["test", "-j", value], 2) for value in ("0", "-1", "x", "", "257", "1.5")],
+    *[wrong(f"test -j '{value}'", ["test", "-j", value], 2) for value in ("0", "-1", "x", "", "257", "1.5", "1e1", "99999999999999999999")],
     *[wrong(f"test {option} to nowhere", ["test", option, "missing/file"], 5) for option in ("--junit", "--coverage")],
     *[wrong(f"test --package '{value}'", ["test", "--package", value], code) for value, code in (("x", 2), ("x=missing", 3))],
     # bench
@@ -134,7 +134,7 @@ ROWS["options"] = [
     wrong("render of a camera that is not there", ["render", "turtles.yaml", "--out", "x.png", "--at", "0", "--camera", "canvs"], 3),
     wrong("render of an empty world", ["render", "scenario.yaml", "--out", "x.png", "--at", "0"], 3),
     # plan, validate
-    *[wrong(f"plan --budget '{value}'", ["plan", "d.pddl", "p.pddl", "--budget", value], 2) for value in ("-1", "x", "", "1.5", "0")],
+    *[wrong(f"plan --budget '{value}'", ["plan", "d.pddl", "p.pddl", "--budget", value], 2) for value in ("-1", "x", "", "1.5", "0", "1e6", "0x10", "9223372036854775808", "99999999999999999999")],
     *[wrong(f"plan --timeout '{value}'", ["plan", "d.pddl", "p.pddl", "--timeout", value], 2) for value in ("-1", "x", "", "nan", "inf")],
     *[wrong(f"plan {option} to nowhere", ["plan", "d.pddl", "p.pddl", option, "missing/file"], 5) for option in ("--out", "--svg")],
     *[wrong(f"plan of {' '.join(files)}", ["plan", *files], 31) for files in (("missing", "p.pddl"), ("d.pddl", "missing"), ("p.pddl", "d.pddl"), ("d.pddl", "d.pddl"), ("garbage", "p.pddl"), ("nothing", "p.pddl"), ("d.pddl", "nothing"), ("used", "p.pddl"))],
