@@ -67,6 +67,17 @@ class Mends(unittest.TestCase):
 (run)
 """), ["none"])
 
+    def test_salience_beyond_32_bits_is_out_of_range(self):
+        self.assertEqual(printed("""
+(defglobal ?*large* = 4294967297)
+(defrule constant (declare (salience 4294967297)) => (printout t "= constant" crlf))
+(defrule computed (declare (salience ?*large*)) => (printout t "= computed" crlf))
+(defrule negative (declare (salience -4294967297)) => (printout t "= negative" crlf))
+(defrule largest (declare (salience 10000)) => (printout t "= largest" crlf))
+(reset)
+(run)
+"""), ["largest"])
+
     def test_salience_of_a_rule_with_a_wrong_disjunct_goes_once(self):
         self.assertEqual(printed("""
 (deftemplate t (slot n (type INTEGER)))
