@@ -352,7 +352,10 @@ Expected<Document> Document::load(const std::filesystem::path& file) {
 }
 
 YAML::Node load(const std::string& text) {
-  YAML::Node root = YAML::Load(text);
+  const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+  if (documents.size() > 1)
+    throw YAML::RepresentationException(documents[1].Mark(), "found a second document, expected one");
+  const YAML::Node root = documents.empty() ? YAML::Node() : documents.front();
   check_end(root, text);
   return root;
 }
@@ -373,11 +376,7 @@ Expected<Document> Document::parse(const std::string& text, const std::string& n
   document.root_.shared_ = std::make_shared<Value::Shared>();
   document.root_.shared_->file = name;
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1)
-      return input_error("found a second document, expected one", name, documents[1].Mark().line + 1);
-    document.root_.node_ = std::make_shared<YAML::Node>(documents.empty() ? YAML::Node() : documents.front());
-    check_end(*document.root_.node_, text);
+    document.root_.node_ = std::make_shared<YAML::Node>(yaml::load(text));
   } catch (const YAML::Exception& e) {
     return syntax_error(e, text, name);
   }

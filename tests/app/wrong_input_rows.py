@@ -206,7 +206,7 @@ ROWS["configurations"] = [
       for name, find, put in (("rate misspelt", "refresh_rate", "refresh_rat"), ("load misspelt", "load:", "laod:"), ("environment key", "main: {plugins:", "main: {wach: [], plugins:"), ("environments misspelt", "environments:", "environment:"))],
     *[config(kind, text, 3)
       for kind, text in (("no parameters", "/**:\n  ros__params:\n    environments: [main]\n"), ("another node", "other_manager:\n  ros__parameters:\n    environments: [main]\n"), ("scalar", "hello\n"), ("list", "- a\n"), ("open bracket", "/**:\n  ros__parameters: [\n"),
-                         ("tab", "/**:\n\tros__parameters:\n"), ("deep", "/**: " + "[" * 5000), ("cycle of aliases", "/**: &a\n  ros__parameters: *a\n"))],
+                         ("tab", "/**:\n\tros__parameters:\n"), ("deep", "/**: " + "[" * 5000), ("cycle of aliases", "/**: &a\n  ros__parameters: *a\n"), ("two documents", CONFIG + "---\n" + CONFIG.replace('"main"', '"other"', 1)))],
     config("nothing", "", 3),
 ]
 
