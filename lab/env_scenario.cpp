@@ -10,6 +10,7 @@
 #include "cx/executive/environment_manager.h"
 #include "cx/yaml/yaml.h"
 #include "lab/packages.h"
+#include "scenarios/episode.h"
 #include "scenarios/share.h"
 
 namespace cxlab::lab {
@@ -164,8 +165,7 @@ bool is_of(const std::string& param, const std::vector<std::string>& nodes) {
 
 /// The parameters of the managers; each --param is for a node that there will be.
 Expected<std::vector<cx::GivenParameter>> manager_params(const EnvOptions& options, const AgentSpec& agent) {
-  bus::NodeName manager{cx::ManagerOptions().node, agent.name_space, agent.remaps};
-  bus::rename_node(manager);
+  const bus::NodeName manager = manager_node(agent);
   std::vector<cx::GivenParameter> out;
   for (const std::string& param : options.params) {
     if (is_of(param, options.with)) continue;
@@ -200,8 +200,7 @@ Status add_agents(const EnvOptions& options, Scenario& scenario) {
   auto params = manager_params(options, agent);
   if (!params) return params.error();
   agent.params = *std::move(params);
-  bus::NodeName manager{cx::ManagerOptions().node, agent.name_space, agent.remaps};
-  bus::rename_node(manager);
+  const bus::NodeName manager = manager_node(agent);
   for (const std::string& config : options.configs) {
     if (auto read = cx::Parameters::load(config, manager.name, manager.name_space); !read) return read.error();
     agent.config = fs::absolute(config).lexically_normal().string();
@@ -213,7 +212,7 @@ Status add_agents(const EnvOptions& options, Scenario& scenario) {
 // --- Stimuli
 
 /// A transition of a manager, as the call that asks for it.
-Expected<Stimulus> transition(const EnvOptions& options, const std::string& text) {
+Expected<Stimulus> transition(const Scenario& scenario, const std::string& text) {
   const char* form = "SECONDS:NAME or SECONDS:NAME@NODE";
   auto parts = split("--transition", text, ":", form);
   if (!parts) return parts.error();
@@ -226,15 +225,15 @@ Expected<Stimulus> transition(const EnvOptions& options, const std::string& text
     return usage_error("--transition: found '" + name +
                        "', expected configure, activate, deactivate, cleanup or shutdown" + did_you_mean(name, known));
   if (where + 1 == parts->second.size()) return usage_error("--transition: found '" + text + "', expected " + form);
-  const std::string node = where == std::string::npos
-                               ? bus::NodeName{cx::ManagerOptions().node, options.name_space, {}}.full_name()
-                               : parts->second.substr(where + 1);
+  const std::string node =
+      where == std::string::npos ? manager_node(scenario.agents.front()).full_name() : parts->second.substr(where + 1);
   return Stimulus{.at = from_seconds(*at),
                   .verb = Stimulus::Verb::kCall,
                   .target = node + "/change_state",
                   .type = "lifecycle_msgs/srv/ChangeState",
                   .content = "{transition: {label: " + name + "}}",
-                  .origin = {"--transition " + text}};
+                  .origin = {"--transition " + text},
+                  .to_a_node_there = true};
 }
 
 Status add_stimuli(const EnvOptions& options, Scenario& scenario) {
@@ -245,7 +244,7 @@ Status add_stimuli(const EnvOptions& options, Scenario& scenario) {
     if (Status s = file->status(); !s) return s;
   }
   for (const std::string& text : options.transitions) {
-    auto call = transition(options, text);
+    auto call = transition(scenario, text);
     if (!call) return call.error();
     scenario.stimuli.push_back(*std::move(call));
   }

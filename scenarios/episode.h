@@ -98,6 +98,7 @@ class Episode {
   Status build_stage();
   Status build_stimuli();
   Status build_agents();
+  Status check_stimuli();
   cx::ManagerOptions manager_options(std::size_t agent);
   void build_loop();
 
@@ -117,5 +118,8 @@ class Episode {
   std::vector<std::unique_ptr<cx::EnvironmentManager>> agents_;
   std::optional<Loop> loop_;
 };
+
+/// The node of an agent's environment manager, as its remaps name it.
+bus::NodeName manager_node(const AgentSpec& agent);
 
 }  // namespace cxlab

@@ -1,5 +1,6 @@
 // Makes an episode's parts from its scenario.
 
+#include <algorithm>
 #include <set>
 
 #include "cx/plugins/builtin.h"
@@ -34,7 +35,8 @@ class MeasuredWorld final : public Simulation {
 
 Expected<std::unique_ptr<Episode>> Episode::load(Scenario scenario, EpisodeOptions options) {
   std::unique_ptr<Episode> episode(new Episode(std::move(scenario), std::move(options)));
-  for (const auto build : {&Episode::open_files, &Episode::build_bus, &Episode::build_stage, &Episode::build_agents})
+  for (const auto build : {&Episode::open_files, &Episode::build_bus, &Episode::build_stage, &Episode::build_agents,
+                           &Episode::check_stimuli})
     if (Status s = ((*episode).*build)(); !s) return s.error();
   episode->build_loop();
   return episode;
@@ -118,9 +120,7 @@ Status Episode::build_stimuli() {
   if (scenario_.stimuli.empty()) return {};
   std::vector<std::string> managers;
   for (const AgentSpec& agent : scenario_.agents) {
-    bus::NodeName name{cx::ManagerOptions().node, agent.name_space, agent.remaps};
-    bus::rename_node(name);
-    managers.push_back(name.full_name());
+    managers.push_back(manager_node(agent).full_name());
   }
   auto stimuli = StimuliServer::create(scenario_.stimuli, managers, *bus_, journal_, [this](const std::string& line) {
     if (options_.log) options_.log->line({bus_->now(), cx::LogLevel::kInfo, "stimuli", line, {}});
@@ -173,8 +173,7 @@ Status Episode::build_agents() {
   for (std::size_t i = 0; i < scenario_.agents.size(); ++i) {
     cx::ManagerOptions manager = manager_options(i);
     manager.streams = streams;
-    bus::NodeName name{manager.node, manager.name_space, manager.remaps};
-    bus::rename_node(name);
+    const bus::NodeName name = manager_node(scenario_.agents[i]);
     if (options_.log && bus_->find_node(name.full_name()))
       options_.log->line({bus_->now(),
                           cx::LogLevel::kInfo,
@@ -193,6 +192,31 @@ Status Episode::build_agents() {
     agents_.push_back(*std::move(made));
   }
   return {};
+}
+
+Status Episode::check_stimuli() {
+  if (options_.replay) return {};
+  for (const Stimulus& stimulus : scenario_.stimuli) {
+    if (!stimulus.to_a_node_there) continue;
+    const std::size_t slash = stimulus.target.rfind('/');
+    const std::string service = stimulus.target.substr(slash);  // "/change_state"
+    const std::string node = bus::NodeName().expand(stimulus.target.substr(0, slash));
+    std::vector<std::string> known;
+    for (const auto& offered : bus_->services())
+      if (offered.providers > 0 && offered.name.ends_with(service))
+        known.push_back(offered.name.substr(0, offered.name.size() - service.size()));
+    if (std::ranges::find(known, node) == known.end())
+      return usage_error(
+          "found the node '" + node + "', expected one of: " + some_of(known, known.size()) + did_you_mean(node, known),
+          stimulus.origin.source, stimulus.origin.line);
+  }
+  return {};
+}
+
+bus::NodeName manager_node(const AgentSpec& agent) {
+  bus::NodeName name{cx::ManagerOptions().node, agent.name_space, agent.remaps};
+  bus::rename_node(name);
+  return name;
 }
 
 void Episode::build_loop() {

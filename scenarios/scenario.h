@@ -89,6 +89,7 @@ struct Stimulus {
   std::string plugin{};   ///< to load or unload
   std::string manager{};  ///< of the environment; empty = the only one
   Origin origin{};
+  bool to_a_node_there = false;  ///< a call of a service that must exist before the first tick
 };
 
 /// What must hold of the result; otherwise `cxlab run` ends with exit code 1.
