@@ -71,7 +71,33 @@ Status Play::prepare() {
   for (const Expectation& e : spec_.expect)
     if (e.kind == Expectation::Kind::kPublished)
       if (Status s = stand_ins_.listen(e.text, e.type, spec_.file, e.line); !s) return s;
+  if (Status s = check_contents(); !s) return s;
   loop_.emplace(bus_, kTick, Parts{.servers = {this, &stand_ins_}, .agents = {manager_.get()}});
+  return {};
+}
+
+/// Before anything happens: what is sent and expected has the fields of its type.
+Status Play::check_contents() const {
+  std::vector<const StandIn*> served;
+  for (const StandIn& stand_in : spec_.stand_ins) served.push_back(&stand_in);
+  for (const Step& step : spec_.steps) {
+    Status fits;
+    if (step.verb == Step::Verb::kStandIn)
+      fits = stand_ins_.check(*served.emplace_back(&step.stand_in));
+    else if (step.verb == Step::Verb::kPublish)
+      fits = stand_ins_.check_message(step.text, step.type, step.data, spec_.file, step.line);
+    if (!fits) return fits;
+  }
+  for (const Expectation& e : spec_.expect) {
+    Status fits;
+    if (e.kind == Expectation::Kind::kPublished)
+      fits = stand_ins_.check_message(e.text, e.type, e.fields, spec_.file, e.line);
+    else if (e.kind == Expectation::Kind::kGoal)
+      for (const StandIn* stand_in : served)
+        if (stand_in->action && stand_in->name == e.text && fits)
+          fits = stand_ins_.check_goal(*stand_in, e.fields, spec_.file, e.line);
+    if (!fits) return fits;
+  }
   return {};
 }
 

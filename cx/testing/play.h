@@ -58,6 +58,7 @@ class Play final : private Server, private cx::LogSink {
   Status act(SimTime) override { return {}; }
   SimTime next_due() const override;
   void line(const cx::LogLine& line) override;
+  Status check_contents() const;
   Expected<std::filesystem::path> config_file();
   Status find_environment();
   Status do_step(const Step& step);

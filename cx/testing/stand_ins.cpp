@@ -8,6 +8,8 @@ using bus::Delivery;
 
 struct StandIns::Served {
   StandIn stand_in;
+  const bus::ActionType* action = nullptr;
+  const bus::ServiceType* service = nullptr;
   std::vector<bus::SharedMessage> results;  // one an outcome
   bus::EndpointId endpoint{};
   std::size_t taken = 0;
@@ -54,26 +56,59 @@ StandIns::StandIns(bus::Bus& bus, RecordSink& sink)
 
 StandIns::~StandIns() { bus_.leave(self_); }
 
+Status StandIns::read_types(Served& server) const {
+  const StandIn& given = server.stand_in;
+  if (given.action) {
+    auto type = bus_.registry().action(given.type);
+    if (!type) return at(type.error(), given.name, given.file, given.line);
+    server.action = *type;
+  } else {
+    auto type = bus_.registry().service(given.type);
+    if (!type) return at(type.error(), given.name, given.file, given.line);
+    server.service = *type;
+  }
+  for (const Outcome& outcome : given.outcomes) {
+    auto message = result_of(given.action ? *server.action->result : *server.service->response, outcome);
+    if (!message) return at(message.error(), given.name, given.file, outcome.line);
+    server.results.push_back(*message);
+  }
+  return {};
+}
+
+Status StandIns::check(const StandIn& stand_in) const {
+  Served server;
+  server.stand_in = stand_in;
+  return read_types(server);
+}
+
+Status StandIns::check_goal(const StandIn& stand_in, const std::string& content, const std::string& file,
+                            int line) const {
+  auto action = bus_.registry().action(stand_in.type);
+  if (!action) return at(action.error(), stand_in.name, file, line);
+  auto goal = bus::Message::from_yaml(*(*action)->goal, content.empty() ? "{}" : content);
+  return goal ? Status() : at(goal.error(), stand_in.name, file, line);
+}
+
+Expected<bus::Message> StandIns::read_message(const std::string& topic, const std::string& type,
+                                              const std::string& content, const std::string& file, int line) const {
+  auto known = bus_.registry().message(type);
+  if (!known) return at(known.error(), topic, file, line);
+  auto message = bus::Message::from_yaml(**known, content.empty() ? "{}" : content);
+  if (!message) return at(message.error(), topic, file, line);
+  return message;
+}
+
+Status StandIns::check_message(const std::string& topic, const std::string& type, const std::string& content,
+                               const std::string& file, int line) const {
+  const auto message = read_message(topic, type, content, file, line);
+  return message ? Status() : Status(message.error());
+}
+
 Status StandIns::add(const StandIn& given) {
   auto server = std::make_unique<Served>();
   server->stand_in = given;
   Served* raw = server.get();
-  const bus::ActionType* action = nullptr;
-  const bus::ServiceType* service = nullptr;
-  if (given.action) {
-    auto type = bus_.registry().action(given.type);
-    if (!type) return at(type.error(), given.name, given.file, given.line);
-    action = *type;
-  } else {
-    auto type = bus_.registry().service(given.type);
-    if (!type) return at(type.error(), given.name, given.file, given.line);
-    service = *type;
-  }
-  for (const Outcome& outcome : given.outcomes) {
-    auto message = result_of(action ? *action->result : *service->response, outcome);
-    if (!message) return at(message.error(), given.name, given.file, outcome.line);
-    server->results.push_back(*message);
-  }
+  if (Status s = read_types(*raw); !s) return s;
   if (const auto old = servers_.find(given.name); old != servers_.end()) {
     // The endpoint stays, so that what is under way ends well.
     if (old->second->stand_in.action != given.action || old->second->stand_in.type != given.type)
@@ -84,10 +119,11 @@ Status StandIns::add(const StandIn& given) {
     return {};
   }
   auto endpoint =
-      action ? bus_.serve_action(self_, given.name, *action,
-                                 {[this, raw](const Delivery& d) { on_goal(*raw, d); },
-                                  [this, raw](const Delivery& d) { bus_.answer_cancel(raw->endpoint, d, true); }})
-             : bus_.serve(self_, given.name, *service, [this, raw](const Delivery& d) { on_call(*raw, d); });
+      given.action
+          ? bus_.serve_action(self_, given.name, *server->action,
+                              {[this, raw](const Delivery& d) { on_goal(*raw, d); },
+                               [this, raw](const Delivery& d) { bus_.answer_cancel(raw->endpoint, d, true); }})
+          : bus_.serve(self_, given.name, *server->service, [this, raw](const Delivery& d) { on_call(*raw, d); });
   if (!endpoint) return at(endpoint.error(), given.name, given.file, given.line);
   server->endpoint = *endpoint;
   servers_[given.name] = std::move(server);
@@ -108,12 +144,10 @@ Status StandIns::listen(const std::string& topic, const std::string& type, const
 
 Status StandIns::publish(const std::string& topic, const std::string& type, const std::string& data,
                          const std::string& file, int line) {
-  auto known = bus_.registry().message(type);
-  if (!known) return at(known.error(), topic, file, line);
-  auto message = bus::Message::from_yaml(**known, data.empty() ? "{}" : data);
-  if (!message) return at(message.error(), topic, file, line);
+  auto message = read_message(topic, type, data, file, line);
+  if (!message) return message.error();
   if (!publishers_.contains(topic)) {
-    auto publisher = bus_.advertise(self_, topic, **known);
+    auto publisher = bus_.advertise(self_, topic, message->view().type());
     if (!publisher) return at(publisher.error(), topic, file, line);
     publishers_[topic] = *publisher;
   }

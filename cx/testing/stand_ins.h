@@ -50,6 +50,14 @@ class StandIns final : public Server {
   Status publish(const std::string& topic, const std::string& type, const std::string& data, const std::string& file,
                  int line);
 
+  // Whether content (YAML) fits its type; errors have file and line.
+  Status check(const StandIn& stand_in) const;
+  /// A message, or a part of one.
+  Status check_message(const std::string& topic, const std::string& type, const std::string& content,
+                       const std::string& file, int line) const;
+  /// A goal of the stand-in, or a part of one.
+  Status check_goal(const StandIn& stand_in, const std::string& content, const std::string& file, int line) const;
+
   /// The oldest goal that this action has taken and not ended ends now, in that way (succeed, fail); false if there is
   /// none.
   Expected<bool> end_goal(const std::string& action, const Outcome& outcome);
@@ -66,6 +74,9 @@ class StandIns final : public Server {
  private:
   struct Served;
   struct Ending;
+  Status read_types(Served& server) const;
+  Expected<bus::Message> read_message(const std::string& topic, const std::string& type, const std::string& content,
+                                      const std::string& file, int line) const;
   void on_goal(Served& server, const bus::Delivery& goal);
   void on_call(Served& server, const bus::Delivery& request);
 

@@ -240,13 +240,17 @@ STORY = "common: {rules: rules.clp}\nstories:\n  - story: one\n"
 ROWS["stories"] = [
     *[story(text, STORY + f"    {text}\n" + ("" if text.startswith("expect") else "    expect: [{fact: (a), within_s: 1}]\n")) for text in (
         "expects: []", "expect: {}", "expect: x", "expect: [x]", "expect: [{}]", "expect: [{fact: (a), within_s: x}]", "expect: [{fact: (a), within_s: -1}]", "expect: [{fact: (a), withn_s: 1}]", "expect: [{fact: '(a', within_s: 1}]", "expect: [{fact: '', within_s: 1}]", "expect: [{fact: '(a) (b)', within_s: 1}]", "expect: [{fires: mak, within_s: 1}]", "expect: [{fires: make, count: -1}]", "expect: [{fires: make, count: x}]", "expect: [{not_fires: mke}]", "expect: [{goal: /x, fields: {a: 1}}]",
-        "expect: [{published: /x}]", "expect: [{published: /x, type: std_msgs/msg/Strin, within_s: 1}]", "expect: [{fact: (a), no_fact: (b)}]", "expect: [{fact: (a), after: 5, within_s: 2}]", "given: (a)",
+        "expect: [{published: /x}]", "expect: [{published: /x, type: std_msgs/msg/Strin, within_s: 1}]", "expect: [{published: /x, type: std_msgs/msg/String, fields: {dat: a}, within_s: 1}]", "expect: [{published: /x, type: std_msgs/msg/UInt8, fields: {data: 300}, within_s: 1}]",
+        "expect: [{published: /x, type: std_msgs/msg/String, fields: [a], within_s: 1}]", "expect: [{published: /x, type: geometry_msgs/msg/Twist, fields: {linear: {z: 1, xx: 2}}, within_s: 1}]",
+        "steps: [{at: 5, publish: /x, type: std_msgs/msg/String, data: {dat: a}}]", "steps: [{at: 5, skill: /x, type: cxlab_skills/action/Pick, result: {sucess: true}}]",
+        "expect: [{fact: (a), no_fact: (b)}]", "expect: [{fact: (a), after: 5, within_s: 2}]", "given: (a)",
         "given: ['(a']", "given: [5]", "given: ['(zz (x 1))']", "steps: [{at: 1}]", "steps: [{assert: (a)}]", "steps: [{at: 1, asert: (a)}]", "steps: [{at: 1, assert: '(a'}]", "steps: [{at: 1, retract: '(a'}]", "steps: [{at: x, assert: (a)}]",
         "steps: [{at: 1, publish: /x, type: std_msgs/msg/Strin}]", "skills: [{action: /x}]", "skills: [{action: /x, type: cxlab_skills/action/Pik, outcome: fail}]", "skills: [{action: /x, type: cxlab_skills/action/Pick, outcome: fal}]", "skills: [{action: /x, type: cxlab_skills/action/Pick, outcome: fail, takes_s: -1}]",
         "skills: [{service: /x, type: std_srvs/srv/SetBol, outcome: succeed}]", "serve: x", "seed: x", "seed: -1", "end: -1", "end: x", "environment: man", "config: agent.yaml", "rules: [missing.clp]")],
     *[story(kind, text) for kind, text in (("without rules", "stories:\n  - story: one\n"), ("without a name", "common: {rules: rules.clp}\nstories:\n  - expect: []\n"), ("none", "common: {rules: rules.clp}\nstories: []\n"), ("no list", "common: {rules: rules.clp}\nstories: one\n"),
                                                ("unknown key", "commn: {rules: rules.clp}\nstories: []\n"), ("rules and config", "common: {rules: rules.clp, config: agent.yaml}\nstories:\n  - story: one\n"), ("package missing", "common: {rules: rules.clp, packages: {x: missing}}\nstories:\n  - story: one\n"),
                                                ("twice", STORY + "  - story: one\n"), ("open", "stories: [\n"), ("nothing", ""), ("two documents", STORIES + "---\na: 1\n"))],
+    story("goal of a field misspelt", STORY + "    skills: [{action: /x, type: cxlab_skills/action/Pick}]\n    expect: [{goal: /x, fields: {targt: a}, within_s: 1}]\n"),
     wrong("story of broken rules", ["test"], 3, files={"rules.clp": "(defrule make => (assert (a)\n"}),
     wrong("story of unknown functions", ["test"], 3, files={"rules.clp": "\n(defrule make => (frobnicate))\n"}),
     wrong("story that fails", ["test"], 1, files={"rules.clp": "(defrule make (b) => (assert (a)))\n"}),
