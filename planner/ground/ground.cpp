@@ -418,31 +418,38 @@ class Grounder {
   std::vector<int> demanded_;   ///< derived facts that conditions ask for
 };
 
-/// What reads or changes a number that has no value at first has to wait for one: its square is at least 0 once it has.
+/// What reads or changes a number that has no value at first has to wait for one; and an effect that computes a product
+/// or a quotient of numbers, for those that give one.
 void ask_for_values(GroundTask& task) {
-  ById<int> comparison(task.numbers.size(), -1);
-  const auto ask = [&](GroundCondition& condition, int number) {
-    if (!std::isnan(task.initial_numbers[number])) return;
-    if (comparison[number] < 0) {
-      using Kind = GroundExpression::Kind;
-      comparison[number] = static_cast<int>(task.comparisons.size());
-      GroundExpression square{{{Kind::kFunction, number, 0}, {Kind::kFunction, number, 0}, {Kind::kMultiply, -1, 0}}};
+  std::map<std::string, int> known;
+  const auto ask = [&](GroundCondition& condition, const GroundExpression& expression) {
+    std::string key;
+    expression.append_key(key);
+    const auto [entry, fresh] = known.try_emplace(std::move(key), static_cast<int>(task.comparisons.size()));
+    if (fresh) {  // its square is at least 0 where it is a number
+      GroundExpression square = expression;
+      square.steps.insert(square.steps.end(), expression.steps.begin(), expression.steps.end());
+      square.steps.push_back({GroundExpression::Kind::kMultiply, -1, 0});
       LinearForm form = linear_form(square);
       task.comparisons.push_back({GroundComparison::Kind::kNotNegative, std::move(square), std::move(form)});
     }
-    condition.comparisons.push_back(comparison[number]);
+    condition.comparisons.push_back(entry->second);
+  };
+  const auto ask_number = [&](GroundCondition& condition, int number) {
+    if (std::isnan(task.initial_numbers[number])) ask(condition, {{{GroundExpression::Kind::kFunction, number, 0}}});
   };
   const auto ask_read = [&](GroundCondition& condition, const GroundExpression& expression) {
-    expression.for_each_number([&](int number) { ask(condition, number); });
+    expression.for_each_number([&](int number) { ask_number(condition, number); });
   };
   for (GroundAction& action : task.actions) {
     for (auto [effects, condition] : {std::pair{&action.at_start, &action.start}, {&action.at_end, &action.end}})
       for (const NumericEffect& effect : effects->numbers) {
-        if (effect.kind != NumericEffect::Kind::kAssign) ask(*condition, effect.number);
+        if (effect.kind != NumericEffect::Kind::kAssign) ask_number(*condition, effect.number);
         ask_read(*condition, effect.value);
+        if (!linear_form(effect.value).is_linear) ask(*condition, effect.value);
       }
     for (const ContinuousEffect& effect : action.continuous) {
-      ask(action.start, effect.number);
+      ask_number(action.start, effect.number);
       ask_read(action.start, effect.rate);
     }
     sort_unique(action.start.comparisons);

@@ -89,8 +89,12 @@ class Relevance {
          action.effects) {  // it cannot be done before the numbers that it reads and changes have values
       if (!effect.is_numeric()) continue;
       if (effect.kind != Effect::Kind::kAssign && late_[effect.function]) mark(number_[effect.function]);
-      for_each_part(effect.value, [this](const Expression& part) {
-        if (part.kind == Expression::Kind::kFunction && late_[part.function]) mark(number_[part.function]);
+      bool product = false;  // or quotient, which may have no value
+      for_each_part(effect.value, [&product](const Expression& part) {
+        product |= part.kind == Expression::Kind::kMultiply || part.kind == Expression::Kind::kDivide;
+      });
+      for_each_part(effect.value, [&](const Expression& part) {
+        if (part.kind == Expression::Kind::kFunction && (product || late_[part.function])) mark(number_[part.function]);
       });
     }
   }

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "planner/state/state.h"
+#include "planner/state/tolerance.h"
 
 namespace cxlab::planner {
 
@@ -58,9 +59,10 @@ std::size_t evaluate_steps(std::span<const GroundExpression::Step> steps, const 
         if (step.kind == Kind::kAdd) left += right;
         if (step.kind == Kind::kSubtract) left -= right;
         if (step.kind == Kind::kMultiply) left *= right;
-        if (step.kind == Kind::kDivide) left = right == 0 ? std::numeric_limits<double>::quiet_NaN() : left / right;
+        if (step.kind == Kind::kDivide) left /= right;
       }
     }
+    if (!std::isfinite(stack[top - 1])) stack[top - 1] = std::numeric_limits<double>::quiet_NaN();
     if (top == kDeepest) return 0;
   }
   return top;
@@ -103,7 +105,7 @@ double GroundComparison::gap(const double* numbers, double duration_s) const {
       value += term;
       largest = std::max(largest, std::abs(term));
     }
-    if (std::abs(value) <= 1e-9) return 0;
+    if (std::abs(value) <= kEqualWithin) return 0;
     // No side is larger than all terms together: what is far above the tolerance needs no look at the sides.
     if (std::abs(value) > 1e-6 * largest * static_cast<double>(linear.weights.size() + 2)) return value;
   }

@@ -25,6 +25,12 @@ void apply_numbers(const std::vector<NumericEffect>& effects, double* numbers, d
   for (std::size_t i = 0; i < values.size(); ++i) change(numbers[effects[i].number], effects[i].kind, values[i]);
 }
 
+/// Whether what these effects have changed is a number: none is too large, or divided by zero.
+bool have_values(const std::vector<NumericEffect>& effects, const double* numbers) {
+  return std::ranges::all_of(effects,
+                             [numbers](const NumericEffect& effect) { return std::isfinite(numbers[effect.number]); });
+}
+
 void apply_continuous(const std::vector<ContinuousEffect>& effects, double* numbers, double duration_s) {
   std::vector<double> changes;
   for (const ContinuousEffect& effect : effects)
@@ -222,20 +228,23 @@ bool Simulator::apply(int action, Word* state, Micros& duration) const {
 
 bool Simulator::apply_with(int action, Word* state, Micros duration) const {
   const Whole& whole = whole_[action];
+  const GroundAction& a = task_.actions[action];
   if (whole.impossible || !holds(whole.condition, state, in_seconds(duration))) return false;
+  // The beginning of an action that was cut takes no time, but the whole action must be able to last.
+  if (!a.durative && !a.duration.empty() && !durations(action, state)) return false;
   if (whole.plain) {
     for (const int f : whole.effects.remove) reset(state, f);
     for (const int f : whole.effects.add) set(state, f);
     for (const NumericEffect& effect : whole.numbers)
       change(mutable_numbers(state)[effect.number], effect.kind, effect.value.steps[0].value);
-    return true;
+    return have_values(whole.numbers, numbers(state));
   }
   Remembered remembered;
-  if (task_.actions[action].durative && duration < kSeparation) {  // its beginning and its end are one happening
-    if (whole.interferes || !holds(task_.actions[action].end, state, in_seconds(duration))) return false;
+  if (a.durative && duration < kSeparation) {  // its beginning and its end are one happening
+    if (whole.interferes || !holds(a.end, state, in_seconds(duration))) return false;
   }
   if (!begin(action, state, duration, remembered)) return false;
-  if (!task_.actions[action].durative) return true;
+  if (!a.durative) return true;
   return over_all_holds(action, state, duration) && end(action, state, duration, remembered);
 }
 
@@ -251,12 +260,12 @@ bool Simulator::begin(int action, Word* state, Micros duration, Remembered& reme
   }
   if (fired.empty()) {
     apply_effects(a.at_start, state, seconds);
-  } else {
-    GroundEffects all = a.at_start;
-    append(fired, all);
-    apply_effects(all, state, seconds);
+    return have_values(a.at_start.numbers, numbers(state));
   }
-  return true;
+  GroundEffects all = a.at_start;
+  append(fired, all);
+  apply_effects(all, state, seconds);
+  return have_values(all.numbers, numbers(state));
 }
 
 bool Simulator::end(int action, Word* state, Micros duration, const Remembered& remembered) const {
@@ -282,7 +291,7 @@ bool Simulator::finish(int action, Word* state, Micros duration, const Remembere
   }
   if (a.conditional.empty()) {
     apply_effects(a.at_end, state, seconds);
-    return true;
+    return have_values(a.at_end.numbers, numbers(state));
   }
   GroundEffects all = a.at_end;
   for (std::size_t i = 0; i < a.conditional.size(); ++i) {
@@ -291,7 +300,7 @@ bool Simulator::finish(int action, Word* state, Micros duration, const Remembere
       append(conditional.at_end, all);
   }
   apply_effects(all, state, seconds);
-  return true;
+  return have_values(all.numbers, numbers(state));
 }
 
 bool Simulator::over_all_holds(int action, const Word* state, Micros duration) const {

@@ -1,12 +1,13 @@
 #include <cmath>
 
 #include "planner/state/state.h"
+#include "planner/state/tolerance.h"
 
 namespace cxlab::planner {
 
 bool compare(double left, Comparison comparison, double right) {
   const double scale = std::max({1.0, std::abs(left), std::abs(right)});
-  const bool equal = std::abs(left - right) <= 1e-9 * scale;
+  const bool equal = std::abs(left - right) <= kEqualWithin * scale;
   switch (comparison) {
     case Comparison::kLess: return !equal && left < right;
     case Comparison::kLessEqual: return equal || left < right;
@@ -28,7 +29,10 @@ std::optional<double> Evaluator::number(const Expression& expression, const Fram
   using Kind = Expression::Kind;
   switch (expression.kind) {
     case Kind::kConstant: return expression.value;
-    case Kind::kFunction: return state.value(expression.function, Objects(expression.terms, frame));
+    case Kind::kFunction: {
+      const auto value = state.value(expression.function, Objects(expression.terms, frame));
+      return value && std::isfinite(*value) ? value : std::nullopt;
+    }
     case Kind::kDuration:
     case Kind::kTotalTime: return duration;
     default: break;
@@ -44,12 +48,10 @@ std::optional<double> Evaluator::number(const Expression& expression, const Fram
       case Kind::kAdd: result += *next; break;
       case Kind::kSubtract: result -= *next; break;
       case Kind::kMultiply: result *= *next; break;
-      default:
-        if (*next == 0) return std::nullopt;
-        result /= *next;
+      default: result /= *next;
     }
+    if (!std::isfinite(result)) return std::nullopt;
   }
-  if (!std::isfinite(result)) return std::nullopt;
   return result;
 }
 
