@@ -13,6 +13,7 @@
 #include "app/command.h"
 #include "app/console.h"
 #include "app/stack_guard.h"
+#include "cx/executive/plugin_library.h"
 #include "lab/versions.h"
 #include "sim/mujoco/library.h"
 
@@ -48,7 +49,26 @@ void open_standard_streams() {
     if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", O_RDWR) < 0) std::_Exit(static_cast<int>(ErrorKind::kResource));
 }
 
+/// What an exception that nobody catches has to say. The linker runs constructors of a plugin's library, and catches
+/// nothing.
+[[noreturn]] void on_terminate() {
+  std::string what = "an exception";
+  if (std::current_exception()) try {
+      throw;
+    } catch (const std::exception& e) {
+      what = e.what();
+    } catch (...) {
+      what = "something that is no std::exception";
+    }
+  const std::string library = cx::library_being_opened();
+  const int code = fail(library.empty() ? bug_error("a bug of cxlab: nobody caught " + what)
+                                        : run_error(library + ": a constructor of its variables threw: " + what));
+  std::fflush(nullptr);
+  std::_Exit(code);
+}
+
 int run(int argc, char** argv) {
+  std::set_terminate(on_terminate);
   sim::on_mujoco_bug([](const char* message) {
     std::fprintf(stderr, "error: a bug of cxlab: MuJoCo: %s\n", message);
     std::_Exit(static_cast<int>(ErrorKind::kBug));

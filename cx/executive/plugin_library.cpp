@@ -58,6 +58,8 @@ std::vector<std::string> split_names(std::string_view names) {
   return out;
 }
 
+const char* g_being_opened = "";
+
 /// "plugin 'greeter' (my::Greeter of /p/lib/libgreeter.so)".
 std::string who(const std::string& name, const std::string& type, const std::string& library) {
   return "plugin '" + name + "' (" + type + (library.empty() ? "" : " of " + library) + ')';
@@ -81,6 +83,8 @@ Error thrown(const std::string& plugin, std::string_view hook) {
 
 }  // namespace
 
+const char* library_being_opened() { return g_being_opened; }
+
 Expected<FoundFile> PluginLibrary::locate() const {
   const fs::path path(name_);
   std::vector<fs::path> places{path};
@@ -102,7 +106,9 @@ Expected<std::shared_ptr<PluginLibrary::Open>> PluginLibrary::open() {
   if (auto content = files_.read(*file); !content) return content.error();  // the run keeps a copy
   auto open = std::make_shared<Open>();
   open->file = file->path.string();
+  g_being_opened = open->file.c_str();
   open->handle = dlopen(file->path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  g_being_opened = "";
   if (!open->handle)
     return error(ErrorKind::kResource, std::string("cannot open the library: ") + dlerror() + "; built for cxlab " +
                                            kPluginAbi + "? Build it again, and link what it names");
@@ -110,7 +116,14 @@ Expected<std::shared_ptr<PluginLibrary::Open>> PluginLibrary::open() {
   if (!exports)
     return error(ErrorKind::kInput,
                  open->file + " exports no plugins: end one of its sources with CXLAB_PLUGINS(my::Class)");
-  open->exports = exports();
+  try {
+    open->exports = exports();
+  } catch (...) {
+    return error(ErrorKind::kRun, open->file + ": cxlab_plugin_exports threw: " + current_exception_text())
+        .with_code("plugin_failed");
+  }
+  if (!open->exports || !open->exports->abi)
+    return error(ErrorKind::kInput, open->file + ": cxlab_plugin_exports returns nothing: CXLAB_PLUGINS makes one");
   if (std::string_view(open->exports->abi) != kPluginAbi)
     return error(ErrorKind::kInput, open->file + " was built for cxlab " + open->exports->abi + ", this is " +
                                         kPluginAbi + ": build it again");

@@ -40,6 +40,9 @@ std::string place_of(const PluginType& type);
 /// The library stays open as long as the instance lives.
 Expected<std::shared_ptr<Plugin>> make_plugin(const PluginType& type, PluginContext context);
 
+/// The library whose constructors run now, empty if none does: an exception of theirs ends the process.
+const char* library_being_opened();
+
 /// The library that the instance comes from, open as long as somebody holds this; none for one that is built in.
 std::shared_ptr<void> library_of(const std::shared_ptr<Plugin>& plugin);
 

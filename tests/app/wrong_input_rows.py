@@ -212,6 +212,37 @@ ROWS["configurations"] = [
     config("nothing", "", 3),
 ]
 
+# --- libraries of plugins
+
+OWN = """/**:
+  ros__parameters:
+    environments: ["main"]
+    main: {plugins: ["mine"]}
+    mine: {plugin: "own::X"}
+"""
+
+
+def library(source):
+    """A shared library made from C++."""
+    return lambda path: subprocess.run(["c++", "-shared", "-fPIC", "-x", "c++", "-", "-o", path], input=source, text=True, check=True)
+
+
+def own(name, code, content=None, manifest='{library: libx.so, plugins: [{class: "own::X"}]}\n', **more):
+    files = {"agent.yaml": OWN, "share/own/cxlab_plugins.yaml": manifest, **({} if content is None else {"share/own/libx.so": content}), **more}
+    return wrong(f"library {name}", ["env", "agent.yaml", "--package", "own=share/own", "--until", "1", "--quiet", "--out", "out"], code, files=files)
+
+
+ENTRY = 'extern "C" const void* cxlab_plugin_exports() { %s }\n'
+ROWS["plugin libraries"] = [
+    own("missing", 5), own("that is a folder", 5, **{"share/own/libx.so/file": ""}), own("empty", 5, ""), own("that is a text", 5, "not a library\n" * 100), own("of garbage", 5, b"\x7fELF" + bytes(range(256)) * 8),
+    own("without the entry", 3, library("int f() { return 1; }")), own("of another version", 3, library('const char* exports[] = {"0.0.1", "own::X", nullptr};\n' + ENTRY % "return exports;")),
+    own("with a symbol missing", 5, library("void missing();\n" + ENTRY % "missing(); return nullptr;")), own("whose entry returns nothing", 3, library(ENTRY % "return nullptr;")),
+    own("whose entry throws", 4, library("#include <stdexcept>\n" + ENTRY % 'throw std::runtime_error("no luck");')),
+    own("that throws at load", 4, library('#include <stdexcept>\nstruct T { T() { throw std::runtime_error("no luck"); } } t;\n' + ENTRY % "return nullptr;")),
+    own("that throws at load, twice", 4, library("struct T { T() { throw 5; } } t;\n" + ENTRY % "return nullptr;"), **{"agent.yaml": OWN.replace('["main"]', '["main", "other"]').replace("    mine:", '    other: {plugins: ["mine"]}\n    mine:')}),
+    own("of a manifest without classes", 3, "", "{library: libx.so}\n"), own("of a manifest with a key misspelt", 3, "", '{libary: libx.so, plugins: [{class: "own::X"}]}\n'), own("of a manifest for another class", 3, "", '{library: libx.so, plugins: [{class: "own::Y"}]}\n'),
+]
+
 # --- what happens from outside
 
 
