@@ -4,6 +4,7 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
+#include "app/suggestions.h"
 #include "lab/interfaces.h"
 #include "lab/reference.h"
 
@@ -55,14 +56,30 @@ std::vector<lab::PluginReference> about(const std::vector<lab::PluginReference>&
   return out;
 }
 
-Error unknown(const std::vector<lab::PluginReference>& reference, const std::string& name) {
-  std::vector<std::string> known;
+std::vector<std::string> names_of(const std::vector<lab::PluginReference>& reference) {
+  std::vector<std::string> names;
   for (const lab::PluginReference& plugin : reference) {
-    known.push_back(plugin.plugin);
-    for (const FunctionSpec& f : plugin.functions) known.push_back(f.name);
-    for (const lab::Documented& c : plugin.constructs) known.push_back(c.name);
+    names.push_back(plugin.plugin);
+    for (const FunctionSpec& f : plugin.functions) names.push_back(f.name);
+    for (const lab::Documented& c : plugin.constructs) names.push_back(c.name);
   }
-  const std::string near = nearest_word(name, known);
+  return names;
+}
+
+/// Of what comes with cxlab; a class without its namespace, which is a word break of shells.
+std::vector<std::string> names_that_come_along() {
+  std::vector<std::string> names;
+  if (const auto packages = lab::find_packages({}))
+    if (const auto reference = lab::read_reference(*packages)) names = names_of(*reference);
+  for (std::string& name : names)
+    if (name.starts_with("cx::")) name.erase(0, 4);
+  if (const auto interfaces = lab::Interfaces::load({}))
+    for (const std::string& name : interfaces->names()) names.push_back(name);
+  return names;
+}
+
+Error unknown(const std::vector<lab::PluginReference>& reference, const std::string& name) {
+  const std::string near = nearest_word(name, names_of(reference));
   return input_error("there is no function, template or plugin '" + name + "'" +
                      (near.empty() ? "; cxlab doc lists all" : ", did you mean '" + near + "'?"));
 }
@@ -122,8 +139,10 @@ void add_doc(CLI::App& app, Action& action) {
   command->footer(
       "Examples:\n  cxlab doc\n  cxlab doc config-load\n  cxlab doc tf2-tracked-pose\n  cxlab doc "
       "cx::ExecutivePlugin\n  cxlab doc std-msgs-string-publish\n  cxlab doc rcll_interfaces/msg/Order");
-  command->add_option("name", options->name,
-                      "A function, a template or other construct, a plugin class, or a message, service or action");
+  suggest(
+      command->add_option("name", options->name,
+                          "A function, a template or other construct, a plugin class, or a message, service or action"),
+      names_that_come_along);
   add_package_options(*command, options->packages);
   CLI::Option* json = command->add_flag("--json", options->json, "As JSON");
   command->add_flag("--markdown", options->markdown, "As docs/reference.md")->excludes(json);

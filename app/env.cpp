@@ -5,6 +5,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/play.h"
+#include "app/suggestions.h"
 #include "lab/env_scenario.h"
 
 namespace cxlab::app {
@@ -15,6 +16,14 @@ struct Options {
   lab::EnvOptions env;
   PlayCommand run;
 };
+
+std::vector<std::string> companion_names() {
+  std::vector<std::string> names;
+  for (const WorldKind* kind : catalogue().worlds)
+    if (kind != &kEmptyWorld) names.emplace_back(kind->name);
+  for (const NodeKind* kind : catalogue().nodes) names.emplace_back(kind->name);
+  return names;
+}
 
 int env(const Options& options) {
   lab::EnvOptions env = options.env;
@@ -45,8 +54,9 @@ void declare(CLI::App& command, Options& options) {
       ->required();
   once_each(command.add_option("--package", options.env.packages,
                                "NAME=DIR: where a package lies (default: what lies around the configuration)"));
-  once_each(command.add_option("--with", options.env.with,
-                               "Plays in a world, or starts a node: " + lab::known_companions(catalogue())));
+  suggest(once_each(command.add_option("--with", options.env.with,
+                                       "Plays in a world, or starts a node: " + lab::known_companions(catalogue()))),
+          companion_names);
   once_each(command.add_option("--param", options.env.params, "NODE.NAME=VALUE: changes a parameter"));
   command.add_option("--namespace", options.env.name_space, "Of the nodes")->capture_default_str();
   once_each(command.add_option("--remap", options.env.remaps, "FROM:=TO: renames a topic, service or action"));

@@ -6,6 +6,7 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
+#include "app/suggestions.h"
 #include "lab/page.h"
 #include "lab/versions.h"
 
@@ -36,14 +37,16 @@ std::vector<std::string> values_of(const CLI::Option& option) {
   return out;
 }
 
-/// A command with its options and subcommands: what lab/pages/cxlab.1, completion.bash and completion.zsh read.
-Json describe(const CLI::App& command) {
+/// A command with its options and subcommands: what lab/pages/cxlab.1, completion.bash and completion.zsh read;
+/// `suggestions`: with names that completion offers.
+Json describe(const CLI::App& command, bool suggestions) {
   Json options = Json::array(), nested = Json::array();
   for (const CLI::Option* option : command.get_options()) {
     const std::vector<std::string> names = names_of(*option);
     std::string label = option->get_positional() ? option->get_name(true) : "";
     if (label.empty())
       for (const std::string& name : names) label += (label.empty() ? "" : ", ") + name;
+    const Suggested suggested = suggestions ? suggested_for(*option) : Suggested();
     options.push_back({{"names", names},
                        {"label", label},
                        {"description", option->get_description()},
@@ -51,9 +54,11 @@ Json describe(const CLI::App& command) {
                        {"required", option->get_required()},
                        {"many", option->get_items_expected_max() > 1},
                        {"takes_value", option->get_items_expected_max() > 0},
-                       {"values", values_of(*option)}});
+                       {"values", values_of(*option)},
+                       {"suggested", suggested.names},
+                       {"files", suggested.files}});
   }
-  for (const CLI::App* sub : commands_of(command)) nested.push_back(describe(*sub));
+  for (const CLI::App* sub : commands_of(command)) nested.push_back(describe(*sub, suggestions));
   const CLI::App* parent = command.get_parent();
   const std::string footer = command.get_footer();
   return {{"name", command.get_name()},
@@ -64,8 +69,9 @@ Json describe(const CLI::App& command) {
 }
 
 /// Prints the template `page` of lab/pages, filled with what the commands declare.
-int print_page(const CLI::App& app, const std::string& page) {
-  const auto text = lab::render_page(page, Json{{"cxlab", describe(app)}, {"version", lab::cxlab_version()}}.dump());
+int print_page(const CLI::App& app, const std::string& page, bool suggestions) {
+  const auto text =
+      lab::render_page(page, Json{{"cxlab", describe(app, suggestions)}, {"version", lab::cxlab_version()}}.dump());
   if (!text) return fail(text.error());
   std::fputs(text->c_str(), stdout);
   return 0;
@@ -102,7 +108,7 @@ void add_help(CLI::App& app, Action& action) {
 
 void add_man(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("man", "Prints the manual page (roff): cxlab man | man -l -");
-  command->callback([&app, &action] { action = [&app] { return print_page(app, "cxlab.1"); }; });
+  command->callback([&app, &action] { action = [&app] { return print_page(app, "cxlab.1", false); }; });
 }
 
 void add_completion(CLI::App& app, Action& action) {
@@ -111,7 +117,7 @@ void add_completion(CLI::App& app, Action& action) {
   auto shell = std::make_shared<std::string>();
   command->add_option("shell", *shell, "bash or zsh")->required()->check(one_of({"bash", "zsh"}));
   command->callback(
-      [&app, shell, &action] { action = [&app, shell] { return print_page(app, "completion." + *shell); }; });
+      [&app, shell, &action] { action = [&app, shell] { return print_page(app, "completion." + *shell, true); }; });
 }
 
 }  // namespace cxlab::app

@@ -6,6 +6,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
+#include "app/suggestions.h"
 #include "lab/render.h"
 #include "scenarios/share.h"
 
@@ -61,7 +62,9 @@ void add_render(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("render", "Draws the world of a run or of a scenario at a time");
   add_memory_option(*command);
-  command->add_option("what", options->what, "Folder of a run, or a scenario, which is played up to then")->required();
+  suggest(command->add_option("what", options->what, "Folder of a run, or a scenario, which is played up to then"),
+          scenario_names, true)
+      ->required();
   command
       ->add_option("--at", options->at,
                    "When, s of simulated time (of a run: default its end, or how far its log goes)")

@@ -5,6 +5,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/play.h"
+#include "app/suggestions.h"
 #include "scenarios/share.h"
 
 namespace cxlab::app {
@@ -38,9 +39,10 @@ int run(const Options& options) {
 }
 
 void declare(CLI::App& command, Options& options) {
-  command
-      .add_option("scenario", options.scenario,
-                  "Scenario: a file (YAML), or the name of one that comes with cxlab (cxlab list scenarios)")
+  suggest(
+      command.add_option("scenario", options.scenario,
+                         "Scenario: a file (YAML), or the name of one that comes with cxlab (cxlab list scenarios)"),
+      scenario_names, true)
       ->required();
   command.add_option("--tier", options.tier, "physics: MuJoCo; timed: durations only")
       ->check(one_of({"physics", "timed"}));

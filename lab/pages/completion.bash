@@ -4,12 +4,14 @@
 {%- endmacro -%}
 {%- macro values_of(command) -%}
 {%- for nested in command.commands %} {{ nested.name }}{{ values_of(nested) }}{% endfor -%}
-{%- for option in command.options if option.positional and option["values"] %} {{ option["values"] | join(" ") }}{% endfor -%}
+{%- for option in command.options if option.positional -%}
+{%- if option["values"] or option.suggested %} {{ (option["values"] + option.suggested) | join(" ") }}{% endif -%}
+{%- endfor -%}
 {%- endmacro -%}
 {%- macro choices_of(command) -%}
 {%- for nested in command.commands %}{{ choices_of(nested) }}{% endfor -%}
-{%- for option in command.options if not option.positional and option["values"] %}
-        {{ option.names | join("|") }}) COMPREPLY=($(compgen -W '{{ option["values"] | join(" ") }}' -- "$current")); return ;;
+{%- for option in command.options if not option.positional and (option["values"] or option.suggested) %}
+        {{ option.names | join("|") }}) COMPREPLY=($(compgen -W '{{ (option["values"] + option.suggested) | join(" ") }}' -- "$current")); return ;;
 {%- endfor -%}
 {%- endmacro -%}
 

@@ -5,6 +5,11 @@
 
 #compdef cxlab
 # zsh completion of cxlab; made by: cxlab completion zsh
+{%- for command in cxlab.commands %}
+{%- for option in command.options if option.positional and option.suggested and option.files %}
+_cxlab_{{ command.name }}() { _alternative {{ quoted("names:name:(" ~ (option.suggested | join(" ")) ~ ")") }} 'files:file:_files' }
+{%- endfor %}
+{%- endfor %}
 _cxlab() {
   local -a commands
   commands=(
@@ -25,18 +30,22 @@ _cxlab() {
     {%- for part in [command] + command.commands -%}
       {%- for option in part.options -%}
         {%- for name in option.names -%}
-          {%- set value = "" if not option.takes_value else ":value:(" ~ (option["values"] | join(" ")) ~ ")" if option["values"] else ":value:_files" %} \
+          {%- set known = option["values"] + option.suggested -%}
+          {%- set value = "" if not option.takes_value else ":value:(" ~ (known | join(" ")) ~ ")" if known else ":value:_files" %} \
       {{ quoted(("*" if option.many else "") ~ name ~ "[" ~ zsh(option.description) ~ "]" ~ value) }}
         {%- endfor -%}
       {%- endfor -%}
     {%- endfor %} \
+    {%- set files -%}
+      {%- for option in command.options if option.positional and option.suggested and option.files -%}_cxlab_{{ command.name }}{%- endfor -%}
+    {%- endset -%}
     {%- set values -%}
       {%- for part in [command] + command.commands -%}
         {%- if not loop.first %} {{ part.name }}{% endif -%}
-        {%- for option in part.options if option.positional and option["values"] %} {{ option["values"] | join(" ") }}{% endfor -%}
+        {%- for option in part.options if option.positional and (option["values"] or option.suggested) %} {{ (option["values"] + option.suggested) | join(" ") }}{% endfor -%}
       {%- endfor -%}
     {%- endset %}
-      {{ quoted("*:argument:" ~ ("(" ~ (values | trim) ~ ")" if values else "_files")) }} ;;
+      {{ quoted("*:argument:" ~ (files if files else "(" ~ (values | trim) ~ ")" if values else "_files")) }} ;;
 {%- endfor %}
   esac
 }

@@ -55,6 +55,9 @@ class Help(Lab):
             self.assertIn("\nEXIT STATUS\n", re.sub(".\b", "", done.stdout))
 
 
+SCENARIOS = [line.split()[0] for line in cxlab("list", "scenarios").stdout.splitlines()]
+
+
 class Completion(Lab):
     def complete(self, *words):
         """What bash offers for the last word."""
@@ -78,11 +81,18 @@ printf '%s\\n' "${COMPREPLY[@]}"
         self.assertEqual(self.complete("list", "f"), ["functions", "faults"])
         self.assertEqual(self.complete("new", "p"), ["plugin"])
         self.assertEqual(self.complete("run", "ga"), ["game.yaml"])
+        self.assertEqual(self.complete("run", "rcll/ga"), [name for name in SCENARIOS if name.startswith("rcll/ga")])
+        self.assertEqual(self.complete("render", "turtlesim/b"), [name for name in SCENARIOS if name.startswith("turtlesim/b")])
+        self.assertEqual(self.complete("env", "--with", "tu"), ["turtlesim"])
+        self.assertEqual(self.complete("doc", "config-l"), ["config-load"])
+        self.assertEqual(self.complete("doc", "std_srvs/srv/Set"), ["std_srvs/srv/SetBool"])
+        self.assertEqual(self.complete("doc", "ConfigP"), ["ConfigPlugin"])
 
     def test_the_script_for_zsh_names_every_command(self):
         script = cxlab("completion", "zsh").stdout
         self.assertTrue(script.startswith("#compdef cxlab\n"))
-        for text in ["'run:Plays a scenario'", "'--tier[", ":value:(physics timed)'", "    why-not) _arguments"]:
+        for text in ["'run:Plays a scenario'", "'--tier[", ":value:(physics timed)'", "    why-not) _arguments", "'*:argument:_cxlab_run' ;;", f"_cxlab_run() {{ _alternative 'names:name:({' '.join(SCENARIOS)})' 'files:file:_files' }}",
+                     "(agent plugin)", " config-load "]:
             self.assertIn(text, script)
         if shutil.which("zsh"):
             done = subprocess.run(["zsh", "-n"], input=script, capture_output=True, text=True)
