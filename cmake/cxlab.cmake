@@ -93,13 +93,14 @@ function(cxlab_core_test name target)
 endfunction()
 
 # One GoogleTest program, one entry of ctest, label short or long, with the headers of tests/support. It finds data
-# under $CXLAB_SOURCE_DIR.
+# under $CXLAB_SOURCE_DIR, by default the sources that it was made from.
 function(cxlab_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "LONG" "" "SOURCES;DEPS")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_SOURCES)
     message(FATAL_ERROR "cxlab_test(${name}): needs SOURCES; not understood: ${arg_UNPARSED_ARGUMENTS}")
   endif()
-  cxlab_executable(${name} SOURCES ${arg_SOURCES} DEPS ${arg_DEPS} test_support GTest::gmock GTest::gtest GTest::gtest_main)
+  cxlab_executable(${name} SOURCES ${arg_SOURCES} DEPS ${arg_DEPS} test_support GTest::gmock GTest::gtest)
+  target_link_libraries(${name} PRIVATE test_main)
   if(NOT TARGET precompiled_for_tests)
     file(WRITE "${CMAKE_BINARY_DIR}/precompiled_for_tests.cpp" "")
     add_executable(precompiled_for_tests EXCLUDE_FROM_ALL "${CMAKE_BINARY_DIR}/precompiled_for_tests.cpp")
