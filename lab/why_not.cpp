@@ -28,12 +28,11 @@ class Witness final : public JournalListener {
   bool wants(std::string_view stream, RecordKind kind) const override { return histories_.wants(stream, kind); }
   void heard(const JournalRecord& record) override {
     if (record.kind == RecordKind::kFire) {
-      const RecordValue* module = record.data.find("module");
+      const StreamId stream = episode_.journal().open_stream(record.stream);  // finds it
       for (const cx::Environment* environment : environments_of(episode_))
-        if (stream_of(*environment) == record.stream)
+        if (environment->engine().stream() == stream)
           watch(record.stream)
-              .look(environment->engine(), record.t, module ? std::string(record.data.text("module")) : "MAIN",
-                    std::string(record.data.text("rule")));
+              .look(environment->engine(), record.t, explain::module_of(record), std::string(record.data.text("rule")));
     }
     histories_.heard(record);
   }

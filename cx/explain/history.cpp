@@ -53,6 +53,10 @@ bool Firing::is_of(std::string_view name) const {
   return rule == bare && (bare.size() == name.size() || module == name.substr(0, name.size() - bare.size() - 2));
 }
 
+std::string module_of(const JournalRecord& firing) {
+  return std::string(firing.data.find("module") ? firing.data.text("module") : "MAIN");
+}
+
 const std::vector<FactCopy>& History::last_facts(const std::string& module) const {
   static const std::vector<FactCopy> kNone;
   const auto known = last_facts_.find(module);
@@ -75,7 +79,7 @@ void History::end_version(const Present& present, SimTime t) {
 
 void History::add(const JournalRecord& record) {
   if (record.kind == RecordKind::kFire) {
-    const std::string module(record.data.find("module") ? record.data.text("module") : "MAIN");
+    const std::string module = module_of(record);
     Firing& firing = firings_.emplace_back(Firing{record.t, std::string(record.data.text("rule")), module});
     if (firing.rule != options_.rule) return;
     firing.n = record.n;

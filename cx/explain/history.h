@@ -31,6 +31,9 @@ struct Firing {
   bool is_of(std::string_view name) const;
 };
 
+/// The module of a firing's rule.
+std::string module_of(const JournalRecord& firing);
+
 class History {
  public:
   struct Options {
