@@ -1,0 +1,101 @@
+// The referee: phases and orders.
+
+#include "rules_table.h"
+
+namespace cxlab::rcll {
+
+std::span<const Row> game_rows() {
+  static const Row kRows[] = {
+      {"phases: set-up, production, the end; each begins its time anew",
+       R"(setup 10
+        production 20
+        phase SETUP
+        until 9
+        message /game_state /phase "SETUP"
+        message /game_state /game_time 9.0
+        until 10
+        phase PRODUCTION
+        message /game_state /phase "PRODUCTION"
+        message /game_state /game_time 0.0
+        until 29.98
+        phase PRODUCTION
+        until 30
+        phase POST_GAME
+        message /game_state /phase "POST_GAME"
+        until 32
+        message /game_state /game_time 20.0)"},
+      {"phases: machines stand still after the game",
+       R"(production 10
+        until 8
+        C-BS {side: OUTPUT, base_color: BASE_RED}
+        until 30
+        C-BS is PROCESSED
+        at C-BS-OUTPUT nothing)"},
+
+      {"orders: heard of when they become active, all about them at once",
+       R"(order C0 BASE_RED CAP_GREY
+        order C2 BASE_SILVER RING_GREEN RING_BLUE CAP_BLACK window 60 100 known 30 gate 3 competitive quantity 2
+        until 29.96
+        message /order_info /orders/0/id 1
+        published /order_info 14
+        until 30.02
+        published /order_info 1
+        message /order_info /orders/1/id 2
+        message /order_info /orders/1/complexity "C2"
+        message /order_info /orders/1/base_color "BASE_SILVER"
+        message /order_info /orders/1/ring_colors ["RING_GREEN", "RING_BLUE"]
+        message /order_info /orders/1/cap_color "CAP_BLACK"
+        message /order_info /orders/1/quantity_requested 2
+        message /order_info /orders/1/delivery_period_begin 60
+        message /order_info /orders/1/delivery_period_end 100
+        message /order_info /orders/1/delivery_gate 3
+        message /order_info /orders/1/competitive true
+        message /order_info /orders/0/competitive false)"},
+      {"orders: set-up is no time of production",
+       R"(setup 10
+        order C0 BASE_RED CAP_GREY known 5 window 8 20
+        until 14.9
+        message /order_info /orders []
+        until 15.02
+        message /order_info /orders/0/id 1
+        lay BASE_RED CAP_GREY at C-DS-INPUT
+        C-DS {order_id: 1} -> 0 after 6.77
+        verdict correct)"},
+      {"orders: delivered quantities by team",
+       R"(order C0 BASE_RED CAP_GREY quantity 2
+        lay BASE_RED CAP_GREY at C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        wait 0
+        message /order_info /orders/0/quantity_delivered_cyan 1
+        message /order_info /orders/0/quantity_delivered_magenta 0
+        lay BASE_RED CAP_GREY at M-DS-INPUT
+        rival M-DS {order_id: 1}
+        wait 6
+        message /order_info /orders/0/quantity_delivered_cyan 1
+        message /order_info /orders/0/quantity_delivered_magenta 1
+        lay BASE_RED CAP_GREY at C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        wait 0
+        message /order_info /orders/0/quantity_delivered_cyan 2)"},
+      {"orders: a wrong product is not counted as delivered",
+       R"(lay BASE_BLACK CAP_GREY at C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        wait 2
+        message /order_info /orders/0/quantity_delivered_cyan 0)"},
+      {"orders: prices of rings and who mounts them",
+       R"(wait 2
+        message /ring_info /rings/0 {"ring_color": "RING_BLUE", "raw_material": 1}
+        message /ring_info /rings/1 {"ring_color": "RING_GREEN", "raw_material": 2}
+        message /ring_info /rings/2 {"ring_color": "RING_ORANGE", "raw_material": 0}
+        message /ring_info /rings/3 {"ring_color": "RING_YELLOW", "raw_material": 0}
+        message /machine_info /machines/3/name "C-RS1"
+        message /machine_info /machines/3/ring_colors ["RING_ORANGE", "RING_GREEN"]
+        message /machine_info /machines/4/ring_colors ["RING_BLUE", "RING_YELLOW"]
+        message /machine_info /machines/1/cap_color "CAP_GREY"
+        message /machine_info /machines/2/cap_color "CAP_BLACK")"},
+
+  };
+  return kRows;
+}
+
+}  // namespace cxlab::rcll
