@@ -82,6 +82,16 @@ TEST_F(RuleErrors, AnUnbalancedFormIsReportedAndTheOthersAreLoaded) {
   EXPECT_TRUE(engine().has("defrule", "three"));
 }
 
+TEST_F(RuleErrors, AnErrorLeavesTheCurrentModule) {
+  ASSERT_THAT(load_errors("(defmodule A)\n(deftemplate order (slot id))\n(defmodule B)\n(defmodule C)\n"), IsEmpty());
+  for (const char* wrong : {"(defrule wrong (ordr (id 1)) =>)", "(defrule wrong (a) => (assert (ordr (id 1))))",
+                            "(defrule wrong (a) => (prinout t x))"}) {
+    ASSERT_TRUE(engine().eval("(set-current-module A)").ok());
+    EXPECT_THAT(load_errors(std::string(wrong) + "\n"), ElementsAre(HasSubstr("did you mean '"))) << wrong;
+    EXPECT_EQ(engine().eval("(get-current-module)")->text(), "A") << wrong;
+  }
+}
+
 TEST_F(RuleErrors, TheFirstErrorStopsALoadThatShallStop) {
   EXPECT_THAT(load_errors("(defrule one (a) => (undefined))\n(defrule two (a) =>)\n", LoadMode::kConstructs,
                           OnLoadError::kStop),
