@@ -167,6 +167,21 @@ TEST(JournalExport, AFolderIsKnownInATextOfAnyLength) {
   }
 }
 
+TEST(JournalExport, AFolderEndsWhereANameEnds) {
+  FolderNames folders;
+  folders.add("/a/agent", "package://agent");
+  for (int code = 1; code < 128; ++code) {
+    const char c = static_cast<char>(code);
+    const bool of_a_name = std::isalnum(code) != 0 || c == '_' || c == '-' || c == '.';
+    for (const std::string& text : {std::string("/a/agent") + c, c + std::string("/a/agent")}) {
+      RecordData data;
+      data.begin().field("file", text);
+      std::string renamed;
+      EXPECT_EQ(folders.rewrite(data.bytes(), renamed), !of_a_name) << text;
+    }
+  }
+}
+
 TEST(JournalExport, AFolderThatIsKnownKeepsItsFirstName) {
   FolderNames folders;
   folders.add("/a/agent", "first");
@@ -512,6 +527,15 @@ TEST(JournalReader, LeavesOutALastLineThatIsCutOff) {
   const auto records = read_journal(folder / "j");
   ASSERT_TRUE(records.ok()) << records.error().text();
   EXPECT_EQ(records->size(), 2u);
+}
+
+TEST(JournalReader, AFolderAndAMissingFileCannotBeRead) {
+  TempFolder folder;
+  for (const auto& path : {folder.path(), folder / "none"}) {
+    const auto records = read_journal(path);
+    ASSERT_FALSE(records.ok()) << path;
+    EXPECT_EQ(records.error().text(), path.string() + ": cannot be read");
+  }
 }
 
 TEST(JournalReader, NamesTheLineThatIsWrong) {

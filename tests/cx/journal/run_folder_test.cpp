@@ -222,6 +222,22 @@ TEST(FileStore, TheIndexIsWholeWheneverTheProcessEnds) {
   }
 }
 
+TEST(FileStore, WhatCannotBeWrittenOutIsAnError) {
+  TempFolder temp;
+  auto store = FileStore::create(temp.path());
+  ASSERT_TRUE(store->add_content("pkg/a.clp", "a").ok());
+  const auto stored = StoredFiles::open(temp.path());
+  put_file(temp / "file", "");
+  EXPECT_THAT(stored->materialise(temp / "file").error().text(), HasSubstr("cannot be made"));
+  fs::create_directories(temp / "work/pkg/a.clp/in_the_way");
+  const Status written = stored->materialise(temp / "work");
+  ASSERT_FALSE(written.ok());
+  EXPECT_THAT(written.error().text(), HasSubstr("a.clp: cannot be written"));
+  EXPECT_FALSE(fs::exists(temp / "work/pkg/a.clp.part"));
+  fs::remove(temp / "files" / content_hash("a"));
+  EXPECT_FALSE(stored->materialise(temp / "other").ok());
+}
+
 TEST(FileStore, AFileThatIsMissingIsAnError) {
   TempFolder temp;
   auto store = FileStore::create(temp.path());
