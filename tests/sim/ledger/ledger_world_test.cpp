@@ -172,6 +172,27 @@ TEST_F(Ledger, ARobotTurnsAllAlongItsWayAndStandsBeforeItDeparts) {
   EXPECT_NEAR(world.robot(kRobot1).pose_in_world.yaw, 2, 1e-9);
 }
 
+TEST_F(Ledger, ARobotDrivesAllLegsOfItsWayAtOneSpeed) {
+  const std::vector<Pose2> way{{1, 1, 0}, {4, 1, 0}, {4, 2, 0.8}};
+  world.move_along(kRobot1, way, from_seconds(2), from_seconds(10));
+  struct Row {
+    double at;
+    Pose2 pose;
+    double vx, vy, omega;
+  };
+  for (const Row& row : {Row{1, {1, 1, 0}, 0, 0, 0}, Row{2, {1, 1, 0}, 0.5, 0, 0.1}, Row{5, {2.5, 1, 0.3}, 0.5, 0, 0.1},
+                         Row{9, {4, 1.5, 0.7}, 0, 0.5, 0.1}, Row{10, {4, 2, 0.8}, 0, 0, 0}}) {
+    pass(row.at - to_seconds(world.now()));
+    const RobotState state = world.robot(kRobot1);
+    EXPECT_NEAR(state.pose_in_world.x, row.pose.x, 1e-9) << row.at;
+    EXPECT_NEAR(state.pose_in_world.y, row.pose.y, 1e-9) << row.at;
+    EXPECT_NEAR(state.pose_in_world.yaw, row.pose.yaw, 1e-9) << row.at;
+    EXPECT_NEAR(state.vx, row.vx, 1e-6) << row.at;
+    EXPECT_NEAR(state.vy, row.vy, 1e-6) << row.at;
+    EXPECT_NEAR(state.omega, row.omega, 1e-6) << row.at;
+  }
+}
+
 TEST_F(Ledger, ARobotThatStopsStaysWhereItIs) {
   const std::vector<Pose2> path{{4.5, 0.5, 0}, {4.5, 4.5, 0}};
   world.move_along(kRobot1, path, from_seconds(0), from_seconds(4));
