@@ -475,6 +475,25 @@ TEST(Game, OneRingAndOneCapStationOfBothTeamsAreDownOnce) {
   }
 }
 
+TEST(Instructions, CancellingOneLeavesTheOthers) {
+  GameStory story;
+  story.move("C-CS1-SHELF-LEFT", "C-CS1-INPUT");
+  const std::size_t base = story.instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+  const std::size_t cap = story.instruct("{machine: C-CS1, operation: RETRIEVE_CAP}");
+  const std::size_t broken = story.instruct("{machine: C-CS2, operation: RETRIEVE_CAP}");
+  story.run_for(1);
+  const auto told = story.feedback().size();
+  story.cancel(cap);
+  story.run_for(0.1);
+  EXPECT_EQ(story.outcome(cap).status, bus::GoalStatus::kCanceled);
+  EXPECT_FALSE(story.outcome(base).ended);
+  story.run_for(30);
+  EXPECT_EQ(story.outcome(base).status, bus::GoalStatus::kSucceeded);
+  EXPECT_EQ(story.outcome(broken).status, bus::GoalStatus::kAborted);
+  EXPECT_THAT(std::vector(story.feedback().begin() + static_cast<std::ptrdiff_t>(told), story.feedback().end()),
+              ElementsAre("PROCESSED", "READY-AT-OUTPUT", "BROKEN"));
+}
+
 TEST(Game, AMachineFailsInProductionOnlyAndOnce) {
   WorldConfig config = GameStory::quiet_game();
   config.setup_s = 5;
