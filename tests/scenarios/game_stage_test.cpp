@@ -125,6 +125,27 @@ TEST_F(GameStage, TheTimedTierHasNoViewAndTellsWhereOneIs) {
   EXPECT_THAT(view.error().text(), testing::HasSubstr("no bodies to look at: --tier physics"));
 }
 
+TEST_F(GameStage, NeedsEachOfItsInterfaces) {
+  const auto scenario = Scenario::parse("schema: 1\nworld: {kind: rcll, transforms: true}\ntier: timed\n",
+                                        folder_ / "game.yaml", shipped());
+  ASSERT_TRUE(scenario.ok()) << scenario.error().text();
+  EpisodeOptions options;
+  options.interfaces = folder_ / "interfaces";
+  std::filesystem::copy(interfaces_dir(), options.interfaces, std::filesystem::copy_options::recursive);
+  EXPECT_TRUE(Episode::load(*scenario, options).ok());
+  for (const std::string name :
+       {"rcll_interfaces/action/InstructMachine.action", "rcll_interfaces/msg/GameState.msg",
+        "rcll_interfaces/msg/OrderInfo.msg", "rcll_interfaces/msg/MachineInfo.msg", "rcll_interfaces/msg/RingInfo.msg",
+        "rcll_interfaces/msg/RobotInfo.msg", "cxlab_skills/action/DriveTo.action", "cxlab_skills/action/Pick.action",
+        "cxlab_skills/action/Place.action", "tf2_msgs/msg/TFMessage.msg"}) {
+    std::filesystem::rename(options.interfaces / name, folder_ / "away");
+    const auto episode = Episode::load(*scenario, options);
+    ASSERT_FALSE(episode.ok()) << name;
+    EXPECT_THAT(episode.error().text(), testing::HasSubstr(name.substr(0, name.find('.')))) << name;
+    std::filesystem::rename(folder_ / "away", options.interfaces / name);
+  }
+}
+
 TEST_F(GameStage, PhysicsTakesTheStepsOfTheScenario) {
   for (const auto& [step, steps] : {std::pair{"0.005", 400}, std::pair{"0.02", 100}}) {
     const auto scenario =
