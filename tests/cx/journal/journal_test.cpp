@@ -167,6 +167,20 @@ TEST(JournalExport, AFolderIsKnownInATextOfAnyLength) {
   }
 }
 
+TEST(JournalExport, TruthsAndNestingAreWrittenAsTheyAre) {
+  RecordData data;
+  data.begin().field("no", false).field("yes", true);
+  std::string json;
+  ASSERT_TRUE(append_json(data.bytes(), json).ok());
+  EXPECT_EQ(json, R"({"no":false,"yes":true})");
+  for (const int depth : {1, 2, 63, 64, 65, 66, 1000}) {
+    std::string nested, wanted;
+    for (int i = 0; i < depth; ++i) nested += std::string("\xdd\0\0\0\1", 5);
+    json.clear();
+    EXPECT_EQ(append_json(nested + "\xc0", json).ok(), depth <= 64) << depth;
+  }
+}
+
 TEST(JournalExport, AFolderEndsWhereANameEnds) {
   FolderNames folders;
   folders.add("/a/agent", "package://agent");

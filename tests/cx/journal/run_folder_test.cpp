@@ -222,6 +222,19 @@ TEST(FileStore, TheIndexIsWholeWheneverTheProcessEnds) {
   }
 }
 
+TEST(FileStore, WithoutItsIndexIsAnError) {
+  TempFolder temp;
+  fs::create_directories(temp / "files/index.jsonl");
+  EXPECT_THAT(FileStore::create(temp.path()).error().text(), HasSubstr("index.jsonl"));
+}
+
+TEST(RunFolder, ANameThatNoFolderCanHaveIsAnError) {
+  TempFolder temp;
+  const auto made = make_numbered_folder(temp.path(), std::string(300, 'a'));
+  ASSERT_FALSE(made.ok());
+  EXPECT_THAT(made.error().text(), HasSubstr("cannot be made: "));
+}
+
 TEST(FileStore, WhatCannotBeWrittenOutIsAnError) {
   TempFolder temp;
   auto store = FileStore::create(temp.path());
