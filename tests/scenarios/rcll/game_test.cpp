@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "cx/journal/record_bytes.h"
 #include "scenarios/rcll/result.h"
 #include "tests/support/game_story.h"
 
@@ -228,6 +229,48 @@ TEST(Records, OfAnOrderSayAllAboutIt) {
   expected.field("gate", 3).field("quantity", 2).field("competitive", true);
   const std::string wanted(expected.bytes());
   EXPECT_EQ(std::ranges::count(story.records().all(), wanted, &KeptRecords::Record::data), 1);
+}
+
+TEST(Records, OfTheRefereeSayWhatItDecided) {
+  WorldConfig config = GameStory::quiet_game();
+  config.orders[0].delivery_end = 5;
+  GameStory story(config);
+  const auto deliver = [&story](const std::string& base, int order) {
+    story.lay_before_delivery(base, CapColor::kGrey);
+    EXPECT_EQ(story.carry_out("{machine: C-DS, order_id: " + std::to_string(order) + "}").code, 0);
+    story.run_for(6);
+  };
+  deliver("BASE_BLACK", 1);
+  deliver("BASE_RED", 1);
+  deliver("BASE_SILVER", 0);
+  story.move("C-CS1-SHELF-LEFT", "C-CS1-INPUT");
+  EXPECT_EQ(story.carry_out("{machine: C-CS1, operation: RETRIEVE_CAP}").code, 0);
+  EXPECT_EQ(story.carry_out("{machine: C-CS1, operation: RESET}").code, 0);
+  story.run_for(0.1);
+  std::vector<std::string> told;  // but of pieces and states
+  for (const KeptRecords::Record& record : story.records().all()) {
+    if (story.records().names()[static_cast<std::size_t>(record.stream)] != "referee") continue;
+    std::string json;
+    EXPECT_TRUE(append_json(record.data, json).ok());
+    if (json.find("\"event\":\"piece\"") == json.npos && json.find("\"event\":\"machine\"") == json.npos)
+      told.push_back(json);
+  }
+  EXPECT_THAT(
+      told,
+      ElementsAre(R"({"event":"phase","phase":"PRODUCTION"})",
+                  R"({"event":"order","order":1,"complexity":"C0","product":"BASE_RED CAP_GREY","begin":0.0,"end":5.0,)"
+                  R"("gate":1,"quantity":1,"competitive":false})",
+                  R"({"event":"delivery","order":1,"team":"CYAN","piece":13,"product":"BASE_BLACK CAP_GREY",)"
+                  R"("correct":false,"points":0,"reason":"wrong product"})",
+                  R"({"event":"score","team":"CYAN","kind":"delivery","points":20,"total":20,"order":1})",
+                  R"({"event":"score","team":"CYAN","kind":"late","points":-15,"total":5,"order":1})",
+                  R"({"event":"score","team":"CYAN","kind":"cap","points":10,"total":15,"order":1})",
+                  R"({"event":"delivery","order":1,"team":"CYAN","piece":14,"product":"BASE_RED CAP_GREY",)"
+                  R"("correct":true,"points":15,"late_s":8.58})",
+                  R"({"event":"discard","piece":15,"product":"BASE_SILVER CAP_GREY"})",
+                  R"({"event":"score","team":"CYAN","kind":"buffer","points":2,"total":17})",
+                  R"({"event":"broken","machine":"C-CS1","reason":"reset by its team"})",
+                  R"({"event":"score","team":"CYAN","kind":"buffer","points":-2,"total":15})"));
 }
 
 // --- Deliveries
