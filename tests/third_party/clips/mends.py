@@ -43,6 +43,19 @@ class Mends(unittest.TestCase):
 (run)
 """), ["()", "()", "(1)", "(3)"])
 
+    def test_search_for_a_text_takes_no_longer_than_the_text(self):
+        begin = """
+(defglobal ?*s* = "abcdefgh")
+(deffunction double (?n) (loop-for-count ?n (bind ?*s* (str-cat ?*s* ?*s*))))
+(double 17)
+(bind ?*t* (str-cat (sub-string 1 500000 ?*s*) "!"))
+"""
+        self.assertEqual(printed(begin.replace('(deffunction', '(defglobal ?*t* = "")\n(deffunction', 1) + """
+(printout t "= " (str-index ?*t* ?*s*) " " (str-index ?*t* (str-cat ?*s* ?*t*)) crlf)
+(printout t "= " (str-length (str-replace ?*s* ?*t* "x")) crlf)
+(printout t "= " (str-replace "aXbXX" "X" "yy") " " (str-replace "aXbXX" "X" "") " " (str-index "" "abc") " " (str-index "c" "abc") crlf)
+"""), ["1048576", "FALSE 1048577", "ayybyyyy ab 1 3"])
+
     def test_variable_equals_itself_beside_a_test_of_another_pattern(self):
         self.assertEqual(printed("""
 (deftemplate a (slot x))
