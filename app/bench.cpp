@@ -47,7 +47,7 @@ void add_bench(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("bench", "Plays scenarios x strategies x seeds and compares (docs/bench.md)");
   command->footer("Example:\n  cxlab bench benchmarks/rcll.yaml -j 2");
-  add_memory_option(*command);
+  add_limit_options(*command);
   command->add_option("suite", options->suite, "Suite file (YAML)")->required();
   whole_number(command->add_option("-j", options->jobs, "Episodes at once"), 1, 256);
   command->add_option("--out", options->out,

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <new>
 
+#include "app/arguments.h"
 #include "app/command.h"
 #include "cx/base/number_text.h"
 #include "cx/engine/engine.h"
@@ -24,7 +25,7 @@ namespace {
 std::atomic<int> g_signal = 0;
 std::atomic<bool> g_stop = false, g_stop_now = false;
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
-std::int64_t g_memory = Limits().memory;
+Limits g_most;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kSanitized = true;  // takes more address space than there is memory
@@ -84,7 +85,7 @@ void on_no_memory() {
   static bool before = false;
   set_address_space(RLIM_INFINITY);
   RuleEngine* engine = RuleEngine::at_work();
-  const Error error = resource_error("no memory is left: " + std::to_string(g_memory / 1'000'000) +
+  const Error error = resource_error("no memory is left: " + std::to_string(g_most.memory / 1'000'000) +
                                      " MB for rules and 1000 MB for all else are full; --memory allows more");
   if (engine) engine->exceed_limits(error);
   if (engine && !std::exchange(before, true)) return set_address_space(address_space() + kBesideRules);
@@ -112,19 +113,31 @@ static std::optional<std::int64_t> size_of(const std::string& text) {
   return std::nullopt;
 }
 
-void add_memory_option(CLI::App& command) {
-  command
-      .add_option("--memory", g_memory, "What rules may hold of the machine's memory, as 500MB or 4GB; 0 = no limit")
+static void add_size(CLI::App& command, const std::string& name, std::int64_t& bytes, const std::string& help,
+                     const std::string& most) {
+  command.add_option(name, bytes, help)
       ->transform(CLI::Validator(
           [](std::string& text) {
-            const auto bytes = size_of(text);
-            if (!bytes) return "found '" + text + "', expected a size of at least 1MB as 500MB or 4GB, or 0";
-            text = std::to_string(*bytes);
+            const auto size = size_of(text);
+            if (!size) return "found '" + text + "', expected a size of at least 1MB as 500MB or 4GB, or 0";
+            text = std::to_string(*size);
             return std::string();
           },
           ""))
       ->type_name("SIZE")
-      ->default_str("2GB");
+      ->default_str(most);
+}
+
+void add_limit_options(CLI::App& command) {
+  add_size(command, "--memory", g_most.memory,
+           "What rules may hold of the machine's memory, as 500MB or 4GB; 0 = no limit", "2GB");
+  add_size(command, "--disk", g_most.disk, "What rules may write to the disk, as 500MB or 4GB; 0 = no limit", "5GB");
+  whole_number(
+      command.add_option("--steps", g_most.steps,
+                         "Steps (docs/contracts.md) that the rules of an environment may take in a tick; 0 = no limit"),
+      0)
+      ->type_name("N")
+      ->default_str(std::to_string(g_most.steps));
 }
 
 int signal_that_came() { return g_signal; }
@@ -169,11 +182,11 @@ lab::Host Console::host() {
   handle(SIGINT, on_signal);
   handle(SIGTERM, on_signal);
   handle(SIGALRM, on_alarm);
-  if (g_memory > 0 && !kSanitized) {
+  if (g_most.memory > 0 && !kSanitized) {
     std::set_new_handler(on_no_memory);
-    set_address_space(address_space() + static_cast<rlim_t>(g_memory) + kBesideRules);
+    set_address_space(address_space() + static_cast<rlim_t>(g_most.memory) + kBesideRules);
   }
-  return {.log = this, .progress = this, .stop = &g_stop, .stop_now = &g_stop_now, .max_memory = g_memory};
+  return {.log = this, .progress = this, .stop = &g_stop, .stop_now = &g_stop_now, .most = g_most};
 }
 
 void Console::progress(double done, double total) {

@@ -48,8 +48,8 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
 std::string coloured(std::string_view text, std::string_view colour);
 /// The text with control characters as \x1b: texts of others may not move the cursor, nor rename the terminal.
 std::string printable(std::string_view text);
-/// Declares `--memory`, which holds for the whole process.
-void add_memory_option(CLI::App& command);
+/// Declares `--memory`, `--disk` and `--steps`, which hold for the whole process.
+void add_limit_options(CLI::App& command);
 /// The number of the signal that asked for a stop, 0 if none.
 int signal_that_came();
 /// Simulated time as m:ss.

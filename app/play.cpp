@@ -19,7 +19,7 @@ void declare_play(CLI::App& command, PlayCommand& options) {
       ->capture_default_str();
   command.add_flag("--strict-cx", play.strict, "Parameters that CX does not know are errors, not INFO lines");
   add_prefix_option(command, play.prefixes);
-  add_memory_option(command);
+  add_limit_options(command);
   command.add_flag("--realtime", play.realtime, "Sleeps between ticks, to watch");
   command.add_flag("--json", options.json, "Prints result.json instead of a summary");
   command.add_flag("--quiet", options.quiet, "Prints neither progress nor log lines, only errors");

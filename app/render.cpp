@@ -61,7 +61,7 @@ int render(Options options) {
 void add_render(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("render", "Draws the world of a run or of a scenario at a time");
-  add_memory_option(*command);
+  add_limit_options(*command);
   suggest(command->add_option("what", options->what, "Folder of a run, or a scenario, which is played up to then"),
           scenario_names, true)
       ->required();

@@ -89,7 +89,7 @@ void add_replay(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("replay", "Plays a run again from its input log and says whether the hashes agree");
-  add_memory_option(*command);
+  add_limit_options(*command);
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_flag("--rules", options->rules, "Only the rules, without world and servers");
   command->add_flag("--physics", options->physics, "Only the physics, without rules and servers");

@@ -53,7 +53,7 @@ void add_rerun(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("rerun", "Plays a run again into a new folder and says whether the hashes agree");
-  add_memory_option(*command);
+  add_limit_options(*command);
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_option("--out", options->out, "Folder of the new run (default runs/<scenario>-<seed>)");
   command->add_flag("--json", options->json, "The answer as JSON");

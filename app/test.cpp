@@ -99,7 +99,7 @@ void add_test(CLI::App& app, Action& action) {
   auto options = std::make_shared<TestOptions>();
   CLI::App* command = app.add_subcommand("test", "Plays stories: regression tests of rules (docs/testing.md)");
   command->footer("Example:\n  cxlab test scenarios/rcll/agent/stories --junit report.xml");
-  add_memory_option(*command);
+  add_limit_options(*command);
   command->add_option("paths", options->paths, "Story files, or folders with *.story.yaml (default: this folder)");
   add_package_options(*command, options->packages);
   command->add_option("--junit", options->junit, "Writes a JUnit report");

@@ -148,7 +148,7 @@ int why_not(const Options& options) {
 void add_why_not(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("why-not", "Says why a rule of a recorded run has not fired");
-  add_memory_option(*command);
+  add_limit_options(*command);
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_option("rule", options->rule, "Name of the rule, with or without its module: nav, NAV::nav")->required();
   command->add_option("--at", options->at, "When, s of simulated time (default: the end)")->check(not_negative());

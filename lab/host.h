@@ -25,9 +25,13 @@ struct Host {
   ProgressSink* progress = nullptr;
   const std::atomic<bool>* stop = nullptr;      ///< once set, what is going on ends at its next tick
   const std::atomic<bool>* stop_now = nullptr;  ///< set later: rules that still act end in the middle of the tick
-  std::int64_t max_memory = Limits().memory;    ///< of the rules of an episode, bytes; 0 = no limit
+  Limits most{};                                ///< of the rules of an episode
 
-  Limits limits() const { return {.memory = max_memory, .stop = stop_now, .held = 0, .exceeded = {}}; }
+  Limits limits() const {
+    Limits limits = most;
+    limits.stop = stop_now;
+    return limits;
+  }
 
   bool stopped() const { return stop && stop->load(std::memory_order_relaxed); }
   void show(double done, double total) const {

@@ -9,6 +9,8 @@
 #include <iterator>
 #include <utility>
 
+#include "cx/base/charge.h"
+
 namespace cxlab {
 namespace {
 
@@ -43,6 +45,7 @@ Expected<AppendFile> AppendFile::create(const std::filesystem::path& path) {
 
 Status AppendFile::append(std::string_view piece) {
   if (!status_ || !is_open()) return status_;
+  if (Charge::is_on()) Charge::written(piece.size());
   buffer_.append(piece);
   piece_ends_.push_back(buffer_.size());
   return buffer_.size() >= kBufferBytes ? flush() : Status{};

@@ -5,6 +5,8 @@
 #include <system_error>
 #include <vector>
 
+#include "cx/base/charge.h"
+
 namespace cxlab {
 
 Expected<std::string> read_file(const std::filesystem::path& path) {
@@ -27,6 +29,7 @@ Expected<std::string> read_file(const std::filesystem::path& path) {
 }
 
 Status write_file(const std::filesystem::path& path, std::string_view text) {
+  if (Charge::is_on()) Charge::written(text.size());
   std::ofstream file(path, std::ios::binary);
   file << text;
   file.close();

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <tuple>
 
+#include "cx/base/charge.h"
 #include "cx/bus/bus_state.h"
 #include "cx/bus/names.h"
 #include "cx/bus/transforms.h"
@@ -307,6 +308,7 @@ bool Bus::any_waiting() const {
 void Bus::State::call_handler(Endpoint& endpoint, const Delivery& delivery) {
   const Handler& handler = endpoint.handlers[handler_index(delivery.kind)];
   if (!handler) return;
+  const Charge charge(participant(delivery.from).kind == ParticipantKind::kEnvironment);
   ++running;
   handler(delivery);
   if (--running == 0) removed.clear();
@@ -357,7 +359,10 @@ std::size_t Bus::deliver(ParticipantId p) {
   auto& taken = participant.taken;
   taken.swap(participant.inbox);
   if (!std::is_sorted(taken.begin(), taken.end(), comes_before)) std::ranges::sort(taken, comes_before);
-  if (state_->tap != nullptr) state_->tap->delivered(p, taken);
+  if (state_->tap != nullptr) {
+    const Charge charge(std::ranges::any_of(taken, [this](const Delivery& d) { return is_environment(d.from); }));
+    state_->tap->delivered(p, taken);
+  }
   for (const Delivery& delivery : taken) state_->handle(now_, delivery);
   const std::size_t count = taken.size();
   taken.clear();

@@ -2,6 +2,7 @@
 
 #include <xxhash.h>
 
+#include <filesystem>
 #include <random>
 
 #include "cx/base/file.h"
@@ -32,6 +33,12 @@ bool take_path(UDFContext* context, UDFValue& arg, UDFValue* result, bool reads)
   return true;
 }
 
+std::size_t size_of(const char* path) {
+  std::error_code none;
+  const std::uintmax_t size = std::filesystem::file_size(path, none);
+  return none ? 0 : size;
+}
+
 /// The hash of a file's content with a key that rules cannot know, so that they cannot forge it; nothing if the file
 /// cannot be read.
 std::optional<BinaryHash> hash_of(const char* path) {
@@ -57,12 +64,16 @@ void open_function(Environment*, UDFContext* context, UDFValue* result) {
 
 void read_file_function(Environment*, UDFContext* context, UDFValue* result) {
   std::vector<UDFValue> args;
-  if (arguments(context, args) && take_path(context, args[0], result, true)) call_original(context, result, args);
+  if (!arguments(context, args) || !take_path(context, args[0], result, true)) return;
+  count_parsed(context, size_of(args[0].lexemeValue->contents));
+  call_original(context, result, args);
 }
 
 void write_file_function(Environment*, UDFContext* context, UDFValue* result) {
   std::vector<UDFValue> args;
-  if (arguments(context, args) && take_path(context, args[0], result, false)) call_original(context, result, args);
+  if (!arguments(context, args) || !take_path(context, args[0], result, false)) return;
+  call_original(context, result, args);
+  impl_of(context).glance_at_limits();
 }
 
 /// `remove` and `rename`. What they find outside of the run's folder, where trusted rules act, is for the input log.
@@ -84,6 +95,8 @@ void write_binary_function(Environment*, UDFContext* context, UDFValue* result) 
   std::vector<UDFValue> args;
   if (!arguments(context, args) || !take_path(context, args[0], result, false)) return;
   call_original(context, result, args);
+  Charge::written(size_of(args[0].lexemeValue->contents));
+  impl_of(context).glance_at_limits();
   if (const auto hash = hash_of(args[0].lexemeValue->contents))
     engine_of(context).options().files->binaries.insert(*hash);
 }

@@ -174,13 +174,33 @@ void format_function(Environment* env, UDFContext* context, UDFValue* result) {
     }
     ++argument;
   }
+  evaluation_data(env)->Steps += out.size() / kBytesOfAStep;
   result->lexemeValue = CreateString(env, out.c_str());
   if (name != "nil") WriteString(env, name.c_str(), out.c_str());
+}
+
+/// A function that takes time with the length of its texts.
+void text_function(Environment* env, UDFContext* context, UDFValue* result) {
+  evaluationData& counted = *evaluation_data(env);
+  const bool outer = std::exchange(counted.TextsAreSteps, true);
+  builtin_of(context).original(env, context, result);
+  counted.TextsAreSteps = outer;
+  const unsigned short type = result->header->type;
+  if (type == STRING_TYPE || type == SYMBOL_TYPE)
+    counted.Steps += std::strlen(result->lexemeValue->contents) / kBytesOfAStep;
+}
+
+/// One that reads each byte: a step.
+void scanning_function(Environment* env, UDFContext* context, UDFValue* result) {
+  const std::uint64_t before = evaluation_data(env)->Steps;
+  text_function(env, context, result);
+  evaluation_data(env)->Steps += (kBytesOfAStep - 1) * (evaluation_data(env)->Steps - before);
 }
 
 void nested_function(Environment*, UDFContext* context, UDFValue* result) {
   std::vector<UDFValue> args;
   if (!arguments(context, args)) return;
+  count_parsed(context, std::strlen(args[0].lexemeValue->contents));
   if (depth_of(args[0].lexemeValue->contents) > kDeepestForm)
     return refuse(context, result, "parentheses are nested more than " + std::to_string(kDeepestForm) + " deep");
   const bool asserts = UDFContextFunctionName(context) == std::string_view("assert-string");

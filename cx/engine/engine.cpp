@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstring>
 #include <new>
 
 #include "cx/engine/version.h"
@@ -85,6 +86,7 @@ Expected<std::unique_ptr<RuleEngine>> RuleEngine::create(EngineOptions options) 
   SetOutOfMemoryFunction(env, on_out_of_memory);
   engine->impl_->install_builtins();
   engine->impl_->install_hooks();
+  if (engine->options_.limits != nullptr) evaluation_data(env)->LookAtLimits = Impl::on_limits;
   engine->impl_->look_at_limits();
   if (engine->options_.limits && engine->options_.limits->exceeded) return *engine->options_.limits->exceeded;
   return engine;
@@ -124,6 +126,7 @@ void RuleEngine::Impl::print(const char* logical_name, const char* text) {
   if (leaving_calls && name == "stderr") return;
   if (name == "stderr") capture(text);
   if (engine.options_.on_output) engine.options_.on_output(name, text);
+  evaluation_data(env)->Steps += 1 + std::strlen(text) / kBytesOfAStep;
 }
 
 int RuleEngine::Impl::read_terminal() {

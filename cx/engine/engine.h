@@ -227,6 +227,8 @@ class RuleEngine {
   bool callable(const std::string& function) const;
   /// How often `call` was called since this was asked last.
   std::int64_t take_call_count() { return std::exchange(calls_, 0); }
+  /// Steps are counted anew (`Limits::steps`).
+  void begin_tick();
   /// Sets `Limits::exceeded` to this, with the rule or form at work and its place, and ends what rules do.
   void exceed_limits(Error error);
   /// Errors since the last report or call of this.

@@ -90,6 +90,7 @@ void RuleEngine::Impl::on_assert(Environment*, void* asserted, void* self) noexc
   if (journal == nullptr) return;
   impl.data.begin().field("fact", entry.number).field("template", fact.whichDeftemplate->header.name->contents);
   impl.put_slots(fact, again);
+  evaluation_data(impl.env)->Steps += impl.data.bytes().size() / kBytesOfAStep;
   entry.record = journal
                      ->write(impl.engine.stream_, impl.engine.now(), again ? RecordKind::kModify : RecordKind::kAssert,
                              impl.data, impl.engine.cause())
@@ -200,31 +201,66 @@ void RuleEngine::Impl::on_fired(Environment*, Activation* activation, void* self
 void RuleEngine::Impl::look_at_limits() {
   Limits* limits = engine.options_.limits;
   if (limits == nullptr) return;
+  evaluationData& counted = *evaluation_data(env);
+  if (!limits->before) limits->before = {Charge::memory(), Charge::disk()};
+  Charge::written(counted.Written - std::exchange(counted_written, counted.Written));
   const std::int64_t now = memory_data(env)->MemoryAmount;
-  look_again_at = now + 1'000'000;
   limits->held += now - std::exchange(counted_memory, now);
+  const std::int64_t memory = limits->held + Charge::memory() - limits->before->memory;
+  const std::int64_t disk = Charge::disk() - limits->before->disk;
+  const auto steps = static_cast<std::int64_t>(counted.Steps);
+  const auto megabytes = [](std::int64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; };
   if (limits->exceeded) {
     SetHaltExecution(env, true);
     SetHaltRules(env, true);
-  } else if (limits->memory > 0 && limits->held > limits->memory) {
-    engine.exceed_limits(resource_error("rules hold more than " + std::to_string(limits->memory / 1'000'000) +
-                                        " MB of memory; if they are right, allow more with --memory"));
+  } else if (limits->memory > 0 && memory > limits->memory) {
+    engine.exceed_limits(resource_error("rules hold more than " + megabytes(limits->memory) +
+                                        " of memory; if they are right, allow more with --memory"));
+  } else if (limits->disk > 0 && disk > limits->disk) {
+    engine.exceed_limits(resource_error("rules have written more than " + megabytes(limits->disk) +
+                                        " to the disk; if they are right, allow more with --disk"));
+  } else if (limits->steps > 0 && steps > limits->steps) {
+    engine.exceed_limits(Error{ErrorKind::kRun,
+                               "rules have taken more than " + std::to_string(limits->steps) +
+                                   " steps in one tick; if they are right, allow more with --steps",
+                               {},
+                               0,
+                               "rule_loop"});
   } else if (limits->stop != nullptr && limits->stop->load(std::memory_order_relaxed)) {
     engine.exceed_limits(Error{ErrorKind::kRun, "stopped by a signal in the middle of a tick", {}, 0, kStoppedCode});
   }
+  look_again_at = taken() + 1'000'000;
+  counted.LookAtStep = 0;
+  counted.LookAtWritten = 0;
+  if (limits->exceeded) return;
+  counted.LookAtStep = counted.Steps + kStepsBetweenLooks;
+  if (limits->steps > 0 && steps < limits->steps)
+    counted.LookAtStep = std::min(counted.LookAtStep, static_cast<unsigned long long>(limits->steps));
+  counted.LookAtWritten = counted.Written + 1'000'000;
+}
+
+bool RuleEngine::Impl::on_limits(Environment* env) noexcept {
+  RuleEngine& engine = *of(env);
+  engine.impl_->look_at_limits();
+  return engine.options_.limits->exceeded.has_value();
+}
+
+void RuleEngine::begin_tick() {
+  evaluation_data(environment_)->Steps = 0;
+  impl_->look_at_limits();
 }
 
 void RuleEngine::exceed_limits(Error error) {
   Limits* limits = options_.limits;
   if (limits == nullptr || limits->exceeded) return;
   const Impl::Context context = impl_->contexts.empty() ? Impl::Context() : impl_->contexts.back();
-  // An action, else the test of a join, else what fired before the network got to work.
-  const std::string tested = impl_->rule_acting ? std::string() : impl_->rule_under_test();
+  // The test of a join, else an action, else what fired before the network got to work.
+  const std::string tested = impl_->rule_under_test();
   const std::string last = std::string(impl_->rule_module) + "::" + std::string(impl_->rule_name);
   const ConstructInfo* rule = nullptr;
   if (!tested.empty())
     rule = find_construct("defrule", tested);
-  else if (impl_->rule_acting || context.name == kRun)
+  else if (impl_->rule_acting || context.name == kRun || impl_->contexts.empty())
     rule = find_construct("defrule", last);
   std::string where = context.name.empty() ? std::string() : std::string(context.name) + ": ";
   error.file = context.file;
@@ -277,6 +313,7 @@ bool RuleEngine::Impl::call(EntityEvaluationFunction* evaluate, void* construct,
     return false;
   }
   glance_at_limits();
+  ++evaluation_data(env)->Steps;
   ++calls;
   const bool given = evaluate(env, construct, result);
   --calls;

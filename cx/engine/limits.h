@@ -15,11 +15,19 @@ inline constexpr const char* kStoppedCode = "stopped";
 /// Shared by the engines of one episode; looked at when a rule fires, a fact is asserted and a loop turns. From the
 /// moment a limit is exceeded no rule of any of them acts any more.
 struct Limits {
-  std::int64_t memory = 2'000'000'000;      ///< bytes that CLIPS holds in all of them; 0 = no limit
+  std::int64_t memory = 2'000'000'000;      ///< bytes that CLIPS holds in all of them, and that are charged to them
+                                            ///< (cx/base/charge.h); 0 = no limit
+  std::int64_t disk = 5'000'000'000;        ///< bytes that are written for them; 0 = no limit
+  std::int64_t steps = 500'000'000;         ///< of one of them in a tick (docs/contracts.md); 0 = no limit
   const std::atomic<bool>* stop = nullptr;  ///< once set, what rules do now ends; may be none
 
-  std::int64_t held = 0;          ///< bytes, as last counted
-  std::optional<Error> exceeded;  ///< kResource: the memory, with the rule; kRun with `kStoppedCode`: `stop` was set
+  std::int64_t held = 0;  ///< bytes of CLIPS, as last counted
+  struct Charged {
+    std::int64_t memory = 0, disk = 0;
+  };
+  std::optional<Charged> before;  ///< what was charged when the first of them came
+  /// With the rule. kResource: memory or disk; kRun: the steps, or with `kStoppedCode` that `stop` was set.
+  std::optional<Error> exceeded;
 };
 
 }  // namespace cxlab

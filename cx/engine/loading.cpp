@@ -311,7 +311,10 @@ LoadReport RuleEngine::load_text(std::string_view text, const std::string& file,
   };
 
   bool stopped = false;
+  evaluationData& counted = *evaluation_data(environment_);
+  if (counted.CurrentExpression != nullptr) counted.Steps += kStepsOfAByte * text.size();  // rules load it
   for (const Form& form : reading.forms) {
+    if (options_.limits != nullptr && options_.limits->exceeded) break;
     add_reading_errors(form.line);
     if ((stopped = collect())) break;
     impl_->load_form(form, file, mode);

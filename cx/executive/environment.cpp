@@ -82,6 +82,7 @@ void Environment::begin_again() {
 
 Status Environment::take_inputs() {
   thread_ = std::this_thread::get_id();
+  engine_->begin_tick();
   for (const auto& gate : gates_) gate->hand_over();
   if (Status s = options_.run->feed->feed(participant_); !s) return s;
   engine_->clear_cause();

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "cx/base/byte_codec.h"
+#include "cx/base/charge.h"
 #include "cx/base/file.h"
 
 namespace cxlab {
@@ -119,11 +120,13 @@ void InputLogWriter::put_name(std::string_view name) {
 }
 
 void InputLogWriter::begin(std::uint8_t entry, SimTime t) {
+  begun_at_ = chunk_.size();
   ByteWriter(chunk_).fixed(entry).zigzag((t - last_t_).count());
   last_t_ = t;
 }
 
 void InputLogWriter::finish() {
+  if (Charge::is_on()) Charge::written(chunk_.size() - begun_at_);
   if (chunk_.size() >= kChunkBytes) end_chunk();
   if (framed_.size() == kMostWaiting) (void)flush();
 }
@@ -200,6 +203,7 @@ void InputLogWriter::end_chunk() {
 
 Status InputLogWriter::flush() {
   end_chunk();
+  const Charge counted(false);  // by finish
   for (const std::string& chunk : framed_) (void)file_.append(chunk);
   framed_.clear();
   return file_.flush();

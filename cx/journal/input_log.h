@@ -89,6 +89,7 @@ class InputLogWriter {
 
   AppendFile file_;
   std::string chunk_;                // entries that come together
+  std::size_t begun_at_ = 0;         // where the last of them begins
   std::vector<std::string> framed_;  // whole chunks with their lengths and checksums, which wait for `flush`
   std::map<std::string, std::uint64_t, std::less<>> names_;
   SimTime last_t_{};

@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "cx/base/byte_codec.h"
+#include "cx/base/charge.h"
 #include "cx/journal/hash_text.h"
 #include "cx/journal/journal_record.h"
 
@@ -140,6 +141,7 @@ RecordRef Journal::write(StreamId id, SimTime t, RecordKind kind, const RecordDa
 
 void Journal::notify_listener(const Stream& stream, SimTime t, RecordKind kind, std::string_view data,
                               std::span<const RecordRef> causes) {
+  const Charge charge(false);
   JournalRecord record{stream.name, stream.records, t, kind, {}, {}};
   auto value = decode_record_data(data);
   assert(value.ok() && "RecordData: a list or map without as many values as it announced");

@@ -76,7 +76,7 @@ Row play(const Cell& cell, const Catalogue& catalogue, const std::string& progra
   PlayOptions options;
   options.out = "none";
   options.file_read = note;
-  auto played = play_scenario(options, *std::move(scenario), {.max_memory = host.max_memory});
+  auto played = play_scenario(options, *std::move(scenario), {.most = host.most});
   for (const std::string& library : libraries())
     if (!before.contains(library)) note(library);  // of plugins
   if (!played) return refused(played.error());

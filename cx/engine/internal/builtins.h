@@ -21,12 +21,17 @@ bool arguments(clips::UDFContext* context, std::vector<clips::UDFValue>& args);
 /// Calls the function of CLIPS with these values as its arguments.
 void call_original(clips::UDFContext* context, clips::UDFValue* result, const std::vector<clips::UDFValue>& args);
 
+/// Counts what reading that many bytes as rules costs.
+inline void count_parsed(clips::UDFContext* context, std::size_t bytes) {
+  clips::evaluation_data(context->environment)->Steps += kStepsOfAByte * bytes;
+}
+
 inline constexpr const char* kStatistics = "statistics";
 
 // builtin_files.cpp
 clips::UserDefinedFunction open_function, load_function, batch_function, read_file_function, read_binary_function,
     write_file_function, write_binary_function, change_file_function;
 // builtin_text.cpp
-clips::UserDefinedFunction format_function, nested_function;
+clips::UserDefinedFunction format_function, nested_function, text_function, scanning_function;
 
 }  // namespace cxlab

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "clips_api.h"
+#include "cx/base/charge.h"
 #include "cx/base/flat_table.h"
 #include "cx/engine/engine.h"
 #include "cx/engine/form_reader.h"
@@ -45,6 +46,11 @@ inline constexpr std::string_view kRun = "run";
 /// Of the innermost HostCall.
 extern constinit thread_local RuleEngine* g_at_work;
 
+/// Of a text that is read as rules.
+inline constexpr std::uint64_t kStepsOfAByte = 10;
+/// Of a text that is read, made or recorded.
+inline constexpr std::uint64_t kBytesOfAStep = 16;
+
 struct RuleEngine::Impl {
   explicit Impl(RuleEngine& owner) : engine(owner) {}
 
@@ -68,20 +74,29 @@ struct RuleEngine::Impl {
   std::size_t rule_depth = 0;
   std::uint64_t turns = 0;  ///< of loops since the rule fired or the host called
   static constexpr std::uint64_t kMostTurns = 10'000'000;
-  std::int64_t counted_memory = 0;  ///< its share of `Limits::held`
+  std::int64_t counted_memory = 0;    ///< its share of `Limits::held`
+  std::uint64_t counted_written = 0;  ///< by CLIPS, bytes: charged so far
+  static constexpr std::uint64_t kStepsBetweenLooks = 100'000;
   /// The rule, with its module, behind the join that is being evaluated; of several the first; empty without one.
   std::string rule_under_test() const;
   /// Ends what rules do where a limit is exceeded.
   void look_at_limits();
-  /// The same for what happens often: memory counts where it has grown by a megabyte since it was last looked at.
+  /// CLIPS calls it after so many steps or bytes; returns whether what it does has to end.
+  static bool on_limits(clips::Environment*) noexcept;
+  /// Bytes in memory and on disk.
+  std::int64_t taken() const {
+    return clips::memory_data(env)->MemoryAmount + static_cast<std::int64_t>(clips::evaluation_data(env)->Written) +
+           Charge::memory() + Charge::disk();
+  }
+  /// The same for what happens often: counts where a megabyte more is taken than when it last looked.
   void glance_at_limits() {
     const Limits* limits = engine.options_.limits;
     if (limits == nullptr) return;
-    if (limits->exceeded || clips::memory_data(env)->MemoryAmount > look_again_at ||
+    if (limits->exceeded || taken() > look_again_at ||
         (limits->stop != nullptr && limits->stop->load(std::memory_order_relaxed)))
       look_at_limits();
   }
-  long long look_again_at = 0;
+  std::int64_t look_again_at = 0;
   /// Calls of deffunctions and generic functions under way, and where on the stack the outermost began.
   int calls = 0;
   std::uintptr_t calls_begin = 0;
@@ -261,6 +276,7 @@ class HostCall {
   bool embedded_;  ///< else a function of rules called C++, and what it leaves is collected here
   Collect collect_;
   RuleEngine* outer_;  ///< that was at work before
+  Charge charge_;
   clips::GCBlock block_;
 };
 

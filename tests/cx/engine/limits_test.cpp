@@ -1,12 +1,16 @@
 // Limits: memory, and a stop in the middle of what rules do.
 
+#include "cx/base/charge.h"
 #include "tests/support/engine_test.h"
 
 namespace cxlab {
 namespace {
 
+using testing::AllOf;
+using testing::Ge;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Le;
 
 struct LimitsTest : EngineTest {
   LimitsTest() { limits.memory = 20'000'000; }
@@ -53,8 +57,9 @@ TEST_F(LimitsTest, FactsOfManyFiringsCountToo) {
   const RunReport report = engine().run();
   ASSERT_TRUE(limits.exceeded);
   EXPECT_GT(report.fired, 1000);
-  EXPECT_GT(limits.held, limits.memory);
-  EXPECT_LT(limits.held, limits.memory + 1'000'000);
+  const std::int64_t held = limits.held + Charge::memory() - limits.before->memory;
+  EXPECT_GT(held, limits.memory);
+  EXPECT_LT(held, limits.memory + 1'000'000);
 }
 
 TEST_F(LimitsTest, AFactThatDoublesWithEachFiringEndsInTime) {
@@ -94,6 +99,114 @@ TEST_F(LimitsTest, WithoutALimitNothingEnds) {
   limits.memory = 0;
   ASSERT_TRUE(engine().eval("(loop-for-count (?i 1 100000) (assert-string (str-cat \"(x \" ?i \")\")))").ok());
   EXPECT_FALSE(limits.exceeded);
+}
+
+TEST_F(LimitsTest, WhatFunctionsAllocateForRulesCountsUntilItIsFreed) {
+  std::vector<std::string> texts;
+  const auto add = [&](FunctionSpec spec, Function function) {
+    ASSERT_TRUE(engine().add_function(std::move(spec), std::move(function)).ok());
+  };
+  add({.name = "keep-text", .min_args = 0, .max_args = 0, .owner = "test"},
+      [&](Call& call) { texts.emplace_back(1'000'000, 'x'), call.give_boolean(true); });
+  add({.name = "drop-texts", .min_args = 0, .max_args = 0, .owner = "test"},
+      [&](Call& call) { texts.clear(), call.give_boolean(true); });
+  given(
+      "(deffunction some () (loop-for-count 10 (keep-text)) (drop-texts))\n(defrule greedy => (while TRUE "
+      "(keep-text)))");
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(engine().call("some", {}).ok());
+  ASSERT_FALSE(limits.exceeded);
+  engine().run();
+  ASSERT_TRUE(limits.exceeded);
+  EXPECT_EQ(limits.exceeded->text(),
+            "rules.clp:2: environment 'main': rule greedy: rules hold more than 20 MB of memory; if they are right, "
+            "allow more with --memory");
+  EXPECT_THAT(texts.size(), AllOf(Ge(17), Le(21)));
+  const std::int64_t held = Charge::memory();
+  texts = {};  // freed while no rule is at work
+  EXPECT_LT(Charge::memory(), held - 17'000'000);
+}
+
+TEST_F(LimitsTest, WhatIsAllocatedBesideRulesDoesNotCount) {
+  const std::int64_t before = Charge::memory();
+  const std::string mine(1'000'000, 'x');
+  EXPECT_EQ(Charge::memory(), before);
+  const Charge on;
+  const std::string theirs(1'000'000, 'x');
+  EXPECT_GE(Charge::memory(), before + 1'000'000);
+  const Charge off(false);
+  const std::string not_theirs(1'000'000, 'x');
+  EXPECT_LT(Charge::memory(), before + 2'000'000);
+}
+
+TEST_F(LimitsTest, WhatIsWrittenForRulesCounts) {
+  limits.disk = 5'000'000;
+  engine().begin_tick();
+  Charge::written(6'000'000);
+  given("(defrule any => (assert (a)))");
+  engine().run();
+  ASSERT_TRUE(limits.exceeded);
+  EXPECT_EQ(limits.exceeded->kind, ErrorKind::kResource);
+  EXPECT_THAT(limits.exceeded->message, HasSubstr("rules have written more than 5 MB to the disk"));
+}
+
+TEST_F(LimitsTest, StepsEndAMatchAndNameItsRule) {
+  limits.steps = 1'000'000;
+  engine().begin_tick();
+  given(
+      "(deffunction fill (?n) (loop-for-count (?i 1 ?n) (assert (x ?i))))\n"
+      "(defrule few (x ?a) => (assert (y)))\n"
+      "(defrule many (x ?a) (x ?b&:(< ?b ?a)) (x ?c&:(< (+ ?a ?b ?c) 0)) =>)");
+  ASSERT_TRUE(engine().eval("(fill 50)").ok());
+  EXPECT_FALSE(limits.exceeded);
+  (void)engine().eval("(fill 1000)");
+  ASSERT_TRUE(limits.exceeded);
+  EXPECT_EQ(limits.exceeded->kind, ErrorKind::kRun);
+  EXPECT_EQ(limits.exceeded->code, "rule_loop");
+  EXPECT_EQ(limits.exceeded->text(),
+            "rules.clp:3: environment 'main': rule many: rules have taken more than 1000000 steps in one tick; if they "
+            "are right, allow more with --steps");
+  EXPECT_LE(engine().run().fired, 1);
+}
+
+TEST_F(LimitsTest, StepsAreThoseOfATick) {
+  limits.steps = 100'000;
+  for (int tick = 0; tick < 10; ++tick) {
+    engine().begin_tick();
+    ASSERT_TRUE(engine().eval("(loop-for-count 20000 (+ 1 1))").ok());
+    ASSERT_FALSE(limits.exceeded) << tick;
+  }
+  for (int i = 0; i < 10; ++i) (void)engine().eval("(loop-for-count 20000 (+ 1 1))");
+  EXPECT_TRUE(limits.exceeded);
+}
+
+TEST_F(LimitsTest, ARunThatStaysBelowEndsAtTheSameStep) {
+  std::vector<std::int64_t> facts;
+  for (const std::int64_t steps : {50'000, 50'000, 100'000}) {
+    limits = Limits();
+    limits.steps = steps;
+    SetUp();
+    given("(defrule again (n ?n) => (assert (n (+ ?n 1))))");
+    ASSERT_TRUE(engine().assert_string("(n 0)").ok());
+    engine().run();
+    ASSERT_TRUE(limits.exceeded);
+    facts.push_back(static_cast<std::int64_t>(engine().fact_count()));
+  }
+  EXPECT_EQ(facts[0], facts[1]);
+  EXPECT_GT(facts[2], facts[1] * 3 / 2);
+}
+
+TEST_F(LimitsTest, AStopEndsAMatch) {
+  std::atomic<bool> stop = false;
+  limits.stop = &stop;
+  limits.steps = 0;
+  given(
+      "(defrule many (x ?a) (x ?b&:(< ?b ?a)) (x ?c&:(< (+ ?a ?b ?c) 0)) =>)\n(deffunction fill (?n) "
+      "(loop-for-count (?i 1 ?n) (assert (x ?i))))");
+  ASSERT_TRUE(engine().eval("(fill 300)").ok());
+  stop = true;
+  (void)engine().eval("(assert (x 301))");
+  ASSERT_TRUE(limits.exceeded);
+  EXPECT_EQ(limits.exceeded->code, kStoppedCode);
 }
 
 TEST_F(LimitsTest, AStopEndsALoopInTheMiddle) {
