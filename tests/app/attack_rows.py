@@ -387,6 +387,7 @@ def forever(actions, first=""):
     return act(f"(bind ?i 0) {first} (while TRUE (bind ?i (+ ?i 1)) {actions})")
 
 
+NUMBERS = "(deffacts numbers " + " ".join(f"(x {i})" for i in range(1000)) + ")\n"
 ROWS["memory"] = [
     fills("facts", forever("(assert (x ?i))")),
     fills("facts of texts", forever('(assert (x (str-cat "abcdefghijklmnopqrstuvwxyz" ?i)))')),
@@ -417,7 +418,126 @@ ROWS["memory"] = [
   (ros-msgs-set-field ?q "env_name" (str-cat (gensym*))) (ros-msgs-async-send-request ?q ?s) (ros-msgs-destroy-message ?q)))
 """),
     fills("a pile of bindings", act("(bind ?x (create$ (loop-for-count (?i 1 100000) (assert (x ?i (format nil \"%1000d\" ?i))))))")),
+    fills("messages", forever('(ros-msgs-create-message "std_msgs/msg/String")')),
+    fills("texts in messages", forever('(bind ?m (ros-msgs-create-message "std_msgs/msg/String")) (ros-msgs-set-field ?m "data" ?s)', '(bind ?s (format nil "%99999d" 1))')),
+    fills("lists in messages", forever('(bind ?m (ros-msgs-create-message "std_msgs/msg/UInt8MultiArray")) (ros-msgs-set-field ?m "data" ?s)',
+                                       "(bind ?s (create$ 1)) (loop-for-count 10 (bind ?s (create$ ?s ?s)))")),
+    fills("messages in messages", forever('(bind ?m (ros-msgs-create-message "geometry_msgs/msg/PoseStamped")) (bind ?p (ros-msgs-get-field ?m "pose"))')),
+    fills("messages that wait", """(defrule start => (ros-msgs-create-publisher "/x" "std_msgs/msg/String") (ros-msgs-create-subscription "/x" "std_msgs/msg/String"))
+(defrule stranger (ros-msgs-publisher) => (bind ?m (ros-msgs-create-message "std_msgs/msg/String")) (while TRUE (ros-msgs-publish ?m "/x")))
+"""),
+    fills("requests", """(defrule start => (ros-msgs-create-client "/x" "std_srvs/srv/Trigger"))
+(defrule stranger (ros-msgs-client) => (while TRUE (bind ?q (ros-msgs-create-request "std_srvs/srv/Trigger")) (ros-msgs-async-send-request ?q "/x")))
+"""),
+    fills("goals", """(defrule start => (ros-msgs-create-action-client "/x" "cxlab_skills/action/Pick"))
+(defrule stranger (ros-msgs-action-client) => (while TRUE (bind ?g (ros-msgs-create-goal-request "cxlab_skills/action/Pick")) (ros-msgs-async-send-goal ?g "/x")))
+"""),
+    fills("lookups", forever('(tf2-start-periodic-lookup "a" (str-cat "b" ?i) 10.0)')),
+    fills("parameters", forever('(ros-param-get-value (str-cat "p" ?i) ?s)', '(bind ?s (format nil "%9999d" 1))')),
+    fills("a line without an end", act('(while TRUE (printout t "again and again "))')),
+    fills("instances of the PDDL manager", """(defrule start => (open "d.pddl" f "w") (printout f "(define (domain d) (:predicates (p))" crlf)
+  (loop-for-count (?i 1 2000) (printout f "(:action a" ?i " :parameters () :precondition (p) :effect (not (p)))" crlf)) (printout f ")" crlf) (close f)
+  (ros-msgs-create-client "/pddl_manager/add_pddl_instance" "cx_pddl_interfaces/srv/AddPddlInstance"))
+(defrule stranger (time ?) (ros-msgs-client (service ?s)) => (loop-for-count 20 (bind ?q (ros-msgs-create-request "cx_pddl_interfaces/srv/AddPddlInstance"))
+  (ros-msgs-set-field ?q "name" (str-cat (gensym*))) (ros-msgs-set-field ?q "directory" "{here}/out/written") (ros-msgs-set-field ?q "domain_file" "d.pddl")
+  (ros-msgs-async-send-request ?q ?s) (ros-msgs-destroy-message ?q)))
+(defrule answered ?a <- (ros-msgs-response (msg-ptr ?r)) => (ros-msgs-destroy-message ?r) (retract ?a))
+"""),
+    fills("a cross product", NUMBERS + "(defrule stranger (x ?a) (x ?b) (x ?c) (x ?d) (x ?e) =>)\n"),
+    fills("deleted members", act("(bind ?l (create$ 1)) (loop-for-count 16 (bind ?l (create$ ?l ?l))) (delete-member$ ?l 1)")),
     fills("explode", act('(bind ?s "a ") (loop-for-count 22 (bind ?s (str-cat ?s ?s))) (bind ?m (explode$ ?s))')),
+]
+
+# --- fills the disk
+
+
+def writes(name, rules):
+    return attack("disk full of " + name, rules, 5, command=["--disk", "5MB", "--journal", "full"])
+
+
+ROWS["disk"] = [
+    writes("log lines", act('(while TRUE (printout t "again and again" crlf))')),
+    writes("empty lines", act("(while TRUE (printout t crlf))")),
+    writes("facts that are shown", act("(loop-for-count (?i 1 1000) (assert (x ?i))) (while TRUE (facts))")),
+    writes("what is watched", act("(watch facts) (while TRUE (assert (x)) (retract *))")),
+    writes("a file", act('(open "x" f "w") (while TRUE (printout f "again and again" crlf))')),
+    writes("one list", act('(bind ?l (format nil "%99999d" 1)) (loop-for-count 14 (bind ?l (create$ ?l ?l))) (open "x" f "w") (printout f ?l crlf)')),
+    writes("many files", forever('(bind ?n (str-cat "x" ?i)) (open ?n f "w") (printout f ?s) (close f)', '(bind ?s (format nil "%99999d" 1))')),
+    writes("a file written again", forever('(open "x" f "w") (printout f ?s) (close f) (remove "x")', '(bind ?s (format nil "%99999d" 1))')),
+    writes("formatted texts", act('(open "x" f "w") (while TRUE (format f "%99999d" 1))')),
+    writes("characters", act('(open "x" f "wb") (while TRUE (put-char f 65))')),
+    *[writes(f"{function}", "(defclass A (is-a USER) (slot x))\n" + act(f'(loop-for-count (?i 1 1000) (assert (x ?i)) (make-instance of A (x ?i))) (bind ?i 0) (while TRUE (bind ?i (+ ?i 1)) ({function} (str-cat "x" ?i)))'))
+      for function in ("save-facts", "bsave-facts", "save-instances", "bsave-instances", "save", "bsave")],
+    writes("a dribble", act('(dribble-on "x") (while TRUE (printout t "again and again" crlf))')),
+    writes("the journal", act('(bind ?s (format nil "%99999d" 1)) (while TRUE (assert (x ?s)) (retract *))')),
+    writes("inputs", """(defrule start => (ros-msgs-create-publisher "/x" "std_msgs/msg/String") (ros-msgs-create-subscription "/x" "std_msgs/msg/String"))
+(defrule stranger (time ?) (ros-msgs-publisher) => (bind ?m (ros-msgs-create-message "std_msgs/msg/String")) (ros-msgs-set-field ?m "data" (format nil "%999999d" 1))
+  (ros-msgs-publish ?m "/x") (ros-msgs-destroy-message ?m))
+(defrule heard ?h <- (ros-msgs-message (msg-ptr ?m)) => (ros-msgs-destroy-message ?m) (retract ?h))
+"""),
+    writes("copies of what was read", forever('(open "x" f "w") (printout f ?s "(b " ?i ")") (close f) (load-facts "x")', '(bind ?s (format nil "(a %99999d)" 1))')),
+    Row("lines without a folder", ["run", "scenario.yaml", "--quiet", "--out", "none", "--disk", "1MB", "--steps", "1000000"], 4,
+        {"rules/rules.clp": act('(while TRUE (printout t "again and again" crlf))')}),
+]
+
+# --- takes too many steps
+
+
+def lasts(name, rules):
+    return attack("steps of " + name, rules, 4, command=["--steps", "5000000"])
+
+
+def on_list(actions, doublings=14):
+    return act(f"(bind ?l (create$ 1 2 3)) (loop-for-count {doublings} (bind ?l (create$ ?l ?l))) (bind ?k (create$ ?l 4)) " + actions)
+
+
+def on_text(actions):
+    return act('(bind ?s "abcdefgh") (loop-for-count 14 (bind ?s (str-cat ?s ?s))) (bind ?t (str-cat ?s "i")) ' + actions)
+
+
+FIELDS = " ".join(map(str, range(200)))
+ROWS["steps"] = [
+    lasts("a join", NUMBERS + "(defrule stranger (x ?a) (x ?b&:(< ?b ?a)) (x ?c&:(< (+ ?a ?b ?c) 0)) =>)\n"),
+    lasts("a join in an action", "(defrule stranger (x ?a) (x ?b&:(< ?b ?a)) (x ?c&:(< (+ ?a ?b ?c) 0)) =>)\n(defrule fill => (loop-for-count (?i 1 1000) (assert (x ?i))))\n"),
+    lasts("a join of a rule that is built", NUMBERS + act('(build "(defrule late (x ?a) (x ?b&:(< ?b ?a)) (x ?c&:(< (+ ?a ?b ?c) 0)) =>)")')),
+    lasts("a negated join", NUMBERS + "(defrule stranger (x ?a) (x ?b&:(< ?b ?a)) (not (x ?c&:(< (+ ?a ?b ?c) 0))) (y) =>)\n"),
+    lasts("a join of objects", "(defclass A (is-a USER) (slot x))\n" + act("(loop-for-count (?i 1 1000) (make-instance of A (x ?i)))") +
+          "(defrule other (object (is-a A) (x ?a)) (object (is-a A) (x ?b&:(< ?b ?a))) (object (is-a A) (x ?c&:(< (+ ?a ?b ?c) 0))) =>)\n"),
+    lasts("the fields of a fact", f"(deffacts d (x {FIELDS}))\n(defrule stranger (x $? ?a $? ?b $? ?c $? ?d&:(< ?d ?a) $? ?e $?) =>)\n"),
+    lasts("the fields of an object", f"(defclass A (is-a USER) (multislot m))\n(definstances d (a of A (m {FIELDS})))\n(defrule stranger (object (is-a A) (m $? ?a $? ?b $? ?c $? ?d&:(< ?d ?a) $? ?e $?)) =>)\n"),
+    lasts("a retract", NUMBERS + "(deffacts blocker (y))\n(defrule stranger (x ?a) (x ?b) (not (and (y) (x ?c&:(< (+ ?a ?b ?c) 5)))) (z) =>)\n(defrule go (declare (salience -1)) ?y <- (y) => (retract ?y))\n"),
+    lasts("firings", "(deffacts d (go))\n(defrule stranger ?f <- (go) => (retract ?f) (loop-for-count 100000 (bind ?x (+ 1 1))) (assert (go)))\n"),
+    lasts("callbacks", """(deffunction /x-service-callback (?service ?request ?response) (loop-for-count 5000 (bind ?x (+ 1 1))))
+(defrule start => (ros-msgs-create-service "/x" "std_srvs/srv/Trigger") (ros-msgs-create-client "/x" "std_srvs/srv/Trigger"))
+(defrule stranger (ros-msgs-client (service "/x")) => (loop-for-count 2000 (bind ?q (ros-msgs-create-request "std_srvs/srv/Trigger")) (ros-msgs-async-send-request ?q "/x") (ros-msgs-destroy-message ?q)))
+"""),
+    lasts("methods", "(defmethod f ((?x INTEGER)) (loop-for-count 1000 (f (float ?x))))\n(defmethod f ((?x FLOAT)) (+ ?x (* ?x 2)))\n" + act("(loop-for-count (?i 1 10000) (f ?i))")),
+    lasts("a slow comparison", "(deffunction slow (?a ?b) (loop-for-count 1000 (bind ?x (+ 1 1))) (> ?a ?b))\n" + on_list("(sort slow ?l)")),
+    lasts("sorts", on_list("(while TRUE (sort > ?l))")),
+    lasts("a search for fields", on_list("(while TRUE (member$ (create$ ?k) ?l))")),
+    lasts("a comparison of sets", on_list("(while TRUE (subsetp (create$ 1 2 3) ?l) (subsetp ?l (create$ 5 ?l)))")),
+    lasts("lists that are equal", on_list("(bind ?m (create$ ?l)) (while TRUE (eq ?l ?m))")),
+    lasts("a replacement of fields", on_list("(while TRUE (replace-member$ ?l 5 ?k))")),
+    lasts("a list of arguments", on_list("(while TRUE (max (expand$ ?l)))", 10)),
+    lasts("lists that are passed on", "(deffunction f ($?x) (length$ ?x))\n" + on_list("(while TRUE (f ?l))")),
+    lasts("lists that are bound", on_list("(while TRUE (bind ?m ?l))")),
+    lasts("lists of lists", on_list("(progn$ (?a ?l) (progn$ (?b ?l) (bind ?x (+ ?a ?b))))")),
+    *[lasts(kind, on_text(f"(while TRUE {call})"))
+      for kind, call in (("str-index", "(str-index ?t ?s)"), ("str-compare", "(str-compare ?s ?t)"), ("str-length", "(str-length ?s)"), ("upcase", "(upcase ?s)"),
+                         ("sub-string", "(sub-string 1 2 ?s)"), ("str-replace", '(str-replace ?s "abc" "x")'), ("str-cat", "(str-cat ?s ?t)"), ("sym-cat", "(sym-cat ?s x)"),
+                         ("explode", "(explode$ ?s)"), ("string-to-field", "(string-to-field ?s)"), ("eval", "(eval ?s)"))],
+    lasts("a text that grows", act('(bind ?s "") (while TRUE (bind ?s (str-cat ?s "a")))')),
+    lasts("format", act('(while TRUE (format nil "%99999d" 1))')),
+    lasts("build", act('(while TRUE (build "(defrule other (a) =>)"))')),
+    lasts("evaluations", act('(while TRUE (eval "(+ 1 2)"))')),
+    lasts("a file that is loaded", act('(open "x" f "w") (loop-for-count (?i 1 100) (printout f "(deffunction f" ?i " () 1)" crlf)) (close f) (while TRUE (load* "x"))')),
+    lasts("facts that are loaded", act('(open "x" f "w") (loop-for-count (?i 1 100) (printout f "(x " ?i ")" crlf)) (close f) (while TRUE (load-facts "x"))')),
+    lasts("lines that are read", act('(open "x" f "w") (format f "%999999d%n" 1) (close f) (while TRUE (open "x" f "r") (readline f) (close f))')),
+    lasts("an agenda that is sorted", "(defrule other (declare (salience -1)) (x ?) =>)\n" + act("(loop-for-count (?i 1 5000) (assert (x ?i))) (while TRUE (set-strategy breadth) (set-strategy depth))")),
+    lasts("a query", NUMBERS + act("(do-for-all-facts ((?a x) (?b x) (?c x)) (eq ?a ?b ?c) (bind ?z 1))")),
+    lasts("support by one condition", "(deffacts d (a))\n(defrule stranger (logical (a)) => (loop-for-count (?i 1 5000) (assert (x ?i))) (do-for-all-facts ((?f x)) TRUE (retract ?f)))\n"),
+    Row("steps at the limit", [*RUN, "--steps", "0"], 0, {"rules/rules.clp": act("(loop-for-count 1000000 (bind ?x (+ 1 1)))")}),
+    Row("steps of many ticks", [*RUN, "--steps", "500000"], 0, {"rules/rules.clp": "(defrule stranger (time ?) => (loop-for-count 50000 (bind ?x (+ 1 1))))\n"}),
 ]
 
 # --- the machine's clock, chance and terminal
