@@ -54,6 +54,10 @@ TEST(WorldConfig, EachSettingHasItsLimits) {
            {"exploration", [](WorldConfig& c) { c.exploration = true; }},
            {"orders[0].complexity", [](WorldConfig& c) { c.orders[0].complexity = "C4"; }},
            {"orders[0].base_color", [](WorldConfig& c) { c.orders[0].base_color = "RED"; }},
+           {"orders[1].ring_colors", [](WorldConfig& c) { c.orders[1].ring_colors[1] = "GREEN"; }},
+           {"orders[1].ring_colors", [](WorldConfig& c) { c.orders[1].ring_colors.pop_back(); }},
+           {"orders[1].ring_colors", [](WorldConfig& c) { c.orders[1].ring_colors.push_back("RING_BLUE"); }},
+           {"orders[1].quantity", [](WorldConfig& c) { c.orders[1].quantity = 0; }},
            {"orders[1].cap_color", [](WorldConfig& c) { c.orders[1].cap_color = "CAP_RED"; }},
            {"orders[0].activate_at", [](WorldConfig& c) { c.orders[0].activate_at = -1; }},
            {"orders[0].delivery_begin", [](WorldConfig& c) { c.orders[0].delivery_begin = -1; }},
@@ -64,6 +68,8 @@ TEST(WorldConfig, EachSettingHasItsLimits) {
        }) {
     WorldConfig config;
     config.orders.resize(2);
+    config.orders[1].complexity = "C2";
+    config.orders[1].ring_colors = {"RING_BLUE", "RING_GREEN"};
     ASSERT_TRUE(validate(config));
     change(config);
     const Status status = validate(config);
