@@ -470,6 +470,24 @@ TEST(Referee, BeforeTheWindowCountsNothingAtItsStartItCounts) {
   EXPECT_TRUE(referee.deliveries()[1].correct) << "the early one has used nothing up";
 }
 
+TEST(Referee, WhatIsDeliveredForNoOrderIsDiscarded) {
+  const WorldConfig config = GameStory::quiet_game();
+  const sim::FloorPlan plan = *floor_plan_of(config, 1);
+  KeptRecords sink;
+  GameReferee referee(GameClock{}, {}, *schedule_of(config, 1), plan, sink);
+  referee.judge(SimTime{}, {}, {});
+  for (const int order : {0, 2, 99, -1}) {
+    MachineEvent event = delivered(plan, "C-DS", 10, {1, {}, 2});
+    event.order_id = order;
+    referee.judge(from_seconds(10), {}, std::vector{event});
+    std::string json;
+    EXPECT_TRUE(append_json(sink.all().back().data, json).ok());
+    EXPECT_THAT(json, HasSubstr("\"event\":\"discard\"")) << order;
+  }
+  EXPECT_TRUE(referee.deliveries().empty());
+  EXPECT_EQ(referee.score(Team::kCyan).total(), 0);
+}
+
 TEST(Referee, IsNextDueAtTheNextPhaseOrOrder) {
   WorldConfig config = game_with_window(100, 200, 30);
   config.orders.push_back(config.orders[0]);
