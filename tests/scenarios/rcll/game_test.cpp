@@ -666,6 +666,22 @@ TEST(Game, AMachineThatWasDownWhileIdleLeavesItsBeltStill) {
   }
 }
 
+TEST(Game, ABeltThatHasDoneItsWorkStaysStillAfterTheMachineWasDown) {
+  GameStory story;
+  ASSERT_EQ(story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}").code, 0);
+  story.take("C-BS-OUTPUT");
+  story.run_for(6);
+  Machine& machine = *story.factory().machines().front();
+  ASSERT_EQ(machine.name(), "C-BS");
+  ASSERT_EQ(machine.state(), MachineState::kIdle);
+  machine.add_down({story.world().now(), story.world().now() + from_seconds(1)});
+  for (const MachineState state : {MachineState::kDown, MachineState::kIdle}) {
+    story.run_for(0.9);
+    EXPECT_EQ(machine.state(), state);
+    EXPECT_FALSE(story.world().belt_running(machine.id()));
+  }
+}
+
 TEST(Game, BeforeProductionMachinesTakeNoInstructionsAndAfterItIsOver) {
   WorldConfig config = GameStory::quiet_game();
   config.setup_s = 5;
