@@ -52,7 +52,9 @@ class RecordData {
   RecordData& field(std::string_view key, double value) { return name(key).value(value); }
   RecordData& field(std::string_view key, bool value) { return name(key).value(value); }
   RecordData& field(std::string_view key, std::string_view value) { return name(key).value(value); }
-  RecordData& field(std::string_view key, const char* value) { return name(key).value(std::string_view(value)); }
+  RecordData& field(std::string_view key, const char* value) { return name(key).value(value); }
+  template <class Pointee>
+  RecordData& field(std::string_view key, Pointee* value) = delete;  // it would be a bool
   RecordData& field(std::string_view key, std::span<const double> values);
 
   /// A key whose value follows with `value`, `open_list`, `open_map` or `nil`.
@@ -62,6 +64,9 @@ class RecordData {
   RecordData& value(double value);
   RecordData& value(bool value);
   RecordData& value(std::string_view value) { return value_between({}, value, {}); }
+  RecordData& value(const char* value) { return this->value(std::string_view(value)); }
+  template <class Pointee>
+  RecordData& value(Pointee* value) = delete;
   /// One text of three parts, e.g. a string in its quotes.
   RecordData& value_between(std::string_view before, std::string_view value, std::string_view after);
   RecordData& nil();

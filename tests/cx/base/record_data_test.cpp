@@ -24,6 +24,12 @@ TEST(RecordData, FieldsOfEachKindComeBack) {
   EXPECT_EQ(decoded(data), json({{"order", 3}, {"state", "OPEN"}, {"late", true}, {"early", false}, {"x", -0.125}}));
 }
 
+TEST(RecordData, LiteralsAreTexts) {
+  RecordData data;
+  data.begin().name("state").value("OPEN").name("list").open_list(2).value("a").value(true);
+  EXPECT_EQ(decoded(data), json({{"state", "OPEN"}, {"list", {"a", true}}}));
+}
+
 TEST(RecordData, IntegersOfEachLengthComeBack) {
   constexpr std::int64_t kSigned[]{0,         1,
                                    127,       128,
