@@ -109,7 +109,7 @@ Expected<sim::FloorPlan> floor_plan_of(const WorldConfig& config, std::uint64_t 
     if (!layout) return layout.error();
     return make_floor_plan(*layout, team, config.robots);
   }
-  // At (4, 2) the end of the insertion area's wall can stand in the way of a shelf's or slide's last slot: 3 % of
+  // At (4, 2) the end of the insertion area's wall can stand in the way of a shelf's or slide's last slot: 4 % of
   // draws.
   const bool as_refbox = choices_of(*named<Rules>(config.rules)).shelf_faces_wall;
   RandomStream random(seed, "layout");

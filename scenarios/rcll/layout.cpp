@@ -4,6 +4,7 @@
 #include <array>
 #include <numbers>
 #include <optional>
+#include <span>
 
 namespace cxlab::rcll {
 namespace {
@@ -60,37 +61,41 @@ void add_side(Cell c, int direction, std::vector<Cell>& cells) {
 std::vector<Cell> blocked_cells(const Pose& pose, Shape shape) {
   std::vector<Cell> cells{pose.cell};
   add_side(pose.cell, pose.rotation, cells);
-  if (shape != Shape::kInputOnly) add_side(pose.cell, pose.rotation + 180, cells);
+  if (shape != Shape::kInputOnly) {
+    add_side(pose.cell, pose.rotation + 180, cells);
+  } else if (pose.rotation == 135 || pose.rotation == 315) {
+    const int out = pose.rotation == 135 ? 1 : -1;
+    cells.push_back({pose.cell.x + out, pose.cell.y - out});
+  }
   return cells;
 }
 
 /// Rule 4.
 bool border_allows(const Pose& pose, Shape shape, bool shelf_faces_wall) {
-  if (shape == Shape::kInputOnly) return true;
   const auto [x, y] = pose.cell;
   const int r = pose.rotation;
   const bool sided = shape == Shape::kSided;
   const bool along_x = r == 0 || r == 180, along_y = r == 90 || r == 270;
-  const bool above_insertion = y == 2 && x >= W - 1;
-  if ((y == 1 || above_insertion) && !(sided ? r == 0 : along_x)) return false;
+  if ((x == 1 || x == W) && !along_y) return false;
+  if (shape == Shape::kInputOnly) return true;
+  if (y == 2 && x == W - 1) return false;
+  if (y == 1 && !(sided ? r == 0 : along_x)) return false;
   if (y == H && !(sided ? r == 180 : along_x)) return false;
-  if (x == 1 && !along_y) return false;
-  if (x == W && !(sided ? r == (shelf_faces_wall ? 270 : 90) : along_y)) return false;
-  return true;
+  return !sided || x != W || r == (shelf_faces_wall ? 270 : 90);
 }
 
-std::vector<Pose> admissible_poses(std::string_view machine, bool shelf_faces_wall) {
-  const Shape shape = shape_of(machine);
-  std::vector<Pose> poses;
-  for (int x = 1; x <= W; ++x)
-    for (int y = 1; y <= H; ++y)
-      for (int r = 0; r < 360; r += 45) {
-        const Pose pose{{x, y}, r};
-        if (machine_forbidden(pose.cell) || !border_allows(pose, shape, shelf_faces_wall)) continue;
-        const std::vector<Cell> cells = blocked_cells(pose, shape);
-        if (std::ranges::all_of(cells, [](Cell c) { return in_half(c) && !in_insertion(c); })) poses.push_back(pose);
-      }
-  return poses;
+/// The angles at which a machine of that shape may stand in the cell, as far as no other machine is concerned.
+std::vector<int> admissible_angles(Cell cell, Shape shape, bool shelf_faces_wall) {
+  std::vector<int> angles;
+  if (machine_forbidden(cell)) return angles;
+  for (int r = 0; r < 360; r += 45) {
+    const Pose pose{cell, r};
+    const std::vector<Cell> cells = blocked_cells(pose, shape);
+    if (border_allows(pose, shape, shelf_faces_wall) &&
+        std::ranges::all_of(cells, [](Cell c) { return in_half(c) && !in_insertion(c); }))
+      angles.push_back(r);
+  }
+  return angles;
 }
 
 /// Rule 5, for one more machine at `c`.
@@ -137,29 +142,85 @@ bool free_cells_connected(const CellSet& machines) {
 
 using HalfLayout = std::array<Pose, kMachines.size()>;
 
-/// One try: machines in random order, each at a random pose that fits those before it.
-std::optional<HalfLayout> try_half(RandomStream& random, bool shelf_faces_wall) {
-  std::vector<std::size_t> order(kMachines.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  random.shuffle(order);
+/// Draws a half in two steps, as the referee box's generator does: first a cell for each machine, then the angles.
+class HalfDraw {
+ public:
+  HalfDraw(RandomStream& random, bool shelf_faces_wall) : random_(random), shelf_faces_wall_(shelf_faces_wall) {}
 
-  HalfLayout half;
-  CellSet machines, blocked;
-  for (const std::size_t m : order) {
-    const Shape shape = shape_of(kMachines[m]);
-    std::vector<Pose> poses = admissible_poses(kMachines[m], shelf_faces_wall);
-    std::erase_if(poses, [&](const Pose& pose) {
-      return std::ranges::any_of(blocked_cells(pose, shape), [&](Cell c) { return blocked.has(c); }) ||
-             makes_three_in_a_row(machines, pose.cell) || locks_corner(machines, pose.cell);
-    });
-    if (poses.empty()) return std::nullopt;
-    half[m] = poses[random.below(poses.size())];
-    machines.add(half[m].cell);
-    for (const Cell c : blocked_cells(half[m], shape)) blocked.add(c);
+  /// One try.
+  std::optional<HalfLayout> draw() {
+    if (!draw_cells() || !free_cells_connected(machines_)) return std::nullopt;
+    std::vector<std::size_t> order = placed_;
+    random_.shuffle(order);
+    if (!draw_angles(order)) return std::nullopt;
+    return half_;
   }
-  if (!free_cells_connected(machines)) return std::nullopt;
-  return half;
-}
+
+ private:
+  /// Goes through the cells in random order; each gets one of the machines that fit, or none.
+  bool draw_cells() {
+    std::vector<Cell> cells;
+    for (int x = 1; x <= W; ++x)
+      for (int y = 1; y <= H; ++y) cells.push_back({x, y});
+    random_.shuffle(cells);
+    for (const Cell cell : cells) {
+      if (makes_three_in_a_row(machines_, cell) || locks_corner(machines_, cell)) continue;
+      std::vector<std::size_t> fitting;
+      for (std::size_t m = 0; m < kMachines.size(); ++m)
+        if (std::ranges::find(placed_, m) == placed_.end() && fits(m, cell)) fitting.push_back(m);
+      const std::size_t choice = random_.below(fitting.size() + 1);
+      if (choice == fitting.size()) continue;
+      half_[fitting[choice]].cell = cell;
+      placed_.push_back(fitting[choice]);
+      machines_.add(cell);
+      if (placed_.size() == kMachines.size()) return true;
+    }
+    return false;
+  }
+
+  /// Whether each machine, that one included, keeps an angle at which it blocks no other machine's cell.
+  bool fits(std::size_t machine, Cell cell) {
+    CellSet machines = machines_;
+    machines.add(cell);
+    if (angles_of(machine, cell, machines).empty()) return false;
+    return std::ranges::none_of(placed_, [&](std::size_t m) { return angles_of(m, half_[m].cell, machines).empty(); });
+  }
+
+  std::vector<int> angles_of(std::size_t machine, Cell cell, const CellSet& machines) const {
+    const Shape shape = shape_of(kMachines[machine]);
+    std::vector<int> angles = admissible_angles(cell, shape, shelf_faces_wall_);
+    std::erase_if(angles, [&](int angle) {
+      return std::ranges::any_of(blocked_cells({cell, angle}, shape),
+                                 [&](Cell c) { return c != cell && machines.has(c); });
+    });
+    return angles;
+  }
+
+  /// Gives the machines in that order a random angle that blocks no cell twice; goes back where none is left.
+  bool draw_angles(std::span<const std::size_t> order) {
+    if (order.empty()) return true;
+    Pose& pose = half_[order.front()];
+    const Shape shape = shape_of(kMachines[order.front()]);
+    std::vector<int> angles = angles_of(order.front(), pose.cell, machines_);
+    random_.shuffle(angles);
+    const CellSet before = blocked_;
+    for (const int angle : angles) {
+      pose.rotation = angle;
+      const std::vector<Cell> cells = blocked_cells(pose, shape);
+      if (std::ranges::any_of(cells, [&](Cell c) { return before.has(c); })) continue;
+      for (const Cell c : cells) blocked_.add(c);
+      if (draw_angles(order.subspan(1))) return true;
+      blocked_ = before;
+    }
+    return false;
+  }
+
+  RandomStream& random_;
+  bool shelf_faces_wall_;
+  HalfLayout half_;
+  std::vector<std::size_t> placed_;
+  CellSet machines_, blocked_;
+};
 
 /// The angle of magenta's copy.
 int mirrored_rotation(const Pose& pose, Shape shape) {
@@ -200,7 +261,7 @@ sim::Pose2 centre_of(const Zone& zone, int rotation) {
 
 Layout draw_layout(RandomStream& random, bool shelf_faces_wall) {
   std::optional<HalfLayout> half;
-  while (!half) half = try_half(random, shelf_faces_wall);
+  while (!half) half = HalfDraw(random, shelf_faces_wall).draw();
   Layout layout;
   for (const Team team : kTeams)
     for (std::size_t m = 0; m < kMachines.size(); ++m) {
@@ -252,7 +313,10 @@ Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines) {
 }
 
 std::size_t count_poses(std::string_view machine, bool shelf_faces_wall) {
-  return admissible_poses(machine, shelf_faces_wall).size();
+  std::size_t count = 0;
+  for (int x = 1; x <= W; ++x)
+    for (int y = 1; y <= H; ++y) count += admissible_angles({x, y}, shape_of(machine), shelf_faces_wall).size();
+  return count;
 }
 
 }  // namespace cxlab::rcll

@@ -1,16 +1,17 @@
 #pragma once
 // Where the fourteen machines stand: drawn from a seed by the league's rules, or given by the scenario.
 //
-// The cyan half is drawn and mirrored to magenta; then one ring and one cap station change sides. A drawn half obeys
-// (cells x = 1..7 from the centre line, y = 1..8):
-//   1 no machine in the insertion area (5..7, 1), before its exit (5, 2), or in a corner of walls (1, 1), (1, 8), (7,
-//   8),
-//     (7, 2), (4, 1);
+// The cyan half is drawn and mirrored to magenta; then one ring and one cap station change sides. As in the referee
+// box, all machines get a cell first, then each gets an angle among those that fit: so few stand at 45 degrees. A drawn
+// half obeys (cells x = 1..7 from the centre line, y = 1..8):
+//   1 no machine in the insertion area (5..7, 1), before its exit (5, 2), or in a corner of walls: (1, 1), (1, 8),
+//     (7, 8), (7, 2), (4, 1); only a delivery station at (6, 2);
 //   2 a machine blocks its own cell and those before each side in use (one for multiples of 90 degrees, the diagonal
-//   and
-//     its two neighbours else); a delivery station uses its input only;
+//     and its two neighbours else); a delivery station uses its input only, and blocks one cell more at 135 and 315
+//     degrees: the diagonal one at its back, which the referee box takes for the one at its front;
 //   3 blocked cells lie inside the half and outside the insertion area, and no cell is blocked twice;
-//   4 at the border belts run along it, and shelf or slide face away from the wall;
+//   4 at the border belts run along it, and shelf or slide face away from the wall; a delivery station obeys that at
+//     the side wall and the centre line;
 //   5 no three machines in a row, straight or diagonal;
 //   6 no corner of the half is closed off by machines on its two neighbours;
 //   7 the cells without a machine hang together.

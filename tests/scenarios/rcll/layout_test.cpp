@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <span>
 
 #include "scenarios/rcll/floor_plan.h"
 
@@ -83,11 +84,11 @@ void for_layouts(Check check, bool shelf_faces_wall = false) {
 
 TEST(DrawnLayout, AllowsEachMachineThePosesThatTheLeagueCounts) {
   for (const bool faces_wall : {false, true}) {
-    EXPECT_EQ(count_poses("BS", faces_wall), 260u);
-    EXPECT_EQ(count_poses("SS", faces_wall), 260u);
-    EXPECT_EQ(count_poses("CS1", faces_wall), 247u);
-    EXPECT_EQ(count_poses("RS2", faces_wall), 247u);
-    EXPECT_EQ(count_poses("DS", faces_wall), 318u);
+    EXPECT_EQ(count_poses("BS", faces_wall), 258u);
+    EXPECT_EQ(count_poses("SS", faces_wall), 258u);
+    EXPECT_EQ(count_poses("CS1", faces_wall), 246u);
+    EXPECT_EQ(count_poses("RS2", faces_wall), 246u);
+    EXPECT_EQ(count_poses("DS", faces_wall), 276u);
   }
 }
 
@@ -126,9 +127,7 @@ TEST(DrawnLayout, Rule4TurnsShelfAndSlideAwayFromTheWalls) {
       if (p.zone.row == 1) {
         EXPECT_TRUE(shelf_looks(p, 90)) << p.name();
       }
-      if (p.zone.row == 2 && p.zone.column >= 6) {
-        EXPECT_TRUE(shelf_looks(p, 90)) << p.name();
-      }
+      EXPECT_FALSE(p.zone.row == 2 && p.zone.column == 6) << p.name() << " above the insertion area";
       if (p.zone.row == 8) {
         EXPECT_TRUE(shelf_looks(p, 270)) << p.name();
       }
@@ -142,8 +141,7 @@ TEST(DrawnLayout, Rule4TurnsShelfAndSlideAwayFromTheWalls) {
 TEST(DrawnLayout, Rule4LaysBeltsAlongTheBorder) {
   for_layouts([](const Layout& layout) {
     for (const Placement& p : layout) {
-      if (p.machine == "DS") continue;
-      if (p.zone.row == 1 || p.zone.row == 8) {
+      if (p.machine != "DS" && (p.zone.row == 1 || p.zone.row == 8)) {
         EXPECT_EQ(p.rotation % 180, 0) << p.name();
       }
       if (p.zone.column == 1 || p.zone.column == 7) {
@@ -214,6 +212,78 @@ TEST(DrawnLayout, Rule7LeavesTheFreeCellsConnected) {
   });
 }
 
+// 400 layouts that the referee box's generator drew (2026), seen on the cyan half before the copies for magenta are
+// made.
+constexpr std::array<std::array<int, 7>, 8> kRecordedCells{{{0, 65, 64, 0, 0, 0, 0},
+                                                            {62, 72, 61, 55, 0, 28, 0},
+                                                            {65, 68, 70, 54, 71, 71, 68},
+                                                            {50, 57, 64, 65, 48, 67, 45},
+                                                            {42, 66, 69, 54, 41, 63, 55},
+                                                            {54, 59, 60, 55, 70, 53, 57},
+                                                            {61, 62, 71, 58, 66, 67, 55},
+                                                            {0, 59, 53, 59, 62, 59, 0}}};
+constexpr std::array<int, 8> kRecordedAnglesOfBaseAndStorage{186, 18, 196, 19, 162, 18, 186, 15};
+constexpr std::array<int, 8> kRecordedAnglesOfCapAndRing{283, 28, 326, 39, 380, 40, 473, 31};
+constexpr std::array<int, 8> kRecordedAnglesOfDelivery{65, 35, 102, 8, 60, 28, 89, 13};
+constexpr std::array<int, 8> kRecordedMachinesAskew{171, 178, 39, 12};  // games with 0, 1, 2 ... machines at 45 degrees
+constexpr std::array<int, 8> kRecordedMachinesAtBorder{7, 40, 140, 144, 62, 7};  // games with 0, 1, 2 ... of them
+
+/// Chi-square for two samples with classes of few merged, as a standard normal number (Wilson and Hilferty).
+double difference(std::span<const int> a, std::span<const int> b) {
+  double of_a = 0, of_b = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) of_a += a[i], of_b += b[i];
+  double chi = 0, classes = 0, rest_a = 0, rest_b = 0;
+  const auto add = [&](double in_a, double in_b) {
+    if (in_a + in_b == 0) return;
+    const double share = (in_a + in_b) / (of_a + of_b);
+    chi += std::pow(in_a - of_a * share, 2) / (of_a * share) + std::pow(in_b - of_b * share, 2) / (of_b * share);
+    ++classes;
+  };
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i] + b[i] >= 10) {
+      add(a[i], b[i]);
+    } else {
+      rest_a += a[i];
+      rest_b += b[i];
+    }
+  }
+  add(rest_a, rest_b);
+  const double k = 2 / (9 * (classes - 1));
+  return (std::cbrt(chi / (classes - 1)) - (1 - k)) / std::sqrt(k);
+}
+
+TEST(DrawnLayout, PlacesAndAnglesAreAsOftenAsTheRefereeBoxDrawsThem) {
+  std::array<std::array<int, 7>, 8> cells{};
+  std::array<int, 8> symmetric{}, sided{}, delivery{}, askew{}, at_border{};
+  for (std::size_t seed = 0; seed < 400; ++seed) {
+    std::size_t askew_here = 0, border_here = 0;
+    for (const Placement& p : drawn_layouts(true)[seed]) {
+      if (p.zone.half != Team::kCyan) continue;
+      const std::string_view kind = kind_of(p.machine);
+      ++cells[static_cast<std::size_t>(p.zone.row) - 1][static_cast<std::size_t>(p.zone.column) - 1];
+      ++(kind == "DS"                   ? delivery
+         : kind == "CS" || kind == "RS" ? sided
+                                        : symmetric)[static_cast<std::size_t>(p.rotation / 45)];
+      if (p.rotation % 90 != 0) ++askew_here;
+      if (p.zone.column == 1 || p.zone.column == 7 || p.zone.row == 1 || p.zone.row == 8) ++border_here;
+    }
+    ++askew[askew_here];
+    ++at_border[border_here];
+  }
+  const auto flat = [](const std::array<std::array<int, 7>, 8>& rows) {
+    std::vector<int> all;
+    for (const auto& row : rows) all.insert(all.end(), row.begin(), row.end());
+    return all;
+  };
+  constexpr double kOneInThousand = 3.09;
+  EXPECT_LT(difference(flat(cells), flat(kRecordedCells)), kOneInThousand);
+  EXPECT_LT(difference(symmetric, kRecordedAnglesOfBaseAndStorage), kOneInThousand);
+  EXPECT_LT(difference(sided, kRecordedAnglesOfCapAndRing), kOneInThousand);
+  EXPECT_LT(difference(delivery, kRecordedAnglesOfDelivery), kOneInThousand);
+  EXPECT_LT(difference(askew, kRecordedMachinesAskew), kOneInThousand);
+  EXPECT_LT(difference(at_border, kRecordedMachinesAtBorder), kOneInThousand);
+}
+
 TEST(DrawnLayout, Rules8And9MirrorTheHalvesAndSwapTwoMachines) {
   std::map<std::string, int> swapped;
   for_layouts([&](const Layout& layout) {
@@ -254,13 +324,13 @@ std::uint64_t fingerprint(const std::vector<Layout>& layouts) {
 }
 
 TEST(DrawnLayout, OfASeedStaysTheSame) {
-  EXPECT_EQ(fingerprint(drawn_layouts(false)), 2617038763505612521U);
-  EXPECT_EQ(fingerprint(drawn_layouts(true)), 18008963781703733439U);
+  EXPECT_EQ(fingerprint(drawn_layouts(false)), 12474218300076794330U);
+  EXPECT_EQ(fingerprint(drawn_layouts(true)), 5851916813683144458U);
 }
 
 TEST(GeneratedFloor, EverySpotCanBeServedByARobot) {
-  // Seeds 188 and 199: the first draw has a shelf slot behind the end of the insertion area's wall.
-  for (const std::uint64_t seed : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 16u, 83u, 188u, 199u}) {
+  // Seeds 82, 109, 113, 142: the first draw has a shelf slot or slide behind the end of the insertion area's wall.
+  for (const std::uint64_t seed : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 82u, 109u, 113u, 142u}) {
     const auto plan = floor_plan_of(WorldConfig{}, seed);
     ASSERT_TRUE(plan);
     for (const sim::SpotId spot : unreachable_spots(*plan, kPlanningRadius))
@@ -269,7 +339,7 @@ TEST(GeneratedFloor, EverySpotCanBeServedByARobot) {
 }
 
 TEST(GeneratedFloor, IsTheFirstDrawWhereRobotsOfTheLeagueReachEverySpot) {
-  for (const auto& [seed, first] : {std::pair{1U, true}, {3U, true}, {40U, true}, {16U, false}, {83U, false}}) {
+  for (const auto& [seed, first] : {std::pair{1U, true}, {3U, true}, {40U, true}, {82U, false}, {109U, false}}) {
     RandomStream random(seed, "layout");
     const sim::FloorPlan drawn = make_floor_plan(draw_layout(random, false), Team::kCyan, 3);
     EXPECT_EQ(unreachable_spots(drawn, kPlanningRadius).empty(), first) << seed;
@@ -286,7 +356,7 @@ TEST(GeneratedFloor, WithTheRefereeBoxsAnglesASlotAtTheWallIsOutOfReachAndKnown)
   WorldConfig config;
   config.rules = "refbox";
   std::vector<std::string> names;
-  const auto plan = floor_plan_of(config, 53);
+  const auto plan = floor_plan_of(config, 78);
   ASSERT_TRUE(plan);
   for (const sim::SpotId spot : unreachable_spots(*plan, kRobotRadius)) names.push_back(plan->spot(spot).name);
   EXPECT_THAT(names, testing::ElementsAre("M-CS2-SHELF-RIGHT"));
