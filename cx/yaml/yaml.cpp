@@ -1,5 +1,6 @@
 #include "cx/yaml/yaml.h"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -59,6 +60,20 @@ class Walk {
  private:
   std::size_t most_, count_ = 0;
   std::vector<YAML::Node> open_;
+};
+
+/// Notes where a document starts.
+struct DocumentStart final : YAML::EventHandler {
+  YAML::Mark at;
+  void OnDocumentStart(const YAML::Mark& mark) override { at = mark; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
 };
 
 /// A text without aliases has no more values than characters.
@@ -352,10 +367,14 @@ Expected<Document> Document::load(const std::filesystem::path& file) {
 }
 
 YAML::Node load(const std::string& text) {
-  const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-  if (documents.size() > 1)
-    throw YAML::RepresentationException(documents[1].Mark(), "found a second document, expected one");
-  const YAML::Node root = documents.empty() ? YAML::Node() : documents.front();
+  // YAML::LoadAll does not return from a text like ",a{]": each document is empty and ends where it began.
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentStart start;
+  if (!parser.HandleNextDocument(start)) return {};
+  if (parser.HandleNextDocument(start))
+    throw YAML::RepresentationException(start.at, "found a second document, expected one");
+  const YAML::Node root = YAML::Load(text);
   check_end(root, text);
   return root;
 }

@@ -182,7 +182,7 @@ ROWS["scenarios"] = [
       for text in ("{config: missing.yaml}", "{config: rules}", "{config: garbage}", "{config: agent.yaml, namespace: a b}", "{config: agent.yaml, remap: {a: b c}}", "{config: agent.yaml, remap: x}", "{config: agent.yaml, packages: {rules: missing}}",
                    "{config: agent.yaml, params: x}", "{config: agent.yaml, params: {x: 1}}", "{config: agent.yaml, packages: {rules: rules}, params: {clips_manager.executive.refresh_rate: x}}", "{config: agent.yaml, activate: 5}", "{config: agent.yaml, confg: x}")],
     *[scenario(kind, text)
-      for kind, text in (("tab", "schema: 1\n\tseed: 1\n"), ("two documents", SCENARIO + "---\nschema: 1\n"), ("key twice", SCENARIO + "duration_s: 3\n"), ("cycle of aliases", "schema: 1\nworld: &a {kind: *a}\n"),
+      for kind, text in (("tab", "schema: 1\n\tseed: 1\n"), ("two documents", SCENARIO + "---\nschema: 1\n"), ("documents without end", ",z{]{{{ b:"), ("key twice", SCENARIO + "duration_s: 3\n"), ("cycle of aliases", "schema: 1\nworld: &a {kind: *a}\n"),
                          ("many aliases", "schema: 1\na0: &a0 [1,1,1,1,1,1,1,1,1]\n" + "".join(f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 12))), ("deep", "schema: 1\nworld: " + "[" * 5000),
                          ("unknown alias", "schema: *nothing\n"), ("bytes", "schema: 1\nseed: \u0000\n"), ("list", "- schema: 1\n"), ("open quote", 'schema: "1\n'), ("merge", "schema: 1\n<<: {seed: x}\n"),
                          ("tick that is no multiple of the step", "schema: 1\nworld: {kind: rcll}\ntick_s: 0.02\nphysics_step_s: 0.015\n"), ("byte order mark and nothing", "\ufeff"))],
@@ -208,7 +208,7 @@ ROWS["configurations"] = [
       for name, find, put in (("rate misspelt", "refresh_rate", "refresh_rat"), ("load misspelt", "load:", "laod:"), ("environment key", "main: {plugins:", "main: {wach: [], plugins:"), ("environments misspelt", "environments:", "environment:"))],
     *[config(kind, text, 3)
       for kind, text in (("no parameters", "/**:\n  ros__params:\n    environments: [main]\n"), ("another node", "other_manager:\n  ros__parameters:\n    environments: [main]\n"), ("scalar", "hello\n"), ("list", "- a\n"), ("open bracket", "/**:\n  ros__parameters: [\n"),
-                         ("tab", "/**:\n\tros__parameters:\n"), ("deep", "/**: " + "[" * 5000), ("cycle of aliases", "/**: &a\n  ros__parameters: *a\n"), ("two documents", CONFIG + "---\n" + CONFIG.replace('"main"', '"other"', 1)))],
+                         ("tab", "/**:\n\tros__parameters:\n"), ("deep", "/**: " + "[" * 5000), ("cycle of aliases", "/**: &a\n  ros__parameters: *a\n"), ("two documents", CONFIG + "---\n" + CONFIG.replace('"main"', '"other"', 1)), ("documents without end", ",z{]{{{ b:"))],
     config("nothing", "", 3),
 ]
 
@@ -280,7 +280,7 @@ ROWS["stories"] = [
         "skills: [{service: /x, type: std_srvs/srv/SetBol, outcome: succeed}]", "serve: x", "seed: x", "seed: -1", "end: -1", "end: x", "environment: man", "config: agent.yaml", "rules: [missing.clp]")],
     *[story(kind, text) for kind, text in (("without rules", "stories:\n  - story: one\n"), ("without a name", "common: {rules: rules.clp}\nstories:\n  - expect: []\n"), ("none", "common: {rules: rules.clp}\nstories: []\n"), ("no list", "common: {rules: rules.clp}\nstories: one\n"),
                                                ("unknown key", "commn: {rules: rules.clp}\nstories: []\n"), ("rules and config", "common: {rules: rules.clp, config: agent.yaml}\nstories:\n  - story: one\n"), ("package missing", "common: {rules: rules.clp, packages: {x: missing}}\nstories:\n  - story: one\n"),
-                                               ("twice", STORY + "  - story: one\n"), ("open", "stories: [\n"), ("nothing", ""), ("two documents", STORIES + "---\na: 1\n"))],
+                                               ("twice", STORY + "  - story: one\n"), ("open", "stories: [\n"), ("nothing", ""), ("two documents", STORIES + "---\na: 1\n"), ("documents without end", ",z{]{{{ b:"))],
     story("goal of a field misspelt", STORY + "    skills: [{action: /x, type: cxlab_skills/action/Pick}]\n    expect: [{goal: /x, fields: {targt: a}, within_s: 1}]\n"),
     wrong("story of broken rules", ["test"], 3, files={"rules.clp": "(defrule make => (assert (a)\n"}),
     wrong("story of unknown functions", ["test"], 3, files={"rules.clp": "\n(defrule make => (frobnicate))\n"}),

@@ -56,7 +56,8 @@ TEST(Yaml, ErrorsNameFileLineAndRemedy) {
 }
 
 TEST(Yaml, ASecondDocumentIsAnError) {
-  EXPECT_EQ(error_of("---\na: 1\n---\nb: 2\n"), "s.yaml:4: found a second document, expected one");
+  EXPECT_EQ(error_of("---\na: 1\n---\nb: 2\n"), "s.yaml:3: found a second document, expected one");
+  EXPECT_EQ(error_of("\n,a{]{{{ b:"), "s.yaml:2: found a second document, expected one");  // LoadAll never returns
   EXPECT_TRUE(Document::parse("---\na: 1\n", "s.yaml").ok());
   EXPECT_TRUE(Document::parse("", "s.yaml").ok());
 }
