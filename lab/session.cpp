@@ -79,6 +79,14 @@ double end_of(const Run& run) {
   return std::min(run.options.until.value_or(duration), duration);
 }
 
+/// Waits for the wall clock; a signal to stop ends that, however long a tick is.
+void wait_until(std::chrono::steady_clock::time_point then, const Host& host) {
+  constexpr auto kSlice = std::chrono::milliseconds(20);
+  for (auto now = std::chrono::steady_clock::now(); now < then && !host.stopped();
+       now = std::chrono::steady_clock::now())
+    std::this_thread::sleep_until(std::min(then, now + kSlice));
+}
+
 Status play(Run& run) {
   Episode& episode = *run.episode;
   const double end = end_of(run);
@@ -96,7 +104,7 @@ Status play(Run& run) {
     if (Status s = (*pictures)->look(episode); !s) return s;
     run.host.show(to_seconds(episode.now()), end);
     if (run.options.realtime)
-      std::this_thread::sleep_until(wall_start + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()));
+      wait_until(wall_start + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()), run.host);
   }
   if (Status s = (*pictures)->finish(); !s) return s;
   run.played.pictures = (*pictures)->taken();

@@ -158,6 +158,8 @@ clips_manager:
 
     def test_a_signal_ends_through_deactivation(self):
         config = self.package('(defrule bye (executive-finalize) => (printout info "bye" crlf))')
+        # Ticks of 1 s: the wait for the next one must end, too.
+        config.write_text(config.read_text().replace("refresh_rate: 2", "refresh_rate: 1"))
         process = subprocess.Popen([CXLAB, "env", str(config), "--realtime", "--out", "none"], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
         for line in process.stderr:
             if "Created plugin: files" in line:
