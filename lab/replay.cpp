@@ -17,6 +17,8 @@ using Json = nlohmann::ordered_json;
 /// The lines of one stream by number, from an exported journal.
 std::map<std::uint64_t, Json> records_of(const std::string& stream, const fs::path& journal) {
   std::map<std::uint64_t, Json> records;
+  std::error_code ignored;
+  if (!fs::is_regular_file(journal, ignored)) return records;
   std::ifstream in(journal);
   for (std::string line; std::getline(in, line);) {
     Json record = Json::parse(line, nullptr, /*allow_exceptions=*/false);

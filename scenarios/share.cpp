@@ -87,7 +87,8 @@ std::map<std::string, fs::path> own_scenarios() {
 
 Expected<fs::path> find_scenario(const std::string& file_or_name) {
   std::error_code ignored;
-  if (fs::is_regular_file(file_or_name, ignored)) return fs::path(file_or_name);
+  const bool folder = fs::is_directory(file_or_name, ignored);
+  if (fs::exists(file_or_name, ignored) && !folder) return fs::path(file_or_name);
   const std::map<std::string, fs::path> own = own_scenarios();
   const std::string name = fs::path(file_or_name).extension() == ".yaml"
                                ? fs::path(file_or_name).replace_extension().generic_string()
@@ -96,6 +97,7 @@ Expected<fs::path> find_scenario(const std::string& file_or_name) {
   std::vector<std::string> names;
   for (const auto& [known, file] : own) names.push_back(known);
   const std::string near = did_you_mean(name, names);
+  if (folder) return input_error("is a folder, expected a scenario (YAML)", file_or_name);
   return input_error("there is no such file, and no scenario of that name" +
                          (near.empty() ? "; cxlab list scenarios shows the names" : near),
                      file_or_name);

@@ -1,7 +1,12 @@
 #include "cx/base/file.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstdint>
 #include <fstream>
+#include <memory>
 #include <system_error>
 #include <vector>
 
@@ -13,18 +18,26 @@ Expected<std::string> read_file(const std::filesystem::path& path) {
   constexpr std::uintmax_t kMostOfADevice = 16 << 20, kMostOfAFile = std::uintmax_t{1} << 31;
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return input_error("is a folder, expected a file", path.string());
-  const bool file = std::filesystem::is_regular_file(path, error);
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return input_error("cannot be read", path.string());
-  const std::uintmax_t most = file ? kMostOfAFile : kMostOfADevice;
+  const std::uintmax_t most = std::filesystem::is_regular_file(path, error) ? kMostOfAFile : kMostOfADevice;
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return input_error("cannot be read", path.string());
+  const std::unique_ptr<const int, void (*)(const int*)> closing(&file, [](const int* f) { close(*f); });
   std::string text;
   std::vector<char> piece(1 << 16);
-  while (in.read(piece.data(), static_cast<std::streamsize>(piece.size())) || in.gcount() > 0) {
-    text.append(piece.data(), static_cast<std::size_t>(in.gcount()));
+  while (true) {
+    const ssize_t got = read(file, piece.data(), piece.size());
+    if (got < 0 && errno == EAGAIN) {  // a pipe whose writer has nothing to say yet
+      fcntl(file, F_SETFL, 0);
+      continue;
+    }
+    if (got < 0) return input_error("cannot be read", path.string());
+    if (got == 0) break;
+    text.append(piece.data(), static_cast<std::size_t>(got));
     if (text.size() > most)
       return input_error("found more than " + std::to_string(most >> 20) + " MB, expected a file", path.string());
   }
-  if (in.bad()) return input_error("cannot be read", path.string());
+  if (text.empty() && std::filesystem::is_fifo(path, error))
+    return input_error("is a pipe into which nobody writes, expected a file", path.string());
   return text;
 }
 

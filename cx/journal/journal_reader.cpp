@@ -131,8 +131,10 @@ Expected<JournalRecord> parse_journal_line(std::string_view line) {
 
 Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& path,
                                                   const std::vector<RecordKind>& kinds) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return input_error("cannot be read", path.string());
   std::ifstream file(path);
-  if (!file || std::filesystem::is_directory(path)) return input_error("cannot be read", path.string());
+  if (!file) return input_error("cannot be read", path.string());
   const auto wanted = [&](RecordKind kind) { return kinds.empty() || std::ranges::find(kinds, kind) != kinds.end(); };
   std::vector<JournalRecord> records;
   int number = 0;

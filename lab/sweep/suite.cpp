@@ -120,7 +120,7 @@ std::vector<Cell> Suite::cells() const {
 
 Status Suite::check() const {
   for (const SuiteScenario& scenario : scenarios)
-    if (!fs::is_regular_file(scenario.file))
+    if (!fs::exists(scenario.file))
       return input_error(scenario.file.string() + ": there is no such file", scenario.origin);
   for (const Cell& cell : cells()) {
     if (cell.seed != seeds.front()) continue;

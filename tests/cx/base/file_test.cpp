@@ -1,6 +1,12 @@
 #include "cx/base/file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
 
 #include "cx/base/scratch_folder.h"
 
@@ -22,6 +28,21 @@ TEST(File, AnErrorNamesWhatIsThereInstead) {
   EXPECT_EQ(read_file("/dev/zero").error().text(), "/dev/zero: found more than 16 MB, expected a file");
   EXPECT_EQ(*read_file("/dev/null"), "");
   EXPECT_EQ(write_file("/dev/full", "x").error().kind, ErrorKind::kResource);
+}
+
+TEST(File, OfAPipeIsReadAsFarAsSomebodyWritesIntoIt) {
+  const auto folder = *ScratchFolder::create();
+  const std::string pipe = folder->path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(read_file(pipe).error().text(), pipe + ": is a pipe into which nobody writes, expected a file");
+  const int both = open(pipe.c_str(), O_RDWR);  // a writer, but nothing in the pipe yet
+  std::thread writer([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_EQ(write(both, "late", 4), 4);
+    close(both);
+  });
+  EXPECT_EQ(*read_file(pipe), "late");
+  writer.join();
 }
 
 }  // namespace
