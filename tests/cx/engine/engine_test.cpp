@@ -272,6 +272,20 @@ TEST_F(Engine, AnUnloadedFunctionLeavesATombstoneUntilItComesBack) {
   }
 }
 
+TEST_F(Engine, FunctionsOfOtherPluginsStayWhenThoseOfOneGo) {
+  for (const auto& [name, owner, value] : {std::tuple{"one", "first", 1}, {"two", "second", 2}, {"three", "first", 3}})
+    ASSERT_TRUE(engine()
+                    .add_function({.name = name, .returns = "l", .max_args = 0, .owner = owner},
+                                  [value](Call& call) { call.give_integer(value); })
+                    .ok());
+  engine().remove_functions_of("first");
+  ASSERT_THAT(engine().functions(), SizeIs(1));
+  EXPECT_EQ(engine().functions()[0].name, "two");
+  EXPECT_EQ(engine().eval("(two)")->print(), "2");
+  EXPECT_FALSE(engine().eval("(one)").ok());
+  EXPECT_FALSE(engine().eval("(three)").ok());
+}
+
 TEST_F(Engine, AFunctionThatComesBackWithOtherArgumentsHasThem) {
   std::vector<std::string> calls;
   const auto add = [&](const std::string& types, std::uint16_t most) {
