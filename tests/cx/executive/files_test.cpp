@@ -112,6 +112,20 @@ TEST_F(FilesTest, WritingEndsUpInTheRunAndIsReadBackFromThere) {
   EXPECT_EQ(files.journal_name(*path), "run/written/tmp/state/save.dat");
 }
 
+TEST_F(FilesTest, WritingDoesNotFollowALinkOutOfTheRun) {
+  lab_.write("run/written/kept.txt", "");
+  lab_.write("outside/there.txt", "as it was");
+  std::filesystem::create_symlink(lab_.folder / "outside", lab_.folder / "run/written/folder");
+  std::filesystem::create_symlink(lab_.folder / "outside/there.txt", lab_.folder / "run/written/link.txt");
+  Files files = make();
+  EXPECT_TRUE(files.for_writing("kept.txt").ok());
+  for (const char* path : {"folder/new.txt", "folder/there.txt", "link.txt"}) {
+    const auto target = files.for_writing(path);
+    ASSERT_FALSE(target.ok()) << path;
+    EXPECT_THAT(target.error().message, HasSubstr("a link leads out of the run's folder")) << path;
+  }
+}
+
 TEST_F(FilesTest, WithoutARunFolderWritingIsRefused) {
   Files files(Files::Options{});
   auto path = files.for_writing("x");
