@@ -226,6 +226,18 @@ TEST(RuleLoops, EndTheRunAndAreNamed) {
   EXPECT_THAT(s.error().message, HasSubstr("max_firings_per_tick (now 1000, 0 = no limit)"));
 }
 
+TEST(RuleLoops, ZeroIsNoLimitForFiringsAndCallbacks) {
+  Lab lab;
+  lab.options.max_firings = 0;
+  lab.agent(
+      "(deffunction heard () (return 1))\n(deffacts start (counter 0))\n"
+      "(defrule count ?f <- (counter ?n&:(< ?n 500)) => (retract ?f) (assert (counter (+ ?n 1))))");
+  lab.run_up();
+  EXPECT_THAT(lab.facts("counter"), ElementsAre("(counter 500)"));
+  for (int i = 0; i < 500; ++i) EXPECT_TRUE(lab.engine().call("heard", {}).ok());
+  EXPECT_TRUE(lab.tick().ok());
+}
+
 TEST(RuleLoops, AsManyCallbacksAsFiringsMayBeInATick) {
   Lab lab;
   lab.options.max_firings = 100;
