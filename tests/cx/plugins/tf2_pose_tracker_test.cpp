@@ -71,6 +71,14 @@ TEST_F(Tf2PoseTracker, DueTimesAreNotAccumulated) {
   EXPECT_THAT(at, ElementsAre("0.34", "0.68", "1.0", "1.34", "1.68", "2.0"));
 }
 
+TEST_F(Tf2PoseTracker, DueTimesThatALongTickStepsOverAreOneLookup) {
+  run_up("(defrule seen (tf2-tracked-pose (stamp ?s)) => (println \"at \" ?s))");
+  ASSERT_EQ(eval("(tf2-start-periodic-lookup map robot 10.0)"), "TRUE");
+  lab_.now = std::chrono::seconds(1);
+  for (int i = 0; i <= 5; ++i) tick(0.1 * i);  // until 1.1 s
+  EXPECT_THAT(lab_.log.with("info main: at "), ElementsAre("info main: at 1.0", "info main: at 1.1"));
+}
+
 TEST_F(Tf2PoseTracker, AFailedLookupIsAWarningEachPeriodAndGoesOn) {
   run_up();
   ASSERT_EQ(eval("(tf2-start-periodic-lookup map robot 10.0)"), "TRUE");
