@@ -36,17 +36,46 @@ void freed(void* block) {
   std::free(block);
 }
 
-}  // namespace
-
-// The other forms call these.
-void* operator new(std::size_t size) { return allocated(size, std::malloc); }
-void* operator new(std::size_t size, std::align_val_t alignment) {
+void* allocated(std::size_t size, std::align_val_t alignment) {
   const auto align = static_cast<std::size_t>(alignment);
   return allocated(size, [align](std::size_t bytes) {
     return bytes > SIZE_MAX - align ? nullptr : std::aligned_alloc(align, (bytes + align - 1) / align * align);
   });
 }
+
+template <class... Alignment>
+void* allocated_or_null(std::size_t size, Alignment... alignment) noexcept {
+  try {
+    return operator new(size, alignment...);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
+}  // namespace
+
+// All forms: those of a sanitizer's library do not call the first two.
+void* operator new(std::size_t size) { return allocated(size, std::malloc); }
+void* operator new(std::size_t size, std::align_val_t alignment) { return allocated(size, alignment); }
+void* operator new[](std::size_t size) { return operator new(size); }
+void* operator new[](std::size_t size, std::align_val_t alignment) { return operator new(size, alignment); }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return allocated_or_null(size); }
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return allocated_or_null(size); }
+void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return allocated_or_null(size, alignment);
+}
+void* operator new[](std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return allocated_or_null(size, alignment);
+}
 void operator delete(void* block) noexcept { freed(block); }
+void operator delete[](void* block) noexcept { freed(block); }
 void operator delete(void* block, std::size_t) noexcept { freed(block); }
+void operator delete[](void* block, std::size_t) noexcept { freed(block); }
 void operator delete(void* block, std::align_val_t) noexcept { freed(block); }
+void operator delete[](void* block, std::align_val_t) noexcept { freed(block); }
 void operator delete(void* block, std::size_t, std::align_val_t) noexcept { freed(block); }
+void operator delete[](void* block, std::size_t, std::align_val_t) noexcept { freed(block); }
+void operator delete(void* block, const std::nothrow_t&) noexcept { freed(block); }
+void operator delete[](void* block, const std::nothrow_t&) noexcept { freed(block); }
+void operator delete(void* block, std::align_val_t, const std::nothrow_t&) noexcept { freed(block); }
+void operator delete[](void* block, std::align_val_t, const std::nothrow_t&) noexcept { freed(block); }
