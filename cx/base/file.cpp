@@ -6,7 +6,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <fstream>
-#include <memory>
 #include <system_error>
 #include <vector>
 
@@ -21,7 +20,10 @@ Expected<std::string> read_file(const std::filesystem::path& path) {
   const std::uintmax_t most = std::filesystem::is_regular_file(path, error) ? kMostOfAFile : kMostOfADevice;
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) return input_error("cannot be read", path.string());
-  const std::unique_ptr<const int, void (*)(const int*)> closing(&file, [](const int* f) { close(*f); });
+  struct Closing {
+    int file;
+    ~Closing() { close(file); }
+  } closing{file};
   std::string text;
   std::vector<char> piece(1 << 16);
   while (true) {
