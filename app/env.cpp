@@ -19,9 +19,7 @@ struct Options {
 
 std::vector<std::string> companion_names() {
   std::vector<std::string> names;
-  for (const WorldKind* kind : catalogue().worlds)
-    if (kind != &kEmptyWorld) names.emplace_back(kind->name);
-  for (const NodeKind* kind : catalogue().nodes) names.emplace_back(kind->name);
+  for (const lab::Companion& companion : lab::companions(catalogue())) names.emplace_back(companion.name);
   return names;
 }
 

@@ -254,14 +254,18 @@ Status add_stimuli(const EnvOptions& options, Scenario& scenario) {
 
 }  // namespace
 
+std::vector<Companion> companions(const Catalogue& catalogue) {
+  std::vector<Companion> all;
+  for (const WorldKind* kind : catalogue.worlds)
+    if (kind != &kEmptyWorld && !catalogue.find_node(kind->name)) all.push_back({kind->name, kind->what});
+  for (const NodeKind* kind : catalogue.nodes) all.push_back({kind->name, kind->what});
+  return all;
+}
+
 std::string known_companions(const Catalogue& catalogue) {
   std::string known;
-  const auto add = [&](std::string_view name, std::string_view what) {
-    known += (known.empty() ? "" : "; ") + std::string(name) + ", " + std::string(what);
-  };
-  for (const WorldKind* kind : catalogue.worlds)
-    if (kind != &kEmptyWorld && !catalogue.find_node(kind->name)) add(kind->name, kind->what);
-  for (const NodeKind* kind : catalogue.nodes) add(kind->name, kind->what);
+  for (const Companion& companion : companions(catalogue))
+    known += (known.empty() ? "" : "; ") + std::string(companion.name) + ", " + std::string(companion.what);
   return known;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -30,7 +31,12 @@ struct EnvOptions {
 
 /// Errors name the option that they are in.
 Expected<Scenario> env_scenario(const EnvOptions& options, const Catalogue& catalogue);
-/// What `with` can name, for people: "rcll, a game of ...; turtlesim, ...".
+/// What `with` can name: worlds and nodes, each name once.
+struct Companion {
+  std::string_view name, what;  ///< `what`: one line for people
+};
+std::vector<Companion> companions(const Catalogue& catalogue);
+/// The same for people: "rcll, a game of ...; turtlesim, ...".
 std::string known_companions(const Catalogue& catalogue);
 
 }  // namespace cxlab::lab
