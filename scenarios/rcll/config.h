@@ -70,6 +70,13 @@ struct OrderConfig {
   }
 };
 
+/// A time in which a machine is out of order.
+struct DownPeriodConfig {
+  std::string machine;  ///< "RS1": that of both teams
+  double begin_s = 0;   ///< s of production
+  double end_s = 0;
+};
+
 /// `world:` of a scenario whose kind is rcll.
 struct WorldConfig {
   std::string team = "CYAN";  ///< CYAN or MAGENTA: whose robots and machines play; the other team's machines stand idle

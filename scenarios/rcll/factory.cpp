@@ -44,15 +44,10 @@ bus::SharedMessage shared(bus::Message message) { return std::make_shared<const 
 
 }  // namespace
 
-Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, std::uint64_t seed, sim::World& world,
-                                                 bus::Bus& bus, RecordSink& sink, std::span<const sim::Fault> faults) {
-  auto schedule = schedule_of(config, seed);
-  if (!schedule) return schedule.error();
-  std::unique_ptr<Factory> factory(new Factory(config, std::move(*schedule), world, bus, sink));
-  if (config.down) {
-    RandomStream random(seed, "machines");
-    draw_down_periods(random, factory->context_.clock, factory->machines_);
-  }
+Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, const Game& game, std::uint64_t seed,
+                                                 sim::World& world, bus::Bus& bus, RecordSink& sink,
+                                                 std::span<const sim::Fault> faults) {
+  std::unique_ptr<Factory> factory(new Factory(config, game, world, bus, sink));
   if (Status s = factory->take_faults(faults, seed); !s) return s.error();
   if (Status s = factory->join(); !s) return s.error();
   if (config.transforms)
@@ -60,7 +55,7 @@ Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, std:
   return factory;
 }
 
-Factory::Factory(const WorldConfig& config, Schedule schedule, sim::World& world, bus::Bus& bus, RecordSink& sink)
+Factory::Factory(const WorldConfig& config, const Game& game, sim::World& world, bus::Bus& bus, RecordSink& sink)
     : team_(*named<Team>(config.team)),
       world_(world),
       bus_(bus),
@@ -70,9 +65,13 @@ Factory::Factory(const WorldConfig& config, Schedule schedule, sim::World& world
                from_seconds(config.shelf_refill_s),
                nullptr,
                {}},
-      referee_(context_.clock, context_.rules, std::move(schedule), world.plan(), sink) {
+      referee_(context_.clock, context_.rules, game.schedule, world.plan(), sink) {
   context_.orders = &referee_.schedule().orders;
   machines_ = make_machines(world.plan(), context_);
+  for (const DownPeriodConfig& period : game.down)
+    for (auto& machine : machines_)
+      if (machine->name().substr(2) == period.machine)
+        machine->add_down({context_.clock.at(period.begin_s), context_.clock.at(period.end_s)});
 }
 
 Status Factory::join() {

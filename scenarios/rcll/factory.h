@@ -20,6 +20,7 @@
 #include "cx/bus/transforms.h"
 #include "cx/run/parts.h"
 #include "scenarios/rcll/config.h"
+#include "scenarios/rcll/game.h"
 #include "scenarios/rcll/machines.h"
 #include "scenarios/rcll/referee.h"
 #include "sim/faults/fault.h"
@@ -29,10 +30,11 @@ namespace cxlab::rcll {
 
 class Factory final : public Server, public Referee {
  public:
-  /// World, bus and sink outlive it. Takes those of `faults` that are about machines; strikes are written to the stream
-  /// "faults". Fails on a bad configuration, a fault of an unknown machine, or when the interface package is missing.
-  static Expected<std::unique_ptr<Factory>> make(const WorldConfig& config, std::uint64_t seed, sim::World& world,
-                                                 bus::Bus& bus, RecordSink& sink,
+  /// World, bus and sink outlive it; `seed` is that of the faults. Takes those of `faults` that are about machines;
+  /// strikes are written to the stream "faults". Fails on a bad configuration, a fault of an unknown machine, or when
+  /// the interface package is missing.
+  static Expected<std::unique_ptr<Factory>> make(const WorldConfig& config, const Game& game, std::uint64_t seed,
+                                                 sim::World& world, bus::Bus& bus, RecordSink& sink,
                                                  std::span<const sim::Fault> faults = {});
 
   Status sense(SimTime now) override;
@@ -47,7 +49,7 @@ class Factory final : public Server, public Referee {
   bool over() const override { return referee_.phase() == Phase::kPostGame; }
 
  private:
-  Factory(const WorldConfig& config, Schedule schedule, sim::World& world, bus::Bus& bus, RecordSink& sink);
+  Factory(const WorldConfig& config, const Game& game, sim::World& world, bus::Bus& bus, RecordSink& sink);
   Status join();
   Status take_faults(std::span<const sim::Fault> faults, std::uint64_t seed);
   void strike_faults(SimTime now);

@@ -101,22 +101,18 @@ std::vector<sim::SpotId> unreachable_spots(const sim::FloorPlan& plan, double ra
   return unreachable;
 }
 
-Expected<sim::FloorPlan> floor_plan_of(const WorldConfig& config, std::uint64_t seed) {
-  if (Status s = validate(config); !s) return s.error();
-  const Team team = *named<Team>(config.team);
-  if (!config.layout.empty()) {
-    auto layout = read_layout(config.layout);
-    if (!layout) return layout.error();
-    return make_floor_plan(*layout, team, config.robots);
-  }
+Layout draw_reachable_layout(RandomStream& random, const WorldConfig& config) {
   // At (4, 2) the end of the insertion area's wall can stand in the way of a shelf's or slide's last slot: 4 % of
   // draws.
   const bool as_refbox = choices_of(*named<Rules>(config.rules)).shelf_faces_wall;
-  RandomStream random(seed, "layout");
-  sim::FloorPlan plan = make_floor_plan(draw_layout(random, as_refbox), team, config.robots);
-  while (!as_refbox && config.robots > 0 && !unreachable_spots(plan, kRobotWithMargin).empty())
-    plan = make_floor_plan(draw_layout(random, as_refbox), team, config.robots);
-  return plan;
+  Layout layout = draw_layout(random, as_refbox);
+  while (!as_refbox && config.robots > 0 && !unreachable_spots(floor_plan_of(config, layout), kRobotWithMargin).empty())
+    layout = draw_layout(random, as_refbox);
+  return layout;
+}
+
+sim::FloorPlan floor_plan_of(const WorldConfig& config, const Layout& layout) {
+  return make_floor_plan(layout, *named<Team>(config.team), config.robots);
 }
 
 }  // namespace cxlab::rcll

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "cx/base/expected.h"
+#include "cx/base/random.h"
 #include "scenarios/rcll/config.h"
 #include "scenarios/rcll/layout.h"
 #include "sim/world.h"
@@ -19,8 +19,11 @@ sim::FloorPlan make_floor_plan(const Layout& layout, Team team, int robots);
 /// for a disc of `radius` (m), or the working pose does not fit. In order of ids.
 std::vector<sim::SpotId> unreachable_spots(const sim::FloorPlan& plan, double radius);
 
-/// The layout of a scenario as a plan. When none is listed it is drawn from stream "layout" of `seed`, again until
-/// every spot can be served; with the referee box's rules the first draw counts, and some spots may be out of reach.
-Expected<sim::FloorPlan> floor_plan_of(const WorldConfig& config, std::uint64_t seed);
+/// Draws a layout, again until every spot can be served; with the referee box's rules the first draw counts, and some
+/// spots may be out of reach.
+Layout draw_reachable_layout(RandomStream& random, const WorldConfig& config);
+
+/// The plan of a scenario with that layout.
+sim::FloorPlan floor_plan_of(const WorldConfig& config, const Layout& layout);
 
 }  // namespace cxlab::rcll

@@ -222,19 +222,4 @@ std::vector<std::unique_ptr<Machine>> make_machines(const sim::FloorPlan& plan, 
   return machines;
 }
 
-void draw_down_periods(RandomStream& random, const GameClock& clock, std::vector<std::unique_ptr<Machine>>& machines) {
-  constexpr std::int64_t kEarliest = 180, kShortest = 30, kLongest = 60;
-  const auto production =
-      std::chrono::duration_cast<std::chrono::seconds>(clock.production_end - clock.production_begin).count();
-  if (production < kEarliest + kLongest) return;
-  for (const std::string kind : {"RS", "CS"}) {
-    const std::string name = kind + (random.chance(0.5) ? "1" : "2");
-    const std::int64_t duration = random.between(kShortest, kLongest);
-    const std::int64_t begin = random.between(kEarliest, production - duration);
-    const DownPeriod period{clock.at(static_cast<double>(begin)), clock.at(static_cast<double>(begin + duration))};
-    for (auto& machine : machines)
-      if (machine->name().substr(2) == name) machine->add_down(period);
-  }
-}
-
 }  // namespace cxlab::rcll

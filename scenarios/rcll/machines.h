@@ -5,7 +5,6 @@
 #include <memory>
 #include <vector>
 
-#include "cx/base/random.h"
 #include "scenarios/rcll/machine.h"
 
 namespace cxlab::rcll {
@@ -88,9 +87,5 @@ class DeliveryStation final : public Machine {
 
 /// All machines of the plan in its order.
 std::vector<std::unique_ptr<Machine>> make_machines(const sim::FloorPlan& plan, MachineContext& context);
-
-/// One ring and one cap station, the same of both teams, are down once in production: 30 to 60 s, not before 180 s.
-/// Too short a game for that has no down periods.
-void draw_down_periods(RandomStream& random, const GameClock& clock, std::vector<std::unique_ptr<Machine>>& machines);
 
 }  // namespace cxlab::rcll

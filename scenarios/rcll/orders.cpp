@@ -8,6 +8,7 @@ namespace {
 
 // Seconds of production; the referee box's figures.
 constexpr int kProductionEnd = 1200;
+constexpr int kOvertimeEnd = 1500;
 constexpr int kFirstActivation = 180;
 constexpr int kLastActivation = 960;
 constexpr int kSpacing = 120;
@@ -104,22 +105,6 @@ void repair(RandomStream& random, Schedule& schedule) {
   while (Order* order = conflict()) redraw_rings_and_base(random, *order);
 }
 
-Order read_order(const OrderConfig& config, int id) {
-  Order order;
-  order.id = id;
-  order.complexity = *named<Complexity>(config.complexity);
-  order.product.base = *named<BaseColor>(config.base_color);
-  for (const std::string& ring : config.ring_colors) order.product.rings.push_back(*named<RingColor>(ring));
-  order.product.cap = *named<CapColor>(config.cap_color);
-  order.activate_at = config.activate_at;
-  order.delivery_begin = config.delivery_begin;
-  order.delivery_end = config.delivery_end;
-  order.delivery_gate = config.delivery_gate;
-  order.quantity = config.quantity;
-  order.competitive = config.competitive;
-  return order;
-}
-
 }  // namespace
 
 Schedule draw_schedule(RandomStream& random, const std::vector<Complexity>& allowed) {
@@ -143,17 +128,32 @@ Schedule draw_schedule(RandomStream& random, const std::vector<Complexity>& allo
   return schedule;
 }
 
-Expected<Schedule> schedule_of(const WorldConfig& config, std::uint64_t seed) {
-  if (Status s = validate(config); !s) return s.error();
-  std::vector<Complexity> allowed;
-  for (const std::string& name : config.complexities) allowed.push_back(*named<Complexity>(name));
-  RandomStream random(seed, "orders");
-  Schedule schedule = draw_schedule(random, allowed);
-  if (config.orders.empty()) return schedule;
-  schedule.orders.clear();
-  for (const OrderConfig& order : config.orders)
-    schedule.orders.push_back(read_order(order, static_cast<int>(schedule.orders.size()) + 1));
-  return schedule;
+Order draw_overtime_order(RandomStream& random) {
+  Order order;
+  order.complexity = Complexity::kC0;
+  order.activate_at = order.delivery_begin = kProductionEnd;
+  order.delivery_end = kOvertimeEnd;
+  order.delivery_gate = static_cast<int>(random.between(1, 3));
+  order.product.base = draw_base(random);
+  order.product.cap = static_cast<CapColor>(random.between(1, 2));
+  order.competitive = true;
+  return order;
+}
+
+Order read_order(const OrderConfig& config, int id) {
+  Order order;
+  order.id = id;
+  order.complexity = *named<Complexity>(config.complexity);
+  order.product.base = *named<BaseColor>(config.base_color);
+  for (const std::string& ring : config.ring_colors) order.product.rings.push_back(*named<RingColor>(ring));
+  order.product.cap = *named<CapColor>(config.cap_color);
+  order.activate_at = config.activate_at;
+  order.delivery_begin = config.delivery_begin;
+  order.delivery_end = config.delivery_end;
+  order.delivery_gate = config.delivery_gate;
+  order.quantity = config.quantity;
+  order.competitive = config.competitive;
+  return order;
 }
 
 }  // namespace cxlab::rcll

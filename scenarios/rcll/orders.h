@@ -1,5 +1,5 @@
 #pragma once
-// The ten orders of a game: drawn as the referee box draws them, or listed by the scenario. Times are seconds of the
+// The orders of a game: drawn as the referee box draws them, or listed. Times are seconds of the
 // production phase.
 
 #include <array>
@@ -38,7 +38,10 @@ struct Schedule {
 /// serves for both.
 Schedule draw_schedule(RandomStream& random, const std::vector<Complexity>& allowed);
 
-/// The scenario's schedule: prices from stream "orders" of `seed`, orders from there too unless they are listed.
-Expected<Schedule> schedule_of(const WorldConfig& config, std::uint64_t seed);
+/// The order of overtime, without its id: a competitive C0, to be delivered in the 300 s after production.
+Order draw_overtime_order(RandomStream& random);
+
+/// An order as it is listed; `config` has been validated.
+Order read_order(const OrderConfig& config, int id);
 
 }  // namespace cxlab::rcll

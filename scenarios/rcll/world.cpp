@@ -3,6 +3,7 @@
 #include "cx/journal/hash_text.h"
 #include "scenarios/rcll/factory.h"
 #include "scenarios/rcll/floor_plan.h"
+#include "scenarios/rcll/game.h"
 #include "scenarios/rcll/layout.h"
 #include "scenarios/rcll/result.h"
 #include "sim/ledger/ledger_world.h"
@@ -93,12 +94,13 @@ class GameStage final : public Stage {
 Status GameStage::build(const StageSetup& setup) {
   const Scenario& scenario = setup.scenario;
   const WorldConfig& config = scenario.world.get<WorldConfig>();
-  auto plan = floor_plan_of(config, scenario.seed);
-  if (!plan) return plan.error();
+  const auto game = game_of(config, scenario.seed);
+  if (!game) return game.error();
+  sim::FloorPlan plan = floor_plan_of(config, game->layout);
   const Status built =
-      scenario.tier == Tier::kPhysics ? build_physics(setup, *std::move(plan)) : build_ledger(setup, *std::move(plan));
+      scenario.tier == Tier::kPhysics ? build_physics(setup, std::move(plan)) : build_ledger(setup, std::move(plan));
   if (!built) return built;
-  auto factory = Factory::make(config, scenario.seed, *floor_, setup.bus, setup.sink, scenario.faults);
+  auto factory = Factory::make(config, *game, scenario.seed, *floor_, setup.bus, setup.sink, scenario.faults);
   if (!factory) return factory.error();
   factory_ = factory->get();
   servers.push_back(*std::move(factory));
@@ -157,14 +159,16 @@ Expected<std::unique_ptr<Stage>> make_stage(const StageSetup& setup) {
 
 Expected<std::unique_ptr<WorldReplay>> replay(const Scenario& scenario, const std::filesystem::path& models,
                                               const std::string& log) {
-  auto plan = floor_plan_of(scenario.world.get<WorldConfig>(), scenario.seed);
-  if (!plan) return plan.error();
+  const WorldConfig& config = scenario.world.get<WorldConfig>();
+  const auto game = game_of(config, scenario.seed);
+  if (!game) return game.error();
+  sim::FloorPlan plan = floor_plan_of(config, game->layout);
   auto options = model_options(scenario, models);
   if (!options) return options.error();
-  auto physics = sim::PhysicsReplay::load(*plan, *options, log);
+  auto physics = sim::PhysicsReplay::load(plan, *options, log);
   if (!physics) return physics.error();
   return std::unique_ptr<WorldReplay>(
-      std::make_unique<FloorReplay>(*std::move(plan), scenario.physics_step, *std::move(physics)));
+      std::make_unique<FloorReplay>(std::move(plan), scenario.physics_step, *std::move(physics)));
 }
 
 constexpr Tier kTiers[]{Tier::kPhysics, Tier::kTimed};

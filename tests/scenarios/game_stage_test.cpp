@@ -4,6 +4,7 @@
 
 #include "cx/bus/bus.h"
 #include "scenarios/rcll/floor_plan.h"
+#include "scenarios/rcll/game.h"
 #include "scenarios/rcll/result.h"
 #include "scenarios/view.h"
 #include "tests/support/episode_test.h"
@@ -82,7 +83,7 @@ TEST_F(GameStage, ARobotInAZoneStandsInItsMiddleAndFacesTheOppositeWall) {
 /// A floor on which robot n has had n contacts.
 class Bumps final : public sim::World {
  public:
-  Bumps() : World(*floor_plan_of(WorldConfig{}, 1)) {}
+  Bumps() : World(floor_plan_of(WorldConfig{}, game_of(WorldConfig{}, 1)->layout)) {}
   sim::RobotState robot(sim::RobotId id) const override {
     sim::RobotState state;
     state.robot_contacts = static_cast<std::uint32_t>(id) + 1;

@@ -32,9 +32,9 @@ class GameStory {
  public:
   explicit GameStory(WorldConfig config = quiet_game(), std::uint64_t seed = 1,
                      SimTime tick = std::chrono::milliseconds(20))
-      : tick_(tick), world_(*floor_plan_of(config, seed)), bus_(registry_, sink_) {
+      : tick_(tick), world_(floor_plan_of(config, game_of(config, seed)->layout)), bus_(registry_, sink_) {
     EXPECT_TRUE(registry_.add_packages_in(interfaces_dir()));
-    factory_ = std::move(*Factory::make(config, seed, world_, bus_, sink_));
+    factory_ = std::move(*Factory::make(config, *game_of(config, seed), seed, world_, bus_, sink_));
     bus::NodeName name;
     name.name = "agent";
     agent_ = bus_.join(bus::ParticipantKind::kEnvironment, name, sink_.open_stream("env/agent"));

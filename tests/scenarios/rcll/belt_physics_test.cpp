@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "scenarios/rcll/floor_plan.h"
+#include "scenarios/rcll/game.h"
 #include "scenarios/rcll/machines.h"
 #include "sim/mujoco/mujoco_world.h"
 #include "tests/support/files.h"
@@ -14,7 +15,7 @@ class BeltPhysics : public testing::Test {
   void SetUp() override {
     sim::ModelOptions options;
     options.models = models_dir();
-    auto world = sim::MujocoWorld::create(*floor_plan_of(WorldConfig{}, 1), options);
+    auto world = sim::MujocoWorld::create(floor_plan_of(WorldConfig{}, game_of(WorldConfig{}, 1)->layout), options);
     ASSERT_TRUE(world) << world.error().text();
     world_ = std::move(*world);
     orders_.resize(1);

@@ -446,9 +446,9 @@ MachineEvent delivered(const sim::FloorPlan& plan, const std::string& machine, d
 TEST(Referee, ATeamThatIsSecondWithACompetitiveOrderLosesTen) {
   WorldConfig config = GameStory::quiet_game();
   config.orders[0].competitive = true;
-  const sim::FloorPlan plan = *floor_plan_of(config, 1);
+  const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
   KeptRecords sink;
-  GameReferee referee(GameClock{}, {}, *schedule_of(config, 1), plan, sink);
+  GameReferee referee(GameClock{}, {}, game_of(config, 1)->schedule, plan, sink);
   referee.judge(SimTime{}, {}, {});
   const sim::Stack product{1, {}, 2};
   const std::vector events{delivered(plan, "M-DS", 10, product), delivered(plan, "C-DS", 20, product)};
@@ -459,9 +459,9 @@ TEST(Referee, ATeamThatIsSecondWithACompetitiveOrderLosesTen) {
 
 TEST(Referee, BeforeTheWindowCountsNothingAtItsStartItCounts) {
   const WorldConfig config = game_with_window(100, 200);
-  const sim::FloorPlan plan = *floor_plan_of(config, 1);
+  const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
   KeptRecords sink;
-  GameReferee referee(GameClock{}, {}, *schedule_of(config, 1), plan, sink);
+  GameReferee referee(GameClock{}, {}, game_of(config, 1)->schedule, plan, sink);
   referee.judge(SimTime{}, {}, {});
   const sim::Stack product{1, {}, 2};
   referee.judge(from_seconds(99.98), {}, std::vector{delivered(plan, "C-DS", 99.98, product)});
@@ -472,9 +472,9 @@ TEST(Referee, BeforeTheWindowCountsNothingAtItsStartItCounts) {
 
 TEST(Referee, WhatIsDeliveredForNoOrderIsDiscarded) {
   const WorldConfig config = GameStory::quiet_game();
-  const sim::FloorPlan plan = *floor_plan_of(config, 1);
+  const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
   KeptRecords sink;
-  GameReferee referee(GameClock{}, {}, *schedule_of(config, 1), plan, sink);
+  GameReferee referee(GameClock{}, {}, game_of(config, 1)->schedule, plan, sink);
   referee.judge(SimTime{}, {}, {});
   for (const int order : {0, 2, 99, -1}) {
     MachineEvent event = delivered(plan, "C-DS", 10, {1, {}, 2});
@@ -492,9 +492,9 @@ TEST(Referee, IsNextDueAtTheNextPhaseOrOrder) {
   WorldConfig config = game_with_window(100, 200, 30);
   config.orders.push_back(config.orders[0]);
   config.orders[1].activate_at = 70;
-  const sim::FloorPlan plan = *floor_plan_of(config, 1);
+  const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
   KeptRecords sink;
-  GameReferee referee(GameClock::of(10, 300), {}, *schedule_of(config, 1), plan, sink);
+  GameReferee referee(GameClock::of(10, 300), {}, game_of(config, 1)->schedule, plan, sink);
   EXPECT_EQ(referee.next_due(), SimTime{});
   for (const auto& [at, next] : {std::pair{0.0, 10.0}, {10.0, 40.0}, {39.99, 40.0}, {40.0, 80.0}, {80.0, 310.0}}) {
     referee.judge(from_seconds(at), {}, {});

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "scenarios/rcll/floor_plan.h"
+#include "scenarios/rcll/game.h"
 
 namespace cxlab::rcll {
 namespace {
@@ -47,6 +48,10 @@ Cells blocked_by(const Placement& p) {
     }
   }
   return cells;
+}
+
+sim::FloorPlan drawn_plan(const WorldConfig& config, std::uint64_t seed) {
+  return floor_plan_of(config, game_of(config, seed)->layout);
 }
 
 bool is_insertion(std::pair<int, int> cell) { return cell.second == 1 && std::abs(cell.first) >= 5; }
@@ -331,10 +336,9 @@ TEST(DrawnLayout, OfASeedStaysTheSame) {
 TEST(GeneratedFloor, EverySpotCanBeServedByARobot) {
   // Seeds 82, 109, 113, 142: the first draw has a shelf slot or slide behind the end of the insertion area's wall.
   for (const std::uint64_t seed : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 82u, 109u, 113u, 142u}) {
-    const auto plan = floor_plan_of(WorldConfig{}, seed);
-    ASSERT_TRUE(plan);
-    for (const sim::SpotId spot : unreachable_spots(*plan, kPlanningRadius))
-      ADD_FAILURE() << "seed " << seed << ": " << plan->spot(spot).name;
+    const sim::FloorPlan plan = drawn_plan(WorldConfig{}, seed);
+    for (const sim::SpotId spot : unreachable_spots(plan, kPlanningRadius))
+      ADD_FAILURE() << "seed " << seed << ": " << plan.spot(spot).name;
   }
 }
 
@@ -343,11 +347,10 @@ TEST(GeneratedFloor, IsTheFirstDrawWhereRobotsOfTheLeagueReachEverySpot) {
     RandomStream random(seed, "layout");
     const sim::FloorPlan drawn = make_floor_plan(draw_layout(random, false), Team::kCyan, 3);
     EXPECT_EQ(unreachable_spots(drawn, kPlanningRadius).empty(), first) << seed;
-    const auto plan = floor_plan_of(WorldConfig{}, seed);
-    ASSERT_TRUE(plan);
+    const sim::FloorPlan plan = drawn_plan(WorldConfig{}, seed);
     bool same = true;
     for (std::size_t i = 0; i < drawn.stations.size(); ++i)
-      same = same && plan->stations[i].pose_in_world.position() == drawn.stations[i].pose_in_world.position();
+      same = same && plan.stations[i].pose_in_world.position() == drawn.stations[i].pose_in_world.position();
     EXPECT_EQ(same, first) << seed;
   }
 }
@@ -356,17 +359,15 @@ TEST(GeneratedFloor, WithTheRefereeBoxsAnglesASlotAtTheWallIsOutOfReachAndKnown)
   WorldConfig config;
   config.rules = "refbox";
   std::vector<std::string> names;
-  const auto plan = floor_plan_of(config, 78);
-  ASSERT_TRUE(plan);
-  for (const sim::SpotId spot : unreachable_spots(*plan, kRobotRadius)) names.push_back(plan->spot(spot).name);
+  const sim::FloorPlan plan = drawn_plan(config, 78);
+  for (const sim::SpotId spot : unreachable_spots(plan, kRobotRadius)) names.push_back(plan.spot(spot).name);
   EXPECT_THAT(names, testing::ElementsAre("M-CS2-SHELF-RIGHT"));
 }
 
 TEST(GeneratedFloor, ARobotThatIsWalledInReachesNothing) {
-  auto plan = floor_plan_of(WorldConfig{}, 1);
-  ASSERT_TRUE(plan);
-  plan->walls.push_back({{4, 1}, {5, 1}});
-  EXPECT_EQ(unreachable_spots(*plan, kRobotRadius).size(), plan->spots.size());
+  sim::FloorPlan plan = drawn_plan(WorldConfig{}, 1);
+  plan.walls.push_back({{4, 1}, {5, 1}});
+  EXPECT_EQ(unreachable_spots(plan, kRobotRadius).size(), plan.spots.size());
 }
 
 TEST(Reach, ARobotMustFitWhereItLinesUpAndWhereItWorks) {
@@ -468,24 +469,22 @@ TEST(ListedLayout, ErrorsNameTheEntryAndWhatWasExpected) {
 }
 
 TEST(FloorPlan, HasTheFieldsWallsMachinesAndRobots) {
-  const auto plan = floor_plan_of(WorldConfig{}, 1);
-  ASSERT_TRUE(plan);
-  EXPECT_EQ(plan->stations.size(), 14u);
-  EXPECT_EQ(plan->walls.size(), 14u);
+  const sim::FloorPlan plan = drawn_plan(WorldConfig{}, 1);
+  EXPECT_EQ(plan.stations.size(), 14u);
+  EXPECT_EQ(plan.walls.size(), 14u);
   // Belts: 2 x (6 x 2 + 1), shelves 4 x 3, slides 4.
-  EXPECT_EQ(plan->spots.size(), 26u + 12u + 4u);
-  ASSERT_EQ(plan->robots.size(), 3u);
-  EXPECT_EQ(plan->robots[2].name, "robot3");
-  EXPECT_DOUBLE_EQ(plan->robots[2].pose_in_world.x, 6.5);
-  EXPECT_TRUE(plan->find_spot("C-CS1-SHELF-LEFT"));
+  EXPECT_EQ(plan.spots.size(), 26u + 12u + 4u);
+  ASSERT_EQ(plan.robots.size(), 3u);
+  EXPECT_EQ(plan.robots[2].name, "robot3");
+  EXPECT_DOUBLE_EQ(plan.robots[2].pose_in_world.x, 6.5);
+  EXPECT_TRUE(plan.find_spot("C-CS1-SHELF-LEFT"));
 
   WorldConfig magenta;
   magenta.team = "MAGENTA";
   magenta.robots = 2;
-  const auto other = floor_plan_of(magenta, 1);
-  ASSERT_TRUE(other);
-  ASSERT_EQ(other->robots.size(), 2u);
-  EXPECT_DOUBLE_EQ(other->robots[0].pose_in_world.x, -4.5);
+  const sim::FloorPlan other = drawn_plan(magenta, 1);
+  ASSERT_EQ(other.robots.size(), 2u);
+  EXPECT_DOUBLE_EQ(other.robots[0].pose_in_world.x, -4.5);
 }
 
 TEST(Floor, HasTheWallsOfTheRulebookOnBothSides) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "scenarios/rcll/game.h"
+
 namespace cxlab::rcll {
 namespace {
 
@@ -209,13 +211,12 @@ TEST(ListedOrders, AreTakenAsTheyStandAndPricesStayThoseOfTheSeed) {
   order.delivery_end = 250;
   order.quantity = 2;
   config.orders = {order, {}};
-  const auto schedule = schedule_of(config, 4);
-  ASSERT_TRUE(schedule);
-  ASSERT_EQ(schedule->orders.size(), 2u);
-  EXPECT_EQ(schedule->orders[1].id, 2);
-  EXPECT_EQ(describe(stack_of(schedule->orders[0].product)), "BASE_SILVER RING_GREEN CAP_GREY");
-  EXPECT_EQ(schedule->orders[0].quantity, 2);
-  EXPECT_EQ(schedule->ring_prices, schedule_of(WorldConfig{}, 4)->ring_prices);
+  const Game game = *game_of(config, 4);
+  ASSERT_EQ(game.schedule.orders.size(), 2u);
+  EXPECT_EQ(game.schedule.orders[1].id, 2);
+  EXPECT_EQ(describe(stack_of(game.schedule.orders[0].product)), "BASE_SILVER RING_GREEN CAP_GREY");
+  EXPECT_EQ(game.schedule.orders[0].quantity, 2);
+  EXPECT_EQ(game.schedule.ring_prices, game_of(WorldConfig{}, 4)->schedule.ring_prices);
 }
 
 }  // namespace
