@@ -79,7 +79,7 @@ Vec3 within_strokes(const Vec3& axes) {
 }
 
 std::string_view to_string(Holder holder) {
-  constexpr std::string_view kNames[]{"dispenser", "gripper", "belt", "slot", "slide", "floor", "gate"};
+  constexpr std::string_view kNames[]{"dispenser", "gripper", "belt", "slot", "slide", "floor", "gate", "storage"};
   return kNames[static_cast<std::size_t>(holder)];
 }
 

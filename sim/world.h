@@ -84,7 +84,7 @@ struct FloorPlan {
 /// The spots that a station of that kind has, with the poses of docs/models.md. `pose` is the station's.
 std::vector<Spot> spots_of(const Station& station, StationId id);
 
-enum class Holder : std::uint8_t { kDispenser, kGripper, kBelt, kSlot, kSlide, kFloor, kGate };
+enum class Holder : std::uint8_t { kDispenser, kGripper, kBelt, kSlot, kSlide, kFloor, kGate, kStorage };
 std::string_view to_string(Holder holder);  ///< "dispenser" ...
 
 /// A piece in play.

@@ -59,7 +59,14 @@ Status check_order(const std::string& key, const OrderConfig& order) {
 
 RuleChoices choices_of(Rules rules) {
   const bool rulebook = rules == Rules::kRulebook;
-  return {rules == Rules::kRefbox, rulebook, rulebook, rulebook};
+  return {.shelf_faces_wall = rules == Rules::kRefbox,
+          .late_in_fifths = rulebook,
+          .second_prepare_breaks = rulebook,
+          .delivery_may_wait = rulebook,
+          .down_stops_work = rulebook,
+          .second_keeps_points = rulebook,
+          .by_hand = rulebook,
+          .storage_serves_one = rulebook};
 }
 
 Status validate(const WorldConfig& config) {

@@ -24,6 +24,12 @@ struct RuleChoices {
   bool late_in_fifths = false;  ///< rulebook: 15 % of the delivery points a fifth of the window, else 18.75 % a quarter
   bool second_prepare_breaks = false;  ///< rulebook: instructing a busy machine breaks it, else it is ignored
   bool delivery_may_wait = false;      ///< rulebook: a DS waits for its window without limit, else 20 s
+  bool down_stops_work = false;        ///< rulebook: a machine that is down stands still, else its hardware goes on
+  bool second_keeps_points = false;    ///< rulebook: the second competitive delivery costs no more than it is worth
+  /// Rulebook: points that a person gives: a machine instructed without a workpiece, a workpiece dropped or put on
+  /// the other team's machine.
+  bool by_hand = false;
+  bool storage_serves_one = false;  ///< rulebook: one C0 of the storage station counts, and none in overtime
 };
 RuleChoices choices_of(Rules rules);
 

@@ -47,7 +47,7 @@ bus::SharedMessage shared(bus::Message message) { return std::make_shared<const 
 Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, const Game& game, std::uint64_t seed,
                                                  sim::World& world, bus::Bus& bus, RecordSink& sink,
                                                  std::span<const sim::Fault> faults) {
-  std::unique_ptr<Factory> factory(new Factory(config, game, world, bus, sink));
+  std::unique_ptr<Factory> factory(new Factory(config, game, seed, world, bus, sink));
   if (Status s = factory->take_faults(faults, seed); !s) return s.error();
   if (Status s = factory->join(); !s) return s.error();
   if (config.transforms)
@@ -55,7 +55,8 @@ Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, cons
   return factory;
 }
 
-Factory::Factory(const WorldConfig& config, const Game& game, sim::World& world, bus::Bus& bus, RecordSink& sink)
+Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed, sim::World& world, bus::Bus& bus,
+                 RecordSink& sink)
     : team_(*named<Team>(config.team)),
       world_(world),
       bus_(bus),
@@ -64,9 +65,10 @@ Factory::Factory(const WorldConfig& config, const Game& game, sim::World& world,
                choices_of(*named<Rules>(config.rules)),
                from_seconds(config.shelf_refill_s),
                nullptr,
+               seed,
                {}},
       referee_(context_.clock, context_.rules, game.schedule, world.plan(), sink) {
-  context_.orders = &referee_.schedule().orders;
+  context_.schedule = &referee_.schedule();
   machines_ = make_machines(world.plan(), context_);
   for (const DownPeriodConfig& period : game.down)
     for (auto& machine : machines_)
@@ -155,6 +157,8 @@ Status Factory::judge(SimTime now) {
 }
 
 Status Factory::act(SimTime now) {
+  for (const sim::PieceId piece : referee_.take_confiscated())
+    if (world_.find(piece)) world_.retire(piece, sim::Holder::kFloor);
   strike_faults(now);
   bus_.deliver(node_);
   for (auto& machine : machines_) machine->step(now, world_);
@@ -224,10 +228,16 @@ void Factory::start(const bus::Delivery& delivery) {
     return finish(delivery.goal, InstructError::kWrongTeam,
                   name + " belongs to " + std::string(to_string(machine->team())), name);
 
-  const Instruction instruction{goal.text("operation"), goal.text("side"), goal.text("base_color"),
-                                goal.text("ring_color"), static_cast<int>(goal.integer("order_id"))};
+  const Instruction instruction{goal.text("operation"),
+                                goal.text("side"),
+                                goal.text("base_color"),
+                                goal.text("ring_color"),
+                                static_cast<int>(goal.integer("order_id")),
+                                static_cast<int>(goal.integer("shelf")),
+                                static_cast<int>(goal.integer("slot")),
+                                std::string(goal.text("description"))};
   const Machine::Answer answer = machine->instruct(instruction, bus_.now(), world_);
-  if (answer.error != InstructError::kNone || instruction.operation == "RESET")
+  if (answer.error != InstructError::kNone || answer.done)
     return finish(delivery.goal, answer.error, answer.text, name);
   goals_.push_back({delivery.goal, machine, machine->job().number, MachineState::kIdle});
 }

@@ -49,7 +49,8 @@ class Factory final : public Server, public Referee {
   bool over() const override { return referee_.phase() == Phase::kPostGame; }
 
  private:
-  Factory(const WorldConfig& config, const Game& game, sim::World& world, bus::Bus& bus, RecordSink& sink);
+  Factory(const WorldConfig& config, const Game& game, std::uint64_t seed, sim::World& world, bus::Bus& bus,
+          RecordSink& sink);
   Status join();
   Status take_faults(std::span<const sim::Fault> faults, std::uint64_t seed);
   void strike_faults(SimTime now);

@@ -41,12 +41,10 @@ Machine::Answer Machine::instruct(const Instruction& instruction, SimTime now, s
   if (context_.clock.phase(now) != Phase::kProduction)
     return {InstructError::kNotReady, "the game is in phase " + std::string(to_string(context_.clock.phase(now)))};
   if (instruction.operation == "RESET") {
-    if (state_ == MachineState::kBroken) return {InstructError::kNotReady, name_ + " is BROKEN already"};
+    if (broken()) return {InstructError::kNotReady, name_ + " is BROKEN already"};
     break_down(now, world, InstructError::kBroken, "reset by its team");
-    return {};
+    return {InstructError::kNone, {}, true};
   }
-  const Refusal refusal = check(instruction);
-  if (refusal.error == InstructError::kNotSupported) return {refusal.error, refusal.text};
   if (state_ != MachineState::kIdle) {
     std::string text = name_ + " is " + std::string(to_string(state_)) + ", not IDLE";
     const bool busy = working(state_) || state_ == MachineState::kReadyAtOutput || state_ == MachineState::kWaitIdle;
@@ -54,44 +52,57 @@ Machine::Answer Machine::instruct(const Instruction& instruction, SimTime now, s
       break_down(now, world, InstructError::kBroken, "instructed while " + std::string(to_string(state_)));
     return {InstructError::kNotReady, std::move(text)};
   }
-  if (refusal.error != InstructError::kNone) {
+  if (const Refusal refusal = check(instruction); refusal.error != InstructError::kNone) {
     if (refusal.breaks) break_down(now, world, refusal.error, refusal.text);
     return {refusal.error, refusal.text};
   }
+  if (done_at_once(instruction)) return {InstructError::kNone, {}, true};
   instruction_ = instruction;
   job_ = {job_.number + 1, true, InstructError::kNone, {}};
   enter(MachineState::kPrepared, now);
+  begin(now, world);
   return {};
 }
 
 bool Machine::fail(SimTime now, sim::World& world, const std::string& reason) {
-  if (state_ == MachineState::kBroken || context_.clock.phase(now) != Phase::kProduction) return false;
+  if (broken() || context_.clock.phase(now) != Phase::kProduction) return false;
   break_down(now, world, InstructError::kBroken, reason);
   return true;
 }
 
+bool Machine::broken() const {
+  return state_ == MachineState::kBroken || (state_ == MachineState::kDown && before_down_ == MachineState::kBroken);
+}
+
 void Machine::step(SimTime now, sim::World& world) {
   last_step_ = now;
+  look_again_ = false;
   if (context_.clock.phase(now) == Phase::kProduction) {
     observe(now, world);
-    const bool down =
-        std::ranges::any_of(downs_, [&](const DownPeriod& period) { return now >= period.begin && now < period.end; });
-    if (state_ == MachineState::kDown && !down) leave_down(now, world);
-    if (state_ != MachineState::kDown && state_ != MachineState::kBroken && down) enter_down(now, world);
-    if (state_ == MachineState::kBroken && in_phase(now) >= kBrokenTime) enter(MachineState::kIdle, now);
-    if (state_ == MachineState::kWaitIdle && in_phase(now) >= kWaitIdleTime) enter(MachineState::kIdle, now);
-    if (state_ == MachineState::kReadyAtOutput && world.at(ready_spot()) == nullptr)
-      enter(MachineState::kWaitIdle, now);
-    if (working(state_)) {
-      work(now, world);
-      if (working(state_) && in_phase(now) > kStuckTime && !may_wait())
-        break_down(now, world, InstructError::kNoWorkpiece,
-                   "stuck for 20 s in " + std::string(to_string(state_)) + ": no workpiece where it was expected");
-    }
+    if (!hardware_stands()) run_hardware(now, world);
+    const bool was_down = state_ == MachineState::kDown;
+    follow_down_times(now, world);
+    // The state that DOWN had hidden is seen once before it goes on.
+    look_again_ = was_down && state_ != MachineState::kDown;
+    if (!look_again_) change_state(now, world);
   } else if (context_.clock.phase(now) == Phase::kPostGame && belt_.wanted) {
     stop_belt(world);
   }
   show_lights(now, world);
+}
+
+void Machine::change_state(SimTime now, sim::World& world) {
+  if (state_ == MachineState::kBroken && in_phase(now) >= kBrokenTime) {
+    clear();
+    enter(MachineState::kIdle, now);
+  }
+  if (state_ == MachineState::kWaitIdle && in_phase(now) >= kWaitIdleTime) enter(MachineState::kIdle, now);
+  if (state_ == MachineState::kReadyAtOutput && world.at(ready_spot()) == nullptr) enter(MachineState::kWaitIdle, now);
+  if (!working(state_)) return;
+  if (hardware_.command == Command::kNone) proceed(now, world);
+  if (working(state_) && in_phase(now) > kStuckTime && !may_wait())
+    break_down(now, world, InstructError::kNoWorkpiece,
+               "stuck for 20 s in " + std::string(to_string(state_)) + ": no workpiece where it was expected");
 }
 
 SimTime Machine::next_due() const {
@@ -109,12 +120,13 @@ SimTime Machine::next_due() const {
   at(context_.clock.production_end);
   if (state_ == MachineState::kBroken) at(phase_start_ + kBrokenTime);
   if (state_ == MachineState::kWaitIdle) at(phase_start_ + kWaitIdleTime);
+  if (hardware_.command != Command::kNone && !hardware_stands()) at(hardware_due());
   if (working(state_)) {
-    if (const SimTime after = work_after(); after != kNever) at(phase_start_ + after);
+    if (hardware_.command == Command::kNone) at(proceed_due());
     if (!may_wait()) at(phase_start_ + kStuckTime + SimTime{1});
     if (phase_start_ == last_step_) due = std::min(due, last_step_);
   }
-  return due;
+  return look_again_ ? std::min(due, last_step_) : due;
 }
 
 void Machine::enter(MachineState state, SimTime now) {
@@ -131,30 +143,77 @@ MachineEvent& Machine::post(MachineEvent::Kind kind, SimTime now) {
   return event;
 }
 
+MachineEvent& Machine::post(MachineEvent::Kind kind, SimTime now, const sim::Piece& piece) {
+  MachineEvent& event = post(kind, now);
+  event.piece = piece.id;
+  event.stack = piece.stack;
+  return event;
+}
+
 void Machine::break_down(SimTime now, sim::World& world, InstructError error, std::string reason) {
+  std::vector<sim::PieceId> on_machine;
+  for (const sim::Piece& piece : world.pieces())
+    if (piece.is_with(sim::Holder::kBelt, id_)) on_machine.push_back(piece.id);
   MachineEvent& event = post(MachineEvent::Kind::kBroke, now);
   event.cap_buffered = cap_buffered();
   event.unused_payments = cap_buffered() ? 0 : loaded_with();
+  event.no_workpiece = error == InstructError::kNoWorkpiece && on_machine.empty();
   event.reason = reason;
+  hardware_.command = Command::kNone;
   stop_belt(world);
-  std::vector<sim::PieceId> on_machine;
-  for (const sim::Piece& piece : world.pieces())
-    if (piece.holder == sim::Holder::kBelt && piece.holder_index == static_cast<int>(id_))
-      on_machine.push_back(piece.id);
   for (const sim::PieceId piece : on_machine) world.retire(piece, sim::Holder::kFloor);
-  clear();
   if (job_.open) job_ = {job_.number, false, error, name_ + " is BROKEN: " + reason};
   enter(MachineState::kBroken, now);
 }
 
-void Machine::run_belt(sim::World& world, double speed, double stop_x) {
-  belt_ = {speed, stop_x, true};
-  world.run_belt(id_, speed, stop_x);
+void Machine::present(SimTime now, const sim::World& world) {
+  if (world.at(ready_spot()) == nullptr) return;
+  enter(MachineState::kReadyAtOutput, now);
+  finish_job();
 }
 
-void Machine::stop_belt(sim::World& world) {
-  belt_.wanted = false;
-  world.stop_belt(id_);
+// --- Hardware
+
+void Machine::send(Command command, SimTime now, sim::World& world, SimTime time) {
+  hardware_ = {command, now, time, kNever};
+  if (command == Command::kToMiddle || command == Command::kTakeIn) bring_to_middle(world);
+  if (command == Command::kToOutput) run_belt(world, kOutSpeed, -sim::kMachine.belt_rest_x);
+  if (command == Command::kToInput) run_belt(world, -kOutSpeed, sim::kMachine.belt_rest_x);
+}
+
+void Machine::run_hardware(SimTime now, sim::World& world) {
+  const SimTime elapsed = now - hardware_.since;
+  bool done = false;
+  switch (hardware_.command) {
+    case Command::kNone: return;
+    case Command::kToMiddle: done = bring_to_middle(world) && elapsed >= kBeltInTime; break;
+    case Command::kToInput:
+    case Command::kToOutput: done = elapsed >= kBeltOutTime && !world.belt_running(id_); break;
+    case Command::kTakeIn:
+      if (!bring_to_middle(world))
+        hardware_.arrived = kNever;
+      else if (hardware_.arrived == kNever)
+        hardware_.arrived = std::max(elapsed, kBeltInTime);
+      [[fallthrough]];
+    case Command::kOperate:
+      done = now >= hardware_due() && operate(now, world, world.on_belt(id_, sim::kMachine.processing_x));
+      break;
+  }
+  if (done) hardware_.command = Command::kNone;
+}
+
+SimTime Machine::hardware_due() const {
+  switch (hardware_.command) {
+    case Command::kNone: return kNever;
+    case Command::kToMiddle: return hardware_.since + kBeltInTime;
+    case Command::kToInput:
+    case Command::kToOutput: return hardware_.since + kBeltOutTime;
+    case Command::kOperate: return hardware_.since + hardware_.time;
+    case Command::kTakeIn:
+      if (hardware_.arrived == kNever) return kNever;
+      return hardware_.since + hardware_.arrived + hardware_.time - kBeltInTime;
+  }
+  return kNever;
 }
 
 bool Machine::bring_to_middle(sim::World& world) {
@@ -167,23 +226,38 @@ bool Machine::bring_to_middle(sim::World& world) {
   return false;
 }
 
-bool Machine::ready(const sim::World& world) const {
-  return !world.belt_running(id_) && world.at(ready_spot()) != nullptr;
+void Machine::run_belt(sim::World& world, double speed, double stop_x) {
+  belt_ = {speed, stop_x, true};
+  world.run_belt(id_, speed, stop_x);
 }
 
-void Machine::enter_down(SimTime now, sim::World& world) {
-  before_down_ = state_;
-  down_since_ = now;
-  belt_.wanted = world.belt_running(id_);  // one that a piece has stopped stays still afterwards
-  if (belt_.wanted) world.stop_belt(id_);
-  state_ = MachineState::kDown;
-  post(MachineEvent::Kind::kState, now).state = state_;
+void Machine::stop_belt(sim::World& world) {
+  belt_.wanted = false;
+  world.stop_belt(id_);
 }
 
-void Machine::leave_down(SimTime now, sim::World& world) {
-  state_ = before_down_;
-  phase_start_ += now - down_since_;
-  if (belt_.wanted) world.run_belt(id_, belt_.speed, belt_.stop_x);
+// --- Down times
+
+void Machine::follow_down_times(SimTime now, sim::World& world) {
+  const bool down =
+      std::ranges::any_of(downs_, [&](const DownPeriod& period) { return now >= period.begin && now < period.end; });
+  if (down == (state_ == MachineState::kDown)) return;
+  if (down) {
+    before_down_ = std::exchange(state_, MachineState::kDown);
+    down_since_ = now;
+    if (context_.rules.down_stops_work) {
+      belt_.wanted = world.belt_running(id_);  // one that a piece has stopped stays still afterwards
+      if (belt_.wanted) world.stop_belt(id_);
+    }
+  } else {
+    const SimTime duration = now - down_since_;
+    state_ = before_down_;
+    if (working(state_)) phase_start_ += duration;
+    if (context_.rules.down_stops_work) {
+      hardware_.since += duration;
+      if (belt_.wanted) world.run_belt(id_, belt_.speed, belt_.stop_x);
+    }
+  }
   post(MachineEvent::Kind::kState, now).state = state_;
 }
 

@@ -1,11 +1,15 @@
 #pragma once
-// A machine of the league: its state, its clock, its belt. The kinds are in machines.h.
+// A machine of the league. The kinds are in machines.h.
 //
 //   IDLE -instruct-> PREPARED -> PROCESSING -> PROCESSED -> READY-AT-OUTPUT -taken-> WAIT-IDLE -5 s-> IDLE
-//   any -> BROKEN -30 s-> IDLE      any but BROKEN -> DOWN -> as before
+//   any -> BROKEN -30 s-> IDLE      any -> DOWN -> as before
 //
-// A machine works in the act phase of a tick: it looks at the world, changes its state, and moves matter by the verbs
-// of `sim::World`. What it did waits as events for the referee.
+// As in the referee box, its state and its hardware are two things: the state sends the hardware one command at a time
+// and goes on when that is done. In a down time the state is DOWN; the hardware ends its command all the same (with the
+// rulebook it stands still), and the state follows when the down time ends. WAIT-IDLE and BROKEN go on meanwhile.
+//
+// A machine works in the act phase of a tick: the hardware moves matter by the verbs of `sim::World`, then the state
+// changes. What it did waits as events for the referee.
 
 #include <cstdint>
 #include <optional>
@@ -44,7 +48,6 @@ enum class InstructError : std::uint16_t {
   kWrongTeam = 101,
   kInvalid =
       103,  ///< something is missing, unknown or impossible; where the league demands it the machine is now BROKEN
-  kNotSupported = 104,
   kNoWorkpiece = 202,  ///< no workpiece came, or it got stuck: the machine is now BROKEN
   kNoMachine = 203,
   kNotReady = 209,  ///< machine not idle, or game not in production
@@ -52,11 +55,14 @@ enum class InstructError : std::uint16_t {
 
 /// What an agent asks of a machine; unused fields stay empty.
 struct Instruction {
-  std::string operation;   ///< CS: RETRIEVE_CAP, MOUNT_CAP; any: RESET
-  std::string side;        ///< BS: INPUT, OUTPUT
-  std::string base_color;  ///< BS: BASE_RED, BASE_BLACK, BASE_SILVER
-  std::string ring_color;  ///< RS
-  int order_id = 0;        ///< DS: 0 discards
+  std::string operation = {};    ///< CS: RETRIEVE_CAP, MOUNT_CAP; SS: STORE, RETRIEVE, CHANGE_INFO; any: RESET
+  std::string side = {};         ///< BS: INPUT, OUTPUT
+  std::string base_color = {};   ///< BS: BASE_RED, BASE_BLACK, BASE_SILVER
+  std::string ring_color = {};   ///< RS: one of the two that it mounts
+  int order_id = 0;              ///< DS: 0 discards
+  int shelf = 0;                 ///< SS: 0..5
+  int slot = 0;                  ///< SS: 0..7
+  std::string description = {};  ///< SS, STORE and CHANGE_INFO: what the team says of the workpiece
 };
 
 /// The last instruction that the machine accepted.
@@ -68,16 +74,19 @@ struct Job {
 };
 
 struct MachineEvent {
-  enum class Kind : std::uint8_t { kState, kPayment, kCapRetrieved, kDelivery, kBroke };
+  enum class Kind : std::uint8_t { kState, kPayment, kCapRetrieved, kMounted, kStored, kUnstored, kDelivery, kBroke };
   Kind kind{};
   sim::StationId machine{};
   SimTime at{};
   MachineState state{};       ///< kState
   int order_id = 0;           ///< kDelivery
-  sim::PieceId piece{};       ///< kDelivery, kCapRetrieved
-  sim::Stack stack;           ///< kDelivery
+  sim::PieceId piece{};       ///< kDelivery, kCapRetrieved, kMounted, kStored, kUnstored
+  sim::Stack stack;           ///< the same: what the piece is now
+  int payments = 0;           ///< kMounted: that it cost
+  int shelf = 0, slot = 0;    ///< kStored, kUnstored
   int unused_payments = 0;    ///< kBroke
   bool cap_buffered = false;  ///< kBroke
+  bool no_workpiece = false;  ///< kBroke: nothing lay on the belt of a machine that was instructed
   std::string reason;         ///< kBroke
 };
 
@@ -98,7 +107,8 @@ struct MachineContext {
   GameClock clock;
   RuleChoices rules;
   SimTime shelf_refill = from_seconds(20);
-  const std::vector<Order>* orders = nullptr;
+  const Schedule* schedule = nullptr;
+  std::uint64_t seed = 0;
   std::vector<MachineEvent> events;  ///< in order of time; the referee takes them away
 };
 
@@ -112,14 +122,15 @@ class Machine {
   /// production.
   bool fail(SimTime now, sim::World& world, const std::string& reason);
 
-  /// Accepts an instruction (error kNone: see `job`; RESET is done at once), or rejects it with the reason. A rejection
-  /// may leave the machine BROKEN.
+  /// Accepts an instruction (error kNone: see `job`; RESET and CHANGE_INFO are done at once), or rejects it with the
+  /// reason. A rejection may leave the machine BROKEN.
   struct Answer {
     InstructError error = InstructError::kNone;
     std::string text;
+    bool done = false;  ///< nothing is left to wait for
   };
   Answer instruct(const Instruction& instruction, SimTime now, sim::World& world);
-  /// Looks, changes state, acts. Every tick.
+  /// Looks, works, changes state. Every tick.
   void step(SimTime now, sim::World& world);
   /// The next time at which it does something by itself, after the last step.
   SimTime next_due() const;
@@ -130,7 +141,7 @@ class Machine {
   MachineState state() const { return state_; }
   const Job& job() const { return job_; }
   const Instruction& instruction() const { return instruction_; }  ///< of the job
-  /// Unused payments, or 1 when a cap is buffered.
+  /// Unused payments, or 1 when a cap is buffered. A BROKEN machine forgets them when it is IDLE again.
   virtual int loaded_with() const { return 0; }
 
  protected:
@@ -141,39 +152,63 @@ class Machine {
     bool breaks = false;
   };
   virtual Refusal check(const Instruction& instruction) const = 0;
+  /// Whether the instruction asks for no work: it is done at once, without a change of state.
+  virtual bool done_at_once(const Instruction&) { return false; }
+  /// An instruction was accepted: the machine is PREPARED. Most take the workpiece in.
+  virtual void begin(SimTime now, sim::World& world) { send(Command::kToMiddle, now, world); }
   /// Looks after what goes on in any state (payments, shelf).
   virtual void observe(SimTime, sim::World&) {}
-  /// PREPARED, PROCESSING, PROCESSED.
-  virtual void work(SimTime, sim::World&) {}
-  /// When `work` wants to be called, counted from the start of the phase; never = only when the world changes.
-  virtual SimTime work_after() const { return kNever; }
+  /// PREPARED, PROCESSING, PROCESSED: the state goes on, if it can. Called when the hardware has done its command.
+  virtual void proceed(SimTime now, sim::World& world) = 0;
+  /// The hardware's own work, when its time has passed. False = it does not succeed yet. What lies under the tool is
+  /// `piece`, nullptr for nothing.
+  virtual bool operate(SimTime, sim::World&, const sim::Piece*) { return true; }
   virtual SimTime observe_due() const { return kNever; }
+  /// When `proceed` has something to do in a phase without a command; never = only when the world changes.
+  virtual SimTime proceed_due() const { return kNever; }
   /// Whether the current phase may last longer than the 20 s after which a machine counts as stuck.
   virtual bool may_wait() const { return false; }
   /// Forgets payments and caps.
   virtual void clear() {}
+  virtual bool cap_buffered() const { return false; }
   virtual sim::SpotId ready_spot() const { return output_; }
+  bool broken() const;  ///< also when DOWN hides it
 
+  /// What the hardware can be told.
+  enum class Command : std::uint8_t {
+    kNone,
+    kToMiddle,  ///< belt inwards until a workpiece lies in the middle
+    kToInput,   ///< belt towards the input
+    kToOutput,  ///< belt towards the output
+    kOperate,   ///< `operate`, after a time
+    kTakeIn,    ///< kToMiddle, then kOperate: its time counts from the moment at which the workpiece could come first
+  };
+  /// Sends a command; `time`: of kOperate and kTakeIn.
+  void send(Command command, SimTime now, sim::World& world, SimTime time = {});
   void enter(MachineState state, SimTime now);
+  /// The same state with another command: the time after which it counts as stuck begins anew.
+  void restart_phase(SimTime now) { phase_start_ = now; }
+  /// READY-AT-OUTPUT if the workpiece has come to rest there; the job is done.
+  void present(SimTime now, const sim::World& world);
   void break_down(SimTime now, sim::World& world, InstructError error, std::string reason);
   void finish_job() { job_.open = false; }
-  void run_belt(sim::World& world, double speed, double stop_x);
-  void stop_belt(sim::World& world);
-  /// Runs the belt inwards until a workpiece lies in the middle; true once it does.
-  bool bring_to_middle(sim::World& world);
-  /// Whether a workpiece lies at the side where the robot takes it, and the belt has come to rest.
-  bool ready(const sim::World& world) const;
   MachineEvent& post(MachineEvent::Kind kind, SimTime now);
-  SimTime in_phase(SimTime now) const { return now - phase_start_; }
-  SimTime phase_start() const { return phase_start_; }
-  virtual bool cap_buffered() const { return false; }
+  MachineEvent& post(MachineEvent::Kind kind, SimTime now, const sim::Piece& piece);
 
   MachineContext& context_;
   sim::SpotId input_{}, output_{};
+  sim::Piece worked_on_;  ///< by `operate`, as it was afterwards
 
  private:
-  void enter_down(SimTime now, sim::World& world);
-  void leave_down(SimTime now, sim::World& world);
+  void run_hardware(SimTime now, sim::World& world);
+  bool bring_to_middle(sim::World& world);
+  void change_state(SimTime now, sim::World& world);
+  bool hardware_stands() const { return state_ == MachineState::kDown && context_.rules.down_stops_work; }
+  SimTime in_phase(SimTime now) const { return now - phase_start_; }
+  SimTime hardware_due() const;
+  void run_belt(sim::World& world, double speed, double stop_x);
+  void stop_belt(sim::World& world);
+  void follow_down_times(SimTime now, sim::World& world);
   void show_lights(SimTime now, sim::World& world);
 
   sim::StationId id_;
@@ -181,9 +216,15 @@ class Machine {
   Team team_;
   MachineState state_ = MachineState::kIdle, before_down_ = MachineState::kIdle;
   SimTime phase_start_{}, last_step_{}, down_since_{};
+  bool look_again_ = false;  ///< at the next tick
   std::vector<DownPeriod> downs_;
   Job job_;
   Instruction instruction_;
+  struct {
+    Command command = Command::kNone;  ///< in execution
+    SimTime since{}, time{};
+    SimTime arrived = kNever;  ///< kTakeIn: when the workpiece came to rest
+  } hardware_;
   struct {
     double speed = 0, stop_x = 0;
     bool wanted = false;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "scenarios/rcll/storage_station.h"
+
 namespace cxlab::rcll {
 namespace {
 
@@ -10,6 +12,7 @@ using std::chrono::milliseconds;
 
 constexpr SimTime kDispenseTime = milliseconds(1100);
 constexpr SimTime kCapTime = milliseconds(17500);
+constexpr SimTime kRingTime = milliseconds(17308);
 constexpr SimTime kGateTimes[]{milliseconds(3746), milliseconds(4746), milliseconds(3983)};
 constexpr int kMaxPayments = 3;
 
@@ -27,26 +30,22 @@ Machine::Refusal BaseStation::check(const Instruction& instruction) const {
   return {};
 }
 
-void BaseStation::work(SimTime now, sim::World& world) {
-  const double direction = instruction().side == "INPUT" ? -1 : 1;
+void BaseStation::proceed(SimTime now, sim::World& world) {
   if (state() == MachineState::kPrepared) {
     enter(MachineState::kProcessing, now);
-  } else if (state() == MachineState::kProcessing && in_phase(now) >= kDispenseTime) {
-    sim::Stack stack;
-    stack.base = static_cast<std::uint8_t>(*named<BaseColor>(instruction().base_color));
-    if (!world.dispense(id(), sim::kMachine.processing_x, stack))
-      return;  // something lies there: try again until stuck
-    run_belt(world, direction * kOutSpeed, -direction * sim::kMachine.belt_rest_x);
+    send(Command::kOperate, now, world, kDispenseTime);
+  } else if (state() == MachineState::kProcessing) {
     enter(MachineState::kProcessed, now);
-  } else if (state() == MachineState::kProcessed && in_phase(now) >= kBeltOutTime && ready(world)) {
-    enter(MachineState::kReadyAtOutput, now);
-    finish_job();
+    send(instruction().side == "INPUT" ? Command::kToInput : Command::kToOutput, now, world);
+  } else {
+    present(now, world);
   }
 }
 
-SimTime BaseStation::work_after() const {
-  if (state() == MachineState::kPrepared) return SimTime::zero();
-  return state() == MachineState::kProcessing ? kDispenseTime : kBeltOutTime;
+bool BaseStation::operate(SimTime, sim::World& world, const sim::Piece*) {
+  sim::Stack stack;
+  stack.base = static_cast<std::uint8_t>(*named<BaseColor>(instruction().base_color));
+  return bool(world.dispense(id(), sim::kMachine.processing_x, stack));  // while something lies there: again
 }
 
 sim::SpotId BaseStation::ready_spot() const { return instruction().side == "INPUT" ? input_ : output_; }
@@ -87,98 +86,126 @@ void CapStation::observe(SimTime now, sim::World& world) {
     if (world.dispense(slot, carrier)) refill_at_ = kNever;
 }
 
-void CapStation::work(SimTime now, sim::World& world) {
+void CapStation::proceed(SimTime now, sim::World& world) {
+  const bool retrieves = instruction().operation == "RETRIEVE_CAP";
   if (state() == MachineState::kPrepared) {
-    if (bring_to_middle(world) && in_phase(now) >= kBeltInTime) enter(MachineState::kProcessing, now);
-  } else if (state() == MachineState::kProcessing && in_phase(now) >= kCapTime) {
-    retrieve_or_mount(now, world);
-  } else if (state() == MachineState::kProcessed && in_phase(now) >= kBeltOutTime && ready(world)) {
-    enter(MachineState::kReadyAtOutput, now);
-    finish_job();
-  }
-}
-
-void CapStation::retrieve_or_mount(SimTime now, sim::World& world) {
-  const sim::Piece* piece = world.on_belt(id(), sim::kMachine.processing_x);
-  if (piece == nullptr) return;  // taken away: stuck
-  const sim::PieceId id_of_piece = piece->id;
-  if (instruction().operation == "RETRIEVE_CAP") {
-    if (piece->stack.cap == 0)
-      return break_down(now, world, InstructError::kInvalid, "RETRIEVE_CAP from a workpiece without a cap");
-    buffered_cap_ = piece->stack.cap;
-    world.unmount_cap(id_of_piece);
-    post(MachineEvent::Kind::kCapRetrieved, now).piece = id_of_piece;
+    enter(MachineState::kProcessing, now);
+    send(Command::kOperate, now, world, kCapTime);
+  } else if (state() == MachineState::kProcessing) {
+    buffered_cap_ = retrieves ? taken_cap_ : 0;
+    post(retrieves ? MachineEvent::Kind::kCapRetrieved : MachineEvent::Kind::kMounted, now, worked_on_);
+    enter(MachineState::kProcessed, now);
+    send(Command::kToOutput, now, world);
   } else {
-    if (piece->stack.cap != 0)
-      return break_down(now, world, InstructError::kInvalid, "MOUNT_CAP on a workpiece that has a cap");
-    world.mount(id_of_piece, sim::Part::kCap, buffered_cap_);
-    buffered_cap_ = 0;
+    present(now, world);
   }
-  run_belt(world, kOutSpeed, -sim::kMachine.belt_rest_x);
-  enter(MachineState::kProcessed, now);
 }
 
-SimTime CapStation::work_after() const {
-  if (state() == MachineState::kPrepared) return kBeltInTime;
-  return state() == MachineState::kProcessing ? kCapTime : kBeltOutTime;
+bool CapStation::operate(SimTime now, sim::World& world, const sim::Piece* piece) {
+  if (piece == nullptr) return false;  // taken away: stuck
+  const sim::PieceId id = piece->id;
+  if (instruction().operation == "RETRIEVE_CAP") {
+    if (piece->stack.cap == 0) {
+      break_down(now, world, InstructError::kInvalid, "RETRIEVE_CAP from a workpiece without a cap");
+      return false;
+    }
+    taken_cap_ = piece->stack.cap;
+    world.unmount_cap(id);
+  } else {
+    if (piece->stack.cap != 0) {
+      break_down(now, world, InstructError::kInvalid, "MOUNT_CAP on a workpiece that has a cap");
+      return false;
+    }
+    world.mount(id, sim::Part::kCap, buffered_cap_);
+  }
+  worked_on_ = *world.find(id);
+  return true;
 }
 
-// --- RingStation, StorageStation
+// --- RingStation
 
-Machine::Refusal RingStation::check(const Instruction&) const {
-  return {InstructError::kNotSupported, name() + ": mounting rings is not supported in this release", false};
+Machine::Refusal RingStation::check(const Instruction& instruction) const {
+  const auto mounted = rings_of(name().substr(2));
+  const auto ring = named<RingColor>(instruction.ring_color);
+  if (!ring || std::ranges::find(mounted, *ring) == mounted.end())
+    return {InstructError::kInvalid,
+            "ring_color: found '" + instruction.ring_color + "', expected " + std::string(to_string(mounted[0])) +
+                " or " + std::string(to_string(mounted[1])),
+            true};
+  const int price = context_.schedule->price(*ring);
+  if (payments_ < price)
+    return {InstructError::kInvalid,
+            std::string(to_string(*ring)) + " costs " + std::to_string(price) + " payments, " +
+                std::to_string(payments_) + " lie on the slide",
+            true};
+  return {};
 }
+
+int RingStation::price() const { return context_.schedule->price(*named<RingColor>(instruction().ring_color)); }
 
 void RingStation::observe(SimTime now, sim::World& world) {
   const int count = world.slide_count(id());
   if (seen_ < 0) seen_ = count;  // what was paid before production counts for nothing
   for (; seen_ < count; ++seen_) {
-    if (state() == MachineState::kBroken) continue;
-    ++payments_;
-    post(MachineEvent::Kind::kPayment, now);
-    if (payments_ > kMaxPayments)
+    if (broken()) continue;
+    if (payments_ == kMaxPayments) {
       break_down(now, world, InstructError::kBroken, "a fourth unused payment on its slide");
+    } else {
+      ++payments_;
+      post(MachineEvent::Kind::kPayment, now);
+    }
   }
 }
 
-Machine::Refusal StorageStation::check(const Instruction&) const {
-  return {InstructError::kNotSupported, name() + ": storage is not supported in this release", false};
+void RingStation::proceed(SimTime now, sim::World& world) {
+  if (state() == MachineState::kPrepared) {
+    payments_ -= price();
+    enter(MachineState::kProcessing, now);
+    send(Command::kOperate, now, world, kRingTime);
+  } else if (state() == MachineState::kProcessing) {
+    post(MachineEvent::Kind::kMounted, now, worked_on_).payments = price();
+    enter(MachineState::kProcessed, now);
+    send(Command::kToOutput, now, world);
+  } else {
+    present(now, world);
+  }
+}
+
+bool RingStation::operate(SimTime now, sim::World& world, const sim::Piece* piece) {
+  if (piece == nullptr) return false;  // taken away: stuck
+  const sim::PieceId id = piece->id;
+  if (piece->stack.cap != 0 || piece->stack.rings.back() != 0) {
+    break_down(now, world, InstructError::kInvalid,
+               piece->stack.cap != 0 ? "a ring on a workpiece that has a cap" : "a fourth ring on a workpiece");
+    return false;
+  }
+  world.mount(id, sim::Part::kRing, static_cast<std::uint8_t>(*named<RingColor>(instruction().ring_color)));
+  worked_on_ = *world.find(id);
+  return true;
 }
 
 // --- DeliveryStation
 
 const Order* DeliveryStation::order() const {
-  const auto at = std::ranges::find(*context_.orders, instruction().order_id, &Order::id);
-  return at == context_.orders->end() ? nullptr : &*at;
+  const auto& orders = context_.schedule->orders;
+  const auto at = std::ranges::find(orders, instruction().order_id, &Order::id);
+  return at == orders.end() ? nullptr : &*at;
 }
 
 Machine::Refusal DeliveryStation::check(const Instruction& instruction) const {
   const auto known = [&](const Order& order) { return order.id == instruction.order_id; };
-  if (instruction.order_id != 0 && std::ranges::none_of(*context_.orders, known))
+  if (instruction.order_id != 0 && std::ranges::none_of(context_.schedule->orders, known))
     return {InstructError::kInvalid, "order_id: no order " + std::to_string(instruction.order_id), true};
   return {};
 }
 
-void DeliveryStation::work(SimTime now, sim::World& world) {
-  const SimTime gate_time = kGateTimes[order() == nullptr ? 0 : order()->delivery_gate - 1];
+void DeliveryStation::proceed(SimTime now, sim::World& world) {
   if (state() == MachineState::kPrepared) {
-    if (order() != nullptr && now < context_.clock.at(order()->delivery_begin)) return;
-    bring_to_middle(world);
-    arrived_after_ = kNever;
+    if (now < proceed_due()) return;
     enter(MachineState::kProcessing, now);
+    send(Command::kTakeIn, now, world, kGateTimes[order() == nullptr ? 0 : order()->delivery_gate - 1]);
   } else if (state() == MachineState::kProcessing) {
-    if (!bring_to_middle(world)) {
-      arrived_after_ = kNever;
-      return;
-    }
-    if (arrived_after_ == kNever) arrived_after_ = std::max(in_phase(now), kBeltInTime);
-    if (in_phase(now) < arrived_after_ + gate_time - kBeltInTime) return;
-    const sim::Piece product = *world.on_belt(id(), sim::kMachine.processing_x);
-    MachineEvent& event = post(MachineEvent::Kind::kDelivery, now);
-    event.order_id = instruction().order_id;
-    event.piece = product.id;
-    event.stack = product.stack;
-    world.retire(product.id, sim::Holder::kGate);
+    post(MachineEvent::Kind::kDelivery, now, worked_on_).order_id = instruction().order_id;
     enter(MachineState::kProcessed, now);
     finish_job();
   } else {
@@ -186,14 +213,15 @@ void DeliveryStation::work(SimTime now, sim::World& world) {
   }
 }
 
-SimTime DeliveryStation::work_after() const {
-  if (state() == MachineState::kPrepared && order() != nullptr) {
-    // The window's start as a time in this phase; `next_due` adds the phase's start again.
-    return context_.clock.at(order()->delivery_begin) - phase_start();
-  }
-  if (state() != MachineState::kProcessing) return SimTime::zero();
-  const SimTime gate_time = kGateTimes[order() == nullptr ? 0 : order()->delivery_gate - 1];
-  return arrived_after_ == kNever ? kNever : arrived_after_ + gate_time - kBeltInTime;
+bool DeliveryStation::operate(SimTime, sim::World& world, const sim::Piece* piece) {
+  worked_on_ = *piece;
+  world.retire(worked_on_.id, sim::Holder::kGate);
+  return true;
+}
+
+SimTime DeliveryStation::proceed_due() const {
+  const bool waits = state() == MachineState::kPrepared && order() != nullptr;
+  return waits ? context_.clock.at(order()->delivery_begin) : SimTime::zero();
 }
 
 bool DeliveryStation::may_wait() const {

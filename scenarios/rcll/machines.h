@@ -1,5 +1,6 @@
 #pragma once
-// The kinds of machines. Durations are those of the referee box's mock-up, which were taken from real machines.
+// The kinds of machines; the storage station is in storage_station.h. Durations are those of the referee box's mock-up,
+// which were taken from real machines.
 
 #include <array>
 #include <memory>
@@ -16,8 +17,9 @@ class BaseStation final : public Machine {
 
  private:
   Refusal check(const Instruction& instruction) const override;
-  void work(SimTime now, sim::World& world) override;
-  SimTime work_after() const override;
+  void begin(SimTime, sim::World&) override {}
+  void proceed(SimTime now, sim::World& world) override;
+  bool operate(SimTime now, sim::World& world, const sim::Piece* piece) override;
   sim::SpotId ready_spot() const override;
 };
 
@@ -31,20 +33,21 @@ class CapStation final : public Machine {
  private:
   Refusal check(const Instruction& instruction) const override;
   void observe(SimTime now, sim::World& world) override;
-  void work(SimTime now, sim::World& world) override;
-  SimTime work_after() const override;
+  void proceed(SimTime now, sim::World& world) override;
+  bool operate(SimTime now, sim::World& world, const sim::Piece* piece) override;
   SimTime observe_due() const override { return refill_at_; }
   void clear() override { buffered_cap_ = 0; }
   bool cap_buffered() const override { return buffered_cap_ != 0; }
-  void retrieve_or_mount(SimTime now, sim::World& world);
 
   std::array<sim::SpotId, 3> shelf_{};
   CapColor shelf_cap_;
   SimTime refill_at_{};  ///< kNever while something lies on the shelf
   std::uint8_t buffered_cap_ = 0;
+  std::uint8_t taken_cap_ = 0;  ///< off the carrier inside, not buffered yet
 };
 
-/// Counts the bases on its slide: the fourth that is not used breaks it. Mounts no rings in this release.
+/// Mounts rings of two colours, 17.308 s each, for as many bases on its slide as the colour's price. A fourth base that
+/// is not used breaks it.
 class RingStation final : public Machine {
  public:
   using Machine::Machine;
@@ -53,19 +56,13 @@ class RingStation final : public Machine {
  private:
   Refusal check(const Instruction& instruction) const override;
   void observe(SimTime now, sim::World& world) override;
+  void proceed(SimTime now, sim::World& world) override;
+  bool operate(SimTime now, sim::World& world, const sim::Piece* piece) override;
   void clear() override { payments_ = 0; }
+  int price() const;  ///< of the instruction's ring
 
   int payments_ = 0;  ///< not used yet
   int seen_ = -1;     ///< of the slide's count; -1 before production
-};
-
-/// Stands on the field; takes no instructions in this release.
-class StorageStation final : public Machine {
- public:
-  using Machine::Machine;
-
- private:
-  Refusal check(const Instruction& instruction) const override;
 };
 
 /// Takes products through gate 1, 2 or 3 once the order's window is open; order 0 is discarded at once. The product is
@@ -76,13 +73,13 @@ class DeliveryStation final : public Machine {
 
  private:
   Refusal check(const Instruction& instruction) const override;
-  void work(SimTime now, sim::World& world) override;
-  SimTime work_after() const override;
+  void begin(SimTime, sim::World&) override {}
+  void proceed(SimTime now, sim::World& world) override;
+  bool operate(SimTime now, sim::World& world, const sim::Piece* piece) override;
+  SimTime proceed_due() const override;
   bool may_wait() const override;
   sim::SpotId ready_spot() const override { return input_; }
   const Order* order() const;  ///< of the instruction; nullptr = discard
-
-  SimTime arrived_after_ = kNever;  ///< in the phase
 };
 
 /// All machines of the plan in its order.

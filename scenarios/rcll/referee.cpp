@@ -14,9 +14,18 @@ constexpr std::int64_t kCapPoints = 10;
 constexpr std::int64_t kBufferPoints = 2;
 constexpr std::int64_t kPaymentPoints = 2;
 constexpr std::int64_t kCompetitivePoints = 10;
+constexpr std::int64_t kStoragePoints = -5;      ///< STORE or RETRIEVE
+constexpr std::int64_t kNoWorkpiecePoints = -1;  ///< instructed, and nothing came
+constexpr std::int64_t kDropPoints = -10;
+constexpr std::int64_t kForeignMachinePoints = -20;
 
 Team team_of(const sim::FloorPlan& plan, sim::StationId id) {
   return plan.station(id).name.front() == 'C' ? Team::kCyan : Team::kMagenta;
+}
+
+/// Robots start on their own half.
+Team team_of(const sim::FloorPlan& plan, sim::RobotId id) {
+  return plan.robot(id).pose_in_world.x > 0 ? Team::kCyan : Team::kMagenta;
 }
 
 }  // namespace
@@ -43,7 +52,10 @@ GameReferee::GameReferee(GameClock clock, RuleChoices rules, Schedule schedule, 
 }
 
 void GameReferee::judge(SimTime now, std::span<const sim::HolderChange> changes, std::span<const MachineEvent> events) {
-  for (const sim::HolderChange& change : changes) write_piece(change);
+  for (const sim::HolderChange& change : changes) {
+    write_piece(change);
+    if (rules_.by_hand) judge_piece(change);
+  }
   for (const MachineEvent& event : events) note(event);
   const Phase phase = clock_.phase(now);
   if (!last_look_ || phase != phase_) {
@@ -97,6 +109,7 @@ void GameReferee::put_holder(std::string_view key, sim::Holder holder, int index
     case sim::Holder::kDispenser:
     case sim::Holder::kBelt:
     case sim::Holder::kGate:
+    case sim::Holder::kStorage:
       if (index >= 0 && at < plan_.stations.size()) name = plan_.stations[at].name;
       break;
     case sim::Holder::kFloor: break;
@@ -112,6 +125,32 @@ void GameReferee::write_piece(const sim::HolderChange& change) {
   write(change.at);
 }
 
+std::optional<sim::StationId> GameReferee::station_of(sim::Holder holder, int index) const {
+  if (index < 0) return std::nullopt;
+  if (holder == sim::Holder::kBelt) return static_cast<sim::StationId>(index);
+  if (holder == sim::Holder::kSlot || holder == sim::Holder::kSlide) return plan_.spot(sim::SpotId{index}).station;
+  return std::nullopt;
+}
+
+void GameReferee::judge_piece(const sim::HolderChange& change) {
+  if (change.from != sim::Holder::kGripper || clock_.phase(change.at) != Phase::kProduction) return;
+  const Team team = team_of(plan_, sim::RobotId{change.from_index});
+  if (change.to == sim::Holder::kFloor) give(team, PointKind::kPenalty, kDropPoints, change.at);
+  if (const auto station = station_of(change.to, change.to_index); station && team_of(plan_, *station) != team) {
+    give(team, PointKind::kPenalty, kForeignMachinePoints, change.at);
+    confiscated_.push_back(change.piece);
+  }
+}
+
+void GameReferee::write_work(const MachineEvent& event, std::string_view what) {
+  data_.begin().field("event", what).field("machine", plan_.station(event.machine).name);
+  data_.field("piece", static_cast<std::int64_t>(event.piece)).field("product", describe(event.stack));
+  if (plan_.station(event.machine).kind == "RS") data_.field("payments", event.payments);
+  if (event.kind == MachineEvent::Kind::kStored || event.kind == MachineEvent::Kind::kUnstored)
+    data_.field("shelf", event.shelf).field("slot", event.slot);
+  write(event.at);
+}
+
 void GameReferee::note(const MachineEvent& event) {
   const Team team = team_of(plan_, event.machine);
   const std::string& machine = plan_.station(event.machine).name;
@@ -121,13 +160,24 @@ void GameReferee::note(const MachineEvent& event) {
       write(event.at);
       break;
     case MachineEvent::Kind::kPayment: give(team, PointKind::kPayment, kPaymentPoints, event.at); break;
-    case MachineEvent::Kind::kCapRetrieved: give(team, PointKind::kBuffer, kBufferPoints, event.at); break;
+    case MachineEvent::Kind::kCapRetrieved:
+      write_work(event, "cap_retrieved");
+      give(team, PointKind::kBuffer, kBufferPoints, event.at);
+      break;
+    case MachineEvent::Kind::kMounted: write_work(event, "mounted"); break;
+    case MachineEvent::Kind::kStored:
+    case MachineEvent::Kind::kUnstored:
+      write_work(event, event.kind == MachineEvent::Kind::kStored ? "stored" : "unstored");
+      if (event.kind == MachineEvent::Kind::kUnstored) from_storage_.push_back(event.piece);
+      give(team, PointKind::kPenalty, kStoragePoints, event.at);
+      break;
     case MachineEvent::Kind::kDelivery: deliver(event, team); break;
     case MachineEvent::Kind::kBroke:
       data_.begin().field("event", "broken").field("machine", machine).field("reason", event.reason);
       write(event.at);
       give(team, PointKind::kPayment, -kPaymentPoints * event.unused_payments, event.at);
       if (event.cap_buffered) give(team, PointKind::kBuffer, -kBufferPoints, event.at);
+      if (event.no_workpiece && rules_.by_hand) give(team, PointKind::kPenalty, kNoWorkpiecePoints, event.at);
       break;
   }
 }
@@ -147,6 +197,8 @@ std::string GameReferee::rejection(const OrderState& state, const MachineEvent& 
   if (event.at < clock_.at(state.order.delivery_begin)) return "early";
   if (!(event.stack == stack_of(state.order.product))) return "wrong product";
   if (state.delivered[static_cast<std::size_t>(team)] >= state.order.quantity) return "surplus";
+  if (rules_.storage_serves_one && from_storage(event.piece) && storage_served_[static_cast<std::size_t>(team)])
+    return "another from the storage";
   return {};
 }
 
@@ -192,13 +244,16 @@ void GameReferee::accept(OrderState& state, Delivery& delivery) {
   give_for_order(PointKind::kLate, -deduction);
   if (order.competitive && state.delivered[team] == 0) {
     const bool first = state.delivered[1 - team] == 0;
-    give_for_order(PointKind::kCompetitive,
-                   first ? kCompetitivePoints : -std::min(worth - deduction, kCompetitivePoints));
+    give_for_order(PointKind::kCompetitive, first ? kCompetitivePoints
+                                            : rules_.second_keeps_points
+                                                ? -std::min(worth - deduction, kCompetitivePoints)
+                                                : -kCompetitivePoints);
   }
   for (const RingColor ring : order.product.rings)
     give_for_order(PointKind::kRing, kRingPoints[static_cast<std::size_t>(schedule_.price(ring))]);
   give_for_order(PointKind::kCap, kCapPoints);
 
+  storage_served_[team] |= from_storage(delivery.piece);
   ++order_changes_;
   ++state.delivered[team];
   if (!state.delivered_at[team]) state.delivered_at[team] = delivery.at;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cx/base/record_sink.h"
@@ -47,7 +48,7 @@ struct Delivery {
   sim::PieceId piece{};
   sim::Stack stack;
   bool correct = false;     ///< accepted: it counts for its order
-  std::string reason;       ///< why not: "inactive", "early", "surplus", "wrong product"
+  std::string reason;       ///< why not: "inactive", "early", "surplus", "wrong product", "another from the storage"
   double late_s = 0;        ///< s after the end of the window, of an accepted product
   std::int64_t points = 0;  ///< all that it earned
 };
@@ -71,6 +72,9 @@ class GameReferee {
 
   /// Looks at one tick: pieces that changed hands, and what the machines did since the last look.
   void judge(SimTime now, std::span<const sim::HolderChange> changes, std::span<const MachineEvent> events);
+  /// Pieces that the referee has taken off the machines of the other team, since the last call; who carries them away
+  /// takes them out of play.
+  std::vector<sim::PieceId> take_confiscated() { return std::exchange(confiscated_, {}); }
   /// The next release of an order or end of a phase.
   SimTime next_due() const;
 
@@ -85,6 +89,9 @@ class GameReferee {
  private:
   void release_orders(SimTime now);
   void write_piece(const sim::HolderChange& change);
+  void judge_piece(const sim::HolderChange& change);
+  std::optional<sim::StationId> station_of(sim::Holder holder, int index) const;
+  void write_work(const MachineEvent& event, std::string_view what);
   void note(const MachineEvent& event);
   void deliver(const MachineEvent& event, Team team);
   std::string rejection(const OrderState& state, const MachineEvent& event, Team team) const;
@@ -106,6 +113,10 @@ class GameReferee {
   std::vector<OrderState> orders_;
   std::vector<Delivery> deliveries_;
   std::uint64_t order_changes_ = 0;
+  bool from_storage(sim::PieceId piece) const { return std::ranges::find(from_storage_, piece) != from_storage_.end(); }
+
+  std::vector<sim::PieceId> from_storage_, confiscated_;
+  std::array<bool, 2> storage_served_{};  ///< by team
 };
 
 }  // namespace cxlab::rcll

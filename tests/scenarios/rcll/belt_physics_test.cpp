@@ -18,10 +18,10 @@ class BeltPhysics : public testing::Test {
     auto world = sim::MujocoWorld::create(floor_plan_of(WorldConfig{}, game_of(WorldConfig{}, 1)->layout), options);
     ASSERT_TRUE(world) << world.error().text();
     world_ = std::move(*world);
-    orders_.resize(1);
-    orders_[0].id = 1;
-    orders_[0].delivery_end = 1200;
-    context_.orders = &orders_;
+    schedule_.orders.resize(1);
+    schedule_.orders[0].id = 1;
+    schedule_.orders[0].delivery_end = 1200;
+    context_.schedule = &schedule_;
     machines_ = make_machines(world_->plan(), context_);
     tick();
   }
@@ -44,37 +44,63 @@ class BeltPhysics : public testing::Test {
 
   static constexpr SimTime kTick = std::chrono::milliseconds(20);
   std::unique_ptr<sim::MujocoWorld> world_;
-  std::vector<Order> orders_;
+  Schedule schedule_;
   MachineContext context_;
   std::vector<std::unique_ptr<Machine>> machines_;
 };
 
 TEST_F(BeltPhysics, ABaseRidesToTheSideThatWasAskedFor) {
-  EXPECT_NEAR(carry_out(machine("C-BS"), {"", "OUTPUT", "BASE_RED", "", 0}), 1.1 + 2.656, 0.4);
+  EXPECT_NEAR(carry_out(machine("C-BS"), {.side = "OUTPUT", .base_color = "BASE_RED"}), 1.1 + 2.656, 0.4);
   EXPECT_NE(at("C-BS-OUTPUT"), nullptr);
-  EXPECT_NEAR(carry_out(machine("M-BS"), {"", "INPUT", "BASE_BLACK", "", 0}), 1.1 + 2.656, 0.4);
+  EXPECT_NEAR(carry_out(machine("M-BS"), {.side = "INPUT", .base_color = "BASE_BLACK"}), 1.1 + 2.656, 0.4);
   EXPECT_NE(at("M-BS-INPUT"), nullptr);
 }
 
 TEST_F(BeltPhysics, ACapIsRetrievedAndMountedOnTheNextBase) {
   Machine& cap_station = machine("C-CS1");
   ASSERT_TRUE(world_->dispense(cap_station.id(), sim::kMachine.belt_rest_x, {4, {}, 2}));
-  EXPECT_NEAR(carry_out(cap_station, {"RETRIEVE_CAP", "", "", "", 0}), 21.7, 0.6);
+  EXPECT_NEAR(carry_out(cap_station, {.operation = "RETRIEVE_CAP"}), 21.7, 0.6);
   ASSERT_NE(at("C-CS1-OUTPUT"), nullptr);
   EXPECT_EQ(at("C-CS1-OUTPUT")->stack, (sim::Stack{4, {}, 0}));
   world_->retire(at("C-CS1-OUTPUT")->id, sim::Holder::kFloor);
   for (int i = 0; i < 260; ++i) tick();
 
   ASSERT_TRUE(world_->dispense(cap_station.id(), sim::kMachine.belt_rest_x, {1, {}, 0}));
-  EXPECT_NEAR(carry_out(cap_station, {"MOUNT_CAP", "", "", "", 0}), 21.7, 0.6);
+  EXPECT_NEAR(carry_out(cap_station, {.operation = "MOUNT_CAP"}), 21.7, 0.6);
   ASSERT_NE(at("C-CS1-OUTPUT"), nullptr);
   EXPECT_EQ(at("C-CS1-OUTPUT")->stack, (sim::Stack{1, {}, 2}));
+}
+
+TEST_F(BeltPhysics, RingsAreMountedOneOnTheOther) {
+  Machine& ring_station = machine("C-RS1");
+  sim::Stack wanted{1, {}, 0};
+  for (const RingColor color : {RingColor::kOrange, RingColor::kGreen, RingColor::kOrange}) {  // all free here
+    const auto piece = world_->dispense(ring_station.id(), sim::kMachine.belt_rest_x, wanted);
+    ASSERT_TRUE(piece);
+    EXPECT_NEAR(carry_out(ring_station, {.ring_color = std::string(to_string(color))}), 21.5, 0.6);
+    wanted.mount(sim::Part::kRing, static_cast<std::uint8_t>(color));
+    ASSERT_NE(at("C-RS1-OUTPUT"), nullptr);
+    EXPECT_EQ(at("C-RS1-OUTPUT")->id, *piece);
+    EXPECT_EQ(at("C-RS1-OUTPUT")->stack, wanted);
+    world_->retire(*piece, sim::Holder::kFloor);
+    for (int i = 0; i < 260; ++i) tick();
+  }
+}
+
+TEST_F(BeltPhysics, AWorkpieceGoesIntoTheStorageAndComesOutAgain) {
+  Machine& storage = machine("C-SS");
+  ASSERT_TRUE(world_->dispense(storage.id(), sim::kMachine.belt_rest_x, {1, {2, 3, 0}, 0}));
+  EXPECT_NEAR(carry_out(storage, {.operation = "STORE", .shelf = 4, .slot = 5}), 19.0, 0.6);
+  for (int i = 0; i < 260; ++i) tick();
+  EXPECT_NEAR(carry_out(storage, {.operation = "RETRIEVE", .shelf = 4, .slot = 5}), 20.2, 0.6);
+  ASSERT_NE(at("C-SS-OUTPUT"), nullptr);
+  EXPECT_EQ(at("C-SS-OUTPUT")->stack, (sim::Stack{1, {2, 3, 0}, 0}));
 }
 
 TEST_F(BeltPhysics, AProductGoesThroughTheGateAndLeavesPlay) {
   const auto product = world_->dispense(machine("C-DS").id(), sim::kMachine.belt_rest_x, {1, {}, 2});
   ASSERT_TRUE(product);
-  EXPECT_NEAR(carry_out(machine("C-DS"), {"", "", "", "", 1}), 3.746, 0.4);
+  EXPECT_NEAR(carry_out(machine("C-DS"), {.order_id = 1}), 3.746, 0.4);
   EXPECT_EQ(world_->find(*product), nullptr);
   bool delivered = false;
   for (const MachineEvent& event : context_.events)

@@ -20,6 +20,7 @@
 //   at SPOT PRODUCT | at SPOT nothing | belt C-CS1 nothing
 //   feedback PREPARED PROCESSING ...                    of the instruction given last
 //   points delivery 20 cap 10 | rival points ...        all that are not named are 0
+//   given payment 2 payment -6                          scores of the team, one by one, since the last such line
 //   verdict correct | verdict early | verdict none      of the last delivery
 //   late 53.7                                           s, of the last delivery
 //   phase PRODUCTION
@@ -178,6 +179,7 @@ class GameScript {
     if (verb == "belt") return expect_same(on_belt(word(1)), rest(2));
     if (verb == "feedback") return check_feedback();
     if (verb == "points") return check_points(team_, 1);
+    if (verb == "given") return expect_same(scores(), rest(1));
     if (verb == "verdict") return check_verdict();
     if (verb == "late") return check_late();
     if (verb == "phase") return expect_same(to_string(story_->factory().referee().phase()), word(1));
@@ -273,6 +275,17 @@ class GameScript {
                  std::to_string(points);
     expect_same(found, rest(from));
   }
+  /// Kind and points of the score records since the last call.
+  std::string scores() {
+    std::string found;
+    const auto records = story_->records().of(RecordKind::kReferee);
+    for (; scores_seen_ < records.size(); ++scores_seen_) {
+      const auto data = nlohmann::json::from_msgpack(records[scores_seen_].data);
+      if (data.at("event") != "score") continue;
+      found += (found.empty() ? "" : " ") + data.at("kind").get<std::string>() + ' ' + data.at("points").dump();
+    }
+    return found;
+  }
   void check_verdict() {
     const auto& deliveries = story_->deliveries();
     if (deliveries.empty()) return expect_same("none", rest(1));
@@ -294,7 +307,7 @@ class GameScript {
   std::map<std::string, int> published_;
   std::vector<std::string> words_;
   std::string line_;
-  std::size_t goal_ = 0, heard_ = 0;
+  std::size_t goal_ = 0, heard_ = 0, scores_seen_ = 0;
   double given_at_ = 0;
 };
 

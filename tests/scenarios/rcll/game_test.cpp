@@ -103,6 +103,8 @@ TEST(CapStation, RetrievingWithABufferedCapBreaksItAndTakesThePointsBack) {
   EXPECT_EQ(story.carry_out("{machine: C-CS1, operation: RETRIEVE_CAP}").code, 103);
   story.run_for(0.1);
   EXPECT_EQ(story.score().of(PointKind::kBuffer), 0);
+  EXPECT_EQ(story.machine("C-CS1").loaded_with(), 1);
+  story.run_for(30);
   EXPECT_EQ(story.machine("C-CS1").loaded_with(), 0);
 }
 
@@ -129,7 +131,7 @@ TEST(RingStation, ThreePaymentsScoreAndTheFourthBreaksIt) {
     story.move("C-BS-OUTPUT", "C-RS1-SLIDE");
     story.run_for(6);
     EXPECT_EQ(story.score().of(PointKind::kPayment), payment < 4 ? 2 * payment : 0);
-    EXPECT_EQ(story.machine("C-RS1").loaded_with(), payment % 4);
+    EXPECT_EQ(story.machine("C-RS1").loaded_with(), std::min(payment, 3));
   }
   EXPECT_EQ(story.state("C-RS1"), "BROKEN");
 }
@@ -140,9 +142,11 @@ TEST(Instructions, ThatCannotBeGivenSayWhy) {
   const Outcome unknown = story.carry_out("{machine: C-CS3}");
   EXPECT_EQ(unknown.code, 203);
   EXPECT_THAT(unknown.error, HasSubstr("did you mean 'C-CS"));
-  EXPECT_EQ(story.carry_out("{machine: C-RS1, ring_color: RING_BLUE}").code, 104);
-  EXPECT_EQ(story.state("C-RS1"), "IDLE");
-  EXPECT_EQ(story.carry_out("{machine: C-SS, operation: RETRIEVE}").code, 104);
+  const Outcome colour = story.carry_out("{machine: C-RS1, ring_color: RING_BLUE}");
+  EXPECT_EQ(colour.code, 103);
+  EXPECT_EQ(colour.error, "ring_color: found 'RING_BLUE', expected RING_ORANGE or RING_GREEN");
+  EXPECT_EQ(story.carry_out("{machine: C-SS, operation: RETRIEVE, slot: 8}").error,
+            "shelf 0, slot 8: shelves are 0 to 5, slots 0 to 7");
 }
 
 TEST(Instructions, ASecondOneIsIgnoredOrByTheRulebookBreaksTheMachine) {
@@ -268,6 +272,7 @@ TEST(Records, OfTheRefereeSayWhatItDecided) {
                   R"({"event":"delivery","order":1,"team":"CYAN","piece":14,"product":"BASE_RED CAP_GREY",)"
                   R"("correct":true,"points":15,"late_s":8.58})",
                   R"({"event":"discard","piece":15,"product":"BASE_SILVER CAP_GREY"})",
+                  R"({"event":"cap_retrieved","machine":"C-CS1","piece":1,"product":"BASE_CLEAR"})",
                   R"({"event":"score","team":"CYAN","kind":"buffer","points":2,"total":17})",
                   R"({"event":"broken","machine":"C-CS1","reason":"reset by its team"})",
                   R"({"event":"score","team":"CYAN","kind":"buffer","points":-2,"total":15})"));

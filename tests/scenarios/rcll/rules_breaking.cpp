@@ -72,6 +72,8 @@ std::span<const Row> breaking_rows() {
         C-RS1 {operation: RESET} -> 0
         wait 0
         points payment 2
+        loaded C-RS1 2
+        wait 30.2
         loaded C-RS1 0
         loaded C-RS2 1
         wait 31
@@ -84,6 +86,8 @@ std::span<const Row> breaking_rows() {
         C-CS1 {operation: RESET} -> 0
         wait 0
         points
+        loaded C-CS1 1
+        wait 30.2
         loaded C-CS1 0
         wait 31
         C-CS1 {operation: MOUNT_CAP} -> 103)"},

@@ -148,7 +148,55 @@ std::span<const Row> delivery_rows() {
         until 60
         lay BASE_RED CAP_GREY at C-DS-INPUT
         C-DS {order_id: 1} -> 0
-        points delivery 20 cap 10 late -15 competitive -5)"},
+        points delivery 20 cap 10 late -15 competitive -5)",
+       kBook},
+      {"points: the second with a competitive order loses 10 however late it is",
+       R"(order C0 BASE_RED CAP_GREY competitive window 0 20
+        lay BASE_RED CAP_GREY at M-DS-INPUT
+        rival M-DS {order_id: 1}
+        until 60
+        lay BASE_RED CAP_GREY at C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        points delivery 20 cap 10 late -15 competitive -10)",
+       kBox},
+      {"points: from the storage one C0 a game",
+       R"(order C0 BASE_RED CAP_GREY quantity 3
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0
+        take C-SS-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        verdict correct
+        wait 6
+        lay BASE_RED CAP_GREY at C-SS-INPUT
+        C-SS {operation: STORE, shelf: 0, slot: 1} -> 0
+        wait 6
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0
+        take C-SS-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        verdict another from the storage
+        wait 6
+        lay BASE_RED CAP_GREY at C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        verdict correct)",
+       kBook},
+      {"points: from the storage as many as are there",
+       R"(order C0 BASE_RED CAP_GREY quantity 2
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0
+        take C-SS-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        wait 6
+        lay BASE_RED CAP_GREY at C-SS-INPUT
+        C-SS {operation: STORE, shelf: 0, slot: 1} -> 0
+        wait 6
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0
+        take C-SS-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        verdict correct
+        points delivery 40 cap 20 penalty -15)",
+       kBox},
       {"points: only the first product of a competitive order",
        R"(order C0 BASE_RED CAP_GREY competitive quantity 2
         lay BASE_RED CAP_GREY at C-DS-INPUT

@@ -6,6 +6,49 @@ namespace cxlab::rcll {
 
 std::span<const Row> game_rows() {
   static const Row kRows[] = {
+      {"by hand: an instruction without a workpiece costs a point",
+       R"(C-CS1 {operation: RETRIEVE_CAP} -> 202
+        points penalty -1
+        C-DS {order_id: 0} -> 202
+        points penalty -2)",
+       kBook},
+      {"by hand: the referee box sees no instruction without a workpiece",
+       R"(C-CS1 {operation: RETRIEVE_CAP} -> 202
+        points)",
+       kBox},
+      {"by hand: a workpiece that lies on the belt but not where it should costs nothing",
+       R"(C-CS1 {operation: RETRIEVE_CAP}
+        wait 19.9
+        lay BASE_RED at C-CS1-OUTPUT
+        ends 202
+        points)",
+       kBook},
+      {"by hand: a workpiece dropped costs 10",
+       R"(hold BASE_RED
+        drop
+        wait 0.04
+        points penalty -10)",
+       kBook},
+      {"by hand: the referee box sees nothing fall",
+       R"(hold BASE_RED
+        drop
+        wait 0.04
+        points)",
+       kBox},
+      {"by hand: a workpiece on the other team's machine costs 20 and is taken away",
+       R"(hold BASE_RED
+        put M-CS1-INPUT
+        wait 0.04
+        points penalty -20
+        belt M-CS1 nothing)",
+       kBook},
+      {"by hand: the referee box lets a workpiece lie on the other team's machine",
+       R"(hold BASE_RED
+        put M-CS1-INPUT
+        wait 0.04
+        points
+        belt M-CS1 BASE_RED)",
+       kBox},
       {"phases: set-up, production, the end; each begins its time anew",
        R"(setup 10
         production 20

@@ -39,15 +39,6 @@ std::span<const Row> instruction_rows() {
         wait 6
         C-CS1 {operation: MOUNT} -> 103
         C-CS1 is BROKEN)"},
-      {"instructions: rings and storage are not supported, in any state",
-       R"(C-RS1 {ring_color: RING_GREEN} -> 104
-        C-RS1 is IDLE
-        C-SS {operation: STORE} -> 104
-        C-SS is IDLE
-        down C-RS1 10
-        wait 1
-        C-RS1 {ring_color: RING_GREEN} -> 104
-        C-RS1 is DOWN)"},
       {"instructions: RETRIEVE_CAP while a cap is buffered breaks a cap station",
        R"(lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
         C-CS1 {operation: RETRIEVE_CAP} -> 0
@@ -56,7 +47,7 @@ std::span<const Row> instruction_rows() {
         loaded C-CS1 1
         C-CS1 {operation: RETRIEVE_CAP} -> 103
         C-CS1 is BROKEN
-        loaded C-CS1 0
+        loaded C-CS1 1
         wait 0
         points)"},
       {"instructions: MOUNT_CAP while no cap is buffered breaks a cap station",

@@ -84,6 +84,27 @@ std::span<const Row> work_rows() {
         lay BASE_RED at C-CS1-INPUT
         C-CS1 {operation: MOUNT_CAP} -> 0 after 21.694
         at C-CS1-OUTPUT BASE_RED CAP_GREY)"},
+      {"durations: a ring is mounted after 1.538 s of belt and 17.308 s",
+       R"(lay BASE_RED at C-RS1-INPUT
+        C-RS1 {ring_color: RING_ORANGE}
+        wait 1.48
+        C-RS1 is PREPARED
+        wait 0.1
+        C-RS1 is PROCESSING
+        wait 17.2
+        belt C-RS1 BASE_RED
+        wait 0.12
+        belt C-RS1 BASE_RED RING_ORANGE
+        C-RS1 is PROCESSED
+        ends 0 after 21.502
+        at C-RS1-OUTPUT BASE_RED RING_ORANGE)"},
+      {"durations: storing takes 1.538 s of belt and 17.5 s",
+       R"(lay BASE_RED CAP_GREY at C-SS-INPUT
+        C-SS {operation: STORE, shelf: 2, slot: 2} -> 0 after 19.038
+        feedback PREPARED PROCESSING PROCESSED)"},
+      {"durations: bringing one out takes 17.5 s and 2.656 s of belt",
+       R"(C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0 after 20.156
+        feedback PROCESSING PROCESSED READY-AT-OUTPUT)"},
       {"durations: gate 1 takes 3.746 s",
        R"(order C0 BASE_RED CAP_GREY gate 1
         lay BASE_RED CAP_GREY at C-DS-INPUT
@@ -139,6 +160,18 @@ std::span<const Row> work_rows() {
         C-RS1 is DOWN
         wait 0.2
         C-RS1 is IDLE)"},
+      {"down: 50 s while PREPARED, and the cap is retrieved afterwards",
+       R"(lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
+        C-CS1 {operation: RETRIEVE_CAP}
+        wait 1
+        down C-CS1 50
+        wait 49.9
+        C-CS1 is DOWN
+        belt C-CS1 BASE_CLEAR CAP_GREY
+        wait 0.16
+        C-CS1 is PROCESSING
+        ends 0 after 71.22)",
+       kBox},
       {"down: 50 s while PREPARED, and the work takes 50 s longer",
        R"(lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
         C-CS1 {operation: RETRIEVE_CAP}
@@ -146,7 +179,27 @@ std::span<const Row> work_rows() {
         down C-CS1 50
         wait 1
         C-CS1 is DOWN
-        ends 0 after 71.694)"},
+        ends 0 after 71.694)",
+       kBook},
+      {"down: 50 s while PROCESSING, the cap comes off meanwhile and counts afterwards",
+       R"(lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
+        C-CS1 {operation: RETRIEVE_CAP}
+        wait 12
+        down C-CS1 50
+        wait 6.9
+        belt C-CS1 BASE_CLEAR CAP_GREY
+        wait 0.3
+        belt C-CS1 BASE_CLEAR
+        wait 42.7
+        C-CS1 is DOWN
+        loaded C-CS1 0
+        points
+        wait 0.2
+        C-CS1 is PROCESSED
+        loaded C-CS1 1
+        points buffer 2
+        ends 0 after 64.72)",
+       kBox},
       {"down: 50 s while PROCESSING, and the work takes 50 s longer",
        R"(lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
         C-CS1 {operation: RETRIEVE_CAP}
@@ -156,7 +209,19 @@ std::span<const Row> work_rows() {
         C-CS1 is DOWN
         wait 2
         C-CS1 is PROCESSING
-        ends 0 after 71.694)"},
+        ends 0 after 71.694)",
+       kBook},
+      {"down: 50 s while PROCESSED, the belt runs on",
+       R"(lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
+        C-CS1 {operation: RETRIEVE_CAP}
+        wait 20
+        C-CS1 is PROCESSED
+        down C-CS1 50
+        wait 3
+        C-CS1 is DOWN
+        at C-CS1-OUTPUT BASE_CLEAR
+        ends 0 after 70.08)",
+       kBox},
       {"down: 50 s while PROCESSED, and the belt takes 50 s longer",
        R"(lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
         C-CS1 {operation: RETRIEVE_CAP}
@@ -167,7 +232,8 @@ std::span<const Row> work_rows() {
         C-CS1 is DOWN
         at C-CS1-OUTPUT nothing
         ends 0 after 71.694
-        at C-CS1-OUTPUT BASE_CLEAR)"},
+        at C-CS1-OUTPUT BASE_CLEAR)",
+       kBook},
       {"down: the 20 s after which a machine is stuck do not run",
        R"(C-CS1 {operation: RETRIEVE_CAP}
         wait 15
@@ -185,16 +251,64 @@ std::span<const Row> work_rows() {
         wait 30
         C-BS is WAIT-IDLE)"},
 
-      {"down: a machine that is BROKEN stays so",
+      {"down: WAIT-IDLE goes on meanwhile, and is seen once more",
+       R"(C-BS {side: OUTPUT, base_color: BASE_RED} -> 0
+        take C-BS-OUTPUT
+        wait 1
+        C-BS is WAIT-IDLE
+        down C-BS 10
+        wait 9.98
+        C-BS is DOWN
+        wait 0
+        C-BS is WAIT-IDLE
+        wait 0
+        C-BS is IDLE)"},
+      {"down: a down time within WAIT-IDLE does not make it longer",
+       R"(C-BS {side: OUTPUT, base_color: BASE_RED} -> 0
+        take C-BS-OUTPUT
+        wait 1
+        down C-BS 2
+        wait 3.7
+        C-BS is WAIT-IDLE
+        wait 0.5
+        C-BS is IDLE)"},
+      {"down: hides BROKEN, whose 30 s go on",
        R"(C-BS {operation: RESET} -> 0
         wait 1
         down C-BS 10
         wait 1
+        C-BS is DOWN
+        wait 9.1
         C-BS is BROKEN
-        wait 27.5
+        wait 18.5
         C-BS is BROKEN
-        wait 1
+        wait 0.5
         C-BS is IDLE)"},
+      {"down: a BROKEN machine is IDLE when the down time ends later, after BROKEN was seen once",
+       R"(C-BS {operation: RESET} -> 0
+        wait 1
+        down C-BS 40
+        wait 39.98
+        C-BS is DOWN
+        wait 0
+        C-BS is BROKEN
+        wait 0
+        C-BS is IDLE)"},
+      {"down: a reset meanwhile is seen afterwards",
+       R"(hold BASE_RED
+        put C-RS1-SLIDE
+        wait 0.04
+        down C-RS1 40
+        wait 5
+        C-RS1 {operation: RESET} -> 0
+        C-RS1 is DOWN
+        points
+        C-RS1 {operation: RESET} -> 209
+        wait 34
+        C-RS1 is DOWN
+        wait 1.2
+        C-RS1 is IDLE
+        loaded C-RS1 0)"},
       {"lights: IDLE", "lights C-BS OFF OFF ON"},
       {"lights: PREPARED",
        R"(C-CS1 {operation: RETRIEVE_CAP}
