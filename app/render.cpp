@@ -71,7 +71,8 @@ void add_render(CLI::App& app, Action& action) {
       ->check(not_negative());
   command->add_option("--out", options->out, "The picture (PNG)")->required();
   command->add_option("--camera", options->camera,
-                      "Of a factory: field (default), top, a robot (robot1) or a machine (C-CS1); of turtles: canvas");
+                      "Of a factory: field (default), top, follow-robot1, robot1 (what it sees) or a machine (C-CS1); "
+                      "of turtles: canvas");
   command->add_option("--size", options->size, "WIDTHxHEIGHT; a canvas of turtles is the largest square in it")
       ->capture_default_str();
   seed_number(command->add_option("--seed", options->seed, "Of a scenario: seed of all chance"));

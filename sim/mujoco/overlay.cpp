@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <cstdlib>
 
 #include <Eigen/Geometry>
 
@@ -11,55 +11,117 @@ namespace {
 
 constexpr double kBlinkPeriod = 0.5;  ///< s; docs/models.md: lights blink at 2 Hz
 constexpr int kMargin = 3;            ///< px around a text
-constexpr double kBody = 0.9;         ///< m, of a machine or robot that its tag leaves free
-constexpr int kSearchStep = 4;        ///< px between two places that are tried
-constexpr float kLamps[3][3] = {{1.0f, 0.15f, 0.1f}, {1.0f, 0.85f, 0.0f}, {0.15f, 0.95f, 0.25f}};
+constexpr int kTied = 5;              ///< px between a label and its body from which a leader is drawn
+constexpr double kMachineTop = 1.12;  ///< m, with its signal light
+constexpr double kRobotTop = 0.9;     ///< m, with its gripper
+constexpr Legend::Colour kLamps[3] = {{1.0f, 0.15f, 0.1f}, {1.0f, 0.85f, 0.0f}, {0.15f, 0.95f, 0.25f}};
+constexpr Legend::Colour kTick = {0.2f, 1.0f, 0.3f};
+constexpr float kUnlit = 0.22f;
 
 mjrRect rect(const Box& box) { return {box.left, box.bottom, box.width, box.height}; }
 
-struct Pixel {
-  int x = 0, y = 0;
-  double scale = 0;  ///< px per metre, there
-};
-
-/// Where a point of the world is in the picture; nothing behind the camera.
-std::optional<Pixel> project(const mjvScene& scene, const Box& picture, const double* point) {
-  const mjvGLCamera& camera = scene.camera[0];
-  const auto vector = [](const float* v) -> Vec3 { return Eigen::Map<const Eigen::Vector3f>(v).cast<double>(); };
-  const Vec3 forward = vector(camera.forward), upward = vector(camera.up);
-  const Vec3 offset = Eigen::Map<const Vec3>(point) - vector(camera.pos);
-  const double along = offset.dot(forward), up = offset.dot(upward), right = offset.dot(forward.cross(upward));
-  if (along <= 0) return std::nullopt;
-  const double near = static_cast<double>(camera.frustum_near), bottom = static_cast<double>(camera.frustum_bottom);
-  const double pixels = picture.height / (static_cast<double>(camera.frustum_top) - bottom);  // per m at `near`
-  const double scale = pixels * near / along;
-  return Pixel{picture.left + picture.width / 2 + static_cast<int>(std::lround(right * scale)),
-               picture.bottom + static_cast<int>(std::lround(up * scale - bottom * pixels)), scale};
+void fill(const Box& box, const Legend::Colour& colour, float alpha = 1) {
+  mjr_rectangle(rect(box), colour[0], colour[1], colour[2], alpha);
 }
 
 int text_width(const mjrContext& gl, const std::string& text) {
   int width = 0;
-  for (const char c : text) width += gl.charWidth[static_cast<unsigned char>(c) % 128];
+  for (const char c : text) width += gl.charWidth[std::min<std::size_t>(static_cast<unsigned char>(c), 126)];
   return width;
 }
 
+int line_height(const mjrContext& gl) { return gl.charHeight; }
+/// Height of a ring in a column of colours, px; a base has twice that.
+int layer_of(const mjrContext& gl) { return std::max(3, line_height(gl) / 4); }
+int column_width(const mjrContext& gl) { return std::max(7, line_height(gl) * 2 / 3); }
+
+Legend::Colour colour_of(const float* rgba) { return {rgba[0], rgba[1], rgba[2]}; }
+
 /// The colours of a piece, from below; none when it is parked.
-std::vector<const float*> colours_of(const mjModel& model, const PieceIds& piece) {
-  std::vector<const float*> colours;
+std::vector<Legend::Colour> colours_of(const mjModel& model, const PieceIds& piece) {
+  std::vector<Legend::Colour> colours;
   for (const int geom : piece.geoms)
-    if (model.geom_rgba[4 * geom + 3] > 0) colours.push_back(model.geom_rgba + 4 * geom);
+    if (model.geom_rgba[4 * geom + 3] > 0) colours.push_back(colour_of(model.geom_rgba + 4 * geom));
   return colours;
 }
 
-void draw_piece(const std::vector<const float*>& colours, const Box& column) {
-  mjr_rectangle(rect(column), 1, 1, 1, 1);
-  const int layer = (column.height - 2) / static_cast<int>(colours.size());
-  for (std::size_t i = 0; i < colours.size(); ++i)
-    mjr_rectangle({column.left + 1, column.bottom + 1 + static_cast<int>(i) * layer, column.width - 2, layer},
-                  colours[i][0], colours[i][1], colours[i][2], 1);
+std::vector<Legend::Colour> colours_of(const FactoryModel& factory, const Stack& stack) {
+  std::vector<Legend::Colour> colours;
+  const auto add = [&](const std::vector<int>& materials, std::uint8_t colour) {
+    if (colour > 0 && colour < materials.size())
+      colours.push_back(colour_of(factory.model->mat_rgba + 4 * materials[colour]));
+  };
+  add(factory.base_materials, stack.base);
+  for (const std::uint8_t ring : stack.rings) add(factory.ring_materials, ring);
+  add(factory.cap_materials, stack.cap);
+  return colours;
+}
+
+/// A column of that many layers, whose lowest is a base, with its middle and its foot there.
+Box column_at(int x, int bottom, std::size_t layers, const mjrContext& gl) {
+  const int width = column_width(gl), height = (static_cast<int>(layers) + 1) * layer_of(gl) + 2;
+  return {x - width / 2, bottom, width, height};
+}
+
+void paint_column(const Overlay::Column& column, int layer) {
+  fill(column.box, {1, 1, 1});
+  int bottom = column.box.bottom + 1;
+  for (std::size_t i = 0; i < column.colours.size(); ++i) {
+    const int height = i == 0 ? 2 * layer : layer;
+    fill({column.box.left + 1, bottom, column.box.width - 2, height}, column.colours[i]);
+    bottom += height;
+  }
+}
+
+/// A line as boxes of one pixel in width, as long as they can be.
+template <class Visit>
+void each_run(const Leader& line, Visit visit) {
+  const int dx = line.x1 - line.x0, dy = line.y1 - line.y0, steps = std::max(std::abs(dx), std::abs(dy));
+  if (steps == 0) return;
+  const auto at = [&](int k, int from, int along) {
+    return from + static_cast<int>(std::lround(static_cast<double>(along) * k / steps));
+  };
+  for (int k = 0; k <= steps;) {
+    const int x = at(k, line.x0, dx), y = at(k, line.y0, dy);
+    int last = k;
+    while (last < steps &&
+           (std::abs(dx) >= std::abs(dy) ? at(last + 1, line.y0, dy) == y : at(last + 1, line.x0, dx) == x))
+      ++last;
+    const int x_last = at(last, line.x0, dx), y_last = at(last, line.y0, dy);
+    visit(Box{std::min(x, x_last), std::min(y, y_last), std::abs(x_last - x) + 1, std::abs(y_last - y) + 1});
+    k = last + 1;
+  }
+}
+
+void paint_leader(const Overlay::Label& label) {
+  if (gap_between(label.box, label.body) < kTied) return;
+  const Leader leader = label.leader();
+  each_run(leader,
+           [](const Box& run) { fill({run.left - 1, run.bottom - 1, run.width + 2, run.height + 2}, {0, 0, 0}); });
+  each_run(leader, [](const Box& run) { fill(run, {1, 1, 1}); });
+  fill({leader.x1 - 2, leader.y1 - 2, 5, 5}, {0, 0, 0});
+  fill({leader.x1 - 1, leader.y1 - 1, 3, 3}, {1, 1, 1});
+}
+
+void paint_tick(const Box& box) {
+  const int knee_x = box.left + box.width / 3;
+  for (int thick = 0; thick < std::max(2, box.width / 5); ++thick)
+    for (const Leader& stroke : {Leader{box.left, box.middle_y(), knee_x, box.bottom},
+                                 Leader{knee_x, box.bottom, box.right() - 1, box.top() - 1}})
+      each_run({stroke.x0, stroke.y0 + thick, stroke.x1, stroke.y1 + thick}, [](const Box& run) { fill(run, kTick); });
+}
+
+/// The part of the box within the picture; width 0 if there is none.
+Box clipped(const Box& box, const Box& picture) {
+  const int left = std::max(box.left, picture.left), bottom = std::max(box.bottom, picture.bottom);
+  const int width = std::min(box.right(), picture.right()) - left;
+  const int height = std::min(box.top(), picture.top()) - bottom;
+  return width > 0 && height > 0 ? Box{left, bottom, width, height} : Box{};
 }
 
 }  // namespace
+
+// --- where things are ------------------------------------------------------------------------------------------
 
 std::array<bool, 3> shining(const Lights& lights, double time) {
   const bool lit_phase = std::fmod(time, kBlinkPeriod) < kBlinkPeriod / 2;
@@ -67,83 +129,176 @@ std::array<bool, 3> shining(const Lights& lights, double time) {
   return {on(lights.red), on(lights.yellow), on(lights.green)};
 }
 
-std::vector<Box> place_boxes(std::span<const BoxWish> wishes, std::vector<Box> taken, const Box& picture) {
-  std::vector<Box> placed;
-  const int farthest = std::max(picture.width, picture.height);
-  for (const BoxWish& wish : wishes) {
-    Box found;
-    double nearest = 0;
-    for (int reach = 0; reach <= farthest && found.width == 0; reach += kSearchStep)
-      for (int dy = -reach; dy <= reach; dy += kSearchStep)
-        for (int dx = -reach; dx <= reach; dx += std::abs(dy) == reach || reach == 0 ? kSearchStep : 2 * reach) {
-          const Box box{wish.x - wish.width / 2 + dx, wish.y - wish.height / 2 + dy, wish.width, wish.height};
-          if (box.left < picture.left || box.bottom < picture.bottom ||
-              box.left + box.width > picture.left + picture.width ||
-              box.bottom + box.height > picture.bottom + picture.height)
-            continue;
-          if (std::ranges::any_of(taken, [&](const Box& other) { return box.overlaps(other); })) continue;
-          const double distance = std::hypot(dx, dy);
-          if (found.width > 0 && distance >= nearest) continue;
-          found = box;
-          nearest = distance;
-        }
-    if (found.width > 0) taken.push_back(found);
-    placed.push_back(found);
-  }
-  return placed;
+Projection::Projection(const mjvGLCamera& camera, int width, int height) {
+  const auto vector = [](const float* v) -> Vec3 { return Eigen::Map<const Eigen::Vector3f>(v).cast<double>(); };
+  from_ = vector(camera.pos);
+  forward_ = vector(camera.forward);
+  upward_ = vector(camera.up);
+  right_ = forward_.cross(upward_);
+  const double near = static_cast<double>(camera.frustum_near), bottom = static_cast<double>(camera.frustum_bottom);
+  pixels_ = near * height / (static_cast<double>(camera.frustum_top) - bottom);
+  bottom_ = bottom / near;
+  half_width_ = width / 2.0;
 }
 
-void draw_overlay(const OverlayInput& input, const Box& picture) {
-  const mjModel& model = input.world.model();
-  const int line = input.gl.charHeight;
-  std::vector<Box> taken;
+std::optional<Projection::Pixel> Projection::pixel(const Vec3& point) const {
+  const Vec3 offset = point - from_;
+  const double along = offset.dot(forward_);
+  if (along <= 0) return std::nullopt;
+  return Pixel{half_width_ + offset.dot(right_) / along * pixels_, (offset.dot(upward_) / along - bottom_) * pixels_};
+}
 
-  const int side = std::max(5, line / 2), layer = std::max(3, line / 4);
-  for (const PieceIds& piece : input.world.factory().pieces) {
-    const auto colours = colours_of(model, piece);
-    if (colours.empty()) continue;
-    const auto at = project(input.scene, picture, input.data.xpos + 3 * piece.body);
+Box Projection::around(std::span<const Vec3> points) const {
+  constexpr double kFarAway = 1e6;  // px; what is beyond is not in the picture
+  double left = kFarAway, right = -kFarAway, bottom = kFarAway, top = -kFarAway;
+  for (const Vec3& point : points) {
+    const auto at = pixel(point);
     if (!at) continue;
-    const Box column{at->x - side / 2, at->y, side + 2, layer * static_cast<int>(colours.size()) + 2};
-    draw_piece(colours, column);
-    taken.push_back(column);
+    left = std::min(left, std::max(at->x, -kFarAway));
+    right = std::max(right, std::min(at->x, kFarAway));
+    bottom = std::min(bottom, std::max(at->y, -kFarAway));
+    top = std::max(top, std::min(at->y, kFarAway));
+  }
+  if (left > right) return {};
+  const int x = static_cast<int>(std::floor(left)), y = static_cast<int>(std::floor(bottom));
+  return {x, y, static_cast<int>(std::ceil(right)) - x, static_cast<int>(std::ceil(top)) - y};
+}
+
+std::array<Vec3, 8> corners(const Pose2& pose, double half_depth, double half_width, double height) {
+  std::array<Vec3, 8> out;
+  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  for (std::size_t i = 0; i < 8; ++i) {
+    const double x = i & 1 ? half_depth : -half_depth, y = i & 2 ? half_width : -half_width;
+    out[i] = {pose.x + c * x - s * y, pose.y + s * x + c * y, i & 4 ? height : 0};
+  }
+  return out;
+}
+
+// --- places ----------------------------------------------------------------------------------------------------
+
+int place_legend(const Legend& legend, const FactoryModel& factory, const mjrContext& gl, const Box& picture,
+                 Overlay& overlay) {
+  constexpr int kSpace = 8;  // px between texts
+  const int line = line_height(gl);
+  int bottom = picture.top();
+  if (!legend.title.empty() && line + 2 * kMargin <= picture.height / 2) {
+    bottom -= line + kMargin;
+    int left = picture.left + kMargin;
+    for (const Legend::Text& text : legend.title) {
+      const Box box{left, bottom, text_width(gl, text.text), line};
+      if (box.right() > picture.right()) break;
+      overlay.lines.push_back({box, text});
+      left = box.right() + 2 * kSpace;
+    }
+  }
+  std::size_t most_lines = 0;
+  for (const Legend::Card& card : legend.cards) most_lines = std::max(most_lines, card.lines.size());
+  const int height = std::max(static_cast<int>(most_lines) * line, 6 * layer_of(gl) + 2) + 2 * kMargin;
+  int left = picture.left + kMargin;
+  bool row_begun = false;
+  for (const Legend::Card& card : legend.cards) {
+    int text = 0;
+    for (const Legend::Text& words : card.lines) text = std::max(text, text_width(gl, words.text));
+    const int icon = column_width(gl) + 2 * kMargin;
+    const int width = icon + text + kMargin;
+    if (left + width > picture.right()) row_begun = false;
+    if (!row_begun) {
+      if (picture.top() - (bottom - height - kMargin) > picture.height / 2) break;
+      bottom -= height + kMargin;
+      left = picture.left + kMargin;
+      row_begun = true;
+    }
+    const Box box{left, bottom, width, height};
+    overlay.cards.push_back(box);
+    const auto colours = colours_of(factory, card.product);
+    const Box column = column_at(left + kMargin + column_width(gl) / 2, bottom + kMargin, colours.size(), gl);
+    overlay.columns.push_back({column, colours});
+    for (std::size_t i = 0; i < card.lines.size(); ++i) {
+      const Box words{left + icon, box.top() - kMargin - (static_cast<int>(i) + 1) * line,
+                      text_width(gl, card.lines[i].text), line};
+      overlay.lines.push_back({words, card.lines[i]});
+    }
+    if (card.ticked) {
+      const int side = line * 3 / 4;
+      overlay.ticks.push_back({box.right() - side - kMargin, box.top() - side - 2 * kMargin, side, side});
+    }
+    left = box.right() + kMargin;
+  }
+  return picture.top() - bottom;
+}
+
+void place_pieces(const OverlayInput& input, const Projection& projection, const mjrContext& gl, const Box& free,
+                  Overlay& overlay) {
+  for (const PieceIds& piece : input.world.factory().pieces) {
+    const auto colours = colours_of(input.world.model(), piece);
+    if (colours.empty()) continue;
+    const auto at = projection.pixel(Eigen::Map<const Vec3>(input.data.xpos + 3 * piece.body));
+    if (!at) continue;
+    const Box box =
+        column_at(static_cast<int>(std::lround(at->x)), static_cast<int>(std::lround(at->y)), colours.size(), gl);
+    if (box.within(free)) overlay.columns.push_back({box, colours});
+  }
+}
+
+void place_names(const OverlayInput& input, const Projection& projection, const mjrContext& gl, const Box& free,
+                 Overlay& overlay) {
+  std::vector<Box> taken;
+  for (const Overlay::Column& column : overlay.columns) taken.push_back(column.box);
+  const int line = line_height(gl), lamp = std::max(3, line / 3);
+  std::vector<LabelWish> wishes;
+  const auto add = [&](const std::string& name, std::span<const Vec3> outline, std::optional<std::array<bool, 3>> lit) {
+    const Box body = clipped(projection.around(outline), free);
+    if (body.width == 0) return;
+    overlay.labels.push_back({name, body, {}, lit});
+    wishes.push_back({body, text_width(gl, name) + 2 * kMargin + (lit ? lamp + kMargin : 0), 3 * lamp + 4});
+  };
+  const std::size_t first = overlay.labels.size();
+  for (std::size_t i = 0; i < input.plan.stations.size(); ++i) {
+    const Station& station = input.plan.stations[i];
+    add(station.name, corners(station.pose_in_world, kMachine.half_depth, kMachine.half_width, kMachineTop),
+        shining(input.world.lights(static_cast<StationId>(i)), input.world.time()));
+  }
+  for (std::size_t i = 0; i < input.plan.robots.size(); ++i) {
+    const double* at = input.data.geom_xpos + 3 * input.robot_geoms[i];
+    const double radius = kRobot.hull_radius;
+    add(input.plan.robots[i].name, corners({at[0], at[1], 0}, radius, radius, kRobotTop), std::nullopt);
   }
 
-  struct Tag {
-    const std::string* text;
-    std::optional<std::array<bool, 3>> lamps;
-  };
-  std::vector<Tag> tags;
-  std::vector<BoxWish> wishes;
-  const auto add = [&](const std::string& text, int geom, std::optional<std::array<bool, 3>> lamps) {
-    const auto at = project(input.scene, picture, input.data.geom_xpos + 3 * geom);
-    if (!at) return;
-    const int size = static_cast<int>(kBody * at->scale);  // what is tagged stays visible
-    taken.push_back({at->x - size / 2, at->y - size / 2, size, size});
-    tags.push_back({&text, lamps});
-    wishes.push_back(
-        {at->x, at->y + line, text_width(input.gl, text) + (lamps ? 3 * side + 5 : 0) + 2 * kMargin, line + kMargin});
-  };
-  for (std::size_t i = 0; i < input.stations.size(); ++i)
-    add(input.stations[i], input.station_geoms[i], shining(input.world.lights(static_cast<StationId>(i)), input.time));
-  for (std::size_t i = 0; i < input.robots.size(); ++i) add(input.robots[i], input.robot_geoms[i], std::nullopt);
-
-  const std::vector<Box> boxes = place_boxes(wishes, std::move(taken), picture);
+  const std::vector<Box> boxes = place_labels(wishes, std::move(taken), free);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const Box& box = boxes[i];
-    if (box.width == 0) continue;
-    mjr_rectangle(rect(box), 0, 0, 0, 0.75f);
-    Box text = box;
-    if (const auto& lamps = tags[i].lamps) {
-      text.width -= 3 * side + 5;
-      for (std::size_t lamp = 0; lamp < 3; ++lamp) {
-        const float glow = (*lamps)[lamp] ? 1.0f : 0.22f;
-        const Box square{text.left + text.width + static_cast<int>(lamp) * (side + 1),
-                         box.bottom + (box.height - side) / 2, side, side};
-        mjr_rectangle(rect(square), glow * kLamps[lamp][0], glow * kLamps[lamp][1], glow * kLamps[lamp][2], 1);
+    Overlay::Label& label = overlay.labels[first + i];
+    label.box = boxes[i];
+    for (int k = 0; k < 3; ++k)
+      label.lamps[static_cast<std::size_t>(k)] = {label.box.right() - lamp - 2, label.box.top() - (k + 1) * (lamp + 1),
+                                                  lamp, lamp};
+  }
+}
+
+// --- paint -----------------------------------------------------------------------------------------------------
+
+void paint(const Overlay& overlay, const mjrContext& gl) {
+  const auto write = [&](const Box& box, const std::string& text, const Legend::Colour& colour) {
+    mjr_label(rect(box), mjFONT_NORMAL, text.c_str(), 0, 0, 0, 0, colour[0], colour[1], colour[2], &gl);
+  };
+  for (const Box& card : overlay.cards) fill(card, {0, 0, 0}, 0.75f);
+  for (const Overlay::Column& column : overlay.columns) paint_column(column, layer_of(gl));
+  for (const Overlay::Line& line : overlay.lines) write(line.box, line.text.text, line.text.colour);
+  for (const Box& tick : overlay.ticks) paint_tick(tick);
+
+  for (const Overlay::Label& label : overlay.labels)
+    if (label.box.width > 0) paint_leader(label);
+  for (const Overlay::Label& label : overlay.labels) {
+    if (label.box.width == 0) continue;
+    fill(label.box, {0, 0, 0}, 0.8f);
+    Box text = label.box;
+    if (label.lit) {
+      text.width = label.lamps[0].left - text.left;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const float glow = (*label.lit)[k] ? 1.0f : kUnlit;
+        fill(label.lamps[k], {glow * kLamps[k][0], glow * kLamps[k][1], glow * kLamps[k][2]});
       }
     }
-    mjr_label(rect(text), mjFONT_NORMAL, tags[i].text->c_str(), 0, 0, 0, 0, 1, 1, 1, &input.gl);
+    write(text, label.name, {1, 1, 1});
   }
 }
 

@@ -5,15 +5,16 @@
 #include <cmath>
 #include <cstring>
 
-#include "sim/mujoco/overlay.h"
+#include <Eigen/Geometry>
 
 namespace cxlab::sim {
 namespace {
 
 constexpr int kMostGeoms = 2000;
-/// What an overview shows: the field, machines on its border and their tags, m on the floor.
-constexpr double kSeenX = 7.6;
-constexpr double kSeenY[] = {-0.3, 9.6};
+constexpr double kSeenHeight = 1.15;  ///< m: of all that stands on the field
+constexpr int kBorder = 4;            ///< px around the field
+constexpr std::string_view kFollow = "follow-";
+constexpr double kFollowDistance = 3.6, kFollowElevation = -35;  ///< m, degrees
 
 }  // namespace
 
@@ -35,11 +36,9 @@ Expected<std::unique_ptr<Renderer>> Renderer::create(const FloorPlan& plan, cons
 
 Renderer::Renderer(const FloorPlan& plan, std::unique_ptr<GlContext> context, int width, int height)
     : context_(std::move(context)),
+      plan_(plan),
       upside_down_(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
-      picture_{width, height, std::vector<std::uint8_t>(upside_down_.size())} {
-  for (const RobotStart& robot : plan.robots) robots_.push_back(robot.name);
-  for (const Station& station : plan.stations) stations_.push_back(station.name);
-}
+      picture_{width, height, std::vector<std::uint8_t>(upside_down_.size())} {}
 
 void Renderer::set_up(const PhysicsGate& world) {
   const mjModel* m = &world.model();
@@ -58,11 +57,8 @@ void Renderer::set_up(const PhysicsGate& world) {
   mjr_makeContext(&view, &gl_, mjFONTSCALE_50);
   mjr_setBuffer(mjFB_OFFSCREEN, &gl_);
 
-  const auto geom = [&](const std::string& owner, const char* name) {
-    return mj_name2id(m, mjOBJ_GEOM, (owner + "/" + name).c_str());
-  };
-  for (const std::string& robot : robots_) robot_geoms_.push_back(geom(robot, "colour-deck"));
-  for (const std::string& station : stations_) station_geoms_.push_back(geom(station, "kind-portal"));
+  for (const RobotStart& robot : plan_.robots)
+    robot_geoms_.push_back(mj_name2id(m, mjOBJ_GEOM, (robot.name + "/colour-deck").c_str()));
   light_of_.assign(static_cast<std::size_t>(m->ngeom), -1);
   const auto& stations = world.factory().stations;
   for (std::size_t s = 0; s < stations.size(); ++s)
@@ -78,36 +74,63 @@ Renderer::~Renderer() {
 
 std::vector<std::string> Renderer::cameras() const {
   std::vector<std::string> names{"field", "top"};
-  names.insert(names.end(), robots_.begin(), robots_.end());
-  names.insert(names.end(), stations_.begin(), stations_.end());
+  for (const RobotStart& robot : plan_.robots) names.push_back(std::string(kFollow) + robot.name);
+  for (const RobotStart& robot : plan_.robots) names.push_back(robot.name);
+  for (const Station& station : plan_.stations) names.push_back(station.name);
   return names;
 }
 
-Expected<const Picture*> Renderer::draw(const PhysicsGate& world, std::string_view name) {
-  const mjModel* m = &world.model();
-  int camera = mj_name2id(m, mjOBJ_CAMERA, std::string(name).c_str());
-  const bool overview = camera >= 0;
-  if (!overview) camera = mj_name2id(m, mjOBJ_CAMERA, (std::string(name) + "/view").c_str());
-  if (camera < 0) {
-    return input_error("no camera '" + std::string(name) + "'" + did_you_mean(std::string(name), cameras()));
+Status Renderer::choose(const mjModel& model, std::string_view camera) {
+  const std::string name(camera);
+  for (std::size_t i = 0; i < plan_.robots.size() && camera.starts_with(kFollow); ++i) {
+    if (camera.substr(kFollow.size()) != plan_.robots[i].name) continue;
+    const double* at = copy_->geom_xpos + 3 * robot_geoms_[i];
+    kind_ = Kind::kFollowing;
+    camera_.type = mjCAMERA_FREE;
+    std::copy_n(at, 3, camera_.lookat);
+    camera_.distance = kFollowDistance;
+    camera_.azimuth = 90;  // looking in +y, however the robot turns
+    camera_.elevation = kFollowElevation;
+    return {};
   }
+  camera_.type = mjCAMERA_FIXED;
+  kind_ = Kind::kWhole;
+  camera_.fixedcamid = mj_name2id(&model, mjOBJ_CAMERA, name.c_str());
+  if (camera_.fixedcamid >= 0) return {};
+  kind_ = Kind::kMounted;
+  camera_.fixedcamid = mj_name2id(&model, mjOBJ_CAMERA, (name + "/view").c_str());
+  if (camera_.fixedcamid >= 0) return {};
+  return input_error("no camera '" + name + "'" + did_you_mean(name, cameras()));
+}
+
+Expected<const Picture*> Renderer::draw(const PhysicsGate& world, std::string_view name, const Legend& legend) {
+  const mjModel* m = &world.model();
   if (!context_->make_current()) return resource_error("OpenGL context was lost").with_code("no_opengl");
 
   mj_copyData(copy_.get(), m, &world.data());
   mj_kinematics(m, copy_.get());
   mj_comPos(m, copy_.get());
   mj_camlight(m, copy_.get());
-  camera_.type = mjCAMERA_FIXED;
-  camera_.fixedcamid = camera;
+  if (Status s = choose(*m, name); !s) return s.error();
   mjv_updateScene(m, copy_.get(), &option_, nullptr, &camera_, mjCAT_ALL, &scene_);
+  scene_.camera[0] = scene_.camera[1] = mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]);  // no stereo
   shine(world);
-  if (overview) fit();
+
+  const Box picture{0, 0, picture_.width, picture_.height};
+  overlay_ = {};
+  if (kind_ != Kind::kMounted) {
+    Box free = picture;
+    free.height -= place_legend(legend, world.factory(), gl_, picture, overlay_);
+    if (kind_ == Kind::kWhole) fit(free);
+    const Projection projection(scene_.camera[0], picture_.width, picture_.height);
+    const OverlayInput input{world, plan_, *copy_, robot_geoms_};
+    if (kind_ == Kind::kWhole) place_pieces(input, projection, gl_, free, overlay_);  // too small to be seen from afar
+    place_names(input, projection, gl_, free, overlay_);
+  }
 
   const mjrRect whole{0, 0, picture_.width, picture_.height};
   mjr_render(whole, &scene_, &gl_);
-  if (overview)
-    draw_overlay({world, *copy_, scene_, gl_, robot_geoms_, station_geoms_, robots_, stations_, world.time()},
-                 {0, 0, picture_.width, picture_.height});
+  paint(overlay_, gl_);
   mjr_readPixels(upside_down_.data(), nullptr, whole, &gl_);
   const std::size_t row = 3 * static_cast<std::size_t>(picture_.width);
   const auto rows = static_cast<std::size_t>(picture_.height);
@@ -131,23 +154,29 @@ void Renderer::shine(const PhysicsGate& world) {
   }
 }
 
-// Turns the view so that the whole floor, with what stands across its border, fills the picture.
-void Renderer::fit() {
+// Turns the view so that the whole field, with all that stands on it, fills the free part of the picture.
+void Renderer::fit(const Box& free) {
   mjvGLCamera& camera = scene_.camera[0];
   const auto vector = [](const float* v) -> Vec3 { return Eigen::Map<const Eigen::Vector3f>(v).cast<double>(); };
   const Vec3 forward = vector(camera.forward), upward = vector(camera.up), from = vector(camera.pos);
+  const Vec3 right = forward.cross(upward);
   double lowest = 0, highest = 0, widest = 0;  // at distance 1
-  for (const double y : kSeenY) {
-    const Vec3 offset(kSeenX, y - from.y(), -from.z());
+  const Pose2 middle{(plan_.min_x + plan_.max_x) / 2, (plan_.min_y + plan_.max_y) / 2, 0};
+  for (const Vec3& corner : corners(middle, (plan_.max_x - plan_.min_x) / 2 + 2 * kWall.half_thickness,
+                                    (plan_.max_y - plan_.min_y) / 2 + 2 * kWall.half_thickness, kSeenHeight)) {
+    const Vec3 offset = corner - from;
     const double along = offset.dot(forward), up = offset.dot(upward) / along;
     lowest = std::min(lowest, up);
     highest = std::max(highest, up);
-    widest = std::max(widest, kSeenX / along);
+    widest = std::max(widest, std::abs(offset.dot(right)) / along);
   }
-  const double height = std::max(highest - lowest, 2 * widest * picture_.height / picture_.width);
-  const double middle = (highest + lowest) / 2, near = static_cast<double>(camera.frustum_near);
-  camera.frustum_top = static_cast<float>((middle + height / 2) * near);
-  camera.frustum_bottom = static_cast<float>((middle - height / 2) * near);
+  const double pixels = std::min((free.width / 2 - kBorder) / widest, (free.height - 2 * kBorder) / (highest - lowest));
+  const double bottom = (highest + lowest) / 2 - free.middle_y() / pixels;
+  const double near = static_cast<double>(camera.frustum_near);
+  camera.frustum_center = 0;
+  camera.frustum_bottom = static_cast<float>(bottom * near);
+  camera.frustum_top = static_cast<float>((bottom + picture_.height / pixels) * near);
+  scene_.camera[1] = camera;
 }
 
 }  // namespace cxlab::sim

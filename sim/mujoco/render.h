@@ -10,6 +10,8 @@
 
 #include "cx/base/expected.h"
 #include "sim/mujoco/gl_context.h"
+#include "sim/mujoco/legend.h"
+#include "sim/mujoco/overlay.h"
 #include "sim/mujoco/physics_gate.h"
 #include "sim/picture.h"
 
@@ -24,21 +26,28 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// "field", "top", the name of a robot (what it sees) or of a machine (its input side).
+  /// "field" and "top", which show the whole field; "follow-" and a robot's name, from near behind it; the name of a
+  /// robot (what it sees) or of a machine (its input side).
   std::vector<std::string> cameras() const;
-  /// The world as it is now. The picture is the renderer's own and lasts until the next call.
-  Expected<const Picture*> draw(const PhysicsGate& world, std::string_view camera);
+  /// The world as it is now. Labels, and a legend, are drawn over pictures from above. The picture is the renderer's
+  /// own and lasts until the next call.
+  Expected<const Picture*> draw(const PhysicsGate& world, std::string_view camera, const Legend& legend = {});
+  /// What the last picture has over it.
+  const Overlay& overlay() const { return overlay_; }
 
  private:
   Renderer(const FloorPlan& plan, std::unique_ptr<GlContext> context, int width, int height);
   void set_up(const PhysicsGate& world);
+  Status choose(const mjModel& model, std::string_view camera);
   void shine(const PhysicsGate& world);
-  void fit();
+  void fit(const Box& free);
 
   std::unique_ptr<GlContext> context_;
-  std::vector<std::string> robots_, stations_;
-  std::vector<int> robot_geoms_, station_geoms_;  ///< to which their tags point
-  std::vector<int> light_of_;                     ///< by geom: 3 * station + colour; -1 = none
+  FloorPlan plan_;
+  std::vector<int> robot_geoms_;                             ///< by robot: one in its middle
+  std::vector<int> light_of_;                                ///< by geom: 3 * station + colour; -1 = none
+  enum class Kind { kWhole, kFollowing, kMounted } kind_{};  ///< of the camera
+  Overlay overlay_;
   std::unique_ptr<mjData, MjDeleter> copy_;
   mjvScene scene_;
   mjvOption option_;

@@ -1,7 +1,9 @@
 #include "sim/mujoco/render.h"
 
+#include <array>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -51,7 +53,7 @@ TEST_F(Rendering, EveryCameraShowsAnotherPicture) {
     seen.push_back(draw(camera.c_str()));
     for (std::size_t i = 0; i + 1 < seen.size(); ++i) EXPECT_NE(seen.back(), seen[i]) << camera;
   }
-  EXPECT_EQ(seen.size(), 2u + 2u + 4u);
+  EXPECT_EQ(seen.size(), 2u + 2u + 2u + 4u);
 }
 
 TEST_F(Rendering, UnknownCameraNamesTheNearest) {
@@ -95,38 +97,68 @@ TEST_F(Rendering, OverviewShowsPiecesAndSignalLights) {
   }
 }
 
-TEST(PlaceBoxes, CrowdedTagsStayApartAndInsideThePicture) {
-  const Box picture{0, 0, 320, 240};
-  const std::vector<Box> taken{{150, 110, 20, 20}};
-  std::vector<BoxWish> wishes;
-  for (int i = 0; i < 20; ++i) wishes.push_back({160 + i, 120, 60, 14});
-  wishes.push_back({319, 239, 60, 14});
-  const std::vector<Box> boxes = place_boxes(wishes, taken, picture);
-  ASSERT_EQ(boxes.size(), wishes.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    EXPECT_EQ(boxes[i].width, 60);
-    EXPECT_GE(boxes[i].left, 0);
-    EXPECT_LE(boxes[i].left + boxes[i].width, 320);
-    EXPECT_GE(boxes[i].bottom, 0);
-    EXPECT_LE(boxes[i].bottom + boxes[i].height, 240);
-    EXPECT_FALSE(boxes[i].overlaps(taken.front()));
-    for (std::size_t j = 0; j < i; ++j) EXPECT_FALSE(boxes[i].overlaps(boxes[j])) << i << ' ' << j;
+/// The colour of the pixel at a place of the overlay, which counts from below.
+std::array<int, 3> pixel(const Picture& picture, int x, int y) {
+  const auto at = 3 * static_cast<std::size_t>((picture.height - 1 - y) * picture.width + x);
+  return {picture.rgb[at], picture.rgb[at + 1], picture.rgb[at + 2]};
+}
+
+TEST_F(Rendering, LabelsHaveTheLampsOfTheirMachine) {
+  world_->set_lights(station("C-RS1"), {Light::kOn, Light::kOff, Light::kOn});
+  world_->set_lights(station("C-DS"), {Light::kOff, Light::kOn, Light::kOff});
+  using Lamps = std::array<std::array<int, 3>, 3>;
+  const std::map<std::string, Lamps> expected{{"C-RS1", {{{255, 38, 25}, {56, 48, 0}, {38, 242, 64}}}},
+                                              {"C-DS", {{{56, 8, 6}, {255, 217, 0}, {8, 53, 14}}}}};
+  for (const char* camera : {"field", "top", "follow-R1"}) {
+    const Picture& picture = **renderer_->draw(world_->gate(), camera);
+    std::size_t seen = 0;
+    for (const Overlay::Label& label : renderer_->overlay().labels) {
+      if (!expected.contains(label.name) || label.box.width == 0) continue;
+      ++seen;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Box& lamp = label.lamps[k];
+        EXPECT_TRUE(lamp.within(label.box));
+        const auto colour = pixel(picture, lamp.middle_x(), lamp.middle_y());
+        for (std::size_t c = 0; c < 3; ++c)
+          EXPECT_NEAR(colour[c], expected.at(label.name)[k][c], 2) << camera << ' ' << label.name << ' ' << k;
+      }
+    }
+    EXPECT_GE(seen, std::string(camera) == "follow-R1" ? 0u : 2u) << camera;
   }
 }
 
-TEST(PlaceBoxes, BoxTakesTheNearestFreePlace) {
-  const std::vector<BoxWish> wish{{100, 100, 40, 10}};
-  const Box alone = place_boxes(wish, {}, {0, 0, 200, 200}).front();
-  EXPECT_EQ(alone.left, 80);
-  EXPECT_EQ(alone.bottom, 95);
-  const Box moved = place_boxes(wish, {{80, 95, 40, 10}}, {0, 0, 200, 200}).front();
-  EXPECT_EQ(moved.left, 80);
-  EXPECT_EQ(std::abs(moved.bottom - 95), 12);
+TEST_F(Rendering, ColumnsShowAllPartsOfAProduct) {
+  const PieceId piece = *world_->dispense(station("C-RS1"), 0, Stack{1, {}, 0});
+  for (std::uint8_t ring = 1; ring <= 3; ++ring) world_->mount(piece, Part::kRing, ring);
+  world_->mount(piece, Part::kCap, 2);
+  const std::vector<std::array<int, 3>> colours{
+      {217, 20, 20}, {26, 64, 230}, {26, 166, 51}, {255, 128, 13}, {140, 143, 148}};
+  for (const char* camera : {"field", "top"}) {
+    const Picture& picture = **renderer_->draw(world_->gate(), camera);
+    const auto& columns = renderer_->overlay().columns;
+    ASSERT_EQ(columns.size(), 1u);
+    const Box& box = columns[0].box;
+    const int layer = (box.height - 2) / 6;
+    for (int part = 0; part < 5; ++part) {
+      const int y = box.bottom + 1 + (part == 0 ? layer : (part + 1) * layer + layer / 2);
+      const auto colour = pixel(picture, box.middle_x(), y);
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(colour[c], colours[static_cast<std::size_t>(part)][c], 2) << camera << " part " << part;
+    }
+  }
 }
 
-TEST(PlaceBoxes, BoxWithoutAPlaceIsLeftOut) {
-  const std::vector<BoxWish> wish{{10, 10, 40, 10}};
-  EXPECT_EQ(place_boxes(wish, {}, {0, 0, 30, 30}).front().width, 0);
+TEST_F(Rendering, CameraThatFollowsHasItsRobotInTheMiddle) {
+  for (int tick = 0; tick < 100; ++tick) {
+    world_->command_base(RobotId{0}, 0.5, 0.3, 1);
+    ASSERT_TRUE(world_->advance(std::chrono::milliseconds(20)).ok());
+  }
+  ASSERT_TRUE(renderer_->draw(world_->gate(), "follow-R1").ok());
+  const auto& labels = renderer_->overlay().labels;
+  const auto robot = std::ranges::find(labels, "R1", &Overlay::Label::name);
+  ASSERT_NE(robot, labels.end());
+  EXPECT_TRUE(robot->body.overlaps({155, 115, 10, 10}));
+  EXPECT_GT(robot->body.height, 50);
 }
 
 TEST_F(Rendering, DrawingMovesNothing) {
