@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "scenarios/rcll/floor_plan.h"
+#include "scenarios/rcll/game.h"
 #include "sim/mujoco/mujoco_world.h"
 #include "sim/mujoco/overlay.h"
 #include "sim/mujoco/render.h"
@@ -35,7 +36,7 @@ void expect_labelled(const sim::Overlay& overlay, const sim::Box& picture, const
 TEST(Pictures, ShowEveryMachineWholeWithItsLabelInFiftyLayouts) {
   const sim::ModelOptions options{models_dir(), 0.01, 4};
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-    auto world = sim::MujocoWorld::create(*floor_plan_of({}, seed), options);
+    auto world = sim::MujocoWorld::create(floor_plan_of({}, game_of({}, seed)->layout), options);
     ASSERT_TRUE(world.ok()) << world.error().text();
     const int width = 640, height = seed % 2 ? 480 : 360;
     auto renderer = sim::Renderer::create((*world)->plan(), (*world)->gate(), width, height);
