@@ -45,13 +45,13 @@ Finding disk() {
       statvfs(".", &info) == 0 ? static_cast<double>(info.f_bavail) * static_cast<double>(info.f_frsize) : 0;
   const bool enough = bytes > 200e6;
   return {"disk here", enough ? Verdict::kGood : Verdict::kMissing, gigabytes(bytes) + " free",
-          enough ? "" : "a run writes up to 25 MB: free some space or use --out"};
+          enough ? "" : "a run writes up to 25 MB: free some space or use --out of cxlab run"};
 }
 
 Finding writable() {
   const bool ok = access(".", W_OK) == 0;
   return {"this folder", ok ? Verdict::kGood : Verdict::kOptional, ok ? "can be written" : "cannot be written",
-          ok ? "" : "use --out DIR, or --out none"};
+          ok ? "" : "use --out DIR of cxlab run, or --out none"};
 }
 
 Finding share(const char* what, const fs::path& folder) {

@@ -21,7 +21,7 @@ Status draw(const RenderOptions& options, Expected<std::unique_ptr<View>> view) 
 Status render_run(const RecordedRun& run, const RenderOptions& options) {
   if (!run.physics_hash && run.finished && run.tier == Tier::kTimed)
     return input_error(
-        "the run was played in the timed tier, which has no bodies to look at: play it with --tier physics",
+        "the run was played in the timed tier, which has no bodies to look at: play it with --tier physics of cxlab run",
         run.folder.string());
   if (run.finished && options.at && from_seconds(*options.at) > run.sim_time) {
     return input_error("the run ends at " + general_text(to_seconds(run.sim_time), 6) + " s", run.folder.string());

@@ -42,7 +42,8 @@ std::string first_difference(const std::string& stream, const fs::path& recorded
            (again == now.end() ? "nothing like it" : shown(again->second));
   }
   return stream + ": all " + std::to_string(then.size()) +
-         " records that were exported agree; the difference is in records that the run did not export (--journal full)";
+         " records that were exported agree; the difference is in records that the run did not export (--journal full "
+         "of cxlab run does)";
 }
 
 Status play_to_end(Episode& episode, const RecordedRun& run, SimTime end, const Host& host) {

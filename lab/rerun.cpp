@@ -93,8 +93,7 @@ Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const 
 
 }  // namespace
 
-Expected<Rerun> rerun(const RecordedRun& run, const std::string& out, const std::vector<std::string>& command,
-                      const Host& host) {
+Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const Host& host) {
   auto scenario = run.scenario();
   if (!scenario) return scenario.error();
   std::unique_ptr<ScratchFolder> copies;
@@ -109,8 +108,9 @@ Expected<Rerun> rerun(const RecordedRun& run, const std::string& out, const std:
     host.note("note: files of the scenario have gone; all are taken from the run's own copies: " + run.folder.string());
   }
   PlayOptions options = run.options;
-  options.out = out;
-  options.command = command;
+  options.out = given.out;
+  options.force = given.force;
+  options.command = given.command;
   if (run.status == "interrupted") options.until = to_seconds(run.sim_time);
   auto played = play_scenario(options, *std::move(scenario), host);
   if (!played) return played.error();

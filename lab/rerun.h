@@ -11,6 +11,13 @@
 
 namespace cxlab::lab {
 
+/// As in `PlayOptions`.
+struct RerunOptions {
+  std::string out = {};
+  bool force = false;
+  std::vector<std::string> command = {};
+};
+
 struct Rerun {
   Played played;
   std::vector<std::string> differ;         ///< streams (and "physics") whose hashes differ
@@ -19,8 +26,7 @@ struct Rerun {
 
 /// Where files of the scenario have gone, all are taken from the run's own copies; the host gets a note. Compares
 /// nothing if the new run did not come to an end (`played.failure`, or a stop by the host). The run must have been
-/// finished. `out` and `command` as in `PlayOptions`.
-Expected<Rerun> rerun(const RecordedRun& run, const std::string& out, const std::vector<std::string>& command = {},
-                      const Host& host = {});
+/// finished.
+Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& options = {}, const Host& host = {});
 
 }  // namespace cxlab::lab

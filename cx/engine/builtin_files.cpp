@@ -6,6 +6,7 @@
 #include <random>
 
 #include "cx/base/file.h"
+#include "cx/base/remedy.h"
 #include "internal/builtins.h"
 
 namespace cxlab {
@@ -109,10 +110,11 @@ void read_binary_function(Environment*, UDFContext* context, UDFValue* result) {
   const EngineOptions& options = engine_of(context).options();
   const auto hash = hash_of(args[0].lexemeValue->contents);
   if (hash && !options.files->binaries.contains(*hash) && !options.trust_rules)
-    return refuse(context, result,
-                  "'" + named +
-                      "' is not as a bsave function of this run wrote it, and CLIPS reads binary files without a check "
-                      "(--trust-rules lifts this)");
+    return refuse(
+        context, result,
+        "'" + named +
+            "' is not as a bsave function of this run wrote it, and CLIPS reads binary files without a check (" +
+            kTrustRemedy + ')');
   call_original(context, result, args);
 }
 

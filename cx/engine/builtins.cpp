@@ -2,6 +2,7 @@
 
 #include <ctime>
 
+#include "cx/base/remedy.h"
 #include "internal/builtins.h"
 
 namespace cxlab {
@@ -135,8 +136,7 @@ void machine_function(Environment* env, UDFContext* context, UDFValue* result) {
 
 void trusted_function(Environment* env, UDFContext* context, UDFValue* result) {
   if (!engine_of(context).options().trust_rules) {
-    refuse(context, result,
-           "refused to rules that are not trusted (--trust-rules lifts this, or trust_rules: true in the scenario)");
+    refuse(context, result, std::string("refused to rules that are not trusted (") + kTrustRemedy + ')');
     return;
   }
   machine_function(env, context, result);

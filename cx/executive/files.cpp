@@ -1,6 +1,7 @@
 #include "cx/executive/files.h"
 
 #include "cx/base/file.h"
+#include "cx/base/remedy.h"
 
 namespace cxlab::cx {
 
@@ -62,7 +63,8 @@ Expected<std::string> Files::share_directory(std::string_view package) const {
   const std::string name(package), near = did_you_mean(name, packages());
   return input_error(
       "package '" + name + "' not found" +
-      (near.empty() ? "; say where it is: --package " + name + "=DIR, or packages: {" + name + ": DIR} in a scenario"
+      (near.empty() ? "; say where it is: packages: {" + name + ": DIR} in the scenario or story, or --package " + name +
+                          "=DIR of cxlab env and test"
                     : near));
 }
 
@@ -159,8 +161,7 @@ Expected<FoundFile> Files::find_where_rules_read(const std::string& path) const 
   }
   if (options_.trust_rules) return FoundFile{outside(asked), asked.filename().string()};
   return input_error("reading '" + path +
-                     "' is refused: rules read from packages and the run's folder only (--trust-rules lifts this, or "
-                     "trust_rules: true in the scenario)");
+                     "' is refused: rules read from packages and the run's folder only (" + kTrustRemedy + ')');
 }
 
 std::string Files::journal_name(const std::string& path) const {

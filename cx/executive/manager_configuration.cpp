@@ -80,7 +80,9 @@ Expected<const PluginType*> EnvironmentManager::type_of(const std::string& insta
     if (!t.classes) continue;
     for (std::string& name : t.classes(bus_.registry())) known.push_back(std::move(name));
     if (type.starts_with(t.name.substr(0, t.name.find('<'))))
-      remedy = " (a package of your own is named by --package NAME=DIR)";
+      remedy =
+          " (a package of your own is named by packages: {NAME: DIR} in the scenario or story, or by "
+          "--package NAME=DIR of cxlab env and test)";
   }
   return parameters_.error_at(instance + ".plugin",
                               "unknown plugin type '" + type + "'" + did_you_mean(type, known) + remedy);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "cx/base/remedy.h"
 #include "cx/template/template.h"
 #include "planner/manager/manager.h"
 #include "planner/pddl/parser.h"
@@ -138,9 +139,10 @@ struct PddlManager::Services {
       return text;
     };
     if (refused(folder / name))
-      return input_error("reading '" + (folder / name).string() +
-                         "' is refused: for rules the manager reads packages, the run's folder and files *.pddl only "
-                         "(--trust-rules lifts this, or trust_rules: true in the scenario)");
+      return input_error(
+          "reading '" + (folder / name).string() +
+          "' is refused: for rules the manager reads packages, the run's folder and files *.pddl only (" +
+          kTrustRemedy + ')');
     if (!fs::is_regular_file(folder / name)) return input_error("there is no such file", (folder / name).string());
     auto text = templates::render(loader, name.string());
     if (text) return text;

@@ -130,7 +130,7 @@ Status GameStage::build_ledger(const StageSetup& setup, sim::FloorPlan plan) {
   sim::LedgerWorld& ledger = *made;
   floor_ = &ledger;
   worlds.push_back(std::move(made));
-  without_views = "the timed tier has no bodies to look at: --tier physics (render: --set tier=physics)";
+  without_views = "the timed tier has no bodies to look at: tier: physics in the scenario, or --set tier=physics";
   return add_fleet(sim::Fleet::create(ledger, ledger, scenario.timed, scenario.seed, zone_places(), setup.bus,
                                       setup.sink, {scenario.faults, scenario.seed}));
 }

@@ -149,7 +149,7 @@ class Scenarios(Lab):
 
     def test_a_package_that_nobody_named_is_reported_with_its_option(self):
         self.agent("")
-        remedy = "Cannot resolve file rules.clp: package 'rules' not found; say where it is: --package rules=DIR, or packages: {rules: DIR} in a scenario"
+        remedy = "Cannot resolve file rules.clp: package 'rules' not found; say where it is: packages: {rules: DIR} in the scenario or story, or --package rules=DIR of cxlab env and test"
         self.scenario_fails(SCENARIO.replace("packages: {rules: rules}\n", ""), "agent.yaml:7: " + remedy)
 
     def test_an_empty_file_of_stimuli_has_none(self):

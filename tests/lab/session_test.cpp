@@ -163,12 +163,12 @@ TEST_F(SessionTest, AReplayEndsAtAStopAndComparesNothing) {
 TEST_F(SessionTest, ARerunAgreesUntilAFileChanges) {
   scenario("game", "(defrule draw (time ?) => (assert (drawn (random))))\n");
   const auto run = RecordedRun::open(play("game").folder);
-  auto again = rerun(*run, path("again").string());
+  auto again = rerun(*run, {path("again").string()});
   ASSERT_TRUE(again) << again.error().text();
   EXPECT_THAT(again->differ, IsEmpty());
   EXPECT_THAT(again->changed_files, IsEmpty());
   write("rules/rules.clp", "(defrule draw (time ?) => (assert (drawn 1)))\n");
-  again = rerun(*run, path("changed").string());
+  again = rerun(*run, {path("changed").string()});
   ASSERT_TRUE(again) << again.error().text();
   EXPECT_THAT(again->differ, ElementsAre("env/main"));
   EXPECT_THAT(again->changed_files, ElementsAre(HasSubstr("rules.clp")));
@@ -179,7 +179,7 @@ TEST_F(SessionTest, ARerunPlaysFromTheCopiesIfFilesHaveGone) {
   const auto run = RecordedRun::open(play("game").folder);
   std::filesystem::remove_all(path("rules"));
   Watch watch;
-  const auto again = rerun(*run, path("again").string(), {}, watch.host());
+  const auto again = rerun(*run, {path("again").string()}, watch.host());
   ASSERT_TRUE(again) << again.error().text();
   EXPECT_THAT(again->differ, IsEmpty());
   EXPECT_THAT(watch.notes.front(), HasSubstr("all are taken from the run's own copies"));

@@ -123,7 +123,7 @@ TEST(GameResult, CountsWhatEachRobotDid) {
 TEST_F(GameStage, TheTimedTierHasNoViewAndTellsWhereOneIs) {
   const auto view = view_of(episode_->stage(), 64, 64);
   ASSERT_FALSE(view.ok());
-  EXPECT_THAT(view.error().text(), testing::HasSubstr("no bodies to look at: --tier physics"));
+  EXPECT_THAT(view.error().text(), testing::HasSubstr("no bodies to look at: tier: physics in the scenario"));
 }
 
 TEST_F(GameStage, NeedsEachOfItsInterfaces) {

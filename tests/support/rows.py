@@ -5,6 +5,7 @@ What a row must say stands in a list beside the rows, NAME.said.txt: its error l
 
 import concurrent.futures
 import dataclasses
+import functools
 import os
 import pathlib
 import re
@@ -63,6 +64,20 @@ def said(out, err, folder):
     return " / ".join(line.strip()[:LONGEST] for line in lines[-6:]).encode("unicode_escape").decode()
 
 
+@functools.cache
+def options_of(command):
+    done = subprocess.run([CXLAB, command, "--help"], capture_output=True, text=True, timeout=LIMIT_S)
+    return set(re.findall(r"--[a-z][a-z-]*", done.stdout)) if done.returncode == 0 else None
+
+
+def not_to_be_given(command, text):
+    """Options that an error names, and that neither this command has nor the one that the error names with them."""
+    if not (own := options_of(command[0]) if command and command[0].isalpha() else None):
+        return []
+    named = re.findall(r"(?<![\w'-])(--[a-z][a-z-]*)(?:=\S*| [A-Z]\S*| \S+=\S+)?(?: of cxlab ([a-z-]+))?", re.sub(r"found '[^']*'|there is no option '[^']*'", "", text))
+    return [option for option, other in named if option not in ((options_of(other) if other else own) or ())]
+
+
 def play_row(row, fixed):
     """What it said, and what is wrong beside that."""
     folder = pathlib.Path(tempfile.mkdtemp(prefix="cxlab-row-")).resolve()
@@ -85,6 +100,8 @@ def play_row(row, fixed):
             path = folder / name.replace("{here}", str(folder))
             if not path.is_file() or part not in path.read_text(errors="replace"):
                 wrong.append(f"{name} has no {part!r}")
+        errors = "\n".join(line for line in err.splitlines() if line.startswith("error"))
+        wrong += [f"it names {option}, which cxlab {row.command[0]} has not" for option in not_to_be_given(row.command, errors)]
         after = state(folder, row.leaves)
         wrong += [f"{name} was changed" for name in sorted(before.keys() | after.keys()) if before.get(name) != after.get(name)]
         return said(out, err, folder), wrong

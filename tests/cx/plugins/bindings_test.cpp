@@ -210,7 +210,8 @@ TEST_F(Bindings, AnUnknownClassGivesTheNearest) {
   ASSERT_FALSE(s.ok());
   EXPECT_THAT(s.error().message,
               HasSubstr("unknown plugin type 'cx::CXStdMsgsStrinPlugin', did you mean 'cx::CXStdMsgsStringPlugin'?"
-                        " (a package of your own is named by --package NAME=DIR)"));
+                        " (a package of your own is named by packages: {NAME: DIR} in the scenario or "
+                        "story, or by --package NAME=DIR of cxlab env and test)"));
   EXPECT_GT(s.error().line, 0);
 }
 

@@ -1,0 +1,9 @@
+#pragma once
+
+namespace cxlab {
+
+/// Of what is refused to rules that are not trusted.
+inline constexpr const char* kTrustRemedy =
+    "trust_rules: true in the scenario lifts this, or --trust-rules of cxlab env";
+
+}  // namespace cxlab
