@@ -31,7 +31,9 @@ int bench(const Options& options) {
   Console console(options.quiet);
   const auto rows = lab::sweep(*suite, {folder, options.jobs}, console.host());
   if (!rows) return fail(rows.error());
-  if (signal_that_came()) return 128 + signal_that_came();
+  if (const int code = interrupted(std::to_string(rows->size()) + " of " + std::to_string(suite->cells().size()) +
+                                   " episodes are finished and kept; the same command plays the others"))
+    return code;
   const std::vector<lab::TableLine> table = lab::table_of(*rows);
   if (options.json)
     std::fputs(lab::to_json(table).c_str(), stdout);

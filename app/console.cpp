@@ -142,6 +142,14 @@ void add_limit_options(CLI::App& command) {
 
 int signal_that_came() { return g_signal; }
 
+int interrupted(const std::string& what_there_is) {
+  if (g_signal == 0) return 0;
+  const std::string name = g_signal == SIGINT ? "SIGINT" : "SIGTERM";
+  std::fprintf(stderr, "%s %s\n", coloured("interrupted:", kRed).c_str(),
+               printable("by " + name + "; " + what_there_is).c_str());
+  return 128 + g_signal;
+}
+
 static bool colours_wanted() {
   static const bool wanted = [] {
     const char *no = std::getenv("NO_COLOR"), *terminal = std::getenv("TERM");
@@ -233,6 +241,12 @@ void Console::clear() {
   std::fputs("\r\033[K", stderr);
   std::fflush(stderr);
   drawn_ = false;
+}
+
+std::string seconds_text(SimTime t) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f s", to_seconds(t));
+  return text;
 }
 
 std::string clock_text(double seconds) {

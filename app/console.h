@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "cx/base/time.h"
 #include "cx/node/log_output.h"
 #include "lab/host.h"
 
@@ -52,6 +53,10 @@ std::string printable(std::string_view text);
 void add_limit_options(CLI::App& command);
 /// The number of the signal that asked for a stop, 0 if none.
 int signal_that_came();
+/// 0 if no signal asked for a stop; else reports that one did, and what there is all the same, and gives the exit code.
+int interrupted(const std::string& what_there_is);
+/// "1.500 s".
+std::string seconds_text(SimTime t);
 /// Simulated time as m:ss.
 std::string clock_text(double seconds);
 

@@ -39,8 +39,8 @@ int env(const Options& options) {
     std::fputs(played.result.to_json().c_str(), stdout);
     return code;
   }
-  std::printf("%s after %.3f s of simulated time, %zu rule errors\n", to_string(played.result.status),
-              to_seconds(played.result.sim_time), played.result.rule_errors.size());
+  std::printf("%s after %s of simulated time, %zu rule errors\n", to_string(played.result.status),
+              seconds_text(played.result.sim_time).c_str(), played.result.rule_errors.size());
   if (!played.folder.empty()) std::printf("%s\n", played.folder.c_str());
   return code;
 }

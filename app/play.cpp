@@ -52,6 +52,13 @@ void print_rule_errors(const lab::Played& played) {
     std::fprintf(stderr, "%s %zu more, in result.json\n", coloured("errors:", kRed).c_str(), printed - kMost);
 }
 
+std::string what_there_is(const lab::Played& played) {
+  const std::string end = seconds_text(played.result.sim_time) + " of simulated time";
+  if (played.result.status != RunStatus::kInterrupted) return "the run had come to its end after " + end;
+  return "the run ended after " + end +
+         (played.folder.empty() ? "" : ", and " + played.folder.string() + " has it up to then");
+}
+
 }  // namespace
 
 int conclude(const lab::Played& played, const Console& console) {
@@ -66,7 +73,7 @@ int conclude(const lab::Played& played, const Console& console) {
   if (shown > 0) std::fprintf(stderr, "%s %zu, reported in the log above\n", coloured("errors:", kRed).c_str(), shown);
   if (played.failure) return static_cast<int>(played.failure->kind);
   if (!page) return fail(page.error());
-  return signal_that_came() ? 128 + signal_that_came() : 0;
+  return interrupted(what_there_is(played));
 }
 
 }  // namespace cxlab::app

@@ -50,7 +50,7 @@ int render(Options options) {
   Console console(false);
   const Status drawn = draw(options, console.host());
   console.clear();
-  if (signal_that_came()) return 128 + signal_that_came();
+  if (const int code = interrupted("there is no picture")) return code;
   if (!drawn) return fail(drawn.error());
   std::printf("%s\n", options.out.c_str());
   return 0;

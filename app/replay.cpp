@@ -75,7 +75,7 @@ int replay(const Options& options) {
   if (both || options.rules) go_on = half("rules", lab::replay_rules(*run, host));
   if (go_on && (options.physics || run->physics_hash) && (both || options.physics))
     go_on = half("physics", lab::replay_physics(*run, host));
-  if (signal_that_came()) return 128 + signal_that_came();
+  if (const int stopped = interrupted("the run was not replayed to its end")) return stopped;
   if (!go_on) return code;
   if (options.json && code == static_cast<int>(ErrorKind::kNo))
     json["changed_surroundings"] = run->changed_surroundings();

@@ -30,8 +30,11 @@ int run(const Options& options) {
   if (options.json) {
     std::fputs(played.result.to_json().c_str(), stdout);
   } else if (played.result.status == RunStatus::kFailed) {
-    std::printf("failed after %.3f s of simulated time\n", to_seconds(played.result.sim_time));
+    std::printf("failed after %s of simulated time\n", seconds_text(played.result.sim_time).c_str());
   } else {
+    if (played.result.status == RunStatus::kInterrupted)
+      std::printf("interrupted after %s of simulated time; up to then:\n",
+                  seconds_text(played.result.sim_time).c_str());
     std::fputs(played.result.score_board.c_str(), stdout);
   }
   if (!options.json && !played.folder.empty()) std::printf("%s\n", (played.folder / "index.html").c_str());

@@ -55,7 +55,7 @@ int test(const TestOptions& options) {
   const testing::StorySetup setup{find_share().interfaces, !options.coverage.empty(), *std::move(packages),
                                   host.limits()};
   if (Status s = lab::play_stories(*stories, setup, options.jobs, host); !s) return fail(s.error());
-  if (signal_that_came()) return 128 + signal_that_came();
+  if (const int code = interrupted("not all stories were played")) return code;
   std::size_t passed = 0;
   bool bad = false;
   nlohmann::json rows = nlohmann::json::array();

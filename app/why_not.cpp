@@ -22,12 +22,6 @@ struct Options {
   bool json = false;
 };
 
-std::string seconds(SimTime t) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f s", to_seconds(t));
-  return text;
-}
-
 void print(const char* before, const explain::Values& values) {
   if (values.empty()) return;
   std::printf("    %s", before);
@@ -76,7 +70,7 @@ void print(const lab::WhyNotAnswer::InEnvironment& found) {
       std::printf(
           "  all its conditions hold, and it has fired for what holds, the last time at %s; it fires again when "
           "one of these facts has changed\n",
-          seconds(*answer.fired_for_it).c_str());
+          seconds_text(*answer.fired_for_it).c_str());
       break;
     case explain::Verdict::kTaken:
       std::printf(
@@ -91,7 +85,7 @@ void print(const lab::WhyNotAnswer::InEnvironment& found) {
     if (answer.combinations > 1) std::printf("    and %zu other combinations\n", answer.combinations - 1);
   }
   if (answer.lost) {
-    std::printf("  was on the agenda up to %s, until %s took it off%s\n", seconds(answer.lost->t).c_str(),
+    std::printf("  was on the agenda up to %s, until %s took it off%s\n", seconds_text(answer.lost->t).c_str(),
                 answer.lost->by.empty() ? "something from outside of rules" : ("rule " + answer.lost->by).c_str(),
                 answer.lost->facts.empty() ? "" : ", with");
     print(answer.lost->facts);
@@ -100,7 +94,7 @@ void print(const lab::WhyNotAnswer::InEnvironment& found) {
     std::printf("  has not fired so far\n");
   else
     std::printf("  fired %zu time%s so far, the last time at %s with\n", answer.fired, answer.fired == 1 ? "" : "s",
-                seconds(answer.last_fired).c_str());
+                seconds_text(answer.last_fired).c_str());
   print(answer.last_facts);
 }
 
@@ -129,13 +123,13 @@ int why_not(const Options& options) {
   lab::WhyNotQuestion question{options.rule, {}, *std::move(wanted)};
   if (options.at) question.at = from_seconds(*options.at);
   const auto answer = lab::why_not(*run, question, console.host());
-  if (signal_that_came()) return 128 + signal_that_came();
+  if (const int code = interrupted("the run was not replayed up to that time")) return code;
   if (!answer) return fail(answer.error());
   if (options.json) {
     std::printf("%s\n", lab::to_json(*answer).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
     return 0;
   }
-  std::printf("after the tick at %s%s:\n", seconds(answer->at).c_str(),
+  std::printf("after the tick at %s%s:\n", seconds_text(answer->at).c_str(),
               !answer->cut_off ? ""
               : answer->killed ? ", where the log of the run ends, which was killed"
                                : ", where the run ends");

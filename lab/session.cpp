@@ -103,8 +103,10 @@ Status play(Run& run) {
     if (!ticked) return ticked;
     if (Status s = (*pictures)->look(episode); !s) return s;
     run.host.show(to_seconds(episode.now()), end);
-    if (run.options.realtime)
-      wait_until(wall_start + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()), run.host);
+    if (!run.options.realtime) continue;
+    run.game.begin();
+    wait_until(wall_start + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()), run.host);
+    run.game.end();
   }
   if (Status s = (*pictures)->finish(); !s) return s;
   run.played.pictures = (*pictures)->taken();

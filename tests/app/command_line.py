@@ -257,6 +257,16 @@ class Signals(Lab):
             out, _ = self.interrupted("replay", "out", half, after=0.3)
             self.assertEqual(out, "")
 
+    def test_run_says_that_it_was_interrupted(self):
+        for command, number, tick in [(("run", GAME, "--tier", "timed"), signal.SIGTERM, 0.3), (("env", SOURCE / "docs/examples/hello/hello.yaml"), signal.SIGINT, 1.1)]:
+            out, err = self.interrupted(*command, "--realtime", "--quiet", "--out", "out", "--force", after=1.5, number=number)
+            end = self.result()["sim_time_s"]
+            self.assertRegex(out, rf"^interrupted after {end:.3f} s of simulated time")
+            self.assertIn(f"interrupted: by {number.name}; the run ended after {end:.3f} s of simulated time, and out has it up to then\n", err)
+            self.assertIn(">interrupted by a signal</b> after 0:0", (self.out / "index.html").read_text())
+            self.assertAlmostEqual(self.result()["wall_time_s"], end, delta=tick)  # in real time
+            self.assertAlmostEqual(self.result()["real_time_factor"], 1, delta=tick)
+
     def test_plan_prints_what_it_has_found(self):
         places = [f"p{i}" for i in range(60)]
         roads = " ".join(f"(road {a} {b})" for a in places for b in places if a != b)
@@ -281,7 +291,7 @@ class Signals(Lab):
                    "schema: 1\nduration_s: 1000000\npackages: {rules: rules}\nagents:\n  - config: agent.yaml\n")
         self.write("suite.yaml", "scenarios: [scenario.yaml]\nseeds: [1, 2, 3]\nstrategies: {s: }\n")
         for number in [signal.SIGINT, signal.SIGKILL]:
-            process = subprocess.Popen([CXLAB, "bench", "suite.yaml", "-j", "2", "--out", "o"], cwd=self.folder)
+            process = subprocess.Popen([CXLAB, "bench", "suite.yaml", "-j", "2", "--out", "o"], cwd=self.folder, text=True, stderr=subprocess.PIPE)
             children = []
             for _ in range(500):
                 time.sleep(0.02)
@@ -290,7 +300,9 @@ class Signals(Lab):
                     break
             self.assertEqual(len(children), 2)
             process.send_signal(number)
-            process.wait(timeout=10)
+            _, said = process.communicate(timeout=10)
+            if number == signal.SIGINT:
+                self.assertIn("interrupted: by SIGINT; 0 of 3 episodes are finished and kept; the same command plays the others", said)
             for child in children:
                 for _ in range(200):
                     if not os.path.exists(f"/proc/{child}"):
