@@ -125,7 +125,10 @@ void RuleEngine::Impl::print(const char* logical_name, const char* text) {
   const std::string_view name = logical_name;
   if (leaving_calls && name == "stderr") return;
   if (name == "stderr") capture(text);
-  if (engine.options_.on_output) engine.options_.on_output(name, text);
+  // What is wrong with a form that is loaded is reported with its place; the lines of CLIPS would tell it twice. They
+  // begin with an empty one.
+  const bool told_later = name == "stderr" && (starts.empty() ? is_parsing() && *text == '\n' : starts.back().line > 0);
+  if (!told_later && engine.options_.on_output) engine.options_.on_output(name, text);
   evaluation_data(env)->Steps += 1 + std::strlen(text) / kBytesOfAStep;
 }
 

@@ -107,14 +107,23 @@ std::vector<Message> take_messages(RuleEngine::Impl& impl) {
   return messages;
 }
 
+template <class Look>
+void in_each_module(Environment* env, const Look& look) {
+  Defmodule* const current = GetCurrentModule(env);
+  for (Defmodule* module = GetNextDefmodule(env, nullptr); module != nullptr; module = GetNextDefmodule(env, module)) {
+    SetCurrentModule(env, module);
+    look();
+  }
+  SetCurrentModule(env, current);
+}
+
 /// The names of all deftemplates that were defined.
 std::vector<std::string> known_templates(Environment* env) {
   std::vector<std::string> names;
-  for (Defmodule* module = GetNextDefmodule(env, nullptr); module != nullptr; module = GetNextDefmodule(env, module)) {
-    SetCurrentModule(env, module);
+  in_each_module(env, [&] {
     for (Deftemplate* t = GetNextDeftemplate(env, nullptr); t != nullptr; t = GetNextDeftemplate(env, t))
       if (!t->implied) names.emplace_back(t->header.name->contents);
-  }
+  });
   return names;
 }
 
@@ -122,13 +131,40 @@ std::vector<std::string> known_functions(Environment* env) {
   std::vector<std::string> names;
   for (const FunctionDefinition* f = GetFunctionList(env); f != nullptr; f = f->next)
     names.emplace_back(f->callFunctionName->contents);
-  for (Defmodule* module = GetNextDefmodule(env, nullptr); module != nullptr; module = GetNextDefmodule(env, module)) {
-    SetCurrentModule(env, module);
+  in_each_module(env, [&] {
     for (Deffunction* f = GetNextDeffunction(env, nullptr); f != nullptr; f = GetNextDeffunction(env, f))
       names.emplace_back(f->header.name->contents);
     for (Defgeneric* f = GetNextDefgeneric(env, nullptr); f != nullptr; f = GetNextDefgeneric(env, f))
       names.emplace_back(f->header.name->contents);
-  }
+  });
+  return names;
+}
+
+/// Of the deftemplates of that name.
+std::vector<std::string> slots_of_template(Environment* env, const std::string& name) {
+  std::vector<std::string> slots;
+  in_each_module(env, [&] {
+    for (Deftemplate* t = GetNextDeftemplate(env, nullptr); t != nullptr; t = GetNextDeftemplate(env, t))
+      for (const templateSlot* slot = t->header.name->contents == name && !t->implied ? t->slotList : nullptr;
+           slot != nullptr; slot = slot->next)
+        slots.emplace_back(slot->slotName->contents);
+  });
+  return slots;
+}
+
+std::vector<std::string> slots_of_classes(Environment* env) {
+  std::vector<std::string> slots;
+  in_each_module(env, [&] {
+    for (Defclass* c = GetNextDefclass(env, nullptr); c != nullptr; c = GetNextDefclass(env, c))
+      for (unsigned i = 0; i < c->instanceSlotCount; ++i)
+        slots.emplace_back(c->instanceTemplate[i]->slotName->name->contents);
+  });
+  return slots;
+}
+
+std::vector<std::string> known_modules(Environment* env) {
+  std::vector<std::string> names;
+  in_each_module(env, [&] { names.emplace_back(DefmoduleName(GetCurrentModule(env))); });
   return names;
 }
 
@@ -165,26 +201,59 @@ std::string unknown_pattern(const Term& term, const std::vector<std::string>& kn
   return {};
 }
 
+std::string with_nearest(const std::string& message, const std::string& word, const std::vector<std::string>& known) {
+  const std::string near = did_you_mean(word, known);
+  return near.empty() ? message : message.substr(0, message.find_last_not_of('.') + 1) + near;
+}
+
+/// Of "Module 'A' does not export any constructs.", "... any KIND constructs.", "... the KIND 'name'."
+std::string with_export(const RuleEngine::Impl& impl, const std::string& message,
+                        const std::vector<std::string>& names) {
+  static constexpr std::string_view kBefore = " does not export ";
+  const std::string rest = message.substr(std::min(message.find(kBefore) + kBefore.size() + 4, message.size()));
+  const std::string kind = rest.substr(0, rest.find(' '));
+  if (names.size() == 2) {
+    std::vector<std::string> known;
+    for (const auto& info : impl.constructs)
+      if (info && info->kind == kind && info->module == names[0]) known.push_back(info->name);
+    if (std::ranges::count(known, names[1]) == 0)
+      return message + " There is no " + kind + " '" + names[1] + "' in it" + did_you_mean(names[1], known);
+  }
+  const std::string all =
+      kind.starts_with("constructs") ? "?ALL" : kind + (names.size() == 2 ? ' ' + names[1] : " ?ALL");
+  return message + " It does with (defmodule " + names[0] + " (export " + all + "))";
+}
+
+/// The message, with the name that is nearest to one that is not known, whatever form it stands in.
+std::string with_near_name(const RuleEngine::Impl& impl, const std::string& message) {
+  const std::vector<std::string> names = quoted(message);
+  if (names.empty()) return message;
+  if (message.starts_with("[TMPLTDEF1]") && names.size() == 2)
+    return with_nearest(message, names[0], slots_of_template(impl.env, names[1]));
+  if (message.starts_with("[OBJRTBLD2]")) {
+    const std::vector<std::string> slots = slots_of_classes(impl.env);
+    return std::ranges::count(slots, names[0]) > 0 ? message : with_nearest(message, names[0], slots);
+  }
+  if (message.starts_with("[PRNTUTIL1] Unable to find defmodule"))
+    return with_nearest(message, names[0], known_modules(impl.env));
+  return message.starts_with("[MODULPSR1]") ? with_export(impl, message, names) : message;
+}
+
 /// The message, with what a function that is missing should be: the nearest one, or the slot of a deftemplate that is
 /// missing.
 std::string with_remedy(Environment* env, const std::string& message, const Term& form) {
   const std::vector<std::string> names = quoted(message);
   if (message.starts_with("[PRNTUTIL2]") && form.head() == "defrule") {
-    Defmodule* current = GetCurrentModule(env);
     const std::vector<std::string> defined = known_templates(env);
-    SetCurrentModule(env, current);
     const std::string pattern = unknown_pattern(form, defined);
     return pattern.empty() ? message
                            : message + " There is no deftemplate '" + pattern + "'" + did_you_mean(pattern, defined);
   }
   if (!message.starts_with("[EXPRNPSR3]") || names.empty()) return message;
-  Defmodule* module = GetCurrentModule(env);
   const std::vector<std::string> templates = known_templates(env);
   const std::string fact = unknown_template(form, names.front(), templates);
-  const std::string near = did_you_mean(names.front(), known_functions(env));
-  SetCurrentModule(env, module);
   if (!fact.empty()) return message + " There is no deftemplate '" + fact + "'" + did_you_mean(fact, templates);
-  return near.empty() ? message : message.substr(0, message.find_last_not_of('.') + 1) + near;
+  return with_nearest(message, names.front(), known_functions(env));
 }
 
 /// A message about the network explains the one before it: a test of these rules failed, whoever changed the facts.
@@ -273,15 +342,17 @@ Error RuleError::error() const {
 
 std::string RuleError::text() const { return error().text(); }
 
+bool RuleEngine::Impl::is_parsing() const {
+  return !contexts.empty() && contexts.back().form != nullptr && (!rule_acting || contexts.size() > rule_depth) &&
+         !command_line_data(env)->EvaluatingTopLevelCommand;
+}
+
 void RuleEngine::Impl::capture(const char* text) {
   // CLIPS opens each of its messages with a "[" of its own; what rules print comes in larger pieces.
   if (text[0] == '[' && text[1] == '\0') {
-    const bool parsing = !contexts.empty() && contexts.back().form != nullptr &&
-                         (!rule_acting || contexts.size() > rule_depth) &&
-                         !command_line_data(env)->EvaluatingTopLevelCommand;
     MessageStart& start = starts.emplace_back();
     start = {captured.size(),
-             parsing ? static_cast<int>(GetLineCount(env)) : 0,
+             is_parsing() ? static_cast<int>(GetLineCount(env)) : 0,
              rule_acting,
              {},
              std::string(asserted_text)};
@@ -358,7 +429,7 @@ void RuleEngine::Impl::make_errors() {
     found.push_back(std::move(error));
   }
   for (RuleError& error : found) {
-    error.message += chain_of(error);
+    error.message = with_near_name(*this, error.message) + chain_of(error);
     add_error(std::move(error));
   }
 }

@@ -122,6 +122,8 @@ struct RuleEngine::Impl {
   std::set<std::string> known_errors;  ///< keys of engine.errors_
 
   void capture(const char* text);
+  /// Whether a form is read, not what it calls carried out.
+  bool is_parsing() const;
   /// Turns what was captured into errors of the innermost context.
   void flush_errors() {
     if (!starts.empty()) make_errors();

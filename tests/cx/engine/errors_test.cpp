@@ -71,6 +71,50 @@ TEST_F(RuleErrors, AnUnknownSlotHasTheLineWhereItStands) {
       ElementsAre(AllOf(StartsWith("rules.clp:5: [TMPLTDEF1]"), HasSubstr("'colour'"))));
 }
 
+TEST_F(RuleErrors, AnErrorOfALoadedFormIsToldOnce) {
+  EXPECT_THAT(load_errors("(defrule go (a) => (no-such-function 1))"), SizeIs(1));
+  EXPECT_EQ(output["stderr"], "") << "the lines of CLIPS beside it";
+  given("(defrule go (a) => (build \"(defrule inner => (no-such-function 1))\"))");
+  ASSERT_TRUE(engine().assert_string("(a)").ok());
+  (void)engine().run();
+  EXPECT_THAT(output["stderr"], HasSubstr("[EXPRNPSR3]")) << "of a rule's own call all is printed, as in CX";
+}
+
+TEST_F(RuleErrors, AnUnknownSlotGetsTheNearestOfItsDeftemplate) {
+  given(
+      "(deftemplate order (slot id) (slot color))\n(deftemplate other (slot colour))\n"
+      "(defclass BOX (is-a USER) (role concrete) (pattern-match reactive) (slot width))");
+  const auto error_of = [&](const std::string& form) {
+    const std::vector<std::string> errors = load_errors(form);
+    return errors.empty() ? "" : errors.front();
+  };
+  const std::string near =
+      "Invalid slot 'colour' not defined in corresponding deftemplate 'order', did you mean 'color'?";
+  EXPECT_THAT(error_of("(defrule r (order (colour RED)) =>)"), EndsWith(near));
+  EXPECT_THAT(error_of("(defrule r (not (order (colour RED))) =>)"), EndsWith(near));
+  EXPECT_THAT(error_of("(defrule r => (assert (order (colour RED))))"), EndsWith(near));
+  EXPECT_THAT(error_of("(deffacts d (order (colour RED)))"), EndsWith(near));
+  EXPECT_THAT(error_of("(defrule r (order (weight 3)) =>)"), EndsWith("deftemplate 'order'."));
+  EXPECT_THAT(error_of("(defrule r (object (is-a BOX) (widht 3)) =>)"), EndsWith(", did you mean 'width'?"));
+}
+
+TEST_F(RuleErrors, AnImportOfWhatIsNotExportedSaysHowToExportIt) {
+  given(
+      "(defmodule SHOP (export deftemplate bill))\n(deftemplate bill (slot sum))\n(deftemplate order (slot id))\n"
+      "(defmodule CLOSED)");
+  const auto error_of = [&](const std::string& import) {
+    const std::vector<std::string> errors = load_errors("(defmodule NAV (import " + import + "))");
+    return errors.empty() ? "" : errors.front();
+  };
+  EXPECT_THAT(error_of("CLOSED ?ALL"), EndsWith("any constructs. It does with (defmodule CLOSED (export ?ALL))"));
+  EXPECT_THAT(error_of("SHOP deffunction ?ALL"), EndsWith(" It does with (defmodule SHOP (export deffunction ?ALL))"));
+  EXPECT_THAT(error_of("SHOP deftemplate order"),
+              EndsWith(" It does with (defmodule SHOP (export deftemplate order))"));
+  EXPECT_THAT(error_of("SHOP deftemplate ordre"),
+              EndsWith(" There is no deftemplate 'ordre' in it, did you mean 'order'?"));
+  EXPECT_THAT(error_of("SHPO ?ALL"), EndsWith("Unable to find defmodule 'SHPO', did you mean 'SHOP'?"));
+}
+
 TEST_F(RuleErrors, AnUnknownFunctionHasTheLineWhereItStands) {
   EXPECT_THAT(load_errors("(defrule go\n  (a)\n  =>\n  (assert (b))\n  (no-such-function 1))\n"),
               ElementsAre(AllOf(StartsWith("rules.clp:5: [EXPRNPSR3]"), HasSubstr("no-such-function"))));
