@@ -45,6 +45,9 @@ void print_agenda(const explain::WhyNot& answer) {
   else
     std::printf("  all its conditions hold: the next run fires it, with salience %d; %zu activations stand above it\n",
                 answer.salience, answer.above);
+  if (!answer.first_above.empty())
+    std::printf("  %s:\n",
+                answer.verdict == explain::Verdict::kFocus ? "on the agenda of what is in focus" : "above it");
   for (const auto& [rule, salience] : answer.first_above) std::printf("    %s, salience %d\n", rule.c_str(), salience);
 }
 
@@ -130,9 +133,7 @@ int why_not(const Options& options) {
     return 0;
   }
   std::printf("after the tick at %s%s:\n", seconds_text(answer->at).c_str(),
-              !answer->cut_off ? ""
-              : answer->killed ? ", where the log of the run ends, which was killed"
-                               : ", where the run ends");
+              answer->cut_off ? ", where the log of the run ends, which was killed" : "");
   for (const auto& found : answer->environments) print(found);
   return 0;
 }

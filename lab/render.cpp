@@ -16,16 +16,21 @@ Status draw(const RenderOptions& options, Expected<std::unique_ptr<View>> view) 
   return sim::write_png(**picture, options.out);
 }
 
+Error after_the_end(double at, SimTime end) {
+  return usage_error("--at: there is no picture at " + general_text(at, 9) + " s: the run ends at " +
+                     general_text(to_seconds(end), 9) + " s");
+}
+
 }  // namespace
 
 Status render_run(const RecordedRun& run, const RenderOptions& options) {
   if (!run.physics_hash && run.finished && run.tier == Tier::kTimed)
     return input_error(
-        "the run was played in the timed tier, which has no bodies to look at: play it with --tier physics of cxlab run",
+        "the run was played in the timed tier, which has no bodies to look at: play it with --tier physics of cxlab "
+        "run",
         run.folder.string());
-  if (run.finished && options.at && from_seconds(*options.at) > run.sim_time) {
-    return input_error("the run ends at " + general_text(to_seconds(run.sim_time), 6) + " s", run.folder.string());
-  }
+  if (run.finished && options.at && from_seconds(*options.at) > run.sim_time)
+    return after_the_end(*options.at, run.sim_time);
   auto replay = PhysicsOfRun::load(run);
   if (!replay) return replay.error();
   const SimTime at = options.at ? from_seconds(*options.at) : run.finished ? run.sim_time : replay->log_end();
@@ -37,9 +42,7 @@ Status render_run(const RecordedRun& run, const RenderOptions& options) {
 Status render_scenario(Scenario scenario, const RenderOptions& options, const Host& host) {
   if (!options.at) return usage_error("--at is missing: a scenario is played up to then");
   const double at = *options.at;
-  if (from_seconds(at) > scenario.duration)
-    return usage_error("--at: there is no picture at " + general_text(at, 6) + " s: the run ends at " +
-                       general_text(to_seconds(scenario.duration), 6) + " s");
+  if (from_seconds(at) > scenario.duration) return after_the_end(at, scenario.duration);
   const std::string file = scenario.file.string();
   auto episode = Episode::load(std::move(scenario), shared_episode_options(host));
   if (!episode) return episode.error();

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "cx/base/number_text.h"
 #include "cx/engine/form_reader.h"
 #include "cx/explain/json.h"
 
@@ -91,15 +92,16 @@ bool failed_then(const RecordedRun& run, const Error& error, SimTime now) {
 }  // namespace
 
 Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& question, const Host& host) {
+  if (run.finished && question.at && *question.at > run.sim_time)
+    return usage_error("--at: the run ends at " + general_text(to_seconds(run.sim_time), 9) + " s");
   const SimTime longest = run.finished ? run.sim_time : kLongestRun;
   auto replay = RulesReplay::load(run, longest, JournalLevel::kNone, host, host.log);
   if (!replay) return replay.error();
   Episode& episode = *replay->episode;
   WhyNotAnswer answer;
   SimTime end = std::min(longest, question.at.value_or(kNever));
-  answer.killed = !run.finished;
-  answer.cut_off = question.at && *question.at > (answer.killed ? episode.replay_end() : run.sim_time);
-  if (answer.killed) end = std::min(end, episode.replay_end());
+  answer.cut_off = !run.finished && question.at && *question.at > episode.replay_end();
+  if (!run.finished) end = std::min(end, episode.replay_end());
   Witness witness(episode, question.rule);
   episode.journal().set_listener(&witness);
   Status played = episode.start();

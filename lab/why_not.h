@@ -25,8 +25,7 @@ struct WhyNotAnswer {
     explain::WhyNot answer;
   };
   SimTime at{};                             ///< of the last tick that was played
-  bool cut_off = false;                     ///< the run, or the log of a killed one, ends before the time asked for
-  bool killed = false;                      ///< the run was
+  bool cut_off = false;                     ///< the log of a killed run ends before the time asked for
   std::vector<InEnvironment> environments;  ///< that have the rule; one of several modules comes more than once
   bool stopped = false;                     ///< by the host; then there is no answer
 };

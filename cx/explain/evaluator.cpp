@@ -73,6 +73,16 @@ std::vector<std::string> variables_of(const Term& expression) {
   return names;
 }
 
+std::vector<std::string> globals_of(const Term& expression) {
+  Names names;
+  if (expression.kind == Token::Kind::kWord && expression.text.starts_with("?*"))
+    names.push_back(expression.text.substr(1));
+  for (const Term& item : expression.items)
+    for (std::string& name : globals_of(item))
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
+  return names;
+}
+
 Evaluator::~Evaluator() {
   for (const auto& [text, function] : functions_)
     if (function.made) (void)engine_.undefine("deffunction", function.name);

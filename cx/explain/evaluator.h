@@ -55,6 +55,8 @@ class Evaluator {
   Evaluator(const Evaluator&) = delete;
   Evaluator& operator=(const Evaluator&) = delete;
 
+  /// `name`: with its stars.
+  Expected<Value> global(const std::string& name) { return value(Term{Token::Kind::kWord, '?' + name, {}, 0}, {}); }
   /// The expression's value; an error where CLIPS raises one, or a variable has no value.
   Expected<Value> value(const Term& expression, const Bindings& bindings);
 
@@ -75,5 +77,7 @@ class Evaluator {
 /// Names of the variables that an expression takes from patterns, each once, without `?` and `$`: no globals, none that
 /// a query or a loop inside binds.
 std::vector<std::string> variables_of(const Term& expression);
+/// `*limit*` for `?*limit*`, each once.
+std::vector<std::string> globals_of(const Term& expression);
 
 }  // namespace cxlab::explain

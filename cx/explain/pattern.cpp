@@ -139,6 +139,17 @@ void add_variables(const std::vector<Constraint>& constraints, std::vector<std::
   }
 }
 
+/// Those that expressions of the constraints name, each once.
+std::vector<std::string> globals_of(const std::vector<Constraint>& constraints) {
+  std::vector<std::string> names;
+  for (const Constraint& constraint : constraints)
+    for (const auto& together : constraint.any_of)
+      for (const Single& single : together)
+        for (std::string& name : explain::globals_of(single.expression))
+          if (std::ranges::count(names, name) == 0) names.push_back(std::move(name));
+  return names;
+}
+
 std::span<const Value> values_of(const Value& slot) {
   return slot.is(ValueType::kMultifield) ? std::span<const Value>(slot.items()) : std::span<const Value>(&slot, 1);
 }
@@ -223,7 +234,14 @@ std::vector<std::string> Pattern::binds() const {
 
 std::string Mismatch::print() const {
   if (!has_slot) return "there is no slot " + slot;
-  return (slot == "implied" ? "it" : slot) + " is " + found + ", not " + expected;
+  const auto shown = [](const std::string& values) { return values.empty() ? "empty" : values; };
+  return (slot == "implied" ? "its fields are " : slot + " is ") + shown(found) + ", not " + shown(expected);
+}
+
+std::string print(const std::vector<Mismatch>& mismatches) {
+  std::string out;
+  for (const Mismatch& mismatch : mismatches) out += (out.empty() ? "" : ", and ") + mismatch.print();
+  return out;
 }
 
 // --- Matching
@@ -358,6 +376,11 @@ std::vector<Mismatch> Pattern::mismatches(const FactCopy& fact, const Bindings& 
     for (const std::string& name : names)
       if (const std::string value = bindings.print(name); !value.empty()) {
         out += before + ('?' + name) + " = " + value;
+        before = ", ";
+      }
+    for (const std::string& name : globals_of(constraints))
+      if (const auto value = evaluator ? evaluator->global(name) : Expected<Value>(input_error("unknown"))) {
+        out += before + ('?' + name) + " = " + value->print();
         before = ", ";
       }
     return out;

@@ -38,6 +38,8 @@ struct Mismatch {
   /// `state is OPEN, not DONE`
   std::string print() const;
 };
+/// `state is OPEN, not DONE, and id is 3, not 5`
+std::string print(const std::vector<Mismatch>& mismatches);
 
 class Pattern {
  public:

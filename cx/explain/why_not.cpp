@@ -108,7 +108,7 @@ class Explainer {
       unmet.because = "no " + noun + " matches it as a whole";
       return unmet;
     }
-    unmet.because += best.mismatches.front().print();
+    unmet.because += explain::print(best.mismatches);
     unmet.slot = best.mismatches.front().slot;
     return unmet;
   }
@@ -118,6 +118,8 @@ class Explainer {
     const Combination& combination = reach.combinations.back();
     unmet.values = values_of(combination.bindings);
     const auto value = matcher_.evaluator().value(expression, combination.bindings);
+    for (const std::string& name : globals_of(expression))
+      if (const auto global = matcher_.evaluator().global(name)) unmet.values.emplace_back(name, global->print());
     unmet.because = reach.count == 1 ? "the test fails for what the conditions before it match"
                                      : "the test fails for each of the " + std::to_string(reach.count) +
                                            " combinations that the conditions before it match";
@@ -151,7 +153,8 @@ class Explainer {
       if (!missing) return false;
       unmet.values = values_of(each.bindings);
       if (each.facts.size() > begun.facts.size()) unmet.fact = print(each, begun.facts.size());
-      unmet.because = "not for this fact: " + missing->text + ", " + missing->because;
+      unmet.because = "what matches " + condition.parts.front().text + " must have " + missing->text +
+                      ", and not all does; for one that has not, " + missing->because;
       return true;
     });
     return unmet;

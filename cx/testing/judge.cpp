@@ -88,7 +88,7 @@ std::string judge_fact(const Expectation& e, const Play& play) {
                                       [&](const auto& v) { return &v.fact == near.fact; });
   return expected + "nearest: " + near.fact->print() + " at " + seconds(version.from) +
          (version.until == kNever ? "" : " until " + seconds(version.until)) +
-         (near.mismatches.empty() ? ", at another time" : ": " + near.mismatches.front().print());
+         (near.mismatches.empty() ? ", at another time" : ": " + explain::print(near.mismatches));
 }
 
 std::string judge_rule(const Expectation& e, const Play& play) {

@@ -117,7 +117,7 @@ void Story::expect_fact(const std::string& text, Where where) {
   if (state_->wait(state_->now() + state_->patience, where, [&] { return state_->find(*pattern) != nullptr; })) return;
   std::string what = "expected fact " + text + " by " + seconds(state_->now());
   for (const FactCopy& copy : state_->looked)
-    what += "\n  there is " + copy.print() + ": " + pattern->mismatches(copy).front().print();
+    what += "\n  there is " + copy.print() + ": " + explain::print(pattern->mismatches(copy));
   state_->report(where, what);
 }
 

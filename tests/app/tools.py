@@ -301,7 +301,7 @@ clips_manager:
         config = self.package("(deffacts d (b 1))(defrule either (or (a) (and (b ?x) (c ?x)) (d)) => )")
         run = self.folder / "run"
         self.cxlab("env", config, "--until", 1, "--quiet", "--out", run)
-        self.assertIn("after the tick at 1.000 s, where the run ends:\n", self.cxlab("why-not", run, "either", "--at", 9).stdout)
+        self.assertIn("--at: the run ends at 1 s", self.cxlab("why-not", run, "either", "--at", 9, expect=2).stderr)
         self.assertIn("after the tick at 1.000 s:\n", self.cxlab("why-not", run, "either", "--at", 1).stdout)
         self.assertIn("none of the 3 alternatives of its or conditions holds; the one that gets furthest:\n  condition 1",
                       self.cxlab("why-not", run, "either").stdout)
@@ -351,7 +351,7 @@ clips_manager:
         found = self.answer("why-not", run, "go")["explanations"]
         self.assertEqual([(e["module"], e["line"], e["verdict"], e["fired"]) for e in found], [("A", 7, "focus", 0), ("B", 9, "condition", 0)])
         self.assertEqual([e["module"] for e in self.answer("why-not", run, "B::go")["explanations"]], ["B"])
-        self.assertIn("its module A is not in focus: the next run looks at MAIN only", self.cxlab("why-not", run, "A::go").stdout)
+        self.assertRegex(self.cxlab("why-not", run, "A::go").stdout, r"its module A is not in focus: the next run looks at MAIN only.*\n  on the agenda of what is in focus:\n    ")
         self.assertIn("did you mean 'A::go'", self.cxlab("why-not", run, "C::go", expect=3).stderr)
         self.assertEqual(self.answer("why-not", run, "both", "--where", "id=2")["explanations"][0]["verdict"], "waiting")
         unmet = self.answer("why-not", run, "both", "--where", "?id=1", "--where", "other=2")["explanations"][0]["first_unmet"]
@@ -514,7 +514,7 @@ clips_manager:
         self.cxlab("render", run, "--at", 3, "--camera", "top", "--size", "320x240", "--out", self.folder / "run.png")
         self.cxlab("render", GAME, "--at", 3, "--camera", "top", "--size", "320x240", "--out", self.folder / "scenario.png")
         self.assertEqual((self.folder / "run.png").read_bytes(), (self.folder / "scenario.png").read_bytes())
-        self.cxlab("render", run, "--at", 100, "--out", self.folder / "late.png", expect=3)
+        self.cxlab("render", run, "--at", 100, "--out", self.folder / "late.png", expect=2)
         self.cxlab("render", run, "--camera", "top", "--size", "320x240", "--out", self.folder / "end.png")
         killed = self.killed("run", GAME, log_bytes=(run / "inputs.bin").stat().st_size // 2)
         self.cxlab("render", killed, "--camera", "top", "--size", "320x240", "--out", self.folder / "killed.png")

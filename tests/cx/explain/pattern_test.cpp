@@ -146,7 +146,9 @@ TEST(Pattern, NamesEachSlotThatDiffers) {
   Bindings bound;
   bound.bind("x", Value::integer(7));
   EXPECT_THAT(differences("(t (a ?x))", bound), ElementsAre("a is 1, not ?x with ?x = 7"));
-  EXPECT_THAT(pattern("(t 1)").mismatches(fact("t", {{"implied", list({2})}})).front().print(), "it is 2, not 1");
+  EXPECT_THAT(pattern("(t 1)").mismatches(fact("t", {{"implied", list({2})}})).front().print(),
+              "its fields are 2, not 1");
+  EXPECT_EQ(print(pattern("(t (a 2) (b RED) (c))").mismatches(t)), "a is 1, not 2, and c is 1 2, not empty");
 }
 
 TEST(Pattern, TheNearestFactFailsInTheFewestSlotsTheLastOfSeveral) {
