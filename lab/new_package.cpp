@@ -53,6 +53,7 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
 Status copy_file(const fs::path& from, const fs::path& to, const std::string& kind, const std::string& name) {
   auto text = read_file(from);
   if (!text) return text.error();
+  replace_all(*text, "{scenarios}", find_share().scenarios.string());
   replace_all(*text, "my_" + kind, name);
   replace_all(*text, cx::camel_case("my_" + kind), cx::camel_case(name));
   return write_file(to, *text);
