@@ -272,7 +272,6 @@ std::string known_companions(const Catalogue& catalogue) {
 Expected<Scenario> env_scenario(const EnvOptions& options, const Catalogue& catalogue) {
   for (const std::string& config : options.configs) {
     if (fs::is_directory(config)) return input_error("is a folder, expected a configuration (YAML)", config);
-    if (!fs::exists(config)) return input_error("there is no such file", config);
   }
   Scenario scenario;
   scenario.name = fs::path(options.configs.front()).stem().string();

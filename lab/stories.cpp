@@ -29,7 +29,7 @@ Expected<std::vector<fs::path>> find_files(const std::vector<std::string>& paths
       continue;
     }
     for (fs::recursive_directory_iterator it(path, error), end; !error && it != end; it.increment(error))
-      if (it->is_regular_file() && it->path().filename().string().ends_with(".story.yaml"))
+      if (!it->is_directory(error) && it->path().filename().string().ends_with(".story.yaml"))
         out.push_back(it->path().lexically_normal());
     if (error) return resource_error(error.message(), path);
   }

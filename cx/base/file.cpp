@@ -13,13 +13,18 @@
 
 namespace cxlab {
 
+static Error cannot_be_read(const std::filesystem::path& path) {
+  return input_error("cannot be read: " + std::generic_category().message(errno), path.string());
+}
+
 Expected<std::string> read_file(const std::filesystem::path& path) {
   constexpr std::uintmax_t kMostOfADevice = 16 << 20, kMostOfAFile = std::uintmax_t{1} << 31;
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return input_error("is a folder, expected a file", path.string());
   const std::uintmax_t most = std::filesystem::is_regular_file(path, error) ? kMostOfAFile : kMostOfADevice;
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (file < 0) return input_error("cannot be read", path.string());
+  if (file < 0 && errno == ENOENT) return input_error("there is no such file", path.string());
+  if (file < 0) return cannot_be_read(path);
   struct Closing {
     int file;
     ~Closing() { close(file); }
@@ -32,7 +37,7 @@ Expected<std::string> read_file(const std::filesystem::path& path) {
       fcntl(file, F_SETFL, 0);
       continue;
     }
-    if (got < 0) return input_error("cannot be read", path.string());
+    if (got < 0) return cannot_be_read(path);
     if (got == 0) break;
     text.append(piece.data(), static_cast<std::size_t>(got));
     if (text.size() > most)

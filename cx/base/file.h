@@ -9,8 +9,8 @@
 
 namespace cxlab {
 
-/// The content; kInput if it cannot be read, or has more than 2 GB (16 MB, if it is a device or a pipe: such may have
-/// no end), or is a pipe that nobody has opened for writing.
+/// The content; kInput, with the reason, if it cannot be read, or has more than 2 GB (16 MB, if it is a device or a
+/// pipe: such may have no end), or is a pipe that nobody has opened for writing.
 Expected<std::string> read_file(const std::filesystem::path& path);
 /// Replaces the content; kResource if that fails.
 Status write_file(const std::filesystem::path& path, std::string_view text);

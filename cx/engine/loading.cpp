@@ -355,7 +355,7 @@ LoadReport RuleEngine::load_file(const std::string& path, LoadMode mode, OnLoadE
   Expected<std::string> real_path = options_.files == nullptr ? path : options_.files->for_reading(path);
   if (!real_path) return refused(real_path.error().message);
   const auto text = read_file(*real_path);
-  if (!text) return refused("cannot read '" + path + "'");
+  if (!text) return refused(text.error().message);
   return load_text(*text, path, mode, on_error);
 }
 

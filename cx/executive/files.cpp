@@ -21,6 +21,17 @@ bool is_special(const fs::path& path) {
   return fs::exists(status) && !fs::is_regular_file(status);
 }
 
+/// Of what is special.
+std::string what_it_is(const fs::path& path) {
+  std::error_code ignored;
+  switch (fs::status(path, ignored).type()) {
+    case fs::file_type::directory: return "a folder";
+    case fs::file_type::fifo: return "a pipe";
+    case fs::file_type::socket: return "a socket";
+    default: return "a device";
+  }
+}
+
 bool leaves(const fs::path& relative) {
   return relative.is_absolute() || (!relative.empty() && *relative.begin() == "..");
 }
@@ -61,11 +72,12 @@ Expected<std::string> Files::share_directory(std::string_view package) const {
   const auto found = options_.packages.find(std::string(package));
   if (found != options_.packages.end()) return found->second.share;
   const std::string name(package), near = did_you_mean(name, packages());
-  return input_error(
-      "package '" + name + "' not found" +
-      (near.empty() ? "; say where it is: packages: {" + name + ": DIR} in the scenario or story, or --package " + name +
-                          "=DIR of cxlab env and test"
-                    : near));
+  if (name.empty() || name.find('/') != name.npos) return input_error("'" + name + "' is no name of a package");
+  return input_error("package '" + name + "' not found" +
+                     (near.empty()
+                          ? "; say where it is: packages: {" + name + ": DIR} in the scenario or story, or --package " +
+                                name + "=DIR of cxlab env and test"
+                          : near));
 }
 
 Expected<std::string> Files::prefix(std::string_view package) const {
@@ -113,6 +125,9 @@ Expected<FoundFile> Files::resolve(const std::string& file, const std::vector<st
     if (find_in(package, path, found)) return found;
   }
   std::string message = "Cannot resolve file " + file;
+  for (const std::string& package : packages)
+    if (!find_in(package, path, found) && is_special(found.path))
+      return input_error(message + ": " + found.path.string() + " is " + what_it_is(found.path) + ", expected a file");
   if (packages.empty()) message += ": no pkg_share_dirs to look in";
   for (std::size_t i = 0; i < packages.size(); ++i)
     message += (i == 0 ? ": not in " : ", ") + options_.packages.at(packages[i]).share;
@@ -122,7 +137,8 @@ Expected<FoundFile> Files::resolve(const std::string& file, const std::vector<st
 Expected<std::string> Files::read(const FoundFile& file) const {
   if (options_.on_read)
     if (Status s = options_.on_read(file.logical_name, file.path); !s) return s.error();
-  if (!is_file(file.path)) return input_error("cannot be read", file.path.string());
+  if (is_special(file.path))
+    return input_error("is " + what_it_is(file.path) + ", expected a file", file.path.string());
   return read_file(file.path);
 }
 
@@ -160,8 +176,8 @@ Expected<FoundFile> Files::find_where_rules_read(const std::string& path) const 
       return FoundFile{asked, "run/" + relative.generic_string()};
   }
   if (options_.trust_rules) return FoundFile{outside(asked), asked.filename().string()};
-  return input_error("reading '" + path +
-                     "' is refused: rules read from packages and the run's folder only (" + kTrustRemedy + ')');
+  return input_error("reading '" + path + "' is refused: rules read from packages and the run's folder only (" +
+                     kTrustRemedy + ')');
 }
 
 std::string Files::journal_name(const std::string& path) const {

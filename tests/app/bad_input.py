@@ -67,7 +67,7 @@ class Scenarios(Lab):
         self.assertEqual(self.result()["tier"], "none")
 
     def test_missing_files(self):
-        self.scenario_fails(SCENARIO.replace("agent.yaml", "agnt.yaml"), "agnt.yaml: cannot")
+        self.scenario_fails(SCENARIO.replace("agent.yaml", "agnt.yaml"), "agents[0].config: agnt.yaml: there is no such file")
         self.assertEqual(self.result()["reason"]["code"], "bad_input")
         shutil.rmtree(self.out)
         self.scenario_fails(SCENARIO.replace("rules: rules", "rules: rulez"), "scenario.yaml:3: package rules: there is no folder rulez")

@@ -23,7 +23,9 @@ TEST(File, WhatWasWrittenIsRead) {
 }
 
 TEST(File, AnErrorNamesWhatIsThereInstead) {
-  EXPECT_EQ(read_file("/no/such/file").error().text(), "/no/such/file: cannot be read");
+  EXPECT_EQ(read_file("/no/such/file").error().text(), "/no/such/file: there is no such file");
+  EXPECT_EQ(read_file("/proc/self/mem").error().text(), "/proc/self/mem: cannot be read: Input/output error");
+  EXPECT_EQ(read_file("/dev/null/x").error().text(), "/dev/null/x: cannot be read: Not a directory");
   EXPECT_EQ(read_file("/tmp").error().text(), "/tmp: is a folder, expected a file");
   EXPECT_EQ(read_file("/dev/zero").error().text(), "/dev/zero: found more than 16 MB, expected a file");
   EXPECT_EQ(*read_file("/dev/null"), "");

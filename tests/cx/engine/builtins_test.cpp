@@ -295,7 +295,7 @@ TEST_F(Builtins, AFileOfTheHostGoesThroughTheAccessToo) {
   EXPECT_TRUE(files->read.contains("rules.clp"));
   EXPECT_TRUE(engine().load_file("empty.clp", LoadMode::kConstructs).ok());
   EXPECT_THAT(engine().load_file("missing.clp", LoadMode::kConstructs).status().error().text(),
-              "missing.clp: cannot read 'missing.clp'");
+              "missing.clp: there is no such file");
 }
 
 TEST_F(Builtins, StrangersMayNotRunPrograms) {

@@ -1,6 +1,9 @@
 #include "cx/executive/files.h"
 
+#include <sys/stat.h>
+
 #include <fstream>
+#include <map>
 
 #include "tests/support/lab.h"
 
@@ -80,10 +83,13 @@ TEST_F(FilesTest, WhatIsNoFileCannotBeRead) {
   lab_.write("agent/a.clp", "(a)");
   const Files files = make();
   EXPECT_EQ(*files.read({lab_.folder / "agent/a.clp", "a.clp"}), "(a)");
-  for (const char* path : {"agent", "agent/b.clp"}) {
+  ASSERT_EQ(mkfifo((lab_.folder / "agent/pipe").c_str(), 0600), 0);
+  for (const auto& [path, what] : std::map<std::string, std::string>{{"agent", "is a folder, expected a file"},
+                                                                     {"agent/b.clp", "there is no such file"},
+                                                                     {"agent/pipe", "is a pipe, expected a file"}}) {
     const auto read = files.read({lab_.folder / path, "x"});
     ASSERT_FALSE(read.ok()) << path;
-    EXPECT_EQ(read.error().text(), (lab_.folder / path).string() + ": cannot be read");
+    EXPECT_EQ(read.error().text(), (lab_.folder / path).string() + ": " + what);
   }
 }
 
