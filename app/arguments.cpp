@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <sstream>
 
 #include "app/command.h"
 #include "cx/base/number_text.h"
@@ -74,6 +75,16 @@ CLI::Validator one_of(std::vector<std::string> words) {
           '{' + list + '}'};
 }
 
+std::vector<std::string> words_of(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const std::size_t begin = type.find('{'), end = type.find('}');
+  std::vector<std::string> out;
+  if (begin == std::string::npos || end == std::string::npos) return out;
+  std::stringstream words(type.substr(begin + 1, end - begin - 1));
+  for (std::string word; std::getline(words, word, ',');) out.push_back(word);
+  return out;
+}
+
 CLI::Option* once_each(CLI::Option* option) { return option->take_all()->expected(1)->allow_extra_args(false); }
 
 void add_prefix_option(CLI::App& command, std::vector<std::string>& prefixes) {
@@ -112,6 +123,12 @@ std::string missing_command(const CLI::App& command) {
          did_you_mean(rest.front(), names);
 }
 
+/// One of its words if there are only some, else what its description says.
+std::string what_it_takes(const CLI::Option& option) {
+  const std::vector<std::string> words = words_of(option);
+  return words.empty() ? option.get_description() : "one of " + some_of(words, words.size());
+}
+
 /// The message of CLI11, or a better one: it names no near option.
 std::string explained(const CLI::App& command, const CLI::ParseError& error) {
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) return unknown(command);
@@ -121,6 +138,8 @@ std::string explained(const CLI::App& command, const CLI::ParseError& error) {
     // What is missing may be what was misspelt.
     for (const std::string& word : command.remaining())
       if (word.starts_with('-')) return unknown(command);
+    const CLI::Option* missing = command.get_option_no_throw(text.substr(0, text.find(" is required")));
+    if (missing) return text + ": " + what_it_takes(*missing);
   }
   if (const std::size_t times = text.find(": At Most 1 required but received "); times != std::string::npos)
     return text.substr(0, times) + ": given " + text.substr(text.rfind(' ') + 1) + " times, expected once";

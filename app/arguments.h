@@ -17,6 +17,8 @@ CLI::Validator not_negative();
 CLI::Validator positive();
 /// One of these words.
 CLI::Validator one_of(std::vector<std::string> words);
+/// The words of `one_of`, if the option takes only these.
+std::vector<std::string> words_of(const CLI::Option& option);
 
 /// The option takes a whole number in decimal digits, within these bounds. Every option that holds an integer has this
 /// check or the next one.

@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "app/arguments.h"
 #include "app/command.h"
@@ -26,17 +25,6 @@ std::vector<std::string> names_of(const CLI::Option& option) {
   return out;
 }
 
-/// The values that an option takes if there are only some: those of "TEXT:{physics,timed}".
-std::vector<std::string> values_of(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
-  const std::size_t begin = type.find('{'), end = type.find('}');
-  std::vector<std::string> out;
-  if (begin == std::string::npos || end == std::string::npos) return out;
-  std::stringstream words(type.substr(begin + 1, end - begin - 1));
-  for (std::string word; std::getline(words, word, ',');) out.push_back(word);
-  return out;
-}
-
 /// A command with its options and subcommands: what lab/pages/cxlab.1, completion.bash and completion.zsh read;
 /// `suggestions`: with names that completion offers.
 Json describe(const CLI::App& command, bool suggestions) {
@@ -54,7 +42,7 @@ Json describe(const CLI::App& command, bool suggestions) {
                        {"required", option->get_required()},
                        {"many", option->get_items_expected_max() > 1},
                        {"takes_value", option->get_items_expected_max() > 0},
-                       {"values", values_of(*option)},
+                       {"values", words_of(*option)},
                        {"suggested", suggested.names},
                        {"files", suggested.files}});
   }

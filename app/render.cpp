@@ -1,5 +1,7 @@
 // cxlab render: one picture, of a recorded run or of a scenario that is played up to then.
 
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 
@@ -32,6 +34,14 @@ Status read_size(const std::string& text, lab::RenderOptions& options) {
   return usage_error("--size: found '" + text + "', expected WIDTHxHEIGHT, each from 16 to 4096");
 }
 
+/// Pictures are PNG, whatever their name.
+Status check_name(const std::string& out) {
+  std::string suffix = fs::path(out).extension().string();
+  std::ranges::transform(suffix, suffix.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (suffix.empty() || suffix == ".png") return {};
+  return usage_error("--out: found '" + out + "', expected a name that ends in .png");
+}
+
 Status draw(const Options& options, const lab::Host& host) {
   if (fs::is_directory(options.what)) {
     auto run = lab::RecordedRun::open(options.what, catalogue());
@@ -47,6 +57,7 @@ Status draw(const Options& options, const lab::Host& host) {
 
 int render(Options options) {
   if (Status s = read_size(options.size, options); !s) return fail(s.error());
+  if (Status s = check_name(options.out); !s) return fail(s.error());
   Console console(false);
   const Status drawn = draw(options, console.host());
   console.clear();

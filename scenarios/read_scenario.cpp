@@ -106,8 +106,8 @@ void check_steps(yaml::Map& map, const Scenario& scenario) {
     return text.str();
   };
   (step ? step : tick)
-      .fail("tick_s, " + shown(scenario.tick) + ", must be a whole multiple of physics_step_s, " +
-            shown(scenario.physics_step));
+      .fail("found tick_s " + shown(scenario.tick) + " and physics_step_s " + shown(scenario.physics_step) +
+            ", expected a tick of whole steps");
 }
 
 std::string worlds_with_faults(const Catalogue& catalogue) {

@@ -48,7 +48,8 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const auto& candidate : candidates) {
     const std::size_t distance = edit_distance(word, candidate);
-    if (distance >= std::max(word.size(), candidate.size())) continue;  // nothing in common
+    const std::size_t longer = std::max(word.size(), candidate.size());
+    if (distance >= longer || (distance > 1 && 2 * distance >= longer)) continue;  // too little in common
     const bool as_near = distance == best_distance && !best.empty();
     if (distance < best_distance || (as_near && is_shortened(word, candidate) && !is_shortened(word, best))) {
       best = candidate;

@@ -206,7 +206,7 @@ Map Value::as_map() const {
 }
 
 Value Map::get(std::string_view key) {
-  asked_.emplace_back(key);
+  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.emplace_back(key);
   Value value;
   value.shared_ = value_.shared_;
   value.path_ = value_.path_.empty() ? std::string(key) : value_.path_ + '.' + std::string(key);

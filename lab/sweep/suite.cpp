@@ -4,6 +4,7 @@
 #include <map>
 #include <numeric>
 
+#include "cx/base/file.h"
 #include "cx/base/number_text.h"
 #include "cx/yaml/yaml.h"
 #include "lab/session.h"
@@ -94,7 +95,12 @@ Expected<Suite> Suite::load(const fs::path& file) {
         strategies.fail("found strategy '" + name + "' twice, expected each once");
       if (name.empty() || name.find('/') != name.npos)
         strategies.fail("found '" + name + "', expected a name for the strategy, without '/'");
-      suite.strategies.push_back({name, overrides ? overrides.as_strings() : std::vector<std::string>()});
+      Strategy& strategy = suite.strategies.emplace_back(Strategy{name, {}});
+      if (!overrides) continue;
+      for (const yaml::Value& item : overrides.as_list()) {
+        strategy.overrides.push_back(item.as_string());
+        strategy.origins.push_back(item.origin());
+      }
     }
   }
   if (const yaml::Value seeds = map.require("seeds")) suite.seeds = read_seeds(seeds);
@@ -120,14 +126,19 @@ std::vector<Cell> Suite::cells() const {
 
 Status Suite::check() const {
   for (const SuiteScenario& scenario : scenarios)
-    if (!fs::exists(scenario.file))
-      return input_error(scenario.file.string() + ": there is no such file", scenario.origin);
+    if (const auto text = read_file(scenario.file); !text) return input_error(text.error().text(), scenario.origin);
   for (const Cell& cell : cells()) {
     if (cell.seed != seeds.front()) continue;
-    const auto wrong = [&cell](const Error& error) {
-      return input_error("strategy '" + cell.strategy + "': " + error.text());
+    const auto wrong = [&](const Error& error) {
+      const auto used = std::ranges::find(strategies, cell.strategy, &Strategy::name);
+      const std::string what = "strategy '" + cell.strategy + "': " + error.text();
+      for (std::size_t i = 0; i < used->origins.size(); ++i)
+        if (error.text().starts_with(used->overrides[i] + ':')) return input_error(what, used->origins[i]);
+      return input_error(what);
     };
-    auto scenario = Scenario::load(cell.file, *catalogue, {cell.overrides.begin(), cell.overrides.end()});
+    std::vector<Override> overrides;
+    for (const std::string& set : cell.overrides) overrides.emplace_back(set, set);
+    auto scenario = Scenario::load(cell.file, *catalogue, overrides);
     if (!scenario) return wrong(scenario.error());
     auto episode = Episode::load(*std::move(scenario), shared_episode_options());
     if (!episode) return wrong(episode.error());

@@ -15,6 +15,7 @@ namespace cxlab::lab {
 struct Strategy {
   std::string name;
   std::vector<std::string> overrides;  ///< as of `--set`
+  std::vector<Origin> origins = {};    ///< of these
 };
 
 struct SuiteScenario {

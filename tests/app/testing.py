@@ -3,6 +3,8 @@
 import csv
 import json
 import os
+import pathlib
+import re
 import subprocess
 import tempfile
 import unittest
@@ -96,7 +98,7 @@ class Testing(unittest.TestCase):
         (self.folder / "suite.yaml").write_text("scenarios: [empty.yaml]\nseeds: [1]\nstrategies: {plain: [], broken: [duration=3]}\n")
         done = cxlab("bench", "suite.yaml", "--out", "o", cwd=self.folder)
         self.assertEqual(done.returncode, 3)
-        self.assertIn("strategy 'broken': --set duration=3: unknown key 'duration', did you mean 'duration_s'?", done.stderr)
+        self.assertIn("strategy 'broken': duration=3: unknown key 'duration', did you mean 'duration_s'?", done.stderr)
         self.assertFalse((self.folder / "o").exists())
 
     def test_a_new_agent_for_the_league_delivers(self):
@@ -128,6 +130,9 @@ class Testing(unittest.TestCase):
             name = path.strip("/").split("/")[-1]
             texts = "".join(file.read_text() for file in files)
             self.assertIn(name, texts)
+            if kind == "agent":
+                shipped = re.search("comes with cxlab:\\s`(.*)`", (self.folder / path / "README.md").read_text())[1]
+                self.assertTrue((pathlib.Path(shipped) / "params").is_dir(), shipped)
             self.assertNotRegex(texts, f"(?i)my_?{kind}")
         here = self.folder / "here"
         here.mkdir()

@@ -1,6 +1,7 @@
 """Wrong inputs: files and command lines with the exit code and the text that they must get.
 tests/app/wrong_inputs.py plays the rows; tests/support/rows.py has their form."""
 
+import os
 import pathlib
 import re
 import subprocess
@@ -95,7 +96,7 @@ ROWS["options"] = [
     *[wrong(f"run --snapshot '{value}'", ["run", "game.yaml", "--quiet", "--out", "out", "--snapshot", value], 2) for value in ("every:0", "every:", "every:-1", "every:x", "evry:1", "", "1,,2", "x", "-1", "nan", "99999", "every:nan")],
     *[wrong(f"run --snapshot and --video in an empty world {option}", [*RUN, option, value], 5) for option, value in (("--snapshot", "1"), ("--video", "film.mp4"))],
     *[wrong(f"run --out '{value}'", ["run", "scenario.yaml", "--quiet", "--out", value], code) for value, code in (("used", 2), ("nothing", 2), ("nothing/run", 5), ("/proc/none", 5), ("/dev/null", 2), ("", 2))],
-    *[wrong(f"run of '{value}'", ["run", value, "--quiet", "--out", "out"], 3 if value else 2) for value in ("missing.yaml", "", "used", "garbage", "nothing", "rcll/gam", "agent.yaml", "rules/rules.clp", "/dev/null", "one.story.yaml", "suite.yaml")],
+    *[wrong(f"run of '{value}'", ["run", value, "--quiet", "--out", "out"], 3 if value else 2) for value in ("missing.yaml", "", "used", "garbage", "nothing", "rcll/gam", "agent.yaml", "rules/rules.clp", "/dev/null", "one.story.yaml", "suite.yaml", "/proc/self/mem", "agent.yaml/x")],
     *[wrong(f"option given twice {option}", [*RUN, option, value, option, value], 2) for option, value in (("--seed", "1"), ("--until", "1"), ("--memory", "1GB"), ("--tier", "timed"))],
     *[wrong(f"option without a value {option}", [*RUN, option], 2) for option in ("--seed", "--until", "--memory", "--tier", "--set", "--snapshot", "--journal", "--prefix")],
     wrong("flag with a value", [*RUN, "--quiet=maybe"], 2),
@@ -117,6 +118,10 @@ ROWS["options"] = [
     wrong("env of two, one missing", ["env", "agent.yaml", "missing.yaml", "--quiet", "--package", "rules=rules"], 3),
     # test
     *[wrong(f"test of '{value}'", ["test", value], 3 if value else 2) for value in ("missing", "", "missing.story.yaml", "garbage", "rules.clp", "agent.yaml")],
+    wrong("test of a folder with a pipe", ["test", "pipes"], 3, files={"pipes/a.story.yaml": os.mkfifo}),
+    wrong("test of a folder with a link to nothing", ["test", "links"], 3, files={"links/a.story.yaml": lambda path: path.symlink_to("gone")}),
+    *[wrong(f"{command[0]} with rules that are {what}", command, 3, files={"rules/rules.clp": make})
+      for command in (RUN, ENV) for what, make in (("a pipe", os.mkfifo), ("a folder", os.mkdir), ("a device", lambda path: path.symlink_to("/dev/zero")), ("a link to nothing", lambda path: path.symlink_to("gone")))],
     wrong("test of an empty folder", ["test", "empty"], 3),
     *[wrong(f"test -j '{value}'", ["test", "-j", value], 2) for value in ("0", "-1", "x", "", "257", "1.5", "1e1", "99999999999999999999")],
     *[wrong(f"test {option} to nowhere", ["test", option, "missing/file"], 5) for option in ("--junit", "--coverage")],
@@ -128,6 +133,7 @@ ROWS["options"] = [
     # recorded runs
     *[wrong(f"{command} of '{value}'", [command, value, *rest], 3 if value else 2)
       for command, rest in (("replay", []), ("rerun", ["--quiet", "--out", "out"]), ("why-not", ["a"]), ("render", ["--out", "x.png"])) for value in ("missing", "", "empty", "used", "garbage")],
+    *[wrong(f"render to '{out}'", ["render", "turtles.yaml", "--at", "0", "--out", out], 2) for out in ("x.jpg", "x.PNG.bmp", "x.svg", "a/b.jpeg")],
     wrong("render to no PNG", ["render", "turtles.yaml", "--at", "0", "--out", "missing/x.png"], 5),
     *[wrong(f"render --size '{value}'", ["render", "turtles.yaml", "--at", "0", "--out", "x.png", "--size", value], 2) for value in ("big", "", "0x0", "-1x5", "640", "640x", "x480", "1e3x5", "100000x100000", "640x480x3")],
     *[wrong(f"render --at '{value}'", ["render", "turtles.yaml", "--out", "x.png", "--at", value], 2) for value in ("-1", "x", "", "nan", "1e400")],
@@ -412,7 +418,17 @@ def damaged(run):
     return rows
 
 
+def asked(run):
+    """Wrong questions about a whole run."""
+    late = ["--at", "2.5"]
+    return [Row("why-not after the end", ["why-not", "run", "never", *late], 2, run), Row("render after the end of a run", ["render", "run", "--out", "x.png", *late], 2, run),
+            Row("rerun into a folder that is used", ["rerun", "run", "--quiet", "--out", "used"], 2, run),
+            Row("rerun into a folder that is used, by force", ["rerun", "run", "--quiet", "--out", "used", "--force"], 0, run, leaves=("used",), kept={"used/mine.txt": "mine"})]
+
+
 with tempfile.TemporaryDirectory(prefix="cxlab-row-") as made:
-    ROWS["damaged runs"] = damaged(recorded(made))
+    whole = recorded(made)
+    ROWS["whole runs"] = asked(whole)
+    ROWS["damaged runs"] = damaged(whole)
 
 

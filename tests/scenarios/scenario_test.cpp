@@ -163,8 +163,9 @@ TEST(Scenario, ErrorsNameTheLine) {
            {"world: {kind: none, robots: 3}\n", "s.yaml:2: unknown key 'robots' in 'world'"},
            {"world: {kind: rcll}\ntier: fast\n", "s.yaml:3: tier: found 'fast', expected one of: physics, timed"},
            {"tick_s: 0.03\n\nphysics_step_s: 0.02\n",
-            "s.yaml:4: physics_step_s: tick_s, 0.03, must be a whole multiple of physics_step_s, 0.02"},
-           {"\ntick_s: 0.015\n", "s.yaml:3: tick_s: tick_s, 0.015, must be a whole multiple of physics_step_s, 0.01"},
+            "s.yaml:4: physics_step_s: found tick_s 0.03 and physics_step_s 0.02, expected a tick of whole steps"},
+           {"\ntick_s: 0.015\n",
+            "s.yaml:3: tick_s: found tick_s 0.015 and physics_step_s 0.01, expected a tick of whole steps"},
            {"tick_s: 0\n", "s.yaml:2: tick_s: must be more than 0"},
            {"physics_step_s: 0\n", "s.yaml:2: physics_step_s: must be more than 0"},
            {"max_firings_per_tick: -1\n", "s.yaml:2: max_firings_per_tick: must be 0 (no limit) or more"},
@@ -196,7 +197,8 @@ TEST(Scenario, ErrorsNameTheLine) {
 TEST(Scenario, ErrorsInAnOptionNameTheOption) {
   EXPECT_EQ(error_of("world: {kind: turtlesim}\n", {{"tier=timed", "--tier timed"}}),
             "--tier timed: tier: found 'timed', expected physics: turtlesim has no other tier");
-  EXPECT_THAT(error_of("", {"physics_step_s=0.007"}), StartsWith("--set physics_step_s=0.007: physics_step_s: tick_s"));
+  EXPECT_THAT(error_of("", {"physics_step_s=0.007"}),
+              StartsWith("--set physics_step_s=0.007: physics_step_s: found tick_s 0.02"));
   EXPECT_THAT(error_of("world: {kind: rcll, robots: 2}\n", {"world.robots=7", "world.robots=8"}),
               StartsWith("--set world.robots=8: world.robots: found 8"));
   const Scenario scenario = parsed("expect:\n  - {path: ticks, min: 1}\nseed: 2\n", {"expect[0].min=5", "seed=3"});

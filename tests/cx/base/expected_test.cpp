@@ -70,7 +70,8 @@ TEST(NearestWord, FindsOneSlip) {
 TEST(NearestWord, IsEmptyWhereNothingIsNear) {
   EXPECT_EQ(nearest_word("snapshot", {"run", "env"}), "");
   EXPECT_EQ(nearest_word("abc", {}), "");
-  EXPECT_EQ(nearest_word("abcd", {"abxy"}), "abxy") << "two slips always count as near";
+  EXPECT_EQ(nearest_word("abcde", {"abcxy"}), "abcxy") << "two slips count as near";
+  EXPECT_EQ(nearest_word("fish", {"bash", "zsh"}), "") << "not where half of the letters are others";
   EXPECT_EQ(nearest_word("abcd", {"axyz"}), "");
   EXPECT_EQ(nearest_word("delivery_gate", {"delivery_gxyzz"}), "delivery_gxyzz") << "in long words one letter in three";
 }
