@@ -13,13 +13,15 @@ enum class Phase : std::uint8_t { kSetup, kProduction, kPostGame };
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<Phase>{"SETUP", "PRODUCTION", "POST_GAME"};
 
-/// Set-up, then production; each starts the game's time anew. Production ends before `production_end`.
+/// Set-up, then production; each starts the game's time anew. Production ends before `production_end`, which the
+/// referee moves for overtime.
 struct GameClock {
   SimTime production_begin{};
   SimTime production_end = from_seconds(1200);
+  SimTime overtime = from_seconds(300);  ///< so long production goes on when the teams are even; 0 = not at all
 
-  static GameClock of(double setup_s, double production_s) {
-    return {from_seconds(setup_s), from_seconds(setup_s) + from_seconds(production_s)};
+  static GameClock of(double setup_s, double production_s, double overtime_s = 300) {
+    return {from_seconds(setup_s), from_seconds(setup_s) + from_seconds(production_s), from_seconds(overtime_s)};
   }
   Phase phase(SimTime now) const {
     if (now < production_begin) return Phase::kSetup;

@@ -66,6 +66,8 @@ RuleChoices choices_of(Rules rules) {
           .down_stops_work = rulebook,
           .second_keeps_points = rulebook,
           .by_hand = rulebook,
+          .overtime_at_nil = !rulebook,
+          .sudden_death = rulebook,
           .storage_serves_one = rulebook};
 }
 
@@ -75,6 +77,7 @@ Status validate(const WorldConfig& config) {
   if (Status s = check_range("robots", config.robots, 0, 3); !s) return s;
   if (Status s = check_range("setup_s", config.setup_s, 0, 1e6); !s) return s;
   if (Status s = check_range("production_s", config.production_s, 1, 1e6); !s) return s;
+  if (Status s = check_range("overtime_s", config.overtime_s, 0, 1e6); !s) return s;
   if (Status s = check_range("shelf_refill_s", config.shelf_refill_s, 0, 1e6); !s) return s;
   if (config.exploration) return bad_value("exploration", "true", "false: not supported in this release");
   for (const std::string& complexity : config.complexities)

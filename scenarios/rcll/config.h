@@ -29,6 +29,8 @@ struct RuleChoices {
   /// Rulebook: points that a person gives: a machine instructed without a workpiece, a workpiece dropped or put on
   /// the other team's machine.
   bool by_hand = false;
+  bool overtime_at_nil = true;      ///< referee box: overtime also when no team has a point
+  bool sudden_death = false;        ///< rulebook: an overtime that ends even goes on until a team leads
   bool storage_serves_one = false;  ///< rulebook: one C0 of the storage station counts, and none in overtime
 };
 RuleChoices choices_of(Rules rules);
@@ -94,6 +96,7 @@ struct WorldConfig {
   bool exploration = false;               ///< only false in this release: all machines are known from the start
   double setup_s = 0;                     ///< s, set-up phase before production
   double production_s = 1200;             ///< s, length of the production phase
+  double overtime_s = 300;                ///< s more when the teams are even, with one more order; 0 = none
   bool down = true;                       ///< one cap and one ring station are out of order once, for 30 to 60 s
   bool transforms = false;                ///< /tf has where robots are in "map", /tf_static where machines are
   double shelf_refill_s = 20;             ///< s after which a completely empty shelf is filled again
@@ -109,6 +112,7 @@ struct WorldConfig {
     keys("exploration", exploration);
     keys("setup_s", setup_s);
     keys("production_s", production_s);
+    keys("overtime_s", overtime_s);
     keys("down", down);
     keys("transforms", transforms);
     keys("shelf_refill_s", shelf_refill_s);

@@ -42,6 +42,13 @@ void put_light(const bus::MessageView& machine, std::string_view color, sim::Lig
 
 bus::SharedMessage shared(bus::Message message) { return std::make_shared<const bus::Message>(std::move(message)); }
 
+/// Those of overtime too, where there is one.
+Schedule all_orders(const WorldConfig& config, const Game& game) {
+  Schedule schedule = game.schedule;
+  if (config.overtime_s > 0) schedule.orders.push_back(game.overtime);
+  return schedule;
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, const Game& game, std::uint64_t seed,
@@ -61,13 +68,13 @@ Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed
       world_(world),
       bus_(bus),
       sink_(sink),
-      context_{GameClock::of(config.setup_s, config.production_s),
+      context_{GameClock::of(config.setup_s, config.production_s, config.overtime_s),
                choices_of(*named<Rules>(config.rules)),
                from_seconds(config.shelf_refill_s),
                nullptr,
                seed,
                {}},
-      referee_(context_.clock, context_.rules, game.schedule, world.plan(), sink) {
+      referee_(context_.clock, context_.rules, all_orders(config, game), world.plan(), sink) {
   context_.schedule = &referee_.schedule();
   machines_ = make_machines(world.plan(), context_);
   for (const DownPeriodConfig& period : game.down)
@@ -144,6 +151,7 @@ Status Factory::sense(SimTime now) {
 
 Status Factory::judge(SimTime now) {
   referee_.judge(now, world_.changes(), context_.events);
+  context_.clock = referee_.clock();
   context_.events.clear();
 
   if (due(order_info_, now, referee_.order_changes() != published_order_changes_)) publish_orders();

@@ -22,6 +22,9 @@ void draw_orders(const WorldConfig& config, std::uint64_t seed, Game& game) {
   RandomStream random(seed, "orders");
   game.schedule = draw_schedule(random, allowed);
   game.overtime = draw_overtime_order(random);
+  game.overtime.overtime = true;
+  game.overtime.activate_at = game.overtime.delivery_begin = config.production_s;
+  game.overtime.delivery_end = config.production_s + config.overtime_s;
 }
 
 std::vector<Order> read_orders(const std::vector<OrderConfig>& listed) {

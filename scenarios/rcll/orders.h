@@ -22,6 +22,7 @@ struct Order {
   int delivery_gate = 1;      ///< 1..3
   int quantity = 1;
   bool competitive = false;
+  bool overtime = false;  ///< the one that is published in overtime only
 };
 
 /// Payments that a ring of each colour costs, by colour in the order of kRingColors: 0, 0, 1 and 2 in some order.

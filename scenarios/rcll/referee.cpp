@@ -57,6 +57,7 @@ void GameReferee::judge(SimTime now, std::span<const sim::HolderChange> changes,
     if (rules_.by_hand) judge_piece(change);
   }
   for (const MachineEvent& event : events) note(event);
+  if (phase_ == Phase::kProduction) prolong(now);
   const Phase phase = clock_.phase(now);
   if (!last_look_ || phase != phase_) {
     phase_ = phase;
@@ -65,6 +66,19 @@ void GameReferee::judge(SimTime now, std::span<const sim::HolderChange> changes,
   }
   if (phase == Phase::kProduction) release_orders(now);
   last_look_ = now;
+}
+
+void GameReferee::prolong(SimTime now) {
+  const std::int64_t cyan = score(Team::kCyan).total(), magenta = score(Team::kMagenta).total();
+  if (sudden_death_ && cyan != magenta) clock_.production_end = now;
+  if (now < clock_.production_end || cyan != magenta || clock_.overtime == SimTime::zero()) return;
+  if (in_overtime_ ? (sudden_death_ || !rules_.sudden_death) : (cyan == 0 && !rules_.overtime_at_nil)) return;
+  sudden_death_ = in_overtime_;
+  in_overtime_ = true;
+  clock_.production_end += clock_.overtime;
+  data_.begin().field("event", sudden_death_ ? "sudden death" : "overtime");
+  data_.field("until", clock_.game_time(clock_.production_end));
+  write(now);
 }
 
 SimTime GameReferee::next_due() const {

@@ -79,6 +79,7 @@ class GameReferee {
   SimTime next_due() const;
 
   Phase phase() const { return phase_; }
+  const GameClock& clock() const { return clock_; }  ///< moved by overtime
   const Score& score(Team team) const { return scores_[static_cast<std::size_t>(team)]; }
   const std::vector<OrderState>& orders() const { return orders_; }
   const std::vector<Delivery>& deliveries() const { return deliveries_; }
@@ -87,6 +88,7 @@ class GameReferee {
   std::uint64_t order_changes() const { return order_changes_; }
 
  private:
+  void prolong(SimTime now);
   void release_orders(SimTime now);
   void write_piece(const sim::HolderChange& change);
   void judge_piece(const sim::HolderChange& change);
@@ -109,6 +111,7 @@ class GameReferee {
   RecordData data_;
   std::optional<SimTime> last_look_;
   Phase phase_ = Phase::kSetup;
+  bool in_overtime_ = false, sudden_death_ = false;
   std::array<Score, 2> scores_{};
   std::vector<OrderState> orders_;
   std::vector<Delivery> deliveries_;

@@ -62,8 +62,9 @@ void report_game(const Factory& factory, Result& result) {
     result.score_board += '\n';
   }
   for (const OrderState& state : game.orders())
-    orders.push_back(
-        order_json(state, state.released.value_or(factory.clock().at(state.order.activate_at)), factory.team()));
+    if (!state.order.overtime || state.released)
+      orders.push_back(
+          order_json(state, state.released.value_or(factory.clock().at(state.order.activate_at)), factory.team()));
   for (const Delivery& d : game.deliveries()) deliveries.push_back(delivery_json(d));
   if (!orders.empty())
     result.score_board +=

@@ -182,7 +182,8 @@ constinit const WorldKind kWorld{
     .set_defaults =
         [](Scenario& scenario) {
           const WorldConfig& config = scenario.world.get<WorldConfig>();
-          scenario.duration = from_seconds(config.setup_s + config.production_s);
+          const double overtimes = choices_of(named<Rules>(config.rules).value_or(Rules{})).sudden_death ? 2 : 1;
+          scenario.duration = from_seconds(config.setup_s + config.production_s + overtimes * config.overtime_s);
         },
     .tiers = kTiers,
     .takes_faults = true,

@@ -120,7 +120,7 @@ class Turtlesim(unittest.TestCase):
 
     def test_a_canvas_beside_another_world_is_drawn(self):
         scenario = self.folder / "both.yaml"
-        scenario.write_text("schema: 1\nworld: {kind: rcll, production_s: 20}\ntier: timed\nservers:\n  - {node: turtlesim, background_r: 2}\n"
+        scenario.write_text("schema: 1\nworld: {kind: rcll, production_s: 20, overtime_s: 0}\ntier: timed\nservers:\n  - {node: turtlesim, background_r: 2}\n"
                             "  - {node: turtlesim, namespace: /second, background_r: 3}\n")
         self.cxlab("run", scenario, "--snapshot", "1", "--until", 2, "--out", "run", "--quiet")
         self.assertEqual(sorted(p.name for p in (self.folder / "run/snapshots").iterdir()), ["0001.00-canvas.png", "0001.00-canvas2.png"])

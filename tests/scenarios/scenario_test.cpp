@@ -129,7 +129,8 @@ TEST(Scenario, AnEmptyOneHasTheDefaults) {
 }
 
 TEST(Scenario, AWorldSetsItsDefaults) {
-  EXPECT_EQ(parsed("world: {kind: rcll, setup_s: 10, production_s: 90}\n").duration, from_seconds(100));
+  EXPECT_EQ(parsed("world: {kind: rcll, setup_s: 10, production_s: 90, overtime_s: 7}\n").duration, from_seconds(107));
+  EXPECT_EQ(parsed("world: {kind: rcll, rules: rulebook}\n").duration, from_seconds(1800)) << "with sudden death";
   EXPECT_EQ(parsed("world: {kind: rcll, setup_s: 10}\nduration_s: 7\n").duration, from_seconds(7));
   const Scenario turtles = parsed("world: {kind: turtlesim}\n");
   EXPECT_EQ(turtles.tick, from_seconds(0.016));
@@ -140,7 +141,7 @@ TEST(Scenario, AWorldSetsItsDefaults) {
   rcll::WorldConfig config;
   config.production_s = 30;
   built.set_world({&rcll::kWorld, config});
-  EXPECT_EQ(built.duration, from_seconds(30));
+  EXPECT_EQ(built.duration, from_seconds(330));
   EXPECT_EQ(built.world.get<rcll::WorldConfig>().production_s, 30);
   built.set_world({&turtlesim::kWorld});
   EXPECT_EQ(built.tick, from_seconds(0.016));

@@ -26,7 +26,7 @@ agents:
   - config: agent.yaml
 """
 GAME = """schema: 1
-world: {kind: rcll, production_s: 20}
+world: {kind: rcll, production_s: 20, overtime_s: 0}
 tier: timed
 """
 

@@ -45,6 +45,8 @@ TEST(WorldConfig, EachSettingHasItsLimits) {
            {"setup_s", [](WorldConfig& c) { c.setup_s = -1; }},
            {"production_s", [](WorldConfig& c) { c.production_s = 0.5; }},
            {"production_s", [](WorldConfig& c) { c.production_s = 1.1e6; }},
+           {"overtime_s", [](WorldConfig& c) { c.overtime_s = -1; }},
+           {"overtime_s", [](WorldConfig& c) { c.overtime_s = 1.1e6; }},
            {"shelf_refill_s", [](WorldConfig& c) { c.shelf_refill_s = -0.1; }},
            {"complexities",
             [](WorldConfig& c) {

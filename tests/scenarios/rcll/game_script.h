@@ -3,7 +3,7 @@
 // product is its parts from the base upwards. The first lines may set the game up:
 //
 //   order C1 BASE_RED RING_BLUE CAP_GREY [window 0 1200] [known 0] [gate 1] [quantity 1] [competitive]
-//   setup 5 | production 1200 | team CYAN | refill 20
+//   setup 5 | production 1200 | overtime 300 | team CYAN | refill 20
 //
 // Deeds:
 //   C-BS {side: OUTPUT, base_color: BASE_RED}           instructs and goes on
@@ -107,6 +107,8 @@ class GameScript {
       config.setup_s = number(words[1]);
     } else if (words[0] == "production") {
       config.production_s = number(words[1]);
+    } else if (words[0] == "overtime") {
+      config.overtime_s = number(words[1]);
     } else if (words[0] == "team") {
       config.team = words[1];
     } else if (words[0] == "refill") {

@@ -499,7 +499,7 @@ TEST(Referee, IsNextDueAtTheNextPhaseOrOrder) {
   config.orders[1].activate_at = 70;
   const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
   KeptRecords sink;
-  GameReferee referee(GameClock::of(10, 300), {}, game_of(config, 1)->schedule, plan, sink);
+  GameReferee referee(GameClock::of(10, 300, 0), {}, game_of(config, 1)->schedule, plan, sink);
   EXPECT_EQ(referee.next_due(), SimTime{});
   for (const auto& [at, next] : {std::pair{0.0, 10.0}, {10.0, 40.0}, {39.99, 40.0}, {40.0, 80.0}, {80.0, 310.0}}) {
     referee.judge(from_seconds(at), {}, {});
@@ -691,6 +691,7 @@ TEST(Game, BeforeProductionMachinesTakeNoInstructionsAndAfterItIsOver) {
   WorldConfig config = GameStory::quiet_game();
   config.setup_s = 5;
   config.production_s = 20;
+  config.overtime_s = 0;
   GameStory story(config);
   EXPECT_EQ(story.factory().referee().phase(), Phase::kSetup);
   EXPECT_EQ(story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}").code, 209);

@@ -49,9 +49,66 @@ std::span<const Row> game_rows() {
         points
         belt M-CS1 BASE_RED)",
        kBox},
+      {"overtime: none when one team leads",
+       R"(production 100
+        lay BASE_RED CAP_GREY at C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        until 100
+        phase POST_GAME)"},
+      {"overtime: 300 s when the teams are even",
+       R"(production 100
+        lay BASE_RED CAP_GREY at C-DS-INPUT
+        lay BASE_RED CAP_GREY at M-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        rival M-DS {order_id: 1}
+        until 100
+        phase PRODUCTION
+        message /game_state /game_time 100.0
+        until 399.98
+        phase PRODUCTION
+        until 400
+        phase POST_GAME)",
+       kBox},
+      {"overtime: with the referee box also at 0 to 0",
+       R"(production 100
+        until 100
+        phase PRODUCTION
+        until 400
+        phase POST_GAME)",
+       kBox},
+      {"overtime: with the rulebook none at 0 to 0",
+       R"(production 100
+        until 100
+        phase POST_GAME)",
+       kBook},
+      {"overtime: ends with the next points under the rulebook when it was even at its end",
+       R"(production 100
+        lay BASE_RED CAP_GREY at C-DS-INPUT
+        lay BASE_RED CAP_GREY at M-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        rival M-DS {order_id: 1}
+        until 450
+        phase PRODUCTION
+        hold BASE_RED
+        put C-RS1-SLIDE
+        wait 0.06
+        phase POST_GAME)",
+       kBook},
+      {"overtime: brings one more order, a competitive C0",
+       R"(production 100
+        until 99
+        message /order_info /orders/0/id 1
+        until 101
+        message /order_info /orders/1/id 2
+        message /order_info /orders/1/complexity "C0"
+        message /order_info /orders/1/competitive true
+        message /order_info /orders/1/delivery_period_begin 100
+        message /order_info /orders/1/delivery_period_end 400)",
+       kBox},
       {"phases: set-up, production, the end; each begins its time anew",
        R"(setup 10
         production 20
+        overtime 0
         phase SETUP
         until 9
         message /game_state /phase "SETUP"
@@ -69,6 +126,7 @@ std::span<const Row> game_rows() {
         message /game_state /game_time 20.0)"},
       {"phases: machines stand still after the game",
        R"(production 10
+        overtime 0
         until 8
         C-BS {side: OUTPUT, base_color: BASE_RED}
         until 30

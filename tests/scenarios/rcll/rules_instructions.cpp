@@ -54,7 +54,7 @@ std::span<const Row> instruction_rows() {
        R"(C-CS1 {operation: MOUNT_CAP} -> 103
         C-CS1 is BROKEN)"},
       {"instructions: a delivery station breaks on an order that does not exist",
-       R"(C-DS {order_id: 2} -> 103
+       R"(C-DS {order_id: 3} -> 103
         C-DS is BROKEN)"},
       {"instructions: a delivery station accepts an order that is not active yet",
        R"(order C0 BASE_RED CAP_GREY known 100
@@ -87,6 +87,7 @@ std::span<const Row> instruction_rows() {
         C-BS {side: OUTPUT, base_color: BASE_RED} -> 0)"},
       {"instructions: none is accepted after the game",
        R"(production 10
+        overtime 0
         until 10
         C-BS {side: OUTPUT, base_color: BASE_RED} -> 209
         C-BS is IDLE)"},

@@ -348,6 +348,7 @@ std::span<const Row> work_rows() {
         lights C-BS OFF OFF ON)"},
       {"lights: red blinks when the game is over",
        R"(production 10
+        overtime 0
         C-CS1 {operation: RETRIEVE_CAP}
         until 10.1
         lights C-BS BLINK OFF OFF
