@@ -153,8 +153,8 @@ class Explainer {
       if (!missing) return false;
       unmet.values = values_of(each.bindings);
       if (each.facts.size() > begun.facts.size()) unmet.fact = print(each, begun.facts.size());
-      unmet.because = "what matches " + condition.parts.front().text + " must have " + missing->text +
-                      ", and not all does; for one that has not, " + missing->because;
+      unmet.because = "each match of " + condition.parts.front().text + " needs " + missing->text +
+                      ", and this one lacks it: " + missing->because;
       return true;
     });
     return unmet;

@@ -155,8 +155,9 @@ TEST_F(WhyNotTest, AForallNamesTheFactWithoutAPartner) {
   const UnmetCondition found = unmet("r");
   EXPECT_EQ(found.number, 2);
   EXPECT_EQ(found.fact, "(part (id 2) (state READY) (owner bob))");
-  EXPECT_THAT(found.because, StartsWith("what matches (part (id ?i) (state READY)) must have (part (id ?i) (owner "
-                                        "ann)), and not all does; for one that has not, one fact matches it alone"));
+  EXPECT_THAT(found.because,
+              StartsWith("each match of (part (id ?i) (state READY)) needs (part (id ?i) (owner ann)), and this one "
+                         "lacks it: one fact matches it alone"));
 }
 
 TEST_F(WhyNotTest, ExpressionsInPatternsAreEvaluated) {
