@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <new>
 
@@ -42,9 +43,23 @@ void ring_in(suseconds_t microseconds) {
   setitimer(ITIMER_REAL, &timer, nullptr);
 }
 
+/// Whether this is the first time, or soon after: `timeout` sends its signal to the process and to its group.
+bool is_first_signal() {
+  static timespec first{};
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  if (g_signal == 0) first = now;
+  return (now.tv_sec - first.tv_sec) * 1'000'000'000 + now.tv_nsec - first.tv_nsec < 100'000'000;
+}
+
 /// The first signal asks for an end in order; another one is obeyed at once.
 void on_signal(int number) {
-  if (g_signal != 0) _exit(128 + number);
+  if (!is_first_signal()) {
+    constexpr char kMessage[] = "\ninterrupted: by a second signal, wherever it was\n";
+    if (write(STDERR_FILENO, kMessage, sizeof kMessage - 1) < 0) _exit(static_cast<int>(ErrorKind::kResource));
+    _exit(128 + number);
+  }
+  if (g_signal != 0) return;
   g_signal = number;
   g_stop = true;
   ring_in(kToEndOfTick);
@@ -89,7 +104,7 @@ void on_no_memory() {
                                      " MB for rules and 1000 MB for all else are full; --memory allows more");
   if (engine) engine->exceed_limits(error);
   if (engine && !std::exchange(before, true)) return set_address_space(address_space() + kBesideRules);
-  const Limits* limits = engine ? engine->options().limits : nullptr;
+  const LimitsInUse* limits = engine ? engine->options().limits : nullptr;
   (void)fail(limits && limits->exceeded ? *limits->exceeded : error);
   _exit(static_cast<int>(ErrorKind::kResource));
 }

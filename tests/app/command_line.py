@@ -267,6 +267,21 @@ class Signals(Lab):
             self.assertAlmostEqual(self.result()["wall_time_s"], end, delta=tick)  # in real time
             self.assertAlmostEqual(self.result()["real_time_factor"], 1, delta=tick)
 
+    def test_a_signal_that_comes_twice_is_one_and_a_later_one_ends_at_once(self):
+        self.agent("(deffacts d (go))\n(defrule stranger (go) => (while TRUE do (bind ?x 1)))")
+        for pause, said in [(0, "rule stranger: stopped by a signal"), (0.2, "interrupted: by a second signal, wherever it was")]:
+            process = subprocess.Popen([CXLAB, "run", "scenario.yaml", "--out", "out", "--force", "--steps", "0"], cwd=self.folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            for line in process.stderr:
+                if "Created plugin: files" in line:
+                    break
+            time.sleep(0.3)
+            process.send_signal(signal.SIGINT)
+            time.sleep(pause or 0.02)
+            process.send_signal(signal.SIGINT)
+            _, err = process.communicate(timeout=20)
+            self.assertEqual(process.returncode, 128 + signal.SIGINT, err)
+            self.assertIn(said, err)
+
     def test_plan_prints_what_it_has_found(self):
         places = [f"p{i}" for i in range(60)]
         roads = " ".join(f"(road {a} {b})" for a in places for b in places if a != b)
