@@ -5,7 +5,7 @@
 namespace cxlab {
 
 Episode::Episode(Scenario scenario, EpisodeOptions options)
-    : scenario_(std::move(scenario)), options_(std::move(options)) {}
+    : scenario_(std::move(scenario)), options_(std::move(options)), limits_(options_.limits) {}
 
 Episode::~Episode() = default;
 

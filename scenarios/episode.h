@@ -107,6 +107,7 @@ class Episode {
 
   Scenario scenario_;
   EpisodeOptions options_;
+  LimitsInUse limits_;
   std::vector<Shares> shares_;  // by agent
   Journal journal_;
   std::optional<KeptFiles> files_;

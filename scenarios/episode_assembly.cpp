@@ -141,7 +141,7 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
   manager.epoch = scenario_.epoch;
   manager.max_firings = scenario_.max_firings_per_tick;
   manager.stop_on_rule_error = scenario_.stop_on_rule_error;
-  manager.limits = &options_.limits;
+  manager.limits = &limits_;
   manager.keep_going = options_.keep_going;
   manager.strict = options_.strict;
   manager.trust_rules = scenario_.trust_rules;

@@ -149,7 +149,7 @@ struct EngineOptions {
   LookOutside* outside = nullptr;     ///< may be none
   std::int64_t max_load_firings = 0;  ///< of a `(run)` in a file that is loaded; more are an error there; 0 = no limit
   bool trust_rules = false;           ///< `system`, `remove`, `rename` act; `read` reads the terminal
-  Limits* limits = nullptr;           ///< may be none
+  LimitsInUse* limits = nullptr;      ///< may be none
   std::function<void(std::string_view logical_name, std::string_view text)> on_output;  ///< all that rules print
 };
 
@@ -229,7 +229,7 @@ class RuleEngine {
   std::int64_t take_call_count() { return std::exchange(calls_, 0); }
   /// Steps are counted anew (`Limits::steps`).
   void begin_tick();
-  /// Sets `Limits::exceeded` to this, with the rule or form at work and its place, and ends what rules do.
+  /// Sets `LimitsInUse::exceeded` to this, with the rule or form at work and its place, and ends what rules do.
   void exceed_limits(Error error);
   /// Errors since the last report or call of this.
   std::vector<RuleError> take_errors();

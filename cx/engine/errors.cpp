@@ -264,7 +264,7 @@ void add_network_errors(const RuleEngine::Impl& impl, const Message& message, st
     found.pop_back();
   } else {
     // The network complains where the rules were stopped in the middle of a test: that is reported as what it is.
-    const Limits* limits = impl.engine.options().limits;
+    const LimitsInUse* limits = impl.engine.options().limits;
     if (found.empty() && limits != nullptr && limits->exceeded) return;
     failed.message = found.empty() ? message.head : found.back().message;
   }

@@ -199,7 +199,7 @@ void RuleEngine::Impl::on_fired(Environment*, Activation* activation, void* self
 }
 
 void RuleEngine::Impl::look_at_limits() {
-  Limits* limits = engine.options_.limits;
+  LimitsInUse* limits = engine.options_.limits;
   if (limits == nullptr) return;
   evaluationData& counted = *evaluation_data(env);
   if (!limits->before) limits->before = {Charge::memory(), Charge::disk()};
@@ -251,7 +251,7 @@ void RuleEngine::begin_tick() {
 }
 
 void RuleEngine::exceed_limits(Error error) {
-  Limits* limits = options_.limits;
+  LimitsInUse* limits = options_.limits;
   if (limits == nullptr || limits->exceeded) return;
   const Impl::Context context = impl_->contexts.empty() ? Impl::Context() : impl_->contexts.back();
   // The test of a join, else an action, else what fired before the network got to work.

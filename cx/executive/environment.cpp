@@ -129,7 +129,7 @@ Status Environment::check_errors(std::vector<RuleError> errors) {
     if (!options_.run->stop_on_rule_error) log(LogLevel::kError, name(), e.error().text());
     if (options_.rule_errors) options_.rule_errors->push_back({name(), std::move(e)});
   }
-  if (const Limits* limits = options_.run->limits; limits != nullptr && limits->exceeded) return *limits->exceeded;
+  if (const LimitsInUse* limits = options_.run->limits; limits != nullptr && limits->exceeded) return *limits->exceeded;
   return first;
 }
 

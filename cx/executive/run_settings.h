@@ -6,7 +6,7 @@
 
 namespace cxlab {
 class LookOutside;
-struct Limits;
+struct LimitsInUse;
 }  // namespace cxlab
 namespace cxlab::bus {
 class Feed;
@@ -25,7 +25,7 @@ struct RunSettings {
   std::uint64_t seed = 0;              ///< each environment draws from a stream of its own
   double epoch = 0;                    ///< s since 1970 at simulated time 0
   std::int64_t max_firings = 100000;   ///< a run of an environment, or callbacks in a tick; 0 = no limit
-  Limits* limits = nullptr;            ///< of all environments; may be none
+  LimitsInUse* limits = nullptr;       ///< of all environments; may be none
   bool stop_on_rule_error = true;      ///< else errors are only noted, as CX does
   bool keep_going = false;             ///< errors in rule files and plugins are noted and loading goes on
   bool strict = false;                 ///< unknown parameters are errors

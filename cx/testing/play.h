@@ -66,7 +66,7 @@ class Play final : private Server, private cx::LogSink {
   const StorySpec& spec_;
   const StorySetup& setup_;
   const bool each_tick_;
-  Limits limits_;
+  LimitsInUse limits_;
   std::size_t next_step_ = 0;
   std::vector<std::string> left_open_;
   std::map<std::string, long> activations_;

@@ -74,7 +74,7 @@ struct RuleEngine::Impl {
   std::size_t rule_depth = 0;
   std::uint64_t turns = 0;  ///< of loops since the rule fired or the host called
   static constexpr std::uint64_t kMostTurns = 10'000'000;
-  std::int64_t counted_memory = 0;    ///< its share of `Limits::held`
+  std::int64_t counted_memory = 0;    ///< its share of `LimitsInUse::held`
   std::uint64_t counted_written = 0;  ///< by CLIPS, bytes: charged so far
   static constexpr std::uint64_t kStepsBetweenLooks = 100'000;
   /// The rule, with its module, behind the join that is being evaluated; of several the first; empty without one.
@@ -90,7 +90,7 @@ struct RuleEngine::Impl {
   }
   /// The same for what happens often: counts where a megabyte more is taken than when it last looked.
   void glance_at_limits() {
-    const Limits* limits = engine.options_.limits;
+    const LimitsInUse* limits = engine.options_.limits;
     if (limits == nullptr) return;
     if (limits->exceeded || taken() > look_again_at ||
         (limits->stop != nullptr && limits->stop->load(std::memory_order_relaxed)))

@@ -20,7 +20,7 @@ struct LimitsTest : EngineTest {
     engine_ = make(std::move(o));
   }
   void TearDown() override { engine_.reset(); }
-  Limits limits;
+  LimitsInUse limits;
 };
 
 TEST_F(LimitsTest, EachWayToTakeMemoryEndsAtTheRule) {
@@ -33,7 +33,7 @@ TEST_F(LimitsTest, EachWayToTakeMemoryEndsAtTheRule) {
            "(bind ?i 0) (while TRUE (bind ?i (+ ?i 1)) (bind ?g (str-cat symbol ?i)) (assert (y ?g)))",
            "(again 1 (create$ a b c))",
        }) {
-    limits = Limits();
+    limits = LimitsInUse();
     limits.memory = 20'000'000;
     SetUp();
     given(
@@ -182,7 +182,7 @@ TEST_F(LimitsTest, StepsAreThoseOfATick) {
 TEST_F(LimitsTest, ARunThatStaysBelowEndsAtTheSameStep) {
   std::vector<std::int64_t> facts;
   for (const std::int64_t steps : {50'000, 50'000, 100'000}) {
-    limits = Limits();
+    limits = LimitsInUse();
     limits.steps = steps;
     SetUp();
     given("(defrule again (n ?n) => (assert (n (+ ?n 1))))");
