@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
+#include "cx/journal/journal_reader.h"
 #include "lab/physics_replay.h"
 
 namespace cxlab::lab {
@@ -12,36 +11,39 @@ namespace cxlab::lab {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
-/// The lines of one stream by number, from an exported journal.
-std::map<std::uint64_t, Json> records_of(const std::string& stream, const fs::path& journal) {
-  std::map<std::uint64_t, Json> records;
-  std::error_code ignored;
-  if (!fs::is_regular_file(journal, ignored)) return records;
-  std::ifstream in(journal);
-  for (std::string line; std::getline(in, line);) {
-    Json record = Json::parse(line, nullptr, /*allow_exceptions=*/false);
-    if (record.is_object() && record.value("stream", "") == stream)
-      records.emplace(record.value("n", std::uint64_t{0}), std::move(record));
-  }
+/// The records of one stream by number, from an exported journal; none if there is no journal.
+Expected<std::map<std::uint64_t, JournalRecord>> records_of(const std::string& stream, const fs::path& journal) {
+  std::map<std::uint64_t, JournalRecord> records;
+  if (std::error_code ignored; !fs::exists(journal, ignored)) return records;
+  auto all = read_journal(journal);
+  if (!all) return all.error();
+  for (JournalRecord& record : *all)
+    if (record.stream == stream) records.emplace(record.n, std::move(record));
   return records;
 }
 
-std::string shown(const Json& record) { return record["kind"].get<std::string>() + ' ' + record["data"].dump(); }
+std::string shown(const JournalRecord& record) {
+  return std::string(to_string(record.kind)) + ' ' + to_json(record.data);
+}
+
+bool same(const JournalRecord& a, const JournalRecord& b) {
+  return a.t == b.t && a.kind == b.kind && a.data == b.data && a.causes == b.causes;
+}
 
 /// Where two journals of a stream part, as far as the recorded one was exported.
 std::string first_difference(const std::string& stream, const fs::path& recorded, const fs::path& replayed) {
   const auto then = records_of(stream, recorded), now = records_of(stream, replayed);
-  for (const auto& [n, record] : then) {
-    const auto again = now.find(n);
-    if (again != now.end() && again->second == record) continue;
+  if (!then || !now) return stream + ": " + (then ? now : then).error().text();
+  for (const auto& [n, record] : *then) {
+    const auto again = now->find(n);
+    if (again != now->end() && same(again->second, record)) continue;
     char time[32];
-    std::snprintf(time, sizeof time, "%.3f", to_seconds(SimTime(record.value("t", std::int64_t{0}))));
+    std::snprintf(time, sizeof time, "%.3f", to_seconds(record.t));
     return stream + ':' + std::to_string(n) + " at " + time + " s: then " + shown(record) + ", now " +
-           (again == now.end() ? "nothing like it" : shown(again->second));
+           (again == now->end() ? "nothing like it" : shown(again->second));
   }
-  return stream + ": all " + std::to_string(then.size()) +
+  return stream + ": all " + std::to_string(then->size()) +
          " records that were exported agree; the difference is in records that the run did not export (--journal full "
          "of cxlab run does)";
 }

@@ -1,6 +1,7 @@
 #include "cx/journal/journal_reader.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -48,6 +49,21 @@ bool convert(const Json& json, RecordValue& out, int depth) {
   }
   return true;
 }
+
+struct Converter {
+  Json operator()(std::monostate) const { return nullptr; }
+  Json operator()(const RecordValue::List& list) const {
+    Json out = Json::array();
+    for (const RecordValue& item : list) out.push_back(std::visit(*this, item.value));
+    return out;
+  }
+  Json operator()(const RecordValue::Map& map) const {
+    Json out = Json::object();
+    for (const auto& [key, item] : map) out[key] = std::visit(*this, item.value);
+    return out;
+  }
+  Json operator()(const auto& scalar) const { return scalar; }
+};
 
 std::optional<RecordKind> kind_of(std::string_view word) {
   for (int i = 0; i <= static_cast<int>(RecordKind::kError); ++i) {
@@ -129,12 +145,18 @@ Expected<JournalRecord> parse_journal_line(std::string_view line) {
   return record;
 }
 
+std::string to_json(const RecordValue& value) {
+  return std::visit(Converter(), value.value).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& path,
                                                   const std::vector<RecordKind>& kinds) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return input_error("cannot be read", path.string());
+  if (!std::filesystem::exists(path, ignored)) return input_error("there is no such file", path.string());
+  if (!std::filesystem::is_regular_file(path, ignored))
+    return input_error("is no regular file, expected a journal", path.string());
   std::ifstream file(path);
-  if (!file) return input_error("cannot be read", path.string());
+  if (!file) return input_error("cannot be read: " + std::generic_category().message(errno), path.string());
   const auto wanted = [&](RecordKind kind) { return kinds.empty() || std::ranges::find(kinds, kind) != kinds.end(); };
   std::vector<JournalRecord> records;
   int number = 0;

@@ -2,6 +2,7 @@
 // Reads journal.jsonl back.
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -18,5 +19,8 @@ Expected<JournalRecord> parse_journal_line(std::string_view line);
 /// process was killed while writing, is left out.
 Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& path,
                                                   const std::vector<RecordKind>& kinds = {});
+
+/// The data of a record as it stands in a line of the export.
+std::string to_json(const RecordValue& value);
 
 }  // namespace cxlab

@@ -545,11 +545,18 @@ TEST(JournalReader, LeavesOutALastLineThatIsCutOff) {
 
 TEST(JournalReader, AFolderAndAMissingFileCannotBeRead) {
   TempFolder folder;
-  for (const auto& path : {folder.path(), folder / "none"}) {
-    const auto records = read_journal(path);
-    ASSERT_FALSE(records.ok()) << path;
-    EXPECT_EQ(records.error().text(), path.string() + ": cannot be read");
-  }
+  EXPECT_EQ(read_journal(folder / "none").error().text(), (folder / "none").string() + ": there is no such file");
+  EXPECT_EQ(read_journal(folder.path()).error().text(),
+            folder.path().string() + ": is no regular file, expected a journal");
+}
+
+TEST(JournalReader, DataBecomesTheTextThatItWasReadFrom) {
+  const std::string data =
+      R"({"b":true,"i":-3,"u":18446744073709551615,"r":1.5,"w":2.0,"t":"a\"b","l":[1,[],{}],"m":{"z":null,"a":"x"}})";
+  const auto record =
+      parse_journal_line(R"({"stream":"s","n":0,"t":0,"kind":"fire","data":)" + data + R"(,"cause":[]})");
+  ASSERT_TRUE(record.ok()) << record.error().text();
+  EXPECT_EQ(to_json(record->data), data);
 }
 
 TEST(JournalReader, NamesTheLineThatIsWrong) {
