@@ -134,7 +134,8 @@ TEST(LoadTask, TemplatesAreRenderedFirst) {
 }
 
 TEST(LoadTask, MissingFileIsAnError) {
-  EXPECT_EQ(load_task("/nonexistent.pddl", "/nonexistent.pddl").error().text(), "/nonexistent.pddl: cannot be read");
+  EXPECT_EQ(load_task("/nonexistent.pddl", "/nonexistent.pddl").error().text(),
+            "/nonexistent.pddl: there is no such file");
 }
 
 }  // namespace
