@@ -1,9 +1,14 @@
-// cxlab new: folders that run, to begin from.
+// cxlab new: folders that run, to begin from; games.
 
 #include <cstdio>
+#include <filesystem>
+#include <optional>
 
+#include "app/arguments.h"
 #include "app/command.h"
+#include "cx/journal/run_folder.h"
 #include "lab/new_package.h"
+#include "scenarios/rcll/world.h"
 #include "scenarios/share.h"
 
 namespace cxlab::app {
@@ -15,6 +20,55 @@ int make(const std::string& kind, const std::string& variant, const std::string&
   std::printf("%s\n", folder.c_str());
   std::fprintf(stderr, "next: cd %s; %s (README.md says more)\n", folder.c_str(), next.c_str());
   return 0;
+}
+
+struct GameOptions {
+  std::string file, scenario;
+  std::optional<std::uint64_t> seed;
+  std::vector<std::string> overrides;
+  bool force = false;
+};
+
+Expected<Scenario> scenario_of(const GameOptions& options) {
+  std::vector<Override> overrides(options.overrides.begin(), options.overrides.end());
+  if (options.seed) overrides.emplace_back("seed=" + std::to_string(*options.seed), "--seed");
+  if (options.scenario.empty())
+    return Scenario::parse("schema: 1\nworld: {kind: rcll}\n", "game", catalogue(), overrides);
+  const auto file = find_scenario(options.scenario);
+  if (!file) return file.error();
+  return Scenario::load(*file, catalogue(), overrides);
+}
+
+int make_game(const GameOptions& options) {
+  auto scenario = scenario_of(options);
+  if (!scenario) return fail(scenario.error());
+  if (scenario->world.kind != &rcll::kWorld)
+    return fail(
+        input_error("world.kind: found '" + std::string(scenario->world.kind->name) + "', expected rcll",
+                    options.scenario.empty() ? Origin{} : Origin{options.scenario, scenario->world.origin.line}));
+  if (std::filesystem::exists(options.file) && !options.force)
+    return fail(usage_error("there is a file already: choose another one, or --force", options.file));
+  const auto game = rcll::game_of(*scenario);
+  if (!game) return fail(game.error());
+  if (Status s = replace_file(options.file, to_yaml(*game)); !s) return fail(s.error());
+  std::printf("%s\n", options.file.c_str());
+  std::fprintf(stderr, "next: cxlab run rcll/game --set world.game=%s\n", options.file.c_str());
+  return 0;
+}
+
+void add_game(CLI::App& command, Action& action) {
+  auto options = std::make_shared<GameOptions>();
+  CLI::App* sub =
+      command.add_subcommand("game", "A game of the Logistics League: layout, ring prices, orders, down periods");
+  sub->footer(
+      "Examples:\n  cxlab new game game.yaml --seed 7\n  cxlab new game game.yaml --set world.complexities=[C0,C1]\n"
+      "  cxlab run rcll/game --set world.game=game.yaml");
+  sub->add_option("file", options->file, "Where (YAML; docs/rcll.md has its keys)")->required();
+  sub->add_option("--scenario", options->scenario, "Whose settings it is drawn with (default: those of the league)");
+  seed_number(sub->add_option("--seed", options->seed, "Seed of the draw, instead of the scenario's"));
+  once_each(sub->add_option("--set", options->overrides, "Changes a value: a.b[0].c=VALUE (may be given often)"));
+  sub->add_flag("--force", options->force, "Overwrites a file");
+  sub->callback([options, &action] { action = [options] { return make_game(*options); }; });
 }
 
 struct Kind {
@@ -49,6 +103,7 @@ void add_new(CLI::App& app, Action& action) {
                     "A plugin in C++ with its own messages, configuration, rules and a test, built outside of cxlab",
                     "cmake -B build -D CMAKE_PREFIX_PATH=" + prefix + "; cmake --build build; ctest --test-dir build"};
   add_kind(*command, action, plugin, league);
+  add_game(*command, action);
 }
 
 }  // namespace cxlab::app

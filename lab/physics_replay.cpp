@@ -2,6 +2,7 @@
 
 #include "cx/journal/input_log.h"
 #include "scenarios/catalogue.h"
+#include "scenarios/kept_files.h"
 
 namespace cxlab::lab {
 
@@ -31,6 +32,7 @@ Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
   if (!scratch) return scratch.error();
   out.scratch_ = *std::move(scratch);
   if (Status s = files->materialise(out.scratch_->path()); !s) return s.error();
+  read_from_copies(out.scratch_->path(), *scenario);
   auto world = kind.replay(*scenario, out.scratch_->path() / "models", *out.log_);
   if (!world) return world.error();
   out.world_ = *std::move(world);

@@ -34,6 +34,7 @@ std::string without_code(const Json::exception& e) {
 void read_manifest(const Json& json, RecordedRun& run) {
   run.scenario_file = fs::path(json.at("folder").get<std::string>()) / json.at("scenario").get<std::string>();
   run.overrides = json.at("overrides").get<std::vector<std::string>>();
+  run.world_files = json.value("world_files", run.world_files);
   if (!json.at("until").is_null()) run.options.until = json.at("until").get<double>();
   run.options.journal = json.at("journal").get<std::string>();
   run.options.keep_going = json.at("keep_going").get<bool>();
@@ -111,7 +112,11 @@ Expected<Scenario> RecordedRun::scenario() const {
   if (!files) return files.error();
   auto text = files->read("scenario.yaml");
   if (!text) return text.error();
-  return Scenario::parse(*text, scenario_file, *catalogue, {overrides.begin(), overrides.end()});
+  auto scenario = Scenario::parse(*text, scenario_file, *catalogue, {overrides.begin(), overrides.end()});
+  if (!scenario) return scenario.error();
+  for (auto& [key, file] : scenario->world_files)
+    if (const auto then = world_files.find(key); then != world_files.end()) file.path = then->second;
+  return scenario;
 }
 
 Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, JournalLevel level, const Host& host,

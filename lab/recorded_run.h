@@ -25,8 +25,9 @@ struct RecordedRun {
   const Catalogue* catalogue = nullptr;
   std::filesystem::path scenario_file;  ///< absolute; need not be there any more
   std::vector<std::string> overrides;
-  PlayOptions options;         ///< until, journal, keep_going, strict
-  std::vector<Shares> shares;  ///< by agent: package -> its share directory then
+  std::map<std::string, std::string> world_files;  ///< absolute; by key, as Scenario::world_files
+  PlayOptions options;                             ///< until, journal, keep_going, strict
+  std::vector<Shares> shares;                      ///< by agent: package -> its share directory then
   /// Of lab/versions.h, then.
   std::map<std::string, std::string> versions, machine;
 

@@ -53,6 +53,8 @@ Status still_there(const RecordedRun& run, const Scenario& scenario) {
     for (const auto& [name, folder] : scenario.shares(agent))
       if (!std::filesystem::is_directory(folder)) return missing("package " + name, folder);
   }
+  for (const auto& [key, file] : scenario.world_files)
+    if (!std::filesystem::exists(file.path)) return missing("world." + key, file.path);
   return {};
 }
 
@@ -72,6 +74,7 @@ Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const 
   if (run.shares.size() != scenario.agents.size())
     return input_error("the run's manifest has another number of agents", run.folder.string());
   if (Status s = files.materialise(root); !s) return s;
+  read_from_copies(root, scenario);
   scenario.packages.clear();
   std::error_code error;
   for (std::size_t i = 0; i < scenario.agents.size(); ++i) {

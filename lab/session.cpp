@@ -69,6 +69,9 @@ std::string manifest(const Run& run) {
   out["agents"] = nlohmann::ordered_json::array();
   for (const AgentSpec& agent : run.scenario.agents)
     out["agents"].push_back({{"config", agent.config}, {"packages", run.scenario.shares(agent)}});
+  out["world_files"] = nlohmann::ordered_json::object();
+  for (const auto& [key, file] : run.scenario.world_files)
+    out["world_files"][key] = std::filesystem::absolute(file.path).string();
   out["repeat"] = "cxlab rerun " + run.folder.string();
   return out.dump(2) + '\n';
 }

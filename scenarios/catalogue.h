@@ -47,6 +47,8 @@ struct WorldKind {
   std::string_view name;
   std::string_view what;  ///< one line for people
   Settings settings{};
+  /// Keys of the settings that name a file (Scenario::world_files).
+  std::span<const std::string_view> files{};
 
   SimTime duration = std::chrono::seconds(60);  ///< default, as tick and step
   SimTime tick = std::chrono::milliseconds(20);

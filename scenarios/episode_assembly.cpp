@@ -99,6 +99,11 @@ Status Episode::build_stage() {
       .models = options_.models,
       .run_folder = options_.run_folder,
       .keep = [this](const std::string& name, const fs::path& file) { return files_->keep("nodes/" + name, file); }};
+  for (const auto& [key, file] : scenario_.world_files) {
+    if (!fs::exists(file.path))
+      return input_error("world." + key + ": there is no file " + file.path.string(), file.origin);
+    if (Status s = files_->keep(kept_name(key, file), file.path); !s) return s;
+  }
   const WorldKind& world = *scenario_.world.kind;
   if (world.make_stage) {
     auto stage = world.make_stage(setup);

@@ -81,6 +81,14 @@ void read_from_copies(const fs::path& copies, std::size_t agent, cx::ManagerOpti
   manager.outside_copies = folder / "outside";
 }
 
+std::string kept_name(const std::string& key, const NamedFile& file) {
+  return "world/" + key + '/' + file.path.filename().string();
+}
+
+void read_from_copies(const fs::path& copies, Scenario& scenario) {
+  for (auto& [key, file] : scenario.world_files) file.path = copies / kept_name(key, file);
+}
+
 fs::path interfaces_below(const fs::path& copies) { return copies / "interfaces"; }
 
 }  // namespace cxlab

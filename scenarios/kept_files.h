@@ -4,6 +4,7 @@
 //
 //   scenario.yaml                 the scenario
 //   models/FILE                   of the world
+//   world/KEY/FILE                what a key of its settings names
 //   nodes/NAME                    what a node beside the world read
 //   interfaces/PACKAGE/msg/FILE   definitions
 //   agents/N/config/FILE          the configuration of the agent of that number: two agents may call different folders
@@ -23,6 +24,7 @@
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/journal/file_store.h"
+#include "scenarios/scenario.h"
 
 namespace cxlab {
 
@@ -56,6 +58,10 @@ class KeptFiles {
 
 /// Lets the manager of the agent of that number read the copies below `copies` instead of the files.
 void read_from_copies(const std::filesystem::path& copies, std::size_t agent, cx::ManagerOptions& manager);
+/// Lets the world read the copies.
+void read_from_copies(const std::filesystem::path& copies, Scenario& scenario);
+/// The name of the copy of a file that the world's settings name by that key.
+std::string kept_name(const std::string& key, const NamedFile& file);
 /// The definitions among the copies.
 std::filesystem::path interfaces_below(const std::filesystem::path& copies);
 

@@ -51,6 +51,17 @@ void read_settings(yaml::Map& map, Chosen<Kind>& spec) {
   map.finish();
 }
 
+void find_files(yaml::Map& world, Scenario& scenario) {
+  for (const std::string_view key : scenario.world.kind->files) {
+    const yaml::Value value = world.get(key);
+    if (!value || value.text().empty()) continue;
+    const Origin origin = value.origin();
+    const bool from_option = origin.line == 0;
+    scenario.world_files[std::string(key)] = {
+        from_option ? std::filesystem::path(value.text()) : scenario.resolve(value.text()), origin};
+  }
+}
+
 void read_world(const yaml::Value& value, const Catalogue& catalogue, Scenario& scenario) {
   WorldSpec spec{&kEmptyWorld, {}, value.origin()};
   yaml::Map map = value.as_map();
@@ -61,6 +72,7 @@ void read_world(const yaml::Value& value, const Catalogue& catalogue, Scenario& 
   }
   read_settings(map, spec);
   scenario.set_world(std::move(spec));
+  find_files(map, scenario);
 }
 
 /// A node by its name alone, or a map with its settings.

@@ -92,6 +92,12 @@ struct Stimulus {
   bool to_a_node_there = false;  ///< a call of a service that must exist before the first tick
 };
 
+/// A file that settings name.
+struct NamedFile {
+  std::filesystem::path path;
+  Origin origin{};
+};
+
 /// What must hold of the result; otherwise `cxlab run` ends with exit code 1.
 struct Expectation {
   std::string path;  ///< into result.json, e.g. "teams.CYAN.points"
@@ -126,6 +132,9 @@ struct Scenario {
   std::vector<std::string> overrides;  ///< PATH=VALUE, as given beside the text
 
   WorldSpec world{&kEmptyWorld};
+  /// By key of the world's settings: what it names (WorldKind::files), found from the scenario's folder; from the
+  /// current one if an override names it.
+  std::map<std::string, NamedFile> world_files;
   std::vector<ServerSpec> servers;
 
   Tier tier = Tier::kPhysics;

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 /// What a run writes; `--force` takes these away from a former one.
 constexpr const char* kFilesOfARun[] = {"manifest.json", "result.json", "inputs.bin", "journal.jsonl", "index.html",
-                                        "report.json",   "logs",        "snapshots",  "files"};
+                                        "game.yaml",     "report.json", "logs",       "snapshots",     "files"};
 
 Status cannot_be_made(const fs::path& path, const std::string& why) {
   return resource_error("cannot be made: " + why, path.string());

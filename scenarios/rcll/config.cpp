@@ -1,10 +1,15 @@
 #include "scenarios/rcll/config.h"
 
+#include <algorithm>
+
+#include "cx/base/number_text.h"
+#include "scenarios/rcll/layout.h"
+
 namespace cxlab::rcll {
 namespace {
 
 Error bad_value(const std::string& key, const std::string& found, const std::string& expected) {
-  return input_error("world." + key + ": found " + found + ", expected " + expected);
+  return input_error(key + ": found " + found + ", expected " + expected);
 }
 
 Error bad_word(const std::string& key, const std::string& found, const std::vector<std::string>& words) {
@@ -24,14 +29,8 @@ Status check_word(const std::string& key, const std::string& found) {
 }
 
 Status check_range(const std::string& key, double value, double low, double high) {
-  const auto text = [](double v) {
-    std::string digits = std::to_string(v);
-    digits.erase(digits.find_last_not_of('0') + 1);
-    if (digits.ends_with('.')) digits.pop_back();
-    return digits;
-  };
   if (value >= low && value <= high) return {};
-  return bad_value(key, text(value), text(low) + " to " + text(high));
+  return bad_value(key, general_text(value, 10), general_text(low, 10) + " to " + general_text(high, 10));
 }
 
 Status check_order(const std::string& key, const OrderConfig& order) {
@@ -51,8 +50,17 @@ Status check_order(const std::string& key, const OrderConfig& order) {
   if (Status s = check_range(key + ".delivery_gate", order.delivery_gate, 1, 3); !s) return s;
   if (Status s = check_range(key + ".quantity", order.quantity, 1, 1000); !s) return s;
   if (!(order.delivery_end > order.delivery_begin))
-    return bad_value(key + ".delivery_end", std::to_string(order.delivery_end), "a time after delivery_begin");
-  return {};
+    return bad_value(key + ".delivery_end", general_text(order.delivery_end, 10), "a time after delivery_begin");
+  return check_range(key + ".delivery_end", order.delivery_end, 0, 1e7);
+}
+
+Status check_down(const std::string& key, const DownPeriodConfig& period) {
+  if (std::ranges::find(kMachines, period.machine) == kMachines.end())
+    return bad_word(key + ".machine", period.machine, {kMachines.begin(), kMachines.end()});
+  if (Status s = check_range(key + ".begin_s", period.begin_s, 0, 1e6); !s) return s;
+  if (!(period.end_s > period.begin_s))
+    return bad_value(key + ".end_s", general_text(period.end_s, 10), "a time after begin_s");
+  return check_range(key + ".end_s", period.end_s, 0, 1e7);
 }
 
 }  // namespace
@@ -72,20 +80,44 @@ RuleChoices choices_of(Rules rules) {
 }
 
 Status validate(const WorldConfig& config) {
-  if (Status s = check_word<Team>("team", config.team); !s) return s;
-  if (Status s = check_word<Rules>("rules", config.rules); !s) return s;
-  if (Status s = check_range("robots", config.robots, 0, 3); !s) return s;
-  if (Status s = check_range("setup_s", config.setup_s, 0, 1e6); !s) return s;
-  if (Status s = check_range("production_s", config.production_s, 1, 1e6); !s) return s;
-  if (Status s = check_range("overtime_s", config.overtime_s, 0, 1e6); !s) return s;
-  if (Status s = check_range("shelf_refill_s", config.shelf_refill_s, 0, 1e6); !s) return s;
-  if (config.exploration) return bad_value("exploration", "true", "false: not supported in this release");
+  if (Status s = check_word<Team>("world.team", config.team); !s) return s;
+  if (Status s = check_word<Rules>("world.rules", config.rules); !s) return s;
+  if (Status s = check_range("world.robots", config.robots, 0, 3); !s) return s;
+  if (Status s = check_range("world.setup_s", config.setup_s, 0, 1e6); !s) return s;
+  if (Status s = check_range("world.production_s", config.production_s, 1, 1e6); !s) return s;
+  if (Status s = check_range("world.overtime_s", config.overtime_s, 0, 1e6); !s) return s;
+  if (Status s = check_range("world.shelf_refill_s", config.shelf_refill_s, 0, 1e6); !s) return s;
+  if (config.exploration) return bad_value("world.exploration", "true", "false: not supported in this release");
   for (const std::string& complexity : config.complexities)
-    if (Status s = check_word<Complexity>("complexities", complexity); !s) return s;
+    if (Status s = check_word<Complexity>("world.complexities", complexity); !s) return s;
   if (!config.orders.empty() && !config.complexities.empty())
-    return bad_value("complexities", "a list beside world.orders", "only one of the two");
+    return bad_value("world.complexities", "a list beside world.orders", "only one of the two");
+  if (!config.game.empty() && !config.orders.empty())
+    return bad_value("world.orders", "a list beside world.game", "only one of the two: list them in the file");
+  if (!config.game.empty() && !config.layout.empty())
+    return bad_value("world.layout", "a list beside world.game", "only one of the two: list it in the file");
   for (std::size_t i = 0; i < config.orders.size(); ++i)
-    if (Status s = check_order("orders[" + std::to_string(i) + "]", config.orders[i]); !s) return s;
+    if (Status s = check_order("world.orders[" + std::to_string(i) + "]", config.orders[i]); !s) return s;
+  return {};
+}
+
+Status validate(const GameFile& file) {
+  if (file.layout)
+    if (const auto layout = read_layout(*file.layout, "layout"); !layout) return layout.error();
+  if (file.ring_prices)
+    for (const RingColor color : kRingColors)
+      if (Status s = check_range("ring_prices." + std::string(to_string(color)),
+                                 file.ring_prices->prices[static_cast<std::size_t>(color) - 1], 0, 2);
+          !s)
+        return s;
+  if (file.orders)
+    for (std::size_t i = 0; i < file.orders->size(); ++i)
+      if (Status s = check_order("orders[" + std::to_string(i) + "]", (*file.orders)[i]); !s) return s;
+  if (file.overtime)
+    if (Status s = check_order("overtime", *file.overtime); !s) return s;
+  if (file.down)
+    for (std::size_t i = 0; i < file.down->size(); ++i)
+      if (Status s = check_down("down[" + std::to_string(i) + "]", (*file.down)[i]); !s) return s;
   return {};
 }
 

@@ -2,7 +2,9 @@
 // The settings of a game of the Logistics League, a scenario's `world:`. The structs are their own schema: each field
 // is a key of that name, with unit, default and meaning.
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -83,6 +85,42 @@ struct DownPeriodConfig {
   std::string machine;  ///< "RS1": that of both teams
   double begin_s = 0;   ///< s of production
   double end_s = 0;
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys.required("machine", machine);
+    keys.required("begin_s", begin_s);
+    keys.required("end_s", end_s);
+  }
+};
+
+/// Payments that a ring of each colour costs.
+struct RingPriceConfig {
+  std::array<int, 4> prices{};  ///< 0..2, in the order of kRingColors
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    for (const RingColor color : kRingColors)
+      keys.required(to_string(color), prices[static_cast<std::size_t>(color) - 1]);
+  }
+};
+
+/// A game as a file (docs/rcll.md, Game files). What is missing is drawn from the seed.
+struct GameFile {
+  std::optional<std::vector<PlacedMachine>> layout;   ///< all fourteen machines
+  std::optional<RingPriceConfig> ring_prices;         ///< all four colours
+  std::optional<std::vector<OrderConfig>> orders;     ///< numbered from 1
+  std::optional<OrderConfig> overtime;                ///< the order of overtime
+  std::optional<std::vector<DownPeriodConfig>> down;  ///< when machines are out of order
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys("layout", layout);
+    keys("ring_prices", ring_prices);
+    keys("orders", orders);
+    keys("overtime", overtime);
+    keys("down", down);
+  }
 };
 
 /// `world:` of a scenario whose kind is rcll.
@@ -90,6 +128,7 @@ struct WorldConfig {
   std::string team = "CYAN";  ///< CYAN or MAGENTA: whose robots and machines play; the other team's machines stand idle
   int robots = 3;             ///< 0..3
   std::string rules = "league";           ///< league, refbox, rulebook
+  std::string game;                       ///< a file with all or parts of what is drawn (GameFile)
   std::vector<PlacedMachine> layout;      ///< empty: generated from the seed
   std::vector<OrderConfig> orders;        ///< empty: ten orders drawn from the seed, numbered from 1
   std::vector<std::string> complexities;  ///< of drawn orders; empty: all four, as the referee box draws them
@@ -97,7 +136,7 @@ struct WorldConfig {
   double setup_s = 0;                     ///< s, set-up phase before production
   double production_s = 1200;             ///< s, length of the production phase
   double overtime_s = 300;                ///< s more when the teams are even, with one more order; 0 = none
-  bool down = true;                       ///< one cap and one ring station are out of order once, for 30 to 60 s
+  bool down = true;                       ///< machines are out of order: as drawn or as the file of the game says
   bool transforms = false;                ///< /tf has where robots are in "map", /tf_static where machines are
   double shelf_refill_s = 20;             ///< s after which a completely empty shelf is filled again
 
@@ -106,6 +145,7 @@ struct WorldConfig {
     keys("team", team);
     keys("robots", robots);
     keys("rules", rules);
+    keys("game", game);
     keys("layout", layout);
     keys("orders", orders);
     keys("complexities", complexities);
@@ -121,5 +161,6 @@ struct WorldConfig {
 
 /// Every value in its range and every name known; errors name the key and what was expected.
 Status validate(const WorldConfig& config);
+Status validate(const GameFile& file);
 
 }  // namespace cxlab::rcll

@@ -43,9 +43,9 @@ void put_light(const bus::MessageView& machine, std::string_view color, sim::Lig
 bus::SharedMessage shared(bus::Message message) { return std::make_shared<const bus::Message>(std::move(message)); }
 
 /// Those of overtime too, where there is one.
-Schedule all_orders(const WorldConfig& config, const Game& game) {
+Schedule all_orders(const Game& game) {
   Schedule schedule = game.schedule;
-  if (config.overtime_s > 0) schedule.orders.push_back(game.overtime);
+  if (game.overtime) schedule.orders.push_back(*game.overtime);
   return schedule;
 }
 
@@ -74,7 +74,7 @@ Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed
                nullptr,
                seed,
                {}},
-      referee_(context_.clock, context_.rules, all_orders(config, game), world.plan(), sink) {
+      referee_(context_.clock, context_.rules, all_orders(game), world.plan(), sink) {
   context_.schedule = &referee_.schedule();
   machines_ = make_machines(world.plan(), context_);
   for (const DownPeriodConfig& period : game.down)

@@ -4,33 +4,54 @@
 
 #include "cx/base/random.h"
 #include "cx/base/time.h"
+#include "cx/yaml/writer.h"
+#include "cx/yaml/yaml.h"
 #include "scenarios/rcll/floor_plan.h"
 
 namespace cxlab::rcll {
 namespace {
 
-Expected<Layout> layout_of(const WorldConfig& config, std::uint64_t seed) {
-  if (!config.layout.empty()) return read_layout(config.layout);
-  RandomStream random(seed, "layout");
-  return draw_reachable_layout(random, config);
-}
-
-/// Ring prices, the ten orders and the one of overtime, in this order.
-void draw_orders(const WorldConfig& config, std::uint64_t seed, Game& game) {
-  std::vector<Complexity> allowed;
-  for (const std::string& name : config.complexities) allowed.push_back(*named<Complexity>(name));
-  RandomStream random(seed, "orders");
-  game.schedule = draw_schedule(random, allowed);
-  game.overtime = draw_overtime_order(random);
-  game.overtime.overtime = true;
-  game.overtime.activate_at = game.overtime.delivery_begin = config.production_s;
-  game.overtime.delivery_end = config.production_s + config.overtime_s;
+Expected<GameFile> read_file_of_game(const std::string& path) {
+  GameFile file;
+  if (path.empty()) return file;
+  auto document = yaml::Document::load(path);
+  if (!document) return document.error();
+  yaml::Map map = document->root().as_map();
+  map.read(file);
+  map.finish();
+  if (Status s = document->status(); !s) return s.error();
+  return file;
 }
 
 std::vector<Order> read_orders(const std::vector<OrderConfig>& listed) {
   std::vector<Order> orders;
   for (const OrderConfig& order : listed) orders.push_back(read_order(order, static_cast<int>(orders.size()) + 1));
   return orders;
+}
+
+/// Ring prices, the ten orders and the one of overtime are drawn in this order, those that are listed too.
+void set_orders(const WorldConfig& config, const GameFile& file, std::uint64_t seed, Game& game) {
+  std::vector<Complexity> allowed;
+  for (const std::string& name : config.complexities) allowed.push_back(*named<Complexity>(name));
+  RandomStream random(seed, "orders");
+  game.schedule = draw_schedule(random, allowed);
+  const Order overtime = draw_overtime_order(random, config.production_s, config.production_s + config.overtime_s);
+
+  if (file.ring_prices) game.schedule.ring_prices = file.ring_prices->prices;
+  if (file.orders || !config.orders.empty())
+    game.schedule.orders = read_orders(file.orders ? *file.orders : config.orders);
+  if (config.overtime_s == 0) return;
+  const int id = static_cast<int>(game.schedule.orders.size()) + 1;
+  game.overtime = file.overtime ? read_order(*file.overtime, id) : overtime;
+  game.overtime->id = id;
+  game.overtime->overtime = true;
+}
+
+Expected<Layout> layout_of(const WorldConfig& config, const GameFile& file, std::uint64_t seed) {
+  if (file.layout) return read_layout(*file.layout, "layout");
+  if (!config.layout.empty()) return read_layout(config.layout);
+  RandomStream random(seed, "layout");
+  return draw_reachable_layout(random, config);
 }
 
 /// One ring and one cap station, the same of both teams, are down once in production: 30 to 60 s, not before 180 s.
@@ -49,22 +70,53 @@ std::vector<DownPeriodConfig> draw_down_periods(RandomStream& random, double pro
   return periods;
 }
 
+OrderConfig listed(const Order& order) {
+  OrderConfig out;
+  out.complexity = to_string(order.complexity);
+  out.base_color = to_string(order.product.base);
+  for (const RingColor ring : order.product.rings) out.ring_colors.emplace_back(to_string(ring));
+  out.cap_color = to_string(order.product.cap);
+  out.activate_at = order.activate_at;
+  out.delivery_begin = order.delivery_begin;
+  out.delivery_end = order.delivery_end;
+  out.delivery_gate = order.delivery_gate;
+  out.quantity = order.quantity;
+  out.competitive = order.competitive;
+  return out;
+}
+
 }  // namespace
 
 Expected<Game> game_of(const WorldConfig& config, std::uint64_t seed) {
   if (Status s = validate(config); !s) return s.error();
+  const auto file = read_file_of_game(config.game);
+  if (!file) return file.error();
   Game game;
-  auto layout = layout_of(config, seed);
+  auto layout = layout_of(config, *file, seed);
   if (!layout) return layout.error();
   game.layout = *std::move(layout);
-  draw_orders(config, seed, game);
-  if (!config.orders.empty()) game.schedule.orders = read_orders(config.orders);
-  game.overtime.id = static_cast<int>(game.schedule.orders.size()) + 1;
+
+  set_orders(config, *file, seed, game);
   if (config.down) {
     RandomStream random(seed, "machines");
-    game.down = draw_down_periods(random, config.production_s);
+    game.down = file->down ? *file->down : draw_down_periods(random, config.production_s);
   }
   return game;
+}
+
+std::string to_yaml(const Game& game) {
+  GameFile file;
+  file.layout.emplace();
+  for (const Placement& p : game.layout) file.layout->push_back({p.name(), to_string(p.zone), p.rotation});
+  file.ring_prices = RingPriceConfig{game.schedule.ring_prices};
+  file.orders.emplace();
+  for (const Order& order : game.schedule.orders) file.orders->push_back(listed(order));
+  if (game.overtime) file.overtime = listed(*game.overtime);
+  file.down = game.down;
+  yaml::Writer out = yaml::Writer::of(file);
+  if (file.orders->empty()) out.put_yaml("orders", "[]");
+  if (file.down->empty()) out.put_yaml("down", "[]");
+  return out.text();
 }
 
 }  // namespace cxlab::rcll

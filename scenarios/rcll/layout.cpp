@@ -274,7 +274,7 @@ Layout draw_layout(RandomStream& random, bool shelf_faces_wall) {
   return layout;
 }
 
-Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines) {
+Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines, const std::string& key) {
   Layout layout;
   for (const Team team : kTeams)
     for (const std::string_view machine : kMachines) layout.push_back({team, machine, {}, -1});
@@ -285,7 +285,7 @@ Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines) {
   for (std::size_t i = 0; i < machines.size(); ++i) {
     const PlacedMachine& given = machines[i];
     const auto fail = [&](const std::string& what) {
-      return input_error("world.layout[" + std::to_string(i) + "]." + what, given.origin);
+      return input_error(key + "[" + std::to_string(i) + "]." + what, given.origin);
     };
     const auto at = std::ranges::find(names, given.machine);
     if (at == names.end()) {
@@ -308,7 +308,7 @@ Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines) {
     placement.rotation = given.rotation;
   }
   for (const Placement& p : layout)
-    if (p.rotation < 0) return input_error("world.layout: " + p.name() + " is missing");
+    if (p.rotation < 0) return input_error(key + ": " + p.name() + " is missing");
   return layout;
 }
 

@@ -55,8 +55,9 @@ using Layout = std::vector<Placement>;
 
 /// Draws a layout. `shelf_faces_wall`: the referee box's angle at the outer side wall (RuleChoices).
 Layout draw_layout(RandomStream& random, bool shelf_faces_wall);
-/// The layout that the scenario lists: each machine once, each zone at most once, none in an insertion area.
-Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines);
+/// A layout as it is listed: each machine once, each zone at most once, none in an insertion area. `key` names the list
+/// in errors.
+Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines, const std::string& key = "world.layout");
 
 /// How many cells and angles of an empty half the rules allow that machine.
 std::size_t count_poses(std::string_view machine, bool shelf_faces_wall);

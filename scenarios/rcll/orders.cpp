@@ -8,7 +8,6 @@ namespace {
 
 // Seconds of production; the referee box's figures.
 constexpr int kProductionEnd = 1200;
-constexpr int kOvertimeEnd = 1500;
 constexpr int kFirstActivation = 180;
 constexpr int kLastActivation = 960;
 constexpr int kSpacing = 120;
@@ -128,11 +127,11 @@ Schedule draw_schedule(RandomStream& random, const std::vector<Complexity>& allo
   return schedule;
 }
 
-Order draw_overtime_order(RandomStream& random) {
+Order draw_overtime_order(RandomStream& random, double begin, double end) {
   Order order;
   order.complexity = Complexity::kC0;
-  order.activate_at = order.delivery_begin = kProductionEnd;
-  order.delivery_end = kOvertimeEnd;
+  order.activate_at = order.delivery_begin = begin;
+  order.delivery_end = end;
   order.delivery_gate = static_cast<int>(random.between(1, 3));
   order.product.base = draw_base(random);
   order.product.cap = static_cast<CapColor>(random.between(1, 2));

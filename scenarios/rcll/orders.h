@@ -39,8 +39,8 @@ struct Schedule {
 /// serves for both.
 Schedule draw_schedule(RandomStream& random, const std::vector<Complexity>& allowed);
 
-/// The order of overtime, without its id: a competitive C0, to be delivered in the 300 s after production.
-Order draw_overtime_order(RandomStream& random);
+/// The order of overtime, without its id: a competitive C0, to be delivered between these times.
+Order draw_overtime_order(RandomStream& random, double begin, double end);
 
 /// An order as it is listed; `config` has been validated.
 Order read_order(const OrderConfig& config, int id);

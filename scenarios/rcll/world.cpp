@@ -1,9 +1,9 @@
 #include "scenarios/rcll/world.h"
 
 #include "cx/journal/hash_text.h"
+#include "cx/journal/run_folder.h"
 #include "scenarios/rcll/factory.h"
 #include "scenarios/rcll/floor_plan.h"
-#include "scenarios/rcll/game.h"
 #include "scenarios/rcll/layout.h"
 #include "scenarios/rcll/result.h"
 #include "sim/ledger/ledger_world.h"
@@ -94,8 +94,10 @@ class GameStage final : public Stage {
 Status GameStage::build(const StageSetup& setup) {
   const Scenario& scenario = setup.scenario;
   const WorldConfig& config = scenario.world.get<WorldConfig>();
-  const auto game = game_of(config, scenario.seed);
+  const auto game = game_of(scenario);
   if (!game) return game.error();
+  if (!setup.run_folder.empty())
+    if (Status s = replace_file(setup.run_folder / "game.yaml", to_yaml(*game)); !s) return s;
   sim::FloorPlan plan = floor_plan_of(config, game->layout);
   const Status built =
       scenario.tier == Tier::kPhysics ? build_physics(setup, std::move(plan)) : build_ledger(setup, std::move(plan));
@@ -160,7 +162,7 @@ Expected<std::unique_ptr<Stage>> make_stage(const StageSetup& setup) {
 Expected<std::unique_ptr<WorldReplay>> replay(const Scenario& scenario, const std::filesystem::path& models,
                                               const std::string& log) {
   const WorldConfig& config = scenario.world.get<WorldConfig>();
-  const auto game = game_of(config, scenario.seed);
+  const auto game = game_of(scenario);
   if (!game) return game.error();
   sim::FloorPlan plan = floor_plan_of(config, game->layout);
   auto options = model_options(scenario, models);
@@ -171,14 +173,23 @@ Expected<std::unique_ptr<WorldReplay>> replay(const Scenario& scenario, const st
       std::make_unique<FloorReplay>(std::move(plan), scenario.physics_step, *std::move(physics)));
 }
 
+constexpr std::string_view kFiles[]{"game"};
 constexpr Tier kTiers[]{Tier::kPhysics, Tier::kTimed};
 
 }  // namespace
+
+Expected<Game> game_of(const Scenario& scenario) {
+  WorldConfig config = scenario.world.get<WorldConfig>();
+  if (const auto file = scenario.world_files.find("game"); file != scenario.world_files.end())
+    config.game = file->second.path.string();
+  return game_of(config, scenario.seed);
+}
 
 constinit const WorldKind kWorld{
     .name = "rcll",
     .what = "a game of the Logistics League (docs/rcll.md)",
     .settings = settings_of<WorldConfig>(),
+    .files = kFiles,
     .set_defaults =
         [](Scenario& scenario) {
           const WorldConfig& config = scenario.world.get<WorldConfig>();

@@ -8,9 +8,11 @@ namespace cxlab::rcll {
 namespace {
 
 TEST(DrawnGame, HasACompetitiveC0ForOvertime) {
+  WorldConfig config;
+  config.robots = 0;  // any layout will do
   std::map<int, int> gates;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    const Order order = game_of({}, seed)->overtime;
+    const Order order = *game_of(config, seed)->overtime;
     EXPECT_EQ(order.id, 11);
     EXPECT_EQ(order.complexity, Complexity::kC0);
     EXPECT_TRUE(order.product.rings.empty());
@@ -38,7 +40,9 @@ TEST(DrawnGame, HasOneRingAndOneCapStationDownOnce) {
 TEST(DrawnGame, KeepsTheIdOfOvertimeBehindListedOrders) {
   WorldConfig config;
   config.orders.resize(2);
-  EXPECT_EQ(game_of(config, 1)->overtime.id, 3);
+  EXPECT_EQ(game_of(config, 1)->overtime->id, 3);
+  config.overtime_s = 0;
+  EXPECT_FALSE(game_of(config, 1)->overtime);
 }
 
 }  // namespace
