@@ -40,6 +40,7 @@ std::string Row::to_json() const {
   const Json out{{"schema", kSchema},
                  {"scenario", cell.scenario},
                  {"strategy", cell.strategy},
+                 {"game", cell.game},
                  {"seed", cell.seed},
                  {"file", cell.file.string()},
                  {"overrides", cell.overrides},
@@ -61,8 +62,9 @@ Expected<Row> Row::parse(const std::string& text) {
     const Json json = Json::parse(text);
     if (json.at("schema") != kSchema) return input_error("a row of another version of cxlab");
     Row row;
-    row.cell = {json.at("scenario"), json.at("strategy"), json.at("seed"), fs::path(json.at("file").get<std::string>()),
-                json.at("overrides")};
+    row.cell = {json.at("scenario"),  json.at("strategy"),
+                json.at("seed"),      fs::path(json.at("file").get<std::string>()),
+                json.at("overrides"), json.value("game", std::string())};
     row.program = json.at("program");
     row.files = json.at("files").get<std::map<std::string, std::string>>();
     row.status = json.at("status");
@@ -90,7 +92,9 @@ Figures figures_of(const std::string& result_json) {
 }
 
 std::string row_name(const Cell& cell) {
-  std::string name = cell.scenario + '-' + cell.strategy + '-' + std::to_string(cell.seed), key = cell.file.string();
+  std::string name = cell.scenario + '-' + cell.strategy + '-' + (cell.game.empty() ? "" : cell.game + '-') +
+                     std::to_string(cell.seed),
+              key = cell.file.string();
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') c = '_';
   for (const std::string& part : cell.overrides) key += '\0' + part;
@@ -99,10 +103,10 @@ std::string row_name(const Cell& cell) {
 }
 
 std::string to_csv(const std::vector<Row>& rows) {
-  std::string out = "scenario,strategy,seed,status,exit,points,deliveries,busy,real_time_factor,journal_hash\n";
+  std::string out = "scenario,strategy,game,seed,status,exit,points,deliveries,busy,real_time_factor,journal_hash\n";
   for (const Row& row : rows) {
-    out += quoted(row.cell.scenario) + ',' + quoted(row.cell.strategy) + ',' + std::to_string(row.cell.seed) + ',' +
-           row.status + ',' + std::to_string(row.exit_code);
+    out += quoted(row.cell.scenario) + ',' + quoted(row.cell.strategy) + ',' + quoted(row.cell.game) + ',' +
+           std::to_string(row.cell.seed) + ',' + row.status + ',' + std::to_string(row.exit_code);
     const Figures& f = row.figures;
     for (const double figure : {f.points, f.deliveries, f.busy, f.real_time_factor})
       out += ',' + (row.journal_hash.empty() ? std::string() : Json(figure).dump());

@@ -63,6 +63,27 @@ std::vector<SuiteScenario> named(const std::vector<fs::path>& files) {
   return out;
 }
 
+std::vector<SuiteGame> read_games(const yaml::Value& value, const fs::path& from) {
+  std::vector<SuiteGame> out;
+  const fs::path folder = (from / value.as_string()).lexically_normal();
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (it->path().extension() == ".yaml") out.push_back({it->path().stem().string(), it->path()});
+  std::ranges::sort(out, {}, &SuiteGame::name);
+  if (error)
+    value.fail("found '" + value.text() + "', expected a folder: " + error.message());
+  else if (out.empty())
+    value.fail("found '" + value.text() + "', expected a folder with files of games, NAME.yaml");
+  return out;
+}
+
+/// Single-quoted YAML.
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
+  return out + '\'';
+}
+
 }  // namespace
 
 Expected<Suite> Suite::load(const fs::path& file) {
@@ -103,7 +124,12 @@ Expected<Suite> Suite::load(const fs::path& file) {
       }
     }
   }
-  if (const yaml::Value seeds = map.require("seeds")) suite.seeds = read_seeds(seeds);
+  const yaml::Value games = map.get("games");
+  if (games) suite.games = read_games(games, file.parent_path());
+  if (games && !map.has("seeds"))
+    suite.seeds = {1};
+  else if (const yaml::Value seeds = map.require("seeds"))
+    suite.seeds = read_seeds(seeds);
   map.read_word("tier", suite.tier, {"timed", "physics"});
   map.finish();
   if (suite.scenarios.empty() || suite.strategies.empty() || suite.seeds.empty())
@@ -116,11 +142,14 @@ std::vector<Cell> Suite::cells() const {
   std::vector<Cell> out;
   for (const SuiteScenario& scenario : scenarios)
     for (const Strategy& strategy : strategies)
-      for (const std::uint64_t seed : seeds) {
-        Cell& cell = out.emplace_back(Cell{scenario.name, strategy.name, seed, scenario.file, strategy.overrides});
-        if (!tier.empty()) cell.overrides.push_back("tier=" + tier);
-        cell.overrides.push_back("seed=" + std::to_string(seed));
-      }
+      for (const SuiteGame& game : games.empty() ? std::vector<SuiteGame>(1) : games)
+        for (const std::uint64_t seed : seeds) {
+          Cell& cell =
+              out.emplace_back(Cell{scenario.name, strategy.name, seed, scenario.file, strategy.overrides, game.name});
+          if (!tier.empty()) cell.overrides.push_back("tier=" + tier);
+          if (!games.empty()) cell.overrides.push_back("world.game=" + quoted(game.file.string()));
+          cell.overrides.push_back("seed=" + std::to_string(seed));
+        }
   return out;
 }
 
@@ -128,7 +157,8 @@ Status Suite::check() const {
   for (const SuiteScenario& scenario : scenarios)
     if (const auto text = read_file(scenario.file); !text) return input_error(text.error().text(), scenario.origin);
   for (const Cell& cell : cells()) {
-    if (cell.seed != seeds.front()) continue;
+    const bool first_game = games.empty() || cell.game == games.front().name;
+    if (cell.seed != seeds.front() || (!first_game && cell.strategy != strategies.front().name)) continue;
     const auto wrong = [&](const Error& error) {
       const auto used = std::ranges::find(strategies, cell.strategy, &Strategy::name);
       const std::string what = "strategy '" + cell.strategy + "': " + error.text();

@@ -1,5 +1,5 @@
 #pragma once
-// What a sweep plays: scenarios x strategies x seeds (docs/bench.md).
+// What a sweep plays: scenarios x strategies x games x seeds (docs/bench.md).
 
 #include <cstdint>
 #include <filesystem>
@@ -24,26 +24,34 @@ struct SuiteScenario {
   Origin origin{};
 };
 
+/// A game that is played instead of one drawn from the seed (docs/rcll.md, Game files).
+struct SuiteGame {
+  std::string name;  ///< the file's name without extension
+  std::filesystem::path file;
+};
+
 /// One episode of a suite.
 struct Cell {
   std::string scenario, strategy;
   std::uint64_t seed = 0;
   std::filesystem::path file;
-  std::vector<std::string> overrides;  ///< all: of the strategy, then tier and seed
+  std::vector<std::string> overrides;  ///< all: of the strategy, then tier, game and seed
+  std::string game{};                  ///< by name; empty = as the scenario says
 };
 
 struct Suite {
   std::vector<SuiteScenario> scenarios;  ///< these three as in the file; nothing twice
   std::vector<Strategy> strategies;
   std::vector<std::uint64_t> seeds;
+  std::vector<SuiteGame> games;             ///< in order of names; none: as the scenarios say
   std::string tier;                         ///< instead of the scenarios'; empty = theirs
   const Catalogue* catalogue = &shipped();  ///< has the worlds and nodes of the scenarios; outlives the sweep
 
   static Expected<Suite> load(const std::filesystem::path& file);
-  /// By scenario, strategy and seed.
+  /// By scenario, strategy, game and seed.
   std::vector<Cell> cells() const;
-  /// Loads every scenario with every strategy, so that a misspelt override or a missing file does not cost a night of
-  /// failed episodes.
+  /// Loads every scenario with every strategy, and with every game, so that a misspelt override or a missing file does
+  /// not cost a night of failed episodes.
   Status check() const;
 };
 

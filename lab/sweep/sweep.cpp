@@ -102,8 +102,9 @@ struct Running {
 
 std::string line_of(const Row& row, std::size_t done, std::size_t all) {
   return '[' + std::to_string(done) + '/' + std::to_string(all) + "] " + row.cell.scenario + ' ' + row.cell.strategy +
-         " seed " + std::to_string(row.cell.seed) + ": " + row.status + ", exit " + std::to_string(row.exit_code) +
-         ", points " + (row.journal_hash.empty() ? "-" : general_text(row.figures.points, 6)) +
+         (row.cell.game.empty() ? "" : " game " + row.cell.game) + " seed " + std::to_string(row.cell.seed) + ": " +
+         row.status + ", exit " + std::to_string(row.exit_code) + ", points " +
+         (row.journal_hash.empty() ? "-" : general_text(row.figures.points, 6)) +
          (row.errors.empty() ? "" : "; " + row.errors.front());
 }
 

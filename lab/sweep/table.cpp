@@ -64,8 +64,9 @@ Summary summarize(const std::vector<double>& values) {
 
 std::vector<TableLine> table_of(const std::vector<Row>& rows) {
   std::vector<TableLine> out;
-  std::vector<std::vector<const Row*>> counted;                   // by line
-  std::map<std::string, std::map<std::uint64_t, double>> firsts;  // by scenario and seed: points of its first strategy
+  std::vector<std::vector<const Row*>> counted;            // by line
+  using Played = std::pair<std::string, std::uint64_t>;    // game and seed
+  std::map<std::string, std::map<Played, double>> firsts;  // by scenario: points of its first strategy
   std::vector<std::vector<double>> differences;
   for (const Row& row : rows) {
     const auto same = [&](const TableLine& l) {
@@ -83,10 +84,11 @@ std::vector<TableLine> table_of(const std::vector<Row>& rows) {
     ++line->episodes;
     if (!row.counts()) continue;
     counted[at].push_back(&row);
-    auto& by_seed = firsts[row.cell.scenario];
+    auto& points = firsts[row.cell.scenario];
+    const Played played{row.cell.game, row.cell.seed};
     if (first)
-      by_seed[row.cell.seed] = row.figures.points;
-    else if (const auto other = by_seed.find(row.cell.seed); other != by_seed.end())
+      points[played] = row.figures.points;
+    else if (const auto other = points.find(played); other != points.end())
       differences[at].push_back(row.figures.points - other->second);
   }
   for (std::size_t i = 0; i < out.size(); ++i) {

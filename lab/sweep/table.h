@@ -23,7 +23,8 @@ struct TableLine {
   std::string scenario, strategy;
   std::size_t episodes = 0;
   Summary points, deliveries, busy, real_time_factor;
-  Summary against_first;  ///< points minus those of the first strategy with the same seed; of others than the first
+  Summary against_first;  ///< points minus those of the first strategy with the same game and seed; of others than the
+                          ///< first
 };
 /// In the order in which scenarios and strategies come in the rows.
 std::vector<TableLine> table_of(const std::vector<Row>& rows);

@@ -1,5 +1,6 @@
-"""Games as files: cxlab new game, world.game, game.yaml of a run."""
+"""Games as files: cxlab new game, world.game, game.yaml of a run, suites of games."""
 
+import csv
 import json
 import re
 import shutil
@@ -113,3 +114,24 @@ class GameFiles(Lab):
             self.fails(3, f"scenario.yaml:5: world.{key}: found a list beside world.game, expected only one of the two")
         self.write("scenario.yaml", "schema: 1\nworld:\n  kind: rcll\n  game: gone.yaml\n")
         self.fails(3, "scenario.yaml:4: world.game: there is no file gone.yaml")
+
+    def test_a_folder_of_games_is_a_suite(self):
+        self.write("scenario.yaml", WORLD.replace(", game: games/g.yaml", ""))
+        (self.folder / "it's").mkdir()
+        for seed in 1, 2:
+            self.cxlab("new", "game", f"it's/g{seed}.yaml", "--seed", seed)
+        self.write("suite.yaml", 'scenarios: [scenario.yaml]\ngames: "it\'s"\nstrategies: {one: [], none: [world.robots=0]}\n')
+        for _ in range(2):
+            done = self.cxlab("bench", "suite.yaml", "--out", "bench")
+        self.assertIn("4 rows are current and kept", done.stderr)
+        rows = list(csv.DictReader((self.folder / "bench/rows.csv").read_text().splitlines()))
+        self.assertEqual([(r["strategy"], r["game"], r["seed"], r["status"]) for r in rows],
+                         [(s, g, "1", "completed") for s in ("one", "none") for g in ("g1", "g2")])
+        self.assertEqual(len({r["journal_hash"] for r in rows}), 4)
+        self.write("it's/g2.yaml", "down: []\n")
+        self.assertIn("2 rows are current and kept", self.cxlab("bench", "suite.yaml", "--out", "bench").stderr)
+        self.write("it's/g2.yaml", "up: []\n")
+        self.assertIn("g2.yaml:1: ", self.cxlab("bench", "suite.yaml", "--out", "bench", code=3).stderr)
+        self.write("suite.yaml", "scenarios: [scenario.yaml]\ngames: nowhere\nstrategies: {one: []}\n")
+        self.assertIn("suite.yaml:2: games: found 'nowhere', expected a folder",
+                      self.cxlab("bench", "suite.yaml", "--out", "bench", code=3).stderr)

@@ -71,11 +71,13 @@ TEST_F(RowTest, NamesOfCellsDiffer) {
 TEST_F(RowTest, CsvQuotesWhatNeedsIt) {
   Row odd = row();
   odd.cell.strategy = "two, \"three\"";
-  const std::string csv = to_csv({row(), odd});
+  Row of_game = row();
+  of_game.cell.game = "g1";
+  const std::string csv = to_csv({of_game, odd});
   EXPECT_EQ(csv,
-            "scenario,strategy,seed,status,exit,points,deliveries,busy,real_time_factor,journal_hash\n"
-            "game,fast,7,completed,0,237.0,5.0,0.25,151.5,abcd\n"
-            "game,\"two, \"\"three\"\"\",7,completed,0,237.0,5.0,0.25,151.5,abcd\n");
+            "scenario,strategy,game,seed,status,exit,points,deliveries,busy,real_time_factor,journal_hash\n"
+            "game,fast,g1,7,completed,0,237.0,5.0,0.25,151.5,abcd\n"
+            "game,\"two, \"\"three\"\"\",,7,completed,0,237.0,5.0,0.25,151.5,abcd\n");
 }
 
 TEST_F(RowTest, CsvHasNoFiguresOfAnEpisodeWithoutResult) {
@@ -83,7 +85,7 @@ TEST_F(RowTest, CsvHasNoFiguresOfAnEpisodeWithoutResult) {
   crashed.cell = row().cell;
   crashed.status = "crashed";
   crashed.exit_code = 139;
-  EXPECT_THAT(to_csv({crashed}), testing::HasSubstr("game,fast,7,crashed,139,,,,,\n"));
+  EXPECT_THAT(to_csv({crashed}), testing::HasSubstr("game,fast,,7,crashed,139,,,,,\n"));
 }
 
 TEST(FiguresOf, AddsUpTeamsDeliveriesAndRobots) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "folder.h"
+#include "lab/sweep/row.h"
 
 namespace cxlab::lab {
 namespace {
@@ -32,6 +33,31 @@ TEST_F(SuiteTest, HasACellForEachScenarioStrategyAndSeed) {
   EXPECT_EQ(cells[3].seed, 4u);
   EXPECT_THAT(cells[3].overrides, ElementsAre("world.robots=2", "tier=timed", "seed=4"));
   EXPECT_EQ(cells[4].scenario, "b");
+}
+
+TEST_F(SuiteTest, PlaysEachGameOfAFolderOnceUnlessSeedsAreNamed) {
+  write("games/b.yaml", "down: []\n");
+  write("games/a.yaml", "down: []\n");
+  write("games/notes.txt", "");
+  auto suite = load("scenarios: [s.yaml]\ngames: games\nstrategies: {s: []}\n");
+  ASSERT_TRUE(suite) << suite.error().text();
+  std::vector<Cell> cells = suite->cells();
+  ASSERT_EQ(cells.size(), 2u);
+  EXPECT_EQ(cells[0].game, "a");
+  EXPECT_THAT(cells[0].overrides, ElementsAre("world.game='" + path("games/a.yaml").string() + "'", "seed=1"));
+  EXPECT_NE(row_name(cells[0]), row_name(cells[1]));
+  suite = load("scenarios: [s.yaml]\ngames: games\nseeds: [4, 5]\nstrategies: {s: []}\n");
+  cells = suite->cells();
+  ASSERT_EQ(cells.size(), 4u);
+  EXPECT_EQ(cells[2].game, "b");
+  EXPECT_EQ(cells[2].seed, 4u);
+}
+
+TEST_F(SuiteTest, GamesAreAFolderThatHasSome) {
+  write("empty/notes.txt", "");
+  EXPECT_THAT(error_of("scenarios: [s.yaml]\ngames: nowhere\nstrategies: {s: []}\n"),
+              HasSubstr("suite.yaml:2: games: found 'nowhere', expected a folder"));
+  EXPECT_THAT(error_of("scenarios: [s.yaml]\ngames: empty\nstrategies: {s: []}\n"), HasSubstr("NAME.yaml"));
 }
 
 TEST_F(SuiteTest, ScenariosOfOneFileNameAreKeptApartByTheirFolders) {

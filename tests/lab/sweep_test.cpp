@@ -65,7 +65,7 @@ TEST_F(SweepTest, HasARowForEachCell) {
     hashes.insert(row.journal_hash);
   }
   EXPECT_EQ(hashes.size(), 6u);
-  EXPECT_THAT(read("out/rows.csv"), HasSubstr("game,long,3,completed,0,"));
+  EXPECT_THAT(read("out/rows.csv"), HasSubstr("game,long,,3,completed,0,"));
 }
 
 TEST_F(SweepTest, PlaysAWorldOfTheCallersCatalogue) {

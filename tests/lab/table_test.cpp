@@ -64,6 +64,15 @@ TEST(TableOf, ComparesWithTheFirstStrategySeedBySeed) {
   EXPECT_EQ(table[1].against_first.min, 3);
 }
 
+TEST(TableOf, ComparesGameByGame) {
+  std::vector<Row> rows{row("first", 1, 100), row("first", 1, 200), row("second", 1, 205), row("second", 1, 103)};
+  rows[0].cell.game = rows[3].cell.game = "a";
+  rows[1].cell.game = rows[2].cell.game = "b";
+  const auto table = table_of(rows);
+  EXPECT_DOUBLE_EQ(table[1].against_first.mean, 4);
+  EXPECT_EQ(table[1].against_first.max, 5);
+}
+
 TEST(TableOf, ComparesWithinAScenario) {
   const auto table = table_of({row("first", 1, 100), row("second", 1, 101), row("first", 1, 10, "completed", "other"),
                                row("second", 1, 12, "completed", "other")});
