@@ -6,10 +6,10 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <span>
 
 #include "scenarios/rcll/floor_plan.h"
 #include "scenarios/rcll/game.h"
+#include "tests/support/statistics.h"
 
 namespace cxlab::rcll {
 namespace {
@@ -233,30 +233,6 @@ constexpr std::array<int, 8> kRecordedAnglesOfDelivery{65, 35, 102, 8, 60, 28, 8
 constexpr std::array<int, 8> kRecordedMachinesAskew{171, 178, 39, 12};  // games with 0, 1, 2 ... machines at 45 degrees
 constexpr std::array<int, 8> kRecordedMachinesAtBorder{7, 40, 140, 144, 62, 7};  // games with 0, 1, 2 ... of them
 
-/// Chi-square for two samples with classes of few merged, as a standard normal number (Wilson and Hilferty).
-double difference(std::span<const int> a, std::span<const int> b) {
-  double of_a = 0, of_b = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) of_a += a[i], of_b += b[i];
-  double chi = 0, classes = 0, rest_a = 0, rest_b = 0;
-  const auto add = [&](double in_a, double in_b) {
-    if (in_a + in_b == 0) return;
-    const double share = (in_a + in_b) / (of_a + of_b);
-    chi += std::pow(in_a - of_a * share, 2) / (of_a * share) + std::pow(in_b - of_b * share, 2) / (of_b * share);
-    ++classes;
-  };
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (a[i] + b[i] >= 10) {
-      add(a[i], b[i]);
-    } else {
-      rest_a += a[i];
-      rest_b += b[i];
-    }
-  }
-  add(rest_a, rest_b);
-  const double k = 2 / (9 * (classes - 1));
-  return (std::cbrt(chi / (classes - 1)) - (1 - k)) / std::sqrt(k);
-}
-
 TEST(DrawnLayout, PlacesAndAnglesAreAsOftenAsTheRefereeBoxDrawsThem) {
   std::array<std::array<int, 7>, 8> cells{};
   std::array<int, 8> symmetric{}, sided{}, delivery{}, askew{}, at_border{};
@@ -280,13 +256,12 @@ TEST(DrawnLayout, PlacesAndAnglesAreAsOftenAsTheRefereeBoxDrawsThem) {
     for (const auto& row : rows) all.insert(all.end(), row.begin(), row.end());
     return all;
   };
-  constexpr double kOneInThousand = 3.09;
-  EXPECT_LT(difference(flat(cells), flat(kRecordedCells)), kOneInThousand);
-  EXPECT_LT(difference(symmetric, kRecordedAnglesOfBaseAndStorage), kOneInThousand);
-  EXPECT_LT(difference(sided, kRecordedAnglesOfCapAndRing), kOneInThousand);
-  EXPECT_LT(difference(delivery, kRecordedAnglesOfDelivery), kOneInThousand);
-  EXPECT_LT(difference(askew, kRecordedMachinesAskew), kOneInThousand);
-  EXPECT_LT(difference(at_border, kRecordedMachinesAtBorder), kOneInThousand);
+  EXPECT_LT(difference(flat(cells), flat(kRecordedCells)), kNormalLimit);
+  EXPECT_LT(difference(symmetric, kRecordedAnglesOfBaseAndStorage), kNormalLimit);
+  EXPECT_LT(difference(sided, kRecordedAnglesOfCapAndRing), kNormalLimit);
+  EXPECT_LT(difference(delivery, kRecordedAnglesOfDelivery), kNormalLimit);
+  EXPECT_LT(difference(askew, kRecordedMachinesAskew), kNormalLimit);
+  EXPECT_LT(difference(at_border, kRecordedMachinesAtBorder), kNormalLimit);
 }
 
 TEST(DrawnLayout, Rules8And9MirrorTheHalvesAndSwapTwoMachines) {
