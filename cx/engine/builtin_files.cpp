@@ -70,6 +70,15 @@ void read_file_function(Environment*, UDFContext* context, UDFValue* result) {
   call_original(context, result, args);
 }
 
+/// `toss`, `get-region` and `print-region`, which name a file that `fetch` read by the path under which that was
+/// opened.
+void region_function(Environment*, UDFContext* context, UDFValue* result) {
+  std::vector<UDFValue> args;
+  if (!arguments(context, args)) return;
+  const std::size_t file = UDFContextFunctionName(context) == std::string_view("print-region") ? 1 : 0;
+  if (take_path(context, args[file], result, true)) call_original(context, result, args);
+}
+
 void write_file_function(Environment*, UDFContext* context, UDFValue* result) {
   std::vector<UDFValue> args;
   if (!arguments(context, args) || !take_path(context, args[0], result, false)) return;

@@ -30,6 +30,7 @@ class Row:
     kept: dict = dataclasses.field(default_factory=dict)  # name of a file that there must be afterwards: a part of it
     leaves: tuple = ("out",)  # folders and files that the command may make or change
     stdin: str = ""
+    alike: dict = dataclasses.field(default_factory=dict)  # texts that count as another: which of the two is chance of the build
     long: bool = False  # takes a second or more
 
 
@@ -104,7 +105,10 @@ def play_row(row, fixed):
         wrong += [f"it names {option}, which cxlab {row.command[0]} has not" for option in not_to_be_given(row.command, errors)]
         after = state(folder, row.leaves)
         wrong += [f"{name} was changed" for name in sorted(before.keys() | after.keys()) if before.get(name) != after.get(name)]
-        return said(out, err, folder), wrong
+        text = said(out, err, folder)
+        for one, other in row.alike.items():
+            text = text.replace(one, other)
+        return text, wrong
     finally:
         shutil.rmtree(folder)
 

@@ -30,7 +30,7 @@ inline constexpr const char* kStatistics = "statistics";
 
 // builtin_files.cpp
 clips::UserDefinedFunction open_function, load_function, batch_function, read_file_function, read_binary_function,
-    write_file_function, write_binary_function, change_file_function;
+    region_function, write_file_function, write_binary_function, change_file_function;
 // builtin_text.cpp
 clips::UserDefinedFunction format_function, nested_function, text_function, scanning_function;
 

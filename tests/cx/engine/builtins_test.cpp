@@ -154,6 +154,17 @@ TEST_F(Builtins, FactsAreSavedAndLoaded) {
   EXPECT_THAT(fact_texts(), ElementsAre("(a 1)", "(b \"x\")"));
 }
 
+TEST_F(Builtins, RegionsAreThoseOfTheFileThatRulesFetchedByItsName) {
+  with_files();
+  write("help.txt", "0MBEGIN-ENTRY-ROOT\nroot\nEND-ENTRY\n1IBEGIN-ENTRY-ONE\none\nEND-ENTRY\n");
+  EXPECT_EQ(engine().eval("(fetch \"help.txt\")")->as_integer(), 2);
+  EXPECT_EQ(engine().eval("(get-region \"help.txt\" ROOT ONE)")->text(), "one\n");
+  EXPECT_EQ(engine().eval("(print-region t \"help.txt\" ^)")->text(), "FALSE");
+  EXPECT_EQ(engine().eval("(print-region t \"help.txt\" ROOT)")->text(), "TRUE");
+  EXPECT_EQ(engine().eval("(toss \"help.txt\")")->text(), "TRUE");
+  EXPECT_THAT(engine().eval("(get-region \"/secret/key\" ONE)").error().message, HasSubstr("may not read /secret/key"));
+}
+
 TEST_F(Builtins, ABinaryFileThatRulesWroteInAnotherWayIsRefused) {
   with_files();
   ASSERT_TRUE(engine().assert_string("(a 1)").ok());

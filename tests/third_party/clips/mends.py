@@ -1,5 +1,7 @@
 """What third_party/clips/mends.patch mends: CLIPS=program python3 -m unittest mends"""
 
+import pathlib
+import tempfile
 import unittest
 
 from command_line import run
@@ -108,6 +110,57 @@ class Mends(unittest.TestCase):
         self.assertIn("The 'x' slot for class 'Q' is already specified.", run("""
 (defclass Q (is-a USER) (role concrete) (slot x) (slot x))
 """).stderr)
+
+    def test_fact_of_a_huge_index_does_not_exist(self):
+        huge = 2**63 - 1
+        said = run(f"""
+(retract {huge})
+(modify {huge} (x 1))
+(duplicate {huge} (x 1))
+(fact-relation {huge})
+(ppfact {huge})
+(dependents {huge})
+(dependencies -{huge})
+""").stderr
+        self.assertEqual(said.count(f"Unable to find fact f-{huge}."), 6, said)
+        self.assertIn(f"Unable to find fact f--{huge}.", said)
+
+    def test_error_in_a_slot_of_a_long_name_names_it(self):
+        slot = "s" * 5000
+        said = run(f"""
+(deftemplate t (slot a) (slot {slot}))
+(defrule wrong (t ({slot} ?x&:(> (/ 1 ?x) 1))) =>)
+(assert (t ({slot} 0)))
+(assert (t2 0))
+(defrule field (t2 ?x&:(> (/ 1 ?x) 1)) =>)
+""").stderr
+        self.assertIn(f"   Problem resides in slot {slot}\n", said)
+        self.assertIn("   Problem resides in field #1\n", said)
+
+    def test_regions_have_names_of_any_length(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "f" * 200)
+            entry = "N" * 230
+            file.write_text(f"0MBEGIN-ENTRY-ROOT\nroot\nEND-ENTRY\n1IBEGIN-ENTRY-{entry}\none\nEND-ENTRY\n"
+                            "1IBEGIN-ENTRY-LINE\n\nEND-ENTRY\n2IBEGIN-ENTRY-LOWER\nEND-ENTRY\n")
+            self.assertEqual(run(f"""
+(fetch "{file}")
+""").stdout.count("FALSE"), 1, "an entry below one that is no menu")
+            file.write_text(file.read_text().split("2I")[0])
+            self.assertEqual(printed(f"""
+(printout t "= " (fetch "{file}") crlf)
+(printout t "= " (str-length (get-region "{file}" ROOT {entry})) crlf)
+(printout t "= " (str-length (get-region "{file}" LINE)) (get-region "{file}" {"M" * 5000}) crlf)
+(printout t "= " (toss "{file}") (toss "{file}") crlf)
+"""), ["1", "3", "4", "TRUEFALSE"])
+
+    def test_entries_of_a_text_nest_to_any_depth(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "deep")
+            file.write_text("".join(f"{level}MBEGIN-ENTRY-E\nEND-ENTRY\n" for level in range(300000)))
+            self.assertEqual(printed(f"""
+(printout t "= " (fetch "{file}") (toss "{file}") crlf)
+"""), ["300000TRUE"])
 
     def test_rule_goes_whose_matches_block_each_other(self):
         self.assertEqual(printed("""
