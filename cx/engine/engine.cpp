@@ -99,13 +99,6 @@ RuleEngine::~RuleEngine() {
   RemoveModifyFunction(environment_, "cxlab");
   for (auto& [name, record] : impl_->functions) impl_->show(*record);
   for (auto& record : impl_->replaced_functions) impl_->show(*record);
-  // CLIPS frees symbols before classes, and then looks at the defaults of their slots: classes have to go before.
-  const bool classes = std::any_of(impl_->construct_index.begin(), impl_->construct_index.end(),
-                                   [](const auto& item) { return item.first.first == "defclass"; });
-  if (classes) {
-    options_.on_output = nullptr;
-    Clear(environment_);
-  }
   if (options_.limits) options_.limits->held -= impl_->counted_memory;
   DestroyEnvironment(environment_);
 }

@@ -37,7 +37,7 @@ TEST_F(LimitsTest, EachWayToTakeMemoryEndsAtTheRule) {
     limits.memory = 20'000'000;
     SetUp();
     given(
-        "(defclass thing (is-a USER) (slot n))\n"
+        "(defclass thing (is-a USER) (slot n) (multislot m (default a b)))\n"
         "(deffunction again (?n ?list) (assert (z ?n)) (again (+ ?n 1) (create$ ?list ?list)))\n"
         "(defrule greedy (go) =>\n  " +
         std::string(actions) + ")");
