@@ -18,7 +18,7 @@ MOST_FAILURES = 60           # of skills, in a game with a dozen strikes
 MOST_FAILURES_IN_A_ROW = 8   # of one robot, the same skill at the same target
 LONGEST_PAUSE_S = 150        # without the end of any skill; a machine may be down for that long
 
-MACHINES = ["C-BS", "C-CS1", "C-CS2", "C-DS"]
+MACHINES = ["C-BS", "C-CS1", "C-CS2", "C-DS", "C-RS1", "C-RS2"]
 FAULTS = {
     "skill_fails": [{"probability": 0.15, "after_s": 10}],
     "skill_stalls": [{"probability": 0.15, "seconds": 15}],

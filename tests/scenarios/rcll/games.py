@@ -3,7 +3,7 @@
 
     games.py PROGRAM SCENARIO TIER FIRST_SEED LAST_SEED
 
-Deliveries, share of work, driving together, contacts, lengths of skills; and for every accepted product that its track in
+Points, deliveries, share of work, driving together, contacts, lengths of skills; and for every accepted product that its track in
 the journal is continuous: from a dispenser or shelf through grippers and belts to the gate, never by another way.
 """
 import collections
@@ -13,7 +13,9 @@ import subprocess
 import sys
 import tempfile
 
-LEAST_DELIVERIES, LEAST_MEAN = 3, 6
+LEAST_DELIVERIES = 3
+LEAST_POINTS, LEAST_MEAN_POINTS = 200, 350
+LEAST_SHARE_WITH_RINGS = 0.9   # of the games: a product of C1 or more is delivered
 LEAST_PIECES_A_ROBOT = 3
 LEAST_SHARE_DRIVING_TOGETHER = 0.2
 LEAST_SHARE_AT_WORK = 0.6
@@ -76,6 +78,12 @@ class Game:
             if sum(step == ("belt", "gripper") for step in steps) < 2:
                 yield f"piece {delivery['piece']}: was not carried to the cap station and to the delivery station"
 
+    def points(self):
+        return max(team["points"] for team in self.result["teams"].values())
+
+    def with_rings(self):
+        return any(order["correct"] and order["complexity"] != "C0" for order in self.result["orders"])
+
     def faults(self):
         r = self.result
         if r["status"] != "completed":
@@ -86,6 +94,8 @@ class Game:
         accepted = sum(d["correct"] for d in r["deliveries"])
         if accepted < LEAST_DELIVERIES:
             yield f"only {accepted} deliveries"
+        if self.points() < LEAST_POINTS:
+            yield f"only {self.points()} points"
         for robot in r["robots"]:
             if robot["contacts"]:
                 yield f"{robot['name']} touched another robot"
@@ -106,7 +116,7 @@ class Game:
 
 def main():
     program, scenario, tier, first, last = sys.argv[1:]
-    failed, deliveries = 0, []
+    failed, deliveries, points, with_rings = 0, [], [], 0
     with tempfile.TemporaryDirectory(prefix="cxlab-games-") as folder:
         for seed in range(int(first), int(last) + 1):
             out = pathlib.Path(folder) / str(seed)
@@ -116,13 +126,16 @@ def main():
             faults = list(game.faults()) + ([f"exit code {done.returncode}: {done.stderr}"] if done.returncode else [])
             accepted = sum(d["correct"] for d in game.result["deliveries"])
             deliveries.append(accepted)
+            points.append(game.points())
+            with_rings += game.with_rings()
             idlest = min(robot["busy_s"] for robot in game.result["robots"]) / game.result["sim_time_s"]
-            print(f"seed {seed}: {accepted} delivered, each robot at work {idlest:.0%} or more, "
+            print(f"seed {seed}: {game.points()} points, {accepted} delivered, each robot at work {idlest:.0%} or more, "
                   f"driving together {game.share_driving_together():.0%}", *faults, sep="; ", flush=True)
             failed += bool(faults)
-    mean = sum(deliveries) / len(deliveries)
-    print(f"{len(deliveries) - failed} passed, {failed} failed; {mean:.2f} deliveries a game")
-    sys.exit(1 if failed or mean < LEAST_MEAN else 0)
+    games, mean = len(points), sum(points) / len(points)
+    print(f"{games - failed} passed, {failed} failed; {mean:.0f} points, {sum(deliveries) / games:.2f} deliveries a game, "
+          f"rings in {with_rings} of {games}")
+    sys.exit(1 if failed or mean < LEAST_MEAN_POINTS or with_rings < LEAST_SHARE_WITH_RINGS * games else 0)
 
 
 if __name__ == "__main__":

@@ -18,15 +18,34 @@
   (slot x (type FLOAT))
   (slot y (type FLOAT)))
 
+(deftemplate does
+  "What a machine does to a product: a ring's colour, a cap's colour, or DELIVER."
+  (slot machine (type STRING))
+  (slot work (type STRING))
+  (slot price (type INTEGER) (default 0)))  ; payments
+
 (deftemplate order
-  "An order that is active. OPEN: nobody works on it. ASSIGNED: a cap station has it. DONE: delivered."
+  "An order that is active. OPEN: nobody works on it. STARTED: there is a product for it. DONE: delivered."
   (slot id (type INTEGER))
   (slot complexity (type STRING))
   (slot base (type STRING))
+  (multislot rings (type STRING))
   (slot cap (type STRING))
+  (slot competitive (type SYMBOL) (allowed-values FALSE TRUE) (default FALSE))
   (slot begin (type FLOAT))
   (slot end (type FLOAT))
-  (slot state (type SYMBOL) (allowed-values OPEN ASSIGNED DONE) (default OPEN)))
+  (slot state (type SYMBOL) (allowed-values OPEN STARTED DONE) (default OPEN)))
+
+(deftemplate product
+  "What is being made for an order. READY: it lies at the output of a machine (at first the base station, which has yet to
+   dispense the base). MOVING: a robot brings it. WAITING: it lies on the input. WORKING: the machine works on it."
+  (slot order (type INTEGER))
+  (multislot todo (type STRING))      ; works still to be begun
+  (multislot via (type STRING))       ; the machines for them
+  (slot at (type STRING))             ; where it lies, or was fetched last
+  (multislot keeps (type STRING))     ; machines that nobody else may use: where it lies, where it goes next
+  (slot job (type INTEGER) (default 0)) ; that moves it, or the instruction that works on it
+  (slot state (type SYMBOL) (allowed-values READY MOVING WAITING WORKING) (default READY)))
 
 (deftemplate game
   (slot phase (type SYMBOL))
@@ -38,12 +57,11 @@
   (slot size (type INTEGER)))
 
 (deftemplate cap-station
-  "The cycle of one cap station. EMPTY: no cap in it. BUFFERING: a carrier is on its way or inside. CLEARING: the bare
-   base lies at the output. LOADED: the cap is in. MOUNTING: the base is inside. MOUNTED: the product is at the output."
+  "How far a cap station is with its next cap. EMPTY: no cap in it. BUFFERING: a carrier is on its way or inside.
+   CLEARING: the bare base lies at the output. LOADED: the cap is in."
   (slot name (type STRING))
   (slot cap (type STRING))
-  (slot phase (type SYMBOL) (allowed-values EMPTY BUFFERING CLEARING LOADED MOUNTING MOUNTED) (default EMPTY))
-  (slot order (type INTEGER) (default 0)))
+  (slot phase (type SYMBOL) (allowed-values EMPTY BUFFERING CLEARING LOADED) (default EMPTY)))
 
 (deftemplate shelf
   "One of the three slots of a cap station's shelf."
@@ -57,18 +75,21 @@
   (slot at (type FLOAT)))
 
 (deftemplate slide
-  "A ring station's slide and the payments that we put there."
+  "A ring station's slide: the payments that lie there, that are on their way, and that the products need."
   (slot machine (type STRING))
   (slot spot (type STRING))
-  (slot count (type INTEGER) (default 0)))
+  (slot loaded (type INTEGER) (default 0))
+  (slot coming (type INTEGER) (default 0))
+  (slot wanted (type INTEGER) (default 0)))
 
 (deftemplate job
   "One piece to be brought from one place to another by one robot.
    WAITING: no robot yet. GO-FETCH, FETCH, GO-PUT, PUT: the skill that runs or is next. DONE: the piece is there.
    GIVEN-UP: nothing more to do. A DISCARD begins with the piece in the gripper."
   (slot id (type INTEGER))
-  (slot purpose (type SYMBOL) (allowed-values BUFFER CLEAR BASE DELIVER PAY DISCARD))
-  (slot station (type STRING))
+  (slot purpose (type SYMBOL) (allowed-values BUFFER CLEAR PAY MOVE DISCARD))
+  (slot urgency (type INTEGER) (default 5))         ; small is urgent
+  (slot station (type STRING) (default ""))         ; the machine from which it is fetched
   (slot order (type INTEGER) (default 0))
   (slot from (type STRING))
   (slot to (type STRING))

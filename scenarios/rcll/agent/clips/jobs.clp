@@ -10,6 +10,16 @@
   (do-for-fact ((?o order)) (= ?o:id ?order-id) (return ?o:base))
   "BASE_RED")
 
+(deffunction create-job (?purpose ?urgency ?order ?from ?to)
+  "A job without a robot; returns its number."
+  (bind ?id (new-id))
+  (assert (job (id ?id) (purpose ?purpose) (urgency ?urgency) (station (machine-of ?from)) (order ?order) (from ?from) (to ?to)))
+  ?id)
+
+(deffunction hold-up (?id $?steps)
+  "These steps of a job wait."
+  (foreach ?step ?steps (assert (held-up (job ?id) (step ?step)))))
+
 (deffunction distance (?x1 ?y1 ?x2 ?y2)
   (sqrt (+ (* (- ?x1 ?x2) (- ?x1 ?x2)) (* (- ?y1 ?y2) (- ?y1 ?y2)))))
 
@@ -68,4 +78,4 @@
   (time ?now)
   =>
   (modify ?r (state IDLE) (idle-since ?now))
-  (modify ?job (robot "")))
+  (modify ?job (robot "") (not-before (+ ?now 2.0))))

@@ -4,14 +4,11 @@
 (defglobal ?*HAND-OVERS* = 3)
 (defglobal ?*RESET-TIME* = 35.0)  ; until a machine that was reset is idle again, s
 
-(deffunction input-of (?machine)
-  (str-cat ?machine "-INPUT"))
-
 (deffunction discard (?robot ?delivery)
   "The robot brings whatever it holds to the delivery station, as order 0."
-  (bind ?id (create-job (new-id) DISCARD "" 0 "" (input-of ?delivery)))
-  (do-for-fact ((?job job)) (= ?job:id ?id) (modify ?job (robot ?robot) (step GO-PUT)))
-  (assert (held-up (job ?id) (step GO-PUT))))
+  (bind ?id (new-id))
+  (assert (job (id ?id) (purpose DISCARD) (to (input-of ?delivery)) (robot ?robot) (step GO-PUT)))
+  (hold-up ?id GO-PUT))
 
 (deffunction reset-machine (?machine)
   "Breaks the machine, so that it is idle and empty after a while."
@@ -72,7 +69,7 @@
 (defrule recover-missing-base
   "No base at the base station: have another one dispensed, onto an empty belt."
   ?trouble <- (trouble (job ?id) (kind MISSING))
-  ?job <- (job (id ?id) (purpose BASE|PAY) (order ?order))
+  ?job <- (job (id ?id) (station ?bs) (order ?order))
   (machine (name ?bs) (kind BS) (state ?state&~DOWN))
   =>
   (retract ?trouble)
@@ -82,24 +79,23 @@
   (assert (instruction (id ?id) (machine ?bs) (operation "DISPENSE_BASE") (side "OUTPUT") (color (base-of ?order)))))
 
 (defrule recover-missing-output
-  "What should lie at the output does not: a bare base leaves its cap behind, without its product a station begins anew.
+  "What should lie at the output does not: a bare base leaves its cap behind, a product is lost.
    If the machine sees it still, nobody can take it: reset."
   ?trouble <- (trouble (job ?id) (kind MISSING))
-  ?job <- (job (id ?id) (purpose ?purpose&CLEAR|DELIVER) (station ?name))
-  (machine (name ?name) (state ?state&~DOWN))
-  ?station <- (cap-station (name ?name) (phase ?phase))
+  ?job <- (job (id ?id) (purpose CLEAR|MOVE) (station ?name))
+  (machine (name ?name) (kind ~BS) (state ?state&~DOWN))
   =>
   (retract ?trouble)
   (modify ?job (step GIVEN-UP))
   (bind ?jammed (eq ?state READY-AT-OUTPUT))
   (if ?jammed then (reset-machine ?name))
-  (if (and (eq ?purpose CLEAR) (eq ?phase CLEARING)) then (modify ?station (phase (if ?jammed then EMPTY else LOADED))))
-  (if (and (eq ?purpose DELIVER) (eq ?phase MOUNTED)) then (modify ?station (phase EMPTY))))
+  (do-for-fact ((?s cap-station)) (and (eq ?s:name ?name) (eq ?s:phase CLEARING))
+    (modify ?s (phase (if ?jammed then EMPTY else LOADED)))))
 
 (defrule recover-gone-with-machine
   "The station breaks down before the robot has fetched from it."
-  (job (id ?id) (purpose CLEAR|DELIVER) (station ?name) (step WAITING|GO-FETCH|FETCH))
-  (machine (name ?name) (state BROKEN))
+  (job (id ?id) (purpose CLEAR|MOVE) (station ?name) (step WAITING|GO-FETCH|FETCH))
+  (machine (name ?name) (kind ~BS) (state BROKEN))
   =>
   (assert (trouble (job ?id) (kind GONE))))
 
@@ -123,23 +119,24 @@
   "Something lies on the belt that nobody will take away: reset the machine, then try again."
   ?trouble <- (trouble (job ?id) (kind OCCUPIED))
   ?job <- (job (id ?id) (purpose ?purpose) (to ?to))
-  (machine (name ?name&:(eq ?name (machine-of ?to))) (kind CS|DS) (state ~DOWN))
+  (machine (name ?name&:(eq ?name (machine-of ?to))) (kind ?kind&CS|RS|DS) (state ~DOWN))
+  (test (not (str-index "SLIDE" ?to)))
   (time ?now)
   =>
   (retract ?trouble)
   (modify ?job (tries 0) (not-before (+ ?now ?*RESET-TIME*)))
-  (if (eq ?purpose BASE) then (assert (held-up (job ?id) (step PUT))))
+  (if (and (eq ?purpose MOVE) (neq ?kind DS)) then (hold-up ?id PUT))
   (reset-machine ?name))
 
 (defrule recover-occupied-slide
   "The slide is blocked: no more payments there, away with the base."
   ?trouble <- (trouble (job ?id) (kind OCCUPIED))
   ?job <- (job (id ?id) (to ?to))
-  ?slide <- (slide (spot ?to))
+  ?slide <- (slide (spot ?to) (coming ?coming))
   (machine (name ?delivery) (kind DS))
   =>
   (retract ?trouble)
-  (modify ?slide (count 3))
+  (modify ?slide (coming (+ ?coming 3)))
   (modify ?job (purpose DISCARD) (to (input-of ?delivery)) (step GO-PUT) (tries 0))
   (assert (held-up (job ?id) (step GO-PUT))))
 
@@ -171,57 +168,41 @@
   (modify ?job (step GIVEN-UP))
   (modify ?station (phase EMPTY)))
 
-(defrule recover-lost-base
-  "The station sees that no base comes, and has another one fetched."
+(defrule recover-lost
+  "Nobody knows it any more; of a product, its order is open again."
   ?trouble <- (trouble (job ?id) (kind LOST))
-  ?job <- (job (id ?id) (purpose BASE|DISCARD))
+  ?job <- (job (id ?id) (purpose ~BUFFER))
   =>
   (retract ?trouble)
   (modify ?job (step GIVEN-UP)))
 
-(defrule recover-lost-payment
-  "The slide has room for another one."
-  ?trouble <- (trouble (job ?id) (kind LOST))
-  ?job <- (job (id ?id) (purpose CLEAR|PAY) (to ?to))
-  =>
-  (retract ?trouble)
-  (modify ?job (step GIVEN-UP))
-  (do-for-fact ((?slide slide)) (eq ?slide:spot ?to) (modify ?slide (count (- ?slide:count 1)))))
-
-(defrule recover-lost-product
-  "The order is open again."
-  ?trouble <- (trouble (job ?id) (kind LOST))
-  ?job <- (job (id ?id) (purpose DELIVER) (order ?order-id))
-  ?order <- (order (id ?order-id))
-  =>
-  (retract ?trouble)
-  (modify ?job (step GIVEN-UP))
-  (modify ?order (state OPEN)))
-
-(defrule recover-base-in-the-way
-  "A station broke down while a robot came with its base. Where robots are few the base would keep the one that is needed."
-  ?job <- (job (purpose BASE) (station ?name) (step PUT) (moving NO) (robot ?robot&~""))
-  (cap-station (name ?name) (phase EMPTY|BUFFERING))
+(defrule recover-product-in-the-way
+  "A cap station broke down while a robot came with its product. Where robots are few the product would keep the one that
+   is needed."
+  ?job <- (job (purpose MOVE) (id ?id) (to ?to) (step PUT) (moving NO) (robot ?robot&~""))
+  (cap-station (name ?name&:(eq ?to (input-of ?name))) (phase EMPTY|BUFFERING))
   (team (size ?size&:(< ?size 3)))
   (machine (name ?delivery) (kind DS))
   =>
   (modify ?job (step GIVEN-UP) (robot ""))
   (discard ?robot ?delivery))
 
-(defrule recover-base-without-cap
-  "The base lies on the belt of a station that has lost its cap meanwhile: have it taken away."
-  ?job <- (job (purpose BASE) (station ?name) (step DONE) (robot ""))
+(defrule recover-product-without-cap
+  "The product lies on the belt of a station that has lost its cap meanwhile: have it taken away."
+  (product (order ?id) (at ?name) (state WAITING))
   (cap-station (name ?name) (phase EMPTY|BUFFERING))
   (machine (name ?name) (state IDLE))
   =>
-  (modify ?job (step GIVEN-UP))
+  (assert (lost ?id))
   (reset-machine ?name))
 
 (defrule recover-given-up
-  "Nobody works on it any more: it is forgotten, with all that it had reserved."
-  ?job <- (job (id ?id) (step GIVEN-UP) (robot ""))
+  "Nobody works on it any more: it is forgotten, with all that it had reserved; its product is lost."
+  ?job <- (job (id ?id) (step GIVEN-UP) (robot "") (to ?to))
   =>
   (retract ?job)
+  (do-for-fact ((?p product)) (= ?p:job ?id) (assert (lost ?p:order)))
+  (do-for-fact ((?slide slide)) (eq ?slide:spot ?to) (modify ?slide (coming (- ?slide:coming 1))))
   (do-for-all-facts ((?held held-up)) (= ?held:job ?id) (retract ?held))
   (do-for-all-facts ((?reserved reserved)) (= ?reserved:job ?id) (retract ?reserved))
   (do-for-all-facts ((?trouble trouble)) (= ?trouble:job ?id) (retract ?trouble)))

@@ -1,9 +1,5 @@
 ; What the factory says on the bus becomes facts.
 
-(defglobal ?*DELIVERY-LEAD* = 25.0)
-(defglobal ?*REFILL* = 25.0)
-(defglobal ?*PATIENCE* = 1.0)
-
 (deftemplate topic
   (slot name (type STRING))
   (slot type (type STRING)))
@@ -12,6 +8,7 @@
   (topic (name "/game_state") (type "rcll_interfaces/msg/GameState"))
   (topic (name "/order_info") (type "rcll_interfaces/msg/OrderInfo"))
   (topic (name "/machine_info") (type "rcll_interfaces/msg/MachineInfo"))
+  (topic (name "/ring_info") (type "rcll_interfaces/msg/RingInfo"))
   (topic (name "/robot_info") (type "rcll_interfaces/msg/RobotInfo")))
 
 (defrule refbox-subscribe
@@ -39,7 +36,9 @@
    then (assert (order (id ?id)
                        (complexity (ros-msgs-get-field ?o "complexity"))
                        (base (ros-msgs-get-field ?o "base_color"))
+                       (rings (ros-msgs-get-field ?o "ring_colors"))
                        (cap (ros-msgs-get-field ?o "cap_color"))
+                       (competitive (ros-msgs-get-field ?o "competitive"))
                        (begin (float (ros-msgs-get-field ?o "delivery_period_begin")))
                        (end (float (ros-msgs-get-field ?o "delivery_period_end")))))))
 
@@ -53,17 +52,28 @@
   (ros-msgs-destroy-message ?m)
   (retract ?message))
 
+(deffunction learn-works (?name ?type ?cap ?rings)
+  "What a machine can do, when it is first seen."
+  (switch ?type
+    (case "DS" then (assert (does (machine ?name) (work "DELIVER"))))
+    (case "CS" then (assert (does (machine ?name) (work ?cap)) (cap-station (name ?name) (cap ?cap))))
+    (case "RS" then (assert (slide (machine ?name) (spot (str-cat ?name "-SLIDE"))))
+                    (foreach ?ring ?rings (assert (does (machine ?name) (work ?ring)))))
+    (default none)))
+
 (deffunction learn-machine (?message)
   "A machine of our team: its fact follows what is reported."
   (bind ?name (ros-msgs-get-field ?message "name"))
   (bind ?state (sym-cat (ros-msgs-get-field ?message "state")))
+  (bind ?loaded (ros-msgs-get-field ?message "loaded_with"))
+  (do-for-fact ((?s slide)) (eq ?s:machine ?name) (modify ?s (loaded ?loaded)))
   (if (not (do-for-fact ((?m machine)) (eq ?m:name ?name) (modify ?m (state ?state)) TRUE))
    then (bind ?pose (ros-msgs-get-field ?message "pose"))
-        (bind ?kind (sym-cat (ros-msgs-get-field ?message "type")))
-        (assert (machine (name ?name) (kind ?kind) (state ?state)
+        (assert (machine (name ?name) (kind (sym-cat (ros-msgs-get-field ?message "type"))) (state ?state)
                          (x (ros-msgs-get-field ?pose "x")) (y (ros-msgs-get-field ?pose "y"))))
-        (if (eq ?kind CS) then (assert (cap-station (name ?name) (cap (ros-msgs-get-field ?message "cap_color")))))
-        (ros-msgs-destroy-message ?pose)))
+        (ros-msgs-destroy-message ?pose)
+        (learn-works ?name (ros-msgs-get-field ?message "type") (ros-msgs-get-field ?message "cap_color")
+                     (ros-msgs-get-field ?message "ring_colors"))))
 
 (defrule refbox-machine-info
   ?message <- (ros-msgs-message (topic "/machine_info") (msg-ptr ?m))
@@ -73,6 +83,16 @@
   (foreach ?machine ?machines
     (if (eq ?team (ros-msgs-get-field ?machine "team_color")) then (learn-machine ?machine))
     (ros-msgs-destroy-message ?machine))
+  (ros-msgs-destroy-message ?m)
+  (retract ?message))
+
+(defrule refbox-ring-info
+  ?message <- (ros-msgs-message (topic "/ring_info") (msg-ptr ?m))
+  =>
+  (foreach ?ring (ros-msgs-get-field ?m "rings")
+    (bind ?price (ros-msgs-get-field ?ring "raw_material"))
+    (do-for-fact ((?d does)) (eq ?d:work (ros-msgs-get-field ?ring "ring_color")) (modify ?d (price ?price)))
+    (ros-msgs-destroy-message ?ring))
   (ros-msgs-destroy-message ?m)
   (retract ?message))
 
@@ -109,12 +129,6 @@
   (assert (shelf (machine ?name) (spot (str-cat ?name "-SHELF-LEFT")))
           (shelf (machine ?name) (spot (str-cat ?name "-SHELF-MIDDLE")))
           (shelf (machine ?name) (spot (str-cat ?name "-SHELF-RIGHT")))))
-
-(defrule slide-of-ring-station
-  (machine (name ?name) (kind RS))
-  (not (slide (machine ?name)))
-  =>
-  (assert (slide (machine ?name) (spot (str-cat ?name "-SLIDE")))))
 
 (defrule team-counted
   "How many robots we are."

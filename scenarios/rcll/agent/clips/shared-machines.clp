@@ -2,7 +2,7 @@
 
 (defrule base-reserve
   "A robot that needs a base gets the base station, and the base comes out while it drives."
-  (job (id ?id) (purpose BASE|PAY) (robot ~"") (step GO-FETCH) (order ?order))
+  (job (id ?id) (robot ~"") (step GO-FETCH) (order ?order))
   ?held <- (held-up (job ?id) (step GO-FETCH))
   (machine (name ?bs) (kind BS))
   (not (reserved (machine ?bs)))
@@ -42,22 +42,13 @@
   (retract ?held)
   (assert (reserved (machine ?delivery) (job ?id))))
 
-(defrule delivery-window-open
-  (job (id ?id) (purpose DELIVER) (step PUT) (order ?order))
-  (order (id ?order) (begin ?begin))
-  (game (begin ?zero))
-  (time ?now&:(>= ?now (+ ?zero ?begin)))
-  ?held <- (held-up (job ?id) (step PUT))
-  =>
-  (retract ?held))
-
-(defrule delivery-instruct
-  "The piece lies on the belt: tell the delivery station which order it is for; 0 throws it away."
-  ?job <- (job (id ?id) (purpose CLEAR|DELIVER|DISCARD) (step DONE) (robot "") (order ?order) (to ?to))
+(defrule delivery-discard
+  "A piece that is in no order's product lies on the belt: away with it."
+  ?job <- (job (id ?id) (purpose CLEAR|DISCARD) (step DONE) (robot "") (to ?to))
   (machine (name ?delivery&:(eq ?to (str-cat ?delivery "-INPUT"))) (kind DS))
   =>
   (retract ?job)
-  (assert (instruction (id ?id) (machine ?delivery) (operation "DELIVER") (order ?order))))
+  (assert (instruction (id ?id) (machine ?delivery) (operation "DELIVER") (order 0))))
 
 (defrule delivery-done
   ?instruction <- (instruction (id ?id) (operation "DELIVER") (state ?state&SUCCEEDED|FAILED) (order ?order) (error ?error))
@@ -66,23 +57,8 @@
   (retract ?instruction ?reserved)
   (assert (delivered ?order ?state)))
 
-(defrule delivery-order-done
-  ?delivered <- (delivered ?id SUCCEEDED)
-  ?order <- (order (id ?id))
-  =>
-  (retract ?delivered)
-  (modify ?order (state DONE)))
-
 (defrule delivery-discarded
   "Nobody ordered it."
   ?delivered <- (delivered 0 ?)
   =>
   (retract ?delivered))
-
-(defrule delivery-order-failed
-  "The delivery station broke down: the order is open again."
-  ?delivered <- (delivered ?id FAILED)
-  ?order <- (order (id ?id))
-  =>
-  (retract ?delivered)
-  (modify ?order (state OPEN)))

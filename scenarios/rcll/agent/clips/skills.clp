@@ -91,7 +91,7 @@
   (slot machine (type STRING))
   (slot operation (type STRING))
   (slot side (type STRING) (default ""))
-  (slot color (type STRING) (default ""))
+  (slot color (type STRING) (default ""))  ; of a base or ring
   (slot order (type INTEGER) (default 0))
   (slot goal (default NONE))
   (slot handle (default NONE))
@@ -119,7 +119,7 @@
   (ros-msgs-set-field ?goal "machine" ?machine)
   (ros-msgs-set-field ?goal "operation" ?operation)
   (ros-msgs-set-field ?goal "side" ?side)
-  (ros-msgs-set-field ?goal "base_color" ?color)
+  (ros-msgs-set-field ?goal (if (str-index "RING" ?color) then "ring_color" else "base_color") ?color)
   (ros-msgs-set-field ?goal "order_id" ?order)
   (ros-msgs-async-send-goal ?goal ?*INSTRUCT*)
   (modify ?i (state SENT) (goal ?goal)))

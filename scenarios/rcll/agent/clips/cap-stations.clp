@@ -1,0 +1,87 @@
+; The cycle of each cap station, one rule a transition: EMPTY -> BUFFERING -> CLEARING -> LOADED; the product that takes
+; the cap (products.clp) leaves it EMPTY.
+
+(defglobal ?*REFILL* = 25.0)  ; s until an empty shelf is full again
+
+(defrule station-fetch-carrier
+  "An empty cap station: put the carrier of its first full shelf slot on its belt."
+  (game (phase PRODUCTION))
+  ?station <- (cap-station (name ?name) (phase EMPTY))
+  ?shelf <- (shelf (machine ?name) (spot ?spot) (state FULL))
+  (not (shelf (machine ?name) (state FULL) (spot ?other&:(< (str-compare ?other ?spot) 0))))
+  (not (product (at ?name) (state ~MOVING)))
+  (not (job (purpose BUFFER) (station ?name)))
+  =>
+  (modify ?station (phase BUFFERING))
+  (modify ?shelf (state TAKEN))
+  (hold-up (create-job BUFFER 4 0 ?spot (str-cat ?name "-INPUT")) PUT))
+
+(defrule station-put-carrier
+  "The station is idle: its belt takes the carrier."
+  (job (id ?id) (purpose BUFFER) (step PUT) (station ?name))
+  (machine (name ?name) (state IDLE))
+  ?held <- (held-up (job ?id) (step PUT))
+  =>
+  (retract ?held))
+
+(defrule station-retrieve-cap
+  "The carrier lies on the belt: have its cap taken."
+  ?job <- (job (id ?id) (purpose BUFFER) (step DONE) (robot "") (station ?name))
+  ?station <- (cap-station (name ?name) (phase EMPTY|BUFFERING))
+  =>
+  (retract ?job)
+  (modify ?station (phase BUFFERING))
+  (assert (instruction (id ?id) (machine ?name) (operation "RETRIEVE_CAP"))))
+
+(defrule station-cap-retrieved
+  "The cap is in, the bare base at the output: it is a payment (payments.clp), or in the way."
+  ?instruction <- (instruction (machine ?name) (operation "RETRIEVE_CAP") (state SUCCEEDED))
+  ?station <- (cap-station (name ?name) (phase BUFFERING))
+  =>
+  (retract ?instruction)
+  (modify ?station (phase CLEARING))
+  (assert (clear-base ?name)))
+
+(defrule station-cleared
+  "The bare base has left: the station waits for a base."
+  (job (purpose CLEAR) (station ?name) (step GO-PUT))
+  ?station <- (cap-station (name ?name) (phase CLEARING))
+  =>
+  (modify ?station (phase LOADED)))
+
+; --- What goes wrong
+
+(defrule station-instruction-failed
+  "The machine broke down with what was in it: the station begins anew."
+  ?instruction <- (instruction (machine ?name) (operation "RETRIEVE_CAP") (state FAILED) (error ?error))
+  ?station <- (cap-station (name ?name))
+  =>
+  (printout warn "RETRIEVE_CAP at " ?name " failed: " ?error crlf)
+  (retract ?instruction)
+  (modify ?station (phase EMPTY)))
+
+(defrule station-broken
+  "It broke down by itself, and its cap and what lay on it are gone: it begins anew."
+  (machine (name ?name) (state BROKEN))
+  ?station <- (cap-station (name ?name) (phase CLEARING|LOADED))
+  =>
+  (modify ?station (phase EMPTY)))
+
+; --- Shelves
+
+(defrule shelf-wait-for-refill
+  "All three slots are empty: the crew fills them."
+  (shelf (machine ?name) (state TAKEN))
+  (not (shelf (machine ?name) (state FULL)))
+  (not (job (purpose BUFFER) (station ?name) (step WAITING|GO-FETCH|FETCH)))
+  (not (shelf-refill (machine ?name)))
+  (time ?now)
+  =>
+  (assert (shelf-refill (machine ?name) (at (+ ?now ?*REFILL*)))))
+
+(defrule shelf-refilled
+  ?refill <- (shelf-refill (machine ?name) (at ?at))
+  (time ?now&:(>= ?now ?at))
+  =>
+  (retract ?refill)
+  (do-for-all-facts ((?shelf shelf)) (eq ?shelf:machine ?name) (modify ?shelf (state FULL))))

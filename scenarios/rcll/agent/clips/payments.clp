@@ -1,0 +1,67 @@
+; Bases on the slides of the ring stations pay for rings. A slide holds three; a fourth breaks the station.
+
+(deffunction count-payments ()
+  "How many payments the rings need that are still to be mounted, by slide."
+  (do-for-all-facts ((?slide slide)) TRUE
+    (bind ?wanted 0)
+    (do-for-all-facts ((?p product) (?d does)) (and (eq ?d:machine ?slide:machine) (member$ ?d:work ?p:todo))
+      (bind ?wanted (+ ?wanted ?d:price)))
+    (modify ?slide (wanted ?wanted))))
+
+(defrule payment-priced
+  "A price is told: what is begun already may need payments."
+  (does (price ~0))
+  =>
+  (count-payments))
+
+(deffunction pay (?slide ?urgency ?from)
+  "A job that brings a base to a slide."
+  (modify ?slide (coming (+ (fact-slot-value ?slide coming) 1)))
+  (create-job (if (str-index "-BS-" ?from) then PAY else CLEAR) ?urgency 0 ?from (fact-slot-value ?slide spot)))
+
+(defrule payment-of-bare-base
+  "A bare base at a cap station goes where payments are missing most."
+  ?clear <- (clear-base ?name)
+  ?slide <- (slide (loaded ?l) (coming ?c&:(< (+ ?l ?c) 3)) (wanted ?w) (machine ?m))
+  (not (slide (loaded ?l1) (coming ?c1&:(< (+ ?l1 ?c1) 3)) (wanted ?w1&:(> (- ?w1 ?l1 ?c1) (- ?w ?l ?c)))))
+  =>
+  (retract ?clear)
+  (pay ?slide 2 (str-cat ?name "-OUTPUT")))
+
+(defrule payment-no-room
+  "All slides are full: the delivery station takes the bare base as order 0."
+  ?clear <- (clear-base ?name)
+  (not (slide (loaded ?l) (coming ?c&:(< (+ ?l ?c) 3))))
+  (machine (name ?delivery) (kind DS))
+  =>
+  (retract ?clear)
+  (hold-up (create-job CLEAR 2 0 (str-cat ?name "-OUTPUT") (str-cat ?delivery "-INPUT")) GO-PUT))
+
+(defrule payment-wanted
+  "Payments are missing, and no bare base is at hand: fetch one from the base station."
+  ?slide <- (slide (loaded ?l) (coming ?c&:(< (+ ?l ?c) 3)) (wanted ?w&:(> ?w (+ ?l ?c))))
+  (machine (name ?bs) (kind BS))
+  =>
+  (hold-up (pay ?slide 4 (str-cat ?bs "-OUTPUT")) GO-FETCH FETCH))
+
+(defrule payment-in-advance
+  "A robot has nothing else to do: a payment that may be of use later."
+  (game (phase PRODUCTION))
+  (robot (name ?name) (state IDLE) (idle-since ?since))
+  (time ?now&:(> ?now (+ ?since ?*PATIENCE*)))
+  (not (job (step WAITING)))
+  (not (job (purpose PAY)))
+  ?slide <- (slide (loaded ?l) (coming ?c&:(< (+ ?l ?c) 3)))
+  (not (slide (loaded ?l1) (coming ?c1&:(< (+ ?l1 ?c1) (+ ?l ?c)))))
+  (machine (name ?bs) (kind BS))
+  =>
+  (hold-up (pay ?slide 5 (str-cat ?bs "-OUTPUT")) GO-FETCH FETCH))
+
+(defrule payment-done
+  "The station has counted it by now."
+  ?job <- (job (purpose CLEAR|PAY) (step DONE) (robot "") (to ?spot) (not-before ?counted))
+  ?slide <- (slide (spot ?spot) (coming ?coming))
+  (time ?now&:(>= ?now ?counted))
+  =>
+  (retract ?job)
+  (modify ?slide (coming (- ?coming 1))))

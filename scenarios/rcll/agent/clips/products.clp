@@ -1,0 +1,168 @@
+; A product goes from machine to machine until it is delivered. Before it moves it gets the next machine for itself, and
+; keeps the one where it lies until a robot has it.
+
+(defglobal ?*DELIVERY-LEAD* = 45.0)  ; so long before the window a product is fetched for the delivery station, s
+
+(deffunction output-of (?machine)
+  (str-cat ?machine "-OUTPUT"))
+
+(deffunction input-of (?machine)
+  (str-cat ?machine "-INPUT"))
+
+(deffunction move-product (?product ?urgency ?next $?held-up)
+  "The job that brings a product from where it lies to the next machine; held up until it can be fetched."
+  (bind ?at (fact-slot-value ?product at))
+  (bind ?id (create-job MOVE ?urgency (fact-slot-value ?product order) (output-of ?at) (input-of ?next)))
+  (if (any-factp ((?m machine)) (and (eq ?m:name ?at) (eq ?m:kind BS))) then (hold-up ?id GO-FETCH))
+  (hold-up ?id FETCH ?held-up)
+  (modify ?product (job ?id)))
+
+; --- To the next machine
+
+(defrule product-to-ring-station
+  "The ring station is free, or its own already; and no product that must still come here is on a machine which this one
+   needs later: the two would wait for each other for ever."
+  ?product <- (product (order ?id) (via ?next $?after) (keeps $?keeps) (job 0) (state READY|WORKING))
+  (machine (name ?next) (kind RS))
+  (not (product (order ~?id) (keeps $? ?next $?)))
+  (not (product (order ~?id) (keeps $? ?later&:(and (member$ ?later ?after) (not (member$ ?next ?keeps))) $?) (via $? ?next $?)))
+  =>
+  (move-product (modify ?product (keeps ?keeps ?next)) 3 ?next PUT))
+
+(defrule product-to-cap-station
+  "The cap station is free, and its cap is in."
+  ?product <- (product (order ?id) (via ?next $?) (keeps $?keeps) (job 0) (state READY|WORKING))
+  (cap-station (name ?next) (phase LOADED))
+  (not (product (order ~?id) (keeps $? ?next $?)))
+  =>
+  (move-product (modify ?product (keeps ?keeps ?next)) 3 ?next PUT))
+
+(defrule product-to-delivery
+  "It is complete and its window is near."
+  ?product <- (product (order ?id) (todo "DELIVER") (via ?next) (job 0) (state READY|WORKING))
+  (order (id ?id) (begin ?begin))
+  (game (begin ?zero))
+  (time ?now&:(> ?now (- (+ ?zero ?begin) ?*DELIVERY-LEAD*)))
+  =>
+  (move-product ?product 1 ?next GO-PUT))
+
+(defrule product-fetchable
+  "The machine has done its work: the robot may take the product."
+  (product (job ?job) (at ?at) (state READY))
+  (machine (name ?at) (kind ~BS))
+  ?held <- (held-up (job ?job) (step FETCH))
+  =>
+  (retract ?held))
+
+(defrule product-fetched
+  "A robot has it: the machine where it lay is free."
+  (job (id ?job) (purpose MOVE) (step GO-PUT))
+  ?product <- (product (job ?job) (keeps $?keeps) (state READY))
+  =>
+  (modify ?product (keeps (rest$ ?keeps)) (state MOVING)))
+
+(defrule product-may-be-put
+  "The machine is idle, a cap station with its cap in: the product may come."
+  (job (id ?job) (purpose MOVE) (step PUT))
+  (product (job ?job) (via ?next $?))
+  (machine (name ?next) (state IDLE))
+  (not (cap-station (name ?next) (phase ~LOADED)))
+  (not (instruction (machine ?next) (operation "RESET")))
+  ?held <- (held-up (job ?job) (step PUT))
+  =>
+  (retract ?held))
+
+(defrule product-put
+  "It lies on the input of the next machine."
+  ?job <- (job (id ?id) (purpose MOVE) (step DONE) (robot ""))
+  ?product <- (product (job ?id) (via ?next $?))
+  =>
+  (retract ?job)
+  (modify ?product (at ?next) (state WAITING)))
+
+; --- In a machine
+
+(deffunction begin-work (?product ?operation ?color ?order)
+  "Instructs the machine on whose input the product lies."
+  (assert (instruction (id (fact-slot-value ?product job)) (machine (fact-slot-value ?product at)) (operation ?operation)
+                       (color ?color) (order ?order)))
+  (modify ?product (job 0) (state WORKING)
+                   (todo (rest$ (fact-slot-value ?product todo))) (via (rest$ (fact-slot-value ?product via))))
+  (count-payments))
+
+(defrule product-mount-ring
+  "Its payments lie there: have the ring mounted."
+  ?product <- (product (todo ?ring $?) (at ?name) (state WAITING))
+  (does (machine ?name) (work ?ring) (price ?price))
+  (slide (machine ?name) (loaded ?loaded&:(>= ?loaded ?price)))
+  (machine (name ?name) (state IDLE))
+  =>
+  (begin-work ?product "MOUNT_RING" ?ring 0))
+
+(defrule product-mount-cap
+  ?product <- (product (at ?name) (state WAITING))
+  ?station <- (cap-station (name ?name) (phase LOADED))
+  =>
+  (modify ?station (phase EMPTY))
+  (begin-work ?product "MOUNT_CAP" "" 0))
+
+(defrule product-deliver
+  "Its window is open."
+  ?product <- (product (order ?id) (todo "DELIVER") (state WAITING))
+  (order (id ?id) (begin ?begin))
+  (game (begin ?zero))
+  (time ?now&:(>= ?now (+ ?zero ?begin)))
+  =>
+  (begin-work ?product "DELIVER" "" ?id))
+
+(defrule product-ready
+  "The machine is done with it."
+  ?instruction <- (instruction (machine ?name) (operation "MOUNT_RING"|"MOUNT_CAP") (state SUCCEEDED))
+  ?product <- (product (at ?name) (state WORKING))
+  =>
+  (retract ?instruction)
+  (modify ?product (state READY)))
+
+(defrule product-delivered
+  ?delivered <- (delivered ?id SUCCEEDED)
+  ?product <- (product (order ?id))
+  ?order <- (order (id ?id))
+  =>
+  (retract ?delivered ?product)
+  (modify ?order (state DONE)))
+
+; --- What goes wrong: without its product an order is open again
+
+(defrule product-gone-with-machine
+  "The machine broke down, and what lay in it is gone."
+  ?product <- (product (order ?id) (at ?name) (state ~MOVING))
+  (machine (name ?name) (kind ~BS) (state BROKEN))
+  (not (job (purpose MOVE) (order ?id)))
+  =>
+  (assert (lost ?id)))
+
+(defrule product-work-failed
+  "The machine did not do its work."
+  ?instruction <- (instruction (machine ?name) (operation ?operation&"MOUNT_RING"|"MOUNT_CAP") (state FAILED) (error ?error))
+  =>
+  (printout warn ?operation " at " ?name " failed: " ?error crlf)
+  (retract ?instruction)
+  (do-for-fact ((?p product)) (and (eq ?p:at ?name) (eq ?p:state WORKING)) (assert (lost ?p:order))))
+
+(defrule product-not-delivered
+  ?delivered <- (delivered ?id FAILED)
+  =>
+  (retract ?delivered)
+  (assert (lost ?id)))
+
+(defrule product-lost
+  "Its order is open again; what brings the product or waits for it is given up."
+  ?lost <- (lost ?id)
+  ?product <- (product (order ?id) (job ?job))
+  ?order <- (order (id ?id))
+  =>
+  (retract ?lost ?product)
+  (modify ?order (state OPEN))
+  (do-for-all-facts ((?r reserved)) (= ?r:job ?job) (retract ?r))
+  (do-for-fact ((?j job)) (= ?j:id ?job) (if (neq ?j:step GIVEN-UP) then (assert (trouble (job ?job) (kind GONE)))))
+  (count-payments))
