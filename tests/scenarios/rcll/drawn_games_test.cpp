@@ -64,6 +64,11 @@ const std::vector<Histogram> kBegin{
     {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 28, 31, 31, 32, 43, 35, 0, 0, 0, 0},
     {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 30, 35, 60, 56, 15, 4},
 };
+// C0 and C1 of orders 3 to 10: begin of the window after its mean, 180 s and 120 s more for each order, in steps of
+// 10 s from -240 s
+const Histogram kOffset{0,  0,  0,  0,  0,  0,  0,  0,  0,  0,  0,  0,  0,  0,  0,  37, 28, 29, 34, 41,
+                        26, 36, 44, 38, 47, 45, 45, 44, 46, 38, 35, 40, 41, 21, 14, 15, 6,  11, 7,  5,
+                        8,  3,  4,  4,  4,  0,  1,  1,  0,  0,  2,  0,  0,  0,  0,  0,  0,  0,  0,  0};
 // C0 to C3: from activation to the begin of the window, in steps of 10 s from 60 s
 const std::vector<Histogram> kLead{
     {70, 65, 65, 63, 64, 56, 7, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
@@ -217,6 +222,12 @@ TEST(DrawnGames, HaveItsTimes) {
     expect_same_course(kActivation[i], activation[i], order_text(i + 3) + ", activation");
     expect_same_course(kBegin[i], begin[i], order_text(i + 3) + ", begin of the window");
   }
+  Counter offset(kOffset.size(), -240, 10);
+  for (const Game& game : drawn_games())
+    for (const Order& order : game.schedule.orders)
+      if (order.id > 2 && order.complexity < Complexity::kC2)
+        offset.add(order.delivery_begin - (180 + 120 * (order.id - 3)));
+  expect_same_course(kOffset, offset.counts(), "begin of the window after its mean");
   const auto lead = by_complexity(Counter(45, 60, 10), [](const Order& o) { return o.delivery_begin - o.activate_at; });
   const auto length =
       by_complexity(Counter(25, 90, 5), [](const Order& o) { return o.delivery_end - o.delivery_begin; });
