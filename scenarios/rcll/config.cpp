@@ -55,8 +55,11 @@ Status check_order(const std::string& key, const OrderConfig& order) {
 }
 
 Status check_down(const std::string& key, const DownPeriodConfig& period) {
-  if (std::ranges::find(kMachines, period.machine) == kMachines.end())
-    return bad_word(key + ".machine", period.machine, {kMachines.begin(), kMachines.end()});
+  const auto known = [](std::string_view machine) { return std::ranges::find(kMachines, machine) != kMachines.end(); };
+  if (const std::string type = period.machine.substr(period.machine.find('-') + 1);
+      !known(period.machine) && known(type))
+    return bad_value(key + ".machine", "'" + period.machine + "'", type + ": it is down for both teams");
+  if (!known(period.machine)) return bad_word(key + ".machine", period.machine, {kMachines.begin(), kMachines.end()});
   if (Status s = check_range(key + ".begin_s", period.begin_s, 0, 1e6); !s) return s;
   if (!(period.end_s > period.begin_s))
     return bad_value(key + ".end_s", general_text(period.end_s, 10), "a time after begin_s");

@@ -179,7 +179,11 @@ ROWS["scenarios"] = [
     *[scenario(f"world {key}: {value}", f"schema: 1\ntier: timed\nworld: {{kind: rcll, {key}: {value}}}\n")
       for key, values in {"team": ("GREEN", "[]", "cyan"), "robots": ("4", "-1", "x", "1.5"), "rules": ("leage", "1"), "production_s": ("-1", "x", ".inf"), "setup_s": ("-1", "x"), "exploration": ("maybe",), "down": ("x",), "complexities": ("C9", "[C9]", "{}"),
                           "shelf_refill_s": ("-1",), "transforms": ("x",), "layout": ("x", "[{machine: C-BS}]", "[{machine: C-BS, zone: C_Z99}]", "[{machine: X-BS, zone: C_Z23}]", "[{machine: C-BS, zone: C_Z23, rotation: 7}]"),
-                          "orders": ("x", "[{complexity: C5}]", "[{complexity: C0, base_color: BASE_PINK, cap_color: CAP_GREY}]", "[{complexity: C1, base_color: BASE_RED, ring_colors: [], cap_color: CAP_GREY}]"), "robotss": ("1",)}.items() for value in values],
+                          "orders": ("x", "[{complexity: C5}]", "[{complexity: C0, base_color: BASE_PINK, cap_color: CAP_GREY}]", "[{complexity: C1, base_color: BASE_RED, ring_colors: [], cap_color: CAP_GREY}]"), "robotss": ("1",),
+                          "game": ("gone.yaml", "garbage", "scenario.yaml", "rules", "[]", "/dev/zero")}.items() for value in values],
+    *[wrong(f"game {text}", RUN, 3, files={"scenario.yaml": "schema: 1\ntier: timed\nworld: {kind: rcll, game: g.yaml}\n", "g.yaml": text})
+      for text in ("x", "[]", "orders: x", "orders: [{complexity: C1}]", "order: []", "orders: [{gate: 1}]", "ring_prices: {RING_BLUE: 1}", "ring_prices: {RING_RED: 1}", "ring_prices: 1", "overtime: []", "overtime: {complexity: C4}",
+                   "down: {}", "down: [{machine: RS1}]", "down: [{machine: C-RS1, begin_s: 1, end_s: 2}]", "down: [{machine: RS1, begin_s: 2, end_s: 1}]", "layout: []", "layout: [{machine: C-BS, zone: C_Z99}]", "orders: [", "a: &a [*a]")],
     *[scenario(f"timed {key}", f"schema: 1\ntier: timed\nworld: {{kind: rcll}}\ntimed: {{{key}}}\n") for key in ("pick_mean_s: -1", "drive_failure: 2", "drive_failure: -0.1", "pick_men_s: 1", "place_sigma_s: x")],
     *[scenario(f"fault {text}", f"schema: 1\ntier: timed\nworld: {{kind: rcll}}\nfaults: [{text}]\n")
       for text in ("{kind: skill_fails, at: -1}", "{kind: skill_fails, probability: 2}", "{kind: skill_fails, robot: robot9, at: 1}", "{kind: skill_fails, skill: pik, at: 1}", "{kind: skill_fails, at: 1, error: x}", "{kind: skill_stalls, at: 1}", "{kind: piece_dropped}",
