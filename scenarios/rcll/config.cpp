@@ -82,15 +82,21 @@ RuleChoices choices_of(Rules rules) {
           .storage_serves_one = rulebook};
 }
 
+std::vector<Team> teams_of(const WorldConfig& config) {
+  if (const auto team = named<Team>(config.team)) return {*team};
+  return {kTeams.begin(), kTeams.end()};
+}
+
 Status validate(const WorldConfig& config) {
-  if (Status s = check_word<Team>("world.team", config.team); !s) return s;
+  if (config.team != "BOTH" && !named<Team>(config.team))
+    return bad_word("world.team", config.team, {"CYAN", "MAGENTA", "BOTH"});
+  if (Status s = check_word<Information>("world.information", config.information); !s) return s;
   if (Status s = check_word<Rules>("world.rules", config.rules); !s) return s;
   if (Status s = check_range("world.robots", config.robots, 0, 3); !s) return s;
   if (Status s = check_range("world.setup_s", config.setup_s, 0, 1e6); !s) return s;
   if (Status s = check_range("world.production_s", config.production_s, 1, 1e6); !s) return s;
   if (Status s = check_range("world.overtime_s", config.overtime_s, 0, 1e6); !s) return s;
   if (Status s = check_range("world.shelf_refill_s", config.shelf_refill_s, 0, 1e6); !s) return s;
-  if (config.exploration) return bad_value("world.exploration", "true", "false: not supported in this release");
   for (const std::string& complexity : config.complexities)
     if (Status s = check_word<Complexity>("world.complexities", complexity); !s) return s;
   if (!config.orders.empty() && !config.complexities.empty())

@@ -20,6 +20,14 @@ enum class Rules : std::uint8_t { kLeague, kRefbox, kRulebook };
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<Rules>{"league", "refbox", "rulebook"};
 
+/// How much of the machines the team hears.
+enum class Information : std::uint8_t {
+  kLeague,  ///< what the referee box sends: its own machines; no lights, payments, caps, poses
+  kAll,     ///< all there is, of both teams
+};
+template <>
+inline constexpr std::array<std::string_view, 2> kNames<Information>{"league", "all"};
+
 /// The differences one by one.
 struct RuleChoices {
   bool shelf_faces_wall = false;  ///< refbox: shelf and slide of a machine at the outer side wall face that wall
@@ -125,14 +133,15 @@ struct GameFile {
 
 /// `world:` of a scenario whose kind is rcll.
 struct WorldConfig {
-  std::string team = "CYAN";  ///< CYAN or MAGENTA: whose robots and machines play; the other team's machines stand idle
-  int robots = 3;             ///< 0..3
-  std::string rules = "league";           ///< league, refbox, rulebook
-  std::string game;                       ///< a file with all or parts of what is drawn (GameFile)
+  std::string team = "CYAN";     ///< CYAN, MAGENTA, or BOTH: whose robots and machines play; those of others stand idle
+  int robots = 3;                ///< of a team, 0..3
+  std::string rules = "league";  ///< league, refbox, rulebook
+  std::string game;              ///< a file with all or parts of what is drawn (GameFile)
   std::vector<PlacedMachine> layout;      ///< empty: generated from the seed
   std::vector<OrderConfig> orders;        ///< empty: ten orders drawn from the seed, numbered from 1
   std::vector<std::string> complexities;  ///< of drawn orders; empty: all four, as the referee box draws them
-  bool exploration = false;               ///< only false in this release: all machines are known from the start
+  bool exploration = false;               ///< teams must find and report their machines in the first 180 s
+  std::string information = "all";        ///< what a team hears: league (as the referee box sends it), all
   double setup_s = 0;                     ///< s, set-up phase before production
   double production_s = 1200;             ///< s, length of the production phase
   double overtime_s = 300;                ///< s more when the teams are even, with one more order; 0 = none
@@ -150,6 +159,7 @@ struct WorldConfig {
     keys("orders", orders);
     keys("complexities", complexities);
     keys("exploration", exploration);
+    keys("information", information);
     keys("setup_s", setup_s);
     keys("production_s", production_s);
     keys("overtime_s", overtime_s);
@@ -159,6 +169,8 @@ struct WorldConfig {
   }
 };
 
+/// The teams that play.
+std::vector<Team> teams_of(const WorldConfig& config);
 /// Every value in its range and every name known; errors name the key and what was expected.
 Status validate(const WorldConfig& config);
 Status validate(const GameFile& file);

@@ -1,7 +1,7 @@
 #pragma once
-// The factory on the bus, node "factory": machines take instructions as goals of `/factory/instruct_machine`
-// (rcll_interfaces/action/InstructMachine); game, orders, machines, rings and robots are published on `/game_state`,
-// `/order_info`, `/machine_info`, `/ring_info` and `/robot_info`, on change and periodically.
+// The factory on the bus, node "factory": to all it publishes the game, orders, rings and robots (`/game_state`,
+// `/order_info`, `/ring_info`, `/robot_info`), on change and periodically; each team has a channel for its machines
+// (team_channel.h).
 //
 // In a tick: `sense` reports what the machines did, `judge` gives points and releases orders, `act` strikes faults,
 // takes goals and lets the machines work. It acts after the skills of the robots, so that it sees what they did in that
@@ -23,6 +23,8 @@
 #include "scenarios/rcll/game.h"
 #include "scenarios/rcll/machines.h"
 #include "scenarios/rcll/referee.h"
+#include "scenarios/rcll/team_channel.h"
+#include "scenarios/rcll/topic.h"
 #include "sim/faults/fault.h"
 #include "sim/world.h"
 
@@ -45,7 +47,7 @@ class Factory final : public Server, public Referee {
   const GameReferee& referee() const { return referee_; }
   const std::vector<std::unique_ptr<Machine>>& machines() const { return machines_; }
   const GameClock& clock() const { return context_.clock; }
-  Team team() const { return team_; }
+  std::vector<Team> teams() const;  ///< that play
   bool over() const override { return referee_.phase() == Phase::kPostGame; }
 
  private:
@@ -56,35 +58,12 @@ class Factory final : public Server, public Referee {
   void strike_faults(SimTime now);
   Status broadcast_transforms();
 
-  /// One topic with its period.
-  struct Topic {
-    const bus::MessageType* type = nullptr;
-    bus::EndpointId endpoint{};
-    SimTime period{}, next{};
-  };
-  Status advertise(Topic& topic, std::string_view name, const std::string& type, SimTime period);
-  /// Whether the topic is to be published now; plans its next time.
-  static bool due(Topic& topic, SimTime now, bool changed);
   void publish_game_state(SimTime now);
   void publish_orders();
-  void publish_machines();
   void publish_rings();
   void publish_robots();
 
-  struct Goal {
-    bus::GoalId id{};
-    Machine* machine = nullptr;
-    std::uint32_t job = 0;
-    MachineState reported{};
-  };
-  void start(const bus::Delivery& delivery);
-  void cancel(const bus::Delivery& delivery);
-  void report(Goal& goal);
-  void finish(const bus::GoalId& goal, InstructError error, const std::string& text, const std::string& machine);
-  Machine* find(std::string_view name) const;
-  std::string unknown(const std::string& machine) const;  ///< the error that there is no such machine
-
-  Team team_;
+  Information information_;
   sim::World& world_;
   bus::Bus& bus_;
   RecordSink& sink_;
@@ -94,12 +73,10 @@ class Factory final : public Server, public Referee {
   std::vector<std::pair<sim::FaultTimer, Machine*>> faults_;
 
   bus::ParticipantId node_{};
-  const bus::ActionType* action_ = nullptr;
-  bus::EndpointId server_{};
-  Topic game_state_, order_info_, machine_info_, ring_info_, robot_info_;
+  std::vector<std::unique_ptr<TeamChannel>> channels_;  ///< of the teams that play
+  PeriodicTopic game_state_, order_info_, ring_info_, robot_info_;
   std::optional<bus::TransformBroadcaster> transforms_;  ///< where they are wanted
-  std::vector<Goal> goals_;                              ///< running, in order of arrival
-  std::uint64_t published_order_changes_ = 0;
+  std::uint64_t published_order_changes_ = 0, published_explored_ = 0;
   std::array<std::int64_t, 2> published_points_{-1, -1};
   Phase published_phase_ = Phase::kSetup;
 };

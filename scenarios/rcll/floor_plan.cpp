@@ -69,7 +69,7 @@ sim::Pose2 start_pose(Team team, int index) {
 
 }  // namespace
 
-sim::FloorPlan make_floor_plan(const Layout& layout, Team team, int robots) {
+sim::FloorPlan make_floor_plan(const Layout& layout, const std::vector<Team>& teams, int robots) {
   sim::FloorPlan plan;
   for (const double s : {1.0, -1.0}) {
     const std::vector<std::vector<sim::Vec2>> lines{{{4 * s, 1}, {4 * s, 0}, {7 * s, 0}},
@@ -85,7 +85,9 @@ sim::FloorPlan make_floor_plan(const Layout& layout, Team team, int robots) {
                              centre_of(placement.zone, placement.rotation), true});
     for (sim::Spot& spot : sim::spots_of(plan.stations.back(), id)) plan.spots.push_back(std::move(spot));
   }
-  for (int i = 0; i < robots; ++i) plan.robots.push_back({"robot" + std::to_string(i + 1), start_pose(team, i)});
+  for (const Team team : teams)
+    for (int i = 0; i < robots; ++i)
+      plan.robots.push_back({"robot" + std::to_string(plan.robots.size() + 1), start_pose(team, i)});
   return plan;
 }
 
@@ -112,7 +114,7 @@ Layout draw_reachable_layout(RandomStream& random, const WorldConfig& config) {
 }
 
 sim::FloorPlan floor_plan_of(const WorldConfig& config, const Layout& layout) {
-  return make_floor_plan(layout, *named<Team>(config.team), config.robots);
+  return make_floor_plan(layout, teams_of(config), config.robots);
 }
 
 }  // namespace cxlab::rcll

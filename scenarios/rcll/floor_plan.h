@@ -11,9 +11,9 @@
 namespace cxlab::rcll {
 
 /// The plan of a game: field 14 m x 8 m, origin in the middle of its lower edge, cyan's half x > 0. Walls as in the
-/// rulebook's figure; stations in the order of the layout; robots robot1, robot2 ... of the playing team in its
-/// insertion area.
-sim::FloorPlan make_floor_plan(const Layout& layout, Team team, int robots);
+/// rulebook's figure; stations in the order of the layout; robots robot1, robot2 ... of the playing teams in
+/// their insertion areas, cyan's first.
+sim::FloorPlan make_floor_plan(const Layout& layout, const std::vector<Team>& teams, int robots);
 
 /// Spots that a round robot cannot serve: the pose before the machine is not connected with the team's insertion area
 /// for a disc of `radius` (m), or the working pose does not fit. In order of ids.

@@ -254,6 +254,20 @@ std::optional<Zone> zone_named(std::string_view name) {
   return zone;
 }
 
+Zone zone_of(const sim::Station& station) {
+  const sim::Pose2& pose = station.pose_in_world;
+  return {pose.x > 0 ? Team::kCyan : Team::kMagenta, static_cast<int>(std::abs(pose.x)) + 1,
+          static_cast<int>(pose.y) + 1};
+}
+
+int rotation_of(const sim::Station& station) {
+  return static_cast<int>(std::lround(station.pose_in_world.yaw * 180 / std::numbers::pi) + 360) % 360;
+}
+
+Team team_of(const sim::Station& station) { return station.name.front() == 'C' ? Team::kCyan : Team::kMagenta; }
+
+Team team_of(const sim::RobotStart& robot) { return robot.pose_in_world.x > 0 ? Team::kCyan : Team::kMagenta; }
+
 sim::Pose2 centre_of(const Zone& zone, int rotation) {
   const double x = zone.column - 0.5;
   return {zone.half == Team::kCyan ? x : -x, zone.row - 0.5, sim::wrap_angle(rotation * std::numbers::pi / 180)};

@@ -39,6 +39,12 @@ struct Zone {
 };
 std::string to_string(const Zone& zone);  ///< "C_Z23"
 std::optional<Zone> zone_named(std::string_view name);
+/// The zone in which the station stands, its rotation in degrees (0..359), and whose it is.
+Zone zone_of(const sim::Station& station);
+int rotation_of(const sim::Station& station);
+Team team_of(const sim::Station& station);
+/// Robots start on their team's half.
+Team team_of(const sim::RobotStart& robot);
 /// The zone's centre, facing `rotation` degrees.
 sim::Pose2 centre_of(const Zone& zone, int rotation);
 

@@ -31,6 +31,15 @@ sim::Lights lights_of(MachineState state) {
   return {};
 }
 
+sim::Lights lights_of(const Exploration::Finding& finding) {
+  using sim::Light;
+  using Guess = Exploration::Guess;
+  if (finding.complete()) return lights_of(MachineState::kIdle);
+  if (finding.zone == Guess::kOpen) return {Light::kOff, Light::kOn, Light::kOff};
+  if (finding.zone == Guess::kWrong) return {Light::kOn, Light::kOn, Light::kOff};
+  return {finding.rotation == Guess::kWrong ? Light::kOn : Light::kOff, Light::kBlink, Light::kOff};
+}
+
 Machine::Machine(sim::StationId id, Team team, MachineContext& context, const sim::FloorPlan& plan)
     : context_(context), id_(id), name_(plan.station(id).name), team_(team) {
   input_ = plan.find_spot(name_ + "-INPUT").value_or(sim::SpotId{-1});
@@ -40,6 +49,8 @@ Machine::Machine(sim::StationId id, Team team, MachineContext& context, const si
 Machine::Answer Machine::instruct(const Instruction& instruction, SimTime now, sim::World& world) {
   if (context_.clock.phase(now) != Phase::kProduction)
     return {InstructError::kNotReady, "the game is in phase " + std::string(to_string(context_.clock.phase(now)))};
+  if (context_.exploration && !context_.exploration->knows(id_, now))
+    return {InstructError::kNotReady, name_ + " is not reported yet, and exploration goes on"};
   if (instruction.operation == "RESET") {
     if (broken()) return {InstructError::kNotReady, name_ + " is BROKEN already"};
     break_down(now, world, InstructError::kBroken, "reset by its team");
@@ -116,6 +127,7 @@ SimTime Machine::next_due() const {
     at(period.begin);
     at(period.end);
   }
+  if (context_.exploration) at(context_.exploration->end() + SimTime{1});
   at(context_.clock.production_begin);
   at(context_.clock.production_end);
   if (state_ == MachineState::kBroken) at(phase_start_ + kBrokenTime);
@@ -264,6 +276,8 @@ void Machine::follow_down_times(SimTime now, sim::World& world) {
 void Machine::show_lights(SimTime now, sim::World& world) {
   using sim::Light;
   sim::Lights shown = lights_of(state_);
+  if (state_ == MachineState::kIdle && context_.exploration && !context_.exploration->over(now))
+    shown = lights_of(context_.exploration->finding(id_));
   if (context_.clock.phase(now) == Phase::kSetup) shown = {Light::kOn, Light::kOn, Light::kOn};
   if (context_.clock.phase(now) == Phase::kPostGame) shown = {Light::kBlink, Light::kOff, Light::kOff};
   if (!(world.lights(id_) == shown)) world.set_lights(id_, shown);

@@ -19,6 +19,7 @@
 #include "cx/base/time.h"
 #include "scenarios/rcll/clock.h"
 #include "scenarios/rcll/config.h"
+#include "scenarios/rcll/exploration.h"
 #include "scenarios/rcll/orders.h"
 #include "scenarios/rcll/types.h"
 #include "sim/world.h"
@@ -40,6 +41,8 @@ inline constexpr std::array<std::string_view, 8> kNames<MachineState>{
     "IDLE", "PREPARED", "PROCESSING", "PROCESSED", "READY-AT-OUTPUT", "WAIT-IDLE", "BROKEN", "DOWN"};
 /// What the signal lights show in that state.
 sim::Lights lights_of(MachineState state);
+/// What those of an idle machine show while its team explores.
+sim::Lights lights_of(const Exploration::Finding& finding);
 
 /// Why an instruction ended; numbers as in the league's AgentTask where it has one.
 enum class InstructError : std::uint16_t {
@@ -108,6 +111,7 @@ struct MachineContext {
   RuleChoices rules;
   SimTime shelf_refill = from_seconds(20);
   const Schedule* schedule = nullptr;
+  const Exploration* exploration = nullptr;  ///< null: all machines are known
   std::uint64_t seed = 0;
   std::vector<MachineEvent> events;  ///< in order of time; the referee takes them away
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "scenarios/rcll/layout.h"
 #include "scenarios/rcll/storage_station.h"
 
 namespace cxlab::rcll {
@@ -235,7 +236,7 @@ std::vector<std::unique_ptr<Machine>> make_machines(const sim::FloorPlan& plan, 
   for (std::size_t i = 0; i < plan.stations.size(); ++i) {
     const auto id = static_cast<sim::StationId>(i);
     const sim::Station& station = plan.stations[i];
-    const Team team = station.name.front() == 'C' ? Team::kCyan : Team::kMagenta;
+    const Team team = team_of(station);
     if (station.kind == "BS")
       machines.push_back(std::make_unique<BaseStation>(id, team, context, plan));
     else if (station.kind == "CS")

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "scenarios/rcll/layout.h"
+
 namespace cxlab::rcll {
 namespace {
 
@@ -19,15 +21,6 @@ constexpr std::int64_t kNoWorkpiecePoints = -1;  ///< instructed, and nothing ca
 constexpr std::int64_t kDropPoints = -10;
 constexpr std::int64_t kForeignMachinePoints = -20;
 
-Team team_of(const sim::FloorPlan& plan, sim::StationId id) {
-  return plan.station(id).name.front() == 'C' ? Team::kCyan : Team::kMagenta;
-}
-
-/// Robots start on their own half.
-Team team_of(const sim::FloorPlan& plan, sim::RobotId id) {
-  return plan.robot(id).pose_in_world.x > 0 ? Team::kCyan : Team::kMagenta;
-}
-
 }  // namespace
 
 std::int64_t Score::total() const { return std::accumulate(by_kind.begin(), by_kind.end(), std::int64_t{0}); }
@@ -41,12 +34,13 @@ std::int64_t late_deduction(std::int64_t points, double late_s, double window_s,
 }
 
 GameReferee::GameReferee(GameClock clock, RuleChoices rules, Schedule schedule, const sim::FloorPlan& plan,
-                         RecordSink& sink)
+                         RecordSink& sink, bool explore)
     : clock_(clock),
       rules_(rules),
       schedule_(std::move(schedule)),
       plan_(plan),
       sink_(sink),
+      exploration_(plan, clock, explore),
       stream_(sink.open_stream("referee")) {
   for (const Order& order : schedule_.orders) orders_.emplace_back().order = order;
 }
@@ -66,6 +60,16 @@ void GameReferee::judge(SimTime now, std::span<const sim::HolderChange> changes,
   }
   if (phase == Phase::kProduction) release_orders(now);
   last_look_ = now;
+}
+
+void GameReferee::take_report(Team team, const MachineReport& entry, SimTime now) {
+  const std::uint64_t before = exploration_.changes();
+  const std::vector<std::int64_t> points = exploration_.report(team, entry, now);
+  data_.begin().field("event", "report").field("team", to_string(team)).field("machine", entry.name);
+  data_.field("type", entry.type).field("zone", entry.zone).field("rotation", entry.rotation.value_or(-1));
+  data_.field("judged", exploration_.changes() != before);
+  write(now);
+  for (const std::int64_t point : points) give(team, PointKind::kExploration, point, now);
 }
 
 void GameReferee::prolong(SimTime now) {
@@ -148,9 +152,10 @@ std::optional<sim::StationId> GameReferee::station_of(sim::Holder holder, int in
 
 void GameReferee::judge_piece(const sim::HolderChange& change) {
   if (change.from != sim::Holder::kGripper || clock_.phase(change.at) != Phase::kProduction) return;
-  const Team team = team_of(plan_, sim::RobotId{change.from_index});
+  const Team team = team_of(plan_.robot(sim::RobotId{change.from_index}));
   if (change.to == sim::Holder::kFloor) give(team, PointKind::kPenalty, kDropPoints, change.at);
-  if (const auto station = station_of(change.to, change.to_index); station && team_of(plan_, *station) != team) {
+  if (const auto station = station_of(change.to, change.to_index);
+      station && team_of(plan_.station(*station)) != team) {
     give(team, PointKind::kPenalty, kForeignMachinePoints, change.at);
     confiscated_.push_back(change.piece);
   }
@@ -166,7 +171,7 @@ void GameReferee::write_work(const MachineEvent& event, std::string_view what) {
 }
 
 void GameReferee::note(const MachineEvent& event) {
-  const Team team = team_of(plan_, event.machine);
+  const Team team = team_of(plan_.station(event.machine));
   const std::string& machine = plan_.station(event.machine).name;
   switch (event.kind) {
     case MachineEvent::Kind::kState:

@@ -11,6 +11,7 @@
 #include "cx/base/record_sink.h"
 #include "scenarios/rcll/clock.h"
 #include "scenarios/rcll/config.h"
+#include "scenarios/rcll/exploration.h"
 #include "scenarios/rcll/machine.h"
 #include "scenarios/rcll/orders.h"
 #include "sim/world.h"
@@ -68,10 +69,14 @@ std::int64_t late_deduction(std::int64_t points, double late_s, double window_s,
 
 class GameReferee {
  public:
-  GameReferee(GameClock clock, RuleChoices rules, Schedule schedule, const sim::FloorPlan& plan, RecordSink& sink);
+  GameReferee(GameClock clock, RuleChoices rules, Schedule schedule, const sim::FloorPlan& plan, RecordSink& sink,
+              bool explore = false);
 
   /// Looks at one tick: pieces that changed hands, and what the machines did since the last look.
   void judge(SimTime now, std::span<const sim::HolderChange> changes, std::span<const MachineEvent> events);
+  /// Judges one entry of a team's report of where its machines stand.
+  void take_report(Team team, const MachineReport& entry, SimTime now);
+  const Exploration& exploration() const { return exploration_; }
   /// Pieces that the referee has taken off the machines of the other team, since the last call; who carries them away
   /// takes them out of play.
   std::vector<sim::PieceId> take_confiscated() { return std::exchange(confiscated_, {}); }
@@ -107,6 +112,7 @@ class GameReferee {
   Schedule schedule_;
   const sim::FloorPlan& plan_;
   RecordSink& sink_;
+  Exploration exploration_;
   StreamId stream_;
   RecordData data_;
   std::optional<SimTime> last_look_;

@@ -62,14 +62,16 @@ void report_game(const Factory& factory, Result& result) {
     result.score_board += '\n';
   }
   for (const OrderState& state : game.orders())
-    if (!state.order.overtime || state.released)
-      orders.push_back(
-          order_json(state, state.released.value_or(factory.clock().at(state.order.activate_at)), factory.team()));
+    for (const Team team : factory.teams())
+      if (!state.order.overtime || state.released) {
+        orders.push_back(order_json(state, state.released.value_or(factory.clock().at(state.order.activate_at)), team));
+        if (factory.teams().size() > 1) orders.back()["team"] = to_string(team);
+      }
   for (const Delivery& d : game.deliveries()) deliveries.push_back(delivery_json(d));
   if (!orders.empty())
-    result.score_board +=
-        line("%ld of %zu orders delivered\n",
-             static_cast<long>(std::ranges::count(game.deliveries(), true, &Delivery::correct)), orders.size());
+    result.score_board += line("%ld of %zu orders delivered\n",
+                               static_cast<long>(std::ranges::count(game.deliveries(), true, &Delivery::correct)),
+                               orders.size() / factory.teams().size());
   result.set("teams", teams.dump());
   result.set("orders", orders.dump());
   result.set("deliveries", deliveries.dump());

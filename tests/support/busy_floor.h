@@ -21,7 +21,7 @@ namespace cxlab::sim {
 
 inline FloorPlan drawn_floor(std::uint64_t seed, int robots = 3) {
   RandomStream random(seed, "layout");
-  return rcll::make_floor_plan(rcll::draw_layout(random, false), rcll::Team::kCyan, robots);
+  return rcll::make_floor_plan(rcll::draw_layout(random, false), {rcll::Team::kCyan}, robots);
 }
 
 class BusyFloor {

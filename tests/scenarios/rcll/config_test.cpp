@@ -29,8 +29,9 @@ TEST(WorldConfig, ValuesOutOfRangeAreNamedWithTheirKey) {
   config.production_s = 0;
   EXPECT_THAT(validate(config).error().message, HasSubstr("world.production_s: found 0"));
   config = {};
-  config.exploration = true;
-  EXPECT_THAT(validate(config).error().message, HasSubstr("not supported in this release"));
+  config.team = "BOHT";
+  EXPECT_EQ(validate(config).error().message,
+            "world.team: found 'BOHT', expected one of CYAN, MAGENTA, BOTH (did you mean BOTH?)");
 }
 
 TEST(WorldConfig, EachSettingHasItsLimits) {
@@ -53,7 +54,7 @@ TEST(WorldConfig, EachSettingHasItsLimits) {
               c.orders.clear();
               c.complexities = {"C0", "C4"};
             }},
-           {"exploration", [](WorldConfig& c) { c.exploration = true; }},
+           {"information", [](WorldConfig& c) { c.information = "some"; }},
            {"orders[0].complexity", [](WorldConfig& c) { c.orders[0].complexity = "C4"; }},
            {"orders[0].base_color", [](WorldConfig& c) { c.orders[0].base_color = "RED"; }},
            {"orders[1].ring_colors", [](WorldConfig& c) { c.orders[1].ring_colors[1] = "GREEN"; }},

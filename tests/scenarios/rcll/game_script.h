@@ -3,7 +3,7 @@
 // product is its parts from the base upwards. The first lines may set the game up:
 //
 //   order C1 BASE_RED RING_BLUE CAP_GREY [window 0 1200] [known 0] [gate 1] [quantity 1] [competitive]
-//   setup 5 | production 1200 | overtime 300 | team CYAN | refill 20
+//   setup 5 | production 1200 | overtime 300 | exploration | information league | team CYAN | refill 20
 //
 // Deeds:
 //   C-BS {side: OUTPUT, base_color: BASE_RED}           instructs and goes on
@@ -14,6 +14,9 @@
 //   C-DS-INPUT | lay PRODUCT in C-BS     on a belt, as if a robot had put it there; in its middle remove C-CS1 all that
 //   lies on that machine's belt hold PRODUCT | take SPOT | put SPOT | drop          by robot R1 down C-CS1 50 out of
 //   order for 50 s from now on
+//
+//   report C-CS1 RIGHT RIGHT | report C-CS1 WRONG - | report - CS C_Z11
+//                                                       zone and rotation of a machine, or a type in a zone
 //
 // What must be seen:
 //   C-BS is READY-AT-OUTPUT | lights C-BS RED YELLOW GREEN (each OFF, ON or BLINK) | loaded C-RS1 2
@@ -37,6 +40,7 @@
 #include <string>
 #include <vector>
 
+#include "scenarios/rcll/layout.h"
 #include "tests/support/game_story.h"
 
 namespace cxlab::rcll {
@@ -107,6 +111,10 @@ class GameScript {
       config.setup_s = number(words[1]);
     } else if (words[0] == "production") {
       config.production_s = number(words[1]);
+    } else if (words[0] == "exploration") {
+      config.exploration = true;
+    } else if (words[0] == "information") {
+      config.information = words[1];
     } else if (words[0] == "overtime") {
       config.overtime_s = number(words[1]);
     } else if (words[0] == "team") {
@@ -120,11 +128,9 @@ class GameScript {
   }
 
   void listen() {
-    const std::pair<const char*, const char*> topics[] = {{"/game_state", "GameState"},
-                                                          {"/order_info", "OrderInfo"},
-                                                          {"/machine_info", "MachineInfo"},
-                                                          {"/ring_info", "RingInfo"},
-                                                          {"/robot_info", "RobotInfo"}};
+    const std::pair<const char*, const char*> topics[] = {
+        {"/game_state", "GameState"}, {"/order_info", "OrderInfo"}, {"/machine_info", "MachineInfo"},
+        {"/ring_info", "RingInfo"},   {"/robot_info", "RobotInfo"}, {"/machine_report_info", "MachineReportInfo"}};
     for (const auto& [topic, type] : topics) {
       const bus::MessageType& known = **story_->registry().message("rcll_interfaces/msg/" + std::string(type));
       EXPECT_TRUE(story_->bus().subscribe(story_->agent(), topic, known,
@@ -133,6 +139,30 @@ class GameScript {
                                             ++published_[name];
                                           }));
     }
+  }
+
+  void report() {
+    const bus::MessageType& type = **story_->registry().message("rcll_interfaces/msg/MachineReport");
+    const bus::EndpointId reports = *story_->bus().advertise(story_->agent(), "/machine_report", type);
+    bus::Message message(type);
+    const bus::MessageView entry = message->append("machines");
+    if (word(1) == "-") {
+      entry.set("type", word(2)).set("zone", word(3) == "RIGHT" ? zone_of_first(word(2)) : word(3));
+    } else {
+      const sim::Station& station = story_->world().plan().station(machine(word(1)).id());
+      entry.set("name", word(1));
+      if (word(2) != "-") entry.set("zone", word(2) == "RIGHT" ? to_string(zone_of(station)) : "C_Z11");
+      if (word(3) != "-") entry.set("rotation", (rotation_of(station) + (word(3) == "RIGHT" ? 0 : 45)) % 360);
+    }
+    story_->bus().publish(reports, std::make_shared<bus::Message>(std::move(message)));
+    story_->run_for(0);
+    story_->run_for(0);
+  }
+  /// Of the team's first machine of that type.
+  std::string zone_of_first(const std::string& type) const {
+    for (const sim::Station& station : story_->world().plan().stations)
+      if (station.kind == type && team_of(station) == team_) return to_string(zone_of(station));
+    return "";
   }
 
   static sim::Stack product(const std::vector<std::string>& words, std::size_t from) {
@@ -175,6 +205,7 @@ class GameScript {
       const SimTime now = story_->world().now();
       return machine(word(1)).add_down({now, now + from_seconds(number(word(2)))});
     }
+    if (verb == "report") return report();
     if (verb == "lights") return check_lights();
     if (verb == "loaded") return expect_same(std::to_string(machine(word(1)).loaded_with()), word(2));
     if (verb == "at") return expect_same(text_of(story_->world().at(story_->spot(word(1)))), rest(2));

@@ -320,7 +320,7 @@ TEST(GeneratedFloor, EverySpotCanBeServedByARobot) {
 TEST(GeneratedFloor, IsTheFirstDrawWhereRobotsOfTheLeagueReachEverySpot) {
   for (const auto& [seed, first] : {std::pair{1U, true}, {3U, true}, {40U, true}, {82U, false}, {109U, false}}) {
     RandomStream random(seed, "layout");
-    const sim::FloorPlan drawn = make_floor_plan(draw_layout(random, false), Team::kCyan, 3);
+    const sim::FloorPlan drawn = make_floor_plan(draw_layout(random, false), {Team::kCyan}, 3);
     EXPECT_EQ(unreachable_spots(drawn, kPlanningRadius).empty(), first) << seed;
     const sim::FloorPlan plan = drawn_plan(WorldConfig{}, seed);
     bool same = true;
@@ -465,7 +465,7 @@ TEST(FloorPlan, HasTheFieldsWallsMachinesAndRobots) {
 TEST(Floor, HasTheWallsOfTheRulebookOnBothSides) {
   using Wall = std::array<double, 4>;  // from x, y to x, y
   std::set<Wall> found, wanted;
-  for (const sim::Segment& wall : make_floor_plan(drawn_layouts(true)[0], Team::kCyan, 0).walls)
+  for (const sim::Segment& wall : make_floor_plan(drawn_layouts(true)[0], {Team::kCyan}, 0).walls)
     found.insert({wall.a.x(), wall.a.y(), wall.b.x(), wall.b.y()});
   for (const double s : {1.0, -1.0})
     wanted.insert({{4 * s, 1, 4 * s, 0},

@@ -2,7 +2,7 @@
 // The rules of the league, a row each: machines (what they accept, their states, how long they work, payments, what
 // breaks them, lights), then the game (phases, orders, deliveries, points). Rows without a name of rules hold under all
 // three; where referee box and rulebook differ there is a row for each. `league` follows the referee box here. What
-// this release does not have (mounting of rings, storage, exploration, overtime, maintenance) has no row.
+// this release does not have (maintenance) has no row.
 //
 // Prices of rings at seed 1: ORANGE 0, YELLOW 0, BLUE 1, GREEN 2.
 
@@ -26,5 +26,6 @@ std::span<const Row> piece_rows();
 std::span<const Row> breaking_rows();
 std::span<const Row> game_rows();
 std::span<const Row> delivery_rows();
+std::span<const Row> exploration_rows();
 
 }  // namespace cxlab::rcll

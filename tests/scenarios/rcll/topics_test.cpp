@@ -33,10 +33,11 @@ WorldConfig placed_game() {
 
 /// The last message of the topic, after a tick more than `seconds`.
 Json last_message(GameStory& story, const std::string& topic, const std::string& type, double seconds = 3) {
-  bus::SharedMessage last;
+  const auto kept = std::make_shared<bus::SharedMessage>();
   EXPECT_TRUE(story.bus().subscribe(story.agent(), topic, **story.registry().message("rcll_interfaces/msg/" + type),
-                                    [&](const bus::Delivery& d) { last = d.message; }));
+                                    [kept](const bus::Delivery& d) { *kept = d.message; }));
   story.run_for(seconds);
+  const bus::SharedMessage last = std::exchange(*kept, nullptr);
   if (!last) return {};
   RecordData data;
   data.begin().name("message");
@@ -92,6 +93,51 @@ TEST(Topics, PublishTheRobotsOfTheTeam) {
       EXPECT_EQ(robot.at("pose").at("theta"), std::numbers::pi / 2) << "faces the field";
     }
   }
+}
+
+TEST(Topics, OfBothTeamsHaveTheirChannels) {
+  WorldConfig config = placed_game();
+  config.team = "BOTH";
+  config.information = "league";
+  GameStory story(config);
+  for (const std::string team : {"CYAN", "MAGENTA"}) {
+    const std::string prefix = team == "CYAN" ? "/cyan" : "/magenta";
+    const Json info = last_message(story, prefix + "/machine_info", "MachineInfo");
+    EXPECT_EQ(info.at("team_color"), team);
+    ASSERT_EQ(info.at("machines").size(), 7u);
+    for (const Json& machine : info.at("machines")) EXPECT_EQ(machine.at("team_color"), team);
+  }
+  EXPECT_TRUE(last_message(story, "/machine_info", "MachineInfo").is_null());
+  const Json state = last_message(story, "/game_state", "GameState");
+  EXPECT_EQ(state.at("team_cyan"), "CYAN");
+  EXPECT_EQ(state.at("team_magenta"), "MAGENTA");
+  const Json robots = last_message(story, "/robot_info", "RobotInfo").at("robots");
+  ASSERT_EQ(robots.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(robots[i].at("name"), "robot" + std::to_string(i + 1));
+    EXPECT_EQ(robots[i].at("number"), static_cast<int>(i % 3) + 1);
+    EXPECT_EQ(robots[i].at("team_color"), i < 3 ? "CYAN" : "MAGENTA");
+  }
+}
+
+TEST(Instructions, OfBothTeamsGoToTheirOwnMachines) {
+  WorldConfig config = placed_game();
+  config.team = "BOTH";
+  GameStory story(config);
+  const bus::ActionType& type = **story.registry().action("rcll_interfaces/action/InstructMachine");
+  std::vector<std::int64_t> codes;
+  const auto instruct = [&](const std::string& prefix, const std::string& machine) {
+    const bus::EndpointId client = *story.bus().create_action_client(
+        story.agent(), prefix + "/factory/instruct_machine", type,
+        {nullptr, nullptr, [&](const bus::Delivery& d) { codes.push_back(d.message->view().integer("error_code")); },
+         nullptr});
+    story.bus().send_goal(client, std::make_shared<bus::Message>(*bus::Message::from_yaml(
+                                      *type.goal, "{machine: " + machine + ", operation: RESET}")));
+    story.run_for(0.1);
+  };
+  for (const std::string prefix : {"/cyan", "/magenta"})
+    for (const std::string machine : {"C-BS", "M-BS"}) instruct(prefix, machine);
+  EXPECT_EQ(codes, (std::vector<std::int64_t>{0, 101, 101, 0}));
 }
 
 TEST(Topics, PublishTheStateOfTheGame) {

@@ -1,0 +1,78 @@
+#pragma once
+// The first 180 s of production: a team reports where its machines stand. What is right is published to it and may be
+// instructed; what is wrong costs points. Afterwards all machines are known.
+//
+// As the referee box judges: of zone and rotation of a machine the first value counts. Zone right +1, wrong -1;
+// rotation right +1, wrong -1, and neither when the zone is wrong. An entry without a name says that a machine of that
+// type stands in a zone: right, and the team is told its name; wrong -1, as often as there are machines of that type.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scenarios/rcll/clock.h"
+#include "scenarios/rcll/layout.h"
+#include "sim/world.h"
+
+namespace cxlab::rcll {
+
+/// One entry of a team's report; what it leaves open stays empty.
+struct MachineReport {
+  std::string name;  ///< "C-CS1"
+  std::string type;  ///< "CS"
+  std::string zone;  ///< "C_Z23"
+  std::optional<int> rotation;
+};
+
+/// What a report of a type was worth knowing.
+struct TypeFeedback {
+  Team team{};  ///< whose report it was
+  std::string type, zone;
+  std::string name;  ///< of the machine there; empty = none of that type
+};
+
+class Exploration {
+ public:
+  static constexpr double kLength = 180;   ///< s of production
+  static constexpr int kMostEntries = 14;  ///< of a team
+
+  enum class Guess : std::uint8_t { kOpen, kRight, kWrong };
+  struct Finding {
+    Guess zone = Guess::kOpen, rotation = Guess::kOpen;
+    bool complete() const { return zone == Guess::kRight && rotation == Guess::kRight; }
+  };
+
+  /// Without `on` all machines are known from the start.
+  Exploration(const sim::FloorPlan& plan, const GameClock& clock, bool on);
+
+  /// Judges an entry; what it earns, point by point (each 1 or -1).
+  std::vector<std::int64_t> report(Team team, const MachineReport& entry, SimTime now);
+
+  bool over(SimTime now) const { return !on_ || now > clock_.at(kLength); }
+  /// Whether its team may know where the machine stands.
+  bool knows(sim::StationId machine, SimTime now) const { return over(now) || finding(machine).complete(); }
+  const Finding& finding(sim::StationId machine) const { return findings_[index_of(machine)]; }
+  std::span<const TypeFeedback> type_feedback() const { return feedback_; }
+  /// Names of the machines that the team has reported right.
+  std::vector<std::string> reported(Team team) const;
+  /// Grows with each entry that was judged.
+  std::uint64_t changes() const { return changes_; }
+  /// The last moment of the period; kNever without one.
+  SimTime end() const { return on_ ? clock_.at(kLength) : kNever; }
+
+ private:
+  std::vector<std::int64_t> report_machine(sim::StationId machine, const MachineReport& entry);
+  std::vector<std::int64_t> report_type(Team team, const MachineReport& entry);
+
+  const sim::FloorPlan& plan_;
+  GameClock clock_;
+  bool on_;
+  std::vector<Finding> findings_;  ///< by station
+  std::vector<TypeFeedback> feedback_;
+  std::array<int, 2> entries_{};  ///< by team
+  std::uint64_t changes_ = 0;
+};
+
+}  // namespace cxlab::rcll

@@ -1,0 +1,67 @@
+#pragma once
+// What one team is told and may ask for, as on its channel of the league: its machines on `/machine_info`, what came of
+// its reports on `/machine_report_info`; it sends reports to `/machine_report` and instructions to the action
+// `/factory/instruct_machine`. Where both teams play, the names begin with `/cyan` and `/magenta`.
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cx/bus/bus.h"
+#include "scenarios/rcll/machine.h"
+#include "scenarios/rcll/referee.h"
+#include "scenarios/rcll/topic.h"
+
+namespace cxlab::rcll {
+
+class TeamChannel {
+ public:
+  using Machines = std::vector<std::unique_ptr<Machine>>;
+
+  /// All outlive it.
+  TeamChannel(Team team, Information information, sim::World& world, const Machines& machines,
+              const MachineContext& context, GameReferee& referee, bus::Bus& bus);
+  /// Opens topics and action of the node; `prefix` before their names.
+  Status open(bus::ParticipantId node, const std::string& prefix);
+
+  /// Posts what the machines did; `changed`: something did.
+  void sense(SimTime now, bool changed);
+  SimTime next_due() const { return std::min(machine_info_.next(), report_info_.next()); }
+  Team team() const { return team_; }
+
+ private:
+  struct Goal {
+    bus::GoalId id{};
+    Machine* machine = nullptr;
+    std::uint32_t job = 0;
+    MachineState reported{};
+  };
+  void start(const bus::Delivery& delivery);
+  void cancel(const bus::Delivery& delivery);
+  void report(Goal& goal);
+  void finish(const bus::GoalId& goal, InstructError error, const std::string& text, const std::string& machine);
+  void take_report(const bus::Delivery& delivery);
+  void publish_machines(SimTime now);
+  void put_machine(const bus::MessageView& entry, const Machine& machine, SimTime now) const;
+  void publish_reports();
+
+  Team team_;
+  Information information_;
+  sim::World& world_;
+  const Machines& machines_;
+  const MachineContext& context_;
+  GameReferee& referee_;
+  bus::Bus& bus_;
+  const bus::ActionType* action_ = nullptr;
+  bus::EndpointId server_{};
+  PeriodicTopic machine_info_, report_info_;
+  std::vector<Goal> goals_;  ///< running, in order of arrival
+};
+
+/// The machine of that name; nullptr if there is none.
+Machine* find_machine(const TeamChannel::Machines& machines, std::string_view name);
+/// The error that there is none, with the nearest name.
+std::string unknown_machine(const TeamChannel::Machines& machines, const std::string& name);
+
+}  // namespace cxlab::rcll

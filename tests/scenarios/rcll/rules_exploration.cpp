@@ -1,0 +1,205 @@
+// Exploration: what reports are worth, and what a team may do before it has found its machines.
+
+#include "rules_table.h"
+
+namespace cxlab::rcll {
+
+std::span<const Row> exploration_rows() {
+  static const Row kRows[] = {
+      {"exploration: a machine that is not reported takes no instruction and does not break",
+       R"(exploration
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 209
+        C-BS {side: NOWHERE} -> 209
+        C-BS is IDLE
+        wait 2.1
+        message /machine_info /machines/0/name "C-BS"
+        message /machine_info /machines/0/correctly_reported false)"},
+      {"exploration: zone and rotation right are a point each, and the machine may be used",
+       R"(exploration
+        report C-BS RIGHT RIGHT
+        given exploration 1 exploration 1
+        points exploration 2
+        message /machine_info /machines/0/correctly_reported true
+        message /machine_info /machines/0/exploration_zone_state "CORRECT_REPORT"
+        message /machine_info /machines/0/exploration_rotation_state "CORRECT_REPORT"
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 0)"},
+      {"exploration: zone and rotation may come one after the other",
+       R"(exploration
+        report C-BS RIGHT -
+        points exploration 1
+        message /machine_info /machines/0/exploration_rotation_state "NO_REPORT"
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 209
+        report C-BS - RIGHT
+        points exploration 2
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 0)"},
+      {"exploration: a wrong rotation costs a point",
+       R"(exploration
+        report C-BS RIGHT WRONG
+        given exploration 1 exploration -1
+        message /machine_info /machines/0/exploration_rotation_state "WRONG_REPORT"
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 209)"},
+      {"exploration: with a wrong zone the rotation is not looked at",
+       R"(exploration
+        report C-BS WRONG RIGHT
+        given exploration -1
+        message /machine_info /machines/0/exploration_zone_state "WRONG_REPORT"
+        message /machine_info /machines/0/exploration_rotation_state "NO_REPORT")"},
+      {"exploration: a rotation before its zone is not looked at",
+       R"(exploration
+        report C-BS - RIGHT
+        given
+        report C-BS RIGHT RIGHT
+        given exploration 1 exploration 1)"},
+      {"exploration: the first value counts",
+       R"(exploration
+        report C-BS WRONG -
+        report C-BS RIGHT RIGHT
+        given exploration -1
+        report C-DS RIGHT WRONG
+        report C-DS RIGHT RIGHT
+        given exploration 1 exploration -1)"},
+      {"exploration: the other team's machines are not its own",
+       R"(exploration
+        report M-BS RIGHT RIGHT
+        given)"},
+      {"exploration: a type in a right zone brings the name and no points",
+       R"(exploration
+        report - CS RIGHT
+        given
+        wait 1.1
+        message /machine_report_info /reported_types/0/name "C-CS1"
+        message /machine_report_info /reported_types/0/type "CS"
+        message /machine_report_info /reported_types/0/team_color "CYAN"
+        message /machine_report_info /reported_machines [])"},
+      {"exploration: a type in a wrong zone costs a point, as often as there are such machines",
+       R"(exploration
+        report - CS C_Z51
+        given exploration -1
+        report - CS C_Z51
+        given
+        report - CS C_Z61
+        given exploration -1
+        report - CS C_Z71
+        given
+        report - BS C_Z51
+        given exploration -1
+        report - BS C_Z61
+        given)"},
+      {"exploration: fourteen entries a team",
+       R"(exploration
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-DS RIGHT -
+        given exploration 1 exploration 1
+        report C-SS RIGHT -
+        given)"},
+      {"exploration: what is right is listed",
+       R"(exploration
+        report C-DS RIGHT RIGHT
+        report C-SS RIGHT -
+        wait 1.1
+        message /machine_report_info /reported_machines ["C-DS"]
+        message /machine_report_info /team_color "CYAN")"},
+      {"exploration: after 180 s all machines are known, and reports are worth nothing",
+       R"(exploration
+        until 179.9
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 209
+        until 180.1
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 0
+        report C-BS RIGHT RIGHT
+        given
+        wait 2
+        message /machine_info /machines/0/correctly_reported true)"},
+      {"exploration: not in set-up",
+       R"(exploration
+        setup 10
+        report C-BS RIGHT RIGHT
+        given
+        until 189
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 209
+        until 190.1
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 0)"},
+      {"exploration: lights of a machine that is not reported, half, wrong, right",
+       R"(exploration
+        lights C-BS OFF ON OFF
+        report C-BS RIGHT -
+        lights C-BS OFF BLINK OFF
+        report C-BS - WRONG
+        lights C-BS ON BLINK OFF
+        report C-DS WRONG -
+        lights C-DS ON ON OFF
+        report C-SS RIGHT RIGHT
+        lights C-SS OFF OFF ON
+        until 180.1
+        lights C-BS OFF OFF ON
+        lights C-DS OFF OFF ON)"},
+      {"exploration: payments count at once",
+       R"(exploration
+        hold BASE_RED
+        put C-RS1-SLIDE
+        wait 0.04
+        points payment 2)"},
+
+      {"information: the league sends a team its own machines without lights, payments, caps, poses",
+       R"(information league
+        hold BASE_RED
+        put C-RS1-SLIDE
+        wait 2.6
+        message /machine_info /machines/6/name "C-DS"
+        message /machine_info /machines/1/name "C-CS1"
+        message /machine_info /machines/1/cap_color ""
+        message /machine_info /machines/1/lights []
+        message /machine_info /machines/1/pose {"x": 0.0, "y": 0.0, "theta": 0.0}
+        message /machine_info /machines/3/loaded_with 0
+        message /machine_info /machines/3/ring_colors ["RING_ORANGE", "RING_GREEN"]
+        message /robot_info /robots/0/pose {"x": 0.0, "y": 0.0, "theta": 0.0})"},
+      {"information: all of it",
+       R"(information all
+        hold BASE_RED
+        put C-RS1-SLIDE
+        wait 2.1
+        message /machine_info /machines/13/name "M-DS"
+        message /machine_info /machines/1/cap_color "CAP_GREY"
+        message /machine_info /machines/3/loaded_with 1)"},
+      {"information: markers, and the storage's filled slots",
+       R"(information league
+        C-SS {operation: CHANGE_INFO, shelf: 1, slot: 1, description: ours} -> 0
+        wait 2.1
+        message /machine_info /machines/0/input_tag 122
+        message /machine_info /machines/0/output_tag 121
+        message /machine_info /machines/2/input_tag 104
+        message /machine_info /machines/3/input_tag 112
+        message /machine_info /machines/4/output_tag 113
+        message /machine_info /machines/5/input_tag 142
+        message /machine_info /machines/6/output_tag 131
+        message /machine_info /machines/5/status_ss/1 {"shelf": 1, "slot": 1, "is_filled": true, "description": "ours"}
+        message /machine_info /machines/5/status_ss/5/shelf 5)"},
+      {"information: magenta's markers are 100 more",
+       R"(information league
+        team MAGENTA
+        wait 2.1
+        message /machine_info /machines/1/name "M-CS1"
+        message /machine_info /machines/1/input_tag 202)"},
+      {"information: in exploration zones are heard of when they were reported",
+       R"(information league
+        exploration
+        report C-BS RIGHT -
+        wait 2.1
+        message /machine_info /machines/0/zone ""
+        message /machine_info /machines/0/rotation 0)"},
+  };
+  return kRows;
+}
+
+}  // namespace cxlab::rcll
