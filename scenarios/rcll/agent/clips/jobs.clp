@@ -78,4 +78,4 @@
   (time ?now)
   =>
   (modify ?r (state IDLE) (idle-since ?now))
-  (modify ?job (robot "") (not-before (+ ?now 2.0))))
+  (modify ?job (robot "")))

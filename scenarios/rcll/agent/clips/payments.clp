@@ -58,10 +58,10 @@
   (hold-up (pay ?slide 5 (str-cat ?bs "-OUTPUT")) GO-FETCH FETCH))
 
 (defrule payment-done
-  "The station has counted it by now."
-  ?job <- (job (purpose CLEAR|PAY) (step DONE) (robot "") (to ?spot) (not-before ?counted))
-  ?slide <- (slide (spot ?spot) (coming ?coming))
-  (time ?now&:(>= ?now ?counted))
+  "The base lies on the slide. A broken station does not count it."
+  ?job <- (job (purpose CLEAR|PAY) (step DONE) (robot "") (to ?spot))
+  ?slide <- (slide (spot ?spot) (machine ?name) (coming ?coming) (loaded ?loaded))
+  (machine (name ?name) (state ?state))
   =>
   (retract ?job)
-  (modify ?slide (coming (- ?coming 1))))
+  (modify ?slide (coming (- ?coming 1)) (loaded (if (eq ?state BROKEN) then 0 else (+ ?loaded 1)))))

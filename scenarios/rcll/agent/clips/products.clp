@@ -94,9 +94,10 @@
   "Its payments lie there: have the ring mounted."
   ?product <- (product (todo ?ring $?) (at ?name) (state WAITING))
   (does (machine ?name) (work ?ring) (price ?price))
-  (slide (machine ?name) (loaded ?loaded&:(>= ?loaded ?price)))
+  ?slide <- (slide (machine ?name) (loaded ?loaded&:(>= ?loaded ?price)))
   (machine (name ?name) (state IDLE))
   =>
+  (modify ?slide (loaded (- ?loaded ?price)))
   (begin-work ?product "MOUNT_RING" ?ring 0))
 
 (defrule product-mount-cap

@@ -52,8 +52,9 @@
   (ros-msgs-destroy-message ?m)
   (retract ?message))
 
-(deffunction learn-works (?name ?type ?cap ?rings)
-  "What a machine can do, when it is first seen."
+(deffunction learn-works (?name ?type ?rings)
+  "What a machine can do, when it is first seen. CS1 has grey caps, CS2 black ones."
+  (bind ?cap (if (str-index "CS1" ?name) then "CAP_GREY" else "CAP_BLACK"))
   (switch ?type
     (case "DS" then (assert (does (machine ?name) (work "DELIVER"))))
     (case "CS" then (assert (does (machine ?name) (work ?cap)) (cap-station (name ?name) (cap ?cap))))
@@ -61,19 +62,23 @@
                     (foreach ?ring ?rings (assert (does (machine ?name) (work ?ring)))))
     (default none)))
 
+(deffunction zone-x (?zone)
+  "The middle of C_Z23, a square of 1 m: 1.5; of M_Z23: -1.5."
+  (* (if (eq (sub-string 1 1 ?zone) "C") then 1 else -1) (- (string-to-field (sub-string 4 4 ?zone)) 0.5)))
+
+(deffunction zone-y (?zone)
+  (- (string-to-field (sub-string 5 5 ?zone)) 0.5))
+
 (deffunction learn-machine (?message)
-  "A machine of our team: its fact follows what is reported."
+  "A machine of our team: its fact follows what is reported. One that breaks forgets its payments."
   (bind ?name (ros-msgs-get-field ?message "name"))
   (bind ?state (sym-cat (ros-msgs-get-field ?message "state")))
-  (bind ?loaded (ros-msgs-get-field ?message "loaded_with"))
-  (do-for-fact ((?s slide)) (eq ?s:machine ?name) (modify ?s (loaded ?loaded)))
-  (if (not (do-for-fact ((?m machine)) (eq ?m:name ?name) (modify ?m (state ?state)) TRUE))
-   then (bind ?pose (ros-msgs-get-field ?message "pose"))
-        (assert (machine (name ?name) (kind (sym-cat (ros-msgs-get-field ?message "type"))) (state ?state)
-                         (x (ros-msgs-get-field ?pose "x")) (y (ros-msgs-get-field ?pose "y"))))
-        (ros-msgs-destroy-message ?pose)
-        (learn-works ?name (ros-msgs-get-field ?message "type") (ros-msgs-get-field ?message "cap_color")
-                     (ros-msgs-get-field ?message "ring_colors"))))
+  (bind ?zone (ros-msgs-get-field ?message "zone"))
+  (if (eq ?state BROKEN) then (do-for-fact ((?s slide)) (eq ?s:machine ?name) (modify ?s (loaded 0))))
+  (if (not (or (do-for-fact ((?m machine)) (eq ?m:name ?name) (modify ?m (state ?state)) TRUE) (eq ?zone "")))
+   then (assert (machine (name ?name) (kind (sym-cat (ros-msgs-get-field ?message "type"))) (state ?state)
+                         (x (zone-x ?zone)) (y (zone-y ?zone))))
+        (learn-works ?name (ros-msgs-get-field ?message "type") (ros-msgs-get-field ?message "ring_colors"))))
 
 (defrule refbox-machine-info
   ?message <- (ros-msgs-message (topic "/machine_info") (msg-ptr ?m))
@@ -96,26 +101,22 @@
   (ros-msgs-destroy-message ?m)
   (retract ?message))
 
-(deffunction zone-of (?x ?y)
-  "The zone around a point, as in C_Z51."
-  (str-cat (if (> ?x 0) then "C" else "M") "_Z" (+ 1 (integer (abs ?x))) (+ 1 (integer ?y))))
-
-(deffunction learn-robot (?message)
-  "A robot of our team, where it stands at first."
+(deffunction learn-robot (?message ?letter)
+  "A robot of our team: robot 1 starts in zone 51, 2 in 61, 3 in 71."
   (bind ?name (ros-msgs-get-field ?message "name"))
-  (if (not (any-factp ((?known robot)) (eq ?known:name ?name)))
-   then (bind ?pose (ros-msgs-get-field ?message "pose"))
-        (bind ?x (ros-msgs-get-field ?pose "x"))
-        (bind ?y (ros-msgs-get-field ?pose "y"))
-        (assert (robot (name ?name) (x ?x) (y ?y) (home (zone-of ?x ?y)) (place (zone-of ?x ?y))))
-        (ros-msgs-destroy-message ?pose)))
+  (bind ?home (str-cat ?letter "_Z" (+ 4 (ros-msgs-get-field ?message "number")) "1"))
+  (if (and (eq (sub-string 1 1 (ros-msgs-get-field ?message "team_color")) ?letter)
+           (not (any-factp ((?known robot)) (eq ?known:name ?name))))
+   then (assert (robot (name ?name) (x (zone-x ?home)) (y (zone-y ?home)) (home ?home) (place ?home)))))
 
 (defrule refbox-robot-info
+  "Machines tell which team we are."
   ?message <- (ros-msgs-message (topic "/robot_info") (msg-ptr ?m))
+  (machine (kind DS) (name ?delivery))
   =>
   (bind ?robots (ros-msgs-get-field ?m "robots"))
   (foreach ?r ?robots
-    (learn-robot ?r)
+    (learn-robot ?r (sub-string 1 1 ?delivery))
     (ros-msgs-destroy-message ?r))
   (ros-msgs-destroy-message ?m)
   (retract ?message))
