@@ -13,7 +13,8 @@ Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
   PhysicsOfRun out;
   auto scenario = run.scenario();
   if (!scenario) return scenario.error();
-  const WorldKind& kind = *scenario->world.kind;
+  out.scenario_ = std::make_unique<Scenario>(*std::move(scenario));
+  const WorldKind& kind = *out.scenario_->world.kind;
   if (!kind.replay) return none;
   auto files = StoredFiles::open(run.folder);
   if (!files) return files.error();
@@ -32,8 +33,8 @@ Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
   if (!scratch) return scratch.error();
   out.scratch_ = *std::move(scratch);
   if (Status s = files->materialise(out.scratch_->path()); !s) return s.error();
-  read_from_copies(out.scratch_->path(), *scenario);
-  auto world = kind.replay(*scenario, out.scratch_->path() / "models", *out.log_);
+  read_from_copies(out.scratch_->path(), *out.scenario_);
+  auto world = kind.replay({*out.scenario_, out.scratch_->path() / "models", *out.log_, run.folder / "journal.jsonl"});
   if (!world) return world.error();
   out.world_ = *std::move(world);
   return out;

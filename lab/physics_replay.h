@@ -28,7 +28,9 @@ class PhysicsOfRun {
   PhysicsOfRun() = default;
 
   std::unique_ptr<ScratchFolder> scratch_;
-  std::unique_ptr<std::string> log_;  // at a fixed place: the replay views it
+  // At fixed places: the replay views them.
+  std::unique_ptr<Scenario> scenario_;
+  std::unique_ptr<std::string> log_;
   Status log_status_;
   SimTime log_end_{};
   std::unique_ptr<WorldReplay> world_;

@@ -36,6 +36,14 @@ struct StageSetup {
   std::function<Status(const std::string& logical_name, const std::filesystem::path& file)> keep{};
 };
 
+/// What the physics of a recorded run is played again with; all of it outlives the replay.
+struct ReplaySetup {
+  const Scenario& scenario;
+  std::filesystem::path models;   ///< that the run read
+  const std::string& log;         ///< what `Stage::take_inputs` gave
+  std::filesystem::path journal;  ///< of the run; need not be there, and is for pictures only
+};
+
 /// How the settings of a kind are read and written; `settings_of` makes one.
 struct Settings {
   void (*read)(yaml::Map& keys, std::any& config) = nullptr;  ///< none: the kind has no keys
@@ -60,10 +68,8 @@ struct WorldKind {
   bool takes_faults = false;      ///< has robots and machines that `faults:` can name
 
   Expected<std::unique_ptr<Stage>> (*make_stage)(const StageSetup& setup) = nullptr;
-  /// The physics of a recorded run at its start, from the models that it read and what `Stage::take_inputs` logged,
-  /// which outlive it; none: this world cannot be replayed.
-  Expected<std::unique_ptr<WorldReplay>> (*replay)(const Scenario& scenario, const std::filesystem::path& models,
-                                                   const std::string& log) = nullptr;
+  /// The physics of a recorded run at its start; none: this world cannot be replayed.
+  Expected<std::unique_ptr<WorldReplay>> (*replay)(const ReplaySetup& setup) = nullptr;
   /// Sets the sections that the world can add to a result, with one of everything: what `expect:` may name.
   void (*add_sample)(Result& sample) = nullptr;
 };

@@ -1,7 +1,11 @@
 #include "scenarios/rcll/world.h"
 
+#include <filesystem>
+#include <functional>
+
 #include "cx/journal/hash_text.h"
 #include "cx/journal/run_folder.h"
+#include "scenarios/rcll/board.h"
 #include "scenarios/rcll/factory.h"
 #include "scenarios/rcll/floor_plan.h"
 #include "scenarios/rcll/layout.h"
@@ -27,23 +31,29 @@ sim::Fleet::Places zone_places() {
   return places;
 }
 
+/// What is written above a picture; empty = nothing.
+using LegendMaker = std::function<sim::Legend()>;
+
 class FloorView final : public View {
  public:
-  FloorView(std::unique_ptr<sim::Renderer> renderer, const sim::PhysicsGate& floor)
-      : renderer_(std::move(renderer)), floor_(floor) {}
-  Expected<const sim::Picture*> draw(std::string_view camera) override { return renderer_->draw(floor_, camera); }
+  FloorView(std::unique_ptr<sim::Renderer> renderer, const sim::PhysicsGate& floor, LegendMaker legend)
+      : renderer_(std::move(renderer)), floor_(floor), legend_(std::move(legend)) {}
+  Expected<const sim::Picture*> draw(std::string_view camera) override {
+    return renderer_->draw(floor_, camera, legend_ ? legend_() : sim::Legend());
+  }
   std::vector<std::string> cameras() const override { return {"field", "top"}; }
 
  private:
   std::unique_ptr<sim::Renderer> renderer_;
   const sim::PhysicsGate& floor_;
+  LegendMaker legend_;
 };
 
-Expected<std::unique_ptr<View>> view_of_floor(const sim::FloorPlan& plan, const sim::PhysicsGate& floor, int width,
-                                              int height) {
+Expected<std::unique_ptr<View>> view_of_floor(const sim::FloorPlan& plan, const sim::PhysicsGate& floor,
+                                              LegendMaker legend, int width, int height) {
   auto renderer = sim::Renderer::create(plan, floor, width, height);
   if (!renderer) return renderer.error();
-  return std::unique_ptr<View>(std::make_unique<FloorView>(*std::move(renderer), floor));
+  return std::unique_ptr<View>(std::make_unique<FloorView>(*std::move(renderer), floor, std::move(legend)));
 }
 
 Expected<sim::ModelOptions> model_options(const Scenario& scenario, const std::filesystem::path& models) {
@@ -57,18 +67,30 @@ Expected<sim::ModelOptions> model_options(const Scenario& scenario, const std::f
 
 class FloorReplay final : public WorldReplay {
  public:
-  FloorReplay(sim::FloorPlan plan, SimTime step, sim::PhysicsReplay physics)
-      : plan_(std::move(plan)), step_(step), physics_(std::move(physics)) {}
-  Status advance_to(SimTime t) override { return physics_.advance_to(t / step_); }
+  FloorReplay(sim::FloorPlan plan, const ReplaySetup& setup, sim::PhysicsReplay physics)
+      : plan_(std::move(plan)), setup_(setup), physics_(std::move(physics)) {}
+  Status advance_to(SimTime t) override {
+    now_ = t;
+    return physics_.advance_to(t / setup_.scenario.physics_step);
+  }
   std::string hash() const override { return hash_text(physics_.hash()); }
   Expected<std::unique_ptr<View>> view(int width, int height) const override {
-    return view_of_floor(plan_, physics_.gate(), width, height);
+    LegendMaker legend;
+    if (std::filesystem::is_regular_file(setup_.journal)) {
+      const WorldConfig& config = setup_.scenario.world.get<WorldConfig>();
+      auto board = RecordedBoard::load(GameClock::of(config.setup_s, config.production_s, config.overtime_s),
+                                       teams_of(config), setup_.journal);
+      if (!board) return board.error();
+      legend = [this, board = *std::move(board)] { return legend_of(board.at(now_)); };
+    }
+    return view_of_floor(plan_, physics_.gate(), std::move(legend), width, height);
   }
 
  private:
   sim::FloorPlan plan_;
-  SimTime step_;
+  ReplaySetup setup_;
   sim::PhysicsReplay physics_;
+  SimTime now_{};
 };
 
 /// A game: field, robots with their skills, machines, referee.
@@ -120,8 +142,11 @@ Status GameStage::build_physics(const StageSetup& setup, sim::FloorPlan plan) {
   floor_ = physics_;
   files = physics_->model_files();
   worlds.push_back(*std::move(made));
-  views.push_back(
-      [world = physics_](int width, int height) { return view_of_floor(world->plan(), world->gate(), width, height); });
+  views.push_back([this](int width, int height) {
+    return view_of_floor(
+        physics_->plan(), physics_->gate(), [this] { return legend_of(board_of(*factory_, physics_->now())); }, width,
+        height);
+  });
   return add_fleet(
       sim::Fleet::create(*physics_, *physics_, zone_places(), setup.bus, setup.sink, {scenario.faults, scenario.seed}));
 }
@@ -159,18 +184,16 @@ Expected<std::unique_ptr<Stage>> make_stage(const StageSetup& setup) {
   return std::unique_ptr<Stage>(std::move(stage));
 }
 
-Expected<std::unique_ptr<WorldReplay>> replay(const Scenario& scenario, const std::filesystem::path& models,
-                                              const std::string& log) {
-  const WorldConfig& config = scenario.world.get<WorldConfig>();
-  const auto game = game_of(scenario);
+Expected<std::unique_ptr<WorldReplay>> replay(const ReplaySetup& setup) {
+  const WorldConfig& config = setup.scenario.world.get<WorldConfig>();
+  const auto game = game_of(setup.scenario);
   if (!game) return game.error();
   sim::FloorPlan plan = floor_plan_of(config, game->layout);
-  auto options = model_options(scenario, models);
+  auto options = model_options(setup.scenario, setup.models);
   if (!options) return options.error();
-  auto physics = sim::PhysicsReplay::load(plan, *options, log);
+  auto physics = sim::PhysicsReplay::load(plan, *options, setup.log);
   if (!physics) return physics.error();
-  return std::unique_ptr<WorldReplay>(
-      std::make_unique<FloorReplay>(std::move(plan), scenario.physics_step, *std::move(physics)));
+  return std::unique_ptr<WorldReplay>(std::make_unique<FloorReplay>(std::move(plan), setup, *std::move(physics)));
 }
 
 constexpr std::string_view kFiles[]{"game"};

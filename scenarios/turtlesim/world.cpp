@@ -110,10 +110,10 @@ Status add_node(const ServerSpec& spec, const StageSetup& setup, Stage& stage) {
   return node ? Status() : Status(node.error());
 }
 
-Expected<std::unique_ptr<WorldReplay>> replay(const Scenario& scenario, const std::filesystem::path&,
-                                              const std::string& log) {
+Expected<std::unique_ptr<WorldReplay>> replay(const ReplaySetup& setup) {
+  const Scenario& scenario = setup.scenario;
   return std::unique_ptr<WorldReplay>(std::make_unique<CanvasReplay>(
-      world_options(scenario.world.get<Config>(), scenario.physics_step), scenario.tick, log));
+      world_options(scenario.world.get<Config>(), scenario.physics_step), scenario.tick, setup.log));
 }
 
 void add_sample(Result& sample) { sample.set("turtles", Json::array({turtle_json({})}).dump()); }

@@ -15,10 +15,10 @@ struct Legend {
     std::string text;
     Colour colour{1, 1, 1};
   };
-  /// A product with lines beside it.
+  /// A product with two lines beside it.
   struct Card {
     Stack product;
-    std::vector<Text> lines;
+    std::array<Text, 2> lines;
     bool ticked = false;
   };
   std::vector<Text> title;  ///< one line

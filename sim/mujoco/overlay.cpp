@@ -31,9 +31,6 @@ int text_width(const mjrContext& gl, const std::string& text) {
 }
 
 int line_height(const mjrContext& gl) { return gl.charHeight; }
-/// Height of a ring in a column of colours, px; a base has twice that.
-int layer_of(const mjrContext& gl) { return std::max(3, line_height(gl) / 4); }
-int column_width(const mjrContext& gl) { return std::max(7, line_height(gl) * 2 / 3); }
 
 Legend::Colour colour_of(const float* rgba) { return {rgba[0], rgba[1], rgba[2]}; }
 
@@ -58,12 +55,12 @@ std::vector<Legend::Colour> colours_of(const FactoryModel& factory, const Stack&
 }
 
 /// A column of that many layers, whose lowest is a base, with its middle and its foot there.
-Box column_at(int x, int bottom, std::size_t layers, const mjrContext& gl) {
-  const int width = column_width(gl), height = (static_cast<int>(layers) + 1) * layer_of(gl) + 2;
-  return {x - width / 2, bottom, width, height};
+Box column_at(int x, int bottom, std::size_t layers, int layer, int width) {
+  return {x - width / 2, bottom, width, (static_cast<int>(layers) + 1) * layer + 2};
 }
 
-void paint_column(const Overlay::Column& column, int layer) {
+void paint_column(const Overlay::Column& column) {
+  const int layer = (column.box.height - 2) / (static_cast<int>(column.colours.size()) + 1);
   fill(column.box, {1, 1, 1});
   int bottom = column.box.bottom + 1;
   for (std::size_t i = 0; i < column.colours.size(); ++i) {
@@ -178,50 +175,43 @@ std::array<Vec3, 8> corners(const Pose2& pose, double half_depth, double half_wi
 
 int place_legend(const Legend& legend, const FactoryModel& factory, const mjrContext& gl, const Box& picture,
                  Overlay& overlay) {
-  constexpr int kSpace = 8;  // px between texts
-  const int line = line_height(gl);
+  constexpr int kSpace = 16;  // px between texts of the title
+  const int line = line_height(gl), lowest = picture.top() - picture.height / 2;
   int bottom = picture.top();
-  if (!legend.title.empty() && line + 2 * kMargin <= picture.height / 2) {
-    bottom -= line + kMargin;
-    int left = picture.left + kMargin;
-    for (const Legend::Text& text : legend.title) {
-      const Box box{left, bottom, text_width(gl, text.text), line};
-      if (box.right() > picture.right()) break;
-      overlay.lines.push_back({box, text});
-      left = box.right() + 2 * kSpace;
-    }
+  const auto add_text = [&](const Legend::Text& text, int left, int at) {
+    overlay.lines.push_back({{left, at, text_width(gl, text.text), line}, text});
+    return overlay.lines.back().box.right();
+  };
+
+  if (!legend.title.empty() && bottom - line - 2 * kMargin >= lowest) {
+    bottom -= line + 2 * kMargin;
+    int right = picture.left + kMargin - kSpace;
+    for (const Legend::Text& text : legend.title)
+      if (right + kSpace + text_width(gl, text.text) + kMargin <= picture.right())
+        right = add_text(text, right + kSpace, bottom + kMargin);
+    overlay.cards.push_back({picture.left, bottom, right + kMargin - picture.left, line + 2 * kMargin});
   }
-  std::size_t most_lines = 0;
-  for (const Legend::Card& card : legend.cards) most_lines = std::max(most_lines, card.lines.size());
-  const int height = std::max(static_cast<int>(most_lines) * line, 6 * layer_of(gl) + 2) + 2 * kMargin;
-  int left = picture.left + kMargin;
-  bool row_begun = false;
+
+  const int icon = line, height = 2 * line + 2 * kMargin, layer = (height - 2 * kMargin - 2) / 6;
+  int left = picture.right();  // the first card begins a row
   for (const Legend::Card& card : legend.cards) {
     int text = 0;
     for (const Legend::Text& words : card.lines) text = std::max(text, text_width(gl, words.text));
-    const int icon = column_width(gl) + 2 * kMargin;
-    const int width = icon + text + kMargin;
-    if (left + width > picture.right()) row_begun = false;
-    if (!row_begun) {
-      if (picture.top() - (bottom - height - kMargin) > picture.height / 2) break;
+    const int width = icon + text + 3 * kMargin;
+    if (left + width > picture.right()) {
+      if (bottom - height - kMargin < lowest) break;
       bottom -= height + kMargin;
-      left = picture.left + kMargin;
-      row_begun = true;
+      left = picture.left;
     }
     const Box box{left, bottom, width, height};
     overlay.cards.push_back(box);
     const auto colours = colours_of(factory, card.product);
-    const Box column = column_at(left + kMargin + column_width(gl) / 2, bottom + kMargin, colours.size(), gl);
-    overlay.columns.push_back({column, colours});
-    for (std::size_t i = 0; i < card.lines.size(); ++i) {
-      const Box words{left + icon, box.top() - kMargin - (static_cast<int>(i) + 1) * line,
-                      text_width(gl, card.lines[i].text), line};
-      overlay.lines.push_back({words, card.lines[i]});
-    }
-    if (card.ticked) {
-      const int side = line * 3 / 4;
-      overlay.ticks.push_back({box.right() - side - kMargin, box.top() - side - 2 * kMargin, side, side});
-    }
+    overlay.columns.push_back(
+        {column_at(left + kMargin + icon / 2, bottom + kMargin, colours.size(), layer, icon), colours});
+    int at = box.top() - kMargin;
+    for (const Legend::Text& words : card.lines) add_text(words, left + icon + 2 * kMargin, at -= line);
+    const int tick = line * 3 / 4;
+    if (card.ticked) overlay.ticks.push_back({box.right() - tick - kMargin, box.top() - tick - kMargin, tick, tick});
     left = box.right() + kMargin;
   }
   return picture.top() - bottom;
@@ -229,13 +219,14 @@ int place_legend(const Legend& legend, const FactoryModel& factory, const mjrCon
 
 void place_pieces(const OverlayInput& input, const Projection& projection, const mjrContext& gl, const Box& free,
                   Overlay& overlay) {
+  const int layer = std::max(3, line_height(gl) / 4), width = std::max(7, line_height(gl) * 2 / 3);
   for (const PieceIds& piece : input.world.factory().pieces) {
     const auto colours = colours_of(input.world.model(), piece);
     if (colours.empty()) continue;
     const auto at = projection.pixel(Eigen::Map<const Vec3>(input.data.xpos + 3 * piece.body));
     if (!at) continue;
-    const Box box =
-        column_at(static_cast<int>(std::lround(at->x)), static_cast<int>(std::lround(at->y)), colours.size(), gl);
+    const Box box = column_at(static_cast<int>(std::lround(at->x)), static_cast<int>(std::lround(at->y)),
+                              colours.size(), layer, width);
     if (box.within(free)) overlay.columns.push_back({box, colours});
   }
 }
@@ -281,7 +272,7 @@ void paint(const Overlay& overlay, const mjrContext& gl) {
     mjr_label(rect(box), mjFONT_NORMAL, text.c_str(), 0, 0, 0, 0, colour[0], colour[1], colour[2], &gl);
   };
   for (const Box& card : overlay.cards) fill(card, {0, 0, 0}, 0.75f);
-  for (const Overlay::Column& column : overlay.columns) paint_column(column, layer_of(gl));
+  for (const Overlay::Column& column : overlay.columns) paint_column(column);
   for (const Overlay::Line& line : overlay.lines) write(line.box, line.text.text, line.text.colour);
   for (const Box& tick : overlay.ticks) paint_tick(tick);
 

@@ -171,7 +171,11 @@ void Renderer::fit(const Box& free) {
     widest = std::max(widest, std::abs(offset.dot(right)) / along);
   }
   const double pixels = std::min((free.width / 2 - kBorder) / widest, (free.height - 2 * kBorder) / (highest - lowest));
-  const double bottom = (highest + lowest) / 2 - free.middle_y() / pixels;
+  // Three quarters of the space that is left are above, where legends are, so that the field stays as they grow.
+  const double height = (highest - lowest) * pixels;
+  const double below =
+      std::clamp((picture_.height - height) / 4, static_cast<double>(kBorder), free.height - kBorder - height);
+  const double bottom = lowest - below / pixels;
   const double near = static_cast<double>(camera.frustum_near);
   camera.frustum_center = 0;
   camera.frustum_bottom = static_cast<float>(bottom * near);

@@ -524,6 +524,16 @@ clips_manager:
         self.assertNotEqual((self.folder / "killed.png").read_bytes(), start.read_bytes())
         self.assertIn("robot1", self.cxlab("render", run, "--at", 1, "--camera", "robbot1", "--out", self.folder / "x.png", expect=3).stderr)
 
+    def test_a_picture_of_a_run_has_the_points_of_then(self):
+        run = self.folder / "run"
+        options = ["--until", 90, "--snapshot", "0,90", "--quiet", "--out", run]
+        if subprocess.run([CXLAB, "run", GAME, *map(str, options)], capture_output=True, cwd=self.folder, timeout=60).returncode == 5:
+            self.skipTest("no OpenGL here")
+        self.assertGreater(json.loads((run / "result.json").read_text())["teams"]["CYAN"]["points"], 0)
+        for at in (0, 90):
+            self.cxlab("render", run, "--at", at, "--camera", "top", "--size", "640x480", "--out", self.folder / "again.png")
+            self.assertEqual((self.folder / "again.png").read_bytes(), (run / f"snapshots/{at:07.2f}-top.png").read_bytes())
+
     def test_what_cannot_be_drawn_is_said(self):
         self.assertIn("--tier physics", self.cxlab("render", self.timed_game(2), "--at", 1, "--out", "x.png", expect=3).stderr)
         self.assertIn("--size", self.cxlab("render", GAME, "--at", 1, "--out", "x.png", "--size", "big", expect=2).stderr)

@@ -148,6 +148,50 @@ TEST_F(Rendering, ColumnsShowAllPartsOfAProduct) {
   }
 }
 
+TEST_F(Rendering, LegendHasProductsInTheirColoursAndCoversNothing) {
+  Legend legend;
+  legend.title = {{"12:34", {1, 1, 1}}, {"CYAN 30", {0, 1, 1}}};
+  legend.cards = {{Stack{1, {1, 2, 3}, 2}, {{{"1 C3"}, {"0:00-1:00"}}}, true},
+                  {Stack{3, {}, 1}, {{{"2 C0"}, {"0:00-1:00"}}}, false}};
+  auto renderer = std::move(*Renderer::create(small_floor(), world_->gate(), 640, 480));
+  for (const char* camera : {"field", "top", "follow-R1"}) {
+    const Picture& picture = **renderer->draw(world_->gate(), camera, legend);
+    const Overlay& overlay = renderer->overlay();
+    ASSERT_EQ(overlay.columns.size(), 2u) << camera;
+    const Box& box = overlay.columns[0].box;
+    const int layer = (box.height - 2) / 6;
+    const std::array<int, 3> base = pixel(picture, box.middle_x(), box.bottom + layer);
+    const std::array<int, 3> ring = pixel(picture, box.middle_x(), box.bottom + 1 + 4 * layer + layer / 2);
+    EXPECT_EQ(base, (std::array<int, 3>{217, 20, 20})) << camera;
+    EXPECT_EQ(ring, (std::array<int, 3>{255, 128, 13})) << camera;
+    ASSERT_EQ(overlay.ticks.size(), 1u);
+    EXPECT_TRUE(overlay.ticks[0].within(overlay.cards[1]));
+    const Box& tick = overlay.ticks[0];
+    EXPECT_GT(pixel(picture, tick.right() - 1, tick.top() - 1)[1], 200);
+
+    EXPECT_EQ(overlay.lines.size(), 6u);
+    ASSERT_EQ(overlay.cards.size(), 3u);
+    for (const Overlay::Line& line : overlay.lines) EXPECT_TRUE(line.box.within({0, 0, 640, 480})) << line.text.text;
+    EXPECT_FALSE(overlay.cards[1].overlaps(overlay.cards[2]));
+    for (const Overlay::Label& label : overlay.labels)
+      for (const Box& card : overlay.cards) {
+        EXPECT_FALSE(card.overlaps(label.box)) << camera << ' ' << label.name;
+        EXPECT_FALSE(card.overlaps(label.body)) << camera << ' ' << label.name;
+      }
+  }
+  ASSERT_TRUE(renderer->draw(world_->gate(), "R1", legend).ok());
+  EXPECT_TRUE(renderer->overlay().cards.empty()) << "what a robot sees has nothing written over it";
+}
+
+TEST_F(Rendering, LegendOfManyCardsLeavesHalfOfThePicture) {
+  Legend legend;
+  legend.title = {{"12:34", {1, 1, 1}}};
+  for (int i = 0; i < 60; ++i) legend.cards.push_back({Stack{1, {}, 1}, {{{"1 C0"}, {"0:00-1:00"}}}, false});
+  ASSERT_TRUE(renderer_->draw(world_->gate(), "field", legend).ok());
+  EXPECT_GT(renderer_->overlay().cards.size(), 6u);
+  for (const Box& card : renderer_->overlay().cards) EXPECT_GE(card.bottom, 120);
+}
+
 TEST_F(Rendering, CameraThatFollowsHasItsRobotInTheMiddle) {
   for (int tick = 0; tick < 100; ++tick) {
     world_->command_base(RobotId{0}, 0.5, 0.3, 1);

@@ -1,0 +1,138 @@
+#include "scenarios/rcll/board.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include "cx/journal/journal_reader.h"
+
+namespace cxlab::rcll {
+namespace {
+
+using Colour = sim::Legend::Colour;
+constexpr Colour kPlain{1, 1, 1}, kWaiting{0.65f, 0.65f, 0.65f}, kLate{1, 0.45f, 0.4f};
+constexpr std::array<Colour, 2> kTeamColours{{{0.2f, 0.95f, 1}, {1, 0.5f, 0.85f}}};
+
+std::string clock_text(double seconds) {
+  const long whole = std::lround(std::floor(seconds));
+  char text[32];
+  std::snprintf(text, sizeof text, "%ld:%02ld", whole / 60, whole % 60);
+  return text;
+}
+
+/// The opposite of `describe`.
+sim::Stack stack_of(std::string_view description) {
+  sim::Stack stack;
+  std::istringstream words{std::string(description)};
+  for (std::string word; words >> word;) {
+    if (const auto base = named<BaseColor>(word)) stack.base = static_cast<std::uint8_t>(*base);
+    if (const auto ring = named<RingColor>(word); ring && stack.rings.back() == 0)
+      stack.mount(sim::Part::kRing, static_cast<std::uint8_t>(*ring));
+    if (const auto cap = named<CapColor>(word)) stack.cap = static_cast<std::uint8_t>(*cap);
+  }
+  return stack;
+}
+
+double number(const RecordValue& data, std::string_view key) {
+  const RecordValue* found = data.find(key);
+  if (!found) return 0;
+  if (const auto* value = std::get_if<double>(&found->value)) return *value;
+  return static_cast<double>(data.integer(key));
+}
+
+bool holds(const RecordValue& data, std::string_view key) {
+  const RecordValue* found = data.find(key);
+  return found && found->value == decltype(found->value)(true);
+}
+
+void set_time(Board& board, const GameClock& clock, SimTime now) {
+  board.phase = to_string(clock.phase(now));
+  board.game_time = clock.game_time(now);
+}
+
+}  // namespace
+
+Board board_of(const Factory& game, SimTime now) {
+  const GameReferee& referee = game.referee();
+  Board board;
+  set_time(board, game.clock(), now);
+  board.teams = game.teams();
+  for (const Team team : kTeams) board.points[static_cast<std::size_t>(team)] = referee.score(team).total();
+  for (const OrderState& state : referee.orders()) {
+    if (!state.released) continue;
+    const Order& order = state.order;
+    board.orders.push_back({order.id, std::string(to_string(order.complexity)), stack_of(order.product),
+                            order.delivery_begin, order.delivery_end, order.quantity, state.delivered});
+  }
+  return board;
+}
+
+Expected<RecordedBoard> RecordedBoard::load(const GameClock& clock, std::vector<Team> teams,
+                                            const std::filesystem::path& journal) {
+  auto records = read_journal(journal, {RecordKind::kReferee});
+  if (!records) return records.error();
+  RecordedBoard board;
+  board.clock_ = clock;
+  board.teams_ = std::move(teams);
+  board.records_ = *std::move(records);
+  return board;
+}
+
+Board RecordedBoard::at(SimTime now) const {
+  GameClock clock = clock_;
+  Board board;
+  for (const JournalRecord& record : records_) {
+    if (record.t > now) continue;
+    const RecordValue& data = record.data;
+    const std::string_view event = data.text("event");
+    const auto team = named<Team>(data.text("team"));
+    if (event == "overtime" || event == "sudden death") {
+      clock.production_end = clock.at(number(data, "until"));
+    } else if (event == "phase" && data.text("phase") == to_string(Phase::kPostGame)) {
+      clock.production_end = record.t;
+    } else if (event == "score" && team) {
+      board.points[static_cast<std::size_t>(*team)] = data.integer("total");
+    } else if (event == "order") {
+      board.orders.push_back({static_cast<int>(data.integer("order")),
+                              std::string(data.text("complexity")),
+                              stack_of(data.text("product")),
+                              number(data, "begin"),
+                              number(data, "end"),
+                              static_cast<int>(data.integer("quantity")),
+                              {}});
+    } else if (event == "delivery" && team && holds(data, "correct")) {
+      const auto order = std::ranges::find(board.orders, data.integer("order"), &BoardOrder::id);
+      if (order != board.orders.end()) ++order->delivered[static_cast<std::size_t>(*team)];
+    }
+  }
+  std::ranges::stable_sort(board.orders, {}, &BoardOrder::id);
+  set_time(board, clock, now);
+  board.teams = teams_;
+  return board;
+}
+
+sim::Legend legend_of(const Board& board) {
+  sim::Legend legend;
+  legend.title.push_back({clock_text(board.game_time) + ' ' + board.phase, kPlain});
+  for (const Team team : kTeams) {
+    const auto index = static_cast<std::size_t>(team);
+    if (std::ranges::find(board.teams, team) == board.teams.end() && board.points[index] == 0) continue;
+    legend.title.push_back(
+        {std::string(to_string(team)) + ' ' + std::to_string(board.points[index]), kTeamColours[index]});
+  }
+  for (const BoardOrder& order : board.orders) {
+    const int delivered = std::ranges::max(order.delivered);
+    const bool done = delivered >= order.quantity;
+    const Colour colour = done || board.game_time < order.begin ? kWaiting
+                          : board.game_time > order.end         ? kLate
+                                                                : kPlain;
+    std::string name = std::to_string(order.id) + ' ' + order.complexity;
+    if (order.quantity > 1) name += ' ' + std::to_string(delivered) + '/' + std::to_string(order.quantity);
+    legend.cards.push_back(
+        {order.product, {{{name, colour}, {clock_text(order.begin) + '-' + clock_text(order.end), colour}}}, done});
+  }
+  return legend;
+}
+
+}  // namespace cxlab::rcll

@@ -1,0 +1,59 @@
+#pragma once
+// What pictures tell of a game: time, points, orders that have been published. Of a game that is played it is read from
+// the referee, of a recorded one from its journal.
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/journal/journal_record.h"
+#include "scenarios/rcll/clock.h"
+#include "scenarios/rcll/factory.h"
+#include "scenarios/rcll/types.h"
+#include "sim/mujoco/legend.h"
+
+namespace cxlab::rcll {
+
+struct BoardOrder {
+  int id = 0;
+  std::string complexity;
+  sim::Stack product;
+  double begin = 0, end = 0;  ///< s of production: the window
+  int quantity = 1;
+  std::array<int, 2> delivered{};  ///< by team
+  friend bool operator==(const BoardOrder&, const BoardOrder&) = default;
+};
+
+struct Board {
+  std::vector<Team> teams;  ///< that play
+  std::string phase;
+  double game_time = 0;  ///< s, of the phase
+  std::array<std::int64_t, 2> points{};
+  std::vector<BoardOrder> orders;
+  friend bool operator==(const Board&, const Board&) = default;
+};
+
+Board board_of(const Factory& game, SimTime now);
+
+class RecordedBoard {
+ public:
+  /// From the referee's records in a journal.
+  static Expected<RecordedBoard> load(const GameClock& clock, std::vector<Team> teams,
+                                      const std::filesystem::path& journal);
+  /// As it was at the end of that tick.
+  Board at(SimTime now) const;
+
+ private:
+  GameClock clock_;
+  std::vector<Team> teams_;
+  std::vector<JournalRecord> records_;
+};
+
+/// Time, phase and points, and a card for each order: its number, complexity and window beside its product. One that
+/// waits for its window is grey, one that is late is red; a tick is on one that a team has delivered.
+sim::Legend legend_of(const Board& board);
+
+}  // namespace cxlab::rcll

@@ -1,0 +1,76 @@
+#include "scenarios/rcll/board.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/support/game_story.h"
+
+namespace cxlab::rcll {
+namespace {
+
+using testing::ElementsAre;
+
+/// An order for a red base with a grey cap that is open from 100 s to 200 s.
+WorldConfig one_order(int quantity) {
+  WorldConfig config = GameStory::quiet_game();
+  config.orders[0].delivery_begin = 0;
+  config.orders[0].delivery_end = 200;
+  config.orders[0].quantity = quantity;
+  OrderConfig later;
+  later.complexity = "C3";
+  later.base_color = "BASE_SILVER";
+  later.ring_colors = {"RING_BLUE", "RING_ORANGE", "RING_YELLOW"};
+  later.cap_color = "CAP_BLACK";
+  later.activate_at = 10;
+  later.delivery_begin = 400;
+  later.delivery_end = 500;
+  config.orders.push_back(later);
+  return config;
+}
+
+/// What the cards say: name, window, ticked.
+std::vector<std::string> cards(const sim::Legend& legend) {
+  std::vector<std::string> out;
+  for (const auto& card : legend.cards)
+    out.push_back(card.lines[0].text + ", " + card.lines[1].text + (card.ticked ? ", done" : ""));
+  return out;
+}
+
+TEST(Board, TellsTimePointsAndPublishedOrders) {
+  GameStory story(one_order(2));
+  Board board = board_of(story.factory(), story.world().now());
+  EXPECT_THAT(cards(legend_of(board)), ElementsAre("1 C0 0/2, 0:00-3:20"));
+  story.run_until(12);
+  board = board_of(story.factory(), story.world().now());
+  EXPECT_THAT(cards(legend_of(board)), ElementsAre("1 C0 0/2, 0:00-3:20", "2 C3, 6:40-8:20"));
+  EXPECT_EQ(board.orders[1].product, (sim::Stack{3, {1, 3, 4}, 1}));
+  ASSERT_EQ(legend_of(board).title.size(), 2u);
+  EXPECT_EQ(legend_of(board).title[0].text, "0:12 PRODUCTION");
+  EXPECT_EQ(legend_of(board).title[1].text, "CYAN 0");
+}
+
+TEST(Board, TicksWhatHasBeenDelivered) {
+  GameStory story(one_order(1));
+  story.make_product("BASE_RED", "CS1");
+  story.put("C-DS-INPUT");
+  ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
+  const sim::Legend legend = legend_of(board_of(story.factory(), story.world().now()));
+  EXPECT_THAT(cards(legend), ElementsAre("1 C0, 0:00-3:20, done", "2 C3, 6:40-8:20"));
+  EXPECT_EQ(legend.title[1].text, "CYAN " + std::to_string(story.score().total()));
+  EXPECT_GT(story.score().total(), 0);
+}
+
+TEST(Board, ColoursSayWhetherTheWindowIsOpen) {
+  Board board{{Team::kCyan}, "PRODUCTION", 50, {}, {{1, "C0", {1, {}, 1}, 100, 200, 1, {}}}};
+  const auto before = legend_of(board).cards[0].lines[0].colour;
+  board.game_time = 150;
+  const auto open = legend_of(board).cards[0].lines[0].colour;
+  board.game_time = 201;
+  const auto late = legend_of(board).cards[0].lines[0].colour;
+  EXPECT_EQ(open, (sim::Legend::Colour{1, 1, 1}));
+  EXPECT_LT(before[0], 1);
+  EXPECT_LT(late[1], open[1]);
+  EXPECT_EQ(late[0], 1);
+}
+
+}  // namespace
+}  // namespace cxlab::rcll
