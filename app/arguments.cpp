@@ -36,6 +36,32 @@ CLI::Validator positive() {
           ""};
 }
 
+CLI::Validator between(double low, double high) {
+  return {[low, high](std::string& text) {
+            const auto value = finite_number(text);
+            if (value && *value >= low && *value <= high) return std::string();
+            return expected(text, "a number from ") + general_text(low, 6) + " to " + general_text(high, 6);
+          },
+          ""};
+}
+
+CLI::Validator picture_size() {
+  return {[](std::string& text) {
+            constexpr int kLeast = 16, kMost = 4096;
+            const auto fits = [](int pixels) { return pixels >= kLeast && pixels <= kMost; };
+            int width = 0, height = 0;
+            char rest = 0;
+            if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &rest) == 2 && fits(width) && fits(height))
+              return std::string();
+            return expected(text, "WIDTHxHEIGHT, each from 16 to 4096");
+          },
+          ""};
+}
+
+void read_size(const std::string& text, int& width, int& height) {
+  std::sscanf(text.c_str(), "%dx%d", &width, &height);
+}
+
 namespace {
 
 /// CLI11 gets the number in plain digits: it would read 010 as octal, and what is too large as the largest.

@@ -15,6 +15,14 @@ namespace cxlab::app {
 CLI::Validator not_negative();
 /// A number above 0.
 CLI::Validator positive();
+/// A number within these bounds.
+CLI::Validator between(double low, double high);
+/// Of `between`: how fast a film may be.
+inline constexpr double kSlowest = 0.01, kFastest = 10000;
+/// WIDTHxHEIGHT, px.
+CLI::Validator picture_size();
+/// What a text that `picture_size` has let through says.
+void read_size(const std::string& text, int& width, int& height);
 /// One of these words.
 CLI::Validator one_of(std::vector<std::string> words);
 /// The words of `one_of`, if the option takes only these.

@@ -24,7 +24,7 @@ namespace cxlab::app {
 namespace {
 
 std::atomic<int> g_signal = 0;
-std::atomic<bool> g_stop = false, g_stop_now = false;
+std::atomic<bool> g_stop = false, g_stop_now = false, g_completing = false;
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 Limits g_most;
 
@@ -66,6 +66,7 @@ void on_signal(int number) {
 }
 
 void on_alarm(int) {
+  if (g_completing) return ring_in(kToEndOfRules);
   if (!g_stop_now.exchange(true)) return ring_in(kToEndOfRules);
   constexpr char kMessage[] = "\nerror: stopped by a signal, in the middle of something that takes long\n";
   if (write(STDERR_FILENO, kMessage, sizeof kMessage - 1) < 0) _exit(static_cast<int>(ErrorKind::kResource));
@@ -209,7 +210,12 @@ lab::Host Console::host() {
     std::set_new_handler(on_no_memory);
     set_address_space(address_space() + static_cast<rlim_t>(g_most.memory) + kBesideRules);
   }
-  return {.log = this, .progress = this, .stop = &g_stop, .stop_now = &g_stop_now, .most = g_most};
+  return {.log = this,
+          .progress = this,
+          .stop = &g_stop,
+          .stop_now = &g_stop_now,
+          .completing = &g_completing,
+          .most = g_most};
 }
 
 void Console::progress(double done, double total) {

@@ -24,8 +24,8 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
   ~Console() override;
   /// Takes lines and progress here. From the first call on SIGINT and SIGTERM ask for a stop instead of ending the
   /// process: at the end of the tick; after 0.4 s in the middle of what rules do; after 0.9 s, or with a second signal,
-  /// the process ends wherever it is. And memory is limited: to `--memory` for rules, which end with their name; to 1
-  /// GB more for all else.
+  /// the process ends wherever it is, but completes a film. And memory is limited: to `--memory` for rules, which end
+  /// with their name; to 1 GB more for all else.
   lab::Host host();
 
   void progress(double done, double total) override;

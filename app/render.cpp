@@ -1,4 +1,4 @@
-// cxlab render: one picture, of a recorded run or of a scenario that is played up to then.
+// cxlab render: a picture or a film, of a recorded run or of a scenario that is played up to then.
 
 #include <algorithm>
 #include <cctype>
@@ -18,21 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options : lab::RenderOptions {
-  std::string what, size = "960x720";
+struct Options {
+  std::string what, size = "960x720", camera;
   std::optional<std::uint64_t> seed;
   std::vector<std::string> overrides;
+  lab::RenderOptions picture;
+  lab::FilmOptions film;
 };
-
-Status read_size(const std::string& text, lab::RenderOptions& options) {
-  char rest = 0;
-  constexpr int kLeast = 16, kMost = 4096;
-  const auto fits = [](int pixels) { return pixels >= kLeast && pixels <= kMost; };
-  if (std::sscanf(text.c_str(), "%dx%d%c", &options.width, &options.height, &rest) == 2 && fits(options.width) &&
-      fits(options.height))
-    return {};
-  return usage_error("--size: found '" + text + "', expected WIDTHxHEIGHT, each from 16 to 4096");
-}
 
 /// Pictures are PNG, whatever their name.
 Status check_name(const std::string& out) {
@@ -42,28 +34,44 @@ Status check_name(const std::string& out) {
   return usage_error("--out: found '" + out + "', expected a name that ends in .png");
 }
 
-Status draw(const Options& options, const lab::Host& host) {
-  if (fs::is_directory(options.what)) {
-    auto run = lab::RecordedRun::open(options.what, catalogue());
-    return run ? lab::render_run(*run, options) : Status(run.error());
-  }
+Expected<Scenario> load_scenario(const Options& options) {
   std::vector<Override> overrides(options.overrides.begin(), options.overrides.end());
   if (options.seed) overrides.emplace_back("seed=" + std::to_string(*options.seed), "--seed");
   const auto file = find_scenario(options.what);
   if (!file) return file.error();
-  auto scenario = Scenario::load(*file, catalogue(), overrides);
-  return scenario ? lab::render_scenario(*std::move(scenario), options, host) : Status(scenario.error());
+  return Scenario::load(*file, catalogue(), overrides);
+}
+
+Status draw(const Options& options, const lab::Host& host) {
+  const bool film = !options.film.video.file.empty();
+  if (fs::is_directory(options.what)) {
+    auto run = lab::RecordedRun::open(options.what, catalogue());
+    if (!run) return run.error();
+    return film ? lab::film_run(*run, options.film, host) : lab::render_run(*run, options.picture);
+  }
+  auto scenario = load_scenario(options);
+  if (!scenario) return scenario.error();
+  return film ? lab::film_scenario(*std::move(scenario), options.film, host)
+              : lab::render_scenario(*std::move(scenario), options.picture, host);
 }
 
 int render(Options options) {
-  if (Status s = read_size(options.size, options); !s) return fail(s.error());
-  if (Status s = check_name(options.out); !s) return fail(s.error());
+  lab::RenderOptions& picture = options.picture;
+  lab::VideoOptions& video = options.film.video;
+  const std::string out = video.file.empty() ? picture.out.string() : video.file;
+  if (out.empty()) return fail(usage_error("what is to be drawn is missing: --out PICTURE or --video FILM"));
+  if (Status s = check_name(picture.out.string()); !s) return fail(s.error());
+  read_size(options.size, picture.width, picture.height);
+  video.width = picture.width;
+  video.height = picture.height;
+  picture.camera = video.camera = options.camera;
   Console console(false);
   const Status drawn = draw(options, console.host());
   console.clear();
-  if (const int code = interrupted("there is no picture")) return code;
+  const std::string left = video.file.empty() ? "there is no picture" : video.file + " ends there";
+  if (const int code = interrupted(left)) return code;
   if (!drawn) return fail(drawn.error());
-  std::printf("%s\n", options.out.c_str());
+  std::printf("%s\n", out.c_str());
   return 0;
 }
 
@@ -71,26 +79,39 @@ int render(Options options) {
 
 void add_render(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("render", "Draws the world of a run or of a scenario at a time");
+  CLI::App* command = app.add_subcommand("render", "Draws the world of a run or of a scenario");
   add_limit_options(*command);
   suggest(command->add_option("what", options->what, "Folder of a run, or a scenario, which is played up to then"),
           scenario_names, true)
       ->required();
-  command
-      ->add_option("--at", options->at,
-                   "When, s of simulated time (of a run: default its end, or how far its log goes)")
-      ->check(not_negative());
-  command->add_option("--out", options->out, "The picture (PNG)")->required();
+  CLI::Option* out = command->add_option("--out", options->picture.out, "A picture (PNG)");
+  CLI::Option* at = command
+                        ->add_option("--at", options->picture.at,
+                                     "When, s of simulated time (of a run: default its end, or how far its log goes)")
+                        ->check(not_negative());
+  CLI::Option* film = command->add_option("--video", options->film.video.file, "A film, as film.mp4 (needs ffmpeg)")
+                          ->excludes(out)
+                          ->excludes(at);
+  command->add_option("--from", options->film.from, "Of a film: its beginning, s")->check(not_negative())->needs(film);
+  command->add_option("--to", options->film.to, "Of a film: its end, s (default that of the run)")
+      ->check(not_negative())
+      ->needs(film);
+  command->add_option("--speed", options->film.video.speed, "Of a film: seconds of simulated time in a second of it")
+      ->check(between(kSlowest, kFastest))
+      ->capture_default_str()
+      ->needs(film);
   command->add_option("--camera", options->camera,
                       "Of a factory: field (default), top, follow-robot1, robot1 (what it sees) or a machine (C-CS1); "
                       "of turtles: canvas");
   command->add_option("--size", options->size, "WIDTHxHEIGHT; a canvas of turtles is the largest square in it")
+      ->check(picture_size())
       ->capture_default_str();
   seed_number(command->add_option("--seed", options->seed, "Of a scenario: seed of all chance"));
   once_each(command->add_option("--set", options->overrides, "Of a scenario: changes a value, a.b[0].c=VALUE"));
   command->footer(
-      "Example:\n  cxlab render scenarios/rcll/game.yaml --at 60 --out field.png --camera top\n  cxlab render "
-      "scenarios/turtlesim/figures.yaml --at 40 --out figures.png --size 500x500");
+      "Examples:\n  cxlab render scenarios/rcll/game.yaml --at 60 --out field.png --camera top\n"
+      "  cxlab render runs/game-1 --video film.mp4 --from 30 --to 120 --speed 5 --camera follow-robot1\n"
+      "  cxlab render scenarios/turtlesim/figures.yaml --at 40 --out figures.png --size 500x500");
   command->callback([options, &action] { action = [options] { return render(*options); }; });
 }
 

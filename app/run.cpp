@@ -13,11 +13,12 @@ namespace cxlab::app {
 namespace {
 
 struct Options : PlayCommand {
-  std::string scenario, tier;
+  std::string scenario, tier, video_size = "960x720";
   std::vector<std::string> overrides;
 };
 
-int run(const Options& options) {
+int run(Options options) {
+  read_size(options.video_size, options.play.video.width, options.play.video.height);
   std::vector<Override> overrides(options.overrides.begin(), options.overrides.end());
   if (options.seed) overrides.emplace_back("seed=" + std::to_string(*options.seed), "--seed");
   if (!options.tier.empty()) overrides.emplace_back("tier=" + options.tier, "--tier " + options.tier);
@@ -51,7 +52,17 @@ void declare(CLI::App& command, Options& options) {
       ->check(one_of({"physics", "timed"}));
   once_each(command.add_option("--set", options.overrides, "Changes a value: a.b[0].c=VALUE (may be given often)"));
   command.add_option("--snapshot", options.play.snapshot, "Pictures: every:SECONDS or SECONDS,SECONDS,...");
-  command.add_option("--video", options.play.video, "Film of the game (needs ffmpeg)");
+  lab::VideoOptions& video = options.play.video;
+  CLI::Option* film = command.add_option("--video", video.file, "Film of the run, as film.mp4 (needs ffmpeg)");
+  command.add_option("--video-camera", video.camera, "As --camera of render")->needs(film);
+  command.add_option("--video-size", options.video_size, "WIDTHxHEIGHT")
+      ->check(picture_size())
+      ->capture_default_str()
+      ->needs(film);
+  command.add_option("--video-speed", video.speed, "Seconds of simulated time in a second of the film")
+      ->check(between(kSlowest, kFastest))
+      ->capture_default_str()
+      ->needs(film);
   declare_play(command, options);
 }
 
@@ -63,7 +74,8 @@ void add_run(CLI::App& app, Action& action) {
   command->footer(
       "Examples:\n  cxlab run scenarios/rcll/game.yaml --seed 7\n  cxlab run scenarios/rcll/game.yaml --tier timed "
       "--set world.team=MAGENTA\n"
-      "  cxlab run scenarios/rcll/game.yaml --snapshot every:300 --out /tmp/game");
+      "  cxlab run scenarios/rcll/game.yaml --snapshot every:300 --out /tmp/game\n"
+      "  cxlab run scenarios/rcll/game.yaml --until 300 --video game.mp4 --video-camera top --video-speed 10");
   declare(*command, *options);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

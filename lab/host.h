@@ -25,6 +25,7 @@ struct Host {
   ProgressSink* progress = nullptr;
   const std::atomic<bool>* stop = nullptr;      ///< once set, what is going on ends at its next tick
   const std::atomic<bool>* stop_now = nullptr;  ///< set later: rules that still act end in the middle of the tick
+  std::atomic<bool>* completing = nullptr;      ///< set while a file is completed, which a stop does not cut short
   Limits most{};                                ///< of the rules of an episode
 
   Limits limits() const {
@@ -33,6 +34,14 @@ struct Host {
     return limits;
   }
 
+  /// Does `work`, which completes a file.
+  template <class Work>
+  auto complete(Work work) const {
+    if (completing) *completing = true;
+    auto done = work();
+    if (completing) *completing = false;
+    return done;
+  }
   bool stopped() const { return stop && stop->load(std::memory_order_relaxed); }
   void show(double done, double total) const {
     if (progress) progress->progress(done, total);

@@ -11,7 +11,6 @@ namespace cxlab::lab {
 
 namespace {
 
-constexpr double kFramesPerSecond = 10;  // of simulated time; the film plays 20 times as fast
 constexpr int kWidth = 640, kHeight = 480;
 
 std::string seconds(double value) { return general_text(value, 6) + " s"; }
@@ -44,46 +43,25 @@ Expected<std::vector<double>> snapshot_times(const std::string& text, double end
 }
 
 Expected<std::unique_ptr<Pictures>> Pictures::create(Episode& episode, const std::filesystem::path& run_folder,
-                                                     std::vector<double> times, const std::string& video) {
+                                                     std::vector<double> times) {
   std::unique_ptr<Pictures> pictures(new Pictures);
-  if (times.empty() && video.empty()) return pictures;
+  if (times.empty()) return pictures;
   const auto none = [](const std::string& why) { return resource_error("no pictures: " + why); };
   auto view = view_of(episode.stage(), kWidth, kHeight);
   if (!view) return none(view.error().message);
-  if (!times.empty()) {
-    if (run_folder.empty()) return none("--snapshot needs the folder of a run, which --out none does not make");
-    pictures->folder_ = run_folder / "snapshots";
-    if (Status s = make_folder(pictures->folder_); !s) return s.error();
-    pictures->times_ = std::move(times);
-  }
-  if (!video.empty()) {
-    auto first = (*view)->draw((*view)->cameras().front());
-    if (!first) return first.error();
-    if (!is_on_path("ffmpeg")) return none("--video needs ffmpeg: apt-get install ffmpeg");
-    const std::string size = std::to_string((*first)->width) + 'x' + std::to_string((*first)->height);
-    ProcessOptions ffmpeg{.argv = {"ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s",
-                                   size, "-r", "200", "-i", "-", "-r", "25", "-pix_fmt", "yuv420p", video}};
-    ffmpeg.in = Stream::pipe();
-    auto film = Process::start(ffmpeg);
-    if (!film) return film.error();
-    pictures->film_ = *std::move(film);
-    pictures->video_ = video;
-  }
+  if (run_folder.empty()) return none("--snapshot needs the folder of a run, which --out none does not make");
+  pictures->folder_ = run_folder / "snapshots";
+  if (Status s = make_folder(pictures->folder_); !s) return s.error();
+  pictures->times_ = std::move(times);
   pictures->view_ = *std::move(view);
   return pictures;
 }
 
 Status Pictures::look(Episode& episode) {
-  if (!view_) return {};
   const double t = to_seconds(episode.now());
-  const bool picture_due = next_ < times_.size() && times_[next_] <= t;
-  const bool frame_due = film_ && next_frame_ <= t;
-  if (!picture_due && !frame_due) return {};
-  if (picture_due) {
-    while (next_ < times_.size() && times_[next_] <= t) ++next_;
-    if (Status s = snapshot(t); !s) return s;
-  }
-  return frame_due ? frame() : Status();
+  if (next_ == times_.size() || times_[next_] > t) return {};
+  while (next_ < times_.size() && times_[next_] <= t) ++next_;
+  return snapshot(t);
 }
 
 Status Pictures::snapshot(double t) {
@@ -98,25 +76,6 @@ Status Pictures::snapshot(double t) {
     std::snprintf(caption, sizeof caption, "%s at %.0f s", camera.c_str(), t);
     taken_.push_back({caption, file});
   }
-  return {};
-}
-
-Status Pictures::frame() {
-  next_frame_ += 1 / kFramesPerSecond;
-  auto picture = view_->draw(view_->cameras().front());
-  if (!picture) return picture.error();
-  const auto& rgb = (*picture)->rgb;
-  if (!film_->write({reinterpret_cast<const char*>(rgb.data()), rgb.size()}))
-    return resource_error("ffmpeg took no more pictures for " + video_);
-  return {};
-}
-
-Status Pictures::finish() {
-  if (!film_) return {};
-  film_->close_input();
-  const int code = film_->wait();
-  film_.reset();
-  if (code != 0) return resource_error("ffmpeg could not write " + video_);
   return {};
 }
 

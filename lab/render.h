@@ -1,5 +1,5 @@
 #pragma once
-// One picture of a world at a time.
+// One picture of a world at a time, or a film of a time span.
 
 #include <filesystem>
 #include <optional>
@@ -8,6 +8,7 @@
 #include "cx/base/expected.h"
 #include "lab/host.h"
 #include "lab/recorded_run.h"
+#include "lab/video.h"
 
 namespace cxlab::lab {
 
@@ -21,5 +22,15 @@ struct RenderOptions {
 Status render_run(const RecordedRun& run, const RenderOptions& options);
 /// Plays the scenario up to `at`, which must be given. Draws nothing after a stop by the host.
 Status render_scenario(Scenario scenario, const RenderOptions& options, const Host& host = {});
+
+/// A film from `from` to `to`, s; default the whole run. A stop by the host ends it earlier.
+struct FilmOptions {
+  VideoOptions video;
+  double from = 0;
+  std::optional<double> to;
+};
+Status film_run(const RecordedRun& run, const FilmOptions& options, const Host& host = {});
+/// Plays the scenario up to `to`.
+Status film_scenario(Scenario scenario, const FilmOptions& options, const Host& host = {});
 
 }  // namespace cxlab::lab

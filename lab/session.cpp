@@ -90,12 +90,18 @@ void wait_until(std::chrono::steady_clock::time_point then, const Host& host) {
     std::this_thread::sleep_until(std::min(then, now + kSlice));
 }
 
-Status play(Run& run) {
+/// A film from the episode's stage; none if none is asked for.
+Expected<std::unique_ptr<Video>> start_video(const Run& run) {
+  const VideoOptions& options = run.options.video;
+  if (options.file.empty()) return std::unique_ptr<Video>();
+  auto view = view_of(run.episode->stage(), options.width, options.height);
+  if (!view) return resource_error("no pictures: " + view.error().message);
+  return Video::create(options, *std::move(view));
+}
+
+Status play_ticks(Run& run, Pictures& pictures, Video* video) {
   Episode& episode = *run.episode;
   const double end = end_of(run);
-  auto pictures = Pictures::create(episode, run.folder, run.snapshots, run.options.video);
-  if (!pictures) return pictures.error();
-
   if (Status s = episode.start(); !s) return s;
   const auto wall_start = std::chrono::steady_clock::now();
   while (!episode.over() && !run.host.stopped() &&
@@ -104,16 +110,28 @@ Status play(Run& run) {
     const Status ticked = episode.tick();
     run.game.end();
     if (!ticked) return ticked;
-    if (Status s = (*pictures)->look(episode); !s) return s;
+    if (Status s = pictures.look(episode); !s) return s;
+    if (video)
+      if (Status s = video->look(to_seconds(episode.now())); !s) return s;
     run.host.show(to_seconds(episode.now()), end);
     if (!run.options.realtime) continue;
     run.game.begin();
     wait_until(wall_start + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()), run.host);
     run.game.end();
   }
-  if (Status s = (*pictures)->finish(); !s) return s;
-  run.played.pictures = (*pictures)->taken();
   return {};
+}
+
+Status play(Run& run) {
+  auto pictures = Pictures::create(*run.episode, run.folder, run.snapshots);
+  if (!pictures) return pictures.error();
+  auto video = start_video(run);
+  if (!video) return video.error();
+  const Status played = play_ticks(run, **pictures, video->get());
+  run.played.pictures = (*pictures)->taken();
+  if (!*video) return played;
+  const Status finished = run.host.complete([&] { return (*video)->finish(); });  // of a run that failed as well
+  return played ? finished : played;
 }
 
 RunStatus status_of(const Run& run, const Status& played) {

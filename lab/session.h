@@ -14,6 +14,7 @@
 #include "cx/base/expected.h"
 #include "lab/host.h"
 #include "lab/picture.h"
+#include "lab/video.h"
 #include "scenarios/episode.h"
 
 namespace cxlab::lab {
@@ -25,7 +26,7 @@ struct PlayOptions {
   std::string journal = "decisions";
   bool realtime = false;                   ///< sleeps between ticks
   std::string snapshot = {};               ///< "every:T" or "T,T,..."
-  std::string video = {};                  ///< MP4; needs ffmpeg
+  VideoOptions video = {};                 ///< needs ffmpeg
   std::vector<std::string> prefixes = {};  ///< whose packages are found, before the default ones
   bool keep_going = false;                 ///< errors in rule files are reported and the run goes on
   bool strict = false;                     ///< unknown parameters of the CX are errors

@@ -116,6 +116,8 @@ Box clipped(const Box& box, const Box& picture) {
   return width > 0 && height > 0 ? Box{left, bottom, width, height} : Box{};
 }
 
+double area(const Box& box) { return static_cast<double>(box.width) * box.height; }
+
 }  // namespace
 
 // --- where things are ------------------------------------------------------------------------------------------
@@ -238,8 +240,8 @@ void place_names(const OverlayInput& input, const Projection& projection, const 
   const int line = line_height(gl), lamp = std::max(3, line / 3);
   std::vector<LabelWish> wishes;
   const auto add = [&](const std::string& name, std::span<const Vec3> outline, std::optional<std::array<bool, 3>> lit) {
-    const Box body = clipped(projection.around(outline), free);
-    if (body.width == 0) return;
+    const Box whole = projection.around(outline), body = clipped(whole, free);
+    if (area(body) * 3 < area(whole) || body.width == 0) return;  // mostly out of sight
     overlay.labels.push_back({name, body, {}, lit});
     wishes.push_back({body, text_width(gl, name) + 2 * kMargin + (lit ? lamp + kMargin : 0), 3 * lamp + 4});
   };

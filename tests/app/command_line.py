@@ -181,27 +181,6 @@ class Output(Lab):
     def test_a_picture_that_cannot_be_made_is_code_5(self):
         self.agent("")
         self.fails(5, "no pictures: the world is empty", arguments=["--snapshot", "1"])
-        environment = os.environ | {"PATH": str(self.folder)}
-        done = cxlab("run", SOURCE / "scenarios/turtlesim/figures.yaml", "--video", "film.mp4", "--out", "none", "--quiet",
-                     "--until", 1, cwd=self.folder, env=environment)
-        self.assertEqual(done.returncode, 5)
-        self.assertEqual(done.stderr, "error: no pictures: --video needs ffmpeg: apt-get install ffmpeg\n")
-
-    def test_a_film_goes_through_ffmpeg(self):
-        program = self.write("ffmpeg", '#!/bin/sh\necho "$@" > arguments\ncat | wc -c > bytes\n')
-        program.chmod(0o755)
-        done = cxlab("run", SOURCE / "scenarios/turtlesim/figures.yaml", "--video", "a film's.mp4", "--out", "none", "--quiet",
-                     "--until", 1, "--set", "expect=[]", cwd=self.folder, env=os.environ | {"PATH": f"{self.folder}:{os.environ['PATH']}"})
-        self.assertEqual(done.returncode, 0, done.stderr)
-        arguments = (self.folder / "arguments").read_text()
-        self.assertIn("-s 480x480 ", arguments)
-        self.assertTrue(arguments.endswith("a film's.mp4\n"))
-        self.assertEqual(int((self.folder / "bytes").read_text()) % (480 * 480 * 3), 0)
-        program.write_text("#!/bin/sh\nexit 1\n")
-        done = cxlab("run", SOURCE / "scenarios/turtlesim/figures.yaml", "--video", "film.mp4", "--out", "none", "--quiet",
-                     cwd=self.folder, env=os.environ | {"PATH": f"{self.folder}:{os.environ['PATH']}"})
-        self.assertEqual(done.returncode, 5)
-        self.assertIn("ffmpeg", done.stderr)
 
 
 class Interfaces(Lab):

@@ -526,13 +526,12 @@ clips_manager:
 
     def test_a_picture_of_a_run_has_the_points_of_then(self):
         run = self.folder / "run"
-        options = ["--until", 90, "--snapshot", "0,90", "--quiet", "--out", run]
+        options = ["--until", 90, "--snapshot", 90, "--quiet", "--out", run]
         if subprocess.run([CXLAB, "run", GAME, *map(str, options)], capture_output=True, cwd=self.folder, timeout=60).returncode == 5:
             self.skipTest("no OpenGL here")
         self.assertGreater(json.loads((run / "result.json").read_text())["teams"]["CYAN"]["points"], 0)
-        for at in (0, 90):
-            self.cxlab("render", run, "--at", at, "--camera", "top", "--size", "640x480", "--out", self.folder / "again.png")
-            self.assertEqual((self.folder / "again.png").read_bytes(), (run / f"snapshots/{at:07.2f}-top.png").read_bytes())
+        self.cxlab("render", run, "--at", 90, "--camera", "top", "--size", "640x480", "--out", self.folder / "again.png")
+        self.assertTrue((self.folder / "again.png").read_bytes() == (run / "snapshots/0090.00-top.png").read_bytes())
 
     def test_what_cannot_be_drawn_is_said(self):
         self.assertIn("--tier physics", self.cxlab("render", self.timed_game(2), "--at", 1, "--out", "x.png", expect=3).stderr)
