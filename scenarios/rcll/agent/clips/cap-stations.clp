@@ -4,12 +4,13 @@
 (defglobal ?*REFILL* = 25.0)  ; s until an empty shelf is full again
 
 (defrule station-fetch-carrier
-  "An empty cap station: put the carrier of its first full shelf slot on its belt."
+  "An empty cap station, whose product has left or has its robot: put the carrier of the first full shelf slot on its belt."
   (game (phase PRODUCTION))
   ?station <- (cap-station (name ?name) (phase EMPTY))
   ?shelf <- (shelf (machine ?name) (spot ?spot) (state FULL))
   (not (shelf (machine ?name) (state FULL) (spot ?other&:(< (str-compare ?other ?spot) 0))))
-  (not (product (at ?name) (state ~MOVING)))
+  (not (and (product (at ?name) (state ~MOVING) (job ?fetch))
+            (not (job (id ?fetch) (robot ~"")))))
   (not (job (purpose BUFFER) (station ?name)))
   =>
   (modify ?station (phase BUFFERING))
@@ -25,22 +26,30 @@
   (retract ?held))
 
 (defrule station-retrieve-cap
-  "The carrier lies on the belt: have its cap taken."
+  "The carrier lies on the belt: have its cap taken. Then the bare base will be a payment (payments.clp), or in the way."
   ?job <- (job (id ?id) (purpose BUFFER) (step DONE) (robot "") (station ?name))
   ?station <- (cap-station (name ?name) (phase EMPTY|BUFFERING))
   =>
   (retract ?job)
   (modify ?station (phase BUFFERING))
-  (assert (instruction (id ?id) (machine ?name) (operation "RETRIEVE_CAP"))))
+  (assert (instruction (id ?id) (machine ?name) (operation "RETRIEVE_CAP")))
+  (assert (clear-base ?name)))
 
 (defrule station-cap-retrieved
-  "The cap is in, the bare base at the output: it is a payment (payments.clp), or in the way."
+  "The cap is in, the bare base at the output."
   ?instruction <- (instruction (machine ?name) (operation "RETRIEVE_CAP") (state SUCCEEDED))
   ?station <- (cap-station (name ?name) (phase BUFFERING))
   =>
   (retract ?instruction)
-  (modify ?station (phase CLEARING))
-  (assert (clear-base ?name)))
+  (modify ?station (phase CLEARING)))
+
+(defrule station-clear
+  "The bare base lies at the output: a robot may take it."
+  (cap-station (name ?name) (phase CLEARING))
+  (job (id ?id) (purpose CLEAR) (station ?name))
+  ?held <- (held-up (job ?id) (step FETCH))
+  =>
+  (retract ?held))
 
 (defrule station-cleared
   "The bare base has left: the station waits for a base."
@@ -58,7 +67,9 @@
   =>
   (printout warn "RETRIEVE_CAP at " ?name " failed: " ?error crlf)
   (retract ?instruction)
-  (modify ?station (phase EMPTY)))
+  (modify ?station (phase EMPTY))
+  (do-for-fact ((?j job)) (and (eq ?j:purpose CLEAR) (eq ?j:station ?name) (neq ?j:step GIVEN-UP))
+    (assert (trouble (job ?j:id) (kind GONE)))))
 
 (defrule station-broken
   "It broke down by itself, and its cap and what lay on it are gone: it begins anew."

@@ -2,7 +2,7 @@
 
 (defglobal ?*PRODUCTS* = 3)         ; made at once
 (defglobal ?*GAME* = 1200.0)        ; s of production
-(defglobal ?*C0-TIME* = 150.0)      ; from the start to the delivery, s
+(defglobal ?*C0-TIME* = 120.0)      ; from the start to the delivery, s
 (defglobal ?*RING-TIME* = 80.0)     ; longer for each ring, s
 (defglobal ?*EARLY* = 60.0)         ; so long a product may lie about before its window, s
 
@@ -47,12 +47,18 @@
      then (return (create$))))
   ?machines)
 
+(deffunction has-cap (?station)
+  "Whether the cap of a cap station is in, or a robot is there to take away the bare base."
+  (or (any-factp ((?s cap-station)) (and (eq ?s:name ?station) (eq ?s:phase LOADED)))
+      (any-factp ((?j job)) (and (eq ?j:purpose CLEAR) (eq ?j:station ?station) (neq ?j:robot "")
+                                 (or (eq ?j:step GO-FETCH) (eq ?j:step FETCH))))))
+
 (deffunction can-begin (?via)
   "Whether the first of these machines could take a base now, and no product is about to go there."
   (bind ?first (nth$ 1 ?via))
   (not (or (eq ?via (create$))
            (any-factp ((?p product)) (member$ ?first (create$ ?p:keeps (first$ ?p:via))))
-           (any-factp ((?s cap-station)) (and (eq ?s:name ?first) (neq ?s:phase LOADED))))))
+           (and (any-factp ((?s cap-station)) (eq ?s:name ?first)) (not (has-cap ?first))))))
 
 (deffunction works-for (?rings ?cap)
   (create$ ?rings ?cap "DELIVER"))

@@ -26,7 +26,7 @@
   (not (slide (loaded ?l1) (coming ?c1&:(< (+ ?l1 ?c1) 3)) (wanted ?w1&:(> (- ?w1 ?l1 ?c1) (- ?w ?l ?c)))))
   =>
   (retract ?clear)
-  (pay ?slide 2 (str-cat ?name "-OUTPUT")))
+  (hold-up (pay ?slide 2 (str-cat ?name "-OUTPUT")) FETCH))
 
 (defrule payment-no-room
   "All slides are full: the delivery station takes the bare base as order 0."
@@ -35,7 +35,7 @@
   (machine (name ?delivery) (kind DS))
   =>
   (retract ?clear)
-  (hold-up (create-job CLEAR 2 0 (str-cat ?name "-OUTPUT") (str-cat ?delivery "-INPUT")) GO-PUT))
+  (hold-up (create-job CLEAR 2 0 (str-cat ?name "-OUTPUT") (str-cat ?delivery "-INPUT")) FETCH GO-PUT))
 
 (defrule payment-wanted
   "Payments are missing, and no bare base is at hand: fetch one from the base station."

@@ -30,9 +30,10 @@
   (move-product (modify ?product (keeps ?keeps ?next)) 3 ?next PUT))
 
 (defrule product-to-cap-station
-  "The cap station is free, and its cap is in."
+  "The cap station is free, and its cap is in, or a robot is there to take away the bare base."
   ?product <- (product (order ?id) (via ?next $?) (keeps $?keeps) (job 0) (state READY|WORKING))
-  (cap-station (name ?next) (phase LOADED))
+  (or (cap-station (name ?next) (phase LOADED))
+      (job (purpose CLEAR) (station ?next) (robot ~"") (step GO-FETCH|FETCH)))
   (not (product (order ~?id) (keeps $? ?next $?)))
   =>
   (move-product (modify ?product (keeps ?keeps ?next)) 3 ?next PUT))

@@ -181,6 +181,7 @@
    is needed."
   ?job <- (job (purpose MOVE) (id ?id) (to ?to) (step PUT) (moving NO) (robot ?robot&~""))
   (cap-station (name ?name&:(eq ?to (input-of ?name))) (phase EMPTY|BUFFERING))
+  (not (job (purpose CLEAR) (station ?name) (robot ~"")))
   (team (size ?size&:(< ?size 3)))
   (machine (name ?delivery) (kind DS))
   =>
