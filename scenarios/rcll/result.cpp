@@ -68,10 +68,15 @@ void report_game(const Factory& factory, Result& result) {
         if (factory.teams().size() > 1) orders.back()["team"] = to_string(team);
       }
   for (const Delivery& d : game.deliveries()) deliveries.push_back(delivery_json(d));
-  if (!orders.empty())
-    result.score_board += line("%ld of %zu orders delivered\n",
-                               static_cast<long>(std::ranges::count(game.deliveries(), true, &Delivery::correct)),
-                               orders.size() / factory.teams().size());
+  if (!orders.empty()) {
+    for (const Team team : factory.teams()) {
+      const auto counts = [&](const Delivery& d) { return d.correct && d.team == team; };
+      if (factory.teams().size() > 1) result.score_board += std::string(to_string(team)) + ": ";
+      result.score_board +=
+          line("%ld of %zu orders delivered\n", static_cast<long>(std::ranges::count_if(game.deliveries(), counts)),
+               orders.size() / factory.teams().size());
+    }
+  }
   result.set("teams", teams.dump());
   result.set("orders", orders.dump());
   result.set("deliveries", deliveries.dump());
