@@ -113,7 +113,7 @@ Status Factory::judge(SimTime now) {
 
   if (order_info_.due(now, referee_.order_changes() != published_order_changes_)) publish_orders();
   published_order_changes_ = referee_.order_changes();
-  const std::array points{referee_.score(Team::kCyan).total(), referee_.score(Team::kMagenta).total()};
+  const std::array points{referee_.score(Team::kCyan).published(), referee_.score(Team::kMagenta).published()};
   if (game_state_.due(now, points != published_points_ || referee_.phase() != published_phase_))
     publish_game_state(now);
   published_points_ = points;
@@ -177,8 +177,8 @@ void Factory::publish_game_state(SimTime now) {
   bus::Message message = game_state_.message();
   message->set("game_time", context_.clock.game_time(now)).set("state", "RUNNING");
   message->set("phase", to_string(context_.clock.phase(now)));
-  message->set("points_cyan", referee_.score(Team::kCyan).total());
-  message->set("points_magenta", referee_.score(Team::kMagenta).total());
+  message->set("points_cyan", referee_.score(Team::kCyan).published());
+  message->set("points_magenta", referee_.score(Team::kMagenta).published());
   for (const auto& channel : channels_)
     message->set(channel->team() == Team::kCyan ? "team_cyan" : "team_magenta", to_string(channel->team()));
   message->set("field_height", kRows).set("field_width", kColumns).set("field_mirrored", true);

@@ -73,7 +73,7 @@ void GameReferee::take_report(Team team, const MachineReport& entry, SimTime now
 }
 
 void GameReferee::prolong(SimTime now) {
-  const std::int64_t cyan = score(Team::kCyan).total(), magenta = score(Team::kMagenta).total();
+  const std::int64_t cyan = score(Team::kCyan).published(), magenta = score(Team::kMagenta).published();
   if (sudden_death_ && cyan != magenta) clock_.production_end = now;
   if (now < clock_.production_end || cyan != magenta || clock_.overtime == SimTime::zero()) return;
   if (in_overtime_ ? (sudden_death_ || !rules_.sudden_death) : (cyan == 0 && !rules_.overtime_at_nil)) return;

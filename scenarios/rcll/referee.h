@@ -1,6 +1,7 @@
 #pragma once
 // The referee: looks at what the machines did and at every piece, releases orders, judges deliveries, keeps the score.
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -39,6 +40,8 @@ struct Score {
   std::array<std::int64_t, kPointKinds> by_kind{};
   std::int64_t of(PointKind kind) const { return by_kind[static_cast<std::size_t>(kind)]; }
   std::int64_t total() const;
+  /// What the referee box publishes: never below 0.
+  std::int64_t published() const { return std::max<std::int64_t>(0, total()); }
 };
 
 /// One product that came through a gate for an order.

@@ -49,6 +49,15 @@ std::span<const Row> game_rows() {
         points
         belt M-CS1 BASE_RED)",
        kBox},
+      {"points: the league publishes none below 0",
+       R"(production 100
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0
+        points penalty -5
+        wait 1.1
+        message /game_state /points_cyan 0
+        until 100
+        message /game_state /phase "PRODUCTION")",
+       kBox},
       {"overtime: none when one team leads",
        R"(production 100
         lay BASE_RED CAP_GREY at C-DS-INPUT
