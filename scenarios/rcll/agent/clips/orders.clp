@@ -1,6 +1,5 @@
 ; Which order is begun next: the one that earns most for each robot's job that it costs.
 
-(defglobal ?*PRODUCTS* = 3)         ; made at once
 (defglobal ?*GAME* = 1200.0)        ; s of production
 (defglobal ?*C0-TIME* = 120.0)      ; from the start to the delivery, s
 (defglobal ?*RING-TIME* = 80.0)     ; longer for each ring, s
@@ -76,14 +75,15 @@
   (next-choice 0.0))
 
 (defrule order-choose
-  "Once a second, if there is a place among the products: have the best order made."
+  "Once a second, if there are fewer products than robots: have the best order made."
   ?choice <- (next-choice ?at)
   (game (phase PRODUCTION) (begin ?zero))
+  (team (size ?robots))
   (time ?now&:(>= ?now ?at))
   =>
   (retract ?choice)
   (assert (next-choice (+ ?now 1.0)))
-  (if (< (length$ (find-all-facts ((?p product)) TRUE)) ?*PRODUCTS*) then (assert (chosen (best-order (- ?now ?zero))))))
+  (if (< (length$ (find-all-facts ((?p product)) TRUE)) ?robots) then (assert (chosen (best-order (- ?now ?zero))))))
 
 (defrule order-choose-none
   ?chosen <- (chosen 0)
