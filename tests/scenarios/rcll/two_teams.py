@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+"""Plays the shipped game of two teams in the timed tier: both teams score, the same run comes again, its replay is the same.
+
+    two_teams.py PROGRAM SCENARIO
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM, SCENARIO = sys.argv[1:3]
+LEAST_POINTS = 250
+LEAST_SHARE_AT_WORK = 0.6
+
+
+class TwoTeams(unittest.TestCase):
+    def play(self, folder, *arguments):
+        done = subprocess.run([PROGRAM, "run", SCENARIO, "--tier", "timed", "--quiet", "--out", folder, *arguments],
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads((folder / "result.json").read_text()), done.stdout
+
+    def test_a_game(self):
+        with tempfile.TemporaryDirectory(prefix="cxlab-two-teams-") as folder:
+            first, said = self.play(pathlib.Path(folder) / "first")
+            second, _ = self.play(pathlib.Path(folder) / "second")
+            self.assertEqual(first["journal_hash"], second["journal_hash"])
+            replayed = subprocess.run([PROGRAM, "replay", pathlib.Path(folder) / "first"], capture_output=True, text=True)
+            self.assertEqual(replayed.returncode, 0, replayed.stderr)
+        for team in ("CYAN", "MAGENTA"):
+            self.assertGreaterEqual(first["teams"][team]["points"], LEAST_POINTS, team)
+            orders = [order for order in first["orders"] if order["team"] == team]
+            self.assertEqual([order["id"] for order in orders], list(range(1, 11)), team)
+            delivered = sum(order["correct"] for order in orders)
+            self.assertGreater(delivered, 3, team)
+            self.assertIn(f"{team}: {delivered} of 10 orders delivered", said)
+        # Each robot served its own team: whoever crossed over would have been refused.
+        for robot in first["robots"]:
+            self.assertEqual(robot["contacts"], 0, robot)
+            self.assertGreater(robot["busy_s"], LEAST_SHARE_AT_WORK * first["sim_time_s"], robot)
+        competitive = sorted(team["by_kind"]["competitive"] for team in first["teams"].values())
+        self.assertIn(competitive, ([0, 0], [0, 10], [-10, 10]))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
