@@ -71,10 +71,9 @@ Fault read_fault(const yaml::Value& value) {
   if (takes(*word, "robot")) map.read("robot", fault.robot);
   if (takes(*word, "machine")) map.read("machine", fault.machine);
   if (takes(*word, "skill")) {
-    using sim::SkillKind;
-    map.read_word("skill", fault.skill,
-                  {std::string(to_string(SkillKind::kDriveTo)), std::string(to_string(SkillKind::kPick)),
-                   std::string(to_string(SkillKind::kPlace))});
+    std::vector<std::string> skills;
+    for (const sim::SkillWord& skill : sim::skill_words()) skills.emplace_back(skill.name);
+    map.read_word("skill", fault.skill, skills);
   }
   if (takes(*word, "error")) read_error(map, fault);
   if (takes(*word, "after_s")) map.read_seconds("after_s", fault.after);

@@ -12,7 +12,8 @@ SkillCode code_of(const Fault& fault, SkillKind skill) {
   switch (skill) {
     case SkillKind::kDriveTo: return SkillCode::kUnableToMove;
     case SkillKind::kPick: return SkillCode::kGraspFailed;
-    case SkillKind::kPlace: return SkillCode::kSensorDisagreement;
+    case SkillKind::kPlace:
+    case SkillKind::kDiscard: return SkillCode::kSensorDisagreement;
   }
   return SkillCode::kInternal;
 }

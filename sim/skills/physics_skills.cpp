@@ -61,10 +61,16 @@ void PhysicsSkills::start(const SkillGoal& goal, SimTime now) {
   started_ = now;
   tries_ = 0;
   piece_.reset();
-  spot_ = goal.kind == SkillKind::kDriveTo ? nullptr : &world_.plan().spot(*goal.spot);
+  spot_ = nullptr;
   std::optional<Segment> work;
-  if (spot_) work = spot_->footprint();
-  traffic_.request(robot_, goal.pose, work, now);
+  if (goal.kind == SkillKind::kDiscard) {
+    goal_.pose = facing_free_floor(world_.plan(), goal.target.empty() ? world_.robot(robot_).pose_in_world : goal.pose);
+    work = Segment{goal_.pose.position(), goal_.pose.position()};
+  } else if (goal.kind != SkillKind::kDriveTo) {
+    spot_ = &world_.plan().spot(*goal.spot);
+    work = spot_->footprint();
+  }
+  traffic_.request(robot_, goal_.pose, work, now);
   enter(SkillPhase::kDrive, now);
 }
 
@@ -111,6 +117,7 @@ Vec3 PhysicsSkills::reach_axes(const Pose2& robot, double above) const {
 }
 
 Vec3 PhysicsSkills::approach_axes(const Pose2& robot) const {
+  if (!spot_) return {kRobot.forward_stroke, 0, kRobot.up_stroke};
   if (goal_.kind == SkillKind::kPick) return reach_axes(robot, kAboveGrip);
   Vec3 axes = reach_axes(robot, 0);
   axes.z() = kRobot.up_stroke;
@@ -122,14 +129,14 @@ double PhysicsSkills::lowest() const {
   return spot_->kind == SpotKind::kSlide ? kAboveSlide : kAbovePut;
 }
 
-/// Why pick or place cannot begin.
+/// Why a skill that handles a piece cannot begin.
 std::optional<SkillCode> PhysicsSkills::obstacle() const {
   if (goal_.kind == SkillKind::kPick) {
     if (state_.held) return SkillCode::kGripperFull;
     if (!world_.at(*goal_.spot)) return SkillCode::kNoWorkpiece;
   } else {
     if (!state_.held) return SkillCode::kGripperEmpty;
-    if (occupied()) return SkillCode::kOccupied;
+    if (spot_ && occupied()) return SkillCode::kOccupied;
   }
   return std::nullopt;
 }
@@ -180,7 +187,7 @@ std::optional<SkillResult> PhysicsSkills::sense_drive(SimTime now) {
         const Vec3 held = inverse_transform(state_.pose_in_world, world_.find(*piece_)->position_in_world);
         carried_offset_ = held - kHome - state_.gripper;
       }
-      enter(SkillPhase::kAlign, now);
+      enter(spot_ ? SkillPhase::kAlign : SkillPhase::kApproach, now);
       return std::nullopt;
     }
     const bool there = base_at(goal_.pose, kArrivedAt, kArrivedYaw) && speed_of(state_) < kStill;
@@ -201,7 +208,7 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
   const bool picks = goal_.kind == SkillKind::kPick;
   switch (phase_) {
     case SkillPhase::kAlign:
-      if (base_at(spot_->align_in_world, kAlignedAt, kAlignedYaw))
+      if (base_at(goal_.pose, kAlignedAt, kAlignedYaw))
         enter(SkillPhase::kLook, now);
       else if (late)
         return give_up(SkillCode::kUnableToMove, now);
@@ -210,9 +217,9 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
       if (now - entered_ >= kLookTime) enter(SkillPhase::kApproach, now);
       return std::nullopt;
     case SkillPhase::kApproach:
-      if (base_at(spot_->work_in_world, kAtWork, kAlignedYaw) && speed_of(state_) < kStill &&
+      if (base_at(work_pose(), kAtWork, kAlignedYaw) && speed_of(state_) < kStill &&
           gripper_at(approach_axes(state_.pose_in_world)))
-        enter(SkillPhase::kLower, now);
+        enter(spot_ ? SkillPhase::kLower : SkillPhase::kRelease, now);
       else if (late)
         return give_up(SkillCode::kUnableToMove, now);
       return std::nullopt;
@@ -241,7 +248,7 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
         enter(SkillPhase::kBackOff, now);
       return std::nullopt;
     case SkillPhase::kBackOff:
-      if (base_at(spot_->align_in_world, kBackedOff, kArrivedYaw) && state_.gripper.x() < kWithinHull) {
+      if (base_at(goal_.pose, kBackedOff, kArrivedYaw) && state_.gripper.x() < kWithinHull) {
         if (failure_ != SkillCode::kNone) return end(failure_, now);
         enter(SkillPhase::kCheck, now);
       } else if (late) {
@@ -258,8 +265,10 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
 /// Backed off: is the piece where it should be?
 std::optional<SkillResult> PhysicsSkills::verify(SimTime now) {
   if (goal_.kind == SkillKind::kPick) return end(state_.held ? SkillCode::kNone : SkillCode::kGraspFailed, now);
-  // A machine may have taken it on already.
   const Piece* piece = world_.find(*piece_);
+  if (goal_.kind == SkillKind::kDiscard)
+    return end(piece && piece->holder == Holder::kGripper ? SkillCode::kSensorDisagreement : SkillCode::kNone, now);
+  // A machine may have taken it on already.
   const bool placed = !piece || (piece->holder != Holder::kGripper && piece->holder != Holder::kFloor);
   return end(placed ? SkillCode::kNone : SkillCode::kSensorDisagreement, now);
 }
@@ -325,10 +334,10 @@ void PhysicsSkills::act(SimTime now) {
     case SkillPhase::kApproach: {
       const bool aligned = phase_ == SkillPhase::kApproach;
       if (picks) move_fingers(kOpen);
-      steer_to(aligned ? spot_->work_in_world : spot_->align_in_world, kFineSpeed);
+      steer_to(aligned ? work_pose() : goal_.pose, kFineSpeed);
       // While the base still drives, the arm goes to where it will be needed.
-      const bool close = aligned && base_at(spot_->work_in_world, kAtWork, kAlignedYaw);
-      move_gripper(approach_axes(close ? state_.pose_in_world : spot_->work_in_world));
+      const bool close = aligned && base_at(work_pose(), kAtWork, kAlignedYaw);
+      move_gripper(approach_axes(close ? state_.pose_in_world : work_pose()));
       break;
     }
     case SkillPhase::kLower:
@@ -354,7 +363,7 @@ void PhysicsSkills::act(SimTime now) {
           state_.gripper.z() >= kLifted || (fingers_goal_ == kOpen && state_.finger_opening >= kOpenEnough);
       move_gripper({clear ? 0 : gripper_goal_.x(), clear ? 0 : gripper_goal_.y(), kRobot.up_stroke});
       if (clear)
-        steer_to(spot_->align_in_world, kFineSpeed);
+        steer_to(goal_.pose, kFineSpeed);
       else
         hold_still();
       break;

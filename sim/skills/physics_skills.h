@@ -36,6 +36,8 @@ class PhysicsSkills final : public RobotSkills {
 
   bool base_at(const Pose2& pose, double along, double yaw) const;
   bool gripper_at(const Vec3& axes) const;
+  /// Where the robot handles the piece.
+  const Pose2& work_pose() const { return spot_ ? spot_->work_in_world : goal_.pose; }
   /// Axes that bring the underside of a held piece to that point of the world, seen from where the robot is.
   Vec3 axes_for(const Vec3& point_in_world, const Pose2& robot_in_world) const;
   /// Where the piece is to be gripped, or put so that it comes to rest on the spot.

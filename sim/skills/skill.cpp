@@ -1,11 +1,21 @@
 #include "sim/skills/skill.h"
 
+#include <algorithm>
+#include <numbers>
+
+#include "sim/geometry.h"
+
 namespace cxlab::sim {
 
-std::string_view to_string(SkillKind kind) {
-  constexpr std::string_view kNames[]{"drive_to", "pick", "place"};
-  return kNames[static_cast<std::size_t>(kind)];
+std::span<const SkillWord> skill_words() {
+  static constexpr SkillWord kWords[]{{SkillKind::kDriveTo, "drive_to", "cxlab_skills/action/DriveTo"},
+                                      {SkillKind::kPick, "pick", "cxlab_skills/action/Pick"},
+                                      {SkillKind::kPlace, "place", "cxlab_skills/action/Place"},
+                                      {SkillKind::kDiscard, "discard", "cxlab_skills/action/Discard"}};
+  return kWords;
 }
+
+std::string_view to_string(SkillKind kind) { return skill_words()[static_cast<std::size_t>(kind)].name; }
 
 std::string_view to_string(SkillCode code) {
   switch (code) {
@@ -28,6 +38,25 @@ std::string_view to_string(SkillPhase phase) {
   constexpr std::string_view kNames[]{"wait",    "drive", "align",    "look",  "approach", "lower", "grip",
                                       "release", "lift",  "back_off", "check", "handle",   "stop"};
   return kNames[static_cast<std::size_t>(phase)];
+}
+
+Pose2 facing_free_floor(const FloorPlan& plan, const Pose2& place) {
+  constexpr double kRoom = 0.30;  // m: a piece that falls from the gripper bounces and rolls
+  constexpr int kTurns = 36;
+  const auto room = [&](const Pose2& pose) {
+    const Vec3 below = transform(pose, {kRobot.home_forward + kRobot.forward_stroke, 0, 0});
+    const Vec2 at = below.head<2>();
+    return std::min(
+        {plan.clearance(at), at.x() - plan.min_x, plan.max_x - at.x(), at.y() - plan.min_y, plan.max_y - at.y()});
+  };
+  Pose2 best = place;
+  for (int i = 0; i <= kTurns; ++i) {
+    const double turn = (i % 2 == 0 ? 1 : -1) * ((i + 1) / 2) * 2 * std::numbers::pi / kTurns;
+    const Pose2 turned{place.x, place.y, wrap_angle(place.yaw + turn)};
+    if (room(turned) >= kRoom) return turned;
+    if (room(turned) > room(best)) best = turned;
+  }
+  return best;
 }
 
 }  // namespace cxlab::sim

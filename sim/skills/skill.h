@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -11,8 +12,14 @@
 
 namespace cxlab::sim {
 
-enum class SkillKind : std::uint8_t { kDriveTo, kPick, kPlace };
+enum class SkillKind : std::uint8_t { kDriveTo, kPick, kPlace, kDiscard };
 std::string_view to_string(SkillKind kind);  ///< "drive_to" ...
+/// One skill: the name of its action on a robot, and the type in the package cxlab_skills.
+struct SkillWord {
+  SkillKind kind{};
+  std::string_view name, type;
+};
+std::span<const SkillWord> skill_words();
 
 /// Error codes of the league's AgentTask.
 enum class SkillCode : std::uint16_t {
@@ -42,7 +49,7 @@ enum class SkillPhase : std::uint8_t {
   kGrip,
   kRelease,
   kLift,
-  kBackOff,  ///< to 0.5 m from the face, gripper home
+  kBackOff,  ///< to 0.5 m from the face (not a discard), gripper home
   kCheck,    ///< looks whether the piece is where it should be
   kHandle,   ///< timed tier: all between align and back off
   kStop,     ///< cancelled: until the robot stands and its gripper is home
@@ -52,9 +59,13 @@ std::string_view to_string(SkillPhase phase);  ///< "wait" ...
 struct SkillGoal {
   SkillKind kind{};
   std::string target;          ///< as the client named it
-  std::optional<SpotId> spot;  ///< pick and place always; drive_to when the target is a spot
-  Pose2 pose;                  ///< where to stand
+  std::optional<SpotId> spot;  ///< pick and place always; drive_to and discard when the target is a spot
+  Pose2 pose;                  ///< where to stand; of a discard without a target: where the robot stands
 };
+
+/// The place, turned as little as needed for what a robot there lets go of at arm's length to fall on free floor: away
+/// from machines, walls and border. Where that is nowhere the case, to where there is most room.
+Pose2 facing_free_floor(const FloorPlan& plan, const Pose2& place);
 
 struct SkillResult {
   SkillCode code = SkillCode::kNone;

@@ -22,20 +22,18 @@ SkillServer::SkillServer(RobotId robot, const FloorPlan& plan, const Places& pla
 Expected<std::unique_ptr<SkillServer>> SkillServer::create(RobotId robot, const FloorPlan& plan, const Places& places,
                                                            RobotSkills& skills, bus::Bus& bus, RecordSink& sink) {
   std::unique_ptr<SkillServer> server(new SkillServer(robot, plan, places, skills, bus, sink));
-  const std::pair<SkillKind, const char*> kinds[] = {{SkillKind::kDriveTo, "cxlab_skills/action/DriveTo"},
-                                                     {SkillKind::kPick, "cxlab_skills/action/Pick"},
-                                                     {SkillKind::kPlace, "cxlab_skills/action/Place"}};
-  for (std::size_t i = 0; i < server->actions_.size(); ++i)
-    if (Status s = server->open(server->actions_[i], kinds[i].first, kinds[i].second); !s) return s.error();
+  for (const SkillWord& skill : skill_words())
+    if (Status s = server->open(skill); !s) return s.error();
   return server;
 }
 
-Status SkillServer::open(Action& action, SkillKind kind, const std::string& type) {
-  auto known = bus_.registry().action(type);
+Status SkillServer::open(const SkillWord& skill) {
+  auto known = bus_.registry().action(std::string(skill.type));
   if (!known) return known.error();
-  action.kind = kind;
+  Action& action = actions_.emplace_back();
+  action.kind = skill.kind;
   action.type = *known;
-  auto endpoint = bus_.serve_action(node_, "/" + name_ + "/" + std::string(to_string(kind)), **known,
+  auto endpoint = bus_.serve_action(node_, "/" + name_ + "/" + std::string(skill.name), **known,
                                     {[this, &action](const bus::Delivery& d) { take_goal(action, d); },
                                      [this, &action](const bus::Delivery& d) { take_cancel(action, d); }});
   if (!endpoint) return endpoint.error();
@@ -59,19 +57,21 @@ Expected<SkillGoal> SkillServer::read_goal(const Action& action, const bus::Mess
     goal.pose = plan_.spot(*goal.spot).align_in_world;
     return goal;
   }
+  const bool by_place = action.kind == SkillKind::kDriveTo || action.kind == SkillKind::kDiscard;
   const auto unknown = [&](const std::string& expected) {
     std::vector<std::string> names;
     for (const Spot& spot : plan_.spots) names.push_back(spot.name);
-    if (action.kind == SkillKind::kDriveTo)
+    if (by_place)
       for (const auto& [place, pose] : places_) names.push_back(place);
     return input_error("'" + goal.target + "' is not " + expected + did_you_mean(goal.target, names, "; "));
   };
-  if (action.kind != SkillKind::kDriveTo) return unknown("a spot of a machine");
+  if (!by_place) return unknown("a spot of a machine");
   if (const auto place = places_.find(goal.target); place != places_.end()) {
     goal.pose = place->second;
     return goal;
   }
   if (!goal.target.empty()) return unknown("a spot of a machine or a place");
+  if (action.kind == SkillKind::kDiscard) return goal;
   const bus::MessageView pose = message.nested("pose");
   goal.pose = {pose.real("x"), pose.real("y"), pose.real("theta")};
   if (!std::isfinite(goal.pose.x) || !std::isfinite(goal.pose.y) || !std::isfinite(goal.pose.yaw))

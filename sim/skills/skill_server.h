@@ -1,10 +1,10 @@
 #pragma once
-// The skills of one robot on the bus: node "robot1" with the actions /robot1/drive_to, /robot1/pick, /robot1/place.
+// The skills of one robot on the bus: node "robot1" with an action for each skill: /robot1/drive_to, /robot1/pick ...
 //
 // One skill at a time: a goal is rejected while another one is active or still ends after a cancel. A goal with an
 // unknown target is accepted and aborted at once, so that its result can report why.
 
-#include <array>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -66,7 +66,7 @@ class SkillServer {
 
   SkillServer(RobotId robot, const FloorPlan& plan, const Places& places, RobotSkills& skills, bus::Bus& bus,
               RecordSink& sink);
-  Status open(Action& action, SkillKind kind, const std::string& type);
+  Status open(const SkillWord& skill);
   void take_goal(const Action& action, const bus::Delivery& delivery);
   void take_cancel(const Action& action, const bus::Delivery& delivery);
   /// The goal as a skill, or why it cannot be carried out.
@@ -83,7 +83,7 @@ class SkillServer {
   RecordSink& sink_;
   bus::ParticipantId node_{};
   StreamId stream_{};
-  std::array<Action, 3> actions_;
+  std::deque<Action> actions_;
   std::optional<Active> active_;
   RobotStats stats_;
   RecordData data_;

@@ -11,6 +11,8 @@ struct TimedSkillsConfig {
   double pick_sigma_s = 0.4;
   double place_mean_s = 15.3;
   double place_sigma_s = 0.6;
+  double discard_mean_s = 6.5;  ///< from standing to standing again
+  double discard_sigma_s = 0.2;
   double shortest_s = 2.0;
   double drive_failure = 0;  ///< probability a drive_to that it ends with 201, where it should have ended well
   double pick_failure = 0;   ///< a pick: 206, the piece stays
@@ -22,6 +24,8 @@ struct TimedSkillsConfig {
     keys("pick_sigma_s", pick_sigma_s);
     keys("place_mean_s", place_mean_s);
     keys("place_sigma_s", place_sigma_s);
+    keys("discard_mean_s", discard_mean_s);
+    keys("discard_sigma_s", discard_sigma_s);
     keys("shortest_s", shortest_s);
     keys("drive_failure", drive_failure);
     keys("pick_failure", pick_failure);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace cxlab::sim {
@@ -16,6 +17,8 @@ Status validate(const TimedSkillsConfig& config) {
   };
   for (const Value& v : {Value{"pick_mean_s", config.pick_mean_s, kPositive, kAny, "a time > 0 s"},
                          {"place_mean_s", config.place_mean_s, kPositive, kAny, "a time > 0 s"},
+                         {"discard_mean_s", config.discard_mean_s, kPositive, kAny, "a time > 0 s"},
+                         {"discard_sigma_s", config.discard_sigma_s, 0, kAny, ">= 0 s"},
                          {"shortest_s", config.shortest_s, kPositive, kAny, "a time > 0 s"},
                          {"pick_sigma_s", config.pick_sigma_s, 0, kAny, ">= 0 s"},
                          {"place_sigma_s", config.place_sigma_s, 0, kAny, ">= 0 s"},
@@ -43,8 +46,13 @@ void TimedSkills::start(const SkillGoal& goal, SimTime now) {
   phase_ = SkillPhase::kDrive;
   due_ = now + kDriveTimeout;
   std::optional<Segment> work;
-  if (goal.kind != SkillKind::kDriveTo) work = world_.plan().spot(*goal.spot).footprint();
-  traffic_.request(robot_, goal.pose, work, now);
+  if (goal.kind == SkillKind::kDiscard) {
+    goal_.pose = facing_free_floor(world_.plan(), goal.target.empty() ? world_.robot(robot_).pose_in_world : goal.pose);
+    work = Segment{goal_.pose.position(), goal_.pose.position()};
+  } else if (goal.kind != SkillKind::kDriveTo) {
+    work = world_.plan().spot(*goal.spot).footprint();
+  }
+  traffic_.request(robot_, goal_.pose, work, now);
 }
 
 void TimedSkills::cancel(SimTime now) {
@@ -60,9 +68,10 @@ SkillResult TimedSkills::end(SkillCode code, SimTime now) {
   return SkillResult::of(code);
 }
 
-/// Why pick or place cannot begin.
+/// Why a skill that handles a piece cannot begin.
 std::optional<SkillCode> TimedSkills::obstacle() const {
   const bool holds = world_.robot(robot_).held.has_value();
+  if (goal_.kind == SkillKind::kDiscard) return holds ? std::nullopt : std::optional(SkillCode::kGripperEmpty);
   const bool taken = world_.at(*goal_.spot) != nullptr;
   if (goal_.kind == SkillKind::kPick) {
     if (holds) return SkillCode::kGripperFull;
@@ -74,8 +83,20 @@ std::optional<SkillCode> TimedSkills::obstacle() const {
   return std::nullopt;
 }
 
+SimTime TimedSkills::drawn_duration() {
+  const auto [mean, sigma] = goal_.kind == SkillKind::kPick ? std::pair(config_.pick_mean_s, config_.pick_sigma_s)
+                             : goal_.kind == SkillKind::kPlace
+                                 ? std::pair(config_.place_mean_s, config_.place_sigma_s)
+                                 : std::pair(config_.discard_mean_s, config_.discard_sigma_s);
+  return from_seconds(std::max(config_.shortest_s, durations_.normal(mean, sigma)));
+}
+
 SkillCode TimedSkills::handle() {
   if (const auto code = obstacle()) return *code;
+  if (goal_.kind == SkillKind::kDiscard) {
+    book_.drop(robot_);
+    return SkillCode::kNone;
+  }
   const bool picks = goal_.kind == SkillKind::kPick;
   if (failures_.chance(picks ? config_.pick_failure : config_.place_failure))
     return picks ? SkillCode::kGraspFailed : SkillCode::kSensorDisagreement;
@@ -108,11 +129,8 @@ std::optional<SkillResult> TimedSkills::sense(SimTime now) {
     if (goal_.kind == SkillKind::kDriveTo)
       return end(failures_.chance(config_.drive_failure) ? SkillCode::kUnableToMove : SkillCode::kNone, now);
     if (const auto code = obstacle()) return end(*code, now);
-    const bool picks = goal_.kind == SkillKind::kPick;
-    const double duration = durations_.normal(picks ? config_.pick_mean_s : config_.place_mean_s,
-                                              picks ? config_.pick_sigma_s : config_.place_sigma_s);
     phase_ = SkillPhase::kHandle;
-    due_ = now + from_seconds(std::max(config_.shortest_s, duration));
+    due_ = now + drawn_duration();
     return std::nullopt;
   }
   if (traffic_.unreachable(robot_)) return end(SkillCode::kNoPath, now);

@@ -30,6 +30,7 @@ class TimedSkills final : public RobotSkills {
  private:
   SkillResult end(SkillCode code, SimTime now);
   std::optional<SkillCode> obstacle() const;
+  SimTime drawn_duration();
   SkillCode handle();
 
   RobotId robot_;

@@ -228,7 +228,8 @@ void occupy(Floor& f, double time_s) {
   };
 }
 
-constexpr SkillKind kPick = SkillKind::kPick, kPlace = SkillKind::kPlace, kDriveTo = SkillKind::kDriveTo;
+constexpr SkillKind kPick = SkillKind::kPick, kPlace = SkillKind::kPlace, kDriveTo = SkillKind::kDriveTo,
+                    kDiscard = SkillKind::kDiscard;
 
 const std::vector<Case>& cases() {
   using enum SkillPhase;
@@ -472,6 +473,34 @@ const std::vector<Case>& cases() {
        },
        "drive 0.00 align 0.02 look 0.04 approach 8.04 stop 9.54 cancelled 17.56 empty opening 0.035 gripper 0.211 "
        "0.000 0.015 base off 0.000 piece off 0.000 0.000 0.000"},
+      {"Discard", kDiscard, [](Floor& f) { f.bodies.lands_on = Holder::kFloor; },
+       "drive 0.00 approach 1.96 release 4.34 back_off 4.64 check 6.20 0 8.20 empty opening 0.035 gripper "
+       "0.000 0.000 0.057 base off 0.000 piece off -0.330 -0.328 0.047"},
+      {"DiscardOnFreeFloor", kDiscard,
+       [](Floor& f) {
+         f.bodies.lands_on = Holder::kFloor;
+         f.stand_at({-2, 4, 1});
+       },
+       "drive 0.00 approach 0.02 release 2.40 back_off 2.70 check 4.26 0 6.26 empty opening 0.035 gripper "
+       "0.000 0.000 0.057 base off 2.825 piece off -3.140 0.344 0.047"},
+      {"DiscardOfNothing", kDiscard,
+       [](Floor& f) {
+         f.robot().held.reset();
+         f.bodies.take_away(PieceId{1});
+       },
+       "drive 0.00 208 1.96 empty opening -0.010 gripper 0.000 0.000 0.057 base off 0.000"},
+      {"DiscardWithTheFingersStuck", kDiscard, [](Floor& f) { f.bodies.stuck_fingers = true; },
+       "drive 0.00 approach 1.96 release 4.34 back_off 12.36 check 13.92 204 15.92 holds opening 0.020 "
+       "gripper 0.000 0.000 0.057 base off 0.000"},
+      {"DiscardWithTheArmStuck", kDiscard, [](Floor& f) { f.bodies.stuck_arm = true; },
+       "drive 0.00 approach 1.96 back_off 9.98 201 10.00 holds opening 0.020 gripper 0.000 0.000 0.057 base "
+       "off 0.000"},
+      {"DiscardThatIsCancelled", kDiscard, [](Floor& f) { cancel_in(f, kApproach, 1.5); },
+       "drive 0.00 approach 1.96 stop 3.46 cancelled 4.12 holds opening 0.020 gripper 0.034 0.000 0.057 base"
+       " off 0.000"},
+      {"DiscardThatIsCancelledTooLate", kDiscard, [](Floor& f) { cancel_in(f, kRelease, 0.04); },
+       "drive 0.00 approach 1.96 release 4.34 stop 4.38 cancelled 5.94 empty opening 0.035 gripper 0.034 "
+       "0.000 0.057 base off 0.000 piece off -0.330 -0.328 0.047"},
       {"Drive", kDriveTo, [](Floor& f) { f.stand_at({-2, 4, 1}); },
        "drive 0.00 0 7.02 empty opening 0.035 gripper 0.000 0.000 0.057 base off 0.009"},
       {"DriveThatIsCancelled", kDriveTo,
@@ -594,12 +623,14 @@ TEST_P(SkillOfBodies, PassesThroughItsPhasesAndEnds) {
   Floor f;
   f.stand_at(f.spot(c.spot).align_in_world);
   if (c.kind != kDriveTo) f.bodies.put(f.spot(c.spot).rest_in_world);
-  if (c.kind == kPlace) {
+  if (c.kind == kPlace || c.kind == kDiscard) {
     f.play(f.goal(kPick, c.spot));
     f.stand_at(f.spot(c.spot).align_in_world);
   }
   c.prepare(f);
-  std::string log = f.play(f.goal(c.kind, c.spot));
+  SkillGoal goal = f.goal(c.kind, c.spot);
+  if (c.kind == kDiscard) goal.target.clear();
+  std::string log = f.play(goal);
   for (int i = 0; i < 25; ++i) EXPECT_FALSE(f.tick());
   char text[160];
   const RobotState& robot = f.robot();

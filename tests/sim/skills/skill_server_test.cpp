@@ -78,10 +78,10 @@ class Skills : public ::testing::TestWithParam<Tier> {
     node = bus.join(bus::ParticipantKind::kNode, bus::NodeName{"client", "/", {}}, sink.open_stream("node/client"));
   }
 
+  static std::string type_of(SkillKind kind) { return std::string(skill_words()[static_cast<std::size_t>(kind)].type); }
   bus::EndpointId client(const std::string& robot, SkillKind kind) {
     const std::string name = "/" + robot + "/" + std::string(to_string(kind));
-    const char* types[] = {"cxlab_skills/action/DriveTo", "cxlab_skills/action/Pick", "cxlab_skills/action/Place"};
-    return *bus.create_action_client(node, name, **registry.action(types[static_cast<int>(kind)]),
+    return *bus.create_action_client(node, name, **registry.action(type_of(kind)),
                                      {[this](const bus::Delivery& d) {
                                         heard(d).answered = true;
                                         heard(d).accepted = d.accepted;
@@ -108,8 +108,7 @@ class Skills : public ::testing::TestWithParam<Tier> {
   /// Sends a goal; what is heard of it grows with the ticks.
   Heard& send(const std::string& robot, SkillKind kind, const std::string& target, Pose2 pose = {}) {
     last_client = client(robot, kind);
-    const char* types[] = {"cxlab_skills/action/DriveTo", "cxlab_skills/action/Pick", "cxlab_skills/action/Place"};
-    auto message = std::make_shared<bus::Message>(*(*registry.action(types[static_cast<int>(kind)]))->goal);
+    auto message = std::make_shared<bus::Message>(*(*registry.action(type_of(kind)))->goal);
     message->view().set("target", target);
     if (kind == SkillKind::kDriveTo)
       message->view().nested("pose").set("x", pose.x).set("y", pose.y).set("theta", pose.yaw);
@@ -210,6 +209,41 @@ TEST_P(Skills, WhatCannotBeDoneEndsWithItsCode) {
   EXPECT_EQ(occupied.status, bus::GoalStatus::kAborted);
   EXPECT_EQ(occupied.error, "machine point occupied");
   EXPECT_TRUE(robot1().held);
+}
+
+TEST_P(Skills, ADiscardedPieceLiesOnFreeFloor) {
+  base_at("C-BS-OUTPUT");
+  const PieceId piece = world->pieces()[0].id;
+  EXPECT_EQ(done("robot1", SkillKind::kDiscard, "").code, 208);
+  ASSERT_EQ(done("robot1", SkillKind::kPick, "C-BS-OUTPUT").code, 0);
+  const Vec2 before = robot1().pose_in_world.position();
+  const Heard& discard = done("robot1", SkillKind::kDiscard, "");
+  ASSERT_EQ(discard.status, bus::GoalStatus::kSucceeded) << discard.error;
+  const auto begin = std::ranges::find(discard.phases, GetParam() == Tier::kTimed ? "handle" : "approach");
+  ASSERT_NE(begin, discard.phases.end());
+  const auto index = static_cast<std::size_t>(begin - discard.phases.begin());
+  EXPECT_NEAR(to_seconds(world->now()) - discard.phases_at[index], config.discard_mean_s, 4 * config.discard_sigma_s);
+  EXPECT_FALSE(robot1().held);
+  EXPECT_LT(distance(robot1().pose_in_world.position(), before), 0.05);
+  const Piece* there = world->find(piece);
+  ASSERT_TRUE(there);
+  EXPECT_EQ(there->holder, Holder::kFloor);
+  EXPECT_NEAR(there->position_in_world.z(), 0, 0.03);
+  EXPECT_GT(world->plan().clearance(there->position_in_world.head<2>()), 0.2);
+  EXPECT_EQ(done("robot1", SkillKind::kPlace, "C-CS1-INPUT").code, 208);
+}
+
+TEST_P(Skills, ADiscardDrivesToItsTargetFirst) {
+  base_at("C-BS-OUTPUT");
+  ASSERT_EQ(done("robot1", SkillKind::kPick, "C-BS-OUTPUT").code, 0);
+  EXPECT_EQ(done("robot1", SkillKind::kDiscard, "C_Z2").error,
+            "'C_Z2' is not a spot of a machine or a place; did you mean 'C_Z22'?");
+  const Heard& discard = done("robot1", SkillKind::kDiscard, "C_Z22");
+  ASSERT_EQ(discard.status, bus::GoalStatus::kSucceeded) << discard.error;
+  EXPECT_LT(distance(robot1().pose_in_world.position(), {1.5, 1.5}), 0.05);
+  const Piece& piece = world->pieces()[0];
+  EXPECT_EQ(piece.holder, Holder::kFloor);
+  EXPECT_LT(distance(piece.position_in_world.head<2>(), {1.5, 1.5}), 0.8);
 }
 
 TEST_P(Skills, AnUnknownTargetIsNamedWithItsNeighbour) {

@@ -76,8 +76,9 @@ class Floor {
   static TimedSkillsConfig config() {
     TimedSkillsConfig config;
     config.pick_mean_s = 3;
+    config.discard_mean_s = 2.5;
     config.place_mean_s = 1;
-    config.pick_sigma_s = config.place_sigma_s = 0;
+    config.pick_sigma_s = config.place_sigma_s = config.discard_sigma_s = 0;
     return config;
   }
   void start(SkillKind kind, const char* target) {
@@ -125,6 +126,11 @@ struct Case {
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 bool is(double now, double at) { return std::abs(now - at) < 1e-6; }
+
+void discard(Floor& f) {
+  f.calls.push_back("discard");
+  f.skills.start({SkillKind::kDiscard, "", std::nullopt, {}}, f.world.now());
+}
 
 constexpr SkillKind kPick = SkillKind::kPick, kPlace = SkillKind::kPlace, kDriveTo = SkillKind::kDriveTo;
 
@@ -264,6 +270,35 @@ const std::vector<Case>& cases() {
        "0.02 drive, due never; 0.10 pick C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), 0.10 "
        "to 6.75; 0.10 drive, due 95.10; 6.76 handle, due 9.76; 9.76 grasp C-BS-OUTPUT; 9.76 end 0; 9.76 handle, due "
        "never; 11.00 drop; "},
+      {"Discard", 18,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.put("C-BS-OUTPUT");
+         if (is(now, 0.1)) f.start(kPick, "C-BS-OUTPUT");
+         if (is(now, 11)) discard(f);
+       },
+       "0.02 drive, due never; 0.10 pick C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 "
+       "0.00), 0.10 to 6.75; 0.10 drive, due 95.10; 6.76 handle, due 9.76; 9.76 grasp C-BS-OUTPUT; 9.76 end "
+       "0; 9.76 handle, due never; 11.00 discard; 11.00 move 6 points (0.825 3.975) to (0.825 3.975 -1.05), "
+       "11.00 to 12.95; 11.00 drive, due 106.00; 12.96 handle, due 15.46; 15.46 drop; 15.46 end 0; 15.46 "
+       "handle, due never; "},
+      {"DiscardThatIsCancelled", 16,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) f.put("C-BS-OUTPUT");
+         if (is(now, 0.1)) f.start(kPick, "C-BS-OUTPUT");
+         if (is(now, 11)) discard(f);
+         if (is(now, 14)) f.skills.cancel(f.world.now());
+       },
+       "0.02 drive, due never; 0.10 pick C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 "
+       "0.00), 0.10 to 6.75; 0.10 drive, due 95.10; 6.76 handle, due 9.76; 9.76 grasp C-BS-OUTPUT; 9.76 end "
+       "0; 9.76 handle, due never; 11.00 discard; 11.00 move 6 points (0.825 3.975) to (0.825 3.975 -1.05), "
+       "11.00 to 12.95; 11.00 drive, due 106.00; 12.96 handle, due 15.46; 14.00 stop, due 14.00; 14.02 end 0"
+       " cancelled cancelled; 14.02 stop, due never; "},
+      {"DiscardOfNothing", 2,
+       [](Floor& f, double now) {
+         if (is(now, 0.1)) discard(f);
+       },
+       "0.02 drive, due never; 0.10 discard; 0.10 move 2 points (-2.000 4.000) to (-2.000 4.000 0.00), 0.10 "
+       "to 0.10; 0.10 drive, due 95.10; 0.12 end 208 no workpiece in gripper; 0.12 drive, due never; "},
       {"DriveHeadOn", 24,
        [](Floor& f, double now) {
          if (is(now, 0.1)) f.traffic.request(kRobot2, {-2, 4, 0}, {}, f.world.now());
