@@ -50,6 +50,12 @@ void read_error(yaml::Map& map, Fault& fault) {
   map.get("error").fail("found " + std::to_string(fault.error) + ", expected one of: " + list);
 }
 
+void read_factor(yaml::Map& map, Fault& fault) {
+  map.read("factor", fault.factor);
+  if (!(fault.factor >= 0.05 && fault.factor <= 1))
+    map.get("factor").fail("found " + map.get("factor").text() + ", expected a share of the speed, 0.05 .. 1");
+}
+
 Fault read_fault(const yaml::Value& value) {
   Fault fault;
   fault.origin = value.origin();
@@ -66,7 +72,7 @@ Fault read_fault(const yaml::Value& value) {
   if (word == sim::fault_words().end()) return fault;
   fault.kind = word->kind;
   read_when(map, *word, fault);
-  for (const char* key : {"machine", "seconds"})
+  for (const char* key : {"machine", "factor", "seconds"})
     if (needs(*word, key)) map.require(key);
   if (takes(*word, "robot")) map.read("robot", fault.robot);
   if (takes(*word, "machine")) map.read("machine", fault.machine);
@@ -78,6 +84,7 @@ Fault read_fault(const yaml::Value& value) {
   if (takes(*word, "error")) read_error(map, fault);
   if (takes(*word, "after_s")) map.read_seconds("after_s", fault.after);
   if (takes(*word, "seconds")) map.read_seconds("seconds", fault.duration);
+  if (takes(*word, "factor")) read_factor(map, fault);
   map.finish();
   return fault;
 }
@@ -114,6 +121,7 @@ yaml::Writer write_fault(const Fault& fault) {
   if (fault.error != 0) out("error", fault.error);
   if (takes(word, "after_s")) out("after_s", fault.after);
   if (takes(word, "seconds")) out("seconds", fault.duration);
+  if (takes(word, "factor")) out("factor", fault.factor);
   return out;
 }
 

@@ -7,13 +7,23 @@
 namespace cxlab::sim {
 namespace {
 
-constexpr std::array<FaultWord, 5> kWords{{
+constexpr std::array<FaultWord, 10> kWords{{
     {"skill_fails", FaultKind::kSkillFails, "robot, skill, error, after_s",
      "the skill is broken off after that time and ends with the error code; what was held is still held", true},
     {"skill_stalls", FaultKind::kSkillStalls, "seconds*, robot, skill",
      "the robot stands for that time before it begins the skill", true},
+    {"goal_lost", FaultKind::kGoalLost, "robot, skill",
+     "the robot never hears of the skill's goal, which is aborted with 220 after 10 s", true},
+    {"result_late", FaultKind::kResultLate, "seconds*, robot, skill",
+     "the skill's result comes that much later than its end", true},
+    {"grasp_slips", FaultKind::kGraspSlips, "robot, after_s",
+     "the piece slips out of the gripper, that long after a pick that ended well", true},
     {"piece_dropped", FaultKind::kPieceDropped, "robot", "the fingers open: what the robot holds falls to the floor",
      false},
+    {"robot_halts", FaultKind::kRobotHalts, "seconds*, robot",
+     "the robot drives nowhere for that time, then goes on; what it does at a machine it ends", false},
+    {"robot_slow", FaultKind::kRobotSlow, "factor*, seconds*, robot",
+     "the robot drives at that share of its speed for that time", false},
     {"machine_breaks", FaultKind::kMachineBreaks, "machine*", "the machine is BROKEN, as after a wrong instruction",
      false},
     {"machine_down", FaultKind::kMachineDown, "machine*, seconds*", "the machine is DOWN for that time", false},

@@ -15,13 +15,25 @@
 
 namespace cxlab::sim {
 
-enum class FaultKind : std::uint8_t { kSkillFails, kSkillStalls, kPieceDropped, kMachineBreaks, kMachineDown };
+enum class FaultKind : std::uint8_t {
+  kSkillFails,
+  kSkillStalls,
+  kGoalLost,
+  kResultLate,
+  kGraspSlips,
+  kPieceDropped,
+  kRobotHalts,
+  kRobotSlow,
+  kMachineBreaks,  ///< from here on about machines
+  kMachineDown
+};
 
 struct Fault {
   FaultKind kind{};
-  // When: `at`, or by chance between `from` and `until`. An occasion is a skill that begins (skill_...), or any time.
+  // When: `at`, or by chance between `from` and `until`. An occasion is a goal, a result, a pick that ended well
+  // (FaultWord::by_occasion), or any time.
   std::optional<SimTime> at;  ///< once, at the first occasion not before
-  double probability = 0;     ///< skill_...: of each occasion
+  double probability = 0;     ///< of each occasion
   SimTime mean{};             ///< others: mean time between two, exponentially distributed
   SimTime from{}, until = kNever;
   std::int64_t times = 0;  ///< at most that often, 0 = no limit
@@ -31,8 +43,9 @@ struct Fault {
   std::string machine;
   // What.
   int error = 0;    ///< code that the skill ends with; 0 = 201, 206 or 204, by skill
-  SimTime after{};  ///< from the beginning of the skill
+  SimTime after{};  ///< from the beginning of the skill, or the end of a pick
   SimTime duration{};
+  double factor = 1;  ///< share of the speed
   Origin origin{};
   std::size_t number = 0;  ///< in the scenario's list, from 0
 };

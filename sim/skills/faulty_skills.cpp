@@ -1,11 +1,14 @@
 #include "sim/skills/faulty_skills.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace cxlab::sim {
 namespace {
 
-bool is_about_robots(FaultKind kind) { return kind <= FaultKind::kPieceDropped; }
+constexpr SimTime kNoAnswer{10'000'000'000};  ///< after which a goal that was lost is aborted
+
+bool is_about_robots(FaultKind kind) { return kind < FaultKind::kMachineBreaks; }
 
 SkillCode code_of(const Fault& fault, SkillKind skill) {
   if (fault.error != 0) return static_cast<SkillCode>(fault.error);
@@ -20,12 +23,13 @@ SkillCode code_of(const Fault& fault, SkillKind skill) {
 
 }  // namespace
 
-FaultySkills::FaultySkills(std::unique_ptr<RobotSkills> skills, RobotId robot, const WorldView& world,
+FaultySkills::FaultySkills(std::unique_ptr<RobotSkills> skills, RobotId robot, const WorldView& world, Traffic& traffic,
                            std::span<const Fault> faults, std::uint64_t seed, RecordSink& sink)
     : skills_(std::move(skills)),
       robot_(robot),
       name_(world.plan().robots[static_cast<std::size_t>(robot)].name),
       world_(world),
+      traffic_(traffic),
       sink_(sink) {
   for (const Fault& fault : faults)
     if (is_about_robots(fault.kind) && (fault.robot.empty() || fault.robot == name_))
@@ -53,8 +57,16 @@ void FaultySkills::start(const SkillGoal& goal, SimTime now) {
   goal_ = goal;
   begins_at_ = fails_at_ = kNever;
   broken_off_ = cancelled_ = false;
+  late_.reset();
+  late_until_ = kNever;
   failing_ = striking(FaultKind::kSkillFails, goal, now);
   if (failing_) fails_at_ = now + failing_->after;
+  if (const Fault* lost = striking(FaultKind::kGoalLost, goal, now)) {
+    failing_ = lost;
+    fails_at_ = begins_at_ = now + kNoAnswer;
+    record(*lost, now);
+    return;
+  }
   if (const Fault* stall = striking(FaultKind::kSkillStalls, goal, now)) {
     begins_at_ = now + stall->duration;
     record(*stall, now);
@@ -63,24 +75,30 @@ void FaultySkills::start(const SkillGoal& goal, SimTime now) {
   }
 }
 
+SkillResult FaultySkills::failure() const {
+  if (failing_->kind == FaultKind::kGoalLost) return {SkillCode::kInternal, false, "no answer: the goal was lost"};
+  return SkillResult::of(code_of(*failing_, goal_.kind));
+}
+
 void FaultySkills::cancel(SimTime now) {
   cancelled_ = true;
-  if (!stalled() && !broken_off_) skills_->cancel(now);
+  if (!stalled() && !broken_off_ && !late_) skills_->cancel(now);
 }
 
 std::optional<SkillResult> FaultySkills::sense(SimTime now) {
+  limit_speed(now);
   if (stalled() && cancelled_) {
     begins_at_ = fails_at_ = kNever;
     (void)skills_->sense(now);
     return SkillResult::cancel();
   }
   if (now >= fails_at_ && !cancelled_) {
-    record(*failing_, now);
+    if (failing_->kind == FaultKind::kSkillFails) record(*failing_, now);
     fails_at_ = kNever;
     if (stalled()) {
       begins_at_ = kNever;
       (void)skills_->sense(now);
-      return SkillResult::of(code_of(*failing_, goal_.kind));
+      return failure();
     }
     broken_off_ = true;
     skills_->cancel(now);
@@ -91,11 +109,48 @@ std::optional<SkillResult> FaultySkills::sense(SimTime now) {
   }
   drop_due(now);
   std::optional<SkillResult> result = skills_->sense(now);
+  if (result) {
+    fails_at_ = kNever;
+    if (broken_off_ && result->cancelled) result = failure();
+    const bool picked = goal_.kind == SkillKind::kPick && !result->cancelled && result->code == SkillCode::kNone &&
+                        world_.robot(robot_).held.has_value();
+    if (const Fault* slip = picked ? striking(FaultKind::kGraspSlips, goal_, now) : nullptr) {
+      slip_ = slip;
+      slipping_ = world_.robot(robot_).held;
+      slips_at_ = now + slip->after;
+    }
+  }
   drop_due(now);  // of what has just been taken
-  if (!result) return result;
-  fails_at_ = kNever;
-  if (broken_off_ && result->cancelled) result = SkillResult::of(code_of(*failing_, goal_.kind));
-  return result;
+  return deliver(std::move(result), now);
+}
+
+std::optional<SkillResult> FaultySkills::deliver(std::optional<SkillResult> result, SimTime now) {
+  if (late_ && now >= late_until_) {
+    late_until_ = kNever;
+    return std::exchange(late_, std::nullopt);
+  }
+  if (!result || result->cancelled) return result;
+  const Fault* fault = striking(FaultKind::kResultLate, goal_, now);
+  if (!fault) return result;
+  record(*fault, now);
+  late_ = std::move(result);
+  late_until_ = now + fault->duration;
+  return std::nullopt;
+}
+
+void FaultySkills::limit_speed(SimTime now) {
+  for (FaultTimer& timer : timers_) {
+    const Fault& fault = timer.fault();
+    const bool halts = fault.kind == FaultKind::kRobotHalts;
+    if ((!halts && fault.kind != FaultKind::kRobotSlow) || now < timer.due()) continue;
+    record(fault, now);
+    timer.struck(now);
+    if (!halts) slow_ = fault.factor;
+    SimTime& until = halts ? halted_until_ : slow_until_;
+    until = std::max(until, now + fault.duration);
+  }
+  const double speed = now < halted_until_ ? 0 : now < slow_until_ ? slow_ : 1;
+  if (std::exchange(speed_, speed) != speed) traffic_.set_speed(robot_, speed, now);
 }
 
 void FaultySkills::drop_due(SimTime now) {
@@ -105,15 +160,24 @@ void FaultySkills::drop_due(SimTime now) {
     timer.struck(now);
     skills_->drop(now);
   }
+  if (now < slips_at_) return;
+  slips_at_ = kNever;
+  if (world_.robot(robot_).held != slipping_) return;  // it has been put down in time
+  record(*slip_, now);
+  skills_->drop(now);
 }
 
 SimTime FaultySkills::next_due() const {
   SimTime due = skills_->next_due();
   if (!cancelled_) due = std::min(due, fails_at_);
-  due = std::min(due, begins_at_);
-  if (world_.robot(robot_).held)
-    for (const FaultTimer& timer : timers_)
-      if (timer.fault().kind == FaultKind::kPieceDropped) due = std::min(due, timer.due());
+  due = std::min({due, begins_at_, late_until_, slips_at_});
+  if (speed_ < 1) due = std::min(due, speed_ == 0 ? halted_until_ : slow_until_);
+  const bool holds = world_.robot(robot_).held.has_value();
+  for (const FaultTimer& timer : timers_) {
+    const FaultKind kind = timer.fault().kind;
+    if (kind == FaultKind::kRobotHalts || kind == FaultKind::kRobotSlow || (kind == FaultKind::kPieceDropped && holds))
+      due = std::min(due, timer.due());
+  }
   return due;
 }
 

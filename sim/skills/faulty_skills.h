@@ -10,14 +10,15 @@
 #include "cx/base/record_sink.h"
 #include "sim/faults/fault.h"
 #include "sim/skills/skill.h"
+#include "sim/traffic/traffic.h"
 
 namespace cxlab::sim {
 
 class FaultySkills final : public RobotSkills {
  public:
-  /// Takes those of `faults` that are about this robot's skills. Strikes are written to the stream "faults". World and
+  /// Takes those of `faults` that are about this robot. Strikes are written to the stream "faults". World, traffic and
   /// sink outlive it.
-  FaultySkills(std::unique_ptr<RobotSkills> skills, RobotId robot, const WorldView& world,
+  FaultySkills(std::unique_ptr<RobotSkills> skills, RobotId robot, const WorldView& world, Traffic& traffic,
                std::span<const Fault> faults, std::uint64_t seed, RecordSink& sink);
 
   void start(const SkillGoal& goal, SimTime now) override;
@@ -31,8 +32,12 @@ class FaultySkills final : public RobotSkills {
 
  private:
   bool stalled() const { return begins_at_ != kNever; }
-  /// The fault of that kind that strikes the skill which begins now, if any.
+  /// The fault of that kind that strikes the skill now, if any.
   const Fault* striking(FaultKind kind, const SkillGoal& goal, SimTime now);
+  SkillResult failure() const;
+  /// The result, unless it is late.
+  std::optional<SkillResult> deliver(std::optional<SkillResult> result, SimTime now);
+  void limit_speed(SimTime now);
   void record(const Fault& fault, SimTime now);
   void drop_due(SimTime now);
 
@@ -40,6 +45,7 @@ class FaultySkills final : public RobotSkills {
   RobotId robot_;
   std::string name_;
   const WorldView& world_;
+  Traffic& traffic_;
   RecordSink& sink_;
   std::vector<FaultTimer> timers_;
 
@@ -48,6 +54,13 @@ class FaultySkills final : public RobotSkills {
   SimTime fails_at_ = kNever;
   const Fault* failing_ = nullptr;
   bool broken_off_ = false, cancelled_ = false;
+  std::optional<SkillResult> late_;
+  SimTime late_until_ = kNever;
+  const Fault* slip_ = nullptr;
+  std::optional<PieceId> slipping_;
+  SimTime slips_at_ = kNever;
+  SimTime halted_until_{}, slow_until_{};
+  double slow_ = 1, speed_ = 1;  // shares: while it is slow, and now
   RecordData data_;
 };
 

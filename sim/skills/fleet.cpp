@@ -49,8 +49,8 @@ Status Fleet::open(bus::Bus& bus, RecordSink& sink, const FleetFaults& faults) {
       return input_error("robot: no robot '" + fault.robot + "'" + did_you_mean(fault.robot, names), fault.origin);
   if (!faults.faults.empty())
     for (std::size_t i = 0; i < skills_.size(); ++i)
-      skills_[i] = std::make_unique<FaultySkills>(std::move(skills_[i]), static_cast<RobotId>(i), world_, faults.faults,
-                                                  faults.seed, sink);
+      skills_[i] = std::make_unique<FaultySkills>(std::move(skills_[i]), static_cast<RobotId>(i), world_, traffic_,
+                                                  faults.faults, faults.seed, sink);
   for (std::size_t i = 0; i < skills_.size(); ++i) {
     auto server = SkillServer::create(static_cast<RobotId>(i), world_.plan(), places_, *skills_[i], bus, sink);
     if (!server) return server.error();

@@ -76,6 +76,14 @@ void Traffic::observe(RobotId id, const Pose2& pose, SimTime now) {
   }
 }
 
+void Traffic::set_speed(RobotId id, double share, SimTime now) {
+  Robot& robot = at(id);
+  const bool slower = share < robot.speed;
+  robot.speed = share;
+  if (slower && robot.moving && robot.purpose != Purpose::kBrake) brake(index_of(id), now);
+  changed_ = true;
+}
+
 double Traffic::remaining(RobotId id, SimTime now) const {
   const Robot& robot = at(id);
   if (!robot.wants) return 0;
@@ -111,8 +119,15 @@ Segment Traffic::footprint_at_goal(const Robot& robot) const {
   return robot.work ? *robot.work : footprint_at(robot.goal);
 }
 
+DriveLimits Traffic::limits_of(const Robot& robot) const {
+  DriveLimits limits = limits_;
+  limits.speed *= robot.speed;
+  limits.turn *= robot.speed;
+  return limits;
+}
+
 bool Traffic::movable(const Robot& robot, SimTime now) const {
-  return !robot.moving && !robot.working && (robot.wants || now - robot.idle_since >= kGrace);
+  return !robot.moving && !robot.working && robot.speed > 0 && (robot.wants || now - robot.idle_since >= kGrace);
 }
 
 template <class Only>
@@ -174,7 +189,7 @@ void Traffic::plan(SimTime now) {
 
 void Traffic::attempt(std::size_t index, SimTime now) {
   Robot& robot = robots_[index];
-  if (!robot.wants || robot.unreachable) return;
+  if (!robot.wants || robot.unreachable || robot.speed == 0) return;
   const auto conflicts = [&](std::size_t other) {
     return other != index && distance(robots_[other].rest, footprint_at_goal(robot)) < kGap;
   };
@@ -230,7 +245,7 @@ bool Traffic::drive_to_goal(std::size_t index, SimTime now) {
   const Segment end = footprint_at_goal(robot);
   const auto way = map_.route(robot.pose.position(), robot.goal.position(), keepouts);
   if (!way) return false;
-  Trajectory motion(*way, robot.pose.yaw, robot.goal.yaw, limits_);
+  Trajectory motion(*way, robot.pose.yaw, robot.goal.yaw, limits_of(robot));
   const auto delay = delay_of(index, motion, end, now);
   if (!delay) return false;
   if (*delay > kWorthADetour) {
@@ -247,7 +262,7 @@ bool Traffic::drive_to_goal(std::size_t index, SimTime now) {
       }
     }
     if (const auto around = map_.route(robot.pose.position(), robot.goal.position(), keepouts)) {
-      Trajectory detour(*around, robot.pose.yaw, robot.goal.yaw, limits_);
+      Trajectory detour(*around, robot.pose.yaw, robot.goal.yaw, limits_of(robot));
       const auto detour_delay = delay_of(index, detour, end, now);
       if (detour_delay && *detour_delay + detour.duration() < *delay + motion.duration())
         return commit(index, *around, robot.goal.yaw, end, Purpose::kGoal, now);
@@ -259,7 +274,7 @@ bool Traffic::drive_to_goal(std::size_t index, SimTime now) {
 bool Traffic::commit(std::size_t index, std::span<const Vec2> way, double yaw, const Segment& rest, Purpose purpose,
                      SimTime now) {
   Robot& robot = robots_[index];
-  Trajectory motion(way, robot.pose.yaw, yaw, limits_);
+  Trajectory motion(way, robot.pose.yaw, yaw, limits_of(robot));
   const auto delay = delay_of(index, motion, rest, now);
   if (!delay) return false;
   motion.begin_at(now + *delay);
@@ -357,7 +372,7 @@ bool Traffic::displace(std::size_t index, std::span<const Vec2> way, const Segme
                        std::size_t depth, SimTime now) {
   if (depth == 0) return false;
   Robot& robot = robots_[index];
-  if (robot.moving || robot.working) return false;
+  if (robot.moving || robot.working || robot.speed == 0) return false;
   const auto go = [&](std::span<const Vec2> aside) {
     if (!commit(index, aside, robot.pose.yaw, {aside.back(), aside.back()}, Purpose::kYield, now)) return false;
     robot.yields_to = for_robot;

@@ -28,6 +28,8 @@ class Traffic {
   void withdraw(RobotId robot, SimTime now);
   /// Where the robot really is. If that is far off its motion, the robot brakes and is planned anew.
   void observe(RobotId robot, const Pose2& pose, SimTime now);
+  /// The robot drives at that share of its speed from now on; at 0 it stands where it is, and others drive around it.
+  void set_speed(RobotId robot, double share, SimTime now);
 
   /// Once a tick, before anybody asks: ends the motions that are over.
   void settle(SimTime now);
@@ -77,12 +79,14 @@ class Traffic {
     std::optional<std::size_t>
         yields_to;  ///< the robot whose way it left; it does not drive back before that one has gone
     SimTime yields_until{};
+    double speed = 1;  ///< share of the limits
   };
 
   const Robot& at(RobotId id) const { return robots_[index_of(id)]; }
   Robot& at(RobotId id) { return robots_[index_of(id)]; }
 
   Segment footprint_at_goal(const Robot& robot) const;
+  DriveLimits limits_of(const Robot& robot) const;
   bool movable(const Robot& robot, SimTime now) const;
   /// Rests of the robots other than `except` for which `only` holds.
   template <class Only>

@@ -112,6 +112,51 @@ TEST_P(Faults, ADroppedPieceLiesOnTheFloor) {
   EXPECT_EQ(ended[1].first, 208) << "nothing to place";
 }
 
+TEST_P(Faults, APieceSlipsOutAfterAPickThatEndedWell) {
+  const std::string goals =
+      goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(110, "robot1", "place", "C-CS1-SHELF-LEFT");
+  (void)whole(floor("slip", goals, "  - {kind: grasp_slips, at: 0, robot: robot1, after_s: 4}\n", GetParam()), {},
+              "run");
+  const auto ended = ends("run", "robot1");
+  ASSERT_EQ(ended.size(), 2u);
+  EXPECT_EQ(ended[0].first, 0);
+  EXPECT_EQ(ended[1].first, 208);
+  EXPECT_THAT(strikes("run", 0), ElementsAre(testing::DoubleNear(1 + ended[0].second + 4, 0.1)));
+}
+
+TEST_P(Faults, AHaltedRobotStandsAndASlowOneIsLater) {
+  const std::string goals = goal(1, "robot1", "drive_to", "C-BS-INPUT");
+  const auto took = [&](const std::string& name, const std::string& fault) {
+    (void)whole(floor(name, goals, "  - {" + fault + ", robot: robot1}\n", GetParam()), {}, name);
+    const auto ended = ends(name, "robot1");
+    EXPECT_EQ(ended.size(), 1u);
+    EXPECT_EQ(ended.front().first, 0);
+    return ended.front().second;
+  };
+  const double quick = took("quick", "kind: skill_stalls, at: 100, seconds: 7");
+  EXPECT_NEAR(took("halted", "kind: robot_halts, at: 3, seconds: 20"), quick + 20, 3.5);
+  EXPECT_GT(took("slow", "kind: robot_slow, at: 0, factor: 0.5, seconds: 100"), 1.5 * quick);
+  EXPECT_THAT(strikes("halted", 0), ElementsAre(3));
+}
+
+TEST_P(Faults, AGoalIsLostAndAResultComesLate) {
+  const std::string goals = goal(1, "robot1", "drive_to", "C-BS-INPUT") + goal(80, "robot1", "drive_to", "C_Z11");
+  (void)whole(floor("plain", goals, "  - {kind: goal_lost, at: 190}\n", GetParam()), {}, "plain");
+  (void)whole(
+      floor("lost", goals, "  - {kind: goal_lost, at: 0, robot: robot1}\n  - {kind: result_late, at: 50, seconds: 6}\n",
+            GetParam()),
+      {}, "lost");
+  const auto plain = ends("plain", "robot1"), ended = ends("lost", "robot1");
+  ASSERT_EQ(plain.size(), 2u);
+  ASSERT_EQ(ended.size(), 2u);
+  EXPECT_EQ(ended[0].first, 220);
+  EXPECT_NEAR(ended[0].second, 10, 0.1);
+  EXPECT_EQ(ended[1].first, 0);
+  EXPECT_GE(ended[1].second, 6.5);
+  EXPECT_THAT(strikes("lost", 0), ElementsAre(testing::DoubleNear(1, 0.05)));
+  EXPECT_EQ(strikes("lost", 1).size(), 1u);
+}
+
 TEST_P(Faults, MachinesBreakAndGoDown) {
   std::string ticks;  // in the timed tier nothing else happens at these times
   for (const char* t : {"9.9", "10.1", "20.1", "36", "42"})
@@ -178,6 +223,9 @@ TEST_F(Faults, WrongFaultsAreBadInputWithTheirPlace) {
       {"{kind: skill_stalls, at: 1}", "key 'seconds' is missing"},
       {"{kind: machine_breaks, at: 1}", "key 'machine' is missing"},
       {"{kind: machine_down, mean_s: 0, machine: C-BS, seconds: 1}", "at least 0.001 s"},
+      {"{kind: robot_halts, at: 1}", "key 'seconds' is missing"},
+      {"{kind: robot_slow, at: 1, seconds: 1}", "key 'factor' is missing"},
+      {"{kind: robot_slow, at: 1, seconds: 1, factor: 2}", "expected a share of the speed"},
       {"{at: 1}", "key 'kind' is missing"},
       {"{at: 1, knd: skill_fails}", "key 'kind' is missing, did you mean it by 'knd'?"}};
   for (const auto& [text, what] : cases) {

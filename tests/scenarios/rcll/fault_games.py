@@ -22,14 +22,24 @@ MACHINES = ["C-BS", "C-CS1", "C-CS2", "C-DS", "C-RS1", "C-RS2"]
 FAULTS = {
     "skill_fails": [{"probability": 0.15, "after_s": 10}],
     "skill_stalls": [{"probability": 0.15, "seconds": 15}],
+    "goal_lost": [{"probability": 0.1}],
+    "result_late": [{"probability": 0.15, "seconds": 10}],
+    "grasp_slips": [{"probability": 0.15, "after_s": 5}],
     "piece_dropped": [{"mean_s": 400}],
+    "robot_halts": [{"mean_s": 300, "seconds": 60}],
+    "robot_slow": [{"mean_s": 300, "factor": 0.4, "seconds": 60}],
     "machine_breaks": [{"mean_s": 600, "machine": machine} for machine in MACHINES],
     "machine_down": [{"mean_s": 400, "machine": machine, "seconds": 45} for machine in MACHINES],
 }
 TOGETHER = {
     "skill_fails": [{"probability": 0.05, "after_s": 10}],
     "skill_stalls": [{"probability": 0.05, "seconds": 10}],
+    "goal_lost": [{"probability": 0.03}],
+    "result_late": [{"probability": 0.05, "seconds": 5}],
+    "grasp_slips": [{"probability": 0.05, "after_s": 5}],
     "piece_dropped": [{"mean_s": 1200}],
+    "robot_halts": [{"mean_s": 900, "seconds": 30}],
+    "robot_slow": [{"mean_s": 900, "factor": 0.5, "seconds": 30}],
     "machine_breaks": [{"mean_s": 2400, "machine": machine} for machine in MACHINES],
     "machine_down": [{"mean_s": 1200, "machine": machine, "seconds": 30} for machine in MACHINES],
 }

@@ -129,7 +129,9 @@ Log play(const Case& c) {
   Log calls, log;
   Hand hand;
   FaultLog sink(calls, c.faults);
-  FaultySkills skills(std::make_unique<Plain>(calls, hand, from_seconds(c.lasts)), RobotId{0}, hand, c.faults, 1, sink);
+  Traffic traffic(hand.plan());
+  FaultySkills skills(std::make_unique<Plain>(calls, hand, from_seconds(c.lasts)), RobotId{0}, hand, traffic, c.faults,
+                      1, sink);
   std::string last;
   bool active = false;
   for (SimTime now{}; now <= from_seconds(c.until); now += kTick) {
@@ -181,6 +183,17 @@ Fault drops(double at) {
   fault.kind = FaultKind::kPieceDropped;
   fault.at = from_seconds(at);
   fault.number = 5;
+  return fault;
+}
+Fault at(FaultKind kind, double at, double duration = 0) {
+  Fault fault = stalls(at, duration);
+  fault.kind = kind;
+  fault.number = 6;
+  return fault;
+}
+Fault slips(double at, double after) {
+  Fault fault = fails(at, after);
+  fault.kind = FaultKind::kGraspSlips;
   return fault;
 }
 Fault of_robot(Fault fault, const char* robot) {
@@ -408,6 +421,91 @@ const std::vector<Case>& cases() {
        6,
        {"0 start B", "0 handle 3 m, due 2", "2 over", "2 end 0 ''", "2 start A", "2 handle 3 m, due 4", "4 fault 5",
         "4 drop", "4 over", "4 end 0 ''", "4 handle 3 m, due never"}},
+      {"LosesAGoal",
+       {at(FaultKind::kGoalLost, 1)},
+       {{0, kDrive}, {2.5, kPick}},
+       {},
+       2,
+       13,
+       {"0 start A",
+        "0 handle 3 m, due 2",
+        "2 over",
+        "2 end 0 ''",
+        "2 handle 3 m, due never",
+        "2.5 fault 6",
+        "2.5 wait 0 m, due 12.5",
+        "3 idle",
+        "3.5 idle",
+        "4 idle",
+        "4.5 idle",
+        "5 idle",
+        "5.5 idle",
+        "6 idle",
+        "6.5 idle",
+        "7 idle",
+        "7.5 idle",
+        "8 idle",
+        "8.5 idle",
+        "9 idle",
+        "9.5 idle",
+        "10 idle",
+        "10.5 idle",
+        "11 idle",
+        "11.5 idle",
+        "12 idle",
+        "12.5 idle",
+        "12.5 end 220 'no answer: the goal was lost'",
+        "12.5 handle 3 m, due never"}},
+      {"LosesAGoalThatIsCancelled",
+       {at(FaultKind::kGoalLost, 0)},
+       {{0, kDrive}, {3, kPick}},
+       {1},
+       1,
+       5,
+       {"0 fault 6", "0 wait 0 m, due 10", "0.5 idle", "1 idle", "1.5 idle", "1.5 end 0 cancelled 'cancelled'",
+        "1.5 handle 3 m, due never", "3 start B", "3 handle 3 m, due 4", "4 over", "4 end 0 ''",
+        "4 handle 3 m, due never"}},
+      {"ReportsLate",
+       {at(FaultKind::kResultLate, 0, 3)},
+       {{0, kPick}, {6, kDrive}},
+       {},
+       2,
+       9,
+       {"0 start B", "0 handle 3 m, due 2", "2 over", "2 fault 6", "2 handle 3 m, due 5", "2.5 idle", "3 idle",
+        "3.5 idle", "4 idle", "4.5 idle", "5 idle", "5 end 0 ''", "5 handle 3 m, due never", "6 start A",
+        "6 handle 3 m, due 8", "8 over, holds", "8 end 0 ''", "8 handle 3 m, due never"}},
+      {"ReportsLateAndIsCancelledMeanwhile",
+       {at(FaultKind::kResultLate, 0, 3)},
+       {{0, kDrive}},
+       {3},
+       2,
+       6,
+       {"0 start A", "0 handle 3 m, due 2", "2 over", "2 fault 6", "2 handle 3 m, due 5", "2.5 idle", "3 idle",
+        "3.5 idle", "4 idle", "4.5 idle", "5 idle", "5 end 0 ''", "5 handle 3 m, due never"}},
+      {"LosesWhatItTookAfterAWhile",
+       {slips(0, 1.5)},
+       {{0, kDrive}, {3, kPick}, {5, kDrive}},
+       {},
+       2,
+       8,
+       {"0 start A", "0 handle 3 m, due 2", "2 over", "2 end 0 ''", "2 handle 3 m, due never", "3 start B",
+        "3 handle 3 m, due 5", "5 over", "5 end 0 ''", "5 start A", "5 handle 3 m, due 6.5", "6.5 fault 3", "6.5 drop",
+        "6.5 handle 3 m, due 7", "7 over", "7 end 0 ''", "7 handle 3 m, due never"}},
+      {"LosesWhatItTookAtOnce",
+       {slips(0, 0)},
+       {{0, kPick}},
+       {},
+       2,
+       3,
+       {"0 start B", "0 handle 3 m, due 2", "2 over", "2 fault 3", "2 drop", "2 end 0 ''", "2 handle 3 m, due never"}},
+      {"HasPutItDownBeforeItSlips",
+       {drops(2.5), slips(0, 2)},
+       {{0, kPick}, {2, kDrive}},
+       {},
+       2,
+       5,
+       {"0 start B", "0 handle 3 m, due 2", "2 over", "2 end 0 ''", "2 start A", "2 handle 3 m, due 2.5", "2.5 fault 5",
+        "2.5 drop", "2.5 handle 3 m, due 4", "4 over", "4 end 0 ''", "4 handle 3 m, due never"}},
       {"DropsWhenASkillEnds",
        {drops(2)},
        {{0, kPick}},

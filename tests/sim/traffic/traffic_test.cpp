@@ -77,6 +77,47 @@ TEST(Traffic, AFreeDriveIsStraightAndFast) {
   EXPECT_NEAR(floor.pose(kRobot1).yaw, std::numbers::pi / 2, 1e-9);
 }
 
+TEST(Traffic, ASlowRobotTakesLongerAlsoWhenItWasUnderWay) {
+  Drivers floor(open_floor({{-6, 4, 0}}));
+  floor.traffic.set_speed(kRobot1, 0.5, floor.now);
+  floor.traffic.request(kRobot1, {0, 4, 0}, {}, floor.now);
+  const auto arrived = [&] { return floor.traffic.arrived(kRobot1); };
+  const double whole = 6 / DriveLimits{}.speed;
+  EXPECT_NEAR(floor.until(arrived), 2 * whole, 3);
+  floor.traffic.set_speed(kRobot1, 1, floor.now);
+  floor.traffic.request(kRobot1, {6, 4, 0}, {}, floor.now);
+  EXPECT_GT(floor.until([&] { return floor.pose(kRobot1).x > 3; }), whole / 2);
+  floor.traffic.set_speed(kRobot1, 0.25, floor.now);
+  EXPECT_NEAR(floor.until(arrived), 4 * whole / 2, 6);
+}
+
+TEST(Traffic, AHaltedRobotStandsAndGoesOnLater) {
+  Drivers floor(open_floor({{-6, 4, 0}}));
+  floor.traffic.request(kRobot1, {0, 4, 0}, {}, floor.now);
+  (void)floor.until([&] { return floor.pose(kRobot1).x > -3; });
+  floor.traffic.set_speed(kRobot1, 0, floor.now);
+  (void)floor.until([] { return false; }, 3);
+  const double stands_at = floor.pose(kRobot1).x;
+  EXPECT_LT(stands_at, -2);
+  (void)floor.until([] { return false; }, 20);
+  EXPECT_EQ(floor.pose(kRobot1).x, stands_at);
+  EXPECT_TRUE(floor.traffic.waiting(kRobot1, floor.now));
+  floor.traffic.set_speed(kRobot1, 1, floor.now);
+  EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1); }), 12);
+}
+
+TEST(Traffic, NobodySendsAHaltedRobotAway) {
+  Drivers floor(open_floor({{-3, 4, 0}, {0, 4, 0}}));
+  floor.traffic.set_speed(kRobot2, 0, floor.now);
+  floor.traffic.request(kRobot1, {0, 4, 0}, {}, floor.now);
+  const auto arrived = [&] { return floor.traffic.arrived(kRobot1); };
+  EXPECT_GT(floor.until(arrived, 30), 30);
+  EXPECT_EQ(floor.pose(kRobot2).x, 0);
+  floor.traffic.set_speed(kRobot2, 1, floor.now);
+  EXPECT_LT(floor.until(arrived), 30);
+  EXPECT_GE(floor.least_distance, 0.47);
+}
+
 TEST(Traffic, MotionsStayWithinTheLimitsOfTheBase) {
   FloorPlan plan = open_floor({{-6, 1, 0}});
   plan.stations = {
