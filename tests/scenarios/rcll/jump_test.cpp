@@ -58,6 +58,35 @@ const Game kGames[]{
        story.instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
      },
      20},
+    {"a ring, and a workpiece that is stored behind another one",
+     [](GameStory& story) {
+       const auto lay = [&story](const char* machine) {
+         EXPECT_TRUE(story.world().dispense(story.machine(machine).id(), sim::kMachine.belt_rest_x, {1, {}, 0}));
+       };
+       lay("C-RS1");
+       story.instruct("{machine: C-RS1, ring_color: RING_ORANGE}");
+       lay("C-SS");
+       story.carry_out("{machine: C-SS, operation: STORE, shelf: 1, slot: 2}");
+       story.run_for(6);
+       lay("C-SS");
+       story.instruct("{machine: C-SS, operation: STORE, shelf: 1, slot: 3}");
+     },
+     300},
+    {"a down time that hides WAIT-IDLE, and one that hides BROKEN",
+     [](GameStory& story) {
+       story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+       story.take("C-BS-OUTPUT");
+       story.instruct("{machine: C-DS, operation: RESET}");
+       for (const auto& machine : story.factory().machines())
+         if (machine->name() == "C-BS" || machine->name() == "C-DS")
+           machine->add_down({from_seconds(5.33), from_seconds(45.77)});
+     },
+     60},
+    {"overtime", [](GameStory&) {}, 60,
+     [](WorldConfig& config) {
+       config.production_s = 20.03;
+       config.overtime_s = 30.11;
+     }},
     {"set-up, a short production, and the end", [](GameStory&) {}, 30,
      [](WorldConfig& config) {
        config.setup_s = 7.31;
