@@ -43,6 +43,15 @@ class TwoTeams(unittest.TestCase):
         competitive = sorted(team["by_kind"]["competitive"] for team in first["teams"].values())
         self.assertIn(competitive, ([0, 0], [0, 10], [-10, 10]))
 
+    def test_a_script_plays_for_the_other_team(self):
+        with tempfile.TemporaryDirectory(prefix="cxlab-script-") as folder:
+            out = pathlib.Path(folder) / "out"
+            subprocess.run([PROGRAM, "run", pathlib.Path(SCENARIO).parent / "scripted_opponent.yaml", "--tier", "timed", "--quiet",
+                            "--until", "600", "--out", out], check=True, capture_output=True)
+            teams = json.loads((out / "result.json").read_text())["teams"]
+        self.assertEqual(teams["MAGENTA"], {"points": 2, "by_kind": {**dict.fromkeys(teams["MAGENTA"]["by_kind"], 0), "payment": 2}})
+        self.assertGreater(teams["CYAN"]["points"], 30)
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])
