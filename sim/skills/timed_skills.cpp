@@ -8,16 +8,29 @@
 
 namespace cxlab::sim {
 
+HandlingMeans means_of(const TimedSkillsConfig& config) {
+  constexpr HandlingMeans kPhysics{15.5, 15.5, 15.3, 15.3, 6.5}, kMeasured{20.9, 24.2, 19.2, 23.5, 8.25};
+  const HandlingMeans& usual = config.durations == "measured" ? kMeasured : kPhysics;
+  return {config.pick_mean_s.value_or(usual.pick),
+          config.pick_shelf_mean_s.value_or(config.pick_mean_s.value_or(usual.pick_shelf)),
+          config.place_mean_s.value_or(usual.place),
+          config.place_slide_mean_s.value_or(config.place_mean_s.value_or(usual.place_slide)),
+          config.discard_mean_s.value_or(usual.discard)};
+}
+
 Status validate(const TimedSkillsConfig& config) {
+  const HandlingMeans means = means_of(config);
   constexpr double kAny = std::numeric_limits<double>::infinity(), kPositive = std::numeric_limits<double>::min();
   struct Value {
     const char* name;
     double value, least, most;
     const char* expected;
   };
-  for (const Value& v : {Value{"pick_mean_s", config.pick_mean_s, kPositive, kAny, "a time > 0 s"},
-                         {"place_mean_s", config.place_mean_s, kPositive, kAny, "a time > 0 s"},
-                         {"discard_mean_s", config.discard_mean_s, kPositive, kAny, "a time > 0 s"},
+  for (const Value& v : {Value{"pick_mean_s", means.pick, kPositive, kAny, "a time > 0 s"},
+                         {"place_mean_s", means.place, kPositive, kAny, "a time > 0 s"},
+                         {"pick_shelf_mean_s", means.pick_shelf, kPositive, kAny, "a time > 0 s"},
+                         {"place_slide_mean_s", means.place_slide, kPositive, kAny, "a time > 0 s"},
+                         {"discard_mean_s", means.discard, kPositive, kAny, "a time > 0 s"},
                          {"discard_sigma_s", config.discard_sigma_s, 0, kAny, ">= 0 s"},
                          {"shortest_s", config.shortest_s, kPositive, kAny, "a time > 0 s"},
                          {"pick_sigma_s", config.pick_sigma_s, 0, kAny, ">= 0 s"},
@@ -84,10 +97,14 @@ std::optional<SkillCode> TimedSkills::obstacle() const {
 }
 
 SimTime TimedSkills::drawn_duration() {
-  const auto [mean, sigma] = goal_.kind == SkillKind::kPick ? std::pair(config_.pick_mean_s, config_.pick_sigma_s)
-                             : goal_.kind == SkillKind::kPlace
-                                 ? std::pair(config_.place_mean_s, config_.place_sigma_s)
-                                 : std::pair(config_.discard_mean_s, config_.discard_sigma_s);
+  const SpotKind spot = goal_.spot ? world_.plan().spot(*goal_.spot).kind : SpotKind::kBeltInput;
+  const HandlingMeans means = means_of(config_);
+  const auto [mean, sigma] =
+      goal_.kind == SkillKind::kPick
+          ? std::pair(spot == SpotKind::kShelf ? means.pick_shelf : means.pick, config_.pick_sigma_s)
+      : goal_.kind == SkillKind::kPlace
+          ? std::pair(spot == SpotKind::kSlide ? means.place_slide : means.place, config_.place_sigma_s)
+          : std::pair(means.discard, config_.discard_sigma_s);
   return from_seconds(std::max(config_.shortest_s, durations_.normal(mean, sigma)));
 }
 

@@ -92,6 +92,27 @@ TEST(FleetInTime, DurationsAreDrawnAndNeverZero) {
   EXPECT_NEAR(outcome.report.handling_s / outcome.report.handled, 3, 0.1);
 }
 
+std::string means(const TimedSkillsConfig& config) {
+  const HandlingMeans m = means_of(config);
+  char text[80];
+  std::snprintf(text, sizeof text, "%g %g %g %g %g", m.pick, m.pick_shelf, m.place, m.place_slide, m.discard);
+  return text;
+}
+
+TEST(TimedSkillsConfig, MeansAreThoseOfPhysicsOrMeasuredAndKeysOverride) {
+  TimedSkillsConfig config;
+  EXPECT_EQ(means(config), "15.5 15.5 15.3 15.3 6.5");
+  config.durations = "measured";
+  EXPECT_EQ(means(config), "20.9 24.2 19.2 23.5 8.25");
+  config.pick_mean_s = 3;
+  config.place_mean_s = 4;
+  EXPECT_EQ(means(config), "3 3 4 4 8.25");
+  config.pick_shelf_mean_s = 5;
+  config.place_slide_mean_s = 6;
+  config.discard_mean_s = 7;
+  EXPECT_EQ(means(config), "3 5 4 6 7");
+}
+
 TEST(TimedSkillsConfig, WrongNumbersAreRefusedByName) {
   TimedSkillsConfig config;
   config.place_failure = 1.5;

@@ -222,7 +222,8 @@ TEST_P(Skills, ADiscardedPieceLiesOnFreeFloor) {
   const auto begin = std::ranges::find(discard.phases, GetParam() == Tier::kTimed ? "handle" : "approach");
   ASSERT_NE(begin, discard.phases.end());
   const auto index = static_cast<std::size_t>(begin - discard.phases.begin());
-  EXPECT_NEAR(to_seconds(world->now()) - discard.phases_at[index], config.discard_mean_s, 4 * config.discard_sigma_s);
+  EXPECT_NEAR(to_seconds(world->now()) - discard.phases_at[index], means_of(config).discard,
+              4 * config.discard_sigma_s);
   EXPECT_FALSE(robot1().held);
   EXPECT_LT(distance(robot1().pose_in_world.position(), before), 0.05);
   const Piece* there = world->find(piece);

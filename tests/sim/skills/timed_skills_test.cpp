@@ -78,6 +78,7 @@ class Floor {
     config.pick_mean_s = 3;
     config.discard_mean_s = 2.5;
     config.place_mean_s = 1;
+    config.place_slide_mean_s = 2.25;
     config.pick_sigma_s = config.place_sigma_s = config.discard_sigma_s = 0;
     return config;
   }
@@ -223,7 +224,7 @@ const std::vector<Case>& cases() {
        "0.02 drive, due never; 0.10 pick C-BS-OUTPUT; 0.10 move 18 points (-2.000 4.000) to (0.825 3.975 0.00), 0.10 "
        "to 6.75; 0.10 drive, due 95.10; 6.76 handle, due 9.76; 9.76 grasp C-BS-OUTPUT; 9.76 end 0; 9.76 handle, due "
        "never; 12.00 place C-RS1-SLIDE; 12.00 move 30 points (0.825 3.975) to (5.175 4.250 3.14), 12.00 to 23.55; "
-       "12.00 drive, due 107.00; 23.56 handle, due 25.56; "},
+       "12.00 drive, due 107.00; 23.56 handle, due 25.81; "},
       {"PlaceOfNothing", 10,
        [](Floor& f, double now) {
          if (is(now, 0.1)) f.start(kPlace, "C-BS-OUTPUT");
