@@ -13,7 +13,8 @@ bool is_about_robots(FaultKind kind) { return kind < FaultKind::kMachineBreaks; 
 SkillCode code_of(const Fault& fault, SkillKind skill) {
   if (fault.error != 0) return static_cast<SkillCode>(fault.error);
   switch (skill) {
-    case SkillKind::kDriveTo: return SkillCode::kUnableToMove;
+    case SkillKind::kDriveTo:
+    case SkillKind::kExplore: return SkillCode::kUnableToMove;
     case SkillKind::kPick: return SkillCode::kGraspFailed;
     case SkillKind::kPlace:
     case SkillKind::kDiscard: return SkillCode::kSensorDisagreement;

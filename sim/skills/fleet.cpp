@@ -13,16 +13,16 @@ constexpr double kPlaceRadius = 0.75;  ///< m: a zone's machine leaves room with
 
 }  // namespace
 
-Fleet::Fleet(const WorldView& world, Places places)
-    : world_(world), traffic_(world.plan()), places_(std::move(places)) {
-  for (auto& [name, pose] : places_)
-    if (const auto free = traffic_.standing_place(pose.position(), kPlaceRadius))
-      pose = {free->x(), free->y(), pose.yaw};
+Fleet::Fleet(const WorldView& world, const Places& places) : world_(world), traffic_(world.plan()) {
+  for (const auto& [name, pose] : places) {
+    const Vec2 stand = traffic_.standing_place(pose.position(), kPlaceRadius).value_or(pose.position());
+    places_[name] = {{stand.x(), stand.y(), pose.yaw}, pose.position()};
+  }
 }
 
-Expected<std::unique_ptr<Fleet>> Fleet::create(const WorldView& world, RobotBodies& bodies, Places places,
+Expected<std::unique_ptr<Fleet>> Fleet::create(const WorldView& world, RobotBodies& bodies, const Places& places,
                                                bus::Bus& bus, RecordSink& sink, FleetFaults faults) {
-  std::unique_ptr<Fleet> fleet(new Fleet(world, std::move(places)));
+  std::unique_ptr<Fleet> fleet(new Fleet(world, places));
   for (std::size_t i = 0; i < world.plan().robots.size(); ++i)
     fleet->skills_.push_back(std::make_unique<PhysicsSkills>(static_cast<RobotId>(i), world, bodies, fleet->traffic_));
   if (Status s = fleet->open(bus, sink, faults); !s) return s.error();
@@ -30,10 +30,10 @@ Expected<std::unique_ptr<Fleet>> Fleet::create(const WorldView& world, RobotBodi
 }
 
 Expected<std::unique_ptr<Fleet>> Fleet::create(const WorldView& world, RobotBook& book, const TimedSkillsConfig& config,
-                                               std::uint64_t seed, Places places, bus::Bus& bus, RecordSink& sink,
-                                               FleetFaults faults) {
+                                               std::uint64_t seed, const Places& places, bus::Bus& bus,
+                                               RecordSink& sink, FleetFaults faults) {
   if (Status s = validate(config); !s) return s.error();
-  std::unique_ptr<Fleet> fleet(new Fleet(world, std::move(places)));
+  std::unique_ptr<Fleet> fleet(new Fleet(world, places));
   for (std::size_t i = 0; i < world.plan().robots.size(); ++i)
     fleet->skills_.push_back(
         std::make_unique<TimedSkills>(static_cast<RobotId>(i), world, book, fleet->traffic_, config, seed));

@@ -1,8 +1,10 @@
 #pragma once
 // All robots of a floor with their skill servers and the traffic between them: one server of an episode.
 
+#include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "cx/run/parts.h"
@@ -22,17 +24,18 @@ struct FleetFaults {
 
 class Fleet final : public Server {
  public:
-  using Places = SkillServer::Places;
+  using Places = std::map<std::string, Pose2, std::less<>>;
 
-  /// Physics tier. World, bodies, bus and sink outlive it. `places`: names that drive_to accepts besides spots; a robot
-  /// goes to the free standing place nearest to that pose, at most 0.75 m from it. Fails when the bus lacks
-  /// cxlab_skills.
-  static Expected<std::unique_ptr<Fleet>> create(const WorldView& world, RobotBodies& bodies, Places places,
+  /// Physics tier. World, bodies, bus and sink outlive it. `places`: zones, which skills accept besides spots, by their
+  /// middle; a robot goes to the free standing place nearest to that pose, at most 0.75 m from it. Fails when the bus
+  /// lacks cxlab_skills.
+  static Expected<std::unique_ptr<Fleet>> create(const WorldView& world, RobotBodies& bodies, const Places& places,
                                                  bus::Bus& bus, RecordSink& sink, FleetFaults faults = {});
   /// Timed tier; draws from the streams "durations/<robot>" and "failures/<robot>" of `seed`.
   static Expected<std::unique_ptr<Fleet>> create(const WorldView& world, RobotBook& book,
-                                                 const TimedSkillsConfig& config, std::uint64_t seed, Places places,
-                                                 bus::Bus& bus, RecordSink& sink, FleetFaults faults = {});
+                                                 const TimedSkillsConfig& config, std::uint64_t seed,
+                                                 const Places& places, bus::Bus& bus, RecordSink& sink,
+                                                 FleetFaults faults = {});
 
   Status sense(SimTime now) override;
   Status act(SimTime now) override;
@@ -41,12 +44,12 @@ class Fleet final : public Server {
   std::vector<RobotStats> stats() const;
 
  private:
-  Fleet(const WorldView& world, Places places);
+  Fleet(const WorldView& world, const Places& places);
   Status open(bus::Bus& bus, RecordSink& sink, const FleetFaults& faults);
 
   const WorldView& world_;
   Traffic traffic_;
-  Places places_;
+  SkillServer::Places places_;
   std::vector<std::unique_ptr<RobotSkills>> skills_;
   std::vector<std::unique_ptr<SkillServer>> servers_;
 };

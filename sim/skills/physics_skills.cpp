@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/skills/explore.h"
+
 namespace cxlab::sim {
 namespace {
 
@@ -65,6 +67,10 @@ void PhysicsSkills::start(const SkillGoal& goal, SimTime now) {
   std::optional<Segment> work;
   if (goal.kind == SkillKind::kDiscard) {
     goal_.pose = facing_free_floor(world_.plan(), goal.target.empty() ? world_.robot(robot_).pose_in_world : goal.pose);
+    work = Segment{goal_.pose.position(), goal_.pose.position()};
+  } else if (goal.kind == SkillKind::kExplore) {
+    zone_ = goal.pose.position();
+    goal_.pose = lookout(world_, traffic_, robot_, zone_).value_or(goal.pose);
     work = Segment{goal_.pose.position(), goal_.pose.position()};
   } else if (goal.kind != SkillKind::kDriveTo) {
     spot_ = &world_.plan().spot(*goal.spot);
@@ -178,7 +184,7 @@ std::optional<SkillResult> PhysicsSkills::sense(SimTime now) {
 
 std::optional<SkillResult> PhysicsSkills::sense_drive(SimTime now) {
   if (traffic_.arrived(robot_)) {
-    if (goal_.kind != SkillKind::kDriveTo) {
+    if (goal_.kind != SkillKind::kDriveTo && goal_.kind != SkillKind::kExplore) {
       if (const auto code = obstacle()) return end(*code, now);
       if (goal_.kind == SkillKind::kPick) {
         piece_ = world_.at(*goal_.spot)->id;
@@ -191,9 +197,10 @@ std::optional<SkillResult> PhysicsSkills::sense_drive(SimTime now) {
       return std::nullopt;
     }
     const bool there = base_at(goal_.pose, kArrivedAt, kArrivedYaw) && speed_of(state_) < kStill;
-    if (there || now - traffic_.motion(robot_)->end() > kSettleTime)
-      return end(base_at(goal_.pose, 2 * kArrivedAt, 2 * kArrivedYaw) ? SkillCode::kNone : SkillCode::kUnableToMove,
-                 now);
+    if (!there && now - traffic_.motion(robot_)->end() <= kSettleTime) return std::nullopt;
+    if (!base_at(goal_.pose, 2 * kArrivedAt, 2 * kArrivedYaw)) return end(SkillCode::kUnableToMove, now);
+    if (goal_.kind == SkillKind::kDriveTo) return end(SkillCode::kNone, now);
+    enter(SkillPhase::kLook, now);
     return std::nullopt;
   }
   if (traffic_.unreachable(robot_)) return end(SkillCode::kNoPath, now);
@@ -214,6 +221,12 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
         return give_up(SkillCode::kUnableToMove, now);
       return std::nullopt;
     case SkillPhase::kLook:
+      if (goal_.kind == SkillKind::kExplore) {
+        if (now - entered_ < kExploreTime) return std::nullopt;
+        SkillResult result = end(SkillCode::kNone, now);
+        result.seen = station_in_zone(world_.plan(), zone_);
+        return result;
+      }
       if (now - entered_ >= kLookTime) enter(SkillPhase::kApproach, now);
       return std::nullopt;
     case SkillPhase::kApproach:
@@ -315,7 +328,7 @@ void PhysicsSkills::move_fingers(double opening) {
 void PhysicsSkills::drop(SimTime) { move_fingers(kOpen); }
 
 void PhysicsSkills::act(SimTime now) {
-  const bool at_work = active_ && traffic_.working(robot_);
+  const bool at_work = active_ && traffic_.working(robot_) && goal_.kind != SkillKind::kExplore;
   if (!at_work) {
     // On the way, for itself or for others, or idle: the arm is home, high enough for what it carries.
     move_gripper({0, 0, kRobot.up_stroke});

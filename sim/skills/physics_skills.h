@@ -60,6 +60,7 @@ class PhysicsSkills final : public RobotSkills {
   RobotState state_;
 
   SkillGoal goal_;
+  Vec2 zone_ = Vec2::Zero();  ///< that is explored
   const Spot* spot_ = nullptr;
   bool active_ = false;
   bool cancelled_ = false;

@@ -11,7 +11,8 @@ std::span<const SkillWord> skill_words() {
   static constexpr SkillWord kWords[]{{SkillKind::kDriveTo, "drive_to", "cxlab_skills/action/DriveTo"},
                                       {SkillKind::kPick, "pick", "cxlab_skills/action/Pick"},
                                       {SkillKind::kPlace, "place", "cxlab_skills/action/Place"},
-                                      {SkillKind::kDiscard, "discard", "cxlab_skills/action/Discard"}};
+                                      {SkillKind::kDiscard, "discard", "cxlab_skills/action/Discard"},
+                                      {SkillKind::kExplore, "explore", "cxlab_skills/action/Explore"}};
   return kWords;
 }
 

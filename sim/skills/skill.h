@@ -12,7 +12,7 @@
 
 namespace cxlab::sim {
 
-enum class SkillKind : std::uint8_t { kDriveTo, kPick, kPlace, kDiscard };
+enum class SkillKind : std::uint8_t { kDriveTo, kPick, kPlace, kDiscard, kExplore };
 std::string_view to_string(SkillKind kind);  ///< "drive_to" ...
 /// One skill: the name of its action on a robot, and the type in the package cxlab_skills.
 struct SkillWord {
@@ -43,7 +43,7 @@ enum class SkillPhase : std::uint8_t {
   kWait,  ///< others are in the way
   kDrive,
   kAlign,     ///< 0.5 m from the face, in line with the spot
-  kLook,      ///< stands there until the camera has found the spot
+  kLook,      ///< stands there until the camera has found the spot, or read the markers in a zone
   kApproach,  ///< base to the working distance, gripper forward
   kLower,
   kGrip,
@@ -60,7 +60,8 @@ struct SkillGoal {
   SkillKind kind{};
   std::string target;          ///< as the client named it
   std::optional<SpotId> spot;  ///< pick and place always; drive_to and discard when the target is a spot
-  Pose2 pose;                  ///< where to stand; of a discard without a target: where the robot stands
+  Pose2 pose;                  ///< where to stand; of a discard without a target: where the robot stands; of
+                               ///< explore: the middle of the zone
 };
 
 /// The place, turned as little as needed for what a robot there lets go of at arm's length to fall on free floor: away
@@ -69,16 +70,19 @@ Pose2 facing_free_floor(const FloorPlan& plan, const Pose2& place);
 
 struct SkillResult {
   SkillCode code = SkillCode::kNone;
-  bool cancelled = false;  ///< ended because of `cancel`
-  std::string text{};      ///< what happened, empty when all went well
+  bool cancelled = false;           ///< ended because of `cancel`
+  std::string text{};               ///< what happened, empty when all went well
+  std::optional<StationId> seen{};  ///< explore: the machine in the zone
 
-  static SkillResult of(SkillCode code) { return {code, false, std::string(to_string(code))}; }
-  static SkillResult cancel() { return {SkillCode::kNone, true, "cancelled"}; }
+  static SkillResult of(SkillCode code) { return {code, false, std::string(to_string(code)), {}}; }
+  static SkillResult cancel() { return {SkillCode::kNone, true, "cancelled", {}}; }
 };
 
 /// Longest time that a skill drives and waits, and that it takes in all; then it ends with 201.
 inline constexpr SimTime kDriveTimeout{95'000'000'000};
 inline constexpr SimTime kSkillTimeout{115'000'000'000};
+/// How long an explore looks.
+inline constexpr SimTime kExploreTime{2'000'000'000};
 
 /// The skills of one robot in one tier: a state machine that runs one skill at a time.
 class RobotSkills {

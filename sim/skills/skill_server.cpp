@@ -1,10 +1,17 @@
 #include "sim/skills/skill_server.h"
 
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
 namespace cxlab::sim {
+namespace {
+
+/// 0 to 359.
+int degrees(double angle) { return (static_cast<int>(std::lround(angle * 180 / std::numbers::pi)) + 360) % 360; }
+
+}  // namespace
 
 SkillServer::SkillServer(RobotId robot, const FloorPlan& plan, const Places& places, RobotSkills& skills, bus::Bus& bus,
                          RecordSink& sink)
@@ -53,6 +60,15 @@ void SkillServer::record(const Action& action, const std::string& target, std::s
 
 Expected<SkillGoal> SkillServer::read_goal(const Action& action, const bus::MessageView& message) const {
   SkillGoal goal{action.kind, message.text("target"), std::nullopt, {}};
+  const auto place = places_.find(goal.target);
+  if (action.kind == SkillKind::kExplore) {
+    std::vector<std::string> names;
+    for (const auto& [name, unused] : places_) names.push_back(name);
+    if (place == places_.end())
+      return input_error("'" + goal.target + "' is not a zone" + did_you_mean(goal.target, names, "; "));
+    goal.pose = {place->second.middle.x(), place->second.middle.y(), 0};
+    return goal;
+  }
   if (goal.spot = plan_.find_spot(goal.target); goal.spot) {
     goal.pose = plan_.spot(*goal.spot).align_in_world;
     return goal;
@@ -62,12 +78,12 @@ Expected<SkillGoal> SkillServer::read_goal(const Action& action, const bus::Mess
     std::vector<std::string> names;
     for (const Spot& spot : plan_.spots) names.push_back(spot.name);
     if (by_place)
-      for (const auto& [place, pose] : places_) names.push_back(place);
+      for (const auto& [name, unused] : places_) names.push_back(name);
     return input_error("'" + goal.target + "' is not " + expected + did_you_mean(goal.target, names, "; "));
   };
   if (!by_place) return unknown("a spot of a machine");
-  if (const auto place = places_.find(goal.target); place != places_.end()) {
-    goal.pose = place->second;
+  if (place != places_.end()) {
+    goal.pose = place->second.stand;
     return goal;
   }
   if (!goal.target.empty()) return unknown("a spot of a machine or a place");
@@ -100,7 +116,7 @@ void SkillServer::take_goal(const Action& action, const bus::Delivery& delivery)
   active_->since = active_->phase_since = now_;
   if (!goal) {
     active_->skill.target = message.text("target");
-    finish({SkillCode::kInvalidTarget, false, goal.error().message});
+    finish({SkillCode::kInvalidTarget, false, goal.error().message, {}});
     return;
   }
   active_->skill = *goal;
@@ -174,6 +190,13 @@ void SkillServer::finish(const SkillResult& result) {
       .set("error_code", static_cast<int>(result.code))
       .set("error", result.text)
       .set("target", ended.skill.target);
+  if (action.kind == SkillKind::kExplore && done) {
+    const Station* seen = result.seen ? &plan_.station(*result.seen) : nullptr;
+    message->view()
+        .set("zone", ended.skill.target)
+        .set("machine", seen ? seen->name : "")
+        .set("rotation", seen ? degrees(seen->pose_in_world.yaw) : -1);
+  }
   const bus::GoalStatus status = done               ? bus::GoalStatus::kSucceeded
                                  : result.cancelled ? bus::GoalStatus::kCanceled
                                                     : bus::GoalStatus::kAborted;

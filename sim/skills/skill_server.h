@@ -29,8 +29,12 @@ struct RobotStats {
 
 class SkillServer {
  public:
-  /// Names that drive_to accepts in addition to spots.
-  using Places = std::map<std::string, Pose2, std::less<>>;
+  struct Place {
+    Pose2 stand;  ///< of a robot that goes there
+    Vec2 middle;
+  };
+  /// Names that drive_to and discard accept in addition to spots, and the zones of explore.
+  using Places = std::map<std::string, Place, std::less<>>;
 
   /// Joins the bus under the robot's name. All outlive it. Fails when the bus does not know the package cxlab_skills.
   static Expected<std::unique_ptr<SkillServer>> create(RobotId robot, const FloorPlan& plan, const Places& places,

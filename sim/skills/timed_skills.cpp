@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "sim/skills/explore.h"
+
 namespace cxlab::sim {
 
 HandlingMeans means_of(const TimedSkillsConfig& config) {
@@ -61,6 +63,10 @@ void TimedSkills::start(const SkillGoal& goal, SimTime now) {
   std::optional<Segment> work;
   if (goal.kind == SkillKind::kDiscard) {
     goal_.pose = facing_free_floor(world_.plan(), goal.target.empty() ? world_.robot(robot_).pose_in_world : goal.pose);
+    work = Segment{goal_.pose.position(), goal_.pose.position()};
+  } else if (goal.kind == SkillKind::kExplore) {
+    zone_ = goal.pose.position();
+    goal_.pose = lookout(world_, traffic_, robot_, zone_).value_or(goal.pose);
     work = Segment{goal_.pose.position(), goal_.pose.position()};
   } else if (goal.kind != SkillKind::kDriveTo) {
     work = world_.plan().spot(*goal.spot).footprint();
@@ -138,6 +144,12 @@ std::optional<SkillResult> TimedSkills::sense(SimTime now) {
     active_ = false;
     return SkillResult::cancel();
   }
+  if (phase_ == SkillPhase::kLook) {
+    if (now < due_) return std::nullopt;
+    SkillResult result = end(SkillCode::kNone, now);
+    result.seen = station_in_zone(world_.plan(), zone_);
+    return result;
+  }
   if (phase_ == SkillPhase::kHandle) {
     if (now < due_) return std::nullopt;
     return end(handle(), now);
@@ -145,6 +157,11 @@ std::optional<SkillResult> TimedSkills::sense(SimTime now) {
   if (traffic_.arrived(robot_)) {
     if (goal_.kind == SkillKind::kDriveTo)
       return end(failures_.chance(config_.drive_failure) ? SkillCode::kUnableToMove : SkillCode::kNone, now);
+    if (goal_.kind == SkillKind::kExplore) {
+      phase_ = SkillPhase::kLook;
+      due_ = now + kExploreTime;
+      return std::nullopt;
+    }
     if (const auto code = obstacle()) return end(*code, now);
     phase_ = SkillPhase::kHandle;
     due_ = now + drawn_duration();

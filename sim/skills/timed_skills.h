@@ -41,6 +41,7 @@ class TimedSkills final : public RobotSkills {
   RandomStream durations_;
   RandomStream failures_;
   SkillGoal goal_;
+  Vec2 zone_ = Vec2::Zero();  ///< that is explored
   bool active_ = false;
   SkillPhase phase_ = SkillPhase::kDrive;
   SimTime due_ = kNever;  ///< of the time-out, or of the end of handling

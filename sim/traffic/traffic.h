@@ -7,6 +7,7 @@
 // around.
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -58,8 +59,13 @@ class Traffic {
   /// The place nearest to `centre`, at most `radius` m from it, that keeps clear of fixed things.
   std::optional<Vec2> standing_place(const Vec2& centre, double radius) const;
   double clearance(const Vec2& p) const { return map_.clearance(p); }
+  /// The place that `accept` takes which is nearest to drive to, on a grid of 0.1 m, as if no other robot were there.
+  std::optional<Vec2> nearest_place(const Vec2& from, const std::function<bool(const Vec2&)>& accept) {
+    return map_.nearest(from, {}, kFarthestPlace, accept);
+  }
 
  private:
+  static constexpr double kFarthestPlace = 40;  // m: more than across the field
   enum class Purpose : std::uint8_t { kGoal, kQueue, kYield, kBrake };
   struct Robot {
     Pose2 pose;    ///< observed, or the end of its last motion

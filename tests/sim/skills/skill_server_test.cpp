@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,10 @@ constexpr Stack kRed{1, {}, 0};
 
 FloorPlan small_plan() {
   FloorPlan plan;
-  plan.stations = {
-      {"C-BS", "BS", {1.5, 5.5, 0}, true}, {"C-CS1", "CS", {4.5, 5.5, 0}, true}, {"C-RS1", "RS", {4.5, 2.5, 0}, true}};
+  plan.stations = {{"C-BS", "BS", {1.5, 5.5, 0}, true},
+                   {"C-CS1", "CS", {4.5, 5.5, 0}, true},
+                   {"C-RS1", "RS", {4.5, 2.5, 0}, true},
+                   {"M-RS2", "RS", {-2.6, 6.4, -std::numbers::pi / 6}, true}};
   // Walls in the middle of a zone: the nearest place to stand is further away there.
   for (const double x : {-6.2, -5.85, -5.5, -5.15, -4.8}) plan.walls.push_back({{x, 5.1}, {x, 5.9}});
   for (std::size_t i = 0; i < plan.stations.size(); ++i)
@@ -48,6 +51,7 @@ struct Heard {
   std::vector<double> phases_at;  ///< s
   std::vector<double> remaining;  ///< m, by phase
   std::string target;             ///< of the result
+  std::string seen;               ///< "zone machine rotation" of an explore
   bus::GoalId goal{};
 };
 
@@ -55,11 +59,9 @@ class Skills : public ::testing::TestWithParam<Tier> {
  protected:
   void SetUp() override {
     ASSERT_TRUE(registry.add_packages_in(interfaces_dir()));
-    const Fleet::Places places{{"C_Z22", {1.5, 1.5, 1}},
-                               {"C_Z26", {1.5, 5.5, 0}},
-                               {"M_Z66", {-5.5, 5.5, 0}},
-                               {"NEAR_OUTSIDE", {-7.45, 4, 0}},
-                               {"FAR_OUTSIDE", {-7.55, 4, 0}}};
+    const Fleet::Places places{{"C_Z22", {1.5, 1.5, 1}},        {"C_Z26", {1.5, 5.5, 0}},
+                               {"M_Z66", {-5.5, 5.5, 0}},       {"M_Z37", {-2.5, 6.5, 0}},
+                               {"NEAR_OUTSIDE", {-7.45, 4, 0}}, {"FAR_OUTSIDE", {-7.55, 4, 0}}};
     if (GetParam() == Tier::kTimed) {
       auto ledger = std::make_unique<LedgerWorld>(small_plan());
       auto made = Fleet::create(*ledger, *ledger, config, 1, places, bus, sink);
@@ -81,27 +83,30 @@ class Skills : public ::testing::TestWithParam<Tier> {
   static std::string type_of(SkillKind kind) { return std::string(skill_words()[static_cast<std::size_t>(kind)].type); }
   bus::EndpointId client(const std::string& robot, SkillKind kind) {
     const std::string name = "/" + robot + "/" + std::string(to_string(kind));
-    return *bus.create_action_client(node, name, **registry.action(type_of(kind)),
-                                     {[this](const bus::Delivery& d) {
-                                        heard(d).answered = true;
-                                        heard(d).accepted = d.accepted;
-                                      },
-                                      [this](const bus::Delivery& d) {
-                                        heard(d).phases.push_back(d.message->view().text("phase"));
-                                        heard(d).phases_at.push_back(to_seconds(world->now()));
-                                        heard(d).remaining.push_back(d.message->view().real("remaining_m"));
-                                      },
-                                      [this](const bus::Delivery& d) {
-                                        Heard& h = heard(d);
-                                        h.ended = true;
-                                        h.status = d.status;
-                                        h.code = static_cast<int>(d.message->view().integer("error_code"));
-                                        h.error = d.message->view().text("error");
-                                        h.target = d.message->view().text("target");
-                                        EXPECT_EQ(d.message->view().integer("success") != 0,
-                                                  d.status == bus::GoalStatus::kSucceeded);
-                                      },
-                                      [](const bus::Delivery&) {}});
+    return *bus.create_action_client(
+        node, name, **registry.action(type_of(kind)),
+        {[this](const bus::Delivery& d) {
+           heard(d).answered = true;
+           heard(d).accepted = d.accepted;
+         },
+         [this](const bus::Delivery& d) {
+           heard(d).phases.push_back(d.message->view().text("phase"));
+           heard(d).phases_at.push_back(to_seconds(world->now()));
+           heard(d).remaining.push_back(d.message->view().real("remaining_m"));
+         },
+         [this, kind](const bus::Delivery& d) {
+           Heard& h = heard(d);
+           h.ended = true;
+           h.status = d.status;
+           h.code = static_cast<int>(d.message->view().integer("error_code"));
+           h.error = d.message->view().text("error");
+           h.target = d.message->view().text("target");
+           if (kind == SkillKind::kExplore)
+             h.seen = d.message->view().text("zone") + " " + d.message->view().text("machine") + " " +
+                      std::to_string(d.message->view().integer("rotation"));
+           EXPECT_EQ(d.message->view().integer("success") != 0, d.status == bus::GoalStatus::kSucceeded);
+         },
+         [](const bus::Delivery&) {}});
   }
   Heard& heard(const bus::Delivery& d) { return heard_by_goal[d.goal]; }
 
@@ -245,6 +250,32 @@ TEST_P(Skills, ADiscardDrivesToItsTargetFirst) {
   const Piece& piece = world->pieces()[0];
   EXPECT_EQ(piece.holder, Holder::kFloor);
   EXPECT_LT(distance(piece.position_in_world.head<2>(), {1.5, 1.5}), 0.8);
+}
+
+TEST_P(Skills, AnExploreSeesTheMachineOfAZone) {
+  const Heard& explore = done("robot1", SkillKind::kExplore, "C_Z26");
+  ASSERT_EQ(explore.status, bus::GoalStatus::kSucceeded) << explore.error;
+  EXPECT_EQ(explore.seen, "C_Z26 C-BS 0");
+  EXPECT_EQ(explore.target, "C_Z26");
+  ASSERT_EQ(explore.phases.back(), "look");
+  EXPECT_NEAR(to_seconds(world->now()) - explore.phases_at.back(), 2, 0.05);
+  const Vec2 off = Vec2(1.5, 5.5) - robot1().pose_in_world.position();
+  EXPECT_GT(off.norm(), 0.95);
+  EXPECT_LT(off.norm(), 1.55);
+  EXPECT_NEAR(wrap_angle(std::atan2(off.y(), off.x()) - robot1().pose_in_world.yaw), 0, 0.06);
+  const Pose2 before = robot1().pose_in_world;
+  ASSERT_EQ(done("robot1", SkillKind::kExplore, "C_Z26").code, 0);
+  EXPECT_LT(distance(robot1().pose_in_world.position(), before.position()), 0.06)
+      << "it sees the zone from where it is";
+  EXPECT_EQ(done("robot1", SkillKind::kExplore, "C_Z22").seen, "C_Z22  -1");
+  EXPECT_EQ(done("robot1", SkillKind::kExplore, "M_Z37").seen, "M_Z37 M-RS2 330");
+}
+
+TEST_P(Skills, AnExploreTakesZonesOnly) {
+  EXPECT_EQ(done("robot1", SkillKind::kExplore, "C_Z2").error, "'C_Z2' is not a zone; did you mean 'C_Z22'?");
+  EXPECT_EQ(done("robot1", SkillKind::kExplore, "C-BS-INPUT").code, 103);
+  EXPECT_EQ(done("robot1", SkillKind::kExplore, "").code, 103);
+  EXPECT_EQ(done("robot1", SkillKind::kExplore, "FAR_OUTSIDE").code, 0) << "seen over the border";
 }
 
 TEST_P(Skills, AnUnknownTargetIsNamedWithItsNeighbour) {
