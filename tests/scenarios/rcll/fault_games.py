@@ -13,7 +13,8 @@ import subprocess
 import sys
 import tempfile
 
-LEAST_DELIVERIES = 3
+LEAST_DELIVERIES = 2
+LEAST_POINTS = 100
 MOST_FAILURES = 60           # of skills, in a game with a dozen strikes
 MOST_FAILURES_IN_A_ROW = 8   # of one robot, the same skill at the same target
 LONGEST_PAUSE_S = 150        # without the end of any skill; a machine may be down for that long
@@ -80,6 +81,8 @@ def problems(folder):
         yield "no fault struck"
     if accepted < LEAST_DELIVERIES:
         yield f"only {accepted} deliveries"
+    if (points := max(team["points"] for team in result["teams"].values())) < LEAST_POINTS:
+        yield f"only {points} points"
     if failures > MOST_FAILURES or worst > MOST_FAILURES_IN_A_ROW:
         yield f"{failures} failures, {worst} in a row"
     if pause > LONGEST_PAUSE_S:

@@ -26,14 +26,13 @@
   (retract ?held))
 
 (defrule station-retrieve-cap
-  "The carrier lies on the belt: have its cap taken. Then the bare base will be a payment (payments.clp), or in the way."
+  "The carrier lies on the belt: have its cap taken."
   ?job <- (job (id ?id) (purpose BUFFER) (step DONE) (robot "") (station ?name))
   ?station <- (cap-station (name ?name) (phase EMPTY|BUFFERING))
   =>
   (retract ?job)
   (modify ?station (phase BUFFERING))
-  (assert (instruction (id ?id) (machine ?name) (operation "RETRIEVE_CAP")))
-  (assert (clear-base ?name)))
+  (assert (instruction (id ?id) (machine ?name) (operation "RETRIEVE_CAP"))))
 
 (defrule station-cap-retrieved
   "The cap is in, the bare base at the output."
@@ -42,6 +41,16 @@
   =>
   (retract ?instruction)
   (modify ?station (phase CLEARING)))
+
+(defrule station-clear-base
+  "There is, or soon will be, a bare base at the output: it is a payment (payments.clp), or in the way."
+  (machine (name ?name) (kind CS) (state ~BROKEN))
+  (or (cap-station (name ?name) (phase CLEARING))
+      (instruction (machine ?name) (operation "RETRIEVE_CAP") (state RUNNING)))
+  (not (clear-base ?name))
+  (not (job (purpose CLEAR) (station ?name) (step ~PUT&~DONE)))
+  =>
+  (assert (clear-base ?name)))
 
 (defrule station-clear
   "The bare base lies at the output: a robot may take it."
