@@ -113,7 +113,7 @@ std::span<const Row> exploration_rows() {
         message /machine_report_info /team_color "CYAN")"},
       {"exploration: after 180 s all machines are known, and reports are worth nothing",
        R"(exploration
-        until 179.9
+        until 179.98
         C-BS {side: OUTPUT, base_color: BASE_RED} -> 209
         until 180.1
         C-BS {side: OUTPUT, base_color: BASE_RED} -> 0
