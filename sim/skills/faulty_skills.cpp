@@ -15,7 +15,8 @@ SkillCode code_of(const Fault& fault, SkillKind skill) {
   switch (skill) {
     case SkillKind::kDriveTo:
     case SkillKind::kExplore: return SkillCode::kUnableToMove;
-    case SkillKind::kPick: return SkillCode::kGraspFailed;
+    case SkillKind::kPick:
+    case SkillKind::kTransport: return SkillCode::kGraspFailed;
     case SkillKind::kPlace:
     case SkillKind::kDiscard: return SkillCode::kSensorDisagreement;
   }

@@ -27,6 +27,7 @@ class FaultySkills final : public RobotSkills {
   void act(SimTime now) override { skills_->act(now); }
   void drop(SimTime now) override { skills_->drop(now); }
   SkillPhase phase() const override { return stalled() ? SkillPhase::kWait : skills_->phase(); }
+  SkillKind part() const override { return stalled() ? goal_.kind : skills_->part(); }
   double remaining(SimTime now) const override { return stalled() ? 0 : skills_->remaining(now); }
   SimTime next_due() const override;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sim/skills/explore.h"
 
@@ -30,7 +31,8 @@ constexpr double kArrivedAt = 0.03, kArrivedYaw = 0.05;
 constexpr double kAlignedAt = 0.012, kAlignedYaw = 0.02;
 constexpr double kAtWork = 0.010;
 constexpr double kBackedOff = 0.03;
-constexpr double kStill = 0.03;  ///< m/s
+constexpr double kStill = 0.03;   ///< m/s
+constexpr double kFacing = 0.35;  ///< off the spot: the camera sees it
 constexpr double kAxisExact = 0.002;
 constexpr double kPieceSize = 0.042;  ///< m: two pieces nearer than that would touch
 
@@ -56,7 +58,15 @@ void PhysicsSkills::enter(SkillPhase phase, SimTime now) {
 }
 
 void PhysicsSkills::start(const SkillGoal& goal, SimTime now) {
+  next_.reset();
+  blended_ = goal.kind == SkillKind::kTransport;
+  if (blended_) next_ = second_part(goal, world_.plan());
+  begin(blended_ ? first_part(goal) : goal, now);
+}
+
+void PhysicsSkills::begin(const SkillGoal& goal, SimTime now) {
   goal_ = goal;
+  looking_since_ = kNever;
   active_ = true;
   cancelled_ = false;
   failure_ = SkillCode::kNone;
@@ -203,6 +213,7 @@ std::optional<SkillResult> PhysicsSkills::sense_drive(SimTime now) {
     enter(SkillPhase::kLook, now);
     return std::nullopt;
   }
+  if (blended_ && looking_since_ == kNever && base_at(goal_.pose, kLookAhead, kFacing)) looking_since_ = now;
   if (traffic_.unreachable(robot_)) return end(SkillCode::kNoPath, now);
   if (now - started_ > kDriveTimeout) return end(SkillCode::kUnableToMove, now);
   const SkillPhase phase = traffic_.waiting(robot_, now) ? SkillPhase::kWait : SkillPhase::kDrive;
@@ -227,7 +238,7 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
         result.seen = station_in_zone(world_.plan(), zone_);
         return result;
       }
-      if (now - entered_ >= kLookTime) enter(SkillPhase::kApproach, now);
+      if (now - std::min(entered_, looking_since_) >= kLookTime) enter(SkillPhase::kApproach, now);
       return std::nullopt;
     case SkillPhase::kApproach:
       if (base_at(work_pose(), kAtWork, kAlignedYaw) && speed_of(state_) < kStill &&
@@ -263,6 +274,11 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
     case SkillPhase::kBackOff:
       if (base_at(goal_.pose, kBackedOff, kArrivedYaw) && state_.gripper.x() < kWithinHull) {
         if (failure_ != SkillCode::kNone) return end(failure_, now);
+        if (next_) {  // the place looks whether the piece is still held
+          traffic_.withdraw(robot_, now);
+          begin(*std::exchange(next_, std::nullopt), now);
+          return std::nullopt;
+        }
         enter(SkillPhase::kCheck, now);
       } else if (late) {
         return end(SkillCode::kUnableToMove, now);

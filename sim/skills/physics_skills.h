@@ -21,10 +21,12 @@ class PhysicsSkills final : public RobotSkills {
   void act(SimTime now) override;
   void drop(SimTime now) override;
   SkillPhase phase() const override { return phase_; }
+  SkillKind part() const override { return goal_.kind; }
   double remaining(SimTime now) const override { return traffic_.remaining(robot_, now); }
   SimTime next_due() const override { return now_; }  // a stepped world is looked at each tick
 
  private:
+  void begin(const SkillGoal& goal, SimTime now);
   void enter(SkillPhase phase, SimTime now);
   SkillResult end(SkillCode code, SimTime now);
   std::optional<SkillResult> sense_drive(SimTime now);
@@ -60,6 +62,9 @@ class PhysicsSkills final : public RobotSkills {
   RobotState state_;
 
   SkillGoal goal_;
+  std::optional<SkillGoal> next_;  ///< the second part of a transport
+  bool blended_ = false;           ///< a part of a transport
+  SimTime looking_since_ = kNever;
   Vec2 zone_ = Vec2::Zero();  ///< that is explored
   const Spot* spot_ = nullptr;
   bool active_ = false;

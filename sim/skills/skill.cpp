@@ -12,7 +12,8 @@ std::span<const SkillWord> skill_words() {
                                       {SkillKind::kPick, "pick", "cxlab_skills/action/Pick"},
                                       {SkillKind::kPlace, "place", "cxlab_skills/action/Place"},
                                       {SkillKind::kDiscard, "discard", "cxlab_skills/action/Discard"},
-                                      {SkillKind::kExplore, "explore", "cxlab_skills/action/Explore"}};
+                                      {SkillKind::kExplore, "explore", "cxlab_skills/action/Explore"},
+                                      {SkillKind::kTransport, "transport", "cxlab_skills/action/Transport"}};
   return kWords;
 }
 
@@ -39,6 +40,14 @@ std::string_view to_string(SkillPhase phase) {
   constexpr std::string_view kNames[]{"wait",    "drive", "align",    "look",  "approach", "lower", "grip",
                                       "release", "lift",  "back_off", "check", "handle",   "stop"};
   return kNames[static_cast<std::size_t>(phase)];
+}
+
+SkillGoal first_part(const SkillGoal& transport) {
+  return {SkillKind::kPick, transport.target, transport.spot, transport.pose, {}};
+}
+
+SkillGoal second_part(const SkillGoal& transport, const FloorPlan& plan) {
+  return {SkillKind::kPlace, transport.target, transport.to, plan.spot(*transport.to).align_in_world, {}};
 }
 
 Pose2 facing_free_floor(const FloorPlan& plan, const Pose2& place) {

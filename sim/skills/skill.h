@@ -12,7 +12,7 @@
 
 namespace cxlab::sim {
 
-enum class SkillKind : std::uint8_t { kDriveTo, kPick, kPlace, kDiscard, kExplore };
+enum class SkillKind : std::uint8_t { kDriveTo, kPick, kPlace, kDiscard, kExplore, kTransport };
 std::string_view to_string(SkillKind kind);  ///< "drive_to" ...
 /// One skill: the name of its action on a robot, and the type in the package cxlab_skills.
 struct SkillWord {
@@ -62,7 +62,12 @@ struct SkillGoal {
   std::optional<SpotId> spot;  ///< pick and place always; drive_to and discard when the target is a spot
   Pose2 pose;                  ///< where to stand; of a discard without a target: where the robot stands; of
                                ///< explore: the middle of the zone
+  std::optional<SpotId> to{};  ///< transport, whose `spot` and `pose` say where from
 };
+
+/// The parts of a transport.
+SkillGoal first_part(const SkillGoal& transport);
+SkillGoal second_part(const SkillGoal& transport, const FloorPlan& plan);
 
 /// The place, turned as little as needed for what a robot there lets go of at arm's length to fall on free floor: away
 /// from machines, walls and border. Where that is nowhere the case, to where there is most room.
@@ -81,6 +86,8 @@ struct SkillResult {
 /// Longest time that a skill drives and waits, and that it takes in all; then it ends with 201.
 inline constexpr SimTime kDriveTimeout{95'000'000'000};
 inline constexpr SimTime kSkillTimeout{115'000'000'000};
+/// A transport finds its spots while it drives the last metre.
+inline constexpr double kLookAhead = 1.0;
 /// How long an explore looks.
 inline constexpr SimTime kExploreTime{2'000'000'000};
 
@@ -98,6 +105,8 @@ class RobotSkills {
   /// Lets go of what the robot holds, wherever it is: a fault, not a skill.
   virtual void drop(SimTime now) = 0;
   virtual SkillPhase phase() const = 0;
+  /// The skill, or what a transport is at: a pick, then a place.
+  virtual SkillKind part() const = 0;
   /// Metres still to drive.
   virtual double remaining(SimTime now) const = 0;
   /// When `sense` has something to see by itself.

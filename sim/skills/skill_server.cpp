@@ -58,8 +58,35 @@ void SkillServer::record(const Action& action, const std::string& target, std::s
 
 // --- Goals
 
+std::string SkillServer::target_of(const Action& action, const bus::MessageView& goal) {
+  if (action.kind == SkillKind::kTransport) return goal.text("from") + " to " + goal.text("to");
+  return goal.text("target");
+}
+
+std::string_view SkillServer::sub_action() const {
+  const bool drives = active_->phase == SkillPhase::kDrive || active_->phase == SkillPhase::kWait;
+  if (skills_.part() == SkillKind::kPlace) return drives ? "drive_to" : "place";
+  return drives ? "drive_from" : "pick";
+}
+
 Expected<SkillGoal> SkillServer::read_goal(const Action& action, const bus::MessageView& message) const {
-  SkillGoal goal{action.kind, message.text("target"), std::nullopt, {}};
+  SkillGoal goal{action.kind, target_of(action, message), std::nullopt, {}, {}};
+
+  if (action.kind == SkillKind::kTransport) {
+    for (const char* end : {"from", "to"}) {
+      const std::string name = message.text(end);
+      const auto spot = plan_.find_spot(name);
+      if (!spot) {
+        std::vector<std::string> names;
+        for (const Spot& known : plan_.spots) names.push_back(known.name);
+        return input_error(std::string(end) + ": '" + name + "' is not a spot of a machine" +
+                           did_you_mean(name, names, "; "));
+      }
+      (goal.spot ? goal.to : goal.spot) = spot;
+    }
+    goal.pose = plan_.spot(*goal.spot).align_in_world;
+    return goal;
+  }
   const auto place = places_.find(goal.target);
   if (action.kind == SkillKind::kExplore) {
     std::vector<std::string> names;
@@ -99,7 +126,7 @@ Expected<SkillGoal> SkillServer::read_goal(const Action& action, const bus::Mess
 void SkillServer::take_goal(const Action& action, const bus::Delivery& delivery) {
   const bus::MessageView message = delivery.message->view();
   if (active_) {
-    record(action, message.text("target"), "refused");
+    record(action, target_of(action, message), "refused");
     data_.field("reason", "busy with " + std::string(to_string(active_->skill.kind)) + " " + active_->skill.target);
     sink_.write(stream_, now_, RecordKind::kSkill, data_, {&delivery.cause, 1});
     bus_.answer_goal(action.endpoint, delivery.goal, bus::GoalAnswer::kReject);
@@ -108,14 +135,14 @@ void SkillServer::take_goal(const Action& action, const bus::Delivery& delivery)
   bus_.answer_goal(action.endpoint, delivery.goal, bus::GoalAnswer::kAccept);
   auto goal = read_goal(action, message);
   ++stats_.skills;
-  record(action, message.text("target"), "start");
+  record(action, target_of(action, message), "start");
   sink_.write(stream_, now_, RecordKind::kSkill, data_, {&delivery.cause, 1});
   active_ = Active{};
   active_->action = &action;
   active_->goal = delivery.goal;
   active_->since = active_->phase_since = now_;
   if (!goal) {
-    active_->skill.target = message.text("target");
+    active_->skill.target = target_of(action, message);
     finish({SkillCode::kInvalidTarget, false, goal.error().message, {}});
     return;
   }
@@ -158,6 +185,7 @@ void SkillServer::report_phase(SimTime now) {
   sink_.write(stream_, now, RecordKind::kSkill, data_);
   auto feedback = std::make_shared<bus::Message>(*action.type->feedback);
   feedback->view().set("phase", to_string(*active_->phase)).set("remaining_m", skills_.remaining(now));
+  if (action.kind == SkillKind::kTransport) feedback->view().set("sub_action", sub_action());
   bus_.publish_feedback(action.endpoint, active_->goal, std::move(feedback));
 }
 
@@ -172,6 +200,7 @@ void SkillServer::sense(SimTime now) {
 
 void SkillServer::finish(const SkillResult& result) {
   count_phase(now_, stats_);
+  const std::string in(sub_action());
   const Active ended = *std::exchange(active_, std::nullopt);
   const Action& action = *ended.action;
   const double duration = to_seconds(now_ - ended.since);
@@ -190,6 +219,8 @@ void SkillServer::finish(const SkillResult& result) {
       .set("error_code", static_cast<int>(result.code))
       .set("error", result.text)
       .set("target", ended.skill.target);
+  if (action.kind == SkillKind::kTransport && !done && result.code != SkillCode::kInvalidTarget)
+    message->view().set("sub_action", in);
   if (action.kind == SkillKind::kExplore && done) {
     const Station* seen = result.seen ? &plan_.station(*result.seen) : nullptr;
     message->view()

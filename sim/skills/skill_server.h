@@ -77,6 +77,9 @@ class SkillServer {
   Expected<SkillGoal> read_goal(const Action& action, const bus::MessageView& message) const;
   void finish(const SkillResult& result);
   void count_phase(SimTime now, RobotStats& stats) const;
+  /// As the records name it.
+  static std::string target_of(const Action& action, const bus::MessageView& goal);
+  std::string_view sub_action() const;
   void record(const Action& action, const std::string& target, std::string_view event);
 
   std::string name_;

@@ -10,6 +10,14 @@
 
 namespace cxlab::sim {
 
+namespace {
+
+// What a transport saves of a pick and a place: it looks while it drives the last metre, and checks its grip on the
+// way.
+constexpr double kLookAheadTime = 2.3, kCheckTime = 2.0;  // s
+
+}  // namespace
+
 HandlingMeans means_of(const TimedSkillsConfig& config) {
   constexpr HandlingMeans kPhysics{15.5, 15.5, 15.3, 15.3, 6.5}, kMeasured{20.9, 24.2, 19.2, 23.5, 8.25};
   const HandlingMeans& usual = config.durations == "measured" ? kMeasured : kPhysics;
@@ -56,7 +64,15 @@ TimedSkills::TimedSkills(RobotId robot, const WorldView& world, RobotBook& book,
       failures_(seed, "failures/" + world.plan().robot(robot).name) {}
 
 void TimedSkills::start(const SkillGoal& goal, SimTime now) {
+  next_.reset();
+  blended_ = goal.kind == SkillKind::kTransport;
+  if (blended_) next_ = second_part(goal, world_.plan());
+  begin(blended_ ? first_part(goal) : goal, now);
+}
+
+void TimedSkills::begin(const SkillGoal& goal, SimTime now) {
   goal_ = goal;
+  begun_ = now;
   active_ = true;
   phase_ = SkillPhase::kDrive;
   due_ = now + kDriveTimeout;
@@ -102,7 +118,7 @@ std::optional<SkillCode> TimedSkills::obstacle() const {
   return std::nullopt;
 }
 
-SimTime TimedSkills::drawn_duration() {
+SimTime TimedSkills::drawn_duration(SimTime now) {
   const SpotKind spot = goal_.spot ? world_.plan().spot(*goal_.spot).kind : SpotKind::kBeltInput;
   const HandlingMeans means = means_of(config_);
   const auto [mean, sigma] =
@@ -111,7 +127,9 @@ SimTime TimedSkills::drawn_duration() {
       : goal_.kind == SkillKind::kPlace
           ? std::pair(spot == SpotKind::kSlide ? means.place_slide : means.place, config_.place_sigma_s)
           : std::pair(means.discard, config_.discard_sigma_s);
-  return from_seconds(std::max(config_.shortest_s, durations_.normal(mean, sigma)));
+  double duration = durations_.normal(mean, sigma);
+  if (blended_) duration -= std::min(kLookAheadTime, to_seconds(now - begun_)) + (next_ ? kCheckTime : 0);
+  return from_seconds(std::max(config_.shortest_s, duration));
 }
 
 SkillCode TimedSkills::handle() {
@@ -152,7 +170,11 @@ std::optional<SkillResult> TimedSkills::sense(SimTime now) {
   }
   if (phase_ == SkillPhase::kHandle) {
     if (now < due_) return std::nullopt;
-    return end(handle(), now);
+    const SkillCode code = handle();
+    if (code != SkillCode::kNone || !next_) return end(code, now);
+    traffic_.withdraw(robot_, now);
+    begin(*std::exchange(next_, std::nullopt), now);
+    return std::nullopt;
   }
   if (traffic_.arrived(robot_)) {
     if (goal_.kind == SkillKind::kDriveTo)
@@ -164,7 +186,7 @@ std::optional<SkillResult> TimedSkills::sense(SimTime now) {
     }
     if (const auto code = obstacle()) return end(*code, now);
     phase_ = SkillPhase::kHandle;
-    due_ = now + drawn_duration();
+    due_ = now + drawn_duration(now);
     return std::nullopt;
   }
   if (traffic_.unreachable(robot_)) return end(SkillCode::kNoPath, now);

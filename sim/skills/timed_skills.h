@@ -24,13 +24,15 @@ class TimedSkills final : public RobotSkills {
   void act(SimTime now) override;
   void drop(SimTime) override { book_.drop(robot_); }
   SkillPhase phase() const override { return phase_; }
+  SkillKind part() const override { return goal_.kind; }
   double remaining(SimTime now) const override { return traffic_.remaining(robot_, now); }
   SimTime next_due() const override;
 
  private:
   SkillResult end(SkillCode code, SimTime now);
   std::optional<SkillCode> obstacle() const;
-  SimTime drawn_duration();
+  void begin(const SkillGoal& goal, SimTime now);
+  SimTime drawn_duration(SimTime now);
   SkillCode handle();
 
   RobotId robot_;
@@ -41,6 +43,9 @@ class TimedSkills final : public RobotSkills {
   RandomStream durations_;
   RandomStream failures_;
   SkillGoal goal_;
+  std::optional<SkillGoal> next_;  ///< the second part of a transport
+  bool blended_ = false;           ///< a part of a transport
+  SimTime begun_{};
   Vec2 zone_ = Vec2::Zero();  ///< that is explored
   bool active_ = false;
   SkillPhase phase_ = SkillPhase::kDrive;

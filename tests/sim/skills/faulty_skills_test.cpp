@@ -76,6 +76,7 @@ class Plain final : public RobotSkills {
     hand_.holds = false;
   }
   SkillPhase phase() const override { return SkillPhase::kHandle; }
+  SkillKind part() const override { return SkillKind::kPick; }
   double remaining(SimTime) const override { return 3; }
   SimTime next_due() const override { return ends_at_; }
 

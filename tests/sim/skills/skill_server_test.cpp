@@ -49,6 +49,7 @@ struct Heard {
   std::string error;
   std::vector<std::string> phases;
   std::vector<double> phases_at;  ///< s
+  std::string parts;              ///< sub-actions of a transport, each as it begins; after a failure that of the result
   std::vector<double> remaining;  ///< m, by phase
   std::string target;             ///< of the result
   std::string seen;               ///< "zone machine rotation" of an explore
@@ -81,6 +82,9 @@ class Skills : public ::testing::TestWithParam<Tier> {
   }
 
   static std::string type_of(SkillKind kind) { return std::string(skill_words()[static_cast<std::size_t>(kind)].type); }
+  static void add_part(Heard& h, const std::string& part) {
+    if (!h.parts.ends_with(part)) h.parts += (h.parts.empty() ? "" : " ") + part;
+  }
   bus::EndpointId client(const std::string& robot, SkillKind kind) {
     const std::string name = "/" + robot + "/" + std::string(to_string(kind));
     return *bus.create_action_client(
@@ -89,7 +93,8 @@ class Skills : public ::testing::TestWithParam<Tier> {
            heard(d).answered = true;
            heard(d).accepted = d.accepted;
          },
-         [this](const bus::Delivery& d) {
+         [this, kind](const bus::Delivery& d) {
+           if (kind == SkillKind::kTransport) add_part(heard(d), d.message->view().text("sub_action"));
            heard(d).phases.push_back(d.message->view().text("phase"));
            heard(d).phases_at.push_back(to_seconds(world->now()));
            heard(d).remaining.push_back(d.message->view().real("remaining_m"));
@@ -101,6 +106,7 @@ class Skills : public ::testing::TestWithParam<Tier> {
            h.code = static_cast<int>(d.message->view().integer("error_code"));
            h.error = d.message->view().text("error");
            h.target = d.message->view().text("target");
+           if (kind == SkillKind::kTransport) add_part(h, d.message->view().text("sub_action"));
            if (kind == SkillKind::kExplore)
              h.seen = d.message->view().text("zone") + " " + d.message->view().text("machine") + " " +
                       std::to_string(d.message->view().integer("rotation"));
@@ -114,7 +120,12 @@ class Skills : public ::testing::TestWithParam<Tier> {
   Heard& send(const std::string& robot, SkillKind kind, const std::string& target, Pose2 pose = {}) {
     last_client = client(robot, kind);
     auto message = std::make_shared<bus::Message>(*(*registry.action(type_of(kind)))->goal);
-    message->view().set("target", target);
+    if (kind == SkillKind::kTransport) {
+      const std::size_t between = target.find(" to ");
+      message->view().set("from", target.substr(0, between)).set("to", target.substr(between + 4));
+    } else {
+      message->view().set("target", target);
+    }
     if (kind == SkillKind::kDriveTo)
       message->view().nested("pose").set("x", pose.x).set("y", pose.y).set("theta", pose.yaw);
     const bus::GoalId goal = bus.send_goal(last_client, std::move(message));
@@ -276,6 +287,59 @@ TEST_P(Skills, AnExploreTakesZonesOnly) {
   EXPECT_EQ(done("robot1", SkillKind::kExplore, "C-BS-INPUT").code, 103);
   EXPECT_EQ(done("robot1", SkillKind::kExplore, "").code, 103);
   EXPECT_EQ(done("robot1", SkillKind::kExplore, "FAR_OUTSIDE").code, 0) << "seen over the border";
+}
+
+TEST_P(Skills, ATransportIsFasterThanItsParts) {
+  base_at("C-BS-OUTPUT");
+  const PieceId piece = world->pieces()[0].id;
+  const Heard& transport = send("robot1", SkillKind::kTransport, "C-BS-OUTPUT to C-CS1-INPUT");
+  const double blended = finish(transport);
+  ASSERT_EQ(transport.status, bus::GoalStatus::kSucceeded) << transport.error;
+  EXPECT_EQ(transport.parts, "drive_from pick drive_to place");
+  EXPECT_EQ(transport.target, "C-BS-OUTPUT to C-CS1-INPUT");
+  ASSERT_TRUE(world->at(spot("C-CS1-INPUT")));
+  EXPECT_EQ(world->at(spot("C-CS1-INPUT"))->id, piece);
+
+  ASSERT_EQ(done("robot1", SkillKind::kPick, "C-CS1-INPUT").code, 0);
+  ASSERT_EQ(done("robot1", SkillKind::kPlace, "C-BS-OUTPUT").code, 0);
+  Heard& back = send("robot1", SkillKind::kDriveTo, "", {0.3, 4, 0});
+  finish(back);
+  wait(2);
+  double single = finish(send("robot1", SkillKind::kDriveTo, "C-BS-OUTPUT"));
+  single += finish(send("robot1", SkillKind::kPick, "C-BS-OUTPUT"));
+  single += finish(send("robot1", SkillKind::kDriveTo, "C-CS1-INPUT"));
+  single += finish(send("robot1", SkillKind::kPlace, "C-CS1-INPUT"));
+  ASSERT_TRUE(world->at(spot("C-CS1-INPUT")));
+  EXPECT_NEAR(single - blended, GetParam() == Tier::kPhysics ? 7.9 : 5.6, 0.3)
+      << "transport " << blended << " s, four skills " << single << " s";
+}
+
+TEST_P(Skills, ATransportSaysWhereItFailed) {
+  const Heard& nothing = done("robot1", SkillKind::kTransport, "C-BS-OUTPUT to C-CS1-INPUT");
+  EXPECT_EQ(nothing.code, 202);
+  EXPECT_EQ(nothing.parts, "drive_from");
+  base_at("C-BS-OUTPUT");
+  base_at("C-BS-INPUT");
+  const Heard& taken = done("robot1", SkillKind::kTransport, "C-BS-OUTPUT to C-BS-INPUT");
+  EXPECT_EQ(taken.code, 209);
+  EXPECT_EQ(taken.parts, "drive_from pick drive_to");
+  EXPECT_TRUE(robot1().held);
+  EXPECT_EQ(done("robot1", SkillKind::kTransport, "C-BS-OUTPUT to C-BS-INPUT").code, 207);
+  const Heard& unknown = done("robot1", SkillKind::kTransport, "C-BS-OUTPUT to C-BS-INPT");
+  EXPECT_EQ(unknown.error, "to: 'C-BS-INPT' is not a spot of a machine; did you mean 'C-BS-INPUT'?");
+  EXPECT_EQ(unknown.parts, "");
+}
+
+TEST_P(Skills, ATransportThatIsCancelledKeepsThePiece) {
+  base_at("C-BS-OUTPUT");
+  const Heard& transport = send("robot1", SkillKind::kTransport, "C-BS-OUTPUT to C-CS1-INPUT");
+  while (!transport.ended && !transport.parts.ends_with("drive_to")) tick();
+  wait(1);
+  bus.cancel_goal(last_client, transport.goal);
+  finish(transport);
+  EXPECT_EQ(transport.status, bus::GoalStatus::kCanceled);
+  EXPECT_TRUE(robot1().held);
+  EXPECT_EQ(done("robot1", SkillKind::kPlace, "C-CS1-INPUT").code, 0);
 }
 
 TEST_P(Skills, AnUnknownTargetIsNamedWithItsNeighbour) {
