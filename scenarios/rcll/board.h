@@ -13,7 +13,7 @@
 #include "scenarios/rcll/clock.h"
 #include "scenarios/rcll/factory.h"
 #include "scenarios/rcll/types.h"
-#include "sim/mujoco/legend.h"
+#include "sim/legend.h"
 
 namespace cxlab::rcll {
 

@@ -10,8 +10,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include "sim/legend.h"
 #include "sim/mujoco/label_places.h"
-#include "sim/mujoco/legend.h"
 #include "sim/mujoco/physics_gate.h"
 
 namespace cxlab::sim {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "sim/legend.h"
 #include "sim/mujoco/gl_context.h"
-#include "sim/mujoco/legend.h"
 #include "sim/mujoco/overlay.h"
 #include "sim/mujoco/physics_gate.h"
 #include "sim/picture.h"
