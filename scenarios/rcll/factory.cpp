@@ -26,7 +26,7 @@ Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, cons
                                                  sim::World& world, bus::Bus& bus, RecordSink& sink,
                                                  std::span<const sim::Fault> faults) {
   std::unique_ptr<Factory> factory(new Factory(config, game, seed, world, bus, sink));
-  if (Status s = factory->take_faults(faults, seed); !s) return s.error();
+  if (Status s = factory->faults_.take(faults, seed, factory->machines_); !s) return s.error();
   if (Status s = factory->join(); !s) return s.error();
   if (config.transforms)
     if (Status s = factory->broadcast_transforms(); !s) return s.error();
@@ -46,6 +46,7 @@ Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed
                nullptr,
                seed,
                {}},
+      faults_(world, sink),
       referee_(context_.clock, context_.rules, all_orders(game), world.plan(), sink, config.exploration) {
   context_.schedule = &referee_.schedule();
   context_.exploration = &referee_.exploration();
@@ -55,7 +56,8 @@ Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed
       if (machine->name().substr(2) == period.machine)
         machine->add_down({context_.clock.at(period.begin_s), context_.clock.at(period.end_s)});
   for (const Team team : teams_of(config))
-    channels_.push_back(std::make_unique<TeamChannel>(team, information_, world, machines_, context_, referee_, bus));
+    channels_.push_back(
+        std::make_unique<TeamChannel>(team, information_, world, machines_, context_, referee_, faults_, bus));
 }
 
 Status Factory::join() {
@@ -124,8 +126,9 @@ Status Factory::judge(SimTime now) {
 Status Factory::act(SimTime now) {
   for (const sim::PieceId piece : referee_.take_confiscated())
     if (world_.find(piece)) world_.retire(piece, sim::Holder::kFloor);
-  strike_faults(now);
+  faults_.strike(now);
   bus_.deliver(node_);
+  for (auto& channel : channels_) channel->act(now);
   for (auto& machine : machines_) machine->step(now, world_);
   return {};
 }
@@ -137,38 +140,7 @@ SimTime Factory::next_due() const {
     due = std::min(due, topic->next());
   for (const auto& channel : channels_) due = std::min(due, channel->next_due());
   for (const auto& machine : machines_) due = std::min(due, machine->next_due());
-  for (const auto& [timer, machine] : faults_) due = std::min(due, timer.due());
-  return due;
-}
-
-// --- Faults
-
-Status Factory::take_faults(std::span<const sim::Fault> faults, std::uint64_t seed) {
-  for (const sim::Fault& fault : faults) {
-    if (fault.machine.empty()) continue;
-    Machine* machine = find_machine(machines_, fault.machine);
-    if (machine == nullptr) return input_error("machine: " + unknown_machine(machines_, fault.machine), fault.origin);
-    faults_.emplace_back(sim::FaultTimer(fault, seed, fault.machine), machine);
-  }
-  return {};
-}
-
-void Factory::strike_faults(SimTime now) {
-  for (auto& [timer, machine] : faults_) {
-    if (now < timer.due()) continue;
-    const sim::Fault& fault = timer.fault();
-    timer.struck(now);
-    const bool down = fault.kind == sim::FaultKind::kMachineDown;
-    if (down) machine->add_down({now, now + fault.duration});
-    const bool acted = down || machine->fail(now, world_, "a fault of the scenario");
-    RecordData data;
-    data.begin()
-        .field("fault", sim::to_string(fault.kind))
-        .field("number", static_cast<std::int64_t>(fault.number))
-        .field("machine", fault.machine)
-        .field("acted", acted);
-    sink_.write(sink_.open_stream("faults"), now, RecordKind::kControl, data);
-  }
+  return std::min(due, faults_.next_due());
 }
 
 // --- Topics

@@ -21,6 +21,7 @@
 #include "cx/run/parts.h"
 #include "scenarios/rcll/config.h"
 #include "scenarios/rcll/game.h"
+#include "scenarios/rcll/machine_faults.h"
 #include "scenarios/rcll/machines.h"
 #include "scenarios/rcll/referee.h"
 #include "scenarios/rcll/team_channel.h"
@@ -54,8 +55,6 @@ class Factory final : public Server, public Referee {
   Factory(const WorldConfig& config, const Game& game, std::uint64_t seed, sim::World& world, bus::Bus& bus,
           RecordSink& sink);
   Status join();
-  Status take_faults(std::span<const sim::Fault> faults, std::uint64_t seed);
-  void strike_faults(SimTime now);
   Status broadcast_transforms();
 
   void publish_game_state(SimTime now);
@@ -68,9 +67,9 @@ class Factory final : public Server, public Referee {
   bus::Bus& bus_;
   RecordSink& sink_;
   MachineContext context_;
+  MachineFaults faults_;
   GameReferee referee_;
   std::vector<std::unique_ptr<Machine>> machines_;
-  std::vector<std::pair<sim::FaultTimer, Machine*>> faults_;
 
   bus::ParticipantId node_{};
   std::vector<std::unique_ptr<TeamChannel>> channels_;  ///< of the teams that play

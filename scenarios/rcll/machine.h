@@ -47,7 +47,8 @@ sim::Lights lights_of(const Exploration::Finding& finding);
 /// Why an instruction ended; numbers as in the league's AgentTask where it has one.
 enum class InstructError : std::uint16_t {
   kNone = 0,
-  kBroken = 1,  ///< the machine broke for a reason outside of the instruction (reset, payments)
+  kBroken = 1,    ///< the machine broke for a reason outside of the instruction (reset, payments)
+  kNoAnswer = 2,  ///< the instruction was lost on its way
   kWrongTeam = 101,
   kInvalid =
       103,  ///< something is missing, unknown or impossible; where the league demands it the machine is now BROKEN

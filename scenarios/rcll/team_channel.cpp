@@ -51,13 +51,14 @@ std::string unknown_machine(const TeamChannel::Machines& machines, const std::st
 }
 
 TeamChannel::TeamChannel(Team team, Information information, sim::World& world, const Machines& machines,
-                         const MachineContext& context, GameReferee& referee, bus::Bus& bus)
+                         const MachineContext& context, GameReferee& referee, MachineFaults& faults, bus::Bus& bus)
     : team_(team),
       information_(information),
       world_(world),
       machines_(machines),
       context_(context),
       referee_(referee),
+      faults_(faults),
       bus_(bus) {}
 
 Status TeamChannel::open(bus::ParticipantId node, const std::string& prefix) {
@@ -103,10 +104,33 @@ void TeamChannel::start(const bus::Delivery& delivery) {
   const Instruction instruction{goal.text("operation"),  goal.text("side"),       goal.text("base_color"),
                                 goal.text("ring_color"), number("order_id"),      number("shelf"),
                                 number("slot"),          goal.text("description")};
-  const Machine::Answer answer = machine->instruct(instruction, bus_.now(), world_);
+  const MachineFaults::Passage passage = faults_.instruct(*machine, bus_.now());
+  if (passage.delay == SimTime::zero()) return instruct(delivery.goal, *machine, instruction);
+  delayed_.push_back({delivery.goal, machine, instruction, bus_.now() + passage.delay, passage.lost});
+}
+
+void TeamChannel::instruct(const bus::GoalId& goal, Machine& machine, const Instruction& instruction) {
+  const Machine::Answer answer = machine.instruct(instruction, bus_.now(), world_);
   if (answer.error != InstructError::kNone || answer.done)
-    return finish(delivery.goal, answer.error, answer.text, name);
-  goals_.push_back({delivery.goal, machine, machine->job().number, MachineState::kIdle});
+    return finish(goal, answer.error, answer.text, machine.name());
+  goals_.push_back({goal, &machine, machine.job().number, MachineState::kIdle});
+}
+
+void TeamChannel::act(SimTime now) {
+  for (const Delayed& delayed : delayed_) {
+    if (now < delayed.due) continue;
+    if (delayed.lost)
+      finish(delayed.id, InstructError::kNoAnswer, "no answer: the instruction was lost", delayed.machine->name());
+    else
+      instruct(delayed.id, *delayed.machine, delayed.instruction);
+  }
+  std::erase_if(delayed_, [&](const Delayed& delayed) { return now >= delayed.due; });
+}
+
+SimTime TeamChannel::next_due() const {
+  SimTime due = std::min(machine_info_.next(), report_info_.next());
+  for (const Delayed& delayed : delayed_) due = std::min(due, delayed.due);
+  return due;
 }
 
 void TeamChannel::cancel(const bus::Delivery& delivery) {
@@ -116,6 +140,7 @@ void TeamChannel::cancel(const bus::Delivery& delivery) {
   result->set("error", "canceled");
   bus_.finish(server_, delivery.goal, bus::GoalStatus::kCanceled, std::make_shared<bus::Message>(std::move(result)));
   std::erase_if(goals_, [&](const Goal& goal) { return goal.id == delivery.goal; });
+  std::erase_if(delayed_, [&](const Delayed& delayed) { return delayed.id == delivery.goal; });
 }
 
 void TeamChannel::report(Goal& goal) {

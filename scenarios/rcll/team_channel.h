@@ -10,6 +10,7 @@
 
 #include "cx/bus/bus.h"
 #include "scenarios/rcll/machine.h"
+#include "scenarios/rcll/machine_faults.h"
 #include "scenarios/rcll/referee.h"
 #include "scenarios/rcll/topic.h"
 
@@ -21,13 +22,15 @@ class TeamChannel {
 
   /// All outlive it.
   TeamChannel(Team team, Information information, sim::World& world, const Machines& machines,
-              const MachineContext& context, GameReferee& referee, bus::Bus& bus);
+              const MachineContext& context, GameReferee& referee, MachineFaults& faults, bus::Bus& bus);
   /// Opens topics and action of the node; `prefix` before their names.
   Status open(bus::ParticipantId node, const std::string& prefix);
 
   /// Posts what the machines did; `changed`: something did.
   void sense(SimTime now, bool changed);
-  SimTime next_due() const { return std::min(machine_info_.next(), report_info_.next()); }
+  /// Takes the instructions that faults have held up to their machines.
+  void act(SimTime now);
+  SimTime next_due() const;
   Team team() const { return team_; }
 
  private:
@@ -37,7 +40,16 @@ class TeamChannel {
     std::uint32_t job = 0;
     MachineState reported{};
   };
+  /// An instruction that a fault has held up.
+  struct Delayed {
+    bus::GoalId id{};
+    Machine* machine = nullptr;
+    Instruction instruction;
+    SimTime due{};
+    bool lost = false;
+  };
   void start(const bus::Delivery& delivery);
+  void instruct(const bus::GoalId& goal, Machine& machine, const Instruction& instruction);
   void cancel(const bus::Delivery& delivery);
   void report(Goal& goal);
   void finish(const bus::GoalId& goal, InstructError error, const std::string& text, const std::string& machine);
@@ -52,11 +64,13 @@ class TeamChannel {
   const Machines& machines_;
   const MachineContext& context_;
   GameReferee& referee_;
+  MachineFaults& faults_;
   bus::Bus& bus_;
   const bus::ActionType* action_ = nullptr;
   bus::EndpointId server_{};
   PeriodicTopic machine_info_, report_info_;
   std::vector<Goal> goals_;  ///< running, in order of arrival
+  std::vector<Delayed> delayed_;
 };
 
 /// The machine of that name; nullptr if there is none.

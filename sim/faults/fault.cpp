@@ -7,7 +7,7 @@
 namespace cxlab::sim {
 namespace {
 
-constexpr std::array<FaultWord, 10> kWords{{
+constexpr std::array<FaultWord, 14> kWords{{
     {"skill_fails", FaultKind::kSkillFails, "robot, skill, error, after_s",
      "the skill is broken off after that time and ends with the error code; what was held is still held", true},
     {"skill_stalls", FaultKind::kSkillStalls, "seconds*, robot, skill",
@@ -18,6 +18,9 @@ constexpr std::array<FaultWord, 10> kWords{{
      "the skill's result comes that much later than its end", true},
     {"grasp_slips", FaultKind::kGraspSlips, "robot, after_s",
      "the piece slips out of the gripper, that long after a pick that ended well", true},
+    {"piece_misplaced", FaultKind::kPieceMisplaced, "robot",
+     "a place lets go of the piece too early: it falls to the floor before the machine, and the place ends with 204",
+     true},
     {"piece_dropped", FaultKind::kPieceDropped, "robot", "the fingers open: what the robot holds falls to the floor",
      false},
     {"robot_halts", FaultKind::kRobotHalts, "seconds*, robot",
@@ -27,11 +30,19 @@ constexpr std::array<FaultWord, 10> kWords{{
     {"machine_breaks", FaultKind::kMachineBreaks, "machine*", "the machine is BROKEN, as after a wrong instruction",
      false},
     {"machine_down", FaultKind::kMachineDown, "machine*, seconds*", "the machine is DOWN for that time", false},
+    {"piece_taken", FaultKind::kPieceTaken, "machine*",
+     "somebody takes away what lies at the input, the output or the shelf of the machine", false},
+    {"instruction_lost", FaultKind::kInstructionLost, "machine*",
+     "the machine never hears of an instruction, which is aborted with 2 after 10 s", true},
+    {"instruction_late", FaultKind::kInstructionLate, "machine*, seconds*",
+     "an instruction comes to the machine that much later", true},
 }};
 
 }  // namespace
 
 std::span<const FaultWord> fault_words() { return kWords; }
+
+bool by_occasion(FaultKind kind) { return std::ranges::find(kWords, kind, &FaultWord::kind)->by_occasion; }
 
 std::string_view to_string(FaultKind kind) { return std::ranges::find(kWords, kind, &FaultWord::kind)->name; }
 

@@ -21,11 +21,15 @@ enum class FaultKind : std::uint8_t {
   kGoalLost,
   kResultLate,
   kGraspSlips,
+  kPieceMisplaced,
   kPieceDropped,
   kRobotHalts,
   kRobotSlow,
   kMachineBreaks,  ///< from here on about machines
-  kMachineDown
+  kMachineDown,
+  kPieceTaken,
+  kInstructionLost,
+  kInstructionLate
 };
 
 struct Fault {
@@ -60,6 +64,7 @@ struct FaultWord {
 };
 std::span<const FaultWord> fault_words();
 std::string_view to_string(FaultKind kind);
+bool by_occasion(FaultKind kind);
 
 /// When one fault strikes at one place (a robot, a machine), from a stream of chance of its own: whatever happens
 /// elsewhere moves none of its draws.
@@ -72,6 +77,8 @@ class FaultTimer {
   bool strikes_occasion(SimTime now);
   /// When it strikes next (faults with a mean time, or `at`); kNever after the last.
   SimTime due() const { return due_; }
+  /// One of so many, which it strikes: draws once.
+  std::size_t choose(std::size_t count) { return random_.below(count); }
   /// It has struck at `now`, not before `due`.
   void struck(SimTime now);
 

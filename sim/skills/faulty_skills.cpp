@@ -59,6 +59,8 @@ void FaultySkills::start(const SkillGoal& goal, SimTime now) {
   goal_ = goal;
   begins_at_ = fails_at_ = kNever;
   broken_off_ = cancelled_ = false;
+  misplacing_ = goal.kind == SkillKind::kPlace ? striking(FaultKind::kPieceMisplaced, goal, now) : nullptr;
+  misplaced_ = false;
   late_.reset();
   late_until_ = kNever;
   failing_ = striking(FaultKind::kSkillFails, goal, now);
@@ -91,6 +93,7 @@ std::optional<SkillResult> FaultySkills::sense(SimTime now) {
   limit_speed(now);
   if (stalled() && cancelled_) {
     begins_at_ = fails_at_ = kNever;
+    misplacing_ = nullptr;
     (void)skills_->sense(now);
     return SkillResult::cancel();
   }
@@ -99,6 +102,7 @@ std::optional<SkillResult> FaultySkills::sense(SimTime now) {
     fails_at_ = kNever;
     if (stalled()) {
       begins_at_ = kNever;
+      misplacing_ = nullptr;
       (void)skills_->sense(now);
       return failure();
     }
@@ -111,8 +115,11 @@ std::optional<SkillResult> FaultySkills::sense(SimTime now) {
   }
   drop_due(now);
   std::optional<SkillResult> result = skills_->sense(now);
+  misplace(now);
   if (result) {
+    misplacing_ = nullptr;
     fails_at_ = kNever;
+    if (misplaced_ && !result->cancelled) result = SkillResult::of(SkillCode::kSensorDisagreement);
     if (broken_off_ && result->cancelled) result = failure();
     const bool picked = goal_.kind == SkillKind::kPick && !result->cancelled && result->code == SkillCode::kNone &&
                         world_.robot(robot_).held.has_value();
@@ -138,6 +145,18 @@ std::optional<SkillResult> FaultySkills::deliver(std::optional<SkillResult> resu
   late_ = std::move(result);
   late_until_ = now + fault->duration;
   return std::nullopt;
+}
+
+/// Once the robot is before the machine and reaches out, the piece falls.
+void FaultySkills::misplace(SimTime now) {
+  const SkillPhase phase = skills_->phase();
+  if (!misplacing_ || stalled() || (phase != SkillPhase::kApproach && phase != SkillPhase::kHandle)) return;
+  if (world_.robot(robot_).held) {
+    record(*misplacing_, now);
+    skills_->drop(now);
+    misplaced_ = true;
+  }
+  misplacing_ = nullptr;
 }
 
 void FaultySkills::limit_speed(SimTime now) {

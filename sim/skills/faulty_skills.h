@@ -39,6 +39,7 @@ class FaultySkills final : public RobotSkills {
   /// The result, unless it is late.
   std::optional<SkillResult> deliver(std::optional<SkillResult> result, SimTime now);
   void limit_speed(SimTime now);
+  void misplace(SimTime now);
   void record(const Fault& fault, SimTime now);
   void drop_due(SimTime now);
 
@@ -55,6 +56,8 @@ class FaultySkills final : public RobotSkills {
   SimTime fails_at_ = kNever;
   const Fault* failing_ = nullptr;
   bool broken_off_ = false, cancelled_ = false;
+  const Fault* misplacing_ = nullptr;
+  bool misplaced_ = false;
   std::optional<SkillResult> late_;
   SimTime late_until_ = kNever;
   const Fault* slip_ = nullptr;

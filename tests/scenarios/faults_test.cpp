@@ -1,6 +1,7 @@
 // Faults of a scenario: each kind acts, in both tiers, and moves nothing that it is not about.
 
 #include <algorithm>
+#include <cmath>
 
 #include "cx/journal/journal_reader.h"
 #include "scenarios/rcll/factory.h"
@@ -157,6 +158,84 @@ TEST_P(Faults, AGoalIsLostAndAResultComesLate) {
   EXPECT_EQ(strikes("lost", 1).size(), 1u);
 }
 
+TEST_P(Faults, AMisplacedPieceFallsBeforeTheMachine) {
+  const std::string goals =
+      goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(110, "robot1", "place", "C-CS1-SHELF-LEFT");
+  auto episode =
+      load(floor("misplaced", goals, "  - {kind: piece_misplaced, at: 0, robot: robot1}\n", GetParam()), {}, "run");
+  begin(*episode);
+  play(*episode, 200);
+  const auto& floor = dynamic_cast<const sim::World&>(*episode->stage().worlds.front());
+  EXPECT_FALSE(floor.robot(sim::RobotId{0}).held);
+  EXPECT_EQ(std::ranges::count(floor.pieces(), sim::Holder::kFloor, &sim::Piece::holder), 1);
+  (void)episode->close(RunStatus::kCompleted);
+  const auto ended = ends("run", "robot1");
+  ASSERT_EQ(ended.size(), 2u);
+  EXPECT_EQ(ended[0].first, 0);
+  EXPECT_EQ(ended[1].first, 204);
+  EXPECT_EQ(strikes("run", 0).size(), 1u);
+}
+
+TEST_P(Faults, APieceIsTakenOffTheShelf) {
+  auto episode = load(floor("taken", "  - {at: 11, publish: /tick, type: std_msgs/msg/Empty}\n",
+                            "  - {kind: piece_taken, at: 10, machine: C-CS1}\n"
+                            "  - {kind: piece_taken, at: 10, machine: C-BS}\n",
+                            GetParam()),
+                      {}, "run");
+  begin(*episode);
+  play(*episode, 30);
+  const auto& floor = dynamic_cast<const sim::World&>(*episode->stage().worlds.front());
+  int lie_there = 0;
+  std::string taken;
+  for (const char* side : {"LEFT", "MIDDLE", "RIGHT"}) {
+    const std::string name = std::string("C-CS1-SHELF-") + side;
+    if (floor.at(*floor.plan().find_spot(name)) != nullptr)
+      ++lie_there;
+    else
+      taken = name;
+  }
+  EXPECT_EQ(lie_there, 2);
+  (void)episode->close(RunStatus::kCompleted);
+  const auto struck = records("run", "faults");
+  ASSERT_EQ(struck.size(), 1u) << "nothing lies at the base station";
+  EXPECT_EQ(struck[0].data.text("spot"), taken);
+  EXPECT_EQ(struck[0].data.text("machine"), "C-CS1");
+  EXPECT_EQ(to_seconds(struck[0].t), 10);
+}
+
+TEST_P(Faults, AnInstructionIsLostAndOneComesLate) {
+  const auto instruct = [](double at) {
+    return "  - {at: " + std::to_string(at) +
+           ", send_goal: /factory/instruct_machine, type: rcll_interfaces/action/InstructMachine, goal: {machine: "
+           "C-BS, side: OUTPUT, base_color: BASE_RED}}\n";
+  };
+  std::string ticks;
+  for (const char* t : {"9", "14", "26"})
+    ticks += std::string("  - {at: ") + t + ", publish: /tick, type: std_msgs/msg/Empty}\n";
+  auto episode = load(floor("instructions", instruct(2) + instruct(20) + ticks,
+                            "  - {kind: instruction_lost, at: 0, machine: C-BS}\n  - {kind: instruction_late, at: 10, "
+                            "machine: C-BS, seconds: 5}\n",
+                            GetParam()),
+                      {}, "run");
+  begin(*episode);
+  const auto at = [&](double t) {
+    play(*episode, t);
+    return state(*episode, "C-BS");
+  };
+  EXPECT_EQ(at(9), "IDLE");
+  EXPECT_EQ(at(24.8), "IDLE");
+  EXPECT_NE(at(26), "IDLE");
+  (void)episode->close(RunStatus::kCompleted);
+  EXPECT_THAT(strikes("run", 0), ElementsAre(testing::DoubleNear(2, 0.05)));
+  EXPECT_THAT(strikes("run", 1), ElementsAre(testing::DoubleNear(20, 0.05)));
+  std::vector<std::pair<double, std::int64_t>> results;
+  for (const JournalRecord& r : records("run", "node/factory"))
+    if (r.kind == RecordKind::kBus && r.data.text("op") == "result")
+      results.emplace_back(std::round(to_seconds(r.t)), r.data.find("result")->integer("error_code"));
+  ASSERT_FALSE(results.empty());
+  EXPECT_EQ(results.front(), (std::pair<double, std::int64_t>{12, 2}));
+}
+
 TEST_P(Faults, MachinesBreakAndGoDown) {
   std::string ticks;  // in the timed tier nothing else happens at these times
   for (const char* t : {"9.9", "10.1", "20.1", "36", "42"})
@@ -223,6 +302,8 @@ TEST_F(Faults, WrongFaultsAreBadInputWithTheirPlace) {
       {"{kind: skill_stalls, at: 1}", "key 'seconds' is missing"},
       {"{kind: machine_breaks, at: 1}", "key 'machine' is missing"},
       {"{kind: machine_down, mean_s: 0, machine: C-BS, seconds: 1}", "at least 0.001 s"},
+      {"{kind: instruction_late, at: 1, machine: C-BS}", "key 'seconds' is missing"},
+      {"{kind: piece_taken, at: 1}", "key 'machine' is missing"},
       {"{kind: robot_halts, at: 1}", "key 'seconds' is missing"},
       {"{kind: robot_slow, at: 1, seconds: 1}", "key 'factor' is missing"},
       {"{kind: robot_slow, at: 1, seconds: 1, factor: 2}", "expected a share of the speed"},

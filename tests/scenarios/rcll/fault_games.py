@@ -4,7 +4,7 @@
     fault_games.py PROGRAM SCENARIO TIER FIRST_SEED LAST_SEED [KIND]...
 
 For each kind of fault that `PROGRAM list faults` names, and for all of them together: enough deliveries, no skill that
-fails again and again, no time in which nothing happens.
+fails again and again, no time in which nothing happens, and in the result the points that the journal has.
 """
 import collections
 import json
@@ -27,10 +27,14 @@ FAULTS = {
     "result_late": [{"probability": 0.15, "seconds": 10}],
     "grasp_slips": [{"probability": 0.15, "after_s": 5}],
     "piece_dropped": [{"mean_s": 400}],
+    "piece_misplaced": [{"probability": 0.15}],
     "robot_halts": [{"mean_s": 300, "seconds": 60}],
     "robot_slow": [{"mean_s": 300, "factor": 0.4, "seconds": 60}],
     "machine_breaks": [{"mean_s": 600, "machine": machine} for machine in MACHINES],
     "machine_down": [{"mean_s": 400, "machine": machine, "seconds": 45} for machine in MACHINES],
+    "piece_taken": [{"mean_s": 600, "machine": machine} for machine in MACHINES],
+    "instruction_lost": [{"probability": 0.15, "machine": machine} for machine in MACHINES],
+    "instruction_late": [{"probability": 0.3, "machine": machine, "seconds": 10} for machine in MACHINES],
 }
 TOGETHER = {
     "skill_fails": [{"probability": 0.05, "after_s": 10}],
@@ -39,10 +43,14 @@ TOGETHER = {
     "result_late": [{"probability": 0.05, "seconds": 5}],
     "grasp_slips": [{"probability": 0.05, "after_s": 5}],
     "piece_dropped": [{"mean_s": 1200}],
+    "piece_misplaced": [{"probability": 0.03}],
     "robot_halts": [{"mean_s": 900, "seconds": 30}],
     "robot_slow": [{"mean_s": 900, "factor": 0.5, "seconds": 30}],
     "machine_breaks": [{"mean_s": 2400, "machine": machine} for machine in MACHINES],
     "machine_down": [{"mean_s": 1200, "machine": machine, "seconds": 30} for machine in MACHINES],
+    "piece_taken": [{"mean_s": 2400, "machine": machine} for machine in MACHINES],
+    "instruction_lost": [{"probability": 0.03, "machine": machine} for machine in MACHINES],
+    "instruction_late": [{"probability": 0.1, "machine": machine, "seconds": 5} for machine in MACHINES],
 }
 
 
@@ -56,12 +64,15 @@ def problems(folder):
     result = json.loads((folder / "result.json").read_text())
     strikes = failures = worst = 0
     row = collections.Counter()
+    points = collections.Counter()
     ends = [0.0]
     for line in (folder / "journal.jsonl").open():
         record = json.loads(line)
         data = record["data"]
         if record["kind"] == "control" and "fault" in data:
             strikes += 1
+        if record["kind"] == "referee" and data["event"] == "score":
+            points[data["team"]] += data["points"]
         if record["kind"] != "skill" or data["event"] != "end":
             continue
         ends.append(record["t"] / 1e9)
@@ -77,17 +88,19 @@ def problems(folder):
     accepted = sum(d["correct"] for d in result["deliveries"])
     if result["status"] != "completed":
         yield f"status {result['status']}: {result['reason']}"
+    if any(team["points"] != points[name] for name, team in result["teams"].items()):
+        yield f"journal and result differ in points: {dict(points)}"
     if strikes == 0:
         yield "no fault struck"
     if accepted < LEAST_DELIVERIES:
         yield f"only {accepted} deliveries"
-    if (points := max(team["points"] for team in result["teams"].values())) < LEAST_POINTS:
-        yield f"only {points} points"
+    if (most := max(team["points"] for team in result["teams"].values())) < LEAST_POINTS:
+        yield f"only {most} points"
     if failures > MOST_FAILURES or worst > MOST_FAILURES_IN_A_ROW:
         yield f"{failures} failures, {worst} in a row"
     if pause > LONGEST_PAUSE_S:
         yield f"nothing happens for {pause:.0f} s"
-    yield f"{accepted} delivered, {strikes} faults, {failures} failures, {worst} in a row, pause {pause:.0f} s"
+    yield f"{sum(points.values())} points, {accepted} delivered, {strikes} faults, {failures} failures, {worst} in a row, pause {pause:.0f} s"
 
 
 def main():

@@ -1,0 +1,89 @@
+#include "scenarios/rcll/machine_faults.h"
+
+#include <algorithm>
+
+#include "scenarios/rcll/team_channel.h"
+
+namespace cxlab::rcll {
+
+using sim::FaultKind;
+
+Status MachineFaults::take(std::span<const sim::Fault> faults, std::uint64_t seed,
+                           const std::vector<std::unique_ptr<Machine>>& machines) {
+  for (const sim::Fault& fault : faults) {
+    if (fault.machine.empty()) continue;
+    Machine* machine = find_machine(machines, fault.machine);
+    if (machine == nullptr) return input_error("machine: " + unknown_machine(machines, fault.machine), fault.origin);
+    faults_.push_back({sim::FaultTimer(fault, seed, fault.machine), machine});
+  }
+  return {};
+}
+
+std::vector<sim::SpotId> MachineFaults::taken_spots(const Machine& machine) const {
+  std::vector<sim::SpotId> spots;
+  for (std::size_t i = 0; i < world_.plan().spots.size(); ++i) {
+    const auto spot = static_cast<sim::SpotId>(i);
+    if (world_.plan().spot(spot).station == machine.id() && world_.at(spot) != nullptr) spots.push_back(spot);
+  }
+  return spots;
+}
+
+RecordData& MachineFaults::begin(const Fault& fault) {
+  return data_.begin()
+      .field("fault", sim::to_string(fault.timer.fault().kind))
+      .field("number", static_cast<std::int64_t>(fault.timer.fault().number))
+      .field("machine", fault.machine->name());
+}
+
+bool MachineFaults::act(Fault& fault, SimTime now) {
+  const sim::Fault& what = fault.timer.fault();
+  if (what.kind == FaultKind::kPieceTaken) {
+    const std::vector<sim::SpotId> spots = taken_spots(*fault.machine);
+    if (spots.empty()) return false;
+    const sim::SpotId spot = spots[fault.timer.choose(spots.size())];
+    const sim::PieceId piece = world_.at(spot)->id;
+    begin(fault).field("spot", world_.plan().spot(spot).name).field("piece", static_cast<std::int64_t>(piece));
+    world_.retire(piece, sim::Holder::kFloor);
+  } else {
+    const bool down = what.kind == FaultKind::kMachineDown;
+    if (down) fault.machine->add_down({now, now + what.duration});
+    const bool acted = down || fault.machine->fail(now, world_, "a fault of the scenario");
+    begin(fault).field("acted", acted);
+  }
+  write(now);
+  return true;
+}
+
+void MachineFaults::strike(SimTime now) {
+  for (Fault& fault : faults_)
+    if (!sim::by_occasion(fault.timer.fault().kind) && now >= fault.timer.due() && act(fault, now))
+      fault.timer.struck(now);
+}
+
+SimTime MachineFaults::next_due() const {
+  SimTime due = kNever;
+  for (const Fault& fault : faults_) {
+    const FaultKind kind = fault.timer.fault().kind;
+    const bool waits = kind == FaultKind::kPieceTaken && taken_spots(*fault.machine).empty();
+    if (!sim::by_occasion(kind) && !waits) due = std::min(due, fault.timer.due());
+  }
+  return due;
+}
+
+MachineFaults::Passage MachineFaults::instruct(const Machine& machine, SimTime now) {
+  Passage passage;
+  for (Fault& fault : faults_) {
+    const sim::Fault& what = fault.timer.fault();
+    if (fault.machine != &machine || !sim::by_occasion(what.kind) || !fault.timer.strikes_occasion(now)) continue;
+    if (what.kind == FaultKind::kInstructionLost)
+      passage.lost = true;
+    else
+      passage.delay += what.duration;
+    begin(fault);
+    write(now);
+  }
+  if (passage.lost) passage.delay = kNoAnswerTime;
+  return passage;
+}
+
+}  // namespace cxlab::rcll
