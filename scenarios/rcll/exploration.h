@@ -59,8 +59,8 @@ class Exploration {
   std::vector<std::string> reported(Team team) const;
   /// Grows with each entry that was judged.
   std::uint64_t changes() const { return changes_; }
-  /// The last moment of the period; kNever without one.
-  SimTime end() const { return on_ ? clock_.at(kLength) : kNever; }
+  /// The first moment after the period; kNever without one.
+  SimTime end() const { return on_ ? clock_.at(kLength) + SimTime{1} : kNever; }
 
  private:
   std::vector<std::int64_t> report_machine(sim::StationId machine, const MachineReport& entry);

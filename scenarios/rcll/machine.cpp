@@ -127,7 +127,7 @@ SimTime Machine::next_due() const {
     at(period.begin);
     at(period.end);
   }
-  if (context_.exploration) at(context_.exploration->end() + SimTime{1});
+  if (context_.exploration) at(context_.exploration->end());
   at(context_.clock.production_begin);
   at(context_.clock.production_end);
   if (state_ == MachineState::kBroken) at(phase_start_ + kBrokenTime);
