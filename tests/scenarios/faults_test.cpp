@@ -210,7 +210,7 @@ TEST_P(Faults, AnInstructionIsLostAndOneComesLate) {
            "C-BS, side: OUTPUT, base_color: BASE_RED}}\n";
   };
   std::string ticks;
-  for (const char* t : {"9", "14", "26"})
+  for (const char* t : {"9", "14", "24.8", "26"})
     ticks += std::string("  - {at: ") + t + ", publish: /tick, type: std_msgs/msg/Empty}\n";
   auto episode = load(floor("instructions", instruct(2) + instruct(20) + ticks,
                             "  - {kind: instruction_lost, at: 0, machine: C-BS}\n  - {kind: instruction_late, at: 10, "
