@@ -230,7 +230,7 @@ class Signals(Lab):
 
     def test_replay_ends(self):
         self.agent("(defrule count ?n <- (n ?i) (time ?) => (retract ?n) (assert (n (+ ?i 1))))\n(deffacts n (n 0))",
-                   "schema: 1\nduration_s: 300000\npackages: {rules: rules}\nagents:\n  - config: agent.yaml\n")
+                   "schema: 1\nmax_firings_per_tick: 1000000\npackages: {rules: rules}\nagents:\n  - config: agent.yaml\n")
         self.run_it("--journal", "none")
         for half in ["--rules"]:
             out, _ = self.interrupted("replay", "out", half, after=0.3)
