@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/skills/destination.h"
 #include "sim/skills/explore.h"
 
 namespace cxlab::sim {
@@ -74,19 +75,11 @@ void PhysicsSkills::begin(const SkillGoal& goal, SimTime now) {
   tries_ = 0;
   piece_.reset();
   spot_ = nullptr;
-  std::optional<Segment> work;
-  if (goal.kind == SkillKind::kDiscard) {
-    goal_.pose = facing_free_floor(world_.plan(), goal.target.empty() ? world_.robot(robot_).pose_in_world : goal.pose);
-    work = Segment{goal_.pose.position(), goal_.pose.position()};
-  } else if (goal.kind == SkillKind::kExplore) {
-    zone_ = goal.pose.position();
-    goal_.pose = lookout(world_, traffic_, robot_, zone_).value_or(goal.pose);
-    work = Segment{goal_.pose.position(), goal_.pose.position()};
-  } else if (goal.kind != SkillKind::kDriveTo) {
-    spot_ = &world_.plan().spot(*goal.spot);
-    work = spot_->footprint();
-  }
-  traffic_.request(robot_, goal_.pose, work, now);
+  if (goal.kind == SkillKind::kPick || goal.kind == SkillKind::kPlace) spot_ = &world_.plan().spot(*goal.spot);
+  zone_ = goal.pose.position();
+  const Destination there = destination_of(goal, world_, traffic_, robot_);
+  goal_.pose = there.pose;
+  traffic_.request(robot_, there.pose, there.ground, now);
   enter(SkillPhase::kDrive, now);
 }
 

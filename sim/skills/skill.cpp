@@ -1,10 +1,5 @@
 #include "sim/skills/skill.h"
 
-#include <algorithm>
-#include <numbers>
-
-#include "sim/geometry.h"
-
 namespace cxlab::sim {
 
 std::span<const SkillWord> skill_words() {
@@ -48,25 +43,6 @@ SkillGoal first_part(const SkillGoal& transport) {
 
 SkillGoal second_part(const SkillGoal& transport, const FloorPlan& plan) {
   return {SkillKind::kPlace, transport.target, transport.to, plan.spot(*transport.to).align_in_world, {}};
-}
-
-Pose2 facing_free_floor(const FloorPlan& plan, const Pose2& place) {
-  constexpr double kRoom = 0.30;  // m: a piece that falls from the gripper bounces and rolls
-  constexpr int kTurns = 36;
-  const auto room = [&](const Pose2& pose) {
-    const Vec3 below = transform(pose, {kRobot.home_forward + kRobot.forward_stroke, 0, 0});
-    const Vec2 at = below.head<2>();
-    return std::min(
-        {plan.clearance(at), at.x() - plan.min_x, plan.max_x - at.x(), at.y() - plan.min_y, plan.max_y - at.y()});
-  };
-  Pose2 best = place;
-  for (int i = 0; i <= kTurns; ++i) {
-    const double turn = (i % 2 == 0 ? 1 : -1) * ((i + 1) / 2) * 2 * std::numbers::pi / kTurns;
-    const Pose2 turned{place.x, place.y, wrap_angle(place.yaw + turn)};
-    if (room(turned) >= kRoom) return turned;
-    if (room(turned) > room(best)) best = turned;
-  }
-  return best;
 }
 
 }  // namespace cxlab::sim

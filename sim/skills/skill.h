@@ -69,10 +69,6 @@ struct SkillGoal {
 SkillGoal first_part(const SkillGoal& transport);
 SkillGoal second_part(const SkillGoal& transport, const FloorPlan& plan);
 
-/// The place, turned as little as needed for what a robot there lets go of at arm's length to fall on free floor: away
-/// from machines, walls and border. Where that is nowhere the case, to where there is most room.
-Pose2 facing_free_floor(const FloorPlan& plan, const Pose2& place);
-
 struct SkillResult {
   SkillCode code = SkillCode::kNone;
   bool cancelled = false;           ///< ended because of `cancel`

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/skills/destination.h"
 #include "sim/skills/explore.h"
 
 namespace cxlab::sim {
@@ -76,18 +77,10 @@ void TimedSkills::begin(const SkillGoal& goal, SimTime now) {
   active_ = true;
   phase_ = SkillPhase::kDrive;
   due_ = now + kDriveTimeout;
-  std::optional<Segment> work;
-  if (goal.kind == SkillKind::kDiscard) {
-    goal_.pose = facing_free_floor(world_.plan(), goal.target.empty() ? world_.robot(robot_).pose_in_world : goal.pose);
-    work = Segment{goal_.pose.position(), goal_.pose.position()};
-  } else if (goal.kind == SkillKind::kExplore) {
-    zone_ = goal.pose.position();
-    goal_.pose = lookout(world_, traffic_, robot_, zone_).value_or(goal.pose);
-    work = Segment{goal_.pose.position(), goal_.pose.position()};
-  } else if (goal.kind != SkillKind::kDriveTo) {
-    work = world_.plan().spot(*goal.spot).footprint();
-  }
-  traffic_.request(robot_, goal_.pose, work, now);
+  zone_ = goal.pose.position();
+  const Destination there = destination_of(goal, world_, traffic_, robot_);
+  goal_.pose = there.pose;
+  traffic_.request(robot_, there.pose, there.ground, now);
 }
 
 void TimedSkills::cancel(SimTime now) {
