@@ -21,6 +21,8 @@ double wrap_angle(double a) {
   return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
 }
 
+int whole_degrees(double a) { return static_cast<int>(std::lround(a * 180 / std::numbers::pi) + 360) % 360; }
+
 Pose2 compose(const Pose2& frame, const Pose2& local) {
   const Vec2 at = to_outer(frame, local.position());
   return {at.x(), at.y(), wrap_angle(frame.yaw + local.yaw)};

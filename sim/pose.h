@@ -17,6 +17,7 @@ struct Pose2 {
   Vec2 position() const { return {x, y}; }
 };
 double wrap_angle(double a);  ///< into (-pi, pi]
+int whole_degrees(double a);  ///< of an angle in [-pi, pi]: 0..359, rounded
 /// The pose `local` of that frame, seen from the frame in which `frame` is given.
 Pose2 compose(const Pose2& frame, const Pose2& local);
 Vec3 transform(const Pose2& frame, const Vec3& local);

@@ -260,9 +260,7 @@ Zone zone_of(const sim::Station& station) {
           static_cast<int>(pose.y) + 1};
 }
 
-int rotation_of(const sim::Station& station) {
-  return static_cast<int>(std::lround(station.pose_in_world.yaw * 180 / std::numbers::pi) + 360) % 360;
-}
+int rotation_of(const sim::Station& station) { return sim::whole_degrees(station.pose_in_world.yaw); }
 
 Team team_of(const sim::Station& station) { return station.name.front() == 'C' ? Team::kCyan : Team::kMagenta; }
 

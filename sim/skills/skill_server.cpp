@@ -1,17 +1,10 @@
 #include "sim/skills/skill_server.h"
 
 #include <cmath>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 namespace cxlab::sim {
-namespace {
-
-/// 0 to 359.
-int degrees(double angle) { return (static_cast<int>(std::lround(angle * 180 / std::numbers::pi)) + 360) % 360; }
-
-}  // namespace
 
 SkillServer::SkillServer(RobotId robot, const FloorPlan& plan, const Places& places, RobotSkills& skills, bus::Bus& bus,
                          RecordSink& sink)
@@ -71,17 +64,20 @@ std::string_view SkillServer::sub_action() const {
 
 Expected<SkillGoal> SkillServer::read_goal(const Action& action, const bus::MessageView& message) const {
   SkillGoal goal{action.kind, target_of(action, message), std::nullopt, {}, {}};
+  const auto unknown = [&](const std::string& name, const std::string& expected, bool spots, bool places) {
+    std::vector<std::string> names;
+    if (spots)
+      for (const Spot& spot : plan_.spots) names.push_back(spot.name);
+    if (places)
+      for (const auto& [place, unused] : places_) names.push_back(place);
+    return "'" + name + "' is not " + expected + did_you_mean(name, names, "; ");
+  };
 
   if (action.kind == SkillKind::kTransport) {
     for (const char* end : {"from", "to"}) {
       const std::string name = message.text(end);
       const auto spot = plan_.find_spot(name);
-      if (!spot) {
-        std::vector<std::string> names;
-        for (const Spot& known : plan_.spots) names.push_back(known.name);
-        return input_error(std::string(end) + ": '" + name + "' is not a spot of a machine" +
-                           did_you_mean(name, names, "; "));
-      }
+      if (!spot) return input_error(std::string(end) + ": " + unknown(name, "a spot of a machine", true, false));
       (goal.spot ? goal.to : goal.spot) = spot;
     }
     goal.pose = plan_.spot(*goal.spot).align_in_world;
@@ -89,10 +85,7 @@ Expected<SkillGoal> SkillServer::read_goal(const Action& action, const bus::Mess
   }
   const auto place = places_.find(goal.target);
   if (action.kind == SkillKind::kExplore) {
-    std::vector<std::string> names;
-    for (const auto& [name, unused] : places_) names.push_back(name);
-    if (place == places_.end())
-      return input_error("'" + goal.target + "' is not a zone" + did_you_mean(goal.target, names, "; "));
+    if (place == places_.end()) return input_error(unknown(goal.target, "a zone", false, true));
     goal.pose = {place->second.middle.x(), place->second.middle.y(), 0};
     return goal;
   }
@@ -101,19 +94,12 @@ Expected<SkillGoal> SkillServer::read_goal(const Action& action, const bus::Mess
     return goal;
   }
   const bool by_place = action.kind == SkillKind::kDriveTo || action.kind == SkillKind::kDiscard;
-  const auto unknown = [&](const std::string& expected) {
-    std::vector<std::string> names;
-    for (const Spot& spot : plan_.spots) names.push_back(spot.name);
-    if (by_place)
-      for (const auto& [name, unused] : places_) names.push_back(name);
-    return input_error("'" + goal.target + "' is not " + expected + did_you_mean(goal.target, names, "; "));
-  };
-  if (!by_place) return unknown("a spot of a machine");
+  if (!by_place) return input_error(unknown(goal.target, "a spot of a machine", true, false));
   if (place != places_.end()) {
     goal.pose = place->second.stand;
     return goal;
   }
-  if (!goal.target.empty()) return unknown("a spot of a machine or a place");
+  if (!goal.target.empty()) return input_error(unknown(goal.target, "a spot of a machine or a place", true, true));
   if (action.kind == SkillKind::kDiscard) return goal;
   const bus::MessageView pose = message.nested("pose");
   goal.pose = {pose.real("x"), pose.real("y"), pose.real("theta")};
@@ -226,7 +212,7 @@ void SkillServer::finish(const SkillResult& result) {
     message->view()
         .set("zone", ended.skill.target)
         .set("machine", seen ? seen->name : "")
-        .set("rotation", seen ? degrees(seen->pose_in_world.yaw) : -1);
+        .set("rotation", seen ? whole_degrees(seen->pose_in_world.yaw) : -1);
   }
   const bus::GoalStatus status = done               ? bus::GoalStatus::kSucceeded
                                  : result.cancelled ? bus::GoalStatus::kCanceled
