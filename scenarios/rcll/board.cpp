@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <sstream>
 
 #include "cx/journal/journal_reader.h"
 
@@ -19,19 +18,6 @@ std::string clock_text(double seconds) {
   char text[32];
   std::snprintf(text, sizeof text, "%ld:%02ld", whole / 60, whole % 60);
   return text;
-}
-
-/// The opposite of `describe`.
-sim::Stack stack_of(std::string_view description) {
-  sim::Stack stack;
-  std::istringstream words{std::string(description)};
-  for (std::string word; words >> word;) {
-    if (const auto base = named<BaseColor>(word)) stack.base = static_cast<std::uint8_t>(*base);
-    if (const auto ring = named<RingColor>(word); ring && stack.rings.back() == 0)
-      stack.mount(sim::Part::kRing, static_cast<std::uint8_t>(*ring));
-    if (const auto cap = named<CapColor>(word)) stack.cap = static_cast<std::uint8_t>(*cap);
-  }
-  return stack;
 }
 
 double number(const RecordValue& data, std::string_view key) {

@@ -70,21 +70,6 @@ std::vector<DownPeriodConfig> draw_down_periods(RandomStream& random, double pro
   return periods;
 }
 
-OrderConfig listed(const Order& order) {
-  OrderConfig out;
-  out.complexity = to_string(order.complexity);
-  out.base_color = to_string(order.product.base);
-  for (const RingColor ring : order.product.rings) out.ring_colors.emplace_back(to_string(ring));
-  out.cap_color = to_string(order.product.cap);
-  out.activate_at = order.activate_at;
-  out.delivery_begin = order.delivery_begin;
-  out.delivery_end = order.delivery_end;
-  out.delivery_gate = order.delivery_gate;
-  out.quantity = order.quantity;
-  out.competitive = order.competitive;
-  return out;
-}
-
 }  // namespace
 
 Expected<Game> game_of(const WorldConfig& config, std::uint64_t seed) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "scenarios/rcll/team_channel.h"
+#include "scenarios/rcll/machines.h"
 
 namespace cxlab::rcll {
 

@@ -231,7 +231,7 @@ bool DeliveryStation::may_wait() const {
 
 // --- All of them
 
-std::vector<std::unique_ptr<Machine>> make_machines(const sim::FloorPlan& plan, MachineContext& context) {
+Machines make_machines(const sim::FloorPlan& plan, MachineContext& context) {
   std::vector<std::unique_ptr<Machine>> machines;
   for (std::size_t i = 0; i < plan.stations.size(); ++i) {
     const auto id = static_cast<sim::StationId>(i);
@@ -249,6 +249,17 @@ std::vector<std::unique_ptr<Machine>> make_machines(const sim::FloorPlan& plan, 
       machines.push_back(std::make_unique<DeliveryStation>(id, team, context, plan));
   }
   return machines;
+}
+
+Machine* find_machine(const Machines& machines, std::string_view name) {
+  const auto at = std::ranges::find_if(machines, [&](const auto& machine) { return machine->name() == name; });
+  return at == machines.end() ? nullptr : at->get();
+}
+
+std::string unknown_machine(const Machines& machines, const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto& machine : machines) names.push_back(machine->name());
+  return "no machine '" + name + "'" + did_you_mean(name, names);
 }
 
 }  // namespace cxlab::rcll

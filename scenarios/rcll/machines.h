@@ -4,6 +4,8 @@
 
 #include <array>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "scenarios/rcll/machine.h"
@@ -82,7 +84,13 @@ class DeliveryStation final : public Machine {
   const Order* order() const;  ///< of the instruction; nullptr = discard
 };
 
+using Machines = std::vector<std::unique_ptr<Machine>>;
+
 /// All machines of the plan in its order.
-std::vector<std::unique_ptr<Machine>> make_machines(const sim::FloorPlan& plan, MachineContext& context);
+Machines make_machines(const sim::FloorPlan& plan, MachineContext& context);
+/// The machine of that name; nullptr if there is none.
+Machine* find_machine(const Machines& machines, std::string_view name);
+/// The error that there is none, with the nearest name.
+std::string unknown_machine(const Machines& machines, const std::string& name);
 
 }  // namespace cxlab::rcll

@@ -44,5 +44,7 @@ Order draw_overtime_order(RandomStream& random, double begin, double end);
 
 /// An order as it is listed; `config` has been validated.
 Order read_order(const OrderConfig& config, int id);
+/// The order as it would be listed: the opposite of `read_order`.
+OrderConfig listed(const Order& order);
 
 }  // namespace cxlab::rcll

@@ -39,17 +39,6 @@ Tags tags_of(const Machine& machine) {
 
 }  // namespace
 
-Machine* find_machine(const TeamChannel::Machines& machines, std::string_view name) {
-  const auto at = std::ranges::find_if(machines, [&](const auto& machine) { return machine->name() == name; });
-  return at == machines.end() ? nullptr : at->get();
-}
-
-std::string unknown_machine(const TeamChannel::Machines& machines, const std::string& name) {
-  std::vector<std::string> names;
-  for (const auto& machine : machines) names.push_back(machine->name());
-  return "no machine '" + name + "'" + did_you_mean(name, names);
-}
-
 TeamChannel::TeamChannel(Team team, Information information, sim::World& world, const Machines& machines,
                          const MachineContext& context, GameReferee& referee, MachineFaults& faults, bus::Bus& bus)
     : team_(team),

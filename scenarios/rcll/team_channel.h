@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "cx/bus/bus.h"
-#include "scenarios/rcll/machine.h"
 #include "scenarios/rcll/machine_faults.h"
+#include "scenarios/rcll/machines.h"
 #include "scenarios/rcll/referee.h"
 #include "scenarios/rcll/topic.h"
 
@@ -18,8 +18,6 @@ namespace cxlab::rcll {
 
 class TeamChannel {
  public:
-  using Machines = std::vector<std::unique_ptr<Machine>>;
-
   /// All outlive it.
   TeamChannel(Team team, Information information, sim::World& world, const Machines& machines,
               const MachineContext& context, GameReferee& referee, MachineFaults& faults, bus::Bus& bus);
@@ -72,10 +70,5 @@ class TeamChannel {
   std::vector<Goal> goals_;  ///< running, in order of arrival
   std::vector<Delayed> delayed_;
 };
-
-/// The machine of that name; nullptr if there is none.
-Machine* find_machine(const TeamChannel::Machines& machines, std::string_view name);
-/// The error that there is none, with the nearest name.
-std::string unknown_machine(const TeamChannel::Machines& machines, const std::string& name);
 
 }  // namespace cxlab::rcll

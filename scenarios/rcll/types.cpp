@@ -1,5 +1,7 @@
 #include "scenarios/rcll/types.h"
 
+#include <sstream>
+
 namespace cxlab::rcll {
 
 sim::Stack stack_of(const Product& product) {
@@ -18,6 +20,18 @@ std::string describe(const sim::Stack& stack) {
     if (ring != 0) add(to_string(static_cast<RingColor>(ring)));
   if (stack.cap != 0) add(to_string(static_cast<CapColor>(stack.cap)));
   return text.empty() ? "nothing" : text;
+}
+
+sim::Stack stack_of(std::string_view description) {
+  sim::Stack stack;
+  std::istringstream words{std::string(description)};
+  for (std::string word; words >> word;) {
+    if (const auto base = named<BaseColor>(word)) stack.base = static_cast<std::uint8_t>(*base);
+    if (const auto ring = named<RingColor>(word); ring && stack.rings.back() == 0)
+      stack.mount(sim::Part::kRing, static_cast<std::uint8_t>(*ring));
+    if (const auto cap = named<CapColor>(word)) stack.cap = static_cast<std::uint8_t>(*cap);
+  }
+  return stack;
 }
 
 std::string_view kind_of(std::string_view machine) { return machine.substr(0, 2); }

@@ -68,6 +68,8 @@ struct Product {
 sim::Stack stack_of(const Product& product);
 /// "BASE_RED RING_BLUE CAP_GREY", for logs; "nothing" for an empty stack.
 std::string describe(const sim::Stack& stack);
+/// The opposite of `describe`.
+sim::Stack stack_of(std::string_view description);
 
 /// Machine types of a team, without the team's letter, in the order in which stations are listed.
 inline constexpr std::array<std::string_view, 7> kMachines{"BS", "CS1", "CS2", "RS1", "RS2", "SS", "DS"};
