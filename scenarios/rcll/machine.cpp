@@ -56,6 +56,7 @@ Machine::Answer Machine::instruct(const Instruction& instruction, SimTime now, s
     break_down(now, world, InstructError::kBroken, "reset by its team");
     return {InstructError::kNone, {}, true};
   }
+  observe(now, world);  // a payment that came just before counts
   if (state_ != MachineState::kIdle) {
     std::string text = name_ + " is " + std::string(to_string(state_)) + ", not IDLE";
     const bool busy = working(state_) || state_ == MachineState::kReadyAtOutput || state_ == MachineState::kWaitIdle;

@@ -61,6 +61,23 @@ std::span<const Row> piece_rows() {
         put C-RS2-SLIDE
         wait 0.04
         given payment 2 payment 2 payment 2 payment -6)"},
+      {"payments: one that comes just before an instruction counts for it",
+       R"(hold BASE_RED
+        put C-RS2-SLIDE
+        C-RS2 {ring_color: RING_BLUE}
+        wait 0.02
+        C-RS2 is PREPARED)"},
+      {"payments: a fourth base just before an instruction breaks the ring station, which does not take it",
+       R"(hold BASE_RED
+        put C-RS2-SLIDE
+        hold BASE_RED
+        put C-RS2-SLIDE
+        hold BASE_RED
+        put C-RS2-SLIDE
+        hold BASE_RED
+        put C-RS2-SLIDE
+        C-RS2 {ring_color: RING_BLUE} -> 209
+        C-RS2 is BROKEN)"},
       {"payments: the fourth base while the ring station is DOWN breaks it",
        R"(hold BASE_RED
         put C-RS2-SLIDE
