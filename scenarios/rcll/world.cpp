@@ -103,7 +103,7 @@ class GameStage final : public Stage {
  private:
   Status build_physics(const StageSetup& setup, sim::FloorPlan plan);
   Status build_ledger(const StageSetup& setup, sim::FloorPlan plan);
-  Status add_fleet(Expected<std::unique_ptr<sim::Fleet>> fleet);
+  Status add_fleet(const StageSetup& setup, Expected<std::unique_ptr<sim::Fleet>> fleet);
 
   sim::PhysicsLog physics_log_;
   sim::World* floor_ = nullptr;          // owned as world
@@ -147,8 +147,8 @@ Status GameStage::build_physics(const StageSetup& setup, sim::FloorPlan plan) {
         physics_->plan(), physics_->gate(), [this] { return legend_of(board_of(*factory_, physics_->now())); }, width,
         height);
   });
-  return add_fleet(
-      sim::Fleet::create(*physics_, *physics_, zone_places(), setup.bus, setup.sink, {scenario.faults, scenario.seed}));
+  return add_fleet(setup, sim::Fleet::create(*physics_, *physics_, zone_places(), setup.bus, setup.sink,
+                                             {scenario.faults, scenario.seed}));
 }
 
 Status GameStage::build_ledger(const StageSetup& setup, sim::FloorPlan plan) {
@@ -158,15 +158,17 @@ Status GameStage::build_ledger(const StageSetup& setup, sim::FloorPlan plan) {
   floor_ = &ledger;
   worlds.push_back(std::move(made));
   without_views = "the timed tier has no bodies to look at: tier: physics in the scenario, or --set tier=physics";
-  return add_fleet(sim::Fleet::create(ledger, ledger, scenario.timed, scenario.seed, zone_places(), setup.bus,
-                                      setup.sink, {scenario.faults, scenario.seed}));
+  return add_fleet(setup, sim::Fleet::create(ledger, ledger, scenario.timed, scenario.seed, zone_places(), setup.bus,
+                                             setup.sink, {scenario.faults, scenario.seed}));
 }
 
-Status GameStage::add_fleet(Expected<std::unique_ptr<sim::Fleet>> fleet) {
+Status GameStage::add_fleet(const StageSetup& setup, Expected<std::unique_ptr<sim::Fleet>> fleet) {
   if (!fleet) return fleet.error();
   fleet_ = fleet->get();
   servers.push_back(*std::move(fleet));
-  return {};
+  const WorldConfig& config = setup.scenario.world.get<WorldConfig>();
+  if (!config.exploration) return {};
+  return fleet_->watch(setup.bus, from_seconds(config.setup_s + Exploration::kLength));
 }
 
 void GameStage::report(Result& result) const {

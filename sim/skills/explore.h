@@ -1,6 +1,11 @@
 #pragma once
-// What a robot sees of a zone, and from where.
+// What a robot sees of machines, and from where.
+//
+// Its lasers see bodies in all directions: a scan has a ray each degree, so ten rays or so meet the face of a machine 4
+// m away. Its camera looks ahead and reads the markers below the belt, 135 mm wide with 7 x 7 fields: with 320 columns
+// over 60 degrees a field has 3.5 of them at 1.5 m, and is smeared over more than one when the robot turns fast.
 
+#include <numbers>
 #include <optional>
 
 #include "sim/traffic/traffic.h"
@@ -8,11 +13,22 @@
 
 namespace cxlab::sim {
 
+inline constexpr double kLaserRange = 4;                                                           ///< m
+inline constexpr double kMarkerRange = 1.5;                                                        ///< m
+inline constexpr double kCameraAngle = std::numbers::pi / 6, kMarkerAngle = std::numbers::pi / 3;  ///< to either side
+inline constexpr double kReadingTurn = 0.5;                                                        ///< rad/s
+
+/// Whether the lasers of a robot there see the station: nothing stands between.
+bool sees_body(const FloorPlan& plan, const Vec2& robot, StationId station);
+/// Whether the camera of a robot there, turning no faster than kReadingTurn, can read the marker at input or output.
+bool reads_marker(const FloorPlan& plan, const Pose2& robot, StationId station);
+
 /// The station whose middle is in the zone of 1 x 1 m around that point.
 std::optional<StationId> station_in_zone(const FloorPlan& plan, const Vec2& zone);
 
 /// The place nearest to the robot, by the way it drives, that is free of other robots, 1 to 1.5 m from the middle of
-/// the zone, and from which no machine or wall hides the zone; facing it. Nothing when there is no such place.
+/// the zone, and from which no machine or wall hides the zone; facing it. If a machine stands there one of its markers
+/// can be read from the place. Nothing when there is no such place.
 std::optional<Pose2> lookout(const WorldView& world, Traffic& traffic, RobotId robot, const Vec2& zone);
 
 }  // namespace cxlab::sim

@@ -59,8 +59,18 @@ Status Fleet::open(bus::Bus& bus, RecordSink& sink, const FleetFaults& faults) {
   return {};
 }
 
+Status Fleet::watch(bus::Bus& bus, SimTime until) {
+  std::vector<bus::ParticipantId> nodes;
+  for (const auto& server : servers_) nodes.push_back(server->node());
+  auto sightings = Sightings::create(world_, places_, nodes, bus, until);
+  if (!sightings) return sightings.error();
+  sightings_ = *std::move(sightings);
+  return {};
+}
+
 Status Fleet::sense(SimTime now) {
   traffic_.settle(now);
+  if (sightings_) sightings_->look(now);
   for (auto& server : servers_) server->sense(now);
   return {};
 }
@@ -74,7 +84,7 @@ Status Fleet::act(SimTime now) {
 }
 
 SimTime Fleet::next_due() const {
-  SimTime next = traffic_.next_due();
+  SimTime next = std::min(traffic_.next_due(), sightings_ ? sightings_->next_due() : kNever);
   for (const auto& skills : skills_) next = std::min(next, skills->next_due());
   return next;
 }

@@ -10,6 +10,7 @@
 #include "cx/run/parts.h"
 #include "sim/faults/fault.h"
 #include "sim/skills/physics_skills.h"
+#include "sim/skills/sightings.h"
 #include "sim/skills/skill_server.h"
 #include "sim/skills/timed_skills.h"
 #include "sim/traffic/traffic.h"
@@ -37,6 +38,9 @@ class Fleet final : public Server {
                                                  const Places& places, bus::Bus& bus, RecordSink& sink,
                                                  FleetFaults faults = {});
 
+  /// Until that time robots tell what they see of machines.
+  Status watch(bus::Bus& bus, SimTime until);
+
   Status sense(SimTime now) override;
   Status act(SimTime now) override;
   SimTime next_due() const override;
@@ -52,6 +56,7 @@ class Fleet final : public Server {
   SkillServer::Places places_;
   std::vector<std::unique_ptr<RobotSkills>> skills_;
   std::vector<std::unique_ptr<SkillServer>> servers_;
+  std::unique_ptr<Sightings> sightings_;  ///< null: nobody watches
 };
 
 }  // namespace cxlab::sim

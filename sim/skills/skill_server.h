@@ -49,6 +49,7 @@ class SkillServer {
   /// Posts the phase if it has changed.
   void report_phase(SimTime now);
 
+  bus::ParticipantId node() const { return node_; }
   bool active() const { return active_.has_value(); }
   RobotStats stats(SimTime now) const;
 

@@ -15,6 +15,7 @@
 
 #include "sim/ledger/ledger_world.h"
 #include "sim/mujoco/mujoco_world.h"
+#include "sim/skills/explore.h"
 #include "sim/skills/fleet.h"
 #include "tests/support/files.h"
 #include "tests/support/records.h"
@@ -62,7 +63,8 @@ class Skills : public ::testing::TestWithParam<Tier> {
     ASSERT_TRUE(registry.add_packages_in(interfaces_dir()));
     const Fleet::Places places{{"C_Z22", {1.5, 1.5, 1}},        {"C_Z26", {1.5, 5.5, 0}},
                                {"M_Z66", {-5.5, 5.5, 0}},       {"M_Z37", {-2.5, 6.5, 0}},
-                               {"NEAR_OUTSIDE", {-7.45, 4, 0}}, {"FAR_OUTSIDE", {-7.55, 4, 0}}};
+                               {"NEAR_OUTSIDE", {-7.45, 4, 0}}, {"FAR_OUTSIDE", {-7.55, 4, 0}},
+                               {"BEYOND", {-9, 4, 0}}};
     if (GetParam() == Tier::kTimed) {
       auto ledger = std::make_unique<LedgerWorld>(small_plan());
       auto made = Fleet::create(*ledger, *ledger, config, 1, places, bus, sink);
@@ -287,6 +289,59 @@ TEST_P(Skills, AnExploreTakesZonesOnly) {
   EXPECT_EQ(done("robot1", SkillKind::kExplore, "C-BS-INPUT").code, 103);
   EXPECT_EQ(done("robot1", SkillKind::kExplore, "").code, 103);
   EXPECT_EQ(done("robot1", SkillKind::kExplore, "FAR_OUTSIDE").code, 0) << "seen over the border";
+  EXPECT_EQ(done("robot1", SkillKind::kExplore, "BEYOND").code, 300) << "seen from nowhere";
+}
+
+TEST_P(Skills, AnExploreReadsTheMarkersFromBeforeThem) {
+  ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C_Z26").code, 0);  // beside the machine, where there are none
+  ASSERT_EQ(done("robot1", SkillKind::kExplore, "C_Z26").seen, "C_Z26 C-BS 0");
+  EXPECT_TRUE(reads_marker(world->plan(), robot1().pose_in_world, *world->plan().find_station("C-BS")));
+}
+
+TEST_P(Skills, WhatRobotsSeeOfMachinesIsTold) {
+  const SimTime until = from_seconds(30);
+  ASSERT_TRUE(fleet->watch(bus, until));
+  std::vector<std::pair<double, std::string>> told;
+  ASSERT_TRUE(bus.subscribe(node, "/robot1/sightings", **registry.message("cxlab_skills/msg/Sightings"),
+                            [&](const bus::Delivery& d) {
+                              std::string text;
+                              for (std::size_t i = 0; i < d.message->view().size("machines"); ++i) {
+                                const bus::MessageView seen = d.message->view().nested("machines", i);
+                                text += "[" + seen.text("zone") + " " + seen.text("machine") + " " +
+                                        std::to_string(seen.integer("rotation")) + "]";
+                              }
+                              told.emplace_back(to_seconds(world->now()), text);
+                            }));
+  tick();
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told.back().second, "[C_Z26  -1][M_Z37  -1]") << "those within 4 m, in the order of machines";
+  wait(5.5);
+  ASSERT_EQ(told.size(), 2U) << "again after 5 s, for those who came later";
+  EXPECT_NEAR(told[1].first - told[0].first, 5, 0.03);
+  EXPECT_EQ(told[1].second, told[0].second);
+  finish(send("robot1", SkillKind::kDriveTo, "", {0.3, 5.5, 0}));
+  wait(0.2);
+  ASSERT_EQ(told.size(), 3U);
+  EXPECT_EQ(told.back().second, "[C_Z26 C-BS 0][M_Z37  -1]") << "1 m before the machine's output, facing it";
+  while (world->now() < until) tick();
+  const std::size_t all = told.size();
+  wait(6);
+  EXPECT_EQ(told.size(), all) << "nobody looks any more";
+}
+
+TEST_P(Skills, AMarkerIsNotReadInAFastTurn) {
+  ASSERT_LT(finish(send("robot1", SkillKind::kDriveTo, "", {0.3, 5.5, -1})), 60);
+  ASSERT_TRUE(fleet->watch(bus, from_seconds(300)));
+  std::string seen;
+  ASSERT_TRUE(
+      bus.subscribe(node, "/robot1/sightings", **registry.message("cxlab_skills/msg/Sightings"),
+                    [&](const bus::Delivery& d) { seen = d.message->view().nested("machines", 0).text("machine"); }));
+  finish(send("robot1", SkillKind::kDriveTo, "", {0.3, 5.5, 1}));
+  wait(6);
+  EXPECT_EQ(seen, "") << "the camera swept over it";
+  finish(send("robot1", SkillKind::kDriveTo, "", {0.3, 5.5, 0}));
+  wait(0.2);
+  EXPECT_EQ(seen, "C-BS");
 }
 
 TEST_P(Skills, ATransportIsFasterThanItsParts) {
