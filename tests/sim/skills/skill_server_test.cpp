@@ -536,7 +536,7 @@ TEST_P(Skills, EachPhaseLastsItsTime) {
       EXPECT_NEAR(found[i].second, wanted[i].second, 0.05) << found[i].first;
     }
   };
-  compare(phases(SkillKind::kPick), {{"drive", 0.24},
+  compare(phases(SkillKind::kPick), {{"drive", 0.18},
                                      {"align", 0.02},
                                      {"look", 8.00},
                                      {"approach", 2.14},
