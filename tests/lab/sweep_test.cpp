@@ -81,7 +81,8 @@ TEST_F(SweepTest, PlaysAWorldOfTheCallersCatalogue) {
   EXPECT_THAT(suite.check().error().message, HasSubstr("found 'own', expected one of: none, rcll, turtlesim"));
   suite.catalogue = &catalogue;
   EXPECT_TRUE(suite.check());
-  for (const Row& row : *play(suite)) EXPECT_TRUE(row.counts()) << row.to_json();
+  const auto rows = play(suite);
+  for (const Row& row : *rows) EXPECT_TRUE(row.counts()) << row.to_json();
 }
 
 TEST_F(SweepTest, PlaysOnlyWhatIsNotThere) {
