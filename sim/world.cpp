@@ -79,7 +79,8 @@ Vec3 within_strokes(const Vec3& axes) {
 }
 
 std::string_view to_string(Holder holder) {
-  constexpr std::string_view kNames[]{"dispenser", "gripper", "belt", "slot", "slide", "floor", "gate", "storage"};
+  constexpr std::string_view kNames[]{"dispenser", "gripper", "belt",    "slot", "slide",
+                                      "floor",     "gate",    "storage", "crew"};
   return kNames[static_cast<std::size_t>(holder)];
 }
 
@@ -109,6 +110,17 @@ void WorldView::pass(Piece& piece, Holder to, int to_index) {
 
 void WorldView::remove(PieceId id) {
   std::erase_if(pieces_, [id](const Piece& piece) { return piece.id == id; });
+}
+
+void World::take_off_field(RobotId id, const Pose2& to) {
+  if (const auto held = robot(id).held) retire(*held, Holder::kCrew);
+  off_field_[index_of(id)] = true;
+  set_down(id, to);
+}
+
+void World::bring_back(RobotId id, const Pose2& to) {
+  off_field_[index_of(id)] = false;
+  set_down(id, to);
 }
 
 void WorldView::begin_changes() {

@@ -84,7 +84,7 @@ struct FloorPlan {
 /// The spots that a station of that kind has, with the poses of docs/models.md. `pose` is the station's.
 std::vector<Spot> spots_of(const Station& station, StationId id);
 
-enum class Holder : std::uint8_t { kDispenser, kGripper, kBelt, kSlot, kSlide, kFloor, kGate, kStorage };
+enum class Holder : std::uint8_t { kDispenser, kGripper, kBelt, kSlot, kSlide, kFloor, kGate, kStorage, kCrew };
 std::string_view to_string(Holder holder);  ///< "dispenser" ...
 
 /// A piece in play.
@@ -133,6 +133,8 @@ class WorldView {
   std::span<const Piece> pieces() const { return pieces_; }  ///< in play, by id
   const Piece* find(PieceId id) const;                       ///< nullptr when out of play
   virtual RobotState robot(RobotId id) const = 0;
+  /// People have taken the robot off the field.
+  bool is_off_field(RobotId id) const { return off_field_[index_of(id)]; }
   virtual bool belt_running(StationId id) const = 0;
   /// The piece that lies at that spot (within 10 mm along and 15 mm across on a belt, 40 mm on a shelf), not held.
   virtual const Piece* at(SpotId spot) const = 0;
@@ -145,7 +147,8 @@ class WorldView {
   std::span<const HolderChange> changes() const { return {changes_.data(), visible_changes_}; }
 
  protected:
-  explicit WorldView(FloorPlan plan) : plan_(std::move(plan)), slide_counts_(plan_.stations.size()) {}
+  explicit WorldView(FloorPlan plan)
+      : plan_(std::move(plan)), slide_counts_(plan_.stations.size()), off_field_(plan_.robots.size()) {}
 
   Piece& piece(PieceId id);  ///< which is in play
   /// A new piece that comes out of the station's dispenser to a holder. The reference holds until the next `add_piece`
@@ -162,6 +165,7 @@ class WorldView {
   SimTime now_{};
   std::vector<Piece> pieces_;
   std::vector<int> slide_counts_;  ///< by station
+  std::vector<bool> off_field_;    ///< by robot
 
  private:
   std::int32_t last_id_ = 0;
@@ -169,7 +173,8 @@ class WorldView {
   std::size_t visible_changes_ = 0;
 };
 
-/// The verbs of machines: what the factory's own hardware does to matter. Called in the act phase of a tick.
+/// The verbs of machines and of people: what the factory's own hardware does to matter, and where people carry robots.
+/// Called in the act phase of a tick.
 class World : public WorldView, public Simulation {
  public:
   using WorldView::WorldView;
@@ -189,6 +194,15 @@ class World : public WorldView, public Simulation {
   virtual void retire(PieceId piece, Holder to) = 0;
   virtual void set_lights(StationId station, const Lights& lights) = 0;
   virtual Lights lights(StationId station) const = 0;
+
+  /// People take what the robot holds out of play, the robot off the field, and set it down there.
+  void take_off_field(RobotId robot, const Pose2& to);
+  /// People set the robot down on a free place of the field.
+  void bring_back(RobotId robot, const Pose2& to);
+
+ protected:
+  /// The robot stands there; it holds nothing.
+  virtual void set_down(RobotId robot, const Pose2& to) = 0;
 };
 
 /// The nearest axes of a gripper that its strokes allow.

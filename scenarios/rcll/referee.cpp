@@ -130,7 +130,8 @@ void GameReferee::put_holder(std::string_view key, sim::Holder holder, int index
     case sim::Holder::kStorage:
       if (index >= 0 && at < plan_.stations.size()) name = plan_.stations[at].name;
       break;
-    case sim::Holder::kFloor: break;
+    case sim::Holder::kFloor:
+    case sim::Holder::kCrew: break;
   }
   if (!name.empty()) data_.field(std::string(key) + "_name", name);
 }

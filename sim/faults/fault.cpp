@@ -7,7 +7,7 @@
 namespace cxlab::sim {
 namespace {
 
-constexpr std::array<FaultWord, 14> kWords{{
+constexpr std::array<FaultWord, 15> kWords{{
     {"skill_fails", FaultKind::kSkillFails, "robot, skill, error, after_s",
      "the skill is broken off after that time and ends with the error code; what was held is still held", true},
     {"skill_stalls", FaultKind::kSkillStalls, "seconds*, robot, skill",
@@ -36,6 +36,8 @@ constexpr std::array<FaultWord, 14> kWords{{
      "the machine never hears of an instruction, which is aborted with 2 after 10 s", true},
     {"instruction_late", FaultKind::kInstructionLate, "machine*, seconds*",
      "an instruction comes to the machine that much later", true},
+    {"robot_maintenance", FaultKind::kRobotMaintenance, "seconds*, robot",
+     "the robot must leave the field for maintenance, which takes people that long", false},
 }};
 
 }  // namespace

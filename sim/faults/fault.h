@@ -1,6 +1,6 @@
 #pragma once
 // Faults: what goes wrong whatever the rules do. A scenario lists them; each kind acts in the place that it is about
-// (skills: sim/skills/faulty_skills.h, machines: scenarios/rcll/factory.h) and is the same in both tiers.
+// (skills: sim/skills/faulty_skills.h; machines and maintenance: scenarios/rcll) and is the same in both tiers.
 
 #include <cstdint>
 #include <optional>
@@ -29,7 +29,8 @@ enum class FaultKind : std::uint8_t {
   kMachineDown,
   kPieceTaken,
   kInstructionLost,
-  kInstructionLate
+  kInstructionLate,
+  kRobotMaintenance
 };
 
 struct Fault {

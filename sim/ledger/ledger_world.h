@@ -37,6 +37,8 @@ class LedgerWorld final : public World, public RobotBook {
   void set_lights(StationId station, const Lights& lights) override { lights_[index_of(station)] = lights; }
   Lights lights(StationId station) const override { return lights_[index_of(station)]; }
 
+  void set_down(RobotId robot, const Pose2& to) override { motions_[index_of(robot)] = {{to}, {0}, now_, now_}; }
+
   // RobotBook
   void move_along(RobotId robot, std::span<const Pose2> path, SimTime departure, SimTime arrival) override;
   void stop(RobotId robot) override;

@@ -295,6 +295,11 @@ void MujocoWorld::take_out(PieceId id) {
   remove(id);
 }
 
+void MujocoWorld::set_down(RobotId robot, const Pose2& to) {
+  gate_.set_down(robot, to);
+  motors_.stand(robot);
+}
+
 void MujocoWorld::set_lights(StationId station, const Lights& lights) {
   if (gate_.lights(station) != lights) gate_.lights(station, lights);
 }

@@ -33,13 +33,7 @@ PhysicsGate::PhysicsGate(FactoryModel factory, const FloorPlan& plan, PhysicsLog
     parked = kParking + static_cast<double>(i) * kParkingPitch;
   }
   mj_resetData(m, data_.get());
-  for (std::size_t i = 0; i < factory_.robots.size(); ++i) {
-    const Pose2& pose = plan.robots[i].pose_in_world;
-    const auto& qpos = factory_.robots[i].qpos;
-    data_->qpos[qpos[kAxisX]] = pose.x;
-    data_->qpos[qpos[kAxisY]] = pose.y;
-    data_->qpos[qpos[kAxisYaw]] = pose.yaw;
-  }
+  for (std::size_t i = 0; i < factory_.robots.size(); ++i) move_base(factory_.robots[i], plan.robots[i].pose_in_world);
 }
 
 Status PhysicsGate::step() {
@@ -93,6 +87,7 @@ void PhysicsGate::write(const PhysicsWrite& write) {
     case WriteKind::kLights:
       lights_[index_of(write.index)] = {static_cast<Light>(v[0]), static_cast<Light>(v[1]), static_cast<Light>(v[2])};
       return;
+    case WriteKind::kSetDown: move_base(factory_.robots[index_of(write.index)], {v[0], v[1], v[2]}); return;
   }
 }
 
@@ -127,6 +122,18 @@ void PhysicsGate::lights(StationId station, const Lights& lights) {
          WriteKind::kLights,
          static_cast<int>(station),
          {static_cast<double>(lights.red), static_cast<double>(lights.yellow), static_cast<double>(lights.green)}});
+}
+
+void PhysicsGate::set_down(RobotId robot, const Pose2& to) {
+  write({steps_, WriteKind::kSetDown, static_cast<int>(robot), {to.x, to.y, to.yaw}});
+}
+
+void PhysicsGate::move_base(const RobotIds& robot, const Pose2& to) {
+  const double pose[] = {to.x, to.y, to.yaw};
+  for (const RobotAxis axis : {kAxisX, kAxisY, kAxisYaw}) {
+    data_->qpos[robot.qpos[axis]] = pose[axis];
+    data_->qvel[robot.dof[axis]] = data_->qacc_warmstart[robot.dof[axis]] = 0;
+  }
 }
 
 void PhysicsGate::apply_slot(int geom, const std::vector<int>& materials, int colour, int contype) {
@@ -197,6 +204,7 @@ Status PhysicsReplay::read_next() {
       case WriteKind::kControl: return index_of(factory.model->nu);
       case WriteKind::kBeltSpeed:
       case WriteKind::kLights: return factory.stations.size();
+      case WriteKind::kSetDown: return factory.robots.size();
       default: return factory.pieces.size();
     }
   }();

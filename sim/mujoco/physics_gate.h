@@ -40,6 +40,7 @@ class PhysicsGate {
   void park(std::size_t body);
   void wake(std::size_t body);
   void lights(StationId station, const Lights& lights);
+  void set_down(RobotId robot, const Pose2& to);
 
   const FactoryModel& factory() const { return factory_; }
   const mjModel& model() const { return *factory_.model; }
@@ -52,6 +53,7 @@ class PhysicsGate {
   };
   void apply_shape(const PieceIds& piece, const PhysicsWrite& write);
   void apply_slot(int geom, const std::vector<int>& materials, int colour, int contype);
+  void move_base(const RobotIds& robot, const Pose2& to);
   void move_piece(const PieceIds& piece, const Vec3& origin, double gravity_compensation);
 
   FactoryModel factory_;

@@ -19,10 +19,11 @@ constexpr Layout layout_of(WriteKind kind) {
     case WriteKind::kPark: return {0, true};
     case WriteKind::kWake: return {0, true};
     case WriteKind::kLights: return {3, true};
+    case WriteKind::kSetDown: return {3, false};
   }
   return {0, true};
 }
-constexpr WriteKind kLastKind = WriteKind::kLights;
+constexpr WriteKind kLastKind = WriteKind::kSetDown;
 
 }  // namespace
 

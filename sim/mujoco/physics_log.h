@@ -21,6 +21,7 @@ enum class WriteKind : std::uint8_t {
   kPark,       ///< body of the pool: out of play
   kWake,       ///< body of the pool: its surroundings changed while it slept
   kLights,     ///< station: red, yellow, green; only pictures show it
+  kSetDown,    ///< robot: x, y, yaw of its base, which stands there
 };
 
 /// Controls are whole multiples of this (m/s, rad/s, m): a motor's command has a resolution, and the log stays small.

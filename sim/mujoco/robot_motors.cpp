@@ -29,6 +29,12 @@ void RobotMotors::command_fingers(RobotId robot, double opening) {
   motors_[index_of(robot)].want_opening = std::clamp(opening, kRobot.fingers_squeeze, kRobot.fingers_widest);
 }
 
+void RobotMotors::stand(RobotId robot) {
+  Motors& m = motors_[index_of(robot)];
+  m.want_velocity = m.velocity = Vec2::Zero();
+  m.want_omega = m.omega = 0;
+}
+
 void RobotMotors::ramp(Motors& m, double dt) {
   const double fastest = std::min(kMaxSpeed, m.velocity.norm() + kMaxAcceleration * dt);
   Vec2 change = m.want_velocity - m.velocity;

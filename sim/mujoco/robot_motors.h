@@ -16,6 +16,8 @@ class RobotMotors {
   void command_base(RobotId robot, const Vec2& velocity, double omega);
   void command_gripper(RobotId robot, const Vec3& axes) { motors_[index_of(robot)].want_axes = within_strokes(axes); }
   void command_fingers(RobotId robot, double opening);
+  /// The base stands at once.
+  void stand(RobotId robot);
 
   /// Writes the targets that all motors have for the next `dt` seconds.
   void drive(PhysicsGate& gate, double dt);

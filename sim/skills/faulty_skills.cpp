@@ -55,14 +55,23 @@ const Fault* FaultySkills::striking(FaultKind kind, const SkillGoal& goal, SimTi
   return nullptr;
 }
 
+/// All that was to happen to the last skill.
+void FaultySkills::forget() {
+  begins_at_ = fails_at_ = late_until_ = kNever;
+  broken_off_ = cancelled_ = misplaced_ = false;
+  misplacing_ = nullptr;
+  late_.reset();
+}
+
+void FaultySkills::abandon(SimTime now) {
+  forget();
+  skills_->abandon(now);
+}
+
 void FaultySkills::start(const SkillGoal& goal, SimTime now) {
   goal_ = goal;
-  begins_at_ = fails_at_ = kNever;
-  broken_off_ = cancelled_ = false;
-  misplacing_ = goal.kind == SkillKind::kPlace ? striking(FaultKind::kPieceMisplaced, goal, now) : nullptr;
-  misplaced_ = false;
-  late_.reset();
-  late_until_ = kNever;
+  forget();
+  if (goal.kind == SkillKind::kPlace) misplacing_ = striking(FaultKind::kPieceMisplaced, goal, now);
   failing_ = striking(FaultKind::kSkillFails, goal, now);
   if (failing_) fails_at_ = now + failing_->after;
   if (const Fault* lost = striking(FaultKind::kGoalLost, goal, now)) {
@@ -86,7 +95,10 @@ SkillResult FaultySkills::failure() const {
 
 void FaultySkills::cancel(SimTime now) {
   cancelled_ = true;
-  if (!stalled() && !broken_off_ && !late_) skills_->cancel(now);
+  if (stalled())
+    begins_at_ = now;
+  else if (!broken_off_ && !late_)
+    skills_->cancel(now);
 }
 
 std::optional<SkillResult> FaultySkills::sense(SimTime now) {

@@ -23,6 +23,7 @@ class FaultySkills final : public RobotSkills {
 
   void start(const SkillGoal& goal, SimTime now) override;
   void cancel(SimTime now) override;
+  void abandon(SimTime now) override;
   std::optional<SkillResult> sense(SimTime now) override;
   void act(SimTime now) override { skills_->act(now); }
   void drop(SimTime now) override { skills_->drop(now); }
@@ -33,6 +34,7 @@ class FaultySkills final : public RobotSkills {
 
  private:
   bool stalled() const { return begins_at_ != kNever; }
+  void forget();
   /// The fault of that kind that strikes the skill now, if any.
   const Fault* striking(FaultKind kind, const SkillGoal& goal, SimTime now);
   SkillResult failure() const;

@@ -70,6 +70,11 @@ Status Fleet::watch(bus::Bus& bus, SimTime until) {
 
 Status Fleet::sense(SimTime now) {
   traffic_.settle(now);
+  for (std::size_t i = 0; i < servers_.size(); ++i)
+    if (const auto robot = static_cast<RobotId>(i); servers_[i]->off_field() != world_.is_off_field(robot)) {
+      traffic_.set_down(robot, world_.robot(robot).pose_in_world, now);
+      servers_[i]->set_off_field(world_.is_off_field(robot), now);
+    }
   if (sightings_) sightings_->look(now);
   for (auto& server : servers_) server->sense(now);
   return {};
@@ -86,6 +91,8 @@ Status Fleet::act(SimTime now) {
 SimTime Fleet::next_due() const {
   SimTime next = std::min(traffic_.next_due(), sightings_ ? sightings_->next_due() : kNever);
   for (const auto& skills : skills_) next = std::min(next, skills->next_due());
+  for (std::size_t i = 0; i < servers_.size(); ++i)
+    if (servers_[i]->off_field() != world_.is_off_field(static_cast<RobotId>(i))) return world_.now();
   return next;
 }
 

@@ -93,6 +93,11 @@ void PhysicsSkills::cancel(SimTime now) {
   enter(SkillPhase::kStop, now);
 }
 
+void PhysicsSkills::abandon(SimTime now) {
+  active_ = false;
+  drop(now);
+}
+
 SkillResult PhysicsSkills::end(SkillCode code, SimTime now) {
   active_ = false;
   traffic_.withdraw(robot_, now);

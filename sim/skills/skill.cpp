@@ -25,6 +25,7 @@ std::string_view to_string(SkillCode code) {
     case SkillCode::kGripperFull: return "workpiece already in gripper";
     case SkillCode::kGripperEmpty: return "no workpiece in gripper";
     case SkillCode::kOccupied: return "machine point occupied";
+    case SkillCode::kOffField: return "taken off the field";
     case SkillCode::kInternal: return "internal error";
     case SkillCode::kNoPath: return "no path";
   }

@@ -32,6 +32,7 @@ enum class SkillCode : std::uint16_t {
   kGripperFull = 207,
   kGripperEmpty = 208,
   kOccupied = 209,
+  kOffField = 210,  ///< of cxlab
   kInternal = 220,
   kNoPath = 300,
 };
@@ -94,6 +95,8 @@ class RobotSkills {
   virtual void start(const SkillGoal& goal, SimTime now) = 0;
   /// The skill ends soon, with the robot standing, its gripper home, and what it held still held.
   virtual void cancel(SimTime now) = 0;
+  /// The robot was carried away: the skill is over at once, without a result, and the gripper opens.
+  virtual void abandon(SimTime now) = 0;
   /// Looks at the world and moves on. The result, once, when the skill has ended.
   virtual std::optional<SkillResult> sense(SimTime now) = 0;
   /// Commands motors, or writes the book; also between skills, when the robot makes room for others.

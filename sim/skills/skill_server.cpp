@@ -127,11 +127,9 @@ void SkillServer::take_goal(const Action& action, const bus::Delivery& delivery)
   active_->action = &action;
   active_->goal = delivery.goal;
   active_->since = active_->phase_since = now_;
-  if (!goal) {
-    active_->skill.target = target_of(action, message);
-    finish({SkillCode::kInvalidTarget, false, goal.error().message, {}});
-    return;
-  }
+  active_->skill.target = target_of(action, message);
+  if (off_field_) return finish(SkillResult::of(SkillCode::kOffField));
+  if (!goal) return finish({SkillCode::kInvalidTarget, false, goal.error().message, {}});
   active_->skill = *goal;
   skills_.start(*goal, now_);
 }
@@ -142,6 +140,13 @@ void SkillServer::take_cancel(const Action& action, const bus::Delivery& deliver
   if (!ours || active_->cancelling) return;
   active_->cancelling = true;
   skills_.cancel(now_);
+}
+
+void SkillServer::set_off_field(bool off, SimTime now) {
+  now_ = now;
+  off_field_ = off;
+  skills_.abandon(now);
+  if (active_) finish(SkillResult::of(SkillCode::kOffField));
 }
 
 void SkillServer::take(SimTime now) {

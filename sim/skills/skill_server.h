@@ -2,7 +2,8 @@
 // The skills of one robot on the bus: node "robot1" with an action for each skill: /robot1/drive_to, /robot1/pick ...
 //
 // One skill at a time: a goal is rejected while another one is active or still ends after a cancel. A goal with an
-// unknown target is accepted and aborted at once, so that its result can report why.
+// unknown target, or for a robot that is off the field, is accepted and aborted at once, so that its result can report
+// why.
 
 #include <deque>
 #include <map>
@@ -46,10 +47,13 @@ class SkillServer {
   void sense(SimTime now);
   /// Takes goals and cancels.
   void take(SimTime now);
+  /// The robot is off the field, from now on or no more: what it does is aborted, and every goal until it is back.
+  void set_off_field(bool off, SimTime now);
   /// Posts the phase if it has changed.
   void report_phase(SimTime now);
 
   bus::ParticipantId node() const { return node_; }
+  bool off_field() const { return off_field_; }
   bool active() const { return active_.has_value(); }
   RobotStats stats(SimTime now) const;
 
@@ -93,6 +97,7 @@ class SkillServer {
   StreamId stream_{};
   std::deque<Action> actions_;
   std::optional<Active> active_;
+  bool off_field_ = false;
   RobotStats stats_;
   RecordData data_;
   SimTime now_{};

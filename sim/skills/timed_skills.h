@@ -20,6 +20,7 @@ class TimedSkills final : public RobotSkills {
 
   void start(const SkillGoal& goal, SimTime now) override;
   void cancel(SimTime now) override;
+  void abandon(SimTime) override { active_ = false; }
   std::optional<SkillResult> sense(SimTime now) override;
   void act(SimTime now) override;
   void drop(SimTime) override { book_.drop(robot_); }

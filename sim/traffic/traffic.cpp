@@ -78,10 +78,21 @@ void Traffic::observe(RobotId id, const Pose2& pose, SimTime now) {
 
 void Traffic::set_speed(RobotId id, double share, SimTime now) {
   Robot& robot = at(id);
-  const bool slower = share < robot.speed;
+  const bool other = share != robot.speed;
   robot.speed = share;
-  if (slower && robot.moving && robot.purpose != Purpose::kBrake) brake(index_of(id), now);
+  if (other && robot.moving && robot.purpose != Purpose::kBrake) brake(index_of(id), now);
   changed_ = true;
+}
+
+void Traffic::set_down(RobotId id, const Pose2& pose, SimTime now) {
+  Robot& robot = at(id);
+  robot.pose = pose;
+  robot.rest = footprint_at(pose);
+  robot.wants = robot.working = robot.moving = robot.arrived = robot.unreachable = false;
+  robot.idle_since = now;
+  robot.yields_to.reset();
+  changed_ = true;
+  brake_others(index_of(id), now);
 }
 
 double Traffic::remaining(RobotId id, SimTime now) const {
@@ -400,12 +411,19 @@ void Traffic::brake(std::size_t index, SimTime now) {
   robot.purpose = Purpose::kBrake;
   robot.rest = footprint_at(robot.motion.last());
   changed_ = true;
+  brake_others(index, now);
+}
+
+void Traffic::brake_others(std::size_t index, SimTime now) {
+  const Robot& robot = robots_[index];
+  const auto point_at = [&](SimTime t) -> Vec2 {
+    return robot.moving ? robot.motion.point_at(t) : robot.pose.position();
+  };
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& other = robots_[i];
     if (i == index || !other.moving || other.purpose == Purpose::kBrake) continue;
     for (SimTime t = now; t <= other.motion.end(); t += kSample)
-      if (distance(other.motion.point_at(t), robot.motion.point_at(t)) < kStopGap ||
-          distance(other.rest, robot.rest) < kStopGap) {
+      if (distance(other.motion.point_at(t), point_at(t)) < kStopGap || distance(other.rest, robot.rest) < kStopGap) {
         brake(i, now);
         break;
       }

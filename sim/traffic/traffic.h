@@ -31,6 +31,8 @@ class Traffic {
   void observe(RobotId robot, const Pose2& pose, SimTime now);
   /// The robot drives at that share of its speed from now on; at 0 it stands where it is, and others drive around it.
   void set_speed(RobotId robot, double share, SimTime now);
+  /// People have put the robot there: it stands, without a request, and others brake that would meet it.
+  void set_down(RobotId robot, const Pose2& pose, SimTime now);
 
   /// Once a tick, before anybody asks: ends the motions that are over.
   void settle(SimTime now);
@@ -113,6 +115,8 @@ class Traffic {
   std::optional<std::vector<Vec2>> way_aside(std::size_t robot, std::span<const Keepout> keepouts,
                                              std::span<const Vec2> way, const Segment& end);
   void brake(std::size_t robot, SimTime now);
+  /// Robots that would meet this one, as it moves or stands now.
+  void brake_others(std::size_t robot, SimTime now);
   void stand(std::size_t robot, SimTime now);
 
   FloorMap map_;

@@ -101,6 +101,7 @@ class Bumps final : public sim::World {
   void mount(sim::PieceId, sim::Part, std::uint8_t) override {}
   void unmount_cap(sim::PieceId) override {}
   void retire(sim::PieceId, sim::Holder) override {}
+  void set_down(sim::RobotId, const sim::Pose2&) override {}
   void set_lights(sim::StationId, const sim::Lights&) override {}
   sim::Lights lights(sim::StationId) const override { return {}; }
 };

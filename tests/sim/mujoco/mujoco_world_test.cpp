@@ -153,6 +153,23 @@ TEST(MujocoWorld, RobotsThatMeetAreCountedOnce) {
   EXPECT_EQ(world->robot(kR1).static_contacts, 0u);
 }
 
+TEST(MujocoWorld, ARobotThatPeopleCarryStandsWhereTheySetItDown) {
+  auto world = make_world();
+  world->command_base(kR1, 0.5, 0.2, 1);
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(world->advance(kTick).ok());
+  ASSERT_GT(world->robot(kR1).vx, 0.3);
+  world->take_off_field(kR1, {-5, -0.6, 1});
+  EXPECT_TRUE(world->is_off_field(kR1));
+  EXPECT_FALSE(world->is_off_field(kR2));
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(world->advance(kTick).ok());
+  EXPECT_NEAR(world->robot(kR1).pose_in_world.x, -5, 1e-4);
+  EXPECT_NEAR(world->robot(kR1).pose_in_world.y, -0.6, 1e-4);
+  EXPECT_NEAR(world->robot(kR1).pose_in_world.yaw, 1, 1e-4);
+  world->bring_back(kR1, {-3, 4, -2});
+  EXPECT_FALSE(world->is_off_field(kR1));
+  EXPECT_NEAR(world->robot(kR1).pose_in_world.yaw, -2, 1e-9);
+}
+
 TEST(MujocoWorld, RobotThatDrivesIntoAMachineIsCounted) {
   FloorPlan plan = small_floor();
   plan.robots[0].pose_in_world = {1.5, 4.8, 0};
@@ -278,6 +295,7 @@ TEST(MujocoPhysics, LogReplaysToTheSameHash) {
   auto world = make_world(&log);
   bustle(*world, 0, 60);
   std::string bytes = log.take();  // written out on the way
+  world->take_off_field(kR2, {3, -0.6, 1});
   bustle(*world, 60, 150);
   bytes += log.bytes();
 
@@ -303,10 +321,13 @@ TEST(MujocoPhysics, DamagedLogIsAnError) {
 
 TEST(MujocoPhysics, LogOfAnotherModelIsAnError) {
   PhysicsLog log;
-  log.record({0, WriteKind::kPark, 999, {}});
-  auto replay = PhysicsReplay::load(small_floor(), test_options(), log.bytes());
-  ASSERT_FALSE(replay.ok());
-  EXPECT_THAT(replay.error().message, HasSubstr("does not belong to this model"));
+  for (const PhysicsWrite& write : {PhysicsWrite{0, WriteKind::kPark, 999, {}}, {0, WriteKind::kSetDown, 2, {}}}) {
+    log.take();
+    log.record(write);
+    auto replay = PhysicsReplay::load(small_floor(), test_options(), log.bytes());
+    ASSERT_FALSE(replay.ok());
+    EXPECT_THAT(replay.error().message, HasSubstr("does not belong to this model"));
+  }
 }
 
 class BrokenModels : public testing::Test {

@@ -61,6 +61,10 @@ class Plain final : public RobotSkills {
       cancelled_ = true;
     }
   }
+  void abandon(SimTime) override {
+    log_.push_back("abandon");
+    ends_at_ = kNever;
+  }
   std::optional<SkillResult> sense(SimTime now) override {
     if (ends_at_ == kNever) log_.push_back("idle");
     if (now < ends_at_) return std::nullopt;
@@ -115,6 +119,37 @@ class FaultLog final : public RecordSink {
   Log& log_;
   const std::vector<Fault>& faults_;
 };
+
+TEST(FaultySkills, AreForgottenWhenTheRobotIsCarriedAway) {
+  Log calls;
+  Hand hand;
+  std::vector<Fault> faults;
+  for (const FaultKind kind :
+       {FaultKind::kSkillFails, FaultKind::kSkillStalls, FaultKind::kGoalLost, FaultKind::kResultLate}) {
+    faults.assign(1, {});
+    faults[0].kind = kind;
+    faults[0].at = SimTime{};
+    faults[0].after = faults[0].duration = from_seconds(3);
+    FaultLog sink(calls, faults);
+    Traffic traffic(hand.plan());
+    FaultySkills skills(std::make_unique<Plain>(calls, hand, from_seconds(1)), RobotId{0}, hand, traffic, faults, 1,
+                        sink);
+    const SkillGoal drive{SkillKind::kDriveTo, "A", std::nullopt, {}};
+    skills.start(drive, {});
+    if (kind == FaultKind::kResultLate) {
+      EXPECT_FALSE(skills.sense(from_seconds(1)));
+    }
+    skills.abandon(from_seconds(1.5));
+    EXPECT_EQ(skills.next_due(), kNever);
+    EXPECT_EQ(calls.back(), "abandon");
+    skills.start(drive, from_seconds(2));
+    EXPECT_EQ(skills.next_due(), from_seconds(3));
+    EXPECT_FALSE(skills.sense(from_seconds(2.5)));
+    const auto result = skills.sense(from_seconds(3));
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->code, SkillCode::kNone);
+  }
+}
 
 struct Case {
   const char* name;
@@ -343,9 +378,9 @@ const std::vector<Case>& cases() {
        {1},
        2,
        6,
-       {"0 fault 4", "0 wait 0 m, due 3", "0.5 idle", "1 idle", "1.5 idle", "1.5 end 0 cancelled 'cancelled'",
-        "1.5 handle 3 m, due never", "3 start A", "3 handle 3 m, due 5", "5 over", "5 end 0 ''",
-        "5 handle 3 m, due never"}},
+       {"0 fault 4", "0 wait 0 m, due 3", "0.5 idle", "1 idle", "1 wait 0 m, due 1", "1.5 idle",
+        "1.5 end 0 cancelled 'cancelled'", "1.5 handle 3 m, due never", "3 start A", "3 handle 3 m, due 5", "5 over",
+        "5 end 0 ''", "5 handle 3 m, due never"}},
       {"CancelledAfterItStalled",
        {stalls(0, 1)},
        {{0, kDrive}},
@@ -377,7 +412,7 @@ const std::vector<Case>& cases() {
        {1},
        2,
        8,
-       {"0 fault 4", "0 wait 0 m, due 2", "0.5 idle", "1 idle", "1 wait 0 m, due 3", "1.5 idle",
+       {"0 fault 4", "0 wait 0 m, due 2", "0.5 idle", "1 idle", "1 wait 0 m, due 1", "1.5 idle",
         "1.5 end 0 cancelled 'cancelled'", "1.5 handle 3 m, due never", "4 start B", "4 handle 3 m, due 6", "6 over",
         "6 end 0 ''", "6 handle 3 m, due never"}},
       {"DropsWhatIsHeld",
@@ -463,9 +498,9 @@ const std::vector<Case>& cases() {
        {1},
        1,
        5,
-       {"0 fault 6", "0 wait 0 m, due 10", "0.5 idle", "1 idle", "1.5 idle", "1.5 end 0 cancelled 'cancelled'",
-        "1.5 handle 3 m, due never", "3 start B", "3 handle 3 m, due 4", "4 over", "4 end 0 ''",
-        "4 handle 3 m, due never"}},
+       {"0 fault 6", "0 wait 0 m, due 10", "0.5 idle", "1 idle", "1 wait 0 m, due 1", "1.5 idle",
+        "1.5 end 0 cancelled 'cancelled'", "1.5 handle 3 m, due never", "3 start B", "3 handle 3 m, due 4", "4 over",
+        "4 end 0 ''", "4 handle 3 m, due never"}},
       {"ReportsLate",
        {at(FaultKind::kResultLate, 0, 3)},
        {{0, kPick}, {6, kDrive}},

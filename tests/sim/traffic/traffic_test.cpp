@@ -118,6 +118,29 @@ TEST(Traffic, NobodySendsAHaltedRobotAway) {
   EXPECT_GE(floor.least_distance, 0.47);
 }
 
+TEST(Traffic, OneThatPeopleSetDownStandsThereAndOthersKeepTheirDistance) {
+  Drivers floor(open_floor({{-6, 4, 0}, {0, 7, 0}}));
+  floor.traffic.request(kRobot1, {6, 4, 0}, {}, floor.now);
+  floor.traffic.request(kRobot2, {6, 7, 0}, {}, floor.now);
+  floor.until([&] { return floor.pose(kRobot1).x > -0.8; });
+  floor.traffic.set_down(kRobot2, {0, 4.1, 0}, floor.now);  // in the way of the other
+  floor.push(kRobot2, {0, 4.1, 0});
+  EXPECT_FALSE(floor.traffic.moving(kRobot2));
+  EXPECT_FALSE(floor.traffic.waiting(kRobot2, floor.now));
+  floor.least_distance = 100;
+  EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1); }), 30);
+  EXPECT_GT(floor.least_distance, 0.46);
+}
+
+TEST(Traffic, ASlowRobotThatIsFastAgainDrivesFastAtOnce) {
+  Drivers floor(open_floor({{-6, 4, 0}}));
+  floor.traffic.set_speed(kRobot1, 0.2, floor.now);
+  floor.traffic.request(kRobot1, {6, 4, 0}, {}, floor.now);
+  EXPECT_GT(floor.until([&] { return floor.pose(kRobot1).x > -5; }), 1 / (0.2 * DriveLimits{}.speed));
+  floor.traffic.set_speed(kRobot1, 1, floor.now);
+  EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1); }), 11 / DriveLimits{}.speed + 3);
+}
+
 TEST(Traffic, MotionsStayWithinTheLimitsOfTheBase) {
   FloorPlan plan = open_floor({{-6, 1, 0}});
   plan.stations = {
