@@ -148,6 +148,7 @@ struct WorldConfig {
   bool down = true;                       ///< machines are out of order: as drawn or as the file of the game says
   bool transforms = false;                ///< /tf has where robots are in "map", /tf_static where machines are
   double shelf_refill_s = 20;             ///< s after which a completely empty shelf is filled again
+  double repair_s = 30;                   ///< s that people need at least for a robot in maintenance
 
   template <class Keys>
   void fields(Keys& keys) {
@@ -166,6 +167,7 @@ struct WorldConfig {
     keys("down", down);
     keys("transforms", transforms);
     keys("shelf_refill_s", shelf_refill_s);
+    keys("repair_s", repair_s);
   }
 };
 

@@ -27,6 +27,7 @@ Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, cons
                                                  std::span<const sim::Fault> faults) {
   std::unique_ptr<Factory> factory(new Factory(config, game, seed, world, bus, sink));
   if (Status s = factory->faults_.take(faults, seed, factory->machines_); !s) return s.error();
+  factory->maintenance_.take(faults, seed);
   if (Status s = factory->join(); !s) return s.error();
   if (config.transforms)
     if (Status s = factory->broadcast_transforms(); !s) return s.error();
@@ -47,7 +48,8 @@ Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed
                seed,
                {}},
       faults_(world, sink),
-      referee_(context_.clock, context_.rules, all_orders(game), world.plan(), sink, config.exploration) {
+      referee_(context_.clock, context_.rules, all_orders(game), world.plan(), sink, config.exploration),
+      maintenance_(world, referee_, from_seconds(config.repair_s), sink) {
   context_.schedule = &referee_.schedule();
   context_.exploration = &referee_.exploration();
   machines_ = make_machines(world.plan(), context_);
@@ -56,8 +58,8 @@ Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed
       if (machine->name().substr(2) == period.machine)
         machine->add_down({context_.clock.at(period.begin_s), context_.clock.at(period.end_s)});
   for (const Team team : teams_of(config))
-    channels_.push_back(
-        std::make_unique<TeamChannel>(team, information_, world, machines_, context_, referee_, faults_, bus));
+    channels_.push_back(std::make_unique<TeamChannel>(team, information_, world, machines_, context_, referee_,
+                                                      maintenance_, faults_, bus));
 }
 
 Status Factory::join() {
@@ -97,7 +99,6 @@ Status Factory::sense(SimTime now) {
   const bool explored = std::exchange(published_explored_, referee_.exploration().changes()) != published_explored_;
   for (auto& channel : channels_) channel->sense(now, explored || !context_.events.empty());
   if (ring_info_.due(now, false)) publish_rings();
-  if (robot_info_.due(now, false)) publish_robots();
   if (transforms_) {
     for (std::size_t i = 0; i < world_.plan().robots.size(); ++i) {
       const sim::Pose2 at = world_.robot(static_cast<sim::RobotId>(i)).pose_in_world;
@@ -109,6 +110,9 @@ Status Factory::sense(SimTime now) {
 }
 
 Status Factory::judge(SimTime now) {
+  maintenance_.judge(now);
+  if (robot_info_.due(now, std::exchange(published_duties_, maintenance_.changes()) != published_duties_))
+    publish_robots(now);
   referee_.judge(now, world_.changes(), context_.events);
   context_.clock = referee_.clock();
   context_.events.clear();
@@ -130,17 +134,19 @@ Status Factory::act(SimTime now) {
   bus_.deliver(node_);
   for (auto& channel : channels_) channel->act(now);
   for (auto& machine : machines_) machine->step(now, world_);
+  maintenance_.act(now);
   return {};
 }
 
 SimTime Factory::next_due() const {
   if (!context_.events.empty()) return context_.events.back().at;
+  if (maintenance_.changes() != published_duties_) return world_.now();
   SimTime due = referee_.next_due();
   for (const PeriodicTopic* topic : {&game_state_, &order_info_, &ring_info_, &robot_info_})
     due = std::min(due, topic->next());
   for (const auto& channel : channels_) due = std::min(due, channel->next_due());
   for (const auto& machine : machines_) due = std::min(due, machine->next_due());
-  return std::min(due, faults_.next_due());
+  return std::min({due, faults_.next_due(), maintenance_.next_due()});
 }
 
 // --- Topics
@@ -184,16 +190,15 @@ void Factory::publish_rings() {
   ring_info_.publish(bus_, std::move(message));
 }
 
-void Factory::publish_robots() {
+void Factory::publish_robots(SimTime now) {
   bus::Message message = robot_info_.message();
-  std::array<int, 2> numbers{};
-  for (std::size_t i = 0; i < world_.plan().robots.size(); ++i) {
-    const sim::RobotStart& robot = world_.plan().robots[i];
-    const Team team = team_of(robot);
+  for (const Maintenance::Robot& robot : maintenance_.robots()) {
     const bus::MessageView entry = message->append("robots");
-    entry.set("name", robot.name).set("team_color", to_string(team));
-    entry.set("number", ++numbers[static_cast<std::size_t>(team)]).set("state", "ACTIVE");
-    if (information_ == Information::kAll) put_pose(entry, world_.robot(static_cast<sim::RobotId>(i)).pose_in_world);
+    entry.set("name", world_.plan().robot(robot.id).name).set("team_color", to_string(robot.team));
+    entry.set("number", robot.number).set("state", to_string(robot.duty));
+    entry.set("maintenance_time_remaining", to_seconds(maintenance_.remaining(robot, now)));
+    entry.set("maintenance_cycles", robot.cycles);
+    if (information_ == Information::kAll) put_pose(entry, world_.robot(robot.id).pose_in_world);
   }
   robot_info_.publish(bus_, std::move(message));
 }

@@ -4,8 +4,8 @@
 // (team_channel.h).
 //
 // In a tick: `sense` reports what the machines did, `judge` gives points and releases orders, `act` strikes faults,
-// takes goals and lets the machines work. It acts after the skills of the robots, so that it sees what they did in that
-// tick.
+// takes goals, lets the machines work and has robots carried off the field or back. It acts after the skills of the
+// robots, so that it sees what they did in that tick.
 
 #include <array>
 #include <memory>
@@ -23,6 +23,7 @@
 #include "scenarios/rcll/game.h"
 #include "scenarios/rcll/machine_faults.h"
 #include "scenarios/rcll/machines.h"
+#include "scenarios/rcll/maintenance.h"
 #include "scenarios/rcll/referee.h"
 #include "scenarios/rcll/team_channel.h"
 #include "scenarios/rcll/topic.h"
@@ -33,7 +34,7 @@ namespace cxlab::rcll {
 
 class Factory final : public Server, public Referee {
  public:
-  /// World, bus and sink outlive it; `seed` is that of the faults. Takes those of `faults` that are about machines;
+  /// World, bus and sink outlive it; `seed` is that of the faults. Takes those of `faults` that are not about skills;
   /// strikes are written to the stream "faults". Fails on a bad configuration, a fault of an unknown machine, or when
   /// the interface package is missing.
   static Expected<std::unique_ptr<Factory>> make(const WorldConfig& config, const Game& game, std::uint64_t seed,
@@ -46,6 +47,7 @@ class Factory final : public Server, public Referee {
   SimTime next_due() const override;
 
   const GameReferee& referee() const { return referee_; }
+  const Maintenance& maintenance() const { return maintenance_; }
   const std::vector<std::unique_ptr<Machine>>& machines() const { return machines_; }
   const GameClock& clock() const { return context_.clock; }
   std::vector<Team> teams() const;  ///< that play
@@ -60,7 +62,7 @@ class Factory final : public Server, public Referee {
   void publish_game_state(SimTime now);
   void publish_orders();
   void publish_rings();
-  void publish_robots();
+  void publish_robots(SimTime now);
 
   Information information_;
   sim::World& world_;
@@ -69,13 +71,14 @@ class Factory final : public Server, public Referee {
   MachineContext context_;
   MachineFaults faults_;
   GameReferee referee_;
+  Maintenance maintenance_;
   std::vector<std::unique_ptr<Machine>> machines_;
 
   bus::ParticipantId node_{};
   std::vector<std::unique_ptr<TeamChannel>> channels_;  ///< of the teams that play
   PeriodicTopic game_state_, order_info_, ring_info_, robot_info_;
   std::optional<bus::TransformBroadcaster> transforms_;  ///< where they are wanted
-  std::uint64_t published_order_changes_ = 0, published_explored_ = 0;
+  std::uint64_t published_order_changes_ = 0, published_explored_ = 0, published_duties_ = 0;
   std::array<std::int64_t, 2> published_points_{-1, -1};
   Phase published_phase_ = Phase::kSetup;
 };

@@ -79,6 +79,8 @@ class GameReferee {
   void judge(SimTime now, std::span<const sim::HolderChange> changes, std::span<const MachineEvent> events);
   /// Judges one entry of a team's report of where its machines stand.
   void take_report(Team team, const MachineReport& entry, SimTime now);
+  /// Takes points off (they are negative) as a penalty.
+  void fine(Team team, std::int64_t points, SimTime now) { give(team, PointKind::kPenalty, points, now); }
   const Exploration& exploration() const { return exploration_; }
   /// Pieces that the referee has taken off the machines of the other team, since the last call; who carries them away
   /// takes them out of play.

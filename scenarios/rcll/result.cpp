@@ -33,9 +33,16 @@ Json delivery_json(const Delivery& d) {
           {"correct", d.correct}, {"late_s", d.late_s},        {"points", d.points}};
 }
 
-Json robot_json(const sim::RobotStats& s, int contacts) {
-  return {{"name", s.name},     {"busy_s", s.busy_s},     {"drive_s", s.drive_s}, {"wait_s", s.wait_s},
-          {"skills", s.skills}, {"failures", s.failures}, {"contacts", contacts}};
+Json robot_json(const sim::RobotStats& s, const Maintenance::Robot& duty, int contacts) {
+  return {{"name", s.name},
+          {"busy_s", s.busy_s},
+          {"drive_s", s.drive_s},
+          {"wait_s", s.wait_s},
+          {"skills", s.skills},
+          {"failures", s.failures},
+          {"contacts", contacts},
+          {"state", to_string(duty.duty)},
+          {"maintenances", duty.cycles}};
 }
 
 template <class... Values>
@@ -82,16 +89,20 @@ void report_game(const Factory& factory, Result& result) {
   result.set("deliveries", deliveries.dump());
 }
 
-void report_robots(std::span<const sim::RobotStats> robots, const sim::World& floor, Result& result) {
+void report_robots(std::span<const sim::RobotStats> robots, std::span<const Maintenance::Robot> duties,
+                   const sim::World& floor, Result& result) {
   Json list = Json::array();
   const double end = std::max(1e-9, to_seconds(result.sim_time));
-  int index = 0;
-  for (const sim::RobotStats& s : robots) {
-    const int contacts = static_cast<int>(floor.robot(sim::RobotId{index++}).robot_contacts);
-    list.push_back(robot_json(s, contacts));
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const sim::RobotStats& s = robots[i];
+    const int contacts = static_cast<int>(floor.robot(static_cast<sim::RobotId>(i)).robot_contacts);
+    list.push_back(robot_json(s, duties[i], contacts));
     result.score_board +=
-        line("%-8s at work %3.0f %%, driving %3.0f %%, %d skills, %d failed, %d contacts\n", s.name.c_str(),
+        line("%-8s at work %3.0f %%, driving %3.0f %%, %d skills, %d failed, %d contacts", s.name.c_str(),
              100 * s.busy_s / end, 100 * s.drive_s / end, s.skills, s.failures, contacts);
+    if (duties[i].cycles > 0) result.score_board += line(", %d in maintenance", duties[i].cycles);
+    if (duties[i].duty == RobotDuty::kDisqualified) result.score_board += ", disqualified";
+    result.score_board += '\n';
   }
   result.set("robots", list.dump());
 }
@@ -102,7 +113,7 @@ void add_sample(Result& sample) {
   sample.set("teams", teams.dump());
   sample.set("orders", Json::array({order_json({}, {}, Team::kCyan)}).dump());
   sample.set("deliveries", Json::array({delivery_json({})}).dump());
-  sample.set("robots", Json::array({robot_json({}, 0)}).dump());
+  sample.set("robots", Json::array({robot_json({}, {}, 0)}).dump());
 }
 
 }  // namespace cxlab::rcll

@@ -14,7 +14,8 @@ namespace cxlab::rcll {
 /// Points, orders and deliveries.
 void report_game(const Factory& factory, Result& result);
 /// The robots, after the game's sections; contacts are counted by the floor.
-void report_robots(std::span<const sim::RobotStats> robots, const sim::World& floor, Result& result);
+void report_robots(std::span<const sim::RobotStats> robots, std::span<const Maintenance::Robot> duties,
+                   const sim::World& floor, Result& result);
 /// One of everything.
 void add_sample(Result& sample);
 

@@ -40,13 +40,15 @@ Tags tags_of(const Machine& machine) {
 }  // namespace
 
 TeamChannel::TeamChannel(Team team, Information information, sim::World& world, const Machines& machines,
-                         const MachineContext& context, GameReferee& referee, MachineFaults& faults, bus::Bus& bus)
+                         const MachineContext& context, GameReferee& referee, Maintenance& maintenance,
+                         MachineFaults& faults, bus::Bus& bus)
     : team_(team),
       information_(information),
       world_(world),
       machines_(machines),
       context_(context),
       referee_(referee),
+      maintenance_(maintenance),
       faults_(faults),
       bus_(bus) {}
 
@@ -60,11 +62,15 @@ Status TeamChannel::open(bus::ParticipantId node, const std::string& prefix) {
                         {[this](const bus::Delivery& d) { start(d); }, [this](const bus::Delivery& d) { cancel(d); }});
   if (!server) return server.error();
   server_ = *server;
-  auto reports = bus_.registry().message(package + "msg/MachineReport");
-  if (!reports) return reports.error();
-  auto heard =
-      bus_.subscribe(node, prefix + "/machine_report", **reports, [this](const bus::Delivery& d) { take_report(d); });
-  if (!heard) return heard.error();
+  const auto hear = [&](const char* topic, const char* type, auto take) -> Status {
+    auto known = bus_.registry().message(package + "msg/" + type);
+    if (!known) return known.error();
+    auto heard =
+        bus_.subscribe(node, prefix + topic, **known, [this, take](const bus::Delivery& d) { (this->*take)(d); });
+    return heard ? Status() : Status(heard.error());
+  };
+  if (Status s = hear("/machine_report", "MachineReport", &TeamChannel::take_report); !s) return s;
+  if (Status s = hear("/set_robot_maintenance", "SetRobotMaintenance", &TeamChannel::take_maintenance); !s) return s;
   if (Status s = machine_info_.open(bus_, node, prefix + "/machine_info", "MachineInfo", kInfoPeriod); !s) return s;
   return report_info_.open(bus_, node, prefix + "/machine_report_info", "MachineReportInfo", kReportPeriod);
 }
@@ -166,6 +172,12 @@ void TeamChannel::take_report(const bus::Delivery& delivery) {
                           rotation < 0 ? std::nullopt : std::optional(rotation)},
                          bus_.now());
   }
+}
+
+void TeamChannel::take_maintenance(const bus::Delivery& delivery) {
+  const bus::MessageView message = delivery.message->view();
+  maintenance_.request(team_, message.text("team_color"), static_cast<int>(message.integer("robot_number")),
+                       message.integer("maintenance") != 0, bus_.now());
 }
 
 void TeamChannel::publish_reports() {

@@ -1,7 +1,9 @@
 #pragma once
 // What one team is told and may ask for, as on its channel of the league: its machines on `/machine_info`, what came of
-// its reports on `/machine_report_info`; it sends reports to `/machine_report` and instructions to the action
-// `/factory/instruct_machine`. Where both teams play, the names begin with `/cyan` and `/magenta`.
+// its reports on `/machine_report_info`; it sends reports to `/machine_report`, requests for maintenance of its robots
+// to
+// `/set_robot_maintenance`, and instructions to the action `/factory/instruct_machine`. Where both teams play, the
+// names begin with `/cyan` and `/magenta`.
 
 #include <memory>
 #include <span>
@@ -11,6 +13,7 @@
 #include "cx/bus/bus.h"
 #include "scenarios/rcll/machine_faults.h"
 #include "scenarios/rcll/machines.h"
+#include "scenarios/rcll/maintenance.h"
 #include "scenarios/rcll/referee.h"
 #include "scenarios/rcll/topic.h"
 
@@ -20,7 +23,8 @@ class TeamChannel {
  public:
   /// All outlive it.
   TeamChannel(Team team, Information information, sim::World& world, const Machines& machines,
-              const MachineContext& context, GameReferee& referee, MachineFaults& faults, bus::Bus& bus);
+              const MachineContext& context, GameReferee& referee, Maintenance& maintenance, MachineFaults& faults,
+              bus::Bus& bus);
   /// Opens topics and action of the node; `prefix` before their names.
   Status open(bus::ParticipantId node, const std::string& prefix);
 
@@ -52,6 +56,7 @@ class TeamChannel {
   void report(Goal& goal);
   void finish(const bus::GoalId& goal, InstructError error, const std::string& text, const std::string& machine);
   void take_report(const bus::Delivery& delivery);
+  void take_maintenance(const bus::Delivery& delivery);
   void publish_machines(SimTime now);
   void put_machine(const bus::MessageView& entry, const Machine& machine, SimTime now) const;
   void publish_reports();
@@ -62,6 +67,7 @@ class TeamChannel {
   const Machines& machines_;
   const MachineContext& context_;
   GameReferee& referee_;
+  Maintenance& maintenance_;
   MachineFaults& faults_;
   bus::Bus& bus_;
   const bus::ActionType* action_ = nullptr;

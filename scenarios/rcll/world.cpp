@@ -173,7 +173,7 @@ Status GameStage::add_fleet(const StageSetup& setup, Expected<std::unique_ptr<si
 
 void GameStage::report(Result& result) const {
   report_game(*factory_, result);
-  report_robots(fleet_->stats(), *floor_, result);
+  report_robots(fleet_->stats(), factory_->maintenance().robots(), *floor_, result);
   if (physics_) {
     result.steps = physics_->gate().steps();
     result.physics_hash = hash_text(physics_->physics_hash());

@@ -60,7 +60,8 @@ class Game(Lab):
                 self.assertEqual(order["delivered_at"], delivery["time"])
         self.assertEqual([r["name"] for r in result["robots"]], ["robot1", "robot2", "robot3"])
         for robot in result["robots"]:
-            self.assertEqual(list(robot), ["name", "busy_s", "drive_s", "wait_s", "skills", "failures", "contacts"])
+            self.assertEqual(list(robot), ["name", "busy_s", "drive_s", "wait_s", "skills", "failures", "contacts",
+                                       "state", "maintenances"])
             self.assertLessEqual(robot["busy_s"], 1200.02)
             self.assertLessEqual(robot["drive_s"] + robot["wait_s"], robot["busy_s"])
 

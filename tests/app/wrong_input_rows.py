@@ -187,7 +187,7 @@ ROWS["scenarios"] = [
       (("seed", "sed"), ("trust_rules", "trust-rules"), ("max_firings_per_tick", "max_firings"), ("stimuli", "stimulus"), ("expect", "expects"), ("world", "wrld"), ("faults", "fault"), ("servers", "server"), ("planner", "planer"), ("epoch", "epoc"))],
     *[scenario(f"world {key}: {value}", f"schema: 1\ntier: timed\nworld: {{kind: rcll, {key}: {value}}}\n")
       for key, values in {"team": ("GREEN", "[]", "cyan"), "robots": ("4", "-1", "x", "1.5"), "rules": ("leage", "1"), "production_s": ("-1", "x", ".inf"), "setup_s": ("-1", "x"), "exploration": ("maybe",), "down": ("x",), "complexities": ("C9", "[C9]", "{}"),
-                          "shelf_refill_s": ("-1",), "transforms": ("x",), "layout": ("x", "[{machine: C-BS}]", "[{machine: C-BS, zone: C_Z99}]", "[{machine: X-BS, zone: C_Z23}]", "[{machine: C-BS, zone: C_Z23, rotation: 7}]"),
+                          "shelf_refill_s": ("-1",), "repair_s": ("-1",), "transforms": ("x",), "layout": ("x", "[{machine: C-BS}]", "[{machine: C-BS, zone: C_Z99}]", "[{machine: X-BS, zone: C_Z23}]", "[{machine: C-BS, zone: C_Z23, rotation: 7}]"),
                           "orders": ("x", "[{complexity: C5}]", "[{complexity: C0, base_color: BASE_PINK, cap_color: CAP_GREY}]", "[{complexity: C1, base_color: BASE_RED, ring_colors: [], cap_color: CAP_GREY}]"), "robotss": ("1",),
                           "game": ("gone.yaml", "garbage", "scenario.yaml", "rules", "[]", "/dev/zero")}.items() for value in values],
     *[wrong(f"game {text}", RUN, 3, files={"scenario.yaml": "schema: 1\ntier: timed\nworld: {kind: rcll, game: g.yaml}\n", "g.yaml": text})

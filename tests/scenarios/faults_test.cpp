@@ -236,6 +236,45 @@ TEST_P(Faults, AnInstructionIsLostAndOneComesLate) {
   EXPECT_EQ(results.front(), (std::pair<double, std::int64_t>{12, 2}));
 }
 
+TEST_P(Faults, ARobotInMaintenanceLosesItsPieceAndItsGoalAndComesBack) {
+  const std::string goals =
+      goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(85, "robot1", "drive_to", "C-BS-INPUT") +
+      goal(90, "robot1", "drive_to", "C-BS-INPUT") + goal(130, "robot1", "drive_to", "C-BS-INPUT");
+  auto episode =
+      load(floor("off", goals, "  - {kind: robot_maintenance, at: 88, robot: robot1, seconds: 40}\n", GetParam()), {},
+           "run");
+  begin(*episode);
+  const auto& floor = dynamic_cast<const sim::World&>(*episode->stage().worlds.front());
+  const auto y = [&] { return floor.robot(sim::RobotId{0}).pose_in_world.y; };
+  play(*episode, 87.5);
+  EXPECT_TRUE(floor.robot(sim::RobotId{0}).held);
+  EXPECT_GT(y(), 1);
+  play(*episode, 127);
+  EXPECT_FALSE(floor.robot(sim::RobotId{0}).held);
+  EXPECT_NEAR(y(), -0.6, 0.001);
+  EXPECT_EQ(std::ranges::count(floor.pieces(), sim::Holder::kFloor, &sim::Piece::holder), 0);
+  play(*episode, 128.5);
+  EXPECT_NEAR(y(), 0.5, 0.001);
+  play(*episode, 200);
+  EXPECT_EQ(floor.robot(sim::RobotId{0}).robot_contacts, 0u);
+  EXPECT_EQ(floor.robot(sim::RobotId{0}).static_contacts, 0u);
+  (void)episode->close(RunStatus::kCompleted);
+  EXPECT_THAT(strikes("run", 0), ElementsAre(88));
+  const auto ended = ends("run", "robot1");
+  ASSERT_EQ(ended.size(), 4u);
+  EXPECT_EQ(ended[0].first, 0);
+  EXPECT_EQ(ended[1].first, 210) << "under way";
+  EXPECT_NEAR(ended[1].second, 3, 0.05);
+  EXPECT_EQ(ended[2].first, 210) << "during maintenance";
+  EXPECT_EQ(ended[2].second, 0);
+  EXPECT_EQ(ended[3].first, 0) << "back on the field";
+  std::string track;
+  for (const JournalRecord& r : records("run", "referee"))
+    if (r.data.text("event") == "piece" && r.data.text("to") == "crew")
+      track += std::string(r.data.text("from")) + " " + std::string(r.data.text("from_name"));
+  EXPECT_EQ(track, "gripper robot1");
+}
+
 TEST_P(Faults, MachinesBreakAndGoDown) {
   std::string ticks;  // in the timed tier nothing else happens at these times
   for (const char* t : {"9.9", "10.1", "20.1", "36", "42"})

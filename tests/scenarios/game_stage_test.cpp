@@ -112,13 +112,17 @@ TEST(GameResult, CountsWhatEachRobotDid) {
   robots[1] = {.name = "robot2", .busy_s = 60, .drive_s = 6, .wait_s = 0, .skills = 2, .failures = 0};
   Result result;
   result.sim_time = from_seconds(120);
-  report_robots(robots, Bumps(), result);
-  EXPECT_EQ(result.at("robots"),
-            R"([{"name":"robot1","busy_s":30.0,"drive_s":15.0,"wait_s":5.0,"skills":4,"failures":1,"contacts":1},)"
-            R"({"name":"robot2","busy_s":60.0,"drive_s":6.0,"wait_s":0.0,"skills":2,"failures":0,"contacts":2}])");
+  std::vector<rcll::Maintenance::Robot> duties(2);
+  duties[1].cycles = 2;
+  duties[1].duty = rcll::RobotDuty::kDisqualified;
+  report_robots(robots, duties, Bumps(), result);
+  EXPECT_EQ(
+      result.at("robots"),
+      R"([{"name":"robot1","busy_s":30.0,"drive_s":15.0,"wait_s":5.0,"skills":4,"failures":1,"contacts":1,"state":"ACTIVE","maintenances":0},)"
+      R"({"name":"robot2","busy_s":60.0,"drive_s":6.0,"wait_s":0.0,"skills":2,"failures":0,"contacts":2,"state":"DISQUALIFIED","maintenances":2}])");
   EXPECT_EQ(result.score_board,
             "robot1   at work  25 %, driving  12 %, 4 skills, 1 failed, 1 contacts\n"
-            "robot2   at work  50 %, driving   5 %, 2 skills, 0 failed, 2 contacts\n");
+            "robot2   at work  50 %, driving   5 %, 2 skills, 0 failed, 2 contacts, 2 in maintenance, disqualified\n");
 }
 
 TEST_F(GameStage, TheTimedTierHasNoViewAndTellsWhereOneIs) {

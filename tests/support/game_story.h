@@ -31,10 +31,10 @@ struct Outcome {
 class GameStory {
  public:
   explicit GameStory(WorldConfig config = quiet_game(), std::uint64_t seed = 1,
-                     SimTime tick = std::chrono::milliseconds(20))
+                     SimTime tick = std::chrono::milliseconds(20), std::span<const sim::Fault> faults = {})
       : tick_(tick), world_(floor_plan_of(config, game_of(config, seed)->layout)), bus_(registry_, sink_) {
     EXPECT_TRUE(registry_.add_packages_in(interfaces_dir()));
-    factory_ = std::move(*Factory::make(config, *game_of(config, seed), seed, world_, bus_, sink_));
+    factory_ = std::move(*Factory::make(config, *game_of(config, seed), seed, world_, bus_, sink_, faults));
     bus::NodeName name;
     name.name = "agent";
     agent_ = bus_.join(bus::ParticipantKind::kEnvironment, name, sink_.open_stream("env/agent"));
@@ -105,6 +105,10 @@ class GameStory {
     EXPECT_TRUE(s) << (s ? "" : s.error().message);
   }
   void move(const std::string& from, const std::string& to) { take(from), put(to); }
+  /// The robot stands there from the next tick on.
+  void set_robot(int robot, const sim::Pose2& at) {
+    world_.move_along(static_cast<sim::RobotId>(robot), std::span(&at, 1), world_.now(), world_.now());
+  }
 
   /// R1 holds a capped base, made by the machines; returns the second at which it does.
   void make_product(const std::string& base, const std::string& cs) {
@@ -156,8 +160,7 @@ class GameStory {
     GameStory& story_;
   };
   void go_to(const std::string& name) {
-    const sim::Pose2 pose = world_.plan().spot(spot(name)).work_in_world;
-    world_.move_along(sim::RobotId{0}, std::span(&pose, 1), world_.now(), world_.now() + tick_);
+    set_robot(0, world_.plan().spot(spot(name)).work_in_world);
     run_for(0.04);
   }
   void note_result(const bus::Delivery& delivery) {

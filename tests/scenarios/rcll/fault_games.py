@@ -35,6 +35,7 @@ FAULTS = {
     "piece_taken": [{"mean_s": 600, "machine": machine} for machine in MACHINES],
     "instruction_lost": [{"probability": 0.15, "machine": machine} for machine in MACHINES],
     "instruction_late": [{"probability": 0.3, "machine": machine, "seconds": 10} for machine in MACHINES],
+    "robot_maintenance": [{"mean_s": 400, "seconds": 60, "times": 2}],
 }
 TOGETHER = {
     "skill_fails": [{"probability": 0.05, "after_s": 10}],
@@ -51,6 +52,7 @@ TOGETHER = {
     "piece_taken": [{"mean_s": 2400, "machine": machine} for machine in MACHINES],
     "instruction_lost": [{"probability": 0.03, "machine": machine} for machine in MACHINES],
     "instruction_late": [{"probability": 0.1, "machine": machine, "seconds": 5} for machine in MACHINES],
+    "robot_maintenance": [{"mean_s": 1200, "seconds": 45}],
 }
 
 

@@ -3,7 +3,8 @@
 // product is its parts from the base upwards. The first lines may set the game up:
 //
 //   order C1 BASE_RED RING_BLUE CAP_GREY [window 0 1200] [known 0] [gate 1] [quantity 1] [competitive]
-//   setup 5 | production 1200 | overtime 300 | exploration | information league | team CYAN | refill 20
+//   setup 5 | production 1200 | overtime 300 | exploration | information league | team CYAN | refill 20 | repair 30
+//   fault 100 1 20                                       at 100 s a fault sends robot 1 to maintenance for 20 s
 //
 // Deeds:
 //   C-BS {side: OUTPUT, base_color: BASE_RED}           instructs and goes on
@@ -17,6 +18,8 @@
 //
 //   report C-CS1 RIGHT RIGHT | report C-CS1 WRONG - | report - CS C_Z11
 //                                                       zone and rotation of a machine, or a type in a zone
+//   maintenance 1 | maintenance 1 ends | maintenance 1 of MAGENTA      the team asks for it, or for its end
+//   robot 1 to 4.5 8.3                                   it stands there
 //
 // What must be seen:
 //   C-BS is READY-AT-OUTPUT | lights C-BS RED YELLOW GREEN (each OFF, ON or BLINK) | loaded C-RS1 2
@@ -29,6 +32,8 @@
 //   phase PRODUCTION
 //   message /order_info /orders/0/id 1                  in the last message: a JSON pointer and a JSON value
 //   published /order_info 2                             how often since the last such line
+//   robot 1 at 4.5 0.5 | robot 1 holds nothing
+//   told {"event": "maintenance", "state": "end"}        the referee's last record of that event has these values
 
 #include <gtest/gtest.h>
 
@@ -61,7 +66,7 @@ class GameScript {
     while (next < lines.size() && sets_up(lines[next], config)) ++next;
     if (config.orders.empty()) config.orders = GameStory::quiet_game().orders;
     team_ = *named<Team>(config.team);
-    story_ = std::make_unique<GameStory>(config);
+    story_ = std::make_unique<GameStory>(config, 1, std::chrono::milliseconds(20), faults_);
     listen();
     for (; next < lines.size(); ++next) {
       SCOPED_TRACE(lines[next] + "   (" + std::to_string(story_->now()) + " s)");
@@ -87,7 +92,7 @@ class GameScript {
     return text;
   }
 
-  static bool sets_up(const std::string& line, WorldConfig& config) {
+  bool sets_up(const std::string& line, WorldConfig& config) {
     const std::vector<std::string> words = split(line);
     const auto after = [&](const std::string& key) -> const std::string* {
       const auto at = std::ranges::find(words, key);
@@ -119,6 +124,15 @@ class GameScript {
       config.overtime_s = number(words[1]);
     } else if (words[0] == "team") {
       config.team = words[1];
+    } else if (words[0] == "fault") {
+      sim::Fault& fault = faults_.emplace_back();
+      fault.kind = sim::FaultKind::kRobotMaintenance;
+      fault.at = from_seconds(number(words[1]));
+      fault.robot = "robot" + words[2];
+      fault.duration = from_seconds(number(words[3]));
+      fault.number = faults_.size() - 1;
+    } else if (words[0] == "repair") {
+      config.repair_s = number(words[1]);
     } else if (words[0] == "refill") {
       config.shelf_refill_s = number(words[1]);
     } else {
@@ -206,6 +220,9 @@ class GameScript {
       return machine(word(1)).add_down({now, now + from_seconds(number(word(2)))});
     }
     if (verb == "report") return report();
+    if (verb == "maintenance") return ask_for_maintenance();
+    if (verb == "robot") return use_robot();
+    if (verb == "told") return check_told();
     if (verb == "lights") return check_lights();
     if (verb == "loaded") return expect_same(std::to_string(machine(word(1)).loaded_with()), word(2));
     if (verb == "at") return expect_same(text_of(story_->world().at(story_->spot(word(1)))), rest(2));
@@ -334,7 +351,40 @@ class GameScript {
     EXPECT_EQ(found, nlohmann::json::parse(rest(3)));
   }
 
+  void ask_for_maintenance() {
+    const bus::MessageType& type = **story_->registry().message("rcll_interfaces/msg/SetRobotMaintenance");
+    if (!requests_) requests_ = *story_->bus().advertise(story_->agent(), "/set_robot_maintenance", type);
+    bus::Message message(type);
+    const std::string last = words_.size() > 2 ? word(2) : "";
+    message->set("robot_number", std::stoi(word(1))).set("maintenance", last != "ends");
+    message->set("team_color", last == "of" ? word(3) : to_string(team_));
+    story_->bus().publish(*requests_, std::make_shared<bus::Message>(std::move(message)));
+    story_->run_for(0.06);
+  }
+  void use_robot() {
+    const int index = std::stoi(word(1)) - 1;
+    const sim::RobotState state = story_->world().robot(static_cast<sim::RobotId>(index));
+    if (word(2) == "to") {
+      story_->set_robot(index, {number(word(3)), number(word(4)), 0});
+      return story_->run_for(0);
+    }
+    if (word(2) == "holds")
+      return expect_same(text_of(state.held ? story_->world().find(*state.held) : nullptr), rest(3));
+    EXPECT_NEAR(state.pose_in_world.x, number(word(3)), 1e-6);
+    EXPECT_NEAR(state.pose_in_world.y, number(word(4)), 1e-6);
+  }
+  void check_told() {
+    const auto wanted = nlohmann::json::parse(rest(1));
+    nlohmann::json last;
+    for (const auto& record : story_->records().of(RecordKind::kReferee))
+      if (auto data = nlohmann::json::from_msgpack(record.data); data.at("event") == wanted.at("event"))
+        last = std::move(data);
+    for (const auto& [key, value] : wanted.items()) EXPECT_EQ(last.value(key, nlohmann::json()), value) << last.dump();
+  }
+
   Team team_ = Team::kCyan;
+  std::vector<sim::Fault> faults_;
+  std::optional<bus::EndpointId> requests_;
   std::unique_ptr<GameStory> story_;
   std::map<std::string, bus::SharedMessage> messages_;
   std::map<std::string, int> published_;

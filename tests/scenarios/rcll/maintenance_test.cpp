@@ -1,0 +1,75 @@
+// Robots that stand in the way of an opponent, and maintenance at the ticks at which something is due.
+
+#include "scenarios/rcll/maintenance.h"
+
+#include "scenarios/rcll/layout.h"
+#include "tests/support/game_story.h"
+
+namespace cxlab::rcll {
+namespace {
+
+WorldConfig both_teams() {
+  WorldConfig config = GameStory::quiet_game();
+  config.team = "BOTH";
+  return config;
+}
+
+/// Cyan's robot 1 and magenta's robot 4 stand somewhere for a while.
+struct Standing {
+  const char* what;
+  sim::Pose2 cyan, magenta;  ///< before the input of M-CS1: x along the face, y away from it
+  double seconds;
+  bool blocks;
+};
+
+TEST(Maintenance, WhoBlocksAnOpponentAtItsMachineForMoreThanTenSecondsMustLeave) {
+  const Standing kCases[] = {
+      {"it stands where the opponent would work", {0, 0, 0}, {0, 0.8, 0}, 10.2, true},
+      {"that stands elsewhere", {0, 0, 0}, {0, 3, 0}, 10.2, false},
+      {"only for a while", {0, 0, 0}, {0, 0.8, 0}, 9.9, false},
+      {"it stands far enough away", {0, 0.7, 0}, {0, 1.3, 0}, 10.2, false},
+  };
+  for (const Standing& c : kCases) {
+    SCOPED_TRACE(c.what);
+    GameStory story(both_teams());
+    const sim::Pose2 align = story.world().plan().spot(story.spot("M-CS1-INPUT")).align_in_world;
+    const auto before = [&](const sim::Pose2& p) { return sim::compose(align, {-p.y, p.x, 0}); };
+    story.set_robot(0, before(c.cyan));
+    story.set_robot(3, before(c.magenta));
+    story.run_for(c.seconds);
+    story.set_robot(0, {1, 6, 0});
+    story.run_for(20);
+    const auto& robots = story.factory().maintenance().robots();
+    EXPECT_EQ(robots[0].cycles, c.blocks ? 1 : 0);
+    EXPECT_EQ(robots[3].cycles, 0) << "it stands at its own machine";
+  }
+}
+
+TEST(Maintenance, JumpsFromEventToEventAndEndsInTheSameTick) {
+  std::vector<sim::Fault> faults(3);
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    faults[i].kind = sim::FaultKind::kRobotMaintenance;
+    faults[i].mean = from_seconds(90);
+    faults[i].duration = from_seconds(i == 0 ? 20 : i == 1 ? 110 : 140);
+    faults[i].number = i;
+  }
+  faults[2].from = from_seconds(300);
+  const auto play = [&](bool jumping) {
+    GameStory story(GameStory::quiet_game(), 3, std::chrono::milliseconds(20), faults);
+    story.set_jumping(jumping);
+    story.run_until(900);
+    std::string text;
+    for (const auto& record : story.records().of(RecordKind::kReferee))
+      text += std::to_string(record.t.count()) + ' ' + record.data + '\n';
+    return std::pair(text, story.ticks());
+  };
+  const auto [text, ticks] = play(false);
+  const auto [jumped, fewer] = play(true);
+  EXPECT_EQ(text, jumped);
+  EXPECT_LT(fewer, ticks / 10);
+  for (const char* state : {"begin", "warning", "end", "disqualified"})
+    EXPECT_NE(text.find(state), std::string::npos) << state;
+}
+
+}  // namespace
+}  // namespace cxlab::rcll
