@@ -3,7 +3,8 @@
 (deftemplate robot
   "One of our robots; x and y are those of the machine at which it last was."
   (slot name (type STRING))
-  (slot state (type SYMBOL) (allowed-values IDLE BUSY GOING-HOME))
+  (slot state (type SYMBOL) (allowed-values IDLE BUSY GOING-HOME OFF-FIELD))
+  (slot duty (type SYMBOL) (default ACTIVE))  ; as the referee box says
   (slot home (type STRING))
   (slot place (type STRING) (default ""))
   (slot x (type FLOAT) (default 0.0))

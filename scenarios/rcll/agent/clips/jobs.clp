@@ -28,7 +28,7 @@
   (bind ?fetches (or (eq ?step GO-FETCH) (eq ?step FETCH)))
   (if (and ?fetches (= ?code 207)) then (return (if (> ?tries 0) then HELD else FULL)))
   (if (and (= ?code 208) (> ?tries 0)) then (return LOST))
-  (if (< ?tries 2) then (return NONE))
+  (if (or (< ?tries 2) (= ?code 210)) then (return NONE))
   (if (and ?fetches (= ?code 202)) then (return MISSING))
   (if ?fetches then (return UNABLE))
   (if (= ?code 209) then (return OCCUPIED))

@@ -19,6 +19,10 @@
   (modify ?slide (coming (+ (fact-slot-value ?slide coming) 1)))
   (create-job (if (str-index "-BS-" ?from) then PAY else CLEAR) ?urgency 0 ?from (fact-slot-value ?slide spot)))
 
+(deffunction unpay (?machine ?price)
+  "The ring was not mounted: its payments still lie there."
+  (do-for-fact ((?s slide)) (eq ?s:machine ?machine) (modify ?s (loaded (+ ?s:loaded ?price)))))
+
 (defrule payment-of-bare-base
   "A bare base at a cap station goes where payments are missing most."
   ?clear <- (clear-base ?name)

@@ -145,10 +145,13 @@
 
 (defrule product-work-failed
   "The machine did not do its work."
-  ?instruction <- (instruction (machine ?name) (operation ?operation&"MOUNT_RING"|"MOUNT_CAP") (state FAILED) (error ?error))
+  ?instruction <- (instruction (machine ?name) (operation ?operation&"MOUNT_RING"|"MOUNT_CAP") (color ?work) (state FAILED)
+                               (error ?error))
+  (machine (name ?name) (state ?state))
   =>
   (printout warn ?operation " at " ?name " failed: " ?error crlf)
   (retract ?instruction)
+  (if (neq ?state BROKEN) then (unpay ?name (price-of ?work)))
   (do-for-fact ((?p product)) (and (eq ?p:at ?name) (eq ?p:state WORKING)) (assert (lost ?p:order))))
 
 (defrule product-not-delivered

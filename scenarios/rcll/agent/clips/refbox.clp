@@ -107,7 +107,9 @@
   (bind ?home (str-cat ?letter "_Z" (+ 4 (ros-msgs-get-field ?message "number")) "1"))
   (if (and (eq (sub-string 1 1 (ros-msgs-get-field ?message "team_color")) ?letter)
            (not (any-factp ((?known robot)) (eq ?known:name ?name))))
-   then (assert (robot (name ?name) (x (zone-x ?home)) (y (zone-y ?home)) (home ?home) (place ?home)))))
+   then (assert (robot (name ?name) (x (zone-x ?home)) (y (zone-y ?home)) (home ?home) (place ?home))))
+  (bind ?duty (sym-cat (ros-msgs-get-field ?message "state")))
+  (do-for-fact ((?r robot)) (and (eq ?r:name ?name) (neq ?r:duty ?duty)) (modify ?r (duty ?duty))))
 
 (defrule refbox-robot-info
   "Machines tell which team we are."
@@ -133,7 +135,7 @@
 
 (defrule team-counted
   "How many robots we are."
-  (robot (name ?name))
+  (robot (name ?name) (state ~OFF-FIELD))
   (not (counted ?name))
   =>
   (assert (counted ?name))
