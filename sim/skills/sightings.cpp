@@ -36,6 +36,7 @@ void Sightings::look(SimTime now) {
   next_ = now + kLookPeriod <= until_ ? now + kLookPeriod : kNever;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
+    if (world_.is_off_field(static_cast<RobotId>(i))) continue;
     if (!look(world_.robot(static_cast<RobotId>(i)), robot.seen) && now < robot.post_at) continue;
     robot.post_at = now + kPostPeriod;
     post(robot);
