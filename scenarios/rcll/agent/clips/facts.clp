@@ -1,9 +1,9 @@
 ; What the agent knows. One template a thing; states are enumerated, so that order never hangs on salience.
 
 (deftemplate robot
-  "One of our robots; x and y are those of the machine at which it last was."
+  "One of our robots; x and y are those of the machine or zone at which it last was. ROAMING: it drives without a job."
   (slot name (type STRING))
-  (slot state (type SYMBOL) (allowed-values IDLE BUSY GOING-HOME OFF-FIELD))
+  (slot state (type SYMBOL) (allowed-values IDLE BUSY ROAMING OFF-FIELD))
   (slot duty (type SYMBOL) (default ACTIVE))  ; as the referee box says
   (slot home (type STRING))
   (slot place (type STRING) (default ""))
@@ -118,6 +118,17 @@
   "A machine that only one job may use at a time (base station, delivery station)."
   (slot machine (type STRING))
   (slot job (type INTEGER)))
+
+(deftemplate sighting
+  "What stands in a zone. Without a name: a robot saw something there, and nobody has read its markers yet."
+  (slot zone (type STRING))
+  (slot machine (type STRING) (default ""))
+  (slot rotation (type INTEGER) (default -1)))
+
+(deftemplate to-look
+  "A zone to which a robot shall go: to read the markers of what stands there, or only to look around."
+  (slot zone (type STRING))
+  (slot skill (type SYMBOL) (allowed-values explore drive_to)))
 
 (defglobal ?*last-id* = 0)
 

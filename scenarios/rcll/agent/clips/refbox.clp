@@ -70,15 +70,17 @@
   (- (string-to-field (sub-string 5 5 ?zone)) 0.5))
 
 (deffunction learn-machine (?message)
-  "A machine of our team: its fact follows what is reported. One that breaks forgets its payments."
+  "A machine of our team: its fact follows what is reported, once the league tells its zone. One that breaks forgets its
+   payments."
   (bind ?name (ros-msgs-get-field ?message "name"))
   (bind ?state (sym-cat (ros-msgs-get-field ?message "state")))
   (bind ?zone (ros-msgs-get-field ?message "zone"))
   (if (eq ?state BROKEN) then (do-for-fact ((?s slide)) (eq ?s:machine ?name) (modify ?s (loaded 0))))
-  (if (not (or (do-for-fact ((?m machine)) (eq ?m:name ?name) (modify ?m (state ?state)) TRUE) (eq ?zone "")))
-   then (assert (machine (name ?name) (kind (sym-cat (ros-msgs-get-field ?message "type"))) (state ?state)
-                         (x (zone-x ?zone)) (y (zone-y ?zone))))
-        (learn-works ?name (ros-msgs-get-field ?message "type") (ros-msgs-get-field ?message "ring_colors"))))
+  (if (do-for-fact ((?m machine)) (eq ?m:name ?name) (modify ?m (state ?state)) TRUE) then (return))
+  (if (eq ?zone "") then (assert (to-find ?name)) (return))
+  (assert (machine (name ?name) (kind (sym-cat (ros-msgs-get-field ?message "type"))) (state ?state)
+                   (x (zone-x ?zone)) (y (zone-y ?zone))))
+  (learn-works ?name (ros-msgs-get-field ?message "type") (ros-msgs-get-field ?message "ring_colors")))
 
 (defrule refbox-machine-info
   ?message <- (ros-msgs-message (topic "/machine_info") (msg-ptr ?m))
@@ -88,6 +90,7 @@
   (foreach ?machine ?machines
     (if (eq ?team (ros-msgs-get-field ?machine "team_color")) then (learn-machine ?machine))
     (ros-msgs-destroy-message ?machine))
+  (assert (we-are (sub-string 1 1 ?team)))
   (ros-msgs-destroy-message ?m)
   (retract ?message))
 
@@ -112,13 +115,13 @@
   (do-for-fact ((?r robot)) (and (eq ?r:name ?name) (neq ?r:duty ?duty)) (modify ?r (duty ?duty))))
 
 (defrule refbox-robot-info
-  "Machines tell which team we are."
+  "Once we know which team we are."
   ?message <- (ros-msgs-message (topic "/robot_info") (msg-ptr ?m))
-  (machine (kind DS) (name ?delivery))
+  (we-are ?letter)
   =>
   (bind ?robots (ros-msgs-get-field ?m "robots"))
   (foreach ?r ?robots
-    (learn-robot ?r (sub-string 1 1 ?delivery))
+    (learn-robot ?r ?letter)
     (ros-msgs-destroy-message ?r))
   (ros-msgs-destroy-message ?m)
   (retract ?message))

@@ -12,6 +12,7 @@
 
 (defrule robot-take-job
   "The most urgent waiting job, of equals the oldest, goes to the idle robot with the least reluctance."
+  (not (to-look))
   ?job <- (job (id ?id) (step WAITING) (urgency ?urgency) (from ?from) (avoid ?avoid) (not-before ?wait))
   (not (job (step WAITING) (urgency ?more&:(< ?more ?urgency))))
   (not (job (step WAITING) (urgency ?urgency) (id ?other&:(< ?other ?id))))
@@ -26,21 +27,24 @@
 
 ; --- Nothing to do at all: home, out of the way of others
 
+(deffunction roam (?robot ?skill ?zone)
+  "Sends a robot to a zone."
+  (assert (command (id (new-id)) (robot (fact-slot-value ?robot name)) (skill ?skill) (target ?zone)))
+  (modify ?robot (state ROAMING)))
+
 (defrule robot-go-home
   "No work for a while: home."
   ?robot <- (robot (name ?name) (state IDLE) (home ?home) (place ~?home) (idle-since ?since))
   (time ?now&:(> ?now (+ ?since ?*PATIENCE*)))
   (not (job (step WAITING)))
   =>
-  (bind ?id (new-id))
-  (modify ?robot (state GOING-HOME))
-  (assert (command (id ?id) (robot ?name) (skill drive_to) (target ?home))))
+  (roam ?robot drive_to ?home))
 
-(defrule robot-home
+(defrule robot-roamed
   "It is there, or could not get there: either way it is free."
-  ?robot <- (robot (name ?name) (state GOING-HOME) (home ?home))
-  ?command <- (command (robot ?name) (skill drive_to) (target ?home) (state SUCCEEDED|FAILED))
+  ?robot <- (robot (name ?name) (state ROAMING))
+  ?command <- (command (robot ?name) (target ?zone) (state SUCCEEDED|FAILED))
   (time ?now)
   =>
   (retract ?command)
-  (modify ?robot (state IDLE) (place ?home) (idle-since ?now)))
+  (modify ?robot (state IDLE) (place ?zone) (x (zone-x ?zone)) (y (zone-y ?zone)) (idle-since ?now)))

@@ -5,7 +5,7 @@
   "A skill that a robot shall do."
   (slot id (type INTEGER))
   (slot robot (type STRING))
-  (slot skill (type SYMBOL) (allowed-values drive_to pick place))
+  (slot skill (type SYMBOL) (allowed-values drive_to pick place explore))
   (slot target (type STRING))
   (slot server (type STRING) (default ""))
   (slot goal (default NONE))
@@ -29,7 +29,8 @@
 (deffacts skill-types
   (skill-type (skill drive_to) (type "cxlab_skills/action/DriveTo"))
   (skill-type (skill pick) (type "cxlab_skills/action/Pick"))
-  (skill-type (skill place) (type "cxlab_skills/action/Place")))
+  (skill-type (skill place) (type "cxlab_skills/action/Place"))
+  (skill-type (skill explore) (type "cxlab_skills/action/Explore")))
 
 (defrule skill-client-create
   "A robot is known: one action client for each of its skills."
