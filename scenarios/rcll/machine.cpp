@@ -49,6 +49,7 @@ Machine::Machine(sim::StationId id, Team team, MachineContext& context, const si
 Machine::Answer Machine::instruct(const Instruction& instruction, SimTime now, sim::World& world) {
   if (context_.clock.phase(now) != Phase::kProduction)
     return {InstructError::kNotReady, "the game is in phase " + std::string(to_string(context_.clock.phase(now)))};
+  if (last_step_ != now) step(now, world);  // what is due comes first: a payment, the end of a wait, a down time
   if (context_.exploration && !context_.exploration->knows(id_, now))
     return {InstructError::kNotReady, name_ + " is not reported yet, and exploration goes on"};
   if (instruction.operation == "RESET") {
@@ -56,7 +57,6 @@ Machine::Answer Machine::instruct(const Instruction& instruction, SimTime now, s
     break_down(now, world, InstructError::kBroken, "reset by its team");
     return {InstructError::kNone, {}, true};
   }
-  observe(now, world);  // a payment that came just before counts
   if (state_ != MachineState::kIdle) {
     std::string text = name_ + " is " + std::string(to_string(state_)) + ", not IDLE";
     const bool busy = working(state_) || state_ == MachineState::kReadyAtOutput || state_ == MachineState::kWaitIdle;

@@ -20,6 +20,15 @@ std::span<const Row> instruction_rows() {
         wait 6
         C-BS {side: INPUT, base_color: BASE_SILVER} -> 0
         at C-BS-INPUT BASE_SILVER)"},
+      {"instructions: none at the moment at which the machine goes down",
+       R"(down C-BS 5
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 209
+        C-BS is DOWN)"},
+      {"instructions: taken at the moment at which the machine is IDLE again",
+       R"(down C-BS 5
+        wait 4.98
+        C-BS is DOWN
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 0)"},
       {"instructions: a base station without a side breaks",
        R"(C-BS {base_color: BASE_RED} -> 103
         C-BS is BROKEN)"},
