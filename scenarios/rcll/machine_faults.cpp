@@ -8,6 +8,13 @@ namespace cxlab::rcll {
 
 using sim::FaultKind;
 
+namespace {
+
+/// A piece is taken when it has lain so long: the machine has seen it.
+constexpr SimTime kLies = std::chrono::seconds(1);
+
+}  // namespace
+
 Status MachineFaults::take(std::span<const sim::Fault> faults, std::uint64_t seed,
                            const std::vector<std::unique_ptr<Machine>>& machines) {
   for (const sim::Fault& fault : faults) {
@@ -29,17 +36,19 @@ std::vector<sim::SpotId> MachineFaults::taken_spots(const Machine& machine) cons
 }
 
 RecordData& MachineFaults::begin(const Fault& fault) {
-  return data_.begin()
-      .field("fault", sim::to_string(fault.timer.fault().kind))
-      .field("number", static_cast<std::int64_t>(fault.timer.fault().number))
-      .field("machine", fault.machine->name());
+  const sim::Fault& what = fault.timer.fault();
+  data_.begin().field("fault", sim::to_string(what.kind)).field("number", static_cast<std::int64_t>(what.number));
+  data_.field("machine", fault.machine->name());
+  return data_;
 }
 
 bool MachineFaults::act(Fault& fault, SimTime now) {
   const sim::Fault& what = fault.timer.fault();
   if (what.kind == FaultKind::kPieceTaken) {
     const std::vector<sim::SpotId> spots = taken_spots(*fault.machine);
-    if (spots.empty()) return false;
+    fault.lies_since = spots.empty() ? kNever : std::min(fault.lies_since, now);
+    if (spots.empty() || now < fault.lies_since + kLies) return false;
+    fault.lies_since = kNever;
     const sim::SpotId spot = spots[fault.timer.choose(spots.size())];
     const sim::PieceId piece = world_.at(spot)->id;
     begin(fault).field("spot", world_.plan().spot(spot).name).field("piece", static_cast<std::int64_t>(piece));
@@ -64,8 +73,13 @@ SimTime MachineFaults::next_due() const {
   SimTime due = kNever;
   for (const Fault& fault : faults_) {
     const FaultKind kind = fault.timer.fault().kind;
-    const bool waits = kind == FaultKind::kPieceTaken && taken_spots(*fault.machine).empty();
-    if (!sim::by_occasion(kind) && !waits) due = std::min(due, fault.timer.due());
+    if (sim::by_occasion(kind)) continue;
+    SimTime at = fault.timer.due();
+    if (fault.lies_since != kNever)
+      at = fault.lies_since + kLies;
+    else if (kind == FaultKind::kPieceTaken && taken_spots(*fault.machine).empty())
+      continue;
+    due = std::min(due, at);
   }
   return due;
 }

@@ -40,6 +40,7 @@ class MachineFaults {
   struct Fault {
     sim::FaultTimer timer;
     Machine* machine = nullptr;
+    SimTime lies_since = kNever;  ///< a piece that is to be taken
   };
   /// What lies at the spots of the machine.
   std::vector<sim::SpotId> taken_spots(const Machine& machine) const;

@@ -200,7 +200,23 @@ TEST_P(Faults, APieceIsTakenOffTheShelf) {
   ASSERT_EQ(struck.size(), 1u) << "nothing lies at the base station";
   EXPECT_EQ(struck[0].data.text("spot"), taken);
   EXPECT_EQ(struck[0].data.text("machine"), "C-CS1");
-  EXPECT_EQ(to_seconds(struck[0].t), 10);
+  EXPECT_EQ(to_seconds(struck[0].t), 11);
+}
+
+TEST_P(Faults, APieceThatComesIsTakenWhenItsMachineHasSeenIt) {
+  (void)whole(floor("seen",
+                    "  - {at: 2, send_goal: /factory/instruct_machine, type: rcll_interfaces/action/InstructMachine, "
+                    "goal: {machine: C-BS, side: OUTPUT, base_color: BASE_RED}}\n",
+                    "  - {kind: piece_taken, at: 1, machine: C-BS}\n", GetParam()),
+              {}, "run");
+  std::vector<std::string> states;
+  double ready_at = 0;
+  for (const JournalRecord& r : records("run", "referee")) {
+    if (r.data.text("event") == "machine") states.emplace_back(r.data.text("state"));
+    if (!states.empty() && states.back() == "READY-AT-OUTPUT" && ready_at == 0) ready_at = to_seconds(r.t);
+  }
+  EXPECT_THAT(states, ElementsAre("PREPARED", "PROCESSING", "PROCESSED", "READY-AT-OUTPUT", "WAIT-IDLE", "IDLE"));
+  EXPECT_THAT(strikes("run", 0), ElementsAre(testing::DoubleNear(ready_at + 1, 0.3)));
 }
 
 TEST_P(Faults, AnInstructionIsLostAndOneComesLate) {
