@@ -21,6 +21,7 @@
 #include "scenarios/rcll/config.h"
 #include "scenarios/rcll/exploration.h"
 #include "scenarios/rcll/orders.h"
+#include "scenarios/rcll/storage.h"
 #include "scenarios/rcll/types.h"
 #include "sim/world.h"
 
@@ -78,16 +79,26 @@ struct Job {
 };
 
 struct MachineEvent {
-  enum class Kind : std::uint8_t { kState, kPayment, kCapRetrieved, kMounted, kStored, kUnstored, kDelivery, kBroke };
+  enum class Kind : std::uint8_t {
+    kState,
+    kPayment,
+    kCapRetrieved,
+    kMounted,
+    kStored,
+    kUnstored,
+    kRelocated,
+    kDelivery,
+    kBroke
+  };
   Kind kind{};
   sim::StationId machine{};
   SimTime at{};
   MachineState state{};       ///< kState
   int order_id = 0;           ///< kDelivery
   sim::PieceId piece{};       ///< kDelivery, kCapRetrieved, kMounted, kStored, kUnstored
-  sim::Stack stack;           ///< the same: what the piece is now
+  sim::Stack stack;           ///< the same: what the piece is now; kRelocated
   int payments = 0;           ///< kMounted: that it cost
-  int shelf = 0, slot = 0;    ///< kStored, kUnstored
+  Storage::Slot slot, from;   ///< kStored, kUnstored, kRelocated; `from`: kRelocated
   int unused_payments = 0;    ///< kBroke
   bool cap_buffered = false;  ///< kBroke
   bool no_workpiece = false;  ///< kBroke: nothing lay on the belt of a machine that was instructed

@@ -72,6 +72,22 @@ void GameReferee::take_report(Team team, const MachineReport& entry, SimTime now
   for (const std::int64_t point : points) give(team, PointKind::kExploration, point, now);
 }
 
+void GameReferee::take_instruction(sim::StationId machine, const Instruction& instruction, InstructError error,
+                                   SimTime now) {
+  const sim::Station& station = plan_.station(machine);
+  data_.begin().field("event", "instruction").field("machine", station.name);
+  const std::pair<std::string_view, const std::string&> texts[]{{"operation", instruction.operation},
+                                                                {"side", instruction.side},
+                                                                {"base_color", instruction.base_color},
+                                                                {"ring_color", instruction.ring_color}};
+  for (const auto& [key, text] : texts)
+    if (!text.empty()) data_.field(key, text);
+  if (station.kind == "DS") data_.field("order", instruction.order_id);
+  if (station.kind == "SS") data_.field("shelf", instruction.shelf).field("slot", instruction.slot);
+  data_.field("code", static_cast<int>(error));
+  write(now);
+}
+
 void GameReferee::prolong(SimTime now) {
   const std::int64_t cyan = score(Team::kCyan).published(), magenta = score(Team::kMagenta).published();
   if (sudden_death_ && cyan != magenta) clock_.production_end = now;
@@ -167,7 +183,7 @@ void GameReferee::write_work(const MachineEvent& event, std::string_view what) {
   data_.field("piece", static_cast<std::int64_t>(event.piece)).field("product", describe(event.stack));
   if (plan_.station(event.machine).kind == "RS") data_.field("payments", event.payments);
   if (event.kind == MachineEvent::Kind::kStored || event.kind == MachineEvent::Kind::kUnstored)
-    data_.field("shelf", event.shelf).field("slot", event.slot);
+    data_.field("shelf", event.slot.shelf).field("slot", event.slot.slot);
   write(event.at);
 }
 
@@ -190,6 +206,12 @@ void GameReferee::note(const MachineEvent& event) {
       write_work(event, event.kind == MachineEvent::Kind::kStored ? "stored" : "unstored");
       if (event.kind == MachineEvent::Kind::kUnstored) from_storage_.push_back(event.piece);
       give(team, PointKind::kPenalty, kStoragePoints, event.at);
+      break;
+    case MachineEvent::Kind::kRelocated:
+      data_.begin().field("event", "relocated").field("machine", machine).field("product", describe(event.stack));
+      data_.field("from_shelf", event.from.shelf).field("from_slot", event.from.slot);
+      data_.field("shelf", event.slot.shelf).field("slot", event.slot.slot);
+      write(event.at);
       break;
     case MachineEvent::Kind::kDelivery: deliver(event, team); break;
     case MachineEvent::Kind::kBroke:

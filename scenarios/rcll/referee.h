@@ -81,6 +81,8 @@ class GameReferee {
   void take_report(Team team, const MachineReport& entry, SimTime now);
   /// Takes points off (they are negative) as a penalty.
   void fine(Team team, std::int64_t points, SimTime now) { give(team, PointKind::kPenalty, points, now); }
+  /// An instruction that a machine of the team has heard, and what it said.
+  void take_instruction(sim::StationId machine, const Instruction& instruction, InstructError error, SimTime now);
   const Exploration& exploration() const { return exploration_; }
   /// Pieces that the referee has taken off the machines of the other team, since the last call; who carries them away
   /// takes them out of play.

@@ -51,9 +51,7 @@ void StorageStation::proceed(SimTime now, sim::World& world) {
       restart_phase(now);
       return send(Command::kOperate, now, world, kShelfTime);
     }
-    MachineEvent& event = post(stores() ? MachineEvent::Kind::kStored : MachineEvent::Kind::kUnstored, now, worked_on_);
-    event.shelf = slot().shelf;
-    event.slot = slot().slot;
+    post(stores() ? MachineEvent::Kind::kStored : MachineEvent::Kind::kUnstored, now, worked_on_).slot = slot();
     enter(MachineState::kProcessed, now);
     if (stores())
       finish_job();
@@ -66,10 +64,15 @@ void StorageStation::proceed(SimTime now, sim::World& world) {
   }
 }
 
-bool StorageStation::operate(SimTime, sim::World& world, const sim::Piece* piece) {
+bool StorageStation::operate(SimTime now, sim::World& world, const sim::Piece* piece) {
   if (const auto front = storage_.blocker(slot())) {
     const auto free = storage_.free_slots(slot());
-    storage_.at(free[random_.below(free.size())]) = std::exchange(storage_.at(*front), std::nullopt);
+    const Storage::Slot to = free[random_.below(free.size())];
+    MachineEvent& event = post(MachineEvent::Kind::kRelocated, now);
+    event.stack = storage_.at(*front)->stack;
+    event.from = *front;
+    event.slot = to;
+    storage_.at(to) = std::exchange(storage_.at(*front), std::nullopt);
     return true;
   }
   if (stores()) {

@@ -106,6 +106,7 @@ void TeamChannel::start(const bus::Delivery& delivery) {
 
 void TeamChannel::instruct(const bus::GoalId& goal, Machine& machine, const Instruction& instruction) {
   const Machine::Answer answer = machine.instruct(instruction, bus_.now(), world_);
+  referee_.take_instruction(machine.id(), instruction, answer.error, bus_.now());
   if (answer.error != InstructError::kNone || answer.done)
     return finish(goal, answer.error, answer.text, machine.name());
   goals_.push_back({goal, &machine, machine.job().number, MachineState::kIdle});

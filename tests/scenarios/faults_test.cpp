@@ -244,6 +244,7 @@ TEST_P(Faults, AnInstructionIsLostAndOneComesLate) {
   (void)episode->close(RunStatus::kCompleted);
   EXPECT_THAT(strikes("run", 0), ElementsAre(testing::DoubleNear(2, 0.05)));
   EXPECT_THAT(strikes("run", 1), ElementsAre(testing::DoubleNear(20, 0.05)));
+  EXPECT_EQ(std::get<double>(records("run", "faults").back().data.find("seconds")->value), 5);
   std::vector<std::pair<double, std::int64_t>> results;
   for (const JournalRecord& r : records("run", "node/factory"))
     if (r.kind == RecordKind::kBus && r.data.text("op") == "result")

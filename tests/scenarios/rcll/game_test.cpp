@@ -264,18 +264,43 @@ TEST(Records, OfTheRefereeSayWhatItDecided) {
       ElementsAre(R"({"event":"phase","phase":"PRODUCTION"})",
                   R"({"event":"order","order":1,"complexity":"C0","product":"BASE_RED CAP_GREY","begin":0.0,"end":5.0,)"
                   R"("gate":1,"quantity":1,"competitive":false})",
+                  R"({"event":"instruction","machine":"C-DS","order":1,"code":0})",
                   R"({"event":"delivery","order":1,"team":"CYAN","piece":13,"product":"BASE_BLACK CAP_GREY",)"
                   R"("correct":false,"points":0,"reason":"wrong product"})",
+                  R"({"event":"instruction","machine":"C-DS","order":1,"code":0})",
                   R"({"event":"score","team":"CYAN","kind":"delivery","points":20,"total":20,"order":1})",
                   R"({"event":"score","team":"CYAN","kind":"late","points":-15,"total":5,"order":1})",
                   R"({"event":"score","team":"CYAN","kind":"cap","points":10,"total":15,"order":1})",
                   R"({"event":"delivery","order":1,"team":"CYAN","piece":14,"product":"BASE_RED CAP_GREY",)"
                   R"("correct":true,"points":15,"late_s":8.58})",
+                  R"({"event":"instruction","machine":"C-DS","order":0,"code":0})",
                   R"({"event":"discard","piece":15,"product":"BASE_SILVER CAP_GREY"})",
+                  R"({"event":"instruction","machine":"C-CS1","operation":"RETRIEVE_CAP","code":0})",
                   R"({"event":"cap_retrieved","machine":"C-CS1","piece":1,"product":"BASE_CLEAR"})",
                   R"({"event":"score","team":"CYAN","kind":"buffer","points":2,"total":17})",
+                  R"({"event":"instruction","machine":"C-CS1","operation":"RESET","code":0})",
                   R"({"event":"broken","machine":"C-CS1","reason":"reset by its team"})",
                   R"({"event":"score","team":"CYAN","kind":"buffer","points":-2,"total":15})"));
+}
+
+TEST(Records, OfTheStorageSayWhatWasMovedWhere) {
+  GameStory story;
+  story.move("C-CS1-SHELF-LEFT", "C-SS-INPUT");
+  EXPECT_EQ(story.carry_out("{machine: C-SS, operation: STORE, shelf: 0, slot: 0}").code, 0);
+  story.run_for(6);
+  EXPECT_EQ(story.carry_out("{machine: C-SS, operation: RETRIEVE, shelf: 0, slot: 1}").code, 0);
+  std::vector<std::string> told;
+  for (const KeptRecords::Record& record : story.records().all()) {
+    std::string json;
+    EXPECT_TRUE(append_json(record.data, json).ok());
+    if (json.find("stored") != json.npos || json.find("relocated") != json.npos) told.push_back(json);
+  }
+  ASSERT_EQ(told.size(), 3u);
+  EXPECT_EQ(told[0],
+            R"({"event":"stored","machine":"C-SS","piece":1,"product":"BASE_CLEAR CAP_GREY","shelf":0,"slot":0})");
+  EXPECT_THAT(told[1], testing::StartsWith(R"({"event":"relocated","machine":"C-SS","product":"BASE_CLEAR CAP_GREY",)"
+                                           R"("from_shelf":0,"from_slot":0,"shelf":)"));
+  EXPECT_THAT(told[2], testing::HasSubstr(R"("unstored","machine":"C-SS")"));
 }
 
 // --- Deliveries
