@@ -135,7 +135,8 @@
   (modify ?i (state RUNNING) (goal NONE) (handle ?handle) (goal-id ?goal-id)))
 
 (defrule instruct-result
-  "The instruction ended. One that came when the machine was not ready waits for it once more."
+  "The instruction ended. One that came when the machine was not ready waits for it once more, one that it did not hear
+   is said again."
   ?i <- (instruction (operation ?operation) (state RUNNING) (goal-id ?goal-id) (handle ?handle) (tries ?tries))
   ?wrapped <- (ros-msgs-wrapped-result (server "/factory/instruct_machine") (goal-id ?goal-id) (code ?code) (result-ptr ?result))
   =>
@@ -144,7 +145,7 @@
   (ros-msgs-destroy-message ?result)
   (ros-msgs-destroy-client-goal-handle ?handle)
   (retract ?wrapped)
-  (bind ?again (and (= ?error-code 209) (neq ?operation "RESET") (< ?tries 5)))
+  (bind ?again (and (< ?tries 5) (or (= ?error-code 2) (and (= ?error-code 209) (neq ?operation "RESET")))))
   (modify ?i (handle NONE) (goal-id NONE) (tries (+ ?tries 1)) (error ?error)
              (state (if ?again then NEW else (if (eq ?code SUCCEEDED) then SUCCEEDED else FAILED)))))
 
