@@ -56,6 +56,12 @@ void read_factor(yaml::Map& map, Fault& fault) {
     map.get("factor").fail("found " + map.get("factor").text() + ", expected a share of the speed, 0.05 .. 1");
 }
 
+void read_sigma(yaml::Map& map, const char* key, double most, double& sigma) {
+  map.read(key, sigma);
+  if (!(sigma >= 0 && sigma <= most))
+    map.get(key).fail("found " + map.get(key).text() + ", expected 0 to " + std::to_string(static_cast<int>(most)));
+}
+
 Fault read_fault(const yaml::Value& value) {
   Fault fault;
   fault.origin = value.origin();
@@ -72,7 +78,7 @@ Fault read_fault(const yaml::Value& value) {
   if (word == sim::fault_words().end()) return fault;
   fault.kind = word->kind;
   read_when(map, *word, fault);
-  for (const char* key : {"machine", "factor", "seconds"})
+  for (const char* key : {"machine", "factor", "seconds", "sigma_m", "sigma_deg"})
     if (needs(*word, key)) map.require(key);
   if (takes(*word, "robot")) map.read("robot", fault.robot);
   if (takes(*word, "machine")) map.read("machine", fault.machine);
@@ -85,6 +91,8 @@ Fault read_fault(const yaml::Value& value) {
   if (takes(*word, "after_s")) map.read_seconds("after_s", fault.after);
   if (takes(*word, "seconds")) map.read_seconds("seconds", fault.duration);
   if (takes(*word, "factor")) read_factor(map, fault);
+  if (takes(*word, "sigma_m")) read_sigma(map, "sigma_m", 2, fault.sigma_m);
+  if (takes(*word, "sigma_deg")) read_sigma(map, "sigma_deg", 90, fault.sigma_deg);
   map.finish();
   return fault;
 }
@@ -122,6 +130,8 @@ yaml::Writer write_fault(const Fault& fault) {
   if (takes(word, "after_s")) out("after_s", fault.after);
   if (takes(word, "seconds")) out("seconds", fault.duration);
   if (takes(word, "factor")) out("factor", fault.factor);
+  if (takes(word, "sigma_m")) out("sigma_m", fault.sigma_m);
+  if (takes(word, "sigma_deg")) out("sigma_deg", fault.sigma_deg);
   return out;
 }
 

@@ -7,7 +7,7 @@
 namespace cxlab::sim {
 namespace {
 
-constexpr std::array<FaultWord, 15> kWords{{
+constexpr std::array<FaultWord, 16> kWords{{
     {"skill_fails", FaultKind::kSkillFails, "robot, skill, error, after_s",
      "the skill is broken off after that time and ends with the error code; what was held is still held", true},
     {"skill_stalls", FaultKind::kSkillStalls, "seconds*, robot, skill",
@@ -27,6 +27,8 @@ constexpr std::array<FaultWord, 15> kWords{{
      "the robot drives nowhere for that time, then goes on; what it does at a machine it ends", false},
     {"robot_slow", FaultKind::kRobotSlow, "factor*, seconds*, robot",
      "the robot drives at that share of its speed for that time", false},
+    {"pose_noise", FaultKind::kPoseNoise, "sigma_m*, sigma_deg*, robot",
+     "the robot is wrong about where it stands: the drive of a drive_to, pick or place ends beside its goal", true},
     {"machine_breaks", FaultKind::kMachineBreaks, "machine*", "the machine is BROKEN, as after a wrong instruction",
      false},
     {"machine_down", FaultKind::kMachineDown, "machine*, seconds*", "the machine is DOWN for that time", false},

@@ -25,6 +25,7 @@ enum class FaultKind : std::uint8_t {
   kPieceDropped,
   kRobotHalts,
   kRobotSlow,
+  kPoseNoise,
   kMachineBreaks,  ///< from here on about machines
   kMachineDown,
   kPieceTaken,
@@ -50,7 +51,8 @@ struct Fault {
   int error = 0;    ///< code that the skill ends with; 0 = 201, 206 or 204, by skill
   SimTime after{};  ///< from the beginning of the skill, or the end of a pick
   SimTime duration{};
-  double factor = 1;  ///< share of the speed
+  double factor = 1;                  ///< share of the speed
+  double sigma_m = 0, sigma_deg = 0;  ///< standard deviations: of each direction, of the angle
   Origin origin{};
   std::size_t number = 0;  ///< in the scenario's list, from 0
 };
@@ -80,6 +82,8 @@ class FaultTimer {
   SimTime due() const { return due_; }
   /// One of so many, which it strikes: draws once.
   std::size_t choose(std::size_t count) { return random_.below(count); }
+  /// How large: normally distributed around 0. Draws.
+  double draw(double sigma) { return random_.normal(0, sigma); }
   /// It has struck at `now`, not before `due`.
   void struck(SimTime now);
 

@@ -1,7 +1,10 @@
 #include "sim/skills/faulty_skills.h"
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
+
+#include "sim/skills/pose_noise.h"
 
 namespace cxlab::sim {
 namespace {
@@ -46,19 +49,24 @@ void FaultySkills::record(const Fault& fault, SimTime now) {
   sink_.write(sink_.open_stream("faults"), now, RecordKind::kControl, data_);
 }
 
-const Fault* FaultySkills::striking(FaultKind kind, const SkillGoal& goal, SimTime now) {
+FaultTimer* FaultySkills::striking_timer(FaultKind kind, const SkillGoal& goal, SimTime now) {
   for (FaultTimer& timer : timers_) {
     const Fault& fault = timer.fault();
     if (fault.kind != kind || (!fault.skill.empty() && fault.skill != to_string(goal.kind))) continue;
-    if (timer.strikes_occasion(now)) return &fault;
+    if (timer.strikes_occasion(now)) return &timer;
   }
   return nullptr;
 }
 
+const Fault* FaultySkills::striking(FaultKind kind, const SkillGoal& goal, SimTime now) {
+  const FaultTimer* timer = striking_timer(kind, goal, now);
+  return timer ? &timer->fault() : nullptr;
+}
+
 /// All that was to happen to the last skill.
 void FaultySkills::forget() {
-  begins_at_ = fails_at_ = late_until_ = kNever;
-  broken_off_ = cancelled_ = misplaced_ = false;
+  begins_at_ = fails_at_ = late_until_ = searches_until_ = kNever;
+  broken_off_ = cancelled_ = misplaced_ = astray_ = false;
   misplacing_ = nullptr;
   late_.reset();
 }
@@ -84,8 +92,46 @@ void FaultySkills::start(const SkillGoal& goal, SimTime now) {
     begins_at_ = now + stall->duration;
     record(*stall, now);
   } else {
-    skills_->start(goal, now);
+    begin(now);
   }
+}
+
+void FaultySkills::begin(SimTime now) {
+  const bool drives_by_pose =
+      goal_.kind == SkillKind::kDriveTo || goal_.kind == SkillKind::kPick || goal_.kind == SkillKind::kPlace;
+  const bool sees = goal_.spot && in_sight(goal_.pose, world_.robot(robot_).pose_in_world);
+  FaultTimer* noise = drives_by_pose && !sees ? striking_timer(FaultKind::kPoseNoise, goal_, now) : nullptr;
+  if (!noise) return skills_->start(goal_, now);
+  const Fault& fault = noise->fault();
+  Pose2 error;
+  error.x = noise->draw(fault.sigma_m);
+  error.y = noise->draw(fault.sigma_m);
+  error.yaw = noise->draw(fault.sigma_deg * std::numbers::pi / 180);
+  record(fault, now);
+  astray_ = true;
+  skills_->start({SkillKind::kDriveTo, goal_.target, goal_.spot, astray(goal_.pose, error, traffic_)}, now);
+}
+
+std::optional<SkillResult> FaultySkills::find_way(std::optional<SkillResult> result, SimTime now) {
+  if (searching()) {
+    if (cancelled_ || broken_off_)
+      result = SkillResult::cancel();
+    else if (now >= searches_until_)
+      result = SkillResult::of(SkillCode::kUnableToMove);
+  } else if (result && result->code == SkillCode::kNone && !result->cancelled && goal_.kind != SkillKind::kDriveTo) {
+    result.reset();
+    if (in_sight(goal_.pose, world_.robot(robot_).pose_in_world)) {
+      astray_ = false;
+      skills_->start(goal_, now);
+    } else {
+      searches_until_ = now + kSearchTime;
+    }
+  }
+  if (result) {
+    astray_ = false;
+    searches_until_ = kNever;
+  }
+  return result;
 }
 
 SkillResult FaultySkills::failure() const {
@@ -97,6 +143,8 @@ void FaultySkills::cancel(SimTime now) {
   cancelled_ = true;
   if (stalled())
     begins_at_ = now;
+  else if (searching())
+    searches_until_ = now;
   else if (!broken_off_ && !late_)
     skills_->cancel(now);
 }
@@ -119,14 +167,15 @@ std::optional<SkillResult> FaultySkills::sense(SimTime now) {
       return failure();
     }
     broken_off_ = true;
-    skills_->cancel(now);
+    if (!searching()) skills_->cancel(now);
   }
   if (now >= begins_at_) {
     begins_at_ = kNever;
-    skills_->start(goal_, now);
+    begin(now);
   }
   drop_due(now);
   std::optional<SkillResult> result = skills_->sense(now);
+  if (astray_) result = find_way(std::move(result), now);
   misplace(now);
   if (result) {
     misplacing_ = nullptr;
@@ -203,7 +252,7 @@ void FaultySkills::drop_due(SimTime now) {
 SimTime FaultySkills::next_due() const {
   SimTime due = skills_->next_due();
   if (!cancelled_) due = std::min(due, fails_at_);
-  due = std::min({due, begins_at_, late_until_, slips_at_});
+  due = std::min({due, begins_at_, searches_until_, late_until_, slips_at_});
   if (speed_ < 1) due = std::min(due, speed_ == 0 ? halted_until_ : slow_until_);
   const bool holds = world_.robot(robot_).held.has_value();
   for (const FaultTimer& timer : timers_) {

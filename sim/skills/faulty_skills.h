@@ -27,14 +27,22 @@ class FaultySkills final : public RobotSkills {
   std::optional<SkillResult> sense(SimTime now) override;
   void act(SimTime now) override { skills_->act(now); }
   void drop(SimTime now) override { skills_->drop(now); }
-  SkillPhase phase() const override { return stalled() ? SkillPhase::kWait : skills_->phase(); }
-  SkillKind part() const override { return stalled() ? goal_.kind : skills_->part(); }
+  SkillPhase phase() const override {
+    return stalled() ? SkillPhase::kWait : searching() ? SkillPhase::kLook : skills_->phase();
+  }
+  SkillKind part() const override { return stalled() || astray_ ? goal_.kind : skills_->part(); }
   double remaining(SimTime now) const override { return stalled() ? 0 : skills_->remaining(now); }
   SimTime next_due() const override;
 
  private:
   bool stalled() const { return begins_at_ != kNever; }
+  bool searching() const { return searches_until_ != kNever; }
   void forget();
+  /// Begins the skill itself; with pose noise, by driving to where the robot takes the goal to be.
+  void begin(SimTime now);
+  /// What the skill is worth that the robot does with a wrong pose; none while it goes on.
+  std::optional<SkillResult> find_way(std::optional<SkillResult> result, SimTime now);
+  FaultTimer* striking_timer(FaultKind kind, const SkillGoal& goal, SimTime now);
   /// The fault of that kind that strikes the skill now, if any.
   const Fault* striking(FaultKind kind, const SkillGoal& goal, SimTime now);
   SkillResult failure() const;
@@ -56,6 +64,8 @@ class FaultySkills final : public RobotSkills {
   SkillGoal goal_;
   SimTime begins_at_ = kNever;  // of a skill that is stalled
   SimTime fails_at_ = kNever;
+  bool astray_ = false;  // drives to a wrong pose, or searches there
+  SimTime searches_until_ = kNever;
   const Fault* failing_ = nullptr;
   bool broken_off_ = false, cancelled_ = false;
   const Fault* misplacing_ = nullptr;

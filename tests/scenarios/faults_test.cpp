@@ -292,6 +292,40 @@ TEST_P(Faults, ARobotInMaintenanceLosesItsPieceAndItsGoalAndComesBack) {
   EXPECT_EQ(track, "gripper robot1");
 }
 
+TEST_P(Faults, ADriveEndsBesideItsGoalAndAPickFindsItsWay) {
+  const std::string goals = goal(1, "robot1", "drive_to", "C_Z23") + goal(60, "robot1", "pick", "C-CS1-SHELF-LEFT");
+  const auto play_with = [&](const std::string& name, const std::string& sigmas) {
+    auto episode =
+        load(floor(name, goals, "  - {kind: pose_noise, probability: 1, robot: robot1, " + sigmas + "}\n", GetParam()),
+             {}, name);
+    begin(*episode);
+    play(*episode, 59);
+    const auto& world = dynamic_cast<const sim::World&>(*episode->stage().worlds.front());
+    const sim::Pose2 stands = world.robot(sim::RobotId{0}).pose_in_world;
+    play(*episode, 200);
+    EXPECT_EQ(world.robot(sim::RobotId{0}).static_contacts, 0u);
+    (void)episode->close(RunStatus::kCompleted);
+    return stands;
+  };
+  const sim::Pose2 exact = play_with("exact", "sigma_m: 0, sigma_deg: 0");
+  const sim::Pose2 off = play_with("off", "sigma_m: 0.1, sigma_deg: 5");
+  const double way = sim::distance(exact.position(), off.position());
+  EXPECT_GT(way, 0.03);
+  EXPECT_LT(way, 0.4);
+  EXPECT_GT(std::abs(exact.yaw - off.yaw), 0.01);
+  EXPECT_EQ(strikes("off", 0).size(), 2u) << "each time that it drives by its pose";
+  const auto right = ends("exact", "robot1"), corrected = ends("off", "robot1");
+  ASSERT_EQ(right.size(), 2u);
+  ASSERT_EQ(corrected.size(), 2u);
+  EXPECT_EQ(corrected[0].first, 0) << "it takes itself to be there";
+  EXPECT_EQ(corrected[1].first, 0);
+  EXPECT_GT(corrected[1].second, right[1].second + 0.3) << "it drives on when it sees the machine";
+  (void)play_with("lost", "sigma_m: 0, sigma_deg: 90");
+  const auto lost = ends("lost", "robot1");
+  ASSERT_EQ(lost.size(), 2u);
+  EXPECT_EQ(lost[1].first, 201) << "the machine is not in sight";
+}
+
 TEST_P(Faults, MachinesBreakAndGoDown) {
   std::string ticks;  // in the timed tier nothing else happens at these times
   for (const char* t : {"9.9", "10.1", "20.1", "36", "42"})
@@ -363,6 +397,11 @@ TEST_F(Faults, WrongFaultsAreBadInputWithTheirPlace) {
       {"{kind: robot_halts, at: 1}", "key 'seconds' is missing"},
       {"{kind: robot_slow, at: 1, seconds: 1}", "key 'factor' is missing"},
       {"{kind: robot_slow, at: 1, seconds: 1, factor: 2}", "expected a share of the speed"},
+      {"{kind: pose_noise, at: 1, sigma_m: 0.1}", "key 'sigma_deg' is missing"},
+      {"{kind: pose_noise, at: 1, sigma_m: -0.1, sigma_deg: 0}", "found -0.1, expected 0 to 2"},
+      {"{kind: pose_noise, at: 1, sigma_m: 2.1, sigma_deg: 0}", "found 2.1, expected 0 to 2"},
+      {"{kind: pose_noise, at: 1, sigma_m: 2, sigma_deg: 91}", "found 91, expected 0 to 90"},
+      {"{kind: robot_maintenance, at: 1}", "key 'seconds' is missing"},
       {"{at: 1}", "key 'kind' is missing"},
       {"{at: 1, knd: skill_fails}", "key 'kind' is missing, did you mean it by 'knd'?"}};
   for (const auto& [text, what] : cases) {

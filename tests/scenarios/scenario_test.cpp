@@ -74,6 +74,7 @@ faults:
   - {kind: skill_stalls, probability: 0.1, seconds: 10}
   - {kind: piece_dropped, mean_s: 300, robot: robot2}
   - {kind: robot_slow, at: 3, factor: 0.25, seconds: 9}
+  - {kind: pose_noise, probability: 0.3, sigma_m: 0.05, sigma_deg: 4}
   - {kind: machine_breaks, at: 200, machine: C-CS1}
   - {kind: machine_down, mean_s: 400, machine: C-BS, seconds: 45, from: 100, until: 900}
 on_rule_error: continue
@@ -107,14 +108,16 @@ TEST(Scenario, IsWrittenAsItIsRead) {
     EXPECT_EQ(std::tie(now.at, now.verb, now.target, now.type, now.content, now.plugin, now.manager),
               std::tie(then.at, then.verb, then.target, then.type, then.content, then.plugin, then.manager));
   }
-  ASSERT_THAT(again->faults, SizeIs(7));
+  ASSERT_THAT(again->faults, SizeIs(8));
   for (std::size_t i = 0; i < again->faults.size(); ++i) {
     const sim::Fault &now = again->faults[i], &then = scenario.faults[i];
     EXPECT_EQ(
         std::tie(now.kind, now.at, now.probability, now.mean, now.from, now.until, now.times, now.number),
         std::tie(then.kind, then.at, then.probability, then.mean, then.from, then.until, then.times, then.number));
-    EXPECT_EQ(std::tie(now.robot, now.skill, now.machine, now.error, now.after, now.duration, now.factor),
-              std::tie(then.robot, then.skill, then.machine, then.error, then.after, then.duration, then.factor));
+    EXPECT_EQ(std::tie(now.robot, now.skill, now.machine, now.error, now.after, now.duration, now.factor, now.sigma_m,
+                       now.sigma_deg),
+              std::tie(then.robot, then.skill, then.machine, then.error, then.after, then.duration, then.factor,
+                       then.sigma_m, then.sigma_deg));
   }
   ASSERT_THAT(again->expect, SizeIs(2));
   EXPECT_EQ(again->expect[0].max, 1e30);

@@ -232,6 +232,13 @@ Fault slips(double at, double after) {
   fault.kind = FaultKind::kGraspSlips;
   return fault;
 }
+Fault noise(double sigma_m, double sigma_deg) {
+  Fault fault = fails(0, 0);
+  fault.kind = FaultKind::kPoseNoise;
+  fault.sigma_m = sigma_m;
+  fault.sigma_deg = sigma_deg;
+  return fault;
+}
 Fault of_robot(Fault fault, const char* robot) {
   fault.robot = robot;
   return fault;
@@ -248,7 +255,8 @@ Fault machine(double at) {
 }
 
 const SkillGoal kDrive{SkillKind::kDriveTo, "A", std::nullopt, {}}, kPick{SkillKind::kPick, "B", std::nullopt, {}},
-    kPlace{SkillKind::kPlace, "C", std::nullopt, {}};
+    kPlace{SkillKind::kPlace, "C", std::nullopt, {}}, kNearPick{SkillKind::kPick, "B", SpotId{0}, {0.2, 0, 0.3}},
+    kFarPick{SkillKind::kPick, "B", SpotId{0}, {3, 0, 0}};
 
 const std::vector<Case>& cases() {
   static const std::vector<Case> all{
@@ -560,6 +568,66 @@ const std::vector<Case>& cases() {
        {"0 start B", "0 handle 3 m, due 2", "2 over", "2 end 0 ''", "2 handle 3 m, due never", "3 fault 4",
         "3 wait 0 m, due 4", "3.5 idle", "4 start C", "4 fault 6", "4 drop", "4 handle 3 m, due 6", "6 over",
         "6 end 204 'sensor disagreement'", "6 handle 3 m, due never"}},
+      {"DrivesAstray",
+       {noise(0.1, 5)},
+       {{0, kDrive}, {3, kDrive}},
+       {},
+       2,
+       6,
+       {"0 fault 3", "0 start A", "0 handle 3 m, due 2", "2 over", "2 end 0 ''", "2 handle 3 m, due never", "3 start A",
+        "3 handle 3 m, due 5", "5 over", "5 end 0 ''", "5 handle 3 m, due never"}},
+      {"DrivesAstrayAndThenSeesWhereItIs",
+       {noise(0.1, 5)},
+       {{0, kFarPick}},
+       {},
+       2,
+       12,
+       {"0 fault 3",
+        "0 start B",
+        "0 handle 3 m, due 2",
+        "2 over",
+        "2 look 3 m, due 10",
+        "2.5 idle",
+        "3 idle",
+        "3.5 idle",
+        "4 idle",
+        "4.5 idle",
+        "5 idle",
+        "5.5 idle",
+        "6 idle",
+        "6.5 idle",
+        "7 idle",
+        "7.5 idle",
+        "8 idle",
+        "8.5 idle",
+        "9 idle",
+        "9.5 idle",
+        "10 idle",
+        "10 end 201 'unable to move'",
+        "10 handle 3 m, due never"}},
+      {"SeesWhereItIsAtOnce",
+       {noise(0.1, 5)},
+       {{0, kNearPick}},
+       {},
+       2,
+       5,
+       {"0 start B", "0 handle 3 m, due 2", "2 over", "2 end 0 ''", "2 handle 3 m, due never"}},
+      {"SearchesAndIsCancelled",
+       {noise(0.1, 5)},
+       {{0, kFarPick}},
+       {3},
+       2,
+       5,
+       {"0 fault 3", "0 start B", "0 handle 3 m, due 2", "2 over", "2 look 3 m, due 10", "2.5 idle", "3 idle",
+        "3 look 3 m, due 3", "3.5 idle", "3.5 end 0 cancelled 'cancelled'", "3.5 handle 3 m, due never"}},
+      {"SearchesAndFailsMeanwhile",
+       {noise(0.1, 5), fails(0, 3, 300)},
+       {{0, kFarPick}},
+       {},
+       2,
+       5,
+       {"0 fault 3", "0 start B", "0 handle 3 m, due 2", "2 over", "2 look 3 m, due 3", "2.5 idle", "3 fault 3",
+        "3 idle", "3 end 300 'no path'", "3 handle 3 m, due never"}},
       {"DropsWhenASkillEnds",
        {drops(2)},
        {{0, kPick}},
