@@ -4,11 +4,13 @@
     fault_games.py PROGRAM SCENARIO TIER FIRST_SEED LAST_SEED [KIND]...
 
 For each kind of fault that `PROGRAM list faults` names, and for all of them together: enough deliveries, no skill that
-fails again and again, no time in which nothing happens, and in the result the points that the journal has.
+fails again and again, no time in which nothing happens, and in the result the points that the journal has. After each
+kind a line sums up; "broken" are games without a result, with another exit code than 0, or whose points differ.
 """
 import collections
 import json
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -30,6 +32,7 @@ FAULTS = {
     "piece_misplaced": [{"probability": 0.15}],
     "robot_halts": [{"mean_s": 300, "seconds": 60}],
     "robot_slow": [{"mean_s": 300, "factor": 0.4, "seconds": 60}],
+    "pose_noise": [{"probability": 0.5, "sigma_m": 0.1, "sigma_deg": 8}],
     "machine_breaks": [{"mean_s": 600, "machine": machine} for machine in MACHINES],
     "machine_down": [{"mean_s": 400, "machine": machine, "seconds": 45} for machine in MACHINES],
     "piece_taken": [{"mean_s": 600, "machine": machine} for machine in MACHINES],
@@ -47,6 +50,7 @@ TOGETHER = {
     "piece_misplaced": [{"probability": 0.03}],
     "robot_halts": [{"mean_s": 900, "seconds": 30}],
     "robot_slow": [{"mean_s": 900, "factor": 0.5, "seconds": 30}],
+    "pose_noise": [{"probability": 0.2, "sigma_m": 0.1, "sigma_deg": 8}],
     "machine_breaks": [{"mean_s": 2400, "machine": machine} for machine in MACHINES],
     "machine_down": [{"mean_s": 1200, "machine": machine, "seconds": 30} for machine in MACHINES],
     "piece_taken": [{"mean_s": 2400, "machine": machine} for machine in MACHINES],
@@ -62,7 +66,7 @@ def faults_of(kind):
 
 
 def problems(folder):
-    """What is wrong with a game; last, a line of figures."""
+    """What is wrong with a game; last, points, deliveries and a line of figures."""
     result = json.loads((folder / "result.json").read_text())
     strikes = failures = worst = 0
     row = collections.Counter()
@@ -89,9 +93,9 @@ def problems(folder):
     pause = max(b - a for a, b in zip(ends, ends[1:]))
     accepted = sum(d["correct"] for d in result["deliveries"])
     if result["status"] != "completed":
-        yield f"status {result['status']}: {result['reason']}"
+        yield f"broken: status {result['status']}: {result['reason']}"
     if any(team["points"] != points[name] for name, team in result["teams"].items()):
-        yield f"journal and result differ in points: {dict(points)}"
+        yield f"broken: journal and result differ in points: {dict(points)}"
     if strikes == 0:
         yield "no fault struck"
     if accepted < LEAST_DELIVERIES:
@@ -102,7 +106,9 @@ def problems(folder):
         yield f"{failures} failures, {worst} in a row"
     if pause > LONGEST_PAUSE_S:
         yield f"nothing happens for {pause:.0f} s"
-    yield f"{sum(points.values())} points, {accepted} delivered, {strikes} faults, {failures} failures, {worst} in a row, pause {pause:.0f} s"
+    if any(not 0 <= robot["maintenances"] <= 2 or robot["contacts"] for robot in result["robots"]):
+        yield f"broken: {result['robots']}"
+    yield sum(points.values()), accepted, f"{sum(points.values())} points, {accepted} delivered, {strikes} faults, {failures} failures, {worst} in a row, pause {pause:.0f} s"
 
 
 def main():
@@ -115,16 +121,23 @@ def main():
     with tempfile.TemporaryDirectory(prefix="cxlab-faults-") as folder:
         for kind in kinds or [*FAULTS, "together"]:
             arguments = ["--set", "faults=" + json.dumps(faults_of(kind))]
+            games = []
             for seed in range(int(first), int(last) + 1):
                 out = pathlib.Path(folder) / f"{kind}-{seed}"
                 done = subprocess.run([program, "run", scenario, "--tier", tier, "--seed", str(seed), "--quiet", "--out",
                                        str(out), *arguments], capture_output=True, text=True)
-                *bad, figures = problems(out) if (out / "result.json").exists() else ["no result", ""]
+                *bad, (points, delivered, figures) = (
+                    problems(out) if (out / "result.json").exists() else ["broken: no result", (0, 0, "")])
                 if done.returncode:
-                    bad.append(f"exit code {done.returncode}: {done.stderr}")
+                    bad.append(f"broken: exit code {done.returncode}: {done.stderr}")
+                games.append((points, delivered, any(text.startswith("broken") for text in bad)))
+                shutil.rmtree(out, ignore_errors=True)
                 print(f"{kind}, seed {seed}: {figures}", *bad, sep="; ", flush=True)
                 played += 1
                 failed += bool(bad)
+            points, delivered, broken = zip(*games)
+            print(f"{kind}: {len(games)} games, {sum(points) / len(games):.0f} points on average, at least {min(points)}, "
+                  f"{delivered.count(0)} without delivery, {sum(broken)} broken")
     print(f"{played - failed} passed, {failed} failed")
     sys.exit(1 if failed else 0)
 
