@@ -72,6 +72,9 @@ function(cxlab_executable target)
   add_executable(${target} ${arg_SOURCES})
   target_link_libraries(${target} PRIVATE ${arg_DEPS})
   target_compile_options(${target} PRIVATE ${CXLAB_WARNINGS})
+  if(CXLAB_SANITIZE MATCHES "address" AND NOT CXLAB_SANITIZE MATCHES "fuzzer")
+    target_sources(${target} PRIVATE "${PROJECT_SOURCE_DIR}/cmake/leaks_of_others.cpp")
+  endif()
 endfunction()
 
 # Compiles the big headers <header.h>... of a target once, with this level of optimisation.

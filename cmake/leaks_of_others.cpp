@@ -1,0 +1,7 @@
+// For AddressSanitizer: Mesa 22.3 never frees the buffer that OSMesaMakeCurrent makes for a context (480 bytes).
+extern "C" {
+const char* __asan_default_options();
+const char* __lsan_default_suppressions();
+}
+const char* __asan_default_options() { return "print_suppressions=0"; }
+const char* __lsan_default_suppressions() { return "leak:libOSMesa.so"; }
