@@ -50,13 +50,13 @@ Machine::Answer Machine::instruct(const Instruction& instruction, SimTime now, s
   if (context_.clock.phase(now) != Phase::kProduction)
     return {InstructError::kNotReady, "the game is in phase " + std::string(to_string(context_.clock.phase(now)))};
   if (last_step_ != now) step(now, world);  // what is due comes first: a payment, the end of a wait, a down time
-  if (context_.exploration && !context_.exploration->knows(id_, now))
-    return {InstructError::kNotReady, name_ + " is not reported yet, and exploration goes on"};
   if (instruction.operation == "RESET") {
     if (broken()) return {InstructError::kNotReady, name_ + " is BROKEN already"};
     break_down(now, world, InstructError::kBroken, "reset by its team");
     return {InstructError::kNone, {}, true};
   }
+  if (context_.exploration && !context_.exploration->knows(id_, now))
+    return {InstructError::kNotReady, name_ + " is not reported yet, and exploration goes on"};
   if (state_ != MachineState::kIdle) {
     std::string text = name_ + " is " + std::string(to_string(state_)) + ", not IDLE";
     const bool busy = working(state_) || state_ == MachineState::kReadyAtOutput || state_ == MachineState::kWaitIdle;

@@ -14,6 +14,10 @@ std::span<const Row> exploration_rows() {
         wait 2.1
         message /machine_info /machines/0/name "C-BS"
         message /machine_info /machines/0/correctly_reported false)"},
+      {"exploration: its team may reset a machine that is not reported",
+       R"(exploration
+        C-BS {operation: RESET} -> 0
+        C-BS is BROKEN)"},
       {"exploration: zone and rotation right are a point each, and the machine may be used",
        R"(exploration
         report C-BS RIGHT RIGHT
