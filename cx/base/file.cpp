@@ -14,7 +14,10 @@
 namespace cxlab {
 
 static Error cannot_be_read(const std::filesystem::path& path) {
-  return input_error("cannot be read: " + std::generic_category().message(errno), path.string());
+  const bool is_short = errno == EMFILE || errno == ENFILE || errno == ENOMEM;
+  Error error = input_error("cannot be read: " + std::generic_category().message(errno), path.string());
+  if (is_short) error.kind = ErrorKind::kResource;
+  return error;
 }
 
 Expected<std::string> read_file(const std::filesystem::path& path) {

@@ -1,5 +1,6 @@
 // Functions of CLIPS that use files: the paths that they may really use, and binary files.
 
+#include <sys/stat.h>
 #include <xxhash.h>
 
 #include <filesystem>
@@ -55,12 +56,29 @@ std::optional<BinaryHash> hash_of(const char* path) {
 
 }  // namespace
 
-void open_function(Environment*, UDFContext* context, UDFValue* result) {
+void open_function(Environment* env, UDFContext* context, UDFValue* result) {
   std::vector<UDFValue> args;
   if (!arguments(context, args)) return;
+  constexpr int kMostFiles = 250;
+  int files = 0;
+  for (const fileRouter* file = file_router_data(env)->ListOfFileRouters; file != nullptr; file = file->next) ++files;
+  if (files >= kMostFiles)
+    return refuse(context, result, std::to_string(files) + " files are open, which is the most; (close) closes them");
   std::string mode = "r";
   if (args.size() > 2 && args[2].header->type == STRING_TYPE) mode = args[2].lexemeValue->contents;
   if (take_path(context, args[0], result, mode == "r" || mode == "rb")) call_original(context, result, args);
+}
+
+/// What lies between the end of a file and a place beyond it counts as written, as those who read the file get it.
+void seek_function(Environment* env, UDFContext* context, UDFValue* result) {
+  builtin_of(context).original(env, context, result);
+  for (const fileRouter* file = file_router_data(env)->ListOfFileRouters; file != nullptr; file = file->next) {
+    struct stat found{};
+    if (std::fflush(file->stream) != 0 || fstat(fileno(file->stream), &found) != 0) continue;
+    const long place = std::ftell(file->stream);
+    if (place > found.st_size) Charge::written(static_cast<std::size_t>(place - found.st_size));
+  }
+  impl_of(context).glance_at_limits();
 }
 
 void read_file_function(Environment*, UDFContext* context, UDFValue* result) {
@@ -137,6 +155,8 @@ void load_forms(UDFContext* context, UDFValue* result, LoadMode mode) {
   const std::string path = args[0].lexemeValue->contents;
   RuleEngine& engine = engine_of(context);
   if (engine.options().files == nullptr) return refuse(context, result, kNoFiles + path);
+  const Nesting nesting(context, result);
+  if (!nesting) return;
   LoadReport report = engine.load_file(path, mode, impl_of(context).on_load_error);
   const bool readable = report.errors.empty() || report.errors.front().line != 0;
   result->lexemeValue = CreateBoolean(context->environment, mode == LoadMode::kBatch ? readable : report.ok());

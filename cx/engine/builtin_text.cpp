@@ -203,6 +203,8 @@ void nested_function(Environment*, UDFContext* context, UDFValue* result) {
   count_parsed(context, std::strlen(args[0].lexemeValue->contents));
   if (depth_of(args[0].lexemeValue->contents) > kDeepestForm)
     return refuse(context, result, "parentheses are nested more than " + std::to_string(kDeepestForm) + " deep");
+  const Nesting nesting(context, result);
+  if (!nesting) return;
   const bool asserts = UDFContextFunctionName(context) == std::string_view("assert-string");
   if (asserts) impl_of(context).asserted_text = args[0].lexemeValue->contents;
   call_original(context, result, args);

@@ -181,16 +181,8 @@ void exit_function(Environment* env, UDFContext* context, UDFValue*) {
 
 /// A function through which message-handlers are called: they may call themselves without end.
 void message_function(Environment* env, UDFContext* context, UDFValue* result) {
-  RuleEngine::Impl& impl = impl_of(context);
-  if (impl.stack_is_full()) {
-    impl.leave_calls(UDFContextFunctionName(context));
-    result->lexemeValue = FalseSymbol(env);
-    return;
-  }
-  ++impl.calls;
-  builtin_of(context).original(env, context, result);
-  --impl.calls;
-  if (impl.calls == 0) impl.leaving_calls = false;
+  const Nesting nesting(context, result);
+  if (nesting) builtin_of(context).original(env, context, result);
 }
 
 constexpr std::pair<const char*, UserDefinedFunction*> kReplaced[] = {
@@ -201,6 +193,7 @@ constexpr std::pair<const char*, UserDefinedFunction*> kReplaced[] = {
     {"random", random_function},
     {"seed", seed_function},
     {"open", open_function},
+    {"seek", seek_function},
     {"load", load_function},
     {"load*", load_function},
     {"batch", batch_function},
@@ -266,6 +259,19 @@ constexpr std::pair<const char*, UserDefinedFunction*> kReplaced[] = {
 };
 
 }  // namespace
+
+Nesting::Nesting(UDFContext* context, UDFValue* result) : impl_(impl_of(context)), entered_(!impl_.stack_is_full()) {
+  if (entered_) {
+    ++impl_.calls;
+    return;
+  }
+  impl_.leave_calls(UDFContextFunctionName(context));
+  result->lexemeValue = FalseSymbol(context->environment);
+}
+
+Nesting::~Nesting() {
+  if (entered_ && --impl_.calls == 0) impl_.leaving_calls = false;
+}
 
 Value RuleEngine::Impl::look_outside(const char* function, const std::function<Value()>& look) {
   if (engine.options_.journal != nullptr) {

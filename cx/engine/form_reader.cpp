@@ -23,7 +23,7 @@ class Scanner {
   void skip_blanks_and_comments() {
     while (!done()) {
       if (text_[at_] == ';') {
-        while (!done() && text_[at_] != '\n') ++at_;
+        while (!done() && text_[at_] != '\n' && text_[at_] != '\r') ++at_;
       } else if (is_blank(text_[at_])) {
         step();
       } else {

@@ -327,7 +327,9 @@ ROWS["hangs"] = [
            alike={"Function 'g'": "Function 'f'"}),
     attack("recursion that branches", "(deffunction f (?x) (if (> ?x 0) then (f (- ?x 1)) (f (- ?x 1)) (f (- ?x 1))))\n" + act("(f 60)"), 4),
     attack("recursion of a method", "(defmethod f ((?x NUMBER)) (f (+ ?x 1)))\n" + act("(f 1)"), 4),
-    attack("recursion by eval", '(deffunction f (?x) (eval "(f 1)"))\n' + act("(f 1)"), 4),
+    attack("recursion by eval", '(deffunction f (?x) (eval "(f 1)"))\n' + act("(f 1)"), 4, alike={"Function 'eval'": "Function 'f'"}),
+    attack("text that evaluates itself", '(defglobal ?*e* = "(eval ?*e*)")\n' + act("(eval ?*e*)"), 4),
+    *[attack(f"file that calls {call} of itself", act(f'(open "b.clp" f "w") (printout f "({call} \\"b.clp\\")" crlf) (close f) ({call} "b.clp")'), 3) for call in ("batch", "batch*")],
     attack("recursion by funcall", '(deffunction f (?x) (funcall f ?x))\n' + act("(f 1)"), 4),
     attack("recursion by assert", "(deffunction f (?x) (assert (a ?x)) (f (+ ?x 1)))\n" + act("(f 1)"), 4),
     attack("do-for-all-facts that asserts", act("(assert (x 0)) (do-for-all-facts ((?f x)) TRUE (assert (x (+ (nth$ 1 ?f:implied) 1))))"), 5, command=["--memory", "20MB"]),
@@ -467,6 +469,8 @@ ROWS["disk"] = [
     writes("many files", forever('(bind ?n (str-cat "x" ?i)) (open ?n f "w") (printout f ?s) (close f)', '(bind ?s (format nil "%99999d" 1))')),
     writes("a file written again", forever('(open "x" f "w") (printout f ?s) (close f) (remove "x")', '(bind ?s (format nil "%99999d" 1))')),
     writes("formatted texts", act('(open "x" f "w") (while TRUE (format f "%99999d" 1))')),
+    writes("gaps", act('(open "x" f "w") (seek f 1000000000 seek-set) (printout f x)')),
+    writes("gaps one after another", act('(open "x" f "w") (while TRUE (seek f 1000000 seek-cur) (printout f x))')),
     writes("characters", act('(open "x" f "wb") (while TRUE (put-char f 65))')),
     *[writes(f"{function}", "(defclass A (is-a USER) (slot x))\n" + act(f'(loop-for-count (?i 1 1000) (assert (x ?i)) (make-instance of A (x ?i))) (bind ?i 0) (while TRUE (bind ?i (+ ?i 1)) ({function} (str-cat "x" ?i)))'))
       for function in ("save-facts", "bsave-facts", "save-instances", "bsave-instances", "save", "bsave")],
@@ -545,6 +549,8 @@ ROWS["steps"] = [
 # --- the machine's clock, chance and terminal
 
 ROWS["machine"] = [
+    attack("files that are left open", act('(loop-for-count (?i 1 1000) (open (str-cat "x" ?i) (sym-cat f ?i) "w"))'), 4),
+    attack("files that are closed", act('(loop-for-count (?i 1 1000) (open "x" f "w") (close f))'), 0),
     *[prints(f"{kind}", act(f'(printout t "found " {call} crlf)'))
       for kind, call in (("time", "(time)"), ("local-time", "(local-time)"), ("gm-time", "(gm-time)"), ("timer", "(timer (loop-for-count 1000 (bind ?x 1)))"),
                          ("random", "(random) \" \" (random 1 6)"), ("random of bounds", f"(random {TINY} {HUGE})"), ("seed", "(progn (seed 5) (random 1 1000))"),

@@ -21,6 +21,21 @@ bool arguments(clips::UDFContext* context, std::vector<clips::UDFValue>& args);
 /// Calls the function of CLIPS with these values as its arguments.
 void call_original(clips::UDFContext* context, clips::UDFValue* result, const std::vector<clips::UDFValue>& args);
 
+/// A call of a function that may come to call itself, as `eval` of a text with an `eval`; false, after an error, where
+/// the stack is full of such calls.
+class Nesting {
+ public:
+  Nesting(clips::UDFContext* context, clips::UDFValue* result);
+  ~Nesting();
+  Nesting(const Nesting&) = delete;
+  Nesting& operator=(const Nesting&) = delete;
+  explicit operator bool() const { return entered_; }
+
+ private:
+  RuleEngine::Impl& impl_;
+  bool entered_;
+};
+
 /// Counts what reading that many bytes as rules costs.
 inline void count_parsed(clips::UDFContext* context, std::size_t bytes) {
   clips::evaluation_data(context->environment)->Steps += kStepsOfAByte * bytes;
@@ -29,8 +44,8 @@ inline void count_parsed(clips::UDFContext* context, std::size_t bytes) {
 inline constexpr const char* kStatistics = "statistics";
 
 // builtin_files.cpp
-clips::UserDefinedFunction open_function, load_function, batch_function, read_file_function, read_binary_function,
-    region_function, write_file_function, write_binary_function, change_file_function;
+clips::UserDefinedFunction open_function, seek_function, load_function, batch_function, read_file_function,
+    read_binary_function, region_function, write_file_function, write_binary_function, change_file_function;
 // builtin_text.cpp
 clips::UserDefinedFunction format_function, nested_function, text_function, scanning_function;
 
