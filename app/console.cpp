@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -13,6 +14,7 @@
 #include <ctime>
 #include <fstream>
 #include <new>
+#include <utility>
 
 #include "app/arguments.h"
 #include "app/command.h"
@@ -180,17 +182,43 @@ std::string coloured(std::string_view text, std::string_view colour) {
 
 std::string printable(std::string_view text) {
   std::string out;
-  for (const char c : text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
     const auto code = static_cast<unsigned char>(c);
-    if ((code >= 0x20 && code != 0x7f) || c == '\n' || c == '\t') {
+    if (text.substr(i, 2) == "\r\n") continue;
+    // U+0080 to U+009F are control characters in two bytes, of which the second is enough to break them.
+    const bool second = code >= 0x80 && code < 0xa0 && out.ends_with('\xc2');
+    if ((code >= 0x20 && code != 0x7f && !second) || c == '\n' || c == '\t') {
       out += c;
       continue;
     }
+    if (second) out.replace(out.size() - 1, 1, "\\xc2");
     char escaped[5];
     std::snprintf(escaped, sizeof escaped, "\\x%02x", code);
     out += escaped;
   }
   return out;
+}
+
+bool make_answers_printable() {
+  cookie_io_functions_t functions{};
+  functions.write = [](void*, const char* bytes, std::size_t size) -> ssize_t {
+    static std::string cut;  // the first half of what may be a control character
+    const std::string given = std::exchange(cut, "") + std::string(bytes, size);
+    if (given.ends_with('\xc2')) cut = "\xc2";
+    const std::string text = printable(std::string_view(given).substr(0, given.size() - cut.size()));
+    for (std::size_t done = 0; done < text.size();) {
+      const ssize_t written = write(STDOUT_FILENO, text.data() + done, text.size() - done);
+      if (written < 0 && errno != EINTR) return 0;
+      if (written > 0) done += static_cast<std::size_t>(written);
+    }
+    return static_cast<ssize_t>(size);
+  };
+  FILE* file = fopencookie(nullptr, "w", functions);
+  if (file == nullptr) return false;
+  std::setvbuf(file, nullptr, isatty(STDOUT_FILENO) ? _IOLBF : _IOFBF, BUFSIZ);
+  stdout = file;
+  return true;
 }
 
 Console::Console(bool quiet)

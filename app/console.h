@@ -49,6 +49,8 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
 std::string coloured(std::string_view text, std::string_view colour);
 /// The text with control characters as \x1b: texts of others may not move the cursor, nor rename the terminal.
 std::string printable(std::string_view text);
+/// From here on all that is written to stdout is printable in this sense; false where that cannot be.
+bool make_answers_printable();
 /// Declares `--memory`, `--disk` and `--steps`, which hold for the whole process.
 void add_limit_options(CLI::App& command);
 /// The number of the signal that asked for a stop, 0 if none.

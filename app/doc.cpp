@@ -84,12 +84,15 @@ Error unknown(const std::vector<lab::PluginReference>& reference, const std::str
                      (near.empty() ? "; cxlab doc lists all" : ", did you mean '" + near + "'?"));
 }
 
-int show_interface(const std::string& name, const std::map<std::string, std::string>& packages) {
+int show_interface(const Options& options, const std::map<std::string, std::string>& packages) {
+  if (options.markdown) return fail(usage_error("--markdown: an interface is shown as text, or with --json"));
+  const std::string& name = options.name;
   auto interfaces = lab::Interfaces::load(packages);
   if (!interfaces) return fail(interfaces.error());
   const auto text = interfaces->show(name);
   if (!text) return fail(text.error());
-  std::fputs(text->c_str(), stdout);
+  const std::string shown = options.json ? lab::interface_json(name, *text) : *text;
+  std::fputs(shown.c_str(), stdout);
   return 0;
 }
 
@@ -98,7 +101,7 @@ int doc(const Options& options) {
   const bool is_class = options.name.starts_with("cx::");
   auto packages = lab::find_packages(options.packages);
   if (!packages) return fail(packages.error());
-  if (options.name.find('/') != std::string::npos) return show_interface(options.name, *packages);
+  if (options.name.find('/') != std::string::npos) return show_interface(options, *packages);
   auto reference = lab::read_reference(*packages);
   if (!reference) return fail(reference.error());
   std::vector<lab::PluginReference> shown = options.name.empty() ? *reference : about(*reference, options.name);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/command.h"
+#include "cx/base/json_text.h"
 #include "lab/doctor.h"
 
 namespace cxlab::app {
@@ -32,7 +33,7 @@ int doctor(bool json) {
       std::printf("%-8s %-13s %s%s%s\n", word(f.verdict), f.what.c_str(), f.found.c_str(), f.remedy.empty() ? "" : "; ",
                   f.remedy.c_str());
   }
-  if (json) std::printf("%s\n", list.dump(2).c_str());
+  if (json) std::printf("%s\n", json_text(list, 2).c_str());
   return complete ? 0 : static_cast<int>(ErrorKind::kResource);
 }
 

@@ -6,6 +6,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/suggestions.h"
+#include "cx/base/json_text.h"
 #include "lab/page.h"
 #include "lab/versions.h"
 
@@ -59,7 +60,7 @@ Json describe(const CLI::App& command, bool suggestions) {
 /// Prints the template `page` of lab/pages, filled with what the commands declare.
 int print_page(const CLI::App& app, const std::string& page, bool suggestions) {
   const auto text =
-      lab::render_page(page, Json{{"cxlab", describe(app, suggestions)}, {"version", lab::cxlab_version()}}.dump());
+      lab::render_page(page, json_text(Json{{"cxlab", describe(app, suggestions)}, {"version", lab::cxlab_version()}}));
   if (!text) return fail(text.error());
   std::fputs(text->c_str(), stdout);
   return 0;

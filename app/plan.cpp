@@ -15,6 +15,7 @@
 #include "app/command.h"
 #include "app/planning.h"
 #include "cx/base/file.h"
+#include "cx/base/json_text.h"
 #include "lab/page.h"
 #include "planner/pddl/parser.h"
 #include "planner/planner.h"
@@ -167,11 +168,11 @@ int report(const planner::PlanAnswer& answer, const planner::Task& task, const P
     else if (!command.json)
       std::fputs(text.c_str(), stdout);
     if (!command.svg.empty()) {
-      const auto picture = lab::render_page("plan.svg", to_json(answer, task, false).dump());
+      const auto picture = lab::render_page("plan.svg", json_text(to_json(answer, task, false)));
       code = std::max(code, picture ? write(command.svg, *picture) : fail(picture.error()));
     }
   }
-  if (command.json) std::printf("%s\n", to_json(answer, task, command.timeout_s.has_value()).dump(1).c_str());
+  if (command.json) std::printf("%s\n", json_text(to_json(answer, task, command.timeout_s.has_value()), 1).c_str());
   return code;
 }
 

@@ -78,6 +78,7 @@ int run(int argc, char** argv) {
 #endif
   g_command_line.assign(argv, argv + argc);
   open_standard_streams();
+  if (!make_answers_printable()) return fail(resource_error("no memory is left"));
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app{

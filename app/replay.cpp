@@ -5,6 +5,7 @@
 
 #include "app/command.h"
 #include "app/console.h"
+#include "cx/base/json_text.h"
 #include "lab/replay.h"
 
 namespace cxlab::app {
@@ -79,7 +80,7 @@ int replay(const Options& options) {
   if (!go_on) return code;
   if (options.json && code == static_cast<int>(ErrorKind::kNo))
     json["changed_surroundings"] = run->changed_surroundings();
-  if (options.json) std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+  if (options.json) std::printf("%s\n", json_text(json, 2).c_str());
   return code;
 }
 

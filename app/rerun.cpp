@@ -5,6 +5,7 @@
 
 #include "app/command.h"
 #include "app/play.h"
+#include "cx/base/json_text.h"
 #include "lab/rerun.h"
 
 namespace cxlab::app {
@@ -33,7 +34,7 @@ int rerun(const Options& options) {
     const nlohmann::ordered_json out{
         {"same", differ.empty()}, {"run", options.run},       {"again", played.folder.string()},
         {"differ", differ},       {"changed_files", changed}, {"changed_surroundings", run->changed_surroundings()}};
-    std::printf("%s\n", out.dump(2).c_str());
+    std::printf("%s\n", json_text(out, 2).c_str());
   } else if (differ.empty()) {
     std::printf("the same: %zu streams%s; %s\n", run->stream_hashes.size(), run->physics_hash ? " and the physics" : "",
                 played.folder.c_str());

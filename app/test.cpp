@@ -8,6 +8,7 @@
 #include "app/command.h"
 #include "app/console.h"
 #include "cx/base/file.h"
+#include "cx/base/json_text.h"
 #include "lab/stories.h"
 #include "scenarios/share.h"
 
@@ -76,7 +77,7 @@ int test(const TestOptions& options) {
   if (setup.coverage) report["rules"] = nlohmann::json::parse(lab::to_json(coverage));
   if (setup.coverage && !options.json) print(coverage);
   if (options.json)
-    std::printf("%s\n", report.dump(2).c_str());
+    std::printf("%s\n", json_text(report, 2).c_str());
   else
     std::printf("%zu passed, %zu failed\n", passed, stories->size() - passed);
   if (!options.junit.empty()) {

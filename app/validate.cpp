@@ -9,6 +9,7 @@
 #include "app/command.h"
 #include "app/planning.h"
 #include "cx/base/file.h"
+#include "cx/base/json_text.h"
 #include "planner/pddl/parser.h"
 #include "planner/pddl/text.h"
 #include "planner/validator/robustness.h"
@@ -69,7 +70,7 @@ void print_json(const planner::Verdict& verdict, const std::optional<planner::Ro
     out["robust"] = {{"holds_s", robust->holds}, {"breaks_s", robust->breaks}, {"plans", robust->samples}};
     out["robust"]["violation"] = robust->violation ? to_json(*robust->violation, plan, task) : Json();
   }
-  std::printf("%s\n", out.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+  std::printf("%s\n", json_text(out, 2).c_str());
 }
 
 int validate(const Options& options) {

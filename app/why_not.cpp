@@ -7,6 +7,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
+#include "cx/base/json_text.h"
 #include "lab/why_not.h"
 
 namespace cxlab::app {
@@ -129,7 +130,7 @@ int why_not(const Options& options) {
   if (const int code = interrupted("the run was not replayed up to that time")) return code;
   if (!answer) return fail(answer.error());
   if (options.json) {
-    std::printf("%s\n", lab::to_json(*answer).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+    std::printf("%s\n", json_text(lab::to_json(*answer), 2).c_str());
     return 0;
   }
   std::printf("after the tick at %s%s:\n", seconds_text(answer->at).c_str(),

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cx/base/file.h"
+#include "cx/base/json_text.h"
 #include "cx/base/scratch_folder.h"
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
@@ -184,6 +185,10 @@ Expected<std::vector<PluginReference>> read_reference(const std::map<std::string
   return out;
 }
 
+std::string interface_json(const std::string& name, const std::string& text) {
+  return json_text(nlohmann::ordered_json{{"interface", name}, {"text", text}}, 2) + '\n';
+}
+
 std::string reference_json(const std::vector<PluginReference>& reference) {
   using Json = nlohmann::ordered_json;
   Json out = Json::array();
@@ -209,7 +214,7 @@ std::string reference_json(const std::vector<PluginReference>& reference) {
     if (!plugin.problem.empty()) one["problem"] = plugin.problem;
     out.push_back(std::move(one));
   }
-  return out.dump(2) + '\n';
+  return json_text(out, 2) + '\n';
 }
 
 Expected<std::string> reference_page(const std::vector<PluginReference>& reference) {

@@ -46,6 +46,8 @@ std::string kind_text(const FunctionSpec& function);
 
 /// docs/reference.md.
 Expected<std::string> reference_page(const std::vector<PluginReference>& reference);
+/// An interface as `doc --json` shows it.
+std::string interface_json(const std::string& name, const std::string& text);
 std::string reference_json(const std::vector<PluginReference>& reference);
 
 }  // namespace cxlab::lab

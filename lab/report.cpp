@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cx/base/file.h"
+#include "cx/base/json_text.h"
 #include "cx/journal/journal_reader.h"
 #include "cx/journal/run_folder.h"
 #include "lab/page.h"
@@ -103,7 +104,7 @@ Status write_report(const Played& played) {
   report["pictures"] = Json::array();
   for (const Picture& picture : played.pictures)
     report["pictures"].push_back({{"caption", picture.caption}, {"file", picture.file.lexically_relative(folder)}});
-  const auto text = [&](int indent) { return report.dump(indent, ' ', false, Json::error_handler_t::replace); };
+  const auto text = [&](int indent) { return json_text(report, indent); };
   if (Status s = replace_file(folder / "report.json", text(1) + '\n'); !s) return s;
   // The page is whole without its folder.
   for (std::size_t i = 0; i < played.pictures.size(); ++i)

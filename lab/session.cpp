@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "cx/base/json_text.h"
 #include "cx/journal/run_folder.h"
 #include "lab/packages.h"
 #include "lab/pictures.h"
@@ -73,7 +74,7 @@ std::string manifest(const Run& run) {
   for (const auto& [key, file] : run.scenario.world_files)
     out["world_files"][key] = std::filesystem::absolute(file.path).string();
   out["repeat"] = "cxlab rerun " + run.folder.string();
-  return out.dump(2) + '\n';
+  return json_text(out, 2) + '\n';
 }
 
 /// When the run ends at the latest, s.

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "cx/base/json_text.h"
 #include "cx/base/process.h"
 #include "cx/base/scratch_folder.h"
 #include "cx/testing/story.h"
@@ -61,7 +62,7 @@ std::string to_line(std::size_t index, const PlayedStory& p) {
                   {"wall_s", p.wall_s},
                   {"rules", rules},
                   {"bad", bad}};
-  return line.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
+  return json_text(line) + '\n';
 }
 
 void read_line(const json& line, PlayedStory& p) {
@@ -179,7 +180,7 @@ Expected<std::string> to_junit(const std::vector<PlayedStory>& stories) {
                      {"messages", messages}});
   }
   const nlohmann::json report = {{"stories", cases}, {"failures", failures}, {"errors", errors}, {"wall_s", total}};
-  return render_page("junit.xml", report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  return render_page("junit.xml", json_text(report));
 }
 
 std::string to_json(const Coverage& coverage) {
@@ -192,7 +193,7 @@ std::string to_json(const Coverage& coverage) {
                       {"state", covered.state()},
                       {"fired", covered.fired},
                       {"activated", covered.activated}});
-  return rows.dump();
+  return json_text(rows);
 }
 
 Expected<std::string> to_lcov(const Coverage& coverage) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "cx/base/json_text.h"
 #include "scenarios/catalogue.h"
 
 namespace cxlab {
@@ -100,7 +101,7 @@ Json value_at(const Json& root, const std::string& path) {
 
 std::string Result::at(const std::string& path) const {
   const Json value = value_at(result_json(*this), path);
-  return value.is_null() ? std::string() : value.dump();
+  return value.is_null() ? std::string() : json_text(value);
 }
 
 void Result::set(const std::string& key, std::string json) {
@@ -110,9 +111,7 @@ void Result::set(const std::string& key, std::string json) {
     sections.push_back({key, std::move(json)});
 }
 
-std::string Result::to_json() const {
-  return result_json(*this).dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
-}
+std::string Result::to_json() const { return json_text(result_json(*this), 2) + '\n'; }
 
 Result unfinished_result(const Scenario& scenario) {
   Result result;
@@ -187,15 +186,15 @@ Status check_expectations(const std::vector<Expectation>& expectations, const st
   const Json result = Json::parse(result_json);
   for (const Expectation& e : expectations) {
     const Json value = value_at(result, e.path);
-    const std::string found = value.is_string() ? value.get<std::string>() : value.dump();
+    const std::string found = value.is_string() ? value.get<std::string>() : json_text(value);
     std::string wanted;
     if (e.equals && found != *e.equals) wanted = "'" + *e.equals + "'";
     if ((e.min || e.max) && !value.is_number())
       wanted = "a number";
     else if (e.min && value.get<double>() < *e.min)
-      wanted = "at least " + Json(*e.min).dump();
+      wanted = "at least " + json_text(Json(*e.min));
     else if (e.max && value.get<double>() > *e.max)
-      wanted = "at most " + Json(*e.max).dump();
+      wanted = "at most " + json_text(Json(*e.max));
     if (wanted.empty()) continue;
     return at(e.origin, negative("expected " + e.path + " to be " + wanted + ", found " + found))
         .with_code("expectation");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "cx/base/json_text.h"
 #include "cx/node/parameter_services.h"
 
 namespace cxlab {
@@ -69,7 +70,7 @@ Expected<Stimulus> StimuliServer::as_call(const Stimulus& asked) const {
   }
   nlohmann::json request{{"env_name", asked.target}};
   if (!asked.plugin.empty()) request["plugin_name"] = asked.plugin;
-  call.content = request.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  call.content = json_text(request);
   const bool plugin = asked.verb == Verb::kLoadPlugin || asked.verb == Verb::kUnloadPlugin;
   const bool more = asked.verb == Verb::kLoadPlugin || asked.verb == Verb::kCreateEnv;
   call.target =

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "cx/base/file.h"
+#include "cx/base/json_text.h"
 #include "cx/journal/hash_text.h"
 #include "cx/journal/run_folder.h"
 
@@ -67,7 +68,7 @@ Status FileStore::add_content(const std::string& logical_name, std::string_view 
   }
   hashes.push_back(hash);
   const Json line = {{"name", logical_name}, {"hash", hash}};
-  if (Status s = index_.append(line.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n'); !s) return s;
+  if (Status s = index_.append(json_text(line) + '\n'); !s) return s;
   return index_.flush();
 }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "cx/base/json_text.h"
 #include "cx/base/number_text.h"
 
 namespace cxlab {
@@ -145,9 +146,7 @@ Expected<JournalRecord> parse_journal_line(std::string_view line) {
   return record;
 }
 
-std::string to_json(const RecordValue& value) {
-  return std::visit(Converter(), value.value).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+std::string to_json(const RecordValue& value) { return json_text(std::visit(Converter(), value.value)); }
 
 Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& path,
                                                   const std::vector<RecordKind>& kinds) {

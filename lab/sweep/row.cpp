@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cx/base/file.h"
+#include "cx/base/json_text.h"
 #include "cx/journal/file_store.h"
 
 namespace cxlab::lab {
@@ -54,7 +55,7 @@ std::string Row::to_json() const {
                  {"journal_hash", journal_hash},
                  {"program", program},
                  {"files", files}};
-  return out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(out, 2) + '\n';
 }
 
 Expected<Row> Row::parse(const std::string& text) {
@@ -109,7 +110,7 @@ std::string to_csv(const std::vector<Row>& rows) {
            std::to_string(row.cell.seed) + ',' + row.status + ',' + std::to_string(row.exit_code);
     const Figures& f = row.figures;
     for (const double figure : {f.points, f.deliveries, f.busy, f.real_time_factor})
-      out += ',' + (row.journal_hash.empty() ? std::string() : Json(figure).dump());
+      out += ',' + (row.journal_hash.empty() ? std::string() : json_text(Json(figure)));
     out += ',' + row.journal_hash + '\n';
   }
   return out;

@@ -1,4 +1,5 @@
 #include "lab/sweep/table.h"
+#include "cx/base/json_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -128,7 +129,7 @@ std::string to_json(const std::vector<TableLine>& table) {
                    {"busy", json(l.busy)},
                    {"real_time_factor", json(l.real_time_factor)},
                    {"points_against_first", json(l.against_first)}});
-  return out.dump(2) + '\n';
+  return json_text(out, 2) + '\n';
 }
 
 }  // namespace cxlab::lab

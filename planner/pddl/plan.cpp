@@ -35,6 +35,7 @@ class PlanReader {
       : file_(file), domain_(domain), problem_(problem) {}
 
   Plan read(std::string_view text) {
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // the mark of UTF-8 files
     const std::string lower = lower_case(text);
     for (const auto& part : lower | std::views::split('\n')) {
       ++line_;

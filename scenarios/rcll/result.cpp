@@ -1,4 +1,5 @@
 #include "scenarios/rcll/result.h"
+#include "cx/base/json_text.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -84,9 +85,9 @@ void report_game(const Factory& factory, Result& result) {
                orders.size() / factory.teams().size());
     }
   }
-  result.set("teams", teams.dump());
-  result.set("orders", orders.dump());
-  result.set("deliveries", deliveries.dump());
+  result.set("teams", json_text(teams));
+  result.set("orders", json_text(orders));
+  result.set("deliveries", json_text(deliveries));
 }
 
 void report_robots(std::span<const sim::RobotStats> robots, std::span<const Maintenance::Robot> duties,
@@ -104,16 +105,16 @@ void report_robots(std::span<const sim::RobotStats> robots, std::span<const Main
     if (duties[i].duty == RobotDuty::kDisqualified) result.score_board += ", disqualified";
     result.score_board += '\n';
   }
-  result.set("robots", list.dump());
+  result.set("robots", json_text(list));
 }
 
 void add_sample(Result& sample) {
   Json teams = Json::object();
   for (const Team team : kTeams) teams[std::string(to_string(team))] = team_json({});
-  sample.set("teams", teams.dump());
-  sample.set("orders", Json::array({order_json({}, {}, Team::kCyan)}).dump());
-  sample.set("deliveries", Json::array({delivery_json({})}).dump());
-  sample.set("robots", Json::array({robot_json({}, {}, 0)}).dump());
+  sample.set("teams", json_text(teams));
+  sample.set("orders", json_text(Json::array({order_json({}, {}, Team::kCyan)})));
+  sample.set("deliveries", json_text(Json::array({delivery_json({})})));
+  sample.set("robots", json_text(Json::array({robot_json({}, {}, 0)})));
 }
 
 }  // namespace cxlab::rcll

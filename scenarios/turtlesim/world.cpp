@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "cx/base/json_text.h"
 #include "cx/journal/hash_text.h"
 #include "scenarios/result.h"
 #include "scenarios/turtlesim/node.h"
@@ -88,7 +89,7 @@ class TurtleStage final : public Stage {
   void report(Result& result) const override {
     Json turtles = Json::array();
     for (const TurtleStory& story : node_->stories()) turtles.push_back(turtle_json(story));
-    if (!turtles.empty()) result.set("turtles", turtles.dump());
+    if (!turtles.empty()) result.set("turtles", json_text(turtles));
     result.steps = node_->world().steps();
     result.physics_hash = hash_text(node_->world().hash());
   }
@@ -116,7 +117,7 @@ Expected<std::unique_ptr<WorldReplay>> replay(const ReplaySetup& setup) {
       world_options(scenario.world.get<Config>(), scenario.physics_step), scenario.tick, setup.log));
 }
 
-void add_sample(Result& sample) { sample.set("turtles", Json::array({turtle_json({})}).dump()); }
+void add_sample(Result& sample) { sample.set("turtles", json_text(Json::array({turtle_json({})}))); }
 
 constexpr Tier kTiers[]{Tier::kPhysics};
 constexpr std::string_view kName = "turtlesim", kWhat = "turtles on a canvas (docs/turtlesim.md)";

@@ -62,6 +62,11 @@ class Doc(unittest.TestCase):
         self.assertEqual((load["name"], load["kind"], load["min_args"], load["max_args"], load["gives"]), ("config-load", "acting", 2, 2, "nothing"))
         self.assertTrue(all(f["help"].endswith(".") for p in plugins.values() for f in p["functions"]), "each function has a sentence of help")
 
+    def test_json_of_an_interface(self):
+        shown = json.loads(doc("std_msgs/msg/String", "--json").stdout)
+        self.assertEqual(shown, {"interface": "std_msgs/msg/String", "text": doc("std_msgs/msg/String").stdout})
+        self.assertEqual(doc("std_msgs/msg/String", "--markdown").returncode, 2)
+
     def test_list_says_the_same(self):
         listed = subprocess.run([CXLAB, "list", "functions"], text=True, timeout=60, stdout=subprocess.PIPE).stdout
         names = [f["name"] for p in json.loads(doc("--json").stdout) for f in p["functions"]]

@@ -197,6 +197,7 @@ ROWS["scenarios"] = [
     *[scenario(f"fault {text}", f"schema: 1\ntier: timed\nworld: {{kind: rcll}}\nfaults: [{text}]\n")
       for text in ("{kind: skill_fails, at: -1}", "{kind: skill_fails, probability: 2}", "{kind: skill_fails, robot: robot9, at: 1}", "{kind: skill_fails, skill: pik, at: 1}", "{kind: skill_fails, at: 1, error: x}", "{kind: skill_stalls, at: 1}", "{kind: piece_dropped}",
                    "{kind: machine_breaks, at: 1, machine: C-XS}", "{kind: machine_down, at: 1, machine: C-BS}", "{kind: machine_down, at: 1, mean_s: 2, machine: C-BS, seconds: 3}", "{kind: piece_dropped, mean_s: 0}", "{kind: skill_fails, probability: 0.1, from: 9, until: 3}", "{kind: skill_fails, probability: 0.1, times: -1}")],
+    wrong("package of a name that is no UTF-8", RUN, 0, files={"scenario.yaml": SCENARIO.encode().replace(b"{rules: rules}", b"{rules: rules, \xe4\xff: rules}")}),
     *[scenario(f"agent {text}", f"schema: 1\nduration_s: 1\nagents: [{text}]\n")
       for text in ("{config: missing.yaml}", "{config: rules}", "{config: garbage}", "{config: agent.yaml, namespace: a b}", "{config: agent.yaml, remap: {a: b c}}", "{config: agent.yaml, remap: x}", "{config: agent.yaml, packages: {rules: missing}}",
                    "{config: agent.yaml, params: x}", "{config: agent.yaml, params: {x: 1}}", "{config: agent.yaml, packages: {rules: rules}, params: {clips_manager.executive.refresh_rate: x}}", "{config: agent.yaml, activate: 5}", "{config: agent.yaml, confg: x}")],
@@ -304,6 +305,9 @@ ROWS["stories"] = [
     wrong("story of broken rules", ["test"], 3, files={"rules.clp": "(defrule make => (assert (a)\n"}),
     wrong("story of unknown functions", ["test"], 3, files={"rules.clp": "\n(defrule make => (frobnicate))\n"}),
     wrong("story that fails", ["test"], 1, files={"rules.clp": "(defrule make (b) => (assert (a)))\n"}),
+    *[wrong(f"story of control characters, {kind}", ["test"], 0, never=[end], files={"one.story.yaml": STORIES.replace("one", f'"{escape}31mX"')})
+      for kind, escape, end in (("ESC", "\\e[", "\x1b"), ("CSI", "\\u009b", "\x9b"))],
+    wrong("story of a name that is no UTF-8, as JSON", ["test", "--json"], 0, files={"one.story.yaml": STORIES.encode().replace(b"one", b"\xe4\xff")}),
     wrong("story of an error", ["test"], 1, files={"rules.clp": "(defrule make => (assert (a)) (/ 1 0))\n"}),
     *[wrong(f"suite {name}", ["bench", "suite.yaml", "--out", "out"], 3, files={"suite.yaml": text}) for name, text in (
         ("without scenarios", "seeds: [1]\nstrategies: {s: []}\n"), ("without seeds", "scenarios: [scenario.yaml]\nstrategies: {s: []}\n"), ("without strategies", "scenarios: [scenario.yaml]\nseeds: [1]\n"), ("no scenarios", SUITE.replace("[scenario.yaml]", "[]")), ("missing scenario", SUITE.replace("scenario.yaml", "missing.yaml")),
@@ -324,6 +328,7 @@ def rules(name, text, code=3):
 
 ROWS["rules"] = [
     rules("instance of a slot that is not there", "(defclass A (is-a USER))\n(definstances d (a of A (y 1)))", code=4),
+    wrong("rules behind a comment that ends with a carriage return", RUN, 3, files={"rules/rules.clp": b"(defrule a => ) ; fine\r(defrule b => (frob))\r"}),
     rules("fact that cannot be computed", "(deffacts other\n  (x (/ 1 0)))", code=4),
     rules("call that cannot be", "(defrule a (go) => (call f))", code=4),
     *[rules(text.replace("\n", " ")[:100], text) for text in (
@@ -350,6 +355,9 @@ def plan(name, domain, problem, code=31):
 
 
 ROWS["planning"] = [
+    *[wrong(f"plan of a name that is no UTF-8 {option}", ["plan", "d.pddl", "p.pddl", *option.split()], 0, files={"d.pddl": DOMAIN.encode().replace(b"go", b"\xe4\xff"), "out/keep": ""})
+      for option in ("--json", "--svg out/plan.svg")],
+    wrong("plan behind a byte order mark", ["validate", "d.pddl", "p.pddl", "a.plan"], 0, files={"a.plan": "\ufeff" + PLAN}),
     *[plan(f"domain {name}", DOMAIN.replace(find, put, 1), PROBLEM, code=code) for name, find, put, code in (
         ("cut off", "(not (at ?a)) (at ?b))))", "", 31), ("one parenthesis more", "(at ?b))))", "(at ?b)))))", 31), ("unknown type", "?p - place", "?p - plce", 31), ("type of nothing", "(:types place)", "(:types place - )", 31), ("unknown predicate", "(road ?a ?b))\n    :effect", "(rod ?a ?b))\n    :effect", 31),
         ("predicate with too few", "(road ?a ?b))\n    :effect", "(road ?a))\n    :effect", 31), ("predicate twice", "(road ?a ?b - place)", "(at ?a ?b - place)", 31), ("unknown variable", "(at ?a) (road", "(at ?c) (road", 31), ("variable of another type", "(:types place)", "(:types place thing)", 0), ("requirement unknown", ":strips", ":strps", 34),
@@ -378,6 +386,7 @@ def definition(name, kind, text):
 
 
 ROWS["definitions"] = [
+    wrong("interface of lines that end in CR LF, and its control characters", ["doc", "own/msg/X", "--package", "own=own"], 0, never=["\r", "\x1b"], files={"own/msg/X.msg": b"int32 a\r\nstring B=\"\x1b[31m\"\r\n"}),
     *[definition(repr(text), "msg", text) for text in ("int32\n", "int23 a\n", "int32 a\nint32 a\n", "int32 A\n", "int32 1a\n", "int32 a__b\n", "int32[ a\n", "int32[-1] a\n", "int32[x] a\n", "int32[<=] a\n", "string<= a\n", "string<=x a\n", "int32 a 5 6\n", "int8 a 300\n", "uint8 a -1\n", "bool a maybe\n", "int8 A=300\n", "int32 A=\n",
                                                             "int32 A=x\n", "string A=\"open\n", "own/Y a\n", "own/X a\n", "nowhere/Y a\n", "Strin a\n", "int32[99999999999] a\n", "int32[3] a [1, 2]\n", "float32 a x\n", "int32 a_\n", "int32 a-b\n", "---\n", "int32 a\n---\nint32 b\n", "string[<=2] a [\"a\", \"b\", \"c\"]\n", "int32 A=1\nint32 A=2\n", "std_msgs/msg/Strin a\n", "\u0000\n")],
     *[definition(repr(text), "srv", text) for text in ("int32 a\n", "int32 a\n---\nint32 b\n---\nint32 c\n", "int32 a\n--\nint32 b\n", "int32 a\n---\nint23 b\n", "---\nint32 b\nint32 b\n", "")],
