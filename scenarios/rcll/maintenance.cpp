@@ -189,6 +189,8 @@ void Maintenance::act(SimTime now) {
     if (robot.duty != RobotDuty::kMaintenance || !wants_back(robot, now)) continue;
     if (const auto place = free_place(robot)) {
       world_.bring_back(robot.id, *place);
+      for (Fault& fault : faults_)
+        if (robots_[fault.robot].id == robot.id) fault.timer.skip_until(now);
       robot.duty = RobotDuty::kActive;
       ++changes_;
       event(robot, "end").field("duration_s", to_seconds(now - robot.since));

@@ -75,6 +75,10 @@ void FaultTimer::struck(SimTime now) {
   if (left_ != 0 && fault_.mean > SimTime::zero()) draw_next(now);
 }
 
+void FaultTimer::skip_until(SimTime now) {
+  while (!fault_.at && due_ < now) draw_next(due_);
+}
+
 void FaultTimer::draw_next(SimTime from) {
   due_ = from + from_seconds(std::min(1e9, -to_seconds(fault_.mean) * std::log1p(-random_.uniform())));
   if (due_ >= fault_.until) due_ = kNever;

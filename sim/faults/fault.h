@@ -84,6 +84,8 @@ class FaultTimer {
   std::size_t choose(std::size_t count) { return random_.below(count); }
   /// How large: normally distributed around 0. Draws.
   double draw(double sigma) { return random_.normal(0, sigma); }
+  /// Strikes by chance that are due before `now` do not happen.
+  void skip_until(SimTime now);
   /// It has struck at `now`, not before `due`.
   void struck(SimTime now);
 

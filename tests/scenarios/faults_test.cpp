@@ -426,6 +426,27 @@ TEST_F(Faults, WrongFaultsAreBadInputWithTheirPlace) {
   }
 }
 
+TEST(FaultTimer, SkipsWhatChanceWouldHaveBroughtMeanwhile) {
+  sim::Fault fault;
+  fault.mean = from_seconds(10);
+  fault.times = 2;
+  sim::FaultTimer timer(fault, 1, "robot1");
+  timer.skip_until(from_seconds(1000));
+  EXPECT_GE(timer.due(), from_seconds(1000));
+  EXPECT_LT(timer.due(), from_seconds(1100));
+  timer.struck(timer.due());
+  EXPECT_NE(timer.due(), kNever) << "what is skipped does not count";
+  timer.struck(timer.due());
+  EXPECT_EQ(timer.due(), kNever);
+  timer.skip_until(from_seconds(5000));
+  EXPECT_EQ(timer.due(), kNever);
+
+  fault.at = from_seconds(5);
+  sim::FaultTimer once(fault, 1, "robot1");
+  once.skip_until(from_seconds(1000));
+  EXPECT_EQ(once.due(), from_seconds(5));
+}
+
 TEST(FaultTimer, StrikesAsOftenAsItIsAskedFor) {
   sim::Fault fault;
   fault.probability = 0.2;
