@@ -47,6 +47,19 @@
   (modify ?job (robot ""))
   (assert (trouble (job ?id) (kind LOST))))
 
+(defrule maintenance-base-at-hand
+  "The base station has a base ready for a job without a robot, and all the others may wait for that station: one of them
+   takes it, and its own job waits."
+  (machine (name ?bs) (kind BS))
+  (reserved (machine ?bs) (job ?id))
+  ?job <- (job (id ?id) (step WAITING) (avoid ?avoid) (not-before ?wait))
+  ?own <- (job (id ?other) (robot ?robot&~"") (step GO-FETCH) (moving NO))
+  (held-up (job ?other) (step GO-FETCH))
+  (time ?now&:(may-take ?robot ?avoid ?wait ?now))
+  =>
+  (modify ?own (robot "") (step WAITING))
+  (modify ?job (robot ?robot) (step GO-FETCH) (not-before 0.0)))
+
 (defrule maintenance-on-the-way-home
   "The end of a drive that nobody waits for."
   (robot (name ?name) (state OFF-FIELD))
