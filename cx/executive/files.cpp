@@ -170,10 +170,11 @@ Expected<FoundFile> Files::find_where_rules_read(const std::string& path) const 
       if (!below(asked, package.share, relative)) continue;
       if (!find_in(name, relative, found) || really_below(found.path, package.folder)) return found;
     }
+    // What cxlab records there differs from run to run: folder, command, machine.
     fs::path relative;
-    if (!options_.run_folder.empty() && below(asked, options_.run_folder, relative) &&
-        really_below(asked, options_.run_folder))
-      return FoundFile{asked, "run/" + relative.generic_string()};
+    const fs::path by_rules = options_.run_folder / "written";
+    if (!options_.run_folder.empty() && below(asked, by_rules, relative) && really_below(asked, by_rules))
+      return FoundFile{asked, "run/written/" + relative.generic_string()};
   }
   if (options_.trust_rules) return FoundFile{outside(asked), asked.filename().string()};
   return input_error("reading '" + path + "' is refused: rules read from packages and the run's folder only (" +

@@ -90,6 +90,9 @@ ROWS["reads"] = [attack(f"{function} {kind}", act(call.format(path)), 4)
                  for function, call in READERS.items() for kind, path in UNREADABLE.items()
                  if function in ("open", "load", "bload-facts") or kind in ("absolute", "link", "fifo in a package")]
 
+ROWS["reads"] += [attack(f"open of the run's own {name}", act(f'(open "{{here}}/out/{name}" f "r")'), 4) for name in ("manifest.json", "inputs.bin", "logs/main.log", "written/../result.json")]
+ROWS["reads"].append(attack("open of what rules wrote", act('(open "x" f "w") (close f) (open "{here}/out/written/x" f "r")'), 0))
+
 WRITERS = {
     "open w": '(open "{}" f "w") (printout f "by rules" crlf) (close f)',
     "open a": '(open "{}" f "a") (printout f "by rules" crlf) (close f)',

@@ -140,10 +140,12 @@ TEST_F(FilesTest, WithoutARunFolderWritingIsRefused) {
 }
 
 TEST_F(FilesTest, RulesReadBackNothingOutsideOfTheirFolder) {
-  lab_.write("run/secret.txt", "");
+  lab_.write("run/written/mine.txt", "");
+  lab_.write("run/manifest.json", "");
   lab_.write("secret.txt", "");
   Files files = make();
-  EXPECT_TRUE(files.for_reading((lab_.folder / "run/secret.txt").string()).ok()) << "of this run";
+  EXPECT_TRUE(files.for_reading((lab_.folder / "run/written/mine.txt").string()).ok()) << "of this run";
+  EXPECT_FALSE(files.for_reading((lab_.folder / "run/manifest.json").string()).ok()) << "not by rules";
   EXPECT_FALSE(files.for_reading("../secret.txt").ok());
   EXPECT_FALSE(files.for_reading("../../secret.txt").ok());
   EXPECT_FALSE(files.for_reading("a/../../../secret.txt").ok());
