@@ -26,7 +26,7 @@ class Script:
 
     def __init__(self, seed):
         self.random = random.Random(seed)
-        self.stimuli = []
+        self.stimuli, self.instructed = [], set()
         draw = self.random
         self.orders = [self.order() for _ in range(12)]
         for team in "CM":
@@ -53,6 +53,10 @@ class Script:
         self.stimuli.append({"at": max(0, round(at * 50) / 50), **deed})
 
     def instruct(self, at, team, goal):
+        """Once a machine and tick: the journal does not say which of two a fault strikes."""
+        if (key := (round(at * 50), goal["machine"])) in self.instructed:
+            return
+        self.instructed.add(key)
         self.act(at, "/cyan/factory" if team == "C" else "/magenta/factory", "instruct_machine", goal)
 
     def act(self, at, node, action, goal):
