@@ -105,17 +105,24 @@ void TeamChannel::start(const bus::Delivery& delivery) {
 }
 
 void TeamChannel::instruct(const bus::GoalId& goal, Machine& machine, const Instruction& instruction) {
-  const Machine::Answer answer = machine.instruct(instruction, bus_.now(), world_);
-  referee_.take_instruction(machine.id(), instruction, answer.error, bus_.now());
+  const Machine::Answer answer = hear(machine, instruction);
   if (answer.error != InstructError::kNone || answer.done)
     return finish(goal, answer.error, answer.text, machine.name());
   goals_.push_back({goal, &machine, machine.job().number, MachineState::kIdle});
 }
 
+Machine::Answer TeamChannel::hear(Machine& machine, const Instruction& instruction) {
+  Machine::Answer answer = machine.instruct(instruction, bus_.now(), world_);
+  referee_.take_instruction(machine.id(), instruction, answer.error, bus_.now());
+  return answer;
+}
+
 void TeamChannel::act(SimTime now) {
   for (const Delayed& delayed : delayed_) {
     if (now < delayed.due) continue;
-    if (delayed.lost)
+    if (delayed.canceled)
+      (void)hear(*delayed.machine, delayed.instruction);
+    else if (delayed.lost)
       finish(delayed.id, InstructError::kNoAnswer, "no answer: the instruction was lost", delayed.machine->name());
     else
       instruct(delayed.id, *delayed.machine, delayed.instruction);
@@ -136,7 +143,8 @@ void TeamChannel::cancel(const bus::Delivery& delivery) {
   result->set("error", "canceled");
   bus_.finish(server_, delivery.goal, bus::GoalStatus::kCanceled, std::make_shared<bus::Message>(std::move(result)));
   std::erase_if(goals_, [&](const Goal& goal) { return goal.id == delivery.goal; });
-  std::erase_if(delayed_, [&](const Delayed& delayed) { return delayed.id == delivery.goal; });
+  std::erase_if(delayed_, [&](const Delayed& delayed) { return delayed.id == delivery.goal && delayed.lost; });
+  for (Delayed& delayed : delayed_) delayed.canceled |= delayed.id == delivery.goal;
 }
 
 void TeamChannel::report(Goal& goal) {

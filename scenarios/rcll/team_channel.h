@@ -49,9 +49,11 @@ class TeamChannel {
     Instruction instruction;
     SimTime due{};
     bool lost = false;
+    bool canceled = false;  ///< nobody waits for it; it comes all the same
   };
   void start(const bus::Delivery& delivery);
   void instruct(const bus::GoalId& goal, Machine& machine, const Instruction& instruction);
+  Machine::Answer hear(Machine& machine, const Instruction& instruction);
   void cancel(const bus::Delivery& delivery);
   void report(Goal& goal);
   void finish(const bus::GoalId& goal, InstructError error, const std::string& text, const std::string& machine);

@@ -326,6 +326,21 @@ TEST_P(Faults, ADriveEndsBesideItsGoalAndAPickFindsItsWay) {
   EXPECT_EQ(lost[1].first, 201) << "the machine is not in sight";
 }
 
+TEST_P(Faults, AnInstructionThatIsCanceledOnItsWayComesAllTheSame) {
+  auto episode = load(floor("canceled",
+                            "  - {at: 2, send_goal: /factory/instruct_machine, type: "
+                            "rcll_interfaces/action/InstructMachine, goal: {machine: C-BS, side: OUTPUT, base_color: "
+                            "BASE_RED}}\n  - {at: 4, cancel_goal: /factory/instruct_machine}\n  - {at: 6, publish: "
+                            "/tick, type: std_msgs/msg/Empty}\n  - {at: 8, publish: /tick, type: std_msgs/msg/Empty}\n",
+                            "  - {kind: instruction_late, at: 0, machine: C-BS, seconds: 5}\n", GetParam()),
+                      {}, "run");
+  begin(*episode);
+  play(*episode, 6);
+  EXPECT_EQ(state(*episode, "C-BS"), "IDLE");
+  play(*episode, 8);
+  EXPECT_EQ(state(*episode, "C-BS"), "PROCESSING");
+}
+
 TEST_P(Faults, MachinesBreakAndGoDown) {
   std::string ticks;  // in the timed tier nothing else happens at these times
   for (const char* t : {"9.9", "10.1", "20.1", "36", "42"})
