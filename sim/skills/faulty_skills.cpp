@@ -79,7 +79,8 @@ void FaultySkills::abandon(SimTime now) {
 void FaultySkills::start(const SkillGoal& goal, SimTime now) {
   goal_ = goal;
   forget();
-  if (goal.kind == SkillKind::kPlace) misplacing_ = striking(FaultKind::kPieceMisplaced, goal, now);
+  if (goal.kind == SkillKind::kPlace || goal.kind == SkillKind::kTransport)
+    misplacing_ = striking(FaultKind::kPieceMisplaced, goal, now);
   failing_ = striking(FaultKind::kSkillFails, goal, now);
   if (failing_) fails_at_ = now + failing_->after;
   if (const Fault* lost = striking(FaultKind::kGoalLost, goal, now)) {
@@ -174,17 +175,20 @@ std::optional<SkillResult> FaultySkills::sense(SimTime now) {
     begin(now);
   }
   drop_due(now);
+  const bool picks = !stalled() && skills_->part() == SkillKind::kPick;
   std::optional<SkillResult> result = skills_->sense(now);
   if (astray_) result = find_way(std::move(result), now);
   misplace(now);
+  const bool picked =
+      picks && (result ? !result->cancelled && result->code == SkillCode::kNone : skills_->part() == SkillKind::kPlace);
   if (result) {
     misplacing_ = nullptr;
     fails_at_ = kNever;
     if (misplaced_ && !result->cancelled) result = SkillResult::of(SkillCode::kSensorDisagreement);
     if (broken_off_ && result->cancelled) result = failure();
-    const bool picked = goal_.kind == SkillKind::kPick && !result->cancelled && result->code == SkillCode::kNone &&
-                        world_.robot(robot_).held.has_value();
-    if (const Fault* slip = picked ? striking(FaultKind::kGraspSlips, goal_, now) : nullptr) {
+  }
+  if (picked && world_.robot(robot_).held) {
+    if (const Fault* slip = striking(FaultKind::kGraspSlips, goal_, now)) {
       slip_ = slip;
       slipping_ = world_.robot(robot_).held;
       slips_at_ = now + slip->after;
@@ -211,7 +215,9 @@ std::optional<SkillResult> FaultySkills::deliver(std::optional<SkillResult> resu
 /// Once the robot is before the machine and reaches out, the piece falls.
 void FaultySkills::misplace(SimTime now) {
   const SkillPhase phase = skills_->phase();
-  if (!misplacing_ || stalled() || (phase != SkillPhase::kApproach && phase != SkillPhase::kHandle)) return;
+  if (!misplacing_ || stalled() || skills_->part() != SkillKind::kPlace ||
+      (phase != SkillPhase::kApproach && phase != SkillPhase::kHandle))
+    return;
   if (world_.robot(robot_).held) {
     record(*misplacing_, now);
     skills_->drop(now);

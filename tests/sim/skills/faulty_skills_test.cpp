@@ -44,13 +44,15 @@ class Hand final : public WorldView {
   bool holds = false;
 };
 
-/// A skill that takes `lasts` and half a second to stop, and grasps as it ends if it is a pick.
+/// A skill that takes `lasts` and half a second to stop, and grasps as it ends if it is a pick; a transport is a pick
+/// for half of the time, then a place.
 class Plain final : public RobotSkills {
  public:
   Plain(Log& log, Hand& hand, SimTime lasts) : log_(log), hand_(hand), lasts_(lasts) {}
   void start(const SkillGoal& goal, SimTime now) override {
     log_.push_back("start " + goal.target);
     kind_ = goal.kind;
+    part_ = kind_ == SkillKind::kTransport ? SkillKind::kPick : kind_;
     ends_at_ = now + lasts_;
     cancelled_ = false;
   }
@@ -67,6 +69,12 @@ class Plain final : public RobotSkills {
   }
   std::optional<SkillResult> sense(SimTime now) override {
     if (ends_at_ == kNever) log_.push_back("idle");
+    if (now >= next_due() && part_ != kind_) {
+      log_.push_back("took");
+      part_ = SkillKind::kPlace;
+      hand_.holds = true;
+      kind_ = SkillKind::kPlace;
+    }
     if (now < ends_at_) return std::nullopt;
     ends_at_ = kNever;
     log_.push_back(hand_.holds ? "over, holds" : "over");
@@ -80,15 +88,15 @@ class Plain final : public RobotSkills {
     hand_.holds = false;
   }
   SkillPhase phase() const override { return SkillPhase::kHandle; }
-  SkillKind part() const override { return SkillKind::kPick; }
+  SkillKind part() const override { return part_; }
   double remaining(SimTime) const override { return 3; }
-  SimTime next_due() const override { return ends_at_; }
+  SimTime next_due() const override { return part_ == kind_ || ends_at_ == kNever ? ends_at_ : ends_at_ - lasts_ / 2; }
 
  private:
   Log& log_;
   Hand& hand_;
   SimTime lasts_;
-  SkillKind kind_{};
+  SkillKind kind_{}, part_{};
   SimTime ends_at_ = kNever;
   bool cancelled_ = false;
 };
@@ -256,7 +264,7 @@ Fault machine(double at) {
 
 const SkillGoal kDrive{SkillKind::kDriveTo, "A", std::nullopt, {}}, kPick{SkillKind::kPick, "B", std::nullopt, {}},
     kPlace{SkillKind::kPlace, "C", std::nullopt, {}}, kNearPick{SkillKind::kPick, "B", SpotId{0}, {0.2, 0, 0.3}},
-    kFarPick{SkillKind::kPick, "B", SpotId{0}, {3, 0, 0}};
+    kFarPick{SkillKind::kPick, "B", SpotId{0}, {3, 0, 0}}, kCarry{SkillKind::kTransport, "D", std::nullopt, {}};
 
 const std::vector<Case>& cases() {
   static const std::vector<Case> all{
@@ -550,6 +558,22 @@ const std::vector<Case>& cases() {
        5,
        {"0 start B", "0 handle 3 m, due 2", "2 over", "2 end 0 ''", "2 start A", "2 handle 3 m, due 2.5", "2.5 fault 5",
         "2.5 drop", "2.5 handle 3 m, due 4", "4 over", "4 end 0 ''", "4 handle 3 m, due never"}},
+      {"LosesWhatATransportTook",
+       {slips(0, 0.5)},
+       {{0, kCarry}},
+       {},
+       4,
+       5,
+       {"0 start D", "0 handle 3 m, due 2", "2 took", "2 handle 3 m, due 2.5", "2.5 fault 3", "2.5 drop",
+        "2.5 handle 3 m, due 4", "4 over", "4 end 0 ''", "4 handle 3 m, due never"}},
+      {"MisplacesInATransport",
+       {at(FaultKind::kPieceMisplaced, 0)},
+       {{0, kCarry}},
+       {},
+       4,
+       5,
+       {"0 start D", "0 handle 3 m, due 2", "2 took", "2 fault 6", "2 drop", "2 handle 3 m, due 4", "4 over",
+        "4 end 204 'sensor disagreement'", "4 handle 3 m, due never"}},
       {"Misplaces",
        {at(FaultKind::kPieceMisplaced, 0)},
        {{0, kPick}, {3, kPlace}},
