@@ -28,10 +28,16 @@ class Game:
         self.pieces = collections.defaultdict(list)   # holder changes by piece
         self.deliveries = []
         self.skills = []                              # (robot, skill, begin, end, code)
-        running = {}
+        self.drives = []                              # (begin, end) of each phase of driving
+        running, driving = {}, {}
         for line in (folder / "journal.jsonl").open():
             record = json.loads(line)
             data, t = record["data"], record["t"] / 1e9
+            if record["kind"] == "skill" and data["event"] in ("phase", "end"):
+                if data["robot"] in driving:
+                    self.drives.append((driving.pop(data["robot"]), t))
+                if data.get("phase") == "drive":
+                    driving[data["robot"]] = t
             if record["kind"] == "skill" and data["event"] == "start":
                 running[data["robot"]] = t
             elif record["kind"] == "skill" and data["event"] == "end":
@@ -43,7 +49,7 @@ class Game:
         self.running = running
 
     def share_driving_together(self):
-        steps = [(t, d) for _, skill, begin, end, _ in self.skills if skill == "drive_to" for t, d in ((begin, 1), (end, -1))]
+        steps = [(t, d) for begin, end in self.drives for t, d in ((begin, 1), (end, -1))]
         together = driving = last = 0
         for t, change in sorted(steps):
             together += (t - last) if driving >= 2 else 0

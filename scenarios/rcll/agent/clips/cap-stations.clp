@@ -19,7 +19,7 @@
 
 (defrule station-put-carrier
   "The station is idle: its belt takes the carrier."
-  (job (id ?id) (purpose BUFFER) (step PUT) (station ?name))
+  (job (id ?id) (purpose BUFFER) (step GO-FETCH|FETCH|PUT) (station ?name))
   (machine (name ?name) (state IDLE))
   ?held <- (held-up (job ?id) (step PUT))
   =>
@@ -62,7 +62,7 @@
 
 (defrule station-cleared
   "The bare base has left: the station waits for a base."
-  (job (purpose CLEAR) (station ?name) (step GO-PUT))
+  (job (purpose CLEAR) (station ?name) (step GO-PUT|DONE))
   ?station <- (cap-station (name ?name) (phase CLEARING))
   =>
   (modify ?station (phase LOADED)))

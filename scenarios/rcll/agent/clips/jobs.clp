@@ -35,7 +35,7 @@
   (if (< ?tries 5) then NONE else STUCK))
 
 (defrule job-step-command
-  "A step is due: command the skill for it."
+  "A step is due: command the skill for it. If nothing holds up the steps after a fetch they are one skill, which is faster."
   ?job <- (job (id ?id) (robot ?robot&~"") (step ?step&GO-FETCH|FETCH|GO-PUT|PUT) (moving NO) (from ?from) (to ?to)
                (not-before ?wait))
   (time ?now&:(>= ?now ?wait))
@@ -45,24 +45,35 @@
   (bind ?skill (switch ?step (case FETCH then pick) (case PUT then place) (default drive_to)))
   (bind ?target (if (or (eq ?step GO-FETCH) (eq ?step FETCH)) then ?from else ?to))
   (modify ?job (moving YES))
-  (assert (command (id ?id) (robot ?robot) (skill ?skill) (target ?target))))
+  (if (and (eq ?step FETCH) (not (any-factp ((?h held-up)) (= ?h:job ?id))))
+   then (assert (command (id ?id) (robot ?robot) (skill transport) (from ?from) (target ?to)))
+   else (assert (command (id ?id) (robot ?robot) (skill ?skill) (target ?target)))))
+
+(defrule job-fetched
+  "A transport has the piece."
+  (command (id ?id) (part "drive_to"|"place"))
+  ?job <- (job (id ?id) (step FETCH))
+  =>
+  (modify ?job (step GO-PUT)))
 
 (defrule job-step-succeeded
   "The skill of this step succeeded: on to the next."
-  ?job <- (job (id ?id) (robot ?robot) (step ?step) (moving YES))
-  ?command <- (command (id ?id) (state SUCCEEDED) (target ?target))
+  ?command <- (command (id ?id) (state SUCCEEDED) (skill ?skill) (target ?target))
+  ?job <- (job (id ?id) (robot ?robot) (step ?step&:(or (neq ?skill transport) (eq ?step GO-PUT))) (moving YES))
   ?r <- (robot (name ?robot))
   (machine (name =(machine-of ?target)) (x ?x) (y ?y))
   =>
   (retract ?command)
   (modify ?r (place ?target) (x ?x) (y ?y))
   (modify ?job (moving NO) (tries 0)
-               (step (switch ?step (case GO-FETCH then FETCH) (case FETCH then GO-PUT) (case GO-PUT then PUT) (default DONE)))))
+               (step (if (eq ?skill transport) then DONE
+                      else (switch ?step (case GO-FETCH then FETCH) (case FETCH then GO-PUT) (case GO-PUT then PUT) (default DONE))))))
 
 (defrule job-step-failed
   "The skill failed: try it again a little later, or have the trouble seen to."
-  ?job <- (job (id ?id) (step ?step) (moving YES) (tries ?tries))
-  ?command <- (command (id ?id) (state FAILED) (skill ?skill) (target ?target) (error-code ?code) (error ?error))
+  ?command <- (command (id ?id) (state FAILED) (skill ?skill) (part ?part) (target ?target) (error-code ?code) (error ?error))
+  ?job <- (job (id ?id) (step ?step&:(not (and (eq ?step FETCH) (member$ ?part (create$ "drive_to" "place"))))) (moving YES)
+               (tries ?tries))
   (time ?now)
   =>
   (printout warn "job " ?id ": " ?skill " " ?target " failed: " ?code " " ?error crlf)

@@ -57,14 +57,14 @@
 
 (defrule product-fetched
   "A robot has it: the machine where it lay is free."
-  (job (id ?job) (purpose MOVE) (step GO-PUT))
+  (job (id ?job) (purpose MOVE) (step GO-PUT|DONE))
   ?product <- (product (job ?job) (keeps $?keeps) (state READY))
   =>
   (modify ?product (keeps (rest$ ?keeps)) (state MOVING)))
 
 (defrule product-may-be-put
   "The machine is idle, a cap station with its cap in: the product may come."
-  (job (id ?job) (purpose MOVE) (step PUT))
+  (job (id ?job) (purpose MOVE) (step GO-FETCH|FETCH|PUT))
   (product (job ?job) (via ?next $?))
   (machine (name ?next) (state IDLE))
   (not (cap-station (name ?next) (phase ~LOADED)))
@@ -76,7 +76,7 @@
 (defrule product-put
   "It lies on the input of the next machine."
   ?job <- (job (id ?id) (purpose MOVE) (step DONE) (robot ""))
-  ?product <- (product (job ?id) (via ?next $?))
+  ?product <- (product (job ?id) (via ?next $?) (state MOVING))
   =>
   (retract ?job)
   (modify ?product (at ?next) (state WAITING)))

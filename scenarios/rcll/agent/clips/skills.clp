@@ -5,8 +5,10 @@
   "A skill that a robot shall do."
   (slot id (type INTEGER))
   (slot robot (type STRING))
-  (slot skill (type SYMBOL) (allowed-values drive_to pick place explore))
+  (slot skill (type SYMBOL) (allowed-values drive_to pick place explore transport))
+  (slot from (type STRING) (default ""))   ; of a transport
   (slot target (type STRING))
+  (slot part (type STRING) (default ""))   ; of a transport: drive_from, pick, drive_to, place
   (slot server (type STRING) (default ""))
   (slot goal (default NONE))
   (slot handle (default NONE))
@@ -30,7 +32,8 @@
   (skill-type (skill drive_to) (type "cxlab_skills/action/DriveTo"))
   (skill-type (skill pick) (type "cxlab_skills/action/Pick"))
   (skill-type (skill place) (type "cxlab_skills/action/Place"))
-  (skill-type (skill explore) (type "cxlab_skills/action/Explore")))
+  (skill-type (skill explore) (type "cxlab_skills/action/Explore"))
+  (skill-type (skill transport) (type "cxlab_skills/action/Transport")))
 
 (defrule skill-client-create
   "A robot is known: one action client for each of its skills."
@@ -44,12 +47,15 @@
 
 (defrule skill-send-goal
   "A new command: its goal goes to the robot's server. One goal at a time waits for its answer."
-  ?c <- (command (robot ?robot) (skill ?skill) (target ?target) (state NEW))
+  ?c <- (command (robot ?robot) (skill ?skill) (from ?from) (target ?target) (state NEW))
   (skill-client (robot ?robot) (skill ?skill) (server ?server) (type ?type))
   (not (command (server ?server) (state SENT)))
   =>
   (bind ?goal (ros-msgs-create-goal-request ?type))
-  (ros-msgs-set-field ?goal "target" ?target)
+  (if (eq ?from "")
+   then (ros-msgs-set-field ?goal "target" ?target)
+   else (ros-msgs-set-field ?goal "from" ?from)
+        (ros-msgs-set-field ?goal "to" ?target))
   (ros-msgs-async-send-goal ?goal ?server)
   (modify ?c (state SENT) (server ?server) (goal ?goal)))
 
@@ -65,20 +71,23 @@
 
 (defrule skill-result
   "The skill ended: its result goes into the command."
-  ?c <- (command (server ?server) (state RUNNING) (goal-id ?goal-id) (handle ?handle))
+  ?c <- (command (server ?server) (state RUNNING) (skill ?skill) (goal-id ?goal-id) (handle ?handle))
   ?wrapped <- (ros-msgs-wrapped-result (server ?server) (goal-id ?goal-id) (code ?code) (result-ptr ?result))
   =>
   (bind ?error-code (ros-msgs-get-field ?result "error_code"))
   (bind ?error (ros-msgs-get-field ?result "error"))
+  (bind ?part (if (neq ?skill transport) then "" else (if (eq ?code SUCCEEDED) then "place" else (ros-msgs-get-field ?result "sub_action"))))
   (ros-msgs-destroy-message ?result)
   (ros-msgs-destroy-client-goal-handle ?handle)
   (retract ?wrapped)
-  (modify ?c (handle NONE) (state (if (eq ?code SUCCEEDED) then SUCCEEDED else FAILED)) (error-code ?error-code) (error ?error)))
+  (modify ?c (handle NONE) (part ?part) (state (if (eq ?code SUCCEEDED) then SUCCEEDED else FAILED)) (error-code ?error-code) (error ?error)))
 
-(defrule skill-feedback-drop
-  "Phases are for the journal, not for us."
-  ?f <- (ros-msgs-feedback (feedback-ptr ?feedback))
+(defrule skill-feedback
+  "A transport tells what it is at. Phases are for the journal, not for us."
+  ?f <- (ros-msgs-feedback (server ?server) (feedback-ptr ?feedback))
   =>
+  (do-for-fact ((?c command)) (and (eq ?c:server ?server) (eq ?c:skill transport))
+    (modify ?c (part (ros-msgs-get-field ?feedback "sub_action"))))
   (ros-msgs-destroy-message ?feedback)
   (retract ?f))
 
