@@ -29,7 +29,7 @@ void fail_here(const Story::Where& where, const std::string& what) {
 void tell_of_a_carrier(Story& story) {
   story.skill("/R1/drive_to", "cxlab_skills/action/DriveTo");
   story.skill("/R1/pick", "cxlab_skills/action/Pick");
-  story.given("(machine (name \"C-CS1\") (kind CS) (state IDLE) (x 1.0) (y 1.0))");
+  story.given("(machine (name \"C-CS1\") (kind CS) (state PROCESSING) (x 1.0) (y 1.0))");
   story.given("(robot (name \"R1\") (state BUSY))");
   story.given(
       "(job (id 1) (purpose BUFFER) (station \"C-CS1\") (from \"C-CS1-SHELF-LEFT\") (to \"C-CS1-INPUT\") (robot "
@@ -39,6 +39,7 @@ void tell_of_a_carrier(Story& story) {
 TEST(StepStory, RobotWhosePickFailsTriesAgain) {
   Story story(rcll_rules(), setup(), fail_here);
   tell_of_a_carrier(story);
+  story.given("(held-up (job 1) (step PUT))");  // so that it picks, and does not transport
   story.expect_command("R1", "drive_to", "C-CS1-SHELF-LEFT");
   story.skill_succeeds("R1", "drive_to");
   story.expect_command("R1", "pick", "C-CS1-SHELF-LEFT");
