@@ -9,9 +9,6 @@
 #include "sim/mujoco/render.h"
 #include "tests/support/files.h"
 
-/// OSMesa keeps a few bytes of every buffer that was ever bound (LeakSanitizer's own hook).
-extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa\n"; }
-
 namespace cxlab::rcll {
 namespace {
 
