@@ -123,7 +123,7 @@ double area(const Box& box) { return static_cast<double>(box.width) * box.height
 // --- where things are ------------------------------------------------------------------------------------------
 
 std::array<bool, 3> shining(const Lights& lights, double time) {
-  const bool lit_phase = std::fmod(time, kBlinkPeriod) < kBlinkPeriod / 2;
+  const bool lit_phase = std::fmod(time + kBlinkPeriod / 4, kBlinkPeriod) < kBlinkPeriod / 2;
   const auto on = [&](Light light) { return light == Light::kOn || (light == Light::kBlink && lit_phase); };
   return {on(lights.red), on(lights.yellow), on(lights.green)};
 }
