@@ -111,7 +111,7 @@ void Maintenance::begin(Robot& robot, MaintenanceCause cause, SimTime needs, Sim
   ++changes_;
   robot.duty = RobotDuty::kMaintenance;
   robot.since = now;
-  robot.needs = needs;
+  robot.needs = std::max(needs, kShortestMaintenance);
   robot.asked_for = cause == MaintenanceCause::kRequest;
   robot.asked_back = robot.warned = false;
   event(robot, "begin").field("cause", to_string(cause)).field("cycle", robot.cycles);

@@ -32,6 +32,7 @@ inline constexpr std::array<std::string_view, 4> kNames<MaintenanceCause>{"reque
 inline constexpr SimTime kMaintenanceTime = std::chrono::seconds(120);
 inline constexpr SimTime kMaintenanceWarning = std::chrono::seconds(105);
 inline constexpr SimTime kMaintenanceGrace = std::chrono::seconds(15);
+inline constexpr SimTime kShortestMaintenance = std::chrono::seconds(1);  ///< its goal ends meanwhile
 inline constexpr SimTime kBlockingTime = std::chrono::seconds(10);
 inline constexpr int kMaintenances = 2;  ///< of a robot in a game
 

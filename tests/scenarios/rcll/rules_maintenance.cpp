@@ -26,6 +26,7 @@ std::span<const Row> maintenance_rows() {
         maintenance 1
         points
         maintenance 1 ends
+        wait 1
         maintenance 1
         points penalty -5
         given penalty -5)"},
@@ -33,16 +34,20 @@ std::span<const Row> maintenance_rows() {
        R"(repair 0
         maintenance 1
         maintenance 1 ends
+        wait 1
         maintenance 2
         maintenance 2 ends
+        wait 1
         maintenance 3
         points)"},
       {"maintenance: the third disqualifies the robot",
        R"(repair 0
         maintenance 1
         maintenance 1 ends
+        wait 1
         maintenance 1
         maintenance 1 ends
+        wait 1
         robot 1 at 4.5 0.5
         maintenance 1
         told {"event": "maintenance", "state": "disqualified", "robot": "robot1", "cause": "request"}
@@ -51,6 +56,7 @@ std::span<const Row> maintenance_rows() {
         robot 1 at 4.5 -0.6
         points penalty -5
         maintenance 1 ends
+        wait 1
         told {"event": "maintenance", "state": "refused", "number": 1, "reason": "disqualified"}
         wait 200
         robot 1 at 4.5 -0.6)"},
@@ -69,6 +75,15 @@ std::span<const Row> maintenance_rows() {
         wait 0.1
         robot 1 at 4.5 0.5
         told {"event": "maintenance", "state": "end", "robot": "robot1", "duration_s": 30.0})"},
+      {"maintenance: it lasts a second at least",
+       R"(repair 0
+        maintenance 1
+        maintenance 1 ends
+        robot 1 at 4.5 -0.6
+        wait 0.9
+        robot 1 at 4.5 -0.6
+        wait 0.1
+        robot 1 at 4.5 0.5)"},
       {"maintenance: after 105 s the team is warned",
        R"(maintenance 1
         wait 104.9
