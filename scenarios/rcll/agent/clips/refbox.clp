@@ -70,14 +70,19 @@
   (- (string-to-field (sub-string 5 5 ?zone)) 0.5))
 
 (deffunction learn-machine (?message)
-  "A machine of our team: its fact follows what is reported, once the league tells its zone. One that breaks forgets its
-   payments."
+  "A machine of our team: its fact follows what is reported, once it takes instructions: before, it must be
+   reported. One that breaks forgets its payments."
   (bind ?name (ros-msgs-get-field ?message "name"))
   (bind ?state (sym-cat (ros-msgs-get-field ?message "state")))
   (bind ?zone (ros-msgs-get-field ?message "zone"))
   (if (eq ?state BROKEN) then (do-for-fact ((?s slide)) (eq ?s:machine ?name) (modify ?s (loaded 0))))
   (if (do-for-fact ((?m machine)) (eq ?m:name ?name) (modify ?m (state ?state)) TRUE) then (return))
-  (if (eq ?zone "") then (assert (to-find ?name)) (return))
+  (if (or (eq ?zone "") (and (not (ros-msgs-get-field ?message "correctly_reported"))
+                             (eq (ros-msgs-get-field ?message "exploration_zone_state") "NO_REPORT")))
+   then (assert (to-find ?name))
+        (if (neq ?zone "")
+         then (assert (sighting (zone ?zone) (machine ?name) (rotation (ros-msgs-get-field ?message "rotation")))))
+        (return))
   (assert (machine (name ?name) (kind (sym-cat (ros-msgs-get-field ?message "type"))) (state ?state)
                    (x (zone-x ?zone)) (y (zone-y ?zone))))
   (learn-works ?name (ros-msgs-get-field ?message "type") (ros-msgs-get-field ?message "ring_colors")))

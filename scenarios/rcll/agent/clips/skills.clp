@@ -59,10 +59,23 @@
   (ros-msgs-async-send-goal ?goal ?server)
   (modify ?c (state SENT) (server ?server) (goal ?goal)))
 
+(deffunction is-null (?handle)
+  "Whether the handle points nowhere, as that of a goal that was rejected."
+  (eq (implode$ (create$ ?handle)) "<Pointer-C-(nil)>"))
+
+(defrule skill-goal-rejected
+  "The robot is busy with a goal that is not ours."
+  ?c <- (command (server ?server) (state SENT) (goal ?goal))
+  ?response <- (ros-msgs-goal-response (server ?server) (client-goal-handle-ptr ?handle&:(is-null ?handle)))
+  =>
+  (ros-msgs-destroy-message ?goal)
+  (retract ?response)
+  (modify ?c (state FAILED) (goal NONE) (error "the goal was rejected")))
+
 (defrule skill-goal-answered
   "The server took the goal."
   ?c <- (command (server ?server) (state SENT) (goal ?goal))
-  ?response <- (ros-msgs-goal-response (server ?server) (client-goal-handle-ptr ?handle))
+  ?response <- (ros-msgs-goal-response (server ?server) (client-goal-handle-ptr ?handle&:(not (is-null ?handle))))
   =>
   (bind ?goal-id (ros-msgs-client-goal-handle-get-goal-id ?handle))
   (ros-msgs-destroy-message ?goal)
