@@ -47,8 +47,7 @@ class GameFiles(Lab):
 
     def test_a_run_keeps_the_game_that_it_read(self):
         self.write("scenario.yaml", WORLD.replace("timed", "physics").replace("250", "20"))
-        (self.folder / "games").mkdir()
-        self.cxlab("new", "game", "games/g.yaml", "--seed", 3)
+        self.assertIn("world.game=games/g.yaml --seed 3", self.cxlab("new", "game", "games/g.yaml", "--seed", 3).stderr)
         self.run_game("out", "scenario.yaml")
         manifest = json.loads((self.folder / "out/manifest.json").read_text())
         self.assertEqual(manifest["world_files"], {"game": str(self.folder / "games/g.yaml")})
