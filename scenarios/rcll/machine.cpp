@@ -56,7 +56,7 @@ Machine::Answer Machine::instruct(const Instruction& instruction, SimTime now, s
     return {InstructError::kNone, {}, true};
   }
   if (context_.exploration && !context_.exploration->knows(id_, now))
-    return {InstructError::kNotReady, name_ + " is not reported yet, and exploration goes on"};
+    return {InstructError::kNotReady, name_ + " is not reported right, and exploration goes on"};
   if (state_ != MachineState::kIdle) {
     std::string text = name_ + " is " + std::string(to_string(state_)) + ", not IDLE";
     const bool busy = working(state_) || state_ == MachineState::kReadyAtOutput || state_ == MachineState::kWaitIdle;
