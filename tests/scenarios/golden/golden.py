@@ -20,8 +20,12 @@ HERE = pathlib.Path(__file__).resolve().parent
 SCENARIOS = HERE.parents[2] / "scenarios"
 # Name: scenario, arguments, kinds of records.
 GAME, AGENT = {"referee", "skill", "decision", "error"}, {"control", "fire", "decision", "error"}
+FAULTS = "faults=[{kind: machine_breaks, machine: C-RS1, at: 300}, {kind: machine_down, machine: C-CS1, at: 400, seconds: 40}, \
+{kind: piece_dropped, robot: robot1, at: 500}, {kind: skill_fails, skill: drive_to, at: 600}]"
 RUNS = {
     "rcll_game": ("rcll/game.yaml", ["--tier", "timed"], GAME),
+    "rcll_faults": ("rcll/game.yaml", ["--tier", "timed", "--seed", "2", "--set", "world.rules=rulebook", "--set", FAULTS], GAME),
+    "rcll_two_teams": ("rcll/two_teams.yaml", ["--tier", "timed", "--seed", "3"], GAME),
     "turtlesim_boundary": ("turtlesim/boundary.yaml", [], AGENT),
     "turtlesim_boundary_late": ("turtlesim/boundary_late.yaml", [], AGENT),
     "turtlesim_figures": ("turtlesim/figures.yaml", [], AGENT),
