@@ -37,8 +37,7 @@ std::vector<sim::SpotId> MachineFaults::taken_spots(const Machine& machine) cons
 
 RecordData& MachineFaults::begin(const Fault& fault) {
   const sim::Fault& what = fault.timer.fault();
-  data_.begin().field("fault", sim::to_string(what.kind)).field("number", static_cast<std::int64_t>(what.number));
-  data_.field("machine", fault.machine->name());
+  sim::begin_strike(data_, what).field("machine", fault.machine->name());
   if (what.duration != SimTime::zero()) data_.field("seconds", to_seconds(what.duration));
   return data_;
 }

@@ -78,8 +78,7 @@ void Maintenance::judge(SimTime now) {
     if (robot.duty != RobotDuty::kActive || now < fault.timer.due()) continue;
     fault.timer.struck(now);
     const sim::Fault& what = fault.timer.fault();
-    data_.begin().field("fault", sim::to_string(what.kind)).field("number", static_cast<std::int64_t>(what.number));
-    data_.field("robot", world_.plan().robot(robot.id).name);
+    sim::begin_strike(data_, what).field("robot", world_.plan().robot(robot.id).name);
     sink_.write(sink_.open_stream("faults"), now, RecordKind::kControl, data_);
     begin(robot, MaintenanceCause::kFault, what.duration, now);
   }

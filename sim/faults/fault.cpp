@@ -84,4 +84,8 @@ void FaultTimer::draw_next(SimTime from) {
   if (due_ >= fault_.until) due_ = kNever;
 }
 
+RecordData& begin_strike(RecordData& data, const Fault& fault) {
+  return data.begin().field("fault", to_string(fault.kind)).field("number", static_cast<std::int64_t>(fault.number));
+}
+
 }  // namespace cxlab::sim

@@ -11,6 +11,7 @@
 
 #include "cx/base/origin.h"
 #include "cx/base/random.h"
+#include "cx/base/record_sink.h"
 #include "cx/base/time.h"
 
 namespace cxlab::sim {
@@ -98,5 +99,8 @@ class FaultTimer {
   std::int64_t left_ = 0;  // -1 = no limit
   SimTime due_ = kNever;
 };
+
+/// Begins the record of a strike, which goes to the stream "faults": which fault of the scenario it is.
+RecordData& begin_strike(RecordData& data, const Fault& fault);
 
 }  // namespace cxlab::sim

@@ -42,10 +42,7 @@ FaultySkills::FaultySkills(std::unique_ptr<RobotSkills> skills, RobotId robot, c
 }
 
 void FaultySkills::record(const Fault& fault, SimTime now) {
-  data_.begin()
-      .field("fault", to_string(fault.kind))
-      .field("number", static_cast<std::int64_t>(fault.number))
-      .field("robot", name_);
+  begin_strike(data_, fault).field("robot", name_);
   sink_.write(sink_.open_stream("faults"), now, RecordKind::kControl, data_);
 }
 
