@@ -226,15 +226,19 @@ std::string LoopReport::text() const {
 
 Expected<Value> RuleEngine::eval(const std::string& expression) {
   std::optional<Value> value;
+  bool syntax = false;
   const std::size_t errors_before = (impl_->flush_errors(), errors_.size());
   {
     HostCall call(*impl_, {ErrorSide::kCallback, {}, {}, 0, nullptr});
     CLIPSValue result;
-    if (Eval(environment_, expression.c_str(), &result) == EE_NO_ERROR) value = to_value(result);
+    const EvalError error = Eval(environment_, expression.c_str(), &result);
+    if (error == EE_NO_ERROR) value = to_value(result);
+    syntax = error == EE_PARSING_ERROR;
   }
   if (value) return *value;
-  if (errors_.size() > errors_before) return errors_.back().error();
-  return run_error("error while evaluating " + expression);
+  Error error =
+      errors_.size() > errors_before ? errors_.back().error() : run_error("error while evaluating " + expression);
+  return syntax ? std::move(error).with_code(kSyntaxCode) : error;
 }
 
 Expected<Value> RuleEngine::call(const std::string& function, std::span<const Value> args) {
@@ -308,6 +312,18 @@ std::vector<ActivationInfo> RuleEngine::agenda() const {
   }
   SetCurrentModule(environment_, current);
   return list;
+}
+
+bool RuleEngine::use_module(const std::string& module) {
+  Defmodule* found = FindDefmodule(environment_, module.c_str());
+  if (found != nullptr) SetCurrentModule(environment_, found);
+  return found != nullptr;
+}
+
+bool RuleEngine::focus_on(const std::string& module) {
+  Defmodule* found = FindDefmodule(environment_, module.c_str());
+  if (found != nullptr) Focus(found);
+  return found != nullptr;
 }
 
 std::vector<std::string> RuleEngine::focus() const {

@@ -66,6 +66,10 @@ enum class OnLoadError : std::uint8_t {
   kKeepGoing,  ///< as CX: every form is tried, all errors are reported
 };
 
+/// `Error::code` of `eval` and `build`.
+inline constexpr const char* kSyntaxCode = "syntax";
+inline constexpr const char* kUnknownConstructCode = "unknown_construct";
+
 struct LoadReport {
   std::vector<RuleError> errors;
   std::size_t forms = 0;  ///< read and handed to CLIPS
@@ -274,6 +278,9 @@ class RuleEngine {
   std::string template_module(const std::string& module, const std::string& name) const;
   /// Instances of the classes that patterns of rules in `module` can match, in order of their making.
   std::vector<FactCopy> instances(const std::string& module) const;
+  /// Makes it the current module, or pushes it on the focus stack; false if there is none of that name.
+  bool use_module(const std::string& module);
+  bool focus_on(const std::string& module);
   /// The modules whose rules the next run fires, the first on top. Empty means MAIN.
   std::vector<std::string> focus() const;
   std::vector<ActivationInfo> agenda() const;

@@ -361,18 +361,21 @@ LoadReport RuleEngine::load_file(const std::string& path, LoadMode mode, OnLoadE
 
 Status RuleEngine::build(std::string_view construct, const std::string& file, int line) {
   FormReading reading = read_forms(construct, file);
-  if (!reading.errors.empty()) return reading.errors.front();
+  if (!reading.errors.empty()) return Error(reading.errors.front()).with_code(kSyntaxCode);
   if (reading.forms.size() != 1)
-    return input_error("expected one construct, found " + std::to_string(reading.forms.size()), file, line);
+    return input_error("expected one construct, found " + std::to_string(reading.forms.size()), file, line)
+        .with_code(kSyntaxCode);
   Form& form = reading.forms.front();
+  const bool known = form.list && is_construct(environment_, form.head);
   if (line > 0) form.line += line - 1;
   std::vector<RuleError> earlier = std::exchange(errors_, {});
   const bool fine = impl_->load_form(form, file, LoadMode::kConstructs);
   std::vector<RuleError> raised = std::exchange(errors_, std::move(earlier));
   impl_->known_errors.clear();
-  if (!raised.empty()) return raised.front().error();
-  if (!fine) return input_error("CLIPS does not accept the construct", file, form.line);
-  return {};
+  if (raised.empty() && fine) return {};
+  Error error =
+      raised.empty() ? input_error("CLIPS does not accept the construct", file, form.line) : raised.front().error();
+  return std::move(error).with_code(known || !form.list ? kSyntaxCode : kUnknownConstructCode);
 }
 
 Status RuleEngine::undefine(std::string_view kind, const std::string& name) {

@@ -12,9 +12,10 @@ Environment::Environment(Options options, bus::Bus& bus, Files& files)
       bus_(bus),
       files_(files),
       router_(options_.redirect_stdout_to_debug,
-              [this](LogLevel level, std::string_view colour, std::string_view text) {
+              [this](LogLevel level, std::string_view colour, std::string_view logical_name, std::string_view text) {
                 // In the file every line has the level `info`, as in the files of CX.
                 write_line({now(), level, name_in_log(), text, colour}, LogLevel::kInfo);
+                if (options_.topic_logging) options_.publish_line(name(), logical_name, text);
               }) {}
 
 Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus::Bus& bus, RecordSink& journal,
@@ -102,11 +103,27 @@ Error Environment::loop_error(const std::string& what) const {
                "rule_loop"};
 }
 
-Status Environment::run() {
+Expected<std::int64_t> Environment::run(const Pass& pass) {
   engine_->refresh_all_agendas();
-  RunReport report = engine_->run(options_.run->max_firings);
-  if (Status s = check_errors(std::move(report.errors)); !s) return s;
-  if (report.loop) {
+  std::int64_t fired = 0;
+  if (pass.focus_stack.empty()) return run_rules(pass.rule_limit);
+  for (const std::string& module : pass.focus_stack) {
+    if (!engine_->focus_on(module)) continue;
+    auto more = run_rules(pass.rule_limit < 0 ? -1 : pass.rule_limit - fired);
+    if (!more) return more.error();
+    fired += *more;
+    if (fired == pass.rule_limit) break;
+  }
+  return fired;
+}
+
+Expected<std::int64_t> Environment::run_rules(std::int64_t rule_limit) {
+  const std::int64_t most = options_.run->max_firings;
+  const bool limited = rule_limit >= 0 && (most == 0 || rule_limit < most);
+  if (limited && rule_limit == 0) return std::int64_t{0};
+  RunReport report = engine_->run(limited ? rule_limit : most);
+  if (Status s = check_errors(std::move(report.errors)); !s) return s.error();
+  if (report.loop && !limited) {
     Error error = loop_error(report.loop_report.text());
     if (!report.loop_report.rules.empty()) {
       error.file = report.loop_report.rules.front().file;
@@ -114,7 +131,7 @@ Status Environment::run() {
     }
     return error;
   }
-  return {};
+  return report.fired;
 }
 
 Status Environment::check_errors() {

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <thread>
 #include <typeindex>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -54,6 +55,9 @@ class Environment {
     LoggerNames logger_names;
     LogFile* log_file = nullptr;                         ///< may be none
     std::vector<RuleErrorEntry>* rule_errors = nullptr;  ///< all errors are added here
+    bool topic_logging = false;                          ///< lines of rules also go to `publish_line`
+    std::function<void(const std::string& environment, std::string_view logical_name, std::string_view line)>
+        publish_line = [](const auto&, auto, auto) {};
   };
   static Expected<std::unique_ptr<Environment>> create(Options options, bus::Bus& bus, RecordSink& journal,
                                                        Files& files);
@@ -72,8 +76,17 @@ class Environment {
   // --- Running
   /// Takes what waits for it: facts are asserted, callbacks called.
   Status take_inputs();
-  /// RefreshAllAgendas, then runs until no rule is left.
-  Status run();
+  /// RefreshAllAgendas, then runs until no rule is left. With a focus stack each of its modules gets the focus and is
+  /// run in turn. Returns how many rules fired.
+  struct Pass {
+    std::vector<std::string> focus_stack = {};
+    std::int64_t rule_limit = -1;  ///< firings after which the pass ends; below 0: none
+  };
+  Expected<std::int64_t> run(const Pass& pass);
+  Status run() {
+    auto fired = run(Pass{});
+    return fired ? Status() : Status(fired.error());
+  }
   /// Notes all errors since the last call. With `stop_on_rule_error` it returns the first one.
   Status check_errors();
   Status check_errors(std::vector<RuleError> errors);
@@ -114,11 +127,14 @@ class Environment {
 
   /// A line of a plugin or of the manager that concerns this environment.
   void log(LogLevel level, std::string_view logger, std::string_view text);
+  /// Whether lines of rules go to the manager's topic, too. Returns what was so before.
+  bool set_topic_logging(bool on) { return std::exchange(options_.topic_logging, on); }
   /// Whether the log file could be written (kResource if not).
   Status log_status() const { return options_.log_file ? options_.log_file->status() : Status(); }
 
  private:
   Environment(Options options, bus::Bus& bus, Files& files);
+  Expected<std::int64_t> run_rules(std::int64_t rule_limit);
   void write_line(LogLine line, LogLevel level_in_file);
   Error loop_error(const std::string& what) const;
 

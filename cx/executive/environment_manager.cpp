@@ -224,6 +224,10 @@ Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(cons
   if (Status s = parameters_.declare(name + ".log_clips_to_file", to_file); !s) return s.error();
   if (Status s = parameters_.declare(name + ".redirect_stdout_to_debug", o.redirect_stdout_to_debug); !s)
     return s.error();
+  if (Status s = parameters_.declare(name + ".log_clips_to_topic", o.topic_logging); !s) return s.error();
+  o.publish_line = [this](const auto& environment, auto logical_name, auto line) {
+    publish_line(environment, logical_name, line);
+  };
   if (to_file && !options_.run_folder.empty()) {
     auto file = log_file(name);
     if (!file) return file.error();
@@ -340,6 +344,23 @@ Status EnvironmentManager::flush_logs() {
   Status first;
   for (auto& [name, file] : log_files_) keep_first(first, file->flush());
   return first;
+}
+
+void EnvironmentManager::publish_line(const std::string& environment, std::string_view logical_name,
+                                      std::string_view line) {
+  const auto type = bus_.registry().message("cx_msgs/msg/Log");
+  if (!type) return fail(type.error());
+  if (!log_topic_) {
+    auto made = bus_.advertise(node_, "~/clips_log", **type);
+    if (!made) return fail(made.error());
+    log_topic_ = *made;
+  }
+  bus::Message message(**type);
+  message.view()
+      .set("env_name", environment)
+      .set("logical_name", std::string(logical_name))
+      .set("line", std::string(line));
+  bus_.publish(*log_topic_, std::make_shared<const bus::Message>(std::move(message)));
 }
 
 void EnvironmentManager::log(LogLevel level, std::string_view logger, std::string_view text) {

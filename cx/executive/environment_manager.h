@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -162,6 +163,8 @@ class EnvironmentManager final : public Agent {
   Status serve_plugins();
   LoggerNames logger_names() const { return {options_.node, options_.one_of_several ? unique_node_ : std::string()}; }
   void log(LogLevel level, std::string_view logger, std::string_view text);
+  /// On the topic `~/clips_log`.
+  void publish_line(const std::string& environment, std::string_view logical_name, std::string_view line);
 
   ManagerOptions options_;
   Parameters parameters_;
@@ -172,7 +175,8 @@ class EnvironmentManager final : public Agent {
   std::string unique_node_;  // of the run: its name, with namespace, and number if need be
   bus::ParticipantId node_{};
   Lifecycle lifecycle_;
-  std::vector<bus::EndpointId> environment_services_, plugin_services_;  // list_envs; the other five
+  std::vector<bus::EndpointId> environment_services_, plugin_services_;  // list_envs; the others
+  std::optional<bus::EndpointId> log_topic_;                             // made with the first line
   std::map<std::string, std::string> unique_names_;            // of environments: with namespace, and number if need be
   std::map<std::string, std::unique_ptr<LogFile>> log_files_;  // by environment; outlive it, it may come again
   std::vector<Entry> environments_;

@@ -47,7 +47,7 @@ void LogRouter::write(std::string_view logical_name, std::string_view text) {
     if (redirect_ && logical_name == "stdout") name.level = LogLevel::kDebug;
     const std::string line = std::move(buffer_);
     buffer_.clear();
-    emit_(name.level, name.colour, line);
+    emit_(name.level, name.colour, logical_name, line);
     text.remove_prefix(end + 1);
   }
 }

@@ -14,7 +14,8 @@ namespace cxlab::cx {
 /// the name that delivered its end.
 class LogRouter {
  public:
-  using Emit = std::function<void(LogLevel level, std::string_view colour, std::string_view text)>;
+  using Emit = std::function<void(LogLevel level, std::string_view colour, std::string_view logical_name,
+                                  std::string_view text)>;
   LogRouter(bool redirect_stdout_to_debug, Emit emit) : redirect_(redirect_stdout_to_debug), emit_(std::move(emit)) {}
 
   void write(std::string_view logical_name, std::string_view text);

@@ -138,6 +138,11 @@ Status EnvironmentManager::check_configuration() {
   if (Status s = parameters_.declare("use_sim_time", use_sim_time); !s) return s;  // as every node
   if (Status s = parameters_.declare("autostart_node", autostart); !s) return s;
   if (Status s = parameters_.declare("bond_heartbeat_period", bond); !s) return s;
+  std::string compat = "released";
+  if (Status s = parameters_.declare("compat", compat); !s) return s;
+  if (compat != "released" && compat != "next")
+    return parameters_.error_at("compat", "parameter 'compat': found '" + compat + "', expected released or next");
+  options_.next = compat == "next";
   const bool none = !parameters_.find("environments");
   if (Status s = parameters_.declare("environments", names); !s) return s;
   if (none)
@@ -145,7 +150,9 @@ Status EnvironmentManager::check_configuration() {
   for (const std::string& name : names) {
     if (std::count(names.begin(), names.end(), name) > 1)
       return parameters_.error_at("environments", "environment '" + name + "' is listed twice");
-    if (Status s = check_unknown(name, {"plugins", "log_clips_to_file", "redirect_stdout_to_debug", "watch"},
+    if (Status s = check_unknown(name,
+                                 {"plugins", "log_clips_to_file", "log_clips_to_topic", "redirect_stdout_to_debug",
+                                  "watch", "focus_stack", "rule_limit"},
                                  "environment '" + name + "'");
         !s)
       return s;

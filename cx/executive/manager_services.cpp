@@ -25,7 +25,10 @@ Expected<std::vector<std::string>> EnvironmentManager::plugin_names(const std::s
 
 Status EnvironmentManager::create_environment(const std::string& name) {
   if (find(name)) return input_error("Enviroment " + name + " already exists!");
-  if (Status s = check_environment_name(name); !s) return s;
+  if (Status s = check_environment_name(name); !s) {
+    log(LogLevel::kError, options_.node, "Failed to create environment " + name + ": " + s.error().message);
+    return s;
+  }
   auto environment = make_environment(name);
   if (!environment) {
     fail(environment.error());
@@ -123,13 +126,19 @@ Status EnvironmentManager::serve_plugins() {
                 {"~/list_plugins", "cx_msgs/srv/ListClipsPlugins",
                  [this](const auto& q, const auto& a) {
                    a.set("success", true);
-                   if (q.text("env_name").empty()) return;
+                   if (q.text("env_name").empty() && !options_.next) return;
                    auto names = plugin_names(q.text("env_name"));
                    if (!names) {
                      a.set("success", false).set("error", names.error().message);
                      return;
                    }
                    for (const std::string& name : *names) a.append_text("plugins", name);
+                 }},
+                {"~/set_topic_logging", "cx_msgs/srv/SetTopicLogging",
+                 [this](const auto& q, const auto& a) {
+                   if (Environment* environment = find(q.text("env_name")))
+                     environment->set_topic_logging(q.integer("enabled") != 0);
+                   a.set("success", true);
                  }},
             });
   if (!made) return made.error();

@@ -69,6 +69,23 @@ class Caller {
     return answer_;
   }
 
+  std::string manager_service(const std::string& name, const std::string& type, const std::string& request = "{}") {
+    return call("/clips_manager/" + name, type, request);
+  }
+  /// The messages on a topic while `act` runs, as text.
+  template <class Act>
+  std::vector<std::string> listen(const std::string& topic, const std::string& type, const Act& act) {
+    std::vector<std::string> heard;
+    const auto found = lab_.registry.message(type);
+    EXPECT_TRUE(found.ok());
+    auto subscription = lab_.bus.subscribe(
+        node_, topic, **found, [&](const bus::Delivery& d) { heard.push_back(d.message->view().to_string()); });
+    EXPECT_TRUE(subscription.ok());
+    act();
+    lab_.bus.deliver(node_);
+    lab_.bus.remove(*subscription);
+    return heard;
+  }
   std::string manager(const std::string& name, const std::string& type, const std::string& request = "{}") {
     return call("/clips_manager/" + name, "cx_msgs/srv/" + type, request);
   }

@@ -12,7 +12,7 @@ using ::testing::Not;
 /// Lines that a router makes of these writes.
 std::vector<std::string> lines_of(std::vector<std::pair<std::string, std::string>> writes, bool redirect = false) {
   std::vector<std::string> lines;
-  LogRouter router(redirect, [&](LogLevel level, std::string_view colour, std::string_view text) {
+  LogRouter router(redirect, [&](LogLevel level, std::string_view colour, std::string_view, std::string_view text) {
     lines.push_back(std::string(to_string(level)) + '|' + std::string(colour.empty() ? colour : colour.substr(1)) +
                     '|' + std::string(text));
   });

@@ -92,7 +92,7 @@ TEST_F(ParameterServices, WhatTheNodeAndItsPluginsReadIsDeclaredWithItsDefault) 
   EXPECT_THAT(
       call("list_parameters", "ListParameters", "{prefixes: [main, executive]}"),
       HasSubstr(
-          R"(names: ["executive.assert_time", "executive.plugin", "executive.publish_on_refresh", "executive.refresh_rate", "main.log_clips_to_file", "main.plugins", "main.redirect_stdout_to_debug", "main.watch"])"));
+          R"(names: ["executive.assert_time", "executive.autostart", "executive.plugin", "executive.publish_on_refresh", "executive.refresh_rate", "main.focus_stack", "main.log_clips_to_file", "main.log_clips_to_topic", "main.plugins", "main.redirect_stdout_to_debug", "main.rule_limit", "main.watch"])"));
   EXPECT_EQ(call("get_parameter_types", "GetParameterTypes",
                  "{names: [main.watch, executive.assert_time, use_sim_time, bond_heartbeat_period]}"),
             "{types: [9, 1, 1, 3]}");
