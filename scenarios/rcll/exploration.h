@@ -36,7 +36,7 @@ struct TypeFeedback {
 class Exploration {
  public:
   static constexpr double kLength = 180;   ///< s of production
-  static constexpr int kMostEntries = 14;  ///< of a team
+  static constexpr int kMostEntries = 14;  ///< of a team; those that say nothing new do not count
 
   enum class Guess : std::uint8_t { kOpen, kRight, kWrong };
   struct Finding {
@@ -49,6 +49,9 @@ class Exploration {
 
   /// Judges an entry; what it earns, point by point (each 1 or -1).
   std::vector<std::int64_t> report(Team team, const MachineReport& entry, SimTime now);
+
+  /// What is wrong with an entry that names no machine of the team, type or zone, and is not judged; else empty.
+  std::string nonsense(Team team, const MachineReport& entry) const;
 
   bool over(SimTime now) const { return !on_ || now > clock_.at(kLength); }
   /// Whether its team may know where the machine stands.

@@ -26,7 +26,7 @@ Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, cons
                                                  sim::World& world, bus::Bus& bus, RecordSink& sink,
                                                  std::span<const sim::Fault> faults) {
   std::unique_ptr<Factory> factory(new Factory(config, game, seed, world, bus, sink));
-  if (Status s = factory->faults_.take(faults, seed, factory->machines_); !s) return s.error();
+  if (Status s = factory->faults_.take(faults, seed, factory->machines_, factory->teams()); !s) return s.error();
   factory->maintenance_.take(faults, seed);
   if (Status s = factory->join(); !s) return s.error();
   if (config.transforms)
@@ -80,6 +80,10 @@ std::vector<Team> Factory::teams() const {
   std::vector<Team> teams;
   for (const auto& channel : channels_) teams.push_back(channel->team());
   return teams;
+}
+
+void Factory::on_warning(const std::function<void(const std::string&)>& warn) {
+  for (auto& channel : channels_) channel->on_warning(warn);
 }
 
 Status Factory::broadcast_transforms() {

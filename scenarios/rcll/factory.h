@@ -8,6 +8,7 @@
 // robots, so that it sees what they did in that tick.
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -51,6 +52,8 @@ class Factory final : public Server, public Referee {
   const std::vector<std::unique_ptr<Machine>>& machines() const { return machines_; }
   const GameClock& clock() const { return context_.clock; }
   std::vector<Team> teams() const;  ///< that play
+  /// Takes what people should know of what teams send.
+  void on_warning(const std::function<void(const std::string&)>& warn);
   bool over() const override { return referee_.phase() == Phase::kPostGame; }
 
  private:

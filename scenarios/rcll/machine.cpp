@@ -170,13 +170,25 @@ void Machine::break_down(SimTime now, sim::World& world, InstructError error, st
   MachineEvent& event = post(MachineEvent::Kind::kBroke, now);
   event.cap_buffered = cap_buffered();
   event.unused_payments = cap_buffered() ? 0 : loaded_with();
-  event.no_workpiece = error == InstructError::kNoWorkpiece && on_machine.empty();
+  event.no_workpiece = error == InstructError::kNoWorkpiece && on_machine.empty() &&
+                       (hardware_.command == Command::kToMiddle || hardware_.command == Command::kTakeIn);
   event.reason = reason;
   hardware_.command = Command::kNone;
   stop_belt(world);
   for (const sim::PieceId piece : on_machine) world.retire(piece, sim::Holder::kFloor);
   if (job_.open) job_ = {job_.number, false, error, name_ + " is BROKEN: " + reason};
   enter(MachineState::kBroken, now);
+}
+
+std::optional<sim::PieceId> Machine::dispense(SimTime now, sim::World& world, const sim::Stack& stack) {
+  return took(world.dispense(id_, sim::kMachine.processing_x, stack), now);
+}
+
+std::optional<sim::PieceId> Machine::took(const Expected<sim::PieceId>& piece, SimTime now) {
+  const bool none = !piece && piece.error().code == "no_spare_piece";
+  if (none && !std::exchange(no_spare_, none)) post(MachineEvent::Kind::kNoSpare, now);
+  no_spare_ = none;
+  return piece ? std::optional(*piece) : std::nullopt;
 }
 
 void Machine::present(SimTime now, const sim::World& world) {

@@ -88,7 +88,8 @@ struct MachineEvent {
     kUnstored,
     kRelocated,
     kDelivery,
-    kBroke
+    kBroke,
+    kNoSpare  ///< all pieces of the game are in play: nothing can come out
   };
   Kind kind{};
   sim::StationId machine{};
@@ -99,9 +100,10 @@ struct MachineEvent {
   sim::Stack stack;           ///< the same: what the piece is now; kRelocated
   int payments = 0;           ///< kMounted: that it cost
   Storage::Slot slot, from;   ///< kStored, kUnstored, kRelocated; `from`: kRelocated
+  bool at_start = false;      ///< kUnstored: it lay there as the game began
   int unused_payments = 0;    ///< kBroke
   bool cap_buffered = false;  ///< kBroke
-  bool no_workpiece = false;  ///< kBroke: nothing lay on the belt of a machine that was instructed
+  bool no_workpiece = false;  ///< kBroke: no workpiece ever came to a machine that was told to take one in
   std::string reason;         ///< kBroke
 };
 
@@ -208,6 +210,10 @@ class Machine {
   void present(SimTime now, const sim::World& world);
   void break_down(SimTime now, sim::World& world, InstructError error, std::string reason);
   void finish_job() { job_.open = false; }
+  /// A new piece in the middle of the belt, or nothing yet.
+  std::optional<sim::PieceId> dispense(SimTime now, sim::World& world, const sim::Stack& stack);
+  /// Posts once that there is no spare piece, until there is one again.
+  std::optional<sim::PieceId> took(const Expected<sim::PieceId>& piece, SimTime now);
   MachineEvent& post(MachineEvent::Kind kind, SimTime now);
   MachineEvent& post(MachineEvent::Kind kind, SimTime now, const sim::Piece& piece);
 
@@ -233,6 +239,7 @@ class Machine {
   MachineState state_ = MachineState::kIdle, before_down_ = MachineState::kIdle;
   SimTime phase_start_{}, last_step_{}, down_since_{};
   bool look_again_ = false;  ///< at the next tick
+  bool no_spare_ = false;    ///< it could not dispense at its last attempt
   std::vector<DownPeriod> downs_;
   Job job_;
   Instruction instruction_;

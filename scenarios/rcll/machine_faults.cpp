@@ -16,11 +16,15 @@ constexpr SimTime kLies = std::chrono::seconds(1);
 }  // namespace
 
 Status MachineFaults::take(std::span<const sim::Fault> faults, std::uint64_t seed,
-                           const std::vector<std::unique_ptr<Machine>>& machines) {
+                           const std::vector<std::unique_ptr<Machine>>& machines, std::span<const Team> teams) {
   for (const sim::Fault& fault : faults) {
     if (fault.machine.empty()) continue;
     Machine* machine = find_machine(machines, fault.machine);
     if (machine == nullptr) return input_error("machine: " + unknown_machine(machines, fault.machine), fault.origin);
+    if (sim::by_occasion(fault.kind) && std::ranges::find(teams, machine->team()) == teams.end())
+      return input_error("machine: " + fault.machine +
+                             " gets no instructions: " + std::string(to_string(machine->team())) + " does not play",
+                         fault.origin);
     faults_.push_back({sim::FaultTimer(fault, seed, fault.machine), machine});
   }
   return {};

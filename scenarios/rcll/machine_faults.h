@@ -24,7 +24,7 @@ class MachineFaults {
 
   /// Takes those of `faults` that are about machines; fails on one of an unknown machine. The machines outlive it.
   Status take(std::span<const sim::Fault> faults, std::uint64_t seed,
-              const std::vector<std::unique_ptr<Machine>>& machines);
+              const std::vector<std::unique_ptr<Machine>>& machines, std::span<const Team> teams);
   /// Strikes what is due.
   void strike(SimTime now);
   SimTime next_due() const;

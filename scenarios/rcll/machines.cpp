@@ -43,10 +43,10 @@ void BaseStation::proceed(SimTime now, sim::World& world) {
   }
 }
 
-bool BaseStation::operate(SimTime, sim::World& world, const sim::Piece*) {
+bool BaseStation::operate(SimTime now, sim::World& world, const sim::Piece*) {
   sim::Stack stack;
   stack.base = static_cast<std::uint8_t>(*named<BaseColor>(instruction().base_color));
-  return bool(world.dispense(id(), sim::kMachine.processing_x, stack));  // while something lies there: again
+  return dispense(now, world, stack).has_value();  // while something lies there: again
 }
 
 sim::SpotId BaseStation::ready_spot() const { return instruction().side == "INPUT" ? input_ : output_; }
@@ -84,7 +84,7 @@ void CapStation::observe(SimTime now, sim::World& world) {
   carrier.cap = static_cast<std::uint8_t>(shelf_cap_);
   // A slot that something else takes up stays empty until the next refill.
   for (const sim::SpotId slot : shelf_)
-    if (world.dispense(slot, carrier)) refill_at_ = kNever;
+    if (took(world.dispense(slot, carrier), now)) refill_at_ = kNever;
 }
 
 void CapStation::proceed(SimTime now, sim::World& world) {

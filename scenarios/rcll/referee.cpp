@@ -62,14 +62,17 @@ void GameReferee::judge(SimTime now, std::span<const sim::HolderChange> changes,
   last_look_ = now;
 }
 
-void GameReferee::take_report(Team team, const MachineReport& entry, SimTime now) {
+std::string GameReferee::take_report(Team team, const MachineReport& entry, SimTime now) {
   const std::uint64_t before = exploration_.changes();
   const std::vector<std::int64_t> points = exploration_.report(team, entry, now);
   data_.begin().field("event", "report").field("team", to_string(team)).field("machine", entry.name);
   data_.field("type", entry.type).field("zone", entry.zone).field("rotation", entry.rotation.value_or(-1));
   data_.field("judged", exploration_.changes() != before);
+  const std::string nonsense = exploration_.nonsense(team, entry);
+  if (!nonsense.empty()) data_.field("reason", nonsense);
   write(now);
   for (const std::int64_t point : points) give(team, PointKind::kExploration, point, now);
+  return nonsense;
 }
 
 void GameReferee::take_instruction(sim::StationId machine, const Instruction& instruction, InstructError error,
@@ -204,7 +207,7 @@ void GameReferee::note(const MachineEvent& event) {
     case MachineEvent::Kind::kStored:
     case MachineEvent::Kind::kUnstored:
       write_work(event, event.kind == MachineEvent::Kind::kStored ? "stored" : "unstored");
-      if (event.kind == MachineEvent::Kind::kUnstored) from_storage_.push_back(event.piece);
+      if (event.at_start) from_storage_.push_back(event.piece);
       give(team, PointKind::kPenalty, kStoragePoints, event.at);
       break;
     case MachineEvent::Kind::kRelocated:
@@ -214,6 +217,10 @@ void GameReferee::note(const MachineEvent& event) {
       write(event.at);
       break;
     case MachineEvent::Kind::kDelivery: deliver(event, team); break;
+    case MachineEvent::Kind::kNoSpare:
+      data_.begin().field("event", "no_spare_piece").field("machine", machine);
+      write(event.at);
+      break;
     case MachineEvent::Kind::kBroke:
       data_.begin().field("event", "broken").field("machine", machine).field("reason", event.reason);
       write(event.at);
@@ -239,8 +246,10 @@ std::string GameReferee::rejection(const OrderState& state, const MachineEvent& 
   if (event.at < clock_.at(state.order.delivery_begin)) return "early";
   if (!(event.stack == stack_of(state.order.product))) return "wrong product";
   if (state.delivered[static_cast<std::size_t>(team)] >= state.order.quantity) return "surplus";
-  if (rules_.storage_serves_one && from_storage(event.piece) && storage_served_[static_cast<std::size_t>(team)])
-    return "another from the storage";
+  if (rules_.storage_serves_one && from_storage(event.piece)) {
+    if (state.order.overtime) return "from the storage in overtime";
+    if (storage_served_[static_cast<std::size_t>(team)]) return "another from the storage";
+  }
   return {};
 }
 

@@ -77,8 +77,9 @@ class GameReferee {
 
   /// Looks at one tick: pieces that changed hands, and what the machines did since the last look.
   void judge(SimTime now, std::span<const sim::HolderChange> changes, std::span<const MachineEvent> events);
-  /// Judges one entry of a team's report of where its machines stand.
-  void take_report(Team team, const MachineReport& entry, SimTime now);
+  /// Judges one entry of a team's report of where its machines stand. What is wrong with one that names nothing that
+  /// there is; else empty.
+  std::string take_report(Team team, const MachineReport& entry, SimTime now);
   /// Takes points off (they are negative) as a penalty.
   void fine(Team team, std::int64_t points, SimTime now) { give(team, PointKind::kPenalty, points, now); }
   /// An instruction that a machine of the team has heard, and what it said.

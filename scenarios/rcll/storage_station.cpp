@@ -51,7 +51,9 @@ void StorageStation::proceed(SimTime now, sim::World& world) {
       restart_phase(now);
       return send(Command::kOperate, now, world, kShelfTime);
     }
-    post(stores() ? MachineEvent::Kind::kStored : MachineEvent::Kind::kUnstored, now, worked_on_).slot = slot();
+    MachineEvent& event = post(stores() ? MachineEvent::Kind::kStored : MachineEvent::Kind::kUnstored, now, worked_on_);
+    event.slot = slot();
+    event.at_start = !stores() && at_start_;
     enter(MachineState::kProcessed, now);
     if (stores())
       finish_job();
@@ -78,13 +80,14 @@ bool StorageStation::operate(SimTime now, sim::World& world, const sim::Piece* p
   if (stores()) {
     if (piece == nullptr) return false;  // taken away: stuck
     worked_on_ = *piece;
-    storage_.at(slot()) = Storage::Content{worked_on_.stack, instruction().description};
+    storage_.at(slot()) = Storage::Content{worked_on_.stack, instruction().description, false};
     world.retire(worked_on_.id, sim::Holder::kStorage);
     return true;
   }
-  const auto out = world.dispense(id(), sim::kMachine.processing_x, storage_.at(slot())->stack);
+  const auto out = dispense(now, world, storage_.at(slot())->stack);
   if (!out) return false;  // while something lies there: again
   worked_on_ = *world.find(*out);
+  at_start_ = storage_.at(slot())->at_start;
   storage_.at(slot()).reset();
   return true;
 }

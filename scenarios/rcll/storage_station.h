@@ -23,6 +23,7 @@ class StorageStation final : public Machine {
   bool stores() const { return instruction().operation == "STORE"; }
 
   Storage storage_ = Storage::at_start();
+  bool at_start_ = false;  ///< what it brings out lay there as the game began
   RandomStream random_;
 };
 

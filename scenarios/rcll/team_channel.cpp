@@ -176,10 +176,11 @@ void TeamChannel::take_report(const bus::Delivery& delivery) {
   for (std::size_t i = 0; i < message.size("machines"); ++i) {
     const bus::MessageView entry = message.nested("machines", i);
     const auto rotation = static_cast<int>(entry.integer("rotation"));
-    referee_.take_report(team_,
-                         {entry.text("name"), entry.text("type"), entry.text("zone"),
-                          rotation < 0 ? std::nullopt : std::optional(rotation)},
-                         bus_.now());
+    const std::string nonsense = referee_.take_report(team_,
+                                                      {entry.text("name"), entry.text("type"), entry.text("zone"),
+                                                       rotation < 0 ? std::nullopt : std::optional(rotation)},
+                                                      bus_.now());
+    if (!nonsense.empty() && warn_) warn_("a report of " + std::string(to_string(team_)) + " is ignored: " + nonsense);
   }
 }
 

@@ -5,6 +5,7 @@
 // `/set_robot_maintenance`, and instructions to the action `/factory/instruct_machine`. Where both teams play, the
 // names begin with `/cyan` and `/magenta`.
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -34,6 +35,8 @@ class TeamChannel {
   void act(SimTime now);
   SimTime next_due() const;
   Team team() const { return team_; }
+  /// Takes a line for each entry of a report that is nonsense.
+  void on_warning(std::function<void(const std::string&)> warn) { warn_ = std::move(warn); }
 
  private:
   struct Goal {
@@ -74,6 +77,7 @@ class TeamChannel {
   bus::Bus& bus_;
   const bus::ActionType* action_ = nullptr;
   bus::EndpointId server_{};
+  std::function<void(const std::string&)> warn_;
   PeriodicTopic machine_info_, report_info_;
   std::vector<Goal> goals_;  ///< running, in order of arrival
   std::vector<Delayed> delayed_;

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "scenarios/rcll/floor_plan.h"
 #include "scenarios/rcll/game.h"
 #include "scenarios/rcll/machines.h"
@@ -12,9 +14,12 @@ namespace {
 /// Machines on simulated belts, without bus and robots' skills.
 class BeltPhysics : public testing::Test {
  protected:
-  void SetUp() override {
+  void SetUp() override { make(60); }
+  void make(int pieces) {
     sim::ModelOptions options;
     options.models = models_dir();
+    options.pieces = pieces;
+    machines_.clear();
     auto world = sim::MujocoWorld::create(floor_plan_of(WorldConfig{}, game_of(WorldConfig{}, 1)->layout), options);
     ASSERT_TRUE(world) << world.error().text();
     world_ = std::move(*world);
@@ -48,6 +53,22 @@ class BeltPhysics : public testing::Test {
   MachineContext context_;
   std::vector<std::unique_ptr<Machine>> machines_;
 };
+
+TEST_F(BeltPhysics, WhereAllPiecesAreInPlayAMachineSaysSoOnce) {
+  make(13);  // twelve of them lie on shelves
+  const auto shortages = [&] {
+    return std::ranges::count(context_.events, MachineEvent::Kind::kNoSpare, &MachineEvent::kind);
+  };
+  carry_out(machine("C-BS"), {.side = "OUTPUT", .base_color = "BASE_RED"});
+  EXPECT_EQ(shortages(), 0);
+  machine("M-BS").instruct({.side = "OUTPUT", .base_color = "BASE_RED"}, world_->now(), *world_);
+  for (int i = 0; i < 500; ++i) tick();
+  EXPECT_EQ(shortages(), 1);
+  world_->retire(at("C-BS-OUTPUT")->id, sim::Holder::kFloor);
+  for (int i = 0; i < 300; ++i) tick();
+  EXPECT_NE(at("M-BS-OUTPUT"), nullptr);
+  EXPECT_EQ(shortages(), 1);
+}
 
 TEST_F(BeltPhysics, ABaseRidesToTheSideThatWasAskedFor) {
   EXPECT_NEAR(carry_out(machine("C-BS"), {.side = "OUTPUT", .base_color = "BASE_RED"}), 1.1 + 2.656, 0.4);

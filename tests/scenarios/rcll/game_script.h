@@ -16,7 +16,7 @@
 //   lies on that machine's belt hold PRODUCT | take SPOT | put SPOT | drop          by robot R1 down C-CS1 50 out of
 //   order for 50 s from now on
 //
-//   report C-CS1 RIGHT RIGHT | report C-CS1 WRONG - | report - CS C_Z11
+//   report C-CS1 RIGHT RIGHT | report C-CS1 WRONG - | report C-CS1 C_Z99 - | report - CS C_Z11
 //                                                       zone and rotation of a machine, or a type in a zone
 //   maintenance 1 | maintenance 1 ends | maintenance 1 of MAGENTA      the team asks for it, or for its end
 //   robot 1 to 4.5 8.3                                   it stands there
@@ -163,9 +163,11 @@ class GameScript {
     if (word(1) == "-") {
       entry.set("type", word(2)).set("zone", word(3) == "RIGHT" ? zone_of_first(word(2)) : word(3));
     } else {
-      const sim::Station& station = story_->world().plan().station(machine(word(1)).id());
       entry.set("name", word(1));
-      if (word(2) != "-") entry.set("zone", word(2) == "RIGHT" ? to_string(zone_of(station)) : "C_Z11");
+      const auto id = story_->world().plan().find_station(word(1));
+      const sim::Station& station = story_->world().plan().station(id.value_or(sim::StationId{0}));
+      if (word(2) != "-")
+        entry.set("zone", word(2) == "RIGHT" ? to_string(zone_of(station)) : word(2) == "WRONG" ? "C_Z11" : word(2));
       if (word(3) != "-") entry.set("rotation", (rotation_of(station) + (word(3) == "RIGHT" ? 0 : 45)) % 360);
     }
     story_->bus().publish(reports, std::make_shared<bus::Message>(std::move(message)));

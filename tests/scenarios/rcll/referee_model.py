@@ -26,6 +26,7 @@ EXPLORED = {(None, None): "010", (True, None): "0B0", (False, None): "110", (Tru
 # What a reason of the journal must contain, by that of the model.
 REASONS = {"stuck": "stuck for 20 s", "reset": "reset", "fault": "fault", "fourth": "fourth", "second": "instructed while"}
 ANSWERS = {"stuck": 202, "refused": 103, "piece": 103}
+ZONES = {f"{half}_Z{column}{row}" for half in "CM" for column in range(1, 8) for row in range(1, 9)}
 NEVER = math.inf
 
 
@@ -49,6 +50,7 @@ class Machine:
         self.load = 0                      # unused payments, a buffered cap
         self.said = (None, None)           # of zone and rotation: right or wrong
         self.slots = {(shelf, 1): product.split() for shelf, product in enumerate(STORED)}
+        self.first = set(self.slots)  # where those lie that were there at the beginning
         self.seen, self.breaks, self.loads, self.findings = [(-9, "IDLE")], [], [(-9, 0)], [(-9, self.said)]
 
     # --- States
@@ -86,7 +88,7 @@ class Machine:
 
     def break_down(self, t, reason):
         self.game.score(t, self.team, "payment" if self.kind == "RS" else "buffer", -2 * self.load)
-        if reason == "stuck" and self.game.book and not any(self.belt.values()):
+        if reason == "stuck" and self.game.book and self.work and self.work[0] in ("in", "gate") and not any(self.belt.values()):
             self.game.score(t, self.team, "penalty", -1)
         self.breaks.append((t, reason))
         if self.goal:
@@ -232,7 +234,8 @@ class Machine:
                 piece = self.belt["MIDDLE"] = self.game.dispensed(t, self.name)
                 place = (self.goal["shelf"], self.goal["slot"])
                 self.game.parts[piece] = [self.goal["base_color"]] if self.kind == "BS" else self.slots.pop(place)
-                if self.kind == "SS":
+                if self.kind == "SS" and place in self.first:
+                    self.first.remove(place)
                     self.game.from_storage.add(piece)
             elif what == "operate" and self.kind != "SS" and not self.fits():
                 return self.break_down(t, "piece")
@@ -301,6 +304,7 @@ class Machine:
                 if (place := game.moved(t, self, front)) is None:
                     return
                 self.slots[place] = self.slots.pop(front)
+                self.first = {place if slot == front else slot for slot in self.first}
                 return self.step(t, "PROCESSING", "operate", STORE)
             if operation == "STORE":
                 self.slots[self.goal["shelf"], self.goal["slot"]] = game.parts[piece]
@@ -355,6 +359,8 @@ class Game:
             order["complexity"], order["competitive"] = block[12:14], "competitive: true" in block
             order["parts"] = [word for prefix in ("BASE", "RING", "CAP") for word in re.findall(rf"{prefix}_\w+", block)]
             self.orders[number] = order
+        if "\novertime:" in text:
+            self.orders[number]["overtime"] = True
         for machine, begin, end in re.findall(r"machine: (\w+)\n +begin_s: (\S+)\n +end_s: (\S+)", text):
             for team in "CM":
                 self.machines[f"{team}-{machine}"].downs.append((self.begin + float(begin), self.begin + float(end)))
@@ -407,7 +413,8 @@ class Game:
         count = sum(v[4] for v in self.verdicts if v[1:3] == (team, number))
         others = sum(v[4] for v in self.verdicts if v[1] != team and v[2] == number)
         correct = (now >= max(begin, order["activate_at"]) - 1e-9 and self.parts[piece] == order["parts"]
-                   and count < order["quantity"] and not (self.book and piece in self.from_storage and team in self.served))
+                   and count < order["quantity"] and not (self.book and piece in self.from_storage
+                                                         and (team in self.served or "overtime" in order)))
         points = []
         if correct:
             worth, steps = WORTH[order["complexity"]], 5 if self.book else 4
@@ -475,12 +482,15 @@ class Game:
     def report(self, t, team, entry):
         if not self.explores(t) or not self.production(t) or self.entries[team] == 14:
             return
-        self.entries[team] += 1
         named, of_type, points = self.machines.get(entry["name"]), (team, entry["type"]), []
         mine = [m for m in self.machines.values() if (m.team, m.kind) == of_type]
         if named and named.team == team:
-            points = named.report(t, entry["zone"], entry["rotation"])
-        elif not entry["name"] and not self.types[of_type, entry["zone"]] and self.types[of_type] < len(mine):
+            sensible = not entry["zone"] or entry["zone"] in ZONES
+            points = named.report(t, entry["zone"], entry["rotation"]) if sensible else []
+            self.entries[team] += bool(points)
+        elif (not entry["name"] and mine and entry["zone"] in ZONES and not self.types[of_type, entry["zone"]]
+              and self.types[of_type] < len(mine)):
+            self.entries[team] += 1
             self.types.update([of_type, (of_type, entry["zone"])])
             points = [] if any(m.zone == entry["zone"] for m in mine) else [-1]
         for value in points:

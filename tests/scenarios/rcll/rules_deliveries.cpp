@@ -159,13 +159,31 @@ std::span<const Row> delivery_rows() {
         C-DS {order_id: 1} -> 0
         points delivery 20 cap 10 late -15 competitive -10)",
        kBox},
-      {"points: from the storage one C0 a game",
-       R"(order C0 BASE_RED CAP_GREY quantity 3
+      {"points: one C0 a game of those that lay in the storage at its beginning",
+       R"(order C0 BASE_RED CAP_GREY
+        order C0 BASE_RED CAP_BLACK quantity 2
         C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0
         take C-SS-OUTPUT
         put C-DS-INPUT
         C-DS {order_id: 1} -> 0
         verdict correct
+        wait 6
+        C-SS {operation: RETRIEVE, shelf: 1, slot: 1} -> 0
+        take C-SS-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 2} -> 0
+        verdict another from the storage
+        wait 6
+        lay BASE_RED CAP_BLACK at C-DS-INPUT
+        C-DS {order_id: 2} -> 0
+        verdict correct)",
+       kBook},
+      {"points: what the team has stored itself counts as any other product",
+       R"(order C0 BASE_RED CAP_GREY quantity 2
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0
+        take C-SS-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
         wait 6
         lay BASE_RED CAP_GREY at C-SS-INPUT
         C-SS {operation: STORE, shelf: 0, slot: 1} -> 0
@@ -174,11 +192,22 @@ std::span<const Row> delivery_rows() {
         take C-SS-OUTPUT
         put C-DS-INPUT
         C-DS {order_id: 1} -> 0
-        verdict another from the storage
-        wait 6
+        verdict correct
+        points delivery 40 cap 20 penalty -15)"},
+      {"points: the order of overtime is not served from the storage",
+       R"(production 100
         lay BASE_RED CAP_GREY at C-DS-INPUT
+        lay BASE_RED CAP_GREY at M-DS-INPUT
         C-DS {order_id: 1} -> 0
-        verdict correct)",
+        rival M-DS {order_id: 1}
+        until 101
+        message /order_info /orders/1/base_color "BASE_BLACK"
+        message /order_info /orders/1/cap_color "CAP_GREY"
+        C-SS {operation: RETRIEVE, shelf: 4, slot: 1} -> 0
+        take C-SS-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 2} -> 0
+        verdict from the storage in overtime)",
        kBook},
       {"points: from the storage as many as are there",
        R"(order C0 BASE_RED CAP_GREY quantity 2

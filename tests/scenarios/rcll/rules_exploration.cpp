@@ -92,22 +92,44 @@ std::span<const Row> exploration_rows() {
       {"exploration: fourteen entries a team",
        R"(exploration
         report C-BS RIGHT -
-        report C-BS RIGHT -
-        report C-BS RIGHT -
-        report C-BS RIGHT -
-        report C-BS RIGHT -
-        report C-BS RIGHT -
-        report C-BS RIGHT -
-        report C-BS RIGHT -
-        report C-BS RIGHT -
-        report C-BS RIGHT -
-        report C-BS RIGHT -
-        report C-BS RIGHT -
-        report C-BS RIGHT -
-        report C-DS RIGHT -
-        given exploration 1 exploration 1
+        report C-CS1 RIGHT -
+        report C-CS2 RIGHT -
+        report C-RS1 RIGHT -
+        report C-RS2 RIGHT -
         report C-SS RIGHT -
+        report C-DS RIGHT -
+        given exploration 1 exploration 1 exploration 1 exploration 1 exploration 1 exploration 1 exploration 1
+        report C-BS - WRONG
+        report C-CS1 - WRONG
+        report C-CS2 - WRONG
+        report C-RS1 - WRONG
+        report C-RS2 - WRONG
+        report C-SS - WRONG
+        report C-DS - WRONG
+        given exploration -1 exploration -1 exploration -1 exploration -1 exploration -1 exploration -1 exploration -1
+        report - CS C_Z51
         given)"},
+      {"exploration: what is said again or makes no sense is none of the fourteen entries",
+       R"(exploration
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-BS RIGHT -
+        report C-XX RIGHT -
+        report M-BS RIGHT -
+        report - XX C_Z51
+        report - CS C_Z99
+        report C-CS1 NOWHERE -
+        given exploration 1
+        told {"event": "report", "judged": false, "reason": "no zone 'NOWHERE', they are C_Z11 to M_Z78"}
+        report C-CS1 RIGHT RIGHT
+        report C-DS RIGHT -
+        given exploration 1 exploration 1 exploration 1)"},
       {"exploration: what is right is listed",
        R"(exploration
         report C-DS RIGHT RIGHT

@@ -23,6 +23,13 @@ std::span<const Row> game_rows() {
         ends 202
         points)",
        kBook},
+      {"by hand: a workpiece that people take out of a machine at work costs nothing",
+       R"(C-BS {side: OUTPUT, base_color: BASE_RED}
+        wait 2
+        remove C-BS
+        ends 202
+        points)",
+       kBook},
       {"by hand: a workpiece dropped costs 10",
        R"(hold BASE_RED
         drop
