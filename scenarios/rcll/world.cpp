@@ -103,6 +103,7 @@ class GameStage final : public Stage {
  private:
   Status build_physics(const StageSetup& setup, sim::FloorPlan plan);
   Status build_ledger(const StageSetup& setup, sim::FloorPlan plan);
+  bool is_known(sim::RobotId robot, sim::StationId station) const;
   Status add_fleet(const StageSetup& setup, Expected<std::unique_ptr<sim::Fleet>> fleet);
 
   sim::PhysicsLog physics_log_;
@@ -127,8 +128,14 @@ Status GameStage::build(const StageSetup& setup) {
   auto factory = Factory::make(config, *game, scenario.seed, *floor_, setup.bus, setup.sink, scenario.faults);
   if (!factory) return factory.error();
   factory_ = factory->get();
+  if (setup.log)
+    factory_->on_warning([log = setup.log, &bus = setup.bus](const std::string& text) {
+      log->line({bus.now(), cx::LogLevel::kWarn, "factory", text, {}});
+    });
   servers.push_back(*std::move(factory));
   referee = factory_;
+  if (config.exploration && *named<Information>(config.information) == Information::kLeague)
+    fleet_->ask_whether_known([this](sim::RobotId robot, sim::StationId station) { return is_known(robot, station); });
   return {};
 }
 
@@ -157,7 +164,8 @@ Status GameStage::build_ledger(const StageSetup& setup, sim::FloorPlan plan) {
   sim::LedgerWorld& ledger = *made;
   floor_ = &ledger;
   worlds.push_back(std::move(made));
-  without_views = "the timed tier has no bodies to look at: tier: physics in the scenario, or --set tier=physics";
+  without_views =
+      "the timed tier has no bodies to look at: play it with --tier physics, or --set tier=physics of render";
   return add_fleet(setup, sim::Fleet::create(ledger, ledger, scenario.timed, scenario.seed, zone_places(), setup.bus,
                                              setup.sink, {scenario.faults, scenario.seed}));
 }
@@ -169,6 +177,18 @@ Status GameStage::add_fleet(const StageSetup& setup, Expected<std::unique_ptr<si
   const WorldConfig& config = setup.scenario.world.get<WorldConfig>();
   if (!config.exploration) return {};
   return fleet_->watch(setup.bus, from_seconds(config.setup_s + Exploration::kLength));
+}
+
+/// As far as its team can know: a robot of the team has read a marker, the referee has told, or exploration is over.
+bool GameStage::is_known(sim::RobotId robot, sim::StationId station) const {
+  const sim::FloorPlan& plan = floor_->plan();
+  const Team team = team_of(plan.robot(robot));
+  const Exploration& exploration = factory_->referee().exploration();
+  if (exploration.over(floor_->now())) return true;
+  if (team_of(plan.station(station)) == team && exploration.finding(station).complete()) return true;
+  for (std::size_t i = 0; i < plan.robots.size(); ++i)
+    if (team_of(plan.robots[i]) == team && fleet_->has_read(static_cast<sim::RobotId>(i), station)) return true;
+  return false;
 }
 
 void GameStage::report(Result& result) const {

@@ -28,7 +28,7 @@ constexpr std::array<FaultWord, 16> kWords{{
     {"robot_slow", FaultKind::kRobotSlow, "factor*, seconds*, robot",
      "the robot drives at that share of its speed for that time", false},
     {"pose_noise", FaultKind::kPoseNoise, "sigma_m*, sigma_deg*, robot",
-     "the robot is wrong about where it stands: the drive of a drive_to, pick or place ends beside its goal", true},
+     "the robot is wrong about where it stands: a drive ends beside its goal", true},
     {"machine_breaks", FaultKind::kMachineBreaks, "machine*", "the machine is BROKEN, as after a wrong instruction",
      false},
     {"machine_down", FaultKind::kMachineDown, "machine*, seconds*", "the machine is DOWN for that time", false},

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "sim/skills/destination.h"
 #include "sim/skills/pose_noise.h"
 
 namespace cxlab::sim {
@@ -95,8 +96,7 @@ void FaultySkills::start(const SkillGoal& goal, SimTime now) {
 }
 
 void FaultySkills::begin(SimTime now) {
-  const bool drives_by_pose =
-      goal_.kind == SkillKind::kDriveTo || goal_.kind == SkillKind::kPick || goal_.kind == SkillKind::kPlace;
+  const bool drives_by_pose = goal_.kind != SkillKind::kDiscard || !goal_.target.empty();
   const bool sees = goal_.spot && in_sight(goal_.pose, world_.robot(robot_).pose_in_world);
   FaultTimer* noise = drives_by_pose && !sees ? striking_timer(FaultKind::kPoseNoise, goal_, now) : nullptr;
   if (!noise) return skills_->start(goal_, now);
@@ -107,7 +107,20 @@ void FaultySkills::begin(SimTime now) {
   error.yaw = noise->draw(fault.sigma_deg * std::numbers::pi / 180);
   record(fault, now);
   astray_ = true;
-  skills_->start({SkillKind::kDriveTo, goal_.target, goal_.spot, astray(goal_.pose, error, traffic_)}, now);
+  const Pose2 there =
+      goal_.kind == SkillKind::kExplore ? destination_of(goal_, world_, traffic_, robot_).pose : goal_.pose;
+  skills_->start({SkillKind::kDriveTo, goal_.target, goal_.spot, astray(there, error, traffic_)}, now);
+}
+
+/// The skill goes on from where the robot has come to: a discard there, an explore at the nearest lookout.
+void FaultySkills::go_on(SimTime now) {
+  astray_ = false;
+  SkillGoal goal = goal_;
+  if (goal.kind == SkillKind::kDiscard) {
+    goal.target.clear();
+    goal.spot.reset();
+  }
+  skills_->start(goal, now);
 }
 
 std::optional<SkillResult> FaultySkills::find_way(std::optional<SkillResult> result, SimTime now) {
@@ -118,12 +131,11 @@ std::optional<SkillResult> FaultySkills::find_way(std::optional<SkillResult> res
       result = SkillResult::of(SkillCode::kUnableToMove);
   } else if (result && result->code == SkillCode::kNone && !result->cancelled && goal_.kind != SkillKind::kDriveTo) {
     result.reset();
-    if (in_sight(goal_.pose, world_.robot(robot_).pose_in_world)) {
-      astray_ = false;
-      skills_->start(goal_, now);
-    } else {
+    const bool needs_spot = goal_.kind != SkillKind::kDiscard && goal_.kind != SkillKind::kExplore;
+    if (!needs_spot || in_sight(goal_.pose, world_.robot(robot_).pose_in_world))
+      go_on(now);
+    else
       searches_until_ = now + kSearchTime;
-    }
   }
   if (result) {
     astray_ = false;

@@ -40,6 +40,7 @@ class FaultySkills final : public RobotSkills {
   void forget();
   /// Begins the skill itself; with pose noise, by driving to where the robot takes the goal to be.
   void begin(SimTime now);
+  void go_on(SimTime now);
   /// What the skill is worth that the robot does with a wrong pose; none while it goes on.
   std::optional<SkillResult> find_way(std::optional<SkillResult> result, SimTime now);
   FaultTimer* striking_timer(FaultKind kind, const SkillGoal& goal, SimTime now);

@@ -45,7 +45,9 @@ Status Fleet::open(bus::Bus& bus, RecordSink& sink, const FleetFaults& faults) {
   std::vector<std::string> names;
   for (const RobotStart& robot : world_.plan().robots) names.push_back(robot.name);
   for (const Fault& fault : faults.faults)
-    if (!fault.robot.empty() && std::ranges::find(names, fault.robot) == names.end())
+    if (fault.machine.empty() && names.empty())
+      return input_error(std::string(to_string(fault.kind)) + ": there are no robots", fault.origin);
+    else if (!fault.robot.empty() && std::ranges::find(names, fault.robot) == names.end())
       return input_error("robot: no robot '" + fault.robot + "'" + did_you_mean(fault.robot, names), fault.origin);
   if (!faults.faults.empty())
     for (std::size_t i = 0; i < skills_.size(); ++i)
@@ -66,6 +68,11 @@ Status Fleet::watch(bus::Bus& bus, SimTime until) {
   if (!sightings) return sightings.error();
   sightings_ = *std::move(sightings);
   return {};
+}
+
+void Fleet::ask_whether_known(const std::function<bool(RobotId, StationId)>& knows) {
+  for (std::size_t i = 0; i < servers_.size(); ++i)
+    servers_[i]->ask_whether_known([knows, robot = static_cast<RobotId>(i)](StationId s) { return knows(robot, s); });
 }
 
 Status Fleet::sense(SimTime now) {

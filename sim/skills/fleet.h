@@ -1,6 +1,7 @@
 #pragma once
 // All robots of a floor with their skill servers and the traffic between them: one server of an episode.
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -40,6 +41,10 @@ class Fleet final : public Server {
 
   /// Until that time robots tell what they see of machines.
   Status watch(bus::Bus& bus, SimTime until);
+  /// Whether the robot has read a marker of the station, since somebody watches.
+  bool has_read(RobotId robot, StationId station) const { return sightings_ && sightings_->has_read(robot, station); }
+  /// Robots cannot go to spots of other stations than those that they know.
+  void ask_whether_known(const std::function<bool(RobotId, StationId)>& knows);
 
   Status sense(SimTime now) override;
   Status act(SimTime now) override;

@@ -23,6 +23,10 @@ class Sightings {
   /// Posts what each robot has seen when there is something new, and from time to time for those who came later.
   void look(SimTime now);
   SimTime next_due() const { return next_; }
+  /// Whether the robot has read a marker of the station.
+  bool has_read(RobotId robot, StationId station) const {
+    return robots_[index_of(robot)].seen[index_of(station)] == Seen::kMarker;
+  }
 
  private:
   enum class Seen : std::uint8_t { kNothing, kBody, kMarker };

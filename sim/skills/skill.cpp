@@ -20,6 +20,7 @@ std::string_view to_string(SkillCode code) {
     case SkillCode::kInvalidTarget: return "invalid target";
     case SkillCode::kUnableToMove: return "unable to move";
     case SkillCode::kNoWorkpiece: return "no workpiece found";
+    case SkillCode::kMachineNotFound: return "machine not found";
     case SkillCode::kSensorDisagreement: return "sensor disagreement";
     case SkillCode::kGraspFailed: return "grasping failed";
     case SkillCode::kGripperFull: return "workpiece already in gripper";

@@ -27,6 +27,7 @@ enum class SkillCode : std::uint16_t {
   kInvalidTarget = 103,
   kUnableToMove = 201,
   kNoWorkpiece = 202,
+  kMachineNotFound = 203,
   kSensorDisagreement = 204,
   kGraspFailed = 206,
   kGripperFull = 207,

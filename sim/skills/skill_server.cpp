@@ -109,6 +109,13 @@ Expected<SkillGoal> SkillServer::read_goal(const Action& action, const bus::Mess
   return goal;
 }
 
+const Station* SkillServer::unknown_station(const SkillGoal& goal) const {
+  if (!knows_) return nullptr;
+  for (const std::optional<SpotId>& spot : {goal.spot, goal.to})
+    if (spot && !knows_(plan_.spot(*spot).station)) return &plan_.station(plan_.spot(*spot).station);
+  return nullptr;
+}
+
 void SkillServer::take_goal(const Action& action, const bus::Delivery& delivery) {
   const bus::MessageView message = delivery.message->view();
   if (active_) {
@@ -130,6 +137,12 @@ void SkillServer::take_goal(const Action& action, const bus::Delivery& delivery)
   active_->skill.target = target_of(action, message);
   if (off_field_) return finish(SkillResult::of(SkillCode::kOffField));
   if (!goal) return finish({SkillCode::kInvalidTarget, false, goal.error().message, {}});
+  if (const Station* station = unknown_station(*goal))
+    return finish(
+        {SkillCode::kMachineNotFound,
+         false,
+         "nobody knows yet where " + station->name + " stands: its marker was not read, and it is not reported",
+         {}});
   active_->skill = *goal;
   skills_.start(*goal, now_);
 }
@@ -210,7 +223,8 @@ void SkillServer::finish(const SkillResult& result) {
       .set("error_code", static_cast<int>(result.code))
       .set("error", result.text)
       .set("target", ended.skill.target);
-  if (action.kind == SkillKind::kTransport && !done && result.code != SkillCode::kInvalidTarget)
+  if (action.kind == SkillKind::kTransport && !done && result.code != SkillCode::kInvalidTarget &&
+      result.code != SkillCode::kMachineNotFound)
     message->view().set("sub_action", in);
   if (action.kind == SkillKind::kExplore && done) {
     const Station* seen = result.seen ? &plan_.station(*result.seen) : nullptr;

@@ -6,6 +6,7 @@
 // why.
 
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -54,6 +55,8 @@ class SkillServer {
 
   bus::ParticipantId node() const { return node_; }
   bool off_field() const { return off_field_; }
+  /// Goals at a spot of a station that the robot does not know end with 203.
+  void ask_whether_known(std::function<bool(StationId)> knows) { knows_ = std::move(knows); }
   bool active() const { return active_.has_value(); }
   RobotStats stats(SimTime now) const;
 
@@ -80,6 +83,8 @@ class SkillServer {
   void take_cancel(const Action& action, const bus::Delivery& delivery);
   /// The goal as a skill, or why it cannot be carried out.
   Expected<SkillGoal> read_goal(const Action& action, const bus::MessageView& message) const;
+  /// The station of a goal's spots that the robot does not know.
+  const Station* unknown_station(const SkillGoal& goal) const;
   void finish(const SkillResult& result);
   void count_phase(SimTime now, RobotStats& stats) const;
   /// As the records name it.
@@ -97,6 +102,7 @@ class SkillServer {
   StreamId stream_{};
   std::deque<Action> actions_;
   std::optional<Active> active_;
+  std::function<bool(StationId)> knows_;  ///< empty: all
   bool off_field_ = false;
   RobotStats stats_;
   RecordData data_;

@@ -128,7 +128,7 @@ TEST(GameResult, CountsWhatEachRobotDid) {
 TEST_F(GameStage, TheTimedTierHasNoViewAndTellsWhereOneIs) {
   const auto view = view_of(episode_->stage(), 64, 64);
   ASSERT_FALSE(view.ok());
-  EXPECT_THAT(view.error().text(), testing::HasSubstr("no bodies to look at: tier: physics in the scenario"));
+  EXPECT_THAT(view.error().text(), testing::HasSubstr("no bodies to look at: play it with --tier physics"));
 }
 
 TEST_F(GameStage, NeedsEachOfItsInterfaces) {

@@ -406,6 +406,17 @@ TEST_P(Skills, AnUnknownTargetIsNamedWithItsNeighbour) {
   EXPECT_EQ(done("robot1", SkillKind::kPick, "C_Z22").code, 103) << "a place is no spot";
 }
 
+TEST_P(Skills, AMachineThatNobodyKnowsIsNotGoneTo) {
+  fleet->ask_whether_known([&](RobotId robot, StationId station) {
+    return robot == RobotId{1} || world->plan().station(station).name != "C-BS";
+  });
+  EXPECT_EQ(done("robot1", SkillKind::kDriveTo, "C-BS-OUTPUT").code, 203);
+  EXPECT_EQ(done("robot1", SkillKind::kPick, "C-BS-OUTPUT").code, 203);
+  EXPECT_EQ(done("robot1", SkillKind::kTransport, "C-BS-OUTPUT to C-CS1-INPUT").code, 203);
+  EXPECT_EQ(done("robot1", SkillKind::kTransport, "C-CS1-OUTPUT to C-BS-INPUT").code, 203);
+  EXPECT_EQ(done("robot2", SkillKind::kDriveTo, "C-BS-OUTPUT").code, 0);
+}
+
 TEST_P(Skills, DriveToTakesSpotsPlacesAndPoses) {
   ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C-CS1-OUTPUT").status, bus::GoalStatus::kSucceeded);
   EXPECT_NEAR(robot1().pose_in_world.x, 4.5 - 0.675, 0.03);
