@@ -45,6 +45,9 @@ Expected<Scenario> load_scenario(const Options& options) {
 Status draw(const Options& options, const lab::Host& host) {
   const bool film = !options.film.video.file.empty();
   if (fs::is_directory(options.what)) {
+    if (options.seed || !options.overrides.empty())
+      return usage_error(std::string(options.seed ? "--seed" : "--set") + ": " + options.what +
+                         " is a run, which was played already: only a scenario takes it");
     auto run = lab::RecordedRun::open(options.what, catalogue());
     if (!run) return run.error();
     return film ? lab::film_run(*run, options.film, host) : lab::render_run(*run, options.picture);

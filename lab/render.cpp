@@ -94,7 +94,7 @@ Status film_run(const RecordedRun& run, const FilmOptions& options, const Host& 
   if (Status s = check_span(options.from, end); !s) return s;
   auto view = shown->physics.view(options.video.width, options.video.height);
   if (!view) return view.error();
-  auto video = Video::create(options.video, *std::move(view), options.from);
+  auto video = Video::create(options.video, *std::move(view), host, options.from);
   if (!video) return video.error();
   constexpr double kPart = 1;  // s, after which progress is shown and a stop is noticed
   Status played;
@@ -118,7 +118,7 @@ Status film_scenario(Scenario scenario, const FilmOptions& options, const Host& 
   Episode& episode = **loaded;
   auto view = view_of(episode.stage(), options.video.width, options.video.height);
   if (!view) return input_error(view.error().message, file);
-  auto video = Video::create(options.video, *std::move(view), options.from);
+  auto video = Video::create(options.video, *std::move(view), host, options.from);
   if (!video) return video.error();
   const Status played = play_until(episode, end, host, [&] { return (*video)->look(to_seconds(episode.now())); });
   const Status finished = host.complete([&] { return (*video)->finish(); });

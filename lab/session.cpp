@@ -97,7 +97,7 @@ Expected<std::unique_ptr<Video>> start_video(const Run& run) {
   if (options.file.empty()) return std::unique_ptr<Video>();
   auto view = view_of(run.episode->stage(), options.width, options.height);
   if (!view) return resource_error("no pictures: " + view.error().message);
-  return Video::create(options, *std::move(view));
+  return Video::create(options, *std::move(view), run.host);
 }
 
 Status play_ticks(Run& run, Pictures& pictures, Video* video) {

@@ -1,5 +1,7 @@
 #include "lab/video.h"
 
+#include <algorithm>
+#include <cctype>
 #include <fstream>
 
 namespace cxlab::lab {
@@ -10,23 +12,41 @@ constexpr double kSame = 1e-9;           // s: times closer than that are one
 
 Error cannot_write(const std::string& file) { return resource_error("the film cannot be written", file); }
 
+/// ffmpeg takes the kind of a film from its name.
+Status check_name(const std::string& file) {
+  std::string suffix = std::filesystem::path(file).extension().string();
+  std::ranges::transform(suffix, suffix.begin(), [](unsigned char c) { return std::tolower(c); });
+  constexpr std::string_view kKinds[]{".mp4", ".mkv", ".mov", ".avi", ".webm"};
+  if (std::ranges::find(kKinds, suffix) != std::end(kKinds)) return {};
+  return usage_error("--video: found '" + file + "', expected a name that ends in .mp4, .mkv, .mov, .avi or .webm");
+}
+
+/// H.264 has colours for squares of two pixels.
+int even(int side) { return (side + 1) / 2 * 2; }
+std::string size_text(int width, int height) { return std::to_string(width) + 'x' + std::to_string(height); }
+
 }  // namespace
 
-Expected<std::unique_ptr<Video>> Video::create(const VideoOptions& options, std::unique_ptr<View> view, double from) {
+Expected<std::unique_ptr<Video>> Video::create(const VideoOptions& options, std::unique_ptr<View> view,
+                                               const Host& host, double from) {
+  if (Status s = check_name(options.file); !s) return s.error();
   std::unique_ptr<Video> video(new Video(options, std::move(view), from));
   if (video->options_.camera.empty()) video->options_.camera = video->view_->cameras().front();
   auto first = video->view_->draw(video->options_.camera);
   if (!first) return first.error();
   if (!is_on_path("ffmpeg")) return resource_error("no pictures: --video needs ffmpeg: apt-get install ffmpeg");
   if (!std::ofstream(options.file)) return cannot_write(options.file);
+  const int width = even((*first)->width), height = even((*first)->height);
+  if (width != (*first)->width || height != (*first)->height)
+    host.note("the film is " + size_text(width, height) + ": its sides must be even, so it has a black edge");
   if (Status s = video->start(**first); !s) return s.error();
   return video;
 }
 
 Status Video::start(const sim::Picture& first) {
-  const std::string size = std::to_string(first.width) + 'x' + std::to_string(first.height);
+  const std::string size = size_text(first.width, first.height);
   const std::string rate = std::to_string(static_cast<int>(kFramesPerSecond));
-  // H.264 has colours for squares of two pixels, so that sides are even. "file:": a name is not read as a protocol.
+  // "file:": a name is not read as a protocol.
   ProcessOptions ffmpeg{.argv = {"ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s",
                                  size, "-r", rate, "-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt",
                                  "yuv420p", "file:" + options_.file}};

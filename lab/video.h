@@ -9,6 +9,7 @@
 
 #include "cx/base/expected.h"
 #include "cx/base/process.h"
+#include "lab/host.h"
 #include "scenarios/view.h"
 
 namespace cxlab::lab {
@@ -22,10 +23,11 @@ struct VideoOptions {
 
 class Video {
  public:
-  /// The view is of that size or smaller; the first frame shows `from`, s. kResource where there is no ffmpeg, and for
-  /// a file that cannot be written.
+  /// The view is of that size or smaller; the first frame shows `from`, s. kUsage for a name that is not that of a
+  /// film, kResource where there is no ffmpeg, and for a file that cannot be written. The host hears of a size that
+  /// changes.
   static Expected<std::unique_ptr<Video>> create(const VideoOptions& options, std::unique_ptr<View> view,
-                                                 double from = 0);
+                                                 const Host& host, double from = 0);
   /// When the next frame is due, s.
   double next() const;
   /// Draws the world as it is at `now` for all frames that are due.
