@@ -23,8 +23,10 @@
 (deffunction distance (?x1 ?y1 ?x2 ?y2)
   (sqrt (+ (* (- ?x1 ?x2) (- ?x1 ?x2)) (* (- ?y1 ?y2) (- ?y1 ?y2)))))
 
-(deffunction trouble-of (?step ?code ?tries)
+(deffunction trouble-of (?step ?code ?tries ?target)
   "What it means that this step failed with that code, after so many failures before; NONE: worth another try."
+  (if (and (= ?code 300) (str-index "SLIDE" ?target)) then (return OCCUPIED))
+  (if (and (= ?code 300) (str-index "SHELF" ?target)) then (return MISSING))
   (bind ?fetches (or (eq ?step GO-FETCH) (eq ?step FETCH)))
   (if (and ?fetches (= ?code 207)) then (return (if (> ?tries 0) then HELD else FULL)))
   (if (and (= ?code 208) (> ?tries 0)) then (return LOST))
@@ -79,7 +81,7 @@
   (printout warn "job " ?id ": " ?skill " " ?target " failed: " ?code " " ?error crlf)
   (retract ?command)
   (modify ?job (moving NO) (tries (+ ?tries 1)) (not-before (+ ?now 1.0)))
-  (bind ?kind (trouble-of ?step ?code ?tries))
+  (bind ?kind (trouble-of ?step ?code ?tries ?target))
   (if (neq ?kind NONE) then (assert (trouble (job ?id) (kind ?kind)))))
 
 (defrule job-robot-free

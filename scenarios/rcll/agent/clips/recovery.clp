@@ -129,16 +129,28 @@
   (reset-machine ?name))
 
 (defrule recover-occupied-slide
-  "The slide is blocked: no more payments there, away with the base."
+  "The slide is blocked, or nobody can come to it: no more payments there, no rings that need them; away with the base."
   ?trouble <- (trouble (job ?id) (kind OCCUPIED))
   ?job <- (job (id ?id) (to ?to))
-  ?slide <- (slide (spot ?to) (coming ?coming))
+  ?slide <- (slide (spot ?to) (machine ?name) (coming ?coming))
   (machine (name ?delivery) (kind DS))
   =>
   (retract ?trouble)
   (modify ?slide (coming (+ ?coming 3)))
+  (do-for-all-facts ((?d does)) (and (eq ?d:machine ?name) (> ?d:price 0))
+    (assert (unpayable ?d:work))
+    (retract ?d))
   (modify ?job (purpose DISCARD) (to (input-of ?delivery)) (step GO-PUT) (tries 0))
   (assert (held-up (job ?id) (step GO-PUT))))
+
+(defrule recover-product-without-ring
+  "It needs a ring that nobody can pay any more: have it taken away."
+  (unpayable ?work)
+  (product (order ?id) (todo $? ?work $?) (at ?name) (state ~MOVING))
+  (machine (name ?name) (kind ~BS))
+  =>
+  (assert (lost ?id))
+  (reset-machine ?name))
 
 (defrule recover-stuck
   "The robot does not get rid of the piece there: away with it, and the job begins anew."
