@@ -1,6 +1,7 @@
 #include "planner/planner.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "planner/ground/ground.h"
@@ -34,6 +35,7 @@ class Portfolio {
 
  private:
   void find_first();
+  bool prove_in(const Turn& turn);
   void improve_makespan();
   void improve_metric();
   bool is_improving(std::uint64_t round);
@@ -42,6 +44,7 @@ class Portfolio {
   SequenceSearch sequences_{context_, Cut::kNothing}, envelopes_{context_, Cut::kEnvelopes},
       everything_{context_, Cut::kEverything};
   ClockStrategy clock_{context_};
+  std::optional<Conclusion> proof_;    ///< tried to its end
   std::int64_t units_of_rounds_ = -1;  ///< when the last rounds of all kinds began
   Conclusion without_plan_{PlanStatus::kBudget, "the budget ended before a plan was found"};
 };
@@ -62,15 +65,28 @@ void Portfolio::find_first() {
     if (context_.has_events() && repair_late(context_, sequences_, turn)) return;
     if (envelopes_.run(turn)) return;
     if (clock_.run(turn)) return;
+    if (sequences_.exhausted() && prove_in(turn)) return;
     if (round == 0 && !(sequences_.exhausted() && envelopes_.exhausted())) continue;
     const bool likely = envelopes_.space() || round == 1;  // something needs others to be under way, or never tried
     if (everything_.run({round, likely ? units : units / kShareOfUnlikely})) return;
     if (!context_.budget.late() && sequences_.exhausted() && envelopes_.exhausted() && everything_.exhausted() &&
         clock_.exhausted()) {
-      without_plan_ = prove_unsolvable(context_);
+      without_plan_ = proof_ ? *proof_ : prove_unsolvable(context_);
       return;
     }
   }
+}
+
+/// Where no list of whole actions is a plan, overlaps may be tried for ever: is there none at all?
+bool Portfolio::prove_in(const Turn& turn) {
+  if (!context_.has_durations || proof_) return false;
+  const BudgetSlice slice(context_.budget, turn.units);
+  const Conclusion conclusion = prove_unsolvable(context_);
+  if (conclusion.status == PlanStatus::kBudget) return false;
+  proof_ = conclusion;
+  if (conclusion.status != PlanStatus::kUnsolvable) return false;
+  without_plan_ = conclusion;
+  return true;
 }
 
 /// False as well when a round of each kind had nothing to do.
