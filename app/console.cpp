@@ -67,12 +67,19 @@ void on_signal(int number) {
   ring_in(kToEndOfTick);
 }
 
+/// A command that has nothing to end in order, or does not come to its end.
+void end_at_once(int number) {
+  constexpr char kInt[] = "\ninterrupted: by SIGINT, in the middle of its work\n";
+  constexpr char kTerm[] = "\ninterrupted: by SIGTERM, in the middle of its work\n";
+  const ssize_t written =
+      number == SIGINT ? write(STDERR_FILENO, kInt, sizeof kInt - 1) : write(STDERR_FILENO, kTerm, sizeof kTerm - 1);
+  _exit(written < 0 ? static_cast<int>(ErrorKind::kResource) : 128 + number);
+}
+
 void on_alarm(int) {
   if (g_completing) return ring_in(kToEndOfRules);
   if (!g_stop_now.exchange(true)) return ring_in(kToEndOfRules);
-  constexpr char kMessage[] = "\nerror: stopped by a signal, in the middle of something that takes long\n";
-  if (write(STDERR_FILENO, kMessage, sizeof kMessage - 1) < 0) _exit(static_cast<int>(ErrorKind::kResource));
-  _exit(128 + g_signal);
+  end_at_once(g_signal);
 }
 
 void handle(int number, void (*handler)(int)) {
@@ -113,6 +120,13 @@ void on_no_memory() {
 }
 
 }  // namespace
+
+void end_at_signals() {
+  for (const int number : {SIGINT, SIGTERM}) {
+    struct sigaction now{};
+    if (sigaction(number, nullptr, &now) == 0 && now.sa_handler == SIG_DFL) handle(number, end_at_once);
+  }
+}
 
 /// Bytes: a whole number and its unit, if any.
 static std::optional<std::int64_t> size_of(const std::string& text) {

@@ -17,6 +17,9 @@ namespace cxlab::app {
 
 inline constexpr std::string_view kRed = "1;31";
 
+/// From here on SIGINT and SIGTERM end the process with their exit code and a line on stderr.
+void end_at_signals();
+
 /// Progress is a line that is redrawn on a terminal, and printed every 10 s elsewhere.
 class Console final : public lab::ProgressSink, public cx::LogSink {
  public:

@@ -13,6 +13,7 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
+#include "app/console.h"
 #include "app/planning.h"
 #include "cx/base/file.h"
 #include "cx/base/json_text.h"
@@ -124,8 +125,11 @@ class Interruption {
     sigwait(&signals_, &number);
     const std::lock_guard lock(mutex_);
     if (over_) return;
-    so_far_.reason = "interrupted";
+    so_far_.reason = so_far_.plan ? "interrupted" : "interrupted before there was a plan";
     report_(so_far_);
+    std::fprintf(stderr, "%s by %s; %s\n", coloured("interrupted:", kRed).c_str(),
+                 number == SIGINT ? "SIGINT" : "SIGTERM",
+                 so_far_.plan ? "the best plan is that of then" : "there is no plan");
     std::fflush(nullptr);
     std::_Exit(128 + number);
   }
@@ -145,8 +149,8 @@ int write(const std::string& file, const std::string& text) {
 
 /// Prints and writes the answer as asked; the exit code.
 int report(const planner::PlanAnswer& answer, const planner::Task& task, const PlanCommand& command) {
-  std::fprintf(stderr, "%s: %s; %lld units\n", word(answer.status), answer.reason.c_str(),
-               static_cast<long long>(answer.units));
+  std::fprintf(stderr, "%s: %s%s\n", word(answer.status), answer.reason.c_str(),
+               answer.units > 0 ? ("; " + std::to_string(answer.units) + " units").c_str() : "");
   int code = static_cast<int>(answer.status);
   if (answer.plan) {
     const double makespan = answer.plan->makespan_s, bound = answer.lower_bound_s;

@@ -68,6 +68,7 @@ void open_standard_streams() {
 }
 
 int run(int argc, char** argv) {
+  end_at_signals();
   std::set_terminate(on_terminate);
   sim::on_mujoco_bug([](const char* message) {
     std::fprintf(stderr, "error: a bug of cxlab: MuJoCo: %s\n", message);

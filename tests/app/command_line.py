@@ -261,6 +261,20 @@ class Signals(Lab):
             self.assertEqual(process.returncode, 128 + signal.SIGINT, err)
             self.assertIn(said, err)
 
+    def test_reading_files_ends_with_a_line_too(self):
+        # A template that takes seconds: 20 million steps are allowed.
+        self.write("d.pddl", "{% for i in range(9999) %}{% for j in range(9999) %}{% if i < 0 %}x{% endif %}{% endfor %}{% endfor %}")
+        self.write("p.pddl", "(define (problem p) (:domain d))")
+        self.write("x.plan", "0: (a)\n")
+        for number in [signal.SIGINT, signal.SIGTERM]:
+            for command in [["plan", "d.pddl", "p.pddl"], ["validate", "d.pddl", "p.pddl", "x.plan"]]:
+                process = subprocess.Popen([CXLAB, *command], cwd=self.folder, text=True, stderr=subprocess.PIPE)
+                time.sleep(0.3)
+                process.send_signal(number)
+                _, err = process.communicate(timeout=2)
+                self.assertEqual(process.returncode, 128 + number, err)
+                self.assertIn(f"interrupted: by {number.name}, in the middle of its work", err)
+
     def test_plan_prints_what_it_has_found(self):
         places = [f"p{i}" for i in range(60)]
         roads = " ".join(f"(road {a} {b})" for a in places for b in places if a != b)
@@ -276,6 +290,7 @@ class Signals(Lab):
         for number in [signal.SIGINT, signal.SIGTERM]:
             out, err = self.interrupted("plan", "d.pddl", "p.pddl", "--anytime", "--budget", 10**12, after="plan: ", number=number)
             self.assertIn("plan: interrupted", err)
+            self.assertIn(f"interrupted: by {number.name}; the best plan is that of then", err)
             self.write("found.plan", out)
             judged = cxlab("validate", "d.pddl", "p.pddl", "found.plan", cwd=self.folder)
             self.assertEqual(judged.returncode, 0, judged.stdout)
