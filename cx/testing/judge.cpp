@@ -169,12 +169,43 @@ class ImpossiblePatterns {
   /// Empty if there is nothing.
   std::string against(const std::string& pattern) {
     if (!engine_) return {};
-    const Status built = engine_->build("(defrule pattern " + pattern + " =>)");
-    const std::string what = built ? "" : built.error().message;
-    return what.starts_with("[CSTRNCHK1]") || what.starts_with("[PRNTUTIL2]") ? what : "";
+    Term term = tree_of(read_forms(pattern, {}).forms.front());
+    term.items.front().text = without_module(term.items.front().text);  // patterns of rules have no modules
+    const std::string why = error_of(term);
+    if (!why.starts_with("[CSTRNCHK1]")) return why;
+    // A story compares 3 and 3.0 as numbers, CLIPS does not: slots by themselves, with all their numbers of one type.
+    for (std::size_t i = 1; i < term.items.size(); ++i) {
+      Term alone = term;
+      if (term.items[i].is_list()) alone.items = {term.items[0], term.items[i]};
+      if (!error_of(alone).empty() && !error_of(with_numbers(alone, ".0")).empty() &&
+          !error_of(with_numbers(alone, "")).empty())
+        return why;
+    }
+    return {};
   }
 
  private:
+  std::string error_of(const Term& pattern) {
+    static constexpr std::string_view kCodes[] = {"[CSTRNCHK1]", "[PRNTUTIL2]", "[PRNTUTIL5]", "[TMPLTDEF1]"};
+    const Status built = engine_->build("(defrule pattern " + pattern.print() + " =>)");
+    const std::string what = built ? "" : built.error().message;
+    return std::ranges::any_of(kCodes, [&](std::string_view code) { return what.starts_with(code); }) ? what : "";
+  }
+  /// Whole numbers end with `end`: 3, 3.0.
+  static Term with_numbers(Term term, const std::string& end) {
+    const auto is_digits = [](std::string_view text) {
+      return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+    };
+    for (Term& item : term.items) item = with_numbers(std::move(item), end);
+    const std::size_t sign = term.text.starts_with('-') || term.text.starts_with('+') ? 1 : 0;
+    const std::string whole = term.text.substr(0, std::min(term.text.find(".0"), term.text.size()));
+    const bool number = term.kind == Token::Kind::kWord &&
+                        is_digits(std::string_view(whole).substr(std::min(sign, whole.size()))) &&
+                        (term.text == whole || term.text == whole + ".0");
+    if (number) term.text = whole + end;
+    return term;
+  }
+
   std::unique_ptr<RuleEngine> engine_;
 };
 
