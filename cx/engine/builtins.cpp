@@ -51,7 +51,10 @@ void call_original(UDFContext* context, UDFValue* result, const std::vector<UDFV
   inner.lastArg = call.argList;
   inner.lastPosition = 1;
   inner.returnValue = result;
+  const bool outermost = impl_of(context).carried_out == nullptr;
+  if (outermost) impl_of(context).carried_out = outer;
   builtin_of(context).original(env, &inner, result);
+  if (outermost) impl_of(context).carried_out = nullptr;
   evaluation_data(env)->CurrentExpression = outer;
   ExpressionDeinstall(env, &call);
   ReturnExpression(env, call.argList);

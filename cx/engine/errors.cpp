@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <functional>
 
 #include "internal/impl.h"
 
@@ -37,6 +38,7 @@ struct Message {
   bool acting = false;
   std::vector<std::string> rules;
   std::string asserted;  ///< the fact that `assert-string` was reading
+  RuleEngine::Impl::CallPlace call;
 };
 
 /// Its first line; a sentence of CLIPS that goes on in the next line is taken whole.
@@ -96,6 +98,7 @@ std::vector<Message> take_messages(RuleEngine::Impl& impl) {
     message.acting = start.acting;
     message.asserted = start.asserted;
     message.rules = start.rules;
+    message.call = start.call;
     message.code = code_of(message.head);
     if (!message.code.empty())
       messages.push_back(std::move(message));
@@ -280,7 +283,7 @@ void add_network_errors(const RuleEngine::Impl& impl, const Message& message, st
     std::vector<const ConstructInfo*> places = impl.named("defrule", rule);
     if (places.empty()) places.push_back(nullptr);
     for (const ConstructInfo* place : places) {
-      impl.set_place(failed, place);
+      impl.set_place(failed, place, {});
       found.push_back(failed);
     }
   }
@@ -355,7 +358,8 @@ void RuleEngine::Impl::capture(const char* text) {
              is_parsing() ? static_cast<int>(GetLineCount(env)) : 0,
              rule_acting,
              {},
-             std::string(asserted_text)};
+             std::string(asserted_text),
+             call_at_work()};
     if (const joinNode* join = engine_data(env)->GlobalJoin) add_rules_below(*join, start.rules);
   } else if (starts.empty()) {
     return;
@@ -383,6 +387,12 @@ void RuleEngine::Impl::make_errors() {
   const Context* context = contexts.empty() ? nullptr : &contexts.back();
   const std::string open_rule = std::string(rule_module) + "::" + std::string(rule_name);
   std::vector<RuleError> found;
+  const auto acting_in = [&](const RuleError& error) -> const ConstructInfo* {
+    if (error.side == ErrorSide::kRhs) return engine.find_construct("defrule", open_rule);
+    if (error.side != ErrorSide::kCallback) return nullptr;
+    const ConstructInfo* info = engine.find_construct("deffunction", error.rule);
+    return info != nullptr ? info : engine.find_construct("defmethod", error.rule);
+  };
   for (const Message& message : messages) {
     if (is_network_message(message.code)) {
       add_network_errors(*this, message, found);
@@ -399,7 +409,9 @@ void RuleEngine::Impl::make_errors() {
       // The function that failed was called by a deffunction, which the rule called.
       const ConstructInfo* info =
           in_rule && halted && last.side == ErrorSide::kRhs ? engine.find_construct("defrule", open_rule) : nullptr;
-      if (info != nullptr && last.line == info->line) last.line = line_of_error(*info, ErrorSide::kRhs, message.head);
+      if (info != nullptr && (last.line == 0 || last.line == info->line))
+        last.line = message.call.where == CallPlace::Where::kHere ? line_of_call(*info, message.call)
+                                                                  : line_of_error(*info, ErrorSide::kRhs, message.head);
       continue;
     }
     RuleError error;
@@ -408,16 +420,13 @@ void RuleEngine::Impl::make_errors() {
     error.side = in_rule ? ErrorSide::kRhs : context != nullptr ? context->side : ErrorSide::kCallback;
     if (in_rule) {
       error.rule = rule_name;
-      set_place(error, engine.find_construct("defrule", open_rule));
+      set_place(error, acting_in(error), message.call);
     } else if (context != nullptr) {
       error.rule = context->name;
       error.file = context->file;
       error.line = context->line;
       if (context->form != nullptr && message.line >= context->line) error.line = message.line;
-      if (context->side == ErrorSide::kCallback && error.file.empty()) {
-        const ConstructInfo* info = engine.find_construct("deffunction", error.rule);
-        set_place(error, info != nullptr ? info : engine.find_construct("defmethod", error.rule));
-      }
+      if (error.file.empty()) set_place(error, acting_in(error), message.call);
     }
     if (!message.asserted.empty()) {
       Form form;
@@ -429,15 +438,99 @@ void RuleEngine::Impl::make_errors() {
     found.push_back(std::move(error));
   }
   for (RuleError& error : found) {
+    if (const ConstructInfo* info = error.line == 0 ? acting_in(error) : nullptr; info != nullptr)
+      error.line = error.calls.empty() ? line_of_error(*info, error.side, error.message) : info->line;
     error.message = with_near_name(*this, error.message) + chain_of(error);
     add_error(std::move(error));
   }
 }
 
-void RuleEngine::Impl::set_place(RuleError& error, const ConstructInfo* info) const {
+void RuleEngine::Impl::set_place(RuleError& error, const ConstructInfo* info, const CallPlace& call) const {
   if (info == nullptr) return;
   error.file = info->file;
-  error.line = line_of_error(*info, error.side, error.message);
+  switch (call.where) {
+    case CallPlace::Where::kHere: error.line = line_of_call(*info, call); break;
+    case CallPlace::Where::kElsewhere: error.line = 0; break;  // a message that follows may name the call
+    case CallPlace::Where::kUnknown: error.line = line_of_error(*info, error.side, error.message); break;
+  }
+}
+
+RuleEngine::Impl::CallPlace RuleEngine::Impl::call_at_work() {
+  Expression* root = nullptr;
+  if (rule_acting && contexts.size() == rule_depth && engine_data(env)->ExecutingRule != nullptr)
+    root = engine_data(env)->ExecutingRule->actions;
+  else if (!rule_acting && !contexts.empty() && contexts.back().side == ErrorSide::kCallback)
+    if (const Deffunction* function = FindDeffunction(env, std::string(contexts.back().name).c_str()))
+      root = function->code;
+  CallPlace place;
+  const Expression* at = evaluation_data(env)->CurrentExpression;
+  // Where calls never end, CLIPS is kept from naming them: the message has the name of the function.
+  if (root == nullptr || at == nullptr || (calls > 0 && stack_is_full())) return place;
+  // CLIPS keeps the actions of a construct in one array, each call before its arguments.
+  const bool grouped =
+      root->type == FCALL && root->functionValue->callFunctionName->contents == std::string_view("progn");
+  const Expression* const first = grouped ? root->argList : root;
+  const auto size = static_cast<std::size_t>(ExpressionSize(grouped ? root->argList : root));
+  const std::less<> before;
+  const auto in_it = [&](const Expression* e) { return !before(e, first) && before(e, first + size); };
+  if (!in_it(at)) at = carried_out;
+  place.where = CallPlace::Where::kElsewhere;
+  if (first == nullptr || at == nullptr || !in_it(at)) return place;
+  const Expression* action = first;
+  const Expression* end = first + size;
+  for (const Expression* next = first; next != nullptr; next = next->nextArg) {
+    ++place.actions;
+    if (before(at, next)) {
+      if (end == first + size) end = next;
+      continue;
+    }
+    action = next;
+    place.action = place.actions - 1;
+  }
+  const auto is_call = [](const Expression& e) { return e.type == FCALL || e.type == PCALL || e.type == GCALL; };
+  while (!is_call(*at) && at != action)
+    --at;  // a variable: the call before it, which has it as an argument or is beside it
+  if (!is_call(*at)) return place;
+  place.where = CallPlace::Where::kHere;
+  place.name = (at->type == FCALL ? at->functionValue->callFunctionName : at->constructValue->name)->contents;
+  for (const Expression* e = action; e != end; ++e) {
+    if (e->type != at->type || e->value != at->value) continue;
+    if (e == at) place.call = place.calls;
+    ++place.calls;
+  }
+  return place;
+}
+
+int RuleEngine::Impl::line_of_call(const ConstructInfo& info, const CallPlace& call) {
+  if (info.line == 0) return 0;
+  Form form;
+  form.text = info.text;
+  form.line = info.line;
+  const Term construct = tree_of(form);
+  // A deffunction has a name, perhaps a comment, and its parameters before its actions, a rule has "=>".
+  std::size_t first = 2;
+  if (construct.head() == "defrule")
+    while (first < construct.items.size() && !construct.items[first].is("=>")) ++first;
+  else if (construct.items.size() > 2 && !construct.items[2].is_list())
+    ++first;
+  ++first;
+  if (construct.items.size() != first + call.actions) return info.line;
+  const Term& action = construct.items[first + call.action];
+  std::vector<int> lines;
+  bool sorted = false;  // an assert has its slots in the order of the deftemplate
+  const std::function<std::size_t(const Term&)> visit = [&](const Term& term) {
+    std::size_t found = 0;
+    if (!term.is_list()) return found;
+    if (without_module(term.head()) == call.name) {
+      lines.push_back(term.line);
+      ++found;
+    }
+    for (const Term& item : term.items) found += visit(item);
+    sorted = sorted || (term.head() == "assert" && found > 1);
+    return found;
+  };
+  visit(action);
+  return lines.size() == call.calls && !sorted ? lines[call.call] : action.line;
 }
 
 void RuleEngine::Impl::add_error(RuleError error) {

@@ -75,11 +75,11 @@ void RuleEngine::Impl::remember(const Form& form, const std::string& file) {
   const std::vector<Token> tokens = tokens_of(form);
   if (form.head == "defrule") {
     const std::string rule = module + "::" + form.name;
-    std::vector<CallPlace>& places = lhs_calls_of[rule];
+    std::vector<LhsCall>& places = lhs_calls_of[rule];
     places.clear();
     for_each_call(tokens, 1, find_arrow(tokens), false,
                   [&](std::string name, int line) { places.push_back({std::move(name), line}); });
-    for (const CallPlace& call : places) rules_calling[call.function].insert(rule);
+    for (const LhsCall& call : places) rules_calling[call.function].insert(rule);
   } else if (form.head == "deffunction" || form.head == "defmethod") {
     std::set<std::string>& names = calls_of[form.name];
     if (form.head == "deffunction" && known.size() == 1) names.clear();
@@ -179,7 +179,7 @@ std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) 
   const std::string name(without_module(rule));
   // Rules may have removed it themselves.
   if (info != nullptr && !engine.has("defrule", rule)) return errors;
-  for (const CallPlace& place : places->second) {
+  for (const LhsCall& place : places->second) {
     if (!is_acting(place.function)) continue;
     if (!reported_lhs.insert(rule + '\n' + place.function + '\n' + std::to_string(place.line)).second) continue;
     RuleError error = load_error(info == nullptr ? std::string() : info->file, place.line,

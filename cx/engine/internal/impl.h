@@ -108,6 +108,19 @@ struct RuleEngine::Impl {
   clips::CLIPSLexeme* module_atom = nullptr;  ///< that of its module, retained
   std::string_view rule_name, rule_module;    ///< the texts of them
 
+  /// Which call of the rule that fires, or of the deffunction that was called back, was being evaluated.
+  struct CallPlace {
+    enum class Where { kUnknown, kElsewhere, kHere } where = Where::kUnknown;
+    std::string name;         ///< of the function
+    std::size_t actions = 0;  ///< of the construct
+    std::size_t action = 0;   ///< the one with the call, from 0
+    std::size_t calls = 0;    ///< of this function in that action
+    std::size_t call = 0;     ///< from 0
+  };
+  CallPlace call_at_work();
+  /// The line of that call, or 0.
+  static int line_of_call(const ConstructInfo& info, const CallPlace& call);
+
   /// The output of CLIPS on stderr since the first "[CODE]"; where its messages begin, with the line being parsed.
   std::string captured;
   struct MessageStart {
@@ -116,10 +129,12 @@ struct RuleEngine::Impl {
     bool acting = false;             ///< said while the actions of a rule ran
     std::vector<std::string> rules;  ///< those behind the join that was evaluated, with their modules
     std::string asserted;            ///< the fact that `assert-string` was reading
+    CallPlace call;
   };
   std::vector<MessageStart> starts;
-  std::string_view asserted_text;      ///< being read by `assert-string`
-  std::set<std::string> known_errors;  ///< keys of engine.errors_
+  std::string_view asserted_text;                  ///< being read by `assert-string`
+  const clips::Expression* carried_out = nullptr;  ///< the outermost call of a built-in function under way
+  std::set<std::string> known_errors;              ///< keys of engine.errors_
 
   void capture(const char* text);
   /// Whether a form is read, not what it calls carried out.
@@ -130,7 +145,7 @@ struct RuleEngine::Impl {
   }
   void make_errors();
   /// File and line of an error of that construct; nothing without one.
-  void set_place(RuleError& error, const ConstructInfo* info) const;
+  void set_place(RuleError& error, const ConstructInfo* info, const CallPlace& call) const;
   void add_error(RuleError error);
   /// The line of the only call that the message names in that side of the construct, else where the construct begins.
   int line_of_error(const ConstructInfo& info, ErrorSide side, const std::string& message) const;
@@ -144,12 +159,12 @@ struct RuleEngine::Impl {
   /// Those that a name stands for, with or without its module.
   std::vector<const ConstructInfo*> named(std::string_view kind, std::string_view name) const;
   void forget(const std::string& kind, const std::string& module, const std::string& name);
-  struct CallPlace {
+  struct LhsCall {
     std::string function;
     int line = 0;
   };
-  std::map<std::string, std::set<std::string>> calls_of;       ///< deffunctions and generics
-  std::map<std::string, std::vector<CallPlace>> lhs_calls_of;  ///< rules, with their modules
+  std::map<std::string, std::set<std::string>> calls_of;     ///< deffunctions and generics
+  std::map<std::string, std::vector<LhsCall>> lhs_calls_of;  ///< rules, with their modules
   // Who has ever called a function, on a left-hand side or in its body. Never too few: a definition that is replaced
   // stays.
   std::map<std::string, std::set<std::string>> rules_calling, functions_calling;

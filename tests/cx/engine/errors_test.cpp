@@ -394,6 +394,41 @@ TEST_F(RuleErrors, TheLineIsThatOfTheCallNotOfAWord) {
   EXPECT_EQ(report.errors[0].line, 5);
 }
 
+TEST_F(RuleErrors, OfSeveralCallsOfOneFunctionTheOneThatFailedIsNamed) {
+  const auto line = [&](const std::string& actions) {
+    given(
+        "(deftemplate item (slot name) (slot size))\n"
+        "(deffunction half (?x)\n  (bind ?y (/ 2 2))\n  (/ 1 ?x))\n(deffacts f (a))\n(defrule go ?f <- (a)\n =>\n" +
+        actions + ")");
+    engine().reset();
+    const RunReport report = engine().run();
+    EXPECT_EQ(report.errors.size(), 1u) << actions;
+    return report.errors.empty() ? 0 : report.errors[0].line - 7;  // 1: the first line of the actions
+  };
+  EXPECT_EQ(line("(bind ?a (/ 4 2))\n(bind ?b (/ 4 0))\n(bind ?c (/ 4 1))"), 2);
+  EXPECT_EQ(line("(bind ?a (/ 4 2))\n(if (> ?a 1) then\n(create$ (/ 1 1)\n(/ 1 0)))"), 4);
+  EXPECT_EQ(line("(assert-string \"(b 1)\")\n(assert-string \"(b 2)\")\n(assert-string \"(b\")"), 3);
+  EXPECT_EQ(line("(eval \"(+ 1 1)\")\n(eval \"(/ 1 0)\")\n(eval \"(+ 1 1)\")"), 2);
+  EXPECT_EQ(line("(half 1)\n(half 2)\n(create$\n(half 0))\n(half 3)"), 4) << "the call of a deffunction";
+  EXPECT_EQ(line("(bind ?x (/ 2 1))\n(half 0)"), 2) << "not the call of '/' in the rule";
+  EXPECT_EQ(line("(modify ?f)\n(bind ?g 99)\n(modify ?g\n(size 1))"), 3);
+  EXPECT_EQ(line("(assert (b (/ 1 1)))\n(assert (b\n(/ 1 0)))"), 3);
+  EXPECT_EQ(line("(loop-for-count (?i 1 2) do\n(create$ (/ 1 1))\n(/ 1 (- 2 ?i)))"), 3);
+  EXPECT_EQ(line("(do-for-all-facts ((?i a)) (> (/ 1 1) 0)\n(/ 1 1)\n(/ 1 0))"), 3);
+  EXPECT_EQ(line("(switch 1\n(case 1 then\n(create$ (/ 3 3))\n(/ 1 0)))"), 4);
+  EXPECT_EQ(line("(bind ?x (create$ a))\n(+ (nth$ 1 ?x)\n1)\n(+ 1 1)"), 2);
+  EXPECT_EQ(line("(assert (item\n(size (/ 1 0))\n(name (/ 1 1))))"), 1) << "CLIPS sorts slots: the line of the fact";
+}
+
+TEST_F(RuleErrors, InACallbackToo) {
+  given("(deffunction back (?x) \"comment\"\n  (bind ?y (/ 2 2))\n  (create$\n    (/ 1 ?x))\n  ?x)");
+  const Value zero = Value::integer(0);
+  (void)engine().call("back", {&zero, 1});
+  const std::vector<RuleError> errors = engine().take_errors();
+  ASSERT_THAT(errors, SizeIs(1));
+  EXPECT_EQ(errors[0].line, 4);
+}
+
 TEST_F(RuleErrors, AFunctionThatBecomesActingIsReportedForTheRulesThatReachIt) {
   ASSERT_TRUE(engine().add_function({.name = "publish", .kind = FunctionKind::kActing}, [](Call&) {}).ok());
   given(

@@ -98,14 +98,6 @@ TEST_F(Reloading, AnErrorOfAFunctionHasItsLineOnTheSideWhereItFailed) {
   EXPECT_EQ(report.errors[0].line, 3);
 }
 
-TEST_F(Reloading, AnErrorThatMayBeInTwoPlacesHasTheLineOfTheRule) {
-  given("(deffacts f (a))\n\n(defrule go (a) =>\n  (/ 1 1)\n  (/ 1 0))");
-  engine().reset();
-  const RunReport report = engine().run();
-  ASSERT_THAT(report.errors, SizeIs(1));
-  EXPECT_EQ(report.errors[0].line, 3);
-}
-
 TEST_F(Reloading, FactsFromOutsideKeepTheirKindAndTheCurrentModule) {
   given("(deftemplate list (multislot items))\n(defmodule A)\n(deftemplate A::t (slot x))\n(defmodule B)");
   ASSERT_TRUE(engine().eval("(set-current-module B)").ok());
