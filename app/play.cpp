@@ -21,6 +21,8 @@ void declare_play(CLI::App& command, PlayCommand& options) {
   add_prefix_option(command, play.prefixes);
   add_limit_options(command);
   command.add_flag("--realtime", play.realtime, "Sleeps between ticks, to watch");
+  command.add_flag("--sockets", play.sockets,
+                   "Programs of this machine reach the ports of agents and nodes; sleeps between ticks");
   command.add_flag("--json", options.json, "Prints result.json instead of a summary");
   command.add_flag("--quiet", options.quiet, "Prints neither progress nor log lines, only errors");
 }

@@ -115,7 +115,7 @@ Status play_ticks(Run& run, Pictures& pictures, Video* video) {
     if (video)
       if (Status s = video->look(to_seconds(episode.now())); !s) return s;
     run.host.show(to_seconds(episode.now()), end);
-    if (!run.options.realtime) continue;
+    if (!run.options.realtime && !run.options.sockets) continue;
     run.game.begin();
     wait_until(wall_start + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()), run.host);
     run.game.end();
@@ -239,6 +239,7 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   episode_options.physics_meter = &run.physics;
   episode_options.keep_going = options.keep_going;
   episode_options.strict = options.strict;
+  episode_options.sockets = options.sockets;
   episode_options.file_read = options.file_read;
   auto episode = Episode::load(run.scenario, episode_options);
   if (!episode) return refused(run, episode.error());

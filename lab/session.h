@@ -25,6 +25,7 @@ struct PlayOptions {
   bool force = false;                ///< `out` may be a folder in use
   std::string journal = "decisions";
   bool realtime = false;                   ///< sleeps between ticks
+  bool sockets = false;                    ///< programs outside reach the network of the episode; sleeps, too
   std::string snapshot = {};               ///< "every:T" or "T,T,..."
   VideoOptions video = {};                 ///< needs ffmpeg
   std::vector<std::string> prefixes = {};  ///< whose packages are found, before the default ones

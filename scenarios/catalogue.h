@@ -15,6 +15,7 @@
 #include "cx/base/record_sink.h"
 #include "cx/base/time.h"
 #include "cx/bus/bus.h"
+#include "cx/network/network.h"
 #include "cx/node/log.h"
 #include "cx/yaml/writer.h"
 #include "cx/yaml/yaml.h"
@@ -29,6 +30,7 @@ struct StageSetup {
   const Scenario& scenario;
   bus::Bus& bus;
   RecordSink& sink;
+  net::Network* network = nullptr;     ///< that agents speak over: ports of nodes are opened on it (cx/network/host.h)
   cx::LogSink* log = nullptr;          ///< may be none
   std::filesystem::path models{};      ///< MJCF parts
   std::filesystem::path run_folder{};  ///< empty = nothing is written

@@ -17,6 +17,7 @@
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/journal/journal.h"
+#include "cx/network/network.h"
 #include "cx/run/loop.h"
 #include "scenarios/inputs.h"
 #include "scenarios/kept_files.h"
@@ -53,6 +54,7 @@ struct EpisodeOptions {
   Limits limits;            ///< of all its environments together
   bool strict = false;      ///< unknown CX parameters are errors
   bool keep_going = false;  ///< errors in rule files are reported and the run goes on, as CX does
+  bool sockets = false;     ///< programs outside reach its network on the loopback interface; not deterministic
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that is read
 };
 
@@ -97,6 +99,7 @@ class Episode {
   Status build_bus();
   Status build_stage();
   Status build_stimuli();
+  Status open_sockets();
   Status build_agents();
   Status check_stimuli();
   cx::ManagerOptions manager_options(std::size_t agent);
@@ -113,6 +116,7 @@ class Episode {
   std::optional<KeptFiles> files_;
   bus::Registry registry_;
   std::unique_ptr<bus::Bus> bus_;
+  std::unique_ptr<net::Network> network_;
   std::unique_ptr<Inputs> inputs_;
   std::unique_ptr<Stage> stage_;
   std::unique_ptr<ScratchFolder> rules_folder_;  ///< what rules write where the run has no folder

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "cx/network/socket_gateway.h"
 #include "cx/plugins/builtin.h"
 #include "scenarios/catalogue.h"
 #include "scenarios/episode.h"
@@ -76,6 +77,7 @@ Status Episode::build_bus() {
     }
   bus_ = std::make_unique<bus::Bus>(registry_, journal_);
   bus_->mute(replays);
+  network_ = std::make_unique<net::Network>(*bus_, journal_);
   bus_->on_rivals([this, replays](const std::string& text) {
     if (options_.log && !replays) options_.log->line({bus_->now(), cx::LogLevel::kWarn, "bus", text, {}});
   });
@@ -95,6 +97,7 @@ Status Episode::build_stage() {
       .scenario = scenario_,
       .bus = *bus_,
       .sink = journal_,
+      .network = network_.get(),
       .log = options_.log,
       .models = options_.models,
       .run_folder = options_.run_folder,
@@ -118,7 +121,17 @@ Status Episode::build_stage() {
   if (options_.physics_meter)
     for (auto& moving : stage_->worlds)
       moving = std::make_unique<MeasuredWorld>(std::move(moving), *options_.physics_meter);
-  return build_stimuli();
+  if (Status s = build_stimuli(); !s) return s;
+  return options_.sockets ? open_sockets() : Status();
+}
+
+Status Episode::open_sockets() {
+  auto gateway = net::SocketGateway::create(*network_, journal_, [this](const std::string& line) {
+    if (options_.log) options_.log->line({bus_->now(), cx::LogLevel::kError, "sockets", line, {}});
+  });
+  if (!gateway) return gateway.error();
+  stage_->servers.push_back(*std::move(gateway));
+  return {};
 }
 
 Status Episode::build_stimuli() {
@@ -142,6 +155,7 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
   manager.log = options_.log;
   manager.run_folder = options_.run_folder;
   if (rules_folder_) manager.rules_folder = rules_folder_->path();
+  manager.network = network_.get();
   manager.seed = scenario_.seed;
   manager.epoch = scenario_.epoch;
   manager.max_firings = scenario_.max_firings_per_tick;

@@ -259,6 +259,24 @@ void Bus::publish(EndpointId publisher, SharedMessage message, Causes causes) {
   if (!users.empty()) state_->enqueue(*users.back(), std::move(delivery), state_->tick);
 }
 
+void Bus::publish_to(EndpointId publisher, std::span<const EndpointId> subscriptions, SharedMessage message,
+                     Causes causes) {
+  Endpoint* from = state_->find(publisher, EndpointKind::kPublisher);
+  if (from == nullptr) return;
+  assert(message && &message->view().type() == from->message);
+  Delivery delivery = state_->begin_publish(*from);
+  state_->add_message("msg", message);
+  delivery.cause = state_->write(now_, *from, causes);
+  if (state_->muted) return;
+  delivery.message = std::move(message);
+  for (const EndpointId subscription : subscriptions) {
+    Endpoint* to = state_->find(subscription, EndpointKind::kSubscription);
+    if (to == nullptr) continue;
+    assert(to->channel == from->channel);
+    state_->enqueue(*to, Delivery(delivery), state_->tick);
+  }
+}
+
 bool Bus::service_ready(EndpointId client) const {
   const Endpoint* from = state_->find(client, EndpointKind::kClient);
   return from != nullptr && !from->channel->providers.empty();

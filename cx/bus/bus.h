@@ -185,6 +185,9 @@ class Bus : private Feed {
 
   // --- Topics
   void publish(EndpointId publisher, SharedMessage message, Causes causes = {});
+  /// To some subscriptions of the topic only; those that are not there any more are left out.
+  void publish_to(EndpointId publisher, std::span<const EndpointId> subscriptions, SharedMessage message,
+                  Causes causes = {});
 
   // --- Services
   /// Whether a server is registered now under the client's name.

@@ -6,6 +6,7 @@
 
 #include "cx/base/number_text.h"
 #include "cx/executive/plugin_library.h"
+#include "cx/network/network.h"
 
 namespace cxlab::cx {
 
@@ -56,6 +57,10 @@ EnvironmentManager::EnvironmentManager(ManagerOptions options, Parameters parame
               fail(why);
           }) {
   if (!options_.feed) options_.feed = &bus_.as_feed();
+  if (!options_.network) {
+    own_network_ = std::make_unique<net::Network>(bus_, journal_);
+    options_.network = own_network_.get();
+  }
   if (options_.on_join) options_.on_join(node_);
 }
 

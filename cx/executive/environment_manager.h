@@ -167,6 +167,7 @@ class EnvironmentManager final : public Agent {
   void publish_line(const std::string& environment, std::string_view logical_name, std::string_view line);
 
   ManagerOptions options_;
+  std::unique_ptr<net::Network> own_network_;
   Parameters parameters_;
   bus::Bus& bus_;
   RecordSink& journal_;

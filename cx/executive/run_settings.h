@@ -11,6 +11,9 @@ struct LimitsInUse;
 namespace cxlab::bus {
 class Feed;
 }
+namespace cxlab::net {
+class Network;
+}
 
 namespace cxlab::cx {
 
@@ -20,6 +23,7 @@ struct RunSettings {
   LogSink* log = nullptr;              ///< may be none
   LookOutside* outside = nullptr;      ///< may be none
   bus::Feed* feed = nullptr;           ///< where its deliveries come from; none: the bus
+  net::Network* network = nullptr;     ///< of the episode; none: each manager has its own
   std::filesystem::path run_folder;    ///< for `logs/<env>.log` and what rules write; empty = no logs
   std::filesystem::path rules_folder;  ///< for what rules write where `run_folder` is empty; empty = they cannot
   std::uint64_t seed = 0;              ///< each environment draws from a stream of its own
