@@ -54,17 +54,37 @@ void end(Open& open, std::string_view robot, double t, const char* state, Json& 
   open.erase(found);
 }
 
-/// Adds what the journal says: skills, pieces in grippers, points.
+/// How a robot left the field, came back, or did not.
+void note_duty(Open& away, const RecordValue& data, double t, Json& out) {
+  const std::string robot(data.text("robot"));
+  const std::string_view state = data.text("state");
+  if (state == "begin")
+    away[robot] = {{"robot", robot}, {"cause", data.text("cause")}, {"state", "maintenance"}, {"begin", t}};
+  else if (state == "end")
+    end(away, robot, t, nullptr, out);
+  else if (state == "disqualified") {
+    end(away, robot, t, nullptr, out);
+    away[robot] = {{"robot", robot}, {"cause", data.text("cause")}, {"state", "disqualified"}, {"begin", t}};
+  }
+}
+
+/// Adds what the journal says: skills, pieces in grippers, points, robots off the field, faults.
 Status read_story(const std::filesystem::path& journal, double last, Json& report) {
-  const auto records = read_journal(journal, {RecordKind::kSkill, RecordKind::kReferee});
+  const auto records = read_journal(journal, {RecordKind::kSkill, RecordKind::kReferee, RecordKind::kControl});
   if (!records) return records.error();
   Json skills = Json::array(), holds = Json::array(), scores = Json::array();
-  Open working, holding;
+  Json off_field = Json::array(), faults = Json::array();
+  Open working, holding, away;
   for (const JournalRecord& record : *records) {
     const std::string_view event = record.data.text("event");
     const std::string robot(record.data.text("robot"));
     const double t = to_seconds(record.t);
-    if (record.kind == RecordKind::kSkill) {
+    if (record.kind == RecordKind::kControl) {
+      if (!record.data.text("fault").empty())
+        faults.push_back({{"t", t},
+                          {"kind", record.data.text("fault")},
+                          {"at", robot.empty() ? record.data.text("machine") : std::string_view(robot)}});
+    } else if (record.kind == RecordKind::kSkill) {
       if (event == "start")
         working[robot] = {{"robot", robot},
                           {"skill", record.data.text("skill")},
@@ -72,6 +92,8 @@ Status read_story(const std::filesystem::path& journal, double last, Json& repor
                           {"begin", t}};
       else if (event == "end")
         end(working, robot, t, record.data.integer("code") == 0 ? "succeeded" : "failed", skills);
+    } else if (event == "maintenance") {
+      note_duty(away, record.data, t, off_field);
     } else if (event == "score") {
       scores.push_back({{"team", record.data.text("team")},
                         {"kind", record.data.text("kind")},
@@ -85,9 +107,12 @@ Status read_story(const std::filesystem::path& journal, double last, Json& repor
   }
   while (!working.empty()) end(working, std::string(working.begin()->first), last, "running", skills);
   while (!holding.empty()) end(holding, std::string(holding.begin()->first), last, nullptr, holds);
+  while (!away.empty()) end(away, std::string(away.begin()->first), last, nullptr, off_field);
   report["skills"] = std::move(skills);
   report["holds"] = std::move(holds);
   report["scores"] = std::move(scores);
+  report["off_field"] = std::move(off_field);
+  report["faults"] = std::move(faults);
   return {};
 }
 
@@ -101,6 +126,7 @@ Status write_report(const Played& played) {
   report["reason"] = played.result.reason ? played.result.reason->text() : "";
   if (Status s = read_story(folder / "journal.jsonl", to_seconds(played.result.sim_time), report); !s) return s;
   report["files"] = readable_files(folder);
+  report["film"] = played.film.empty() ? "" : std::filesystem::proximate(played.film, folder).generic_string();
   report["pictures"] = Json::array();
   for (const Picture& picture : played.pictures)
     report["pictures"].push_back({{"caption", picture.caption}, {"file", picture.file.lexically_relative(folder)}});

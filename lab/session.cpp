@@ -132,6 +132,7 @@ Status play(Run& run) {
   run.played.pictures = (*pictures)->taken();
   if (!*video) return played;
   const Status finished = run.host.complete([&] { return (*video)->finish(); });  // of a run that failed as well
+  if (finished) run.played.film = run.options.video.file;
   return played ? finished : played;
 }
 

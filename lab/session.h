@@ -39,6 +39,7 @@ struct Played {
   Result result;
   std::filesystem::path folder;  ///< empty = none
   std::vector<Picture> pictures;
+  std::filesystem::path film;  ///< empty = none
   /// What ended the run early, or an expectation of the scenario that does not hold (kind kNo); none after a stop.
   std::optional<Error> failure;
   /// All that a person has to see: what could not be loaded, each once and in order, then `failure`.

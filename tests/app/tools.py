@@ -399,6 +399,20 @@ clips_manager:
             self.assertIn(work, ({"pick"}, {"transport"}))
         self.assertIn("report.json", data["files"])
 
+    def test_the_page_shows_faults_robots_off_the_field_and_the_orders_of_both_teams(self):
+        run = self.folder / "teams"
+        faults = "faults=[{kind: robot_maintenance, at: 50, robot: robot4, seconds: 20}, {kind: machine_breaks, at: 60, machine: C-CS1}]"
+        self.cxlab("run", SOURCE / "scenarios/rcll/two_teams.yaml", "--tier", "timed", "--until", 200, "--quiet", "--out", run, "--set", faults)
+        data, page = json.loads((run / "report.json").read_text()), (run / "index.html").read_text()
+        self.assertEqual([(s["robot"], s["cause"], s["state"], s["begin"], s["end"]) for s in data["off_field"]],
+                         [("robot4", "fault", "maintenance", 50.0, 70.0)])
+        self.assertEqual([(f["t"], f["kind"], f["at"]) for f in data["faults"]],
+                         [(50.0, "robot_maintenance", "robot4"), (60.0, "machine_breaks", "C-CS1")])
+        self.assertIn("<th>CYAN delivered<th>points<th>MAGENTA delivered<th>points</tr>", page)
+        self.assertEqual(page.count("<tr><td>1<td>"), 1)
+        self.assertIn("0:50 to 1:10 (fault)", page)
+        self.assertIn("<tr><td>1:00<td>machine_breaks<td>C-CS1</tr>", page)
+
     # --- runs that were killed
 
     def killed(self, *arguments, log_bytes):

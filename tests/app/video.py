@@ -59,6 +59,14 @@ class Film(Lab):
         part = self.film("render", "run", *render, "--from", 1.6, "--to", 4)
         self.assertEqual(part, live[10 * 30000:26 * 30000])
 
+    def test_the_page_of_a_run_links_its_film_and_a_name_that_is_no_films_is_refused(self):
+        options = ["run", TURTLES, "--until", 1, "--set", "expect=[]", "--quiet"]
+        self.film(*options, "--video", "film.mp4", "--out", "run")
+        self.assertIn('<a href="..&#x2f;film.mp4">', (self.folder / "run/index.html").read_text())
+        self.assertIn("expected a name that ends in .mp4", self.cxlab(*options, "--video", "film.txt", "--out", "none", expect=2).stderr)
+        self.assertFalse((self.folder / "film.txt").exists())
+        self.assertIn("only a scenario takes it", self.cxlab("render", "run", "--seed", 3, "--out", "a.png", expect=2).stderr)
+
     def test_a_game_is_filmed_from_any_camera(self):
         self.needs_opengl()
         live = self.film("run", GAME, "--until", 8, "--quiet", "--out", "run", "--video", "film.mp4", "--video-camera",
