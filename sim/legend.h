@@ -19,7 +19,7 @@ struct Legend {
   struct Card {
     Stack product;
     std::array<Text, 2> lines;
-    bool ticked = false;
+    std::vector<Colour> ticks = {};  ///< from right to left
   };
   std::vector<Text> title;  ///< one line
   std::vector<Card> cards;  ///< from left to right, in as many rows as they need

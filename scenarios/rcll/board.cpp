@@ -49,7 +49,8 @@ Board board_of(const Factory& game, SimTime now) {
     if (!state.released) continue;
     const Order& order = state.order;
     board.orders.push_back({order.id, std::string(to_string(order.complexity)), stack_of(order.product),
-                            order.delivery_begin, order.delivery_end, order.quantity, state.delivered});
+                            order.delivery_begin, order.delivery_end, order.quantity, order.delivery_gate,
+                            order.competitive, state.delivered});
   }
   return board;
 }
@@ -86,6 +87,8 @@ Board RecordedBoard::at(SimTime now) const {
                               number(data, "begin"),
                               number(data, "end"),
                               static_cast<int>(data.integer("quantity")),
+                              static_cast<int>(data.integer("gate")),
+                              holds(data, "competitive"),
                               {}});
     } else if (event == "delivery" && team && holds(data, "correct")) {
       const auto order = std::ranges::find(board.orders, data.integer("order"), &BoardOrder::id);
@@ -113,10 +116,14 @@ sim::Legend legend_of(const Board& board) {
     const Colour colour = done || board.game_time < order.begin ? kWaiting
                           : board.game_time > order.end         ? kLate
                                                                 : kPlain;
-    std::string name = std::to_string(order.id) + ' ' + order.complexity;
+    std::string name = std::to_string(order.id) + ' ' + order.complexity + " G" + std::to_string(order.gate);
+    if (order.competitive) name += " vs";
     if (order.quantity > 1) name += ' ' + std::to_string(delivered) + '/' + std::to_string(order.quantity);
-    legend.cards.push_back(
-        {order.product, {{{name, colour}, {clock_text(order.begin) + '-' + clock_text(order.end), colour}}}, done});
+    sim::Legend::Card& card = legend.cards.emplace_back();
+    card.product = order.product;
+    card.lines = {{{name, colour}, {clock_text(order.begin) + '-' + clock_text(order.end), colour}}};
+    for (std::size_t team = order.delivered.size(); team-- > 0;)
+      if (order.delivered[team] >= order.quantity) card.ticks.push_back(kTeamColours[team]);
   }
   return legend;
 }

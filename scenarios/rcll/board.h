@@ -23,6 +23,8 @@ struct BoardOrder {
   sim::Stack product;
   double begin = 0, end = 0;  ///< s of production: the window
   int quantity = 1;
+  int gate = 1;
+  bool competitive = false;
   std::array<int, 2> delivered{};  ///< by team
   friend bool operator==(const BoardOrder&, const BoardOrder&) = default;
 };
@@ -52,8 +54,9 @@ class RecordedBoard {
   std::vector<JournalRecord> records_;
 };
 
-/// Time, phase and points, and a card for each order: its number, complexity and window beside its product. One that
-/// waits for its window is grey, one that is late is red; a tick is on one that a team has delivered.
+/// Time, phase and points, and a card for each order: its number, complexity and gate ("G2"), "vs" when it is
+/// competitive, and its window, beside its product. One that waits for its window is grey, one that is late is red;
+/// each team that has delivered it has a tick in its colour.
 sim::Legend legend_of(const Board& board);
 
 }  // namespace cxlab::rcll

@@ -44,7 +44,7 @@ class Builder {
     for (const Station& station : plan_.stations)
       if (Status s = add_station(station); !s) return s.error();
     for (std::size_t i = 0; i < plan_.robots.size(); ++i)
-      if (Status s = add_robot(plan_.robots[i], i); !s) return s.error();
+      if (Status s = add_robot(plan_.robots[i]); !s) return s.error();
     for (int i = 0; i < options_.pieces; ++i)
       if (Status s = add_piece(i); !s) return s.error();
     return compile();
@@ -174,14 +174,16 @@ class Builder {
     return {};
   }
 
-  Status add_robot(const RobotStart& robot, std::size_t index) {
+  Status add_robot(const RobotStart& robot) {
     const std::string prefix = robot.name + "/";
     // The joints' axes are the world's: where a robot starts is a matter of state, not of the model.
     if (Status s = attach("robot", "base", prefix, {}); !s) return s;
-    paint(prefix, {"colour-ring", "colour-tower", "colour-deck"}, "robot-" + std::to_string(index + 1));
+    const bool left = robot.pose_in_world.x < 0;
+    const std::size_t number = ++robots_on_half_[left ? 1 : 0];
+    paint(prefix, {"colour-ring"}, left ? "team-M" : "team-C");
+    paint(prefix, {"colour-tower", "colour-deck"}, (left ? "robot-M" : "robot-") + std::to_string(number));
     for (std::size_t mark = 1; mark <= 3; ++mark)
-      if (mjsGeom* geom = find_geom(prefix + "mark-" + std::to_string(mark)); geom && mark > index + 1)
-        geom->rgba[3] = 0;
+      if (mjsGeom* geom = find_geom(prefix + "mark-" + std::to_string(mark)); geom && mark > number) geom->rgba[3] = 0;
     return {};
   }
 
@@ -295,6 +297,7 @@ class Builder {
   std::map<std::string, SpecPtr> parts_;
   FactoryModel result_;
   std::optional<Error> missing_;
+  std::array<std::size_t, 2> robots_on_half_{};  ///< right and left
 };
 
 }  // namespace

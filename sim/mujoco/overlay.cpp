@@ -15,7 +15,7 @@ constexpr int kTied = 5;              ///< px between a label and its body from 
 constexpr double kMachineTop = 1.12;  ///< m, with its signal light
 constexpr double kRobotTop = 0.9;     ///< m, with its gripper
 constexpr Legend::Colour kLamps[3] = {{1.0f, 0.15f, 0.1f}, {1.0f, 0.85f, 0.0f}, {0.15f, 0.95f, 0.25f}};
-constexpr Legend::Colour kTick = {0.2f, 1.0f, 0.3f};
+constexpr int kNarrow = 640;  ///< px: in a picture that is less wide names are short
 constexpr float kUnlit = 0.22f;
 
 mjrRect rect(const Box& box) { return {box.left, box.bottom, box.width, box.height}; }
@@ -100,12 +100,13 @@ void paint_leader(const Overlay::Label& label) {
   fill({leader.x1 - 1, leader.y1 - 1, 3, 3}, {1, 1, 1});
 }
 
-void paint_tick(const Box& box) {
+void paint_tick(const Box& box, const Legend::Colour& colour) {
   const int knee_x = box.left + box.width / 3;
   for (int thick = 0; thick < std::max(2, box.width / 5); ++thick)
     for (const Leader& stroke : {Leader{box.left, box.middle_y(), knee_x, box.bottom},
                                  Leader{knee_x, box.bottom, box.right() - 1, box.top() - 1}})
-      each_run({stroke.x0, stroke.y0 + thick, stroke.x1, stroke.y1 + thick}, [](const Box& run) { fill(run, kTick); });
+      each_run({stroke.x0, stroke.y0 + thick, stroke.x1, stroke.y1 + thick},
+               [&](const Box& run) { fill(run, colour); });
 }
 
 /// The part of the box within the picture; width 0 if there is none.
@@ -199,6 +200,8 @@ int place_legend(const Legend& legend, const FactoryModel& factory, const mjrCon
   for (const Legend::Card& card : legend.cards) {
     int text = 0;
     for (const Legend::Text& words : card.lines) text = std::max(text, text_width(gl, words.text));
+    const int tick = line * 3 / 4, ticks = static_cast<int>(card.ticks.size()) * (tick + kMargin);
+    text = std::max(text, text_width(gl, card.lines[0].text) + ticks);
     const int width = icon + text + 3 * kMargin;
     if (left + width > picture.right()) {
       if (bottom - height - kMargin < lowest) break;
@@ -212,8 +215,9 @@ int place_legend(const Legend& legend, const FactoryModel& factory, const mjrCon
         {column_at(left + kMargin + icon / 2, bottom + kMargin, colours.size(), layer, icon), colours});
     int at = box.top() - kMargin;
     for (const Legend::Text& words : card.lines) add_text(words, left + icon + 2 * kMargin, at -= line);
-    const int tick = line * 3 / 4;
-    if (card.ticked) overlay.ticks.push_back({box.right() - tick - kMargin, box.top() - tick - kMargin, tick, tick});
+    int right = box.right();
+    for (const Legend::Colour& colour : card.ticks)
+      overlay.ticks.push_back({{right -= tick + kMargin, box.top() - tick - kMargin, tick, tick}, colour});
     left = box.right() + kMargin;
   }
   return picture.top() - bottom;
@@ -239,22 +243,37 @@ void place_names(const OverlayInput& input, const Projection& projection, const 
   for (const Overlay::Column& column : overlay.columns) taken.push_back(column.box);
   const int line = line_height(gl), lamp = std::max(3, line / 3);
   std::vector<LabelWish> wishes;
-  const auto add = [&](const std::string& name, std::span<const Vec3> outline, std::optional<std::array<bool, 3>> lit) {
+  const mjModel& model = input.world.model();
+  const bool narrow = free.width < kNarrow;
+  const auto bright = [&](int material) {
+    Legend::Colour colour{1, 1, 1};
+    for (std::size_t i = 0; i < 3 && material >= 0; ++i)
+      colour[i] = 0.4f + 0.6f * model.mat_rgba[4 * static_cast<std::size_t>(material) + i];
+    return colour;
+  };
+  const auto add = [&](const std::string& name, const std::string& text, int material, std::span<const Vec3> outline,
+                       std::optional<std::array<bool, 3>> lit) {
     const Box whole = projection.around(outline), body = clipped(whole, free);
     if (area(body) * 3 < area(whole) || body.width == 0) return;  // mostly out of sight
-    overlay.labels.push_back({name, body, {}, lit});
-    wishes.push_back({body, text_width(gl, name) + 2 * kMargin + (lit ? lamp + kMargin : 0), 3 * lamp + 4});
+    overlay.labels.push_back({name, text, bright(material), body, {}, lit});
+    wishes.push_back({body, text_width(gl, text) + 2 * kMargin + (lit ? lamp + kMargin : 0), 3 * lamp + 4});
   };
   const std::size_t first = overlay.labels.size();
   for (std::size_t i = 0; i < input.plan.stations.size(); ++i) {
     const Station& station = input.plan.stations[i];
-    add(station.name, corners(station.pose_in_world, kMachine.half_depth, kMachine.half_width, kMachineTop),
+    const std::size_t dash = station.name.find('-') + 1;
+    add(station.name, narrow ? station.name.substr(dash) : station.name,
+        mj_name2id(&model, mjOBJ_MATERIAL, ("team-" + station.name.substr(0, 1)).c_str()),
+        corners(station.pose_in_world, kMachine.half_depth, kMachine.half_width, kMachineTop),
         shining(input.world.lights(static_cast<StationId>(i)), input.world.time()));
   }
   for (std::size_t i = 0; i < input.plan.robots.size(); ++i) {
     const double* at = input.data.geom_xpos + 3 * input.robot_geoms[i];
     const double radius = kRobot.hull_radius;
-    add(input.plan.robots[i].name, corners({at[0], at[1], 0}, radius, radius, kRobotTop), std::nullopt);
+    const std::string& name = input.plan.robots[i].name;
+    const std::size_t number = name.find_last_not_of("0123456789") + 1;
+    add(name, narrow && number < name.size() ? name.substr(number) : name, model.geom_matid[input.robot_geoms[i]],
+        corners({at[0], at[1], 0}, radius, radius, kRobotTop), std::nullopt);
   }
 
   const std::vector<Box> boxes = place_labels(wishes, std::move(taken), free);
@@ -276,7 +295,7 @@ void paint(const Overlay& overlay, const mjrContext& gl) {
   for (const Box& card : overlay.cards) fill(card, {0, 0, 0}, 0.75f);
   for (const Overlay::Column& column : overlay.columns) paint_column(column);
   for (const Overlay::Line& line : overlay.lines) write(line.box, line.text.text, line.text.colour);
-  for (const Box& tick : overlay.ticks) paint_tick(tick);
+  for (const Overlay::Tick& tick : overlay.ticks) paint_tick(tick.box, tick.colour);
 
   for (const Overlay::Label& label : overlay.labels)
     if (label.box.width > 0) paint_leader(label);
@@ -291,7 +310,7 @@ void paint(const Overlay& overlay, const mjrContext& gl) {
         fill(label.lamps[k], {glow * kLamps[k][0], glow * kLamps[k][1], glow * kLamps[k][2]});
       }
     }
-    write(text, label.name, {1, 1, 1});
+    write(text, label.text, label.colour);
   }
 }
 

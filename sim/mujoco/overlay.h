@@ -42,6 +42,8 @@ std::array<Vec3, 8> corners(const Pose2& pose, double half_depth, double half_wi
 struct Overlay {
   struct Label {
     std::string name;
+    std::string text;  ///< the name, or a short form of it
+    Legend::Colour colour;
     Box body;                                     ///< what the label names
     Box box;                                      ///< width 0: there was no place for it
     std::optional<std::array<bool, 3>> lit = {};  ///< of a machine: which of red, yellow and green
@@ -58,7 +60,12 @@ struct Overlay {
   };
   std::vector<Label> labels;
   std::vector<Column> columns;  ///< pieces, and the products of the legend
-  std::vector<Box> cards, ticks;
+  struct Tick {
+    Box box;
+    Legend::Colour colour;
+  };
+  std::vector<Box> cards;
+  std::vector<Tick> ticks;
   std::vector<Line> lines;  ///< of the legend
 };
 

@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kMostGeoms = 2000;
 constexpr double kSeenHeight = 1.15;  ///< m: of all that stands on the field
+constexpr int kLargePicture = 1000;   ///< px high, from which texts are twice as large
+constexpr double kOutside = 0.85;     ///< m below the field that are seen: where robots stand that were taken away
 constexpr int kBorder = 4;            ///< px around the field
 constexpr std::string_view kFollow = "follow-";
 constexpr double kFollowDistance = 3.6, kFollowElevation = -35;  ///< m, degrees
@@ -54,7 +56,7 @@ void Renderer::set_up(const PhysicsGate& world) {
   view.vis.global.offwidth = picture_.width;
   view.vis.global.offheight = picture_.height;
   view.vis.quality.shadowsize = 0;
-  mjr_makeContext(&view, &gl_, mjFONTSCALE_50);
+  mjr_makeContext(&view, &gl_, picture_.height >= kLargePicture ? mjFONTSCALE_150 : mjFONTSCALE_50);
   mjr_setBuffer(mjFB_OFFSCREEN, &gl_);
 
   for (const RobotStart& robot : plan_.robots)
@@ -162,8 +164,11 @@ void Renderer::fit(const Box& free) {
   const Vec3 right = forward.cross(upward);
   double lowest = 0, highest = 0, widest = 0;  // at distance 1
   const Pose2 middle{(plan_.min_x + plan_.max_x) / 2, (plan_.min_y + plan_.max_y) / 2, 0};
-  for (const Vec3& corner : corners(middle, (plan_.max_x - plan_.min_x) / 2 + 2 * kWall.half_thickness,
-                                    (plan_.max_y - plan_.min_y) / 2 + 2 * kWall.half_thickness, kSeenHeight)) {
+  const auto field = corners(middle, (plan_.max_x - plan_.min_x) / 2 + 2 * kWall.half_thickness,
+                             (plan_.max_y - plan_.min_y) / 2 + 2 * kWall.half_thickness, kSeenHeight);
+  std::vector<Vec3> seen(field.begin(), field.end());
+  seen.emplace_back(middle.x, plan_.min_y - kOutside, 0);
+  for (const Vec3& corner : seen) {
     const Vec3 offset = corner - from;
     const double along = offset.dot(forward), up = offset.dot(upward) / along;
     lowest = std::min(lowest, up);

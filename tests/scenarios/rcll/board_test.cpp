@@ -31,17 +31,17 @@ WorldConfig one_order(int quantity) {
 std::vector<std::string> cards(const sim::Legend& legend) {
   std::vector<std::string> out;
   for (const auto& card : legend.cards)
-    out.push_back(card.lines[0].text + ", " + card.lines[1].text + (card.ticked ? ", done" : ""));
+    out.push_back(card.lines[0].text + ", " + card.lines[1].text + (card.ticks.empty() ? "" : ", done"));
   return out;
 }
 
 TEST(Board, TellsTimePointsAndPublishedOrders) {
   GameStory story(one_order(2));
   Board board = board_of(story.factory(), story.world().now());
-  EXPECT_THAT(cards(legend_of(board)), ElementsAre("1 C0 0/2, 0:00-3:20"));
+  EXPECT_THAT(cards(legend_of(board)), ElementsAre("1 C0 G1 0/2, 0:00-3:20"));
   story.run_until(12);
   board = board_of(story.factory(), story.world().now());
-  EXPECT_THAT(cards(legend_of(board)), ElementsAre("1 C0 0/2, 0:00-3:20", "2 C3, 6:40-8:20"));
+  EXPECT_THAT(cards(legend_of(board)), ElementsAre("1 C0 G1 0/2, 0:00-3:20", "2 C3 G1, 6:40-8:20"));
   EXPECT_EQ(board.orders[1].product, (sim::Stack{3, {1, 3, 4}, 1}));
   ASSERT_EQ(legend_of(board).title.size(), 2u);
   EXPECT_EQ(legend_of(board).title[0].text, "0:12 PRODUCTION");
@@ -54,13 +54,23 @@ TEST(Board, TicksWhatHasBeenDelivered) {
   story.put("C-DS-INPUT");
   ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
   const sim::Legend legend = legend_of(board_of(story.factory(), story.world().now()));
-  EXPECT_THAT(cards(legend), ElementsAre("1 C0, 0:00-3:20, done", "2 C3, 6:40-8:20"));
+  EXPECT_THAT(cards(legend), ElementsAre("1 C0 G1, 0:00-3:20, done", "2 C3 G1, 6:40-8:20"));
   EXPECT_EQ(legend.title[1].text, "CYAN " + std::to_string(story.score().total()));
   EXPECT_GT(story.score().total(), 0);
 }
 
+TEST(Board, ACardHasGateAndCompetitionAndTheTicksOfTheTeams) {
+  Board board{{Team::kCyan, Team::kMagenta}, "PRODUCTION", 50, {}, {{4, "C0", {1, {}, 1}, 0, 200, 1, 3, true, {}}}};
+  EXPECT_THAT(cards(legend_of(board)), ElementsAre("4 C0 G3 vs, 0:00-3:20"));
+  const sim::Legend::Colour cyan = legend_of(board).title[1].colour, magenta = legend_of(board).title[2].colour;
+  board.orders[0].delivered = {0, 1};
+  EXPECT_THAT(legend_of(board).cards[0].ticks, ElementsAre(magenta));
+  board.orders[0].delivered = {1, 1};
+  EXPECT_THAT(legend_of(board).cards[0].ticks, ElementsAre(magenta, cyan));
+}
+
 TEST(Board, ColoursSayWhetherTheWindowIsOpen) {
-  Board board{{Team::kCyan}, "PRODUCTION", 50, {}, {{1, "C0", {1, {}, 1}, 100, 200, 1, {}}}};
+  Board board{{Team::kCyan}, "PRODUCTION", 50, {}, {{1, "C0", {1, {}, 1}, 100, 200, 1, 1, false, {}}}};
   const auto before = legend_of(board).cards[0].lines[0].colour;
   board.game_time = 150;
   const auto open = legend_of(board).cards[0].lines[0].colour;

@@ -148,8 +148,8 @@ TEST_F(Rendering, ColumnsShowAllPartsOfAProduct) {
 TEST_F(Rendering, LegendHasProductsInTheirColoursAndCoversNothing) {
   Legend legend;
   legend.title = {{"12:34", {1, 1, 1}}, {"CYAN 30", {0, 1, 1}}};
-  legend.cards = {{Stack{1, {1, 2, 3}, 2}, {{{"1 C3"}, {"0:00-1:00"}}}, true},
-                  {Stack{3, {}, 1}, {{{"2 C0"}, {"0:00-1:00"}}}, false}};
+  legend.cards = {{Stack{1, {1, 2, 3}, 2}, {{{"1 C3"}, {"0:00-1:00"}}}, {{0, 1, 1}}},
+                  {Stack{3, {}, 1}, {{{"2 C0"}, {"0:00-1:00"}}}, {}}};
   auto renderer = std::move(*Renderer::create(small_floor(), world_->gate(), 640, 480));
   for (const char* camera : {"field", "top", "follow-R1"}) {
     const Picture& picture = **renderer->draw(world_->gate(), camera, legend);
@@ -162,8 +162,8 @@ TEST_F(Rendering, LegendHasProductsInTheirColoursAndCoversNothing) {
     EXPECT_EQ(base, (std::array<int, 3>{217, 20, 20})) << camera;
     EXPECT_EQ(ring, (std::array<int, 3>{255, 128, 13})) << camera;
     ASSERT_EQ(overlay.ticks.size(), 1u);
-    EXPECT_TRUE(overlay.ticks[0].within(overlay.cards[1]));
-    const Box& tick = overlay.ticks[0];
+    EXPECT_TRUE(overlay.ticks[0].box.within(overlay.cards[1]));
+    const Box& tick = overlay.ticks[0].box;
     EXPECT_GT(pixel(picture, tick.right() - 1, tick.top() - 1)[1], 200);
 
     EXPECT_EQ(overlay.lines.size(), 6u);
@@ -183,7 +183,7 @@ TEST_F(Rendering, LegendHasProductsInTheirColoursAndCoversNothing) {
 TEST_F(Rendering, LegendOfManyCardsLeavesHalfOfThePicture) {
   Legend legend;
   legend.title = {{"12:34", {1, 1, 1}}};
-  for (int i = 0; i < 60; ++i) legend.cards.push_back({Stack{1, {}, 1}, {{{"1 C0"}, {"0:00-1:00"}}}, false});
+  for (int i = 0; i < 60; ++i) legend.cards.push_back({Stack{1, {}, 1}, {{{"1 C0"}, {"0:00-1:00"}}}, {}});
   ASSERT_TRUE(renderer_->draw(world_->gate(), "field", legend).ok());
   EXPECT_GT(renderer_->overlay().cards.size(), 6u);
   for (const Box& card : renderer_->overlay().cards) EXPECT_GE(card.bottom, 120);
