@@ -150,7 +150,9 @@ int write(const std::string& file, const std::string& text) {
 /// Prints and writes the answer as asked; the exit code.
 int report(const planner::PlanAnswer& answer, const planner::Task& task, const PlanCommand& command) {
   std::fprintf(stderr, "%s: %s%s\n", word(answer.status), answer.reason.c_str(),
-               answer.units > 0 ? ("; " + std::to_string(answer.units) + " units").c_str() : "");
+               answer.units > 0 || answer.status != PlanStatus::kBudget
+                   ? ("; " + std::to_string(answer.units) + " units").c_str()
+                   : "");
   int code = static_cast<int>(answer.status);
   if (answer.plan) {
     const double makespan = answer.plan->makespan_s, bound = answer.lower_bound_s;
