@@ -194,32 +194,82 @@ std::string coloured(std::string_view text, std::string_view colour) {
   return colours_wanted() ? "\033[" + std::string(colour) + 'm' + std::string(text) + "\033[0m" : std::string(text);
 }
 
-std::string printable(std::string_view text) {
+/// How many bytes a character of UTF-8 has that begins so.
+static std::size_t bytes_of(unsigned char first) {
+  return first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : first >= 0xc2 ? 2 : 1;
+}
+
+/// Marks that are not seen and change how others are: directions, joiners, widths of zero, tags.
+static bool is_format(char32_t c) {
+  static constexpr std::pair<char32_t, char32_t> kFormat[] = {{0xad, 0xad},     {0x61c, 0x61c},   {0x180e, 0x180e},
+                                                              {0x200b, 0x200f}, {0x2028, 0x202e}, {0x2060, 0x206f},
+                                                              {0xfeff, 0xfeff}, {0xfff9, 0xfffb}, {0xe0000, 0xe007f}};
+  return std::ranges::any_of(kFormat, [c](const auto& range) { return range.first <= c && c <= range.second; });
+}
+
+static std::string escaped_bytes(std::string_view text) {
   std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    const auto code = static_cast<unsigned char>(c);
-    if (text.substr(i, 2) == "\r\n") continue;
-    // U+0080 to U+009F are control characters in two bytes, of which the second is enough to break them.
-    const bool second = code >= 0x80 && code < 0xa0 && out.ends_with('\xc2');
-    if ((code >= 0x20 && code != 0x7f && !second) || c == '\n' || c == '\t') {
-      out += c;
-      continue;
-    }
-    if (second) out.replace(out.size() - 1, 1, "\\xc2");
-    char escaped[5];
-    std::snprintf(escaped, sizeof escaped, "\\x%02x", code);
+  char escaped[5];
+  for (const char c : text) {
+    std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned char>(c));
     out += escaped;
   }
   return out;
 }
 
+/// As JSON writes it, so that JSON stays what it was.
+static std::string escaped_character(char32_t c) {
+  char escaped[24];
+  if (c < 0x10000)
+    std::snprintf(escaped, sizeof escaped, "\\u%04x", static_cast<unsigned>(c));
+  else
+    std::snprintf(escaped, sizeof escaped, "\\u%04x\\u%04x", static_cast<unsigned>(0xd800 + ((c - 0x10000) >> 10)),
+                  static_cast<unsigned>(0xdc00 + (c & 0x3ff)));
+  return escaped;
+}
+
+std::string printable(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0, size = 1; i < text.size(); i += size) {
+    const auto first = static_cast<unsigned char>(text[i]);
+    size = 1;
+    if (text.substr(i, 2) == "\r\n") continue;
+    if (first < 0x80) {
+      const bool seen = (first >= 0x20 && first != 0x7f) || first == '\n' || first == '\t';
+      out += seen ? std::string(1, text[i]) : escaped_bytes(text.substr(i, 1));
+      continue;
+    }
+    const std::size_t length = bytes_of(first);
+    char32_t c = first & (0xffu >> (length + 1));
+    while (size < length && i + size < text.size() && (static_cast<unsigned char>(text[i + size]) & 0xc0) == 0x80)
+      c = (c << 6) | (static_cast<unsigned char>(text[i + size++]) & 0x3f);
+    const std::string_view character = text.substr(i, size);
+    if (length == 2 && size == 2 && c < 0xa0)  // U+0080 to U+009F are control characters
+      out += escaped_bytes(character);
+    else if (length > 1 && size == length && is_format(c))
+      out += escaped_character(c);
+    else
+      out += character;
+  }
+  return out;
+}
+
+/// Bytes at the end that begin a character and do not end it.
+static std::size_t cut_off(std::string_view text) {
+  for (std::size_t back = 1; back <= std::min<std::size_t>(3, text.size()); ++back) {
+    const auto byte = static_cast<unsigned char>(text[text.size() - back]);
+    if ((byte & 0xc0) == 0x80) continue;
+    return bytes_of(byte) > back ? back : 0;
+  }
+  return 0;
+}
+
 bool make_answers_printable() {
   cookie_io_functions_t functions{};
   functions.write = [](void*, const char* bytes, std::size_t size) -> ssize_t {
-    static std::string cut;  // the first half of what may be a control character
+    static std::string cut;  // the beginning of a character
     const std::string given = std::exchange(cut, "") + std::string(bytes, size);
-    if (given.ends_with('\xc2')) cut = "\xc2";
+    cut = given.substr(given.size() - cut_off(given));
     const std::string text = printable(std::string_view(given).substr(0, given.size() - cut.size()));
     for (std::size_t done = 0; done < text.size();) {
       const ssize_t written = write(STDOUT_FILENO, text.data() + done, text.size() - done);

@@ -306,7 +306,7 @@ ROWS["stories"] = [
     wrong("story of unknown functions", ["test"], 3, files={"rules.clp": "\n(defrule make => (frobnicate))\n"}),
     wrong("story that fails", ["test"], 1, files={"rules.clp": "(defrule make (b) => (assert (a)))\n"}),
     *[wrong(f"story of control characters, {kind}", ["test"], 0, never=[end], files={"one.story.yaml": STORIES.replace("one", f'"{escape}31mX"')})
-      for kind, escape, end in (("ESC", "\\e[", "\x1b"), ("CSI", "\\u009b", "\x9b"))],
+      for kind, escape, end in (("ESC", "\\e[", "\x1b"), ("CSI", "\\u009b", "\x9b"), ("RLO", "\\u202e", "\u202e"), ("ZWSP", "\\u200b", "\u200b"), ("BOM", "\\ufeff", "\ufeff"), ("TAG", "\\U000e0041", "\U000e0041"))],
     wrong("story of a name that is no UTF-8, as JSON", ["test", "--json"], 0, files={"one.story.yaml": STORIES.encode().replace(b"one", b"\xe4\xff")}),
     wrong("story of an error", ["test"], 1, files={"rules.clp": "(defrule make => (assert (a)) (/ 1 0))\n"}),
     *[wrong(f"suite {name}", ["bench", "suite.yaml", "--out", "out"], 3, files={"suite.yaml": text}) for name, text in (
