@@ -14,7 +14,7 @@ namespace {
 
 struct Options {
   std::string run, out;
-  bool force = false, json = false, quiet = false;
+  bool force = false, json = false, quiet = false, trust_rules = false;
 };
 
 int rerun(const Options& options) {
@@ -23,7 +23,7 @@ int rerun(const Options& options) {
   if (!run->finished)
     return fail(input_error("the run was cut off before its end: there is nothing to compare with", options.run));
   Console console(options.quiet);
-  auto again = lab::rerun(*run, {options.out, options.force, command_line()}, console.host());
+  auto again = lab::rerun(*run, {options.out, options.force, command_line(), options.trust_rules}, console.host());
   console.clear();
   if (!again) return fail(again.error());
   const auto& [played, differ, changed] = *again;
@@ -58,6 +58,8 @@ void add_rerun(CLI::App& app, Action& action) {
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_option("--out", options->out, "Folder of the new run (default runs/<scenario>-<seed>)");
   command->add_flag("--force", options->force, "Overwrites a folder that is in use");
+  command->add_flag("--trust-rules", options->trust_rules,
+                    "Rules that were trusted then may read, write and run anything again");
   command->add_flag("--json", options->json, "The answer as JSON");
   command->add_flag("--quiet", options->quiet, "No progress and no log lines");
   command->callback([options, &action] { action = [options] { return rerun(*options); }; });

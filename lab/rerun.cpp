@@ -110,6 +110,12 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
     if (Status s = play_from_copies(run, *files, copies->path(), *scenario); !s) return s.error();
     host.note("note: files of the scenario have gone; all are taken from the run's own copies: " + run.folder.string());
   }
+  if (scenario->trust_rules && !given.trust_rules)
+    return usage_error(
+        "the rules of this run were trusted: they may read, write and run anything. If they may do so "
+        "again: cxlab rerun --trust-rules " +
+            run.folder.string() + "; cxlab replay plays them without touching anything",
+        run.folder.string());
   PlayOptions options = run.options;
   options.out = given.out;
   options.force = given.force;

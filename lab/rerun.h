@@ -16,6 +16,7 @@ struct RerunOptions {
   std::string out = {};
   bool force = false;
   std::vector<std::string> command = {};
+  bool trust_rules = false;  ///< rules that were trusted then are trusted again, else nothing is played
 };
 
 struct Rerun {
