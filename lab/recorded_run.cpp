@@ -33,6 +33,7 @@ std::string without_code(const Json::exception& e) {
 
 void read_manifest(const Json& json, RecordedRun& run) {
   run.scenario_file = fs::path(json.at("folder").get<std::string>()) / json.at("scenario").get<std::string>();
+  run.recorded_folder = json.value("out", std::string());
   run.overrides = json.at("overrides").get<std::vector<std::string>>();
   run.world_files = json.value("world_files", run.world_files);
   if (!json.at("until").is_null()) run.options.until = json.at("until").get<double>();
@@ -141,7 +142,7 @@ Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, Jou
   options.run_folder = root / "run";
   options.journal = level;
   options.log = log;
-  options.replay = ReplaySource{run.folder / "inputs.bin", root / "copies", run.shares};
+  options.replay = ReplaySource{run.folder / "inputs.bin", root / "copies", run.shares, run.recorded_folder};
   options.keep_going = run.options.keep_going;
   options.strict = run.options.strict;
   auto episode = Episode::load(*std::move(scenario), std::move(options));

@@ -27,6 +27,7 @@ struct RecordedRun {
   std::vector<std::string> overrides;
   std::map<std::string, std::string> world_files;  ///< absolute; by key, as Scenario::world_files
   PlayOptions options;                             ///< until, journal, keep_going, strict
+  std::filesystem::path recorded_folder;           ///< its folder when it was played
   std::vector<Shares> shares;                      ///< by agent: package -> its share directory then
   /// Of lab/versions.h, then.
   std::map<std::string, std::string> versions, machine;

@@ -62,6 +62,7 @@ std::string manifest(const Run& run) {
   out["tier"] = run.scenario.tier_name();
   out["command"] = run.options.command;
   out["folder"] = std::filesystem::current_path().string();
+  if (!run.folder.empty()) out["out"] = std::filesystem::absolute(run.folder).lexically_normal().string();
   out["until"] = run.options.until ? nlohmann::ordered_json(*run.options.until) : nlohmann::ordered_json(nullptr);
   out["journal"] = run.options.journal;
   out["keep_going"] = run.options.keep_going;

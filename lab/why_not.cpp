@@ -64,11 +64,18 @@ class Witness final : public JournalListener {
 };
 
 Error unknown_rule(const RecordedRun& run, Episode& episode, const std::string& rule) {
-  if (const auto known = run.not_loaded.find(std::string(without_module(rule))); known != run.not_loaded.end())
+  const std::string module = rule.substr(0, rule.size() - without_module(rule).size());  // "A::"
+  const auto environments = environments_of(episode);
+  const bool module_is_known =
+      module.empty() || module == "MAIN::" || std::ranges::any_of(environments, [&](const cx::Environment* e) {
+        return e->engine().has("defmodule", module.substr(0, module.size() - 2));
+      });
+  if (const auto known = run.not_loaded.find(std::string(without_module(rule)));
+      module_is_known && known != run.not_loaded.end())
     return input_error("rule '" + rule + "' was not loaded: " + known->second.message, known->second.file,
                        known->second.line);
   std::vector<std::string> names;
-  for (const cx::Environment* environment : environments_of(episode))
+  for (const cx::Environment* environment : environments)
     for (const ConstructInfo& info : environment->engine().constructs())
       if (info.kind == "defrule")
         names.push_back(without_module(rule) == rule ? info.name : info.module + "::" + info.name);

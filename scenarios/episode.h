@@ -40,6 +40,7 @@ struct ReplaySource {
   std::filesystem::path inputs;  ///< its inputs.bin
   std::filesystem::path copies;  ///< its files, laid out by name (`StoredFiles::materialise`)
   std::vector<Shares> shares;    ///< by agent: what its packages' share directories were
+  std::filesystem::path folder;  ///< where the run was recorded, to which its rules may have paths
 };
 
 struct EpisodeOptions {

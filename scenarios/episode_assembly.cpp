@@ -176,7 +176,10 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
     return files_->keep_for_agent(agent, config, file);
   };
   manager.on_join = [this](bus::ParticipantId participant) { inputs_->watch(participant); };
-  if (options_.replay) read_from_copies(options_.replay->copies, agent, manager);
+  if (options_.replay) {
+    read_from_copies(options_.replay->copies, agent, manager);
+    manager.recorded_folder = options_.replay->folder;
+  }
   return manager;
 }
 

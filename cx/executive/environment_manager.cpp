@@ -44,7 +44,7 @@ EnvironmentManager::EnvironmentManager(ManagerOptions options, Parameters parame
       bus_(bus),
       journal_(journal),
       files_({options_.packages, options_.run_folder.empty() ? options_.rules_folder : options_.run_folder,
-              options_.trust_rules, options_.on_read, options_.outside_copies}),
+              options_.trust_rules, options_.on_read, options_.outside_copies, options_.recorded_folder}),
       node_name_{options_.node, options_.name_space, options_.remaps},
       unique_node_(claim(options_, "node/", options_.node)),
       node_(bus_.join(bus::ParticipantKind::kNode, node_name_, journal_.open_stream("node/" + unique_node_))),

@@ -37,9 +37,10 @@ struct ManagerOptions : RunSettings {
   std::vector<PluginType> plugin_types;  ///< e.g. `builtin_plugins()`
   FileRead on_read;                      ///< called with each file that plugins and rules read; may be none
   std::function<void(bus::ParticipantId)>
-      on_join;                           ///< called with the node and each environment on the bus; may be none
-  std::filesystem::path outside_copies;  ///< replay: `Files::Options::outside`
-  bool one_of_several = false;           ///< lines of the log name the manager, because the run has others
+      on_join;                            ///< called with the node and each environment on the bus; may be none
+  std::filesystem::path outside_copies;   ///< replay: `Files::Options::outside`
+  std::filesystem::path recorded_folder;  ///< replay: `Files::Options::recorded_folder`
+  bool one_of_several = false;            ///< lines of the log name the manager, because the run has others
   std::shared_ptr<std::set<std::string>>
       streams;  ///< of all managers of the run, so that no two share one; may be none
 };

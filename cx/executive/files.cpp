@@ -150,6 +150,14 @@ fs::path Files::written(const fs::path& path) const {
   return options_.run_folder / "written" / path.lexically_normal().relative_path();
 }
 
+fs::path Files::asked_for(const std::string& path) const {
+  const fs::path asked = fs::path(path).lexically_normal();
+  fs::path relative;
+  const bool recorded = !options_.recorded_folder.empty() && !options_.run_folder.empty() && asked.is_absolute() &&
+                        below(asked, options_.recorded_folder, relative);
+  return recorded ? options_.run_folder / relative : asked;
+}
+
 Expected<FoundFile> Files::find_for_rules(const std::string& path) const {
   auto found = find_where_rules_read(path);
   if (found && !options_.trust_rules && is_special(found->path))
@@ -158,7 +166,7 @@ Expected<FoundFile> Files::find_for_rules(const std::string& path) const {
 }
 
 Expected<FoundFile> Files::find_where_rules_read(const std::string& path) const {
-  const fs::path asked = fs::path(path).lexically_normal();
+  const fs::path asked = asked_for(path);
   FoundFile found;
   if (!options_.run_folder.empty() && !leaves(asked.relative_path())) {
     found = {written(asked), "written/" + asked.relative_path().generic_string()};
@@ -177,7 +185,8 @@ Expected<FoundFile> Files::find_where_rules_read(const std::string& path) const 
       return FoundFile{asked, "run/written/" + relative.generic_string()};
   }
   if (options_.trust_rules) return FoundFile{outside(asked), asked.filename().string()};
-  return input_error("reading '" + path + "' is refused: rules read from packages and the run's folder only (" +
+  return input_error("reading '" + path +
+                     "' is refused: rules read only files of packages, and those that rules of this run wrote (" +
                      kTrustRemedy + ')');
 }
 
@@ -203,7 +212,7 @@ Expected<std::string> Files::for_reading(const std::string& path) {
 
 Expected<std::string> Files::for_writing(const std::string& path) {
   if (options_.trust_rules && options_.outside.empty()) return path;
-  const fs::path asked = fs::path(path).lexically_normal();
+  const fs::path asked = asked_for(path);
   if (options_.run_folder.empty())
     return input_error("writing '" + path + "' is refused: the run has no folder to write to");
   if (leaves(asked.relative_path()))

@@ -46,6 +46,7 @@ class Files final : public FileAccess {
     bool trust_rules = false;
     FileRead on_read;               ///< may be none
     std::filesystem::path outside;  ///< replay: copies of files outside of packages, under `outside_name`; else empty
+    std::filesystem::path recorded_folder = {};  ///< replay: the run's folder then; paths below it mean this one's
   };
   explicit Files(Options options);
 
@@ -73,6 +74,8 @@ class Files final : public FileAccess {
   /// The file itself, or its copy.
   std::filesystem::path outside(const std::filesystem::path& path) const;
   std::filesystem::path written(const std::filesystem::path& path) const;
+  /// What rules ask for, without "." and "..", and in this run's folder where it was in that of the recorded run.
+  std::filesystem::path asked_for(const std::string& path) const;
 
   Options options_;
 };

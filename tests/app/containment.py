@@ -149,7 +149,7 @@ class Escapes(Lab):
   => (printout t "loaded: " (ros-msgs-get-field ?r "success") " " (ros-msgs-get-field ?r "error") crlf))
 """ % self.file("secret.clp", "SECRET")
         done = self.env(rules)
-        self.assertIn("is refused: rules read from packages and the run's folder only", done.stderr)
+        self.assertIn("is refused: rules read only files of packages, and those that rules of this run wrote", done.stderr)
         self.assertNotIn("SECRET", self.everything(done))
         self.assertIn("SECRET", self.everything(self.env(rules, "--trust-rules")))
 
@@ -202,6 +202,28 @@ class Escapes(Lab):
             again = subprocess.run([CXLAB, *map(str, command)], capture_output=True, text=True)
             self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
             self.assertEqual((victim.read_text(), gone.read_text()), ("mine", "mine"), command)
+        again = subprocess.run([CXLAB, "rerun", str(self.out), "--out", str(self.folder / "again")], capture_output=True, text=True)
+        self.assertEqual(again.returncode, 2, again.stdout + again.stderr)
+        self.assertIn("cxlab rerun --trust-rules", again.stderr)
+        self.assertEqual((victim.read_text(), gone.read_text()), ("mine", "mine"))
+        again = subprocess.run([CXLAB, "rerun", str(self.out), "--trust-rules", "--quiet", "--out", str(self.folder / "trusted")],
+                               capture_output=True, text=True)
+        self.assertEqual(victim.read_text(), "by rules\n", again.stderr)
+
+    def test_a_path_to_what_rules_wrote_means_the_same_in_a_replay(self):
+        written = self.out / "written"
+        self.agent(f"""(defrule act =>
+  (open "a" f "w") (printout f "by rules" crlf) (close f)
+  (open "{written}/a" f "r") (assert (read-back (readline f))) (close f)
+  (open "{written}/b/c" f "w") (printout f "there" crlf) (close f)
+  (open "b/c" f "r") (assert (read-back (readline f))) (close f))
+""")
+        self.assertEqual(self.run_it().returncode, 0)
+        moved = self.folder / "moved"
+        self.out.rename(moved)
+        again = subprocess.run([CXLAB, "replay", str(moved)], capture_output=True, text=True)
+        self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
+        self.assertFalse(self.out.exists())
 
 
 class Functions(Lab):
