@@ -64,6 +64,7 @@ Status Interfaces::append(const std::string& name, const std::string& indent, st
 
   auto text = read_file(folders_[name.substr(0, first)] / kind / (name.substr(second + 1) + '.' + kind));
   if (!text) return text.error();
+  if (text->starts_with("\xef\xbb\xbf")) text->erase(0, 3);  // byte order mark
   std::istringstream lines(*text);
   std::size_t section = 0;
   for (std::string line; std::getline(lines, line);) {

@@ -44,7 +44,7 @@ void read_when(yaml::Map& map, const FaultWord& word, Fault& fault) {
 void read_error(yaml::Map& map, Fault& fault) {
   map.read("error", fault.error);
   constexpr int kCodes[]{103, 201, 202, 203, 204, 206, 207, 208, 209, 220, 300};
-  if (fault.error == 0 || std::ranges::find(kCodes, fault.error) != std::end(kCodes)) return;
+  if (!map.has("error") || std::ranges::find(kCodes, fault.error) != std::end(kCodes)) return;
   std::string list;
   for (const int code : kCodes) list += (list.empty() ? "" : ", ") + std::to_string(code);
   map.get("error").fail("found " + std::to_string(fault.error) + ", expected one of: " + list);

@@ -195,7 +195,7 @@ ROWS["scenarios"] = [
                    "down: {}", "down: [{machine: RS1}]", "down: [{machine: C-RS1, begin_s: 1, end_s: 2}]", "down: [{machine: RS1, begin_s: 2, end_s: 1}]", "layout: []", "layout: [{machine: C-BS, zone: C_Z99}]", "orders: [", "a: &a [*a]")],
     *[scenario(f"timed {key}", f"schema: 1\ntier: timed\nworld: {{kind: rcll}}\ntimed: {{{key}}}\n") for key in ("pick_mean_s: -1", "drive_failure: 2", "drive_failure: -0.1", "pick_men_s: 1", "place_sigma_s: x")],
     *[scenario(f"fault {text}", f"schema: 1\ntier: timed\nworld: {{kind: rcll}}\nfaults: [{text}]\n")
-      for text in ("{kind: skill_fails, at: -1}", "{kind: skill_fails, probability: 2}", "{kind: skill_fails, robot: robot9, at: 1}", "{kind: skill_fails, skill: pik, at: 1}", "{kind: skill_fails, at: 1, error: x}", "{kind: skill_stalls, at: 1}", "{kind: piece_dropped}",
+      for text in ("{kind: skill_fails, at: -1}", "{kind: skill_fails, probability: 2}", "{kind: skill_fails, robot: robot9, at: 1}", "{kind: skill_fails, skill: pik, at: 1}", "{kind: skill_fails, at: 1, error: x}", "{kind: skill_fails, at: 1, error: 0}", "{kind: skill_stalls, at: 1}", "{kind: piece_dropped}",
                    "{kind: machine_breaks, at: 1, machine: C-XS}", "{kind: machine_down, at: 1, machine: C-BS}", "{kind: machine_down, at: 1, mean_s: 2, machine: C-BS, seconds: 3}", "{kind: piece_dropped, mean_s: 0}", "{kind: skill_fails, probability: 0.1, from: 9, until: 3}", "{kind: skill_fails, probability: 0.1, times: -1}")],
     wrong("package of a name that is no UTF-8", RUN, 0, files={"scenario.yaml": SCENARIO.encode().replace(b"{rules: rules}", b"{rules: rules, \xe4\xff: rules}")}),
     *[scenario(f"agent {text}", f"schema: 1\nduration_s: 1\nagents: [{text}]\n")
@@ -386,6 +386,7 @@ def definition(name, kind, text):
 
 
 ROWS["definitions"] = [
+    wrong("interface with a byte order mark", ["doc", "own/msg/X", "--package", "own=own"], 0, never=["ufeff", "\ufeff"], files={"own/msg/X.msg": b"\xef\xbb\xbfint32 a\n"}),
     wrong("interface of lines that end in CR LF, and its control characters", ["doc", "own/msg/X", "--package", "own=own"], 0, never=["\r", "\x1b"], files={"own/msg/X.msg": b"int32 a\r\nstring B=\"\x1b[31m\"\r\n"}),
     *[definition(repr(text), "msg", text) for text in ("int32\n", "int23 a\n", "int32 a\nint32 a\n", "int32 A\n", "int32 1a\n", "int32 a__b\n", "int32[ a\n", "int32[-1] a\n", "int32[x] a\n", "int32[<=] a\n", "string<= a\n", "string<=x a\n", "int32 a 5 6\n", "int8 a 300\n", "uint8 a -1\n", "bool a maybe\n", "int8 A=300\n", "int32 A=\n",
                                                             "int32 A=x\n", "string A=\"open\n", "own/Y a\n", "own/X a\n", "nowhere/Y a\n", "Strin a\n", "int32[99999999999] a\n", "int32[3] a [1, 2]\n", "float32 a x\n", "int32 a_\n", "int32 a-b\n", "---\n", "int32 a\n---\nint32 b\n", "string[<=2] a [\"a\", \"b\", \"c\"]\n", "int32 A=1\nint32 A=2\n", "std_msgs/msg/Strin a\n", "\u0000\n")],
