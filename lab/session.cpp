@@ -196,6 +196,33 @@ Expected<Played> refused(Run& run, const Error& error) {
   return std::move(run.played);
 }
 
+EpisodeOptions episode_options(const Run& run) {
+  EpisodeOptions options = shared_episode_options(run.host);
+  options.log = run.host.log;
+  options.keep_going = run.options.keep_going;
+  options.strict = run.options.strict;
+  options.sockets = run.options.sockets;
+  return options;
+}
+
+/// A former run is replaced only by one that can begin.
+Status try_out(const Run& run) {
+  std::error_code error;
+  const std::string& out = run.options.out;
+  if (!run.options.force || out.empty() || !std::filesystem::is_directory(out, error) ||
+      std::filesystem::is_empty(out, error))
+    return {};
+  EpisodeOptions options = episode_options(run);
+  options.log = nullptr;
+  auto episode = Episode::load(run.scenario, options);
+  if (!episode) return episode.error();
+  const VideoOptions& video = run.options.video;
+  if (video.file.empty() && run.snapshots.empty()) return {};
+  auto view = view_of((*episode)->stage(), video.width, video.height);
+  if (!view) return resource_error("no pictures: " + view.error().message);
+  return video.file.empty() ? Status() : Video::check(video, **view);
+}
+
 }  // namespace
 
 EpisodeOptions shared_episode_options(const Host& host) {
@@ -223,6 +250,7 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   auto snapshots = snapshot_times(options.snapshot, end_of(run));
   if (!snapshots) return snapshots.error();
   run.snapshots = *std::move(snapshots);
+  if (Status s = try_out(run); !s) return refused(run, s.error());
   auto folder = folder_of(options, run.scenario);
   if (!folder) return folder.error();
   run.folder = *std::move(folder);
@@ -234,16 +262,12 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
     host.note("run: " + run.folder.string());
   }
 
-  EpisodeOptions episode_options = shared_episode_options(host);
-  episode_options.run_folder = run.folder;
-  episode_options.journal = *level;
-  episode_options.log = host.log;
-  episode_options.physics_meter = &run.physics;
-  episode_options.keep_going = options.keep_going;
-  episode_options.strict = options.strict;
-  episode_options.sockets = options.sockets;
-  episode_options.file_read = options.file_read;
-  auto episode = Episode::load(run.scenario, episode_options);
+  EpisodeOptions for_episode = episode_options(run);
+  for_episode.run_folder = run.folder;
+  for_episode.journal = *level;
+  for_episode.physics_meter = &run.physics;
+  for_episode.file_read = options.file_read;
+  auto episode = Episode::load(run.scenario, for_episode);
   if (!episode) return refused(run, episode.error());
   run.episode = *std::move(episode);
   finish(run, play(run));

@@ -27,15 +27,22 @@ std::string size_text(int width, int height) { return std::to_string(width) + 'x
 
 }  // namespace
 
+Status Video::check(const VideoOptions& options, View& view) {
+  if (Status s = check_name(options.file); !s) return s;
+  if (const auto first = view.draw(options.camera.empty() ? view.cameras().front() : options.camera); !first)
+    return first.error();
+  if (!is_on_path("ffmpeg")) return resource_error("no pictures: --video needs ffmpeg: apt-get install ffmpeg");
+  if (!std::ofstream(options.file, std::ios::app)) return cannot_write(options.file);
+  return {};
+}
+
 Expected<std::unique_ptr<Video>> Video::create(const VideoOptions& options, std::unique_ptr<View> view,
                                                const Host& host, double from) {
-  if (Status s = check_name(options.file); !s) return s.error();
+  if (Status s = check(options, *view); !s) return s.error();
   std::unique_ptr<Video> video(new Video(options, std::move(view), from));
   if (video->options_.camera.empty()) video->options_.camera = video->view_->cameras().front();
   auto first = video->view_->draw(video->options_.camera);
   if (!first) return first.error();
-  if (!is_on_path("ffmpeg")) return resource_error("no pictures: --video needs ffmpeg: apt-get install ffmpeg");
-  if (!std::ofstream(options.file)) return cannot_write(options.file);
   const int width = even((*first)->width), height = even((*first)->height);
   if (width != (*first)->width || height != (*first)->height)
     host.note("the film is " + size_text(width, height) + ": its sides must be even, so it has a black edge");

@@ -28,6 +28,8 @@ class Video {
   /// changes.
   static Expected<std::unique_ptr<Video>> create(const VideoOptions& options, std::unique_ptr<View> view,
                                                  const Host& host, double from = 0);
+  /// What `create` would say, without a film: a file of that name stays as it is.
+  static Status check(const VideoOptions& options, View& view);
   /// When the next frame is due, s.
   double next() const;
   /// Draws the world as it is at `now` for all frames that are due.

@@ -297,6 +297,17 @@ class Output(Lab):
         self.assertEqual(self.run_it("--force").returncode, 0)
         self.assertEqual((self.out / "mine.txt").read_text(), "mine")
 
+    def test_what_cannot_begin_leaves_the_former_run(self):
+        self.agent("")
+        self.assertEqual(self.run_it().returncode, 0)
+        former = {file: file.read_bytes() for file in self.out.rglob("*") if file.is_file()}
+        for code, *arguments in ((3, "--set", "agents[0].config=missing.yaml"),
+                                 (2, "--tier", "fast"), (5, "--snapshot", "0"), (5, "--video", str(self.folder / "x.mp4")),
+                                 (2, "--snapshot", "99999")):
+            done = self.run_it("--force", *arguments)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertEqual({file: file.read_bytes() for file in self.out.rglob("*") if file.is_file()}, former, arguments)
+
     def test_full_disk(self):
         self.agent('(defrule t (time ?t) => (println "time " ?t))', SCENARIO.replace(": 2", ": 2000"))
         for limit in [6000, 100000]:
