@@ -159,6 +159,11 @@ void Environment::note_input(std::string_view what, std::string_view name, const
   engine_->set_cause(journal_->write(engine_->stream(), now(), RecordKind::kInput, data_, {&delivery.cause, 1}));
 }
 
+void Environment::note_input(std::string_view what, std::string_view name, std::string_view content, RecordRef cause) {
+  data_.begin().field("what", what).field("name", name).field("message", content);
+  engine_->set_cause(journal_->write(engine_->stream(), now(), RecordKind::kInput, data_, {&cause, 1}));
+}
+
 Value Environment::look(std::string_view function, const std::function<Value()>& outside) {
   Value value = options_.run->outside ? options_.run->outside->look(function, outside) : outside();
   data_.begin().field("what", "look").field("name", function).field("value", value.print());

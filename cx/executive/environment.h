@@ -111,6 +111,8 @@ class Environment {
   /// Records a delivery as an input of this environment and makes it the cause of what follows. `what` and `name` as
   /// the rules know it: "topic" "/chatter".
   void note_input(std::string_view what, std::string_view name, const bus::Delivery& delivery);
+  /// The same with a content that is no message of the bus; `cause` is the record of the post.
+  void note_input(std::string_view what, std::string_view name, std::string_view content, RecordRef cause);
   /// The result of a function that looks outside, from `outside` or the input log.
   Value look(std::string_view function, const std::function<Value()>& outside);
 

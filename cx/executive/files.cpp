@@ -134,6 +134,44 @@ Expected<FoundFile> Files::resolve(const std::string& file, const std::vector<st
   return input_error(std::move(message));
 }
 
+Expected<std::map<std::string, FoundFile>> Files::list(const std::string& folder,
+                                                       const std::vector<std::string>& packages,
+                                                       std::string_view extension) const {
+  struct Place {
+    fs::path path, logical_name;
+  };
+  std::vector<Place> places;
+  const fs::path asked = fs::path(folder).lexically_normal();
+  if (asked.is_absolute()) {
+    fs::path relative;
+    for (const auto& [name, package] : options_.packages)
+      if (below(asked, package.share, relative)) places.push_back({package.folder / relative, name / relative});
+    places.push_back({outside(asked), {}});
+  }
+  for (const std::string& package : packages) {
+    if (auto share = share_directory(package); !share)
+      return input_error("Cannot resolve folder " + folder + ": " + share.error().message);
+    if (!asked.is_absolute() && !leaves(asked))
+      places.push_back({options_.packages.at(package).folder / asked, package / asked});
+  }
+  for (const Place& place : places) {
+    std::error_code error;
+    if (!fs::is_directory(place.path, error)) continue;
+    std::map<std::string, FoundFile> out;
+    for (fs::recursive_directory_iterator file(place.path, fs::directory_options::skip_permission_denied, error), end;
+         !error && file != end; file.increment(error)) {
+      if (file->path().extension() != extension || !is_file(file->path())) continue;
+      const std::string name = file->path().lexically_relative(place.path).generic_string();
+      out[name] = {file->path(), (place.logical_name / name).lexically_normal().generic_string()};
+    }
+    return out;
+  }
+  std::string message = "Cannot resolve folder " + folder;
+  for (std::size_t i = 0; i < packages.size(); ++i)
+    message += (i == 0 ? ": not in " : ", ") + options_.packages.at(packages[i]).share;
+  return input_error(std::move(message));
+}
+
 Expected<std::string> Files::read(const FoundFile& file) const {
   if (options_.on_read)
     if (Status s = options_.on_read(file.logical_name, file.path); !s) return s.error();

@@ -74,8 +74,6 @@ Expected<const PluginType*> EnvironmentManager::type_of(const std::string& insta
     if (!t.has) known.push_back(t.name);
   }
   std::string remedy;
-  if (type.ends_with("ProtobufPlugin"))
-    remedy = "; nothing here talks protobuf, machines and referee are on the bus (docs/rcll.md)";
   for (const PluginType& t : options_.plugin_types) {
     if (!t.classes) continue;
     for (std::string& name : t.classes(bus_.registry())) known.push_back(std::move(name));

@@ -3,8 +3,9 @@
 namespace cxlab::cx {
 
 std::vector<PluginType> builtin_plugins() {
-  return {ament_index_plugin(), bindings_plugin(), config_plugin(),    example_plugin(),         executive_plugin(),
-          file_load_plugin(),   ros_msgs_plugin(), ros_param_plugin(), tf2_pose_tracker_plugin()};
+  return {ament_index_plugin(), bindings_plugin(),  config_plugin(),          example_plugin(),
+          executive_plugin(),   file_load_plugin(), protobuf_plugin(),        linked_protobuf_plugin(),
+          ros_msgs_plugin(),    ros_param_plugin(), tf2_pose_tracker_plugin()};
 }
 
 }  // namespace cxlab::cx

@@ -16,6 +16,8 @@ PluginType config_plugin();
 PluginType example_plugin();
 PluginType executive_plugin();
 PluginType file_load_plugin();
+PluginType linked_protobuf_plugin();  ///< of packages with their own messages
+PluginType protobuf_plugin();
 PluginType ros_msgs_plugin();
 PluginType ros_param_plugin();
 PluginType tf2_pose_tracker_plugin();

@@ -37,7 +37,12 @@ struct Types::Reader final : proto::compiler::SourceTree, proto::compiler::Multi
       if (!failure) failure = source.error();
       return nullptr;
     }
-    if (!*source) return nullptr;
+    if (!*source) {
+      // Those that everybody may import are part of the library.
+      const proto::FileDescriptor* known = proto::DescriptorPool::generated_pool()->FindFileByName(file);
+      if (!known || !file.starts_with("google/protobuf/")) return nullptr;
+      source = std::optional(Types::Source{known->DebugString(), file});
+    }
     paths[file] = (*source)->path;
     texts.push_back(std::move((*source)->text));
     return new proto::io::ArrayInputStream(texts.back().data(), static_cast<int>(texts.back().size()));

@@ -25,12 +25,13 @@ namespace fs = std::filesystem;
 constexpr const char* kConfiguration = R"(clips_manager:
   ros__parameters:
     environments: ["main"]
-    main: {plugins: [executive, ament_index, config, ros_msgs, ros_param, tf, string, files]}
+    main: {plugins: [executive, ament_index, config, ros_msgs, ros_param, protobuf, tf, string, files]}
     executive: {plugin: "cx::ExecutivePlugin"}
     ament_index: {plugin: "cx::AmentIndexPlugin"}
     config: {plugin: "cx::ConfigPlugin"}
     ros_msgs: {plugin: "cx::RosMsgsPlugin"}
     ros_param: {plugin: "cx::RosParamPlugin"}
+    protobuf: {plugin: "cx::ProtobufPlugin", pkg_share_dirs: ["talk"], proto_paths: ["proto"]}
     tf: {plugin: "cx::Tf2PoseTrackerPlugin"}
     string: {plugin: "cx::CXStdMsgsStringPlugin"}
     files: {plugin: "cx::FileLoadPlugin"}
@@ -41,7 +42,7 @@ constexpr const char* kWorld = R"(
 (deftemplate order (slot id (type INTEGER)) (slot state (type SYMBOL) (default OPEN)) (multislot parts))
 (defclass ROBOT (is-a USER) (role concrete) (pattern-match reactive) (slot speed (default 1)) (multislot load))
 (defmessage-handler ROBOT run (?by) (bind ?self:speed ?by))
-(defglobal ?*fact* = FALSE ?*gone* = FALSE ?*instance* = FALSE ?*no-instance* = FALSE ?*message* = FALSE ?*no-message* = FALSE)
+(defglobal ?*fact* = FALSE ?*gone* = FALSE ?*instance* = FALSE ?*no-instance* = FALSE ?*message* = FALSE ?*no-message* = FALSE ?*beacon* = FALSE)
 (deffunction twice (?x) (create$ ?x ?x))
 (defgeneric kind)
 (defmethod kind ((?x NUMBER)) number)
@@ -60,6 +61,10 @@ constexpr const char* kWorld = R"(
 (bind ?*message* (ros-msgs-create-message "geometry_msgs/msg/PoseStamped"))
 (bind ?*no-message* (ros-msgs-create-message "std_msgs/msg/String"))
 (ros-msgs-destroy-message ?*no-message*)
+(bind ?*beacon* (pb-create "example.Beacon"))
+(pb-set-field ?*beacon* robot "R1")
+(pb-peer-create-local "127.0.0.1" 1 1)
+(pb-peer-create-local-crypto "127.0.0.1" 1 1 "key" "aes-128-cbc")
 )";
 
 constexpr const char* kValues[] = {"0",
@@ -127,6 +132,10 @@ constexpr const char* kValues[] = {"0",
                                    "?*gone*",
                                    "?*instance*",
                                    "?*no-instance*",
+                                   "?*beacon*",
+                                   "\"example.Position\"",
+                                   "position",
+                                   "seen",
                                    "?*message*",
                                    "?*no-message*",
                                    "(create$)",
@@ -209,6 +218,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::promise(written, "the configuration is written");
   options.plugin_types = cx::builtin_plugins();
   options.packages["example"] = {fs::path(CXLAB_SOURCE_DIR) / "docs/examples/file_load", {}};
+  options.packages["talk"] = {fs::path(CXLAB_SOURCE_DIR) / "docs/examples/protobuf", {}};
   options.run_folder = fuzz::folder() / "run";
   options.max_firings = 100;
   options.keep_going = true;

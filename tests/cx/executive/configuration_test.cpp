@@ -159,14 +159,6 @@ TEST(Configuration, AnUnknownPluginTypeNamesTheNearest) {
   EXPECT_EQ(e.message, "unknown plugin type 'cx::FileLoaderPlugin', did you mean 'cx::FileLoadPlugin'?");
 }
 
-TEST(Configuration, AProtobufPluginIsToldWhatThereIsInItsPlace) {
-  const Error e =
-      error_of("environments: [\"main\"]\nmain: {plugins: [\"x\"]}\nx: {plugin: \"cx::BringupProtobufPlugin\"}");
-  EXPECT_EQ(e.message,
-            "unknown plugin type 'cx::BringupProtobufPlugin'; nothing here talks protobuf, machines and referee are on "
-            "the bus (docs/rcll.md)");
-}
-
 TEST(Configuration, APluginWithoutTypeNamesTheNearestInstance) {
   const Error e =
       error_of("environments: [\"main\"]\nmain: {plugins: [\"fles\"]}\nfiles: {plugin: \"cx::FileLoadPlugin\"}");

@@ -71,6 +71,13 @@ TEST(Examples, RosParam) {
                             "info main: tries: 3"}));
 }
 
+TEST(Examples, Protobuf) {
+  EXPECT_THAT(lines_of("protobuf", 2),
+              IsSupersetOf({"info referee: R1 at 127.0.0.1:4441 is IDLE at 1.5, -2.0 and sees \"C-BS\" \"C-DS\"",
+                            "info robot: order 7 for R1",
+                            "info referee: R1 at 127.0.0.1:4441 is BUSY at 1.5, -2.0 and sees \"C-BS\" \"C-DS\""}));
+}
+
 TEST(Examples, Tf2PoseTracker) {
   const auto lines = lines_of("tf2_pose_tracker", 5);
   EXPECT_THAT(lines, IsSupersetOf({"info watcher: gripper is at 0.5 1, seen at 0.4 s",

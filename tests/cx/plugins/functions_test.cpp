@@ -36,6 +36,32 @@ TEST(Functions, HaveTheirArguments) {
             "ament-index-get-search-paths m 0-0 \n"
             "ament-index-has-resource b 2-2 ;sy;sy\n");
   EXPECT_EQ(functions_of("FileLoadPlugin"), "");
+  EXPECT_EQ(functions_of("ProtobufPlugin"),
+            "pb-add-list v 3-3 ;e;sy;* acts\n"
+            "pb-broadcast v 2-2 ;l;e acts\n"
+            "pb-connect l 2-2 ;sy;l acts\n"
+            "pb-create e 1-1 ;sy acts\n"
+            "pb-destroy v 1-1 ;e acts\n"
+            "pb-disconnect v 1-1 ;l acts\n"
+            "pb-field-is-list b 2-2 ;e;sy\n"
+            "pb-field-label y 2-2 ;e;sy\n"
+            "pb-field-list ym 2-2 ;e;sy\n"
+            "pb-field-names mb 1-1 ;e\n"
+            "pb-field-type y 2-2 ;e;sy\n"
+            "pb-field-value * 2-2 ;e;sy\n"
+            "pb-has-field b 2-2 ;e;sy\n"
+            "pb-peer-create l 2-2 ;s;l acts\n"
+            "pb-peer-create-crypto l 4-4 ;sy;l;sy;sy acts\n"
+            "pb-peer-create-local l 3-3 ;sy;l;l acts\n"
+            "pb-peer-create-local-crypto l 5-5 ;sy;l;l;sy;sy acts\n"
+            "pb-peer-destroy v 1-1 ;l acts\n"
+            "pb-peer-setup-crypto v 3-3 ;l;sy;sy acts\n"
+            "pb-register-type b 1-1 ;sy acts\n"
+            "pb-send v 2-2 ;l;e acts\n"
+            "pb-server-disable v 0-0  acts\n"
+            "pb-server-enable v 1-1 ;l acts\n"
+            "pb-set-field v 3-3 ;e;sy;* acts\n"
+            "pb-tostring sy 1-1 ;e\n");
   EXPECT_EQ(functions_of("RosParamPlugin"), "ros-param-get-value * 2-2 ;sy;*\n");
   EXPECT_EQ(functions_of("Tf2PoseTrackerPlugin"),
             "tf2-start-periodic-lookup b 3-3 ;sy;sy;d acts\n"
