@@ -64,8 +64,12 @@ void snapshot(benchmark::State& state) {
   if (!renderer) return state.SkipWithError("no OpenGL");
   sim::Legend legend;
   legend.title = {{"12:34 PRODUCTION"}, {"CYAN 123"}};
-  for (int i = 0; i < 10; ++i)
-    legend.cards.push_back({sim::Stack{1, {1, 2, 3}, 1}, {{{"1 C3"}, {"10:00-12:00"}}}, i % 2 == 0});
+  for (int i = 0; i < 10; ++i) {
+    sim::Legend::Card& card = legend.cards.emplace_back();
+    card.product = sim::Stack{1, {1, 2, 3}, 1};
+    card.lines = {{{"1 C3"}, {"10:00-12:00"}}};
+    if (i % 2 == 0) card.ticks = {{0, 1, 1}};
+  }
   for (auto _ : state) {
     const auto picture = (*renderer)->draw(floor->gate(), "field", legend);
     if (!picture || !sim::write_png(**picture, kFile)) return state.SkipWithError("the disk is full");
