@@ -101,7 +101,8 @@ TEST_F(RunTime, TheRulesReplayAloneWithAllOfIt) {
   options.journal = JournalLevel::kFull;
   options.run_folder = folder_ / "again";
   std::filesystem::create_directories(options.run_folder);
-  options.replay = ReplaySource{folder_ / "run/inputs.bin", copies, {scenario->shares(scenario->agents[0])}};
+  options.replay =
+      ReplaySource{folder_ / "run/inputs.bin", copies, {scenario->shares(scenario->agents[0])}, folder_ / "run"};
   auto episode = Episode::load(*scenario, options);
   ASSERT_TRUE(episode.ok()) << episode.error().text();
   begin(**episode);
