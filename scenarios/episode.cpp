@@ -73,7 +73,7 @@ Result Episode::result() const {
   out.ticks = loop_->ticks();
   stage_->report(out);
   for (const auto& report : stage_->reports) report(out);
-  out.deterministic = !options_.sockets;
+  out.deterministic = out.deterministic && !options_.sockets;
   for (const auto& agent : agents_) out.deterministic = out.deterministic && agent->deterministic();
   for (const auto& agent : agents_)
     for (const cx::RuleErrorEntry& entry : agent->rule_errors())

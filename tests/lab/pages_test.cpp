@@ -44,6 +44,9 @@ json empty_run() {
           {"reason", ""},
           {"skills", json::array()},
           {"holds", json::array()},
+          {"off_field", json::array()},
+          {"faults", json::array()},
+          {"film", ""},
           {"scores", json::array()},
           {"files", {"result.json"}},
           {"pictures", json::array()}};
