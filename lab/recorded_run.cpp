@@ -40,6 +40,7 @@ void read_manifest(const Json& json, RecordedRun& run) {
   run.options.journal = json.at("journal").get<std::string>();
   run.options.keep_going = json.at("keep_going").get<bool>();
   run.options.strict = json.at("strict_cx").get<bool>();
+  run.options.sockets = json.value("sockets", false);
   run.options.prefixes = json.at("prefixes").get<std::vector<std::string>>();
   run.versions = json.at("versions").get<std::map<std::string, std::string>>();
   run.machine = json.value("machine", std::map<std::string, std::string>());

@@ -26,7 +26,7 @@ struct RecordedRun {
   std::filesystem::path scenario_file;  ///< absolute; need not be there any more
   std::vector<std::string> overrides;
   std::map<std::string, std::string> world_files;  ///< absolute; by key, as Scenario::world_files
-  PlayOptions options;                             ///< until, journal, keep_going, strict
+  PlayOptions options;                             ///< until, journal, keep_going, strict, sockets
   std::filesystem::path recorded_folder;           ///< its folder when it was played
   std::vector<Shares> shares;                      ///< by agent: package -> its share directory then
   /// Of lab/versions.h, then.

@@ -116,6 +116,12 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
         "again: cxlab rerun --trust-rules " +
             run.folder.string() + "; cxlab replay plays them without touching anything",
         run.folder.string());
+  if (run.options.sockets)
+    return usage_error(
+        "programs outside took part in this run (--sockets), who would not do the same again; its rules alone: "
+        "cxlab replay " +
+            run.folder.string(),
+        run.folder.string());
   PlayOptions options = run.options;
   options.out = given.out;
   options.force = given.force;

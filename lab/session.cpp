@@ -67,6 +67,7 @@ std::string manifest(const Run& run) {
   out["journal"] = run.options.journal;
   out["keep_going"] = run.options.keep_going;
   out["strict_cx"] = run.options.strict;
+  out["sockets"] = run.options.sockets;
   out["prefixes"] = run.named_prefixes;
   out["agents"] = nlohmann::ordered_json::array();
   for (const AgentSpec& agent : run.scenario.agents)

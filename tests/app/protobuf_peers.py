@@ -217,6 +217,10 @@ class Peers(unittest.TestCase):
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         self.assertEqual(replayed.returncode, 0, replayed.stdout)
         self.assertIn("the same", replayed.stdout)
+        again = subprocess.run([CXLAB, "rerun", "out"], cwd=self.folder, text=True, timeout=60, stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT)
+        self.assertEqual(again.returncode, 2, again.stdout)
+        self.assertIn("programs outside took part in this run (--sockets)", again.stdout)
 
     def test_short_datagrams_of_all_ciphers(self):
         for cipher, name in enumerate(NAMES):
