@@ -23,6 +23,8 @@ FIXED = {
     "scenario.yaml": SCENARIO + "servers: [pddl_manager]\n",
     "outside/secret.txt": SECRET,
     "outside/secret.clp": f"(deffacts {SECRET} ({SECRET}))\n",
+    "outside/secret.proto": f"message M {{ optional {SECRET} a = 1; }}\n",
+    "rules/proto": lambda path: os.symlink("../outside", path),
     "outside/secret.yaml": f"secret: {SECRET}\n",
     "outside/secret.pddl": "(define (domain other))\n",
     "outside/msg/Secret.msg": f"string {SECRET}\n",
@@ -189,6 +191,9 @@ ROWS["plugins"] = [
     attack("file load folder of a package", load_plugin("stolen", plugin='"cx::FileLoadPlugin"', pkg_share_dirs=list_of("rules"), load=list_of("folder/secret.clp")), 3),
     attack("file load parent of a package", load_plugin("stolen", plugin='"cx::FileLoadPlugin"', pkg_share_dirs=list_of("rules"), load=list_of("../outside/secret.clp")), 3),
     attack("file load package of a path", load_plugin("stolen", plugin='"cx::FileLoadPlugin"', pkg_share_dirs=list_of("{here}/outside"), load=list_of("secret.clp")), 3),
+    *[attack(f"proto file of {name}", load_plugin("stolen", plugin='"cx::ProtobufPlugin"', pkg_share_dirs=list_of("rules"), proto_paths=list_of(path)), 3)
+      for name, path in [("a path", "{here}/outside"), ("a link", "folder"), ("the parent", "../outside")]],
+    attack("proto files of a linked class", load_plugin("stolen", plugin='"cx::StolenProtobufPlugin"'), 3),
     attack("plugin class of a path", load_plugin("stolen", plugin='"{here}/outside/libevil.so"'), 3),
     attack("plugin class nothing", load_plugin("stolen", plugin='""'), 3),
     *[prints(f"environment {kind}", calls(MANAGER + "create_env", "cx_msgs/CreateClipsEnv", {"env_name": name}))
@@ -636,6 +641,35 @@ ROWS["objects"] = [
                                 ("time facts of its own", 0, "(deffacts d (time 99999999.0))\n"), ("message facts of its own", 3, '(deffacts d (ros-msgs-message (topic "/x") (msg-ptr <Pointer-C-0x1>)))\n'),
                                 ("finalize of its own", 0, act("(assert (executive-finalize))")), ("rule of hidden name", 3, '(defrule |a b| => (printout t here crlf))\n'),
                                 ("rule of a long name", 0, f"(defrule {'r' * 20000} => (printout t here crlf))\n"), ("rule of bytes", 4, "(defrule r\u00e4 => (/ 1 0))\n"))],
+]
+
+PROTOBUF = {
+    "agent.yaml": CONFIG.replace('"tf",', '"protobuf",') + '    protobuf: {plugin: "cx::ProtobufPlugin", pkg_share_dirs: ["rules"], proto_paths: ["types"]}\n',
+    "rules/types/m.proto": 'syntax = "proto2"; message M { enum CompType { COMP_ID = 1; MSG_TYPE = 2; } optional string s = 1; repeated M m = 2; }',
+}
+
+
+def protobuf(name, rules, code):
+    return Row("protobuf: " + name, [*RUN, "--memory", "20MB"], code, {"rules/rules.clp": rules, **PROTOBUF}, never=[SECRET])
+
+
+ROWS["protobuf"] = [
+    protobuf("messages", forever("(pb-create M)"), 5),
+    protobuf("texts in messages", forever("(pb-set-field (pb-create M) s ?s)", '(bind ?s (format nil "%99999d" 1))'), 5),
+    protobuf("lists in messages", forever("(pb-add-list ?m m ?m)", '(bind ?m (pb-create M))'), 5),
+    protobuf("copies of messages", forever("(pb-field-list ?m m)", '(bind ?m (pb-create M)) (loop-for-count 10 (pb-add-list ?m m (pb-create M)))'), 5),
+    protobuf("messages that wait", """(defrule stranger => (bind ?p (pb-peer-create-local "h" 5 6)) (pb-peer-create-local "h" 7 5) (bind ?m (pb-create M))
+  (while TRUE (pb-broadcast ?p ?m)))
+""", 5),
+    protobuf("messages that wait in a stream", """(defrule start => (pb-server-enable 5) (pb-connect "h" 5))
+(defrule stranger (protobuf-client-connected ?id) => (bind ?m (pb-create M)) (while TRUE (pb-send ?id ?m)))
+""", 5),
+    protobuf("peers without end", forever('(pb-peer-create "h" 5)'), 4),
+    protobuf("servers and clients without end", forever('(pb-server-enable ?i) (pb-server-disable) (pb-connect "h" ?i)'), 4),
+    protobuf("connections that come and go", forever('(pb-disconnect (pb-connect "h" 5))'), 5),
+    protobuf("it answers itself", """(defrule stranger => (bind ?p (pb-peer-create-local "h" 5 6)) (pb-peer-create-local "h" 6 5) (pb-broadcast ?p (pb-create M)))
+(defrule answer (protobuf-msg (ptr ?p) (client-id ?id)) => (pb-send ?id ?p))
+""", 0),
 ]
 
 LONG = ["environments", "explode", "rules", "action clients", "services", "clients", "subscriptions", "publishers", "templates", "classes"]

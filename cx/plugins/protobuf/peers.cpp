@@ -24,6 +24,8 @@ Value word(std::string_view text) {
 }  // namespace
 
 Expected<net::Host*> ProtobufPeers::host() {
+  if (peers_.size() + streams_.size() >= kMost)
+    return run_error(std::to_string(kMost) + " peers and streams are open, which is the most");
   if (!host_) {
     auto made = net::Host::create(network_, environment_.participant(), [this](const net::Event& e) { take(e); });
     if (!made) return made.error();
@@ -138,6 +140,7 @@ void ProtobufPeers::take(const net::Event& event) {
     case net::EventKind::kDatagram: return take_datagram(event);
     case net::EventKind::kBytes: return take_bytes(event);
     case net::EventKind::kAccepted: {
+      if (peers_.size() + streams_.size() >= kMost) return host_->close(event.link, {&event.cause, 1});
       Stream& stream = streams_[++last_id_];
       stream.link = event.link;
       stream.of_server = stream.connected = true;
@@ -214,13 +217,14 @@ void ProtobufPeers::note(std::string_view name, std::string_view content, Record
 
 namespace {
 
-Value address(std::string_view host, std::int64_t port) {
-  return Value::multifield({word(host), Value::integer(port)});
-}
-
 Value via(std::string_view client_type) { return Value::symbol(client_type == "PEER" ? "BROADCAST" : "STREAM"); }
 
 }  // namespace
+
+Value ProtobufPeers::address(const Source& source) const {
+  return Value::multifield(
+      {next_ ? Value::string(std::string(source.host)) : word(source.host), Value::integer(source.port)});
+}
 
 void ProtobufPeers::assert_received(const pb::Frame& frame, pb::MessagePtr message, const Source& source,
                                     RecordRef cause) {
@@ -232,7 +236,7 @@ void ProtobufPeers::assert_received(const pb::Frame& frame, pb::MessagePtr messa
                                                        {"comp-id", Value::integer(frame.key.component_id)},
                                                        {"msg-type", Value::integer(frame.key.message_type)},
                                                        {"rcvd-via", via(source.client_type)},
-                                                       {"rcvd-from", address(source.host, source.port)},
+                                                       {"rcvd-from", address(source)},
                                                        {"rcvd-at", Value::number(to_seconds(environment_.now()))},
                                                        {"client-type", Value::symbol(std::string(source.client_type))},
                                                        {"client-id", Value::integer(source.id)},
@@ -249,7 +253,7 @@ void ProtobufPeers::assert_failed(pb::MessageKey key, const Source& source, cons
       {{"comp-id", Value::integer(key.component_id)},
        {"msg-type", Value::integer(key.message_type)},
        {"rcvd-via", via(source.client_type)},
-       {"rcvd-from", address(source.host, source.port)},
+       {"rcvd-from", address(source)},
        {"client-id", Value::integer(source.id)},
        {"message", Value::string(why)}});
   if (!fact) log_(LogLevel::kError, fact.error().message);

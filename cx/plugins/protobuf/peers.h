@@ -1,6 +1,6 @@
 #pragma once
 // What one environment has open on the network: peers for datagrams, a server for streams, clients of servers. What
-// comes from them becomes facts; docs/protobuf.md lists them.
+// comes from them becomes facts (docs/plugins/protobuf.md).
 
 #include <cstdint>
 #include <functional>
@@ -21,11 +21,20 @@ namespace cxlab::cx {
 /// Ids of peers and clients are counted together, from 1.
 class ProtobufPeers {
  public:
+  /// Peers and streams together; opening one more is an error.
+  static constexpr std::size_t kMost = 250;
+
   using Log = std::function<void(LogLevel, std::string_view text)>;
 
+  /// `next`: facts as in the next CX.
   ProtobufPeers(Environment& environment, net::Network& network, const pb::Types& types, ProtobufMessages& messages,
-                Log log)
-      : environment_(environment), network_(network), types_(types), messages_(messages), log_(std::move(log)) {}
+                Log log, bool next)
+      : environment_(environment),
+        network_(network),
+        types_(types),
+        messages_(messages),
+        log_(std::move(log)),
+        next_(next) {}
 
   // --- Peers
   /// 0 where a port is none.
@@ -65,6 +74,7 @@ class ProtobufPeers {
     std::int64_t port = 0, id = 0;
   };
 
+  /// To open one more peer or stream on.
   Expected<net::Host*> host();
   void take(const net::Event& event);
   void take_datagram(const net::Event& event);
@@ -73,6 +83,8 @@ class ProtobufPeers {
   void note(std::string_view name, std::string_view content, RecordRef cause);
   void assert_received(const pb::Frame& frame, pb::MessagePtr message, const Source& source, RecordRef cause);
   void assert_failed(pb::MessageKey key, const Source& source, const std::string& why, RecordRef cause);
+  /// Of a message's sender.
+  Value address(const Source& source) const;
   void assert_ordered(const std::string& name, std::initializer_list<Value> values);
   std::map<std::int64_t, Stream>::iterator find(net::LinkId link);
 
@@ -81,6 +93,7 @@ class ProtobufPeers {
   const pb::Types& types_;
   ProtobufMessages& messages_;
   Log log_;
+  bool next_;
   std::unique_ptr<net::Host> host_;  ///< none before something is opened
   std::map<std::int64_t, Peer> peers_;
   std::map<std::int64_t, Stream> streams_;

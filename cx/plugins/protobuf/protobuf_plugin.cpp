@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include "cx/plugins/bindings/names.h"
 #include "cx/plugins/builtin.h"
@@ -71,8 +72,10 @@ constexpr std::string_view kPrefix = "cx::", kSuffix = "ProtobufPlugin", kExtens
 
 /// All of one environment.
 struct Connection {
-  Connection(Environment& environment, net::Network& network, const pb::Types& types, ProtobufPeers::Log to_log)
-      : messages(environment.engine()), peers(environment, network, types, messages, to_log), log(std::move(to_log)) {}
+  Connection(Environment& environment, const RunSettings& run, const pb::Types& types, ProtobufPeers::Log to_log)
+      : messages(environment.engine()),
+        peers(environment, *run.network, types, messages, to_log, run.next),
+        log(std::move(to_log)) {}
 
   ProtobufMessages messages;
   ProtobufPeers peers;
@@ -103,7 +106,7 @@ class ProtobufPlugin final : public Plugin {
 
   Status clips_env_init(EnvironmentGuard environment) override {
     Environment& e = *environment;
-    auto& connection = connections_.add(e, e, *context().run.network, *types_,
+    auto& connection = connections_.add(e, e, context().run, *types_,
                                         [this, &e](LogLevel level, std::string_view text) { log(e, level, text); });
     added_ = {};
     add_types_and_messages(e.engine(), connection);
@@ -126,12 +129,25 @@ class ProtobufPlugin final : public Plugin {
   Expected<std::optional<pb::Types::Source>> open(const std::string& file) {
     const auto found = files_.find(file);
     if (found == files_.end()) return std::optional<pb::Types::Source>();
-    const Parameter* paths = context().parameters.find(name() + ".proto_paths");
-    if (paths && paths->at_run_time)  // rules may have set it, to files that they may not read
-      if (auto allowed = context().files.find_for_rules(found->second.path.string()); !allowed) return allowed.error();
-    auto text = context().files.read(found->second);
+    const auto source = set_by_rules() ? for_rules(found->second) : Expected<FoundFile>(found->second);
+    if (!source) return source.error();
+    auto text = context().files.read(*source);
     if (!text) return text.error();
-    return std::optional(pb::Types::Source{*std::move(text), found->second.path.string()});
+    return std::optional(pb::Types::Source{*std::move(text), source->path.string()});
+  }
+
+  /// What rules may have set names files that rules may read.
+  bool set_by_rules() const {
+    return std::ranges::any_of(std::array{".plugin", ".proto_paths", ".pkg_share_dirs"}, [this](const char* key) {
+      const Parameter* parameter = context().parameters.find(name() + key);
+      return parameter && parameter->at_run_time;
+    });
+  }
+  Expected<FoundFile> for_rules(const FoundFile& file) const {
+    const std::size_t slash = file.logical_name.find('/');
+    const auto share = context().files.share_directory(file.logical_name.substr(0, slash));
+    return context().files.find_for_rules(share && slash != std::string::npos ? *share + file.logical_name.substr(slash)
+                                                                              : file.path.string());
   }
 
   /// The class of a package that was linked with its messages: here they are read from their files.

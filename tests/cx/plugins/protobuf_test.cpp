@@ -282,6 +282,18 @@ TEST_F(Protobuf, PeersTalk) {
   EXPECT_THAT(lab_.facts("protobuf-msg", "other"), SizeIs(1));
 }
 
+TEST_F(Protobuf, SendersOfTheNextCxAreStrings) {
+  config("cx::ProtobufPlugin, proto_paths: [\"proto\"], pkg_share_dirs: [\"agent\"]}\ncompat: next\nunused: {a: 1");
+  run_up();
+  eval("(pb-peer-create-local \"h\" 1 4444)");
+  eval("(pb-peer-create-local \"h\" 4444 1)", "other");
+  ASSERT_TRUE(lab_.engine("other").build("(defglobal ?*m* = nil)").ok());
+  eval("(bind ?*m* (pb-create \"t.All\"))", "other");
+  eval("(pb-broadcast 1 ?*m*)", "other");
+  lab_.ticks(2);
+  EXPECT_THAT(lab_.facts("protobuf-msg"), ElementsAre(HasSubstr("(rcvd-from \"127.0.0.1\" 1)")));
+}
+
 TEST_F(Protobuf, AMessageIsDestroyedWithItsFact) {
   lab_.write("agent/rules.clp",
              "(defglobal ?*seen* = nil)\n(defrule see (protobuf-msg (ptr ?p)) => (bind ?*seen* ?p)\n"
@@ -318,6 +330,22 @@ TEST_F(Protobuf, IdsAreCountedTogetherAndPortsAreChecked) {
                            "(pb-peer-destroy 99)", "(pb-disconnect 99)", "(pb-peer-setup-crypto 99 a aes-128-cbc)"})
     EXPECT_NE(eval(call), "error") << call;
   EXPECT_THAT(logged(), SizeIs(1)) << "that there is no type";
+}
+
+TEST_F(Protobuf, PeersAndStreamsHaveAnEnd) {
+  run_up();
+  for (int i = 1; i <= 249; ++i) ASSERT_EQ(eval("(pb-peer-create \"h\" " + std::to_string(i) + ')'), std::to_string(i));
+  eval("(pb-server-enable 4444)");
+  eval("(pb-connect \"h\" 4444)", "other");
+  eval("(pb-connect \"h\" 4444)", "other");
+  lab_.ticks(2);
+  EXPECT_THAT(lab_.facts("protobuf-server-client-connected"), SizeIs(1));
+  lab_.ticks(1);
+  EXPECT_THAT(lab_.facts("protobuf-client-disconnected", "other"), ElementsAre("(protobuf-client-disconnected 2)"));
+  EXPECT_THAT(failing("(pb-peer-create \"h\" 1)"), HasSubstr("250 peers and streams are open"));
+  EXPECT_THAT(failing("(pb-connect \"h\" 1)"), HasSubstr("250 peers and streams are open"));
+  eval("(pb-peer-destroy 1)");
+  EXPECT_EQ(eval("(pb-peer-create \"h\" 1)"), "251");
 }
 
 TEST_F(Protobuf, EncryptedPeersTalk) {
