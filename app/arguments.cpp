@@ -124,6 +124,10 @@ void add_package_options(CLI::App& command, lab::PackageOptions& options) {
   add_prefix_option(command, options.prefixes);
 }
 
+void add_trust_plugins(CLI::App& command, bool& trust) {
+  command.add_flag("--trust-plugins", trust, "Opens the run's native plugins, which may read, write and run anything");
+}
+
 namespace {
 
 /// What is not known on the command line, with the nearest option.

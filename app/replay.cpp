@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
 #include "cx/base/json_text.h"
@@ -16,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string run;
-  bool rules = false, physics = false, json = false;
+  bool rules = false, physics = false, trust_plugins = false, json = false;
 };
 
 Json to_json(const lab::ReplayOutcome& outcome) {
@@ -49,6 +50,7 @@ void print(const char* half, const lab::ReplayOutcome& outcome) {
 int replay(const Options& options) {
   auto run = lab::RecordedRun::open(options.run, catalogue());
   if (!run) return fail(run.error());
+  run->options.native_plugins = options.trust_plugins;
   if (!run->finished)
     return fail(input_error("the run was cut off before its end: there are no hashes to compare with", options.run));
   Console console(options.json);
@@ -94,6 +96,7 @@ void add_replay(CLI::App& app, Action& action) {
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_flag("--rules", options->rules, "Only the rules, without world and servers");
   command->add_flag("--physics", options->physics, "Only the physics, without rules and servers");
+  add_trust_plugins(*command, options->trust_plugins);
   command->add_flag("--json", options->json, "The answer as JSON");
   command->footer("It reads nothing but the run's folder: the files of the run may be gone or changed.");
   command->callback([options, &action] { action = [options] { return replay(*options); }; });

@@ -6,6 +6,7 @@
 
 #include "cx/base/file.h"
 #include "cx/engine/form_reader.h"
+#include "cx/executive/plugin_library.h"
 #include "cx/journal/input_log.h"
 #include "lab/versions.h"
 
@@ -78,6 +79,7 @@ Expected<RecordedRun> RecordedRun::open(const fs::path& folder, const Catalogue&
     return input_error("is not the folder of a run: there is no manifest.json in it", folder.string());
   RecordedRun run;
   run.folder = folder;
+  run.options.native_plugins = false;
   run.catalogue = &catalogue;
   auto manifest = read_json(folder / "manifest.json");
   if (!manifest) return manifest.error();
@@ -121,6 +123,14 @@ Expected<Scenario> RecordedRun::scenario() const {
   return scenario;
 }
 
+std::optional<Error> RecordedRun::untrusted(const Status& played) const {
+  if (played || played.error().code != cx::kUntrustedPlugin) return std::nullopt;
+  Error error = played.error();
+  error.file = folder.string();
+  error.line = 0;
+  return error;
+}
+
 Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, JournalLevel level, const Host& host,
                                         cx::LogSink* log) {
   RulesReplay replay;
@@ -146,6 +156,7 @@ Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, Jou
   options.replay = ReplaySource{run.folder / "inputs.bin", root / "copies", run.shares, run.recorded_folder};
   options.keep_going = run.options.keep_going;
   options.strict = run.options.strict;
+  options.native_plugins = run.options.native_plugins;
   auto episode = Episode::load(*std::move(scenario), std::move(options));
   if (!episode) return episode.error();
   replay.episode = *std::move(episode);

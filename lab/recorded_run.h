@@ -26,9 +26,10 @@ struct RecordedRun {
   std::filesystem::path scenario_file;  ///< absolute; need not be there any more
   std::vector<std::string> overrides;
   std::map<std::string, std::string> world_files;  ///< absolute; by key, as Scenario::world_files
-  PlayOptions options;                             ///< until, journal, keep_going, strict, sockets
-  std::filesystem::path recorded_folder;           ///< its folder when it was played
-  std::vector<Shares> shares;                      ///< by agent: package -> its share directory then
+  /// until, journal, keep_going, strict, sockets; `native_plugins` is false until the caller trusts the run
+  PlayOptions options;
+  std::filesystem::path recorded_folder;  ///< its folder when it was played
+  std::vector<Shares> shares;             ///< by agent: package -> its share directory then
   /// Of lab/versions.h, then.
   std::map<std::string, std::string> versions, machine;
 
@@ -48,6 +49,8 @@ struct RecordedRun {
   std::vector<std::string> changed_surroundings() const;
   /// As it was read then; from the run's copy.
   Expected<Scenario> scenario() const;
+  /// The run, where the error is that it has a native plugin and nobody has said that it is trusted; else nothing.
+  std::optional<Error> untrusted(const Status& played) const;
 };
 
 /// The environments of a run alone, ready to be started: `episode` reads and writes below `scratch` only.

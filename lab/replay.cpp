@@ -71,6 +71,7 @@ Expected<ReplayOutcome> replay_rules(const RecordedRun& run, const Host& host) {
     if (!replay) return replay.error();
   }
   const Status played = play_to_end(*replay->episode, run, end, host);
+  if (auto error = run.untrusted(played)) return *error;
   const Result result =
       replay->episode->close(RunStatus::kStopped, played ? std::nullopt : std::optional<Error>(played.error()));
   out.end = result.sim_time;

@@ -123,12 +123,15 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
             run.folder.string(),
         run.folder.string());
   PlayOptions options = run.options;
+  if (copies) options.prefixes.clear();
   options.out = given.out;
   options.force = given.force;
   options.command = given.command;
   if (run.status == "interrupted") options.until = to_seconds(run.sim_time);
   auto played = play_scenario(options, *std::move(scenario), host);
   if (!played) return played.error();
+  if (played->failure)
+    if (auto error = run.untrusted(*played->failure)) return *error;
   Rerun again;
   again.played = *std::move(played);
   if (again.played.result.stream_hashes.empty() || host.stopped()) return again;

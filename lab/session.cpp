@@ -202,6 +202,7 @@ EpisodeOptions episode_options(const Run& run) {
   options.log = run.host.log;
   options.keep_going = run.options.keep_going;
   options.strict = run.options.strict;
+  options.native_plugins = run.options.native_plugins;
   options.sockets = run.options.sockets;
   return options;
 }

@@ -31,6 +31,7 @@ struct PlayOptions {
   std::vector<std::string> prefixes = {};  ///< whose packages are found, before the default ones
   bool keep_going = false;                 ///< errors in rule files are reported and the run goes on
   bool strict = false;                     ///< unknown parameters of the CX are errors
+  bool native_plugins = true;              ///< libraries that packages name may be opened
   std::vector<std::string> command = {};   ///< for the manifest: the arguments of the program
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that the run reads
 };

@@ -119,6 +119,7 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
   answer.at = std::max(SimTime::zero(), episode.now());
   answer.stopped = host.stopped();
   if (answer.stopped) return answer;
+  if (auto error = run.untrusted(played)) return *error;
   if (!played && !failed_then(run, played.error(), answer.at)) return played.error();
   std::optional<Error> refused;  // what is wanted of a rule that has no such variable
   for (cx::Environment* environment : environments_of(episode)) {

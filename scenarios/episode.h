@@ -52,10 +52,11 @@ struct EpisodeOptions {
   std::filesystem::path interfaces;    ///< folder of the packages that come with cxlab
   std::filesystem::path models;        ///< MJCF parts
   std::optional<ReplaySource> replay;
-  Limits limits;            ///< of all its environments together
-  bool strict = false;      ///< unknown CX parameters are errors
-  bool keep_going = false;  ///< errors in rule files are reported and the run goes on, as CX does
-  bool sockets = false;     ///< programs outside reach its network on the loopback interface; not deterministic
+  Limits limits;               ///< of all its environments together
+  bool strict = false;         ///< unknown CX parameters are errors
+  bool keep_going = false;     ///< errors in rule files are reported and the run goes on, as CX does
+  bool native_plugins = true;  ///< libraries that packages name may be opened
+  bool sockets = false;        ///< programs outside reach its network on the loopback interface; not deterministic
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that is read
 };
 

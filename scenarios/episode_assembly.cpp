@@ -164,6 +164,7 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
   manager.keep_going = options_.keep_going;
   manager.strict = options_.strict;
   manager.trust_rules = scenario_.trust_rules;
+  manager.native_plugins = options_.native_plugins;
   manager.config = scenario_.resolve(spec.config);
   manager.name_space = spec.name_space;
   manager.remaps = spec.remaps;

@@ -37,7 +37,8 @@ Expected<bool> EnvironmentManager::load(Entry& entry, const std::string& name) {
     entry.environment->log(LogLevel::kWarn, options_.node, n.text());
   for (const Status* s : {&loaded, &rules}) {
     if (*s) continue;
-    const bool may_go_on = s == &loaded || s->error().kind == ErrorKind::kInput;
+    const bool may_go_on =
+        s->error().code != kUntrustedPlugin && (s == &loaded || s->error().kind == ErrorKind::kInput);
     if (!options_.keep_going || !may_go_on) return s->error();
     log(LogLevel::kError, name, s->error().text());
     load_errors_.push_back(s->error());

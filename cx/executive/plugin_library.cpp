@@ -32,6 +32,7 @@ class PluginLibrary {
   Error error(ErrorKind kind, std::string message, int line = 0) const {
     return Error{kind, std::move(message), manifest_, line ? line : line_, {}};
   }
+  const std::string& name() const { return name_; }
   const std::string& manifest() const { return manifest_; }
 
  private:
@@ -199,6 +200,10 @@ Expected<std::shared_ptr<Plugin>> make_plugin(const PluginType& type, PluginCont
   const std::string name = context.name, class_name = context.type;
   std::shared_ptr<PluginLibrary::Open> open;
   std::function<std::unique_ptr<Plugin>(PluginContext)> make = type.make;
+  if (type.library && !context.run.native_plugins)
+    return usage_error(who(name, class_name, type.library->name()) +
+                       " is native code: it can read, write and run anything. If it may: --trust-plugins")
+        .with_code(kUntrustedPlugin);
   if (type.library) {
     auto opened = type.library->open();
     if (!opened) return opened.error();

@@ -34,6 +34,7 @@ struct RunSettings {
   bool keep_going = false;             ///< errors in rule files and plugins are noted and loading goes on
   bool strict = false;                 ///< unknown parameters are errors
   bool trust_rules = false;            ///< rules read and write any file and call `system`
+  bool native_plugins = true;          ///< libraries that packages name may be opened
   bool next = false;                   ///< behaves as the next CX where that differs (parameter `compat: next`)
 };
 

@@ -449,9 +449,24 @@ def asked(run):
             Row("rerun into a folder that is used, by force", ["rerun", "run", "--quiet", "--out", "used", "--force"], 0, run, leaves=("used",), kept={"used/mine.txt": "mine"})]
 
 
-with tempfile.TemporaryDirectory(prefix="cxlab-row-") as made:
+def with_library(folder):
+    """A run with a plugin whose library makes a file when it is opened."""
+    here = pathlib.Path(folder)
+    (here / "agent.yaml").write_text(OWN)
+    (here / "own").mkdir()
+    (here / "own/cxlab_plugins.yaml").write_text('{library: libx.so, plugins: [{class: "own::X"}]}\n')
+    library('#include <cstdio>\nstruct T { T() { std::fopen("made-by-library", "w"); } } t;\n')(here / "own/libx.so")
+    subprocess.run([CXLAB, "env", "agent.yaml", "--package", "own=own", "--until", "1", "--quiet", "--out", "run"], cwd=here, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    assert (here / "made-by-library").exists()
+    return {str(path.relative_to(here)): path.read_bytes() for path in (here / "run").rglob("*") if path.is_file()}
+
+
+with tempfile.TemporaryDirectory(prefix="cxlab-row-") as made, tempfile.TemporaryDirectory(prefix="cxlab-row-") as native:
     whole = recorded(made)
     ROWS["whole runs"] = asked(whole)
     ROWS["damaged runs"] = damaged(whole)
+    run = with_library(native)
+    ROWS["native runs"] = [Row(f"{command} of a stranger's library", words, 2, run) for command, words in ASKS.items()]
+    ROWS["native runs"].append(Row("replay of a trusted library", [*ASKS["replay"], "--trust-plugins"], 0, run, leaves=("out", "made-by-library"), kept={"made-by-library": ""}))
 
 

@@ -52,6 +52,18 @@ talk: {plugin: ")" +
   Lab lab_;
 };
 
+TEST_F(OwnPlugins, LibraryIsNotOpenedWhereNativePluginsMayNotBe) {
+  library("libnone.so");  // not even looked for
+  lab_.options.native_plugins = false;
+  for (const bool keep_going : {false, true}) {
+    lab_.options.keep_going = keep_going;
+    const Error error = error_of();
+    EXPECT_EQ(error.kind, ErrorKind::kUsage);
+    EXPECT_EQ(error.code, kUntrustedPlugin);
+    EXPECT_THAT(error.message, HasSubstr("plugin 'talk' (test::Chatty of libnone.so) is native code"));
+  }
+}
+
 TEST_F(OwnPlugins, EachHookIsCalledInItsOrder) {
   library(built("chatty").string());
   ASSERT_TRUE(start().ok());
