@@ -15,6 +15,7 @@ namespace cxlab::app {
 using Action = std::function<int()>;
 
 void add_run(CLI::App& app, Action& action);
+void add_attach(CLI::App& app, Action& action);
 void add_replay(CLI::App& app, Action& action);
 void add_rerun(CLI::App& app, Action& action);
 void add_env(CLI::App& app, Action& action);

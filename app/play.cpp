@@ -20,6 +20,9 @@ void declare_play(CLI::App& command, PlayCommand& options) {
   command.add_flag("--strict-cx", play.strict, "Parameters that CX does not know are errors, not INFO lines");
   add_prefix_option(command, play.prefixes);
   add_limit_options(command);
+  command.add_flag("--control", play.control, "Opens a socket in the run's folder for cxlab attach");
+  command.add_option("--control-at", play.control_at, "Opens it there: a path, or 127.0.0.1:PORT with a token");
+  command.add_flag("--break", play.begin_stopped, "Begins stopped, for cxlab attach; opens the socket as well");
   command.add_flag("--realtime", play.realtime, "Sleeps between ticks, to watch");
   command.add_flag("--sockets", play.sockets,
                    "Programs of this machine reach the ports of agents and nodes; sleeps between ticks");

@@ -90,6 +90,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", lab::cxlab_version());
   Action action;
   add_run(app, action);
+  add_attach(app, action);
   add_replay(app, action);
   add_rerun(app, action);
   add_env(app, action);

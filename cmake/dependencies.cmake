@@ -13,6 +13,8 @@ find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 find_package(Protobuf REQUIRED)
 find_package(box2d REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
+pkg_check_modules(edit REQUIRED IMPORTED_TARGET libedit)
+find_path(asio_include asio.hpp REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 
 if(NOT TARGET yaml-cpp::yaml-cpp)

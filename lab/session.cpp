@@ -8,7 +8,9 @@
 #include <thread>
 
 #include "cx/base/json_text.h"
+#include "cx/base/number_text.h"
 #include "cx/journal/run_folder.h"
+#include "lab/control/debugger.h"
 #include "lab/packages.h"
 #include "lab/pictures.h"
 #include "lab/versions.h"
@@ -20,14 +22,35 @@ namespace {
 
 class Meter : public WallMeter {
  public:
-  void begin() override { start_ = Clock::now(); }
-  void end() override { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+  void begin() override {
+    start_ = Clock::now();
+    runs_ = true;
+  }
+  void end() override {
+    seconds_ += since(start_);
+    runs_ = false;
+  }
   double seconds() const { return seconds_; }
+  /// A person lets the run wait, or lets it go on.
+  void wait(bool begins) {
+    if (runs_ && begins) seconds_ += since(start_);
+    start_ = Clock::now();
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
+  static double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
   Clock::time_point start_;
   double seconds_ = 0;
+  bool runs_ = false;
+};
+
+/// The socket at which a run is controlled, and what it does there.
+struct Control {
+  std::unique_ptr<ControlServer> server;
+  std::unique_ptr<Debugger> debugger;
+  std::chrono::steady_clock::time_point wait_begun;
+  std::chrono::steady_clock::duration waited{};  ///< in all
 };
 
 /// Everything of one run that outlives the loop.
@@ -38,6 +61,7 @@ struct Run {
   std::vector<std::string> named_prefixes;  // absolute
   std::vector<double> snapshots;            // when, s
   std::filesystem::path folder;             // empty: nothing is written
+  Control control;                          // outlives the episode
   std::unique_ptr<Episode> episode;
   Meter game, physics;
   Played played;
@@ -77,6 +101,46 @@ std::string manifest(const Run& run) {
     out["world_files"][key] = std::filesystem::absolute(file.path).string();
   out["repeat"] = "cxlab rerun " + run.folder.string();
   return json_text(out, 2) + '\n';
+}
+
+Status open_control(Run& run) {
+  const PlayOptions& options = run.options;
+  const std::string& given = options.control_at;
+  if (!options.control && !options.begin_stopped && given.empty()) return {};
+  if (given.empty() && run.folder.empty())
+    return usage_error("a run without a folder needs --control-at with the path of a socket, or 127.0.0.1:PORT");
+  auto address = ControlAddress::parse(given.empty() ? (run.folder / "control.sock").string() : given);
+  if (!address) return address.error();
+  auto server = ControlServer::open(*address);
+  if (!server) return server.error();
+  Control& control = run.control;
+  control.server = *std::move(server);
+  const std::string& token = control.server->token();
+  run.host.note("control: cxlab attach " + (given.empty() ? run.folder.string() : control.server->address().text()) +
+                (token.empty() ? "" : " --token " + token));
+  Debugger::Options debugger;
+  debugger.begin_stopped = options.begin_stopped;
+  debugger.log = run.host.log;
+  debugger.over = [&run] { return run.host.stopped(); };
+  debugger.note = [&run](std::string_view text) { run.host.note(text); };
+  debugger.waits = [&run](bool begins) {
+    const auto now = std::chrono::steady_clock::now();
+    run.game.wait(begins);
+    if (begins)
+      run.control.wait_begun = now;
+    else
+      run.control.waited += now - run.control.wait_begun;
+  };
+  control.debugger = std::make_unique<Debugger>(*control.server, std::move(debugger));
+  control.debugger->watch([&run] {
+    std::vector<cx::Environment*> all;
+    if (!run.episode) return all;
+    for (const auto& agent : run.episode->agents())
+      for (std::size_t i = 0; i < agent->size(); ++i) all.push_back(&agent->environment(i));
+    return all;
+  });
+  run.host.log = control.debugger.get();
+  return {};
 }
 
 /// When the run ends at the latest, s.
@@ -119,7 +183,8 @@ Status play_ticks(Run& run, Pictures& pictures, Video* video) {
     run.host.show(to_seconds(episode.now()), end);
     if (!run.options.realtime && !run.options.sockets) continue;
     run.game.begin();
-    wait_until(wall_start + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()), run.host);
+    wait_until(wall_start + run.control.waited + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()),
+               run.host);
     run.game.end();
   }
   return {};
@@ -264,15 +329,21 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
     host.note("run: " + run.folder.string());
   }
 
+  if (Status s = open_control(run); !s) return refused(run, s.error());
+
   EpisodeOptions for_episode = episode_options(run);
   for_episode.run_folder = run.folder;
   for_episode.journal = *level;
+  for_episode.control = run.control.debugger.get();
   for_episode.physics_meter = &run.physics;
   for_episode.file_read = options.file_read;
   auto episode = Episode::load(run.scenario, for_episode);
   if (!episode) return refused(run, episode.error());
   run.episode = *std::move(episode);
   finish(run, play(run));
+  if (run.control.debugger)
+    run.control.debugger->end(std::string(to_string(run.played.result.status)) + " at " +
+                              fixed_text(to_seconds(run.played.result.sim_time), 3) + " s");
   return std::move(run.played);
 }
 

@@ -29,6 +29,9 @@ struct PlayOptions {
   std::string snapshot = {};               ///< "every:T" or "T,T,..."
   VideoOptions video = {};                 ///< needs ffmpeg
   std::vector<std::string> prefixes = {};  ///< whose packages are found, before the default ones
+  bool control = false;                    ///< opens a socket for `cxlab attach`, control.sock in the run's folder
+  std::string control_at = {};             ///< opens it there, see `ControlAddress`; empty: as `control` says
+  bool begin_stopped = false;              ///< before the first rule fires; opens the socket as well
   bool keep_going = false;                 ///< errors in rule files are reported and the run goes on
   bool strict = false;                     ///< unknown parameters of the CX are errors
   bool native_plugins = true;              ///< libraries that packages name may be opened

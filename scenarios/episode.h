@@ -47,6 +47,7 @@ struct EpisodeOptions {
   /// Exists; empty = nothing is written. A replay writes its journal there, and what rules write.
   std::filesystem::path run_folder;
   JournalLevel journal = JournalLevel::kDecisions;
+  cx::RunControl* control = nullptr;   ///< of a person; may be none
   cx::LogSink* log = nullptr;          ///< lines of environments and nodes; may be none
   WallMeter* physics_meter = nullptr;  ///< around the world's steps; may be none
   std::filesystem::path interfaces;    ///< folder of the packages that come with cxlab

@@ -173,6 +173,8 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
   manager.plugin_types = cx::builtin_plugins();
   manager.outside = inputs_->outside("agent/" + std::to_string(agent));
   manager.feed = inputs_->feed();
+  manager.control = options_.control;
+  if (options_.control || options_.replay) manager.control_log = inputs_->control_log();
   manager.on_read = [this, agent, config = manager.config](const std::string&, const fs::path& file) {
     return files_->keep_for_agent(agent, config, file);
   };

@@ -97,7 +97,27 @@ class ReplayingOutside final : public LookOutside {
   std::optional<Error> error_;
 };
 
-class RecordedInputs final : public Inputs {
+// An act of a person as bytes, and back.
+
+std::string bytes_of(const cx::ControlAct& act) {
+  std::string bytes;
+  ByteWriter(bytes).zigzag(act.place.run).zigzag(act.place.fired).fixed(act.verb).raw(act.text);
+  return bytes;
+}
+
+std::optional<cx::ControlAct> read_act(SimTime t, std::string_view bytes) {
+  ByteReader in(bytes);
+  cx::ControlAct act;
+  act.place.t = t;
+  act.place.run = in.zigzag();
+  act.place.fired = in.zigzag();
+  act.verb = in.fixed<cx::ControlAct::Verb>();
+  act.text = in.raw(in.left());
+  if (!in.ok() || act.verb > cx::ControlAct::Verb::kBuild) return {};
+  return act;
+}
+
+class RecordedInputs final : public Inputs, private cx::ControlLog {
  public:
   RecordedInputs(InputLogWriter log, bus::Bus& bus, Journal& journal)
       : log_(std::move(log)), bus_(bus), tap_(bus, journal, log_) {
@@ -106,6 +126,7 @@ class RecordedInputs final : public Inputs {
   ~RecordedInputs() override { bus_.set_input_tap(nullptr); }
   void watch(bus::ParticipantId participant) override { tap_.watch(participant); }
   LookOutside* outside(const std::string& stream) override { return &outside_.emplace_back(bus_, log_, stream); }
+  cx::ControlLog* control_log() override { return this; }
   bool writes_at(SimTime t) const override { return log_.writes_at(t); }
   Status ticked(SimTime t, const std::string& world) override {
     if (!world.empty()) log_.add(LoggedWorld{bus_.now(), "world", world});
@@ -115,30 +136,49 @@ class RecordedInputs final : public Inputs {
   Status close() override { return log_.close(); }
 
  private:
+  void add(std::string_view environment, const cx::ControlAct& act) override {
+    const std::string bytes = bytes_of(act);
+    log_.add(LoggedResult{act.place.t, environment, kControlKey, bytes});
+  }
+  std::optional<cx::ControlAct> next(std::string_view) override { return {}; }
+  void take(std::string_view) override {}
+
   InputLogWriter log_;
   bus::Bus& bus_;
   RecordingTap tap_;
   std::deque<RecordingOutside> outside_;
 };
 
-class ReplayedInputs final : public Inputs {
+class ReplayedInputs final : public Inputs, private cx::ControlLog {
  public:
   ReplayedInputs(InputLogReader log, bus::Bus& bus, Journal& journal) : replayer_(std::move(log), bus, journal) {}
   void watch(bus::ParticipantId participant) override { replayer_.watch(participant); }
   LookOutside* outside(const std::string& stream) override { return &outside_.emplace_back(replayer_, stream); }
   bus::Feed* feed() override { return &replayer_; }
+  cx::ControlLog* control_log() override { return this; }
   Status ticked(SimTime, const std::string&) override {
     for (const ReplayingOutside& outside : outside_)
       if (outside.error()) return *outside.error();
-    return {};
+    return damaged_ ? Status(input_error("what a person did is damaged in the input log")) : Status();
   }
   Status close() override { return replayer_.log_status() ? replayer_.all_used() : Status(); }
   SimTime end() const override { return replayer_.end(); }
   Status log_status() const override { return replayer_.log_status(); }
 
  private:
+  void add(std::string_view, const cx::ControlAct&) override {}
+  std::optional<cx::ControlAct> next(std::string_view environment) override {
+    const auto logged = replayer_.next_control(environment);
+    if (!logged) return {};
+    auto act = read_act(logged->t, logged->bytes);
+    damaged_ = damaged_ || !act;
+    return act;
+  }
+  void take(std::string_view environment) override { replayer_.take_control(environment); }
+
   Replayer replayer_;
   std::deque<ReplayingOutside> outside_;
+  bool damaged_ = false;
 };
 
 }  // namespace

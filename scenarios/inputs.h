@@ -9,6 +9,7 @@
 #include "cx/base/time.h"
 #include "cx/bus/bus.h"
 #include "cx/engine/outside.h"
+#include "cx/executive/run_control.h"
 #include "cx/journal/journal.h"
 
 namespace cxlab {
@@ -23,6 +24,8 @@ class Inputs {
   virtual LookOutside* outside(const std::string& /*stream*/) { return nullptr; }
   /// Where their deliveries come from; none: the bus.
   virtual bus::Feed* feed() { return nullptr; }
+  /// What a person does in environments; none: nobody does.
+  virtual cx::ControlLog* control_log() { return nullptr; }
   /// Whether `ticked` writes into the log's file at that time.
   virtual bool writes_at(SimTime /*t*/) const { return false; }
   /// After the start (`t` is `kStarted`) and after each tick; `world` is what has entered the physics.

@@ -180,6 +180,7 @@ RunReport RuleEngine::run(std::int64_t limit) {
     impl_->limit = 0;
   }
   report.errors = take_errors();
+  report.halted = impl_->rule_halted;
   report.loop = impl_->limit_reached;
   if (report.loop) report.loop_report = impl_->loop_report();
   return report;
@@ -189,6 +190,7 @@ void RuleEngine::Impl::count_firings(std::int64_t most) {
   limit = most;
   fired = 0;
   limit_reached = false;
+  rule_halted = false;
   if (!fired_rules.empty()) fired_rules.clear();
   if (!changed_templates.empty()) changed_templates.clear();
 }
@@ -331,6 +333,24 @@ std::vector<std::string> RuleEngine::focus() const {
   for (const FocalModule* focus = engine_data(environment_)->CurrentFocus; focus != nullptr; focus = focus->next)
     modules.emplace_back(focus->theModule->header.name->contents);
   return modules;
+}
+
+std::vector<std::pair<std::string, Value>> RuleEngine::globals() const {
+  std::vector<std::pair<std::string, Value>> list;
+  Defmodule* current = GetCurrentModule(environment_);
+  for (Defmodule* module = GetNextDefmodule(environment_, nullptr); module != nullptr;
+       module = GetNextDefmodule(environment_, module)) {
+    SetCurrentModule(environment_, module);
+    const std::string name = module->header.name->contents;
+    for (Defglobal* global = GetNextDefglobal(environment_, nullptr); global != nullptr;
+         global = GetNextDefglobal(environment_, global)) {
+      CLIPSValue value;
+      DefglobalGetValue(global, &value);
+      list.emplace_back((name == "MAIN" ? "" : name + "::") + DefglobalName(global), to_value(value));
+    }
+  }
+  SetCurrentModule(environment_, current);
+  return list;
 }
 
 Expected<std::vector<RuleMatches>> RuleEngine::matches(const std::string& rule) const {

@@ -97,6 +97,7 @@ struct RunReport {
   std::int64_t fired = 0;
   std::vector<RuleError> errors;  ///< all since the last report, those of deliveries before the run included
   bool loop = false;              ///< the limit was reached with rules left on the agenda
+  bool halted = false;            ///< a rule called (halt)
   LoopReport loop_report;
 };
 
@@ -276,6 +277,8 @@ class RuleEngine {
   std::vector<ConstructInfo> find_constructs(std::string_view kind, std::string_view name) const;
   /// The module whose deftemplate that name stands for in rules of `module`; empty if there is none.
   std::string template_module(const std::string& module, const std::string& name) const;
+  /// `MODULE::NAME` (without MAIN) of all globals with their values, in order of definition.
+  std::vector<std::pair<std::string, Value>> globals() const;
   /// Instances of the classes that patterns of rules in `module` can match, in order of their making.
   std::vector<FactCopy> instances(const std::string& module) const;
   /// Makes it the current module, or pushes it on the focus stack; false if there is none of that name.

@@ -192,6 +192,7 @@ void RuleEngine::Impl::on_fired(Environment*, Activation* activation, void* self
   // A deffunction may have called `run`.
   if (evaluation_data(impl.env)->CurrentEvaluationDepth == 0) impl.release_kept();
   ++impl.fired;
+  impl.rule_halted = GetHaltRules(impl.env);
   if (impl.limit > 0 && impl.fired >= impl.limit && impl.anything_left()) {
     impl.limit_reached = true;
     SetHaltRules(impl.env, true);

@@ -121,17 +121,20 @@ Expected<std::int64_t> Environment::run_rules(std::int64_t rule_limit) {
   const std::int64_t most = options_.run->max_firings;
   const bool limited = rule_limit >= 0 && (most == 0 || rule_limit < most);
   if (limited && rule_limit == 0) return std::int64_t{0};
+  if (stops()) return run_stopping(limited ? rule_limit : -1);
   RunReport report = engine_->run(limited ? rule_limit : most);
   if (Status s = check_errors(std::move(report.errors)); !s) return s.error();
-  if (report.loop && !limited) {
-    Error error = loop_error(report.loop_report.text());
-    if (!report.loop_report.rules.empty()) {
-      error.file = report.loop_report.rules.front().file;
-      error.line = report.loop_report.rules.front().line;
-    }
-    return error;
-  }
+  if (report.loop && !limited) return loop_error(report.loop_report);
   return report.fired;
+}
+
+Error Environment::loop_error(const LoopReport& report) const {
+  Error error = loop_error(report.text());
+  if (!report.rules.empty()) {
+    error.file = report.rules.front().file;
+    error.line = report.rules.front().line;
+  }
+  return error;
 }
 
 Status Environment::check_errors() {
@@ -179,6 +182,75 @@ void Environment::write_line(LogLine line, LogLevel level_in_file) {
   if (options_.run->log) options_.run->log->line(line);
   line.level = level_in_file;
   if (options_.log_file) options_.log_file->line(line);
+}
+
+// --- Control by a person
+
+std::optional<ControlAct> Environment::next_act() const {
+  ControlLog* log = options_.run->control_log;
+  return log ? log->next(options_.unique_name) : std::nullopt;
+}
+
+Status Environment::stop_at_tick() {
+  if (!stops()) return {};
+  return stop_at({now(), place_.run, -1});
+}
+
+Status Environment::stop_at(ControlPlace place) {
+  place_ = place;
+  while (true) {
+    const auto recorded = next_act();
+    if (!recorded || recorded->place != place) break;
+    options_.run->control_log->take(options_.unique_name);
+    (void)act(recorded->verb, recorded->text);
+  }
+  if (options_.run->control) options_.run->control->stop_at(*this, place);
+  return check_errors();
+}
+
+Expected<std::int64_t> Environment::run_stopping(std::int64_t rule_limit) {
+  const std::int64_t most = options_.run->max_firings;
+  ControlPlace place{now(), place_.run + 1, 0};
+  while (true) {
+    if (Status s = stop_at(place); !s) return s.error();
+    std::int64_t stretch = rule_limit < 0 ? most : rule_limit - place.fired;
+    if (options_.run->control && options_.run->control->before_each_firing()) stretch = 1;
+    const auto recorded = next_act();
+    if (recorded && recorded->place.t == place.t && recorded->place.run == place.run)
+      stretch = recorded->place.fired - place.fired;
+    RunReport report = engine_->run(stretch);
+    place.fired += report.fired;
+    const bool ended = report.fired == 0 || report.halted || !report.errors.empty();
+    if (Status s = check_errors(std::move(report.errors)); !s) return s.error();
+    if (report.loop && most > 0 && place.fired >= most && rule_limit < 0) return loop_error(report.loop_report);
+    if (ended || !report.loop || place.fired == rule_limit) break;
+  }
+  return place.fired;
+}
+
+Expected<std::string> Environment::act(ControlAct::Verb verb, const std::string& text) {
+  was_controlled_ = true;
+  const bool build = verb == ControlAct::Verb::kBuild;
+  if (options_.run->control && options_.run->control_log)
+    options_.run->control_log->add(options_.unique_name, {place_, verb, text});
+  data_.begin().field("what", build ? "build" : "eval").field("text", text);
+  engine_->set_cause(journal_->write(engine_->stream(), now(), RecordKind::kControl, data_));
+  std::string printed;
+  Status done;
+  if (build) {
+    done = engine_->build(text);
+  } else {
+    auto value = engine_->eval(text);
+    if (value)
+      printed = value->print();
+    else
+      done = value.error();
+  }
+  engine_->clear_cause();
+  // The person sees what went wrong; the run goes on.
+  (void)engine_->take_errors();
+  if (!done) return done.error();
+  return printed;
 }
 
 }  // namespace cxlab::cx

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -19,6 +20,7 @@
 #include "cx/engine/engine.h"
 #include "cx/executive/files.h"
 #include "cx/executive/log_router.h"
+#include "cx/executive/run_control.h"
 #include "cx/executive/run_settings.h"
 #include "cx/node/log_output.h"
 
@@ -87,6 +89,13 @@ class Environment {
     auto fired = run(Pass{});
     return fired ? Status() : Status(fired.error());
   }
+  /// Stops at this tick, before the plugins act, where a person wants that or did something there.
+  Status stop_at_tick();
+  /// What a person does, at the place where the environment has stopped: the value of an evaluation, printed, or
+  /// nothing for a construct. Lines that are printed meanwhile go to the log as ever.
+  Expected<std::string> act(ControlAct::Verb verb, const std::string& text);
+  /// Whether a person has done anything.
+  bool was_controlled() const { return was_controlled_; }
   /// Notes all errors since the last call. With `stop_on_rule_error` it returns the first one.
   Status check_errors();
   Status check_errors(std::vector<RuleError> errors);
@@ -137,6 +146,12 @@ class Environment {
  private:
   Environment(Options options, bus::Bus& bus, Files& files);
   Expected<std::int64_t> run_rules(std::int64_t rule_limit);
+  /// The same rule by rule, or up to where a person did something in the recorded run.
+  Expected<std::int64_t> run_stopping(std::int64_t rule_limit);
+  Error loop_error(const LoopReport& report) const;
+  bool stops() const { return options_.run->control != nullptr || options_.run->control_log != nullptr; }
+  std::optional<ControlAct> next_act() const;
+  Status stop_at(ControlPlace place);
   void write_line(LogLine line, LogLevel level_in_file);
   Error loop_error(const std::string& what) const;
 
@@ -153,6 +168,8 @@ class Environment {
   std::atomic<std::thread::id> thread_{std::this_thread::get_id()};
   std::vector<std::shared_ptr<ThreadGate>> gates_;
   int gates_opened_ = 0;
+  ControlPlace place_;  ///< of the last stop, or of the run that goes on
+  bool was_controlled_ = false;
 };
 
 /// Held while an environment is used: the mutex of CX. Only on the episode's thread, where holding it costs nothing; on

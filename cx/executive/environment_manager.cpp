@@ -310,6 +310,7 @@ Status EnvironmentManager::perceive() {
 
 Status EnvironmentManager::decide(SimTime now) {
   for (Entry& entry : environments_) {
+    if (Status s = entry.environment->stop_at_tick(); !s) return s;
     for (Plugin* plugin : entry.loaded) {
       if (plugin->next_due(*entry.environment) > now) continue;
       if (Status s =
@@ -336,6 +337,11 @@ SimTime EnvironmentManager::next_due() const {
   for (const Entry& entry : environments_)
     for (const Plugin* plugin : entry.loaded) first = std::min(first, plugin->next_due(*entry.environment));
   return first;
+}
+
+bool EnvironmentManager::deterministic() const {
+  return deterministic_ && std::none_of(environments_.begin(), environments_.end(),
+                                        [](const Entry& e) { return e.environment->was_controlled(); });
 }
 
 bool EnvironmentManager::shutdown_requested() const {

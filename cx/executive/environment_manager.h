@@ -103,8 +103,8 @@ class EnvironmentManager final : public Agent {
   const std::vector<RuleErrorEntry>& rule_errors() const { return rule_errors_; }
   /// With `keep_going`: what was wrong in files and plugins that did not load.
   const std::vector<Error>& load_errors() const { return load_errors_; }
-  /// False once a plugin has opened a gate for threads.
-  bool deterministic() const { return deterministic_; }
+  /// False once a plugin has opened a gate for threads, or a person has done something in an environment.
+  bool deterministic() const;
   /// Writes the log files out.
   Status flush_logs();
 

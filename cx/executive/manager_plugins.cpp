@@ -104,6 +104,7 @@ void EnvironmentManager::unload(Entry& entry, Plugin& plugin) {
 
 void EnvironmentManager::end(Entry& entry) {
   entry.environment->end();
+  if (entry.environment->was_controlled()) deterministic_ = false;
   while (!entry.loaded.empty()) unload(entry, *entry.loaded.back());
 }
 

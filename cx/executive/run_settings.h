@@ -17,13 +17,17 @@ class Network;
 
 namespace cxlab::cx {
 
+class ControlLog;
 class LogSink;
+class RunControl;
 
 struct RunSettings {
   LogSink* log = nullptr;              ///< may be none
   LookOutside* outside = nullptr;      ///< may be none
   bus::Feed* feed = nullptr;           ///< where its deliveries come from; none: the bus
   net::Network* network = nullptr;     ///< of the episode; none: each manager has its own
+  RunControl* control = nullptr;       ///< stops environments; may be none
+  ControlLog* control_log = nullptr;   ///< of what was done there; may be none
   std::filesystem::path run_folder;    ///< for `logs/<env>.log` and what rules write; empty = no logs
   std::filesystem::path rules_folder;  ///< for what rules write where `run_folder` is empty; empty = they cannot
   std::uint64_t seed = 0;              ///< each environment draws from a stream of its own

@@ -48,6 +48,9 @@ struct LoggedResult {
   std::string_view bytes;
 };
 
+/// The `key` of a `LoggedResult` that is no result but what a person did (`environment` is its stream).
+inline constexpr std::string_view kControlKey = "control";
+
 /// Controls, model writes or state writes of a world, in the world's own format.
 struct LoggedWorld {
   SimTime t{};

@@ -53,7 +53,8 @@ Replayer::Replayer(InputLogReader log, bus::Bus& bus, Journal& journal)
     if (auto* take = std::get_if<LoggedTake>(&*entry)) {
       inputs_[std::string(take->to)].takes.push_back(std::move(*take));
     } else if (const auto* result = std::get_if<LoggedResult>(&*entry)) {
-      inputs_[std::string(result->environment)].results.push_back(*result);
+      Inputs& inputs = inputs_[std::string(result->environment)];
+      (result->key == kControlKey ? inputs.controls : inputs.results).push_back(*result);
     }
   }
   end_ = log_.reached();
@@ -62,7 +63,9 @@ Replayer::Replayer(InputLogReader log, bus::Bus& bus, Journal& journal)
 SimTime Replayer::next_due() const {
   SimTime due = kNever;
   for (const auto& [name, inputs] : inputs_)
-    if (!inputs.takes.empty()) due = std::min(due, inputs.takes.front().t);
+    for (const auto* first : {inputs.takes.empty() ? nullptr : &inputs.takes.front().t,
+                              inputs.controls.empty() ? nullptr : &inputs.controls.front().t})
+      if (first) due = std::min(due, *first);
   return due;
 }
 
@@ -146,9 +149,19 @@ Expected<std::string_view> Replayer::next_result(std::string_view environment, s
   return result.bytes;
 }
 
+std::optional<LoggedResult> Replayer::next_control(std::string_view environment) const {
+  const auto inputs = inputs_.find(environment);
+  if (inputs == inputs_.end() || inputs->second.controls.empty()) return {};
+  return inputs->second.controls.front();
+}
+
+void Replayer::take_control(std::string_view environment) { inputs_.find(environment)->second.controls.pop_front(); }
+
 Status Replayer::all_used() const {
   for (const auto& [name, inputs] : inputs_) {
     if (!inputs.takes.empty()) return differs(name, inputs.takes.front().t, "then it took messages, now it does not");
+    if (!inputs.controls.empty())
+      return differs(name, inputs.controls.front().t, "it never comes to where a person did something");
     if (!inputs.results.empty()) {
       return differs(name, inputs.results.front().t,
                      "then it asked for a result of " + std::string(inputs.results.front().key) + ", now it does not");

@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,13 +56,16 @@ class Replayer final : public bus::Feed {
   SimTime next_due() const override;
   /// What `key` (a function that looked outside) gave next to the environment of that stream.
   Expected<std::string_view> next_result(std::string_view environment, std::string_view key);
+  /// What a person did next in that environment (its entry); none after the last.
+  std::optional<LoggedResult> next_control(std::string_view environment) const;
+  void take_control(std::string_view environment);
   /// After the last tick: success, or what the environments did not take or ask for.
   Status all_used() const;
 
  private:
   struct Inputs {
     std::deque<LoggedTake> takes;
-    std::deque<LoggedResult> results;
+    std::deque<LoggedResult> results, controls;
   };
   Expected<bus::Delivery> to_delivery(const LoggedDelivery& logged, bus::ParticipantId to, const std::string& name);
   bus::ParticipantId sender(std::string_view stream);

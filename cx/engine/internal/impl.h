@@ -248,6 +248,7 @@ struct RuleEngine::Impl {
   std::int64_t limit = 0;
   std::int64_t fired = 0;
   bool limit_reached = false;
+  bool rule_halted = false;
   std::map<std::string, std::int64_t> fired_rules;  ///< counted shortly before the limit
   std::map<std::string, std::int64_t> changed_templates;
   bool counting() const { return limit > 0 && fired + 5000 >= limit; }

@@ -1,0 +1,155 @@
+#include "lab/control/client.h"
+
+#include <asio/buffer.hpp>
+#include <asio/generic/stream_protocol.hpp>
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/local/stream_protocol.hpp>
+#include <asio/read_until.hpp>
+#include <asio/write.hpp>
+#include <nlohmann/json.hpp>
+
+#include "cx/base/json_text.h"
+
+namespace cxlab::lab {
+
+namespace {
+
+using Json = nlohmann::json;
+
+std::string text_of(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+bool flag_of(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_boolean() && found->get<bool>();
+}
+
+}  // namespace
+
+struct ControlClient::State {
+  asio::io_context context;
+  asio::generic::stream_protocol::socket socket{context};
+  std::string unread;
+  std::uint64_t last_id = 0;
+  std::function<void(const Event&)> on_event = [](const Event&) {};
+  std::optional<Event> last_stop;  // that nobody waited for yet
+
+  static Error gone() { return resource_error("the run has ended, or let this terminal go"); }
+
+  Status send(const Json& request) {
+    std::error_code error;
+    asio::write(socket, asio::buffer(json_text(request) + '\n'), error);
+    return error ? Status(gone()) : Status();
+  }
+
+  /// The next line, as an object.
+  Expected<Json> receive() {
+    std::error_code error;
+    const std::size_t size = asio::read_until(socket, asio::dynamic_buffer(unread), '\n', error);
+    if (error) return gone();
+    Json line = Json::parse(unread.substr(0, size), nullptr, false);
+    unread.erase(0, size);
+    if (!line.is_object()) return input_error("found a line that is no JSON object; is a cxlab there?");
+    return line;
+  }
+
+  std::optional<Event> take(const Json& line) {
+    const std::string kind = text_of(line, "event");
+    Event event;
+    if (kind == "stopped")
+      event.kind = Event::Kind::kStopped;
+    else if (kind == "end")
+      event.kind = Event::Kind::kEnd;
+    else if (kind == "log")
+      event.kind = Event::Kind::kLog;
+    else if (kind != "running")
+      return {};
+    event.text = text_of(line, "text");
+    event.level = text_of(line, "level");
+    event.logger = text_of(line, "logger");
+    if (const auto t = line.find("t"); t != line.end() && t->is_number()) event.t = t->get<double>();
+    if (event.kind == Event::Kind::kStopped || event.kind == Event::Kind::kEnd) last_stop = event;
+    on_event(event);
+    return event;
+  }
+
+  Expected<Json> ask(const char* what, const std::string& text) {
+    const std::uint64_t id = ++last_id;
+    if (Status s = send({{"id", id}, {what, text}}); !s) return s.error();
+    while (true) {
+      auto line = receive();
+      if (!line) return line.error();
+      if (line->contains("id") && (*line)["id"] == id) return line;
+      take(*line);
+    }
+  }
+};
+
+ControlClient::ControlClient(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ControlClient::~ControlClient() = default;
+
+Expected<std::unique_ptr<ControlClient>> ControlClient::connect(const ControlAddress& address,
+                                                                const std::string& token) {
+  auto state = std::make_unique<State>();
+  std::error_code error;
+  if (address.path.empty())
+    state->socket.connect(asio::ip::tcp::endpoint(asio::ip::address_v4::loopback(), address.port), error);
+  else
+    state->socket.connect(asio::local::stream_protocol::endpoint(address.path), error);
+  if (error)
+    return resource_error("nothing to attach to: " + error.message() +
+                              "; a run that is played with --control or --break can be attached to while it lasts",
+                          address.text());
+  if (address.path.empty()) asio::write(state->socket, asio::buffer(token + '\n'), error);
+  auto client = std::unique_ptr<ControlClient>(new ControlClient(std::move(state)));
+  // It says at once where it is: this is how one knows that the token was right.
+  const auto first = client->state_->receive();
+  if (!first)
+    return address.path.empty() ? usage_error("the run at " + address.text() + " does not take this --token")
+                                : Error(first.error());
+  client->state_->take(*first);
+  return client;
+}
+
+void ControlClient::on_event(std::function<void(const Event&)> call) { state_->on_event = std::move(call); }
+
+Expected<ControlClient::Answer> ControlClient::carry_out(const std::string& line) {
+  state_->last_stop.reset();
+  auto answer = state_->ask("line", line);
+  if (!answer) return answer.error();
+  return Answer{flag_of(*answer, "ok"), text_of(*answer, "text"), flag_of(*answer, "goes_on")};
+}
+
+Expected<std::vector<std::string>> ControlClient::completions(const std::string& begun) {
+  auto answer = state_->ask("complete", begun);
+  if (!answer) return answer.error();
+  std::vector<std::string> words;
+  for (const auto& word : (*answer)["words"])
+    if (word.is_string()) words.push_back(word.get<std::string>());
+  return words;
+}
+
+Expected<ControlClient::Event> ControlClient::wait_for_stop() {
+  while (!state_->last_stop) {
+    auto line = state_->receive();
+    if (!line) return line.error();
+    state_->take(*line);
+  }
+  return *std::exchange(state_->last_stop, std::nullopt);
+}
+
+Status ControlClient::take_events() {
+  while (state_->socket.available() > 0 || state_->unread.find('\n') != std::string::npos) {
+    auto line = state_->receive();
+    if (!line) return line.error();
+    state_->take(*line);
+  }
+  return {};
+}
+
+int ControlClient::descriptor() const { return state_->socket.native_handle(); }
+
+}  // namespace cxlab::lab

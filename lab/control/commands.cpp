@@ -1,0 +1,356 @@
+// What a person may ask of a run, by name.
+
+#include <algorithm>
+#include <array>
+
+#include "cx/base/number_text.h"
+#include "cx/engine/form_reader.h"
+#include "cx/explain/why_not.h"
+#include "lab/control/debugger.h"
+
+namespace cxlab::lab {
+
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  const auto begin = text.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+/// The first word, and what follows it.
+std::pair<std::string, std::string> split(std::string_view text) {
+  text = trimmed(text);
+  const auto end = std::min(text.find_first_of(" \t"), text.size());
+  return {std::string(text.substr(0, end)), std::string(trimmed(text.substr(end)))};
+}
+
+std::string place_of(const ConstructInfo& info) {
+  return info.file.empty() ? std::string() : "  " + info.file + ':' + std::to_string(info.line);
+}
+
+std::string qualified(const ConstructInfo& info) {
+  return info.module == "MAIN" ? info.name : info.module + "::" + info.name;
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+constexpr std::array kConstructs{"defrule",   "deffacts",     "deftemplate",       "deffunction",
+                                 "defglobal", "defmodule",    "defclass",          "defgeneric",
+                                 "defmethod", "definstances", "defmessage-handler"};
+
+constexpr std::size_t kMostLines = 1000;
+
+/// One line each, of many only the last.
+std::string lines_of(const std::vector<std::string>& lines, const char* none) {
+  if (lines.empty()) return none;
+  std::string text;
+  const std::size_t first = lines.size() > kMostLines ? lines.size() - kMostLines : 0;
+  if (first > 0) text = "(the last " + std::to_string(kMostLines) + " of " + std::to_string(lines.size()) + ")\n";
+  for (std::size_t i = first; i < lines.size(); ++i) text += (i > first ? "\n" : "") + lines[i];
+  return text;
+}
+
+/// Facts of a template, those that match a pattern, or all.
+Expected<std::vector<FactCopy>> facts_of(const RuleEngine& engine, const std::string& what) {
+  if (what.empty() || what.front() != '(') {
+    std::vector<FactCopy> facts = engine.facts(what);
+    if (!what.empty() && facts.empty() && !engine.has("deftemplate", what))
+      return input_error("there is no template '" + what + "'");
+    return facts;
+  }
+  auto pattern = explain::Pattern::parse_plain(what, {}, 0);
+  if (!pattern) return pattern.error();
+  std::vector<FactCopy> facts = engine.facts(pattern->template_name());
+  std::erase_if(facts, [&](const FactCopy& fact) { return !pattern->matches(fact); });
+  return facts;
+}
+
+}  // namespace
+
+struct Debugger::Command {
+  const char *name, *arguments, *what;
+  Answer (*carry_out)(Debugger&, const std::string& rest);
+};
+
+const std::vector<Debugger::Command>& Debugger::commands() {
+  using A = Answer;
+  using D = Debugger;
+  /// For commands that look at one environment.
+  static const auto look = [](D& d, auto show) -> A {
+    const auto environment = d.looked_at();
+    if (!environment) return {false, environment.error().message};
+    Expected<std::string> text = show(**environment);
+    return text ? A{true, *text} : A{false, text.error().text()};
+  };
+  static const auto count = [](D& d, const std::string& rest, std::int64_t D::* what) -> A {
+    const auto n = rest.empty() ? std::optional<std::int64_t>(1) : read_number<std::int64_t>(rest);
+    if (!n || *n < 1) return {false, "found '" + rest + "', expected a number from 1"};
+    d.*what = *n;
+    return d.go_on();
+  };
+  static const std::vector<Command> all{
+      {"help", "[COMMAND]", "what there is", [](D&, const std::string& rest) -> A { return {true, help(rest)}; }},
+      {"where", "", "where the run is", [](D& d, const std::string&) -> A { return {true, d.where()}; }},
+      {"envs", "", "the environments, with their facts and rules on the agenda",
+       [](D& d, const std::string&) -> A {
+         std::vector<std::string> lines;
+         for (const cx::Environment* e : d.environments_())
+           lines.push_back(e->name_in_log() + "  " + std::to_string(e->engine().fact_count()) + " facts, " +
+                           std::to_string(e->engine().agenda().size()) + " on the agenda" +
+                           (e->name_in_log() == d.selected_ ? "  (in use)" : ""));
+         return {true, lines_of(lines, "none")};
+       }},
+      {"use", "ENV|all", "looks at this environment, and stops only there",
+       [](D& d, const std::string& rest) -> A {
+         std::vector<std::string> known{"all"};
+         for (const cx::Environment* e : d.environments_()) known.push_back(e->name_in_log());
+         if (std::find(known.begin(), known.end(), rest) == known.end())
+           return {false, "there is no environment '" + rest + "'" + did_you_mean(rest, known)};
+         d.selected_ = rest == "all" ? std::string() : rest;
+         return {true, "uses " + rest};
+       }},
+      {"facts", "[TEMPLATE|PATTERN]", "facts: all, of a template, or those that match: facts (order (id 3))",
+       [](D& d, const std::string& rest) {
+         return look(d, [&](cx::Environment& e) -> Expected<std::string> {
+           auto facts = facts_of(e.engine(), rest);
+           if (!facts) return facts.error();
+           std::vector<std::string> lines;
+           for (const FactCopy& fact : *facts) lines.push_back("f-" + std::to_string(fact.index) + "  " + fact.print());
+           return lines_of(lines, "none");
+         });
+       }},
+      {"agenda", "", "rules that wait to fire, the next one first",
+       [](D& d, const std::string&) {
+         return look(d, [](cx::Environment& e) -> Expected<std::string> {
+           std::vector<std::string> lines;
+           for (const ActivationInfo& a : e.engine().agenda()) {
+             lines.push_back(std::to_string(a.salience) + "  " + (a.module == "MAIN" ? "" : a.module + "::") + a.rule +
+                             ":");
+             for (const std::int64_t fact : a.facts) lines.back() += fact < 0 ? " *" : " f-" + std::to_string(fact);
+           }
+           return lines_of(lines, "empty");
+         });
+       }},
+      {"rules", "[NAME]", "rules with their places, or one as it is written",
+       [](D& d, const std::string& rest) {
+         return look(d, [&](cx::Environment& e) -> Expected<std::string> {
+           std::vector<std::string> lines, known;
+           for (const ConstructInfo& info : e.engine().constructs()) {
+             if (info.kind != "defrule") continue;
+             known.push_back(info.name);
+             if (rest.empty())
+               lines.push_back(qualified(info) + place_of(info));
+             else if (rest == info.name || rest == info.module + "::" + info.name)
+               lines.push_back(info.text + '\n' + place_of(info));
+           }
+           if (!rest.empty() && lines.empty())
+             return input_error("there is no rule '" + rest + "'" + did_you_mean(rest, known));
+           return lines_of(lines, "none");
+         });
+       }},
+      {"globals", "", "globals with their values",
+       [](D& d, const std::string&) {
+         return look(d, [](cx::Environment& e) -> Expected<std::string> {
+           std::vector<std::string> lines;
+           for (const auto& [name, value] : e.engine().globals()) lines.push_back("?*" + name + "* = " + value.print());
+           return lines_of(lines, "none");
+         });
+       }},
+      {"why", "RULE", "what a rule lacks to fire",
+       [](D& d, const std::string& rest) {
+         return look(d, [&](cx::Environment& e) -> Expected<std::string> {
+           const ConstructInfo* rule = e.engine().find_construct("defrule", rest);
+           if (!rule) return input_error("there is no rule '" + rest + "'");
+           const auto unmet = explain::unmet_condition(e.engine(), *rule);
+           if (unmet) return "condition " + std::to_string(unmet->number) + " does not hold: " + unmet->print();
+           return std::string("all its conditions hold");
+         });
+       }},
+      {"pause", "", "stops before the next rule that fires, or at the next tick",
+       [](D& d, const std::string&) -> A {
+         d.pause_ = true;
+         return {true, d.stopped_ ? "it is stopped" : "", !d.stopped_};
+       }},
+      {"continue", "", "goes on", [](D& d, const std::string&) { return d.go_on(); }},
+      {"step", "[N]", "goes on until N rules have fired (1)",
+       [](D& d, const std::string& rest) { return count(d, rest, &D::steps_); }},
+      {"tick", "[N]", "goes on to the beginning of the next tick, or the N-th",
+       [](D& d, const std::string& rest) { return count(d, rest, &D::ticks_); }},
+      {"until", "T|rule NAME|fact PATTERN", "goes on until a time (s), before a rule fires, or until a fact is there",
+       [](D& d, const std::string& rest) {
+         A set = d.set_break(rest, true);
+         return set.ok ? d.go_on() : set;
+       }},
+      {"break", "T|rule NAME|fact PATTERN", "stops there from now on",
+       [](D& d, const std::string& rest) { return d.set_break(rest, false); }},
+      {"breaks", "", "the break points",
+       [](D& d, const std::string&) -> A {
+         std::vector<std::string> lines;
+         for (const BreakPoint& point : d.breaks_)
+           lines.push_back(std::to_string(point.number) + "  " +
+                           (point.kind == BreakPoint::Kind::kRule   ? "rule "
+                            : point.kind == BreakPoint::Kind::kFact ? "fact "
+                                                                    : "") +
+                           point.text);
+         return {true, lines_of(lines, "none")};
+       }},
+      {"delete", "N|all", "takes a break point away",
+       [](D& d, const std::string& rest) -> A {
+         const auto n = read_number<int>(rest);
+         const auto gone =
+             std::erase_if(d.breaks_, [&](const BreakPoint& b) { return rest == "all" || (n && b.number == *n); });
+         return {gone > 0 || rest == "all", gone > 0 || rest == "all" ? "" : "there is no break point '" + rest + "'"};
+       }},
+      {"eval", "EXPRESSION", "evaluates; (...) alone does the same",
+       [](D& d, const std::string& rest) { return d.act(cx::ControlAct::Verb::kEval, rest); }},
+      {"build", "CONSTRUCT", "adds a rule or another construct; (defrule ...) alone does the same",
+       [](D& d, const std::string& rest) { return d.act(cx::ControlAct::Verb::kBuild, rest); }},
+      {"assert", "FACT", "asserts, e.g. assert (order (id 3))",
+       [](D& d, const std::string& rest) { return d.act(cx::ControlAct::Verb::kEval, "(assert " + rest + ")"); }},
+      {"retract", "N|PATTERN", "retracts a fact by its index, or all that match",
+       [](D& d, const std::string& rest) -> A {
+         if (rest.empty() || rest.front() != '(') {
+           const std::string index = rest.starts_with("f-") ? rest.substr(2) : rest;
+           if (!read_number<std::uint64_t>(index))
+             return {false, "found '" + rest + "', expected a fact's index or a pattern"};
+           return d.act(cx::ControlAct::Verb::kEval, "(retract " + index + ")");
+         }
+         const auto environment = d.looked_at();
+         if (!environment) return {false, environment.error().message};
+         const auto facts = facts_of((*environment)->engine(), rest);
+         if (!facts) return {false, facts.error().text()};
+         if (facts->empty()) return {false, "no fact matches " + rest};
+         std::string indices;
+         for (const FactCopy& fact : *facts) indices += ' ' + std::to_string(fact.index);
+         return d.act(cx::ControlAct::Verb::kEval, "(retract" + indices + ")");
+       }},
+      {"watch", "ITEM [NAME]...", "shows facts, rules, activations, ... in the log as they change",
+       [](D& d, const std::string& rest) { return d.act(cx::ControlAct::Verb::kEval, "(watch " + rest + ")"); }},
+      {"unwatch", "ITEM [NAME]...", "no longer",
+       [](D& d, const std::string& rest) { return d.act(cx::ControlAct::Verb::kEval, "(unwatch " + rest + ")"); }},
+      {"log", "[TEXT]", "the last 1000 lines of the log, or of those that contain the text",
+       [](D& d, const std::string& rest) -> A {
+         std::vector<std::string> lines;
+         for (const std::string& line : d.log_)
+           if (lower(line).find(lower(rest)) != std::string::npos) lines.push_back(line);
+         return {true, lines_of(lines, "nothing")};
+       }},
+  };
+  return all;
+}
+
+std::string Debugger::help(const std::string& wanted) {
+  std::string text;
+  for (const Command& command : commands()) {
+    if (!wanted.empty() && wanted != command.name) continue;
+    std::string line = command.name + (' ' + std::string(command.arguments));
+    line.resize(std::max<std::size_t>(line.size() + 2, 34), ' ');
+    text += (text.empty() ? "" : "\n") + line + command.what;
+  }
+  if (text.empty()) return "there is no command '" + wanted + "'";
+  if (wanted.empty()) text += "\nquit                              leaves; the run stays as it is";
+  return text;
+}
+
+Debugger::Answer Debugger::carry_out(const std::string& line) {
+  const std::string_view text = trimmed(line);
+  if (text.empty()) return {};
+  if (text.front() == '(') {
+    const std::string head = split(text.substr(1)).first;
+    const bool construct = std::find(kConstructs.begin(), kConstructs.end(), head) != kConstructs.end();
+    return act(construct ? cx::ControlAct::Verb::kBuild : cx::ControlAct::Verb::kEval, std::string(text));
+  }
+  const auto [word, rest] = split(text);
+  std::vector<std::string> names;
+  std::vector<const Command*> begun;
+  for (const Command& command : commands()) {
+    if (word == command.name) return command.carry_out(*this, rest);
+    if (std::string_view(command.name).starts_with(word)) begun.push_back(&command);
+    names.emplace_back(command.name);
+  }
+  if (begun.size() == 1) return begun.front()->carry_out(*this, rest);
+  if (!begun.empty()) return {false, "'" + word + "' may be " + begun[0]->name + " or " + begun[1]->name};
+  return {false, "there is no command '" + word + "'" + did_you_mean(word, names) + "; help lists them"};
+}
+
+std::vector<std::string> Debugger::completions(const std::string& begun) {
+  std::vector<std::string> words;
+  const auto add = [&](const std::string& word) {
+    if (word.starts_with(begun)) words.push_back(word);
+  };
+  for (const Command& command : commands()) add(command.name);
+  for (const cx::Environment* e : environments_()) add(e->name_in_log());
+  if (const auto environment = looked_at()) {
+    for (const ConstructInfo& info : (*environment)->engine().constructs()) add(info.name);
+    for (const FunctionSpec& function : (*environment)->engine().functions()) add(function.name);
+  }
+  std::sort(words.begin(), words.end());
+  words.erase(std::unique(words.begin(), words.end()), words.end());
+  return words;
+}
+
+Expected<cx::Environment*> Debugger::looked_at() const {
+  const auto all = environments_();
+  for (cx::Environment* environment : all)
+    if (selected_.empty() ? here_ == nullptr || environment == here_ : environment->name_in_log() == selected_)
+      return environment;
+  return input_error(selected_.empty() ? "there is no environment"
+                                       : "there is no environment '" + selected_ + "' any more");
+}
+
+Debugger::Answer Debugger::act(cx::ControlAct::Verb verb, const std::string& text) {
+  const auto environment = looked_at();
+  if (!environment) return {false, environment.error().message};
+  if (!stopped_) return {false, "the run goes on: pause first"};
+  if (*environment != here_)
+    return {false, "the run stopped in " + here_->name_in_log() + "; tick goes on to where " +
+                       (*environment)->name_in_log() + " stops"};
+  if (const std::size_t forms = read_forms(text, {}).forms.size(); forms > 1)
+    return {false, "expected one expression or construct, found " + std::to_string(forms)};
+  auto done = here_->act(verb, text);
+  return done ? Answer{true, *done} : Answer{false, done.error().text()};
+}
+
+Debugger::Answer Debugger::go_on() {
+  if (!stopped_) return {false, "the run goes on already"};
+  stopped_ = false;
+  return {true, {}, true};
+}
+
+Debugger::Answer Debugger::set_break(const std::string& what, bool once) {
+  BreakPoint point;
+  const auto [word, rest] = split(what);
+  point.text = what;
+  if (const auto time = read_number<double>(what); time && *time >= 0 && *time < 1e9) {
+    point.time = from_seconds(*time);
+    if (here_ && place_.t >= point.time) return {false, "that time has passed"};
+    point.text += " s";
+  } else if (word == "rule" && !rest.empty()) {
+    point.kind = BreakPoint::Kind::kRule;
+    point.text = rest;
+    std::vector<std::string> known;
+    for (const cx::Environment* e : environments_())
+      for (const ConstructInfo& info : e->engine().constructs())
+        if (info.kind == "defrule") known.insert(known.end(), {info.name, info.module + "::" + info.name});
+    if (std::find(known.begin(), known.end(), rest) == known.end())
+      return {false, "there is no rule '" + rest + "'" + did_you_mean(rest, known)};
+  } else if (word == "fact" && !rest.empty()) {
+    auto pattern = explain::Pattern::parse_plain(rest, {}, 0);
+    if (!pattern) return {false, pattern.error().text()};
+    point.kind = BreakPoint::Kind::kFact;
+    point.text = rest;
+    point.pattern = *std::move(pattern);
+  } else {
+    return {false, "found '" + what + "', expected a time in s, rule NAME, or fact (TEMPLATE (SLOT VALUE)...)"};
+  }
+  point.once = once;
+  if (!once) point.number = ++last_break_;
+  breaks_.push_back(std::move(point));
+  return {true, once ? "" : "break point " + std::to_string(last_break_)};
+}
+
+}  // namespace cxlab::lab

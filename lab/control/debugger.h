@@ -1,0 +1,101 @@
+#pragma once
+// Stops a run where a person wants, and answers what the person asks: the other side of `cxlab attach`.
+//
+// A request is a line of JSON, {"id": 3, "line": "facts order"} or {"id": 4, "complete": "fac"}; its answer has the
+// same id: {"id": 3, "ok": true, "text": "...", "goes_on": false}, {"id": 4, "words": ["facts"]}. Events have no id:
+// {"event": "stopped", "text": "..."}, "log" with t, level, logger and text, and "end".
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/executive/environment.h"
+#include "cx/executive/run_control.h"
+#include "cx/explain/pattern.h"
+#include "cx/node/log.h"
+#include "lab/control/server.h"
+
+namespace cxlab::lab {
+
+class Debugger final : public cx::RunControl, public cx::LogSink {
+ public:
+  struct Options {
+    bool begin_stopped = false;
+    cx::LogSink* log = nullptr;                         ///< takes each line too; may be none
+    std::function<bool()> over = [] { return false; };  ///< whether the run shall end, also while it is stopped
+    std::function<void(std::string_view)> note = [](std::string_view) {};  ///< for the person who started the run
+    std::function<void(bool)> waits = [](bool) {};                         ///< called when a wait begins and ends
+  };
+  Debugger(ControlServer& server, Options options) : server_(server), options_(std::move(options)) {}
+
+  /// The environments of the run, asked for at each stop.
+  void watch(std::function<std::vector<cx::Environment*>()> environments) { environments_ = std::move(environments); }
+  /// The run has ended: says so to those who are attached.
+  void end(std::string_view how);
+
+  void stop_at(cx::Environment& environment, const cx::ControlPlace& place) override;
+  bool before_each_firing() const override;
+  void line(const cx::LogLine& line) override;
+
+ private:
+  struct BreakPoint {
+    enum class Kind { kTime, kRule, kFact };
+    int number = 0;
+    Kind kind = Kind::kTime;
+    std::string text;
+    SimTime time{};
+    std::optional<explain::Pattern> pattern = {};
+    bool held = false;  // the pattern, when it was looked at last
+    bool once = false;  // of `until`
+  };
+  struct Answer {
+    bool ok = true;
+    std::string text;
+    bool goes_on = false;
+  };
+  struct Command;
+  static const std::vector<Command>& commands();
+  static std::string help(const std::string& command);
+
+  // --- Stops (debugger.cpp)
+  std::optional<std::string> reason_to_stop(cx::Environment& environment, const cx::ControlPlace& place);
+  bool is_met(BreakPoint& point, cx::Environment& environment, const cx::ControlPlace& place);
+  void stay(cx::Environment& environment);
+  void answer(const ControlServer::Line& line);
+  std::string where() const;
+
+  // --- What a person asks (commands.cpp)
+  Answer carry_out(const std::string& line);
+  std::vector<std::string> completions(const std::string& begun);
+  Expected<cx::Environment*> looked_at() const;
+  Answer act(cx::ControlAct::Verb verb, const std::string& text);
+  Answer go_on();
+  Answer set_break(const std::string& what, bool once);
+
+  ControlServer& server_;
+  Options options_;
+  std::function<std::vector<cx::Environment*>()> environments_ = [] { return std::vector<cx::Environment*>(); };
+  // Where the run is
+  cx::Environment* here_ = nullptr;  // while `stop_at` is at work
+  cx::ControlPlace place_;
+  bool stopped_ = false;
+  bool noted_ = false;
+  // What it goes on to
+  bool pause_ = options_.begin_stopped;
+  std::int64_t ticks_ = 0, steps_ = 0;
+  std::vector<BreakPoint> breaks_;
+  int last_break_ = 0;
+  std::string selected_;  // the environment that counts; empty: each
+  std::deque<std::string> log_;
+};
+
+/// The rule that fires next in that environment; none if it has none on the agenda.
+std::optional<ActivationInfo> next_activation(const RuleEngine& engine);
+
+}  // namespace cxlab::lab

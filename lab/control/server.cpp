@@ -1,0 +1,271 @@
+#include "lab/control/server.h"
+
+#include <sys/stat.h>
+
+#include <asio/generic/stream_protocol.hpp>
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/local/stream_protocol.hpp>
+#include <asio/posix/stream_descriptor.hpp>
+#include <asio/post.hpp>
+#include <asio/read_until.hpp>
+#include <asio/write.hpp>
+#include <atomic>
+#include <cerrno>
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "cx/base/number_text.h"
+
+namespace cxlab::lab {
+
+namespace {
+
+constexpr std::size_t kLongestLine = 1'000'000;
+constexpr std::size_t kMostUnread = 64'000'000;  // bytes that wait for a client
+constexpr std::size_t kMostClients = 8;
+
+using Socket = asio::generic::stream_protocol::socket;
+
+/// 128 bits of chance, as text.
+Expected<std::string> new_token() {
+  std::ifstream chance("/dev/urandom", std::ios::binary);
+  unsigned char bytes[16];
+  if (!chance.read(reinterpret_cast<char*>(bytes), sizeof bytes))
+    return resource_error("cannot be read", "/dev/urandom");
+  std::string token;
+  constexpr const char* kDigits = "0123456789abcdef";
+  for (const unsigned char byte : bytes) token.append({kDigits[byte >> 4], kDigits[byte & 15]});
+  return token;
+}
+
+/// Takes the same time wherever they differ.
+bool same_text(const std::string& a, const std::string& b) {
+  if (a.size() != b.size()) return false;
+  unsigned char difference = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) difference |= static_cast<unsigned char>(a[i] ^ b[i]);
+  return difference == 0;
+}
+
+}  // namespace
+
+std::string ControlAddress::text() const { return path.empty() ? "127.0.0.1:" + std::to_string(port) : path; }
+
+Expected<ControlAddress> ControlAddress::parse(const std::string& text) {
+  ControlAddress address;
+  for (const std::string_view host : {"127.0.0.1:", "localhost:"}) {
+    if (!text.starts_with(host)) continue;
+    const auto port = read_number<std::uint32_t>(std::string_view(text).substr(host.size()));
+    if (!port || *port > 65535)
+      return usage_error("found '" + text + "', expected a port from 0 to 65535 behind " + std::string(host));
+    address.port = static_cast<std::uint16_t>(*port);
+    return address;
+  }
+  constexpr std::size_t kLongestPath = 107;  // of a Unix socket
+  if (text.size() > kLongestPath)
+    return usage_error("a Unix socket's path has at most 107 characters, found '" + text +
+                       "'; give a shorter one, as --control-at /tmp/run.sock");
+  address.path = text;
+  return address;
+}
+
+/// Runs on the server's thread, but for what `mutex` guards.
+struct ControlServer::State {
+  struct Client : std::enable_shared_from_this<Client> {
+    Client(State& all, Socket s, std::uint64_t number) : state(all), socket(std::move(s)), id(number) {}
+    void read() {
+      asio::async_read_until(
+          socket, asio::dynamic_buffer(unread, kLongestLine), '\n',
+          [self = shared_from_this()](const std::error_code& error, std::size_t size) { self->has_read(error, size); });
+    }
+    void has_read(const std::error_code& error, std::size_t size) {
+      if (error) return leave();
+      std::string line = unread.substr(0, size - 1);
+      unread.erase(0, size);
+      if (line.ends_with('\r')) line.pop_back();
+      if (known) {
+        state.put({id, std::move(line)});
+      } else if (same_text(line, state.token)) {
+        enter();
+      } else {
+        return leave();
+      }
+      read();
+    }
+    void enter() {
+      known = true;
+      state.put({id, {}, true, false});
+    }
+    void write(const std::string& line) {
+      if (!known || gone) return;
+      waiting += line.size() + 1;
+      if (waiting > kMostUnread) return leave();
+      lines.push_back(line + '\n');
+      if (lines.size() == 1) write_next();
+    }
+    void write_next() {
+      asio::async_write(socket, asio::buffer(lines.front()),
+                        [self = shared_from_this()](const std::error_code& error, std::size_t) {
+                          if (error) return self->leave();
+                          self->waiting -= self->lines.front().size();
+                          self->lines.pop_front();
+                          if (!self->lines.empty())
+                            self->write_next();
+                          else if (self->closing)
+                            self->leave();
+                        });
+    }
+    void close_after_lines() {
+      closing = true;
+      if (lines.empty()) leave();
+    }
+    void leave() {
+      if (gone) return;
+      gone = true;
+      std::error_code ignored;
+      socket.close(ignored);
+      if (known) state.put({id, {}, false, true});
+      state.clients.erase(id);
+    }
+
+    State& state;
+    Socket socket;
+    std::uint64_t id;
+    std::string unread;
+    std::deque<std::string> lines;
+    std::size_t waiting = 0;
+    bool known = false, gone = false, closing = false;
+  };
+
+  template <class Acceptor>
+  void accept(Acceptor& acceptor) {
+    acceptor.async_accept([this, &acceptor](const std::error_code& error, auto socket) {
+      if (error == asio::error::operation_aborted) return;
+      if (!error && clients.size() < kMostClients) {
+        auto client = std::make_shared<Client>(*this, Socket(std::move(socket)), ++last_client);
+        clients.emplace(client->id, client);
+        if (token.empty()) client->enter();
+        client->read();
+      }
+      accept(acceptor);
+    });
+  }
+
+  void put(Line line) {
+    const std::lock_guard lock(mutex);
+    taken.push_back(std::move(line));
+    any = true;
+    came.notify_one();
+  }
+
+  Status open_at(const ControlAddress& wanted) {
+    address = wanted;
+    std::error_code error;
+    if (!address.path.empty()) {
+      std::filesystem::remove(address.path, error);
+      const asio::local::stream_protocol::endpoint here(address.path);
+      unix_acceptor.open(here.protocol(), error);
+      // Only the user may connect: the file gets the mode of the socket.
+      if (!error && fchmod(unix_acceptor.native_handle(), 0600) != 0) error = {errno, std::system_category()};
+      if (!error) unix_acceptor.bind(here, error);
+      if (!error) unix_acceptor.listen(asio::socket_base::max_listen_connections, error);
+      if (error) return resource_error("cannot open the socket for --control: " + error.message(), address.path);
+      accept(unix_acceptor);
+    } else {
+      auto made = new_token();
+      if (!made) return made.error();
+      token = *made;
+      const asio::ip::tcp::endpoint here(asio::ip::address_v4::loopback(), address.port);
+      tcp_acceptor.open(here.protocol(), error);
+      if (!error) tcp_acceptor.set_option(asio::socket_base::reuse_address(true), error);
+      if (!error) tcp_acceptor.bind(here, error);
+      if (!error) tcp_acceptor.listen(asio::socket_base::max_listen_connections, error);
+      if (error) return resource_error("cannot listen at " + address.text() + " for --control: " + error.message());
+      address.port = tcp_acceptor.local_endpoint().port();
+      accept(tcp_acceptor);
+    }
+    thread = std::thread([this] {
+      context.run();
+      const std::lock_guard lock(mutex);
+      ended = true;
+      came.notify_all();
+    });
+    return {};
+  }
+
+  void close() {
+    if (!thread.joinable()) return;
+    asio::post(context, [this] {
+      std::error_code ignored;
+      unix_acceptor.close(ignored);
+      tcp_acceptor.close(ignored);
+      const auto all = clients;
+      for (const auto& [id, client] : all) client->close_after_lines();
+    });
+    std::unique_lock lock(mutex);
+    came.wait_for(lock, std::chrono::seconds(1), [this] { return ended; });
+    lock.unlock();
+    context.stop();
+    thread.join();
+    std::error_code ignored;
+    if (!address.path.empty()) std::filesystem::remove(address.path, ignored);
+  }
+
+  asio::io_context context{1};
+  asio::local::stream_protocol::acceptor unix_acceptor{context};
+  asio::ip::tcp::acceptor tcp_acceptor{context};
+  std::map<std::uint64_t, std::shared_ptr<Client>> clients;
+  std::uint64_t last_client = 0;
+  ControlAddress address;
+  std::string token;
+  std::thread thread;
+
+  std::atomic<bool> any{false};
+  std::mutex mutex;
+  std::condition_variable came;
+  std::deque<Line> taken;  // to be taken by the run
+  bool ended = false;
+};
+
+ControlServer::ControlServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ControlServer::~ControlServer() { state_->close(); }
+
+Expected<std::unique_ptr<ControlServer>> ControlServer::open(const ControlAddress& address) {
+  auto state = std::make_unique<State>();
+  if (Status s = state->open_at(address); !s) return s.error();
+  return std::unique_ptr<ControlServer>(new ControlServer(std::move(state)));
+}
+
+const ControlAddress& ControlServer::address() const { return state_->address; }
+const std::string& ControlServer::token() const { return state_->token; }
+
+std::optional<ControlServer::Line> ControlServer::take(std::chrono::milliseconds wait) {
+  if (wait.count() == 0 && !state_->any.load(std::memory_order_relaxed)) return {};
+  std::unique_lock lock(state_->mutex);
+  if (!state_->came.wait_for(lock, wait, [this] { return !state_->taken.empty(); })) return {};
+  Line line = std::move(state_->taken.front());
+  state_->taken.pop_front();
+  state_->any = !state_->taken.empty();
+  return line;
+}
+
+void ControlServer::send(std::uint64_t client, const std::string& line) {
+  asio::post(state_->context, [state = state_.get(), client, line] {
+    const auto found = state->clients.find(client);
+    if (found != state->clients.end()) std::shared_ptr(found->second)->write(line);
+  });
+}
+
+void ControlServer::send_all(const std::string& line) {
+  asio::post(state_->context, [state = state_.get(), line] {
+    const auto all = state->clients;
+    for (const auto& [id, client] : all) client->write(line);
+  });
+}
+
+}  // namespace cxlab::lab
