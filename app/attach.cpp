@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 
 #include "app/arguments.h"
 #include "app/command.h"
@@ -92,7 +93,7 @@ class Terminal {
     client_.on_event([this](const Event& event) { above(shown(event), event.kind == Event::Kind::kEnd); });
     std::printf("Tab completes, help lists the commands, quit leaves.\n");
     std::fflush(stdout);
-    rl_callback_handler_install("cxlab> ", [](char* line) { at_work_->entered(line); });
+    prompt();
     while (!left_ && !ended_) wait();
     rl_callback_handler_remove();
     if (!history.empty()) {
@@ -119,16 +120,23 @@ class Terminal {
   }
 
   void wait() {
+    if (!client_.take_events() && !ended_) return above("the run has ended, or let this terminal go", true);
     pollfd both[2] = {{STDIN_FILENO, POLLIN, 0}, {client_.descriptor(), POLLIN, 0}};
     if (poll(both, 2, -1) < 0) return;
-    if (both[1].revents != 0) {
-      if ((both[1].revents & POLLIN) != 0 && client_.take_events() && (both[1].revents & POLLHUP) == 0) {
-        // more may come
-      } else if (!ended_) {
-        above("the run has ended, or let this terminal go", true);
-      }
-    }
-    if (both[0].revents != 0 && !ended_) rl_callback_read_char();
+    if (both[0].revents == 0) return;
+    rl_callback_read_char();
+    if (!line_) return;
+    carry_out(*std::exchange(line_, std::nullopt));
+    rl_callback_handler_remove();  // a new line begins; without it the library repeats the old one
+    if (!left_ && !ended_) prompt();
+  }
+
+  static void prompt() {
+    rl_callback_handler_install("cxlab> ", [](char* typed) {
+      at_work_->left_ = typed == nullptr;
+      if (typed != nullptr) at_work_->line_ = typed;
+      std::free(typed);
+    });
   }
 
   void above(const std::string& text, bool ends) {
@@ -141,13 +149,7 @@ class Terminal {
     ended_ = ended_ || ends;
   }
 
-  void entered(char* typed) {
-    if (typed == nullptr) {
-      left_ = true;
-      return;
-    }
-    const std::string line = typed;
-    std::free(typed);
+  void carry_out(const std::string& line) {
     if (line == "quit" || line == "exit") left_ = true;
     if (left_ || line.find_first_not_of(" \t") == std::string::npos) return;
     add_history(line.c_str());
@@ -188,6 +190,7 @@ class Terminal {
   static Terminal* at_work_;  // the library calls functions without an argument for it
   ControlClient& client_;
   std::vector<std::string> words_;
+  std::optional<std::string> line_;  // that was entered
   bool left_ = false, ended_ = false, busy_ = false;
 };
 Terminal* Terminal::at_work_ = nullptr;

@@ -216,7 +216,8 @@ Expected<std::int64_t> Environment::run_stopping(std::int64_t rule_limit) {
     std::int64_t stretch = rule_limit < 0 ? most : rule_limit - place.fired;
     if (options_.run->control && options_.run->control->before_each_firing()) stretch = 1;
     const auto recorded = next_act();
-    if (recorded && recorded->place.t == place.t && recorded->place.run == place.run)
+    if (recorded && recorded->place.t == place.t && recorded->place.run == place.run &&
+        recorded->place.fired > place.fired)
       stretch = recorded->place.fired - place.fired;
     RunReport report = engine_->run(stretch);
     place.fired += report.fired;

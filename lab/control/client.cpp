@@ -1,5 +1,7 @@
 #include "lab/control/client.h"
 
+#include <poll.h>
+
 #include <asio/buffer.hpp>
 #include <asio/generic/stream_protocol.hpp>
 #include <asio/io_context.hpp>
@@ -65,7 +67,9 @@ struct ControlClient::State {
       event.kind = Event::Kind::kEnd;
     else if (kind == "log")
       event.kind = Event::Kind::kLog;
-    else if (kind != "running")
+    else if (kind == "hello")
+      event.kind = Event::Kind::kHello;
+    else
       return {};
     event.text = text_of(line, "text");
     event.level = text_of(line, "level");
@@ -105,22 +109,24 @@ Expected<std::unique_ptr<ControlClient>> ControlClient::connect(const ControlAdd
                           address.text());
   if (address.path.empty()) asio::write(state->socket, asio::buffer(token + '\n'), error);
   auto client = std::unique_ptr<ControlClient>(new ControlClient(std::move(state)));
-  // It says at once where it is: this is how one knows that the token was right.
-  const auto first = client->state_->receive();
-  if (!first)
-    return address.path.empty() ? usage_error("the run at " + address.text() + " does not take this --token")
-                                : Error(first.error());
-  client->state_->take(*first);
-  return client;
+  while (true) {
+    const auto line = client->state_->receive();
+    if (!line && !address.path.empty()) return line.error();
+    // It greets only those who know the token.
+    if (!line) return usage_error("the run at " + address.text() + " does not take this --token");
+    const auto event = client->state_->take(*line);
+    if (event && event->kind == Event::Kind::kHello) return client;
+  }
 }
 
 void ControlClient::on_event(std::function<void(const Event&)> call) { state_->on_event = std::move(call); }
 
 Expected<ControlClient::Answer> ControlClient::carry_out(const std::string& line) {
-  state_->last_stop.reset();
   auto answer = state_->ask("line", line);
   if (!answer) return answer.error();
-  return Answer{flag_of(*answer, "ok"), text_of(*answer, "text"), flag_of(*answer, "goes_on")};
+  const bool goes_on = flag_of(*answer, "goes_on");
+  if (goes_on) state_->last_stop.reset();
+  return Answer{flag_of(*answer, "ok"), text_of(*answer, "text"), goes_on};
 }
 
 Expected<std::vector<std::string>> ControlClient::completions(const std::string& begun) {
@@ -142,7 +148,9 @@ Expected<ControlClient::Event> ControlClient::wait_for_stop() {
 }
 
 Status ControlClient::take_events() {
-  while (state_->socket.available() > 0 || state_->unread.find('\n') != std::string::npos) {
+  pollfd socket{descriptor(), POLLIN, 0};
+  // At the end of the stream there is something to read as well: receive returns an error then.
+  while (state_->unread.find('\n') != std::string::npos || poll(&socket, 1, 0) > 0) {
     auto line = state_->receive();
     if (!line) return line.error();
     state_->take(*line);

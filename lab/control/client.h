@@ -22,7 +22,7 @@ class ControlClient {
   ControlClient& operator=(const ControlClient&) = delete;
 
   struct Event {
-    enum class Kind { kRunning, kStopped, kLog, kEnd };
+    enum class Kind { kHello, kStopped, kLog, kEnd };
     Kind kind{};
     double t = 0;                 ///< s; of a line of the log
     std::string level, logger{};  ///< of a line of the log

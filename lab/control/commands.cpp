@@ -54,12 +54,20 @@ std::string lines_of(const std::vector<std::string>& lines, const char* none) {
   return text;
 }
 
+/// Names of constructs of that kind, bare.
+std::vector<std::string> names_of(const RuleEngine& engine, std::string_view kind) {
+  std::vector<std::string> names;
+  for (const ConstructInfo& info : engine.constructs())
+    if (info.kind == kind) names.push_back(info.name);
+  return names;
+}
+
 /// Facts of a template, those that match a pattern, or all.
 Expected<std::vector<FactCopy>> facts_of(const RuleEngine& engine, const std::string& what) {
   if (what.empty() || what.front() != '(') {
     std::vector<FactCopy> facts = engine.facts(what);
     if (!what.empty() && facts.empty() && !engine.has("deftemplate", what))
-      return input_error("there is no template '" + what + "'");
+      return input_error("there is no template '" + what + "'" + did_you_mean(what, names_of(engine, "deftemplate")));
     return facts;
   }
   auto pattern = explain::Pattern::parse_plain(what, {}, 0);
@@ -138,17 +146,17 @@ const std::vector<Debugger::Command>& Debugger::commands() {
       {"rules", "[NAME]", "rules with their places, or one as it is written",
        [](D& d, const std::string& rest) {
          return look(d, [&](cx::Environment& e) -> Expected<std::string> {
-           std::vector<std::string> lines, known;
+           std::vector<std::string> lines;
            for (const ConstructInfo& info : e.engine().constructs()) {
              if (info.kind != "defrule") continue;
-             known.push_back(info.name);
              if (rest.empty())
                lines.push_back(qualified(info) + place_of(info));
              else if (rest == info.name || rest == info.module + "::" + info.name)
                lines.push_back(info.text + '\n' + place_of(info));
            }
            if (!rest.empty() && lines.empty())
-             return input_error("there is no rule '" + rest + "'" + did_you_mean(rest, known));
+             return input_error("there is no rule '" + rest + "'" +
+                                did_you_mean(rest, names_of(e.engine(), "defrule")));
            return lines_of(lines, "none");
          });
        }},
@@ -164,7 +172,9 @@ const std::vector<Debugger::Command>& Debugger::commands() {
        [](D& d, const std::string& rest) {
          return look(d, [&](cx::Environment& e) -> Expected<std::string> {
            const ConstructInfo* rule = e.engine().find_construct("defrule", rest);
-           if (!rule) return input_error("there is no rule '" + rest + "'");
+           if (!rule)
+             return input_error("there is no rule '" + rest + "'" +
+                                did_you_mean(rest, names_of(e.engine(), "defrule")));
            const auto unmet = explain::unmet_condition(e.engine(), *rule);
            if (unmet) return "condition " + std::to_string(unmet->number) + " does not hold: " + unmet->print();
            return std::string("all its conditions hold");
@@ -190,12 +200,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
       {"breaks", "", "the break points",
        [](D& d, const std::string&) -> A {
          std::vector<std::string> lines;
-         for (const BreakPoint& point : d.breaks_)
-           lines.push_back(std::to_string(point.number) + "  " +
-                           (point.kind == BreakPoint::Kind::kRule   ? "rule "
-                            : point.kind == BreakPoint::Kind::kFact ? "fact "
-                                                                    : "") +
-                           point.text);
+         for (const BreakPoint& point : d.breaks_) lines.push_back(std::to_string(point.number) + "  " + point.text);
          return {true, lines_of(lines, "none")};
        }},
       {"delete", "N|all", "takes a break point away",
@@ -274,7 +279,7 @@ Debugger::Answer Debugger::carry_out(const std::string& line) {
   }
   if (begun.size() == 1) return begun.front()->carry_out(*this, rest);
   if (!begun.empty()) return {false, "'" + word + "' may be " + begun[0]->name + " or " + begun[1]->name};
-  return {false, "there is no command '" + word + "'" + did_you_mean(word, names) + "; help lists them"};
+  return {false, "there is no command '" + word + "' (help lists them)" + did_you_mean(word, names)};
 }
 
 std::vector<std::string> Debugger::completions(const std::string& begun) {
@@ -331,7 +336,7 @@ Debugger::Answer Debugger::set_break(const std::string& what, bool once) {
     point.text += " s";
   } else if (word == "rule" && !rest.empty()) {
     point.kind = BreakPoint::Kind::kRule;
-    point.text = rest;
+    point.rule = rest;
     std::vector<std::string> known;
     for (const cx::Environment* e : environments_())
       for (const ConstructInfo& info : e->engine().constructs())
@@ -342,8 +347,18 @@ Debugger::Answer Debugger::set_break(const std::string& what, bool once) {
     auto pattern = explain::Pattern::parse_plain(rest, {}, 0);
     if (!pattern) return {false, pattern.error().text()};
     point.kind = BreakPoint::Kind::kFact;
-    point.text = rest;
     point.pattern = *std::move(pattern);
+    const std::string& name = point.pattern->template_name();
+    std::vector<std::string> known;
+    bool found = false;
+    for (const cx::Environment* e : environments_()) {
+      found = found || e->engine().has("deftemplate", name);
+      const auto names = names_of(e->engine(), "deftemplate");
+      known.insert(known.end(), names.begin(), names.end());
+      if (holds(point, *e)) point.held.insert(e);
+    }
+    if (!found) return {false, "there is no template '" + name + "'" + did_you_mean(name, known)};
+    if (once && here_ && point.held.contains(here_)) return {false, "that fact is there already"};
   } else {
     return {false, "found '" + what + "', expected a time in s, rule NAME, or fact (TEMPLATE (SLOT VALUE)...)"};
   }

@@ -45,7 +45,6 @@ bool Debugger::before_each_firing() const {
 void Debugger::stop_at(cx::Environment& environment, const cx::ControlPlace& place) {
   here_ = &environment;
   place_ = place;
-  while (auto line = server_.take()) answer(*line);
   if (const auto why = reason_to_stop(environment, place)) {
     std::erase_if(breaks_, [](const BreakPoint& point) { return point.once; });
     ticks_ = steps_ = 0;
@@ -55,6 +54,8 @@ void Debugger::stop_at(cx::Environment& environment, const cx::ControlPlace& pla
     noted_ = true;
     stay(environment);
     stopped_ = pause_ = false;
+  } else {
+    while (auto line = server_.take()) answer(*line);
   }
   here_ = nullptr;
 }
@@ -78,25 +79,24 @@ std::optional<std::string> Debugger::reason_to_stop(cx::Environment& environment
   return {};
 }
 
+bool Debugger::holds(const BreakPoint& fact, const cx::Environment& environment) {
+  const auto facts = environment.engine().facts(fact.pattern->template_name());
+  return std::any_of(facts.begin(), facts.end(), [&](const FactCopy& f) { return fact.pattern->matches(f); });
+}
+
 bool Debugger::is_met(BreakPoint& point, cx::Environment& environment, const cx::ControlPlace& place) {
   switch (point.kind) {
-    case BreakPoint::Kind::kTime: {
-      const bool passed = !point.held && place.t >= point.time;
-      point.held = point.held || passed;
-      return passed;
-    }
+    case BreakPoint::Kind::kTime: return place.t >= point.time && !std::exchange(point.passed, true);
     case BreakPoint::Kind::kRule: {
       if (place.fired < 0) return false;
       const auto next = next_activation(environment.engine());
-      return next && names(point.text, *next);
+      return next && names(point.rule, *next);
     }
     case BreakPoint::Kind::kFact: break;
   }
-  const auto facts = environment.engine().facts(point.pattern->template_name());
-  const bool holds =
-      std::any_of(facts.begin(), facts.end(), [&](const FactCopy& fact) { return point.pattern->matches(fact); });
-  const bool held = std::exchange(point.held, holds);
-  return holds && !held;
+  if (holds(point, environment)) return point.held.insert(&environment).second;
+  point.held.erase(&environment);
+  return false;
 }
 
 std::string Debugger::where() const {
@@ -113,8 +113,7 @@ std::string Debugger::where() const {
 void Debugger::answer(const ControlServer::Line& line) {
   if (line.went) return;
   if (line.came) {
-    server_.send(line.client, json_text(Json{{"event", stopped_ ? "stopped" : "running"},
-                                             {"text", (stopped_ ? "stopped: " : "") + where()}}));
+    server_.send(line.client, json_text(Json{{"event", "hello"}, {"text", (stopped_ ? "stopped: " : "") + where()}}));
     return;
   }
   const Json request = Json::parse(line.text, nullptr, false);

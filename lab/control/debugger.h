@@ -3,13 +3,14 @@
 //
 // A request is a line of JSON, {"id": 3, "line": "facts order"} or {"id": 4, "complete": "fac"}; its answer has the
 // same id: {"id": 3, "ok": true, "text": "...", "goes_on": false}, {"id": 4, "words": ["facts"]}. Events have no id:
-// {"event": "stopped", "text": "..."}, "log" with t, level, logger and text, and "end".
+// {"event": "hello", "text": "..."} for one who comes, "stopped", "log" with t, level, logger and text, and "end".
 
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,11 +49,13 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
     enum class Kind { kTime, kRule, kFact };
     int number = 0;
     Kind kind = Kind::kTime;
-    std::string text;
+    std::string text;  // as it was asked for
     SimTime time{};
+    std::string rule = {};
     std::optional<explain::Pattern> pattern = {};
-    bool held = false;  // the pattern, when it was looked at last
-    bool once = false;  // of `until`
+    std::set<const cx::Environment*> held = {};  // where the pattern held when it was looked at last
+    bool passed = false;                         // the time
+    bool once = false;                           // of `until`
   };
   struct Answer {
     bool ok = true;
@@ -65,6 +68,7 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
 
   // --- Stops (debugger.cpp)
   std::optional<std::string> reason_to_stop(cx::Environment& environment, const cx::ControlPlace& place);
+  static bool holds(const BreakPoint& fact, const cx::Environment& environment);
   bool is_met(BreakPoint& point, cx::Environment& environment, const cx::ControlPlace& place);
   void stay(cx::Environment& environment);
   void answer(const ControlServer::Line& line);

@@ -52,6 +52,21 @@ bool same_text(const std::string& a, const std::string& b) {
   return difference == 0;
 }
 
+/// Takes away a socket that was left by a run that has gone; what else is there stays.
+Status make_room(const std::string& path) {
+  std::error_code error;
+  const auto there = std::filesystem::symlink_status(path, error);
+  if (there.type() == std::filesystem::file_type::not_found) return {};
+  if (there.type() != std::filesystem::file_type::socket)
+    return resource_error("is there and is no socket; give --control-at another path", path);
+  asio::io_context context;
+  asio::local::stream_protocol::socket probe(context);
+  probe.connect(asio::local::stream_protocol::endpoint(path), error);
+  if (!error) return resource_error("another run listens there; give --control-at another path", path);
+  std::filesystem::remove(path, error);
+  return {};
+}
+
 }  // namespace
 
 std::string ControlAddress::text() const { return path.empty() ? "127.0.0.1:" + std::to_string(port) : path; }
@@ -167,7 +182,7 @@ struct ControlServer::State {
     address = wanted;
     std::error_code error;
     if (!address.path.empty()) {
-      std::filesystem::remove(address.path, error);
+      if (Status s = make_room(address.path); !s) return s;
       const asio::local::stream_protocol::endpoint here(address.path);
       unix_acceptor.open(here.protocol(), error);
       // Only the user may connect: the file gets the mode of the socket.
