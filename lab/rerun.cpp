@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cx/base/scratch_folder.h"
+#include "cx/journal/input_log.h"
 
 namespace cxlab::lab {
 
@@ -94,6 +95,15 @@ Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const 
   return {};
 }
 
+/// Whether a person did something in the run, with cxlab attach.
+bool person_acted(const std::filesystem::path& inputs) {
+  auto log = InputLogReader::open(inputs);
+  if (!log) return false;
+  while (const auto entry = log->next())
+    if (const auto* result = std::get_if<LoggedResult>(&*entry); result && result->key == kControlKey) return true;
+  return false;
+}
+
 }  // namespace
 
 Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const Host& host) {
@@ -116,12 +126,14 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
         "again: cxlab rerun --trust-rules " +
             run.folder.string() + "; cxlab replay plays them without touching anything",
         run.folder.string());
-  if (run.options.sockets)
-    return usage_error(
-        "programs outside took part in this run (--sockets), who would not do the same again; its rules alone: "
-        "cxlab replay " +
-            run.folder.string(),
-        run.folder.string());
+  const char* took_part = run.options.sockets                       ? "programs outside (--sockets)"
+                          : person_acted(run.folder / "inputs.bin") ? "a person (cxlab attach)"
+                                                                    : nullptr;
+  if (took_part)
+    return usage_error(std::string(took_part) +
+                           " took part in this run, and would not do the same again; its rules alone: cxlab replay " +
+                           run.folder.string(),
+                       run.folder.string());
   PlayOptions options = run.options;
   if (copies) options.prefixes.clear();
   options.out = given.out;

@@ -134,6 +134,10 @@ class Attach(Lab):
             self.assertEqual(replayed.returncode, 0, replayed.stdout)
             self.assertIn("the same", replayed.stdout)
         self.assertEqual(self.result()["journal_hash"], hash_)
+        again = subprocess.run([CXLAB, "rerun", self.out, "--out", self.folder / "again"], text=True, timeout=60,
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.assertEqual(again.returncode, 2, again.stdout)
+        self.assertIn("a person (cxlab attach) took part in this run", again.stdout)
         why = subprocess.run([CXLAB, "why-not", self.out, "never"], text=True, timeout=60, stdout=subprocess.PIPE,
                              stderr=subprocess.STDOUT)
         self.assertEqual(why.returncode, 0, why.stdout)
