@@ -96,10 +96,15 @@ void FaultySkills::start(const SkillGoal& goal, SimTime now) {
 }
 
 void FaultySkills::begin(SimTime now) {
-  const bool drives_by_pose = goal_.kind != SkillKind::kDiscard || !goal_.target.empty();
-  const bool sees = goal_.spot && in_sight(goal_.pose, world_.robot(robot_).pose_in_world);
-  FaultTimer* noise = drives_by_pose && !sees ? striking_timer(FaultKind::kPoseNoise, goal_, now) : nullptr;
-  if (!noise) return skills_->start(goal_, now);
+  leg_ = goal_;
+  if (!goes_astray(now)) skills_->start(goal_, now);
+}
+
+bool FaultySkills::goes_astray(SimTime now) {
+  if (leg_.kind == SkillKind::kDiscard && leg_.target.empty()) return false;
+  if (leg_.spot && in_sight(leg_.pose, world_.robot(robot_).pose_in_world)) return false;
+  FaultTimer* noise = striking_timer(FaultKind::kPoseNoise, goal_, now);
+  if (!noise) return false;
   const Fault& fault = noise->fault();
   Pose2 error;
   error.x = noise->draw(fault.sigma_m);
@@ -107,20 +112,20 @@ void FaultySkills::begin(SimTime now) {
   error.yaw = noise->draw(fault.sigma_deg * std::numbers::pi / 180);
   record(fault, now);
   astray_ = true;
-  const Pose2 there =
-      goal_.kind == SkillKind::kExplore ? destination_of(goal_, world_, traffic_, robot_).pose : goal_.pose;
-  skills_->start({SkillKind::kDriveTo, goal_.target, goal_.spot, astray(there, error, traffic_)}, now);
+  const Pose2 there = leg_.kind == SkillKind::kExplore ? destination_of(leg_, world_, traffic_, robot_).pose : leg_.pose;
+  skills_->start({SkillKind::kDriveTo, leg_.target, leg_.spot, astray(there, error, traffic_)}, now);
+  return true;
 }
 
-/// The skill goes on from where the robot has come to: a discard there, an explore at the nearest lookout.
+/// The leg goes on from where the robot has come to: a discard there, an explore at the nearest lookout.
 void FaultySkills::go_on(SimTime now) {
   astray_ = false;
-  SkillGoal goal = goal_;
-  if (goal.kind == SkillKind::kDiscard) {
-    goal.target.clear();
-    goal.spot.reset();
+  SkillGoal leg = leg_;
+  if (leg.kind == SkillKind::kDiscard) {
+    leg.target.clear();
+    leg.spot.reset();
   }
-  skills_->start(goal, now);
+  skills_->start(leg, now);
 }
 
 std::optional<SkillResult> FaultySkills::find_way(std::optional<SkillResult> result, SimTime now) {
@@ -129,10 +134,10 @@ std::optional<SkillResult> FaultySkills::find_way(std::optional<SkillResult> res
       result = SkillResult::cancel();
     else if (now >= searches_until_)
       result = SkillResult::of(SkillCode::kUnableToMove);
-  } else if (result && result->code == SkillCode::kNone && !result->cancelled && goal_.kind != SkillKind::kDriveTo) {
+  } else if (result && result->code == SkillCode::kNone && !result->cancelled && leg_.kind != SkillKind::kDriveTo) {
     result.reset();
-    const bool needs_spot = goal_.kind != SkillKind::kDiscard && goal_.kind != SkillKind::kExplore;
-    if (!needs_spot || in_sight(goal_.pose, world_.robot(robot_).pose_in_world))
+    const bool needs_spot = leg_.kind != SkillKind::kDiscard && leg_.kind != SkillKind::kExplore;
+    if (!needs_spot || in_sight(leg_.pose, world_.robot(robot_).pose_in_world))
       go_on(now);
     else
       searches_until_ = now + kSearchTime;
@@ -190,6 +195,10 @@ std::optional<SkillResult> FaultySkills::sense(SimTime now) {
   misplace(now);
   const bool picked =
       picks && (result ? !result->cancelled && result->code == SkillCode::kNone : skills_->part() == SkillKind::kPlace);
+  if (picked && !result) {
+    leg_ = second_part(goal_, world_.plan());
+    (void)goes_astray(now);
+  }
   if (result) {
     misplacing_ = nullptr;
     fails_at_ = kNever;

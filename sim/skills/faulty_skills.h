@@ -30,7 +30,7 @@ class FaultySkills final : public RobotSkills {
   SkillPhase phase() const override {
     return stalled() ? SkillPhase::kWait : searching() ? SkillPhase::kLook : skills_->phase();
   }
-  SkillKind part() const override { return stalled() || astray_ ? goal_.kind : skills_->part(); }
+  SkillKind part() const override { return stalled() ? goal_.kind : astray_ ? leg_.kind : skills_->part(); }
   double remaining(SimTime now) const override { return stalled() ? 0 : skills_->remaining(now); }
   SimTime next_due() const override;
 
@@ -38,8 +38,9 @@ class FaultySkills final : public RobotSkills {
   bool stalled() const { return begins_at_ != kNever; }
   bool searching() const { return searches_until_ != kNever; }
   void forget();
-  /// Begins the skill itself; with pose noise, by driving to where the robot takes the goal to be.
   void begin(SimTime now);
+  /// If pose noise strikes the leg that begins: the robot drives to where it takes the goal to be.
+  bool goes_astray(SimTime now);
   void go_on(SimTime now);
   /// What the skill is worth that the robot does with a wrong pose; none while it goes on.
   std::optional<SkillResult> find_way(std::optional<SkillResult> result, SimTime now);
@@ -63,6 +64,7 @@ class FaultySkills final : public RobotSkills {
   std::vector<FaultTimer> timers_;
 
   SkillGoal goal_;
+  SkillGoal leg_;  // the skill, or the second part of a transport
   SimTime begins_at_ = kNever;  // of a skill that is stalled
   SimTime fails_at_ = kNever;
   bool astray_ = false;  // drives to a wrong pose, or searches there

@@ -326,6 +326,41 @@ TEST_P(Faults, ADriveEndsBesideItsGoalAndAPickFindsItsWay) {
   EXPECT_EQ(lost[1].first, 201) << "the machine is not in sight";
 }
 
+TEST_P(Faults, ATransportFindsItsWayToEachOfItsSpots) {
+  const std::string goals =
+      "  - {at: 1, send_goal: /robot1/transport, type: cxlab_skills/action/Transport, goal: {from: C-CS1-SHELF-LEFT, "
+      "to: C-CS2-INPUT}}\n";
+  const auto play_with = [&](const std::string& name, const std::string& when, const std::string& sigmas) {
+    const std::string faults = "  - {kind: pose_noise, robot: robot1, " + when + ", " + sigmas + "}\n";
+    auto episode = load(floor(name, goals, faults, GetParam()), {}, name);
+    begin(*episode);
+    play(*episode, 200);
+    const auto& world = dynamic_cast<const sim::World&>(*episode->stage().worlds.front());
+    EXPECT_EQ(world.robot(sim::RobotId{0}).static_contacts, 0u);
+    (void)episode->close(RunStatus::kCompleted);
+  };
+  play_with("exact", "probability: 1", "sigma_m: 0, sigma_deg: 0");
+  play_with("off", "probability: 1", "sigma_m: 0.05, sigma_deg: 5");
+  const auto struck = strikes("off", 0);
+  ASSERT_EQ(struck.size(), 2u) << "once a drive";
+  EXPECT_EQ(struck[0], 1);
+  const auto exact = ends("exact", "robot1"), off = ends("off", "robot1");
+  ASSERT_EQ(exact.size(), 1u);
+  ASSERT_EQ(off.size(), 1u);
+  EXPECT_EQ(exact[0].first, 0);
+  EXPECT_EQ(off[0].first, 0);
+  std::string track;
+  for (const JournalRecord& r : records("off", "referee"))
+    if (r.data.text("event") == "piece" && r.data.text("from") == "gripper")
+      track += std::string(r.data.text("to")) + " " + std::string(r.data.text("to_name"));
+  EXPECT_EQ(track, "belt C-CS2");
+  play_with("lost", "probability: 1, from: 2", "sigma_m: 0, sigma_deg: 90");
+  const auto lost = ends("lost", "robot1");
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(lost[0].first, 201) << "the second machine is not in sight";
+  EXPECT_EQ(strikes("lost", 0).size(), 1u);
+}
+
 TEST_P(Faults, AnInstructionThatIsCanceledOnItsWayComesAllTheSame) {
   auto episode = load(floor("canceled",
                             "  - {at: 2, send_goal: /factory/instruct_machine, type: "

@@ -27,6 +27,9 @@ using Log = std::vector<std::string>;
 FloorPlan two_robots() {
   FloorPlan plan;
   plan.robots = {{"robot1", {}}, {"robot2", {}}};
+  plan.spots.resize(2);
+  plan.spots[0].align_in_world = {0.2, 0, 0.3};
+  plan.spots[1].align_in_world = {3, 0, 0};
   return plan;
 }
 
@@ -264,8 +267,9 @@ Fault machine(double at) {
 
 const SkillGoal kDrive{SkillKind::kDriveTo, "A", std::nullopt, {}}, kPick{SkillKind::kPick, "B", std::nullopt, {}},
     kPlace{SkillKind::kPlace, "C", std::nullopt, {}}, kNearPick{SkillKind::kPick, "B", SpotId{0}, {0.2, 0, 0.3}},
-    kFarPick{SkillKind::kPick, "B", SpotId{0}, {3, 0, 0}}, kCarry{SkillKind::kTransport, "D", std::nullopt, {}},
-    kFarCarry{SkillKind::kTransport, "D", SpotId{0}, {3, 0, 0}},
+    kFarPick{SkillKind::kPick, "B", SpotId{0}, {3, 0, 0}}, kCarry{SkillKind::kTransport, "D", SpotId{0}, {0.2, 0, 0.3}, SpotId{1}},
+    kNearCarry{SkillKind::kTransport, "D", SpotId{0}, {0.2, 0, 0.3}, SpotId{0}},
+    kFarCarry{SkillKind::kTransport, "D", SpotId{1}, {3, 0, 0}, SpotId{0}},
     kDiscardHere{SkillKind::kDiscard, "", std::nullopt, {}},
     kDiscardThere{SkillKind::kDiscard, "E", std::nullopt, {3, 0, 0}},
     kExplore{SkillKind::kExplore, "F", std::nullopt, {3, 0, 0}};
@@ -641,6 +645,31 @@ const std::vector<Case>& cases() {
        5,
        {"0 fault 3", "0 start D", "0 handle 3 m, due 2", "2 over", "2 look 3 m, due 3", "2.5 idle", "3 fault 3",
         "3 idle", "3 end 300 'no path'", "3 handle 3 m, due never"}},
+      {"TransportsAstrayToItsSecondSpot",
+       {noise(0.1, 5), fails(0, 5, 300)},
+       {{0, kCarry}},
+       {},
+       2,
+       6,
+       {"0 start D", "0 handle 3 m, due 1", "1 took", "1 fault 3", "1 start D", "1 handle 3 m, due 3", "3 over, holds",
+        "3 look 3 m, due 5", "3.5 idle", "4 idle", "4.5 idle", "5 fault 3", "5 idle", "5 end 300 'no path'",
+        "5 handle 3 m, due never"}},
+      {"TransportsToASecondSpotInSight",
+       {noise(0.1, 5)},
+       {{0, kNearCarry}},
+       {},
+       2,
+       4,
+       {"0 start D", "0 handle 3 m, due 1", "1 took", "1 handle 3 m, due 2", "2 over, holds", "2 end 0 ''",
+        "2 handle 3 m, due never"}},
+      {"TransportsAndIsCancelledAstray",
+       {noise(0.1, 5)},
+       {{0, kCarry}},
+       {1.5},
+       2,
+       4,
+       {"0 start D", "0 handle 3 m, due 1", "1 took", "1 fault 3", "1 start D", "1 handle 3 m, due 3", "1.5 cancel",
+        "1.5 handle 3 m, due 2", "2 over, holds", "2 end 0 cancelled 'cancelled'", "2 handle 3 m, due never"}},
       {"ExploresFromWhereItHasCome",
        {noise(0.1, 5)},
        {{0, kExplore}},
