@@ -114,6 +114,7 @@ struct RobotState {
   Vec3 gripper = Vec3::Zero();       ///< axes forward, left, up: distances from home (RobotGeometry)
   double finger_opening = 0;
   std::optional<PieceId> held;        ///< touched by both fingers and off every other support (or so booked)
+  std::uint32_t touching = 0;         ///< robots that its hull touched within the last `advance`, as bits
   std::uint32_t robot_contacts = 0;   ///< new contacts with other robots since the start
   std::uint32_t static_contacts = 0;  ///< new contacts of the hull with machines or walls since the start
 };

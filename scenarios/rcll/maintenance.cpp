@@ -18,7 +18,8 @@ constexpr double kAtSpot = 0.1;                         ///< m from where a robo
 constexpr double kWaitingRange = 1.5;                   ///< m from the spot that a robot waits for
 constexpr double kStands = 0.05;                        ///< m/s
 
-bool stands(const sim::RobotState& state) { return std::hypot(state.vx, state.vy) < kStands; }
+sim::Vec2 velocity_of(const sim::RobotState& state) { return {state.vx, state.vy}; }
+bool stands(const sim::RobotState& state) { return velocity_of(state).norm() < kStands; }
 
 /// The distance from a point to the nearest spot of that team's machines.
 double distance_to_spots(const sim::FloorPlan& plan, Team team, const sim::Vec2& p) {
@@ -83,6 +84,7 @@ void Maintenance::judge(SimTime now) {
     begin(robot, MaintenanceCause::kFault, what.duration, now);
   }
   for (Robot& robot : robots_) watch(robot, now);
+  for (Robot& robot : robots_) robot.velocity = velocity_of(world_.robot(robot.id));
 }
 
 void Maintenance::grant(const Request& request, SimTime now) {
@@ -128,6 +130,7 @@ void Maintenance::disqualify(Robot& robot, std::string_view reason, SimTime now)
 void Maintenance::watch(Robot& robot, SimTime now) {
   if (robot.duty == RobotDuty::kActive) {
     if (outside(robot)) return begin(robot, MaintenanceCause::kOutside, repair_, now);
+    if (pushes(robot)) return begin(robot, MaintenanceCause::kPushing, repair_, now);
     robot.blocking_since = blocks(robot) ? std::min(robot.blocking_since, now) : kNever;
     if (robot.blocking_since != kNever && now - robot.blocking_since > kBlockingTime)
       begin(robot, MaintenanceCause::kBlocking, repair_, now);
@@ -171,6 +174,18 @@ bool Maintenance::blocks(const Robot& robot) const {
                                                        sim::distance(here, place) < std::min(kTouch, to_own) &&
                                                        sim::distance(there, place) < kWaitingRange)
         return true;
+  }
+  return false;
+}
+
+/// It touches another robot and drives towards it, or did so until the impact.
+bool Maintenance::pushes(const Robot& robot) const {
+  const sim::RobotState mine = world_.robot(robot.id);
+  if (mine.touching == 0) return false;
+  for (const Robot& other : robots_) {
+    if ((mine.touching >> index_of(other.id) & 1) == 0) continue;
+    const sim::Vec2 way = world_.robot(other.id).pose_in_world.position() - mine.pose_in_world.position();
+    if (std::max(robot.velocity.dot(way), velocity_of(mine).dot(way)) >= kStands * way.norm()) return true;
   }
   return false;
 }

@@ -25,9 +25,10 @@ enum class RobotDuty : std::uint8_t { kActive, kMaintenance, kDisqualified };
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<RobotDuty>{"ACTIVE", "MAINTENANCE", "DISQUALIFIED"};
 
-enum class MaintenanceCause : std::uint8_t { kRequest, kFault, kOutside, kBlocking };
+enum class MaintenanceCause : std::uint8_t { kRequest, kFault, kOutside, kBlocking, kPushing };
 template <>
-inline constexpr std::array<std::string_view, 4> kNames<MaintenanceCause>{"request", "fault", "outside", "blocking"};
+inline constexpr std::array<std::string_view, 5> kNames<MaintenanceCause>{"request", "fault", "outside", "blocking",
+                                                                          "pushing"};
 
 inline constexpr SimTime kMaintenanceTime = std::chrono::seconds(120);
 inline constexpr SimTime kMaintenanceWarning = std::chrono::seconds(105);
@@ -50,6 +51,7 @@ class Maintenance {
     bool asked_back = false;
     bool warned = false;
     SimTime blocking_since = kNever;
+    sim::Vec2 velocity = sim::Vec2::Zero();  ///< at the last look, m/s in the world
   };
 
   /// People need `repair` at least. Events go to the referee's stream. All outlive it.
@@ -91,6 +93,7 @@ class Maintenance {
   SimTime back_at(const Robot& robot) const;
   bool outside(const Robot& robot) const;
   bool blocks(const Robot& robot) const;
+  bool pushes(const Robot& robot) const;
   std::optional<sim::Pose2> free_place(const Robot& robot) const;
   RecordData& event(const Robot& robot, std::string_view what);
   void write(SimTime now);

@@ -9,6 +9,10 @@ bool is_piece(GeomUse use) { return use.role == GeomRole::kPieceBase || use.role
 
 Contacts::Contacts(const FactoryModel& factory) : hulls_(factory.robots.size()), pieces_(factory.pieces.size()) {}
 
+void Contacts::begin_tick() {
+  for (Hull& hull : hulls_) hull.in_tick = 0;
+}
+
 void Contacts::read(const PhysicsGate& gate) {
   const mjData& data = gate.data();
   const FactoryModel& factory = gate.factory();
@@ -68,6 +72,7 @@ void Contacts::count_new() {
   for (Hull& hull : hulls_) {
     hull.with_robots += static_cast<std::uint32_t>(std::popcount(hull.robots & ~hull.robots_before));
     if (hull.statics && !hull.statics_before) ++hull.with_statics;
+    hull.in_tick |= hull.robots;
     hull.robots_before = hull.robots;
     hull.statics_before = hull.statics;
     hull.robots = 0;

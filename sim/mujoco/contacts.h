@@ -32,12 +32,16 @@ class Contacts {
 
   explicit Contacts(const FactoryModel& factory);
 
+  /// Before the steps of a tick.
+  void begin_tick();
   /// After each step.
   void read(const PhysicsGate& gate);
   /// The piece in that body of the pool is a new one.
   void forget_piece(std::size_t body) { pieces_[body].touch = {}; }
 
   const PieceTouch& of_piece(std::size_t body) const { return pieces_[body].touch; }
+  /// Robots that this one has touched since the tick began, as bits.
+  std::uint32_t touching(RobotId robot) const { return hulls_[index_of(robot)].in_tick; }
   /// New contacts since the start.
   std::uint32_t with_robots(RobotId robot) const { return hulls_[index_of(robot)].with_robots; }
   std::uint32_t with_statics(RobotId robot) const { return hulls_[index_of(robot)].with_statics; }
@@ -45,6 +49,7 @@ class Contacts {
  private:
   struct Hull {
     std::uint32_t robots = 0, robots_before = 0;  ///< touched in this step and in the one before, as bits
+    std::uint32_t in_tick = 0;
     bool statics = false, statics_before = false;
     std::uint32_t with_robots = 0, with_statics = 0;
   };

@@ -52,6 +52,7 @@ Status MujocoWorld::advance(SimTime tick) {
                        std::to_string(step_) + " s");
   begin_changes();
   motors_.drive(gate_, to_seconds(tick));
+  contacts_.begin_tick();
   for (auto n = tick / step; n > 0; --n) {
     if (Status s = gate_.step(); !s) return s;
     now_ += step;
@@ -169,6 +170,7 @@ RobotState MujocoWorld::robot(RobotId id) const {
   state.gripper = {q(kAxisForward), q(kAxisLeft), q(kAxisUp)};
   state.finger_opening = kRobot.fingers_open - (q(kAxisFingerLeft) + q(kAxisFingerRight)) / 2;
   state.held = held_[index_of(id)];
+  state.touching = contacts_.touching(id);
   state.robot_contacts = contacts_.with_robots(id);
   state.static_contacts = contacts_.with_statics(id);
   return state;

@@ -112,7 +112,8 @@ bool FaultySkills::goes_astray(SimTime now) {
   error.yaw = noise->draw(fault.sigma_deg * std::numbers::pi / 180);
   record(fault, now);
   astray_ = true;
-  const Pose2 there = leg_.kind == SkillKind::kExplore ? destination_of(leg_, world_, traffic_, robot_).pose : leg_.pose;
+  const Pose2 there =
+      leg_.kind == SkillKind::kExplore ? destination_of(leg_, world_, traffic_, robot_).pose : leg_.pose;
   skills_->start({SkillKind::kDriveTo, leg_.target, leg_.spot, astray(there, error, traffic_)}, now);
   return true;
 }

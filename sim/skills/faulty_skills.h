@@ -64,7 +64,7 @@ class FaultySkills final : public RobotSkills {
   std::vector<FaultTimer> timers_;
 
   SkillGoal goal_;
-  SkillGoal leg_;  // the skill, or the second part of a transport
+  SkillGoal leg_;               // the skill, or the second part of a transport
   SimTime begins_at_ = kNever;  // of a skill that is stalled
   SimTime fails_at_ = kNever;
   bool astray_ = false;  // drives to a wrong pose, or searches there

@@ -151,6 +151,12 @@ TEST(MujocoWorld, RobotsThatMeetAreCountedOnce) {
   EXPECT_GE(world->robot(kR1).robot_contacts, 1u);
   EXPECT_EQ(world->robot(kR1).robot_contacts, world->robot(kR2).robot_contacts);
   EXPECT_EQ(world->robot(kR1).static_contacts, 0u);
+  EXPECT_EQ(world->robot(kR1).touching, 2u);
+  EXPECT_EQ(world->robot(kR2).touching, 1u);
+  world->command_base(kR1, -0.5, 0, 0);
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(world->advance(kTick).ok());
+  EXPECT_EQ(world->robot(kR1).touching, 0u);
+  EXPECT_GE(world->robot(kR1).robot_contacts, 1u);
 }
 
 TEST(MujocoWorld, ARobotThatPeopleCarryStandsWhereTheySetItDown) {

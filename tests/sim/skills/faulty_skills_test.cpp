@@ -267,7 +267,8 @@ Fault machine(double at) {
 
 const SkillGoal kDrive{SkillKind::kDriveTo, "A", std::nullopt, {}}, kPick{SkillKind::kPick, "B", std::nullopt, {}},
     kPlace{SkillKind::kPlace, "C", std::nullopt, {}}, kNearPick{SkillKind::kPick, "B", SpotId{0}, {0.2, 0, 0.3}},
-    kFarPick{SkillKind::kPick, "B", SpotId{0}, {3, 0, 0}}, kCarry{SkillKind::kTransport, "D", SpotId{0}, {0.2, 0, 0.3}, SpotId{1}},
+    kFarPick{SkillKind::kPick, "B", SpotId{0}, {3, 0, 0}},
+    kCarry{SkillKind::kTransport, "D", SpotId{0}, {0.2, 0, 0.3}, SpotId{1}},
     kNearCarry{SkillKind::kTransport, "D", SpotId{0}, {0.2, 0, 0.3}, SpotId{0}},
     kFarCarry{SkillKind::kTransport, "D", SpotId{1}, {3, 0, 0}, SpotId{0}},
     kDiscardHere{SkillKind::kDiscard, "", std::nullopt, {}},
