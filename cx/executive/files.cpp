@@ -136,23 +136,28 @@ Expected<FoundFile> Files::resolve(const std::string& file, const std::vector<st
 
 Expected<std::map<std::string, FoundFile>> Files::list(const std::string& folder,
                                                        const std::vector<std::string>& packages,
-                                                       std::string_view extension) const {
+                                                       std::string_view extension, bool for_rules) const {
   struct Place {
     fs::path path, logical_name;
   };
   std::vector<Place> places;
+  const bool anywhere = !for_rules || options_.trust_rules;
+  const auto add = [&](const std::string& package, const fs::path& relative) {
+    const fs::path& share = options_.packages.at(package).folder;
+    if (const fs::path path = share / relative; anywhere || really_below(path, share))
+      places.push_back({path, package / relative});
+  };
   const fs::path asked = fs::path(folder).lexically_normal();
   if (asked.is_absolute()) {
     fs::path relative;
     for (const auto& [name, package] : options_.packages)
-      if (below(asked, package.share, relative)) places.push_back({package.folder / relative, name / relative});
-    places.push_back({outside(asked), {}});
+      if (below(asked, package.share, relative)) add(name, relative);
+    if (anywhere) places.push_back({outside(asked), {}});
   }
   for (const std::string& package : packages) {
     if (auto share = share_directory(package); !share)
       return input_error("Cannot resolve folder " + folder + ": " + share.error().message);
-    if (!asked.is_absolute() && !leaves(asked))
-      places.push_back({options_.packages.at(package).folder / asked, package / asked});
+    if (!asked.is_absolute() && !leaves(asked)) add(package, asked);
   }
   for (const Place& place : places) {
     std::error_code error;
@@ -169,6 +174,9 @@ Expected<std::map<std::string, FoundFile>> Files::list(const std::string& folder
   std::string message = "Cannot resolve folder " + folder;
   for (std::size_t i = 0; i < packages.size(); ++i)
     message += (i == 0 ? ": not in " : ", ") + options_.packages.at(packages[i]).share;
+  if (!anywhere)
+    message +=
+        std::string(packages.empty() ? ": " : "; ") + "rules name folders of packages only (" + kTrustRemedy + ')';
   return input_error(std::move(message));
 }
 

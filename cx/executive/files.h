@@ -59,9 +59,10 @@ class Files final : public FileAccess {
   /// Finds a file as CX does: absolute, else the first of the packages that has it, asked in order.
   Expected<FoundFile> resolve(const std::string& file, const std::vector<std::string>& packages) const;
   /// The files below a folder with that extension (".proto"), by their paths from it, sorted. The folder is found as a
-  /// file is: absolute, else in the first of the packages that has it.
+  /// file is: absolute, else in the first of the packages that has it. For rules only folders of packages are looked
+  /// at.
   Expected<std::map<std::string, FoundFile>> list(const std::string& folder, const std::vector<std::string>& packages,
-                                                  std::string_view extension) const;
+                                                  std::string_view extension, bool for_rules = false) const;
   /// The content; calls `on_read` before it reads.
   Expected<std::string> read(const FoundFile& file) const;
   /// The file that `path` means to rules, if they may read it.

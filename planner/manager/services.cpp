@@ -141,7 +141,7 @@ struct PddlManager::Services {
     if (refused(folder / name))
       return input_error(
           "reading '" + (folder / name).string() +
-          "' is refused: for rules the manager reads packages, the run's folder and files *.pddl only (" +
+          "' is refused: for rules the manager reads packages, what rules wrote, and files *.pddl only (" +
           kTrustRemedy + ')');
     if (!fs::is_regular_file(folder / name)) return input_error("there is no such file", (folder / name).string());
     auto text = templates::render(loader, name.string());

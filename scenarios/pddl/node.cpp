@@ -77,7 +77,7 @@ Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage
     for (const AgentSpec& agent : scenario.agents)
       for (const auto& [name, share] : scenario.shares(agent))
         if (cx::really_below(file, share)) return true;
-    if (!run_folder.empty() && cx::really_below(file, run_folder)) return true;
+    if (!run_folder.empty() && cx::really_below(file, run_folder / "written")) return true;
     std::error_code error;
     return std::filesystem::weakly_canonical(file, error).extension() == ".pddl" && !error;
   };

@@ -193,6 +193,7 @@ ROWS["plugins"] = [
     attack("file load package of a path", load_plugin("stolen", plugin='"cx::FileLoadPlugin"', pkg_share_dirs=list_of("{here}/outside"), load=list_of("secret.clp")), 3),
     *[attack(f"proto file of {name}", load_plugin("stolen", plugin='"cx::ProtobufPlugin"', pkg_share_dirs=list_of("rules"), proto_paths=list_of(path)), 3)
       for name, path in [("a path", "{here}/outside"), ("a link", "folder"), ("the parent", "../outside")]],
+    attack("proto files of the whole disk", load_plugin("stolen", plugin='"cx::ProtobufPlugin"', proto_paths=list_of("/")), 3),
     attack("proto files of a linked class", load_plugin("stolen", plugin='"cx::StolenProtobufPlugin"'), 3),
     attack("plugin class of a path", load_plugin("stolen", plugin='"{here}/outside/libevil.so"'), 3),
     attack("plugin class nothing", load_plugin("stolen", plugin='""'), 3),
@@ -208,7 +209,7 @@ ROWS["plugins"] = [
       for kind, where in (("absolute", ("{here}/outside", "secret.txt")), ("slash", ("/", "{here}/outside/secret.txt")), ("parent", ("{here}/rules", "../outside/secret.txt")),
                           ("fifo", ("{here}/rules", "fifo")), ("device", ("{here}/rules", "zero")), ("device outside", ("/dev", "zero")), ("folder", ("{here}", "rules")),
                           ("nothing", ("", "")), ("problem", ("{here}/outside", "secret.pddl", "secret.txt")), ("long", ("/" + "a" * 5000, "x.pddl")),
-                          ("environment", ("/proc/self", "environ")))],
+                          ("environment", ("/proc/self", "environ")), ("manifest", ("{here}/out", "manifest.json")))],
     *[prints(f"pddl template {kind}", act(f'(open "d.pddl" f "w") (printout f "{text}" crlf) (close f)') + instance("{here}/out/written", "d.pddl"))
       for kind, text in (("include", "{% include '{here}/outside/secret.txt' %}"), ("include parent", "{% include '../../outside/secret.txt' %}"),
                          ("include itself", "{% include 'd.pddl' %}"), ("extends", "{% extends '../../outside/secret.txt' %}"),

@@ -94,7 +94,7 @@ class ProtobufPlugin final : public Plugin {
     types_ = std::make_unique<pb::Types>([this](const std::string& file) { return open(file); });
     if (type() != kClass && paths.empty()) return read_linked();
     for (const std::string& path : paths) {
-      auto files = context().files.list(path, packages, kExtension);
+      auto files = context().files.list(path, packages, kExtension, set_by_rules());
       if (!files) return context().parameters.error_at(name() + ".proto_paths", files.error().message);
       files_.merge(*files);
     }

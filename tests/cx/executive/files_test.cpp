@@ -105,6 +105,25 @@ TEST_F(FilesTest, RulesReadPackagesOnly) {
   EXPECT_TRUE(make(true).for_reading((lab_.folder / "secret.txt").string()).ok()) << "unless rules are trusted";
 }
 
+TEST_F(FilesTest, RulesListFoldersOfPackagesOnly) {
+  lab_.write("agent/proto/a.proto", "");
+  lab_.write("secret/b.proto", "");
+  std::filesystem::create_directory_symlink(lab_.folder / "secret", lab_.folder / "agent/link");
+  const auto listed = [&](const std::string& folder, bool for_rules, bool trust = false) {
+    const auto files = make(trust).list(folder, {"agent"}, ".proto", for_rules);
+    return files ? files->size() : 0;
+  };
+  for (const std::string folder : {"link", "absolute"}) {
+    const std::string path = folder == "absolute" ? (lab_.folder / "secret").string() : folder;
+    EXPECT_EQ(listed(path, false), 1) << folder;
+    EXPECT_EQ(listed(path, true), 0) << folder;
+    EXPECT_EQ(listed(path, true, true), 1) << folder;
+  }
+  EXPECT_EQ(listed("proto", true), 1);
+  EXPECT_EQ(listed((lab_.folder / "agent/proto").string(), true), 1);
+  EXPECT_EQ(listed(".", true), 1) << "links below it are not followed";
+}
+
 TEST_F(FilesTest, WritingEndsUpInTheRunAndIsReadBackFromThere) {
   Files files = make();
   auto path = files.for_writing("/tmp/state/save.dat");
