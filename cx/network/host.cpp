@@ -119,6 +119,11 @@ LinkId Host::connect_from(std::string_view host, std::uint16_t port, std::uint16
   return id;
 }
 
+bool Host::is_heard(LinkId id) const {
+  const auto found = links_.find(id);
+  return found != links_.end() && network_.others_receive(found->second.to_port, *this);
+}
+
 bool Host::send(LinkId id, std::string_view bytes, bus::Causes causes) {
   const auto found = links_.find(id);
   if (found == links_.end()) return false;

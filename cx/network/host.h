@@ -71,6 +71,8 @@ class Host {
 
   /// A datagram, or the next bytes of a stream. False if there is no such link, or its stream is not connected.
   bool send(LinkId link, std::string_view bytes, bus::Causes causes = {});
+  /// Of datagrams: whether anybody else would receive them now, in the episode or outside of it.
+  bool is_heard(LinkId link) const;
   /// Nothing more comes from the link. The other side of a stream is told; a server closes its streams.
   void close(LinkId link, bus::Causes causes = {});
   bool has(LinkId link) const { return links_.contains(link); }

@@ -35,6 +35,14 @@ void Network::closed(const Host::Link& link) {
     watcher_->datagrams_closed(link.port);
 }
 
+bool Network::others_receive(std::uint16_t port, const Host& host) const {
+  return (gateway_ && gateway_ != &host) || std::ranges::any_of(hosts_, [&](const Host* other) {
+           return other != &host && std::ranges::any_of(other->links_, [&](const auto& item) {
+                    return item.second.kind == Host::LinkKind::kDatagrams && item.second.port == port;
+                  });
+         });
+}
+
 std::vector<bus::EndpointId> Network::receivers(std::uint16_t port, const Host& sender, LinkId sending) const {
   std::vector<bus::EndpointId> out;
   for (const Host* host : hosts_)

@@ -32,6 +32,8 @@ class Network {
   Network& operator=(const Network&) = delete;
 
   bus::Bus& bus() { return bus_; }
+  /// Whether programs outside of the process take part.
+  bool is_open() const { return gateway_ != nullptr; }
 
  private:
   friend class Host;
@@ -42,6 +44,7 @@ class Network {
   void opened(const Host::Link& link);
   void closed(const Host::Link& link);
   std::size_t users(Host::LinkKind kind, std::uint16_t port) const;
+  bool others_receive(std::uint16_t port, const Host& host) const;
   /// Of the hosts with other links than `link` of `sender` that receive there, else of the gateway.
   std::vector<bus::EndpointId> receivers(std::uint16_t port, const Host& sender, LinkId link) const;
   struct Server {

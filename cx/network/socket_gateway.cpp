@@ -52,6 +52,13 @@ Expected<std::unique_ptr<SocketGateway>> SocketGateway::create(Network& network,
   network.hosts_.pop_back();  // it is the host of all that is not inside
   network.gateway_ = gateway->host_.get();
   network.watcher_ = gateway.get();
+  for (const Host* inside : network.hosts_)
+    for (const auto& [id, link] : inside->links_) {
+      if (link.kind == Host::LinkKind::kDatagrams && !gateway->datagrams_.contains(link.port))
+        gateway->datagrams_opened(link.port);
+      if (link.kind == Host::LinkKind::kServer && !gateway->servers_.contains(link.port))
+        gateway->server_opened(link.port);
+    }
   gateway->sender_ = Socket(make_socket(SOCK_DGRAM));
   gateway->buffer_.resize(1 << 16);
   return gateway;

@@ -4,6 +4,7 @@
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/dynamic_message.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/stubs/logging.h>
 
 #include <algorithm>
 #include <list>
@@ -148,6 +149,7 @@ Expected<MessagePtr> Types::read(const Frame& frame) const {
   const proto::Descriptor* type = find(frame.key);
   if (!type) return input_error("Message type " + name_of(frame.key) + " not registered");
   MessagePtr message = make(*type);
+  const proto::LogSilencer quiet;  // it writes of texts that are no UTF-8 to stderr
   if (!message->ParsePartialFromString(frame.content)) return input_error("the bytes are no " + type->full_name());
   if (!message->IsInitialized())
     return input_error(type->full_name() + " lacks required fields: " + message->InitializationErrorString());
@@ -160,6 +162,7 @@ Expected<std::string> Types::write(const proto::Message& message, Crypto* crypto
   if (!key) return input_error(type.full_name() + " has no enum CompType with COMP_ID and MSG_TYPE");
   if (!message.IsInitialized())
     return input_error(type.full_name() + " lacks required fields: " + message.InitializationErrorString());
+  const proto::LogSilencer quiet;
   std::string content;
   message.SerializePartialToString(&content);
   return write_frame(*key, content, crypto);
