@@ -131,6 +131,26 @@ struct GameFile {
   }
 };
 
+/// The referee box on the network (docs/rcll-protocol.md).
+struct RefboxConfig {
+  std::string team_cyan;                  ///< name of the team; empty: CYAN, until a beacon of the team tells its name
+  std::string team_magenta;               ///< the same
+  std::string key_cyan = "randomkey";     ///< of the team's channel; empty: not encrypted
+  std::string key_magenta = "randomkey";  ///< the same
+  std::string cipher = "aes-128-cbc";
+  int port_shift = 0;  ///< added to all ports: several games on one machine
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys("team_cyan", team_cyan);
+    keys("team_magenta", team_magenta);
+    keys("key_cyan", key_cyan);
+    keys("key_magenta", key_magenta);
+    keys.word("cipher", cipher, {"aes-128-ecb", "aes-128-cbc", "aes-256-ecb", "aes-256-cbc"});
+    keys("port_shift", port_shift);
+  }
+};
+
 /// `world:` of a scenario whose kind is rcll.
 struct WorldConfig {
   std::string team = "CYAN";     ///< CYAN, MAGENTA, or BOTH: whose robots and machines play; those of others stand idle
@@ -149,6 +169,7 @@ struct WorldConfig {
   bool transforms = false;                ///< /tf has where robots are in "map", /tf_static where machines are
   double shelf_refill_s = 20;             ///< s after which a completely empty shelf is filled again
   double repair_s = 30;                   ///< s that people need at least for a robot in maintenance
+  RefboxConfig refbox;                    ///< the protocol of the league on the network
 
   template <class Keys>
   void fields(Keys& keys) {
@@ -168,6 +189,7 @@ struct WorldConfig {
     keys("transforms", transforms);
     keys("shelf_refill_s", shelf_refill_s);
     keys("repair_s", repair_s);
+    keys("refbox", refbox);
   }
 };
 

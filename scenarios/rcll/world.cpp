@@ -9,6 +9,7 @@
 #include "scenarios/rcll/factory.h"
 #include "scenarios/rcll/floor_plan.h"
 #include "scenarios/rcll/layout.h"
+#include "scenarios/rcll/refbox/refbox_server.h"
 #include "scenarios/rcll/result.h"
 #include "sim/ledger/ledger_world.h"
 #include "sim/mujoco/mujoco_world.h"
@@ -113,7 +114,7 @@ class GameStage final : public Stage {
   Factory* factory_ = nullptr;
 };
 
-/// Servers in the order robots, factory.
+/// Servers in the order referee box on the network, robots, factory.
 Status GameStage::build(const StageSetup& setup) {
   const Scenario& scenario = setup.scenario;
   const WorldConfig& config = scenario.world.get<WorldConfig>();
@@ -133,6 +134,11 @@ Status GameStage::build(const StageSetup& setup) {
       log->line({bus.now(), cx::LogLevel::kWarn, "factory", text, {}});
     });
   servers.push_back(*std::move(factory));
+  if (setup.network) {
+    auto refbox = RefboxServer::make(config, *floor_, setup);
+    if (!refbox) return refbox.error();
+    servers.insert(servers.begin(), *std::move(refbox));
+  }
   referee = factory_;
   if (config.exploration && *named<Information>(config.information) == Information::kLeague)
     fleet_->ask_whether_known([this](sim::RobotId robot, sim::StationId station) { return is_known(robot, station); });

@@ -1,0 +1,98 @@
+#pragma once
+// A robot on the network, as in the league's simulations: it takes an AgentTask from its agent, carries it out with its
+// skills, and answers with the same task and what came of it, again every second until the next one. Once a second it
+// says where it is (BeaconSignal), and in exploration which machines it has seen (MachineReport).
+//
+// One task at a time: the same task_id again is the same task, another one cancels what is under way.
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/bus/bus.h"
+#include "scenarios/rcll/refbox/channel.h"
+#include "scenarios/rcll/refbox/messages.h"
+#include "scenarios/rcll/types.h"
+#include "sim/pose.h"
+
+namespace cxlab::rcll {
+
+class RobotPeer {
+ public:
+  struct Identity {
+    std::string name;  ///< of its node: "robot1"
+    Team team{};
+    int number = 0;  ///< in its team, from 1
+    std::string team_name;
+  };
+
+  /// All outlive it. `pose`: where it is now.
+  RobotPeer(Identity identity, Channel channel, const pb::Types& types, bus::Bus& bus, bus::ParticipantId node,
+            std::function<sim::Pose2()> pose);
+  ~RobotPeer();
+  RobotPeer(const RobotPeer&) = delete;
+  RobotPeer& operator=(const RobotPeer&) = delete;
+  /// Opens its actions and topics on the bus.
+  Status open();
+
+  Channel& channel() { return channel_; }
+  void rename_team(const std::string& name) { identity_.team_name = name; }
+  /// A task of its agent; what is wrong with it, where it is none that can be answered.
+  std::string take(const Fields& task);
+  /// Says what is due.
+  void speak(SimTime now, const Moment& moment);
+  SimTime next_due() const { return next_; }
+
+ private:
+  /// A goal of one of its skills: fields of the action's goal.
+  struct Step {
+    std::string_view action;
+    std::vector<std::pair<std::string_view, std::string>> fields;
+    bool or_next = false;  ///< if nothing lies there the next step is tried
+  };
+  struct Action {
+    const bus::ActionType* type = nullptr;
+    bus::EndpointId client{};
+  };
+
+  struct Plan {
+    std::deque<Step> steps;
+    std::int64_t error = 0;  ///< why there are none
+  };
+  Plan plan_of(const Fields& task) const;
+  void begin(const google::protobuf::Message& task);
+  void next_step();
+  void take_answer(const bus::Delivery& delivery);
+  void take_result(const bus::Delivery& delivery);
+  void end(std::int64_t error, bool canceled = false);
+  void answer(const Fields& task, std::int64_t error, bool canceled = false);
+  void report(const bus::MessageView& entry, Fields& report) const;
+  void take_sightings(const bus::Delivery& delivery);
+
+  Identity identity_;
+  Channel channel_;
+  const pb::Types& types_;
+  bus::Bus& bus_;
+  bus::ParticipantId node_;
+  std::function<sim::Pose2()> pose_;
+  std::map<std::string_view, Action> actions_;
+  pb::MessagePtr task_;     ///< under way, or the last one
+  pb::MessagePtr waiting_;  ///< that follows when the skill under way has ended
+  bool under_way_ = false, cancels_ = false;
+  std::deque<Step> steps_;  ///< the first is under way
+  std::optional<bus::GoalId> goal_;
+  std::deque<std::pair<std::int64_t, bool>> finished_;  ///< the last tasks: their ids, whether they were successful
+  std::uint64_t beacons_ = 0;
+  SimTime next_{};
+};
+
+}  // namespace cxlab::rcll

@@ -1,0 +1,38 @@
+#include "refbox_story.h"
+
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/text_format.h>
+
+namespace cxlab::rcll {
+
+pb::MessagePtr RefboxStory::message(const std::string& type, const std::string& fields) const {
+  auto made = types_->make("llsf_msgs." + type);
+  EXPECT_TRUE(made) << type;
+  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(fields, made.get())) << fields;
+  return made;
+}
+
+void RefboxStory::keep(Program& program, const Expected<pb::MessagePtr>& message) {
+  ASSERT_TRUE(message) << message.error().message;
+  program.heard.push_back({to_seconds(bus_.now()),
+                           (*message)->GetDescriptor()->name(),
+                           (*message)->ShortDebugString(),
+                           {(*message)->New(), std::default_delete<google::protobuf::Message>()}});
+  program.heard.back().message->CopyFrom(**message);
+}
+
+void RefboxStory::take(const net::Event& event) {
+  const auto program = programs_.find(event.link);
+  if (program == programs_.end()) return;
+  if (event.kind == net::EventKind::kDatagram) {
+    const auto frame = pb::read_datagram(event.bytes, program->second.crypto.get());
+    ASSERT_TRUE(frame) << frame.error().message;
+    return keep(program->second, types_->read(*frame));
+  }
+  if (event.kind != net::EventKind::kBytes) return;
+  pb::StreamReader& reader = readers_[event.link];
+  reader.add(event.bytes);
+  for (auto frame = reader.next(); frame && *frame; frame = reader.next()) keep(program->second, types_->read(**frame));
+}
+
+}  // namespace cxlab::rcll

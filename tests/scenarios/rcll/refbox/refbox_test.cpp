@@ -1,0 +1,456 @@
+// The protocol of the league: what goes out on which channel and when, and what comes of what teams send.
+
+#include <algorithm>
+#include <random>
+
+#include "refbox_story.h"
+
+namespace cxlab::rcll {
+namespace {
+
+using ::testing::Contains;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+/// From `first` in steps of `period`, each a tick later: what nodes send reaches environments at the next one.
+std::vector<double> every(double period, double first, double last) {
+  std::vector<double> times;
+  for (int k = 0; first + k * period <= last + 1e-6; ++k) times.push_back(first + k * period + 0.02);
+  return times;
+}
+auto at_times(const std::vector<double>& times) { return ::testing::Pointwise(::testing::DoubleNear(0.0201), times); }
+int count(const std::string& text, const std::string& part) {
+  int n = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+// --- What the referee box says
+
+TEST(Refbox, SpeaksAtTheRatesOfTheLeague) {
+  WorldConfig config = RefboxStory::game();
+  OrderConfig later = config.orders[0];
+  later.activate_at = 10.2;
+  config.orders.push_back(later);
+  RefboxStory story(config);
+  auto& all = story.open(kPublicWay);
+  auto& cyan = story.open(kCyanWay, kLeagueKey);
+  story.run_until(30);
+  EXPECT_THAT(all.times("BeaconSignal"), at_times(every(1, 0, 29.9)));
+  EXPECT_THAT(all.times("GameState"), at_times(every(1, 0, 29.9)));
+  EXPECT_THAT(all.times("RobotInfo"), at_times(every(2.5, 0, 29.9)));
+  EXPECT_THAT(all.times("VersionInfo"), at_times(every(5, 0, 29.9)));
+  std::vector<double> orders = every(0.5, 0, 4.5);  // of the first order: ten
+  for (const double t : every(2, 6.5, 8.5)) orders.push_back(t);
+  for (const double t : every(0.5, 10.2, 14.7)) orders.push_back(t);
+  for (const double t : every(2, 16.7, 29.9)) orders.push_back(t);
+  EXPECT_THAT(all.times("OrderInfo"), at_times(orders));
+  EXPECT_THAT(all.heard, SizeIs(30 + 30 + 12 + 6 + orders.size())) << "and nothing else";
+  std::vector<double> machines = every(0.5, 0, 14.5);  // the first thirty
+  for (const double t : every(2, 16.5, 29.9)) machines.push_back(t);
+  EXPECT_THAT(cyan.times("MachineInfo"), at_times(machines));
+  EXPECT_THAT(cyan.times("RingInfo"), at_times(every(2, 0, 29.9)));
+  EXPECT_THAT(cyan.heard, SizeIs(machines.size() + 15));
+}
+
+TEST(Refbox, SaysWhatTheFactorySays) {
+  RefboxStory story;
+  auto& all = story.open(kPublicWay);
+  auto& cyan = story.open(kCyanWay, kLeagueKey);
+  story.run_until(3);
+  EXPECT_EQ(all.last_text("GameState"),
+            "game_time { sec: 2 nsec: 0 } state: RUNNING phase: PRODUCTION points_cyan: 0 team_cyan: \"CYAN\" "
+            "points_magenta: 0 field_height: 8 field_width: 7 field_mirrored: true");
+  EXPECT_EQ(all.last_text("OrderInfo"),
+            "orders { id: 1 complexity: C0 base_color: BASE_RED cap_color: CAP_GREY quantity_requested: 1 "
+            "quantity_delivered_cyan: 0 quantity_delivered_magenta: 0 delivery_period_begin: 0 delivery_period_end: "
+            "1200 delivery_gate: 1 competitive: false }");
+  EXPECT_THAT(all.last_text("RobotInfo"),
+              StartsWith("robots { name: \"robot1\" team: \"CYAN\" host: \"127.0.0.1\" last_seen { sec: 1767225602 "
+                         "nsec: 500000000 } number: 1 state: ACTIVE maintenance_time_remaining: 0 "
+                         "maintenance_cycles: 0 team_color: CYAN }"));
+  EXPECT_EQ(all.last_text("BeaconSignal"),
+            "time { sec: 1767225602 nsec: 0 } seq: 3 team_name: \"LLSF\" peer_name: \"RefBox\" number: 0");
+  EXPECT_THAT(all.last_text("VersionInfo"), HasSubstr("name: \"field_width\" type: INTEGER integer_value: 7"));
+  EXPECT_EQ(count(cyan.last_text("RingInfo"), "raw_material: 0"), 2);
+  EXPECT_EQ(count(cyan.last_text("RingInfo"), "rings {"), 4);
+}
+
+TEST(Refbox, TellsATeamWhatTheLeagueTells) {
+  for (const std::string information : {"league", "all"}) {
+    WorldConfig config = RefboxStory::game();
+    config.information = information;
+    config.exploration = true;
+    config.team = "BOTH";
+    RefboxStory story(config);
+    auto& cyan = story.open(kCyanWay, kLeagueKey);
+    auto& magenta = story.open(kMagentaWay, kLeagueKey);
+    story.run_until(5);
+    const std::string machines = cyan.last_text("MachineInfo");
+    EXPECT_EQ(count(machines, "machines {"), 7) << machines;
+    EXPECT_EQ(count(machines, "name: \"C-"), 7);
+    EXPECT_EQ(count(magenta.last_text("MachineInfo"), "name: \"M-"), 7);
+    for (const char* hidden : {"zone:", "rotation:", "pose", "lights", "loaded_with"})
+      EXPECT_THAT(machines, Not(HasSubstr(std::string(" ") + hidden + ' '))) << information;
+    EXPECT_EQ(count(machines, "correctly_reported: false"), 7);
+    EXPECT_EQ(count(machines, "exploration_zone_state: NO_REPORT"), 7);
+    EXPECT_THAT(cyan.times("MachineReportInfo"), at_times(every(1, 0, 4.9)));
+    story.run_until(185);
+    EXPECT_EQ(count(cyan.last_text("MachineInfo"), " zone: C_Z") + count(cyan.last_text("MachineInfo"), " zone: M_Z"),
+              7);
+    EXPECT_LT(cyan.times("MachineReportInfo").back(), 180.1);
+  }
+}
+
+TEST(Refbox, IsSilentWhereNobodyListens) {
+  RefboxStory story;
+  story.run_until(30);
+  const auto& names = story.records().names();
+  const auto stream = std::ranges::find(names, "node/refbox") - names.begin();
+  EXPECT_THAT(story.records().of(static_cast<StreamId>(stream)), SizeIs(3)) << "it has joined, with its host";
+}
+
+TEST(Refbox, SpeaksToAgentsThatSendAndReceiveOnOnePort) {
+  RefboxStory story;
+  auto& all = story.open({4444, 4444});
+  auto& cyan = story.open({4441, 4441}, kLeagueKey);
+  story.run_until(3);
+  EXPECT_THAT(all.times("GameState"), SizeIs(3));
+  story.say(cyan, "PrepareMachine", "team_color: CYAN machine: 'C-BS' instruction_bs { side: OUTPUT color: BASE_RED }");
+  story.run_for(0.2);
+  EXPECT_THAT(cyan.last_text("MachineInfo"), HasSubstr("state: \"PROCESSING\""));
+  EXPECT_THAT(story.warnings(), IsEmpty());
+}
+
+TEST(Refbox, SpeaksToStreams) {
+  RefboxStory story;
+  auto& controller = story.open_stream();
+  story.run_until(3);
+  EXPECT_THAT(controller.times("GameState"), SizeIs(2)) << "from the next one on";
+  story.say(controller, "SetTeamName", "team_color: CYAN team_name: 'Carologistics'");
+  story.say(controller, "SetRobotMaintenance", "team_color: CYAN robot_number: 2 maintenance: true");
+  story.say(controller, "SetTeamName", "team_color: MAGENTA team_name: 'GRIPS'");
+  story.run_until(8);
+  EXPECT_THAT(controller.last_text("GameState"), HasSubstr("team_cyan: \"Carologistics\""));
+  EXPECT_THAT(controller.last_text("RobotInfo"), HasSubstr("number: 2 state: MAINTENANCE"));
+  EXPECT_THAT(story.warnings(), ElementsAre("stream: found a llsf_msgs.SetTeamName, expected a SetTeamName or "
+                                            "SetRobotMaintenance of a team that plays"));
+  story.send(controller, "GET / HTTP/1.1\r\n");
+  story.run_until(10);
+  EXPECT_THAT(story.warnings().back(), HasSubstr("found frame header version 71"));
+  EXPECT_LT(controller.times("GameState").back(), 8.5) << "it was closed";
+}
+
+TEST(Refbox, LearnsTheNameOfATeamFromItsBeacons) {
+  RefboxStory story;
+  auto& all = story.open(kPublicWay);
+  story.say(all, "BeaconSignal", "time { sec: 1 nsec: 0 } seq: 1 number: 2 team_name: 'Rules' peer_name: 'R-2'");
+  story.run_until(6);
+  EXPECT_THAT(all.last_text("GameState"), HasSubstr("team_cyan: \"Rules\""));
+  EXPECT_THAT(
+      all.last_text("RobotInfo"),
+      HasSubstr("name: \"R-2\" team: \"Rules\" host: \"127.0.0.1\" last_seen { sec: 1767225600 nsec: 0 } number: 2"));
+  story.say(all, "BeaconSignal", "time { sec: 1 nsec: 0 } seq: 2 number: 1 team_name: 'Others' peer_name: 'X'");
+  story.run_until(8);
+  EXPECT_THAT(all.last_text("GameState"), HasSubstr("team_cyan: \"Rules\"")) << "it has its name";
+}
+
+// --- What teams ask for
+
+TEST(Refbox, MachineInfoFollowsEachStateOfAMachine) {
+  RefboxStory story;
+  auto& cyan = story.open(kCyanWay, kLeagueKey);
+  story.run_until(20);
+  const std::size_t before = cyan.times("MachineInfo").size();
+  story.say(cyan, "PrepareMachine",
+            "team_color: CYAN machine: 'C-BS' instruction_bs { side: OUTPUT color: BASE_BLACK } sent_at: 20");
+  story.run_until(30);
+  std::vector<std::string> states;
+  std::vector<double> times;
+  for (const auto& heard : cyan.heard) {
+    if (heard.type != "MachineInfo" || heard.at <= 20) continue;
+    const std::string bs = heard.text.substr(heard.text.find("\"C-BS\""));
+    const std::string rest = bs.substr(bs.find("state: \"") + 8), state = rest.substr(0, rest.find('"'));
+    if (states.empty() || states.back() != state) states.push_back(state), times.push_back(heard.at);
+  }
+  EXPECT_THAT(states, ElementsAre("PROCESSING", "PROCESSED", "READY-AT-OUTPUT"));
+  EXPECT_THAT(times, ElementsAre(::testing::DoubleNear(20.06, 0.021), ::testing::DoubleNear(21.16, 0.041),
+                                 ::testing::DoubleNear(23.84, 0.061)));
+  EXPECT_EQ(cyan.times("MachineInfo").size() - before, 3u + 5) << "the periodic ones go on";
+  EXPECT_THAT(story.warnings(), IsEmpty());
+}
+
+TEST(Refbox, InstructsEachKindOfMachine) {
+  RefboxStory story;
+  auto& cyan = story.open(kCyanWay, kLeagueKey);
+  story.run_until(1);
+  const auto prepare = [&](const std::string& machine, const std::string& instruction) {
+    story.say(cyan, "PrepareMachine", "team_color: CYAN machine: '" + machine + "' " + instruction);
+  };
+  prepare("C-BS", "instruction_bs { side: INPUT color: BASE_SILVER }");
+  prepare("C-CS1", "instruction_cs { operation: RETRIEVE_CAP }");
+  prepare("C-RS1", "instruction_rs { ring_color: RING_BLUE }");  // which it has not
+  prepare("C-SS", "instruction_ss { operation: RETRIEVE shelf: 2 slot: 1 }");
+  prepare("C-DS", "instruction_ds { order_id: 1 }");
+  prepare("C-CS2", "instruction_ss { operation: RETRIEVE shelf: 2 slot: 1 }");  // not its instruction
+  story.run_for(1);
+  const std::string info = cyan.last_text("MachineInfo");
+  const auto state = [&](const std::string& machine) {
+    const std::string rest = info.substr(info.find('"' + machine + '"'));
+    const std::string from = rest.substr(rest.find("state: \"") + 8);
+    return from.substr(0, from.find('"'));
+  };
+  EXPECT_EQ(state("C-BS"), "PROCESSING");
+  EXPECT_EQ(state("C-CS1"), "PREPARED");
+  EXPECT_EQ(state("C-RS1"), "BROKEN");
+  EXPECT_EQ(state("C-SS"), "PROCESSING");
+  EXPECT_EQ(state("C-DS"), "PROCESSING");
+  EXPECT_EQ(state("C-CS2"), "BROKEN");
+  EXPECT_THAT(story.warnings(), SizeIs(2)) << "of the two that broke";
+  prepare("C-RS2", "");
+  story.say(cyan, "ResetMachine", "team_color: CYAN machine: 'C-SS'");
+  prepare("C-XX", "");
+  story.run_for(1);
+  EXPECT_THAT(story.warnings(), Contains(HasSubstr("C-XX: ")));
+  EXPECT_EQ(count(cyan.last_text("MachineInfo"), "BROKEN"), 4);
+  story.say(cyan, "PrepareMachine", "team_color: CYAN machine: 'C-DS'");
+  story.run_for(1);
+  EXPECT_EQ(count(cyan.last_text("MachineInfo"), "BROKEN"), 4) << "it is busy";
+}
+
+TEST(Refbox, ADeliveryStationWithoutInstructionBreaks) {
+  RefboxStory story;
+  auto& cyan = story.open(kCyanWay, kLeagueKey);
+  story.run_until(1);
+  story.say(cyan, "PrepareMachine", "team_color: CYAN machine: 'C-DS'");
+  story.run_for(1);
+  EXPECT_EQ(count(cyan.last_text("MachineInfo"), "BROKEN"), 1);
+}
+
+TEST(Refbox, TakesReports) {
+  WorldConfig config = RefboxStory::game();
+  config.exploration = true;
+  config.layout = {{"C-BS", "C_Z13", 0},    {"C-CS1", "M_Z24", 180}, {"C-CS2", "C_Z35", 90},  {"C-RS1", "C_Z72", 270},
+                   {"C-RS2", "M_Z63", 180}, {"C-SS", "C_Z77", 270},  {"C-DS", "C_Z48", 270},  {"M-BS", "M_Z13", 0},
+                   {"M-CS1", "C_Z24", 0},   {"M-CS2", "M_Z35", 180}, {"M-RS1", "M_Z72", 270}, {"M-RS2", "C_Z63", 180},
+                   {"M-SS", "M_Z77", 270},  {"M-DS", "M_Z48", 135}};
+  RefboxStory story(config);
+  auto& cyan = story.open(kCyanWay, kLeagueKey);
+  auto& all = story.open(kPublicWay);
+  story.run_until(1);
+  story.say(cyan, "PrepareMachine", "team_color: CYAN machine: 'C-BS' instruction_bs { side: INPUT color: BASE_RED }");
+  story.run_for(1);
+  EXPECT_THAT(story.warnings(), SizeIs(1)) << "it is not reported";
+  EXPECT_THAT(cyan.last_text("MachineInfo"), Not(HasSubstr("PROCESSING")));
+  story.say(cyan, "MachineReport",
+            "team_color: CYAN machines { name: 'C-BS' type: 'BS' zone: C_Z13 rotation: 0 } machines { name: 'C-SS' "
+            "type: 'SS' zone: C_Z76 rotation: 270 } machines { type: 'DS' zone: C_Z48 }");
+  story.run_for(1.2);
+  EXPECT_THAT(all.last_text("GameState"), HasSubstr("points_cyan: 1")) << "2 for the BS, -1 for the SS";
+  EXPECT_EQ(cyan.last_text("MachineReportInfo"),
+            "reported_machines: \"C-BS\" team_color: CYAN reported_types { type: \"DS\" zone: C_Z48 name: \"C-DS\" "
+            "team_color: CYAN }");
+  EXPECT_THAT(cyan.last_text("MachineInfo"),
+              HasSubstr("correctly_reported: true team_color: CYAN zone: C_Z13 rotation: 0"));
+  EXPECT_EQ(count(cyan.last_text("MachineInfo"), " rotation: "), 1);
+  story.say(cyan, "PrepareMachine", "team_color: CYAN machine: 'C-BS' instruction_bs { side: INPUT color: BASE_RED }");
+  story.run_for(0.5);
+  EXPECT_THAT(cyan.last_text("MachineInfo"), HasSubstr("PROCESSING"));
+}
+
+TEST(Refbox, DropsInstructionsThatCameLate) {
+  RefboxStory story;
+  auto& cyan = story.open(kCyanWay, kLeagueKey);
+  story.run_until(10);
+  // The team's clock is not the one of the referee box.
+  story.say(cyan, "PrepareMachine",
+            "team_color: CYAN machine: 'C-CS1' instruction_cs { operation: RETRIEVE_CAP } sent_at: 1000");
+  story.run_until(12);
+  EXPECT_EQ(count(cyan.last_text("MachineInfo"), "PREPARED"), 1);
+  story.say(cyan, "PrepareMachine",
+            "team_color: CYAN machine: 'C-CS2' instruction_cs { operation: RETRIEVE_CAP } sent_at: 996");
+  story.run_until(13);
+  EXPECT_EQ(count(cyan.last_text("MachineInfo"), "PREPARED"), 1) << "6 s late";
+  EXPECT_THAT(story.warnings(), ElementsAre(HasSubstr("sent more than 5 s ago")));
+  story.say(cyan, "PrepareMachine",
+            "team_color: CYAN machine: 'C-CS2' instruction_cs { operation: RETRIEVE_CAP } sent_at: 998");
+  story.run_until(14);
+  EXPECT_EQ(count(cyan.last_text("MachineInfo"), "PREPARED"), 2) << "5 s late";
+}
+
+// --- Strangers
+
+TEST(Refbox, RefusesWhatIsNotForItsTeam) {
+  WorldConfig config = RefboxStory::game();
+  config.team = "BOTH";
+  config.refbox.key_magenta = "";
+  RefboxStory story(config);
+  auto& cyan = story.open(kCyanWay, kLeagueKey);
+  auto& magenta = story.open(kMagentaWay);
+  auto& all = story.open(kPublicWay);
+  auto& plain = story.open({4446, 1});
+  auto& wrong_key = story.open({4446, 2}, "another");
+  story.run_until(1);
+  const std::string bs = "instruction_bs { side: OUTPUT color: BASE_RED }";
+  for (int i = 0; i < 3; ++i) {
+    story.say(magenta, "PrepareMachine", "team_color: CYAN machine: 'C-BS' " + bs);
+    story.say(all, "PrepareMachine", "team_color: CYAN machine: 'C-BS' " + bs);
+    story.say(plain, "PrepareMachine", "team_color: CYAN machine: 'C-BS' " + bs);
+    story.say(wrong_key, "PrepareMachine", "team_color: CYAN machine: 'C-BS' " + bs);
+    story.say(cyan, "GameState", "game_time { sec: 0 nsec: 0 } state: PAUSED phase: POST_GAME");
+    story.run_for(1);
+  }
+  EXPECT_THAT(cyan.last_text("MachineInfo"), Not(HasSubstr("PROC")));
+  EXPECT_THAT(story.warnings(),
+              ElementsAre("channel of MAGENTA: found a llsf_msgs.PrepareMachine of CYAN",
+                          "public channel: found a llsf_msgs.PrepareMachine, expected a llsf_msgs.BeaconSignal",
+                          HasSubstr("channel of CYAN: "), HasSubstr("channel of CYAN: Decryption failed"),
+                          HasSubstr("channel of CYAN: found a llsf_msgs.GameState, expected a PrepareMachine")))
+      << "each once";
+  story.say(magenta, "PrepareMachine", "team_color: MAGENTA machine: 'C-BS' " + bs);
+  story.run_for(1);
+  EXPECT_THAT(cyan.last_text("MachineInfo"), Not(HasSubstr("PROC"))) << "it is not magenta's";
+  story.say(magenta, "PrepareMachine", "team_color: MAGENTA machine: 'M-BS' " + bs);
+  story.run_for(1);
+  EXPECT_THAT(magenta.last_text("MachineInfo"), HasSubstr("PROC"));
+}
+
+TEST(Refbox, AnyBytesChangeNothing) {
+  RefboxStory story;
+  auto& cyan = story.open(kCyanWay, kLeagueKey);
+  std::vector<RefboxStory::Program*> ways{&cyan, &story.open(kPublicWay), &story.open(kRobot1), &story.open_stream()};
+  story.run_until(20);
+  const std::string before = cyan.last_text("MachineInfo");
+  std::mt19937 random(7);
+  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random()) % n; };
+  const std::string frames[]{
+      *pb::Types::write(*story.message("PrepareMachine", "team_color: CYAN machine: 'C-BS'")),
+      *pb::Types::write(*story.message("BeaconSignal",
+                                       "time { sec: 1 nsec: 0 } seq: 1 number: 2 team_name: 'Rules' "
+                                       "peer_name: 'R-2' team_color: MAGENTA")),
+      *pb::Types::write(*story.message("AgentTask", "team_color: CYAN task_id: 1 robot_id: 3 move { waypoint: 'x' }"))};
+  for (int i = 0; i < 2000; ++i) {
+    std::string bytes = frames[below(3)];
+    if (below(4) == 0) bytes.resize(below(bytes.size() + 20), 'x');
+    for (std::size_t changes = below(4); changes > 0 && !bytes.empty(); --changes)
+      bytes[below(bytes.size())] = static_cast<char>(below(256));
+    if (below(10) == 0)
+      for (char& c : bytes) c = static_cast<char>(below(256));
+    story.send(*ways[below(4)], bytes);
+    if (i % 100 == 0) story.run_for(0.02);
+  }
+  story.run_for(2);
+  EXPECT_EQ(cyan.last_text("MachineInfo"), before);
+  EXPECT_LE(story.warnings().size(), 101u);
+}
+
+// --- Robots
+
+TEST(RefboxRobots, CarryOutTasks) {
+  RefboxStory story;
+  auto& robot = story.open(kRobot1);
+  story.run_until(1);
+  const std::string head = "team_color: CYAN robot_id: 1 ";
+  story.say(robot, "AgentTask", head + "task_id: 0 move { waypoint: 'C-CS1' machine_point: 'INPUT' }");
+  story.run_for(0.1);
+  EXPECT_THAT(robot.times("AgentTask"), IsEmpty());
+  story.run_for(60);
+  EXPECT_EQ(robot.last_text("AgentTask"),
+            "team_color: CYAN task_id: 0 robot_id: 1 move { waypoint: \"C-CS1\" machine_point: \"INPUT\" } "
+            "successful: true canceled: false error_code: 0");
+  const auto first = robot.times("AgentTask");
+  EXPECT_GT(first.size(), 20u) << "again every second";
+  EXPECT_THAT(robot.last_text("BeaconSignal"), HasSubstr("number: 1 finished_tasks { TaskId: 0 successful: true }"));
+  story.say(robot, "AgentTask", head + "task_id: 1 buffer { machine_id: 'C-CS1' shelf_number: 2 }");
+  story.run_for(10);
+  EXPECT_THAT(robot.last_text("BeaconSignal"), HasSubstr("task { team_color: CYAN task_id: 1"));
+  story.run_for(50);
+  EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("task_id: 1 robot_id: 1 buffer { machine_id: \"C-CS1\" "
+                                                      "shelf_number: 2 } successful: true"));
+  // The left and right slots have a piece; the belt has that of the middle.
+  for (const std::string task : {"retrieve { machine_id: 'C-CS1' machine_point: 'SHELF' }",
+                                 "deliver { machine_id: 'C-RS1' machine_point: 'SLIDE' }",
+                                 "retrieve { machine_id: 'c-cs1' machine_point: 'shelf' }"}) {
+    static int id = 1;
+    story.say(robot, "AgentTask", head + "task_id: " + std::to_string(++id) + ' ' + task);
+    story.run_for(80);
+    EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("successful: true")) << task;
+  }
+  EXPECT_THAT(story.warnings(), IsEmpty());
+}
+
+TEST(RefboxRobots, SayWhatIsWrongWithATask) {
+  RefboxStory story;
+  auto& robot = story.open(kRobot1);
+  story.run_until(1);
+  int id = 0;
+  const auto error_of = [&](const std::string& task, const std::string& head = "team_color: CYAN robot_id: 1 ") {
+    story.say(robot, "AgentTask", head + "task_id: " + std::to_string(++id) + ' ' + task);
+    story.run_for(90);
+    const std::string text = robot.last_text("AgentTask");
+    EXPECT_THAT(text, HasSubstr("task_id: " + std::to_string(id)));
+    EXPECT_THAT(text, HasSubstr("successful: false canceled: false"));
+    return text.substr(text.find("error_code"));
+  };
+  const std::string move = "move { waypoint: 'C_Z52' }";
+  EXPECT_EQ(error_of(move, "team_color: MAGENTA robot_id: 1 "), "error_code: 101");
+  EXPECT_EQ(error_of(move, "team_color: CYAN robot_id: 2 "), "error_code: 102");
+  EXPECT_EQ(error_of("move { waypoint: 'C_Z99' }"), "error_code: 103");
+  EXPECT_EQ(error_of("buffer { machine_id: 'C-CS1' shelf_number: 4 }"), "error_code: 103");
+  EXPECT_EQ(error_of(""), "error_code: 104");
+  EXPECT_EQ(error_of("retrieve { machine_id: 'C-BS' machine_point: 'OUTPUT' }"), "error_code: 202");
+  EXPECT_EQ(error_of("deliver { machine_id: 'C-BS' machine_point: 'INPUT' }"), "error_code: 208");
+  EXPECT_EQ(error_of("explore_machine { machine_id: '' machine_point: '' waypoint: 'C_Z52' }"), "error_code: 203");
+}
+
+TEST(RefboxRobots, DoOneTaskAtATime) {
+  RefboxStory story;
+  auto& robot = story.open(kRobot1);
+  story.run_until(1);
+  const std::string head = "team_color: CYAN robot_id: 1 ";
+  const std::string far = "move { waypoint: 'M-Z75' }", near = "move { waypoint: 'C_Z52' }";
+  story.say(robot, "AgentTask", head + "task_id: 1 " + far);
+  story.run_for(5);
+  story.say(robot, "AgentTask", head + "task_id: 1 " + near);  // the same task
+  story.run_for(5);
+  EXPECT_THAT(robot.times("AgentTask"), IsEmpty());
+  story.say(robot, "AgentTask", head + "task_id: 2 " + near);
+  story.run_for(5);
+  EXPECT_THAT(robot.heard, Contains(::testing::Field(
+                               &RefboxStory::Heard::text,
+                               "team_color: CYAN task_id: 1 robot_id: 1 move { waypoint: \"M-Z75\" } successful: false "
+                               "canceled: true error_code: 0")));
+  EXPECT_THAT(robot.last_text("BeaconSignal"), HasSubstr("task { team_color: CYAN task_id: 2"));
+  story.say(robot, "AgentTask", head + "task_id: 1 cancel_task: true");
+  story.say(robot, "AgentTask", head + "task_id: 2 pause_task: true");
+  story.run_for(40);
+  EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("task_id: 2"));
+  EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("successful: true"));
+  story.say(robot, "AgentTask", head + "task_id: 3 " + far);
+  story.run_for(5);
+  story.say(robot, "AgentTask", head + "task_id: 3 cancel_task: true");
+  story.run_for(5);
+  EXPECT_THAT(robot.last_text("AgentTask"),
+              HasSubstr("task_id: 3 robot_id: 1 move { waypoint: \"M-Z75\" } successful: false canceled: true"));
+  EXPECT_THAT(story.warnings(), ElementsAre(HasSubstr("a task that pauses: not supported")));
+}
+
+TEST(RefboxRobots, TellWhatTheySee) {
+  WorldConfig config = RefboxStory::game();
+  config.exploration = true;
+  config.information = "league";
+  RefboxStory story(config);
+  auto& robot = story.open(kRobot1);
+  story.run_until(1);
+  story.say(robot, "AgentTask", "team_color: CYAN robot_id: 1 task_id: 1 move { waypoint: 'C_Z55' }");
+  story.run_for(40);
+  EXPECT_THAT(robot.last_text("MachineReport"), HasSubstr("machines { zone: C_Z"));
+}
+
+}  // namespace
+}  // namespace cxlab::rcll
