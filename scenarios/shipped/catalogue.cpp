@@ -8,7 +8,7 @@ namespace cxlab {
 
 const Catalogue& shipped() {
   static const Catalogue kCatalogue{.worlds = {&kEmptyWorld, &rcll::kWorld, &turtlesim::kWorld},
-                                    .nodes = {&turtlesim::kNode, &pddl::kNode}};
+                                    .nodes = {&turtlesim::kNode, &pddl::kNode, &rcll::kLeagueClient}};
   return kCatalogue;
 }
 

@@ -240,5 +240,55 @@ class Inside(unittest.TestCase):
             self.assertEqual(result["teams"]["CYAN"]["by_kind"]["delivery"], 20, played.stdout)
 
 
+class OurAgent(unittest.TestCase):
+    """The agent that comes with cxlab, which knows topics and actions, against a referee box that it only reaches over the
+    network."""
+
+    NAMES = ["game_state", "order_info", "ring_info", "robot_info", "machine_info", "machine_report_info", "machine_report",
+             "set_robot_maintenance", "factory/instruct_machine",
+             *(f"robot{i}/{skill}" for i in (1, 2, 3)
+               for skill in ("drive_to", "pick", "place", "transport", "explore", "discard", "sightings"))]
+    AGENT = f"agents:\n- config: {SOURCE}/scenarios/rcll/agent/params/agent.yaml\n  packages: {{rcll_agent: {SOURCE}/scenarios/rcll/agent}}\n"
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="cxlab-league-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def test_short_plays_a_whole_game(self):
+        """In one process: what the agent hears and asks for goes twice through the protocol."""
+        (self.folder / "game.yaml").write_text(
+            "schema: 1\nworld: {kind: rcll, information: league, exploration: true}\ntier: timed\n"
+            "servers: [{node: league_client, namespace: /outside, team_name: Ours}]\n" + self.AGENT + "  remap:\n" +
+            "".join(f"    /{name}: /outside/{name}\n" for name in self.NAMES))
+        played = run("run", "game.yaml", "--out", "out", cwd=self.folder)
+        self.assertEqual(played.returncode, 0, played.stdout)
+        self.assertNotIn("[warn]", played.stdout)
+        result = json.loads((self.folder / "out/result.json").read_text())
+        self.assertTrue(result["deterministic"])
+        self.assertEqual(result["teams"]["CYAN"]["by_kind"]["exploration"], 14)
+        self.assertGreater(result["teams"]["CYAN"]["points"], 400)
+        self.assertEqual([robot["failures"] for robot in result["robots"]], [0, 0, 0])
+        self.assertIn("the same", run("replay", "out", cwd=self.folder).stdout)
+
+    def test_short_plays_over_sockets(self):
+        shift = free_shift()
+        (self.folder / "game.yaml").write_text(
+            f"schema: 1\nworld: {{kind: rcll, information: league, refbox: {{port_shift: {shift}}}}}\ntier: timed\n")
+        (self.folder / "agent.yaml").write_text(
+            f"schema: 1\nservers: [{{node: league_client, port_shift: {shift}, team_name: Ours}}]\n" + self.AGENT)
+        game, agent = (subprocess.Popen([CXLAB, "run", name + ".yaml", "--sockets", "--until", "12", "--out", name], cwd=self.folder,
+                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+                       for name in ("game", "agent"))
+        for process in (game, agent):
+            self.addCleanup(process.wait)
+            self.addCleanup(process.stdout.close)
+            self.addCleanup(process.kill)
+        said = game.communicate(timeout=60)[0] + agent.communicate(timeout=60)[0]
+        self.assertEqual((game.returncode, agent.returncode), (0, 0), said)
+        self.assertNotIn("[warn]", said)
+        result = json.loads((self.folder / "game/result.json").read_text())
+        self.assertGreaterEqual(sum(robot["skills"] for robot in result["robots"]), 3, said)
+
+
 if __name__ == "__main__":
     unittest.main()

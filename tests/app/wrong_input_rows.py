@@ -176,7 +176,7 @@ def scenario(name, text, code=3):
 KEYS = {  # key of a scenario: values that it cannot have
     "schema": ("2", "x", "[]", "1.5"), "seed": ("-1", "x", "1.5", "{}"), "duration_s": ("-1", "x", ".nan", ".inf", "[1]", "1e30"), "tick_s": ("0", "-1", "x", ".nan", "1e-12", "1e12"),
     "physics_step_s": ("0", "-1", "x"), "epoch": ("x", "[]", ".inf"), "max_firings_per_tick": ("-1", "x", "1.5"), "on_rule_error": ("stopp", "1", "[]"), "trust_rules": ("maybe", "2", "[]"),
-    "tier": ("fast", "[]"), "agents": ("x", "{}", "[x]", "[{}]", "[{config: }]", "[{config: [a]}]"), "servers": ("x", "[nonsense]", "[{nod: turtlesim}]", "[{node: turtlsim}]", "[3]"), "packages": ("x", "[a]", "{rules: nowhere}", "{rules: }"),
+    "tier": ("fast", "[]"), "agents": ("x", "{}", "[x]", "[{}]", "[{config: }]", "[{config: [a]}]"), "servers": ("x", "[nonsense]", "[{nod: turtlesim}]", "[{node: turtlsim}]", "[3]", *(f"[{{node: league_client, {key}}}]" for key in ("team: BOTH", "robots: 4", "first_robot: 0", "cipher: des", "port_shift: 70000", "namespace: a b"))), "packages": ("x", "[a]", "{rules: nowhere}", "{rules: }"),
     "stimuli": ("x", "[x]", "[{}]"), "faults": ("x", "[{}]", "[{kind: skil_fails}]", "[{kind: machine_breaks, at: 1}]"), "planner": ("x", "{latency: {a: -1}}", "{budget: -1}", "{latncy: {}}", "{budget: 0}"),
     "expect": ("x", "[{}]", "[{path: status}]", "[{path: sttus, equals: completed}]", "[{path: ticks, min: x}]"), "world": ("x", "{kind: moon}", "{kind: turtlesm}", "[rcll]"),
 }
@@ -187,7 +187,7 @@ ROWS["scenarios"] = [
       (("seed", "sed"), ("trust_rules", "trust-rules"), ("max_firings_per_tick", "max_firings"), ("stimuli", "stimulus"), ("expect", "expects"), ("world", "wrld"), ("faults", "fault"), ("servers", "server"), ("planner", "planer"), ("epoch", "epoc"))],
     *[scenario(f"world {key}: {value}", f"schema: 1\ntier: timed\nworld: {{kind: rcll, {key}: {value}}}\n")
       for key, values in {"team": ("GREEN", "[]", "cyan"), "robots": ("4", "-1", "x", "1.5"), "rules": ("leage", "1"), "production_s": ("-1", "x", ".inf"), "setup_s": ("-1", "x"), "exploration": ("maybe",), "down": ("x",), "complexities": ("C9", "[C9]", "{}"),
-                          "shelf_refill_s": ("-1",), "repair_s": ("-1",), "transforms": ("x",), "layout": ("x", "[{machine: C-BS}]", "[{machine: C-BS, zone: C_Z99}]", "[{machine: X-BS, zone: C_Z23}]", "[{machine: C-BS, zone: C_Z23, rotation: 7}]"),
+                          "shelf_refill_s": ("-1",), "repair_s": ("-1",), "refbox": ("x", "{port: 1}", "{cipher: des}", "{port_shift: 70000}", "{key_cyan: [a]}"), "transforms": ("x",), "layout": ("x", "[{machine: C-BS}]", "[{machine: C-BS, zone: C_Z99}]", "[{machine: X-BS, zone: C_Z23}]", "[{machine: C-BS, zone: C_Z23, rotation: 7}]"),
                           "orders": ("x", "[{complexity: C5}]", "[{complexity: C0, base_color: BASE_PINK, cap_color: CAP_GREY}]", "[{complexity: C1, base_color: BASE_RED, ring_colors: [], cap_color: CAP_GREY}]"), "robotss": ("1",),
                           "game": ("gone.yaml", "garbage", "scenario.yaml", "rules", "[]", "/dev/zero")}.items() for value in values],
     *[wrong(f"game {text}", RUN, 3, files={"scenario.yaml": "schema: 1\ntier: timed\nworld: {kind: rcll, game: g.yaml}\n", "g.yaml": text})

@@ -167,14 +167,7 @@ Status RefboxServer::begin(TeamSide& side) {
   auto client = bus_.create_action_client(node_, prefix + "/factory/instruct_machine", *side.action,
                                           {.goal_response = [](const bus::Delivery&) {},
                                            .feedback = [](const bus::Delivery&) {},
-                                           .result =
-                                               [this, &side](const bus::Delivery& d) {
-                                                 const auto goal = side.instructed.extract(d.goal);
-                                                 if (goal.empty()) return;
-                                                 bus_.forget_goal(side.instruct, d.goal);
-                                                 if (d.message && d.message->view().integer("error_code") != 0)
-                                                   complain(goal.mapped() + ": " + d.message->view().text("error"));
-                                               },
+                                           .result = [this, &side](const bus::Delivery& d) { take_result(side, d); },
                                            .cancel_response = [](const bus::Delivery&) {}});
   if (!client) return client.error();
   side.instruct = *client;
@@ -306,14 +299,11 @@ void RefboxServer::take_team(TeamSide& side, const Fields& message, const std::s
     goal->set("machine", message.text("machine")).set("operation", "RESET");
     return instruct(side, std::move(goal));
   }
-  if (type == "llsf_msgs.MachineReport") {
-    auto known = bus_.registry().message(std::string(kInterfaces) + "msg/MachineReport");
-    bus::Message report(**known);
-    fill(report.view(), message.message());
-    return bus_.publish(side.report, std::make_shared<const bus::Message>(std::move(report)));
-  }
-  complain(side.channel.name() + ": found a " + type +
-           ", expected a PrepareMachine, ResetMachine, MachineReport or BeaconSignal of llsf_msgs");
+  if (type == "llsf_msgs.MachineReport") return pass_on(message, "MachineReport", side.report);
+  if (type == "llsf_msgs.SetRobotMaintenance") return pass_on(message, "SetRobotMaintenance", side.maintenance);
+  complain(
+      side.channel.name() + ": found a " + type +
+      ", expected a PrepareMachine, ResetMachine, MachineReport, SetRobotMaintenance or BeaconSignal of llsf_msgs");
 }
 
 /// The name that a team says is its name, where the scenario gives it none.
@@ -344,13 +334,24 @@ void RefboxServer::take_controller(const Fields& message, const std::string& typ
   if (message.has("team_color"))
     if (const auto team = named<Team>(message.text("team_color"))) side = side_of(*team);
   if (type == "llsf_msgs.SetTeamName" && side) return name_team(side->team, message.text("team_name"));
-  if (type == "llsf_msgs.SetRobotMaintenance" && side) {
-    auto known = bus_.registry().message(std::string(kInterfaces) + "msg/SetRobotMaintenance");
-    bus::Message request(**known);
-    fill(request.view(), message.message());
-    return bus_.publish(side->maintenance, std::make_shared<const bus::Message>(std::move(request)));
-  }
+  if (type == "llsf_msgs.SetRobotMaintenance" && side)
+    return pass_on(message, "SetRobotMaintenance", side->maintenance);
   complain("stream: found a " + type + ", expected a SetTeamName or SetRobotMaintenance of a team that plays");
+}
+
+void RefboxServer::take_result(TeamSide& side, const bus::Delivery& result) {
+  const auto goal = side.instructed.extract(result.goal);
+  if (goal.empty()) return;
+  bus_.forget_goal(side.instruct, result.goal);
+  if (!goal.mapped().busy && result.message && result.message->view().integer("error_code") != 0)
+    complain(goal.mapped().machine + ": " + result.message->view().text("error"));
+}
+
+void RefboxServer::pass_on(const Fields& message, const char* type, bus::EndpointId topic) {
+  auto known = bus_.registry().message(std::string(kInterfaces) + "msg/" + type);
+  bus::Message out(**known);
+  fill(out.view(), message.message());
+  bus_.publish(topic, std::make_shared<const bus::Message>(std::move(out)));
 }
 
 bool RefboxServer::is_stale(TeamSide& side, const Fields& message) {
@@ -385,9 +386,17 @@ void RefboxServer::prepare(TeamSide& side, const Fields& message) {
 }
 
 void RefboxServer::instruct(TeamSide& side, bus::Message goal) {
-  const std::string machine = goal->text("machine");
+  Instructed instructed{goal->text("machine")};
+  instructed.busy = std::ranges::any_of(side.instructed,
+                                        [&](const auto& other) { return other.second.machine == instructed.machine; });
+  if (side.machines.message) {
+    const bus::MessageView known = side.machines.message->view();
+    for (std::size_t i = 0; i < known.size("machines"); ++i)
+      if (const bus::MessageView machine = known.nested("machines", i); machine.text("name") == instructed.machine)
+        instructed.busy |= machine.text("state") != "IDLE";
+  }
   const bus::GoalId id = bus_.send_goal(side.instruct, std::make_shared<const bus::Message>(std::move(goal)));
-  side.instructed.emplace(id, machine);
+  side.instructed.emplace(id, std::move(instructed));
 }
 
 // --- Speaking

@@ -3,7 +3,8 @@
 // messages of the league, what teams send becomes instructions, reports and requests on the bus. It judges nothing.
 //
 //   public channel     GameState, OrderInfo, RobotInfo, VersionInfo, BeaconSignal; takes BeaconSignal
-//   team's channel     MachineInfo, RingInfo, MachineReportInfo; takes PrepareMachine, ResetMachine, MachineReport
+//   team's channel     MachineInfo, RingInfo, MachineReportInfo; takes PrepareMachine, ResetMachine, MachineReport,
+//                      SetRobotMaintenance
 //   streams (TCP)      as the public channel; takes SetTeamName, SetRobotMaintenance
 //   robots             AgentTask (robot_peer.h)
 //
@@ -60,6 +61,10 @@ class RefboxServer final : public Server {
     bus::SharedMessage message;
     bool fresh = false;  ///< not looked at yet
   };
+  struct Instructed {
+    std::string machine;
+    bool busy = false;  ///< it was not idle: what is said to it is ignored without a word
+  };
   struct TeamSide {
     TeamSide(Team whose, Channel&& way) : team(whose), channel(std::move(way)) {}
     Team team;
@@ -71,7 +76,7 @@ class RefboxServer final : public Server {
     std::optional<std::int64_t> clock_ahead;  ///< s: of the team's clock, by its youngest message
     const bus::ActionType* action = nullptr;
     bus::EndpointId instruct{}, report{}, maintenance{};
-    std::map<bus::GoalId, std::string> instructed;  ///< goals under way: machine
+    std::map<bus::GoalId, Instructed> instructed;  ///< goals under way
   };
   /// What a robot of a team has told of itself.
   struct Acquaintance {
@@ -91,8 +96,11 @@ class RefboxServer final : public Server {
   void take_team(TeamSide& side, const Fields& message, const std::string& type, const net::Event& event);
   void take_controller(const Fields& message, const std::string& type);
   void take_beacon(const Fields& beacon, const net::Event& event);
+  /// The same message on a topic.
+  void pass_on(const Fields& message, const char* type, bus::EndpointId topic);
   void prepare(TeamSide& side, const Fields& message);
   void instruct(TeamSide& side, bus::Message goal);
+  void take_result(TeamSide& side, const bus::Delivery& result);
   bool is_stale(TeamSide& side, const Fields& message);
   void name_team(Team team, const std::string& name);
 

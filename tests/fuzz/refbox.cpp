@@ -1,0 +1,84 @@
+// The referee box of a game and the node that speaks with one, both on a network on which strangers say what they like:
+// datagrams as they are, and frames of any type on each channel, encrypted with its key. A tick after each.
+
+#include <google/protobuf/message.h>
+
+#include <optional>
+
+#include "cx/network/network.h"
+#include "cx/protobuf/wire.h"
+#include "cx/run/loop.h"
+#include "scenarios/rcll/refbox/league_client.h"
+#include "scenarios/rcll/world.h"
+#include "scenarios/stage.h"
+#include "tests/fuzz/surroundings.h"
+
+namespace {
+
+using namespace cxlab;
+
+/// Records nothing.
+struct Nowhere final : RecordSink {
+  StreamId open_stream(std::string_view) override { return {}; }
+  RecordRef write(StreamId, SimTime, RecordKind, const RecordData&, std::span<const RecordRef>) override { return {}; }
+};
+
+struct Way {
+  std::uint16_t to = 0;
+  bool encrypted = false;
+};
+constexpr Way kWays[]{{4445}, {4446, true}, {2126}, {4444}, {4441, true}, {2116}};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Nowhere sink;
+  bus::Bus bus(fuzz::registry(), sink);
+  net::Network network(bus, sink);
+  Scenario scenario;
+  rcll::WorldConfig config;
+  config.exploration = true;
+  scenario.set_world({&rcll::kWorld, config, {}});
+  scenario.tier = Tier::kTimed;
+  scenario.servers.push_back({&rcll::kLeagueClient, rcll::LeagueClientConfig{.name_space = "/outside"}, {}});
+  const StageSetup setup{.scenario = scenario, .bus = bus, .sink = sink, .network = &network};
+  auto stage = rcll::kWorld.make_stage(setup);
+  fuzz::promise(stage.ok() && rcll::kLeagueClient.add(scenario.servers[0], setup, **stage).ok(), "there is a game");
+  Parts parts{.referee = (*stage)->referee};
+  for (auto& world : (*stage)->worlds) parts.worlds.push_back(world.get());
+  for (auto& server : (*stage)->servers) parts.servers.push_back(server.get());
+  Loop loop(bus, scenario.tick, std::move(parts));
+
+  const auto node = bus.join(bus::ParticipantKind::kNode, bus::NodeName{"stranger", "/", {}}, {});
+  const auto host = *net::Host::create(network, node, [](const net::Event&) {});
+  const auto crypto = *pb::Crypto::create(pb::Cipher::kAes128Cbc, "randomkey");
+  const net::LinkId stream = host->connect(4444);
+  for (int i = 0; i < 3; ++i) fuzz::promise(loop.tick().ok(), "a tick passes");
+
+  // Pieces: how and where, the length, the bytes.
+  for (std::size_t at = 0; at + 2 <= size;) {
+    const std::size_t how = data[at], length = std::min<std::size_t>(data[at + 1], size - at - 2);
+    std::string bytes = fuzz::text_of(data + at + 2, length);
+    at += 2 + length;
+    const Way& way = kWays[how / 4 % std::size(kWays)];
+    if (how % 4 >= 1 && bytes.size() >= 4) {
+      const auto number = [&](std::size_t i) {
+        return static_cast<std::uint16_t>(static_cast<unsigned char>(bytes[i]) << 8 |
+                                          static_cast<unsigned char>(bytes[i + 1]));
+      };
+      const pb::MessageKey key{number(0), number(2)};
+      bytes = pb::write_frame(key, bytes.substr(4), way.encrypted && how % 4 == 2 ? crypto.get() : nullptr);
+    }
+    if (how % 4 == 3) {
+      host->send(stream, bytes);
+    } else {
+      const net::LinkId link = host->open_datagrams(way.to, 9);
+      host->send(link, bytes);
+      host->close(link);
+    }
+    fuzz::promise(loop.tick().ok(), "a tick passes");
+    bus.deliver(node);
+  }
+  for (int i = 0; i < 100; ++i) fuzz::promise(loop.tick().ok(), "the game goes on");
+  return 0;
+}
