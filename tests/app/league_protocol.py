@@ -200,6 +200,9 @@ class Outside(unittest.TestCase):
         answer = self.robot.hear(of_type("AgentTask"))
         self.assertEqual((answer.task_id, answer.successful, answer.error_code), (7, True, 0))
 
+        for peer in (self.public, self.cyan):
+            for _ in range(2000):
+                peer.say(prepare, b"another")
         with socket.create_connection(("127.0.0.1", self.stream_port), 20) as controller:
             controller.sendall(wire.frame(CLASSES["SetTeamName"](team_name="Snakes", team_color=0), key=(2000, 82)))
             self.public.hear(lambda m: of_type("GameState")(m) and m.team_cyan == "Snakes")

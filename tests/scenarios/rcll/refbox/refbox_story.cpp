@@ -12,6 +12,27 @@ pb::MessagePtr RefboxStory::message(const std::string& type, const std::string& 
   return made;
 }
 
+std::shared_ptr<RefboxStory::Outcome> RefboxStory::send_goal(const std::string& action, const std::string& type,
+                                                             const std::string& yaml) {
+  auto outcome = std::make_shared<Outcome>();
+  const bus::ActionType& known = **registry_.action(type);
+  outcome->client = *bus_.create_action_client(
+      agent_, action, known,
+      {.goal_response = [outcome](const bus::Delivery& d) { outcome->rejected = !d.accepted; },
+       .feedback = [outcome](const bus::Delivery& d) { outcome->feedback.push_back(d.message->view().to_string()); },
+       .result =
+           [outcome](const bus::Delivery& d) {
+             outcome->ended = true;
+             outcome->status = d.status;
+             outcome->code = d.message->view().integer("error_code");
+             outcome->text = d.message->view().to_string();
+           },
+       .cancel_response = [](const bus::Delivery&) {}});
+  outcome->goal = bus_.send_goal(outcome->client,
+                                 std::make_shared<const bus::Message>(*bus::Message::from_yaml(*known.goal, yaml)));
+  return outcome;
+}
+
 void RefboxStory::keep(Program& program, const Expected<pb::MessagePtr>& message) {
   ASSERT_TRUE(message) << message.error().message;
   program.heard.push_back({to_seconds(bus_.now()),

@@ -14,6 +14,7 @@
 #include "cx/network/network.h"
 #include "cx/protobuf/types.h"
 #include "cx/run/loop.h"
+#include "scenarios/rcll/refbox/league_client.h"
 #include "scenarios/rcll/refbox/messages.h"
 #include "scenarios/rcll/world.h"
 #include "scenarios/stage.h"
@@ -61,14 +62,19 @@ class RefboxStory {
     }
   };
 
-  explicit RefboxStory(const WorldConfig& config = game()) {
+  /// `client`: with a league_client whose topics and actions begin with /outside.
+  explicit RefboxStory(const WorldConfig& config = game(), bool client = false) {
     EXPECT_TRUE(registry_.add_packages_in(interfaces_dir()));
     scenario_.set_world({&kWorld, config, {}});
     scenario_.tier = Tier::kTimed;
-    auto stage =
-        kWorld.make_stage({.scenario = scenario_, .bus = bus_, .sink = sink_, .network = &network_, .log = &log_});
+    const StageSetup setup{.scenario = scenario_, .bus = bus_, .sink = sink_, .network = &network_, .log = &log_};
+    auto stage = kWorld.make_stage(setup);
     EXPECT_TRUE(stage) << (stage ? "" : stage.error().text());
     stage_ = *std::move(stage);
+    const ServerSpec outside{&kLeagueClient, LeagueClientConfig{.name_space = "/outside"}, {}};
+    if (client) {
+      EXPECT_TRUE(kLeagueClient.add(outside, setup, *stage_));
+    }
     types_ = *load_types();
     bus::NodeName name;
     name.name = "agent";
@@ -110,6 +116,20 @@ class RefboxStory {
     send(program, *pb::Types::write(*message(type, fields), program.crypto.get()));
   }
   void send(Program& program, const std::string& bytes) { host_->send(program.link, bytes); }
+
+  /// How a goal ended.
+  struct Outcome {
+    bool rejected = false, ended = false;
+    bus::GoalStatus status{};
+    std::int64_t code = -1;
+    std::string text;  ///< the result
+    std::vector<std::string> feedback;
+    bus::EndpointId client{};
+    bus::GoalId goal{};
+  };
+  /// Sends a goal; the outcome is filled in later.
+  std::shared_ptr<Outcome> send_goal(const std::string& action, const std::string& type, const std::string& yaml);
+  void cancel(const Outcome& outcome) { bus_.cancel_goal(outcome.client, outcome.goal); }
 
   void run_until(double seconds) {
     loop_->set_end(from_seconds(seconds));

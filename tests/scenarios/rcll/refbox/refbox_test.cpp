@@ -384,6 +384,23 @@ TEST(RefboxRobots, CarryOutTasks) {
   EXPECT_THAT(story.warnings(), IsEmpty());
 }
 
+TEST(RefboxRobots, OfBothTeamsHaveTheirNumbersAndPorts) {
+  WorldConfig config = RefboxStory::game();
+  config.team = "BOTH";
+  RefboxStory story(config);
+  auto& first = story.open({2129, 2119});  // robot4
+  auto& third = story.open({2131, 2121});  // robot6
+  story.run_until(1);
+  story.say(first, "AgentTask", "team_color: MAGENTA robot_id: 1 task_id: 5 move { waypoint: 'M_Z52' }");
+  story.say(third, "AgentTask", "team_color: MAGENTA robot_id: 1 task_id: 5 move { waypoint: 'M_Z52' }");
+  story.run_for(20);
+  EXPECT_THAT(first.last_text("AgentTask"),
+              HasSubstr("task_id: 5 robot_id: 1 move { waypoint: \"M_Z52\" } successful: true"));
+  EXPECT_THAT(first.last_text("BeaconSignal"), HasSubstr("peer_name: \"robot4\" team_color: MAGENTA"));
+  EXPECT_THAT(third.last_text("AgentTask"), HasSubstr("error_code: 102"));
+  EXPECT_THAT(third.last_text("BeaconSignal"), HasSubstr("number: 3"));
+}
+
 TEST(RefboxRobots, SayWhatIsWrongWithATask) {
   RefboxStory story;
   auto& robot = story.open(kRobot1);
@@ -450,6 +467,79 @@ TEST(RefboxRobots, TellWhatTheySee) {
   story.say(robot, "AgentTask", "team_color: CYAN robot_id: 1 task_id: 1 move { waypoint: 'C_Z55' }");
   story.run_for(40);
   EXPECT_THAT(robot.last_text("MachineReport"), HasSubstr("machines { zone: C_Z"));
+}
+
+// --- The other side
+
+constexpr const char* kInstruct = "rcll_interfaces/action/InstructMachine";
+
+TEST(LeagueClientTest, InstructionsEndAsTheirMachinesSay) {
+  RefboxStory story(RefboxStory::game(), true);
+  const auto instruct = [&](const std::string& yaml) {
+    return story.send_goal("/outside/factory/instruct_machine", kInstruct, yaml);
+  };
+  const auto early = instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+  story.run_until(4);
+  EXPECT_EQ(early->code, 203) << "nothing is known of machines yet";
+  const auto bs = instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+  const auto cs = instruct("{machine: C-CS1, operation: RETRIEVE_CAP}");
+  const auto rs = instruct("{machine: C-RS1, ring_color: RING_BLUE}");  // it has not
+  const auto nothing = instruct("{machine: C-RS2, ring_color: GREEN}");
+  const auto unknown = instruct("{machine: C-XX}");
+  story.run_for(2);
+  EXPECT_FALSE(bs->ended);
+  EXPECT_EQ(rs->code, 1);
+  EXPECT_EQ(nothing->code, 103);
+  EXPECT_EQ(unknown->code, 203);
+  const auto again = instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+  story.run_for(3);
+  EXPECT_EQ(again->code, 209) << "it is at work";
+  EXPECT_EQ(bs->status, bus::GoalStatus::kSucceeded);
+  EXPECT_THAT(bs->feedback, Contains(HasSubstr("READY-AT-OUTPUT")));
+  EXPECT_FALSE(cs->ended);
+  story.cancel(*cs);
+  const auto reset = instruct("{machine: C-CS1, operation: RESET}");
+  story.run_for(1);
+  EXPECT_EQ(cs->status, bus::GoalStatus::kCanceled);
+  EXPECT_EQ(reset->code, 0);
+  const auto gone = instruct("{machine: C-DS, order_id: 1}");
+  story.run_for(25);
+  EXPECT_EQ(gone->code, 1) << "no product came";
+}
+
+TEST(LeagueClientTest, SkillsAreTasks) {
+  RefboxStory story(RefboxStory::game(), true);
+  const auto skill = [&](const std::string& name, const std::string& type, const std::string& yaml) {
+    return story.send_goal("/outside/robot1/" + name, "cxlab_skills/action/" + type, yaml);
+  };
+  story.run_until(1);
+  const auto transport = skill("transport", "Transport", "{from: C-CS1-SHELF-LEFT, to: C-CS1-INPUT}");
+  story.run_for(1);
+  const auto other = skill("drive_to", "DriveTo", "{target: C_Z52}");
+  story.run_for(120);
+  EXPECT_EQ(transport->code, 0) << transport->text;
+  ASSERT_THAT(transport->feedback, SizeIs(4));
+  EXPECT_THAT(transport->feedback[2], HasSubstr("drive_to"));
+  EXPECT_TRUE(other->rejected);
+  const auto full = skill("transport", "Transport", "{from: C-CS1-SHELF-LEFT, to: C-CS1-INPUT}");
+  story.run_for(90);
+  EXPECT_EQ(full->code, 202) << "it is empty now";
+  EXPECT_THAT(full->text, HasSubstr("sub_action: \"pick\""));
+  const auto explore = skill("explore", "Explore", "{target: C_Z52}");
+  story.run_for(40);
+  EXPECT_EQ(explore->code, 203);
+  const auto discard = skill("discard", "Discard", "{}");
+  story.run_for(1);
+  EXPECT_EQ(discard->code, 104);
+  const auto pose = skill("drive_to", "DriveTo", "{target: '', pose: {x: -6.5, y: 4.5}}");
+  story.run_for(5);
+  story.cancel(*pose);
+  story.run_for(5);
+  EXPECT_EQ(pose->status, bus::GoalStatus::kCanceled);
+  const auto near = skill("drive_to", "DriveTo", "{target: '', pose: {x: 4.5, y: 1.2}}");
+  story.run_for(60);
+  EXPECT_EQ(near->status, bus::GoalStatus::kSucceeded);
+  EXPECT_THAT(story.warnings(), IsEmpty());
 }
 
 }  // namespace
