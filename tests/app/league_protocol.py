@@ -6,6 +6,7 @@ import pathlib
 import random
 import re
 import shutil
+import signal
 import socket
 import struct
 import subprocess
@@ -166,7 +167,7 @@ class Outside(unittest.TestCase):
             f"  refbox: {{team_cyan: Pythons, port_shift: {shift}}}}}\ntier: timed\n")
         self.log = open(self.folder / "log", "w+")
         self.addCleanup(self.log.close)
-        self.game = subprocess.Popen([CXLAB, "run", "game.yaml", "--sockets", "--until", "9", "--out", "out"],
+        self.game = subprocess.Popen([CXLAB, "run", "game.yaml", "--sockets", "--until", "200", "--out", "out"],
                                      cwd=self.folder, stdout=subprocess.DEVNULL, stderr=self.log)
         self.addCleanup(self.game.wait)
         self.addCleanup(self.game.kill)
@@ -200,13 +201,15 @@ class Outside(unittest.TestCase):
         answer = self.robot.hear(of_type("AgentTask"))
         self.assertEqual((answer.task_id, answer.successful, answer.error_code), (7, True, 0))
 
+        flood = wire.frame(prepare, CBC, b"another", key_of(prepare.DESCRIPTOR))
         for peer in (self.public, self.cyan):
             for _ in range(2000):
-                peer.say(prepare, b"another")
+                peer.raw(flood)
         with socket.create_connection(("127.0.0.1", self.stream_port), 20) as controller:
             controller.sendall(wire.frame(CLASSES["SetTeamName"](team_name="Snakes", team_color=0), key=(2000, 82)))
             self.public.hear(lambda m: of_type("GameState")(m) and m.team_cyan == "Snakes")
-        self.assertEqual(self.game.wait(30), 0, (self.folder / "log").read_text())
+        self.game.send_signal(signal.SIGINT)
+        self.assertEqual(self.game.wait(30), 130, (self.folder / "log").read_text())
         said = (self.folder / "log").read_text()
         for text in ("public channel: found a llsf_msgs.PrepareMachine", "channel of CYAN: Decryption failed"):
             self.assertIn(text, said)
@@ -279,15 +282,17 @@ class OurAgent(unittest.TestCase):
             f"schema: 1\nworld: {{kind: rcll, information: league, refbox: {{port_shift: {shift}}}}}\ntier: timed\n")
         (self.folder / "agent.yaml").write_text(
             f"schema: 1\nservers: [{{node: league_client, port_shift: {shift}, team_name: Ours}}]\n" + self.AGENT)
-        game, agent = (subprocess.Popen([CXLAB, "run", name + ".yaml", "--sockets", "--until", "12", "--out", name], cwd=self.folder,
+        game, agent = (subprocess.Popen([CXLAB, "run", name + ".yaml", "--sockets", "--until", until, "--out", name], cwd=self.folder,
                                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-                       for name in ("game", "agent"))
+                       for name, until in (("game", "200"), ("agent", "10")))
         for process in (game, agent):
             self.addCleanup(process.wait)
             self.addCleanup(process.stdout.close)
             self.addCleanup(process.kill)
-        said = game.communicate(timeout=60)[0] + agent.communicate(timeout=60)[0]
-        self.assertEqual((game.returncode, agent.returncode), (0, 0), said)
+        said = agent.communicate(timeout=100)[0]
+        game.send_signal(signal.SIGINT)
+        said += game.communicate(timeout=30)[0]
+        self.assertEqual((game.returncode, agent.returncode), (130, 0), said)
         self.assertNotIn("[warn]", said)
         result = json.loads((self.folder / "game/result.json").read_text())
         self.assertGreaterEqual(sum(robot["skills"] for robot in result["robots"]), 3, said)
