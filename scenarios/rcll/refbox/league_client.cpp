@@ -225,6 +225,7 @@ void LeagueClient::take_refbox(google::protobuf::Message& message) {
     }
   publish(type, message);
   if (type != "MachineInfo") return;
+  machines_.clear();
   for (int i = 0; i < fields.size("machines"); ++i)
     machines_[fields.item("machines", i).text("name")] = fields.item("machines", i).text("state");
   follow_machines();
@@ -287,7 +288,9 @@ void LeagueClient::take_instruction(const bus::Delivery& delivery) {
 
 void LeagueClient::follow_machines() {
   for (Instruction& instruction : instructions_) {
-    const std::string& state = machines_[instruction.machine];
+    const auto known = machines_.find(instruction.machine);
+    if (known == machines_.end()) continue;
+    const std::string& state = known->second;
     if (state != instruction.reported) {
       instruction.reported = state;
       bus::Message feedback(*instruct_->feedback);

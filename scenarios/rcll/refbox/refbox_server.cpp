@@ -34,6 +34,7 @@ constexpr int kMachineBurst = 30;   // MachineInfos at the beginning
 constexpr std::int64_t kStale = 5;  // s
 constexpr std::size_t kMostComplaints = 100;
 constexpr std::size_t kMostStreams = 32;
+constexpr std::int64_t kMostRobots = 3;  // of a team
 
 constexpr std::string_view kPackage = "llsf_msgs.";
 constexpr const char* kVersion = CXLAB_VERSION;
@@ -317,7 +318,9 @@ void RefboxServer::take_beacon(const Fields& beacon, const net::Event& event) {
     if (!team && !named_[static_cast<std::size_t>(open)]) team = open;
   if (!team || !side_of(*team)) return;
   if (!name.empty() && !named_[static_cast<std::size_t>(*team)]) name_team(*team, name);
-  acquaintances_[{*team, beacon.integer("number")}] = {beacon.text("peer_name"), std::string(event.host), moment()};
+  const std::int64_t number = beacon.integer("number");
+  if (number >= 1 && number <= kMostRobots)
+    acquaintances_[{*team, number}] = {beacon.text("peer_name"), std::string(event.host), moment()};
 }
 
 void RefboxServer::name_team(Team team, const std::string& name) {
