@@ -115,6 +115,13 @@ const Field* MessageType::find(std::string_view field) const {
   return nullptr;
 }
 
+bool MessageType::has_fields_of(const MessageType& other) const {
+  return this == &other || std::ranges::equal(fields_, other.fields_, [](const Field& a, const Field& b) {
+           return a.name == b.name && a.type == b.type && a.array == b.array && a.size_limit == b.size_limit &&
+                  a.string_limit == b.string_limit && (!a.is_message() || a.nested->has_fields_of(*b.nested));
+         });
+}
+
 std::vector<std::string> MessageType::field_names() const {
   std::vector<std::string> names;
   for (const Field& field : fields_) names.push_back(field.name);

@@ -85,6 +85,8 @@ class MessageType {
   /// The field of that name, or nullptr. Resolve once a call site, then keep the pointer.
   const Field* find(std::string_view field) const;
   std::vector<std::string> field_names() const;
+  /// Whether names and types of all fields agree, in order, recursively: then the layouts agree too.
+  bool has_fields_of(const MessageType& other) const;
 
   /// The memory of a message with all defaults, from which new ones are copied.
   const std::byte* prototype() const { return prototype_; }

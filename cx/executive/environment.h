@@ -68,6 +68,7 @@ class Environment {
   Environment& operator=(const Environment&) = delete;
 
   const std::string& name() const { return options_.name; }
+  const RunSettings& settings() const { return *options_.run; }
   std::string name_in_log() const { return options_.logger_names.in_log(options_.name); }
   RuleEngine& engine() const { return *engine_; }
   bus::Bus& bus() const { return bus_; }

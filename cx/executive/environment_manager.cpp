@@ -105,7 +105,12 @@ Status EnvironmentManager::check_environment_name(const std::string& name) {
   return {};
 }
 
+void EnvironmentManager::log_life(std::string_view begin, std::string_view end) {
+  log(LogLevel::kInfo, options_.node, std::string(begin) + " [" + options_.node + ']' + std::string(end));
+}
+
 Status EnvironmentManager::do_configure() {
+  log_life("Configuring", "...");
   if (!options_.run_folder.empty()) {
     std::error_code error;
     std::filesystem::create_directories(options_.run_folder / "logs", error);
@@ -124,10 +129,13 @@ Status EnvironmentManager::do_configure() {
     environments_.push_back({{}, std::move(*environment), {}});
   }
   if (Status s = serve_environments(); !s) return s;
-  return serve_plugins();
+  if (Status s = serve_plugins(); !s) return s;
+  log_life("Configured", "!");
+  return {};
 }
 
 Status EnvironmentManager::do_activate() {
+  log_life("Activating", "...");
   if (Status s = serve_plugins(); !s) return s;
   for (Entry& entry : environments_) {
     if (entry.environment->ending()) entry.environment->begin_again();
@@ -139,7 +147,9 @@ Status EnvironmentManager::do_activate() {
     entry.environment->engine().reset();
     if (Status s = entry.environment->run(); !s) return s;
   }
-  return form_bond();
+  if (Status s = form_bond(); !s) return s;
+  log_life("Activated", "...");
+  return {};
 }
 
 Status EnvironmentManager::form_bond() {
@@ -181,6 +191,7 @@ Status EnvironmentManager::do_deactivate() {
   keep_first(first, std::exchange(failure_, Status()));
   for (const bus::EndpointId service : plugin_services_) bus_.remove(service);
   plugin_services_.clear();
+  log_life("Deactivated", "...");
   keep_first(first, flush_logs());
   return first;
 }

@@ -164,6 +164,8 @@ class EnvironmentManager final : public Agent {
   Status serve_plugins();
   LoggerNames logger_names() const { return {options_.node, options_.one_of_several ? unique_node_ : std::string()}; }
   void log(LogLevel level, std::string_view logger, std::string_view text);
+  /// The words of CX for the begin or end of a transition: "Configuring [clips_manager]...".
+  void log_life(std::string_view begin, std::string_view end);
   /// On the topic `~/clips_log`.
   void publish_line(const std::string& environment, std::string_view logical_name, std::string_view line);
 

@@ -11,6 +11,7 @@ Status EnvironmentManager::load_all(Entry& entry) {
   const std::string list = entry.environment->name() + ".plugins";
   std::vector<std::string> names;
   if (Status s = parameters_.declare(list, names); !s) return s;
+  log(LogLevel::kInfo, options_.node, "Loading plugins for " + entry.environment->name() + '.');
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto end = names.begin() + static_cast<std::ptrdiff_t>(i);
     if (std::find(names.begin(), end, names[i]) != end)
@@ -74,6 +75,8 @@ Status EnvironmentManager::load_unchecked(Entry& entry, const std::string& name)
   if (auto library = library_of(found->plugin);
       library && std::find(entry.libraries.begin(), entry.libraries.end(), library) == entry.libraries.end())
     entry.libraries.push_back(std::move(library));
+  if (plugin.library().empty())
+    log(LogLevel::kInfo, name, "Initializing plugin for environment " + entry.environment->name());
   if (Status s = call_plugin(plugin, "clips_env_init",
                              [&] { return plugin.clips_env_init(EnvironmentGuard(*entry.environment)); });
       !s) {

@@ -58,9 +58,9 @@ Status EnvironmentManager::load_plugin(const std::string& environment, const std
   if (!entry) return input_error("unknown environment");
   const Error refused = input_error("error while loading plugin");
   if (entry->find(plugin)) {
-    log(LogLevel::kError, options_.node,
-        "plugin '" + plugin + "' is already loaded in environment '" + environment + "'");
-    return refused;
+    log(LogLevel::kInfo, options_.node,
+        "plugin '" + plugin + "' is loaded in environment '" + environment + "' already");
+    return {};
   }
   if (auto type = type_of(plugin, environment); !type) {
     fail(type.error());

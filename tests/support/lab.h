@@ -71,8 +71,9 @@ class Lab {
     options.config = write("config.yaml", text);
   }
   /// One environment "main" with all plugins and these rules, in agent/rules.clp; its executive runs at 10 Hz.
-  void agent(const std::string& rules) {
-    config(R"(environments: ["main"]
+  /// `parameters` come first.
+  void agent(const std::string& rules, const std::string& parameters = "") {
+    config(parameters + R"(environments: ["main"]
 main: {plugins: ["executive", "ament_index", "config", "ros_msgs", "files"]}
 executive: {plugin: "cx::ExecutivePlugin"}
 ament_index: {plugin: "cx::AmentIndexPlugin"}

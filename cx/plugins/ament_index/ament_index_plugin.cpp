@@ -121,12 +121,13 @@ class AmentIndexPlugin final : public Plugin {
          }},
         {{"ament-index-get-search-paths", "m", 0, 0, "", FunctionKind::kPure, name(), "All prefixes."},
          [](const Files& files, Call&) -> Expected<Value> { return list(prefixes(files)); }},
-        {{"ament-index-has-resource", "b", 2, 2, ";sy;sy", FunctionKind::kPure, name(),
-          "Whether there is such a resource."},
-         [](const Files& files, Call& call) -> Expected<Value> {
+        {{"ament-index-has-resource", "bs", 2, 2, ";sy;sy", FunctionKind::kPure, name(),
+          "Whether there is such a resource; with compat: next its prefix, or FALSE."},
+         [next = context().run.next](const Files& files, Call& call) -> Expected<Value> {
            if (Status s = check_words("has_resource", call); !s) return s.error();
            std::string content, prefix;
-           return Value::boolean(find_resource(files, call.text(0), call.text(1), content, prefix));
+           const bool found = find_resource(files, call.text(0), call.text(1), content, prefix);
+           return found && next ? Value::string(prefix) : Value::boolean(found);
          }},
     };
     for (const Entry& e : entries)

@@ -24,9 +24,9 @@ const char* cancel_word(std::int8_t code) {
 
 void ActionBinding::add_all() {
   using F = FunctionKind;
-  add_fields("goal-create", "goal-destroy", "goal-", *type_.goal);
-  add_fields("feedback-create", "feedback-destroy", "feedback-", *type_.feedback);
-  add_fields("result-create", "result-destroy", "result-", *type_.result);
+  add_fields("goal", "goal-create", "goal-destroy", "goal-", *type_.goal);
+  add_fields("result", "result-create", "result-destroy", "result-", *type_.result);
+  add_fields("feedback", "feedback-create", "feedback-destroy", "feedback-", *type_.feedback);
   add_action_clients(&type_);
   define("cancel-goal-response",
          "(slot server (type STRING)) (slot return-code (type SYMBOL) (allowed-values ERROR_NONE ERROR_REJECTED "
@@ -46,11 +46,12 @@ void ActionBinding::add_all() {
 }
 
 void ActionBinding::close(Leftovers& left) {
-  close_all(servers_, "action servers", left);
-  left.server_goals += served_.size();
+  close_all(servers_, "server", left);
+  const std::size_t served = served_.size();
   for (const auto& [handle, goal] : served_) store_.destroy(goal.goal);
   served_.clear();
   Binding::close(left);
+  left.add("server_goal_handle(s)", served);
 }
 
 void ActionBinding::on_cancel_response(const std::string& server, const bus::Delivery& response) {
@@ -140,7 +141,8 @@ void ActionBinding::create_server(Call& call) {
 void ActionBinding::destroy_server(Call& call) {
   const std::string server(call.text(0));
   const auto found = servers_.find(server);
-  if (found == servers_.end()) return log(LogLevel::kWarn, "No action server " + server);
+  if (found == servers_.end())
+    return log(LogLevel::kWarn, "Action server " + server + " not found in environment " + environment_.name());
   const bus::EndpointId endpoint = found->second.endpoint;
   servers_.erase(found);
   take_back("server", "name", server);

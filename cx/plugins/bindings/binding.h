@@ -16,9 +16,9 @@ class Binding : public BusConnection {
       : BusConnection(environment, std::move(logger), std::move(prefix), /*bound=*/true) {}
 
  protected:
-  /// Adds P-`create`, P-`destroy`, P-`fields`get-field, P-`fields`set-field.
-  void add_fields(const std::string& create, const std::string& destroy, const std::string& fields,
-                  const bus::MessageType& type);
+  /// Adds P-`create`, P-`destroy`, P-`fields`get-field, P-`fields`set-field. What is left of them are `what`(s).
+  void add_fields(const std::string& what, const std::string& create, const std::string& destroy,
+                  const std::string& fields, const bus::MessageType& type);
 };
 
 class MessageBinding final : public Binding {

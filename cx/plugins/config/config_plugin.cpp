@@ -24,6 +24,22 @@ Value word(const std::string& text) {
   return Value::symbol(text);
 }
 
+/// The names between the slashes of a prefix, which begins with one; with `quotes`, a name in single quotes may hold
+/// slashes of its own.
+std::vector<std::string> segments_of(std::string_view prefix, bool quotes) {
+  std::vector<std::string> segments;
+  bool quoted = false;
+  for (const char c : prefix) {
+    if (quotes && c == '\'')
+      quoted = !quoted;
+    else if (c == '/' && !quoted)
+      segments.emplace_back();
+    else
+      segments.back() += c;
+  }
+  return segments;
+}
+
 /// Asserts `confval` facts for a subtree, in document order.
 class Loader {
  public:
@@ -68,21 +84,16 @@ class Loader {
     put(path, type, type != "BOOL" ? word(text) : truth ? Value::boolean(text == "true") : Value::symbol(text));
   }
 
-  void assert_list(const std::string& path, const YAML::Node& node) {
-    std::vector<Value> values;
-    for (const auto& item : node)
-      if (item.IsScalar()) values.push_back(Value::string(item.Scalar()));
-    put(path, "STRING", Value::symbol("nil"), true, std::move(values));
-  }
-
+  /// The scalars of a list are one fact, after what else the list holds.
   void assert_sequence(const std::string& path, const YAML::Node& node) {
-    if (all_scalars(node)) {
-      assert_list(path, node);
-      return;
-    }
+    std::vector<Value> scalars;
     std::size_t index = 0;
     for (const auto& item : node) {
       const std::string at = path + '/' + std::to_string(index++);
+      if (item.IsScalar()) {
+        scalars.push_back(Value::string(item.Scalar()));
+        continue;
+      }
       if (!item.IsMap()) {
         assert_below(at, item);
         continue;
@@ -92,11 +103,12 @@ class Loader {
         if (entry.second.IsScalar())
           put(key, scalar_type(entry.second), Value::string(entry.second.Scalar()));
         else if (entry.second.IsSequence() && all_scalars(entry.second))
-          assert_list(key, entry.second);
+          assert_sequence(key, entry.second);
         else
           assert_below(path + '/' + (entry.first.IsScalar() ? entry.first.Scalar() : std::string()), entry.second);
       }
     }
+    if (!scalars.empty()) put(path, "STRING", Value::symbol("nil"), true, std::move(scalars));
   }
 
   static std::string scalar_type(const YAML::Node& node) {
@@ -153,17 +165,20 @@ class ConfigPlugin final : public Plugin {
     if (prefix.ends_with('/')) prefix.pop_back();
     try {
       YAML::Node node = yaml::load(content.text());
-      for (std::size_t at = 0; at < prefix.size();) {
-        const std::size_t end = std::min(prefix.find('/', at + 1), prefix.size());
-        const std::string segment = prefix.substr(at + 1, end - at - 1);
+      std::string path;
+      for (const std::string& segment : segments_of(prefix, context().run.next)) {
         if (!node.IsMap() || !node[segment].IsDefined()) {
           log(environment, LogLevel::kError, "Segment '" + segment + "' not found in YAML file.");
           return;
         }
         node.reset(node[segment]);
-        at = end;
+        path += '/' + segment;
       }
-      Loader(environment, name()).assert_below(prefix, node);
+      if (context().run.next && !node.IsMap() && !node.IsSequence() && !node.IsScalar()) {
+        log(environment, LogLevel::kError, "Unsupported root node type after prefix traversal");
+        return;
+      }
+      Loader(environment, name()).assert_below(path, node);
     } catch (const YAML::Exception& e) {
       abort(yaml::syntax_error(e, content.text(), file).text());
     }

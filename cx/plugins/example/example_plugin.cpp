@@ -4,15 +4,12 @@ namespace cxlab::cx {
 
 namespace {
 
-/// The least that a plugin can be: says when its environments come and go.
+/// The least that a plugin can be: says when its environments go; the manager says when they come.
 class ExamplePlugin final : public Plugin {
  public:
   using Plugin::Plugin;
 
-  Status clips_env_init(EnvironmentGuard environment) override {
-    log(*environment, LogLevel::kInfo, "Initializing plugin for environment " + environment->name());
-    return {};
-  }
+  Status clips_env_init(EnvironmentGuard) override { return {}; }
 
   void clips_env_destroyed(EnvironmentGuard environment) override {
     log(*environment, LogLevel::kInfo, "Destroying plugin for environment " + environment->name());

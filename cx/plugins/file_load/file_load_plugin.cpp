@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include "cx/plugins/builtin.h"
@@ -14,6 +15,7 @@ class FileLoadPlugin final : public Plugin {
   Status initialize() override {
     std::vector<std::string> packages;
     if (Status s = parameter("pkg_share_dirs", packages); !s) return s;
+    if (context().run.next) skip_missing(packages);
     struct List {
       std::string_view key;
       std::vector<FoundFile>* files;
@@ -55,6 +57,16 @@ class FileLoadPlugin final : public Plugin {
   }
 
  private:
+  /// As in the next CX, a package that is not there is left out where another one may have the files.
+  void skip_missing(std::vector<std::string>& packages) const {
+    const auto missing = [&](const std::string& package) { return !context().files.share_directory(package); };
+    if (std::ranges::all_of(packages, missing)) return;
+    for (const std::string& package : packages)
+      if (missing(package))
+        log(LogLevel::kWarn, "Share directory lookup skipped: package '" + package + "' not found in ament index");
+    std::erase_if(packages, missing);
+  }
+
   /// What rules may have set names files that rules may read.
   Expected<FoundFile> find(std::string_view key, const std::string& file, const std::vector<std::string>& packages) {
     const Parameter* list = context().parameters.find(name() + '.' + std::string(key));
@@ -76,6 +88,7 @@ class FileLoadPlugin final : public Plugin {
       return text.error();
     }
     const OnLoadError on_error = context().run.keep_going ? OnLoadError::kKeepGoing : OnLoadError::kStop;
+    if (context().run.next) environment.engine().use_module("MAIN");
     const LoadReport report = environment.engine().load_text(*text, file.path.string(), mode, on_error);
     (void)environment.check_errors(report.errors);  // noted; what they mean for loading is decided here
     if (!context().run.keep_going) return report.status();

@@ -5,15 +5,25 @@
 
 namespace cxlab::cx {
 
+namespace {
+
+constexpr SimTime kPatience = std::chrono::seconds(1);  ///< with a server that is not there
+
+}  // namespace
+
+void Leftovers::add(std::string_view what, std::size_t count) {
+  const auto known = std::ranges::find(handles, what, [](const auto& entry) { return entry.first; });
+  if (known == handles.end())
+    handles.emplace_back(what, count);
+  else
+    known->second += count;
+}
+
 std::vector<std::string> Leftovers::lines() const {
   std::vector<std::string> out;
-  const auto found = [&out](std::size_t count, const char* what) {
-    if (count > 0) out.push_back("Found " + std::to_string(count) + ' ' + what + ", cleaning up ...");
-  };
-  found(messages, "message(s)");
   for (const std::string& name : open) out.push_back(name + ", cleaning up ...");
-  found(server_goals, "server goal handle(s)");
-  found(client_goals, "client goal handle(s)");
+  for (const auto& [what, count] : handles)
+    if (count > 0) out.push_back("Found " + std::to_string(count) + ' ' + what + ", cleaning up ...");
   return out;
 }
 
@@ -28,6 +38,16 @@ void ConnectionPlugin::clips_env_destroyed(EnvironmentGuard environment) {
   connections_.remove(*environment);
 }
 
+SimTime ConnectionPlugin::next_due(const Environment& environment) const {
+  const auto* connection = connections_.find(environment);
+  return connection ? (*connection)->next_warning() : kNever;
+}
+
+Status ConnectionPlugin::on_due(EnvironmentGuard environment) {
+  (*connections_.find(*environment))->warn_of_missing_servers();
+  return {};
+}
+
 void ConnectionPlugin::finalize() {
   for (const std::string& line : left_.lines()) log(LogLevel::kWarn, line);
 }
@@ -39,9 +59,10 @@ BusConnection::BusConnection(Environment& environment, std::string logger, std::
       logger_(std::move(logger)),
       prefix_(std::move(prefix)),
       bound_(bound),
+      numbers_requests_(!bound || environment.settings().next),
       store_(environment.common<MessageStore>()),
       owner_(store_.new_owner()),
-      fields_(store_) {}
+      fields_(store_, environment.settings().strict, [this](const std::string& text) { log(LogLevel::kWarn, text); }) {}
 
 Status BusConnection::install() {
   add_all();
@@ -49,18 +70,58 @@ Status BusConnection::install() {
 }
 
 void BusConnection::close(Leftovers& left) {
-  close_all(publishers_, "publishers", left);
   close_all(subscriptions_, "subscription", left);
-  close_all(clients_, "clients", left);
-  close_all(services_, "services", left);
-  close_all(action_clients_, "action clients", left);
-  left.messages += store_.size(owner_);
+  close_all(publishers_, "publishers", left);
+  close_all(clients_, bound_ ? "client" : "clients", left);
+  close_all(services_, bound_ ? "service" : "services", left);
+  close_all(action_clients_, bound_ ? "client" : "action clients", left);
+  std::size_t others = store_.size(owner_);
+  for (const auto& [type, what] : words_) {
+    left.add(what, store_.size(owner_, *type));
+    others -= store_.size(owner_, *type);
+  }
+  left.add("client_goal_handle(s)", goals_.size());
+  left.add("message(s)", others);
   store_.destroy_all(owner_);
-  left.client_goals += goals_.size();
   goals_.clear();
   if (environment_.ending()) return;
   for (const std::string& name : templates_)
     if (Status s = engine_.undefine("deftemplate", name); !s) log(LogLevel::kWarn, name + " cant be undefined");
+}
+
+// --- Servers that are not there
+
+SimTime BusConnection::next_warning() const {
+  SimTime next = kNever;
+  const auto look = [&](const auto& all) {
+    for (const auto& [name, client] : all)
+      if (client.waiting.since != kNever && !client.waiting.warned)
+        next = std::min(next, client.waiting.since + kPatience);
+  };
+  look(clients_);
+  look(action_clients_);
+  return next;
+}
+
+void BusConnection::warn_of_missing_servers() {
+  const auto look = [&](auto& all, const std::string& what) {
+    for (auto& [name, client] : all) {
+      if (client.waiting.warned || client.waiting.since > bus_.now() - kPatience) continue;
+      log(LogLevel::kWarn, what + name + " not available, start waiting");
+      client.waiting.warned = true;
+    }
+  };
+  look(clients_, "service ");
+  look(action_clients_, "server ");
+}
+
+void BusConnection::wait(Waiting& waiting) {
+  if (waiting.since == kNever) waiting.since = bus_.now();
+}
+
+void BusConnection::reached(Waiting& waiting, const std::string& server) {
+  if (waiting.warned) log(LogLevel::kInfo, server + " is finally reachable");
+  waiting = {};
 }
 
 // --- Functions, templates, facts
@@ -133,7 +194,7 @@ void BusConnection::add_topics(const bus::MessageType* bound) {
   add("destroy-publisher", "v", ";sy", F::kActing,
       bound ? "Closes a publisher; its fact stays." : "Closes a publisher.", [this](Call& call) {
         const std::string topic(call.text(0));
-        if (close_one(publishers_, topic, "No publisher for topic ") && !bound_) take_back("publisher", "topic", topic);
+        if (close_one(publishers_, topic, "Publisher") && !bound_) take_back("publisher", "topic", topic);
       });
   add("create-subscription", "v", bound ? ";s" : ";sy;sy", F::kActing,
       bound ? "Subscribes: each message becomes a fact." : "Subscribes: each message becomes a ros-msgs-message fact.",
@@ -153,7 +214,7 @@ void BusConnection::add_topics(const bus::MessageType* bound) {
       });
   add("destroy-subscription", "v", ";s", F::kActing, "Ends a subscription.", [this](Call& call) {
     const std::string topic(call.text(0));
-    if (close_one(subscriptions_, topic, "No subscription to topic ")) take_back("subscription", "topic", topic);
+    if (close_one(subscriptions_, topic, "Subscription")) take_back("subscription", "topic", topic);
   });
   add("publish", "v", ";e;sy", F::kActing, "Publishes a message on a topic.", [this](Call& call) { publish(call); });
 }
@@ -176,7 +237,8 @@ void BusConnection::add_services(const bus::ServiceType* bound) {
   using F = FunctionKind;
   const char* slot = bound ? "name" : "service";
   define("client", opened_slots("service"));
-  define("response", std::string("(slot service (type STRING))") + (bound ? "" : " (slot request-id (type INTEGER))") +
+  define("response", std::string("(slot service (type STRING))") +
+                         (numbers_requests_ ? " (slot request-id (type INTEGER))" : "") +
                          " (slot msg-ptr (type EXTERNAL-ADDRESS))");
   define("service", opened_slots(slot));
   const auto type_of = [this, bound](Call& call) {
@@ -191,29 +253,26 @@ void BusConnection::add_services(const bus::ServiceType* bound) {
               environment_.participant(), service, *type, [this, service](const bus::Delivery& delivery) {
                 environment_.note_input("response", service, delivery);
                 Service& client = clients_.at(service);
-                if (client.waited) log(LogLevel::kInfo, "service " + service + " is finally reachable");
-                client.waited = false;
+                reached(client.waiting, "service " + service);
                 std::vector<RuleEngine::Slot> slots{
                     {"service", Value::string(service)},
                     {"msg-ptr", Value::handle(store_.receive(delivery.message, owner_))}};
-                if (!bound_)
+                if (numbers_requests_)
                   slots.push_back({"request-id", Value::integer(static_cast<std::int64_t>(delivery.request_id))});
                 put(named("response"), slots);
               });
         };
-        if (Service* made = open(call, clients_, "client", "service", "Already have a client for service ", make))
+        if (Service* made = open(call, clients_, "client", "service", "Already registered to client ", make))
           made->type = type;
       });
   add("destroy-client", "v", bound ? ";s" : ";sy", F::kActing, "Closes a client.", [this](Call& call) {
     const std::string service(call.text(0));
-    if (close_one(clients_, service, "No client for service ")) take_back("client", "service", service);
+    if (close_one(clients_, service, "Client")) take_back("client", "service", service);
   });
-  if (bound)
-    add("send-request", "v", ";e;sy", F::kActing, "Sends a request; it waits until the service is there.",
-        [this](Call& call) { request(call); });
-  else
-    add("async-send-request", "bl", ";e;sy", F::kActing,
-        "Sends a request; its number, or FALSE if there is no such service.", [this](Call& call) { request(call); });
+  add(bound ? "send-request" : "async-send-request", numbers_requests_ ? "bl" : "v", ";e;sy", F::kActing,
+      numbers_requests_ ? "Sends a request; its number, or FALSE if there is no such service."
+                        : "Sends a request; it waits until the service is there.",
+      [this](Call& call) { request(call); });
   add("create-service", "v", bound ? ";sy" : ";sy;sy", F::kActing,
       bound ? "Serves: requests call the deffunction <prefix>-service-callback."
             : "Serves: requests call <service>-service-callback.",
@@ -224,7 +283,7 @@ void BusConnection::add_services(const bus::ServiceType* bound) {
           return bus_.serve(environment_.participant(), service, *type,
                             [this, service](const bus::Delivery& request) { answer(service, request); });
         };
-        if (Service* made = open(call, services_, "service", slot, "Already providing service ", make))
+        if (Service* made = open(call, services_, "service", slot, "Already registered to service ", make))
           made->type = type;
       });
   // As in CX, the fact of a binding stays.
@@ -235,7 +294,8 @@ void BusConnection::add_services(const bus::ServiceType* bound) {
       });
 }
 
-/// A binding waits for the server; the generic plugin gives the request's number, or FALSE if there is no server.
+/// A binding waits for the server; the generic plugin, and the bindings of the next CX, give the request's number, or
+/// FALSE if there is no server.
 void BusConnection::request(Call& call) {
   const std::string service(call.text(1));
   const bus::MessageView view = store_.view(call.handle(0));
@@ -247,22 +307,18 @@ void BusConnection::request(Call& call) {
     return call.fail(wrong_type(view, "service " + service + " takes", *client.type->request));
   const Value ready = environment_.look("service-ready " + service,
                                         [&] { return Value::boolean(bus_.service_ready(client.endpoint)); });
-  if (!ready.is_true() && !bound_) {
+  if (!ready.is_true() && numbers_requests_) {
     log(LogLevel::kWarn, "service " + service + " not available, abort request.");
     return call.give_boolean(false);
   }
-  if (!ready.is_true() && !client.waited) {
-    log(LogLevel::kWarn, "service " + service + " not available, the request waits for it");
-    client.waited = true;
-  }
+  if (!ready.is_true()) wait(client.waiting);
   const std::uint64_t number = bus_.call(client.endpoint, store_.share(call.handle(0)), engine_.cause());
-  if (!bound_) call.give_integer(static_cast<std::int64_t>(number));
+  if (numbers_requests_) call.give_integer(static_cast<std::int64_t>(number));
 }
 
 bool BusConnection::close_service(const std::string& service) {
   const auto found = services_.find(service);
-  if (found == services_.end() || found->second.endpoint != answering_)
-    return close_one(services_, service, "No service ");
+  if (found == services_.end() || found->second.endpoint != answering_) return close_one(services_, service, "Service");
   services_.erase(found);  // `answer` removes it, after its answer
   return true;
 }

@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cx/executive/plugin.h"
@@ -25,9 +26,10 @@ const char* status_word(bus::GoalStatus status);
 
 /// Endpoints and messages that rules did not close or destroy, in all environments of a plugin instance.
 struct Leftovers {
-  std::size_t messages = 0, client_goals = 0, server_goals = 0;  ///< handles
-  std::vector<std::string> open;                                 ///< "Environment E has open NAME publishers"
+  std::vector<std::string> open;                             ///< "Environment E has open NAME publishers"
+  std::vector<std::pair<std::string, std::size_t>> handles;  ///< "message(s)" and how many, none too
 
+  void add(std::string_view what, std::size_t count);
   /// A line for each of them, as CX warns when the plugin is finalized.
   std::vector<std::string> lines() const;
 };
@@ -46,7 +48,16 @@ class BusConnection {
   /// Closes what the rules have left open, adds it to `left`, and takes the templates away.
   virtual void close(Leftovers& left);
 
+  /// When a server that a goal or request waits for is reported as missing.
+  SimTime next_warning() const;
+  void warn_of_missing_servers();
+
  protected:
+  /// What waits for a server.
+  struct Waiting {
+    SimTime since = kNever;
+    bool warned = false;
+  };
   struct Topic {
     bus::EndpointId endpoint{};
     const bus::MessageType* type = nullptr;
@@ -54,12 +65,12 @@ class BusConnection {
   struct Service {
     bus::EndpointId endpoint{};
     const bus::ServiceType* type = nullptr;
-    bool waited = false;  ///< clients: a request was sent before there was a server
+    Waiting waiting;  ///< clients: a request
   };
   struct ActionClient {
     bus::EndpointId endpoint{};
     const bus::ActionType* type = nullptr;
-    bool waited = false;                  ///< a goal was sent before there was a server
+    Waiting waiting;                      ///< a goal
     std::map<bus::GoalId, Handle> goals;  ///< that were accepted and have not ended
   };
   /// A goal of an action client.
@@ -126,9 +137,12 @@ class BusConnection {
   bus::Bus& bus_;
   std::string logger_, prefix_;
   bool bound_;
+  bool numbers_requests_;  ///< sends give the request's number, and do not wait for a server
   MessageStore& store_;
   MessageStore::Owner owner_;
   Fields fields_;
+  /// What messages of a type are called that are left: "goal(s)"; others are messages.
+  std::vector<std::pair<const bus::MessageType*, std::string>> words_;
   /// The service or action server whose callback runs: destroyed there, it answers all the same.
   std::optional<bus::EndpointId> answering_;
 
@@ -154,12 +168,12 @@ class BusConnection {
     put(named(fact), slots);
     return &opened;
   }
-  /// Closes it; warns with `missing` and the name where it is not open.
+  /// Closes it; `kind` begins the warning where it is not open: "Client".
   template <class Open>
-  bool close_one(ByName<Open>& open, const std::string& name, const char* missing) {
+  bool close_one(ByName<Open>& open, const std::string& name, const std::string& kind) {
     const auto found = open.find(name);
     if (found == open.end()) {
-      log(LogLevel::kWarn, missing + name);
+      log(LogLevel::kWarn, kind + ' ' + name + " not found in environment " + environment_.name());
       return false;
     }
     bus_.remove(found->second.endpoint);
@@ -173,6 +187,8 @@ class BusConnection {
   /// The fault of a call that sends a message of another type.
   static std::string wrong_type(const bus::MessageView& found, const std::string& of, const bus::MessageType& expected);
 
+  void wait(Waiting& waiting);
+  void reached(Waiting& waiting, const std::string& server);
   void publish(Call& call);
   void request(Call& call);
   bool close_service(const std::string& service);
@@ -205,6 +221,8 @@ class ConnectionPlugin : public Plugin {
   Status clips_env_init(EnvironmentGuard environment) override;
   void clips_env_destroyed(EnvironmentGuard environment) override;
   void finalize() override;
+  SimTime next_due(const Environment& environment) const override;
+  Status on_due(EnvironmentGuard environment) override;
 
  private:
   virtual std::unique_ptr<BusConnection> connect(Environment& environment) = 0;

@@ -112,8 +112,30 @@ Fault set_real(const MessageView& view, const Field& field, const ValueRef& valu
   return {};
 }
 
-Fault set_value(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& value,
-                std::size_t index) {
+}  // namespace
+
+MessageView Fields::source(const Field& field, const ValueRef& value, Fault& fault) {
+  const MessageView found = value.is(ValueType::kHandle) ? store_.view(value.as_handle()) : MessageView();
+  if (!found) {
+    fault = unknown_message();
+    return {};
+  }
+  if (&found.type() == field.nested) return found;
+  const std::string text = wrong_type(found.type(), *field.nested).text;
+  if (!found.type().has_fields_of(*field.nested)) {
+    fault = value_fault(text);
+    return {};
+  }
+  if (strict_) {
+    fault = value_fault(text + ", and --strict-cx takes no other type");
+    return {};
+  }
+  if (warned_.emplace(field.nested->name(), found.type().name()).second)
+    warn_(text + ": it has the same fields, so it is taken");
+  return {field.nested, found.memory()};
+}
+
+Fault Fields::set_value(const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
   if (field.type == FieldType::kBool) {
     if (!value.is_text()) return found_expected(value, "TRUE or FALSE");
     return fault_of(view.set_integer(field, value.text() == "TRUE" ? 1 : 0, index));
@@ -124,43 +146,39 @@ Fault set_value(MessageStore& store, const MessageView& view, const Field& field
     return fault_of(view.set_text(field, value.text(), index));
   }
   if (!field.is_message()) return set_integer(view, field, value, index);
-  const MessageView source = value.is(ValueType::kHandle) ? store.view(value.as_handle()) : MessageView();
-  if (!source) return unknown_message();
-  if (&source.type() != field.nested) return value_fault(wrong_type(source.type(), *field.nested).text);
-  view.nested(field, index).copy_from(source);
-  return {};
+  Fault fault;
+  if (const MessageView from = source(field, value, fault)) view.nested(field, index).copy_from(from);
+  return fault;
 }
 
 /// Sources may lie in the array that is set, so they are copied before it changes its size.
-Fault set_messages(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& values) {
+Fault Fields::set_messages(const MessageView& view, const Field& field, const ValueRef& values) {
   std::vector<bus::Message> sources;
+  Fault fault;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const MessageView source = values[i].is(ValueType::kHandle) ? store.view(values[i].as_handle()) : MessageView();
-    if (!source) return unknown_message();
-    if (&source.type() != field.nested) return value_fault(wrong_type(source.type(), *field.nested).text);
-    sources.emplace_back(source);
+    const MessageView from = source(field, values[i], fault);
+    if (!from) return fault;
+    sources.emplace_back(from);
   }
-  if (field.is_sequence())
-    if (Fault fault = fault_of(view.resize(field, sources.size()))) return fault;
+  if (field.is_sequence()) fault = fault_of(view.resize(field, sources.size()));
+  if (fault) return fault;
   for (std::size_t i = 0; i < sources.size(); ++i) view.nested(field, i).copy_from(sources[i].view());
   return {};
 }
 
-Fault set_array(MessageStore& store, const MessageView& view, const Field& field, const ValueRef& values) {
+Fault Fields::set_array(const MessageView& view, const Field& field, const ValueRef& values) {
   if (!values.is(ValueType::kMultifield))
     return FieldFault{FieldFault::Kind::kNotMultifield, "found " + values.copy().print() + ", expected a multifield"};
   if (field.array == ArrayKind::kFixed && values.size() != field.size_limit)
     return value_fault("found " + std::to_string(values.size()) + " values, expected exactly " +
                        std::to_string(field.size_limit));
-  if (field.is_message()) return set_messages(store, view, field, values);
+  if (field.is_message()) return set_messages(view, field, values);
   if (field.is_sequence())
     if (Fault fault = fault_of(view.resize(field, values.size()))) return fault;
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (Fault fault = set_value(store, view, field, values[i], i)) return fault;
+    if (Fault fault = set_value(view, field, values[i], i)) return fault;
   return {};
 }
-
-}  // namespace
 
 const Field* Fields::find(const bus::MessageType& type, const ValueRef& name) {
   const auto mix = reinterpret_cast<std::uintptr_t>(name.atom()) ^ reinterpret_cast<std::uintptr_t>(&type) >> 3;
@@ -193,8 +211,7 @@ Fault Fields::set(Handle message, const ValueRef& name, const ValueRef& value, c
   if (expected && expected != &view.type()) return wrong_type(view.type(), *expected);
   const Field* field = find(view.type(), name);
   if (!field) return unknown_field(view.type(), name.text());
-  Fault fault = field->array == ArrayKind::kSingle ? set_value(store_, view, *field, value, 0)
-                                                   : set_array(store_, view, *field, value);
+  Fault fault = field->array == ArrayKind::kSingle ? set_value(view, *field, value, 0) : set_array(view, *field, value);
   if (fault) fault->text += " (" + field->type_text() + ' ' + field->name + " of " + view.type().name() + ')';
   return fault;
 }

@@ -2,9 +2,12 @@
 // Fields of messages as values of CLIPS, and back.
 
 #include <array>
+#include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "cx/engine/function.h"
 #include "cx/plugins/ros_msgs/message_store.h"
@@ -28,7 +31,9 @@ struct FieldFault {
 /// The functions get-field and set-field of one plugin. Field names are looked up once a call site.
 class Fields {
  public:
-  explicit Fields(MessageStore& store) : store_(store) {}
+  /// `warn` takes the warning about a message of another type, once for each field and type; `strict`: a fault.
+  Fields(MessageStore& store, bool strict, std::function<void(const std::string&)> warn)
+      : store_(store), strict_(strict), warn_(std::move(warn)) {}
 
   /// Gives the field as the result of the call: booleans are TRUE and FALSE, whole numbers INTEGER, others FLOAT, a
   /// char is a STRING of one character, a nested message a handle into its parent, an array a multifield. `expected`:
@@ -37,12 +42,19 @@ class Fields {
                                  const bus::MessageType* expected = nullptr);
 
   /// Sets the field from a value. INTEGER and FLOAT are converted where that is exact; a value that does not fit is a
-  /// fault. Messages are copied in. Arrays take a multifield, those of fixed size one of exactly that size.
+  /// fault. Messages are copied in, also one of another type with the same fields, as CX takes it. Arrays take a
+  /// multifield, those of fixed size one of exactly that size.
   std::optional<FieldFault> set(Handle message, const ValueRef& field, const ValueRef& value,
                                 const bus::MessageType* expected = nullptr);
 
  private:
+  using Fault = std::optional<FieldFault>;
   const bus::Field* find(const bus::MessageType& type, const ValueRef& name);
+  Fault set_value(const bus::MessageView& view, const bus::Field& field, const ValueRef& value, std::size_t index);
+  Fault set_array(const bus::MessageView& view, const bus::Field& field, const ValueRef& values);
+  Fault set_messages(const bus::MessageView& view, const bus::Field& field, const ValueRef& values);
+  /// The message behind a handle as one of the field's type; empty with a fault.
+  bus::MessageView source(const bus::Field& field, const ValueRef& value, Fault& fault);
 
   /// The last meaning of a name. CLIPS has one atom for a name: the same one at each call of a site.
   struct Known {
@@ -51,6 +63,9 @@ class Fields {
     const bus::Field* field = nullptr;
   };
   MessageStore& store_;
+  bool strict_;
+  std::function<void(const std::string&)> warn_;
+  std::set<std::pair<std::string, std::string>> warned_;  ///< types that a field's type was given
   std::array<Known, 64> known_{};
 };
 

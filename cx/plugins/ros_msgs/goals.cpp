@@ -40,13 +40,13 @@ void BusConnection::add_action_clients(const bus::ActionType* bound) {
                                             }});
         };
         if (auto* made =
-                open(call, action_clients_, client, "server", "Already have an action client for server ", make))
+                open(call, action_clients_, client, "server", "Already registered to action client for ", make))
           made->type = type;
       });
   add(std::string("destroy-") + client, "v", bound ? ";s" : ";sy", F::kActing, "Closes an action client.",
       [this, client](Call& call) {
         const std::string name(call.text(0));
-        if (close_one(action_clients_, name, "No action client for server ")) take_back(client, "server", name);
+        if (close_one(action_clients_, name, "Action client")) take_back(client, "server", name);
       });
   add(bound ? "send-goal" : "async-send-goal", "v", ";e;sy", F::kActing,
       "Sends a goal; it waits until the server is there.", [this](Call& call) { send_goal(call); });
@@ -108,10 +108,7 @@ void BusConnection::send_goal(Call& call) {
     return call.fail(wrong_type(view, "server " + server + " takes", *client->type->goal));
   const Value ready =
       environment_.look("action-ready " + server, [&] { return Value::boolean(bus_.action_ready(client->endpoint)); });
-  if (!ready.is_true() && !client->waited) {
-    log(LogLevel::kWarn, "server " + server + " not available, the goal waits for it");
-    client->waited = true;
-  }
+  if (!ready.is_true()) wait(client->waiting);
   bus_.send_goal(client->endpoint, store_.share(call.handle(0)), engine_.cause());
 }
 
@@ -150,8 +147,7 @@ Handle BusConnection::handle_of(const std::string& server, const bus::GoalId& id
 void BusConnection::take_goal_response(const std::string& server, const bus::Delivery& delivery) {
   environment_.note_input("goal-response", server, delivery);
   ActionClient& client = action_clients_.at(server);
-  if (client.waited) log(LogLevel::kInfo, "server " + server + " is finally reachable");
-  client.waited = false;
+  reached(client.waiting, "server " + server);
   Handle handle = Handle::kNone;  // of a rejected goal, as in CX
   if (delivery.accepted) {
     handle = engine_.new_handle();

@@ -9,6 +9,12 @@ MessageStore::Owner MessageStore::new_owner() {
   return static_cast<Owner>(sizes_.size() - 1);
 }
 
+std::size_t MessageStore::size(Owner owner, const bus::MessageType& type) const {
+  return static_cast<std::size_t>(std::ranges::count_if(entries_, [&](const Entry& entry) {
+    return entry.message && entry.owner == owner && &entry.message->view().type() == &type;
+  }));
+}
+
 std::uint32_t MessageStore::find(Handle handle) const {
   const Place* place = places_.find(handle);
   return place == nullptr ? kNone : place->entry;

@@ -42,6 +42,7 @@ class MessageStore {
 
   /// Messages of that owner, nested ones not counted.
   std::size_t size(Owner owner) const { return sizes_[static_cast<std::size_t>(owner)]; }
+  std::size_t size(Owner owner, const bus::MessageType& type) const;
 
  private:
   static constexpr std::uint32_t kNone = UINT32_MAX;  // no entry

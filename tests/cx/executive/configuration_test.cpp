@@ -228,7 +228,7 @@ TEST(Configuration, AManagerWithoutEnvironmentsIsOneInfoLine) {
   lab.config("environment: {plugins: []}\nuse_sim_time: true");
   ASSERT_TRUE(lab.start().ok());
   EXPECT_EQ(lab.log.with("warn ").size(), 0u) << "an environment to come may have any name";
-  EXPECT_EQ(lab.log.with("info clips_manager: ").size(), 1u);
+  EXPECT_EQ(lab.log.with("info clips_manager: ").size(), 5u) << "one beside those of its life";
 }
 
 TEST(Configuration, AMisspeltListOfPluginsProposesNoOtherEnvironment) {

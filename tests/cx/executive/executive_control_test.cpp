@@ -41,7 +41,7 @@ TEST_F(ExecutiveControl, PauseStopsTheBeatAndResumeTakesItUpAgain) {
   start("");
   EXPECT_EQ(trigger("pause"), R"({success: true, message: "executive paused."})");
   EXPECT_EQ(trigger("pause"), R"({success: false, message: "executive already paused."})");
-  EXPECT_THAT(lab.log.with("executive: "), ElementsAre("info executive: executive paused."));
+  EXPECT_THAT(lab.log.with("executive: executive"), ElementsAre("info executive: executive paused."));
   EXPECT_EQ(ticked().size(), 1u);
   lab.ticks(28);  // up to 0.6 s
   EXPECT_EQ(ticked().size(), 1u);

@@ -25,11 +25,22 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["a.clp"]
 
 TEST(Activation, TellsOfEnvironmentsAndPluginsAsCxDoes) {
   Lab lab;
-  lab.agent("");
+  lab.config(
+      "environments: [\"main\"]\nmain: {plugins: [\"files\"]}\nfiles: {plugin: \"cx::FileLoadPlugin\", "
+      "pkg_share_dirs: [\"agent\"], load: [\"a.clp\"]}");
+  lab.write("agent/a.clp", "(defrule go => (println \"run\")) (defrule end (executive-finalize) => (println \"end\"))");
   lab.run_up();
-  EXPECT_THAT(lab.log.with("Initialized"), ElementsAre("info clips_manager: Initialized new CLIPS environment: main"));
-  EXPECT_THAT(lab.log.with("Created plugin: executive"),
-              ElementsAre("info clips_manager: Created plugin: executive of type cx::ExecutivePlugin on activation"));
+  ASSERT_TRUE(lab.manager->deactivate().ok());
+  EXPECT_THAT(
+      lab.log.lines,
+      ElementsAre("info clips_manager: Configuring [clips_manager]...",
+                  "info clips_manager: Initialized new CLIPS environment: main",
+                  "info clips_manager: Configured [clips_manager]!",
+                  "info clips_manager: Activating [clips_manager]...", "info clips_manager: Loading plugins for main.",
+                  "info clips_manager: Created plugin: files of type cx::FileLoadPlugin on activation",
+                  "info files: Initializing plugin for environment main", "info main: run",
+                  "info clips_manager: Activated [clips_manager]...", "info main: end",
+                  "info clips_manager: [files] Deactivated!", "info clips_manager: Deactivated [clips_manager]..."));
 }
 
 TEST(Executive, AssertsTheTimeAtItsRateAndTakesItBack) {

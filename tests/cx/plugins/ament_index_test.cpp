@@ -49,6 +49,15 @@ TEST(AmentIndex, ResourcesComeFromTheIndexOfThePrefix) {
   EXPECT_EQ(eval("(ament-index-has-resource cx_plugins leg)"), "FALSE");
 }
 
+TEST(AmentIndex, TheNextCxGivesThePrefixOfAResource) {
+  Lab lab;
+  lab.options.packages["far"] = {lab.folder / "copies", "/opt/share/far"};
+  lab.agent("", "compat: next\n");
+  lab.run_up();
+  EXPECT_EQ(lab.engine().eval("(ament-index-has-resource packages far)")->print(), "\"/opt\"");
+  EXPECT_EQ(lab.engine().eval("(ament-index-has-resource packages fa)")->print(), "FALSE");
+}
+
 TEST(AmentIndex, NamesOfResourcesAreNoPaths) {
   Lab lab;
   lab.agent("");

@@ -355,11 +355,10 @@ TEST_F(ActionBindings, WhatIsLeftIsTold) {
   send();
   lab_.log.lines.clear();
   ASSERT_TRUE(lab_.manager->deactivate().ok());
-  EXPECT_THAT(lab_.log.with("warn "),
-              ElementsAre("warn fib: Environment server has open /fib action servers, cleaning up ...",
-                          "warn fib: Environment client has open fib action clients, cleaning up ...",
-                          "warn fib: Found 1 server goal handle(s), cleaning up ...",
-                          "warn fib: Found 1 client goal handle(s), cleaning up ..."));
+  EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn fib: Environment server has open /fib server, cleaning up ...",
+                                                  "warn fib: Environment client has open fib client, cleaning up ...",
+                                                  "warn fib: Found 1 client_goal_handle(s), cleaning up ...",
+                                                  "warn fib: Found 1 server_goal_handle(s), cleaning up ..."));
 }
 
 }  // namespace

@@ -11,8 +11,9 @@ using ::testing::SizeIs;
 class Config : public ::testing::Test {
  protected:
   /// The confval facts that this file gives, one a line as "path type value" or "path type (list)".
-  std::vector<std::string> load(const std::string& yaml, const std::string& prefix = "/") {
-    lab_.agent("");
+  std::vector<std::string> load(const std::string& yaml, const std::string& prefix = "/",
+                                const std::string& parameters = "") {
+    lab_.agent("", parameters);
     const auto file = lab_.write("agent/c.yaml", yaml);
     lab_.run_up();
     EXPECT_TRUE(lab_.engine().eval("(config-load \"" + file.string() + "\" \"" + prefix + "\")").ok());
@@ -40,8 +41,34 @@ TEST_F(Config, NumbersThatAreNoneForClipsKeepTheirWord) {
 }
 
 TEST_F(Config, ListsAreStrings) {
-  EXPECT_THAT(load("l: [1, two, 3.0]\nempty: []\n"),
-              ElementsAre("/l STRING (\"1\" \"two\" \"3.0\")", "/empty STRING ()"));
+  EXPECT_THAT(load("l: [1, two, 3.0]"), ElementsAre("/l STRING (\"1\" \"two\" \"3.0\")"));
+}
+
+TEST_F(Config, AnEmptyListIsNoFact) {
+  EXPECT_THAT(load("a: []\nb: [{c: [], d: 1}]\ne: 2"), ElementsAre("/b/0/d INT \"1\"", "/e INT 2"));
+  EXPECT_THAT(lab_.log.with("error "), IsEmpty());
+}
+
+TEST_F(Config, ScalarsAmongMapsAreOneListAfterThem) {
+  EXPECT_THAT(load("k: [1, {a: 2}, x]"), ElementsAre("/k/1/a INT \"2\"", "/k STRING (\"1\" \"x\")"));
+}
+
+TEST_F(Config, TheReleasedCxHasNoQuotesInThePrefix) {
+  EXPECT_THAT(load("/**: {a: 1}", "'/**'/a"), IsEmpty());
+  EXPECT_THAT(load("b': {c: 1}", "b'"), ElementsAre("/b'/c INT 1"));
+}
+
+TEST_F(Config, TheNextCxHasQuotesInThePrefix) {
+  const char* next = "compat: next\n";
+  EXPECT_THAT(load("/**: {ros__parameters: {environments: [main], a/b: {c: 1}}}", "'/**'/ros__parameters", next),
+              ElementsAre("//**/ros__parameters/environments STRING (\"main\")", "//**/ros__parameters/a/b/c INT 1"));
+}
+
+TEST_F(Config, APrefixMayEndAtAnything) {
+  EXPECT_THAT(load("s: 7", "s", "compat: next\n"), ElementsAre("/s INT 7"));
+  EXPECT_THAT(load("l: [a]", "/l/", "compat: next\n"), ElementsAre("/l STRING (\"a\")"));
+  EXPECT_THAT(load("n: ~", "n", "compat: next\n"), IsEmpty());
+  EXPECT_THAT(lab_.log.with("error "), ElementsAre("error config: Unsupported root node type after prefix traversal"));
 }
 
 TEST_F(Config, ListsOfMapsHaveTheirIndexAndQuotedValues) {
@@ -52,8 +79,8 @@ TEST_F(Config, ListsOfMapsHaveTheirIndexAndQuotedValues) {
 
 TEST_F(Config, WhatListsHoldIsBelowThem) {
   EXPECT_THAT(load("l: [{a: {b: 1, c: [x]}}, [1, 2], 7, {d: [[3], 4]}]"),
-              ElementsAre("/l/a/b INT 1", "/l/a/c STRING (\"x\")", "/l/1 STRING (\"1\" \"2\")", "/l/2 INT 7",
-                          "/l/d/0 STRING (\"3\")", "/l/d/1 INT 4"));
+              ElementsAre("/l/a/b INT 1", "/l/a/c STRING (\"x\")", "/l/1 STRING (\"1\" \"2\")", "/l/d/0 STRING (\"3\")",
+                          "/l/d STRING (\"4\")", "/l STRING (\"7\")"));
 }
 
 TEST_F(Config, APrefixChoosesASubtree) {

@@ -107,6 +107,41 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent", "other", "nowher
               ::testing::UnorderedElementsAre("info main: a of agent", "info main: b of other"));
 }
 
+TEST(FileLoad, TheNextCxBeginsEachFileInMain) {
+  for (const bool next : {false, true}) {
+    Lab lab;
+    lab.config(std::string(next ? "compat: next\n" : "") + R"(environments: ["main"]
+main: {plugins: ["files"]}
+files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["a.clp", "b.clp"], batch: ["c.clp"]})");
+    lab.write("agent/a.clp", "(defmodule MAIN (export ?ALL)) (defmodule OTHER (import MAIN ?ALL))");
+    lab.write("agent/b.clp", "(deftemplate here)");
+    lab.write("agent/c.clp", "(println (get-current-module))");
+    lab.run_up();
+    const char* module = next ? "MAIN" : "OTHER";
+    EXPECT_THAT(lab.log.with("info main: "), ::testing::ElementsAre(std::string("info main: ") + module));
+    EXPECT_EQ(lab.engine().eval(std::string("(deftemplate-module ") + module + "::here)")->print(), module);
+  }
+}
+
+TEST(FileLoad, TheNextCxSkipsPackagesThatAreNotThereWhereAnotherMayHaveTheFile) {
+  Lab lab;
+  const auto config = [&](const std::string& packages) {
+    lab.config(
+        "compat: next\nenvironments: [\"main\"]\nmain: {plugins: [\"files\"]}\nfiles: {plugin: "
+        "\"cx::FileLoadPlugin\", pkg_share_dirs: [" +
+        packages + "], load: [\"a.clp\"]}");
+  };
+  config("\"nowhere\", \"agent\"");
+  lab.write("agent/a.clp", "(defrule go => (println \"up\"))");
+  lab.run_up();
+  EXPECT_THAT(lab.log.with("main: up"), SizeIs(1));
+  EXPECT_THAT(lab.log.with("warn "),
+              ::testing::ElementsAre("warn files: Share directory lookup skipped: package 'nowhere' not found in ament "
+                                     "index"));
+  config("\"nowhere\"");
+  EXPECT_FALSE(lab.start().ok());
+}
+
 TEST(FileLoad, AFileThatIsNowhereDropsAllThatFollowWhenItKeepsGoing) {
   Lab lab;
   lab.options.keep_going = true;

@@ -34,7 +34,7 @@ TEST(Functions, HaveTheirArguments) {
             "ament-index-get-resource bm 2-2 ;sy;sy\n"
             "ament-index-get-resources mb 1-1 ;sy\n"
             "ament-index-get-search-paths m 0-0 \n"
-            "ament-index-has-resource b 2-2 ;sy;sy\n");
+            "ament-index-has-resource bs 2-2 ;sy;sy\n");
   EXPECT_EQ(functions_of("FileLoadPlugin"), "");
   EXPECT_EQ(functions_of("ProtobufPlugin"),
             "pb-add-list v 3-3 ;e;sy;* acts\n"

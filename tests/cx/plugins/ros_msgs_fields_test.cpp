@@ -10,6 +10,7 @@ using ::testing::HasSubstr;
 class Fields : public ::testing::Test {
  protected:
   void SetUp() override {
+    lab_.options.strict = strict_;
     lab_.agent("");
     packages_ =
         lab_.write(
@@ -19,6 +20,14 @@ class Fields : public ::testing::Test {
                 "ss\ngeometry_msgs/Point[] ps\nchar[] cs\n")
             .parent_path()
             .parent_path();
+    lab_.write("test_msgs/msg/Spot.msg", "float64 x\nfloat64 y\nfloat64 z\n");
+    lab_.write("test_msgs/msg/Swapped.msg", "float64 y\nfloat64 x\nfloat64 z\n");
+    lab_.write("test_msgs/msg/Short.msg", "float64 x\nfloat64 y\n");
+    lab_.write("test_msgs/msg/Single.msg", "float32 x\nfloat64 y\nfloat64 z\n");
+    lab_.write("test_msgs/msg/Path.msg", "string name\nSpot[] spots\n");
+    lab_.write("test_msgs/msg/Track.msg", "string name\ngeometry_msgs/Point[] spots\n");
+    lab_.write("test_msgs/msg/Bounded.msg", "string name\ngeometry_msgs/Point[<=3] spots\n");
+    lab_.write("test_msgs/msg/Trip.msg", "Track track\n");
     ASSERT_TRUE(lab_.registry.add_package("test_msgs", packages_).ok());
     lab_.options.stop_on_rule_error = false;
     lab_.run_up();
@@ -39,9 +48,59 @@ class Fields : public ::testing::Test {
     return value ? value->print() : value.error().message;
   }
 
+  /// A message whose x is 1.
+  static std::string filled(const std::string& type) {
+    return "(progn (bind ?*o* (ros-msgs-create-message \"" + type + "\")) (ros-msgs-set-field ?*o* x 1.0) ?*o*)";
+  }
+
   Lab lab_;
   std::filesystem::path packages_;
+  bool strict_ = false;
 };
+
+TEST_F(Fields, AMessageOfAnotherTypeWithTheSameFieldsIsTakenWithAWarning) {
+  ASSERT_TRUE(lab_.engine().build("(defglobal ?*o* = 0)").ok());
+  set("p", filled("test_msgs/msg/Spot"));
+  EXPECT_EQ(get("(ros-msgs-get-field ?*m* p)", "x"), "1.0");
+  set("ps", "(create$ " + filled("geometry_msgs/msg/Point") + ' ' + filled("geometry_msgs/msg/Vector3") + ')');
+  EXPECT_EQ(get("(nth$ 2 (ros-msgs-get-field ?*m* ps))", "x"), "1.0");
+  set("ps", "(create$ " + filled("geometry_msgs/msg/Vector3") + ')');
+  const std::string end = ", expected geometry_msgs/msg/Point: it has the same fields, so it is taken";
+  EXPECT_THAT(lab_.log.with("warn "),
+              ElementsAre("warn ros_msgs: found a message of type test_msgs/msg/Spot" + end,
+                          "warn ros_msgs: found a message of type geometry_msgs/msg/Vector3" + end))
+      << "once for each type";
+  EXPECT_EQ(get("?*o*", "x"), "1.0") << "it is copied";
+}
+
+TEST_F(Fields, NamesTypesAndOrderOfAllFieldsMustAgreeAtEachDepth) {
+  ASSERT_TRUE(lab_.engine().build("(defglobal ?*o* = 0)").ok());
+  for (const char* type : {"test_msgs/msg/Swapped", "test_msgs/msg/Short", "test_msgs/msg/Single"})
+    EXPECT_THAT(set("p", filled(type)), HasSubstr("expected geometry_msgs/msg/Point")) << type;
+  ASSERT_TRUE(lab_.engine().build("(defglobal ?*m* = (ros-msgs-create-message \"test_msgs/msg/Trip\"))").ok());
+  const auto path = [](const std::string& type) {
+    return "(progn (bind ?*o* (ros-msgs-create-message \"test_msgs/msg/" + type +
+           "\")) (ros-msgs-set-field ?*o* name way) (ros-msgs-set-field ?*o* spots (create$ " +
+           "(ros-msgs-create-message \"geometry_msgs/msg/Point\"))) ?*o*)";
+  };
+  set("track", path("Path"));
+  EXPECT_EQ(get("(ros-msgs-get-field ?*m* track)", "name"), "\"way\"");
+  EXPECT_EQ(lab_.engine().eval("(length$ (ros-msgs-get-field (ros-msgs-get-field ?*m* track) spots))")->print(), "1");
+  EXPECT_THAT(set("track", path("Bounded")), HasSubstr("expected test_msgs/msg/Track"));
+}
+
+class StrictFields : public Fields {
+ protected:
+  StrictFields() { strict_ = true; }
+};
+
+TEST_F(StrictFields, AMessageOfAnotherTypeIsAnError) {
+  ASSERT_TRUE(lab_.engine().build("(defglobal ?*o* = 0)").ok());
+  EXPECT_THAT(set("p", filled("test_msgs/msg/Spot")),
+              HasSubstr("found a message of type test_msgs/msg/Spot, expected geometry_msgs/msg/Point, and --strict-cx "
+                        "takes no other type"));
+  EXPECT_EQ(get("(ros-msgs-get-field ?*m* p)", "x"), "0.0");
+}
 
 TEST_F(Fields, DefaultsAreZero) {
   EXPECT_EQ(get("?*m*", "b"), "FALSE");
