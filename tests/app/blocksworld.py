@@ -20,7 +20,7 @@ CONFIG = """clips_manager:
     ament_index: {plugin: "cx::AmentIndexPlugin"}
     ros_msgs: {plugin: "cx::RosMsgsPlugin"}
     plan_temporal: {plugin: "cx::CXCxPddlInterfacesPlanTemporalPlugin"}
-    files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent", "cx_pddl_clips"], batch: ["clips/pddl.clp", "all.clp"]}
+    files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent", "cx_pddl_clips"], batch: ["clips/cx_pddl_clips/pddl.clp", "all.clp"]}
 """
 # Everything that the helper rules answer, asked for at once; a plan that is canceled; at last all facts are printed.
 AGENT = """(deffacts wanted
@@ -34,20 +34,21 @@ AGENT = """(deffacts wanted
   (pddl-object-change (instance blocks) (name d) (type block))
   (pddl-fluent-change (instance blocks) (name ontable) (params d))
   (pddl-fluent-change (instance blocks) (name clear) (params b) (delete TRUE))
-  (pddl-numeric-fluent-change (instance blocks) (name moves) (value 5))
+  (pddl-numeric-fluent-change (instance blocks) (name moves) (value 5.0))
   (pddl-clear-goals (instance blocks) (goal base))
   (pddl-create-goal-instance (instance blocks) (goal g))
   (pddl-planning-filter (instance blocks) (goal g) (type ACTIONS) (filter unstack put-down))
   (pddl-planning-filter (instance blocks) (goal g) (type OBJECTS) (filter a b c))
   (pddl-planning-filter (instance blocks) (goal g) (type FLUENTS) (filter))
   (pddl-goal-fluent (instance blocks) (goal g) (name ontable) (params c))
-  (pddl-goal-numeric-fluent (instance blocks) (goal g) (name moves) (value 6))
+  (pddl-goal-numeric-fluent (instance blocks) (goal g) (name moves) (value 6.0))
   (pddl-set-goals (instance blocks) (goal g))
   (pddl-plan (instance blocks) (id p) (goal g))
-  (pddl-action-condition (instance blocks) (action 0))
-  (pddl-action-condition (instance blocks) (action 1))
-  (pddl-action-get-effect (action 0) (effect-type ALL) (apply FALSE)))
-(defrule apply (pddl-action-condition (action 1) (state CONDITION-UNSAT)) => (assert (pddl-action-get-effect (instance blocks) (action 0) (effect-type ALL) (apply TRUE))))
+  (number 0) (number 1))
+(defrule check (number ?n) => (assert (pddl-action-condition (instance blocks) (action ?n))))
+(defrule effects (number ?n&0) => (assert (pddl-action-get-effect (action ?n) (effect-type ALL) (apply FALSE))))
+(defrule apply (pddl-action-condition (action ?n&:(eq ?n 1)) (state CONDITION-UNSAT)) (number ?first&0) =>
+  (assert (pddl-action-get-effect (action ?first) (effect-type ALL) (apply TRUE))))
 (defrule cancel-it (pddl-action-get-effect (apply TRUE) (state DONE)) (not (pddl-fluent-change)) (not (pddl-plan (id q))) => (assert (pddl-plan (instance blocks) (id q) (goal g))))
 (defrule ask-again ?g <- (pddl-get-fluents (state DONE)) ?n <- (pddl-get-numeric-fluents (state DONE)) (time ?t&:(> ?t 12.0)) (not (again)) =>
   (assert (again) (pddl-fluent (instance blocks) (name on) (params b b)))
@@ -64,15 +65,16 @@ WRONG = """(deffacts wanted
   (pddl-instance (name other) (domain "nowhere.pddl") (problem "problem.pddl") (directory "FOLDER"))
   (pddl-fluent-change (instance blocks) (name holding) (params a))
   (pddl-fluent-change (instance blocks) (name holdink) (params b))
-  (pddl-fluent-change (instance blocks) (name "holding") (params "c"))
-  (pddl-numeric-fluent-change (instance blocks) (name moves) (value 3))
-  (pddl-numeric-fluent-change (instance blocks) (name steps) (value 4))
+  (change "holding" "c")
+  (pddl-numeric-fluent-change (instance blocks) (name moves) (value 3.0))
+  (pddl-numeric-fluent-change (instance blocks) (name steps) (value 4.0))
   (pddl-object-change (instance blocks) (name d) (type blok))
   (pddl-set-goals (instance blocks) (goal none))
   (pddl-goal-fluent (instance blocks) (goal none) (name holding) (params a))
   (pddl-planning-filter (instance blocks) (goal base) (type ACTIONS) (filter fly))
   (pddl-plan (instance blocks) (id x) (goal nowhere))
   (pddl-action-names (instance blocks)))
+(defrule change (change ?name ?param) => (assert (pddl-fluent-change (instance blocks) (name ?name) (params ?param))))
 (defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
 """
 TWO_GOALS = """(deffacts wanted
@@ -99,11 +101,11 @@ PLANS = TWO_GOALS + """
 NUMBERS = """(deffacts wanted
   (pddl-manager)
   (pddl-instance (name blocks) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
-  (pddl-numeric-fluent-change (instance other) (name moves) (value 1))
+  (pddl-numeric-fluent-change (instance other) (name moves) (value 1.0))
   (pddl-goal-fluent (instance blocks) (goal base) (name holding) (params c))
   (pddl-set-goals (instance blocks) (goal base))
   (pddl-plan (instance blocks) (id p)))
-(defrule apply (pddl-plan (state SUCCESS)) => (assert (pddl-action-get-effect (instance blocks) (action 0) (apply TRUE))))
+(defrule apply (pddl-action (id ?n&:(eq ?n 0))) => (assert (pddl-action-get-effect (action ?n) (apply TRUE))))
 (defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
 """
 # Templates defined anew with the slots and values of CX alone, and strict types.
@@ -142,7 +144,7 @@ FORGETFUL = """(deffacts wanted
   (pddl-instance (name blocks) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
   (pddl-get-fluents (instance blocks))
   (pddl-action-names (instance blocks)))
-(defrule forget ?ask <- (pddl-get-fluents (state WAITING)) => (retract ?ask))
+(defrule forget ?ask <- (pddl-get-fluents (state ?s&:(eq ?s WAITING))) => (retract ?ask))
 (defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
 """
 # A plan is taken back before it is accepted, another one while it is made; each makes room for the next.
@@ -171,6 +173,81 @@ REJECTED = """(deffacts wanted
   (pddl-plan (instance blocks) (id p)))
 (defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
 """
+
+# Unit durations and no numbers, as an agent of CX goes through a plan: check, begin with the effects at the start, after the duration
+# those at the end, then the next step.
+STEPS_DOMAIN = """(define (domain steps) (:requirements :durative-actions :typing)
+  (:types thing) (:predicates (free ?x - thing) (held ?x - thing) (moved ?x - thing))
+  (:durative-action move :parameters (?x - thing) :duration (= ?duration 1)
+    :condition (at start (free ?x)) :effect (and (at start (not (free ?x))) (at start (held ?x)) (at end (not (held ?x))) (at end (free ?x)) (at end (moved ?x)))))
+"""
+STEPS = """(deffacts wanted
+  (pddl-manager)
+  (pddl-instance (name steps) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
+  (next 0))
+(defrule aim (pddl-instance (state LOADED)) (not (aimed)) => (assert (aimed))
+  (progn$ (?x (create$ a b c d e f)) (assert (pddl-goal-fluent (instance steps) (goal base) (name moved) (params ?x))))
+  (assert (pddl-set-goals (instance steps) (goal base)) (pddl-plan (instance steps) (id p) (goal base))))
+(defrule check (pddl-action (id ?id)) (next ?id) (not (began ?id ?)) (not (pddl-action-condition)) (time ?t) =>
+  (if (eq ?id 0) then (assert (zero ?t)))
+  (assert (pddl-action-condition (instance steps) (action ?id))))
+(defrule begin ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT)) (time ?t) (zero ?zero) =>
+  (retract ?check)
+  (assert (began ?id ?t) (pddl-action-get-effect (action ?id) (effect-type START) (apply TRUE)))
+  (println "step begins " (format nil "%.1f" (- ?t ?zero))))
+(defrule end ?began <- (began ?id ?since) (time ?t&:(>= ?t (+ ?since 1))) ?start <- (pddl-action-get-effect (action ?id) (effect-type START)) =>
+  (retract ?start)
+  (assert (pddl-action-get-effect (action ?id) (effect-type END) (apply TRUE))))
+(defrule next ?end <- (pddl-action-get-effect (effect-type END) (state DONE)) (not (pddl-fluent-change)) ?next <- (next ?id) =>
+  (retract ?end ?next)
+  (assert (next (+ ?id 1))))
+"""
+# What the package of the CLIPS-Executive has, in the order in which an agent may load it.
+FILES = """saliences deftemplates pddl-ros-comm-init pddl-instance pddl-action-condition pddl-action-get-effect pddl-action-names pddl-clear-goals
+pddl-create-goal-instance pddl-fluent-change pddl-numeric-fluent-change pddl-object-change pddl-get-fluents pddl-get-numeric-fluents
+pddl-get-predicates pddl-get-type-objects pddl-planning-filter pddl-plan-temporal-client pddl-set-goals""".split()
+SLOTS = {
+    "pddl-service-request-meta": "service request-id meta",
+    "pddl-manager": "node ros-comm-init",
+    "pddl-instance": "name domain problem directory state busy-with error",
+    "pddl-action": "instance id name params plan planned-start-time planned-duration",
+    "pddl-goal-fluent": "instance goal name params",
+    "pddl-goal-numeric-fluent": "instance goal name params value",
+    "pddl-effect-fluent": "instance action name params effect-type",
+    "pddl-effect-numeric-fluent": "instance action name params value effect-type",
+    "pddl-fluent": "instance name params",
+    "pddl-numeric-fluent": "instance name params value",
+    "pddl-predicate": "instance name param-types param-names",
+    "pddl-type-objects": "instance type objects",
+    "pddl-action-condition": "instance action condition-type state unsatisfied-conditions",
+    "pddl-action-get-effect": "action effect-type state apply",
+    "pddl-action-names": "instance action-names state error",
+    "pddl-clear-goals": "instance goal state error",
+    "pddl-create-goal-instance": "instance goal state error",
+    "pddl-fluent-change": "instance name params delete request-id state error",
+    "pddl-get-fluents": "instance state error",
+    "pddl-get-numeric-fluents": "instance state error",
+    "pddl-get-predicates": "instance state error",
+    "pddl-get-type-objects": "instance type state error",
+    "pddl-numeric-fluent-change": "instance name params value request-id state",
+    "pddl-object-change": "instance name type delete request-id state error",
+    "pddl-plan": "instance id goal goal-ptr plan-type goal-handle output-dir type state",
+    "pddl-planning-filter": "id type filter instance goal",
+    "pddl-set-goals": "instance goal state error",
+}
+VALUES = {
+    ("pddl-plan", "state"): "PENDING WAITING PLANNING REQUEST-CANCELING CANCELING CANCELED SUCCESS FAILURE",
+    ("pddl-fluent-change", "state"): "PENDING WAITING ERROR ON-HOLD",
+    ("pddl-numeric-fluent-change", "state"): "PENDING WAITING ERROR ON-HOLD",
+    ("pddl-object-change", "state"): "PENDING WAITING ERROR ON-HOLD",
+    ("pddl-action-condition", "condition-type"): "ALL START OVERALL END",
+    ("pddl-instance", "state"): "PENDING LOADED ERROR",
+}
+DEFAULTS = {("pddl-manager", "node"): '"/pddl_manager"', ("pddl-action-condition", "condition-type"): "START", ("pddl-plan", "plan-type"): "CLASSICAL",
+            ("pddl-plan", "type"): "TEMPORAL", ("pddl-fluent-change", "delete"): "FALSE", ("pddl-action-get-effect", "effect-type"): "ALL"}
+PRIORITIES = {"INSTANCES": -5100, "GET-ACTION-NAMES": -5300, "OBJECTS": -5400, "FLUENTS": -5500, "APPLY-EFFECT": -5600, "CLEAR-GOALS": -5700,
+              "CREATE-GOAL-INSTANCE": -5800, "SET-ACTION-FILTER": -5900, "SET-FLUENT-FILTER": -6000, "SET-OBJECT-FILTER": -6100, "SET-GOALS": -6200,
+              "PLAN": -6300, "CHECK-CONDITION": -6400, "GET-FLUENTS": -6500}
 
 
 class Blocksworld(unittest.TestCase):
@@ -266,33 +343,35 @@ class Blocksworld(unittest.TestCase):
         for fact in [
             "(pddl-fluent (instance blocks) (name holding) (params a))",
             "(pddl-fluent (instance blocks) (name holding) (params c))",
-            '(name holdink) (params b) (delete FALSE) (state ERROR) (error "unknown fluent \'holdink\', did you mean \'holding\'?"))',
+            '(name holdink) (params b) (delete FALSE) (request-id 3) (state ERROR) (error "unknown fluent \'holdink\', did you mean \'holding\'?"))',
             "(pddl-numeric-fluent (instance blocks) (name moves) (params) (value 3.0))",
-            "(name steps) (params) (value 4) (state ERROR)",
-            "(pddl-object-change (instance blocks) (name d) (type blok) (delete FALSE) (state ERROR)",
+            "(name steps) (params) (value 4.0) (request-id 2) (state ERROR))",
+            "(pddl-object-change (instance blocks) (name d) (type blok) (delete FALSE) (request-id 1) (state ERROR)",
             "(pddl-set-goals (instance blocks) (goal none) (state ERROR)",
-            "(pddl-planning-filter (instance blocks) (goal base) (type ACTIONS) (filter fly) (state ERROR)",
             "(pddl-action-names (instance blocks) (action-names pick-up put-down stack unstack) (state DONE)",
             '(pddl-instance (name other) (domain "nowhere.pddl")',
-            "(pddl-plan (instance blocks) (id x) (goal nowhere) (goal-ptr nil) (plan-type nil) (goal-handle nil) (output-dir \"\") (type TEMPORAL) (state FAILED))",
+            "(pddl-plan (instance blocks) (id x) (goal nowhere) (goal-ptr nil) (plan-type CLASSICAL) (goal-handle nil) (output-dir \"\") (type TEMPORAL) (state FAILURE))",
         ]:
             self.assertIn(fact, log)
         self.assertIn("plan not found!", log)
+        self.assertRegex(log, r"\[error\] \[main\] pddl-planning-filter: .*'fly'")
+        self.assertNotIn("(pddl-planning-filter", log)
         self.assertIn("[error] [main] pddl-fluent-change: unknown fluent 'holdink', did you mean 'holding'?", log)
 
     def test_plans_are_made_side_by_side_and_canceled_at_any_time(self):
         log = self.facts_of(PLANS, "--with", "pddl_manager", "--param", "pddl_manager.planner={latency: {a: 1}}", seconds=10)
         self.assertIn("both are planned for", log)
         for plan, state in [("p1", "SUCCESS"), ("p2", "SUCCESS"), ("p3", "CANCELED"), ("p4", "CANCELED")]:
-            self.assertRegex(log, rf"\(id {plan}\) .*goal-ptr nil.*\(state {state}\)\)")
+            sent = "nil" if plan != "p3" else "<Pointer-C-\\(nil\\)>"
+            self.assertRegex(log, rf"\(id {plan}\) .*goal-ptr {sent}.*\(state {state}\)\)")
         self.assertIn('(pddl-action (instance blocks) (id 1) (name put-down) (params "c") (plan p1)', log)
         self.assertIn('(pddl-action (instance blocks) (id 0) (name unstack) (params "c" "a") (plan p2)', log)
-        for left in ["goal-response", "wrapped-result", "cancel-goal", "service-request-meta", "ros-msgs-response", "cleaning up ... goal"]:
+        for left in ["goal-response", "wrapped-result", "cancel-goal", "(pddl-asked", "ros-msgs-response", "cleaning up ... goal"]:
             self.assertNotIn(left, log)
 
     def test_templates_may_be_defined_anew_with_the_slots_of_cx_alone(self):
-        batch = 'batch: ["clips/deftemplates.clp", "overrides.clp", "clips/pddl-no-deftemplates.clp", "all.clp"]'
-        log = self.facts_of(OVERRIDING, seconds=10, config=CONFIG.replace('batch: ["clips/pddl.clp", "all.clp"]', batch), overrides=OVERRIDES)
+        batch = 'batch: ["clips/cx_pddl_clips/deftemplates.clp", "overrides.clp", "clips/cx_pddl_clips/pddl-no-deftemplates.clp", "all.clp"]'
+        log = self.facts_of(OVERRIDING, seconds=10, config=CONFIG.replace('batch: ["clips/cx_pddl_clips/pddl.clp", "all.clp"]', batch), overrides=OVERRIDES)
         for fact in [
             '(pddl-action-condition (instance blocks) (action 0) (state CONDITION-SAT) (unsatisfied-conditions))',
             "(pddl-action-get-effect (action 0) (effect-type ALL) (apply TRUE) (state DONE))",
@@ -304,6 +383,44 @@ class Blocksworld(unittest.TestCase):
             self.assertIn(fact, log)
         self.assertNotIn("(name clear) (params b)", log)
         self.assertNotIn("pddl-refused", log)
+
+    def test_files_templates_and_globals_are_those_of_cx(self):
+        looks = [f'(println "slots {name} " (implode$ (deftemplate-slot-names {name})))' for name in SLOTS]
+        looks += [f'(println "values {name} {slot} " (implode$ (deftemplate-slot-allowed-values {name} {slot})))' for name, slot in VALUES]
+        looks += [f'(println "default {name} {slot} " (implode$ (create$ (deftemplate-slot-default-value {name} {slot}))))' for name, slot in DEFAULTS]
+        looks += [f'(println "priority {name} " ?*PRIORITY-PDDL-{name}*)' for name in PRIORITIES]
+        looks += ['(println "clients " (nth$ 9 ?*CX-PDDL-SERVICE-CLIENTS*) " " (nth$ 10 ?*CX-PDDL-SERVICE-CLIENTS*))']
+        one_by_one = CONFIG.replace('batch: ["clips/cx_pddl_clips/pddl.clp", "all.clp"]',
+                                    'load: [' + ", ".join(f'"clips/cx_pddl_clips/{name}.clp"' for name in FILES) + '], batch: ["all.clp"]')
+        for config in (CONFIG, one_by_one):
+            log = self.facts_of("(defrule look => " + " ".join(looks) + ")", seconds=0.1, config=config)
+            for kind, table in (("slots", SLOTS), ("values", VALUES), ("default", DEFAULTS), ("priority", PRIORITIES)):
+                for key, wanted in table.items():
+                    self.assertIn(f"[main] {kind} {key if isinstance(key, str) else ' '.join(key)} {wanted}\n", log)
+            self.assertIn("[main] clients get_predictes GetPredicates\n", log)
+            answered = self.facts_of(PLANS, seconds=10, config=config)
+            self.assertRegex(answered, r"\(id p2\) .*\(state SUCCESS\)\)")
+
+    def test_old_paths_of_the_package_lead_to_the_same_files(self):
+        log = self.facts_of(PLANS, seconds=10, config=CONFIG.replace("clips/cx_pddl_clips/", "clips/"))
+        self.assertRegex(log, r"\(id p2\) .*\(state SUCCESS\)\)")
+
+    def test_a_step_of_a_second_takes_one_and_four_tenths(self):
+        folder = Path(self.folder.name) / "steps"
+        folder.mkdir()
+        (folder / "domain.pddl").write_text(STEPS_DOMAIN)
+        (folder / "problem.pddl").write_text("(define (problem p) (:domain steps) (:objects a b c d e f - thing)\n"
+                                             "  (:init (free a) (free b) (free c) (free d) (free e) (free f)) (:goal (moved a)))")
+        log = self.facts_of(STEPS.replace("FOLDER", str(folder)), "--with", "pddl_manager", seconds=12)
+        self.assertEqual(re.findall(r"step begins (.*)", log), ["0.1", "1.5", "2.9", "4.3", "5.7", "7.1"], log)
+
+    def test_a_plan_that_somebody_else_cancels_has_failed(self):
+        canceled = PLANS.replace("(defrule cancel ", "(defrule never (nothing) ").replace("(defrule more ", "(defrule none (nothing) ")
+        stimuli = Path(self.folder.name) / "deactivate.yaml"
+        stimuli.write_text("[{at: 1.2, call: /pddl_manager/change_state, type: lifecycle_msgs/srv/ChangeState, request: {transition: {label: deactivate}}}]")
+        log = self.facts_of(canceled, "--with", "pddl_manager", "--param", "pddl_manager.planner={latency: {a: 5}}", "--stimuli", stimuli, seconds=10)
+        for plan in ("p1", "p2"):
+            self.assertRegex(log, rf"\(id {plan}\) .*\(state FAILURE\)\)")
 
     def test_a_question_that_is_taken_back_does_not_block_the_instance(self):
         log = self.facts_of(FORGETFUL, seconds=6)
@@ -317,7 +434,7 @@ class Blocksworld(unittest.TestCase):
                          [f'(instance blocks) (id 0) (name unstack) (params "c" "a") (plan {plan})' for plan in ("p2", "p4")], log)
         for plan in ("p2", "p4"):
             self.assertRegex(log, rf"\(id {plan}\) .*goal-ptr nil.*\(state SUCCESS\)\)")
-        for left in ["goal-response", "wrapped-result", "pddl-plan-goal", "cleaning up ... goal", "[warn]", "[error]"]:
+        for left in ["goal-response", "wrapped-result", "(pddl-plan-goal", "cleaning up ... goal", "[warn]", "[error]"]:
             self.assertNotIn(left, log)
 
     def test_a_rejected_goal_is_a_plan_that_failed(self):
@@ -325,7 +442,7 @@ class Blocksworld(unittest.TestCase):
         stimuli.write_text("[{at: 0.1, call: /pddl_manager/change_state, type: lifecycle_msgs/srv/ChangeState, request: {transition: {label: configure}}}]")
         log = self.facts_of(REJECTED, "--with", "pddl_manager", "--param", "pddl_manager.autostart_node=false", "--stimuli", stimuli, seconds=6)
         self.assertIn("plan was refused!", log)
-        self.assertRegex(log, r"\(id p\) .*\(goal-ptr nil\).*\(state FAILED\)")
+        self.assertRegex(log, r"\(id p\) .*\(goal-ptr nil\).*\(state FAILURE\)")
 
     def test_an_effect_on_a_number_that_was_not_asked_for_begins_with_its_value(self):
         problem = Path(self.folder.name) / "pddl"
@@ -334,7 +451,7 @@ class Blocksworld(unittest.TestCase):
         (problem / "problem.pddl").write_text((BLOCKS / "pddl/problem.pddl").read_text().replace("(= (moves) 0)", "(= (moves) 41)"))
         log = self.facts_of(NUMBERS.replace("FOLDER", str(problem)), seconds=6)
         self.assertIn("(pddl-numeric-fluent (instance blocks) (name moves) (params) (value 42.0))", log)
-        self.assertIn("(pddl-action-get-effect (instance blocks) (action 0) (plan nil) (effect-type ALL) (apply TRUE) (state DONE)", log)
+        self.assertIn("(pddl-action-get-effect (action 0) (effect-type ALL) (state DONE) (apply TRUE))", log)
 
     def test_a_manager_that_lost_its_instances_is_reported_and_may_load_them_again(self):
         life = Path(self.folder.name) / "life.yaml"
@@ -357,7 +474,7 @@ agents: [{config: agent/params/agent.yaml, namespace: /cyan}, {config: agent/par
 """)
         self.facts_of(PLANS.replace("(pddl-manager)", '(pddl-manager (node "pddl_manager"))'), seconds=0.1)  # writes the agent
         log = self.cxlab("run", scenario, "--out", "none").stderr
-        self.assertEqual(log.count("(id p2) (goal g2) (goal-ptr nil) (plan-type nil) (goal-handle nil) (output-dir \"\") (type TEMPORAL) (state SUCCESS)"), 2)
+        self.assertEqual(log.count("(id p2) (goal g2) (goal-ptr nil) (plan-type CLASSICAL) (goal-handle nil) (output-dir \"\") (type TEMPORAL) (state SUCCESS)"), 2)
         times = [float(line[1:10]) for line in log.splitlines() if "[pddl_manager] plan for 'g2'" in line]
         self.assertAlmostEqual(times[1] - times[0], 2, places=1)  # each has its own planning time
 
@@ -367,16 +484,16 @@ agents: [{config: agent/params/agent.yaml, namespace: /cyan}, {config: agent/par
         for fact in [
             "(pddl-action-names (instance blocks) (action-names pick-up put-down stack unstack) (state DONE)",
             "(pddl-predicate (instance blocks) (name on) (param-types block block) (param-names x y))",
-            "(pddl-type-objects (instance blocks) (type block) (objects a b c))",  # questions go before changes
+            '(pddl-type-objects (instance blocks) (type block) (objects "a" "b" "c"))',  # questions go before changes
             "(pddl-fluent (instance blocks) (name ontable) (params d))",
             "(pddl-set-goals (instance blocks) (goal g) (state DONE)",
             '(pddl-action (instance blocks) (id 0) (name unstack) (params "c" "a") (plan p) (planned-start-time 0.0) (planned-duration 3.0))',
-            '(pddl-action-condition (instance blocks) (action 1) (plan nil) (state CONDITION-UNSAT) (unsatisfied-conditions "holding(c)")',
+            '(pddl-action-condition (instance blocks) (action 1) (condition-type START) (state CONDITION-UNSAT) (unsatisfied-conditions "holding(c)")',
             "(pddl-effect-fluent (instance blocks) (action 0) (name holding) (params c) (effect-type END))",
             "(pddl-effect-numeric-fluent (instance blocks) (action 0) (name moves) (params) (value 6.0) (effect-type END))",
             "(pddl-fluent (instance blocks) (name holding) (params c))",
             "(pddl-numeric-fluent (instance blocks) (name moves) (params) (value 6.0))",
-            "(id q) (goal g) (goal-ptr nil) (plan-type nil) (goal-handle nil) (output-dir \"\") (type TEMPORAL) (state CANCELED))",
+            "(id q) (goal g) (goal-ptr nil) (plan-type CLASSICAL) (goal-handle nil) (output-dir \"\") (type TEMPORAL) (state CANCELED))",
         ]:
             self.assertIn(fact, log)
         self.assertEqual(log.count("b is on the table"), 1, "facts that stay true are not made anew")

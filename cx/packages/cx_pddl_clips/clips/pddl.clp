@@ -1,3 +1,1 @@
-; Templates and rules in one, for agents that define no template of their own. Needs cx::AmentIndexPlugin.
-(batch* (str-cat (ament-index-get-package-share-directory "cx_pddl_clips") "/clips/deftemplates.clp"))
-(batch* (str-cat (ament-index-get-package-share-directory "cx_pddl_clips") "/clips/pddl-no-deftemplates.clp"))
+cx_pddl_clips/pddl.clp

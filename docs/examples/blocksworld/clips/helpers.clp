@@ -41,7 +41,7 @@
   (assert (pddl-plan (instance blocks) (id tower-plan) (goal tower))))
 
 (defrule no-plan
-  (pddl-plan (state FAILED))
+  (pddl-plan (state FAILURE))
   =>
   (printout error "there is no plan" crlf))
 
@@ -52,7 +52,7 @@
   (not (pddl-action (plan ?plan) (id ?other&:(< ?other ?id)) (state ~DONE)))
   (not (pddl-action-condition (action ?id)))
   =>
-  (assert (pddl-action-condition (instance blocks) (plan ?plan) (action ?id))))
+  (assert (pddl-action-condition (instance blocks) (action ?id))))
 
 (defrule start
   "It may: its effects at the start."
@@ -62,12 +62,13 @@
   =>
   (retract ?check)
   (println "start " ?name " " (implode$ (pddl-symbols ?params)))
-  (assert (pddl-action-get-effect (instance blocks) (action ?id) (effect-type START) (apply TRUE)))
+  (assert (pddl-action-get-effect (action ?id) (effect-type START) (apply TRUE)))
   (modify ?action (state RUNNING) (actual-start-time ?now)))
 
 (defrule cannot-start
   "It may not: its plan goes; what there is now is asked for, and then planned for."
-  ?check <- (pddl-action-condition (plan ?id) (action ?step) (state CONDITION-UNSAT) (unsatisfied-conditions $?missing))
+  ?check <- (pddl-action-condition (action ?step) (state CONDITION-UNSAT) (unsatisfied-conditions $?missing))
+  (pddl-action (id ?step) (plan ?id))
   ?plan <- (pddl-plan (id ?id))
   ?known <- (pddl-get-fluents (state DONE))
   =>
@@ -83,7 +84,7 @@
   ?effect <- (pddl-action-get-effect (action ?id) (effect-type START) (state DONE))
   =>
   (retract ?effect)
-  (assert (pddl-action-get-effect (instance blocks) (action ?id) (effect-type END) (apply TRUE)))
+  (assert (pddl-action-get-effect (action ?id) (effect-type END) (apply TRUE)))
   (modify ?action (state ENDING)))
 
 (defrule done

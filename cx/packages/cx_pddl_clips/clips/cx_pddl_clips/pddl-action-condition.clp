@@ -1,0 +1,27 @@
+; May a step begin now?
+
+(defrule pddl-send-condition
+  (declare (salience ?*PRIORITY-PDDL-CHECK-CONDITION*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-action-condition (instance ?instance) (action ?action) (state PENDING))
+  (pddl-action (instance ?instance) (id ?action) (plan ?plan&:(pddl-agrees ?ask plan ?plan)) (name ?name) (params $?params))
+  =>
+  (bind ?message (pddl-message Action ?instance ?name ?params))
+  (bind ?request (pddl-request CheckActionCondition nil nil))
+  (ros-msgs-set-field ?request "action" ?message)
+  (ros-msgs-destroy-message ?message)
+  (if (pddl-send ?node "check_action_condition" ?request condition ?instance (fact-index ?ask))
+   then (pddl-sent ?i CHECK-CONDITIONS ?ask CHECK-CONDITION)))
+
+(defrule pddl-condition-checked
+  ?note <- (pddl-asked ?service ?id condition ?instance ?ask)
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (bind ?missing (create$))
+  (foreach ?condition (ros-msgs-get-field ?message "unsatisfied_conditions") (bind ?missing (create$ ?condition ?missing)))
+  (bind ?state (if (ros-msgs-get-field ?message "sat") then CONDITION-SAT else CONDITION-UNSAT))
+  (if (fact-existp ?ask) then (modify ?ask (unsatisfied-conditions ?missing)))
+  (pddl-becomes ?ask (if (eq ?error "") then ?state else ERROR) ?error)
+  (pddl-answered ?instance ?message ?response ?note))

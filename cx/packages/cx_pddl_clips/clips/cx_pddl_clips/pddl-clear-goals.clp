@@ -1,0 +1,17 @@
+; A goal instance loses its goals.
+
+(defrule pddl-send-clear-goals
+  (declare (salience ?*PRIORITY-PDDL-CLEAR-GOALS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-clear-goals (instance ?instance) (goal ?goal) (state PENDING))
+  =>
+  (if (pddl-send ?node "clear_goals" (pddl-request ClearGoals ?instance ?goal) clear-goals ?instance (fact-index ?ask))
+   then (pddl-sent ?i CLEAR-GOALS ?ask WAITING)))
+
+(defrule pddl-goals-cleared
+  ?note <- (pddl-asked ?service ?id clear-goals ?instance ?ask)
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  =>
+  (pddl-close ?ask (pddl-error-of ?message))
+  (pddl-answered ?instance ?message ?response ?note))

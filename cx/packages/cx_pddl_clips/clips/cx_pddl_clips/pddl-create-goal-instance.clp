@@ -1,0 +1,17 @@
+; A new goal instance.
+
+(defrule pddl-send-create-goal-instance
+  (declare (salience ?*PRIORITY-PDDL-CREATE-GOAL-INSTANCE*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-create-goal-instance (instance ?instance) (goal ?goal) (state PENDING))
+  =>
+  (if (pddl-send ?node "create_goal_instance" (pddl-request CreateGoalInstance ?instance ?goal) create-goal-instance ?instance (fact-index ?ask))
+   then (pddl-sent ?i CREATE-GOAL-INSTANCE ?ask WAITING)))
+
+(defrule pddl-goal-instance-created
+  ?note <- (pddl-asked ?service ?id create-goal-instance ?instance ?ask)
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  =>
+  (pddl-close ?ask (pddl-error-of ?message))
+  (pddl-answered ?instance ?message ?response ?note))

@@ -1,0 +1,24 @@
+; What is true now.
+
+(defrule pddl-ask-fluents
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-get-fluents (instance ?instance) (state PENDING))
+  =>
+  (if (pddl-send ?node "get_fluents" (pddl-request GetFluents ?instance nil) fluents ?instance (fact-index ?ask))
+   then (pddl-sent ?i GET-FLUENTS ?ask WAITING)))
+
+(defrule pddl-answer-fluents
+  "The facts of the instance are those of the manager, no more and no less; those that were known stay as they are."
+  ?note <- (pddl-asked ?service ?id fluents ?instance ?ask)
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (if (eq ?error "") then
+    (bind ?now (create$))
+    (foreach ?fluent (ros-msgs-get-field ?message "fluents")
+      (bind ?now (create$ ?now (assert (pddl-fluent (instance ?instance) (name (sym-cat (ros-msgs-get-field ?fluent "name")))
+                                                     (params (pddl-symbols (ros-msgs-get-field ?fluent "args"))))))))
+    (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance ?instance) (not (member$ ?f ?now))) (retract ?f)))
+  (pddl-close ?ask ?error)
+  (pddl-answered ?instance ?message ?response ?note))

@@ -1,0 +1,24 @@
+; All numbers.
+
+(defrule pddl-ask-numeric-fluents
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-get-numeric-fluents (instance ?instance) (state PENDING))
+  =>
+  (if (pddl-send ?node "get_functions" (pddl-request GetFunctions ?instance nil) functions ?instance (fact-index ?ask))
+   then (pddl-sent ?i GET-NUMERIC-FLUENTS ?ask WAITING)))
+
+(defrule pddl-answer-numeric-fluents
+  ?note <- (pddl-asked ?service ?id functions ?instance ?ask)
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (if (eq ?error "") then
+    (bind ?now (create$))
+    (foreach ?function (ros-msgs-get-field ?message "functions")
+      (bind ?now (create$ ?now (assert (pddl-numeric-fluent (instance ?instance) (name (sym-cat (ros-msgs-get-field ?function "name")))
+                                                             (params (pddl-symbols (ros-msgs-get-field ?function "args")))
+                                                             (value (float (ros-msgs-get-field ?function "value"))))))))
+    (do-for-all-facts ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (not (member$ ?f ?now))) (retract ?f)))
+  (pddl-close ?ask ?error)
+  (pddl-answered ?instance ?message ?response ?note))

@@ -1,0 +1,21 @@
+; The predicates of a domain.
+
+(defrule pddl-ask-predicates
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?ask <- (pddl-get-predicates (instance ?instance) (state PENDING))
+  =>
+  (if (pddl-send ?node "get_predicates" (pddl-request GetPredicates ?instance nil) predicates ?instance (fact-index ?ask))
+   then (pddl-sent ?i GET-PREDICATES ?ask WAITING)))
+
+(defrule pddl-answer-predicates
+  ?note <- (pddl-asked ?service ?id predicates ?instance ?ask)
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (foreach ?predicate (ros-msgs-get-field ?message "predicates")
+    (assert (pddl-predicate (instance ?instance) (name (sym-cat (ros-msgs-get-field ?predicate "name")))
+                            (param-types (pddl-symbols (ros-msgs-get-field ?predicate "param_types")))
+                            (param-names (pddl-symbols (ros-msgs-get-field ?predicate "param_names"))))))
+  (pddl-close ?ask ?error)
+  (pddl-answered ?instance ?message ?response ?note))

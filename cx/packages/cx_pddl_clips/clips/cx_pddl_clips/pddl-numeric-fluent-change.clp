@@ -1,0 +1,34 @@
+; Numbers that change, in one request like fluents.
+
+(deffunction pddl-take-number (?instance ?name ?params ?value)
+  "The numeric fluent is known with that value; its fact."
+  (bind ?symbol (sym-cat ?name))
+  (bind ?symbols (pddl-symbols ?params))
+  (do-for-fact ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?symbol) (eq ?f:params ?symbols))
+    (return (modify ?f (value (float ?value)))))
+  (assert (pddl-numeric-fluent (instance ?instance) (name ?symbol) (params ?symbols) (value (float ?value)))))
+
+(defrule pddl-send-numeric-changes
+  (declare (salience ?*PRIORITY-PDDL-FLUENTS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?change <- (pddl-numeric-fluent-change (instance ?instance) (state PENDING))
+  =>
+  (bind ?changes (if (pddl-was-refused ?change) then (create$ ?change) else
+    (find-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state PENDING) (not (pddl-was-refused ?c))))))
+  (pddl-send-changes ?node "set_functions" (pddl-request SetFunctions nil nil) "functions" (pddl-change-messages Function ?changes) ?changes
+                     ?i NUMERIC-FLUENTS numeric-changes ?instance))
+
+(defrule pddl-numbers-changed
+  ?note <- (pddl-asked ?service ?id numeric-changes ?instance)
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (bind ?changes (find-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state WAITING))))
+  (do-for-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state WAITING))
+    (if (neq ?error "") then (pddl-refuse ?c ?error (> (length$ ?changes) 1))
+     else
+      (pddl-take-number ?instance ?c:name ?c:params ?c:value)
+      (retract ?c)))
+  (pddl-close-changes)
+  (pddl-answered ?instance ?message ?response ?note))

@@ -1,0 +1,30 @@
+; Objects that come and go.
+
+(defrule pddl-send-object-change
+  (declare (salience ?*PRIORITY-PDDL-OBJECTS*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?change <- (pddl-object-change (instance ?instance) (name ?name) (type ?type) (delete ?delete) (state PENDING))
+  =>
+  (bind ?object (ros-msgs-create-message "cx_pddl_interfaces/msg/Object"))
+  (ros-msgs-set-field ?object "pddl_instance" (str-cat ?instance))
+  (ros-msgs-set-field ?object "name" (str-cat ?name))
+  (if (neq ?type nil) then (ros-msgs-set-field ?object "type" (str-cat ?type)))
+  (bind ?request (pddl-request (if ?delete then RemoveObjects else AddObjects) nil nil))
+  (ros-msgs-set-field ?request "objects" (create$ ?object))
+  (ros-msgs-destroy-message ?object)
+  (bind ?id (pddl-send ?node (if ?delete then "rm_objects" else "add_objects") ?request object-change ?instance (fact-index ?change) ?name ?delete))
+  (if ?id then
+    (pddl-put ?change request-id ?id)
+    (pddl-sent ?i OBJECTS ?change WAITING)))
+
+(defrule pddl-object-changed
+  ?note <- (pddl-asked ?service ?id object-change ?instance ?change ?name ?delete)
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (if (neq ?error "") then (pddl-becomes ?change ERROR ?error) else (if (fact-existp ?change) then (retract ?change)))
+  (if (and ?delete (eq ?error "")) then
+    (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance ?instance) (member$ (sym-cat ?name) ?f:params)) (retract ?f))
+    (do-for-all-facts ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (member$ (sym-cat ?name) ?f:params)) (retract ?f)))
+  (pddl-answered ?instance ?message ?response ?note))

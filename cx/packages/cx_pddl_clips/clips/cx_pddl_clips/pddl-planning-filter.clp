@@ -1,0 +1,39 @@
+; What the planner sees of an instance. The fact goes when it was answered; an error is told.
+
+(deffunction pddl-send-filter (?node ?i ?filter ?instance ?goal ?names ?service ?type ?field ?busy)
+  (bind ?request (pddl-request ?type ?instance ?goal))
+  (ros-msgs-set-field ?request ?field (pddl-strings ?names))
+  (if (pddl-send ?node ?service ?request filter ?instance (fact-index ?filter)) then (modify ?i (busy-with ?busy))))
+
+(defrule pddl-send-action-filter
+  (declare (salience ?*PRIORITY-PDDL-SET-ACTION-FILTER*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?f <- (pddl-planning-filter (type ACTIONS) (instance ?instance) (goal ?goal) (filter $?names))
+  =>
+  (pddl-send-filter ?node ?i ?f ?instance ?goal ?names "set_action_filter" SetActionFilter "actions" SET-ACTION-FILTER))
+
+(defrule pddl-send-fluent-filter
+  (declare (salience ?*PRIORITY-PDDL-SET-FLUENT-FILTER*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?f <- (pddl-planning-filter (type FLUENTS) (instance ?instance) (goal ?goal) (filter $?names))
+  =>
+  (pddl-send-filter ?node ?i ?f ?instance ?goal ?names "set_fluent_filter" SetFluentFilter "fluents" SET-FLUENT-FILTER))
+
+(defrule pddl-send-object-filter
+  (declare (salience ?*PRIORITY-PDDL-SET-OBJECT-FILTER*))
+  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
+  ?f <- (pddl-planning-filter (type OBJECTS) (instance ?instance) (goal ?goal) (filter $?names))
+  =>
+  (pddl-send-filter ?node ?i ?f ?instance ?goal ?names "set_object_filter" SetObjectFilter "objects" SET-OBJECT-FILTER))
+
+(defrule pddl-filter-answered
+  ?note <- (pddl-asked ?service ?id filter ?instance ?filter)
+  ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
+  =>
+  (bind ?error (pddl-error-of ?message))
+  (if (eq ?error "") then (printout green TRUE " " ?error crlf) else (printout error "pddl-planning-filter: " ?error crlf))
+  (if (fact-existp ?filter) then (retract ?filter))
+  (pddl-answered ?instance ?message ?response ?note))

@@ -1,0 +1,139 @@
+; What every file of this package needs: priorities, and functions. Agents may load the files one by one, this one first,
+; then deftemplates.clp. Needs the plugin cx::RosMsgsPlugin. Facts without a template are notes of these rules:
+; (pddl-asked SERVICE ID WHAT INSTANCE ...) of a request that is under way, (pddl-free INSTANCE) when it was answered,
+; (pddl-refused CHANGE) of a change, by its index, that was refused together with others and is tried alone,
+; (pddl-plan-goal GOAL HANDLE) of a goal that was sent for a plan; its handle is nil until it is accepted.
+;
+; An instance is asked one thing at a time: its slot busy-with says which. A request that finds no manager stays PENDING and
+; is sent again at the next tick. Where several requests wait for an instance, these numbers say which goes first, as in the
+; CLIPS-Executive; agents count on it (objects before the fluents that name them, goals before the plan). Questions go at once.
+; Of a template nothing is taken for granted but the slots and states that CX has: an agent may have defined it anew, with more.
+
+(defglobal
+  ?*PRIORITY-PDDL-INSTANCES* = -5100
+  ?*PRIORITY-PDDL-GET-ACTION-NAMES* = -5300
+  ?*PRIORITY-PDDL-OBJECTS* = -5400
+  ?*PRIORITY-PDDL-FLUENTS* = -5500
+  ?*PRIORITY-PDDL-APPLY-EFFECT* = -5600
+  ?*PRIORITY-PDDL-CLEAR-GOALS* = -5700
+  ?*PRIORITY-PDDL-CREATE-GOAL-INSTANCE* = -5800
+  ?*PRIORITY-PDDL-SET-ACTION-FILTER* = -5900
+  ?*PRIORITY-PDDL-SET-FLUENT-FILTER* = -6000
+  ?*PRIORITY-PDDL-SET-OBJECT-FILTER* = -6100
+  ?*PRIORITY-PDDL-SET-GOALS* = -6200
+  ?*PRIORITY-PDDL-PLAN* = -6300
+  ?*PRIORITY-PDDL-CHECK-CONDITION* = -6400
+  ?*PRIORITY-PDDL-GET-FLUENTS* = -6500)
+
+(deffunction pddl-strings (?items)
+  "Each item as a string."
+  (bind ?texts (create$))
+  (foreach ?item ?items (bind ?texts (create$ ?texts (str-cat ?item))))
+  ?texts)
+
+(deffunction pddl-symbols (?items)
+  "Each item as a symbol."
+  (bind ?symbols (create$))
+  (foreach ?item ?items (bind ?symbols (create$ ?symbols (sym-cat ?item))))
+  ?symbols)
+
+(deffunction pddl-message (?type ?instance ?name ?params)
+  "A new Fluent, Function or Action message."
+  (bind ?message (ros-msgs-create-message (str-cat "cx_pddl_interfaces/msg/" ?type)))
+  (ros-msgs-set-field ?message "pddl_instance" (str-cat ?instance))
+  (ros-msgs-set-field ?message "name" (str-cat ?name))
+  (ros-msgs-set-field ?message "args" (pddl-strings ?params))
+  ?message)
+
+(deffunction pddl-request (?type ?instance ?goal)
+  "A new request about an instance, and a goal where there is one."
+  (bind ?request (ros-msgs-create-request (str-cat "cx_pddl_interfaces/srv/" ?type)))
+  (if (neq ?instance nil) then (ros-msgs-set-field ?request "pddl_instance" (str-cat ?instance)))
+  (if (neq ?goal nil) then (ros-msgs-set-field ?request "goal_instance" (str-cat ?goal)))
+  ?request)
+
+(deffunction pddl-send (?node ?service ?request $?about)
+  "Sends a request and notes what it is about. Its number; FALSE when the manager is not there."
+  (bind ?name (str-cat ?node "/" ?service))
+  (bind ?id (ros-msgs-async-send-request ?request ?name))
+  (ros-msgs-destroy-message ?request)
+  (if ?id then (assert (pddl-asked ?name ?id ?about)))
+  ?id)
+
+(deffunction pddl-error-of (?response)
+  (if (ros-msgs-get-field ?response "success") then "" else (ros-msgs-get-field ?response "error")))
+
+(deffunction pddl-agrees (?ask ?slot ?value)
+  "Whether a request can mean that: its slot has the value or nil, or there is none."
+  (or (not (deftemplate-slot-existp (fact-relation ?ask) ?slot)) (eq (fact-slot-value ?ask ?slot) nil) (eq (fact-slot-value ?ask ?slot) ?value)))
+
+(deffunction pddl-is-set (?pointer)
+  "FALSE of nil, and of the null pointer with which a slot of external addresses begins."
+  (bind ?text (implode$ (create$ ?pointer)))
+  (not (or (eq ?pointer nil) (str-index "(nil)" ?text) (str-index "0x0>" ?text))))
+
+(deffunction pddl-put (?ask ?slot ?value)
+  "Where the request has such a slot."
+  (if (deftemplate-slot-existp (fact-relation ?ask) ?slot) then
+    (switch ?slot
+      (case error then (modify ?ask (error ?value)))
+      (case instance then (modify ?ask (instance ?value)))
+      (case request-id then (modify ?ask (request-id ?value))))))
+
+(deffunction pddl-becomes (?ask ?state ?error)
+  "The state of a request, if it is still there. Errors are told."
+  (if (fact-existp ?ask) then
+    (if (eq ?state ERROR) then (printout error (fact-relation ?ask) ": " ?error crlf))
+    (pddl-put ?ask error ?error)
+    (modify ?ask (state ?state))))
+
+(deffunction pddl-close (?ask ?error)
+  "A question or request is DONE, or ERROR."
+  (pddl-becomes ?ask (if (eq ?error "") then DONE else ERROR) ?error))
+
+(deffunction pddl-sent (?i ?busy ?ask ?state)
+  "The instance is busy with the request."
+  (modify ?i (busy-with ?busy))
+  (pddl-becomes ?ask ?state ""))
+
+(deffunction pddl-answered (?instance ?message ?response ?note)
+  "The answer was taken: it goes, and the instance can be asked the next thing."
+  (ros-msgs-destroy-message ?message)
+  (retract ?response ?note)
+  (assert (pddl-free ?instance)))
+
+(deffunction pddl-change-messages (?type ?changes)
+  "A message for each change."
+  (bind ?messages (create$))
+  (foreach ?change ?changes
+    (bind ?message (pddl-message ?type (fact-slot-value ?change instance) (fact-slot-value ?change name) (fact-slot-value ?change params)))
+    (if (eq ?type Function) then (ros-msgs-set-field ?message "value" (float (fact-slot-value ?change value))))
+    (bind ?messages (create$ ?messages ?message)))
+  ?messages)
+
+(deffunction pddl-send-changes (?node ?service ?request ?field ?messages ?changes ?i ?busy $?about)
+  "Sends the changes together."
+  (ros-msgs-set-field ?request ?field ?messages)
+  (foreach ?message ?messages (ros-msgs-destroy-message ?message))
+  (bind ?id (pddl-send ?node ?service ?request ?about))
+  (if ?id then
+    (modify ?i (busy-with ?busy))
+    (foreach ?change ?changes
+      (pddl-put ?change request-id ?id)
+      (pddl-becomes ?change WAITING ""))))
+
+(deffunction pddl-refuse (?change ?error ?together)
+  "The manager did not take it; of several each is tried alone."
+  (if ?together then
+    (assert (pddl-refused (fact-index ?change)))
+    (pddl-becomes ?change PENDING ?error)
+   else (pddl-becomes ?change ERROR ?error)))
+
+(deffunction pddl-was-refused (?change)
+  (any-factp ((?r pddl-refused)) (eq ?r:implied (create$ (fact-index ?change)))))
+
+(deffunction pddl-close-changes ()
+  "What was tried alone has been answered."
+  (do-for-all-facts ((?r pddl-refused)) TRUE
+    (bind ?change (nth$ 1 ?r:implied))
+    (if (or (not (fact-existp ?change)) (neq (fact-slot-value ?change state) PENDING)) then (retract ?r))))
