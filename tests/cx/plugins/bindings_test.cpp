@@ -227,6 +227,31 @@ TEST_F(Bindings, AServiceCallsItsDeffunctionAndTheResponseHasNoNumber) {
   EXPECT_THAT(lab_.log.with("warn "), IsEmpty());
 }
 
+TEST_F(Bindings, WhatIsLeftIsToldInTheWordsOfCx) {
+  run({"StdMsgsString", "StdSrvsTrigger", "ExampleInterfacesFibonacci"});
+  EXPECT_EQ(act(R"((std-msgs-string-create-message)
+    (std-srvs-trigger-create-client "c1") (std-srvs-trigger-create-service "s1")
+    (std-srvs-trigger-request-create) (std-srvs-trigger-request-create) (std-srvs-trigger-response-create)
+    (example-interfaces-fibonacci-create-server "as") (example-interfaces-fibonacci-create-client "ac")
+    (example-interfaces-fibonacci-feedback-create) (example-interfaces-fibonacci-goal-create)
+    (example-interfaces-fibonacci-result-create))"),
+            "");
+  ASSERT_TRUE(lab_.manager->deactivate().ok());
+  const auto said = [this](const std::string& plugin) {
+    std::vector<std::string> out;
+    for (const std::string& line : lab_.log.with("warn " + plugin + ": "))
+      out.push_back(line.substr(plugin.size() + 7, line.find(", cleaning up ...") - plugin.size() - 7));
+    return out;
+  };
+  EXPECT_THAT(said("std-msgs-string"), ElementsAre("Found 1 message(s)"));
+  EXPECT_THAT(said("std-srvs-trigger"),
+              ElementsAre("Environment main has open c1 client", "Environment main has open s1 service",
+                          "Found 2 request(s)", "Found 1 response(s)"));
+  EXPECT_THAT(said("example-interfaces-fibonacci"),
+              ElementsAre("Environment main has open as server", "Environment main has open ac client",
+                          "Found 1 goal(s)", "Found 1 result(s)", "Found 1 feedback(s)"));
+}
+
 TEST_F(Bindings, AServiceWithoutDeffunctionAnswersTheDefault) {
   run({"StdSrvsTrigger"});
   EXPECT_EQ(act("(std-srvs-trigger-create-service go) (std-srvs-trigger-create-client \"go\") "
