@@ -29,31 +29,44 @@ struct Way {
 };
 constexpr Way kWays[]{{4445}, {4446, true}, {2126}, {4444}, {4441, true}, {2116}};
 
-}  // namespace
+struct Game {
+  Game();
+  void play(const std::uint8_t* data, std::size_t size);
+  void tick() { fuzz::promise(loop->tick().ok(), "a tick passes"); }
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Nowhere sink;
-  bus::Bus bus(fuzz::registry(), sink);
-  net::Network network(bus, sink);
+  bus::Bus bus{fuzz::registry(), sink};
+  net::Network network{bus, sink};
   Scenario scenario;
+  std::unique_ptr<Stage> stage;
+  std::optional<Loop> loop;
+  bus::ParticipantId stranger{};
+  std::unique_ptr<net::Host> host;
+  std::unique_ptr<pb::Crypto> crypto;
+};
+
+Game::Game() {
   rcll::WorldConfig config;
   config.exploration = true;
   scenario.set_world({&rcll::kWorld, config, {}});
   scenario.tier = Tier::kTimed;
   scenario.servers.push_back({&rcll::kLeagueClient, rcll::LeagueClientConfig{.name_space = "/outside"}, {}});
   const StageSetup setup{.scenario = scenario, .bus = bus, .sink = sink, .network = &network};
-  auto stage = rcll::kWorld.make_stage(setup);
-  fuzz::promise(stage.ok() && rcll::kLeagueClient.add(scenario.servers[0], setup, **stage).ok(), "there is a game");
-  Parts parts{.referee = (*stage)->referee};
-  for (auto& world : (*stage)->worlds) parts.worlds.push_back(world.get());
-  for (auto& server : (*stage)->servers) parts.servers.push_back(server.get());
-  Loop loop(bus, scenario.tick, std::move(parts));
+  auto made = rcll::kWorld.make_stage(setup);
+  fuzz::promise(made.ok() && rcll::kLeagueClient.add(scenario.servers[0], setup, **made).ok(), "there is a game");
+  stage = *std::move(made);
+  Parts parts{.referee = stage->referee};
+  for (auto& world : stage->worlds) parts.worlds.push_back(world.get());
+  for (auto& server : stage->servers) parts.servers.push_back(server.get());
+  loop.emplace(bus, scenario.tick, std::move(parts));
+  stranger = bus.join(bus::ParticipantKind::kNode, bus::NodeName{"stranger", "/", {}}, {});
+  host = *net::Host::create(network, stranger, [](const net::Event&) {});
+  crypto = *pb::Crypto::create(pb::Cipher::kAes128Cbc, "randomkey");
+}
 
-  const auto node = bus.join(bus::ParticipantKind::kNode, bus::NodeName{"stranger", "/", {}}, {});
-  const auto host = *net::Host::create(network, node, [](const net::Event&) {});
-  const auto crypto = *pb::Crypto::create(pb::Cipher::kAes128Cbc, "randomkey");
+void Game::play(const std::uint8_t* data, std::size_t size) {
   const net::LinkId stream = host->connect(4444);
-  for (int i = 0; i < 3; ++i) fuzz::promise(loop.tick().ok(), "a tick passes");
+  for (int i = 0; i < 3; ++i) tick();
 
   // Pieces: how and where, the length, the bytes.
   for (std::size_t at = 0; at + 2 <= size;) {
@@ -76,9 +89,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       host->send(link, bytes);
       host->close(link);
     }
-    fuzz::promise(loop.tick().ok(), "a tick passes");
-    bus.deliver(node);
+    tick();
+    bus.deliver(stranger);
   }
-  for (int i = 0; i < 100; ++i) fuzz::promise(loop.tick().ok(), "the game goes on");
+  for (int i = 0; i < 5; ++i) tick();
+  host->close(stream);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  // Making a game takes long, so one serves fifty inputs.
+  fuzz::registry();  // outlives the game
+  static std::unique_ptr<Game> game;
+  static int inputs = 0;
+  if (inputs++ % 50 == 0) game = std::make_unique<Game>();
+  game->play(data, size);
   return 0;
 }
