@@ -116,10 +116,10 @@ Status open_control(Run& run) {
   Control& control = run.control;
   control.server = *std::move(server);
   const std::string& token = control.server->token();
-  run.host.note("control: cxlab attach " + (given.empty() ? run.folder.string() : control.server->address().text()) +
-                (token.empty() ? "" : " --token " + token));
   Debugger::Options debugger;
   debugger.begin_stopped = options.begin_stopped;
+  debugger.address = given.empty() ? run.folder.string() : control.server->address().text();
+  run.host.note("control: cxlab attach " + debugger.address + (token.empty() ? "" : " --token " + token));
   debugger.log = run.host.log;
   debugger.over = [&run] { return run.host.stopped(); };
   debugger.note = [&run](std::string_view text) { run.host.note(text); };

@@ -49,13 +49,13 @@ void Debugger::stop_at(cx::Environment& environment, const cx::ControlPlace& pla
     std::erase_if(breaks_, [](const BreakPoint& point) { return point.once; });
     ticks_ = steps_ = 0;
     stopped_ = true;
-    server_.send_all(json_text(Json{{"event", "stopped"}, {"text", *why + ": " + where()}}));
-    if (!noted_) options_.note("stopped at " + seconds(place.t) + "; cxlab attach " + server_.address().text());
+    lines_.send_all(json_text(Json{{"event", "stopped"}, {"text", *why + ": " + where()}}));
+    if (!noted_) options_.note("stopped at " + seconds(place.t) + "; cxlab attach " + options_.address);
     noted_ = true;
     stay(environment);
     stopped_ = pause_ = false;
   } else {
-    while (auto line = server_.take()) answer(*line);
+    while (auto line = lines_.take()) answer(*line);
   }
   here_ = nullptr;
 }
@@ -64,7 +64,7 @@ void Debugger::stay(cx::Environment&) {
   options_.waits(true);
   constexpr auto kSlice = std::chrono::milliseconds(50);
   while (stopped_ && !options_.over())
-    if (auto line = server_.take(kSlice)) answer(*line);
+    if (auto line = lines_.take(kSlice)) answer(*line);
   options_.waits(false);
 }
 
@@ -110,19 +110,19 @@ std::string Debugger::where() const {
   return text;
 }
 
-void Debugger::answer(const ControlServer::Line& line) {
+void Debugger::answer(const ControlLines::Line& line) {
   if (line.went) return;
   if (line.came) {
-    server_.send(line.client, json_text(Json{{"event", "hello"}, {"text", (stopped_ ? "stopped: " : "") + where()}}));
+    lines_.send(line.client, json_text(Json{{"event", "hello"}, {"text", (stopped_ ? "stopped: " : "") + where()}}));
     return;
   }
   const Json request = Json::parse(line.text, nullptr, false);
   const auto refuse = [&](const std::string& why) {
-    server_.send(line.client,
-                 json_text(Json{{"id", request.is_object() && request.contains("id") ? request["id"] : Json()},
-                                {"ok", false},
-                                {"text", why},
-                                {"goes_on", false}}));
+    lines_.send(line.client,
+                json_text(Json{{"id", request.is_object() && request.contains("id") ? request["id"] : Json()},
+                               {"ok", false},
+                               {"text", why},
+                               {"goes_on", false}}));
   };
   if (!request.is_object() || !request.contains("id")) return refuse("expected {\"id\": N, \"line\": \"COMMAND\"}");
   Json out{{"id", request["id"]}};
@@ -136,7 +136,7 @@ void Debugger::answer(const ControlServer::Line& line) {
   } else {
     return refuse("expected {\"id\": N, \"line\": \"COMMAND\"}");
   }
-  server_.send(line.client, json_text(out));
+  lines_.send(line.client, json_text(out));
 }
 
 void Debugger::line(const cx::LogLine& line) {
@@ -146,7 +146,7 @@ void Debugger::line(const cx::LogLine& line) {
                    {"level", std::string(to_string(line.level))},
                    {"logger", std::string(line.logger)},
                    {"text", std::string(line.text)}};
-  server_.send_all(json_text(event));
+  lines_.send_all(json_text(event));
   char begin[40];
   std::snprintf(begin, sizeof begin, "[%9.3f] ", to_seconds(line.t));
   log_.push_back(begin + ('[' + std::string(to_string(line.level))) + "] [" + std::string(line.logger) + "] " +
@@ -155,7 +155,7 @@ void Debugger::line(const cx::LogLine& line) {
 }
 
 void Debugger::end(std::string_view how) {
-  server_.send_all(json_text(Json{{"event", "end"}, {"text", std::string(how)}}));
+  lines_.send_all(json_text(Json{{"event", "end"}, {"text", std::string(how)}}));
 }
 
 }  // namespace cxlab::lab

@@ -28,12 +28,13 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
  public:
   struct Options {
     bool begin_stopped = false;
+    std::string address;                                ///< for `note`
     cx::LogSink* log = nullptr;                         ///< takes each line too; may be none
     std::function<bool()> over = [] { return false; };  ///< whether the run shall end, also while it is stopped
     std::function<void(std::string_view)> note = [](std::string_view) {};  ///< for the person who started the run
     std::function<void(bool)> waits = [](bool) {};                         ///< called when a wait begins and ends
   };
-  Debugger(ControlServer& server, Options options) : server_(server), options_(std::move(options)) {}
+  Debugger(ControlLines& lines, Options options) : lines_(lines), options_(std::move(options)) {}
 
   /// The environments of the run, asked for at each stop.
   void watch(std::function<std::vector<cx::Environment*>()> environments) { environments_ = std::move(environments); }
@@ -71,7 +72,7 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   static bool holds(const BreakPoint& fact, const cx::Environment& environment);
   bool is_met(BreakPoint& point, cx::Environment& environment, const cx::ControlPlace& place);
   void stay(cx::Environment& environment);
-  void answer(const ControlServer::Line& line);
+  void answer(const ControlLines::Line& line);
   std::string where() const;
 
   // --- What a person asks (commands.cpp)
@@ -82,7 +83,7 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   Answer go_on();
   Answer set_break(const std::string& what, bool once);
 
-  ControlServer& server_;
+  ControlLines& lines_;
   Options options_;
   std::function<std::vector<cx::Environment*>()> environments_ = [] { return std::vector<cx::Environment*>(); };
   // Where the run is
