@@ -285,6 +285,7 @@ Value RuleEngine::Impl::look_outside(const char* function, const std::function<V
 }
 
 void RuleEngine::Impl::install_builtins() {
+  install_later_functions(env);
   for (const auto& [name, function] : kReplaced) {
     FunctionDefinition* definition = FindFunction(env, name);
     if (definition == nullptr) continue;

@@ -48,5 +48,7 @@ clips::UserDefinedFunction open_function, seek_function, load_function, batch_fu
     read_binary_function, region_function, write_file_function, write_binary_function, change_file_function;
 // builtin_text.cpp
 clips::UserDefinedFunction format_function, nested_function, text_function, scanning_function;
+// builtin_later.cpp
+void install_later_functions(clips::Environment* env);
 
 }  // namespace cxlab
