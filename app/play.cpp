@@ -1,5 +1,6 @@
 #include "app/play.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "app/arguments.h"
@@ -17,7 +18,16 @@ void declare_play(CLI::App& command, PlayCommand& options) {
   command.add_option("--journal", play.journal, "What journal.jsonl holds: none, decisions or full")
       ->check(one_of({"none", "decisions", "full"}))
       ->capture_default_str();
-  command.add_flag("--strict-cx", play.strict, "Parameters that CX does not know are errors, not INFO lines");
+  command.add_flag("--strict-cx", play.strict, "What the real CX would do otherwise are errors (docs/strict-cx.md)");
+  command
+      .add_option_function<std::string>(
+          "--release",
+          [&play](const std::string& name) {
+            const auto found = std::ranges::find(cx::kRosReleases, name);
+            play.release = static_cast<cx::RosRelease>(found - std::begin(cx::kRosReleases));
+          },
+          "With --strict-cx: the release of ROS 2 that the agent shall run on: humble, jazzy or kilted (kilted)")
+      ->check(one_of({std::begin(cx::kRosReleases), std::end(cx::kRosReleases)}));
   add_prefix_option(command, play.prefixes);
   add_limit_options(command);
   command.add_flag("--control", play.control, "Opens a socket in the run's folder for cxlab attach");

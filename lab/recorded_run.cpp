@@ -1,5 +1,6 @@
 #include "lab/recorded_run.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -41,6 +42,9 @@ void read_manifest(const Json& json, RecordedRun& run) {
   run.options.journal = json.at("journal").get<std::string>();
   run.options.keep_going = json.at("keep_going").get<bool>();
   run.options.strict = json.at("strict_cx").get<bool>();
+  const auto release = std::ranges::find(cx::kRosReleases, json.value("release", std::string("kilted")));
+  if (release == std::end(cx::kRosReleases)) throw Json::other_error::create(500, "unknown 'release'", &json);
+  run.options.release = static_cast<cx::RosRelease>(release - std::begin(cx::kRosReleases));
   run.options.sockets = json.value("sockets", false);
   run.options.prefixes = json.at("prefixes").get<std::vector<std::string>>();
   run.versions = json.at("versions").get<std::map<std::string, std::string>>();
@@ -156,6 +160,7 @@ Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, Jou
   options.replay = ReplaySource{run.folder / "inputs.bin", root / "copies", run.shares, run.recorded_folder};
   options.keep_going = run.options.keep_going;
   options.strict = run.options.strict;
+  options.release = run.options.release;
   options.native_plugins = run.options.native_plugins;
   auto episode = Episode::load(*std::move(scenario), std::move(options));
   if (!episode) return episode.error();

@@ -91,6 +91,7 @@ std::string manifest(const Run& run) {
   out["journal"] = run.options.journal;
   out["keep_going"] = run.options.keep_going;
   out["strict_cx"] = run.options.strict;
+  out["release"] = cx::kRosReleases[static_cast<std::size_t>(run.options.release)];
   out["sockets"] = run.options.sockets;
   out["prefixes"] = run.named_prefixes;
   out["agents"] = nlohmann::ordered_json::array();
@@ -267,6 +268,7 @@ EpisodeOptions episode_options(const Run& run) {
   options.log = run.host.log;
   options.keep_going = run.options.keep_going;
   options.strict = run.options.strict;
+  options.release = run.options.release;
   options.native_plugins = run.options.native_plugins;
   options.sockets = run.options.sockets;
   return options;

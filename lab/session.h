@@ -33,9 +33,10 @@ struct PlayOptions {
   std::string control_at = {};             ///< opens it there, see `ControlAddress`; empty: as `control` says
   bool begin_stopped = false;              ///< before the first rule fires; opens the socket as well
   bool keep_going = false;                 ///< errors in rule files are reported and the run goes on
-  bool strict = false;                     ///< unknown parameters of the CX are errors
-  bool native_plugins = true;              ///< libraries that packages name may be opened
-  std::vector<std::string> command = {};   ///< for the manifest: the arguments of the program
+  bool strict = false;                     ///< what the real CX would do otherwise are errors
+  cx::RosRelease release = cx::RosRelease::kKilted;                  ///< that `strict` is about
+  bool native_plugins = true;                                        ///< libraries that packages name may be opened
+  std::vector<std::string> command = {};                             ///< for the manifest: the arguments of the program
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that the run reads
 };
 

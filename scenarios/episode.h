@@ -53,8 +53,9 @@ struct EpisodeOptions {
   std::filesystem::path interfaces;    ///< folder of the packages that come with cxlab
   std::filesystem::path models;        ///< MJCF parts
   std::optional<ReplaySource> replay;
-  Limits limits;               ///< of all its environments together
-  bool strict = false;         ///< unknown CX parameters are errors
+  Limits limits;                                     ///< of all its environments together
+  bool strict = false;                               ///< what the real CX would do otherwise are errors
+  cx::RosRelease release = cx::RosRelease::kKilted;  ///< that `strict` is about
   bool keep_going = false;     ///< errors in rule files are reported and the run goes on, as CX does
   bool native_plugins = true;  ///< libraries that packages name may be opened
   bool sockets = false;        ///< programs outside reach its network on the loopback interface; not deterministic

@@ -163,6 +163,7 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
   manager.limits = &limits_;
   manager.keep_going = options_.keep_going;
   manager.strict = options_.strict;
+  manager.release = options_.release;
   manager.trust_rules = scenario_.trust_rules;
   manager.native_plugins = options_.native_plugins;
   manager.config = scenario_.resolve(spec.config);

@@ -6,6 +6,7 @@
 
 #include "cx/base/number_text.h"
 #include "cx/executive/plugin_library.h"
+#include "cx/executive/strict_cx.h"
 #include "cx/network/network.h"
 
 namespace cxlab::cx {
@@ -138,18 +139,35 @@ Status EnvironmentManager::do_activate() {
   log_life("Activating", "...");
   if (Status s = serve_plugins(); !s) return s;
   for (Entry& entry : environments_) {
-    if (entry.environment->ending()) entry.environment->begin_again();
+    const bool again = entry.environment->ending();
+    if (again) entry.environment->begin_again();
     const Status loaded = load_all(entry);
     entry.environment->has_begun();
     if (!loaded) return loaded;
+    if (options_.strict && !again) note_each(facts_lost_by_reset(entry.environment->engine()));
   }
   for (Entry& entry : environments_) {
     entry.environment->engine().reset();
     if (Status s = entry.environment->run(); !s) return s;
   }
+  check_rules();
   if (Status s = form_bond(); !s) return s;
   log_life("Activated", "...");
   return {};
+}
+
+void EnvironmentManager::check_rules() {
+  if (!options_.strict) return;
+  for (const Entry& entry : environments_)
+    note_each(differences_in_rules(entry.environment->engine(), options_.release));
+}
+
+void EnvironmentManager::note_each(std::vector<Error> errors) {
+  for (Error& error : errors) {
+    const std::string text = error.text();
+    if (std::none_of(load_errors_.begin(), load_errors_.end(), [&](const Error& e) { return e.text() == text; }))
+      note(std::move(error));
+  }
 }
 
 Status EnvironmentManager::form_bond() {
@@ -175,6 +193,7 @@ Status EnvironmentManager::deactivate() {
 
 Status EnvironmentManager::do_deactivate() {
   Status first;
+  check_rules();  // those of files that rules have loaded, too
   if (bond_) bond_->end();
   bond_.reset();
   for (Entry& entry : environments_) {

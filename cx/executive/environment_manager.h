@@ -152,6 +152,10 @@ class EnvironmentManager final : public Agent {
   /// `finalize` of those instances that no environment has any more, the last made first.
   void finalize_unused();
   void note(Error error);
+  /// With `strict`: what CX would do otherwise with the rules that are there.
+  void check_rules();
+  /// Those that were not noted before.
+  void note_each(std::vector<Error> errors);
   /// A request at run time failed: noted with `keep_going`, else the run ends.
   void fail(Error error);
   /// A hook of a plugin has ended: an error of any kind is noted with `keep_going`, else the run ends.

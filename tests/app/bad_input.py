@@ -1,5 +1,6 @@
 """Bad input: exit code, place and remedy. python3 -m unittest bad_input"""
 
+import json
 import os
 import resource
 import shutil
@@ -113,6 +114,22 @@ class Scenarios(Lab):
         self.assertEqual(len(lines), 1, "one line")
         self.assertIn("[info]", lines[0])
         self.assertIn(place, strict.stderr)
+
+    def test_what_cx_would_do_otherwise(self):
+        self.agent("(deffacts start (go))\n(defrule late (time ?t&:(> ?t 1)) => (printout t \"late\" crlf))\n"
+                   "(defrule more (go) => (load* (str-cat (ament-index-get-package-share-directory \"rules\") \"/more.clp\")))",
+                   SCENARIO, more="(deffunction a-service-callback () TRUE)\n",
+                   batch="(assert (lost))\n(ros-msgs-create-action-client \"fly\" \"example_interfaces/action/Fibonacci\")\n")
+        self.write("agent.yaml", CONFIG.replace('"ros_msgs", "files"', '"ros_msgs", "ament_index", "files"').replace(
+            'load: ["rules.clp"]', 'load: ["rules.clp"], batch: ["batch.clp"]')
+            + '    ament_index: {plugin: "cx::AmentIndexPlugin"}\n')
+        self.assertEqual(self.run_it(out=False).returncode, 0)
+        shutil.rmtree(self.folder / "runs", ignore_errors=True)
+        done = self.fails(3, "rules.clp:2: strict-cx: time: (> ?t 1) needs simulated time", "strict-cx: reset: the fact (lost)",
+                          "more.clp:1: strict-cx: callback: 'a-service-callback' takes ()", arguments=["--strict-cx", "--release", "jazzy"])
+        self.assertEqual(json.loads((self.out / "manifest.json").read_text())["release"], "jazzy")
+        self.assertEqual(self.result()["sim_time_s"], 2, done.stderr)
+        self.assertIn("--release: found 'foxy', expected one of: humble, jazzy, kilted", self.fails(2, arguments=["--release", "foxy"]).stderr)
 
     def test_usage(self):
         self.agent("")

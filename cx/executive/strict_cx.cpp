@@ -1,0 +1,191 @@
+#include "cx/executive/strict_cx.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <map>
+#include <set>
+
+#include "cx/engine/form_reader.h"
+
+namespace cxlab::cx {
+
+namespace {
+
+using Visit = std::function<void(const Term&)>;
+
+void each_list(const Term& term, const Visit& visit) {
+  if (!term.is_list()) return;
+  visit(term);
+  for (const Term& item : term.items) each_list(item, visit);
+}
+
+/// A construct as a tree, and where what is found in it is.
+struct Construct {
+  const ConstructInfo& info;
+  Term tree;
+};
+
+class Reader {
+ public:
+  Reader(const RuleEngine& engine, RosRelease release) : engine_(engine), release_(release) {
+    for (const FunctionSpec& function : engine.functions()) functions_.insert(function.name);
+  }
+
+  std::vector<Error> read() {
+    for (const ConstructInfo& info : engine_.constructs()) {
+      if (info.kind != "defrule" && info.kind != "deffunction" && info.kind != "defmethod" &&
+          info.kind != "defmessage-handler" && info.kind != "deffacts")
+        continue;
+      const Construct construct{info, tree_of(Form{info.text, info.line, true, info.kind, info.name})};
+      look_for_missing_functions(construct);
+      look_for_constant_times(construct);
+      look_at_callback(construct);
+      collect_names(construct);
+    }
+    return std::move(found_);
+  }
+
+ private:
+  void found(const Construct& in, int line, const std::string& what) {
+    Error error = input_error("strict-cx: " + what, in.info.file, in.info.file.empty() ? 0 : line);
+    const auto same = [&](const Error& e) { return e.message == error.message && e.file == error.file; };
+    if (std::none_of(found_.begin(), found_.end(), same)) found_.push_back(std::move(error));
+  }
+
+  /// Generic clients and servers that rclcpp of that release does not have, so CX is built without them.
+  void look_for_missing_functions(const Construct& construct) {
+    struct Missing {
+      RosRelease last;  ///< the last release that lacks them
+      std::string_view what;
+      std::vector<std::string_view> functions;
+    };
+    static const std::array<Missing, 2> kMissing{{{RosRelease::kJazzy,
+                                                   "action client",
+                                                   {"ros-msgs-create-action-client", "ros-msgs-create-goal-request",
+                                                    "ros-msgs-async-send-goal", "ros-msgs-async-cancel-goal"}},
+                                                  {RosRelease::kHumble,
+                                                   "service client and server",
+                                                   {"ros-msgs-create-client", "ros-msgs-create-request",
+                                                    "ros-msgs-async-send-request", "ros-msgs-create-service"}}}};
+    each_list(construct.tree, [&](const Term& list) {
+      for (const Missing& missing : kMissing)
+        if (release_ <= missing.last && std::ranges::find(missing.functions, list.head()) != missing.functions.end())
+          found(construct, list.line,
+                "release: ROS 2 " + std::string(kRosReleases[static_cast<std::size_t>(release_)]) + " has no generic " +
+                    std::string(missing.what) + ", so CX has no '" + std::string(list.head()) +
+                    "' there; use the generated bindings of the type");
+    });
+  }
+
+  static bool is_number(const Term& term) {
+    if (term.is_list() || term.text.empty() || term.kind != Token::Kind::kWord) return false;
+    const std::size_t first = term.text[0] == '-' || term.text[0] == '+' ? 1 : 0;
+    return first < term.text.size() && (std::isdigit(static_cast<unsigned char>(term.text[first])) != 0);
+  }
+
+  /// Simulated time begins at 0; the clock of a robot counts the seconds since 1970.
+  void look_for_constant_times(const Construct& construct) {
+    std::set<std::string> times;  // variables bound to the time
+    each_list(construct.tree, [&](const Term& list) {
+      const bool pattern = list.head() == "time" && list.items.size() >= 2 && construct.info.kind == "defrule";
+      if (pattern && list.items[1].text.starts_with('?') && list.items[1].text.size() > 1)
+        times.insert(list.items[1].text);
+      if (pattern && is_number(list.items[1]))
+        found(construct, list.line,
+              "time: " + list.print() +
+                  " needs simulated time; time counts from 1970 on a robot. Compare with a time " + "that was noted");
+      const bool bound = list.head() == "bind" && list.items.size() == 3 && list.items[2].head() == "now";
+      if (bound) times.insert(list.items[1].text);
+    });
+    static constexpr std::array<std::string_view, 8> kCompares{"<", ">", "<=", ">=", "=", "<>", "eq", "neq"};
+    const auto is_time = [&](const Term& term) {
+      return term.head() == "now" || (!term.is_list() && times.contains(term.text));
+    };
+    each_list(construct.tree, [&](const Term& list) {
+      if (std::ranges::find(kCompares, list.head()) == kCompares.end()) return;
+      const bool of_time = std::any_of(list.items.begin() + 1, list.items.end(), is_time);
+      const bool with_constant = std::any_of(list.items.begin() + 1, list.items.end(), is_number);
+      if (of_time && with_constant)
+        found(construct, list.line,
+              "time: " + list.print() +
+                  " needs simulated time; time counts from 1970 on a robot. Compare with a time " + "that was noted");
+    });
+  }
+
+  /// CX calls deffunctions of these names with so many arguments; another number is an error at each call there.
+  void look_at_callback(const Construct& construct) {
+    struct Callback {
+      std::string_view ending, arguments;
+      std::size_t count;
+    };
+    static constexpr std::array<Callback, 3> kCallbacks{{{"-service-callback", "?service ?request ?response", 3},
+                                                         {"-handle-goal-callback", "?server ?goal ?goal-id", 3},
+                                                         {"-cancel-goal-callback", "?server ?goal ?goal-handle", 3}}};
+    if (construct.info.kind != "deffunction") return;
+    for (const Callback& callback : kCallbacks) {
+      if (!construct.info.name.ends_with(callback.ending)) continue;
+      const auto list = std::find_if(construct.tree.items.begin(), construct.tree.items.end(),
+                                     [](const Term& term) { return term.is_list(); });
+      if (list == construct.tree.items.end()) continue;
+      std::size_t single = 0;
+      bool more = false;
+      for (const Term& parameter : list->items) {
+        if (parameter.text.starts_with('?')) ++single;
+        more = more || parameter.text.starts_with("$?");
+      }
+      if (single == callback.count || (more && single <= callback.count)) continue;
+      found(construct, list->line,
+            "callback: '" + construct.info.name + "' takes " + list->print() + ", but is called with (" +
+                std::string(callback.arguments) + ")");
+    }
+  }
+
+  /// Names of topics, services and servers: CX compares texts, so "/pose" and "pose" are two.
+  void collect_names(const Construct& construct) {
+    static constexpr std::array<std::string_view, 3> kSlots{"topic", "service", "server"};
+    each_list(construct.tree, [&](const Term& list) {
+      const bool call = functions_.contains(std::string(list.head()));
+      const bool slot = std::ranges::find(kSlots, list.head()) != kSlots.end();
+      if (!call && !slot) return;
+      for (const Term& item : list.items)
+        if (item.kind == Token::Kind::kString && item.text.size() > 2) note_name(construct, item);
+    });
+  }
+
+  void note_name(const Construct& construct, const Term& item) {
+    const std::string name = item.text.substr(1, item.text.size() - 2);
+    const std::string bare = name.substr(name.starts_with('/') ? 1 : 0);
+    if (bare.find_first_of(" %.") != std::string::npos) return;
+    const auto [first, is_first] = spellings_.try_emplace(bare, name);
+    if (!is_first && first->second != name)
+      found(construct, item.line,
+            "spelling: \"" + name + "\" here and \"" + first->second +
+                "\" elsewhere: CX compares names as they are written");
+  }
+
+  const RuleEngine& engine_;
+  RosRelease release_;
+  std::set<std::string> functions_;
+  std::map<std::string, std::string> spellings_;  // without a leading slash -> as written first
+  std::vector<Error> found_;
+};
+
+}  // namespace
+
+std::vector<Error> differences_in_rules(const RuleEngine& engine, RosRelease release) {
+  return Reader(engine, release).read();
+}
+
+std::vector<Error> facts_lost_by_reset(const RuleEngine& engine) {
+  std::vector<Error> found;
+  std::set<std::string> templates;
+  for (const FactCopy& fact : engine.facts())
+    if (templates.insert(fact.template_name).second)
+      found.push_back(input_error("strict-cx: reset: the fact " + fact.print() +
+                                  " was asserted before the reset at the end of the activation, which takes it away; "
+                                  "use deffacts, or a rule"));
+  return found;
+}
+
+}  // namespace cxlab::cx

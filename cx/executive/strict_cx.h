@@ -1,0 +1,21 @@
+#pragma once
+// What the real CX would do otherwise with the rules of an agent, found by reading them. The checks that need a run
+// are where they happen: parameters, messages of other types, what is left open (docs/strict-cx.md lists all).
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/engine/engine.h"
+#include "cx/executive/run_settings.h"
+
+namespace cxlab::cx {
+
+/// In order of the constructs; each has the place of the construct, and begins with the name of the check.
+std::vector<Error> differences_in_rules(const RuleEngine& engine, RosRelease release);
+
+/// Facts that were there before the first reset, by template: it takes them away.
+std::vector<Error> facts_lost_by_reset(const RuleEngine& engine);
+
+}  // namespace cxlab::cx
