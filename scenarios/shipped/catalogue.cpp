@@ -2,13 +2,14 @@
 
 #include "scenarios/pddl/node.h"
 #include "scenarios/rcll/world.h"
+#include "scenarios/rl/node.h"
 #include "scenarios/turtlesim/world.h"
 
 namespace cxlab {
 
 const Catalogue& shipped() {
   static const Catalogue kCatalogue{.worlds = {&kEmptyWorld, &rcll::kWorld, &turtlesim::kWorld},
-                                    .nodes = {&turtlesim::kNode, &pddl::kNode, &rcll::kLeagueClient}};
+                                    .nodes = {&turtlesim::kNode, &pddl::kNode, &rl::kNode, &rcll::kLeagueClient}};
   return kCatalogue;
 }
 

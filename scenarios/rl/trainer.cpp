@@ -1,0 +1,328 @@
+#include "scenarios/rl/trainer.h"
+
+#include <algorithm>
+
+#include "cx/base/number_text.h"
+
+namespace cxlab::rl {
+
+namespace {
+
+constexpr const char* kPackage = "cx_rl_interfaces";
+constexpr SimTime kPatience = std::chrono::seconds(5);  // with an agent that does not serve reset_env
+
+std::vector<std::string> texts_of(const bus::MessageView& message, const char* field) {
+  const bus::Field* found = message.type().find(field);
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < message.size(*found); ++i) texts.push_back(message.text(*found, i));
+  return texts;
+}
+
+/// Of an array of Observation or Action.
+std::vector<std::string> grounded_of(const bus::MessageView& message, const char* field) {
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < message.size(field); ++i) {
+    const bus::MessageView item = message.nested(field, i);
+    texts.push_back(grounded(item.text("name"), texts_of(item, "params")));
+  }
+  return texts;
+}
+
+std::string state_of(const bus::MessageView& message, const char* field) {
+  std::vector<std::string> all = grounded_of(message, field);
+  std::sort(all.begin(), all.end());
+  std::string state;
+  for (const std::string& one : all) state += (state.empty() ? "" : " ") + one;
+  return state;
+}
+
+}  // namespace
+
+std::string grounded(const std::string& name, const std::vector<std::string>& params) {
+  std::string text = name + '(';
+  for (std::size_t i = 0; i < params.size(); ++i) text += (i > 0 ? "#" : "") + params[i];
+  return text + ')';
+}
+
+/// Endpoints, with the types of their requests.
+struct Trainer::Clients {
+  struct Service {
+    bus::EndpointId endpoint{};
+    const bus::ServiceType* type = nullptr;
+  };
+  struct Goal {
+    bus::EndpointId endpoint{};
+    const bus::ActionType* type = nullptr;
+  };
+  Service observations, actions, episode_end, end_training;  // of the agent
+  Service status, selection;                                 // of this node
+  Goal reset, free_robot, select;
+};
+
+Trainer::Trainer(TrainerOptions options, bus::Bus& bus, RecordSink& sink)
+    : options_(std::move(options)),
+      bus_(bus),
+      sink_(sink),
+      stream_(sink.open_stream("node" + options_.node.full_name())),
+      node_(bus.join(bus::ParticipantKind::kNode, options_.node, stream_)),
+      clients_(std::make_unique<Clients>()),
+      chance_(options_.seed, "node" + options_.node.full_name()),
+      table_(options_.model.value_or(QTable(options_.rates))),
+      table_text_("episode,steps,reward,end\n") {}
+
+Trainer::~Trainer() { bus_.leave(node_); }
+
+Expected<std::unique_ptr<Trainer>> Trainer::create(TrainerOptions options, bus::Bus& bus, RecordSink& sink) {
+  auto made = std::unique_ptr<Trainer>(new Trainer(std::move(options), bus, sink));
+  Trainer& self = *made;
+  Clients& c = *self.clients_;
+  Status failed;
+  const auto type = [&](const char* name) -> const bus::ServiceType* {
+    auto found = bus.registry().service(std::string(kPackage) + "/srv/" + name);
+    if (!found && failed) failed = found.error();
+    return found ? *found : nullptr;
+  };
+  const auto client = [&](Clients::Service& to, const char* name, const char* of, auto answered) {
+    to.type = type(of);
+    if (!to.type) return;
+    auto opened = bus.create_client(self.node_, std::string("~/") + name, *to.type, std::move(answered));
+    if (opened)
+      to.endpoint = *opened;
+    else if (failed)
+      failed = opened.error();
+  };
+  const auto server = [&](Clients::Service& to, const char* name, const char* of, auto asked) {
+    to.type = type(of);
+    if (!to.type) return;
+    auto opened = bus.serve(self.node_, std::string("~/") + name, *to.type, std::move(asked));
+    if (opened)
+      to.endpoint = *opened;
+    else if (failed)
+      failed = opened.error();
+  };
+  const auto action = [&](Clients::Goal& to, const char* name, const char* of, bus::Handler result,
+                          std::function<void()> rejected) {
+    auto found = bus.registry().action(std::string(kPackage) + "/action/" + of);
+    if (!found) {
+      if (failed) failed = found.error();
+      return;
+    }
+    to.type = *found;
+    bus::Bus::ActionClientHandlers handlers;
+    handlers.goal_response = [rejected = std::move(rejected)](const bus::Delivery& d) {
+      if (!d.accepted) rejected();
+    };
+    handlers.feedback = [](const bus::Delivery&) {};
+    handlers.result = std::move(result);
+    handlers.cancel_response = [](const bus::Delivery&) {};
+    auto opened = bus.create_action_client(self.node_, std::string("~/") + name, **found, std::move(handlers));
+    if (opened)
+      to.endpoint = *opened;
+    else if (failed)
+      failed = opened.error();
+  };
+  using D = bus::Delivery;
+  server(c.status, "get_status", "GetStatus", [&self](const D& d) { self.answer_status(d); });
+  server(c.selection, "exec_action_selection", "ExecActionSelection",
+         [&self](const D& d) { self.answer_selection(d); });
+  client(c.observations, "get_current_observations", "GetObservations",
+         [&self](const D& d) { self.observed(*d.message); });
+  client(c.actions, "get_action_list_executable_for_robot", "GetActionListRobot",
+         [&self](const D& d) { self.choose(*d.message); });
+  client(c.episode_end, "get_episode_end", "GetEpisodeEnd", [&self](const D& d) {
+    const bus::MessageView answer = *d.message;
+    self.ended(answer.integer("episode_end") != 0, answer.integer("reward"));
+  });
+  client(c.end_training, "end_training", "EndTraining", [](const D&) {});
+  action(
+      c.reset, "reset_env", "ResetEnv",
+      [&self](const D& d) {
+        if (d.status == bus::GoalStatus::kSucceeded) return self.observe();
+        self.failure_ = run_error("reset_env of episode " + std::to_string(self.episode_ + 1) + " was not carried out");
+      },
+      [&self] {
+        self.failure_ = run_error("reset_env of episode " + std::to_string(self.episode_ + 1) + " was rejected");
+      });
+  action(
+      c.free_robot, "get_free_robot", "GetFreeRobot",
+      [&self](const D& d) {
+        const bus::MessageView result = *d.message;
+        if (result.integer("success") != 0) return self.ask_for_actions(result.text("robot"));
+        self.ask_for_end();  // none is free any more: the game may be over
+      },
+      [&self] { self.ask_for_end(); });
+  action(
+      c.select, "action_selection", "ActionSelection",
+      [&self](const D& d) {
+        const bus::MessageView result = *d.message;
+        self.selected(d.status == bus::GoalStatus::kSucceeded, result.integer("reward"), result.text("info"));
+      },
+      [&self] { self.selected(false, 0, "rejected"); });
+  if (!failed) return failed.error();
+  return made;
+}
+
+SimTime Trainer::next_due() const {
+  if (!options_.training || warned_ || bus_.action_ready(clients_->reset.endpoint)) return kNever;
+  return kPatience;
+}
+
+Status Trainer::act(SimTime now) {
+  bus_.deliver(node_);
+  if (options_.training && !begun_) {
+    begun_ = true;
+    begin_episode();
+  }
+  if (now >= next_due()) {
+    warned_ = true;
+    log(cx::LogLevel::kWarn,
+        "nobody serves the action " + options_.node.full_name() + "/reset_env; the training begins when an agent does");
+  }
+  return std::exchange(failure_, Status());
+}
+
+// --- An episode
+
+void Trainer::begin_episode() {
+  steps_ = 0;
+  reward_ = step_reward_ = 0;
+  chosen_.reset();
+  end_after_observation_ = false;
+  bus_.send_goal(clients_->reset.endpoint, std::make_shared<bus::Message>(*clients_->reset.type->goal));
+}
+
+void Trainer::observe() {
+  bus_.call(clients_->observations.endpoint, std::make_shared<bus::Message>(*clients_->observations.type->request));
+}
+
+void Trainer::observed(bus::MessageView response) {
+  state_ = state_of(response, "observations");
+  if (!end_after_observation_) return ask_for_robot();
+  learn_and_go_on({});
+  end_episode("end");
+}
+
+void Trainer::ask_for_robot() {
+  bus_.send_goal(clients_->free_robot.endpoint, std::make_shared<bus::Message>(*clients_->free_robot.type->goal));
+}
+
+void Trainer::ask_for_actions(const std::string& robot) {
+  auto request = std::make_shared<bus::Message>(*clients_->actions.type->request);
+  request->view().set("robot", robot);
+  bus_.call(clients_->actions.endpoint, std::move(request));
+}
+
+void Trainer::choose(bus::MessageView response) {
+  const std::vector<std::string> texts = grounded_of(response, "actions");
+  const std::vector<std::string> ids = texts_of(response, "action_ids");
+  std::vector<Action> actions;
+  for (std::size_t i = 0; i < std::min(texts.size(), ids.size()); ++i) actions.push_back({ids[i], texts[i]});
+  // What an agent lists first must not matter.
+  std::sort(actions.begin(), actions.end(), [](const Action& a, const Action& b) { return a.text < b.text; });
+  if (actions.empty()) {
+    learn_and_go_on({});
+    return end_episode("no action");
+  }
+  learn_and_go_on(actions);
+  if (steps_ >= options_.max_steps) return end_episode("max_steps");
+  const Action& action = actions[pick(state_, actions)];
+  chosen_state_ = state_;
+  chosen_ = action;
+  ++steps_;
+  ++total_steps_;
+  select(action);
+}
+
+std::size_t Trainer::pick(const std::string& state, const std::vector<Action>& actions) {
+  if (options_.chance_only) return chance_.below(actions.size());
+  std::vector<std::string> texts;
+  for (const Action& action : actions) texts.push_back(action.text);
+  return table_.choose(state, texts, options_.training ? table_.exploration(episode_) : 0, chance_);
+}
+
+void Trainer::select(const Action& action) {
+  auto goal = std::make_shared<bus::Message>(*clients_->select.type->goal);
+  goal->view().set("action_id", action.id);
+  bus_.send_goal(clients_->select.endpoint, std::move(goal));
+}
+
+void Trainer::selected(bool done, std::int64_t reward, const std::string& info) {
+  step_reward_ += static_cast<double>(reward);
+  if (!done) log(cx::LogLevel::kWarn, "action " + chosen_->text + " was not carried out: " + info);
+  ask_for_end();
+}
+
+void Trainer::ask_for_end() {
+  bus_.call(clients_->episode_end.endpoint, std::make_shared<bus::Message>(*clients_->episode_end.type->request));
+}
+
+void Trainer::ended(bool end, std::int64_t reward) {
+  if (end) step_reward_ += static_cast<double>(reward);
+  end_after_observation_ = end;
+  observe();
+}
+
+void Trainer::learn_and_go_on(const std::vector<Action>& next) {
+  reward_ += step_reward_;
+  if (chosen_ && !options_.chance_only) {
+    Step step{chosen_state_, chosen_->text, step_reward_, state_, {}};
+    for (const Action& action : next) step.next_actions.push_back(action.text);
+    table_.learn(step);
+  }
+  chosen_.reset();
+  step_reward_ = 0;
+}
+
+void Trainer::end_episode(const std::string& how) {
+  ++episode_;
+  RecordData data;
+  data.begin().field("episode", episode_).field("steps", steps_).field("reward", reward_).field("end", how);
+  sink_.write(stream_, bus_.now(), RecordKind::kDecision, data);
+  table_text_ +=
+      std::to_string(episode_) + ',' + std::to_string(steps_) + ',' + shortest_text(reward_) + ',' + how + '\n';
+  if (options_.write) failure_ = options_.write("training.csv", table_text_);
+  if (episode_ < options_.max_episodes) return begin_episode();
+  end_training();
+}
+
+void Trainer::end_training() {
+  log(cx::LogLevel::kInfo, "trained " + std::to_string(episode_) + " episodes, " + std::to_string(total_steps_) +
+                               " steps, " + std::to_string(table_.states()) + " states");
+  if (options_.write && failure_ && !options_.chance_only) failure_ = options_.write("model.json", table_.to_text());
+  bus_.call(clients_->end_training.endpoint, std::make_shared<bus::Message>(*clients_->end_training.type->request));
+}
+
+// --- What agents ask
+
+void Trainer::answer_status(const bus::Delivery& request) {
+  auto response = std::make_shared<bus::Message>(*clients_->status.type->response);
+  response->view()
+      .set("mode", options_.training ? "TRAINING" : "EXECUTION")
+      .set("current_episode", episode_)
+      .set("current_episode_step", steps_)
+      .set("total_steps", total_steps_)
+      .set("model_loaded", options_.model.has_value());
+  bus_.respond(clients_->status.endpoint, request, std::move(response));
+}
+
+void Trainer::answer_selection(const bus::Delivery& request) {
+  const bus::MessageView asked = *request.message;
+  const std::vector<std::string> texts = grounded_of(asked, "actions");
+  const std::vector<std::string> ids = texts_of(asked, "action_ids");
+  std::vector<Action> actions;
+  for (std::size_t i = 0; i < std::min(texts.size(), ids.size()); ++i) actions.push_back({ids[i], texts[i]});
+  std::sort(actions.begin(), actions.end(), [](const Action& a, const Action& b) { return a.text < b.text; });
+  auto response = std::make_shared<bus::Message>(*clients_->selection.type->response);
+  if (!actions.empty()) {
+    response->view().set("action_id", actions[pick(state_of(asked, "observations"), actions)].id);
+    ++total_steps_;
+  }
+  bus_.respond(clients_->selection.endpoint, request, std::move(response));
+}
+
+void Trainer::log(cx::LogLevel level, const std::string& text) const {
+  if (options_.log)
+    options_.log->line({.t = bus_.now(), .level = level, .logger = options_.node.name, .text = text, .colour = {}});
+}
+
+}  // namespace cxlab::rl

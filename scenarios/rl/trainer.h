@@ -1,0 +1,94 @@
+#pragma once
+// The side that trains in the reinforcement learning interfaces of CX (package cx_rl_interfaces): it resets the agent's
+// world, looks at what the agent observes, chooses one of the actions that a free robot can execute, and takes the
+// reward; episode by episode. In mode EXECUTION it chooses actions only when the agent asks for one.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/record_sink.h"
+#include "cx/bus/bus.h"
+#include "cx/node/log.h"
+#include "cx/run/parts.h"
+#include "scenarios/rl/policy.h"
+
+namespace cxlab::rl {
+
+struct TrainerOptions {
+  bus::NodeName node{"cx_rl_node", "/", {}};
+  bool training = true;      ///< else EXECUTION
+  bool chance_only = false;  ///< actions by chance, nothing is learned
+  int max_episodes = 100;
+  int max_steps = 1000;  ///< of an episode, which then counts as ended
+  LearningRates rates;
+  std::optional<QTable> model;  ///< to begin with
+  std::uint64_t seed = 0;
+  cx::LogSink* log = nullptr;  ///< may be none
+  /// Called after each episode of a training with its lines of `training.csv` and, at the end, with the table.
+  std::function<Status(const std::string& file, const std::string& text)> write;
+};
+
+/// One observation or action as text: `on(a#b)`.
+std::string grounded(const std::string& name, const std::vector<std::string>& params);
+
+class Trainer final : public Server {
+ public:
+  static Expected<std::unique_ptr<Trainer>> create(TrainerOptions options, bus::Bus& bus, RecordSink& sink);
+  ~Trainer() override;
+  Status sense(SimTime) override { return {}; }
+  Status act(SimTime now) override;
+  SimTime next_due() const override;
+
+ private:
+  struct Clients;
+  struct Action {
+    std::string id, text;
+  };
+  Trainer(TrainerOptions options, bus::Bus& bus, RecordSink& sink);
+
+  // What it waits for; each answer leads to the next.
+  void begin_episode();
+  void observe();
+  void observed(bus::MessageView response);
+  void ask_for_robot();
+  void ask_for_actions(const std::string& robot);
+  void choose(bus::MessageView response);
+  void select(const Action& action);
+  void selected(bool done, std::int64_t reward, const std::string& info);
+  void ask_for_end();
+  void ended(bool end, std::int64_t reward);
+  void learn_and_go_on(const std::vector<Action>& next);
+  void end_episode(const std::string& how);
+  void end_training();
+  void answer_status(const bus::Delivery& request);
+  void answer_selection(const bus::Delivery& request);
+
+  std::size_t pick(const std::string& state, const std::vector<Action>& actions);
+  void log(cx::LogLevel level, const std::string& text) const;
+
+  TrainerOptions options_;
+  bus::Bus& bus_;
+  RecordSink& sink_;
+  StreamId stream_;
+  bus::ParticipantId node_;
+  std::unique_ptr<Clients> clients_;
+  RandomStream chance_;
+  QTable table_;
+  // Of the episode
+  bool begun_ = false, warned_ = false;
+  int episode_ = 0, steps_ = 0, total_steps_ = 0;
+  double reward_ = 0;         // of the episode
+  double step_reward_ = 0;    // since the last choice
+  std::string state_;         // that was observed last
+  std::string chosen_state_;  // and in which `chosen_` was chosen
+  std::optional<Action> chosen_;
+  bool end_after_observation_ = false;
+  std::string table_text_;  // lines of training.csv
+  Status failure_;
+};
+
+}  // namespace cxlab::rl
