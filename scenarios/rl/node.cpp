@@ -58,7 +58,7 @@ Status add_trainer(const ServerSpec& spec, const StageSetup& setup, Stage& stage
     if (setup.keep)
       if (Status s = setup.keep(file.string(), file); !s) return s;
     auto text = read_file(file);
-    if (!text) return text.error();
+    if (!text) return input_error("model: " + text.error().message, file.string());
     auto table = QTable::from_text(*text, options.rates, file.string());
     if (!table) return table.error();
     options.model = *std::move(table);

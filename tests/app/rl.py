@@ -129,4 +129,4 @@ class Training(Lab):
                                 ("model=nothing.json", "nothing.json"), ("learning_rate=x", "learning_rate"),
                                 ("epsilon=1", "epsilon")]:
             with self.subTest(parameter):
-                self.assertIn(text, self.train(parameter, out=parameter[:5], code=3))
+                self.assertIn(text, self.train(parameter, out=parameter.replace("=", "-"), code=3))

@@ -4,9 +4,17 @@
   =>
   (printout info "it is " ?t " s, " (now-systime) " s since 1970" crlf))
 
+(defrule begin
+  "The first refresh: note its time, which counts from 1970 on a robot."
+  (time ?t)
+  (not (begun ?))
+  =>
+  (assert (begun ?t)))
+
 (defrule stop-after-two-seconds
   "The clock has run long enough: end the executive."
-  (time ?t&:(>= ?t 2.0))
+  (begun ?begun)
+  (time ?t&:(>= (- ?t ?begun) 2.0))
   =>
   (cx-shutdown))
 

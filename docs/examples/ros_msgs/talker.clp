@@ -5,11 +5,13 @@
   (open)
   =>
   (ros-msgs-create-publisher "chatter" "std_msgs/msg/String")
-  (ros-msgs-create-client "mute" "std_srvs/srv/SetBool"))
+  (ros-msgs-create-client "mute" "std_srvs/srv/SetBool")
+  (assert (begun (now))))
 
 (defrule talk
   "Every tenth of a second, for a second: say the time."
-  (time ?t&:(< ?t 1.0))
+  (begun ?begun)
+  (time ?t&:(< (- ?t ?begun) 1.0))
   (ros-msgs-publisher (topic "chatter"))
   =>
   (bind ?message (ros-msgs-create-message "std_msgs/msg/String"))
@@ -19,7 +21,8 @@
 
 (defrule ask-for-silence
   "Enough was said: ask the listener to stop hearing."
-  (time ?t&:(>= ?t 1.0))
+  (begun ?begun)
+  (time ?t&:(>= (- ?t ?begun) 1.0))
   (not (asked))
   =>
   (assert (asked))
