@@ -162,6 +162,16 @@ void EnvironmentManager::check_rules() {
     note_each(differences_in_rules(entry.environment->engine(), options_.release));
 }
 
+void EnvironmentManager::note_rule_errors() {
+  std::vector<Error> errors;
+  for (const RuleErrorEntry& entry : rule_errors_) {
+    errors.push_back(entry.error.error());
+    errors.back().kind = ErrorKind::kInput;
+    errors.back().message = "strict-cx: error: " + errors.back().message;
+  }
+  note_each(std::move(errors));
+}
+
 void EnvironmentManager::note_each(std::vector<Error> errors) {
   for (Error& error : errors) {
     const std::string text = error.text();
@@ -208,6 +218,7 @@ Status EnvironmentManager::do_deactivate() {
   }
   finalize_unused();
   keep_first(first, std::exchange(failure_, Status()));
+  if (options_.strict) note_rule_errors();
   for (const bus::EndpointId service : plugin_services_) bus_.remove(service);
   plugin_services_.clear();
   log_life("Deactivated", "...");

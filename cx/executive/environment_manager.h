@@ -154,6 +154,8 @@ class EnvironmentManager final : public Agent {
   void note(Error error);
   /// With `strict`: what CX would do otherwise with the rules that are there.
   void check_rules();
+  /// Errors of rules: what cxlab reports is not defined in CX.
+  void note_rule_errors();
   /// Those that were not noted before.
   void note_each(std::vector<Error> errors);
   /// A request at run time failed: noted with `keep_going`, else the run ends.

@@ -131,6 +131,24 @@ class Scenarios(Lab):
         self.assertEqual(self.result()["sim_time_s"], 2, done.stderr)
         self.assertIn("--release: found 'foxy', expected one of: humble, jazzy, kilted", self.fails(2, arguments=["--release", "foxy"]).stderr)
 
+    def test_what_cx_would_do_otherwise_in_the_run(self):
+        self.agent("""(defrule go => (bind ?m (ros-msgs-create-message "geometry_msgs/msg/Point"))
+  (ros-msgs-create-publisher "p" "geometry_msgs/msg/Point") (assert (made ?m)))
+(defrule float (made ?m) => (ros-msgs-set-field ?m "x" 3))""")
+        self.assertEqual(self.run_it(out=False).returncode, 0)
+        env = [CXLAB, "env", "agent.yaml", "--package", "rules=rules", "--until", "1", "--out", "none", "--strict-cx"]
+        done = subprocess.run(env, cwd=self.folder, text=True, timeout=60, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        for text in ("strict-cx: leak: ros_msgs: Found 1 message(s), cleaning up ...", "strict-cx: leak: ros_msgs: Environment main has open p publisher",
+                     "expected a FLOAT: CX converts no INTEGER (--strict-cx)"):
+            self.assertIn(text, done.stderr)
+        self.agent("""(defrule go => (bind ?m (ros-msgs-create-message "std_msgs/msg/Int32"))
+  (ros-msgs-set-field ?m "data" 3.0) (ros-msgs-destroy-message ?m))""")
+        done = subprocess.run(env, cwd=self.folder, text=True, timeout=60, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("rules.clp:2: strict-cx: error: ", done.stderr)
+        self.assertIn("expected an INTEGER: CX converts no FLOAT", done.stderr)
+
     def test_usage(self):
         self.agent("")
         self.fails(2, "--frob", arguments=["--frob"])

@@ -49,7 +49,10 @@ Status ConnectionPlugin::on_due(EnvironmentGuard environment) {
 }
 
 void ConnectionPlugin::finalize() {
-  for (const std::string& line : left_.lines()) log(LogLevel::kWarn, line);
+  for (const std::string& line : left_.lines()) {
+    log(LogLevel::kWarn, line);
+    if (context().run.strict) context().note_load_error(input_error("strict-cx: leak: " + name() + ": " + line));
+  }
 }
 
 BusConnection::BusConnection(Environment& environment, std::string logger, std::string prefix, bool bound)

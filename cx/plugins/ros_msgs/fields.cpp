@@ -140,6 +140,10 @@ Fault Fields::set_value(const MessageView& view, const Field& field, const Value
     if (!value.is_text()) return found_expected(value, "TRUE or FALSE");
     return fault_of(view.set_integer(field, value.text() == "TRUE" ? 1 : 0, index));
   }
+  if (strict_ && !field.is_text() && !field.is_message() && value.is_number() &&
+      field.is_real() == value.is(ValueType::kInteger))
+    return found_expected(value, field.is_real() ? "a FLOAT: CX converts no INTEGER (--strict-cx)"
+                                                 : "an INTEGER: CX converts no FLOAT (--strict-cx)");
   if (field.is_real()) return set_real(view, field, value, index);
   if (field.is_text()) {
     if (!value.is_text()) return found_expected(value, "a STRING or SYMBOL");
