@@ -91,7 +91,9 @@ class Terminal {
     const std::filesystem::path history = history_file();
     if (!history.empty()) read_history(history.c_str());
     client_.on_event([this](const Event& event) { above(shown(event), event.kind == Event::Kind::kEnd); });
-    std::printf("Tab completes, help lists the commands, quit leaves.\n");
+    const auto where = client_.carry_out("where");
+    std::printf("%s\nTab completes, help lists the commands, quit leaves.\n",
+                where ? printable(where->text).c_str() : "");
     std::fflush(stdout);
     prompt();
     while (!left_ && !ended_) wait();
@@ -224,7 +226,7 @@ void add_attach(CLI::App& app, Action& action) {
       "'until' the next command waits until the run stops. A command that fails ends it with exit code 1.\n"
       "Examples:\n  cxlab run rcll/game --break --out /tmp/game   (and elsewhere:)\n"
       "  cxlab attach /tmp/game\n"
-      "  cxlab attach /tmp/game -c 'until rule transport-begin' -c 'facts (order (id 3))' -c agenda -c continue");
+      "  cxlab attach /tmp/game -c 'until rule order-begin' -c 'facts order' -c agenda -c continue");
   command->callback([options, &action] { action = [options] { return attach(*options); }; });
 }
 

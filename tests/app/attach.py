@@ -320,6 +320,7 @@ class Attach(Lab):
         def types(text):
             os.write(terminal, text.encode())
 
+        until("before rule begin")
         until("cxlab> ")
         types("until rule finish\n")
         until("before rule finish")
