@@ -124,8 +124,9 @@ void add_package_options(CLI::App& command, lab::PackageOptions& options) {
   add_prefix_option(command, options.prefixes);
 }
 
-void add_trust_plugins(CLI::App& command, bool& trust) {
-  command.add_flag("--trust-plugins", trust, "Opens the run's native plugins, which may read, write and run anything");
+void add_trust_programs(CLI::App& command, bool& trust) {
+  command.add_flag("--trust-programs", trust,
+                   "The run's native plugins, and programs that its nodes name, may read, write and run anything");
 }
 
 namespace {

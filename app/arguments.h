@@ -40,8 +40,8 @@ void add_prefix_option(CLI::App& command, std::vector<std::string>& prefixes);
 /// Declares `--package` and `--prefix`.
 void add_package_options(CLI::App& command, lab::PackageOptions& options);
 
-/// Declares `--trust-plugins` of commands that play a recorded run.
-void add_trust_plugins(CLI::App& command, bool& trust);
+/// Declares `--trust-programs` of commands that play a recorded run.
+void add_trust_programs(CLI::App& command, bool& trust);
 
 /// Exit code of a command line that cannot be used; 0 after `--help` and `--version`.
 int usage_exit(const CLI::App& app, const CLI::ParseError& error);

@@ -6,6 +6,7 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
+#include "cx/base/file.h"
 #include "cx/journal/run_folder.h"
 #include "lab/new_package.h"
 #include "scenarios/rcll/world.h"
@@ -46,7 +47,7 @@ int make_game(const GameOptions& options) {
     return fail(
         input_error("world.kind: found '" + std::string(scenario->world.kind->name) + "', expected rcll",
                     options.scenario.empty() ? Origin{} : Origin{options.scenario, scenario->world.origin.line}));
-  if (std::filesystem::exists(options.file) && !options.force)
+  if (path_exists(options.file) && !options.force)
     return fail(usage_error("there is a file already: choose another one, or --force", options.file));
   const auto game = rcll::game_of(*scenario);
   if (!game) return fail(game.error());

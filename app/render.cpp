@@ -9,6 +9,7 @@
 #include "app/command.h"
 #include "app/console.h"
 #include "app/suggestions.h"
+#include "cx/base/file.h"
 #include "lab/render.h"
 #include "scenarios/share.h"
 
@@ -44,7 +45,7 @@ Expected<Scenario> load_scenario(const Options& options) {
 
 Status draw(const Options& options, const lab::Host& host) {
   const bool film = !options.film.video.file.empty();
-  if (fs::is_directory(options.what)) {
+  if (is_folder(options.what)) {
     if (options.seed || !options.overrides.empty())
       return usage_error(std::string(options.seed ? "--seed" : "--set") + ": " + options.what +
                          " is a run, which was played already: only a scenario takes it");

@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string run;
-  bool rules = false, physics = false, trust_plugins = false, json = false;
+  bool rules = false, physics = false, trust_programs = false, json = false;
 };
 
 Json to_json(const lab::ReplayOutcome& outcome) {
@@ -50,7 +50,7 @@ void print(const char* half, const lab::ReplayOutcome& outcome) {
 int replay(const Options& options) {
   auto run = lab::RecordedRun::open(options.run, catalogue());
   if (!run) return fail(run.error());
-  run->options.native_plugins = options.trust_plugins;
+  run->options.programs = options.trust_programs;
   if (!run->finished)
     return fail(input_error("the run was cut off before its end: there are no hashes to compare with", options.run));
   Console console(options.json);
@@ -96,7 +96,7 @@ void add_replay(CLI::App& app, Action& action) {
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_flag("--rules", options->rules, "Only the rules, without world and servers");
   command->add_flag("--physics", options->physics, "Only the physics, without rules and servers");
-  add_trust_plugins(*command, options->trust_plugins);
+  add_trust_programs(*command, options->trust_programs);
   command->add_flag("--json", options->json, "The answer as JSON");
   command->footer("It reads nothing but the run's folder: the files of the run may be gone or changed.");
   command->callback([options, &action] { action = [options] { return replay(*options); }; });

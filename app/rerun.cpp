@@ -15,13 +15,13 @@ namespace {
 
 struct Options {
   std::string run, out;
-  bool force = false, json = false, quiet = false, trust_rules = false, trust_plugins = false;
+  bool force = false, json = false, quiet = false, trust_rules = false, trust_programs = false;
 };
 
 int rerun(const Options& options) {
   auto run = lab::RecordedRun::open(options.run, catalogue());
   if (!run) return fail(run.error());
-  run->options.native_plugins = options.trust_plugins;
+  run->options.programs = options.trust_programs;
   if (!run->finished)
     return fail(input_error("the run was cut off before its end: there is nothing to compare with", options.run));
   Console console(options.quiet);
@@ -62,7 +62,7 @@ void add_rerun(CLI::App& app, Action& action) {
   command->add_flag("--force", options->force, "Overwrites a folder that is in use");
   command->add_flag("--trust-rules", options->trust_rules,
                     "Rules that were trusted then may read, write and run anything again");
-  add_trust_plugins(*command, options->trust_plugins);
+  add_trust_programs(*command, options->trust_programs);
   command->add_flag("--json", options->json, "The answer as JSON");
   command->add_flag("--quiet", options->quiet, "No progress and no log lines");
   command->callback([options, &action] { action = [options] { return rerun(*options); }; });

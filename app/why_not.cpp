@@ -20,7 +20,7 @@ struct Options {
   std::string run, rule;
   std::optional<double> at;
   std::vector<std::string> where;
-  bool trust_plugins = false, json = false;
+  bool trust_programs = false, json = false;
 };
 
 void print(const char* before, const explain::Values& values) {
@@ -123,7 +123,7 @@ int why_not(const Options& options) {
   if (!wanted) return fail(wanted.error());
   auto run = lab::RecordedRun::open(options.run, catalogue());
   if (!run) return fail(run.error());
-  run->options.native_plugins = options.trust_plugins;
+  run->options.programs = options.trust_programs;
   Console console(true);
   lab::WhyNotQuestion question{options.rule, {}, *std::move(wanted)};
   if (options.at) question.at = from_seconds(*options.at);
@@ -135,7 +135,7 @@ int why_not(const Options& options) {
     return 0;
   }
   std::printf("after the tick at %s%s:\n", seconds_text(answer->at).c_str(),
-              answer->cut_off ? ", where the log of the run ends, which was killed" : "");
+              answer->cut_off ? ", where the log of the run is cut off" : "");
   for (const auto& found : answer->environments) print(found);
   return 0;
 }
@@ -151,7 +151,7 @@ void add_why_not(CLI::App& app, Action& action) {
   command->add_option("--at", options->at, "When, s of simulated time (default: the end)")->check(not_negative());
   once_each(command->add_option("--where", options->where,
                                 "VARIABLE=VALUE: only combinations in which the variable has this value (repeatable)"));
-  add_trust_plugins(*command, options->trust_plugins);
+  add_trust_programs(*command, options->trust_programs);
   command->add_flag("--json", options->json, "The answer as JSON");
   command->callback([options, &action] { action = [options] { return why_not(*options); }; });
 }

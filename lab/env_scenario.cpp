@@ -46,7 +46,7 @@ fs::path package_of(const fs::path& config) {
   if (usual.filename() == "params" || usual.filename() == "config") usual = usual.parent_path();
   if (usual.parent_path().filename() == "share") return usual;
   for (fs::path folder = config.parent_path(); folder.has_relative_path(); folder = folder.parent_path())
-    if (fs::is_regular_file(folder / "package.xml")) return folder;
+    if (is_file(folder / "package.xml")) return folder;
   return usual;
 }
 
@@ -63,7 +63,7 @@ std::set<fs::path> neighbours_of(const fs::path& package) {
   if (share.filename() == "share")
     if (const auto below = packages_below({prefix.string()}))
       for (const auto& [name, folder] : *below) found.insert(folder);
-  if (!fs::is_regular_file(package / "package.xml")) return found;
+  if (!is_file(package / "package.xml")) return found;
   for (const auto& entry : fs::directory_iterator(share, ignored)) add(entry.path());
   if (share.filename() == "share" && prefix.filename() == package.filename())
     for (const auto& entry : fs::directory_iterator(prefix.parent_path(), ignored))
@@ -271,7 +271,7 @@ std::string known_companions(const Catalogue& catalogue) {
 
 Expected<Scenario> env_scenario(const EnvOptions& options, const Catalogue& catalogue) {
   for (const std::string& config : options.configs) {
-    if (fs::is_directory(config)) return input_error("is a folder, expected a configuration (YAML)", config);
+    if (is_folder(config)) return input_error("is a folder, expected a configuration (YAML)", config);
   }
   Scenario scenario;
   scenario.name = fs::path(options.configs.front()).stem().string();

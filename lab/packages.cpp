@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "cx/base/file.h"
 #include "scenarios/share.h"
 
 namespace cxlab::lab {
@@ -15,7 +16,7 @@ Expected<std::map<std::string, std::string>> named_packages(const std::vector<st
     if (at == std::string::npos || at == 0 || at + 1 == text.size())
       return usage_error("--package: found '" + text + "', expected NAME=DIR");
     const std::string folder = text.substr(at + 1);
-    if (!fs::is_directory(folder)) return input_error("--package " + text + ": there is no folder " + folder);
+    if (!is_folder(folder)) return input_error("--package " + text + ": there is no folder " + folder);
     packages[text.substr(0, at)] = fs::absolute(folder).lexically_normal().string();
   }
   return packages;

@@ -6,8 +6,9 @@
 #include <system_error>
 
 #include "cx/base/file.h"
+#include "cx/base/number_text.h"
+#include "cx/base/remedy.h"
 #include "cx/engine/form_reader.h"
-#include "cx/executive/plugin_library.h"
 #include "cx/journal/input_log.h"
 #include "lab/versions.h"
 
@@ -53,10 +54,14 @@ void read_manifest(const Json& json, RecordedRun& run) {
     run.shares.push_back(agent.at("packages").get<std::map<std::string, std::string>>());
 }
 
-void read_result(const Json& json, RecordedRun& run) {
+Status read_result(const Json& json, RecordedRun& run) {
   run.tier = json.at("tier") == "timed" ? Tier::kTimed : Tier::kPhysics;
   run.status = json.at("status").get<std::string>();
-  run.sim_time = from_seconds(json.at("sim_time_s").get<double>());
+  const double end = json.at("sim_time_s").get<double>();
+  if (!(end >= 0 && end <= to_seconds(kLongestRun)))
+    return input_error("not the result of a run: sim_time_s: found " + general_text(end, 9) +
+                       ", expected s from 0 to 1e9");
+  run.sim_time = from_seconds(end);
   run.ticks = json.at("ticks").get<std::int64_t>();
   run.stream_hashes = json.at("stream_hashes").get<std::map<std::string, std::string>>();
   if (!json.at("physics_hash").is_null()) run.physics_hash = json.at("physics_hash").get<std::string>();
@@ -65,6 +70,7 @@ void read_result(const Json& json, RecordedRun& run) {
     if (error.at("side") == "load")
       run.not_loaded.try_emplace(std::string(without_module(error.at("rule").get_ref<const std::string&>())),
                                  input_error(error.at("message"), error.value("file", ""), error.value("line", 0)));
+  return {};
 }
 
 bool has_first_tick(const fs::path& inputs) {
@@ -78,12 +84,12 @@ bool has_first_tick(const fs::path& inputs) {
 }  // namespace
 
 Expected<RecordedRun> RecordedRun::open(const fs::path& folder, const Catalogue& catalogue) {
-  if (!fs::is_directory(folder)) return input_error("there is no folder of a run", folder.string());
-  if (!fs::exists(folder / "manifest.json"))
+  if (!is_folder(folder)) return input_error("there is no folder of a run", folder.string());
+  if (!path_exists(folder / "manifest.json"))
     return input_error("is not the folder of a run: there is no manifest.json in it", folder.string());
   RecordedRun run;
   run.folder = folder;
-  run.options.native_plugins = false;
+  run.options.programs = false;
   run.catalogue = &catalogue;
   auto manifest = read_json(folder / "manifest.json");
   if (!manifest) return manifest.error();
@@ -96,7 +102,8 @@ Expected<RecordedRun> RecordedRun::open(const fs::path& folder, const Catalogue&
                        (folder / "manifest.json").string());
   }
   try {
-    read_result(*result, run);
+    if (Status s = read_result(*result, run); !s)
+      return input_error(s.error().message, (folder / "result.json").string());
   } catch (const Json::exception& e) {
     return input_error(std::string("not the result of a run: ") + without_code(e), (folder / "result.json").string());
   }
@@ -127,8 +134,18 @@ Expected<Scenario> RecordedRun::scenario() const {
   return scenario;
 }
 
+Status RecordedRun::whole(SimTime reached) const {
+  if (!finished || ticks == 0 || reached >= sim_time) return {};
+  return input_error("cut off " +
+                         (reached < SimTime::zero() ? "before the first tick"
+                                                    : "after " + general_text(to_seconds(reached), 9) + " s") +
+                         ", before the end of the run at " + general_text(to_seconds(sim_time), 9) +
+                         " s; what comes before is whole",
+                     (folder / "inputs.bin").string());
+}
+
 std::optional<Error> RecordedRun::untrusted(const Status& played) const {
-  if (played || played.error().code != cx::kUntrustedPlugin) return std::nullopt;
+  if (played || played.error().code != kUntrusted) return std::nullopt;
   Error error = played.error();
   error.file = folder.string();
   error.line = 0;
@@ -138,8 +155,10 @@ std::optional<Error> RecordedRun::untrusted(const Status& played) const {
 Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, JournalLevel level, const Host& host,
                                         cx::LogSink* log) {
   RulesReplay replay;
-  if (!run.finished && !has_first_tick(run.folder / "inputs.bin"))
-    return input_error("the run ended before the log of its inputs had the first tick", run.folder.string());
+  if ((!run.finished || run.ticks > 0) && !has_first_tick(run.folder / "inputs.bin"))
+    return input_error(run.finished ? "the log of its inputs is cut off before the first tick"
+                                    : "the run ended before the log of its inputs had the first tick",
+                       run.folder.string());
   auto scenario = run.scenario();
   if (!scenario) return scenario.error();
   scenario->duration = end;
@@ -161,7 +180,7 @@ Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, Jou
   options.keep_going = run.options.keep_going;
   options.strict = run.options.strict;
   options.release = run.options.release;
-  options.native_plugins = run.options.native_plugins;
+  options.programs = run.options.programs;
   auto episode = Episode::load(*std::move(scenario), std::move(options));
   if (!episode) return episode.error();
   replay.episode = *std::move(episode);

@@ -26,7 +26,7 @@ struct RecordedRun {
   std::filesystem::path scenario_file;  ///< absolute; need not be there any more
   std::vector<std::string> overrides;
   std::map<std::string, std::string> world_files;  ///< absolute; by key, as Scenario::world_files
-  /// until, journal, keep_going, strict, sockets; `native_plugins` is false until the caller trusts the run
+  /// until, journal, keep_going, strict, sockets; `programs` is false until the caller trusts the run
   PlayOptions options;
   std::filesystem::path recorded_folder;  ///< its folder when it was played
   std::vector<Shares> shares;             ///< by agent: package -> its share directory then
@@ -49,7 +49,9 @@ struct RecordedRun {
   std::vector<std::string> changed_surroundings() const;
   /// As it was read then; from the run's copy.
   Expected<Scenario> scenario() const;
-  /// The run, where the error is that it has a native plugin and nobody has said that it is trusted; else nothing.
+  /// Whether a log that reaches that far is the whole of it: one may be cut off between two of its chunks.
+  Status whole(SimTime reached) const;
+  /// The error where it would start a program or open a native plugin, and nobody has said that it may.
   std::optional<Error> untrusted(const Status& played) const;
 };
 

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "cx/base/file.h"
 #include "cx/base/scratch_folder.h"
 #include "cx/journal/input_log.h"
 
@@ -49,13 +50,13 @@ Status still_there(const RecordedRun& run, const Scenario& scenario) {
                        run.folder.string());
   };
   for (const AgentSpec& agent : scenario.agents) {
-    if (const auto config = scenario.resolve(agent.config); !std::filesystem::exists(config))
+    if (const auto config = scenario.resolve(agent.config); !path_exists(config))
       return missing("the configuration", config);
     for (const auto& [name, folder] : scenario.shares(agent))
-      if (!std::filesystem::is_directory(folder)) return missing("package " + name, folder);
+      if (!is_folder(folder)) return missing("package " + name, folder);
   }
   for (const auto& [key, file] : scenario.world_files)
-    if (!std::filesystem::exists(file.path)) return missing("world." + key, file.path);
+    if (!path_exists(file.path)) return missing("world." + key, file.path);
   return {};
 }
 
@@ -86,7 +87,7 @@ Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const 
     for (const auto& [name, share] : run.shares[i]) {
       const fs::path folder = copies / "packages" / name;
       fs::create_directories(folder, error);
-      if (const fs::path definitions = root / "interfaces" / name; !error && fs::is_directory(definitions))
+      if (const fs::path definitions = root / "interfaces" / name; !error && is_folder(definitions))
         fs::copy(definitions, folder, fs::copy_options::recursive | fs::copy_options::skip_existing, error);
       if (error) return resource_error(error.message(), folder.string());
       agent.packages[name] = {folder.string()};

@@ -269,7 +269,7 @@ EpisodeOptions episode_options(const Run& run) {
   options.keep_going = run.options.keep_going;
   options.strict = run.options.strict;
   options.release = run.options.release;
-  options.native_plugins = run.options.native_plugins;
+  options.programs = run.options.programs;
   options.sockets = run.options.sockets;
   return options;
 }

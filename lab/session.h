@@ -34,9 +34,9 @@ struct PlayOptions {
   bool begin_stopped = false;              ///< before the first rule fires; opens the socket as well
   bool keep_going = false;                 ///< errors in rule files are reported and the run goes on
   bool strict = false;                     ///< what the real CX would do otherwise are errors
-  cx::RosRelease release = cx::RosRelease::kKilted;                  ///< that `strict` is about
-  bool native_plugins = true;                                        ///< libraries that packages name may be opened
-  std::vector<std::string> command = {};                             ///< for the manifest: the arguments of the program
+  cx::RosRelease release = cx::RosRelease::kKilted;  ///< that `strict` is about
+  bool programs = true;                   ///< libraries of packages may be opened, and programs that nodes name started
+  std::vector<std::string> command = {};  ///< for the manifest: the arguments of the program
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that the run reads
 };
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "cx/base/file.h"
 #include "cx/base/json_text.h"
 #include "cx/base/process.h"
 #include "cx/base/scratch_folder.h"
@@ -25,7 +26,7 @@ Expected<std::vector<fs::path>> find_files(const std::vector<std::string>& paths
   for (const std::string& path : paths) {
     std::error_code error;
     if (!fs::exists(path, error)) return input_error("there is no such file or folder", path);
-    if (!fs::is_directory(path)) {
+    if (!is_folder(path)) {
       out.emplace_back(path);
       continue;
     }

@@ -34,6 +34,7 @@ struct StageSetup {
   cx::LogSink* log = nullptr;          ///< may be none
   std::filesystem::path models{};      ///< MJCF parts
   std::filesystem::path run_folder{};  ///< empty = nothing is written
+  bool programs = true;                ///< nodes may start programs that the scenario names
   /// Called with each file that a node reads, before it does, for the run's copy; may be empty.
   std::function<Status(const std::string& logical_name, const std::filesystem::path& file)> keep{};
 };

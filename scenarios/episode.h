@@ -56,9 +56,9 @@ struct EpisodeOptions {
   Limits limits;                                     ///< of all its environments together
   bool strict = false;                               ///< what the real CX would do otherwise are errors
   cx::RosRelease release = cx::RosRelease::kKilted;  ///< that `strict` is about
-  bool keep_going = false;     ///< errors in rule files are reported and the run goes on, as CX does
-  bool native_plugins = true;  ///< libraries that packages name may be opened
-  bool sockets = false;        ///< programs outside reach its network on the loopback interface; not deterministic
+  bool keep_going = false;  ///< errors in rule files are reported and the run goes on, as CX does
+  bool programs = true;     ///< libraries of packages may be opened, and programs that nodes name started
+  bool sockets = false;     ///< programs outside reach its network on the loopback interface; not deterministic
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that is read
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "cx/base/file.h"
 #include "cx/network/socket_gateway.h"
 #include "cx/plugins/builtin.h"
 #include "scenarios/catalogue.h"
@@ -63,14 +64,14 @@ Status Episode::open_files() {
 Status Episode::build_bus() {
   const bool replays = options_.replay.has_value();
   const fs::path interfaces = replays ? interfaces_below(options_.replay->copies) : options_.interfaces;
-  if (!replays || fs::is_directory(interfaces))
+  if (!replays || is_folder(interfaces))
     if (Status s = registry_.add_packages_in(interfaces); !s) return s;
   std::map<std::string, PackageSpec> packages = scenario_.packages;
   for (const AgentSpec& agent : scenario_.agents) packages.insert(agent.packages.begin(), agent.packages.end());
   if (!replays)
     for (const auto& [name, package] : packages) {
       const fs::path folder = scenario_.resolve(package.folder);
-      if (!fs::is_directory(folder))
+      if (!is_folder(folder))
         return input_error("package " + name + ": there is no folder " + folder.string(), package.origin);
       if (!bus::holds_definitions(folder)) continue;
       if (Status s = registry_.add_package(name, folder); !s) return s;
@@ -101,9 +102,10 @@ Status Episode::build_stage() {
       .log = options_.log,
       .models = options_.models,
       .run_folder = options_.run_folder,
+      .programs = options_.programs,
       .keep = [this](const std::string& name, const fs::path& file) { return files_->keep("nodes/" + name, file); }};
   for (const auto& [key, file] : scenario_.world_files) {
-    if (!fs::exists(file.path))
+    if (!path_exists(file.path))
       return input_error("world." + key + ": there is no file " + file.path.string(), file.origin);
     if (Status s = files_->keep(kept_name(key, file), file.path); !s) return s;
   }
@@ -165,7 +167,7 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
   manager.strict = options_.strict;
   manager.release = options_.release;
   manager.trust_rules = scenario_.trust_rules;
-  manager.native_plugins = options_.native_plugins;
+  manager.native_plugins = options_.programs;
   manager.config = scenario_.resolve(spec.config);
   manager.name_space = spec.name_space;
   manager.remaps = spec.remaps;

@@ -1,6 +1,8 @@
 #include "sim/picture.h"
 
+#include <fcntl.h>
 #include <png.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <memory>
@@ -9,7 +11,10 @@ namespace cxlab::sim {
 
 Status write_png(const Picture& picture, const std::filesystem::path& file) {
   const auto failed = [&] { return resource_error("cannot write the picture", file.string()); };
-  std::unique_ptr<FILE, int (*)(FILE*)> out(std::fopen(file.c_str(), "wb"), std::fclose);
+  const int handle = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0666);
+  if (handle < 0) return failed();  // also a pipe from which nobody reads
+  fcntl(handle, F_SETFL, O_WRONLY);
+  std::unique_ptr<FILE, int (*)(FILE*)> out(fdopen(handle, "wb"), std::fclose);
   if (!out) return failed();
   png_image image{};
   image.version = PNG_IMAGE_VERSION;

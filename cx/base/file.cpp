@@ -53,10 +53,30 @@ Expected<std::string> read_file(const std::filesystem::path& path) {
 
 Status write_file(const std::filesystem::path& path, std::string_view text) {
   if (Charge::is_on()) Charge::written(text.size());
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  return file ? Status() : resource_error("cannot be written", path.string());
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0666);
+  if (file < 0)
+    return resource_error(errno == ENXIO ? "is a pipe from which nobody reads" : "cannot be written", path.string());
+  fcntl(file, F_SETFL, O_WRONLY);
+  ssize_t written = 1;
+  for (; !text.empty() && written > 0; text.remove_prefix(static_cast<std::size_t>(written))) do
+      written = write(file, text.data(), text.size());
+    while (written < 0 && errno == EINTR);
+  return close(file) == 0 && written > 0 ? Status() : resource_error("cannot be written", path.string());
+}
+
+bool path_exists(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored);
+}
+
+bool is_folder(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored);
+}
+
+bool is_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
 }
 
 }  // namespace cxlab

@@ -15,4 +15,9 @@ Expected<std::string> read_file(const std::filesystem::path& path);
 /// Replaces the content; kResource if that fails.
 Status write_file(const std::filesystem::path& path, std::string_view text);
 
+/// What a path is, its links followed; false where it cannot be looked at, as with a circle of links.
+bool path_exists(const std::filesystem::path& path);
+bool is_folder(const std::filesystem::path& path);
+bool is_file(const std::filesystem::path& path);
+
 }  // namespace cxlab

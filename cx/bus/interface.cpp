@@ -153,7 +153,7 @@ Registry::Registry(Registry&&) noexcept = default;
 Registry& Registry::operator=(Registry&&) noexcept = default;
 
 bool holds_definitions(const fs::path& package) {
-  return std::ranges::any_of(kForms, [&](const Form& form) { return fs::is_directory(package / form.folder); });
+  return std::ranges::any_of(kForms, [&](const Form& form) { return is_folder(package / form.folder); });
 }
 
 Status Registry::add_package(const std::string& package, const fs::path& folder) {
@@ -264,7 +264,7 @@ Status Registry::compile(MessageType& type, const Section& section, const std::s
     if (field.is_message()) {
       const std::string& name = spec.nested_name;
       const bool qualified = name.find('/') != std::string::npos;
-      const bool header = name == "Header" && !fs::exists(state_->packages[package].folder / "msg" / "Header.msg");
+      const bool header = name == "Header" && !path_exists(state_->packages[package].folder / "msg" / "Header.msg");
       const auto nested = message(qualified ? name : (header ? "std_msgs" : package) + "/msg/" + name);
       if (!nested) {
         Error error = nested.error();

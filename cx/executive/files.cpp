@@ -9,11 +9,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool is_file(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
-
 /// A folder, a pipe or a device, whatever links lead to it.
 bool is_special(const fs::path& path) {
   std::error_code ignored;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cx/base/remedy.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/executive/plugin_library.h"
 
@@ -38,8 +39,7 @@ Expected<bool> EnvironmentManager::load(Entry& entry, const std::string& name) {
     entry.environment->log(LogLevel::kWarn, options_.node, n.text());
   for (const Status* s : {&loaded, &rules}) {
     if (*s) continue;
-    const bool may_go_on =
-        s->error().code != kUntrustedPlugin && (s == &loaded || s->error().kind == ErrorKind::kInput);
+    const bool may_go_on = s->error().code != kUntrusted && (s == &loaded || s->error().kind == ErrorKind::kInput);
     if (!options_.keep_going || !may_go_on) return s->error();
     log(LogLevel::kError, name, s->error().text());
     load_errors_.push_back(s->error());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <exception>
 
+#include "cx/base/remedy.h"
 #include "cx/executive/export_plugins.h"
 #include "cx/yaml/yaml.h"
 
@@ -202,8 +203,8 @@ Expected<std::shared_ptr<Plugin>> make_plugin(const PluginType& type, PluginCont
   std::function<std::unique_ptr<Plugin>(PluginContext)> make = type.make;
   if (type.library && !context.run.native_plugins)
     return usage_error(who(name, class_name, type.library->name()) +
-                       " is native code: it can read, write and run anything. If it may: --trust-plugins")
-        .with_code(kUntrustedPlugin);
+                       " is native code: it can read, write and run anything. If it may: --trust-programs")
+        .with_code(kUntrusted);
   if (type.library) {
     auto opened = type.library->open();
     if (!opened) return opened.error();

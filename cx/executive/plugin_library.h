@@ -25,7 +25,6 @@ namespace cxlab::cx {
 
 inline constexpr const char* kPluginManifest = "cxlab_plugins.yaml";
 inline constexpr const char* kPluginBase = "cxlab::cx::Plugin";
-inline constexpr const char* kUntrustedPlugin = "untrusted_plugin";  ///< code of the error
 
 /// The plugin classes of the package's manifest; none where it has no manifest. Nothing is opened. Bad manifests are
 /// errors with file:line.

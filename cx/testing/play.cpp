@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "cx/base/file.h"
 #include "cx/explain/pattern.h"
 #include "cx/plugins/builtin.h"
 
@@ -51,7 +52,7 @@ Status Play::prepare() {
   std::map<std::string, fs::path> packages = spec_.packages;
   packages.insert(setup_.packages.begin(), setup_.packages.end());
   for (const auto& [name, folder] : packages) {
-    if (!fs::is_directory(folder)) return at(spec_.line, "package " + name + ": there is no folder " + folder.string());
+    if (!is_folder(folder)) return at(spec_.line, "package " + name + ": there is no folder " + folder.string());
     options.packages[name] = {folder, {}};
     if (!bus::holds_definitions(folder)) continue;
     if (Status s = registry_.add_package(name, folder); !s) return s;
@@ -106,7 +107,7 @@ Expected<fs::path> Play::config_file() {
   if (!spec_.config.empty()) return spec_.config;
   std::string files;
   for (const fs::path& file : spec_.rules) {
-    if (!fs::is_regular_file(file)) return at(spec_.line, "there is no rule file " + file.string());
+    if (!is_file(file)) return at(spec_.line, "there is no rule file " + file.string());
     files += (files.empty() ? "'" : ", '") + fs::absolute(file).lexically_normal().string() + '\'';
   }
   auto scratch = ScratchFolder::create();

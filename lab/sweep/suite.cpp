@@ -97,7 +97,7 @@ Expected<Suite> Suite::load(const fs::path& file) {
     const auto own = own_scenarios();
     for (const yaml::Value& item : scenarios.as_list()) {
       fs::path path = (file.parent_path() / item.as_string()).lexically_normal();
-      if (const auto known = own.find(item.text()); known != own.end() && !fs::exists(path)) path = known->second;
+      if (const auto known = own.find(item.text()); known != own.end() && !path_exists(path)) path = known->second;
       if (std::find(files.begin(), files.end(), path) != files.end()) {
         item.fail("found the scenario '" + item.text() + "' twice, expected each once");
       } else {

@@ -100,7 +100,7 @@ Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& 
   const auto output = read_file(log.string());
   const std::string printed = output ? *output : "";
   std::fputs(printed.c_str(), stderr);  // stdout carries answers only
-  if (!fs::is_regular_file(plan)) return without_plan(planner, *code, last_line(printed));
+  if (!is_file(plan)) return without_plan(planner, *code, last_line(printed));
 
   PlanAnswer answer;
   auto text = read_file(plan.string());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "cx/base/file.h"
 #include "cx/base/remedy.h"
 #include "cx/template/template.h"
 #include "planner/manager/manager.h"
@@ -143,7 +144,7 @@ struct PddlManager::Services {
           "reading '" + (folder / name).string() +
           "' is refused: for rules the manager reads packages, what rules wrote, and files *.pddl only (" +
           kTrustRemedy + ')');
-    if (!fs::is_regular_file(folder / name)) return input_error("there is no such file", (folder / name).string());
+    if (!is_file(folder / name)) return input_error("there is no such file", (folder / name).string());
     auto text = templates::render(loader, name.string());
     if (text) return text;
     Error error = text.error();

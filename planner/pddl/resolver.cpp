@@ -138,7 +138,8 @@ std::vector<Variable> Resolver::variables(std::span<const Node> items) {
   std::vector<Variable> out;
   for (TypedName& entry : typed_list(items, "a variable")) {
     const std::string name(entry.name->word);
-    if (name.size() < 2 || name[0] != '?') fail(*entry.name, "found '", name, "', expected a variable such as ?", name);
+    if (name.size() < 2 || name[0] != '?')
+      fail(*entry.name, "found '", name, "', expected a variable such as ?", name == "?" ? "x" : name);
     if (std::ranges::find(out, name, &Variable::name) != out.end())
       fail(*entry.name, "found variable ", name, " twice in one list");
     out.push_back({name, std::move(entry.types), slots_++});

@@ -1,6 +1,7 @@
 #include "scenarios/pddl/node.h"
 
 #include "cx/base/append_file.h"
+#include "cx/base/remedy.h"
 #include "cx/bus/names.h"
 #include "cx/executive/files.h"
 #include "planner/manager/manager.h"
@@ -68,6 +69,10 @@ Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage
   if (!config.engine.empty())
     options.other = planner::up_engine(find_share().engines / "up_engine.py", config.python, config.engine);
   const bool outside = !options.other.command.empty();
+  if (outside && !setup.programs)
+    return usage_error("pddl_manager starts a program, which can read, write and run anything: " +
+                       options.other.command + "; if it may: --trust-programs")
+        .with_code(kUntrusted);
   options.cost = config.cost.value_or(setup.scenario.planner);
   options.log = setup.log;
   options.on_read = setup.keep;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "cx/base/file.h"
 #include "cx/journal/hash_text.h"
 #include "cx/journal/run_folder.h"
 #include "scenarios/rcll/board.h"
@@ -58,8 +59,7 @@ Expected<std::unique_ptr<View>> view_of_floor(const sim::FloorPlan& plan, const 
 }
 
 Expected<sim::ModelOptions> model_options(const Scenario& scenario, const std::filesystem::path& models) {
-  if (!std::filesystem::is_directory(models))
-    return resource_error("there is no folder of models at " + models.string());
+  if (!is_folder(models)) return resource_error("there is no folder of models at " + models.string());
   sim::ModelOptions options;
   options.models = models;
   options.step = to_seconds(scenario.physics_step);
@@ -77,7 +77,7 @@ class FloorReplay final : public WorldReplay {
   std::string hash() const override { return hash_text(physics_.hash()); }
   Expected<std::unique_ptr<View>> view(int width, int height) const override {
     LegendMaker legend;
-    if (std::filesystem::is_regular_file(setup_.journal)) {
+    if (is_file(setup_.journal)) {
       const WorldConfig& config = setup_.scenario.world.get<WorldConfig>();
       auto board = RecordedBoard::load(GameClock::of(config.setup_s, config.production_s, config.overtime_s),
                                        teams_of(config), setup_.journal);

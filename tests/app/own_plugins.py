@@ -76,8 +76,8 @@ class OwnPackages(Installed):
         call(self.cxlab, "env", config, "--until", 3, "--out", run, "--prefix", own)
         shutil.rmtree(own)
         for command in (["replay", run, "--rules"], ["why-not", run, "count"], ["rerun", run, "--out", self.folder / "again"]):
-            self.assertIn("--trust-plugins", call(self.cxlab, *command, expect=2).stderr)
-        self.assertIn("rules: the same", call(self.cxlab, "replay", run, "--rules", "--trust-plugins").stdout)
+            self.assertIn("--trust-programs", call(self.cxlab, *command, expect=2).stderr)
+        self.assertIn("rules: the same", call(self.cxlab, "replay", run, "--rules", "--trust-programs").stdout)
 
     def test_plugins_made_by_names_live_below_one_prefix(self):
         own = self.folder / "several"
@@ -153,7 +153,7 @@ class OwnPackages(Installed):
         self.assertNotRegex(said, r"\[(warn|error)\]")
         self.assertEqual([(who, what) for _, who, what in lines], [("hand", "grasping the cup, seen at 1.1"), ("eye", "the hand has the cup")])
         self.assertEqual([float(when) for when, _, _ in lines], [1.2, 1.3])  # executives of 10 Hz
-        self.assertIn("rules: the same", call(self.cxlab, "replay", run, "--rules", "--trust-plugins").stdout)
+        self.assertIn("rules: the same", call(self.cxlab, "replay", run, "--rules", "--trust-programs").stdout)
 
     def test_thread_of_a_plugin_posts_facts_and_the_run_replays(self):
         run = self.folder / "sensor"
@@ -162,7 +162,7 @@ class OwnPackages(Installed):
         self.assertNotRegex(said, r"\[(warn|error)\]")
         result = json.loads((run / "result.json").read_text())
         self.assertEqual((result["status"], result["deterministic"]), ("stopped", False))
-        self.assertIn("rules: the same", call(self.cxlab, "replay", run, "--rules", "--trust-plugins").stdout)
+        self.assertIn("rules: the same", call(self.cxlab, "replay", run, "--rules", "--trust-programs").stdout)
 
     def test_template_of_an_agent_is_installed(self):
         folder = self.folder / "agent"

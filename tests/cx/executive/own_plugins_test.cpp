@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "cx/base/remedy.h"
 #include "cx/executive/plugin_library.h"
 #include "tests/support/lab.h"
 
@@ -59,7 +60,7 @@ TEST_F(OwnPlugins, LibraryIsNotOpenedWhereNativePluginsMayNotBe) {
     lab_.options.keep_going = keep_going;
     const Error error = error_of();
     EXPECT_EQ(error.kind, ErrorKind::kUsage);
-    EXPECT_EQ(error.code, kUntrustedPlugin);
+    EXPECT_EQ(error.code, kUntrusted);
     EXPECT_THAT(error.message, HasSubstr("plugin 'talk' (test::Chatty of libnone.so) is native code"));
   }
 }
