@@ -27,6 +27,7 @@ Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
       out.log_end_ = world->t;
     }
   out.log_status_ = reader->status();
+  if (out.log_status_) out.log_status_ = run.whole(reader->reached());
   if (!run.finished && out.log_->empty()) return none;
 
   auto scratch = ScratchFolder::create();

@@ -64,7 +64,9 @@ Expected<ReplayOutcome> replay_rules(const RecordedRun& run, const Host& host) {
   auto replay = RulesReplay::load(run, end, JournalLevel::kFull, host);
   if (!replay) return replay.error();
   ReplayOutcome out;
-  if (Status whole = replay->episode->replay_log_status(); !whole) {
+  Status whole = replay->episode->replay_log_status();
+  if (whole) whole = run.whole(replay->episode->replay_end());
+  if (!whole) {
     out.broken = whole.error();
     end = replay->episode->replay_end();
     replay = RulesReplay::load(run, end, JournalLevel::kFull, host);

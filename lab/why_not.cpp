@@ -107,8 +107,10 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
   Episode& episode = *replay->episode;
   WhyNotAnswer answer;
   SimTime end = std::min(longest, question.at.value_or(kNever));
-  answer.cut_off = !run.finished && question.at && *question.at > episode.replay_end();
-  if (!run.finished) end = std::min(end, episode.replay_end());
+  if (!run.finished || !episode.replay_log_status() || !run.whole(episode.replay_end())) {
+    answer.cut_off = question.at.value_or(run.sim_time) > episode.replay_end();
+    end = std::min(end, episode.replay_end());
+  }
   Witness witness(episode, question.rule);
   episode.journal().set_listener(&witness);
   Status played = episode.start();

@@ -133,7 +133,7 @@ class RecordedInputs final : public Inputs, private cx::ControlLog {
     log_.reach(t);
     return log_.status();
   }
-  Status close() override { return log_.close(); }
+  Status close() override { return log_.close(bus_.now()); }
 
  private:
   void add(std::string_view environment, const cx::ControlAct& act) override {

@@ -13,7 +13,7 @@
 namespace cxlab {
 namespace {
 
-constexpr std::string_view kMagic = "CXLABIN1";
+constexpr std::string_view kMagic = "CXLABIN2";
 constexpr std::size_t kChunkBytes = 32 * 1024, kMostWaiting = 512;  // chunks
 constexpr SimTime kFlushInterval = std::chrono::seconds(10);
 
@@ -209,7 +209,8 @@ Status InputLogWriter::flush() {
   return file_.flush();
 }
 
-Status InputLogWriter::close() {
+Status InputLogWriter::close(SimTime end) {
+  if (status()) begin(kReached, end);
   (void)flush();
   return file_.close();
 }

@@ -81,7 +81,8 @@ class InputLogWriter {
   /// Whether writing went well so far (kResource if not); ask once a tick.
   const Status& status() const { return file_.status(); }
   Status flush();
-  Status close();
+  /// The last mark: all that entered up to the end.
+  Status close(SimTime end);
 
  private:
   explicit InputLogWriter(AppendFile file) : file_(std::move(file)) {}

@@ -57,7 +57,7 @@ class TamperedLog : public testing::Test {
         writer->add(std::get<LoggedWorld>(*entry));
       }
     }
-    ASSERT_TRUE(writer->close());
+    ASSERT_TRUE(writer->close(reader->reached()));
     ASSERT_FALSE(message.empty()) << "no message holds " << from;
     fs::rename(folder_ / "changed.bin", path);
   }

@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (data[0] % 2 == 0) {
     const auto length = static_cast<std::uint32_t>(bytes.size());
     const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
-    std::string framed("CXLABIN1");
+    std::string framed("CXLABIN2");
     framed.append(reinterpret_cast<const char*>(&length), sizeof length);
     framed.append(reinterpret_cast<const char*>(&checksum), sizeof checksum);
     bytes = framed + bytes;

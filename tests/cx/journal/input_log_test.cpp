@@ -58,7 +58,7 @@ std::string bytes_of(int rounds = 1) {
   TempFolder temp;
   auto log = InputLogWriter::create(temp / "inputs.bin");
   add_some(*log, rounds);
-  EXPECT_TRUE(log->close().ok());
+  EXPECT_TRUE(log->close(SimTime{}).ok());
   return content_of(temp / "inputs.bin");
 }
 
@@ -130,7 +130,7 @@ TEST(InputLog, NamesMayBeEmpty) {
   nobody.delivery.return_code = 1;
   log->add(LoggedTake{seconds(1), "", {nobody}});
   log->add(LoggedResult{seconds(1), "env/a", "", ""});
-  ASSERT_TRUE(log->close().ok());
+  ASSERT_TRUE(log->close(SimTime{}).ok());
   auto reader = InputLogReader::open(temp / "inputs.bin");
   ASSERT_TRUE(reader.ok());
   const auto take = reader->next();
@@ -160,7 +160,7 @@ TEST(InputLog, AnEndThatIsCutOffLosesOnlyItsChunk) {
   ASSERT_TRUE(log->flush().ok());
   const auto whole = std::filesystem::file_size(temp / "inputs.bin");
   add_some(*log);
-  ASSERT_TRUE(log->close().ok());
+  ASSERT_TRUE(log->close(SimTime{}).ok());
   const std::string bytes = content_of(temp / "inputs.bin");
 
   for (std::size_t size = whole + 1; size < bytes.size(); ++size) {
@@ -222,6 +222,8 @@ TEST(InputLog, SaysHowFarItHasAllInputs) {
   log->add(LoggedWorld{seconds(31), "world", "a"});
   ASSERT_TRUE(log->flush().ok());
   EXPECT_EQ(read(), SimTime(seconds(31)) - SimTime{1}) << "its tick may have more";
+  ASSERT_TRUE(log->close(seconds(31)).ok());
+  EXPECT_EQ(read(), SimTime(seconds(31))) << "the end";
 }
 
 TEST(InputLog, AFullDiskIsAnErrorAndLeavesWholeChunks) {
@@ -230,7 +232,7 @@ TEST(InputLog, AFullDiskIsAnErrorAndLeavesWholeChunks) {
   {
     FileSizeLimit limit(100'000);
     add_some(*log, 5000);
-    EXPECT_FALSE(log->close().ok());
+    EXPECT_FALSE(log->close(SimTime{}).ok());
   }
   EXPECT_EQ(log->status().error().kind, ErrorKind::kResource);
   const Read read = read_all(content_of(temp / "inputs.bin"));
@@ -272,7 +274,7 @@ TEST(InputLog, ContentThatNoWriterMakesIsAnErrorEvenWithARightChecksum) {
 std::string log_of(std::string_view entries) {
   const auto length = static_cast<std::uint32_t>(entries.size());
   const std::uint64_t checksum = XXH3_64bits(entries.data(), entries.size());
-  std::string log = "CXLABIN1";
+  std::string log = "CXLABIN2";
   log.append(reinterpret_cast<const char*>(&length), sizeof length);
   log.append(reinterpret_cast<const char*>(&checksum), sizeof checksum);
   return log.append(entries);

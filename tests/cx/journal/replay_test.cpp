@@ -133,7 +133,7 @@ std::string record_run(const std::filesystem::path& path) {
     if (i == 2) echo.act();
     world.bus.deliver(server.id);
   }
-  EXPECT_TRUE(log->close().ok());
+  EXPECT_TRUE(log->close(SimTime{}).ok());
   return world.journal.stream_hash("env/echo");
 }
 
@@ -192,7 +192,7 @@ TEST_F(Replay, AnEnvironmentIsKnownAsSenderBeforeItTakesAnything) {
   then.bus.set_input_tap(&tap);
   tap.watch(first.id);
   const std::string recorded = play(then, late, [&] { EXPECT_EQ(then.bus.deliver(first.id), 1U); });
-  ASSERT_TRUE(log->close().ok());
+  ASSERT_TRUE(log->close(SimTime{}).ok());
 
   World now;
   Echo again(now.bus, now.journal);
