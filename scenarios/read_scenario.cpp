@@ -107,9 +107,13 @@ void read_tier(yaml::Map& map, Scenario& scenario) {
                        std::string(world.name) + " has no other tier");
 }
 
+/// A world makes all steps of a tick before anybody can look at it.
+constexpr SimTime kLongestTick = std::chrono::hours(1);
+
 void check_steps(yaml::Map& map, const Scenario& scenario) {
   const yaml::Value tick = map.get("tick_s"), step = map.get("physics_step_s");
   if (scenario.tick <= SimTime::zero()) return tick.fail("must be more than 0");
+  if (scenario.tick > kLongestTick) return tick.fail("found " + tick.text() + ", expected at most 3600 s");
   if (scenario.physics_step <= SimTime::zero()) return step.fail("must be more than 0");
   if (scenario.world.kind->any_tick || scenario.tick % scenario.physics_step == SimTime::zero()) return;
   const auto shown = [](SimTime t) {

@@ -95,7 +95,7 @@ class ExecutivePlugin final : public Plugin {
     State& state = *find(*environment);
     const SimTime now = environment->now();
     // Dues that a long tick stepped over are one run.
-    while (due_time(start_, state.next, static_cast<double>(refresh_rate_)) <= now) ++state.next;
+    state.next = due_after(now, start_, state.next, static_cast<double>(refresh_rate_));
     next_ = std::max(next_, state.next);
     auto fired = run(state);
     if (!fired) return fired.error();
@@ -225,7 +225,7 @@ class ExecutivePlugin final : public Plugin {
     if (changes) {
       paused_ = pause;
       for (State& state : states_)
-        while (due_time(start_, state.next, static_cast<double>(refresh_rate_)) <= context().bus.now()) ++state.next;
+        state.next = due_after(context().bus.now(), start_, state.next, static_cast<double>(refresh_rate_));
       log(LogLevel::kInfo, text);
     }
     answer.set("success", changes).set("message", text);
@@ -243,6 +243,18 @@ class ExecutivePlugin final : public Plugin {
     answer.set("success", true).set("message", "Tick executed.");
   }
 
+  /// What it is asked to carry out in a tick may ask for more: rules end where that has no end.
+  void count_one(Environment& environment) {
+    if (std::exchange(asked_at_, context().bus.now()) != context().bus.now()) asked_ = 0;
+    const std::int64_t most = context().run.max_firings;
+    if (most != 0 && ++asked_ > most && failure_)
+      failure_ = run_error("environment '" + environment.name() + "': " + std::to_string(asked_) +
+                           " commands of eval and build came in one tick; if they are right, allow more with "
+                           "max_firings_per_tick (now " +
+                           std::to_string(most) + ", 0 = no limit), or with --max-firings of cxlab env")
+                     .with_code("rule_loop");
+  }
+
   /// `act` returns what went wrong, or nothing.
   template <class Act>
   void carry_out(const bus::MessageView& request, const bus::MessageView& answer, Act act) {
@@ -257,6 +269,7 @@ class ExecutivePlugin final : public Plugin {
       wrong = "Environment '" + wanted + "' not found.";
     } else {
       Environment& environment = *found->environment;
+      count_one(environment);
       const bool logged = environment.set_topic_logging(true);
       wrong = act(environment.engine(), request.text("command"));
       environment.set_topic_logging(logged);
@@ -272,6 +285,8 @@ class ExecutivePlugin final : public Plugin {
   SimTime start_{};
   std::int64_t next_ = 0;   ///< that of an environment which comes now: all keep one beat
   std::int64_t fired_ = 0;  ///< in this refresh
+  std::int64_t asked_ = 0;  ///< commands of eval and build in the tick `asked_at_`
+  SimTime asked_at_{};
   std::vector<bus::EndpointId> services_;
   std::optional<bus::EndpointId> publisher_;
   const bus::MessageType* refresh_type_ = nullptr;

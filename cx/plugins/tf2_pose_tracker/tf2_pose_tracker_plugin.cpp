@@ -106,7 +106,7 @@ class Tf2PoseTrackerPlugin final : public Plugin {
       const SimTime now = environment->now();
       if (timer.due() > now) continue;
       // Dues that a long tick stepped over are one lookup.
-      while (timer.due() <= now) ++timer.next;
+      timer.next = due_after(now, timer.start, timer.next, timer.hz);
       if (Status s = look_up(*environment, tracking.listener->buffer(), timer); !s) return s;
     }
     return {};

@@ -27,6 +27,21 @@ TEST(Time, DueTimesOfARateAreRoundedOneByOneAndDoNotDrift) {
   EXPECT_EQ(due_time(start, 3'000'000, 3), SimTime{1'000'000'000'000'005});
 }
 
+TEST(DueTimes, TheNextIsFoundWithoutLookingAtAllBefore) {
+  using std::chrono::seconds;
+  EXPECT_EQ(due_after(SimTime{0}, SimTime{0}, 0, 3), 1);
+  EXPECT_EQ(due_after(SimTime{0}, SimTime{5}, 0, 3), 0) << "before the first";
+  EXPECT_EQ(due_after(SimTime{0}, SimTime{0}, 7, 3), 7) << "those before the seventh have had their turn";
+  for (const double rate : {0.001, 3.0, 10.0, 1e9}) {
+    for (const SimTime now :
+         {SimTime{1}, SimTime{333'333'333}, SimTime{seconds{1'000'000}}, SimTime{seconds{1'000'000'000}}}) {
+      const std::int64_t k = due_after(now, SimTime{0}, 0, rate);
+      EXPECT_GT(due_time(SimTime{0}, k, rate), now) << rate;
+      EXPECT_LE(due_time(SimTime{0}, k - 1, rate), now) << rate;
+    }
+  }
+}
+
 TEST(Time, ATickIsNeverBeforeWhatIsDue) {
   const SimTime tick{20};
   EXPECT_EQ(tick_not_before(SimTime{0}, tick), SimTime{0});
