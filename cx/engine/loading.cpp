@@ -177,10 +177,10 @@ std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) 
   if (places == lhs_calls_of.end()) return errors;
   const ConstructInfo* info = engine.find_construct("defrule", rule);
   const std::string name(without_module(rule));
-  // Rules may have removed it themselves.
-  if (info != nullptr && !engine.has("defrule", rule)) return errors;
   for (const LhsCall& place : places->second) {
     if (!is_acting(place.function)) continue;
+    // Rules may have removed it themselves. CLIPS looks through all rules for it.
+    if (info != nullptr && !engine.has("defrule", rule)) return errors;
     if (!reported_lhs.insert(rule + '\n' + place.function + '\n' + std::to_string(place.line)).second) continue;
     RuleError error = load_error(info == nullptr ? std::string() : info->file, place.line,
                                  "rule '" + name + "' calls '" + place.function + "' on its left-hand side" +
