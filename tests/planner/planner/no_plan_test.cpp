@@ -120,6 +120,25 @@ TEST(FindPlan, ProvesWhileOverlapsCouldStillBeTriedForEver) {
   EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
 }
 
+TEST(FindPlan, NeverDeniesAPlanInWhichAnActionOverlapsItself) {
+  // A robot that has its parcel until the end of a drop begins the drop twice, and takes the parcel between the two
+  // ends. The planner does not try this, the validator accepts it.
+  const PlanAnswer found = answer(
+      parse(
+          R"((:types robot place) (:predicates (at ?r - robot ?p - place) (in ?p - place) (has ?r - robot) (free ?r - robot))
+    (:durative-action go :parameters (?r - robot ?a ?b - place) :duration (= ?duration 5)
+     :condition (at start (at ?r ?a)) :effect (and (at start (not (at ?r ?a))) (at end (at ?r ?b))))
+    (:durative-action pick :parameters (?r - robot ?a - place) :duration (= ?duration 2)
+     :condition (and (over all (at ?r ?a)) (at start (in ?a)) (at start (free ?r)))
+     :effect (and (at start (not (in ?a))) (at start (not (free ?r))) (at end (has ?r))))
+    (:durative-action drop :parameters (?r - robot ?a - place) :duration (= ?duration 2)
+     :condition (and (over all (at ?r ?a)) (at start (has ?r)))
+     :effect (and (at end (in ?a)) (at end (not (has ?r))) (at end (free ?r)))))",
+          R"((:objects r1 - robot a b c - place) (:init (at r1 a) (in a) (free r1)) (:goal (and (in b) (in c))))"),
+      {.budget = 200'000});
+  EXPECT_NE(found.status, PlanStatus::kUnsolvable);
+}
+
 TEST(FindPlan, StatesThatDifferOnlyInUnreadCostsAreOne) {
   // Three tiles on a ring of four places only go round: two of them never change their order.
   const PlanAnswer found =
