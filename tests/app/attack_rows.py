@@ -126,7 +126,7 @@ UNWRITABLE = {
     "device": "/dev/full",
     "long": "/" + "a" * 5000,
 }
-KEPT = {"manifest": {"out/manifest.json": '"command"'}, "out of the run": {"out/manifest.json": '"command"'}, "inputs": {"out/inputs.bin": "CXLABIN1"},
+KEPT = {"manifest": {"out/manifest.json": '"command"'}, "out of the run": {"out/manifest.json": '"command"'}, "inputs": {"out/inputs.bin": "CXLABIN2"},
         "index of copies": {"out/files/index.jsonl": "scenario.yaml"}}
 ROWS["writes"] = [attack(f"{function} {kind}", act(call.format(path)), 4 if kind in ("parent", "long") or function == "open r+" else 0, kept=KEPT.get(kind, {}))
                   for function, call in WRITERS.items() for kind, path in UNWRITABLE.items()
@@ -642,6 +642,87 @@ ROWS["objects"] = [
                                 ("time facts of its own", 0, "(deffacts d (time 99999999.0))\n"), ("message facts of its own", 3, '(deffacts d (ros-msgs-message (topic "/x") (msg-ptr <Pointer-C-0x1>)))\n'),
                                 ("finalize of its own", 0, act("(assert (executive-finalize))")), ("rule of hidden name", 3, '(defrule |a b| => (printout t here crlf))\n'),
                                 ("rule of a long name", 0, f"(defrule {'r' * 20000} => (printout t here crlf))\n"), ("rule of bytes", 4, "(defrule r\u00e4 => (/ 1 0))\n"))],
+]
+
+# --- what CLIPS lets rules change and look at
+
+T = "(deftemplate t (slot x) (multislot m))\n"
+ROWS["engine"] = [
+    attack("duplicates of one fact", act("(set-fact-duplication TRUE) (while TRUE (assert (a)))"), 5, command=["--memory", "20MB"]),
+    attack("duplicates in a rule", "(defrule set (declare (salience 5)) => (set-fact-duplication TRUE) (assert (a)))\n(defrule stranger (a) => (assert (a)))\n", 5),
+    *[prints(f"{call}", T + "(deffacts d (t (x 1)) (a b))\n" + "(defclass A (is-a USER) (slot x))\n" + act(f"(make-instance i of A) {call}"), code)
+      for call, code in (("(ppdefrule stranger)", 0), ("(matches stranger)", 0), ("(agenda)", 0), ("(list-deftemplates *)", 0), ("(instances *)", 0), ("(options)", 0), ("(conserve-mem on)", 0),
+                         ("(set-sequence-operator-recognition TRUE)", 0), ("(set-class-defaults-mode conservation)", 0), ("(set-dynamic-constraint-checking TRUE)", 0), ("(get-function-restrictions printout)", 0),
+                         ("(dependencies 1)", 0), ("(describe-class USER)", 0), ("(browse-classes)", 0), ("(facts 1 99999999)", 0), ("(undefinstances *)", 0), ("(set-reset-globals maybe)", 0))],
+    prints("addresses that are printed", T + act('(bind ?f (assert (t (x 1)))) (bind ?m (ros-msgs-create-message "std_msgs/msg/String")) (printout t ?f " " ?m " " (fact-index ?f) crlf)')),
+    *[attack(f"{call} in a condition", T + f"(deffacts d (go))\n(defrule stranger (go) (test {call}) =>)\n", code)
+      for call, code in (("(assert (b))", 3), ("(retract 1)", 3), ("(halt)", 0), ("(exit)", 0), ("(reset)", 3), ("(clear)", 3), ('(open "x" f "w")', 0), ('(load* "x")', 3), ('(build "(defrule x =>)")', 3), ("(undefrule *)", 3), ("(run)", 3),
+                         ('(eval "(while TRUE)")', 4), ("(return)", 3), ("(focus MAIN)", 0))],
+]
+
+# --- names and texts that are not what they seem
+
+ROWS["names"] = [
+    *[prints(f"write to {name!r}", act(f'(open {text} f "w") (printout f "by rules" crlf) (printout t "closed " (close f) crlf)'), code)
+      for name, text, code in (("nothing", '""', 4), ("a point", '"."', 4), ("two points", '".."', 4), ("the root", '"/"', 4), ("a folder", '"a/"', 4), ("a line", '"a\nb"', 0), ("bytes", '(format nil "%c%c" 255 47)', 4),
+                               ("256 letters", f'"{"n" * 256}"', 4), ("backslashes", '"..\\\\..\\\\x"', 0), ("a scheme", '"file:///etc/x"', 0), ("a device of Windows", '"NUL"', 0), ("escapes", '(format nil "%c[2J" 27)', 0),
+                               ("200 folders", '"' + "d/" * 200 + 'x"', 0), ("a tilde", '"~root/x"', 0), ("a variable", '"$HOME/x"', 0), ("a star", '"*"', 0))],
+    prints("a file that is a folder too", act('(open "a" f "w") (close f) (open "a/b" g "w") (printout g "x") (close g)'), 4),
+    prints("a folder that is a file too", act('(open "a/b" f "w") (close f) (open "a" g "w") (printout g "x") (close g)'), 4),
+    prints("a file renamed to itself", act('(open "a" f "w") (printout f "x") (close f) (printout t (rename "a" "a") (rename "a" "b") (rename "a" "b") (remove "b") (remove "b") crlf)')),
+    prints("one file twice", act('(open "a" f "w") (open "a" g "w") (printout f "1") (printout g "2") (close) (open "a" h "r") (printout t (readline h) crlf)')),
+    prints("a fact that prints as two", act('(assert (a (sym-cat "b) (c")))  (save-facts "x") (printout t (load-facts "x") crlf) (facts)')),
+    prints("a text that prints as an end", act('(assert (a (format nil "%c) (c %c" 34 34))) (save-facts "x") (printout t (load-facts "x") crlf) (facts)')),
+    prints("symbols like variables", act('(assert (a (sym-cat "?x") (sym-cat "$?y") (sym-cat "=") (sym-cat "&~") (sym-cat "; no")))  (facts)')),
+    prints("a rule that is built with another name", act('(build "(defrule MAIN::stranger2 => (printout t again crlf))") (build "(defrule |stranger| => (printout t bars crlf))")'), 4),
+    prints("letters of other scripts", act('(printout t "ж " (upcase "жß") (str-length "жß") (sub-string 1 1 "ж") "." (str-index "ß" "жß") crlf)')),
+    prints("the texts of the log", act('(printout t "[    9.000] [error] [main] forged" crlf) (printout error "run: /etc/passwd" crlf)')),
+]
+
+# --- services of the nodes, called by rules
+
+
+def asks(name, service, kind, sets, code=0):
+    """Rules that call a service with what `sets` does to ?q, and print that it answered."""
+    package, type_ = kind.split("/")
+    return prints(name, f"""(defrule start => (ros-msgs-create-client "{service}" "{package}/srv/{type_}"))
+(defrule call (ros-msgs-client (service ?s)) => (bind ?q (ros-msgs-create-request "{package}/srv/{type_}")) {sets} (printout t "sent: " (ros-msgs-async-send-request ?q ?s) crlf)
+  (ros-msgs-destroy-message ?q))
+(defrule answered (ros-msgs-response (msg-ptr ?r)) => (printout t "answered" crlf) (ros-msgs-destroy-message ?r))
+""", code)
+
+
+def given(name, kind, value, doublings=0):
+    return f"""(bind ?p (ros-msgs-create-message "rcl_interfaces/msg/Parameter")) (bind ?v (ros-msgs-get-field ?p "value")) (ros-msgs-set-field ?p "name" {name})
+  (ros-msgs-set-field ?v "type" {dict(bool=1, integer=2, double=3, string=4, string_array=9)[kind]}) (ros-msgs-set-field ?v "{kind}_value" {value}) (ros-msgs-set-field ?p "value" ?v)
+  (bind ?l (create$ ?p)) (loop-for-count {doublings} (bind ?l (create$ ?l ?l))) (ros-msgs-set-field ?q "parameters" ?l)"""
+
+
+SET, EXECUTIVE = (MANAGER + "set_parameters", "rcl_interfaces/SetParameters"), MANAGER + "executive/"
+ROWS["services"] = [
+    *[asks(f"parameter {name}", *SET, given(*what))
+      for name, what in (("with a file", ('"files.load"', "string_array", '(create$ "{here}/outside/secret.clp")')), ("environments", ('"environments"', "string_array", '(create$ "evil")')),
+                         ("rate of a double", ('"executive.refresh_rate"', "double", "1e300")), ("rate below 0", ('"executive.refresh_rate"', "integer", "-5")), ("of another type", ('"executive.assert_time"', "string", '"maybe"')),
+                         ("nothing", ('""', "bool", "TRUE")), ("of points", ('"a..b"', "bool", "TRUE")), ("heartbeat below 0", ('"bond_heartbeat_period"', "double", "-1.0")), ("long", ('(format nil "%99999d" 1)', "integer", "1")),
+                         ("4096 times", ('"x"', "bool", "TRUE", 12)))],
+    asks("parameter of another planner", "/pddl_manager/set_parameters", "rcl_interfaces/SetParameters", given('"command"', "string", '"touch {here}/outside/made {plan}"')),
+    asks("2048 parameters", MANAGER + "get_parameters", "rcl_interfaces/GetParameters", '(bind ?l (create$ "x" "")) (loop-for-count 10 (bind ?l (create$ ?l ?l))) (ros-msgs-set-field ?q "names" ?l)'),
+    asks("depth below 0", MANAGER + "list_parameters", "rcl_interfaces/ListParameters", f'(ros-msgs-set-field ?q "depth" {TINY})'),
+    *[asks(f"{service} {name}", EXECUTIVE + service, "cx_msgs/ClipsCommand", f'(ros-msgs-set-field ?q "env_name" "{env}") (ros-msgs-set-field ?q "command" {command})', code)
+      for service, name, env, command, code in (
+          ("eval", "without end", "main", '"(while TRUE)"', 0), ("eval", "clear", "main", '"(clear)"', 0), ("eval", "in no environment", "nobody", '"(facts)"', 0), ("eval", "load", "", '"(load* {here}/outside/secret.clp)"', 0),
+          ("eval", "deep", "main", f'"{"(" * 2000}"', 0), ("eval", "nothing", "main", '""', 0), ("build", "without end", "main", '"(defrule stranger2 => (while TRUE))"', 4), ("build", "a number", "main", '"5"', 0))],
+    attack("eval that asks for more", """(defrule start => (ros-msgs-create-client "/clips_manager/executive/eval" "cx_msgs/srv/ClipsCommand"))
+(deffunction ask () (bind ?q (ros-msgs-create-request "cx_msgs/srv/ClipsCommand")) (ros-msgs-set-field ?q "command" "(progn (ask) (ask))") (ros-msgs-async-send-request ?q "/clips_manager/executive/eval")
+  (ros-msgs-destroy-message ?q))
+(defrule call (ros-msgs-client) => (ask))
+(defrule answered ?a <- (ros-msgs-response (msg-ptr ?r)) => (ros-msgs-destroy-message ?r) (retract ?a))
+""", 4, command=["--set", "max_firings_per_tick=500"]),
+    prints("a log line for each log line", """(defrule start => (ros-msgs-create-subscription "/clips_manager/clips_log" "cx_msgs/msg/Log") (ros-msgs-create-client "/clips_manager/set_topic_logging" "cx_msgs/srv/SetTopicLogging"))
+(defrule switch (ros-msgs-client (service ?s)) => (bind ?q (ros-msgs-create-request "cx_msgs/srv/SetTopicLogging")) (ros-msgs-set-field ?q "env_name" "main") (ros-msgs-set-field ?q "enabled" TRUE) (ros-msgs-async-send-request ?q ?s))
+(defrule begin (time ?t&:(> ?t 0.5)) (not (begun)) => (assert (begun)) (printout t begin crlf))
+(defrule said ?m <- (ros-msgs-message (msg-ptr ?p)) => (retract ?m) (ros-msgs-destroy-message ?p) (printout t "again " (now) crlf))
+"""),
 ]
 
 PROTOBUF = {

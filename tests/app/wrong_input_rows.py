@@ -174,7 +174,7 @@ def scenario(name, text, code=3):
 
 
 KEYS = {  # key of a scenario: values that it cannot have
-    "schema": ("2", "x", "[]", "1.5"), "seed": ("-1", "x", "1.5", "{}"), "duration_s": ("-1", "x", ".nan", ".inf", "[1]", "1e30"), "tick_s": ("0", "-1", "x", ".nan", "1e-12", "1e12"),
+    "schema": ("2", "x", "[]", "1.5"), "seed": ("-1", "x", "1.5", "{}"), "duration_s": ("-1", "x", ".nan", ".inf", "[1]", "1e30"), "tick_s": ("0", "-1", "x", ".nan", "1e-12", "1e12", "1e9"),
     "physics_step_s": ("0", "-1", "x"), "epoch": ("x", "[]", ".inf"), "max_firings_per_tick": ("-1", "x", "1.5"), "on_rule_error": ("stopp", "1", "[]"), "trust_rules": ("maybe", "2", "[]"),
     "tier": ("fast", "[]"), "agents": ("x", "{}", "[x]", "[{}]", "[{config: }]", "[{config: [a]}]"), "servers": ("x", "[nonsense]", "[{nod: turtlesim}]", "[{node: turtlsim}]", "[3]", *(f"[{{node: league_client, {key}}}]" for key in ("team: BOTH", "robots: 4", "first_robot: 0", "cipher: des", "port_shift: 70000", "namespace: a b"))), "packages": ("x", "[a]", "{rules: nowhere}", "{rules: }"),
     "stimuli": ("x", "[x]", "[{}]"), "faults": ("x", "[{}]", "[{kind: skil_fails}]", "[{kind: machine_breaks, at: 1}]"), "planner": ("x", "{latency: {a: -1}}", "{budget: -1}", "{latncy: {}}", "{budget: 0}"),
@@ -192,7 +192,9 @@ ROWS["scenarios"] = [
                           "game": ("gone.yaml", "garbage", "scenario.yaml", "rules", "[]", "/dev/zero")}.items() for value in values],
     *[wrong(f"game {text}", RUN, 3, files={"scenario.yaml": "schema: 1\ntier: timed\nworld: {kind: rcll, game: g.yaml}\n", "g.yaml": text})
       for text in ("x", "[]", "orders: x", "orders: [{complexity: C1}]", "order: []", "orders: [{gate: 1}]", "ring_prices: {RING_BLUE: 1}", "ring_prices: {RING_RED: 1}", "ring_prices: 1", "overtime: []", "overtime: {complexity: C4}",
-                   "down: {}", "down: [{machine: RS1}]", "down: [{machine: C-RS1, begin_s: 1, end_s: 2}]", "down: [{machine: RS1, begin_s: 2, end_s: 1}]", "layout: []", "layout: [{machine: C-BS, zone: C_Z99}]", "orders: [", "a: &a [*a]")],
+                   "down: {}", "down: [{machine: RS1}]", "down: [{machine: C-RS1, begin_s: 1, end_s: 2}]", "down: [{machine: RS1, begin_s: 2, end_s: 1}]", "layout: []", "layout: [{machine: C-BS, zone: C_Z99}]", "orders: [", "a: &a [*a]", "orders: [{complexity: C0, base_color: BASE_RED, ring_colors: [RING_BLUE], cap_color: CAP_GREY}]", "orders: [{complexity: C0, base_color: BASE_RED, ring_colors: [], cap_color: CAP_GREY, quantity: 0}]",
+                   "orders: [{complexity: C0, base_color: BASE_RED, ring_colors: [], cap_color: CAP_GREY, delivery_gate: 4}]", "orders: [{complexity: C0, base_color: BASE_RED, ring_colors: [], cap_color: CAP_GREY, delivery_begin: 9, delivery_end: 3}]",
+                   "layout: [{machine: C-BS, zone: C_Z23, rotation: 90}, {machine: C-BS, zone: C_Z24, rotation: 90}]", "layout: [{machine: C-BS, zone: C_Z23, rotation: 90}, {machine: C-DS, zone: C_Z23, rotation: 90}]", "schema: 1", "ring_prices: {RING_BLUE: -1, RING_GREEN: 0, RING_ORANGE: 1, RING_YELLOW: 2}")],
     *[scenario(f"timed {key}", f"schema: 1\ntier: timed\nworld: {{kind: rcll}}\ntimed: {{{key}}}\n") for key in ("pick_mean_s: -1", "drive_failure: 2", "drive_failure: -0.1", "pick_men_s: 1", "place_sigma_s: x")],
     *[scenario(f"fault {text}", f"schema: 1\ntier: timed\nworld: {{kind: rcll}}\nfaults: [{text}]\n")
       for text in ("{kind: skill_fails, at: -1}", "{kind: skill_fails, probability: 2}", "{kind: skill_fails, robot: robot9, at: 1}", "{kind: skill_fails, skill: pik, at: 1}", "{kind: skill_fails, at: 1, error: x}", "{kind: skill_fails, at: 1, error: 0}", "{kind: skill_stalls, at: 1}", "{kind: piece_dropped}",
@@ -367,6 +369,10 @@ ROWS["planning"] = [
         ("type of two supertypes", "(:types place)", "(:types place - site place - area)", 0), ("constant twice", "(:types place)", "(:types place) (:constants c c - place)", 0), ("constant that is an object", "(:types place)", "(:types place) (:constants a - place)", 0),
         ("function twice", "(:types place)", "(:types place) (:functions (n) (n ?a - place))", 31), ("parameter of a predicate twice", "(road ?a ?b - place)", "(road ?a ?b - place) (near ?a ?a - place)", 31),
         ("parameter twice", ":parameters (?a ?b - place)", ":parameters (?a ?b ?a - place)", 31), ("variable of forall twice", "(at ?a) (road", "(forall (?c ?c - place) (at ?a)) (road", 31),
+        ("text in quotes", "(domain d)", '(domain "d")', 31), ("number as a name", "(domain d)", "(domain 5)", 31), ("name of other letters", "(domain d)", "(domain dömän)", 31), ("bars", "(domain d)", "(domain |d d|)", 31), ("capitals", "(domain d)", "(DOMAIN D)", 0), ("nothing in it", "(:types place)", "()", 31),
+        ("question mark alone", "?p - place", "? - place", 31), ("type that is a variable", "?p - place", "?p - ?place", 31), ("either of nothing", "?p - place", "?p - (either)", 31), ("variable as a predicate", "(at ?a) (road", "(?a ?b) (road", 31), ("not of two", "(not (at ?a))", "(not (at ?a) (at ?b))", 31),
+        ("duration below 0", ":requirements :strips", ":requirements :durative-actions :strips", 0), ("derived of itself", "  (:action go", "  (:derived (at ?x - place) (not (at ?x)))\n  (:action go", 31), ("when without an effect", "(not (at ?a)) (at ?b)", "(when (at ?a)) (at ?b)", 31), ("assign in STRIPS", "(not (at ?a))", "(assign (at ?a) 5)", 31),
+        ("60 parameters", "(?a ?b - place)", "(" + " ".join(f"?x{i}" for i in range(60)) + " ?a ?b - place)", 0),
         ("action of a predicate's name", "(:action go", "(:action at :effect ())\n  (:action go", 0), ("effect of an action twice", ":effect (and", ":effect () :effect (and", 31))],
     *[plan(f"problem {name}", DOMAIN, PROBLEM.replace(find, put, 1), code=code) for name, find, put, code in (
         ("of another domain", "(:domain d)", "(:domain e)", 31), ("without a domain", "(:domain d)", "", 0), ("unknown object", "(at a) (road", "(at c) (road", 31), ("object twice", "a b - place", "a a b - place", 0), ("object of an unrelated type twice", "a b - place", "a b - place a", 0), ("fact twice", "(at a) (road", "(at a) (at a) (road", 0), ("fact and its negation", "(at a) (road", "(at a) (not (at a)) (road", 31), ("object of an unknown type", "a b - place", "a b - plce", 31), ("fact unknown", "(at a) (road", "(att a) (road", 31), ("fact of too many", "(at a) (road", "(at a b) (road", 31),
@@ -375,6 +381,49 @@ ROWS["planning"] = [
     *[wrong(f"plan {text!r}", ["validate", "d.pddl", "p.pddl", "a.plan"], code, files={"a.plan": text}) for text, code in (
         ("go a b\n", 31), ("(go a b\n", 31), ("0: (go a)\n", 31), ("0: (go a b c)\n", 31), ("0: (gp a b)\n", 31), ("0: (go a z)\n", 31), ("x: (go a b)\n", 31), ("-1: (go a b)\n", 1), ("0: (go a b) [x]\n", 31), ("nan: (go a b)\n", 31), ("inf: (go a b)\n", 31), ("1e400: (go a b)\n", 31),
         ("0: (go b a)\n", 1), ("0: ()\n", 31), ("0: go\n", 31), ("0 (go a b)\n", 31), ("; nothing\n", 1), ("0: (go a b) (go b a)\n", 31))],
+]
+
+# --- what YAML can be, beside what people mean
+
+YAML = {  # scenarios by what is odd in them
+    "anchors": (0, "schema: &one 1\nseed: *one\nduration_s: *one\n"), "a merge of keys": (3, "schema: 1\nworld: {<<: {kind: none}}\n"), "a key that is an alias": (3, "schema: 1\n? &k seed\n: 1\n*k : 2\n"),
+    "a tag of Python": (3, "schema: 1\nseed: !!python/object/apply:os.system [touch made]\n"), "a tag of text": (0, SCENARIO + "seed: !!str 5\n"), "a tag of bytes": (3, "schema: 1\nseed: !!binary aGVsbG8=\n"), "a tag of its own": (3, "schema: 1\nagents: !include agent.yaml\n"),
+    "an octal number": (3, "schema: 1\nseed: 0o17\n"), "a number with a zero before it": (0, SCENARIO + "seed: 017\n"), "a hexadecimal number": (3, "schema: 1\nseed: 0x1F\n"), "a number with underlines": (3, "schema: 1\nseed: 1_000\n"), "a time of day": (3, "schema: 1\nduration_s: 1:30\n"),
+    "a date": (3, "schema: 1\nepoch: 2026-01-01\n"), "a percentage": (3, "schema: 1\nduration_s: 50%\n"), "a number of Arabic digits": (3, "schema: 1\nseed: ٣\n"), "a number with a comma": (3, "schema: 1\nduration_s: 1,5\n"), "a number and its unit": (3, "schema: 1\nduration_s: 90 s\n"),
+    "yes for true": (0, SCENARIO + "trust_rules: no\n"), "a null": (0, SCENARIO + "seed: ~\n"), "an empty value": (0, SCENARIO + "seed:\n"), "a number as a key": (3, "schema: 1\n5: 1\n"), "a list as a key": (3, "schema: 1\n[a, b]: 1\n"), "an empty key": (3, "schema: 1\n'': 1\n"),
+    "a block of text": (3, "schema: 1\nduration_s: |\n  5\n  6\n"), "a list in one line too many": (3, "schema: 1\nagents: [{config: agent.yaml}]]\n"), "lines that end in CR LF": (3, SCENARIO.replace("duration_s: 2", "duration_s: x").replace("\n", "\r\n")),
+    "lines that end in CR": (3, SCENARIO.replace("duration_s: 2", "duration_s: x").replace("\n", "\r")), "UTF-16": (0, SCENARIO.encode("utf-16")), "a byte of Latin-1": (3, b"schema: 1\nworld: {kind: m\xf6nd}\n"), "a document mark of a version": (3, "%YAML 9.9\n---\nschema: 1\nseed: x\n"),
+    "only comments": (3, "# schema: 1\n"), "a key of 100,000 letters": (3, "schema: 1\n" + "k" * 100000 + ": 1\n"), "a number of 100,000 digits": (3, "schema: 1\nseed: " + "9" * 100000 + "\n"), "spaces that do not break": (3, "schema: 1\n seed: 1\n"), "quotes of a word processor": (3, "schema: 1\nworld: {kind: “none”}\n"),
+    "the largest seed": (0, SCENARIO + "seed: 18446744073709551615\n"), "a duration that is too long": (3, "schema: 1\nduration_s: 1000000001\n"), "firings beyond 64 bits": (3, SCENARIO + "max_firings_per_tick: 9223372036854775808\n"),
+}
+ROWS["yaml"] = [scenario(name, text, code) if isinstance(text, str) else wrong(name, RUN, code, files={"scenario.yaml": text}) for name, (code, text) in YAML.items()]
+
+# --- what is no file, for each option and key that names one
+
+SPECIAL = {"a pipe": os.mkfifo, "a folder": os.mkdir, "a device": lambda path: path.symlink_to("/dev/zero"), "links in a circle": lambda path: path.symlink_to(path.name)}
+READ = {"run": (3, ["run", "it", "--quiet", "--out", "out"]), "env": (3, ["env", "it", "--quiet", "--out", "out"]), "stimuli": (3, [*ENV, "--stimuli", "it"]), "suite": (3, ["bench", "it", "--out", "out"]), "domain": (31, ["plan", "it", "p.pddl"]), "problem": (31, ["plan", "d.pddl", "it"]),
+        "plan": (31, ["validate", "d.pddl", "p.pddl", "it"]), "game": (3, ["run", "game.yaml", "--set", "world.game=it", "--quiet", "--out", "out"]), "configuration": (3, [*RUN, "--set", "agents[0].config=it"]), "scenario of a suite": (3, ["bench", "of.yaml", "--out", "out"])}
+WRITTEN = {"run --out": (2, [*RUN[:-1], "it"]), "plan --out": (5, ["plan", "d.pddl", "p.pddl", "--out", "it"]), "plan --svg": (5, ["plan", "d.pddl", "p.pddl", "--svg", "it"]), "test --junit": (5, ["test", "--junit", "it"]), "test --coverage": (5, ["test", "--coverage", "it"]),
+           "render --out": (5, ["render", "turtles.yaml", "--at", "0", "--out", "it.png"]), "bench --out": (5, ["bench", "suite.yaml", "--out", "it"])}
+ROWS["special files"] = [
+    *[wrong(f"{name} of {kind}", command, code, files={"it": make, "of.yaml": SUITE.replace("scenario.yaml", "it")})
+      for name, (code, command) in READ.items() for kind, make in SPECIAL.items()],
+    *[wrong(f"{name} to {kind}", command, code, files={("it.png" if name.startswith("render") else "it"): SPECIAL[kind]})
+      for name, (code, command) in WRITTEN.items() for kind in ("a pipe", "a folder", "links in a circle") if kind == "a pipe" or not name.startswith(("run", "bench"))],
+    *[wrong(f"{name} to links in a circle", command, 5, files={"it": SPECIAL["links in a circle"]}) for name, (_, command) in WRITTEN.items() if name.startswith(("run", "bench"))],
+    wrong("prefix that is a file", [*RUN, "--prefix", "nothing"], 3), wrong("package that is links in a circle", [*ENV, "--package", "more=it"], 3, files={"it": SPECIAL["links in a circle"]}),
+]
+
+# --- values of messages
+
+VALUES = {"int64: 9223372036854775808": "std_msgs/msg/Int64", "uint64: 18446744073709551616": "std_msgs/msg/UInt64", "int32: 1.5": "std_msgs/msg/Int32", "int16: 0x10000": "std_msgs/msg/Int16", "byte: 256": "std_msgs/msg/Byte", "char: -1": "std_msgs/msg/Char", "float32: 1e300": "std_msgs/msg/Float32",
+          "float64: 1e400": "std_msgs/msg/Float64", "bool: 2": "std_msgs/msg/Bool", "bool: 'truth'": "std_msgs/msg/Bool", "string: [a]": "std_msgs/msg/String", "string: {a: b}": "std_msgs/msg/String", "int32: ''": "std_msgs/msg/Int32", "int32: ~": "std_msgs/msg/Int32"}
+ROWS["values"] = [
+    *[wrong(f"value {name}", [*ENV, "--stimuli", "s.yaml"], 3, files={"s.yaml": f"- {{at: 0, publish: /x, type: {kind}, data: {{data: {name.split(': ', 1)[1]}}}}}\n"}) for name, kind in VALUES.items()],
+    *[wrong(f"value {data}", [*ENV, "--stimuli", "s.yaml"], 3, files={"s.yaml": f"- {{at: 0, publish: /x, type: {kind}, data: {data}}}\n"})
+      for kind, data in (("std_msgs/msg/Header", "{stamp: {nanosec: 4294967296}}"), ("std_msgs/msg/Header", "{stamp: 5}"), ("unique_identifier_msgs/msg/UUID", "{uuid: [1, 2, 3]}"), ("unique_identifier_msgs/msg/UUID", "{uuid: text}"),
+                         ("std_msgs/msg/UInt8MultiArray", "{data: [1, 256]}"), ("std_msgs/msg/UInt8MultiArray", "{data: 5}"), ("geometry_msgs/msg/PoseArray", "{poses: [{position: {x: a}}]}"), ("geometry_msgs/msg/PoseArray", "{poses: {x: 1}}"),
+                         ("geometry_msgs/msg/Pose", "{position: [1, 2, 3]}"), ("geometry_msgs/msg/Pose", "{position.x: 1}"))],
 ]
 
 # --- definitions of interfaces
@@ -412,6 +461,14 @@ def recorded(folder):
 ASKS = {"replay": ["replay", "run"], "rerun": ["rerun", "run", "--quiet", "--out", "out"], "why-not": ["why-not", "run", "never"]}
 
 
+def chunks_of(log):
+    """Where the chunks of an input log begin: each has its length, a checksum of 8 bytes, and that many bytes."""
+    places = [8]
+    while (after := places[-1] + 12 + int.from_bytes(log[places[-1]:places[-1] + 4], "little")) < len(log):
+        places.append(after)
+    return places
+
+
 def damaged(run):
     """Each file of the run cut, emptied, missing, of another version or full of garbage, and each command asked about it."""
     copy = next(name for name, content in run.items() if name.startswith("run/files/") and b"(said)" in content)
@@ -419,7 +476,7 @@ def damaged(run):
     kinds = {
         "manifest.json": [("cut", manifest[:200]), ("empty", b""), ("missing", None), ("garbage", bytes(range(256))), ("no map", b"[]"), ("without keys", b"{}"), ("deep", b"[" * 100000),
                           ("not UTF-8", manifest.replace(b"scenario", b"sc\xff\xfenario", 1))],
-        "inputs.bin": [("cut", log[:len(log) - 7]), ("cut early", log[:20]), ("empty", b""), ("missing", None), ("garbage", bytes(range(256)) * 4), ("other version", log[:7] + bytes([log[7] ^ 0x55]) + log[8:]), ("a bit changed", log[:len(log) // 2] + bytes([log[len(log) // 2] ^ 4]) + log[len(log) // 2 + 1:]),
+        "inputs.bin": [("cut", log[:len(log) - 7]), ("cut between chunks", log[:chunks_of(log)[-1]]), ("cut behind the start", log[:chunks_of(log)[1]]), ("cut early", log[:20]), ("empty", b""), ("missing", None), ("garbage", bytes(range(256)) * 4), ("other version", log[:7] + bytes([log[7] ^ 0x55]) + log[8:]), ("a bit changed", log[:len(log) // 2] + bytes([log[len(log) // 2] ^ 4]) + log[len(log) // 2 + 1:]),
                        ("twice", log + log), ("huge length", log[:12] + b"\xff" * 8 + log[20:])],
         "journal.jsonl": [("missing", None), ("garbage", b"{]\n"), ("cut", run["run/journal.jsonl"][:100])],
         "result.json": [("cut", run["run/result.json"][:50]), ("empty", b""), ("missing", None), ("garbage", bytes(range(256))), ("no map", b"3"), ("without keys", b"{}"), ("other hash", re.sub(rb'("journal_hash": *")....', rb"\g<1>0000", run["run/result.json"]))],
@@ -436,7 +493,7 @@ def damaged(run):
                 label = "copy" if name == copy[4:] else name
                 unread = name == "journal.jsonl" or kind == "other hash" or (name == "inputs.bin" and command == "rerun")
                 # A killed run is cut off as well: why-not answers from what is whole.
-                whole = name == "inputs.bin" and command == "why-not" and kind in ("cut", "cut early", "a bit changed", "twice", "huge length")
+                whole = name == "inputs.bin" and command == "why-not" and kind in ("cut", "cut between chunks", "a bit changed", "twice")
                 rows.append(Row(f"{command} {label} {kind}", words, 0 if unread or whole else 3, files))
     return rows
 
@@ -467,6 +524,9 @@ with tempfile.TemporaryDirectory(prefix="cxlab-row-") as made, tempfile.Temporar
     ROWS["damaged runs"] = damaged(whole)
     run = with_library(native)
     ROWS["native runs"] = [Row(f"{command} of a stranger's library", words, 2, run) for command, words in ASKS.items()]
-    ROWS["native runs"].append(Row("replay of a trusted library", [*ASKS["replay"], "--trust-plugins"], 0, run, leaves=("out", "made-by-library"), kept={"made-by-library": ""}))
+    manifest = whole["run/manifest.json"].replace(b'"overrides": []', b'''"overrides": ["servers=[{node: pddl_manager, command: 'touch made {plan}'}]"]''')
+    assert manifest != whole["run/manifest.json"]
+    ROWS["native runs"].append(Row("rerun of a stranger's planner", ASKS["rerun"], 2, {**whole, "run/manifest.json": manifest}))
+    ROWS["native runs"].append(Row("replay of a trusted library", [*ASKS["replay"], "--trust-programs"], 0, run, leaves=("out", "made-by-library"), kept={"made-by-library": ""}))
 
 
