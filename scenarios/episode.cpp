@@ -45,7 +45,8 @@ Result Episode::close(RunStatus status, std::optional<Error> failure) {
     if (!s && !failure) failure = s.error();
   };
   for (auto& agent : agents_) note(agent->deactivate());
-  note(write_out());
+  const bool stopped = failure && failure->code == kStoppedCode;  // amid a tick: its inputs are not whole
+  if (!stopped) note(write_out());
   for (auto& agent : agents_) {
     note(agent->flush_logs());
     if (!agent->load_errors().empty()) note(agent->load_errors().front());

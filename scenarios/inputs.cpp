@@ -130,10 +130,10 @@ class RecordedInputs final : public Inputs, private cx::ControlLog {
   bool writes_at(SimTime t) const override { return log_.writes_at(t); }
   Status ticked(SimTime t, const std::string& world) override {
     if (!world.empty()) log_.add(LoggedWorld{bus_.now(), "world", world});
-    log_.reach(t);
+    log_.reach(ticked_ = t);
     return log_.status();
   }
-  Status close() override { return log_.close(bus_.now()); }
+  Status close() override { return log_.close(ticked_); }
 
  private:
   void add(std::string_view environment, const cx::ControlAct& act) override {
@@ -144,6 +144,7 @@ class RecordedInputs final : public Inputs, private cx::ControlLog {
   void take(std::string_view) override {}
 
   InputLogWriter log_;
+  SimTime ticked_ = kStarted - SimTime{1};
   bus::Bus& bus_;
   RecordingTap tap_;
   std::deque<RecordingOutside> outside_;
