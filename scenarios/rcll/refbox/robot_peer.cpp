@@ -89,13 +89,19 @@ std::string RobotPeer::take(const Fields& task) {
     if (waiting_ && Fields(*waiting_).integer("task_id") == task.integer("task_id")) {
       answer(Fields(*waiting_), 0, true);
       waiting_.reset();
-    } else if (same && under_way_ && goal_ && !cancels_) {
+    } else if (same && under_way_) {
       cancels_ = true;
-      bus_.cancel_goal(actions_.at(steps_.front().action).client, *goal_);
+      stop_skill();
     }
     return {};
   }
-  if (task.has("pause_task") && task.integer("pause_task") != 0) return "a task that pauses: not supported";
+  if (task.has("pause_task") && task.integer("pause_task") != 0) {
+    if (!same || !under_way_) return "a pause of a task that is not under way";
+    paused_ = true;
+    stop_skill();
+    return {};
+  }
+  if (same && std::exchange(paused_, false) && !goal_) next_step();
   if (same || (waiting_ && Fields(*waiting_).integer("task_id") == task.integer("task_id"))) return {};
   if (!under_way_) {
     begin(task.message());
@@ -104,9 +110,18 @@ std::string RobotPeer::take(const Fields& task) {
   if (waiting_) answer(Fields(*waiting_), 0, true);
   waiting_.reset(task.message().New());
   waiting_->CopyFrom(task.message());
-  if (!cancels_ && goal_) bus_.cancel_goal(actions_.at(steps_.front().action).client, *goal_);
   cancels_ = true;
+  stop_skill();
   return {};
+}
+
+/// The task ends, or rests, when the skill has.
+void RobotPeer::stop_skill() {
+  if (goal_) {
+    if (!std::exchange(stops_, true)) bus_.cancel_goal(actions_.at(steps_.front().action).client, *goal_);
+  } else if (cancels_) {
+    end(0, true);
+  }
 }
 
 RobotPeer::Plan RobotPeer::plan_of(const Fields& task) const {
@@ -155,6 +170,7 @@ void RobotPeer::begin(const google::protobuf::Message& task) {
 }
 
 void RobotPeer::next_step() {
+  stops_ = false;
   const Step& step = steps_.front();
   const Action& action = actions_.at(step.action);
   bus::Message goal(*action.type->goal);
@@ -173,7 +189,11 @@ void RobotPeer::take_result(const bus::Delivery& delivery) {
   const Step step = steps_.front();
   bus_.forget_goal(actions_.at(step.action).client, *goal_);
   goal_.reset();
-  if (delivery.status == bus::GoalStatus::kCanceled || !delivery.message) return end(0, true);
+  if (delivery.status == bus::GoalStatus::kCanceled || !delivery.message) {
+    if (!stops_ || cancels_) return end(0, true);
+    if (!paused_) next_step();  // it went on before the skill had ended
+    return;
+  }
   const bus::MessageView result = delivery.message->view();
   std::int64_t error = result.integer("error_code");
   if (error == kOffField) error = kInternal;
@@ -188,13 +208,14 @@ void RobotPeer::take_result(const bus::Delivery& delivery) {
   }
   if (error == kNoWorkpiece && step.or_next && !cancels_) {
     steps_.pop_front();
-    return next_step();
+    if (!paused_) next_step();
+    return;
   }
   end(error, cancels_ && error != 0);
 }
 
 void RobotPeer::end(std::int64_t error, bool canceled) {
-  under_way_ = cancels_ = false;
+  under_way_ = cancels_ = paused_ = false;
   steps_.clear();
   Fields task(*task_);
   answer(task, error, canceled);

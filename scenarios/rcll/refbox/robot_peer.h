@@ -3,7 +3,8 @@
 // skills, and answers with the same task and what came of it, again every second until the next one. Once a second it
 // says where it is (BeaconSignal), and in exploration which machines it has seen (MachineReport).
 //
-// One task at a time: the same task_id again is the same task, another one cancels what is under way.
+// One task at a time: the same task_id again is the same task, another one cancels what is under way. A task that
+// pauses ends its skill; when it goes on the skill begins anew.
 
 #include <array>
 #include <cstdint>
@@ -70,6 +71,7 @@ class RobotPeer {
   };
   Plan plan_of(const Fields& task) const;
   void begin(const google::protobuf::Message& task);
+  void stop_skill();
   void next_step();
   void take_answer(const bus::Delivery& delivery);
   void take_result(const bus::Delivery& delivery);
@@ -87,7 +89,8 @@ class RobotPeer {
   std::map<std::string_view, Action> actions_;
   pb::MessagePtr task_;     ///< under way, or the last one
   pb::MessagePtr waiting_;  ///< that follows when the skill under way has ended
-  bool under_way_ = false, cancels_ = false;
+  bool under_way_ = false, cancels_ = false, paused_ = false;
+  bool stops_ = false;      ///< the skill was told to end before its time
   std::deque<Step> steps_;  ///< the first is under way
   std::optional<bus::GoalId> goal_;
   std::deque<std::pair<std::int64_t, bool>> finished_;  ///< the last tasks: their ids, whether they were successful

@@ -445,6 +445,10 @@ TEST(RefboxRobots, DoOneTaskAtATime) {
   EXPECT_THAT(robot.last_text("BeaconSignal"), HasSubstr("task { team_color: CYAN task_id: 2"));
   story.say(robot, "AgentTask", head + "task_id: 1 cancel_task: true");
   story.say(robot, "AgentTask", head + "task_id: 2 pause_task: true");
+  story.say(robot, "AgentTask", head + "task_id: 1 pause_task: true");
+  story.run_for(40);
+  EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("task_id: 1")) << "task 2 rests";
+  story.say(robot, "AgentTask", head + "task_id: 2 " + near);
   story.run_for(40);
   EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("task_id: 2"));
   EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("successful: true"));
@@ -454,7 +458,45 @@ TEST(RefboxRobots, DoOneTaskAtATime) {
   story.run_for(5);
   EXPECT_THAT(robot.last_text("AgentTask"),
               HasSubstr("task_id: 3 robot_id: 1 move { waypoint: \"M-Z75\" } successful: false canceled: true"));
-  EXPECT_THAT(story.warnings(), ElementsAre(HasSubstr("a task that pauses: not supported")));
+  EXPECT_THAT(story.warnings(), ElementsAre(HasSubstr("a pause of a task that is not under way")));
+}
+
+TEST(RefboxRobots, TasksThatRestAreCanceledAndReplacedAtOnce) {
+  RefboxStory story;
+  auto& robot = story.open(kRobot1);
+  story.run_until(1);
+  const std::string head = "team_color: CYAN robot_id: 1 ", far = "move { waypoint: 'M-Z75' }";
+  const auto say = [&](const std::string& text) { story.say(robot, "AgentTask", head + text); };
+  const auto rest = [&](const std::string& id) {
+    say("task_id: " + id + ' ' + far);
+    story.run_for(4);
+    say("task_id: " + id + " pause_task: true");
+    story.run_for(6);
+  };
+  rest("1");
+  EXPECT_THAT(robot.times("AgentTask"), IsEmpty());
+  EXPECT_THAT(robot.last_text("BeaconSignal"), HasSubstr("task { team_color: CYAN task_id: 1"));
+  say("task_id: 1 cancel_task: true");
+  story.run_for(0.2);
+  EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("task_id: 1 robot_id: 1 move { waypoint: \"M-Z75\" } successful: "
+                                                      "false canceled: true error_code: 0"));
+  rest("2");
+  say("task_id: 3 move { waypoint: 'C_Z52' }");
+  story.run_for(0.2);
+  EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("task_id: 2"));
+  story.run_for(40);
+  EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("task_id: 3"));
+  EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("successful: true"));
+
+  // It goes on before the skill has ended.
+  say("task_id: 4 " + far);
+  story.run_for(4);
+  say("task_id: 4 pause_task: true");
+  say("task_id: 4 " + far);
+  story.run_for(60);
+  EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("task_id: 4"));
+  EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("successful: true"));
+  EXPECT_THAT(story.warnings(), IsEmpty());
 }
 
 TEST(RefboxRobots, TellWhatTheySee) {
