@@ -78,6 +78,8 @@ Board RecordedBoard::at(SimTime now) const {
       clock.production_end = clock.at(number(data, "until"));
     } else if (event == "phase" && data.text("phase") == to_string(Phase::kPostGame)) {
       clock.production_end = record.t;
+    } else if (event == "set_phase" && clock.phase(record.t) == Phase::kSetup) {
+      clock.begin_production(record.t);
     } else if (event == "score" && team) {
       board.points[static_cast<std::size_t>(*team)] = data.integer("total");
     } else if (event == "order") {

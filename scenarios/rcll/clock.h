@@ -13,8 +13,8 @@ enum class Phase : std::uint8_t { kSetup, kProduction, kPostGame };
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<Phase>{"SETUP", "PRODUCTION", "POST_GAME"};
 
-/// Set-up, then production; each starts the game's time anew. Production ends before `production_end`, which the
-/// referee moves for overtime.
+/// Set-up, then production; each starts the game's time anew. Production ends before `production_end`. The referee
+/// moves both: for overtime, and when a controller says so.
 struct GameClock {
   SimTime production_begin{};
   SimTime production_end = from_seconds(1200);
@@ -22,6 +22,11 @@ struct GameClock {
 
   static GameClock of(double setup_s, double production_s, double overtime_s = 300) {
     return {from_seconds(setup_s), from_seconds(setup_s) + from_seconds(production_s), from_seconds(overtime_s)};
+  }
+  /// Production begins at that time and lasts as long as it was to last.
+  void begin_production(SimTime at) {
+    production_end += at - production_begin;
+    production_begin = at;
   }
   Phase phase(SimTime now) const {
     if (now < production_begin) return Phase::kSetup;

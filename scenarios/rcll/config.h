@@ -138,7 +138,9 @@ struct RefboxConfig {
   std::string key_cyan = "randomkey";     ///< of the team's channel; empty: not encrypted
   std::string key_magenta = "randomkey";  ///< the same
   std::string cipher = "aes-128-cbc";
-  int port_shift = 0;  ///< added to all ports: several games on one machine
+  int port_shift = 0;               ///< added to all ports: several games on one machine
+  bool controllers = true;          ///< listens on TCP for controllers, who see all and command the game
+  bool confirm_deliveries = false;  ///< a delivery counts when a controller says so, not when the product is seen
 
   template <class Keys>
   void fields(Keys& keys) {
@@ -148,6 +150,8 @@ struct RefboxConfig {
     keys("key_magenta", key_magenta);
     keys.word("cipher", cipher, {"aes-128-ecb", "aes-128-cbc", "aes-256-ecb", "aes-256-cbc"});
     keys("port_shift", port_shift);
+    keys("controllers", controllers);
+    keys("confirm_deliveries", confirm_deliveries);
   }
 };
 

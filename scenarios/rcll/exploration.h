@@ -44,7 +44,7 @@ class Exploration {
     bool complete() const { return zone == Guess::kRight && rotation == Guess::kRight; }
   };
 
-  /// Without `on` all machines are known from the start.
+  /// Without `on` all machines are known from the start. The clock outlives it.
   Exploration(const sim::FloorPlan& plan, const GameClock& clock, bool on);
 
   /// Judges an entry; what it earns, point by point (each 1 or -1).
@@ -70,7 +70,7 @@ class Exploration {
   std::vector<std::int64_t> report_type(Team team, const MachineReport& entry);
 
   const sim::FloorPlan& plan_;
-  GameClock clock_;
+  const GameClock& clock_;
   bool on_;
   std::vector<Finding> findings_;  ///< by station
   std::vector<TypeFeedback> feedback_;

@@ -52,11 +52,9 @@ Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed
       maintenance_(world, referee_, from_seconds(config.repair_s), sink) {
   context_.schedule = &referee_.schedule();
   context_.exploration = &referee_.exploration();
+  if (config.refbox.confirm_deliveries) referee_.wait_for_confirmation();
   machines_ = make_machines(world.plan(), context_);
-  for (const DownPeriodConfig& period : game.down)
-    for (auto& machine : machines_)
-      if (machine->name().substr(2) == period.machine)
-        machine->add_down({context_.clock.at(period.begin_s), context_.clock.at(period.end_s)});
+  down_ = game.down;
   for (const Team team : teams_of(config))
     channels_.push_back(std::make_unique<TeamChannel>(team, information_, world, machines_, context_, referee_,
                                                       maintenance_, faults_, bus));
@@ -134,6 +132,11 @@ Status Factory::judge(SimTime now) {
 Status Factory::act(SimTime now) {
   for (const sim::PieceId piece : referee_.take_confiscated())
     if (world_.find(piece)) world_.retire(piece, sim::Holder::kFloor);
+  if (context_.clock.phase(now) != Phase::kSetup)
+    for (const DownPeriodConfig& period : std::exchange(down_, {}))
+      for (auto& machine : machines_)
+        if (machine->name().substr(2) == period.machine)
+          machine->add_down({context_.clock.at(period.begin_s), context_.clock.at(period.end_s)});
   faults_.strike(now);
   bus_.deliver(node_);
   for (auto& channel : channels_) channel->act(now);
@@ -151,6 +154,23 @@ SimTime Factory::next_due() const {
   for (const auto& channel : channels_) due = std::min(due, channel->next_due());
   for (const auto& machine : machines_) due = std::min(due, machine->next_due());
   return std::min({due, faults_.next_due(), maintenance_.next_due()});
+}
+
+// --- Controllers
+
+std::string Factory::reset_machine(const std::string& name, SimTime now) {
+  Machine* machine = find_machine(machines_, name);
+  if (machine == nullptr) return unknown_machine(machines_, name);
+  if (machine->fail(now, world_, "reset by a controller")) return {};
+  return name + " is " + std::string(to_string(machine->state())) + " in " +
+         std::string(to_string(context_.clock.phase(now)));
+}
+
+std::string Factory::repair_machine(const std::string& name, SimTime now) {
+  Machine* machine = find_machine(machines_, name);
+  if (machine == nullptr) return unknown_machine(machines_, name);
+  if (machine->repair(now)) return {};
+  return name + " is " + std::string(to_string(machine->state())) + ", not BROKEN";
 }
 
 // --- Topics
@@ -196,15 +216,24 @@ void Factory::publish_rings() {
 
 void Factory::publish_robots(SimTime now) {
   bus::Message message = robot_info_.message();
+  put_robots(message.view(), now, information_ == Information::kAll);
+  robot_info_.publish(bus_, std::move(message));
+}
+
+void Factory::put_robots(const bus::MessageView& info, SimTime now, bool poses) const {
   for (const Maintenance::Robot& robot : maintenance_.robots()) {
-    const bus::MessageView entry = message->append("robots");
+    const bus::MessageView entry = info.append("robots");
     entry.set("name", world_.plan().robot(robot.id).name).set("team_color", to_string(robot.team));
     entry.set("number", robot.number).set("state", to_string(robot.duty));
     entry.set("maintenance_time_remaining", to_seconds(maintenance_.remaining(robot, now)));
     entry.set("maintenance_cycles", robot.cycles);
-    if (information_ == Information::kAll) put_pose(entry, world_.robot(robot.id).pose_in_world);
+    if (poses) put_pose(entry, world_.robot(robot.id).pose_in_world);
   }
-  robot_info_.publish(bus_, std::move(message));
+}
+
+void Factory::put_machines(const bus::MessageView& info, SimTime now) const {
+  for (const auto& machine : machines_)
+    put_machine(info.append("machines"), *machine, world_, *context_.exploration, Information::kAll, now);
 }
 
 }  // namespace cxlab::rcll

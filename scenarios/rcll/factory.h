@@ -47,11 +47,24 @@ class Factory final : public Server, public Referee {
   Status act(SimTime now) override;
   SimTime next_due() const override;
 
+  // What a controller of the referee box may do, after `judge` and before `act`. What speaks against it, else empty.
+  std::string set_phase(Phase phase, SimTime now) { return referee_.set_phase(phase, now); }
+  std::string confirm_delivery(std::int64_t id, bool correct, SimTime now) {
+    return referee_.confirm(id, correct, now);
+  }
+  /// The referee breaks a machine, as a team's reset does, or ends that it is BROKEN.
+  std::string reset_machine(const std::string& name, SimTime now);
+  std::string repair_machine(const std::string& name, SimTime now);
+
   const GameReferee& referee() const { return referee_; }
   const Maintenance& maintenance() const { return maintenance_; }
   const std::vector<std::unique_ptr<Machine>>& machines() const { return machines_; }
   const GameClock& clock() const { return context_.clock; }
   std::vector<Team> teams() const;  ///< that play
+  /// Fills a MachineInfo with all there is of every machine.
+  void put_machines(const bus::MessageView& info, SimTime now) const;
+  /// Fills a RobotInfo.
+  void put_robots(const bus::MessageView& info, SimTime now, bool poses) const;
   /// Takes what people should know of what teams send.
   void on_warning(const std::function<void(const std::string&)>& warn);
   bool over() const override { return referee_.phase() == Phase::kPostGame; }
@@ -76,6 +89,7 @@ class Factory final : public Server, public Referee {
   GameReferee referee_;
   Maintenance maintenance_;
   std::vector<std::unique_ptr<Machine>> machines_;
+  std::vector<DownPeriodConfig> down_;  ///< that are to come, once production has begun
 
   bus::ParticipantId node_{};
   std::vector<std::unique_ptr<TeamChannel>> channels_;  ///< of the teams that play

@@ -82,6 +82,13 @@ bool Machine::fail(SimTime now, sim::World& world, const std::string& reason) {
   return true;
 }
 
+bool Machine::repair(SimTime now) {
+  if (state_ != MachineState::kBroken) return false;
+  clear();
+  enter(MachineState::kIdle, now);
+  return true;
+}
+
 bool Machine::broken() const {
   return state_ == MachineState::kBroken || (state_ == MachineState::kDown && before_down_ == MachineState::kBroken);
 }
@@ -104,10 +111,7 @@ void Machine::step(SimTime now, sim::World& world) {
 }
 
 void Machine::change_state(SimTime now, sim::World& world) {
-  if (state_ == MachineState::kBroken && in_phase(now) >= kBrokenTime) {
-    clear();
-    enter(MachineState::kIdle, now);
-  }
+  if (in_phase(now) >= kBrokenTime) repair(now);
   if (state_ == MachineState::kWaitIdle && in_phase(now) >= kWaitIdleTime) enter(MachineState::kIdle, now);
   if (state_ == MachineState::kReadyAtOutput && world.at(ready_spot()) == nullptr) enter(MachineState::kWaitIdle, now);
   if (!working(state_)) return;

@@ -139,6 +139,8 @@ class Machine {
   /// Breaks for a reason of its own. False, and nothing happens, when it is BROKEN already or the game is not in
   /// production.
   bool fail(SimTime now, sim::World& world, const std::string& reason);
+  /// A BROKEN machine is IDLE at once. False, and nothing happens, when it is not BROKEN.
+  bool repair(SimTime now);
 
   /// Accepts an instruction (error kNone: see `job`; RESET and CHANGE_INFO are done at once), or rejects it with the
   /// reason. A rejection may leave the machine BROKEN.

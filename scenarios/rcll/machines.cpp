@@ -54,7 +54,7 @@ sim::SpotId BaseStation::ready_spot() const { return instruction().side == "INPU
 // --- CapStation
 
 CapStation::CapStation(sim::StationId id, Team team, MachineContext& context, const sim::FloorPlan& plan)
-    : Machine(id, team, context, plan), shelf_cap_(shelf_cap(name())), refill_at_(context.clock.production_begin) {
+    : Machine(id, team, context, plan), shelf_cap_(shelf_cap(name())) {
   shelf_ = {*plan.find_spot(name() + "-SHELF-LEFT"), *plan.find_spot(name() + "-SHELF-MIDDLE"),
             *plan.find_spot(name() + "-SHELF-RIGHT")};
 }

@@ -43,7 +43,7 @@ class CapStation final : public Machine {
 
   std::array<sim::SpotId, 3> shelf_{};
   CapColor shelf_cap_;
-  SimTime refill_at_{};  ///< kNever while something lies on the shelf
+  SimTime refill_at_{};  ///< kNever while something lies on the shelf; at first: as production begins
   std::uint8_t buffered_cap_ = 0;
   std::uint8_t taken_cap_ = 0;  ///< off the carrier inside, not buffered yet
 };

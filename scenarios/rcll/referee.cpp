@@ -40,7 +40,7 @@ GameReferee::GameReferee(GameClock clock, RuleChoices rules, Schedule schedule, 
       schedule_(std::move(schedule)),
       plan_(plan),
       sink_(sink),
-      exploration_(plan, clock, explore),
+      exploration_(plan, clock_, explore),
       stream_(sink.open_stream("referee")) {
   for (const Order& order : schedule_.orders) orders_.emplace_back().order = order;
 }
@@ -51,7 +51,7 @@ void GameReferee::judge(SimTime now, std::span<const sim::HolderChange> changes,
     if (rules_.by_hand) judge_piece(change);
   }
   for (const MachineEvent& event : events) note(event);
-  if (phase_ == Phase::kProduction) prolong(now);
+  if (phase_ == Phase::kProduction && !ended_) prolong(now);
   const Phase phase = clock_.phase(now);
   if (!last_look_ || phase != phase_) {
     phase_ = phase;
@@ -105,7 +105,7 @@ void GameReferee::prolong(SimTime now) {
 }
 
 SimTime GameReferee::next_due() const {
-  if (!last_look_) return SimTime::zero();
+  if (!last_look_ || clock_.phase(*last_look_) != phase_) return last_look_.value_or(SimTime::zero());
   SimTime due = kNever;
   const auto at = [&](SimTime t) {
     if (t > *last_look_) due = std::min(due, t);
@@ -115,6 +115,31 @@ SimTime GameReferee::next_due() const {
   for (const OrderState& state : orders_)
     if (!state.released) at(clock_.at(state.order.activate_at));
   return due;
+}
+
+std::string GameReferee::set_phase(Phase phase, SimTime now) {
+  const Phase is = clock_.phase(now);
+  if (phase == is) return {};
+  if (phase < is) return "the game is in " + std::string(to_string(is)) + ", and no phase comes again";
+  if (is == Phase::kSetup) clock_.begin_production(now);
+  if (phase == Phase::kPostGame) {
+    clock_.production_end = now;
+    ended_ = true;
+  }
+  data_.begin().field("event", "set_phase").field("phase", to_string(phase));
+  write(now);
+  return {};
+}
+
+std::string GameReferee::confirm(std::int64_t id, bool correct, SimTime now) {
+  if (!waits_for_confirmation_) return "what lies under a gate is seen";
+  const auto found = std::ranges::find(unconfirmed_, id, &Unconfirmed::id);
+  if (found == unconfirmed_.end()) return "no delivery " + std::to_string(id) + " waits for it";
+  const Unconfirmed delivery = std::move(*found);
+  unconfirmed_.erase(found);
+  ++order_changes_;
+  judge_delivery(*find_order(delivery.event.order_id), delivery.event, delivery.team, correct, now);
+  return {};
 }
 
 void GameReferee::release_orders(SimTime now) {
@@ -241,10 +266,12 @@ std::int64_t GameReferee::give(Team team, PointKind kind, std::int64_t points, S
   return points;
 }
 
-std::string GameReferee::rejection(const OrderState& state, const MachineEvent& event, Team team) const {
-  if (!state.released) return "inactive";
+std::string GameReferee::rejection(const OrderState& state, const MachineEvent& event, Team team,
+                                   std::optional<bool> correct) const {
+  if (!state.released || *state.released > event.at) return "inactive";
   if (event.at < clock_.at(state.order.delivery_begin)) return "early";
-  if (!(event.stack == stack_of(state.order.product))) return "wrong product";
+  if (!correct.value_or(event.stack == stack_of(state.order.product)))
+    return correct ? "not confirmed" : "wrong product";
   if (state.delivered[static_cast<std::size_t>(team)] >= state.order.quantity) return "surplus";
   if (rules_.storage_serves_one && from_storage(event.piece)) {
     if (state.order.overtime) return "from the storage in overtime";
@@ -253,23 +280,38 @@ std::string GameReferee::rejection(const OrderState& state, const MachineEvent& 
   return {};
 }
 
+std::vector<OrderState>::iterator GameReferee::find_order(int id) {
+  return std::ranges::find(orders_, id, [](const OrderState& state) { return state.order.id; });
+}
+
 void GameReferee::deliver(const MachineEvent& event, Team team) {
-  const auto state = std::ranges::find_if(orders_, [&](const OrderState& s) { return s.order.id == event.order_id; });
+  const auto state = find_order(event.order_id);
   if (event.order_id == 0 || state == orders_.end()) {
     data_.begin().field("event", "discard").field("piece", static_cast<std::int64_t>(event.piece));
     data_.field("product", describe(event.stack));
     write(event.at);
     return;
   }
+  if (!waits_for_confirmation_) return judge_delivery(*state, event, team, std::nullopt, event.at);
+  unconfirmed_.push_back({++last_unconfirmed_, team, event});
+  ++order_changes_;
+  data_.begin().field("event", "unconfirmed").field("delivery", last_unconfirmed_).field("order", event.order_id);
+  data_.field("team", to_string(team)).field("piece", static_cast<std::int64_t>(event.piece));
+  data_.field("product", describe(event.stack));
+  write(event.at);
+}
+
+void GameReferee::judge_delivery(OrderState& state, const MachineEvent& event, Team team, std::optional<bool> correct,
+                                 SimTime now) {
   Delivery delivery;
   delivery.order = event.order_id;
   delivery.team = team;
   delivery.at = event.at;
   delivery.piece = event.piece;
   delivery.stack = event.stack;
-  delivery.reason = rejection(*state, event, team);
+  delivery.reason = rejection(state, event, team, correct);
   delivery.correct = delivery.reason.empty();
-  if (delivery.correct) accept(*state, delivery);
+  if (delivery.correct) accept(state, delivery, now);
   data_.begin().field("event", "delivery").field("order", delivery.order).field("team", to_string(team));
   data_.field("piece", static_cast<std::int64_t>(delivery.piece)).field("product", describe(delivery.stack));
   data_.field("correct", delivery.correct).field("points", delivery.points);
@@ -277,15 +319,15 @@ void GameReferee::deliver(const MachineEvent& event, Team team) {
     data_.field("late_s", delivery.late_s);
   else
     data_.field("reason", delivery.reason);
-  write(event.at);
+  write(now);
   deliveries_.push_back(std::move(delivery));
 }
 
-void GameReferee::accept(OrderState& state, Delivery& delivery) {
+void GameReferee::accept(OrderState& state, Delivery& delivery, SimTime now) {
   const Order& order = state.order;
   const auto team = static_cast<std::size_t>(delivery.team);
   const auto give_for_order = [&](PointKind kind, std::int64_t points) {
-    delivery.points += give(delivery.team, kind, points, delivery.at, order.id);
+    delivery.points += give(delivery.team, kind, points, now, order.id);
   };
   const std::int64_t worth = kDeliveryPoints[static_cast<std::size_t>(order.complexity)];
   delivery.late_s = std::max(0.0, to_seconds(delivery.at - clock_.at(order.delivery_end)));

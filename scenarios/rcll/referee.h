@@ -74,6 +74,10 @@ class GameReferee {
  public:
   GameReferee(GameClock clock, RuleChoices rules, Schedule schedule, const sim::FloorPlan& plan, RecordSink& sink,
               bool explore = false);
+  GameReferee(const GameReferee&) = delete;
+  GameReferee& operator=(const GameReferee&) = delete;
+  /// Products that come through a gate count when `confirm` says so, not when they are seen to be right.
+  void wait_for_confirmation() { waits_for_confirmation_ = true; }
 
   /// Looks at one tick: pieces that changed hands, and what the machines did since the last look.
   void judge(SimTime now, std::span<const sim::HolderChange> changes, std::span<const MachineEvent> events);
@@ -85,6 +89,17 @@ class GameReferee {
   /// An instruction that a machine of the team has heard, and what it said.
   void take_instruction(sim::StationId machine, const Instruction& instruction, InstructError error, SimTime now);
   const Exploration& exploration() const { return exploration_; }
+  /// A controller ends set-up, or the game: what speaks against it, else empty.
+  std::string set_phase(Phase phase, SimTime now);
+  /// A controller says whether the product of an unconfirmed delivery is right: what speaks against it, else empty.
+  std::string confirm(std::int64_t id, bool correct, SimTime now);
+  /// Products that wait for it.
+  struct Unconfirmed {
+    std::int64_t id = 0;  ///< from 1
+    Team team{};
+    MachineEvent event;
+  };
+  const std::vector<Unconfirmed>& unconfirmed() const { return unconfirmed_; }
   /// Pieces that the referee has taken off the machines of the other team, since the last call; who carries them away
   /// takes them out of play.
   std::vector<sim::PieceId> take_confiscated() { return std::exchange(confiscated_, {}); }
@@ -97,7 +112,7 @@ class GameReferee {
   const std::vector<OrderState>& orders() const { return orders_; }
   const std::vector<Delivery>& deliveries() const { return deliveries_; }
   const Schedule& schedule() const { return schedule_; }
-  /// Grows by one with each order released and each accepted product.
+  /// Grows with each order released, and each product that is accepted or waits for confirmation.
   std::uint64_t order_changes() const { return order_changes_; }
 
  private:
@@ -109,8 +124,13 @@ class GameReferee {
   void write_work(const MachineEvent& event, std::string_view what);
   void note(const MachineEvent& event);
   void deliver(const MachineEvent& event, Team team);
-  std::string rejection(const OrderState& state, const MachineEvent& event, Team team) const;
-  void accept(OrderState& state, Delivery& delivery);
+  /// `correct`: what a controller says of the product; without it the product is looked at.
+  std::string rejection(const OrderState& state, const MachineEvent& event, Team team,
+                        std::optional<bool> correct) const;
+  void judge_delivery(OrderState& state, const MachineEvent& event, Team team, std::optional<bool> correct,
+                      SimTime now);
+  void accept(OrderState& state, Delivery& delivery, SimTime now);
+  std::vector<OrderState>::iterator find_order(int id);
   std::int64_t give(Team team, PointKind kind, std::int64_t points, SimTime at, int order = 0);
   void put_holder(std::string_view key, sim::Holder holder, int index);
   void write(SimTime at) { sink_.write(stream_, at, RecordKind::kReferee, data_); }
@@ -126,6 +146,10 @@ class GameReferee {
   std::optional<SimTime> last_look_;
   Phase phase_ = Phase::kSetup;
   bool in_overtime_ = false, sudden_death_ = false;
+  bool ended_ = false;  ///< by a controller
+  bool waits_for_confirmation_ = false;
+  std::vector<Unconfirmed> unconfirmed_;
+  std::int64_t last_unconfirmed_ = 0;
   std::array<Score, 2> scores_{};
   std::vector<OrderState> orders_;
   std::vector<Delivery> deliveries_;

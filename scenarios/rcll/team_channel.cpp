@@ -211,18 +211,19 @@ void TeamChannel::publish_machines(SimTime now) {
   message->set("team_color", to_string(team_));
   for (const auto& machine : machines_)
     if (information_ == Information::kAll || machine->team() == team_)
-      put_machine(message->append("machines"), *machine, now);
+      put_machine(message->append("machines"), *machine, world_, *context_.exploration, information_, now);
   machine_info_.publish(bus_, std::move(message));
 }
 
-void TeamChannel::put_machine(const bus::MessageView& entry, const Machine& machine, SimTime now) const {
-  const sim::Station& station = world_.plan().station(machine.id());
+void put_machine(const bus::MessageView& entry, const Machine& machine, const sim::World& world,
+                 const Exploration& exploration, Information information, SimTime now) {
+  const sim::Station& station = world.plan().station(machine.id());
   const std::string_view type = std::string_view(station.name).substr(2);
-  const bool all = information_ == Information::kAll;
-  const bool known = context_.exploration->knows(machine.id(), now);
+  const bool all = information == Information::kAll;
+  const bool known = exploration.knows(machine.id(), now);
   entry.set("name", station.name).set("type", station.kind).set("state", to_string(machine.state()));
   entry.set("team_color", to_string(machine.team())).set("correctly_reported", known);
-  const Exploration::Finding& finding = context_.exploration->finding(machine.id());
+  const Exploration::Finding& finding = exploration.finding(machine.id());
   entry.set("exploration_zone_state", to_string(finding.zone));
   entry.set("exploration_rotation_state", to_string(finding.rotation));
   entry.set("input_tag", tags_of(machine).input).set("output_tag", tags_of(machine).output);
@@ -239,7 +240,7 @@ void TeamChannel::put_machine(const bus::MessageView& entry, const Machine& mach
       }
   }
   if (!all) return;
-  const sim::Lights lights = world_.lights(machine.id());
+  const sim::Lights lights = world.lights(machine.id());
   put_light(entry, "RED", lights.red);
   put_light(entry, "YELLOW", lights.yellow);
   put_light(entry, "GREEN", lights.green);

@@ -20,6 +20,10 @@
 
 namespace cxlab::rcll {
 
+/// Fills a Machine, with what a team hears of its own, or with all there is.
+void put_machine(const bus::MessageView& entry, const Machine& machine, const sim::World& world,
+                 const Exploration& exploration, Information information, SimTime now);
+
 class TeamChannel {
  public:
   /// All outlive it.
@@ -63,7 +67,6 @@ class TeamChannel {
   void take_report(const bus::Delivery& delivery);
   void take_maintenance(const bus::Delivery& delivery);
   void publish_machines(SimTime now);
-  void put_machine(const bus::MessageView& entry, const Machine& machine, SimTime now) const;
   void publish_reports();
 
   Team team_;

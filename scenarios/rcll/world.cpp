@@ -135,7 +135,7 @@ Status GameStage::build(const StageSetup& setup) {
     });
   servers.push_back(*std::move(factory));
   if (setup.network) {
-    auto refbox = RefboxServer::make(config, *floor_, setup);
+    auto refbox = RefboxServer::make(config, *floor_, *factory_, setup);
     if (!refbox) return refbox.error();
     servers.insert(servers.begin(), *std::move(refbox));
   }

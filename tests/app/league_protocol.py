@@ -218,7 +218,251 @@ class Outside(unittest.TestCase):
         self.assertEqual(result["robots"][0]["skills"], 1)
 
 
+class Stream:
+    """A controller of the referee box: frames over TCP."""
+
+    def __init__(self, port):
+        self.socket = socket.create_connection(("127.0.0.1", port), 20)
+        self.bytes = b""
+
+    def say(self, name, **fields):
+        message = CLASSES[name](**fields)
+        self.socket.sendall(wire.frame(message, key=key_of(message.DESCRIPTOR)))
+
+    def hear(self, name, wanted=lambda message: True, seconds=20):
+        end = time.monotonic() + seconds
+        while True:
+            if len(self.bytes) >= 8 and len(self.bytes) >= 8 + struct.unpack(">I", self.bytes[4:8])[0]:
+                size = struct.unpack(">I", self.bytes[4:8])[0]
+                payload, self.bytes = self.bytes[8:8 + size], self.bytes[8 + size:]
+                message = BY_KEY[struct.unpack(">HH", payload[:4])].FromString(payload[4:])
+                if message.DESCRIPTOR.name == name and wanted(message):
+                    return message
+                continue
+            self.socket.settimeout(max(0.001, end - time.monotonic()))
+            more = self.socket.recv(65536)
+            if not more:
+                raise EOFError
+            self.bytes += more
+
+    def hear_machine(self, machine, state):
+        """The machine, once it is in that state."""
+        info = self.hear("MachineInfo", lambda m: any((x.name, x.state) == (machine, state) for x in m.machines))
+        return next(x for x in info.machines if x.name == machine)
+
+
+class Controller(unittest.TestCase):
+    """A program outside commands a game as controllers of the referee box do."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="cxlab-league-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def start(self, world):
+        self.shift = free_shift()
+        (self.folder / "game.yaml").write_text(
+            "schema: 1\nworld: {kind: rcll, information: league, complexities: [C0], down: false, " + world +
+            f"refbox: {{port_shift: {self.shift}}}}}\ntier: timed\n")
+        self.log = open(self.folder / "log", "w+")
+        self.addCleanup(self.log.close)
+        self.game = subprocess.Popen([CXLAB, "run", "game.yaml", "--sockets", "--until", "200", "--out", "out"],
+                                     cwd=self.folder, stdout=subprocess.DEVNULL, stderr=self.log)
+        self.addCleanup(self.game.wait)
+        self.addCleanup(self.game.kill)
+
+    def connect(self):
+        end = time.monotonic() + 20
+        while True:
+            try:
+                stream = Stream(4444 + self.shift)
+                break
+            except ConnectionRefusedError:
+                if time.monotonic() > end:
+                    raise
+                time.sleep(0.05)
+        self.addCleanup(stream.socket.close)
+        return stream
+
+    def test_short_ends_set_up_and_the_game(self):
+        self.start("setup_s: 100, exploration: true, ")
+        controller = self.connect()
+        other = self.connect()
+        self.assertEqual(controller.hear("GameState").phase, 10)
+        ended = time.monotonic()
+        controller.say("SetGamePhase", phase=30)
+        state = controller.hear("GameState", lambda m: m.phase == 30)
+        self.assertLess(state.game_time.sec, 3, "production begins when the controller says so")
+        self.assertLess(time.monotonic() - ended, 5)
+        other.hear("GameState", lambda m: m.phase == 30)
+        controller.hear("OrderInfo", lambda m: len(m.orders) == 2)
+        self.assertEqual(len(controller.hear("RingInfo").rings), 4)
+        self.assertEqual(controller.hear("MachineReportInfo").team_color, 0)
+
+        machines = controller.hear("MachineInfo").machines
+        self.assertEqual(len(machines), 14)
+        for machine in machines:
+            self.assertTrue(machine.HasField("zone") and machine.HasField("pose") and len(machine.lights) == 3, machine)
+            self.assertFalse(machine.correctly_reported)
+        robots = controller.hear("RobotInfo").robots
+        self.assertEqual([robot.number for robot in robots], [1, 2, 3])
+        self.assertTrue(all(robot.HasField("pose") and abs(robot.pose.x) > 1 for robot in robots))
+
+        team = Peer(4446 + self.shift, 4441 + self.shift, CBC)
+        self.addCleanup(team.socket.close)
+        prepare = CLASSES["PrepareMachine"](team_color=0, machine="C-BS", sent_at=int(time.time()))
+        prepare.instruction_bs.side, prepare.instruction_bs.color = 2, 1
+        team.say(prepare)
+        told = controller.hear("AttentionMessage")
+        self.assertEqual((told.team_color, told.message), (0, "C-BS: C-BS is not reported right, and exploration goes on"))
+
+        controller.say("SetGamePhase", phase=10)   # no phase comes again
+        controller.say("SetGamePhase", phase=20)
+        controller.say("SetGameState", state=2)    # it is RUNNING
+        controller.say("RandomizeField")
+        controller.say("SetTeamName", team_name="Snakes", team_color=1)  # who does not play
+        controller.say("ConfirmDelivery", delivery_id=1, correct=True)
+        controller.say("SetGamePhase", phase=40)
+        self.assertEqual(self.game.wait(30), 0)
+        result = json.loads((self.folder / "out/result.json").read_text())
+        self.assertEqual(result["status"], "completed")
+        self.assertLess(result["sim_time_s"], 60)
+        said = (self.folder / "log").read_text()
+        for text in ("SetGamePhase is refused: the game is in PRODUCTION, and no phase comes again",
+                     "SetGamePhase is refused: found EXPLORATION, expected SETUP, PRODUCTION or POST_GAME",
+                     "RandomizeField is refused: the field is laid before the game",
+                     "SetTeamName is refused: MAGENTA does not play",
+                     "ConfirmDelivery is refused: what lies under a gate is seen"):
+            self.assertIn(text, said)
+        self.assertNotIn("SetGameState", said)
+
+    def test_short_breaks_and_repairs_machines(self):
+        self.start("")
+        controller = self.connect()
+        controller.hear_machine("C-BS", "IDLE")
+        team = Peer(4446 + self.shift, 4441 + self.shift, CBC)
+        self.addCleanup(team.socket.close)
+        prepare = CLASSES["PrepareMachine"](team_color=0, machine="C-BS", sent_at=int(time.time()))
+        prepare.instruction_bs.side, prepare.instruction_bs.color = 2, 3
+        team.say(prepare)
+        pieces = controller.hear("WorkpieceInfo", lambda m: len(m.workpieces) == 1).workpieces
+        self.assertEqual((pieces[0].at_machine, pieces[0].base_color, pieces[0].team_color), ("C-BS", 3, 0))
+        controller.say("SetMachineState", machine_name="C-BS", state=15)
+        lights = {light.color: light.state for light in controller.hear_machine("C-BS", "BROKEN").lights}
+        self.assertEqual(lights, {0: 2, 1: 2, 2: 0})
+        broken = time.monotonic()
+        controller.say("SetMachineState", machine_name="C-BS", state=1)
+        controller.hear_machine("C-BS", "IDLE")
+        self.assertLess(time.monotonic() - broken, 15, "it need not wait for 30 s")
+        controller.hear("WorkpieceInfo", lambda m: not m.workpieces)
+        controller.say("SetMachineState", machine_name="C-BS", state=1)
+        controller.say("SetMachineState", machine_name="C-CS9", state=15)
+        controller.say("SetMachineState", machine_name="C-CS1", state=3)
+
+        robot = Peer(2126 + self.shift, 2116 + self.shift)
+        self.addCleanup(robot.socket.close)
+        task = CLASSES["AgentTask"](team_color=0, task_id=5, robot_id=1)
+        task.move.waypoint = "C_Z75"
+        robot.say(task)
+        where = lambda: robot.hear(lambda m: of_type("BeaconSignal")(m) and m.HasField("task")).pose
+        first = where()
+        task.pause_task = True
+        robot.say(task)
+        where(), where()
+        rests = where()
+        self.assertNotEqual((first.x, first.y), (rests.x, rests.y), "it was on its way")
+        then = where()
+        self.assertEqual((then.x, then.y), (rests.x, rests.y))
+        task.pause_task = False
+        robot.say(task)
+        answer = robot.hear(of_type("AgentTask"))
+        self.assertEqual((answer.task_id, answer.successful, answer.error_code), (5, True, 0))
+        arrived = controller.hear("RobotInfo", lambda m: abs(m.robots[0].pose.x - then.x) > 0.1).robots[0]
+        self.assertEqual((arrived.number, arrived.HasField("pose")), (1, True))
+        lost = controller.hear("AttentionMessage", lambda m: "lost" in m.message) if self.lose(team, controller) else None
+        self.assertEqual(lost.message, "robot 2 of CYAN is lost: no beacon for 5 s")
+
+        self.game.send_signal(signal.SIGINT)
+        self.assertEqual(self.game.wait(30), 130)
+        said = (self.folder / "log").read_text()
+        for text in ("C-BS is IDLE, not BROKEN", "C-CS9", "found PROCESSED, expected RESET or IDLE"):
+            self.assertIn(text, said)
+
+    def lose(self, team, controller):
+        """Robot 2 is there once, and is heard no more."""
+        beacon = CLASSES["BeaconSignal"](seq=1, number=2, team_name="CYAN", peer_name="R-2", team_color=0)
+        beacon.time.sec, beacon.time.nsec = int(time.time()), 0
+        team.say(beacon)
+        return controller.hear("RobotInfo", lambda m: any(robot.name == "R-2" for robot in m.robots))
+
+    def test_short_there_may_be_none(self):
+        self.start("")
+        (self.folder / "game.yaml").write_text((self.folder / "game.yaml").read_text().replace("port_shift", "controllers: false, port_shift"))
+        self.game.kill()
+        self.game.wait()
+        game = subprocess.Popen([CXLAB, "run", "game.yaml", "--sockets", "--until", "3", "--out", "none"], cwd=self.folder,
+                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(game.stderr.close)
+        public = Peer(4445 + self.shift, 4444 + self.shift)
+        self.addCleanup(public.socket.close)
+        public.hear(of_type("GameState"))
+        with self.assertRaises(ConnectionRefusedError):
+            Stream(4444 + self.shift)
+        game.communicate(timeout=30)
+
+
+CONFIRMING = """
+(deffacts start (open))
+(defrule open
+  ?f <- (open)
+  =>
+  (retract ?f)
+  (pb-connect "127.0.0.1" 4444))
+(defrule confirm
+  (protobuf-msg (type "llsf_msgs.OrderInfo") (client-id ?client) (ptr ?info))
+  =>
+  (foreach ?order (pb-field-list ?info "orders")
+    (foreach ?delivery (pb-field-list ?order "unconfirmed_deliveries")
+      (printout t "delivery " (pb-field-value ?delivery "id") " of " (pb-field-value ?delivery "team") crlf)
+      (bind ?word (pb-create "llsf_msgs.ConfirmDelivery"))
+      (pb-set-field ?word "delivery_id" (pb-field-value ?delivery "id"))
+      (pb-set-field ?word "correct" CORRECT)
+      (pb-send ?client ?word)
+      (pb-destroy ?word)
+      (pb-destroy ?delivery))
+    (pb-destroy ?order)))
+"""
+
+
 class Inside(unittest.TestCase):
+    def test_short_an_agent_confirms_deliveries(self):
+        """Without its word a product counts nothing, whatever it is."""
+        with tempfile.TemporaryDirectory(prefix="cxlab-league-") as folder:
+            path = pathlib.Path(folder)
+            (path / "confirm.yaml").write_text(
+                "clips_manager:\n  ros__parameters:\n    environments: [referee]\n    referee: {plugins: [executive, protobuf, files]}\n"
+                "    executive: {plugin: 'cx::ExecutivePlugin', refresh_rate: 10}\n"
+                "    protobuf: {plugin: 'cx::ProtobufPlugin', pkg_share_dirs: [rcll_protobuf_msgs], proto_paths: [rcll-protobuf-msgs]}\n"
+                "    files: {plugin: 'cx::FileLoadPlugin', pkg_share_dirs: [here], load: [confirm.clp]}\n")
+            game = (EXAMPLE / "game.yaml").read_text().split("expect:")[0]
+            game = game.replace("params/agent.yaml", f"{EXAMPLE}/params/agent.yaml").replace(
+                "league_agent: .", f"league_agent: {EXAMPLE}")
+            (path / "game.yaml").write_text(
+                game.replace("tier: timed", "  refbox: {confirm_deliveries: true}\ntier: timed") +
+                f"  - config: confirm.yaml\n    namespace: /referee\n    packages: {{here: {folder}}}\n")
+            for word, points, reason in (("TRUE", 30, None), ("FALSE", 0, "not confirmed"), (None, 0, None)):
+                (path / "confirm.clp").write_text(CONFIRMING.replace("CORRECT", word) if word else "")
+                played = run("run", "game.yaml", "--until", "400", "--out", str(word), cwd=folder)
+                self.assertEqual(played.returncode, 0, played.stdout)
+                result = json.loads((path / str(word) / "result.json").read_text())
+                by_kind = result["teams"]["CYAN"]["by_kind"]
+                self.assertEqual(by_kind["delivery"] + by_kind["cap"], points, word)
+                self.assertEqual([d["correct"] for d in result["deliveries"]], [] if word is None else [word == "TRUE"])
+                if word:
+                    self.assertIn("delivery 1 of CYAN", played.stdout)
+                if reason:
+                    self.assertIn(reason, (path / str(word) / "journal.jsonl").read_text())
+            self.assertIn("the same", run("replay", "TRUE", cwd=folder).stdout)
+
     def test_short_the_example_makes_a_delivery(self):
         with tempfile.TemporaryDirectory(prefix="cxlab-league-") as folder:
             hashes = []

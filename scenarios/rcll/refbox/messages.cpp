@@ -137,8 +137,9 @@ Expected<std::unique_ptr<pb::Types>> load_types(
         return std::optional(pb::Types::Source{*std::move(text), path.string()});
       });
   // All that the referee box and robots say and hear; what these import is read with them.
-  for (const char* file : {"AgentTask", "AttentionMessage", "BeaconSignal", "GameInfo", "GameState", "MachineInfo",
-                           "MachineInstructions", "MachineReport", "OrderInfo", "RingInfo", "RobotInfo", "VersionInfo"})
+  for (const char* file : {"AgentTask", "AttentionMessage", "BeaconSignal", "GameInfo", "GameState", "MachineCommands",
+                           "MachineInfo", "MachineInstructions", "MachineReport", "OrderInfo", "RingInfo", "RobotInfo",
+                           "SimTimeSync", "VersionInfo", "Workpiece"})
     if (Status s = types->add_file(std::string(file) + ".proto"); !s) return s.error();
   return types;
 }

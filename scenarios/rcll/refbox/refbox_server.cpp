@@ -28,6 +28,8 @@ constexpr SimTime kBeaconPeriod = kSecond, kGamePeriod = kSecond, kReportPeriod 
 constexpr SimTime kInfoPeriod = std::chrono::seconds(2);  // of orders, machines, rings
 constexpr SimTime kRobotPeriod = std::chrono::milliseconds(2500);
 constexpr SimTime kVersionPeriod = std::chrono::seconds(5);
+constexpr SimTime kStreamPeriod = std::chrono::milliseconds(250);  // of machines and robots
+constexpr SimTime kLost = std::chrono::seconds(5);                 // a robot without a beacon
 constexpr SimTime kBurstPeriod = std::chrono::milliseconds(500);
 constexpr int kOrderBurst = 10;     // OrderInfos after a new order
 constexpr int kMachineBurst = 30;   // MachineInfos at the beginning
@@ -53,9 +55,11 @@ bool RefboxServer::Rate::due(SimTime now) {
 
 // --- Making
 
-RefboxServer::RefboxServer(const WorldConfig& config, const sim::World& world, const StageSetup& setup)
+RefboxServer::RefboxServer(const WorldConfig& config, const sim::World& world, Factory& factory,
+                           const StageSetup& setup)
     : config_(config.refbox),
       world_(world),
+      factory_(factory),
       bus_(setup.bus),
       network_(*setup.network),
       log_(setup.log),
@@ -75,8 +79,8 @@ RefboxServer::RefboxServer(const WorldConfig& config, const sim::World& world, c
 }
 
 Expected<std::unique_ptr<RefboxServer>> RefboxServer::make(const WorldConfig& config, const sim::World& world,
-                                                           const StageSetup& setup) {
-  std::unique_ptr<RefboxServer> refbox(new RefboxServer(config, world, setup));
+                                                           Factory& factory, const StageSetup& setup) {
+  std::unique_ptr<RefboxServer> refbox(new RefboxServer(config, world, factory, setup));
   if (Status s = refbox->open_ports(); !s) return s.error();
   return refbox;
 }
@@ -104,7 +108,7 @@ Status RefboxServer::open_ports() {
         std::make_unique<TeamSide>(team, channel("channel of " + std::string(to_string(team)),
                                                  kTeamPorts[static_cast<std::size_t>(team)], std::move(crypto))));
   }
-  server_ = host_->listen(port(kStreams));
+  if (config_.controllers) server_ = host_->listen(port(kStreams));
   for (std::size_t i = 0; i < world_.plan().robots.size(); ++i) {
     const int shift = static_cast<int>(i);
     robot_channels_.emplace_back(
@@ -131,7 +135,11 @@ Status RefboxServer::begin() {
   if (Status s = hear("/game_state", "GameState", game_state_); !s) return s;
   if (Status s = hear("/order_info", "OrderInfo", order_info_); !s) return s;
   if (Status s = hear("/ring_info", "RingInfo", ring_info_); !s) return s;
-  if (Status s = hear("/robot_info", "RobotInfo", robot_info_); !s) return s;
+  for (const auto& [name, type] : {std::pair{"MachineInfo", &machine_type_}, {"RobotInfo", &robot_type_}}) {
+    auto known = bus_.registry().message(std::string(kInterfaces) + "msg/" + name);
+    if (!known) return known.error();
+    *type = *known;
+  }
   beacon_rate_ = {kBeaconPeriod, now_};
   game_rate_ = {kGamePeriod, now_};
   order_rate_ = {kInfoPeriod, now_};
@@ -209,6 +217,7 @@ SimTime RefboxServer::next_due() const {
   for (const auto& side : sides_)
     due = std::min({due, side->machine_rate.next, side->ring_rate.next, side->report_rate.next});
   for (const auto& robot : robots_) due = std::min(due, robot->next_due());
+  if (!streams_.empty()) due = std::min({due, stream_rate_.next, workpiece_rate_.next});
   return due;
 }
 
@@ -254,6 +263,10 @@ void RefboxServer::take(const net::Event& event) {
 void RefboxServer::take_stream(const net::Event& event) {
   if (event.kind == net::EventKind::kAccepted) {
     if (streams_.size() >= kMostStreams) return host_->close(event.link);
+    if (streams_.empty()) {
+      stream_rate_ = {kStreamPeriod, now_};
+      workpiece_rate_ = {kInfoPeriod, now_};
+    }
     streams_[event.link];
     return;
   }
@@ -320,7 +333,7 @@ void RefboxServer::take_beacon(const Fields& beacon, const net::Event& event) {
   if (!name.empty() && !named_[static_cast<std::size_t>(*team)]) name_team(*team, name);
   const std::int64_t number = beacon.integer("number");
   if (number >= 1 && number <= kMostRobots)
-    acquaintances_[{*team, number}] = {beacon.text("peer_name"), std::string(event.host), moment()};
+    acquaintances_[{*team, number}] = {beacon.text("peer_name"), std::string(event.host), moment(), now_};
 }
 
 void RefboxServer::name_team(Team team, const std::string& name) {
@@ -333,21 +346,62 @@ void RefboxServer::name_team(Team team, const std::string& name) {
 
 void RefboxServer::take_controller(const Fields& message, const std::string& type) {
   if (type == "llsf_msgs.BeaconSignal") return;
-  TeamSide* side = nullptr;
-  if (message.has("team_color"))
-    if (const auto team = named<Team>(message.text("team_color"))) side = side_of(*team);
-  if (type == "llsf_msgs.SetTeamName" && side) return name_team(side->team, message.text("team_name"));
-  if (type == "llsf_msgs.SetRobotMaintenance" && side)
-    return pass_on(message, "SetRobotMaintenance", side->maintenance);
-  complain("stream: found a " + type + ", expected a SetTeamName or SetRobotMaintenance of a team that plays");
+  const std::string problem = control(message, std::string_view(type).substr(kPackage.size()));
+  if (!problem.empty()) complain("stream: a " + type + " is refused: " + problem);
+}
+
+std::string RefboxServer::control(const Fields& message, std::string_view type) {
+  if (type == "SetGameState") return set_state(message.text("state"));
+  if (type == "SetGamePhase") return set_phase(message.text("phase"));
+  if (type == "SetMachineState") return set_machine(message.text("machine_name"), message.text("state"));
+  if (type == "ConfirmDelivery")
+    return factory_.confirm_delivery(message.integer("delivery_id"), message.integer("correct") != 0, now_);
+  if (type == "SetTeamName" || type == "SetRobotMaintenance") {
+    const std::string team = message.has("team_color") ? message.text("team_color") : "no team";
+    TeamSide* side = named<Team>(team) ? side_of(*named<Team>(team)) : nullptr;
+    if (!side) return team + " does not play";
+    if (type == "SetTeamName")
+      name_team(side->team, message.text("team_name"));
+    else
+      pass_on(message, "SetRobotMaintenance", side->maintenance);
+    return {};
+  }
+  constexpr std::pair<std::string_view, const char*> kMeaningless[]{
+      {"RandomizeField", "the field is laid before the game, by seed and scenario"},
+      {"MachineAddBase", "a payment is a base on the slide of the machine"},
+      {"SetMachineLights", "the lights show what the machine does"},
+      {"SetOrderDelivered", "a product counts that has come through a gate"},
+      {"WorkpieceAddRing", "rings are mounted by machines"},
+      {"SimTimeSync", "the game goes by the time of the run"}};
+  for (const auto& [name, why] : kMeaningless)
+    if (type == name) return why;
+  return "expected a SetGameState, SetGamePhase, SetTeamName, SetRobotMaintenance, SetMachineState or ConfirmDelivery";
+}
+
+std::string RefboxServer::set_state(const std::string& state) {
+  return state == "RUNNING" ? "" : "found " + state + ", and a game is RUNNING until it ends";
+}
+
+std::string RefboxServer::set_phase(const std::string& phase) {
+  const auto known = named<Phase>(phase);
+  return known ? factory_.set_phase(*known, now_) : "found " + phase + ", expected SETUP, PRODUCTION or POST_GAME";
+}
+
+/// The other states are those of stand-ins for machines.
+std::string RefboxServer::set_machine(const std::string& machine, const std::string& state) {
+  if (state == "RESET") return factory_.reset_machine(machine, now_);
+  if (state == "IDLE") return factory_.repair_machine(machine, now_);
+  return "found " + state + ", expected RESET or IDLE";
 }
 
 void RefboxServer::take_result(TeamSide& side, const bus::Delivery& result) {
   const auto goal = side.instructed.extract(result.goal);
   if (goal.empty()) return;
   bus_.forget_goal(side.instruct, result.goal);
-  if (!goal.mapped().busy && result.message && result.message->view().integer("error_code") != 0)
-    complain(goal.mapped().machine + ": " + result.message->view().text("error"));
+  if (goal.mapped().busy || !result.message || result.message->view().integer("error_code") == 0) return;
+  const std::string text = goal.mapped().machine + ": " + result.message->view().text("error");
+  complain(text);
+  attention(text, side.team);
 }
 
 void RefboxServer::pass_on(const Fields& message, const char* type, bus::EndpointId topic) {
@@ -412,6 +466,10 @@ Moment RefboxServer::moment() const { return Moment::of(epoch_, now_); }
 
 void RefboxServer::send_public(const google::protobuf::Message& message) {
   if (public_->is_heard()) public_->send(message);
+  send_streams(message);
+}
+
+void RefboxServer::send_streams(const google::protobuf::Message& message) {
   if (streams_.empty()) return;
   const auto bytes = pb::Types::write(message);
   for (const auto& [link, reader] : streams_)
@@ -421,6 +479,7 @@ void RefboxServer::send_public(const google::protobuf::Message& message) {
 void RefboxServer::speak() {
   speak_public();
   for (auto& side : sides_) speak_team(*side);
+  speak_streams();
   for (auto& robot : robots_) robot->speak(now_, moment());
 }
 
@@ -446,7 +505,7 @@ void RefboxServer::speak_public() {
     send_public(*orders());
     if (order_burst_ > 0 && --order_burst_ == 0) order_rate_ = {kInfoPeriod, now_ + kInfoPeriod};
   }
-  if (robot_rate_.due(now_) && robot_info_.message) send_public(*robots());
+  if (robot_rate_.due(now_) && public_->is_heard()) public_->send(*robots(false));
   if (version_rate_.due(now_)) send_public(*version());
 }
 
@@ -466,15 +525,52 @@ void RefboxServer::speak_team(TeamSide& side) {
   } else {
     side.machine_rate.due(now_);
   }
-  if (side.ring_rate.due(now_) && ring_info_.message && heard) {
+  if (side.ring_rate.due(now_) && ring_info_.message) {
     const auto message = make("RingInfo");
     fill(*message, ring_info_.message->view(), moment());
-    side.channel.send(*message);
+    if (heard) side.channel.send(*message);
+    if (&side == sides_.front().get()) send_streams(*message);
   }
-  if (side.report_rate.due(now_) && std::exchange(side.reports.fresh, false) && heard) {
+  if (side.report_rate.due(now_) && std::exchange(side.reports.fresh, false)) {
     const auto message = make("MachineReportInfo");
     fill(*message, side.reports.message->view(), moment());
-    side.channel.send(*message);
+    if (heard) side.channel.send(*message);
+    send_streams(*message);
+  }
+}
+
+void RefboxServer::speak_streams() {
+  if (streams_.empty()) return;
+  if (stream_rate_.due(now_)) {
+    send_streams(*all_machines());
+    send_streams(*robots(true));
+    look_after_robots();
+  }
+  if (workpiece_rate_.due(now_)) send_streams(*workpieces());
+}
+
+void RefboxServer::attention(const std::string& text, Team team) {
+  if (streams_.empty()) return;
+  const auto message = make("AttentionMessage");
+  Fields(*message).set("message", text).set("team_color", to_string(team));
+  send_streams(*message);
+}
+
+void RefboxServer::look_after_robots() {
+  const auto look = [this](bool wanted, const std::string& text, Team team) {
+    if (!wanted)
+      attentions_.erase(text);
+    else if (attentions_.insert(text).second)
+      attention(text, team);
+  };
+  for (const Maintenance::Robot& robot : factory_.maintenance().robots()) {
+    const std::string name = "robot " + std::to_string(robot.number) + " of " + std::string(to_string(robot.team));
+    const bool serviced = robot.duty == RobotDuty::kMaintenance;
+    look(serviced && now_ - robot.since >= kMaintenanceWarning, name + " has to be back from maintenance soon",
+         robot.team);
+    const auto met = acquaintances_.find({robot.team, robot.number});
+    look(met != acquaintances_.end() && now_ - met->second.heard > kLost && robot.duty == RobotDuty::kActive,
+         name + " is lost: no beacon for 5 s", robot.team);
   }
 }
 
@@ -490,17 +586,28 @@ pb::MessagePtr RefboxServer::game_state() const {
 pb::MessagePtr RefboxServer::orders() const {
   auto message = make("OrderInfo");
   fill(*message, order_info_.message->view(), moment());
+  Fields info(*message);
+  for (const GameReferee::Unconfirmed& delivery : factory_.referee().unconfirmed())
+    for (int i = 0; i < info.size("orders"); ++i)
+      if (Fields order = info.item("orders", i); order.integer("id") == delivery.event.order_id)
+        order.append("unconfirmed_deliveries")
+            .set("id", delivery.id)
+            .set("team", to_string(delivery.team))
+            .set("delivery_time", Moment::of(0, from_seconds(factory_.clock().game_time(delivery.event.at))));
   return message;
 }
 
-pb::MessagePtr RefboxServer::robots() const {
+pb::MessagePtr RefboxServer::robots(bool poses) const {
+  bus::Message told(*robot_type_);
+  factory_.put_robots(told.view(), now_, poses);
   auto message = make("RobotInfo");
-  fill(*message, robot_info_.message->view(), moment());
+  fill(*message, told.view(), moment());
   Fields info(*message);
   for (int i = 0; i < info.size("robots"); ++i) {
     Fields robot = info.item("robots", i);
     const auto team = named<Team>(robot.text("team_color")).value_or(Team::kCyan);
-    robot.clear("pose").set("team", team_names_[static_cast<std::size_t>(team)]);
+    if (!poses) robot.clear("pose");
+    robot.set("team", team_names_[static_cast<std::size_t>(team)]);
     const auto known = acquaintances_.find({team, robot.integer("number")});
     const bool met = known != acquaintances_.end();
     if (met) robot.set("name", known->second.name);
@@ -523,6 +630,31 @@ pb::MessagePtr RefboxServer::machines(const TeamSide& side) const {
     fill(entry.message(), machine, moment());
     entry.clear("lights").clear("pose").clear("loaded_with");
     if (!machine.integer("correctly_reported") || machine.text("zone").empty()) entry.clear("zone").clear("rotation");
+  }
+  return message;
+}
+
+pb::MessagePtr RefboxServer::all_machines() const {
+  bus::Message told(*machine_type_);
+  factory_.put_machines(told.view(), now_);
+  auto message = make("MachineInfo");
+  fill(*message, told.view(), moment());
+  return message;
+}
+
+/// Those that lie on the belts of machines.
+pb::MessagePtr RefboxServer::workpieces() const {
+  auto message = make("WorkpieceInfo");
+  Fields info(*message);
+  for (const sim::Piece& piece : world_.pieces()) {
+    if (piece.holder != sim::Holder::kBelt) continue;
+    const sim::Station& station = world_.plan().station(static_cast<sim::StationId>(piece.holder_index));
+    Fields entry = info.append("workpieces");
+    entry.set("id", static_cast<std::int64_t>(piece.id)).set("at_machine", station.name);
+    entry.set("team_color", to_string(team_of(station)));
+    entry.set("base_color", to_string(static_cast<BaseColor>(piece.stack.base)));
+    for (const std::uint8_t ring : piece.stack.rings) entry.set("ring_colors", to_string(static_cast<RingColor>(ring)));
+    entry.set("cap_color", to_string(static_cast<CapColor>(piece.stack.cap)));
   }
   return message;
 }

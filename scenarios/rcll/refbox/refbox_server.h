@@ -1,11 +1,14 @@
 #pragma once
 // The referee box on the network of a game (docs/rcll-protocol.md): what the factory says on the bus goes out as
-// messages of the league, what teams send becomes instructions, reports and requests on the bus. It judges nothing.
+// messages of the league, what teams send becomes instructions, reports and requests on the bus, what controllers send
+// becomes calls of the factory. It judges nothing.
 //
 //   public channel     GameState, OrderInfo, RobotInfo, VersionInfo, BeaconSignal; takes BeaconSignal
 //   team's channel     MachineInfo, RingInfo, MachineReportInfo; takes PrepareMachine, ResetMachine, MachineReport,
 //                      SetRobotMaintenance
-//   streams (TCP)      as the public channel; takes SetTeamName, SetRobotMaintenance
+//   streams (TCP)      for controllers: all of the above with what teams must not know, WorkpieceInfo,
+//                      AttentionMessage; takes SetGameState, SetGamePhase, SetTeamName, SetRobotMaintenance,
+//                      SetMachineState, ConfirmDelivery
 //   robots             AgentTask (robot_peer.h)
 //
 // Teams are told what the league tells them, whatever `information` says of the topics. Nothing happens, and nothing
@@ -31,6 +34,7 @@
 #include "cx/run/parts.h"
 #include "scenarios/catalogue.h"
 #include "scenarios/rcll/config.h"
+#include "scenarios/rcll/factory.h"
 #include "scenarios/rcll/refbox/channel.h"
 #include "scenarios/rcll/refbox/messages.h"
 #include "scenarios/rcll/refbox/robot_peer.h"
@@ -40,10 +44,10 @@ namespace cxlab::rcll {
 
 class RefboxServer final : public Server {
  public:
-  /// Opens its ports. World and what the stage is made with outlive it. It comes before the robots and the factory in
-  /// a tick, so that they act at once on what it has heard.
+  /// Opens its ports. World, factory and what the stage is made with outlive it. It comes before the robots and the
+  /// factory in a tick, so that they act at once on what it has heard.
   static Expected<std::unique_ptr<RefboxServer>> make(const WorldConfig& config, const sim::World& world,
-                                                      const StageSetup& setup);
+                                                      Factory& factory, const StageSetup& setup);
 
   Status sense(SimTime now) override;
   Status act(SimTime now) override;
@@ -82,9 +86,10 @@ class RefboxServer final : public Server {
   struct Acquaintance {
     std::string name, host;
     Moment seen;
+    SimTime heard{};
   };
 
-  RefboxServer(const WorldConfig& config, const sim::World& world, const StageSetup& setup);
+  RefboxServer(const WorldConfig& config, const sim::World& world, Factory& factory, const StageSetup& setup);
   Status open_ports();
   Status begin();
   Status begin(TeamSide& side);
@@ -95,6 +100,11 @@ class RefboxServer final : public Server {
   void take_public(const Fields& message, const std::string& type, const net::Event& event);
   void take_team(TeamSide& side, const Fields& message, const std::string& type, const net::Event& event);
   void take_controller(const Fields& message, const std::string& type);
+  /// What speaks against what a controller says; empty if nothing does.
+  std::string control(const Fields& message, std::string_view type);
+  std::string set_state(const std::string& state);
+  std::string set_phase(const std::string& phase);
+  std::string set_machine(const std::string& machine, const std::string& state);
   void take_beacon(const Fields& beacon, const net::Event& event);
   /// The same message on a topic.
   void pass_on(const Fields& message, const char* type, bus::EndpointId topic);
@@ -107,12 +117,20 @@ class RefboxServer final : public Server {
   void speak();
   void speak_public();
   void speak_team(TeamSide& side);
+  void speak_streams();
+  /// Tells controllers what people should look after, each once while it lasts.
+  void look_after_robots();
+  void attention(const std::string& text, Team team);
   void send_public(const google::protobuf::Message& message);
+  void send_streams(const google::protobuf::Message& message);
   pb::MessagePtr make(std::string_view type) const;
   pb::MessagePtr game_state() const;
   pb::MessagePtr orders() const;
-  pb::MessagePtr robots() const;
+  /// For teams; for controllers with poses.
+  pb::MessagePtr robots(bool poses) const;
   pb::MessagePtr machines(const TeamSide& side) const;
+  pb::MessagePtr all_machines() const;
+  pb::MessagePtr workpieces() const;
   pb::MessagePtr version() const;
 
   /// A line for people, each once.
@@ -122,6 +140,7 @@ class RefboxServer final : public Server {
 
   const RefboxConfig config_;
   const sim::World& world_;
+  Factory& factory_;
   bus::Bus& bus_;
   net::Network& network_;
   cx::LogSink* log_;
@@ -142,8 +161,11 @@ class RefboxServer final : public Server {
   std::vector<std::pair<std::size_t, Channel>> robot_channels_;  ///< until it begins: by robot
   std::vector<std::unique_ptr<RobotPeer>> robots_;
   std::map<net::LinkId, pb::StreamReader> streams_;
+  Rate stream_rate_, workpiece_rate_;  ///< while there are streams
+  std::set<std::string> attentions_;   ///< that last
 
-  Heard game_state_, order_info_, ring_info_, robot_info_;
+  const bus::MessageType *machine_type_ = nullptr, *robot_type_ = nullptr;
+  Heard game_state_, order_info_, ring_info_;
   Rate beacon_rate_, game_rate_, order_rate_, robot_rate_, version_rate_;
   int order_burst_ = 0;          ///< OrderInfos that still follow quickly
   std::size_t order_count_ = 0;  ///< orders that were sent so far

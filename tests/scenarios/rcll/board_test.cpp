@@ -82,5 +82,24 @@ TEST(Board, ColoursSayWhetherTheWindowIsOpen) {
   EXPECT_EQ(late[0], 1);
 }
 
+TEST(Board, OfARecordedGameFollowsAControllerWhoEndsSetUp) {
+  const TempFolder folder;
+  std::string text;
+  auto record = [&text, n = 0](int at_ms, const std::string& data) mutable {
+    text += R"({"stream":"referee","n":)" + std::to_string(n++) + R"(,"t":)" + std::to_string(at_ms) +
+            R"(000000,"kind":"referee","data":)" + data + ",\"cause\":[]}\n";
+  };
+  record(10000, R"({"event":"set_phase","phase":"PRODUCTION"})");
+  record(10020, R"({"event":"phase","phase":"PRODUCTION"})");
+  record(30000, R"({"event":"set_phase","phase":"POST_GAME"})");
+  record(30020, R"({"event":"phase","phase":"POST_GAME"})");
+  const auto journal = folder.write("journal.jsonl", text);
+  const auto board = RecordedBoard::load(GameClock::of(100, 1200), {Team::kCyan}, journal);
+  ASSERT_TRUE(board) << board.error().text();
+  for (const auto& [at, title] : {std::pair{9, "0:09 SETUP"}, {12, "0:02 PRODUCTION"}, {29, "0:19 PRODUCTION"}})
+    EXPECT_EQ(legend_of(board->at(std::chrono::seconds(at))).title[0].text, title) << at;
+  EXPECT_EQ(board->at(std::chrono::seconds(31)).phase, "POST_GAME");
+}
+
 }  // namespace
 }  // namespace cxlab::rcll

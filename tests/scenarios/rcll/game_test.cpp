@@ -500,6 +500,71 @@ TEST(Referee, BeforeTheWindowCountsNothingAtItsStartItCounts) {
   EXPECT_TRUE(referee.deliveries()[1].correct) << "the early one has used nothing up";
 }
 
+TEST(Referee, DeliveriesThatAreToBeConfirmedCountWhenTheyAre) {
+  const WorldConfig config = game_with_window(100, 200);
+  const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
+  KeptRecords sink;
+  GameReferee referee(GameClock{}, {}, game_of(config, 1)->schedule, plan, sink);
+  EXPECT_EQ(referee.confirm(1, true, from_seconds(1)), "what lies under a gate is seen");
+  referee.wait_for_confirmation();
+  referee.judge(SimTime{}, {}, {});
+  const sim::Stack right{1, {}, 2}, wrong{2, {}, 2};
+  const std::vector events{delivered(plan, "C-DS", 99, right), delivered(plan, "C-DS", 210, right),
+                           delivered(plan, "C-DS", 220, wrong), delivered(plan, "M-DS", 230, wrong)};
+  const std::uint64_t before = referee.order_changes();
+  referee.judge(from_seconds(230), {}, events);
+  EXPECT_EQ(referee.order_changes(), before + 4);
+  EXPECT_TRUE(referee.deliveries().empty());
+  ASSERT_EQ(referee.unconfirmed().size(), 4u);
+  EXPECT_EQ(referee.unconfirmed()[3].id, 4);
+  EXPECT_EQ(referee.unconfirmed()[3].team, Team::kMagenta);
+
+  struct Row {
+    std::int64_t id;
+    bool word;
+    std::string problem, reason;
+  };
+  for (const Row& row :
+       {Row{5, true, "no delivery 5 waits for it", "-"}, Row{2, false, "", "not confirmed"},
+        Row{2, true, "no delivery 2 waits for it", "-"}, Row{1, true, "", "early"}, Row{3, true, "", ""}}) {
+    const std::size_t judged = referee.deliveries().size();
+    EXPECT_EQ(referee.confirm(row.id, row.word, from_seconds(400)), row.problem);
+    ASSERT_EQ(referee.deliveries().size(), judged + (row.reason == "-" ? 0 : 1)) << row.id;
+    if (row.reason != "-") {
+      EXPECT_EQ(referee.deliveries().back().reason, row.reason) << row.id;
+    }
+  }
+  EXPECT_EQ(referee.deliveries().back().late_s, 20) << "late is what the delivery is, not the word";
+  EXPECT_EQ(referee.score(Team::kCyan).of(PointKind::kLate), -3);
+  EXPECT_EQ(referee.score(Team::kCyan).of(PointKind::kCap), 10);
+  EXPECT_EQ(sink.all().back().t, from_seconds(400));
+}
+
+TEST(Referee, AControllerEndsSetUpAndTheGame) {
+  WorldConfig config = game_with_window(100, 200, 30);
+  config.exploration = true;
+  const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
+  KeptRecords sink;
+  GameReferee referee(GameClock::of(50, 300), {}, game_of(config, 1)->schedule, plan, sink, true);
+  referee.judge(SimTime{}, {}, {});
+  EXPECT_EQ(referee.set_phase(Phase::kSetup, from_seconds(10)), "");
+  referee.judge(from_seconds(10), {}, {});
+  EXPECT_EQ(referee.next_due(), from_seconds(50));
+  EXPECT_EQ(referee.set_phase(Phase::kProduction, from_seconds(10)), "");
+  EXPECT_LE(referee.next_due(), from_seconds(10)) << "the next tick sees it";
+  referee.judge(from_seconds(11), {}, {});
+  EXPECT_EQ(referee.phase(), Phase::kProduction);
+  EXPECT_EQ(referee.clock().game_time(from_seconds(11)), 1);
+  EXPECT_EQ(referee.clock().production_end, from_seconds(310)) << "production is as long as ever";
+  EXPECT_EQ(referee.next_due(), from_seconds(40)) << "an order of 30 s of production";
+  EXPECT_EQ(referee.exploration().end(), from_seconds(190) + SimTime{1});
+  EXPECT_NE(referee.set_phase(Phase::kSetup, from_seconds(20)), "");
+  EXPECT_EQ(referee.set_phase(Phase::kPostGame, from_seconds(20)), "");
+  referee.judge(from_seconds(21), {}, {});
+  EXPECT_EQ(referee.phase(), Phase::kPostGame) << "no overtime, though the teams are even";
+  EXPECT_NE(referee.set_phase(Phase::kProduction, from_seconds(22)), "");
+}
+
 TEST(Referee, WhatIsDeliveredForNoOrderIsDiscarded) {
   const WorldConfig config = GameStory::quiet_game();
   const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
@@ -601,6 +666,44 @@ TEST(Game, AMachineFailsInProductionOnlyAndOnce) {
     story.run_until(row.at);
     EXPECT_EQ(machine.fail(story.world().now(), story.world(), "a test"), row.fails) << row.at;
     EXPECT_EQ(machine.state(), row.state) << row.at;
+  }
+}
+
+TEST(Game, AControllerBreaksAMachineAndRepairsIt) {
+  WorldConfig config = GameStory::quiet_game();
+  config.setup_s = 5;
+  GameStory story(config);
+  Factory& factory = story.factory();
+  const auto now = [&] { return story.world().now(); };
+  EXPECT_EQ(factory.reset_machine("C-CS1", now()), "C-CS1 is IDLE in SETUP");
+  EXPECT_EQ(factory.set_phase(Phase::kProduction, now()), "");
+  story.run_for(1);
+  story.move("C-CS1-SHELF-LEFT", "C-CS1-INPUT");
+  ASSERT_EQ(story.carry_out("{machine: C-CS1, operation: RETRIEVE_CAP}").code, 0);
+  EXPECT_EQ(factory.repair_machine("C-CS1", now()), "C-CS1 is READY-AT-OUTPUT, not BROKEN");
+  EXPECT_EQ(story.machine("C-CS1").loaded_with(), 1);
+  EXPECT_EQ(factory.reset_machine("C-CS1", now()), "");
+  EXPECT_EQ(story.state("C-CS1"), "BROKEN");
+  EXPECT_NE(factory.reset_machine("C-CS1", now()), "");
+  EXPECT_EQ(factory.repair_machine("C-CS1", now()), "");
+  EXPECT_EQ(story.state("C-CS1"), "IDLE");
+  EXPECT_EQ(story.machine("C-CS1").loaded_with(), 0);
+  story.run_for(1);
+  EXPECT_EQ(story.score().of(PointKind::kBuffer), 0) << "the points for the cap are gone";
+  EXPECT_EQ(factory.reset_machine("C-CS3", now()).find("no machine"), 0u) << factory.reset_machine("C-CS3", now());
+}
+
+TEST(Game, DownTimesFollowTheBeginningOfProduction) {
+  WorldConfig config;
+  config.setup_s = 100;
+  const TempFolder folder;
+  config.game = put_file(folder / "down.yaml", "down: [{machine: CS1, begin_s: 3, end_s: 5}]").string();
+  GameStory story(config);
+  story.run_until(10);
+  EXPECT_EQ(story.factory().set_phase(Phase::kProduction, story.world().now()), "");
+  for (const auto& [at, state] : {std::pair{12.9, "IDLE"}, {13.1, "DOWN"}, {14.9, "DOWN"}, {15.1, "IDLE"}}) {
+    story.run_until(at);
+    EXPECT_EQ(story.state("C-CS1"), state) << at;
   }
 }
 

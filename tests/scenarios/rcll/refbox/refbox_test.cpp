@@ -138,8 +138,10 @@ TEST(Refbox, SpeaksToStreams) {
   story.run_until(8);
   EXPECT_THAT(controller.last_text("GameState"), HasSubstr("team_cyan: \"Carologistics\""));
   EXPECT_THAT(controller.last_text("RobotInfo"), HasSubstr("number: 2 state: MAINTENANCE"));
-  EXPECT_THAT(story.warnings(), ElementsAre("stream: found a llsf_msgs.SetTeamName, expected a SetTeamName or "
-                                            "SetRobotMaintenance of a team that plays"));
+  EXPECT_THAT(story.warnings(), ElementsAre("stream: a llsf_msgs.SetTeamName is refused: MAGENTA does not play"));
+  for (const auto& [type, count] :
+       {std::pair{"MachineInfo", 32}, {"RobotInfo", 32}, {"WorkpieceInfo", 4}, {"RingInfo", 4}, {"VersionInfo", 1}})
+    EXPECT_NEAR(static_cast<double>(controller.times(type).size()), count, 1) << type;
   story.send(controller, "GET / HTTP/1.1\r\n");
   story.run_until(10);
   EXPECT_THAT(story.warnings().back(), HasSubstr("found frame header version 71"));
