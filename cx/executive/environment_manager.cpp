@@ -158,8 +158,12 @@ Status EnvironmentManager::do_activate() {
 
 void EnvironmentManager::check_rules() {
   if (!options_.strict) return;
-  for (const Entry& entry : environments_)
-    note_each(differences_in_rules(entry.environment->engine(), options_.release));
+  for (const Entry& entry : environments_) {
+    std::map<std::string, std::string> own;
+    for (const Plugin* plugin : entry.loaded)
+      if (!plugin->library().empty() || !plugin->type().starts_with("cx::")) own[plugin->name()] = plugin->type();
+    note_each(differences_in_rules(entry.environment->engine(), options_.release, own));
+  }
 }
 
 void EnvironmentManager::note_rule_errors() {

@@ -28,8 +28,15 @@ struct Construct {
 
 class Reader {
  public:
-  Reader(const RuleEngine& engine, RosRelease release) : engine_(engine), release_(release) {
-    for (const FunctionSpec& function : engine.functions()) functions_.insert(function.name);
+  Reader(const RuleEngine& engine, RosRelease release, const std::map<std::string, std::string>& own_plugins)
+      : engine_(engine), release_(release) {
+    for (const FunctionSpec& function : engine.functions()) {
+      functions_.insert(function.name);
+      if (const auto own = own_plugins.find(function.owner); own != own_plugins.end())
+        not_of_cx_[function.name] = "is of plugin '" + own->first + "' (" + own->second + "), which CX does not have";
+      if (function.name == "pb-peer-create-crypto" || function.name.ends_with("-client-cancel-goals-before"))
+        not_of_cx_.try_emplace(function.name, "fails at each call in CX");
+    }
   }
 
   std::vector<Error> read() {
@@ -39,6 +46,7 @@ class Reader {
         continue;
       const Construct construct{info, tree_of(Form{info.text, info.line, true, info.kind, info.name})};
       look_for_missing_functions(construct);
+      look_for_own_functions(construct);
       look_for_constant_times(construct);
       look_at_callback(construct);
       collect_names(construct);
@@ -75,6 +83,13 @@ class Reader {
                 "release: ROS 2 " + std::string(kRosReleases[static_cast<std::size_t>(release_)]) + " has no generic " +
                     std::string(missing.what) + ", so CX has no '" + std::string(list.head()) +
                     "' there; use the generated bindings of the type");
+    });
+  }
+
+  void look_for_own_functions(const Construct& construct) {
+    each_list(construct.tree, [&](const Term& list) {
+      const auto own = not_of_cx_.find(list.head());
+      if (own != not_of_cx_.end()) found(construct, list.line, "function: '" + own->first + "' " + own->second);
     });
   }
 
@@ -167,14 +182,16 @@ class Reader {
   const RuleEngine& engine_;
   RosRelease release_;
   std::set<std::string> functions_;
-  std::map<std::string, std::string> spellings_;  // without a leading slash -> as written first
+  std::map<std::string, std::string, std::less<>> not_of_cx_;  // functions, and why
+  std::map<std::string, std::string> spellings_;               // without a leading slash -> as written first
   std::vector<Error> found_;
 };
 
 }  // namespace
 
-std::vector<Error> differences_in_rules(const RuleEngine& engine, RosRelease release) {
-  return Reader(engine, release).read();
+std::vector<Error> differences_in_rules(const RuleEngine& engine, RosRelease release,
+                                        const std::map<std::string, std::string>& own_plugins) {
+  return Reader(engine, release, own_plugins).read();
 }
 
 std::vector<Error> facts_lost_by_reset(const RuleEngine& engine) {

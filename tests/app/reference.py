@@ -14,6 +14,45 @@ def doc(*arguments):
     return subprocess.run([CXLAB, "doc", *arguments], text=True, timeout=60, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
 
+# Functions of CX by prefix; the last three are those of bindings.
+FUNCTIONS_OF_CX = {
+    "": "cx-shutdown config-load now now-systime ros-param-get-value",
+    "ament-index":
+        "get-package-prefix get-package-share-directory get-packages-with-prefixes get-resource get-resources "
+        "get-search-paths has-resource",
+    "pb":
+        "register-type create destroy field-names field-type has-field field-label field-value field-list "
+        "field-is-list set-field add-list tostring send server-enable server-disable connect disconnect "
+        "peer-create peer-create-local peer-create-crypto peer-create-local-crypto peer-destroy peer-setup-crypto "
+        "broadcast",
+    "ros-msgs":
+        "create-publisher destroy-publisher create-subscription destroy-subscription create-message "
+        "destroy-message publish get-field set-field create-client destroy-client create-request "
+        "async-send-request create-service destroy-service create-action-client destroy-action-client "
+        "create-goal-request async-send-goal async-cancel-goal destroy-client-goal-handle "
+        "client-goal-handle-get-goal-id client-goal-handle-get-goal-stamp client-goal-handle-get-status "
+        "client-goal-handle-is-feedback-aware client-goal-handle-is-result-aware goal-uuid-to-string",
+    "tf2": "start-periodic-lookup stop-periodic-lookup",
+    "std-msgs-string":
+        "create-message destroy-message get-field set-field create-publisher destroy-publisher create-subscription "
+        "destroy-subscription publish",
+    "std-srvs-set-bool":
+        "create-service destroy-service create-client destroy-client send-request request-create request-destroy "
+        "request-get-field request-set-field response-create response-destroy response-get-field "
+        "response-set-field",
+    "example-interfaces-fibonacci":
+        "create-server destroy-server create-client destroy-client send-goal goal-create goal-destroy "
+        "goal-get-field goal-set-field feedback-create feedback-destroy feedback-get-field feedback-set-field "
+        "result-create result-destroy result-get-field result-set-field client-cancel-goal client-cancel-all-goals "
+        "client-cancel-goals-before server-goal-handle-abort server-goal-handle-succeed "
+        "server-goal-handle-canceled server-goal-handle-get-goal server-goal-handle-get-goal-id "
+        "server-goal-handle-is-canceling server-goal-handle-is-active server-goal-handle-is-executing "
+        "server-goal-handle-execute server-goal-handle-publish-feedback server-goal-handle-destroy "
+        "client-goal-handle-get-goal-id client-goal-handle-get-goal-stamp client-goal-handle-get-status "
+        "client-goal-handle-is-feedback-aware client-goal-handle-is-result-aware client-goal-handle-destroy",
+}
+
+
 class Doc(unittest.TestCase):
     def test_reference_page_is_up_to_date(self):
         page = (SOURCE / "docs/reference.md").read_text()
@@ -50,6 +89,16 @@ class Doc(unittest.TestCase):
         self.assertNotIn("create-message", done.stdout)
         self.assertIn("(slot result-ptr", doc("example-interfaces-fibonacci-wrapped-result").stdout)
         self.assertIn("did you mean 'std-msgs-string-publish'?", doc("std-msgs-string-publsh").stderr)
+
+    def test_functions_are_those_of_cx(self):
+        """Those that CX does not have must be found by --strict-cx (look_for_own_functions)."""
+        def functions(plugin):
+            return {function["name"] for function in plugin["functions"]}
+        plugins = json.loads(doc("--json").stdout)
+        for name in ("StdMsgsString", "StdSrvsSetBool", "ExampleInterfacesFibonacci"):
+            plugins += json.loads(doc(f"cx::CX{name}Plugin", "--json").stdout)
+        known = {prefix + "-" * bool(prefix) + name for prefix, names in FUNCTIONS_OF_CX.items() for name in names.split()}
+        self.assertEqual(set().union(*map(functions, plugins)), known)
 
     def test_unknown_name(self):
         done = doc("confvl")

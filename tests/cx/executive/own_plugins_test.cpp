@@ -65,6 +65,17 @@ TEST_F(OwnPlugins, LibraryIsNotOpenedWhereNativePluginsMayNotBe) {
   }
 }
 
+TEST_F(OwnPlugins, FunctionsAreNotOfCx) {
+  library(built("chatty").string());
+  lab_.options.strict = true;
+  lab_.options.keep_going = true;
+  ASSERT_TRUE(start().ok());
+  EXPECT_THAT(
+      lab_.log.with("strict-cx"),
+      ElementsAre(HasSubstr(
+          "rules.clp:2: strict-cx: function: 'chat' is of plugin 'talk' (test::Chatty), which CX does not have")));
+}
+
 TEST_F(OwnPlugins, EachHookIsCalledInItsOrder) {
   library(built("chatty").string());
   ASSERT_TRUE(start().ok());

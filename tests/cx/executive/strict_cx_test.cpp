@@ -96,6 +96,31 @@ TEST_F(StrictCxTest, NamesHaveOneSpelling) {
                           "as they are written"));
 }
 
+TEST_F(StrictCxTest, FunctionsThatCxDoesNotHave) {
+  for (const auto& [name, owner] : {std::pair{"shout", "megaphone"},
+                                    {"whisper", "files"},
+                                    {"pb-peer-create-crypto", "pb"},
+                                    {"pb-peer-create-local-crypto", "pb"},
+                                    {"std-srvs-fill-client-cancel-goals-before", "bindings"},
+                                    {"std-srvs-fill-client-cancel-goal", "bindings"}})
+    EXPECT_TRUE(engine().add_function({.name = name, .returns = "*", .max_args = 5, .owner = owner}, [](Call&) {}));
+  given(R"((defrule loud (go) => (shout) (whisper) (shout 1)
+  (if TRUE then (shout 2)))
+(deffunction peers () (pb-peer-create-crypto a 1 b c) (pb-peer-create-local-crypto a 1 2 b c)
+  (std-srvs-fill-client-cancel-goals-before s 1.0) (std-srvs-fill-client-cancel-goal s 1))
+(defrule quiet (shout-heard) => (whisper))
+)");
+  std::vector<std::string> texts;
+  for (const Error& error : differences_in_rules(engine(), RosRelease::kKilted, {{"megaphone", "my::Megaphone"}}))
+    texts.push_back(error.text());
+  EXPECT_THAT(
+      texts, ElementsAre("rules.clp:1: strict-cx: function: 'shout' is of plugin 'megaphone' (my::Megaphone), which CX "
+                         "does not have",
+                         "rules.clp:3: strict-cx: function: 'pb-peer-create-crypto' fails at each call in CX",
+                         "rules.clp:4: strict-cx: function: 'std-srvs-fill-client-cancel-goals-before' fails at each "
+                         "call in CX"));
+}
+
 TEST_F(StrictCxTest, FactsBeforeTheResetAreLost) {
   given("(deffacts kept (stays))\n");
   EXPECT_THAT(facts_lost_by_reset(engine()), IsEmpty());
