@@ -3,11 +3,15 @@
 
 #include <google/protobuf/message.h>
 
+#include <filesystem>
+#include <fstream>
 #include <optional>
+#include <string>
 
 #include "cx/network/network.h"
 #include "cx/protobuf/wire.h"
 #include "cx/run/loop.h"
+#include "scenarios/rcll/game.h"
 #include "scenarios/rcll/refbox/league_client.h"
 #include "scenarios/rcll/world.h"
 #include "scenarios/stage.h"
@@ -45,9 +49,22 @@ struct Game {
   std::unique_ptr<pb::Crypto> crypto;
 };
 
+/// A game file; drawing a layout takes longer than playing many inputs.
+const std::string& game_file() {
+  static const std::string file = [] {
+    const std::filesystem::path path = fuzz::folder() / "game.yaml";
+    std::ofstream(path) << rcll::to_yaml(*rcll::game_of(rcll::WorldConfig{}, 1));
+    return path.string();
+  }();
+  return file;
+}
+
 Game::Game() {
   rcll::WorldConfig config;
   config.exploration = true;
+  config.setup_s = 0.5;  // which controllers may end
+  config.refbox.confirm_deliveries = true;
+  config.game = game_file();
   scenario.set_world({&rcll::kWorld, config, {}});
   scenario.tier = Tier::kTimed;
   scenario.servers.push_back({&rcll::kLeagueClient, rcll::LeagueClientConfig{.name_space = "/outside"}, {}});
@@ -99,11 +116,11 @@ void Game::play(const std::uint8_t* data, std::size_t size) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  // Making a game takes long, so one serves fifty inputs.
+  // Making a game takes long, so one serves many inputs.
   fuzz::registry();  // outlives the game
   static std::unique_ptr<Game> game;
   static int inputs = 0;
-  if (inputs++ % 50 == 0) game = std::make_unique<Game>();
+  if (inputs++ % 200 == 0) game = std::make_unique<Game>();
   game->play(data, size);
   return 0;
 }
