@@ -114,7 +114,7 @@ Status Factory::sense(SimTime now) {
 Status Factory::judge(SimTime now) {
   maintenance_.judge(now);
   if (robot_info_.due(now, std::exchange(published_duties_, maintenance_.changes()) != published_duties_))
-    publish_robots(now);
+    publish_robots();
   referee_.judge(now, world_.changes(), context_.events);
   context_.clock = referee_.clock();
   context_.events.clear();
@@ -158,7 +158,8 @@ SimTime Factory::next_due() const {
 
 // --- Controllers
 
-std::string Factory::reset_machine(const std::string& name, SimTime now) {
+std::string Factory::reset_machine(const std::string& name) {
+  const SimTime now = world_.now();
   Machine* machine = find_machine(machines_, name);
   if (machine == nullptr) return unknown_machine(machines_, name);
   if (machine->fail(now, world_, "reset by a controller")) return {};
@@ -166,10 +167,10 @@ std::string Factory::reset_machine(const std::string& name, SimTime now) {
          std::string(to_string(context_.clock.phase(now)));
 }
 
-std::string Factory::repair_machine(const std::string& name, SimTime now) {
+std::string Factory::repair_machine(const std::string& name) {
   Machine* machine = find_machine(machines_, name);
   if (machine == nullptr) return unknown_machine(machines_, name);
-  if (machine->repair(now)) return {};
+  if (machine->repair(world_.now())) return {};
   return name + " is " + std::string(to_string(machine->state())) + ", not BROKEN";
 }
 
@@ -214,26 +215,26 @@ void Factory::publish_rings() {
   ring_info_.publish(bus_, std::move(message));
 }
 
-void Factory::publish_robots(SimTime now) {
+void Factory::publish_robots() {
   bus::Message message = robot_info_.message();
-  put_robots(message.view(), now, information_ == Information::kAll);
+  put_robots(message.view(), information_ == Information::kAll);
   robot_info_.publish(bus_, std::move(message));
 }
 
-void Factory::put_robots(const bus::MessageView& info, SimTime now, bool poses) const {
+void Factory::put_robots(const bus::MessageView& info, bool poses) const {
   for (const Maintenance::Robot& robot : maintenance_.robots()) {
     const bus::MessageView entry = info.append("robots");
     entry.set("name", world_.plan().robot(robot.id).name).set("team_color", to_string(robot.team));
     entry.set("number", robot.number).set("state", to_string(robot.duty));
-    entry.set("maintenance_time_remaining", to_seconds(maintenance_.remaining(robot, now)));
+    entry.set("maintenance_time_remaining", to_seconds(maintenance_.remaining(robot, world_.now())));
     entry.set("maintenance_cycles", robot.cycles);
     if (poses) put_pose(entry, world_.robot(robot.id).pose_in_world);
   }
 }
 
-void Factory::put_machines(const bus::MessageView& info, SimTime now) const {
+void Factory::put_machines(const bus::MessageView& info) const {
   for (const auto& machine : machines_)
-    put_machine(info.append("machines"), *machine, world_, *context_.exploration, Information::kAll, now);
+    put_machine(info.append("machines"), *machine, world_, *context_.exploration, Information::kAll, world_.now());
 }
 
 }  // namespace cxlab::rcll

@@ -48,13 +48,11 @@ class Factory final : public Server, public Referee {
   SimTime next_due() const override;
 
   // What a controller of the referee box may do, after `judge` and before `act`. What speaks against it, else empty.
-  std::string set_phase(Phase phase, SimTime now) { return referee_.set_phase(phase, now); }
-  std::string confirm_delivery(std::int64_t id, bool correct, SimTime now) {
-    return referee_.confirm(id, correct, now);
-  }
+  std::string set_phase(Phase phase) { return referee_.set_phase(phase, world_.now()); }
+  std::string confirm_delivery(std::int64_t id, bool correct) { return referee_.confirm(id, correct, world_.now()); }
   /// The referee breaks a machine, as a team's reset does, or ends that it is BROKEN.
-  std::string reset_machine(const std::string& name, SimTime now);
-  std::string repair_machine(const std::string& name, SimTime now);
+  std::string reset_machine(const std::string& name);
+  std::string repair_machine(const std::string& name);
 
   const GameReferee& referee() const { return referee_; }
   const Maintenance& maintenance() const { return maintenance_; }
@@ -62,9 +60,9 @@ class Factory final : public Server, public Referee {
   const GameClock& clock() const { return context_.clock; }
   std::vector<Team> teams() const;  ///< that play
   /// Fills a MachineInfo with all there is of every machine.
-  void put_machines(const bus::MessageView& info, SimTime now) const;
+  void put_machines(const bus::MessageView& info) const;
   /// Fills a RobotInfo.
-  void put_robots(const bus::MessageView& info, SimTime now, bool poses) const;
+  void put_robots(const bus::MessageView& info, bool poses) const;
   /// Takes what people should know of what teams send.
   void on_warning(const std::function<void(const std::string&)>& warn);
   bool over() const override { return referee_.phase() == Phase::kPostGame; }
@@ -78,7 +76,7 @@ class Factory final : public Server, public Referee {
   void publish_game_state(SimTime now);
   void publish_orders();
   void publish_rings();
-  void publish_robots(SimTime now);
+  void publish_robots();
 
   Information information_;
   sim::World& world_;

@@ -355,7 +355,7 @@ std::string RefboxServer::control(const Fields& message, std::string_view type) 
   if (type == "SetGamePhase") return set_phase(message.text("phase"));
   if (type == "SetMachineState") return set_machine(message.text("machine_name"), message.text("state"));
   if (type == "ConfirmDelivery")
-    return factory_.confirm_delivery(message.integer("delivery_id"), message.integer("correct") != 0, now_);
+    return factory_.confirm_delivery(message.integer("delivery_id"), message.integer("correct") != 0);
   if (type == "SetTeamName" || type == "SetRobotMaintenance") {
     const std::string team = message.has("team_color") ? message.text("team_color") : "no team";
     TeamSide* side = named<Team>(team) ? side_of(*named<Team>(team)) : nullptr;
@@ -384,13 +384,13 @@ std::string RefboxServer::set_state(const std::string& state) {
 
 std::string RefboxServer::set_phase(const std::string& phase) {
   const auto known = named<Phase>(phase);
-  return known ? factory_.set_phase(*known, now_) : "found " + phase + ", expected SETUP, PRODUCTION or POST_GAME";
+  return known ? factory_.set_phase(*known) : "found " + phase + ", expected SETUP, PRODUCTION or POST_GAME";
 }
 
 /// The other states are those of stand-ins for machines.
 std::string RefboxServer::set_machine(const std::string& machine, const std::string& state) {
-  if (state == "RESET") return factory_.reset_machine(machine, now_);
-  if (state == "IDLE") return factory_.repair_machine(machine, now_);
+  if (state == "RESET") return factory_.reset_machine(machine);
+  if (state == "IDLE") return factory_.repair_machine(machine);
   return "found " + state + ", expected RESET or IDLE";
 }
 
@@ -599,7 +599,7 @@ pb::MessagePtr RefboxServer::orders() const {
 
 pb::MessagePtr RefboxServer::robots(bool poses) const {
   bus::Message told(*robot_type_);
-  factory_.put_robots(told.view(), now_, poses);
+  factory_.put_robots(told.view(), poses);
   auto message = make("RobotInfo");
   fill(*message, told.view(), moment());
   Fields info(*message);
@@ -636,7 +636,7 @@ pb::MessagePtr RefboxServer::machines(const TeamSide& side) const {
 
 pb::MessagePtr RefboxServer::all_machines() const {
   bus::Message told(*machine_type_);
-  factory_.put_machines(told.view(), now_);
+  factory_.put_machines(told.view());
   auto message = make("MachineInfo");
   fill(*message, told.view(), moment());
   return message;

@@ -674,23 +674,22 @@ TEST(Game, AControllerBreaksAMachineAndRepairsIt) {
   config.setup_s = 5;
   GameStory story(config);
   Factory& factory = story.factory();
-  const auto now = [&] { return story.world().now(); };
-  EXPECT_EQ(factory.reset_machine("C-CS1", now()), "C-CS1 is IDLE in SETUP");
-  EXPECT_EQ(factory.set_phase(Phase::kProduction, now()), "");
+  EXPECT_EQ(factory.reset_machine("C-CS1"), "C-CS1 is IDLE in SETUP");
+  EXPECT_EQ(factory.set_phase(Phase::kProduction), "");
   story.run_for(1);
   story.move("C-CS1-SHELF-LEFT", "C-CS1-INPUT");
   ASSERT_EQ(story.carry_out("{machine: C-CS1, operation: RETRIEVE_CAP}").code, 0);
-  EXPECT_EQ(factory.repair_machine("C-CS1", now()), "C-CS1 is READY-AT-OUTPUT, not BROKEN");
+  EXPECT_EQ(factory.repair_machine("C-CS1"), "C-CS1 is READY-AT-OUTPUT, not BROKEN");
   EXPECT_EQ(story.machine("C-CS1").loaded_with(), 1);
-  EXPECT_EQ(factory.reset_machine("C-CS1", now()), "");
+  EXPECT_EQ(factory.reset_machine("C-CS1"), "");
   EXPECT_EQ(story.state("C-CS1"), "BROKEN");
-  EXPECT_NE(factory.reset_machine("C-CS1", now()), "");
-  EXPECT_EQ(factory.repair_machine("C-CS1", now()), "");
+  EXPECT_NE(factory.reset_machine("C-CS1"), "");
+  EXPECT_EQ(factory.repair_machine("C-CS1"), "");
   EXPECT_EQ(story.state("C-CS1"), "IDLE");
   EXPECT_EQ(story.machine("C-CS1").loaded_with(), 0);
   story.run_for(1);
   EXPECT_EQ(story.score().of(PointKind::kBuffer), 0) << "the points for the cap are gone";
-  EXPECT_EQ(factory.reset_machine("C-CS3", now()).find("no machine"), 0u) << factory.reset_machine("C-CS3", now());
+  EXPECT_EQ(factory.reset_machine("C-CS3").find("no machine"), 0u) << factory.reset_machine("C-CS3");
 }
 
 TEST(Game, DownTimesFollowTheBeginningOfProduction) {
@@ -700,7 +699,7 @@ TEST(Game, DownTimesFollowTheBeginningOfProduction) {
   config.game = put_file(folder / "down.yaml", "down: [{machine: CS1, begin_s: 3, end_s: 5}]").string();
   GameStory story(config);
   story.run_until(10);
-  EXPECT_EQ(story.factory().set_phase(Phase::kProduction, story.world().now()), "");
+  EXPECT_EQ(story.factory().set_phase(Phase::kProduction), "");
   for (const auto& [at, state] : {std::pair{12.9, "IDLE"}, {13.1, "DOWN"}, {14.9, "DOWN"}, {15.1, "IDLE"}}) {
     story.run_until(at);
     EXPECT_EQ(story.state("C-CS1"), state) << at;
