@@ -45,6 +45,19 @@ std::string prefix_of(Team team, std::size_t teams) {
   return teams == 1 ? "" : team == Team::kCyan ? "/cyan" : "/magenta";
 }
 
+/// What the machine was told to do, while it does it.
+void put_instruction(const Fields& entry, const Machine& machine) {
+  if (!machine.job().open) return;
+  const Instruction& told = machine.instruction();
+  const std::string kind = entry.text("type");
+  if (kind == "BS") entry.part("instruction_bs").set("side", told.side).set("color", told.base_color);
+  if (kind == "CS") entry.part("instruction_cs").set("operation", told.operation);
+  if (kind == "RS") entry.part("instruction_rs").set("ring_color", told.ring_color);
+  if (kind == "DS") entry.part("instruction_ds").set("order_id", told.order_id);
+  if (kind == "SS")
+    entry.part("instruction_ss").set("operation", told.operation).set("shelf", told.shelf).set("slot", told.slot);
+}
+
 }  // namespace
 
 bool RefboxServer::Rate::due(SimTime now) {
@@ -639,6 +652,8 @@ pb::MessagePtr RefboxServer::all_machines() const {
   factory_.put_machines(told.view());
   auto message = make("MachineInfo");
   fill(*message, told.view(), moment());
+  for (int i = 0; const auto& machine : factory_.machines())
+    put_instruction(Fields(*message).item("machines", i++), *machine);
   return message;
 }
 

@@ -148,6 +148,26 @@ TEST(Refbox, SpeaksToStreams) {
   EXPECT_LT(controller.times("GameState").back(), 8.5) << "it was closed";
 }
 
+TEST(Refbox, TellsControllersWhatMachinesAreToldToDo) {
+  RefboxStory story;
+  auto& controller = story.open_stream();
+  auto& cyan = story.open(kCyanWay, kLeagueKey);
+  story.run_until(1);
+  EXPECT_THAT(controller.last_text("MachineInfo"), Not(HasSubstr("instruction")));
+  for (const auto& [machine, instruction] : {std::pair{"C-BS", "instruction_bs { side: OUTPUT color: BASE_BLACK }"},
+                                             {"C-CS1", "instruction_cs { operation: RETRIEVE_CAP }"},
+                                             {"C-RS1", "instruction_rs { ring_color: RING_ORANGE }"},
+                                             {"C-DS", "instruction_ds { order_id: 1 }"},
+                                             {"C-SS", "instruction_ss { operation: RETRIEVE shelf: 0 slot: 1 }"}}) {
+    story.say(cyan, "PrepareMachine", std::string("team_color: CYAN machine: '") + machine + "' " + instruction);
+    story.run_for(0.5);
+    EXPECT_THAT(controller.last_text("MachineInfo"), HasSubstr(instruction));
+    EXPECT_THAT(cyan.last_text("MachineInfo"), Not(HasSubstr("instruction_bs")));
+  }
+  story.run_for(60);
+  EXPECT_THAT(controller.last_text("MachineInfo"), Not(HasSubstr("instruction_bs"))) << "done";
+}
+
 TEST(Refbox, LearnsTheNameOfATeamFromItsBeacons) {
   RefboxStory story;
   auto& all = story.open(kPublicWay);
