@@ -168,6 +168,32 @@ TEST(Refbox, TellsControllersWhatMachinesAreToldToDo) {
   EXPECT_THAT(controller.last_text("MachineInfo"), Not(HasSubstr("instruction_bs"))) << "done";
 }
 
+TEST(Refbox, TellsControllersWhatPeopleShouldLookAfter) {
+  RefboxStory story;
+  auto& all = story.open(kPublicWay);
+  auto& controller = story.open_stream();
+  story.run_until(1);
+  const std::string beacon =
+      "time { sec: 1 nsec: 0 } seq: 1 team_name: 'CYAN' peer_name: 'R' team_color: CYAN number: ";
+  story.say(all, "BeaconSignal", beacon + '1');
+  story.say(controller, "SetRobotMaintenance", "team_color: CYAN robot_number: 2 maintenance: true");
+  story.say(all, "BeaconSignal", beacon + '2');
+  story.run_until(5.9);
+  EXPECT_THAT(controller.times("AttentionMessage"), IsEmpty());
+  story.run_until(100);
+  EXPECT_EQ(controller.last_text("AttentionMessage"),
+            "message: \"robot 1 of CYAN is lost: no beacon for 5 s\" team_color: CYAN");
+  EXPECT_THAT(controller.times("AttentionMessage"), SizeIs(1)) << "once; a robot in maintenance is not lost";
+  story.run_until(107);
+  EXPECT_EQ(controller.last_text("AttentionMessage"),
+            "message: \"robot 2 of CYAN has to be back from maintenance soon\" team_color: CYAN");
+  EXPECT_THAT(controller.times("AttentionMessage"), ElementsAre(testing::_, testing::DoubleNear(106.25, 0.3)));
+  story.say(all, "BeaconSignal", beacon + '1');
+  story.run_for(8);
+  EXPECT_THAT(controller.times("AttentionMessage"), SizeIs(3)) << "lost again";
+  EXPECT_THAT(all.times("AttentionMessage"), IsEmpty());
+}
+
 TEST(Refbox, LearnsTheNameOfATeamFromItsBeacons) {
   RefboxStory story;
   auto& all = story.open(kPublicWay);
