@@ -103,7 +103,7 @@ Piece& WorldView::add_piece(const Stack& stack, StationId from, const Vec3& posi
 }
 
 void WorldView::pass(Piece& piece, Holder to, int to_index) {
-  changes_.push_back({piece.id, piece.holder, to, piece.holder_index, to_index, piece.position_in_world, now_});
+  changes_.push_back({piece.id, piece.holder, to, piece.holder_index, to_index, piece.position_in_world, floor_time()});
   piece.holder = to;
   piece.holder_index = to_index;
 }

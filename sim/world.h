@@ -15,6 +15,7 @@
 #include "cx/base/record_sink.h"
 #include "cx/base/time.h"
 #include "cx/run/parts.h"
+#include "sim/floor_clock.h"
 #include "sim/geometry.h"
 #include "sim/pose.h"
 
@@ -105,7 +106,7 @@ struct HolderChange {
   Holder from{}, to{};
   int from_index = -1, to_index = -1;
   Vec3 position_in_world = Vec3::Zero();
-  SimTime at{};
+  SimTime at{};  ///< by the floor's clock
 };
 
 struct RobotState {
@@ -130,6 +131,12 @@ class WorldView {
  public:
   virtual ~WorldView() = default;
   SimTime now() const { return now_; }
+  const FloorClock& clock() const { return clock_; }
+  bool halted() const { return clock_.halted(); }
+  /// What the floor's clock shows now.
+  SimTime floor_time() const { return clock_.at(now_); }
+  /// The simulated time of something that happened at that time of the floor's clock.
+  SimTime simulated(SimTime floor) const { return floor == floor_time() ? now_ : clock_.when(floor); }
   const FloorPlan& plan() const { return plan_; }
   std::span<const Piece> pieces() const { return pieces_; }  ///< in play, by id
   const Piece* find(PieceId id) const;                       ///< nullptr when out of play
@@ -164,6 +171,7 @@ class WorldView {
 
   FloorPlan plan_;
   SimTime now_{};
+  FloorClock clock_;
   std::vector<Piece> pieces_;
   std::vector<int> slide_counts_;  ///< by station
   std::vector<bool> off_field_;    ///< by robot
@@ -201,6 +209,11 @@ class World : public WorldView, public Simulation {
   /// People set the robot down on a free place of the field.
   void bring_back(RobotId robot, const Pose2& to);
 
+  /// Belts and robots stand, and the floor's clock with them, until `go_on`. Robots brake as hard as they can. May be
+  /// called in the judge phase of a tick.
+  virtual void halt() { clock_.halt(now_); }
+  virtual void go_on() { clock_.go_on(now_); }
+
  protected:
   /// The robot stands there; it holds nothing.
   virtual void set_down(RobotId robot, const Pose2& to) = 0;
@@ -225,7 +238,8 @@ class RobotBodies {
 class RobotBook {
  public:
   virtual ~RobotBook() = default;
-  /// The robot moves along the polyline at constant speed and is at its end at `arrival`, facing `final_yaw`.
+  /// The robot moves along the polyline at constant speed and is at its end at `arrival`, facing as there. Times are
+  /// those of the floor's clock.
   virtual void move_along(RobotId robot, std::span<const Pose2> path, SimTime departure, SimTime arrival) = 0;
   virtual void stop(RobotId robot) = 0;                  ///< where it is now
   virtual Status grasp(RobotId robot, SpotId from) = 0;  ///< the piece there is now held

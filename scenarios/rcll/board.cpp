@@ -39,10 +39,11 @@ void set_time(Board& board, const GameClock& clock, SimTime now) {
 
 }  // namespace
 
-Board board_of(const Factory& game, SimTime now) {
+Board board_of(const Factory& game) {
   const GameReferee& referee = game.referee();
   Board board;
-  set_time(board, game.clock(), now);
+  set_time(board, game.clock(), game.floor().floor_time());
+  board.paused = game.state() == GameState::kPaused;
   board.teams = game.teams();
   for (const Team team : kTeams) board.points[static_cast<std::size_t>(team)] = referee.score(team).total();
   for (const OrderState& state : referee.orders()) {
@@ -68,6 +69,7 @@ Expected<RecordedBoard> RecordedBoard::load(const GameClock& clock, std::vector<
 
 Board RecordedBoard::at(SimTime now) const {
   GameClock clock = clock_;
+  sim::FloorClock floor;
   Board board;
   for (const JournalRecord& record : records_) {
     if (record.t > now) continue;
@@ -77,9 +79,14 @@ Board RecordedBoard::at(SimTime now) const {
     if (event == "overtime" || event == "sudden death") {
       clock.production_end = clock.at(number(data, "until"));
     } else if (event == "phase" && data.text("phase") == to_string(Phase::kPostGame)) {
-      clock.production_end = record.t;
-    } else if (event == "set_phase" && clock.phase(record.t) == Phase::kSetup) {
-      clock.begin_production(record.t);
+      clock.production_end = floor.at(record.t);
+    } else if (event == "set_phase" && clock.phase(floor.at(record.t)) == Phase::kSetup) {
+      clock.begin_production(floor.at(record.t));
+    } else if (event == "state") {
+      if (data.text("state") == to_string(GameState::kPaused))
+        floor.halt(record.t);
+      else
+        floor.go_on(record.t);
     } else if (event == "score" && team) {
       board.points[static_cast<std::size_t>(*team)] = data.integer("total");
     } else if (event == "order") {
@@ -98,14 +105,15 @@ Board RecordedBoard::at(SimTime now) const {
     }
   }
   std::ranges::stable_sort(board.orders, {}, &BoardOrder::id);
-  set_time(board, clock, now);
+  set_time(board, clock, floor.at(now));
+  board.paused = floor.halted();
   board.teams = teams_;
   return board;
 }
 
 sim::Legend legend_of(const Board& board) {
   sim::Legend legend;
-  legend.title.push_back({clock_text(board.game_time) + ' ' + board.phase, kPlain});
+  legend.title.push_back({clock_text(board.game_time) + ' ' + board.phase + (board.paused ? " PAUSED" : ""), kPlain});
   for (const Team team : kTeams) {
     const auto index = static_cast<std::size_t>(team);
     if (std::ranges::find(board.teams, team) == board.teams.end() && board.points[index] == 0) continue;

@@ -35,10 +35,11 @@ struct Board {
   double game_time = 0;  ///< s, of the phase
   std::array<std::int64_t, 2> points{};
   std::vector<BoardOrder> orders;
+  bool paused = false;
   friend bool operator==(const Board&, const Board&) = default;
 };
 
-Board board_of(const Factory& game, SimTime now);
+Board board_of(const Factory& game);
 
 class RecordedBoard {
  public:

@@ -1,5 +1,6 @@
 #pragma once
-// Phases of a game on the episode's clock.
+// Phases of a game. All times here are those of the floor's clock, which stands while the game is paused
+// (sim/floor_clock.h maps simulated time to it).
 
 #include <algorithm>
 #include <cstdint>
@@ -37,7 +38,7 @@ struct GameClock {
     if (now < production_begin) return to_seconds(now);
     return to_seconds(std::min(now, production_end) - production_begin);
   }
-  /// That second of production on the episode's clock.
+  /// That second of production.
   SimTime at(double production_s) const { return production_begin + from_seconds(production_s); }
 };
 

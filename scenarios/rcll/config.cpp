@@ -66,6 +66,24 @@ Status check_down(const std::string& key, const DownPeriodConfig& period) {
   return check_range(key + ".end_s", period.end_s, 0, 1e7);
 }
 
+Status check_pauses(const WorldConfig& config) {
+  for (std::size_t i = 0; i < config.pauses.size(); ++i) {
+    const PauseConfig& pause = config.pauses[i];
+    const std::string key = "world.pauses[" + std::to_string(i) + "]";
+    const double end = config.production_s + config.overtime_s;
+    if (!(pause.at >= 0 && pause.at < end))
+      return bad_value(key + ".at", general_text(pause.at, 10),
+                       "s of production, from 0 to before " + general_text(end, 10));
+    if (!(pause.seconds > 0 && pause.seconds <= 1e6))
+      return bad_value(key + ".for", general_text(pause.seconds, 10), "s, more than 0 and at most 1000000");
+    for (std::size_t k = 0; k < i; ++k)
+      if (config.pauses[k].at == pause.at)
+        return bad_value(key + ".at", general_text(pause.at, 10),
+                         "another time than that of pauses[" + std::to_string(k) + "]: the game's time stands in it");
+  }
+  return {};
+}
+
 }  // namespace
 
 RuleChoices choices_of(Rules rules) {
@@ -99,6 +117,7 @@ Status validate(const WorldConfig& config) {
   if (Status s = check_range("world.shelf_refill_s", config.shelf_refill_s, 0, 1e6); !s) return s;
   if (Status s = check_range("world.repair_s", config.repair_s, 0, 1e6); !s) return s;
   if (Status s = check_range("world.refbox.port_shift", config.refbox.port_shift, -1000, 60000); !s) return s;
+  if (Status s = check_pauses(config); !s) return s;
   for (const std::string& complexity : config.complexities)
     if (Status s = check_word<Complexity>("world.complexities", complexity); !s) return s;
   if (!config.orders.empty() && !config.complexities.empty())

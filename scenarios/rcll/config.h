@@ -102,6 +102,18 @@ struct DownPeriodConfig {
   }
 };
 
+/// A time in which the game is paused. Times of the game stand meanwhile.
+struct PauseConfig {
+  double at = 0;       ///< s of production
+  double seconds = 0;  ///< how long
+
+  template <class Keys>
+  void fields(Keys& keys) {
+    keys.required("at", at);
+    keys.required("for", seconds);
+  }
+};
+
 /// Payments that a ring of each colour costs.
 struct RingPriceConfig {
   std::array<int, 4> prices{};  ///< 0..2, in the order of kRingColors
@@ -170,6 +182,7 @@ struct WorldConfig {
   double production_s = 1200;             ///< s, length of the production phase
   double overtime_s = 300;                ///< s more when the teams are even, with one more order; 0 = none
   bool down = true;                       ///< machines are out of order: as drawn or as the file of the game says
+  std::vector<PauseConfig> pauses;        ///< when the game is paused, and how long
   bool transforms = false;                ///< /tf has where robots are in "map", /tf_static where machines are
   double shelf_refill_s = 20;             ///< s after which a completely empty shelf is filled again
   double repair_s = 30;                   ///< s that people need at least for a robot in maintenance
@@ -190,6 +203,7 @@ struct WorldConfig {
     keys("production_s", production_s);
     keys("overtime_s", overtime_s);
     keys("down", down);
+    keys("pauses", pauses);
     keys("transforms", transforms);
     keys("shelf_refill_s", shelf_refill_s);
     keys("repair_s", repair_s);

@@ -40,6 +40,7 @@ Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed
       world_(world),
       bus_(bus),
       sink_(sink),
+      records_(world, sink),
       context_{GameClock::of(config.setup_s, config.production_s, config.overtime_s),
                choices_of(*named<Rules>(config.rules)),
                from_seconds(config.shelf_refill_s),
@@ -47,9 +48,10 @@ Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed
                nullptr,
                seed,
                {}},
-      faults_(world, sink),
-      referee_(context_.clock, context_.rules, all_orders(game), world.plan(), sink, config.exploration),
-      maintenance_(world, referee_, from_seconds(config.repair_s), sink) {
+      faults_(world, records_),
+      referee_(context_.clock, context_.rules, all_orders(game), world.plan(), records_, config.exploration),
+      maintenance_(world, referee_, from_seconds(config.repair_s), records_),
+      pauses_(config.pauses, referee_, world, sink) {
   context_.schedule = &referee_.schedule();
   context_.exploration = &referee_.exploration();
   if (config.refbox.confirm_deliveries) referee_.wait_for_confirmation();
@@ -71,7 +73,27 @@ Status Factory::join() {
   if (Status s = game_state_.open(bus_, node_, "/game_state", "GameState", kGameStatePeriod); !s) return s;
   if (Status s = order_info_.open(bus_, node_, "/order_info", "OrderInfo", kInfoPeriod); !s) return s;
   if (Status s = ring_info_.open(bus_, node_, "/ring_info", "RingInfo", kInfoPeriod); !s) return s;
-  return robot_info_.open(bus_, node_, "/robot_info", "RobotInfo", kRobotInfoPeriod);
+  if (Status s = robot_info_.open(bus_, node_, "/robot_info", "RobotInfo", kRobotInfoPeriod); !s) return s;
+  return serve_state();
+}
+
+Status Factory::serve_state() {
+  auto type = bus_.registry().service(std::string(kInterfaces) + "srv/SetGameState");
+  if (!type) return type.error();
+  state_type_ = *type;
+  bus::NodeName name;
+  name.name = "referee";
+  referee_node_ = bus_.join(bus::ParticipantKind::kNode, name, sink_.open_stream("node/referee"));
+  auto service = bus_.serve(referee_node_, "/set_game_state", *state_type_, [this](const bus::Delivery& call) {
+    const std::string error =
+        request_state(call.message->view().text("state"), bus_.name_of(call.from).full_name(), {&call.cause, 1});
+    bus::Message response(*state_type_->response);
+    response->set("success", error.empty()).set("error", error);
+    bus_.respond(state_service_, call, std::make_shared<const bus::Message>(std::move(response)));
+  });
+  if (!service) return service.error();
+  state_service_ = *service;
+  return {};
 }
 
 std::vector<Team> Factory::teams() const {
@@ -112,24 +134,29 @@ Status Factory::sense(SimTime now) {
 }
 
 Status Factory::judge(SimTime now) {
-  maintenance_.judge(now);
+  const SimTime floor = world_.floor_time();
+  if (!world_.halted()) maintenance_.judge(floor);
   if (robot_info_.due(now, std::exchange(published_duties_, maintenance_.changes()) != published_duties_))
     publish_robots();
-  referee_.judge(now, world_.changes(), context_.events);
+  referee_.judge(floor, world_.changes(), context_.events);
   context_.clock = referee_.clock();
   context_.events.clear();
+  pauses_.judge(now);
 
   if (order_info_.due(now, referee_.order_changes() != published_order_changes_)) publish_orders();
   published_order_changes_ = referee_.order_changes();
   const std::array points{referee_.score(Team::kCyan).published(), referee_.score(Team::kMagenta).published()};
-  if (game_state_.due(now, points != published_points_ || referee_.phase() != published_phase_))
-    publish_game_state(now);
+  const bool changed =
+      points != published_points_ || referee_.phase() != published_phase_ || state() != published_state_;
+  if (game_state_.due(now, changed)) publish_game_state();
   published_points_ = points;
   published_phase_ = referee_.phase();
+  published_state_ = state();
   return {};
 }
 
-Status Factory::act(SimTime now) {
+Status Factory::act(SimTime) {
+  const SimTime now = world_.floor_time();
   for (const sim::PieceId piece : referee_.take_confiscated())
     if (world_.find(piece)) world_.retire(piece, sim::Holder::kFloor);
   if (context_.clock.phase(now) != Phase::kSetup)
@@ -137,29 +164,33 @@ Status Factory::act(SimTime now) {
       for (auto& machine : machines_)
         if (machine->name().substr(2) == period.machine)
           machine->add_down({context_.clock.at(period.begin_s), context_.clock.at(period.end_s)});
-  faults_.strike(now);
+  if (!world_.halted()) faults_.strike(now);
+  bus_.deliver(referee_node_);
   bus_.deliver(node_);
-  for (auto& channel : channels_) channel->act(now);
-  for (auto& machine : machines_) machine->step(now, world_);
+  if (!world_.halted()) {
+    for (auto& channel : channels_) channel->act(now);
+    for (auto& machine : machines_) machine->step(now, world_);
+  }
   maintenance_.act(now);
   return {};
 }
 
 SimTime Factory::next_due() const {
-  if (!context_.events.empty()) return context_.events.back().at;
-  if (maintenance_.changes() != published_duties_) return world_.now();
-  SimTime due = referee_.next_due();
+  if (!context_.events.empty() || maintenance_.changes() != published_duties_) return world_.now();
+  SimTime due = pauses_.next_due();
   for (const PeriodicTopic* topic : {&game_state_, &order_info_, &ring_info_, &robot_info_})
     due = std::min(due, topic->next());
   for (const auto& channel : channels_) due = std::min(due, channel->next_due());
-  for (const auto& machine : machines_) due = std::min(due, machine->next_due());
-  return std::min({due, faults_.next_due(), maintenance_.next_due()});
+  if (world_.halted()) return due;
+  SimTime on_floor = std::min({referee_.next_due(), faults_.next_due(), maintenance_.next_due()});
+  for (const auto& machine : machines_) on_floor = std::min(on_floor, machine->next_due());
+  return std::min(due, world_.clock().when(on_floor));
 }
 
 // --- Controllers
 
 std::string Factory::reset_machine(const std::string& name) {
-  const SimTime now = world_.now();
+  const SimTime now = world_.floor_time();
   Machine* machine = find_machine(machines_, name);
   if (machine == nullptr) return unknown_machine(machines_, name);
   if (machine->fail(now, world_, "reset by a controller")) return {};
@@ -170,15 +201,16 @@ std::string Factory::reset_machine(const std::string& name) {
 std::string Factory::repair_machine(const std::string& name) {
   Machine* machine = find_machine(machines_, name);
   if (machine == nullptr) return unknown_machine(machines_, name);
-  if (machine->repair(world_.now())) return {};
+  if (machine->repair(world_.floor_time())) return {};
   return name + " is " + std::string(to_string(machine->state())) + ", not BROKEN";
 }
 
 // --- Topics
 
-void Factory::publish_game_state(SimTime now) {
+void Factory::publish_game_state() {
+  const SimTime now = world_.floor_time();
   bus::Message message = game_state_.message();
-  message->set("game_time", context_.clock.game_time(now)).set("state", "RUNNING");
+  message->set("game_time", context_.clock.game_time(now)).set("state", to_string(state()));
   message->set("phase", to_string(context_.clock.phase(now)));
   message->set("points_cyan", referee_.score(Team::kCyan).published());
   message->set("points_magenta", referee_.score(Team::kMagenta).published());
@@ -226,7 +258,7 @@ void Factory::put_robots(const bus::MessageView& info, bool poses) const {
     const bus::MessageView entry = info.append("robots");
     entry.set("name", world_.plan().robot(robot.id).name).set("team_color", to_string(robot.team));
     entry.set("number", robot.number).set("state", to_string(robot.duty));
-    entry.set("maintenance_time_remaining", to_seconds(maintenance_.remaining(robot, world_.now())));
+    entry.set("maintenance_time_remaining", to_seconds(maintenance_.remaining(robot, world_.floor_time())));
     entry.set("maintenance_cycles", robot.cycles);
     if (poses) put_pose(entry, world_.robot(robot.id).pose_in_world);
   }
@@ -234,7 +266,7 @@ void Factory::put_robots(const bus::MessageView& info, bool poses) const {
 
 void Factory::put_machines(const bus::MessageView& info) const {
   for (const auto& machine : machines_)
-    put_machine(info.append("machines"), *machine, world_, *context_.exploration, Information::kAll, world_.now());
+    put_machine(info.append("machines"), *machine, world_, *context_.exploration, Information::kAll);
 }
 
 }  // namespace cxlab::rcll

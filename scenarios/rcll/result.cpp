@@ -18,9 +18,14 @@ Json team_json(const Score& score) {
   return {{"points", score.total()}, {"by_kind", std::move(kinds)}};
 }
 
-Json order_json(const OrderState& state, SimTime ordered, Team team) {
+/// The simulated time of something that happened or, if the game is not paused from now on, will happen.
+SimTime simulated(const Factory& factory, SimTime time) {
+  const sim::WorldView& floor = factory.floor();
+  return time > floor.floor_time() ? floor.now() + (time - floor.floor_time()) : floor.simulated(time);
+}
+
+Json order_json(const OrderState& state, SimTime ordered, std::optional<SimTime> delivered, Team team) {
   const auto index = static_cast<std::size_t>(team);
-  const auto& delivered = state.delivered_at[index];
   return {{"id", state.order.id},
           {"complexity", to_string(state.order.complexity)},
           {"ordered", to_seconds(ordered)},
@@ -29,8 +34,8 @@ Json order_json(const OrderState& state, SimTime ordered, Team team) {
           {"points", state.points[index]}};
 }
 
-Json delivery_json(const Delivery& d) {
-  return {{"order", d.order},     {"team", to_string(d.team)}, {"time", to_seconds(d.at)},
+Json delivery_json(const Delivery& d, SimTime at) {
+  return {{"order", d.order},     {"team", to_string(d.team)}, {"time", to_seconds(at)},
           {"correct", d.correct}, {"late_s", d.late_s},        {"points", d.points}};
 }
 
@@ -72,10 +77,13 @@ void report_game(const Factory& factory, Result& result) {
   for (const OrderState& state : game.orders())
     for (const Team team : factory.teams())
       if (!state.order.overtime || state.released) {
-        orders.push_back(order_json(state, state.released.value_or(factory.clock().at(state.order.activate_at)), team));
+        const auto& delivered = state.delivered_at[static_cast<std::size_t>(team)];
+        orders.push_back(
+            order_json(state, simulated(factory, state.released.value_or(factory.clock().at(state.order.activate_at))),
+                       delivered ? std::optional(simulated(factory, *delivered)) : std::nullopt, team));
         if (factory.teams().size() > 1) orders.back()["team"] = to_string(team);
       }
-  for (const Delivery& d : game.deliveries()) deliveries.push_back(delivery_json(d));
+  for (const Delivery& d : game.deliveries()) deliveries.push_back(delivery_json(d, simulated(factory, d.at)));
   if (!orders.empty()) {
     for (const Team team : factory.teams()) {
       const auto counts = [&](const Delivery& d) { return d.correct && d.team == team; };
@@ -112,8 +120,8 @@ void add_sample(Result& sample) {
   Json teams = Json::object();
   for (const Team team : kTeams) teams[std::string(to_string(team))] = team_json({});
   sample.set("teams", json_text(teams));
-  sample.set("orders", json_text(Json::array({order_json({}, {}, Team::kCyan)})));
-  sample.set("deliveries", json_text(Json::array({delivery_json({})})));
+  sample.set("orders", json_text(Json::array({order_json({}, {}, {}, Team::kCyan)})));
+  sample.set("deliveries", json_text(Json::array({delivery_json({}, {})})));
   sample.set("robots", json_text(Json::array({robot_json({}, {}, 0)})));
 }
 

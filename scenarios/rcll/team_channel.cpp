@@ -78,8 +78,8 @@ Status TeamChannel::open(bus::ParticipantId node, const std::string& prefix) {
 void TeamChannel::sense(SimTime now, bool changed) {
   for (Goal& goal : goals_) report(goal);
   std::erase_if(goals_, [](const Goal& goal) { return goal.machine == nullptr; });
-  if (machine_info_.due(now, changed)) publish_machines(now);
-  if (report_info_.due(now, false) && !context_.exploration->over(now)) publish_reports();
+  if (machine_info_.due(now, changed)) publish_machines();
+  if (report_info_.due(now, false) && !context_.exploration->over(world_.floor_time())) publish_reports();
 }
 
 // --- Instructions
@@ -99,9 +99,9 @@ void TeamChannel::start(const bus::Delivery& delivery) {
   const Instruction instruction{goal.text("operation"),  goal.text("side"),       goal.text("base_color"),
                                 goal.text("ring_color"), number("order_id"),      number("shelf"),
                                 number("slot"),          goal.text("description")};
-  const MachineFaults::Passage passage = faults_.instruct(*machine, bus_.now());
+  const MachineFaults::Passage passage = faults_.instruct(*machine, world_.floor_time());
   if (passage.delay == SimTime::zero()) return instruct(delivery.goal, *machine, instruction);
-  delayed_.push_back({delivery.goal, machine, instruction, bus_.now() + passage.delay, passage.lost});
+  delayed_.push_back({delivery.goal, machine, instruction, world_.floor_time() + passage.delay, passage.lost});
 }
 
 void TeamChannel::instruct(const bus::GoalId& goal, Machine& machine, const Instruction& instruction) {
@@ -112,12 +112,15 @@ void TeamChannel::instruct(const bus::GoalId& goal, Machine& machine, const Inst
 }
 
 Machine::Answer TeamChannel::hear(Machine& machine, const Instruction& instruction) {
-  Machine::Answer answer = machine.instruct(instruction, bus_.now(), world_);
-  referee_.take_instruction(machine.id(), instruction, answer.error, bus_.now());
+  const SimTime now = world_.floor_time();
+  Machine::Answer answer = world_.halted() ? Machine::Answer{InstructError::kNotReady, "the game is paused"}
+                                           : machine.instruct(instruction, now, world_);
+  referee_.take_instruction(machine.id(), instruction, answer.error, now);
   return answer;
 }
 
 void TeamChannel::act(SimTime now) {
+  for (const bus::SharedMessage& report : std::exchange(reports_, {})) judge_report(report->view());
   for (const Delayed& delayed : delayed_) {
     if (now < delayed.due) continue;
     if (delayed.canceled)
@@ -132,7 +135,7 @@ void TeamChannel::act(SimTime now) {
 
 SimTime TeamChannel::next_due() const {
   SimTime due = std::min(machine_info_.next(), report_info_.next());
-  for (const Delayed& delayed : delayed_) due = std::min(due, delayed.due);
+  for (const Delayed& delayed : delayed_) due = std::min(due, world_.clock().when(delayed.due));
   return due;
 }
 
@@ -172,14 +175,20 @@ void TeamChannel::finish(const bus::GoalId& goal, InstructError error, const std
 // --- Exploration
 
 void TeamChannel::take_report(const bus::Delivery& delivery) {
-  const bus::MessageView message = delivery.message->view();
-  for (std::size_t i = 0; i < message.size("machines"); ++i) {
-    const bus::MessageView entry = message.nested("machines", i);
+  if (world_.halted())
+    reports_.push_back(delivery.message);
+  else
+    judge_report(delivery.message->view());
+}
+
+void TeamChannel::judge_report(const bus::MessageView& report) {
+  for (std::size_t i = 0; i < report.size("machines"); ++i) {
+    const bus::MessageView entry = report.nested("machines", i);
     const auto rotation = static_cast<int>(entry.integer("rotation"));
     const std::string nonsense = referee_.take_report(team_,
                                                       {entry.text("name"), entry.text("type"), entry.text("zone"),
                                                        rotation < 0 ? std::nullopt : std::optional(rotation)},
-                                                      bus_.now());
+                                                      world_.floor_time());
     if (!nonsense.empty() && warn_) warn_("a report of " + std::string(to_string(team_)) + " is ignored: " + nonsense);
   }
 }
@@ -187,7 +196,7 @@ void TeamChannel::take_report(const bus::Delivery& delivery) {
 void TeamChannel::take_maintenance(const bus::Delivery& delivery) {
   const bus::MessageView message = delivery.message->view();
   maintenance_.request(team_, message.text("team_color"), static_cast<int>(message.integer("robot_number")),
-                       message.integer("maintenance") != 0, bus_.now());
+                       message.integer("maintenance") != 0, world_.floor_time());
 }
 
 void TeamChannel::publish_reports() {
@@ -206,21 +215,21 @@ void TeamChannel::publish_reports() {
 
 // --- Machines
 
-void TeamChannel::publish_machines(SimTime now) {
+void TeamChannel::publish_machines() {
   bus::Message message = machine_info_.message();
   message->set("team_color", to_string(team_));
   for (const auto& machine : machines_)
     if (information_ == Information::kAll || machine->team() == team_)
-      put_machine(message->append("machines"), *machine, world_, *context_.exploration, information_, now);
+      put_machine(message->append("machines"), *machine, world_, *context_.exploration, information_);
   machine_info_.publish(bus_, std::move(message));
 }
 
 void put_machine(const bus::MessageView& entry, const Machine& machine, const sim::World& world,
-                 const Exploration& exploration, Information information, SimTime now) {
+                 const Exploration& exploration, Information information) {
   const sim::Station& station = world.plan().station(machine.id());
   const std::string_view type = std::string_view(station.name).substr(2);
   const bool all = information == Information::kAll;
-  const bool known = exploration.knows(machine.id(), now);
+  const bool known = exploration.knows(machine.id(), world.floor_time());
   entry.set("name", station.name).set("type", station.kind).set("state", to_string(machine.state()));
   entry.set("team_color", to_string(machine.team())).set("correctly_reported", known);
   const Exploration::Finding& finding = exploration.finding(machine.id());

@@ -22,7 +22,7 @@ namespace cxlab::rcll {
 
 /// Fills a Machine, with what a team hears of its own, or with all there is.
 void put_machine(const bus::MessageView& entry, const Machine& machine, const sim::World& world,
-                 const Exploration& exploration, Information information, SimTime now);
+                 const Exploration& exploration, Information information);
 
 class TeamChannel {
  public:
@@ -35,9 +35,10 @@ class TeamChannel {
 
   /// Posts what the machines did; `changed`: something did.
   void sense(SimTime now, bool changed);
-  /// Takes the instructions that faults have held up to their machines.
+  /// Takes the instructions that faults have held up to their machines, and judges the reports of a pause; by the
+  /// floor's clock. Not called while the game is paused.
   void act(SimTime now);
-  SimTime next_due() const;
+  SimTime next_due() const;  ///< simulated time
   Team team() const { return team_; }
   /// Takes a line for each entry of a report that is nonsense.
   void on_warning(std::function<void(const std::string&)> warn) { warn_ = std::move(warn); }
@@ -54,7 +55,7 @@ class TeamChannel {
     bus::GoalId id{};
     Machine* machine = nullptr;
     Instruction instruction;
-    SimTime due{};
+    SimTime due{};  ///< by the floor's clock
     bool lost = false;
     bool canceled = false;  ///< nobody waits for it; it comes all the same
   };
@@ -66,7 +67,8 @@ class TeamChannel {
   void finish(const bus::GoalId& goal, InstructError error, const std::string& text, const std::string& machine);
   void take_report(const bus::Delivery& delivery);
   void take_maintenance(const bus::Delivery& delivery);
-  void publish_machines(SimTime now);
+  void judge_report(const bus::MessageView& report);
+  void publish_machines();
   void publish_reports();
 
   Team team_;
@@ -84,6 +86,7 @@ class TeamChannel {
   PeriodicTopic machine_info_, report_info_;
   std::vector<Goal> goals_;  ///< running, in order of arrival
   std::vector<Delayed> delayed_;
+  std::vector<bus::SharedMessage> reports_;  ///< that came in a pause
 };
 
 }  // namespace cxlab::rcll

@@ -157,8 +157,7 @@ Status GameStage::build_physics(const StageSetup& setup, sim::FloorPlan plan) {
   worlds.push_back(*std::move(made));
   views.push_back([this](int width, int height) {
     return view_of_floor(
-        physics_->plan(), physics_->gate(), [this] { return legend_of(board_of(*factory_, physics_->now())); }, width,
-        height);
+        physics_->plan(), physics_->gate(), [this] { return legend_of(board_of(*factory_)); }, width, height);
   });
   return add_fleet(setup, sim::Fleet::create(*physics_, *physics_, zone_places(), setup.bus, setup.sink,
                                              {scenario.faults, scenario.seed}));
@@ -190,7 +189,7 @@ bool GameStage::is_known(sim::RobotId robot, sim::StationId station) const {
   const sim::FloorPlan& plan = floor_->plan();
   const Team team = team_of(plan.robot(robot));
   const Exploration& exploration = factory_->referee().exploration();
-  if (exploration.over(floor_->now())) return true;
+  if (exploration.over(floor_->floor_time())) return true;
   if (team_of(plan.station(station)) == team && exploration.finding(station).complete()) return true;
   for (std::size_t i = 0; i < plan.robots.size(); ++i)
     if (team_of(plan.robots[i]) == team && fleet_->has_read(static_cast<sim::RobotId>(i), station)) return true;
@@ -245,7 +244,9 @@ constinit const WorldKind kWorld{
         [](Scenario& scenario) {
           const WorldConfig& config = scenario.world.get<WorldConfig>();
           const double overtimes = choices_of(named<Rules>(config.rules).value_or(Rules{})).sudden_death ? 2 : 1;
-          scenario.duration = from_seconds(config.setup_s + config.production_s + overtimes * config.overtime_s);
+          double seconds = config.setup_s + config.production_s + overtimes * config.overtime_s;
+          for (const PauseConfig& pause : config.pauses) seconds += pause.seconds;
+          scenario.duration = from_seconds(seconds);
         },
     .tiers = kTiers,
     .takes_faults = true,

@@ -36,16 +36,17 @@ Pose2 LedgerWorld::pose_at(RobotId robot, SimTime t) const {
 }
 
 Vec3 LedgerWorld::gripper_in_world(RobotId robot) const {
-  return transform(pose_at(robot, now_), {kRobot.home_forward, 0, kRobot.carried_height});
+  return transform(pose_at(robot, floor_time()), {kRobot.home_forward, 0, kRobot.carried_height});
 }
 
 RobotState LedgerWorld::robot(RobotId id) const {
   const Motion& motion = motions_[index_of(id)];
+  const SimTime time = floor_time();
   RobotState state;
-  state.pose_in_world = pose_at(id, now_);
-  if (motion.path.size() > 1 && now_ >= motion.departure && now_ < motion.arrival) {
-    const SimTime step = std::min<SimTime>(SimTime{1'000'000}, motion.arrival - now_);
-    const Pose2 next = pose_at(id, now_ + step);
+  state.pose_in_world = pose_at(id, time);
+  if (!halted() && motion.path.size() > 1 && time >= motion.departure && time < motion.arrival) {
+    const SimTime step = std::min<SimTime>(SimTime{1'000'000}, motion.arrival - time);
+    const Pose2 next = pose_at(id, time + step);
     const double dt = to_seconds(step);
     state.vx = (next.x - state.pose_in_world.x) / dt;
     state.vy = (next.y - state.pose_in_world.y) / dt;
@@ -94,7 +95,7 @@ const Piece* LedgerWorld::on_belt(StationId id, double x) const {
 // --- Time
 
 SimTime LedgerWorld::next_event() const {
-  return belts_.empty() ? kNever : std::ranges::min(belts_, {}, &Belt::arrival).arrival;
+  return belts_.empty() ? kNever : clock_.when(std::ranges::min(belts_, {}, &Belt::arrival).arrival);
 }
 
 Status LedgerWorld::advance(SimTime tick) {
@@ -102,12 +103,13 @@ Status LedgerWorld::advance(SimTime tick) {
   const SimTime end = now_ + tick;
   for (bool arrived = true; arrived || now_ < end;) {
     const SimTime step = std::max(SimTime{}, std::min(end, next_event()) - now_);
-    for (std::size_t i = 0; i < belts_.size(); ++i) carry(static_cast<StationId>(i), step);
+    if (!halted())
+      for (std::size_t i = 0; i < belts_.size(); ++i) carry(static_cast<StationId>(i), step);
     now_ += step;
     carry_held_pieces();
     arrived = false;
     for (std::size_t i = 0; i < belts_.size(); ++i)
-      if (belts_[i].arrival <= now_) {
+      if (belts_[i].arrival <= floor_time()) {
         arrive(static_cast<StationId>(i));
         arrived = true;
       }
@@ -145,7 +147,7 @@ void LedgerWorld::plan_arrival(StationId id) {
     const bool stops = to_stop >= -kSpotTolerance.along_belt && belt.stop_x * forward <= kMachine.belt_half_length;
     way = std::min(way, std::max(0.0, stops ? to_stop : kMachine.belt_half_length - x));
   }
-  if (std::isfinite(way)) belt.arrival = now_ + from_seconds(way / std::abs(belt.speed));
+  if (std::isfinite(way)) belt.arrival = floor_time() + from_seconds(way / std::abs(belt.speed));
 }
 
 void LedgerWorld::arrive(StationId id) {
@@ -216,7 +218,10 @@ void LedgerWorld::move_along(RobotId robot, std::span<const Pose2> path, SimTime
   motion.arrival = arrival;
 }
 
-void LedgerWorld::stop(RobotId robot) { motions_[index_of(robot)] = {{pose_at(robot, now_)}, {0}, now_, now_}; }
+void LedgerWorld::stop(RobotId robot) {
+  const SimTime time = floor_time();
+  motions_[index_of(robot)] = {{pose_at(robot, time)}, {0}, time, time};
+}
 
 Status LedgerWorld::grasp(RobotId robot, SpotId from) {
   const Spot& spot = plan_.spot(from);

@@ -37,7 +37,7 @@ class LedgerWorld final : public World, public RobotBook {
   void set_lights(StationId station, const Lights& lights) override { lights_[index_of(station)] = lights; }
   Lights lights(StationId station) const override { return lights_[index_of(station)]; }
 
-  void set_down(RobotId robot, const Pose2& to) override { motions_[index_of(robot)] = {{to}, {0}, now_, now_}; }
+  void set_down(RobotId robot, const Pose2& to) override { motions_[index_of(robot)] = {{to}, {0}, {}, {}}; }
 
   // RobotBook
   void move_along(RobotId robot, std::span<const Pose2> path, SimTime departure, SimTime arrival) override;
@@ -50,7 +50,7 @@ class LedgerWorld final : public World, public RobotBook {
   struct Belt {
     double speed = 0;  ///< m/s, + = towards the input; 0 = stands
     double stop_x = 0;
-    SimTime arrival = kNever;  ///< of the first piece at stop_x or at the belt's end
+    SimTime arrival = kNever;  ///< by the floor's clock, of the first piece at stop_x or at the belt's end
   };
   struct Motion {
     std::vector<Pose2> path;      ///< its first point is where the robot was at departure

@@ -256,7 +256,7 @@ void MujocoWorld::run_belt(StationId station, double speed, double stop_x) {
   assert(gate_.factory().stations[index_of(station)].belt >= 0);
   if (speed == 0) return stop_belt(station);
   belts_[index_of(station)] = {speed, stop_x};
-  gate_.belt_speed(station, speed);
+  gate_.belt_speed(station, halted() ? 0 : speed);
   for (const Piece& piece : pieces_) {
     Body& body = bodies_[body_of(piece.id)];
     if (body.belt == static_cast<int>(station)) body.belt = -1;
@@ -300,6 +300,20 @@ void MujocoWorld::take_out(PieceId id) {
 void MujocoWorld::set_down(RobotId robot, const Pose2& to) {
   gate_.set_down(robot, to);
   motors_.stand(robot);
+}
+
+void MujocoWorld::halt() {
+  World::halt();
+  motors_.hold(true);
+  for (std::size_t i = 0; i < belts_.size(); ++i)
+    if (belts_[i].speed != 0) gate_.belt_speed(static_cast<StationId>(i), 0);
+}
+
+void MujocoWorld::go_on() {
+  World::go_on();
+  motors_.hold(false);
+  for (std::size_t i = 0; i < belts_.size(); ++i)
+    if (const auto [speed, stop_x] = belts_[i]; speed != 0) run_belt(static_cast<StationId>(i), speed, stop_x);
 }
 
 void MujocoWorld::set_lights(StationId station, const Lights& lights) {

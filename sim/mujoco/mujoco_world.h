@@ -38,6 +38,8 @@ class MujocoWorld final : public World, public RobotBodies {
   void set_lights(StationId station, const Lights& lights) override;
   Lights lights(StationId station) const override { return gate_.lights(station); }
   void set_down(RobotId robot, const Pose2& to) override;
+  void halt() override;
+  void go_on() override;
 
   void command_base(RobotId robot, double vx, double vy, double omega) override {
     motors_.command_base(robot, {vx, vy}, omega);

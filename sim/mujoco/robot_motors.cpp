@@ -47,10 +47,19 @@ void RobotMotors::ramp(Motors& m, double dt) {
   m.opening = approach(m.opening, m.want_opening, kAxisSpeed * dt);
 }
 
+void RobotMotors::brake(Motors& m, double dt) {
+  Motors standing;
+  standing.velocity = m.velocity;
+  standing.omega = m.omega;
+  ramp(standing, dt);
+  m.velocity = standing.velocity;
+  m.omega = standing.omega;
+}
+
 void RobotMotors::drive(PhysicsGate& gate, double dt) {
   for (std::size_t i = 0; i < motors_.size(); ++i) {
     Motors& m = motors_[i];
-    ramp(m, dt);
+    held_ ? brake(m, dt) : ramp(m, dt);
     const auto& actuator = gate.factory().robots[i].actuator;
     gate.control(actuator[kAxisX], m.velocity.x());
     gate.control(actuator[kAxisY], m.velocity.y());

@@ -19,6 +19,9 @@ class RobotMotors {
   /// The base stands at once.
   void stand(RobotId robot);
 
+  /// All robots brake and keep the axes of their grippers where they are, whatever they are asked to do.
+  void hold(bool on) { held_ = on; }
+
   /// Writes the targets that all motors have for the next `dt` seconds.
   void drive(PhysicsGate& gate, double dt);
 
@@ -31,8 +34,10 @@ class RobotMotors {
     double want_opening = kRobot.fingers_open, opening = kRobot.fingers_open;
   };
   static void ramp(Motors& motors, double dt);
+  static void brake(Motors& motors, double dt);
 
   std::vector<Motors> motors_;  ///< by robot
+  bool held_ = false;
 };
 
 }  // namespace cxlab::sim

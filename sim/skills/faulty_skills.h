@@ -24,6 +24,7 @@ class FaultySkills final : public RobotSkills {
   void start(const SkillGoal& goal, SimTime now) override;
   void cancel(SimTime now) override;
   void abandon(SimTime now) override;
+  void resume(SimTime now) override { skills_->resume(now); }
   std::optional<SkillResult> sense(SimTime now) override;
   void act(SimTime now) override { skills_->act(now); }
   void drop(SimTime now) override { skills_->drop(now); }

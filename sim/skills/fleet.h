@@ -1,5 +1,6 @@
 #pragma once
-// All robots of a floor with their skill servers and the traffic between them: one server of an episode.
+// All robots of a floor with their skill servers and the traffic between them: one server of an episode. Skills,
+// traffic and faults go by the floor's clock. While the floor is halted goals are taken and begin when it goes on.
 
 #include <functional>
 #include <map>
@@ -10,6 +11,7 @@
 
 #include "cx/run/parts.h"
 #include "sim/faults/fault.h"
+#include "sim/floor_records.h"
 #include "sim/skills/physics_skills.h"
 #include "sim/skills/sightings.h"
 #include "sim/skills/skill_server.h"
@@ -53,15 +55,17 @@ class Fleet final : public Server {
   std::vector<RobotStats> stats() const;
 
  private:
-  Fleet(const WorldView& world, const Places& places);
-  Status open(bus::Bus& bus, RecordSink& sink, const FleetFaults& faults);
+  Fleet(const WorldView& world, const Places& places, RecordSink& sink);
+  Status open(bus::Bus& bus, const FleetFaults& faults);
 
   const WorldView& world_;
+  FloorRecords records_;
   Traffic traffic_;
   SkillServer::Places places_;
   std::vector<std::unique_ptr<RobotSkills>> skills_;
   std::vector<std::unique_ptr<SkillServer>> servers_;
   std::unique_ptr<Sightings> sightings_;  ///< null: nobody watches
+  bool halted_ = false;                   ///< at the last `act`
 };
 
 }  // namespace cxlab::sim

@@ -98,6 +98,12 @@ void PhysicsSkills::abandon(SimTime now) {
   drop(now);
 }
 
+/// It has come to a stand beyond the place where its motion was.
+void PhysicsSkills::resume(SimTime now) {
+  state_ = world_.robot(robot_);
+  traffic_.halted(robot_, state_.pose_in_world, now);
+}
+
 SkillResult PhysicsSkills::end(SkillCode code, SimTime now) {
   active_ = false;
   traffic_.withdraw(robot_, now);

@@ -18,6 +18,7 @@ class PhysicsSkills final : public RobotSkills {
   void start(const SkillGoal& goal, SimTime now) override;
   void cancel(SimTime now) override;
   void abandon(SimTime now) override;
+  void resume(SimTime now) override;
   std::optional<SkillResult> sense(SimTime now) override;
   void act(SimTime now) override;
   void drop(SimTime now) override;

@@ -98,6 +98,8 @@ class RobotSkills {
   virtual void cancel(SimTime now) = 0;
   /// The robot was carried away: the skill is over at once, without a result, and the gripper opens.
   virtual void abandon(SimTime now) = 0;
+  /// The floor was halted and goes on: since then nobody has called `sense` or `act`. Times stood, too.
+  virtual void resume(SimTime now) = 0;
   /// Looks at the world and moves on. The result, once, when the skill has ended.
   virtual std::optional<SkillResult> sense(SimTime now) = 0;
   /// Commands motors, or writes the book; also between skills, when the robot makes room for others.

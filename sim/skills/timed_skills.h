@@ -21,6 +21,7 @@ class TimedSkills final : public RobotSkills {
   void start(const SkillGoal& goal, SimTime now) override;
   void cancel(SimTime now) override;
   void abandon(SimTime) override { active_ = false; }
+  void resume(SimTime) override {}  // a robot in the book has no momentum: it is where it was to be
   std::optional<SkillResult> sense(SimTime now) override;
   void act(SimTime now) override;
   void drop(SimTime) override { book_.drop(robot_); }

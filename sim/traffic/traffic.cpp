@@ -84,6 +84,16 @@ void Traffic::set_speed(RobotId id, double share, SimTime now) {
   changed_ = true;
 }
 
+void Traffic::halted(RobotId id, const Pose2& pose, SimTime now) {
+  Robot& robot = at(id);
+  if (!robot.moving) return;
+  robot.moving = false;
+  robot.pose = pose;
+  robot.rest = footprint_at(pose);
+  robot.idle_since = now;
+  changed_ = true;
+}
+
 void Traffic::set_down(RobotId id, const Pose2& pose, SimTime now) {
   Robot& robot = at(id);
   robot.pose = pose;

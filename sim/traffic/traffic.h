@@ -31,6 +31,8 @@ class Traffic {
   void observe(RobotId robot, const Pose2& pose, SimTime now);
   /// The robot drives at that share of its speed from now on; at 0 it stands where it is, and others drive around it.
   void set_speed(RobotId robot, double share, SimTime now);
+  /// The robot was halted on its way and stands there: what it drives for is planned anew.
+  void halted(RobotId robot, const Pose2& pose, SimTime now);
   /// People have put the robot there: it stands, without a request, and others brake that would meet it.
   void set_down(RobotId robot, const Pose2& pose, SimTime now);
 

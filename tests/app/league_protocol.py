@@ -335,6 +335,29 @@ class Controller(unittest.TestCase):
             self.assertIn(text, said)
         self.assertNotIn("SetGameState", said)
 
+    def test_short_pauses_the_game(self):
+        self.start("")
+        controller = self.connect()
+        controller.hear("GameState", lambda m: m.state == 2)
+        controller.say("SetGameState", state=3)
+        paused = controller.hear("GameState", lambda m: m.state == 3)
+        time.sleep(2)
+        team = Peer(4446 + self.shift, 4441 + self.shift, CBC)
+        self.addCleanup(team.socket.close)
+        prepare = CLASSES["PrepareMachine"](team_color=0, machine="C-BS", sent_at=int(time.time()))
+        prepare.instruction_bs.side, prepare.instruction_bs.color = 2, 1
+        team.say(prepare)
+        self.assertEqual(controller.hear("AttentionMessage").message, "C-BS: the game is paused")
+        later = controller.hear("GameState")
+        self.assertEqual((later.state, later.game_time), (3, paused.game_time))
+        controller.say("SetGameState", state=0)
+        controller.say("SetGameState", state=2)
+        controller.hear("GameState", lambda m: m.state == 2 and m.game_time.sec > paused.game_time.sec)
+        controller.say("SetGamePhase", phase=40)
+        self.assertEqual(self.game.wait(30), 0)
+        self.assertIn("SetGameState is refused: state: found 'INIT', expected RUNNING or PAUSED",
+                      (self.folder / "log").read_text())
+
     def test_short_breaks_and_repairs_machines(self):
         self.start("")
         controller = self.connect()

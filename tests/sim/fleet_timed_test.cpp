@@ -16,24 +16,45 @@ struct Outcome {
   int ticks = 0;
 };
 
-Outcome play(std::uint64_t seed, double seconds, const TimedSkillsConfig& config = {}, double cancel_chance = 0.05) {
+/// Times of the floor's clock at which it is halted, and how long.
+struct Halts {
+  std::vector<double> at;
+  double seconds = 0;
+};
+
+Outcome play(std::uint64_t seed, double seconds, const TimedSkillsConfig& config = {}, double cancel_chance = 0.05,
+             Halts halts = {}) {
   LedgerWorld world(drawn_floor(seed));
   BusyFloor floor(world, seed, cancel_chance);
   auto fleet = Fleet::create(world, world, config, seed, {}, floor.bus, floor.sink);
   EXPECT_TRUE(fleet) << fleet.error().text();
   floor.connect();
   Outcome outcome;
-  SimTime now{};
-  while (now < from_seconds(seconds)) {
+  SimTime now{}, goes_on = kNever;
+  while (world.floor_time() < from_seconds(seconds)) {
     floor.bus.begin_tick(now);
     EXPECT_TRUE((*fleet)->sense(now));
-    floor.stock();
-    floor.act();
+    if (!world.halted()) {
+      floor.stock();
+      floor.act();
+    }
+    if (world.halted() && now >= goes_on) {
+      world.go_on();
+      goes_on = kNever;
+    } else if (!halts.at.empty() && world.floor_time() >= from_seconds(halts.at.front())) {
+      halts.at.erase(halts.at.begin());
+      if (halts.seconds > 0) {
+        world.halt();
+        goes_on = now + from_seconds(halts.seconds);
+      }
+    }
     EXPECT_TRUE((*fleet)->act(now));
     ++outcome.ticks;
-    SimTime next = std::min({(*fleet)->next_due(), world.next_event(), floor.next_due()});
+    SimTime next = std::min({(*fleet)->next_due(), world.next_event(), floor.next_due(), goes_on});
     if (floor.bus.any_waiting()) next = now;
-    next = std::max(now + kTick, tick_not_before(std::min(next, from_seconds(seconds)), kTick));
+    if (!world.halted())
+      next = std::min(next, world.clock().when(from_seconds(halts.at.empty() ? seconds : halts.at.front())));
+    next = std::max(now + kTick, tick_not_before(next, kTick));
     EXPECT_TRUE(world.advance(next - now));
     now = next;
   }
@@ -67,6 +88,24 @@ TEST(FleetInTime, WorksWithoutGivingUp) {
 TEST(FleetInTime, TheSameSeedGivesTheSameRecords) {
   EXPECT_EQ(play(4, 300).hash, play(4, 300).hash);
   EXPECT_NE(play(4, 300).hash, play(5, 300).hash);
+}
+
+TEST(FleetInTime, AHaltMovesAllThatRobotsDoAndChangesNothing) {
+  const std::vector<double> at{20, 61.3, 61.3, 150, 222.2};
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Outcome plain = play(seed, 300, {}, 0.05, {at, 0}), halted = play(seed, 300, {}, 0.05, {at, 33.3});
+    ASSERT_EQ(plain.stats.size(), halted.stats.size());
+    for (std::size_t i = 0; i < plain.stats.size(); ++i) {
+      EXPECT_EQ(plain.stats[i].skills, halted.stats[i].skills);
+      EXPECT_EQ(plain.stats[i].busy_s, halted.stats[i].busy_s);
+      EXPECT_EQ(plain.stats[i].drive_s, halted.stats[i].drive_s);
+      EXPECT_EQ(plain.stats[i].wait_s, halted.stats[i].wait_s);
+    }
+    EXPECT_EQ(plain.report.handling_s, halted.report.handling_s);
+    EXPECT_GT(plain.report.picks, 5);
+    EXPECT_TRUE(halted.report.trouble.empty());
+    EXPECT_EQ(plain.hash, halted.hash) << "records differ in their times alone";
+  }
 }
 
 TEST(FleetInTime, FailuresComeAsOftenAsTheyAreAskedFor) {

@@ -26,6 +26,27 @@ TEST(Frames, TransformAndItsInverseCancel) {
   EXPECT_DOUBLE_EQ(back.z(), 0.9);
 }
 
+TEST(FloorClock, StandsWhileItIsHalted) {
+  using std::chrono::seconds;
+  FloorClock clock;
+  EXPECT_EQ(clock.at(seconds(7)), seconds(7));
+  EXPECT_EQ(clock.when(kNever), kNever);
+  clock.halt(seconds(10));
+  EXPECT_TRUE(clock.halted());
+  EXPECT_EQ(clock.at(seconds(25)), seconds(10));
+  EXPECT_EQ(clock.when(seconds(9)), seconds(9));
+  EXPECT_EQ(clock.when(seconds(10)), kNever);
+  clock.go_on(seconds(15));
+  EXPECT_FALSE(clock.halted());
+  clock.halt(seconds(20));
+  clock.go_on(seconds(23));
+  for (const auto& [simulated, shown] : {std::pair{9, 9}, {10, 10}, {12, 10}, {16, 11}, {20, 15}, {22, 15}, {24, 16}})
+    EXPECT_EQ(clock.at(seconds(simulated)), seconds(shown)) << simulated;
+  for (const auto& [shown, simulated] : {std::pair{9, 9}, {10, 15}, {14, 19}, {15, 23}, {16, 24}})
+    EXPECT_EQ(clock.when(seconds(shown)), seconds(simulated)) << shown;
+  EXPECT_EQ(clock.when(kNever), kNever);
+}
+
 TEST(Spots, RobotAtTheInputFacesTheMachineInLineWithTheBelt) {
   // Turned by 90 degrees, the machine's input looks along +y and its left is -x.
   const Station station{"C-CS1", "CS", {3.5, 4.5, kPi / 2}, true};

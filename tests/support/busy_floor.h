@@ -77,7 +77,7 @@ class BusyFloor {
   }
 
   void act() {
-    now_ = world_.now();
+    now_ = world_.floor_time();
     bus.deliver(node_);
     for (const PieceId piece : placed_)
       if (world_.find(piece)) world_.retire(piece, Holder::kGate);
@@ -95,7 +95,7 @@ class BusyFloor {
         next = std::min(next, m.idle_until);
       else if (m.cancel_at > now_)
         next = std::min(next, m.cancel_at);
-    return next;
+    return world_.clock().when(next);
   }
 
  private:

@@ -364,7 +364,7 @@ void RefboxServer::take_controller(const Fields& message, const std::string& typ
 }
 
 std::string RefboxServer::control(const Fields& message, std::string_view type) {
-  if (type == "SetGameState") return set_state(message.text("state"));
+  if (type == "SetGameState") return factory_.request_state(message.text("state"), "a controller");
   if (type == "SetGamePhase") return set_phase(message.text("phase"));
   if (type == "SetMachineState") return set_machine(message.text("machine_name"), message.text("state"));
   if (type == "ConfirmDelivery")
@@ -389,10 +389,6 @@ std::string RefboxServer::control(const Fields& message, std::string_view type) 
   for (const auto& [name, why] : kMeaningless)
     if (type == name) return why;
   return "expected a SetGameState, SetGamePhase, SetTeamName, SetRobotMaintenance, SetMachineState or ConfirmDelivery";
-}
-
-std::string RefboxServer::set_state(const std::string& state) {
-  return state == "RUNNING" ? "" : "found " + state + ", and a game is RUNNING until it ends";
 }
 
 std::string RefboxServer::set_phase(const std::string& phase) {
@@ -579,8 +575,8 @@ void RefboxServer::look_after_robots() {
   for (const Maintenance::Robot& robot : factory_.maintenance().robots()) {
     const std::string name = "robot " + std::to_string(robot.number) + " of " + std::string(to_string(robot.team));
     const bool serviced = robot.duty == RobotDuty::kMaintenance;
-    look(serviced && now_ - robot.since >= kMaintenanceWarning, name + " has to be back from maintenance soon",
-         robot.team);
+    look(serviced && world_.floor_time() - robot.since >= kMaintenanceWarning,
+         name + " has to be back from maintenance soon", robot.team);
     const auto met = acquaintances_.find({robot.team, robot.number});
     look(met != acquaintances_.end() && now_ - met->second.heard > kLost && robot.duty == RobotDuty::kActive,
          name + " is lost: no beacon for 5 s", robot.team);

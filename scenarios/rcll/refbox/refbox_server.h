@@ -102,7 +102,6 @@ class RefboxServer final : public Server {
   void take_controller(const Fields& message, const std::string& type);
   /// What speaks against what a controller says; empty if nothing does.
   std::string control(const Fields& message, std::string_view type);
-  std::string set_state(const std::string& state);
   std::string set_phase(const std::string& phase);
   std::string set_machine(const std::string& machine, const std::string& state);
   void take_beacon(const Fields& beacon, const net::Event& event);

@@ -37,10 +37,10 @@ std::vector<std::string> cards(const sim::Legend& legend) {
 
 TEST(Board, TellsTimePointsAndPublishedOrders) {
   GameStory story(one_order(2));
-  Board board = board_of(story.factory(), story.world().now());
+  Board board = board_of(story.factory());
   EXPECT_THAT(cards(legend_of(board)), ElementsAre("1 C0 G1 0/2, 0:00-3:20"));
   story.run_until(12);
-  board = board_of(story.factory(), story.world().now());
+  board = board_of(story.factory());
   EXPECT_THAT(cards(legend_of(board)), ElementsAre("1 C0 G1 0/2, 0:00-3:20", "2 C3 G1, 6:40-8:20"));
   EXPECT_EQ(board.orders[1].product, (sim::Stack{3, {1, 3, 4}, 1}));
   ASSERT_EQ(legend_of(board).title.size(), 2u);
@@ -48,12 +48,20 @@ TEST(Board, TellsTimePointsAndPublishedOrders) {
   EXPECT_EQ(legend_of(board).title[1].text, "CYAN 0");
 }
 
+TEST(Board, SaysThatTheGameIsPaused) {
+  WorldConfig config = one_order(2);
+  config.pauses = {{5, 100}};
+  GameStory story(config);
+  story.run_until(12);
+  EXPECT_EQ(legend_of(board_of(story.factory())).title[0].text, "0:05 PRODUCTION PAUSED");
+}
+
 TEST(Board, TicksWhatHasBeenDelivered) {
   GameStory story(one_order(1));
   story.make_product("BASE_RED", "CS1");
   story.put("C-DS-INPUT");
   ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
-  const sim::Legend legend = legend_of(board_of(story.factory(), story.world().now()));
+  const sim::Legend legend = legend_of(board_of(story.factory()));
   EXPECT_THAT(cards(legend), ElementsAre("1 C0 G1, 0:00-3:20, done", "2 C3 G1, 6:40-8:20"));
   EXPECT_EQ(legend.title[1].text, "CYAN " + std::to_string(story.score().total()));
   EXPECT_GT(story.score().total(), 0);

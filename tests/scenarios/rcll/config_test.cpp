@@ -34,6 +34,27 @@ TEST(WorldConfig, ValuesOutOfRangeAreNamedWithTheirKey) {
             "world.team: found 'BOHT', expected one of CYAN, MAGENTA, BOTH (did you mean BOTH?)");
 }
 
+TEST(WorldConfig, PausesAreInTheGameAndOneAfterAnother) {
+  const auto error = [](std::vector<PauseConfig> pauses, double overtime_s = 300) {
+    WorldConfig config;
+    config.overtime_s = overtime_s;
+    config.pauses = std::move(pauses);
+    const Status status = validate(config);
+    return status ? std::string() : status.error().message;
+  };
+  EXPECT_EQ(error({{330, 60}, {300, 60}, {0, 0.1}, {1499, 1e6}}), "");
+  EXPECT_EQ(error({{-1, 10}}), "world.pauses[0].at: found -1, expected s of production, from 0 to before 1500");
+  EXPECT_EQ(error({{1499, 10}, {1500, 10}}),
+            "world.pauses[1].at: found 1500, expected s of production, from 0 to before 1500");
+  EXPECT_THAT(error({{1200, 10}}, 0), HasSubstr("pauses[0].at: found 1200, expected s of production"));
+  EXPECT_EQ(error({{10, 0}}), "world.pauses[0].for: found 0, expected s, more than 0 and at most 1000000");
+  EXPECT_THAT(error({{10, -5}}), HasSubstr("pauses[0].for: found -5"));
+  EXPECT_THAT(error({{10, 1000001}}), HasSubstr("pauses[0].for: found 1000001"));
+  EXPECT_EQ(
+      error({{300, 60}, {330, 60}, {300, 10}}),
+      "world.pauses[2].at: found 300, expected another time than that of pauses[0]: the game's time stands in it");
+}
+
 TEST(WorldConfig, EachSettingHasItsLimits) {
   struct Case {
     const char* key;

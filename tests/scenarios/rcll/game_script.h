@@ -4,6 +4,7 @@
 //
 //   order C1 BASE_RED RING_BLUE CAP_GREY [window 0 1200] [known 0] [gate 1] [quantity 1] [competitive]
 //   setup 5 | production 1200 | overtime 300 | exploration | information league | team CYAN | refill 20 | repair 30
+//   pause 10 5                                          the game is paused for 5 s when it has played for 10 s
 //   fault 100 1 20                                       at 100 s a fault sends robot 1 to maintenance for 20 s
 //
 // Deeds:
@@ -20,6 +21,7 @@
 //                                                       zone and rotation of a machine, or a type in a zone
 //   maintenance 1 | maintenance 1 ends | maintenance 1 of MAGENTA      the team asks for it, or for its end
 //   robot 1 to 4.5 8.3                                   it stands there
+//   state PAUSED | state RUNNING                        somebody asks for it on /set_game_state
 //
 // What must be seen:
 //   C-BS is READY-AT-OUTPUT | lights C-BS RED YELLOW GREEN (each OFF, ON or BLINK) | loaded C-RS1 2
@@ -33,6 +35,7 @@
 //   message /order_info /orders/0/id 1                  in the last message: a JSON pointer and a JSON value
 //   published /order_info 2                             how often since the last such line
 //   robot 1 at 4.5 0.5 | robot 1 holds nothing
+//   answer done | answer the game is over               to the last request for a state
 //   told {"event": "maintenance", "state": "end"}        the referee's last record of that event has these values
 
 #include <gtest/gtest.h>
@@ -133,6 +136,8 @@ class GameScript {
       fault.number = faults_.size() - 1;
     } else if (words[0] == "repair") {
       config.repair_s = number(words[1]);
+    } else if (words[0] == "pause") {
+      config.pauses.push_back({number(words[1]), number(words[2])});
     } else if (words[0] == "refill") {
       config.shelf_refill_s = number(words[1]);
     } else {
@@ -218,12 +223,14 @@ class GameScript {
     if (verb == "put") return story_->put(word(1));
     if (verb == "drop") return story_->world().drop(sim::RobotId{0});
     if (verb == "down") {
-      const SimTime now = story_->world().now();
+      const SimTime now = story_->world().floor_time();
       return machine(word(1)).add_down({now, now + from_seconds(number(word(2)))});
     }
     if (verb == "report") return report();
     if (verb == "maintenance") return ask_for_maintenance();
     if (verb == "robot") return use_robot();
+    if (verb == "state") return ask_for_state();
+    if (verb == "answer") return expect_same(answer_, rest(1));
     if (verb == "told") return check_told();
     if (verb == "lights") return check_lights();
     if (verb == "loaded") return expect_same(std::to_string(machine(word(1)).loaded_with()), word(2));
@@ -272,7 +279,7 @@ class GameScript {
   void instruct_rival() {
     Instruction instruction;
     instruction.order_id = std::stoi(line_.substr(line_.find("order_id: ") + 10));
-    const auto answer = machine(word(1)).instruct(instruction, story_->world().now(), story_->world());
+    const auto answer = machine(word(1)).instruct(instruction, story_->world().floor_time(), story_->world());
     EXPECT_EQ(answer.error, InstructError::kNone) << answer.text;
   }
   void lay() {
@@ -363,6 +370,19 @@ class GameScript {
     story_->bus().publish(*requests_, std::make_shared<bus::Message>(std::move(message)));
     story_->run_for(0.06);
   }
+  void ask_for_state() {
+    const bus::ServiceType& type = **story_->registry().service("rcll_interfaces/srv/SetGameState");
+    if (!states_)
+      states_ = *story_->bus().create_client(story_->agent(), "/set_game_state", type, [this](const bus::Delivery& d) {
+        const bus::MessageView response = d.message->view();
+        answer_ = response.integer("success") ? "done" : response.text("error");
+      });
+    bus::Message request(*type.request);
+    request->set("state", word(1));
+    answer_.clear();
+    story_->bus().call(*states_, std::make_shared<const bus::Message>(std::move(request)));
+    story_->run_for(0.06);
+  }
   void use_robot() {
     const int index = std::stoi(word(1)) - 1;
     const sim::RobotState state = story_->world().robot(static_cast<sim::RobotId>(index));
@@ -386,7 +406,8 @@ class GameScript {
 
   Team team_ = Team::kCyan;
   std::vector<sim::Fault> faults_;
-  std::optional<bus::EndpointId> requests_;
+  std::optional<bus::EndpointId> requests_, states_;
+  std::string answer_;
   std::unique_ptr<GameStory> story_;
   std::map<std::string, bus::SharedMessage> messages_;
   std::map<std::string, int> published_;

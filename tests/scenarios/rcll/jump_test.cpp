@@ -96,27 +96,49 @@ const Game kGames[]{
 
 class JumpingTime : public testing::TestWithParam<Game> {};
 
+struct Played {
+  std::vector<std::string> events;  ///< with their times by the floor's clock
+  std::int64_t ticks = 0;
+};
+
+Played play(const Game& game, bool jump, const std::vector<PauseConfig>& pauses = {}) {
+  WorldConfig config = GameStory::quiet_game();
+  game.change(config);
+  config.pauses = pauses;
+  GameStory story(config);
+  game.deeds(story);
+  story.run_for(0);
+  story.set_jumping(jump);
+  double until = game.until;
+  for (const PauseConfig& pause : pauses) until += pause.seconds;
+  story.run_until(until);
+  const auto& names = story.records().names();
+  const auto referee = static_cast<StreamId>(std::ranges::find(names, "referee") - names.begin());
+  Played played;  // positions of pieces may differ in their last bit
+  for (const KeptRecords::Record& r : story.records().of(referee))
+    if (r.data.find("PAUSED") == std::string::npos && r.data.find("RUNNING") == std::string::npos)
+      played.events.push_back(std::to_string(story.world().clock().at(r.t).count()) + ' ' +
+                              r.data.substr(0, r.data.find("position")));
+  played.ticks = story.ticks();
+  return played;
+}
+
 /// Time moves by what `next_due` says; the records show when everything happened.
 TEST_P(JumpingTime, FindsEverythingThatHappensAtTheTickAtWhichItIsDue) {
-  const auto play = [](bool jump) {
-    WorldConfig config = GameStory::quiet_game();
-    GetParam().change(config);
-    GameStory story(config);
-    GetParam().deeds(story);
-    story.run_for(0);
-    story.set_jumping(jump);
-    story.run_until(GetParam().until);
-    const auto& names = story.records().names();
-    const auto referee = static_cast<StreamId>(std::ranges::find(names, "referee") - names.begin());
-    std::vector<std::string> events;  // positions of pieces may differ in their last bit
-    for (const KeptRecords::Record& r : story.records().of(referee))
-      events.push_back(std::to_string(r.t.count()) + ' ' + r.data.substr(0, r.data.find("position")));
-    return std::pair{events, story.ticks()};
-  };
-  const auto [all, ticks] = play(false);
-  const auto [found, few] = play(true);
+  const auto [all, ticks] = play(GetParam(), false);
+  const auto [found, few] = play(GetParam(), true);
   EXPECT_THAT(found, testing::ElementsAreArray(all));
   EXPECT_GT(all.size(), 3u);
+  EXPECT_LT(few * 5, ticks);
+}
+
+TEST_P(JumpingTime, IsThatOfTheSameGameWithPauses) {
+  const double third = 0.3 * GetParam().until;
+  const std::vector<PauseConfig> pauses{{third, 7.77}, {third + 1, 21.3}, {third + 2.5, 0.02}};
+  const auto [all, ticks] = play(GetParam(), false);
+  EXPECT_THAT(play(GetParam(), false, pauses).events, testing::ElementsAreArray(all));
+  const auto [found, few] = play(GetParam(), true, pauses);
+  EXPECT_THAT(found, testing::ElementsAreArray(all));
   EXPECT_LT(few * 5, ticks);
 }
 

@@ -15,7 +15,7 @@ struct Case {
 std::vector<Case> cases() {
   std::vector<Case> all;
   for (const auto rows : {instruction_rows, work_rows, piece_rows, breaking_rows, game_rows, delivery_rows,
-                          exploration_rows, maintenance_rows})
+                          exploration_rows, maintenance_rows, pause_rows})
     for (const Row& row : rows()) {
       std::istringstream in(row.under);
       for (std::string rules; in >> rules;) all.push_back({&row, rules});

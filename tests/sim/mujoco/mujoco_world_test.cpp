@@ -71,6 +71,54 @@ TEST(MujocoWorld, BeltCarriesAPieceToItsStop) {
   EXPECT_EQ(world->at(spot(*world, "C-BS-OUTPUT"))->id, piece);
 }
 
+TEST(MujocoWorld, AHaltStopsBeltsUntilItIsOver) {
+  auto world = make_world();
+  const StationId bs = station(*world, "C-BS");
+  const PieceId piece = *world->dispense(bs, 0, kBase);
+  const auto x = [&] {
+    return inverse_transform(world->plan().station(bs).pose_in_world, world->find(piece)->position_in_world).x();
+  };
+  Rig rig(*world);
+  rig.wait(0.5);
+  world->run_belt(bs, -0.155 / 2.656, -0.155);
+  rig.wait(1.3);
+  world->halt();
+  rig.wait(0.2);
+  const double there = x();
+  EXPECT_NEAR(there, -0.155 / 2, 0.01);
+  rig.wait(20);  // it falls asleep, and has to be woken
+  EXPECT_NEAR(x(), there, 0.0005);
+  EXPECT_TRUE(world->belt_running(bs));
+  world->go_on();
+  rig.wait(1.5);
+  EXPECT_FALSE(world->belt_running(bs));
+  EXPECT_EQ(world->at(spot(*world, "C-BS-OUTPUT"))->id, piece);
+  EXPECT_NEAR(to_seconds(world->now() - world->floor_time()), 20.2, 1e-9);
+}
+
+TEST(MujocoWorld, AHaltBrakesRobotsAndFreezesTheirArms) {
+  auto world = make_world();
+  Rig rig(*world);
+  world->command_base(kR1, 0, 0.7, 1);
+  world->command_gripper(kR1, {0.2, 0, 0.05});
+  rig.wait(1.9);
+  EXPECT_GT(world->robot(kR1).vy, 0.65);
+  world->halt();
+  rig.wait(0.8);
+  const RobotState standing = world->robot(kR1);
+  EXPECT_LT(std::hypot(standing.vx, standing.vy), 0.03) << "it brakes with 1.5 m/s2";
+  EXPECT_NEAR(standing.gripper.x(), 0.19, 0.005);
+  world->command_base(kR1, 0.7, 0, 0);
+  rig.wait(1);
+  const RobotState held = world->robot(kR1);
+  EXPECT_LT(distance(held.pose_in_world.position(), standing.pose_in_world.position()), 0.01);
+  EXPECT_LT((held.gripper - standing.gripper).norm(), 0.002);
+  world->go_on();
+  rig.wait(1);
+  EXPECT_GT(world->robot(kR1).vx, 0.3);
+  EXPECT_NEAR(world->robot(kR1).gripper.x(), 0.2, 0.002);
+}
+
 TEST(MujocoWorld, PlaceOfANewPieceMustBeFree) {
   auto world = make_world();
   ASSERT_TRUE(world->dispense(spot(*world, "C-CS1-SHELF-LEFT"), kBase).ok());

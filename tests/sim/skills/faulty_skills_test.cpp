@@ -70,6 +70,7 @@ class Plain final : public RobotSkills {
     log_.push_back("abandon");
     ends_at_ = kNever;
   }
+  void resume(SimTime) override { log_.push_back("resume"); }
   std::optional<SkillResult> sense(SimTime now) override {
     if (ends_at_ == kNever) log_.push_back("idle");
     if (now >= next_due() && part_ != kind_) {
