@@ -9,6 +9,17 @@ namespace cxlab {
 
 using namespace clips;
 
+namespace {
+
+// A fact `decision` is a rule's own record of what it decided and why.
+RecordKind record_kind(const Fact& fact, bool again) {
+  if (again) return RecordKind::kModify;
+  const std::string_view name = fact.whichDeftemplate->header.name->contents;
+  return name == "decision" ? RecordKind::kDecision : RecordKind::kAssert;
+}
+
+}  // namespace
+
 void RuleEngine::set_cause(std::span<const RecordRef> causes) {
   // Mostly one record; `assign` is a call that much code would be read for.
   if (causes.size() == 1 && impl_->host_causes.size() == 1)
@@ -91,10 +102,9 @@ void RuleEngine::Impl::on_assert(Environment*, void* asserted, void* self) noexc
   impl.data.begin().field("fact", entry.number).field("template", fact.whichDeftemplate->header.name->contents);
   impl.put_slots(fact, again);
   evaluation_data(impl.env)->Steps += impl.data.bytes().size() / kBytesOfAStep;
-  entry.record = journal
-                     ->write(impl.engine.stream_, impl.engine.now(), again ? RecordKind::kModify : RecordKind::kAssert,
-                             impl.data, impl.engine.cause())
-                     .n;
+  entry.record =
+      journal->write(impl.engine.stream_, impl.engine.now(), record_kind(fact, again), impl.data, impl.engine.cause())
+          .n;
 }
 
 void RuleEngine::Impl::on_retract(Environment*, void* retracted, void* self) noexcept {

@@ -93,6 +93,17 @@ TEST_F(EngineJournal, AFiringOnAChangedFactIsCausedByTheChange) {
   EXPECT_THAT(causes(sink.of(RecordKind::kFire)[0]), ElementsAre(1));
 }
 
+TEST_F(EngineJournal, AFactDecisionIsARecordOfItsOwnKind) {
+  given("(deftemplate decision (slot what))\n(deftemplate decisions (slot what))");
+  const auto index = engine().assert_fact("decision", {{"what", Value::symbol("wait")}});
+  ASSERT_TRUE(engine().assert_fact("decisions", {{"what", Value::symbol("wait")}}).ok());
+  const RuleEngine::Slot go[] = {{"what", Value::symbol("go")}};
+  ASSERT_TRUE(engine().modify_fact(*index, go).ok());
+  EXPECT_THAT(sink.of(RecordKind::kDecision), SizeIs(1));
+  EXPECT_THAT(sink.of(RecordKind::kAssert), SizeIs(1));
+  EXPECT_THAT(sink.of(RecordKind::kModify), SizeIs(1));
+}
+
 TEST_F(EngineJournal, NumbersOfFactsGoOnAfterAReset) {
   given("(deffacts f (a) (b))");
   engine().reset();
