@@ -1,8 +1,6 @@
 ; The cycle of each cap station, one rule a transition: EMPTY -> BUFFERING -> CLEARING -> LOADED; the product that takes
 ; the cap (products.clp) leaves it EMPTY.
 
-(defglobal ?*REFILL* = 25.0)  ; s until an empty shelf is full again
-
 (defrule station-fetch-carrier
   "An empty cap station, whose product has left or has its robot: put the carrier of the first full shelf slot on its belt."
   (game (phase PRODUCTION))
@@ -86,22 +84,3 @@
   ?station <- (cap-station (name ?name) (phase CLEARING|LOADED))
   =>
   (modify ?station (phase EMPTY)))
-
-; --- Shelves
-
-(defrule shelf-wait-for-refill
-  "All three slots are empty: the crew fills them."
-  (shelf (machine ?name) (state TAKEN))
-  (not (shelf (machine ?name) (state FULL)))
-  (not (job (purpose BUFFER) (station ?name) (step WAITING|GO-FETCH|FETCH)))
-  (not (shelf-refill (machine ?name)))
-  (time ?now)
-  =>
-  (assert (shelf-refill (machine ?name) (at (+ ?now ?*REFILL*)))))
-
-(defrule shelf-refilled
-  ?refill <- (shelf-refill (machine ?name) (at ?at))
-  (time ?now&:(>= ?now ?at))
-  =>
-  (retract ?refill)
-  (do-for-all-facts ((?shelf shelf)) (eq ?shelf:machine ?name) (modify ?shelf (state FULL))))

@@ -5,6 +5,12 @@
   (bind ?dash (str-index "-" (sub-string 3 (str-length ?spot) ?spot)))
   (if ?dash then (sub-string 1 (+ ?dash 1) ?spot) else ?spot))
 
+(deffunction output-of (?machine)
+  (str-cat ?machine "-OUTPUT"))
+
+(deffunction input-of (?machine)
+  (str-cat ?machine "-INPUT"))
+
 (deffunction base-of (?order-id)
   "The base colour of an order; any colour for order 0."
   (do-for-fact ((?o order)) (= ?o:id ?order-id) (return ?o:base))

@@ -3,12 +3,6 @@
 
 (defglobal ?*DELIVERY-LEAD* = 45.0)  ; so long before the window a product is fetched for the delivery station, s
 
-(deffunction output-of (?machine)
-  (str-cat ?machine "-OUTPUT"))
-
-(deffunction input-of (?machine)
-  (str-cat ?machine "-INPUT"))
-
 (deffunction move-product (?product ?urgency ?next $?held-up)
   "The job that brings a product from where it lies to the next machine; held up until it can be fetched."
   (bind ?at (fact-slot-value ?product at))

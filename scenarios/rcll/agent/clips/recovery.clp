@@ -1,60 +1,6 @@
-; What becomes of a job when trying again does not help: one rule for each trouble.
-
-(defglobal ?*AVOID* = 20.0)       ; so long a robot leaves a job to the others, s
-(defglobal ?*HAND-OVERS* = 3)
-(defglobal ?*RESET-TIME* = 35.0)  ; until a machine that was reset is idle again, s
-
-(deffunction discard (?robot ?delivery)
-  "The robot brings whatever it holds to the delivery station, as order 0."
-  (bind ?id (new-id))
-  (assert (job (id ?id) (purpose DISCARD) (to (input-of ?delivery)) (robot ?robot) (step GO-PUT)))
-  (hold-up ?id GO-PUT))
-
-(deffunction reset-machine (?machine)
-  "Breaks the machine, so that it is idle and empty after a while."
-  (if (not (any-factp ((?i instruction)) (and (eq ?i:machine ?machine) (eq ?i:operation "RESET"))))
-   then (assert (instruction (id (new-id)) (machine ?machine) (operation "RESET")))))
+; What becomes of a job of ours when trying again does not help: one rule for each trouble (others: trouble.clp).
 
 ; --- Fetching
-
-(defrule recover-held
-  "A pick that failed late has the piece all the same: on with it."
-  ?trouble <- (trouble (job ?id) (kind HELD))
-  ?job <- (job (id ?id))
-  =>
-  (retract ?trouble)
-  (modify ?job (step GO-PUT) (tries 0)))
-
-(defrule recover-full
-  "The gripper holds a piece of which nobody knows: away with it; another robot does the job."
-  ?trouble <- (trouble (job ?id) (kind FULL))
-  ?job <- (job (id ?id) (robot ?robot))
-  (machine (name ?delivery) (kind DS))
-  (time ?now)
-  =>
-  (retract ?trouble)
-  (modify ?job (robot "") (step WAITING) (tries 0) (avoid ?robot) (not-before (+ ?now ?*AVOID*)))
-  (discard ?robot ?delivery))
-
-(defrule recover-unable
-  "This robot cannot fetch it: another one, or this one later."
-  ?trouble <- (trouble (job ?id) (kind UNABLE))
-  ?job <- (job (id ?id) (robot ?name) (step ?step) (handed-over ?count))
-  (test (or (eq ?step GO-FETCH) (< ?count ?*HAND-OVERS*)))
-  ?robot <- (robot (name ?name))
-  (time ?now)
-  =>
-  (retract ?trouble)
-  (modify ?robot (state IDLE) (idle-since ?now))
-  (modify ?job (robot "") (step WAITING) (tries 0) (avoid ?name) (handed-over (+ ?count 1))
-               (not-before (+ ?now (* ?*AVOID* (+ ?count 1))))))
-
-(defrule recover-unable-all
-  "No robot can fetch it: as if it were not there."
-  ?trouble <- (trouble (job ?id) (kind UNABLE))
-  (job (id ?id) (step FETCH) (handed-over ?count&:(>= ?count ?*HAND-OVERS*)))
-  =>
-  (modify ?trouble (kind MISSING)))
 
 (defrule recover-missing-carrier
   "The shelf slot is empty: the station goes on with the next one."
@@ -65,18 +11,6 @@
   (retract ?trouble)
   (modify ?job (step GIVEN-UP))
   (modify ?station (phase EMPTY)))
-
-(defrule recover-missing-base
-  "No base at the base station: have another one dispensed, onto an empty belt."
-  ?trouble <- (trouble (job ?id) (kind MISSING))
-  ?job <- (job (id ?id) (station ?bs) (order ?order))
-  (machine (name ?bs) (kind BS) (state ?state&~DOWN))
-  =>
-  (retract ?trouble)
-  (modify ?job (tries 0) (handed-over 0))
-  (if (eq ?state READY-AT-OUTPUT) then (reset-machine ?bs))
-  (assert (held-up (job ?id) (step FETCH)))
-  (assert (instruction (id ?id) (machine ?bs) (operation "DISPENSE_BASE") (side "OUTPUT") (color (base-of ?order)))))
 
 (defrule recover-missing-output
   "What should lie at the output does not: a bare base leaves its cap behind, a product is lost.
@@ -91,27 +25,6 @@
   (if ?jammed then (reset-machine ?name))
   (do-for-fact ((?s cap-station)) (and (eq ?s:name ?name) (eq ?s:phase CLEARING))
     (modify ?s (phase (if ?jammed then EMPTY else LOADED)))))
-
-(defrule recover-gone-with-machine
-  "The station breaks down before the robot has fetched from it."
-  (job (id ?id) (purpose CLEAR|MOVE) (station ?name) (step WAITING|GO-FETCH|FETCH))
-  (machine (name ?name) (kind ~BS) (state BROKEN))
-  =>
-  (assert (trouble (job ?id) (kind GONE))))
-
-(defrule recover-gone
-  "The robot, if any, is done with its skill: it need not go there."
-  (trouble (job ?id) (kind GONE))
-  ?job <- (job (id ?id) (step WAITING|GO-FETCH|FETCH) (moving NO))
-  =>
-  (modify ?job (step GIVEN-UP)))
-
-(defrule recover-not-gone
-  "The robot had it already."
-  ?trouble <- (trouble (job ?id) (kind GONE))
-  (job (id ?id) (step GO-PUT))
-  =>
-  (retract ?trouble))
 
 ; --- Putting down
 
@@ -151,25 +64,6 @@
   =>
   (assert (lost ?id))
   (reset-machine ?name))
-
-(defrule recover-stuck
-  "The robot does not get rid of the piece there: away with it, and the job begins anew."
-  ?trouble <- (trouble (job ?id) (kind STUCK))
-  ?job <- (job (id ?id) (purpose ~DISCARD) (robot ?robot))
-  (machine (name ?delivery) (kind DS))
-  =>
-  (modify ?trouble (kind LOST))
-  (modify ?job (robot ""))
-  (discard ?robot ?delivery))
-
-(defrule recover-stuck-with-waste
-  "Not even there: later."
-  ?trouble <- (trouble (job ?id) (kind STUCK))
-  ?job <- (job (id ?id) (purpose DISCARD))
-  (time ?now)
-  =>
-  (retract ?trouble)
-  (modify ?job (tries 0) (not-before (+ ?now ?*RESET-TIME*))))
 
 (defrule recover-lost-carrier
   ?trouble <- (trouble (job ?id) (kind LOST))

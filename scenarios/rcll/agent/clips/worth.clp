@@ -1,0 +1,50 @@
+; What an order earns, and what it costs.
+
+(defglobal ?*GAME* = 1200.0)        ; s of production
+(defglobal ?*C0-TIME* = 120.0)      ; from the start to the delivery, s
+(defglobal ?*RING-TIME* = 80.0)     ; longer for each ring, s
+(defglobal ?*EARLY* = 60.0)         ; so long a product may lie about before its window, s
+
+(deffunction price-of (?work)
+  "Payments for a work."
+  (do-for-fact ((?d does)) (eq ?d:work ?work) (return ?d:price))
+  0)
+
+(deffunction time-to-make (?rings)
+  (+ ?*C0-TIME* (* ?*RING-TIME* (length$ ?rings))))
+
+(deffunction late-share (?late ?window)
+  "The share of the delivery's points that is lost so long after the window."
+  (if (<= ?late 0) then 0 else (* 0.1875 (min 4 (+ 1 (div (* 4 ?late) ?window))))))
+
+(deffunction points-of (?complexity ?rings ?competitive ?late ?window)
+  "What a product earns: delivery, cap, rings with their payments, and a bonus."
+  (bind ?delivery (switch ?complexity (case "C0" then 20) (case "C1" then 30) (case "C2" then 50) (default 100)))
+  (bind ?points (+ (* ?delivery (- 1 (late-share ?late ?window))) 12 (if ?competitive then 10 else 0)))
+  (foreach ?ring ?rings
+    (bind ?points (+ ?points (switch (price-of ?ring) (case 0 then 5) (case 1 then 12) (default 24)))))
+  ?points)
+
+(deffunction jobs-of (?rings)
+  "Robots' jobs: to the cap station and to the delivery station, the carrier in and out, each ring, each payment."
+  (bind ?jobs 4)
+  (foreach ?ring ?rings (bind ?jobs (+ ?jobs 1 (price-of ?ring))))
+  ?jobs)
+
+(deffunction worth (?complexity ?rings ?competitive ?begin ?end ?time)
+  "Points for a job, of an order that is begun at this time of the game; 0 if there is no time left for it."
+  (bind ?ready (+ ?time (time-to-make ?rings)))
+  (if (> ?ready ?*GAME*) then (return 0.0))
+  (if (< ?ready (- ?begin ?*EARLY*)) then (return 0.0))
+  (/ (points-of ?complexity ?rings ?competitive (- ?ready ?end) (- ?end ?begin)) (jobs-of ?rings)))
+
+(deffunction machines-for (?works)
+  "The machines that do these works, one after the other; nothing, if one is not known yet."
+  (bind ?machines (create$))
+  (foreach ?work ?works
+    (if (not (do-for-fact ((?d does)) (eq ?d:work ?work) (bind ?machines (create$ ?machines ?d:machine)) TRUE))
+     then (return (create$))))
+  ?machines)
+
+(deffunction works-for (?rings ?cap)
+  (create$ ?rings ?cap "DELIVER"))
