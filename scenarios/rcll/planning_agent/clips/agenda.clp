@@ -1,0 +1,120 @@
+; Which step begins next. A strategy names the steps that may be looked at; the PDDL manager is asked whether the conditions of
+; the first of them hold; if so, it begins.
+
+(deffunction first-group ()
+  "The group that is under way."
+  (bind ?first 1000000)
+  (do-for-all-facts ((?s step)) (and (neq ?s:state DONE) (> ?s:group 0)) (bind ?first (min ?first ?s:group)))
+  ?first)
+
+(deffunction may-look-at (?id ?group)
+  "By the strategy."
+  (switch ?*STRATEGY*
+    (case "groups" then (<= ?group (first-group)))
+    (case "lookahead" then (<= ?group (+ (first-group) ?*LOOKAHEAD*)))
+    (default (not (any-factp ((?w waits-for) (?s step)) (and (eq ?w:step ?id) (eq ?s:id ?w:for) (member$ ?s:state (create$ OPEN CHECKING BLOCKED APPROACHING FAILED))))))))
+
+(deffunction robot-waits ()
+  "Whether a robot has nothing to do."
+  (and (any-factp ((?r robot)) (eq ?r:state IDLE))
+       (not (any-factp ((?j job)) (eq ?j:step WAITING)))
+       (not (any-factp ((?l to-look)) TRUE))))
+
+(defrule agenda-robot-waits
+  "A robot has nothing to do any more: steps are looked at again."
+  (robot (name ?robot) (state IDLE) (idle-since ?since))
+  (not (to-look))
+  (not (job (step WAITING)))
+  (not (noticed ?robot ?since))
+  ?version <- (world-version ?n)
+  =>
+  (do-for-all-facts ((?o noticed)) (eq (nth$ 1 ?o:implied) ?robot) (retract ?o))
+  (retract ?version)
+  (assert (noticed ?robot ?since) (world-version (+ ?n 1))))
+
+(defrule agenda-look
+  "The step of the smallest rank that may begin by the strategy, has a worker, and has not been looked at since the world changed."
+  (planning (state IDLE))
+  (not (replan))
+  (world-version ?version)
+  ?step <- (step (id ?id) (state ?state&OPEN|BLOCKED|APPROACHING) (seen ?seen&:(< ?seen ?version)) (worker ?worker) (rank ?rank)
+                 (group ?group))
+  (test (or (neq ?worker ROBOT) (eq ?state APPROACHING) (robot-waits)))
+  (not (step (state CHECKING)))
+  (not (pddl-action-get-effect))
+  (not (pddl-fluent-change (instance production)))
+  (not (pddl-numeric-fluent-change (instance production)))
+  (test (may-look-at ?id ?group))
+  (not (step (id ?o&~?id) (state ?os&OPEN|BLOCKED|APPROACHING) (seen ?oseen&:(< ?oseen ?version)) (worker ?ow) (group ?og)
+             (rank ?or&:(and (or (< ?or ?rank) (and (= ?or ?rank) (< (str-compare ?o ?id) 0)))
+                              (or (neq ?ow ROBOT) (eq ?os APPROACHING) (robot-waits))
+                              (may-look-at ?o ?og)))))
+  =>
+  (modify ?step (state CHECKING) (seen ?version) (was ?state))
+  (assert (pddl-action-condition (instance production) (action ?id))))
+
+(defrule agenda-blocked
+  ?check <- (pddl-action-condition (action ?id) (state CONDITION-UNSAT) (unsatisfied-conditions $?missing))
+  ?step <- (step (id ?id) (state CHECKING) (was ?was) (action ?action) (params $?params))
+  =>
+  (retract ?check)
+  (decide (str-cat "hold back " ?action " " (implode$ ?params)) (implode$ ?missing))
+  (modify ?step (state (if (eq ?was APPROACHING) then APPROACHING else BLOCKED))))
+
+(defrule agenda-no-carrier
+  "The PDDL domain knows nothing of empty shelves."
+  ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
+  ?step <- (step (id ?id) (state CHECKING) (action fetch-carrier) (params ?cs))
+  (test (eq (full-shelf-spot (machine-named ?cs)) ""))
+  =>
+  (retract ?check)
+  (decide (str-cat "hold back fetch-carrier " ?cs) "the shelf is empty")
+  (modify ?step (state BLOCKED)))
+
+(defrule agenda-begin
+  ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
+  ?step <- (step (id ?id) (state CHECKING) (was ?was) (action ?action) (params $?params) (worker ?worker)
+                 (work ?work))
+  (test (or (neq ?action fetch-carrier) (neq (full-shelf-spot (machine-named (nth$ 1 ?params))) "")))
+  =>
+  (retract ?check)
+  (decide (str-cat "begin " ?action " " (implode$ ?params)) "its conditions hold")
+  (if (and (eq ?worker ROBOT) ?*SUB-ACTIONS*) then (apply-part ?id ?action drive ?params) else (apply-effects ?id START))
+  (if (eq ?was APPROACHING)
+   then (do-for-all-facts ((?h held-up)) (and (= ?h:job ?work) (eq ?h:step FETCH)) (retract ?h))
+   else (bind ?work (begin-work ?action ?params)))
+  (modify ?step (state RUNNING) (work ?work)))
+
+; --- Robots that would stand idle drive to where the next piece comes out
+
+(defrule agenda-approach
+  "A machine works on the piece, and nothing else can begin: a robot goes there."
+  (planning (state IDLE))
+  (world-version ?version)
+  ?step <- (step (id ?id) (state BLOCKED) (seen ?version) (worker ROBOT) (action ?action&transport|bring-to-delivery|pay-with-bare-base|discard-bare-base) (params $?params)
+                 (rank ?rank))
+  (not (step (state OPEN|CHECKING) (worker ROBOT) (rank ?r&:(< ?r ?rank))))
+  (step (state RUNNING) (worker MACHINE) (params $? =(nth$ 1 ?params) $?))
+  (test (robot-waits))
+  =>
+  (bind ?work (begin-work ?action ?params))
+  (hold-up ?work FETCH)
+  (decide (str-cat "approach for " ?action " " (implode$ ?params)) "the piece is being made, and a robot waits")
+  (modify ?step (state APPROACHING) (work ?work)))
+
+(defrule agenda-approach-again
+  "The new plan has the step, too."
+  ?approached <- (approached ?work ?action $?params)
+  ?step <- (step (state OPEN|BLOCKED) (action ?action) (params $?params))
+  =>
+  (retract ?approached)
+  (modify ?step (state APPROACHING) (work ?work)))
+
+(defrule agenda-approach-in-vain
+  "It does not."
+  ?approached <- (approached ?work ?action $?params)
+  (not (step (state OPEN|BLOCKED|CHECKING) (action ?action) (params $?params)))
+  ?job <- (job (id ?work) (moving NO))
+  =>
+  (retract ?approached)
+  (modify ?job (step GIVEN-UP)))

@@ -1,0 +1,158 @@
+; Steps become jobs of robots and instructions of machines; what these report becomes effects.
+
+(deffunction apply-effects (?action ?time)
+  "The effects of an action at START, END or both (ALL)."
+  (assert (pddl-action-get-effect (action ?action) (effect-type ?time) (apply TRUE))))
+
+(deffunction apply-action (?name ?params)
+  "An instantaneous action: a part of a coarse one, or something that went wrong."
+  (bind ?id (gensym*))
+  (assert (pddl-action (instance production) (id ?id) (plan part) (name ?name) (params ?params)))
+  (apply-effects ?id ALL))
+
+(deffunction apply-part (?id ?action ?part ?params)
+  (apply-action (sym-cat ?action - ?part) ?params))
+
+(defrule effects-applied
+  "The world has changed: what was held back may begin."
+  (planning (state IDLE))
+  ?effect <- (pddl-action-get-effect (action ?action) (state DONE))
+  (not (pddl-fluent-change (instance production)))
+  (not (pddl-numeric-fluent-change (instance production)))
+  ?version <- (world-version ?n)
+  =>
+  (retract ?effect ?version)
+  (assert (world-version (+ ?n 1)))
+  (do-for-all-facts ((?a pddl-action)) (and (eq ?a:id ?action) (eq ?a:plan part)) (retract ?a)))
+
+; --- Robots
+
+(deffunction full-shelf-spot (?machine)
+  "The first slot of the shelf with a carrier."
+  (bind ?first "")
+  (do-for-all-facts ((?s shelf)) (and (eq ?s:machine ?machine) (eq ?s:state FULL))
+    (if (or (eq ?first "") (< (str-compare ?s:spot ?first) 0)) then (bind ?first ?s:spot)))
+  ?first)
+
+(deffunction robot-job (?purpose ?order ?from ?to $?held-up)
+  (bind ?id (create-job ?purpose 3 ?order ?from ?to))
+  (hold-up ?id ?held-up)
+  ?id)
+
+(deffunction ring-of (?order ?step)
+  (do-for-fact ((?o order)) (= ?o:id ?order) (return (nth$ (+ 1 (string-to-field (sub-string 2 2 ?step))) ?o:rings)))
+  "")
+
+(deffunction instruct (?machine ?operation ?color ?order)
+  (bind ?id (new-id))
+  (assert (instruction (id ?id) (machine ?machine) (operation ?operation) (color ?color) (order ?order)))
+  ?id)
+
+(deffunction begin-work (?action ?params)
+  "Has an action done; returns the number of its job or instruction."
+  (bind ?a (nth$ 1 ?params))
+  (bind ?b (if (> (length$ ?params) 1) then (machine-named (nth$ 2 ?params)) else ""))
+  (bind ?c (if (> (length$ ?params) 2) then (machine-named (nth$ 3 ?params)) else ""))
+  (bind ?m (machine-named ?a))
+  (switch ?action
+    (case bring-base then (robot-job MOVE (order-of ?a) (output-of ?b) (input-of ?c) GO-FETCH FETCH))
+    (case transport then (robot-job MOVE (order-of ?a) (output-of ?b) (input-of ?c)))
+    (case bring-to-delivery then (robot-job MOVE (order-of ?a) (output-of ?b) (input-of ?c)))
+    (case fetch-carrier then
+      (bind ?spot (full-shelf-spot ?m))
+      (do-for-fact ((?s shelf)) (eq ?s:spot ?spot) (modify ?s (state TAKEN)))
+      (robot-job BUFFER 0 ?spot (input-of ?m)))
+    (case pay-with-bare-base then (robot-job CLEAR 0 (output-of ?m) (str-cat ?b "-SLIDE")))
+    (case discard-bare-base then (robot-job CLEAR 0 (output-of ?m) (input-of ?b)))
+    (case pay-with-new-base then (robot-job PAY 0 (output-of ?m) (str-cat ?b "-SLIDE") GO-FETCH FETCH))
+    (case retrieve-cap then (instruct ?m "RETRIEVE_CAP" "" 0))
+    (case mount-ring then (instruct ?b "MOUNT_RING" (ring-of (order-of ?a) (nth$ 3 ?params)) 0))
+    (case mount-cap then (instruct ?b "MOUNT_CAP" "" 0))
+    (case deliver then (instruct ?b "DELIVER" "" (order-of ?a)))
+    (default 0)))
+
+(defrule work-at-once
+  "Nothing holds the piece up: driving there, fetching and bringing are one skill."
+  (declare (salience 10))
+  ?job <- (job (id ?id) (step GO-FETCH) (moving NO) (robot ~""))
+  (not (held-up (job ?id)))
+  (not (trouble (job ?id)))
+  =>
+  (modify ?job (step FETCH)))
+
+(defrule work-picked
+  "The robot has the piece."
+  (step (id ?id) (action ?action) (params $?params) (state RUNNING) (worker ROBOT) (work ?work))
+  (job (id ?work) (step GO-PUT|PUT|DONE))
+  (not (picked ?id))
+  =>
+  (assert (picked ?id))
+  (if ?*SUB-ACTIONS* then (apply-part ?id ?action pick ?params)))
+
+(defrule work-placed
+  "The piece lies where it should."
+  ?step <- (step (id ?id) (action ?action&~discard-bare-base) (params $?params) (state RUNNING) (worker ROBOT) (work ?work))
+  ?job <- (job (id ?work) (step DONE) (robot ""))
+  ?picked <- (picked ?id)
+  =>
+  (retract ?job ?picked)
+  (if ?*SUB-ACTIONS* then (apply-part ?id ?action place ?params) else (apply-effects ?id END))
+  (modify ?step (state DONE)))
+
+(defrule work-discarded
+  "The delivery station has thrown the base away."
+  ?step <- (step (id ?id) (action ?action&discard-bare-base) (params $?params) (state RUNNING) (work ?work))
+  ?instruction <- (instruction (id ?work) (operation "DELIVER") (state SUCCEEDED|FAILED))
+  ?picked <- (picked ?id)
+  =>
+  (retract ?instruction ?picked)
+  (if ?*SUB-ACTIONS* then (apply-part ?id ?action place ?params) else (apply-effects ?id END))
+  (modify ?step (state DONE)))
+
+(defrule work-waste-gone
+  "A piece that belonged to no step."
+  ?instruction <- (instruction (id ?work) (operation "DELIVER") (order 0) (state SUCCEEDED|FAILED))
+  (not (step (work ?work)))
+  =>
+  (retract ?instruction))
+
+; --- Machines
+
+(defrule work-instructed
+  "The machine has done it."
+  ?step <- (step (id ?id) (action ?action) (params $?params) (state RUNNING) (worker MACHINE) (work ?work))
+  ?instruction <- (instruction (id ?work) (state SUCCEEDED))
+  =>
+  (retract ?instruction)
+  (apply-effects ?id END)
+  (modify ?step (state DONE)))
+
+(defrule work-delivered
+  (step (action deliver) (params ?product $?) (state DONE))
+  ?order <- (order (id ?id&:(eq ?product (product-of ?id))) (state ~DONE))
+  =>
+  (modify ?order (state DONE))
+  (assert (product-done ?id)))
+
+; --- The agent itself
+
+(defrule work-window-near
+  ?step <- (step (id ?id) (action wait-for-window) (params ?product) (state RUNNING))
+  (order (id ?o&:(eq ?product (product-of ?o))) (begin ?begin))
+  (game (begin ?zero))
+  (time ?now&:(>= ?now (- (+ ?zero ?begin) ?*WINDOW-LEAD*)))
+  =>
+  (apply-effects ?id END)
+  (modify ?step (state DONE)))
+
+(defrule work-forgotten
+  "A step that is done is of no use when no other one waits for it."
+  (planning (state IDLE))
+  ?step <- (step (id ?id) (state DONE) (group ?group))
+  (not (waits-for (for ?id)))
+  (not (step (state ~DONE) (group ?g&:(<= ?g ?group))))
+  (not (pddl-action-get-effect (action ?id)))
+  (not (step (id ?id) (action deliver) (params ?p $?)))
+  =>
+  (do-for-all-facts ((?a pddl-action)) (eq ?a:id ?id) (retract ?a))
+  (retract ?step))

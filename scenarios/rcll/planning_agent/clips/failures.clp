@@ -1,0 +1,183 @@
+; What goes wrong. A failure is a PDDL action of its own; then the step is tried again, or a new plan is made.
+
+(deffunction fail (?step ?outcome $?params)
+  "The step has failed with that effect."
+  (apply-action ?outcome ?params)
+  (decide (str-cat (fact-slot-value ?step action) " " (implode$ (fact-slot-value ?step params)) " has failed") (str-cat "effects of " ?outcome))
+  (do-for-all-facts ((?p picked)) (eq ?p:implied (create$ (fact-slot-value ?step id))) (retract ?p)))
+
+(deffunction fail-part (?step ?part)
+  (fail ?step (sym-cat (fact-slot-value ?step action) - ?part) (fact-slot-value ?step params)))
+
+(deffunction plan-again (?step)
+  (modify ?step (state FAILED))
+  (assert (replan (reason (str-cat (fact-slot-value ?step action) " " (implode$ (fact-slot-value ?step params)) " has failed")))))
+
+; --- Machines
+
+(defrule failure-of-machine
+  "The machine has not done its work, and what lay in it is gone."
+  ?step <- (step (id ?id) (action ?action) (params $?params) (state RUNNING) (worker MACHINE) (work ?work))
+  ?instruction <- (instruction (id ?work) (state FAILED) (error ?error))
+  =>
+  (printout warn ?action " " (implode$ ?params) " failed: " ?error crlf)
+  (retract ?instruction)
+  (if (eq ?action retrieve-cap)
+   then (fail ?step lose-carrier ?params)
+   else (fail ?step lose-work (nth$ 1 ?params) (nth$ 2 ?params)))
+  (plan-again ?step))
+
+(defrule failure-broken
+  "What lies on a machine that breaks down is gone, its cap and its payments, too."
+  (machine (name ?machine) (kind ?kind&~BS) (state BROKEN))
+  (in-problem production ?machine)
+  (not (emptied ?machine))
+  =>
+  (assert (emptied ?machine))
+  (bind ?name (pddl-name ?machine))
+  (apply-action empty-input (create$ ?name))
+  (apply-action empty-output (create$ ?name))
+  (if (eq ?kind CS) then (apply-action empty-cap-station (create$ ?name)))
+  (if (eq ?kind RS) then (apply-action empty-slide (create$ ?name)))
+  (assert (replan (reason (str-cat ?machine " has broken down")))))
+
+(defrule failure-repaired
+  (machine (name ?machine) (state ~BROKEN))
+  ?emptied <- (emptied ?machine)
+  =>
+  (retract ?emptied))
+
+; --- Robots: what becomes of their jobs
+
+(defrule failure-missing-carrier
+  "The slot of the shelf is empty: the next one."
+  ?trouble <- (trouble (job ?id) (kind MISSING|GONE))
+  ?job <- (job (id ?id) (purpose BUFFER))
+  =>
+  (retract ?trouble)
+  (modify ?job (step GIVEN-UP)))
+
+(defrule failure-missing-piece
+  "What should lie at the output does not. If the machine sees it still, nobody can take it."
+  ?trouble <- (trouble (job ?id) (kind MISSING))
+  ?job <- (job (id ?id) (purpose CLEAR|MOVE) (station ?name))
+  (machine (name ?name) (kind ~BS) (state ?state&~DOWN))
+  =>
+  (retract ?trouble)
+  (modify ?job (step GIVEN-UP))
+  (if (eq ?state READY-AT-OUTPUT) then (reset-machine ?name)))
+
+(defrule failure-lost
+  "The piece fell."
+  ?trouble <- (trouble (job ?id) (kind LOST))
+  ?job <- (job (id ?id))
+  =>
+  (retract ?trouble)
+  (modify ?job (step GIVEN-UP)))
+
+(defrule failure-occupied-belt
+  "Something lies on the belt that nobody will take away: reset the machine, then try again."
+  ?trouble <- (trouble (job ?id) (kind OCCUPIED))
+  ?job <- (job (id ?id) (to ?to))
+  (machine (name ?name&:(eq ?name (machine-of ?to))) (state ~DOWN))
+  (test (not (str-index "SLIDE" ?to)))
+  (time ?now)
+  =>
+  (retract ?trouble)
+  (modify ?job (tries 0) (not-before (+ ?now ?*RESET-TIME*)))
+  (reset-machine ?name))
+
+(defrule failure-occupied-slide
+  "Nobody can come to the slide, or it is blocked: no more payments there; away with the base."
+  ?trouble <- (trouble (job ?id) (kind OCCUPIED))
+  ?job <- (job (id ?id) (to ?to) (robot ?robot))
+  (test (str-index "SLIDE" ?to))
+  (machine (kind DS) (name ?delivery))
+  =>
+  (retract ?trouble)
+  (modify ?job (step GIVEN-UP) (robot ""))
+  (discard ?robot ?delivery)
+  (assert (blocked-slide (pddl-name (machine-of ?to)))))
+
+(defrule failure-blocked-slide
+  "It has no room any more."
+  (blocked-slide ?station)
+  (pddl-numeric-fluent (instance production) (name slide-room) (params ?station) (value ?value&:(> ?value 0)))
+  (not (pddl-action-get-effect))
+  (not (pddl-numeric-fluent-change (instance production) (name slide-room)))
+  =>
+  (number production slide-room -3 ?station))
+
+(defrule failure-discarded
+  "Of a piece that the robot only had to get rid of."
+  ?job <- (job (purpose DISCARD) (step GIVEN-UP) (robot ""))
+  =>
+  (modify ?job (purpose CLEAR)))
+
+; --- What becomes of the step
+
+(defrule failure-before-begin
+  "The robot only drove there in advance."
+  ?step <- (step (state APPROACHING) (work ?work))
+  ?job <- (job (id ?work) (step GIVEN-UP) (robot ""))
+  =>
+  (modify ?step (state OPEN) (seen -1)))
+
+(defrule failure-try-again
+  "Nothing is lost that another try does not bring: a carrier, a base."
+  ?step <- (step (id ?id) (action fetch-carrier|bring-base|pay-with-new-base) (state RUNNING) (work ?work))
+  (job (id ?work) (step GIVEN-UP) (robot "") (purpose ~DISCARD))
+  =>
+  (fail-part ?step lose)
+  (modify ?step (state OPEN) (seen -1)))
+
+(defrule failure-plan-again
+  "The piece is gone."
+  ?step <- (step (action transport|bring-to-delivery|pay-with-bare-base|discard-bare-base) (state RUNNING) (work ?work))
+  (job (id ?work) (step GIVEN-UP) (robot "") (purpose ~DISCARD))
+  =>
+  (fail-part ?step lose)
+  (plan-again ?step))
+
+(defrule failure-given-up
+  "The job is forgotten."
+  (declare (salience -10))
+  ?job <- (job (id ?id) (step GIVEN-UP) (robot ""))
+  =>
+  (retract ?job)
+  (do-for-all-facts ((?held held-up)) (= ?held:job ?id) (retract ?held))
+  (do-for-all-facts ((?reserved reserved)) (= ?reserved:job ?id) (retract ?reserved))
+  (do-for-all-facts ((?trouble trouble)) (= ?trouble:job ?id) (retract ?trouble)))
+
+; --- Nobody does anything
+
+(defglobal ?*WATCH* = 60.0)  ; s
+
+(defrule watch-begin
+  "Nothing is under way, though there is something to do."
+  (planning (state IDLE))
+  (game (phase PRODUCTION))
+  (exists (step (state OPEN|BLOCKED)))
+  (not (step (state RUNNING) (action ~wait-for-window)))
+  (not (watched ?))
+  (time ?now)
+  =>
+  (assert (watched ?now)))
+
+(defrule watch-end
+  ?watched <- (watched ?)
+  (or (exists (step (state RUNNING) (action ~wait-for-window)))
+      (not (step (state OPEN|BLOCKED))))
+  =>
+  (retract ?watched))
+
+(defrule watch-bites
+  ?watched <- (watched ?since)
+  (time ?now&:(> ?now (+ ?since ?*WATCH*)))
+  =>
+  (retract ?watched)
+  (bind ?waiting "")
+  (do-for-all-facts ((?s step)) (member$ ?s:state (create$ OPEN BLOCKED))
+    (bind ?waiting (str-cat ?waiting (if (eq ?waiting "") then "" else "; ") ?s:action " " (implode$ ?s:params))))
+  (printout warn "nothing is under way, these wait: " ?waiting crlf)
+  (assert (replan (reason (str-cat "nothing is under way, these wait: " ?waiting)))))

@@ -1,0 +1,100 @@
+; What the agent knows besides the facts of the rule agent (rcll_agent) and of the PDDL helper rules (cx_pddl_clips).
+; The instance `production` is the world as it is; `planning` is what plans are made for: the world when all that is under
+; way has ended.
+
+(defglobal
+  ?*STRATEGY* = "partial-order"  ; groups, lookahead, partial-order
+  ?*LOOKAHEAD* = 1               ; groups that lookahead may begin early
+  ?*SUB-ACTIONS* = TRUE          ; effects as soon as a robot reports a part of its action; else at its end
+  ?*ORDER* = "plan"              ; of steps that may begin: as in the plan, or slack (by the windows of their products)
+  ?*IN-ADVANCE* = TRUE           ; cap stations get their next cap when robots have nothing else to do
+  ?*PRODUCTS* = 3                ; that are planned for at once
+  ?*ALTERNATIVES* = 3)           ; sets of orders that are planned for at once
+
+(deffacts settings (read-settings))
+
+(defrule read-settings
+  "The parameters of the node say how to play."
+  ?read <- (read-settings)
+  =>
+  (retract ?read)
+  (bind ?*STRATEGY* (ros-param-get-value "strategy.dispatch" ?*STRATEGY*))
+  (bind ?*LOOKAHEAD* (ros-param-get-value "strategy.lookahead" ?*LOOKAHEAD*))
+  (bind ?*SUB-ACTIONS* (ros-param-get-value "strategy.sub_actions" ?*SUB-ACTIONS*))
+  (bind ?*ORDER* (ros-param-get-value "strategy.order" ?*ORDER*))
+  (bind ?*PATIENCE* (ros-param-get-value "strategy.patience" 10.0))
+  (bind ?*IN-ADVANCE* (ros-param-get-value "strategy.in_advance" ?*IN-ADVANCE*))
+  (bind ?*PRODUCTS* (ros-param-get-value "strategy.products" ?*PRODUCTS*))
+  (bind ?*ALTERNATIVES* (ros-param-get-value "strategy.alternatives" ?*ALTERNATIVES*))
+  (assert (pddl-manager (node (ros-param-get-value "planner.node" "/pddl_manager")))))
+
+(deftemplate step
+  "An action of the plan in execution. OPEN: not yet looked at. CHECKING: the PDDL manager is asked for its conditions.
+   BLOCKED: they did not hold. APPROACHING: a robot drives there already. RUNNING, DONE, FAILED. Its pddl-action has the same id."
+  (slot id (type SYMBOL))
+  (slot action (type SYMBOL))
+  (multislot params (type SYMBOL))
+  (slot begin (type FLOAT))                 ; in the plan, s
+  (slot end (type FLOAT))
+  (slot rank (type FLOAT) (default 0.0))    ; the smallest goes first
+  (slot group (type INTEGER) (default 0))   ; of steps that begin together
+  (slot worker (type SYMBOL) (allowed-values ROBOT MACHINE AGENT))
+  (slot state (type SYMBOL) (allowed-values OPEN CHECKING BLOCKED APPROACHING RUNNING DONE FAILED) (default OPEN))
+  (slot was (type SYMBOL) (default OPEN))   ; before it was checked
+  (slot seen (type INTEGER) (default -1))   ; the world's version in which its conditions did not hold
+  (slot work (type INTEGER) (default 0)))   ; its job or instruction
+
+(deftemplate waits-for
+  "A step of the plan that begins after another one, because both use a product or machine."
+  (slot step (type SYMBOL))
+  (slot for (type SYMBOL)))
+
+(deftemplate planning
+  "How far the next plan is. IDLE: nothing to plan. COPY: the world is copied. FINISH: what is under way is thought to its end.
+   GOALS: plans are made for the alternatives."
+  (slot state (type SYMBOL) (allowed-values IDLE COPY FINISH GOALS) (default IDLE)))
+
+(deftemplate replan
+  "Somebody wants a new plan."
+  (slot reason (type STRING)))
+
+(deftemplate alternative
+  "A set of orders, and the plan for it."
+  (slot name (type SYMBOL))
+  (multislot orders (type INTEGER))
+  (slot state (type SYMBOL) (allowed-values NEW CLEARED SET PLANNING PLANNED) (default NEW))
+  (slot points (type FLOAT) (default 0.0))  ; that the plan earns
+  (slot work (type FLOAT) (default 0.0)))   ; s of robots that it takes
+
+(deftemplate decision
+  "What was decided, and why: the journal has them as records of their own."
+  (slot what (type STRING))
+  (slot why (type STRING)))
+
+(defrule decision-told
+  (declare (salience 100))
+  ?decision <- (decision)
+  =>
+  (retract ?decision))
+
+(deffacts planning
+  (planning)
+  (world-version 0))
+
+(deffunction decide (?what ?why)
+  (assert (decision (what ?what) (why ?why))))
+
+; --- Names: the domain knows cs1, the league C-CS1
+
+(deffunction pddl-name (?machine)
+  (sym-cat (lowcase (sub-string 3 (str-length ?machine) ?machine))))
+
+(deffunction product-of (?order)
+  (sym-cat o ?order))
+
+(deffunction order-of (?product)
+  (string-to-field (sub-string 2 (str-length ?product) ?product)))
+
+(deffunction machine-named (?name)
+  (do-for-fact ((?w we-are)) TRUE (return (str-cat (nth$ 1 ?w:implied) "-" (upcase ?name))))
+  "")

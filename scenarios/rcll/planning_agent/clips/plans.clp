@@ -1,0 +1,283 @@
+; From what is wanted to the plan in execution.
+
+; --- When there is a new plan to be made
+
+(defrule plan-for-new-order
+  (game (phase PRODUCTION))
+  (in-problem planning ?id)
+  (order (id ?id) (state ~DONE))
+  (not (considered ?id))
+  =>
+  (assert (considered ?id))
+  (assert (replan (reason (str-cat "order " ?id " is in")))))
+
+(defrule plan-again-when-done
+  "Every step of the plan is done, and there is more to do."
+  (planning (state IDLE))
+  (had-plan)
+  (not (step (state ~DONE)))
+  (exists (order (state ~DONE)))
+  (not (replan))
+  (time ?now)
+  ?last <- (planned-at ?at&:(> ?now (+ ?at 10.0)))
+  =>
+  (retract ?last)
+  (assert (replan (reason "the plan is done"))))
+
+(defrule plan-again-with-room
+  "A product is delivered: there is room for the next one."
+  ?delivered <- (product-done ?)
+  =>
+  (retract ?delivered)
+  (assert (replan (reason "a product is delivered"))))
+
+; --- 1. The world as it will be when what is under way has ended
+
+(deffunction copy-world ()
+  "Changes that make `planning` what `production` is."
+  (do-for-all-facts ((?f pddl-fluent)) (eq ?f:instance production)
+    (if (not (any-factp ((?g pddl-fluent)) (and (eq ?g:instance planning) (eq ?g:name ?f:name) (eq ?g:params ?f:params))))
+     then (fluent planning ?f:name ?f:params)))
+  (do-for-all-facts ((?f pddl-fluent)) (eq ?f:instance planning)
+    (if (not (any-factp ((?g pddl-fluent)) (and (eq ?g:instance production) (eq ?g:name ?f:name) (eq ?g:params ?f:params))))
+     then (no-fluent planning ?f:name ?f:params)))
+  (do-for-all-facts ((?f pddl-numeric-fluent)) (and (eq ?f:instance production) (neq ?f:name window-in))
+    (if (not (any-factp ((?g pddl-numeric-fluent)) (and (eq ?g:instance planning) (eq ?g:name ?f:name) (eq ?g:params ?f:params)
+                                                        (= ?g:value ?f:value))))
+     then (number planning ?f:name ?f:value ?f:params)))
+  (do-for-all-facts ((?o order)) (any-factp ((?k in-problem)) (eq ?k:implied (create$ planning ?o:id)))
+    (number planning window-in (max 0.1 (- ?o:begin ?*WINDOW-LEAD* (game-time))) (product-of ?o:id))))
+
+(defrule plan-begin
+  (game (phase PRODUCTION))
+  ?planning <- (planning (state IDLE))
+  (replan)
+  (not (step (state CHECKING)))
+  (not (pddl-action-get-effect))
+  (not (pddl-fluent-change))
+  (not (pddl-numeric-fluent-change))
+  (not (pddl-object-change))
+  =>
+  (bind ?why "")
+  (do-for-all-facts ((?r replan)) TRUE
+    (bind ?why (str-cat ?why (if (eq ?why "") then "" else "; ") ?r:reason))
+    (retract ?r))
+  (decide "plan" ?why)
+  (do-for-all-facts ((?s step)) (and (eq ?s:action wait-for-window) (eq ?s:state RUNNING)) (modify ?s (state OPEN)))
+  (copy-world)
+  (modify ?planning (state COPY)))
+
+(defrule plan-finish-running
+  "The copy is made: the effects at the end of what is under way."
+  ?planning <- (planning (state COPY))
+  (not (pddl-fluent-change))
+  (not (pddl-numeric-fluent-change))
+  =>
+  (do-for-all-facts ((?s step)) (eq ?s:state RUNNING)
+    (bind ?id (sym-cat ?s:id -ended))
+    (bind ?picked (and ?*SUB-ACTIONS* (any-factp ((?p picked)) (eq ?p:implied (create$ ?s:id)))))
+    (assert (pddl-action (instance planning) (id ?id) (plan ended) (name (if ?picked then (sym-cat ?s:action -place) else ?s:action))
+                         (params ?s:params)))
+    (assert (pddl-action-get-effect (action ?id) (effect-type (if ?picked then ALL else END)) (apply TRUE))))
+  (modify ?planning (state FINISH)))
+
+(defrule plan-goals
+  ?planning <- (planning (state FINISH))
+  (not (pddl-action-get-effect (state ~DONE)))
+  (not (pddl-fluent-change))
+  (not (pddl-numeric-fluent-change))
+  =>
+  (do-for-all-facts ((?e pddl-action-get-effect)) TRUE (retract ?e))
+  (do-for-all-facts ((?a pddl-action)) (eq ?a:plan ended) (retract ?a))
+  (propose-alternatives)
+  (modify ?planning (state GOALS)))
+
+; --- 2. A plan for each alternative
+
+(defrule goal-create
+  (alternative (name ?name))
+  (not (goal-instance ?name))
+  =>
+  (assert (goal-instance ?name))
+  (assert (pddl-create-goal-instance (instance planning) (goal ?name))))
+
+(defrule goal-filter
+  "Plans are made of coarse actions."
+  (pddl-create-goal-instance (goal ?name) (state DONE))
+  (pddl-action-names (instance coarse) (state DONE) (action-names $?coarse))
+  (not (filtered ?name))
+  =>
+  (assert (filtered ?name))
+  (assert (pddl-planning-filter (type ACTIONS) (instance planning) (goal ?name) (filter ?coarse))))
+
+(defrule goal-clear
+  (alternative (name ?name) (state NEW))
+  (filtered ?name)
+  (not (pddl-planning-filter))
+  (not (pddl-clear-goals (goal ?name)))
+  =>
+  (assert (pddl-clear-goals (instance planning) (goal ?name))))
+
+(defrule goal-cleared
+  ?alternative <- (alternative (name ?name) (orders $?orders) (state NEW))
+  ?clear <- (pddl-clear-goals (goal ?name) (state DONE))
+  =>
+  (retract ?clear)
+  (do-for-all-facts ((?g pddl-goal-fluent)) (eq ?g:goal ?name) (retract ?g))
+  (foreach ?id ?orders
+    (assert (pddl-goal-fluent (instance planning) (goal ?name) (name delivered) (params (product-of ?id)))))
+  (if ?*IN-ADVANCE*
+   then (do-for-all-facts ((?s cap-station)) (any-factp ((?k in-problem)) (eq ?k:implied (create$ planning ?s:name)))
+          (assert (pddl-goal-fluent (instance planning) (goal ?name) (name cap-loaded) (params (pddl-name ?s:name))))))
+  (assert (pddl-set-goals (instance planning) (goal ?name)))
+  (modify ?alternative (state CLEARED)))
+
+(defrule goal-set
+  ?alternative <- (alternative (name ?name) (state CLEARED))
+  ?set <- (pddl-set-goals (goal ?name) (state DONE))
+  =>
+  (retract ?set)
+  (assert (pddl-plan (instance planning) (id ?name) (goal ?name)))
+  (modify ?alternative (state PLANNING)))
+
+(defrule plan-made
+  ?alternative <- (alternative (name ?name) (orders $?orders) (state PLANNING))
+  (pddl-plan (id ?name) (state SUCCESS))
+  =>
+  (bind ?weight (weigh ?name))
+  (decide (format nil "%.1f points for %.0f s of robots" (expand$ ?weight)) (str-cat "a plan for the orders " (implode$ ?orders)))
+  (modify ?alternative (state PLANNED) (points (nth$ 1 ?weight)) (work (nth$ 2 ?weight))))
+
+(defrule plan-not-made
+  ?alternative <- (alternative (name ?name) (orders $?orders) (state PLANNING))
+  (pddl-plan (id ?name) (state FAILURE|CANCELED))
+  =>
+  (decide "no value" (str-cat "there is no plan for the orders " (implode$ ?orders)))
+  (modify ?alternative (state PLANNED)))
+
+; --- 3. The best one
+
+(deffunction drop-plan (?name)
+  (do-for-all-facts ((?a pddl-action)) (eq ?a:plan ?name) (retract ?a))
+  (do-for-all-facts ((?p pddl-plan)) (eq ?p:id ?name) (retract ?p))
+  (do-for-all-facts ((?a alternative)) (eq ?a:name ?name) (retract ?a)))
+
+(deffunction take-step (?action)
+  "A step of the plan, in the words of the world."
+  (bind ?id (gensym*))
+  (bind ?params (create$))
+  (foreach ?p (fact-slot-value ?action params) (bind ?params (create$ ?params (sym-cat ?p))))
+  (bind ?name (fact-slot-value ?action name))
+  (bind ?begin (fact-slot-value ?action planned-start-time))
+  (assert (pddl-action (instance production) (id ?id) (plan current) (name ?name) (params ?params)))
+  (assert (step (id ?id) (action ?name) (params ?params) (begin ?begin) (end (+ ?begin (fact-slot-value ?action planned-duration)))
+                (worker (worker-of ?name)))))
+
+(deffunction later-step (?a ?b)
+  "For sort."
+  (> (fact-slot-value ?a begin) (fact-slot-value ?b begin)))
+
+(deffunction group-steps ()
+  "Steps that begin at the same time are a group."
+  (bind ?group 0)
+  (bind ?last -1.0)
+  (foreach ?s (sort later-step (find-all-facts ((?s step)) (eq ?s:state OPEN)))
+    (bind ?begin (fact-slot-value ?s begin))
+    (if (> (- ?begin ?last) 0.1) then (bind ?group (+ ?group 1)))
+    (bind ?last ?begin)
+    (modify ?s (group ?group))))
+
+(deffunction order-steps ()
+  "What begins after another step that uses the same product or machine waits for it."
+  (do-for-all-facts ((?s step) (?t step))
+      (and (eq ?s:state OPEN) (eq ?t:state OPEN) (< ?t:begin ?s:begin) (neq (intersection$ (objects-of ?s:action ?s:params) (objects-of ?t:action ?t:params)) (create$)))
+    (assert (waits-for (step ?s:id) (for ?t:id)))))
+
+(deffunction window-of (?product)
+  "The end of its window, s from now."
+  (do-for-fact ((?o order)) (eq (product-of ?o:id) ?product) (return (- ?o:end (game-time))))
+  10000.0)
+
+(deffunction rank-of (?step)
+  "What goes first. plan: in the order of the plan. delivery: what leads to the next delivery of the plan. slack: what must
+   begin first, so that no product is late. What leads to no delivery goes last."
+  (bind ?begin (fact-slot-value ?step begin))
+  (bind ?rank 10000.0)
+  (if (eq (fact-slot-value ?step action) deliver)
+   then (bind ?rank (switch ?*ORDER* (case "slack" then (window-of (nth$ 1 (fact-slot-value ?step params))))
+                                     (case "delivery" then (fact-slot-value ?step end))
+                                     (default ?begin))))
+  (do-for-all-facts ((?w waits-for) (?s step)) (and (eq ?w:for (fact-slot-value ?step id)) (eq ?s:id ?w:step))
+    (bind ?rank (min ?rank ?s:rank)))
+  (switch ?*ORDER*
+    (case "slack" then (- ?rank (- (fact-slot-value ?step end) ?begin)))
+    (case "delivery" then (- ?rank 0.001))
+    (default (if (>= ?rank 10000.0) then (+ ?rank ?begin) else ?begin))))
+
+(deffunction rank-steps ()
+  "The last steps of the plan first: a step has the rank of those that wait for it."
+  (bind ?steps (sort later-step (find-all-facts ((?s step)) (eq ?s:state OPEN))))
+  (while (> (length$ ?steps) 0)
+    (bind ?step (nth$ (length$ ?steps) ?steps))
+    (bind ?steps (delete$ ?steps (length$ ?steps) (length$ ?steps)))
+    (modify ?step (rank (rank-of ?step)))))
+
+(deffunction gain (?alternative)
+  "Points for each second of a robot that an alternative takes more than the plan for what we work for already."
+  (bind ?points (fact-slot-value ?alternative points))
+  (bind ?work (fact-slot-value ?alternative work))
+  (do-for-fact ((?ours alternative)) (eq ?ours:name alternative-0)
+    (bind ?points (- ?points ?ours:points))
+    (bind ?work (- ?work ?ours:work)))
+  (if (<= ?points 0.0) then 0.0 else (/ ?points (max 1.0 ?work))))
+
+(deffunction best-alternative ()
+  "That with the greatest gain; of those without one, that for what we work for."
+  (bind ?best FALSE)
+  (bind ?most -1.0)
+  (do-for-all-facts ((?a alternative)) (and (> ?a:work 0.0) (or (eq ?a:name alternative-0) (> (gain ?a) 0.0)))
+    (if (> (gain ?a) ?most) then (bind ?most (gain ?a)) (bind ?best ?a)))
+  ?best)
+
+(deffunction take-plan (?name)
+  "The steps that are under way stay; those that have not begun make room for the plan's."
+  (do-for-all-facts ((?s step)) (member$ ?s:state (create$ OPEN BLOCKED APPROACHING FAILED))
+    (do-for-all-facts ((?a pddl-action)) (eq ?a:id ?s:id) (retract ?a))
+    (if (eq ?s:state APPROACHING) then (assert (approached ?s:work ?s:action ?s:params)))
+    (retract ?s))
+  (do-for-all-facts ((?w waits-for)) TRUE (retract ?w))
+  (do-for-all-facts ((?a pddl-action)) (eq ?a:plan ?name) (take-step ?a))
+  (group-steps)
+  (order-steps)
+  (rank-steps))
+
+(defrule plan-choose
+  "All alternatives are planned: the best plan is carried out."
+  ?planning <- (planning (state GOALS))
+  (exists (alternative))
+  (not (alternative (state ~PLANNED)))
+  (time ?now)
+  =>
+  (do-for-all-facts ((?p planned-at)) TRUE (retract ?p))
+  (assert (planned-at ?now) (had-plan))
+  (bind ?best (best-alternative))
+  (if ?best
+   then
+    (bind ?orders (fact-slot-value ?best orders))
+    (decide (str-cat "work for the orders " (implode$ ?orders)) (format nil "%.3f points for each second of a robot" (gain ?best)))
+    (bind ?ours (length$ (orders-in STARTED)))
+    (foreach ?id ?orders (do-for-fact ((?o order)) (= ?o:id ?id) (modify ?o (state STARTED))))
+    (take-plan (fact-slot-value ?best name))
+    (if (and (> (length$ ?orders) ?ours) (< (length$ ?orders) ?*PRODUCTS*)) then (assert (replan (reason "there is room for another order"))))
+   else (decide "go on as before" "no plan is worth anything"))
+  (do-for-all-facts ((?a alternative)) TRUE (drop-plan ?a:name))
+  (modify ?planning (state IDLE)))
+
+(defrule plan-nothing-to-do
+  ?planning <- (planning (state GOALS))
+  (not (alternative))
+  (time ?now)
+  =>
+  (do-for-all-facts ((?p planned-at)) TRUE (retract ?p))
+  (assert (planned-at ?now))
+  (modify ?planning (state IDLE)))
