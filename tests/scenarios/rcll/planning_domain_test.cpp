@@ -1,0 +1,374 @@
+// The coarse actions of the planning agent and what they are made of. Nothing here names an action: for each action
+// NAME that has a NAME-drive, the problem "its conditions are the initial state, its effects are the goal" is derived
+// from the parsed domain.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "planner/pddl/parser.h"
+#include "planner/pddl/text.h"
+#include "planner/planner.h"
+#include "planner/state/state.h"
+#include "planner/validator/validator.h"
+
+namespace cxlab::planner {
+namespace {
+
+constexpr double kAnyNumber = 5;  // of numbers of which no condition says anything
+
+Task production() {
+  const std::string folder = std::string(std::getenv("CXLAB_SOURCE_DIR")) + "/scenarios/rcll/planning_agent/pddl/";
+  auto task = load_task(folder + "production.pddl", folder + "problem.pddl");
+  if (!task) throw std::runtime_error(task.error().text());
+  return *task;
+}
+
+const Action& action(const Domain& domain, const std::string& name) {
+  return domain.actions[domain.action_names.at(name)];
+}
+
+std::vector<std::string> names_of_robot_actions(const Domain& domain) {
+  std::vector<std::string> names;
+  for (const Action& a : domain.actions)
+    if (a.durative && domain.action_names.contains(a.name + "-drive")) names.push_back(a.name);
+  return names;
+}
+
+/// What is true and what numbers are, in words.
+std::set<std::string> in_words(const State& state, const Domain& domain, const Problem& problem) {
+  std::set<std::string> words;
+  for (const Fact& fact : state.facts())
+    words.insert(ground_text(domain.predicates[fact.predicate].name, fact.objects, problem.objects));
+  for (const Assignment& number : state.values())
+    words.insert(ground_text(domain.functions[number.function].name, number.objects, problem.objects) + " = " +
+                 number_text(number.value));
+  return words;
+}
+
+std::string difference(const std::set<std::string>& expected, const std::set<std::string>& found) {
+  std::string text;
+  for (const std::string& word : expected)
+    if (!found.contains(word)) text += " missing: " + word;
+  for (const std::string& word : found)
+    if (!expected.contains(word)) text += " too much: " + word;
+  return text;
+}
+
+/// A coarse action with one object for each of its parameters, in a state in which it may begin.
+class Begun {
+ public:
+  Begun(const Domain& domain, const std::string& name) : domain_(domain), coarse_(action(domain, name)) {
+    problem_.objects = domain.constants;
+    for (const Variable& parameter : coarse_.parameters) {
+      arguments_.push_back(static_cast<ObjectId>(problem_.objects.size()));
+      problem_.objects.push_back({parameter.name.substr(1) + "-object", parameter.types, {}});
+    }
+    for (const char* part : {"", "-drive", "-pick", "-place", "-return", "-lose"})
+      give_numbers(action(domain, name + part));
+    demand(coarse_.condition.start, true);
+  }
+
+  const Domain& domain() const { return domain_; }
+  const Action& coarse() const { return coarse_; }
+  const Problem& problem() const { return problem_; }
+  Problem& problem() { return problem_; }
+  const std::vector<ObjectId>& arguments() const { return arguments_; }
+  State initial() const { return State(domain_, problem_); }
+
+  /// Makes all facts true that an effect of a part of the action names and no condition forbids.
+  void fill(const std::vector<std::string>& parts) {
+    for (const std::string& part : parts)
+      for (const Effect& effect : action(domain_, part).effects)
+        if (!effect.is_numeric() && effect.variables.empty()) make_true({effect.predicate, bound(effect.terms)});
+    std::erase_if(problem_.init, [this](const Fact& fact) {
+      return std::find(forbidden_.begin(), forbidden_.end(), fact) != forbidden_.end();
+    });
+  }
+
+  void make_true(const Fact& fact) {
+    if (std::find(problem_.init.begin(), problem_.init.end(), fact) == problem_.init.end())
+      problem_.init.push_back(fact);
+  }
+
+  /// The state after the effects of that time. None where the action may not begin.
+  std::optional<State> after(State state, const std::string& name, Effect::Time time = Effect::Time::kStart) const {
+    const Action& done = action(domain_, name);
+    const Evaluator evaluator(domain_, problem_);
+    Frame frame = this->frame(done);
+    if (time == Effect::Time::kStart && !evaluator.holds(done.condition.start, frame, state)) return std::nullopt;
+    std::vector<Change> changes;
+    for (const Effect& effect : done.effects)
+      if (effect.time == time)
+        evaluator.collect(
+            effect, frame, state, 0, [&](Frame& f) { return evaluator.holds(effect.condition.start, f, state); },
+            changes);
+    if (!apply_changes(changes, state)) return std::nullopt;
+    return state;
+  }
+
+  Frame frame(const Action& of) const {
+    Frame frame;
+    for (const ObjectId object : arguments_) frame.push_back(object);
+    frame.resize(static_cast<std::size_t>(of.slots));
+    return frame;
+  }
+
+ private:
+  std::vector<ObjectId> bound(const std::vector<Term>& terms) const { return bound_objects(terms, frame(coarse_)); }
+
+  void give_number(const Expression& part, double value) {
+    if (part.kind != Expression::Kind::kFunction) return;
+    const std::vector<ObjectId> objects = bound(part.terms);
+    for (Assignment& known : problem_.values)
+      if (known.function == part.function && known.objects == objects) {
+        known.value = value;
+        return;
+      }
+    problem_.values.push_back({part.function, objects, value});
+  }
+
+  void give_numbers(const Action& of) {
+    const auto give = [this](const Expression& part) { give_number(part, kAnyNumber); };
+    for (const DurationConstraint& duration : of.duration) for_each_part(duration.bound, give);
+    for (const Effect& effect : of.effects)
+      if (effect.is_numeric()) {
+        Expression changed{Expression::Kind::kFunction, 0, effect.function, effect.terms, {}};
+        give(changed);
+        for_each_part(effect.value, give);
+      }
+  }
+
+  /// Makes a condition true: what these actions use is `and`, `not`, facts, and a number beside a constant.
+  void demand(const Condition& condition, bool value) {
+    switch (condition.kind) {
+      case Condition::Kind::kAnd:
+        for (const Condition& part : condition.operands) demand(part, value);
+        break;
+      case Condition::Kind::kNot: demand(condition.operands.front(), !value); break;
+      case Condition::Kind::kAtom:
+        if (value)
+          make_true({condition.predicate, bound(condition.terms)});
+        else
+          forbidden_.push_back({condition.predicate, bound(condition.terms)});
+        break;
+      case Condition::Kind::kCompare: give_number(condition.sides.front(), condition.sides.back().value); break;
+      default: break;  // MayBegin tells
+    }
+  }
+
+  const Domain& domain_;
+  const Action& coarse_;
+  Problem problem_;
+  std::vector<ObjectId> arguments_;
+  std::vector<Fact> forbidden_;
+};
+
+/// The goal "as in that state", of all that the action changes.
+Condition as_in(const State& state, const Begun& begun) {
+  Condition goal;
+  for (const Effect& effect : begun.coarse().effects) {
+    Condition part;
+    const std::vector<ObjectId> objects = bound_objects(effect.terms, begun.frame(begun.coarse()));
+    std::vector<Term> terms;
+    for (const ObjectId object : objects) terms.push_back(Term::object(object));
+    if (effect.is_numeric()) {
+      part.kind = Condition::Kind::kCompare;
+      part.comparison = Comparison::kEqual;
+      part.sides = {Expression{Expression::Kind::kFunction, 0, effect.function, terms, {}},
+                    Expression::constant(*state.value(effect.function, objects))};
+    } else {
+      part.kind = Condition::Kind::kAtom;
+      part.predicate = effect.predicate;
+      part.terms = terms;
+      if (!state.holds(effect.predicate, objects)) {
+        Condition none;
+        none.kind = Condition::Kind::kNot;
+        none.operands = {part};
+        part = none;
+      }
+    }
+    goal.operands.push_back(part);
+  }
+  return goal;
+}
+
+/// The domain with these actions alone.
+Domain with_actions(const Domain& whole, const std::vector<std::string>& names) {
+  Domain domain = whole;
+  domain.actions.clear();
+  domain.action_names.clear();
+  for (const std::string& name : names) {
+    domain.action_names[name] = static_cast<ActionId>(domain.actions.size());
+    domain.actions.push_back(action(whole, name));
+  }
+  return domain;
+}
+
+/// What is wrong with the refinement of a coarse action; empty if nothing is.
+std::string fault_of_refinement(const Domain& domain, const std::string& name) {
+  const std::vector<std::string> parts = {name + "-drive", name + "-pick", name + "-place"};
+
+  // The planner gets from the conditions to the effects, with drive, pick and place, once each.
+  Begun begun(domain, name);
+  const auto started = begun.after(begun.initial(), name);
+  if (!started) return "its conditions cannot be made true";
+  const auto ended = begun.after(*started, name, Effect::Time::kEnd);
+  if (!ended) return "its end has no effect";
+  Task task{with_actions(domain, parts), begun.problem()};
+  task.problem.goal = as_in(*ended, begun);
+  const auto answer = find_plan(task, {.budget = 1'000'000});
+  if (!answer) return answer.error().text();
+  if (!answer->plan) return "no plan of its parts: " + answer->reason;
+  const Plan& steps = answer->plan->steps;
+  std::vector<std::string> found;
+  for (const PlanStep& step : steps) {
+    found.push_back(task.domain.actions[step.action].name);
+    if (step.arguments != begun.arguments())
+      return "a part has other arguments: " + step_text(step, task.domain, task.problem);
+  }
+  if (found != parts) return "another plan:\n" + to_text(steps, task.domain, task.problem);
+  const auto verdict = Validator(task.domain, task.problem).check(steps);
+  if (!verdict) return verdict.error().text();
+  if (!verdict->valid) return to_text(*verdict->violation);
+
+  // The state is the same afterwards, whatever else was true before.
+  Begun full(domain, name);
+  full.fill({name, parts[0], parts[1], parts[2]});
+  std::erase_if(full.problem().init,
+                [&](const Fact& fact) { return domain.predicates[fact.predicate].name.starts_with(name + "-"); });
+  for (const Begun* from : {&begun, &full}) {
+    const State coarse = *from->after(*from->after(from->initial(), name), name, Effect::Time::kEnd);
+    std::optional<State> fine = from->initial();
+    for (const std::string& part : parts) {
+      fine = from->after(*fine, part);
+      if (!fine) return part + " may not begin";
+    }
+    const std::string differs =
+        difference(in_words(coarse, domain, from->problem()), in_words(*fine, domain, from->problem()));
+    if (!differs.empty()) return "after its parts:" + differs;
+  }
+  return "";
+}
+
+TEST(PlanningDomain, EveryActionOfARobotHasItsPartsAndItsFailures) {
+  const Task task = production();
+  const std::vector<std::string> names = names_of_robot_actions(task.domain);
+  EXPECT_EQ(names.size(), 7u);
+  for (const std::string& name : names)
+    for (const char* part : {"-drive", "-pick", "-place", "-return", "-lose"})
+      EXPECT_TRUE(task.domain.action_names.contains(name + part)) << name << part;
+}
+
+TEST(PlanningDomain, DrivePickAndPlaceRefineEachActionOfARobot) {
+  const Task task = production();
+  for (const std::string& name : names_of_robot_actions(task.domain))
+    EXPECT_EQ(fault_of_refinement(task.domain, name), "") << name;
+}
+
+TEST(PlanningDomain, RefinementFailsWithoutAnyOneEffectOfAPart) {
+  const Task task = production();
+  for (const std::string& name : names_of_robot_actions(task.domain))
+    for (const char* part : {"-drive", "-pick", "-place"}) {
+      const std::size_t effects = action(task.domain, name + part).effects.size();
+      for (std::size_t i = 0; i < effects; ++i) {
+        Domain changed = task.domain;
+        auto& of = changed.actions[changed.action_names.at(name + part)].effects;
+        of.erase(of.begin() + static_cast<std::ptrdiff_t>(i));
+        EXPECT_NE(fault_of_refinement(changed, name), "") << name << part << " without effect " << i;
+      }
+    }
+}
+
+TEST(PlanningDomain, ReturnAfterDriveRestoresTheStateBefore) {
+  const Task task = production();
+  for (const std::string& name : names_of_robot_actions(task.domain)) {
+    const Begun begun(task.domain, name);
+    const auto driving = begun.after(begun.initial(), name + "-drive");
+    ASSERT_TRUE(driving) << name;
+    EXPECT_NE(in_words(*driving, task.domain, begun.problem()),
+              in_words(begun.initial(), task.domain, begun.problem()));
+    const auto back = begun.after(*driving, name + "-return");
+    ASSERT_TRUE(back) << name;
+    EXPECT_EQ(difference(in_words(begun.initial(), task.domain, begun.problem()),
+                         in_words(*back, task.domain, begun.problem())),
+              "")
+        << name;
+  }
+}
+
+/// Sides of machines in a state: which should be free, because nothing lies there, and which are free.
+class Sides {
+ public:
+  Sides(const Domain& domain, const Problem& problem, const State& state) : domain_(domain) {
+    const Predicate& side = domain.predicates[domain.predicate_names.at("input-free")];
+    for (const ObjectId machine : objects_of(domain, problem, side.parameters.front().types)) {
+      compare(state, "input-free", machine, {"at-input", "carrier-at-input"});
+      compare(state, "output-free", machine, {"at-output", "bare-base-at-output"});
+    }
+  }
+  std::vector<Fact> should_be_free, free;
+
+ private:
+  void compare(const State& state, const char* side, ObjectId machine, const std::vector<std::string>& pieces) {
+    const Fact fact{domain_.predicate_names.at(side), {machine}};
+    const auto lies_there = [&](const Fact& piece) {
+      return std::find(pieces.begin(), pieces.end(), domain_.predicates[piece.predicate].name) != pieces.end() &&
+             piece.objects.back() == machine;
+    };
+    const std::vector<Fact> facts = state.facts();
+    if (std::none_of(facts.begin(), facts.end(), lies_there)) should_be_free.push_back(fact);
+    if (state.holds(fact.predicate, fact.objects)) free.push_back(fact);
+  }
+  const Domain& domain_;
+};
+
+TEST(PlanningDomain, LostPieceLeavesNoClaim) {
+  const Task task = production();
+  const Domain& domain = task.domain;
+  for (const std::string& name : names_of_robot_actions(domain))
+    for (const bool picked : {false, true}) {
+      SCOPED_TRACE(name + (picked ? " with the piece" : " on the way to the piece"));
+      Begun begun(domain, name);
+      for (const Fact& side : Sides(domain, begun.problem(), begun.initial()).should_be_free) begun.make_true(side);
+      auto state = begun.after(begun.initial(), name + "-drive");
+      ASSERT_TRUE(state);
+      if (picked) state = begun.after(*state, name + "-pick");
+      ASSERT_TRUE(state);
+      state = begun.after(*state, name + "-lose");
+      ASSERT_TRUE(state);
+
+      const Sides sides(domain, begun.problem(), *state);
+      EXPECT_EQ(sides.free, sides.should_be_free);
+      for (const Assignment& before : begun.initial().values())
+        EXPECT_EQ(state->value(before.function, before.objects), before.value)
+            << domain.functions[before.function].name;
+      for (const Fact& fact : state->facts())
+        EXPECT_FALSE(domain.predicates[fact.predicate].name.starts_with(name + "-")) << "still under way";
+
+      // A product begins anew, with its first step, or with the one that it was at before it had begun.
+      const PredicateId not_begun = domain.predicate_names.at("not-begun"),
+                        at_step = domain.predicate_names.at("at-step");
+      const auto& product_types = domain.predicates[not_begun].parameters.front().types;
+      for (const ObjectId product : objects_of(domain, begun.problem(), product_types)) {
+        EXPECT_TRUE(state->holds(not_begun, std::vector<ObjectId>{product}));
+        std::vector<Fact> steps;
+        for (const Fact& fact : state->facts())
+          if (fact.predicate == at_step && fact.objects.front() == product) steps.push_back(fact);
+        ASSERT_EQ(steps.size(), 1u);
+        if (begun.initial().holds(not_begun, std::vector<ObjectId>{product}))
+          EXPECT_TRUE(begun.initial().holds(at_step, steps.front().objects));
+        else
+          EXPECT_EQ(begun.problem().objects[steps.front().objects.back()].name, "s0");
+      }
+    }
+}
+
+}  // namespace
+}  // namespace cxlab::planner
