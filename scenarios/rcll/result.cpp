@@ -101,7 +101,7 @@ void report_game(const Factory& factory, Result& result) {
 void report_robots(std::span<const sim::RobotStats> robots, std::span<const Maintenance::Robot> duties,
                    const sim::World& floor, Result& result) {
   Json list = Json::array();
-  const double end = std::max(1e-9, to_seconds(result.sim_time));
+  const double end = std::max(1e-9, to_seconds(floor.floor_time()));
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const sim::RobotStats& s = robots[i];
     const int contacts = static_cast<int>(floor.robot(static_cast<sim::RobotId>(i)).robot_contacts);

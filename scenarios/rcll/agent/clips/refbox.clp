@@ -27,6 +27,9 @@
   (ros-msgs-destroy-message ?m)
   (retract ?message)
   (do-for-all-facts ((?g game)) (neq ?g:phase ?phase) (retract ?g))
+  (do-for-fact ((?g game)) (neq ?g:state ?state)
+    (if (eq ?state RUNNING) then (postpone (- ?begin ?g:begin)))
+    (modify ?g (state ?state) (begin ?begin)))
   (if (not (any-factp ((?g game)) TRUE)) then (assert (game (phase ?phase) (state ?state) (begin ?begin)))))
 
 (deffunction learn-order (?o)

@@ -131,12 +131,14 @@
   (ros-msgs-create-action-client ?*INSTRUCT* "rcll_interfaces/action/InstructMachine"))
 
 (defrule instruct-send
-  "An instruction waits until its machine is idle, then goes out. A reset does not wait."
+  "An instruction waits until its machine is idle and the game is not paused, then goes out. A reset does not wait for the
+   machine."
   ?i <- (instruction (machine ?machine) (operation ?operation) (side ?side) (color ?color) (order ?order) (state NEW))
   (machine (name ?machine) (state ?machine-state&:(or (eq ?machine-state IDLE)
                                                       (and (eq ?operation "RESET") (neq ?machine-state BROKEN)))))
   (ros-msgs-action-client (server "/factory/instruct_machine"))
   (not (instruction (state SENT)))
+  (not (game (state PAUSED)))
   =>
   (bind ?goal (ros-msgs-create-goal-request "rcll_interfaces/action/InstructMachine"))
   (ros-msgs-set-field ?goal "machine" ?machine)

@@ -1,0 +1,15 @@
+; The game is paused: machines hear nothing, robots rest by themselves, and our clock stands, as that of the game.
+
+(deffunction postpone (?length)
+  "The pause is over: all that is to come comes later by its length."
+  (delayed-do-for-all-facts ((?r robot)) TRUE (modify ?r (idle-since (+ ?r:idle-since ?length))))
+  (delayed-do-for-all-facts ((?j job)) TRUE (modify ?j (not-before (+ ?j:not-before ?length))))
+  (delayed-do-for-all-facts ((?s shelf-refill)) TRUE (modify ?s (at (+ ?s:at ?length)))))
+
+(defrule pause-time-stands
+  "Nothing is due in a pause, and nothing is dated: before all others, for once."
+  (declare (salience 1000))
+  (game (state PAUSED))
+  ?time <- (time ?)
+  =>
+  (retract ?time))
