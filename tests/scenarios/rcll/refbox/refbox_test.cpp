@@ -168,6 +168,35 @@ TEST(Refbox, TellsControllersWhatMachinesAreToldToDo) {
   EXPECT_THAT(controller.last_text("MachineInfo"), Not(HasSubstr("instruction_bs"))) << "done";
 }
 
+TEST(Refbox, ControllersCommandAPausedGame) {
+  WorldConfig config = RefboxStory::game();
+  config.setup_s = 100;
+  RefboxStory story(config);
+  auto& controller = story.open_stream();
+  story.run_until(1);
+  story.say(controller, "SetGamePhase", "phase: PRODUCTION");
+  story.run_until(3);
+  EXPECT_THAT(controller.last_text("GameState"), HasSubstr("state: RUNNING phase: PRODUCTION"));
+  story.say(controller, "SetGameState", "state: PAUSED");
+  story.run_until(20);
+  EXPECT_THAT(controller.last_text("GameState"), HasSubstr("state: PAUSED phase: PRODUCTION"));
+  EXPECT_THAT(controller.last_text("GameState"), HasSubstr("game_time { sec: 2 ")) << "its time stands";
+  story.say(controller, "SetMachineState", "machine_name: 'C-BS' state: RESET");
+  story.run_until(60);
+  EXPECT_THAT(controller.last_text("MachineInfo"), HasSubstr("name: \"C-BS\" type: \"BS\" state: \"BROKEN\""));
+  story.say(controller, "SetMachineState", "machine_name: 'C-BS' state: IDLE");
+  story.say(controller, "SetGameState", "state: RUNNING");
+  story.run_until(62);
+  EXPECT_THAT(controller.last_text("GameState"), HasSubstr("state: RUNNING"));
+  EXPECT_THAT(controller.last_text("MachineInfo"), Not(HasSubstr("BROKEN")));
+  story.say(controller, "SetGameState", "state: PAUSED");
+  story.run_until(63);
+  story.say(controller, "SetGamePhase", "phase: POST_GAME");
+  story.run_until(65);
+  EXPECT_THAT(controller.last_text("GameState"), HasSubstr("phase: POST_GAME"));
+  EXPECT_THAT(story.warnings(), IsEmpty());
+}
+
 TEST(Refbox, TellsControllersWhatPeopleShouldLookAfter) {
   RefboxStory story;
   auto& all = story.open(kPublicWay);
