@@ -26,6 +26,7 @@ RUNS = {
     "rcll_game": ("rcll/game.yaml", ["--tier", "timed"], GAME),
     "rcll_faults": ("rcll/game.yaml", ["--tier", "timed", "--seed", "2", "--set", "world.rules=rulebook", "--set", FAULTS], GAME),
     "rcll_two_teams": ("rcll/two_teams.yaml", ["--tier", "timed", "--seed", "3"], GAME),
+    "rcll_planning": ("rcll/planning.yaml", ["--tier", "timed"], GAME),
     "turtlesim_boundary": ("turtlesim/boundary.yaml", [], AGENT),
     "turtlesim_boundary_late": ("turtlesim/boundary_late.yaml", [], AGENT),
     "turtlesim_figures": ("turtlesim/figures.yaml", [], AGENT),
@@ -34,7 +35,7 @@ RUNS = {
 TOLERANCE_S = 0.05
 OFTEN = 20          # an event of an agent that comes more often stands in the list once
 MOST_LINES = 60     # of a diff
-LEFT_OUT = {"facts", "position"}
+LEFT_OUT = {"facts", "fact", "position"}
 
 
 def what(record):
@@ -43,9 +44,10 @@ def what(record):
         return f'"{value}"' if isinstance(value, str) and (" " in value or not value) else json.dumps(value).strip('"')
     stream, data = record["stream"].split("/")[-1], dict(record["data"])
     event = data.pop("event", data.pop("what", record["kind"]))
+    slots = [f"{slot}={value}" for slot, value in data.pop("slots", {}).items()]  # of a fact, as CLIPS writes them
     words = [f"{key}={word(value)}" for key, value in data.items()
              if key not in LEFT_OUT and value != stream and not isinstance(value, float)]
-    return " ".join([stream, event, *words])
+    return " ".join([stream, event, *words, *slots])
 
 
 def play(program, name):
