@@ -9,6 +9,7 @@ namespace {
 constexpr SimTime kBrokenTime = std::chrono::seconds(30);
 constexpr SimTime kWaitIdleTime = std::chrono::seconds(5);
 constexpr SimTime kStuckTime = std::chrono::seconds(20);
+constexpr SimTime kStuckWarning = std::chrono::seconds(10);
 
 bool working(MachineState state) {
   return state == MachineState::kPrepared || state == MachineState::kProcessing || state == MachineState::kProcessed;
@@ -87,6 +88,10 @@ bool Machine::repair(SimTime now) {
   clear();
   enter(MachineState::kIdle, now);
   return true;
+}
+
+bool Machine::may_be_stuck(SimTime now) const {
+  return working(state_) && in_phase(now) > kStuckWarning && !may_wait();
 }
 
 bool Machine::broken() const {

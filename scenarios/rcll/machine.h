@@ -159,6 +159,8 @@ class Machine {
   const std::string& name() const { return name_; }
   Team team() const { return team_; }
   MachineState state() const { return state_; }
+  /// It works for 10 s in the same state; after 20 s it counts as stuck and breaks.
+  bool may_be_stuck(SimTime now) const;
   const Job& job() const { return job_; }
   const Instruction& instruction() const { return instruction_; }  ///< of the job
   /// Unused payments, or 1 when a cap is buffered. A BROKEN machine forgets them when it is IDLE again.

@@ -553,7 +553,7 @@ void RefboxServer::speak_streams() {
   if (stream_rate_.due(now_)) {
     send_streams(*all_machines());
     send_streams(*robots(true));
-    look_after_robots();
+    look_after();
   }
   if (workpiece_rate_.due(now_)) send_streams(*workpieces());
 }
@@ -565,13 +565,17 @@ void RefboxServer::attention(const std::string& text, Team team) {
   send_streams(*message);
 }
 
-void RefboxServer::look_after_robots() {
+void RefboxServer::look_after() {
   const auto look = [this](bool wanted, const std::string& text, Team team) {
     if (!wanted)
       attentions_.erase(text);
     else if (attentions_.insert(text).second)
       attention(text, team);
   };
+  for (const auto& machine : factory_.machines())
+    look(machine->may_be_stuck(world_.floor_time()),
+         machine->name() + " is " + std::string(to_string(machine->state())) + " for 10 s, and breaks after 20 s",
+         machine->team());
   for (const Maintenance::Robot& robot : factory_.maintenance().robots()) {
     const std::string name = "robot " + std::to_string(robot.number) + " of " + std::string(to_string(robot.team));
     const bool serviced = robot.duty == RobotDuty::kMaintenance;

@@ -118,7 +118,7 @@ class RefboxServer final : public Server {
   void speak_team(TeamSide& side);
   void speak_streams();
   /// Tells controllers what people should look after, each once while it lasts.
-  void look_after_robots();
+  void look_after();
   void attention(const std::string& text, Team team);
   void send_public(const google::protobuf::Message& message);
   void send_streams(const google::protobuf::Message& message);
