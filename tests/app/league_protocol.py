@@ -381,10 +381,16 @@ class Controller(unittest.TestCase):
         controller.say("SetMachineState", machine_name="C-CS9", state=15)
         controller.say("SetMachineState", machine_name="C-CS1", state=3)
 
+        # Robot 2 is there once, and is heard no more.
+        beacon = CLASSES["BeaconSignal"](seq=1, number=2, team_name="CYAN", peer_name="R-2", team_color=0)
+        beacon.time.sec, beacon.time.nsec = int(time.time()), 0
+        team.say(beacon)
+        controller.hear("RobotInfo", lambda m: any(robot.name == "R-2" for robot in m.robots))
+
         robot = Peer(2126 + self.shift, 2116 + self.shift)
         self.addCleanup(robot.socket.close)
         task = CLASSES["AgentTask"](team_color=0, task_id=5, robot_id=1)
-        task.move.waypoint = "C_Z75"
+        task.move.waypoint = "C_Z54"
         robot.say(task)
         where = lambda: robot.hear(lambda m: of_type("BeaconSignal")(m) and m.HasField("task")).pose
         first = where()
@@ -399,23 +405,17 @@ class Controller(unittest.TestCase):
         robot.say(task)
         answer = robot.hear(of_type("AgentTask"))
         self.assertEqual((answer.task_id, answer.successful, answer.error_code), (5, True, 0))
-        arrived = controller.hear("RobotInfo", lambda m: abs(m.robots[0].pose.x - then.x) > 0.1).robots[0]
-        self.assertEqual((arrived.number, arrived.HasField("pose")), (1, True))
-        lost = controller.hear("AttentionMessage", lambda m: "lost" in m.message) if self.lose(team, controller) else None
+        lost = controller.hear("AttentionMessage", lambda m: "lost" in m.message)
         self.assertEqual(lost.message, "robot 2 of CYAN is lost: no beacon for 5 s")
+        moved = lambda pose: abs(pose.x - then.x) + abs(pose.y - then.y) > 0.1
+        arrived = controller.hear("RobotInfo", lambda m: moved(m.robots[0].pose)).robots[0]
+        self.assertEqual((arrived.number, arrived.HasField("pose")), (1, True))
 
         self.game.send_signal(signal.SIGINT)
         self.assertEqual(self.game.wait(30), 130)
         said = (self.folder / "log").read_text()
         for text in ("C-BS is IDLE, not BROKEN", "C-CS9", "found PROCESSED, expected RESET or IDLE"):
             self.assertIn(text, said)
-
-    def lose(self, team, controller):
-        """Robot 2 is there once, and is heard no more."""
-        beacon = CLASSES["BeaconSignal"](seq=1, number=2, team_name="CYAN", peer_name="R-2", team_color=0)
-        beacon.time.sec, beacon.time.nsec = int(time.time()), 0
-        team.say(beacon)
-        return controller.hear("RobotInfo", lambda m: any(robot.name == "R-2" for robot in m.robots))
 
     def test_short_there_may_be_none(self):
         self.start("")
