@@ -20,7 +20,7 @@ class FloorClock {
   SimTime at(SimTime simulated) const {
     SimTime stood{};
     for (const Halt& halt : halts_)
-      if (halt.begin < simulated) stood += halt.end - halt.begin;
+      if (halt.begin < simulated) stood += std::min(halt.end, simulated) - halt.begin;
     return simulated - stood;
   }
   /// The simulated time at which it shows `time` and goes on; kNever while it stands there or before.
