@@ -574,8 +574,7 @@ void RefboxServer::look_after() {
   };
   for (const auto& machine : factory_.machines())
     look(machine->may_be_stuck(world_.floor_time()),
-         machine->name() + " is " + std::string(to_string(machine->state())) + " for 10 s, and breaks after 20 s",
-         machine->team());
+         machine->name() + " is in the same state for 10 s, and breaks after 20 s", machine->team());
   for (const Maintenance::Robot& robot : factory_.maintenance().robots()) {
     const std::string name = "robot " + std::to_string(robot.number) + " of " + std::string(to_string(robot.team));
     const bool serviced = robot.duty == RobotDuty::kMaintenance;

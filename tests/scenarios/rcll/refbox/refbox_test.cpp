@@ -223,12 +223,15 @@ TEST(Refbox, TellsControllersWhatPeopleShouldLookAfter) {
   EXPECT_THAT(all.times("AttentionMessage"), IsEmpty());
 
   auto& cyan = story.open(kCyanWay, kLeagueKey);
-  const double asked = story.now();
-  story.say(cyan, "PrepareMachine", "team_color: CYAN machine: 'C-CS1' instruction_cs { operation: RETRIEVE_CAP }");
-  story.run_for(15);
-  EXPECT_EQ(controller.last_text("AttentionMessage"),
-            "message: \"C-CS1 is PREPARED for 10 s, and breaks after 20 s\" team_color: CYAN");
-  EXPECT_NEAR(controller.times("AttentionMessage").back(), asked + 10, 0.4);
+  for (int times = 0; times < 2; ++times) {
+    const double asked = story.now();
+    story.say(cyan, "PrepareMachine", "team_color: CYAN machine: 'C-CS1' instruction_cs { operation: RETRIEVE_CAP }");
+    story.run_for(15);
+    EXPECT_EQ(controller.last_text("AttentionMessage"),
+              "message: \"C-CS1 is in the same state for 10 s, and breaks after 20 s\" team_color: CYAN");
+    EXPECT_NEAR(controller.times("AttentionMessage").back(), asked + 10, 0.4);
+    story.run_for(40);
+  }
 }
 
 TEST(Refbox, LearnsTheNameOfATeamFromItsBeacons) {
