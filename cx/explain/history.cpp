@@ -114,7 +114,7 @@ void History::add(const JournalRecord& record) {
 
 bool Histories::wants(std::string_view stream, RecordKind kind) const {
   return (kind == RecordKind::kAssert || kind == RecordKind::kModify || kind == RecordKind::kRetract ||
-          kind == RecordKind::kFire) &&
+          kind == RecordKind::kFire || kind == RecordKind::kDecision) &&  // of an environment: a fact, too
          stream.starts_with("env/");
 }
 

@@ -111,5 +111,14 @@ TEST_F(Stories, ErrorOfARuleFailsTheStoryWithItsPlace) {
   EXPECT_FALSE(result.passed());
 }
 
+TEST_F(Stories, AFactDecisionIsSeenAsAnyOther) {
+  write("door.clp",
+        "(deftemplate door (slot state))\n(deftemplate decision (slot what))\n"
+        "(defrule decide (bell) => (assert (decision (what open))))\n"
+        "(defrule told ?d <- (decision) => (retract ?d))\n");
+  EXPECT_THAT(play("fact: (decision (what open)), within_s: 1", kBell).failures, IsEmpty());
+  EXPECT_THAT(play("no_fact: (decision)", kBell).failures, ElementsAre(HasSubstr("there was (decision (what open))")));
+}
+
 }  // namespace
 }  // namespace cxlab::testing
