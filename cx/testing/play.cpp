@@ -60,6 +60,7 @@ Status Play::prepare() {
   auto config = config_file();
   if (!config) return config.error();
   options.config = *config;
+  options.params = spec_.params;
   options.plugin_types = cx::builtin_plugins();
   options.log = this;
   options.limits = &limits_;

@@ -12,6 +12,7 @@
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
 #include "cx/engine/limits.h"
+#include "cx/node/parameters.h"
 #include "cx/testing/stand_ins.h"
 
 namespace cxlab::testing {
@@ -52,6 +53,7 @@ struct StorySpec {
   int line = 0;
   std::filesystem::path config;  ///< of the CX; empty: `rules` with executive and ros_msgs
   std::vector<std::filesystem::path> rules;
+  std::vector<cx::GivenParameter> params;  ///< instead of those of `config`
   std::map<std::string, std::filesystem::path> packages;
   std::string environment;  ///< empty = the first
   std::uint64_t seed = 1;

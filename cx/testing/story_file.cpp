@@ -128,6 +128,9 @@ void read_story(yaml::Map& map, StorySpec& spec) {
   if (!config.empty()) spec.config = folder / config;
   if (const yaml::Value rules = map.get("rules"))
     for (const std::string& file : rules.as_strings()) spec.rules.push_back(folder / file);
+  if (const yaml::Value params = map.get("params"))
+    for (const auto& [name, param] : params.as_map().entries())
+      spec.params.push_back({name, param.dump(), param.origin()});
   if (const yaml::Value packages = map.get("packages")) {
     yaml::Map names = packages.as_map();
     for (const auto& [name, path] : names.entries()) spec.packages[name] = folder / path.as_string();

@@ -120,5 +120,26 @@ TEST_F(Stories, AFactDecisionIsSeenAsAnyOther) {
   EXPECT_THAT(play("no_fact: (decision)", kBell).failures, ElementsAre(HasSubstr("there was (decision (what open))")));
 }
 
+TEST_F(Stories, ParametersOfAStoryAreInsteadOfThoseOfItsConfiguration) {
+  write("agent.yaml",
+        "clips_manager:\n  ros__parameters:\n    environments: [main]\n    main: {plugins: [executive, param, files]}\n"
+        "    executive: {plugin: 'cx::ExecutivePlugin'}\n    param: {plugin: 'cx::RosParamPlugin'}\n"
+        "    files: {plugin: 'cx::FileLoadPlugin', pkg_share_dirs: [here], load: [rules.clp]}\n    door.width: 3\n");
+  write("rules.clp",
+        "(deftemplate width (slot of) (slot m))\n"
+        "(defrule read (start) => (assert (width (of door) (m (ros-param-get-value \"door.width\" 1)))))\n");
+  const auto stories = read(
+      "common: {config: agent.yaml, packages: {here: .}, given: [(start)]}\nstories:\n"
+      "  - story: configured\n    expect: [{fact: (width (of door) (m 3)), within_s: 1}]\n"
+      "  - story: its own\n    params: {clips_manager.door.width: 5}\n"
+      "    expect: [{fact: (width (of door) (m 5)), within_s: 1}]\n");
+  ASSERT_TRUE(stories) << stories.error().text();
+  for (const StorySpec& story : *stories) {
+    const StoryResult result = run_story(story, {interfaces_dir()});
+    EXPECT_FALSE(result.bad) << result.bad->text();
+    EXPECT_THAT(result.failures, IsEmpty()) << story.name;
+  }
+}
+
 }  // namespace
 }  // namespace cxlab::testing
