@@ -81,7 +81,8 @@
   (modify ?job (step FETCH)))
 
 (defrule work-picked
-  "The robot has the piece."
+  "The robot has the piece. At once: a job that brought waste to the delivery station is soon gone."
+  (declare (salience 10))
   (step (id ?id) (action ?action) (params $?params) (state RUNNING) (worker ROBOT) (work ?work))
   (job (id ?work) (step GO-PUT|PUT|DONE))
   (not (picked ?id))
@@ -110,8 +111,9 @@
   (modify ?step (state DONE)))
 
 (defrule work-waste-gone
-  "A piece that belonged to no step."
+  "A piece that belonged to no step, and for which the delivery station was not reserved."
   ?instruction <- (instruction (id ?work) (operation "DELIVER") (order 0) (state SUCCEEDED|FAILED))
+  (not (reserved (job ?work)))
   (not (step (work ?work)))
   =>
   (retract ?instruction))
