@@ -50,9 +50,9 @@
   (slot for (type SYMBOL)))
 
 (deftemplate planning
-  "How far the next plan is. IDLE: nothing to plan. COPY: the world is copied. FINISH: what is under way is thought to its end.
+  "How far the next plan is. IDLE: nothing to plan. COPY: the world is copied, and what is under way is thought to its end.
    GOALS: plans are made for the alternatives."
-  (slot state (type SYMBOL) (allowed-values IDLE COPY FINISH GOALS) (default IDLE)))
+  (slot state (type SYMBOL) (allowed-values IDLE COPY GOALS) (default IDLE)))
 
 (deftemplate replan
   "Somebody wants a new plan."

@@ -48,6 +48,15 @@
   (do-for-all-facts ((?o order)) (any-factp ((?k in-problem)) (eq ?k:implied (create$ planning ?o:id)))
     (number planning window-in (max 0.1 (- ?o:begin ?*WINDOW-LEAD* (game-time))) (product-of ?o:id))))
 
+(deffunction end-what-runs ()
+  "The effects that what is under way still has, for `planning`: they are applied after the copy."
+  (do-for-all-facts ((?s step)) (eq ?s:state RUNNING)
+    (bind ?id (sym-cat ?s:id -ended))
+    (bind ?picked (and ?*SUB-ACTIONS* (any-factp ((?p picked)) (eq ?p:implied (create$ ?s:id)))))
+    (assert (pddl-action (instance planning) (id ?id) (plan ended) (name (if ?picked then (sym-cat ?s:action -place) else ?s:action))
+                         (params ?s:params)))
+    (assert (pddl-action-get-effect (action ?id) (effect-type (if ?picked then ALL else END)) (apply TRUE)))))
+
 (defrule plan-begin
   (game (phase PRODUCTION))
   ?planning <- (planning (state IDLE))
@@ -65,30 +74,17 @@
   (decide "plan" ?why)
   (do-for-all-facts ((?s step)) (and (eq ?s:action wait-for-window) (eq ?s:state RUNNING)) (modify ?s (state OPEN)))
   (copy-world)
+  (end-what-runs)
   (modify ?planning (state COPY)))
 
-(defrule plan-finish-running
-  "The copy is made: the effects at the end of what is under way."
-  ?planning <- (planning (state COPY))
-  (not (pddl-fluent-change))
-  (not (pddl-numeric-fluent-change))
-  =>
-  (do-for-all-facts ((?s step)) (eq ?s:state RUNNING)
-    (bind ?id (sym-cat ?s:id -ended))
-    (bind ?picked (and ?*SUB-ACTIONS* (any-factp ((?p picked)) (eq ?p:implied (create$ ?s:id)))))
-    (assert (pddl-action (instance planning) (id ?id) (plan ended) (name (if ?picked then (sym-cat ?s:action -place) else ?s:action))
-                         (params ?s:params)))
-    (assert (pddl-action-get-effect (action ?id) (effect-type (if ?picked then ALL else END)) (apply TRUE))))
-  (modify ?planning (state FINISH)))
-
 (defrule plan-goals
-  ?planning <- (planning (state FINISH))
+  ?planning <- (planning (state COPY))
   (not (pddl-action-get-effect (state ~DONE)))
   (not (pddl-fluent-change))
   (not (pddl-numeric-fluent-change))
   =>
   (do-for-all-facts ((?e pddl-action-get-effect)) TRUE (retract ?e))
-  (do-for-all-facts ((?a pddl-action)) (eq ?a:plan ended) (retract ?a))
+  (do-for-all-facts ((?a pddl-action)) (member$ ?a:plan (create$ ended part)) (retract ?a))
   (propose-alternatives)
   (modify ?planning (state GOALS)))
 
@@ -269,7 +265,9 @@
     (foreach ?id ?orders (do-for-fact ((?o order)) (= ?o:id ?id) (modify ?o (state STARTED))))
     (take-plan (fact-slot-value ?best name))
     (if (and (> (length$ ?orders) ?ours) (< (length$ ?orders) ?*PRODUCTS*)) then (assert (replan (reason "there is room for another order"))))
-   else (decide "go on as before" "no plan is worth anything"))
+   else
+    (decide "go on as before" "no plan is worth anything")
+    (if (any-factp ((?a alternative)) (eq ?a:name alternative-0)) then (assert (no-way))))
   (do-for-all-facts ((?a alternative)) TRUE (drop-plan ?a:name))
   (modify ?planning (state IDLE)))
 
