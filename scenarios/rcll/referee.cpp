@@ -137,7 +137,6 @@ std::string GameReferee::confirm(std::int64_t id, bool correct, SimTime now) {
   if (found == unconfirmed_.end()) return "no delivery " + std::to_string(id) + " waits for it";
   const Unconfirmed delivery = std::move(*found);
   unconfirmed_.erase(found);
-  ++order_changes_;
   judge_delivery(*find_order(delivery.event.order_id), delivery.event, delivery.team, correct, now);
   return {};
 }
@@ -294,7 +293,6 @@ void GameReferee::deliver(const MachineEvent& event, Team team) {
   }
   if (!waits_for_confirmation_) return judge_delivery(*state, event, team, std::nullopt, event.at);
   unconfirmed_.push_back({++last_unconfirmed_, team, event});
-  ++order_changes_;
   data_.begin().field("event", "unconfirmed").field("delivery", last_unconfirmed_).field("order", event.order_id);
   data_.field("team", to_string(team)).field("piece", static_cast<std::int64_t>(event.piece));
   data_.field("product", describe(event.stack));

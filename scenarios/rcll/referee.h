@@ -112,7 +112,7 @@ class GameReferee {
   const std::vector<OrderState>& orders() const { return orders_; }
   const std::vector<Delivery>& deliveries() const { return deliveries_; }
   const Schedule& schedule() const { return schedule_; }
-  /// Grows with each order released, and each product that is accepted or waits for confirmation.
+  /// Grows by one with each order released and each accepted product.
   std::uint64_t order_changes() const { return order_changes_; }
 
  private:

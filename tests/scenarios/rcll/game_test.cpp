@@ -511,9 +511,7 @@ TEST(Referee, DeliveriesThatAreToBeConfirmedCountWhenTheyAre) {
   const sim::Stack right{1, {}, 2}, wrong{2, {}, 2};
   const std::vector events{delivered(plan, "C-DS", 99, right), delivered(plan, "C-DS", 210, right),
                            delivered(plan, "C-DS", 220, wrong), delivered(plan, "M-DS", 230, wrong)};
-  const std::uint64_t before = referee.order_changes();
   referee.judge(from_seconds(230), {}, events);
-  EXPECT_EQ(referee.order_changes(), before + 4);
   EXPECT_TRUE(referee.deliveries().empty());
   ASSERT_EQ(referee.unconfirmed().size(), 4u);
   EXPECT_EQ(referee.unconfirmed()[3].id, 4);
