@@ -16,6 +16,7 @@ SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
 MORE = (
     "cxlab run scenarios/rcll/game.yaml --tier timed",
     "cxlab env scenarios/rcll/agent/params/agent.yaml --with rcll --param rcll.production_s=60 --until 200",
+    "cxlab env scenarios/rcll/planning_agent/params/agent.yaml --with rcll --with pddl_manager --param rcll.production_s=60 --until 200",
     "cxlab run scenarios/turtlesim/hypotheses.yaml",
     "cxlab env scenarios/turtlesim/agents/params/figures.yaml --with turtlesim",
     "cxlab env scenarios/turtlesim/agents/params/hypotheses.yaml --with turtlesim",
