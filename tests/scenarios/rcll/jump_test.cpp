@@ -98,6 +98,7 @@ class JumpingTime : public testing::TestWithParam<Game> {};
 
 struct Played {
   std::vector<std::string> events;  ///< with their times by the floor's clock
+  std::vector<SimTime> states;      ///< when the game was paused and went on, in simulated time
   std::int64_t ticks = 0;
 };
 
@@ -116,7 +117,9 @@ Played play(const Game& game, bool jump, const std::vector<PauseConfig>& pauses 
   const auto referee = static_cast<StreamId>(std::ranges::find(names, "referee") - names.begin());
   Played played;  // positions of pieces may differ in their last bit
   for (const KeptRecords::Record& r : story.records().of(referee))
-    if (r.data.find("PAUSED") == std::string::npos && r.data.find("RUNNING") == std::string::npos)
+    if (r.data.find("PAUSED") != std::string::npos || r.data.find("RUNNING") != std::string::npos)
+      played.states.push_back(r.t);
+    else
       played.events.push_back(std::to_string(story.world().clock().at(r.t).count()) + ' ' +
                               r.data.substr(0, r.data.find("position")));
   played.ticks = story.ticks();
@@ -125,8 +128,8 @@ Played play(const Game& game, bool jump, const std::vector<PauseConfig>& pauses 
 
 /// Time moves by what `next_due` says; the records show when everything happened.
 TEST_P(JumpingTime, FindsEverythingThatHappensAtTheTickAtWhichItIsDue) {
-  const auto [all, ticks] = play(GetParam(), false);
-  const auto [found, few] = play(GetParam(), true);
+  const auto [all, none, ticks] = play(GetParam(), false);
+  const auto [found, no_more, few] = play(GetParam(), true);
   EXPECT_THAT(found, testing::ElementsAreArray(all));
   EXPECT_GT(all.size(), 3u);
   EXPECT_LT(few * 5, ticks);
@@ -134,12 +137,14 @@ TEST_P(JumpingTime, FindsEverythingThatHappensAtTheTickAtWhichItIsDue) {
 
 TEST_P(JumpingTime, IsThatOfTheSameGameWithPauses) {
   const double third = 0.3 * GetParam().until;
-  const std::vector<PauseConfig> pauses{{third, 7.77}, {third + 1, 21.3}, {third + 2.5, 0.02}};
-  const auto [all, ticks] = play(GetParam(), false);
-  EXPECT_THAT(play(GetParam(), false, pauses).events, testing::ElementsAreArray(all));
-  const auto [found, few] = play(GetParam(), true, pauses);
-  EXPECT_THAT(found, testing::ElementsAreArray(all));
-  EXPECT_LT(few * 5, ticks);
+  const std::vector<PauseConfig> pauses{{third + 0.13, 7.77}, {third + 1, 21.31}, {third + 1.5, 0.02}};
+  const Played plain = play(GetParam(), false), paused = play(GetParam(), false, pauses);
+  EXPECT_THAT(paused.events, testing::ElementsAreArray(plain.events));
+  EXPECT_EQ(paused.states.size(), 2 * pauses.size());
+  const Played jumping = play(GetParam(), true, pauses);
+  EXPECT_THAT(jumping.events, testing::ElementsAreArray(plain.events));
+  EXPECT_EQ(jumping.states, paused.states);
+  EXPECT_LT(jumping.ticks * 5, plain.ticks);
 }
 
 INSTANTIATE_TEST_SUITE_P(Games, JumpingTime, testing::ValuesIn(kGames), [](const auto& game) {

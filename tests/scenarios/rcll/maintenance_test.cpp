@@ -71,5 +71,31 @@ TEST(Maintenance, JumpsFromEventToEventAndEndsInTheSameTick) {
     EXPECT_NE(text.find(state), std::string::npos) << state;
 }
 
+TEST(Pause, AnInstructionThatAFaultHoldsUpIsHeldUpInTheGamesTime) {
+  std::vector<sim::Fault> faults(2);
+  for (sim::Fault& fault : faults) {
+    fault.kind = sim::FaultKind::kInstructionLate;
+    fault.probability = 1;
+    fault.duration = std::chrono::seconds(4);
+  }
+  faults[0].machine = "C-BS";
+  faults[1].machine = "C-CS1";
+  WorldConfig config = GameStory::quiet_game();
+  config.pauses = {{2, 10}};
+  GameStory story(config, 1, std::chrono::milliseconds(20), faults);
+  story.set_jumping(true);
+  story.instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+  story.run_until(13.9);
+  EXPECT_EQ(story.state("C-BS"), "IDLE");
+  story.run_until(14.2);
+  EXPECT_EQ(story.state("C-BS"), "PROCESSING");
+  story.run_until(30);
+  story.instruct("{machine: C-CS1, operation: RETRIEVE_CAP}");
+  story.run_until(33.9);
+  EXPECT_EQ(story.state("C-CS1"), "IDLE");
+  story.run_until(34.2);
+  EXPECT_EQ(story.state("C-CS1"), "PREPARED");
+}
+
 }  // namespace
 }  // namespace cxlab::rcll

@@ -37,6 +37,9 @@ std::span<const Row> pause_rows() {
       {"pause: each moves those that follow",
        R"(pause 20 10
         pause 10 5
+        pause 30 1
+        until 11
+        message /game_state /state "PAUSED"
         until 24.9
         message /game_state /state "RUNNING"
         until 25.1
@@ -293,6 +296,25 @@ std::span<const Row> pause_rows() {
         until 70
         message /game_state /state "RUNNING"
         told {"event": "state", "cause": "request"})"},
+      {"pause: one that is asked for after a listed one lasts until it is asked to go on",
+       R"(pause 10 5
+        until 12
+        state RUNNING
+        state PAUSED
+        until 20
+        message /game_state /state "PAUSED"
+        state RUNNING
+        message /game_state /state "RUNNING")"},
+      {"pause: a game that is decided has none in the overtime that does not come",
+       R"(production 10
+        overtime 20
+        pause 15 5
+        hold BASE_RED
+        put C-RS1-SLIDE
+        until 11
+        phase POST_GAME
+        until 16
+        message /game_state /state "RUNNING")"},
       {"pause: no other states can be asked for",
        R"(state INIT
         answer state: found 'INIT', expected RUNNING or PAUSED

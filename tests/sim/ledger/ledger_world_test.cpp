@@ -305,5 +305,21 @@ TEST_F(Ledger, APieceAlreadyAtTheStopStopsTheBeltAtOnceAndOneBeyondDoesNot) {
   }
 }
 
+TEST(LedgerWorld, RobotsStandInAHaltAndGoOnAfterIt) {
+  LedgerWorld world(three_stations());
+  const Pose2 path[]{{0, 0, 0}, {4, 0, 0}};
+  world.move_along(kRobot1, path, from_seconds(0), from_seconds(4));
+  EXPECT_TRUE(world.advance(from_seconds(1)));
+  EXPECT_NEAR(world.robot(kRobot1).vx, 1, 1e-6);
+  world.halt();
+  EXPECT_TRUE(world.advance(from_seconds(10)));
+  EXPECT_NEAR(world.robot(kRobot1).pose_in_world.x, 1, 1e-9);
+  EXPECT_EQ(world.robot(kRobot1).vx, 0);
+  world.go_on();
+  EXPECT_NEAR(world.robot(kRobot1).vx, 1, 1e-6);
+  EXPECT_TRUE(world.advance(from_seconds(2)));
+  EXPECT_NEAR(world.robot(kRobot1).pose_in_world.x, 3, 1e-9);
+}
+
 }  // namespace
 }  // namespace cxlab::sim
