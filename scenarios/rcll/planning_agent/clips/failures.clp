@@ -151,20 +151,27 @@
 
 ; --- What we work for cannot be reached any more: products stand in each other's way, or a slide is blocked
 
+(deffunction give-up-product (?where)
+  "The first product that lies at inputs or outputs is given up: its machine is reset. FALSE: none lies there."
+  (do-for-fact ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name ?where))
+    (decide (str-cat "give up " (implode$ ?f:params)) "there is no plan with all products that are begun")
+    (reset-machine (machine-named (nth$ 2 ?f:params)))
+    (return TRUE))
+  FALSE)
+
 (defrule failure-no-way
   "Products that are not begun need not be made; one that lies on a machine is given up, so that the others can go on."
   ?no-way <- (no-way)
   (planning (state IDLE))
   =>
   (retract ?no-way)
+  (bind ?fewer FALSE)
   (do-for-all-facts ((?o order) (?f pddl-fluent))
       (and (eq ?o:state STARTED) (eq ?f:instance production) (eq ?f:name not-begun) (eq ?f:params (create$ (product-of ?o:id))))
-    (modify ?o (state OPEN)))
-  (if (not (do-for-fact ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name at-output))
-             (decide (str-cat "give up " (implode$ ?f:params)) "there is no plan with all products that are begun")
-             (reset-machine (machine-named (nth$ 2 ?f:params)))
-             TRUE))
-   then (assert (replan (reason "there is no plan for what we work for")))))
+    (modify ?o (state OPEN))
+    (bind ?fewer TRUE))
+  (if (not (or (give-up-product at-input) (give-up-product at-output)))
+   then (if ?fewer then (assert (replan (reason "there is no plan for what we work for"))))))
 
 ; --- Nobody does anything
 
