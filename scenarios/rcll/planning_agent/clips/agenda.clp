@@ -1,18 +1,13 @@
 ; Which step begins next. A strategy names the steps that may be looked at; the PDDL manager is asked whether the conditions of
 ; the first of them hold; if so, it begins.
 
-(deffunction first-group ()
-  "The group that is under way."
-  (bind ?first 1000000)
-  (do-for-all-facts ((?s step)) (and (neq ?s:state DONE) (> ?s:group 0)) (bind ?first (min ?first ?s:group)))
-  ?first)
+(deffunction ahead ()
+  "How many groups after the first one that is under way may be looked at, by the strategy."
+  (switch ?*STRATEGY* (case "groups" then 0) (case "lookahead" then ?*LOOKAHEAD*) (default 1000000)))
 
-(deffunction may-look-at (?id ?group)
-  "By the strategy."
-  (switch ?*STRATEGY*
-    (case "groups" then (<= ?group (first-group)))
-    (case "lookahead" then (<= ?group (+ (first-group) ?*LOOKAHEAD*)))
-    (default (not (any-factp ((?w waits-for) (?s step)) (and (eq ?w:step ?id) (eq ?s:id ?w:for) (member$ ?s:state (create$ OPEN CHECKING BLOCKED APPROACHING FAILED))))))))
+(deffunction in-groups ()
+  "Whether the strategy goes by groups; else a step waits for those that use its product or machine before it."
+  (member$ ?*STRATEGY* (create$ "groups" "lookahead")))
 
 (deffunction robot-waits ()
   "Whether a robot has nothing to do."
@@ -44,11 +39,15 @@
   (not (pddl-action-get-effect))
   (not (pddl-fluent-change (instance production)))
   (not (pddl-numeric-fluent-change (instance production)))
-  (test (may-look-at ?id ?group))
-  (not (step (id ?o&~?id) (state ?os&OPEN|BLOCKED|APPROACHING) (seen ?oseen&:(< ?oseen ?version)) (worker ?ow) (group ?og)
-             (rank ?or&:(and (or (< ?or ?rank) (and (= ?or ?rank) (< (str-compare ?o ?id) 0)))
-                              (or (neq ?ow ROBOT) (eq ?os APPROACHING) (robot-waits))
-                              (may-look-at ?o ?og)))))
+  (not (step (state ~DONE) (group ?g&:(< 0 ?g (- ?group (ahead))))))
+  (not (and (waits-for (step ?id) (for ?before&:(not (in-groups))))
+            (step (id ?before) (state OPEN|CHECKING|BLOCKED|APPROACHING|FAILED))))
+  (not (and (step (id ?o&~?id) (state ?os&OPEN|BLOCKED|APPROACHING) (seen ?oseen&:(< ?oseen ?version)) (worker ?ow) (group ?og)
+                  (rank ?or&:(and (or (< ?or ?rank) (and (= ?or ?rank) (< (str-compare ?o ?id) 0)))
+                                  (or (neq ?ow ROBOT) (eq ?os APPROACHING) (robot-waits)))))
+            (not (step (state ~DONE) (group ?h&:(< 0 ?h (- ?og (ahead))))))
+            (not (and (waits-for (step ?o) (for ?earlier&:(not (in-groups))))
+                      (step (id ?earlier) (state OPEN|CHECKING|BLOCKED|APPROACHING|FAILED))))))
   =>
   (modify ?step (state CHECKING) (seen ?version) (was ?state))
   (assert (pddl-action-condition (instance production) (action ?id))))
