@@ -166,7 +166,7 @@
   =>
   (retract ?no-way)
   (bind ?fewer FALSE)
-  (do-for-all-facts ((?o order) (?f pddl-fluent))
+  (delayed-do-for-all-facts ((?o order) (?f pddl-fluent))
       (and (eq ?o:state STARTED) (eq ?f:instance production) (eq ?f:name not-begun) (eq ?f:params (create$ (product-of ?o:id))))
     (modify ?o (state OPEN))
     (bind ?fewer TRUE))
