@@ -83,7 +83,14 @@ TEST_F(GameStage, ARobotInAZoneStandsInItsMiddleAndFacesTheOppositeWall) {
 /// A floor on which robot n has had n contacts.
 class Bumps final : public sim::World {
  public:
-  Bumps() : World(floor_plan_of(WorldConfig{}, game_of(WorldConfig{}, 1)->layout)) {}
+  /// After 120 s of game and 30 s of a pause.
+  Bumps() : World(floor_plan_of(WorldConfig{}, game_of(WorldConfig{}, 1)->layout)) {
+    now_ = from_seconds(100);
+    halt();
+    now_ = from_seconds(130);
+    go_on();
+    now_ = from_seconds(150);
+  }
   sim::RobotState robot(sim::RobotId id) const override {
     sim::RobotState state;
     state.robot_contacts = static_cast<std::uint32_t>(id) + 1;
@@ -111,7 +118,7 @@ TEST(GameResult, CountsWhatEachRobotDid) {
   robots[0] = {.name = "robot1", .busy_s = 30, .drive_s = 15, .wait_s = 5, .skills = 4, .failures = 1};
   robots[1] = {.name = "robot2", .busy_s = 60, .drive_s = 6, .wait_s = 0, .skills = 2, .failures = 0};
   Result result;
-  result.sim_time = from_seconds(120);
+  result.sim_time = from_seconds(150);
   std::vector<rcll::Maintenance::Robot> duties(2);
   duties[1].cycles = 2;
   duties[1].duty = rcll::RobotDuty::kDisqualified;
