@@ -1,10 +1,13 @@
 ; Which robot takes which job: the most urgent job first, then the robot that stands nearest to it.
 
-(defglobal ?*PATIENCE* = 1.0)  ; s without work until a robot goes home
+(defglobal
+  ?*PATIENCE* = 1.0   ; s without work until a robot goes home
+  ?*WAY* = 1.0        ; what a metre of its way speaks against a robot
+  ?*REST* = 0.6)      ; what a second of rest speaks for it
 
 (deffunction reluctance (?x ?y ?robot-x ?robot-y ?idle)
-  "What speaks against a robot, in m: its way to the piece, less what it has rested."
-  (- (distance ?x ?y ?robot-x ?robot-y) (* 0.6 ?idle)))
+  "What speaks against a robot: its way to the piece, less what it has rested."
+  (- (* ?*WAY* (distance ?x ?y ?robot-x ?robot-y)) (* ?*REST* ?idle)))
 
 (deffunction may-take (?robot ?avoid ?not-before ?now)
   "The robot that left a job to others takes it again only after a while."
