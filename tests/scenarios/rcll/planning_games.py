@@ -48,6 +48,13 @@ class PlanningGames(unittest.TestCase):
         hashes = [json.loads((folder / "result.json").read_text())["journal_hash"] for folder in (first, again)]
         self.assertEqual(hashes[0], hashes[1])
 
+    def test_a_strategy_that_nobody_knows_is_told(self):
+        for parameter, known in {"dispatch": '"groups" "lookahead" "partial-order"', "order": '"plan" "delivery" "slack"',
+                                 "robot": '"nearest" "rested" "both"'}.items():
+            done = cxlab("run", SCENARIO, "--tier", "timed", "--until", 1, "--out", self.folder / parameter,
+                         "--set", f"agents[0].params={{clips_manager.strategy.{parameter}: other}}")
+            self.assertIn(f"strategy.{parameter}: found 'other', expected one of: {known}", done.stdout + done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

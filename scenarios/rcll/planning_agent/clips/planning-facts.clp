@@ -13,16 +13,23 @@
 
 (deffacts settings (read-settings))
 
+(deffunction one-of (?parameter ?default $?words)
+  "A parameter of the node that is one of these words; of any other word it is said, and the default is taken."
+  (bind ?value (ros-param-get-value ?parameter ?default))
+  (if (member$ ?value ?words) then (return ?value))
+  (printout error ?parameter ": found '" ?value "', expected one of: " (implode$ ?words) "; taken: " ?default crlf)
+  ?default)
+
 (defrule read-settings
   "The parameters of the node say how to play."
   ?read <- (read-settings)
   =>
   (retract ?read)
-  (bind ?*STRATEGY* (ros-param-get-value "strategy.dispatch" ?*STRATEGY*))
+  (bind ?*STRATEGY* (one-of "strategy.dispatch" ?*STRATEGY* "groups" "lookahead" "partial-order"))
   (bind ?*LOOKAHEAD* (ros-param-get-value "strategy.lookahead" ?*LOOKAHEAD*))
   (bind ?*SUB-ACTIONS* (ros-param-get-value "strategy.sub_actions" ?*SUB-ACTIONS*))
-  (bind ?*ORDER* (ros-param-get-value "strategy.order" ?*ORDER*))
-  (switch (ros-param-get-value "strategy.robot" "both")
+  (bind ?*ORDER* (one-of "strategy.order" ?*ORDER* "plan" "delivery" "slack"))
+  (switch (one-of "strategy.robot" "both" "nearest" "rested" "both")
     (case "nearest" then (bind ?*REST* 0.0))
     (case "rested" then (bind ?*WAY* 0.0))
     (default none))
