@@ -9,7 +9,6 @@ namespace cxlab::rcll {
 
 namespace {
 
-constexpr SimTime kPeriod = std::chrono::seconds(1);
 constexpr std::size_t kFinishedTold = 10;
 
 // Codes of AgentTask.
@@ -39,14 +38,8 @@ std::vector<std::string> spots_of(const std::string& machine, const std::string&
 
 }  // namespace
 
-RobotPeer::RobotPeer(Identity identity, Channel channel, const pb::Types& types, bus::Bus& bus, bus::ParticipantId node,
-                     std::function<sim::Pose2()> pose)
-    : identity_(std::move(identity)),
-      channel_(std::move(channel)),
-      types_(types),
-      bus_(bus),
-      node_(node),
-      pose_(std::move(pose)) {}
+RobotPeer::RobotPeer(RefboxContext& context, Identity identity, Channel channel)
+    : context_(context), identity_(std::move(identity)), channel_(std::move(channel)) {}
 
 RobotPeer::~RobotPeer() = default;
 
@@ -56,20 +49,21 @@ Status RobotPeer::open() {
                                    {"place", "Place"},
                                    {"transport", "Transport"},
                                    {"explore", "Explore"}}) {
-    auto known = bus_.registry().action(std::string("cxlab_skills/action/") + type);
+    auto known = context_.bus.registry().action(std::string("cxlab_skills/action/") + type);
     if (!known) return known.error();
-    auto client = bus_.create_action_client(node_, "/" + identity_.name + "/" + name, **known,
-                                            {.goal_response = [this](const bus::Delivery& d) { take_answer(d); },
-                                             .feedback = [](const bus::Delivery&) {},
-                                             .result = [this](const bus::Delivery& d) { take_result(d); },
-                                             .cancel_response = [](const bus::Delivery&) {}});
+    auto client =
+        context_.bus.create_action_client(context_.node, "/" + identity_.name + "/" + name, **known,
+                                          {.goal_response = [this](const bus::Delivery& d) { take_answer(d); },
+                                           .feedback = [](const bus::Delivery&) {},
+                                           .result = [this](const bus::Delivery& d) { take_result(d); },
+                                           .cancel_response = [](const bus::Delivery&) {}});
     if (!client) return client.error();
     actions_[name] = {*known, *client};
   }
-  auto type = bus_.registry().message("cxlab_skills/msg/Sightings");
+  auto type = context_.bus.registry().message("cxlab_skills/msg/Sightings");
   if (!type) return type.error();
-  auto heard = bus_.subscribe(node_, "/" + identity_.name + "/sightings", **type,
-                              [this](const bus::Delivery& d) { take_sightings(d); });
+  auto heard = context_.bus.subscribe(context_.node, "/" + identity_.name + "/sightings", **type,
+                                      [this](const bus::Delivery& d) { take_sightings(d); });
   return heard ? Status() : Status(heard.error());
 }
 
@@ -118,7 +112,7 @@ std::string RobotPeer::take(const Fields& task) {
 /// The task ends, or rests, when the skill has.
 void RobotPeer::stop_skill() {
   if (goal_) {
-    if (!std::exchange(stops_, true)) bus_.cancel_goal(actions_.at(steps_.front().action).client, *goal_);
+    if (!std::exchange(stops_, true)) context_.bus.cancel_goal(actions_.at(steps_.front().action).client, *goal_);
   } else if (cancels_) {
     end(0, true);
   }
@@ -175,7 +169,7 @@ void RobotPeer::next_step() {
   const Action& action = actions_.at(step.action);
   bus::Message goal(*action.type->goal);
   for (const auto& [field, value] : step.fields) goal->set(field, value);
-  goal_ = bus_.send_goal(action.client, std::make_shared<bus::Message>(std::move(goal)));
+  goal_ = context_.bus.send_goal(action.client, std::make_shared<bus::Message>(std::move(goal)));
 }
 
 void RobotPeer::take_answer(const bus::Delivery& delivery) {
@@ -187,7 +181,7 @@ void RobotPeer::take_answer(const bus::Delivery& delivery) {
 void RobotPeer::take_result(const bus::Delivery& delivery) {
   if (delivery.goal != goal_) return;
   const Step step = steps_.front();
-  bus_.forget_goal(actions_.at(step.action).client, *goal_);
+  context_.bus.forget_goal(actions_.at(step.action).client, *goal_);
   goal_.reset();
   if (delivery.status == bus::GoalStatus::kCanceled || !delivery.message) {
     if (!stops_ || cancels_) return end(0, true);
@@ -198,7 +192,7 @@ void RobotPeer::take_result(const bus::Delivery& delivery) {
   std::int64_t error = result.integer("error_code");
   if (error == kOffField) error = kInternal;
   if (step.action == "explore" && error == 0) {
-    const pb::MessagePtr seen = types_.make("llsf_msgs.MachineReport");
+    const pb::MessagePtr seen = context_.make("MachineReport");
     Fields report(*seen);
     report.set("team_color", to_string(identity_.team));
     this->report(result, report);
@@ -246,25 +240,26 @@ void RobotPeer::report(const bus::MessageView& seen, Fields& report) const {
 void RobotPeer::take_sightings(const bus::Delivery& delivery) {
   if (!channel_.is_heard()) return;
   const bus::MessageView sightings = delivery.message->view();
-  const pb::MessagePtr message = types_.make("llsf_msgs.MachineReport");
+  const pb::MessagePtr message = context_.make("MachineReport");
   Fields seen(*message);
   seen.set("team_color", to_string(identity_.team));
   for (std::size_t i = 0; i < sightings.size("machines"); ++i) report(sightings.nested("machines", i), seen);
   channel_.send(*message);
 }
 
-void RobotPeer::speak(SimTime now, const Moment& moment) {
-  if (now < next_) return;
-  while (next_ <= now) next_ += kPeriod;
+void RobotPeer::speak() {
+  if (!rate_.due(context_.now)) return;
   if (!channel_.is_heard()) return;
   if (task_ && !under_way_) channel_.send(*task_);
-  const pb::MessagePtr message = types_.make("llsf_msgs.BeaconSignal");
+  const pb::MessagePtr message = context_.make("BeaconSignal");
   Fields beacon(*message);
-  beacon.set("time", moment).set("seq", static_cast<std::int64_t>(++beacons_)).set("number", identity_.number);
-  beacon.set("team_name", identity_.team_name).set("peer_name", identity_.name);
+  beacon.set("time", context_.moment())
+      .set("seq", static_cast<std::int64_t>(++beacons_))
+      .set("number", identity_.number);
+  beacon.set("team_name", context_.team_name(identity_.team)).set("peer_name", identity_.name);
   beacon.set("team_color", to_string(identity_.team));
-  const sim::Pose2 at = pose_();
-  beacon.part("pose").set("timestamp", moment).set("x", at.x).set("y", at.y).set("ori", at.yaw);
+  const sim::Pose2 at = context_.world.robot(identity_.id).pose_in_world;
+  beacon.part("pose").set("timestamp", context_.moment()).set("x", at.x).set("y", at.y).set("ori", at.yaw);
   if (under_way_) beacon.part("task").message().CopyFrom(*task_);
   for (const auto& [id, successful] : finished_)
     beacon.append("finished_tasks").set("TaskId", id).set("successful", successful);

@@ -9,7 +9,6 @@
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -22,23 +21,22 @@
 #include "cx/bus/bus.h"
 #include "scenarios/rcll/refbox/channel.h"
 #include "scenarios/rcll/refbox/messages.h"
+#include "scenarios/rcll/refbox/refbox_context.h"
 #include "scenarios/rcll/types.h"
-#include "sim/pose.h"
 
 namespace cxlab::rcll {
 
 class RobotPeer {
  public:
   struct Identity {
+    sim::RobotId id{};
     std::string name;  ///< of its node: "robot1"
     Team team{};
     int number = 0;  ///< in its team, from 1
-    std::string team_name;
   };
 
-  /// All outlive it. `pose`: where it is now.
-  RobotPeer(Identity identity, Channel channel, const pb::Types& types, bus::Bus& bus, bus::ParticipantId node,
-            std::function<sim::Pose2()> pose);
+  /// The context outlives it.
+  RobotPeer(RefboxContext& context, Identity identity, Channel channel);
   ~RobotPeer();
   RobotPeer(const RobotPeer&) = delete;
   RobotPeer& operator=(const RobotPeer&) = delete;
@@ -46,12 +44,11 @@ class RobotPeer {
   Status open();
 
   Channel& channel() { return channel_; }
-  void rename_team(const std::string& name) { identity_.team_name = name; }
   /// A task of its agent; what is wrong with it, where it is none that can be answered.
   std::string take(const Fields& task);
   /// Says what is due.
-  void speak(SimTime now, const Moment& moment);
-  SimTime next_due() const { return next_; }
+  void speak();
+  SimTime next_due() const { return rate_.next; }
 
  private:
   /// A goal of one of its skills: fields of the action's goal.
@@ -80,12 +77,9 @@ class RobotPeer {
   void report(const bus::MessageView& entry, Fields& report) const;
   void take_sightings(const bus::Delivery& delivery);
 
+  RefboxContext& context_;
   Identity identity_;
   Channel channel_;
-  const pb::Types& types_;
-  bus::Bus& bus_;
-  bus::ParticipantId node_;
-  std::function<sim::Pose2()> pose_;
   std::map<std::string_view, Action> actions_;
   pb::MessagePtr task_;     ///< under way, or the last one
   pb::MessagePtr waiting_;  ///< that follows when the skill under way has ended
@@ -95,7 +89,7 @@ class RobotPeer {
   std::optional<bus::GoalId> goal_;
   std::deque<std::pair<std::int64_t, bool>> finished_;  ///< the last tasks: their ids, whether they were successful
   std::uint64_t beacons_ = 0;
-  SimTime next_{};
+  Rate rate_{std::chrono::seconds(1)};
 };
 
 }  // namespace cxlab::rcll
