@@ -58,9 +58,11 @@
     (default ROBOT)))
 
 (deffunction objects-of (?name ?params)
-  "The product and the machines that a step uses; any number of steps can use the base station. Only its delivery waits for
-   the window of a product."
+  "The product and the machines that a step uses; any number of steps can use the base station, or bring payments. Only its
+   delivery waits for the window of a product."
   (if (eq ?name wait-for-window) then (return (create$ (sym-cat window- (nth$ 1 ?params)))))
+  (if (eq ?name pay-with-new-base) then (return (create$)))
+  (if (eq ?name pay-with-bare-base) then (return (create$ (sym-cat (nth$ 1 ?params)))))
   (bind ?objects (if (eq ?name bring-to-delivery) then (create$ (sym-cat window- (nth$ 1 ?params))) else (create$)))
   (foreach ?p ?params
     (if (not (member$ (sym-cat ?p) (create$ bs s0 s1 s2 s3 s4))) then (bind ?objects (create$ ?objects (sym-cat ?p)))))

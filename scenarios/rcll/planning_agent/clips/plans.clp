@@ -3,13 +3,14 @@
 ; --- When there is a new plan to be made
 
 (defrule plan-for-new-order
+  "Where there is no room for it, it is looked at when a product is delivered."
   (game (phase PRODUCTION))
   (in-problem planning ?id)
   (order (id ?id) (state ~DONE))
   (not (considered ?id))
   =>
   (assert (considered ?id))
-  (assert (replan (reason (str-cat "order " ?id " is in")))))
+  (if (< (length$ (orders-in STARTED)) ?*PRODUCTS*) then (assert (replan (reason (str-cat "order " ?id " is in"))))))
 
 (defrule plan-again-when-done
   "Every step of the plan is done, and there is more to do."
@@ -196,9 +197,9 @@
 
 (deffunction rank-of (?step)
   "What goes first. plan: in the order of the plan. delivery: what leads to the next delivery of the plan. slack: what must
-   begin first, so that no product is late. What leads to no delivery goes last."
+   begin first, so that no product is late. What leads to no delivery goes last, payments as in the plan."
   (bind ?begin (fact-slot-value ?step begin))
-  (bind ?rank 10000.0)
+  (bind ?rank (if (member$ (fact-slot-value ?step action) (create$ pay-with-new-base pay-with-bare-base)) then ?begin else 10000.0))
   (if (eq (fact-slot-value ?step action) deliver)
    then (bind ?rank (switch ?*ORDER* (case "slack" then (window-of (nth$ 1 (fact-slot-value ?step params))))
                                      (case "delivery" then (fact-slot-value ?step end))
