@@ -66,10 +66,8 @@ Status Factory::join() {
   bus::NodeName name;
   name.name = "factory";
   node_ = bus_.join(bus::ParticipantKind::kNode, name, sink_.open_stream("node/factory"));
-  for (auto& channel : channels_) {
-    const std::string prefix = channels_.size() == 1 ? "" : channel->team() == Team::kCyan ? "/cyan" : "/magenta";
-    if (Status s = channel->open(node_, prefix); !s) return s;
-  }
+  for (auto& channel : channels_)
+    if (Status s = channel->open(node_, channel_prefix(channel->team(), channels_.size())); !s) return s;
   if (Status s = game_state_.open(bus_, node_, "/game_state", "GameState", kGameStatePeriod); !s) return s;
   if (Status s = order_info_.open(bus_, node_, "/order_info", "OrderInfo", kInfoPeriod); !s) return s;
   if (Status s = ring_info_.open(bus_, node_, "/ring_info", "RingInfo", kInfoPeriod); !s) return s;

@@ -39,6 +39,10 @@ Tags tags_of(const Machine& machine) {
 
 }  // namespace
 
+std::string channel_prefix(Team team, std::size_t teams) {
+  return teams == 1 ? "" : team == Team::kCyan ? "/cyan" : "/magenta";
+}
+
 TeamChannel::TeamChannel(Team team, Information information, sim::World& world, const Machines& machines,
                          const MachineContext& context, GameReferee& referee, Maintenance& maintenance,
                          MachineFaults& faults, bus::Bus& bus)

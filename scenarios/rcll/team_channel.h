@@ -1,9 +1,7 @@
 #pragma once
 // What one team is told and may ask for, as on its channel of the league: its machines on `/machine_info`, what came of
 // its reports on `/machine_report_info`; it sends reports to `/machine_report`, requests for maintenance of its robots
-// to
-// `/set_robot_maintenance`, and instructions to the action `/factory/instruct_machine`. Where both teams play, the
-// names begin with `/cyan` and `/magenta`.
+// to `/set_robot_maintenance`, and instructions to the action `/factory/instruct_machine`.
 
 #include <functional>
 #include <memory>
@@ -23,6 +21,9 @@ namespace cxlab::rcll {
 /// Fills a Machine, with what a team hears of its own, or with all there is.
 void put_machine(const bus::MessageView& entry, const Machine& machine, const sim::World& world,
                  const Exploration& exploration, Information information);
+
+/// What the names of a team's channel begin with: nothing where one team plays, else `/cyan` or `/magenta`.
+std::string channel_prefix(Team team, std::size_t teams);
 
 class TeamChannel {
  public:

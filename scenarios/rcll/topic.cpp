@@ -4,12 +4,18 @@
 
 namespace cxlab::rcll {
 
+bool Rate::due(SimTime now) {
+  if (now < next) return false;
+  while (next <= now) next += period;
+  return true;
+}
+
 Status PeriodicTopic::open(bus::Bus& bus, bus::ParticipantId node, std::string_view name, std::string_view type,
                            SimTime period) {
   auto message = bus.registry().message(std::string(kInterfaces) + "msg/" + std::string(type));
   if (!message) return message.error();
   type_ = *message;
-  period_ = period;
+  rate_.period = period;
   auto endpoint = bus.advertise(node, name, *type_);
   if (!endpoint) return endpoint.error();
   endpoint_ = *endpoint;
@@ -17,8 +23,7 @@ Status PeriodicTopic::open(bus::Bus& bus, bus::ParticipantId node, std::string_v
 }
 
 bool PeriodicTopic::due(SimTime now, bool changed) {
-  const bool periodic = now >= next_;
-  while (next_ <= now) next_ += period_;
+  const bool periodic = rate_.due(now);
   return periodic || changed;
 }
 

@@ -14,20 +14,28 @@ namespace cxlab::rcll {
 /// The package of the league's messages, with a slash.
 inline constexpr std::string_view kInterfaces = "rcll_interfaces/";
 
+/// When a message is sent again.
+struct Rate {
+  SimTime period{};
+  SimTime next{};
+  /// Whether it is to be sent now; plans its next time.
+  bool due(SimTime now);
+};
+
 class PeriodicTopic {
  public:
   /// Advertises it. `type`: of the league's messages, for example "GameState".
   Status open(bus::Bus& bus, bus::ParticipantId node, std::string_view name, std::string_view type, SimTime period);
   /// Whether it is to be published now; plans its next time.
   bool due(SimTime now, bool changed);
-  SimTime next() const { return next_; }
+  SimTime next() const { return rate_.next; }
   bus::Message message() const { return bus::Message(*type_); }
   void publish(bus::Bus& bus, bus::Message message) const;
 
  private:
   const bus::MessageType* type_ = nullptr;
   bus::EndpointId endpoint_{};
-  SimTime period_{}, next_{};
+  Rate rate_;
 };
 
 /// Fills a list of strings.

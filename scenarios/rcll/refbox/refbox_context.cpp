@@ -14,12 +14,6 @@ constexpr std::size_t kMostComplaints = 100;
 constexpr std::int64_t kMostRobots = 3;  // of a team
 }  // namespace
 
-bool Rate::due(SimTime now) {
-  if (now < next) return false;
-  while (next <= now) next += period;
-  return true;
-}
-
 bool RefboxContext::plays(Team team) const { return std::ranges::find(teams, team) != teams.end(); }
 
 std::string RefboxContext::team_name(Team team) const {

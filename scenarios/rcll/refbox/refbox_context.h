@@ -19,6 +19,7 @@
 #include "cx/protobuf/types.h"
 #include "scenarios/rcll/factory.h"
 #include "scenarios/rcll/refbox/messages.h"
+#include "scenarios/rcll/topic.h"
 #include "scenarios/rcll/types.h"
 #include "sim/world.h"
 
@@ -26,13 +27,6 @@ namespace cxlab::rcll {
 
 inline constexpr SimTime kInfoPeriod = std::chrono::seconds(2);  // of orders, machines, rings, workpieces
 inline constexpr SimTime kBurstPeriod = std::chrono::milliseconds(500);
-
-/// When a message is sent again.
-struct Rate {
-  SimTime period{};
-  SimTime next{};
-  bool due(SimTime now);
-};
 
 /// What a topic of the bus said last.
 struct Heard {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "scenarios/rcll/team_channel.h"
 #include "scenarios/rcll/topic.h"
 
 namespace cxlab::rcll {
@@ -20,7 +21,7 @@ TeamPeer::TeamPeer(RefboxContext& context, Controllers& controllers, Team team, 
     : context_(context), controllers_(controllers), team_(team), channel_(std::move(channel)) {}
 
 Status TeamPeer::open() {
-  const std::string prefix = context_.teams.size() == 1 ? "" : team_ == Team::kCyan ? "/cyan" : "/magenta";
+  const std::string prefix = channel_prefix(team_, context_.teams.size());
   machine_rate_ = {kBurstPeriod, context_.now};
   ring_rate_ = {kInfoPeriod, context_.now};
   report_rate_ = {kReportPeriod, context_.now};
