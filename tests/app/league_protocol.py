@@ -149,28 +149,39 @@ def free_shift():
                 held_one.close()
 
 
-class Outside(unittest.TestCase):
-    """A program outside is the agent of a game that has none."""
+class Game(unittest.TestCase):
+    """A game of the timed tier on sockets, in a folder of its own."""
 
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="cxlab-league-"))
         self.addCleanup(shutil.rmtree, self.folder)
-        shift = free_shift()
-        self.public = Peer(4445 + shift, 4444 + shift)
-        self.cyan = Peer(4446 + shift, 4441 + shift, CBC)
-        self.robot = Peer(2126 + shift, 2116 + shift)
-        self.stream_port = 4444 + shift
-        for peer in (self.public, self.cyan, self.robot):
-            self.addCleanup(peer.socket.close)
+        self.shift = free_shift()
+
+    def start(self, world, refbox=""):
         (self.folder / "game.yaml").write_text(
-            "schema: 1\nworld: {kind: rcll, information: league, complexities: [C0], down: false,\n"
-            f"  refbox: {{team_cyan: Pythons, port_shift: {shift}}}}}\ntier: timed\n")
+            f"schema: 1\nworld: {{kind: rcll, information: league, complexities: [C0], down: false, {world}\n"
+            f"  refbox: {{{refbox}port_shift: {self.shift}}}}}\ntier: timed\n")
         self.log = open(self.folder / "log", "w+")
         self.addCleanup(self.log.close)
         self.game = subprocess.Popen([CXLAB, "run", "game.yaml", "--sockets", "--until", "200", "--out", "out"],
                                      cwd=self.folder, stdout=subprocess.DEVNULL, stderr=self.log)
         self.addCleanup(self.game.wait)
         self.addCleanup(self.game.kill)
+
+
+class Outside(Game):
+    """A program outside is the agent of a game that has none."""
+
+    def setUp(self):
+        super().setUp()
+        shift = self.shift
+        self.public = Peer(4445 + shift, 4444 + shift)
+        self.cyan = Peer(4446 + shift, 4441 + shift, CBC)
+        self.robot = Peer(2126 + shift, 2116 + shift)
+        self.stream_port = 4444 + shift
+        for peer in (self.public, self.cyan, self.robot):
+            self.addCleanup(peer.socket.close)
+        self.start("", "team_cyan: Pythons, ")
 
     def test_short_plays(self):
         state = self.public.hear(of_type("GameState"))
@@ -251,24 +262,8 @@ class Stream:
         return next(x for x in info.machines if x.name == machine)
 
 
-class Controller(unittest.TestCase):
+class Controller(Game):
     """A program outside commands a game as controllers of the referee box do."""
-
-    def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="cxlab-league-"))
-        self.addCleanup(shutil.rmtree, self.folder)
-
-    def start(self, world):
-        self.shift = free_shift()
-        (self.folder / "game.yaml").write_text(
-            "schema: 1\nworld: {kind: rcll, information: league, complexities: [C0], down: false, " + world +
-            f"refbox: {{port_shift: {self.shift}}}}}\ntier: timed\n")
-        self.log = open(self.folder / "log", "w+")
-        self.addCleanup(self.log.close)
-        self.game = subprocess.Popen([CXLAB, "run", "game.yaml", "--sockets", "--until", "200", "--out", "out"],
-                                     cwd=self.folder, stdout=subprocess.DEVNULL, stderr=self.log)
-        self.addCleanup(self.game.wait)
-        self.addCleanup(self.game.kill)
 
     def connect(self):
         end = time.monotonic() + 20
