@@ -4,11 +4,7 @@
 #include <sstream>
 
 #include "cx/base/file.h"
-#include "cx/bus/bus.h"
-#include "cx/executive/environment_manager.h"
-#include "cx/journal/journal.h"
 #include "cx/plugins/builtin.h"
-#include "cx/run/loop.h"
 #include "lab/control/debugger.h"
 #include "tests/fuzz/surroundings.h"
 
@@ -70,30 +66,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   cx::ManagerOptions options;
   options.config = config;
   options.plugin_types = cx::builtin_plugins();
-  options.run_folder = fuzz::folder() / "run";
-  options.max_firings = 100;
-  options.keep_going = true;
   options.limits = &limits;
   options.control = &debugger;
-  {
-    Journal journal;
-    bus::Bus bus(fuzz::registry(), journal);
-    auto manager = cx::EnvironmentManager::create(std::move(options), bus, journal);
-    fuzz::promise(manager.ok() && (*manager)->configure().ok() && (*manager)->activate().ok(), "the plugins load");
+  fuzz::live(std::move(options), 3, [&](cx::EnvironmentManager& manager) {
     debugger.watch([&] {
       std::vector<cx::Environment*> all;
-      for (std::size_t i = 0; i < (*manager)->size(); ++i) all.push_back(&(*manager)->environment(i));
+      for (std::size_t i = 0; i < manager.size(); ++i) all.push_back(&manager.environment(i));
       return all;
     });
-    for (std::size_t i = 0; i < (*manager)->size(); ++i)
-      (void)(*manager)->environment(i).engine().load_text(kRules, "rules.clp", LoadMode::kBatch);
-    Loop loop(bus, std::chrono::milliseconds(20), {.agents = {manager->get()}});
-    for (int tick = 0; tick < 3; ++tick)
-      if (!loop.tick_at(tick * std::chrono::milliseconds(20))) break;
-    (void)(*manager)->deactivate();
-    (void)(*manager)->cleanup();
-  }
-  std::error_code ignored;
-  fs::remove_all(fuzz::folder() / "run", ignored);
+    for (std::size_t i = 0; i < manager.size(); ++i)
+      (void)manager.environment(i).engine().load_text(kRules, "rules.clp", LoadMode::kBatch);
+  });
   return 0;
 }

@@ -8,11 +8,7 @@
 #include <set>
 
 #include "cx/base/file.h"
-#include "cx/bus/bus.h"
-#include "cx/executive/environment_manager.h"
-#include "cx/journal/journal.h"
 #include "cx/plugins/builtin.h"
-#include "cx/run/loop.h"
 #include "tests/fuzz/surroundings.h"
 
 /// CLIPS forgets small blocks on errors of many functions.
@@ -219,25 +215,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.plugin_types = cx::builtin_plugins();
   options.packages["example"] = {fs::path(CXLAB_SOURCE_DIR) / "docs/examples/file_load", {}};
   options.packages["talk"] = {fs::path(CXLAB_SOURCE_DIR) / "docs/examples/protobuf", {}};
-  options.run_folder = fuzz::folder() / "run";
-  options.max_firings = 100;
-  options.keep_going = true;
-  {
-    Journal journal;
-    bus::Bus bus(fuzz::registry(), journal);
-    auto manager = cx::EnvironmentManager::create(std::move(options), bus, journal);
-    fuzz::promise(manager.ok() && (*manager)->configure().ok() && (*manager)->activate().ok(), "the plugins load");
-    RuleEngine& engine = (*manager)->environment(0).engine();
+  fuzz::live(std::move(options), 2, [&](cx::EnvironmentManager& manager) {
+    RuleEngine& engine = manager.environment(0).engine();
     const LoadReport world = engine.load_text(kWorld, "world.clp", LoadMode::kBatch);
     fuzz::promise(world.ok(), "the world loads: " + (world.ok() ? std::string() : world.errors.front().text()));
     play(engine, Choices(data, size));
-    Loop loop(bus, std::chrono::milliseconds(20), {.agents = {manager->get()}});
-    for (int tick = 0; tick < 2; ++tick)
-      if (!loop.tick_at(tick * std::chrono::milliseconds(20))) break;
-    (void)(*manager)->deactivate();
-    (void)(*manager)->cleanup();
-  }
-  std::error_code ignored;
-  fs::remove_all(fuzz::folder() / "run", ignored);
+  });
   return 0;
 }
