@@ -101,11 +101,9 @@ TEST(FindPlan, ProvesUsingThatAnActionEndsOnce) {
   EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
 }
 
-TEST(FindPlan, ProvesWhileOverlapsCouldStillBeTriedForEver) {
-  // Two robots, three places, one parcel wanted at two of them.
-  const PlanAnswer found = answer(
-      parse(
-          R"((:types robot place) (:predicates (at ?r - robot ?p - place) (in ?p - place) (has ?r - robot) (free ?r - robot))
+/// Robots that bring parcels from place to place; the effects of putting one down.
+std::string parcels(const std::string& drop) {
+  return R"((:types robot place) (:predicates (at ?r - robot ?p - place) (in ?p - place) (has ?r - robot) (free ?r - robot))
     (:durative-action go :parameters (?r - robot ?a ?b - place) :duration (= ?duration 5)
      :condition (at start (at ?r ?a)) :effect (and (at start (not (at ?r ?a))) (at end (at ?r ?b))))
     (:durative-action pick :parameters (?r - robot ?a - place) :duration (= ?duration 2)
@@ -113,10 +111,17 @@ TEST(FindPlan, ProvesWhileOverlapsCouldStillBeTriedForEver) {
      :effect (and (at start (not (in ?a))) (at start (not (free ?r))) (at end (has ?r))))
     (:durative-action drop :parameters (?r - robot ?a - place) :duration (= ?duration 2)
      :condition (and (over all (at ?r ?a)) (at start (has ?r)))
-     :effect (and (at start (not (has ?r))) (at end (in ?a)) (at end (free ?r)))))",
-          R"((:objects r1 r2 - robot a b c - place) (:init (at r1 a) (at r2 b) (in a) (free r1) (free r2))
+     :effect )" +
+         drop + ")";
+}
+
+TEST(FindPlan, ProvesWhileOverlapsCouldStillBeTriedForEver) {
+  // Two robots, three places, one parcel wanted at two of them.
+  const PlanAnswer found =
+      answer(parse(parcels("(and (at start (not (has ?r))) (at end (in ?a)) (at end (free ?r)))"),
+                   R"((:objects r1 r2 - robot a b c - place) (:init (at r1 a) (at r2 b) (in a) (free r1) (free r2))
     (:goal (and (in b) (in c))))"),
-      {.budget = 1'000'000});
+             {.budget = 1'000'000});
   EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
 }
 
@@ -124,17 +129,8 @@ TEST(FindPlan, NeverDeniesAPlanInWhichAnActionOverlapsItself) {
   // A robot that has its parcel until the end of a drop begins the drop twice, and takes the parcel between the two
   // ends. The planner does not try this, the validator accepts it.
   const PlanAnswer found = answer(
-      parse(
-          R"((:types robot place) (:predicates (at ?r - robot ?p - place) (in ?p - place) (has ?r - robot) (free ?r - robot))
-    (:durative-action go :parameters (?r - robot ?a ?b - place) :duration (= ?duration 5)
-     :condition (at start (at ?r ?a)) :effect (and (at start (not (at ?r ?a))) (at end (at ?r ?b))))
-    (:durative-action pick :parameters (?r - robot ?a - place) :duration (= ?duration 2)
-     :condition (and (over all (at ?r ?a)) (at start (in ?a)) (at start (free ?r)))
-     :effect (and (at start (not (in ?a))) (at start (not (free ?r))) (at end (has ?r))))
-    (:durative-action drop :parameters (?r - robot ?a - place) :duration (= ?duration 2)
-     :condition (and (over all (at ?r ?a)) (at start (has ?r)))
-     :effect (and (at end (in ?a)) (at end (not (has ?r))) (at end (free ?r)))))",
-          R"((:objects r1 - robot a b c - place) (:init (at r1 a) (in a) (free r1)) (:goal (and (in b) (in c))))"),
+      parse(parcels("(and (at end (in ?a)) (at end (not (has ?r))) (at end (free ?r)))"),
+            R"((:objects r1 - robot a b c - place) (:init (at r1 a) (in a) (free r1)) (:goal (and (in b) (in c))))"),
       {.budget = 200'000});
   EXPECT_NE(found.status, PlanStatus::kUnsolvable);
 }
