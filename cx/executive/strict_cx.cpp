@@ -156,25 +156,64 @@ class Reader {
     }
   }
 
+  enum class NameOf { kTopic, kServer };  // of services and actions
+
   /// Names of topics, services and servers: CX compares texts, so "/pose" and "pose" are two.
   void collect_names(const Construct& construct) {
-    static constexpr std::array<std::string_view, 3> kSlots{"topic", "service", "server"};
+    struct Argument {
+      std::string_view ending;
+      std::size_t position;
+      NameOf of;
+    };
+    static constexpr std::array<Argument, 15> kArguments{{{"-create-publisher", 1, NameOf::kTopic},
+                                                          {"-destroy-publisher", 1, NameOf::kTopic},
+                                                          {"-create-subscription", 1, NameOf::kTopic},
+                                                          {"-destroy-subscription", 1, NameOf::kTopic},
+                                                          {"-publish", 2, NameOf::kTopic},
+                                                          {"-client", 1, NameOf::kServer},
+                                                          {"-create-service", 1, NameOf::kServer},
+                                                          {"-destroy-service", 1, NameOf::kServer},
+                                                          {"-create-server", 1, NameOf::kServer},
+                                                          {"-destroy-server", 1, NameOf::kServer},
+                                                          {"-send-request", 2, NameOf::kServer},
+                                                          {"-send-goal", 2, NameOf::kServer},
+                                                          {"-cancel-goal", 1, NameOf::kServer},
+                                                          {"-cancel-all-goals", 1, NameOf::kServer},
+                                                          {"-cancel-goals-before", 1, NameOf::kServer}}};
     each_list(construct.tree, [&](const Term& list) {
-      const bool call = functions_.contains(std::string(list.head()));
-      const bool slot = std::ranges::find(kSlots, list.head()) != kSlots.end();
-      if (!call && !slot) return;
-      for (const Term& item : list.items)
-        if (item.kind == Token::Kind::kString && item.text.size() > 2) note_name(construct, item);
+      const std::string_view head = list.head();
+      if (functions_.contains(std::string(head))) {
+        const auto argument =
+            std::ranges::find_if(kArguments, [&](const Argument& one) { return head.ends_with(one.ending); });
+        if (argument != kArguments.end() && argument->position < list.items.size())
+          note_name(construct, list.items[argument->position], argument->of);
+        return;
+      }
+      const bool topic = head == "topic";
+      if (topic || head == "service" || head == "server")
+        for (const Term& item : list.items)
+          if (item.kind == Token::Kind::kString) note_name(construct, item, topic ? NameOf::kTopic : NameOf::kServer);
     });
+    constexpr std::string_view kCallback = "-service-callback";
+    if (construct.info.kind != "deffunction" || !construct.info.name.ends_with(kCallback)) return;
+    const std::string service = construct.info.name.substr(0, construct.info.name.size() - kCallback.size());
+    if (!functions_.contains(service + "-create-service"))  // else it is that of a generated binding
+      note_name(construct, service, construct.info.line, NameOf::kServer);
   }
 
-  void note_name(const Construct& construct, const Term& item) {
-    const std::string name = item.text.substr(1, item.text.size() - 2);
+  void note_name(const Construct& construct, const Term& item, NameOf of) {
+    if (item.kind == Token::Kind::kString) {
+      note_name(construct, item.text.substr(1, item.text.size() - 2), item.line, of);
+    } else if (!item.is_list() && item.text.find_first_of("?$") != 0) {
+      note_name(construct, item.text, item.line, of);
+    }
+  }
+
+  void note_name(const Construct& construct, const std::string& name, int line, NameOf of) {
     const std::string bare = name.substr(name.starts_with('/') ? 1 : 0);
-    if (bare.find_first_of(" %.") != std::string::npos) return;
-    const auto [first, is_first] = spellings_.try_emplace(bare, name);
+    const auto [first, is_first] = spellings_.try_emplace({of, bare}, name);
     if (!is_first && first->second != name)
-      found(construct, item.line,
+      found(construct, line,
             "spelling: \"" + name + "\" here and \"" + first->second +
                 "\" elsewhere: CX compares names as they are written");
   }
@@ -182,8 +221,8 @@ class Reader {
   const RuleEngine& engine_;
   RosRelease release_;
   std::set<std::string> functions_;
-  std::map<std::string, std::string, std::less<>> not_of_cx_;  // functions, and why
-  std::map<std::string, std::string> spellings_;               // without a leading slash -> as written first
+  std::map<std::string, std::string, std::less<>> not_of_cx_;        // functions, and why
+  std::map<std::pair<NameOf, std::string>, std::string> spellings_;  // without a leading slash -> as written first
   std::vector<Error> found_;
 };
 
