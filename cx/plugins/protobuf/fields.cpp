@@ -96,6 +96,23 @@ FieldProblem found_expected(const ValueRef& value, std::string_view expected) {
   return {"found " + value.copy().print() + ", expected " + std::string(expected)};
 }
 
+/// A number of which CX would take the bits as they are.
+Problem unconverted(const Field& field, const ValueRef& value) {
+  switch (field.cpp_type()) {
+    case Field::CPPTYPE_DOUBLE:
+    case Field::CPPTYPE_FLOAT:
+      if (!value.is(ValueType::kInteger)) return {};
+      return found_expected(value, "a FLOAT: CX converts no INTEGER (--strict-cx)");
+    case Field::CPPTYPE_INT32:
+    case Field::CPPTYPE_INT64:
+    case Field::CPPTYPE_UINT32:
+    case Field::CPPTYPE_UINT64:
+      if (!value.is(ValueType::kFloat)) return {};
+      return found_expected(value, "an INTEGER: CX converts no FLOAT (--strict-cx)");
+    default: return {};
+  }
+}
+
 /// The number as a whole one of that type; CLIPS has 64 bits with a sign.
 template <class Integer>
 std::optional<Integer> whole(const ValueRef& value) {
@@ -162,7 +179,9 @@ struct Writer {
 }  // namespace
 
 std::optional<FieldProblem> set_field(proto::Message& message, const Field& field, const ValueRef& value,
-                                      const ProtobufMessages& messages) {
+                                      const ProtobufMessages& messages, bool strict) {
+  if (strict)
+    if (Problem problem = unconverted(field, value)) return problem;
   using R = proto::Reflection;
   Writer writer{message, field, value};
   const proto::Reflection& reflect = writer.reflect;

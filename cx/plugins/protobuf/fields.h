@@ -24,6 +24,7 @@ class ProtobufMessages {
   /// Null if unknown.
   google::protobuf::Message* find(Handle handle) const;
   void destroy(Handle handle) { messages_.erase(handle); }
+  const std::map<Handle, pb::MessagePtr>& all() const { return messages_; }
 
  private:
   RuleEngine& engine_;
@@ -44,9 +45,9 @@ struct FieldProblem {
   std::string text;
   bool only_warn = false;  ///< CX warns and leaves the field as it is
 };
-/// Sets a field that is no list, or appends to a list. Numbers are converted where nothing is lost.
+/// Sets a field that is no list, or appends to a list. Numbers are converted where nothing is lost; not with `strict`.
 std::optional<FieldProblem> set_field(google::protobuf::Message& message,
                                       const google::protobuf::FieldDescriptor& field, const ValueRef& value,
-                                      const ProtobufMessages& messages);
+                                      const ProtobufMessages& messages, bool strict);
 
 }  // namespace cxlab::cx

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <set>
 
 #include "cx/plugins/bindings/names.h"
 #include "cx/plugins/builtin.h"
@@ -118,10 +119,28 @@ class ProtobufPlugin final : public Plugin {
     return added_;
   }
 
-  void clips_env_destroyed(EnvironmentGuard environment) override { connections_.remove(*environment); }
+  void clips_env_destroyed(EnvironmentGuard environment) override {
+    if (const Connection* connection = connections_.find(*environment); connection && context().run.strict)
+      report_leaks(*environment, *connection);
+    connections_.remove(*environment);
+  }
 
  private:
   using F = FunctionKind;
+
+  /// Messages that rules have made or copied. One that has come, and no run has seen, is not theirs to destroy.
+  void report_leaks(Environment& environment, const Connection& connection) {
+    std::set<Handle> unseen;
+    for (const FactCopy& fact : environment.engine().facts())
+      if (fact.template_name == "protobuf-msg") unseen.insert(fact.slot("ptr")->as_handle());
+    std::map<std::string, int> left;
+    for (const auto& [handle, message] : connection.messages.all())
+      if (!unseen.contains(handle)) ++left[message->GetDescriptor()->full_name()];
+    for (const auto& [type, count] : left)
+      context().note_load_error(input_error("strict-cx: leak: " + name() + ": environment " + environment.name() +
+                                            " has not destroyed " + std::to_string(count) + " message(s) of type " +
+                                            type));
+  }
 
   // --- .proto files
 
@@ -315,7 +334,7 @@ class ProtobufPlugin final : public Plugin {
     if (!field) return c.log(LogLevel::kWarn, no_field(call, *message));
     if (field->is_repeated() != list)
       return call.fail(field->full_name() + (list ? " is no list, use pb-set-field" : " is a list, use pb-add-list"));
-    const auto problem = set_field(*message, *field, call.arg(2), c.messages);
+    const auto problem = set_field(*message, *field, call.arg(2), c.messages, context().run.strict);
     if (!problem) return;
     if (problem->only_warn) return c.log(LogLevel::kWarn, problem->text);
     call.fail(field->full_name() + ": " + problem->text);

@@ -20,7 +20,7 @@
   (pb-set-field ?beacon "state" ?state)
   (bind ?position (pb-create "example.Position"))
   (pb-set-field ?position "x" 1.5)
-  (pb-set-field ?position "y" -2)
+  (pb-set-field ?position "y" -2.0)
   (pb-set-field ?beacon "position" ?position)
   (pb-destroy ?position)
   (pb-add-list ?beacon "seen" "C-BS")

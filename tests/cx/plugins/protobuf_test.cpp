@@ -125,6 +125,47 @@ TEST_F(Protobuf, NumbersAreConvertedWhereNothingIsLost) {
   EXPECT_EQ(eval("(pb-field-value ?*m* i32)"), "4");
 }
 
+TEST_F(Protobuf, StrictCxConvertsNoNumber) {
+  lab_.options.strict = true;
+  run_up();
+  message("t.All");
+  for (const char* field : {"d", "f"}) {
+    EXPECT_EQ(set(field, "3.0"), "3.0");
+    EXPECT_THAT(
+        failing("(pb-set-field ?*m* " + std::string(field) + " 4)"),
+        HasSubstr("t.All." + std::string(field) + ": found 4, expected a FLOAT: CX converts no INTEGER (--strict-cx)"));
+    EXPECT_EQ(eval("(pb-field-value ?*m* " + std::string(field) + ')'), "3.0");
+  }
+  for (const char* field : {"i32", "i64", "u32", "u64", "x64", "x32", "sx32", "sx64", "s32", "s64"}) {
+    EXPECT_EQ(set(field, "3"), "3");
+    EXPECT_THAT(failing("(pb-set-field ?*m* " + std::string(field) + " 4.0)"),
+                HasSubstr("found 4.0, expected an INTEGER: CX converts no FLOAT (--strict-cx)"));
+  }
+  EXPECT_THAT(failing("(pb-add-list ?*m* numbers 4.0)"), HasSubstr("expected an INTEGER"));
+  EXPECT_EQ(eval("(pb-field-list ?*m* numbers)"), "()");
+}
+
+TEST_F(Protobuf, StrictCxReportsMessagesThatRulesLeave) {
+  lab_.options.strict = true;
+  run_up();
+  eval("(pb-peer-create-local \"127.0.0.1\" 1 4444)");
+  eval("(pb-peer-create-local \"127.0.0.1\" 4444 1)", "other");
+  message("t.All");
+  eval("(pb-broadcast 1 ?*m*)");
+  eval("(pb-field-value ?*m* part)");
+  eval("(pb-create \"t.Part\")");
+  eval("(pb-destroy (pb-create \"t.Strict\"))");
+  lab_.ticks(1);
+  ASSERT_THAT(lab_.facts("protobuf-msg", "other"), SizeIs(1)) << "no run has seen it: CX would destroy it";
+  ASSERT_TRUE(lab_.manager->unload_plugin("other", "protobuf").ok());
+  ASSERT_TRUE(lab_.manager->unload_plugin("main", "protobuf").ok());
+  std::vector<std::string> found;
+  for (const Error& error : lab_.manager->load_errors()) found.push_back(error.text());
+  EXPECT_THAT(found,
+              ElementsAre("strict-cx: leak: protobuf: environment main has not destroyed 1 message(s) of type t.All",
+                          "strict-cx: leak: protobuf: environment main has not destroyed 2 message(s) of type t.Part"));
+}
+
 TEST_F(Protobuf, WhatIsNotThereIsSaid) {
   run_up();
   message("t.All");
