@@ -139,6 +139,8 @@ class Environment {
 
   /// A line of a plugin or of the manager that concerns this environment.
   void log(LogLevel level, std::string_view logger, std::string_view text);
+  /// A text as if rules printed it.
+  void print(std::string_view logical_name, std::string_view text) { router_.write(logical_name, text); }
   /// Whether lines of rules go to the manager's topic, too. Returns what was so before.
   bool set_topic_logging(bool on) { return std::exchange(options_.topic_logging, on); }
   /// Whether the log file could be written (kResource if not).

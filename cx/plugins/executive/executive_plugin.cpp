@@ -186,31 +186,32 @@ class ExecutivePlugin final : public Plugin {
                                          topic("build")};
     const char* const trigger = "std_srvs/srv/Trigger";
     const char* const command = "cx_msgs/srv/ClipsCommand";
-    auto served = serve(context().bus, context().node,
-                        {{names[0].c_str(), trigger, [this](const auto&, const auto& answer) { pause(true, answer); }},
-                         {names[1].c_str(), trigger, [this](const auto&, const auto& answer) { pause(false, answer); }},
-                         {names[2].c_str(), trigger, [this](const auto&, const auto& answer) { tick_once(answer); }},
-                         {names[3].c_str(), command,
-                          [this](const auto& request, const auto& answer) {
-                            carry_out(request, answer, [](RuleEngine& engine, const std::string& text) -> std::string {
-                              auto value = engine.eval(text);
-                              if (value) return {};
-                              return value.error().code == kSyntaxCode
-                                         ? "Eval failed: syntax error while parsing the expression."
-                                         : "Eval failed: error occurred while executing the parsed expression.";
-                            });
-                          }},
-                         {names[4].c_str(), command, [this](const auto& request, const auto& answer) {
-                            carry_out(request, answer, [](RuleEngine& engine, const std::string& text) -> std::string {
-                              const Status built = engine.build(text);
-                              if (built) return {};
-                              return built.error().code == kSyntaxCode
-                                         ? "Build failed: syntax error while parsing the construct."
-                                     : built.error().code == kUnknownConstructCode
-                                         ? "Build failed: construct name not recognized."
-                                         : "Build failed: construct could not be added to the environment.";
-                            });
-                          }}});
+    auto served =
+        serve(context().bus, context().node,
+              {{names[0].c_str(), trigger, [this](const auto&, const auto& answer) { pause(true, answer); }},
+               {names[1].c_str(), trigger, [this](const auto&, const auto& answer) { pause(false, answer); }},
+               {names[2].c_str(), trigger, [this](const auto&, const auto& answer) { tick_once(answer); }},
+               {names[3].c_str(), command,
+                [this](const auto& request, const auto& answer) {
+                  carry_out(request, answer, [](Environment& environment, const std::string& text) -> std::string {
+                    auto value = environment.engine().eval(text);
+                    if (value) return {};
+                    return value.error().code == kSyntaxCode
+                               ? "Eval failed: syntax error while parsing the expression."
+                               : "Eval failed: error occurred while executing the parsed expression.";
+                  });
+                }},
+               {names[4].c_str(), command, [this](const auto& request, const auto& answer) {
+                  carry_out(request, answer, [](Environment& environment, const std::string& text) -> std::string {
+                    const Status built = environment.engine().build(text);
+                    if (built) return {};
+                    environment.print("stderr", built.error().message + '\n');
+                    return built.error().code == kSyntaxCode ? "Build failed: syntax error while parsing the construct."
+                           : built.error().code == kUnknownConstructCode
+                               ? "Build failed: construct name not recognized."
+                               : "Build failed: construct could not be added to the environment.";
+                  });
+                }}});
     if (!served) return served.error();
     services_ = *std::move(served);
     return {};
@@ -271,7 +272,7 @@ class ExecutivePlugin final : public Plugin {
       Environment& environment = *found->environment;
       count_one(environment);
       const bool logged = environment.set_topic_logging(true);
-      wrong = act(environment.engine(), request.text("command"));
+      wrong = act(environment, request.text("command"));
       environment.set_topic_logging(logged);
       (void)environment.engine().take_errors();  // the answer reports them
     }

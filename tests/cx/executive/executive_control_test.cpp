@@ -105,6 +105,15 @@ TEST_F(ExecutiveControl, BuildAddsConstructs) {
             R"({success: false, message: "Build failed: construct name not recognized."})");
 }
 
+TEST_F(ExecutiveControl, WhatIsWrongWithAConstructIsLoggedAndPublished) {
+  start("");
+  const auto lines = caller.listen("/clips_manager/clips_log", "cx_msgs/msg/Log",
+                                   [&] { command("build", "(defrule more (time ?) => (no-such))", "other"); });
+  EXPECT_THAT(lines, ElementsAre(HasSubstr(R"({env_name: "other", logical_name: "stderr", line: "[EXPRNPSR3] Missing )"
+                                           R"(function declaration for 'no-such')")));
+  EXPECT_EQ(lab.log.with("error other: [EXPRNPSR3]").size(), 1u);
+}
+
 TEST_F(ExecutiveControl, NoEnvironments) {
   lab.config(R"(environments: ["main"]
 main: {plugins: ["executive"]}
