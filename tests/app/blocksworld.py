@@ -174,19 +174,34 @@ REJECTED = """(deffacts wanted
 (defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
 """
 
-# Unit durations and no numbers, as an agent of CX goes through a plan: check, begin with the effects at the start, after the duration
-# those at the end, then the next step.
+# As an agent of CX goes through a plan: check, begin with the effects at the start, after the duration those at the end, then the next
+# step. In the one domain a step has effects at both; the other is a blocksworld in which to stack takes two seconds.
 STEPS_DOMAIN = """(define (domain steps) (:requirements :durative-actions :typing)
   (:types thing) (:predicates (free ?x - thing) (held ?x - thing) (moved ?x - thing))
   (:durative-action move :parameters (?x - thing) :duration (= ?duration 1)
     :condition (at start (free ?x)) :effect (and (at start (not (free ?x))) (at start (held ?x)) (at end (not (held ?x))) (at end (free ?x)) (at end (moved ?x)))))
+"""
+SLOW_STACK_DOMAIN = """(define (domain steps) (:requirements :durative-actions :typing)
+  (:types thing) (:predicates (on ?x ?y - thing) (ontable ?x - thing) (clear ?x - thing) (handempty) (holding ?x - thing))
+  (:durative-action pick-up :parameters (?x - thing) :duration (= ?duration 1)
+    :condition (and (at start (clear ?x)) (at start (ontable ?x)) (at start (handempty)))
+    :effect (and (at end (not (ontable ?x))) (at end (not (clear ?x))) (at end (not (handempty))) (at end (holding ?x))))
+  (:durative-action put-down :parameters (?x - thing) :duration (= ?duration 1)
+    :condition (at start (holding ?x))
+    :effect (and (at end (not (holding ?x))) (at end (clear ?x)) (at end (handempty)) (at end (ontable ?x))))
+  (:durative-action stack :parameters (?x ?y - thing) :duration (= ?duration 2)
+    :condition (and (at start (holding ?x)) (at start (clear ?y)))
+    :effect (and (at end (not (holding ?x))) (at end (not (clear ?y))) (at end (clear ?x)) (at end (handempty)) (at end (on ?x ?y))))
+  (:durative-action unstack :parameters (?x ?y - thing) :duration (= ?duration 1)
+    :condition (and (at start (on ?x ?y)) (at start (clear ?x)) (at start (handempty)))
+    :effect (and (at end (holding ?x)) (at end (clear ?y)) (at end (not (clear ?x))) (at end (not (handempty))) (at end (not (on ?x ?y))))))
 """
 STEPS = """(deffacts wanted
   (pddl-manager)
   (pddl-instance (name steps) (domain "domain.pddl") (problem "problem.pddl") (directory "FOLDER"))
   (next 0))
 (defrule aim (pddl-instance (state LOADED)) (not (aimed)) => (assert (aimed))
-  (progn$ (?x (create$ a b c d e f)) (assert (pddl-goal-fluent (instance steps) (goal base) (name moved) (params ?x))))
+  (assert GOALS)
   (assert (pddl-set-goals (instance steps) (goal base)) (pddl-plan (instance steps) (id p) (goal base))))
 (defrule check (pddl-action (id ?id)) (next ?id) (not (began ?id ?)) (not (pddl-action-condition)) (time ?t) =>
   (if (eq ?id 0) then (assert (zero ?t)))
@@ -195,7 +210,7 @@ STEPS = """(deffacts wanted
   (retract ?check)
   (assert (began ?id ?t) (pddl-action-get-effect (action ?id) (effect-type START) (apply TRUE)))
   (println "step begins " (format nil "%.1f" (- ?t ?zero))))
-(defrule end ?began <- (began ?id ?since) (time ?t&:(>= ?t (+ ?since 1))) ?start <- (pddl-action-get-effect (action ?id) (effect-type START)) =>
+(defrule end ?began <- (began ?id ?since) (pddl-action (id ?id) (planned-duration ?lasts)) (time ?t&:(>= ?t (+ ?since ?lasts))) ?start <- (pddl-action-get-effect (action ?id) (effect-type START)) =>
   (retract ?start)
   (assert (pddl-action-get-effect (action ?id) (effect-type END) (apply TRUE))))
 (defrule next ?end <- (pddl-action-get-effect (effect-type END) (state DONE)) (not (pddl-fluent-change)) ?next <- (next ?id) =>
@@ -405,14 +420,20 @@ class Blocksworld(unittest.TestCase):
         log = self.facts_of(PLANS, seconds=10, config=CONFIG.replace("clips/cx_pddl_clips/", "clips/"))
         self.assertRegex(log, r"\(id p2\) .*\(state SUCCESS\)\)")
 
-    def test_a_step_of_a_second_takes_one_and_four_tenths(self):
-        folder = Path(self.folder.name) / "steps"
-        folder.mkdir()
-        (folder / "domain.pddl").write_text(STEPS_DOMAIN)
-        (folder / "problem.pddl").write_text("(define (problem p) (:domain steps) (:objects a b c d e f - thing)\n"
-                                             "  (:init (free a) (free b) (free c) (free d) (free e) (free f)) (:goal (moved a)))")
-        log = self.facts_of(STEPS.replace("FOLDER", str(folder)), "--with", "pddl_manager", seconds=12)
-        self.assertEqual(re.findall(r"step begins (.*)", log), ["0.1", "1.5", "2.9", "4.3", "5.7", "7.1"], log)
+    def test_a_step_takes_four_tenths_of_a_second_more_than_its_duration(self):
+        tower = "(on b a) (on c b) (ontable a) (clear c) (handempty)"
+        for domain, objects, init, goals, begins in [
+            (STEPS_DOMAIN, "a b c d e f", [f"(free {x})" for x in "abcdef"], [f"moved) (params {x}" for x in "abcdef"],
+             ["0.1", "1.5", "2.9", "4.3", "5.7", "7.1"]),
+            (SLOW_STACK_DOMAIN, "a b c", [tower], ["on) (params a b", "on) (params b c"], ["0.1", "1.5", "2.9", "4.3", "6.7", "8.1"]),
+        ]:
+            folder = Path(tempfile.mkdtemp(dir=self.folder.name))
+            (folder / "domain.pddl").write_text(domain)
+            (folder / "problem.pddl").write_text(f"(define (problem p) (:domain steps) (:objects {objects} - thing)\n"
+                                                 f"  (:init {' '.join(init)}) (:goal (and)))")
+            wanted = " ".join(f"(pddl-goal-fluent (instance steps) (goal base) (name {goal}))" for goal in goals)
+            log = self.facts_of(STEPS.replace("FOLDER", str(folder)).replace("GOALS", wanted), "--with", "pddl_manager", seconds=12)
+            self.assertEqual(re.findall(r"step begins (.*)", log), begins, log)
 
     def test_a_plan_that_somebody_else_cancels_has_failed(self):
         canceled = PLANS.replace("(defrule cancel ", "(defrule never (nothing) ").replace("(defrule more ", "(defrule none (nothing) ")
