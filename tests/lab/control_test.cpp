@@ -23,10 +23,11 @@ TEST(ControlAddressTest, IsAPathOrAPortOfThisMachine) {
   EXPECT_EQ(ControlAddress::parse("/tmp/a.sock")->path, "/tmp/a.sock");
   EXPECT_EQ(ControlAddress::parse("127.0.0.1:80")->port, 80);
   EXPECT_EQ(ControlAddress::parse("localhost:65535")->text(), "127.0.0.1:65535");
-  EXPECT_EQ(ControlAddress::parse("0.0.0.0:80")->path, "0.0.0.0:80");
+  EXPECT_EQ(ControlAddress::parse("./0.0.0.0:80")->path, "./0.0.0.0:80");
+  EXPECT_EQ(ControlAddress::parse("run:2x")->path, "run:2x");
   EXPECT_EQ(ControlAddress::parse(std::string(107, 'x'))->path.size(), 107u);
   const std::vector<std::string> all_wrong{"127.0.0.1:", "127.0.0.1:65536", "localhost:-1", "localhost:x",
-                                           std::string(108, 'x')};
+                                           "0.0.0.0:80", "robot:80",        "[::1]:80",     std::string(108, 'x')};
   for (const std::string& wrong : all_wrong) EXPECT_FALSE(ControlAddress::parse(wrong)) << wrong;
 }
 
