@@ -24,7 +24,12 @@ std::vector<cx::Environment*> environments_of(Episode& episode) {
 class Witness final : public JournalListener {
  public:
   Witness(Episode& episode, const std::string& rule)
-      : episode_(episode), rule_(without_module(rule)), histories_({.past_facts = false, .rule = rule_}) {}
+      : episode_(episode), rule_(without_module(rule)), histories_({.past_facts = false, .rule = rule_}) {
+    episode_.journal().set_listener(this);
+  }
+  ~Witness() override { episode_.journal().set_listener(nullptr); }
+  Witness(const Witness&) = delete;
+  Witness& operator=(const Witness&) = delete;
 
   bool wants(std::string_view stream, RecordKind kind) const override { return histories_.wants(stream, kind); }
   void heard(const JournalRecord& record) override {
@@ -112,7 +117,6 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
     end = std::min(end, episode.replay_end());
   }
   Witness witness(episode, question.rule);
-  episode.journal().set_listener(&witness);
   Status played = episode.start();
   while (played && !episode.over() && !host.stopped() && episode.next_tick() <= end) {
     played = episode.tick();
@@ -141,7 +145,6 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
       answer.environments.push_back({environment->name(), *std::move(found)});
     }
   }
-  episode.journal().set_listener(nullptr);
   if (answer.environments.empty()) return refused ? *refused : unknown_rule(run, episode, question.rule);
   return answer;
 }
