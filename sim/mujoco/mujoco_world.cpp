@@ -96,7 +96,9 @@ void MujocoWorld::update_pieces() {
   for (Piece& piece : pieces_) {
     piece.position_in_world = underside_of(body_of(piece.id));
     update_holder(piece);
-    if (const auto robot = contacts_.of_piece(body_of(piece.id)).holder()) held_[index_of(*robot)] = piece.id;
+    const auto robot = contacts_.of_piece(body_of(piece.id)).holder();
+    if (robot) held_[index_of(*robot)] = piece.id;
+    carry(piece, robot.has_value());
     if (slid_in(piece)) slid.push_back(piece.id);
   }
   for (const PieceId id : slid) {
@@ -123,6 +125,16 @@ void MujocoWorld::update_holder(Piece& piece) {
   if (++body.seen_ticks < kHolderTicks) return;
   body.seen_ticks = 0;
   pass(piece, place.holder, place.index);
+}
+
+/// A grip carries the weight of what is in it. The friction of MuJoCo acts on velocities alone: a held piece would
+/// creep down, and fall after some minutes.
+void MujocoWorld::carry(const Piece& piece, bool gripped) {
+  Body& body = bodies_[body_of(piece.id)];
+  const bool on = gripped && piece.holder == Holder::kGripper;
+  if (on == body.carried) return;
+  body.carried = on;
+  gate_.carry(body_of(piece.id), on);
 }
 
 /// Where its contacts say that it is. One that is gripped and still stands on something stays where it was.

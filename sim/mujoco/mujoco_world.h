@@ -69,8 +69,9 @@ class MujocoWorld final : public World, public RobotBodies {
     bool in_play = false;
     Place seen;  ///< where contacts put it for the last `seen_ticks`, where that differs from its Piece
     int seen_ticks = 0;
-    int belt = -1;      ///< station whose running belt it is on
-    double belt_x = 0;  ///< along that belt, before the last step
+    int belt = -1;         ///< station whose running belt it is on
+    double belt_x = 0;     ///< along that belt, before the last step
+    bool carried = false;  ///< a grip carries its weight
   };
 
   MujocoWorld(FloorPlan plan, FactoryModel factory, PhysicsLog* log);
@@ -78,6 +79,7 @@ class MujocoWorld final : public World, public RobotBodies {
   void stop_arrived_belts();
   void update_pieces();
   void update_holder(Piece& piece);
+  void carry(const Piece& piece, bool gripped);
   Place place_of(const Piece& piece) const;
   bool slid_in(const Piece& piece) const;
   void take_out(PieceId id);

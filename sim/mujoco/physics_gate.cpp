@@ -10,6 +10,9 @@ namespace {
 constexpr int kBaseContype = 4, kPartContype = 16, kPieceConaffinity = 101;
 /// Parked pieces wait here, one beside the other, without weight and without collisions.
 const Vec3 kParking(0, -100, -10), kParkingPitch(0.1, 0, 0);
+/// Share of a held piece's weight that its grip carries. The rest makes a piece that is let go begin to fall: without
+/// any weight it would go to sleep in the air.
+constexpr double kCarried = 0.99;
 constexpr std::int64_t kStepsPerHash = 2;
 
 }  // namespace
@@ -88,6 +91,7 @@ void PhysicsGate::write(const PhysicsWrite& write) {
       lights_[index_of(write.index)] = {static_cast<Light>(v[0]), static_cast<Light>(v[1]), static_cast<Light>(v[2])};
       return;
     case WriteKind::kSetDown: move_base(factory_.robots[index_of(write.index)], {v[0], v[1], v[2]}); return;
+    case WriteKind::kCarry: m->body_gravcomp[factory_.pieces[index_of(write.index)].body] = v[0] * kCarried; return;
   }
 }
 
@@ -116,6 +120,10 @@ void PhysicsGate::place(std::size_t body, const Vec3& underside) {
 void PhysicsGate::park(std::size_t body) { write({steps_, WriteKind::kPark, static_cast<int>(body), {}}); }
 
 void PhysicsGate::wake(std::size_t body) { write({steps_, WriteKind::kWake, static_cast<int>(body), {}}); }
+
+void PhysicsGate::carry(std::size_t body, bool on) {
+  write({steps_, WriteKind::kCarry, static_cast<int>(body), {on ? 1.0 : 0.0}});
+}
 
 void PhysicsGate::lights(StationId station, const Lights& lights) {
   write({steps_,

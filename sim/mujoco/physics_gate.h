@@ -39,6 +39,7 @@ class PhysicsGate {
   void place(std::size_t body, const Vec3& underside_in_world);
   void park(std::size_t body);
   void wake(std::size_t body);
+  void carry(std::size_t body, bool on);
   void lights(StationId station, const Lights& lights);
   void set_down(RobotId robot, const Pose2& to);
 

@@ -20,10 +20,11 @@ constexpr Layout layout_of(WriteKind kind) {
     case WriteKind::kWake: return {0, true};
     case WriteKind::kLights: return {3, true};
     case WriteKind::kSetDown: return {3, false};
+    case WriteKind::kCarry: return {1, true};
   }
   return {0, true};
 }
-constexpr WriteKind kLastKind = WriteKind::kSetDown;
+constexpr WriteKind kLastKind = WriteKind::kCarry;
 
 }  // namespace
 

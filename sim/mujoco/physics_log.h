@@ -22,6 +22,7 @@ enum class WriteKind : std::uint8_t {
   kWake,       ///< body of the pool: its surroundings changed while it slept
   kLights,     ///< station: red, yellow, green; only pictures show it
   kSetDown,    ///< robot: x, y, yaw of its base, which stands there
+  kCarry,      ///< body of the pool: 1 when a grip carries its weight, else 0
 };
 
 /// Controls are whole multiples of this (m/s, rad/s, m): a motor's command has a resolution, and the log stays small.

@@ -110,6 +110,29 @@ TEST_P(Grasp, PieceGoesDownTheSlideAndCounts) {
   EXPECT_EQ(rig_->life(piece), "belt gripper slide");
 }
 
+TEST_P(Grasp, PieceIsHeldForAsLongAsItTakes) {
+  const PieceId piece = dispense("C-RS1", 0.155, kBase);
+  rig_->drive_to(kR1, {6, 4, 0});
+  rig_->pick(kR1, spot("C-RS1-INPUT"));
+  const double height = world_->find(piece)->position_in_world.z();
+  rig_->wait(600);
+  ASSERT_EQ(world_->robot(kR1).held, piece);
+  EXPECT_NEAR(world_->find(piece)->position_in_world.z(), height, 0.0005);
+  rig_->put(kR1, spot("C-CS1-INPUT"));
+  EXPECT_EQ(id_at("C-CS1-INPUT"), piece);
+  EXPECT_EQ(rig_->life(piece), "belt gripper belt");
+}
+
+TEST_P(Grasp, PieceFallsWhenTheFingersOpen) {
+  const PieceId piece = dispense("C-RS1", 0.155, kBase);
+  rig_->drive_to(kR1, {6, 4, 0});
+  rig_->pick(kR1, spot("C-RS1-INPUT"));
+  rig_->drive_to(kR1, {6, 4, 0});
+  world_->command_fingers(kR1, 0.035);
+  rig_->wait(0.8);
+  EXPECT_LT(world_->find(piece)->position_in_world.z(), 0.05);
+}
+
 INSTANTIATE_TEST_SUITE_P(Step, Grasp, testing::Values(0.005, 0.01),
                          [](const auto& test) { return std::to_string(static_cast<int>(test.param * 1000)) + "ms"; });
 

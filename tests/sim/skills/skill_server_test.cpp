@@ -560,7 +560,7 @@ TEST_P(Skills, EachPhaseLastsItsTime) {
                                       {"align", 0.02},
                                       {"look", 8.00},
                                       {"approach", 2.14},
-                                      {"lower", 0.62},
+                                      {"lower", 0.70},
                                       {"release", 0.42},
                                       {"back_off", 1.74},
                                       {"check", 2.00}});
