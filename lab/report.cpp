@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "cx/base/file.h"
 #include "cx/base/json_text.h"
@@ -68,12 +70,13 @@ void note_duty(Open& away, const RecordValue& data, double t, Json& out) {
   }
 }
 
-/// Adds what the journal says: skills, pieces in grippers, points, robots off the field, faults.
+/// Adds what the journal says: skills, pieces in grippers, points, robots off the field, faults, pauses.
 Status read_story(const std::filesystem::path& journal, double last, Json& report) {
   const auto records = read_journal(journal, {RecordKind::kSkill, RecordKind::kReferee, RecordKind::kControl});
   if (!records) return records.error();
   Json skills = Json::array(), holds = Json::array(), scores = Json::array();
-  Json off_field = Json::array(), faults = Json::array();
+  Json off_field = Json::array(), faults = Json::array(), pauses = Json::array();
+  std::optional<double> paused;
   Open working, holding, away;
   for (const JournalRecord& record : *records) {
     const std::string_view event = record.data.text("event");
@@ -94,6 +97,11 @@ Status read_story(const std::filesystem::path& journal, double last, Json& repor
         end(working, robot, t, record.data.integer("code") == 0 ? "succeeded" : "failed", skills);
     } else if (event == "maintenance") {
       note_duty(away, record.data, t, off_field);
+    } else if (event == "state") {
+      if (record.data.text("state") == "PAUSED")
+        paused = t;
+      else if (paused)
+        pauses.push_back({{"begin", *std::exchange(paused, std::nullopt)}, {"end", t}});
     } else if (event == "score") {
       scores.push_back({{"team", record.data.text("team")},
                         {"kind", record.data.text("kind")},
@@ -108,11 +116,13 @@ Status read_story(const std::filesystem::path& journal, double last, Json& repor
   while (!working.empty()) end(working, std::string(working.begin()->first), last, "running", skills);
   while (!holding.empty()) end(holding, std::string(holding.begin()->first), last, nullptr, holds);
   while (!away.empty()) end(away, std::string(away.begin()->first), last, nullptr, off_field);
+  if (paused) pauses.push_back({{"begin", *paused}, {"end", last}});
   report["skills"] = std::move(skills);
   report["holds"] = std::move(holds);
   report["scores"] = std::move(scores);
   report["off_field"] = std::move(off_field);
   report["faults"] = std::move(faults);
+  report["pauses"] = std::move(pauses);
   return {};
 }
 

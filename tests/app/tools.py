@@ -413,6 +413,16 @@ clips_manager:
         self.assertIn("0:50 to 1:10 (fault)", page)
         self.assertIn("<tr><td>1:00<td>machine_breaks<td>C-CS1</tr>", page)
 
+    def test_the_page_shows_pauses(self):
+        run = self.folder / "paused"
+        self.cxlab("run", SOURCE / "scenarios/rcll/game.yaml", "--tier", "timed", "--until", 100, "--quiet", "--out", run, "--set",
+                   "world.pauses=[{at: 20, for: 10}, {at: 60, for: 50}]")
+        data = json.loads((run / "report.json").read_text())
+        self.assertEqual(data["pauses"], [{"begin": 20.0, "end": 30.0}, {"begin": 70.0, "end": 100.0}])
+        page = (run / "index.html").read_text()
+        self.assertEqual(page.count('<rect class="pause"'), 4, "two, in the points and in what robots did")
+        self.assertEqual(page.count("paused, 70 to 100 s"), 2)
+
     # --- runs that were killed
 
     def killed(self, *arguments, log_bytes):

@@ -46,6 +46,7 @@ json empty_run() {
           {"holds", json::array()},
           {"off_field", json::array()},
           {"faults", json::array()},
+          {"pauses", json::array()},
           {"film", ""},
           {"scores", json::array()},
           {"files", {"result.json"}},
@@ -103,6 +104,19 @@ TEST(RunPage, PointsBelowZeroStayInsideOfThePicture) {
 TEST(RunPage, LateDeliveryDrawsNoSpike) {
   EXPECT_EQ(found(page("run.html", scores({{50, 30}, {50, -20}})), "(M90 [^\"]*)"),
             (Texts{"M90 180.0H540.0V10.0H990"}));
+}
+
+TEST(RunPage, PausesAreGreyAndTakeNothingFromTheSharesOfRobots) {
+  json run = skills(
+      {{{"robot", "r1"}, {"skill", "pick"}, {"target", "a"}, {"begin", 0}, {"end", 30}, {"state", "succeeded"}}});
+  run["result"]["robots"][0]["busy_s"] = 30;
+  run["result"]["robots"][0]["drive_s"] = 15;
+  run["pauses"] = {{{"begin", 40}, {"end", 60}}, {{"begin", 80}, {"end", 100}}};
+  const std::string text = page("run.html", run);
+  EXPECT_EQ(found(text, "<rect class=\"pause\" x=\"([0-9.]+)\" y=\"0\" width=\"180.0\""), (Texts{"450.0", "810.0"}));
+  EXPECT_EQ(found(text, "<title>paused, ([^<]*)"), (Texts{"40 to 60 s", "80 to 100 s"}));
+  EXPECT_EQ(found(text, "<td>([0-9]+ %)"), (Texts{"50 %", "25 %"}));
+  EXPECT_EQ(found(text, "<span class=\"pause\">([^<]*)"), (Texts{"the game is paused"}));
 }
 
 TEST(RunPage, ShortFailureIsSeenAndLiesOnTop) {
