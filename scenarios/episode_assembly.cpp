@@ -195,6 +195,8 @@ Status Episode::build_agents() {
     if (!folder) return folder.error();
     rules_folder_ = *std::move(folder);
   }
+  const fs::path run = rules_folder_ ? rules_folder_->path() : fs::absolute(options_.run_folder).lexically_normal();
+  journal_.name_folder(run.string(), "run");
   for (const Shares& shares : shares_)
     for (const auto& [package, folder] : shares) journal_.name_folder(folder, "package://" + package);
   const auto streams = std::make_shared<std::set<std::string>>();

@@ -234,13 +234,21 @@ Expected<FoundFile> Files::find_where_rules_read(const std::string& path) const 
 std::string Files::journal_name(const std::string& path) const {
   const fs::path normal = fs::path(path).lexically_normal();
   if (!normal.is_absolute()) return path;
-  fs::path relative;
-  for (const auto& [name, package] : options_.packages)
-    if (below(normal, package.folder, relative) || below(normal, package.share, relative))
-      return name + '/' + relative.generic_string();
-  if (!options_.run_folder.empty() && below(normal, options_.run_folder, relative))
-    return "run/" + relative.generic_string();
-  return normal.filename().string();
+  // Folders may lie in each other: the file is of the innermost one, as it is in a replay.
+  std::string found = normal.filename().string();
+  std::size_t longest = 0;
+  const auto look_in = [&](const fs::path& folder, const std::string& name) {
+    fs::path relative;
+    if (folder.native().size() <= longest || !below(normal, folder, relative)) return;
+    found = name + '/' + relative.generic_string();
+    longest = folder.native().size();
+  };
+  for (const auto& [name, package] : options_.packages) {
+    look_in(package.folder, name);
+    look_in(package.share, name);
+  }
+  look_in(options_.run_folder, "run");
+  return found;
 }
 
 Expected<std::string> Files::for_reading(const std::string& path) {

@@ -157,6 +157,18 @@ class Output(Lab):
         hashes = {json.loads(self.run_it("--json", "--out", out, out=False).stdout)["journal_hash"] for out in ("none", "out")}
         self.assertEqual(len(hashes), 1)
 
+    def test_an_error_with_the_path_of_the_run_is_the_same_everywhere(self):
+        self.agent('(defrule nameless => (save-facts ""))')
+        hashes = set()
+        for out in ("none", "out", "rules/inside"):
+            done = cxlab("env", "agent.yaml", "--package", "rules=rules", "--until", 1, "--json", "--out", out, cwd=self.folder)
+            self.assertIn("was unable to open file", done.stderr)
+            hashes.add(json.loads(done.stdout)["journal_hash"])
+            if out != "none":
+                again = cxlab("replay", out, cwd=self.folder)
+                self.assertEqual(again.returncode, 0, again.stdout)
+        self.assertEqual(len(hashes), 1)
+
     def test_set_takes_one_value(self):
         self.agent("")
         done = cxlab("run", "--out", "none", "--set", "seed=3", "scenario.yaml", "--set", "duration_s=1", "--json", "--quiet",

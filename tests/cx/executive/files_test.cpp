@@ -79,6 +79,17 @@ TEST_F(FilesTest, PathsHaveTheirNamesInTheJournal) {
     EXPECT_EQ(files.journal_name(path), name) << path;
 }
 
+TEST_F(FilesTest, AFileInFoldersThatLieInEachOtherIsOfTheInnermost) {
+  Files::Options options;
+  options.packages = {{"a_whole_tree", {lab_.folder, {}}}, {"rules", {lab_.folder / "agent/rules", {}}}};
+  options.run_folder = lab_.folder / "agent/rules/run";
+  const Files files(std::move(options));
+  const std::string folder = lab_.folder.string();
+  EXPECT_EQ(files.journal_name(folder + "/agent/a.clp"), "a_whole_tree/agent/a.clp");
+  EXPECT_EQ(files.journal_name(folder + "/agent/rules/a.clp"), "rules/a.clp");
+  EXPECT_EQ(files.journal_name(folder + "/agent/rules/run/a.log"), "run/a.log");
+}
+
 TEST_F(FilesTest, WhatIsNoFileCannotBeRead) {
   lab_.write("agent/a.clp", "(a)");
   const Files files = make();
