@@ -97,13 +97,14 @@ Piece& WorldView::piece(PieceId id) {
 
 Piece& WorldView::add_piece(const Stack& stack, StationId from, const Vec3& position, Holder to, int to_index) {
   Piece& piece =
-      pieces_.emplace_back(Piece{PieceId{++last_id_}, stack, Holder::kDispenser, static_cast<int>(from), position});
+      pieces_.emplace_back(Piece{PieceId{++last_id_}, stack, Holder::kDispenser, static_cast<int>(from), position, {}});
   pass(piece, to, to_index);
   return piece;
 }
 
 void WorldView::pass(Piece& piece, Holder to, int to_index) {
   changes_.push_back({piece.id, piece.holder, to, piece.holder_index, to_index, piece.position_in_world, floor_time()});
+  if (piece.holder == Holder::kGripper) piece.held_by = RobotId{piece.holder_index};
   piece.holder = to;
   piece.holder_index = to_index;
 }

@@ -95,6 +95,7 @@ struct Piece {
   Holder holder{};
   int holder_index = -1;                  ///< robot, station or spot (slot, slide) by kind of holder
   Vec3 position_in_world = Vec3::Zero();  ///< of the underside's centre
+  std::optional<RobotId> held_by;         ///< the last robot that held it and holds it no more
   template <class Id>
   bool is_with(Holder kind, Id which) const {
     return holder == kind && holder_index == static_cast<int>(which);
@@ -148,15 +149,16 @@ class WorldView {
   virtual const Piece* at(SpotId spot) const = 0;
   /// The piece on the station's belt nearest to `x` (station frame), within 10 mm, not held; nullptr if none.
   virtual const Piece* on_belt(StationId id, double x) const = 0;
-  /// Payments: pieces that went past the mouth of this station's slide since the start; each is then out of play.
-  int slide_count(StationId id) const { return slide_counts_[index_of(id)]; }
+  /// Payments: pieces that went past the mouth of this station's slide since the start, each of which is then out of
+  /// play, by the robots that put them there.
+  std::span<const std::optional<RobotId>> slid(StationId id) const { return slid_[index_of(id)]; }
   /// Holder changes by verbs called since the `advance` before the last one, then those within the last `advance`. A
   /// reader that looks once after each `advance` sees every change once, in order of time.
   std::span<const HolderChange> changes() const { return {changes_.data(), visible_changes_}; }
 
  protected:
   explicit WorldView(FloorPlan plan)
-      : plan_(std::move(plan)), slide_counts_(plan_.stations.size()), off_field_(plan_.robots.size()) {}
+      : plan_(std::move(plan)), slid_(plan_.stations.size()), off_field_(plan_.robots.size()) {}
 
   Piece& piece(PieceId id);  ///< which is in play
   /// A new piece that comes out of the station's dispenser to a holder. The reference holds until the next `add_piece`
@@ -173,8 +175,8 @@ class WorldView {
   SimTime now_{};
   FloorClock clock_;
   std::vector<Piece> pieces_;
-  std::vector<int> slide_counts_;  ///< by station
-  std::vector<bool> off_field_;    ///< by robot
+  std::vector<std::vector<std::optional<RobotId>>> slid_;  ///< by station
+  std::vector<bool> off_field_;                            ///< by robot
 
  private:
   std::int32_t last_id_ = 0;

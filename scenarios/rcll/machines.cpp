@@ -145,10 +145,15 @@ Machine::Refusal RingStation::check(const Instruction& instruction) const {
 int RingStation::price() const { return context_.schedule->price(*named<RingColor>(instruction().ring_color)); }
 
 void RingStation::observe(SimTime now, sim::World& world) {
-  const int count = world.slide_count(id());
+  const auto slid = world.slid(id());
+  const int count = static_cast<int>(slid.size());
   if (seen_ < 0) seen_ = count;  // what was paid before production counts for nothing
+  // A base of the other team is taken away by the rulebook.
+  const auto is_foreign = [&](std::optional<sim::RobotId> robot) {
+    return context_.rules.by_hand && robot && team_of(world.plan().robot(*robot)) != team();
+  };
   for (; seen_ < count; ++seen_) {
-    if (broken()) continue;
+    if (broken() || is_foreign(slid[static_cast<std::size_t>(seen_)])) continue;
     if (payments_ == kMaxPayments) {
       break_down(now, world, InstructError::kBroken, "a fourth unused payment on its slide");
     } else {

@@ -64,7 +64,7 @@ class RingStation final : public Machine {
   int price() const;  ///< of the instruction's ring
 
   int payments_ = 0;  ///< not used yet
-  int seen_ = -1;     ///< of the slide's count; -1 before production
+  int seen_ = -1;     ///< of those that have slid in; -1 before production
 };
 
 /// Takes products through gate 1, 2 or 3 once the order's window is open; order 0 is discarded at once. The product is

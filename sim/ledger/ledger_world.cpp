@@ -248,7 +248,7 @@ Status LedgerWorld::release(RobotId robot, SpotId to) {
     case SpotKind::kShelf: put(put_down, Holder::kSlot, static_cast<int>(to), spot.rest_in_world); break;
     case SpotKind::kSlide:
       put(put_down, Holder::kSlide, static_cast<int>(to), spot.rest_in_world);
-      ++slide_counts_[index_of(spot.station)];
+      slid_[index_of(spot.station)].push_back(robot);
       remove(put_down.id);
       break;
   }

@@ -104,11 +104,11 @@ void MujocoWorld::update_pieces() {
   for (const PieceId id : slid) {
     Piece& paid = piece(id);
     const auto station = static_cast<StationId>(contacts_.of_piece(body_of(id)).station);
-    ++slide_counts_[index_of(station)];
     if (paid.holder != Holder::kSlide) {
       const SpotId spot = nearest_spot(station, SpotKind::kSlide, paid.position_in_world);
       pass(paid, Holder::kSlide, static_cast<int>(spot));
     }
+    slid_[index_of(station)].push_back(paid.held_by);
     take_out(id);
   }
 }

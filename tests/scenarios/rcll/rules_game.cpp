@@ -49,6 +49,22 @@ std::span<const Row> game_rows() {
         points penalty -20
         belt M-CS1 nothing)",
        kBook},
+      {"by hand: a base on the other team's slide is no payment, and no fourth one",
+       R"(hold BASE_RED
+        put M-RS1-SLIDE
+        wait 0.04
+        points penalty -20
+        rival points
+        hold BASE_RED
+        put M-RS1-SLIDE
+        hold BASE_RED
+        put M-RS1-SLIDE
+        hold BASE_RED
+        put M-RS1-SLIDE
+        wait 0.04
+        M-RS1 is IDLE
+        loaded M-RS1 0)",
+       kBook},
       {"by hand: the referee box lets a workpiece lie on the other team's machine",
        R"(hold BASE_RED
         put M-CS1-INPUT

@@ -1,5 +1,6 @@
 #include "sim/ledger/ledger_world.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace cxlab::sim {
@@ -122,7 +123,7 @@ TEST_F(Ledger, APaymentIsCountedAndLeavesPlay) {
   const auto piece = world.dispense(kBase, -0.155, kRed);
   ASSERT_TRUE(world.grasp(kRobot2, spot("C-BS-OUTPUT")));
   ASSERT_TRUE(world.release(kRobot2, spot("C-RS1-SLIDE")));
-  EXPECT_EQ(world.slide_count(kRing), 1);
+  EXPECT_THAT(world.slid(kRing), testing::ElementsAre(kRobot2));
   EXPECT_EQ(world.find(*piece), nullptr);
 }
 

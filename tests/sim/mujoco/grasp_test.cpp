@@ -1,5 +1,6 @@
 // A piece is taken, carried and put down by contact alone.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "test_floor.h"
@@ -103,9 +104,9 @@ TEST_P(Grasp, PieceGoesDownTheSlideAndCounts) {
   rig_->drive_to(kR1, {6, 4, 0});
   rig_->pick(kR1, spot("C-RS1-INPUT"));
   ASSERT_EQ(world_->robot(kR1).held, piece);
-  EXPECT_EQ(world_->slide_count(station("C-RS1")), 0);
+  EXPECT_TRUE(world_->slid(station("C-RS1")).empty());
   rig_->put(kR1, spot("C-RS1-SLIDE"));
-  EXPECT_EQ(world_->slide_count(station("C-RS1")), 1);
+  EXPECT_THAT(world_->slid(station("C-RS1")), testing::ElementsAre(kR1));
   EXPECT_EQ(world_->find(piece), nullptr);
   EXPECT_EQ(rig_->life(piece), "belt gripper slide");
 }

@@ -212,7 +212,7 @@ TEST_P(Skills, ShelfAndSlideAreServedToo) {
   const Heard& pay = done("robot1", SkillKind::kPlace, "C-RS1-SLIDE");
   ASSERT_EQ(pay.status, bus::GoalStatus::kSucceeded) << pay.error;
   wait(3);
-  EXPECT_EQ(world->slide_count(*world->plan().find_station("C-RS1")), 1);
+  EXPECT_EQ(world->slid(*world->plan().find_station("C-RS1")).size(), 1u);
 }
 
 TEST_P(Skills, WhatCannotBeDoneEndsWithItsCode) {
