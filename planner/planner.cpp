@@ -19,12 +19,14 @@ namespace {
 
 constexpr std::int64_t kFirstTurn = 20'000;  ///< units, at least; the turns of each round are half as long again
 constexpr std::int64_t kLongestTurn = 1'000'000'000'000;
-constexpr std::int64_t kTurnOfOperator = 20;   ///< units of the first turn by operator
-constexpr std::int64_t kShareOfUnlikely = 4;   ///< of a turn, for overlaps where nothing hints at them
-constexpr std::int64_t kSearchTurn = 400'000;  ///< units of a search that is to give another plan to improve
-constexpr std::int64_t kIdle = 2000;           ///< moves without a better plan that end the first improvements
-constexpr std::uint64_t kKindsOfRounds = 4;    ///< of improvement
-constexpr std::size_t kMostMissing = 5;        ///< numbers that an answer names
+constexpr std::int64_t kTurnOfOperator = 20;    ///< units of the first turn by operator
+constexpr std::int64_t kShareOfUnlikely = 4;    ///< of a turn, for overlaps where nothing hints at them
+constexpr std::int64_t kSearchTurn = 400'000;   ///< units of a search that is to give another plan to improve
+constexpr std::int64_t kShareBeforeRepair = 8;  ///< of the first turn, where a plan may come too late for events
+constexpr std::int64_t kShareOfWarmStart = 8;   ///< of the budget, for each half of a warm start
+constexpr std::int64_t kIdle = 2000;            ///< moves without a better plan that end the first improvements
+constexpr std::uint64_t kKindsOfRounds = 4;     ///< of improvement
+constexpr std::size_t kMostMissing = 5;         ///< numbers that an answer names
 
 /// Strategies in turns, until a plan is found and proved best or the budget ends.
 class Portfolio {
@@ -61,8 +63,9 @@ void Portfolio::find_first() {
     }
     const Turn turn{round, units};
     context_.begin_round(round);
-    if (sequences_.run(turn)) return;
-    if (context_.has_events() && repair_late(context_, sequences_, turn)) return;
+    const bool repairs = context_.has_events();
+    if (sequences_.run({round, repairs && round == 0 ? units / kShareBeforeRepair : units})) return;
+    if (repairs && repair_late(context_, sequences_, turn)) return;
     if (envelopes_.run(turn)) return;
     if (clock_.run(turn)) return;
     if (sequences_.exhausted() && prove_in(turn)) return;
@@ -162,12 +165,13 @@ void Portfolio::improve_metric() {
 
 Conclusion Portfolio::run() {
   PlanningContext& context = context_;
-  if (!context.budget.late() && !warm_start(context, kSearchTurn)) find_first();
+  const std::int64_t warm_turn = std::min(kSearchTurn, context.options.budget / kShareOfWarmStart);
+  if (!context.budget.late() && !warm_start(context, warm_turn)) find_first();
   sequences_.forget();
   envelopes_.forget();
   everything_.forget();
   if (!context.best.exists()) return without_plan_;
-  if (!context.options.anytime) context.bound.keep_first_slice_short();
+  if (!context.options.anytime || context.best.by_metric()) context.bound.keep_first_slice_short();
   context.bound.raise();
   if (context.options.anytime) context.best.by_metric() ? improve_metric() : improve_makespan();
   if (!context.bound.proves(context.best)) return {PlanStatus::kPlan, "a plan"};

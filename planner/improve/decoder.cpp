@@ -60,6 +60,7 @@ bool Decoder::decode(const Sequence& list, double most_cost, DecodedPlan& plan) 
   plan.order.clear();
   plan.times.clear();
   plan.causes.clear();
+  plan.late.clear();
   SequenceStep step;
   std::size_t end = 0;
   bool reached = false;
@@ -118,6 +119,7 @@ bool Decoder::keeps_running(const Word* state, int except) const {
 /// Gives the next step of the order its time.
 bool Decoder::place(DecodedPlan& plan, std::size_t index) {
   const SequenceStep& step = plan.order[index];
+  const Micros late_before = timeline_.lateness();
   Micros time = 0;
   int cause = -1;
   if (is_event(step)) {
@@ -146,6 +148,7 @@ bool Decoder::place(DecodedPlan& plan, std::size_t index) {
     }
     if (time == Timeline::kNever) return false;
   }
+  if (timeline_.lateness() > late_before) plan.late.push_back(static_cast<int>(index));
   plan.times.push_back(time);
   plan.causes.push_back(cause);
   return true;
@@ -159,6 +162,7 @@ bool Decoder::schedule(DecodedPlan& plan, double most_cost) {
     running_.clear();
     plan.times.clear();
     plan.causes.clear();
+    plan.late.clear();
     work_ += static_cast<std::int64_t>(plan.order.size());
     for (std::size_t i = 0; i < plan.order.size(); ++i)
       if (!place(plan, i) || too_dear(most_cost)) return false;

@@ -22,9 +22,10 @@ struct DecodedPlan {
   std::vector<Micros> times;  ///< by step: of a beginning, of an end, of the start of a whole action
   ById<int> causes;           ///< by step: the step that it waits for, or -1
   Micros makespan = 0;
-  double value = 0;     ///< of the objective
-  Micros lateness = 0;  ///< by how much things come too late for events
-  double cost = 0;      ///< what improvement brings down: the aim, and a little of all times
+  double value = 0;       ///< of the objective
+  Micros lateness = 0;    ///< by how much things come too late for events
+  std::vector<int> late;  ///< steps that do
+  double cost = 0;        ///< what improvement brings down: the aim, and a little of all times
 
   double aim() const { return value + static_cast<double>(kLatenessWeight * lateness); }
 };

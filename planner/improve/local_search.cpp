@@ -10,6 +10,7 @@ namespace cxlab::planner {
 namespace {
 
 constexpr std::size_t kHistory = 100;
+constexpr double kLateFirst = 0.3;  ///< share of moves that exchange a late step, until nothing is late
 constexpr double kExchanges = 0.5;  ///< share of moves that change which actions there are, where not time alone counts
 
 }  // namespace
@@ -97,6 +98,7 @@ void LocalSearch::run(Budget& budget, std::int64_t most_idle, const OnBetter& on
 }
 
 void LocalSearch::make_move(Sequence& list) {
+  if (exchanges_late_ && !current_.late.empty() && random_.chance(kLateFirst)) return exchange_late(list);
   const int size = static_cast<int>(list.size());
   const bool changes_actions = !decoder_.objective().is_makespan() && random_.chance(kExchanges);
   const double kind = changes_actions ? 1 : random_.uniform();
@@ -181,6 +183,18 @@ void LocalSearch::insert(Sequence& list, std::size_t begin, std::size_t end, int
   const auto [first, last] = split_.parts[original];
   if (last >= 0) list.insert(list.begin() + static_cast<std::ptrdiff_t>(end), {last, 0});
   list.insert(list.begin() + static_cast<std::ptrdiff_t>(begin), {first, 0});
+}
+
+/// A whole action that comes too late for another one that makes one of its facts true.
+void LocalSearch::exchange_late(Sequence& list) {
+  SequenceStep& step = list[static_cast<std::size_t>(current_.late[random_.below(current_.late.size())])];
+  if (is_event(step) || split_.origins[step.action].part != SplitTask::Part::kWhole) return;
+  const auto& facts = whole_.whole_effects(split_.origins[step.action].action).add;
+  if (facts.empty()) return;
+  const std::vector<int>& others = achievers_[facts[random_.below(facts.size())]];
+  if (others.empty()) return;
+  const int first = split_.parts[others[random_.below(others.size())]].first;
+  if (split_.origins[first].part == SplitTask::Part::kWhole) step = {first, 0};
 }
 
 void LocalSearch::exchange(Sequence& list) {

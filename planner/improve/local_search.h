@@ -19,6 +19,8 @@ class LocalSearch {
   /// Takes a plan to begin with, as a sequence of parts; false if it is none. It may come too late for events: the
   /// search then brings that down first.
   bool start(const Sequence& plan);
+  /// Many moves will exchange steps that come too late for events, until none does.
+  void exchange_late_steps() { exchanges_late_ = true; }
   /// Tries moves until the slice of the budget is over, or `most_idle` moves in a row gave no new best plan. Plans that
   /// keep clear of events are reported.
   void run(Budget& budget, std::int64_t most_idle, const OnBetter& on_better);
@@ -30,6 +32,7 @@ class LocalSearch {
   void make_move(Sequence& list);
   void pull(Sequence& list, int step, int to) const;
   void exchange(Sequence& list);
+  void exchange_late(Sequence& list);
   void insert(Sequence& list, std::size_t begin, std::size_t end, int original) const;
   int critical_step();
   std::vector<int> alternatives(int original) const;
@@ -47,6 +50,7 @@ class LocalSearch {
   std::vector<int> earners_;          ///< original actions that make the objective better by themselves
   std::vector<double> history_;       ///< costs accepted some moves ago
   std::int64_t moves_ = 0;
+  bool exchanges_late_ = false;
 };
 
 }  // namespace cxlab::planner

@@ -11,21 +11,20 @@ constexpr std::int64_t kMostIdleRebuilds = 100;
 
 }  // namespace
 
-bool repair_late(PlanningContext& context, SequenceSearch& sequences, const Turn& turn) {
-  std::optional<Sequence> list = sequences.find(turn);
-  if (!list) return false;
+bool bring_in_time(PlanningContext& context, Sequence list, const Turn& turn) {
   Budget& budget = context.budget;
   const SplitSpace& whole = context.whole;
   Decoder decoder(whole.split, context.ground, whole.space.simulator, context.touches, context.objective);
   const RelaxedTask timed(whole.space.simulator, false);
-  const std::int64_t until = budget.units() + 2 * turn.units;
-  BudgetSlice slice(budget, 2 * turn.units);
+  const std::int64_t until = budget.units() + turn.units;
+  BudgetSlice slice(budget, turn.units);
   const auto in_time = [&](const DecodedPlan& plan) {
     if (!context.best.exists() && context.offer(whole, plan.order)) slice.end();
   };
   for (std::uint64_t round = 0; !context.best.exists() && budget.units() < until && !budget.over(); ++round) {
     LocalSearch local(decoder, turn.round + round);
-    if (!local.start(*list)) break;
+    local.exchange_late_steps();
+    if (!local.start(list)) break;
     if (local.best().lateness == 0) in_time(local.best());
     local.run(budget, kMostIdleMoves, in_time);
     Rebuild rebuild(decoder, timed, turn.round + round);
@@ -34,6 +33,11 @@ bool repair_late(PlanningContext& context, SequenceSearch& sequences, const Turn
     list = rebuild.best().order;
   }
   return context.best.exists();
+}
+
+bool repair_late(PlanningContext& context, SequenceSearch& sequences, const Turn& turn) {
+  std::optional<Sequence> list = sequences.find(turn);
+  return list && bring_in_time(context, *std::move(list), {turn.round, 2 * turn.units});
 }
 
 }  // namespace cxlab::planner

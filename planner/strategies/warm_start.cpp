@@ -1,12 +1,15 @@
 #include "planner/strategies/warm_start.h"
 
+#include <algorithm>
+
 #include "planner/improve/remainder.h"
+#include "planner/strategies/late_repair.h"
 
 namespace cxlab::planner {
 
 bool warm_start(PlanningContext& context, std::int64_t most_units) {
   const Plan& plan = context.options.warm_start;
-  if (plan.empty() || context.has_events()) return false;
+  if (plan.empty()) return false;
   const SearchSpace& space = context.whole.space;
   Remainder remainder(space.simulator, context.budget);
   Remainder::Done done = remainder.of(plan);
@@ -17,7 +20,10 @@ bool warm_start(PlanningContext& context, std::int64_t most_units) {
     if (search.run(context.budget, rest) != SearchEnd::kFound) return false;
     done.steps.insert(done.steps.end(), rest.begin(), rest.end());
   }
-  context.offer_found(remainder.without_needless(std::move(done.steps)));
+  const bool waits_for_events = std::ranges::any_of(done.steps, is_event);
+  const Sequence left = waits_for_events ? std::move(done.steps) : remainder.without_needless(std::move(done.steps));
+  if (context.has_events()) return bring_in_time(context, left, {0, most_units});
+  context.offer_found(left);
   return context.best.exists();
 }
 

@@ -5,8 +5,8 @@
 
 namespace cxlab::planner {
 
-/// For problems without events, offers what is left of `PlanOptions::warm_start`; the search for missing steps may take
-/// `most_units`. True if a plan exists afterwards.
+/// Offers what is left of `PlanOptions::warm_start`. The search for missing steps may take `most_units`, and so may
+/// bringing the steps in time for events. True if a plan exists afterwards.
 bool warm_start(PlanningContext& context, std::int64_t most_units);
 
 }  // namespace cxlab::planner

@@ -185,12 +185,23 @@ TEST(WarmStart, ASearchFillsInWhatIsMissing) {
   EXPECT_FALSE(warm_start(*without_units, 0));
 }
 
-TEST(WarmStart, IsNotUsedWithEventsOrWithoutAPlan) {
+TEST(WarmStart, NeedsAPlan) {
   Prepared none(kCups, kTwoCups);
   EXPECT_FALSE(warm_start(*none, 10'000));
-  Prepared events(kCups, "(:objects a) (:init (dirty a) (sink-free) (at 20 (not (sink-free)))) (:goal (clean a))",
-                  {.warm_start = {{0, 1, {0}, 5, 0}}});
-  EXPECT_FALSE(warm_start(*events, 10'000));
+}
+
+TEST(WarmStart, ExchangesAStepThatComesTooLate) {
+  const std::string init = "(:objects a) (:init (dirty a) (sink-free) (at 4 (not (sink-free)))) (:goal (clean a))";
+  Prepared in_time(kCups, init, {.warm_start = {{0, 1, {0}, 5, 0}}});
+  EXPECT_TRUE(warm_start(*in_time, 10'000));
+  EXPECT_EQ(in_time->best.plan().steps[0].action, 1) << "as in the plan";
+
+  const std::string closes = "(:objects a) (:init (dirty a) (sink-free) (at 2 (not (sink-free)))) (:goal (clean a))";
+  Prepared late(kCups, closes, {.warm_start = {{0, 0, {0}, 3, 0}}});
+  EXPECT_TRUE(warm_start(*late, 10'000));
+  EXPECT_EQ(late->best.plan().steps[0].action, 1) << "the sink is free for too short a time";
+  Prepared without_units(kCups, closes, {.warm_start = {{0, 0, {0}, 3, 0}}});
+  EXPECT_FALSE(warm_start(*without_units, 0));
 }
 
 TEST(ProveUnsolvable, NeedsNoSearchWithoutDurations) {
