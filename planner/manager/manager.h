@@ -36,7 +36,7 @@ struct PddlManagerOptions {
   double bond_period = 0;  ///< s between heartbeats on `bond` while active, as an environment manager; 0 = none
   bool original = false;   ///< answers as the first PDDL manager does, errors included
   bool anytime = false;    ///< plans are improved until the budget ends
-  bool warm_start = true;  ///< a goal that is planned for again begins with what is left of its last plan
+  bool warm_start = true;  ///< a plan begins with what is left of the last one that has most goals in common with it
   PlanningCost cost;
   ExternalPlanner other;       ///< another planner that makes the plans; without a command: ours
   cx::LogSink* log = nullptr;  ///< may be none
@@ -74,10 +74,12 @@ class PddlManager : public Server {
   int replans() const { return replans_; }
 
  private:
-  /// The last plan of a goal instance, and the goal that it was made for.
+  using Goals = std::set<std::string>;  ///< what a goal asks for, as texts
+  /// The last plan of a goal instance, and what it was made for.
   struct LastPlan {
-    std::string goal;
+    Goals goals;
     bus::SharedMessage result;
+    int number = 0;  ///< of all plans that were made
   };
   struct Entry {
     std::unique_ptr<Instance> instance;
@@ -99,7 +101,7 @@ class PddlManager : public Server {
     SimTime due{};
     bus::GoalStatus status{};
     bus::SharedMessage result, report;
-    std::string wanted;  ///< the goal as a text
+    Goals wanted;
   };
   using View = bus::MessageView;
   struct Services;
@@ -124,7 +126,8 @@ class PddlManager : public Server {
   void on_cancel(std::size_t dialect, const bus::Delivery& cancel);
   struct Outcome;
   Outcome make_plan(const View& goal);
-  Plan steps_left(const View& goal, const Task& task, const std::string& wanted) const;
+  const LastPlan* nearest_plan(const std::string& instance, const Goals& wanted) const;
+  Plan steps_left(const std::string& instance, const Task& task, const Goals& wanted) const;
   Job job_of(std::size_t dialect, const bus::GoalId& id, const View& goal, const Outcome& outcome) const;
   void dump(const View& goal, const Task& task);
   void give_up(Job job, const char* status, const std::string& reason, bus::GoalStatus ends);

@@ -1,6 +1,7 @@
 // Goals of the PDDL manager: plans, and when they are answered.
 
 #include <algorithm>
+#include <tuple>
 
 #include "planner/manager/manager.h"
 #include "planner/pddl/text.h"
@@ -23,16 +24,47 @@ struct PddlManager::Outcome {
   bus::GoalStatus ends = bus::GoalStatus::kAborted;
   std::optional<Task> task{};  ///< whose actions and objects the plan counts
   PlanAnswer answer{};
-  std::string wanted{};  ///< the goal as a text
+  Goals wanted{};
 };
 
-/// The steps of the goal's last plan, if it was made for the same goal. The planner finds out which of them are left.
-Plan PddlManager::steps_left(const View& goal, const Task& task, const std::string& wanted) const {
-  const auto& plans = instances_.at(goal.text("pddl_instance")).plans;
-  const auto last = plans.find(goal.text("goal_instance"));
-  if (!options_.warm_start || options_.original || last == plans.end() || last->second.goal != wanted) return {};
+namespace {
+
+std::set<std::string> goals_of(const Task& task) {
+  const Condition& goal = task.problem.goal;
+  std::set<std::string> texts;
+  const auto add = [&](const Condition& part) {
+    texts.insert(framework_text(part, task.domain, task.problem.objects, {}));
+  };
+  if (goal.kind == Condition::Kind::kAnd)
+    for (const Condition& part : goal.operands) add(part);
+  else
+    add(goal);
+  return texts;
+}
+
+}  // namespace
+
+/// The plan of the instance that has most goals in common with these, and fewest others; of equals the last one.
+const PddlManager::LastPlan* PddlManager::nearest_plan(const std::string& instance, const Goals& wanted) const {
+  const LastPlan* nearest = nullptr;
+  std::tuple<std::ptrdiff_t, std::ptrdiff_t, int> best{};
+  for (const auto& [name, plan] : instances_.at(instance).plans) {
+    const auto common = std::ranges::count_if(plan.goals, [&](const std::string& g) { return wanted.contains(g); });
+    const std::tuple rank{common, -std::ssize(plan.goals), plan.number};
+    if (common == 0 || (nearest && rank < best)) continue;
+    nearest = &plan;
+    best = rank;
+  }
+  return nearest;
+}
+
+/// The steps of the nearest plan. The planner finds out which of them are left.
+Plan PddlManager::steps_left(const std::string& instance, const Task& task, const Goals& wanted) const {
+  if (!options_.warm_start || options_.original) return {};
+  const LastPlan* last = nearest_plan(instance, wanted);
+  if (!last) return {};
   Plan steps;
-  const View last_plan = last->second.result->view();
+  const View last_plan = last->result->view();
   for (std::size_t i = 0; i < last_plan.size("actions"); ++i) {
     const View action = last_plan.nested("actions", i);
     PlanStep step{
@@ -62,15 +94,15 @@ PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   PlanOptions how;
   how.budget = options_.cost.budget;
   how.anytime = options_.anytime;
-  const std::string wanted_text = framework_text(task->problem.goal, task->domain, task->problem.objects, {});
-  how.warm_start = steps_left(goal, *task, wanted_text);
+  Goals goals = goals_of(*task);
+  how.warm_start = steps_left(goal.text("pddl_instance"), *task, goals);
   const double wall_s = static_cast<double>(how.budget) * 1e-6;  // a unit is about a microsecond
   const bool ours = options_.other.command.empty();
   auto answer = ours ? find_plan(*task, how) : find_plan_with(options_.other, *task, wall_s);
   if (!answer && !ours) return {"ERROR", answer.error().text()};
   if (!answer) return {"MEMORY", answer.error().message};
   Outcome outcome{"PLAN",           answer->reason,     bus::GoalStatus::kSucceeded,
-                  *std::move(task), *std::move(answer), wanted_text};
+                  *std::move(task), *std::move(answer), std::move(goals)};
   if (outcome.answer.plan) return outcome;
   const PlanStatus status = outcome.answer.status;
   if (status == PlanStatus::kBudget || status == PlanStatus::kMemory) outcome.ends = bus::GoalStatus::kAborted;
@@ -163,7 +195,7 @@ void PddlManager::finish(const Job& job) {
   if (found) {
     ++plans_;
     if (const auto entry = instances_.find(reported.text("pddl_instance")); entry != instances_.end())
-      entry->second.plans[reported.text("goal_instance")] = {job.wanted, job.result};
+      entry->second.plans[reported.text("goal_instance")] = {job.wanted, job.result, plans_};
     if (!planned_.emplace(reported.text("pddl_instance"), reported.text("goal_instance")).second) ++replans_;
   }
   data_.begin()

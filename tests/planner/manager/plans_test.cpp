@@ -306,6 +306,41 @@ TEST_F(ManagerTest, PlanningAgainBeginsWithStepsOfTheFirstActionOfTheDomainToo) 
   EXPECT_LT(units_of_second(true), units_of_second(false));
 }
 
+TEST_F(ManagerTest, PlanBeginsWithThatOfAnotherGoalInstanceWithMostGoalsInCommon) {
+  const auto units_after = [&](std::vector<std::string> goals) {
+    manager_.reset();
+    start(at_cost(0, 0));
+    std::ofstream(folder_ / "six.pddl") << kSixBlocks;
+    std::filesystem::copy_file(blocks_folder() + "/domain.pddl", folder_ / "domain.pddl",
+                               std::filesystem::copy_options::overwrite_existing);
+    request("add_pddl_instance", "AddPddlInstance",
+            "{name: bw, directory: \"" + folder_.string() + "\", domain_file: domain.pddl, problem_file: six.pddl}");
+    request("set_goals", "SetGoals", kSixGoal);
+    for (const char* other : {"few", "most"})
+      request("create_goal_instance", "CreateGoalInstance",
+              std::string("{pddl_instance: bw, goal_instance: ") + other + "}");
+    request("set_goals", "SetGoals", "{goal_instance: few, fluents: [{pddl_instance: bw, name: on, args: [a, e]}]}");
+    request(
+        "set_goals", "SetGoals",
+        R"({goal_instance: most, fluents: [{pddl_instance: bw, name: on, args: [c, b]}, {pddl_instance: bw, name: on, args: [b, f]},
+  {pddl_instance: bw, name: on, args: [f, a]}, {pddl_instance: bw, name: on, args: [a, e]}]})");
+    std::int64_t units = 0;
+    auto made = bus_.subscribe(client_, "/pddl_manager/plan_report", **registry_.message(kReport),
+                               [&](const bus::Delivery& d) { units = d.message->view().integer("units"); });
+    goals.push_back("base");
+    for (const std::string& goal : goals) {
+      const auto answer = plan("{pddl_instance: bw, goal_instance: " + goal + "}");
+      ticks(3);
+      EXPECT_TRUE(answer->success) << goal;
+    }
+    bus_.remove(*made);
+    return units;
+  };
+  EXPECT_LT(units_after({"most"}), units_after({}));
+  EXPECT_NE(units_after({"most"}), units_after({"few"}));
+  EXPECT_EQ(units_after({"most", "few"}), units_after({"most"}));
+}
+
 TEST_F(ManagerTest, APlanForOtherGoalsBeginsAnew) {
   const auto units_of_second = [&](bool warm_start) {
     PddlManagerOptions options = at_cost(0, 0);
