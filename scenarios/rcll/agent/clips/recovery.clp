@@ -104,12 +104,9 @@
   (reset-machine ?name))
 
 (defrule recover-given-up
-  "Nobody works on it any more: it is forgotten, with all that it had reserved; its product is lost."
+  "Its product is lost."
   ?job <- (job (id ?id) (step GIVEN-UP) (robot "") (to ?to))
   =>
-  (retract ?job)
   (do-for-fact ((?p product)) (= ?p:job ?id) (assert (lost ?p:order)))
   (do-for-fact ((?slide slide)) (eq ?slide:spot ?to) (modify ?slide (coming (- ?slide:coming 1))))
-  (do-for-all-facts ((?held held-up)) (= ?held:job ?id) (retract ?held))
-  (do-for-all-facts ((?reserved reserved)) (= ?reserved:job ?id) (retract ?reserved))
-  (do-for-all-facts ((?trouble trouble)) (= ?trouble:job ?id) (retract ?trouble)))
+  (forget-job ?job))

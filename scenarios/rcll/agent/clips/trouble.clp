@@ -4,6 +4,14 @@
 (defglobal ?*HAND-OVERS* = 3)
 (defglobal ?*RESET-TIME* = 35.0)  ; until a machine that was reset is idle again, s
 
+(deffunction forget-job (?job)
+  "Nobody works on it any more: it is gone, with all that it had reserved."
+  (bind ?id (fact-slot-value ?job id))
+  (retract ?job)
+  (do-for-all-facts ((?held held-up)) (= ?held:job ?id) (retract ?held))
+  (do-for-all-facts ((?reserved reserved)) (= ?reserved:job ?id) (retract ?reserved))
+  (do-for-all-facts ((?trouble trouble)) (= ?trouble:job ?id) (retract ?trouble)))
+
 (deffunction discard (?robot ?delivery)
   "The robot brings whatever it holds to the delivery station, as order 0."
   (bind ?id (new-id))
