@@ -266,6 +266,24 @@ TEST(PlanningDomain, EveryActionOfARobotHasItsPartsAndItsFailures) {
       EXPECT_TRUE(task.domain.action_names.contains(name + part)) << name << part;
 }
 
+TEST(PlanningDomain, PlansAddARobotOrADeadlineAsTheLastParameter) {
+  const std::string folder = std::string(std::getenv("CXLAB_SOURCE_DIR")) + "/scenarios/rcll/planning_agent/pddl/";
+  const auto planning = load_task(folder + "planning.pddl", folder + "planning_problem.pddl");
+  ASSERT_TRUE(planning) << planning.error().text();
+  const Task world = production();
+  const auto type_of_last = [&](const std::string& name) {
+    const Action& planned = action(planning->domain, name);
+    EXPECT_EQ(planned.parameters.size(), action(world.domain, name).parameters.size() + 1) << name;
+    return planning->domain.types[static_cast<std::size_t>(planned.parameters.back().types.front())].name;
+  };
+  for (const std::string& name : names_of_robot_actions(world.domain)) {
+    EXPECT_EQ(type_of_last(name), "robot");
+    EXPECT_EQ(action(planning->domain, name + "-place").parameters.size(),
+              action(world.domain, name + "-place").parameters.size());
+  }
+  EXPECT_EQ(type_of_last("deliver"), "moment");
+}
+
 TEST(PlanningDomain, DrivePickAndPlaceRefineEachActionOfARobot) {
   const Task task = production();
   for (const std::string& name : names_of_robot_actions(task.domain))

@@ -9,17 +9,16 @@
   "Whether the strategy goes by groups; else a step waits for those that use its product or machine before it."
   (member$ ?*STRATEGY* (create$ "groups" "lookahead")))
 
-(deffunction robot-waits ()
-  "Whether a robot has nothing to do."
-  (and (any-factp ((?r robot)) (eq ?r:state IDLE))
-       (not (any-factp ((?j job)) (eq ?j:step WAITING)))
-       (not (any-factp ((?l to-look)) TRUE))))
+(defrule agenda-idle-robot
+  "A robot has nothing to do."
+  (logical (exists (robot (state IDLE))) (not (job (step WAITING))) (not (to-look)))
+  =>
+  (assert (robot-waits)))
 
 (defrule agenda-robot-waits
   "A robot has nothing to do any more: steps are looked at again."
   (robot (name ?robot) (state IDLE) (idle-since ?since))
-  (not (to-look))
-  (not (job (step WAITING)))
+  (robot-waits)
   (not (noticed ?robot ?since))
   ?version <- (world-version ?n)
   =>
@@ -27,27 +26,32 @@
   (retract ?version)
   (assert (noticed ?robot ?since) (world-version (+ ?n 1))))
 
+(defrule agenda-allowed
+  "By the strategy a step may begin, and it has a worker."
+  (declare (salience 10))
+  (logical
+    (step (id ?id) (state OPEN|BLOCKED|APPROACHING) (group ?group))
+    (or (step (id ?id) (worker ~ROBOT)) (step (id ?id) (state APPROACHING)) (robot-waits))
+    (not (step (state ~DONE) (group ?g&:(< 0 ?g (- ?group (ahead))))))
+    (not (and (waits-for (step ?id) (for ?before&:(not (in-groups))))
+              (step (id ?before) (state OPEN|CHECKING|BLOCKED|APPROACHING|FAILED)))))
+  =>
+  (assert (allowed ?id)))
+
 (defrule agenda-look
-  "The step of the smallest rank that may begin by the strategy, has a worker, and has not been looked at since the world changed."
+  "Of these, the one of the smallest rank that has not been looked at since the world changed."
   (planning (state IDLE))
   (not (replan))
-  (world-version ?version)
-  ?step <- (step (id ?id) (state ?state&OPEN|BLOCKED|APPROACHING) (seen ?seen&:(< ?seen ?version)) (worker ?worker) (rank ?rank)
-                 (group ?group))
-  (test (or (neq ?worker ROBOT) (eq ?state APPROACHING) (robot-waits)))
   (not (step (state CHECKING)))
   (not (pddl-action-get-effect))
   (not (pddl-fluent-change (instance production)))
   (not (pddl-numeric-fluent-change (instance production)))
-  (not (step (state ~DONE) (group ?g&:(< 0 ?g (- ?group (ahead))))))
-  (not (and (waits-for (step ?id) (for ?before&:(not (in-groups))))
-            (step (id ?before) (state OPEN|CHECKING|BLOCKED|APPROACHING|FAILED))))
-  (not (and (step (id ?o&~?id) (state ?os&OPEN|BLOCKED|APPROACHING) (seen ?oseen&:(< ?oseen ?version)) (worker ?ow) (group ?og)
-                  (rank ?or&:(and (or (< ?or ?rank) (and (= ?or ?rank) (< (str-compare ?o ?id) 0)))
-                                  (or (neq ?ow ROBOT) (eq ?os APPROACHING) (robot-waits)))))
-            (not (step (state ~DONE) (group ?h&:(< 0 ?h (- ?og (ahead))))))
-            (not (and (waits-for (step ?o) (for ?earlier&:(not (in-groups))))
-                      (step (id ?earlier) (state OPEN|CHECKING|BLOCKED|APPROACHING|FAILED))))))
+  (world-version ?version)
+  (allowed ?id)
+  ?step <- (step (id ?id) (state ?state) (seen ?seen&:(< ?seen ?version)) (rank ?rank))
+  (not (and (allowed ?o&~?id)
+            (step (id ?o) (seen ?oseen&:(< ?oseen ?version))
+                  (rank ?or&:(or (< ?or ?rank) (and (= ?or ?rank) (< (str-compare ?o ?id) 0)))))))
   =>
   (modify ?step (state CHECKING) (seen ?version) (was ?state))
   (assert (pddl-action-condition (instance production) (action ?id))))
@@ -62,6 +66,7 @@
 
 (defrule agenda-no-carrier
   "The PDDL domain knows nothing of empty shelves."
+  (declare (salience 10))
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
   ?step <- (step (id ?id) (state CHECKING) (action fetch-carrier) (params ?cs))
   (test (eq (full-shelf-spot (machine-named ?cs)) ""))
@@ -74,11 +79,10 @@
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
   ?step <- (step (id ?id) (state CHECKING) (was ?was) (action ?action) (params $?params) (worker ?worker)
                  (work ?work))
-  (test (or (neq ?action fetch-carrier) (neq (full-shelf-spot (machine-named (nth$ 1 ?params))) "")))
   =>
   (retract ?check)
   (decide (str-cat "begin " ?action " " (implode$ ?params)) "its conditions hold")
-  (if (and (eq ?worker ROBOT) ?*SUB-ACTIONS*) then (apply-part ?id ?action drive ?params) else (apply-effects ?id START))
+  (if (and (eq ?worker ROBOT) ?*SUB-ACTIONS*) then (apply-part ?action drive ?params) else (apply-effects ?id START))
   (if (eq ?was APPROACHING)
    then (do-for-all-facts ((?h held-up)) (and (= ?h:job ?work) (eq ?h:step FETCH)) (retract ?h))
    else (bind ?work (begin-work ?action ?params)))
@@ -94,7 +98,7 @@
                  (rank ?rank))
   (not (step (state OPEN|CHECKING) (worker ROBOT) (rank ?r&:(< ?r ?rank))))
   (step (state RUNNING) (worker MACHINE) (params $? =(nth$ 1 ?params) $?))
-  (test (robot-waits))
+  (robot-waits)
   =>
   (bind ?work (begin-work ?action ?params))
   (hold-up ?work FETCH)
@@ -117,3 +121,22 @@
   =>
   (retract ?approached)
   (modify ?job (step GIVEN-UP)))
+
+(defrule agenda-pay-in-advance
+  "A robot has nothing to do for a while: a payment that may be of use later, to the slide with most room. Before it would drive home."
+  (declare (salience 10))
+  (planning (state IDLE))
+  (game (phase PRODUCTION))
+  (robot (state IDLE) (idle-since ?since))
+  (time ?now&:(> ?now (+ ?since ?*PATIENCE*)))
+  (not (and (allowed ?id) (step (id ?id) (worker ROBOT) (state OPEN|APPROACHING))))
+  (not (step (state CHECKING)))
+  (not (step (action pay-with-new-base) (state ~DONE)))
+  (robot-waits)
+  (pddl-numeric-fluent (instance production) (name slide-room) (params ?rs) (value ?room&:(>= ?room 1)))
+  (not (pddl-numeric-fluent (instance production) (name slide-room) (value ?more&:(> ?more ?room))))
+  (machine (name ?bs) (kind BS))
+  (test (eq ?*IN-ADVANCE* TRUE))
+  =>
+  (decide (str-cat "pay in advance at " ?rs) "a robot has nothing to do")
+  (modify (add-step pay-with-new-base (create$ (pddl-name ?bs) (sym-cat ?rs))) (rank 100000.0)))

@@ -36,20 +36,7 @@
     (bind ?open (delete-member$ ?open ?id))
     (propose ?i ?ours ?id)))
 
-; --- What a plan is worth, if as many robots carry it out as there are
-
-(deffunction available (?times ?object)
-  "When the last step that uses the object has ended; times are pairs."
-  (bind ?at (member$ ?object ?times))
-  (if ?at then (nth$ (+ ?at 1) ?times) else 0.0))
-
-(deffunction keep (?times ?object ?end)
-  (bind ?at (member$ ?object ?times))
-  (if ?at then (replace$ ?times (+ ?at 1) (+ ?at 1) ?end) else (create$ ?times ?object ?end)))
-
-(deffunction earlier (?a ?b)
-  "For sort: whether step a begins after step b."
-  (> (fact-slot-value ?a planned-start-time) (fact-slot-value ?b planned-start-time)))
+; --- What a plan is worth
 
 (deffunction worker-of (?action)
   (switch ?action
@@ -75,27 +62,20 @@
     (return (points-of ?o:complexity ?o:rings ?o:competitive (- ?at ?o:end) (- ?o:end ?o:begin))))
   0.0)
 
+(deffunction params-of (?action)
+  "Of an action of a plan, without the robot or the deadline that the planner has chosen."
+  (bind ?params (create$))
+  (foreach ?p (fact-slot-value ?action params) (bind ?params (create$ ?params (sym-cat ?p))))
+  (if (or (eq (worker-of (fact-slot-value ?action name)) ROBOT) (eq (fact-slot-value ?action name) deliver))
+   then (subseq$ ?params 1 (- (length$ ?params) 1))
+   else ?params))
+
 (deffunction weigh (?plan)
-  "Points and robots' work of a plan. Its steps in their order: each begins when the objects that it uses, and a robot if it
-   needs one, are done with what came before."
+  "Points and robots' work of a plan."
   (bind ?now (game-time))
-  (bind ?free (create$))
-  (do-for-all-facts ((?r robot)) (neq ?r:state OFF-FIELD) (bind ?free (create$ ?free 0.0)))
-  (bind ?times (create$))
   (bind ?points 0.0)
   (bind ?work 0.0)
-  (foreach ?a (sort earlier (find-all-facts ((?a pddl-action)) (eq ?a:plan ?plan)))
-    (bind ?name (fact-slot-value ?a name))
-    (bind ?objects (objects-of ?name (fact-slot-value ?a params)))
-    (bind ?duration (fact-slot-value ?a planned-duration))
-    (bind ?begin 0.0)
-    (foreach ?o ?objects (bind ?begin (max ?begin (available ?times ?o))))
-    (if (and (eq (worker-of ?name) ROBOT) (> (length$ ?free) 0))
-     then
-      (bind ?free (sort > ?free))
-      (bind ?begin (max ?begin (nth$ 1 ?free)))
-      (bind ?free (replace$ ?free 1 1 (+ ?begin ?duration)))
-      (bind ?work (+ ?work ?duration)))
-    (foreach ?o ?objects (bind ?times (keep ?times ?o (+ ?begin ?duration))))
-    (if (eq ?name deliver) then (bind ?points (+ ?points (points-at (nth$ 1 ?objects) (+ ?now ?begin))))))
+  (do-for-all-facts ((?a pddl-action)) (eq ?a:plan ?plan)
+    (if (eq (worker-of ?a:name) ROBOT) then (bind ?work (+ ?work ?a:planned-duration)))
+    (if (eq ?a:name deliver) then (bind ?points (+ ?points (points-at (nth$ 1 (params-of ?a)) (+ ?now ?a:planned-start-time))))))
   (create$ ?points ?work))

@@ -10,7 +10,7 @@
   (assert (pddl-action (instance production) (id ?id) (plan part) (name ?name) (params ?params)))
   (apply-effects ?id ALL))
 
-(deffunction apply-part (?id ?action ?part ?params)
+(deffunction apply-part (?action ?part ?params)
   (apply-action (sym-cat ?action - ?part) ?params))
 
 (defrule effects-applied
@@ -24,6 +24,12 @@
   (retract ?effect ?version)
   (assert (world-version (+ ?n 1)))
   (do-for-all-facts ((?a pddl-action)) (and (eq ?a:id ?action) (eq ?a:plan part)) (retract ?a)))
+
+(deffunction add-step (?action ?params)
+  "A step with its PDDL action; returns its fact."
+  (bind ?id (gensym*))
+  (assert (pddl-action (instance production) (id ?id) (plan current) (name ?action) (params ?params)))
+  (assert (step (id ?id) (action ?action) (params ?params) (worker (worker-of ?action)))))
 
 ; --- Robots
 
@@ -88,27 +94,33 @@
   (not (picked ?id))
   =>
   (assert (picked ?id))
-  (if ?*SUB-ACTIONS* then (apply-part ?id ?action pick ?params)))
+  (if ?*SUB-ACTIONS* then (apply-part ?action pick ?params)))
+
+(deffunction piece-placed (?step ?id)
+  "The piece of a robot lies where it should."
+  (do-for-all-facts ((?p picked)) (eq ?p:implied (create$ ?id)) (retract ?p))
+  (if ?*SUB-ACTIONS*
+   then (apply-part (fact-slot-value ?step action) place (fact-slot-value ?step params))
+   else (apply-effects ?id END))
+  (modify ?step (state DONE)))
 
 (defrule work-placed
   "The piece lies where it should."
-  ?step <- (step (id ?id) (action ?action&~discard-bare-base) (params $?params) (state RUNNING) (worker ROBOT) (work ?work))
+  ?step <- (step (id ?id) (action ~discard-bare-base) (state RUNNING) (worker ROBOT) (work ?work))
   ?job <- (job (id ?work) (step DONE) (robot ""))
-  ?picked <- (picked ?id)
+  (picked ?id)
   =>
-  (retract ?job ?picked)
-  (if ?*SUB-ACTIONS* then (apply-part ?id ?action place ?params) else (apply-effects ?id END))
-  (modify ?step (state DONE)))
+  (retract ?job)
+  (piece-placed ?step ?id))
 
 (defrule work-discarded
   "The delivery station has thrown the base away."
-  ?step <- (step (id ?id) (action ?action&discard-bare-base) (params $?params) (state RUNNING) (work ?work))
+  ?step <- (step (id ?id) (action discard-bare-base) (state RUNNING) (work ?work))
   ?instruction <- (instruction (id ?work) (operation "DELIVER") (state SUCCEEDED|FAILED))
-  ?picked <- (picked ?id)
+  (picked ?id)
   =>
-  (retract ?instruction ?picked)
-  (if ?*SUB-ACTIONS* then (apply-part ?id ?action place ?params) else (apply-effects ?id END))
-  (modify ?step (state DONE)))
+  (retract ?instruction)
+  (piece-placed ?step ?id))
 
 (defrule work-waste-gone
   "A piece that belonged to no step, and for which the delivery station was not reserved."
@@ -150,11 +162,10 @@
 (defrule work-forgotten
   "A step that is done is of no use when no other one waits for it."
   (planning (state IDLE))
-  ?step <- (step (id ?id) (state DONE) (group ?group))
+  ?step <- (step (id ?id) (action ~deliver) (state DONE) (group ?group))
   (not (waits-for (for ?id)))
   (not (step (state ~DONE) (group ?g&:(<= ?g ?group))))
   (not (pddl-action-get-effect (action ?id)))
-  (not (step (id ?id) (action deliver) (params ?p $?)))
   =>
   (do-for-all-facts ((?a pddl-action)) (eq ?a:id ?id) (retract ?a))
   (retract ?step))

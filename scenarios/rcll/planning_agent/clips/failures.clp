@@ -144,10 +144,7 @@
   (declare (salience -10))
   ?job <- (job (id ?id) (step GIVEN-UP) (robot ""))
   =>
-  (retract ?job)
-  (do-for-all-facts ((?held held-up)) (= ?held:job ?id) (retract ?held))
-  (do-for-all-facts ((?reserved reserved)) (= ?reserved:job ?id) (retract ?reserved))
-  (do-for-all-facts ((?trouble trouble)) (= ?trouble:job ?id) (retract ?trouble)))
+  (forget-job ?job))
 
 ; --- What we work for cannot be reached any more: products stand in each other's way, or a slide is blocked
 
@@ -202,6 +199,6 @@
   (retract ?watched)
   (bind ?waiting "")
   (do-for-all-facts ((?s step)) (member$ ?s:state (create$ OPEN BLOCKED))
-    (bind ?waiting (str-cat ?waiting (if (eq ?waiting "") then "" else "; ") ?s:action " " (implode$ ?s:params))))
+    (bind ?waiting (list-text ?waiting (str-cat ?s:action " " (implode$ ?s:params)))))
   (printout warn "nothing is under way, these wait: " ?waiting crlf)
   (assert (replan (reason (str-cat "nothing is under way, these wait: " ?waiting)))))

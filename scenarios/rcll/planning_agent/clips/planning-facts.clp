@@ -6,7 +6,7 @@
   ?*STRATEGY* = "partial-order"  ; groups, lookahead, partial-order
   ?*LOOKAHEAD* = 1               ; groups that lookahead may begin early
   ?*SUB-ACTIONS* = TRUE          ; effects as soon as a robot reports a part of its action; else at its end
-  ?*ORDER* = "plan"              ; of steps that may begin: as in the plan, or slack (by the windows of their products)
+  ?*ORDER* = "plan"              ; of steps that may begin: plan, delivery, slack (docs/planning-agent.md)
   ?*IN-ADVANCE* = TRUE           ; cap stations get their next cap when robots have nothing else to do
   ?*PRODUCTS* = 3                ; that are planned for at once
   ?*ALTERNATIVES* = 3)           ; sets of orders that are planned for at once
@@ -61,9 +61,9 @@
   (slot for (type SYMBOL)))
 
 (deftemplate planning
-  "How far the next plan is. IDLE: nothing to plan. COPY: the world is copied, and what is under way is thought to its end.
+  "How far the next plan is. IDLE: nothing to plan. COPY: the world is copied. END: what is under way is thought to its end.
    GOALS: plans are made for the alternatives."
-  (slot state (type SYMBOL) (allowed-values IDLE COPY GOALS) (default IDLE)))
+  (slot state (type SYMBOL) (allowed-values IDLE COPY END GOALS) (default IDLE)))
 
 (deftemplate replan
   "Somebody wants a new plan."
@@ -91,6 +91,10 @@
 (deffacts planning
   (planning)
   (world-version 0))
+
+(deffunction list-text (?text ?more)
+  "Texts one after the other."
+  (if (eq ?text "") then ?more else (str-cat ?text "; " ?more)))
 
 (deffunction decide (?what ?why)
   (assert (decision (what ?what) (why ?why))))

@@ -2,6 +2,10 @@
 
 ; --- When there is a new plan to be made
 
+(deffunction room-for-more ()
+  "Whether another order could be worked for, and one is worth it."
+  (and (< (length$ (orders-in STARTED)) ?*PRODUCTS*) (> (best-of (orders-in OPEN)) 0)))
+
 (defrule plan-for-new-order
   "Where there is no room for it, it is looked at when a product is delivered."
   (game (phase PRODUCTION))
@@ -34,30 +38,6 @@
 
 ; --- 1. The world as it will be when what is under way has ended
 
-(deffunction copy-world ()
-  "Changes that make `planning` what `production` is."
-  (do-for-all-facts ((?f pddl-fluent)) (eq ?f:instance production)
-    (if (not (any-factp ((?g pddl-fluent)) (and (eq ?g:instance planning) (eq ?g:name ?f:name) (eq ?g:params ?f:params))))
-     then (fluent planning ?f:name ?f:params)))
-  (do-for-all-facts ((?f pddl-fluent)) (eq ?f:instance planning)
-    (if (not (any-factp ((?g pddl-fluent)) (and (eq ?g:instance production) (eq ?g:name ?f:name) (eq ?g:params ?f:params))))
-     then (no-fluent planning ?f:name ?f:params)))
-  (do-for-all-facts ((?f pddl-numeric-fluent)) (and (eq ?f:instance production) (neq ?f:name window-in))
-    (if (not (any-factp ((?g pddl-numeric-fluent)) (and (eq ?g:instance planning) (eq ?g:name ?f:name) (eq ?g:params ?f:params)
-                                                        (= ?g:value ?f:value))))
-     then (number planning ?f:name ?f:value ?f:params)))
-  (do-for-all-facts ((?o order)) (any-factp ((?k in-problem)) (eq ?k:implied (create$ planning ?o:id)))
-    (number planning window-in (max 0.1 (- ?o:begin ?*WINDOW-LEAD* (game-time))) (product-of ?o:id))))
-
-(deffunction end-what-runs ()
-  "The effects that what is under way still has, for `planning`: they are applied after the copy."
-  (do-for-all-facts ((?s step)) (eq ?s:state RUNNING)
-    (bind ?id (sym-cat ?s:id -ended))
-    (bind ?picked (and ?*SUB-ACTIONS* (any-factp ((?p picked)) (eq ?p:implied (create$ ?s:id)))))
-    (assert (pddl-action (instance planning) (id ?id) (plan ended) (name (if ?picked then (sym-cat ?s:action -place) else ?s:action))
-                         (params ?s:params)))
-    (assert (pddl-action-get-effect (action ?id) (effect-type (if ?picked then ALL else END)) (apply TRUE)))))
-
 (defrule plan-begin
   (game (phase PRODUCTION))
   ?planning <- (planning (state IDLE))
@@ -70,16 +50,72 @@
   =>
   (bind ?why "")
   (do-for-all-facts ((?r replan)) TRUE
-    (bind ?why (str-cat ?why (if (eq ?why "") then "" else "; ") ?r:reason))
+    (bind ?why (list-text ?why ?r:reason))
     (retract ?r))
   (decide "plan" ?why)
   (do-for-all-facts ((?s step)) (and (eq ?s:action wait-for-window) (eq ?s:state RUNNING)) (modify ?s (state OPEN)))
-  (copy-world)
-  (end-what-runs)
   (modify ?planning (state COPY)))
 
-(defrule plan-goals
+(defrule copy-true
+  (planning (state COPY))
+  (pddl-fluent (instance production) (name ?name) (params $?params))
+  (not (pddl-fluent (instance planning) (name ?name) (params $?params)))
+  =>
+  (fluent planning ?name ?params))
+
+(defrule copy-false
+  "But for what only plans know."
+  (planning (state COPY))
+  (pddl-fluent (instance planning) (name ?name&~idle&~before&~deadline) (params $?params))
+  (not (pddl-fluent (instance production) (name ?name) (params $?params)))
+  =>
+  (no-fluent planning ?name ?params))
+
+(defrule copy-number
+  (planning (state COPY))
+  (pddl-numeric-fluent (instance production) (name ?name&~window-in) (params $?params) (value ?value))
+  (not (pddl-numeric-fluent (instance planning) (name ?name) (params $?params) (value ?value)))
+  =>
+  (number planning ?name ?value ?params))
+
+(defrule copy-window
+  (planning (state COPY))
+  (in-problem planning ?id)
+  (order (id ?id) (begin ?begin))
+  =>
+  (number planning window-in (max 0.1 (- ?begin ?*WINDOW-LEAD* (game-time))) (product-of ?id)))
+
+(defrule copy-robot
+  "Robots that are on the field share the steps."
+  (planning (state COPY))
+  (robot (name ?name) (state ?state))
+  (in-problem planning ?name)
+  =>
+  (if (eq ?state OFF-FIELD) then (no-fluent planning idle (sym-cat ?name)) else (fluent planning idle (sym-cat ?name))))
+
+(deffunction end-in-plan (?name ?params ?time)
+  (bind ?id (gensym*))
+  (assert (pddl-action (instance planning) (id ?id) (plan ended) (name ?name) (params ?params)))
+  (assert (pddl-action-get-effect (action ?id) (effect-type ?time) (apply TRUE))))
+
+(deffunction end-what-runs ()
+  "The effects that what is under way still has, for `planning`: they are applied after the copy."
+  (do-for-all-facts ((?s step)) (eq ?s:state RUNNING)
+    (if (eq ?s:worker ROBOT)
+     then
+      (if (not (any-factp ((?p picked)) (eq ?p:implied (create$ ?s:id)))) then (end-in-plan (sym-cat ?s:action -pick) ?s:params ALL))
+      (end-in-plan (sym-cat ?s:action -place) ?s:params ALL)
+     else (end-in-plan ?s:action ?s:params END))))
+
+(defrule copy-done
+  (declare (salience -10))
   ?planning <- (planning (state COPY))
+  =>
+  (end-what-runs)
+  (modify ?planning (state END)))
+
+(defrule plan-goals
+  ?planning <- (planning (state END))
   (not (pddl-action-get-effect (state ~DONE)))
   (not (pddl-fluent-change))
   (not (pddl-numeric-fluent-change))
@@ -93,9 +129,8 @@
 
 (defrule goal-create
   (alternative (name ?name))
-  (not (goal-instance ?name))
+  (not (pddl-create-goal-instance (goal ?name)))
   =>
-  (assert (goal-instance ?name))
   (assert (pddl-create-goal-instance (instance planning) (goal ?name))))
 
 (defrule goal-filter
@@ -161,14 +196,9 @@
 
 (deffunction take-step (?action)
   "A step of the plan, in the words of the world."
-  (bind ?id (gensym*))
-  (bind ?params (create$))
-  (foreach ?p (fact-slot-value ?action params) (bind ?params (create$ ?params (sym-cat ?p))))
-  (bind ?name (fact-slot-value ?action name))
   (bind ?begin (fact-slot-value ?action planned-start-time))
-  (assert (pddl-action (instance production) (id ?id) (plan current) (name ?name) (params ?params)))
-  (assert (step (id ?id) (action ?name) (params ?params) (begin ?begin) (end (+ ?begin (fact-slot-value ?action planned-duration)))
-                (worker (worker-of ?name)))))
+  (modify (add-step (fact-slot-value ?action name) (params-of ?action))
+          (begin ?begin) (end (+ ?begin (fact-slot-value ?action planned-duration)))))
 
 (deffunction later-step (?a ?b)
   "For sort."
@@ -248,6 +278,22 @@
   (order-steps)
   (rank-steps))
 
+(deffunction carry-out (?best)
+  (bind ?orders (fact-slot-value ?best orders))
+  (decide (str-cat "work for the orders " (implode$ ?orders)) (format nil "%.3f points for each second of a robot" (gain ?best)))
+  (bind ?ours (length$ (orders-in STARTED)))
+  (foreach ?id ?orders (do-for-fact ((?o order)) (= ?o:id ?id) (modify ?o (state STARTED))))
+  (take-plan (fact-slot-value ?best name))
+  (if (and (> (length$ ?orders) ?ours) (room-for-more)) then (assert (replan (reason "there is room for another order")))))
+
+(deffunction go-on ()
+  (decide "go on as before" "no plan is worth anything")
+  (if (any-factp ((?a alternative)) (eq ?a:name alternative-0)) then (assert (no-way))))
+
+(deffunction note-planned (?now)
+  (do-for-all-facts ((?p planned-at)) TRUE (retract ?p))
+  (assert (planned-at ?now)))
+
 (defrule plan-choose
   "All alternatives are planned: the best plan is carried out."
   ?planning <- (planning (state GOALS))
@@ -255,20 +301,10 @@
   (not (alternative (state ~PLANNED)))
   (time ?now)
   =>
-  (do-for-all-facts ((?p planned-at)) TRUE (retract ?p))
-  (assert (planned-at ?now) (had-plan))
+  (note-planned ?now)
+  (assert (had-plan))
   (bind ?best (best-alternative))
-  (if ?best
-   then
-    (bind ?orders (fact-slot-value ?best orders))
-    (decide (str-cat "work for the orders " (implode$ ?orders)) (format nil "%.3f points for each second of a robot" (gain ?best)))
-    (bind ?ours (length$ (orders-in STARTED)))
-    (foreach ?id ?orders (do-for-fact ((?o order)) (= ?o:id ?id) (modify ?o (state STARTED))))
-    (take-plan (fact-slot-value ?best name))
-    (if (and (> (length$ ?orders) ?ours) (< (length$ ?orders) ?*PRODUCTS*)) then (assert (replan (reason "there is room for another order"))))
-   else
-    (decide "go on as before" "no plan is worth anything")
-    (if (any-factp ((?a alternative)) (eq ?a:name alternative-0)) then (assert (no-way))))
+  (if ?best then (carry-out ?best) else (go-on))
   (do-for-all-facts ((?a alternative)) TRUE (drop-plan ?a:name))
   (modify ?planning (state IDLE)))
 
@@ -277,6 +313,5 @@
   (not (alternative))
   (time ?now)
   =>
-  (do-for-all-facts ((?p planned-at)) TRUE (retract ?p))
-  (assert (planned-at ?now))
+  (note-planned ?now)
   (modify ?planning (state IDLE)))

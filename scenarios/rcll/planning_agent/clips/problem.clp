@@ -12,8 +12,8 @@
   =>
   (bind ?folder (str-cat (ament-index-get-package-share-directory "rcll_planning_agent") "/pddl"))
   (assert (pddl-instance (name production) (domain "production.pddl") (problem "problem.pddl") (directory ?folder))
-          (pddl-instance (name planning) (domain "production.pddl") (problem "problem.pddl") (directory ?folder))
-          (pddl-instance (name coarse) (domain "planning.pddl") (directory ?folder))
+          (pddl-instance (name planning) (domain "planning.pddl") (problem "planning_problem.pddl") (directory ?folder))
+          (pddl-instance (name coarse) (domain "coarse.pddl") (directory ?folder))
           (pddl-action-names (instance coarse))))
 
 (defrule problem-numbers
@@ -54,6 +54,14 @@
     (number ?instance transport-time ?time ?other ?name))
   (number ?instance transport-time ?*HANDLING* ?name ?name))
 
+(defrule problem-robot
+  (robot (name ?robot))
+  (pddl-instance (name planning) (state LOADED))
+  (not (in-problem planning ?robot))
+  =>
+  (assert (in-problem planning ?robot))
+  (assert (pddl-object-change (instance planning) (name (sym-cat ?robot)) (type robot))))
+
 (deffunction problem-works (?instance ?product ?works ?machines)
   "The steps of a product."
   (loop-for-count (?i 1 (length$ ?works))
@@ -85,6 +93,50 @@
   (number ?instance window-in 0 ?product)
   (problem-works ?instance ?product (works-for ?rings ?cap) (machines-for (works-for ?rings ?cap))))
 
+; --- When points are lost
+
+(defrule problem-begins
+  "Moments of the problem count from here."
+  (pddl-instance (name planning) (state LOADED))
+  (not (planning-since ?))
+  (time ?now)
+  =>
+  (assert (planning-since ?now)))
+
+(deffunction moment-at (?time)
+  "The last moment of the problem that is not after this time of the game."
+  (do-for-fact ((?g game) (?since planning-since)) TRUE
+    (return (sym-cat t (* 10 (div (+ ?g:begin (- ?time (nth$ 1 ?since:implied))) 10)))))
+  never)
+
+(deffunction lose-at (?product ?moment ?points)
+  (fluent planning deadline ?product ?moment)
+  (number planning loss ?points ?product ?moment))
+
+(defrule problem-deadlines
+  "The later a delivery, the fewer points; after the end of the game there are none. A pause moves the moments."
+  (planning-since ?)
+  (game (begin ?zero))
+  (in-problem planning ?id)
+  (order (id ?id) (complexity ?complexity) (rings $?rings) (competitive ?competitive) (begin ?begin) (end ?end))
+  (not (deadlines ?id ?zero))
+  =>
+  (assert (deadlines ?id ?zero))
+  (bind ?product (product-of ?id))
+  (bind ?window (- ?end ?begin))
+  (bind ?all (points-of ?complexity ?rings ?competitive 0 ?window))
+  (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance planning) (eq ?f:name deadline) (eq (nth$ 1 ?f:params) ?product))
+    (no-fluent planning deadline ?f:params))
+  (bind ?loss 0.0)
+  (loop-for-count (?quarter 0 3)
+    (bind ?moment (+ ?end (* ?quarter (/ ?window 4))))
+    (if (< ?moment ?*GAME*)
+     then
+      (lose-at ?product (moment-at ?moment) ?loss)
+      (bind ?loss (- ?all (points-of ?complexity ?rings ?competitive (+ (- ?moment ?end) 1) ?window)))))
+  (lose-at ?product (moment-at ?*GAME*) ?loss)
+  (lose-at ?product never ?all))
+
 (defrule problem-price
   "The league tells a price later."
   (does (work ?ring) (price ?price))
@@ -92,4 +144,5 @@
   (pddl-numeric-fluent (instance ?instance) (name price) (params =(product-of ?id) =(sym-cat s (length$ ?before))) (value ?value&:(<> ?value ?price)))
   (not (pddl-numeric-fluent-change (instance ?instance) (name price)))
   =>
+  (do-for-all-facts ((?d deadlines)) (= (nth$ 1 ?d:implied) ?id) (retract ?d))
   (number ?instance price ?price (product-of ?id) (sym-cat s (length$ ?before))))

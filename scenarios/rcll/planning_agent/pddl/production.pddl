@@ -1,8 +1,8 @@
-{#- The coarse actions of planning.pddl, and what they are made of and what can go wrong with them. For an action NAME of a robot:
+{#- The coarse actions of coarse.pddl, and what they are made of and what can go wrong with them. For an action NAME of a robot:
    NAME-drive, NAME-pick, NAME-place   its sub-actions, which the robot reports one after the other;
    NAME-return                         the robot gives up without having had the piece;
    NAME-lose                           the piece is gone. -#}
-{% extends 'planning.pddl' %}
+{% extends 'coarse.pddl' %}
 {% from 'robot_actions.jinja' import robot_actions, begin_anew %}
 {% block predicates %}{% for a in robot_actions -%}
 ({{ a.name }}-driving {{ a.params }}) ({{ a.name }}-holding {{ a.params }})
