@@ -250,6 +250,8 @@ Expected<Value> RuleEngine::call(const std::string& function, std::span<const Va
   const std::size_t errors_before = (impl_->flush_errors(), errors_.size());
   {
     HostCall call(*impl_, {ErrorSide::kCallback, function, {}, 0, nullptr});
+    // What Eval does, and FCBCall does not: a deffunction counts as in use until then, and (clear) would fail.
+    const auto in_use = construct_data(environment_)->DanglingConstructs;
     FunctionCallBuilder* builder = CreateFunctionCallBuilder(environment_, args.size());
     for (const Value& arg : args) {
       CLIPSValue atom;
@@ -260,6 +262,7 @@ Expected<Value> RuleEngine::call(const std::string& function, std::span<const Va
     error = FCBCall(builder, function.c_str(), &result);
     if (error == FCBE_NO_ERROR) value = to_value(result);
     FCBDispose(builder);
+    construct_data(environment_)->DanglingConstructs = in_use;
   }
   if (value) return *value;
   if (errors_.size() > errors_before) return errors_.back().error();

@@ -84,6 +84,7 @@ std::vector<std::string> globals_of(const Term& expression) {
 }
 
 Evaluator::~Evaluator() {
+  engine_.random() = chance_;
   for (const auto& [text, function] : functions_)
     if (function.made) (void)engine_.undefine("deffunction", function.name);
 }

@@ -50,7 +50,8 @@ class Bindings {
 class Evaluator {
  public:
   /// `module`: of the rule. The engine outlives this.
-  Evaluator(RuleEngine& engine, std::string module) : engine_(engine), module_(std::move(module)) {}
+  Evaluator(RuleEngine& engine, std::string module)
+      : engine_(engine), module_(std::move(module)), chance_(engine.random()) {}
   ~Evaluator();
   Evaluator(const Evaluator&) = delete;
   Evaluator& operator=(const Evaluator&) = delete;
@@ -71,6 +72,7 @@ class Evaluator {
 
   RuleEngine& engine_;
   std::string module_;
+  RandomStream chance_;                        // as it was: who looks draws nothing from the rules
   std::map<std::string, Function> functions_;  // by the expression's text
 };
 

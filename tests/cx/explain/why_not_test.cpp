@@ -63,6 +63,18 @@ const char* const kParts = R"(
   (limit 2) (robot x))
 )";
 
+TEST_F(WhyNotTest, ALookChangesNothingForTheRules) {
+  load(
+      "(deftemplate order (slot id))\n(deffacts start (order (id 1)))\n"
+      "(defrule lucky (order (id ?i&:(> (random 1 1000) 1000))) =>)\n");
+  RandomStream before = engine_->random();
+  why("lucky");
+  RandomStream after = engine_->random();
+  EXPECT_EQ(before.next(), after.next());
+  (void)engine_->eval("(clear)");
+  EXPECT_FALSE(engine_->has("deftemplate", "order")) << "nothing counts as in use";
+}
+
 TEST_F(WhyNotTest, APatternNamesTheNearestFactAndItsSlot) {
   load(std::string(kParts) + "(defrule r (robot x) (part (id 2) (state BUSY) (owner bob)) =>)");
   const UnmetCondition found = unmet("r");
