@@ -101,11 +101,12 @@
 (deffunction end-what-runs ()
   "The effects that what is under way still has, for `planning`: they are applied after the copy."
   (do-for-all-facts ((?s step)) (eq ?s:state RUNNING)
-    (if (eq ?s:worker ROBOT)
-     then
-      (if (not (any-factp ((?p picked)) (eq ?p:implied (create$ ?s:id)))) then (end-in-plan (sym-cat ?s:action -pick) ?s:params ALL))
-      (end-in-plan (sym-cat ?s:action -place) ?s:params ALL)
-     else (end-in-plan ?s:action ?s:params END))))
+    (if (neq ?s:worker ROBOT)
+     then (end-in-plan ?s:action (create$ ?s:params (if (eq ?s:action deliver) then never else (create$))) END)
+     else
+      (if (not (and ?*SUB-ACTIONS* (any-factp ((?p picked)) (eq ?p:implied (create$ ?s:id)))))
+       then (end-in-plan (sym-cat ?s:action -pick) ?s:params ALL))
+      (end-in-plan (sym-cat ?s:action -place) ?s:params ALL))))
 
 (defrule copy-done
   (declare (salience -10))
@@ -116,7 +117,7 @@
 
 (defrule plan-goals
   ?planning <- (planning (state END))
-  (not (pddl-action-get-effect (state ~DONE)))
+  (not (pddl-action-get-effect (state ~DONE&~ERROR)))
   (not (pddl-fluent-change))
   (not (pddl-numeric-fluent-change))
   =>

@@ -14,4 +14,4 @@
 {% block robot_busy %} (at start (not (idle ?r))) (at end (idle ?r)){% endblock %}
 {% block moment %} ?t - moment{% endblock %}
 {% block in_time %} (at start (deadline ?p ?t)) (at start (before ?t)){% endblock %}
-{% block loss %} (at end (increase (lost) (loss ?p ?t))){% endblock %}
+{% block loss %} (at start (increase (lost) (loss ?p ?t))){% endblock %}
