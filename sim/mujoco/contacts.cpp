@@ -18,7 +18,7 @@ void Contacts::read(const PhysicsGate& gate) {
   const FactoryModel& factory = gate.factory();
   step_ = gate.steps();
   for (std::size_t body = 0; body < pieces_.size(); ++body)
-    if (data.body_awake[factory.pieces[body].body]) renewed(body);
+    if (gate.is_awake(body)) renewed(body);
   for (int i = 0; i < data.ncon; ++i) {
     const GeomUse a = factory.geoms[index_of(data.contact[i].geom[0])];
     const GeomUse b = factory.geoms[index_of(data.contact[i].geom[1])];

@@ -10,8 +10,7 @@ namespace {
 constexpr int kBaseContype = 4, kPartContype = 16, kPieceConaffinity = 101;
 /// Parked pieces wait here, one beside the other, without weight and without collisions.
 const Vec3 kParking(0, -100, -10), kParkingPitch(0.1, 0, 0);
-/// Share of a held piece's weight that its grip carries. The rest makes a piece that is let go begin to fall: without
-/// any weight it would go to sleep in the air.
+/// Share of a held piece's weight that its grip carries. The rest draws a piece out of fingers that hardly touch it.
 constexpr double kCarried = 0.99;
 constexpr std::int64_t kStepsPerHash = 2;
 

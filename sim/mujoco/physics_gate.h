@@ -46,6 +46,8 @@ class PhysicsGate {
   const FactoryModel& factory() const { return factory_; }
   const mjModel& model() const { return *factory_.model; }
   const mjData& data() const { return *data_; }
+  /// Whether MuJoCo moves that body of the pool, and looks for its contacts.
+  bool is_awake(std::size_t body) const { return data_->body_awake[factory_.pieces[body].body] != 0; }
   const Lights& lights(StationId station) const { return lights_[index_of(station)]; }
 
  private:

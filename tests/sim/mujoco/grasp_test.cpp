@@ -124,14 +124,18 @@ TEST_P(Grasp, PieceIsHeldForAsLongAsItTakes) {
   EXPECT_EQ(rig_->life(piece), "belt gripper belt");
 }
 
-TEST_P(Grasp, PieceFallsWhenTheFingersOpen) {
-  const PieceId piece = dispense("C-RS1", 0.155, kBase);
-  rig_->drive_to(kR1, {6, 4, 0});
-  rig_->pick(kR1, spot("C-RS1-INPUT"));
-  rig_->drive_to(kR1, {6, 4, 0});
-  world_->command_fingers(kR1, 0.035);
-  rig_->wait(0.8);
-  EXPECT_LT(world_->find(piece)->position_in_world.z(), 0.05);
+TEST_P(Grasp, PieceFallsWhenTheFingersOpenHoweverLongItWasHeld) {
+  for (const double seconds : {0.0, 1.3, 3.7, 7.0, 12.7, 20.0, 27.0, 33.0, 41.0, 55.0}) {
+    const PieceId piece = dispense("C-RS1", 0.155, kBase);
+    rig_->drive_to(kR1, {6, 4, 0});
+    rig_->pick(kR1, spot("C-RS1-INPUT"));
+    rig_->wait(seconds);
+    world_->command_fingers(kR1, 0.035);
+    rig_->wait(1.2);
+    EXPECT_EQ(world_->robot(kR1).held, std::nullopt) << seconds;
+    EXPECT_LT(world_->find(piece)->position_in_world.z(), 0.05) << seconds;
+    world_->retire(piece, Holder::kFloor);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Step, Grasp, testing::Values(0.005, 0.01),
