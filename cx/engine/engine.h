@@ -265,6 +265,8 @@ class RuleEngine {
   /// Acting functions that tests on a left-hand side call, directly or through deffunctions: found at load, where each
   /// is an error with `kStop` and a note here with `kKeepGoing`.
   std::vector<Error> take_notes();
+  /// The first such function that the rule calls; empty: none.
+  std::string acting_call(const ConstructInfo& rule) const;
 
   // --- Looking in ------------------------------------------------------------------------------------------------
 

@@ -193,6 +193,14 @@ std::vector<RuleError> RuleEngine::Impl::acting_on_lhs(const std::string& rule) 
   return errors;
 }
 
+std::string RuleEngine::acting_call(const ConstructInfo& rule) const {
+  const auto places = impl_->lhs_calls_of.find(rule.module + "::" + rule.name);
+  if (places == impl_->lhs_calls_of.end()) return {};
+  const auto acting =
+      std::ranges::find_if(places->second, [&](const auto& place) { return impl_->is_acting(place.function); });
+  return acting == places->second.end() ? std::string() : acting->function;
+}
+
 bool RuleEngine::Impl::is_there_already(const Form& form) const {
   const bool module = form.head == "defmodule";
   if (form.head != "deftemplate" && form.head != "defclass" && !module) return false;

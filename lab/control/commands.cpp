@@ -175,6 +175,9 @@ const std::vector<Debugger::Command>& Debugger::commands() {
            if (!rule)
              return input_error("there is no rule '" + rest + "'" +
                                 did_you_mean(rest, names_of(e.engine(), "defrule")));
+           if (const std::string acting = e.engine().acting_call(*rule); !acting.empty())
+             return input_error("its conditions call '" + acting +
+                                "', which acts: to look would change the run; cxlab why-not looks when it is over");
            const auto unmet = explain::unmet_condition(e.engine(), *rule);
            if (unmet) return "condition " + std::to_string(unmet->number) + " does not hold: " + unmet->print();
            return std::string("all its conditions hold");

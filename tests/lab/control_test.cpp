@@ -195,6 +195,17 @@ TEST_F(ControlledRunTest, StepsTicksAndEnds) {
   EXPECT_THAT(ask("continue"), HasSubstr("2.000 s"));
 }
 
+TEST_F(ControlledRunTest, AConditionThatActsIsNotLookedAt) {
+  begin("(deffunction note (?x) (assert (noted ?x)) TRUE)\n(deffunction same (?x) (eq ?x ?x))\n");
+  ask("(defrule acts (go ?x) (test (note ?x)) =>)");
+  ask("(defrule looks (go ?x) (test (same ?x)) =>)");
+  EXPECT_EQ(ask("why acts"),
+            "no: its conditions call 'note', which acts: to look would change the run; cxlab why-not looks when it is "
+            "over");
+  EXPECT_THAT(ask("why looks"), HasSubstr("condition 1 does not hold"));
+  ask("continue");
+}
+
 TEST_F(ControlledRunTest, CompletesNamesOfCommandsRulesAndFunctions) {
   begin("(defrule globe (a) =>)\n");
   EXPECT_THAT(*client_->completions("glob"), ElementsAre("globals", "globe"));
