@@ -34,7 +34,9 @@
     (or (step (id ?id) (worker ~ROBOT)) (step (id ?id) (state APPROACHING)) (robot-waits))
     (not (step (state ~DONE) (group ?g&:(< 0 ?g (- ?group (ahead))))))
     (not (and (waits-for (step ?id) (for ?before&:(not (in-groups))))
-              (step (id ?before) (state OPEN|CHECKING|BLOCKED|APPROACHING|FAILED)))))
+              (step (id ?before) (state OPEN|CHECKING|BLOCKED|APPROACHING|FAILED))))
+    (not (and (follows (step ?id) (after ?before))
+              (step (id ?before) (state ~DONE)))))
   =>
   (assert (allowed ?id)))
 

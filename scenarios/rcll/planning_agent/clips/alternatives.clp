@@ -70,6 +70,11 @@
    then (subseq$ ?params 1 (- (length$ ?params) 1))
    else ?params))
 
+(deffunction robot-of (?action)
+  "That the planner has chosen for an action of a plan."
+  (bind ?params (fact-slot-value ?action params))
+  (if (eq (worker-of (fact-slot-value ?action name)) ROBOT) then (sym-cat (nth$ (length$ ?params) ?params)) else none))
+
 (deffunction weigh (?plan)
   "Points and robots' work of a plan."
   (bind ?now (game-time))

@@ -3,7 +3,7 @@
 ; way has ended.
 
 (defglobal
-  ?*STRATEGY* = "partial-order"  ; groups, lookahead, partial-order
+  ?*STRATEGY* = "partial-order"  ; groups, lookahead, partial-order, stn
   ?*LOOKAHEAD* = 1               ; groups that lookahead may begin early
   ?*SUB-ACTIONS* = TRUE          ; effects as soon as a robot reports a part of its action; else at its end
   ?*ORDER* = "plan"              ; of steps that may begin: plan, delivery, slack (docs/planning-agent.md)
@@ -25,7 +25,7 @@
   ?read <- (read-settings)
   =>
   (retract ?read)
-  (bind ?*STRATEGY* (one-of "strategy.dispatch" ?*STRATEGY* "groups" "lookahead" "partial-order"))
+  (bind ?*STRATEGY* (one-of "strategy.dispatch" ?*STRATEGY* "groups" "lookahead" "partial-order" "stn"))
   (bind ?*LOOKAHEAD* (ros-param-get-value "strategy.lookahead" ?*LOOKAHEAD*))
   (bind ?*SUB-ACTIONS* (ros-param-get-value "strategy.sub_actions" ?*SUB-ACTIONS*))
   (bind ?*ORDER* (one-of "strategy.order" ?*ORDER* "plan" "delivery" "slack"))
@@ -50,6 +50,7 @@
   (slot rank (type FLOAT) (default 0.0))    ; the smallest goes first
   (slot group (type INTEGER) (default 0))   ; of steps that begin together
   (slot worker (type SYMBOL) (allowed-values ROBOT MACHINE AGENT))
+  (slot robot (type SYMBOL) (default none)) ; of the plan
   (slot state (type SYMBOL) (allowed-values OPEN CHECKING BLOCKED APPROACHING RUNNING DONE FAILED) (default OPEN))
   (slot was (type SYMBOL) (default OPEN))   ; before it was checked
   (slot seen (type INTEGER) (default -1))   ; the world's version in which its conditions did not hold
@@ -59,6 +60,11 @@
   "A step of the plan that begins after another one, because both use a product or machine."
   (slot step (type SYMBOL))
   (slot for (type SYMBOL)))
+
+(deftemplate follows
+  "A step that the plan gives to the same robot after another one."
+  (slot step (type SYMBOL))
+  (slot after (type SYMBOL)))
 
 (deftemplate planning
   "How far the next plan is. IDLE: nothing to plan. COPY: the world is copied. END: what is under way is thought to its end.

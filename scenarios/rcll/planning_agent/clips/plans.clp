@@ -199,7 +199,7 @@
   "A step of the plan, in the words of the world."
   (bind ?begin (fact-slot-value ?action planned-start-time))
   (modify (add-step (fact-slot-value ?action name) (params-of ?action))
-          (begin ?begin) (end (+ ?begin (fact-slot-value ?action planned-duration)))))
+          (begin ?begin) (end (+ ?begin (fact-slot-value ?action planned-duration))) (robot (robot-of ?action))))
 
 (deffunction later-step (?a ?b)
   "For sort."
@@ -215,11 +215,30 @@
     (bind ?last ?begin)
     (modify ?s (group ?group))))
 
+(deffunction last-user (?users ?object)
+  "Of pairs of an object and the step that used it last."
+  (bind ?at (member$ ?object ?users))
+  (if ?at then (nth$ (+ ?at 1) ?users) else none))
+
+(deffunction with-user (?users ?object ?step)
+  (bind ?at (member$ ?object ?users))
+  (if ?at then (replace$ ?users (+ ?at 1) (+ ?at 1) ?step) else (create$ ?users ?object ?step)))
+
 (deffunction order-steps ()
-  "What begins after another step that uses the same product or machine waits for it."
-  (do-for-all-facts ((?s step) (?t step))
-      (and (eq ?s:state OPEN) (eq ?t:state OPEN) (< ?t:begin ?s:begin) (neq (intersection$ (objects-of ?s:action ?s:params) (objects-of ?t:action ?t:params)) (create$)))
-    (assert (waits-for (step ?s:id) (for ?t:id)))))
+  "A step waits for the last one before it that uses the same product or machine; in the temporal network also for its robot."
+  (bind ?users (create$))
+  (foreach ?s (sort later-step (find-all-facts ((?s step)) (eq ?s:state OPEN)))
+    (bind ?id (fact-slot-value ?s id))
+    (foreach ?object (objects-of (fact-slot-value ?s action) (fact-slot-value ?s params))
+      (bind ?last (last-user ?users ?object))
+      (if (not (member$ ?last (create$ none ?id))) then (assert (waits-for (step ?id) (for ?last))))
+      (bind ?users (with-user ?users ?object ?id)))
+    (bind ?robot (fact-slot-value ?s robot))
+    (if (and (eq ?*STRATEGY* "stn") (neq ?robot none))
+     then
+      (bind ?last (last-user ?users ?robot))
+      (if (neq ?last none) then (assert (follows (step ?id) (after ?last))))
+      (bind ?users (with-user ?users ?robot ?id)))))
 
 (deffunction window-of (?product)
   "The end of its window, s from now."
@@ -274,6 +293,7 @@
     (if (eq ?s:state APPROACHING) then (assert (approached ?s:work ?s:action ?s:params)))
     (retract ?s))
   (do-for-all-facts ((?w waits-for)) TRUE (retract ?w))
+  (do-for-all-facts ((?f follows)) TRUE (retract ?f))
   (do-for-all-facts ((?a pddl-action)) (eq ?a:plan ?name) (take-step ?a))
   (group-steps)
   (order-steps)
