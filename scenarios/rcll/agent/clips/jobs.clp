@@ -5,6 +5,8 @@
   (bind ?dash (str-index "-" (sub-string 3 (str-length ?spot) ?spot)))
   (if ?dash then (sub-string 1 (+ ?dash 1) ?spot) else ?spot))
 
+(defglobal ?*TRANSPORT* = TRUE)  ; fetching and bringing are one skill where nothing holds up what comes between
+
 (deffunction output-of (?machine)
   (str-cat ?machine "-OUTPUT"))
 
@@ -53,7 +55,7 @@
   (bind ?skill (switch ?step (case FETCH then pick) (case PUT then place) (default drive_to)))
   (bind ?target (if (or (eq ?step GO-FETCH) (eq ?step FETCH)) then ?from else ?to))
   (modify ?job (moving YES))
-  (if (and (eq ?step FETCH) (not (any-factp ((?h held-up)) (= ?h:job ?id))))
+  (if (and ?*TRANSPORT* (eq ?step FETCH) (not (any-factp ((?h held-up)) (= ?h:job ?id))))
    then (assert (command (id ?id) (robot ?robot) (skill transport) (from ?from) (target ?to)))
    else (assert (command (id ?id) (robot ?robot) (skill ?skill) (target ?target)))))
 

@@ -83,6 +83,7 @@
   ?job <- (job (id ?id) (step GO-FETCH) (moving NO) (robot ~""))
   (not (held-up (job ?id)))
   (not (trouble (job ?id)))
+  (test (eq ?*TRANSPORT* TRUE))
   =>
   (modify ?job (step FETCH)))
 

@@ -33,6 +33,7 @@
     (case "nearest" then (bind ?*REST* 0.0))
     (case "rested" then (bind ?*WAY* 0.0))
     (default none))
+  (bind ?*TRANSPORT* (ros-param-get-value "strategy.transport" ?*TRANSPORT*))
   (bind ?*PATIENCE* (ros-param-get-value "strategy.patience" 10.0))
   (bind ?*IN-ADVANCE* (ros-param-get-value "strategy.in_advance" ?*IN-ADVANCE*))
   (bind ?*PRODUCTS* (ros-param-get-value "strategy.products" ?*PRODUCTS*))
