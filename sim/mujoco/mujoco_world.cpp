@@ -132,8 +132,9 @@ void MujocoWorld::update_holder(Piece& piece) {
 void MujocoWorld::carry(const Piece& piece, bool gripped) {
   Body& body = bodies_[body_of(piece.id)];
   const bool on = gripped && piece.holder == Holder::kGripper;
-  // What has no weight can go to sleep in the air when the fingers open: awake it is seen that nothing touches it.
-  if (on && !gate_.is_awake(body_of(piece.id))) gate_.wake(body_of(piece.id));
+  // What has no weight can go to sleep in the air when the fingers open: awake it is seen that nothing touches it, and
+  // falls.
+  if (body.carried && !gate_.is_awake(body_of(piece.id))) gate_.wake(body_of(piece.id));
   if (on == body.carried) return;
   body.carried = on;
   gate_.carry(body_of(piece.id), on);
