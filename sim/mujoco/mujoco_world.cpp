@@ -144,6 +144,8 @@ void MujocoWorld::carry(const Piece& piece, bool gripped) {
 MujocoWorld::Place MujocoWorld::place_of(const Piece& piece) const {
   const PieceTouch& touch = contacts_.of_piece(body_of(piece.id));
   if (const auto robot = touch.holder()) return {Holder::kGripper, static_cast<int>(*robot)};
+  const bool on_a_heap = touch.other_piece && piece.position_in_world.z() < kMachine.working_height / 2;
+  if (!touch.gripped() && !touch.supported() && on_a_heap) return {Holder::kFloor, -1};
   if (touch.gripped() || !touch.supported()) return {piece.holder, piece.holder_index};
   const auto spot = [&](SpotKind kind) {
     return static_cast<int>(nearest_spot(static_cast<StationId>(touch.station), kind, piece.position_in_world));

@@ -138,6 +138,18 @@ TEST_P(Grasp, PieceFallsWhenTheFingersOpenHoweverLongItWasHeld) {
   }
 }
 
+TEST_P(Grasp, PieceThatFallsOnAnotherOneIsOnTheFloor) {
+  for (int n = 0; n < 4; ++n) {
+    const PieceId piece = dispense("C-RS1", 0.155, kBase);
+    rig_->drive_to(kR1, {6, 4, 0});
+    rig_->pick(kR1, spot("C-RS1-INPUT"));
+    rig_->wait(10);
+    world_->command_fingers(kR1, 0.035);
+    rig_->wait(3);
+    EXPECT_EQ(rig_->life(piece), "belt gripper floor") << n << ", z " << world_->find(piece)->position_in_world.z();
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Step, Grasp, testing::Values(0.005, 0.01),
                          [](const auto& test) { return std::to_string(static_cast<int>(test.param * 1000)) + "ms"; });
 
