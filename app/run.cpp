@@ -26,6 +26,7 @@ int run(Options options) {
   if (!file) return fail(file.error());
   auto scenario = Scenario::load(*file, catalogue(), overrides);
   if (!scenario) return fail(scenario.error());
+  const double duration = to_seconds(scenario->duration), until = options.play.until.value_or(0);
   const auto [code, played] = play(options, *std::move(scenario));
   if (played.result.journal_hash.empty()) return code;
   if (options.json) {
@@ -38,6 +39,10 @@ int run(Options options) {
                   seconds_text(played.result.sim_time).c_str());
     std::fputs(played.result.score_board.c_str(), stdout);
   }
+  if (!options.quiet && played.result.status == RunStatus::kCompleted && until > duration &&
+      to_seconds(played.result.sim_time) >= duration)
+    std::fprintf(stderr, "ended after %s, the scenario's duration_s; for longer: --set duration_s=%g\n",
+                 seconds_text(played.result.sim_time).c_str(), until);
   if (!options.json && !played.folder.empty()) std::printf("%s\n", (played.folder / "index.html").c_str());
   return code;
 }

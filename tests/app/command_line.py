@@ -133,6 +133,14 @@ class Output(Lab):
         self.assertIn("run: again\n", loud.stderr)
         self.assertIn("hello", loud.stderr)
 
+    def test_a_run_that_ends_before_until_says_what_ends_it(self):
+        (self.folder / "empty.yaml").write_text("schema: 1\nduration_s: 2\n")
+        run = ["run", self.folder / "empty.yaml", "--out", self.folder / "run", "--force", "--until"]
+        said = "ended after 2.000 s, the scenario's duration_s; for longer: --set duration_s=3"
+        self.assertIn(said, cxlab(*run, "3").stderr)
+        self.assertNotIn("duration_s", cxlab(*run, "2").stderr)
+        self.assertNotIn("duration_s", cxlab(*run, "3", "--set", "duration_s=3").stderr)
+
     def test_an_error_of_a_file_is_shown_once(self):
         self.agent("(defrule broken (time ?) => (no-such-function))")
         loud = cxlab("env", "agent.yaml", "--package", "rules=rules", "--until", 1, "--out", "none", cwd=self.folder)
