@@ -1,0 +1,54 @@
+"""Draws a sweep of strategies: for each the mean points with their 95 % interval, and the points of each game.
+
+    cxlab bench benchmarks/strategies.yaml -j 2 --out runs/strategies
+    python3 benchmarks/plot_strategies.py runs/strategies/rows.csv benchmarks/strategies.svg
+"""
+
+import csv
+import html
+import math
+import statistics
+import sys
+
+# Student's t for 95 %, by degrees of freedom; 1.97 beyond.
+T = {5: 2.571, 9: 2.262, 11: 2.201, 14: 2.145, 19: 2.093, 29: 2.045, 39: 2.023}
+LEFT, RIGHT, ROW, TOP = 190, 900, 20, 24
+MOST = 800  # points, at the right edge
+
+
+def interval(points):
+    return T.get(len(points) - 1, 1.97) * statistics.stdev(points) / math.sqrt(len(points))
+
+
+def x(points):
+    return LEFT + (RIGHT - LEFT) * points / MOST
+
+
+def drawing(rows):
+    strategies = list(dict.fromkeys(row["strategy"] for row in rows))
+    bottom = TOP + ROW * len(strategies)
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {RIGHT + 20} {bottom + 30}" font-family="sans-serif" font-size="12">',
+           '<rect width="100%" height="100%" fill="white"/>']
+    for points in range(0, MOST + 1, 100):
+        out.append(f'<line x1="{x(points)}" y1="{TOP - 8}" x2="{x(points)}" y2="{bottom}" stroke="#ddd"/>'
+                   f'<text x="{x(points)}" y="{bottom + 18}" text-anchor="middle" fill="#555">{points}</text>')
+    for i, strategy in enumerate(strategies):
+        points = [float(row["points"]) for row in rows if row["strategy"] == strategy]
+        mean, half, y = statistics.mean(points), interval(points), TOP + ROW * i + ROW / 2
+        colour = "#c2187f" if strategy == "greedy" else "#0093b8"
+        if i == 0:
+            out.append(f'<line x1="{x(mean)}" y1="{TOP - 8}" x2="{x(mean)}" y2="{bottom}" stroke="{colour}" stroke-dasharray="4 3"/>')
+        out.append(f'<text x="{LEFT - 10}" y="{y + 4}" text-anchor="end">{html.escape(strategy)}</text>')
+        out += [f'<circle cx="{x(p):.1f}" cy="{y}" r="2.5" fill="#bbb"/>' for p in points]
+        out.append(f'<line x1="{x(mean - half):.1f}" y1="{y}" x2="{x(mean + half):.1f}" y2="{y}" stroke="{colour}" stroke-width="3"/>'
+                   f'<circle cx="{x(mean):.1f}" cy="{y}" r="4.5" fill="{colour}"/>')
+    return "\n".join(out) + "\n</svg>\n"
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    with open(sys.argv[1], newline="") as file:
+        text = drawing(list(csv.DictReader(file)))
+    with open(sys.argv[2], "w") as file:
+        file.write(text)
