@@ -1,0 +1,285 @@
+#!/usr/bin/env python3
+"""The most points that any agent could reach in a game of the Logistics League, timed tier, rules `league`.
+
+    benchmarks/upper_bound.py GAME.yaml ...   games as `cxlab new game` writes them
+    benchmarks/upper_bound.py RUN ...         the games of runs (folders), the points of each scenario's runs, and their share
+    benchmarks/upper_bound.py RUN ... rows.csv    also the rows of a `cxlab bench` with the same games: each strategy's
+
+The schedule behind the bound is clairvoyant, and only those limits hold that are easy to prove:
+
+- All is known at 0: orders, prices, machines. Products may be made before their order comes in. All points of
+  exploration are earned at no cost, and a competitive order is delivered first.
+- A robot takes a product from the base station to each ring station, the cap station and the delivery station; besides, each
+  cap takes a carrier to the cap station, each payment a base to the slide. A C0 may come from the storage instead (-5).
+  Pieces are picked at outputs and shelves and placed at inputs and slides.
+- What a robot carries takes the drive from the nearest place where it may have placed something (or started), the pick, the
+  drive along the straight line, and the place: as a `transport`, with handling SIGMAS standard deviations under its mean (that
+  all the many handlings of a game are shorter than that on average does not happen). Robots are never in each other's way.
+- What must be done by a time for the products that are delivered by then takes robots no longer than that, and a ring or cap
+  station no longer than from its first piece on. Within that the order of work is free, and pieces wait for nothing.
+- No product is delivered before it can have gone through its stations.
+- Rings and caps are mounted on products that are delivered. At the end each slide may have UNUSED_PAYMENTS
+  more, each cap station a cap more, if robots have time for that.
+
+Any schedule that holds to this delivers each order in time, late by so many quarters of its window, or never. Of all such choices
+the best one within the limits is the bound.
+"""
+import argparse
+import collections
+import csv
+import json
+import math
+import pathlib
+import statistics
+import sys
+
+POINTS = {"C0": 20, "C1": 30, "C2": 50, "C3": 100}
+RING_POINTS = (5, 10, 20)  # by price
+CAP_POINTS, BUFFER_POINTS, PAYMENT_POINTS, COMPETITIVE_POINTS, STORAGE_POINTS = 10, 2, 2, 10, -5
+EXPLORATION_POINTS = 14
+UNUSED_PAYMENTS = 3
+RINGS_OF = {"RING_ORANGE": "RS1", "RING_GREEN": "RS1", "RING_BLUE": "RS2", "RING_YELLOW": "RS2"}
+CAPS_OF = {"CAP_GREY": "CS1", "CAP_BLACK": "CS2"}
+
+# docs/rcll.md, Machines; sim/traffic/trajectory.h; docs/skills.md, The timed tier. SI units.
+BELT_IN, BELT_OUT, WAIT_IDLE = 1.538, 2.656, 5
+CAP_TIME, RING_TIME, GATE_TIME = 17.5, 17.308, 3.746
+SPEED, SPEED_UP, SLOW_DOWN, TURN, TURN_UP = 0.5, 0.36, 1.0, 0.9, 1.2
+HANDLING = {"physics": {"pick": 15.5, "shelf": 15.5, "place": 15.3, "slide": 15.3},
+            "measured": {"pick": 20.9, "shelf": 24.2, "place": 19.2, "slide": 23.5}}
+PICK_SIGMA, PLACE_SIGMA, SIGMAS = 0.4, 0.6, 1
+LOOK_AHEAD, CHECK = 2.3, 2.0  # s that a transport saves: of what it drives before each handling, and of its pick
+# Where robots stand, seen from the middle of a machine: x, y, and the direction that they look in.
+STANDING = {"INPUT": (0.675, -0.025, math.pi), "OUTPUT": (-0.675, -0.025, 0), "SLIDE": (0.675, 0.25, math.pi),
+            "SHELF-LEFT": (0.675, 0.075, math.pi), "SHELF-MIDDLE": (0.675, 0.175, math.pi), "SHELF-RIGHT": (0.675, 0.275, math.pi)}
+PRODUCTION = 1200
+
+
+def read_game(text):
+    """The game of a file as cxlab writes it: keys, lists of "- key: value" blocks, and lists of words."""
+    game, table, words = {}, {}, []
+    for line in text.splitlines():
+        depth, item = len(line) - len(line.lstrip(" ")), line.strip()
+        if depth == 0 and item.endswith(":"):
+            game[item[:-1]] = blocks = []
+            table = {}
+        elif item == "[]":
+            continue
+        elif item.startswith("- ") and ": " not in item:
+            words.append(item[2:])
+        else:
+            if item.startswith("- "):
+                table = {}
+                blocks.append(table)
+            elif not table:
+                blocks.append(table)
+            key, _, value = item.removeprefix("- ").partition(":")
+            words = [] if not value else words
+            table[key] = value.strip() or words
+    return game
+
+
+def drive_time(a, b):
+    """Of the straight way between two poses, from rest to rest, turning meanwhile."""
+    way, turn = math.dist(a[:2], b[:2]), abs(math.remainder(b[2] - a[2], 2 * math.pi))
+    ramps = 1 / SPEED_UP + 1 / SLOW_DOWN
+    straight = way / SPEED + SPEED / 2 * ramps if way > SPEED**2 / 2 * ramps else math.sqrt(2 * way * ramps)
+    turning = turn / TURN + TURN / TURN_UP if turn > TURN**2 / TURN_UP else 2 * math.sqrt(turn / TURN_UP)
+    return max(straight, turning)
+
+
+class Field:
+    """Where robots pick and place, and the least times for that."""
+
+    def __init__(self, layout, robots, durations):
+        self.handling = HANDLING[durations]
+        self.spots = {}
+        for machine in layout:
+            team, name = machine["machine"].split("-")
+            if team != "C":
+                continue
+            zone, turn = machine["zone"], math.radians(float(machine["rotation"]))
+            x, y = (float(zone[3]) - 0.5) * (1 if zone[0] == "C" else -1), float(zone[4]) - 0.5
+            for spot, (forward, left, looks) in STANDING.items():
+                self.spots[name, spot] = (x + forward * math.cos(turn) - left * math.sin(turn),
+                                          y + forward * math.sin(turn) + left * math.cos(turn), turn + looks)
+        self.picked = [("BS", "INPUT"), *((machine, "OUTPUT") for machine in ("BS", "CS1", "CS2", "RS1", "RS2", "SS"))]
+        self.picked += [(machine, spot) for machine in ("CS1", "CS2") for spot in STANDING if spot.startswith("SHELF")]
+        placed = [("RS1", "SLIDE"), ("RS2", "SLIDE"), *((m, "INPUT") for m in ("CS1", "CS2", "RS1", "RS2", "SS", "DS"))]
+        self.starts = [(4.5 + i, 0.5, math.pi / 2) for i in range(robots)]
+        self.begins = self.starts + [self.spots[spot] for spot in placed]
+
+    def handle(self, drive, kind):
+        """A drive and the handling at its end."""
+        sigma, check = (PLACE_SIGMA, 0) if kind in ("place", "slide") else (PICK_SIGMA, CHECK)
+        return max(drive - LOOK_AHEAD, 0) + self.handling[kind] - check - SIGMAS * sigma
+
+    def bring(self, source, machine, spot="INPUT"):
+        """From the gripper's closing at the source until the piece lies at the machine."""
+        drive = drive_time(self.spots[source], self.spots[machine, spot])
+        return self.handle(drive, "slide" if spot == "SLIDE" else "place")
+
+    def carry(self, sources, machine, spot="INPUT", first=False):
+        """The least time to bring something from one of the sources, the drive there included; first: from a robot's start."""
+        def fetch(source):
+            drive = min(drive_time(pose, self.spots[source]) for pose in (self.starts if first else self.begins))
+            return self.handle(drive, "shelf" if source[1].startswith("SHELF") else "pick")
+        return min(fetch(source) + self.bring(source, machine, spot) for source in sources)
+
+    def pick_at_once(self):
+        """Of a robot that drives up just when the piece is ready."""
+        return self.handle(0, "pick") - LOOK_AHEAD
+
+    def pass_on(self, spot, machine):
+        """From when something is ready at the spot until it lies at the machine's input."""
+        return self.pick_at_once() + self.bring(spot, machine)
+
+    def busy(self, work):
+        """How long a station has to do with a piece, until it is idle again."""
+        return BELT_IN + work + BELT_OUT + self.pick_at_once() + WAIT_IDLE
+
+
+# A way to deliver an order. Jobs: (resource, until, seconds), so much work that must be done by then.
+Option = collections.namedtuple("Option", "points jobs")
+
+
+def options_of(order, prices, field):
+    """The ways to deliver an order, best first: made, or from the storage; in time, or in a quarter after its window."""
+    begin, end = float(order["delivery_begin"]), float(order["delivery_end"])
+    worth = POINTS[order["complexity"]]
+    rings, cap_station = order["ring_colors"], CAPS_OF[order["cap_color"]]
+    way = ["BS", *(RINGS_OF[ring] for ring in rings), cap_station, "DS"]
+    with_it = CAP_POINTS + sum(RING_POINTS[prices[ring]] for ring in rings)
+    with_it += COMPETITIVE_POINTS if order["competitive"] == "true" else 0
+    before_it = BUFFER_POINTS + PAYMENT_POINTS * sum(prices[ring] for ring in rings)
+
+    bases = [("BS", "INPUT"), ("BS", "OUTPUT")]
+    robots = field.carry(bases, way[1]) + sum(field.carry([(a, "OUTPUT")], b) for a, b in zip(way[1:], way[2:]))
+    robots += field.carry(field.picked, cap_station)
+    robots += sum(prices[ring] * field.carry(field.picked, RINGS_OF[ring], "SLIDE") for ring in rings)
+    # When the product lies at the input of each station at the earliest.
+    works = [CAP_TIME if station == cap_station else RING_TIME for station in way[1:-1]]
+    lies = [field.carry(bases, way[1], first=True)]
+    for station, following, work in zip(way[1:], way[2:], works):
+        lies.append(lies[-1] + BELT_IN + work + BELT_OUT + field.pass_on((station, "OUTPUT"), following))
+    carrying, stored = (field.carry([("SS", "OUTPUT")], "DS", first=first) for first in (False, True))
+
+    options = []
+    for quarters in range(5):
+        until = min(PRODUCTION, end + quarters * (end - begin) / 4) if quarters < 4 else PRODUCTION
+        slack = until - lies[-1] - BELT_IN - GATE_TIME
+        points = worth - worth * quarters * 3 // 16 + with_it
+        jobs = [("robots", lies[-1] + slack, robots), (cap_station, lies[-2] + slack, field.busy(CAP_TIME))]
+        # A station may still be busy with the product's last stay there when the product is delivered.
+        jobs += [(station, lie + slack + field.busy(work), field.busy(work)) for station, lie, work in zip(way[1:], lies, works)]
+        if slack >= 0:
+            options.append(Option(points + before_it, jobs))
+        if order["complexity"] == "C0" and stored + BELT_IN + GATE_TIME <= until:
+            options.append(Option(points + STORAGE_POINTS, [("robots", until - BELT_IN - GATE_TIME, carrying)]))
+        if until == PRODUCTION:
+            break
+    return sorted(options, key=lambda option: -option.points)
+
+
+def in_time(jobs, workers, begin):
+    """Whether so many workers, from `begin` on, can do the jobs, each in time."""
+    done = begin
+    for until, seconds in sorted(jobs):
+        done += seconds / workers
+        if done > until + 1e-6:
+            return False
+    return True
+
+
+def upper_bound(game, robots=3, durations="physics"):
+    """The most points in the game."""
+    field = Field(game["layout"], robots, durations)
+    prices = {colour: int(price) for colour, price in game["ring_prices"][0].items()}
+    orders = [options_of(order, prices, field) for order in game["orders"] for _ in range(int(order["quantity"]))]
+    orders = sorted(filter(None, orders), key=lambda options: -options[0].points)
+    limits = {station: (1, field.carry(field.picked, station, first=True)) for station in ("CS1", "CS2", "RS1", "RS2")}
+    limits["robots"] = (robots, 0)
+    most_extras = 2 * UNUSED_PAYMENTS + 2
+    extra_time = min([field.carry(field.picked, station, "SLIDE") for station in ("RS1", "RS2")] +
+                     [field.carry(field.picked, station) for station in ("CS1", "CS2")])
+    extra_points = max(PAYMENT_POINTS, BUFFER_POINTS)
+    hope = [extra_points * most_extras + sum(options[0].points for options in orders[i:]) for i in range(len(orders) + 1)]
+    jobs = {resource: [] for resource in limits}
+    best = 0
+
+    def search(i, points):
+        nonlocal best
+        if i == len(orders):
+            left = robots * PRODUCTION - sum(seconds for _, seconds in jobs["robots"])
+            best = max(best, points + extra_points * min(most_extras, int(left / extra_time)))
+            return
+        for option in [*orders[i], Option(0, [])]:
+            if points + option.points + hope[i + 1] <= best:
+                return
+            for resource, *job in option.jobs:
+                jobs[resource].append(job)
+            if all(in_time(jobs[resource], *limits[resource]) for resource in {job[0] for job in option.jobs}):
+                search(i + 1, points + option.points)
+            for resource, *_ in option.jobs:
+                jobs[resource].pop()
+
+    search(0, 0)
+    return best + EXPLORATION_POINTS
+
+
+def read_inputs(paths, robots):
+    """Games by name, and of each strategy the points in games: {strategy: {game: points}}."""
+    games, points, rows = {}, collections.defaultdict(dict), []
+    for path in map(pathlib.Path, paths):
+        if path.suffix == ".csv":
+            with open(path, newline="") as file:
+                rows += csv.DictReader(file)
+            continue
+        name, file = path.stem, path
+        if path.is_dir():
+            result = json.loads((path / "result.json").read_text())
+            name, file = str(result["seed"]), path / "game.yaml"
+            if result["tier"] != "timed" or len(result["robots"]) != robots or result["sim_time_s"] > PRODUCTION:
+                sys.exit(f"{path}: expected a run in the timed tier of {PRODUCTION} s and one team with {robots} robots")
+            points[result["scenario"]][name] = result["teams"]["CYAN"]["points"]
+        text = file.read_text()
+        if games.setdefault(name, text) != text:
+            sys.exit(f"{path}: another game {name} than before")
+    for row in rows:
+        name = row["game"] or row["seed"]
+        if name not in games:
+            sys.exit(f"no game {name} for the rows: name its file, or the folder of a run of it")
+        if row["points"]:
+            points[row["strategy"]][name] = float(row["points"])
+    return games, points
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("input", nargs="+", help="folder of a run, game file, or rows.csv of cxlab bench")
+    parser.add_argument("--robots", type=int, default=3)
+    parser.add_argument("--durations", choices=HANDLING, default="physics", help="timed.durations of the runs")
+    options = parser.parse_args()
+    games, points = read_inputs(options.input, options.robots)
+    bounds = {}
+    for name, text in games.items():
+        try:
+            bounds[name] = upper_bound(read_game(text), options.robots, options.durations)
+        except (KeyError, IndexError, ValueError) as problem:
+            sys.exit(f"game {name}: not as `cxlab new game` writes it: {problem!r}")
+
+    print("| Game | Bound |" + "".join(f" {strategy} |" for strategy in points))
+    print("|---|---|" + "---|" * len(points))
+    shares = {strategy: {name: got / bounds[name] for name, got in of.items()} for strategy, of in points.items()}
+    for name, bound in bounds.items():
+        cells = (f"{of[name]:.0f} ({shares[strategy][name]:.0%})" if name in of else "" for strategy, of in points.items())
+        print(f"| {name} | {bound} |" + "".join(f" {cell} |" for cell in cells))
+    means = (f"{statistics.mean(of.values()):.0f} ({statistics.mean(shares[strategy].values()):.1%})" for strategy, of in points.items())
+    print(f"| mean | {statistics.mean(bounds.values()):.0f} |" + "".join(f" {cell} |" for cell in means))
+    beyond = [f"{strategy} in game {name}" for strategy, of in shares.items() for name, share in of.items() if share > 1]
+    if beyond:
+        sys.exit("more than the bound: " + ", ".join(beyond))
+
+
+if __name__ == "__main__":
+    main()
