@@ -49,7 +49,7 @@ class PlanningGames(unittest.TestCase):
         self.assertEqual(hashes[0], hashes[1])
 
     def test_a_strategy_that_nobody_knows_is_told(self):
-        for parameter, known in {"dispatch": '"groups" "lookahead" "partial-order"', "order": '"plan" "delivery" "slack"',
+        for parameter, known in {"dispatch": '"groups" "lookahead" "partial-order" "stn"', "order": '"plan" "delivery" "slack"',
                                  "robot": '"nearest" "rested" "both"'}.items():
             done = cxlab("run", SCENARIO, "--tier", "timed", "--until", 1, "--out", self.folder / parameter,
                          "--set", f"agents[0].params={{clips_manager.strategy.{parameter}: other}}")

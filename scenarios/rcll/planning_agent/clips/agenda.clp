@@ -77,6 +77,24 @@
   (decide (str-cat "hold back fetch-carrier " ?cs) "the shelf is empty")
   (modify ?step (state BLOCKED)))
 
+(deffunction payments-before (?slide ?begin)
+  "How many payments are to come to the slide before that time of the plan."
+  (length$ (find-all-facts ((?s step))
+    (and (member$ ?s:action (create$ pay-with-new-base pay-with-bare-base)) (eq (nth$ 2 ?s:params) ?slide)
+         (member$ ?s:state (create$ OPEN BLOCKED APPROACHING)) (< ?s:begin ?begin)))))
+
+(defrule agenda-no-room
+  "What room the slide has is for the payments before this one: without them a product would wait for ever."
+  (declare (salience 10))
+  ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
+  ?step <- (step (id ?id) (state CHECKING) (action ?action&pay-with-new-base|pay-with-bare-base) (params ?from ?slide) (begin ?begin))
+  (pddl-numeric-fluent (instance production) (name slide-room) (params ?slide) (value ?room))
+  (test (<= ?room (payments-before ?slide ?begin)))
+  =>
+  (retract ?check)
+  (decide (str-cat "hold back " ?action " " ?from " " ?slide) "the room is for payments before it")
+  (modify ?step (state BLOCKED)))
+
 (defrule agenda-begin
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
   ?step <- (step (id ?id) (state CHECKING) (was ?was) (action ?action) (params $?params) (worker ?worker)
@@ -141,4 +159,4 @@
   (test (eq ?*IN-ADVANCE* TRUE))
   =>
   (decide (str-cat "pay in advance at " ?rs) "a robot has nothing to do")
-  (modify (add-step pay-with-new-base (create$ (pddl-name ?bs) (sym-cat ?rs))) (rank 100000.0)))
+  (modify (add-step pay-with-new-base (create$ (pddl-name ?bs) (sym-cat ?rs))) (begin 100000.0) (rank 100000.0)))
