@@ -1,0 +1,60 @@
+; The instance `planning` becomes the world as it will be: a copy of `production`, in which what is under way has ended.
+
+(defrule copy-true
+  (planning (state COPY))
+  (pddl-fluent (instance production) (name ?name) (params $?params))
+  (not (pddl-fluent (instance planning) (name ?name) (params $?params)))
+  =>
+  (fluent planning ?name ?params))
+
+(defrule copy-false
+  "But for what only plans know."
+  (planning (state COPY))
+  (pddl-fluent (instance planning) (name ?name&~idle&~before&~deadline) (params $?params))
+  (not (pddl-fluent (instance production) (name ?name) (params $?params)))
+  =>
+  (no-fluent planning ?name ?params))
+
+(defrule copy-number
+  (planning (state COPY))
+  (pddl-numeric-fluent (instance production) (name ?name&~window-in) (params $?params) (value ?value))
+  (not (pddl-numeric-fluent (instance planning) (name ?name) (params $?params) (value ?value)))
+  =>
+  (number planning ?name ?value ?params))
+
+(defrule copy-window
+  (planning (state COPY))
+  (in-problem planning ?id)
+  (order (id ?id) (begin ?begin))
+  =>
+  (number planning window-in (max 0.1 (- ?begin ?*WINDOW-LEAD* (game-time))) (product-of ?id)))
+
+(defrule copy-robot
+  "Robots that are on the field share the steps."
+  (planning (state COPY))
+  (robot (name ?name) (state ?state))
+  (in-problem planning ?name)
+  =>
+  (if (eq ?state OFF-FIELD) then (no-fluent planning idle (sym-cat ?name)) else (fluent planning idle (sym-cat ?name))))
+
+(deffunction end-in-plan (?name ?params ?time)
+  (bind ?id (gensym*))
+  (assert (pddl-action (instance planning) (id ?id) (plan ended) (name ?name) (params ?params)))
+  (assert (pddl-action-get-effect (action ?id) (effect-type ?time) (apply TRUE))))
+
+(deffunction end-what-runs ()
+  "The effects that what is under way still has, for `planning`: they are applied after the copy."
+  (do-for-all-facts ((?s step)) (eq ?s:state RUNNING)
+    (if (neq ?s:worker ROBOT)
+     then (end-in-plan ?s:action (create$ ?s:params (if (eq ?s:action deliver) then never else (create$))) END)
+     else
+      (if (not (and ?*SUB-ACTIONS* (any-factp ((?p picked)) (eq ?p:implied (create$ ?s:id)))))
+       then (end-in-plan (sym-cat ?s:action -pick) ?s:params ALL))
+      (end-in-plan (sym-cat ?s:action -place) ?s:params ALL))))
+
+(defrule copy-done
+  (declare (salience -10))
+  ?planning <- (planning (state COPY))
+  =>
+  (end-what-runs)
+  (modify ?planning (state END)))
