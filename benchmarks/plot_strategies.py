@@ -17,6 +17,8 @@ MOST = 800  # points, at the right edge
 
 
 def interval(points):
+    if len(points) < 2:
+        return 0
     return T.get(len(points) - 1, 1.97) * statistics.stdev(points) / math.sqrt(len(points))
 
 
@@ -48,7 +50,14 @@ def drawing(rows):
 if __name__ == "__main__":
     if len(sys.argv) != 3:
         sys.exit(__doc__)
-    with open(sys.argv[1], newline="") as file:
-        text = drawing(list(csv.DictReader(file)))
-    with open(sys.argv[2], "w") as file:
-        file.write(text)
+    try:
+        with open(sys.argv[1], newline="") as file:
+            rows = [row for row in csv.DictReader(file) if row["points"]]
+        if not rows:
+            raise ValueError("it is empty")
+        with open(sys.argv[2], "w") as file:
+            file.write(drawing(rows))
+    except OSError as error:
+        sys.exit(f"{error.filename}: {error.strerror}")
+    except (KeyError, ValueError) as error:
+        sys.exit(f"{sys.argv[1]}: no rows of cxlab bench with strategies ({error})")
