@@ -388,5 +388,28 @@ TEST(PlanningDomain, LostPieceLeavesNoClaim) {
     }
 }
 
+TEST(PlanningDomain, OutputThatARobotHasLeftIsNotFreedAgainWhenItLosesThePiece) {
+  const Task task = production();
+  const Domain& domain = task.domain;
+  const PredicateId output_free = domain.predicate_names.at("output-free");
+  int outputs = 0;
+  for (const std::string& name : names_of_robot_actions(domain)) {
+    const Begun begun(domain, name);
+    const auto driving = begun.after(begun.initial(), name + "-drive");
+    ASSERT_TRUE(driving) << name;
+    auto state = begun.after(*driving, name + "-pick");
+    ASSERT_TRUE(state) << name;
+    std::vector<Fact> left;
+    for (const Fact& fact : state->facts())
+      if (fact.predicate == output_free && !driving->holds(fact.predicate, fact.objects)) left.push_back(fact);
+    for (const Fact& fact : left) state->set(fact.predicate, fact.objects, false);  // the next piece lies there
+    state = begun.after(*state, name + "-lose");
+    ASSERT_TRUE(state) << name;
+    for (const Fact& fact : left) EXPECT_FALSE(state->holds(fact.predicate, fact.objects)) << name;
+    outputs += static_cast<int>(left.size());
+  }
+  EXPECT_EQ(outputs, 4);
+}
+
 }  // namespace
 }  // namespace cxlab::planner
