@@ -84,6 +84,14 @@ class ManagerTest : public ::testing::Test {
     request("add_pddl_instance", "AddPddlInstance",
             "{name: bw, directory: \"" + blocks_folder() + "\", domain_file: domain.pddl, problem_file: problem.pddl}");
   }
+  /// The same with a problem given as text.
+  void load_blocks(const std::string& problem) {
+    std::ofstream(folder_ / "blocks.pddl") << problem;
+    std::filesystem::copy_file(blocks_folder() + "/domain.pddl", folder_ / "domain.pddl",
+                               std::filesystem::copy_options::overwrite_existing);
+    request("add_pddl_instance", "AddPddlInstance",
+            "{name: bw, directory: \"" + folder_.string() + "\", domain_file: domain.pddl, problem_file: blocks.pddl}");
+  }
   /// An instance `x` of a domain and a problem given as text.
   void load_text(const std::string& domain, const std::string& problem) {
     std::ofstream(folder_ / "d.pddl") << domain;

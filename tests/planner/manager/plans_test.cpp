@@ -231,11 +231,7 @@ TEST_F(ManagerTest, PlanningAgainBeginsWithWhatIsLeftOfTheLastPlan) {
   const auto replan = [&](PddlManagerOptions options) {
     manager_.reset();
     start(std::move(options));
-    std::ofstream(folder_ / "six.pddl") << kSixBlocks;
-    std::filesystem::copy_file(blocks_folder() + "/domain.pddl", folder_ / "domain.pddl",
-                               std::filesystem::copy_options::overwrite_existing);
-    request("add_pddl_instance", "AddPddlInstance",
-            "{name: bw, directory: \"" + folder_.string() + "\", domain_file: domain.pddl, problem_file: six.pddl}");
+    load_blocks(kSixBlocks);
     request("set_goals", "SetGoals", kSixGoal);
     std::vector<std::int64_t> units;
     std::vector<double> makespans;
@@ -310,11 +306,7 @@ TEST_F(ManagerTest, PlanBeginsWithThatOfAnotherGoalInstanceWithMostGoalsInCommon
   const auto units_after = [&](std::vector<std::string> goals) {
     manager_.reset();
     start(at_cost(0, 0));
-    std::ofstream(folder_ / "six.pddl") << kSixBlocks;
-    std::filesystem::copy_file(blocks_folder() + "/domain.pddl", folder_ / "domain.pddl",
-                               std::filesystem::copy_options::overwrite_existing);
-    request("add_pddl_instance", "AddPddlInstance",
-            "{name: bw, directory: \"" + folder_.string() + "\", domain_file: domain.pddl, problem_file: six.pddl}");
+    load_blocks(kSixBlocks);
     request("set_goals", "SetGoals", kSixGoal);
     for (const char* other : {"few", "most"})
       request("create_goal_instance", "CreateGoalInstance",
