@@ -95,9 +95,11 @@ Piece& WorldView::piece(PieceId id) {
   return pieces_[static_cast<std::size_t>(found - pieces_.data())];
 }
 
-Piece& WorldView::add_piece(const Stack& stack, StationId from, const Vec3& position, Holder to, int to_index) {
-  Piece& piece =
-      pieces_.emplace_back(Piece{PieceId{++last_id_}, stack, Holder::kDispenser, static_cast<int>(from), position, {}});
+Piece& WorldView::add_piece(const Stack& stack, const Source& from, const Vec3& position, Holder to, int to_index) {
+  const PieceId id = from.again ? *from.again : PieceId{++last_id_};
+  assert(find(id) == nullptr && "the piece is out of play");
+  Piece& piece = *pieces_.insert(std::ranges::lower_bound(pieces_, id, {}, &Piece::id),
+                                 Piece{id, stack, from.holder, static_cast<int>(from.station), position, {}});
   pass(piece, to, to_index);
   return piece;
 }

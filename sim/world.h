@@ -161,9 +161,14 @@ class WorldView {
       : plan_(std::move(plan)), slid_(plan_.stations.size()), off_field_(plan_.robots.size()) {}
 
   Piece& piece(PieceId id);  ///< which is in play
-  /// A new piece that comes out of the station's dispenser to a holder. The reference holds until the next `add_piece`
-  /// or `remove`.
-  Piece& add_piece(const Stack& stack, StationId from, const Vec3& position, Holder to, int to_index);
+  /// Where pieces that a station brings out come from.
+  struct Source {
+    StationId station{};
+    Holder holder = Holder::kDispenser;  ///< or its storage
+    std::optional<PieceId> again = {};   ///< the piece that was retired to there; else it is a new one
+  };
+  /// A piece that comes into play. The reference holds until the next `add_piece` or `remove`.
+  Piece& add_piece(const Stack& stack, const Source& from, const Vec3& position, Holder to, int to_index);
   /// Gives the piece a new holder and notes the change with the piece's position.
   void pass(Piece& piece, Holder to, int to_index);
   void remove(PieceId id);
@@ -192,8 +197,14 @@ class World : public WorldView, public Simulation {
 
   /// A new piece appears at the belt's processing point x (station frame), or on a shelf spot. Fails if the place is
   /// taken or no spare body is left.
-  virtual Expected<PieceId> dispense(StationId station, double x_on_belt, const Stack& stack) = 0;
+  Expected<PieceId> dispense(StationId station, double x_on_belt, const Stack& stack) {
+    return bring_out({station}, x_on_belt, stack);
+  }
   virtual Expected<PieceId> dispense(SpotId shelf, const Stack& stack) = 0;
+  /// Likewise, a piece out of the station's storage; `stored`: the one that was retired to there, which keeps its id.
+  Expected<PieceId> unstore(StationId station, double x_on_belt, const Stack& stack, std::optional<PieceId> stored) {
+    return bring_out({station, Holder::kStorage, stored}, x_on_belt, stack);
+  }
   /// Runs the belt at `speed` (m/s, + = towards the input) until a piece reaches `stop_x`, or until stopped.
   virtual void run_belt(StationId station, double speed, double stop_x) = 0;
   virtual void stop_belt(StationId station) = 0;
@@ -217,6 +228,7 @@ class World : public WorldView, public Simulation {
   virtual void go_on() { clock_.go_on(now_); }
 
  protected:
+  virtual Expected<PieceId> bring_out(const Source& from, double x_on_belt, const Stack& stack) = 0;
   /// The robot stands there; it holds nothing.
   virtual void set_down(RobotId robot, const Pose2& to) = 0;
 };

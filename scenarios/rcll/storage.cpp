@@ -7,7 +7,7 @@ Storage Storage::at_start() {
   int shelf = 0;
   for (const BaseColor base : {BaseColor::kRed, BaseColor::kSilver, BaseColor::kBlack})
     for (const CapColor cap : {CapColor::kGrey, CapColor::kBlack})
-      storage.at({shelf++, 1}) = Content{stack_of({.base = base, .rings = {}, .cap = cap}), {}, true};
+      storage.at({shelf++, 1}) = Content{stack_of({.base = base, .rings = {}, .cap = cap})};
   return storage;
 }
 

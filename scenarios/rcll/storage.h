@@ -23,8 +23,8 @@ class Storage {
   };
   struct Content {
     sim::Stack stack;
-    std::string description = {};  ///< what its team says of it
-    bool at_start = false;         ///< lay there as the game began
+    std::string description = {};            ///< what its team says of it
+    std::optional<sim::PieceId> piece = {};  ///< that was stored; none: it lies there since the game began
   };
 
   /// As a game begins: shelf k has one C0 in slot 1: red, silver, black bases with a grey, then a black cap.

@@ -80,14 +80,15 @@ bool StorageStation::operate(SimTime now, sim::World& world, const sim::Piece* p
   if (stores()) {
     if (piece == nullptr) return false;  // taken away: stuck
     worked_on_ = *piece;
-    storage_.at(slot()) = Storage::Content{worked_on_.stack, instruction().description, false};
+    storage_.at(slot()) = Storage::Content{worked_on_.stack, instruction().description, worked_on_.id};
     world.retire(worked_on_.id, sim::Holder::kStorage);
     return true;
   }
-  const auto out = dispense(now, world, storage_.at(slot())->stack);
+  const Storage::Content& kept = *storage_.at(slot());
+  const auto out = took(world.unstore(id(), sim::kMachine.processing_x, kept.stack, kept.piece), now);
   if (!out) return false;  // while something lies there: again
   worked_on_ = *world.find(*out);
-  at_start_ = storage_.at(slot())->at_start;
+  at_start_ = !kept.piece;
   storage_.at(slot()).reset();
   return true;
 }

@@ -170,21 +170,21 @@ void LedgerWorld::arrive(StationId id) {
 
 // --- Machines
 
-Expected<PieceId> LedgerWorld::dispense(StationId station, double x, const Stack& stack) {
-  const Station& where = plan_.station(station);
+Expected<PieceId> LedgerWorld::bring_out(const Source& from, double x, const Stack& stack) {
+  const Station& where = plan_.station(from.station);
   for (const Piece& piece : pieces_)
-    if (piece.is_with(Holder::kBelt, station) && std::abs(x_on_belt(piece) - x) < 2 * kPiece.radius)
+    if (piece.is_with(Holder::kBelt, from.station) && std::abs(x_on_belt(piece) - x) < 2 * kPiece.radius)
       return negative(where.name + ": a piece lies where one should be dispensed").with_code("place_taken");
   const Vec3 position = transform(where.pose_in_world, {x, kMachine.belt_y, kMachine.working_height});
-  const PieceId id = add_piece(stack, station, position, Holder::kBelt, static_cast<int>(station)).id;
-  plan_arrival(station);
+  const PieceId id = add_piece(stack, from, position, Holder::kBelt, static_cast<int>(from.station)).id;
+  plan_arrival(from.station);
   return id;
 }
 
 Expected<PieceId> LedgerWorld::dispense(SpotId shelf, const Stack& stack) {
   const Spot& spot = plan_.spot(shelf);
   if (at(shelf)) return negative(spot.name + ": a piece lies where one should be dispensed").with_code("place_taken");
-  return add_piece(stack, spot.station, spot.rest_in_world, Holder::kSlot, static_cast<int>(shelf)).id;
+  return add_piece(stack, {spot.station}, spot.rest_in_world, Holder::kSlot, static_cast<int>(shelf)).id;
 }
 
 void LedgerWorld::run_belt(StationId station, double speed, double stop_x) {

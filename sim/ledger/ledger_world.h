@@ -27,7 +27,7 @@ class LedgerWorld final : public World, public RobotBook {
   /// Any length of time; what happens within it happens at its own time.
   Status advance(SimTime tick) override;
   SimTime next_event() const override;
-  Expected<PieceId> dispense(StationId station, double x_on_belt, const Stack& stack) override;
+  using World::dispense;
   Expected<PieceId> dispense(SpotId shelf, const Stack& stack) override;
   void run_belt(StationId station, double speed, double stop_x) override;
   void stop_belt(StationId station) override { belts_[index_of(station)] = {}; }
@@ -58,6 +58,7 @@ class LedgerWorld final : public World, public RobotBook {
     SimTime departure{}, arrival{};
   };
 
+  Expected<PieceId> bring_out(const Source& from, double x_on_belt, const Stack& stack) override;
   const Piece* held_by(RobotId robot) const;
   Pose2 pose_at(RobotId robot, SimTime t) const;
   Vec3 gripper_in_world(RobotId robot) const;

@@ -236,37 +236,40 @@ SpotId MujocoWorld::nearest_spot(StationId station, SpotKind kind, const Vec3& p
 
 // --- Verbs of machines
 
-Expected<PieceId> MujocoWorld::put_in_play(const Vec3& underside, const Stack& stack, StationId from, Place to) {
+Expected<PieceId> MujocoWorld::put_in_play(const Vec3& underside, const Stack& stack, const Source& from, Place to) {
   for (const Piece& piece : pieces_) {
     const Vec3 off = piece.position_in_world - underside;
     if (off.head<2>().norm() < 2 * kPiece.radius && std::abs(off.z()) < kPlaceHeight)
-      return run_error(plan_.station(from).name + ": the place of a new piece is taken by piece " +
+      return run_error(plan_.station(from.station).name + ": the place of a new piece is taken by piece " +
                        std::to_string(static_cast<int>(piece.id)))
           .with_code("place_taken");
   }
   const auto spare = std::ranges::find(bodies_, false, &Body::in_play);
   if (spare == bodies_.end())
-    return run_error(plan_.station(from).name + ": all " + std::to_string(bodies_.size()) + " pieces are in play")
+    return run_error(plan_.station(from.station).name + ": all " + std::to_string(bodies_.size()) +
+                     " pieces are in play")
         .with_code("no_spare_piece");
   *spare = {};
   spare->in_play = true;
   const auto body = static_cast<std::size_t>(spare - bodies_.begin());
-  bodies_of_pieces_.push_back(body);
   contacts_.forget_piece(body);
   gate_.shape(body, stack);
   gate_.place(body, underside + kReleaseHeight * Vec3::UnitZ());
-  return add_piece(stack, from, underside, to.holder, to.index).id;
+  const PieceId id = add_piece(stack, from, underside, to.holder, to.index).id;
+  bodies_of_pieces_.resize(std::max(bodies_of_pieces_.size(), index_of(id)));
+  bodies_of_pieces_[index_of(id) - 1] = body;
+  return id;
 }
 
-Expected<PieceId> MujocoWorld::dispense(StationId station, double x_on_belt, const Stack& stack) {
+Expected<PieceId> MujocoWorld::bring_out(const Source& from, double x_on_belt, const Stack& stack) {
   const Vec3 place =
-      transform(plan_.station(station).pose_in_world, {x_on_belt, kMachine.belt_y, kMachine.working_height});
-  return put_in_play(place, stack, station, {Holder::kBelt, static_cast<int>(station)});
+      transform(plan_.station(from.station).pose_in_world, {x_on_belt, kMachine.belt_y, kMachine.working_height});
+  return put_in_play(place, stack, from, {Holder::kBelt, static_cast<int>(from.station)});
 }
 
 Expected<PieceId> MujocoWorld::dispense(SpotId shelf, const Stack& stack) {
   const Spot& spot = plan_.spot(shelf);
-  return put_in_play(spot.rest_in_world, stack, spot.station, {Holder::kSlot, static_cast<int>(shelf)});
+  return put_in_play(spot.rest_in_world, stack, {spot.station}, {Holder::kSlot, static_cast<int>(shelf)});
 }
 
 void MujocoWorld::run_belt(StationId station, double speed, double stop_x) {

@@ -28,7 +28,7 @@ class MujocoWorld final : public World, public RobotBodies {
   /// `tick` is a whole number of physics steps.
   Status advance(SimTime tick) override;
   SimTime next_event() const override { return now_; }
-  Expected<PieceId> dispense(StationId station, double x_on_belt, const Stack& stack) override;
+  using World::dispense;
   Expected<PieceId> dispense(SpotId shelf, const Stack& stack) override;
   void run_belt(StationId station, double speed, double stop_x) override;
   void stop_belt(StationId station) override;
@@ -76,6 +76,7 @@ class MujocoWorld final : public World, public RobotBodies {
 
   MujocoWorld(FloorPlan plan, FactoryModel factory, PhysicsLog* log);
 
+  Expected<PieceId> bring_out(const Source& from, double x_on_belt, const Stack& stack) override;
   void stop_arrived_belts();
   void update_pieces();
   void update_holder(Piece& piece);
@@ -83,7 +84,7 @@ class MujocoWorld final : public World, public RobotBodies {
   Place place_of(const Piece& piece) const;
   bool slid_in(const Piece& piece) const;
   void take_out(PieceId id);
-  Expected<PieceId> put_in_play(const Vec3& underside, const Stack& stack, StationId from, Place to);
+  Expected<PieceId> put_in_play(const Vec3& underside, const Stack& stack, const Source& from, Place to);
   std::size_t body_of(PieceId id) const { return bodies_of_pieces_[index_of(id) - 1]; }
   Vec3 underside_of(std::size_t body) const;
   Vec3 in_station(StationId station, const Vec3& point) const;

@@ -101,7 +101,7 @@ class Bumps final : public sim::World {
   const sim::Piece* on_belt(sim::StationId, double) const override { return nullptr; }
   Status advance(SimTime) override { return {}; }
   SimTime next_event() const override { return kNever; }
-  Expected<sim::PieceId> dispense(sim::StationId, double, const sim::Stack&) override { return negative("full"); }
+  Expected<sim::PieceId> bring_out(const Source&, double, const sim::Stack&) override { return negative("full"); }
   Expected<sim::PieceId> dispense(sim::SpotId, const sim::Stack&) override { return negative("full"); }
   void run_belt(sim::StationId, double, double) override {}
   void stop_belt(sim::StationId) override {}

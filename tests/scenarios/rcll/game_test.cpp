@@ -303,6 +303,26 @@ TEST(Records, OfTheStorageSayWhatWasMovedWhere) {
   EXPECT_THAT(told[2], testing::HasSubstr(R"("unstored","machine":"C-SS")"));
 }
 
+TEST(Records, OfAStoredPieceHaveOneTrack) {
+  GameStory story;
+  story.move("C-CS1-SHELF-LEFT", "C-SS-INPUT");
+  EXPECT_EQ(story.carry_out("{machine: C-SS, operation: STORE, shelf: 0, slot: 0}").code, 0);
+  story.run_for(6);
+  EXPECT_EQ(story.carry_out("{machine: C-SS, operation: RETRIEVE, shelf: 0, slot: 0}").code, 0);
+  std::vector<std::string> steps;
+  for (const KeptRecords::Record& record : story.records().all()) {
+    std::string json;
+    EXPECT_TRUE(append_json(record.data, json).ok());
+    if (json.starts_with(R"({"event":"piece","piece":1,)"))
+      steps.push_back(json.substr(0, json.find(R"(,"position")")));
+  }
+  ASSERT_GE(steps.size(), 3u);
+  EXPECT_EQ(steps[steps.size() - 2],
+            R"({"event":"piece","piece":1,"from":"belt","from_name":"C-SS","to":"storage","to_name":"C-SS")");
+  EXPECT_EQ(steps.back(),
+            R"({"event":"piece","piece":1,"from":"storage","from_name":"C-SS","to":"belt","to_name":"C-SS")");
+}
+
 // --- Deliveries
 
 WorldConfig game_with_window(double begin, double end, double activate = 0) {

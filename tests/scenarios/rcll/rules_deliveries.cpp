@@ -178,6 +178,27 @@ std::span<const Row> delivery_rows() {
         C-DS {order_id: 2} -> 0
         verdict correct)",
        kBook},
+      {"points: what lay in the storage is so after it was there once more",
+       R"(order C0 BASE_RED CAP_GREY
+        order C0 BASE_RED CAP_BLACK
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0
+        take C-SS-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        verdict correct
+        wait 6
+        C-SS {operation: RETRIEVE, shelf: 1, slot: 1} -> 0
+        take C-SS-OUTPUT
+        wait 6
+        put C-SS-INPUT
+        C-SS {operation: STORE, shelf: 1, slot: 1} -> 0
+        wait 6
+        C-SS {operation: RETRIEVE, shelf: 1, slot: 1} -> 0
+        take C-SS-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 2} -> 0
+        verdict another from the storage)",
+       kBook},
       {"points: what the team has stored itself counts as any other product",
        R"(order C0 BASE_RED CAP_GREY quantity 2
         C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0

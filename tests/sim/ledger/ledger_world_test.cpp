@@ -91,6 +91,15 @@ TEST_F(Ledger, NothingIsDispensedOntoAPiece) {
   EXPECT_FALSE(world.dispense(spot("C-CS1-SHELF-LEFT"), kRed));
 }
 
+TEST_F(Ledger, AStoredPieceComesBackWithItsNumber) {
+  const PieceId stored = *world.dispense(kBase, 0, kRed);
+  world.retire(stored, Holder::kStorage);
+  ASSERT_TRUE(world.dispense(kBase, 0.1, kRed));
+  EXPECT_EQ(*world.unstore(kBase, 0, kRed, stored), stored);
+  EXPECT_EQ(world.on_belt(kBase, 0), world.find(stored));
+  EXPECT_EQ(*world.unstore(kBase, -0.1, kRed, {}), PieceId{3}) << "it had none";
+}
+
 TEST_F(Ledger, AGraspedPieceGoesWithTheRobotAndLiesWhereItIsReleased) {
   const auto piece = world.dispense(spot("C-CS1-SHELF-LEFT"), kRed);
   ASSERT_TRUE(world.grasp(kRobot1, spot("C-CS1-SHELF-LEFT")));

@@ -143,6 +143,22 @@ TEST(MujocoWorld, BodiesAreUsedAgainUnderNewNumbers) {
   EXPECT_TRUE(world->pieces().empty());
 }
 
+TEST(MujocoWorld, AStoredPieceComesBackWithItsNumber) {
+  auto world = make_world();
+  const StationId bs = station(*world, "C-BS");
+  const PieceId stored = *world->dispense(bs, 0, kBase);
+  world->retire(stored, Holder::kStorage);
+  ASSERT_TRUE(world->advance(kTick).ok());
+  ASSERT_TRUE(world->dispense(bs, 0.1, kBase).ok());  // has its body now
+  EXPECT_EQ(*world->unstore(bs, 0, Stack{1, {3}, 0}, stored), stored);
+  ASSERT_TRUE(world->advance(kTick).ok());
+  EXPECT_EQ(world->find(stored)->stack, (Stack{1, {3}, 0}));
+  EXPECT_EQ(world->on_belt(bs, 0), world->find(stored));
+  EXPECT_EQ(world->on_belt(bs, 0.1), world->find(PieceId{2}));
+  EXPECT_EQ(world->changes().back().from, Holder::kStorage);
+  EXPECT_EQ(*world->unstore(bs, -0.1, kBase, {}), PieceId{3}) << "it had none";
+}
+
 TEST(MujocoWorld, PoolCanRunOut) {
   ModelOptions options = test_options();
   options.pieces = 1;
