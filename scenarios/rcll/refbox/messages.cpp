@@ -201,6 +201,13 @@ Fields& Fields::clear(std::string_view field) {
   return *this;
 }
 
+void Fields::erase(std::string_view list, int index) {
+  const google::protobuf::Reflection& reflection = *message_->GetReflection();
+  for (const int last = size(list) - 1; index < last; ++index)
+    reflection.SwapElements(message_, &get(*message_, list), index, index + 1);
+  reflection.RemoveLast(message_, &get(*message_, list));
+}
+
 Fields Fields::append(std::string_view list) {
   return Fields(*message_->GetReflection()->AddMessage(message_, &get(*message_, list)));
 }

@@ -55,6 +55,7 @@ class Fields {
   Fields& set(std::string_view field, const Moment& moment);
   Fields& clear(std::string_view field);
   Fields append(std::string_view list);
+  void erase(std::string_view list, int index);
 
   google::protobuf::Message& message() const { return *message_; }
 

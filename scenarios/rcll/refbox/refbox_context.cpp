@@ -11,7 +11,8 @@ namespace cxlab::rcll {
 
 namespace {
 constexpr std::size_t kMostComplaints = 100;
-constexpr std::int64_t kMostRobots = 3;  // of a team
+constexpr std::int64_t kMostRobots = 3;                     // of a team
+constexpr SimTime kForgotten = std::chrono::seconds(1080);  // since its last beacon, a robot is not told of
 }  // namespace
 
 bool RefboxContext::plays(Team team) const { return std::ranges::find(teams, team) != teams.end(); }
@@ -50,13 +51,17 @@ pb::MessagePtr RefboxContext::robots(bool poses) const {
   factory.put_robots(told.view(), poses);
   auto message = make("RobotInfo", told.view());
   Fields info(*message);
-  for (int i = 0; i < info.size("robots"); ++i) {
+  for (int i = info.size("robots") - 1; i >= 0; --i) {
     Fields robot = info.item("robots", i);
     const auto team = named<Team>(robot.text("team_color")).value_or(Team::kCyan);
     if (!poses) robot.clear("pose");
     robot.set("team", team_name(team));
     const auto known = acquaintances.find({team, robot.integer("number")});
     const bool met = known != acquaintances.end();
+    if (met && now - known->second.heard > kForgotten) {
+      info.erase("robots", i);
+      continue;
+    }
     if (met) robot.set("name", known->second.name);
     robot.set("host", met ? known->second.host : std::string(net::kLoopback));
     robot.set("last_seen", met ? known->second.seen : moment());

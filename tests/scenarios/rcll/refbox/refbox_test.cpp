@@ -248,6 +248,19 @@ TEST(Refbox, LearnsTheNameOfATeamFromItsBeacons) {
   EXPECT_THAT(all.last_text("GameState"), HasSubstr("team_cyan: \"Rules\"")) << "it has its name";
 }
 
+TEST(Refbox, ForgetsARobotEighteenMinutesAfterItsLastBeacon) {
+  RefboxStory story;
+  auto& all = story.open(kPublicWay);
+  story.say(all, "BeaconSignal", "time { sec: 1 nsec: 0 } seq: 1 number: 1 team_name: 'Rules' peer_name: 'R-1'");
+  story.run_until(1079);
+  EXPECT_THAT(all.last_text("RobotInfo"), AllOf(HasSubstr("number: 1"), HasSubstr("number: 2")));
+  story.run_until(1085);
+  EXPECT_THAT(all.last_text("RobotInfo"), AllOf(Not(HasSubstr("number: 1")), HasSubstr("number: 2"))) << "never met";
+  story.say(all, "BeaconSignal", "time { sec: 2 nsec: 0 } seq: 2 number: 1 team_name: 'Rules' peer_name: 'R-1'");
+  story.run_until(1090);
+  EXPECT_THAT(all.last_text("RobotInfo"), HasSubstr("number: 1"));
+}
+
 // --- What teams ask for
 
 TEST(Refbox, MachineInfoFollowsEachStateOfAMachine) {
