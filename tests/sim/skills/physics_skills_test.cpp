@@ -90,7 +90,7 @@ class Bodies final : public WorldView, public RobotBodies {
       }
     }
   }
-  PieceId put(const Vec3& position) { return add_piece({1, {}, 0}, StationId{0}, position, Holder::kBelt, 0).id; }
+  PieceId put(const Vec3& position) { return add_piece({1, {}, 0}, {StationId{0}}, position, Holder::kBelt, 0).id; }
   void take_away(PieceId id) { remove(id); }
   void fill_gripper() {
     const PieceId id = put({0, 0, 0});
