@@ -96,10 +96,11 @@ Piece& WorldView::piece(PieceId id) {
 }
 
 Piece& WorldView::add_piece(const Stack& stack, const Source& from, const Vec3& position, Holder to, int to_index) {
-  const PieceId id = from.again ? *from.again : PieceId{++last_id_};
+  const PieceId id = from.stored ? *from.stored : PieceId{++last_id_};
+  const Holder source = from.stored ? Holder::kStorage : Holder::kDispenser;
   assert(find(id) == nullptr && "the piece is out of play");
   Piece& piece = *pieces_.insert(std::ranges::lower_bound(pieces_, id, {}, &Piece::id),
-                                 Piece{id, stack, from.holder, static_cast<int>(from.station), position, {}});
+                                 Piece{id, stack, source, static_cast<int>(from.station), position, {}});
   pass(piece, to, to_index);
   return piece;
 }

@@ -164,8 +164,7 @@ class WorldView {
   /// Where pieces that a station brings out come from.
   struct Source {
     StationId station{};
-    Holder holder = Holder::kDispenser;  ///< or its storage
-    std::optional<PieceId> again = {};   ///< the piece that was retired to there; else it is a new one
+    std::optional<PieceId> stored = {};  ///< the piece that was retired to its storage; else a new one is dispensed
   };
   /// A piece that comes into play. The reference holds until the next `add_piece` or `remove`.
   Piece& add_piece(const Stack& stack, const Source& from, const Vec3& position, Holder to, int to_index);
@@ -201,9 +200,9 @@ class World : public WorldView, public Simulation {
     return bring_out({station}, x_on_belt, stack);
   }
   virtual Expected<PieceId> dispense(SpotId shelf, const Stack& stack) = 0;
-  /// Likewise, a piece out of the station's storage; `stored`: the one that was retired to there, which keeps its id.
-  Expected<PieceId> unstore(StationId station, double x_on_belt, const Stack& stack, std::optional<PieceId> stored) {
-    return bring_out({station, Holder::kStorage, stored}, x_on_belt, stack);
+  /// Likewise, a piece that was retired to the station's storage comes back with its id.
+  Expected<PieceId> unstore(StationId station, double x_on_belt, const Stack& stack, PieceId stored) {
+    return bring_out({station, stored}, x_on_belt, stack);
   }
   /// Runs the belt at `speed` (m/s, + = towards the input) until a piece reaches `stop_x`, or until stopped.
   virtual void run_belt(StationId station, double speed, double stop_x) = 0;

@@ -85,7 +85,8 @@ bool StorageStation::operate(SimTime now, sim::World& world, const sim::Piece* p
     return true;
   }
   const Storage::Content& kept = *storage_.at(slot());
-  const auto out = took(world.unstore(id(), sim::kMachine.processing_x, kept.stack, kept.piece), now);
+  const auto out = kept.piece ? took(world.unstore(id(), sim::kMachine.processing_x, kept.stack, *kept.piece), now)
+                              : dispense(now, world, kept.stack);
   if (!out) return false;  // while something lies there: again
   worked_on_ = *world.find(*out);
   at_start_ = !kept.piece;

@@ -231,8 +231,9 @@ class Machine:
             if self.gives(what):
                 if self.belt["MIDDLE"]:
                     return  # something lies there
-                piece = self.belt["MIDDLE"] = self.game.dispensed(t, self.name)
                 place = (self.goal["shelf"], self.goal["slot"])
+                stored = self.kind == "SS" and place not in self.first
+                piece = self.belt["MIDDLE"] = self.game.comes_out(t, self.name, "storage" if stored else "dispenser")
                 self.game.parts[piece] = [self.goal["base_color"]] if self.kind == "BS" else self.slots.pop(place)
                 if self.kind == "SS" and place in self.first:
                     self.first.remove(place)
@@ -387,9 +388,9 @@ class Game:
     def answer(self, goal, t, code):
         self.answers[goal["id"]] = (t, code)
 
-    def dispensed(self, t, name):
+    def comes_out(self, t, name, source="dispenser"):
         for at, _, d in self.records:
-            if abs(at - t) < 0.05 and d.get("from") == "dispenser" and d["from_name"] == name and d["to"] == "belt":
+            if abs(at - t) < 0.05 and d.get("from") == source and d["from_name"] == name and d["to"] == "belt":
                 return d["piece"]
         self.problems.append(f"{t:.2f} {name}: nothing comes out")
         return -1

@@ -156,7 +156,7 @@ TEST(MujocoWorld, AStoredPieceComesBackWithItsNumber) {
   EXPECT_EQ(world->on_belt(bs, 0), world->find(stored));
   EXPECT_EQ(world->on_belt(bs, 0.1), world->find(PieceId{2}));
   EXPECT_EQ(world->changes().back().from, Holder::kStorage);
-  EXPECT_EQ(*world->unstore(bs, -0.1, kBase, {}), PieceId{3}) << "it had none";
+  EXPECT_EQ(*world->dispense(bs, -0.1, kBase), PieceId{3});
 }
 
 TEST(MujocoWorld, PoolCanRunOut) {
