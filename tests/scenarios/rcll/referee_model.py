@@ -449,8 +449,9 @@ class Game:
         for t, stream, d in self.records:
             while late and late[0][0] < t - 1e-9:
                 self.hear(*late.pop(0)[::2])
+            before_machines = stream == "faults" or d.get("from") == "gripper"
             for machine in self.machines.values():
-                machine.run_to(t)
+                machine.run_to(t - TICK if before_machines else t)
             while late and late[0][0] <= t + 1e-9:
                 self.hear(*late.pop(0)[::2])
             if d.get("op") == "goal":
@@ -501,16 +502,18 @@ class Game:
         piece, source, target = d["piece"], d["from"], d["to"]
         if source == "dispenser" and target == "slot":
             self.parts[piece] = ["BASE_CLEAR", CAP_OF[d["from_name"][2:]]]
+        foreign = (self.book and source == "gripper" and target in ("belt", "slide") and
+                   self.machines[d["to_name"].removesuffix("-SLIDE")].team != self.team_of(d["from_name"]))
         if source == "gripper" and self.book and self.production(t):
             if target == "floor":
                 self.score(t, self.team_of(d["from_name"]), "penalty", -10)
-            elif target != "crew" and self.machines[d["to_name"].removesuffix("-SLIDE")].team != self.team_of(d["from_name"]):
+            elif foreign:
                 self.score(t, self.team_of(d["from_name"]), "penalty", -20)
         if source == "gripper" and target == "belt":
             machine = self.machines[d["to_name"]]
             machine.belt[machine.side_of(d["position"])] = piece
             machine.look(t)
-        elif source == "gripper" and target == "slide":
+        elif source == "gripper" and target == "slide" and not foreign:
             counted = (at for at, _, r in self.records if r.get("kind") == "payment" and t <= at < t + 0.3)
             self.machines[d["to_name"][:-6]].pay(next(counted, t) if self.physics else t)
         elif source == "belt" and target in ("gripper", "floor"):
