@@ -195,8 +195,9 @@
    then (bind ?rank (switch ?*ORDER* (case "slack" then (window-of (nth$ 1 (fact-slot-value ?step params))))
                                      (case "delivery" then (fact-slot-value ?step end))
                                      (default ?begin))))
-  (do-for-all-facts ((?w waits-for) (?s step)) (and (eq ?w:for (fact-slot-value ?step id)) (eq ?s:id ?w:step))
-    (bind ?rank (min ?rank ?s:rank)))
+  (bind ?id (fact-slot-value ?step id))
+  (do-for-all-facts ((?w waits-for)) (eq ?w:for ?id)
+    (do-for-fact ((?s step)) (eq ?s:id ?w:step) (bind ?rank (min ?rank ?s:rank))))
   (switch ?*ORDER*
     (case "slack" then (- ?rank (- (fact-slot-value ?step end) ?begin)))
     (case "delivery" then (- ?rank 0.001))
